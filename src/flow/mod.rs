@@ -1,0 +1,12 @@
+//! The fluid without bodies: operators, drives, and the approximate inverse that preconditions everything.
+//!
+//! All quantities are per unit viscosity: velocities as they are, pressures and forces divided by `mu`. The Stokes
+//! equations are linear in `mu`, so units cannot matter.
+
+mod drive;
+mod stokes;
+mod stokes_inverse;
+
+pub use drive::Drive;
+pub use stokes::Stokes;
+pub use stokes_inverse::{Bound, HypreInverse, StokesInverse, solve_fluid};

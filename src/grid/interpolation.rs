@@ -1,0 +1,71 @@
+//! Cubic (4-point Lagrange) interpolation of a velocity component at a point, one-sided next to walls.
+
+use nalgebra::SVector;
+
+use super::{
+    staggered::{Grid, Index},
+    stencil::{Site, Term},
+};
+use crate::geometry::Axis;
+
+/// Nodes per axis.
+const NODES: usize = 4;
+
+/// The four nodes used along one axis.
+struct Line {
+    /// Lattice indices; the entry of a node on a wall between lattice points is unused.
+    index: [isize; NODES],
+    /// Coordinates.
+    coordinate: [f64; NODES],
+    weight: [f64; NODES],
+    /// The node, if any, that lies on a wall between lattice points, and whether that is the upper one.
+    wall: Option<(usize, bool)>,
+}
+
+/// Visits the `4^D` terms that interpolate component `component` at `point` (not wrapped; between the walls).
+pub fn velocity<const D: usize>(grid: &Grid<D>, component: usize, point: &SVector<f64, D>, mut visit: impl FnMut(Term<D>)) {
+    let lines: [Line; D] = std::array::from_fn(|axis| line(grid, component, axis, point[axis]));
+    for combination in 0..NODES.pow(D as u32) {
+        let choice: [usize; D] = std::array::from_fn(|axis| combination / NODES.pow(axis as u32) % NODES);
+        let weight = (0..D).map(|axis| lines[axis].weight[choice[axis]]).product();
+        visit(Term { site: site(grid, component, &lines, choice), weight });
+    }
+}
+
+fn site<const D: usize>(grid: &Grid<D>, field: usize, lines: &[Line; D], choice: [usize; D]) -> Site<D> {
+    for axis in 0..D {
+        if let (Some((node, upper_wall)), Axis::Walls { lower, upper }) = (lines[axis].wall, grid.domain().axes[axis])
+            && node == choice[axis]
+        {
+            let position = SVector::from_fn(|axis, _| lines[axis].coordinate[choice[axis]]);
+            return Site::Wall { position, value: if upper_wall { upper[field] } else { lower[field] } };
+        }
+    }
+    let index: Index<D> = std::array::from_fn(|axis| lines[axis].index[choice[axis]]);
+    Site::Lattice { field, index }
+}
+
+fn line<const D: usize>(grid: &Grid<D>, field: usize, axis: usize, x: f64) -> Line {
+    let (h, cells, stagger) = (grid.spacing()[axis], grid.cells()[axis] as isize, grid.stagger(field, axis));
+    let mut first = (x / h - stagger).floor() as isize - 1;
+    let walled = !grid.domain().periodic(axis);
+    // on a walled axis the nodes are faces 0..=n (normal) or wall, centres 0..n, wall (tangential: indices -1 and n stand for the walls)
+    let lowest = if stagger == 0.0 { 0 } else { -1 };
+    if walled {
+        first = first.clamp(lowest, cells + 1 - NODES as isize);
+    }
+    let index = std::array::from_fn(|node| first + node as isize);
+    let mut coordinate = index.map(|index| (index as f64 + stagger) * h);
+    let wall = (walled && stagger > 0.0).then(|| index.iter().position(|&index| index == -1 || index == cells)).flatten();
+    let wall = wall.map(|node| (node, index[node] == cells));
+    if let Some((node, upper)) = wall {
+        coordinate[node] = if upper { cells as f64 * h } else { 0.0 };
+    }
+    Line { index, coordinate, weight: lagrange(&coordinate, x), wall }
+}
+
+fn lagrange(nodes: &[f64; NODES], x: f64) -> [f64; NODES] {
+    std::array::from_fn(|node| {
+        (0..NODES).filter(|&other| other != node).map(|other| (x - nodes[other]) / (nodes[node] - nodes[other])).product()
+    })
+}

@@ -1,0 +1,159 @@
+//! Which rank owns which cells: a grid of blocks, cut in every direction.
+
+use crate::error::{Error, Result};
+
+/// Fewest cells along an axis of a block, so that a stencil reaches no further than the next block.
+const FEWEST_CELLS: usize = 2;
+
+/// A half-open box of lattice indices.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Block<const D: usize> {
+    /// First index along each axis.
+    pub start: [usize; D],
+    /// One past the last index along each axis.
+    pub end: [usize; D],
+}
+
+impl<const D: usize> Block<D> {
+    /// Number of indices.
+    pub fn len(&self) -> usize {
+        (0..D).map(|axis| self.end[axis] - self.start[axis]).product()
+    }
+
+    /// Whether it holds no index.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Place of `index` in the block, the last axis running fastest.
+    pub fn offset(&self, index: [usize; D]) -> usize {
+        (0..D).fold(0, |offset, axis| offset * (self.end[axis] - self.start[axis]) + index[axis] - self.start[axis])
+    }
+
+    /// All indices, the last axis running fastest.
+    pub fn indices(self) -> impl Iterator<Item = [usize; D]> {
+        (0..self.len()).map(move |mut offset| {
+            let mut index = [0; D];
+            for axis in (0..D).rev() {
+                let extent = self.end[axis] - self.start[axis];
+                index[axis] = self.start[axis] + offset % extent;
+                offset /= extent;
+            }
+            index
+        })
+    }
+}
+
+/// The cells of the box, cut into one block a rank.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Partition<const D: usize> {
+    cells: [usize; D],
+    ranks: [usize; D],
+}
+
+impl<const D: usize> Partition<D> {
+    /// Cuts `cells` into `ranks` blocks with the least surface.
+    ///
+    /// # Errors
+    /// No way of cutting leaves at least two cells along every axis of every block.
+    pub fn new(cells: [usize; D], ranks: usize) -> Result<Partition<D>> {
+        let best = factorisations::<D>(ranks)
+            .into_iter()
+            .filter(|factors| (0..D).all(|axis| cells[axis] / factors[axis] >= FEWEST_CELLS))
+            .min_by(|a, b| surface(cells, *a).total_cmp(&surface(cells, *b)));
+        let ranks = best.ok_or_else(|| {
+            Error::Refused(format!(
+                "{ranks} ranks do not fit a grid of {cells:?} cells: every rank needs at least {FEWEST_CELLS} cells along each axis; \
+                 use fewer ranks or more cells"
+            ))
+        })?;
+        Ok(Partition { cells, ranks })
+    }
+
+    /// Number of blocks.
+    pub fn blocks(&self) -> usize {
+        self.ranks.iter().product()
+    }
+
+    /// Number of blocks along each axis.
+    pub fn ranks(&self) -> [usize; D] {
+        self.ranks
+    }
+
+    /// The cells of a rank.
+    pub fn block(&self, rank: usize) -> Block<D> {
+        let place = Block { start: [0; D], end: self.ranks };
+        let place = place.indices().nth(rank).expect("a rank has a block");
+        let cut = |axis: usize, part: usize| part * self.cells[axis] / self.ranks[axis];
+        Block { start: std::array::from_fn(|axis| cut(axis, place[axis])), end: std::array::from_fn(|axis| cut(axis, place[axis] + 1)) }
+    }
+
+    /// The rank that owns a cell.
+    pub fn owner(&self, cell: [usize; D]) -> usize {
+        (0..D).fold(0, |rank, axis| {
+            let (cells, parts) = (self.cells[axis], self.ranks[axis]);
+            // the last part whose start part * cells / parts is not beyond the cell
+            let part = ((cell[axis] + 1) * parts - 1) / cells;
+            rank * parts + part
+        })
+    }
+}
+
+fn factorisations<const D: usize>(ranks: usize) -> Vec<[usize; D]> {
+    let mut all = vec![([1; D], ranks)];
+    for axis in 0..D - 1 {
+        all = all
+            .into_iter()
+            .flat_map(|(factors, left)| {
+                (1..=left).filter(move |factor| left % factor == 0).map(move |factor| {
+                    let mut factors = factors;
+                    factors[axis] = factor;
+                    (factors, left / factor)
+                })
+            })
+            .collect();
+    }
+    all.into_iter()
+        .map(|(mut factors, left)| {
+            factors[D - 1] = left;
+            factors
+        })
+        .collect()
+}
+
+fn surface<const D: usize>(cells: [usize; D], ranks: [usize; D]) -> f64 {
+    let extents: [f64; D] = std::array::from_fn(|axis| cells[axis] as f64 / ranks[axis] as f64);
+    let volume: f64 = extents.iter().product();
+    extents.iter().map(|extent| volume / extent).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_cell_belongs_to_the_block_of_its_owner() {
+        for ranks in [1, 2, 3, 5, 6, 7, 12] {
+            let partition = Partition::new([14, 17, 15], ranks).unwrap();
+            let mut seen = 0;
+            for rank in 0..ranks {
+                let block = partition.block(rank);
+                seen += block.len();
+                assert!(block.indices().all(|cell| partition.owner(cell) == rank));
+            }
+            assert_eq!(seen, 14 * 17 * 15);
+        }
+    }
+
+    #[test]
+    fn blocks_are_cut_along_the_longest_axis() {
+        assert_eq!(Partition::new([100, 10], 4).unwrap().ranks(), [4, 1]);
+        assert_eq!(Partition::new([40, 40], 4).unwrap().ranks(), [2, 2]);
+    }
+
+    #[test]
+    fn too_many_ranks_are_refused() {
+        let error = Partition::new([4, 4], 7).unwrap_err().to_string();
+        assert!(error.contains("7 ranks do not fit a grid of [4, 4] cells"), "{error}");
+    }
+}

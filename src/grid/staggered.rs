@@ -1,0 +1,207 @@
+//! The staggered (MAC) grid: velocity components on faces, pressure at cell centres, and how they are numbered.
+
+use nalgebra::SVector;
+
+use super::partition::{Block, Partition};
+use crate::{
+    error::{Error, Result},
+    geometry::{Axis, Domain},
+};
+
+/// A lattice index before wrapping: it may lie outside the box along periodic axes.
+pub type Index<const D: usize> = [isize; D];
+
+/// Fewest cells along an axis: cubic interpolation takes four nodes.
+const FEWEST_CELLS: usize = 4;
+
+/// What stands at a lattice index.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Node {
+    /// An unknown, by its index in the vector of its field.
+    Unknown(usize),
+    /// A wall, where the value is known.
+    Wall(f64),
+}
+
+/// The staggered grid of a box.
+///
+/// Fields are numbered `0..D` (velocity components, on the faces normal to their axis) and `D` (pressure, at centres).
+/// Face `i` of an axis is the lower face of cell `i`; on a walled axis the faces 0 and n lie on the walls and carry no unknown.
+/// In the vector of a field each rank's block is contiguous; in a *fluid vector* each rank holds its parts of all fields in order.
+#[derive(Debug, Clone)]
+pub struct Grid<const D: usize> {
+    domain: Domain<D>,
+    cells: [usize; D],
+    spacing: SVector<f64, D>,
+    partition: Partition<D>,
+    rank: usize,
+    /// `blocks[rank][field]`
+    blocks: Vec<Vec<Block<D>>>,
+    /// `field_starts[rank][field]`: first index of the rank's block in the vector of the field.
+    field_starts: Vec<Vec<usize>>,
+    /// `fluid_starts[rank][field]`: first index of the rank's block in a fluid vector.
+    fluid_starts: Vec<Vec<usize>>,
+}
+
+impl<const D: usize> Grid<D> {
+    /// The grid with cells as near to `spacing` as whole numbers of cells allow, cut into blocks for `ranks` ranks, seen from `rank`.
+    ///
+    /// # Errors
+    /// Fewer than four cells along an axis, more unknowns than 32-bit indices can number, or a rank count that does not fit.
+    pub fn new(domain: &Domain<D>, spacing: f64, ranks: usize, rank: usize) -> Result<Grid<D>> {
+        let cells: [usize; D] = std::array::from_fn(|axis| (domain.size[axis] / spacing).round() as usize);
+        check_size(cells, spacing)?;
+        let partition = Partition::new(cells, ranks)?;
+        let blocks: Vec<Vec<Block<D>>> =
+            (0..ranks).map(|rank| (0..=D).map(|field| field_block(domain, partition.block(rank), field)).collect()).collect();
+        let (field_starts, fluid_starts) = starts(&blocks);
+        let spacing = SVector::from_fn(|axis, _| domain.size[axis] / cells[axis] as f64);
+        Ok(Grid { domain: domain.clone(), cells, spacing, partition, rank, blocks, field_starts, fluid_starts })
+    }
+
+    /// The box.
+    pub fn domain(&self) -> &Domain<D> {
+        &self.domain
+    }
+
+    /// Cells along each axis.
+    pub fn cells(&self) -> [usize; D] {
+        self.cells
+    }
+
+    /// Edge lengths of a cell.
+    pub fn spacing(&self) -> SVector<f64, D> {
+        self.spacing
+    }
+
+    /// Length that stands for the spacing where one number is wanted: the geometric mean over the axes.
+    pub fn mean_spacing(&self) -> f64 {
+        self.spacing.product().powf(1.0 / D as f64)
+    }
+
+    /// How cells are shared out.
+    pub fn partition(&self) -> &Partition<D> {
+        &self.partition
+    }
+
+    /// This rank's lattice indices of a field.
+    pub fn block(&self, field: usize) -> Block<D> {
+        self.blocks[self.rank][field]
+    }
+
+    /// Number of this rank's unknowns of a field.
+    pub fn local_unknowns(&self, field: usize) -> usize {
+        self.block(field).len()
+    }
+
+    /// Where this rank's part of each field lies in its part of a fluid vector.
+    pub fn local_range(&self, field: usize) -> std::ops::Range<usize> {
+        let start = self.fluid_starts[self.rank][field] - self.fluid_starts[self.rank][0];
+        start..start + self.local_unknowns(field)
+    }
+
+    /// Number of this rank's unknowns in a fluid vector.
+    pub fn local_fluid_unknowns(&self) -> usize {
+        (0..=D).map(|field| self.local_unknowns(field)).sum()
+    }
+
+    /// Number of unknowns of all fields on all ranks.
+    pub fn fluid_unknowns(&self) -> usize {
+        self.blocks.iter().flatten().map(Block::len).sum()
+    }
+
+    /// Number of unknowns of a field on all ranks.
+    pub fn unknowns(&self, field: usize) -> usize {
+        self.blocks.iter().map(|fields| fields[field].len()).sum()
+    }
+
+    /// Where a field's value at a lattice index lies in space, not wrapped into the box.
+    pub fn position(&self, field: usize, index: Index<D>) -> SVector<f64, D> {
+        SVector::from_fn(|axis, _| (index[axis] as f64 + self.stagger(field, axis)) * self.spacing[axis])
+    }
+
+    /// Offset of a field's lattice from the lower corners of the cells, in cells.
+    pub fn stagger(&self, field: usize, axis: usize) -> f64 {
+        if field == axis { 0.0 } else { 0.5 }
+    }
+
+    /// What stands at an index of a field; along a walled axis the index must not lie beyond the walls.
+    pub fn node(&self, field: usize, index: Index<D>) -> Node {
+        match self.unknown_at(field, index) {
+            Ok((rank, index)) => Node::Unknown(self.field_starts[rank][field] + self.blocks[rank][field].offset(index)),
+            Err(value) => Node::Wall(value),
+        }
+    }
+
+    /// As [`node`](Self::node), numbered as in a fluid vector.
+    pub fn fluid_node(&self, field: usize, index: Index<D>) -> Node {
+        match self.unknown_at(field, index) {
+            Ok((rank, index)) => Node::Unknown(self.fluid_starts[rank][field] + self.blocks[rank][field].offset(index)),
+            Err(value) => Node::Wall(value),
+        }
+    }
+
+    fn unknown_at(&self, field: usize, index: Index<D>) -> std::result::Result<(usize, [usize; D]), f64> {
+        let mut cell = [0; D];
+        for axis in 0..D {
+            let cells = self.cells[axis] as isize;
+            cell[axis] = match self.domain.axes[axis] {
+                Axis::Periodic => index[axis].rem_euclid(cells) as usize,
+                // a wall's velocity along its own axis is zero
+                Axis::Walls { .. } if field == axis && (index[axis] == 0 || index[axis] == cells) => return Err(0.0),
+                Axis::Walls { .. } => index[axis] as usize,
+            };
+        }
+        Ok((self.partition.owner(cell), cell))
+    }
+
+    /// Whether two fields have the same lattice and the same boundary conditions, hence the same Laplacian.
+    pub fn same_laplacian(&self, first: usize, second: usize) -> bool {
+        (0..D).all(|axis| self.domain.periodic(axis) || (first != D && second != D && (first == axis) == (second == axis)))
+    }
+
+    /// The rank whose block holds a point of the box.
+    pub fn owner(&self, point: &SVector<f64, D>) -> usize {
+        let cell = std::array::from_fn(|axis| ((point[axis] / self.spacing[axis]) as usize).min(self.cells[axis] - 1));
+        self.partition.owner(cell)
+    }
+}
+
+fn check_size<const D: usize>(cells: [usize; D], spacing: f64) -> Result<()> {
+    if let Some(axis) = (0..D).find(|&axis| cells[axis] < FEWEST_CELLS) {
+        return Err(Error::Refused(format!(
+            "a spacing of {spacing} leaves {} cells along axis {axis}: at least {FEWEST_CELLS} are needed; refine [resolution] or enlarge domain.size",
+            cells[axis]
+        )));
+    }
+    let unknowns = cells.iter().map(|&cells| cells as f64).product::<f64>() * (D + 1) as f64;
+    if unknowns > 0.9 * f64::from(i32::MAX) {
+        return Err(Error::Refused(format!("a grid of {cells:?} cells has more unknowns than can be numbered; coarsen [resolution]")));
+    }
+    Ok(())
+}
+
+fn field_block<const D: usize>(domain: &Domain<D>, cells: Block<D>, field: usize) -> Block<D> {
+    let mut block = cells;
+    if field < D && !domain.periodic(field) {
+        block.start[field] = block.start[field].max(1);
+    }
+    block
+}
+
+fn starts<const D: usize>(blocks: &[Vec<Block<D>>]) -> (Vec<Vec<usize>>, Vec<Vec<usize>>) {
+    let (mut per_field, mut fluid) = (vec![0; D + 1], 0);
+    let mut field_starts = Vec::new();
+    let mut fluid_starts = Vec::new();
+    for fields in blocks {
+        field_starts.push(per_field.clone());
+        let mut starts = Vec::new();
+        for (field, block) in fields.iter().enumerate() {
+            starts.push(fluid);
+            fluid += block.len();
+            per_field[field] += block.len();
+        }
+        fluid_starts.push(starts);
+    }
+    (field_starts, fluid_starts)
+}

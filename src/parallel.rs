@@ -1,0 +1,123 @@
+//! The ranks: sums, extremes, gathering, broadcasting and agreeing. Everything here is collective.
+
+use mpi::{
+    collective::SystemOperation,
+    datatype::{Equivalence, PartitionMut},
+    ffi::MPI_Comm,
+    topology::SimpleCommunicator,
+    traits::{AsRaw, Communicator, CommunicatorCollectives, Root},
+};
+
+use crate::error::{Error, Result};
+
+/// All ranks of this run.
+pub struct World {
+    communicator: SimpleCommunicator,
+}
+
+impl World {
+    pub(crate) fn new() -> World {
+        World { communicator: SimpleCommunicator::world() }
+    }
+
+    pub(crate) fn raw(&self) -> MPI_Comm {
+        self.communicator.as_raw()
+    }
+
+    pub(crate) fn raw_self(&self) -> MPI_Comm {
+        SimpleCommunicator::self_comm().as_raw()
+    }
+
+    /// Number of this rank, from 0.
+    pub fn rank(&self) -> usize {
+        self.communicator.rank() as usize
+    }
+
+    /// Number of ranks.
+    pub fn size(&self) -> usize {
+        self.communicator.size() as usize
+    }
+
+    /// Sums each entry over the ranks.
+    pub fn sum(&self, values: &mut [f64]) {
+        self.reduce(values, SystemOperation::sum());
+    }
+
+    /// Largest value over the ranks.
+    pub fn max(&self, value: f64) -> f64 {
+        let mut values = [value];
+        self.reduce(&mut values, SystemOperation::max());
+        values[0]
+    }
+
+    fn reduce(&self, values: &mut [f64], operation: SystemOperation) {
+        let local = values.to_vec();
+        self.communicator.all_reduce_into(&local[..], values, operation);
+    }
+
+    /// The values of all ranks, one after the other, on every rank; numbers of values may differ.
+    pub fn gather<T: Equivalence + Clone + Default>(&self, local: &[T]) -> Vec<T> {
+        let count = local.len() as i32;
+        let mut counts = vec![0; self.size()];
+        self.communicator.all_gather_into(&count, &mut counts[..]);
+        let starts: Vec<i32> = counts.iter().scan(0, |sum, &count| Some(std::mem::replace(sum, *sum + count))).collect();
+        let mut all = vec![T::default(); counts.iter().sum::<i32>() as usize];
+        self.communicator.all_gather_varcount_into(local, &mut PartitionMut::new(&mut all[..], counts, starts));
+        all
+    }
+
+    /// The text of rank `root`, on every rank.
+    pub fn broadcast(&self, root: usize, text: &str) -> String {
+        let process = self.communicator.process_at_rank(root as i32);
+        let mut length = text.len() as u64;
+        process.broadcast_into(&mut length);
+        let mut bytes = text.as_bytes().to_vec();
+        bytes.resize(length as usize, 0);
+        process.broadcast_into(&mut bytes[..]);
+        String::from_utf8_lossy(&bytes).into_owned()
+    }
+
+    /// Makes one outcome of the ranks' outcomes: success if all succeeded, else everywhere the error of the first rank that failed.
+    pub fn agree<T>(&self, outcome: Result<T>) -> Result<T> {
+        let failed = self.gather(&[outcome.is_err()]);
+        let Some(first) = failed.iter().position(|&failed| failed) else { return outcome };
+        let (text, code) = match &outcome {
+            Err(error) => (error.to_string(), error.exit_code()),
+            Ok(_) => (String::new(), 0),
+        };
+        let code = self.gather(&[code])[first];
+        let text = self.broadcast(first, &text);
+        match outcome {
+            Err(error) if self.rank() == first => Err(error),
+            _ => Err(if code == 2 { Error::Refused(text) } else { Error::Elsewhere { rank: first, text } }),
+        }
+    }
+
+    /// Waits for all ranks.
+    pub fn barrier(&self) {
+        self.communicator.barrier();
+    }
+
+    /// Stops all ranks at once.
+    pub fn abort(&self, code: i32) -> ! {
+        self.communicator.abort(code)
+    }
+}
+
+/// Stops all ranks when one of them panics, instead of leaving the others to wait for ever.
+pub fn abort_on_panic() {
+    let report = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        report(panic);
+        if mpi::environment::is_initialized() {
+            SimpleCommunicator::world().abort(101);
+        }
+    }));
+}
+
+/// Most memory that this process has used so far, in bytes (0 where the system does not tell).
+pub fn peak_memory_bytes() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    line.and_then(|line| line.split_whitespace().next()).and_then(|number| number.parse::<f64>().ok()).unwrap_or(0.0) * 1024.0
+}

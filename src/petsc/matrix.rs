@@ -1,0 +1,93 @@
+//! Sparse matrices and nests of them.
+
+use std::ptr::{null, null_mut};
+
+use super::{Session, Vector, ffi, index, owned::Owned, petsc};
+use crate::error::Result;
+
+/// A sparse matrix whose rows are spread over the ranks, or a nest of such matrices.
+pub struct Matrix {
+    owned: Owned<ffi::Mat>,
+}
+
+/// Collects this rank's rows, in order, as (global column, value) entries; entries of equal column add up.
+#[derive(Default)]
+pub struct RowBuilder {
+    starts: Vec<i32>,
+    columns: Vec<i32>,
+    values: Vec<f64>,
+    row: Vec<(i32, f64)>,
+}
+
+impl RowBuilder {
+    /// Adds an entry to the row under way.
+    pub fn push(&mut self, column: usize, value: f64) {
+        self.row.push((index(column), value));
+    }
+
+    /// Ends the row under way.
+    pub fn end_row(&mut self) {
+        if self.starts.is_empty() {
+            self.starts.push(0);
+        }
+        self.row.sort_unstable_by_key(|&(column, _)| column);
+        let begin = self.columns.len();
+        for (column, value) in self.row.drain(..) {
+            if self.columns.len() > begin && self.columns.last() == Some(&column) {
+                *self.values.last_mut().expect("a column has its value") += value;
+            } else {
+                self.columns.push(column);
+                self.values.push(value);
+            }
+        }
+        self.starts.push(index(self.columns.len()));
+    }
+}
+
+impl Matrix {
+    /// The matrix of the collected rows, with `local_columns` entries of the input vector on this rank.
+    pub fn from_rows(session: &Session, local_columns: usize, mut rows: RowBuilder) -> Result<Matrix> {
+        if rows.starts.is_empty() {
+            rows.starts.push(0);
+        }
+        let local_rows = index(rows.starts.len() - 1);
+        let mut raw = null_mut();
+        petsc!(MatCreate(session.communicator(), &mut raw))?;
+        let matrix = Matrix { owned: Owned::new(session, raw) };
+        let any = ffi::PETSC_DETERMINE;
+        petsc!(MatSetSizes(raw, local_rows, index(local_columns), any, any))?;
+        petsc!(MatSetType(raw, c"aij".as_ptr()))?;
+        let (starts, columns, values) = (rows.starts.as_ptr(), rows.columns.as_ptr(), rows.values.as_ptr());
+        petsc!(MatSeqAIJSetPreallocationCSR(raw, starts, columns, values))?;
+        petsc!(MatMPIAIJSetPreallocationCSR(raw, starts, columns, values))?;
+        Ok(matrix)
+    }
+
+    /// The block matrix `blocks[row][column]` (absent blocks are zero) on vectors whose local parts follow one another.
+    pub fn nest(session: &Session, blocks: &[Vec<Option<&Matrix>>]) -> Result<Matrix> {
+        let flat: Vec<ffi::Mat> = blocks.iter().flatten().map(|block| block.map_or(null_mut(), |matrix| matrix.raw())).collect();
+        let mut raw = null_mut();
+        let (rows, columns) = (index(blocks.len()), index(flat.len() / blocks.len()));
+        petsc!(MatCreateNest(session.communicator(), rows, null(), columns, null(), flat.as_ptr(), &mut raw))?;
+        Ok(Matrix { owned: Owned::new(session, raw) })
+    }
+
+    pub(super) fn raw(&self) -> ffi::Mat {
+        self.owned.raw()
+    }
+
+    /// The session it belongs to.
+    pub fn session(&self) -> &Session {
+        self.owned.session()
+    }
+
+    /// `output = self * input`.
+    pub fn multiply(&self, input: &Vector, output: &mut Vector) -> Result<()> {
+        petsc!(MatMult(self.raw(), input.raw(), output.raw()))
+    }
+
+    /// `output += self * input`.
+    pub fn multiply_add(&self, input: &Vector, output: &mut Vector) -> Result<()> {
+        petsc!(MatMultAdd(self.raw(), input.raw(), output.raw(), output.raw()))
+    }
+}

@@ -1,0 +1,39 @@
+//! A small safe layer over PETSc: the only room with unsafe code.
+//!
+//! One macro wraps a call and checks its code, one owner destroys any object, and every object keeps the session
+//! alive so that `PetscFinalize` comes last. **Every function here is collective unless its name says `local`, and so
+//! is every drop**: no object of this module may live on some ranks only.
+
+mod amg;
+#[doc(hidden)]
+pub mod ffi;
+mod krylov;
+mod matrix;
+mod owned;
+mod scatter;
+mod session;
+mod shell;
+mod vector;
+
+pub use amg::{Amg, AmgSettings};
+pub use krylov::{Krylov, KrylovMethod, KrylovSettings, Report};
+pub use matrix::{Matrix, RowBuilder};
+pub use scatter::Scatter;
+pub use session::Session;
+pub use shell::{Identity, Operator};
+pub use vector::Vector;
+
+use session::check;
+
+/// Calls a PETSc function and turns its error code into an [`Error`](crate::error::Error) that carries the call's name.
+macro_rules! petsc {
+    ($function:ident($($argument:expr),* $(,)?)) => {
+        $crate::petsc::check(stringify!($function), unsafe { $crate::petsc::ffi::$function($($argument),*) })
+    };
+}
+use petsc;
+
+/// PETSc's index type is 32-bit: sizes beyond it are refused where they arise, when the grid is made.
+fn index(size: usize) -> ffi::PetscInt {
+    ffi::PetscInt::try_from(size).expect("sizes are checked against 32-bit indices when the grid is made")
+}
