@@ -5,4 +5,8 @@ pub mod petsc;
 pub mod parallel;
 pub mod geometry;
 pub mod grid;
+pub mod surface;
+pub mod body;
 pub mod flow;
+pub mod constraint;
+pub mod simulation;

@@ -3,12 +3,12 @@
 use crate::{
     error::Result,
     grid::{Grid, operators},
-    petsc::{Matrix, Operator, Session, Vector},
+    petsc::{Matrix, Session, Vector},
 };
 
 /// The Stokes operator and its parts.
 ///
-/// As an [`Operator`] it acts on fluid vectors and gives *balanced rows*: momentum rows times `h^2` and continuity rows
+/// It acts on fluid vectors. Residuals and right-hand sides have *balanced rows*: momentum rows times `h^2` and continuity rows
 /// times `h`, so that every row is a velocity and one residual norm weighs all; the components in its null space
 /// (mean divergence; in a fully periodic box also mean momentum) are projected out.
 pub struct Stokes<const D: usize> {
@@ -92,13 +92,6 @@ impl<const D: usize> Stokes<D> {
     /// A vector of zeros for one field.
     pub fn field_vector(&self, field: usize) -> Result<Vector> {
         Vector::new(&self.session, self.balance.fields[field].0.len())
-    }
-}
-
-impl<const D: usize> Operator for &Stokes<D> {
-    fn apply(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
-        self.multiply(input, output)?;
-        self.balance(output)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::{ffi::CString, ptr::null_mut};
 
-use super::{Matrix, Operator, Vector, ffi, owned::Owned, petsc};
+use super::{Matrix, Vector, ffi, owned::Owned, petsc};
 use crate::error::Result;
 
 /// BoomerAMG parameters that matter for Laplacians on Cartesian grids.
@@ -55,10 +55,9 @@ impl Amg {
         petsc!(PCSetUp(raw))?;
         Ok(Amg { owned, singular })
     }
-}
 
-impl Operator for Amg {
-    fn apply(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
+    /// One V-cycle from zero: `output = A^ input`.
+    pub fn apply(&self, input: &Vector, output: &mut Vector) -> Result<()> {
         petsc!(PCApply(self.owned.raw(), input.raw(), output.raw()))?;
         if self.singular {
             output.remove_mean()?;

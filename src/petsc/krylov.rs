@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::{
-    Operator, Session, Vector, ffi, index,
+    Session, System, Vector, ffi, index,
     owned::Owned,
     petsc,
     session::guard,
@@ -80,14 +80,13 @@ impl Krylov {
         Ok(Krylov { solver, matrix, settings })
     }
 
-    /// Solves `operator x = rhs` starting from `x`; `seen` is told each iteration and its relative residual.
+    /// Solves `A x = rhs` starting from `x`; `seen` is told each iteration and its relative residual.
     ///
     /// # Errors
     /// [`Error::Diverged`] when the tolerance is not reached, with the iterations made and the residual reached.
     pub fn solve(
         &mut self,
-        operator: &mut dyn Operator,
-        preconditioner: &mut dyn Operator,
+        system: &mut dyn System,
         (rhs, x): (&Vector, &mut Vector),
         seen: &mut dyn FnMut(usize, f64),
     ) -> Result<Report> {
@@ -97,22 +96,20 @@ impl Krylov {
             x.fill(0.0)?;
             return Ok(Report::default());
         }
-        self.call(operator, preconditioner, (rhs, x), Watch { scale: 1.0 / size, seen })?;
+        self.call(system, (rhs, x), Watch { scale: 1.0 / size, seen })?;
         self.outcome(size, start)
     }
 
-    fn call(&self, operator: &mut dyn Operator, preconditioner: &mut dyn Operator, (rhs, x): (&Vector, &mut Vector), watch: Watch) -> Result<()> {
-        let session = self.solver.session();
-        let (mut operator, mut preconditioner) =
-            (Context { session: session.clone(), operator }, Context { session: session.clone(), operator: preconditioner });
+    fn call(&self, system: &mut dyn System, (rhs, x): (&Vector, &mut Vector), watch: Watch) -> Result<()> {
+        let mut context = Context { session: self.solver.session().clone(), system };
         let (mut watch, mut pc) = (watch, null_mut());
         let solver = self.solver.raw();
         petsc!(KSPGetPC(solver, &mut pc))?;
-        petsc!(MatShellSetContext(self.matrix.raw(), (&raw mut operator).cast()))?;
-        petsc!(PCShellSetContext(pc, (&raw mut preconditioner).cast()))?;
+        petsc!(MatShellSetContext(self.matrix.raw(), (&raw mut context).cast()))?;
+        petsc!(PCShellSetContext(pc, (&raw mut context).cast()))?;
         petsc!(KSPMonitorSet(solver, Some(monitor), (&raw mut watch).cast(), None))?;
         let outcome = petsc!(KSPSolve(solver, rhs.raw(), x.raw()));
-        // the contexts live on this stack frame: no pointer to them may outlast it
+        // the context lives on this stack frame: no pointer to them may outlast it
         petsc!(MatShellSetContext(self.matrix.raw(), null_mut()))?;
         petsc!(PCShellSetContext(pc, null_mut()))?;
         petsc!(KSPMonitorCancel(solver))?;

@@ -20,7 +20,7 @@ pub use krylov::{Krylov, KrylovMethod, KrylovSettings, Report};
 pub use matrix::{Matrix, RowBuilder};
 pub use scatter::Scatter;
 pub use session::Session;
-pub use shell::{Identity, Operator};
+pub use shell::System;
 pub use vector::Vector;
 
 use session::check;

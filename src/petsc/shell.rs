@@ -5,26 +5,13 @@ use std::{ffi::c_void, ptr::null_mut};
 use super::{Session, Vector, ffi, owned::Owned, petsc, session::guard};
 use crate::error::Result;
 
-/// A linear map on vectors: an operator of a solver, or its preconditioner.
-pub trait Operator {
-    /// `output = self(input)`; every entry of `output` is set.
-    ///
-    /// # Errors
-    /// Whatever the map meets; it ends the solve and comes out of it unchanged.
+/// A linear system as a Krylov solver sees it.
+pub trait System {
+    /// `output = A input`; an error ends the solve and comes out of it unchanged.
     fn apply(&mut self, input: &Vector, output: &mut Vector) -> Result<()>;
-}
 
-impl Operator for super::Matrix {
-    fn apply(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
-        self.multiply(input, output)
-    }
-}
-
-/// The identity: "no preconditioner".
-pub struct Identity;
-
-impl Operator for Identity {
-    fn apply(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
+    /// `output = P input`, with `P` a fixed linear map near the inverse of `A`; the identity if there is none.
+    fn precondition(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
         output.copy_from(input)
     }
 }
@@ -32,14 +19,17 @@ impl Operator for Identity {
 /// What a callback needs; it lives on the stack of the solve that it serves.
 pub(super) struct Context<'a> {
     pub(super) session: Session,
-    pub(super) operator: &'a mut dyn Operator,
+    pub(super) system: &'a mut dyn System,
 }
 
+/// Which of the two maps of a system a callback stands for.
+type Map = fn(&mut dyn System, &Vector, &mut Vector) -> Result<()>;
+
 impl Context<'_> {
-    fn apply(&mut self, input: ffi::Vec, output: ffi::Vec) -> Result<()> {
+    fn call(&mut self, map: Map, input: ffi::Vec, output: ffi::Vec) -> Result<()> {
         let input = Vector::share(&self.session, input)?;
         let mut output = Vector::share(&self.session, output)?;
-        self.operator.apply(&input, &mut output)
+        map(self.system, &input, &mut output)
     }
 }
 
@@ -61,7 +51,7 @@ extern "C" fn apply_matrix(matrix: ffi::Mat, input: ffi::Vec, output: ffi::Vec) 
     guard(|| {
         let mut context: *mut c_void = null_mut();
         petsc!(MatShellGetContext(matrix, (&raw mut context).cast()))?;
-        unsafe { &mut *context.cast::<Context>() }.apply(input, output)
+        unsafe { &mut *context.cast::<Context>() }.call(|system, x, y| system.apply(x, y), input, output)
     })
 }
 
@@ -69,6 +59,6 @@ pub(super) extern "C" fn apply_preconditioner(pc: ffi::PC, input: ffi::Vec, outp
     guard(|| {
         let mut context: *mut c_void = null_mut();
         petsc!(PCShellGetContext(pc, (&raw mut context).cast()))?;
-        unsafe { &mut *context.cast::<Context>() }.apply(input, output)
+        unsafe { &mut *context.cast::<Context>() }.call(|system, x, y| system.precondition(x, y), input, output)
     })
 }

@@ -14,7 +14,7 @@ use super::{Stokes, StokesInverse};
 use crate::{
     error::Result,
     grid::Grid,
-    petsc::{Amg, AmgSettings, Operator, Vector},
+    petsc::{Amg, AmgSettings, Vector},
 };
 
 /// Projection-form inverse with BoomerAMG.

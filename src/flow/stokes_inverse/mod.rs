@@ -7,7 +7,7 @@ pub use hypre::HypreInverse;
 use super::Stokes;
 use crate::{
     error::Result,
-    petsc::{Krylov, KrylovMethod, KrylovSettings, Operator, Report, Vector},
+    petsc::{Krylov, KrylovMethod, KrylovSettings, Report, System, Vector},
 };
 
 /// An approximate inverse of [`Stokes`]: a fixed linear map from balanced rows to fluid vectors.
@@ -21,31 +21,36 @@ pub trait StokesInverse<const D: usize> {
     fn setup_seconds(&self) -> f64;
 }
 
-/// Solves `K x = rhs` (balanced rows) without bodies to a relative residual of `tolerance`, starting from `x`.
-///
-/// # Errors
-/// [`Diverged`](crate::error::Error::Diverged) after 5000 iterations.
-pub fn solve_fluid<const D: usize>(
-    stokes: &Stokes<D>,
-    preconditioner: &mut dyn Operator,
-    (rhs, x): (&Vector, &mut Vector),
-    tolerance: f64,
-) -> Result<Report> {
-    let settings = KrylovSettings { method: KrylovMethod::Gmres { restart: 200 }, tolerance, most_iterations: 5000 };
-    let mut krylov = Krylov::new(stokes.session(), rhs.local()?.len(), c"fluid_", settings)?;
-    krylov.solve(&mut &*stokes, preconditioner, (rhs, x), &mut |_, _| {})
-}
-
-/// An inverse together with the operator that it inverts, as a preconditioner.
-pub struct Bound<'a, const D: usize> {
+/// The fluid without bodies, as a linear system; `inverse` preconditions it, if there is one.
+pub struct FluidSystem<'a, const D: usize> {
     /// The operator.
     pub stokes: &'a Stokes<D>,
     /// Its approximate inverse.
-    pub inverse: &'a mut dyn StokesInverse<D>,
+    pub inverse: Option<&'a mut dyn StokesInverse<D>>,
 }
 
-impl<const D: usize> Operator for Bound<'_, D> {
+impl<const D: usize> System for FluidSystem<'_, D> {
     fn apply(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
-        self.inverse.precondition(self.stokes, input, output)
+        self.stokes.multiply(input, output)?;
+        self.stokes.balance(output)
+    }
+
+    fn precondition(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
+        match &mut self.inverse {
+            Some(inverse) => inverse.precondition(self.stokes, input, output),
+            None => output.copy_from(input),
+        }
+    }
+}
+
+impl<const D: usize> FluidSystem<'_, D> {
+    /// Solves `K x = rhs` (balanced rows) to a relative residual of `tolerance`, starting from `x`.
+    ///
+    /// # Errors
+    /// [`Diverged`](crate::error::Error::Diverged) after `most_iterations` iterations.
+    pub fn solve(&mut self, (rhs, x): (&Vector, &mut Vector), tolerance: f64, most_iterations: usize) -> Result<Report> {
+        let settings = KrylovSettings { method: KrylovMethod::Gmres { restart: 200 }, tolerance, most_iterations };
+        let mut krylov = Krylov::new(self.stokes.session(), rhs.local()?.len(), c"fluid_", settings)?;
+        krylov.solve(self, (rhs, x), &mut |_, _| {})
     }
 }

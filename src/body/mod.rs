@@ -1,0 +1,38 @@
+//! Bodies: where they are, how they move or what moves them. This module knows no fluid and no grid.
+
+mod twist;
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::geometry::Ball;
+pub use twist::{Twist, components, planes, skew};
+
+/// What decides the motion of a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Motion<const D: usize> {
+    /// Its motion is unknown; force and torque on it, besides those of the fluid, are given.
+    Free {
+        /// Net force on the body.
+        force: SVector<f64, D>,
+        /// Net torque on the body, as a skew matrix.
+        torque: SMatrix<f64, D, D>,
+    },
+    /// Its motion is given.
+    Prescribed(Twist<D>),
+}
+
+/// A rigid body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Body<const D: usize> {
+    /// Its shape and place.
+    pub ball: Ball<D>,
+    /// What decides its motion.
+    pub motion: Motion<D>,
+}
+
+impl<const D: usize> Body<D> {
+    /// Whether its motion is unknown.
+    pub fn free(&self) -> bool {
+        matches!(self.motion, Motion::Free { .. })
+    }
+}

@@ -1,0 +1,63 @@
+//! Who holds which multipliers.
+
+use nalgebra::SVector;
+
+use crate::grid::Grid;
+
+/// Numbering of the multipliers: each rank holds those of the bodies whose centres lie in its cells, in body order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layout {
+    /// This rank's bodies.
+    pub local_bodies: Vec<usize>,
+    /// For each of all bodies: its owner, the index of its first multiplier in the owner's part, and on all ranks.
+    places: Vec<Place>,
+    local_unknowns: usize,
+    unknowns: usize,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Place {
+    local: usize,
+    global: usize,
+}
+
+impl Layout {
+    /// Shares out bodies with the given centres (in the box) and numbers of modes, seen from `rank`.
+    pub fn new<const D: usize>(grid: &Grid<D>, centers: &[SVector<f64, D>], modes: &[usize], rank: usize) -> Layout {
+        let owners: Vec<usize> = centers.iter().map(|center| grid.owner(center)).collect();
+        let mut places = vec![Place { local: 0, global: 0 }; centers.len()];
+        let (mut unknowns, mut local_unknowns) = (0, 0);
+        for owner in 0..grid.partition().blocks() {
+            let start = unknowns;
+            for body in (0..centers.len()).filter(|&body| owners[body] == owner) {
+                places[body] = Place { local: unknowns - start, global: unknowns };
+                unknowns += modes[body];
+            }
+            if owner == rank {
+                local_unknowns = unknowns - start;
+            }
+        }
+        let local_bodies = (0..centers.len()).filter(|&body| owners[body] == rank).collect();
+        Layout { local_bodies, places, local_unknowns, unknowns }
+    }
+
+    /// Index of a body's first multiplier in its owner's part.
+    pub fn local(&self, body: usize) -> usize {
+        self.places[body].local
+    }
+
+    /// Index of a body's first multiplier on all ranks.
+    pub fn global(&self, body: usize) -> usize {
+        self.places[body].global
+    }
+
+    /// Number of multipliers on this rank.
+    pub fn local_unknowns(&self) -> usize {
+        self.local_unknowns
+    }
+
+    /// Number of multipliers on all ranks.
+    pub fn unknowns(&self) -> usize {
+        self.unknowns
+    }
+}

@@ -1,0 +1,19 @@
+//! How bodies enter the fluid: the blocks that they add to the linear system of the box.
+//!
+//! With the fluid unknowns `(u, p)` and the multipliers `c`,
+//!
+//! ```text
+//! K (u, p) - C c = 0          C: spread
+//! J u      + E c = velocity   J: sample,  E: local
+//! ```
+//!
+//! A method of imposing rigidity fills [`Blocks`]; who solves with them does not know which method it was.
+
+mod blocks;
+mod layout;
+mod patch;
+mod sharp;
+
+pub use blocks::{Blocks, BodyBlocks};
+pub use layout::Layout;
+pub use sharp::{INTERPOLATION_REACH, Placed, assemble};

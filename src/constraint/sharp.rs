@@ -1,0 +1,269 @@
+//! The `sharp` method: surface multipliers, and stencils corrected for the jumps that they cause.
+//!
+//! A stencil `sum_j w_j q(x_j)` for a point on one side of a surface takes, from nodes on the other side, the smooth
+//! extension of its own side. With the jump function `D` (outside minus inside) and `chi = 1` outside, 0 inside, this adds
+//!
+//! ```text
+//! sum_j w_j (chi(x) - chi(x_j)) D(x_j)
+//! ```
+//!
+//! which is linear in the multipliers and goes to the right-hand side: the matrices of the box stay as they are.
+//! Velocities on a surface are interpolated from outside: a node inside any body counts with its outer extension `u + D`.
+
+use std::rc::Rc;
+
+use nalgebra::{DMatrix, SVector};
+
+use super::{Layout, blocks::BodyBlocks, patch::Patch};
+use crate::{
+    grid::{
+        Grid, Index, Node, interpolation,
+        stencil::{self, Site, Term},
+    },
+    surface::SurfaceTable,
+};
+
+/// Lattice points around a surface that stencils and interpolation may touch, in spacings.
+const REACH: f64 = 4.0;
+
+/// Jump functions are singular at the centre; closer than this (in spacings) they are taken as zero.
+const CORE: f64 = 0.3;
+
+/// Gap between two surfaces, in spacings, below which interpolation on one meets the inside of the other.
+pub const INTERPOLATION_REACH: f64 = 3.5;
+
+/// A body in its place.
+#[derive(Clone)]
+pub struct Placed<const D: usize> {
+    /// Its centre, in the box or, for an image, beyond it.
+    pub center: SVector<f64, D>,
+    /// Its surface.
+    pub surface: Rc<SurfaceTable<D>>,
+}
+
+impl<const D: usize> Placed<D> {
+    fn outside(&self, point: &SVector<f64, D>) -> bool {
+        (point - self.center).norm() > self.surface.modes.radius()
+    }
+}
+
+/// A neighbour whose inside may meet the interpolation on a body's surface: its number, and it in the image next to the body.
+pub type Neighbour<const D: usize> = (usize, Placed<D>);
+
+/// The blocks of one body.
+pub fn assemble<const D: usize>(grid: &Grid<D>, layout: &Layout, body: usize, placed: &Placed<D>, neighbours: &[Neighbour<D>]) -> BodyBlocks<D> {
+    let mut assembly = Assembly::new(grid, placed);
+    for field in 0..=D {
+        assembly.spread_field(field);
+    }
+    assembly.interpolate(neighbours);
+    assembly.finish(layout, body, neighbours)
+}
+
+/// Jump functions on the lattice of one field, evaluated where first asked for.
+struct Jumps<const D: usize> {
+    patch: Patch<D>,
+    values: Vec<f64>,
+}
+
+struct Assembly<'a, const D: usize> {
+    grid: &'a Grid<D>,
+    placed: &'a Placed<D>,
+    count: usize,
+    jumps: Vec<Jumps<D>>,
+    place_of: Vec<Patch<D>>,
+    places: Vec<i32>,
+    spread_rows: Vec<u32>,
+    spread_values: Vec<f64>,
+    sample_ends: Vec<u32>,
+    sample_terms: Vec<(u32, f64)>,
+    wall_values: Vec<f64>,
+    /// For the body and its neighbours: jumps interpolated at the surface points (columns), modes down the rows.
+    interpolated_jumps: Vec<Option<DMatrix<f64>>>,
+}
+
+impl<'a, const D: usize> Assembly<'a, D> {
+    fn new(grid: &'a Grid<D>, placed: &'a Placed<D>) -> Self {
+        let reach = placed.surface.modes.radius() + REACH * grid.spacing().max();
+        let patch = |field| Patch::around(grid, field, &placed.center, reach);
+        Assembly {
+            grid,
+            placed,
+            count: placed.surface.modes.count(),
+            jumps: (0..=D).map(|field| Jumps { patch: patch(field), values: Vec::new() }).collect(),
+            place_of: (0..=D).map(patch).collect(),
+            places: Vec::new(),
+            spread_rows: Vec::new(),
+            spread_values: Vec::new(),
+            sample_ends: Vec::new(),
+            sample_terms: Vec::new(),
+            wall_values: Vec::new(),
+            interpolated_jumps: Vec::new(),
+        }
+    }
+
+    /// Rows of C of one field: momentum along an axis, or continuity.
+    fn spread_field(&mut self, field: usize) {
+        let (radius, reach) = (self.placed.surface.modes.radius(), self.grid.spacing().max());
+        let mut row = vec![0.0; self.count];
+        for index in self.place_of[field].indices() {
+            let distance = (self.grid.position(field, index) - self.placed.center).norm() - radius;
+            if distance.abs() > reach {
+                continue;
+            }
+            let Node::Unknown(place) = self.grid.fluid_node(field, index) else { continue };
+            let crossed = if field < D { self.momentum_row(field, index, distance > 0.0, &mut row) } else { self.continuity_row(index, distance > 0.0, &mut row) };
+            if crossed {
+                let slot = self.place(field, index, place);
+                self.spread_rows.push(slot);
+                self.spread_values.append(&mut row);
+                row.resize(self.count, 0.0);
+            }
+        }
+    }
+
+    fn momentum_row(&mut self, field: usize, index: Index<D>, outside: bool, row: &mut [f64]) -> bool {
+        let grid = self.grid;
+        let mut crossed = false;
+        stencil::laplacian(grid, field, index, |term| crossed |= self.correct(field, term, outside, 1.0, row));
+        for term in stencil::gradient(grid, field, index) {
+            crossed |= self.correct(field, term, outside, -1.0, row);
+        }
+        crossed
+    }
+
+    fn continuity_row(&mut self, index: Index<D>, outside: bool, row: &mut [f64]) -> bool {
+        let mut crossed = false;
+        for axis in 0..D {
+            for term in stencil::divergence(self.grid, axis, index) {
+                crossed |= self.correct(D, term, outside, -1.0, row);
+            }
+        }
+        crossed
+    }
+
+    /// Adds the correction of one term of a row of `field`, times `sign`, if it reaches across the surface; tells whether it does.
+    fn correct(&mut self, field: usize, term: Term<D>, outside: bool, sign: f64, row: &mut [f64]) -> bool {
+        let position = match term.site {
+            Site::Lattice { field, index } => self.grid.position(field, index),
+            Site::Wall { position, .. } => position,
+        };
+        if self.placed.outside(&position) == outside {
+            return false;
+        }
+        let factor = if outside { sign * term.weight } else { -sign * term.weight };
+        let mut add = |jump: &[f64]| row.iter_mut().zip(jump).for_each(|(row, jump)| *row += factor * jump);
+        match term.site {
+            Site::Lattice { field, index } => add(self.jumps[field].at(self.grid, self.placed, field, index)),
+            Site::Wall { position, .. } => {
+                let mut jump = vec![0.0; self.count];
+                velocity_jump(self.grid, self.placed, field, &position, &mut jump);
+                add(&jump);
+            }
+        }
+        true
+    }
+
+    fn place(&mut self, field: usize, index: Index<D>, fluid_index: usize) -> u32 {
+        let places = &mut self.places;
+        let make = || {
+            places.push(fluid_index as i32);
+            places.len() - 1
+        };
+        self.place_of[field].slot(index, make) as u32
+    }
+
+    /// Interpolation on the surface, and the jumps of this body and its neighbours that it picks up inside them.
+    fn interpolate(&mut self, neighbours: &[Neighbour<D>]) {
+        let surface = &self.placed.surface;
+        self.interpolated_jumps = vec![None; neighbours.len() + 1];
+        self.wall_values = vec![0.0; surface.points() * D];
+        for (point, offset) in surface.offsets().enumerate() {
+            for component in 0..D {
+                let position = self.placed.center + offset;
+                let row = point * D + component;
+                let grid = self.grid;
+                interpolation::velocity(grid, component, &position, |term| self.sample_term(row, component, term, neighbours));
+                self.sample_ends.push(self.sample_terms.len() as u32);
+            }
+        }
+    }
+
+    fn sample_term(&mut self, row: usize, component: usize, term: Term<D>, neighbours: &[Neighbour<D>]) {
+        let Site::Lattice { index, .. } = term.site else {
+            if let Site::Wall { value, .. } = term.site {
+                self.wall_values[row] += term.weight * value;
+            }
+            return;
+        };
+        if let Node::Unknown(place) = self.grid.fluid_node(component, index) {
+            let place = self.place(component, index, place);
+            self.sample_terms.push((place, term.weight));
+        }
+        let position = self.grid.position(component, index);
+        let columns = self.placed.surface.points() * D;
+        if !self.placed.outside(&position) {
+            let jump = self.jumps[component].at(self.grid, self.placed, component, index);
+            let into = self.interpolated_jumps[0].get_or_insert_with(|| DMatrix::zeros(jump.len(), columns));
+            accumulate(into, row, term.weight, jump);
+        }
+        for (slot, (_, neighbour)) in neighbours.iter().enumerate().filter(|(_, (_, neighbour))| !neighbour.outside(&position)) {
+            let mut jump = vec![0.0; neighbour.surface.modes.count()];
+            velocity_jump(self.grid, neighbour, component, &position, &mut jump);
+            let into = self.interpolated_jumps[slot + 1].get_or_insert_with(|| DMatrix::zeros(jump.len(), columns));
+            accumulate(into, row, term.weight, &jump);
+        }
+    }
+
+    fn finish(self, layout: &Layout, body: usize, neighbours: &[Neighbour<D>]) -> BodyBlocks<D> {
+        let projector = self.placed.surface.projector();
+        let others = std::iter::once(body).chain(neighbours.iter().map(|(other, _)| *other));
+        let local = others
+            .zip(self.interpolated_jumps)
+            .filter_map(|(other, jumps)| Some((layout.global(other), projector * jumps?.transpose())))
+            .collect();
+        BodyBlocks {
+            surface: self.placed.surface.clone(),
+            first: layout.local(body),
+            places: self.places,
+            spread_rows: self.spread_rows,
+            spread_values: self.spread_values,
+            sample_ends: self.sample_ends,
+            sample_terms: self.sample_terms,
+            wall_values: self.wall_values,
+            local,
+        }
+    }
+}
+
+impl<const D: usize> Jumps<D> {
+    /// The jump functions of all modes at a lattice point.
+    fn at(&mut self, grid: &Grid<D>, placed: &Placed<D>, field: usize, index: Index<D>) -> &[f64] {
+        let count = placed.surface.modes.count();
+        let values = &mut self.values;
+        let slot = self.patch.slot(index, || {
+            let slot = values.len() / count;
+            values.resize((slot + 1) * count, 0.0);
+            let position = grid.position(field, index);
+            let out = &mut values[slot * count..];
+            if field < D {
+                velocity_jump(grid, placed, field, &position, out);
+            } else {
+                placed.surface.modes.pressure_jump((position - placed.center).as_slice(), out);
+            }
+            slot
+        });
+        &self.values[slot * count..][..count]
+    }
+}
+
+fn velocity_jump<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, component: usize, position: &SVector<f64, D>, out: &mut [f64]) {
+    let offset = position - placed.center;
+    if offset.norm() > CORE * grid.spacing().max() {
+        placed.surface.modes.velocity_jump(offset.as_slice(), component, out);
+    }
+}
+
+fn accumulate(into: &mut DMatrix<f64>, column: usize, weight: f64, jump: &[f64]) {
+    into.column_mut(column).iter_mut().zip(jump).for_each(|(into, jump)| *into += weight * jump);
+}

@@ -1,0 +1,121 @@
+//! The few unknowns that belong to no point: mean pressure gradients and mean velocities that a drive leaves open.
+
+use std::ops::Range;
+
+use crate::{
+    error::Result,
+    flow::{Drive, FluidSystem, Stokes, StokesInverse},
+    grid::Grid,
+    parallel::World,
+    petsc::Vector,
+};
+
+/// Tolerance of the flows that a closure is built from, so far below any other that they count as exact.
+const EXACT: f64 = 1e-11;
+
+/// Iterations allowed for them.
+const MOST_ITERATIONS: usize = 200;
+
+/// What a drive leaves to be found besides the flow and the bodies' motions.
+pub enum Closure {
+    /// Nothing.
+    Closed,
+    /// Mean velocities along periodic axes of a walled box are given: the forces per volume along them are unknown.
+    Forces(Vec<UniformForce>),
+    /// A uniform force on a fully periodic box is given: its mean velocity (one unknown an axis) is unknown.
+    MeanVelocity,
+}
+
+/// A uniform force per volume along one axis of a walled box, and the flow without bodies that a unit of it drives.
+pub struct UniformForce {
+    /// The axis.
+    pub axis: usize,
+    /// This rank's faces of the axis in a fluid vector, and their number on all ranks.
+    pub faces: (Range<usize>, usize),
+    /// The flow.
+    pub response: Vector,
+    /// Mean velocity of that flow along the axis.
+    pub mean: f64,
+}
+
+impl Closure {
+    /// The closure that a drive needs in a box.
+    pub fn new<const D: usize>(drive: &Drive<D>, grid: &Grid<D>, stokes: &Stokes<D>, inverse: &mut dyn StokesInverse<D>) -> Result<Closure> {
+        let fully_periodic = grid.domain().fully_periodic();
+        match drive {
+            Drive::MeanVelocity(_) if !fully_periodic => {
+                let axes = (0..D).filter(|&axis| grid.domain().periodic(axis));
+                let forces = axes.map(|axis| UniformForce::new(axis, grid, stokes, inverse));
+                Ok(Closure::Forces(forces.collect::<Result<_>>()?))
+            }
+            Drive::PressureGradient(_) | Drive::BodyForce(_) if fully_periodic => Ok(Closure::MeanVelocity),
+            _ => Ok(Closure::Closed),
+        }
+    }
+
+    /// Number of unknowns it adds; rank 0 holds them.
+    pub fn unknowns<const D: usize>(&self) -> usize {
+        match self {
+            Closure::Closed => 0,
+            Closure::Forces(forces) => forces.len(),
+            Closure::MeanVelocity => D,
+        }
+    }
+}
+
+impl UniformForce {
+    fn new<const D: usize>(axis: usize, grid: &Grid<D>, stokes: &Stokes<D>, inverse: &mut dyn StokesInverse<D>) -> Result<UniformForce> {
+        let mut rhs = stokes.vector()?;
+        rhs.local_mut()?[grid.local_range(axis)].fill(1.0);
+        stokes.balance(&mut rhs)?;
+        let mut response = stokes.vector()?;
+        FluidSystem { stokes, inverse: Some(inverse) }.solve((&rhs, &mut response), EXACT, MOST_ITERATIONS)?;
+        let mut force = UniformForce { axis, faces: (grid.local_range(axis), grid.unknowns(axis)), response, mean: 0.0 };
+        force.mean = force.mean_velocity(stokes.session().world(), &force.response)?;
+        Ok(force)
+    }
+
+    /// Mean of a fluid vector's velocity along the axis.
+    pub fn mean_velocity(&self, world: &World, fluid: &Vector) -> Result<f64> {
+        mean_velocity(world, &self.faces, fluid)
+    }
+}
+
+fn mean_velocity(world: &World, (range, unknowns): &(Range<usize>, usize), fluid: &Vector) -> Result<f64> {
+    let mut sum = [fluid.local()?[range.clone()].iter().sum::<f64>() / *unknowns as f64];
+    world.sum(&mut sum);
+    Ok(sum[0])
+}
+
+/// Solves the flow of walls and drive without bodies, if there is any.
+///
+/// Returns the flow and, for each force of the closure, the force per volume that gives it the wanted mean velocity.
+pub fn flow_without_bodies<const D: usize>(
+    drive: &Drive<D>,
+    grid: &Grid<D>,
+    stokes: &Stokes<D>,
+    inverse: &mut dyn StokesInverse<D>,
+    closure: &Closure,
+) -> Result<(Vector, Vec<f64>)> {
+    let mut flow = stokes.vector()?;
+    if grid.domain().fully_periodic() {
+        return Ok((flow, Vec::new()));
+    }
+    let mut rhs = stokes.vector()?;
+    for axis in 0..D {
+        let rows = &mut rhs.local_mut()?[grid.local_range(axis)];
+        rows.fill(drive.uniform_force()[axis]);
+        crate::grid::operators::add_wall_laplacian(grid, axis, rows);
+    }
+    stokes.balance(&mut rhs)?;
+    FluidSystem { stokes, inverse: Some(inverse) }.solve((&rhs, &mut flow), EXACT, MOST_ITERATIONS)?;
+    let mut forces = Vec::new();
+    if let (Drive::MeanVelocity(wanted), Closure::Forces(uniform)) = (drive, closure) {
+        for force in uniform {
+            let amount = (wanted[force.axis] - force.mean_velocity(stokes.session().world(), &flow)?) / force.mean;
+            flow.add(amount, &force.response)?;
+            forces.push(amount);
+        }
+    }
+    Ok((flow, forces))
+}

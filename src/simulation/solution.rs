@@ -1,0 +1,64 @@
+//! What an instantaneous solve finds.
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::{
+    body::{Twist, components, skew},
+    petsc::Vector,
+};
+
+/// Motion of a body and what the fluid does to it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyState<const D: usize> {
+    /// Its motion.
+    pub twist: Twist<D>,
+    /// Force on it by the fluid.
+    pub force: SVector<f64, D>,
+    /// Torque on it by the fluid about its centre, as a skew matrix.
+    pub torque: SMatrix<f64, D, D>,
+    /// Symmetric traceless first moment of the traction of the fluid on it.
+    pub stresslet: SMatrix<f64, D, D>,
+}
+
+impl<const D: usize> BodyState<D> {
+    /// Flat numbers, to send to other ranks.
+    pub(super) fn pack(&self) -> Vec<f64> {
+        let mut numbers = self.twist.velocity.as_slice().to_vec();
+        numbers.extend(components(&self.twist.spin));
+        numbers.extend(self.force.as_slice());
+        numbers.extend(components(&self.torque));
+        numbers.extend(self.stresslet.as_slice());
+        numbers
+    }
+
+    /// The inverse of [`pack`](Self::pack).
+    pub(super) fn unpack(numbers: &[f64]) -> Self {
+        let planes = D * (D - 1) / 2;
+        let (motion, rest) = numbers.split_at(D + planes);
+        let (load, stresslet) = rest.split_at(D + planes);
+        BodyState {
+            twist: Twist { velocity: SVector::from_column_slice(&motion[..D]), spin: skew(&motion[D..]) },
+            force: SVector::from_column_slice(&load[..D]),
+            torque: skew(&load[D..]),
+            stresslet: SMatrix::from_column_slice(stresslet),
+        }
+    }
+
+    /// How many numbers [`pack`](Self::pack) makes.
+    pub(super) const fn packed_length() -> usize {
+        2 * (D + D * (D - 1) / 2) + D * D
+    }
+}
+
+/// The state of the suspension at one instant.
+pub struct Solution<const D: usize> {
+    /// All bodies, on every rank.
+    pub bodies: Vec<BodyState<D>>,
+    /// Velocity and pressure over viscosity, as a fluid vector, without the background of the drive
+    /// ([`Drive::background`](crate::flow::Drive::background)) and without [`mean_velocity_offset`](Self::mean_velocity_offset).
+    pub fluid: Vector,
+    /// Uniform velocity to add to the fluid's: what of the mean velocity a fully periodic box leaves out of it.
+    pub mean_velocity_offset: SVector<f64, D>,
+    /// Mean gradient of the pressure along periodic axes.
+    pub pressure_gradient: SVector<f64, D>,
+}

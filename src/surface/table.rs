@@ -1,0 +1,111 @@
+//! A surface with its modes tabulated at quadrature points: all that bodies of equal size share.
+
+use nalgebra::{DMatrix, SMatrix, SVector};
+
+use super::{Modes, Quadrature, modes, quadrature};
+
+/// The surface of a ball: modes, quadrature points, and the tractions of the modes there.
+///
+/// Surface vectors are stored as `D` numbers a point.
+pub struct SurfaceTable<const D: usize> {
+    /// The modes, for unit viscosity.
+    pub modes: Box<dyn Modes>,
+    quadrature: Quadrature,
+    /// Projects values at the points (columns, `D` a point) on the modes (rows): weight times traction.
+    projector: DMatrix<f64>,
+}
+
+impl<const D: usize> SurfaceTable<D> {
+    /// The surface of a ball of the given radius with modes up to `order`, sampled about as finely as the grid.
+    pub fn new(radius: f64, order: usize, spacing: f64) -> SurfaceTable<D> {
+        let modes = modes(D, radius, 1.0, order);
+        let quadrature = quadrature(D, radius / spacing, order);
+        let count = modes.count();
+        let mut projector = DMatrix::zeros(count, quadrature.weights.len() * D);
+        let mut tractions = vec![0.0; count * D];
+        for (point, (direction, weight)) in quadrature.directions.chunks(D).zip(&quadrature.weights).enumerate() {
+            modes.traction(direction, &mut tractions);
+            for (mode, traction) in tractions.chunks(D).enumerate() {
+                (0..D).for_each(|i| projector[(mode, point * D + i)] = weight * traction[i]);
+            }
+        }
+        SurfaceTable { modes, quadrature, projector }
+    }
+
+    /// Number of quadrature points.
+    pub fn points(&self) -> usize {
+        self.quadrature.weights.len()
+    }
+
+    /// The quadrature points, from the centre.
+    pub fn offsets(&self) -> impl Iterator<Item = SVector<f64, D>> + '_ {
+        self.quadrature.directions.chunks(D).map(|direction| SVector::from_column_slice(direction) * self.modes.radius())
+    }
+
+    /// Adds to `out[mode]` the mean over the surface of `traction_mode . values`.
+    pub fn project(&self, values: &[f64], out: &mut [f64]) {
+        for (value, column) in values.iter().zip(self.projector.as_slice().chunks_exact(self.modes.count())) {
+            out.iter_mut().zip(column).for_each(|(out, entry)| *out += value * entry);
+        }
+    }
+
+    /// The modes' coefficients of a velocity given at each offset from the centre.
+    pub fn coefficients(&self, velocity: impl Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Vec<f64> {
+        let values: Vec<f64> = self.offsets().flat_map(|offset| velocity(&offset).as_slice().to_vec()).collect();
+        let mut out = vec![0.0; self.modes.count()];
+        self.project(&values, &mut out);
+        out
+    }
+
+    /// The matrix that projects values at the points (columns, `D` a point) on the modes (rows).
+    pub fn projector(&self) -> &DMatrix<f64> {
+        &self.projector
+    }
+
+    /// Area of the surface (length in 2D).
+    pub fn area(&self) -> f64 {
+        self.modes.force_factor()
+    }
+
+    /// First moment `integral of F_i r_j` of the traction with the given coefficients.
+    pub fn first_moment(&self, coefficients: &[f64]) -> SMatrix<f64, D, D> {
+        let mut moment = SMatrix::zeros();
+        for (point, offset) in self.offsets().enumerate() {
+            let weighted = SVector::<f64, D>::from_fn(|i, _| {
+                let column = self.projector.column(point * D + i);
+                column.iter().zip(coefficients).map(|(entry, coefficient)| entry * coefficient).sum()
+            });
+            moment += weighted * offset.transpose();
+        }
+        moment * self.area()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+
+    #[test]
+    fn a_rigid_velocity_has_rigid_coefficients_only() {
+        let table = SurfaceTable::<3>::new(0.7, 3, 0.1);
+        let (velocity, spin) = (Vector3::new(0.1, -0.4, 0.3), Vector3::new(1.0, 2.0, -0.5));
+        let coefficients = table.coefficients(|r| velocity + spin.cross(r));
+        let lever = 0.7 * (2.0_f64 / 3.0).sqrt();
+        for axis in 0..3 {
+            assert!((coefficients[axis] - velocity[axis]).abs() < 1e-14);
+            assert!((coefficients[3 + axis] - lever * spin[axis]).abs() < 1e-14);
+        }
+        assert!(coefficients[6..].iter().all(|coefficient| coefficient.abs() < 1e-14));
+    }
+
+    #[test]
+    fn the_first_moment_of_a_rotation_is_its_torque() {
+        let table = SurfaceTable::<2>::new(0.3, 4, 0.05);
+        let mut coefficients = vec![0.0; table.modes.count()];
+        coefficients[2] = 1.0;
+        let moment = table.first_moment(&coefficients);
+        assert!((moment[(1, 0)] - moment[(0, 1)] - table.modes.torque_factor()).abs() < 1e-14);
+    }
+}
