@@ -1,12 +1,13 @@
 //! turbid
+pub mod body;
+pub mod constraint;
 pub mod error;
-#[allow(unsafe_code)]
-pub mod petsc;
-pub mod parallel;
+pub mod flow;
 pub mod geometry;
 pub mod grid;
-pub mod surface;
-pub mod body;
-pub mod flow;
-pub mod constraint;
+pub mod parallel;
+#[allow(unsafe_code)]
+pub mod petsc;
+pub mod scene;
 pub mod simulation;
+pub mod surface;

@@ -51,7 +51,13 @@ impl<const D: usize> Placed<D> {
 pub type Neighbour<const D: usize> = (usize, Placed<D>);
 
 /// The blocks of one body.
-pub fn assemble<const D: usize>(grid: &Grid<D>, layout: &Layout, body: usize, placed: &Placed<D>, neighbours: &[Neighbour<D>]) -> BodyBlocks<D> {
+pub fn assemble<const D: usize>(
+    grid: &Grid<D>,
+    layout: &Layout,
+    body: usize,
+    placed: &Placed<D>,
+    neighbours: &[Neighbour<D>],
+) -> BodyBlocks<D> {
     let mut assembly = Assembly::new(grid, placed);
     for field in 0..=D {
         assembly.spread_field(field);
@@ -112,7 +118,11 @@ impl<'a, const D: usize> Assembly<'a, D> {
                 continue;
             }
             let Node::Unknown(place) = self.grid.fluid_node(field, index) else { continue };
-            let crossed = if field < D { self.momentum_row(field, index, distance > 0.0, &mut row) } else { self.continuity_row(index, distance > 0.0, &mut row) };
+            let crossed = if field < D {
+                self.momentum_row(field, index, distance > 0.0, &mut row)
+            } else {
+                self.continuity_row(index, distance > 0.0, &mut row)
+            };
             if crossed {
                 let slot = self.place(field, index, place);
                 self.spread_rows.push(slot);

@@ -95,7 +95,12 @@ impl<const D: usize> Stokes<D> {
     }
 }
 
-fn nest<'a>(session: &Session, laplacian: impl Fn(usize) -> &'a Matrix, gradient: &'a [Matrix], divergence: &'a [Matrix]) -> Result<Matrix> {
+fn nest<'a>(
+    session: &Session,
+    laplacian: impl Fn(usize) -> &'a Matrix,
+    gradient: &'a [Matrix],
+    divergence: &'a [Matrix],
+) -> Result<Matrix> {
     let axes = gradient.len();
     let mut blocks: Vec<Vec<Option<&Matrix>>> = vec![vec![None; axes + 1]; axes + 1];
     for axis in 0..axes {

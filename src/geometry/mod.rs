@@ -5,4 +5,5 @@ mod domain;
 pub use domain::{Axis, Domain};
 mod ball;
 pub use ball::Ball;
-mod pairs; pub use pairs::{Pair, near_pairs};
+mod pairs;
+pub use pairs::{Pair, near_pairs};

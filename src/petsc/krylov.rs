@@ -84,12 +84,7 @@ impl Krylov {
     ///
     /// # Errors
     /// [`Error::Diverged`] when the tolerance is not reached, with the iterations made and the residual reached.
-    pub fn solve(
-        &mut self,
-        system: &mut dyn System,
-        (rhs, x): (&Vector, &mut Vector),
-        seen: &mut dyn FnMut(usize, f64),
-    ) -> Result<Report> {
+    pub fn solve(&mut self, system: &mut dyn System, (rhs, x): (&Vector, &mut Vector), seen: &mut dyn FnMut(usize, f64)) -> Result<Report> {
         let start = Instant::now();
         let size = rhs.norm()?;
         if size == 0.0 {

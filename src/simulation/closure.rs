@@ -40,7 +40,12 @@ pub struct UniformForce {
 
 impl Closure {
     /// The closure that a drive needs in a box.
-    pub fn new<const D: usize>(drive: &Drive<D>, grid: &Grid<D>, stokes: &Stokes<D>, inverse: &mut dyn StokesInverse<D>) -> Result<Closure> {
+    pub fn new<const D: usize>(
+        drive: &Drive<D>,
+        grid: &Grid<D>,
+        stokes: &Stokes<D>,
+        inverse: &mut dyn StokesInverse<D>,
+    ) -> Result<Closure> {
         let fully_periodic = grid.domain().fully_periodic();
         match drive {
             Drive::MeanVelocity(_) if !fully_periodic => {

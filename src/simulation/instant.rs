@@ -244,7 +244,9 @@ impl<const D: usize> Simulation<D> {
     fn wanted_rows(&self, body: usize, member: &Member, undisturbed: &[f64]) -> Vec<f64> {
         let surface = self.surface(body);
         match self.setup.bodies[body].body.motion {
-            Motion::Prescribed(twist) => surface.coefficients(|r| twist.at(r)).iter().zip(undisturbed).map(|(wanted, known)| wanted - known).collect(),
+            Motion::Prescribed(twist) => {
+                surface.coefficients(|r| twist.at(r)).iter().zip(undisturbed).map(|(wanted, known)| wanted - known).collect()
+            }
             Motion::Free { force, torque } => {
                 let mut rows: Vec<f64> = undisturbed.iter().map(|known| -known).collect();
                 let volume = self.volume(body);
@@ -283,8 +285,7 @@ impl<const D: usize> Simulation<D> {
         let modes = &surface.modes;
         let rotation = modes.torque_factor() / modes.force_factor();
         let spin: Vec<f64> = motion[D..modes.rigid_count()].iter().map(|mode| mode / rotation).collect();
-        let torque: Vec<f64> =
-            multipliers[D..modes.rigid_count()].iter().map(|mode| -viscosity * modes.torque_factor() * mode).collect();
+        let torque: Vec<f64> = multipliers[D..modes.rigid_count()].iter().map(|mode| -viscosity * modes.torque_factor() * mode).collect();
         let moment = -viscosity * surface.first_moment(multipliers);
         let symmetric = (moment + moment.transpose()) * 0.5;
         let net = SVector::from_fn(|axis, _| -viscosity * modes.force_factor() * multipliers[axis]);

@@ -48,21 +48,10 @@ impl Fourier {
     ///
     /// If `order` is 0 or above [`MAXIMUM_ORDER`].
     pub fn new(radius: f64, viscosity: f64, order: usize) -> Self {
-        assert!(
-            (1..=MAXIMUM_ORDER).contains(&order),
-            "order {order} is not in 1..={MAXIMUM_ORDER}"
-        );
+        assert!((1..=MAXIMUM_ORDER).contains(&order), "order {order} is not in 1..={MAXIMUM_ORDER}");
         let others = (2..=order as i32).flat_map(|k| [-k, k]);
-        let free = std::iter::once(1)
-            .chain(others)
-            .map(|k| Harmonic::new(k + 1))
-            .collect();
-        Self {
-            radius,
-            viscosity,
-            order,
-            free,
-        }
+        let free = std::iter::once(1).chain(others).map(|k| Harmonic::new(k + 1)).collect();
+        Self { radius, viscosity, order, free }
     }
 
     fn powers(&self, x: f64, y: f64) -> Powers {
@@ -139,10 +128,7 @@ impl Modes for Fourier {
         let scale = self.radius / (4.0 * self.viscosity);
         let translation = 2.0 * scale * (reach / self.radius).ln().max(0.5);
         let rigid = [translation, translation, 2.0 * scale];
-        let free = self
-            .free
-            .iter()
-            .flat_map(|harmonic| [scale * harmonic.inverse.abs(); 2]);
+        let free = self.free.iter().flat_map(|harmonic| [scale * harmonic.inverse.abs(); 2]);
         let diagonal = rigid.into_iter().chain(free);
         DMatrix::from_diagonal(&DVector::from_iterator(self.count(), diagonal))
     }
@@ -150,20 +136,14 @@ impl Modes for Fourier {
 
 impl Harmonic {
     fn new(power: i32) -> Self {
-        Self {
-            power,
-            inverse: 1.0 / f64::from(power),
-        }
+        Self { power, inverse: 1.0 / f64::from(power) }
     }
 }
 
 impl Powers {
     fn new(position: Complex<f64>, count: usize) -> Self {
         let one = Complex::new(1.0, 0.0);
-        let mut powers = Self {
-            growing: [one; CAPACITY],
-            decaying: [one; CAPACITY],
-        };
+        let mut powers = Self { growing: [one; CAPACITY], decaying: [one; CAPACITY] };
         let inverse = position / position.norm_sqr();
         for power in 1..count {
             powers.growing[power] = powers.growing[power - 1] * position;

@@ -30,24 +30,18 @@ pub fn quadrature(dimension: usize, radius_over_spacing: f64, order: usize) -> Q
 
 fn circle(count: usize) -> Quadrature {
     Quadrature {
-        directions: angles(count)
-            .flat_map(|angle| [angle.cos(), angle.sin()])
-            .collect(),
+        directions: angles(count).flat_map(|angle| [angle.cos(), angle.sin()]).collect(),
         weights: vec![1.0 / count as f64; count],
     }
 }
 
 fn sphere(latitudes: usize) -> Quadrature {
     let longitudes = 2 * latitudes;
-    let mut rule = Quadrature {
-        directions: Vec::new(),
-        weights: Vec::new(),
-    };
+    let mut rule = Quadrature { directions: Vec::new(), weights: Vec::new() };
     for (height, weight) in gauss_legendre(latitudes) {
         let distance = (1.0 - height * height).sqrt();
         for angle in angles(longitudes) {
-            rule.directions
-                .extend([distance * angle.cos(), distance * angle.sin(), height]);
+            rule.directions.extend([distance * angle.cos(), distance * angle.sin(), height]);
             rule.weights.push(weight / (2 * longitudes) as f64);
         }
     }
@@ -78,10 +72,7 @@ fn legendre(degree: usize, x: f64) -> (f64, f64) {
     let (mut before, mut value) = (0.0, 1.0);
     for index in 1..=degree {
         let n = index as f64;
-        (before, value) = (
-            value,
-            ((2.0 * n - 1.0) * x * value - (n - 1.0) * before) / n,
-        );
+        (before, value) = (value, ((2.0 * n - 1.0) * x * value - (n - 1.0) * before) / n);
     }
     (value, degree as f64 * (x * value - before) / (x * x - 1.0))
 }
@@ -92,10 +83,7 @@ mod tests {
 
     fn mean(rule: &Quadrature, dimension: usize, f: impl Fn(&[f64]) -> f64) -> f64 {
         let points = rule.directions.chunks(dimension);
-        points
-            .zip(&rule.weights)
-            .map(|(direction, weight)| weight * f(direction))
-            .sum()
+        points.zip(&rule.weights).map(|(direction, weight)| weight * f(direction)).sum()
     }
 
     #[test]

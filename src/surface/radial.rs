@@ -29,14 +29,9 @@ impl Poloidal {
         let [radial, surface] = velocities(l);
         let n = l as f64;
         let slope = Vector4::new(n + 1.0, -n, n - 1.0, -n - 2.0).component_mul(&surface);
-        let conditions =
-            Matrix4::from_columns(&[Vector4::new(1.0, 1.0, 0.0, 0.0), radial, surface, slope])
-                .transpose();
+        let conditions = Matrix4::from_columns(&[Vector4::new(1.0, 1.0, 0.0, 0.0), radial, surface, slope]).transpose();
         let jumps = Vector4::new(normal, 0.0, 0.0, -tangential);
-        let amplitudes = conditions
-            .lu()
-            .solve(&jumps)
-            .expect("the four radial solutions are independent");
+        let amplitudes = conditions.lu().solve(&jumps).expect("the four radial solutions are independent");
         let gradient = surface.component_mul(&amplitudes);
         let position = radial.component_mul(&amplitudes) - n * gradient;
         Self {
@@ -52,10 +47,7 @@ impl Poloidal {
     pub fn factors(&self, [square, before, decay, steep]: [f64; 4]) -> [f64; 2] {
         let (p, g) = (&self.position, &self.gradient);
         let position = p[0] + p[1] * decay + p[2] * steep;
-        [
-            position,
-            g[0] * square + g[1] * before + g[2] + g[3] * decay,
-        ]
+        [position, g[0] * square + g[1] * before + g[2] + g[3] * decay]
     }
 
     /// The factor of `H` in the pressure, `P s^{-l}`, given `decay = s^{-2l-1}`.
@@ -79,11 +71,6 @@ fn velocities(l: usize) -> [Vector4<f64>; 2] {
     let n = l as f64;
     let (inner, outer) = (2.0 * (2.0 * n + 3.0), 2.0 * (2.0 * n - 1.0));
     let radial = Vector4::new(n / inner, (n + 1.0) / outer, n, -n - 1.0);
-    let surface = Vector4::new(
-        (n + 3.0) / (inner * (n + 1.0)),
-        (2.0 - n) / (outer * n),
-        1.0,
-        1.0,
-    );
+    let surface = Vector4::new((n + 3.0) / (inner * (n + 1.0)), (2.0 - n) / (outer * n), 1.0, 1.0);
     [radial, surface]
 }

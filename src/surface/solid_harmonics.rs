@@ -40,10 +40,7 @@ pub struct Combination {
 impl SolidHarmonics {
     /// Recurrences up to `degree`, from 1 to [`MAXIMUM_DEGREE`].
     pub fn new(degree: usize) -> Self {
-        assert!(
-            (1..=MAXIMUM_DEGREE).contains(&degree),
-            "degree {degree} is not in 1..={MAXIMUM_DEGREE}"
-        );
+        assert!((1..=MAXIMUM_DEGREE).contains(&degree), "degree {degree} is not in 1..={MAXIMUM_DEGREE}");
         Self {
             degree,
             interior: table(degree, interior),
@@ -90,10 +87,7 @@ impl Combination {
     }
 
     fn scaled(&self, factors: [f64; 2]) -> Self {
-        Self {
-            indices: self.indices,
-            weights: [self.weights[0] * factors[0], self.weights[1] * factors[1]],
-        }
+        Self { indices: self.indices, weights: [self.weights[0] * factors[0], self.weights[1] * factors[1]] }
     }
 
     /// `weight` times the harmonic `(l, m)`, and a second term; a null weight may go with no harmonic at all.
@@ -110,10 +104,7 @@ impl Combination {
 }
 
 fn table(degree: usize, entry: impl Fn(i32, i32) -> Combination) -> Vec<Combination> {
-    (0..=degree as i32)
-        .flat_map(|l| (-l..=l).map(move |m| (l, m)))
-        .map(|(l, m)| entry(l, m))
-        .collect()
+    (0..=degree as i32).flat_map(|l| (-l..=l).map(move |m| (l, m))).map(|(l, m)| entry(l, m)).collect()
 }
 
 /// `H_lm` for `|m| < l`: `z` times the first term plus `r^2` times the second.
@@ -130,8 +121,7 @@ fn interior(l: i32, m: i32) -> Combination {
 
 fn gradient(l: i32, m: i32, axis: usize) -> Combination {
     let order = m.abs();
-    let root =
-        |product: i32| (f64::from((2 * l + 1) * product) / f64::from((2 * l - 1).abs())).sqrt();
+    let root = |product: i32| (f64::from((2 * l + 1) * product) / f64::from((2 * l - 1).abs())).sqrt();
     let along = root(l * l - order * order);
     let up = root((l - order) * (l - order - 1));
     let down = root((l + order) * (l + order - 1));
@@ -162,15 +152,8 @@ fn ladder(l: i32, order: i32, cosine: bool, up: f64, down: f64) -> Combination {
     let sign = if cosine { 1 } else { -1 };
     let touches_zero = |least: i32| if order == least { SQRT_2 } else { 1.0 };
     let absent = order == 0 || (order == 1 && !cosine);
-    let down = if absent {
-        0.0
-    } else {
-        0.5 * touches_zero(1) * down
-    };
-    Combination::of([
-        (l, sign * (order + 1), 0.5 * touches_zero(0) * up),
-        (l, sign * (order - 1), down),
-    ])
+    let down = if absent { 0.0 } else { 0.5 * touches_zero(1) * down };
+    Combination::of([(l, sign * (order + 1), 0.5 * touches_zero(0) * up), (l, sign * (order - 1), down)])
 }
 
 #[cfg(test)]
@@ -203,10 +186,7 @@ mod tests {
         for point in [[0.48, -0.6, 0.64], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]] {
             let values = SolidHarmonics::new(MAXIMUM_DEGREE).values(point);
             for l in 0..=MAXIMUM_DEGREE {
-                let sum: f64 = values[l * l..(l + 1) * (l + 1)]
-                    .iter()
-                    .map(|value| value * value)
-                    .sum();
+                let sum: f64 = values[l * l..(l + 1) * (l + 1)].iter().map(|value| value * value).sum();
                 assert!((sum / (2 * l + 1) as f64 - 1.0).abs() < 1e-13);
             }
         }
@@ -225,9 +205,7 @@ mod tests {
             .collect();
         for axis in 0..3 {
             let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
-            for (index, (ahead, behind)) in
-                differences[last].iter().zip(&differences[next]).enumerate()
-            {
+            for (index, (ahead, behind)) in differences[last].iter().zip(&differences[next]).enumerate() {
                 let slope = harmonics.gradient(axis)[index].apply(&values);
                 assert!((slope - differences[axis][index]).abs() < 1e-8);
                 let turn = POINT[next] * ahead - POINT[last] * behind;

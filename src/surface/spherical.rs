@@ -56,27 +56,15 @@ impl Spherical {
     ///
     /// If `order` is 0 or above [`MAXIMUM_ORDER`].
     pub fn new(radius: f64, viscosity: f64, order: usize) -> Self {
-        assert!(
-            (1..=MAXIMUM_ORDER).contains(&order),
-            "order {order} is not in 1..={MAXIMUM_ORDER}"
-        );
+        assert!((1..=MAXIMUM_ORDER).contains(&order), "order {order} is not in 1..={MAXIMUM_ORDER}");
         let degrees = (1..=order).map(Degree::new).collect();
-        Self {
-            radius,
-            viscosity,
-            harmonics: SolidHarmonics::new(order),
-            degrees,
-        }
+        Self { radius, viscosity, harmonics: SolidHarmonics::new(order), degrees }
     }
 
     fn scaled(&self, offset: &[f64]) -> Scaled {
         let position = [0, 1, 2].map(|axis| offset[axis] / self.radius);
         let square = position.iter().map(|x| x * x).sum::<f64>();
-        Scaled {
-            position,
-            square,
-            inverse: 1.0 / square.sqrt(),
-        }
+        Scaled { position, square, inverse: 1.0 / square.sqrt() }
     }
 }
 
@@ -94,12 +82,9 @@ impl Modes for Spherical {
     }
 
     fn traction(&self, direction: &[f64], out: &mut [f64]) {
-        let values = self
-            .harmonics
-            .values([direction[0], direction[1], direction[2]]);
+        let values = self.harmonics.values([direction[0], direction[1], direction[2]]);
         for (axis, normal) in direction.iter().enumerate() {
-            let (gradient, rotation) =
-                (self.harmonics.gradient(axis), self.harmonics.rotation(axis));
+            let (gradient, rotation) = (self.harmonics.gradient(axis), self.harmonics.rotation(axis));
             for (l, degree) in (1..).zip(&self.degrees) {
                 for (index, places) in (l * l..).zip(&degree.places) {
                     let radial = values[index] * normal;
@@ -117,10 +102,7 @@ impl Modes for Spherical {
         let point = self.scaled(offset);
         let scale = self.radius / self.viscosity;
         let values = self.harmonics.values(point.position);
-        let (gradient, rotation) = (
-            self.harmonics.gradient(component),
-            self.harmonics.rotation(component),
-        );
+        let (gradient, rotation) = (self.harmonics.gradient(component), self.harmonics.rotation(component));
         let along = point.position[component];
         let falloff = point.inverse * point.inverse;
         let mut decay = point.inverse;
@@ -128,10 +110,7 @@ impl Modes for Spherical {
             let before = decay;
             decay *= falloff;
             let powers = [point.square, before, decay, decay * falloff];
-            let factors = degree
-                .poloidal
-                .each_ref()
-                .map(|mode| mode.factors(powers).map(|factor| scale * factor));
+            let factors = degree.poloidal.each_ref().map(|mode| mode.factors(powers).map(|factor| scale * factor));
             let turn = degree.toroidal * scale * (decay - 1.0) / (2 * l + 1) as f64;
             for (index, places) in (l * l..).zip(&degree.places) {
                 let (radial, slope) = (along * values[index], gradient[index].apply(&values));
@@ -182,31 +161,15 @@ impl Degree {
     fn new(l: usize) -> Self {
         let size = ((l * (l + 1)) as f64).sqrt();
         if l > 1 {
-            let poloidal = [
-                Poloidal::new(l, 1.0, 0.0),
-                Poloidal::new(l, 0.0, 1.0 / size),
-            ];
+            let poloidal = [Poloidal::new(l, 1.0, 0.0), Poloidal::new(l, 0.0, 1.0 / size)];
             let first = 3 * (l * l - 1);
-            let places = (0..2 * l + 1)
-                .map(|m| [0, 1, 2].map(|kind| first + 3 * m + kind))
-                .collect();
-            return Self {
-                poloidal,
-                toroidal: 1.0 / size,
-                places,
-            };
+            let places = (0..2 * l + 1).map(|m| [0, 1, 2].map(|kind| first + 3 * m + kind)).collect();
+            return Self { poloidal, toroidal: 1.0 / size, places };
         }
         let [translation, other] = [1.0 / 3.0_f64.sqrt(), 1.0 / 6.0_f64.sqrt()];
-        let poloidal = [
-            Poloidal::new(l, translation, translation),
-            Poloidal::new(l, 2.0 * other, -other),
-        ];
+        let poloidal = [Poloidal::new(l, translation, translation), Poloidal::new(l, 2.0 * other, -other)];
         let places = [1, 2, 0].map(|axis| [axis, 6 + axis, 3 + axis]).to_vec();
-        Self {
-            poloidal,
-            toroidal: -1.0 / size,
-            places,
-        }
+        Self { poloidal, toroidal: -1.0 / size, places }
     }
 }
 

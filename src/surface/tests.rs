@@ -8,9 +8,7 @@ const VISCOSITY: f64 = 1.3;
 /// Both families at a low and a higher order.
 fn families() -> Vec<Box<dyn Modes>> {
     let orders = [(2, 1), (2, 4), (3, 1), (3, 4)];
-    orders
-        .map(|(dimension, order)| modes(dimension, RADIUS, VISCOSITY, order))
-        .into()
+    orders.map(|(dimension, order)| modes(dimension, RADIUS, VISCOSITY, order)).into()
 }
 
 /// A direction that no symmetry singles out.
@@ -54,43 +52,25 @@ fn slope(modes: &dyn Modes, offset: &[f64], component: usize, axis: usize) -> Ve
     let difference = |factor: f64| -> Vec<f64> {
         let ahead = jump(modes, &shifted(offset, axis, factor * step), component);
         let behind = jump(modes, &shifted(offset, axis, -factor * step), component);
-        ahead
-            .iter()
-            .zip(behind)
-            .map(|(a, b)| (a - b) / (2.0 * factor * step))
-            .collect()
+        ahead.iter().zip(behind).map(|(a, b)| (a - b) / (2.0 * factor * step)).collect()
     };
-    difference(1.0)
-        .iter()
-        .zip(difference(2.0))
-        .map(|(near, far)| (4.0 * near - far) / 3.0)
-        .collect()
+    difference(1.0).iter().zip(difference(2.0)).map(|(near, far)| (4.0 * near - far) / 3.0).collect()
 }
 
 /// Fourth-order second difference along `axis`.
 fn curvature(modes: &dyn Modes, offset: &[f64], component: usize, axis: usize) -> Vec<f64> {
     let step = 2e-3 * RADIUS;
     let at = |factor: f64| jump(modes, &shifted(offset, axis, factor * step), component);
-    let stencil = [
-        (-2.0, -1.0),
-        (-1.0, 16.0),
-        (0.0, -30.0),
-        (1.0, 16.0),
-        (2.0, -1.0),
-    ];
+    let stencil = [(-2.0, -1.0), (-1.0, 16.0), (0.0, -30.0), (1.0, 16.0), (2.0, -1.0)];
     let mut sum = vec![0.0; modes.count()];
     for (factor, weight) in stencil {
-        sum.iter_mut()
-            .zip(at(factor))
-            .for_each(|(s, value)| *s += weight * value / (12.0 * step * step));
+        sum.iter_mut().zip(at(factor)).for_each(|(s, value)| *s += weight * value / (12.0 * step * step));
     }
     sum
 }
 
 fn sum(terms: impl Iterator<Item = Vec<f64>>) -> Vec<f64> {
-    terms
-        .reduce(|total, term| total.iter().zip(term).map(|(a, b)| a + b).collect())
-        .expect("at least one term")
+    terms.reduce(|total, term| total.iter().zip(term).map(|(a, b)| a + b).collect()).expect("at least one term")
 }
 
 /// `matrix[m][n]`: mean over the surface of `F_m . F_n`.
@@ -110,12 +90,8 @@ fn first_moments(modes: &dyn Modes) -> Vec<DMatrix<f64>> {
     let rule = quadrature(dimension, 1.0, 6);
     let mut moments = vec![DMatrix::zeros(dimension, dimension); modes.count()];
     for (direction, weight) in rule.directions.chunks(dimension).zip(&rule.weights) {
-        for (moment, force) in moments
-            .iter_mut()
-            .zip(traction(modes, direction).chunks(dimension))
-        {
-            *moment +=
-                *weight * DMatrix::from_fn(dimension, dimension, |i, j| force[i] * direction[j]);
+        for (moment, force) in moments.iter_mut().zip(traction(modes, direction).chunks(dimension)) {
+            *moment += *weight * DMatrix::from_fn(dimension, dimension, |i, j| force[i] * direction[j]);
         }
     }
     moments
@@ -123,10 +99,7 @@ fn first_moments(modes: &dyn Modes) -> Vec<DMatrix<f64>> {
 
 #[test]
 fn counts_are_those_of_the_families() {
-    let counts = families()
-        .iter()
-        .map(|modes| (modes.count(), modes.rigid_count()))
-        .collect::<Vec<_>>();
+    let counts = families().iter().map(|modes| (modes.count(), modes.rigid_count())).collect::<Vec<_>>();
     assert_eq!(counts, [(5, 3), (17, 3), (9, 6), (72, 6)]);
 }
 
@@ -134,22 +107,14 @@ fn counts_are_those_of_the_families() {
 fn modes_are_orthonormal_in_the_mean() {
     for modes in families() {
         let products = products(modes.as_ref(), &quadrature(modes.dimension(), 0.5, 4));
-        assert!(
-            (products - DMatrix::identity(modes.count(), modes.count()))
-                .abs()
-                .max()
-                < 1e-13
-        );
+        assert!((products - DMatrix::identity(modes.count(), modes.count())).abs().max() < 1e-13);
     }
 }
 
 #[test]
 fn rigid_modes_are_unit_translations_and_rotations_and_come_first() {
     let [x, y] = [0.6, -0.8];
-    assert!(close(
-        &traction(&Fourier::new(RADIUS, VISCOSITY, 3), &[x, y])[..6],
-        &[1.0, 0.0, 0.0, 1.0, -y, x]
-    ));
+    assert!(close(&traction(&Fourier::new(RADIUS, VISCOSITY, 3), &[x, y])[..6], &[1.0, 0.0, 0.0, 1.0, -y, x]));
     let [x, y, z] = [0.48, -0.6, 0.64];
     let root = 1.5_f64.sqrt();
     let expected = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
@@ -159,10 +124,7 @@ fn rigid_modes_are_unit_translations_and_rotations_and_come_first() {
 }
 
 fn close(values: &[f64], expected: &[f64]) -> bool {
-    values
-        .iter()
-        .zip(expected)
-        .all(|(value, expected)| (value - expected).abs() < 1e-14)
+    values.iter().zip(expected).all(|(value, expected)| (value - expected).abs() < 1e-14)
 }
 
 #[test]
@@ -172,9 +134,7 @@ fn force_and_torque_factors_are_those_of_the_rigid_modes() {
         let moment = &first_moments(modes.as_ref())[modes.rigid_count() - 1];
         let area = modes.force_factor();
         let torque = area * RADIUS * (moment[(1, 0)] - moment[(0, 1)]);
-        assert!(
-            (area - [2.0 * PI * RADIUS, 4.0 * PI * RADIUS * RADIUS][dimension - 2]).abs() < 1e-14
-        );
+        assert!((area - [2.0 * PI * RADIUS, 4.0 * PI * RADIUS * RADIUS][dimension - 2]).abs() < 1e-14);
         assert!((torque - modes.torque_factor()).abs() < 1e-13);
     }
 }
@@ -184,11 +144,7 @@ fn the_velocity_jump_vanishes_on_the_surface() {
     for modes in families() {
         let offset = scaled(&direction(modes.dimension()), RADIUS);
         for component in 0..modes.dimension() {
-            assert!(
-                jump(modes.as_ref(), &offset, component)
-                    .iter()
-                    .all(|value| value.abs() < 1e-14)
-            );
+            assert!(jump(modes.as_ref(), &offset, component).iter().all(|value| value.abs() < 1e-14));
         }
     }
 }
@@ -199,23 +155,13 @@ fn the_jump_functions_satisfy_stokes() {
         let dimension = modes.dimension();
         for factor in [0.75, 1.3] {
             let offset = scaled(&direction(dimension), factor * RADIUS);
-            let divergence =
-                sum((0..dimension).map(|axis| slope(modes.as_ref(), &offset, axis, axis)));
-            assert!(
-                divergence.iter().all(|value| value.abs() < 1e-7),
-                "{divergence:?}"
-            );
+            let divergence = sum((0..dimension).map(|axis| slope(modes.as_ref(), &offset, axis, axis)));
+            assert!(divergence.iter().all(|value| value.abs() < 1e-7), "{divergence:?}");
             for component in 0..dimension {
-                let laplacian =
-                    sum((0..dimension)
-                        .map(|axis| curvature(modes.as_ref(), &offset, component, axis)));
+                let laplacian = sum((0..dimension).map(|axis| curvature(modes.as_ref(), &offset, component, axis)));
                 let push = slope(modes.as_ref(), &offset, dimension, component);
                 let residual = laplacian.iter().zip(push).map(|(l, p)| VISCOSITY * l - p);
-                assert!(
-                    residual.clone().all(|value| value.abs() < 1e-6),
-                    "{:?}",
-                    residual.collect::<Vec<_>>()
-                );
+                assert!(residual.clone().all(|value| value.abs() < 1e-6), "{:?}", residual.collect::<Vec<_>>());
             }
         }
     }
@@ -230,12 +176,7 @@ fn the_jump_of_stress_on_the_surface_is_minus_the_traction() {
         let pressure = jump(modes.as_ref(), &offset, dimension);
         for i in 0..dimension {
             let strain = sum((0..dimension).map(|j| {
-                let pair = slope(modes.as_ref(), &offset, i, j).into_iter().zip(slope(
-                    modes.as_ref(),
-                    &offset,
-                    j,
-                    i,
-                ));
+                let pair = slope(modes.as_ref(), &offset, i, j).into_iter().zip(slope(modes.as_ref(), &offset, j, i));
                 pair.map(|(a, b)| normal[j] * (a + b)).collect()
             }));
             for mode in 0..modes.count() {
@@ -251,10 +192,7 @@ fn the_pressure_jump_on_the_surface_is_the_normal_traction() {
     for modes in families() {
         let (dimension, normal) = (modes.dimension(), direction(modes.dimension()));
         let pressure = jump(modes.as_ref(), &scaled(&normal, RADIUS), dimension);
-        for (value, force) in pressure
-            .iter()
-            .zip(traction(modes.as_ref(), &normal).chunks(dimension))
-        {
+        for (value, force) in pressure.iter().zip(traction(modes.as_ref(), &normal).chunks(dimension)) {
             let expected: f64 = force.iter().zip(&normal).map(|(f, n)| f * n).sum();
             assert!((value - expected).abs() < 1e-13);
         }
@@ -283,18 +221,9 @@ fn a_ball_in_strain_has_einsteins_stresslet() {
             (0, 1) | (1, 0) => 0.4,
             _ => 0.0,
         });
-        let background = DMatrix::from_fn(modes.count(), 1, |mode, _| {
-            -RADIUS * moments[mode].dot(&strain)
-        });
-        let coefficients = modes
-            .isolated_mobility(10.0)
-            .cholesky()
-            .expect("positive definite")
-            .solve(&background);
-        let moment = moments
-            .iter()
-            .zip(&coefficients)
-            .fold(0.0 * &strain, |sum, (moment, c)| sum + moment * *c);
+        let background = DMatrix::from_fn(modes.count(), 1, |mode, _| -RADIUS * moments[mode].dot(&strain));
+        let coefficients = modes.isolated_mobility(10.0).cholesky().expect("positive definite").solve(&background);
+        let moment = moments.iter().zip(&coefficients).fold(0.0 * &strain, |sum, (moment, c)| sum + moment * *c);
         assert!((moment - expected * VISCOSITY * strain).abs().max() < 1e-13);
     }
 }
@@ -305,11 +234,7 @@ fn the_largest_orders_are_finite_near_the_centre_and_vanish_on_the_surface() {
         let modes = modes(dimension, RADIUS, VISCOSITY, order);
         let offset = scaled(&direction(dimension), 0.01 * RADIUS);
         for component in 0..=dimension {
-            assert!(
-                jump(modes.as_ref(), &offset, component)
-                    .iter()
-                    .all(|value| value.is_finite())
-            );
+            assert!(jump(modes.as_ref(), &offset, component).iter().all(|value| value.is_finite()));
         }
     }
 }
@@ -337,8 +262,6 @@ fn timing_of_one_evaluation() {
             start.elapsed().as_secs_f64() / 200_000.0 * 1e9
         };
         let (velocity, pressure) = (time(0), time(dimension));
-        println!(
-            "{dimension}D order {order}: velocity {velocity:.0} ns, pressure {pressure:.0} ns"
-        );
+        println!("{dimension}D order {order}: velocity {velocity:.0} ns, pressure {pressure:.0} ns");
     }
 }

@@ -1,0 +1,162 @@
+//! Groups of bodies that are alike: what they are, where they start and how they move.
+
+use std::path::{Path, PathBuf};
+
+use crate::error::Result;
+use crate::scene::entry::Entry;
+use crate::scene::table::Table;
+
+/// Keys of `[[bodies]]` that exclude each other.
+pub(super) const PLACEMENTS: [&str; 4] = ["fraction", "count", "centers", "file"];
+
+const KEYS: [&str; 11] = ["shape", "radius", "fraction", "count", "centers", "file", "gap", "density", "motion", "force", "torque"];
+
+/// Bodies that are alike: one `[[bodies]]` of the file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyGroup {
+    /// The shape of each body.
+    pub shape: Shape,
+    /// The radius of each body, positive.
+    pub radius: f64,
+    /// Where the bodies start.
+    pub placement: Placement,
+    /// Smallest initial gap between bodies placed at random, in radii.
+    pub gap: f64,
+    /// Mass per volume, not negative.
+    pub density: f64,
+    /// How the bodies move.
+    pub motion: Motion,
+    /// External force on each body; only free bodies have one.
+    pub force: Option<Vec<f64>>,
+    /// External torque on each body, one number in 2D and three in 3D; only free bodies have one.
+    pub torque: Option<Vec<f64>>,
+}
+
+/// The shape of a body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// A disk in 2D, a ball in 3D.
+    Ball,
+}
+
+/// Where the bodies of a group start.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Placement {
+    /// At random, filling this part of the box, between 0 and 1.
+    Fraction(f64),
+    /// At random, this many, at least one.
+    Count(usize),
+    /// At these centers.
+    Centers(Vec<Vec<f64>>),
+    /// At the centers of this table (`x,y[,z][,radius]`), which nobody has opened yet.
+    File(PathBuf),
+}
+
+/// How the bodies of a group move.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Motion {
+    /// As the fluid and the forces have it.
+    Free,
+    /// Not at all.
+    Fixed,
+    /// As told.
+    Prescribed {
+        /// Velocity of the center.
+        velocity: Vec<f64>,
+        /// Turning rate: one number in 2D, three in 3D.
+        spin: Vec<f64>,
+    },
+}
+
+pub(super) fn read(root: &Table, folder: &Path, dimension: usize) -> Result<Vec<BodyGroup>> {
+    let groups = root.get("bodies").map_or(Ok(Vec::new()), |entry| entry.list())?;
+    groups.iter().map(|entry| BodyGroup::read(entry, folder, dimension)).collect()
+}
+
+impl BodyGroup {
+    fn read(entry: &Entry, folder: &Path, dimension: usize) -> Result<Self> {
+        let table = entry.table(&KEYS)?;
+        let motion = table.get("motion").map_or(Ok(Motion::Free), |entry| Motion::read(&entry, dimension))?;
+        refuse_load(&table, &motion)?;
+        let placement = Placement::read(&table, folder, dimension)?;
+        Ok(BodyGroup {
+            shape: table.get("shape").map_or(Ok(Shape::Ball), |entry| entry.choice(&[("ball", Shape::Ball)], &[]))?,
+            radius: table.require("radius", "1.0")?.positive()?,
+            gap: read_gap(&table, &placement)?,
+            placement,
+            density: table.get("density").map_or(Ok(1.0), |entry| entry.not_negative())?,
+            motion,
+            force: table.get("force").map(|entry| entry.vector(dimension)).transpose()?,
+            torque: table.get("torque").map(|entry| entry.rotation(dimension)).transpose()?,
+        })
+    }
+}
+
+fn refuse_load(table: &Table, motion: &Motion) -> Result<()> {
+    let load = table.get("force").or_else(|| table.get("torque"));
+    match load.filter(|_| *motion != Motion::Free) {
+        Some(load) => Err(load.refuse("only bodies with motion = \"free\" take an external force or torque")),
+        None => Ok(()),
+    }
+}
+
+fn read_gap(table: &Table, placement: &Placement) -> Result<f64> {
+    let Some(entry) = table.get("gap") else {
+        return Ok(0.05);
+    };
+    let random = matches!(placement, Placement::Fraction(_) | Placement::Count(_));
+    entry.expect((), random, "only bodies placed by fraction or count keep a gap; remove it")?;
+    entry.not_negative()
+}
+
+impl Placement {
+    fn read(table: &Table, folder: &Path, dimension: usize) -> Result<Self> {
+        let (name, entry) = table.exactly_one(&PLACEMENTS, "fraction = 0.3")?;
+        Ok(match name {
+            "fraction" => Placement::Fraction(read_fraction(&entry)?),
+            "count" => Placement::Count(entry.count()?),
+            "centers" => Placement::Centers(read_centers(&entry, dimension)?),
+            _ => Placement::File(read_path(&entry, folder)?),
+        })
+    }
+}
+
+fn read_fraction(entry: &Entry) -> Result<f64> {
+    let fraction = entry.number()?;
+    entry.expect(fraction, fraction > 0.0 && fraction < 1.0, "must lie between 0 and 1")
+}
+
+fn read_centers(entry: &Entry, dimension: usize) -> Result<Vec<Vec<f64>>> {
+    let centers = entry.list()?;
+    entry.expect((), !centers.is_empty(), "must hold at least one center")?;
+    centers.iter().map(|center| center.vector(dimension)).collect()
+}
+
+fn read_path(entry: &Entry, folder: &Path) -> Result<PathBuf> {
+    let path = entry.text()?;
+    entry.expect((), !path.is_empty(), "must name a file")?;
+    Ok(folder.join(path))
+}
+
+impl Motion {
+    fn read(entry: &Entry, dimension: usize) -> Result<Self> {
+        const CHOICES: &str = "\"free\", \"fixed\" or { velocity = [..], spin = .. }";
+        if let Ok(word) = entry.text() {
+            return match word {
+                "free" => Ok(Motion::Free),
+                "fixed" => Ok(Motion::Fixed),
+                _ => Err(entry.refuse(&format!("must be {CHOICES}"))),
+            };
+        }
+        if !entry.value.is_inline_table() {
+            return Err(entry.mistyped(CHOICES));
+        }
+        let table = entry.table(&["velocity", "spin"])?;
+        let rotations = if dimension == 2 { 1 } else { 3 };
+        let still = |length| Ok(vec![0.0; length]);
+        Ok(Motion::Prescribed {
+            velocity: table.get("velocity").map_or(still(dimension), |entry| entry.vector(dimension))?,
+            spin: table.get("spin").map_or(still(rotations), |entry| entry.rotation(dimension))?,
+        })
+    }
+}

@@ -1,0 +1,220 @@
+//! From the text of a scene file to a checked scene.
+
+use std::path::Path;
+
+use toml_edit::{Document, Item, TomlError, Value};
+
+use crate::error::{Error, Result};
+use crate::scene::locations::{Lines, Locations};
+use crate::scene::table::Table;
+use crate::scene::{
+    ContactSection, DomainSection, FlowSection, LubricationSection, MethodSection, OutputSection, ResolutionSection, Scene, bodies, check,
+    overrides,
+};
+
+const KEYS: [&str; 11] =
+    ["title", "seed", "gravity", "domain", "flow", "resolution", "method", "bodies", "contact", "lubrication", "output"];
+
+impl Scene {
+    /// The scene of a file with `key=value` overrides; refused with file and line if anything is not right.
+    pub fn read(path: &Path, overrides: &[String]) -> Result<Scene> {
+        let unreadable = |source| Error::File { path: path.to_owned(), source };
+        let text = std::fs::read_to_string(path).map_err(unreadable)?;
+        let file = path.file_name().unwrap_or_default().to_string_lossy();
+        load(&file, path.parent().unwrap_or(Path::new("")), &text, overrides)
+    }
+
+    /// The scene of a text that calls itself `name`; files it names are looked for in `folder`.
+    pub fn parse(name: &str, folder: &Path, text: &str, overrides: &[String]) -> Result<Scene> {
+        load(&format!("{name}.toml"), folder, text, overrides)
+    }
+}
+
+fn load(file: &str, folder: &Path, text: &str, overrides: &[String]) -> Result<Scene> {
+    let original = Document::parse(text).map_err(|error| misspelt(file, text, &error))?;
+    let mut locations = Locations::of(file, &original);
+    let mut document = original.into_mut();
+    for change in overrides {
+        overrides::apply(&mut document, &mut locations, change)?;
+    }
+    let text = document.to_string();
+    let content = Item::Table(document.into_table()).into_value().expect("a table is a value");
+    let scene = read(file, folder, &content, locations)?;
+    let scene = Scene { text, ..scene };
+    check::check(&scene)?;
+    Ok(scene)
+}
+
+fn misspelt(file: &str, text: &str, error: &TomlError) -> Error {
+    let line = error.span().map_or(1, |span| Lines::of(text).at(&span));
+    let message = error.message().lines().collect::<Vec<_>>().join("; ");
+    Error::Refused(format!("{file}:{line}: not valid TOML: {message}"))
+}
+
+fn read(file: &str, folder: &Path, content: &Value, locations: Locations) -> Result<Scene> {
+    let root = Table::root(content, &locations, &KEYS)?;
+    let domain = DomainSection::read(&root)?;
+    let dimension = domain.size.len();
+    Ok(Scene {
+        name: Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        title: root.get("title").map_or(Ok(""), |entry| entry.text())?.to_owned(),
+        seed: root.get("seed").map_or(Ok(1), |entry| entry.whole(0))?,
+        gravity: root.get("gravity").map(|entry| entry.vector(dimension)).transpose()?,
+        domain,
+        flow: FlowSection::read(&root, dimension)?,
+        resolution: ResolutionSection::read(&root)?,
+        method: MethodSection::read(&root)?,
+        bodies: bodies::read(&root, folder, dimension)?,
+        contact: ContactSection::read(&root)?,
+        lubrication: LubricationSection::read(&root)?,
+        output: OutputSection::read(&root)?,
+        locations,
+        text: String::new(),
+    })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use std::path::{Path, PathBuf};
+
+    use crate::scene::{AxisSection, Drive, Modes, Motion, Placement, Scene, Shape, Spacing};
+
+    const FLAT: &str = r#"
+title = "A disk between moving walls"
+seed = 7
+gravity = [0, -1.5]
+[domain]
+size = [8, 4.0]
+y = { lower = [-1.0, 0.0], upper = [1, 0] }
+[flow]
+model = "stokes"
+viscosity = 2
+density = 0.5
+drive = { mean_velocity = [1.0, 0.0] }
+[resolution]
+cells_per_radius = 6
+modes = 9
+[method]
+constraint = "sharp"
+inverse = "hypre"
+tolerance = 1e-8
+[[bodies]]
+shape = "ball"
+radius = 0.5
+centers = [[1, 2], [3.0, 2.0]]
+density = 3
+motion = { velocity = [0.5, 0.0], spin = 2 }
+[[bodies]]
+radius = 1
+fraction = 0.3
+gap = 0
+force = [0.0, -1.0]
+torque = 0.25
+[contact]
+model = "none"
+[lubrication]
+model = "none"
+[output]
+picture = false
+"#;
+
+    const DEEP: &str = r#"
+[domain]
+size = [4.0, 4.0, 4.0]
+x = "walls"
+[resolution]
+spacing = 0.25
+[[bodies]]
+radius = 0.5
+file = "centers.csv"
+motion = { velocity = [0.0, 0.0, 1.0] }
+[[bodies]]
+radius = 0.5
+count = 3
+torque = [0.0, 0.0, 1.0]
+"#;
+
+    fn parse(text: &str) -> Scene {
+        Scene::parse("scene", Path::new("folder"), text, &[]).unwrap()
+    }
+
+    #[test]
+    fn a_scene_in_two_dimensions_is_read_in_full() {
+        let scene = parse(FLAT);
+        assert_eq!(scene.dimension(), 2);
+        assert_eq!((scene.name.as_str(), scene.seed), ("scene", 7));
+        assert_eq!(scene.title, "A disk between moving walls");
+        assert_eq!(scene.gravity, Some(vec![0.0, -1.5]));
+        let walls = AxisSection::Walls { lower: vec![-1.0, 0.0], upper: vec![1.0, 0.0] };
+        assert_eq!(scene.domain.size, [8.0, 4.0]);
+        assert_eq!(scene.domain.axes, [AxisSection::Periodic, walls]);
+        assert_eq!((scene.flow.viscosity, scene.flow.density), (2.0, 0.5));
+        assert_eq!(scene.flow.drive, Some(Drive::MeanVelocity(vec![1.0, 0.0])));
+        assert_eq!(scene.resolution.spacing, Spacing::CellsPerRadius(6.0));
+        assert_eq!(scene.resolution.modes, Modes::Count(9));
+        assert_eq!(scene.method.tolerance, 1e-8);
+        assert!(!scene.output.picture);
+        assert_eq!(scene.text, FLAT);
+    }
+
+    #[test]
+    fn groups_of_bodies_are_read_in_order() {
+        let bodies = parse(FLAT).bodies;
+        let centers = vec![vec![1.0, 2.0], vec![3.0, 2.0]];
+        let motion = Motion::Prescribed { velocity: vec![0.5, 0.0], spin: vec![2.0] };
+        assert_eq!((bodies[0].shape, bodies[0].radius), (Shape::Ball, 0.5));
+        assert_eq!(bodies[0].placement, Placement::Centers(centers));
+        assert_eq!((bodies[0].gap, bodies[0].density), (0.05, 3.0));
+        assert_eq!(bodies[0].motion, motion);
+        assert_eq!(bodies[1].placement, Placement::Fraction(0.3));
+        assert_eq!((bodies[1].gap, bodies[1].density), (0.0, 1.0));
+        assert_eq!(bodies[1].motion, Motion::Free);
+        assert_eq!(bodies[1].force, Some(vec![0.0, -1.0]));
+        assert_eq!(bodies[1].torque, Some(vec![0.25]));
+    }
+
+    #[test]
+    fn a_scene_in_three_dimensions_turns_with_three_numbers() {
+        let scene = parse(DEEP);
+        assert_eq!(scene.dimension(), 3);
+        let rest = AxisSection::Walls { lower: vec![0.0; 3], upper: vec![0.0; 3] };
+        assert_eq!(scene.domain.axes, [rest, AxisSection::Periodic, AxisSection::Periodic]);
+        let file = PathBuf::from("folder/centers.csv");
+        assert_eq!(scene.bodies[0].placement, Placement::File(file));
+        let motion = Motion::Prescribed { velocity: vec![0.0, 0.0, 1.0], spin: vec![0.0; 3] };
+        assert_eq!(scene.bodies[0].motion, motion);
+        assert_eq!(scene.bodies[1].placement, Placement::Count(3));
+        assert_eq!(scene.bodies[1].torque, Some(vec![0.0, 0.0, 1.0]));
+    }
+
+    #[test]
+    fn what_a_scene_leaves_out_has_defaults() {
+        let scene = parse("domain.size = [1, 1]\nresolution.spacing = 0.1");
+        assert_eq!((scene.title.as_str(), scene.seed, &scene.gravity), ("", 1, &None));
+        assert_eq!(scene.domain.axes, [AxisSection::Periodic, AxisSection::Periodic]);
+        assert_eq!((scene.flow.viscosity, scene.flow.density), (1.0, 0.0));
+        assert_eq!(scene.flow.drive, None);
+        assert_eq!(scene.resolution.modes, Modes::Auto);
+        assert_eq!(scene.method.tolerance, 1e-6);
+        assert!(scene.bodies.is_empty() && scene.output.picture);
+    }
+
+    #[test]
+    fn later_refusals_name_the_line_of_the_key_or_of_the_table_around_it() {
+        let scene = parse(FLAT);
+        let refusal = |key| scene.refuse(key, 3, "no").to_string();
+        assert_eq!(refusal("bodies[0].radius"), "scene.toml:22: bodies[0].radius = 3: no");
+        assert_eq!(refusal("bodies.1.radius"), "scene.toml:27: bodies[1].radius = 3: no");
+        assert_eq!(refusal("bodies[0].centers[1]"), "scene.toml:23: bodies[0].centers[1] = 3: no");
+        assert_eq!(refusal("bodies[1].motion"), "scene.toml:26: bodies[1].motion = 3: no");
+        assert_eq!(refusal("flow.drive.shear_rate"), "scene.toml:12: flow.drive.shear_rate = 3: no");
+        assert_eq!(refusal("ranks"), "scene.toml:1: ranks = 3: no");
+    }
+
+    #[test]
+    fn an_unreadable_file_is_named() {
+        let error = Scene::read(Path::new("/nowhere/scene.toml"), &[]).unwrap_err();
+        assert!(error.to_string().starts_with("/nowhere/scene.toml: "));
+    }
+}

@@ -1,0 +1,70 @@
+//! What to simulate: plain data read from a scene file, checked at the door, never changed.
+//!
+//! It knows no grid, no solver and no dimension in its types: every vector is a `Vec<f64>` whose length was checked.
+//! Whether bodies overlap or fit into the box is checked where they are placed, with [`Scene::refuse`].
+
+mod bodies;
+mod check;
+mod entry;
+mod file;
+mod locations;
+mod overrides;
+mod sections;
+mod table;
+
+pub use bodies::{BodyGroup, Motion, Placement, Shape};
+pub use locations::Locations;
+pub use sections::{
+    AxisSection, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
+    LubricationSection, MethodSection, Modes, OutputSection, ResolutionSection, Spacing, StokesSolver,
+};
+
+use crate::error::Error;
+
+/// Everything a scene file says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// The file's name without its ending.
+    pub name: String,
+    /// One line for people; empty unless given.
+    pub title: String,
+    /// Seed of every random number of the run.
+    pub seed: u64,
+    /// Acceleration of bodies and fluid; absent means none.
+    pub gravity: Option<Vec<f64>>,
+    /// The box.
+    pub domain: DomainSection,
+    /// The fluid and what drives it.
+    pub flow: FlowSection,
+    /// How fine the grid and the multipliers are.
+    pub resolution: ResolutionSection,
+    /// How the equations are solved.
+    pub method: MethodSection,
+    /// Groups of bodies that are alike, in the order of the file.
+    pub bodies: Vec<BodyGroup>,
+    /// What happens between bodies that touch.
+    pub contact: ContactSection,
+    /// What happens between bodies that nearly touch.
+    pub lubrication: LubricationSection,
+    /// What a run writes besides its summary.
+    pub output: OutputSection,
+    /// Where each key was written.
+    pub locations: Locations,
+    /// The file's text with the overrides applied: a scene file that gives this scene again.
+    pub text: String,
+}
+
+impl Scene {
+    /// The dimension of space, 2 or 3.
+    pub fn dimension(&self) -> usize {
+        self.domain.size.len()
+    }
+
+    /// The refusal of a key's value: place, key, value and what would be right.
+    ///
+    /// `key` is written `bodies[0].radius` or `bodies.0.radius`. The place is the line that holds the key, `--set` if
+    /// the command line gave it, or the line of the innermost table around a key that nobody wrote.
+    pub fn refuse(&self, key: &str, value: impl std::fmt::Display, remedy: &str) -> Error {
+        self.locations.refuse(key, value, remedy)
+    }
+}

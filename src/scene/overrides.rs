@@ -1,0 +1,244 @@
+//! `--set key=value`: changes to a scene's document before it is checked.
+//!
+//! Setting one of several keys that exclude each other removes its rivals.
+
+use toml_edit::{DocumentMut, InlineTable, Item, Table, Value};
+
+use crate::error::{Error, Result};
+use crate::scene::bodies::PLACEMENTS;
+use crate::scene::locations::{Locations, dotted, written};
+use crate::scene::sections::{DRIVES, SPACINGS};
+
+/// The deepest key an override may name; scene files need five.
+const DEEPEST: usize = 8;
+
+pub(super) fn apply(document: &mut DocumentMut, locations: &mut Locations, text: &str) -> Result<()> {
+    let change = Change::parse(text)?;
+    for rival in change.rivals() {
+        remove(document.as_item_mut(), &rival);
+        locations.forget(&rival.join("."));
+    }
+    let created = set(document.as_item_mut(), &change)?;
+    locations.overridden(&change.path[..created].join("."));
+    Ok(())
+}
+
+struct Change<'a> {
+    text: &'a str,
+    path: Vec<String>,
+    value: Value,
+}
+
+impl<'a> Change<'a> {
+    fn parse(text: &'a str) -> Result<Self> {
+        let (key, value) = text.split_once('=').ok_or_else(|| malformed(text, "must be key=value, for example resolution.spacing=0.1"))?;
+        let path: Vec<String> = dotted(key.trim()).split('.').map(str::to_owned).collect();
+        if path.len() > DEEPEST || !path.iter().all(|part| is_bare(part)) {
+            return Err(malformed(text, "the key must look like resolution.spacing or bodies.0.radius"));
+        }
+        let value = read_value(value.trim())
+            .ok_or_else(|| malformed(text, "the value must be a number, a word, a quoted text, a list [..] or a table {..}"))?;
+        Ok(Change { text, path, value })
+    }
+
+    fn rivals(&self) -> Vec<Vec<String>> {
+        let parts: Vec<&str> = self.path.iter().map(String::as_str).collect();
+        let (depth, keys): (usize, Vec<&str>) = match parts.as_slice() {
+            ["resolution", key, ..] if SPACINGS.contains(key) => (1, SPACINGS.to_vec()),
+            ["flow", "drive", key, ..] if DRIVES.contains(key) => (2, DRIVES.to_vec()),
+            // a gap belongs to bodies placed at random only
+            ["bodies", _, "centers" | "file", ..] => (2, [&PLACEMENTS[..], &["gap"]].concat()),
+            ["bodies", _, key, ..] if PLACEMENTS.contains(key) => (2, PLACEMENTS.to_vec()),
+            _ => return Vec::new(),
+        };
+        let others = keys.into_iter().filter(|&key| key != parts[depth]);
+        others.map(|key| [&self.path[..depth], &[key.to_owned()]].concat()).collect()
+    }
+
+    fn no_place(&self, depth: usize) -> Error {
+        let parent = written(&self.path[..depth].join("."));
+        let part = &self.path[depth];
+        malformed(self.text, &format!("{parent} has no entry {part} that could hold this"))
+    }
+}
+
+fn malformed(text: &str, remedy: &str) -> Error {
+    Error::Refused(format!("--set \"{}\": {remedy}", text.escape_debug()))
+}
+
+fn is_bare(part: &str) -> bool {
+    !part.is_empty() && part.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-')
+}
+
+fn read_value(text: &str) -> Option<Value> {
+    match text.parse::<Value>() {
+        Ok(value) => Some(value.decorated(" ", "")),
+        Err(_) if text.is_empty() || text.starts_with(['[', '{', '"', '\'']) => None,
+        Err(_) => Some(Value::from(text)),
+    }
+}
+
+fn remove(root: &mut Item, path: &[String]) {
+    if let Some((last, parents)) = path.split_last() {
+        let table = parents.iter().try_fold(root, |item, part| child(item, part));
+        if let Some(table) = table.and_then(Item::as_table_like_mut) {
+            table.remove(last);
+        }
+    }
+}
+
+/// Puts the value in its place and returns how many parts of the path name the outermost thing that is new.
+fn set(root: &mut Item, change: &Change) -> Result<usize> {
+    let mut item = root;
+    let last = change.path.len() - 1;
+    let mut created = None;
+    for (depth, part) in change.path.iter().enumerate() {
+        let refuse = || change.no_place(depth);
+        if depth == last {
+            put(item, part, change.value.clone()).ok_or_else(refuse)?;
+            break;
+        }
+        if child(item, part).is_none() {
+            let section = if depth == 0 { Item::Table(Table::new()) } else { InlineTable::new().into() };
+            create(item, part, section).ok_or_else(refuse)?;
+            created = created.or(Some(depth + 1));
+        }
+        item = child(item, part).ok_or_else(refuse)?;
+    }
+    Ok(created.unwrap_or(change.path.len()))
+}
+
+fn child<'a>(item: &'a mut Item, part: &str) -> Option<&'a mut Item> {
+    if item.is_table_like() {
+        return item.as_table_like_mut()?.get_mut(part).filter(|child| !child.is_none());
+    }
+    item.get_mut(part.parse::<usize>().ok()?)
+}
+
+fn create(item: &mut Item, part: &str, section: Item) -> Option<()> {
+    let table = item.as_table_like_mut().filter(|_| part.parse::<usize>().is_err())?;
+    table.insert(part, section);
+    Some(())
+}
+
+fn put(item: &mut Item, part: &str, value: Value) -> Option<()> {
+    if let Some(table) = item.as_table_like_mut() {
+        table.insert(part, Item::Value(value));
+        return Some(());
+    }
+    let index = part.parse::<usize>().ok()?;
+    if let Some(tables) = item.as_array_of_tables_mut() {
+        let old = tables.get_mut(index)?;
+        let Value::InlineTable(new) = value else {
+            return None;
+        };
+        old.clear();
+        old.extend(new);
+        return Some(());
+    }
+    let array = item.as_array_mut().filter(|array| index < array.len())?;
+    array.replace(index, value);
+    Some(())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use std::path::Path;
+
+    use crate::error::Result;
+    use crate::scene::{AxisSection, Drive, Motion, Placement, Scene, Spacing};
+
+    const SCENE: &str = r#"
+[domain]
+size = [8.0, 4.0]
+[flow.drive] # nothing else about the flow
+body_force = [1.0, 0.0]
+[resolution]
+spacing = 0.1
+[[bodies]]
+radius = 1.0
+count = 2
+gap = 0.1
+[[bodies]]
+radius = 0.5
+fraction = 0.1
+"#;
+
+    fn with(overrides: &[&str]) -> Result<Scene> {
+        let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
+        Scene::parse("scene", Path::new(""), SCENE, &overrides)
+    }
+
+    #[test]
+    fn a_bare_word_is_a_text_and_a_number_a_number() {
+        let scene = with(&["title=two disks", "method.constraint=sharp", "seed = 5", "flow.viscosity=2"]).unwrap();
+        assert_eq!((scene.title.as_str(), scene.seed), ("two disks", 5));
+        assert_eq!(scene.flow.viscosity, 2.0);
+    }
+
+    #[test]
+    fn setting_one_of_an_exclusive_choice_removes_its_rivals() {
+        let scene = with(&["resolution.cells_per_radius=8", "bodies.0.centers=[[1, 1]]", "bodies[1].count=3"]).unwrap();
+        assert_eq!(scene.resolution.spacing, Spacing::CellsPerRadius(8.0));
+        assert_eq!(scene.bodies[0].placement, Placement::Centers(vec![vec![1.0, 1.0]]));
+        assert_eq!(scene.bodies[1].placement, Placement::Count(3));
+        let scene = with(&["flow.drive.shear_rate=2"]).unwrap();
+        assert_eq!(scene.flow.drive, Some(Drive::ShearRate(2.0)));
+    }
+
+    #[test]
+    fn whole_tables_and_single_numbers_can_be_set() {
+        let overrides = ["flow.drive={shear_rate=1.0}", "bodies.1={radius=0.25, count=1, motion=\"fixed\"}", "domain.size.1=6"];
+        let scene = with(&overrides).unwrap();
+        assert_eq!(scene.flow.drive, Some(Drive::ShearRate(1.0)));
+        assert_eq!(scene.bodies[1].motion, Motion::Fixed);
+        assert_eq!(scene.domain.size, [8.0, 6.0]);
+        let scene = with(&["bodies=[]", "domain.y=walls"]).unwrap();
+        assert!(scene.bodies.is_empty());
+        assert_ne!(scene.domain.axes[1], AxisSection::Periodic);
+    }
+
+    #[test]
+    fn the_text_of_a_scene_with_overrides_gives_the_same_scene() {
+        let overrides = ["seed=2", "flow.viscosity=3", "flow.drive.shear_rate=2", "bodies.1.count=4", "output.picture=false"];
+        let scene = with(&overrides).unwrap();
+        let again = Scene::parse("scene", Path::new(""), &scene.text, &[]).unwrap();
+        let same = Scene { locations: scene.locations.clone(), ..again };
+        assert_eq!(same, scene);
+    }
+
+    #[test]
+    fn a_refusal_of_an_override_names_the_command_line() {
+        let refusal = |text| with(&[text]).unwrap_err().to_string();
+        assert_eq!(refusal("bodies.0.radius=-1"), "--set: bodies[0].radius = -1: must be positive");
+        assert_eq!(refusal("flow.drive={shear_rate=nan}"), "--set: flow.drive.shear_rate = nan: must be finite");
+        assert_eq!(refusal("flow.drive={}").split(" needs").next(), Some("--set: flow.drive"));
+        assert!(refusal("flux.density=1").starts_with("--set: unknown key flux; "));
+        assert!(refusal("bodies=3").starts_with("--set: bodies = 3: must be a list"));
+    }
+
+    #[test]
+    fn malformed_overrides_are_repeated_in_the_refusal() {
+        let malformed = [
+            "seed",
+            "=1",
+            "seed=",
+            "a b=1",
+            ".=1",
+            "bodies.=1",
+            "bodies.2.radius=1",
+            "bodies.radius=1",
+            "bodies.0=3",
+            "flow.drive=[1",
+            "domain.size.7=1",
+            "domain.size.x=1",
+            "a.b.c.d.e.f.g.h.i=1",
+            "resolution.spacing.x=1",
+        ];
+        for text in malformed {
+            let refusal = with(&[text]).unwrap_err().to_string();
+            assert!(refusal.starts_with(&format!("--set \"{text}\": ")), "{refusal}");
+        }
+    }
+}

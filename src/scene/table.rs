@@ -1,0 +1,91 @@
+//! A reader for tables of a scene file that refuses unknown, missing and rival keys.
+
+use toml_edit::{InlineTable, Value};
+
+use crate::error::{Error, Result};
+use crate::scene::entry::Entry;
+use crate::scene::locations::{Locations, join, written};
+
+/// A table of entries; one that the file leaves out is empty.
+pub(super) struct Table<'a> {
+    pub(super) items: Option<&'a InlineTable>,
+    pub(super) key: String,
+    pub(super) locations: &'a Locations,
+}
+
+impl<'a> Table<'a> {
+    pub(super) fn root(value: &'a Value, locations: &'a Locations, known: &[&str]) -> Result<Self> {
+        Entry { value, key: String::new(), locations }.table(known)
+    }
+
+    pub(super) fn get(&self, name: &str) -> Option<Entry<'a>> {
+        let value = self.items?.get(name)?;
+        Some(Entry { value, key: join(&self.key, name), locations: self.locations })
+    }
+
+    /// The entry, or a refusal that shows how it could look.
+    pub(super) fn require(&self, name: &str, example: &str) -> Result<Entry<'a>> {
+        let key = join(&self.key, name);
+        let path = written(&key);
+        let shortest = if self.items.is_some() { name } else { &path };
+        let missing = format!("missing key {path}; for example {shortest} = {example}");
+        self.get(name).ok_or_else(|| self.locations.complain(&key, missing))
+    }
+
+    pub(super) fn section(&self, name: &str, known: &[&str]) -> Result<Table<'a>> {
+        match self.get(name) {
+            Some(entry) => entry.table(known),
+            None => Ok(Table { items: None, key: join(&self.key, name), locations: self.locations }),
+        }
+    }
+
+    /// The one key that is there, of several that exclude each other.
+    pub(super) fn exactly_one<'n>(&self, names: &[&'n str], example: &str) -> Result<(&'n str, Entry<'a>)> {
+        let choices = names.join(", ");
+        let mut present = names.iter().filter_map(|&name| Some((name, self.get(name)?)));
+        let Some(first) = present.next() else {
+            let missing = format!("{} needs one of {choices}; for example {example}", written(&self.key));
+            return Err(self.locations.complain(&self.key, missing));
+        };
+        match present.next() {
+            Some((_, second)) => Err(second.refuse(&format!("excludes {}; keep one of {choices}", first.0))),
+            None => Ok(first),
+        }
+    }
+
+    pub(super) fn knowing(self, known: &[&str]) -> Result<Self> {
+        let mut names = self.items.into_iter().flat_map(InlineTable::iter).map(|(name, _)| name);
+        match names.find(|name| !known.contains(name)) {
+            Some(stranger) => Err(self.unknown(stranger, known)),
+            None => Ok(self),
+        }
+    }
+
+    fn unknown(&self, name: &str, known: &[&str]) -> Error {
+        let key = join(&self.key, name);
+        let near = known.iter().map(|known| (distance(name, known), known)).min();
+        let guess = match near {
+            Some((changes, known)) if 3 * changes <= name.chars().count() => {
+                format!("; did you mean {known}?")
+            }
+            _ => ";".to_owned(),
+        };
+        let message = format!("unknown key {}{guess} known keys: {}", written(&key), known.join(", "));
+        self.locations.complain(&key, message)
+    }
+}
+
+/// Smallest number of letters to insert, delete or exchange that turns one word into the other (Levenshtein).
+fn distance(from: &str, to: &str) -> usize {
+    let mut row: Vec<usize> = (0..=to.chars().count()).collect();
+    for (line, letter) in from.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = line + 1;
+        for (column, other) in to.chars().enumerate() {
+            let exchanged = diagonal + usize::from(letter != other);
+            diagonal = row[column + 1];
+            row[column + 1] = exchanged.min(diagonal + 1).min(row[column] + 1);
+        }
+    }
+    row[to.chars().count()]
+}
