@@ -1,10 +1,15 @@
 //! Bodies: where they are, how they move or what moves them. This module knows no fluid and no grid.
 
+mod centers;
+mod packing;
+mod relaxation;
 mod twist;
 
 use nalgebra::{SMatrix, SVector};
 
 use crate::geometry::Ball;
+pub use centers::{parse_centers, read_centers};
+pub use packing::pack;
 pub use twist::{Twist, components, planes, skew};
 
 /// What decides the motion of a body.

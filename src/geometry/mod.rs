@@ -1,9 +1,12 @@
-//! Where things are: the box and its images. It knows no fluid and no forces.
+//! Where things are: the box and its images, balls and who is near whom. It knows no fluid and no forces.
 
-mod domain;
-
-pub use domain::{Axis, Domain};
 mod ball;
-pub use ball::Ball;
+mod cells;
+mod domain;
+mod overlap;
 mod pairs;
-pub use pairs::{Pair, near_pairs};
+
+pub use ball::Ball;
+pub use domain::{Axis, Domain};
+pub use overlap::{Fault, first_fault};
+pub use pairs::{Pair, WallPair, near_pairs, near_walls};

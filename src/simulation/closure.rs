@@ -5,6 +5,7 @@ use std::ops::Range;
 use crate::{
     error::Result,
     flow::{Drive, FluidSystem, Stokes, StokesInverse},
+    geometry::Domain,
     grid::Grid,
     parallel::World,
     petsc::Vector,
@@ -55,6 +56,15 @@ impl Closure {
             }
             Drive::PressureGradient(_) | Drive::BodyForce(_) if fully_periodic => Ok(Closure::MeanVelocity),
             _ => Ok(Closure::Closed),
+        }
+    }
+
+    /// Number of unknowns that the closure of a drive in a box adds.
+    pub fn count<const D: usize>(drive: &Drive<D>, domain: &Domain<D>) -> usize {
+        match drive {
+            Drive::MeanVelocity(_) if !domain.fully_periodic() => (0..D).filter(|&axis| domain.periodic(axis)).count(),
+            Drive::PressureGradient(_) | Drive::BodyForce(_) if domain.fully_periodic() => D,
+            _ => 0,
         }
     }
 

@@ -130,7 +130,7 @@ impl<const D: usize> Simulation<D> {
         self.cost.stages = work.stages;
         total.add(1.0, &self.undisturbed.0)?;
         let bodies = self.body_states(&layout, &velocities, &undisturbed, &multipliers);
-        Ok(self.solution(bodies, total, &tail))
+        self.solution(bodies, total, &tail)
     }
 
     fn check_steady_state(&self) -> Result<()> {
@@ -297,26 +297,46 @@ impl<const D: usize> Simulation<D> {
         }
     }
 
-    fn solution(&self, bodies: Vec<BodyState<D>>, fluid: Vector, tail: &[f64]) -> Solution<D> {
-        let mut mean_velocity_offset = self.imposed_mean_velocity();
-        let mut pressure_gradient = SVector::zeros();
+    fn solution(&self, bodies: Vec<BodyState<D>>, mut fluid: Vector, tail: &[f64]) -> Result<Solution<D>> {
+        if self.setup.domain.fully_periodic() {
+            let offset = if let Closure::MeanVelocity = self.closure { SVector::from_column_slice(tail) } else { self.imposed_mean_velocity() };
+            let mut values = fluid.local_mut()?;
+            for axis in 0..D {
+                values[self.grid.local_range(axis)].iter_mut().for_each(|value| *value += offset[axis]);
+            }
+        }
+        let pressure_gradient = self.pressure_gradient(&bodies, tail);
+        let mean_velocity = self.mean_velocity(&fluid)?;
+        Ok(Solution { bodies, fluid, mean_velocity, pressure_gradient })
+    }
+
+    fn mean_velocity(&self, fluid: &Vector) -> Result<SVector<f64, D>> {
+        let values = fluid.local()?;
+        let cells = self.grid.unknowns(D) as f64;
+        // faces on walls carry no normal velocity: counting them changes nothing
+        let mut mean = SVector::<f64, D>::from_fn(|axis, _| values[self.grid.local_range(axis)].iter().sum::<f64>() / cells);
+        self.session.world().sum(mean.as_mut_slice());
+        Ok(mean)
+    }
+
+    fn pressure_gradient(&self, bodies: &[BodyState<D>], tail: &[f64]) -> SVector<f64, D> {
+        let mut gradient = SVector::zeros();
         match (&self.closure, self.setup.drive) {
-            (_, Drive::PressureGradient(gradient)) => pressure_gradient = gradient,
+            (_, Drive::PressureGradient(given)) => gradient = given,
+            (_, Drive::BodyForce(_)) => {}
             (Closure::Forces(forces), _) => {
                 for ((force, known), found) in forces.iter().zip(&self.undisturbed.1).zip(tail) {
-                    pressure_gradient[force.axis] = -self.setup.viscosity * (known + found);
+                    gradient[force.axis] = -self.setup.viscosity * (known + found);
                 }
             }
+            // what the fluid does to the bodies, the mean pressure gradient does to the fluid
             _ if self.setup.domain.fully_periodic() => {
                 let on_bodies: SVector<f64, D> = bodies.iter().map(|state| state.force).sum();
-                pressure_gradient = self.setup.drive.uniform_force() - on_bodies / self.setup.domain.volume();
+                gradient = -on_bodies / self.setup.domain.volume();
             }
             _ => {}
         }
-        if let Closure::MeanVelocity = self.closure {
-            mean_velocity_offset = SVector::from_column_slice(tail);
-        }
-        Solution { bodies, fluid, mean_velocity_offset, pressure_gradient }
+        gradient
     }
 }
 

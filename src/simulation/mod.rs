@@ -3,10 +3,12 @@
 mod closure;
 mod coupled;
 mod instant;
+mod plan;
 mod setup;
 mod solution;
 
 pub use coupled::Stages;
 pub use instant::{Cost, Simulation};
+pub use plan::Plan;
 pub use setup::{Setup, SuspendedBody};
 pub use solution::{BodyState, Solution};

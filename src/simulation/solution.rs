@@ -54,11 +54,11 @@ impl<const D: usize> BodyState<D> {
 pub struct Solution<const D: usize> {
     /// All bodies, on every rank.
     pub bodies: Vec<BodyState<D>>,
-    /// Velocity and pressure over viscosity, as a fluid vector, without the background of the drive
-    /// ([`Drive::background`](crate::flow::Drive::background)) and without [`mean_velocity_offset`](Self::mean_velocity_offset).
+    /// Velocity and pressure over viscosity, as a fluid vector: a disturbance of the background of the drive
+    /// ([`Drive::background`](crate::flow::Drive::background)), which is not in it.
     pub fluid: Vector,
-    /// Uniform velocity to add to the fluid's: what of the mean velocity a fully periodic box leaves out of it.
-    pub mean_velocity_offset: SVector<f64, D>,
+    /// Mean of its velocity over the whole box.
+    pub mean_velocity: SVector<f64, D>,
     /// Mean gradient of the pressure along periodic axes.
     pub pressure_gradient: SVector<f64, D>,
 }

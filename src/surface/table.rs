@@ -32,6 +32,11 @@ impl<const D: usize> SurfaceTable<D> {
         SurfaceTable { modes, quadrature, projector }
     }
 
+    /// Number of quadrature points that such a surface has.
+    pub fn point_count(radius: f64, order: usize, spacing: f64) -> usize {
+        quadrature(D, radius / spacing, order).weights.len()
+    }
+
     /// Number of quadrature points.
     pub fn points(&self) -> usize {
         self.quadrature.weights.len()

@@ -46,6 +46,11 @@ impl HypreInverse {
         })
     }
 
+    /// Seconds spent setting it up.
+    pub fn setup_seconds(&self) -> f64 {
+        self.setup_seconds
+    }
+
     fn cycle(&mut self, field: usize) -> Result<()> {
         self.cycles[self.cycle_of[field]].apply(&self.given[field], &mut self.found[field])
     }
@@ -86,9 +91,5 @@ impl<const D: usize> StokesInverse<D> for HypreInverse {
         pressure[0].scale(-1.0)?;
         pressure[0].remove_mean()?;
         self.put(output)
-    }
-
-    fn setup_seconds(&self) -> f64 {
-        self.setup_seconds
     }
 }

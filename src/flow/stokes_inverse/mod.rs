@@ -16,9 +16,6 @@ use crate::{
 pub trait StokesInverse<const D: usize> {
     /// `output = K^ rows`, where `rows` are balanced.
     fn precondition(&mut self, stokes: &Stokes<D>, rows: &Vector, output: &mut Vector) -> Result<()>;
-
-    /// Seconds spent setting it up.
-    fn setup_seconds(&self) -> f64;
 }
 
 /// The fluid without bodies, as a linear system; `inverse` preconditions it, if there is one.

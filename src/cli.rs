@@ -1,0 +1,92 @@
+//! The command line: words become calls.
+
+mod plan;
+mod run;
+
+use std::path::PathBuf;
+
+use clap::{Parser, Subcommand};
+
+use crate::{
+    error::Result,
+    petsc::Session,
+    scene::Scene,
+    study::{self, ConditioningRange},
+};
+
+/// Particles in viscous flow, particle by particle. Run it as it is, or under `mpirun -n N`.
+#[derive(Debug, Parser)]
+#[command(name = "turbid", version, about)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    command: Command,
+    /// Options for PETSc, after `--` (for example `-- -coupled_ksp_monitor`).
+    #[arg(last = true, global = true)]
+    pub petsc: Vec<String>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Simulate a scene; writes summary.json, scene.toml and a picture into the output folder.
+    Run {
+        #[command(flatten)]
+        scene: SceneArguments,
+        /// Output folder (default: out/NAME of the scene).
+        #[arg(long)]
+        out: Option<PathBuf>,
+    },
+    /// Say what a run would build, with unknowns and memory; solve nothing.
+    Plan {
+        #[command(flatten)]
+        scene: SceneArguments,
+    },
+    /// Iterations of the fluid solver against the grid, with hypre and with no preconditioner.
+    Conditioning {
+        /// Finest grid in 2D, in cells per side.
+        #[arg(long, default_value_t = 256)]
+        finest_2d: usize,
+        /// Finest grid in 3D, in cells per side.
+        #[arg(long, default_value_t = 64)]
+        finest_3d: usize,
+    },
+}
+
+#[derive(Debug, clap::Args)]
+struct SceneArguments {
+    /// Scene file.
+    scene: PathBuf,
+    /// Override a key of the scene: --set resolution.cells_per_radius=8
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+}
+
+/// Carries out a command.
+pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
+    match &arguments.command {
+        Command::Run { scene, out } => {
+            let scene = scene.read(session)?;
+            let folder = out.clone().unwrap_or_else(|| PathBuf::from("out").join(&scene.name));
+            match scene.dimension() {
+                2 => run::run::<2>(session, &scene, &folder),
+                _ => run::run::<3>(session, &scene, &folder),
+            }
+        }
+        Command::Plan { scene } => {
+            let scene = scene.read(session)?;
+            match scene.dimension() {
+                2 => plan::plan::<2>(session, &scene),
+                _ => plan::plan::<3>(session, &scene),
+            }
+        }
+        Command::Conditioning { finest_2d, finest_3d } => {
+            study::conditioning(session, &ConditioningRange { finest_2d: *finest_2d, finest_3d: *finest_3d })
+        }
+    }
+}
+
+impl SceneArguments {
+    fn read(&self, session: &Session) -> Result<Scene> {
+        session.world().agree(Scene::read(&self.scene, &self.overrides))
+    }
+}

@@ -1,0 +1,58 @@
+//! `turbid run`: solve, write, report.
+
+use std::path::Path;
+
+use crate::{
+    error::Result,
+    observe,
+    output::{self, Progress, Summary},
+    petsc::Session,
+    scene::Scene,
+    simulation::{Setup, Simulation, Solution},
+};
+
+/// Runs a scene of dimension `D`.
+#[allow(clippy::print_stdout)]
+pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> Result<()> {
+    let world = session.world();
+    let first = world.rank() == 0;
+    let setup = world.agree(Setup::<D>::of(scene))?;
+    let mut simulation = Simulation::new(session, setup)?;
+    world.agree(if first { output::prepare_folder(folder) } else { Ok(()) })?;
+
+    let progress = Progress::new(world.rank(), scene.method.tolerance);
+    let solution = simulation.solve(&mut |iteration, residual| progress.show(iteration, residual));
+    progress.end();
+    let solution = solution?;
+
+    let viscosity = observe::viscosity(simulation.setup(), simulation.grid(), &solution)?;
+    let named = (scene.name.as_str(), scene.title.as_str());
+    let summary = Summary::new(named, simulation.setup(), (&solution, viscosity), simulation.cost(), world);
+    let files = files(scene, &simulation, &solution, &summary)?;
+    let write = || files.iter().try_for_each(|(name, text)| output::write_whole(&folder.join(name), text.as_bytes()));
+    world.agree(if first { write() } else { Ok(()) })?;
+    if first {
+        println!("{}", output::report(&summary));
+        let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
+        println!("files                {}: {}", folder.display(), names.join(", "));
+    }
+    Ok(())
+}
+
+/// The files of a run, by name; collective.
+fn files<const D: usize>(
+    scene: &Scene,
+    simulation: &Simulation<D>,
+    solution: &Solution<D>,
+    summary: &Summary,
+) -> Result<Vec<(&'static str, String)>> {
+    let json = serde_json::to_string_pretty(summary).expect("a summary is plain numbers and text");
+    let mut files = vec![("scene.toml", scene.text.clone())];
+    if scene.output.picture {
+        let title = if scene.title.is_empty() { &scene.name } else { &scene.title };
+        let _ = title;
+    }
+    // last: a folder with a summary is complete
+    files.push(("summary.json", json));
+    Ok(files)
+}

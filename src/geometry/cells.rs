@@ -1,0 +1,162 @@
+//! Cell list: balls sorted into a grid of cells, to find neighbours at linear cost.
+//!
+//! The grid has about one cell per ball. Each ball looks only for balls not larger than itself, in
+//! the cells its search range covers, so that the cost is the number of balls times their volume
+//! fraction even when radii differ widely. Periodic images are cells beyond the box.
+
+use nalgebra::SVector;
+
+use super::{Ball, Domain};
+
+/// Balls sorted into cells.
+pub(super) struct Cells<'a, const D: usize> {
+    domain: &'a Domain<D>,
+    /// Number of cells along each axis.
+    counts: [usize; D],
+    /// Where each cell starts in `members`, and one entry past the end.
+    starts: Vec<usize>,
+    /// Indices of the balls, cell after cell.
+    members: Vec<usize>,
+    /// Centres moved into the box along periodic axes.
+    centers: Vec<SVector<f64, D>>,
+}
+
+impl<'a, const D: usize> Cells<'a, D> {
+    /// Sorts `balls` into cells.
+    pub fn new(domain: &'a Domain<D>, balls: &[Ball<D>]) -> Self {
+        let centers: Vec<_> = balls.iter().map(|ball| domain.wrap(ball.center)).collect();
+        let mut cells = Self {
+            domain,
+            counts: cell_counts(domain, balls.len()),
+            starts: Vec::new(),
+            members: vec![0; balls.len()],
+            centers,
+        };
+        cells.sort();
+        cells
+    }
+
+    /// Calls `found(other, image, separation)` for each centre, image included, in the cells within
+    /// `range` of the centre of ball `body`; `image` counts the boxes it was moved by along each axis.
+    pub fn visit(
+        &self,
+        body: usize,
+        range: f64,
+        mut found: impl FnMut(usize, [isize; D], SVector<f64, D>),
+    ) {
+        let center = self.centers[body];
+        // rounding must not hide a pair that sits on a cell face
+        let range = SVector::repeat(range * (1.0 + 1e-9));
+        let lower = self.cell(center - range);
+        let upper = self.cell(center + range);
+        for_each_index(lower, upper, |cell| {
+            let (flat, image) = self.wrap(cell);
+            let offset = SVector::from_fn(|axis, _| image[axis] as f64 * self.domain.size[axis]);
+            for &other in &self.members[self.starts[flat]..self.starts[flat + 1]] {
+                found(other, image, self.centers[other] - center + offset);
+            }
+        });
+    }
+
+    fn sort(&mut self) {
+        let owners: Vec<usize> = self
+            .centers
+            .iter()
+            .map(|&center| self.owner(center))
+            .collect();
+        self.starts = vec![0; self.counts.iter().product::<usize>() + 1];
+        for &owner in &owners {
+            self.starts[owner + 1] += 1;
+        }
+        for cell in 1..self.starts.len() {
+            self.starts[cell] += self.starts[cell - 1];
+        }
+        let mut next = self.starts.clone();
+        for (body, &owner) in owners.iter().enumerate() {
+            self.members[next[owner]] = body;
+            next[owner] += 1;
+        }
+    }
+
+    /// Flat index of the cell that holds a wrapped centre.
+    fn owner(&self, center: SVector<f64, D>) -> usize {
+        let cell = self.cell(center);
+        (0..D).rev().fold(0, |flat, axis| {
+            flat * self.counts[axis] + cell[axis].clamp(0, self.counts[axis] as isize - 1) as usize
+        })
+    }
+
+    /// Cell of a point: beyond the box along periodic axes, in the outermost cell along walled ones.
+    fn cell(&self, point: SVector<f64, D>) -> [isize; D] {
+        std::array::from_fn(|axis| {
+            let count = self.counts[axis];
+            let cell = (point[axis] / self.domain.size[axis] * count as f64).floor() as isize;
+            if self.domain.periodic(axis) {
+                cell
+            } else {
+                cell.clamp(0, count as isize - 1)
+            }
+        })
+    }
+
+    /// Flat index of a cell that may lie beyond the box, and the image of the box it lies in.
+    fn wrap(&self, cell: [isize; D]) -> (usize, [isize; D]) {
+        let image = std::array::from_fn(|axis| cell[axis].div_euclid(self.counts[axis] as isize));
+        let flat = (0..D).rev().fold(0, |flat, axis| {
+            flat * self.counts[axis] + cell[axis].rem_euclid(self.counts[axis] as isize) as usize
+        });
+        (flat, image)
+    }
+}
+
+/// Cells per axis: nearly cubic cells, about as many as there are balls.
+fn cell_counts<const D: usize>(domain: &Domain<D>, balls: usize) -> [usize; D] {
+    let most = balls.max(1);
+    let edge = (domain.volume() / most as f64).powf(1.0 / D as f64);
+    let mut counts =
+        std::array::from_fn(|axis| ((domain.size[axis] / edge) as usize).clamp(1, most));
+    while counts.iter().product::<usize>() > 4 * most {
+        counts = counts.map(|count| count.div_ceil(2));
+    }
+    counts
+}
+
+/// Calls `action` for each index between two corners, both included.
+fn for_each_index<const D: usize>(
+    lower: [isize; D],
+    upper: [isize; D],
+    mut action: impl FnMut([isize; D]),
+) {
+    if (0..D).any(|axis| lower[axis] > upper[axis]) {
+        return;
+    }
+    let mut index = lower;
+    loop {
+        action(index);
+        let Some(axis) = (0..D).find(|&axis| index[axis] < upper[axis]) else {
+            return;
+        };
+        index[..axis].copy_from_slice(&lower[..axis]);
+        index[axis] += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_index_of_a_block_comes_once() {
+        let mut indices = Vec::new();
+        for_each_index([-1, 0, 2], [1, 1, 2], |index| indices.push(index));
+        assert_eq!(indices.len(), 6);
+        indices.sort();
+        indices.dedup();
+        assert_eq!(indices.len(), 6);
+    }
+
+    #[test]
+    fn an_empty_block_has_no_index() {
+        for_each_index([0, 1], [3, 0], |_| panic!("the block is empty"));
+    }
+}

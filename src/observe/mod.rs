@@ -1,0 +1,7 @@
+//! What is read off a solution: functions of a view, which change nothing.
+
+mod sample;
+mod viscosity;
+
+pub use sample::velocities;
+pub use viscosity::{Viscosity, viscosity};

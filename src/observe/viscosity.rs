@@ -1,0 +1,76 @@
+//! Apparent viscosity of a sheared suspension.
+
+use nalgebra::SVector;
+
+use crate::{
+    error::Result,
+    flow::Drive,
+    geometry::{Axis, Domain},
+    grid::Grid,
+    simulation::{Setup, Solution},
+};
+
+/// Apparent viscosity over that of the fluid, by roads that must agree.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Viscosity {
+    /// From the stresslets: `1 + sum_i S_i / (mu rate V)`.
+    pub from_stresslets: f64,
+    /// From the shear stress on the walls, mean of both, where there are walls.
+    pub from_walls: Option<f64>,
+}
+
+/// A simple shear: velocity along `flow` grows along axis `gradient`.
+struct Shear<const D: usize> {
+    flow: SVector<f64, D>,
+    gradient: usize,
+    rate: f64,
+}
+
+/// The apparent viscosity of a suspension of free bodies in simple shear; nothing in any other flow.
+pub fn viscosity<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, solution: &Solution<D>) -> Result<Option<Viscosity>> {
+    let Some(shear) = shear(&setup.domain, &setup.drive) else { return Ok(None) };
+    if setup.bodies.iter().any(|suspended| !suspended.body.free()) {
+        return Ok(None);
+    }
+    let stresslets: f64 = solution.bodies.iter().map(|state| (state.stresslet.column(shear.gradient).transpose() * shear.flow)[0]).sum();
+    let from_stresslets = 1.0 + stresslets / (setup.viscosity * shear.rate * setup.domain.volume());
+    let from_walls = match setup.domain.axes[shear.gradient] {
+        Axis::Periodic => None,
+        Axis::Walls { lower, upper } => Some(wall_shear(grid, solution, &shear, [lower, upper])? / shear.rate),
+    };
+    Ok(Some(Viscosity { from_stresslets, from_walls }))
+}
+
+fn shear<const D: usize>(domain: &Domain<D>, drive: &Drive<D>) -> Option<Shear<D>> {
+    if let Drive::Shear(rate) = drive {
+        return (*rate != 0.0).then(|| Shear { flow: SVector::from_fn(|axis, _| if axis == 0 { 1.0 } else { 0.0 }), gradient: 1, rate: *rate });
+    }
+    (0..D).find_map(|gradient| {
+        let Axis::Walls { lower, upper } = domain.axes[gradient] else { return None };
+        let difference = upper - lower;
+        let speed = difference.norm();
+        (speed > 0.0).then(|| Shear { flow: difference / speed, gradient, rate: speed / domain.size[gradient] })
+    })
+}
+
+/// Mean over both walls of the velocity gradient at the wall, as the momentum balance of the grid has it.
+fn wall_shear<const D: usize>(grid: &Grid<D>, solution: &Solution<D>, shear: &Shear<D>, walls: [SVector<f64, D>; 2]) -> Result<f64> {
+    let last = grid.cells()[shear.gradient] - 1;
+    let to_wall = 0.5 * grid.spacing()[shear.gradient];
+    let values = solution.fluid.local()?;
+    let mut sum = [0.0];
+    for component in (0..D).filter(|&component| component != shear.gradient) {
+        let faces_on_wall = (grid.unknowns(component) / grid.cells()[shear.gradient]) as f64;
+        for (index, value) in grid.block(component).indices().zip(&values[grid.local_range(component)]) {
+            let here = shear.flow[component] / (2.0 * faces_on_wall * to_wall);
+            if index[shear.gradient] == 0 {
+                sum[0] += here * (value - walls[0][component]);
+            }
+            if index[shear.gradient] == last {
+                sum[0] += here * (walls[1][component] - value);
+            }
+        }
+    }
+    solution.fluid.session().world().sum(&mut sum);
+    Ok(sum[0])
+}

@@ -1,0 +1,53 @@
+//! Files written aside and renamed, so that no reader ever meets half of one.
+
+use std::{fs, io::Write, path::Path};
+
+use crate::error::{Error, Result};
+
+/// Makes the output folder if need be, and makes sure that it can be written to.
+///
+/// # Errors
+/// [`Error::Refused`] naming the folder when it cannot be used.
+pub fn prepare_folder(folder: &Path) -> Result<()> {
+    let refuse = |error| Error::Refused(format!("--out {}: cannot be written to ({error}); choose another folder", folder.display()));
+    fs::create_dir_all(folder).map_err(refuse)?;
+    let probe = folder.join(".writable");
+    fs::write(&probe, b"").and_then(|()| fs::remove_file(&probe)).map_err(refuse)
+}
+
+/// Writes a file under its name only once all of it is on disk.
+pub fn write_whole(path: &Path, contents: &[u8]) -> Result<()> {
+    let error = |source| Error::File { path: path.to_owned(), source };
+    let mut aside = path.as_os_str().to_owned();
+    aside.push(".part");
+    let write = || {
+        let mut file = fs::File::create(&aside)?;
+        file.write_all(contents)?;
+        file.sync_all()?;
+        fs::rename(&aside, path)
+    };
+    write().map_err(|source| {
+        // the error that matters is the first one
+        let _ = fs::remove_file(&aside);
+        error(source)
+    })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_cannot_be_written_leaves_nothing_behind() {
+        let folder = std::env::temp_dir().join(format!("turbid-file-{}", std::process::id()));
+        prepare_folder(&folder).unwrap();
+        fs::create_dir(folder.join("taken")).unwrap();
+        fs::write(folder.join("taken/inside"), b"x").unwrap();
+        assert!(write_whole(&folder.join("taken"), b"new").is_err());
+        assert!(!folder.join("taken.part").exists());
+        write_whole(&folder.join("free"), b"new").unwrap();
+        assert_eq!(fs::read(folder.join("free")).unwrap(), b"new");
+        fs::remove_dir_all(&folder).unwrap();
+    }
+}

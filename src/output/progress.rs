@@ -1,0 +1,64 @@
+//! The progress of a solve on a terminal: residual, iterations, remaining time.
+
+use std::{
+    io::{IsTerminal, stderr},
+    time::{Duration, Instant},
+};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// A progress line; silent when the standard error is no terminal, and on every rank but the first.
+pub struct Progress {
+    line: ProgressBar,
+    start: Instant,
+    tolerance: f64,
+}
+
+impl Progress {
+    /// A line for a solve to `tolerance`.
+    pub fn new(rank: usize, tolerance: f64) -> Progress {
+        let shown = rank == 0 && stderr().is_terminal();
+        let line = if shown { ProgressBar::new(1000) } else { ProgressBar::hidden() };
+        let style = ProgressStyle::with_template("{bar:30} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
+        line.set_style(style);
+        Progress { line, start: Instant::now(), tolerance }
+    }
+
+    /// Shows an iteration and its relative residual.
+    pub fn show(&self, iteration: usize, residual: f64) {
+        let done = part_done(residual, self.tolerance);
+        self.line.set_position((1000.0 * done) as u64);
+        let left = match done {
+            done if done > 0.02 => format!(", {:.0} s left", self.start.elapsed().as_secs_f64() * (1.0 - done) / done),
+            _ => String::new(),
+        };
+        self.line.set_message(format!("iteration {iteration}, residual {residual:.1e} of {:.0e}{left}", self.tolerance));
+    }
+
+    /// Removes the line.
+    pub fn end(&self) {
+        self.line.finish_and_clear();
+    }
+
+    /// Time since the line was made.
+    pub fn elapsed(&self) -> Duration {
+        self.start.elapsed()
+    }
+}
+
+/// How far a residual has come on its way from 1 to the tolerance, in orders of magnitude.
+fn part_done(residual: f64, tolerance: f64) -> f64 {
+    if residual > 0.0 { (residual.ln() / tolerance.ln()).clamp(0.0, 1.0) } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_of_the_orders_of_magnitude_is_half_of_the_work() {
+        assert!((part_done(1e-3, 1e-6) - 0.5).abs() < 1e-12);
+        assert_eq!(part_done(10.0, 1e-6), 0.0);
+        assert_eq!(part_done(0.0, 1e-6), 1.0);
+    }
+}
