@@ -10,6 +10,7 @@
 //! A method of imposing rigidity fills [`Blocks`]; who solves with them does not know which method it was.
 
 mod blocks;
+mod conservation;
 mod layout;
 mod patch;
 mod sharp;

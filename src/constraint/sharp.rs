@@ -14,7 +14,7 @@ use std::rc::Rc;
 
 use nalgebra::{DMatrix, SVector};
 
-use super::{Layout, blocks::BodyBlocks, patch::Patch};
+use super::{Layout, blocks::BodyBlocks, conservation::conserve_momentum, patch::Patch};
 use crate::{
     grid::{
         Grid, Index, Node, interpolation,
@@ -111,6 +111,7 @@ impl<'a, const D: usize> Assembly<'a, D> {
     /// Rows of C of one field: momentum along an axis, or continuity.
     fn spread_field(&mut self, field: usize) {
         let (radius, reach) = (self.placed.surface.modes.radius(), self.grid.spacing().max());
+        let (first_value, mut offsets) = (self.spread_values.len(), Vec::new());
         let mut row = vec![0.0; self.count];
         for index in self.place_of[field].indices() {
             let distance = (self.grid.position(field, index) - self.placed.center).norm() - radius;
@@ -126,9 +127,14 @@ impl<'a, const D: usize> Assembly<'a, D> {
             if crossed {
                 let slot = self.place(field, index, place);
                 self.spread_rows.push(slot);
+                offsets.push(self.grid.position(field, index) - self.placed.center);
                 self.spread_values.append(&mut row);
                 row.resize(self.count, 0.0);
             }
+        }
+        if field < D {
+            let values = &mut self.spread_values[first_value..];
+            conserve_momentum(field, &self.placed.surface, self.grid.spacing().product(), &offsets, values);
         }
     }
 

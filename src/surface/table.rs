@@ -13,6 +13,8 @@ pub struct SurfaceTable<const D: usize> {
     quadrature: Quadrature,
     /// Projects values at the points (columns, `D` a point) on the modes (rows): weight times traction.
     projector: DMatrix<f64>,
+    /// First moment of each mode's traction.
+    first_moments: Vec<SMatrix<f64, D, D>>,
 }
 
 impl<const D: usize> SurfaceTable<D> {
@@ -29,7 +31,9 @@ impl<const D: usize> SurfaceTable<D> {
                 (0..D).for_each(|i| projector[(mode, point * D + i)] = weight * traction[i]);
             }
         }
-        SurfaceTable { modes, quadrature, projector }
+        let mut table = SurfaceTable { modes, quadrature, projector, first_moments: Vec::new() };
+        table.first_moments = (0..count).map(|mode| table.integrate_first_moment(mode)).collect();
+        table
     }
 
     /// Number of quadrature points that such a surface has.
@@ -74,15 +78,20 @@ impl<const D: usize> SurfaceTable<D> {
 
     /// First moment `integral of F_i r_j` of the traction with the given coefficients.
     pub fn first_moment(&self, coefficients: &[f64]) -> SMatrix<f64, D, D> {
-        let mut moment = SMatrix::zeros();
-        for (point, offset) in self.offsets().enumerate() {
-            let weighted = SVector::<f64, D>::from_fn(|i, _| {
-                let column = self.projector.column(point * D + i);
-                column.iter().zip(coefficients).map(|(entry, coefficient)| entry * coefficient).sum()
-            });
-            moment += weighted * offset.transpose();
-        }
-        moment * self.area()
+        self.first_moments.iter().zip(coefficients).map(|(moment, coefficient)| moment * *coefficient).sum()
+    }
+
+    /// First moment of the traction of each mode.
+    pub fn first_moments(&self) -> &[SMatrix<f64, D, D>] {
+        &self.first_moments
+    }
+
+    fn integrate_first_moment(&self, mode: usize) -> SMatrix<f64, D, D> {
+        let points = self.offsets().enumerate();
+        let sum: SMatrix<f64, D, D> = points
+            .map(|(point, offset)| SVector::<f64, D>::from_fn(|i, _| self.projector[(mode, point * D + i)]) * offset.transpose())
+            .sum();
+        sum * self.area()
     }
 }
 

@@ -1,0 +1,252 @@
+//! Suspensions against published and independently computed values (sources: README, validation table).
+
+use std::f64::consts::PI;
+
+use nalgebra::{SMatrix, SVector, Vector2, Vector3};
+use turbid::{
+    body::{Body, Motion, Twist},
+    flow::Drive,
+    geometry::{Axis, Ball, Domain},
+    observe,
+    petsc::Session,
+    simulation::{Setup, Simulation, Solution, SuspendedBody},
+};
+
+pub fn free<const D: usize>() -> Motion<D> {
+    Motion::Free { force: SVector::zeros(), torque: SMatrix::zeros() }
+}
+
+pub fn fixed<const D: usize>() -> Motion<D> {
+    Motion::Prescribed(Twist::zero())
+}
+
+pub fn suspended<const D: usize>(center: SVector<f64, D>, radius: f64, motion: Motion<D>, order: usize) -> SuspendedBody<D> {
+    SuspendedBody { body: Body { ball: Ball { center, radius }, motion }, order }
+}
+
+pub fn periodic_cube<const D: usize>(spacing: f64, drive: Drive<D>, bodies: Vec<SuspendedBody<D>>) -> Setup<D> {
+    let domain = Domain { size: SVector::repeat(1.0), axes: [Axis::Periodic; D] };
+    Setup { domain, spacing, viscosity: 1.0, drive, bodies, tolerance: 1e-9 }
+}
+
+/// A channel of height 1 along x whose walls move at -1/2 and 1/2 times `rate`.
+pub fn couette(length: f64, spacing: f64, rate: f64, bodies: Vec<SuspendedBody<2>>) -> Setup<2> {
+    let walls = Axis::Walls { lower: Vector2::x() * (-0.5 * rate), upper: Vector2::x() * (0.5 * rate) };
+    let domain = Domain { size: Vector2::new(length, 1.0), axes: [Axis::Periodic, walls] };
+    Setup { domain, spacing, viscosity: 1.0, drive: Drive::Rest, bodies, tolerance: 1e-9 }
+}
+
+pub fn solve<const D: usize>(session: &Session, setup: Setup<D>) -> (Simulation<D>, Solution<D>) {
+    let mut simulation = Simulation::new(session, setup).expect("the setup is sound");
+    let solution = simulation.solve(&mut |_, _| {}).expect("the solver converges");
+    (simulation, solution)
+}
+
+pub fn assert_near(what: &str, value: f64, reference: f64, tolerance: f64) {
+    let error = value / reference - 1.0;
+    assert!(error.abs() <= tolerance, "{what}: {value} is off {reference} by {error:.2e}, allowed {tolerance:.2e}");
+}
+
+fn radius_of_disk(fraction: f64) -> f64 {
+    (fraction / PI).sqrt()
+}
+
+/// Force over viscosity and mean velocity of a square array of cylinders.
+fn square_array(session: &Session, fraction: f64, cells: usize, order: usize, center: [f64; 2]) -> f64 {
+    let disk = suspended(Vector2::from(center), radius_of_disk(fraction), fixed(), order);
+    let setup = periodic_cube(1.0 / cells as f64, Drive::MeanVelocity(Vector2::x()), vec![disk]);
+    solve(session, setup).1.bodies[0].force[0]
+}
+
+const CENTER: [f64; 2] = [0.513, 0.527];
+
+/// Sangani and Acrivos, Int. J. Multiphase Flow 8 (1982) 193, with the digits recomputed in the reference.
+pub fn drag_on_a_square_array_of_cylinders(session: &Session) {
+    assert_near("0.3 on 16 cells", square_array(session, 0.3, 16, 4, CENTER), 102.881303670, 5e-3);
+    assert_near("0.3 on 32 cells", square_array(session, 0.3, 32, 8, CENTER), 102.881303670, 5e-4);
+    assert_near("0.3 on 64 cells", square_array(session, 0.3, 64, 8, CENTER), 102.881303670, 2e-4);
+    assert_near("0.1 on 32 cells", square_array(session, 0.1, 32, 6, CENTER), 24.8316752488, 1e-3);
+    assert_near("0.5 on 32 cells", square_array(session, 0.5, 32, 10, CENTER), 532.548118463, 5e-3);
+    assert_near("0.5 on 64 cells", square_array(session, 0.5, 64, 14, CENTER), 532.548118463, 1e-3);
+}
+
+/// The same small case by the independent oracle, digit by digit: a regression of the whole method.
+pub fn drag_on_a_square_array_has_the_digits_of_the_oracle(session: &Session) {
+    assert_near("32 cells", square_array(session, 0.3, 32, 8, CENTER), 102.884, 5e-6);
+    assert_near("64 cells", square_array(session, 0.3, 64, 8, CENTER), 102.872, 5e-6);
+}
+
+/// Root mean square over 8 positions on the grid, with modes enough that they do not limit.
+pub fn the_drag_error_is_of_second_order(session: &Session) {
+    let error = |cells: usize| {
+        let squares = (0..8).map(|position| {
+            let shift = |factor: f64| 0.5 + (f64::from(position) * factor).fract() / cells as f64;
+            let force = square_array(session, 0.3, cells, 12.min(cells / 4), [shift(0.38), shift(0.62)]);
+            (force / 102.881303670 - 1.0).powi(2)
+        });
+        (squares.sum::<f64>() / 8.0).sqrt()
+    };
+    let (coarse, fine) = (error(16), error(128));
+    let order = (coarse / fine).log2() / 3.0;
+    assert!(order >= 1.8, "errors {coarse:.2e} on 16 cells, {fine:.2e} on 128: order {order:.2}");
+}
+
+/// Zick and Homsy, J. Fluid Mech. 115 (1982) 13: drag over Stokes drag.
+pub fn drag_on_a_simple_cubic_array_of_spheres(session: &Session) {
+    let cases = [
+        (0.064, 4.0, 3, 2.810198125, 0.01),
+        (0.125, 4.0, 3, 4.291589200, 0.01),
+        (0.064, 6.0, 5, 2.810198125, 0.004),
+        (0.125, 6.0, 5, 4.291589200, 0.004),
+    ];
+    for (fraction, cells_per_radius, order, reference, tolerance) in cases {
+        let radius = (0.75 * fraction / PI).cbrt();
+        let sphere = suspended(Vector3::new(0.513, 0.527, 0.481), radius, fixed(), order);
+        let (_, solution) = solve(session, periodic_cube(radius / cells_per_radius, Drive::MeanVelocity(Vector3::x()), vec![sphere]));
+        let drag = solution.bodies[0].force[0] / (6.0 * PI * radius);
+        assert_near(&format!("{fraction} at {cells_per_radius} cells per radius"), drag, reference, tolerance);
+    }
+}
+
+/// Exact values of the square lattice (reference, section 2.2); the error is that of the increment over 1.
+pub fn viscosity_of_the_square_lattice_of_free_disks(session: &Session) {
+    for (fraction, reference) in [(0.01, 1.01988520959), (0.1, 1.19222418765), (0.3, 1.59811597742)] {
+        let radius = radius_of_disk(fraction);
+        let disk = suspended(Vector2::from(CENTER), radius, free(), 8);
+        let (simulation, solution) = solve(session, periodic_cube(radius / 8.0, Drive::Shear(1.0), vec![disk]));
+        let viscosity = observe::viscosity(simulation.setup(), simulation.grid(), &solution).expect("no exchange fails").expect("it is sheared");
+        assert_near(&format!("increment at {fraction}"), viscosity.from_stresslets - 1.0, reference - 1.0, 3e-3);
+        assert_near("spin is half the vorticity", solution.bodies[0].twist.spin[(1, 0)], -0.5, 1e-3);
+    }
+}
+
+/// Batchelor's and Einstein's laws: the increment of a dilute cubic lattice of spheres in shear (Nunan and Keller 1984).
+pub fn viscosity_of_the_cubic_lattice_of_free_spheres(session: &Session) {
+    let radius = (0.75 * 0.027 / PI).cbrt();
+    let sphere = suspended(Vector3::new(0.513, 0.527, 0.481), radius, free(), 4);
+    let (simulation, solution) = solve(session, periodic_cube(radius / 5.0, Drive::Shear(1.0), vec![sphere]));
+    let viscosity = observe::viscosity(simulation.setup(), simulation.grid(), &solution).expect("no exchange fails").expect("it is sheared");
+    assert_near("increment", viscosity.from_stresslets - 1.0, 0.066332554, 1e-2);
+}
+
+/// A free disk at the centre of a Couette channel (reference, sections 2.3 and 3.3).
+pub fn spin_of_a_free_disk_in_couette_flow(session: &Session) {
+    for (length, reference) in [(1.0, -0.485564146), (8.0, -0.48207921)] {
+        let disk = suspended(Vector2::new(0.513, 0.5), 0.125, free(), 6);
+        let (_, solution) = solve(session, couette(length, 1.0 / 64.0, 1.0, vec![disk]));
+        assert_near(&format!("length {length}"), solution.bodies[0].twist.spin[(1, 0)], reference, 3e-3);
+    }
+}
+
+/// Stress on the walls and stresslets are two roads to one viscosity (reference, section 2.3: 1.291011445).
+pub fn wall_force_and_stresslets_give_the_same_viscosity(session: &Session) {
+    let disk = suspended(Vector2::new(0.513, 0.5), 0.2, free(), 8);
+    let (simulation, solution) = solve(session, couette(1.0, 1.0 / 40.0, 1.0, vec![disk]));
+    let viscosity = observe::viscosity(simulation.setup(), simulation.grid(), &solution).expect("no exchange fails").expect("it is sheared");
+    let walls = viscosity.from_walls.expect("there are walls");
+    assert_near("stresslets", viscosity.from_stresslets, 1.291011445, 2e-3);
+    assert_near("walls", walls, 1.291011445, 2e-3);
+    assert_near("each other", walls, viscosity.from_stresslets, 2e-3);
+}
+
+/// Two free disks in a Couette cell with zero mean pressure gradient (reference, section 2.4, P2).
+pub fn two_disks_in_a_couette_cell(session: &Session) {
+    // the reference cell is centred at the origin
+    let disks = [[0.3, 0.4], [0.65, 0.62]].map(|center| suspended(Vector2::from(center), 0.15, free(), 9));
+    let (simulation, solution) = solve(session, couette(1.0, 1.0 / 60.0, 1.0, disks.to_vec()));
+    let viscosity = observe::viscosity(simulation.setup(), simulation.grid(), &solution).expect("no exchange fails").expect("it is sheared");
+    assert_near("viscosity", viscosity.from_stresslets, 1.3813693532, 2e-3);
+    let references = [[-0.053755754, 0.018929646, -0.406080384], [0.083329666, -0.018834326, -0.402670314]];
+    for (state, reference) in solution.bodies.iter().zip(references) {
+        let found = [state.twist.velocity[0], state.twist.velocity[1], state.twist.spin[(1, 0)]];
+        // a thousandth of the speed of the walls
+        assert!(found.iter().zip(reference).all(|(found, reference)| (found - reference).abs() < 1e-3), "{found:?} is off {reference:?}");
+    }
+}
+
+/// The channel of height 1 and length 1 with a fixed or free disk (reference, section 3.2: a = 0.125).
+pub fn a_channel_driven_by_each_drive(session: &Session) {
+    let walls = Axis::Walls { lower: Vector2::zeros(), upper: Vector2::zeros() };
+    let channel = |drive, motion| Setup {
+        domain: Domain { size: Vector2::new(1.0, 1.0), axes: [Axis::Periodic, walls] },
+        spacing: 1.0 / 64.0,
+        viscosity: 1.0,
+        drive,
+        bodies: vec![suspended(Vector2::new(0.513, 0.5), 0.125, motion, 8)],
+        tolerance: 1e-9,
+    };
+    let gradient = |amount: f64| Drive::PressureGradient(Vector2::x() * -amount);
+    let (_, by_gradient) = solve(session, channel(gradient(1.0), fixed()));
+    assert_near("flux past a fixed disk", by_gradient.mean_velocity[0], 0.0171234769, 5e-3);
+    assert_near("force on a fixed disk", by_gradient.bodies[0].force[0], 0.545701167, 5e-3);
+    let (_, by_mean) = solve(session, channel(Drive::MeanVelocity(by_gradient.mean_velocity), fixed()));
+    assert_near("the gradient that gives this flux", by_mean.pressure_gradient[0], -1.0, 1e-6);
+    assert_near("the force at this flux", by_mean.bodies[0].force[0], by_gradient.bodies[0].force[0], 1e-6);
+    let (_, freely) = solve(session, channel(gradient(8.0), free()));
+    assert_near("speed of a free disk", freely.bodies[0].twist.velocity[0], 0.965019025, 2e-3);
+    let pulled = Motion::Prescribed(Twist { velocity: Vector2::x(), spin: SMatrix::zeros() });
+    let (_, pulled) = solve(session, channel(Drive::MeanVelocity(Vector2::zeros()), pulled));
+    assert_near("drag at zero flux", -pulled.bodies[0].force[0], 21.9145884, 5e-3);
+}
+
+/// In a periodic box the force on fixed bodies balances the given gradient, and mean velocity and gradient are each other's inverse.
+pub fn a_periodic_box_driven_by_a_pressure_gradient(session: &Session) {
+    let disk = || vec![suspended(Vector2::from(CENTER), radius_of_disk(0.3), fixed(), 6)];
+    let gradient = Vector2::new(-2.0, 0.5);
+    let (_, solution) = solve(session, periodic_cube(1.0 / 32.0, Drive::PressureGradient(gradient), disk()));
+    assert!((solution.bodies[0].force + gradient).norm() < 1e-7, "{}", solution.bodies[0].force);
+    let (_, back) = solve(session, periodic_cube(1.0 / 32.0, Drive::MeanVelocity(solution.mean_velocity), disk()));
+    assert!((back.pressure_gradient - gradient).norm() < 1e-6, "{}", back.pressure_gradient);
+    let (_, by_force) = solve(session, periodic_cube(1.0 / 32.0, Drive::BodyForce(-gradient), disk()));
+    // the fluid alone is pushed: the body misses what the gradient does to its own volume
+    assert!((by_force.bodies[0].force + gradient * 0.7).norm() < 1e-7, "{}", by_force.bodies[0].force);
+    assert!((by_force.mean_velocity - solution.mean_velocity).norm() < 1e-9);
+}
+
+/// Two disks falling side by side in a periodic box (reference, section 2.4, P2 periodic sedimentation).
+pub fn two_disks_sedimenting_in_a_periodic_box(session: &Session) {
+    let pulled = Motion::Free { force: Vector2::x(), torque: SMatrix::zeros() };
+    let disks = [[0.3, 0.4], [0.65, 0.62]].map(|center| suspended(Vector2::from(center), 0.15, pulled, 9));
+    let (_, solution) = solve(session, periodic_cube(1.0 / 60.0, Drive::Rest, disks.to_vec()));
+    for (state, spin) in solution.bodies.iter().zip([-0.078226653, 0.078226653]) {
+        assert_near("along the force", state.twist.velocity[0], 0.049167859, 5e-3);
+        assert!((state.twist.velocity[1] - 0.004072376).abs() < 2e-4, "{}", state.twist.velocity[1]);
+        assert_near("spin", state.twist.spin[(1, 0)], spin, 1e-2);
+        assert_near("the fluid holds the weight", -state.force[0], 1.0, 1e-7);
+    }
+    assert_near("the gradient holds all", solution.pressure_gradient[0], 2.0, 1e-7);
+}
+
+/// Torque on a disk turning in a closed box (reference, section 3.4: a = 0.2) and drag on one that moves.
+pub fn a_disk_in_a_closed_box(session: &Session) {
+    let still = Axis::Walls { lower: Vector2::zeros(), upper: Vector2::zeros() };
+    let closed = |twist| Setup {
+        domain: Domain { size: Vector2::new(1.0, 1.0), axes: [still; 2] },
+        spacing: 1.0 / 48.0,
+        viscosity: 2.0,
+        drive: Drive::Rest,
+        bodies: vec![suspended(Vector2::new(0.5, 0.5), 0.2, Motion::Prescribed(twist), 8)],
+        tolerance: 1e-9,
+    };
+    let spin = SMatrix::<f64, 2, 2>::new(0.0, -1.0, 1.0, 0.0);
+    let (_, turning) = solve(session, closed(Twist { velocity: Vector2::zeros(), spin }));
+    assert_near("torque", -turning.bodies[0].torque[(1, 0)], 2.0 * 4.0 * PI * 0.04 * 1.168276651, 2e-3);
+    let (_, moving) = solve(session, closed(Twist { velocity: Vector2::x(), spin: SMatrix::zeros() }));
+    assert_near("drag", -moving.bodies[0].force[0], 2.0 * 55.04312168, 5e-3);
+}
+
+/// A sphere in a closed cubic box (reference, section 3.6: a/L = 0.2).
+pub fn a_sphere_in_a_closed_box(session: &Session) {
+    let still = Axis::Walls { lower: Vector3::zeros(), upper: Vector3::zeros() };
+    let twist = Twist { velocity: Vector3::x(), spin: SMatrix::zeros() };
+    let setup = Setup {
+        domain: Domain { size: Vector3::repeat(1.0), axes: [still; 3] },
+        spacing: 1.0 / 25.0,
+        viscosity: 1.0,
+        drive: Drive::Rest,
+        bodies: vec![suspended(Vector3::repeat(0.5), 0.2, Motion::Prescribed(twist), 4)],
+        tolerance: 1e-8,
+    };
+    let (_, solution) = solve(session, setup);
+    assert_near("drag over Stokes drag", -solution.bodies[0].force[0] / (6.0 * PI * 0.2), 3.12345, 1e-2);
+}
