@@ -43,10 +43,10 @@ pub enum Error {
 }
 
 impl Error {
-    /// Exit code of the program: 2 for input that was refused, 1 for anything else.
+    /// Exit code of the program: 2 for input or files that cannot be used, 1 for anything else.
     pub fn exit_code(&self) -> i32 {
         match self {
-            Error::Refused(_) => 2,
+            Error::Refused(_) | Error::File { .. } => 2,
             _ => 1,
         }
     }

@@ -1,1 +1,244 @@
-//! program
+//! The program as a user meets it: examples, ranks, refusals, exit codes.
+
+#![allow(clippy::unwrap_used)]
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
+
+use serde_json::Value;
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_turbid");
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A folder of its own for a test, empty.
+fn folder(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&path);
+    fs::create_dir_all(&path).unwrap();
+    path
+}
+
+fn turbid(ranks: usize, arguments: &[&str]) -> Output {
+    let mut command = match ranks {
+        1 => Command::new(PROGRAM),
+        _ => {
+            let mut command = Command::new("mpirun");
+            command.args(["--oversubscribe", "-n", &ranks.to_string(), PROGRAM]);
+            command
+        }
+    };
+    command.args(arguments).current_dir(root());
+    command.envs([("OMPI_ALLOW_RUN_AS_ROOT", "1"), ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"), ("OMP_NUM_THREADS", "1")]);
+    command.output().unwrap()
+}
+
+fn run(ranks: usize, scene: &Path, out: &Path, settings: &[&str]) -> Value {
+    let mut arguments = vec!["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap()];
+    settings.iter().for_each(|setting| arguments.extend(["--set", setting]));
+    let output = turbid(ranks, &arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap()
+}
+
+fn number(summary: &Value, path: &str) -> f64 {
+    let pointer = format!("/{}", path.replace('.', "/"));
+    summary.pointer(&pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no number at {path}"))
+}
+
+/// The promises of an example: lines `#= path value tolerance`.
+fn promises(text: &str) -> Vec<(String, f64, f64)> {
+    let lines = text.lines().filter_map(|line| line.strip_prefix("#= "));
+    lines
+        .map(|line| {
+            let words: Vec<&str> = line.split_whitespace().collect();
+            (words[0].to_owned(), words[1].parse().unwrap(), words[2].parse().unwrap())
+        })
+        .collect()
+}
+
+#[test]
+fn every_example_gives_the_numbers_of_its_header() {
+    let mut examples = 0;
+    for entry in fs::read_dir(root().join("examples")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|ending| ending != "toml") {
+            continue;
+        }
+        let name = path.file_stem().unwrap().to_str().unwrap();
+        let promised = promises(&fs::read_to_string(&path).unwrap());
+        assert!(!promised.is_empty(), "{name} promises no number");
+        let summary = run(2, &path, &folder(&format!("example-{name}")), &[]);
+        for (key, value, tolerance) in promised {
+            let found = number(&summary, &key);
+            assert!((found - value).abs() <= tolerance, "{name}: {key} is {found}, promised {value} +- {tolerance}");
+        }
+        examples += 1;
+    }
+    assert!(examples >= 4);
+}
+
+const SMALL_SUSPENSION: &str = r#"
+[domain]
+size = [12.0, 8.0]
+y = { lower = [-4.0, 0.0], upper = [4.0, 0.0] }
+[resolution]
+cells_per_radius = 5
+[method]
+tolerance = 1e-9
+[[bodies]]
+radius = 1.0
+fraction = 0.3
+gap = 0.1
+"#;
+
+const SMALL_SUSPENSION_3D: &str = r#"
+[domain]
+size = [5.0, 4.0, 4.5]
+[flow]
+drive = { shear_rate = 1.0 }
+[resolution]
+cells_per_radius = 4
+modes = 3
+[method]
+tolerance = 1e-9
+[[bodies]]
+radius = 1.0
+count = 5
+"#;
+
+fn write(folder: &Path, text: &str) -> PathBuf {
+    let path = folder.join("scene.toml");
+    fs::write(&path, text).unwrap();
+    path
+}
+
+#[test]
+fn the_result_does_not_depend_on_the_number_of_ranks() {
+    for (name, text) in [("2d", SMALL_SUSPENSION), ("3d", SMALL_SUSPENSION_3D)] {
+        let here = folder(&format!("ranks-{name}"));
+        let scene = write(&here, text);
+        let summaries: Vec<Value> = (1..=3).map(|ranks| run(ranks, &scene, &here.join(ranks.to_string()), &[])).collect();
+        let reference = &summaries[0];
+        for summary in &summaries[1..] {
+            let difference = number(summary, "viscosity.relative") / number(reference, "viscosity.relative") - 1.0;
+            assert!(difference.abs() < 1e-7, "{name}: viscosity differs by {difference:.1e}");
+            let bodies = reference["bodies"].as_array().unwrap().len();
+            for place in (0..bodies).flat_map(|body| [0, 1].map(|axis| format!("bodies.{body}.velocity.{axis}"))) {
+                // relative to the speed of the walls or of the background over the box
+                let difference = (number(summary, &place) - number(reference, &place)) / 4.0;
+                assert!(difference.abs() < 1e-7, "{name}: {place} differs by {difference:.1e}");
+            }
+        }
+    }
+}
+
+/// Scene, what its refusal must say, rank counts on which it is refused.
+fn bad_scenes() -> Vec<(&'static str, String, &'static str, &'static [usize])> {
+    let with = |bodies: &str| format!("[domain]\nsize = [10.0, 10.0]\n[resolution]\ncells_per_radius = 4\n{bodies}\n");
+    let walled = |bodies: &str| format!("[domain]\nsize = [10.0, 10.0]\ny = \"walls\"\n[resolution]\ncells_per_radius = 4\n{bodies}\n");
+    let all: &[usize] = &[1, 3];
+    vec![
+        ("unknown_key", "[domain]\nsize = [1.0, 1.0]\nsise = 2\n".into(), "unknown key domain.sise", all),
+        ("overlap", with("[[bodies]]\nradius = 1.0\ncenters = [[2.0, 2.0], [3.5, 2.0]]"), "scene.toml:7: bodies[0].centers", all),
+        ("across_the_seam", with("[[bodies]]\nradius = 1.0\ncenters = [[0.5, 2.0], [9.5, 2.0]]"), "overlaps body 0", all),
+        ("outside", walled("[[bodies]]\nradius = 1.0\ncenters = [[2.0, 0.5]]"), "lies outside the box along y", all),
+        ("own_image", with("[[bodies]]\nradius = 5.5\ncenters = [[2.0, 2.0]]"), "its own periodic image", all),
+        ("too_few_cells", with("[[bodies]]\nradius = 1.0\ncenters = [[2.0, 2.0]]").replace("= 4", "= 2"), "at least 3 are needed", all),
+        (
+            "too_many_modes",
+            with("modes = 6\n[[bodies]]\nradius = 1.0\ncenters = [[2.0, 2.0]]"),
+            "is too many for 4.00 cells per radius",
+            all,
+        ),
+        ("too_full", with("[[bodies]]\nradius = 1.0\nfraction = 0.95"), "bodies[0]", all),
+        ("no_body_fits", with("[[bodies]]\nradius = 1.0\nfraction = 0.001"), "less than half a body", all),
+        ("too_coarse", "[domain]\nsize = [1.0, 1.0]\n[resolution]\nspacing = 0.5\n".into(), "at least 4 are needed", all),
+        (
+            "no_steady_state",
+            with("[[bodies]]\nradius = 1.0\ncount = 2\n[flow]\ndrive = { body_force = [1.0, 0.0] }"),
+            "no steady flow",
+            all,
+        ),
+        ("missing_centers", with("[[bodies]]\nradius = 1.0\nfile = \"absent.csv\""), "absent.csv", all),
+        ("ranks", "[domain]\nsize = [1.0, 1.0]\n[resolution]\nspacing = 0.25\n".into(), "3 ranks do not fit", &[3]),
+    ]
+}
+
+#[test]
+fn bad_geometry_is_refused_on_any_number_of_ranks_and_nothing_is_written() {
+    for (name, text, message, rank_counts) in bad_scenes() {
+        let here = folder(&format!("bad-{name}"));
+        let scene = write(&here, &text);
+        for &ranks in rank_counts {
+            let out = here.join("out");
+            let output = turbid(ranks, &["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+            let said = String::from_utf8_lossy(&output.stderr);
+            assert!(said.contains(message), "{name} on {ranks} ranks says: {said}");
+            assert_eq!(said.matches(message).count(), 1, "{name} on {ranks} ranks says it once: {said}");
+            assert_eq!(output.status.code(), Some(2), "{name} on {ranks} ranks: {said}");
+            assert!(!out.exists(), "{name} on {ranks} ranks wrote something");
+        }
+    }
+}
+
+#[test]
+fn an_output_folder_that_cannot_be_written_is_refused() {
+    let here = folder("unwritable");
+    let scene = write(&here, SMALL_SUSPENSION);
+    fs::write(here.join("file"), b"").unwrap();
+    let out = here.join("file/inside");
+    let output = turbid(2, &["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("cannot be written to"));
+}
+
+#[test]
+fn a_wrong_command_line_ends_with_code_2() {
+    for arguments in [&["walk"][..], &["run"], &["run", "a.toml", "--colour"], &["conditioning", "--finest-2d", "many"]] {
+        assert_eq!(turbid(1, arguments).status.code(), Some(2), "{arguments:?}");
+    }
+    assert_eq!(turbid(1, &["--help"]).status.code(), Some(0));
+}
+
+#[test]
+fn options_after_two_dashes_reach_petsc() {
+    let here = folder("petsc-options");
+    let scene = write(&here, SMALL_SUSPENSION);
+    let out = here.join("out");
+    let base = ["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap(), "--"];
+    let starved = turbid(1, &[&base[..], &["-coupled_ksp_max_it", "2"]].concat());
+    assert_eq!(starved.status.code(), Some(1));
+    let said = String::from_utf8_lossy(&starved.stderr);
+    assert!(said.contains("stopped after 2 iterations") && said.contains("tolerance"), "{said}");
+    assert!(!out.join("summary.json").exists());
+    let watched = turbid(1, &[&base[..], &["-coupled_ksp_monitor"]].concat());
+    assert!(String::from_utf8_lossy(&watched.stdout).contains("KSP Residual norm"));
+}
+
+#[test]
+fn a_plan_names_what_is_built_and_what_is_not_and_solves_nothing() {
+    let here = folder("plan");
+    let scene = write(&here, SMALL_SUSPENSION);
+    let output = turbid(2, &["plan", scene.to_str().unwrap()]);
+    let said = String::from_utf8_lossy(&output.stdout);
+    for part in ["built      stokes flow", "not built  contact", "not built  lubrication", "cells in [2, 1] blocks", "MB"] {
+        assert!(said.contains(part), "no {part:?} in: {said}");
+    }
+    assert_eq!(fs::read_dir(&here).unwrap().count(), 1);
+}
+
+#[test]
+fn a_run_leaves_a_scene_that_gives_the_same_run() {
+    let here = folder("again");
+    let scene = write(&here, SMALL_SUSPENSION);
+    let first = run(1, &scene, &here.join("first"), &["resolution.cells_per_radius=4"]);
+    let again = run(1, &here.join("first/scene.toml"), &here.join("again"), &[]);
+    assert_eq!(first["bodies"], again["bodies"]);
+    assert!(fs::read_to_string(here.join("first/picture.svg")).unwrap().trim_end().ends_with("</svg>"));
+}

@@ -13,10 +13,7 @@ type Entry<const D: usize> = (SVector<f64, D>, Option<f64>);
 ///
 /// Returns [`Error::File`] if the file cannot be read and [`Error::Refused`] if its text cannot be used.
 pub fn read_centers<const D: usize>(path: &Path) -> Result<Vec<(SVector<f64, D>, Option<f64>)>> {
-    let text = std::fs::read_to_string(path).map_err(|source| Error::File {
-        path: path.to_path_buf(),
-        source,
-    })?;
+    let text = std::fs::read_to_string(path).map_err(|source| Error::File { path: path.to_path_buf(), source })?;
     parse_centers(&path.display().to_string(), &text)
 }
 
@@ -24,21 +21,12 @@ pub fn read_centers<const D: usize>(path: &Path) -> Result<Vec<(SVector<f64, D>,
 ///
 /// The columns are `x,y[,z][,radius]`, in any order if the first line names them. Blank lines and
 /// lines that start with `#` are skipped. Refusals begin with `name` and the line number.
-pub fn parse_centers<const D: usize>(
-    name: &str,
-    text: &str,
-) -> Result<Vec<(SVector<f64, D>, Option<f64>)>> {
+pub fn parse_centers<const D: usize>(name: &str, text: &str) -> Result<Vec<(SVector<f64, D>, Option<f64>)>> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = (1..)
-        .zip(text.lines().map(str::trim))
-        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
-        .peekable();
+    let mut lines = (1..).zip(text.lines().map(str::trim)).filter(|(_, line)| !line.is_empty() && !line.starts_with('#')).peekable();
     let refuse = |number: usize, reason: String| Error::Refused(format!("{name}:{number}: {reason}"));
     let Some(&(number, first)) = lines.peek() else {
-        return Err(Error::Refused(format!(
-            "{name}: no centres found; expected lines of {}",
-            choices::<D>().join(",")
-        )));
+        return Err(Error::Refused(format!("{name}: no centres found; expected lines of {}", choices::<D>().join(","))));
     };
     let columns = if is_header(first) {
         lines.next();
@@ -47,9 +35,8 @@ pub fn parse_centers<const D: usize>(
         default_columns::<D>(first)
     }
     .map_err(|reason| refuse(number, reason))?;
-    let entries: Vec<_> = lines
-        .map(|(number, line)| entry(&columns, line).map_err(|reason| refuse(number, reason)))
-        .collect::<Result<_>>()?;
+    let entries: Vec<_> =
+        lines.map(|(number, line)| entry(&columns, line).map_err(|reason| refuse(number, reason))).collect::<Result<_>>()?;
     match entries.is_empty() {
         true => Err(refuse(number, "a header but no centres below it".into())),
         false => Ok(entries),
@@ -72,9 +59,7 @@ fn header_columns<const D: usize>(line: &str) -> std::result::Result<Vec<usize>,
     let mut columns = Vec::new();
     for field in line.split(',').map(str::trim) {
         let column = choices.iter().position(|choice| field.eq_ignore_ascii_case(choice));
-        let column = column.ok_or_else(|| {
-            format!("unknown column {}; expected {}", quoted(field), choices.join(", "))
-        })?;
+        let column = column.ok_or_else(|| format!("unknown column {}; expected {}", quoted(field), choices.join(", ")))?;
         if columns.contains(&column) {
             return Err(format!("column {} appears twice", quoted(field)));
         }
@@ -92,20 +77,14 @@ fn default_columns<const D: usize>(line: &str) -> std::result::Result<Vec<usize>
     if count == D || count == D + 1 {
         return Ok((0..count).collect());
     }
-    Err(format!(
-        "found {count} columns, expected {} with or without radius",
-        choices::<D>().join(",")
-    ))
+    Err(format!("found {count} columns, expected {} with or without radius", choices::<D>().join(",")))
 }
 
 /// The centre and radius on one line.
 fn entry<const D: usize>(columns: &[usize], line: &str) -> std::result::Result<Entry<D>, String> {
     let count = line.split(',').count();
     if count != columns.len() {
-        return Err(format!(
-            "found {count} columns, expected {} as in the first line",
-            columns.len()
-        ));
+        return Err(format!("found {count} columns, expected {} as in the first line", columns.len()));
     }
     let mut center = SVector::zeros();
     let mut radius = None;

@@ -33,13 +33,7 @@ const TOLERANCE: f64 = 1e-9;
 /// the radius to a wall. Obstacles stay where they are. Centres lie in `[0, size)`. The same
 /// arguments give the same centres everywhere. Returns [`Error::Refused`] if a radius or the gap
 /// is no usable number, if a body does not fit, or if no packing is found with bounded effort.
-pub fn pack<const D: usize>(
-    domain: &Domain<D>,
-    obstacles: &[Ball<D>],
-    radii: &[f64],
-    gap: f64,
-    seed: u64,
-) -> Result<Vec<SVector<f64, D>>> {
+pub fn pack<const D: usize>(domain: &Domain<D>, obstacles: &[Ball<D>], radii: &[f64], gap: f64, seed: u64) -> Result<Vec<SVector<f64, D>>> {
     if radii.is_empty() {
         return Ok(Vec::new());
     }
@@ -60,10 +54,7 @@ fn check_numbers(radii: &[f64], gap: f64) -> Result<()> {
         return Err(Error::Refused(format!("`gap` is {gap}; it must be zero or positive")));
     }
     match radii.iter().position(|radius| !(radius.is_finite() && *radius > 0.0)) {
-        Some(body) => Err(Error::Refused(format!(
-            "body {body} has radius {}; it must be positive",
-            radii[body]
-        ))),
+        Some(body) => Err(Error::Refused(format!("body {body} has radius {}; it must be positive", radii[body]))),
         None => Ok(()),
     }
 }
@@ -128,13 +119,7 @@ struct Search<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Search<'a, D> {
-    fn new(
-        domain: &'a Domain<D>,
-        obstacles: &[Ball<D>],
-        radii: &[f64],
-        gap: f64,
-        seed: u64,
-    ) -> Self {
+    fn new(domain: &'a Domain<D>, obstacles: &[Ball<D>], radii: &[f64], gap: f64, seed: u64) -> Self {
         let all = || radii.iter().copied().chain(obstacles.iter().map(|ball| ball.radius));
         let swollen: Vec<_> = all().map(|radius| radius * (1.0 + gap / 2.0)).collect();
         let full = fraction(domain, &swollen[..radii.len()]);
@@ -173,9 +158,7 @@ impl<'a, const D: usize> Search<'a, D> {
     fn scatter(&mut self) {
         for body in 0..self.crowd.movable {
             for _ in 0..100 {
-                self.crowd.centers[body] = SVector::from_fn(|axis, _| {
-                    self.random.random::<f64>() * self.crowd.domain.size[axis]
-                });
+                self.crowd.centers[body] = SVector::from_fn(|axis, _| self.random.random::<f64>() * self.crowd.domain.size[axis]);
                 if !self.buried(body) {
                     break;
                 }
@@ -223,8 +206,7 @@ impl<'a, const D: usize> Search<'a, D> {
     fn shake(&mut self, scale: f64) {
         for body in 0..self.crowd.movable {
             let shift = 2.0 * SHAKE * scale * self.crowd.radii[body];
-            self.crowd.centers[body] +=
-                SVector::from_fn(|_, _| shift * (self.random.random::<f64>() - 0.5));
+            self.crowd.centers[body] += SVector::from_fn(|_, _| shift * (self.random.random::<f64>() - 0.5));
         }
     }
 }
@@ -237,10 +219,7 @@ mod tests {
 
     fn cube<const D: usize>(walled: bool) -> Domain<D> {
         let wall = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
-        Domain {
-            size: SVector::repeat(1.0),
-            axes: [if walled { wall } else { Axis::Periodic }; D],
-        }
+        Domain { size: SVector::repeat(1.0), axes: [if walled { wall } else { Axis::Periodic }; D] }
     }
 
     /// Equal radii that fill the fraction of the unit box.
@@ -283,7 +262,10 @@ mod tests {
                     let start = Instant::now();
                     let result = pack::<D>(&cube(walled), &[], &equal::<D>(count, asked), gap, seed);
                     let error = result.map(|_| ()).map_err(|e| e.to_string());
-                    eprintln!("{D}D {count} at {asked} gap {gap} walled {walled} seed {seed}: {:.3} s {error:?}", start.elapsed().as_secs_f64());
+                    eprintln!(
+                        "{D}D {count} at {asked} gap {gap} walled {walled} seed {seed}: {:.3} s {error:?}",
+                        start.elapsed().as_secs_f64()
+                    );
                 }
             }
         }

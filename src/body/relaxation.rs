@@ -57,18 +57,23 @@ impl<const D: usize> Crowd<'_, D> {
                 earlier_energy = state.energy;
             }
             let work = (contacts.list.len() + self.movable) as u64;
-            if self.effort < work {
+            if !self.spend(work) {
                 return false;
             }
-            self.effort -= work;
             fire.advance(&mut self.centers, &contacts.masses);
             self.confine(scale, Some(&mut fire.velocities));
             if contacts.outdated(&self.centers) {
-                self.effort = self.effort.saturating_sub(SEARCH_WORK * work);
+                self.spend(SEARCH_WORK * work);
                 contacts = Contacts::new(self, scale);
             }
         }
         false
+    }
+
+    /// Takes work from the effort left; returns whether any is left.
+    fn spend(&mut self, work: u64) -> bool {
+        self.effort = self.effort.saturating_sub(work);
+        self.effort > 0
     }
 
     /// Moves balls that reach into a wall out of it, and stops them there.
@@ -117,15 +122,9 @@ struct Contacts<const D: usize> {
 impl<const D: usize> Contacts<D> {
     fn new(crowd: &Crowd<D>, scale: f64) -> Self {
         let factor = |body| if body < crowd.movable { scale } else { 1.0 };
-        let required: Vec<_> = (0..crowd.centers.len())
-            .map(|body| crowd.radii[body] * factor(body))
-            .collect();
-        let balls: Vec<_> = crowd
-            .centers
-            .iter()
-            .zip(&required)
-            .map(|(&center, radius)| Ball { center, radius: radius * (1.0 + MARGIN) })
-            .collect();
+        let required: Vec<_> = (0..crowd.centers.len()).map(|body| crowd.radii[body] * factor(body)).collect();
+        let balls: Vec<_> =
+            crowd.centers.iter().zip(&required).map(|(&center, radius)| Ball { center, radius: radius * (1.0 + MARGIN) }).collect();
         let mean = required[..crowd.movable].iter().sum::<f64>() / crowd.movable as f64;
         let skin = 0.4 * mean;
         let mut masses = vec![1.0; crowd.movable];

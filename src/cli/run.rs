@@ -50,7 +50,7 @@ fn files<const D: usize>(
     let mut files = vec![("scene.toml", scene.text.clone())];
     if scene.output.picture {
         let title = if scene.title.is_empty() { &scene.name } else { &scene.title };
-        let _ = title;
+        files.push(("picture.svg", observe::picture(title, simulation, solution)?.svg()));
     }
     // last: a folder with a summary is complete
     files.push(("summary.json", json));

@@ -41,16 +41,23 @@ impl<const D: usize> Patch<D> {
         })
     }
 
-    /// The slot of an index, made by `make` when it has none yet; the index must lie in the patch.
-    pub fn slot(&mut self, index: Index<D>, make: impl FnOnce() -> usize) -> usize {
-        let offset = (0..D).fold(0, |offset, axis| {
+    /// The slot of an index, if it has one; the index must lie in the patch.
+    pub fn find(&self, index: Index<D>) -> Option<usize> {
+        let slot = self.slots[self.offset(index)];
+        (slot != EMPTY).then_some(slot as usize)
+    }
+
+    /// Gives an index a slot.
+    pub fn set(&mut self, index: Index<D>, slot: usize) {
+        let offset = self.offset(index);
+        self.slots[offset] = slot as u32;
+    }
+
+    fn offset(&self, index: Index<D>) -> usize {
+        (0..D).fold(0, |offset, axis| {
             let place = index[axis] - self.start[axis];
             assert!(place >= 0 && (place as usize) < self.extent[axis], "stencils reach no further than the patch");
             offset * self.extent[axis] + place as usize
-        });
-        if self.slots[offset] == EMPTY {
-            self.slots[offset] = make() as u32;
-        }
-        self.slots[offset] as usize
+        })
     }
 }

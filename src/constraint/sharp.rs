@@ -43,7 +43,7 @@ pub struct Placed<const D: usize> {
 
 impl<const D: usize> Placed<D> {
     fn outside(&self, point: &SVector<f64, D>) -> bool {
-        (point - self.center).norm() > self.surface.modes.radius()
+        (point - self.center).norm_squared() > self.surface.modes.radius().powi(2)
     }
 }
 
@@ -72,6 +72,13 @@ struct Jumps<const D: usize> {
     values: Vec<f64>,
 }
 
+/// A lattice point that interpolation meets: its place, unless it lies on a wall, and the jumps of the bodies around it,
+/// as (0 for the body itself or 1 + number of the neighbour, values of all its modes).
+struct Met {
+    place: Option<u32>,
+    jumps: Vec<(usize, Vec<f64>)>,
+}
+
 struct Assembly<'a, const D: usize> {
     grid: &'a Grid<D>,
     placed: &'a Placed<D>,
@@ -84,6 +91,9 @@ struct Assembly<'a, const D: usize> {
     sample_ends: Vec<u32>,
     sample_terms: Vec<(u32, f64)>,
     wall_values: Vec<f64>,
+    /// For each component, the lattice points that interpolation meets, as numbers of `met`.
+    met_at: Vec<Patch<D>>,
+    met: Vec<Met>,
     /// For the body and its neighbours: jumps interpolated at the surface points (columns), modes down the rows.
     interpolated_jumps: Vec<Option<DMatrix<f64>>>,
 }
@@ -104,6 +114,8 @@ impl<'a, const D: usize> Assembly<'a, D> {
             sample_ends: Vec::new(),
             sample_terms: Vec::new(),
             wall_values: Vec::new(),
+            met_at: (0..D).map(patch).collect(),
+            met: Vec::new(),
             interpolated_jumps: Vec::new(),
         }
     }
@@ -181,12 +193,12 @@ impl<'a, const D: usize> Assembly<'a, D> {
     }
 
     fn place(&mut self, field: usize, index: Index<D>, fluid_index: usize) -> u32 {
-        let places = &mut self.places;
-        let make = || {
-            places.push(fluid_index as i32);
-            places.len() - 1
-        };
-        self.place_of[field].slot(index, make) as u32
+        let slot = self.place_of[field].find(index).unwrap_or_else(|| {
+            self.place_of[field].set(index, self.places.len());
+            self.places.push(fluid_index as i32);
+            self.places.len() - 1
+        });
+        slot as u32
     }
 
     /// Interpolation on the surface, and the jumps of this body and its neighbours that it picks up inside them.
@@ -194,6 +206,7 @@ impl<'a, const D: usize> Assembly<'a, D> {
         let surface = &self.placed.surface;
         self.interpolated_jumps = vec![None; neighbours.len() + 1];
         self.wall_values = vec![0.0; surface.points() * D];
+        self.sample_terms.reserve(surface.points() * D * 4_usize.pow(D as u32));
         for (point, offset) in surface.offsets().enumerate() {
             for component in 0..D {
                 let position = self.placed.center + offset;
@@ -212,23 +225,35 @@ impl<'a, const D: usize> Assembly<'a, D> {
             }
             return;
         };
-        if let Node::Unknown(place) = self.grid.fluid_node(component, index) {
-            let place = self.place(component, index, place);
+        let number = self.met_at[component].find(index).unwrap_or_else(|| self.meet(component, index, neighbours));
+        let met = &self.met[number];
+        if let Some(place) = met.place {
             self.sample_terms.push((place, term.weight));
         }
+        let columns = self.wall_values.len();
+        for (slot, jump) in &met.jumps {
+            let into = self.interpolated_jumps[*slot].get_or_insert_with(|| DMatrix::zeros(jump.len(), columns));
+            into.column_mut(row).iter_mut().zip(jump).for_each(|(into, jump)| *into += term.weight * jump);
+        }
+    }
+
+    fn meet(&mut self, component: usize, index: Index<D>, neighbours: &[Neighbour<D>]) -> usize {
+        let place = match self.grid.fluid_node(component, index) {
+            Node::Unknown(place) => Some(self.place(component, index, place)),
+            Node::Wall(_) => None,
+        };
         let position = self.grid.position(component, index);
-        let columns = self.placed.surface.points() * D;
-        if !self.placed.outside(&position) {
-            let jump = self.jumps[component].at(self.grid, self.placed, component, index);
-            let into = self.interpolated_jumps[0].get_or_insert_with(|| DMatrix::zeros(jump.len(), columns));
-            accumulate(into, row, term.weight, jump);
-        }
-        for (slot, (_, neighbour)) in neighbours.iter().enumerate().filter(|(_, (_, neighbour))| !neighbour.outside(&position)) {
-            let mut jump = vec![0.0; neighbour.surface.modes.count()];
-            velocity_jump(self.grid, neighbour, component, &position, &mut jump);
-            let into = self.interpolated_jumps[slot + 1].get_or_insert_with(|| DMatrix::zeros(jump.len(), columns));
-            accumulate(into, row, term.weight, &jump);
-        }
+        let bodies = std::iter::once(self.placed).chain(neighbours.iter().map(|(_, neighbour)| neighbour));
+        let around = bodies.enumerate().filter(|(_, body)| !body.outside(&position));
+        let jump = |(slot, body): (usize, &Placed<D>)| {
+            let mut jump = vec![0.0; body.surface.modes.count()];
+            velocity_jump(self.grid, body, component, &position, &mut jump);
+            (slot, jump)
+        };
+        let jumps = around.map(jump).collect();
+        self.met_at[component].set(index, self.met.len());
+        self.met.push(Met { place, jumps });
+        self.met.len() - 1
     }
 
     fn finish(self, layout: &Layout, body: usize, neighbours: &[Neighbour<D>]) -> BodyBlocks<D> {
@@ -256,12 +281,12 @@ impl<const D: usize> Jumps<D> {
     /// The jump functions of all modes at a lattice point.
     fn at(&mut self, grid: &Grid<D>, placed: &Placed<D>, field: usize, index: Index<D>) -> &[f64] {
         let count = placed.surface.modes.count();
-        let values = &mut self.values;
-        let slot = self.patch.slot(index, || {
-            let slot = values.len() / count;
-            values.resize((slot + 1) * count, 0.0);
+        let slot = self.patch.find(index).unwrap_or_else(|| {
+            let slot = self.values.len() / count;
+            self.patch.set(index, slot);
+            self.values.resize((slot + 1) * count, 0.0);
             let position = grid.position(field, index);
-            let out = &mut values[slot * count..];
+            let out = &mut self.values[slot * count..];
             if field < D {
                 velocity_jump(grid, placed, field, &position, out);
             } else {
@@ -278,8 +303,4 @@ fn velocity_jump<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, component: 
     if offset.norm() > CORE * grid.spacing().max() {
         placed.surface.modes.velocity_jump(offset.as_slice(), component, out);
     }
-}
-
-fn accumulate(into: &mut DMatrix<f64>, column: usize, weight: f64, jump: &[f64]) {
-    into.column_mut(column).iter_mut().zip(jump).for_each(|(into, jump)| *into += weight * jump);
 }

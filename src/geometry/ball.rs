@@ -16,16 +16,10 @@ pub struct Ball<const D: usize> {
 impl<const D: usize> Ball<D> {
     /// Volume of the ball (area in 2D), `V_D = 2 pi r^2 V_{D-2} / D` with `V_0 = 1` and `V_1 = 2 r`.
     pub fn volume(&self) -> f64 {
-        let lowest = if D.is_multiple_of(2) {
-            1.0
-        } else {
-            2.0 * self.radius
-        };
+        let lowest = if D.is_multiple_of(2) { 1.0 } else { 2.0 * self.radius };
         (2..=D)
             .filter(|dimension| dimension % 2 == D % 2)
-            .fold(lowest, |volume, dimension| {
-                volume * 2.0 * PI * self.radius * self.radius / dimension as f64
-            })
+            .fold(lowest, |volume, dimension| volume * 2.0 * PI * self.radius * self.radius / dimension as f64)
     }
 }
 
@@ -35,14 +29,8 @@ mod tests {
 
     #[test]
     fn volumes_are_those_of_the_textbook() {
-        let disk = Ball::<2> {
-            center: SVector::zeros(),
-            radius: 0.5,
-        };
-        let sphere = Ball::<3> {
-            center: SVector::zeros(),
-            radius: 0.5,
-        };
+        let disk = Ball::<2> { center: SVector::zeros(), radius: 0.5 };
+        let sphere = Ball::<3> { center: SVector::zeros(), radius: 0.5 };
         assert!((disk.volume() - PI / 4.0).abs() < 1e-15);
         assert!((sphere.volume() - PI / 6.0).abs() < 1e-15);
     }

@@ -25,25 +25,15 @@ impl<'a, const D: usize> Cells<'a, D> {
     /// Sorts `balls` into cells.
     pub fn new(domain: &'a Domain<D>, balls: &[Ball<D>]) -> Self {
         let centers: Vec<_> = balls.iter().map(|ball| domain.wrap(ball.center)).collect();
-        let mut cells = Self {
-            domain,
-            counts: cell_counts(domain, balls.len()),
-            starts: Vec::new(),
-            members: vec![0; balls.len()],
-            centers,
-        };
+        let mut cells =
+            Self { domain, counts: cell_counts(domain, balls.len()), starts: Vec::new(), members: vec![0; balls.len()], centers };
         cells.sort();
         cells
     }
 
     /// Calls `found(other, image, separation)` for each centre, image included, in the cells within
     /// `range` of the centre of ball `body`; `image` counts the boxes it was moved by along each axis.
-    pub fn visit(
-        &self,
-        body: usize,
-        range: f64,
-        mut found: impl FnMut(usize, [isize; D], SVector<f64, D>),
-    ) {
+    pub fn visit(&self, body: usize, range: f64, mut found: impl FnMut(usize, [isize; D], SVector<f64, D>)) {
         let center = self.centers[body];
         // rounding must not hide a pair that sits on a cell face
         let range = SVector::repeat(range * (1.0 + 1e-9));
@@ -59,11 +49,7 @@ impl<'a, const D: usize> Cells<'a, D> {
     }
 
     fn sort(&mut self) {
-        let owners: Vec<usize> = self
-            .centers
-            .iter()
-            .map(|&center| self.owner(center))
-            .collect();
+        let owners: Vec<usize> = self.centers.iter().map(|&center| self.owner(center)).collect();
         self.starts = vec![0; self.counts.iter().product::<usize>() + 1];
         for &owner in &owners {
             self.starts[owner + 1] += 1;
@@ -81,9 +67,7 @@ impl<'a, const D: usize> Cells<'a, D> {
     /// Flat index of the cell that holds a wrapped centre.
     fn owner(&self, center: SVector<f64, D>) -> usize {
         let cell = self.cell(center);
-        (0..D).rev().fold(0, |flat, axis| {
-            flat * self.counts[axis] + cell[axis].clamp(0, self.counts[axis] as isize - 1) as usize
-        })
+        (0..D).rev().fold(0, |flat, axis| flat * self.counts[axis] + cell[axis].clamp(0, self.counts[axis] as isize - 1) as usize)
     }
 
     /// Cell of a point: beyond the box along periodic axes, in the outermost cell along walled ones.
@@ -91,20 +75,14 @@ impl<'a, const D: usize> Cells<'a, D> {
         std::array::from_fn(|axis| {
             let count = self.counts[axis];
             let cell = (point[axis] / self.domain.size[axis] * count as f64).floor() as isize;
-            if self.domain.periodic(axis) {
-                cell
-            } else {
-                cell.clamp(0, count as isize - 1)
-            }
+            if self.domain.periodic(axis) { cell } else { cell.clamp(0, count as isize - 1) }
         })
     }
 
     /// Flat index of a cell that may lie beyond the box, and the image of the box it lies in.
     fn wrap(&self, cell: [isize; D]) -> (usize, [isize; D]) {
         let image = std::array::from_fn(|axis| cell[axis].div_euclid(self.counts[axis] as isize));
-        let flat = (0..D).rev().fold(0, |flat, axis| {
-            flat * self.counts[axis] + cell[axis].rem_euclid(self.counts[axis] as isize) as usize
-        });
+        let flat = (0..D).rev().fold(0, |flat, axis| flat * self.counts[axis] + cell[axis].rem_euclid(self.counts[axis] as isize) as usize);
         (flat, image)
     }
 }
@@ -113,8 +91,7 @@ impl<'a, const D: usize> Cells<'a, D> {
 fn cell_counts<const D: usize>(domain: &Domain<D>, balls: usize) -> [usize; D] {
     let most = balls.max(1);
     let edge = (domain.volume() / most as f64).powf(1.0 / D as f64);
-    let mut counts =
-        std::array::from_fn(|axis| ((domain.size[axis] / edge) as usize).clamp(1, most));
+    let mut counts = std::array::from_fn(|axis| ((domain.size[axis] / edge) as usize).clamp(1, most));
     while counts.iter().product::<usize>() > 4 * most {
         counts = counts.map(|count| count.div_ceil(2));
     }
@@ -122,11 +99,7 @@ fn cell_counts<const D: usize>(domain: &Domain<D>, balls: usize) -> [usize; D] {
 }
 
 /// Calls `action` for each index between two corners, both included.
-fn for_each_index<const D: usize>(
-    lower: [isize; D],
-    upper: [isize; D],
-    mut action: impl FnMut([isize; D]),
-) {
+fn for_each_index<const D: usize>(lower: [isize; D], upper: [isize; D], mut action: impl FnMut([isize; D])) {
     if (0..D).any(|axis| lower[axis] > upper[axis]) {
         return;
     }

@@ -68,10 +68,7 @@ fn outside<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<Faul
         let allowed = margin - slack..=domain.size[axis] - margin + slack;
         !allowed.contains(&ball.center[axis])
     };
-    places
-        .into_iter()
-        .find(is_outside)
-        .map(|(body, axis)| Fault::Outside { body, axis })
+    places.into_iter().find(is_outside).map(|(body, axis)| Fault::Outside { body, axis })
 }
 
 fn overlap<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<Fault> {

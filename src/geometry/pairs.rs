@@ -38,11 +38,7 @@ pub struct WallPair<const D: usize> {
 /// Distinct periodic images of one pair are distinct pairs. A ball and its own image count once for
 /// each two opposite images: the one whose first nonzero component of the separation is positive.
 /// Sorted by `first`, `second` and separation.
-pub fn near_pairs<const D: usize>(
-    domain: &Domain<D>,
-    balls: &[Ball<D>],
-    reach: f64,
-) -> Vec<Pair<D>> {
+pub fn near_pairs<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], reach: f64) -> Vec<Pair<D>> {
     let cells = Cells::new(domain, balls);
     let mut pairs = Vec::new();
     for (body, ball) in balls.iter().enumerate() {
@@ -59,11 +55,7 @@ pub fn near_pairs<const D: usize>(
 }
 
 /// All balls with a gap below `reach` to a wall, sorted by body and axis, lower wall first.
-pub fn near_walls<const D: usize>(
-    domain: &Domain<D>,
-    balls: &[Ball<D>],
-    reach: f64,
-) -> Vec<WallPair<D>> {
+pub fn near_walls<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], reach: f64) -> Vec<WallPair<D>> {
     let walled: Vec<usize> = (0..D).filter(|&axis| !domain.periodic(axis)).collect();
     let mut pairs = Vec::new();
     for (body, ball) in balls.iter().enumerate() {
@@ -72,12 +64,7 @@ pub fn near_walls<const D: usize>(
             let above = domain.size[axis] - ball.center[axis] - ball.radius;
             for (upper, gap) in [(false, below), (true, above)] {
                 if gap < reach {
-                    pairs.push(WallPair {
-                        body,
-                        axis,
-                        upper,
-                        gap,
-                    });
+                    pairs.push(WallPair { body, axis, upper, gap });
                 }
             }
         }
@@ -86,12 +73,7 @@ pub fn near_walls<const D: usize>(
 }
 
 /// Whether `body` is the one of the two that reports the pair: the larger, or else the later.
-fn belongs<const D: usize>(
-    balls: &[Ball<D>],
-    body: usize,
-    other: usize,
-    image: [isize; D],
-) -> bool {
+fn belongs<const D: usize>(balls: &[Ball<D>], body: usize, other: usize, image: [isize; D]) -> bool {
     if body == other {
         return image > [0; D];
     }
@@ -99,33 +81,14 @@ fn belongs<const D: usize>(
     other_radius < radius || (other_radius == radius && other < body)
 }
 
-fn ordered_pair<const D: usize>(
-    body: usize,
-    other: usize,
-    separation: SVector<f64, D>,
-    gap: f64,
-) -> Pair<D> {
-    Pair {
-        first: body.min(other),
-        second: body.max(other),
-        separation: if body <= other {
-            separation
-        } else {
-            -separation
-        },
-        gap,
-    }
+fn ordered_pair<const D: usize>(body: usize, other: usize, separation: SVector<f64, D>, gap: f64) -> Pair<D> {
+    Pair { first: body.min(other), second: body.max(other), separation: if body <= other { separation } else { -separation }, gap }
 }
 
 fn order<const D: usize>(one: &Pair<D>, two: &Pair<D>) -> Ordering {
-    (one.first, one.second)
-        .cmp(&(two.first, two.second))
-        .then_with(|| {
-            (0..D)
-                .map(|axis| one.separation[axis].total_cmp(&two.separation[axis]))
-                .find(|order| order.is_ne())
-                .unwrap_or(Ordering::Equal)
-        })
+    (one.first, one.second).cmp(&(two.first, two.second)).then_with(|| {
+        (0..D).map(|axis| one.separation[axis].total_cmp(&two.separation[axis])).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+    })
 }
 
 #[cfg(test)]
@@ -136,22 +99,11 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     fn domain<const D: usize>(size: [f64; D], periodic: [bool; D]) -> Domain<D> {
-        let wall = Axis::Walls {
-            lower: SVector::zeros(),
-            upper: SVector::zeros(),
-        };
-        Domain {
-            size: SVector::from(size),
-            axes: periodic.map(|periodic| if periodic { Axis::Periodic } else { wall }),
-        }
+        let wall = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
+        Domain { size: SVector::from(size), axes: periodic.map(|periodic| if periodic { Axis::Periodic } else { wall }) }
     }
 
-    fn random_balls<const D: usize>(
-        domain: &Domain<D>,
-        count: usize,
-        radii: [f64; 2],
-        seed: u64,
-    ) -> Vec<Ball<D>> {
+    fn random_balls<const D: usize>(domain: &Domain<D>, count: usize, radii: [f64; 2], seed: u64) -> Vec<Ball<D>> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         (0..count)
             .map(|_| Ball {
@@ -162,15 +114,10 @@ mod tests {
     }
 
     /// Every image within three boxes, every pair.
-    fn brute_force<const D: usize>(
-        domain: &Domain<D>,
-        balls: &[Ball<D>],
-        reach: f64,
-    ) -> Vec<Pair<D>> {
+    fn brute_force<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], reach: f64) -> Vec<Pair<D>> {
         let mut pairs = Vec::new();
         for flat in 0..7usize.pow(D as u32) {
-            let image: [i32; D] =
-                std::array::from_fn(|axis| (flat / 7usize.pow(axis as u32) % 7) as i32 - 3);
+            let image: [i32; D] = std::array::from_fn(|axis| (flat / 7usize.pow(axis as u32) % 7) as i32 - 3);
             if (0..D).any(|axis| image[axis] != 0 && !domain.periodic(axis)) {
                 continue;
             }
@@ -183,12 +130,7 @@ mod tests {
                     let separation = balls[second].center + offset - balls[first].center;
                     let gap = separation.norm() - balls[first].radius - balls[second].radius;
                     if gap < reach {
-                        pairs.push(Pair {
-                            first,
-                            second,
-                            separation,
-                            gap,
-                        });
+                        pairs.push(Pair { first, second, separation, gap });
                     }
                 }
             }
@@ -245,10 +187,7 @@ mod tests {
     #[test]
     fn a_ball_sees_each_of_its_images_once() {
         let domain = domain([1.0, 1.0], [true, true]);
-        let ball = Ball {
-            center: SVector::from([0.2, 0.9]),
-            radius: 0.45,
-        };
+        let ball = Ball { center: SVector::from([0.2, 0.9]), radius: 0.45 };
         let pairs = near_pairs(&domain, &[ball], 0.2);
         let separations: Vec<_> = pairs.iter().map(|pair| pair.separation).collect();
         let expected: [SVector<f64, 2>; 2] = [[0.0, 1.0].into(), [1.0, 0.0].into()];
@@ -258,10 +197,7 @@ mod tests {
     #[test]
     fn centers_outside_the_box_are_paired_all_the_same() {
         let domain = domain([3.0, 1.0], [true, false]);
-        let ball = |x, y| Ball {
-            center: SVector::from([x, y]),
-            radius: 0.3,
-        };
+        let ball = |x, y| Ball { center: SVector::from([x, y]), radius: 0.3 };
         let pairs = near_pairs(&domain, &[ball(-0.1, -0.7), ball(6.2, -0.9)], 0.1);
         assert_eq!(pairs.len(), 1);
         assert!((pairs[0].separation - SVector::from([0.3, -0.2])).norm() < 1e-12);
@@ -270,15 +206,9 @@ mod tests {
     #[test]
     fn walls_are_near_bodies_that_are_near_walls() {
         let domain = domain([1.0, 1.0], [true, false]);
-        let ball = |y, radius| Ball {
-            center: SVector::from([0.01, y]),
-            radius,
-        };
+        let ball = |y, radius| Ball { center: SVector::from([0.01, y]), radius };
         let pairs = near_walls(&domain, &[ball(0.5, 0.45), ball(0.9, 0.2)], 0.1);
-        let places: Vec<_> = pairs
-            .iter()
-            .map(|pair| (pair.body, pair.axis, pair.upper))
-            .collect();
+        let places: Vec<_> = pairs.iter().map(|pair| (pair.body, pair.axis, pair.upper)).collect();
         assert_eq!(places, [(0, 1, false), (0, 1, true), (1, 1, true)]);
         assert!((pairs[2].gap + 0.1).abs() < 1e-15);
     }

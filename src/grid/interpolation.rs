@@ -26,7 +26,7 @@ struct Line {
 pub fn velocity<const D: usize>(grid: &Grid<D>, component: usize, point: &SVector<f64, D>, mut visit: impl FnMut(Term<D>)) {
     let lines: [Line; D] = std::array::from_fn(|axis| line(grid, component, axis, point[axis]));
     for combination in 0..NODES.pow(D as u32) {
-        let choice: [usize; D] = std::array::from_fn(|axis| combination / NODES.pow(axis as u32) % NODES);
+        let choice: [usize; D] = std::array::from_fn(|axis| (combination >> (2 * axis)) % NODES);
         let weight = (0..D).map(|axis| lines[axis].weight[choice[axis]]).product();
         visit(Term { site: site(grid, component, &lines, choice), weight });
     }

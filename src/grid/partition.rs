@@ -49,6 +49,8 @@ impl<const D: usize> Block<D> {
 pub struct Partition<const D: usize> {
     cells: [usize; D],
     ranks: [usize; D],
+    /// For each cell of an axis, the part of the axis that it lies in.
+    parts: [Vec<usize>; D],
 }
 
 impl<const D: usize> Partition<D> {
@@ -67,7 +69,10 @@ impl<const D: usize> Partition<D> {
                  use fewer ranks or more cells"
             ))
         })?;
-        Ok(Partition { cells, ranks })
+        // the last part whose start part * cells / parts is not beyond the cell
+        let part = |axis: usize, cell: usize| ((cell + 1) * ranks[axis] - 1) / cells[axis];
+        let parts = std::array::from_fn(|axis| (0..cells[axis]).map(|cell| part(axis, cell)).collect());
+        Ok(Partition { cells, ranks, parts })
     }
 
     /// Number of blocks.
@@ -90,12 +95,7 @@ impl<const D: usize> Partition<D> {
 
     /// The rank that owns a cell.
     pub fn owner(&self, cell: [usize; D]) -> usize {
-        (0..D).fold(0, |rank, axis| {
-            let (cells, parts) = (self.cells[axis], self.ranks[axis]);
-            // the last part whose start part * cells / parts is not beyond the cell
-            let part = ((cell[axis] + 1) * parts - 1) / cells;
-            rank * parts + part
-        })
+        (0..D).fold(0, |rank, axis| rank * self.ranks[axis] + self.parts[axis][cell[axis]])
     }
 }
 

@@ -146,6 +146,7 @@ impl<const D: usize> Grid<D> {
         for axis in 0..D {
             let cells = self.cells[axis] as isize;
             cell[axis] = match self.domain.axes[axis] {
+                Axis::Periodic if (0..cells).contains(&index[axis]) => index[axis] as usize,
                 Axis::Periodic => index[axis].rem_euclid(cells) as usize,
                 // a wall's velocity along its own axis is zero
                 Axis::Walls { .. } if field == axis && (index[axis] == 0 || index[axis] == cells) => return Err(0.0),

@@ -43,7 +43,11 @@ pub fn viscosity<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, solution: &So
 
 fn shear<const D: usize>(domain: &Domain<D>, drive: &Drive<D>) -> Option<Shear<D>> {
     if let Drive::Shear(rate) = drive {
-        return (*rate != 0.0).then(|| Shear { flow: SVector::from_fn(|axis, _| if axis == 0 { 1.0 } else { 0.0 }), gradient: 1, rate: *rate });
+        return (*rate != 0.0).then(|| Shear {
+            flow: SVector::from_fn(|axis, _| if axis == 0 { 1.0 } else { 0.0 }),
+            gradient: 1,
+            rate: *rate,
+        });
     }
     (0..D).find_map(|gradient| {
         let Axis::Walls { lower, upper } = domain.axes[gradient] else { return None };

@@ -299,7 +299,8 @@ impl<const D: usize> Simulation<D> {
 
     fn solution(&self, bodies: Vec<BodyState<D>>, mut fluid: Vector, tail: &[f64]) -> Result<Solution<D>> {
         if self.setup.domain.fully_periodic() {
-            let offset = if let Closure::MeanVelocity = self.closure { SVector::from_column_slice(tail) } else { self.imposed_mean_velocity() };
+            let offset =
+                if let Closure::MeanVelocity = self.closure { SVector::from_column_slice(tail) } else { self.imposed_mean_velocity() };
             let mut values = fluid.local_mut()?;
             for axis in 0..D {
                 values[self.grid.local_range(axis)].iter_mut().for_each(|value| *value += offset[axis]);

@@ -111,7 +111,9 @@ fn body_bytes<const D: usize>(suspended: &super::SuspendedBody<D>, grid: &Grid<D
     let cells = suspended.body.ball.radius / grid.mean_spacing();
     let surface = if D == 2 { 2.0 * std::f64::consts::PI * cells } else { 4.0 * std::f64::consts::PI * cells * cells };
     let points = SurfaceTable::<D>::point_count(suspended.body.ball.radius, suspended.order, grid.mean_spacing()) as f64;
-    8.0 * count * 2.0 * (D + 1) as f64 * surface + 16.0 * points * (D * 4_usize.pow(D as u32)) as f64 + 5.0 * BYTES_PER_NONZERO * count * count
+    8.0 * count * 2.0 * (D + 1) as f64 * surface
+        + 16.0 * points * (D * 4_usize.pow(D as u32)) as f64
+        + 5.0 * BYTES_PER_NONZERO * count * count
 }
 
 impl fmt::Display for Plan {
@@ -123,7 +125,11 @@ impl fmt::Display for Plan {
             }
         }
         writeln!(f, "grid       {:?} cells in {:?} blocks", self.cells, self.blocks)?;
-        writeln!(f, "unknowns   {} on the grid, {} on surfaces, {} mean values", self.grid_unknowns, self.multiplier_unknowns, self.closure_unknowns)?;
+        writeln!(
+            f,
+            "unknowns   {} on the grid, {} on surfaces, {} mean values",
+            self.grid_unknowns, self.multiplier_unknowns, self.closure_unknowns
+        )?;
         write!(f, "memory     about {:.0} MB on all ranks", self.bytes / 1e6)
     }
 }

@@ -104,8 +104,9 @@ fn place<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Vec<(usize
         gap = if count > 0 { gap.max(bodies.gap) } else { gap };
     }
     let radii: Vec<f64> = random.iter().map(|&(_, radius)| radius).collect();
-    let centers = pack(domain, &obstacles, &radii, gap, scene.seed)
-        .map_err(|error| scene.refuse(&format!("bodies[{}]", random.first().map_or(0, |random| random.0)), radii.len(), &error.to_string()))?;
+    let centers = pack(domain, &obstacles, &radii, gap, scene.seed).map_err(|error| {
+        scene.refuse(&format!("bodies[{}]", random.first().map_or(0, |random| random.0)), radii.len(), &error.to_string())
+    })?;
     balls.extend(random.into_iter().zip(centers).map(|((group, radius), center)| (group, Ball { center, radius })));
     Ok(balls)
 }
@@ -174,7 +175,8 @@ fn motion<const D: usize>(scene: &Scene, group: usize, ball: &Ball<D>) -> Motion
         scene::Motion::Fixed => Motion::Prescribed(Twist::zero()),
         scene::Motion::Prescribed { velocity, spin } => Motion::Prescribed(Twist { velocity: vector(velocity), spin: skew(spin) }),
         scene::Motion::Free => {
-            let weight = scene.gravity.as_deref().map_or(SVector::zeros(), vector::<D>) * (bodies.density - scene.flow.density) * ball.volume();
+            let weight =
+                scene.gravity.as_deref().map_or(SVector::zeros(), vector::<D>) * (bodies.density - scene.flow.density) * ball.volume();
             let force = bodies.force.as_deref().map_or(SVector::zeros(), vector::<D>);
             let torque = bodies.torque.as_deref().map_or(SMatrix::zeros(), skew::<D>);
             Motion::Free { force: force + weight, torque }

@@ -100,8 +100,5 @@ fn print_row(first: bool, dimension: usize, walls: usize, cells: usize, row: &Ro
     }
     let name = ["periodic", "channel", "closed"][walls];
     let plain = row.plain.map_or(format!("> {MOST_ITERATIONS}"), |iterations| iterations.to_string());
-    println!(
-        "{dimension}D   {name:<10} {cells:>6} {:>8} {:>9.3} {:>9.3} {plain:>12}",
-        row.hypre.iterations, row.setup, row.hypre.seconds
-    );
+    println!("{dimension}D   {name:<10} {cells:>6} {:>8} {:>9.3} {:>9.3} {plain:>12}", row.hypre.iterations, row.setup, row.hypre.seconds);
 }

@@ -1,0 +1,85 @@
+//! The ticks of the colour bar: its range, the round values on it and their labels.
+
+/// The range and the labels of a colour bar that starts at zero.
+#[derive(Clone, Debug)]
+pub struct Bar {
+    /// The value at the top, positive.
+    pub top: f64,
+    /// Round values from zero up, about five.
+    pub ticks: Vec<f64>,
+    /// Power of ten the labels are to be multiplied by.
+    pub exponent: i32,
+    decimals: usize,
+}
+
+impl Bar {
+    /// The bar for some values: it ends at their 99.5th percentile, or at one if they all vanish.
+    pub fn new(values: &[f64]) -> Self {
+        let top = robust_maximum(values);
+        let step = round_step(top);
+        let ticks = (0..=(top / step * (1.0 + 1e-9)) as usize).map(|k| k as f64 * step).collect();
+        let exponent = decade(top);
+        let exponent = if (-3..4).contains(&exponent) { 0 } else { exponent };
+        Bar { top, ticks, exponent, decimals: (exponent - decade(step)).max(0) as usize }
+    }
+
+    /// The label of a tick, in units of the power of ten.
+    pub fn label(&self, tick: f64) -> String {
+        format!("{:.*}", self.decimals, tick / 10f64.powi(self.exponent))
+    }
+}
+
+fn robust_maximum(values: &[f64]) -> f64 {
+    let mut values: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+    values.sort_by(f64::total_cmp);
+    let last = values.len().saturating_sub(1);
+    let percentile = values.get((0.995 * last as f64).ceil() as usize).copied();
+    let maximum = values.last().copied();
+    [percentile, maximum].into_iter().flatten().find(|&value| value > 1e-300).unwrap_or(1.0)
+}
+
+/// The step of the form 1, 2 or 5 times a power of ten that cuts a range into nearly four parts.
+fn round_step(range: f64) -> f64 {
+    let steps = (-2..=0).flat_map(|shift| [1.0, 2.0, 5.0].map(|digit| digit * 10f64.powi(decade(range) + shift)));
+    let misfit = |step: &f64| ((range / step).floor() - 4.0).abs();
+    steps.min_by(|a, b| misfit(a).total_cmp(&misfit(b))).expect("there are nine steps")
+}
+
+fn decade(value: f64) -> i32 {
+    (value.log10() + 1e-9).floor() as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(top: f64) -> Vec<String> {
+        let bar = Bar::new(&[top]);
+        bar.ticks.iter().map(|&tick| bar.label(tick)).collect()
+    }
+
+    #[test]
+    fn ticks_are_about_five_round_numbers() {
+        assert_eq!(labels(1.0), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(labels(4.3), ["0", "1", "2", "3", "4"]);
+        assert_eq!(labels(0.023), ["0.000", "0.005", "0.010", "0.015", "0.020"]);
+        assert_eq!(labels(3.1e-7), ["0", "1", "2", "3"]);
+        for top in [1e-9, 0.13, 0.77, 1.5, 1.99, 6.0, 7.9, 9.9, 350.0, 8.8e12] {
+            assert!((3..=7).contains(&labels(top).len()), "{top}: {:?}", labels(top));
+        }
+    }
+
+    #[test]
+    fn the_range_ignores_a_few_outliers_and_values_that_are_not_finite() {
+        let mut values = vec![1.0; 1000];
+        values.extend([50.0, f64::NAN, f64::INFINITY]);
+        assert_eq!(Bar::new(&values).top, 1.0);
+    }
+
+    #[test]
+    fn a_field_at_rest_has_a_range_all_the_same() {
+        assert_eq!(Bar::new(&[0.0; 4]).top, 1.0);
+        assert_eq!(Bar::new(&[f64::NAN]).top, 1.0);
+        assert_eq!(Bar::new(&[1e-290, 1e-290]).ticks[0], 0.0);
+    }
+}

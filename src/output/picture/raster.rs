@@ -1,0 +1,121 @@
+//! The speed field as an image: resampled, coloured, packed as PNG and written as a data URI.
+//!
+//! The pixels are Catmull-Rom interpolations of the samples (averages where there are more samples than pixels), stored as
+//! indices into a palette of 256 colours.
+
+use super::{Picture, colour};
+
+const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+/// The speed field as `data:image/png;base64,...` of `width` by `height` pixels, coloured from zero to `top`.
+pub fn data_uri(picture: &Picture, [width, height]: [usize; 2], top: f64) -> String {
+    let speeds = resampled(picture, [width, height]);
+    let level = |speed: &f64| (speed / top * 255.0).clamp(0.0, 255.0).round() as u8;
+    let levels: Vec<u8> = speeds.iter().map(level).collect();
+    format!("data:image/png;base64,{}", base64(&png(&levels, [width as u32, height as u32])))
+}
+
+/// The field at the pixel centres, top row first.
+fn resampled(picture: &Picture, [width, height]: [usize; 2]) -> Vec<f64> {
+    let columns = weights(picture, 0, width);
+    let rows = weights(picture, 1, height);
+    let along = |row: usize, column: &[(usize, f64)]| sum(column, |i| finite(picture.speed[row * picture.samples[0] + i]));
+    let narrow: Vec<f64> = (0..picture.samples[1]).flat_map(|row| columns.iter().map(move |column| along(row, column))).collect();
+    rows.iter().rev().flat_map(|row| (0..width).map(|i| sum(row, |j| narrow[j * width + i])).collect::<Vec<_>>()).collect()
+}
+
+/// For each pixel along an axis, the samples it is made of and their weights, which add up to one.
+fn weights(picture: &Picture, axis: usize, pixels: usize) -> Vec<Vec<(usize, f64)>> {
+    let ratio = picture.samples[axis] as f64 / pixels as f64;
+    let width = ratio.max(1.0);
+    let pixel = |p: usize| {
+        let place = (p as f64 + 0.5) * ratio - 0.5;
+        let reach = (place - 2.0 * width).ceil() as i64..=(place + 2.0 * width).floor() as i64;
+        let raw = reach.map(|i| (picture.sample_index(axis, i), kernel((i as f64 - place) / width)));
+        let raw: Vec<(usize, f64)> = raw.collect();
+        let total: f64 = raw.iter().map(|(_, weight)| weight).sum();
+        raw.into_iter().map(|(index, weight)| (index, weight / total)).collect()
+    };
+    (0..pixels).map(pixel).collect()
+}
+
+/// The interpolation kernel of Catmull and Rom: one at zero, zero at the other integers and from two on.
+fn kernel(distance: f64) -> f64 {
+    let d = distance.abs();
+    match d {
+        d if d < 1.0 => 1.0 - 2.5 * d * d + 1.5 * d * d * d,
+        d if d < 2.0 => 2.0 - 4.0 * d + 2.5 * d * d - 0.5 * d * d * d,
+        _ => 0.0,
+    }
+}
+
+fn sum(weights: &[(usize, f64)], value: impl Fn(usize) -> f64) -> f64 {
+    weights.iter().map(|&(index, weight)| weight * value(index)).sum()
+}
+
+fn finite(value: f64) -> f64 {
+    if value.is_finite() { value } else { 0.0 }
+}
+
+fn png(levels: &[u8], [width, height]: [u32; 2]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::High);
+    encoder.set_palette((0..=255).flat_map(|level| colour::shade(f64::from(level) / 255.0)).collect::<Vec<u8>>());
+    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(levels));
+    written.expect("a vector takes any bytes and the size matches");
+    bytes
+}
+
+fn base64(bytes: &[u8]) -> String {
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for chunk in bytes.chunks(3) {
+        let word = (0..3).fold(0, |word, k| word << 8 | u32::from(chunk.get(k).copied().unwrap_or(0)));
+        for k in 0..4 {
+            let digit = DIGITS[(word >> (18 - 6 * k) & 63) as usize];
+            text.push(if k <= chunk.len() { char::from(digit) } else { '=' });
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::super::tests::uniform_flow;
+    use super::*;
+
+    #[test]
+    fn base64_follows_the_examples_of_rfc_4648() {
+        for (plain, coded) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")] {
+            assert_eq!(base64(plain.as_bytes()), coded);
+        }
+    }
+
+    #[test]
+    fn a_uniform_field_stays_uniform_at_any_resolution() {
+        for pixels in [[7, 5], [32, 16], [100, 90]] {
+            assert!(resampled(&uniform_flow([3.0, 4.0]), pixels).iter().all(|speed| (speed - 5.0).abs() < 1e-12));
+        }
+    }
+
+    #[test]
+    fn the_first_row_of_pixels_is_the_top_of_the_box() {
+        let mut picture = uniform_flow([0.0, 0.0]);
+        picture.speed[15 * 32..].fill(1.0);
+        let pixels = resampled(&picture, [32, 16]);
+        assert!(pixels[0] > 0.9 && pixels[511].abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_image_decodes_to_its_palette_indices() {
+        let levels = [0, 255, 128, 7, 9, 11];
+        let bytes = png(&levels, [3, 2]);
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        let mut decoded = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut decoded).unwrap();
+        assert_eq!(decoded, levels);
+    }
+}

@@ -1,0 +1,281 @@
+//! The drawing itself: frame, colours, streamlines, bodies, walls and colour bar as SVG text.
+//!
+//! Pixels count from the upper left corner; `Frame` is the only place that knows where the box lies and that `y` points down.
+
+use std::fmt::Write;
+
+use super::bar::Bar;
+use super::streamlines::{Point, pieces, separation, streamlines};
+use super::{Disk, Picture, colour, raster};
+
+const LARGEST: [f64; 2] = [900.0, 1400.0];
+const SIDE: f64 = 22.0;
+const BAR_ROOM: f64 = 110.0;
+const RASTER_WIDTH: f64 = 450.0;
+const WALL: f64 = 6.0;
+const INK: &str = "#14171f";
+
+/// The whole document.
+pub fn drawing(picture: &Picture) -> String {
+    let frame = Frame::new(picture);
+    let bar = Bar::new(&picture.speed);
+    let [width, height] = frame.page;
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" \
+         font-family=\"Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif\" fill=\"{INK}\">\n"
+    );
+    svg += &definitions(&frame);
+    let _ = writeln!(svg, "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>");
+    svg += &title(picture, &frame);
+    svg += "<g clip-path=\"url(#box)\">\n";
+    svg += &field(picture, &frame, &bar);
+    svg += &lines(picture, &frame);
+    svg += &bodies(picture, &frame);
+    svg += "</g>\n";
+    svg += &edges(picture, &frame);
+    svg += &colour_bar(&frame, &bar);
+    svg + "</svg>\n"
+}
+
+/// Where the box lies on the page, in pixels.
+struct Frame {
+    page: [f64; 2],
+    left: f64,
+    top: f64,
+    size: [f64; 2],
+    scale: f64,
+}
+
+impl Frame {
+    fn new(picture: &Picture) -> Self {
+        let top = if picture.title.is_empty() { SIDE } else { 58.0 };
+        let room = [LARGEST[0] - SIDE - BAR_ROOM, LARGEST[1] - top - SIDE];
+        let scale = (room[0] / picture.size[0]).min(room[1] / picture.size[1]);
+        let size = picture.size.map(|length| (length * scale).max(1.0));
+        Frame { page: [size[0] + SIDE + BAR_ROOM, size[1] + top + SIDE].map(f64::ceil), left: SIDE, top, size, scale }
+    }
+
+    fn place(&self, x: Point) -> Point {
+        [self.left + x[0] * self.scale, self.top + self.size[1] - x[1] * self.scale]
+    }
+
+    /// The attributes of a rectangle that covers the box.
+    fn rectangle(&self) -> String {
+        format!("x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"", self.left, self.top, self.size[0], self.size[1])
+    }
+}
+
+fn definitions(frame: &Frame) -> String {
+    let stop = |k: u32| format!("<stop offset=\"{}\" stop-color=\"{}\"/>", f64::from(k) / 16.0, colour::hexadecimal(f64::from(k) / 16.0));
+    let stops: String = (0..=16).map(stop).collect();
+    format!(
+        "<defs><clipPath id=\"box\"><rect {}/></clipPath>\n\
+         <linearGradient id=\"speed\" x1=\"0\" y1=\"1\" x2=\"0\" y2=\"0\">{stops}</linearGradient></defs>\n",
+        frame.rectangle()
+    )
+}
+
+fn title(picture: &Picture, frame: &Frame) -> String {
+    if picture.title.is_empty() {
+        return String::new();
+    }
+    let letters = picture.title.chars().count() as f64;
+    let font = (1.75 * (frame.page[0] - 2.0 * SIDE) / letters).clamp(6.0, 19.0);
+    let text = escaped(&picture.title);
+    format!("<text x=\"{:.1}\" y=\"36\" font-size=\"{font:.1}\" font-weight=\"600\">{text}</text>\n", frame.left)
+}
+
+fn escaped(text: &str) -> String {
+    let plain = text.chars().filter(|letter| !letter.is_control()).collect::<String>();
+    plain.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+fn field(picture: &Picture, frame: &Frame, bar: &Bar) -> String {
+    let density = RASTER_WIDTH / (LARGEST[0] - SIDE - BAR_ROOM);
+    let pixels = frame.size.map(|length| (length * density).round().max(1.0) as usize);
+    let image = raster::data_uri(picture, pixels, bar.top);
+    format!("<image {} preserveAspectRatio=\"none\" href=\"{image}\"/>\n", frame.rectangle())
+}
+
+fn lines(picture: &Picture, frame: &Frame) -> String {
+    let lines = streamlines(picture);
+    let strokes: String = lines.iter().flat_map(|line| pieces(picture, line)).map(|piece| path(&piece, frame)).collect();
+    let heads: String = lines.iter().flat_map(|line| arrows(picture, frame, line)).collect();
+    format!(
+        "<g opacity=\"0.8\"><path d=\"{strokes}\" fill=\"none\" stroke=\"#ffffff\" stroke-width=\"1.1\" stroke-linejoin=\"round\" \
+         stroke-linecap=\"round\"/>\n<path d=\"{heads}\" fill=\"#ffffff\"/></g>\n"
+    )
+}
+
+fn path(points: &[Point], frame: &Frame) -> String {
+    let mut text = String::new();
+    for (index, &point) in points.iter().enumerate() {
+        let [x, y] = frame.place(point);
+        let letter = ["M", "L", " "][index.min(2)];
+        let _ = write!(text, "{letter}{x:.1} {y:.1}");
+    }
+    text
+}
+
+/// Arrow heads along a line, one in the middle of every ten separations.
+fn arrows(picture: &Picture, frame: &Frame, line: &[Point]) -> Vec<String> {
+    let count = (line.len() / 100).max(usize::from(line.len() > 24));
+    let head = |k: usize| {
+        let index = ((2 * k + 1) * line.len() / (2 * count)).clamp(1, line.len() - 1);
+        let [before, tip] = [line[index - 1], line[index]];
+        let shift = [0, 1].map(|a| if picture.periodic[a] { (tip[a] / picture.size[a]).floor() * picture.size[a] } else { 0.0 });
+        let [before, tip] = [before, tip].map(|p| frame.place([p[0] - shift[0], p[1] - shift[1]]));
+        arrow(before, tip, (0.36 * separation(picture) * frame.scale).clamp(5.0, 9.5))
+    };
+    (0..count).map(head).collect()
+}
+
+fn arrow(before: Point, tip: Point, length: f64) -> String {
+    let step = [tip[0] - before[0], tip[1] - before[1]];
+    let along = step.map(|component| component / step[0].hypot(step[1]).max(1e-12) * length);
+    let point = |a: f64, b: f64| format!("{:.1} {:.1}", tip[0] + a * along[0] - b * along[1], tip[1] + a * along[1] + b * along[0]);
+    format!("M{}L{} {} {}Z", point(0.6, 0.0), point(-0.4, 0.38), point(-0.2, 0.0), point(-0.4, -0.38))
+}
+
+fn bodies(picture: &Picture, frame: &Frame) -> String {
+    let disks = picture.disks();
+    let largest = disks.iter().map(|disk| disk.radius * frame.scale).fold(0.0, f64::max);
+    let outline = (0.08 * largest).clamp(0.25, 1.2);
+    let fastest = disks.iter().map(speed).filter(|speed| speed.is_finite()).fold(0.0, f64::max);
+    let mut text = format!("<g fill=\"{INK}\" stroke=\"#ffffff\" stroke-opacity=\"0.85\" stroke-width=\"{outline:.2}\">\n");
+    for disk in &disks {
+        let [x, y] = frame.place(disk.center);
+        let _ = writeln!(text, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{:.1}\"/>", disk.radius * frame.scale);
+    }
+    let ticks: String = disks.iter().filter_map(|disk| tick(disk, frame, fastest)).collect();
+    let width = (0.1 * largest).clamp(0.6, 2.2);
+    let _ = writeln!(text, "<path d=\"{ticks}\" fill=\"none\" stroke-width=\"{width:.2}\" stroke-linecap=\"round\"/></g>");
+    text
+}
+
+/// A stroke from the center along the velocity, none where it would be too small to be seen.
+fn tick(disk: &Disk, frame: &Frame, fastest: f64) -> Option<String> {
+    let part = 0.8 * disk.radius / fastest;
+    let length = part * speed(disk) * frame.scale;
+    let end = [disk.center[0] + part * disk.velocity[0], disk.center[1] + part * disk.velocity[1]];
+    (length.is_finite() && length > 1.5 && disk.radius * frame.scale > 4.0).then(|| path(&[disk.center, end], frame))
+}
+
+fn speed(disk: &Disk) -> f64 {
+    disk.velocity[0].hypot(disk.velocity[1])
+}
+
+/// Thick walls outside the box, and a thin line where it repeats.
+fn edges(picture: &Picture, frame: &Frame) -> String {
+    let [width, height] = frame.size;
+    let mut text = format!("<rect {} fill=\"none\" stroke=\"{INK}\" stroke-opacity=\"0.55\" stroke-width=\"0.8\"/>\n", frame.rectangle());
+    let reach = picture.periodic.map(|periodic| if periodic { 0.4 } else { WALL });
+    let mut wall = |x: f64, y: f64, size: Point| {
+        let [x, y] = [frame.left + x, frame.top + y];
+        let _ = writeln!(text, "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{:.1}\"/>", size[0], size[1]);
+    };
+    if !picture.periodic[0] {
+        let size = [WALL, height + 2.0 * reach[1]];
+        [-WALL, width].into_iter().for_each(|x| wall(x, -reach[1], size));
+    }
+    if !picture.periodic[1] {
+        let size = [width + 2.0 * reach[0], WALL];
+        [-WALL, height].into_iter().for_each(|y| wall(-reach[0], y, size));
+    }
+    text
+}
+
+fn colour_bar(frame: &Frame, bar: &Bar) -> String {
+    let [x, y] = [frame.left + frame.size[0] + 24.0, frame.top];
+    let height = frame.size[1];
+    let mut text = format!(
+        "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"14\" height=\"{height:.1}\" fill=\"url(#speed)\" stroke=\"{INK}\" \
+         stroke-opacity=\"0.55\" stroke-width=\"0.8\"/>\n<g font-size=\"13\">\n"
+    );
+    for &tick in &bar.ticks {
+        let level = y + height * (1.0 - tick / bar.top);
+        let _ = writeln!(text, "<path d=\"M{:.1} {level:.1}h5\" stroke=\"{INK}\" stroke-width=\"0.8\"/>", x + 14.0);
+        let _ = writeln!(text, "<text x=\"{:.1}\" y=\"{:.1}\">{}</text>", x + 23.0, level + 4.6, bar.label(tick));
+    }
+    let letters = bar.ticks.iter().map(|&tick| bar.label(tick).len()).max().unwrap_or(0);
+    let [x, y] = [x + 42.0 + 7.5 * letters as f64, y + height / 2.0];
+    let unit = power(bar.exponent);
+    let _ = writeln!(text, "<text transform=\"translate({x:.1} {y:.1}) rotate(-90)\" text-anchor=\"middle\">speed{unit}</text>\n</g>");
+    text
+}
+
+fn power(exponent: i32) -> String {
+    if exponent == 0 {
+        return String::new();
+    }
+    let sign = if exponent < 0 { "\u{2212}" } else { "" };
+    let digits = exponent.abs();
+    format!(" (10<tspan dy=\"-5\" font-size=\"10\">{sign}{digits}</tspan><tspan dy=\"5\">)</tspan>")
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::super::tests::{disk, uniform_flow};
+    use super::*;
+
+    /// The document without its image, whose base64 may spell anything.
+    fn text(picture: &Picture) -> String {
+        let svg = picture.svg();
+        let start = svg.find("base64,").unwrap();
+        let end = start + svg[start..].find('"').unwrap();
+        format!("{}{}", &svg[..start], &svg[end..])
+    }
+
+    fn assert_sound(picture: &Picture) {
+        let text = text(picture);
+        assert!(text.starts_with("<svg xmlns=") && text.ends_with("</svg>\n"));
+        assert!(!text.contains("NaN") && !text.contains("inf"));
+        assert_eq!(text.matches("<g").count(), text.matches("</g").count());
+        assert_eq!(text.matches('<').count(), text.matches('>').count());
+    }
+
+    #[test]
+    fn a_picture_is_one_document_of_finite_numbers() {
+        let mut picture = uniform_flow([1.0, 0.2]);
+        picture.bodies = vec![disk([0.0, 0.5], 0.2), disk([1.0, 0.4], 0.1)];
+        assert_sound(&picture);
+    }
+
+    #[test]
+    fn a_fluid_at_rest_and_values_that_are_not_finite_can_be_drawn() {
+        assert_sound(&uniform_flow([0.0, 0.0]));
+        let mut picture = uniform_flow([f64::NAN, f64::INFINITY]);
+        picture.bodies = vec![disk([0.5, 0.5], f64::NAN), Disk { velocity: [f64::NAN, 0.0], ..disk([0.5, 0.5], 0.1) }];
+        assert_sound(&picture);
+    }
+
+    #[test]
+    fn one_sample_and_long_boxes_can_be_drawn() {
+        for size in [[4.0, 1.0], [1.0, 4.0], [1e-6, 1e-6], [1e5, 3e5]] {
+            assert_sound(&Picture { size, ..uniform_flow([1e-5, 1e-5]) });
+        }
+        assert_sound(&Picture { samples: [1, 1], velocity: vec![[1.0, 0.0]], speed: vec![1.0], ..uniform_flow([0.0, 0.0]) });
+    }
+
+    #[test]
+    fn the_title_is_escaped() {
+        assert!(text(&uniform_flow([1.0, 0.0])).contains(">A &lt; B &amp; C</text>"));
+    }
+
+    #[test]
+    fn the_page_keeps_to_its_largest_size() {
+        for size in [[4.0, 1.0], [1.0, 1.0], [1.0, 4.0]] {
+            let page = Frame::new(&Picture { size, ..uniform_flow([1.0, 0.0]) }).page;
+            assert!(page[0] <= LARGEST[0] && page[1] <= LARGEST[1], "{page:?}");
+        }
+    }
+
+    #[test]
+    fn walls_lie_along_the_edges_that_do_not_repeat() {
+        let count = |periodic| {
+            edges(&Picture { periodic, ..uniform_flow([1.0, 0.0]) }, &Frame::new(&uniform_flow([1.0, 0.0]))).matches("<rect").count()
+        };
+        assert_eq!([[true, true], [true, false], [false, false]].map(count), [1, 3, 5]);
+    }
+}
