@@ -1,8 +1,10 @@
 //! Bodies: where they are, how they move or what moves them. This module knows no fluid and no grid.
 
 mod centers;
+mod fire;
 mod packing;
 mod relaxation;
+mod search;
 mod twist;
 
 use nalgebra::{SMatrix, SVector};

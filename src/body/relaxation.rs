@@ -7,17 +7,19 @@
 
 use nalgebra::SVector;
 
-use crate::geometry::{Ball, Domain, near_pairs};
+use super::fire::Fire;
+use crate::geometry::{Ball, Domain, Pair, near_pairs};
 
-/// How much larger than the required distance the target is.
-const MARGIN: f64 = 0.01;
-/// Longest time step; the stiffest mode is stable up to 1.4.
-const LONGEST_STEP: f64 = 0.9;
+/// Time step of the collisions while stirring.
+const STIRRING_STEP: f64 = 0.4;
 /// Steps between two looks at the progress.
 const PATIENCE: usize = 200;
 /// Energy left after that many steps, as a fraction, above which relaxation has stalled.
 const STALLED: f64 = 0.7;
-/// Work to find all pairs, in evaluations of one pair per pair found.
+/// Distance over which pairs are found before they touch, in mean radii.
+const SKIN: f64 = 0.4;
+/// Work of a step besides its pairs, and work to find a pair, in evaluations of one pair.
+const STEP_WORK: u64 = 20;
 const SEARCH_WORK: u64 = 20;
 
 /// Balls on their way to a packing: `movable` ones, then obstacles.
@@ -32,20 +34,25 @@ pub(super) struct Crowd<'a, const D: usize> {
     pub wall_radii: Vec<f64>,
     /// How many of the balls move.
     pub movable: usize,
+    /// Factor on the radii of the movable balls.
+    pub scale: f64,
+    /// How much larger than the required distance the target is, as a fraction.
+    pub margin: f64,
     /// Pair evaluations that may still be spent.
     pub effort: u64,
 }
 
 impl<const D: usize> Crowd<'_, D> {
-    /// Moves the balls until no two overlap, with the radii of movable ones times `scale`.
+    /// Moves the balls until no two overlap.
     ///
     /// Returns whether that succeeded before it stalled or the effort was spent.
-    pub fn relax(&mut self, scale: f64) -> bool {
-        self.confine(scale, None);
-        let mut contacts = Contacts::new(self, scale);
+    pub fn relax(&mut self) -> bool {
         let mut fire = Fire::new(self.movable);
+        self.confine(&mut fire.velocities, 0.0);
+        let mut contacts = Contacts::new(self);
         let mut earlier_energy = f64::INFINITY;
-        for step in 0.. {
+        let mut step = 0;
+        while self.spend(contacts.work()) {
             let state = contacts.repel(&self.centers, &mut fire.forces);
             if state.satisfied {
                 return true;
@@ -56,18 +63,30 @@ impl<const D: usize> Crowd<'_, D> {
                 }
                 earlier_energy = state.energy;
             }
-            let work = (contacts.list.len() + self.movable) as u64;
-            if !self.spend(work) {
-                return false;
-            }
             fire.advance(&mut self.centers, &contacts.masses);
-            self.confine(scale, Some(&mut fire.velocities));
-            if contacts.outdated(&self.centers) {
-                self.spend(SEARCH_WORK * work);
-                contacts = Contacts::new(self, scale);
-            }
+            self.confine(&mut fire.velocities, 0.0);
+            self.refresh(&mut contacts);
+            step += 1;
         }
         false
+    }
+
+    /// Lets the balls fly and collide for some steps, without loss of energy.
+    pub fn stir(&mut self, mut velocities: Vec<SVector<f64, D>>, steps: usize) {
+        let mut forces = vec![SVector::zeros(); self.movable];
+        let mut contacts = Contacts::new(self);
+        for _ in 0..steps {
+            if !self.spend(contacts.work()) {
+                return;
+            }
+            contacts.repel(&self.centers, &mut forces);
+            for (body, &mass) in contacts.masses.iter().enumerate() {
+                velocities[body] += forces[body] * (STIRRING_STEP / mass);
+                self.centers[body] += velocities[body] * STIRRING_STEP;
+            }
+            self.confine(&mut velocities, 1.0);
+            self.refresh(&mut contacts);
+        }
     }
 
     /// Takes work from the effort left; returns whether any is left.
@@ -76,21 +95,35 @@ impl<const D: usize> Crowd<'_, D> {
         self.effort > 0
     }
 
-    /// Moves balls that reach into a wall out of it, and stops them there.
-    pub fn confine(&mut self, scale: f64, mut velocities: Option<&mut Vec<SVector<f64, D>>>) {
+    /// Moves balls that reach into a wall out of it; they leave it with `bounce` times their speed.
+    fn confine(&mut self, velocities: &mut [SVector<f64, D>], bounce: f64) {
         for axis in (0..D).filter(|&axis| !self.domain.periodic(axis)) {
-            for body in 0..self.movable {
-                let size = self.domain.size[axis];
-                let margin = (scale * self.wall_radii[body]).min(size / 2.0);
+            let size = self.domain.size[axis];
+            for (body, velocity) in velocities.iter_mut().enumerate() {
+                let nearest = (self.scale * self.wall_radii[body]).min(size / 2.0);
                 let position = self.centers[body][axis];
-                self.centers[body][axis] = position.clamp(margin, size - margin);
-                if let Some(velocities) = velocities.as_mut()
-                    && self.centers[body][axis] != position
-                {
-                    velocities[body][axis] = 0.0;
+                let allowed = position.clamp(nearest, size - nearest);
+                if allowed != position {
+                    self.centers[body][axis] = allowed;
+                    velocity[axis] *= -bounce;
                 }
             }
         }
+    }
+
+    /// Finds the pairs anew if balls have moved too far for the old ones.
+    fn refresh(&mut self, contacts: &mut Contacts<D>) {
+        if contacts.outdated(&self.centers) {
+            self.spend(SEARCH_WORK * contacts.work());
+            *contacts = Contacts::new(self);
+        }
+    }
+
+    /// The balls with the radii they must keep clear now.
+    fn balls(&self) -> Vec<Ball<D>> {
+        let ball =
+            |body| Ball { center: self.centers[body], radius: self.radii[body] * if body < self.movable { self.scale } else { 1.0 } };
+        (0..self.centers.len()).map(ball).collect()
     }
 }
 
@@ -102,6 +135,8 @@ struct Contact<const D: usize> {
     offset: SVector<f64, D>,
     /// Least distance between the centres.
     required: f64,
+    /// Distance at which they stop to repel, a little larger.
+    target: f64,
 }
 
 /// What the overlaps amount to.
@@ -120,32 +155,40 @@ struct Contacts<const D: usize> {
 }
 
 impl<const D: usize> Contacts<D> {
-    fn new(crowd: &Crowd<D>, scale: f64) -> Self {
-        let factor = |body| if body < crowd.movable { scale } else { 1.0 };
-        let required: Vec<_> = (0..crowd.centers.len()).map(|body| crowd.radii[body] * factor(body)).collect();
-        let balls: Vec<_> =
-            crowd.centers.iter().zip(&required).map(|(&center, radius)| Ball { center, radius: radius * (1.0 + MARGIN) }).collect();
-        let mean = required[..crowd.movable].iter().sum::<f64>() / crowd.movable as f64;
-        let skin = 0.4 * mean;
-        let mut masses = vec![1.0; crowd.movable];
-        let mut list = Vec::new();
-        for pair in near_pairs(crowd.domain, &balls, skin) {
-            let (first, second) = (pair.first, pair.second);
-            if first == second || first >= crowd.movable {
-                continue;
-            }
-            list.push(Contact {
-                first,
-                second,
-                offset: pair.separation - (balls[second].center - balls[first].center),
-                required: required[first] + required[second],
-            });
-            masses[first] += 1.0;
-            if second < crowd.movable {
-                masses[second] += 1.0;
+    fn new(crowd: &Crowd<D>) -> Self {
+        let balls = crowd.balls();
+        let mean = balls[..crowd.movable].iter().map(|ball| ball.radius).sum::<f64>() / crowd.movable as f64;
+        let skin = SKIN * mean;
+        let mut contacts =
+            Self { list: Vec::new(), masses: vec![1.0; crowd.movable], origins: crowd.centers[..crowd.movable].to_vec(), skin };
+        let largest = balls.iter().map(|ball| ball.radius).fold(0.0, f64::max);
+        for pair in near_pairs(crowd.domain, &balls, skin + 2.0 * crowd.margin * largest) {
+            if pair.first != pair.second && pair.first < crowd.movable {
+                contacts.push(&balls, &pair, crowd.margin);
             }
         }
-        Self { list, masses, origins: crowd.centers[..crowd.movable].to_vec(), skin }
+        contacts
+    }
+
+    fn push(&mut self, balls: &[Ball<D>], pair: &Pair<D>, margin: f64) {
+        let (first, second) = (&balls[pair.first], &balls[pair.second]);
+        let required = first.radius + second.radius;
+        self.list.push(Contact {
+            first: pair.first,
+            second: pair.second,
+            offset: pair.separation - (second.center - first.center),
+            required,
+            target: required * (1.0 + margin),
+        });
+        self.masses[pair.first] += 1.0;
+        if let Some(mass) = self.masses.get_mut(pair.second) {
+            *mass += 1.0;
+        }
+    }
+
+    /// Work of one step, in pair evaluations.
+    fn work(&self) -> u64 {
+        (self.list.len() + self.masses.len()) as u64 + STEP_WORK
     }
 
     /// Fills the forces; returns the energy and whether all pairs are as far apart as required.
@@ -154,13 +197,12 @@ impl<const D: usize> Contacts<D> {
         let mut state = State { energy: 0.0, satisfied: true };
         for contact in &self.list {
             let separation = centers[contact.second] - centers[contact.first] + contact.offset;
-            let target = contact.required * (1.0 + MARGIN);
             let square = separation.norm_squared();
-            if square >= target * target {
+            if square >= contact.target * contact.target {
                 continue;
             }
             let distance = square.sqrt();
-            let overlap = target - distance;
+            let overlap = contact.target - distance;
             state.energy += 0.5 * overlap * overlap;
             state.satisfied &= distance >= contact.required;
             let push = if distance > 0.0 {
@@ -180,70 +222,5 @@ impl<const D: usize> Contacts<D> {
         let farthest = 0.25 * self.skin * self.skin;
         let mut moves = self.origins.iter().zip(centers).map(|(origin, center)| center - origin);
         moves.any(|moved| moved.norm_squared() > farthest)
-    }
-}
-
-/// State of the fast inertial relaxation engine.
-struct Fire<const D: usize> {
-    forces: Vec<SVector<f64, D>>,
-    velocities: Vec<SVector<f64, D>>,
-    dt: f64,
-    /// How much of the velocity is turned towards the force.
-    steering: f64,
-    /// Steps since the energy last rose.
-    downhill: usize,
-}
-
-impl<const D: usize> Fire<D> {
-    fn new(count: usize) -> Self {
-        Self {
-            forces: vec![SVector::zeros(); count],
-            velocities: vec![SVector::zeros(); count],
-            dt: 0.5 * LONGEST_STEP,
-            steering: 0.1,
-            downhill: 0,
-        }
-    }
-
-    /// Moves the centres by one step.
-    fn advance(&mut self, centers: &mut [SVector<f64, D>], masses: &[f64]) {
-        let power: f64 = self.forces.iter().zip(&self.velocities).map(|(f, v)| f.dot(v)).sum();
-        if power >= 0.0 {
-            self.hasten();
-        } else {
-            self.turn_back(centers);
-        }
-        let mut speed_square = 0.0;
-        let mut force_square = 0.0;
-        for (body, &mass) in masses.iter().enumerate() {
-            self.velocities[body] += self.forces[body] * (self.dt / mass);
-            speed_square += mass * self.velocities[body].norm_squared();
-            force_square += self.forces[body].norm_squared() / mass;
-        }
-        let ratio = if force_square > 0.0 { (speed_square / force_square).sqrt() } else { 0.0 };
-        for (body, &mass) in masses.iter().enumerate() {
-            let along = self.forces[body] * (ratio / mass);
-            let turn = (along - self.velocities[body]) * self.steering;
-            self.velocities[body] += turn;
-            centers[body] += self.velocities[body] * self.dt;
-        }
-    }
-
-    fn hasten(&mut self) {
-        self.downhill += 1;
-        if self.downhill > 5 {
-            self.dt = (1.1 * self.dt).min(LONGEST_STEP);
-            self.steering *= 0.99;
-        }
-    }
-
-    fn turn_back(&mut self, centers: &mut [SVector<f64, D>]) {
-        for (center, velocity) in centers.iter_mut().zip(&mut self.velocities) {
-            *center -= *velocity * (0.5 * self.dt);
-            *velocity = SVector::zeros();
-        }
-        self.downhill = 0;
-        self.dt = (0.5 * self.dt).max(0.02 * LONGEST_STEP);
-        self.steering = 0.1;
     }
 }

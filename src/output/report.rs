@@ -5,7 +5,8 @@ use super::Summary;
 /// The lines that a run ends with.
 pub fn report(summary: &Summary) -> String {
     let solver = &summary.solver;
-    let mut lines = vec![format!("{} bodies, fraction {:.4}, on {} ranks", summary.bodies.len(), summary.fraction, summary.ranks)];
+    let bodies = counted(summary.bodies.len(), "body", "bodies");
+    let mut lines = vec![format!("{bodies}, fraction {:.4}, on {}", summary.fraction, counted(summary.ranks, "rank", "ranks"))];
     if let Some(viscosity) = &summary.viscosity {
         let walls = viscosity.from_walls.map_or(String::new(), |walls| format!("   (from the force on the walls: {walls:.4})"));
         lines.push(format!("relative viscosity   {:.4}{walls}", viscosity.relative));
@@ -24,4 +25,8 @@ pub fn report(summary: &Summary) -> String {
     ));
     lines.push(format!("peak memory          {:.0} MB", solver.peak_memory_bytes / 1e6));
     lines.join("\n")
+}
+
+fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
 }
