@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand};
 
 use crate::{
-    error::Result,
+    error::{Error, Result},
     petsc::Session,
     scene::Scene,
     study::{self, ConditioningRange},
@@ -41,6 +41,8 @@ enum Command {
         #[command(flatten)]
         scene: SceneArguments,
     },
+    /// Solve cases with known answers and print a table of errors and seconds.
+    Validation,
     /// Iterations of the fluid solver against the grid, with hypre and with no preconditioner.
     Conditioning {
         /// Finest grid in 2D, in cells per side.
@@ -79,6 +81,10 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
                 _ => plan::plan::<3>(session, &scene),
             }
         }
+        Command::Validation => match study::validation(session)? {
+            true => Ok(()),
+            false => Err(Error::Diverged("a case is further from its reference than promised".into())),
+        },
         Command::Conditioning { finest_2d, finest_3d } => {
             study::conditioning(session, &ConditioningRange { finest_2d: *finest_2d, finest_3d: *finest_3d })
         }

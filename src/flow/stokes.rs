@@ -76,7 +76,13 @@ impl<const D: usize> Stokes<D> {
 
     /// Balances the rows of a right-hand side or residual.
     pub fn balance(&self, rows: &mut Vector) -> Result<()> {
-        self.balance.apply(&self.session, rows)
+        self.balance.scale(rows)?;
+        self.project(rows)
+    }
+
+    /// Projects balanced rows on the range of the operator.
+    pub fn project(&self, rows: &mut Vector) -> Result<()> {
+        self.balance.project(&self.session, rows)
     }
 
     /// For each field: its range in this rank's part of a fluid vector and the factor of its balanced rows.
@@ -121,17 +127,20 @@ impl Balance {
         Balance { fields: (0..=D).map(field).collect() }
     }
 
-    fn apply(&self, session: &Session, rows: &mut Vector) -> Result<()> {
+    fn scale(&self, rows: &mut Vector) -> Result<()> {
         let mut rows = rows.local_mut()?;
-        let mut means: Vec<f64> = self
-            .fields
-            .iter()
-            .map(|(range, factor, unknowns, _)| {
-                let rows = &mut rows[range.clone()];
-                rows.iter_mut().for_each(|row| *row *= factor);
-                rows.iter().sum::<f64>() / *unknowns as f64
-            })
-            .collect();
+        for (range, factor, ..) in &self.fields {
+            rows[range.clone()].iter_mut().for_each(|row| *row *= factor);
+        }
+        Ok(())
+    }
+
+    fn project(&self, session: &Session, rows: &mut Vector) -> Result<()> {
+        let mut rows = rows.local_mut()?;
+        let mean = |(range, _, unknowns, _): &(std::ops::Range<usize>, f64, usize, bool)| {
+            rows[range.clone()].iter().sum::<f64>() / *unknowns as f64
+        };
+        let mut means: Vec<f64> = self.fields.iter().map(mean).collect();
         session.world().sum(&mut means);
         for ((range, _, _, projected), mean) in self.fields.iter().zip(means) {
             if *projected {

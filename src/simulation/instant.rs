@@ -61,11 +61,23 @@ impl<const D: usize> Simulation<D> {
     /// # Errors
     /// The grid or the rank count does not fit, or no steady state exists.
     pub fn new(session: &Session, setup: Setup<D>) -> Result<Simulation<D>> {
+        Self::with_inverse(session, setup, |stokes, grid| Ok(Box::new(HypreInverse::new(stokes, grid)?)))
+    }
+
+    /// As [`new`](Self::new), with another approximate inverse of the fluid.
+    ///
+    /// # Errors
+    /// The same, and those of making the inverse.
+    pub fn with_inverse(
+        session: &Session,
+        setup: Setup<D>,
+        inverse: impl FnOnce(&Stokes<D>, &Grid<D>) -> Result<Box<dyn StokesInverse<D>>>,
+    ) -> Result<Simulation<D>> {
         let start = Instant::now();
         let world = session.world();
         let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
         let stokes = Stokes::new(session, &grid)?;
-        let mut inverse = Box::new(HypreInverse::new(&stokes, &grid)?);
+        let mut inverse = inverse(&stokes, &grid)?;
         let closure = Closure::new(&setup.drive, &grid, &stokes, inverse.as_mut())?;
         let undisturbed = flow_without_bodies(&setup.drive, &grid, &stokes, inverse.as_mut(), &closure)?;
         let surfaces = surfaces(&setup, &grid);

@@ -1,5 +1,7 @@
-//! Studies: what a method costs and how it scales.
+//! Studies: how solvers scale, and how far known answers are met.
 
 mod conditioning;
+mod validation;
 
 pub use conditioning::{ConditioningRange, conditioning};
+pub use validation::{Case, cases, validation};

@@ -1,8 +1,10 @@
 //! Approximate inverses of the Stokes operator.
 
 mod hypre;
+mod iterated;
 
 pub use hypre::HypreInverse;
+pub use iterated::IteratedInverse;
 
 use super::Stokes;
 use crate::{
