@@ -1,5 +1,7 @@
 //! The Stokes operator of the box, `K (u, p) = (-Lap u + grad p, div u)`, on the staggered grid.
 
+use std::ops::Range;
+
 use crate::{
     error::Result,
     grid::{Grid, operators},
@@ -25,9 +27,19 @@ pub struct Stokes<const D: usize> {
 /// Scaling of rows and projection on the range.
 #[derive(Clone)]
 struct Balance {
-    /// For each field: its range in this rank's part of a fluid vector, the factor of its rows, its unknowns on all
-    /// ranks, whether its mean is projected out.
-    fields: Vec<(std::ops::Range<usize>, f64, usize, bool)>,
+    fields: Vec<FieldRows>,
+}
+
+/// The rows of one field.
+#[derive(Clone)]
+struct FieldRows {
+    /// In this rank's part of a fluid vector.
+    range: Range<usize>,
+    factor: f64,
+    /// On all ranks.
+    unknowns: usize,
+    /// Whether the mean is projected out.
+    projected: bool,
 }
 
 impl<const D: usize> Stokes<D> {
@@ -86,18 +98,18 @@ impl<const D: usize> Stokes<D> {
     }
 
     /// For each field: its range in this rank's part of a fluid vector and the factor of its balanced rows.
-    pub fn balanced_fields(&self) -> Vec<(std::ops::Range<usize>, f64)> {
-        self.balance.fields.iter().map(|(range, factor, ..)| (range.clone(), *factor)).collect()
+    pub fn balanced_fields(&self) -> Vec<(Range<usize>, f64)> {
+        self.balance.fields.iter().map(|rows| (rows.range.clone(), rows.factor)).collect()
     }
 
     /// A fluid vector of zeros.
     pub fn vector(&self) -> Result<Vector> {
-        Vector::new(&self.session, self.balance.fields.iter().map(|(range, ..)| range.len()).sum())
+        Vector::new(&self.session, self.balance.fields.iter().map(|rows| rows.range.len()).sum())
     }
 
     /// A vector of zeros for one field.
     pub fn field_vector(&self, field: usize) -> Result<Vector> {
-        Vector::new(&self.session, self.balance.fields[field].0.len())
+        Vector::new(&self.session, self.balance.fields[field].range.len())
     }
 }
 
@@ -120,32 +132,30 @@ fn nest<'a>(
 impl Balance {
     fn new<const D: usize>(grid: &Grid<D>) -> Balance {
         let h = grid.mean_spacing();
-        let field = |field: usize| {
-            let factor = if field == D { h } else { h * h };
-            (grid.local_range(field), factor, grid.unknowns(field), field == D || grid.domain().fully_periodic())
+        let rows = |field: usize| FieldRows {
+            range: grid.local_range(field),
+            factor: if field == D { h } else { h * h },
+            unknowns: grid.unknowns(field),
+            projected: field == D || grid.domain().fully_periodic(),
         };
-        Balance { fields: (0..=D).map(field).collect() }
+        Balance { fields: (0..=D).map(rows).collect() }
     }
 
     fn scale(&self, rows: &mut Vector) -> Result<()> {
-        let mut rows = rows.local_mut()?;
-        for (range, factor, ..) in &self.fields {
-            rows[range.clone()].iter_mut().for_each(|row| *row *= factor);
+        let mut values = rows.local_mut()?;
+        for FieldRows { range, factor, .. } in &self.fields {
+            values[range.clone()].iter_mut().for_each(|value| *value *= factor);
         }
         Ok(())
     }
 
     fn project(&self, session: &Session, rows: &mut Vector) -> Result<()> {
-        let mut rows = rows.local_mut()?;
-        let mean = |(range, _, unknowns, _): &(std::ops::Range<usize>, f64, usize, bool)| {
-            rows[range.clone()].iter().sum::<f64>() / *unknowns as f64
-        };
+        let mut values = rows.local_mut()?;
+        let mean = |rows: &FieldRows| values[rows.range.clone()].iter().sum::<f64>() / rows.unknowns as f64;
         let mut means: Vec<f64> = self.fields.iter().map(mean).collect();
         session.world().sum(&mut means);
-        for ((range, _, _, projected), mean) in self.fields.iter().zip(means) {
-            if *projected {
-                rows[range.clone()].iter_mut().for_each(|row| *row -= mean);
-            }
+        for (rows, mean) in self.fields.iter().zip(means).filter(|(rows, _)| rows.projected) {
+            values[rows.range.clone()].iter_mut().for_each(|value| *value -= mean);
         }
         Ok(())
     }

@@ -11,7 +11,7 @@
 
 use std::{ops::Range, rc::Rc, time::Instant};
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorViewMut};
 
 use super::closure::Closure;
 use crate::{
@@ -158,10 +158,12 @@ impl<const D: usize> Coupled<'_, D> {
     }
 
     /// The fluid part, this rank's multipliers and the closure's unknowns of a coupled vector.
-    pub fn parts(&mut self, input: &Vector) -> Result<(&Vector, Vec<f64>, Vec<f64>)> {
+    pub fn parts(&mut self, input: &Vector) -> Result<(Vector, Vec<f64>, Vec<f64>)> {
         let tail = self.work.split(self.stokes, self.closure, input)?;
         let multipliers = self.work.multipliers_in.local()?.to_vec();
-        Ok((&self.work.fluid_in, multipliers, tail))
+        let mut fluid = self.work.fluid_in.like()?;
+        fluid.copy_from(&self.work.fluid_in)?;
+        Ok((fluid, multipliers, tail))
     }
 
     fn force_fluid(&mut self, tail: &[f64]) -> Result<()> {
@@ -233,8 +235,8 @@ impl<const D: usize> Coupled<'_, D> {
                 let sampled = if member.free && mode < member.rigid { 0.0 } else { *found };
                 *found = given - sampled;
             }
-            let solved = &*member.inverse * DVector::from_column_slice(found);
-            found.copy_from_slice(solved.as_slice());
+            let wanted = DVector::from_column_slice(found);
+            DVectorViewMut::from_slice(found, wanted.len()).gemv(1.0, &member.inverse, &wanted, 0.0);
         }
         Ok(())
     }

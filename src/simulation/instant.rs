@@ -1,6 +1,6 @@
 //! The instantaneous solve: bodies where they are, the flow and their motions at that instant.
 
-use std::{rc::Rc, time::Instant};
+use std::time::Instant;
 
 use nalgebra::SVector;
 
@@ -8,16 +8,13 @@ use super::{
     BodyState, Setup, Solution,
     closure::{Closure, flow_without_bodies},
     coupled::{Coupled, Member, Stages, Work},
+    suspension::{Kinds, Suspension},
 };
 use crate::{
-    body::{Motion, Twist, components, skew},
-    constraint::{self, Blocks, Layout, Placed},
     error::{Error, Result},
     flow::{Drive, HypreInverse, Stokes, StokesInverse},
-    geometry::near_pairs,
     grid::Grid,
     petsc::{Krylov, KrylovMethod, KrylovSettings, Report, Session, Vector},
-    surface::SurfaceTable,
 };
 
 /// Iterations allowed for the coupled system; the restart is as long, so memory grows with the iterations made.
@@ -50,8 +47,7 @@ pub struct Simulation<const D: usize> {
     closure: Closure,
     /// Flow of walls and drive without bodies, and the forces of the closure in it.
     undisturbed: (Vector, Vec<f64>),
-    /// Surfaces by (radius, order), one for all equal bodies.
-    surfaces: Vec<Rc<SurfaceTable<D>>>,
+    kinds: Kinds<D>,
     cost: Cost,
 }
 
@@ -80,9 +76,9 @@ impl<const D: usize> Simulation<D> {
         let mut inverse = inverse(&stokes, &grid)?;
         let closure = Closure::new(&setup.drive, &grid, &stokes, inverse.as_mut())?;
         let undisturbed = flow_without_bodies(&setup.drive, &grid, &stokes, inverse.as_mut(), &closure)?;
-        let surfaces = surfaces(&setup, &grid);
+        let kinds = Kinds::new(&setup, &grid);
         let cost = Cost { setup: start.elapsed().as_secs_f64(), grid_unknowns: grid.fluid_unknowns(), ..Cost::default() };
-        let simulation = Simulation { session: session.clone(), setup, grid, stokes, inverse, closure, undisturbed, surfaces, cost };
+        let simulation = Simulation { session: session.clone(), setup, grid, stokes, inverse, closure, undisturbed, kinds, cost };
         simulation.check_steady_state()?;
         Ok(simulation)
     }
@@ -108,17 +104,19 @@ impl<const D: usize> Simulation<D> {
     /// [`Error::Diverged`] when the tolerance is not reached.
     pub fn solve(&mut self, seen: &mut dyn FnMut(usize, f64)) -> Result<Solution<D>> {
         let start = Instant::now();
-        let (layout, placed) = self.place_bodies();
-        let mut blocks = self.assemble(&layout, &placed)?;
-        let members = self.members(&layout);
-        let undisturbed = self.undisturbed_velocities(&layout, &mut blocks)?;
+        let suspension = Suspension::new(&self.setup, &self.grid, &self.kinds, self.session.world().rank());
+        let mut blocks = suspension.blocks(&self.session, &self.undisturbed.0)?;
+        let uniform = self.imposed_mean_velocity();
+        let background = |point: &SVector<f64, D>| uniform + self.setup.drive.background(point);
+        let undisturbed = suspension.undisturbed(&mut blocks, &self.undisturbed.0, background)?;
+        let members = suspension.members();
+        self.cost.multiplier_unknowns = suspension.layout.unknowns();
         self.cost.assembly = start.elapsed().as_secs_f64();
-        self.cost.multiplier_unknowns = layout.unknowns();
 
         let prescribed_drag = prescribed_drag(&self.session, &members);
-        let mut work = Work::new(&self.stokes, layout.local_unknowns())?;
-        let rhs = self.right_hand_side(&layout, &members, &undisturbed, prescribed_drag)?;
+        let rhs = self.right_hand_side(&suspension.wanted_rows(&members, &undisturbed), prescribed_drag)?;
         let mut x = rhs.like()?;
+        let mut work = Work::new(&self.stokes, undisturbed.len())?;
         let mut coupled = Coupled {
             stokes: &self.stokes,
             inverse: self.inverse.as_mut(),
@@ -128,102 +126,26 @@ impl<const D: usize> Simulation<D> {
             prescribed_drag,
             work: &mut work,
         };
-        let settings = KrylovSettings {
-            method: KrylovMethod::Gmres { restart: MOST_ITERATIONS },
-            tolerance: self.setup.tolerance,
-            most_iterations: MOST_ITERATIONS,
-        };
-        let mut krylov = Krylov::new(&self.session, rhs.local()?.len(), c"coupled_", settings)?;
+        let mut krylov = Krylov::new(&self.session, rhs.local()?.len(), c"coupled_", krylov_settings(self.setup.tolerance))?;
         self.cost.krylov = krylov.solve(&mut coupled, (&rhs, &mut x), seen)?;
-        let velocities = coupled.velocity_on_surfaces(&x)?;
+        let mut velocities = coupled.velocity_on_surfaces(&x)?;
+        velocities.iter_mut().zip(undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);
         let (fluid, multipliers, tail) = coupled.parts(&x)?;
-        let mut total = fluid.like()?;
-        total.copy_from(fluid)?;
         self.cost.stages = work.stages;
-        total.add(1.0, &self.undisturbed.0)?;
-        let bodies = self.body_states(&layout, &velocities, &undisturbed, &multipliers);
-        self.solution(bodies, total, &tail)
+        let states = suspension.states(&self.session, &velocities, &multipliers);
+        self.solution(states, fluid, &tail)
     }
 
     fn check_steady_state(&self) -> Result<()> {
         let all_free = self.setup.bodies.iter().all(|suspended| suspended.body.free());
-        if matches!(self.closure, Closure::MeanVelocity) && all_free && self.setup.drive.uniform_force() != SVector::<f64, D>::zeros() {
+        if matches!(self.closure, Closure::MeanVelocity) && all_free {
             return Err(Error::Refused(
-                "flow.drive: a uniform force on a fully periodic box in which nothing is fixed has no steady flow; \
+                "flow.drive: under a uniform force a fully periodic box in which nothing is fixed has no steady flow; \
                  fix a body, put up walls, or prescribe mean_velocity"
                     .into(),
             ));
         }
         Ok(())
-    }
-
-    fn surface(&self, body: usize) -> &Rc<SurfaceTable<D>> {
-        &self.surfaces[body]
-    }
-
-    fn place_bodies(&self) -> (Layout, Vec<Placed<D>>) {
-        let placed: Vec<Placed<D>> = (0..self.setup.bodies.len())
-            .map(|body| Placed {
-                center: self.setup.domain.wrap(self.setup.bodies[body].body.ball.center),
-                surface: self.surface(body).clone(),
-            })
-            .collect();
-        let centers: Vec<SVector<f64, D>> = placed.iter().map(|placed| placed.center).collect();
-        let modes: Vec<usize> = placed.iter().map(|placed| placed.surface.modes.count()).collect();
-        (Layout::new(&self.grid, &centers, &modes, self.session.world().rank()), placed)
-    }
-
-    fn assemble(&self, layout: &Layout, placed: &[Placed<D>]) -> Result<Blocks<D>> {
-        let balls: Vec<_> = self.setup.bodies.iter().map(|suspended| suspended.body.ball).collect();
-        let reach = constraint::INTERPOLATION_REACH * self.grid.spacing().max();
-        let mut neighbours: Vec<Vec<(usize, Placed<D>)>> = vec![Vec::new(); placed.len()];
-        for pair in near_pairs(&self.setup.domain, &balls, reach) {
-            for (body, other, separation) in [(pair.first, pair.second, pair.separation), (pair.second, pair.first, -pair.separation)] {
-                let image = Placed { center: placed[body].center + separation, surface: placed[other].surface.clone() };
-                neighbours[body].push((other, image));
-            }
-        }
-        let bodies = layout
-            .local_bodies
-            .iter()
-            .map(|&body| constraint::assemble(&self.grid, layout, body, &placed[body], &neighbours[body]))
-            .collect();
-        Blocks::new(&self.session, &self.undisturbed.0, layout, bodies)
-    }
-
-    fn members(&self, layout: &Layout) -> Vec<Member> {
-        let reach = 0.5 * self.setup.domain.size.min();
-        let member = |&body: &usize| {
-            let (modes, free) = (&self.surface(body).modes, self.setup.bodies[body].body.free());
-            let (first, rigid) = (layout.local(body), modes.rigid_count());
-            let mut mobility = modes.isolated_mobility(reach);
-            let force_scale = modes.radius();
-            if free {
-                (0..rigid).for_each(|mode| mobility[(mode, mode)] = force_scale);
-            }
-            Member {
-                range: first..first + modes.count(),
-                rigid,
-                free,
-                inverse: Rc::new(mobility.try_inverse().expect("the mobility of a body is positive definite")),
-                force_scale,
-                area: modes.force_factor(),
-            }
-        };
-        layout.local_bodies.iter().map(member).collect()
-    }
-
-    /// The velocity of the flow without bodies on the surfaces, tested with all modes: this rank's part.
-    fn undisturbed_velocities(&self, layout: &Layout, blocks: &mut Blocks<D>) -> Result<Vec<f64>> {
-        let mut velocities = vec![0.0; layout.local_unknowns()];
-        blocks.sample_with_walls(&self.undisturbed.0, &mut velocities)?;
-        let uniform = self.imposed_mean_velocity();
-        for &body in &layout.local_bodies {
-            let center = self.setup.bodies[body].body.ball.center;
-            let known = self.surface(body).coefficients(|r| uniform + self.setup.drive.background(&(center + r)));
-            velocities[layout.local(body)..].iter_mut().zip(known).for_each(|(velocity, known)| *velocity += known);
-        }
-        Ok(velocities)
     }
 
     /// The mean velocity that a fully periodic box is given; elsewhere the flow without bodies has it.
@@ -234,82 +156,24 @@ impl<const D: usize> Simulation<D> {
         }
     }
 
-    fn right_hand_side(&self, layout: &Layout, members: &[Member], undisturbed: &[f64], prescribed_drag: f64) -> Result<Vector> {
+    fn right_hand_side(&self, wanted: &[f64], prescribed_drag: f64) -> Result<Vector> {
         let fluid = self.grid.local_fluid_unknowns();
         let tail = if self.session.world().rank() == 0 { self.closure.unknowns::<D>() } else { 0 };
-        let mut rhs = Vector::new(&self.session, fluid + layout.local_unknowns() + tail)?;
+        let mut rhs = Vector::new(&self.session, fluid + wanted.len() + tail)?;
         {
             let mut rows = rhs.local_mut()?;
-            for (member, &body) in members.iter().zip(&layout.local_bodies) {
-                let wanted = self.wanted_rows(body, member, &undisturbed[member.range.clone()]);
-                rows[fluid..][member.range.clone()].copy_from_slice(&wanted);
-            }
-            if tail > 0 && matches!(self.closure, Closure::MeanVelocity) {
-                let drag = prescribed_drag;
-                let force = -self.setup.drive.uniform_force() * self.setup.domain.volume() / self.setup.viscosity / drag;
-                rows[fluid + layout.local_unknowns()..].copy_from_slice(force.as_slice());
+            let (multipliers, tail) = rows[fluid..].split_at_mut(wanted.len());
+            multipliers.copy_from_slice(wanted);
+            if let Closure::MeanVelocity = self.closure {
+                let total = -self.setup.drive.uniform_force() * self.setup.domain.volume() / self.setup.viscosity;
+                tail.iter_mut().zip(total.iter()).for_each(|(row, force)| *row = force / prescribed_drag);
             }
         }
         Ok(rhs)
     }
 
-    fn wanted_rows(&self, body: usize, member: &Member, undisturbed: &[f64]) -> Vec<f64> {
-        let surface = self.surface(body);
-        match self.setup.bodies[body].body.motion {
-            Motion::Prescribed(twist) => {
-                surface.coefficients(|r| twist.at(r)).iter().zip(undisturbed).map(|(wanted, known)| wanted - known).collect()
-            }
-            Motion::Free { force, torque } => {
-                let mut rows: Vec<f64> = undisturbed.iter().map(|known| -known).collect();
-                let volume = self.volume(body);
-                let net = (force - self.setup.drive.force_on_fluid_alone() * volume) / self.setup.viscosity / surface.modes.force_factor();
-                rows[..D].copy_from_slice((net * member.force_scale).as_slice());
-                let turn = member.force_scale / self.setup.viscosity / surface.modes.torque_factor();
-                let torques = components(&torque);
-                rows[D..member.rigid].iter_mut().zip(torques).for_each(|(row, torque)| *row = turn * torque);
-                rows
-            }
-        }
-    }
-
-    fn volume(&self, body: usize) -> f64 {
-        self.setup.bodies[body].body.ball.volume()
-    }
-
-    fn body_states(&self, layout: &Layout, velocities: &[f64], undisturbed: &[f64], multipliers: &[f64]) -> Vec<BodyState<D>> {
-        let mut numbers = Vec::new();
-        for &body in &layout.local_bodies {
-            let range = layout.local(body)..layout.local(body) + self.surface(body).modes.count();
-            let motion: Vec<f64> = velocities[range.clone()].iter().zip(&undisturbed[range.clone()]).map(|(a, b)| a + b).collect();
-            numbers.push(body as f64);
-            numbers.extend(self.body_state(body, &motion, &multipliers[range]).pack());
-        }
-        let mut states = Vec::new();
-        for chunk in self.session.world().gather(&numbers).chunks(1 + BodyState::<D>::packed_length()) {
-            states.push((chunk[0] as usize, BodyState::unpack(&chunk[1..])));
-        }
-        states.sort_by_key(|&(body, _)| body);
-        states.into_iter().map(|(_, state)| state).collect()
-    }
-
-    fn body_state(&self, body: usize, motion: &[f64], multipliers: &[f64]) -> BodyState<D> {
-        let (surface, viscosity) = (self.surface(body), self.setup.viscosity);
-        let modes = &surface.modes;
-        let rotation = modes.torque_factor() / modes.force_factor();
-        let spin: Vec<f64> = motion[D..modes.rigid_count()].iter().map(|mode| mode / rotation).collect();
-        let torque: Vec<f64> = multipliers[D..modes.rigid_count()].iter().map(|mode| -viscosity * modes.torque_factor() * mode).collect();
-        let moment = -viscosity * surface.first_moment(multipliers);
-        let symmetric = (moment + moment.transpose()) * 0.5;
-        let net = SVector::from_fn(|axis, _| -viscosity * modes.force_factor() * multipliers[axis]);
-        BodyState {
-            twist: Twist { velocity: SVector::from_column_slice(&motion[..D]), spin: skew(&spin) },
-            force: net - self.setup.drive.force_on_fluid_alone() * self.volume(body),
-            torque: skew(&torque),
-            stresslet: symmetric - nalgebra::SMatrix::identity() * (symmetric.trace() / D as f64),
-        }
-    }
-
     fn solution(&self, bodies: Vec<BodyState<D>>, mut fluid: Vector, tail: &[f64]) -> Result<Solution<D>> {
+        fluid.add(1.0, &self.undisturbed.0)?;
         if self.setup.domain.fully_periodic() {
             let offset =
                 if let Closure::MeanVelocity = self.closure { SVector::from_column_slice(tail) } else { self.imposed_mean_velocity() };
@@ -353,25 +217,13 @@ impl<const D: usize> Simulation<D> {
     }
 }
 
-fn surfaces<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Rc<SurfaceTable<D>>> {
-    let mut known: Vec<((f64, usize), Rc<SurfaceTable<D>>)> = Vec::new();
-    let mut all = Vec::new();
-    for suspended in &setup.bodies {
-        let key = (suspended.body.ball.radius, suspended.order);
-        let found = known.iter().find(|(other, _)| *other == key).map(|(_, table)| table.clone());
-        let table = found.unwrap_or_else(|| {
-            let table = Rc::new(SurfaceTable::new(key.0, key.1, grid.mean_spacing()));
-            known.push((key, table.clone()));
-            table
-        });
-        all.push(table);
-    }
-    all
-}
-
 /// Sum over all prescribed bodies of the net force that a unit velocity takes by their preconditioner.
 fn prescribed_drag(session: &Session, members: &[Member]) -> f64 {
     let mut drag = [members.iter().filter(|member| !member.free).map(|member| member.area * member.inverse[(0, 0)]).sum()];
     session.world().sum(&mut drag);
     if drag[0] > 0.0 { drag[0] } else { 1.0 }
+}
+
+fn krylov_settings(tolerance: f64) -> KrylovSettings {
+    KrylovSettings { method: KrylovMethod::Gmres { restart: MOST_ITERATIONS }, tolerance, most_iterations: MOST_ITERATIONS }
 }

@@ -6,6 +6,7 @@ mod instant;
 mod plan;
 mod setup;
 mod solution;
+mod suspension;
 
 pub use coupled::Stages;
 pub use instant::{Cost, Simulation};
