@@ -80,7 +80,7 @@ fn every_example_gives_the_numbers_of_its_header() {
         }
         examples += 1;
     }
-    assert!(examples >= 4);
+    assert!(examples >= 6);
 }
 
 const SMALL_SUSPENSION: &str = r#"
@@ -240,5 +240,9 @@ fn a_run_leaves_a_scene_that_gives_the_same_run() {
     let first = run(1, &scene, &here.join("first"), &["resolution.cells_per_radius=4"]);
     let again = run(1, &here.join("first/scene.toml"), &here.join("again"), &[]);
     assert_eq!(first["bodies"], again["bodies"]);
+    let from_file =
+        run(1, &root().join("examples/random.toml"), &here.join("file"), &["resolution.cells_per_radius=4", "resolution.modes=3"]);
+    let again = run(1, &here.join("file/scene.toml"), &here.join("file-again"), &[]);
+    assert_eq!(from_file["bodies"], again["bodies"]);
     assert!(fs::read_to_string(here.join("first/picture.svg")).unwrap().trim_end().ends_with("</svg>"));
 }

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use crate::{
-    error::Result,
+    error::{Error, Result},
     observe,
     output::{self, Progress, Summary},
     petsc::Session,
-    scene::Scene,
+    scene::{Placement, Scene},
     simulation::{Setup, Simulation, Solution},
 };
 
@@ -39,6 +39,19 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> R
     Ok(())
 }
 
+/// The text of a scene that gives the same scene from any folder.
+fn movable_text(scene: &Scene) -> Result<String> {
+    let files = scene.bodies.iter().enumerate().filter_map(|(group, bodies)| match &bodies.placement {
+        Placement::File(path) => Some((group, path)),
+        _ => None,
+    });
+    let absolute = files.map(|(group, path)| {
+        let path = path.canonicalize().map_err(|source| Error::File { path: path.clone(), source })?;
+        Ok(format!("bodies.{group}.file={:?}", path.to_string_lossy()))
+    });
+    Ok(Scene::parse(&scene.name, Path::new("."), &scene.text, &absolute.collect::<Result<Vec<_>>>()?)?.text)
+}
+
 /// The files of a run, by name; collective.
 fn files<const D: usize>(
     scene: &Scene,
@@ -47,7 +60,7 @@ fn files<const D: usize>(
     summary: &Summary,
 ) -> Result<Vec<(&'static str, String)>> {
     let json = serde_json::to_string_pretty(summary).expect("a summary is plain numbers and text");
-    let mut files = vec![("scene.toml", scene.text.clone())];
+    let mut files = vec![("scene.toml", movable_text(scene)?)];
     if scene.output.picture {
         let title = if scene.title.is_empty() { &scene.name } else { &scene.title };
         files.push(("picture.svg", observe::picture(title, simulation, solution)?.svg()));

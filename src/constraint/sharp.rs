@@ -94,8 +94,8 @@ struct Assembly<'a, const D: usize> {
     /// For each component, the lattice points that interpolation meets, as numbers of `met`.
     met_at: Vec<Patch<D>>,
     met: Vec<Met>,
-    /// For the body and its neighbours: jumps interpolated at the surface points (columns), modes down the rows.
-    interpolated_jumps: Vec<Option<DMatrix<f64>>>,
+    /// For the body and its neighbours.
+    interpolated_jumps: Vec<InterpolatedJumps>,
 }
 
 impl<'a, const D: usize> Assembly<'a, D> {
@@ -204,7 +204,7 @@ impl<'a, const D: usize> Assembly<'a, D> {
     /// Interpolation on the surface, and the jumps of this body and its neighbours that it picks up inside them.
     fn interpolate(&mut self, neighbours: &[Neighbour<D>]) {
         let surface = &self.placed.surface;
-        self.interpolated_jumps = vec![None; neighbours.len() + 1];
+        self.interpolated_jumps = (0..=neighbours.len()).map(|_| InterpolatedJumps::default()).collect();
         self.wall_values = vec![0.0; surface.points() * D];
         self.sample_terms.reserve(surface.points() * D * 4_usize.pow(D as u32));
         for (point, offset) in surface.offsets().enumerate() {
@@ -230,10 +230,8 @@ impl<'a, const D: usize> Assembly<'a, D> {
         if let Some(place) = met.place {
             self.sample_terms.push((place, term.weight));
         }
-        let columns = self.wall_values.len();
         for (slot, jump) in &met.jumps {
-            let into = self.interpolated_jumps[*slot].get_or_insert_with(|| DMatrix::zeros(jump.len(), columns));
-            into.column_mut(row).iter_mut().zip(jump).for_each(|(into, jump)| *into += term.weight * jump);
+            self.interpolated_jumps[*slot].add(row, term.weight, jump);
         }
     }
 
@@ -261,7 +259,8 @@ impl<'a, const D: usize> Assembly<'a, D> {
         let others = std::iter::once(body).chain(neighbours.iter().map(|(other, _)| *other));
         let local = others
             .zip(self.interpolated_jumps)
-            .filter_map(|(other, jumps)| Some((layout.global(other), projector * jumps?.transpose())))
+            .filter(|(_, jumps)| !jumps.rows.is_empty())
+            .map(|(other, jumps)| (layout.global(other), jumps.project(projector)))
             .collect();
         BodyBlocks {
             surface: self.placed.surface.clone(),
@@ -274,6 +273,33 @@ impl<'a, const D: usize> Assembly<'a, D> {
             wall_values: self.wall_values,
             local,
         }
+    }
+}
+
+/// Jumps of one body's modes interpolated at surface points: only the rows (point and component) that meet its inside.
+#[derive(Default)]
+struct InterpolatedJumps {
+    rows: Vec<usize>,
+    /// One value a mode for each of the rows.
+    values: Vec<f64>,
+}
+
+impl InterpolatedJumps {
+    /// Adds a term to a row; rows come in order.
+    fn add(&mut self, row: usize, weight: f64, jump: &[f64]) {
+        if self.rows.last() != Some(&row) {
+            self.rows.push(row);
+            self.values.resize(self.rows.len() * jump.len(), 0.0);
+        }
+        let start = self.values.len() - jump.len();
+        self.values[start..].iter_mut().zip(jump).for_each(|(value, jump)| *value += weight * jump);
+    }
+
+    /// The block of E: modes of the surface down, modes of the body across.
+    fn project(&self, projector: &DMatrix<f64>) -> DMatrix<f64> {
+        let modes = self.values.len() / self.rows.len();
+        let jumps = DMatrix::from_column_slice(modes, self.rows.len(), &self.values);
+        projector.select_columns(&self.rows) * jumps.transpose()
     }
 }
 

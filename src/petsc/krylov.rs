@@ -20,6 +20,8 @@ use crate::error::{Error, Result};
 pub enum KrylovMethod {
     /// Conjugate gradients (symmetric positive operators and preconditioners).
     ConjugateGradients,
+    /// MINRES for symmetric indefinite operators, without a preconditioner.
+    MinimalResidual,
     /// GMRES, preconditioned from the right: the residual it watches is the true one.
     Gmres {
         /// Vectors kept before a restart.
@@ -140,17 +142,24 @@ impl Krylov {
 }
 
 fn set_method(solver: ffi::KSP, settings: KrylovSettings) -> Result<()> {
+    let mut norm = ffi::KSPNormType_KSP_NORM_UNPRECONDITIONED;
     match settings.method {
         KrylovMethod::ConjugateGradients => petsc!(KSPSetType(solver, c"cg".as_ptr()))?,
+        KrylovMethod::MinimalResidual => {
+            petsc!(KSPSetType(solver, c"minres".as_ptr()))?;
+            norm = ffi::KSPNormType_KSP_NORM_PRECONDITIONED;
+        }
         KrylovMethod::Gmres { restart } => {
             petsc!(KSPSetType(solver, c"gmres".as_ptr()))?;
             petsc!(KSPGMRESSetRestart(solver, index(restart)))?;
             petsc!(KSPSetPCSide(solver, ffi::PCSide_PC_RIGHT))?;
         }
     }
-    petsc!(KSPSetNormType(solver, ffi::KSPNormType_KSP_NORM_UNPRECONDITIONED))?;
+    petsc!(KSPSetNormType(solver, norm))?;
     petsc!(KSPSetInitialGuessNonzero(solver, ffi::PetscBool_PETSC_TRUE))?;
-    petsc!(KSPSetComputeSingularValues(solver, ffi::PetscBool_PETSC_TRUE))?;
+    if settings.method != KrylovMethod::MinimalResidual {
+        petsc!(KSPSetComputeSingularValues(solver, ffi::PetscBool_PETSC_TRUE))?;
+    }
     let unused = f64::from(ffi::PETSC_DEFAULT);
     petsc!(KSPSetTolerances(solver, settings.tolerance, 0.0, unused, index(settings.most_iterations)))
 }
