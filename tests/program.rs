@@ -156,7 +156,7 @@ fn bad_scenes() -> Vec<(&'static str, String, &'static str, &'static [usize])> {
             "is too many for 4.00 cells per radius",
             all,
         ),
-        ("too_full", with("[[bodies]]\nradius = 1.0\nfraction = 0.95"), "bodies[0]", all),
+        ("too_full", with("[[bodies]]\nradius = 1.0\nfraction = 0.95"), "scene.toml:7: bodies[0].fraction = 0.95", all),
         ("no_body_fits", with("[[bodies]]\nradius = 1.0\nfraction = 0.001"), "less than half a body", all),
         ("too_coarse", "[domain]\nsize = [1.0, 1.0]\n[resolution]\nspacing = 0.5\n".into(), "at least 4 are needed", all),
         (

@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::{
     body::{Body, Motion, Twist, pack, read_centers, skew},
-    error::Result,
+    error::{Error, Result},
     flow::Drive,
     geometry::{Axis, Ball, Domain, Fault, first_fault},
     scene::{self, AxisSection, BodyGroup, Modes, Placement, Scene, Spacing},
@@ -104,11 +104,19 @@ fn place<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Vec<(usize
         gap = if count > 0 { gap.max(bodies.gap) } else { gap };
     }
     let radii: Vec<f64> = random.iter().map(|&(_, radius)| radius).collect();
-    let centers = pack(domain, &obstacles, &radii, gap, scene.seed).map_err(|error| {
-        scene.refuse(&format!("bodies[{}]", random.first().map_or(0, |random| random.0)), radii.len(), &error.to_string())
-    })?;
+    let centers =
+        pack(domain, &obstacles, &radii, gap, scene.seed).map_err(|error| refuse_crowd(scene, random[0].0, &error.to_string()))?;
     balls.extend(random.into_iter().zip(centers).map(|((group, radius), center)| (group, Ball { center, radius })));
     Ok(balls)
+}
+
+/// The refusal of a random group that does not fit.
+fn refuse_crowd(scene: &Scene, group: usize, remedy: &str) -> Error {
+    match scene.bodies[group].placement {
+        Placement::Fraction(fraction) => scene.refuse(&format!("bodies[{group}].fraction"), fraction, remedy),
+        Placement::Count(count) => scene.refuse(&format!("bodies[{group}].count"), count, remedy),
+        _ => unreachable!("only random groups are packed"),
+    }
 }
 
 fn given_balls<const D: usize>(group: &BodyGroup) -> Result<Vec<Ball<D>>> {

@@ -8,6 +8,9 @@ use crate::{error::Result, petsc::Session};
 
 pub use cases::cases;
 
+/// Solves a case and measures its quantity; collective.
+pub type Solve = Box<dyn Fn(&Session) -> Result<f64>>;
+
 /// A case with a known answer.
 pub struct Case {
     /// What is measured.
@@ -20,8 +23,8 @@ pub struct Case {
     pub reference: f64,
     /// Largest relative error that is promised.
     pub tolerance: f64,
-    /// Solves the case.
-    pub solve: Box<dyn Fn(&Session) -> Result<f64>>,
+    /// How to get ours.
+    pub solve: Solve,
 }
 
 impl Case {
