@@ -152,6 +152,8 @@ fn set_method(solver: ffi::KSP, settings: KrylovSettings) -> Result<()> {
         KrylovMethod::Gmres { restart } => {
             petsc!(KSPSetType(solver, c"gmres".as_ptr()))?;
             petsc!(KSPGMRESSetRestart(solver, index(restart)))?;
+            // without it dense fixed arrays lose orthogonality, and the residual stalls
+            petsc!(KSPGMRESSetCGSRefinementType(solver, ffi::KSPGMRESCGSRefinementType_KSP_GMRES_CGS_REFINE_IFNEEDED))?;
             petsc!(KSPSetPCSide(solver, ffi::PCSide_PC_RIGHT))?;
         }
     }

@@ -18,7 +18,7 @@ use crate::{
 };
 
 /// Iterations allowed for the coupled system; the restart is as long, so memory grows with the iterations made.
-const MOST_ITERATIONS: usize = 600;
+const MOST_ITERATIONS: usize = 1000;
 
 /// What a solve cost on this rank, in seconds, and how it converged.
 #[derive(Debug, Clone, Copy, Default)]

@@ -13,8 +13,8 @@ use crate::{
 /// Fewest cells per radius: closer to the centre the jump functions are too steep for the grid.
 const FEWEST_CELLS_PER_RADIUS: f64 = 3.0;
 
-/// Highest order of modes per cell of radius; above it the multipliers see the grid's own noise.
-const HIGHEST_ORDER_PER_CELL: f64 = 1.4;
+/// Highest order of modes per cell of radius in 2D and 3D; above it the multipliers see the grid's own noise.
+const HIGHEST_ORDER_PER_CELL: [f64; 2] = [1.4, 1.25];
 
 /// A body with the order of its multiplier modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -194,7 +194,7 @@ fn motion<const D: usize>(scene: &Scene, group: usize, ball: &Ball<D>) -> Motion
 
 /// Order of the modes of a body with so many cells per radius: what is asked for, or what the grid carries well.
 fn order<const D: usize>(scene: &Scene, cells: f64) -> Result<usize> {
-    let highest = (HIGHEST_ORDER_PER_CELL * cells + 1e-9) as usize;
+    let highest = (HIGHEST_ORDER_PER_CELL[D - 2] * cells + 1e-9) as usize;
     match scene.resolution.modes {
         Modes::Auto if D == 2 => Ok((cells.round() as usize).clamp(3, 16).min(highest)),
         Modes::Auto => Ok((cells.round() as usize - 1).clamp(2, 10).min(highest)),

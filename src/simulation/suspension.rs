@@ -43,7 +43,9 @@ pub struct Suspension<'a, const D: usize> {
 impl<const D: usize> Kind<D> {
     fn new(radius: f64, order: usize, setup: &Setup<D>, grid: &Grid<D>) -> Kind<D> {
         let surface = Rc::new(SurfaceTable::new(radius, order, grid.mean_spacing()));
-        let mobility = surface.modes.isolated_mobility(0.5 * setup.domain.size.min());
+        // other bodies cut the logarithm: half the distance to them
+        let reach = 0.5 * (setup.domain.volume() / setup.bodies.len() as f64).powf(1.0 / D as f64);
+        let mobility = surface.modes.isolated_mobility(reach);
         let mut given_force = mobility.clone();
         for mode in 0..surface.modes.rigid_count() {
             given_force[(mode, mode)] = radius;

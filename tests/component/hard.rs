@@ -12,7 +12,7 @@ use turbid::{
 };
 
 use crate::Test;
-use crate::suspension::{assert_near, couette, free, periodic_cube, solve, suspended};
+use crate::suspension::{assert_near, couette, fixed, free, periodic_cube, solve, suspended};
 
 /// The tests of this file.
 pub fn tests() -> Vec<Test> {
@@ -24,6 +24,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(units_do_not_matter),
         Test::of(no_bodies_at_all),
         Test::of(iterations_for_dense_disks),
+        Test::of(a_dense_fixed_array_does_not_stall),
         Test::of(iterations_with_an_exact_inverse),
         Test::of(iterations_for_spheres),
     ]
@@ -124,6 +125,18 @@ fn iterations_for_dense_disks(session: &Session) {
         let iterations = simulation.cost().krylov.iterations;
         assert!(iterations <= promised, "{iterations} iterations for {count} disks");
     }
+}
+
+/// Pores between fixed disks are nearly closed: the hardest systems, which stall unless GMRES keeps its vectors orthogonal.
+fn a_dense_fixed_array_does_not_stall(session: &Session) {
+    let mut setup = dense_disks(50);
+    setup.drive = Drive::MeanVelocity(Vector2::new(1.0, 0.3));
+    setup.bodies.iter_mut().for_each(|suspended| suspended.body.motion = fixed());
+    let (simulation, solution) = solve(session, setup);
+    let iterations = simulation.cost().krylov.iterations;
+    assert!(iterations <= 300, "{iterations} iterations");
+    let force: Vector2<f64> = solution.bodies.iter().map(|state| state.force).sum();
+    assert!((force + solution.pressure_gradient).norm() < 1e-6 * force.norm());
 }
 
 /// With an exact inverse of the fluid the solver iterates as if on the multipliers alone.
