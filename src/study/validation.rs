@@ -52,7 +52,7 @@ pub fn validation(session: &Session) -> Result<bool> {
         let error = case.error(value);
         kept &= error.abs() <= case.tolerance;
         let (name, resolution, source, percent) = (case.name, &case.resolution, case.source, 100.0 * error);
-        say(format!("| {name} | {resolution} | {:.6} | {value:.6} | {percent:+.3} % | {seconds:.2} | {source} |", case.reference));
+        say(format!("| {name} | {resolution} | {:.6} | {value:.6} | {percent:+.3} % | {seconds:.3} | {source} |", case.reference));
     }
     Ok(kept)
 }
