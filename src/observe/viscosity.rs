@@ -19,7 +19,7 @@ pub struct Viscosity {
     pub from_walls: Option<f64>,
 }
 
-/// A simple shear: velocity along `flow` grows along axis `gradient`.
+/// A simple shear: velocity along `flow` grows along axis `gradient`; no other axis has walls.
 struct Shear<const D: usize> {
     flow: SVector<f64, D>,
     gradient: usize,
@@ -53,7 +53,8 @@ fn shear<const D: usize>(domain: &Domain<D>, drive: &Drive<D>) -> Option<Shear<D
         let Axis::Walls { lower, upper } = domain.axes[gradient] else { return None };
         let difference = upper - lower;
         let speed = difference.norm();
-        (speed > 0.0).then(|| Shear { flow: difference / speed, gradient, rate: speed / domain.size[gradient] })
+        let sheared = speed > 0.0 && (0..D).all(|axis| axis == gradient || domain.periodic(axis));
+        sheared.then(|| Shear { flow: difference / speed, gradient, rate: speed / domain.size[gradient] })
     })
 }
 

@@ -2,7 +2,7 @@
 
 use std::{
     io::{IsTerminal, stderr},
-    time::{Duration, Instant},
+    time::Instant,
 };
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -38,11 +38,6 @@ impl Progress {
     /// Removes the line.
     pub fn end(&self) {
         self.line.finish_and_clear();
-    }
-
-    /// Time since the line was made.
-    pub fn elapsed(&self) -> Duration {
-        self.start.elapsed()
     }
 }
 

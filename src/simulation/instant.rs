@@ -70,6 +70,7 @@ impl<const D: usize> Simulation<D> {
         inverse: impl FnOnce(&Stokes<D>, &Grid<D>) -> Result<Box<dyn StokesInverse<D>>>,
     ) -> Result<Simulation<D>> {
         let start = Instant::now();
+        check_steady_state(&setup)?;
         let world = session.world();
         let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
         let stokes = Stokes::new(session, &grid)?;
@@ -78,9 +79,7 @@ impl<const D: usize> Simulation<D> {
         let undisturbed = flow_without_bodies(&setup.drive, &grid, &stokes, inverse.as_mut(), &closure)?;
         let kinds = Kinds::new(&setup, &grid);
         let cost = Cost { setup: start.elapsed().as_secs_f64(), grid_unknowns: grid.fluid_unknowns(), ..Cost::default() };
-        let simulation = Simulation { session: session.clone(), setup, grid, stokes, inverse, closure, undisturbed, kinds, cost };
-        simulation.check_steady_state()?;
-        Ok(simulation)
+        Ok(Simulation { session: session.clone(), setup, grid, stokes, inverse, closure, undisturbed, kinds, cost })
     }
 
     /// The grid.
@@ -134,18 +133,6 @@ impl<const D: usize> Simulation<D> {
         self.cost.stages = work.stages;
         let states = suspension.states(&self.session, &velocities, &multipliers);
         self.solution(states, fluid, &tail)
-    }
-
-    fn check_steady_state(&self) -> Result<()> {
-        let all_free = self.setup.bodies.iter().all(|suspended| suspended.body.free());
-        if matches!(self.closure, Closure::MeanVelocity) && all_free {
-            return Err(Error::Refused(
-                "flow.drive: under a uniform force a fully periodic box in which nothing is fixed has no steady flow; \
-                 fix a body, put up walls, or prescribe mean_velocity"
-                    .into(),
-            ));
-        }
-        Ok(())
     }
 
     /// The mean velocity that a fully periodic box is given; elsewhere the flow without bodies has it.
@@ -215,6 +202,18 @@ impl<const D: usize> Simulation<D> {
         }
         gradient
     }
+}
+
+fn check_steady_state<const D: usize>(setup: &Setup<D>) -> Result<()> {
+    let pushed = matches!(setup.drive, Drive::PressureGradient(_) | Drive::BodyForce(_)) && setup.domain.fully_periodic();
+    if pushed && setup.bodies.iter().all(|suspended| suspended.body.free()) {
+        return Err(Error::Refused(
+            "flow.drive: under a uniform force a fully periodic box in which nothing is fixed has no steady flow; \
+             fix a body, put up walls, or prescribe mean_velocity"
+                .into(),
+        ));
+    }
+    Ok(())
 }
 
 /// Sum over all prescribed bodies of the net force that a unit velocity takes by their preconditioner.

@@ -7,6 +7,7 @@ use turbid::{
     flow::{Drive, IteratedInverse, Stokes, StokesInverse},
     geometry::{Axis, Ball, Domain},
     grid::Grid,
+    observe,
     petsc::Session,
     simulation::{Setup, Simulation, SuspendedBody},
 };
@@ -23,6 +24,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(disks_of_two_sizes),
         Test::of(units_do_not_matter),
         Test::of(no_bodies_at_all),
+        Test::of(a_lid_driven_box_has_no_viscosity),
         Test::of(iterations_for_dense_disks),
         Test::of(a_dense_fixed_array_does_not_stall),
         Test::of(iterations_with_an_exact_inverse),
@@ -105,6 +107,15 @@ fn no_bodies_at_all(session: &Session) {
     let (simulation, solution) = solve(session, couette(2.0, 0.05, 1.0, Vec::new()));
     assert_eq!(simulation.cost().krylov.iterations, 0);
     assert!(solution.bodies.is_empty() && solution.mean_velocity.norm() < 1e-9);
+}
+
+/// A lid that drives a closed box shears nothing simply: there is a flow, but no apparent viscosity.
+fn a_lid_driven_box_has_no_viscosity(session: &Session) {
+    let mut setup = couette(1.0, 0.05, 1.0, vec![suspended(Vector2::new(0.5, 0.5), 0.2, free(), 4)]);
+    setup.domain.axes[0] = Axis::Walls { lower: Vector2::zeros(), upper: Vector2::zeros() };
+    let (simulation, solution) = solve(session, setup);
+    assert!(observe::viscosity(simulation.setup(), simulation.grid(), &solution).unwrap().is_none());
+    assert!(solution.bodies[0].twist.spin[(1, 0)] < -0.1 && solution.bodies[0].twist.velocity.norm() < 1e-3);
 }
 
 /// Random disks at fraction 0.4 with gaps of at least 0.1 radii, at five cells per radius with modes up to 4.
