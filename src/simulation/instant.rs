@@ -17,7 +17,9 @@ use crate::{
     petsc::{Krylov, KrylovMethod, KrylovSettings, Report, Session, Vector},
 };
 
-/// Iterations allowed for the coupled system; the restart is as long, so memory grows with the iterations made.
+/// Iterations allowed for the coupled system.
+///
+/// The restart is as long, so memory grows with the iterations made: a restart after 50 stalls where bodies crowd.
 const MOST_ITERATIONS: usize = 1000;
 
 /// What a solve cost on this rank, in seconds, and how it converged.
