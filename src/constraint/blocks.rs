@@ -75,23 +75,20 @@ impl<const D: usize> Blocks<D> {
 
     /// `out = J u`, this rank's multipliers, for the velocity of a fluid vector (zero on walls).
     pub fn sample(&mut self, fluid: &Vector, out: &mut [f64]) -> Result<()> {
-        let values = self.scatter.fetch(fluid)?;
-        let mut rest = &values[..];
-        for body in &self.bodies {
-            let (mine, others) = rest.split_at(body.places.len());
-            body.sample(mine, None, out);
-            rest = others;
-        }
-        Ok(())
+        self.sample_bodies(fluid, false, out)
     }
 
     /// As [`sample`](Self::sample), for a velocity that is that of the moving walls there.
     pub fn sample_with_walls(&mut self, fluid: &Vector, out: &mut [f64]) -> Result<()> {
+        self.sample_bodies(fluid, true, out)
+    }
+
+    fn sample_bodies(&mut self, fluid: &Vector, with_walls: bool, out: &mut [f64]) -> Result<()> {
         let values = self.scatter.fetch(fluid)?;
         let mut rest = &values[..];
         for body in &self.bodies {
             let (mine, others) = rest.split_at(body.places.len());
-            body.sample(mine, Some(&body.wall_values), out);
+            body.sample(mine, with_walls.then_some(&body.wall_values), out);
             rest = others;
         }
         Ok(())
@@ -112,7 +109,7 @@ impl<const D: usize> BodyBlocks<D> {
         }
     }
 
-    fn sample(&self, places: &[f64], walls: Option<&[f64]>, out: &mut [f64]) {
+    fn sample(&self, places: &[f64], walls: Option<&Vec<f64>>, out: &mut [f64]) {
         let mut begin = 0;
         let interpolated = self.sample_ends.iter().enumerate().map(|(row, &end)| {
             let terms = &self.sample_terms[std::mem::replace(&mut begin, end as usize)..end as usize];

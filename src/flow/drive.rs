@@ -2,6 +2,8 @@
 
 use nalgebra::SVector;
 
+use crate::geometry::Domain;
+
 /// The drive of a flow; walls move it in addition.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Drive<const D: usize> {
@@ -25,6 +27,16 @@ impl<const D: usize> Drive<D> {
             velocity[0] = rate * point[1];
         }
         velocity
+    }
+
+    /// Whether it gives the mean velocity along periodic axes of a walled box, so that the force that drives it is to be found.
+    pub fn leaves_force_open(&self, domain: &Domain<D>) -> bool {
+        matches!(self, Drive::MeanVelocity(_)) && !domain.fully_periodic()
+    }
+
+    /// Whether it gives the force on a fully periodic box, so that the mean velocity is to be found.
+    pub fn leaves_mean_velocity_open(&self, domain: &Domain<D>) -> bool {
+        matches!(self, Drive::PressureGradient(_) | Drive::BodyForce(_)) && domain.fully_periodic()
     }
 
     /// The uniform force per unit volume that acts on the whole box, fluid and bodies.

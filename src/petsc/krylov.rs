@@ -106,7 +106,7 @@ impl Krylov {
         petsc!(PCShellSetContext(pc, (&raw mut context).cast()))?;
         petsc!(KSPMonitorSet(solver, Some(monitor), (&raw mut watch).cast(), None))?;
         let outcome = petsc!(KSPSolve(solver, rhs.raw(), x.raw()));
-        // the context lives on this stack frame: no pointer to them may outlast it
+        // the context lives on this stack frame: no pointer to it may outlast it
         petsc!(MatShellSetContext(self.matrix.raw(), null_mut()))?;
         petsc!(PCShellSetContext(pc, null_mut()))?;
         petsc!(KSPMonitorCancel(solver))?;
@@ -131,6 +131,11 @@ impl Krylov {
              fewer modes, a finer grid or a looser method.tolerance may help",
             report.iterations, report.residual, self.settings.tolerance
         )))
+    }
+
+    /// Makes further solves keep what [`extreme_singular_values`](Self::extreme_singular_values) needs (not with MINRES).
+    pub fn keep_singular_values(&mut self) -> Result<()> {
+        petsc!(KSPSetComputeSingularValues(self.solver.raw(), ffi::PetscBool_PETSC_TRUE))
     }
 
     /// Extreme singular values of the preconditioned operator as estimated during the last solve (largest, smallest).
@@ -159,9 +164,6 @@ fn set_method(solver: ffi::KSP, settings: KrylovSettings) -> Result<()> {
     }
     petsc!(KSPSetNormType(solver, norm))?;
     petsc!(KSPSetInitialGuessNonzero(solver, ffi::PetscBool_PETSC_TRUE))?;
-    if settings.method != KrylovMethod::MinimalResidual {
-        petsc!(KSPSetComputeSingularValues(solver, ffi::PetscBool_PETSC_TRUE))?;
-    }
     let unused = f64::from(ffi::PETSC_DEFAULT);
     petsc!(KSPSetTolerances(solver, settings.tolerance, 0.0, unused, index(settings.most_iterations)))
 }

@@ -6,7 +6,7 @@ use crate::{
     error::Result,
     flow::{Drive, FluidSystem, Stokes, StokesInverse},
     geometry::Domain,
-    grid::Grid,
+    grid::{Grid, operators},
     parallel::World,
     petsc::Vector,
 };
@@ -47,25 +47,20 @@ impl Closure {
         stokes: &Stokes<D>,
         inverse: &mut dyn StokesInverse<D>,
     ) -> Result<Closure> {
-        let fully_periodic = grid.domain().fully_periodic();
-        match drive {
-            Drive::MeanVelocity(_) if !fully_periodic => {
-                let axes = (0..D).filter(|&axis| grid.domain().periodic(axis));
-                let forces = axes.map(|axis| UniformForce::new(axis, grid, stokes, inverse));
-                Ok(Closure::Forces(forces.collect::<Result<_>>()?))
-            }
-            Drive::PressureGradient(_) | Drive::BodyForce(_) if fully_periodic => Ok(Closure::MeanVelocity),
-            _ => Ok(Closure::Closed),
+        let domain = grid.domain();
+        if drive.leaves_force_open(domain) {
+            let forces = periodic_axes(domain).map(|axis| UniformForce::new(axis, grid, stokes, inverse));
+            Ok(Closure::Forces(forces.collect::<Result<_>>()?))
+        } else if drive.leaves_mean_velocity_open(domain) {
+            Ok(Closure::MeanVelocity)
+        } else {
+            Ok(Closure::Closed)
         }
     }
 
     /// Number of unknowns that the closure of a drive in a box adds.
     pub fn count<const D: usize>(drive: &Drive<D>, domain: &Domain<D>) -> usize {
-        match drive {
-            Drive::MeanVelocity(_) if !domain.fully_periodic() => (0..D).filter(|&axis| domain.periodic(axis)).count(),
-            Drive::PressureGradient(_) | Drive::BodyForce(_) if domain.fully_periodic() => D,
-            _ => 0,
-        }
+        if drive.leaves_force_open(domain) || drive.leaves_mean_velocity_open(domain) { periodic_axes(domain).count() } else { 0 }
     }
 
     /// Number of unknowns it adds; rank 0 holds them.
@@ -92,14 +87,15 @@ impl UniformForce {
 
     /// Mean of a fluid vector's velocity along the axis.
     pub fn mean_velocity(&self, world: &World, fluid: &Vector) -> Result<f64> {
-        mean_velocity(world, &self.faces, fluid)
+        let (range, unknowns) = &self.faces;
+        let mut sum = [fluid.local()?[range.clone()].iter().sum::<f64>() / *unknowns as f64];
+        world.sum(&mut sum);
+        Ok(sum[0])
     }
 }
 
-fn mean_velocity(world: &World, (range, unknowns): &(Range<usize>, usize), fluid: &Vector) -> Result<f64> {
-    let mut sum = [fluid.local()?[range.clone()].iter().sum::<f64>() / *unknowns as f64];
-    world.sum(&mut sum);
-    Ok(sum[0])
+fn periodic_axes<const D: usize>(domain: &Domain<D>) -> impl Iterator<Item = usize> {
+    (0..D).filter(|&axis| domain.periodic(axis))
 }
 
 /// Solves the flow of walls and drive without bodies, if there is any.
@@ -120,7 +116,7 @@ pub fn flow_without_bodies<const D: usize>(
     for axis in 0..D {
         let rows = &mut rhs.local_mut()?[grid.local_range(axis)];
         rows.fill(drive.uniform_force()[axis]);
-        crate::grid::operators::add_wall_laplacian(grid, axis, rows);
+        operators::add_wall_laplacian(grid, axis, rows);
     }
     stokes.balance(&mut rhs)?;
     FluidSystem { stokes, inverse: Some(inverse) }.solve((&rhs, &mut flow), EXACT, MOST_ITERATIONS)?;

@@ -207,8 +207,7 @@ impl<const D: usize> Simulation<D> {
 }
 
 fn check_steady_state<const D: usize>(setup: &Setup<D>) -> Result<()> {
-    let pushed = matches!(setup.drive, Drive::PressureGradient(_) | Drive::BodyForce(_)) && setup.domain.fully_periodic();
-    if pushed && setup.bodies.iter().all(|suspended| suspended.body.free()) {
+    if setup.drive.leaves_mean_velocity_open(&setup.domain) && setup.bodies.iter().all(|suspended| suspended.body.free()) {
         return Err(Error::Refused(
             "flow.drive: under a uniform force a fully periodic box in which nothing is fixed has no steady flow; \
              fix a body, put up walls, or prescribe mean_velocity"

@@ -6,11 +6,11 @@ use crate::{
     error::Result,
     flow::Drive,
     grid::Grid,
-    simulation::{Setup, closure::Closure},
-    surface::SurfaceTable,
+    simulation::{Setup, SuspendedBody, closure::Closure},
+    surface::{SurfaceTable, modes},
 };
 
-/// Bytes a nonzero of a sparse matrix takes (value, index, and hypre's own copy), times hierarchy overhead for multigrid.
+/// Bytes that a nonzero of a sparse matrix takes: value and index.
 const BYTES_PER_NONZERO: f64 = 12.0;
 
 /// Operator complexity of a BoomerAMG hierarchy with its copy of the finest matrix.
@@ -45,7 +45,7 @@ impl Plan {
     /// The grid or the rank count does not fit.
     pub fn of<const D: usize>(setup: &Setup<D>, ranks: usize) -> Result<Plan> {
         let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
-        let multiplier_unknowns = setup.bodies.iter().map(|suspended| mode_count::<D>(suspended.order)).sum();
+        let multiplier_unknowns = setup.bodies.iter().map(mode_count).sum();
         let closure_unknowns = Closure::count(&setup.drive, &setup.domain);
         Ok(Plan {
             effects: effects(setup, &grid),
@@ -59,8 +59,8 @@ impl Plan {
     }
 }
 
-fn mode_count<const D: usize>(order: usize) -> usize {
-    if D == 2 { 4 * order + 1 } else { 3 * ((order + 1).pow(2) - 1) }
+fn mode_count<const D: usize>(suspended: &SuspendedBody<D>) -> usize {
+    modes(D, suspended.body.ball.radius, 1.0, suspended.order).count()
 }
 
 fn effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Effect> {
@@ -106,8 +106,8 @@ fn bytes<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> f64 {
 }
 
 /// Values of the spread rows, interpolation terms, and the dense blocks of a body and about four neighbours.
-fn body_bytes<const D: usize>(suspended: &super::SuspendedBody<D>, grid: &Grid<D>) -> f64 {
-    let count = mode_count::<D>(suspended.order) as f64;
+fn body_bytes<const D: usize>(suspended: &SuspendedBody<D>, grid: &Grid<D>) -> f64 {
+    let count = mode_count(suspended) as f64;
     let cells = suspended.body.ball.radius / grid.mean_spacing();
     let surface = if D == 2 { 2.0 * std::f64::consts::PI * cells } else { 4.0 * std::f64::consts::PI * cells * cells };
     let points = SurfaceTable::<D>::point_count(suspended.body.ball.radius, suspended.order, grid.mean_spacing()) as f64;

@@ -88,6 +88,7 @@ fn singular_values_come_out_of_a_solve(session: &Session) {
     let (rhs, range) = (filled(session, N, |_| 1.0), share(session, N));
     let mut system = Diagonal((0..N).map(|index| 1.0 + index as f64 / 10.0).skip(range.start).take(range.len()).collect());
     let mut krylov = krylov(session, GMRES, 100);
+    krylov.keep_singular_values().unwrap();
     krylov.solve(&mut system, (&rhs, &mut rhs.like().unwrap()), &mut |_, _| {}).unwrap();
     let (largest, smallest) = krylov.extreme_singular_values().unwrap();
     // Ritz values reach the ends of the spectrum from inside; a solve to 1e-10 finds them to a per cent

@@ -46,7 +46,8 @@ impl<'a, const D: usize> Spreading<'a, D> {
         let (first_value, mut offsets) = (self.values.len(), Vec::new());
         let mut row = vec![0.0; self.count];
         for index in places.patches[field].indices() {
-            let distance = (self.grid.position(field, index) - self.placed.center).norm() - radius;
+            let offset = self.grid.position(field, index) - self.placed.center;
+            let distance = offset.norm() - radius;
             if distance.abs() > reach {
                 continue;
             }
@@ -58,7 +59,7 @@ impl<'a, const D: usize> Spreading<'a, D> {
             };
             if crossed {
                 self.rows.push(places.of(field, index, place));
-                offsets.push(self.grid.position(field, index) - self.placed.center);
+                offsets.push(offset);
                 self.values.append(&mut row);
                 row.resize(self.count, 0.0);
             }
