@@ -42,4 +42,12 @@ impl<const D: usize> Body<D> {
     pub fn free(&self) -> bool {
         matches!(self.motion, Motion::Free { .. })
     }
+
+    /// Its motion, if that is given.
+    pub fn given_motion(&self) -> Option<Twist<D>> {
+        match self.motion {
+            Motion::Prescribed(twist) => Some(twist),
+            Motion::Free { .. } => None,
+        }
+    }
 }

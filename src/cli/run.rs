@@ -8,7 +8,7 @@ use crate::{
     output::{self, Progress, Summary},
     petsc::Session,
     scene::{Placement, Scene},
-    simulation::{Setup, Simulation, Solution},
+    simulation::{Setup, Solution, Suspension},
 };
 
 /// Runs a scene of dimension `D`.
@@ -17,18 +17,18 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> R
     let world = session.world();
     let first = world.rank() == 0;
     let setup = world.agree(Setup::<D>::of(scene))?;
-    let mut simulation = Simulation::new(session, setup)?;
+    let mut suspension = Suspension::new(session, setup)?;
     world.agree(if first { output::prepare_folder(folder) } else { Ok(()) })?;
 
     let progress = Progress::new(world.rank(), scene.method.tolerance);
-    let solution = simulation.solve(&mut |iteration, residual| progress.show(iteration, residual));
+    let solution = suspension.solve(&mut |iteration, residual| progress.show(iteration, residual));
     progress.end();
     let solution = solution?;
 
-    let viscosity = observe::viscosity(simulation.setup(), simulation.grid(), &solution)?;
+    let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), &solution)?;
     let named = (scene.name.as_str(), scene.title.as_str());
-    let summary = Summary::new(named, simulation.setup(), (&solution, viscosity), simulation.cost(), world);
-    let files = files(scene, &simulation, &solution, &summary)?;
+    let summary = Summary::new(named, suspension.setup(), (&solution, viscosity), suspension.cost(), world);
+    let files = files(scene, &suspension, &solution, &summary)?;
     let write = || files.iter().try_for_each(|(name, text)| output::write_whole(&folder.join(name), text.as_bytes()));
     world.agree(if first { write() } else { Ok(()) })?;
     if first {
@@ -55,7 +55,7 @@ fn movable_text(scene: &Scene) -> Result<String> {
 /// The files of a run, by name; collective.
 fn files<const D: usize>(
     scene: &Scene,
-    simulation: &Simulation<D>,
+    suspension: &Suspension<D>,
     solution: &Solution<D>,
     summary: &Summary,
 ) -> Result<Vec<(&'static str, String)>> {
@@ -63,7 +63,7 @@ fn files<const D: usize>(
     let mut files = vec![("scene.toml", movable_text(scene)?)];
     if scene.output.picture {
         let title = if scene.title.is_empty() { &scene.name } else { &scene.title };
-        files.push(("picture.svg", observe::picture(title, simulation, solution)?.svg()));
+        files.push(("picture.svg", observe::picture(title, suspension, solution)?.svg()));
     }
     // last: a folder with a summary is complete
     files.push(("summary.json", json));

@@ -41,6 +41,11 @@ impl Layout {
         Layout { local_bodies, places, local_unknowns, unknowns }
     }
 
+    /// Whether this rank holds a body.
+    pub fn holds(&self, body: usize) -> bool {
+        self.local_bodies.binary_search(&body).is_ok()
+    }
+
     /// Index of a body's first multiplier in its owner's part.
     pub fn local(&self, body: usize) -> usize {
         self.places[body].local

@@ -6,15 +6,15 @@ use super::velocities;
 use crate::{
     error::Result,
     output::{Disk, Picture},
-    simulation::{Simulation, Solution},
+    simulation::{Solution, Suspension},
 };
 
 /// Samples along the longer side.
 const SAMPLES: f64 = 420.0;
 
 /// Cuts a solution; collective, and the same on every rank.
-pub fn picture<const D: usize>(title: &str, simulation: &Simulation<D>, solution: &Solution<D>) -> Result<Picture> {
-    let (setup, domain) = (simulation.setup(), &simulation.setup().domain);
+pub fn picture<const D: usize>(title: &str, suspension: &Suspension<D>, solution: &Solution<D>) -> Result<Picture> {
+    let (setup, domain) = (suspension.setup(), &suspension.setup().domain);
     let size = [domain.size[0], domain.size[1]];
     let samples = size.map(|length| (SAMPLES * length / size[0].max(size[1])).ceil().max(8.0) as usize);
     let middle = domain.size * 0.5;
@@ -27,14 +27,14 @@ pub fn picture<const D: usize>(title: &str, simulation: &Simulation<D>, solution
             point
         })
         .collect();
-    let disturbance = velocities(simulation.grid(), &solution.fluid, &points)?;
+    let disturbance = velocities(suspension.grid(), &solution.fluid, &points)?;
     let total: Vec<SVector<f64, D>> =
         points.iter().zip(disturbance).map(|(point, velocity)| velocity + setup.drive.background(point)).collect();
     Ok(Picture {
         title: title.to_owned(),
         size,
         periodic: [domain.periodic(0), domain.periodic(1)],
-        bodies: disks(simulation, solution),
+        bodies: disks(suspension, solution),
         samples,
         velocity: total.iter().map(|velocity| [velocity[0], velocity[1]]).collect(),
         speed: total.iter().map(|velocity| velocity.norm()).collect(),
@@ -42,9 +42,9 @@ pub fn picture<const D: usize>(title: &str, simulation: &Simulation<D>, solution
 }
 
 /// The cuts of the bodies through the plane, periodic images included where they reach it.
-fn disks<const D: usize>(simulation: &Simulation<D>, solution: &Solution<D>) -> Vec<Disk> {
-    let domain = &simulation.setup().domain;
-    let bodies = simulation.setup().bodies.iter().zip(&solution.bodies);
+fn disks<const D: usize>(suspension: &Suspension<D>, solution: &Solution<D>) -> Vec<Disk> {
+    let domain = &suspension.setup().domain;
+    let bodies = suspension.setup().bodies.iter().zip(&solution.bodies);
     bodies
         .filter_map(|(suspended, state)| {
             let ball = suspended.body.ball;

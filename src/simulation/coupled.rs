@@ -1,19 +1,20 @@
-//! The coupled linear system of fluid, multipliers and closure, with its block preconditioner.
+//! The coupled linear system of fluid, multipliers, closure and contacts, with its block preconditioner.
 //!
 //! ```text
-//! [ K   -C   -e ] [ u, p ]   [ 0 ]
-//! [ J    E    T ] [ c    ] = [ v ]      rows of rigid modes of free bodies: the net force, c = given
-//! [ m    F    . ] [ g    ]   [ 0 ]      g: unknowns of the closure
+//! [ K   -C   -e   .  ] [ u, p ]   [ 0 ]
+//! [ J    E    T  -N' ] [ c    ] = [ v ]      rows of rigid modes of free bodies: the net force, c - N' f = given
+//! [ m    F    .   .  ] [ g    ]   [ 0 ]      g: unknowns of the closure
+//! [ N J  N E  N T .  ] [ f    ]   [ r ]      f: forces of contacts, r: rates at which their gaps grow
 //! ```
 //!
-//! The preconditioner is block triangular: the fluid by its approximate inverse, then each body by the inverse of its
-//! mobility in unbounded fluid.
+//! The preconditioner is block triangular: the fluid by its approximate inverse, then the contacts and each body by
+//! mobilities in unbounded fluid.
 
 use std::{ops::Range, rc::Rc, time::Instant};
 
 use nalgebra::{DMatrix, DVector, DVectorViewMut};
 
-use super::closure::Closure;
+use super::{closure::Closure, touching::Touching};
 use crate::{
     constraint::Blocks,
     error::Result,
@@ -35,6 +36,8 @@ pub struct Member {
     pub force_scale: f64,
     /// Net force of a unit translation multiplier.
     pub area: f64,
+    /// Velocity in unbounded fluid that a unit translation multiplier causes.
+    pub mobility: f64,
 }
 
 /// Seconds spent in the parts of a solve.
@@ -48,7 +51,8 @@ pub struct Stages {
     pub inverse: f64,
 }
 
-/// The coupled system; vectors hold, on each rank, a fluid part, multipliers, and on rank 0 the closure's unknowns.
+/// The coupled system; vectors hold, on each rank, a fluid part, multipliers, and on rank 0 the tail: the unknowns of
+/// the closure, then those of the contacts.
 pub struct Coupled<'a, const D: usize> {
     /// Fluid.
     pub stokes: &'a Stokes<D>,
@@ -60,6 +64,8 @@ pub struct Coupled<'a, const D: usize> {
     pub members: &'a [Member],
     /// Closure.
     pub closure: &'a Closure,
+    /// Contacts.
+    pub touching: &'a mut Touching<D>,
     /// Sum over all prescribed bodies of the translation block of their inverses, the closure's own row scale.
     pub prescribed_drag: f64,
     /// Work space.
@@ -72,31 +78,43 @@ pub struct Work {
     fluid_out: Vector,
     multipliers_in: Vector,
     multipliers_out: Vector,
+    contact_places: usize,
     /// Time spent so far.
     pub stages: Stages,
 }
 
 impl Work {
-    /// Work space for a fluid and a number of multipliers on this rank.
-    pub fn new<const D: usize>(stokes: &Stokes<D>, multipliers: usize) -> Result<Work> {
+    /// Work space for a fluid, a number of multipliers on this rank and places for contacts.
+    pub fn new<const D: usize>(stokes: &Stokes<D>, multipliers: usize, contact_places: usize) -> Result<Work> {
         let vector = || Vector::new(stokes.session(), multipliers);
         Ok(Work {
             fluid_in: stokes.vector()?,
             fluid_out: stokes.vector()?,
             multipliers_in: vector()?,
             multipliers_out: vector()?,
+            contact_places,
             stages: Stages::default(),
         })
     }
 
-    /// Splits a coupled vector and returns the closure's unknowns, known to all ranks.
-    fn split<const D: usize>(&mut self, stokes: &Stokes<D>, closure: &Closure, input: &Vector) -> Result<Vec<f64>> {
+    /// Whether it has this size on this rank.
+    pub fn fits(&self, multipliers: usize, contact_places: usize) -> bool {
+        self.contact_places == contact_places && self.multipliers_in.local().is_ok_and(|local| local.len() == multipliers)
+    }
+
+    /// Places for contacts.
+    pub fn contact_places(&self) -> usize {
+        self.contact_places
+    }
+
+    /// Splits a coupled vector and returns its tail of the given length, known to all ranks.
+    fn split<const D: usize>(&mut self, stokes: &Stokes<D>, length: usize, input: &Vector) -> Result<Vec<f64>> {
         let input = input.local()?;
         let (fluid, rest) = input.split_at(self.fluid_in.local()?.len());
         let (multipliers, tail) = rest.split_at(self.multipliers_in.local()?.len());
         self.fluid_in.local_mut()?.copy_from_slice(fluid);
         self.multipliers_in.local_mut()?.copy_from_slice(multipliers);
-        let mut shared = vec![0.0; closure.unknowns::<D>()];
+        let mut shared = vec![0.0; length];
         shared[..tail.len()].copy_from_slice(tail);
         if !shared.is_empty() {
             stokes.session().world().sum(&mut shared);
@@ -117,7 +135,7 @@ impl Work {
 
 impl<const D: usize> System for Coupled<'_, D> {
     fn apply(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
-        let tail = self.work.split(self.stokes, self.closure, input)?;
+        let tail = self.work.split(self.stokes, self.tail(), input)?;
         let start = Instant::now();
         self.stokes.multiply(&self.work.fluid_in, &mut self.work.fluid_out)?;
         self.work.stages.matrices += start.elapsed().as_secs_f64();
@@ -126,40 +144,58 @@ impl<const D: usize> System for Coupled<'_, D> {
         self.force_fluid(&tail)?;
         self.stokes.balance(&mut self.work.fluid_out)?;
         self.surface_velocity(&tail)?;
-        self.net_force_rows()?;
-        let rows = self.closure_rows()?;
+        let rates = self.touching.local_rates(&self.work.multipliers_out.local()?);
+        self.net_force_rows(&tail)?;
+        let mut rows = self.closure_rows()?;
+        rows.extend(self.shared_sum(rates));
+        rows.extend(&tail[rows.len()..]);
         self.work.stages.bodies += start.elapsed().as_secs_f64();
         self.work.join(&rows, output)
     }
 
     fn precondition(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
-        let rows = self.work.split(self.stokes, self.closure, input)?;
+        let rows = self.work.split(self.stokes, self.tail(), input)?;
         let start = Instant::now();
         self.inverse.precondition(self.stokes, &self.work.fluid_in, &mut self.work.fluid_out)?;
         self.work.stages.inverse += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let mut tail = self.correct_mean_velocity(&rows)?;
         self.blocks.sample(&self.work.fluid_out, &mut self.work.multipliers_out.local_mut()?)?;
+        let contacts = self.invert_contacts(&rows)?;
         self.invert_bodies()?;
         if let Closure::MeanVelocity = self.closure {
             tail = self.correct_net_force(&rows)?;
         }
+        tail.extend(contacts);
+        tail.extend(&rows[tail.len()..]);
         self.work.stages.bodies += start.elapsed().as_secs_f64();
         self.work.join(&tail, output)
     }
 }
 
 impl<const D: usize> Coupled<'_, D> {
+    /// Number of unknowns in the tail; places that no contact takes have the row `f = given`.
+    fn tail(&self) -> usize {
+        self.closure.unknowns::<D>() + self.touching.places()
+    }
+
+    fn shared_sum(&self, mut values: Vec<f64>) -> Vec<f64> {
+        if !values.is_empty() {
+            self.stokes.session().world().sum(&mut values);
+        }
+        values
+    }
+
     /// The velocity of the fluid on the surfaces, tested with all modes, for a coupled vector: this rank's part.
     pub fn velocity_on_surfaces(&mut self, input: &Vector) -> Result<Vec<f64>> {
-        let tail = self.work.split(self.stokes, self.closure, input)?;
+        let tail = self.work.split(self.stokes, self.tail(), input)?;
         self.surface_velocity(&tail)?;
         Ok(self.work.multipliers_out.local()?.to_vec())
     }
 
-    /// The fluid part, this rank's multipliers and the closure's unknowns of a coupled vector.
+    /// The fluid part, this rank's multipliers and the tail of a coupled vector.
     pub fn parts(&mut self, input: &Vector) -> Result<(Vector, Vec<f64>, Vec<f64>)> {
-        let tail = self.work.split(self.stokes, self.closure, input)?;
+        let tail = self.work.split(self.stokes, self.tail(), input)?;
         let multipliers = self.work.multipliers_in.local()?.to_vec();
         let mut fluid = self.work.fluid_in.like()?;
         fluid.copy_from(&self.work.fluid_in)?;
@@ -182,14 +218,15 @@ impl<const D: usize> Coupled<'_, D> {
         if let Closure::MeanVelocity = self.closure {
             let mut rows = self.work.multipliers_out.local_mut()?;
             for member in self.members {
-                rows[member.range.start..].iter_mut().zip(tail).for_each(|(row, mean)| *row += mean);
+                rows[member.range.start..].iter_mut().zip(&tail[..D]).for_each(|(row, mean)| *row += mean);
             }
         }
         Ok(())
     }
 
-    fn net_force_rows(&mut self) -> Result<()> {
-        let multipliers = self.work.multipliers_in.local()?;
+    fn net_force_rows(&mut self, tail: &[f64]) -> Result<()> {
+        let mut multipliers = self.work.multipliers_in.local()?.to_vec();
+        self.touching.press(-1.0, &tail[self.closure.unknowns::<D>()..], &mut multipliers);
         let mut rows = self.work.multipliers_out.local_mut()?;
         for member in self.members.iter().filter(|member| member.free) {
             let rigid = member.range.start..member.range.start + member.rigid;
@@ -214,7 +251,7 @@ impl<const D: usize> Coupled<'_, D> {
 
     /// Adds the uniformly forced flows that give the wanted mean velocities; returns the forces.
     fn correct_mean_velocity(&mut self, rows: &[f64]) -> Result<Vec<f64>> {
-        let Closure::Forces(forces) = self.closure else { return Ok(vec![0.0; rows.len()]) };
+        let Closure::Forces(forces) = self.closure else { return Ok(Vec::new()) };
         let mut amounts = Vec::new();
         for (force, wanted) in forces.iter().zip(rows) {
             let mean = force.mean_velocity(self.stokes.session().world(), &self.work.fluid_out)?;
@@ -223,6 +260,31 @@ impl<const D: usize> Coupled<'_, D> {
             amounts.push(amount);
         }
         Ok(amounts)
+    }
+
+    /// The contacts' unknowns for the sampled velocities in `multipliers_out`; adds what they press to the given net forces.
+    fn invert_contacts(&mut self, rows: &[f64]) -> Result<Vec<f64>> {
+        if self.touching.count() == 0 {
+            return Ok(Vec::new());
+        }
+        let mut velocities = self.work.multipliers_out.local()?.to_vec();
+        let mut given = self.work.multipliers_in.local_mut()?;
+        for member in self.members.iter().filter(|member| member.free) {
+            for mode in member.range.start..member.range.start + D {
+                velocities[mode] += member.mobility * given[mode] / member.force_scale;
+            }
+        }
+        let mut found = self.touching.local_rates(&velocities);
+        self.stokes.session().world().sum(&mut found);
+        let missing = rows[self.closure.unknowns::<D>()..].iter().zip(found).map(|(wanted, found)| wanted - found).collect();
+        let contacts = self.touching.approximate_unknowns(missing);
+        let mut pressed = vec![0.0; given.len()];
+        self.touching.press(1.0, &contacts, &mut pressed);
+        for member in self.members.iter().filter(|member| member.free) {
+            let translations = member.range.start..member.range.start + D;
+            given[translations.clone()].iter_mut().zip(&pressed[translations]).for_each(|(row, c)| *row += member.force_scale * c);
+        }
+        Ok(contacts)
     }
 
     /// Turns the sampled velocities in `multipliers_out` into multipliers.

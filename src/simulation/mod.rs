@@ -1,15 +1,19 @@
 //! The machinery of a run: it solves what a [`Setup`] describes.
 
+mod basis;
+mod bodies;
 mod closure;
 mod coupled;
-mod instant;
+mod memory;
 mod plan;
 mod setup;
 mod solution;
 mod suspension;
+mod touching;
 
 pub use coupled::Stages;
-pub use instant::{Cost, Simulation};
 pub use plan::Plan;
 pub use setup::{Setup, SuspendedBody};
 pub use solution::{BodyState, Solution};
+pub use suspension::{Cost, Moment, Suspension};
+pub use touching::Touch;

@@ -10,6 +10,8 @@ use crate::{
 /// Motion of a body and what the fluid does to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyState<const D: usize> {
+    /// Its centre, in the box.
+    pub center: SVector<f64, D>,
     /// Its motion.
     pub twist: Twist<D>,
     /// Force on it by the fluid.
@@ -23,7 +25,8 @@ pub struct BodyState<const D: usize> {
 impl<const D: usize> BodyState<D> {
     /// Flat numbers, to send to other ranks.
     pub(super) fn pack(&self) -> Vec<f64> {
-        let mut numbers = self.twist.velocity.as_slice().to_vec();
+        let mut numbers = self.center.as_slice().to_vec();
+        numbers.extend(self.twist.velocity.as_slice());
         numbers.extend(components(&self.twist.spin));
         numbers.extend(self.force.as_slice());
         numbers.extend(components(&self.torque));
@@ -34,9 +37,11 @@ impl<const D: usize> BodyState<D> {
     /// The inverse of [`pack`](Self::pack).
     pub(super) fn unpack(numbers: &[f64]) -> Self {
         let planes = D * (D - 1) / 2;
-        let (motion, rest) = numbers.split_at(D + planes);
+        let (center, rest) = numbers.split_at(D);
+        let (motion, rest) = rest.split_at(D + planes);
         let (load, stresslet) = rest.split_at(D + planes);
         BodyState {
+            center: SVector::from_column_slice(center),
             twist: Twist { velocity: SVector::from_column_slice(&motion[..D]), spin: skew(&motion[D..]) },
             force: SVector::from_column_slice(&load[..D]),
             torque: skew(&load[D..]),
@@ -46,7 +51,7 @@ impl<const D: usize> BodyState<D> {
 
     /// How many numbers [`pack`](Self::pack) makes.
     pub(super) const fn packed_length() -> usize {
-        2 * (D + D * (D - 1) / 2) + D * D
+        D + 2 * (D + D * (D - 1) / 2) + D * D
     }
 }
 
@@ -61,4 +66,6 @@ pub struct Solution<const D: usize> {
     pub mean_velocity: SVector<f64, D>,
     /// Mean gradient of the pressure along periodic axes.
     pub pressure_gradient: SVector<f64, D>,
+    /// Force of each contact that was held, positive where it pushes.
+    pub contact_forces: Vec<f64>,
 }

@@ -1,210 +1,249 @@
-//! The bodies of a setup as the linear system sees them: their blocks, their rows, their states.
+//! A suspension in viscous flow at one instant: bodies where they are, the flow and their motions.
 
-use std::rc::Rc;
+use std::time::Instant;
 
-use nalgebra::{DMatrix, SMatrix, SVector};
+use nalgebra::SVector;
 
-use super::{BodyState, Setup, coupled::Member};
+use super::{
+    Setup, Solution, Touch,
+    basis::Basis,
+    bodies::Bodies,
+    coupled::{Coupled, Member, Stages, Work},
+    memory::{Guess, Past, Snapshot},
+    touching::Touching,
+};
 use crate::{
-    body::{Motion, Twist, components, skew},
-    constraint::{self, Blocks, Layout, Placed},
+    constraint::Blocks,
     error::Result,
-    geometry::{Ball, near_pairs},
+    flow::{HypreInverse, Stokes, StokesInverse},
     grid::Grid,
-    petsc::{Session, Vector},
-    surface::SurfaceTable,
+    petsc::{Krylov, KrylovMethod, KrylovSettings, Report, Session, Vector},
 };
 
-/// What bodies of equal size share, kept for the whole run.
-pub struct Kind<const D: usize> {
-    radius: f64,
-    order: usize,
-    surface: Rc<SurfaceTable<D>>,
-    /// Inverse of the diagonal block of a free body, and of one with prescribed motion.
-    inverses: [Rc<DMatrix<f64>>; 2],
+/// Iterations allowed for the coupled system.
+///
+/// The restart is as long, so memory grows with the iterations made: a restart after 50 stalls where bodies crowd.
+const MOST_ITERATIONS: usize = 1000;
+
+/// What a solve cost on this rank, in seconds, and how it converged.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Cost {
+    /// Matrices and approximate inverses of the box, once per run.
+    pub setup: f64,
+    /// Jump corrections of the bodies.
+    pub assembly: f64,
+    /// The Krylov solver, everything included.
+    pub krylov: Report,
+    /// Parts of it.
+    pub stages: Stages,
+    /// Unknowns of the grid on all ranks.
+    pub grid_unknowns: usize,
+    /// Unknowns on surfaces on all ranks.
+    pub multiplier_unknowns: usize,
 }
 
-/// The kinds of a setup's bodies, and which kind each body is.
-pub struct Kinds<const D: usize> {
-    kinds: Vec<Kind<D>>,
-    kind_of: Vec<usize>,
+/// Where the bodies of a suspension are, and what is known of that instant.
+#[derive(Debug, Clone, Copy)]
+pub struct Moment<'a, const D: usize> {
+    /// Centres of all bodies.
+    pub centers: &'a [SVector<f64, D>],
+    /// Time since the last solve, by which its solution is extrapolated.
+    pub elapsed: f64,
+    /// Contacts whose gaps grow at given rates, and the forces to start from.
+    pub touches: &'a [(Touch<D>, f64)],
 }
 
-/// The bodies in their places, shared out over the ranks.
-pub struct Suspension<'a, const D: usize> {
-    setup: &'a Setup<D>,
-    grid: &'a Grid<D>,
-    kinds: &'a Kinds<D>,
-    /// Who holds which multipliers.
-    pub layout: Layout,
-    placed: Vec<Placed<D>>,
+/// A suspension ready to be solved.
+pub struct Suspension<const D: usize> {
+    basis: Basis<D>,
+    inverse: Box<dyn StokesInverse<D>>,
+    assembly: Option<Assembly<D>>,
+    engine: Option<Engine>,
+    remembers: bool,
+    past: Option<Past<D>>,
+    cost: Cost,
 }
 
-impl<const D: usize> Kind<D> {
-    fn new(radius: f64, order: usize, setup: &Setup<D>, grid: &Grid<D>) -> Kind<D> {
-        let surface = Rc::new(SurfaceTable::new(radius, order, grid.mean_spacing()));
-        // other bodies cut the logarithm: half the distance to them
-        let reach = 0.5 * (setup.domain.volume() / setup.bodies.len() as f64).powf(1.0 / D as f64);
-        let mobility = surface.modes.isolated_mobility(reach);
-        let mut given_force = mobility.clone();
-        for mode in 0..surface.modes.rigid_count() {
-            given_force[(mode, mode)] = radius;
-        }
-        let invert = |matrix: DMatrix<f64>| Rc::new(matrix.try_inverse().expect("the mobility of a body is positive definite"));
-        Kind { radius, order, surface, inverses: [invert(given_force), invert(mobility)] }
+/// Bodies in their places.
+struct Assembly<const D: usize> {
+    centers: Vec<SVector<f64, D>>,
+    blocks: Blocks<D>,
+    /// The velocity of the flow without bodies on their surfaces.
+    undisturbed: Vec<f64>,
+}
+
+/// What solves of one size share.
+struct Engine {
+    krylov: Krylov,
+    work: Work,
+    rhs: Vector,
+    x: Vector,
+}
+
+impl<const D: usize> Suspension<D> {
+    /// Builds the machinery that a setup calls for.
+    ///
+    /// # Errors
+    /// The grid or the rank count does not fit, or no steady state exists.
+    pub fn new(session: &Session, setup: Setup<D>) -> Result<Suspension<D>> {
+        Self::with_inverse(session, setup, |stokes, grid| Ok(Box::new(HypreInverse::new(stokes, grid)?)))
     }
-}
 
-impl<const D: usize> Kinds<D> {
-    /// The kinds of a setup's bodies.
-    pub fn new(setup: &Setup<D>, grid: &Grid<D>) -> Kinds<D> {
-        let mut kinds: Vec<Kind<D>> = Vec::new();
-        let mut kind_of = Vec::new();
-        for suspended in &setup.bodies {
-            let (radius, order) = (suspended.body.ball.radius, suspended.order);
-            let known = kinds.iter().position(|kind| kind.radius == radius && kind.order == order);
-            kind_of.push(known.unwrap_or_else(|| {
-                kinds.push(Kind::new(radius, order, setup, grid));
-                kinds.len() - 1
-            }));
-        }
-        Kinds { kinds, kind_of }
+    /// As [`new`](Self::new), with another approximate inverse of the fluid.
+    ///
+    /// # Errors
+    /// The same, and those of making the inverse.
+    pub fn with_inverse(
+        session: &Session,
+        setup: Setup<D>,
+        inverse: impl FnOnce(&Stokes<D>, &Grid<D>) -> Result<Box<dyn StokesInverse<D>>>,
+    ) -> Result<Suspension<D>> {
+        let start = Instant::now();
+        let (basis, inverse) = Basis::new(session, setup, inverse)?;
+        let cost = Cost { setup: start.elapsed().as_secs_f64(), grid_unknowns: basis.grid.fluid_unknowns(), ..Cost::default() };
+        Ok(Suspension { basis, inverse, assembly: None, engine: None, remembers: false, past: None, cost })
     }
 
-    fn of(&self, body: usize) -> &Kind<D> {
-        &self.kinds[self.kind_of[body]]
+    /// The grid.
+    pub fn grid(&self) -> &Grid<D> {
+        &self.basis.grid
     }
-}
 
-impl<'a, const D: usize> Suspension<'a, D> {
-    /// Places the bodies of a setup and shares them out, seen from `rank`.
-    pub fn new(setup: &'a Setup<D>, grid: &'a Grid<D>, kinds: &'a Kinds<D>, rank: usize) -> Self {
-        let place = |body: usize| {
-            let center = setup.domain.wrap(setup.bodies[body].body.ball.center);
-            Placed { center, surface: kinds.of(body).surface.clone() }
+    /// What is solved.
+    pub fn setup(&self) -> &Setup<D> {
+        &self.basis.setup
+    }
+
+    /// What the last solve cost.
+    pub fn cost(&self) -> &Cost {
+        &self.cost
+    }
+
+    /// Force that gives each body a unit velocity in unbounded fluid; infinite for a body whose motion is given.
+    pub fn resistances(&self) -> Vec<f64> {
+        let resistance = |(body, suspended): (usize, &super::SuspendedBody<D>)| {
+            let (mobility, force) = self.basis.kinds.translation(body);
+            if suspended.body.free() { self.basis.setup.viscosity * force / mobility } else { f64::INFINITY }
         };
-        let placed: Vec<Placed<D>> = (0..setup.bodies.len()).map(place).collect();
-        let centers: Vec<SVector<f64, D>> = placed.iter().map(|placed| placed.center).collect();
-        let modes: Vec<usize> = placed.iter().map(|placed| placed.surface.modes.count()).collect();
-        Suspension { setup, grid, kinds, layout: Layout::new(grid, &centers, &modes, rank), placed }
+        self.basis.setup.bodies.iter().enumerate().map(resistance).collect()
     }
 
-    fn surface(&self, body: usize) -> &SurfaceTable<D> {
-        &self.kinds.of(body).surface
+    /// Lets each solve start from the ones before it.
+    pub fn remember(&mut self) {
+        self.remembers = true;
     }
 
-    fn ball(&self, body: usize) -> Ball<D> {
-        self.setup.bodies[body].body.ball
+    /// Solves with the bodies where the setup has them; `seen` is told each iteration and its relative residual.
+    ///
+    /// # Errors
+    /// [`Error::Diverged`](crate::error::Error::Diverged) when the tolerance is not reached.
+    pub fn solve(&mut self, seen: &mut dyn FnMut(usize, f64)) -> Result<Solution<D>> {
+        let centers: Vec<SVector<f64, D>> = self.basis.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
+        self.solve_at(&Moment { centers: &centers, elapsed: 0.0, touches: &[] }, seen)
     }
 
-    /// The blocks of this rank's bodies; `fluid` is any fluid vector.
-    pub fn blocks(&self, session: &Session, fluid: &Vector) -> Result<Blocks<D>> {
-        let balls: Vec<Ball<D>> = (0..self.placed.len()).map(|body| self.ball(body)).collect();
-        let reach = constraint::INTERPOLATION_REACH * self.grid.spacing().max();
-        let mut neighbours: Vec<Vec<(usize, Placed<D>)>> = vec![Vec::new(); self.placed.len()];
-        for pair in near_pairs(&self.setup.domain, &balls, reach) {
-            for (body, other, separation) in [(pair.first, pair.second, pair.separation), (pair.second, pair.first, -pair.separation)] {
-                let image = Placed { center: self.placed[body].center + separation, surface: self.placed[other].surface.clone() };
-                neighbours[body].push((other, image));
-            }
-        }
-        let assemble = |&body: &usize| constraint::assemble(self.grid, &self.layout, body, &self.placed[body], &neighbours[body]);
-        let bodies = self.layout.local_bodies.iter().map(assemble).collect();
-        Blocks::new(session, fluid, &self.layout, bodies)
-    }
-
-    /// This rank's bodies as members of the coupled system.
-    pub fn members(&self) -> Vec<Member> {
-        let member = |&body: &usize| {
-            let (kind, free, first) = (self.kinds.of(body), self.setup.bodies[body].body.free(), self.layout.local(body));
-            let modes = &kind.surface.modes;
-            Member {
-                range: first..first + modes.count(),
-                rigid: modes.rigid_count(),
-                free,
-                inverse: kind.inverses[usize::from(!free)].clone(),
-                force_scale: kind.radius,
-                area: modes.force_factor(),
-            }
+    /// Solves for a moment, starting from the solves before it if they are remembered.
+    ///
+    /// # Errors
+    /// [`Error::Diverged`](crate::error::Error::Diverged) when the tolerance is not reached.
+    pub fn solve_at(&mut self, moment: &Moment<D>, seen: &mut dyn FnMut(usize, f64)) -> Result<Solution<D>> {
+        let start = Instant::now();
+        let basis = &self.basis;
+        let bodies = Bodies::new(&basis.setup, &basis.grid, &basis.kinds, moment.centers, basis.session.world().rank());
+        let mut assembly = match self.assembly.take() {
+            Some(assembly) if assembly.centers == moment.centers => assembly,
+            _ => Assembly::new(basis, &bodies, moment.centers)?,
         };
-        self.layout.local_bodies.iter().map(member).collect()
-    }
+        let members = bodies.members();
+        let guess = self.past.as_ref().map_or(Ok(None), |past| past.guess(&bodies, moment.elapsed))?;
+        let places = self.engine.as_ref().map_or(0, |engine| engine.work.contact_places());
+        let mut touching = basis.touching(&bodies, moment.touches, (&assembly.undisturbed, places))?;
+        let mut engine = Engine::fitting(self.engine.take(), basis, assembly.undisturbed.len(), touching.places())?;
+        let prescribed_drag = prescribed_drag(&basis.session, &members);
+        let wanted = bodies.wanted_rows(&members, &assembly.undisturbed);
+        basis.fill_right_hand_side(&wanted, &touching.rates, prescribed_drag, &mut engine.rhs)?;
+        engine.start(&bodies, guess.as_ref(), contact_unknowns(basis, moment, &touching))?;
+        self.cost.multiplier_unknowns = bodies.layout.unknowns();
+        self.cost.assembly = start.elapsed().as_secs_f64();
 
-    /// The velocity of the flow without bodies on the surfaces, tested with all modes: `fluid` and a `known` velocity besides it.
-    pub fn undisturbed(
-        &self,
-        blocks: &mut Blocks<D>,
-        fluid: &Vector,
-        known: impl Fn(&SVector<f64, D>) -> SVector<f64, D>,
-    ) -> Result<Vec<f64>> {
-        let mut velocities = vec![0.0; self.layout.local_unknowns()];
-        blocks.sample_with_walls(fluid, &mut velocities)?;
-        for &body in &self.layout.local_bodies {
-            let center = self.ball(body).center;
-            let known = self.surface(body).coefficients(|offset| known(&(center + offset)));
-            velocities[self.layout.local(body)..].iter_mut().zip(known).for_each(|(velocity, known)| *velocity += known);
+        let mut coupled = Coupled {
+            stokes: &basis.stokes,
+            inverse: self.inverse.as_mut(),
+            blocks: &mut assembly.blocks,
+            members: &members,
+            closure: &basis.closure,
+            touching: &mut touching,
+            prescribed_drag,
+            work: &mut engine.work,
+        };
+        self.cost.krylov = engine.krylov.solve(&mut coupled, (&engine.rhs, &mut engine.x), seen)?;
+        let mut velocities = coupled.velocity_on_surfaces(&engine.x)?;
+        velocities.iter_mut().zip(&assembly.undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);
+        let (fluid, multipliers, mut closure) = coupled.parts(&engine.x)?;
+        let contacts = closure.split_off(basis.closure.unknowns::<D>());
+        self.cost.stages = std::mem::take(&mut engine.work.stages);
+        if self.remembers {
+            let last = Snapshot::of(&bodies, &basis.session, (&fluid, &multipliers, &closure))?;
+            self.past = Some(Past::then(self.past.take(), last, (guess, moment.elapsed), &bodies));
         }
-        Ok(velocities)
+        let states = bodies.states(&basis.session, &velocities, &multipliers);
+        let forces = contacts[..touching.count()].iter().map(|unknown| unknown * touching.scale * basis.setup.viscosity).collect();
+        (self.assembly, self.engine) = (Some(assembly), Some(engine));
+        basis.solution(states, fluid, &closure, forces)
     }
+}
 
-    /// The right-hand sides of this rank's bodies.
-    pub fn wanted_rows(&self, members: &[Member], undisturbed: &[f64]) -> Vec<f64> {
-        let rows = members.iter().zip(&self.layout.local_bodies);
-        rows.flat_map(|(member, &body)| self.wanted_rows_of(body, member, &undisturbed[member.range.clone()])).collect()
+impl<const D: usize> Assembly<D> {
+    fn new(basis: &Basis<D>, bodies: &Bodies<D>, centers: &[SVector<f64, D>]) -> Result<Assembly<D>> {
+        let mut blocks = bodies.blocks(&basis.session, &basis.undisturbed.0)?;
+        let undisturbed = bodies.undisturbed(&mut blocks, &basis.undisturbed.0, |point| basis.background(point))?;
+        Ok(Assembly { centers: centers.to_vec(), blocks, undisturbed })
     }
+}
 
-    fn wanted_rows_of(&self, body: usize, member: &Member, undisturbed: &[f64]) -> Vec<f64> {
-        let surface = self.surface(body);
-        match self.setup.bodies[body].body.motion {
-            Motion::Prescribed(twist) => {
-                surface.coefficients(|r| twist.at(r)).iter().zip(undisturbed).map(|(wanted, known)| wanted - known).collect()
-            }
-            Motion::Free { force, torque } => {
-                let mut rows: Vec<f64> = undisturbed.iter().map(|known| -known).collect();
-                let scale = member.force_scale / self.setup.viscosity;
-                let net = force - self.force_on_fluid_inside(body);
-                rows[..D].copy_from_slice((net * (scale / surface.modes.force_factor())).as_slice());
-                let turn = scale / surface.modes.torque_factor();
-                rows[D..member.rigid].iter_mut().zip(components(&torque)).for_each(|(row, torque)| *row = turn * torque);
-                rows
-            }
-        }
-    }
-
-    /// What a body force on the fluid alone would do to the fluid that the body takes the place of.
-    fn force_on_fluid_inside(&self, body: usize) -> SVector<f64, D> {
-        self.setup.drive.force_on_fluid_alone() * self.ball(body).volume()
-    }
-
-    /// The states of all bodies, on every rank, from velocities on surfaces and multipliers (this rank's parts); collective.
-    pub fn states(&self, session: &Session, velocities: &[f64], multipliers: &[f64]) -> Vec<BodyState<D>> {
-        let mut numbers = Vec::new();
-        for &body in &self.layout.local_bodies {
-            let range = self.layout.local(body)..self.layout.local(body) + self.surface(body).modes.count();
-            numbers.push(body as f64);
-            numbers.extend(self.state(body, &velocities[range.clone()], &multipliers[range]).pack());
-        }
-        let all = session.world().gather(&numbers);
-        let mut states: Vec<(usize, BodyState<D>)> =
-            all.chunks(1 + BodyState::<D>::packed_length()).map(|chunk| (chunk[0] as usize, BodyState::unpack(&chunk[1..]))).collect();
-        states.sort_by_key(|&(body, _)| body);
-        states.into_iter().map(|(_, state)| state).collect()
-    }
-
-    fn state(&self, body: usize, velocities: &[f64], multipliers: &[f64]) -> BodyState<D> {
-        let (surface, viscosity) = (self.surface(body), self.setup.viscosity);
-        let (modes, rigid) = (&surface.modes, surface.modes.rigid_count());
-        let lever = modes.torque_factor() / modes.force_factor();
-        let spin: Vec<f64> = velocities[D..rigid].iter().map(|mode| mode / lever).collect();
-        let torque: Vec<f64> = multipliers[D..rigid].iter().map(|mode| -viscosity * modes.torque_factor() * mode).collect();
-        let force = SVector::<f64, D>::from_column_slice(&multipliers[..D]) * (-viscosity * modes.force_factor());
-        let moment = surface.first_moment(multipliers) * -viscosity;
-        let symmetric = (moment + moment.transpose()) * 0.5;
-        BodyState {
-            twist: Twist { velocity: SVector::from_column_slice(&velocities[..D]), spin: skew(&spin) },
-            force: force - self.force_on_fluid_inside(body),
-            torque: skew(&torque),
-            stresslet: symmetric - SMatrix::identity() * (symmetric.trace() / D as f64),
+impl Engine {
+    /// The engine at hand if it has the right size on every rank, or else a new one.
+    fn fitting<const D: usize>(at_hand: Option<Engine>, basis: &Basis<D>, multipliers: usize, contact_places: usize) -> Result<Engine> {
+        let world = basis.session.world();
+        let fits = at_hand.as_ref().is_some_and(|engine| engine.work.fits(multipliers, contact_places));
+        match at_hand.filter(|_| world.max(if fits { 0.0 } else { 1.0 }) == 0.0) {
+            Some(engine) => Ok(engine),
+            None => Engine::new(basis, multipliers, contact_places),
         }
     }
+
+    fn new<const D: usize>(basis: &Basis<D>, multipliers: usize, contact_places: usize) -> Result<Engine> {
+        let tail = if basis.session.world().rank() == 0 { basis.closure.unknowns::<D>() + contact_places } else { 0 };
+        let rhs = Vector::new(&basis.session, basis.grid.local_fluid_unknowns() + multipliers + tail)?;
+        let settings = krylov_settings(basis.setup.tolerance);
+        let krylov = Krylov::new(&basis.session, rhs.local()?.len(), c"coupled_", settings)?;
+        Ok(Engine { krylov, work: Work::new(&basis.stokes, multipliers, contact_places)?, x: rhs.like()?, rhs })
+    }
+
+    /// Sets the unknowns to a guess, or to zero.
+    fn start<const D: usize>(&mut self, bodies: &Bodies<D>, guess: Option<&Guess>, contacts: Vec<f64>) -> Result<()> {
+        let mut x = self.x.local_mut()?;
+        x.fill(0.0);
+        let Some(Guess { extrapolated: Snapshot { fluid, multipliers, closure }, .. }) = guess else { return Ok(()) };
+        let parts = [&fluid.local()?[..], &bodies.local_multipliers(multipliers), closure, &contacts].concat();
+        // only rank 0 holds the tail
+        x.iter_mut().zip(parts).for_each(|(x, guess)| *x = guess);
+        Ok(())
+    }
+}
+
+/// Unknowns that stand for the forces to start from.
+fn contact_unknowns<const D: usize>(basis: &Basis<D>, moment: &Moment<D>, touching: &Touching<D>) -> Vec<f64> {
+    moment.touches.iter().map(|(_, force)| force / (touching.scale * basis.setup.viscosity)).collect()
+}
+
+/// Sum over all prescribed bodies of the net force that a unit velocity takes by their preconditioner.
+fn prescribed_drag(session: &Session, members: &[Member]) -> f64 {
+    let mut drag = [members.iter().filter(|member| !member.free).map(|member| member.area * member.inverse[(0, 0)]).sum()];
+    session.world().sum(&mut drag);
+    if drag[0] > 0.0 { drag[0] } else { 1.0 }
+}
+
+fn krylov_settings(tolerance: f64) -> KrylovSettings {
+    KrylovSettings { method: KrylovMethod::Gmres { restart: MOST_ITERATIONS }, tolerance, most_iterations: MOST_ITERATIONS }
 }

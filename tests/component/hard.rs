@@ -9,7 +9,7 @@ use turbid::{
     grid::Grid,
     observe,
     petsc::Session,
-    simulation::{Setup, Simulation, SuspendedBody},
+    simulation::{Setup, SuspendedBody, Suspension},
 };
 
 use crate::Test;
@@ -38,8 +38,8 @@ fn two_disks_that_nearly_touch(session: &Session) {
     let half = radius * 1.0005 * Vector2::new(0.8, 0.6);
     let middle = Vector2::new(0.5, 0.5);
     let disks = vec![suspended(middle - half, radius, free(), 6), suspended(middle + half, radius, free(), 6)];
-    let (simulation, solution) = solve(session, periodic_cube(radius / 6.0, Drive::Shear(1.0), disks));
-    assert!(simulation.cost().krylov.iterations <= 90, "{} iterations", simulation.cost().krylov.iterations);
+    let (suspension, solution) = solve(session, periodic_cube(radius / 6.0, Drive::Shear(1.0), disks));
+    assert!(suspension.cost().krylov.iterations <= 90, "{} iterations", suspension.cost().krylov.iterations);
     let [first, second] = [&solution.bodies[0].twist, &solution.bodies[1].twist];
     let mean = Vector2::new(0.5, 0.0);
     assert!((first.velocity + second.velocity - mean * 2.0).norm() < 1e-6, "{} {}", first.velocity, second.velocity);
@@ -51,8 +51,8 @@ fn two_disks_that_nearly_touch(session: &Session) {
 fn a_disk_that_nearly_touches_a_wall(session: &Session) {
     let radius = 0.15;
     let disk = suspended(Vector2::new(0.4, radius * 1.001), radius, free(), 6);
-    let (simulation, solution) = solve(session, couette(1.0, radius / 6.0, 1.0, vec![disk]));
-    assert!(simulation.cost().krylov.iterations <= 90, "{} iterations", simulation.cost().krylov.iterations);
+    let (suspension, solution) = solve(session, couette(1.0, radius / 6.0, 1.0, vec![disk]));
+    assert!(suspension.cost().krylov.iterations <= 90, "{} iterations", suspension.cost().krylov.iterations);
     let twist = &solution.bodies[0].twist;
     // it moves with the wall, nearly along it
     assert!(twist.velocity[0] < -0.2 && twist.velocity[0] > -0.5 && twist.velocity[1].abs() < 1e-2, "{}", twist.velocity);
@@ -104,8 +104,8 @@ fn units_do_not_matter(session: &Session) {
 
 /// A box without bodies and a shear of nothing: the answer is the drive itself.
 fn no_bodies_at_all(session: &Session) {
-    let (simulation, solution) = solve(session, couette(2.0, 0.05, 1.0, Vec::new()));
-    assert_eq!(simulation.cost().krylov.iterations, 0);
+    let (suspension, solution) = solve(session, couette(2.0, 0.05, 1.0, Vec::new()));
+    assert_eq!(suspension.cost().krylov.iterations, 0);
     assert!(solution.bodies.is_empty() && solution.mean_velocity.norm() < 1e-9);
 }
 
@@ -113,8 +113,8 @@ fn no_bodies_at_all(session: &Session) {
 fn a_lid_driven_box_has_no_viscosity(session: &Session) {
     let mut setup = couette(1.0, 0.05, 1.0, vec![suspended(Vector2::new(0.5, 0.5), 0.2, free(), 4)]);
     setup.domain.axes[0] = Axis::Walls { lower: Vector2::zeros(), upper: Vector2::zeros() };
-    let (simulation, solution) = solve(session, setup);
-    assert!(observe::viscosity(simulation.setup(), simulation.grid(), &solution).unwrap().is_none());
+    let (suspension, solution) = solve(session, setup);
+    assert!(observe::viscosity(suspension.setup(), suspension.grid(), &solution).unwrap().is_none());
     assert!(solution.bodies[0].twist.spin[(1, 0)] < -0.1 && solution.bodies[0].twist.velocity.norm() < 1e-3);
 }
 
@@ -132,8 +132,8 @@ fn dense_disks(count: usize) -> Setup<2> {
 /// With one V-cycle for each scalar inverse, few more iterations than with exact inverses; promised at most 90 and 115.
 fn iterations_for_dense_disks(session: &Session) {
     for (count, promised) in [(100, 60), (400, 70)] {
-        let (simulation, _) = solve(session, dense_disks(count));
-        let iterations = simulation.cost().krylov.iterations;
+        let (suspension, _) = solve(session, dense_disks(count));
+        let iterations = suspension.cost().krylov.iterations;
         assert!(iterations <= promised, "{iterations} iterations for {count} disks");
     }
 }
@@ -143,8 +143,8 @@ fn a_dense_fixed_array_does_not_stall(session: &Session) {
     let mut setup = dense_disks(50);
     setup.drive = Drive::MeanVelocity(Vector2::new(1.0, 0.3));
     setup.bodies.iter_mut().for_each(|suspended| suspended.body.motion = fixed());
-    let (simulation, solution) = solve(session, setup);
-    let iterations = simulation.cost().krylov.iterations;
+    let (suspension, solution) = solve(session, setup);
+    let iterations = suspension.cost().krylov.iterations;
     assert!(iterations <= 300, "{iterations} iterations");
     let force: Vector2<f64> = solution.bodies.iter().map(|state| state.force).sum();
     assert!((force + solution.pressure_gradient).norm() < 1e-6 * force.norm());
@@ -156,9 +156,9 @@ fn iterations_with_an_exact_inverse(session: &Session) {
         let exact = |stokes: &Stokes<2>, grid: &Grid<2>| -> Result<Box<dyn StokesInverse<2>>> {
             Ok(Box::new(IteratedInverse::new(stokes, grid, 1e-10)?))
         };
-        let mut simulation = Simulation::with_inverse(session, setup, exact).unwrap();
-        simulation.solve(&mut |_, _| {}).unwrap();
-        simulation.cost().krylov.iterations
+        let mut suspension = Suspension::with_inverse(session, setup, exact).unwrap();
+        suspension.solve(&mut |_, _| {}).unwrap();
+        suspension.cost().krylov.iterations
     };
     let mut one = periodic_cube(1.0 / 48.0, Drive::Shear(1.0), vec![suspended(Vector2::new(0.513, 0.527), 0.125, free(), 6)]);
     one.tolerance = 1e-6;

@@ -10,7 +10,7 @@ use turbid::{
     geometry::{Axis, Ball, Domain},
     observe,
     petsc::Session,
-    simulation::{Setup, Simulation, Solution, SuspendedBody},
+    simulation::{Setup, Solution, SuspendedBody, Suspension},
     study::cases,
 };
 
@@ -53,10 +53,10 @@ pub fn couette(length: f64, spacing: f64, rate: f64, bodies: Vec<SuspendedBody<2
     Setup { domain, spacing, viscosity: 1.0, drive: Drive::Rest, bodies, tolerance: 1e-9 }
 }
 
-pub fn solve<const D: usize>(session: &Session, setup: Setup<D>) -> (Simulation<D>, Solution<D>) {
-    let mut simulation = Simulation::new(session, setup).unwrap();
-    let solution = simulation.solve(&mut |_, _| {}).unwrap();
-    (simulation, solution)
+pub fn solve<const D: usize>(session: &Session, setup: Setup<D>) -> (Suspension<D>, Solution<D>) {
+    let mut suspension = Suspension::new(session, setup).unwrap();
+    let solution = suspension.solve(&mut |_, _| {}).unwrap();
+    (suspension, solution)
 }
 
 pub fn assert_near(what: &str, value: f64, reference: f64, tolerance: f64) {
@@ -89,8 +89,8 @@ fn known_answers_are_met(session: &Session) {
 fn wall_force_and_stresslets_give_the_same_viscosity(session: &Session) {
     for height in [0.5, 0.22, 0.205] {
         let disk = suspended(Vector2::new(0.513, height), 0.2, free(), 6);
-        let (simulation, solution) = solve(session, couette(1.0, 1.0 / 30.0, 1.0, vec![disk]));
-        let viscosity = observe::viscosity(simulation.setup(), simulation.grid(), &solution).unwrap().unwrap();
+        let (suspension, solution) = solve(session, couette(1.0, 1.0 / 30.0, 1.0, vec![disk]));
+        let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), &solution).unwrap().unwrap();
         assert_near(&format!("centre at {height}"), viscosity.from_walls.unwrap(), viscosity.from_stresslets, 1e-6);
     }
 }
@@ -121,8 +121,8 @@ fn the_drag_error_is_of_second_order(session: &Session) {
 fn two_disks_in_a_couette_cell(session: &Session) {
     // the reference cell is centred at the origin
     let disks = [[0.3, 0.4], [0.65, 0.62]].map(|center| suspended(Vector2::from(center), 0.15, free(), 9));
-    let (simulation, solution) = solve(session, couette(1.0, 1.0 / 60.0, 1.0, disks.to_vec()));
-    let viscosity = observe::viscosity(simulation.setup(), simulation.grid(), &solution).unwrap().unwrap();
+    let (suspension, solution) = solve(session, couette(1.0, 1.0 / 60.0, 1.0, disks.to_vec()));
+    let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), &solution).unwrap().unwrap();
     assert_near("viscosity", viscosity.from_stresslets, 1.3813693532, 2e-3);
     let references = [[-0.053755754, 0.018929646, -0.406080384], [0.083329666, -0.018834326, -0.402670314]];
     for (state, reference) in solution.bodies.iter().zip(references) {

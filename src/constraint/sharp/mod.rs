@@ -10,6 +10,7 @@
 //! which is linear in the multipliers and goes to the right-hand side: the matrices of the box stay as they are.
 //! Velocities on a surface are interpolated from outside: a node inside any body counts with its outer extension `u + D`.
 
+mod passage;
 mod sample;
 mod spread;
 
@@ -22,6 +23,7 @@ use crate::{
     grid::{Grid, Index},
     surface::SurfaceTable,
 };
+pub use passage::{Passage, passage};
 use sample::Sampling;
 use spread::Spreading;
 

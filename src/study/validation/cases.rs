@@ -12,7 +12,7 @@ use crate::{
     geometry::{Axis, Ball, Domain},
     observe::{self, Viscosity},
     petsc::Session,
-    simulation::{Setup, Simulation, Solution, SuspendedBody},
+    simulation::{Setup, Solution, SuspendedBody, Suspension},
 };
 
 /// Far below the errors that are measured.
@@ -78,15 +78,15 @@ fn setup<const D: usize>(length: f64, axes: [Axis<D>; D], spacing: f64, drive: D
     Setup { domain: Domain { size, axes }, spacing, viscosity: 1.0, drive, bodies, tolerance: TOLERANCE }
 }
 
-fn solve<const D: usize>(session: &Session, setup: Setup<D>) -> Result<(Simulation<D>, Solution<D>)> {
-    let mut simulation = Simulation::new(session, setup)?;
-    let solution = simulation.solve(&mut |_, _| {})?;
-    Ok((simulation, solution))
+fn solve<const D: usize>(session: &Session, setup: Setup<D>) -> Result<(Suspension<D>, Solution<D>)> {
+    let mut suspension = Suspension::new(session, setup)?;
+    let solution = suspension.solve(&mut |_, _| {})?;
+    Ok((suspension, solution))
 }
 
 fn measured_viscosity<const D: usize>(session: &Session, setup: Setup<D>) -> Result<Viscosity> {
-    let (simulation, solution) = solve(session, setup)?;
-    let viscosity = observe::viscosity(simulation.setup(), simulation.grid(), &solution)?;
+    let (suspension, solution) = solve(session, setup)?;
+    let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), &solution)?;
     viscosity.ok_or_else(|| Error::Diverged("a case of the validation is not sheared".into()))
 }
 

@@ -1,0 +1,171 @@
+//! What no body changes: box, grid, fluid, the flow without bodies, and what bodies of equal size share.
+
+use nalgebra::SVector;
+
+use super::{
+    BodyState, Setup, Solution,
+    bodies::{Bodies, Kinds},
+    closure::{Closure, flow_without_bodies},
+    touching::{End, Touch, Touching},
+};
+use crate::{
+    error::{Error, Result},
+    flow::{Drive, Stokes, StokesInverse},
+    grid::Grid,
+    petsc::{Session, Vector},
+};
+
+/// The constant part of a suspension.
+pub struct Basis<const D: usize> {
+    /// The session.
+    pub session: Session,
+    /// What is solved.
+    pub setup: Setup<D>,
+    /// The grid.
+    pub grid: Grid<D>,
+    /// The fluid.
+    pub stokes: Stokes<D>,
+    /// Mean values that the drive leaves open.
+    pub closure: Closure,
+    /// Flow of walls and drive without bodies, and the forces of the closure in it.
+    pub undisturbed: (Vector, Vec<f64>),
+    /// Kinds of bodies.
+    pub kinds: Kinds<D>,
+}
+
+impl<const D: usize> Basis<D> {
+    /// Builds matrices and the flow without bodies.
+    ///
+    /// # Errors
+    /// The grid or the rank count does not fit, or no steady state exists.
+    pub fn new(
+        session: &Session,
+        setup: Setup<D>,
+        inverse: impl FnOnce(&Stokes<D>, &Grid<D>) -> Result<Box<dyn StokesInverse<D>>>,
+    ) -> Result<(Basis<D>, Box<dyn StokesInverse<D>>)> {
+        check_steady_state(&setup)?;
+        let world = session.world();
+        let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
+        let stokes = Stokes::new(session, &grid)?;
+        let mut inverse = inverse(&stokes, &grid)?;
+        let closure = Closure::new(&setup.drive, &grid, &stokes, inverse.as_mut())?;
+        let undisturbed = flow_without_bodies(&setup.drive, &grid, &stokes, inverse.as_mut(), &closure)?;
+        let kinds = Kinds::new(&setup, &grid);
+        Ok((Basis { session: session.clone(), setup, grid, stokes, closure, undisturbed, kinds }, inverse))
+    }
+
+    /// The velocity that the flow without bodies has besides its fluid vector.
+    pub fn background(&self, point: &SVector<f64, D>) -> SVector<f64, D> {
+        self.imposed_mean_velocity() + self.setup.drive.background(point)
+    }
+
+    /// The mean velocity that a fully periodic box is given; elsewhere the flow without bodies has it.
+    fn imposed_mean_velocity(&self) -> SVector<f64, D> {
+        match self.setup.drive {
+            Drive::MeanVelocity(velocity) if self.setup.domain.fully_periodic() => velocity,
+            _ => SVector::zeros(),
+        }
+    }
+
+    /// Contacts as rows and unknowns, for a flow without bodies that has this rank's `undisturbed` velocities on surfaces.
+    ///
+    /// # Errors
+    /// They cannot be factored.
+    pub fn touching(&self, bodies: &Bodies<D>, touches: &[(Touch<D>, f64)], (undisturbed, places): (&[f64], usize)) -> Result<Touching<D>> {
+        let (mut ends, mut rates) = (Vec::new(), Vec::new());
+        let scale = touches.first().map_or(1.0, |(touch, _)| self.kinds.translation(touch.body).1 / self.radius(touch.body));
+        for (contact, (touch, _)) in touches.iter().enumerate() {
+            rates.push(touch.rate);
+            for (body, normal) in [(Some(touch.body), -touch.normal), (touch.partner, touch.normal)] {
+                let Some(body) = body else { continue };
+                match self.setup.bodies[body].body.given_motion() {
+                    Some(twist) => rates[contact] -= normal.dot(&twist.velocity),
+                    None => {
+                        let (mobility, force) = self.kinds.translation(body);
+                        let first = bodies.layout.holds(body).then(|| bodies.layout.local(body));
+                        ends.push(End { contact, body, normal, first, multiplier: scale / force, mobility });
+                    }
+                }
+            }
+        }
+        let touching = Touching::new(scale, ends, rates, places)?;
+        let mut known = touching.local_rates(undisturbed);
+        self.session.world().sum(&mut known);
+        Ok(touching.without(&known))
+    }
+
+    fn radius(&self, body: usize) -> f64 {
+        self.setup.bodies[body].body.ball.radius
+    }
+
+    /// The right-hand side of the coupled system: rows of this rank's bodies, then the tail on rank 0.
+    pub fn fill_right_hand_side(&self, wanted: &[f64], rates: &[f64], prescribed_drag: f64, rhs: &mut Vector) -> Result<()> {
+        let fluid = self.grid.local_fluid_unknowns();
+        let mut rows = rhs.local_mut()?;
+        rows.fill(0.0);
+        let (multipliers, tail) = rows[fluid..].split_at_mut(wanted.len());
+        multipliers.copy_from_slice(wanted);
+        if let Closure::MeanVelocity = self.closure {
+            let total = -self.setup.drive.uniform_force() * self.setup.domain.volume() / self.setup.viscosity;
+            tail.iter_mut().zip(total.iter()).for_each(|(row, force)| *row = force / prescribed_drag);
+        }
+        tail.iter_mut().skip(self.closure.unknowns::<D>()).zip(rates).for_each(|(row, rate)| *row = *rate);
+        Ok(())
+    }
+
+    /// What is found, from the disturbance of the flow without bodies and the unknowns of the closure.
+    pub fn solution(&self, bodies: Vec<BodyState<D>>, mut fluid: Vector, tail: &[f64], contact_forces: Vec<f64>) -> Result<Solution<D>> {
+        fluid.add(1.0, &self.undisturbed.0)?;
+        if self.setup.domain.fully_periodic() {
+            let offset =
+                if let Closure::MeanVelocity = self.closure { SVector::from_column_slice(tail) } else { self.imposed_mean_velocity() };
+            let mut values = fluid.local_mut()?;
+            for axis in 0..D {
+                values[self.grid.local_range(axis)].iter_mut().for_each(|value| *value += offset[axis]);
+            }
+        }
+        let pressure_gradient = self.pressure_gradient(&bodies, tail);
+        let mean_velocity = self.mean_velocity(&fluid)?;
+        Ok(Solution { bodies, fluid, mean_velocity, pressure_gradient, contact_forces })
+    }
+
+    fn mean_velocity(&self, fluid: &Vector) -> Result<SVector<f64, D>> {
+        let values = fluid.local()?;
+        let cells = self.grid.unknowns(D) as f64;
+        // faces on walls carry no normal velocity: counting them changes nothing
+        let mut mean = SVector::<f64, D>::from_fn(|axis, _| values[self.grid.local_range(axis)].iter().sum::<f64>() / cells);
+        self.session.world().sum(mean.as_mut_slice());
+        Ok(mean)
+    }
+
+    fn pressure_gradient(&self, bodies: &[BodyState<D>], tail: &[f64]) -> SVector<f64, D> {
+        let mut gradient = SVector::zeros();
+        match (&self.closure, self.setup.drive) {
+            (_, Drive::PressureGradient(given)) => gradient = given,
+            (_, Drive::BodyForce(_)) => {}
+            (Closure::Forces(forces), _) => {
+                for ((force, known), found) in forces.iter().zip(&self.undisturbed.1).zip(tail) {
+                    gradient[force.axis] = -self.setup.viscosity * (known + found);
+                }
+            }
+            // what the fluid does to the bodies, the mean pressure gradient does to the fluid
+            _ if self.setup.domain.fully_periodic() => {
+                let on_bodies: SVector<f64, D> = bodies.iter().map(|state| state.force).sum();
+                gradient = -on_bodies / self.setup.domain.volume();
+            }
+            _ => {}
+        }
+        gradient
+    }
+}
+
+fn check_steady_state<const D: usize>(setup: &Setup<D>) -> Result<()> {
+    if setup.drive.leaves_mean_velocity_open(&setup.domain) && setup.bodies.iter().all(|suspended| suspended.body.free()) {
+        return Err(Error::Refused(
+            "flow.drive: under a uniform force a fully periodic box in which nothing is fixed has no steady flow; \
+             fix a body, put up walls, or prescribe mean_velocity"
+                .into(),
+        ));
+    }
+    Ok(())
+}
