@@ -3,13 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::Result;
+use crate::scene::FlowModel;
 use crate::scene::entry::Entry;
 use crate::scene::table::Table;
 
 /// Keys of `[[bodies]]` that exclude each other.
 pub(super) const PLACEMENTS: [&str; 4] = ["fraction", "count", "centers", "file"];
 
-const KEYS: [&str; 11] = ["shape", "radius", "fraction", "count", "centers", "file", "gap", "density", "motion", "force", "torque"];
+const KEYS: [&str; 13] =
+    ["shape", "radius", "fraction", "count", "centers", "file", "gap", "density", "motion", "force", "torque", "velocity", "spin"];
 
 /// Bodies that are alike: one `[[bodies]]` of the file.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,6 +32,10 @@ pub struct BodyGroup {
     pub force: Option<Vec<f64>>,
     /// External torque on each body, one number in 2D and three in 3D; only free bodies have one.
     pub torque: Option<Vec<f64>>,
+    /// Initial velocity of each body; only free bodies of a dry scene have one.
+    pub velocity: Option<Vec<f64>>,
+    /// Initial turning rate, one number in 2D and three in 3D; only free bodies of a dry scene have one.
+    pub spin: Option<Vec<f64>>,
 }
 
 /// The shape of a body.
@@ -68,16 +74,17 @@ pub enum Motion {
     },
 }
 
-pub(super) fn read(root: &Table, folder: &Path, dimension: usize) -> Result<Vec<BodyGroup>> {
+pub(super) fn read(root: &Table, folder: &Path, dimension: usize, model: FlowModel) -> Result<Vec<BodyGroup>> {
     let groups = root.get("bodies").map_or(Ok(Vec::new()), |entry| entry.list())?;
-    groups.iter().map(|entry| BodyGroup::read(entry, folder, dimension)).collect()
+    groups.iter().map(|entry| BodyGroup::read(entry, folder, dimension, model)).collect()
 }
 
 impl BodyGroup {
-    fn read(entry: &Entry, folder: &Path, dimension: usize) -> Result<Self> {
+    fn read(entry: &Entry, folder: &Path, dimension: usize, model: FlowModel) -> Result<Self> {
         let table = entry.table(&KEYS)?;
         let motion = table.get("motion").map_or(Ok(Motion::Free), |entry| Motion::read(&entry, dimension))?;
         refuse_load(&table, &motion)?;
+        refuse_start(&table, &motion, model)?;
         let placement = Placement::read(&table, folder, dimension)?;
         Ok(BodyGroup {
             shape: table.get("shape").map_or(Ok(Shape::Ball), |entry| entry.choice(&[("ball", Shape::Ball)], &[]))?,
@@ -88,6 +95,8 @@ impl BodyGroup {
             motion,
             force: table.get("force").map(|entry| entry.vector(dimension)).transpose()?,
             torque: table.get("torque").map(|entry| entry.rotation(dimension)).transpose()?,
+            velocity: table.get("velocity").map(|entry| entry.vector(dimension)).transpose()?,
+            spin: table.get("spin").map(|entry| entry.rotation(dimension)).transpose()?,
         })
     }
 }
@@ -98,6 +107,16 @@ fn refuse_load(table: &Table, motion: &Motion) -> Result<()> {
         Some(load) => Err(load.refuse("only bodies with motion = \"free\" take an external force or torque")),
         None => Ok(()),
     }
+}
+
+fn refuse_start(table: &Table, motion: &Motion, model: FlowModel) -> Result<()> {
+    let Some(start) = table.get("velocity").or_else(|| table.get("spin")) else {
+        return Ok(());
+    };
+    let remedy = "only bodies with motion = \"free\" start with a velocity; write motion = { velocity = [..], spin = .. } for moved ones";
+    start.expect((), *motion == Motion::Free, remedy)?;
+    let remedy = "bodies in Stokes flow have no inertia: their velocity follows from forces; remove it";
+    start.expect((), model == FlowModel::None, remedy)
 }
 
 fn read_gap(table: &Table, placement: &Placement) -> Result<f64> {

@@ -14,8 +14,8 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
 }
 
 fn check_spacing(scene: &Scene) -> Result<()> {
-    match scene.resolution.spacing {
-        Spacing::CellsPerRadius(cells) if scene.bodies.is_empty() => {
+    match scene.resolution.as_ref().map(|resolution| resolution.spacing) {
+        Some(Spacing::CellsPerRadius(cells)) if scene.bodies.is_empty() => {
             let remedy = "there are no bodies to measure by; give resolution.spacing instead";
             Err(scene.refuse("resolution.cells_per_radius", cells, remedy))
         }

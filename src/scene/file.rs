@@ -8,12 +8,12 @@ use crate::error::{Error, Result};
 use crate::scene::locations::{Lines, Locations};
 use crate::scene::table::Table;
 use crate::scene::{
-    ContactSection, DomainSection, FlowSection, LubricationSection, MethodSection, OutputSection, ResolutionSection, Scene, bodies, check,
-    overrides,
+    ContactSection, DomainSection, FlowSection, LubricationSection, MethodSection, OutputSection, ResolutionSection, Scene, TimeSection,
+    bodies, check, overrides,
 };
 
-const KEYS: [&str; 11] =
-    ["title", "seed", "gravity", "domain", "flow", "resolution", "method", "bodies", "contact", "lubrication", "output"];
+const KEYS: [&str; 12] =
+    ["title", "seed", "gravity", "domain", "flow", "resolution", "method", "bodies", "contact", "lubrication", "time", "output"];
 
 impl Scene {
     /// The scene of a file with `key=value` overrides; refused with file and line if anything is not right.
@@ -55,19 +55,22 @@ fn read(file: &str, folder: &Path, content: &Value, locations: Locations) -> Res
     let root = Table::root(content, &locations, &KEYS)?;
     let domain = DomainSection::read(&root)?;
     let dimension = domain.size.len();
+    let flow = FlowSection::read(&root, dimension)?;
+    let model = flow.model;
     Ok(Scene {
         name: Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         title: root.get("title").map_or(Ok(""), |entry| entry.text())?.to_owned(),
         seed: root.get("seed").map_or(Ok(1), |entry| entry.whole(0))?,
         gravity: root.get("gravity").map(|entry| entry.vector(dimension)).transpose()?,
         domain,
-        flow: FlowSection::read(&root, dimension)?,
-        resolution: ResolutionSection::read(&root)?,
-        method: MethodSection::read(&root)?,
-        bodies: bodies::read(&root, folder, dimension)?,
+        flow,
+        resolution: ResolutionSection::read(&root, model)?,
+        method: MethodSection::read(&root, model)?,
+        bodies: bodies::read(&root, folder, dimension, model)?,
         contact: ContactSection::read(&root)?,
         lubrication: LubricationSection::read(&root)?,
-        output: OutputSection::read(&root)?,
+        time: TimeSection::read(&root)?,
+        output: OutputSection::read(&root, model)?,
         locations,
         text: String::new(),
     })
@@ -78,7 +81,7 @@ fn read(file: &str, folder: &Path, content: &Value, locations: Locations) -> Res
 mod tests {
     use std::path::{Path, PathBuf};
 
-    use crate::scene::{AxisSection, Drive, Modes, Motion, Placement, Scene, Shape, Spacing};
+    use crate::scene::{AxisSection, Drive, Modes, Motion, Placement, ResolutionSection, Scene, Shape, Spacing};
 
     const FLAT: &str = r#"
 title = "A disk between moving walls"
@@ -151,8 +154,7 @@ torque = [0.0, 0.0, 1.0]
         assert_eq!(scene.domain.axes, [AxisSection::Periodic, walls]);
         assert_eq!((scene.flow.viscosity, scene.flow.density), (2.0, 0.5));
         assert_eq!(scene.flow.drive, Some(Drive::MeanVelocity(vec![1.0, 0.0])));
-        assert_eq!(scene.resolution.spacing, Spacing::CellsPerRadius(6.0));
-        assert_eq!(scene.resolution.modes, Modes::Count(9));
+        assert_eq!(scene.resolution, Some(ResolutionSection { spacing: Spacing::CellsPerRadius(6.0), modes: Modes::Count(9) }));
         assert_eq!(scene.method.tolerance, 1e-8);
         assert!(!scene.output.picture);
         assert_eq!(scene.text, FLAT);
@@ -195,7 +197,7 @@ torque = [0.0, 0.0, 1.0]
         assert_eq!(scene.domain.axes, [AxisSection::Periodic, AxisSection::Periodic]);
         assert_eq!((scene.flow.viscosity, scene.flow.density), (1.0, 0.0));
         assert_eq!(scene.flow.drive, None);
-        assert_eq!(scene.resolution.modes, Modes::Auto);
+        assert_eq!(scene.resolution, Some(ResolutionSection { spacing: Spacing::Length(0.1), modes: Modes::Auto }));
         assert_eq!(scene.method.tolerance, 1e-6);
         assert!(scene.bodies.is_empty() && scene.output.picture);
     }

@@ -16,7 +16,7 @@ pub use bodies::{BodyGroup, Motion, Placement, Shape};
 pub use locations::Locations;
 pub use sections::{
     AxisSection, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
-    LubricationSection, MethodSection, Modes, OutputSection, ResolutionSection, Spacing, StokesSolver,
+    LubricationSection, MethodSection, Modes, OutputSection, ResolutionSection, Scheme, Spacing, Step, StokesSolver, TimeSection,
 };
 
 use crate::error::Error;
@@ -36,8 +36,8 @@ pub struct Scene {
     pub domain: DomainSection,
     /// The fluid and what drives it.
     pub flow: FlowSection,
-    /// How fine the grid and the multipliers are.
-    pub resolution: ResolutionSection,
+    /// How fine the grid and the multipliers are; absent from dry scenes and only there.
+    pub resolution: Option<ResolutionSection>,
     /// How the equations are solved.
     pub method: MethodSection,
     /// Groups of bodies that are alike, in the order of the file.
@@ -46,6 +46,8 @@ pub struct Scene {
     pub contact: ContactSection,
     /// What happens between bodies that nearly touch.
     pub lubrication: LubricationSection,
+    /// How far bodies go; absent means one instantaneous solve.
+    pub time: Option<TimeSection>,
     /// What a run writes besides its summary.
     pub output: OutputSection,
     /// Where each key was written.
@@ -58,6 +60,11 @@ impl Scene {
     /// The dimension of space, 2 or 3.
     pub fn dimension(&self) -> usize {
         self.domain.size.len()
+    }
+
+    /// Whether there is no fluid: bodies then have inertia and only touch each other.
+    pub fn dry(&self) -> bool {
+        self.flow.model == FlowModel::None
     }
 
     /// The refusal of a key's value: place, key, value and what would be right.

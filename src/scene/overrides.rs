@@ -180,7 +180,7 @@ fraction = 0.1
     #[test]
     fn setting_one_of_an_exclusive_choice_removes_its_rivals() {
         let scene = with(&["resolution.cells_per_radius=8", "bodies.0.centers=[[1, 1]]", "bodies[1].count=3"]).unwrap();
-        assert_eq!(scene.resolution.spacing, Spacing::CellsPerRadius(8.0));
+        assert_eq!(scene.resolution.unwrap().spacing, Spacing::CellsPerRadius(8.0));
         assert_eq!(scene.bodies[0].placement, Placement::Centers(vec![vec![1.0, 1.0]]));
         assert_eq!(scene.bodies[1].placement, Placement::Count(3));
         let scene = with(&["flow.drive.shear_rate=2"]).unwrap();

@@ -7,7 +7,7 @@ use crate::{
     error::{Error, Result},
     flow::Drive,
     geometry::{Axis, Ball, Domain, Fault, first_fault},
-    scene::{self, AxisSection, BodyGroup, Modes, Placement, Scene, Spacing},
+    scene::{self, AxisSection, BodyGroup, Modes, Placement, ResolutionSection, Scene, Spacing},
 };
 
 /// Fewest cells per radius: closer to the centre the jump functions are too steep for the grid.
@@ -51,8 +51,9 @@ impl<const D: usize> Setup<D> {
         let domain = domain(scene);
         let balls = place(scene, &domain)?;
         check_places(scene, &domain, &balls)?;
+        let resolution = resolution(scene)?;
         let radii = balls.iter().map(|&(_, ball)| ball.radius);
-        let spacing = match scene.resolution.spacing {
+        let spacing = match resolution.spacing {
             Spacing::Length(spacing) => spacing,
             Spacing::CellsPerRadius(cells) => radii.fold(f64::INFINITY, f64::min) / cells,
         };
@@ -65,6 +66,10 @@ impl<const D: usize> Setup<D> {
     pub fn fraction(&self) -> f64 {
         self.bodies.iter().map(|suspended| suspended.body.ball.volume()).sum::<f64>() / self.domain.volume()
     }
+}
+
+fn resolution(scene: &Scene) -> Result<&ResolutionSection> {
+    scene.resolution.as_ref().ok_or_else(|| scene.refuse("flow.model", "\"none\"", "is not available yet; must be \"stokes\""))
 }
 
 fn vector<const D: usize>(numbers: &[f64]) -> SVector<f64, D> {
@@ -169,7 +174,7 @@ fn suspended<const D: usize>(scene: &Scene, group: usize, ball: Ball<D>, spacing
     let cells = ball.radius / spacing;
     if cells < FEWEST_CELLS_PER_RADIUS * (1.0 - 1e-9) {
         let remedy = format!("leaves {cells:.2} cells per radius {}; at least {FEWEST_CELLS_PER_RADIUS} are needed", ball.radius);
-        return Err(match scene.resolution.spacing {
+        return Err(match resolution(scene)?.spacing {
             Spacing::Length(spacing) => scene.refuse("resolution.spacing", spacing, &remedy),
             Spacing::CellsPerRadius(cells) => scene.refuse("resolution.cells_per_radius", cells, &remedy),
         });
@@ -195,7 +200,7 @@ fn motion<const D: usize>(scene: &Scene, group: usize, ball: &Ball<D>) -> Motion
 /// Order of the modes of a body with so many cells per radius: what is asked for, or what the grid carries well.
 fn order<const D: usize>(scene: &Scene, cells: f64) -> Result<usize> {
     let highest = (HIGHEST_ORDER_PER_CELL[D - 2] * cells + 1e-9) as usize;
-    match scene.resolution.modes {
+    match resolution(scene)?.modes {
         Modes::Auto if D == 2 => Ok((cells.round() as usize).clamp(3, 16).min(highest)),
         Modes::Auto => Ok((cells.round() as usize - 1).clamp(2, 10).min(highest)),
         Modes::Count(modes) if modes > highest => {

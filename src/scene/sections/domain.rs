@@ -1,0 +1,78 @@
+//! The box of a scene.
+
+use crate::error::Result;
+use crate::scene::entry::Entry;
+use crate::scene::table::Table;
+
+/// The box: its size and what bounds it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DomainSection {
+    /// Edge lengths; their number is the dimension.
+    pub size: Vec<f64>,
+    /// What bounds each axis.
+    pub axes: Vec<AxisSection>,
+}
+
+/// What bounds the box along one axis.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AxisSection {
+    /// The box repeats.
+    Periodic,
+    /// Two walls that move along themselves: the component along the axis is zero.
+    Walls {
+        /// Velocity of the wall at coordinate 0.
+        lower: Vec<f64>,
+        /// Velocity of the wall at coordinate `size`.
+        upper: Vec<f64>,
+    },
+}
+
+impl DomainSection {
+    pub(in crate::scene) fn read(root: &Table) -> Result<Self> {
+        let table = root.section("domain", &["size", "x", "y", "z"])?;
+        let size = read_size(&table.require("size", "[8.0, 4.0]")?)?;
+        let dimension = size.len();
+        if let Some(z) = table.get("z").filter(|_| dimension == 2) {
+            return Err(z.refuse("a box with two numbers in domain.size has no z axis"));
+        }
+        let axis = |(index, name)| match table.get(name) {
+            Some(entry) => AxisSection::read(&entry, index, dimension),
+            None => Ok(AxisSection::Periodic),
+        };
+        let axes = ["x", "y", "z"].into_iter().take(dimension).enumerate().map(axis).collect::<Result<_>>()?;
+        Ok(DomainSection { size, axes })
+    }
+}
+
+impl AxisSection {
+    fn read(entry: &Entry, axis: usize, dimension: usize) -> Result<Self> {
+        const CHOICES: &str = "\"periodic\", \"walls\" or { lower = [..], upper = [..] }";
+        if let Ok(word) = entry.text() {
+            return match word {
+                "periodic" => Ok(AxisSection::Periodic),
+                "walls" => Ok(AxisSection::Walls { lower: vec![0.0; dimension], upper: vec![0.0; dimension] }),
+                _ => Err(entry.refuse(&format!("must be {CHOICES}"))),
+            };
+        }
+        if !entry.value.is_inline_table() {
+            return Err(entry.mistyped(CHOICES));
+        }
+        let table = entry.table(&["lower", "upper"])?;
+        let wall = |name| read_wall(&table.require(name, &format!("{:?}", vec![0.0; dimension]))?, axis, dimension);
+        Ok(AxisSection::Walls { lower: wall("lower")?, upper: wall("upper")? })
+    }
+}
+
+fn read_size(entry: &Entry) -> Result<Vec<f64>> {
+    let lengths = entry.list()?;
+    let remedy = "must be a list of two numbers (2D) or three (3D)";
+    entry.expect((), matches!(lengths.len(), 2 | 3), remedy)?;
+    lengths.iter().map(Entry::positive).collect()
+}
+
+fn read_wall(entry: &Entry, axis: usize, dimension: usize) -> Result<Vec<f64>> {
+    let velocity = entry.vector(dimension)?;
+    let still = velocity[axis] == 0.0;
+    let remedy = format!("number {} must be 0: a wall cannot move along its own axis", axis + 1);
+    entry.expect(velocity, still, &remedy)
+}

@@ -1,0 +1,83 @@
+//! The fluid of a scene, if it has one.
+
+use crate::error::Result;
+use crate::scene::entry::Entry;
+use crate::scene::table::Table;
+
+/// Keys of `flow.drive`, which exclude each other.
+pub(in crate::scene) const DRIVES: [&str; 4] = ["mean_velocity", "pressure_gradient", "body_force", "shear_rate"];
+
+/// The fluid and what drives it; in a dry scene nothing but the model has a meaning.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlowSection {
+    /// The equations.
+    pub model: FlowModel,
+    /// Dynamic viscosity, positive.
+    pub viscosity: f64,
+    /// Mass of the fluid per volume, not negative; in Stokes flow it gives buoyancy only.
+    pub density: f64,
+    /// What moves the fluid besides walls and bodies.
+    pub drive: Option<Drive>,
+}
+
+/// The equations of the fluid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FlowModel {
+    /// No fluid: dry bodies, which have inertia.
+    None,
+    /// Viscous flow without inertia.
+    Stokes,
+}
+
+/// What moves the fluid besides walls and bodies.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Drive {
+    /// The mean velocity over the whole box; zero along walled axes.
+    MeanVelocity(Vec<f64>),
+    /// The mean pressure gradient; zero along walled axes.
+    PressureGradient(Vec<f64>),
+    /// A uniform force per volume.
+    BodyForce(Vec<f64>),
+    /// The rate of the background shear `(rate y, 0, 0)` of a fully periodic box.
+    ShearRate(f64),
+}
+
+impl FlowSection {
+    pub(in crate::scene) fn read(root: &Table, dimension: usize) -> Result<Self> {
+        let table = root.section("flow", &["model", "viscosity", "density", "drive"])?;
+        let models = [("none", FlowModel::None), ("stokes", FlowModel::Stokes)];
+        let model = |entry: Entry| entry.choice(&models, &["scalar", "navier-stokes"]);
+        let model = table.get("model").map_or(Ok(FlowModel::Stokes), model)?;
+        for name in ["viscosity", "density", "drive"] {
+            model.allow(table.get(name))?;
+        }
+        Ok(FlowSection {
+            model,
+            viscosity: table.get("viscosity").map_or(Ok(1.0), |entry| entry.positive())?,
+            density: table.get("density").map_or(Ok(0.0), |entry| entry.not_negative())?,
+            drive: table.get("drive").map(|entry| Drive::read(&entry, dimension)).transpose()?,
+        })
+    }
+}
+
+impl FlowModel {
+    /// Refuses an entry that means nothing without a fluid.
+    pub(in crate::scene) fn allow(self, entry: Option<Entry>) -> Result<()> {
+        match entry.filter(|_| self == FlowModel::None) {
+            Some(entry) => Err(entry.refuse("a dry scene (flow.model = \"none\") has no fluid; remove it")),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Drive {
+    fn read(entry: &Entry, dimension: usize) -> Result<Self> {
+        let (name, entry) = entry.table(&DRIVES)?.exactly_one(&DRIVES, "{ shear_rate = 1.0 }")?;
+        Ok(match name {
+            "mean_velocity" => Drive::MeanVelocity(entry.vector(dimension)?),
+            "pressure_gradient" => Drive::PressureGradient(entry.vector(dimension)?),
+            "body_force" => Drive::BodyForce(entry.vector(dimension)?),
+            _ => Drive::ShearRate(entry.number()?),
+        })
+    }
+}

@@ -1,0 +1,48 @@
+//! What a run writes.
+
+use crate::error::Result;
+use crate::scene::FlowModel;
+use crate::scene::entry::Entry;
+use crate::scene::table::Table;
+
+/// What a run writes besides its summary.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OutputSection {
+    /// Whether a picture of the flow is written.
+    pub picture: bool,
+    /// Time between frames, positive; absent means a hundredth of `time.end`.
+    pub every: Option<f64>,
+    /// Whether frames hold the flow on the grid; never in a dry scene.
+    pub fields: bool,
+    /// Seconds of wall time between checkpoints, not negative; 0 means one after every step.
+    pub checkpoint: f64,
+}
+
+impl OutputSection {
+    pub(in crate::scene) fn read(root: &Table, model: FlowModel) -> Result<Self> {
+        let table = root.section("output", &["picture", "every", "fields", "checkpoint"])?;
+        if root.get("time").is_none() {
+            refuse_frames(&table)?;
+        }
+        let fields = table.get("fields").map(|entry| read_fields(&entry, model)).transpose()?;
+        Ok(OutputSection {
+            picture: table.get("picture").map_or(Ok(true), |entry| entry.flag())?,
+            every: table.get("every").map(|entry| entry.positive()).transpose()?,
+            fields: fields.unwrap_or(model != FlowModel::None),
+            checkpoint: table.get("checkpoint").map_or(Ok(600.0), |entry| entry.not_negative())?,
+        })
+    }
+}
+
+fn refuse_frames(table: &Table) -> Result<()> {
+    match ["every", "fields", "checkpoint"].into_iter().find_map(|name| table.get(name)) {
+        Some(entry) => Err(entry.refuse("an instantaneous solve writes no frames and no checkpoints; add [time] or remove it")),
+        None => Ok(()),
+    }
+}
+
+fn read_fields(entry: &Entry, model: FlowModel) -> Result<bool> {
+    let fields = entry.flag()?;
+    let remedy = "a dry scene (flow.model = \"none\") has no flow to write; remove it";
+    entry.expect(fields, !fields || model != FlowModel::None, remedy)
+}

@@ -1,0 +1,63 @@
+//! How fine a scene with a fluid is.
+
+use crate::error::Result;
+use crate::scene::FlowModel;
+use crate::scene::entry::Entry;
+use crate::scene::table::Table;
+
+/// Keys of `[resolution]` that exclude each other.
+pub(in crate::scene) const SPACINGS: [&str; 2] = ["cells_per_radius", "spacing"];
+
+/// How fine the grid and the multipliers are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResolutionSection {
+    /// The grid spacing.
+    pub spacing: Spacing,
+    /// The multiplier modes of each body.
+    pub modes: Modes,
+}
+
+/// How the grid spacing is given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Spacing {
+    /// Cells across the radius of the smallest body.
+    CellsPerRadius(f64),
+    /// A length.
+    Length(f64),
+}
+
+/// How many multiplier modes each body has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Modes {
+    /// As many as the grid supports.
+    Auto,
+    /// This many, at least one.
+    Count(usize),
+}
+
+impl ResolutionSection {
+    pub(in crate::scene) fn read(root: &Table, model: FlowModel) -> Result<Option<Self>> {
+        model.allow(root.get("resolution"))?;
+        if model == FlowModel::None {
+            return Ok(None);
+        }
+        let table = root.section("resolution", &[&SPACINGS[..], &["modes"]].concat())?;
+        let (name, entry) = table.exactly_one(&SPACINGS, "cells_per_radius = 6")?;
+        let spacing = match name {
+            "spacing" => Spacing::Length(entry.positive()?),
+            _ => Spacing::CellsPerRadius(entry.positive()?),
+        };
+        let modes = table.get("modes").map_or(Ok(Modes::Auto), |entry| Modes::read(&entry))?;
+        Ok(Some(ResolutionSection { spacing, modes }))
+    }
+}
+
+impl Modes {
+    fn read(entry: &Entry) -> Result<Self> {
+        match entry.text() {
+            Ok("auto") => Ok(Modes::Auto),
+            Ok(_) => Err(entry.refuse("must be \"auto\" or a whole number")),
+            Err(_) => Ok(Modes::Count(entry.count()?)),
+        }
+    }
+}
