@@ -5,8 +5,9 @@ use std::fmt::Display;
 
 use crate::error::Result;
 use crate::scene::{
-    AxisSection, BodyGroup, ConstraintMethod, ContactModel, DomainSection, Drive, FlowModel, FlowSection, LubricationModel, MethodSection,
-    Modes, Motion, Placement, ResolutionSection, Scene, Scheme, Shape, Spacing, Step, StokesSolver, TimeSection,
+    AxisSection, BodyGroup, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
+    LubricationSection, MethodSection, Modes, Motion, Placement, ResolutionSection, Scene, Scheme, Shape, Spacing, Step, StokesSolver,
+    TimeSection,
 };
 
 /// A key in which two scenes differ, with both values as a scene file writes them; absent where a scene has no such key.
@@ -83,13 +84,7 @@ fn keys(scene: &Scene) -> Keys {
     for (group, bodies) in bodies.iter().enumerate() {
         keys.extend(of_bodies(bodies).into_iter().map(|(key, value)| (format!("bodies[{group}].{key}"), value)));
     }
-    let model = match contact.model {
-        ContactModel::None => "none",
-        ContactModel::Inelastic => "inelastic",
-    };
-    keys.push(word("contact.model", model));
-    let LubricationModel::None = lubrication.model;
-    keys.push(word("lubrication.model", "none"));
+    keys.extend(of_contact(contact, lubrication));
     keys.extend(time.iter().flat_map(of_time));
     keys
 }
@@ -187,6 +182,16 @@ fn of_motion(motion: &Motion) -> Keys {
     }
 }
 
+fn of_contact(contact: &ContactSection, lubrication: &LubricationSection) -> Keys {
+    let ContactSection { model } = contact;
+    let model = match model {
+        ContactModel::None => "none",
+        ContactModel::Inelastic => "inelastic",
+    };
+    let LubricationSection { model: LubricationModel::None } = lubrication;
+    vec![word("contact.model", model), word("lubrication.model", "none")]
+}
+
 fn of_time(time: &TimeSection) -> Keys {
     let TimeSection { step, end: _, scheme, travel } = time;
     let scheme = match scheme {
@@ -236,6 +241,16 @@ every = 0.5
         let changes = ["title=other", "time.end=9", "output={ picture = false }", "time.step=auto", "flow.density=0", "domain.x=periodic"];
         assert_eq!(with(&[]).difference(&with(&changes)), None);
         assert!(with(&[]).same_run(&with(&changes), "the checkpoint").is_ok());
+    }
+
+    #[test]
+    fn a_file_is_the_same_however_its_path_is_written() {
+        let root = env!("CARGO_MANIFEST_DIR");
+        let from =
+            |folder: &str, file: &str| Scene::parse("scene", Path::new(folder), SCENE, &[format!("bodies.0.file={root}/{file}")]).unwrap();
+        let data = from("", "tests/data/random30_disks.csv");
+        assert_eq!(data.difference(&from("elsewhere", "tests/../tests/data/random30_disks.csv")), None);
+        assert_eq!(data.difference(&from("", "tests/data/none.csv")).unwrap().key, "bodies[0].file");
     }
 
     #[test]
