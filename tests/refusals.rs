@@ -1,34 +1,51 @@
-//! Every scene in `tests/refusals` is refused with the message of its `#^` line; `#--set` lines are overrides.
+//! Every scene and every table of centres in `tests/refusals` is refused with the message of its `#^` line.
+//!
+//! `#--set` lines of a scene are overrides, the `#dimension` line of a table is the dimension of its centres.
 
 #![allow(clippy::unwrap_used)]
 
 use std::path::{Path, PathBuf};
 
-use turbid::error::Error;
+use turbid::body::read_centers;
+use turbid::error::{Error, Result};
 use turbid::scene::Scene;
 
 #[test]
 fn every_bad_scene_is_refused_with_its_message() {
-    let scenes = bad_scenes();
-    assert!(scenes.len() >= 28, "only {} bad scenes", scenes.len());
-    let failures: Vec<String> = scenes.iter().filter_map(|path| failure(path)).collect();
+    let read = |path: &Path, text: &str| Scene::read(path, &marked(text, "#--set ")).map(drop);
+    refuses("toml", 115, read);
+}
+
+#[test]
+fn every_bad_table_of_centres_is_refused_with_its_message() {
+    let read = |path: &Path, text: &str| match marked(text, "#dimension ").pop().as_deref() {
+        Some("2") => read_centers::<2>(path).map(drop),
+        Some("3") => read_centers::<3>(path).map(drop),
+        _ => panic!("{}: a bad table says #dimension 2 or #dimension 3", path.display()),
+    };
+    refuses("csv", 16, read);
+}
+
+fn refuses(ending: &str, least: usize, read: impl Fn(&Path, &str) -> Result<()>) {
+    let paths = bad_files(ending);
+    assert!(paths.len() >= least, "only {} bad files", paths.len());
+    let failures: Vec<String> = paths.iter().filter_map(|path| failure(path, &read)).collect();
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-fn bad_scenes() -> Vec<PathBuf> {
+fn bad_files(wanted: &str) -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/refusals");
     let files = std::fs::read_dir(folder).unwrap();
     let paths = files.map(|file| file.unwrap().path());
-    paths.filter(|path| path.extension().is_some_and(|ending| ending == "toml")).collect()
+    paths.filter(|path| path.extension().is_some_and(|ending| ending == wanted)).collect()
 }
 
-fn failure(path: &Path) -> Option<String> {
+fn failure(path: &Path, read: impl Fn(&Path, &str) -> Result<()>) -> Option<String> {
     let text = std::fs::read_to_string(path).unwrap();
-    let overrides = marked(&text, "#--set ");
-    let expected = marked(&text, "#^ ").pop().expect("a bad scene says its message");
-    match Scene::read(path, &overrides) {
+    let expected = marked(&text, "#^ ").pop().expect("a bad file says its message");
+    match read(path, &text) {
         Err(Error::Refused(message)) if message.contains(&expected) => None,
-        result => Some(format!("{}: expected {expected}\n  found {:?}", path.display(), result.map(|_| "a scene"))),
+        result => Some(format!("{}: expected {expected}\n  found {result:?}", path.display())),
     }
 }
 

@@ -1,10 +1,14 @@
 //! What sections of a scene demand of each other.
 
 use crate::error::Result;
-use crate::scene::{AxisSection, Drive, Scene, Spacing};
+use crate::scene::{AxisSection, ContactModel, Drive, Motion, Scene, Spacing};
 
 pub(super) fn check(scene: &Scene) -> Result<()> {
     check_spacing(scene)?;
+    check_contact(scene)?;
+    if scene.dry() {
+        return check_dry(scene);
+    }
     match &scene.flow.drive {
         Some(Drive::ShearRate(rate)) => check_shear(scene, *rate),
         Some(Drive::MeanVelocity(vector)) => check_walls(scene, "flow.drive.mean_velocity", vector),
@@ -21,6 +25,48 @@ fn check_spacing(scene: &Scene) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+fn check_contact(scene: &Scene) -> Result<()> {
+    match scene.contact.model {
+        ContactModel::Inelastic if scene.time.is_none() => {
+            Err(scene.refuse("contact.model", "\"inelastic\"", "contacts act over a time step; add [time]"))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn check_dry(scene: &Scene) -> Result<()> {
+    let refuse = |remedy| Err(scene.refuse("flow.model", "\"none\"", remedy));
+    if scene.bodies.is_empty() {
+        return refuse("no fluid and no bodies leave nothing to simulate; add [[bodies]]");
+    }
+    if scene.time.is_none() {
+        return refuse("a dry scene has no instantaneous solve; add [time]");
+    }
+    check_masses(scene)?;
+    check_still_walls(scene)
+}
+
+fn check_masses(scene: &Scene) -> Result<()> {
+    match scene.bodies.iter().position(|bodies| bodies.motion == Motion::Free && bodies.density == 0.0) {
+        Some(group) => Err(scene.refuse(&format!("bodies[{group}].density"), 0, "must be positive: free bodies of a dry scene need mass")),
+        None => Ok(()),
+    }
+}
+
+/// Walls move along themselves, so only a fluid or friction would feel it.
+fn check_still_walls(scene: &Scene) -> Result<()> {
+    for (axis, section) in scene.domain.axes.iter().enumerate() {
+        let AxisSection::Walls { lower, upper } = section else { continue };
+        for (wall, velocity) in [("lower", lower), ("upper", upper)] {
+            if velocity.iter().any(|&component| component != 0.0) {
+                let key = format!("domain.{}.{wall}", name(axis));
+                return Err(scene.refuse(&key, format!("{velocity:?}"), "must be 0: without fluid and friction no body feels a wall move"));
+            }
+        }
+    }
+    Ok(())
 }
 
 fn check_shear(scene: &Scene, rate: f64) -> Result<()> {

@@ -61,8 +61,7 @@ impl<'a> Entry<'a> {
 
     /// One of the available words; the planned ones are refused as such.
     pub(super) fn choice<T: Copy>(&self, available: &[(&str, T)], planned: &[&str]) -> Result<T> {
-        let names: Vec<String> = available.iter().map(|(name, _)| format!("{name:?}")).collect();
-        let names = names.join(" or ");
+        let names = listed(available.iter().map(|(name, _)| format!("{name:?}")).collect());
         let text = self.value.as_str().ok_or_else(|| self.mistyped(&names))?;
         let found = available.iter().find(|(name, _)| *name == text).map(|&(_, choice)| choice);
         found.ok_or_else(|| match planned.contains(&text) {
@@ -113,6 +112,12 @@ impl<'a> Entry<'a> {
         };
         self.refuse(&format!("must be {expected}, not {found}"))
     }
+}
+
+/// `a`, `a or b`, `a, b or c`.
+fn listed(mut names: Vec<String>) -> String {
+    let last = names.pop().unwrap_or_default();
+    if names.is_empty() { last } else { format!("{} or {last}", names.join(", ")) }
 }
 
 /// A value as messages repeat it: on one line and not too long.

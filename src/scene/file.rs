@@ -81,7 +81,10 @@ fn read(file: &str, folder: &Path, content: &Value, locations: Locations) -> Res
 mod tests {
     use std::path::{Path, PathBuf};
 
-    use crate::scene::{AxisSection, Drive, Modes, Motion, Placement, ResolutionSection, Scene, Shape, Spacing};
+    use crate::scene::{
+        AxisSection, ContactModel, Drive, Modes, Motion, OutputSection, Placement, ResolutionSection, Scene, Scheme, Shape, Spacing, Step,
+        TimeSection,
+    };
 
     const FLAT: &str = r#"
 title = "A disk between moving walls"
@@ -200,6 +203,43 @@ torque = [0.0, 0.0, 1.0]
         assert_eq!(scene.resolution, Some(ResolutionSection { spacing: Spacing::Length(0.1), modes: Modes::Auto }));
         assert_eq!(scene.method.tolerance, 1e-6);
         assert!(scene.bodies.is_empty() && scene.output.picture);
+    }
+
+    const DRY: &str = r#"
+gravity = [0.0, -9.81]
+domain = { size = [4.0, 4.0], y = "walls" }
+flow.model = "none"
+contact.model = "inelastic"
+[[bodies]]
+radius = 0.5
+count = 3
+velocity = [1.0, 0.0]
+spin = -2
+[time]
+end = 2
+travel = 0.25
+scheme = "midpoint"
+"#;
+
+    #[test]
+    fn a_dry_scene_has_bodies_that_start_with_a_velocity_and_no_resolution() {
+        let scene = parse(DRY);
+        assert!(scene.dry() && scene.resolution.is_none() && !scene.output.fields);
+        assert_eq!(scene.contact.model, ContactModel::Inelastic);
+        assert_eq!((&scene.bodies[0].velocity, &scene.bodies[0].spin), (&Some(vec![1.0, 0.0]), &Some(vec![-2.0])));
+        assert_eq!(scene.time, Some(TimeSection { step: Step::Auto, end: 2.0, scheme: Scheme::Midpoint, travel: 0.25 }));
+    }
+
+    #[test]
+    fn time_and_its_output_are_read_with_their_defaults() {
+        let scene = parse(&format!("{FLAT}[time]\nend = 3"));
+        assert_eq!(scene.time, Some(TimeSection { step: Step::Auto, end: 3.0, scheme: Scheme::TwoStep, travel: 0.1 }));
+        assert_eq!(scene.output, OutputSection { picture: false, every: None, fields: true, checkpoint: 600.0 });
+        let text = format!("{FLAT}every = 5\nfields = false\ncheckpoint = 0\n[time]\nend = 3\nstep = 3\nscheme = \"euler\"");
+        let scene = parse(&text);
+        assert_eq!(scene.time.map(|time| (time.step, time.scheme)), Some((Step::Fixed(3.0), Scheme::Euler)));
+        assert_eq!(scene.output, OutputSection { picture: false, every: Some(5.0), fields: false, checkpoint: 0.0 });
+        assert_eq!(parse(FLAT).time, None);
     }
 
     #[test]

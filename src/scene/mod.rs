@@ -5,6 +5,7 @@
 
 mod bodies;
 mod check;
+mod difference;
 mod entry;
 mod file;
 mod locations;
@@ -13,6 +14,7 @@ mod sections;
 mod table;
 
 pub use bodies::{BodyGroup, Motion, Placement, Shape};
+pub use difference::Difference;
 pub use locations::Locations;
 pub use sections::{
     AxisSection, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,

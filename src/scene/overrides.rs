@@ -1,10 +1,11 @@
 //! `--set key=value`: changes to a scene's document before it is checked.
 //!
-//! Setting one of several keys that exclude each other removes its rivals.
+//! Setting one of several keys that exclude each other removes its rivals. A resumed run takes few changes.
 
 use toml_edit::{DocumentMut, InlineTable, Item, Table, Value};
 
 use crate::error::{Error, Result};
+use crate::scene::Scene;
 use crate::scene::bodies::PLACEMENTS;
 use crate::scene::locations::{Locations, dotted, written};
 use crate::scene::sections::{DRIVES, SPACINGS};
@@ -21,6 +22,13 @@ pub(super) fn apply(document: &mut DocumentMut, locations: &mut Locations, text:
     let created = set(document.as_item_mut(), &change)?;
     locations.overridden(&change.path[..created].join("."));
     Ok(())
+}
+
+impl Scene {
+    /// Refuses overrides that a resumed run cannot take: all but those of `time.end` and `output.*`.
+    pub fn resumable_overrides(overrides: &[String]) -> Result<()> {
+        overrides.iter().try_for_each(|text| Change::parse(text)?.expect_resumable())
+    }
 }
 
 struct Change<'a> {
@@ -49,10 +57,20 @@ impl<'a> Change<'a> {
             // a gap belongs to bodies placed at random only
             ["bodies", _, "centers" | "file", ..] => (2, [&PLACEMENTS[..], &["gap"]].concat()),
             ["bodies", _, key, ..] if PLACEMENTS.contains(key) => (2, PLACEMENTS.to_vec()),
+            // a travel belongs to automatic steps only
+            ["time", "step"] if !self.value.is_str() => (1, vec!["travel"]),
+            ["time", "travel"] => (1, vec!["step"]),
             _ => return Vec::new(),
         };
         let others = keys.into_iter().filter(|&key| key != parts[depth]);
         others.map(|key| [&self.path[..depth], &[key.to_owned()]].concat()).collect()
+    }
+
+    fn expect_resumable(&self) -> Result<()> {
+        match self.path.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
+            ["time", "end"] | ["output", ..] => Ok(()),
+            _ => Err(malformed(self.text, "a resumed run keeps its scene; only time.end and output.* may change")),
+        }
     }
 
     fn no_place(&self, depth: usize) -> Error {
@@ -147,7 +165,7 @@ mod tests {
     use std::path::Path;
 
     use crate::error::Result;
-    use crate::scene::{AxisSection, Drive, Motion, Placement, Scene, Spacing};
+    use crate::scene::{AxisSection, Drive, Motion, Placement, Scene, Spacing, Step};
 
     const SCENE: &str = r#"
 [domain]
@@ -185,6 +203,27 @@ fraction = 0.1
         assert_eq!(scene.bodies[1].placement, Placement::Count(3));
         let scene = with(&["flow.drive.shear_rate=2"]).unwrap();
         assert_eq!(scene.flow.drive, Some(Drive::ShearRate(2.0)));
+    }
+
+    #[test]
+    fn a_step_and_a_travel_replace_each_other() {
+        let step = |overrides: &[&str]| with(overrides).unwrap().time.map(|time| (time.step, time.travel));
+        assert_eq!(step(&["time.end=1", "time.travel=0.5", "time.step=0.5"]), Some((Step::Fixed(0.5), 0.1)));
+        assert_eq!(step(&["time.end=1", "time.step=0.5", "time.travel=0.5"]), Some((Step::Auto, 0.5)));
+        assert_eq!(step(&["time.end=1", "time.travel=0.5", "time.step=auto"]), Some((Step::Auto, 0.5)));
+    }
+
+    #[test]
+    fn a_resumed_run_takes_an_end_and_outputs_only() {
+        let resumable = |text: &str| Scene::resumable_overrides(&["time.end=3".to_owned(), text.to_owned()]);
+        for text in ["time.end = 2", "output.every=0.5", "output={ fields = false }"] {
+            assert!(resumable(text).is_ok(), "{text}");
+        }
+        for text in ["time.step=1", "time={end=2}", "time.end.x=1", "bodies.0.radius=1", "title=other"] {
+            let remedy = "a resumed run keeps its scene; only time.end and output.* may change";
+            assert_eq!(resumable(text).unwrap_err().to_string(), format!("--set \"{text}\": {remedy}"));
+        }
+        assert!(resumable("time.end").unwrap_err().to_string().contains("must be key=value"));
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! How a scene moves in time.
 
+use toml_edit::Value;
+
 use crate::error::Result;
 use crate::scene::entry::Entry;
 use crate::scene::table::Table;
@@ -55,13 +57,15 @@ impl TimeSection {
 
 impl Step {
     fn read(entry: &Entry, end: f64) -> Result<Self> {
-        match entry.text() {
-            Ok("auto") => Ok(Step::Auto),
-            Ok(_) => Err(entry.refuse("must be \"auto\" or a number")),
-            Err(_) => {
+        const CHOICES: &str = "\"auto\" or a number";
+        match entry.value {
+            Value::String(word) if word.value() == "auto" => Ok(Step::Auto),
+            Value::String(_) => Err(entry.refuse(&format!("must be {CHOICES}"))),
+            Value::Integer(_) | Value::Float(_) => {
                 let step = entry.positive()?;
                 entry.expect(Step::Fixed(step), step <= end, &format!("must not be longer than time.end = {end}"))
             }
+            _ => Err(entry.mistyped(CHOICES)),
         }
     }
 }
