@@ -17,4 +17,4 @@ mod sharp;
 
 pub use blocks::{Blocks, BodyBlocks};
 pub use layout::Layout;
-pub use sharp::{INTERPOLATION_REACH, Neighbour, Passage, Placed, assemble, passage};
+pub use sharp::{INTERPOLATION_REACH, Neighbour, Passed, Placed, assemble, jump, passed};

@@ -1,14 +1,14 @@
 //! What earlier solves say about the next one: a starting point extrapolated in time.
 //!
 //! A field on the grid has jumps at the surfaces, which move. Before it is used at new places, the points that a surface
-//! passed change sides by the jump function of the body's multipliers ([`passage`]); what is left is smooth in time and
-//! is extrapolated linearly.
+//! passed change sides: a field that is a sum of solutions with surfaces in different places changes by the same sum of
+//! their jump functions. What is left is smooth in time at every point, and is extrapolated linearly.
 
 use nalgebra::SVector;
 
 use super::bodies::Bodies;
 use crate::{
-    constraint::{Passage, Placed, passage},
+    constraint::{Passed, Placed, jump, passed},
     error::Result,
     petsc::{Scatter, Session, Vector},
 };
@@ -17,45 +17,46 @@ use crate::{
 const LONGEST_MOVE: f64 = 2.0;
 
 /// A solution: the fluid on the grid, the multipliers of all bodies (known to all ranks) and the unknowns of the closure.
-pub struct Snapshot {
+pub struct Snapshot<const D: usize> {
     /// Disturbance of the flow without bodies.
     pub fluid: Vector,
     /// Multipliers, body by body.
     pub multipliers: Vec<Vec<f64>>,
+    /// Centres of the bodies when it was found, not wrapped into the box.
+    pub centers: Vec<SVector<f64, D>>,
     /// Unknowns of the closure.
     pub closure: Vec<f64>,
 }
 
 /// The last solution and the one before it.
 pub struct Past<const D: usize> {
+    /// Time of the last solution.
+    pub time: f64,
     /// The last solution.
-    pub last: Snapshot,
-    /// The solution before it, as it would look at the places of the last one, and the time between the two.
-    pub earlier: Option<(Snapshot, f64)>,
-    /// Where the bodies were at the last solution, in the box.
-    pub centers: Vec<SVector<f64, D>>,
+    pub last: Snapshot<D>,
+    /// The solution before it, whose fluid has its surfaces where the last one has them, and the time between the two.
+    pub earlier: Option<(Snapshot<D>, f64)>,
 }
 
 /// The starting point of a solve.
-pub struct Guess {
+pub struct Guess<const D: usize> {
     /// The extrapolated solution.
-    pub extrapolated: Snapshot,
-    /// The last solution, as it would look at the new places.
-    last: Snapshot,
+    pub extrapolated: Snapshot<D>,
+    /// The last solution, its fluid with surfaces in the new places.
+    last: Snapshot<D>,
 }
 
-impl Snapshot {
+impl<const D: usize> Snapshot<D> {
     /// A copy of what was found; fluid and multipliers are this rank's parts. Collective.
-    pub fn of<const D: usize>(bodies: &Bodies<D>, session: &Session, found: (&Vector, &[f64], &[f64])) -> Result<Snapshot> {
+    pub fn of(bodies: &Bodies<D>, session: &Session, centers: &[SVector<f64, D>], found: (&Vector, &[f64], &[f64])) -> Result<Self> {
         let (found, multipliers, closure) = found;
-        let mut fluid = found.like()?;
-        fluid.copy_from(found)?;
-        Ok(Snapshot { fluid, multipliers: bodies.share_multipliers(session, multipliers), closure: closure.to_vec() })
+        let multipliers = bodies.share_multipliers(session, multipliers);
+        Ok(Snapshot { fluid: copy(found)?, multipliers, centers: centers.to_vec(), closure: closure.to_vec() })
     }
 
     /// `self + factor (self - earlier)`.
-    fn extrapolated(&self, earlier: &Snapshot, factor: f64) -> Result<Snapshot> {
-        let mut fluid = self.copy()?.fluid;
+    fn extrapolated(&self, earlier: &Snapshot<D>, factor: f64) -> Result<Snapshot<D>> {
+        let mut fluid = copy(&self.fluid)?;
         fluid.add(factor, &self.fluid)?;
         fluid.add(-factor, &earlier.fluid)?;
         let line = |(last, earlier): (&f64, &f64)| last + factor * (last - earlier);
@@ -63,64 +64,74 @@ impl Snapshot {
         Ok(Snapshot {
             fluid,
             multipliers: self.multipliers.iter().zip(&earlier.multipliers).map(of_body).collect(),
+            centers: self.centers.clone(),
             closure: self.closure.iter().zip(&earlier.closure).map(line).collect(),
         })
     }
 
-    fn copy(&self) -> Result<Snapshot> {
-        let mut fluid = self.fluid.like()?;
-        fluid.copy_from(&self.fluid)?;
-        Ok(Snapshot { fluid, multipliers: self.multipliers.clone(), closure: self.closure.clone() })
+    fn copy(&self) -> Result<Snapshot<D>> {
+        let (multipliers, centers, closure) = (self.multipliers.clone(), self.centers.clone(), self.closure.clone());
+        Ok(Snapshot { fluid: copy(&self.fluid)?, multipliers, centers, closure })
+    }
+
+    /// The jump at a point that a body passes, for this solution and a body that is about to be in the image at `center`.
+    fn jump(&self, bodies: &Bodies<D>, body: usize, shift: &SVector<f64, D>, point: &Passed<D>) -> f64 {
+        let placed = Placed { center: self.centers[body] + shift, surface: bodies.placed[body].surface.clone() };
+        jump(bodies.grid(), &placed, &self.multipliers[body], point)
     }
 }
 
+fn copy(vector: &Vector) -> Result<Vector> {
+    let mut copy = vector.like()?;
+    copy.copy_from(vector)?;
+    Ok(copy)
+}
+
 impl<const D: usize> Past<D> {
-    /// A starting point for bodies that have come to new places in the time `elapsed`; none if they moved too far.
-    pub fn guess(&self, bodies: &Bodies<D>, elapsed: f64) -> Result<Option<Guess>> {
-        if self.longest_move(bodies) > LONGEST_MOVE * bodies.grid().spacing().max() {
+    /// A starting point for bodies that have come to new `centers` at a `time`; none if they moved too far.
+    pub fn guess(&self, bodies: &Bodies<D>, centers: &[SVector<f64, D>], time: f64) -> Result<Option<Guess<D>>> {
+        let longest = centers.iter().zip(&self.last.centers).map(|(center, last)| (center - last).norm()).fold(0.0, f64::max);
+        if longest > LONGEST_MOVE * bodies.grid().spacing().max() {
             return Ok(None);
         }
+        let mut last = self.last.copy()?;
         let mut extrapolated = match &self.earlier {
-            Some((earlier, interval)) => self.last.extrapolated(earlier, elapsed / interval)?,
+            Some((earlier, interval)) => self.last.extrapolated(earlier, (time - self.time) / interval)?,
             None => self.last.copy()?,
         };
-        let mut last = self.last.copy()?;
-        self.change_sides(bodies, [&mut extrapolated, &mut last])?;
+        let points: Vec<(usize, SVector<f64, D>, Passed<D>)> =
+            bodies.layout.local_bodies.iter().flat_map(|&body| self.passed(bodies, body, &centers[body])).collect();
+        let places: Vec<i32> = points.iter().map(|(_, _, point)| point.place).collect();
+        let mut scatter = Scatter::new(&self.last.fluid, &places)?;
+        let of_last: Vec<f64> = points.iter().map(|(body, shift, point)| point.side * self.last.jump(bodies, *body, shift, point)).collect();
+        scatter.places()?.copy_from_slice(&of_last);
+        scatter.add_back(&mut last.fluid)?;
+        scatter.places()?.iter_mut().zip(&of_last).zip(&points).for_each(|((place, of_last), (body, shift, point))| {
+            *place = *of_last;
+            if let Some((earlier, interval)) = &self.earlier {
+                let of_earlier = point.side * earlier.jump(bodies, *body, shift, point);
+                *place += (time - self.time) / interval * (of_last - of_earlier);
+            }
+        });
+        scatter.add_back(&mut extrapolated.fluid)?;
         Ok(Some(Guess { extrapolated, last }))
     }
 
-    fn longest_move(&self, bodies: &Bodies<D>) -> f64 {
-        (0..self.centers.len()).map(|body| self.moved(bodies, body).norm()).fold(0.0, f64::max)
+    /// The points that a body passes on its way to `center`, each with the body and the shift of its centres into the box.
+    fn passed(&self, bodies: &Bodies<D>, body: usize, center: &SVector<f64, D>) -> Vec<(usize, SVector<f64, D>, Passed<D>)> {
+        let shift = bodies.placed[body].center - center;
+        let placed = Placed { center: self.last.centers[body] + shift, surface: bodies.placed[body].surface.clone() };
+        passed(bodies.grid(), &placed, &bodies.placed[body].center).into_iter().map(|point| (body, shift, point)).collect()
     }
 
-    fn moved(&self, bodies: &Bodies<D>, body: usize) -> SVector<f64, D> {
-        bodies.grid().domain().nearest_image(bodies.placed[body].center - self.centers[body])
-    }
-
-    fn change_sides(&self, bodies: &Bodies<D>, snapshots: [&mut Snapshot; 2]) -> Result<()> {
-        let passages: Vec<(usize, Passage)> = bodies.layout.local_bodies.iter().map(|&body| (body, self.passage(bodies, body))).collect();
-        let places: Vec<i32> = passages.iter().flat_map(|(_, passage)| passage.places.iter().copied()).collect();
-        let mut scatter = Scatter::new(&self.last.fluid, &places)?;
-        for snapshot in snapshots {
-            let changes = passages.iter().flat_map(|(body, passage)| passage.of(&snapshot.multipliers[*body]));
-            scatter.places()?.iter_mut().zip(changes).for_each(|(place, change)| *place = change);
-            scatter.add_back(&mut snapshot.fluid)?;
-        }
-        Ok(())
-    }
-
-    fn passage(&self, bodies: &Bodies<D>, body: usize) -> Passage {
-        let placed = Placed { center: self.centers[body], surface: bodies.placed[body].surface.clone() };
-        passage(bodies.grid(), &placed, &(placed.center + self.moved(bodies, body)))
-    }
-
-    /// The past of the solve after this one: its solution, and the guess it started from.
-    pub fn then(past: Option<Past<D>>, last: Snapshot, (guess, elapsed): (Option<Guess>, f64), bodies: &Bodies<D>) -> Past<D> {
-        let earlier = match guess {
+    /// What is past once a solve at a `time` has found the snapshot `last`, starting from a guess.
+    pub fn then(past: Option<Past<D>>, last: Snapshot<D>, (guess, time): (Option<Guess<D>>, f64)) -> Past<D> {
+        let earlier = match past {
             // another solve at the same instant takes the place of the last one
-            _ if elapsed == 0.0 => past.and_then(|past| past.earlier),
-            guess => guess.map(|guess| (guess.last, elapsed)),
+            Some(past) if past.time == time => past.earlier,
+            Some(past) => guess.map(|guess| (guess.last, time - past.time)),
+            None => None,
         };
-        Past { last, earlier, centers: bodies.placed.iter().map(|placed| placed.center).collect() }
+        Past { time, last, earlier }
     }
 }

@@ -1,19 +1,34 @@
-//! The machinery of a run: it solves what a [`Setup`] describes.
+//! The machinery of a run: it solves what a [`Setup`] or a [`DrySetup`] describes, at an instant or in time.
 
 mod basis;
 mod bodies;
 mod closure;
 mod coupled;
+mod drift;
+mod dry;
+mod dynamics;
 mod memory;
+mod pace;
+mod placement;
 mod plan;
 mod setup;
+#[expect(clippy::module_inception, reason = "the time loop is what the module is named after")]
+mod simulation;
 mod solution;
+mod state;
 mod suspension;
 mod touching;
 
 pub use coupled::Stages;
+pub use drift::Drift;
+pub use dry::{Dry, DryBody, DrySetup};
+pub use dynamics::{Dynamics, Effort, Seen, Travel, View};
+pub use memory::{Past, Snapshot};
+pub use pace::{Pace, Stride, Urge};
 pub use plan::Plan;
 pub use setup::{Setup, SuspendedBody};
+pub use simulation::{Simulation, StepReport};
 pub use solution::{BodyState, Solution};
+pub use state::{Held, Moving, State};
 pub use suspension::{Cost, Moment, Suspension};
 pub use touching::Touch;

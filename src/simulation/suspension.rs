@@ -47,8 +47,8 @@ pub struct Cost {
 pub struct Moment<'a, const D: usize> {
     /// Centres of all bodies.
     pub centers: &'a [SVector<f64, D>],
-    /// Time since the last solve, by which its solution is extrapolated.
-    pub elapsed: f64,
+    /// The time, to which the last solution is extrapolated.
+    pub time: f64,
     /// Contacts whose gaps grow at given rates, and the forces to start from.
     pub touches: &'a [(Touch<D>, f64)],
 }
@@ -128,9 +128,14 @@ impl<const D: usize> Suspension<D> {
         self.basis.setup.bodies.iter().enumerate().map(resistance).collect()
     }
 
-    /// Lets each solve start from the ones before it.
-    pub fn remember(&mut self) {
-        self.remembers = true;
+    /// Lets each solve start from the ones before it, beginning with those given.
+    pub fn remember(&mut self, past: Option<Past<D>>) {
+        (self.remembers, self.past) = (true, past);
+    }
+
+    /// What further solves start from.
+    pub fn past(&self) -> Option<&Past<D>> {
+        self.past.as_ref()
     }
 
     /// Solves with the bodies where the setup has them; `seen` is told each iteration and its relative residual.
@@ -139,7 +144,7 @@ impl<const D: usize> Suspension<D> {
     /// [`Error::Diverged`](crate::error::Error::Diverged) when the tolerance is not reached.
     pub fn solve(&mut self, seen: &mut dyn FnMut(usize, f64)) -> Result<Solution<D>> {
         let centers: Vec<SVector<f64, D>> = self.basis.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        self.solve_at(&Moment { centers: &centers, elapsed: 0.0, touches: &[] }, seen)
+        self.solve_at(&Moment { centers: &centers, time: 0.0, touches: &[] }, seen)
     }
 
     /// Solves for a moment, starting from the solves before it if they are remembered.
@@ -155,7 +160,7 @@ impl<const D: usize> Suspension<D> {
             _ => Assembly::new(basis, &bodies, moment.centers)?,
         };
         let members = bodies.members();
-        let guess = self.past.as_ref().map_or(Ok(None), |past| past.guess(&bodies, moment.elapsed))?;
+        let guess = self.past.as_ref().map_or(Ok(None), |past| past.guess(&bodies, moment.centers, moment.time))?;
         let places = self.engine.as_ref().map_or(0, |engine| engine.work.contact_places());
         let mut touching = basis.touching(&bodies, moment.touches, (&assembly.undisturbed, places))?;
         let mut engine = Engine::fitting(self.engine.take(), basis, assembly.undisturbed.len(), touching.places())?;
@@ -183,8 +188,8 @@ impl<const D: usize> Suspension<D> {
         let contacts = closure.split_off(basis.closure.unknowns::<D>());
         self.cost.stages = std::mem::take(&mut engine.work.stages);
         if self.remembers {
-            let last = Snapshot::of(&bodies, &basis.session, (&fluid, &multipliers, &closure))?;
-            self.past = Some(Past::then(self.past.take(), last, (guess, moment.elapsed), &bodies));
+            let last = Snapshot::of(&bodies, &basis.session, moment.centers, (&fluid, &multipliers, &closure))?;
+            self.past = Some(Past::then(self.past.take(), last, (guess, moment.time)));
         }
         let states = bodies.states(&basis.session, &velocities, &multipliers);
         let forces = contacts[..touching.count()].iter().map(|unknown| unknown * touching.scale * basis.setup.viscosity).collect();
@@ -221,10 +226,10 @@ impl Engine {
     }
 
     /// Sets the unknowns to a guess, or to zero.
-    fn start<const D: usize>(&mut self, bodies: &Bodies<D>, guess: Option<&Guess>, contacts: Vec<f64>) -> Result<()> {
+    fn start<const D: usize>(&mut self, bodies: &Bodies<D>, guess: Option<&Guess<D>>, contacts: Vec<f64>) -> Result<()> {
         let mut x = self.x.local_mut()?;
         x.fill(0.0);
-        let Some(Guess { extrapolated: Snapshot { fluid, multipliers, closure }, .. }) = guess else { return Ok(()) };
+        let Some(Guess { extrapolated: Snapshot { fluid, multipliers, closure, .. }, .. }) = guess else { return Ok(()) };
         let parts = [&fluid.local()?[..], &bodies.local_multipliers(multipliers), closure, &contacts].concat();
         // only rank 0 holds the tail
         x.iter_mut().zip(parts).for_each(|(x, guess)| *x = guess);

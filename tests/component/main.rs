@@ -12,6 +12,7 @@ mod grid;
 mod hard;
 mod interpolation;
 mod machine;
+mod motion;
 mod solvers;
 mod suspension;
 
@@ -47,7 +48,7 @@ fn main() {
     say(format!("{} ranks", session.world().size()));
     let mut passed = 0;
     let floors =
-        [machine::tests(), solvers::tests(), grid::tests(), interpolation::tests(), fluid::tests(), suspension::tests(), hard::tests()];
+        [machine::tests(), solvers::tests(), grid::tests(), interpolation::tests(), fluid::tests(), suspension::tests(), hard::tests(), motion::tests()];
     for test in floors.into_iter().flatten() {
         if wanted.is_empty() || wanted.iter().any(|part| test.name.contains(part)) {
             (test.run)(&session);

@@ -8,7 +8,10 @@
 //! ```
 //!
 //! which is linear in the multipliers and goes to the right-hand side: the matrices of the box stay as they are.
-//! Velocities on a surface are interpolated from outside: a node inside any body counts with its outer extension `u + D`.
+//! Velocities on a surface are interpolated from inside: a node outside the body counts with the inner extension `u - D`,
+//! and a node inside another body first with the outer extension of that one. In the solution the inner extension is a
+//! rigid motion, which interpolation reproduces; outer extensions `(a/r)^k` grow inwards so fast that interpolating them
+//! turns high modes unstable where bodies crowd.
 
 mod passage;
 mod sample;
@@ -23,7 +26,7 @@ use crate::{
     grid::{Grid, Index},
     surface::SurfaceTable,
 };
-pub use passage::{Passage, passage};
+pub use passage::{Passed, jump, passed};
 use sample::Sampling;
 use spread::Spreading;
 

@@ -1,6 +1,6 @@
-//! The blocks J and E: the velocity on a surface, interpolated from outside.
+//! The blocks J and E: the velocity on a surface, interpolated from the inner extension.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, SVector};
 
 use super::{Neighbour, Placed, Places, patch, velocity_jump};
 use crate::{
@@ -69,7 +69,11 @@ impl<'a, const D: usize> Sampling<'a, D> {
     fn add(&mut self, row: usize, component: usize, term: Term<D>, places: &mut Places<D>) {
         let index = match term.site {
             Site::Lattice { index, .. } => index,
-            Site::Wall { value, .. } => return self.wall_values[row] += term.weight * value,
+            Site::Wall { value, position } => {
+                self.wall_values[row] += term.weight * value;
+                let jump = self.extension(0, self.placed, component, &position);
+                return jump.into_iter().for_each(|(slot, jump)| self.interpolated_jumps[slot].add(row, term.weight, &jump));
+            }
         };
         let number = self.met_at[component].find(index).unwrap_or_else(|| self.meet(component, index, places));
         let met = &self.met[number];
@@ -88,16 +92,23 @@ impl<'a, const D: usize> Sampling<'a, D> {
         };
         let position = self.grid.position(component, index);
         let bodies = std::iter::once(self.placed).chain(self.neighbours.iter().map(|(_, neighbour)| neighbour));
-        let around = bodies.enumerate().filter(|(_, body)| !body.outside(&position));
-        let jump = |(slot, body): (usize, &Placed<D>)| {
-            let mut jump = vec![0.0; body.surface.modes.count()];
-            velocity_jump(self.grid, body, component, &position, &mut jump);
-            (slot, jump)
-        };
-        let jumps = around.map(jump).collect();
+        let jumps = bodies.enumerate().filter_map(|(slot, body)| self.extension(slot, body, component, &position)).collect();
         self.met_at[component].set(index, self.met.len());
         self.met.push(Met { place, jumps });
         self.met.len() - 1
+    }
+
+    /// What turns the velocity at a point into that of the inside of the body itself (slot 0) or of the outside of a neighbour.
+    fn extension(&self, slot: usize, body: &Placed<D>, component: usize, position: &SVector<f64, D>) -> Option<(usize, Vec<f64>)> {
+        if body.outside(position) != (slot == 0) {
+            return None;
+        }
+        let mut jump = vec![0.0; body.surface.modes.count()];
+        velocity_jump(self.grid, body, component, position, &mut jump);
+        if slot == 0 {
+            jump.iter_mut().for_each(|jump| *jump = -*jump);
+        }
+        Some((slot, jump))
     }
 
     /// The dense blocks of E, each with the first multiplier of its columns; `firsts` are those of the body and its neighbours.

@@ -1,0 +1,244 @@
+//! Bodies carried by Stokes flow: their velocities follow from their places, contact forces included.
+//!
+//! Contacts act in the flow: the contact model says who touches and presses, from velocities in unbounded fluid; the
+//! coupled system finds the forces that keep just these from approaching; both are repeated until they agree
+//! ([`Drift::agree`]). Then bodies travel by the two-step rule `v + dt/(2 dt_last) (v - v_last)`, the midpoint rule or
+//! Euler's, and what the rule adds to `v` is projected once more, so that nothing overlaps whatever the step.
+
+use std::time::Instant;
+
+use nalgebra::SVector;
+
+use super::{
+    Dynamics, Effort, Held, Moment, Seen, Solution, State, Suspension, Touch, Travel, View,
+    pace::{Pace, Stride, Urge},
+};
+use crate::{
+    body::Twist,
+    contact::{self, ContactForce, Partner, Problem, Projection},
+    error::{Error, Result},
+    geometry::{Ball, near_pairs, near_walls},
+    petsc::Session,
+    scene::Scheme,
+};
+
+/// Rounds that flow and contacts are given to agree.
+const MOST_ROUNDS: usize = 15;
+
+/// Difference between the velocities by the flow and by the contact model, over the largest velocity, that counts as agreement.
+const AGREEMENT: f64 = 1e-5;
+
+/// Gap, in radii, up to which a contact of the last step is tried first.
+const MEMORY_REACH: f64 = 0.1;
+
+/// Overlap, in radii, at which a run without a contact model ends.
+const OVERLAP: f64 = 1e-6;
+
+/// Bodies carried by Stokes flow.
+pub struct Drift<const D: usize> {
+    session: Session,
+    suspension: Suspension<D>,
+    pace: Pace,
+    scheme: Scheme,
+    /// Whether a contact model acts.
+    contact: bool,
+    /// Force that gives each body a unit velocity in unbounded fluid.
+    weights: Vec<f64>,
+}
+
+/// Velocities on which flow and contacts agree.
+struct Agreed<const D: usize> {
+    solution: Solution<D>,
+    twists: Vec<Twist<D>>,
+    contacts: Vec<ContactForce<D>>,
+    stride: Stride,
+}
+
+impl<const D: usize> Drift<D> {
+    /// Bodies of a suspension that move at a pace.
+    pub fn new(session: &Session, mut suspension: Suspension<D>, pace: Pace, contact: bool) -> Drift<D> {
+        suspension.remember(None);
+        let weights = suspension.resistances();
+        Drift { session: session.clone(), suspension, scheme: pace.time.scheme, pace, contact, weights }
+    }
+
+    fn balls(&self, state: &State<D>) -> Vec<Ball<D>> {
+        state.balls(&self.pace.radii)
+    }
+
+    /// Solves the flow with contacts that keep gaps open over the step to come.
+    fn agree(&mut self, state: &State<D>, effort: &mut Effort, seen: Seen) -> Result<Agreed<D>> {
+        let (balls, centers) = (self.balls(state), state.centers());
+        self.refuse_overlap(&balls, state.time)?;
+        let mut touches = self.remembered(state, &balls);
+        let mut chosen = None;
+        let mut difference = 0.0;
+        for _ in 0..MOST_ROUNDS {
+            let solution = self.suspension.solve_at(&Moment { centers: &centers, time: state.time, touches: &touches }, seen)?;
+            effort.add_solve(self.suspension.cost());
+            let mut twists: Vec<Twist<D>> = solution.bodies.iter().map(|body| body.twist).collect();
+            let stride = *chosen.get_or_insert_with(|| self.pace.next(&urges(&twists), state.time, state.last_step));
+            if !self.contact {
+                return Ok(Agreed { solution, twists, contacts: Vec::new(), stride });
+            }
+            let start = Instant::now();
+            let step = if stride.length > 0.0 { stride.length } else { state.last_step };
+            let unpressed = self.without_contacts(&twists, &touches, &solution.contact_forces);
+            let projection = self.project(&balls, &unpressed, step)?;
+            effort.contact += start.elapsed().as_secs_f64();
+            difference = largest_difference(&twists, &projection.velocities);
+            if difference <= AGREEMENT {
+                twists.iter_mut().zip(&projection.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
+                return Ok(Agreed { solution, twists, contacts: projection.forces, stride });
+            }
+            touches = projection.forces.iter().filter(|pressed| pressed.force > 0.0).map(|pressed| touch(pressed, step)).collect();
+        }
+        Err(Error::Diverged(format!(
+            "at time {} flow and contacts do not agree after {MOST_ROUNDS} rounds (velocities differ by {difference:.1e}); \
+             a shorter time.step or a finer grid may help",
+            state.time
+        )))
+    }
+
+    /// The contacts that bore a force in the last step, where they are now.
+    fn remembered(&self, state: &State<D>, balls: &[Ball<D>]) -> Vec<(Touch<D>, f64)> {
+        if state.held.is_empty() {
+            return Vec::new();
+        }
+        let reach = MEMORY_REACH * self.pace.radii.iter().copied().fold(f64::INFINITY, f64::min);
+        let near = contact::candidates(&self.suspension.setup().domain, balls, &self.weights, reach);
+        let force = |contact: &contact::Contact<D>| {
+            let same = |held: &&Held<D>| (held.body, held.partner, held.image) == (contact.body, contact.partner, contact.image);
+            state.held.iter().find(same).map(|held| held.force)
+        };
+        let pressed = near.into_iter().filter_map(|contact| force(&contact).map(|force| ContactForce { contact, force }));
+        pressed.map(|pressed| touch(&pressed, state.last_step)).collect()
+    }
+
+    /// The velocities that bodies would have without the contact forces, if each were alone.
+    fn without_contacts(&self, twists: &[Twist<D>], touches: &[(Touch<D>, f64)], forces: &[f64]) -> Vec<SVector<f64, D>> {
+        let mut velocities: Vec<SVector<f64, D>> = twists.iter().map(|twist| twist.velocity).collect();
+        for ((touch, _), force) in touches.iter().zip(forces) {
+            velocities[touch.body] += touch.normal * *force / self.weights[touch.body];
+            if let Some(partner) = touch.partner {
+                velocities[partner] -= touch.normal * *force / self.weights[partner];
+            }
+        }
+        velocities
+    }
+
+    fn project(&self, balls: &[Ball<D>], velocities: &[SVector<f64, D>], step: f64) -> Result<Projection<D>> {
+        let domain = &self.suspension.setup().domain;
+        contact::project(self.session.world(), &Problem { domain, balls, weights: &self.weights, velocities, step })
+    }
+
+    /// Without a contact model nothing keeps bodies apart: a run in which they meet has no meaning.
+    fn refuse_overlap(&self, balls: &[Ball<D>], time: f64) -> Result<()> {
+        if self.contact {
+            return Ok(());
+        }
+        let domain = &self.suspension.setup().domain;
+        let pairs = near_pairs(domain, balls, 0.0).into_iter().map(|pair| (pair.first, pair.gap));
+        let walls = near_walls(domain, balls, 0.0).into_iter().map(|pair| (pair.body, pair.gap));
+        match pairs.chain(walls).find(|&(body, gap)| gap < -OVERLAP * balls[body].radius) {
+            Some((body, gap)) => Err(Error::Diverged(format!(
+                "at time {time} body {body} overlaps another or a wall by {:.1e}; set contact.model = \"inelastic\" or a shorter time.step",
+                -gap
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    /// The motions by which bodies travel before contacts are kept.
+    fn rule(&mut self, state: &State<D>, view: &View<D>, effort: &mut Effort, seen: Seen) -> Result<Vec<Twist<D>>> {
+        match self.scheme {
+            Scheme::Euler => Ok(view.twists.clone()),
+            Scheme::TwoStep if state.last_step > 0.0 => Ok(two_step(state, view)),
+            _ => self.midpoint(state, view, effort, seen),
+        }
+    }
+
+    /// Motions half a step ahead.
+    fn midpoint(&mut self, state: &State<D>, view: &View<D>, effort: &mut Effort, seen: Seen) -> Result<Vec<Twist<D>>> {
+        let half = 0.5 * view.stride.length;
+        let mut ahead = state.clone();
+        ahead.advance(&view.twists, half);
+        ahead.held = view.contacts.iter().map(Held::of).collect();
+        Ok(self.agree(&ahead, effort, seen)?.twists)
+    }
+}
+
+impl<const D: usize> Dynamics<D> for Drift<D> {
+    fn look(&mut self, state: &State<D>, seen: Seen) -> Result<View<D>> {
+        let mut effort = Effort::default();
+        let Agreed { solution, twists, contacts, stride } = self.agree(state, &mut effort, seen)?;
+        Ok(View { twists, contacts, solution: Some(solution), stride, effort })
+    }
+
+    fn travel(&mut self, state: &State<D>, view: &View<D>, seen: Seen) -> Result<Travel<D>> {
+        let mut effort = Effort::default();
+        let mut moves = self.rule(state, view, &mut effort, seen)?;
+        let velocities: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
+        let step = self.pace.shortened(&velocities, view.stride.length);
+        let mut certificate = None;
+        if self.contact {
+            let start = Instant::now();
+            let projection = self.project(&self.balls(state), &velocities, step)?;
+            moves.iter_mut().zip(projection.velocities).for_each(|(twist, velocity)| twist.velocity = velocity);
+            certificate = Some(projection.certificate);
+            effort.contact += start.elapsed().as_secs_f64();
+        }
+        Ok(Travel { step, moves, twists: view.twists.clone(), contacts: view.contacts.clone(), certificate, effort })
+    }
+
+    fn suspension(&mut self) -> Option<&mut Suspension<D>> {
+        Some(&mut self.suspension)
+    }
+}
+
+/// `v + dt/(2 dt_last) (v - v_last)`; bodies that came into contact or out of it since the last step do not look back.
+fn two_step<const D: usize>(state: &State<D>, view: &View<D>) -> Vec<Twist<D>> {
+    let now: Vec<Held<D>> = view.contacts.iter().filter(|pressed| pressed.force > 0.0).map(Held::of).collect();
+    let (before, after) = (contacts_of(&state.held, state.bodies.len()), contacts_of(&now, state.bodies.len()));
+    let factor = 0.5 * view.stride.length / state.last_step;
+    let rule = |(body, (now, last)): (usize, (&Twist<D>, &Twist<D>))| {
+        if before[body] != after[body] {
+            return *now;
+        }
+        Twist { velocity: now.velocity + (now.velocity - last.velocity) * factor, spin: now.spin + (now.spin - last.spin) * factor }
+    };
+    view.twists.iter().zip(state.bodies.iter().map(|body| &body.twist)).enumerate().map(rule).collect()
+}
+
+/// For each body its contacts, seen from it.
+fn contacts_of<const D: usize>(held: &[Held<D>], bodies: usize) -> Vec<Vec<(Partner, [i32; D])>> {
+    let mut of_body = vec![Vec::new(); bodies];
+    for contact in held {
+        of_body[contact.body].push((contact.partner, contact.image));
+        if let Partner::Body(partner) = contact.partner {
+            of_body[partner].push((Partner::Body(contact.body), contact.image.map(|image| -image)));
+        }
+    }
+    of_body.iter_mut().for_each(|contacts| contacts.sort_unstable());
+    of_body
+}
+
+fn urges<const D: usize>(twists: &[Twist<D>]) -> Vec<Urge<D>> {
+    twists.iter().map(|twist| Urge { velocity: twist.velocity, acceleration: SVector::zeros() }).collect()
+}
+
+/// A pressed contact as a row of the coupled system: its gap may close within a step.
+fn touch<const D: usize>(pressed: &ContactForce<D>, step: f64) -> (Touch<D>, f64) {
+    let contact = &pressed.contact;
+    let partner = match contact.partner {
+        Partner::Body(partner) => Some(partner),
+        Partner::Wall { .. } => None,
+    };
+    (Touch { body: contact.body, partner, normal: contact.normal, rate: -contact.gap / step }, pressed.force)
+}
+
+/// Largest difference of velocities over the largest velocity.
+fn largest_difference<const D: usize>(twists: &[Twist<D>], velocities: &[SVector<f64, D>]) -> f64 {
+    let largest = twists.iter().map(|twist| twist.velocity.norm()).fold(f64::MIN_POSITIVE, f64::max);
+    twists.iter().zip(velocities).map(|(twist, velocity)| (twist.velocity - velocity).norm()).fold(0.0, f64::max) / largest
+}

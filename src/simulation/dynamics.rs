@@ -1,0 +1,100 @@
+//! What moves bodies: the interface behind which a fluid, or inertia alone, drives a [`Simulation`](super::Simulation).
+
+use super::{Cost, Solution, State, Suspension, pace::Stride};
+use crate::{
+    body::Twist,
+    contact::{Certificate, ContactForce},
+    error::Result,
+};
+
+/// Told of each iteration of a linear solver and its relative residual.
+pub type Seen<'a> = &'a mut dyn FnMut(usize, f64);
+
+/// What happens at one instant.
+pub struct View<const D: usize> {
+    /// Motions of the bodies.
+    pub twists: Vec<Twist<D>>,
+    /// Contacts and their forces.
+    pub contacts: Vec<ContactForce<D>>,
+    /// The flow, if there is one.
+    pub solution: Option<Solution<D>>,
+    /// The step to take.
+    pub stride: Stride,
+    /// What it took to find out.
+    pub effort: Effort,
+}
+
+/// What an instant or a step cost.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Effort {
+    /// Solves of the flow.
+    pub solves: usize,
+    /// Iterations of the linear solver.
+    pub iterations: usize,
+    /// Seconds for jump corrections.
+    pub assembly: f64,
+    /// Seconds in the linear solver.
+    pub solving: f64,
+    /// Seconds for contacts.
+    pub contact: f64,
+}
+
+/// How bodies move over a step.
+pub struct Travel<const D: usize> {
+    /// Length of the step.
+    pub step: f64,
+    /// Motions that carry them.
+    pub moves: Vec<Twist<D>>,
+    /// Motions that they have after it, as far as they are known before the next instant is solved.
+    pub twists: Vec<Twist<D>>,
+    /// Contacts and their forces, if they were found on the way.
+    pub contacts: Vec<ContactForce<D>>,
+    /// How well contacts were kept, if there are any to keep.
+    pub certificate: Option<Certificate>,
+    /// What it took.
+    pub effort: Effort,
+}
+
+/// What moves bodies. Every function is collective.
+pub trait Dynamics<const D: usize> {
+    /// What happens in a state; called once for each.
+    ///
+    /// # Errors
+    /// A solver does not converge.
+    fn look(&mut self, state: &State<D>, seen: Seen) -> Result<View<D>>;
+
+    /// The step from a state that was looked at.
+    ///
+    /// # Errors
+    /// A solver does not converge, or contacts cannot be kept.
+    fn travel(&mut self, state: &State<D>, view: &View<D>, seen: Seen) -> Result<Travel<D>>;
+
+    /// The suspension that is solved, if there is a fluid.
+    fn suspension(&mut self) -> Option<&mut Suspension<D>> {
+        None
+    }
+}
+
+impl Effort {
+    /// Adds what a solve of the flow cost.
+    pub fn add_solve(&mut self, cost: &Cost) {
+        self.solves += 1;
+        self.iterations += cost.krylov.iterations;
+        self.assembly += cost.assembly;
+        self.solving += cost.krylov.seconds;
+    }
+}
+
+impl std::ops::Add for Effort {
+    type Output = Effort;
+
+    fn add(self, other: Effort) -> Effort {
+        Effort {
+            solves: self.solves + other.solves,
+            iterations: self.iterations + other.iterations,
+            assembly: self.assembly + other.assembly,
+            solving: self.solving + other.solving,
+            contact: self.contact + other.contact,
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! The length of the next step.
+
+use nalgebra::SVector;
+
+use crate::scene::{Step, TimeSection};
+
+/// Largest growth from one step to the next.
+const GROWTH: f64 = 1.25;
+
+/// Part of a step that is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// How steps are chosen: none moves a body by more than a part of its radius, none is much longer than the one before.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pace {
+    /// As the scene says.
+    pub time: TimeSection,
+    /// Radii of the bodies.
+    pub radii: Vec<f64>,
+}
+
+/// A body's motion as far as steps depend on it.
+#[derive(Debug, Clone, Copy)]
+pub struct Urge<const D: usize> {
+    /// Velocity.
+    pub velocity: SVector<f64, D>,
+    /// Acceleration of a body that is not held.
+    pub acceleration: SVector<f64, D>,
+}
+
+/// The length of a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stride {
+    /// Its length; 0 at the end of the run.
+    pub length: f64,
+    /// Its length if the run did not end.
+    pub natural: f64,
+}
+
+impl Stride {
+    /// Whether the end of the run cut it short by more than rounding.
+    pub fn cut_short(&self) -> bool {
+        self.length < self.natural * (1.0 - ROUNDING)
+    }
+}
+
+impl Pace {
+    /// The next step for bodies that move so, from a time, after a last step (0 if it is the first).
+    pub fn next<const D: usize>(&self, motion: &[Urge<D>], time: f64, last_step: f64) -> Stride {
+        let natural = match self.time.step {
+            Step::Fixed(step) => step,
+            Step::Auto => {
+                let longest = if last_step > 0.0 { GROWTH * last_step } else { self.time.end };
+                motion.iter().zip(&self.radii).map(|(urge, radius)| reach(urge, self.time.travel * radius)).fold(longest, f64::min)
+            }
+        };
+        let left = self.time.end - time;
+        Stride { length: if natural > left * (1.0 - ROUNDING) { left } else { natural }, natural }
+    }
+
+    /// A step that would carry bodies too far, made shorter.
+    pub fn shortened<const D: usize>(&self, moves: &[SVector<f64, D>], step: f64) -> f64 {
+        match self.time.step {
+            Step::Fixed(_) => step,
+            Step::Auto => {
+                let limit = |(velocity, radius): (&SVector<f64, D>, &f64)| self.time.travel * radius / velocity.norm();
+                moves.iter().zip(&self.radii).map(limit).fold(step, f64::min)
+            }
+        }
+    }
+
+    /// Whether the run has ended.
+    pub fn over(&self, time: f64) -> bool {
+        time >= self.time.end * (1.0 - 1e-13)
+    }
+
+    /// Whether the next step may reach the end.
+    pub fn may_end(&self, time: f64, last_step: f64) -> bool {
+        let step = if let Step::Fixed(step) = self.time.step { step } else { GROWTH * last_step };
+        time + step * (1.0 + ROUNDING) >= self.time.end
+    }
+}
+
+/// The time in which a body covers a distance: `v t + a t^2 = distance`.
+fn reach<const D: usize>(urge: &Urge<D>, distance: f64) -> f64 {
+    let (velocity, acceleration) = (urge.velocity.norm(), urge.acceleration.norm());
+    2.0 * distance / (velocity + (velocity * velocity + 4.0 * acceleration * distance).sqrt())
+}

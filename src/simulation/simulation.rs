@@ -1,0 +1,133 @@
+//! The time loop: bodies move step by step, driven by a fluid or by inertia alone.
+
+use super::{
+    Drift, Dry, DrySetup, Dynamics, Effort, Held, Past, Seen, Setup, State, Suspension, View, pace::Pace,
+};
+use crate::{
+    contact::Certificate,
+    error::Result,
+    geometry::Domain,
+    petsc::Session,
+    scene::{ContactModel, Scene, TimeSection},
+};
+
+/// A simulation in time. Every function is collective.
+pub struct Simulation<const D: usize> {
+    state: State<D>,
+    dynamics: Box<dyn Dynamics<D>>,
+    domain: Domain<D>,
+    pace: Pace,
+    /// Whether the last step was cut short by the end of the run.
+    cut_short: bool,
+}
+
+/// How a step went.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepReport {
+    /// Its length.
+    pub length: f64,
+    /// How well contacts were kept, if there are any to keep.
+    pub certificate: Option<Certificate>,
+    /// What it cost.
+    pub effort: Effort,
+}
+
+impl<const D: usize> Simulation<D> {
+    /// Builds what a scene with a `[time]` section calls for, and no more.
+    ///
+    /// # Errors
+    /// Bodies, grid or rank count do not fit.
+    pub fn new(session: &Session, scene: &Scene) -> Result<Simulation<D>> {
+        let time = scene.time.clone().expect("the scene has a [time] section");
+        if scene.dry() {
+            let setup = session.world().agree(DrySetup::<D>::of(scene))?;
+            return Ok(Self::dry(session, setup, time));
+        }
+        let setup = session.world().agree(Setup::<D>::of(scene))?;
+        Ok(Self::flowing(session, Suspension::new(session, setup)?, time, scene.contact.model))
+    }
+
+    /// Dry bodies in motion.
+    pub fn dry(session: &Session, setup: DrySetup<D>, time: TimeSection) -> Simulation<D> {
+        let pace = Pace { time, radii: setup.bodies.iter().map(|body| body.radius).collect() };
+        let (state, domain) = (setup.start(), setup.domain.clone());
+        let dynamics = Box::new(Dry::new(session, setup, pace.clone()));
+        Simulation { state, dynamics, domain, pace, cut_short: false }
+    }
+
+    /// Bodies carried by Stokes flow.
+    pub fn flowing(session: &Session, suspension: Suspension<D>, time: TimeSection, contact: ContactModel) -> Simulation<D> {
+        let bodies = &suspension.setup().bodies;
+        let pace = Pace { time, radii: bodies.iter().map(|suspended| suspended.body.ball.radius).collect() };
+        let at_rest = |suspended: &super::SuspendedBody<D>| (suspended.body.ball.center, crate::body::Twist::zero());
+        let state = State::start(bodies.iter().map(at_rest));
+        let domain = suspension.setup().domain.clone();
+        let contact = contact == ContactModel::Inelastic;
+        let dynamics = Box::new(Drift::new(session, suspension, pace.clone(), contact));
+        Simulation { state, dynamics, domain, pace, cut_short: false }
+    }
+
+    /// Where bodies are.
+    pub fn state(&self) -> &State<D> {
+        &self.state
+    }
+
+    /// Goes on from another state, with what earlier solves say about the next one.
+    pub fn restore(&mut self, state: State<D>, past: Option<Past<D>>) {
+        self.state = state;
+        if let Some(suspension) = self.dynamics.suspension() {
+            suspension.remember(past);
+        }
+    }
+
+    /// The suspension that is solved, if there is a fluid.
+    pub fn suspension(&mut self) -> Option<&mut Suspension<D>> {
+        self.dynamics.suspension()
+    }
+
+    /// The box.
+    pub fn domain(&self) -> &Domain<D> {
+        &self.domain
+    }
+
+    /// Radii of the bodies.
+    pub fn radii(&self) -> &[f64] {
+        &self.pace.radii
+    }
+
+    /// Whether the run has reached its end.
+    pub fn over(&self) -> bool {
+        self.pace.over(self.state.time)
+    }
+
+    /// Whether the next step may reach the end.
+    pub fn may_end(&self) -> bool {
+        self.pace.may_end(self.state.time, self.state.last_step)
+    }
+
+    /// Whether the state lies on the way of a longer run: its last step was not cut short by the end.
+    pub fn on_the_way(&self) -> bool {
+        !self.cut_short
+    }
+
+    /// What happens now; to be called once for each state.
+    ///
+    /// # Errors
+    /// A solver does not converge.
+    pub fn look(&mut self, seen: Seen) -> Result<View<D>> {
+        self.dynamics.look(&self.state, seen)
+    }
+
+    /// Moves the bodies by a step.
+    ///
+    /// # Errors
+    /// A solver does not converge, contacts cannot be kept, or a body leaves the box.
+    pub fn step(&mut self, view: &View<D>, seen: Seen) -> Result<StepReport> {
+        let travel = self.dynamics.travel(&self.state, view, seen)?;
+        self.state.bodies.iter_mut().zip(&travel.twists).for_each(|(body, twist)| body.twist = *twist);
+        self.state.held = travel.contacts.iter().filter(|pressed| pressed.force > 0.0).map(Held::of).collect();
+        self.state.advance(&travel.moves, travel.step);
+        self.cut_short = view.stride.cut_short() && travel.step == view.stride.length;
+        Ok(StepReport { length: travel.step, certificate: travel.certificate, effort: travel.effort })
+    }
+}
