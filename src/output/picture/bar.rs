@@ -39,13 +39,14 @@ fn robust_maximum(values: &[f64]) -> f64 {
 }
 
 /// The step of the form 1, 2 or 5 times a power of ten that cuts a range into nearly four parts.
-fn round_step(range: f64) -> f64 {
+pub fn round_step(range: f64) -> f64 {
     let steps = (-2..=0).flat_map(|shift| [1.0, 2.0, 5.0].map(|digit| digit * 10f64.powi(decade(range) + shift)));
     let misfit = |step: &f64| ((range / step).floor() - 4.0).abs();
     steps.min_by(|a, b| misfit(a).total_cmp(&misfit(b))).expect("there are nine steps")
 }
 
-fn decade(value: f64) -> i32 {
+/// The power of ten below a positive value.
+pub fn decade(value: f64) -> i32 {
     (value.log10() + 1e-9).floor() as i32
 }
 

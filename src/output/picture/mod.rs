@@ -3,11 +3,14 @@
 //! A [`Picture`] is a plane cut sampled on a regular grid. Everything here is a pure function of it: no file,
 //! no mesh, no simulation is known. Lengths and speeds are in the units of the simulation, `y` points up.
 
-mod bar;
-mod colour;
+pub mod bar;
+pub mod colour;
 mod raster;
 mod streamlines;
 mod svg;
+
+use super::images::Window;
+pub use svg::{INK, escaped};
 
 /// A plane cut through a suspension, ready to be drawn.
 #[derive(Clone, Debug)]
@@ -57,19 +60,8 @@ impl Picture {
     }
 
     fn images(&self, body: &Disk) -> Vec<Disk> {
-        let [columns, rows] = [0, 1].map(|axis| self.image_coordinates(axis, body));
-        let centers = rows.iter().flat_map(|&y| columns.iter().map(move |&x| [x, y]));
-        centers.map(|center| Disk { center, ..*body }).collect()
-    }
-
-    fn image_coordinates(&self, axis: usize, body: &Disk) -> Vec<f64> {
-        let length = self.size[axis];
-        if !self.periodic[axis] {
-            return vec![body.center[axis]];
-        }
-        let home = body.center[axis].rem_euclid(length);
-        let reaches = |x: &f64| x + body.radius > 0.0 && x - body.radius < length;
-        [home - length, home, home + length].into_iter().filter(reaches).collect()
+        let window = Window { size: self.size, periodic: self.periodic };
+        window.images(body.center, body.radius).into_iter().map(|center| Disk { center, ..*body }).collect()
     }
 
     /// The sample column or row of index `index`, wrapped or clamped into the grid.

@@ -13,7 +13,8 @@ const SIDE: f64 = 22.0;
 const BAR_ROOM: f64 = 110.0;
 const RASTER_WIDTH: f64 = 450.0;
 const WALL: f64 = 6.0;
-const INK: &str = "#14171f";
+/// The colour of text, bodies and walls.
+pub const INK: &str = "#14171f";
 
 /// The whole document.
 pub fn drawing(picture: &Picture) -> String {
@@ -85,7 +86,8 @@ fn title(picture: &Picture, frame: &Frame) -> String {
     format!("<text x=\"{:.1}\" y=\"36\" font-size=\"{font:.1}\" font-weight=\"600\">{text}</text>\n", frame.left)
 }
 
-fn escaped(text: &str) -> String {
+/// A text as the content of an SVG element.
+pub fn escaped(text: &str) -> String {
     let plain = text.chars().filter(|letter| !letter.is_control()).collect::<String>();
     plain.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

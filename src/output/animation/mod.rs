@@ -1,0 +1,206 @@
+//! The film of a suspension: disks coloured by their speed, frame after frame, as one animated PNG.
+//!
+//! A pure function of an [`Animation`], as a picture is: no file, no mesh, no simulation is known. There is no text in it; a bar below
+//! the box fills up as time passes. Source of the format: W3C, 2025, PNG third edition, <https://www.w3.org/TR/png-3>.
+
+mod canvas;
+mod encoding;
+mod layout;
+mod palette;
+
+use super::images::Window;
+use super::picture::bar::Bar;
+use super::picture::colour;
+use canvas::Canvas;
+use layout::Layout;
+
+/// The distance of the mark that shows the angle from the center, and its radius, in radii of its disk.
+const MARK: [f64; 2] = [0.58, 0.17];
+/// Radius in pixels below which a mark could not be seen.
+const MARKED: f64 = 4.0;
+/// Width in pixels of the light ring that sets a disk off from those it covers.
+const RING: f64 = 0.9;
+
+/// A film of disks in a box, ready to be drawn.
+#[derive(Clone, Debug)]
+pub struct Animation {
+    /// Width and height of the box, whose lower left corner is the origin; `y` points up.
+    pub size: [f64; 2],
+    /// Which directions are periodic; the others end at solid walls.
+    pub periodic: [bool; 2],
+    /// The frames in the order of time.
+    pub frames: Vec<AnimationFrame>,
+}
+
+/// What is seen at one time.
+#[derive(Clone, Debug)]
+pub struct AnimationFrame {
+    /// Time, in any unit.
+    pub time: f64,
+    /// The disks; each covers those before it.
+    pub disks: Vec<AnimatedDisk>,
+}
+
+/// One body at one time.
+#[derive(Clone, Copy, Debug)]
+pub struct AnimatedDisk {
+    /// Center, in or out of the box: periodic directions wrap it.
+    pub center: [f64; 2],
+    /// Radius.
+    pub radius: f64,
+    /// Angle of the mark that shows rotation, counterclockwise from `x`; not a number for a disk without mark.
+    pub angle: f64,
+    /// Speed to colour by, from zero to the 99.5th percentile of the whole film.
+    pub speed: f64,
+}
+
+impl Animation {
+    /// The film as an animated PNG that repeats for ever, at most `width_in_pixels` wide and one and a half times as high.
+    ///
+    /// It runs for `seconds`, shared among the frames as their times are, and holds the last one for a second more. The first frame is
+    /// what a viewer without animation shows. Disks whose center or radius is not finite are left out.
+    ///
+    /// Panics if there is no frame or the box has no size.
+    pub fn apng(&self, width_in_pixels: usize, seconds: f64) -> Vec<u8> {
+        assert!(!self.frames.is_empty(), "a film has frames");
+        assert!(self.size.iter().all(|length| length.is_finite() && *length > 0.0), "the box has a positive size");
+        let layout = Layout::new(self, width_in_pixels);
+        let top = Bar::new(&self.frames.iter().flat_map(|frame| &frame.disks).map(|disk| disk.speed).collect::<Vec<_>>()).top;
+        let stills = self.progress().into_iter().zip(&self.frames).map(|(part, frame)| self.still(&layout, frame, top, part));
+        encoding::apng(layout.page, stills, &self.delays(seconds))
+    }
+
+    /// The part of the film that is over at each frame, from zero to one: by time if it runs forward, else by number.
+    fn progress(&self) -> Vec<f64> {
+        let times: Vec<f64> = self.frames.iter().map(|frame| frame.time).collect();
+        let [first, last] = [times[0], times[times.len() - 1]];
+        let forward = times.windows(2).all(|pair| pair[0] < pair[1]) && (last - first).is_finite();
+        let count = times.len().max(2) - 1;
+        times
+            .iter()
+            .enumerate()
+            .map(|(k, time)| if forward && last > first { (time - first) / (last - first) } else { k as f64 / count as f64 })
+            .collect()
+    }
+
+    /// How long each frame is seen, in milliseconds.
+    fn delays(&self, seconds: f64) -> Vec<u16> {
+        let ends = self.progress().into_iter().map(|part| (1000.0 * seconds * part).round());
+        let ends: Vec<f64> = ends.collect();
+        let between = ends.windows(2).map(|pair| (pair[1] - pair[0]).max(10.0) as u16);
+        between.chain([1000]).collect()
+    }
+
+    fn still(&self, layout: &Layout, frame: &AnimationFrame, top: f64, part: f64) -> Canvas {
+        let mut canvas = layout.empty(part);
+        for disk in frame.disks.iter().filter(|disk| disk.finite()) {
+            self.draw(&mut canvas, layout, disk, palette::shade(disk.speed / top));
+        }
+        canvas
+    }
+
+    fn draw(&self, canvas: &mut Canvas, layout: &Layout, disk: &AnimatedDisk, shade: [u8; 3]) {
+        let radius = disk.radius * layout.scale;
+        let mark = MARK.map(|part| part * radius);
+        for center in (Window { size: self.size, periodic: self.periodic }).images(disk.center, disk.radius) {
+            let [x, y] = layout.place(center);
+            canvas.fill_disk([x, y], radius + RING, palette::PAPER);
+            canvas.fill_disk([x, y], radius, shade);
+            if radius > MARKED && disk.angle.is_finite() {
+                canvas.fill_disk([x + mark[0] * disk.angle.cos(), y - mark[0] * disk.angle.sin()], mark[1], palette::PAPER);
+            }
+        }
+    }
+}
+
+impl AnimatedDisk {
+    fn finite(&self) -> bool {
+        self.center.iter().all(|x| x.is_finite()) && self.radius.is_finite() && self.radius > 0.0
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn film(disks: Vec<AnimatedDisk>) -> Animation {
+        let frames = [0.0, 1.0, 3.0].map(|time| AnimationFrame { time, disks: disks.clone() });
+        Animation { size: [2.0, 1.0], periodic: [true, false], frames: frames.into() }
+    }
+
+    fn disk(x: f64, speed: f64) -> AnimatedDisk {
+        AnimatedDisk { center: [x, 0.5], radius: 0.2, angle: f64::NAN, speed }
+    }
+
+    fn first_still(animation: &Animation) -> (Layout, Canvas) {
+        let layout = Layout::new(animation, 228);
+        let canvas = animation.still(&layout, &animation.frames[0], 1.0, 0.0);
+        (layout, canvas)
+    }
+
+    fn colour_at(animation: &Animation, x: [f64; 2]) -> [u8; 3] {
+        let (layout, canvas) = first_still(animation);
+        let [column, row] = layout.place(x).map(|place| place as usize);
+        canvas.pixels[row * canvas.size[0] + column]
+    }
+
+    #[test]
+    fn the_file_decodes_to_all_frames_and_repeats_for_ever() {
+        let bytes = film(vec![disk(1.0, 1.0)]).apng(228, 3.0);
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        let control = *reader.info().animation_control().unwrap();
+        assert_eq!((control.num_frames, control.num_plays), (3, 0));
+        assert_eq!(reader.info().size(), (228, 146));
+        let mut image = vec![0; reader.output_buffer_size().unwrap()];
+        let delays = [1000, 2000, 1000].map(|_| {
+            reader.next_frame(&mut image).unwrap();
+            reader.info().frame_control().unwrap().delay_num
+        });
+        assert_eq!(delays, [1000, 2000, 1000]);
+    }
+
+    #[test]
+    fn a_disk_across_the_seam_is_seen_on_both_sides() {
+        let film = film(vec![disk(2.05, 1.0)]);
+        for (x, seen) in [(0.1, true), (1.9, true), (1.0, false)] {
+            assert_eq!(colour_at(&film, [x, 0.5]) == palette::shade(1.0), seen, "at {x}");
+        }
+    }
+
+    #[test]
+    fn the_second_coordinate_points_up() {
+        let mut film = film(vec![disk(1.0, 1.0)]);
+        film.frames[0].disks[0].center[1] = 0.8;
+        assert_eq!(colour_at(&film, [1.0, 0.8]), palette::shade(1.0));
+        let (layout, _) = first_still(&film);
+        assert!(layout.place([0.0, 1.0])[1] < layout.place([0.0, 0.0])[1]);
+    }
+
+    #[test]
+    fn the_mark_points_where_the_angle_does() {
+        let film = film(vec![AnimatedDisk { angle: std::f64::consts::FRAC_PI_2, ..disk(1.0, 1.0) }]);
+        assert_eq!(colour_at(&film, [1.0, 0.5 + 0.2 * MARK[0]]), palette::PAPER);
+        assert_eq!(colour_at(&film, [1.0, 0.5 - 0.2 * MARK[0]]), palette::shade(1.0));
+    }
+
+    #[test]
+    fn the_same_film_has_the_same_bytes() {
+        let film = film(vec![disk(0.3, 0.1), disk(1.0, 1.0), disk(1.2, 0.5)]);
+        assert_eq!(film.apng(120, 2.0), film.apng(120, 2.0));
+    }
+
+    #[test]
+    fn values_that_are_not_finite_can_be_drawn() {
+        let mut film = film(vec![disk(f64::NAN, 1.0), disk(1.0, f64::NAN), AnimatedDisk { radius: f64::INFINITY, ..disk(1.0, 1.0) }]);
+        film.frames[1].time = f64::NAN;
+        assert!(!film.apng(100, f64::NAN).is_empty());
+    }
+
+    #[test]
+    fn one_frame_without_disks_is_a_film() {
+        let mut film = film(Vec::new());
+        film.frames.truncate(1);
+        assert!(!film.apng(1, 0.0).is_empty());
+    }
+}

@@ -1,0 +1,313 @@
+//! A line chart as one SVG text: a total in ink, its parts in colours, names at the ends of the lines.
+//!
+//! A pure function of a [`Chart`]. Ranges follow the points, and reach down to zero only where that costs little of the height.
+
+use std::fmt::Write;
+
+use super::picture::bar::{decade, round_step};
+use super::picture::{INK, colour, escaped};
+
+const PAGE: [f64; 2] = [800.0, 450.0];
+const SIDE: f64 = 22.0;
+const LINE: f64 = 18.0;
+/// Width of a letter in pixels, about.
+const LETTER: f64 = 7.2;
+
+/// A chart of lines over a common abscissa, ready to be drawn.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    /// Line of text above the axes; an empty one takes no room.
+    pub title: String,
+    /// Name of the abscissa, with its unit.
+    pub x: String,
+    /// Name of the ordinate, with its unit.
+    pub y: String,
+    /// The lines; the first stands out, and names are shown if there is more than one.
+    pub series: Vec<Series>,
+}
+
+/// One line of a chart.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// Name.
+    pub name: String,
+    /// Abscissas and ordinates in the order to be joined; the line breaks where a value is not finite.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl Chart {
+    /// The chart as a complete SVG document of 800 by 450 pixels; without a finite point it shows empty axes.
+    pub fn svg(&self) -> String {
+        let frame = Frame::new(self);
+        let [width, height] = PAGE;
+        let mut svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
+             font-family=\"Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif\" font-size=\"13\" fill=\"{INK}\">\n\
+             <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n"
+        );
+        svg += &self.words(&frame);
+        svg += &frame.grid();
+        for k in (0..self.series.len()).rev() {
+            svg += &self.line(k, &frame);
+        }
+        svg += &self.names(&frame);
+        svg + "</svg>\n"
+    }
+
+    fn finite_points(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.series.iter().flat_map(|series| &series.points).map(|&(x, y)| [x, y]).filter(finite)
+    }
+
+    fn words(&self, frame: &Frame) -> String {
+        let [left, right] = [frame.left, frame.right];
+        let [title, x, y] = [&self.title, &self.x, &self.y].map(|text| escaped(text));
+        let middle = (frame.top + frame.foot) / 2.0;
+        format!(
+            "<text x=\"{SIDE}\" y=\"34\" font-size=\"18\" font-weight=\"600\">{title}</text>\n\
+             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" font-size=\"14\">{x}</text>\n\
+             <text transform=\"translate({:.1} {middle:.1}) rotate(-90)\" text-anchor=\"middle\" font-size=\"14\">{y}</text>\n",
+            (left + right) / 2.0,
+            PAGE[1] - SIDE + 4.0,
+            SIDE + 10.0,
+        )
+    }
+
+    /// The pieces of a line between values that are not finite; a lonely point becomes a dot, a stroke without length.
+    fn line(&self, k: usize, frame: &Frame) -> String {
+        let points: Vec<[f64; 2]> = self.series[k].points.iter().map(|&(x, y)| [x, y]).collect();
+        let path: String = points.split(|point| !finite(point)).map(|piece| frame.path(piece)).collect();
+        let width = if k == 0 { 2.4 } else { 1.8 };
+        let dot = if points.iter().filter(|point| finite(point)).count() == 1 { 7.0 } else { width };
+        format!(
+            "<path d=\"{path}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{dot}\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>\n",
+            self.colour(k)
+        )
+    }
+
+    /// Ink for the first line, then the map of the speed without its palest end.
+    fn colour(&self, k: usize) -> String {
+        let parts = self.series.len().max(3) - 2;
+        if k == 0 { INK.into() } else { colour::hexadecimal(0.2 + 0.65 * (k - 1) as f64 / parts as f64) }
+    }
+
+    /// The names at the heights where their lines end, moved apart where they would touch.
+    fn names(&self, frame: &Frame) -> String {
+        let mut text = String::new();
+        if self.series.len() < 2 {
+            return text;
+        }
+        for (k, level) in apart(self.ends(frame), frame) {
+            let [x, colour, name] = [format!("{:.1}", frame.right + 12.0), self.colour(k), escaped(&self.series[k].name)];
+            let _ = writeln!(text, "<path d=\"M{x} {level:.1}h18\" stroke=\"{colour}\" stroke-width=\"3\" stroke-linecap=\"round\"/>");
+            let _ = writeln!(text, "<text x=\"{:.1}\" y=\"{:.1}\">{name}</text>", frame.right + 38.0, level + 4.6);
+        }
+        text
+    }
+
+    /// The number of each line and the height in pixels of its last point, from the top down.
+    fn ends(&self, frame: &Frame) -> Vec<(usize, f64)> {
+        let end = |series: &Series| series.points.iter().rev().map(|&(x, y)| [x, y]).find(finite).map(|point| frame.place(point)[1]);
+        let mut ends: Vec<(usize, f64)> = self.series.iter().map(|series| end(series).unwrap_or(frame.foot)).enumerate().collect();
+        ends.sort_by(|a, b| a.1.total_cmp(&b.1));
+        ends
+    }
+}
+
+/// Where the axes lie on the page and what they span.
+struct Frame {
+    left: f64,
+    right: f64,
+    top: f64,
+    foot: f64,
+    x: Axis,
+    y: Axis,
+}
+
+impl Frame {
+    fn new(chart: &Chart) -> Self {
+        let [x, y] = [0, 1].map(|axis| chart.finite_points().map(|point| point[axis]).collect::<Vec<f64>>());
+        let [x, y] = [Axis::tight(&x), Axis::loose(&y)];
+        let longest = |texts: &mut dyn Iterator<Item = usize>| LETTER * texts.max().unwrap_or(0) as f64;
+        let labels = longest(&mut y.ticks().iter().map(|&tick| y.label(tick).chars().count()));
+        let names = longest(&mut chart.series.iter().map(|series| series.name.chars().count())).min(260.0);
+        let right = if chart.series.len() > 1 { 38.0 + names } else { 8.0 };
+        let top = if chart.title.is_empty() { SIDE } else { 58.0 };
+        Frame { left: SIDE + 30.0 + labels.min(120.0), right: PAGE[0] - SIDE - right, top, foot: PAGE[1] - SIDE - 40.0, x, y }
+    }
+
+    fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [self.left + self.x.part(x) * (self.right - self.left), self.foot - self.y.part(y) * (self.foot - self.top)]
+    }
+
+    /// A line through points, without those less than half a pixel from the one before.
+    fn path(&self, points: &[[f64; 2]]) -> String {
+        let mut places: Vec<[f64; 2]> = points.iter().map(|&point| self.place(point)).collect();
+        places.dedup_by(|next, last| (next[0] - last[0]).hypot(next[1] - last[1]) < 0.5);
+        let letter = |k: usize| if k == 0 { "M" } else { "L" };
+        let mut path: String = places.iter().enumerate().map(|(k, [x, y])| format!("{}{x:.1} {y:.1}", letter(k))).collect();
+        if places.len() == 1 {
+            path += "h0";
+        }
+        path
+    }
+
+    fn grid(&self) -> String {
+        let [left, right, top, foot] = [self.left, self.right, self.top, self.foot];
+        let [mut lines, mut labels] = [String::new(), String::new()];
+        for tick in self.x.ticks() {
+            let x = left + self.x.part(tick) * (right - left);
+            let _ = write!(lines, "M{x:.1} {top:.1}V{foot:.1}");
+            let _ = writeln!(labels, "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>", foot + 19.0, self.x.label(tick));
+        }
+        for tick in self.y.ticks() {
+            let y = foot - self.y.part(tick) * (foot - top);
+            let _ = write!(lines, "M{left:.1} {y:.1}H{right:.1}");
+            let _ =
+                writeln!(labels, "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>", left - 9.0, y + 4.6, self.y.label(tick));
+        }
+        format!(
+            "<path d=\"{lines}\" fill=\"none\" stroke=\"#dfe3e9\" stroke-width=\"0.8\"/>\n{labels}\
+             <path d=\"M{left:.1} {top:.1}V{foot:.1}H{right:.1}\" fill=\"none\" stroke=\"{INK}\" stroke-opacity=\"0.55\"/>\n"
+        )
+    }
+}
+
+/// The range of one coordinate.
+struct Axis {
+    low: f64,
+    high: f64,
+}
+
+impl Axis {
+    /// From the least to the largest value, or some range around values that are all the same.
+    fn tight(values: &[f64]) -> Self {
+        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        match high - low {
+            span if span > 1e-9 * low.abs().max(high.abs()) && span > 1e-290 => Axis { low, high },
+            _ if low.abs() > 1e-280 && low.is_finite() => Axis { low: low - 0.1 * low.abs(), high: low + 0.1 * low.abs() },
+            _ => Axis { low: 0.0, high: 1.0 },
+        }
+    }
+
+    /// With some air on either side, or down to zero if that is not far.
+    fn loose(values: &[f64]) -> Self {
+        let Axis { low, high } = Axis::tight(values);
+        let air = 0.06 * (high - low);
+        Axis { low: if low >= 0.0 && low < 0.4 * high { 0.0 } else { low - air }, high: high + air }
+    }
+
+    fn part(&self, value: f64) -> f64 {
+        (value - self.low) / (self.high - self.low)
+    }
+
+    fn step(&self) -> f64 {
+        round_step(self.high - self.low)
+    }
+
+    fn ticks(&self) -> Vec<f64> {
+        let step = self.step();
+        let [first, last] = [(self.low / step - 1e-6).ceil(), (self.high / step + 1e-6).floor()];
+        (0..=(last - first) as usize).map(|k| (first + k as f64) * step + 0.0).collect()
+    }
+
+    /// A tick with as many digits as tell it from the next, and a power of ten if it is very large or small.
+    fn label(&self, tick: f64) -> String {
+        let largest = decade(self.low.abs().max(self.high.abs()));
+        let decimals = |unit: i32| (unit - decade(self.step())).max(0) as usize;
+        let text = if tick == 0.0 && !(-3..5).contains(&largest) {
+            "0".into()
+        } else if (-3..5).contains(&largest) {
+            format!("{tick:.*}", decimals(0))
+        } else {
+            format!("{:.*}e{largest}", decimals(largest), tick / 10f64.powi(largest))
+        };
+        text.replace('-', "\u{2212}")
+    }
+}
+
+fn finite(point: &[f64; 2]) -> bool {
+    point.iter().all(|value| value.is_finite())
+}
+
+/// Heights from the top down, each at least a line below the one before and none below the axes.
+fn apart(mut ends: Vec<(usize, f64)>, frame: &Frame) -> Vec<(usize, f64)> {
+    for k in 1..ends.len() {
+        ends[k].1 = ends[k].1.max(ends[k - 1].1 + LINE);
+    }
+    let mut floor = frame.foot;
+    for end in ends.iter_mut().rev() {
+        end.1 = end.1.min(floor);
+        floor = end.1 - LINE;
+    }
+    ends
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chart(lines: &[&[(f64, f64)]]) -> Chart {
+        let series = lines.iter().map(|points| Series { name: "a < b".into(), points: points.to_vec() }).collect();
+        Chart { title: "A & B".into(), x: "strain".into(), y: "viscosity".into(), series }
+    }
+
+    fn assert_sound(chart: &Chart) {
+        let text = chart.svg();
+        assert!(text.starts_with("<svg xmlns=") && text.ends_with("</svg>\n"));
+        assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
+        assert_eq!(text.matches("<text").count(), text.matches("</text>").count());
+        assert_eq!(text.matches('<').count(), text.matches('>').count());
+        assert!(!text.contains("& "));
+    }
+
+    #[test]
+    fn charts_without_a_range_can_be_drawn() {
+        for points in [&[][..], &[(1.0, 2.0)], &[(0.0, 0.0)], &[(0.0, 3.0), (1.0, 3.0)], &[(0.0, -1e-300), (1.0, 1e-300)]] {
+            assert_sound(&chart(&[points]));
+            assert_sound(&chart(&[points, points]));
+        }
+        assert_sound(&chart(&[]));
+    }
+
+    #[test]
+    fn a_line_breaks_where_a_value_is_not_finite() {
+        let chart = chart(&[&[(0.0, 1.0), (1.0, 2.0), (2.0, f64::NAN), (f64::INFINITY, 1.0), (4.0, 1.0), (5.0, 2.0)]]);
+        assert_sound(&chart);
+        assert_eq!(chart.line(0, &Frame::new(&chart)).matches('M').count(), 2);
+    }
+
+    #[test]
+    fn names_are_shown_for_more_than_one_line() {
+        let points = [(0.0, 1.0), (1.0, 2.0)];
+        assert!(!chart(&[&points]).svg().contains("a &lt; b"));
+        assert_eq!(chart(&[&points, &points]).svg().matches("a &lt; b").count(), 2);
+    }
+
+    #[test]
+    fn the_ordinate_starts_at_zero_only_where_the_curve_stays_steep() {
+        assert_eq!(Axis::loose(&[0.3, 2.0]).low, 0.0);
+        assert!(Axis::loose(&[1.8, 2.0]).low > 1.7);
+    }
+
+    #[test]
+    fn ticks_are_round_and_told_apart() {
+        let labels = |low, high| Axis { low, high }.ticks().iter().map(|&tick| Axis { low, high }.label(tick)).collect::<Vec<_>>();
+        assert_eq!(labels(0.0, 2.1), ["0.0", "0.5", "1.0", "1.5", "2.0"]);
+        assert_eq!(labels(-1.0, 1.0), ["\u{2212}1.0", "\u{2212}0.5", "0.0", "0.5", "1.0"]);
+        assert_eq!(labels(1.2e-7, 3.1e-7), ["1.5e\u{2212}7", "2.0e\u{2212}7", "2.5e\u{2212}7", "3.0e\u{2212}7"]);
+    }
+
+    #[test]
+    fn names_keep_a_line_of_distance_within_the_axes() {
+        let frame = Frame::new(&chart(&[]));
+        let levels: Vec<f64> = apart(vec![(0, 380.0), (1, 385.0), (2, 386.0)], &frame).iter().map(|end| end.1).collect();
+        assert!(levels.windows(2).all(|pair| pair[1] - pair[0] >= LINE) && levels[2] <= frame.foot);
+    }
+
+    #[test]
+    fn the_same_chart_is_the_same_text() {
+        let chart = chart(&[&[(0.0, 1.0), (1.0, 2.0)], &[(0.0, 0.5), (1.0, 0.7)]]);
+        assert_eq!(chart.svg(), chart.svg());
+    }
+}
