@@ -25,7 +25,7 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> R
     progress.end();
     let solution = solution?;
 
-    let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), &solution)?;
+    let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[])?;
     let named = (scene.name.as_str(), scene.title.as_str());
     let summary = Summary::new(named, suspension.setup(), (&solution, viscosity), suspension.cost(), world);
     let files = files(scene, &suspension, &solution, &summary)?;

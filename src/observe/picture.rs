@@ -48,7 +48,7 @@ fn disks<const D: usize>(suspension: &Suspension<D>, solution: &Solution<D>) -> 
     bodies
         .filter_map(|(suspended, state)| {
             let ball = suspended.body.ball;
-            let center = domain.wrap(ball.center);
+            let center = state.center;
             let from_plane = domain.nearest_image(center - domain.size * 0.5);
             let height: f64 = from_plane.iter().skip(2).map(|offset| offset * offset).sum();
             let squared = ball.radius * ball.radius - height;

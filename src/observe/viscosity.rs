@@ -3,6 +3,7 @@
 use nalgebra::SVector;
 
 use crate::{
+    contact::ContactForce,
     error::Result,
     flow::Drive,
     geometry::{Axis, Domain},
@@ -13,8 +14,10 @@ use crate::{
 /// Apparent viscosity over that of the fluid, by roads that must agree.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viscosity {
-    /// From the stresslets: `1 + sum_i S_i / (mu rate V)`.
-    pub from_stresslets: f64,
+    /// Of the fluid and the stresslets of the flow: `1 + sum_i S_i / (mu rate V)`.
+    pub hydrodynamic: f64,
+    /// Of the contact forces `f`, between centres a distance `r n` apart: `-sum f r n n / (mu rate V)`.
+    pub contact: f64,
     /// From the shear stress on the walls, mean of both, where there are walls.
     pub from_walls: Option<f64>,
 }
@@ -26,19 +29,42 @@ struct Shear<const D: usize> {
     rate: f64,
 }
 
-/// The apparent viscosity of a suspension of free bodies in simple shear; nothing in any other flow.
-pub fn viscosity<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, solution: &Solution<D>) -> Result<Option<Viscosity>> {
+impl Viscosity {
+    /// The sum of all parts.
+    pub fn relative(&self) -> f64 {
+        self.hydrodynamic + self.contact
+    }
+}
+
+/// The rate of a simple shear of free bodies; nothing in any other flow.
+pub fn shear_rate<const D: usize>(setup: &Setup<D>) -> Option<f64> {
+    let free = setup.bodies.iter().all(|suspended| suspended.body.free());
+    shear(&setup.domain, &setup.drive).filter(|_| free).map(|shear| shear.rate)
+}
+
+/// The apparent viscosity of a suspension of free bodies in simple shear, with the contacts between them; nothing in any other flow.
+pub fn viscosity<const D: usize>(
+    setup: &Setup<D>,
+    grid: &Grid<D>,
+    solution: &Solution<D>,
+    contacts: &[ContactForce<D>],
+) -> Result<Option<Viscosity>> {
     let Some(shear) = shear(&setup.domain, &setup.drive) else { return Ok(None) };
-    if setup.bodies.iter().any(|suspended| !suspended.body.free()) {
+    if shear_rate(setup).is_none() {
         return Ok(None);
     }
     let stresslets: f64 = solution.bodies.iter().map(|state| (state.stresslet.column(shear.gradient).transpose() * shear.flow)[0]).sum();
-    let from_stresslets = 1.0 + stresslets / (setup.viscosity * shear.rate * setup.domain.volume());
+    let pressed = |pressed: &ContactForce<D>| {
+        let normal = pressed.contact.normal;
+        pressed.force * pressed.contact.separation * normal[shear.gradient] * normal.dot(&shear.flow)
+    };
+    let moments: f64 = contacts.iter().map(pressed).sum();
+    let unit = setup.viscosity * shear.rate * setup.domain.volume();
     let from_walls = match setup.domain.axes[shear.gradient] {
         Axis::Periodic => None,
         Axis::Walls { lower, upper } => Some(wall_shear(grid, solution, &shear, [lower, upper])? / shear.rate),
     };
-    Ok(Some(Viscosity { from_stresslets, from_walls }))
+    Ok(Some(Viscosity { hydrodynamic: 1.0 + stresslets / unit, contact: -moments / unit, from_walls }))
 }
 
 fn shear<const D: usize>(domain: &Domain<D>, drive: &Drive<D>) -> Option<Shear<D>> {

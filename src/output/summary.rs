@@ -1,12 +1,14 @@
 //! `summary.json`: the numbers of a run.
 
+use nalgebra::SMatrix;
 use serde::Serialize;
 
 use crate::{
     body::components,
+    geometry::{Ball, Domain},
     observe::Viscosity,
     parallel::{World, peak_memory_bytes},
-    simulation::{BodyState, Cost, Setup, Solution},
+    simulation::{BodyState, Cost, Moving, Solution, State, Suspension},
 };
 
 /// Everything that `summary.json` holds; an effect that the scene does not call for is `null`.
@@ -27,13 +29,15 @@ pub struct Summary {
     /// The bodies.
     pub bodies: Vec<BodySummary>,
     /// The flow.
-    pub flow: FlowSummary,
+    pub flow: Option<FlowSummary>,
     /// Apparent viscosity over that of the fluid, in a sheared suspension of free bodies.
     pub viscosity: Option<ViscositySummary>,
-    /// Contacts: none are modelled yet.
-    pub contact: Option<()>,
-    /// What it cost.
-    pub solver: SolverSummary,
+    /// Contacts, if a contact model acts.
+    pub contact: Option<ContactSummary>,
+    /// What the last solve of the flow cost.
+    pub solver: Option<SolverSummary>,
+    /// The run as a whole, if it was one in time.
+    pub motion: Option<MotionSummary>,
     /// Ranks used.
     pub ranks: usize,
 }
@@ -77,6 +81,46 @@ pub struct ViscositySummary {
     pub from_walls: Option<f64>,
 }
 
+/// Contacts at the end of a run, and how well they were kept on the way.
+#[derive(Debug, Clone, Serialize)]
+pub struct ContactSummary {
+    /// Pairs that the contact model looked at in the last step.
+    pub pairs: usize,
+    /// Contacts that bear a force.
+    pub active: usize,
+    /// Smallest gap of all steps, in radii of the smaller body; nothing if no two came near each other.
+    pub smallest_gap: Option<f64>,
+    /// Largest residual of the optimality conditions of all steps.
+    pub kkt_residual: f64,
+    /// Sum of all contact forces.
+    pub total_force: f64,
+}
+
+/// A run in time.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct MotionSummary {
+    /// Shortest and longest step.
+    pub steps: [f64; 2],
+    /// Steps that were longer than the one before.
+    pub grown: usize,
+    /// Steps that were shorter than the one before.
+    pub shrunk: usize,
+    /// Solves of the flow.
+    pub solves: usize,
+    /// Their iterations.
+    pub iterations: usize,
+    /// Wall-clock seconds of all steps.
+    pub seconds: f64,
+    /// Of these: jump corrections.
+    pub assembly_seconds: f64,
+    /// Of these: coupled solver.
+    pub solve_seconds: f64,
+    /// Of these: contacts.
+    pub contact_seconds: f64,
+    /// Of these: files.
+    pub output_seconds: f64,
+}
+
 /// Cost and convergence.
 #[derive(Debug, Clone, Serialize)]
 pub struct SolverSummary {
@@ -107,40 +151,63 @@ pub struct SolverSummary {
 }
 
 impl Summary {
-    /// Collects the numbers; collective. `named` is the scene's name and title.
-    pub fn new<const D: usize>(
+    /// The numbers of an instant of a suspension in flow; collective. `named` is the scene's name and title.
+    pub fn of_flow<const D: usize>(
         named: (&str, &str),
-        setup: &Setup<D>,
+        suspension: &Suspension<D>,
         (solution, viscosity): (&Solution<D>, Option<Viscosity>),
-        cost: &Cost,
         world: &World,
     ) -> Summary {
+        let setup = suspension.setup();
         let bodies = setup.bodies.iter().zip(&solution.bodies);
+        Summary {
+            flow: Some(FlowSummary {
+                mean_velocity: solution.mean_velocity.as_slice().to_vec(),
+                pressure_gradient: solution.pressure_gradient.as_slice().to_vec(),
+            }),
+            viscosity: viscosity.map(ViscositySummary::new),
+            solver: Some(SolverSummary::new(suspension.cost(), world)),
+            ..Summary::of_bodies(
+                named,
+                bodies.map(|(suspended, state)| BodySummary::of_state(suspended.body.ball.radius, state)).collect(),
+                setup.fraction(),
+                world,
+            )
+        }
+    }
+
+    /// The numbers of a state of dry bodies.
+    pub fn of_dry<const D: usize>(named: (&str, &str), domain: &Domain<D>, (state, radii): (&State<D>, &[f64]), world: &World) -> Summary {
+        let balls = state.balls(radii);
+        let fraction = balls.iter().map(Ball::volume).sum::<f64>() / domain.volume();
+        let bodies = state.bodies.iter().zip(radii).map(|(moving, &radius)| BodySummary::of_moving(domain, radius, moving));
+        Summary::of_bodies(named, bodies.collect(), fraction, world)
+    }
+
+    fn of_bodies(named: (&str, &str), bodies: Vec<BodySummary>, fraction: f64, world: &World) -> Summary {
         Summary {
             scene: named.0.into(),
             title: named.1.into(),
             version: env!("CARGO_PKG_VERSION"),
             time: 0.0,
             steps: 0,
-            fraction: setup.fraction(),
-            bodies: bodies.map(|(suspended, state)| BodySummary::new(&suspended.body.ball, state)).collect(),
-            flow: FlowSummary {
-                mean_velocity: solution.mean_velocity.as_slice().to_vec(),
-                pressure_gradient: solution.pressure_gradient.as_slice().to_vec(),
-            },
-            viscosity: viscosity.map(ViscositySummary::new),
+            fraction,
+            bodies,
+            flow: None,
+            viscosity: None,
             contact: None,
-            solver: SolverSummary::new(cost, world),
+            solver: None,
+            motion: None,
             ranks: world.size(),
         }
     }
 }
 
 impl BodySummary {
-    fn new<const D: usize>(ball: &crate::geometry::Ball<D>, state: &BodyState<D>) -> BodySummary {
+    fn of_state<const D: usize>(radius: f64, state: &BodyState<D>) -> BodySummary {
         BodySummary {
-            center: ball.center.as_slice().to_vec(),
-            radius: ball.radius,
+            center: state.center.as_slice().to_vec(),
+            radius,
             velocity: state.twist.velocity.as_slice().to_vec(),
             spin: components(&state.twist.spin),
             force: state.force.as_slice().to_vec(),
@@ -148,13 +215,26 @@ impl BodySummary {
             stresslet: state.stresslet.row_iter().map(|row| row.iter().copied().collect()).collect(),
         }
     }
+
+    fn of_moving<const D: usize>(domain: &Domain<D>, radius: f64, moving: &Moving<D>) -> BodySummary {
+        let nothing = SMatrix::<f64, D, D>::zeros();
+        BodySummary {
+            center: domain.wrap(moving.center).as_slice().to_vec(),
+            radius,
+            velocity: moving.twist.velocity.as_slice().to_vec(),
+            spin: components(&moving.twist.spin),
+            force: vec![0.0; D],
+            torque: components(&nothing),
+            stresslet: vec![vec![0.0; D]; D],
+        }
+    }
 }
 
 impl ViscositySummary {
     fn new(viscosity: Viscosity) -> ViscositySummary {
         ViscositySummary {
-            relative: viscosity.from_stresslets,
-            hydrodynamic: viscosity.from_stresslets,
+            relative: viscosity.relative(),
+            hydrodynamic: viscosity.hydrodynamic,
             lubrication: None,
             contact: None,
             interval: None,

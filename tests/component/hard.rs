@@ -114,7 +114,7 @@ fn a_lid_driven_box_has_no_viscosity(session: &Session) {
     let mut setup = couette(1.0, 0.05, 1.0, vec![suspended(Vector2::new(0.5, 0.5), 0.2, free(), 4)]);
     setup.domain.axes[0] = Axis::Walls { lower: Vector2::zeros(), upper: Vector2::zeros() };
     let (suspension, solution) = solve(session, setup);
-    assert!(observe::viscosity(suspension.setup(), suspension.grid(), &solution).unwrap().is_none());
+    assert!(observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[]).unwrap().is_none());
     assert!(solution.bodies[0].twist.spin[(1, 0)] < -0.1 && solution.bodies[0].twist.velocity.norm() < 1e-3);
 }
 

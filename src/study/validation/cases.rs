@@ -86,7 +86,7 @@ fn solve<const D: usize>(session: &Session, setup: Setup<D>) -> Result<(Suspensi
 
 fn measured_viscosity<const D: usize>(session: &Session, setup: Setup<D>) -> Result<Viscosity> {
     let (suspension, solution) = solve(session, setup)?;
-    let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), &solution)?;
+    let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[])?;
     viscosity.ok_or_else(|| Error::Diverged("a case of the validation is not sheared".into()))
 }
 
@@ -118,7 +118,7 @@ fn disk_lattice(name: &'static str, fraction: f64, reference: f64) -> Case {
     let solve = move |session: &Session| {
         let disk = suspended(DISK, radius, free(), 8);
         let sheared = setup(1.0, [Axis::Periodic; 2], radius / 8.0, Drive::Shear(1.0), vec![disk]);
-        Ok(measured_viscosity(session, sheared)?.from_stresslets - 1.0)
+        Ok(measured_viscosity(session, sheared)?.relative() - 1.0)
     };
     Case { name, source: SERIES, resolution: "a/h = 8, K = 8".into(), reference, tolerance: 3e-3, solve: Box::new(solve) }
 }
@@ -128,7 +128,7 @@ fn sphere_lattice() -> Case {
     let solve = move |session: &Session| {
         let sphere = suspended(SPHERE, radius, free(), 4);
         let sheared = setup(1.0, [Axis::Periodic; 3], radius / 5.0, Drive::Shear(1.0), vec![sphere]);
-        Ok(measured_viscosity(session, sheared)?.from_stresslets - 1.0)
+        Ok(measured_viscosity(session, sheared)?.relative() - 1.0)
     };
     Case {
         name: "viscosity increment, cubic lattice 0.027",
@@ -157,7 +157,7 @@ fn couette_viscosity(name: &'static str, from_walls: bool) -> Case {
     let solve = move |session: &Session| {
         let disk = suspended([0.513, 0.5], 0.2, free(), 8);
         let viscosity = measured_viscosity(session, setup(1.0, sliding(), 1.0 / 40.0, Drive::Rest, vec![disk]))?;
-        Ok(if from_walls { viscosity.from_walls.unwrap_or(f64::NAN) } else { viscosity.from_stresslets })
+        Ok(if from_walls { viscosity.from_walls.unwrap_or(f64::NAN) } else { viscosity.relative() })
     };
     let resolution = "a/h = 8, K = 8".into();
     Case { name, source: SERIES, resolution, reference: 1.291011445, tolerance: 2e-3, solve: Box::new(solve) }
@@ -166,7 +166,7 @@ fn couette_viscosity(name: &'static str, from_walls: bool) -> Case {
 fn pair_viscosity() -> Case {
     let solve = |session: &Session| {
         let disks = [[0.3, 0.4], [0.65, 0.62]].map(|center| suspended(center, 0.15, free(), 9));
-        Ok(measured_viscosity(session, setup(1.0, sliding(), 1.0 / 60.0, Drive::Rest, disks.to_vec()))?.from_stresslets)
+        Ok(measured_viscosity(session, setup(1.0, sliding(), 1.0 / 60.0, Drive::Rest, disks.to_vec()))?.relative())
     };
     Case {
         name: "viscosity, two disks in a Couette cell",

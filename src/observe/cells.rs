@@ -1,0 +1,70 @@
+//! Fields at the centres of the cells, as frames hold them.
+
+use nalgebra::SVector;
+
+use crate::{
+    error::Result,
+    geometry::Ball,
+    grid::{Grid, Node, operators::signed, stencil::moved},
+    petsc::{Scatter, Vector},
+};
+
+/// Brings velocities from the faces of this rank's cells to their centres; made once for a grid.
+pub struct CellCenters<const D: usize> {
+    faces: Scatter,
+    /// For each cell and component, the places of its two faces; none for a face on a wall, where the velocity is zero.
+    places: Vec<[Option<usize>; 2]>,
+}
+
+impl<const D: usize> CellCenters<D> {
+    /// Plans the exchange of faces between ranks; `fluid` is any fluid vector.
+    pub fn new(grid: &Grid<D>, fluid: &Vector) -> Result<CellCenters<D>> {
+        let (mut wanted, mut places) = (Vec::new(), Vec::new());
+        for cell in grid.block(D).indices() {
+            for component in 0..D {
+                let lower = signed(cell);
+                places.push([lower, moved(lower, component, 1)].map(|face| match grid.fluid_node(component, face) {
+                    Node::Unknown(unknown) => {
+                        wanted.push(unknown as i32);
+                        Some(wanted.len() - 1)
+                    }
+                    Node::Wall(_) => None,
+                }));
+            }
+        }
+        Ok(CellCenters { faces: Scatter::new(fluid, &wanted)?, places })
+    }
+
+    /// The velocity of a fluid vector at the centres of this rank's cells, in the order of its block.
+    pub fn velocity(&mut self, fluid: &Vector) -> Result<Vec<SVector<f64, D>>> {
+        let faces = self.faces.fetch(fluid)?;
+        let mean = |sides: &[Option<usize>; 2]| 0.5 * sides.iter().flatten().map(|&place| faces[place]).sum::<f64>();
+        Ok(self.places.chunks(D).map(|cell| SVector::from_fn(|component, _| mean(&cell[component]))).collect())
+    }
+}
+
+/// Which of this rank's cells have their centre inside a body: 1, and 0 outside, in the order of its block.
+pub fn inside<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>]) -> Vec<f64> {
+    let block = grid.block(D);
+    let mut inside = vec![0.0; block.len()];
+    for ball in balls {
+        let center = grid.domain().wrap(ball.center);
+        let cell = |axis: usize, x: f64| (x / grid.spacing()[axis] - 0.5).ceil() as isize;
+        let first: [isize; D] = std::array::from_fn(|axis| cell(axis, center[axis] - ball.radius));
+        let extent: [usize; D] = std::array::from_fn(|axis| (cell(axis, center[axis] + ball.radius) - first[axis]).max(0) as usize);
+        for number in 0..extent.iter().product() {
+            let mut rest = number;
+            let index: [isize; D] = std::array::from_fn(|axis| {
+                let step = rest % extent[axis];
+                rest /= extent[axis];
+                first[axis] + step as isize
+            });
+            let wrapped: [usize; D] = std::array::from_fn(|axis| index[axis].rem_euclid(grid.cells()[axis] as isize) as usize);
+            let mine = (0..D).all(|axis| (block.start[axis]..block.end[axis]).contains(&wrapped[axis]));
+            if mine && (grid.position(D, index) - center).norm() <= ball.radius {
+                inside[block.offset(wrapped)] = 1.0;
+            }
+        }
+    }
+    inside
+}
