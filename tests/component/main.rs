@@ -11,6 +11,7 @@ mod fluid;
 mod grid;
 mod hard;
 mod interpolation;
+mod lasting;
 mod machine;
 mod solvers;
 mod suspension;
@@ -46,8 +47,16 @@ fn main() {
     };
     say(format!("{} ranks", session.world().size()));
     let mut passed = 0;
-    let floors =
-        [machine::tests(), solvers::tests(), grid::tests(), interpolation::tests(), fluid::tests(), suspension::tests(), hard::tests()];
+    let floors = [
+        machine::tests(),
+        solvers::tests(),
+        grid::tests(),
+        interpolation::tests(),
+        fluid::tests(),
+        suspension::tests(),
+        hard::tests(),
+        lasting::tests(),
+    ];
     for test in floors.into_iter().flatten() {
         if wanted.is_empty() || wanted.iter().any(|part| test.name.contains(part)) {
             (test.run)(&session);
