@@ -89,6 +89,12 @@ impl<const D: usize> Grid<D> {
         self.blocks[self.rank][field]
     }
 
+    /// All ranks' lattice indices of a field.
+    pub fn lattice(&self, field: usize) -> Block<D> {
+        let last = self.blocks.len() - 1;
+        Block { start: self.blocks[0][field].start, end: self.blocks[last][field].end }
+    }
+
     /// Number of this rank's unknowns of a field.
     pub fn local_unknowns(&self, field: usize) -> usize {
         self.block(field).len()

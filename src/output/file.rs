@@ -1,6 +1,10 @@
 //! Files written aside and renamed, so that no reader ever meets half of one.
 
-use std::{fs, io::Write, path::Path};
+use std::{
+    fs,
+    io::Write,
+    path::{Path, PathBuf},
+};
 
 use crate::error::{Error, Result};
 
@@ -17,9 +21,7 @@ pub fn prepare_folder(folder: &Path) -> Result<()> {
 
 /// Writes a file under its name only once all of it is on disk.
 pub fn write_whole(path: &Path, contents: &[u8]) -> Result<()> {
-    let error = |source| Error::File { path: path.to_owned(), source };
-    let mut aside = path.as_os_str().to_owned();
-    aside.push(".part");
+    let aside = aside(path);
     let write = || {
         let mut file = fs::File::create(&aside)?;
         file.write_all(contents)?;
@@ -29,8 +31,15 @@ pub fn write_whole(path: &Path, contents: &[u8]) -> Result<()> {
     write().map_err(|source| {
         // the error that matters is the first one
         let _ = fs::remove_file(&aside);
-        error(source)
+        Error::File { path: path.to_owned(), source }
     })
+}
+
+/// Where a file lies until it is whole.
+pub(super) fn aside(path: &Path) -> PathBuf {
+    let mut aside = path.as_os_str().to_owned();
+    aside.push(".part");
+    aside.into()
 }
 
 #[cfg(test)]

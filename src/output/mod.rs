@@ -2,17 +2,27 @@
 
 mod animation;
 mod chart;
+mod checkpoint;
 mod file;
+mod frames;
 mod images;
 mod picture;
 mod progress;
 mod report;
+mod restart;
+mod series;
+mod slab;
 mod summary;
+mod together;
 
 pub use animation::{AnimatedDisk, Animation, AnimationFrame};
 pub use chart::{Chart, Series};
+pub use checkpoint::{Checkpoint, CheckpointWriter};
 pub use file::{prepare_folder, write_whole};
+pub use frames::{Frame, FrameBody, FrameFields, Frames, StoredFrame, read_frames};
 pub use picture::{Disk, Picture};
 pub use progress::Progress;
 pub use report::report;
+pub use restart::{restore, store};
+pub use series::{Row, Rows};
 pub use summary::Summary;

@@ -11,6 +11,7 @@ mod fluid;
 mod grid;
 mod hard;
 mod interpolation;
+mod lasting;
 mod machine;
 mod motion;
 mod solvers;
@@ -47,8 +48,17 @@ fn main() {
     };
     say(format!("{} ranks", session.world().size()));
     let mut passed = 0;
-    let floors =
-        [machine::tests(), solvers::tests(), grid::tests(), interpolation::tests(), fluid::tests(), suspension::tests(), hard::tests(), motion::tests()];
+    let floors = [
+        machine::tests(),
+        solvers::tests(),
+        grid::tests(),
+        interpolation::tests(),
+        fluid::tests(),
+        suspension::tests(),
+        hard::tests(),
+        lasting::tests(),
+        motion::tests(),
+    ];
     for test in floors.into_iter().flatten() {
         if wanted.is_empty() || wanted.iter().any(|part| test.name.contains(part)) {
             (test.run)(&session);

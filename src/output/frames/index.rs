@@ -1,0 +1,102 @@
+//! What is known of all frames: `run.h5` with links to them, and the companions for ParaView.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use super::{Frame, xdmf};
+use crate::{
+    error::{Error, Result},
+    output::file::{aside, write_whole},
+};
+
+/// The folder of the frames in the run's folder.
+pub(super) const FOLDER: &str = "frames";
+const RUN: &str = "run.h5";
+const BODIES: &str = "bodies.xdmf";
+const FIELDS: &str = "fields.xdmf";
+
+/// The cells of a frame with fields, along each axis.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Mesh {
+    pub cells: Vec<usize>,
+    pub spacing: Vec<f64>,
+}
+
+/// A frame as the others see it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Entry {
+    pub number: usize,
+    pub time: f64,
+    pub step: usize,
+    pub bodies: usize,
+    pub mesh: Option<Mesh>,
+}
+
+impl Entry {
+    /// The entry of a frame.
+    pub fn of<const D: usize>(number: usize, frame: &Frame<D>) -> Entry {
+        let mesh = |grid: &crate::grid::Grid<D>| Mesh { cells: grid.cells().to_vec(), spacing: grid.spacing().as_slice().to_vec() };
+        let mesh = frame.fields.as_ref().map(|fields| mesh(fields.grid));
+        Entry { number, time: frame.time, step: frame.step, bodies: frame.bodies.len(), mesh }
+    }
+}
+
+/// Where a frame lies in the run's folder.
+pub(super) fn path_in_run(number: usize) -> String {
+    format!("{FOLDER}/{number:06}.h5")
+}
+
+/// Writes `run.h5` and the companions.
+pub(super) fn write(folder: &Path, entries: &[Entry]) -> Result<()> {
+    write_run(&folder.join(RUN), entries)?;
+    write_whole(&folder.join(BODIES), xdmf::bodies(entries).as_bytes())?;
+    write_whole(&folder.join(FIELDS), xdmf::fields(entries).as_bytes())
+}
+
+/// The frames in the folder of a run, in their order.
+pub(super) fn frame_files(folder: &Path) -> Result<Vec<(usize, PathBuf)>> {
+    let number = |path: &Path| path.extension().filter(|ending| *ending == "h5").and(path.file_stem()?.to_str()?.parse::<usize>().ok());
+    let mut frames: Vec<_> = files(&folder.join(FOLDER))?.into_iter().filter_map(|path| Some((number(&path)?, path))).collect();
+    frames.sort();
+    Ok(frames)
+}
+
+/// Removes frames that were under way when a run ended.
+pub(super) fn remove_halves(folder: &Path) -> Result<()> {
+    let halves = files(&folder.join(FOLDER))?.into_iter().filter(|path| path.to_string_lossy().ends_with(".h5.part"));
+    halves.into_iter().try_for_each(|path| fs::remove_file(&path).map_err(|source| Error::File { path, source }))
+}
+
+fn files(folder: &Path) -> Result<Vec<PathBuf>> {
+    let list = || fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>();
+    list().map_err(|source| Error::File { path: folder.to_owned(), source })
+}
+
+fn write_run(path: &Path, entries: &[Entry]) -> Result<()> {
+    let aside = aside(path);
+    let written = link_frames(&aside, entries).map_err(|error| std::io::Error::other(error.to_string()));
+    let renamed = written.and_then(|()| fs::File::open(&aside)?.sync_all()).and_then(|()| fs::rename(&aside, path));
+    renamed.map_err(|source| {
+        // the error that matters is the first one
+        let _ = fs::remove_file(&aside);
+        Error::File { path: path.to_owned(), source }
+    })
+}
+
+fn link_frames(path: &Path, entries: &[Entry]) -> hdf5::Result<()> {
+    let file = hdf5::File::create(path)?;
+    let frames = file.create_group(FOLDER)?;
+    for entry in entries {
+        frames.link_external(&path_in_run(entry.number), "/", &format!("{:06}", entry.number))?;
+    }
+    let times = file.new_dataset::<f64>().shape(entries.len()).create("times")?;
+    let steps = file.new_dataset::<u64>().shape(entries.len()).create("steps")?;
+    if !entries.is_empty() {
+        times.write_raw(&entries.iter().map(|entry| entry.time).collect::<Vec<_>>())?;
+        steps.write_raw(&entries.iter().map(|entry| entry.step as u64).collect::<Vec<_>>())?;
+    }
+    drop((frames, times, steps));
+    file.close()
+}

@@ -1,0 +1,121 @@
+//! Frames: one HDF5 file an output time, `frames/000012.h5`, and companions that show them as one run.
+//!
+//! `run.h5` links to all frames; `bodies.xdmf` and `fields.xdmf` show them to ParaView. Every file is written aside and renamed,
+//! so that a reader never meets half of one and the end of the program at any moment loses at most the frame under way.
+
+mod body;
+mod index;
+mod read;
+mod store;
+mod xdmf;
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use nalgebra::SVector;
+
+pub use body::FrameBody;
+pub use read::{StoredFrame, read_frames};
+
+use super::together::Together;
+use crate::{
+    error::{Error, Result},
+    geometry::Domain,
+    grid::Grid,
+    parallel::World,
+};
+use index::{Entry, path_in_run};
+
+/// The fluid of one rank at one time: a value for each cell of its block of the pressure, in the block's order.
+pub struct FrameFields<'a, const D: usize> {
+    /// The grid.
+    pub grid: &'a Grid<D>,
+    /// Velocity at the centres of the cells.
+    pub velocity: Vec<SVector<f64, D>>,
+    /// Pressure.
+    pub pressure: Vec<f64>,
+    /// Part of the cell that lies in bodies.
+    pub inside: Vec<f64>,
+}
+
+/// What is to be shown of one time.
+pub struct Frame<'a, const D: usize> {
+    /// Time.
+    pub time: f64,
+    /// Number of time steps so far.
+    pub step: usize,
+    /// The box.
+    pub domain: &'a Domain<D>,
+    /// All bodies, the same on all ranks.
+    pub bodies: &'a [FrameBody<D>],
+    /// The fluid, on all ranks or on none.
+    pub fields: Option<FrameFields<'a, D>>,
+}
+
+/// The frames of a run. All functions are collective.
+pub struct Frames {
+    folder: PathBuf,
+    /// Number of the next frame.
+    next: usize,
+    /// The frames so far, known to the first rank only.
+    entries: Vec<Entry>,
+}
+
+impl Frames {
+    /// No frames yet; those of an older run in the folder are removed.
+    ///
+    /// # Errors
+    /// [`Error::File`], here and below, when a file cannot be written or removed.
+    pub fn create(world: &World, folder: &Path) -> Result<Frames> {
+        Frames::keep(world, folder, f64::NEG_INFINITY)
+    }
+
+    /// The frames of a run that goes on from `time`; later ones are removed.
+    ///
+    /// # Errors
+    /// Also [`Error::Refused`] when a frame cannot be read.
+    pub fn resume(world: &World, folder: &Path, time: f64) -> Result<Frames> {
+        Frames::keep(world, folder, time)
+    }
+
+    fn keep(world: &World, folder: &Path, time: f64) -> Result<Frames> {
+        let kept = if world.rank() == 0 { keep_until(folder, time) } else { Ok(Vec::new()) };
+        let entries = world.agree(kept)?;
+        let next = world.gather(&[entries.len() as u64])[0] as usize;
+        Ok(Frames { folder: folder.to_owned(), next, entries })
+    }
+
+    /// Adds a frame.
+    pub fn write<const D: usize>(&mut self, world: &World, frame: &Frame<D>) -> Result<()> {
+        let file = Together::create(world, &self.folder.join(path_in_run(self.next)))?;
+        store::store(&file, frame)?;
+        file.finish()?;
+        let mut listed = Ok(());
+        if world.rank() == 0 {
+            self.entries.push(Entry::of(self.next, frame));
+            listed = index::write(&self.folder, &self.entries);
+        }
+        self.next += 1;
+        world.agree(listed)
+    }
+}
+
+/// Removes the frames after `time`, last first, and lists the others anew.
+fn keep_until(folder: &Path, time: f64) -> Result<Vec<Entry>> {
+    let frames = folder.join(index::FOLDER);
+    fs::create_dir_all(&frames).map_err(|source| Error::File { path: frames, source })?;
+    index::remove_halves(folder)?;
+    let mut entries = Vec::new();
+    for (number, path) in index::frame_files(folder)?.into_iter().rev() {
+        let kept = if time == f64::NEG_INFINITY { None } else { Some(read::entry(number, &path)?).filter(|entry| entry.time <= time) };
+        match kept {
+            Some(entry) => entries.push(entry),
+            None => fs::remove_file(&path).map_err(|source| Error::File { path, source })?,
+        }
+    }
+    entries.reverse();
+    index::write(folder, &entries)?;
+    Ok(entries)
+}

@@ -1,0 +1,88 @@
+//! Frames read back: their bodies, for animations, and what a run needs to go on.
+
+use std::path::Path;
+
+use hdf5::{File, H5Type};
+use nalgebra::SVector;
+
+use super::{
+    body::{COLUMNS, FrameBody},
+    index::{Entry, Mesh, frame_files},
+    store::{FORMAT, VERSION},
+};
+use crate::{
+    error::{Error, Result},
+    output::slab,
+};
+
+/// The bodies of one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredFrame<const D: usize> {
+    /// Time.
+    pub time: f64,
+    /// Number of time steps until then.
+    pub step: usize,
+    /// Edge lengths of the box.
+    pub size: SVector<f64, D>,
+    /// All bodies, with centres in the box.
+    pub bodies: Vec<FrameBody<D>>,
+}
+
+/// The bodies of all frames in the folder of a run, in the order of time; local to this rank.
+///
+/// # Errors
+/// [`Error::Refused`] when a frame cannot be read or has another dimension.
+pub fn read_frames<const D: usize>(folder: &Path) -> Result<Vec<StoredFrame<D>>> {
+    frame_files(folder)?.into_iter().map(|(_, path)| read_with(&path, bodies)).collect()
+}
+
+/// What the other frames need to know of a frame.
+pub(super) fn entry(number: usize, path: &Path) -> Result<Entry> {
+    read_with(path, |file| {
+        let step = slab::get::<u64>(file, "step")? as usize;
+        let bodies = slab::get::<u64>(file, "body_count")? as usize;
+        let with_fields = file.link_exists("fields");
+        let cells = || Ok::<_, hdf5::Error>(list::<u64>(file, "cells")?.into_iter().map(|cells| cells as usize).collect());
+        let mesh = if with_fields { Some(Mesh { cells: cells()?, spacing: list(file, "spacing")? }) } else { None };
+        Ok(Entry { number, time: slab::get(file, "time")?, step, bodies, mesh })
+    })
+}
+
+fn read_with<T>(path: &Path, read: impl Fn(&File) -> hdf5::Result<T>) -> Result<T> {
+    let checked = || {
+        let file = File::open(path)?;
+        let format = slab::get_text(&file, "format")?;
+        let version = slab::get::<u32>(&file, "version")?;
+        if (format.as_str(), version) != (FORMAT, VERSION) {
+            return Err(format!("it holds {format} version {version}, not {FORMAT} version {VERSION}").into());
+        }
+        read(&file)
+    };
+    checked().map_err(|error| Error::Refused(format!("frame {} cannot be read ({error}); remove it", path.display())))
+}
+
+fn bodies<const D: usize>(file: &File) -> hdf5::Result<StoredFrame<D>> {
+    let size = list::<f64>(file, "size")?;
+    if size.len() != D {
+        return Err(format!("its box has {} dimensions, not {D}", size.len()).into());
+    }
+    let count = slab::get::<u64>(file, "body_count")? as usize;
+    let group = file.group("bodies")?;
+    let read = |name: &str| if count == 0 { Ok(Vec::new()) } else { group.dataset(name)?.read_raw::<f64>() };
+    let columns = COLUMNS.iter().map(|(name, _)| read(name)).collect::<hdf5::Result<Vec<_>>>()?;
+    let contacts = if count == 0 { Vec::new() } else { group.dataset("contacts")?.read_raw::<i32>()? };
+    let complete = columns.iter().zip(COLUMNS).all(|(column, (_, width))| column.len() == count * width) && contacts.len() == count;
+    if !complete {
+        return Err("its columns differ in length".into());
+    }
+    let body = |body: usize| {
+        let entries = std::array::from_fn(|column| &columns[column][body * COLUMNS[column].1..][..COLUMNS[column].1]);
+        FrameBody::from_columns(entries, contacts[body] as usize)
+    };
+    let (time, step) = (slab::get(file, "time")?, slab::get::<u64>(file, "step")? as usize);
+    Ok(StoredFrame { time, step, size: SVector::from_column_slice(&size), bodies: (0..count).map(body).collect() })
+}
+
+fn list<T: H5Type>(file: &File, name: &str) -> hdf5::Result<Vec<T>> {
+    file.attr(name)?.read_raw()
+}

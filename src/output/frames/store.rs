@@ -1,0 +1,133 @@
+//! The contents of a frame's file.
+//!
+//! Bodies stand in columns. Fields have the shape `[z,] y, x[, component]`, slowest first as XDMF wants it, over all cells of
+//! the box, whichever rank owned them.
+
+use hdf5::{Dataset, Group};
+
+use super::{
+    Frame, FrameFields,
+    body::{COLUMNS, COUNTS, in_space},
+};
+use crate::{
+    error::Result,
+    grid::{Block, Grid},
+    output::{slab, together::Together},
+};
+
+/// Name of the file format.
+pub(super) const FORMAT: &str = "turbid frame";
+/// Version of the file format.
+pub(super) const VERSION: u32 = 1;
+/// Named numbers and vectors of each cell.
+pub(super) const FIELDS: [(&str, usize); 3] = [("velocity", 3), ("pressure", 1), ("inside", 1)];
+
+/// Writes a frame.
+pub(super) fn store<const D: usize>(file: &Together, frame: &Frame<D>) -> Result<()> {
+    file.step(|root| describe(root, frame))?;
+    store_bodies(file, frame)?;
+    frame.fields.as_ref().map_or(Ok(()), |fields| store_fields(file, fields))
+}
+
+fn describe<const D: usize>(root: &Group, frame: &Frame<D>) -> hdf5::Result<()> {
+    slab::set_text(root, "format", FORMAT)?;
+    slab::set(root, "version", VERSION)?;
+    slab::set_text(root, "units", "those of the scene; none are converted")?;
+    slab::set(root, "time", frame.time)?;
+    slab::set(root, "step", frame.step as u64)?;
+    slab::set(root, "body_count", frame.bodies.len() as u64)?;
+    slab::set_all(root, "size", frame.domain.size.as_slice())?;
+    slab::set_all(root, "periodic", &std::array::from_fn::<u8, D, _>(|axis| u8::from(frame.domain.periodic(axis))))?;
+    if let Some(fields) = &frame.fields {
+        slab::set_all(root, "cells", &fields.grid.cells().map(|cells| cells as u64))?;
+        slab::set_all(root, "spacing", fields.grid.spacing().as_slice())?;
+    }
+    Ok(())
+}
+
+fn store_bodies<const D: usize>(file: &Together, frame: &Frame<D>) -> Result<()> {
+    let count = frame.bodies.len();
+    let made = file.step(|root| {
+        let group = root.create_group("bodies")?;
+        let shape = |width: usize| if width == 1 { vec![count] } else { vec![count, width] };
+        let columns = COLUMNS.iter().map(|&(name, width)| group.new_dataset::<f64>().shape(shape(width)).create(name));
+        let columns = columns.collect::<hdf5::Result<Vec<Dataset>>>()?;
+        let counts = COUNTS.iter().map(|&name| group.new_dataset::<i32>().shape(count).create(name));
+        Ok((columns, counts.collect::<hdf5::Result<Vec<Dataset>>>()?))
+    });
+    let (columns, counts) = made?;
+    if count == 0 {
+        return Ok(());
+    }
+    file.step(|_| if file.world().rank() == 0 { write_bodies(&columns, &counts, frame) } else { Ok(()) })
+}
+
+fn write_bodies<const D: usize>(columns: &[Dataset], counts: &[Dataset], frame: &Frame<D>) -> hdf5::Result<()> {
+    let mut values: [Vec<f64>; COLUMNS.len()] = Default::default();
+    for body in frame.bodies {
+        let mut body = body.clone();
+        body.center = frame.domain.wrap(body.center);
+        values.iter_mut().zip(body.columns()).for_each(|(column, entries)| column.extend(entries));
+    }
+    for (dataset, values) in columns.iter().zip(&values) {
+        dataset.write_raw(values)?;
+    }
+    let identity: Vec<i32> = (0..frame.bodies.len() as i32).collect();
+    let contacts: Vec<i32> = frame.bodies.iter().map(|body| body.contacts as i32).collect();
+    counts.iter().zip([identity, contacts]).try_for_each(|(dataset, values)| dataset.write_raw(&values))
+}
+
+fn store_fields<const D: usize>(file: &Together, fields: &FrameFields<D>) -> Result<()> {
+    let grid = fields.grid;
+    let datasets = file.step(|root| {
+        let group = root.create_group("fields")?;
+        let shape = |width: usize| grid.cells().into_iter().rev().chain((width > 1).then_some(width)).collect::<Vec<_>>();
+        let datasets = FIELDS.iter().map(|&(name, width)| group.new_dataset::<f64>().shape(shape(width)).create(name));
+        datasets.collect::<hdf5::Result<Vec<Dataset>>>()
+    })?;
+    let velocity: Vec<f64> = fields.velocity.iter().flat_map(in_space).collect();
+    file.step(|_| {
+        let values = [&velocity, &fields.pressure, &fields.inside];
+        let mut all = datasets.iter().zip(FIELDS).zip(values);
+        all.try_for_each(|((dataset, (_, width)), values)| write_field(dataset, grid, width, values))
+    })
+}
+
+fn write_field<const D: usize>(dataset: &Dataset, grid: &Grid<D>, width: usize, values: &[f64]) -> hdf5::Result<()> {
+    let block = grid.block(D);
+    let mut ranges = slab::ranges(block, grid.lattice(D));
+    ranges.reverse();
+    ranges.extend((width > 1).then_some(0..width));
+    slab::write(dataset, &ranges, &first_axis_fastest(block, width, values))
+}
+
+/// The values of a block, `width` an index, in the order in which the first axis runs fastest.
+fn first_axis_fastest<const D: usize>(block: Block<D>, width: usize, values: &[f64]) -> Vec<f64> {
+    let mut turned = vec![0.0; values.len()];
+    for (index, entries) in block.indices().zip(values.chunks(width)) {
+        let place = (0..D).rev().fold(0, |place, axis| place * (block.end[axis] - block.start[axis]) + index[axis] - block.start[axis]);
+        turned[place * width..][..width].copy_from_slice(entries);
+    }
+    turned
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_axis_runs_fastest() {
+        let block = Block { start: [1, 0, 2], end: [3, 3, 6] };
+        let values: Vec<f64> = block.indices().flat_map(|[x, y, z]| [(x + 10 * y + 100 * z) as f64, -1.0]).collect();
+        let turned = first_axis_fastest(block, 2, &values);
+        let mut expected = Vec::new();
+        for z in 2..6 {
+            for y in 0..3 {
+                for x in 1..3 {
+                    expected.extend([f64::from(x + 10 * y + 100 * z), -1.0]);
+                }
+            }
+        }
+        assert_eq!(turned, expected);
+    }
+}

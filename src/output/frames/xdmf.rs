@@ -1,0 +1,77 @@
+//! XDMF 3: how ParaView finds its way through the frames. Orders of axes are slowest first, as in the files.
+
+use super::{
+    body::{COLUMNS, COUNTS},
+    index::{Entry, Mesh, path_in_run},
+    store::FIELDS,
+};
+
+/// The bodies as points that move.
+pub(super) fn bodies(entries: &[Entry]) -> String {
+    collection("bodies", entries.iter().filter(|entry| entry.bodies > 0).map(cloud))
+}
+
+/// The fields on the cells.
+pub(super) fn fields(entries: &[Entry]) -> String {
+    collection("fields", entries.iter().filter_map(|entry| Some(lattice(entry, entry.mesh.as_ref()?))))
+}
+
+fn collection(name: &str, grids: impl Iterator<Item = String>) -> String {
+    let grids: String = grids.collect();
+    format!(
+        "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n<Grid Name=\"{name}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n\
+         {grids}</Grid>\n</Domain>\n</Xdmf>\n"
+    )
+}
+
+fn cloud(entry: &Entry) -> String {
+    let item = |name: &str, width: usize| {
+        let shape = if width == 1 { vec![entry.bodies] } else { vec![entry.bodies, width] };
+        data_item(entry, &format!("bodies/{name}"), &shape, !COUNTS.contains(&name))
+    };
+    let columns = COLUMNS.iter().filter(|(name, _)| *name != "center").copied().chain(COUNTS.map(|name| (name, 1)));
+    let attributes: String = columns.map(|(name, width)| attribute(name, width, "Node", &item(name, width))).collect();
+    let topology = format!("<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\"/>\n", entry.bodies);
+    let geometry = format!("<Geometry GeometryType=\"XYZ\">{}</Geometry>\n", item("center", 3));
+    grid(entry, &format!("{topology}{geometry}{attributes}"))
+}
+
+fn lattice(entry: &Entry, mesh: &Mesh) -> String {
+    let axes = mesh.cells.len();
+    let corners = words(mesh.cells.iter().rev().map(|cells| cells + 1));
+    let (kind, origin) = if axes == 2 { ("2DCoRectMesh", "ORIGIN_DXDY") } else { ("3DCoRectMesh", "ORIGIN_DXDYDZ") };
+    let topology = format!("<Topology TopologyType=\"{kind}\" Dimensions=\"{corners}\"/>\n");
+    let numbers = |numbers: String| format!("<DataItem Format=\"XML\" NumberType=\"Float\" Precision=\"8\" Dimensions=\"{axes}\">{numbers}</DataItem>");
+    let (zero, spacing) = (numbers(words(vec![0.0; axes])), numbers(words(mesh.spacing.iter().rev())));
+    let geometry = format!("<Geometry GeometryType=\"{origin}\">{zero}{spacing}</Geometry>\n");
+    let attributes = FIELDS.iter().map(|&(name, width)| {
+        let shape: Vec<usize> = mesh.cells.iter().rev().copied().chain((width > 1).then_some(width)).collect();
+        attribute(name, width, "Cell", &data_item(entry, &format!("fields/{name}"), &shape, true))
+    });
+    let attributes: String = attributes.collect();
+    grid(entry, &format!("{topology}{geometry}{attributes}"))
+}
+
+fn grid(entry: &Entry, contents: &str) -> String {
+    format!("<Grid Name=\"{:06}\" GridType=\"Uniform\">\n<Time Value=\"{:?}\"/>\n{contents}</Grid>\n", entry.number, entry.time)
+}
+
+fn attribute(name: &str, width: usize, center: &str, item: &str) -> String {
+    let kind = match width {
+        1 => "Scalar",
+        3 => "Vector",
+        _ => "Tensor",
+    };
+    format!("<Attribute Name=\"{name}\" AttributeType=\"{kind}\" Center=\"{center}\">{item}</Attribute>\n")
+}
+
+fn data_item(entry: &Entry, path: &str, shape: &[usize], real: bool) -> String {
+    let (shape, file) = (words(shape), path_in_run(entry.number));
+    let kind = if real { "NumberType=\"Float\" Precision=\"8\"" } else { "NumberType=\"Int\" Precision=\"4\"" };
+    format!("<DataItem Format=\"HDF\" {kind} Dimensions=\"{shape}\">{file}:/{path}</DataItem>")
+}
+
+/// Numbers with blanks between them; floating-point ones with all their digits.
+fn words<T: std::fmt::Debug>(numbers: impl IntoIterator<Item = T>) -> String {
+    numbers.into_iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,78 @@
+//! HDF5 files that all ranks write together through MPI-IO, aside, and that take their name once they are whole on disk.
+
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+use super::file::aside;
+use crate::{
+    error::{Error, Result},
+    parallel::World,
+};
+
+/// A file under way. Dropped before [`finish`](Together::finish), it leaves nothing behind.
+pub(super) struct Together<'a> {
+    world: &'a World,
+    path: PathBuf,
+    aside: PathBuf,
+    file: Option<hdf5::File>,
+}
+
+impl<'a> Together<'a> {
+    /// Opens the file aside.
+    pub fn create(world: &'a World, path: &Path) -> Result<Together<'a>> {
+        let mut together = Together { world, path: path.to_owned(), aside: aside(path), file: None };
+        // the system says better than HDF5 why a file cannot be made
+        together.on_first_rank(|aside| fs::File::create(aside).map(drop))?;
+        let communicator = world.raw();
+        // the newer file format has checksums in its metadata
+        let options = hdf5::File::with_options().with_fapl(|access| access.mpio(communicator, None).libver_v110()).clone();
+        let opened = options.create(&together.aside).map_err(|error| together.error(io::Error::other(error.to_string())));
+        together.file = Some(world.agree(opened)?);
+        Ok(together)
+    }
+
+    /// The ranks that write.
+    pub fn world(&self) -> &'a World {
+        self.world
+    }
+
+    /// Takes a step on every rank. Making groups, data sets and attributes is collective; a write may fail on one rank alone,
+    /// so that nothing collective may follow it in the same step.
+    pub fn step<T>(&self, step: impl FnOnce(&hdf5::Group) -> hdf5::Result<T>) -> Result<T> {
+        let file = self.file.as_ref().expect("open until finished");
+        self.world.agree(step(file).map_err(|error| self.error(io::Error::other(error.to_string()))))
+    }
+
+    /// Closes the file, waits until it is on disk and gives it its name.
+    pub fn finish(mut self) -> Result<()> {
+        let file = self.file.take().expect("open until finished");
+        self.world.agree(file.close().map_err(|error| self.error(io::Error::other(error.to_string()))))?;
+        // each rank for its own machine's share
+        self.world.agree(fs::File::open(&self.aside).and_then(|file| file.sync_all()).map_err(|source| self.error(source)))?;
+        self.on_first_rank(|aside| {
+            fs::rename(aside, &self.path)?;
+            self.path.parent().map_or(Ok(()), |folder| fs::File::open(folder)?.sync_all())
+        })
+    }
+
+    fn on_first_rank(&self, act: impl FnOnce(&Path) -> io::Result<()>) -> Result<()> {
+        let outcome = if self.world.rank() == 0 { act(&self.aside) } else { Ok(()) };
+        self.world.agree(outcome.map_err(|source| self.error(source)))
+    }
+
+    fn error(&self, source: io::Error) -> Error {
+        Error::File { path: self.path.clone(), source }
+    }
+}
+
+impl Drop for Together<'_> {
+    fn drop(&mut self) {
+        self.file = None;
+        if self.world.rank() == 0 {
+            // it is there only if something failed before
+            let _ = fs::remove_file(&self.aside);
+        }
+    }
+}

@@ -1,0 +1,349 @@
+//! Lasting output: checkpoints and frames, alike on any number of ranks.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use nalgebra::{SMatrix, SVector};
+use turbid::{
+    body::skew,
+    error::Error,
+    geometry::Domain,
+    grid::{Grid, operators::signed},
+    output::{Checkpoint, CheckpointWriter, Frame, FrameBody, FrameFields, Frames, read_frames},
+    petsc::Session,
+};
+
+use crate::{
+    Test,
+    fields::{BOXES_2D, BOXES_3D, boxes_2d, boxes_3d, domain, grid, noise},
+};
+
+pub fn tests() -> Vec<Test> {
+    vec![
+        Test::of(a_checkpoint_gives_back_what_it_was_given),
+        Test::of(a_lattice_is_stored_in_its_natural_order_whoever_wrote_it),
+        Test::of(a_checkpoint_that_was_not_finished_is_absent),
+        Test::of(checkpoints_that_cannot_be_used_are_refused),
+        Test::of(no_changed_byte_changes_what_a_checkpoint_says),
+        Test::of(a_checkpoint_for_another_grid_is_refused),
+        Test::of(a_checkpoint_that_cannot_be_written_names_its_file),
+        Test::of(frames_give_back_their_bodies),
+        Test::of(fields_are_stored_slowest_axis_first_whoever_wrote_them),
+        Test::of(a_resumed_run_forgets_later_frames_and_a_new_one_all),
+        Test::of(frames_for_an_independent_reader),
+    ]
+}
+
+fn a_checkpoint_gives_back_what_it_was_given(session: &Session) {
+    fn proof<const D: usize>(session: &Session, domain: &Domain<D>) {
+        let (folder, grid) = (folder(session), grid(session, domain, 8));
+        let path = folder.join("state.h5");
+        let values = |field: usize| grid.block(field).indices().map(|index| noise(field, index)).collect::<Vec<_>>();
+        let mut writer = CheckpointWriter::create(session.world(), &path).unwrap();
+        writer.text("scene", "title = \"é\"\n").unwrap();
+        writer.text("nothing", "").unwrap();
+        writer.shared("numbers", &[1.5, -0.0, f64::MIN_POSITIVE, f64::NAN]).unwrap();
+        writer.shared("none", &[]).unwrap();
+        (0..=D).for_each(|field| writer.lattice(&format!("field {field}"), &grid, field, &values(field)).unwrap());
+        assert!(!path.exists());
+        writer.finish().unwrap();
+        let read = Checkpoint::open(session.world(), &path).unwrap();
+        assert_eq!(read.text("scene").unwrap(), "title = \"é\"\n");
+        assert_eq!(read.text("nothing").unwrap(), "");
+        let numbers = read.shared("numbers").unwrap();
+        assert_eq!(numbers[..3], [1.5, -0.0, f64::MIN_POSITIVE]);
+        assert!(numbers[1].is_sign_negative() && numbers[3].is_nan());
+        assert!(read.shared("none").unwrap().is_empty());
+        (0..=D).for_each(|field| assert_eq!(read.lattice(&format!("field {field}"), &grid, field).unwrap(), values(field)));
+        assert!(read.shared("other").unwrap_err().to_string().contains("holds no other"));
+    }
+    boxes_2d().for_each(|domain| proof(session, &domain));
+    boxes_3d().for_each(|domain| proof(session, &domain));
+}
+
+/// Reads with HDF5 alone, and compares with a function of the index: other numbers of ranks write and read the same.
+fn a_lattice_is_stored_in_its_natural_order_whoever_wrote_it(session: &Session) {
+    fn proof<const D: usize>(session: &Session, domain: &Domain<D>) {
+        let (folder, grid) = (folder(session), grid(session, domain, 8));
+        let path = folder.join("state.h5");
+        write_checkpoint(session, &grid, &path);
+        let file = hdf5::File::open(&path).unwrap();
+        for field in 0..=D {
+            let stored = file.dataset(&format!("field {field}")).unwrap();
+            let first = std::array::from_fn(|axis| usize::from(axis == field && !domain.periodic(axis)));
+            let extents: Vec<usize> = (0..D).map(|axis| grid.cells()[axis] - first[axis]).collect();
+            assert_eq!(stored.shape(), extents);
+            let whole = turbid::grid::Block { start: first, end: grid.cells() };
+            let expected: Vec<f64> = whole.indices().map(|index| noise(field, index)).collect();
+            assert_eq!(stored.read_raw::<f64>().unwrap(), expected);
+        }
+    }
+    boxes_2d().for_each(|domain| proof(session, &domain));
+    boxes_3d().for_each(|domain| proof(session, &domain));
+}
+
+fn a_checkpoint_that_was_not_finished_is_absent(session: &Session) {
+    let path = folder(session).join("state.h5");
+    let grid = grid(session, &domain(BOXES_2D[0]), 8);
+    write_checkpoint(session, &grid, &path);
+    let before = fs::read(&path).unwrap();
+    session.world().barrier();
+    let mut writer = CheckpointWriter::create(session.world(), &path).unwrap();
+    writer.text("scene", "other").unwrap();
+    drop(writer);
+    session.world().barrier();
+    assert_eq!(fs::read(&path).unwrap(), before);
+    assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
+}
+
+fn checkpoints_that_cannot_be_used_are_refused(session: &Session) {
+    let folder = folder(session);
+    let grid = grid(session, &domain(BOXES_2D[1]), 8);
+    let path = folder.join("state.h5");
+    write_checkpoint(session, &grid, &path);
+    let whole = fs::read(&path).unwrap();
+    let refused = |name: &str, contents: Option<&[u8]>, what: &str| {
+        let path = folder.join(name);
+        on_first_rank(session, || {
+            contents.map(|contents| fs::write(&path, contents).unwrap());
+        });
+        let Err(error) = Checkpoint::open(session.world(), &path) else { panic!("{name} was opened") };
+        let text = error.to_string();
+        assert!(matches!(error, Error::Refused(_)) && text.contains(name) && text.contains(what) && text.contains("resume from"), "{text}");
+    };
+    refused("missing.h5", None, "No such file");
+    refused("empty.h5", Some(b""), "is empty");
+    refused("text.h5", Some(b"a text of some length, longer than any signature"), "is no HDF5 file");
+    refused("cut.h5", Some(&whole[..4]), "is no HDF5 file");
+    for length in [8, 20, 48, 100, whole.len() / 2, whole.len() - 1] {
+        refused("cut.h5", Some(&whole[..length]), "is truncated or corrupt");
+    }
+    on_first_rank(session, || {
+        let file = hdf5::File::create(folder.join("foreign.h5")).unwrap();
+        file.new_dataset::<f64>().shape(3).create("scene").unwrap();
+    });
+    refused("foreign.h5", None, "is no checkpoint of turbid");
+    on_first_rank(session, || {
+        let file = hdf5::File::open_rw(&path).unwrap();
+        file.attr("version").unwrap().write_scalar(&7u32).unwrap();
+    });
+    refused("state.h5", None, "version 7 of the checkpoint format");
+}
+
+fn no_changed_byte_changes_what_a_checkpoint_says(session: &Session) {
+    let folder = folder(session);
+    let grid = grid(session, &domain(BOXES_2D[1]), 8);
+    let path = folder.join("state.h5");
+    write_checkpoint(session, &grid, &path);
+    let whole = fs::read(&path).unwrap();
+    let changed = folder.join("changed.h5");
+    let mut found = 0;
+    // a prime step meets all kinds of places
+    for place in (0..whole.len()).step_by(37) {
+        on_first_rank(session, || {
+            let mut bytes = whole.clone();
+            bytes[place] ^= 0x10;
+            fs::write(&changed, bytes).unwrap();
+        });
+        match read_checkpoint(session, &grid, &changed) {
+            Ok(values) => assert!(values == expected_checkpoint(&grid), "byte {place} went unnoticed"),
+            Err(Error::Refused(_)) => found += 1,
+            Err(error) => panic!("{error:?}"),
+        }
+    }
+    assert!(found > 10);
+}
+
+fn a_checkpoint_for_another_grid_is_refused(session: &Session) {
+    let path = folder(session).join("state.h5");
+    let domain = domain(BOXES_2D[1]);
+    write_checkpoint(session, &grid(session, &domain, 8), &path);
+    let error = read_checkpoint(session, &grid(session, &domain, 10), &path).unwrap_err().to_string();
+    assert!(error.contains("field 0 lies on a lattice of [8, 9] points, the scene needs [10, 11]"), "{error}");
+}
+
+fn a_checkpoint_that_cannot_be_written_names_its_file(session: &Session) {
+    let path = folder(session).join("absent/state.h5");
+    let Err(error) = CheckpointWriter::create(session.world(), &path) else { panic!("written into an absent folder") };
+    assert!(error.to_string().contains("absent/state.h5") && error.exit_code() == 2, "{error}");
+}
+
+fn frames_give_back_their_bodies(session: &Session) {
+    fn proof<const D: usize>(session: &Session, domain: &Domain<D>) {
+        let folder = folder(session);
+        let mut frames = Frames::create(session.world(), &folder).unwrap();
+        for step in 0..3 {
+            // the first frame has no bodies
+            let bodies = bodies(domain, step, 5 * step);
+            frames.write(session.world(), &Frame { time: 0.1 * step as f64, step, domain, bodies: &bodies, fields: None }).unwrap();
+            let read = read_frames::<D>(&folder).unwrap();
+            assert_eq!((read.len(), read[step].step, read[step].time), (step + 1, step, 0.1 * step as f64));
+            assert_eq!(read[step].size, domain.size);
+            let wrapped = bodies.into_iter().map(|body| FrameBody { center: domain.wrap(body.center), ..body });
+            assert_eq!(read[step].bodies, wrapped.collect::<Vec<_>>());
+            session.world().barrier();
+        }
+    }
+    boxes_2d().for_each(|domain| proof(session, &domain));
+    boxes_3d().for_each(|domain| proof(session, &domain));
+    let folder = folder(session);
+    let mut frames = Frames::create(session.world(), &folder).unwrap();
+    frames.write(session.world(), &Frame { time: 0.0, step: 0, domain: &domain(BOXES_2D[0]), bodies: &[], fields: None }).unwrap();
+    let error = read_frames::<3>(&folder).unwrap_err().to_string();
+    assert!(error.contains("000000.h5") && error.contains("2 dimensions, not 3"), "{error}");
+}
+
+fn fields_are_stored_slowest_axis_first_whoever_wrote_them(session: &Session) {
+    fn proof<const D: usize>(session: &Session, domain: &Domain<D>) {
+        let folder = folder(session);
+        let grid = grid(session, domain, 8);
+        let mut frames = Frames::create(session.world(), &folder).unwrap();
+        frames.write(session.world(), &Frame { time: 0.0, step: 0, domain, bodies: &[], fields: Some(fields(&grid, 0.0)) }).unwrap();
+        let file = hdf5::File::open(folder.join("run.h5")).unwrap();
+        let stored = file.dataset("frames/000000/fields/pressure").unwrap();
+        let reversed: Vec<usize> = grid.cells().into_iter().rev().collect();
+        assert_eq!(stored.shape(), reversed);
+        let values = stored.read_raw::<f64>().unwrap();
+        let velocity = file.dataset("frames/000000/fields/velocity").unwrap().read_raw::<f64>().unwrap();
+        for index in grid.lattice(D).indices() {
+            let place = (0..D).rev().fold(0, |place, axis| place * grid.cells()[axis] + index[axis]);
+            let x = grid.position(D, signed(index));
+            assert_eq!(values[place], field_at(D, &x, 0.0));
+            let expected: Vec<f64> = (0..3).map(|axis| if axis < D { field_at(axis, &x, 0.0) } else { 0.0 }).collect();
+            assert_eq!(velocity[3 * place..][..3], expected);
+        }
+    }
+    boxes_2d().for_each(|domain| proof(session, &domain));
+    boxes_3d().for_each(|domain| proof(session, &domain));
+}
+
+fn a_resumed_run_forgets_later_frames_and_a_new_one_all(session: &Session) {
+    let folder = folder(session);
+    let domain = domain(BOXES_2D[0]);
+    let write = |frames: &mut Frames, time: f64| {
+        let bodies = bodies(&domain, 0, 2);
+        frames.write(session.world(), &Frame { time, step: 0, domain: &domain, bodies: &bodies, fields: None }).unwrap();
+    };
+    let times = || {
+        session.world().barrier();
+        let times: Vec<f64> = read_frames::<2>(&folder).unwrap().iter().map(|frame| frame.time).collect();
+        let listed = hdf5::File::open(folder.join("run.h5")).unwrap();
+        assert_eq!(listed.dataset("times").unwrap().read_1d::<f64>().unwrap().to_vec(), times);
+        assert_eq!(listed.group("frames").unwrap().len(), times.len() as u64);
+        assert_eq!(fs::read_to_string(folder.join("bodies.xdmf")).unwrap().matches("<Time").count(), times.len());
+        drop(listed);
+        session.world().barrier();
+        times
+    };
+    let mut frames = Frames::create(session.world(), &folder).unwrap();
+    assert!(times().is_empty());
+    [0.0, 0.1, 0.2, 0.3].into_iter().for_each(|time| write(&mut frames, time));
+    on_first_rank(session, || fs::write(folder.join("frames/000004.h5.part"), b"half").unwrap());
+    let mut frames = Frames::resume(session.world(), &folder, 0.1).unwrap();
+    assert_eq!(times(), [0.0, 0.1]);
+    assert_eq!(fs::read_dir(folder.join("frames")).unwrap().count(), 2);
+    session.world().barrier();
+    write(&mut frames, 0.15);
+    assert_eq!(times(), [0.0, 0.1, 0.15]);
+    on_first_rank(session, || fs::write(folder.join("frames/000002.h5"), b"half").unwrap());
+    let Err(error) = Frames::resume(session.world(), &folder, 1.0) else { panic!("a broken frame was taken") };
+    assert!(error.to_string().contains("000002.h5 cannot be read"), "{error}");
+    Frames::create(session.world(), &folder).unwrap();
+    assert!(times().is_empty());
+}
+
+/// Writes what `tests/independent_reader.rs` reads, step by step as it asks for, if it does.
+fn frames_for_an_independent_reader(session: &Session) {
+    fn write<const D: usize>(session: &Session, folder: &Path, domain: &Domain<D>) {
+        let grid = grid(session, domain, 8);
+        let mut frames = Frames::create(session.world(), folder).unwrap();
+        for step in 0..3 {
+            let (time, bodies) = (0.25 * step as f64, bodies(domain, step, 7));
+            frames.write(session.world(), &Frame { time, step, domain, bodies: &bodies, fields: Some(fields(&grid, time)) }).unwrap();
+            while !folder.join(format!("read-{step}")).exists() {
+                std::thread::sleep(std::time::Duration::from_millis(5));
+            }
+        }
+    }
+    let Some(folder) = std::env::var_os("TURBID_INDEPENDENT_READER").map(PathBuf::from) else { return };
+    write(session, &folder.join("2d"), &domain(BOXES_2D[1]));
+    write(session, &folder.join("3d"), &domain(BOXES_3D[1]));
+}
+
+/// A field as a function of position and time, unlike along different axes.
+fn field_at<const D: usize>(field: usize, x: &SVector<f64, D>, time: f64) -> f64 {
+    (0..D).map(|axis| (axis + 1) as f64 * x[axis]).sum::<f64>() + 10.0 * field as f64 + time
+}
+
+fn fields<const D: usize>(grid: &Grid<D>, time: f64) -> FrameFields<'_, D> {
+    let points: Vec<SVector<f64, D>> = grid.block(D).indices().map(|index| grid.position(D, signed(index))).collect();
+    FrameFields {
+        grid,
+        velocity: points.iter().map(|x| SVector::from_fn(|axis, _| field_at(axis, x, time))).collect(),
+        pressure: points.iter().map(|x| field_at(D, x, time)).collect(),
+        inside: points.iter().map(|x| f64::from(u8::from(x[0] < x[1]))).collect(),
+    }
+}
+
+/// Bodies whose numbers are simple functions of their place in the list; centres leave the box along periodic axes.
+fn bodies<const D: usize>(domain: &Domain<D>, step: usize, count: usize) -> Vec<FrameBody<D>> {
+    let body = |body: usize| {
+        let number = body as f64 + 0.125 * step as f64;
+        let turn = |scale: f64| skew(&[number * scale, number + scale, scale][..D * (D - 1) / 2]);
+        FrameBody {
+            center: SVector::from_fn(|axis, _| if domain.periodic(axis) { 0.3 * number } else { 0.1 * number } + 0.01 * axis as f64),
+            radius: 0.1 + 0.01 * body as f64,
+            velocity: SVector::from_fn(|axis, _| number + 100.0 * axis as f64),
+            spin: turn(2.0),
+            rotation: SMatrix::from_fn(|row, column| number + 10.0 * row as f64 + column as f64),
+            force: SVector::from_fn(|axis, _| -number - 100.0 * axis as f64),
+            torque: turn(-3.0),
+            contacts: body % 4,
+        }
+    };
+    (0..count).map(body).collect()
+}
+
+fn write_checkpoint<const D: usize>(session: &Session, grid: &Grid<D>, path: &Path) {
+    let mut writer = CheckpointWriter::create(session.world(), path).unwrap();
+    writer.text("scene", "title = \"one\"").unwrap();
+    writer.shared("numbers", &[1.0, 2.0, 3.0]).unwrap();
+    for (field, values) in expected_checkpoint(grid).2.iter().enumerate() {
+        writer.lattice(&format!("field {field}"), grid, field, values).unwrap();
+    }
+    writer.finish().unwrap();
+}
+
+type Contents = (String, Vec<f64>, Vec<Vec<f64>>);
+
+fn expected_checkpoint<const D: usize>(grid: &Grid<D>) -> Contents {
+    let values = |field| grid.block(field).indices().map(|index| noise(field, index)).collect();
+    ("title = \"one\"".into(), vec![1.0, 2.0, 3.0], (0..=D).map(values).collect())
+}
+
+fn read_checkpoint<const D: usize>(session: &Session, grid: &Grid<D>, path: &Path) -> Result<Contents, Error> {
+    let read = Checkpoint::open(session.world(), path)?;
+    let fields = (0..=D).map(|field| read.lattice(&format!("field {field}"), grid, field)).collect::<Result<_, _>>()?;
+    Ok((read.text("scene")?, read.shared("numbers")?, fields))
+}
+
+fn on_first_rank(session: &Session, act: impl FnOnce()) {
+    session.world().barrier();
+    if session.world().rank() == 0 {
+        act();
+    }
+    session.world().barrier();
+}
+
+/// An empty folder, the same on all ranks.
+fn folder(session: &Session) -> PathBuf {
+    let own = std::env::temp_dir().join(format!("turbid-lasting-{}", std::process::id()));
+    let path = PathBuf::from(session.world().broadcast(0, &own.to_string_lossy()));
+    on_first_rank(session, || {
+        let _ = fs::remove_dir_all(&path);
+        fs::create_dir_all(&path).unwrap();
+    });
+    path
+}

@@ -1,0 +1,156 @@
+"""Reads frames with h5py and with VTK's XDMF reader, and compares them with what the writer must have written.
+
+usage: independent_reader.py FOLDER DIMENSION FRAMES
+"""
+
+import pathlib
+import sys
+
+import h5py
+import numpy
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
+from vtkmodules.vtkIOXdmf2 import vtkXdmfReader
+
+BODIES = 7
+EXACT = 1e-12
+
+
+def same(found, expected, what):
+    found, expected = numpy.asarray(found), numpy.asarray(expected)
+    assert found.shape == expected.shape, f"{what}: shape {found.shape} instead of {expected.shape}"
+    worst = numpy.abs(found - expected).max(initial=0.0)
+    assert worst <= EXACT * max(1.0, numpy.abs(expected).max(initial=0.0)), f"{what}: off by {worst}"
+
+
+def in_space(vectors):
+    return numpy.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
+
+
+def expected_bodies(size, periodic, step):
+    dimension = len(size)
+    identity = numpy.arange(BODIES)
+    number = identity + 0.125 * step
+    axes = numpy.arange(dimension)
+    centers = number[:, None] * numpy.where(periodic, 0.3, 0.1) + 0.01 * axes
+    velocity = number[:, None] + 100.0 * axes
+
+    def turn(scale):
+        components = numpy.stack([number * scale, number + scale, numpy.full(BODIES, scale)], axis=1)
+        return components if dimension == 3 else numpy.pad(components[:, :1], ((0, 0), (2, 0)))
+
+    rotation = numpy.tile(numpy.eye(3), (BODIES, 1, 1))
+    block = numpy.add.outer(10.0 * axes, axes)
+    rotation[:, :dimension, :dimension] = number[:, None, None] + block
+    return {
+        "center": in_space(numpy.where(periodic, centers % size, centers)),
+        "radius": 0.1 + 0.01 * identity,
+        "velocity": in_space(velocity),
+        "spin": turn(2.0),
+        "rotation": rotation.reshape(BODIES, 9),
+        "force": in_space(-velocity),
+        "torque": turn(-3.0),
+        "contacts": identity % 4,
+        "id": identity,
+    }
+
+
+def expected_fields(points, time):
+    """Fields at points in the rows of an array, one column an axis."""
+    dimension = points.shape[1]
+    base = points @ (numpy.arange(dimension) + 1.0) + time
+    velocity = base[:, None] + 10.0 * numpy.arange(dimension)
+    return {
+        "velocity": in_space(velocity),
+        "pressure": base + 10.0 * dimension,
+        "inside": (points[:, 0] < points[:, 1]).astype(float),
+    }
+
+
+def check_hdf5(run, dimension, frames):
+    same(run["times"], 0.25 * numpy.arange(frames), "times")
+    same(run["steps"], numpy.arange(frames), "steps")
+    assert sorted(run["frames"]) == [f"{number:06}" for number in range(frames)]
+    for step in range(frames):
+        frame = run[f"frames/{step:06}"]
+        time, size, periodic = frame.attrs["time"], frame.attrs["size"], frame.attrs["periodic"].astype(bool)
+        same([time, frame.attrs["step"]], [0.25 * step, step], "time and step")
+        assert list(periodic) == [True, False, True][:dimension]
+        for name, values in expected_bodies(size, periodic, step).items():
+            same(frame["bodies"][name], values, f"{name} in frame {step}")
+        cells, spacing = frame.attrs["cells"], frame.attrs["spacing"]
+        same(cells * spacing, size, "cells fill the box")
+        # slowest axis first: z, y, x
+        grids = numpy.meshgrid(*[(numpy.arange(n) + 0.5) * h for n, h in zip(cells[::-1], spacing[::-1])], indexing="ij")
+        points = numpy.stack([grid.ravel() for grid in grids[::-1]], axis=1)
+        for name, values in expected_fields(points, time).items():
+            stored = numpy.asarray(frame["fields"][name])
+            assert stored.shape[:dimension] == tuple(cells[::-1])
+            same(stored.reshape(values.shape), values, f"{name} in frame {step}")
+
+
+def vtk_frames(path):
+    """Times and data sets that VTK finds in an XDMF file."""
+    reader = vtkXdmfReader()
+    reader.SetFileName(str(path))
+    reader.UpdateInformation()
+    times = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS())
+    for time in times:
+        reader.UpdateTimeStep(time)
+        yield time, reader.GetOutputDataObject(0)
+
+
+def arrays(data):
+    return {data.GetArrayName(index): vtk_to_numpy(data.GetArray(index)) for index in range(data.GetNumberOfArrays())}
+
+
+def cell_centers(image, dimension):
+    return numpy.array([numpy.array(image.GetCell(cell).GetBounds()).reshape(3, 2).mean(axis=1) for cell in range(image.GetNumberOfCells())])[
+        :, :dimension
+    ]
+
+
+def check_vtk(folder, size, periodic, frames):
+    dimension = len(size)
+    seen = list_of_times(folder / "bodies.xdmf", lambda step, data: check_points(data, expected_bodies(size, periodic, step)))
+    same(seen, 0.25 * numpy.arange(frames), "times of bodies.xdmf")
+    seen = list_of_times(folder / "fields.xdmf", lambda step, data: check_image(data, dimension, size, 0.25 * step))
+    same(seen, 0.25 * numpy.arange(frames), "times of fields.xdmf")
+
+
+def list_of_times(path, check):
+    times = []
+    for step, (time, data) in enumerate(vtk_frames(path)):
+        times.append(time)
+        check(step, data)
+    return times
+
+
+def check_points(data, expected):
+    same(vtk_to_numpy(data.GetPoints().GetData()), expected["center"], "points")
+    found = arrays(data.GetPointData())
+    for name in expected.keys() - {"center"}:
+        same(found[name], expected[name], f"{name} in VTK")
+
+
+def check_image(data, dimension, size, time):
+    same(numpy.array(data.GetBounds())[: 2 * dimension], numpy.stack([0 * size, size], axis=1).ravel(), "bounds")
+    found = arrays(data.GetCellData())
+    for name, values in expected_fields(cell_centers(data, dimension), time).items():
+        same(found[name], values, f"{name} in VTK")
+
+
+def main():
+    folder, dimension, frames = pathlib.Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
+    with h5py.File(folder / "run.h5") as run:
+        check_hdf5(run, dimension, frames)
+        first = run["frames/000000"]
+        check_vtk(folder, first.attrs["size"], first.attrs["periodic"].astype(bool), frames)
+        # the writer goes on while this file is open; what it lists stays readable
+        print("checked", flush=True)
+        sys.stdin.readline()
+        check_hdf5(run, dimension, frames)
+    print("checked again", flush=True)
+
+
+main()

@@ -1,0 +1,80 @@
+//! Frames as others read them: h5py and VTK, while the run that writes them goes on.
+
+#![allow(clippy::unwrap_used)]
+
+use std::{
+    fs,
+    io::{BufRead, BufReader, Write},
+    path::{Path, PathBuf},
+    process::{Child, Command, Stdio},
+    time::{Duration, Instant},
+};
+
+const FRAMES: usize = 3;
+
+/// Longer than any step takes on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+#[test]
+fn h5py_and_vtk_read_frames_while_more_are_written() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("independent-reader");
+    let _ = fs::remove_dir_all(&folder);
+    let mut writer = start_writer(&folder);
+    for dimension in [2, 3] {
+        let folder = folder.join(format!("{dimension}d"));
+        for step in 0..FRAMES {
+            wait_until(&mut writer, || listed(&folder) > step);
+            let mut reader = start_reader(&folder, dimension, step + 1);
+            let mut said = BufReader::new(reader.stdout.take().unwrap()).lines();
+            assert_eq!(said.next().map(Result::unwrap).as_deref(), Some("checked"), "see the reader's message above");
+            fs::write(folder.join(format!("read-{step}")), "").unwrap();
+            if step + 1 < FRAMES {
+                wait_until(&mut writer, || listed(&folder) > step + 1);
+            }
+            writeln!(reader.stdin.take().unwrap(), "go on").unwrap();
+            assert_eq!(said.next().map(Result::unwrap).as_deref(), Some("checked again"), "see the reader's message above");
+            assert!(reader.wait().unwrap().success());
+        }
+    }
+    assert!(writer.wait().unwrap().success());
+}
+
+/// Number of frames that the run's companion lists.
+fn listed(folder: &Path) -> usize {
+    fs::read_to_string(folder.join("fields.xdmf")).map_or(0, |text| text.matches("<Time").count())
+}
+
+fn wait_until(writer: &mut Child, ready: impl Fn() -> bool) {
+    let start = Instant::now();
+    while !ready() {
+        assert!(writer.try_wait().unwrap().is_none(), "the writer has ended");
+        assert!(start.elapsed() < PATIENCE, "the writer does not go on");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// The component test that writes frames, on two ranks.
+fn start_writer(folder: &Path) -> Child {
+    let mut command = Command::new("mpirun");
+    command.args(["--oversubscribe", "-n", "2"]).arg(component_tests()).arg("frames_for_an_independent_reader");
+    command.envs([("OMPI_ALLOW_RUN_AS_ROOT", "1"), ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"), ("OMP_NUM_THREADS", "1")]);
+    command.env("TURBID_INDEPENDENT_READER", folder).stdout(Stdio::null()).spawn().unwrap()
+}
+
+/// The newest build of the component tests, which lies beside this one.
+fn component_tests() -> PathBuf {
+    let own = std::env::current_exe().unwrap();
+    let files = fs::read_dir(own.parent().unwrap()).unwrap().map(|entry| entry.unwrap().path());
+    let built = files.filter(|path| path.extension().is_none() && path.file_name().unwrap().to_string_lossy().starts_with("component-"));
+    let newest = built.max_by_key(|path| fs::metadata(path).unwrap().modified().unwrap());
+    newest.expect("the component tests are not built: cargo test --no-run --test component")
+}
+
+fn start_reader(folder: &Path, dimension: usize, frames: usize) -> Child {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let python = root.join("target/python/bin/python");
+    assert!(python.exists(), "{} is missing: execute ./run setup, which makes it", python.display());
+    let mut command = Command::new(python);
+    command.arg(root.join("tests/independent_reader.py")).arg(folder).args([dimension.to_string(), frames.to_string()]);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap()
+}
