@@ -1,5 +1,6 @@
 //! The command line: words become calls.
 
+mod animate;
 mod plan;
 mod run;
 
@@ -28,13 +29,35 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Simulate a scene; writes summary.json, scene.toml and a picture into the output folder.
+    /// Simulate a scene, at an instant or in time; writes summary.json, scene.toml, pictures, series and frames into the output folder.
     Run {
         #[command(flatten)]
         scene: SceneArguments,
         /// Output folder (default: out/NAME of the scene).
         #[arg(long)]
         out: Option<PathBuf>,
+    },
+    /// Go on with a run in time from its last checkpoint.
+    Resume {
+        /// Output folder of the run.
+        folder: PathBuf,
+        /// Override time.end or a key of output: --set time.end=20
+        #[arg(long = "set", value_name = "KEY=VALUE")]
+        overrides: Vec<String>,
+    },
+    /// Draw the frames of a run in time as an animation (APNG).
+    Animate {
+        /// Output folder of the run.
+        folder: PathBuf,
+        /// File to write (default: animation.png in the folder).
+        #[arg(long)]
+        out: Option<PathBuf>,
+        /// Width of the picture in pixels.
+        #[arg(long, default_value_t = 640, value_parser = clap::value_parser!(u32).range(100..=4000))]
+        width: u32,
+        /// Length of the film in seconds.
+        #[arg(long, default_value_t = 6.0)]
+        seconds: f64,
     },
     /// Say what a run would build, with unknowns and memory; solve nothing.
     Plan {
@@ -73,6 +96,17 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
                 2 => run::run::<2>(session, &scene, &folder),
                 _ => run::run::<3>(session, &scene, &folder),
             }
+        }
+        Command::Resume { folder, overrides } => {
+            let (scene, checkpoint) = run::open(session, folder, overrides)?;
+            match scene.dimension() {
+                2 => run::resume::<2>(session, &scene, folder, &checkpoint),
+                _ => run::resume::<3>(session, &scene, folder, &checkpoint),
+            }
+        }
+        Command::Animate { folder, out, width, seconds } => {
+            let film = animate::Film { folder, out: out.clone().unwrap_or_else(|| folder.join("animation.png")), width: *width, seconds: *seconds };
+            animate::animate(session, &film)
         }
         Command::Plan { scene } => {
             let scene = scene.read(session)?;

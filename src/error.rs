@@ -24,6 +24,17 @@ pub enum Error {
         /// PETSc's own text.
         text: String,
     },
+    /// Bodies in contact could not be kept apart.
+    #[error("{text}")]
+    Contact {
+        /// How many bodies and contacts, what failed, and what to try.
+        text: String,
+        /// The bodies and contacts as JSON, to solve the same problem again.
+        island: String,
+    },
+    /// A signal asked the run to stop; nothing is lost.
+    #[error("{0}")]
+    Stopped(String),
     /// Another rank failed.
     #[error("rank {rank}: {text}")]
     Elsewhere {
@@ -43,10 +54,11 @@ pub enum Error {
 }
 
 impl Error {
-    /// Exit code of the program: 2 for input or files that cannot be used, 1 for anything else.
+    /// Exit code of the program: 2 for input or files that cannot be used, 130 after a signal, 1 for anything else.
     pub fn exit_code(&self) -> i32 {
         match self {
             Error::Refused(_) | Error::File { .. } => 2,
+            Error::Stopped(_) => 130,
             _ => 1,
         }
     }

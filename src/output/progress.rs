@@ -41,6 +41,36 @@ impl Progress {
     }
 }
 
+/// A progress line of a run in time; silent as [`Progress`] is.
+pub struct TimeProgress {
+    line: ProgressBar,
+    start: Instant,
+    /// Time at the start of this run and at its end.
+    times: [f64; 2],
+}
+
+impl TimeProgress {
+    /// A line for a run from one time to another.
+    pub fn new(rank: usize, begin: f64, end: f64) -> TimeProgress {
+        TimeProgress { line: Progress::new(rank, 1.0).line, start: Instant::now(), times: [begin, end] }
+    }
+
+    /// Shows how far the run has come.
+    pub fn show(&self, time: f64, step: usize) {
+        let [begin, end] = self.times;
+        let done = if end > begin { ((time - begin) / (end - begin)).clamp(0.0, 1.0) } else { 1.0 };
+        self.line.set_position((1000.0 * done) as u64);
+        let elapsed = self.start.elapsed().as_secs_f64();
+        let left = if done > 0.01 { format!(", {:.0} s left", elapsed * (1.0 - done) / done) } else { String::new() };
+        self.line.set_message(format!("time {time:.4} of {end}, step {step}{left}"));
+    }
+
+    /// Removes the line.
+    pub fn end(&self) {
+        self.line.finish_and_clear();
+    }
+}
+
 /// How far a residual has come on its way from 1 to the tolerance, in orders of magnitude.
 fn part_done(residual: f64, tolerance: f64) -> f64 {
     if residual > 0.0 { (residual.ln() / tolerance.ln()).clamp(0.0, 1.0) } else { 1.0 }

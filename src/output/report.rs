@@ -1,32 +1,101 @@
 //! The result of a run in a few lines for people.
 
-use super::Summary;
+use super::{
+    Summary,
+    summary::{ContactSummary, MotionSummary, SolverSummary},
+};
+
+/// Bars of a sparkline, from the lowest to the highest.
+const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
+
+/// Most bars of a sparkline.
+const WIDTH: usize = 60;
 
 /// The lines that a run ends with.
 pub fn report(summary: &Summary) -> String {
-    let solver = &summary.solver;
     let bodies = counted(summary.bodies.len(), "body", "bodies");
     let mut lines = vec![format!("{bodies}, fraction {:.4}, on {}", summary.fraction, counted(summary.ranks, "rank", "ranks"))];
+    if let Some(motion) = &summary.motion {
+        lines.extend(motion_lines(summary, motion));
+    }
     if let Some(viscosity) = &summary.viscosity {
         let walls = viscosity.from_walls.map_or(String::new(), |walls| format!("   (from the force on the walls: {walls:.4})"));
         lines.push(format!("relative viscosity   {:.4}{walls}", viscosity.relative));
     }
-    lines.push(format!("unknowns             {} on the grid, {} on surfaces", solver.grid_unknowns, solver.multiplier_unknowns));
-    lines.push(format!("iterations           {} to a residual of {:.1e}", solver.iterations, solver.residual));
-    lines.push(format!(
-        "seconds              {:.2} set-up, {:.2} jump assembly, {:.2} solve ({:.2} multigrid, {:.2} matrices, {:.2} surfaces, {:.2} Krylov)",
-        solver.setup_seconds,
-        solver.assembly_seconds,
-        solver.solve_seconds,
-        solver.inverse_seconds,
-        solver.matrix_seconds,
-        solver.body_seconds,
-        solver.krylov_seconds
-    ));
-    lines.push(format!("peak memory          {:.0} MB", solver.peak_memory_bytes / 1e6));
+    lines.extend(summary.contact.as_ref().map(contact_line));
+    lines.extend(summary.solver.iter().flat_map(|solver| solver_lines(solver, summary.motion.is_none())));
     lines.join("\n")
+}
+
+fn motion_lines(summary: &Summary, motion: &MotionSummary) -> Vec<String> {
+    let steps = counted(summary.steps, "step", "steps");
+    let [shortest, longest] = motion.steps;
+    let mut lines = vec![format!("time                 {} in {steps} of {shortest:.3e} to {longest:.3e}", summary.time)];
+    if motion.solves > 0 {
+        let mean = motion.iterations as f64 / motion.solves as f64;
+        lines.push(format!("solves               {}, of {mean:.1} iterations on average", motion.solves));
+    }
+    lines.push(format!(
+        "seconds              {:.2}: {:.2} jump assembly, {:.2} flow, {:.2} contacts, {:.2} files",
+        motion.seconds, motion.assembly_seconds, motion.solve_seconds, motion.contact_seconds, motion.output_seconds
+    ));
+    lines
+}
+
+fn contact_line(contact: &ContactSummary) -> String {
+    let gap = contact.smallest_gap.map_or("no two bodies near each other".into(), |gap| format!("smallest gap of all steps {gap:.1e} radii"));
+    format!("contacts             {} that press, {gap}, residual {:.1e}", contact.active, contact.kkt_residual)
+}
+
+fn solver_lines(solver: &SolverSummary, instant: bool) -> Vec<String> {
+    let mut lines = vec![format!("unknowns             {} on the grid, {} on surfaces", solver.grid_unknowns, solver.multiplier_unknowns)];
+    if instant {
+        lines.push(format!("iterations           {} to a residual of {:.1e}", solver.iterations, solver.residual));
+        lines.push(format!(
+            "seconds              {:.2} set-up, {:.2} jump assembly, {:.2} solve ({:.2} multigrid, {:.2} matrices, {:.2} surfaces, {:.2} Krylov)",
+            solver.setup_seconds,
+            solver.assembly_seconds,
+            solver.solve_seconds,
+            solver.inverse_seconds,
+            solver.matrix_seconds,
+            solver.body_seconds,
+            solver.krylov_seconds
+        ));
+    }
+    lines.push(format!("peak memory          {:.0} MB", solver.peak_memory_bytes / 1e6));
+    lines
+}
+
+/// A curve as a line of bars from its lowest to its highest value; nothing for fewer than two finite values.
+pub fn sparkline(values: impl Iterator<Item = f64>) -> Option<String> {
+    let values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+    if values.len() < 2 {
+        return None;
+    }
+    let count = values.len().min(WIDTH);
+    let mean = |bar: usize| {
+        let part = &values[bar * values.len() / count..(bar + 1) * values.len() / count];
+        part.iter().sum::<f64>() / part.len() as f64
+    };
+    let means: Vec<f64> = (0..count).map(mean).collect();
+    let (lowest, highest) = means.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), mean| (low.min(*mean), high.max(*mean)));
+    let scale = if highest > lowest { (BARS.len() - 1) as f64 / (highest - lowest) } else { 0.0 };
+    let line: String = means.iter().map(|mean| BARS[((mean - lowest) * scale).round() as usize]).collect();
+    Some(format!("{line}   {lowest:.4} to {highest:.4}"))
 }
 
 fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sparkline_shows_the_range_and_needs_two_values() {
+        assert_eq!(sparkline([1.0, 2.0].into_iter()).as_deref(), Some("▁█   1.0000 to 2.0000"));
+        assert_eq!(sparkline([1.0, f64::NAN].into_iter()), None);
+        assert!(sparkline((0..1000).map(f64::from)).is_some_and(|line| line.chars().count() < 90));
+    }
 }

@@ -64,6 +64,11 @@ impl Scene {
         self.domain.size.len()
     }
 
+    /// Its title, or else its name.
+    pub fn shown_title(&self) -> &str {
+        if self.title.is_empty() { &self.name } else { &self.title }
+    }
+
     /// Whether there is no fluid: bodies then have inertia and only touch each other.
     pub fn dry(&self) -> bool {
         self.flow.model == FlowModel::None

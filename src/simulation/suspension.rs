@@ -133,6 +133,14 @@ impl<const D: usize> Suspension<D> {
         (self.remembers, self.past) = (true, past);
     }
 
+    /// A vector of the fluid's shape, zero.
+    ///
+    /// # Errors
+    /// PETSc has no memory for it.
+    pub fn fluid_vector(&self) -> Result<Vector> {
+        self.basis.stokes.vector()
+    }
+
     /// What further solves start from.
     pub fn past(&self) -> Option<&Past<D>> {
         self.past.as_ref()

@@ -1,0 +1,44 @@
+//! An instantaneous solve: solve, write, report.
+
+use std::path::Path;
+
+use super::folder;
+use crate::{
+    error::Result,
+    observe,
+    output::{self, Progress, Summary},
+    petsc::Session,
+    scene::Scene,
+    simulation::{Setup, Suspension},
+};
+
+/// Solves a scene of dimension `D` with the bodies where they start.
+#[allow(clippy::print_stdout)]
+pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> Result<()> {
+    let world = session.world();
+    let first = world.rank() == 0;
+    let setup = world.agree(Setup::<D>::of(scene))?;
+    let mut suspension = Suspension::new(session, setup)?;
+    world.agree(if first { folder::claim(folder, scene) } else { Ok(()) })?;
+
+    let progress = Progress::new(world.rank(), scene.method.tolerance);
+    let solution = suspension.solve(&mut |iteration, residual| progress.show(iteration, residual));
+    progress.end();
+    let solution = solution?;
+
+    let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[])?;
+    let summary = Summary::of_flow((&scene.name, &scene.title), &suspension, (&solution, viscosity), world);
+    let mut files = vec!["scene.toml"];
+    if scene.output.picture {
+        let picture = observe::picture(scene.shown_title(), &suspension, &solution)?.svg();
+        world.agree(if first { output::write_whole(&folder.join("picture.svg"), picture.as_bytes()) } else { Ok(()) })?;
+        files.push("picture.svg");
+    }
+    files.push("summary.json");
+    world.agree(if first { folder::complete(folder, &summary) } else { Ok(()) })?;
+    if first {
+        println!("{}", output::report(&summary));
+        println!("files                {}: {}", folder.display(), files.join(", "));
+    }
+    Ok(())
+}

@@ -1,0 +1,47 @@
+//! `turbid run` and `turbid resume`: an instantaneous solve, or a simulation in time.
+
+mod folder;
+mod instant;
+mod march;
+mod outputs;
+mod signals;
+
+use std::path::Path;
+
+use crate::{
+    error::{Error, Result},
+    output::Checkpoint,
+    petsc::Session,
+    scene::Scene,
+};
+pub use folder::CHECKPOINT;
+
+/// Runs a scene of dimension `D` from its start.
+pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> Result<()> {
+    match scene.time {
+        None => instant::run::<D>(session, scene, folder),
+        Some(_) => march::run::<D>(session, scene, folder, None),
+    }
+}
+
+/// Reads the scene of a folder whose run is to go on, and its checkpoint.
+///
+/// # Errors
+/// There is none, it belongs to another scene, or an override would change the scene.
+pub fn open<'a>(session: &'a Session, folder: &Path, overrides: &[String]) -> Result<(Scene, Checkpoint<'a>)> {
+    let world = session.world();
+    let scene = world.agree(folder::read_scene(folder, overrides))?;
+    let checkpoint = Checkpoint::open(world, &folder.join(CHECKPOINT))?;
+    let text = checkpoint.text("scene")?;
+    let began = world.agree(Scene::parse(&scene.name, folder, &text, &[]))?;
+    world.agree(scene.same_run(&began, "the checkpoint"))?;
+    if scene.time.is_none() {
+        return Err(Error::Refused(format!("{}: holds no run in time; only these are resumed", folder.display())));
+    }
+    Ok((scene, checkpoint))
+}
+
+/// Goes on with a run.
+pub fn resume<const D: usize>(session: &Session, scene: &Scene, folder: &Path, checkpoint: &Checkpoint) -> Result<()> {
+    march::run::<D>(session, scene, folder, Some(checkpoint))
+}

@@ -1,0 +1,195 @@
+//! What a run in time writes on its way: rows, frames, checkpoints.
+
+use std::{
+    path::{Path, PathBuf},
+    time::Instant,
+};
+
+use super::folder::{CHECKPOINT, movable_text};
+use crate::{
+    contact::Partner,
+    error::Result,
+    geometry::Ball,
+    observe::{self, CellCenters, Viscosity},
+    output::{self, ContactNumbers, Frame, FrameBody, FrameFields, Frames, Row, Rows},
+    parallel::World,
+    scene::Scene,
+    simulation::{Effort, Held, Simulation, State, StepReport, View},
+};
+
+/// Frames of a run whose scene does not say how many.
+const FRAMES: f64 = 100.0;
+
+/// Rounding of a time that is a multiple of the time between frames.
+const ROUNDING: f64 = 1e-9;
+
+/// The open outputs of a run.
+pub struct Outputs<const D: usize> {
+    folder: PathBuf,
+    scene_text: String,
+    /// On the first rank.
+    rows: Option<Rows>,
+    frames: Frames,
+    every: f64,
+    /// Present if frames hold fields.
+    centers: Option<CellCenters<D>>,
+    contact: bool,
+    checkpoint_pace: f64,
+    last_checkpoint: Instant,
+    last_row: Instant,
+    /// Seconds spent on files.
+    pub seconds: f64,
+}
+
+impl<const D: usize> Outputs<D> {
+    /// Opens them for what comes from the state of the simulation on.
+    ///
+    /// # Errors
+    /// Files of the run so far cannot be read or written.
+    pub fn open(world: &World, scene: &Scene, folder: &Path, simulation: &mut Simulation<D>) -> Result<Outputs<D>> {
+        let (steps, time) = (simulation.state().steps, simulation.state().time);
+        let rows = world.agree(if world.rank() == 0 { Rows::open(folder, steps).map(Some) } else { Ok(None) })?;
+        let frames = if steps == 0 { Frames::create(world, folder)? } else { Frames::resume(world, folder, time.next_down())? };
+        let centers = match simulation.suspension() {
+            Some(suspension) if scene.output.fields => Some(CellCenters::new(suspension.grid(), &suspension.fluid_vector()?)?),
+            _ => None,
+        };
+        let end = scene.time.as_ref().map_or(0.0, |time| time.end);
+        Ok(Outputs {
+            folder: folder.to_owned(),
+            scene_text: movable_text(scene)?,
+            rows,
+            frames,
+            every: scene.output.every.unwrap_or(end / FRAMES),
+            centers,
+            contact: scene.contact.model != crate::scene::ContactModel::None,
+            checkpoint_pace: scene.output.checkpoint,
+            last_checkpoint: Instant::now(),
+            last_row: Instant::now(),
+            seconds: 0.0,
+        })
+    }
+
+    /// Writes what is due of an instant; `last` is the step that led there and `rate` that of a simple shear. Collective.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn write(
+        &mut self,
+        world: &World,
+        simulation: &mut Simulation<D>,
+        (view, last): (&View<D>, Option<&StepReport>),
+        shear: Option<(f64, Viscosity)>,
+    ) -> Result<()> {
+        let start = Instant::now();
+        let row = self.row(simulation.state(), (view, last), shear);
+        world.agree(self.rows.as_mut().map_or(Ok(()), |rows| rows.write(&row)))?;
+        if self.frame_is_due(simulation) {
+            self.write_frame(world, simulation, view)?;
+        }
+        self.seconds += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Writes a checkpoint if its pace or the run asks for one. Collective.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn checkpoint(&mut self, world: &World, simulation: &mut Simulation<D>, asked: bool) -> Result<()> {
+        let due = asked || self.last_checkpoint.elapsed().as_secs_f64() >= self.checkpoint_pace || simulation.may_end();
+        let due = world.max(f64::from(due)) > 0.0;
+        if due && simulation.on_the_way() && simulation.state().steps > 0 {
+            let start = Instant::now();
+            output::store(world, &self.folder.join(CHECKPOINT), &self.scene_text, simulation)?;
+            self.last_checkpoint = Instant::now();
+            self.seconds += start.elapsed().as_secs_f64();
+        }
+        Ok(())
+    }
+
+    /// Strain, hydrodynamic and contact part of the viscosity so far; on the first rank.
+    pub fn curve(&self) -> &[(f64, f64, f64)] {
+        self.rows.as_ref().map_or(&[], Rows::curve)
+    }
+
+    fn row(&mut self, state: &State<D>, (view, last): (&View<D>, Option<&StepReport>), shear: Option<(f64, Viscosity)>) -> Row {
+        let certificate = last.and_then(|report| report.certificate);
+        let contact = self.contact.then(|| ContactNumbers {
+            active: held(state, view).len(),
+            smallest_gap: certificate.map_or(f64::INFINITY, |certificate| certificate.smallest_gap),
+            kkt_residual: certificate.map_or(0.0, |certificate| certificate.kkt_residual),
+        });
+        let seconds = std::mem::replace(&mut self.last_row, Instant::now()).elapsed().as_secs_f64();
+        Row {
+            step: state.steps,
+            time: state.time,
+            last_step: state.last_step,
+            viscosity: shear.map(|(rate, viscosity)| (rate * state.time, viscosity)),
+            contact,
+            flow: view.solution.is_some(),
+            effort: view.effort + last.map_or(Effort::default(), |report| report.effort),
+            seconds,
+        }
+    }
+
+    /// The first instant, the last one, and the first one after each multiple of the time between frames.
+    fn frame_is_due(&self, simulation: &Simulation<D>) -> bool {
+        let state = simulation.state();
+        let number = |time: f64| (time / self.every + ROUNDING).floor();
+        state.steps == 0 || simulation.over() || number(state.time) > number(state.time - state.last_step)
+    }
+
+    fn write_frame(&mut self, world: &World, simulation: &mut Simulation<D>, view: &View<D>) -> Result<()> {
+        let state = simulation.state().clone();
+        let balls = state.balls(simulation.radii());
+        let bodies = frame_bodies(&state, &balls, view);
+        let domain = simulation.domain().clone();
+        let suspension = simulation.suspension();
+        let fields = match (&mut self.centers, &view.solution, suspension) {
+            (Some(centers), Some(solution), Some(suspension)) => {
+                let (grid, setup) = (suspension.grid(), suspension.setup());
+                let mut velocity = centers.velocity(&solution.fluid)?;
+                for (index, velocity) in grid.block(D).indices().zip(&mut velocity) {
+                    *velocity += setup.drive.background(&grid.position(D, crate::grid::operators::signed(index)));
+                }
+                let pressure = &solution.fluid.local()?[grid.local_range(D)];
+                let pressure = pressure.iter().map(|pressure| pressure * setup.viscosity).collect();
+                Some(FrameFields { grid, velocity, pressure, inside: observe::inside(grid, &balls) })
+            }
+            _ => None,
+        };
+        self.frames.write(world, &Frame { time: state.time, step: state.steps, domain: &domain, bodies: &bodies, fields })
+    }
+}
+
+/// Contacts that bear a force: of this instant in a flow, of the last step in a dry run.
+pub fn held<const D: usize>(state: &State<D>, view: &View<D>) -> Vec<Held<D>> {
+    match view.solution {
+        Some(_) => view.contacts.iter().filter(|pressed| pressed.force > 0.0).map(Held::of).collect(),
+        None => state.held.clone(),
+    }
+}
+
+fn frame_bodies<const D: usize>(state: &State<D>, balls: &[Ball<D>], view: &View<D>) -> Vec<FrameBody<D>> {
+    let mut contacts = vec![0; balls.len()];
+    for held in held(state, view) {
+        contacts[held.body] += 1;
+        if let Partner::Body(partner) = held.partner {
+            contacts[partner] += 1;
+        }
+    }
+    let body = |(number, ball): (usize, &Ball<D>)| {
+        let by_fluid = view.solution.as_ref().map(|solution| &solution.bodies[number]);
+        FrameBody {
+            center: ball.center,
+            radius: ball.radius,
+            velocity: view.twists[number].velocity,
+            spin: view.twists[number].spin,
+            rotation: state.bodies[number].rotation,
+            force: by_fluid.map_or_else(nalgebra::SVector::zeros, |state| state.force),
+            torque: by_fluid.map_or_else(nalgebra::SMatrix::zeros, |state| state.torque),
+            contacts: contacts[number],
+        }
+    };
+    balls.iter().enumerate().map(body).collect()
+}

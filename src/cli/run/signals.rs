@@ -1,0 +1,44 @@
+//! Signals: what the user or the batch system asks of a run under way.
+
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+};
+
+use signal_hook::{
+    consts::{SIGINT, SIGTERM, SIGUSR1},
+    flag::register,
+};
+
+use crate::error::{Error, Result};
+
+/// Signals that have come since the start; this rank's.
+pub struct Signals {
+    stop: Arc<AtomicBool>,
+    checkpoint: Arc<AtomicBool>,
+}
+
+impl Signals {
+    /// From now on SIGINT and SIGTERM ask for a stop after the step, and SIGUSR1 for a checkpoint.
+    pub fn listen() -> Result<Signals> {
+        let signals = Signals { stop: Arc::default(), checkpoint: Arc::default() };
+        let listen = || {
+            for signal in [SIGINT, SIGTERM] {
+                register(signal, signals.stop.clone())?;
+            }
+            register(SIGUSR1, signals.checkpoint.clone())
+        };
+        listen().map_err(|error: std::io::Error| Error::Diverged(format!("the system does not let signals be listened to: {error}")))?;
+        Ok(signals)
+    }
+
+    /// Whether the run is to stop.
+    pub fn stop(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Whether a checkpoint is asked for; asked once.
+    pub fn take_checkpoint(&self) -> bool {
+        self.checkpoint.swap(false, Ordering::Relaxed)
+    }
+}

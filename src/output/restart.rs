@@ -1,0 +1,148 @@
+//! What a checkpoint holds of a simulation: its state, and what the solver starts from, so that a resumed run repeats
+//! what the run would have done to the last digit on the same ranks.
+
+use std::path::Path;
+
+use nalgebra::{SMatrix, SVector};
+
+use super::{Checkpoint, CheckpointWriter};
+use crate::{
+    body::{Twist, components, skew},
+    contact::Partner,
+    error::{Error, Result},
+    grid::Grid,
+    parallel::World,
+    petsc::Vector,
+    simulation::{Held, Moving, Past, Simulation, Snapshot, State},
+};
+
+/// Names of the arrays of a solution.
+const SNAPSHOTS: [&str; 2] = ["last", "earlier"];
+
+/// Writes a checkpoint of a simulation with the text of its scene. Collective.
+///
+/// # Errors
+/// [`Error::File`] when it cannot be written; an older checkpoint is then untouched.
+pub fn store<const D: usize>(world: &World, path: &Path, scene: &str, simulation: &mut Simulation<D>) -> Result<()> {
+    let mut writer = CheckpointWriter::create(world, path)?;
+    writer.text("scene", scene)?;
+    store_state(&mut writer, simulation.state())?;
+    if let Some(suspension) = simulation.suspension() {
+        store_past(&mut writer, suspension.grid(), suspension.past())?;
+    }
+    writer.finish()
+}
+
+/// Brings a simulation to the state of a checkpoint. Collective.
+///
+/// # Errors
+/// [`Error::Refused`] when the checkpoint cannot be used.
+pub fn restore<const D: usize>(checkpoint: &Checkpoint, simulation: &mut Simulation<D>) -> Result<()> {
+    let state = read_state(checkpoint, simulation.radii().len())?;
+    let past = match simulation.suspension() {
+        Some(suspension) => read_past(checkpoint, suspension.grid(), &suspension.fluid_vector()?)?,
+        None => None,
+    };
+    simulation.restore(state, past);
+    Ok(())
+}
+
+fn store_state<const D: usize>(writer: &mut CheckpointWriter, state: &State<D>) -> Result<()> {
+    writer.shared("time", &[state.time, state.steps as f64, state.last_step])?;
+    let bodies = state.bodies.iter().flat_map(|body| {
+        let twist = &body.twist;
+        [body.center.as_slice(), body.rotation.as_slice(), twist.velocity.as_slice(), &components(&twist.spin)].concat()
+    });
+    writer.shared("bodies", &bodies.collect::<Vec<f64>>())?;
+    let held = state.held.iter().flat_map(|held| {
+        let partner = match held.partner {
+            Partner::Body(body) => [body as f64, -1.0],
+            Partner::Wall { axis, upper } => [axis as f64, f64::from(upper)],
+        };
+        [&[held.body as f64][..], &partner, &held.image.map(f64::from), &[held.force]].concat()
+    });
+    writer.shared("contacts", &held.collect::<Vec<f64>>())
+}
+
+fn read_state<const D: usize>(checkpoint: &Checkpoint, bodies: usize) -> Result<State<D>> {
+    let numbers = checkpoint.shared("time")?;
+    let [time, steps, last_step] = numbers[..] else { return Err(misfit("time")) };
+    let length = 2 * D + D * D + D * (D - 1) / 2;
+    let flat = checkpoint.shared("bodies")?;
+    if flat.len() != length * bodies {
+        return Err(misfit("bodies"));
+    }
+    let moving = |body: &[f64]| {
+        let (center, rest) = body.split_at(D);
+        let (rotation, motion) = rest.split_at(D * D);
+        let twist = Twist { velocity: SVector::from_column_slice(&motion[..D]), spin: skew(&motion[D..]) };
+        Moving { center: SVector::from_column_slice(center), rotation: SMatrix::from_column_slice(rotation), twist }
+    };
+    let contact = |held: &[f64]| {
+        let partner = match held[2] {
+            -1.0 => Partner::Body(held[1] as usize),
+            upper => Partner::Wall { axis: held[1] as usize, upper: upper == 1.0 },
+        };
+        Held { body: held[0] as usize, partner, image: std::array::from_fn(|axis| held[3 + axis] as i32), force: held[3 + D] }
+    };
+    let held = checkpoint.shared("contacts")?;
+    if held.len() % (D + 4) != 0 {
+        return Err(misfit("contacts"));
+    }
+    Ok(State {
+        time,
+        steps: steps as usize,
+        last_step,
+        bodies: flat.chunks(length).map(moving).collect(),
+        held: held.chunks(D + 4).map(contact).collect(),
+    })
+}
+
+fn misfit(name: &str) -> Error {
+    Error::Refused(format!("the checkpoint's {name} do not fit the scene; resume from another checkpoint, or start anew with turbid run"))
+}
+
+fn store_past<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, past: Option<&Past<D>>) -> Result<()> {
+    let interval = past.and_then(|past| past.earlier.as_ref()).map_or(0.0, |(_, interval)| *interval);
+    writer.shared("past", &past.map_or(vec![], |past| vec![past.time, interval]))?;
+    let Some(past) = past else { return Ok(()) };
+    let snapshots = [Some(&past.last), past.earlier.as_ref().map(|(earlier, _)| earlier)];
+    for (name, snapshot) in SNAPSHOTS.into_iter().zip(snapshots) {
+        let Some(snapshot) = snapshot else { continue };
+        for field in 0..=D {
+            writer.lattice(&format!("{name}_{field}"), grid, field, &snapshot.fluid.local()?[grid.local_range(field)])?;
+        }
+        let counts: Vec<f64> = snapshot.multipliers.iter().map(|multipliers| multipliers.len() as f64).collect();
+        writer.shared(&format!("{name}_modes"), &counts)?;
+        writer.shared(&format!("{name}_multipliers"), &snapshot.multipliers.concat())?;
+        let centers: Vec<f64> = snapshot.centers.iter().flat_map(|center| center.iter().copied()).collect();
+        writer.shared(&format!("{name}_centers"), &centers)?;
+        writer.shared(&format!("{name}_closure"), &snapshot.closure)?;
+    }
+    Ok(())
+}
+
+fn read_past<const D: usize>(checkpoint: &Checkpoint, grid: &Grid<D>, shape: &Vector) -> Result<Option<Past<D>>> {
+    let [time, interval] = checkpoint.shared("past")?[..] else { return Ok(None) };
+    let last = read_snapshot(checkpoint, grid, shape, SNAPSHOTS[0])?;
+    let earlier = if interval > 0.0 { Some((read_snapshot(checkpoint, grid, shape, SNAPSHOTS[1])?, interval)) } else { None };
+    Ok(Some(Past { time, last, earlier }))
+}
+
+fn read_snapshot<const D: usize>(checkpoint: &Checkpoint, grid: &Grid<D>, shape: &Vector, name: &str) -> Result<Snapshot<D>> {
+    let mut fluid = shape.like()?;
+    for field in 0..=D {
+        let values = checkpoint.lattice(&format!("{name}_{field}"), grid, field)?;
+        fluid.local_mut()?[grid.local_range(field)].copy_from_slice(&values);
+    }
+    let counts = checkpoint.shared(&format!("{name}_modes"))?;
+    let flat = checkpoint.shared(&format!("{name}_multipliers"))?;
+    if counts.iter().sum::<f64>() != flat.len() as f64 {
+        return Err(misfit("multipliers"));
+    }
+    let mut rest = &flat[..];
+    let take = |count: &f64| rest.split_off(..*count as usize).unwrap_or_default().to_vec();
+    let multipliers = counts.iter().map(take).collect();
+    let centers = checkpoint.shared(&format!("{name}_centers"))?.chunks(D).map(SVector::from_column_slice).collect();
+    Ok(Snapshot { fluid, multipliers, centers, closure: checkpoint.shared(&format!("{name}_closure"))? })
+}
