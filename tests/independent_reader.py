@@ -85,7 +85,7 @@ def check_hdf5(run, dimension, frames):
         points = numpy.stack([grid.ravel() for grid in grids[::-1]], axis=1)
         for name, values in expected_fields(points, time).items():
             stored = numpy.asarray(frame["fields"][name])
-            assert stored.shape[:dimension] == tuple(cells[::-1])
+            assert stored.shape[:3] == (1,) * (3 - dimension) + tuple(cells[::-1])
             same(stored.reshape(values.shape), values, f"{name} in frame {step}")
 
 

@@ -19,24 +19,34 @@ const PATIENCE: Duration = Duration::from_secs(120);
 fn h5py_and_vtk_read_frames_while_more_are_written() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("independent-reader");
     let _ = fs::remove_dir_all(&folder);
-    let mut writer = start_writer(&folder);
+    let mut writer = Writer(start_writer(&folder));
     for dimension in [2, 3] {
         let folder = folder.join(format!("{dimension}d"));
         for step in 0..FRAMES {
-            wait_until(&mut writer, || listed(&folder) > step);
+            wait_until(&mut writer.0, || listed(&folder) > step);
             let mut reader = start_reader(&folder, dimension, step + 1);
             let mut said = BufReader::new(reader.stdout.take().unwrap()).lines();
             assert_eq!(said.next().map(Result::unwrap).as_deref(), Some("checked"), "see the reader's message above");
             fs::write(folder.join(format!("read-{step}")), "").unwrap();
             if step + 1 < FRAMES {
-                wait_until(&mut writer, || listed(&folder) > step + 1);
+                wait_until(&mut writer.0, || listed(&folder) > step + 1);
             }
             writeln!(reader.stdin.take().unwrap(), "go on").unwrap();
             assert_eq!(said.next().map(Result::unwrap).as_deref(), Some("checked again"), "see the reader's message above");
             assert!(reader.wait().unwrap().success());
         }
     }
-    assert!(writer.wait().unwrap().success());
+    assert!(writer.0.wait().unwrap().success());
+}
+
+/// Ends with the test, also with one that fails.
+struct Writer(Child);
+
+impl Drop for Writer {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
 }
 
 /// Number of frames that the run's companion lists.
@@ -58,7 +68,7 @@ fn start_writer(folder: &Path) -> Child {
     let mut command = Command::new("mpirun");
     command.args(["--oversubscribe", "-n", "2"]).arg(component_tests()).arg("frames_for_an_independent_reader");
     command.envs([("OMPI_ALLOW_RUN_AS_ROOT", "1"), ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"), ("OMP_NUM_THREADS", "1")]);
-    command.env("TURBID_INDEPENDENT_READER", folder).stdout(Stdio::null()).spawn().unwrap()
+    command.env("TURBID_INDEPENDENT_READER", folder).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
 }
 
 /// The newest build of the component tests, which lies beside this one.

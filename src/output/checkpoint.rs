@@ -53,6 +53,7 @@ impl<'a> CheckpointWriter<'a> {
         let ranges = slab::ranges(grid.block(field), whole);
         let sum = lattice_checksum(self.file.world(), grid, field, values);
         let shape: Vec<usize> = slab::ranges(whole, whole).iter().map(|range| range.end).collect();
+        self.file.make_room(whole.len() * size_of::<f64>())?;
         let dataset = self.file.step(|root| {
             let dataset = root.new_dataset::<f64>().shape(shape).create(name)?;
             slab::set(&dataset, "checksum", sum)?;
@@ -67,6 +68,7 @@ impl<'a> CheckpointWriter<'a> {
     }
 
     fn alike<T: hdf5::H5Type>(&mut self, name: &str, values: &[T], sum: u64) -> Result<()> {
+        self.file.make_room(size_of_val(values))?;
         let dataset = self.file.step(|root| {
             let dataset = root.new_dataset::<T>().shape(values.len()).create(name)?;
             slab::set(&dataset, "checksum", sum)?;
@@ -124,7 +126,10 @@ impl<'a> Checkpoint<'a> {
         let dataset = self.dataset(name)?;
         if dataset.shape() != expected {
             let what = format!("{name} lies on a lattice of {:?} points, the scene needs {expected:?}", dataset.shape());
-            return Err(Error::Refused(format!("{}: {what}; resume with the size and the resolution of the first run", self.path.display())));
+            return Err(Error::Refused(format!(
+                "{}: {what}; resume with the size and the resolution of the first run",
+                self.path.display()
+            )));
         }
         let values = slab::read(&dataset, &slab::ranges(grid.block(field), whole)).map_err(|_| self.corrupt(name))?;
         Ok((values, self.stored_checksum(name, &dataset)?))

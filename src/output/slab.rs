@@ -2,10 +2,7 @@
 
 use std::ops::Range;
 
-use hdf5::{
-    Dataset, H5Type, Hyperslab, Location, Result, SliceOrIndex,
-    types::FixedAscii,
-};
+use hdf5::{Dataset, H5Type, Hyperslab, Location, Result, SliceOrIndex, types::FixedAscii};
 use ndarray::{ArrayViewD, IxDyn};
 
 use crate::grid::Block;

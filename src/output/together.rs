@@ -11,26 +11,46 @@ use crate::{
     parallel::World,
 };
 
+/// Room for what describes the file, and for what describes a data set, in bytes; both need less than half of it.
+const DESCRIPTION: u64 = 1 << 16;
+const DESCRIPTION_OF_DATA_SET: u64 = 1 << 12;
+
 /// A file under way. Dropped before [`finish`](Together::finish), it leaves nothing behind.
 pub(super) struct Together<'a> {
     world: &'a World,
     path: PathBuf,
     aside: PathBuf,
     file: Option<hdf5::File>,
+    /// Bytes that the disk has promised.
+    room: u64,
 }
 
 impl<'a> Together<'a> {
     /// Opens the file aside.
     pub fn create(world: &'a World, path: &Path) -> Result<Together<'a>> {
-        let mut together = Together { world, path: path.to_owned(), aside: aside(path), file: None };
+        let mut together = Together { world, path: path.to_owned(), aside: aside(path), file: None, room: 0 };
         // the system says better than HDF5 why a file cannot be made
-        together.on_first_rank(|aside| fs::File::create(aside).map(drop))?;
+        together.on_first_rank(|aside| fs::File::create(aside).and_then(|file| reserve(&file, 0, DESCRIPTION)))?;
         let communicator = world.raw();
         // the newer file format has checksums in its metadata
         let options = hdf5::File::with_options().with_fapl(|access| access.mpio(communicator, None).libver_v110()).clone();
-        let opened = options.create(&together.aside).map_err(|error| together.error(io::Error::other(error.to_string())));
+        let opened = options.create(&together.aside).map_err(|error| together.error(cause(&error)));
         together.file = Some(world.agree(opened)?);
+        // opening has given the room back
+        together.extend(DESCRIPTION)?;
         Ok(together)
+    }
+
+    /// Makes room for a data set of so many bytes before it is made: on a full disk HDF5 would wait for ever for the rank that
+    /// cannot write its part of the description.
+    pub fn make_room(&mut self, bytes: usize) -> Result<()> {
+        self.extend(bytes as u64 + DESCRIPTION_OF_DATA_SET)
+    }
+
+    fn extend(&mut self, bytes: u64) -> Result<()> {
+        let start = self.room;
+        self.room += bytes;
+        self.on_first_rank(|aside| fs::File::options().write(true).open(aside).and_then(|file| reserve(&file, start, bytes)))
     }
 
     /// The ranks that write.
@@ -42,13 +62,13 @@ impl<'a> Together<'a> {
     /// so that nothing collective may follow it in the same step.
     pub fn step<T>(&self, step: impl FnOnce(&hdf5::Group) -> hdf5::Result<T>) -> Result<T> {
         let file = self.file.as_ref().expect("open until finished");
-        self.world.agree(step(file).map_err(|error| self.error(io::Error::other(error.to_string()))))
+        self.world.agree(step(file).map_err(|error| self.error(cause(&error))))
     }
 
     /// Closes the file, waits until it is on disk and gives it its name.
     pub fn finish(mut self) -> Result<()> {
         let file = self.file.take().expect("open until finished");
-        self.world.agree(file.close().map_err(|error| self.error(io::Error::other(error.to_string()))))?;
+        self.world.agree(file.close().map_err(|error| self.error(cause(&error))))?;
         // each rank for its own machine's share
         self.world.agree(fs::File::open(&self.aside).and_then(|file| file.sync_all()).map_err(|source| self.error(source)))?;
         self.on_first_rank(|aside| {
@@ -75,4 +95,18 @@ impl Drop for Together<'_> {
             let _ = fs::remove_file(&self.aside);
         }
     }
+}
+
+/// Room on the disk; without complaint where the file system cannot promise any.
+fn reserve(file: &fs::File, start: u64, bytes: u64) -> io::Result<()> {
+    match rustix::fs::fallocate(file, rustix::fs::FallocateFlags::empty(), start, bytes) {
+        Err(error @ (rustix::io::Errno::NOSPC | rustix::io::Errno::DQUOT | rustix::io::Errno::FBIG)) => Err(error.into()),
+        _ => Ok(()),
+    }
+}
+
+/// An error of HDF5 with what lay at its bottom, where it tells of a full disk.
+pub(super) fn cause(error: &hdf5::Error) -> io::Error {
+    let bottom = error.stack().and_then(|stack| stack.last().map(|frame| frame.desc().to_owned()));
+    io::Error::other(bottom.map_or_else(|| error.to_string(), |bottom| format!("{error}: {bottom}")))
 }

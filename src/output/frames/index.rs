@@ -8,7 +8,10 @@ use std::{
 use super::{Frame, xdmf};
 use crate::{
     error::{Error, Result},
-    output::file::{aside, write_whole},
+    output::{
+        file::{aside, write_whole},
+        together::cause,
+    },
 };
 
 /// The folder of the frames in the run's folder.
@@ -76,7 +79,7 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>> {
 
 fn write_run(path: &Path, entries: &[Entry]) -> Result<()> {
     let aside = aside(path);
-    let written = link_frames(&aside, entries).map_err(|error| std::io::Error::other(error.to_string()));
+    let written = link_frames(&aside, entries).map_err(|error| cause(&error));
     let renamed = written.and_then(|()| fs::File::open(&aside)?.sync_all()).and_then(|()| fs::rename(&aside, path));
     renamed.map_err(|source| {
         // the error that matters is the first one

@@ -89,8 +89,8 @@ impl Frames {
 
     /// Adds a frame.
     pub fn write<const D: usize>(&mut self, world: &World, frame: &Frame<D>) -> Result<()> {
-        let file = Together::create(world, &self.folder.join(path_in_run(self.next)))?;
-        store::store(&file, frame)?;
+        let mut file = Together::create(world, &self.folder.join(path_in_run(self.next)))?;
+        store::store(&mut file, frame)?;
         file.finish()?;
         let mut listed = Ok(());
         if world.rank() == 0 {

@@ -1,7 +1,7 @@
 //! The contents of a frame's file.
 //!
-//! Bodies stand in columns. Fields have the shape `[z,] y, x[, component]`, slowest first as XDMF wants it, over all cells of
-//! the box, whichever rank owned them.
+//! Bodies stand in columns. Fields have the shape `z, y, x[, component]`, slowest first as XDMF wants it, over all cells of
+//! the box, whichever rank owned them; 2D is one layer of cells.
 
 use hdf5::{Dataset, Group};
 
@@ -23,10 +23,19 @@ pub(super) const VERSION: u32 = 1;
 pub(super) const FIELDS: [(&str, usize); 3] = [("velocity", 3), ("pressure", 1), ("inside", 1)];
 
 /// Writes a frame.
-pub(super) fn store<const D: usize>(file: &Together, frame: &Frame<D>) -> Result<()> {
+pub(super) fn store<const D: usize>(file: &mut Together, frame: &Frame<D>) -> Result<()> {
+    make_room(file, frame)?;
     file.step(|root| describe(root, frame))?;
     store_bodies(file, frame)?;
     frame.fields.as_ref().map_or(Ok(()), |fields| store_fields(file, fields))
+}
+
+fn make_room<const D: usize>(file: &mut Together, frame: &Frame<D>) -> Result<()> {
+    let cells = frame.fields.as_ref().map_or(0, |fields| fields.grid.unknowns(D));
+    let columns = COLUMNS.iter().map(|(_, width)| frame.bodies.len() * width * size_of::<f64>());
+    let counts = COUNTS.iter().map(|_| frame.bodies.len() * size_of::<i32>());
+    let fields = FIELDS.iter().map(|(_, width)| cells * width * size_of::<f64>());
+    file.make_room(columns.chain(counts).chain(fields).sum())
 }
 
 fn describe<const D: usize>(root: &Group, frame: &Frame<D>) -> hdf5::Result<()> {
@@ -81,7 +90,10 @@ fn store_fields<const D: usize>(file: &Together, fields: &FrameFields<D>) -> Res
     let grid = fields.grid;
     let datasets = file.step(|root| {
         let group = root.create_group("fields")?;
-        let shape = |width: usize| grid.cells().into_iter().rev().chain((width > 1).then_some(width)).collect::<Vec<_>>();
+        let shape = |width: usize| {
+            let layer = (D == 2).then_some(1);
+            layer.into_iter().chain(grid.cells().into_iter().rev()).chain((width > 1).then_some(width)).collect::<Vec<_>>()
+        };
         let datasets = FIELDS.iter().map(|&(name, width)| group.new_dataset::<f64>().shape(shape(width)).create(name));
         datasets.collect::<hdf5::Result<Vec<Dataset>>>()
     })?;
@@ -96,6 +108,7 @@ fn store_fields<const D: usize>(file: &Together, fields: &FrameFields<D>) -> Res
 fn write_field<const D: usize>(dataset: &Dataset, grid: &Grid<D>, width: usize, values: &[f64]) -> hdf5::Result<()> {
     let block = grid.block(D);
     let mut ranges = slab::ranges(block, grid.lattice(D));
+    ranges.extend((D == 2).then_some(0..1));
     ranges.reverse();
     ranges.extend((width > 1).then_some(0..width));
     slab::write(dataset, &ranges, &first_axis_fastest(block, width, values))

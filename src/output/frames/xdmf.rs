@@ -37,19 +37,28 @@ fn cloud(entry: &Entry) -> String {
 }
 
 fn lattice(entry: &Entry, mesh: &Mesh) -> String {
-    let axes = mesh.cells.len();
-    let corners = words(mesh.cells.iter().rev().map(|cells| cells + 1));
-    let (kind, origin) = if axes == 2 { ("2DCoRectMesh", "ORIGIN_DXDY") } else { ("3DCoRectMesh", "ORIGIN_DXDYDZ") };
-    let topology = format!("<Topology TopologyType=\"{kind}\" Dimensions=\"{corners}\"/>\n");
-    let numbers = |numbers: String| format!("<DataItem Format=\"XML\" NumberType=\"Float\" Precision=\"8\" Dimensions=\"{axes}\">{numbers}</DataItem>");
-    let (zero, spacing) = (numbers(words(vec![0.0; axes])), numbers(words(mesh.spacing.iter().rev())));
-    let geometry = format!("<Geometry GeometryType=\"{origin}\">{zero}{spacing}</Geometry>\n");
+    let (cells, origin, spacing) = in_space(mesh);
+    let topology = format!("<Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"{}\"/>\n", words(cells.map(|cells| cells + 1)));
+    let numbers = |numbers: [f64; 3]| {
+        format!("<DataItem Format=\"XML\" NumberType=\"Float\" Precision=\"8\" Dimensions=\"3\">{}</DataItem>", words(numbers))
+    };
+    let geometry = format!("<Geometry GeometryType=\"ORIGIN_DXDYDZ\">{}{}</Geometry>\n", numbers(origin), numbers(spacing));
     let attributes = FIELDS.iter().map(|&(name, width)| {
-        let shape: Vec<usize> = mesh.cells.iter().rev().copied().chain((width > 1).then_some(width)).collect();
+        let shape: Vec<usize> = cells.into_iter().chain((width > 1).then_some(width)).collect();
         attribute(name, width, "Cell", &data_item(entry, &format!("fields/{name}"), &shape, true))
     });
     let attributes: String = attributes.collect();
     grid(entry, &format!("{topology}{geometry}{attributes}"))
+}
+
+/// Cells, origin and spacing along z, y, x. A plane is one layer of cells about z = 0, where the bodies lie: VTK turns a
+/// `2DCoRectMesh` into the plane of y and z.
+fn in_space(mesh: &Mesh) -> ([usize; 3], [f64; 3], [f64; 3]) {
+    match (&mesh.cells[..], &mesh.spacing[..]) {
+        (&[x, y], &[dx, dy]) => ([1, y, x], [-0.5 * dx, 0.0, 0.0], [dx, dy, dx]),
+        (&[x, y, z], &[dx, dy, dz]) => ([z, y, x], [0.0; 3], [dz, dy, dx]),
+        _ => unreachable!("a box has two or three dimensions"),
+    }
 }
 
 fn grid(entry: &Entry, contents: &str) -> String {
