@@ -105,7 +105,12 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
             }
         }
         Command::Animate { folder, out, width, seconds } => {
-            let film = animate::Film { folder, out: out.clone().unwrap_or_else(|| folder.join("animation.png")), width: *width, seconds: *seconds };
+            let film = animate::Film {
+                folder,
+                out: out.clone().unwrap_or_else(|| folder.join("animation.png")),
+                width: *width,
+                seconds: *seconds,
+            };
             animate::animate(session, &film)
         }
         Command::Plan { scene } => {

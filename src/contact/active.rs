@@ -12,52 +12,68 @@ use clarabel::{
 
 use super::program::Program;
 
-/// Guesses tried.
-const GUESSES: usize = 12;
-/// What makes the matrix of repeated equations invertible.
-const REGULARIZATION: f64 = 1e-9;
-/// Corrections of the solution of the regularised equations.
-const CORRECTIONS: usize = 12;
+/// Guesses tried with each regularization.
+const GUESSES: usize = 8;
+/// What makes the matrix of repeated equations invertible, and how often the regularized solution is corrected:
+/// exact equations; if they lead astray, short steps from the best multipliers so far, and exact equations again.
+const STAGES: [(f64, usize); 3] = [(1e-9, 12), (1e-6, 2), (1e-9, 12)];
 /// A residual of this many roundings of the largest multiplier is none.
 const ROUNDINGS: f64 = 8.0;
 
 /// Multipliers at least as good as the guess: the best found, none negative.
 pub(super) fn polish(program: &Program, guess: &[f64]) -> Vec<f64> {
-    let mut best = clipped(guess);
-    let mut smallest = program.residual(&best);
-    let mut trial = guess.to_vec();
-    let mut earlier = Vec::new();
-    for _ in 0..GUESSES {
-        let slacks = program.slacks(&trial);
-        let active: Vec<usize> = (0..trial.len()).filter(|&row| trial[row] > slacks[row]).collect();
-        if active == earlier {
+    let mut best = Best::new(program, guess);
+    for stage in STAGES {
+        best.improve(program, stage);
+        if best.residual <= rounding(&best.multipliers) {
             break;
         }
-        let Some(next) = meet(program, &active, &trial) else { break };
-        trial = next;
-        let candidate = clipped(&trial);
-        let residual = program.residual(&candidate);
-        if residual < smallest {
-            (best, smallest) = (candidate, residual);
-        }
-        if smallest <= rounding(&best) {
-            break;
-        }
-        earlier = active;
     }
-    best
+    best.multipliers
+}
+
+/// The best multipliers so far.
+struct Best {
+    multipliers: Vec<f64>,
+    residual: f64,
+}
+
+impl Best {
+    fn new(program: &Program, guess: &[f64]) -> Self {
+        let multipliers = clipped(guess);
+        Self { residual: program.residual(&multipliers), multipliers }
+    }
+
+    fn improve(&mut self, program: &Program, stage: (f64, usize)) {
+        let mut trial = self.multipliers.clone();
+        let mut earlier = Vec::new();
+        for _ in 0..GUESSES {
+            let slacks = program.slacks(&trial);
+            let active: Vec<usize> = (0..trial.len()).filter(|&row| trial[row] > slacks[row]).collect();
+            let Some(next) = meet(program, &active, &trial, stage) else { return };
+            trial = next;
+            let found = Self::new(program, &trial);
+            if found.residual < self.residual {
+                *self = found;
+            }
+            if active == earlier || self.residual <= rounding(&self.multipliers) {
+                return;
+            }
+            earlier = active;
+        }
+    }
 }
 
 /// Multipliers, zero outside the active set, with which no active constraint has any slack.
-fn meet(program: &Program, active: &[usize], guess: &[f64]) -> Option<Vec<f64>> {
+fn meet(program: &Program, active: &[usize], guess: &[f64], (regularization, corrections): (f64, usize)) -> Option<Vec<f64>> {
     let mut multipliers = vec![0.0; guess.len()];
     active.iter().for_each(|&row| multipliers[row] = guess[row].max(0.0));
     if active.is_empty() {
         return Some(multipliers);
     }
-    let mut equations = Equations::new(program, active)?;
+    let mut equations = Equations::new(program, active, regularization)?;
     let mut earlier = f64::INFINITY;
-    for _ in 0..CORRECTIONS {
+    for _ in 0..corrections {
         let slacks = program.slacks(&multipliers);
         let largest = active.iter().map(|&row| slacks[row].abs()).fold(0.0, f64::max);
         if largest <= rounding(&multipliers) || largest > 0.5 * earlier {
@@ -77,12 +93,12 @@ struct Equations {
 }
 
 impl Equations {
-    fn new(program: &Program, active: &[usize]) -> Option<Self> {
+    fn new(program: &Program, active: &[usize], regularization: f64) -> Option<Self> {
         let unknowns = program.transposed.m;
         let (mut starts, mut rows, mut values) =
             ((0..=unknowns).collect::<Vec<_>>(), (0..unknowns).collect::<Vec<_>>(), vec![1.0; unknowns]);
         for (place, &constraint) in active.iter().enumerate() {
-            for (row, value) in program.row(constraint).chain([(unknowns + place, -REGULARIZATION)]) {
+            for (row, value) in program.row(constraint).chain([(unknowns + place, -regularization)]) {
                 rows.push(row);
                 values.push(value);
             }

@@ -4,12 +4,15 @@ use nalgebra::SVector;
 
 use super::{Contact, ContactForce, Problem, island::islands, paths::Path};
 
+/// Forces below this part of the largest are rounding.
+const ROUNDING: f64 = 1e-13;
+
 /// How good a projection is, and what it cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Certificate {
     /// Contacts of the problem solved.
     pub pairs: usize,
-    /// Contacts with a force.
+    /// Contacts with a force that is more than the rounding of the largest.
     pub active: usize,
     /// Smallest gap after the step, in radii of the smaller body, over all pairs that come near each other and
     /// of which one gives way; infinite if there are none.
@@ -34,10 +37,11 @@ pub(super) fn certify<const D: usize>(
 ) -> Certificate {
     let relative = |path: &Path<D>| path.last_gap / path.contact.smaller_radius(problem.balls);
     let contacts: Vec<Contact<D>> = forces.iter().map(|force| force.contact).collect();
-    let pushes = |island: &Vec<usize>| island.iter().any(|&place| forces[place].force > 0.0);
+    let rounding = ROUNDING * forces.iter().map(|force| force.force).fold(0.0, f64::max);
+    let pushes = |island: &Vec<usize>| island.iter().any(|&place| forces[place].force > rounding);
     Certificate {
         pairs: forces.len(),
-        active: forces.iter().filter(|force| force.force > 0.0).count(),
+        active: forces.iter().filter(|force| force.force > rounding).count(),
         smallest_gap: paths.iter().map(relative).fold(f64::INFINITY, f64::min),
         kkt_residual: stationarity(problem, velocities, &contacts, forces).max(complementarity(problem, velocities, forces)),
         iterations: 0,

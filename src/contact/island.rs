@@ -8,7 +8,7 @@ use super::{Contact, Problem, active::polish, groups::Groups, interior::interior
 /// Smallest violation, in radii, that the unknowns are scaled by: impossible constraints by rounding are none.
 const SMALLEST_SCALE: f64 = 1e-6;
 /// Residual, in the scale of the largest violation, up to which a solution is one.
-const TOLERANCE: f64 = 1e-7;
+const TOLERANCE: f64 = 1e-6;
 
 /// How an island was solved.
 #[derive(Debug, Clone, PartialEq)]

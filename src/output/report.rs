@@ -43,7 +43,8 @@ fn motion_lines(summary: &Summary, motion: &MotionSummary) -> Vec<String> {
 }
 
 fn contact_line(contact: &ContactSummary) -> String {
-    let gap = contact.smallest_gap.map_or("no two bodies near each other".into(), |gap| format!("smallest gap of all steps {gap:.1e} radii"));
+    let gap =
+        contact.smallest_gap.map_or("no two bodies near each other".into(), |gap| format!("smallest gap of all steps {gap:.1e} radii"));
     format!("contacts             {} that press, {gap}, residual {:.1e}", contact.active, contact.kkt_residual)
 }
 

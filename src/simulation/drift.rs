@@ -2,7 +2,8 @@
 //!
 //! Contacts act in the flow: the contact model says who touches and presses, from velocities in unbounded fluid; the
 //! coupled system finds the forces that keep just these from approaching; both are repeated until they agree
-//! ([`Drift::agree`]). Then bodies travel by the two-step rule `v + dt/(2 dt_last) (v - v_last)`, the midpoint rule or
+//! ([`Drift::agree`]). If they should go round in circles, one contact after the other is changed, the first one that is
+//! wrong (the least-index rule of Murty 1974, which ends for any positive definite mobility). Then bodies travel by the two-step rule `v + dt/(2 dt_last) (v - v_last)`, the midpoint rule or
 //! Euler's, and what the rule adds to `v` is projected once more, so that nothing overlaps whatever the step.
 
 use std::time::Instant;
@@ -23,7 +24,10 @@ use crate::{
 };
 
 /// Rounds that flow and contacts are given to agree.
-const MOST_ROUNDS: usize = 15;
+const MOST_ROUNDS: usize = 60;
+
+/// Of these, rounds in which the contact model chooses all contacts at once.
+const ROUNDS_AT_ONCE: usize = 4;
 
 /// Difference between the velocities by the flow and by the contact model, over the largest velocity, that counts as agreement.
 const AGREEMENT: f64 = 1e-5;
@@ -73,7 +77,7 @@ impl<const D: usize> Drift<D> {
         let mut touches = self.remembered(state, &balls);
         let mut chosen = None;
         let mut difference = 0.0;
-        for _ in 0..MOST_ROUNDS {
+        for round in 0..MOST_ROUNDS {
             let solution = self.suspension.solve_at(&Moment { centers: &centers, time: state.time, touches: &touches }, seen)?;
             effort.add_solve(self.suspension.cost());
             let mut twists: Vec<Twist<D>> = solution.bodies.iter().map(|body| body.twist).collect();
@@ -91,7 +95,10 @@ impl<const D: usize> Drift<D> {
                 twists.iter_mut().zip(&projection.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
                 return Ok(Agreed { solution, twists, contacts: projection.forces, stride });
             }
-            touches = projection.forces.iter().filter(|pressed| pressed.force > 0.0).map(|pressed| touch(pressed, step)).collect();
+            touches = match round < ROUNDS_AT_ONCE {
+                true => projection.forces.iter().filter(|pressed| pressed.force > 0.0).map(|pressed| touch(pressed, step)).collect(),
+                false => self.with_one_changed(touches, &solution.contact_forces, (&balls, &twists, step)),
+            };
         }
         Err(Error::Diverged(format!(
             "at time {} flow and contacts do not agree after {MOST_ROUNDS} rounds (velocities differ by {difference:.1e}); \
@@ -115,6 +122,41 @@ impl<const D: usize> Drift<D> {
         pressed.map(|pressed| touch(&pressed, state.last_step)).collect()
     }
 
+    /// The same contacts but for the first that pulls, which goes, or that is not held and closes too far, which comes.
+    fn with_one_changed(
+        &self,
+        mut touches: Vec<(Touch<D>, f64)>,
+        forces: &[f64],
+        (balls, twists, step): (&[Ball<D>], &[Twist<D>], f64),
+    ) -> Vec<(Touch<D>, f64)> {
+        let fastest = twists.iter().map(|twist| twist.velocity.norm()).fold(0.0, f64::max);
+        let near = contact::candidates(&self.suspension.setup().domain, balls, &self.weights, 2.0 * fastest * step);
+        for (touch, force) in touches.iter_mut().zip(forces) {
+            touch.1 = *force;
+        }
+        let opening = |touch: &Touch<D>| {
+            let of_partner = touch.partner.map_or(0.0, |partner| touch.normal.dot(&twists[partner].velocity));
+            of_partner - touch.normal.dot(&twists[touch.body].velocity)
+        };
+        for contact in near {
+            let (candidate, _) = touch(&ContactForce { contact, force: 0.0 }, step);
+            let held = touches.iter().position(|(held, _)| held.same(&candidate));
+            let slack = AGREEMENT * fastest;
+            match held {
+                Some(place) if touches[place].1 < -slack * self.softest(&candidate) => {
+                    touches.remove(place);
+                    return touches;
+                }
+                None if opening(&candidate) < candidate.rate - slack => {
+                    touches.push((candidate, 0.0));
+                    return touches;
+                }
+                _ => {}
+            }
+        }
+        touches
+    }
+
     /// The velocities that bodies would have without the contact forces, if each were alone.
     fn without_contacts(&self, twists: &[Twist<D>], touches: &[(Touch<D>, f64)], forces: &[f64]) -> Vec<SVector<f64, D>> {
         let mut velocities: Vec<SVector<f64, D>> = twists.iter().map(|twist| twist.velocity).collect();
@@ -125,6 +167,11 @@ impl<const D: usize> Drift<D> {
             }
         }
         velocities
+    }
+
+    /// Force that moves the more mobile end of a contact at unit velocity.
+    fn softest(&self, touch: &Touch<D>) -> f64 {
+        touch.partner.map_or(f64::INFINITY, |partner| self.weights[partner]).min(self.weights[touch.body])
     }
 
     fn project(&self, balls: &[Ball<D>], velocities: &[SVector<f64, D>], step: f64) -> Result<Projection<D>> {

@@ -103,7 +103,8 @@ impl<const D: usize> Past<D> {
             bodies.layout.local_bodies.iter().flat_map(|&body| self.passed(bodies, body, &centers[body])).collect();
         let places: Vec<i32> = points.iter().map(|(_, _, point)| point.place).collect();
         let mut scatter = Scatter::new(&self.last.fluid, &places)?;
-        let of_last: Vec<f64> = points.iter().map(|(body, shift, point)| point.side * self.last.jump(bodies, *body, shift, point)).collect();
+        let of_last: Vec<f64> =
+            points.iter().map(|(body, shift, point)| point.side * self.last.jump(bodies, *body, shift, point)).collect();
         scatter.places()?.copy_from_slice(&of_last);
         scatter.add_back(&mut last.fluid)?;
         scatter.places()?.iter_mut().zip(&of_last).zip(&points).for_each(|((place, of_last), (body, shift, point))| {

@@ -32,6 +32,13 @@ pub struct Touch<const D: usize> {
     pub rate: f64,
 }
 
+impl<const D: usize> Touch<D> {
+    /// Whether two touches are the same contact, seen at the same instant.
+    pub fn same(&self, other: &Touch<D>) -> bool {
+        (self.body, self.partner) == (other.body, other.partner) && self.normal == other.normal
+    }
+}
+
 /// One free body of a contact.
 #[derive(Debug, Clone, Copy)]
 pub struct End<const D: usize> {

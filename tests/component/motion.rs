@@ -25,7 +25,8 @@ fn time(step: Step, end: f64, scheme: Scheme) -> TimeSection {
 fn sheared(count: usize) -> Setup<2> {
     let height = (count as f64 * std::f64::consts::PI / 0.3 / 2.0).sqrt();
     let wall = |sign: f64| Vector2::new(sign * 0.5 * height, 0.0);
-    let domain = Domain { size: Vector2::new(2.0 * height, height), axes: [Axis::Periodic, Axis::Walls { lower: wall(-1.0), upper: wall(1.0) }] };
+    let domain =
+        Domain { size: Vector2::new(2.0 * height, height), axes: [Axis::Periodic, Axis::Walls { lower: wall(-1.0), upper: wall(1.0) }] };
     let centers = pack(&domain, &[] as &[Ball<2>], &vec![1.0; count], 0.1, 1).unwrap();
     let bodies = centers.into_iter().map(|center: SVector<f64, 2>| suspended(center, 1.0, free(), 6)).collect();
     Setup { domain, spacing: 1.0 / 6.0, viscosity: 1.0, drive: Drive::Rest, bodies, tolerance: 1e-6 }

@@ -27,7 +27,9 @@ pub fn claim(folder: &Path, scene: &Scene) -> Result<()> {
         }
         if folder.join(CHECKPOINT).exists() && !folder.join(SUMMARY).exists() {
             let path = folder.display();
-            return refuse(format!("holds a run that has not ended; `turbid resume {path}` goes on with it, removing the folder starts anew"));
+            return refuse(format!(
+                "holds a run that has not ended; `turbid resume {path}` goes on with it, removing the folder starts anew"
+            ));
         }
     }
     prepare_folder(folder)?;

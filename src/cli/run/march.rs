@@ -167,7 +167,8 @@ impl Account {
     fn add<const D: usize>(&mut self, view: &View<D>, report: &StepReport) {
         let (motion, effort) = (&mut self.motion, view.effort + report.effort);
         let [shortest, longest] = motion.steps;
-        motion.steps = if self.last_step.is_none() { [report.length; 2] } else { [shortest.min(report.length), longest.max(report.length)] };
+        motion.steps =
+            if self.last_step.is_none() { [report.length; 2] } else { [shortest.min(report.length), longest.max(report.length)] };
         motion.grown += usize::from(self.last_step.is_some_and(|last| report.length > last * (1.0 + 1e-9)));
         motion.shrunk += usize::from(self.last_step.is_some_and(|last| report.length < last * (1.0 - 1e-9)));
         self.last_step = Some(report.length);
