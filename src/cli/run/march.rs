@@ -28,7 +28,7 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path, chec
     world.agree(if world.rank() == 0 { prepare() } else { Ok(()) })?;
     let outputs = Outputs::open(world, scene, folder, &mut simulation)?;
     let mut march = March { world, scene, folder, simulation, outputs, account: Account::default() };
-    let outcome = march.to_the_end();
+    let outcome = march.reach_the_end();
     if let (Err(Error::Contact { island, .. }), 0) = (&outcome, world.rank()) {
         output::write_whole(&folder.join("island.json"), island.as_bytes())?;
     }
@@ -55,7 +55,7 @@ struct Account {
 }
 
 impl<const D: usize> March<'_, D> {
-    fn to_the_end(&mut self) -> Result<()> {
+    fn reach_the_end(&mut self) -> Result<()> {
         let (signals, start) = (Signals::listen()?, Instant::now());
         let end = self.scene.time.as_ref().map_or(0.0, |time| time.end);
         let progress = TimeProgress::new(self.world.rank(), self.simulation.state().time, end);
@@ -154,10 +154,8 @@ impl<const D: usize> March<'_, D> {
         if curve.len() > 1 {
             pictures.push(("viscosity.svg", viscosity_chart(self.scene.shown_title(), curve).svg().into_bytes()));
         }
-        if self.scene.output.picture {
-            if let (Some(suspension), Some(solution)) = (self.simulation.suspension(), &view.solution) {
-                pictures.push(("picture.svg", observe::picture(self.scene.shown_title(), suspension, solution)?.svg().into_bytes()));
-            }
+        if let (true, Some(suspension), Some(solution)) = (self.scene.output.picture, self.simulation.suspension(), &view.solution) {
+            pictures.push(("picture.svg", observe::picture(self.scene.shown_title(), suspension, solution)?.svg().into_bytes()));
         }
         Ok(pictures)
     }
