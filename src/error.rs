@@ -24,6 +24,14 @@ pub enum Error {
         /// PETSc's own text.
         text: String,
     },
+    /// Bodies in contact could not be kept apart.
+    #[error("{text}")]
+    Contact {
+        /// How many bodies and contacts, what failed, and what to try.
+        text: String,
+        /// The bodies and contacts as JSON, to solve the same problem again.
+        island: String,
+    },
     /// Another rank failed.
     #[error("rank {rank}: {text}")]
     Elsewhere {

@@ -15,6 +15,7 @@ pub mod body;
 pub mod surface;
 // floor 3: physics; siblings that never import each other
 pub mod constraint;
+pub mod contact;
 pub mod flow;
 // floor 4: what to simulate, and the machinery
 pub mod scene;

@@ -6,6 +6,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+mod contact;
 mod fields;
 mod fluid;
 mod grid;
@@ -46,8 +47,16 @@ fn main() {
     };
     say(format!("{} ranks", session.world().size()));
     let mut passed = 0;
-    let floors =
-        [machine::tests(), solvers::tests(), grid::tests(), interpolation::tests(), fluid::tests(), suspension::tests(), hard::tests()];
+    let floors = [
+        machine::tests(),
+        solvers::tests(),
+        grid::tests(),
+        interpolation::tests(),
+        fluid::tests(),
+        suspension::tests(),
+        hard::tests(),
+        contact::tests(),
+    ];
     for test in floors.into_iter().flatten() {
         if wanted.is_empty() || wanted.iter().any(|part| test.name.contains(part)) {
             (test.run)(&session);

@@ -1,0 +1,103 @@
+//! Contacts: who touches whom, or may soon.
+
+use nalgebra::SVector;
+
+use crate::geometry::{Ball, Domain, near_pairs, near_walls};
+
+/// What a body touches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Partner {
+    /// Another body.
+    Body(usize),
+    /// A wall of the box.
+    Wall {
+        /// Axis the wall is normal to.
+        axis: usize,
+        /// Whether the wall is the one at coordinate `size` rather than 0.
+        upper: bool,
+    },
+}
+
+/// A body and a partner that touch, or may within a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact<const D: usize> {
+    /// The body; the one with the smaller index if the partner is a body.
+    pub body: usize,
+    /// What it touches.
+    pub partner: Partner,
+    /// Boxes between the partner's centre and the image of it that is touched (zeros for walls).
+    ///
+    /// It stays the same from step to step as long as centres are followed and not wrapped into the box.
+    pub image: [i32; D],
+    /// Unit vector from the body to the partner.
+    pub normal: SVector<f64, D>,
+    /// Distance from the body's centre to the partner's centre, or to the wall.
+    pub separation: f64,
+    /// Distance between the surfaces, negative when they overlap.
+    pub gap: f64,
+}
+
+impl<const D: usize> Contact<D> {
+    /// The contact of two balls whose centres are about `separation` apart, which tells the periodic image.
+    pub(super) fn between(domain: &Domain<D>, balls: &[Ball<D>], [body, partner]: [usize; 2], separation: SVector<f64, D>) -> Self {
+        let (ball, other) = (&balls[body], &balls[partner]);
+        let shift = separation - (other.center - ball.center);
+        let image = std::array::from_fn(|axis| (shift[axis] / domain.size[axis]).round() as i32);
+        let offset = SVector::from_fn(|axis, _| f64::from(image[axis]) * domain.size[axis]);
+        let separation = other.center + offset - ball.center;
+        let distance = separation.norm();
+        // centres that coincide part along the first axis
+        let normal = if distance > 0.0 { separation / distance } else { SVector::from_fn(|axis, _| f64::from(axis == 0)) };
+        let gap = distance - ball.radius - other.radius;
+        Self { body, partner: Partner::Body(partner), image, normal, separation: distance, gap }
+    }
+
+    /// The contact of a ball and a wall.
+    pub(super) fn of_wall(domain: &Domain<D>, balls: &[Ball<D>], body: usize, axis: usize, upper: bool) -> Self {
+        let ball = &balls[body];
+        let (separation, sign) = if upper { (domain.size[axis] - ball.center[axis], 1.0) } else { (ball.center[axis], -1.0) };
+        let normal = SVector::from_fn(|other, _| if other == axis { sign } else { 0.0 });
+        Self { body, partner: Partner::Wall { axis, upper }, image: [0; D], normal, separation, gap: separation - ball.radius }
+    }
+
+    /// The partner, if it is a body.
+    pub fn other(&self) -> Option<usize> {
+        match self.partner {
+            Partner::Body(other) => Some(other),
+            Partner::Wall { .. } => None,
+        }
+    }
+
+    /// What tells this contact from all others, from step to step.
+    pub fn identity(&self) -> (usize, Partner, [i32; D]) {
+        (self.body, self.partner, self.image)
+    }
+
+    /// `n . (v_partner - v_body)`: how fast the gap opens as bodies move; walls do not move along their normal.
+    pub fn opening(&self, velocities: &[SVector<f64, D>]) -> f64 {
+        let partner = self.other().map_or(0.0, |other| self.normal.dot(&velocities[other]));
+        partner - self.normal.dot(&velocities[self.body])
+    }
+
+    /// Radius of the smaller of the two.
+    pub fn smaller_radius(&self, balls: &[Ball<D>]) -> f64 {
+        let radius = balls[self.body].radius;
+        self.other().map_or(radius, |other| radius.min(balls[other].radius))
+    }
+}
+
+/// All contacts with a gap below `reach`: pairs of bodies, then bodies and walls, in the order of the cell list.
+///
+/// A body and its own image, and pairs of which neither gives way (infinite weights), are left out.
+pub fn candidates<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], weights: &[f64], reach: f64) -> Vec<Contact<D>> {
+    let gives_way = |body: usize| weights[body].is_finite();
+    let pairs = near_pairs(domain, balls, reach)
+        .into_iter()
+        .filter(|pair| pair.first != pair.second && (gives_way(pair.first) || gives_way(pair.second)))
+        .map(|pair| Contact::between(domain, balls, [pair.first, pair.second], pair.separation));
+    let walls = near_walls(domain, balls, reach)
+        .into_iter()
+        .filter(|pair| gives_way(pair.body))
+        .map(|pair| Contact::of_wall(domain, balls, pair.body, pair.axis, pair.upper));
+    pairs.chain(walls).collect()
+}

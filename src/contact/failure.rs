@@ -1,0 +1,91 @@
+//! What stops a projection, in words and as a problem that can be solved again elsewhere.
+
+use serde_json::{Value, json};
+
+use super::{Contact, Partner, Problem, island::Outcome, paths::swept_balls};
+use crate::error::{Error, Result};
+
+/// Pairs of cells and bodies that a look at all paths may visit.
+const MOST_VISITS: f64 = 1e9;
+
+/// Refuses velocities that are not finite, and steps so long that to look who meets takes for ever.
+///
+/// # Panics
+/// If lengths differ, or weights or the step are not positive.
+pub(super) fn check<const D: usize>(problem: &Problem<D>) -> Result<()> {
+    let count = problem.balls.len();
+    assert!(problem.weights.len() == count && problem.velocities.len() == count, "each ball has a weight and a velocity");
+    assert!(problem.step > 0.0 && problem.weights.iter().all(|&weight| weight > 0.0), "weights and the step are positive");
+    let displacement = |body: usize| (problem.velocities[body] * problem.step).norm();
+    if let Some(body) = (0..count).find(|&body| !displacement(body).is_finite()) {
+        return Err(error(problem, &[body], &[], format!("body {body} has a velocity that is not finite; try a smaller time.step")));
+    }
+    if visits(problem) > MOST_VISITS {
+        let fastest = (0..count).max_by(|&one, &two| f64::total_cmp(&displacement(one), &displacement(two))).unwrap_or(0);
+        let radii = displacement(fastest) / problem.balls[fastest].radius;
+        let text = format!("body {fastest} moves by {radii:.3e} of its radius in one step; try a smaller time.step");
+        return Err(error(problem, &[fastest], &[], text));
+    }
+    Ok(())
+}
+
+/// About how many bodies are visited to find all pairs of paths.
+fn visits<const D: usize>(problem: &Problem<D>) -> f64 {
+    let moves: Vec<_> = problem.velocities.iter().map(|velocity| velocity * problem.step).collect();
+    let along = |axis: usize, radius: f64| {
+        let boxes = 4.0 * radius / problem.domain.size[axis];
+        if problem.domain.periodic(axis) { boxes } else { boxes.min(1.0) }
+    };
+    let share = |radius: f64| (0..D).map(|axis| along(axis, radius)).product::<f64>();
+    swept_balls(problem.balls, &moves, 0.0).iter().map(|ball| share(ball.radius) * moves.len() as f64).sum()
+}
+
+/// The error of an island that was not solved.
+pub(super) fn failure<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>], outcome: &Outcome) -> Error {
+    let both = contacts.iter().flat_map(|contact| [Some(contact.body), contact.other()]);
+    let mut bodies: Vec<usize> = both.flatten().collect();
+    bodies.sort_unstable();
+    bodies.dedup();
+    let what = match outcome {
+        Outcome::Squeezed => "bodies are squeezed with no way out",
+        _ => "the solver stopped before the forces were found",
+    };
+    let named: Vec<String> = bodies.iter().take(5).map(usize::to_string).collect();
+    let more = if bodies.len() > named.len() { ", .." } else { "" };
+    let (count, pairs) = (bodies.len(), contacts.len());
+    let text = format!("contact of {count} bodies ({}{more}) at {pairs} places failed: {what}; try a smaller time.step", named.join(", "));
+    error(problem, &bodies, contacts, text)
+}
+
+/// The error of a problem to which contacts were added again and again.
+pub(super) fn endless<const D: usize>(problem: &Problem<D>, rounds: usize, contacts: usize) -> Error {
+    let text = format!("new contacts appear after {rounds} rounds with {contacts} contacts; try a smaller time.step");
+    error(problem, &(0..problem.balls.len()).collect::<Vec<_>>(), &[], text)
+}
+
+fn error<const D: usize>(problem: &Problem<D>, bodies: &[usize], contacts: &[Contact<D>], text: String) -> Error {
+    let Problem { domain, balls, weights, velocities, step } = *problem;
+    let body = |&body: &usize| {
+        let (ball, velocity) = (&balls[body], velocities[body].as_slice());
+        // an infinite weight becomes null
+        json!({ "index": body, "radius": ball.radius, "center": ball.center.as_slice(), "wanted": velocity, "weight": weights[body] })
+    };
+    let periodic: Vec<bool> = (0..D).map(|axis| domain.periodic(axis)).collect();
+    let island = json!({
+        "size": domain.size.as_slice(),
+        "periodic": periodic,
+        "step": step,
+        "bodies": bodies.iter().map(body).collect::<Vec<_>>(),
+        "contacts": contacts.iter().map(touch).collect::<Vec<_>>(),
+    });
+    Error::Contact { text, island: island.to_string() }
+}
+
+fn touch<const D: usize>(contact: &Contact<D>) -> Value {
+    let partner = match contact.partner {
+        Partner::Body(other) => json!({ "body": other }),
+        Partner::Wall { axis, upper } => json!({ "axis": axis, "upper": upper }),
+    };
+    let (image, normal) = (&contact.image[..], contact.normal.as_slice());
+    json!({ "body": contact.body, "partner": partner, "image": image, "normal": normal, "gap": contact.gap })
+}

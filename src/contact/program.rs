@@ -1,0 +1,37 @@
+//! The quadratic program of an island, free of units: `min 1/2 |x|^2` subject to `A x + c >= 0`.
+//!
+//! Its solution is `x = A^T z` with multipliers `z >= 0` and slacks `s = A x + c >= 0` of which one is zero
+//! in each row. Rows of `A` have norm 1. This module knows matrices only, neither bodies nor contacts.
+
+use clarabel::algebra::CscMatrix;
+
+/// A program whose unknowns are the multipliers.
+pub(super) struct Program {
+    /// `A^T`: one column for each constraint.
+    pub transposed: CscMatrix<f64>,
+    /// `c`.
+    pub offsets: Vec<f64>,
+}
+
+impl Program {
+    /// The entries of `A` in the row of a constraint: places and values.
+    pub fn row(&self, constraint: usize) -> impl Iterator<Item = (usize, f64)> {
+        let CscMatrix { colptr, rowval, nzval, .. } = &self.transposed;
+        (colptr[constraint]..colptr[constraint + 1]).map(|entry| (rowval[entry], nzval[entry]))
+    }
+
+    /// `s = A A^T z + c`.
+    pub fn slacks(&self, multipliers: &[f64]) -> Vec<f64> {
+        let mut unknowns = vec![0.0; self.transposed.m];
+        for (constraint, multiplier) in multipliers.iter().enumerate() {
+            self.row(constraint).for_each(|(place, value)| unknowns[place] += value * multiplier);
+        }
+        let change = |constraint| self.row(constraint).map(|(place, value)| value * unknowns[place]).sum::<f64>();
+        self.offsets.iter().enumerate().map(|(constraint, offset)| offset + change(constraint)).collect()
+    }
+
+    /// Distance from the solution: the largest `|min(z, s)|`.
+    pub fn residual(&self, multipliers: &[f64]) -> f64 {
+        self.slacks(multipliers).iter().zip(multipliers).map(|(slack, multiplier)| slack.min(*multiplier).abs()).fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,156 @@
+//! The projection: pairs that would overlap are added until none would.
+//!
+//! Round by round: look who overlaps on the way, add these pairs and those near the bodies concerned, solve the
+//! islands that changed, look again. A step without contact costs one look; a long one costs the pairs that
+//! meet, not all that might.
+
+use std::collections::HashSet;
+
+use nalgebra::SVector;
+
+use super::{
+    Certificate, Contact, Partner, Problem,
+    certificate::certify,
+    failure::{check, endless, failure},
+    groups::Groups,
+    island::{Outcome, free_body, islands},
+    paths::{Path, paths},
+    share::solve_shared,
+};
+use crate::{error::Result, parallel::World};
+
+/// Overlaps on the way below this many radii are rounding.
+const TOLERANCE: f64 = 1e-11;
+/// Gap, in radii, up to which pairs join the problem of their neighbours in the first round; it doubles in each round.
+const NEARNESS: f64 = 0.01;
+/// Where it stops doubling.
+const LARGEST_NEARNESS: f64 = 4.0;
+/// Rounds before giving up.
+const ROUNDS: usize = 100;
+
+/// A contact and the force that keeps it open.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactForce<const D: usize> {
+    /// The contact, as it was before the step.
+    pub contact: Contact<D>,
+    /// Force on the partner along the normal, and on the body against it; never negative.
+    pub force: f64,
+}
+
+/// Velocities that let nothing overlap.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Projection<const D: usize> {
+    /// Velocities of the bodies.
+    pub velocities: Vec<SVector<f64, D>>,
+    /// All contacts of the problem solved, with their forces, of which many may be zero; sorted by
+    /// [`Contact::identity`]. The sum of its contact forces on a body is `w (v - wanted)`, for bodies that give way.
+    pub forces: Vec<ContactForce<D>>,
+    /// How good the answer is, and what it cost.
+    pub certificate: Certificate,
+}
+
+/// The velocities next to those wanted, as weighed, that let nothing overlap on the way. Collective: all ranks
+/// give the same problem and get the same answer to the last bit.
+///
+/// Overlaps that exist before the step are gone after it.
+///
+/// # Errors
+/// [`Error::Contact`](crate::error::Error::Contact) if bodies are squeezed with no way out, a velocity is not
+/// finite, the step is absurdly long, or the solver fails.
+pub fn project<const D: usize>(world: &World, problem: &Problem<D>) -> Result<Projection<D>> {
+    project_by(problem, |contacts, islands| solve_shared(world, problem, contacts, islands))
+}
+
+/// The projection, given how to solve islands.
+pub(super) fn project_by<const D: usize>(
+    problem: &Problem<D>,
+    solve: impl Fn(&[Contact<D>], &[Vec<usize>]) -> Vec<Outcome>,
+) -> Result<Projection<D>> {
+    check(problem)?;
+    let mut state = State::new(problem);
+    for round in 0..ROUNDS {
+        let nearness = LARGEST_NEARNESS.min(NEARNESS * f64::powi(2.0, round as i32));
+        let paths = paths(problem, &state.velocities, nearness);
+        let wanting = state.wanting(&paths, nearness);
+        if wanting.is_empty() {
+            return Ok(state.finish(&paths, round));
+        }
+        let changed = state.add(wanting);
+        let outcomes = solve(&state.contacts, &changed);
+        state.take(&changed, outcomes)?;
+    }
+    Err(endless(problem, ROUNDS, state.contacts.len()))
+}
+
+/// Where the rounds stand.
+struct State<'a, const D: usize> {
+    problem: &'a Problem<'a, D>,
+    contacts: Vec<Contact<D>>,
+    known: HashSet<(usize, Partner, [i32; D])>,
+    forces: Vec<f64>,
+    velocities: Vec<SVector<f64, D>>,
+    iterations: usize,
+}
+
+impl<'a, const D: usize> State<'a, D> {
+    fn new(problem: &'a Problem<'a, D>) -> Self {
+        let velocities = problem.velocities.to_vec();
+        Self { problem, contacts: Vec::new(), known: HashSet::new(), forces: Vec::new(), velocities, iterations: 0 }
+    }
+
+    /// Pairs that overlap on the way, and pairs near the bodies that they hang together with; empty if none overlap.
+    fn wanting(&self, paths: &[Path<D>], nearness: f64) -> Vec<Contact<D>> {
+        let problem = self.problem;
+        let fresh: Vec<&Path<D>> = paths.iter().filter(|path| !self.known.contains(&path.contact.identity())).collect();
+        let overlaps = |path: &Path<D>| path.smallest_gap < -TOLERANCE * path.contact.smaller_radius(problem.balls);
+        let is_near = |path: &Path<D>| path.contact.gap < nearness * path.contact.smaller_radius(problem.balls);
+        if !fresh.iter().any(|path| overlaps(path)) {
+            return Vec::new();
+        }
+        let mut groups = Groups::new(problem.balls.len());
+        let near = fresh.iter().filter(|path| is_near(path) || overlaps(path)).map(|path| &path.contact);
+        for contact in near.chain(&self.contacts) {
+            if let Some(other) = contact.other().filter(|&other| problem.gives_way(contact.body) && problem.gives_way(other)) {
+                groups.join(contact.body, other);
+            }
+        }
+        let mut concerned = vec![false; problem.balls.len()];
+        for path in fresh.iter().filter(|path| overlaps(path)) {
+            concerned[groups.root(free_body(problem, &path.contact))] = true;
+        }
+        let mut joins = |path: &Path<D>| overlaps(path) || is_near(path) && concerned[groups.root(free_body(problem, &path.contact))];
+        fresh.into_iter().filter(|path| joins(path)).map(|path| path.contact).collect()
+    }
+
+    /// Adds contacts; returns the islands that they change.
+    fn add(&mut self, fresh: Vec<Contact<D>>) -> Vec<Vec<usize>> {
+        let earlier = self.contacts.len();
+        self.known.extend(fresh.iter().map(Contact::identity));
+        self.contacts.extend(fresh);
+        self.forces.resize(self.contacts.len(), 0.0);
+        let mut changed = islands(self.problem, &self.contacts);
+        changed.retain(|island| island.iter().any(|&place| place >= earlier));
+        changed
+    }
+
+    fn take(&mut self, islands: &[Vec<usize>], outcomes: Vec<Outcome>) -> Result<()> {
+        for (island, outcome) in islands.iter().zip(outcomes) {
+            let Outcome::Solved { forces, iterations } = outcome else {
+                let contacts: Vec<_> = island.iter().map(|&place| self.contacts[place]).collect();
+                return Err(failure(self.problem, &contacts, &outcome));
+            };
+            island.iter().zip(forces).for_each(|(&place, force)| self.forces[place] = force);
+            self.iterations = self.iterations.max(iterations);
+        }
+        self.velocities = self.problem.turned_aside(&self.contacts, &self.forces);
+        Ok(())
+    }
+
+    fn finish(self, paths: &[Path<D>], rounds: usize) -> Projection<D> {
+        let pairs = self.contacts.into_iter().zip(self.forces);
+        let mut forces: Vec<_> = pairs.map(|(contact, force)| ContactForce { contact, force }).collect();
+        forces.sort_unstable_by_key(|force| force.contact.identity());
+        let certificate = Certificate { iterations: self.iterations, rounds, ..certify(self.problem, &self.velocities, &forces, paths) };
+        Projection { velocities: self.velocities, forces, certificate }
+    }
+}

@@ -1,0 +1,94 @@
+//! Islands dealt out to the ranks, and their forces gathered again. Everything here is collective.
+
+use super::{
+    Contact, Problem,
+    island::{Outcome, solve_island},
+};
+use crate::parallel::World;
+
+/// Work to solve an island grows with its contacts to this power.
+const WORK_POWER: f64 = 1.5;
+
+/// Solves each island on one rank; all ranks get all outcomes, in order.
+pub(super) fn solve_shared<const D: usize>(
+    world: &World,
+    problem: &Problem<D>,
+    contacts: &[Contact<D>],
+    islands: &[Vec<usize>],
+) -> Vec<Outcome> {
+    let owners = deal(islands, world.size());
+    let mut numbers = Vec::new();
+    for (island, _) in islands.iter().zip(&owners).filter(|&(_, &owner)| owner == world.rank()) {
+        let contacts: Vec<_> = island.iter().map(|&place| contacts[place]).collect();
+        write(&solve_island(problem, &contacts), contacts.len(), &mut numbers);
+    }
+    let all = world.gather(&numbers);
+    let mut outcomes = vec![Outcome::Stalled; islands.len()];
+    let mut rest = &all[..];
+    for rank in 0..world.size() {
+        for place in (0..islands.len()).filter(|&place| owners[place] == rank) {
+            let record;
+            (record, rest) = rest.split_at(islands[place].len() + 1);
+            outcomes[place] = read(record);
+        }
+    }
+    outcomes
+}
+
+/// The rank that solves each island: the largest first, each to the rank with the least work so far.
+fn deal(islands: &[Vec<usize>], ranks: usize) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..islands.len()).collect();
+    order.sort_by_key(|&place| std::cmp::Reverse(islands[place].len()));
+    let mut work = vec![0.0; ranks];
+    let mut owners = vec![0; islands.len()];
+    for place in order {
+        let idlest = (0..ranks).min_by(|&one, &two| f64::total_cmp(&work[one], &work[two])).unwrap_or(0);
+        work[idlest] += (islands[place].len() as f64).powf(WORK_POWER);
+        owners[place] = idlest;
+    }
+    owners
+}
+
+/// Appends the iterations, or what failed as a negative number, and the forces.
+fn write(outcome: &Outcome, contacts: usize, numbers: &mut Vec<f64>) {
+    match outcome {
+        Outcome::Solved { forces, iterations } => {
+            numbers.push(*iterations as f64);
+            numbers.extend(forces);
+        }
+        Outcome::Squeezed | Outcome::Stalled => {
+            numbers.push(if *outcome == Outcome::Squeezed { -1.0 } else { -2.0 });
+            numbers.resize(numbers.len() + contacts, 0.0);
+        }
+    }
+}
+
+fn read(record: &[f64]) -> Outcome {
+    match record[0] {
+        -1.0 => Outcome::Squeezed,
+        -2.0 => Outcome::Stalled,
+        iterations => Outcome::Solved { forces: record[1..].to_vec(), iterations: iterations as usize },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_island_has_a_rank_to_itself() {
+        let islands: Vec<Vec<usize>> = [1, 30, 2, 2, 1].map(|count| (0..count).collect()).to_vec();
+        assert_eq!(deal(&islands, 2), [1, 0, 1, 1, 1]);
+        assert_eq!(deal(&islands, 1), [0; 5]);
+    }
+
+    #[test]
+    fn outcomes_survive_as_numbers() {
+        let solved = Outcome::Solved { forces: vec![0.5, 0.0], iterations: 7 };
+        for outcome in [solved, Outcome::Squeezed, Outcome::Stalled] {
+            let mut numbers = Vec::new();
+            write(&outcome, 2, &mut numbers);
+            assert_eq!((numbers.len(), read(&numbers)), (3, outcome));
+        }
+    }
+}

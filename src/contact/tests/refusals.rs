@@ -1,0 +1,59 @@
+//! What cannot be solved, and what can, just.
+
+use nalgebra::Vector2;
+use serde_json::Value;
+
+use super::*;
+use crate::error::Error;
+
+fn refusal(scene: &Scene<2>) -> (String, Value) {
+    let error = scene.solve().unwrap_err();
+    assert_eq!(error.exit_code(), 1);
+    let Error::Contact { text, island } = error else { panic!("{error:?}") };
+    (text, serde_json::from_str(&island).unwrap())
+}
+
+#[test]
+fn a_body_squeezed_by_two_others_has_no_way_out() {
+    let mut scene = row(3, |body| Vector2::new(1.0 - body as f64, 0.0));
+    (scene.weights[0], scene.weights[2]) = (f64::INFINITY, f64::INFINITY);
+    let (text, island) = refusal(&scene);
+    assert_eq!(text, "contact of 3 bodies (0, 1, 2) at 2 places failed: bodies are squeezed with no way out; try a smaller time.step");
+    assert_eq!(island["bodies"][0]["wanted"][0], 1.0);
+    assert_eq!((&island["bodies"][0]["weight"], &island["bodies"][1]["weight"]), (&Value::Null, &1.0.into()));
+    assert_eq!(island["contacts"].as_array().unwrap().len(), 2);
+    assert_eq!((&island["contacts"][0]["partner"]["body"], &island["step"]), (&1.into(), &1.0.into()));
+}
+
+#[test]
+fn a_body_pressed_against_a_wall_has_no_way_out() {
+    let mut scene = Scene::new(domain([20.0, 4.0], [true, false]), &[([5.0, 3.0], [0.0, -0.1]), ([5.0, 1.0], [0.0, 0.0])]);
+    scene.weights[0] = f64::INFINITY;
+    assert!(refusal(&scene).0.contains("squeezed"));
+}
+
+#[test]
+fn a_body_that_just_fits_between_walls_is_not_squeezed() {
+    for height in [2.0, 2.0 - 1e-15, 2.0 + 1e-15] {
+        let mut scene = Scene::new(domain([20.0, height], [true, false]), &[([5.0, 1.0], [0.3, -0.1])]);
+        let projection = scene.solve().unwrap();
+        assert!((projection.velocities[0] - Vector2::new(0.3, 0.0)).norm() < 1e-9);
+        scene.velocities[0][1] = 1e3;
+        assert!((scene.solve().unwrap().velocities[0] - Vector2::new(0.3, 0.0)).norm() < 1e-9);
+    }
+}
+
+#[test]
+fn velocities_that_are_not_finite_are_refused() {
+    let (text, island) = refusal(&row(2, |body| Vector2::new(if body == 1 { f64::NAN } else { 0.0 }, 0.0)));
+    assert_eq!(text, "body 1 has a velocity that is not finite; try a smaller time.step");
+    assert_eq!(island["bodies"][0]["index"], 1);
+}
+
+#[test]
+fn an_absurd_step_is_refused() {
+    let mut scene = row(2, |body| Vector2::new(0.0, body as f64));
+    scene.domain = domain([200.0, 100.0], [true, true]);
+    scene.step = 1e9;
+    assert!(refusal(&scene).0.starts_with("body 1 moves by 1.000e9 of its radius in one step"), "{}", refusal(&scene).0);
+}
