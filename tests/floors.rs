@@ -11,13 +11,13 @@ const FLOORS: [&[&str]; 7] = [
     &["error", "petsc", "parallel"],
     &["geometry", "grid"],
     &["body", "surface"],
-    &["constraint", "flow"],
+    &["constraint", "contact", "flow"],
     &["scene", "simulation"],
     &["observe", "output", "study"],
     &["cli"],
 ];
 
-const SIBLINGS: [&str; 2] = ["constraint", "flow"];
+const SIBLINGS: [&str; 3] = ["constraint", "contact", "flow"];
 
 fn floor(module: &str) -> Option<usize> {
     FLOORS.iter().position(|floor| floor.contains(&module))

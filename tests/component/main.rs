@@ -6,6 +6,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+mod contact;
 mod fields;
 mod fluid;
 mod grid;
@@ -58,6 +59,7 @@ fn main() {
         hard::tests(),
         lasting::tests(),
         motion::tests(),
+        contact::tests(),
     ];
     for test in floors.into_iter().flatten() {
         if wanted.is_empty() || wanted.iter().any(|part| test.name.contains(part)) {

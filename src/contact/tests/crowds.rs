@@ -126,3 +126,20 @@ fn a_disturbed_crystal_settles_without_overlap() {
         scene.balls = scene.moved(&projection);
     }
 }
+
+/// A step in which the whole pile could fall through itself, again and again until it lies still.
+#[test]
+fn a_loose_crystal_settles_in_long_steps() {
+    let mut scene = crystal(10, 10);
+    let mut random = ChaCha8Rng::seed_from_u64(2);
+    scene.balls.iter_mut().for_each(|ball| ball.radius -= 0.3 * random.random::<f64>());
+    for _ in 0..60 {
+        scene.velocities.iter_mut().for_each(|velocity| velocity[1] -= 1.0);
+        let projection = scene.solve().unwrap();
+        assert!(scene.overlap(&projection) < 1e-10, "{:?}", projection.certificate);
+        assert!(projection.certificate.kkt_residual < 1e-10, "{:?}", projection.certificate);
+        scene.balls = scene.moved(&projection);
+        scene.velocities = projection.velocities;
+    }
+    assert!(scene.velocities.iter().all(|velocity| velocity.norm() < 1e-2));
+}
