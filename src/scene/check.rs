@@ -70,6 +70,10 @@ fn check_still_walls(scene: &Scene) -> Result<()> {
 }
 
 fn check_shear(scene: &Scene, rate: f64) -> Result<()> {
+    if scene.time.is_some() {
+        let remedy = "drives no run in time: the images of a periodic box would have to shear along; remove [time] or shear between walls";
+        return Err(scene.refuse("flow.drive.shear_rate", rate, remedy));
+    }
     match walled(scene).next() {
         Some(axis) => {
             let remedy = format!("needs a fully periodic box, but domain.{} has walls", name(axis));

@@ -1,4 +1,4 @@
-//! What a setup calls for, before anything is built.
+//! What a scene calls for, before anything is built.
 
 use std::fmt;
 
@@ -6,7 +6,8 @@ use crate::{
     error::Result,
     flow::Drive,
     grid::Grid,
-    simulation::{Setup, SuspendedBody, closure::Closure},
+    scene::{ContactModel, Scene, Scheme, Step},
+    simulation::{DrySetup, Setup, SuspendedBody, closure::Closure},
     surface::{SurfaceTable, modes},
 };
 
@@ -19,16 +20,27 @@ const HIERARCHY_FACTOR: f64 = 4.0;
 /// Iterations of the coupled solver that memory is set aside for.
 const KRYLOV_VECTORS: f64 = 80.0;
 
+/// Bytes that the contact model takes for each body: neighbours, constraints and the factors of a pile's matrix.
+const CONTACT_BYTES: f64 = 4e3;
+
+/// Fluid vectors that a run in time keeps to start further solves from.
+const REMEMBERED_VECTORS: f64 = 5.0;
+
 /// The effects of a scene with their unknowns and memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     effects: Vec<Effect>,
+    fluid: Option<FluidPlan>,
+    bytes: f64,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct FluidPlan {
     cells: Vec<usize>,
     blocks: Vec<usize>,
     grid_unknowns: usize,
     multiplier_unknowns: usize,
     closure_unknowns: usize,
-    bytes: f64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -38,47 +50,92 @@ struct Effect {
     built: Option<String>,
 }
 
+impl Effect {
+    fn on(name: &'static str, built: String) -> Effect {
+        Effect { name, built: Some(built) }
+    }
+
+    fn off(name: &'static str) -> Effect {
+        Effect { name, built: None }
+    }
+}
+
 impl Plan {
-    /// The plan of a setup on a number of ranks; builds no matrix and solves nothing.
+    /// The plan of a scene of dimension `D` on a number of ranks; builds no matrix and solves nothing.
     ///
     /// # Errors
-    /// The grid or the rank count does not fit.
-    pub fn of<const D: usize>(setup: &Setup<D>, ranks: usize) -> Result<Plan> {
+    /// Bodies, grid or rank count do not fit.
+    pub fn of<const D: usize>(scene: &Scene, ranks: usize) -> Result<Plan> {
+        if scene.dry() { Plan::of_dry(scene, &DrySetup::<D>::of(scene)?) } else { Plan::of_flow(scene, &Setup::<D>::of(scene)?, ranks) }
+    }
+
+    fn of_dry<const D: usize>(scene: &Scene, setup: &DrySetup<D>) -> Result<Plan> {
+        let free = setup.bodies.iter().filter(|body| body.mass.is_finite()).count();
+        let mut effects = vec![
+            Effect::off("flow"),
+            Effect::on("bodies", format!("{}, {free} of them free", setup.bodies.len())),
+            Effect::on("inertia", "masses of the bodies".into()),
+        ];
+        effects.extend(in_time(scene));
+        Ok(Plan { effects, fluid: None, bytes: CONTACT_BYTES * setup.bodies.len() as f64 })
+    }
+
+    fn of_flow<const D: usize>(scene: &Scene, setup: &Setup<D>, ranks: usize) -> Result<Plan> {
         let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
-        let multiplier_unknowns = setup.bodies.iter().map(mode_count).sum();
-        let closure_unknowns = Closure::count(&setup.drive, &setup.domain);
-        Ok(Plan {
-            effects: effects(setup, &grid),
+        let mut effects = flow_effects(setup, &grid);
+        effects.push(Effect::off("inertia"));
+        effects.extend(in_time(scene));
+        let fluid = FluidPlan {
             cells: grid.cells().to_vec(),
             blocks: grid.partition().ranks().to_vec(),
             grid_unknowns: grid.fluid_unknowns(),
-            multiplier_unknowns,
-            closure_unknowns,
-            bytes: bytes(setup, &grid),
-        })
+            multiplier_unknowns: setup.bodies.iter().map(mode_count).sum(),
+            closure_unknowns: Closure::count(&setup.drive, &setup.domain),
+        };
+        Ok(Plan { effects, fluid: Some(fluid), bytes: bytes(setup, &grid, scene.time.is_some()) })
     }
+}
+
+/// Effects of motion, which a fluid and dry bodies share.
+fn in_time(scene: &Scene) -> Vec<Effect> {
+    let motion = scene.time.as_ref().map(|time| {
+        let step = match time.step {
+            Step::Fixed(step) => format!("steps of {step}"),
+            Step::Auto => format!("steps in which no body moves more than {} radii", time.travel),
+        };
+        let scheme = match time.scheme {
+            Scheme::TwoStep => "two-step",
+            Scheme::Midpoint => "midpoint",
+            Scheme::Euler => "Euler",
+        };
+        format!("to time {} by the {scheme} rule, {step}", time.end)
+    });
+    let contact = match scene.contact.model {
+        ContactModel::None => None,
+        ContactModel::Inelastic => Some("inelastic, one quadratic program a step, split into islands".to_owned()),
+    };
+    let frames = scene.time.as_ref().map(|time| {
+        let every = scene.output.every.unwrap_or(time.end / 100.0);
+        format!("every {every}, bodies{}", if scene.output.fields { " and fields" } else { " only" })
+    });
+    let effect = |(name, built)| Effect { name, built };
+    [("motion in time", motion), ("lubrication", None), ("contact", contact), ("frames", frames)].into_iter().map(effect).collect()
 }
 
 fn mode_count<const D: usize>(suspended: &SuspendedBody<D>) -> usize {
     modes(D, suspended.body.ball.radius, 1.0, suspended.order).count()
 }
 
-fn effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Effect> {
+fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Effect> {
     let hierarchies = distinct_laplacians(grid);
     let free = setup.bodies.iter().filter(|suspended| suspended.body.free()).count();
-    let on = |name, built: String| Effect { name, built: Some(built) };
-    let off = |name| Effect { name, built: None };
     vec![
-        on("stokes flow", format!("one matrix a component, {hierarchies} multigrid hierarchies (hypre)")),
-        on("drive", drive(&setup.drive)),
+        Effect::on("stokes flow", format!("one matrix a component, {hierarchies} multigrid hierarchies (hypre)")),
+        Effect::on("drive", drive(&setup.drive)),
         match setup.bodies.len() {
-            0 => off("bodies"),
-            count => on("bodies", format!("{count}, {free} of them free; surface multipliers with corrected stencils (sharp)")),
+            0 => Effect::off("bodies"),
+            count => Effect::on("bodies", format!("{count}, {free} of them free; surface multipliers with corrected stencils (sharp)")),
         },
-        off("motion in time"),
-        off("inertia"),
-        off("lubrication"),
-        off("contact"),
     ]
 }
 
@@ -96,11 +153,12 @@ fn drive<const D: usize>(drive: &Drive<D>) -> String {
     }
 }
 
-fn bytes<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> f64 {
+fn bytes<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, in_time: bool) -> f64 {
     let points = (2 * D + 1) as f64;
     let cells = grid.unknowns(D) as f64;
     let matrices = cells * (distinct_laplacians(grid) as f64 * points * HIERARCHY_FACTOR + 4.0 * D as f64) * BYTES_PER_NONZERO;
-    let vectors = (grid.fluid_unknowns() as f64) * 8.0 * KRYLOV_VECTORS;
+    let kept = if in_time { KRYLOV_VECTORS + REMEMBERED_VECTORS } else { KRYLOV_VECTORS };
+    let vectors = (grid.fluid_unknowns() as f64) * 8.0 * kept;
     let bodies: f64 = setup.bodies.iter().map(|suspended| body_bytes(suspended, grid)).sum();
     matrices + vectors + bodies
 }
@@ -124,12 +182,14 @@ impl fmt::Display for Plan {
                 None => writeln!(f, "not built  {name}")?,
             }
         }
-        writeln!(f, "grid       {:?} cells in {:?} blocks", self.cells, self.blocks)?;
-        writeln!(
-            f,
-            "unknowns   {} on the grid, {} on surfaces, {} mean values",
-            self.grid_unknowns, self.multiplier_unknowns, self.closure_unknowns
-        )?;
-        write!(f, "memory     about {:.0} MB on all ranks", self.bytes / 1e6)
+        if let Some(fluid) = &self.fluid {
+            writeln!(f, "grid       {:?} cells in {:?} blocks", fluid.cells, fluid.blocks)?;
+            writeln!(
+                f,
+                "unknowns   {} on the grid, {} on surfaces, {} mean values",
+                fluid.grid_unknowns, fluid.multiplier_unknowns, fluid.closure_unknowns
+            )?;
+        }
+        write!(f, "memory     about {:.0} MB on all ranks", (self.bytes / 1e6).ceil())
     }
 }
