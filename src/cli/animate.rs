@@ -2,13 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use nalgebra::SVector;
-
 use crate::{
     error::{Error, Result},
-    output::{AnimatedDisk, Animation, AnimationFrame, FrameBody, read_frames, write_whole},
+    observe::Plane,
+    output::{AnimationFrame, read_frames, write_whole},
     petsc::Session,
-    scene::{AxisSection, Scene},
+    scene::Scene,
 };
 
 /// What to draw.
@@ -36,37 +35,14 @@ pub fn animate(session: &Session, film: &Film) -> Result<()> {
         if frames.is_empty() {
             return Err(Error::Refused(format!("{}: holds no frames; only runs with a [time] section write them", film.folder.display())));
         }
-        let [across, up] = axes(&scene);
-        let periodic = [across, up].map(|axis| scene.domain.axes[axis] == AxisSection::Periodic);
-        let animation = Animation { size: [scene.domain.size[across], scene.domain.size[up]], periodic, frames };
-        write_whole(&film.out, &animation.apng(film.width as usize, film.seconds))?;
+        write_whole(&film.out, &Plane::of(&scene).film(&scene, frames).apng(film.width as usize, film.seconds))?;
         println!("{}", film.out.display());
         Ok(())
     };
     world.agree(if world.rank() == 0 { draw() } else { Ok(()) })
 }
 
-/// The axes that point right and up: gravity, if there is any, pulls down.
-fn axes(scene: &Scene) -> [usize; 2] {
-    let gravity = scene.gravity.as_deref().unwrap_or_default();
-    let strongest = (1..gravity.len()).max_by(|&one, &two| gravity[one].abs().total_cmp(&gravity[two].abs()));
-    [0, strongest.filter(|&axis| gravity[axis] != 0.0).unwrap_or(1)]
-}
-
 fn frames<const D: usize>(scene: &Scene, folder: &Path) -> Result<Vec<AnimationFrame>> {
-    let [across, up] = axes(scene);
-    let depth = (0..D).find(|&axis| axis != across && axis != up);
-    let disk = |body: &FrameBody<D>| AnimatedDisk {
-        center: [body.center[across], body.center[up]],
-        radius: body.radius,
-        angle: if D == 2 { body.rotation[(1, 0)].atan2(body.rotation[(0, 0)]) } else { f64::NAN },
-        speed: body.velocity.norm(),
-    };
-    let frame = |mut stored: crate::output::StoredFrame<D>| {
-        let distance = |center: &SVector<f64, D>| depth.map_or(0.0, |axis| center[axis]);
-        // far ones first
-        stored.bodies.sort_by(|one, two| distance(&two.center).total_cmp(&distance(&one.center)));
-        AnimationFrame { time: stored.time, disks: stored.bodies.iter().map(disk).collect() }
-    };
-    Ok(read_frames::<D>(folder)?.into_iter().map(frame).collect())
+    let plane = Plane::of(scene);
+    Ok(read_frames::<D>(folder)?.into_iter().map(|stored| plane.frame(stored.time, stored.bodies)).collect())
 }

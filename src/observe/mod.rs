@@ -1,11 +1,13 @@
 //! What is read off a solution: functions of a view, which change nothing.
 
 mod cells;
+mod film;
 mod picture;
 mod sample;
 mod viscosity;
 
 pub use cells::{CellCenters, inside};
+pub use film::Plane;
 pub use picture::picture;
 pub use sample::velocities;
 pub use viscosity::{Viscosity, shear_rate, viscosity};

@@ -4,12 +4,12 @@ use std::{path::Path, time::Instant};
 
 use super::{
     folder,
-    outputs::{Outputs, held},
+    outputs::{Outputs, frame_bodies, held},
     signals::Signals,
 };
 use crate::{
     error::{Error, Result},
-    observe,
+    observe::{self, Plane},
     output::{self, Chart, Checkpoint, ContactSummary, MotionSummary, Series, Summary, TimeProgress},
     parallel::World,
     petsc::Session,
@@ -34,6 +34,9 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path, chec
     }
     outcome
 }
+
+/// Width in pixels of the picture of dry bodies.
+const STILL_WIDTH: usize = 800;
 
 struct March<'a, const D: usize> {
     world: &'a World,
@@ -154,9 +157,20 @@ impl<const D: usize> March<'_, D> {
         if curve.len() > 1 {
             pictures.push(("viscosity.svg", viscosity_chart(self.scene.shown_title(), curve).svg().into_bytes()));
         }
-        if let (true, Some(suspension), Some(solution)) = (self.scene.output.picture, self.simulation.suspension(), &view.solution) {
-            pictures.push(("picture.svg", observe::picture(self.scene.shown_title(), suspension, solution)?.svg().into_bytes()));
+        if !self.scene.output.picture {
+            return Ok(pictures);
         }
+        let bodies = frame_bodies(self.simulation.state(), self.simulation.radii(), view);
+        pictures.push(match (self.simulation.suspension(), &view.solution) {
+            (Some(suspension), Some(solution)) => {
+                ("picture.svg", observe::picture(self.scene.shown_title(), suspension, solution)?.svg().into_bytes())
+            }
+            _ => {
+                let plane = Plane::of(self.scene);
+                let still = plane.frame(self.simulation.state().time, bodies);
+                ("picture.png", plane.film(self.scene, vec![still]).apng(STILL_WIDTH, 1.0))
+            }
+        });
         Ok(pictures)
     }
 }

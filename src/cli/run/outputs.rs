@@ -142,7 +142,7 @@ impl<const D: usize> Outputs<D> {
     fn write_frame(&mut self, world: &World, simulation: &mut Simulation<D>, view: &View<D>) -> Result<()> {
         let state = simulation.state().clone();
         let balls = state.balls(simulation.radii());
-        let bodies = frame_bodies(&state, &balls, view);
+        let bodies = frame_bodies(&state, simulation.radii(), view);
         let domain = simulation.domain().clone();
         let suspension = simulation.suspension();
         let fields = match (&mut self.centers, &view.solution, suspension) {
@@ -170,7 +170,9 @@ pub fn held<const D: usize>(state: &State<D>, view: &View<D>) -> Vec<Held<D>> {
     }
 }
 
-fn frame_bodies<const D: usize>(state: &State<D>, balls: &[Ball<D>], view: &View<D>) -> Vec<FrameBody<D>> {
+/// The bodies as frames hold them.
+pub fn frame_bodies<const D: usize>(state: &State<D>, radii: &[f64], view: &View<D>) -> Vec<FrameBody<D>> {
+    let balls = state.balls(radii);
     let mut contacts = vec![0; balls.len()];
     for held in held(state, view) {
         contacts[held.body] += 1;

@@ -1,0 +1,44 @@
+//! Bodies as disks on a picture plane: frames of an animation, or a still.
+
+use crate::{
+    output::{AnimatedDisk, Animation, AnimationFrame, FrameBody},
+    scene::{AxisSection, Scene},
+};
+
+/// The axes that point right and up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plane {
+    across: usize,
+    up: usize,
+}
+
+impl Plane {
+    /// The plane of a scene: gravity, if there is any, pulls down.
+    pub fn of(scene: &Scene) -> Plane {
+        let gravity = scene.gravity.as_deref().unwrap_or_default();
+        let strongest = (1..gravity.len()).max_by(|&one, &two| gravity[one].abs().total_cmp(&gravity[two].abs()));
+        Plane { across: 0, up: strongest.filter(|&axis| gravity[axis] != 0.0).unwrap_or(1) }
+    }
+
+    /// Bodies at a time, seen from the front: spheres further back come first.
+    pub fn frame<const D: usize>(self, time: f64, mut bodies: Vec<FrameBody<D>>) -> AnimationFrame {
+        if let Some(depth) = (0..D).find(|&axis| axis != self.across && axis != self.up) {
+            bodies.sort_by(|one, two| two.center[depth].total_cmp(&one.center[depth]));
+        }
+        let disk = |body: &FrameBody<D>| AnimatedDisk {
+            center: [body.center[self.across], body.center[self.up]],
+            radius: body.radius,
+            // a turning mark is drawn on disks only
+            angle: if D == 2 { body.rotation[(1, 0)].atan2(body.rotation[(0, 0)]) } else { f64::NAN },
+            speed: body.velocity.norm(),
+        };
+        AnimationFrame { time, disks: bodies.iter().map(disk).collect() }
+    }
+
+    /// Frames of a scene's box as a film.
+    pub fn film(self, scene: &Scene, frames: Vec<AnimationFrame>) -> Animation {
+        let axes = [self.across, self.up];
+        let periodic = axes.map(|axis| scene.domain.axes[axis] == AxisSection::Periodic);
+        Animation { size: axes.map(|axis| scene.domain.size[axis]), periodic, frames }
+    }
+}
