@@ -4,7 +4,9 @@
 //! coupled system finds the forces that keep just these from approaching; both are repeated until they agree
 //! ([`Drift::agree`]). If they should go round in circles, one contact after the other is changed, the first one that is
 //! wrong (the least-index rule of Murty 1974, which ends for any positive definite mobility). Then bodies travel by the two-step rule `v + dt/(2 dt_last) (v - v_last)`, the midpoint rule or
-//! Euler's, and what the rule adds to `v` is projected once more, so that nothing overlaps whatever the step.
+//! Euler's, and what the rule adds to `v` is projected once more, so that nothing overlaps whatever the step. The contact
+//! forces press on in this projection: else bodies that landed in the last step would bounce, as the rule looks back at
+//! the velocity with which they came.
 
 use std::time::Instant;
 
@@ -87,7 +89,8 @@ impl<const D: usize> Drift<D> {
             }
             let start = Instant::now();
             let step = if stride.length > 0.0 { stride.length } else { state.last_step };
-            let unpressed = self.without_contacts(&twists, &touches, &solution.contact_forces);
+            let velocities = twists.iter().map(|twist| twist.velocity).collect();
+            let unpressed = self.without_contacts(velocities, touches.iter().map(|(touch, _)| touch).zip(&solution.contact_forces));
             let projection = self.project(&balls, &unpressed, step)?;
             effort.contact += start.elapsed().as_secs_f64();
             difference = largest_difference(&twists, &projection.velocities);
@@ -158,12 +161,15 @@ impl<const D: usize> Drift<D> {
     }
 
     /// The velocities that bodies would have without the contact forces, if each were alone.
-    fn without_contacts(&self, twists: &[Twist<D>], touches: &[(Touch<D>, f64)], forces: &[f64]) -> Vec<SVector<f64, D>> {
-        let mut velocities: Vec<SVector<f64, D>> = twists.iter().map(|twist| twist.velocity).collect();
-        for ((touch, _), force) in touches.iter().zip(forces) {
-            velocities[touch.body] += touch.normal * *force / self.weights[touch.body];
+    fn without_contacts<'a>(
+        &self,
+        mut velocities: Vec<SVector<f64, D>>,
+        pressed: impl Iterator<Item = (&'a Touch<D>, &'a f64)>,
+    ) -> Vec<SVector<f64, D>> {
+        for (touch, &force) in pressed {
+            velocities[touch.body] += touch.normal * force / self.weights[touch.body];
             if let Some(partner) = touch.partner {
-                velocities[partner] -= touch.normal * *force / self.weights[partner];
+                velocities[partner] -= touch.normal * force / self.weights[partner];
             }
         }
         velocities
@@ -230,7 +236,9 @@ impl<const D: usize> Dynamics<D> for Drift<D> {
         let mut certificate = None;
         if self.contact {
             let start = Instant::now();
-            let projection = self.project(&self.balls(state), &velocities, step)?;
+            let pressed: Vec<(Touch<D>, f64)> = view.contacts.iter().map(|pressed| touch(pressed, step)).collect();
+            let unpressed = self.without_contacts(velocities, pressed.iter().map(|(touch, force)| (touch, force)));
+            let projection = self.project(&self.balls(state), &unpressed, step)?;
             moves.iter_mut().zip(projection.velocities).for_each(|(twist, velocity)| twist.velocity = velocity);
             certificate = Some(projection.certificate);
             effort.contact += start.elapsed().as_secs_f64();
