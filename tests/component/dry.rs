@@ -226,9 +226,9 @@ fn colliding_disks_never_gain_energy_and_never_overlap_however_long_the_step(ses
     let centers = pack(&domain, &[] as &[Ball<2>], &radii, 0.05, 1).unwrap();
     // all directions, speeds from 0.2 to 1
     let velocity = |angle: f64| [angle.cos(), angle.sin()].map(|part| part * (0.6 + 0.4 * (3.7 * angle).sin()));
-    let bodies = (0..).zip(centers).map(|(number, center): (u32, Vector2<f64>)| {
-        dry_body(center.into(), velocity(2.399 * f64::from(number)), Vector2::zeros())
-    });
+    let bodies = (0..)
+        .zip(centers)
+        .map(|(number, center): (u32, Vector2<f64>)| dry_body(center.into(), velocity(2.399 * f64::from(number)), Vector2::zeros()));
     let mut simulation = start(session, domain, bodies.collect(), fixed(0.8, 16.0, Scheme::TwoStep));
     let energy = |simulation: &Simulation<2>| simulation.state().bodies.iter().map(|body| body.twist.velocity.norm_squared()).sum::<f64>();
     let at_start = energy(&simulation);

@@ -32,15 +32,19 @@ fn time(step: Step, end: f64, scheme: Scheme) -> TimeSection {
     TimeSection { step, end, scheme, travel: 0.1 }
 }
 
-/// Free disks at fraction 0.3 between sliding walls.
-fn sheared(count: usize) -> Setup<2> {
-    let height = (count as f64 * std::f64::consts::PI / 0.3 / 2.0).sqrt();
+/// Free disks of radius 1 between sliding walls in a box `aspect` times as long as high, packed with gaps between them.
+fn between_sliding_walls(count: usize, fraction: f64, aspect: f64, gap: f64) -> Setup<2> {
+    let height = (count as f64 * std::f64::consts::PI / fraction / aspect).sqrt();
     let wall = |sign: f64| Vector2::new(sign * 0.5 * height, 0.0);
-    let domain =
-        Domain { size: Vector2::new(2.0 * height, height), axes: [Axis::Periodic, Axis::Walls { lower: wall(-1.0), upper: wall(1.0) }] };
-    let centers = pack(&domain, &[] as &[Ball<2>], &vec![1.0; count], 0.1, 1).unwrap();
+    let axes = [Axis::Periodic, Axis::Walls { lower: wall(-1.0), upper: wall(1.0) }];
+    let domain = Domain { size: Vector2::new(aspect * height, height), axes };
+    let centers = pack(&domain, &[] as &[Ball<2>], &vec![1.0; count], gap, 1).unwrap();
     let bodies = centers.into_iter().map(|center: SVector<f64, 2>| suspended(center, 1.0, free(), 6)).collect();
     Setup { domain, spacing: 1.0 / 6.0, viscosity: 1.0, drive: Drive::Rest, bodies, tolerance: 1e-6 }
+}
+
+fn sheared(count: usize) -> Setup<2> {
+    between_sliding_walls(count, 0.3, 2.0, 0.1)
 }
 
 /// What is left of the start's error sits in the slow modes of gaps, which a better preconditioner would have to know.
@@ -141,85 +145,111 @@ fn ends(session: &Session, setup: &Setup<2>, end: f64, (scheme, steps): (Scheme,
 /// The order that places at the end show between a number of steps, twice and four times as many.
 fn order(session: &Session, setup: &Setup<2>, end: f64, (scheme, steps): (Scheme, u32)) -> f64 {
     let [coarse, middle, fine] = [1, 2, 4].map(|factor| ends(session, setup, end, (scheme, factor * steps)));
-    let (first, second) = ((coarse - &middle).norm(), (middle - fine).norm());
-    println!("{scheme:?} {steps} {first:e} {second:e} {}", (first / second).log2());
-    (first / second).log2()
+    ((coarse - &middle).norm() / (middle - fine).norm()).log2()
 }
 
+/// Bodies that cover about a radius, in steps of 0.3 to 0.04 radii. Longer steps are not yet in the range where the leading
+/// error rules; in shorter ones second order errors sink to the noise of the grid: a velocity that changes by some 1e-4 with
+/// the place of a body between grid points moves the end by about as many radii, and the finest difference is 4e-4 or more.
+fn assert_orders(session: &Session, setup: &Setup<2>, end: f64) {
+    for (scheme, steps) in [(Scheme::TwoStep, 6), (Scheme::Midpoint, 4)] {
+        let order = order(session, setup, end, (scheme, steps));
+        assert!(order >= 1.8, "{scheme:?} is of order {order:.2}");
+    }
+    let order = order(session, setup, end, (Scheme::Euler, 4));
+    assert!((0.8..=1.2).contains(&order), "Euler is of order {order:.2}");
+}
+
+/// It falls aslant and turns to the side: walls slow it down and the more so, the nearer they are.
 fn a_heavy_disk_in_a_box_is_followed_at_the_order_of_the_scheme(session: &Session) {
-    for (place, force, end) in [([2.1, 4.2], [20.0, -40.0], 1.2), ([2.1, 4.2], [40.0, -20.0], 1.5), ([1.8, 4.0], [30.0, -30.0], 1.5)] {
-    for cells in [8.0, 10.0] {
-    let setup = closed_box([6.0, 6.0], cells, vec![suspended(Vector2::from(place), 1.0, pulled(force), 8)]);
-    println!("{place:?} {force:?} {end} {cells}");
-    for n in [3, 4, 6] {
-    order(session, &setup, end, (Scheme::TwoStep, n));
-    order(session, &setup, end, (Scheme::Midpoint, n));
-    }
-    println!("{}", ends(session, &setup, end, (Scheme::Midpoint, 16)));
-    }
-    }
+    let disk = suspended(Vector2::new(2.1, 4.2), 1.0, pulled([20.0, -40.0]), 8);
+    assert_orders(session, &closed_box([6.0, 6.0], 10.0, vec![disk]), 1.2);
 }
 
+/// The heavier one falls past the lighter one and carries it along.
 fn a_settling_pair_is_followed_at_the_order_of_the_scheme(session: &Session) {
-    for end in [1.0, 1.5] {
-    let disks = vec![suspended(Vector2::new(2.3, 4.4), 1.0, pulled([0.0, -60.0]), 8), suspended(Vector2::new(5.4, 3.6), 1.0, pulled([0.0, -30.0]), 8)];
-    let setup = closed_box([8.0, 6.0], 8.0, disks);
-    for n in [3, 4, 6] {
-    order(session, &setup, end, (Scheme::TwoStep, n));
-    order(session, &setup, end, (Scheme::Midpoint, n));
-    }
-    println!("{}", ends(session, &setup, end, (Scheme::Midpoint, 16)));
-    }
+    let disk = |center: [f64; 2], weight: f64| suspended(Vector2::from(center), 1.0, pulled([0.0, -weight]), 8);
+    assert_orders(session, &closed_box([8.0, 6.0], 8.0, vec![disk([2.3, 4.4], 60.0), disk([5.4, 3.6], 30.0)]), 1.0);
 }
 
+const SCHEMES: [Scheme; 3] = [Scheme::TwoStep, Scheme::Midpoint, Scheme::Euler];
+
+/// Steps until a contact bears a force, then some more; gives what was seen after a contact that closed its gap.
+fn meet(simulation: &mut Simulation<2>, rests: usize) -> Vec<View<2>> {
+    let mut views = Vec::new();
+    while views.len() < rests {
+        assert!(simulation.state().steps < 40, "bodies never meet");
+        let closed = !simulation.state().held.is_empty();
+        let view = step(simulation);
+        assert!(smallest_gap(simulation) > -1e-6, "{}", smallest_gap(simulation));
+        if closed {
+            views.push(view);
+        }
+    }
+    views
+}
+
+/// They lie in mirror symmetry on the grid, so that nothing turns the line of their centres out of that of the forces.
 fn two_disks_pressed_together_meet_and_rest(session: &Session) {
     let domain = Domain { size: Vector2::new(8.0, 5.0), axes: [Axis::Periodic; 2] };
-    let bodies = [(2.6, 10.0), (5.1, -10.0)].map(|(x, force)| suspended(Vector2::new(x, 2.513), 1.0, pulled([force, 0.0]), 8));
-    let setup = Setup { domain, spacing: 0.125, viscosity: 1.0, drive: Drive::Rest, bodies: bodies.to_vec(), tolerance: 1e-8 };
-    let mut simulation = simulate(session, setup, time(Step::Fixed(0.3), 100.0, Scheme::TwoStep), ContactModel::Inelastic);
-    let mut view = step(&mut simulation);
-    while contact_force(&view, 0).norm() == 0.0 {
-        assert!(simulation.state().steps < 30, "they never meet: {}", smallest_gap(&simulation));
-        view = step(&mut simulation);
-        println!("{} {} {} {} {}", simulation.state().steps, view.twists[0].velocity, simulation.state().bodies[0].center, smallest_gap(&simulation), view.effort.iterations);
-        assert!(smallest_gap(&simulation) > -1e-6, "{}", smallest_gap(&simulation));
-    }
-    for _ in 0..3 {
-        let view = step(&mut simulation);
-        println!("{} {:?} {:?}", simulation.state().steps, view.twists, smallest_gap(&simulation));
-        println!("{:?} {:?}", contact_force(&view, 0), view.solution.as_ref().unwrap().bodies[0].force);
+    let force = |body: usize| Vector2::new(if body == 0 { 10.0 } else { -10.0 }, 0.0);
+    let disk = |body: usize| suspended(Vector2::new([2.75, 5.0][body], 2.5), 1.0, pulled(force(body).into()), 8);
+    let bodies = vec![disk(0), disk(1)];
+    let setup = Setup { domain, spacing: 0.125, viscosity: 1.0, drive: Drive::Rest, bodies, tolerance: 1e-8 };
+    for scheme in SCHEMES {
+        let mut simulation = simulate(session, setup.clone(), time(Step::Fixed(0.3), 100.0, scheme), ContactModel::Inelastic);
+        for view in meet(&mut simulation, 4) {
+            let bodies = &view.solution.as_ref().unwrap().bodies;
+            for body in [0, 1] {
+                // alone in the box, the force would move a disk at about 0.5
+                let speed = view.twists[body].velocity.norm();
+                assert!(speed < 1e-5, "{scheme:?}: body {body} moves at {speed:e}");
+                let (pressed, held) = (contact_force(&view, body), bodies[body].force);
+                assert!((pressed + force(body)).norm() < 1e-4 * 10.0, "{scheme:?}: body {body} is pressed by {pressed}");
+                assert!(held.norm() < 1e-4 * 10.0, "{scheme:?}: the fluid still acts on body {body} with {held}");
+            }
+        }
     }
 }
 
+/// It falls along the middle of the box, in mirror symmetry.
 fn a_heavy_disk_comes_to_rest_on_the_floor_that_bears_its_weight(session: &Session) {
-    let weight = 30.0;
-    let setup = closed_box([6.0, 4.0], 8.0, vec![suspended(Vector2::new(3.1, 1.4), 1.0, pulled([0.0, -weight]), 8)]);
-    let mut simulation = simulate(session, setup, time(Step::Fixed(0.3), 100.0, Scheme::TwoStep), ContactModel::Inelastic);
-    for _ in 0..12 {
-        let view = step(&mut simulation);
-        println!("{} {:?} {} {} {:?} {:?}", simulation.state().steps, view.twists[0].velocity, simulation.state().bodies[0].center, smallest_gap(&simulation), contact_force(&view, 0), view.solution.as_ref().unwrap().bodies[0].force);
+    let weight = Vector2::new(0.0, -30.0);
+    let setup = closed_box([6.0, 4.0], 8.0, vec![suspended(Vector2::new(3.0, 1.2), 1.0, pulled(weight.into()), 8)]);
+    for scheme in SCHEMES {
+        let mut simulation = simulate(session, setup.clone(), time(Step::Fixed(0.3), 100.0, scheme), ContactModel::Inelastic);
+        for view in meet(&mut simulation, 3) {
+            let held = view.solution.as_ref().unwrap().bodies[0].force;
+            // it set out at 0.3
+            assert!(view.twists[0].velocity.norm() < 1e-5, "{scheme:?}: it moves at {}", view.twists[0].velocity);
+            assert!((contact_force(&view, 0) + weight).norm() < 1e-4 * 30.0, "{scheme:?}: the floor bears {}", contact_force(&view, 0));
+            assert!(held.norm() < 1e-4 * 30.0, "{scheme:?}: the fluid still acts with {held}");
+        }
+        assert!((simulation.state().bodies[0].center[1] - 1.0).abs() < 1e-6, "{}", simulation.state().bodies[0].center);
     }
 }
 
-/// Free disks at fraction 0.45 between sliding walls, with contacts.
+/// Free disks at fraction 0.45 between sliding walls: what the fluid does to each is what contacts undo, and the walls feel
+/// the stresses of both. Flow and contacts agree to 1e-5 of the largest velocity; measured is 1e-7.
 fn forces_balance_on_each_body_of_a_sheared_crowd_and_its_stress_reaches_the_walls(session: &Session) {
     let count = 20;
-    let height = (f64::from(count) * std::f64::consts::PI / 0.45 / 1.2).sqrt();
-    let wall = |sign: f64| Vector2::new(sign * 0.5 * height, 0.0);
-    let axes = [Axis::Periodic, Axis::Walls { lower: wall(-1.0), upper: wall(1.0) }];
-    let domain = Domain { size: Vector2::new(1.2 * height, height), axes };
-    let centers = pack(&domain, &[] as &[Ball<2>], &vec![1.0; count as usize], 0.05, 1).unwrap();
-    let bodies = centers.into_iter().map(|center| suspended(center, 1.0, free(), 6)).collect();
-    let setup = Setup { domain, spacing: 1.0 / 6.0, viscosity: 1.0, drive: Drive::Rest, bodies, tolerance: 1e-7 };
+    let setup = Setup { tolerance: 1e-7, ..between_sliding_walls(count, 0.45, 1.2, 0.05) };
     let mut simulation = simulate(session, setup, time(Step::Fixed(0.1), 10.0, Scheme::TwoStep), ContactModel::Inelastic);
-    for _ in 0..15 {
+    let mut touching = 0;
+    for number in 0..15 {
         let view = step(&mut simulation);
+        assert!(smallest_gap(&simulation) > -1e-6, "step {number}: {}", smallest_gap(&simulation));
         let solution = view.solution.as_ref().unwrap();
         let largest = view.contacts.iter().map(|pressed| pressed.force).fold(0.0, f64::max);
-        let imbalance = (0..count as usize).map(|body| (contact_force(&view, body) + solution.bodies[body].force).norm()).fold(0.0, f64::max);
+        for body in 0..count {
+            let imbalance = (contact_force(&view, body) + solution.bodies[body].force).norm();
+            // 1e-9: rounding, where there are no contacts
+            assert!(imbalance < 1e-4 * largest + 1e-9, "step {number}, body {body}: {imbalance:e} of {largest}");
+        }
         let suspension = simulation.suspension().unwrap();
         let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), solution, &view.contacts).unwrap().unwrap();
-        println!("{} gap {:e} contacts {} largest {largest} imbalance {imbalance:e} {} {:?} solves {}", simulation.state().steps, smallest_gap(&simulation), view.contacts.iter().filter(|p| p.force > 0.0).count(), viscosity.relative() / viscosity.from_walls.unwrap() - 1.0, viscosity, view.effort.solves);
-        let _ = assert_near;
+        assert_near(&format!("step {number}"), viscosity.relative(), viscosity.from_walls.unwrap(), 1e-3);
+        touching += usize::from(viscosity.contact > 1e-2);
     }
+    assert!(touching > 5, "they touch in {touching} steps only");
 }
