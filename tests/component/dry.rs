@@ -113,7 +113,7 @@ fn a_falling_column_of_spheres_stops_ball_by_ball_at_the_exact_times(session: &S
     SCHEMES.iter().for_each(|&scheme| column(session, [1.0, 1.0, 3.0], scheme));
 }
 
-/// Distance of a thrown ball from the parabola after a time 1, in steps of a given length.
+/// Distance of a thrown ball from its parabola at the time 0.4, in steps of a given length.
 fn flight_error(session: &Session, step_length: f64, scheme: Scheme) -> f64 {
     let ball = dry_body([0.5, 1.0], [0.7, 2.0], Vector2::new(-0.3, -GRAVITY));
     let mut simulation = start(session, channel([50.0, 50.0]), vec![ball], fixed(step_length, 0.4, scheme));
