@@ -4,7 +4,9 @@
 //! coupled system finds the forces that keep just these from approaching; both are repeated until they agree
 //! ([`Drift::agree`]). If they should go round in circles, one contact after the other is changed, the first one that is
 //! wrong (the least-index rule of Murty 1974, which ends for any positive definite mobility). Then bodies travel by the two-step rule `v + dt/(2 dt_last) (v - v_last)`, the midpoint rule or
-//! Euler's, and what the rule adds to `v` is projected once more, so that nothing overlaps whatever the step.
+//! Euler's, and what the rule adds to `v` is projected once more, so that nothing overlaps whatever the step. The contact
+//! forces press on in this projection: else bodies that landed in the last step would bounce, as the rule looks back at
+//! the velocity with which they came.
 
 use std::time::Instant;
 
@@ -29,7 +31,7 @@ const MOST_ROUNDS: usize = 60;
 /// Of these, rounds in which the contact model chooses all contacts at once.
 const ROUNDS_AT_ONCE: usize = 4;
 
-/// Difference between the velocities by the flow and by the contact model, over the largest velocity, that counts as agreement.
+/// Difference between the velocities by the flow and by the contact model, over the largest ([`fastest`]), that counts as agreement.
 const AGREEMENT: f64 = 1e-5;
 
 /// Gap, in radii, up to which a contact of the last step is tried first.
@@ -87,17 +89,19 @@ impl<const D: usize> Drift<D> {
             }
             let start = Instant::now();
             let step = if stride.length > 0.0 { stride.length } else { state.last_step };
-            let unpressed = self.without_contacts(&twists, &touches, &solution.contact_forces);
+            let velocities = twists.iter().map(|twist| twist.velocity).collect();
+            let unpressed = self.without_contacts(velocities, touches.iter().map(|(touch, _)| touch).zip(&solution.contact_forces));
             let projection = self.project(&balls, &unpressed, step)?;
             effort.contact += start.elapsed().as_secs_f64();
-            difference = largest_difference(&twists, &projection.velocities);
+            let scale = fastest(&twists, &unpressed);
+            difference = largest_difference(&twists, &projection.velocities) / scale;
             if difference <= AGREEMENT {
                 twists.iter_mut().zip(&projection.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
                 return Ok(Agreed { solution, twists, contacts: projection.forces, stride });
             }
             touches = match round < ROUNDS_AT_ONCE {
                 true => projection.forces.iter().filter(|pressed| pressed.force > 0.0).map(|pressed| touch(pressed, step)).collect(),
-                false => self.with_one_changed(touches, &solution.contact_forces, (&balls, &twists, step)),
+                false => self.with_one_changed(touches, &solution.contact_forces, (&balls, &twists, scale), step),
             };
         }
         Err(Error::Diverged(format!(
@@ -127,9 +131,9 @@ impl<const D: usize> Drift<D> {
         &self,
         mut touches: Vec<(Touch<D>, f64)>,
         forces: &[f64],
-        (balls, twists, step): (&[Ball<D>], &[Twist<D>], f64),
+        (balls, twists, fastest): (&[Ball<D>], &[Twist<D>], f64),
+        step: f64,
     ) -> Vec<(Touch<D>, f64)> {
-        let fastest = twists.iter().map(|twist| twist.velocity.norm()).fold(0.0, f64::max);
         let near = contact::candidates(&self.suspension.setup().domain, balls, &self.weights, 2.0 * fastest * step);
         for (touch, force) in touches.iter_mut().zip(forces) {
             touch.1 = *force;
@@ -158,12 +162,15 @@ impl<const D: usize> Drift<D> {
     }
 
     /// The velocities that bodies would have without the contact forces, if each were alone.
-    fn without_contacts(&self, twists: &[Twist<D>], touches: &[(Touch<D>, f64)], forces: &[f64]) -> Vec<SVector<f64, D>> {
-        let mut velocities: Vec<SVector<f64, D>> = twists.iter().map(|twist| twist.velocity).collect();
-        for ((touch, _), force) in touches.iter().zip(forces) {
-            velocities[touch.body] += touch.normal * *force / self.weights[touch.body];
+    fn without_contacts<'a>(
+        &self,
+        mut velocities: Vec<SVector<f64, D>>,
+        pressed: impl Iterator<Item = (&'a Touch<D>, &'a f64)>,
+    ) -> Vec<SVector<f64, D>> {
+        for (touch, &force) in pressed {
+            velocities[touch.body] += touch.normal * force / self.weights[touch.body];
             if let Some(partner) = touch.partner {
-                velocities[partner] -= touch.normal * *force / self.weights[partner];
+                velocities[partner] -= touch.normal * force / self.weights[partner];
             }
         }
         velocities
@@ -230,7 +237,9 @@ impl<const D: usize> Dynamics<D> for Drift<D> {
         let mut certificate = None;
         if self.contact {
             let start = Instant::now();
-            let projection = self.project(&self.balls(state), &velocities, step)?;
+            let pressed: Vec<(Touch<D>, f64)> = view.contacts.iter().map(|pressed| touch(pressed, step)).collect();
+            let unpressed = self.without_contacts(velocities, pressed.iter().map(|(touch, force)| (touch, force)));
+            let projection = self.project(&self.balls(state), &unpressed, step)?;
             moves.iter_mut().zip(projection.velocities).for_each(|(twist, velocity)| twist.velocity = velocity);
             certificate = Some(projection.certificate);
             effort.contact += start.elapsed().as_secs_f64();
@@ -284,8 +293,13 @@ fn touch<const D: usize>(pressed: &ContactForce<D>, step: f64) -> (Touch<D>, f64
     (Touch { body: contact.body, partner, normal: contact.normal, rate: -contact.gap / step }, pressed.force)
 }
 
-/// Largest difference of velocities over the largest velocity.
+/// Largest velocity, with contact forces or without them: where they hold bodies at rest, only what they resist tells how
+/// small a velocity is.
+fn fastest<const D: usize>(twists: &[Twist<D>], unpressed: &[SVector<f64, D>]) -> f64 {
+    twists.iter().map(|twist| &twist.velocity).chain(unpressed).map(|velocity| velocity.norm()).fold(f64::MIN_POSITIVE, f64::max)
+}
+
+/// Largest difference of velocities.
 fn largest_difference<const D: usize>(twists: &[Twist<D>], velocities: &[SVector<f64, D>]) -> f64 {
-    let largest = twists.iter().map(|twist| twist.velocity.norm()).fold(f64::MIN_POSITIVE, f64::max);
-    twists.iter().zip(velocities).map(|(twist, velocity)| (twist.velocity - velocity).norm()).fold(0.0, f64::max) / largest
+    twists.iter().zip(velocities).map(|(twist, velocity)| (twist.velocity - velocity).norm()).fold(0.0, f64::max)
 }

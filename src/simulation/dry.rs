@@ -140,7 +140,11 @@ impl<const D: usize> Dynamics<D> for Dry<D> {
         let urges: Vec<Urge<D>> = twists
             .iter()
             .zip(&self.setup.bodies)
-            .map(|(twist, body)| Urge { velocity: twist.velocity, acceleration: body.acceleration })
+            // velocities live half a step before places
+            .map(|(twist, body)| Urge {
+                velocity: twist.velocity + body.acceleration * (0.5 * state.last_step),
+                acceleration: body.acceleration,
+            })
             .collect();
         let stride = self.pace.next(&urges, state.time, state.last_step);
         Ok(View { twists, contacts: Vec::new(), solution: None, stride, effort: Effort::default() })

@@ -7,6 +7,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod contact;
+mod dry;
 mod fields;
 mod fluid;
 mod grid;
@@ -60,6 +61,7 @@ fn main() {
         lasting::tests(),
         motion::tests(),
         contact::tests(),
+        dry::tests(),
     ];
     for test in floors.into_iter().flatten() {
         if wanted.is_empty() || wanted.iter().any(|part| test.name.contains(part)) {
