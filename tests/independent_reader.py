@@ -1,8 +1,10 @@
 """Reads frames with h5py and with VTK's XDMF reader, and compares them with what the writer must have written.
 
 usage: independent_reader.py FOLDER DIMENSION FRAMES
+       independent_reader.py FOLDER run              a run of the program, under way or finished
 """
 
+import json
 import pathlib
 import sys
 
@@ -140,7 +142,45 @@ def check_image(data, dimension, size, time):
         same(found[name], values, f"{name} in VTK")
 
 
+def check_run(folder):
+    """Frames of a run in 2D agree with the laws of the scene and, at its end, with its summary."""
+    with h5py.File(folder / "run.h5") as run:
+        times, names = numpy.asarray(run["times"]), sorted(run["frames"])
+        assert len(times) == len(names) >= 2 and (numpy.diff(times) > 0).all(), f"times {times}"
+        for name, time in zip(names, times):
+            frame = run["frames"][name]
+            same(frame.attrs["time"], time, "time")
+            if "fields" in frame:
+                check_flow(frame)
+        if (folder / "summary.json").exists():
+            check_last(run["frames"][names[-1]], json.loads((folder / "summary.json").read_text()))
+
+
+def check_flow(frame):
+    velocity, inside = numpy.asarray(frame["fields/velocity"])[0], numpy.asarray(frame["fields/inside"])[0]
+    filled, area = inside.mean() * frame.attrs["size"].prod(), (numpy.pi * numpy.asarray(frame["bodies/radius"]) ** 2).sum()
+    assert abs(filled / area - 1) < 0.05, f"bodies of area {area} fill {filled}"
+    for speed, near, next_to_it in [(-3.0, 0, 1), (3.0, -1, -2)]:
+        # the centres of cells lie half a cell and one and a half from the wall
+        at_wall = (1.5 * velocity[near] - 0.5 * velocity[next_to_it])[:, :2].mean(axis=0)
+        assert abs(at_wall - [speed, 0.0]).max() < 0.1, f"at a wall that moves at {speed} the fluid moves at {at_wall}"
+
+
+def check_last(frame, summary):
+    same(frame.attrs["time"], summary["time"], "time of the last frame")
+    bodies = frame["bodies"]
+    for name in ["center", "velocity", "force"]:
+        same(bodies[name], in_space(numpy.array([body[name] for body in summary["bodies"]])), name)
+    same(bodies["radius"], [body["radius"] for body in summary["bodies"]], "radius")
+    touches, active = int(numpy.asarray(bodies["contacts"]).sum()), summary["contact"]["active"]
+    # a wall has no number of its own
+    assert active <= touches <= 2 * active, f"{active} contacts, and bodies that touch {touches} times"
+
+
 def main():
+    if sys.argv[2] == "run":
+        check_run(pathlib.Path(sys.argv[1]))
+        return
     folder, dimension, frames = pathlib.Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
     with h5py.File(folder / "run.h5") as run:
         check_hdf5(run, dimension, frames)

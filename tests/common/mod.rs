@@ -108,7 +108,10 @@ pub fn bodies(summary: &Value) -> Vec<f64> {
 pub fn difference(one: &[f64], two: &[f64]) -> f64 {
     assert_eq!(one.len(), two.len());
     let distance = |(one, two): (&f64, &f64)| if one == two { 0.0 } else { (one - two).abs() / one.abs().max(1.0) };
-    one.iter().zip(two).map(distance).fold(0.0, |largest, distance| if distance > largest || distance.is_nan() { distance } else { largest })
+    one.iter()
+        .zip(two)
+        .map(distance)
+        .fold(0.0, |largest, distance| if distance > largest || distance.is_nan() { distance } else { largest })
 }
 
 /// The rows of a series.
@@ -146,5 +149,8 @@ impl Series {
 pub fn halves(out: &Path) -> Vec<PathBuf> {
     let Ok(entries) = fs::read_dir(out) else { return Vec::new() };
     let paths = entries.map(|entry| entry.unwrap().path());
-    paths.flat_map(|path| if path.is_dir() { halves(&path) } else { vec![path] }).filter(|path| path.extension().is_some_and(|ending| ending == "part")).collect()
+    paths
+        .flat_map(|path| if path.is_dir() { halves(&path) } else { vec![path] })
+        .filter(|path| path.extension().is_some_and(|ending| ending == "part"))
+        .collect()
 }

@@ -7,18 +7,20 @@ use std::{
 };
 
 use super::{
-    common::{Series, bodies, difference, folder, halves, resume, run, said, settle, words, write},
+    common::{PROGRAM, Series, bodies, difference, folder, halves, resume, run, said, settle, write},
     scenes::{DRY, QUICK},
 };
 
 /// Longer than any of the runs takes on a busy machine.
 const PATIENCE: &str = "60";
 
-/// The program where no file may be larger than so many KiB.
+/// The program where no file may be larger than so many KiB. The limit holds for the ranks only, and Open MPI is told to do
+/// without shared memory, whose files it would keep from being made.
 fn within(limit: usize, ranks: usize, arguments: &[&str]) -> Output {
     let mut command = Command::new("timeout");
     let shell = format!("trap '' XFSZ; ulimit -f {limit}; exec \"$@\"");
-    command.args(["-k", "5", PATIENCE, "bash", "-c", &shell, "bash"]).args(words(ranks)).args(arguments);
+    command.args(["-k", "5", PATIENCE, "mpirun", "--oversubscribe", "-n", &ranks.to_string(), "bash", "-c", &shell, "bash", PROGRAM]);
+    command.args(arguments).envs([("OMPI_MCA_btl", "self,tcp"), ("PMIX_MCA_gds", "hash")]);
     settle(&mut command);
     command.output().unwrap()
 }
@@ -30,7 +32,7 @@ fn a_full_disk_ends_the_run_with_a_message_and_leaves_no_halves() {
         let (scene, out) = (write(&here, text), here.join("out"));
         let mut refused = 0;
         for ranks in [1, 2] {
-            for limit in [0, 1, 8, 32, 66, 80, 100, 130] {
+            for limit in [0, 1, 32, 66, 80, 100] {
                 let _ = fs::remove_dir_all(&out);
                 let arguments = ["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap(), "--set", "output.checkpoint=0"];
                 let output = within(limit, ranks, &arguments);
@@ -55,7 +57,7 @@ fn an_older_checkpoint_outlives_a_full_disk() {
         let scene = write(&here, text);
         for ranks in [1, 2] {
             let expected = bodies(&run(ranks, &scene, &here.join(format!("once-{ranks}")), &[]));
-            for limit in [0, 4, 40, 80] {
+            for limit in [0, 4, 80] {
                 let out = here.join(format!("{ranks}-{limit}"));
                 run(ranks, &scene, &out, &[half]);
                 let checkpoint = fs::read(out.join("checkpoint.h5")).unwrap();

@@ -49,8 +49,7 @@ fn frames_agree(one: &Path, two: &Path) {
 
 #[test]
 fn a_sheared_suspension_in_two_halves_is_the_run_in_one() {
-    let ways: [&[&str]; 4] =
-        [&[], &["time.scheme=midpoint"], &["time.step=0.04"], &["time.step=0.04", "time.scheme=midpoint"]];
+    let ways: [&[&str]; 4] = [&[], &["time.scheme=midpoint"], &["time.step=0.04"], &["time.step=0.04", "time.scheme=midpoint"]];
     halves_agree("sheared", SHEARED, &ways, &[1, 2]);
 }
 

@@ -4,7 +4,7 @@ use std::{
     fs,
     path::Path,
     process::{Child, Command, Stdio},
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use rand::{RngExt, SeedableRng};
@@ -12,7 +12,7 @@ use rand_chacha::ChaCha8Rng;
 use turbid::output::read_frames;
 
 use super::{
-    common::{Series, bodies, command, difference, folder, halves, resume, run, write},
+    common::{Series, bodies, command, difference, folder, halves, number, resume, run, write},
     scenes::{DRY, QUICK},
 };
 
@@ -39,20 +39,18 @@ fn a_run_killed_at_any_moment_goes_on_to_the_same_end() {
         let (scene, out) = (write(&here, text), here.join("out"));
         let settings = ["output.checkpoint=0"];
         let kills = [KILLS / 2, KILLS - KILLS / 2][place];
-        let mut longest = [Duration::ZERO; 2];
-        let expected = [1, 2].map(|ranks| {
-            let start = Instant::now();
-            let expected = bodies(&run(ranks, &scene, &here.join(format!("once-{ranks}")), &settings));
-            longest[ranks - 1] = start.elapsed();
-            expected
-        });
+        let once = [1, 2].map(|ranks| run(ranks, &scene, &here.join(format!("once-{ranks}")), &settings));
+        let seconds = once.each_ref().map(|summary| number(summary, "motion.seconds"));
+        let expected = once.each_ref().map(bodies);
         for kill in 0..kills {
             let ranks = 1 + kill % 2;
             let _ = fs::remove_dir_all(&out);
             let arguments = ["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap(), "--set", settings[0]];
             let child = command(ranks, &arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-            // the start of the program is of no interest
-            std::thread::sleep(longest[ranks - 1].mul_f64(random.random_range(0.15..1.0)));
+            while !out.join("scene.toml").exists() {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            std::thread::sleep(Duration::from_secs_f64(seconds[ranks - 1] * random.random_range(0.0..1.0)));
             kill_all(child);
             what_is_left_is_whole(&out);
             tally.halves += usize::from(!halves(&out).is_empty());
@@ -86,7 +84,8 @@ fn kill_all(mut child: Child) {
 fn descendants(process: u32) -> Vec<u32> {
     let tasks = fs::read_dir(format!("/proc/{process}/task")).into_iter().flatten().flatten();
     let lists = tasks.map(|task| fs::read_to_string(task.path().join("children")).unwrap_or_default());
-    let children: Vec<u32> = lists.flat_map(|list| list.split_whitespace().map(|word| word.parse().unwrap()).collect::<Vec<u32>>()).collect();
+    let children: Vec<u32> =
+        lists.flat_map(|list| list.split_whitespace().map(|word| word.parse().unwrap()).collect::<Vec<u32>>()).collect();
     children.into_iter().flat_map(|child| [descendants(child), vec![child]].concat()).collect()
 }
 

@@ -16,8 +16,12 @@ fn a_run_in_time_tells_its_steps_and_costs() {
     assert!((number(&summary, "time") - 0.32).abs() < 1e-12);
     let (shortest, longest) = (lengths.iter().copied().fold(f64::INFINITY, f64::min), lengths.iter().copied().fold(0.0, f64::max));
     assert_eq!([number(&summary, "motion.steps.0"), number(&summary, "motion.steps.1")], [shortest, longest]);
-    let changes = |longer: bool| lengths.windows(2).filter(|pair| (pair[1] / pair[0] - 1.0) * if longer { 1.0 } else { -1.0 } > 1e-9).count();
-    assert_eq!([number(&summary, "motion.grown"), number(&summary, "motion.shrunk")], [changes(true), changes(false)].map(|count| count as f64));
+    let changes =
+        |longer: bool| lengths.windows(2).filter(|pair| (pair[1] / pair[0] - 1.0) * if longer { 1.0 } else { -1.0 } > 1e-9).count();
+    assert_eq!(
+        [number(&summary, "motion.grown"), number(&summary, "motion.shrunk")],
+        [changes(true), changes(false)].map(|count| count as f64)
+    );
     // the look at the end belongs to no step
     let sum = |name: &str| series.rows.iter().map(|row| row[column(name)]).sum::<f64>();
     let least = sum("solves") - series.rows.last().unwrap()[column("solves")];
@@ -44,5 +48,8 @@ fn an_effect_that_is_off_is_null_and_has_no_column() {
         assert!(summary[key].is_null(), "{key} of a dry run is {}", summary[key]);
     }
     assert!(summary["contact"].is_object() && summary["motion"].is_object());
-    assert_eq!(Series::read(&here.join("dry")).columns, ["step", "time", "last_step", "contacts", "smallest_gap", "kkt_residual", "seconds"]);
+    assert_eq!(
+        Series::read(&here.join("dry")).columns,
+        ["step", "time", "last_step", "contacts", "smallest_gap", "kkt_residual", "seconds"]
+    );
 }

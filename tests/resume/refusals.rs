@@ -84,30 +84,19 @@ fn a_resume_from_a_damaged_checkpoint_is_refused() {
     let (here, _, out) = finished("damaged");
     let path = here.join("out/checkpoint.h5");
     let whole = fs::read(&path).unwrap();
-    let mut flipped = whole.clone();
-    // the numbers of the bodies lie together, and no zeros are among their first bytes
-    let place = whole.len() - whole.len() / 4;
-    flipped[place..place + 64].iter_mut().for_each(|byte| *byte ^= 0x55);
     for (what, bytes) in [("empty", &[][..]), ("cut", &whole[..whole.len() / 2]), ("foreign", b"step,time\n0,0\n")] {
         fs::write(&path, bytes).unwrap();
         refused(&here, &["resume", &out], &["checkpoint.h5", "start anew with turbid run"]);
         assert!(here.join("out/checkpoint.h5").exists(), "{what}");
     }
-    let mut refusals = 0;
-    for part in 1..12 {
-        let mut flipped = whole.clone();
-        let place = whole.len() * part / 12;
-        flipped[place] ^= 0x10;
-        fs::write(&path, &flipped).unwrap();
-        let output = turbid(1, &["resume", &out]);
-        // a byte that nobody reads may change
-        refusals += usize::from(output.status.code() == Some(2));
-        assert!(matches!(output.status.code(), Some(0 | 2)), "byte {place}: {}", said(&output));
-        if output.status.success() {
-            break;
-        }
-    }
-    println!("{refusals} refused");
+    fs::write(&path, &whole).unwrap();
+    let file = hdf5::File::open_rw(&path).unwrap();
+    let bodies = file.dataset("bodies").unwrap();
+    let mut numbers = bodies.read_raw::<f64>().unwrap();
+    numbers[0] += 1e-9;
+    bodies.write_raw(&numbers).unwrap();
+    drop((bodies, file));
+    refused(&here, &["resume", &out], &["checkpoint.h5", "bodies is corrupt", "start anew with turbid run"]);
 }
 
 #[test]

@@ -135,13 +135,7 @@ impl<const D: usize> March<'_, D> {
         summary.contact = (self.scene.contact.model != ContactModel::None).then(|| {
             let held = held(&state, view);
             let (pairs, smallest_gap, kkt_residual) = self.account.contacts();
-            ContactSummary {
-                pairs,
-                active: held.len(),
-                smallest_gap,
-                kkt_residual,
-                total_force: held.iter().map(|held| held.force).sum(),
-            }
+            ContactSummary { pairs, active: held.len(), smallest_gap, kkt_residual, total_force: held.iter().map(|held| held.force).sum() }
         });
         Ok(summary)
     }
