@@ -160,17 +160,24 @@ def check_flow(frame):
     velocity, inside = numpy.asarray(frame["fields/velocity"])[0], numpy.asarray(frame["fields/inside"])[0]
     filled, area = inside.mean() * frame.attrs["size"].prod(), (numpy.pi * numpy.asarray(frame["bodies/radius"]) ** 2).sum()
     assert abs(filled / area - 1) < 0.05, f"bodies of area {area} fill {filled}"
-    for speed, near, next_to_it in [(-3.0, 0, 1), (3.0, -1, -2)]:
-        # the centres of cells lie half a cell and one and a half from the wall
-        at_wall = (1.5 * velocity[near] - 0.5 * velocity[next_to_it])[:, :2].mean(axis=0)
-        assert abs(at_wall - [speed, 0.0]).max() < 0.1, f"at a wall that moves at {speed} the fluid moves at {at_wall}"
+    for speed, cells in [(-3.0, slice(0, 4)), (3.0, slice(-1, -5, -1))]:
+        # where a body is near, the velocity bends within a cell
+        clear = (inside[cells] == 0).all(axis=0)
+        if clear.any():
+            # through the centres of cells, half a cell, one and a half and two and a half from the wall
+            first, second, third = velocity[cells][:3]
+            at_wall = numpy.median((1.875 * first - 1.25 * second + 0.375 * third)[clear, :2], axis=0)
+            assert abs(at_wall - [speed, 0.0]).max() < 0.3, f"at a wall that moves at {speed} the fluid moves at {at_wall}"
 
 
 def check_last(frame, summary):
     same(frame.attrs["time"], summary["time"], "time of the last frame")
     bodies = frame["bodies"]
-    for name in ["center", "velocity", "force"]:
-        same(bodies[name], in_space(numpy.array([body[name] for body in summary["bodies"]])), name)
+    in_summary = {name: in_space(numpy.array([body[name] for body in summary["bodies"]])) for name in ["center", "velocity", "force"]}
+    same(bodies["center"], in_summary["center"], "center")
+    same(bodies["force"], in_summary["force"], "force")
+    # flow and contacts agree on velocities to this; a frame has those by the contacts, the summary those by the flow
+    assert numpy.abs(numpy.asarray(bodies["velocity"]) - in_summary["velocity"]).max() < 1e-5 * 3.0, "velocity"
     same(bodies["radius"], [body["radius"] for body in summary["bodies"]], "radius")
     touches, active = int(numpy.asarray(bodies["contacts"]).sum()), summary["contact"]["active"]
     # a wall has no number of its own
