@@ -68,7 +68,6 @@ fn a_run_killed_at_any_moment_goes_on_to_the_same_end() {
             what_is_left_is_whole(&out);
         }
     }
-    println!("{tally:?}");
     assert!(tally.resumed >= KILLS / 3, "{tally:?}");
 }
 
