@@ -1,8 +1,10 @@
 """Reads frames with h5py and with VTK's XDMF reader, and compares them with what the writer must have written.
 
 usage: independent_reader.py FOLDER DIMENSION FRAMES
+       independent_reader.py FOLDER run              a run of the program, under way or finished
 """
 
+import json
 import pathlib
 import sys
 
@@ -140,7 +142,52 @@ def check_image(data, dimension, size, time):
         same(found[name], values, f"{name} in VTK")
 
 
+def check_run(folder):
+    """Frames of a run in 2D agree with the laws of the scene and, at its end, with its summary."""
+    with h5py.File(folder / "run.h5") as run:
+        times, names = numpy.asarray(run["times"]), sorted(run["frames"])
+        assert len(times) == len(names) >= 2 and (numpy.diff(times) > 0).all(), f"times {times}"
+        for name, time in zip(names, times):
+            frame = run["frames"][name]
+            same(frame.attrs["time"], time, "time")
+            if "fields" in frame:
+                check_flow(frame)
+        if (folder / "summary.json").exists():
+            check_last(run["frames"][names[-1]], json.loads((folder / "summary.json").read_text()))
+
+
+def check_flow(frame):
+    velocity, inside = numpy.asarray(frame["fields/velocity"])[0], numpy.asarray(frame["fields/inside"])[0]
+    filled, area = inside.mean() * frame.attrs["size"].prod(), (numpy.pi * numpy.asarray(frame["bodies/radius"]) ** 2).sum()
+    assert abs(filled / area - 1) < 0.05, f"bodies of area {area} fill {filled}"
+    for speed, cells in [(-3.0, slice(0, 4)), (3.0, slice(-1, -5, -1))]:
+        # where a body is near, the velocity bends within a cell
+        clear = (inside[cells] == 0).all(axis=0)
+        if clear.any():
+            # through the centres of cells, half a cell, one and a half and two and a half from the wall
+            first, second, third = velocity[cells][:3]
+            at_wall = numpy.median((1.875 * first - 1.25 * second + 0.375 * third)[clear, :2], axis=0)
+            assert abs(at_wall - [speed, 0.0]).max() < 0.3, f"at a wall that moves at {speed} the fluid moves at {at_wall}"
+
+
+def check_last(frame, summary):
+    same(frame.attrs["time"], summary["time"], "time of the last frame")
+    bodies = frame["bodies"]
+    in_summary = {name: in_space(numpy.array([body[name] for body in summary["bodies"]])) for name in ["center", "velocity", "force"]}
+    same(bodies["center"], in_summary["center"], "center")
+    same(bodies["force"], in_summary["force"], "force")
+    # flow and contacts agree on velocities to this; a frame has those by the contacts, the summary those by the flow
+    assert numpy.abs(numpy.asarray(bodies["velocity"]) - in_summary["velocity"]).max() < 1e-5 * 3.0, "velocity"
+    same(bodies["radius"], [body["radius"] for body in summary["bodies"]], "radius")
+    touches, active = int(numpy.asarray(bodies["contacts"]).sum()), summary["contact"]["active"]
+    # a wall has no number of its own
+    assert active <= touches <= 2 * active, f"{active} contacts, and bodies that touch {touches} times"
+
+
 def main():
+    if sys.argv[2] == "run":
+        check_run(pathlib.Path(sys.argv[1]))
+        return
     folder, dimension, frames = pathlib.Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
     with h5py.File(folder / "run.h5") as run:
         check_hdf5(run, dimension, frames)

@@ -2,6 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+#[path = "resume/scenes.rs"]
+#[allow(dead_code, reason = "the other scenes are for other tests")]
+mod scenes;
+
 use std::{
     fs,
     io::{BufRead, BufReader, Write},
@@ -37,6 +42,29 @@ fn h5py_and_vtk_read_frames_while_more_are_written() {
         }
     }
     assert!(writer.0.wait().unwrap().success());
+}
+
+#[test]
+fn h5py_reads_runs_of_the_program_under_way_and_finished() {
+    for (name, text) in [("flow", scenes::SHEARED), ("dry", scenes::DRY)] {
+        let here = common::folder(&format!("independent-reader-{name}"));
+        let (scene, out) = (common::write(&here, text), here.join("out"));
+        let mut command = common::command(2, &["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+        let mut running = Writer(command.args(["--set", "output.every=0.02"]).stdout(Stdio::null()).spawn().unwrap());
+        let frames = || fs::read_to_string(out.join("bodies.xdmf")).map_or(0, |text| text.matches("<Time").count());
+        wait_until(&mut running.0, || frames() >= 2);
+        reads_run(&out);
+        assert!(running.0.wait().unwrap().success());
+        reads_run(&out);
+    }
+}
+
+fn reads_run(out: &Path) {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let reader =
+        Command::new(root.join("target/python/bin/python")).arg(root.join("tests/independent_reader.py")).arg(out).arg("run").output();
+    let reader = reader.unwrap();
+    assert!(reader.status.success(), "{}", String::from_utf8_lossy(&reader.stderr));
 }
 
 /// Ends with the test, also with one that fails.

@@ -2,54 +2,12 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    process::{Command, Output},
-};
+mod common;
 
+use std::fs;
+
+use common::{folder, number, root, run, said, turbid, write};
 use serde_json::Value;
-
-const PROGRAM: &str = env!("CARGO_BIN_EXE_turbid");
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
-/// A folder of its own for a test, empty.
-fn folder(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = fs::remove_dir_all(&path);
-    fs::create_dir_all(&path).unwrap();
-    path
-}
-
-fn turbid(ranks: usize, arguments: &[&str]) -> Output {
-    let mut command = match ranks {
-        1 => Command::new(PROGRAM),
-        _ => {
-            let mut command = Command::new("mpirun");
-            command.args(["--oversubscribe", "-n", &ranks.to_string(), PROGRAM]);
-            command
-        }
-    };
-    command.args(arguments).current_dir(root());
-    command.envs([("OMPI_ALLOW_RUN_AS_ROOT", "1"), ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"), ("OMP_NUM_THREADS", "1")]);
-    command.output().unwrap()
-}
-
-fn run(ranks: usize, scene: &Path, out: &Path, settings: &[&str]) -> Value {
-    let mut arguments = vec!["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap()];
-    settings.iter().for_each(|setting| arguments.extend(["--set", setting]));
-    let output = turbid(ranks, &arguments);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap()
-}
-
-fn number(summary: &Value, path: &str) -> f64 {
-    let pointer = format!("/{}", path.replace('.', "/"));
-    summary.pointer(&pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no number at {path}"))
-}
 
 /// The promises of an example: lines `#= path value tolerance`.
 fn promises(text: &str) -> Vec<(String, f64, f64)> {
@@ -112,12 +70,6 @@ radius = 1.0
 count = 5
 "#;
 
-fn write(folder: &Path, text: &str) -> PathBuf {
-    let path = folder.join("scene.toml");
-    fs::write(&path, text).unwrap();
-    path
-}
-
 #[test]
 fn the_result_does_not_depend_on_the_number_of_ranks() {
     for (name, text) in [("2d", SMALL_SUSPENSION), ("3d", SMALL_SUSPENSION_3D)] {
@@ -178,7 +130,7 @@ fn bad_geometry_is_refused_on_any_number_of_ranks_and_nothing_is_written() {
         for &ranks in rank_counts {
             let out = here.join("out");
             let output = turbid(ranks, &["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap()]);
-            let said = String::from_utf8_lossy(&output.stderr);
+            let said = said(&output);
             assert!(said.contains(message), "{name} on {ranks} ranks says: {said}");
             assert_eq!(said.matches(message).count(), 1, "{name} on {ranks} ranks says it once: {said}");
             assert_eq!(output.status.code(), Some(2), "{name} on {ranks} ranks: {said}");
@@ -195,7 +147,7 @@ fn an_output_folder_that_cannot_be_written_is_refused() {
     let out = here.join("file/inside");
     let output = turbid(2, &["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("cannot be written to"));
+    assert!(said(&output).contains("cannot be written to"));
 }
 
 #[test]
@@ -214,7 +166,7 @@ fn options_after_two_dashes_reach_petsc() {
     let base = ["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap(), "--"];
     let starved = turbid(1, &[&base[..], &["-coupled_ksp_max_it", "2"]].concat());
     assert_eq!(starved.status.code(), Some(1));
-    let said = String::from_utf8_lossy(&starved.stderr);
+    let said = said(&starved);
     assert!(said.contains("stopped after 2 iterations") && said.contains("tolerance"), "{said}");
     assert!(!out.join("summary.json").exists());
     let watched = turbid(1, &[&base[..], &["-coupled_ksp_monitor"]].concat());

@@ -1,11 +1,6 @@
 //! `turbid plan`: what a run would build and what not.
 
-use crate::{
-    error::Result,
-    petsc::Session,
-    scene::Scene,
-    simulation::Plan,
-};
+use crate::{error::Result, petsc::Session, scene::Scene, simulation::Plan};
 
 /// Prints the plan of a scene of dimension `D`.
 #[allow(clippy::print_stdout)]

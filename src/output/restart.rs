@@ -19,13 +19,15 @@ use crate::{
 /// Names of the arrays of a solution.
 const SNAPSHOTS: [&str; 2] = ["last", "earlier"];
 
-/// Writes a checkpoint of a simulation with the text of its scene. Collective.
+/// Writes a checkpoint of a simulation with the text of its scene and the run's account. Collective.
 ///
 /// # Errors
 /// [`Error::File`] when it cannot be written; an older checkpoint is then untouched.
-pub fn store<const D: usize>(world: &World, path: &Path, scene: &str, simulation: &mut Simulation<D>) -> Result<()> {
+pub fn store<const D: usize>(world: &World, path: &Path, (scene, account): (&str, &[f64]), simulation: &mut Simulation<D>) -> Result<()> {
     let mut writer = CheckpointWriter::create(world, path)?;
     writer.text("scene", scene)?;
+    // seconds differ from rank to rank
+    writer.shared("account", &world.gather(account)[..account.len()])?;
     store_state(&mut writer, simulation.state())?;
     if let Some(suspension) = simulation.suspension() {
         store_past(&mut writer, suspension.grid(), suspension.past())?;
@@ -33,18 +35,19 @@ pub fn store<const D: usize>(world: &World, path: &Path, scene: &str, simulation
     writer.finish()
 }
 
-/// Brings a simulation to the state of a checkpoint. Collective.
+/// Brings a simulation to the state of a checkpoint and returns the run's account. Collective.
 ///
 /// # Errors
 /// [`Error::Refused`] when the checkpoint cannot be used.
-pub fn restore<const D: usize>(checkpoint: &Checkpoint, simulation: &mut Simulation<D>) -> Result<()> {
+pub fn restore<const D: usize>(checkpoint: &Checkpoint, simulation: &mut Simulation<D>) -> Result<Vec<f64>> {
+    let account = checkpoint.shared("account")?;
     let state = read_state(checkpoint, simulation.radii().len())?;
     let past = match simulation.suspension() {
         Some(suspension) => read_past(checkpoint, suspension.grid(), &suspension.fluid_vector()?)?,
         None => None,
     };
     simulation.restore(state, past);
-    Ok(())
+    Ok(account)
 }
 
 fn store_state<const D: usize>(writer: &mut CheckpointWriter, state: &State<D>) -> Result<()> {

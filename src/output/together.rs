@@ -98,7 +98,7 @@ impl Drop for Together<'_> {
 }
 
 /// Room on the disk; without complaint where the file system cannot promise any.
-fn reserve(file: &fs::File, start: u64, bytes: u64) -> io::Result<()> {
+pub(super) fn reserve(file: &fs::File, start: u64, bytes: u64) -> io::Result<()> {
     match rustix::fs::fallocate(file, rustix::fs::FallocateFlags::empty(), start, bytes) {
         Err(error @ (rustix::io::Errno::NOSPC | rustix::io::Errno::DQUOT | rustix::io::Errno::FBIG)) => Err(error.into()),
         _ => Ok(()),

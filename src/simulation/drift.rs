@@ -80,7 +80,7 @@ impl<const D: usize> Drift<D> {
         let mut chosen = None;
         let mut difference = 0.0;
         for round in 0..MOST_ROUNDS {
-            let solution = self.suspension.solve_at(&Moment { centers: &centers, time: state.time, touches: &touches }, seen)?;
+            let mut solution = self.suspension.solve_at(&Moment { centers: &centers, time: state.time, touches: &touches }, seen)?;
             effort.add_solve(self.suspension.cost());
             let mut twists: Vec<Twist<D>> = solution.bodies.iter().map(|body| body.twist).collect();
             let stride = *chosen.get_or_insert_with(|| self.pace.next(&urges(&twists), state.time, state.last_step));
@@ -96,7 +96,9 @@ impl<const D: usize> Drift<D> {
             let scale = fastest(&twists, &unpressed);
             difference = largest_difference(&twists, &projection.velocities) / scale;
             if difference <= AGREEMENT {
-                twists.iter_mut().zip(&projection.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
+                for ((twist, body), velocity) in twists.iter_mut().zip(&mut solution.bodies).zip(&projection.velocities) {
+                    (twist.velocity, body.twist.velocity) = (*velocity, *velocity);
+                }
                 return Ok(Agreed { solution, twists, contacts: projection.forces, stride });
             }
             touches = match round < ROUNDS_AT_ONCE {

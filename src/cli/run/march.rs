@@ -1,8 +1,9 @@
 //! A simulation in time: look, write, step, until the end or a signal.
 
-use std::{path::Path, time::Instant};
+use std::path::Path;
 
 use super::{
+    account::Account,
     folder,
     outputs::{Outputs, frame_bodies, held},
     signals::Signals,
@@ -10,25 +11,30 @@ use super::{
 use crate::{
     error::{Error, Result},
     observe::{self, Plane},
-    output::{self, Chart, Checkpoint, ContactSummary, MotionSummary, Series, Summary, TimeProgress},
+    output::{self, Chart, Checkpoint, ContactSummary, Series, Summary, TimeProgress},
     parallel::World,
     petsc::Session,
     scene::{ContactModel, Scene},
-    simulation::{Simulation, StepReport, View},
+    simulation::{Simulation, View},
 };
+
+/// Rounding of a time that is a sum of steps.
+const ROUNDING: f64 = 1e-9;
 
 /// Runs a scene of dimension `D` from its start or from a checkpoint.
 pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path, checkpoint: Option<&Checkpoint>) -> Result<()> {
-    let world = session.world();
+    let (world, signals) = (session.world(), Signals::listen()?);
     let mut simulation = Simulation::<D>::new(session, scene)?;
-    if let Some(checkpoint) = checkpoint {
-        output::restore(checkpoint, &mut simulation)?;
-    }
+    let account = match checkpoint {
+        Some(checkpoint) => Account::from_numbers(&output::restore(checkpoint, &mut simulation)?)?,
+        None => Account::new(),
+    };
+    refuse_the_past(scene, simulation.state().time)?;
     let prepare = || if checkpoint.is_some() { folder::reclaim(folder, scene) } else { folder::claim(folder, scene) };
     world.agree(if world.rank() == 0 { prepare() } else { Ok(()) })?;
     let outputs = Outputs::open(world, scene, folder, &mut simulation)?;
-    let mut march = March { world, scene, folder, simulation, outputs, account: Account::default() };
-    let outcome = march.reach_the_end();
+    let mut march = March { world, scene, folder, simulation, outputs, account };
+    let outcome = march.reach_the_end(&signals);
     if let (Err(Error::Contact { island, .. }), 0) = (&outcome, world.rank()) {
         output::write_whole(&folder.join("island.json"), island.as_bytes())?;
     }
@@ -47,45 +53,30 @@ struct March<'a, const D: usize> {
     account: Account,
 }
 
-/// What all steps of this run together cost and kept.
-#[derive(Default)]
-struct Account {
-    motion: MotionSummary,
-    smallest_gap: Option<f64>,
-    kkt_residual: f64,
-    pairs: usize,
-    last_step: Option<f64>,
-}
-
 impl<const D: usize> March<'_, D> {
-    fn reach_the_end(&mut self) -> Result<()> {
-        let (signals, start) = (Signals::listen()?, Instant::now());
-        let end = self.scene.time.as_ref().map_or(0.0, |time| time.end);
+    fn reach_the_end(&mut self, signals: &Signals) -> Result<()> {
+        let end = end(self.scene);
         let progress = TimeProgress::new(self.world.rank(), self.simulation.state().time, end);
-        let mut last = None;
         let view = loop {
-            self.outputs.checkpoint(self.world, &mut self.simulation, signals.take_checkpoint())?;
-            let view = self.look(last.as_ref())?;
+            self.checkpoint(signals.take_checkpoint())?;
+            let view = self.look()?;
             progress.show(self.simulation.state().time, self.simulation.state().steps);
             if self.simulation.over() {
                 break view;
             }
             let report = self.simulation.step(&view, &mut |_, _| {})?;
             self.account.add(&view, &report);
-            last = Some(report);
             if self.world.max(f64::from(signals.stop())) > 0.0 {
                 progress.end();
                 return self.stop();
             }
         };
         progress.end();
-        self.account.motion.seconds = start.elapsed().as_secs_f64();
-        self.account.motion.output_seconds = self.outputs.seconds;
         self.finish(&view)
     }
 
     /// What happens now, written down.
-    fn look(&mut self, last: Option<&StepReport>) -> Result<View<D>> {
+    fn look(&mut self) -> Result<View<D>> {
         let view = self.simulation.look(&mut |_, _| {})?;
         let shear = match (self.simulation.suspension(), &view.solution) {
             (Some(suspension), Some(solution)) => {
@@ -94,12 +85,19 @@ impl<const D: usize> March<'_, D> {
             }
             _ => None,
         };
-        self.outputs.write(self.world, &mut self.simulation, (&view, last), shear)?;
+        let spent = self.outputs.write(self.world, &mut self.simulation, (&view, self.account.last()), shear)?;
+        self.account.add_output(spent);
         Ok(view)
     }
 
+    fn checkpoint(&mut self, asked: bool) -> Result<()> {
+        let spent = self.outputs.checkpoint(self.world, &mut self.simulation, (&self.account, asked))?;
+        self.account.add_output(spent);
+        Ok(())
+    }
+
     fn stop(&mut self) -> Result<()> {
-        self.outputs.checkpoint(self.world, &mut self.simulation, true)?;
+        self.checkpoint(true)?;
         let (time, folder) = (self.simulation.state().time, self.folder.display());
         Err(Error::Stopped(format!("stopped by a signal at time {time}; `turbid resume {folder}` goes on")))
     }
@@ -111,7 +109,7 @@ impl<const D: usize> March<'_, D> {
         let first = self.world.rank() == 0;
         let write = || pictures.iter().try_for_each(|(name, bytes)| output::write_whole(&self.folder.join(name), bytes));
         self.world.agree(if first { write() } else { Ok(()) })?;
-        summary.motion = Some(self.account.motion.clone());
+        summary.motion = Some(self.account.motion());
         self.world.agree(if first { folder::complete(self.folder, &summary) } else { Ok(()) })?;
         if first {
             println!("{}", output::report(&summary));
@@ -139,13 +137,8 @@ impl<const D: usize> March<'_, D> {
         (summary.time, summary.steps) = (state.time, state.steps);
         summary.contact = (self.scene.contact.model != ContactModel::None).then(|| {
             let held = held(&state, view);
-            ContactSummary {
-                pairs: self.account.pairs,
-                active: held.len(),
-                smallest_gap: self.account.smallest_gap,
-                kkt_residual: self.account.kkt_residual,
-                total_force: held.iter().map(|held| held.force).sum(),
-            }
+            let (pairs, smallest_gap, kkt_residual) = self.account.contacts();
+            ContactSummary { pairs, active: held.len(), smallest_gap, kkt_residual, total_force: held.iter().map(|held| held.force).sum() }
         });
         Ok(summary)
     }
@@ -175,29 +168,17 @@ impl<const D: usize> March<'_, D> {
     }
 }
 
-impl Account {
-    fn add<const D: usize>(&mut self, view: &View<D>, report: &StepReport) {
-        let (motion, effort) = (&mut self.motion, view.effort + report.effort);
-        let [shortest, longest] = motion.steps;
-        motion.steps =
-            if self.last_step.is_none() { [report.length; 2] } else { [shortest.min(report.length), longest.max(report.length)] };
-        motion.grown += usize::from(self.last_step.is_some_and(|last| report.length > last * (1.0 + 1e-9)));
-        motion.shrunk += usize::from(self.last_step.is_some_and(|last| report.length < last * (1.0 - 1e-9)));
-        self.last_step = Some(report.length);
-        motion.solves += effort.solves;
-        motion.iterations += effort.iterations;
-        motion.assembly_seconds += effort.assembly;
-        motion.solve_seconds += effort.solving;
-        motion.contact_seconds += effort.contact;
-        if let Some(certificate) = report.certificate {
-            let smallest = certificate.smallest_gap;
-            if smallest.is_finite() {
-                self.smallest_gap = Some(self.smallest_gap.map_or(smallest, |gap| gap.min(smallest)));
-            }
-            self.kkt_residual = self.kkt_residual.max(certificate.kkt_residual);
-            self.pairs = certificate.pairs;
-        }
+fn end(scene: &Scene) -> f64 {
+    scene.time.as_ref().map_or(0.0, |time| time.end)
+}
+
+/// A run that goes on cannot end before it does.
+fn refuse_the_past(scene: &Scene, time: f64) -> Result<()> {
+    if end(scene) >= time * (1.0 - ROUNDING) {
+        return Ok(());
     }
+    let remedy = format!("the checkpoint is at time {time}; set a later end, or start anew with turbid run in another folder");
+    Err(scene.refuse("time.end", end(scene), &remedy))
 }
 
 fn viscosity_chart(title: &str, curve: &[(f64, f64, f64)]) -> Chart {

@@ -1,5 +1,6 @@
 //! `turbid run` and `turbid resume`: an instantaneous solve, or a simulation in time.
 
+mod account;
 mod folder;
 mod instant;
 mod march;

@@ -5,7 +5,10 @@ use std::{
     time::Instant,
 };
 
-use super::folder::{CHECKPOINT, movable_text};
+use super::{
+    account::Account,
+    folder::{CHECKPOINT, movable_text},
+};
 use crate::{
     contact::Partner,
     error::Result,
@@ -37,8 +40,6 @@ pub struct Outputs<const D: usize> {
     checkpoint_pace: f64,
     last_checkpoint: Instant,
     last_row: Instant,
-    /// Seconds spent on files.
-    pub seconds: f64,
 }
 
 impl<const D: usize> Outputs<D> {
@@ -66,11 +67,10 @@ impl<const D: usize> Outputs<D> {
             checkpoint_pace: scene.output.checkpoint,
             last_checkpoint: Instant::now(),
             last_row: Instant::now(),
-            seconds: 0.0,
         })
     }
 
-    /// Writes what is due of an instant; `last` is the step that led there and `rate` that of a simple shear. Collective.
+    /// Writes what is due of an instant; `last` is the step that led there and `rate` that of a simple shear. Returns the seconds spent. Collective.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -80,31 +80,29 @@ impl<const D: usize> Outputs<D> {
         simulation: &mut Simulation<D>,
         (view, last): (&View<D>, Option<&StepReport>),
         shear: Option<(f64, Viscosity)>,
-    ) -> Result<()> {
+    ) -> Result<f64> {
         let start = Instant::now();
         let row = self.row(simulation.state(), (view, last), shear);
         world.agree(self.rows.as_mut().map_or(Ok(()), |rows| rows.write(&row)))?;
         if self.frame_is_due(simulation) {
             self.write_frame(world, simulation, view)?;
         }
-        self.seconds += start.elapsed().as_secs_f64();
-        Ok(())
+        Ok(start.elapsed().as_secs_f64())
     }
 
-    /// Writes a checkpoint if its pace or the run asks for one. Collective.
+    /// Writes a checkpoint if its pace or the run asks for one. Returns the seconds spent. Collective.
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn checkpoint(&mut self, world: &World, simulation: &mut Simulation<D>, asked: bool) -> Result<()> {
+    pub fn checkpoint(&mut self, world: &World, simulation: &mut Simulation<D>, (account, asked): (&Account, bool)) -> Result<f64> {
         let due = asked || self.last_checkpoint.elapsed().as_secs_f64() >= self.checkpoint_pace || simulation.may_end();
         let due = world.max(f64::from(due)) > 0.0;
+        let start = Instant::now();
         if due && simulation.on_the_way() && simulation.state().steps > 0 {
-            let start = Instant::now();
-            output::store(world, &self.folder.join(CHECKPOINT), &self.scene_text, simulation)?;
+            output::store(world, &self.folder.join(CHECKPOINT), (&self.scene_text, &account.numbers()), simulation)?;
             self.last_checkpoint = Instant::now();
-            self.seconds += start.elapsed().as_secs_f64();
         }
-        Ok(())
+        Ok(start.elapsed().as_secs_f64())
     }
 
     /// Strain, hydrodynamic and contact part of the viscosity so far; on the first rank.

@@ -10,7 +10,7 @@ use crate::{
     error::{Error, Result},
     output::{
         file::{aside, write_whole},
-        together::cause,
+        together::{cause, reserve},
     },
 };
 
@@ -19,6 +19,10 @@ pub(super) const FOLDER: &str = "frames";
 const RUN: &str = "run.h5";
 const BODIES: &str = "bodies.xdmf";
 const FIELDS: &str = "fields.xdmf";
+
+/// Room that `run.h5` takes, and each frame in it, in bytes; both need less than half of it.
+const ROOM: u64 = 1 << 14;
+const ROOM_OF_ENTRY: u64 = 1 << 9;
 
 /// The cells of a frame with fields, along each axis.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,7 +83,10 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>> {
 
 fn write_run(path: &Path, entries: &[Entry]) -> Result<()> {
     let aside = aside(path);
-    let written = link_frames(&aside, entries).map_err(|error| cause(&error));
+    // a file that HDF5 cannot close on a full disk brings the program down at its end
+    let room = ROOM + ROOM_OF_ENTRY * entries.len() as u64;
+    let written = fs::File::create(&aside).and_then(|file| reserve(&file, 0, room));
+    let written = written.and_then(|()| link_frames(&aside, entries).map_err(|error| cause(&error)));
     let renamed = written.and_then(|()| fs::File::open(&aside)?.sync_all()).and_then(|()| fs::rename(&aside, path));
     renamed.map_err(|source| {
         // the error that matters is the first one

@@ -1,0 +1,120 @@
+//! A run in two halves is the run; a run on other ranks is the same run.
+
+use std::{fs, path::Path, process::Command};
+
+use super::{
+    common::{Series, bodies, difference, folder, number, resume, run, write},
+    scenes::{DRY, SHEARED, SPHERES},
+};
+
+/// The same arithmetic on the same ranks; what is left is the order of sums after a matrix of another size.
+const SAME: f64 = 1e-10;
+
+/// The tolerance of the scenes.
+const TOLERANCE: f64 = 1e-8;
+
+fn halves_agree(name: &str, text: &str, ways: &[&[&str]], rank_counts: &[usize]) {
+    let end = toml_end(text);
+    let (half, whole) = (format!("time.end={}", 0.5 * end), format!("time.end={end}"));
+    for (&way, &ranks) in ways.iter().flat_map(|way| rank_counts.iter().map(move |ranks| (way, ranks))) {
+        let here = folder(&format!("halves-{name}-{}-{ranks}", way.join("-").replace(['=', '.'], "")));
+        let (scene, once, twice) = (write(&here, text), here.join("once"), here.join("twice"));
+        let uninterrupted = run(ranks, &scene, &once, way);
+        let first_half = run(ranks, &scene, &twice, &[way, &[half.as_str()]].concat());
+        assert!(number(&first_half, "steps") >= 2.0, "{name} {way:?}: the first half is too short");
+        let resumed = resume(ranks, &twice, &[&whole]);
+        assert_eq!(number(&resumed, "steps"), number(&uninterrupted, "steps"), "{name} {way:?} on {ranks} ranks");
+        let distance = difference(&bodies(&uninterrupted), &bodies(&resumed));
+        assert!(distance <= SAME, "{name} {way:?} on {ranks} ranks: bodies differ by {distance:.1e}");
+        let (distance, column) = Series::read(&once).difference(&Series::read(&twice), &["seconds"]);
+        assert!(distance <= SAME, "{name} {way:?} on {ranks} ranks: {column} differs by {distance:.1e}");
+        for key in ["grown", "shrunk", "solves", "iterations", "steps.0", "steps.1"].map(|key| format!("motion.{key}")) {
+            let (one, two) = (number(&uninterrupted, &key), number(&resumed, &key));
+            assert!((one - two).abs() <= SAME, "{name} {way:?} on {ranks} ranks: {key} is {two} instead of {one}");
+        }
+        frames_agree(&once, &twice);
+    }
+}
+
+fn toml_end(text: &str) -> f64 {
+    text.lines().find_map(|line| line.strip_prefix("end = ")).unwrap().parse().unwrap()
+}
+
+/// All frames lie at the same times.
+fn frames_agree(one: &Path, two: &Path) {
+    let times = |out: &Path| hdf5::File::open(out.join("run.h5")).unwrap().dataset("times").unwrap().read_raw::<f64>().unwrap();
+    let (one, two) = (times(one), times(two));
+    assert!(one.len() >= 3 && difference(&one, &two) <= SAME, "frames at {one:?} and {two:?}");
+}
+
+#[test]
+fn a_sheared_suspension_in_two_halves_is_the_run_in_one() {
+    let ways: [&[&str]; 4] = [&[], &["time.scheme=midpoint"], &["time.step=0.04"], &["time.step=0.04", "time.scheme=midpoint"]];
+    halves_agree("sheared", SHEARED, &ways, &[1, 2]);
+}
+
+#[test]
+fn spheres_in_two_halves_are_the_run_in_one() {
+    halves_agree("spheres", SPHERES, &[&[]], &[1, 2]);
+}
+
+#[test]
+fn dry_disks_in_two_halves_are_the_run_in_one() {
+    halves_agree("dry", DRY, &[&[], &["time.step=0.1"], &["time.scheme=euler"]], &[1, 2]);
+}
+
+#[test]
+fn a_run_stopped_on_two_ranks_goes_on_with_one_or_three() {
+    let here = folder("other-ranks");
+    let scene = write(&here, SHEARED);
+    let uninterrupted = run(2, &scene, &here.join("once"), &[]);
+    run(2, &scene, &here.join("half"), &["time.end=0.16"]);
+    for ranks in [1, 3] {
+        let copy = here.join(format!("on-{ranks}"));
+        assert!(Command::new("cp").arg("-r").args([here.join("half"), copy.clone()]).status().unwrap().success());
+        let resumed = resume(ranks, &copy, &["time.end=0.32"]);
+        let distance = difference(&bodies(&uninterrupted), &bodies(&resumed));
+        assert!(distance <= 100.0 * TOLERANCE, "on {ranks} ranks bodies differ by {distance:.1e}");
+    }
+}
+
+#[test]
+fn a_run_in_time_is_the_same_on_any_number_of_ranks() {
+    for (name, text, tolerance) in [("sheared", SHEARED, 1000.0 * TOLERANCE), ("dry", DRY, SAME)] {
+        let here = folder(&format!("ranks-in-time-{name}"));
+        let scene = write(&here, text);
+        let all = [1, 2, 3].map(|ranks| {
+            let out = here.join(ranks.to_string());
+            let bodies = bodies(&run(ranks, &scene, &out, &[]));
+            (Series::read(&out), bodies)
+        });
+        for (series, bodies) in &all[1..] {
+            let (distance, column) = all[0].0.difference(series, &["seconds", "solves", "iterations"]);
+            assert!(distance <= tolerance, "{name}: {column} differs by {distance:.1e}");
+            let distance = difference(&all[0].1, bodies);
+            assert!(distance <= tolerance, "{name}: bodies differ by {distance:.1e}");
+        }
+    }
+}
+
+#[test]
+fn a_finished_run_made_again_in_its_folder_leaves_the_same_files() {
+    for (name, text) in [("sheared", SHEARED), ("dry", DRY)] {
+        let here = folder(&format!("made-again-{name}"));
+        let (scene, out) = (write(&here, text), here.join("out"));
+        let made = || {
+            let bodies = bodies(&run(1, &scene, &out, &[]));
+            let mut names: Vec<_> = files(&out).iter().map(|path| path.strip_prefix(&out).unwrap().to_owned()).collect();
+            names.sort();
+            (bodies, Series::read(&out), names)
+        };
+        let (first, again) = (made(), made());
+        assert_eq!((&first.0, &first.2), (&again.0, &again.2), "{name}");
+        assert_eq!(first.1.difference(&again.1, &["seconds"]).0, 0.0, "{name}");
+    }
+}
+
+fn files(folder: &Path) -> Vec<std::path::PathBuf> {
+    let paths = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    paths.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
+}

@@ -1,0 +1,13 @@
+//! Runs in time as a user meets them: resumed, killed, stopped, refused, on a full disk.
+
+#![allow(clippy::unwrap_used)]
+
+#[path = "../common/mod.rs"]
+mod common;
+mod disk;
+mod halves;
+mod kills;
+mod promises;
+mod refusals;
+mod scenes;
+mod signals;

@@ -1,0 +1,95 @@
+//! Small scenes.
+
+/// Disks between walls in shear.
+pub const SHEARED: &str = r#"
+seed = 2
+[domain]
+size = [8.0, 6.0]
+y = { lower = [-3.0, 0.0], upper = [3.0, 0.0] }
+[resolution]
+cells_per_radius = 4
+[method]
+tolerance = 1e-8
+[[bodies]]
+radius = 1.0
+fraction = 0.5
+gap = 0.02
+[contact]
+model = "inelastic"
+[time]
+end = 0.32
+[output]
+every = 0.08
+picture = false
+"#;
+
+/// Spheres in a background shear.
+pub const SPHERES: &str = r#"
+seed = 1
+[domain]
+size = [4.0, 4.0, 4.0]
+[flow]
+drive = { shear_rate = 1.0 }
+[resolution]
+cells_per_radius = 3
+modes = 2
+[method]
+tolerance = 1e-8
+[[bodies]]
+radius = 1.0
+count = 3
+gap = 0.02
+[contact]
+model = "inelastic"
+[time]
+end = 0.32
+[output]
+every = 0.16
+picture = false
+"#;
+
+/// Disks that fall into a heap.
+pub const DRY: &str = r#"
+seed = 4
+gravity = [0.0, -1.0]
+[domain]
+size = [8.0, 8.0]
+x = "walls"
+y = "walls"
+[flow]
+model = "none"
+[[bodies]]
+radius = 0.5
+count = 12
+gap = 0.1
+density = 1.0
+[contact]
+model = "inelastic"
+[time]
+end = 1.6
+[output]
+every = 0.16
+"#;
+
+/// Three disks in shear whose step is quick, with a checkpoint after every step.
+pub const QUICK: &str = r#"
+[domain]
+size = [4.0, 3.0]
+y = { lower = [-1.5, 0.0], upper = [1.5, 0.0] }
+[resolution]
+spacing = 0.16666666666666667
+modes = 2
+[method]
+tolerance = 1e-9
+[[bodies]]
+radius = 0.5
+centers = [[0.7, 1.0], [2.0, 1.3], [3.2, 2.2]]
+[contact]
+model = "inelastic"
+[time]
+end = 0.9
+[output]
+every = 0.1
+picture = false
+checkpoint = 0
+"#;
