@@ -7,8 +7,9 @@ use super::{Contact, Problem, active::polish, groups::Groups, interior::interior
 
 /// Smallest violation, in radii, that the unknowns are scaled by: impossible constraints by rounding are none.
 const SMALLEST_SCALE: f64 = 1e-6;
-/// Residual, in the scale of the largest violation, up to which a solution is one.
-const TOLERANCE: f64 = 1e-6;
+/// Overlap left over, in the scale of the largest violation, and work of the forces on open gaps, as a part of all their
+/// work, up to which a solution is one. A contact that is about to press may have a little of both, gap and force.
+const TOLERANCE: f64 = 1e-7;
 
 /// How an island was solved.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,7 +61,7 @@ pub(super) fn solve_island<const D: usize>(problem: &Problem<D>, contacts: &[Con
     let program = program(problem, contacts, &unit);
     let Some(interior) = interior_point(&program) else { return Outcome::Stalled };
     let multipliers = polish(&program, &interior.multipliers);
-    if program.residual(&multipliers) <= TOLERANCE {
+    if program.solved(&multipliers, TOLERANCE) {
         let forces = contacts.iter().zip(multipliers).map(|(contact, multiplier)| multiplier * unit.force(problem, contact)).collect();
         Outcome::Solved { forces, iterations: interior.iterations }
     } else if interior.infeasible {

@@ -30,6 +30,14 @@ impl Program {
         self.offsets.iter().enumerate().map(|(constraint, offset)| offset + change(constraint)).collect()
     }
 
+    /// Whether multipliers, none negative, leave no slack below `-tolerance`, and do no more work than that part on slacks.
+    pub fn solved(&self, multipliers: &[f64], tolerance: f64) -> bool {
+        let slacks = self.slacks(multipliers);
+        let sum = |values: &[f64]| values.iter().zip(multipliers).map(|(value, multiplier)| value * multiplier).sum::<f64>();
+        let work = -sum(&self.offsets);
+        slacks.iter().all(|slack| *slack >= -tolerance) && sum(&slacks).abs() <= tolerance * work.max(1.0)
+    }
+
     /// Distance from the solution: the largest `|min(z, s)|`.
     pub fn residual(&self, multipliers: &[f64]) -> f64 {
         self.slacks(multipliers).iter().zip(multipliers).map(|(slack, multiplier)| slack.min(*multiplier).abs()).fold(0.0, f64::max)

@@ -22,7 +22,7 @@ use crate::{error::Result, parallel::World};
 /// Overlaps on the way below this many radii are rounding.
 const TOLERANCE: f64 = 1e-11;
 /// Gap, in radii, up to which pairs join the problem of their neighbours in the first round; it doubles in each round.
-const NEARNESS: f64 = 0.01;
+const NEARNESS: f64 = 0.2;
 /// Where it stops doubling.
 const LARGEST_NEARNESS: f64 = 4.0;
 /// Rounds before giving up.

@@ -55,28 +55,33 @@ pub struct Rows {
 
 impl Row {
     fn cells(&self) -> Vec<(&'static str, String)> {
-        let mut cells = vec![("step", self.step.to_string()), ("time", self.time.to_string()), ("last_step", self.last_step.to_string())];
+        let mut cells = vec![("step", self.step.to_string()), ("time", number(self.time)), ("last_step", number(self.last_step))];
         if let Some((strain, viscosity)) = &self.viscosity {
-            cells.push(("strain", strain.to_string()));
-            cells.push(("viscosity", viscosity.relative().to_string()));
-            cells.push(("viscosity_hydrodynamic", viscosity.hydrodynamic.to_string()));
-            cells.push(("viscosity_contact", viscosity.contact.to_string()));
+            cells.push(("strain", number(*strain)));
+            cells.push(("viscosity", number(viscosity.relative())));
+            cells.push(("viscosity_hydrodynamic", number(viscosity.hydrodynamic)));
+            cells.push(("viscosity_contact", number(viscosity.contact)));
             if let Some(walls) = viscosity.from_walls {
-                cells.push(("viscosity_from_walls", walls.to_string()));
+                cells.push(("viscosity_from_walls", number(walls)));
             }
         }
         if let Some(contact) = &self.contact {
             cells.push(("contacts", contact.active.to_string()));
-            cells.push(("smallest_gap", contact.smallest_gap.to_string()));
-            cells.push(("kkt_residual", contact.kkt_residual.to_string()));
+            cells.push(("smallest_gap", number(contact.smallest_gap)));
+            cells.push(("kkt_residual", number(contact.kkt_residual)));
         }
         if self.flow {
             cells.push(("solves", self.effort.solves.to_string()));
             cells.push(("iterations", self.effort.iterations.to_string()));
         }
-        cells.push(("seconds", self.seconds.to_string()));
+        cells.push(("seconds", number(self.seconds)));
         cells
     }
+}
+
+/// The shortest text that reads back as the number.
+fn number(value: f64) -> String {
+    format!("{value:?}")
 }
 
 impl Rows {

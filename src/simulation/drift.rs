@@ -76,7 +76,7 @@ impl<const D: usize> Drift<D> {
     fn agree(&mut self, state: &State<D>, effort: &mut Effort, seen: Seen) -> Result<Agreed<D>> {
         let (balls, centers) = (self.balls(state), state.centers());
         self.refuse_overlap(&balls, state.time)?;
-        let mut touches = self.remembered(state, &balls);
+        let mut touches = self.expected(state, &balls)?;
         let mut chosen = None;
         let mut difference = 0.0;
         for round in 0..MOST_ROUNDS {
@@ -102,7 +102,7 @@ impl<const D: usize> Drift<D> {
                 return Ok(Agreed { solution, twists, contacts: projection.forces, stride });
             }
             touches = match round < ROUNDS_AT_ONCE {
-                true => projection.forces.iter().filter(|pressed| pressed.force > 0.0).map(|pressed| touch(pressed, step)).collect(),
+                true => pressing(&projection, step),
                 false => self.with_one_changed(touches, &solution.contact_forces, (&balls, &twists, scale), step),
             };
         }
@@ -113,10 +113,10 @@ impl<const D: usize> Drift<D> {
         )))
     }
 
-    /// The contacts that bore a force in the last step, where they are now.
-    fn remembered(&self, state: &State<D>, balls: &[Ball<D>]) -> Vec<(Touch<D>, f64)> {
-        if state.held.is_empty() {
-            return Vec::new();
+    /// The contacts that press now if bodies want to go on as in the last step.
+    fn expected(&self, state: &State<D>, balls: &[Ball<D>]) -> Result<Vec<(Touch<D>, f64)>> {
+        if !self.contact || state.last_step == 0.0 {
+            return Ok(Vec::new());
         }
         let reach = MEMORY_REACH * self.pace.radii.iter().copied().fold(f64::INFINITY, f64::min);
         let near = contact::candidates(&self.suspension.setup().domain, balls, &self.weights, reach);
@@ -124,8 +124,11 @@ impl<const D: usize> Drift<D> {
             let same = |held: &&Held<D>| (held.body, held.partner, held.image) == (contact.body, contact.partner, contact.image);
             state.held.iter().find(same).map(|held| held.force)
         };
-        let pressed = near.into_iter().filter_map(|contact| force(&contact).map(|force| ContactForce { contact, force }));
-        pressed.map(|pressed| touch(&pressed, state.last_step)).collect()
+        let held = near.into_iter().filter_map(|contact| force(&contact).map(|force| ContactForce { contact, force }));
+        let held: Vec<(Touch<D>, f64)> = held.map(|pressed| touch(&pressed, state.last_step)).collect();
+        let velocities = state.bodies.iter().map(|body| body.twist.velocity).collect();
+        let unpressed = self.without_contacts(velocities, held.iter().map(|(touch, force)| (touch, force)));
+        Ok(pressing(&self.project(balls, &unpressed, state.last_step)?, state.last_step))
     }
 
     /// The same contacts but for the first that pulls, which goes, or that is not held and closes too far, which comes.
@@ -283,6 +286,11 @@ fn contacts_of<const D: usize>(held: &[Held<D>], bodies: usize) -> Vec<Vec<(Part
 
 fn urges<const D: usize>(twists: &[Twist<D>]) -> Vec<Urge<D>> {
     twists.iter().map(|twist| Urge { velocity: twist.velocity, acceleration: SVector::zeros() }).collect()
+}
+
+/// The contacts of a projection that bear a force.
+fn pressing<const D: usize>(projection: &Projection<D>, step: f64) -> Vec<(Touch<D>, f64)> {
+    projection.forces.iter().filter(|pressed| pressed.force > 0.0).map(|pressed| touch(pressed, step)).collect()
 }
 
 /// A pressed contact as a row of the coupled system: its gap may close within a step.
