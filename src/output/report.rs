@@ -30,7 +30,9 @@ pub fn report(summary: &Summary) -> String {
 fn motion_lines(summary: &Summary, motion: &MotionSummary) -> Vec<String> {
     let steps = counted(summary.steps, "step", "steps");
     let [shortest, longest] = motion.steps;
-    let mut lines = vec![format!("time                 {} in {steps} of {shortest:.3e} to {longest:.3e}", summary.time)];
+    let (grown, shrunk) = (motion.grown, motion.shrunk);
+    let lengths = format!("of {shortest:.3e} to {longest:.3e}, {grown} longer than the one before, {shrunk} shorter");
+    let mut lines = vec![format!("time                 {} in {steps} {lengths}", summary.time)];
     if motion.solves > 0 {
         let mean = motion.iterations as f64 / motion.solves as f64;
         lines.push(format!("solves               {}, of {mean:.1} iterations on average", motion.solves));
