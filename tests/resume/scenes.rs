@@ -28,8 +28,7 @@ pub const SPHERES: &str = r#"
 seed = 1
 [domain]
 size = [4.0, 4.0, 4.0]
-[flow]
-drive = { shear_rate = 1.0 }
+y = { lower = [-2.0, 0.0, 0.0], upper = [2.0, 0.0, 0.0] }
 [resolution]
 cells_per_radius = 3
 modes = 2
