@@ -10,4 +10,4 @@ pub use cells::{CellCenters, inside};
 pub use film::Plane;
 pub use picture::picture;
 pub use sample::velocities;
-pub use viscosity::{Viscosity, shear_rate, viscosity};
+pub use viscosity::{Viscosity, viscosity};

@@ -14,6 +14,8 @@ use crate::{
 /// Apparent viscosity over that of the fluid, by roads that must agree.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viscosity {
+    /// Rate of the simple shear in which it is measured.
+    pub rate: f64,
     /// Of the fluid and the stresslets of the flow: `1 + sum_i S_i / (mu rate V)`.
     pub hydrodynamic: f64,
     /// Of the contact forces `f`, between centres a distance `r n` apart: `-sum f r n n / (mu rate V)`.
@@ -36,12 +38,6 @@ impl Viscosity {
     }
 }
 
-/// The rate of a simple shear of free bodies; nothing in any other flow.
-pub fn shear_rate<const D: usize>(setup: &Setup<D>) -> Option<f64> {
-    let free = setup.bodies.iter().all(|suspended| suspended.body.free());
-    shear(&setup.domain, &setup.drive).filter(|_| free).map(|shear| shear.rate)
-}
-
 /// The apparent viscosity of a suspension of free bodies in simple shear, with the contacts between them; nothing in any other flow.
 pub fn viscosity<const D: usize>(
     setup: &Setup<D>,
@@ -50,7 +46,7 @@ pub fn viscosity<const D: usize>(
     contacts: &[ContactForce<D>],
 ) -> Result<Option<Viscosity>> {
     let Some(shear) = shear(&setup.domain, &setup.drive) else { return Ok(None) };
-    if shear_rate(setup).is_none() {
+    if setup.bodies.iter().any(|suspended| !suspended.body.free()) {
         return Ok(None);
     }
     let stresslets: f64 = solution.bodies.iter().map(|state| (state.stresslet.column(shear.gradient).transpose() * shear.flow)[0]).sum();
@@ -64,7 +60,7 @@ pub fn viscosity<const D: usize>(
         Axis::Periodic => None,
         Axis::Walls { lower, upper } => Some(wall_shear(grid, solution, &shear, [lower, upper])? / shear.rate),
     };
-    Ok(Some(Viscosity { hydrodynamic: 1.0 + stresslets / unit, contact: -moments / unit, from_walls }))
+    Ok(Some(Viscosity { rate: shear.rate, hydrodynamic: 1.0 + stresslets / unit, contact: -moments / unit, from_walls }))
 }
 
 fn shear<const D: usize>(domain: &Domain<D>, drive: &Drive<D>) -> Option<Shear<D>> {

@@ -23,7 +23,7 @@ const SNAPSHOTS: [&str; 2] = ["last", "earlier"];
 ///
 /// # Errors
 /// [`Error::File`] when it cannot be written; an older checkpoint is then untouched.
-pub fn store<const D: usize>(world: &World, path: &Path, (scene, account): (&str, &[f64]), simulation: &mut Simulation<D>) -> Result<()> {
+pub fn store<const D: usize>(world: &World, path: &Path, (scene, account): (&str, &[f64]), simulation: &Simulation<D>) -> Result<()> {
     let mut writer = CheckpointWriter::create(world, path)?;
     writer.text("scene", scene)?;
     // seconds differ from rank to rank

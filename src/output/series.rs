@@ -22,8 +22,8 @@ pub struct Row {
     pub time: f64,
     /// Length of the step that led here.
     pub last_step: f64,
-    /// Strain and apparent viscosity, in a sheared suspension.
-    pub viscosity: Option<(f64, Viscosity)>,
+    /// Apparent viscosity, in a sheared suspension.
+    pub viscosity: Option<Viscosity>,
     /// Contacts, if a contact model acts.
     pub contact: Option<ContactNumbers>,
     /// Solves of the flow, if there is one.
@@ -56,8 +56,8 @@ pub struct Rows {
 impl Row {
     fn cells(&self) -> Vec<(&'static str, String)> {
         let mut cells = vec![("step", self.step.to_string()), ("time", number(self.time)), ("last_step", number(self.last_step))];
-        if let Some((strain, viscosity)) = &self.viscosity {
-            cells.push(("strain", number(*strain)));
+        if let Some(viscosity) = &self.viscosity {
+            cells.push(("strain", number(viscosity.rate * self.time)));
             cells.push(("viscosity", number(viscosity.relative())));
             cells.push(("viscosity_hydrodynamic", number(viscosity.hydrodynamic)));
             cells.push(("viscosity_contact", number(viscosity.contact)));
@@ -106,8 +106,8 @@ impl Rows {
         if empty {
             text = line(cells.iter().map(|(name, _)| (*name).to_owned()).collect()) + &text;
         }
-        if let Some((strain, viscosity)) = &row.viscosity {
-            self.curve.push((*strain, viscosity.hydrodynamic, viscosity.contact));
+        if let Some(viscosity) = &row.viscosity {
+            self.curve.push((viscosity.rate * row.time, viscosity.hydrodynamic, viscosity.contact));
         }
         // one call a row: what a kill leaves is a whole line or nothing
         self.file.write_all(text.as_bytes()).map_err(|source| Error::File { path: self.path.clone(), source })
@@ -154,9 +154,8 @@ mod tests {
     use super::*;
 
     fn row(step: usize) -> Row {
-        let viscosity = Viscosity { hydrodynamic: 1.5, contact: 0.25, from_walls: None };
         let time = 0.1 * step as f64;
-        let viscosity = Some((time, viscosity));
+        let viscosity = Some(Viscosity { rate: 1.0, hydrodynamic: 1.5, contact: 0.25, from_walls: None });
         Row { step, time, last_step: 0.1, viscosity, contact: None, flow: true, effort: Effort::default(), seconds: 0.5 }
     }
 

@@ -23,6 +23,9 @@ pub use sections::{
 
 use crate::error::Error;
 
+/// Frames of a run that does not say how far they are apart.
+const FRAMES: f64 = 100.0;
+
 /// Everything a scene file says.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
@@ -62,6 +65,16 @@ impl Scene {
     /// The dimension of space, 2 or 3.
     pub fn dimension(&self) -> usize {
         self.domain.size.len()
+    }
+
+    /// The time at which a run in time ends; 0 for an instantaneous solve.
+    pub fn end(&self) -> f64 {
+        self.time.as_ref().map_or(0.0, |time| time.end)
+    }
+
+    /// The time between frames.
+    pub fn frame_interval(&self) -> f64 {
+        self.output.every.unwrap_or(self.end() / FRAMES)
     }
 
     /// Its title, or else its name.

@@ -6,7 +6,8 @@ use super::{
     BodyState, Setup, Solution,
     bodies::{Bodies, Kinds},
     closure::{Closure, flow_without_bodies},
-    touching::{End, Touch, Touching},
+    suspension::Moment,
+    touching::{End, Touching},
 };
 use crate::{
     error::{Error, Result},
@@ -67,16 +68,18 @@ impl<const D: usize> Basis<D> {
         }
     }
 
-    /// Contacts as rows and unknowns, for a flow without bodies that has this rank's `undisturbed` velocities on surfaces.
+    /// The contacts of a moment as rows and unknowns, for a flow without bodies that has this rank's `undisturbed` velocities
+    /// on surfaces.
     ///
     /// # Errors
     /// They cannot be factored.
-    pub fn touching(&self, bodies: &Bodies<D>, touches: &[(Touch<D>, f64)], (undisturbed, places): (&[f64], usize)) -> Result<Touching<D>> {
+    pub fn touching(&self, bodies: &Bodies<D>, moment: &Moment<D>, (undisturbed, places): (&[f64], usize)) -> Result<Touching<D>> {
         let (mut ends, mut rates) = (Vec::new(), Vec::new());
-        let scale = touches.first().map_or(1.0, |(touch, _)| self.kinds.translation(touch.body).1 / self.radius(touch.body));
-        for (contact, (touch, _)) in touches.iter().enumerate() {
-            rates.push(touch.rate);
-            for (body, normal) in [(Some(touch.body), -touch.normal), (touch.partner, touch.normal)] {
+        let force_per_radius = |body: usize| self.kinds.translation(body).1 / self.setup.bodies[body].body.ball.radius;
+        let scale = moment.pressed.first().map_or(1.0, |pressed| force_per_radius(pressed.contact.body));
+        for (contact, pressed) in moment.pressed.iter().map(|pressed| pressed.contact).enumerate() {
+            rates.push(-pressed.gap / moment.step);
+            for (body, normal) in [(Some(pressed.body), -pressed.normal), (pressed.other(), pressed.normal)] {
                 let Some(body) = body else { continue };
                 match self.setup.bodies[body].body.given_motion() {
                     Some(twist) => rates[contact] -= normal.dot(&twist.velocity),
@@ -92,10 +95,6 @@ impl<const D: usize> Basis<D> {
         let mut known = touching.local_rates(undisturbed);
         self.session.world().sum(&mut known);
         Ok(touching.without(&known))
-    }
-
-    fn radius(&self, body: usize) -> f64 {
-        self.setup.bodies[body].body.ball.radius
     }
 
     /// The right-hand side of the coupled system: rows of this rank's bodies, then the tail on rank 0.

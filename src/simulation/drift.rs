@@ -3,22 +3,22 @@
 //! Contacts act in the flow: the contact model says who touches and presses, from velocities in unbounded fluid; the
 //! coupled system finds the forces that keep just these from approaching; both are repeated until they agree
 //! ([`Drift::agree`]). If they should go round in circles, one contact after the other is changed, the first one that is
-//! wrong (the least-index rule of Murty 1974, which ends for any positive definite mobility). Then bodies travel by the two-step rule `v + dt/(2 dt_last) (v - v_last)`, the midpoint rule or
-//! Euler's, and what the rule adds to `v` is projected once more, so that nothing overlaps whatever the step. The contact
-//! forces press on in this projection: else bodies that landed in the last step would bounce, as the rule looks back at
-//! the velocity with which they came.
+//! wrong (the least-index rule of Murty 1974, which ends for any positive definite mobility). Then bodies travel by the
+//! two-step rule `v + dt/(2 dt_last) (v - v_last)`, the midpoint rule or Euler's, and what the rule adds to `v` is
+//! projected once more, so that nothing overlaps whatever the step. The contact forces press on in this projection: else
+//! bodies that landed in the last step would bounce, as the rule looks back at the velocity with which they came.
 
-use std::time::Instant;
+use std::{collections::HashMap, time::Instant};
 
 use nalgebra::SVector;
 
 use super::{
-    Dynamics, Effort, Held, Moment, Seen, Solution, State, Suspension, Touch, Travel, View,
+    Dynamics, Effort, Held, Moment, Past, Seen, Solution, State, Suspension, Travel, View,
     pace::{Pace, Stride, Urge},
 };
 use crate::{
     body::Twist,
-    contact::{self, ContactForce, Partner, Problem, Projection},
+    contact::{self, Contact, ContactForce, Partner, Problem, Projection},
     error::{Error, Result},
     geometry::{Ball, near_pairs, near_walls},
     petsc::Session,
@@ -45,7 +45,6 @@ pub struct Drift<const D: usize> {
     session: Session,
     suspension: Suspension<D>,
     pace: Pace,
-    scheme: Scheme,
     /// Whether a contact model acts.
     contact: bool,
     /// Force that gives each body a unit velocity in unbounded fluid.
@@ -65,7 +64,7 @@ impl<const D: usize> Drift<D> {
     pub fn new(session: &Session, mut suspension: Suspension<D>, pace: Pace, contact: bool) -> Drift<D> {
         suspension.remember(None);
         let weights = suspension.resistances();
-        Drift { session: session.clone(), suspension, scheme: pace.time.scheme, pace, contact, weights }
+        Drift { session: session.clone(), suspension, pace, contact, weights }
     }
 
     fn balls(&self, state: &State<D>) -> Vec<Ball<D>> {
@@ -76,11 +75,10 @@ impl<const D: usize> Drift<D> {
     fn agree(&mut self, state: &State<D>, effort: &mut Effort, seen: Seen) -> Result<Agreed<D>> {
         let (balls, centers) = (self.balls(state), state.centers());
         self.refuse_overlap(&balls, state.time)?;
-        let mut touches = self.expected(state, &balls)?;
-        let mut chosen = None;
-        let mut difference = 0.0;
+        let mut pressed = self.expected(state, &balls)?;
+        let (mut chosen, mut step, mut difference) = (None, state.last_step, 0.0);
         for round in 0..MOST_ROUNDS {
-            let mut solution = self.suspension.solve_at(&Moment { centers: &centers, time: state.time, touches: &touches }, seen)?;
+            let mut solution = self.suspension.solve_at(&Moment { centers: &centers, time: state.time, pressed: &pressed, step }, seen)?;
             effort.add_solve(self.suspension.cost());
             let mut twists: Vec<Twist<D>> = solution.bodies.iter().map(|body| body.twist).collect();
             let stride = *chosen.get_or_insert_with(|| self.pace.next(&urges(&twists), state.time, state.last_step));
@@ -88,9 +86,9 @@ impl<const D: usize> Drift<D> {
                 return Ok(Agreed { solution, twists, contacts: Vec::new(), stride });
             }
             let start = Instant::now();
-            let step = if stride.length > 0.0 { stride.length } else { state.last_step };
-            let velocities = twists.iter().map(|twist| twist.velocity).collect();
-            let unpressed = self.without_contacts(velocities, touches.iter().map(|(touch, _)| touch).zip(&solution.contact_forces));
+            step = if stride.length > 0.0 { stride.length } else { state.last_step };
+            pressed.iter_mut().zip(&solution.contact_forces).for_each(|(pressed, force)| pressed.force = *force);
+            let unpressed = self.without_contacts(velocities(&twists), &pressed);
             let projection = self.project(&balls, &unpressed, step)?;
             effort.contact += start.elapsed().as_secs_f64();
             let scale = fastest(&twists, &unpressed);
@@ -101,9 +99,9 @@ impl<const D: usize> Drift<D> {
                 }
                 return Ok(Agreed { solution, twists, contacts: projection.forces, stride });
             }
-            touches = match round < ROUNDS_AT_ONCE {
-                true => pressing(&projection, step),
-                false => self.with_one_changed(touches, &solution.contact_forces, (&balls, &twists, scale), step),
+            pressed = match round < ROUNDS_AT_ONCE {
+                true => pressing(projection),
+                false => self.with_one_changed(pressed, &balls, (&velocities(&twists), scale), step),
             };
         }
         Err(Error::Diverged(format!(
@@ -114,76 +112,58 @@ impl<const D: usize> Drift<D> {
     }
 
     /// The contacts that press now if bodies want to go on as in the last step.
-    fn expected(&self, state: &State<D>, balls: &[Ball<D>]) -> Result<Vec<(Touch<D>, f64)>> {
+    fn expected(&self, state: &State<D>, balls: &[Ball<D>]) -> Result<Vec<ContactForce<D>>> {
         if !self.contact || state.last_step == 0.0 {
             return Ok(Vec::new());
         }
         let reach = MEMORY_REACH * self.pace.radii.iter().copied().fold(f64::INFINITY, f64::min);
+        let forces: HashMap<_, f64> = state.held.iter().map(|held| ((held.body, held.partner, held.image), held.force)).collect();
         let near = contact::candidates(&self.suspension.setup().domain, balls, &self.weights, reach);
-        let force = |contact: &contact::Contact<D>| {
-            let same = |held: &&Held<D>| (held.body, held.partner, held.image) == (contact.body, contact.partner, contact.image);
-            state.held.iter().find(same).map(|held| held.force)
-        };
-        let held = near.into_iter().filter_map(|contact| force(&contact).map(|force| ContactForce { contact, force }));
-        let held: Vec<(Touch<D>, f64)> = held.map(|pressed| touch(&pressed, state.last_step)).collect();
+        let pressed = |contact: Contact<D>| forces.get(&contact.identity()).map(|&force| ContactForce { contact, force });
+        let held: Vec<ContactForce<D>> = near.into_iter().filter_map(pressed).collect();
         let velocities = state.bodies.iter().map(|body| body.twist.velocity).collect();
-        let unpressed = self.without_contacts(velocities, held.iter().map(|(touch, force)| (touch, force)));
-        Ok(pressing(&self.project(balls, &unpressed, state.last_step)?, state.last_step))
+        Ok(pressing(self.project(balls, &self.without_contacts(velocities, &held), state.last_step)?))
     }
 
     /// The same contacts but for the first that pulls, which goes, or that is not held and closes too far, which comes.
     fn with_one_changed(
         &self,
-        mut touches: Vec<(Touch<D>, f64)>,
-        forces: &[f64],
-        (balls, twists, fastest): (&[Ball<D>], &[Twist<D>], f64),
+        mut pressed: Vec<ContactForce<D>>,
+        balls: &[Ball<D>],
+        (velocities, fastest): (&[SVector<f64, D>], f64),
         step: f64,
-    ) -> Vec<(Touch<D>, f64)> {
-        let near = contact::candidates(&self.suspension.setup().domain, balls, &self.weights, 2.0 * fastest * step);
-        for (touch, force) in touches.iter_mut().zip(forces) {
-            touch.1 = *force;
-        }
-        let opening = |touch: &Touch<D>| {
-            let of_partner = touch.partner.map_or(0.0, |partner| touch.normal.dot(&twists[partner].velocity));
-            of_partner - touch.normal.dot(&twists[touch.body].velocity)
-        };
-        for contact in near {
-            let (candidate, _) = touch(&ContactForce { contact, force: 0.0 }, step);
-            let held = touches.iter().position(|(held, _)| held.same(&candidate));
-            let slack = AGREEMENT * fastest;
-            match held {
-                Some(place) if touches[place].1 < -slack * self.softest(&candidate) => {
-                    touches.remove(place);
-                    return touches;
+    ) -> Vec<ContactForce<D>> {
+        let slack = AGREEMENT * fastest;
+        for contact in contact::candidates(&self.suspension.setup().domain, balls, &self.weights, 2.0 * fastest * step) {
+            match pressed.iter().position(|pressed| pressed.contact.identity() == contact.identity()) {
+                Some(place) if pressed[place].force < -slack * self.softest(&contact) => {
+                    pressed.remove(place);
+                    return pressed;
                 }
-                None if opening(&candidate) < candidate.rate - slack => {
-                    touches.push((candidate, 0.0));
-                    return touches;
+                None if contact.opening(velocities) < -contact.gap / step - slack => {
+                    pressed.push(ContactForce { contact, force: 0.0 });
+                    return pressed;
                 }
                 _ => {}
             }
         }
-        touches
+        pressed
     }
 
     /// The velocities that bodies would have without the contact forces, if each were alone.
-    fn without_contacts<'a>(
-        &self,
-        mut velocities: Vec<SVector<f64, D>>,
-        pressed: impl Iterator<Item = (&'a Touch<D>, &'a f64)>,
-    ) -> Vec<SVector<f64, D>> {
-        for (touch, &force) in pressed {
-            velocities[touch.body] += touch.normal * force / self.weights[touch.body];
-            if let Some(partner) = touch.partner {
-                velocities[partner] -= touch.normal * force / self.weights[partner];
+    fn without_contacts(&self, mut velocities: Vec<SVector<f64, D>>, pressed: &[ContactForce<D>]) -> Vec<SVector<f64, D>> {
+        for ContactForce { contact, force } in pressed {
+            velocities[contact.body] += contact.normal * *force / self.weights[contact.body];
+            if let Some(other) = contact.other() {
+                velocities[other] -= contact.normal * *force / self.weights[other];
             }
         }
         velocities
     }
 
     /// Force that moves the more mobile end of a contact at unit velocity.
-    fn softest(&self, touch: &Touch<D>) -> f64 {
-        touch.partner.map_or(f64::INFINITY, |partner| self.weights[partner]).min(self.weights[touch.body])
+    fn softest(&self, contact: &Contact<D>) -> f64 {
+        contact.other().map_or(f64::INFINITY, |other| self.weights[other]).min(self.weights[contact.body])
     }
 
     fn project(&self, balls: &[Ball<D>], velocities: &[SVector<f64, D>], step: f64) -> Result<Projection<D>> {
@@ -210,7 +190,7 @@ impl<const D: usize> Drift<D> {
 
     /// The motions by which bodies travel before contacts are kept.
     fn rule(&mut self, state: &State<D>, view: &View<D>, effort: &mut Effort, seen: Seen) -> Result<Vec<Twist<D>>> {
-        match self.scheme {
+        match self.pace.time.scheme {
             Scheme::Euler => Ok(view.twists.clone()),
             Scheme::TwoStep if state.last_step > 0.0 => Ok(two_step(state, view)),
             _ => self.midpoint(state, view, effort, seen),
@@ -237,13 +217,12 @@ impl<const D: usize> Dynamics<D> for Drift<D> {
     fn travel(&mut self, state: &State<D>, view: &View<D>, seen: Seen) -> Result<Travel<D>> {
         let mut effort = Effort::default();
         let mut moves = self.rule(state, view, &mut effort, seen)?;
-        let velocities: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
+        let velocities = velocities(&moves);
         let step = self.pace.shortened(&velocities, view.stride.length);
         let mut certificate = None;
         if self.contact {
             let start = Instant::now();
-            let pressed: Vec<(Touch<D>, f64)> = view.contacts.iter().map(|pressed| touch(pressed, step)).collect();
-            let unpressed = self.without_contacts(velocities, pressed.iter().map(|(touch, force)| (touch, force)));
+            let unpressed = self.without_contacts(velocities, &view.contacts);
             let projection = self.project(&self.balls(state), &unpressed, step)?;
             moves.iter_mut().zip(projection.velocities).for_each(|(twist, velocity)| twist.velocity = velocity);
             certificate = Some(projection.certificate);
@@ -252,8 +231,12 @@ impl<const D: usize> Dynamics<D> for Drift<D> {
         Ok(Travel { step, moves, twists: view.twists.clone(), contacts: view.contacts.clone(), certificate, effort })
     }
 
-    fn suspension(&mut self) -> Option<&mut Suspension<D>> {
-        Some(&mut self.suspension)
+    fn suspension(&self) -> Option<&Suspension<D>> {
+        Some(&self.suspension)
+    }
+
+    fn remember(&mut self, past: Past<D>) {
+        self.suspension.remember(Some(past));
     }
 }
 
@@ -288,19 +271,14 @@ fn urges<const D: usize>(twists: &[Twist<D>]) -> Vec<Urge<D>> {
     twists.iter().map(|twist| Urge { velocity: twist.velocity, acceleration: SVector::zeros() }).collect()
 }
 
-/// The contacts of a projection that bear a force.
-fn pressing<const D: usize>(projection: &Projection<D>, step: f64) -> Vec<(Touch<D>, f64)> {
-    projection.forces.iter().filter(|pressed| pressed.force > 0.0).map(|pressed| touch(pressed, step)).collect()
+fn velocities<const D: usize>(twists: &[Twist<D>]) -> Vec<SVector<f64, D>> {
+    twists.iter().map(|twist| twist.velocity).collect()
 }
 
-/// A pressed contact as a row of the coupled system: its gap may close within a step.
-fn touch<const D: usize>(pressed: &ContactForce<D>, step: f64) -> (Touch<D>, f64) {
-    let contact = &pressed.contact;
-    let partner = match contact.partner {
-        Partner::Body(partner) => Some(partner),
-        Partner::Wall { .. } => None,
-    };
-    (Touch { body: contact.body, partner, normal: contact.normal, rate: -contact.gap / step }, pressed.force)
+/// The contacts of a projection that bear a force.
+fn pressing<const D: usize>(mut projection: Projection<D>) -> Vec<ContactForce<D>> {
+    projection.forces.retain(|pressed| pressed.force > 0.0);
+    projection.forces
 }
 
 /// Largest velocity, with contact forces or without them: where they hold bodies at rest, only what they resist tells how

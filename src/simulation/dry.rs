@@ -50,8 +50,6 @@ pub struct DrySetup<const D: usize> {
     pub bodies: Vec<DryBody<D>>,
     /// Whether they notice each other and the walls.
     pub contact: bool,
-    /// How steps are taken.
-    pub scheme: Scheme,
 }
 
 /// Dry bodies in motion.
@@ -94,8 +92,7 @@ impl<const D: usize> DrySetup<D> {
             }
         };
         let bodies = bodies(scene, &domain)?.into_iter().map(of_group).collect();
-        let scheme = scene.time.as_ref().map_or(Scheme::TwoStep, |time| time.scheme);
-        Ok(DrySetup { domain, bodies, contact: scene.contact.model == ContactModel::Inelastic, scheme })
+        Ok(DrySetup { domain, bodies, contact: scene.contact.model == ContactModel::Inelastic })
     }
 
     /// The bodies at the start.
@@ -127,7 +124,7 @@ impl<const D: usize> Dry<D> {
 
     /// Over how long forces act on velocities in a step.
     fn push(&self, last_step: f64, step: f64) -> f64 {
-        match self.setup.scheme {
+        match self.pace.time.scheme {
             Scheme::Euler => step,
             _ => 0.5 * (last_step + step),
         }
@@ -160,8 +157,7 @@ impl<const D: usize> Dynamics<D> for Dry<D> {
         let mut moves: Vec<Twist<D>> = view.twists.iter().zip(&self.setup.bodies).map(pushed).collect();
         let (mut contacts, mut certificate) = (Vec::new(), None);
         if self.setup.contact {
-            let radii: Vec<f64> = self.setup.bodies.iter().map(|body| body.radius).collect();
-            let balls = state.balls(&radii);
+            let balls = state.balls(&self.pace.radii);
             let weights: Vec<f64> = self.setup.bodies.iter().map(|body| body.mass / step).collect();
             let velocities: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
             let problem = Problem { domain: &self.setup.domain, balls: &balls, weights: &weights, velocities: &velocities, step };

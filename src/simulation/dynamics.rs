@@ -1,6 +1,6 @@
 //! What moves bodies: the interface behind which a fluid, or inertia alone, drives a [`Simulation`](super::Simulation).
 
-use super::{Cost, Solution, State, Suspension, pace::Stride};
+use super::{Cost, Past, Solution, State, Suspension, pace::Stride};
 use crate::{
     body::Twist,
     contact::{Certificate, ContactForce},
@@ -70,9 +70,12 @@ pub trait Dynamics<const D: usize> {
     fn travel(&mut self, state: &State<D>, view: &View<D>, seen: Seen) -> Result<Travel<D>>;
 
     /// The suspension that is solved, if there is a fluid.
-    fn suspension(&mut self) -> Option<&mut Suspension<D>> {
+    fn suspension(&self) -> Option<&Suspension<D>> {
         None
     }
+
+    /// Takes what earlier solves say about the next one, if there is a fluid to solve.
+    fn remember(&mut self, _past: Past<D>) {}
 }
 
 impl Effort {

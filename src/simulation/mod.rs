@@ -31,4 +31,3 @@ pub use simulation::{Simulation, StepReport};
 pub use solution::{BodyState, Solution};
 pub use state::{Held, Moving, State};
 pub use suspension::{Cost, Moment, Suspension};
-pub use touching::Touch;

@@ -114,10 +114,8 @@ fn in_time(scene: &Scene) -> Vec<Effect> {
         ContactModel::None => None,
         ContactModel::Inelastic => Some("inelastic, one quadratic program a step, split into islands".to_owned()),
     };
-    let frames = scene.time.as_ref().map(|time| {
-        let every = scene.output.every.unwrap_or(time.end / 100.0);
-        format!("every {every}, bodies{}", if scene.output.fields { " and fields" } else { " only" })
-    });
+    let held = if scene.output.fields { "bodies and fields" } else { "bodies only" };
+    let frames = scene.time.as_ref().map(|_| format!("every {}, {held}", scene.frame_interval()));
     let effect = |(name, built)| Effect { name, built };
     [("motion in time", motion), ("lubrication", None), ("contact", contact), ("frames", frames)].into_iter().map(effect).collect()
 }

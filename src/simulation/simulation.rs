@@ -73,13 +73,13 @@ impl<const D: usize> Simulation<D> {
     /// Goes on from another state, with what earlier solves say about the next one.
     pub fn restore(&mut self, state: State<D>, past: Option<Past<D>>) {
         self.state = state;
-        if let Some(suspension) = self.dynamics.suspension() {
-            suspension.remember(past);
+        if let Some(past) = past {
+            self.dynamics.remember(past);
         }
     }
 
     /// The suspension that is solved, if there is a fluid.
-    pub fn suspension(&mut self) -> Option<&mut Suspension<D>> {
+    pub fn suspension(&self) -> Option<&Suspension<D>> {
         self.dynamics.suspension()
     }
 

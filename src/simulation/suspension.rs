@@ -5,7 +5,7 @@ use std::time::Instant;
 use nalgebra::SVector;
 
 use super::{
-    Setup, Solution, Touch,
+    Setup, Solution,
     basis::Basis,
     bodies::Bodies,
     coupled::{Coupled, Member, Stages, Work},
@@ -14,6 +14,7 @@ use super::{
 };
 use crate::{
     constraint::Blocks,
+    contact::ContactForce,
     error::Result,
     flow::{HypreInverse, Stokes, StokesInverse},
     grid::Grid,
@@ -49,8 +50,10 @@ pub struct Moment<'a, const D: usize> {
     pub centers: &'a [SVector<f64, D>],
     /// The time, to which the last solution is extrapolated.
     pub time: f64,
-    /// Contacts whose gaps grow at given rates, and the forces to start from.
-    pub touches: &'a [(Touch<D>, f64)],
+    /// Contacts that are held: their forces are unknowns, and those given are where the solve starts.
+    pub pressed: &'a [ContactForce<D>],
+    /// The step in which their gaps are to close, and no sooner.
+    pub step: f64,
 }
 
 /// A suspension ready to be solved.
@@ -152,7 +155,7 @@ impl<const D: usize> Suspension<D> {
     /// [`Error::Diverged`](crate::error::Error::Diverged) when the tolerance is not reached.
     pub fn solve(&mut self, seen: &mut dyn FnMut(usize, f64)) -> Result<Solution<D>> {
         let centers: Vec<SVector<f64, D>> = self.basis.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        self.solve_at(&Moment { centers: &centers, time: 0.0, touches: &[] }, seen)
+        self.solve_at(&Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0 }, seen)
     }
 
     /// Solves for a moment, starting from the solves before it if they are remembered.
@@ -160,49 +163,92 @@ impl<const D: usize> Suspension<D> {
     /// # Errors
     /// [`Error::Diverged`](crate::error::Error::Diverged) when the tolerance is not reached.
     pub fn solve_at(&mut self, moment: &Moment<D>, seen: &mut dyn FnMut(usize, f64)) -> Result<Solution<D>> {
-        let start = Instant::now();
-        let basis = &self.basis;
+        let (start, basis) = (Instant::now(), &self.basis);
+        let mut ready = Ready::new(basis, (self.assembly.take(), self.engine.take()), self.past.as_ref(), moment)?;
+        self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();
+        self.cost.assembly = start.elapsed().as_secs_f64();
+        let found = ready.solve(basis, self.inverse.as_mut(), seen)?;
+        let Ready { bodies, assembly, mut engine, guess, .. } = ready;
+        self.cost.krylov = found.report;
+        self.cost.stages = std::mem::take(&mut engine.work.stages);
+        if self.remembers {
+            let last = Snapshot::of(&bodies, &basis.session, moment.centers, (&found.fluid, &found.multipliers, &found.closure))?;
+            self.past = Some(Past::then(self.past.take(), last, (guess, moment.time)));
+        }
+        let states = bodies.states(&basis.session, &found.velocities, &found.multipliers);
+        (self.assembly, self.engine) = (Some(assembly), Some(engine));
+        basis.solution(states, found.fluid, &found.closure, found.contact_forces)
+    }
+}
+
+/// All that the solve of one moment needs.
+struct Ready<'a, const D: usize> {
+    bodies: Bodies<'a, D>,
+    members: Vec<Member>,
+    assembly: Assembly<D>,
+    touching: Touching<D>,
+    engine: Engine,
+    guess: Option<Guess<D>>,
+    prescribed_drag: f64,
+}
+
+/// What a solve finds: this rank's parts, besides the unknowns of closure and contacts.
+struct Found {
+    report: Report,
+    /// Velocities on the surfaces, tested with all modes.
+    velocities: Vec<f64>,
+    /// Disturbance of the flow without bodies.
+    fluid: Vector,
+    multipliers: Vec<f64>,
+    closure: Vec<f64>,
+    contact_forces: Vec<f64>,
+}
+
+impl<'a, const D: usize> Ready<'a, D> {
+    /// Puts bodies in their places and fills right-hand side and start; what is at hand is used again where it fits.
+    fn new(
+        basis: &'a Basis<D>,
+        (assembly, engine): (Option<Assembly<D>>, Option<Engine>),
+        past: Option<&Past<D>>,
+        moment: &Moment<D>,
+    ) -> Result<Self> {
         let bodies = Bodies::new(&basis.setup, &basis.grid, &basis.kinds, moment.centers, basis.session.world().rank());
-        let mut assembly = match self.assembly.take() {
+        let assembly = match assembly {
             Some(assembly) if assembly.centers == moment.centers => assembly,
             _ => Assembly::new(basis, &bodies, moment.centers)?,
         };
         let members = bodies.members();
-        let guess = self.past.as_ref().map_or(Ok(None), |past| past.guess(&bodies, moment.centers, moment.time))?;
-        let places = self.engine.as_ref().map_or(0, |engine| engine.work.contact_places());
-        let mut touching = basis.touching(&bodies, moment.touches, (&assembly.undisturbed, places))?;
-        let mut engine = Engine::fitting(self.engine.take(), basis, assembly.undisturbed.len(), touching.places())?;
+        let guess = past.map_or(Ok(None), |past| past.guess(&bodies, moment.centers, moment.time))?;
+        let places = engine.as_ref().map_or(0, |engine| engine.work.contact_places());
+        let touching = basis.touching(&bodies, moment, (&assembly.undisturbed, places))?;
+        let mut engine = Engine::fitting(engine, basis, assembly.undisturbed.len(), touching.places())?;
         let prescribed_drag = prescribed_drag(&basis.session, &members);
         let wanted = bodies.wanted_rows(&members, &assembly.undisturbed);
         basis.fill_right_hand_side(&wanted, &touching.rates, prescribed_drag, &mut engine.rhs)?;
-        engine.start(&bodies, guess.as_ref(), contact_unknowns(basis, moment, &touching))?;
-        self.cost.multiplier_unknowns = bodies.layout.unknowns();
-        self.cost.assembly = start.elapsed().as_secs_f64();
+        let unit = touching.scale * basis.setup.viscosity;
+        engine.start(&bodies, guess.as_ref(), moment.pressed.iter().map(|pressed| pressed.force / unit).collect())?;
+        Ok(Ready { bodies, members, assembly, touching, engine, guess, prescribed_drag })
+    }
 
+    fn solve(&mut self, basis: &Basis<D>, inverse: &mut dyn StokesInverse<D>, seen: &mut dyn FnMut(usize, f64)) -> Result<Found> {
         let mut coupled = Coupled {
             stokes: &basis.stokes,
-            inverse: self.inverse.as_mut(),
-            blocks: &mut assembly.blocks,
-            members: &members,
+            inverse,
+            blocks: &mut self.assembly.blocks,
+            members: &self.members,
             closure: &basis.closure,
-            touching: &mut touching,
-            prescribed_drag,
-            work: &mut engine.work,
+            touching: &mut self.touching,
+            prescribed_drag: self.prescribed_drag,
+            work: &mut self.engine.work,
         };
-        self.cost.krylov = engine.krylov.solve(&mut coupled, (&engine.rhs, &mut engine.x), seen)?;
-        let mut velocities = coupled.velocity_on_surfaces(&engine.x)?;
-        velocities.iter_mut().zip(&assembly.undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);
-        let (fluid, multipliers, mut closure) = coupled.parts(&engine.x)?;
+        let report = self.engine.krylov.solve(&mut coupled, (&self.engine.rhs, &mut self.engine.x), seen)?;
+        let mut velocities = coupled.velocity_on_surfaces(&self.engine.x)?;
+        velocities.iter_mut().zip(&self.assembly.undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);
+        let (fluid, multipliers, mut closure) = coupled.parts(&self.engine.x)?;
         let contacts = closure.split_off(basis.closure.unknowns::<D>());
-        self.cost.stages = std::mem::take(&mut engine.work.stages);
-        if self.remembers {
-            let last = Snapshot::of(&bodies, &basis.session, moment.centers, (&fluid, &multipliers, &closure))?;
-            self.past = Some(Past::then(self.past.take(), last, (guess, moment.time)));
-        }
-        let states = bodies.states(&basis.session, &velocities, &multipliers);
-        let forces = contacts[..touching.count()].iter().map(|unknown| unknown * touching.scale * basis.setup.viscosity).collect();
-        (self.assembly, self.engine) = (Some(assembly), Some(engine));
-        basis.solution(states, fluid, &closure, forces)
+        let unit = self.touching.scale * basis.setup.viscosity;
+        let contact_forces = contacts[..self.touching.count()].iter().map(|unknown| unknown * unit).collect();
+        Ok(Found { report, velocities, fluid, multipliers, closure, contact_forces })
     }
 }
 
@@ -243,11 +289,6 @@ impl Engine {
         x.iter_mut().zip(parts).for_each(|(x, guess)| *x = guess);
         Ok(())
     }
-}
-
-/// Unknowns that stand for the forces to start from.
-fn contact_unknowns<const D: usize>(basis: &Basis<D>, moment: &Moment<D>, touching: &Touching<D>) -> Vec<f64> {
-    moment.touches.iter().map(|(_, force)| force / (touching.scale * basis.setup.viscosity)).collect()
 }
 
 /// Sum over all prescribed bodies of the net force that a unit velocity takes by their preconditioner.

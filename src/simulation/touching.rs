@@ -19,26 +19,6 @@ use crate::error::{Error, Result};
 /// Part of its diagonal added to the approximation, so that redundant contacts do no harm.
 const SHIFT: f64 = 1e-7;
 
-/// A contact between a body and another body or something that nobody moves.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Touch<const D: usize> {
-    /// The body.
-    pub body: usize,
-    /// The other body; nothing for a wall.
-    pub partner: Option<usize>,
-    /// Unit normal from the body to its partner.
-    pub normal: SVector<f64, D>,
-    /// Rate at which the gap is to grow.
-    pub rate: f64,
-}
-
-impl<const D: usize> Touch<D> {
-    /// Whether two touches are the same contact, seen at the same instant.
-    pub fn same(&self, other: &Touch<D>) -> bool {
-        (self.body, self.partner) == (other.body, other.partner) && self.normal == other.normal
-    }
-}
-
 /// One free body of a contact.
 #[derive(Debug, Clone, Copy)]
 pub struct End<const D: usize> {

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
-    observe::{self, Plane},
+    observe::{self, Plane, Viscosity},
     output::{self, Chart, Checkpoint, ContactSummary, Series, Summary, TimeProgress},
     parallel::World,
     petsc::Session,
@@ -32,7 +32,7 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path, chec
     refuse_the_past(scene, simulation.state().time)?;
     let prepare = || if checkpoint.is_some() { folder::reclaim(folder, scene) } else { folder::claim(folder, scene) };
     world.agree(if world.rank() == 0 { prepare() } else { Ok(()) })?;
-    let outputs = Outputs::open(world, scene, folder, &mut simulation)?;
+    let outputs = Outputs::open(world, scene, folder, &simulation)?;
     let mut march = March { world, scene, folder, simulation, outputs, account };
     let outcome = march.reach_the_end(&signals);
     if let (Err(Error::Contact { island, .. }), 0) = (&outcome, world.rank()) {
@@ -55,8 +55,7 @@ struct March<'a, const D: usize> {
 
 impl<const D: usize> March<'_, D> {
     fn reach_the_end(&mut self, signals: &Signals) -> Result<()> {
-        let end = end(self.scene);
-        let progress = TimeProgress::new(self.world.rank(), self.simulation.state().time, end);
+        let progress = TimeProgress::new(self.world.rank(), self.simulation.state().time, self.scene.end());
         let view = loop {
             self.checkpoint(signals.take_checkpoint())?;
             let view = self.look()?;
@@ -78,20 +77,21 @@ impl<const D: usize> March<'_, D> {
     /// What happens now, written down.
     fn look(&mut self) -> Result<View<D>> {
         let view = self.simulation.look(&mut |_, _| {})?;
-        let shear = match (self.simulation.suspension(), &view.solution) {
-            (Some(suspension), Some(solution)) => {
-                let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), solution, &view.contacts)?;
-                observe::shear_rate(suspension.setup()).zip(viscosity)
-            }
-            _ => None,
-        };
-        let spent = self.outputs.write(self.world, &mut self.simulation, (&view, self.account.last()), shear)?;
+        let viscosity = self.viscosity(&view)?;
+        let spent = self.outputs.write(self.world, &self.simulation, (&view, self.account.last()), viscosity)?;
         self.account.add_output(spent);
         Ok(view)
     }
 
+    fn viscosity(&self, view: &View<D>) -> Result<Option<Viscosity>> {
+        match (self.simulation.suspension(), &view.solution) {
+            (Some(suspension), Some(solution)) => observe::viscosity(suspension.setup(), suspension.grid(), solution, &view.contacts),
+            _ => Ok(None),
+        }
+    }
+
     fn checkpoint(&mut self, asked: bool) -> Result<()> {
-        let spent = self.outputs.checkpoint(self.world, &mut self.simulation, (&self.account, asked))?;
+        let spent = self.outputs.checkpoint(self.world, &self.simulation, (&self.account, asked))?;
         self.account.add_output(spent);
         Ok(())
     }
@@ -123,20 +123,16 @@ impl<const D: usize> March<'_, D> {
         Ok(())
     }
 
-    fn summary(&mut self, view: &View<D>) -> Result<Summary> {
+    fn summary(&self, view: &View<D>) -> Result<Summary> {
         let named = (self.scene.name.as_str(), self.scene.title.as_str());
-        let (state, radii) = (self.simulation.state().clone(), self.simulation.radii().to_vec());
-        let domain = self.simulation.domain().clone();
+        let state = self.simulation.state();
         let mut summary = match (self.simulation.suspension(), &view.solution) {
-            (Some(suspension), Some(solution)) => {
-                let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), solution, &view.contacts)?;
-                Summary::of_flow(named, suspension, (solution, viscosity), self.world)
-            }
-            _ => Summary::of_dry(named, &domain, (&state, &radii), self.world),
+            (Some(suspension), Some(solution)) => Summary::of_flow(named, suspension, (solution, self.viscosity(view)?), self.world),
+            _ => Summary::of_dry(named, self.simulation.domain(), (state, self.simulation.radii()), self.world),
         };
         (summary.time, summary.steps) = (state.time, state.steps);
         summary.contact = (self.scene.contact.model != ContactModel::None).then(|| {
-            let held = held(&state, view);
+            let held = held(state, view);
             let (pairs, smallest_gap, kkt_residual) = self.account.contacts();
             ContactSummary { pairs, active: held.len(), smallest_gap, kkt_residual, total_force: held.iter().map(|held| held.force).sum() }
         });
@@ -144,7 +140,7 @@ impl<const D: usize> March<'_, D> {
     }
 
     /// Pictures of the last state and the curve of the viscosity, by name; collective.
-    fn pictures(&mut self, view: &View<D>) -> Result<Vec<(&'static str, Vec<u8>)>> {
+    fn pictures(&self, view: &View<D>) -> Result<Vec<(&'static str, Vec<u8>)>> {
         let mut pictures = Vec::new();
         let curve = self.outputs.curve();
         if curve.len() > 1 {
@@ -153,14 +149,13 @@ impl<const D: usize> March<'_, D> {
         if !self.scene.output.picture {
             return Ok(pictures);
         }
-        let bodies = frame_bodies(self.simulation.state(), self.simulation.radii(), view);
         pictures.push(match (self.simulation.suspension(), &view.solution) {
             (Some(suspension), Some(solution)) => {
                 ("picture.svg", observe::picture(self.scene.shown_title(), suspension, solution)?.svg().into_bytes())
             }
             _ => {
-                let plane = Plane::of(self.scene);
-                let still = plane.frame(self.simulation.state().time, bodies);
+                let (plane, state) = (Plane::of(self.scene), self.simulation.state());
+                let still = plane.frame(state.time, frame_bodies(state, self.simulation.radii(), view));
                 ("picture.png", plane.film(self.scene, vec![still]).apng(STILL_WIDTH, 1.0))
             }
         });
@@ -168,17 +163,13 @@ impl<const D: usize> March<'_, D> {
     }
 }
 
-fn end(scene: &Scene) -> f64 {
-    scene.time.as_ref().map_or(0.0, |time| time.end)
-}
-
 /// A run that goes on cannot end before it does.
 fn refuse_the_past(scene: &Scene, time: f64) -> Result<()> {
-    if end(scene) >= time * (1.0 - ROUNDING) {
+    if scene.end() >= time * (1.0 - ROUNDING) {
         return Ok(());
     }
     let remedy = format!("the checkpoint is at time {time}; set a later end, or start anew with turbid run in another folder");
-    Err(scene.refuse("time.end", end(scene), &remedy))
+    Err(scene.refuse("time.end", scene.end(), &remedy))
 }
 
 fn viscosity_chart(title: &str, curve: &[(f64, f64, f64)]) -> Chart {

@@ -20,9 +20,6 @@ use crate::{
     simulation::{Effort, Held, Simulation, State, StepReport, View},
 };
 
-/// Frames of a run whose scene does not say how many.
-const FRAMES: f64 = 100.0;
-
 /// Rounding of a time that is a multiple of the time between frames.
 const ROUNDING: f64 = 1e-9;
 
@@ -47,7 +44,7 @@ impl<const D: usize> Outputs<D> {
     ///
     /// # Errors
     /// Files of the run so far cannot be read or written.
-    pub fn open(world: &World, scene: &Scene, folder: &Path, simulation: &mut Simulation<D>) -> Result<Outputs<D>> {
+    pub fn open(world: &World, scene: &Scene, folder: &Path, simulation: &Simulation<D>) -> Result<Outputs<D>> {
         let (steps, time) = (simulation.state().steps, simulation.state().time);
         let rows = world.agree(if world.rank() == 0 { Rows::open(folder, steps).map(Some) } else { Ok(None) })?;
         let frames = if steps == 0 { Frames::create(world, folder)? } else { Frames::resume(world, folder, time.next_down())? };
@@ -55,13 +52,12 @@ impl<const D: usize> Outputs<D> {
             Some(suspension) if scene.output.fields => Some(CellCenters::new(suspension.grid(), &suspension.fluid_vector()?)?),
             _ => None,
         };
-        let end = scene.time.as_ref().map_or(0.0, |time| time.end);
         Ok(Outputs {
             folder: folder.to_owned(),
             scene_text: movable_text(scene)?,
             rows,
             frames,
-            every: scene.output.every.unwrap_or(end / FRAMES),
+            every: scene.frame_interval(),
             centers,
             contact: scene.contact.model != crate::scene::ContactModel::None,
             checkpoint_pace: scene.output.checkpoint,
@@ -70,19 +66,19 @@ impl<const D: usize> Outputs<D> {
         })
     }
 
-    /// Writes what is due of an instant; `last` is the step that led there and `rate` that of a simple shear. Returns the seconds spent. Collective.
+    /// Writes what is due of an instant; `last` is the step that led there. Returns the seconds spent. Collective.
     ///
     /// # Errors
     /// A file cannot be written.
     pub fn write(
         &mut self,
         world: &World,
-        simulation: &mut Simulation<D>,
+        simulation: &Simulation<D>,
         (view, last): (&View<D>, Option<&StepReport>),
-        shear: Option<(f64, Viscosity)>,
+        viscosity: Option<Viscosity>,
     ) -> Result<f64> {
         let start = Instant::now();
-        let row = self.row(simulation.state(), (view, last), shear);
+        let row = self.row(simulation.state(), (view, last), viscosity);
         world.agree(self.rows.as_mut().map_or(Ok(()), |rows| rows.write(&row)))?;
         if self.frame_is_due(simulation) {
             self.write_frame(world, simulation, view)?;
@@ -94,7 +90,7 @@ impl<const D: usize> Outputs<D> {
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn checkpoint(&mut self, world: &World, simulation: &mut Simulation<D>, (account, asked): (&Account, bool)) -> Result<f64> {
+    pub fn checkpoint(&mut self, world: &World, simulation: &Simulation<D>, (account, asked): (&Account, bool)) -> Result<f64> {
         let due = asked || self.last_checkpoint.elapsed().as_secs_f64() >= self.checkpoint_pace || simulation.may_end();
         let due = world.max(f64::from(due)) > 0.0;
         let start = Instant::now();
@@ -110,7 +106,7 @@ impl<const D: usize> Outputs<D> {
         self.rows.as_ref().map_or(&[], Rows::curve)
     }
 
-    fn row(&mut self, state: &State<D>, (view, last): (&View<D>, Option<&StepReport>), shear: Option<(f64, Viscosity)>) -> Row {
+    fn row(&mut self, state: &State<D>, (view, last): (&View<D>, Option<&StepReport>), viscosity: Option<Viscosity>) -> Row {
         let certificate = last.and_then(|report| report.certificate);
         let contact = self.contact.then(|| ContactNumbers {
             active: held(state, view).len(),
@@ -122,7 +118,7 @@ impl<const D: usize> Outputs<D> {
             step: state.steps,
             time: state.time,
             last_step: state.last_step,
-            viscosity: shear.map(|(rate, viscosity)| (rate * state.time, viscosity)),
+            viscosity,
             contact,
             flow: view.solution.is_some(),
             effort: view.effort + last.map_or(Effort::default(), |report| report.effort),
@@ -137,13 +133,11 @@ impl<const D: usize> Outputs<D> {
         state.steps == 0 || simulation.over() || number(state.time) > number(state.time - state.last_step)
     }
 
-    fn write_frame(&mut self, world: &World, simulation: &mut Simulation<D>, view: &View<D>) -> Result<()> {
-        let state = simulation.state().clone();
+    fn write_frame(&mut self, world: &World, simulation: &Simulation<D>, view: &View<D>) -> Result<()> {
+        let (state, domain) = (simulation.state(), simulation.domain());
         let balls = state.balls(simulation.radii());
-        let bodies = frame_bodies(&state, simulation.radii(), view);
-        let domain = simulation.domain().clone();
-        let suspension = simulation.suspension();
-        let fields = match (&mut self.centers, &view.solution, suspension) {
+        let bodies = frame_bodies(state, simulation.radii(), view);
+        let fields = match (&mut self.centers, &view.solution, simulation.suspension()) {
             (Some(centers), Some(solution), Some(suspension)) => {
                 let (grid, setup) = (suspension.grid(), suspension.setup());
                 let mut velocity = centers.velocity(&solution.fluid)?;
@@ -156,7 +150,7 @@ impl<const D: usize> Outputs<D> {
             }
             _ => None,
         };
-        self.frames.write(world, &Frame { time: state.time, step: state.steps, domain: &domain, bodies: &bodies, fields })
+        self.frames.write(world, &Frame { time: state.time, step: state.steps, domain, bodies: &bodies, fields })
     }
 }
 
