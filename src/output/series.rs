@@ -43,6 +43,8 @@ pub struct ContactNumbers {
     pub smallest_gap: f64,
     /// Residual of the optimality conditions.
     pub kkt_residual: f64,
+    /// Iterations of the interior-point method on the island that took most.
+    pub iterations: usize,
 }
 
 /// The file, open for further rows. Only the first rank has one.
@@ -69,6 +71,7 @@ impl Row {
             cells.push(("contacts", contact.active.to_string()));
             cells.push(("smallest_gap", number(contact.smallest_gap)));
             cells.push(("kkt_residual", number(contact.kkt_residual)));
+            cells.push(("contact_iterations", contact.iterations.to_string()));
         }
         if self.flow {
             cells.push(("solves", self.effort.solves.to_string()));

@@ -42,7 +42,10 @@ fn an_effect_that_is_off_is_null_and_has_no_column() {
     let summary = run(1, &scene, &here.join("flow"), &["contact.model=none", "time.step=0.01", "time.end=0.03"]);
     assert!(summary["contact"].is_null() && summary["motion"].is_object());
     let columns = Series::read(&here.join("flow")).columns;
-    assert!(!columns.iter().any(|column| ["contacts", "smallest_gap", "kkt_residual"].contains(&column.as_str())), "{columns:?}");
+    assert!(
+        !columns.iter().any(|column| ["contacts", "smallest_gap", "kkt_residual", "contact_iterations"].contains(&column.as_str())),
+        "{columns:?}"
+    );
     let summary = run(1, &write(&here, DRY), &here.join("dry"), &[]);
     for key in ["flow", "solver", "viscosity"] {
         assert!(summary[key].is_null(), "{key} of a dry run is {}", summary[key]);
@@ -50,6 +53,6 @@ fn an_effect_that_is_off_is_null_and_has_no_column() {
     assert!(summary["contact"].is_object() && summary["motion"].is_object());
     assert_eq!(
         Series::read(&here.join("dry")).columns,
-        ["step", "time", "last_step", "contacts", "smallest_gap", "kkt_residual", "seconds"]
+        ["step", "time", "last_step", "contacts", "smallest_gap", "kkt_residual", "contact_iterations", "seconds"]
     );
 }

@@ -112,6 +112,7 @@ impl<const D: usize> Outputs<D> {
             active: held(state, view).len(),
             smallest_gap: certificate.map_or(f64::INFINITY, |certificate| certificate.smallest_gap),
             kkt_residual: certificate.map_or(0.0, |certificate| certificate.kkt_residual),
+            iterations: certificate.map_or(0, |certificate| certificate.iterations),
         });
         let seconds = std::mem::replace(&mut self.last_row, Instant::now()).elapsed().as_secs_f64();
         Row {
