@@ -3,6 +3,7 @@
 use nalgebra::SVector;
 
 use crate::{
+    constraint::Patch,
     error::Result,
     geometry::Ball,
     grid::{Grid, Node, operators::signed, stencil::moved},
@@ -49,16 +50,7 @@ pub fn inside<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>]) -> Vec<f64> {
     let mut inside = vec![0.0; block.len()];
     for ball in balls {
         let center = grid.domain().wrap(ball.center);
-        let cell = |axis: usize, x: f64| (x / grid.spacing()[axis] - 0.5).ceil() as isize;
-        let first: [isize; D] = std::array::from_fn(|axis| cell(axis, center[axis] - ball.radius));
-        let extent: [usize; D] = std::array::from_fn(|axis| (cell(axis, center[axis] + ball.radius) - first[axis]).max(0) as usize);
-        for number in 0..extent.iter().product() {
-            let mut rest = number;
-            let index: [isize; D] = std::array::from_fn(|axis| {
-                let step = rest % extent[axis];
-                rest /= extent[axis];
-                first[axis] + step as isize
-            });
+        for index in Patch::around(grid, D, &center, ball.radius).indices() {
             let wrapped: [usize; D] = std::array::from_fn(|axis| index[axis].rem_euclid(grid.cells()[axis] as isize) as usize);
             let mine = (0..D).all(|axis| (block.start[axis]..block.end[axis]).contains(&wrapped[axis]));
             if mine && (grid.position(D, index) - center).norm() <= ball.radius {

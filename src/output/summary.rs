@@ -1,6 +1,6 @@
 //! `summary.json`: the numbers of a run.
 
-use nalgebra::SMatrix;
+use nalgebra::{SMatrix, SVector};
 use serde::Serialize;
 
 use crate::{
@@ -216,17 +216,11 @@ impl BodySummary {
         }
     }
 
+    /// A dry body: no fluid acts on it.
     fn of_moving<const D: usize>(domain: &Domain<D>, radius: f64, moving: &Moving<D>) -> BodySummary {
-        let nothing = SMatrix::<f64, D, D>::zeros();
-        BodySummary {
-            center: domain.wrap(moving.center).as_slice().to_vec(),
-            radius,
-            velocity: moving.twist.velocity.as_slice().to_vec(),
-            spin: components(&moving.twist.spin),
-            force: vec![0.0; D],
-            torque: components(&nothing),
-            stresslet: vec![vec![0.0; D]; D],
-        }
+        let (force, nothing) = (SVector::zeros(), SMatrix::zeros());
+        let center = domain.wrap(moving.center);
+        BodySummary::of_state(radius, &BodyState { center, twist: moving.twist, force, torque: nothing, stresslet: nothing })
     }
 }
 
