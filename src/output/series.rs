@@ -62,7 +62,9 @@ impl Row {
             cells.push(("strain", number(viscosity.rate * self.time)));
             cells.push(("viscosity", number(viscosity.relative())));
             cells.push(("viscosity_hydrodynamic", number(viscosity.hydrodynamic)));
-            cells.push(("viscosity_contact", number(viscosity.contact)));
+            if self.contact.is_some() {
+                cells.push(("viscosity_contact", number(viscosity.contact)));
+            }
             if let Some(walls) = viscosity.from_walls {
                 cells.push(("viscosity_from_walls", number(walls)));
             }
@@ -146,9 +148,10 @@ fn curve(text: &str) -> Vec<(f64, f64, f64)> {
     let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let header = lines.next().unwrap_or_default();
     let columns = ["strain", "viscosity_hydrodynamic", "viscosity_contact"].map(|name| header.iter().position(|column| *column == name));
-    let [Some(strain), Some(hydrodynamic), Some(contact)] = columns else { return Vec::new() };
+    let [Some(strain), Some(hydrodynamic), contact] = columns else { return Vec::new() };
     let number = |line: &[&str], column: usize| line.get(column).and_then(|cell| cell.parse().ok()).unwrap_or(f64::NAN);
-    lines.map(|line| (number(&line, strain), number(&line, hydrodynamic), number(&line, contact))).collect()
+    let of_contacts = |line: &[&str]| contact.map_or(0.0, |contact| number(line, contact));
+    lines.map(|line| (number(&line, strain), number(&line, hydrodynamic), of_contacts(&line))).collect()
 }
 
 #[cfg(test)]

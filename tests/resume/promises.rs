@@ -33,6 +33,17 @@ fn a_run_in_time_tells_its_steps_and_costs() {
     let parts = ["assembly", "solve", "contact", "output"].map(|part| number(&summary, &format!("motion.{part}_seconds")));
     assert!(parts.iter().all(|&part| part >= 0.0) && parts.iter().sum::<f64>() <= 1.01 * number(&summary, "motion.seconds"), "{parts:?}");
     assert!(summary["flow"].is_object() && summary["solver"].is_object() && summary["viscosity"].is_object());
+    let last = series.rows.last().unwrap();
+    for (part, name) in [
+        ("relative", "viscosity"),
+        ("hydrodynamic", "viscosity_hydrodynamic"),
+        ("contact", "viscosity_contact"),
+        ("from_walls", "viscosity_from_walls"),
+    ] {
+        assert_eq!(number(&summary, &format!("viscosity.{part}")), last[column(name)], "{part}");
+    }
+    let [relative, flow, contact] = ["relative", "hydrodynamic", "contact"].map(|part| number(&summary, &format!("viscosity.{part}")));
+    assert!((flow + contact - relative).abs() < 1e-12, "{flow} + {contact} is not {relative}");
 }
 
 #[test]
@@ -40,10 +51,12 @@ fn an_effect_that_is_off_is_null_and_has_no_column() {
     let here = folder("promises-off");
     let scene = write(&here, SHEARED);
     let summary = run(1, &scene, &here.join("flow"), &["contact.model=none", "time.step=0.01", "time.end=0.03"]);
-    assert!(summary["contact"].is_null() && summary["motion"].is_object());
+    assert!(summary["contact"].is_null() && summary["motion"].is_object() && summary["viscosity"]["contact"].is_null());
     let columns = Series::read(&here.join("flow")).columns;
     assert!(
-        !columns.iter().any(|column| ["contacts", "smallest_gap", "kkt_residual", "contact_iterations"].contains(&column.as_str())),
+        !columns.iter().any(
+            |column| ["contacts", "smallest_gap", "kkt_residual", "contact_iterations", "viscosity_contact"].contains(&column.as_str())
+        ),
         "{columns:?}"
     );
     let summary = run(1, &write(&here, DRY), &here.join("dry"), &[]);

@@ -126,16 +126,21 @@ impl<const D: usize> March<'_, D> {
     fn summary(&self, view: &View<D>) -> Result<Summary> {
         let named = (self.scene.name.as_str(), self.scene.title.as_str());
         let state = self.simulation.state();
+        let viscosity = self.viscosity(view)?;
         let mut summary = match (self.simulation.suspension(), &view.solution) {
-            (Some(suspension), Some(solution)) => Summary::of_flow(named, suspension, (solution, self.viscosity(view)?), self.world),
+            (Some(suspension), Some(solution)) => Summary::of_flow(named, suspension, (solution, viscosity), self.world),
             _ => Summary::of_dry(named, self.simulation.domain(), (state, self.simulation.radii()), self.world),
         };
         (summary.time, summary.steps) = (state.time, state.steps);
-        summary.contact = (self.scene.contact.model != ContactModel::None).then(|| {
+        if self.scene.contact.model != ContactModel::None {
             let held = held(state, view);
             let (pairs, smallest_gap, kkt_residual) = self.account.contacts();
-            ContactSummary { pairs, active: held.len(), smallest_gap, kkt_residual, total_force: held.iter().map(|held| held.force).sum() }
-        });
+            let total_force = held.iter().map(|held| held.force).sum();
+            summary.contact = Some(ContactSummary { pairs, active: held.len(), smallest_gap, kkt_residual, total_force });
+            if let (Some(parts), Some(viscosity)) = (&mut summary.viscosity, viscosity) {
+                parts.contact = Some(viscosity.contact);
+            }
+        }
         Ok(summary)
     }
 
