@@ -43,7 +43,10 @@ pub fn restore<const D: usize>(checkpoint: &Checkpoint, simulation: &mut Simulat
     let account = checkpoint.shared("account")?;
     let state = read_state(checkpoint, simulation.radii().len())?;
     let past = match simulation.suspension() {
-        Some(suspension) => read_past(checkpoint, suspension.grid(), &suspension.fluid_vector()?)?,
+        Some(suspension) => {
+            let shape = suspension.remembers_fluid().then(|| suspension.fluid_vector()).transpose()?;
+            read_past(checkpoint, suspension.grid(), shape.as_ref())?
+        }
         None => None,
     };
     simulation.restore(state, past);
@@ -112,8 +115,10 @@ fn store_past<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, pas
     let snapshots = [Some(&past.last), past.earlier.as_ref().map(|(earlier, _)| earlier)];
     for (name, snapshot) in SNAPSHOTS.into_iter().zip(snapshots) {
         let Some(snapshot) = snapshot else { continue };
-        for field in 0..=D {
-            writer.lattice(&format!("{name}_{field}"), grid, field, &snapshot.fluid.local()?[grid.local_range(field)])?;
+        if let Some(fluid) = &snapshot.fluid {
+            for field in 0..=D {
+                writer.lattice(&format!("{name}_{field}"), grid, field, &fluid.local()?[grid.local_range(field)])?;
+            }
         }
         let counts: Vec<f64> = snapshot.multipliers.iter().map(|multipliers| multipliers.len() as f64).collect();
         writer.shared(&format!("{name}_modes"), &counts)?;
@@ -125,18 +130,20 @@ fn store_past<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, pas
     Ok(())
 }
 
-fn read_past<const D: usize>(checkpoint: &Checkpoint, grid: &Grid<D>, shape: &Vector) -> Result<Option<Past<D>>> {
+fn read_past<const D: usize>(checkpoint: &Checkpoint, grid: &Grid<D>, shape: Option<&Vector>) -> Result<Option<Past<D>>> {
     let [time, interval] = checkpoint.shared("past")?[..] else { return Ok(None) };
     let last = read_snapshot(checkpoint, grid, shape, SNAPSHOTS[0])?;
     let earlier = if interval > 0.0 { Some((read_snapshot(checkpoint, grid, shape, SNAPSHOTS[1])?, interval)) } else { None };
     Ok(Some(Past { time, last, earlier }))
 }
 
-fn read_snapshot<const D: usize>(checkpoint: &Checkpoint, grid: &Grid<D>, shape: &Vector, name: &str) -> Result<Snapshot<D>> {
-    let mut fluid = shape.like()?;
-    for field in 0..=D {
-        let values = checkpoint.lattice(&format!("{name}_{field}"), grid, field)?;
-        fluid.local_mut()?[grid.local_range(field)].copy_from_slice(&values);
+fn read_snapshot<const D: usize>(checkpoint: &Checkpoint, grid: &Grid<D>, shape: Option<&Vector>, name: &str) -> Result<Snapshot<D>> {
+    let mut fluid = shape.map(Vector::like).transpose()?;
+    if let Some(fluid) = &mut fluid {
+        for field in 0..=D {
+            let values = checkpoint.lattice(&format!("{name}_{field}"), grid, field)?;
+            fluid.local_mut()?[grid.local_range(field)].copy_from_slice(&values);
+        }
     }
     let counts = checkpoint.shared(&format!("{name}_modes"))?;
     let flat = checkpoint.shared(&format!("{name}_multipliers"))?;

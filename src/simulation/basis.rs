@@ -32,6 +32,8 @@ pub struct Basis<const D: usize> {
     pub undisturbed: (Vector, Vec<f64>),
     /// Kinds of bodies.
     pub kinds: Kinds<D>,
+    /// Whether the fluid is eliminated from the linear system, because its inverse is exact.
+    pub condensed: bool,
 }
 
 impl<const D: usize> Basis<D> {
@@ -51,8 +53,8 @@ impl<const D: usize> Basis<D> {
         let mut inverse = inverse(&stokes, &grid)?;
         let closure = Closure::new(&setup.drive, &grid, &stokes, inverse.as_mut())?;
         let undisturbed = flow_without_bodies(&setup.drive, &grid, &stokes, inverse.as_mut(), &closure)?;
-        let kinds = Kinds::new(&setup, &grid);
-        Ok((Basis { session: session.clone(), setup, grid, stokes, closure, undisturbed, kinds }, inverse))
+        let (kinds, condensed) = (Kinds::new(&setup, &grid), inverse.exact());
+        Ok((Basis { session: session.clone(), setup, grid, stokes, closure, undisturbed, kinds, condensed }, inverse))
     }
 
     /// The velocity that the flow without bodies has besides its fluid vector.
@@ -97,9 +99,9 @@ impl<const D: usize> Basis<D> {
         Ok(touching.without(&known))
     }
 
-    /// The right-hand side of the coupled system: rows of this rank's bodies, then the tail on rank 0.
+    /// The right-hand side of the linear system: rows of this rank's bodies, then the tail on rank 0.
     pub fn fill_right_hand_side(&self, wanted: &[f64], rates: &[f64], prescribed_drag: f64, rhs: &mut Vector) -> Result<()> {
-        let fluid = self.grid.local_fluid_unknowns();
+        let fluid = if self.condensed { 0 } else { self.grid.local_fluid_unknowns() };
         let mut rows = rhs.local_mut()?;
         rows.fill(0.0);
         let (multipliers, tail) = rows[fluid..].split_at_mut(wanted.len());

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use nalgebra::{DMatrix, SMatrix, SVector};
 
-use super::{BodyState, Setup, coupled::Member};
+use super::{BodyState, Setup, surfaces::Member};
 use crate::{
     body::{Motion, Twist, components, skew},
     constraint::{self, Blocks, Layout, Placed},

@@ -71,6 +71,39 @@ impl Closure {
             Closure::MeanVelocity => D,
         }
     }
+
+    /// The forces that are to be found.
+    pub fn forces(&self) -> &[UniformForce] {
+        match self {
+            Closure::Forces(forces) => forces,
+            _ => &[],
+        }
+    }
+
+    /// Adds forces of the given amounts, times `factor`, to momentum rows that are not balanced.
+    pub fn add_forces(&self, factor: f64, amounts: &[f64], rows: &mut Vector) -> Result<()> {
+        let mut rows = rows.local_mut()?;
+        for (force, amount) in self.forces().iter().zip(amounts) {
+            rows[force.faces.0.clone()].iter_mut().for_each(|row| *row += factor * amount);
+        }
+        Ok(())
+    }
+
+    /// Mean velocities of a fluid along the axes of the forces.
+    pub fn mean_velocities(&self, world: &World, fluid: &Vector) -> Result<Vec<f64>> {
+        self.forces().iter().map(|force| force.mean_velocity(world, fluid)).collect()
+    }
+
+    /// Adds the uniformly forced flows that give a fluid the wanted mean velocities; returns the forces.
+    pub fn correct_mean_velocities(&self, world: &World, wanted: &[f64], fluid: &mut Vector) -> Result<Vec<f64>> {
+        let mut amounts = Vec::new();
+        for (force, wanted) in self.forces().iter().zip(wanted) {
+            let amount = (wanted - force.mean_velocity(world, fluid)?) / force.mean;
+            fluid.add(amount, &force.response)?;
+            amounts.push(amount);
+        }
+        Ok(amounts)
+    }
 }
 
 impl UniformForce {
@@ -120,13 +153,10 @@ pub fn flow_without_bodies<const D: usize>(
     }
     stokes.balance(&mut rhs)?;
     FluidSystem { stokes, inverse: Some(inverse) }.solve((&rhs, &mut flow), EXACT, MOST_ITERATIONS)?;
-    let mut forces = Vec::new();
-    if let (Drive::MeanVelocity(wanted), Closure::Forces(uniform)) = (drive, closure) {
-        for force in uniform {
-            let amount = (wanted[force.axis] - force.mean_velocity(stokes.session().world(), &flow)?) / force.mean;
-            flow.add(amount, &force.response)?;
-            forces.push(amount);
-        }
-    }
+    let wanted: Vec<f64> = match drive {
+        Drive::MeanVelocity(velocity) => closure.forces().iter().map(|force| velocity[force.axis]).collect(),
+        _ => Vec::new(),
+    };
+    let forces = closure.correct_mean_velocities(stokes.session().world(), &wanted, &mut flow)?;
     Ok((flow, forces))
 }

@@ -2,11 +2,12 @@
 //!
 //! A field on the grid has jumps at the surfaces, which move. Before it is used at new places, the points that a surface
 //! passed change sides: a field that is a sum of solutions with surfaces in different places changes by the same sum of
-//! their jump functions. What is left is smooth in time at every point, and is extrapolated linearly.
+//! their jump functions. What is left is smooth in time at every point, and is extrapolated linearly. Where the fluid is
+//! eliminated from the linear system, multipliers are all there is.
 
 use nalgebra::SVector;
 
-use super::bodies::Bodies;
+use super::{bodies::Bodies, coupled::Unknowns};
 use crate::{
     constraint::{Passed, Placed, jump, passed},
     error::Result,
@@ -18,8 +19,8 @@ const LONGEST_MOVE: f64 = 2.0;
 
 /// A solution: the fluid on the grid, the multipliers of all bodies (known to all ranks) and the unknowns of the closure.
 pub struct Snapshot<const D: usize> {
-    /// Disturbance of the flow without bodies.
-    pub fluid: Vector,
+    /// Disturbance of the flow without bodies, unless the fluid is eliminated.
+    pub fluid: Option<Vector>,
     /// Multipliers, body by body.
     pub multipliers: Vec<Vec<f64>>,
     /// Centres of the bodies when it was found, not wrapped into the box.
@@ -47,31 +48,30 @@ pub struct Guess<const D: usize> {
 }
 
 impl<const D: usize> Snapshot<D> {
-    /// A copy of what was found; fluid and multipliers are this rank's parts. Collective.
-    pub fn of(bodies: &Bodies<D>, session: &Session, centers: &[SVector<f64, D>], found: (&Vector, &[f64], &[f64])) -> Result<Self> {
-        let (found, multipliers, closure) = found;
-        let multipliers = bodies.share_multipliers(session, multipliers);
-        Ok(Snapshot { fluid: copy(found)?, multipliers, centers: centers.to_vec(), closure: closure.to_vec() })
+    /// A copy of what was found, without the fluid if it is eliminated. Collective.
+    pub fn of(bodies: &Bodies<D>, session: &Session, centers: &[SVector<f64, D>], (found, condensed): (&Unknowns, bool)) -> Result<Self> {
+        let multipliers = bodies.share_multipliers(session, &found.multipliers);
+        let fluid = if condensed { None } else { Some(copy(&found.fluid)?) };
+        Ok(Snapshot { fluid, multipliers, centers: centers.to_vec(), closure: found.tail.clone() })
     }
 
     /// `self + factor (self - earlier)`.
     fn extrapolated(&self, earlier: &Snapshot<D>, factor: f64) -> Result<Snapshot<D>> {
-        let mut fluid = copy(&self.fluid)?;
-        fluid.add(factor, &self.fluid)?;
-        fluid.add(-factor, &earlier.fluid)?;
-        let line = |(last, earlier): (&f64, &f64)| last + factor * (last - earlier);
-        let of_body = |(last, earlier): (&Vec<f64>, &Vec<f64>)| last.iter().zip(earlier).map(line).collect();
-        Ok(Snapshot {
-            fluid,
-            multipliers: self.multipliers.iter().zip(&earlier.multipliers).map(of_body).collect(),
-            centers: self.centers.clone(),
-            closure: self.closure.iter().zip(&earlier.closure).map(line).collect(),
-        })
+        let mut snapshot = self.copy()?;
+        if let (Some(fluid), Some(last), Some(earlier)) = (&mut snapshot.fluid, &self.fluid, &earlier.fluid) {
+            fluid.add(factor, last)?;
+            fluid.add(-factor, earlier)?;
+        }
+        let line = |(last, earlier): (&mut f64, &f64)| *last += factor * (*last - earlier);
+        let bodies = snapshot.multipliers.iter_mut().zip(&earlier.multipliers);
+        bodies.for_each(|(last, earlier)| last.iter_mut().zip(earlier).for_each(line));
+        snapshot.closure.iter_mut().zip(&earlier.closure).for_each(line);
+        Ok(snapshot)
     }
 
     fn copy(&self) -> Result<Snapshot<D>> {
         let (multipliers, centers, closure) = (self.multipliers.clone(), self.centers.clone(), self.closure.clone());
-        Ok(Snapshot { fluid: copy(&self.fluid)?, multipliers, centers, closure })
+        Ok(Snapshot { fluid: self.fluid.as_ref().map(copy).transpose()?, multipliers, centers, closure })
     }
 
     /// The jump at a point that a body passes, for this solution and a body that is about to be in the image at `center`.
@@ -91,7 +91,7 @@ impl<const D: usize> Past<D> {
     /// A starting point for bodies that have come to new `centers` at a `time`; none if they moved too far.
     pub fn guess(&self, bodies: &Bodies<D>, centers: &[SVector<f64, D>], time: f64) -> Result<Option<Guess<D>>> {
         let longest = centers.iter().zip(&self.last.centers).map(|(center, last)| (center - last).norm()).fold(0.0, f64::max);
-        if longest > LONGEST_MOVE * bodies.grid().spacing().max() {
+        if self.last.fluid.is_some() && longest > LONGEST_MOVE * bodies.grid().spacing().max() {
             return Ok(None);
         }
         let mut last = self.last.copy()?;
@@ -99,14 +99,28 @@ impl<const D: usize> Past<D> {
             Some((earlier, interval)) => self.last.extrapolated(earlier, (time - self.time) / interval)?,
             None => self.last.copy()?,
         };
+        if let (Some(of_last), Some(of_extrapolated)) = (&mut last.fluid, &mut extrapolated.fluid) {
+            self.change_sides(bodies, (centers, time), of_last, of_extrapolated)?;
+        }
+        Ok(Some(Guess { extrapolated, last }))
+    }
+
+    /// Changes, at the points that surfaces pass on their way to `centers`, the last fluid and the one extrapolated to `time`.
+    fn change_sides(
+        &self,
+        bodies: &Bodies<D>,
+        (centers, time): (&[SVector<f64, D>], f64),
+        last: &mut Vector,
+        extrapolated: &mut Vector,
+    ) -> Result<()> {
         let points: Vec<(usize, SVector<f64, D>, Passed<D>)> =
             bodies.layout.local_bodies.iter().flat_map(|&body| self.passed(bodies, body, &centers[body])).collect();
         let places: Vec<i32> = points.iter().map(|(_, _, point)| point.place).collect();
-        let mut scatter = Scatter::new(&self.last.fluid, &places)?;
+        let mut scatter = Scatter::new(last, &places)?;
         let of_last: Vec<f64> =
             points.iter().map(|(body, shift, point)| point.side * self.last.jump(bodies, *body, shift, point)).collect();
         scatter.places()?.copy_from_slice(&of_last);
-        scatter.add_back(&mut last.fluid)?;
+        scatter.add_back(last)?;
         scatter.places()?.iter_mut().zip(&of_last).zip(&points).for_each(|((place, of_last), (body, shift, point))| {
             *place = *of_last;
             if let Some((earlier, interval)) = &self.earlier {
@@ -114,8 +128,7 @@ impl<const D: usize> Past<D> {
                 *place += (time - self.time) / interval * (of_last - of_earlier);
             }
         });
-        scatter.add_back(&mut extrapolated.fluid)?;
-        Ok(Some(Guess { extrapolated, last }))
+        scatter.add_back(extrapolated)
     }
 
     /// The points that a body passes on its way to `center`, each with the body and the shift of its centres into the box.

@@ -3,6 +3,7 @@
 mod basis;
 mod bodies;
 mod closure;
+mod condensed;
 mod coupled;
 mod drift;
 mod dry;
@@ -16,10 +17,11 @@ mod setup;
 mod simulation;
 mod solution;
 mod state;
+mod surfaces;
 mod suspension;
 mod touching;
+mod work;
 
-pub use coupled::Stages;
 pub use drift::Drift;
 pub use dry::{Dry, DryBody, DrySetup};
 pub use dynamics::{Dynamics, Effort, Seen, Travel, View};
@@ -31,3 +33,4 @@ pub use simulation::{Simulation, StepReport};
 pub use solution::{BodyState, Solution};
 pub use state::{Held, Moving, State};
 pub use suspension::{Cost, Moment, Suspension};
+pub use work::Stages;

@@ -8,9 +8,13 @@ use super::{
     Setup, Solution,
     basis::Basis,
     bodies::Bodies,
-    coupled::{Coupled, Member, Stages, Work},
+    condensed::Condensed,
+    coupled::{BodiesInFluid, Coupled, Parts, Unknowns},
+    dynamics::Seen,
     memory::{Guess, Past, Snapshot},
+    surfaces::{Member, Surfaces},
     touching::Touching,
+    work::{Sizes, Stages, Work},
 };
 use crate::{
     constraint::Blocks,
@@ -144,6 +148,11 @@ impl<const D: usize> Suspension<D> {
         self.basis.stokes.vector()
     }
 
+    /// Whether further solves start from the fluid of earlier ones; where it is eliminated, multipliers suffice.
+    pub fn remembers_fluid(&self) -> bool {
+        !self.basis.condensed
+    }
+
     /// What further solves start from.
     pub fn past(&self) -> Option<&Past<D>> {
         self.past.as_ref()
@@ -167,17 +176,20 @@ impl<const D: usize> Suspension<D> {
         let mut ready = Ready::new(basis, (self.assembly.take(), self.engine.take()), self.past.as_ref(), moment)?;
         self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();
         self.cost.assembly = start.elapsed().as_secs_f64();
-        let found = ready.solve(basis, self.inverse.as_mut(), seen)?;
-        let Ready { bodies, assembly, mut engine, guess, .. } = ready;
-        self.cost.krylov = found.report;
+        let (report, mut found) = ready.solve(basis, self.inverse.as_mut(), seen)?;
+        let Ready { bodies, assembly, mut engine, guess, touching, .. } = ready;
+        self.cost.krylov = report;
         self.cost.stages = std::mem::take(&mut engine.work.stages);
+        let contacts = found.tail.split_off(basis.closure.unknowns::<D>());
         if self.remembers {
-            let last = Snapshot::of(&bodies, &basis.session, moment.centers, (&found.fluid, &found.multipliers, &found.closure))?;
+            let last = Snapshot::of(&bodies, &basis.session, moment.centers, (&found, basis.condensed))?;
             self.past = Some(Past::then(self.past.take(), last, (guess, moment.time)));
         }
         let states = bodies.states(&basis.session, &found.velocities, &found.multipliers);
         (self.assembly, self.engine) = (Some(assembly), Some(engine));
-        basis.solution(states, found.fluid, &found.closure, found.contact_forces)
+        let unit = touching.scale * basis.setup.viscosity;
+        let contact_forces = contacts[..touching.count()].iter().map(|unknown| unknown * unit).collect();
+        basis.solution(states, found.fluid, &found.tail, contact_forces)
     }
 }
 
@@ -190,18 +202,6 @@ struct Ready<'a, const D: usize> {
     engine: Engine,
     guess: Option<Guess<D>>,
     prescribed_drag: f64,
-}
-
-/// What a solve finds: this rank's parts, besides the unknowns of closure and contacts.
-struct Found {
-    report: Report,
-    /// Velocities on the surfaces, tested with all modes.
-    velocities: Vec<f64>,
-    /// Disturbance of the flow without bodies.
-    fluid: Vector,
-    multipliers: Vec<f64>,
-    closure: Vec<f64>,
-    contact_forces: Vec<f64>,
 }
 
 impl<'a, const D: usize> Ready<'a, D> {
@@ -219,9 +219,12 @@ impl<'a, const D: usize> Ready<'a, D> {
         };
         let members = bodies.members();
         let guess = past.map_or(Ok(None), |past| past.guess(&bodies, moment.centers, moment.time))?;
-        let places = engine.as_ref().map_or(0, |engine| engine.work.contact_places());
+        let closure = basis.closure.unknowns::<D>();
+        let places = engine.as_ref().map_or(0, |engine| engine.work.sizes().tail - closure);
         let touching = basis.touching(&bodies, moment, (&assembly.undisturbed, places))?;
-        let mut engine = Engine::fitting(engine, basis, assembly.undisturbed.len(), touching.places())?;
+        let fluid = if basis.condensed { 0 } else { basis.grid.local_fluid_unknowns() };
+        let sizes = Sizes { fluid, multipliers: assembly.undisturbed.len(), tail: closure + touching.places() };
+        let mut engine = Engine::fitting(engine, basis, sizes)?;
         let prescribed_drag = prescribed_drag(&basis.session, &members);
         let wanted = bodies.wanted_rows(&members, &assembly.undisturbed);
         basis.fill_right_hand_side(&wanted, &touching.rates, prescribed_drag, &mut engine.rhs)?;
@@ -230,26 +233,28 @@ impl<'a, const D: usize> Ready<'a, D> {
         Ok(Ready { bodies, members, assembly, touching, engine, guess, prescribed_drag })
     }
 
-    fn solve(&mut self, basis: &Basis<D>, inverse: &mut dyn StokesInverse<D>, seen: &mut dyn FnMut(usize, f64)) -> Result<Found> {
-        let mut coupled = Coupled {
-            stokes: &basis.stokes,
-            inverse,
+    /// Solves; the velocities that are found include those of the flow without bodies.
+    fn solve(&mut self, basis: &Basis<D>, inverse: &mut dyn StokesInverse<D>, seen: Seen) -> Result<(Report, Unknowns)> {
+        let surfaces = Surfaces {
+            world: basis.session.world(),
             blocks: &mut self.assembly.blocks,
             members: &self.members,
             closure: &basis.closure,
             touching: &mut self.touching,
             prescribed_drag: self.prescribed_drag,
-            work: &mut self.engine.work,
         };
-        let report = self.engine.krylov.solve(&mut coupled, (&self.engine.rhs, &mut self.engine.x), seen)?;
-        let mut velocities = coupled.velocity_on_surfaces(&self.engine.x)?;
-        velocities.iter_mut().zip(&self.assembly.undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);
-        let (fluid, multipliers, mut closure) = coupled.parts(&self.engine.x)?;
-        let contacts = closure.split_off(basis.closure.unknowns::<D>());
-        let unit = self.touching.scale * basis.setup.viscosity;
-        let contact_forces = contacts[..self.touching.count()].iter().map(|unknown| unknown * unit).collect();
-        Ok(Found { report, velocities, fluid, multipliers, closure, contact_forces })
+        let Engine { krylov, work, rhs, x } = &mut self.engine;
+        let parts = Parts { stokes: &basis.stokes, inverse, surfaces, work };
+        let (report, mut found) =
+            if basis.condensed { solve(krylov, Condensed(parts), (rhs, x), seen) } else { solve(krylov, Coupled(parts), (rhs, x), seen) }?;
+        found.velocities.iter_mut().zip(&self.assembly.undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);
+        Ok((report, found))
     }
+}
+
+fn solve(krylov: &mut Krylov, mut system: impl BodiesInFluid, (rhs, x): (&Vector, &mut Vector), seen: Seen) -> Result<(Report, Unknowns)> {
+    let report = krylov.solve(&mut system, (rhs, x), seen)?;
+    Ok((report, system.unknowns(x)?))
 }
 
 impl<const D: usize> Assembly<D> {
@@ -261,22 +266,20 @@ impl<const D: usize> Assembly<D> {
 }
 
 impl Engine {
-    /// The engine at hand if it has the right size on every rank, or else a new one.
-    fn fitting<const D: usize>(at_hand: Option<Engine>, basis: &Basis<D>, multipliers: usize, contact_places: usize) -> Result<Engine> {
-        let world = basis.session.world();
-        let fits = at_hand.as_ref().is_some_and(|engine| engine.work.fits(multipliers, contact_places));
-        match at_hand.filter(|_| world.max(if fits { 0.0 } else { 1.0 }) == 0.0) {
+    /// The engine at hand if it has the right sizes on every rank, or else a new one.
+    fn fitting<const D: usize>(at_hand: Option<Engine>, basis: &Basis<D>, sizes: Sizes) -> Result<Engine> {
+        let fits = at_hand.as_ref().is_some_and(|engine| engine.work.sizes() == sizes);
+        match at_hand.filter(|_| basis.session.world().max(if fits { 0.0 } else { 1.0 }) == 0.0) {
             Some(engine) => Ok(engine),
-            None => Engine::new(basis, multipliers, contact_places),
+            None => Engine::new(basis, sizes),
         }
     }
 
-    fn new<const D: usize>(basis: &Basis<D>, multipliers: usize, contact_places: usize) -> Result<Engine> {
-        let tail = if basis.session.world().rank() == 0 { basis.closure.unknowns::<D>() + contact_places } else { 0 };
-        let rhs = Vector::new(&basis.session, basis.grid.local_fluid_unknowns() + multipliers + tail)?;
-        let settings = krylov_settings(basis.setup.tolerance);
-        let krylov = Krylov::new(&basis.session, rhs.local()?.len(), c"coupled_", settings)?;
-        Ok(Engine { krylov, work: Work::new(&basis.stokes, multipliers, contact_places)?, x: rhs.like()?, rhs })
+    fn new<const D: usize>(basis: &Basis<D>, sizes: Sizes) -> Result<Engine> {
+        let work = Work::new(&basis.stokes, sizes)?;
+        let rhs = work.solver_vector(&basis.session)?;
+        let krylov = Krylov::new(&basis.session, rhs.local()?.len(), c"coupled_", krylov_settings(basis.setup.tolerance))?;
+        Ok(Engine { krylov, work, x: rhs.like()?, rhs })
     }
 
     /// Sets the unknowns to a guess, or to zero.
@@ -284,9 +287,13 @@ impl Engine {
         let mut x = self.x.local_mut()?;
         x.fill(0.0);
         let Some(Guess { extrapolated: Snapshot { fluid, multipliers, closure, .. }, .. }) = guess else { return Ok(()) };
-        let parts = [&fluid.local()?[..], &bodies.local_multipliers(multipliers), closure, &contacts].concat();
+        let (of_fluid, others) = x.split_at_mut(self.work.sizes().fluid);
+        if let Some(fluid) = fluid {
+            of_fluid.copy_from_slice(&fluid.local()?);
+        }
+        let parts = [&bodies.local_multipliers(multipliers), closure, &contacts[..]].concat();
         // only rank 0 holds the tail
-        x.iter_mut().zip(parts).for_each(|(x, guess)| *x = guess);
+        others.iter_mut().zip(parts).for_each(|(x, guess)| *x = guess);
         Ok(())
     }
 }

@@ -31,4 +31,8 @@ impl<const D: usize> StokesInverse<D> for IteratedInverse {
         FluidSystem { stokes, inverse: Some(&mut self.cycle) }.solve((&projected, output), self.tolerance, MOST_ITERATIONS)?;
         Ok(())
     }
+
+    fn exact(&self) -> bool {
+        true
+    }
 }

@@ -18,6 +18,11 @@ use crate::{
 pub trait StokesInverse<const D: usize> {
     /// `output = K^ rows`, where `rows` are balanced.
     fn precondition(&mut self, stokes: &Stokes<D>, rows: &Vector, output: &mut Vector) -> Result<()>;
+
+    /// Whether it is the inverse itself, so that no residual of the fluid is left to be seen.
+    fn exact(&self) -> bool {
+        false
+    }
 }
 
 /// The fluid without bodies, as a linear system; `inverse` preconditions it, if there is one.

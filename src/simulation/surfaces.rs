@@ -1,0 +1,178 @@
+//! Rows and unknowns on surfaces, of closure and of contacts: what the coupled system has besides the fluid.
+//!
+//! ```text
+//! [ J    E    T  -N' ] [ u ]   [ v ]      rows of rigid modes of free bodies: the net force, c - N' f = given
+//! [ .    F    .   .  ] [ c ] = [ 0 ]      with a mean velocity g to be found: the net force of prescribed bodies
+//! [ N J  N E  N T .  ] [ g ]   [ r ]      f: forces of contacts, r: rates at which their gaps grow
+//!                      [ f ]
+//! ```
+//!
+//! The approximate inverse gives each body its own mobility in unbounded fluid.
+
+use std::{ops::Range, rc::Rc};
+
+use nalgebra::{DMatrix, DVector, DVectorViewMut};
+
+use super::{closure::Closure, touching::Touching};
+use crate::{constraint::Blocks, error::Result, parallel::World, petsc::Vector};
+
+/// A body of this rank in the linear system.
+pub struct Member {
+    /// Its multipliers in this rank's part of the multipliers.
+    pub range: Range<usize>,
+    /// Number of its rigid modes; the first `dimension` of them are translations.
+    pub rigid: usize,
+    /// Whether its rigid modes are given (a free body) instead of its velocity.
+    pub free: bool,
+    /// Inverse of its diagonal block.
+    pub inverse: Rc<DMatrix<f64>>,
+    /// Factor of the rows that give the net force, which makes them velocities.
+    pub force_scale: f64,
+    /// Net force of a unit translation multiplier.
+    pub area: f64,
+    /// Velocity in unbounded fluid that a unit translation multiplier causes.
+    pub mobility: f64,
+}
+
+/// The part of a linear system that lives on surfaces.
+pub struct Surfaces<'a, const D: usize> {
+    /// The ranks.
+    pub world: &'a World,
+    /// Bodies.
+    pub blocks: &'a mut Blocks<D>,
+    /// This rank's bodies.
+    pub members: &'a [Member],
+    /// Closure.
+    pub closure: &'a Closure,
+    /// Contacts.
+    pub touching: &'a mut Touching<D>,
+    /// Sum over all prescribed bodies of the translation block of their inverses, the closure's own row scale.
+    pub prescribed_drag: f64,
+}
+
+impl<const D: usize> Surfaces<'_, D> {
+    /// The rows for a fluid, multipliers `given` and a tail, those of the multipliers in `rows`. Returns the tail's rows,
+    /// `unknown = given` for a force of the closure and for places that no contact takes.
+    pub fn rows(&mut self, fluid: &Vector, (given, tail): (&Vector, &[f64]), rows: &mut Vector) -> Result<Vec<f64>> {
+        self.velocity(fluid, (given, tail), rows)?;
+        let rates = self.shared_sum(self.touching.local_rates(&rows.local()?));
+        self.net_force_rows((given, tail), rows)?;
+        let mut tail_rows = tail.to_vec();
+        if let Closure::MeanVelocity = self.closure {
+            let force = total_force::<D>(self.members, &given.local()?);
+            let force = self.shared_sum(force.iter().map(|force| force / self.prescribed_drag).collect());
+            tail_rows[..D].copy_from_slice(&force);
+        }
+        tail_rows[self.contacts()].copy_from_slice(&rates);
+        Ok(tail_rows)
+    }
+
+    /// The velocity of the fluid on the surfaces, tested with all modes.
+    pub fn velocity(&mut self, fluid: &Vector, (given, tail): (&Vector, &[f64]), velocity: &mut Vector) -> Result<()> {
+        self.blocks.sample(fluid, &mut velocity.local_mut()?)?;
+        self.blocks.add_local(given, velocity)?;
+        if let Closure::MeanVelocity = self.closure {
+            let mut rows = velocity.local_mut()?;
+            for member in self.members {
+                rows[member.range.start..].iter_mut().zip(&tail[..D]).for_each(|(row, mean)| *row += mean);
+            }
+        }
+        Ok(())
+    }
+
+    /// Multipliers and tail for the given rows, when the fluid already moves as `sampled`, which the multipliers replace.
+    pub fn precondition(&mut self, given: &mut Vector, rows: &[f64], sampled: &mut Vector) -> Result<Vec<f64>> {
+        let mut tail = rows.to_vec();
+        let contacts = self.invert_contacts(given, rows, sampled)?;
+        tail[self.contacts()].copy_from_slice(&contacts);
+        self.invert_bodies(given, sampled)?;
+        if let Closure::MeanVelocity = self.closure {
+            let means = self.correct_net_force(rows, sampled)?;
+            tail[..D].copy_from_slice(&means);
+        }
+        Ok(tail)
+    }
+
+    /// Where the contacts are in the tail.
+    fn contacts(&self) -> Range<usize> {
+        let first = self.closure.unknowns::<D>();
+        first..first + self.touching.count()
+    }
+
+    fn shared_sum(&self, mut values: Vec<f64>) -> Vec<f64> {
+        if !values.is_empty() {
+            self.world.sum(&mut values);
+        }
+        values
+    }
+
+    fn net_force_rows(&self, (given, tail): (&Vector, &[f64]), rows: &mut Vector) -> Result<()> {
+        let mut multipliers = given.local()?.to_vec();
+        self.touching.press(-1.0, &tail[self.contacts()], &mut multipliers);
+        let mut rows = rows.local_mut()?;
+        for member in self.members.iter().filter(|member| member.free) {
+            let rigid = member.range.start..member.range.start + member.rigid;
+            rows[rigid.clone()].iter_mut().zip(&multipliers[rigid]).for_each(|(row, c)| *row = member.force_scale * c);
+        }
+        Ok(())
+    }
+
+    /// The contacts' unknowns for the sampled velocities; adds what they press to the given net forces.
+    fn invert_contacts(&mut self, given: &mut Vector, rows: &[f64], sampled: &Vector) -> Result<Vec<f64>> {
+        if self.touching.count() == 0 {
+            return Ok(Vec::new());
+        }
+        let mut velocities = sampled.local()?.to_vec();
+        let mut given = given.local_mut()?;
+        for member in self.members.iter().filter(|member| member.free) {
+            for mode in member.range.start..member.range.start + D {
+                velocities[mode] += member.mobility * given[mode] / member.force_scale;
+            }
+        }
+        let found = self.shared_sum(self.touching.local_rates(&velocities));
+        let missing = rows[self.contacts()].iter().zip(found).map(|(wanted, found)| wanted - found).collect();
+        let contacts = self.touching.approximate_unknowns(missing);
+        let mut pressed = vec![0.0; given.len()];
+        self.touching.press(1.0, &contacts, &mut pressed);
+        for member in self.members.iter().filter(|member| member.free) {
+            let translations = member.range.start..member.range.start + D;
+            given[translations.clone()].iter_mut().zip(&pressed[translations]).for_each(|(row, c)| *row += member.force_scale * c);
+        }
+        Ok(contacts)
+    }
+
+    /// Turns the sampled velocities into multipliers.
+    fn invert_bodies(&mut self, given: &Vector, sampled: &mut Vector) -> Result<()> {
+        let given = given.local()?;
+        let mut found = sampled.local_mut()?;
+        for member in self.members {
+            let (given, found) = (&given[member.range.clone()], &mut found[member.range.clone()]);
+            for (mode, (found, given)) in found.iter_mut().zip(given).enumerate() {
+                let sampled = if member.free && mode < member.rigid { 0.0 } else { *found };
+                *found = given - sampled;
+            }
+            let wanted = DVector::from_column_slice(found);
+            DVectorViewMut::from_slice(found, wanted.len()).gemv(1.0, &member.inverse, &wanted, 0.0);
+        }
+        Ok(())
+    }
+
+    /// Chooses the mean velocity for which prescribed bodies bear the wanted net force.
+    fn correct_net_force(&self, rows: &[f64], multipliers: &mut Vector) -> Result<Vec<f64>> {
+        let mut found = multipliers.local_mut()?;
+        let force = self.shared_sum(total_force::<D>(self.members, &found));
+        let means: Vec<f64> = force.iter().zip(rows).map(|(force, row)| force / self.prescribed_drag - row).collect();
+        for member in self.members.iter().filter(|member| !member.free) {
+            for (axis, mean) in means.iter().enumerate() {
+                found[member.range.start + axis] -= member.inverse[(axis, axis)] * mean;
+            }
+        }
+        Ok(means)
+    }
+}
+
+/// Net force of this rank's bodies on the fluid.
+fn total_force<const D: usize>(members: &[Member], multipliers: &[f64]) -> Vec<f64> {
+    let of = |axis: usize| members.iter().map(|member| member.area * multipliers[member.range.start + axis]).sum();
+    (0..D).map(of).collect()
+}

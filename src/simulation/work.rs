@@ -1,0 +1,111 @@
+//! Vectors that a linear system needs while it is applied, and how the solver's vectors are laid out.
+
+use super::coupled::Unknowns;
+use crate::{
+    error::Result,
+    flow::Stokes,
+    parallel::World,
+    petsc::{Session, Vector},
+};
+
+/// Seconds spent in the parts of a solve.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Stages {
+    /// Operator: box matrices.
+    pub matrices: f64,
+    /// Operator and preconditioner: blocks of the bodies.
+    pub bodies: f64,
+    /// Inverse of the fluid.
+    pub inverse: f64,
+}
+
+/// Work space. The solver's vectors hold, on each rank, a fluid part (unless the fluid is eliminated), multipliers, and on
+/// rank 0 the tail: the unknowns of the closure, then those of the contacts.
+pub struct Work {
+    /// Fluid vectors: unknowns and rows.
+    pub fluid_in: Vector,
+    /// See `fluid_in`.
+    pub fluid_out: Vector,
+    /// Vectors of the multipliers: unknowns and rows.
+    pub multipliers_in: Vector,
+    /// See `multipliers_in`.
+    pub multipliers_out: Vector,
+    /// Seconds so far.
+    pub stages: Stages,
+    sizes: Sizes,
+}
+
+/// This rank's numbers of unknowns in the solver's vectors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sizes {
+    /// Of the fluid; 0 if it is eliminated.
+    pub fluid: usize,
+    /// On surfaces.
+    pub multipliers: usize,
+    /// In the tail, on all ranks alike, though only rank 0 holds them.
+    pub tail: usize,
+}
+
+impl Work {
+    /// Work space of the given sizes.
+    pub fn new<const D: usize>(stokes: &Stokes<D>, sizes: Sizes) -> Result<Work> {
+        let vector = || Vector::new(stokes.session(), sizes.multipliers);
+        Ok(Work {
+            fluid_in: stokes.vector()?,
+            fluid_out: stokes.vector()?,
+            multipliers_in: vector()?,
+            multipliers_out: vector()?,
+            stages: Stages::default(),
+            sizes,
+        })
+    }
+
+    /// The sizes it was made for.
+    pub fn sizes(&self) -> Sizes {
+        self.sizes
+    }
+
+    /// A vector of zeros for the solver.
+    pub fn solver_vector(&self, session: &Session) -> Result<Vector> {
+        let tail = if session.world().rank() == 0 { self.sizes.tail } else { 0 };
+        Vector::new(session, self.sizes.fluid + self.sizes.multipliers + tail)
+    }
+
+    /// Takes a solver's vector apart into `fluid_in`, `multipliers_in` and the tail, which all ranks then know.
+    pub fn split(&mut self, world: &World, input: &Vector) -> Result<Vec<f64>> {
+        let input = input.local()?;
+        let (fluid, rest) = input.split_at(self.sizes.fluid);
+        let (multipliers, tail) = rest.split_at(self.sizes.multipliers);
+        if !fluid.is_empty() {
+            self.fluid_in.local_mut()?.copy_from_slice(fluid);
+        }
+        self.multipliers_in.local_mut()?.copy_from_slice(multipliers);
+        let mut shared = vec![0.0; self.sizes.tail];
+        shared[..tail.len()].copy_from_slice(tail);
+        if !shared.is_empty() {
+            world.sum(&mut shared);
+        }
+        Ok(shared)
+    }
+
+    /// What was split, with the velocities on surfaces in `multipliers_out`.
+    pub fn unknowns(&self, tail: Vec<f64>) -> Result<Unknowns> {
+        let mut fluid = self.fluid_in.like()?;
+        fluid.copy_from(&self.fluid_in)?;
+        let (multipliers, velocities) = (self.multipliers_in.local()?.to_vec(), self.multipliers_out.local()?.to_vec());
+        Ok(Unknowns { fluid, multipliers, velocities, tail })
+    }
+
+    /// Puts `fluid_out`, `multipliers_out` and a tail together.
+    pub fn join(&self, tail: &[f64], output: &mut Vector) -> Result<()> {
+        let mut output = output.local_mut()?;
+        let (fluid, rest) = output.split_at_mut(self.sizes.fluid);
+        let (multipliers, own_tail) = rest.split_at_mut(self.sizes.multipliers);
+        if !fluid.is_empty() {
+            fluid.copy_from_slice(&self.fluid_out.local()?);
+        }
+        multipliers.copy_from_slice(&self.multipliers_out.local()?);
+        own_tail.copy_from_slice(&tail[..own_tail.len()]);
+        Ok(())
+    }
+}
