@@ -1,6 +1,6 @@
 //! The Stokes operator of the box, `K (u, p) = (-Lap u + grad p, div u)`, on the staggered grid.
 
-use std::ops::Range;
+use std::{cell::OnceCell, ops::Range};
 
 use crate::{
     error::Result,
@@ -13,15 +13,23 @@ use crate::{
 /// It acts on fluid vectors. Residuals and right-hand sides have *balanced rows*: momentum rows times `h^2` and continuity rows
 /// times `h`, so that every row is a velocity and one residual norm weighs all; the components in its null space
 /// (mean divergence; in a fully periodic box also mean momentum) are projected out.
+///
+/// Its matrices are assembled when they are first asked for: an exact inverse needs none.
 pub struct Stokes<const D: usize> {
     session: Session,
+    grid: Grid<D>,
+    matrices: OnceCell<Matrices>,
+    balance: Balance,
+}
+
+/// The operator's parts.
+struct Matrices {
     /// Minus the Laplacians that differ, and which one each field has.
     laplacians: Vec<Matrix>,
     laplacian_of: Vec<usize>,
     gradient: Vec<Matrix>,
     divergence: Vec<Matrix>,
     nest: Matrix,
-    balance: Balance,
 }
 
 /// Scaling of rows and projection on the range.
@@ -43,22 +51,9 @@ struct FieldRows {
 }
 
 impl<const D: usize> Stokes<D> {
-    /// Assembles the operator of a box.
-    pub fn new(session: &Session, grid: &Grid<D>) -> Result<Stokes<D>> {
-        let mut laplacians: Vec<(usize, Matrix)> = Vec::new();
-        let mut laplacian_of = Vec::new();
-        for field in 0..=D {
-            let shared = laplacians.iter().position(|&(other, _)| grid.same_laplacian(field, other));
-            if shared.is_none() {
-                laplacians.push((field, operators::minus_laplacian(session, grid, field)?));
-            }
-            laplacian_of.push(shared.unwrap_or(laplacians.len() - 1));
-        }
-        let laplacians: Vec<Matrix> = laplacians.into_iter().map(|(_, matrix)| matrix).collect();
-        let gradient = (0..D).map(|axis| operators::gradient(session, grid, axis)).collect::<Result<Vec<_>>>()?;
-        let divergence = (0..D).map(|axis| operators::divergence(session, grid, axis)).collect::<Result<Vec<_>>>()?;
-        let nest = nest(session, |axis| &laplacians[laplacian_of[axis]], &gradient, &divergence)?;
-        Ok(Stokes { session: session.clone(), laplacians, laplacian_of, gradient, divergence, nest, balance: Balance::new(grid) })
+    /// The operator of a box.
+    pub fn new(session: &Session, grid: &Grid<D>) -> Stokes<D> {
+        Stokes { session: session.clone(), grid: grid.clone(), matrices: OnceCell::new(), balance: Balance::new(grid) }
     }
 
     /// The session it lives in.
@@ -67,23 +62,34 @@ impl<const D: usize> Stokes<D> {
     }
 
     /// Minus the Laplacians that differ, and which one each field has.
-    pub fn laplacians(&self) -> (&[Matrix], &[usize]) {
-        (&self.laplacians, &self.laplacian_of)
+    pub fn laplacians(&self) -> Result<(&[Matrix], &[usize])> {
+        let matrices = self.matrices()?;
+        Ok((&matrices.laplacians, &matrices.laplacian_of))
     }
 
     /// The gradient along an axis.
-    pub fn gradient(&self, axis: usize) -> &Matrix {
-        &self.gradient[axis]
+    pub fn gradient(&self, axis: usize) -> Result<&Matrix> {
+        Ok(&self.matrices()?.gradient[axis])
     }
 
     /// The part of the divergence along an axis.
-    pub fn divergence(&self, axis: usize) -> &Matrix {
-        &self.divergence[axis]
+    pub fn divergence(&self, axis: usize) -> Result<&Matrix> {
+        Ok(&self.matrices()?.divergence[axis])
     }
 
     /// `output = K input`, rows not balanced.
     pub fn multiply(&self, input: &Vector, output: &mut Vector) -> Result<()> {
-        self.nest.multiply(input, output)
+        self.matrices()?.nest.multiply(input, output)
+    }
+
+    fn matrices(&self) -> Result<&Matrices> {
+        match self.matrices.get() {
+            Some(matrices) => Ok(matrices),
+            None => {
+                let matrices = Matrices::new(&self.session, &self.grid)?;
+                Ok(self.matrices.get_or_init(|| matrices))
+            }
+        }
     }
 
     /// Balances the rows of a right-hand side or residual.
@@ -110,6 +116,25 @@ impl<const D: usize> Stokes<D> {
     /// A vector of zeros for one field.
     pub fn field_vector(&self, field: usize) -> Result<Vector> {
         Vector::new(&self.session, self.balance.fields[field].range.len())
+    }
+}
+
+impl Matrices {
+    fn new<const D: usize>(session: &Session, grid: &Grid<D>) -> Result<Matrices> {
+        let mut laplacians: Vec<(usize, Matrix)> = Vec::new();
+        let mut laplacian_of = Vec::new();
+        for field in 0..=D {
+            let shared = laplacians.iter().position(|&(other, _)| grid.same_laplacian(field, other));
+            if shared.is_none() {
+                laplacians.push((field, operators::minus_laplacian(session, grid, field)?));
+            }
+            laplacian_of.push(shared.unwrap_or(laplacians.len() - 1));
+        }
+        let laplacians: Vec<Matrix> = laplacians.into_iter().map(|(_, matrix)| matrix).collect();
+        let gradient = (0..D).map(|axis| operators::gradient(session, grid, axis)).collect::<Result<Vec<_>>>()?;
+        let divergence = (0..D).map(|axis| operators::divergence(session, grid, axis)).collect::<Result<Vec<_>>>()?;
+        let nest = nest(session, |axis| &laplacians[laplacian_of[axis]], &gradient, &divergence)?;
+        Ok(Matrices { laplacians, laplacian_of, gradient, divergence, nest })
     }
 }
 

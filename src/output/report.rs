@@ -55,16 +55,23 @@ fn solver_lines(solver: &SolverSummary, instant: bool) -> Vec<String> {
     if instant {
         lines.push(format!("iterations           {} to a residual of {:.1e}", solver.iterations, solver.residual));
         lines.push(format!(
-            "seconds              {:.2} set-up, {:.2} jump assembly, {:.2} solve ({:.2} multigrid, {:.2} matrices, {:.2} surfaces, {:.2} Krylov)",
+            "seconds              {:.2} set-up, {:.2} jump assembly, {:.2} solve ({:.2} {}, {:.2} matrices, {:.2} surfaces, {:.2} Krylov)",
             solver.setup_seconds,
             solver.assembly_seconds,
             solver.solve_seconds,
             solver.inverse_seconds,
+            solver.inverse,
             solver.matrix_seconds,
             solver.body_seconds,
             solver.krylov_seconds
         ));
     }
+    lines.extend(solver.faster.map(|faster| {
+        let (inverse, seconds, times) = (faster.inverse, faster.solve_seconds, solver.solve_seconds / faster.solve_seconds);
+        format!(
+            "faster               method.inverse = {inverse:?} suits this box: a solve in about {seconds:.2} s, {times:.1} times faster"
+        )
+    }));
     lines.push(format!("peak memory          {:.0} MB", solver.peak_memory_bytes / 1e6));
     lines
 }

@@ -5,10 +5,11 @@ use serde::Serialize;
 
 use crate::{
     body::components,
+    error::Result,
     geometry::{Ball, Domain},
     observe::Viscosity,
     parallel::{World, peak_memory_bytes},
-    simulation::{BodyState, Cost, Moving, Solution, State, Suspension},
+    simulation::{BodyState, Moving, Solution, State, Suspension},
 };
 
 /// Everything that `summary.json` holds; an effect that the scene does not call for is `null`.
@@ -124,6 +125,10 @@ pub struct MotionSummary {
 /// Cost and convergence.
 #[derive(Debug, Clone, Serialize)]
 pub struct SolverSummary {
+    /// What inverts the fluid: `hypre` or `transform`.
+    pub inverse: &'static str,
+    /// A faster inverse that the box allows.
+    pub faster: Option<FasterSummary>,
     /// Unknowns of the grid.
     pub grid_unknowns: usize,
     /// Unknowns on surfaces.
@@ -150,30 +155,42 @@ pub struct SolverSummary {
     pub peak_memory_bytes: f64,
 }
 
+/// What another inverse would save.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct FasterSummary {
+    /// The inverse.
+    pub inverse: &'static str,
+    /// Estimated seconds of the last solve with it.
+    pub solve_seconds: f64,
+}
+
 impl Summary {
     /// The numbers of an instant of a suspension in flow; collective. `named` is the scene's name and title.
+    ///
+    /// # Errors
+    /// A faster inverse cannot be tried out.
     pub fn of_flow<const D: usize>(
         named: (&str, &str),
         suspension: &Suspension<D>,
         (solution, viscosity): (&Solution<D>, Option<Viscosity>),
         world: &World,
-    ) -> Summary {
+    ) -> Result<Summary> {
         let setup = suspension.setup();
         let bodies = setup.bodies.iter().zip(&solution.bodies);
-        Summary {
+        Ok(Summary {
             flow: Some(FlowSummary {
                 mean_velocity: solution.mean_velocity.as_slice().to_vec(),
                 pressure_gradient: solution.pressure_gradient.as_slice().to_vec(),
             }),
             viscosity: viscosity.map(ViscositySummary::new),
-            solver: Some(SolverSummary::new(suspension.cost(), world)),
+            solver: Some(SolverSummary::new(suspension, world)?),
             ..Summary::of_bodies(
                 named,
                 bodies.map(|(suspended, state)| BodySummary::of_state(suspended.body.ball.radius, state)).collect(),
                 setup.fraction(),
                 world,
             )
-        }
+        })
     }
 
     /// The numbers of a state of dry bodies.
@@ -238,12 +255,16 @@ impl ViscositySummary {
 }
 
 impl SolverSummary {
-    fn new(cost: &Cost, world: &World) -> SolverSummary {
+    fn new<const D: usize>(suspension: &Suspension<D>, world: &World) -> Result<SolverSummary> {
+        let cost = suspension.cost();
+        let faster = suspension.faster()?;
         let mut memory = [peak_memory_bytes()];
         world.sum(&mut memory);
         let slowest = |seconds: f64| world.max(seconds);
         let stages = cost.stages;
-        SolverSummary {
+        Ok(SolverSummary {
+            inverse: suspension.setup().inverse.word(),
+            faster: faster.map(|faster| FasterSummary { inverse: faster.inverse.word(), solve_seconds: faster.solve_seconds }),
             grid_unknowns: cost.grid_unknowns,
             multiplier_unknowns: cost.multiplier_unknowns,
             iterations: cost.krylov.iterations,
@@ -256,6 +277,6 @@ impl SolverSummary {
             body_seconds: slowest(stages.bodies),
             krylov_seconds: slowest(cost.krylov.seconds - stages.inverse - stages.matrices - stages.bodies),
             peak_memory_bytes: memory[0],
-        }
+        })
     }
 }

@@ -6,8 +6,7 @@ use std::fmt::Display;
 use crate::error::Result;
 use crate::scene::{
     AxisSection, BodyGroup, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
-    LubricationSection, MethodSection, Modes, Motion, Placement, ResolutionSection, Scene, Scheme, Shape, Spacing, Step, StokesSolver,
-    TimeSection,
+    LubricationSection, MethodSection, Modes, Motion, Placement, ResolutionSection, Scene, Scheme, Shape, Spacing, Step, TimeSection,
 };
 
 /// A key in which two scenes differ, with both values as a scene file writes them; absent where a scene has no such key.
@@ -146,8 +145,8 @@ fn of_resolution(resolution: &ResolutionSection) -> Keys {
 }
 
 fn of_method(method: &MethodSection) -> Keys {
-    let MethodSection { constraint: ConstraintMethod::Sharp, inverse: StokesSolver::Hypre, tolerance } = method;
-    vec![word("method.constraint", "sharp"), word("method.inverse", "hypre"), pair("method.tolerance", tolerance)]
+    let MethodSection { constraint: ConstraintMethod::Sharp, inverse, tolerance } = method;
+    vec![word("method.constraint", "sharp"), word("method.inverse", inverse.word()), pair("method.tolerance", tolerance)]
 }
 
 fn of_bodies(bodies: &BodyGroup) -> Keys {

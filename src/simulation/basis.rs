@@ -49,7 +49,7 @@ impl<const D: usize> Basis<D> {
         check_steady_state(&setup)?;
         let world = session.world();
         let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
-        let stokes = Stokes::new(session, &grid)?;
+        let stokes = Stokes::new(session, &grid);
         let mut inverse = inverse(&stokes, &grid)?;
         let closure = Closure::new(&setup.drive, &grid, &stokes, inverse.as_mut())?;
         let undisturbed = flow_without_bodies(&setup.drive, &grid, &stokes, inverse.as_mut(), &closure)?;

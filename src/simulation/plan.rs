@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::{
     error::Result,
-    flow::Drive,
+    flow::{Drive, InverseMethod},
     grid::Grid,
     scene::{ContactModel, Scene, Scheme, Step},
     simulation::{DrySetup, Setup, SuspendedBody, closure::Closure},
@@ -19,6 +19,12 @@ const HIERARCHY_FACTOR: f64 = 4.0;
 
 /// Iterations of the coupled solver that memory is set aside for.
 const KRYLOV_VECTORS: f64 = 80.0;
+
+/// Fluid vectors that a solve by transforms takes: those of the operator, the wave numbers, the flow without bodies.
+const TRANSFORM_VECTORS: f64 = 6.0;
+
+/// Bytes for each cell that the factors of lines from wall to wall take.
+const WALLED_LINE_BYTES: f64 = 240.0;
 
 /// Bytes that the contact model takes for each body: neighbours, constraints and the factors of a pile's matrix.
 const CONTACT_BYTES: f64 = 4e3;
@@ -128,7 +134,13 @@ fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Effect>
     let hierarchies = distinct_laplacians(grid);
     let free = setup.bodies.iter().filter(|suspended| suspended.body.free()).count();
     vec![
-        Effect::on("stokes flow", format!("one matrix a component, {hierarchies} multigrid hierarchies (hypre)")),
+        Effect::on(
+            "stokes flow",
+            match setup.inverse {
+                InverseMethod::Hypre => format!("one matrix a component, {hierarchies} multigrid hierarchies (hypre)"),
+                InverseMethod::Transform => "no matrices: exact inverse by Fourier transforms".into(),
+            },
+        ),
         Effect::on("drive", drive(&setup.drive)),
         match setup.bodies.len() {
             0 => Effect::off("bodies"),
@@ -154,11 +166,21 @@ fn drive<const D: usize>(drive: &Drive<D>) -> String {
 fn bytes<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, in_time: bool) -> f64 {
     let points = (2 * D + 1) as f64;
     let cells = grid.unknowns(D) as f64;
-    let matrices = cells * (distinct_laplacians(grid) as f64 * points * HIERARCHY_FACTOR + 4.0 * D as f64) * BYTES_PER_NONZERO;
-    let kept = if in_time { KRYLOV_VECTORS + REMEMBERED_VECTORS } else { KRYLOV_VECTORS };
-    let vectors = (grid.fluid_unknowns() as f64) * 8.0 * kept;
+    let remembered = if in_time { REMEMBERED_VECTORS } else { 0.0 };
+    let fluid_vector = grid.fluid_unknowns() as f64 * 8.0;
+    let multipliers: f64 = setup.bodies.iter().map(mode_count).sum::<usize>() as f64 * 8.0;
     let bodies: f64 = setup.bodies.iter().map(|suspended| body_bytes(suspended, grid)).sum();
-    matrices + vectors + bodies
+    bodies
+        + match setup.inverse {
+            InverseMethod::Hypre => {
+                let nonzeros = cells * (distinct_laplacians(grid) as f64 * points * HIERARCHY_FACTOR + 4.0 * D as f64);
+                nonzeros * BYTES_PER_NONZERO + (KRYLOV_VECTORS + remembered) * (fluid_vector + multipliers)
+            }
+            InverseMethod::Transform => {
+                let walled = if setup.domain.fully_periodic() { 0.0 } else { WALLED_LINE_BYTES };
+                cells * walled + TRANSFORM_VECTORS * fluid_vector + (KRYLOV_VECTORS + remembered) * multipliers
+            }
+        }
 }
 
 /// Values of the spread rows, interpolation terms, and the dense blocks of a body and about four neighbours.

@@ -4,9 +4,9 @@ use super::placement::{bodies, domain, vector};
 use crate::{
     body::Body,
     error::Result,
-    flow::Drive,
+    flow::{Drive, InverseMethod},
     geometry::Domain,
-    scene::{self, Modes, ResolutionSection, Scene, Spacing},
+    scene::{self, Modes, ResolutionSection, Scene, Spacing, StokesSolver},
 };
 
 /// Fewest cells per radius: closer to the centre the jump functions are too steep for the grid.
@@ -37,6 +37,8 @@ pub struct Setup<const D: usize> {
     pub drive: Drive<D>,
     /// The bodies.
     pub bodies: Vec<SuspendedBody<D>>,
+    /// What inverts the fluid.
+    pub inverse: InverseMethod,
     /// Relative residual of the linear solver.
     pub tolerance: f64,
 }
@@ -57,7 +59,8 @@ impl<const D: usize> Setup<D> {
         };
         let bodies = placed.iter().map(|&(_, body)| suspended(scene, body, spacing)).collect::<Result<_>>()?;
         let (viscosity, tolerance) = (scene.flow.viscosity, scene.method.tolerance);
-        Ok(Setup { domain, spacing, viscosity, drive: drive(scene), bodies, tolerance })
+        let inverse = inverse(scene, &domain)?;
+        Ok(Setup { domain, spacing, viscosity, drive: drive(scene), bodies, inverse, tolerance })
     }
 
     /// Part of the box that bodies fill.
@@ -77,6 +80,19 @@ fn drive<const D: usize>(scene: &Scene) -> Drive<D> {
         Some(scene::Drive::PressureGradient(gradient)) => Drive::PressureGradient(vector(gradient)),
         Some(scene::Drive::BodyForce(force)) => Drive::BodyForce(vector(force)),
         Some(scene::Drive::ShearRate(rate)) => Drive::Shear(*rate),
+    }
+}
+
+fn inverse<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<InverseMethod> {
+    let fastest = InverseMethod::fastest(domain);
+    match scene.method.inverse {
+        StokesSolver::Auto => Ok(fastest),
+        StokesSolver::Hypre => Ok(InverseMethod::Hypre),
+        StokesSolver::Transform if fastest == InverseMethod::Transform => Ok(InverseMethod::Transform),
+        StokesSolver::Transform => {
+            let remedy = "transforms need a box with walls along one axis at most; set method.inverse = \"hypre\" or \"auto\"";
+            Err(scene.refuse("method.inverse", "\"transform\"", remedy))
+        }
     }
 }
 

@@ -11,6 +11,7 @@ use super::{
     condensed::Condensed,
     coupled::{BodiesInFluid, Coupled, Parts, Unknowns},
     dynamics::Seen,
+    faster::{Faster, faster},
     memory::{Guess, Past, Snapshot},
     surfaces::{Member, Surfaces},
     touching::Touching,
@@ -20,7 +21,7 @@ use crate::{
     constraint::Blocks,
     contact::ContactForce,
     error::Result,
-    flow::{HypreInverse, Stokes, StokesInverse},
+    flow::{Stokes, StokesInverse},
     grid::Grid,
     petsc::{Krylov, KrylovMethod, KrylovSettings, Report, Session, Vector},
 };
@@ -93,7 +94,8 @@ impl<const D: usize> Suspension<D> {
     /// # Errors
     /// The grid or the rank count does not fit, or no steady state exists.
     pub fn new(session: &Session, setup: Setup<D>) -> Result<Suspension<D>> {
-        Self::with_inverse(session, setup, |stokes, grid| Ok(Box::new(HypreInverse::new(stokes, grid)?)))
+        let method = setup.inverse;
+        Self::with_inverse(session, setup, |stokes, grid| method.set_up(stokes, grid))
     }
 
     /// As [`new`](Self::new), with another approximate inverse of the fluid.
@@ -124,6 +126,14 @@ impl<const D: usize> Suspension<D> {
     /// What the last solve cost.
     pub fn cost(&self) -> &Cost {
         &self.cost
+    }
+
+    /// A faster inverse that the box allows, if there is one. Collective, and as dear as an iteration or two.
+    ///
+    /// # Errors
+    /// PETSc has no memory for it.
+    pub fn faster(&self) -> Result<Option<Faster>> {
+        faster(&self.basis, &self.cost)
     }
 
     /// Force that gives each body a unit velocity in unbounded fluid; infinite for a body whose motion is given.

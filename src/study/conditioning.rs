@@ -85,7 +85,7 @@ fn row<const D: usize>(session: &Session, walls: usize, cells: usize) -> Result<
     let axes = std::array::from_fn(|axis| if axis >= D - walls { still } else { Axis::Periodic });
     let domain = Domain::<D> { size: SVector::repeat(1.0), axes };
     let grid = Grid::new(&domain, 1.0 / cells as f64, session.world().size(), session.world().rank())?;
-    let stokes = Stokes::new(session, &grid)?;
+    let stokes = Stokes::new(session, &grid);
     let mut inverse = HypreInverse::new(&stokes, &grid)?;
     let mut rhs = stokes.vector()?;
     for field in 0..=D {

@@ -247,7 +247,7 @@ impl<const D: usize> Fluid<D> {
     }
 
     fn of(session: &Session, grid: Grid<D>) -> Fluid<D> {
-        let stokes = Stokes::new(session, &grid).unwrap();
+        let stokes = Stokes::new(session, &grid);
         let inverse = HypreInverse::new(&stokes, &grid).unwrap();
         Fluid { grid, stokes, inverse }
     }

@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, Vector2, Vector3};
 use turbid::{
     body::{Motion, pack},
     error::Result,
-    flow::{Drive, IteratedInverse, Stokes, StokesInverse},
+    flow::{Drive, InverseMethod, IteratedInverse, Stokes, StokesInverse},
     geometry::{Axis, Ball, Domain},
     grid::Grid,
     observe,
@@ -94,7 +94,15 @@ fn units_do_not_matter(session: &Session) {
         let pulled = Motion::Free { force: Vector2::new(force, 0.3 * force), torque: SMatrix::zeros() };
         let disks = [[0.3, 0.4], [0.65, 0.62]].map(|center| suspended(Vector2::from(center) * length, 0.15 * length, pulled, 5));
         let domain = Domain { size: Vector2::repeat(length), axes: [Axis::Periodic; 2] };
-        let setup = Setup { domain, spacing: length / 34.0, viscosity, drive: Drive::Rest, bodies: disks.to_vec(), tolerance: 1e-10 };
+        let setup = Setup {
+            domain,
+            spacing: length / 34.0,
+            viscosity,
+            drive: Drive::Rest,
+            bodies: disks.to_vec(),
+            inverse: InverseMethod::Hypre,
+            tolerance: 1e-10,
+        };
         solve(session, setup).1.bodies[0].twist.velocity[0] * viscosity / force
     };
     let reference = scaled(1.0, 1.0, 1.0);

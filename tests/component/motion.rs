@@ -3,7 +3,7 @@
 use nalgebra::{DVector, SMatrix, SVector, Vector2};
 use turbid::{
     body::{Motion, pack},
-    flow::Drive,
+    flow::{Drive, InverseMethod},
     geometry::{Axis, Ball, Domain},
     observe,
     petsc::Session,
@@ -40,7 +40,7 @@ fn between_sliding_walls(count: usize, fraction: f64, aspect: f64, gap: f64) -> 
     let domain = Domain { size: Vector2::new(aspect * height, height), axes };
     let centers = pack(&domain, &[] as &[Ball<2>], &vec![1.0; count], gap, 1).unwrap();
     let bodies = centers.into_iter().map(|center: SVector<f64, 2>| suspended(center, 1.0, free(), 6)).collect();
-    Setup { domain, spacing: 1.0 / 6.0, viscosity: 1.0, drive: Drive::Rest, bodies, tolerance: 1e-6 }
+    Setup { domain, spacing: 1.0 / 6.0, viscosity: 1.0, drive: Drive::Rest, bodies, inverse: InverseMethod::Hypre, tolerance: 1e-6 }
 }
 
 fn sheared(count: usize) -> Setup<2> {
@@ -69,7 +69,15 @@ fn pulled(force: [f64; 2]) -> Motion<2> {
 fn closed_box(size: [f64; 2], cells_per_radius: f64, bodies: Vec<SuspendedBody<2>>) -> Setup<2> {
     let still = Axis::Walls { lower: Vector2::zeros(), upper: Vector2::zeros() };
     let domain = Domain { size: size.into(), axes: [still; 2] };
-    Setup { domain, spacing: 1.0 / cells_per_radius, viscosity: 1.0, drive: Drive::Rest, bodies, tolerance: 1e-10 }
+    Setup {
+        domain,
+        spacing: 1.0 / cells_per_radius,
+        viscosity: 1.0,
+        drive: Drive::Rest,
+        bodies,
+        inverse: InverseMethod::Hypre,
+        tolerance: 1e-10,
+    }
 }
 
 fn simulate(session: &Session, setup: Setup<2>, time: TimeSection, contact: ContactModel) -> Simulation<2> {
@@ -116,7 +124,15 @@ fn a_neutrally_buoyant_disk_on_the_centre_line_moves_straight_at_its_speed(sessi
     let domain = Domain { size: Vector2::new(6.0, 4.0), axes: [Axis::Periodic, wall] };
     let disk = || vec![suspended(Vector2::new(1.013, 2.0), 1.0, free(), 8)];
     let drive = Drive::MeanVelocity(Vector2::x());
-    let setup = || Setup { domain: domain.clone(), spacing: 0.125, viscosity: 1.0, drive, bodies: disk(), tolerance: 1e-10 };
+    let setup = || Setup {
+        domain: domain.clone(),
+        spacing: 0.125,
+        viscosity: 1.0,
+        drive,
+        bodies: disk(),
+        inverse: InverseMethod::Hypre,
+        tolerance: 1e-10,
+    };
     let speed = Suspension::new(session, setup()).unwrap().solve(&mut |_, _| {}).unwrap().bodies[0].twist.velocity[0];
     assert!(speed > 1.0 && speed < 1.5, "faster than the mean, slower than the fastest fluid: {speed}");
     let two_cells = 0.25 / speed;
@@ -195,7 +211,8 @@ fn two_disks_pressed_together_meet_and_rest(session: &Session) {
     let force = |body: usize| Vector2::new(if body == 0 { 10.0 } else { -10.0 }, 0.0);
     let disk = |body: usize| suspended(Vector2::new([2.75, 5.0][body], 2.5), 1.0, pulled(force(body).into()), 8);
     let bodies = vec![disk(0), disk(1)];
-    let setup = Setup { domain, spacing: 0.125, viscosity: 1.0, drive: Drive::Rest, bodies, tolerance: 1e-8 };
+    let setup =
+        Setup { domain, spacing: 0.125, viscosity: 1.0, drive: Drive::Rest, bodies, inverse: InverseMethod::Hypre, tolerance: 1e-8 };
     for scheme in SCHEMES {
         let mut simulation = simulate(session, setup.clone(), time(Step::Fixed(0.3), 100.0, scheme), ContactModel::Inelastic);
         for view in meet(&mut simulation, 4) {

@@ -27,7 +27,7 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> R
     let solution = solution?;
 
     let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[])?;
-    let summary = Summary::of_flow((&scene.name, &scene.title), &suspension, (&solution, viscosity), world);
+    let summary = Summary::of_flow((&scene.name, &scene.title), &suspension, (&solution, viscosity), world)?;
     let mut files = vec!["scene.toml"];
     if scene.output.picture {
         let picture = observe::picture(scene.shown_title(), &suspension, &solution)?.svg();

@@ -128,7 +128,7 @@ impl<const D: usize> March<'_, D> {
         let state = self.simulation.state();
         let viscosity = self.viscosity(view)?;
         let mut summary = match (self.simulation.suspension(), &view.solution) {
-            (Some(suspension), Some(solution)) => Summary::of_flow(named, suspension, (solution, viscosity), self.world),
+            (Some(suspension), Some(solution)) => Summary::of_flow(named, suspension, (solution, viscosity), self.world)?,
             _ => Summary::of_dry(named, self.simulation.domain(), (state, self.simulation.radii()), self.world),
         };
         (summary.time, summary.steps) = (state.time, state.steps);

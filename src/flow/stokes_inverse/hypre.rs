@@ -33,7 +33,7 @@ impl HypreInverse {
     pub fn new<const D: usize>(stokes: &Stokes<D>, grid: &Grid<D>) -> Result<HypreInverse> {
         let start = Instant::now();
         let settings = AmgSettings::laplacian();
-        let (laplacians, cycle_of) = stokes.laplacians();
+        let (laplacians, cycle_of) = stokes.laplacians()?;
         let singular = |index: usize| cycle_of[D] == index || grid.domain().fully_periodic();
         let cycles = laplacians.iter().enumerate().map(|(index, matrix)| Amg::new(matrix, singular(index), &settings));
         Ok(HypreInverse {
@@ -80,12 +80,12 @@ impl<const D: usize> StokesInverse<D> for HypreInverse {
         self.given[D].scale(-1.0)?;
         for axis in 0..D {
             self.cycle(axis)?;
-            stokes.divergence(axis).multiply_add(&self.found[axis], &mut self.given[D])?;
+            stokes.divergence(axis)?.multiply_add(&self.found[axis], &mut self.given[D])?;
         }
         self.cycle(D)?;
         let (velocities, pressure) = self.found.split_at_mut(D);
         for (axis, velocity) in velocities.iter_mut().enumerate() {
-            stokes.gradient(axis).multiply_add(&pressure[0], velocity)?;
+            stokes.gradient(axis)?.multiply_add(&pressure[0], velocity)?;
         }
         pressure[0].copy_from(&self.given[D])?;
         pressure[0].scale(-1.0)?;

@@ -2,13 +2,17 @@
 
 mod hypre;
 mod iterated;
+mod transform;
 
 pub use hypre::HypreInverse;
 pub use iterated::IteratedInverse;
+pub use transform::TransformInverse;
 
 use super::Stokes;
 use crate::{
     error::Result,
+    geometry::Domain,
+    grid::Grid,
     petsc::{Krylov, KrylovMethod, KrylovSettings, Report, System, Vector},
 };
 
@@ -22,6 +26,42 @@ pub trait StokesInverse<const D: usize> {
     /// Whether it is the inverse itself, so that no residual of the fluid is left to be seen.
     fn exact(&self) -> bool {
         false
+    }
+}
+
+/// The inverses that a run can use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum InverseMethod {
+    /// Multigrid: any box.
+    #[default]
+    Hypre,
+    /// Fourier transforms: exact, in boxes with walls along one axis at most.
+    Transform,
+}
+
+impl InverseMethod {
+    /// The fastest that a box allows.
+    pub fn fastest<const D: usize>(domain: &Domain<D>) -> InverseMethod {
+        if TransformInverse::fits(domain) { InverseMethod::Transform } else { InverseMethod::Hypre }
+    }
+
+    /// Its word in a scene file.
+    pub fn word(self) -> &'static str {
+        match self {
+            InverseMethod::Hypre => "hypre",
+            InverseMethod::Transform => "transform",
+        }
+    }
+
+    /// Sets one up.
+    ///
+    /// # Errors
+    /// The box does not allow it, or PETSc has no memory for it.
+    pub fn set_up<const D: usize>(self, stokes: &Stokes<D>, grid: &Grid<D>) -> Result<Box<dyn StokesInverse<D>>> {
+        match self {
+            InverseMethod::Hypre => Ok(Box::new(HypreInverse::new(stokes, grid)?)),
+            InverseMethod::Transform => Ok(Box::new(TransformInverse::new(stokes, grid)?)),
+        }
     }
 }
 
@@ -48,11 +88,15 @@ impl<const D: usize> System for FluidSystem<'_, D> {
 }
 
 impl<const D: usize> FluidSystem<'_, D> {
-    /// Solves `K x = rhs` (balanced rows) to a relative residual of `tolerance`, starting from `x`.
+    /// Solves `K x = rhs` (balanced rows) to a relative residual of `tolerance`, starting from `x`; an exact inverse needs no iteration.
     ///
     /// # Errors
     /// [`Diverged`](crate::error::Error::Diverged) after `most_iterations` iterations.
     pub fn solve(&mut self, (rhs, x): (&Vector, &mut Vector), tolerance: f64, most_iterations: usize) -> Result<Report> {
+        if let Some(inverse) = self.inverse.as_mut().filter(|inverse| inverse.exact()) {
+            inverse.precondition(self.stokes, rhs, x)?;
+            return Ok(Report::default());
+        }
         let settings = KrylovSettings { method: KrylovMethod::Gmres { restart: 200 }, tolerance, most_iterations };
         let mut krylov = Krylov::new(self.stokes.session(), rhs.local()?.len(), c"fluid_", settings)?;
         krylov.solve(self, (rhs, x), &mut |_, _| {})

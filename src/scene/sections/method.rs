@@ -26,8 +26,23 @@ pub enum ConstraintMethod {
 /// What solves the Stokes problem of the empty box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StokesSolver {
-    /// Multigrid of hypre.
+    /// Multigrid of hypre: any box.
     Hypre,
+    /// Fourier transforms: boxes with at most one walled axis.
+    Transform,
+    /// Fourier transforms where the box allows them.
+    Auto,
+}
+
+/// Words of the inverses.
+const INVERSES: [(&str, StokesSolver); 3] =
+    [("hypre", StokesSolver::Hypre), ("transform", StokesSolver::Transform), ("auto", StokesSolver::Auto)];
+
+impl StokesSolver {
+    /// The word for it in a scene file.
+    pub fn word(self) -> &'static str {
+        INVERSES.iter().find(|(_, solver)| *solver == self).map_or("", |(word, _)| word)
+    }
 }
 
 impl MethodSection {
@@ -36,7 +51,7 @@ impl MethodSection {
         let table = root.section("method", &["constraint", "inverse", "tolerance"])?;
         let planned = ["mean-value", "distributed", "penalty", "fitted"];
         let constraint = |entry: Entry| entry.choice(&[("sharp", ConstraintMethod::Sharp)], &planned);
-        let inverse = |entry: Entry| entry.choice(&[("hypre", StokesSolver::Hypre)], &["transform", "auto"]);
+        let inverse = |entry: Entry| entry.choice(&INVERSES, &[]);
         Ok(MethodSection {
             constraint: table.get("constraint").map_or(Ok(ConstraintMethod::Sharp), constraint)?,
             inverse: table.get("inverse").map_or(Ok(StokesSolver::Hypre), inverse)?,
