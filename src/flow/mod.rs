@@ -9,4 +9,4 @@ mod stokes_inverse;
 
 pub use drive::Drive;
 pub use stokes::Stokes;
-pub use stokes_inverse::{FluidSystem, HypreInverse, IteratedInverse, StokesInverse};
+pub use stokes_inverse::{FluidSystem, HypreInverse, IteratedInverse, StokesInverse, TransformInverse};

@@ -35,6 +35,11 @@ impl<const D: usize> Pencils<D> {
         Layout(mesh.indices().map(|place| self.block(stage, extents, place)).collect())
     }
 
+    /// The layouts of all stages.
+    pub fn layouts(&self, extents: [usize; D]) -> Vec<Layout<D>> {
+        (0..D).map(|stage| self.layout(stage, extents)).collect()
+    }
+
     fn block(&self, stage: usize, extents: [usize; D], place: [usize; D]) -> Block<D> {
         let mut block = Block { start: [0; D], end: extents };
         for (turn, &axis) in self.order.iter().enumerate().filter(|&(turn, _)| turn != stage) {
@@ -48,7 +53,7 @@ impl<const D: usize> Pencils<D> {
     /// Work and traffic grow with the largest share of a rank, traffic with the number of moves too.
     fn cost(&self, start: &Layout<D>, cells: [usize; D]) -> usize {
         let mut layouts = vec![start.clone()];
-        layouts.extend((0..D).map(|stage| self.layout(stage, cells)));
+        layouts.extend(self.layouts(cells));
         let moves = layouts.windows(2).filter(|pair| pair[0] != pair[1]).count();
         layouts.iter().map(Layout::largest).max().unwrap_or(0) * (1 + moves)
     }

@@ -1,10 +1,12 @@
-//! Approximate inverses of the Stokes operator.
+//! Inverses, approximate or exact, of the Stokes operator.
 
 mod hypre;
 mod iterated;
+mod transform;
 
 pub use hypre::HypreInverse;
 pub use iterated::IteratedInverse;
+pub use transform::TransformInverse;
 
 use super::Stokes;
 use crate::{
