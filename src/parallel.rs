@@ -2,7 +2,7 @@
 
 use mpi::{
     collective::SystemOperation,
-    datatype::{Equivalence, PartitionMut},
+    datatype::{Equivalence, Partition, PartitionMut},
     ffi::MPI_Comm,
     topology::SimpleCommunicator,
     traits::{AsRaw, Communicator, CommunicatorCollectives, Root},
@@ -13,6 +13,25 @@ use crate::error::{Error, Result};
 /// All ranks of this run.
 pub struct World {
     communicator: SimpleCommunicator,
+}
+
+/// How the entries of a buffer are shared out among the ranks, one rank's after the other's.
+pub struct Shares {
+    counts: Vec<i32>,
+    starts: Vec<i32>,
+}
+
+impl Shares {
+    /// Shares of `counts` entries, one count a rank.
+    pub fn new(counts: Vec<i32>) -> Shares {
+        let starts = counts.iter().scan(0, |sum, &count| Some(std::mem::replace(sum, *sum + count))).collect();
+        Shares { counts, starts }
+    }
+
+    /// Entries of all ranks.
+    pub fn total(&self) -> usize {
+        self.counts.iter().sum::<i32>() as usize
+    }
 }
 
 impl World {
@@ -60,10 +79,17 @@ impl World {
         let count = local.len() as i32;
         let mut counts = vec![0; self.size()];
         self.communicator.all_gather_into(&count, &mut counts[..]);
-        let starts: Vec<i32> = counts.iter().scan(0, |sum, &count| Some(std::mem::replace(sum, *sum + count))).collect();
-        let mut all = vec![T::default(); counts.iter().sum::<i32>() as usize];
-        self.communicator.all_gather_varcount_into(local, &mut PartitionMut::new(&mut all[..], counts, starts));
+        let shares = Shares::new(counts);
+        let mut all = vec![T::default(); shares.total()];
+        self.communicator.all_gather_varcount_into(local, &mut PartitionMut::new(&mut all[..], shares.counts, shares.starts));
         all
+    }
+
+    /// Sends each rank its share of `sent` and fills `received` with the shares that come from each.
+    pub fn exchange<T: Equivalence>(&self, (sent, shares_sent): (&[T], &Shares), (received, shares_received): (&mut [T], &Shares)) {
+        let sent = Partition::new(sent, &shares_sent.counts[..], &shares_sent.starts[..]);
+        let mut received = PartitionMut::new(received, &shares_received.counts[..], &shares_received.starts[..]);
+        self.communicator.all_to_all_varcount_into(&sent, &mut received);
     }
 
     /// The text of rank `root`, on every rank.

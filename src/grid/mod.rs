@@ -3,8 +3,12 @@
 pub mod interpolation;
 pub mod operators;
 mod partition;
+mod pencils;
+mod redistribution;
 mod staggered;
 pub mod stencil;
 
 pub use partition::{Block, Partition};
+pub use pencils::Pencils;
+pub use redistribution::{Exchange, Layout, Redistribution};
 pub use staggered::{Grid, Index, Node};

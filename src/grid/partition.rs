@@ -1,5 +1,7 @@
 //! Which rank owns which cells: a grid of blocks, cut in every direction.
 
+use std::ops::Range;
+
 use crate::error::{Error, Result};
 
 /// Fewest cells along an axis of a block, so that a stencil reaches no further than the next block.
@@ -23,6 +25,33 @@ impl<const D: usize> Block<D> {
     /// Whether it holds no index.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// The indices that it shares with another block.
+    pub fn intersection(&self, other: &Block<D>) -> Block<D> {
+        let start = std::array::from_fn(|axis| self.start[axis].max(other.start[axis]));
+        Block { start, end: std::array::from_fn(|axis| self.end[axis].min(other.end[axis]).max(start[axis])) }
+    }
+
+    /// The places of the indices of `part` in this block, in their order, as the fewest runs of neighbours.
+    pub fn runs(&self, part: Block<D>) -> Vec<Range<usize>> {
+        let mut runs: Vec<Range<usize>> = Vec::new();
+        for start in part.flattened(D - 1).indices() {
+            let offset = self.offset(start);
+            let row = offset..offset + part.end[D - 1] - part.start[D - 1];
+            match runs.last_mut() {
+                Some(last) if last.end == row.start => last.end = row.end,
+                _ => runs.push(row),
+            }
+        }
+        runs.retain(|run| !run.is_empty());
+        runs
+    }
+
+    /// The first layer along an axis.
+    pub fn flattened(mut self, axis: usize) -> Block<D> {
+        self.end[axis] = self.start[axis] + 1;
+        self
     }
 
     /// Place of `index` in the block, the last axis running fastest.
@@ -99,7 +128,8 @@ impl<const D: usize> Partition<D> {
     }
 }
 
-fn factorisations<const D: usize>(ranks: usize) -> Vec<[usize; D]> {
+/// All ways of writing a number as an ordered product of `D` factors.
+pub(super) fn factorisations<const D: usize>(ranks: usize) -> Vec<[usize; D]> {
     let mut all = vec![([1; D], ranks)];
     for axis in 0..D - 1 {
         all = all

@@ -18,6 +18,7 @@ mod machine;
 mod motion;
 mod solvers;
 mod suspension;
+mod transform;
 
 use turbid::{parallel::abort_on_panic, petsc::Session};
 
@@ -56,6 +57,7 @@ fn main() {
         grid::tests(),
         interpolation::tests(),
         fluid::tests(),
+        transform::tests(),
         suspension::tests(),
         hard::tests(),
         lasting::tests(),

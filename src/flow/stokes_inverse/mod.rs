@@ -1,4 +1,4 @@
-//! Approximate inverses of the Stokes operator.
+//! Inverses, approximate or exact, of the Stokes operator.
 
 mod hypre;
 mod iterated;

@@ -1,0 +1,140 @@
+//! Discrete Fourier transforms of all fields along one axis, not normalised: `f_k = sum_j f_j exp(-2 pi i j k / n)` and back.
+
+use std::sync::Arc;
+
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use rustfft::{Fft, FftDirection, FftPlanner, num_complex::Complex};
+
+use super::lines::{Lines, TILE};
+
+/// What of a transform of planned lengths cannot go wrong.
+const PLANNED: &str = "lengths are as planned, and constant and fastest waves are real";
+
+/// Transforms of lines of complex values, in place.
+pub struct Waves {
+    forward: Arc<dyn Fft<f64>>,
+    backward: Arc<dyn Fft<f64>>,
+    scratch: Vec<Complex<f64>>,
+}
+
+impl Waves {
+    /// Transforms of `points` points.
+    pub fn new(points: usize) -> Waves {
+        let mut planner = FftPlanner::new();
+        let [forward, backward] = [FftDirection::Forward, FftDirection::Inverse].map(|direction| planner.plan_fft(points, direction));
+        let size = forward.get_inplace_scratch_len().max(backward.get_inplace_scratch_len());
+        Waves { forward, backward, scratch: vec![Complex::default(); size] }
+    }
+
+    /// From points to waves, line after line.
+    pub fn forward(&mut self, lines: &mut [Complex<f64>]) {
+        self.forward.process_with_scratch(lines, &mut self.scratch);
+    }
+
+    /// From waves to points, line after line.
+    pub fn backward(&mut self, lines: &mut [Complex<f64>]) {
+        self.backward.process_with_scratch(lines, &mut self.scratch);
+    }
+}
+
+/// Transforms of all fields of a block along one axis.
+pub struct ComplexTransform<const D: usize> {
+    lines: Lines<D>,
+    waves: Waves,
+    tile: Vec<Complex<f64>>,
+}
+
+impl<const D: usize> ComplexTransform<D> {
+    /// Transforms along `lines`.
+    pub fn new(lines: Lines<D>) -> ComplexTransform<D> {
+        let points = lines.points();
+        ComplexTransform { lines, waves: Waves::new(points), tile: vec![Complex::default(); TILE * points] }
+    }
+
+    /// From points to waves, all fields.
+    pub fn forward(&mut self, values: &mut [Complex<f64>]) {
+        self.each_tile(values, Waves::forward);
+    }
+
+    /// From waves to points, all fields.
+    pub fn backward(&mut self, values: &mut [Complex<f64>]) {
+        self.each_tile(values, Waves::backward);
+    }
+
+    fn each_tile(&mut self, values: &mut [Complex<f64>], transform: fn(&mut Waves, &mut [Complex<f64>])) {
+        let extent = self.lines.block().len();
+        for field in values.chunks_exact_mut(extent.max(1)).take(D + 1) {
+            for tile in self.lines.tiles() {
+                let lines = &mut self.tile[..tile.lines * tile.points];
+                tile.gather(field, lines);
+                transform(&mut self.waves, lines);
+                tile.scatter(lines, field);
+            }
+        }
+    }
+}
+
+/// Transforms of all fields between real values and the waves up to the fastest, `n / 2 + 1` of them, along one axis.
+pub struct RealTransform<const D: usize> {
+    real: Lines<D>,
+    complex: Lines<D>,
+    forward: Arc<dyn RealToComplex<f64>>,
+    backward: Arc<dyn ComplexToReal<f64>>,
+    real_tile: Vec<f64>,
+    complex_tile: Vec<Complex<f64>>,
+    scratch: Vec<Complex<f64>>,
+}
+
+impl<const D: usize> RealTransform<D> {
+    /// Transforms between the lines of two blocks that differ only along the axis.
+    pub fn new(real: Lines<D>, complex: Lines<D>) -> RealTransform<D> {
+        let mut planner = RealFftPlanner::new();
+        let (forward, backward) = (planner.plan_fft_forward(real.points()), planner.plan_fft_inverse(real.points()));
+        let size = forward.get_scratch_len().max(backward.get_scratch_len());
+        RealTransform {
+            forward,
+            backward,
+            real_tile: vec![0.0; TILE * real.points()],
+            complex_tile: vec![Complex::default(); TILE * complex.points()],
+            scratch: vec![Complex::default(); size],
+            real,
+            complex,
+        }
+    }
+
+    /// From points to waves, all fields.
+    pub fn forward(&mut self, values: &[f64], waves: &mut [Complex<f64>]) {
+        for field in 0..=D {
+            let values = &values[field * self.real.block().len()..];
+            let waves = &mut waves[field * self.complex.block().len()..];
+            for (real, complex) in self.real.tiles().zip(self.complex.tiles()) {
+                real.gather(values, &mut self.real_tile);
+                let lines = self.real_tile.chunks_exact_mut(real.points).zip(self.complex_tile.chunks_exact_mut(complex.points));
+                for (points, waves) in lines.take(real.lines) {
+                    self.forward.process_with_scratch(points, waves, &mut self.scratch).expect(PLANNED);
+                }
+                complex.scatter(&self.complex_tile, waves);
+            }
+        }
+    }
+
+    /// From waves to points, all fields.
+    pub fn backward(&mut self, waves: &[Complex<f64>], values: &mut [f64]) {
+        for field in 0..=D {
+            let values = &mut values[field * self.real.block().len()..];
+            let waves = &waves[field * self.complex.block().len()..];
+            for (real, complex) in self.real.tiles().zip(self.complex.tiles()) {
+                complex.gather(waves, &mut self.complex_tile);
+                let lines = self.real_tile.chunks_exact_mut(real.points).zip(self.complex_tile.chunks_exact_mut(complex.points));
+                for (points, waves) in lines.take(real.lines) {
+                    waves[0].im = 0.0;
+                    if points.len() % 2 == 0 {
+                        waves[points.len() / 2].im = 0.0;
+                    }
+                    self.backward.process_with_scratch(waves, points, &mut self.scratch).expect(PLANNED);
+                }
+                real.scatter(&self.real_tile, values);
+            }
+        }
+    }
+}

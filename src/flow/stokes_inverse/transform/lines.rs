@@ -1,0 +1,109 @@
+//! The lines of a block along one axis, a few neighbours at a time: strided memory is read and written in whole cache lines.
+
+use crate::grid::Block;
+
+/// Most lines of a tile.
+pub const TILE: usize = 8;
+
+/// The lines of a block along one axis.
+#[derive(Clone)]
+pub struct Lines<const D: usize> {
+    block: Block<D>,
+    axis: usize,
+}
+
+/// Neighbouring lines: where they lie in the values of a block.
+pub struct Tile<const D: usize> {
+    /// Lattice index where the first line starts.
+    pub start: [usize; D],
+    /// Number of lines.
+    pub lines: usize,
+    /// The axis along which the lines lie side by side.
+    pub across: usize,
+    /// Points of a line.
+    pub points: usize,
+    offset: usize,
+    line_step: usize,
+    point_step: usize,
+}
+
+impl<const D: usize> Lines<D> {
+    /// The lines of `block` along `axis`.
+    pub fn new(block: Block<D>, axis: usize) -> Lines<D> {
+        Lines { block, axis }
+    }
+
+    /// The block.
+    pub fn block(&self) -> &Block<D> {
+        &self.block
+    }
+
+    /// Points of a line.
+    pub fn points(&self) -> usize {
+        self.block.end[self.axis] - self.block.start[self.axis]
+    }
+
+    /// All tiles; blocks that differ only along the axis have the same ones.
+    pub fn tiles(&self) -> impl Iterator<Item = Tile<D>> + use<D> {
+        let (block, axis) = (self.block, self.axis);
+        let across = if axis == D - 1 { D - 2 } else { D - 1 };
+        let mut starts = if block.is_empty() { Block { start: [0; D], end: [0; D] } } else { block.flattened(axis) };
+        starts.end[across] = starts.start[across] + (starts.end[across] - starts.start[across]).div_ceil(TILE);
+        let stride = move |axis: usize| (axis + 1..D).map(|axis| block.end[axis] - block.start[axis]).product::<usize>();
+        starts.indices().map(move |mut start| {
+            start[across] = block.start[across] + (start[across] - block.start[across]) * TILE;
+            Tile {
+                start,
+                lines: (block.end[across] - start[across]).min(TILE),
+                across,
+                points: block.end[axis] - block.start[axis],
+                offset: block.offset(start),
+                line_step: stride(across),
+                point_step: stride(axis),
+            }
+        })
+    }
+}
+
+impl<const D: usize> Tile<D> {
+    /// Lattice index where a line starts.
+    pub fn line_start(&self, line: usize) -> [usize; D] {
+        let mut start = self.start;
+        start[self.across] += line;
+        start
+    }
+
+    /// Copies the values of the block on the lines to `lines`, line after line.
+    pub fn gather<T: Copy>(&self, values: &[T], lines: &mut [T]) {
+        if self.point_step == 1 {
+            for (line, points) in lines.chunks_exact_mut(self.points).take(self.lines).enumerate() {
+                let start = self.offset + line * self.line_step;
+                points.copy_from_slice(&values[start..start + self.points]);
+            }
+            return;
+        }
+        for point in 0..self.points {
+            let neighbours = &values[self.offset + point * self.point_step..];
+            for line in 0..self.lines {
+                lines[line * self.points + point] = neighbours[line * self.line_step];
+            }
+        }
+    }
+
+    /// Copies `lines` back to the values of the block.
+    pub fn scatter<T: Copy>(&self, lines: &[T], values: &mut [T]) {
+        if self.point_step == 1 {
+            for (line, points) in lines.chunks_exact(self.points).take(self.lines).enumerate() {
+                let start = self.offset + line * self.line_step;
+                values[start..start + self.points].copy_from_slice(points);
+            }
+            return;
+        }
+        for point in 0..self.points {
+            let neighbours = &mut values[self.offset + point * self.point_step..];
+            for line in 0..self.lines {
+                neighbours[line * self.line_step] = lines[line * self.points + point];
+            }
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! The exact inverse by Fourier transforms, for boxes periodic along all axes and for channels.
+//!
+//! One axis after the other is made whole on every rank and transformed; the last one, across the walls in a channel, is solved
+//! for every wave along the others, and the same way leads back.
+
+mod banded;
+mod channel;
+mod fourier;
+mod lines;
+mod periodic;
+mod symbols;
+mod tridiagonal;
+mod wall_to_wall;
+
+use std::{ops::Range, time::Instant};
+
+use rustfft::num_complex::Complex;
+
+use self::{
+    channel::ChannelLines,
+    fourier::{ComplexTransform, RealTransform},
+    lines::Lines,
+    periodic::PeriodicLines,
+    symbols::Symbols,
+};
+use super::{Stokes, StokesInverse};
+use crate::{
+    error::{Error, Result},
+    geometry::Domain,
+    grid::{Block, Exchange, Grid, Layout, Pencils, Redistribution},
+    parallel::World,
+    petsc::Vector,
+};
+
+/// The inverse of the Stokes operator, exact but for rounding.
+pub struct TransformInverse<const D: usize> {
+    fields: Vec<Field>,
+    /// To where the first axis is whole.
+    start: Option<Redistribution>,
+    first: RealTransform<D>,
+    middle: Vec<ComplexTransform<D>>,
+    /// To where each further axis is whole.
+    turns: Vec<Option<Redistribution>>,
+    last: LastAxis<D>,
+    values: Vec<f64>,
+    waves: Vec<Complex<f64>>,
+    value_exchange: Exchange<f64>,
+    wave_exchange: Exchange<Complex<f64>>,
+    setup_seconds: f64,
+}
+
+/// How a field comes out of a fluid vector.
+struct Field {
+    /// In this rank's part of a fluid vector.
+    range: Range<usize>,
+    /// Where it goes in this rank's values.
+    places: Vec<Range<usize>>,
+    /// Undoes the balance of the rows, and the growth by a transform there and back.
+    factor: f64,
+}
+
+/// The axis that is solved.
+enum LastAxis<const D: usize> {
+    Periodic(PeriodicLines<D>),
+    Channel(ChannelLines<D>),
+}
+
+impl<const D: usize> TransformInverse<D> {
+    /// Whether it serves a box: at most one axis may have walls.
+    pub fn fits(domain: &Domain<D>) -> bool {
+        (0..D).filter(|&axis| !domain.periodic(axis)).count() <= 1
+    }
+
+    /// Plans transforms and factors what is solved between walls.
+    ///
+    /// # Errors
+    /// A box with walls across more than one axis.
+    pub fn new(stokes: &Stokes<D>, grid: &Grid<D>) -> Result<TransformInverse<D>> {
+        let setup = Instant::now();
+        if !Self::fits(grid.domain()) {
+            return Err(Error::Refused(
+                "method.inverse = \"transform\" needs a box with walls across one axis at most; use method.inverse = \"hypre\"".into(),
+            ));
+        }
+        let (ranks, rank) = (grid.partition().blocks(), stokes.session().world().rank());
+        let own = Layout((0..ranks).map(|rank| grid.partition().block(rank)).collect());
+        let walled = (0..D).find(|&axis| !grid.domain().periodic(axis));
+        let pencils = Pencils::new(&own, grid.cells(), walled);
+        let order = pencils.order();
+        let mut waves = grid.cells();
+        waves[order[0]] = waves[order[0]] / 2 + 1;
+        let (whole, stages) = (pencils.layout(0, grid.cells()), pencils.layouts(waves));
+        let start = Redistribution::new(&own, &whole, rank, D + 1);
+        let turns: Vec<_> = stages.windows(2).map(|pair| Redistribution::new(&pair[0], &pair[1], rank, D + 1)).collect();
+        let lines = |stage: usize| Lines::new(stages[stage].0[rank], order[stage]);
+        let most = |layouts: &[&Layout<D>]| (D + 1) * layouts.iter().map(|layout| layout.0[rank].len()).max().unwrap_or(0);
+        Ok(TransformInverse {
+            fields: fields(stokes, grid, own.0[rank]),
+            first: RealTransform::new(Lines::new(whole.0[rank], order[0]), lines(0)),
+            middle: (1..D - 1).map(|stage| ComplexTransform::new(lines(stage))).collect(),
+            last: LastAxis::new(lines(D - 1), order[D - 1], grid),
+            values: vec![0.0; most(&[&own, &whole])],
+            waves: vec![Complex::default(); most(&stages.iter().collect::<Vec<_>>())],
+            value_exchange: Exchange::new(&start, 0.0),
+            wave_exchange: Exchange::new(turns.iter().flatten(), Complex::default()),
+            start,
+            turns,
+            setup_seconds: setup.elapsed().as_secs_f64(),
+        })
+    }
+
+    /// Seconds spent setting it up.
+    pub fn setup_seconds(&self) -> f64 {
+        self.setup_seconds
+    }
+
+    /// Takes the rows of each field out of a fluid vector, no longer balanced.
+    fn take(&mut self, rows: &Vector) -> Result<()> {
+        let rows = rows.local()?;
+        for Field { range, places, factor } in &self.fields {
+            let mut rows = &rows[range.clone()];
+            for place in places {
+                let (here, rest) = rows.split_at(place.len());
+                self.values[place.clone()].iter_mut().zip(here).for_each(|(value, row)| *value = row * factor);
+                rows = rest;
+            }
+        }
+        Ok(())
+    }
+
+    fn put(&self, output: &mut Vector) -> Result<()> {
+        let mut output = output.local_mut()?;
+        for Field { range, places, .. } in &self.fields {
+            let mut start = range.start;
+            for place in places {
+                output[start..start + place.len()].copy_from_slice(&self.values[place.clone()]);
+                start += place.len();
+            }
+        }
+        Ok(())
+    }
+
+    /// From rows at points to the solution at points.
+    fn solve(&mut self, world: &World) {
+        if let Some(start) = &self.start {
+            start.forward(world, &mut self.values, &mut self.value_exchange);
+        }
+        self.first.forward(&self.values, &mut self.waves);
+        for stage in 0..D - 1 {
+            if let Some(turn) = &self.turns[stage] {
+                turn.forward(world, &mut self.waves, &mut self.wave_exchange);
+            }
+            if let Some(transform) = self.middle.get_mut(stage) {
+                transform.forward(&mut self.waves);
+            }
+        }
+        self.last.solve(&mut self.waves);
+        for stage in (0..D - 1).rev() {
+            if let Some(transform) = self.middle.get_mut(stage) {
+                transform.backward(&mut self.waves);
+            }
+            if let Some(turn) = &self.turns[stage] {
+                turn.backward(world, &mut self.waves, &mut self.wave_exchange);
+            }
+        }
+        self.first.backward(&self.waves, &mut self.values);
+        if let Some(start) = &self.start {
+            start.backward(world, &mut self.values, &mut self.value_exchange);
+        }
+    }
+}
+
+impl<const D: usize> StokesInverse<D> for TransformInverse<D> {
+    fn precondition(&mut self, stokes: &Stokes<D>, rows: &Vector, output: &mut Vector) -> Result<()> {
+        self.take(rows)?;
+        self.solve(stokes.session().world());
+        self.put(output)
+    }
+
+    fn exact(&self) -> bool {
+        true
+    }
+}
+
+impl<const D: usize> LastAxis<D> {
+    fn new(lines: Lines<D>, axis: usize, grid: &Grid<D>) -> LastAxis<D> {
+        let symbols = Symbols::new(grid);
+        if grid.domain().periodic(axis) {
+            LastAxis::Periodic(PeriodicLines::new(lines, axis, symbols))
+        } else {
+            LastAxis::Channel(ChannelLines::new(lines, axis, grid, symbols))
+        }
+    }
+
+    /// Replaces rows by the solution.
+    fn solve(&mut self, waves: &mut [Complex<f64>]) {
+        match self {
+            LastAxis::Periodic(lines) => lines.solve(waves),
+            LastAxis::Channel(lines) => lines.solve(waves),
+        }
+    }
+}
+
+fn fields<const D: usize>(stokes: &Stokes<D>, grid: &Grid<D>, cells: Block<D>) -> Vec<Field> {
+    let periodic = (0..D).filter(|&axis| grid.domain().periodic(axis));
+    let growth: f64 = periodic.map(|axis| grid.cells()[axis] as f64).product();
+    let field = |(field, (range, balance)): (usize, (Range<usize>, f64))| {
+        let places = cells.runs(grid.block(field)).into_iter();
+        let places = places.map(|run| field * cells.len() + run.start..field * cells.len() + run.end).collect();
+        Field { range, places, factor: 1.0 / (balance * growth) }
+    };
+    stokes.balanced_fields().into_iter().enumerate().map(field).collect()
+}

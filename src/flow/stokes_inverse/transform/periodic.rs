@@ -1,0 +1,72 @@
+//! Box periodic along every axis: every wave by itself.
+//!
+//! With the factors `g` of the discrete gradient the equations for one wave are `|g|^2 u + g p = r_u`, `-conj(g) . u = r_p`, hence
+//!
+//! ```text
+//! p = conj(g) . r_u / |g|^2 + r_p,   u = (r_u - g p) / |g|^2
+//! ```
+
+use rustfft::num_complex::Complex;
+
+use super::{
+    fourier::Waves,
+    lines::{Lines, TILE},
+    symbols::Symbols,
+};
+
+/// The last transform of a periodic box and the solution for every wave, a tile at a time.
+pub struct PeriodicLines<const D: usize> {
+    lines: Lines<D>,
+    along: usize,
+    symbols: Symbols<D>,
+    waves: Waves,
+    tile: Vec<Complex<f64>>,
+}
+
+impl<const D: usize> PeriodicLines<D> {
+    /// The lines of `block`, already transformed along all other axes than `along`.
+    pub fn new(lines: Lines<D>, along: usize, symbols: Symbols<D>) -> PeriodicLines<D> {
+        let points = lines.points();
+        PeriodicLines { waves: Waves::new(points), tile: vec![Complex::default(); (D + 1) * TILE * points], lines, along, symbols }
+    }
+
+    /// Replaces rows by the solution.
+    pub fn solve(&mut self, values: &mut [Complex<f64>]) {
+        let (extent, points) = (self.lines.block().len(), self.lines.points());
+        for tile in self.lines.tiles() {
+            let size = tile.lines * points;
+            let lines = &mut self.tile[..(D + 1) * size];
+            (0..=D).for_each(|field| tile.gather(&values[field * extent..], &mut lines[field * size..]));
+            self.waves.forward(lines);
+            for line in 0..tile.lines {
+                solve_line(&self.symbols, self.along, tile.line_start(line), &mut lines[line * points..], size);
+            }
+            self.waves.backward(lines);
+            (0..=D).for_each(|field| tile.scatter(&lines[field * size..], &mut values[field * extent..]));
+        }
+    }
+}
+
+/// Solves for the waves of one line; the values of the fields are `step` apart.
+fn solve_line<const D: usize>(symbols: &Symbols<D>, along: usize, wave: [usize; D], line: &mut [Complex<f64>], step: usize) {
+    let mut factors: [Complex<f64>; D] = std::array::from_fn(|axis| symbols.gradient(axis)[wave[axis]]);
+    factors[along] = Complex::default();
+    let others: f64 = factors.iter().map(Complex::norm_sqr).sum();
+    for (point, &factor) in symbols.gradient(along).iter().enumerate() {
+        factors[along] = factor;
+        let inverse = 1.0 / (others + factor.norm_sqr());
+        let mut source = Complex::default();
+        for axis in 0..D {
+            source += factors[axis].conj() * line[axis * step + point];
+        }
+        let pressure = source * inverse + line[D * step + point];
+        line[D * step + point] = pressure;
+        for axis in 0..D {
+            let row = &mut line[axis * step + point];
+            *row = (*row - factors[axis] * pressure) * inverse;
+        }
+    }
+    if others == 0.0 {
+        (0..=D).for_each(|field| line[field * step] = Complex::default());
+    }
+}
