@@ -82,6 +82,15 @@ impl Krylov {
         Ok(Krylov { solver, matrix, settings })
     }
 
+    /// Makes further solves end at another residual.
+    pub fn set_tolerance(&mut self, tolerance: f64) -> Result<()> {
+        if tolerance == self.settings.tolerance {
+            return Ok(());
+        }
+        self.settings.tolerance = tolerance;
+        set_tolerances(self.solver.raw(), self.settings)
+    }
+
     /// Solves `A x = rhs` starting from `x`; `seen` is told each iteration and its relative residual.
     ///
     /// # Errors
@@ -164,6 +173,10 @@ fn set_method(solver: ffi::KSP, settings: KrylovSettings) -> Result<()> {
     }
     petsc!(KSPSetNormType(solver, norm))?;
     petsc!(KSPSetInitialGuessNonzero(solver, ffi::PetscBool_PETSC_TRUE))?;
+    set_tolerances(solver, settings)
+}
+
+fn set_tolerances(solver: ffi::KSP, settings: KrylovSettings) -> Result<()> {
     let unused = f64::from(ffi::PETSC_DEFAULT);
     petsc!(KSPSetTolerances(solver, settings.tolerance, 0.0, unused, index(settings.most_iterations)))
 }

@@ -146,7 +146,7 @@ fn of_resolution(resolution: &ResolutionSection) -> Keys {
 
 fn of_method(method: &MethodSection) -> Keys {
     let MethodSection { constraint: ConstraintMethod::Sharp, inverse, tolerance } = method;
-    vec![word("method.constraint", "sharp"), word("method.inverse", inverse.word()), pair("method.tolerance", tolerance)]
+    vec![word("method.constraint", "sharp"), word("method.inverse", inverse.word()), pair("method.tolerance", tolerance.text())]
 }
 
 fn of_bodies(bodies: &BodyGroup) -> Keys {

@@ -83,7 +83,7 @@ mod tests {
 
     use crate::scene::{
         AxisSection, ContactModel, Drive, Modes, Motion, OutputSection, Placement, ResolutionSection, Scene, Scheme, Shape, Spacing, Step,
-        TimeSection,
+        TimeSection, Tolerance,
     };
 
     const FLAT: &str = r#"
@@ -158,7 +158,7 @@ torque = [0.0, 0.0, 1.0]
         assert_eq!((scene.flow.viscosity, scene.flow.density), (2.0, 0.5));
         assert_eq!(scene.flow.drive, Some(Drive::MeanVelocity(vec![1.0, 0.0])));
         assert_eq!(scene.resolution, Some(ResolutionSection { spacing: Spacing::CellsPerRadius(6.0), modes: Modes::Count(9) }));
-        assert_eq!(scene.method.tolerance, 1e-8);
+        assert_eq!(scene.method.tolerance, Tolerance::Fixed(1e-8));
         assert!(!scene.output.picture);
         assert_eq!(scene.text, FLAT);
     }
@@ -201,7 +201,7 @@ torque = [0.0, 0.0, 1.0]
         assert_eq!((scene.flow.viscosity, scene.flow.density), (1.0, 0.0));
         assert_eq!(scene.flow.drive, None);
         assert_eq!(scene.resolution, Some(ResolutionSection { spacing: Spacing::Length(0.1), modes: Modes::Auto }));
-        assert_eq!(scene.method.tolerance, 1e-6);
+        assert_eq!(scene.method.tolerance.at_an_instant(), 1e-6);
         assert!(scene.bodies.is_empty() && scene.output.picture);
     }
 

@@ -19,6 +19,7 @@ pub use locations::Locations;
 pub use sections::{
     AxisSection, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
     LubricationSection, MethodSection, Modes, OutputSection, ResolutionSection, Scheme, Spacing, Step, StokesSolver, TimeSection,
+    Tolerance,
 };
 
 use crate::error::Error;

@@ -31,7 +31,8 @@ const MOST_ROUNDS: usize = 60;
 /// Of these, rounds in which the contact model chooses all contacts at once.
 const ROUNDS_AT_ONCE: usize = 4;
 
-/// Difference between the velocities by the flow and by the contact model, over the largest ([`fastest`]), that counts as agreement.
+/// Difference between the velocities by the flow and by the contact model, over the largest ([`fastest`]), that counts as agreement,
+/// unless the flow is solved to less.
 const AGREEMENT: f64 = 1e-5;
 
 /// Gap, in radii, up to which a contact of the last step is tried first.
@@ -77,8 +78,10 @@ impl<const D: usize> Drift<D> {
         self.refuse_overlap(&balls, state.time)?;
         let mut pressed = self.expected(state, &balls)?;
         let (mut chosen, mut step, mut difference) = (None, state.last_step, 0.0);
+        let tolerance = self.suspension.setup().tolerance.in_a_step(self.travelled(state));
         for round in 0..MOST_ROUNDS {
-            let mut solution = self.suspension.solve_at(&Moment { centers: &centers, time: state.time, pressed: &pressed, step }, seen)?;
+            let moment = Moment { centers: &centers, time: state.time, pressed: &pressed, step, tolerance };
+            let mut solution = self.suspension.solve_at(&moment, seen)?;
             effort.add_solve(self.suspension.cost());
             let mut twists: Vec<Twist<D>> = solution.bodies.iter().map(|body| body.twist).collect();
             let stride = *chosen.get_or_insert_with(|| self.pace.next(&urges(&twists), state.time, state.last_step));
@@ -93,7 +96,7 @@ impl<const D: usize> Drift<D> {
             effort.contact += start.elapsed().as_secs_f64();
             let scale = fastest(&twists, &unpressed);
             difference = largest_difference(&twists, &projection.velocities) / scale;
-            if difference <= AGREEMENT {
+            if difference <= AGREEMENT.max(tolerance) {
                 for ((twist, body), velocity) in twists.iter_mut().zip(&mut solution.bodies).zip(&projection.velocities) {
                     (twist.velocity, body.twist.velocity) = (*velocity, *velocity);
                 }
@@ -109,6 +112,12 @@ impl<const D: usize> Drift<D> {
              a shorter time.step or a finer grid may help",
             state.time
         )))
+    }
+
+    /// The longest way of the last step, in radii of the body that went it.
+    fn travelled(&self, state: &State<D>) -> f64 {
+        let ways = state.bodies.iter().zip(&self.pace.radii).map(|(body, radius)| body.twist.velocity.norm() / radius);
+        state.last_step * ways.fold(0.0, f64::max)
     }
 
     /// The contacts that press now if bodies want to go on as in the last step.

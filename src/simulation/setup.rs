@@ -6,7 +6,7 @@ use crate::{
     error::Result,
     flow::{Drive, InverseMethod},
     geometry::Domain,
-    scene::{self, Modes, ResolutionSection, Scene, Spacing, StokesSolver},
+    scene::{self, Modes, ResolutionSection, Scene, Spacing, StokesSolver, Tolerance},
 };
 
 /// Fewest cells per radius: closer to the centre the jump functions are too steep for the grid.
@@ -39,8 +39,8 @@ pub struct Setup<const D: usize> {
     pub bodies: Vec<SuspendedBody<D>>,
     /// What inverts the fluid.
     pub inverse: InverseMethod,
-    /// Relative residual of the linear solver.
-    pub tolerance: f64,
+    /// When the linear solver ends.
+    pub tolerance: Tolerance,
 }
 
 impl<const D: usize> Setup<D> {

@@ -59,6 +59,8 @@ pub struct Moment<'a, const D: usize> {
     pub pressed: &'a [ContactForce<D>],
     /// The step in which their gaps are to close, and no sooner.
     pub step: f64,
+    /// Relative residual at which the solve ends.
+    pub tolerance: f64,
 }
 
 /// A suspension ready to be solved.
@@ -174,7 +176,8 @@ impl<const D: usize> Suspension<D> {
     /// [`Error::Diverged`](crate::error::Error::Diverged) when the tolerance is not reached.
     pub fn solve(&mut self, seen: &mut dyn FnMut(usize, f64)) -> Result<Solution<D>> {
         let centers: Vec<SVector<f64, D>> = self.basis.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        self.solve_at(&Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0 }, seen)
+        let tolerance = self.basis.setup.tolerance.at_an_instant();
+        self.solve_at(&Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0, tolerance }, seen)
     }
 
     /// Solves for a moment, starting from the solves before it if they are remembered.
@@ -235,6 +238,7 @@ impl<'a, const D: usize> Ready<'a, D> {
         let fluid = if basis.condensed { 0 } else { basis.grid.local_fluid_unknowns() };
         let sizes = Sizes { fluid, multipliers: assembly.undisturbed.len(), tail: closure + touching.places() };
         let mut engine = Engine::fitting(engine, basis, sizes)?;
+        engine.krylov.set_tolerance(moment.tolerance)?;
         let prescribed_drag = prescribed_drag(&basis.session, &members);
         let wanted = bodies.wanted_rows(&members, &assembly.undisturbed);
         basis.fill_right_hand_side(&wanted, &touching.rates, prescribed_drag, &mut engine.rhs)?;
@@ -288,7 +292,7 @@ impl Engine {
     fn new<const D: usize>(basis: &Basis<D>, sizes: Sizes) -> Result<Engine> {
         let work = Work::new(&basis.stokes, sizes)?;
         let rhs = work.solver_vector(&basis.session)?;
-        let krylov = Krylov::new(&basis.session, rhs.local()?.len(), c"coupled_", krylov_settings(basis.setup.tolerance))?;
+        let krylov = Krylov::new(&basis.session, rhs.local()?.len(), c"coupled_", krylov_settings(basis.setup.tolerance.at_an_instant()))?;
         Ok(Engine { krylov, work, x: rhs.like()?, rhs })
     }
 

@@ -9,6 +9,7 @@ use turbid::{
     grid::Grid,
     observe,
     petsc::Session,
+    scene::Tolerance,
     simulation::{Setup, SuspendedBody, Suspension},
 };
 
@@ -101,7 +102,7 @@ fn units_do_not_matter(session: &Session) {
             drive: Drive::Rest,
             bodies: disks.to_vec(),
             inverse: InverseMethod::Hypre,
-            tolerance: 1e-10,
+            tolerance: Tolerance::Fixed(1e-10),
         };
         solve(session, setup).1.bodies[0].twist.velocity[0] * viscosity / force
     };
@@ -134,7 +135,7 @@ fn dense_disks(count: usize) -> Setup<2> {
     let centers = pack(&domain, &[] as &[Ball<2>], &vec![radius; count], 0.1, 1).unwrap();
     let bodies = centers.into_iter().map(|center| suspended(center, radius, free(), 4)).collect();
     let mut setup = periodic_cube(radius / 5.0, Drive::Shear(1.0), bodies);
-    setup.tolerance = 1e-6;
+    setup.tolerance = Tolerance::Fixed(1e-6);
     setup
 }
 
@@ -185,7 +186,7 @@ fn iterations_with_an_exact_inverse(session: &Session) {
         suspension.cost().krylov.iterations
     };
     let mut one = periodic_cube(1.0 / 48.0, Drive::Shear(1.0), vec![suspended(Vector2::new(0.513, 0.527), 0.125, free(), 6)]);
-    one.tolerance = 1e-6;
+    one.tolerance = Tolerance::Fixed(1e-6);
     let (alone, crowd) = (iterations(one), iterations(dense_disks(100)));
     assert!(alone <= 8, "{alone} iterations for one free disk");
     assert!(crowd <= 45, "{crowd} iterations for a hundred");
@@ -199,7 +200,7 @@ fn iterations_for_spheres(session: &Session) {
         let centers = pack(&domain, &[] as &[Ball<3>], &vec![radius; count], 0.1, 1).unwrap();
         let bodies = centers.into_iter().map(|center| suspended(center, radius, free(), 3)).collect();
         let mut setup = periodic_cube(radius / 4.0, Drive::Shear(1.0), bodies);
-        setup.tolerance = 1e-6;
+        setup.tolerance = Tolerance::Fixed(1e-6);
         solve(session, setup).0.cost().krylov.iterations
     };
     let (few, many) = (iterations(16), iterations(64));

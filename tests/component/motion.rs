@@ -40,7 +40,15 @@ fn between_sliding_walls(count: usize, fraction: f64, aspect: f64, gap: f64) -> 
     let domain = Domain { size: Vector2::new(aspect * height, height), axes };
     let centers = pack(&domain, &[] as &[Ball<2>], &vec![1.0; count], gap, 1).unwrap();
     let bodies = centers.into_iter().map(|center: SVector<f64, 2>| suspended(center, 1.0, free(), 6)).collect();
-    Setup { domain, spacing: 1.0 / 6.0, viscosity: 1.0, drive: Drive::Rest, bodies, inverse: InverseMethod::Hypre, tolerance: 1e-6 }
+    Setup {
+        domain,
+        spacing: 1.0 / 6.0,
+        viscosity: 1.0,
+        drive: Drive::Rest,
+        bodies,
+        inverse: InverseMethod::Hypre,
+        tolerance: Tolerance::Fixed(1e-6),
+    }
 }
 
 fn sheared(count: usize) -> Setup<2> {
@@ -76,7 +84,7 @@ fn closed_box(size: [f64; 2], cells_per_radius: f64, bodies: Vec<SuspendedBody<2
         drive: Drive::Rest,
         bodies,
         inverse: InverseMethod::Hypre,
-        tolerance: 1e-10,
+        tolerance: Tolerance::Fixed(1e-10),
     }
 }
 
@@ -101,7 +109,7 @@ fn contact_force(view: &View<2>, body: usize) -> Vector2<f64> {
 }
 
 fn a_warm_start_finds_the_solution_that_a_cold_one_finds(session: &Session) {
-    let setup = Setup { tolerance: 1e-8, ..sheared(20) };
+    let setup = Setup { tolerance: Tolerance::Fixed(1e-8), ..sheared(20) };
     let mut simulation = simulate(session, setup.clone(), time(Step::Fixed(0.02), 1.0, Scheme::TwoStep), ContactModel::None);
     for _ in 0..5 {
         step(&mut simulation);
@@ -109,7 +117,7 @@ fn a_warm_start_finds_the_solution_that_a_cold_one_finds(session: &Session) {
     let warm = simulation.look(&mut |_, _| {}).unwrap();
     let centers = simulation.state().centers();
     let mut fresh = Suspension::new(session, setup).unwrap();
-    let cold = fresh.solve_at(&Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0 }, &mut |_, _| {}).unwrap();
+    let cold = fresh.solve_at(&Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0, tolerance: 1e-8 }, &mut |_, _| {}).unwrap();
     assert!(warm.effort.iterations < fresh.cost().krylov.iterations, "the start was not warm");
     let fastest = cold.bodies.iter().map(|body| body.twist.velocity.norm()).fold(0.0, f64::max);
     for (warm, cold) in warm.twists.iter().zip(&cold.bodies) {
@@ -131,7 +139,7 @@ fn a_neutrally_buoyant_disk_on_the_centre_line_moves_straight_at_its_speed(sessi
         drive,
         bodies: disk(),
         inverse: InverseMethod::Hypre,
-        tolerance: 1e-10,
+        tolerance: Tolerance::Fixed(1e-10),
     };
     let speed = Suspension::new(session, setup()).unwrap().solve(&mut |_, _| {}).unwrap().bodies[0].twist.velocity[0];
     assert!(speed > 1.0 && speed < 1.5, "faster than the mean, slower than the fastest fluid: {speed}");
@@ -211,8 +219,15 @@ fn two_disks_pressed_together_meet_and_rest(session: &Session) {
     let force = |body: usize| Vector2::new(if body == 0 { 10.0 } else { -10.0 }, 0.0);
     let disk = |body: usize| suspended(Vector2::new([2.75, 5.0][body], 2.5), 1.0, pulled(force(body).into()), 8);
     let bodies = vec![disk(0), disk(1)];
-    let setup =
-        Setup { domain, spacing: 0.125, viscosity: 1.0, drive: Drive::Rest, bodies, inverse: InverseMethod::Hypre, tolerance: 1e-8 };
+    let setup = Setup {
+        domain,
+        spacing: 0.125,
+        viscosity: 1.0,
+        drive: Drive::Rest,
+        bodies,
+        inverse: InverseMethod::Hypre,
+        tolerance: Tolerance::Fixed(1e-8),
+    };
     for scheme in SCHEMES {
         let mut simulation = simulate(session, setup.clone(), time(Step::Fixed(0.3), 100.0, scheme), ContactModel::Inelastic);
         for view in meet(&mut simulation, 4) {
@@ -250,7 +265,7 @@ fn a_heavy_disk_comes_to_rest_on_the_floor_that_bears_its_weight(session: &Sessi
 /// the stresses of both. Flow and contacts agree to 1e-5 of the largest velocity; measured is 1e-7.
 fn forces_balance_on_each_body_of_a_sheared_crowd_and_its_stress_reaches_the_walls(session: &Session) {
     let count = 20;
-    let setup = Setup { tolerance: 1e-7, ..between_sliding_walls(count, 0.45, 1.2, 0.05) };
+    let setup = Setup { tolerance: Tolerance::Fixed(1e-7), ..between_sliding_walls(count, 0.45, 1.2, 0.05) };
     let mut simulation = simulate(session, setup, time(Step::Fixed(0.1), 10.0, Scheme::TwoStep), ContactModel::Inelastic);
     let mut touching = 0;
     for number in 0..15 {

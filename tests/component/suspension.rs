@@ -10,6 +10,7 @@ use turbid::{
     geometry::{Axis, Ball, Domain},
     observe,
     petsc::Session,
+    scene::Tolerance,
     simulation::{Setup, Solution, SuspendedBody, Suspension},
     study::cases,
 };
@@ -43,14 +44,14 @@ pub fn suspended<const D: usize>(center: SVector<f64, D>, radius: f64, motion: M
 
 pub fn periodic_cube<const D: usize>(spacing: f64, drive: Drive<D>, bodies: Vec<SuspendedBody<D>>) -> Setup<D> {
     let domain = Domain { size: SVector::repeat(1.0), axes: [Axis::Periodic; D] };
-    Setup { domain, spacing, viscosity: 1.0, drive, bodies, inverse: InverseMethod::Hypre, tolerance: 1e-9 }
+    Setup { domain, spacing, viscosity: 1.0, drive, bodies, inverse: InverseMethod::Hypre, tolerance: Tolerance::Fixed(1e-9) }
 }
 
 /// A channel of height 1 along x whose walls move at -1/2 and 1/2 times `rate`.
 pub fn couette(length: f64, spacing: f64, rate: f64, bodies: Vec<SuspendedBody<2>>) -> Setup<2> {
     let walls = Axis::Walls { lower: Vector2::x() * (-0.5 * rate), upper: Vector2::x() * (0.5 * rate) };
     let domain = Domain { size: Vector2::new(length, 1.0), axes: [Axis::Periodic, walls] };
-    Setup { domain, spacing, viscosity: 1.0, drive: Drive::Rest, bodies, inverse: InverseMethod::Hypre, tolerance: 1e-9 }
+    Setup { domain, spacing, viscosity: 1.0, drive: Drive::Rest, bodies, inverse: InverseMethod::Hypre, tolerance: Tolerance::Fixed(1e-9) }
 }
 
 pub fn solve<const D: usize>(session: &Session, setup: Setup<D>) -> (Suspension<D>, Solution<D>) {
@@ -142,7 +143,7 @@ fn a_channel_driven_by_each_drive(session: &Session) {
         drive,
         bodies: vec![suspended(Vector2::new(0.513, 0.5), 0.125, motion, 8)],
         inverse: InverseMethod::Hypre,
-        tolerance: 1e-9,
+        tolerance: Tolerance::Fixed(1e-9),
     };
     let gradient = |amount: f64| Drive::PressureGradient(Vector2::x() * -amount);
     let (_, by_gradient) = solve(session, channel(gradient(1.0), fixed()));
@@ -196,7 +197,7 @@ fn a_disk_in_a_closed_box(session: &Session) {
         drive: Drive::Rest,
         bodies: vec![suspended(Vector2::new(0.5, 0.5), 0.2, Motion::Prescribed(twist), 8)],
         inverse: InverseMethod::Hypre,
-        tolerance: 1e-9,
+        tolerance: Tolerance::Fixed(1e-9),
     };
     let spin = SMatrix::<f64, 2, 2>::new(0.0, -1.0, 1.0, 0.0);
     let (_, turning) = solve(session, closed(Twist { velocity: Vector2::zeros(), spin }));

@@ -21,7 +21,7 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> R
     let mut suspension = Suspension::new(session, setup)?;
     world.agree(if first { folder::claim(folder, scene) } else { Ok(()) })?;
 
-    let progress = Progress::new(world.rank(), scene.method.tolerance);
+    let progress = Progress::new(world.rank(), scene.method.tolerance.at_an_instant());
     let solution = suspension.solve(&mut |iteration, residual| progress.show(iteration, residual));
     progress.end();
     let solution = solution?;

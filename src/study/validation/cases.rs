@@ -12,6 +12,7 @@ use crate::{
     geometry::{Axis, Ball, Domain},
     observe::{self, Viscosity},
     petsc::Session,
+    scene::Tolerance,
     simulation::{Setup, Solution, SuspendedBody, Suspension},
 };
 
@@ -75,7 +76,15 @@ fn suspended<const D: usize>(center: impl Into<SVector<f64, D>>, radius: f64, mo
 /// A box with sides of length 1 (along x: `length`); `walls` bound the axes that are named.
 fn setup<const D: usize>(length: f64, axes: [Axis<D>; D], spacing: f64, drive: Drive<D>, bodies: Vec<SuspendedBody<D>>) -> Setup<D> {
     let size = SVector::from_fn(|axis, _| if axis == 0 { length } else { 1.0 });
-    Setup { domain: Domain { size, axes }, spacing, viscosity: 1.0, drive, bodies, inverse: InverseMethod::Hypre, tolerance: TOLERANCE }
+    Setup {
+        domain: Domain { size, axes },
+        spacing,
+        viscosity: 1.0,
+        drive,
+        bodies,
+        inverse: InverseMethod::Hypre,
+        tolerance: Tolerance::Fixed(TOLERANCE),
+    }
 }
 
 fn solve<const D: usize>(session: &Session, setup: Setup<D>) -> Result<(Suspension<D>, Solution<D>)> {
