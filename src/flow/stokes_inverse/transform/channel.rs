@@ -65,6 +65,6 @@ fn factors<const D: usize>(symbols: &Symbols<D>, walled: usize, wave: [usize; D]
 }
 
 /// The number of the wave, `|g|`.
-pub fn number<const D: usize>(factors: &[Complex<f64>; D]) -> f64 {
+fn number<const D: usize>(factors: &[Complex<f64>; D]) -> f64 {
     factors.iter().map(Complex::norm_sqr).sum::<f64>().sqrt()
 }

@@ -102,38 +102,48 @@ impl<const D: usize> RealTransform<D> {
         }
     }
 
-    /// From points to waves, all fields.
-    pub fn forward(&mut self, values: &[f64], waves: &mut [Complex<f64>]) {
+    /// From points to waves, all fields; the values are used up.
+    pub fn forward(&mut self, values: &mut [f64], waves: &mut [Complex<f64>]) {
+        let (real_extent, complex_extent) = (self.real.block().len(), self.complex.block().len());
+        let mut transform = |points: &mut [f64], waves: &mut [Complex<f64>]| {
+            for (points, waves) in points.chunks_exact_mut(self.real.points()).zip(waves.chunks_exact_mut(self.complex.points())) {
+                self.forward.process_with_scratch(points, waves, &mut self.scratch).expect(PLANNED);
+            }
+        };
+        if self.real.in_sequence() {
+            return transform(&mut values[..(D + 1) * real_extent], waves);
+        }
         for field in 0..=D {
-            let values = &values[field * self.real.block().len()..];
-            let waves = &mut waves[field * self.complex.block().len()..];
             for (real, complex) in self.real.tiles().zip(self.complex.tiles()) {
-                real.gather(values, &mut self.real_tile);
-                let lines = self.real_tile.chunks_exact_mut(real.points).zip(self.complex_tile.chunks_exact_mut(complex.points));
-                for (points, waves) in lines.take(real.lines) {
-                    self.forward.process_with_scratch(points, waves, &mut self.scratch).expect(PLANNED);
-                }
-                complex.scatter(&self.complex_tile, waves);
+                let points = &mut self.real_tile[..real.lines * real.points];
+                real.gather(&values[field * real_extent..], points);
+                transform(points, &mut self.complex_tile);
+                complex.scatter(&self.complex_tile, &mut waves[field * complex_extent..]);
             }
         }
     }
 
-    /// From waves to points, all fields.
-    pub fn backward(&mut self, waves: &[Complex<f64>], values: &mut [f64]) {
-        for field in 0..=D {
-            let values = &mut values[field * self.real.block().len()..];
-            let waves = &waves[field * self.complex.block().len()..];
-            for (real, complex) in self.real.tiles().zip(self.complex.tiles()) {
-                complex.gather(waves, &mut self.complex_tile);
-                let lines = self.real_tile.chunks_exact_mut(real.points).zip(self.complex_tile.chunks_exact_mut(complex.points));
-                for (points, waves) in lines.take(real.lines) {
-                    waves[0].im = 0.0;
-                    if points.len() % 2 == 0 {
-                        waves[points.len() / 2].im = 0.0;
-                    }
-                    self.backward.process_with_scratch(waves, points, &mut self.scratch).expect(PLANNED);
+    /// From waves to points, all fields; the waves are used up.
+    pub fn backward(&mut self, waves: &mut [Complex<f64>], values: &mut [f64]) {
+        let (real_extent, complex_extent) = (self.real.block().len(), self.complex.block().len());
+        let mut transform = |waves: &mut [Complex<f64>], points: &mut [f64]| {
+            for (points, waves) in points.chunks_exact_mut(self.real.points()).zip(waves.chunks_exact_mut(self.complex.points())) {
+                waves[0].im = 0.0;
+                if points.len() % 2 == 0 {
+                    waves[points.len() / 2].im = 0.0;
                 }
-                real.scatter(&self.real_tile, values);
+                self.backward.process_with_scratch(waves, points, &mut self.scratch).expect(PLANNED);
+            }
+        };
+        if self.real.in_sequence() {
+            return transform(waves, &mut values[..(D + 1) * real_extent]);
+        }
+        for field in 0..=D {
+            for (real, complex) in self.real.tiles().zip(self.complex.tiles()) {
+                complex.gather(&waves[field * complex_extent..], &mut self.complex_tile);
+                let points = &mut self.real_tile[..real.lines * real.points];
+                transform(&mut self.complex_tile, points);
+                real.scatter(points, &mut values[field * real_extent..]);
             }
         }
     }

@@ -3,7 +3,7 @@
 use crate::grid::Block;
 
 /// Most lines of a tile.
-pub const TILE: usize = 8;
+pub const TILE: usize = 16;
 
 /// The lines of a block along one axis.
 #[derive(Clone)]
@@ -43,18 +43,27 @@ impl<const D: usize> Lines<D> {
         self.block.end[self.axis] - self.block.start[self.axis]
     }
 
+    /// Whether the points of a line are neighbours in memory, and the lines follow each other.
+    pub fn in_sequence(&self) -> bool {
+        self.axis == D - 1
+    }
+
     /// All tiles; blocks that differ only along the axis have the same ones.
     pub fn tiles(&self) -> impl Iterator<Item = Tile<D>> + use<D> {
         let (block, axis) = (self.block, self.axis);
         let across = if axis == D - 1 { D - 2 } else { D - 1 };
         let mut starts = if block.is_empty() { Block { start: [0; D], end: [0; D] } } else { block.flattened(axis) };
-        starts.end[across] = starts.start[across] + (starts.end[across] - starts.start[across]).div_ceil(TILE);
+        let side_by_side = block.end[across] - block.start[across];
+        let tiles = side_by_side.div_ceil(TILE);
+        starts.end[across] = starts.start[across] + tiles;
         let stride = move |axis: usize| (axis + 1..D).map(|axis| block.end[axis] - block.start[axis]).product::<usize>();
         starts.indices().map(move |mut start| {
-            start[across] = block.start[across] + (start[across] - block.start[across]) * TILE;
+            let tile = start[across] - block.start[across];
+            let cut = |tile: usize| tile * side_by_side / tiles;
+            start[across] = block.start[across] + cut(tile);
             Tile {
                 start,
-                lines: (block.end[across] - start[across]).min(TILE),
+                lines: cut(tile + 1) - cut(tile),
                 across,
                 points: block.end[axis] - block.start[axis],
                 offset: block.offset(start),
@@ -83,10 +92,9 @@ impl<const D: usize> Tile<D> {
             return;
         }
         for point in 0..self.points {
-            let neighbours = &values[self.offset + point * self.point_step..];
-            for line in 0..self.lines {
-                lines[line * self.points + point] = neighbours[line * self.line_step];
-            }
+            let neighbours = values[self.offset + point * self.point_step..].iter().step_by(self.line_step);
+            let places = lines[point..].iter_mut().step_by(self.points);
+            places.zip(neighbours).take(self.lines).for_each(|(place, value)| *place = *value);
         }
     }
 
@@ -100,10 +108,9 @@ impl<const D: usize> Tile<D> {
             return;
         }
         for point in 0..self.points {
-            let neighbours = &mut values[self.offset + point * self.point_step..];
-            for line in 0..self.lines {
-                neighbours[line * self.line_step] = lines[line * self.points + point];
-            }
+            let neighbours = values[self.offset + point * self.point_step..].iter_mut().step_by(self.line_step);
+            let places = lines[point..].iter().step_by(self.points);
+            neighbours.zip(places).take(self.lines).for_each(|(value, place)| *value = *place);
         }
     }
 }

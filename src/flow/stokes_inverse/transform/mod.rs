@@ -145,7 +145,7 @@ impl<const D: usize> TransformInverse<D> {
         if let Some(start) = &self.start {
             start.forward(world, &mut self.values, &mut self.value_exchange);
         }
-        self.first.forward(&self.values, &mut self.waves);
+        self.first.forward(&mut self.values, &mut self.waves);
         for stage in 0..D - 1 {
             if let Some(turn) = &self.turns[stage] {
                 turn.forward(world, &mut self.waves, &mut self.wave_exchange);
@@ -163,7 +163,7 @@ impl<const D: usize> TransformInverse<D> {
                 turn.backward(world, &mut self.waves, &mut self.wave_exchange);
             }
         }
-        self.first.backward(&self.waves, &mut self.values);
+        self.first.backward(&mut self.waves, &mut self.values);
         if let Some(start) = &self.start {
             start.backward(world, &mut self.values, &mut self.value_exchange);
         }
