@@ -13,6 +13,7 @@ mod fluid;
 mod grid;
 mod hard;
 mod interpolation;
+mod inverses;
 mod lasting;
 mod machine;
 mod motion;
@@ -59,6 +60,7 @@ fn main() {
         fluid::tests(),
         transform::tests(),
         suspension::tests(),
+        inverses::tests(),
         hard::tests(),
         lasting::tests(),
         motion::tests(),

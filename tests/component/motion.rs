@@ -7,7 +7,7 @@ use turbid::{
     geometry::{Axis, Ball, Domain},
     observe,
     petsc::Session,
-    scene::{ContactModel, Scheme, Step, TimeSection},
+    scene::{ContactModel, Scheme, Step, TimeSection, Tolerance},
     simulation::{Moment, Setup, Simulation, SuspendedBody, Suspension, View},
 };
 
