@@ -11,8 +11,12 @@
 
 mod blocks;
 mod conservation;
+mod dense;
+mod interpolant;
 mod layout;
 mod patch;
+mod places;
+mod rows;
 mod sharp;
 
 pub use blocks::{Blocks, BodyBlocks};
