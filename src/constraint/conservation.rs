@@ -11,7 +11,11 @@
 
 use nalgebra::{DMatrix, SVector};
 
+use super::dense::add_rows;
 use crate::surface::SurfaceTable;
+
+/// Force and first moments in 3D.
+const MOST_MOMENTS: usize = 4;
 
 /// Corrects the momentum rows of one component: `values` holds, for each row at an offset from the centre, one value a mode.
 pub fn conserve_momentum<const D: usize>(
@@ -21,17 +25,25 @@ pub fn conserve_momentum<const D: usize>(
     offsets: &[SVector<f64, D>],
     values: &mut [f64],
 ) {
-    let count = surface.modes.count();
-    let basis = DMatrix::from_fn(D + 1, offsets.len(), |term, row| match term {
-        0 => 1.0,
-        _ => offsets[row][term - 1] / surface.modes.radius(),
-    });
-    let present = DMatrix::from_column_slice(count, offsets.len(), values);
-    let missing = wanted_moments(component, surface) / cell_volume - present * basis.transpose();
+    let (count, radius) = (surface.modes.count(), surface.modes.radius());
+    let basis = |row: usize, term: usize| if term == 0 { 1.0 } else { offsets[row][term - 1] / radius };
+    let mut missing = wanted_moments(component, surface) / cell_volume;
+    let mut products = DMatrix::zeros(D + 1, D + 1);
+    for term in 0..=D {
+        let terms: Vec<(u32, f64)> = (0..offsets.len()).map(|row| (row as u32, -basis(row, term))).collect();
+        add_rows(&terms, values, missing.column_mut(term).as_mut_slice());
+        (0..=D).for_each(|other| {
+            products[(term, other)] = -terms.iter().map(|&(row, basis_of)| basis_of * basis(row as usize, other)).sum::<f64>()
+        });
+    }
     // rows too few or in line cannot carry all moments: such a body lies almost wholly beyond what the grid resolves
-    if let Some(inverse) = (&basis * basis.transpose()).try_inverse() {
-        let correction = missing * inverse * basis;
-        values.iter_mut().zip(correction.iter()).for_each(|(value, correction)| *value += correction);
+    if let Some(inverse) = products.try_inverse() {
+        let correction = missing * inverse;
+        for (row, values) in values.chunks_exact_mut(count).enumerate() {
+            let terms: [(u32, f64); MOST_MOMENTS] =
+                std::array::from_fn(|term| (term as u32, if term <= D { basis(row, term) } else { 0.0 }));
+            add_rows(&terms[..=D], correction.as_slice(), values);
+        }
     }
 }
 

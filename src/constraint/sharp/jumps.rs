@@ -21,6 +21,12 @@ impl Jumps {
         Jumps { count, rows: vec![EMPTY; nodes.patch.len()], chosen: Vec::new(), values: Vec::new() }
     }
 
+    /// Forgets all nodes, and turns to another body.
+    pub fn turn_to<const D: usize>(&mut self, placed: &Placed<D>) {
+        self.count = placed.surface.modes.count();
+        self.chosen.drain(..).for_each(|place| self.rows[place as usize] = EMPTY);
+    }
+
     /// Asks for the node at a place; returns its row.
     pub fn choose(&mut self, place: usize) -> u32 {
         if self.rows[place] == EMPTY {
@@ -38,6 +44,11 @@ impl Jumps {
     /// Whether a node was asked for.
     pub fn has(&self, place: usize) -> bool {
         self.rows[place] != EMPTY
+    }
+
+    /// Whether no node was asked for.
+    pub fn is_empty(&self) -> bool {
+        self.chosen.is_empty()
     }
 
     /// Number of modes.

@@ -34,8 +34,8 @@ pub use passage::{Passed, jump, passed};
 use sample::Sampling;
 use spread::Spreading;
 
-/// Lattice points around a surface that stencils and interpolation may touch, in spacings.
-const REACH: f64 = 3.0;
+/// Lattice points around a surface that stencils and interpolation may touch, in spacings: next to walls it is one-sided.
+const REACHES: [f64; 2] = [2.0, 3.0];
 
 /// Jump functions are singular at the centre; closer than this (in spacings) they are taken as zero.
 const CORE: f64 = 0.3;
@@ -69,11 +69,11 @@ pub fn assemble<const D: usize>(
     placed: &Placed<D>,
     neighbours: &[Neighbour<D>],
 ) -> BodyBlocks<D> {
-    let reach = placed.surface.modes.radius() + REACH * grid.spacing().max();
+    let reach = placed.surface.modes.radius() + reach(grid);
     let nodes: Vec<Nodes<D>> = (0..=D).map(|field| Nodes::around(grid, field, placed, reach)).collect();
     let mut jumps: Vec<Jumps> = nodes.iter().map(|nodes| Jumps::new(placed, nodes)).collect();
     let spreading = Spreading::new(grid, placed, &nodes, &mut jumps);
-    let sampling = Sampling::new(grid, placed, &nodes, &mut jumps);
+    let mut sampling = Sampling::new(grid, placed, &nodes, &mut jumps);
     let core = CORE * grid.spacing().max();
     nodes.iter().zip(&mut jumps).for_each(|(nodes, jumps)| jumps.evaluate(nodes, placed, core));
     let own = sampling.own_block(&jumps).map(|block| (body, block));
@@ -86,4 +86,9 @@ pub fn assemble<const D: usize>(
         local: local.map(|(other, transposed)| LocalBlock { first: layout.global(other) as u32, transposed }).collect(),
         interpolant: sampling.interpolant,
     }
+}
+
+/// How far from a surface, along each axis, stencils and interpolation reach.
+fn reach<const D: usize>(grid: &Grid<D>) -> f64 {
+    REACHES[usize::from(!grid.domain().fully_periodic())] * grid.spacing().max()
 }

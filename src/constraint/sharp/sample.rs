@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DMatrixView, Dyn, SVector};
 
-use super::{Placed, REACH, jumps::Jumps, nodes::Nodes};
+use super::{Placed, jumps::Jumps, nodes::Nodes, reach};
 use crate::{
     constraint::interpolant::{Interpolant, NodeBox, Run, row_offsets, row_weights},
     grid::{
@@ -24,6 +24,8 @@ pub struct Sampling<'a, const D: usize> {
     nodes: &'a [Nodes<D>],
     /// For each component, whether each node is met.
     met: Vec<Vec<bool>>,
+    /// For each component, the jumps of one neighbour after the other.
+    of_neighbour: Vec<Jumps>,
     /// The block J.
     pub interpolant: Interpolant<D>,
 }
@@ -39,7 +41,8 @@ impl<'a, const D: usize> Sampling<'a, D> {
     /// Finds the nodes, and asks for the jumps of the body at those outside it.
     pub fn new(grid: &'a Grid<D>, placed: &'a Placed<D>, nodes: &'a [Nodes<D>], jumps: &mut [Jumps]) -> Self {
         let interpolant = Interpolant { boxes: Vec::new(), weights: Vec::new(), wall_values: Vec::new() };
-        let mut sampling = Sampling { grid, placed, nodes, met: Vec::new(), interpolant };
+        let of_neighbour = nodes[..D].iter().map(|nodes| Jumps::new(placed, nodes)).collect();
+        let mut sampling = Sampling { grid, placed, nodes, met: Vec::new(), of_neighbour, interpolant };
         let corners = sampling.find_corners();
         for ((nodes, corners), jumps) in nodes.iter().zip(corners).zip(jumps) {
             let met = met(nodes, &corners);
@@ -93,22 +96,35 @@ impl<'a, const D: usize> Sampling<'a, D> {
     }
 
     /// The transposed block of E of a neighbour's jumps, if interpolation meets its inside.
-    pub fn neighbour_block(&self, neighbour: &Placed<D>, core: f64) -> Option<DMatrix<f64>> {
-        let jumps: Vec<Jumps> =
-            self.nodes[..D].iter().zip(&self.met).map(|(nodes, met)| inner_jumps(neighbour, nodes, met, core)).collect();
-        let reach = neighbour.surface.modes.radius() + REACH * self.grid.spacing().norm();
-        let near = |offset: &SVector<f64, D>| (self.placed.center + offset - neighbour.center).norm_squared() < reach * reach;
-        let met = |component: usize, place: usize| jumps[component].has(place);
-        self.interpolated(&jumps, near, met).project(self.placed, 1.0)
+    pub fn neighbour_block(&mut self, neighbour: &Placed<D>, core: f64) -> Option<DMatrix<f64>> {
+        for ((nodes, met), jumps) in self.nodes.iter().zip(&self.met).zip(&mut self.of_neighbour) {
+            jumps.turn_to(neighbour);
+            nodes.inside(neighbour, |place| {
+                if met[place] {
+                    jumps.choose(place);
+                }
+            });
+            jumps.evaluate(nodes, neighbour, core);
+        }
+        let (radius, reach) = (neighbour.surface.modes.radius(), reach(self.grid));
+        let near = |offset: &SVector<f64, D>| {
+            let separation = self.placed.center + offset - neighbour.center;
+            separation.norm_squared() < (radius + reach * (D as f64).sqrt()).powi(2) && separation.amax() < radius + reach
+        };
+        let met = |component: usize, place: usize| self.of_neighbour[component].has(place);
+        self.interpolated(&self.of_neighbour, near, met).project(self.placed, 1.0)
     }
 
     /// Interpolates jumps, at points that may be `near` them, over the nodes that are `met`.
     fn interpolated(&self, jumps: &[Jumps], near: impl Fn(&SVector<f64, D>) -> bool, met: impl Fn(usize, usize) -> bool) -> Interpolated {
         let mut interpolated = Interpolated::default();
+        if jumps.iter().all(Jumps::is_empty) {
+            return interpolated;
+        }
         let offsets: Vec<_> = self.interpolant.boxes.iter().map(|nodes| row_offsets(nodes.strides)).collect();
         let mut terms = [(0, 0.0); MOST_NODES];
         for (point, _) in self.placed.surface.offsets().enumerate().filter(|(_, offset)| near(offset)) {
-            for component in 0..D {
+            for component in (0..D).filter(|&component| !jumps[component].is_empty()) {
                 let corner = self.interpolant.boxes[component].corners[point] as usize;
                 let weights: [&_; D] = std::array::from_fn(|axis| &self.interpolant.weights[point][axis][usize::from(axis != component)]);
                 let mut found = 0;
@@ -124,18 +140,6 @@ impl<'a, const D: usize> Sampling<'a, D> {
         }
         interpolated
     }
-}
-
-/// The jumps of a neighbour at the nodes met inside it.
-fn inner_jumps<const D: usize>(neighbour: &Placed<D>, nodes: &Nodes<D>, met: &[bool], core: f64) -> Jumps {
-    let mut jumps = Jumps::new(neighbour, nodes);
-    nodes.inside(neighbour, |place| {
-        if met[place] {
-            jumps.choose(place);
-        }
-    });
-    jumps.evaluate(nodes, neighbour, core);
-    jumps
 }
 
 fn met<const D: usize>(nodes: &Nodes<D>, corners: &[u32]) -> Vec<bool> {
