@@ -14,16 +14,22 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-/// Adds to `out` the weighted sum of rows of `values`, each as long as `out`; terms are row and weight.
+/// Length of rows of `count` entries with room to take all of them several at once.
+pub fn padded(count: usize) -> usize {
+    count.next_multiple_of(WIDTH)
+}
+
+/// Adds to `out` the weighted sum of rows of `values`, each as long as `out`, a padded length; terms are row and weight.
 pub fn add_rows(terms: &[(u32, f64)], values: &[f64], out: &mut [f64]) {
     let length = out.len();
-    let mut start = add_parts::<16>(terms, (values, length), 0, out);
-    start = add_parts::<8>(terms, (values, length), start, out);
-    start = add_parts::<4>(terms, (values, length), start, out);
-    add_parts::<1>(terms, (values, length), start, out);
+    let mut start = 0;
+    start = add_parts::<{ 3 * WIDTH }>(terms, (values, length), start, out);
+    start = add_parts::<{ 2 * WIDTH }>(terms, (values, length), start, out);
+    add_parts::<WIDTH>(terms, (values, length), start, out);
 }
 
 /// As many parts of `N` entries as fit from `start` on; returns where the next would start.
+#[inline(always)]
 fn add_parts<const N: usize>(terms: &[(u32, f64)], (values, length): (&[f64], usize), mut start: usize, out: &mut [f64]) -> usize {
     while let Some(part) = out.get_mut(start..start + N) {
         let mut sums = [0.0; N];
@@ -43,11 +49,12 @@ mod tests {
 
     #[test]
     fn sums_are_those_of_plain_loops() {
-        let values: Vec<f64> = (0..5 * 45).map(|place| (place as f64).sin()).collect();
-        let rows: Vec<&[f64]> = values.chunks(45).collect();
-        let plain: f64 = rows[0].iter().zip(rows[1]).map(|(a, b)| a * b).sum();
-        assert!((dot(rows[0], rows[1]) - plain).abs() < 1e-13);
-        let mut out = vec![1.0; 45];
+        let length = padded(45);
+        let values: Vec<f64> = (0..5 * length).map(|place| (place as f64).sin()).collect();
+        let rows: Vec<&[f64]> = values.chunks(length).collect();
+        let plain: f64 = rows[0][..45].iter().zip(rows[1]).map(|(a, b)| a * b).sum();
+        assert!((dot(&rows[0][..45], &rows[1][..45]) - plain).abs() < 1e-13);
+        let mut out = vec![1.0; length];
         add_rows(&[(4, 0.5), (1, -2.0)], &values, &mut out);
         for (place, out) in out.iter().enumerate() {
             assert!((out - 1.0 - 0.5 * rows[4][place] + 2.0 * rows[1][place]).abs() < 1e-15);

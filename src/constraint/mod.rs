@@ -22,4 +22,4 @@ mod sharp;
 pub use blocks::{Blocks, BodyBlocks};
 pub use layout::Layout;
 pub use patch::Patch;
-pub use sharp::{INTERPOLATION_REACH, Neighbour, Passed, Placed, assemble, jump, passed};
+pub use sharp::{INTERPOLATION_REACH, Neighbour, Passed, Placed, Workspace, assemble, jump, passed};

@@ -6,8 +6,8 @@ pub const LANES: usize = 8;
 /// One number for each of the points.
 pub type Lanes = [f64; LANES];
 
-/// Fills `out[point * count + mode]` batch by batch: `fill(positions, values)` gets the points' coordinates over `length` and
-/// writes `values[mode * LANES + lane]`.
+/// Fills `out[point * stride + mode]`, `stride = out.len() / points`, batch by batch: `fill(positions, values)` gets the points'
+/// coordinates over `length` and writes `values[mode * LANES + lane]`.
 ///
 /// A last batch that is not full repeats its first point.
 pub fn in_batches<const D: usize>(
@@ -16,13 +16,16 @@ pub fn in_batches<const D: usize>(
     out: &mut [f64],
     mut fill: impl FnMut(&[Lanes; D], &mut [f64]),
 ) {
+    let stride = out.len() / (offsets.len() / D).max(1);
     let mut values = vec![0.0; count * LANES];
-    for (points, rows) in offsets.chunks(D * LANES).zip(out.chunks_mut(count * LANES)) {
-        let last = points.len() / D;
-        let place = |lane: usize, axis: usize| points[if lane < last { lane * D + axis } else { axis }];
-        let positions = std::array::from_fn(|axis| std::array::from_fn(|lane| place(lane, axis) / length));
+    let mut positions = [[0.0; LANES]; D];
+    for (points, rows) in offsets.chunks(D * LANES).zip(out.chunks_mut(stride * LANES)) {
+        for lane in 0..LANES {
+            let point = points.chunks_exact(D).nth(lane).unwrap_or(&points[..D]);
+            positions.iter_mut().zip(point).for_each(|(along, x)| along[lane] = x / length);
+        }
         fill(&positions, &mut values);
-        for (lane, row) in rows.chunks_exact_mut(count).enumerate() {
+        for (lane, row) in rows.chunks_exact_mut(stride).enumerate() {
             row.iter_mut().zip(values.chunks_exact(LANES)).for_each(|(out, mode)| *out = mode[lane]);
         }
     }

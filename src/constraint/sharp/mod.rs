@@ -31,7 +31,7 @@ use crate::{grid::Grid, surface::SurfaceTable};
 use jumps::Jumps;
 use nodes::Nodes;
 pub use passage::{Passed, jump, passed};
-use sample::Sampling;
+use sample::{Interpolated, Sampling};
 use spread::Spreading;
 
 /// Lattice points around a surface that stencils and interpolation may touch, in spacings: next to walls it is one-sided.
@@ -61,28 +61,43 @@ impl<const D: usize> Placed<D> {
 /// A neighbour whose inside may meet the interpolation on a body's surface: its number, and it in the image next to the body.
 pub type Neighbour<const D: usize> = (usize, Placed<D>);
 
+/// Memory that the assembly of one body after the other uses again.
+#[derive(Default)]
+pub struct Workspace {
+    /// For each field, the jumps of the body.
+    jumps: [Jumps; 4],
+    /// For each component, the jumps of one neighbour after the other.
+    of_neighbour: [Jumps; 3],
+    interpolated: Interpolated,
+}
+
 /// The blocks of one body.
 pub fn assemble<const D: usize>(
     grid: &Grid<D>,
     layout: &Layout,
-    body: usize,
-    placed: &Placed<D>,
+    (body, placed): (usize, &Placed<D>),
     neighbours: &[Neighbour<D>],
+    workspace: &mut Workspace,
 ) -> BodyBlocks<D> {
     let reach = placed.surface.modes.radius() + reach(grid);
     let nodes: Vec<Nodes<D>> = (0..=D).map(|field| Nodes::around(grid, field, placed, reach)).collect();
-    let mut jumps: Vec<Jumps> = nodes.iter().map(|nodes| Jumps::new(placed, nodes)).collect();
-    let spreading = Spreading::new(grid, placed, &nodes, &mut jumps);
-    let mut sampling = Sampling::new(grid, placed, &nodes, &mut jumps);
+    let Workspace { jumps, of_neighbour, interpolated } = workspace;
+    let (jumps, of_neighbour) = (&mut jumps[..=D], &mut of_neighbour[..D]);
+    nodes.iter().zip(&mut *jumps).for_each(|(nodes, jumps)| jumps.turn_to(placed, nodes));
+    let spreading = Spreading::new(grid, placed, &nodes, jumps);
+    let sampling = Sampling::new(grid, placed, &nodes, jumps);
     let core = CORE * grid.spacing().max();
-    nodes.iter().zip(&mut jumps).for_each(|(nodes, jumps)| jumps.evaluate(nodes, placed, core));
-    let own = sampling.own_block(&jumps).map(|block| (body, block));
-    let others = neighbours.iter().filter_map(|(other, placed)| Some((*other, sampling.neighbour_block(placed, core)?)));
+    nodes.iter().zip(&mut *jumps).for_each(|(nodes, jumps)| jumps.evaluate(nodes, placed, core));
+    let own = sampling.own_block(jumps, interpolated).map(|block| (body, block));
+    let others = neighbours.iter().filter_map(|(other, neighbour)| {
+        let block = sampling.neighbour_block((neighbour, core), of_neighbour, interpolated)?;
+        Some((*other, block))
+    });
     let local = own.into_iter().chain(others);
     BodyBlocks {
         surface: placed.surface.clone(),
         first: layout.local(body),
-        rows: spreading.rows(&jumps),
+        rows: spreading.rows(jumps),
         local: local.map(|(other, transposed)| LocalBlock { first: layout.global(other) as u32, transposed }).collect(),
         interpolant: sampling.interpolant,
     }

@@ -24,16 +24,16 @@ pub struct Sampling<'a, const D: usize> {
     nodes: &'a [Nodes<D>],
     /// For each component, whether each node is met.
     met: Vec<Vec<bool>>,
-    /// For each component, the jumps of one neighbour after the other.
-    of_neighbour: Vec<Jumps>,
     /// The block J.
     pub interpolant: Interpolant<D>,
 }
 
 /// Jumps interpolated at surface points: the rows (point and component) that meet any, and one value a mode for each.
 #[derive(Default)]
-struct Interpolated {
+pub struct Interpolated {
     rows: Vec<usize>,
+    /// Length of a row of `values`.
+    stride: usize,
     values: Vec<f64>,
 }
 
@@ -41,8 +41,7 @@ impl<'a, const D: usize> Sampling<'a, D> {
     /// Finds the nodes, and asks for the jumps of the body at those outside it.
     pub fn new(grid: &'a Grid<D>, placed: &'a Placed<D>, nodes: &'a [Nodes<D>], jumps: &mut [Jumps]) -> Self {
         let interpolant = Interpolant { boxes: Vec::new(), weights: Vec::new(), wall_values: Vec::new() };
-        let of_neighbour = nodes[..D].iter().map(|nodes| Jumps::new(placed, nodes)).collect();
-        let mut sampling = Sampling { grid, placed, nodes, met: Vec::new(), of_neighbour, interpolant };
+        let mut sampling = Sampling { grid, placed, nodes, met: Vec::new(), interpolant };
         let corners = sampling.find_corners();
         for ((nodes, corners), jumps) in nodes.iter().zip(corners).zip(jumps) {
             let met = met(nodes, &corners);
@@ -90,15 +89,21 @@ impl<'a, const D: usize> Sampling<'a, D> {
     }
 
     /// The transposed block of E of the body's own jumps.
-    pub fn own_block(&self, jumps: &[Jumps]) -> Option<DMatrix<f64>> {
+    pub fn own_block(&self, jumps: &[Jumps], interpolated: &mut Interpolated) -> Option<DMatrix<f64>> {
         let met = |component: usize, place: usize| self.nodes[component].outside[place];
-        self.interpolated(jumps, |_| true, met).project(self.placed, -1.0)
+        self.interpolate(jumps, |_| true, met, interpolated);
+        interpolated.project(self.placed, self.placed.surface.modes.count(), -1.0)
     }
 
-    /// The transposed block of E of a neighbour's jumps, if interpolation meets its inside.
-    pub fn neighbour_block(&mut self, neighbour: &Placed<D>, core: f64) -> Option<DMatrix<f64>> {
-        for ((nodes, met), jumps) in self.nodes.iter().zip(&self.met).zip(&mut self.of_neighbour) {
-            jumps.turn_to(neighbour);
+    /// The transposed block of E of a neighbour's jumps, zero in its core, if interpolation meets its inside.
+    pub fn neighbour_block(
+        &self,
+        (neighbour, core): (&Placed<D>, f64),
+        jumps: &mut [Jumps],
+        interpolated: &mut Interpolated,
+    ) -> Option<DMatrix<f64>> {
+        for ((nodes, met), jumps) in self.nodes.iter().zip(&self.met).zip(&mut *jumps) {
+            jumps.turn_to(neighbour, nodes);
             nodes.inside(neighbour, |place| {
                 if met[place] {
                     jumps.choose(place);
@@ -111,15 +116,22 @@ impl<'a, const D: usize> Sampling<'a, D> {
             let separation = self.placed.center + offset - neighbour.center;
             separation.norm_squared() < (radius + reach * (D as f64).sqrt()).powi(2) && separation.amax() < radius + reach
         };
-        let met = |component: usize, place: usize| self.of_neighbour[component].has(place);
-        self.interpolated(&self.of_neighbour, near, met).project(self.placed, 1.0)
+        let met = |component: usize, place: usize| jumps[component].has(place);
+        self.interpolate(jumps, near, met, interpolated);
+        interpolated.project(self.placed, neighbour.surface.modes.count(), 1.0)
     }
 
     /// Interpolates jumps, at points that may be `near` them, over the nodes that are `met`.
-    fn interpolated(&self, jumps: &[Jumps], near: impl Fn(&SVector<f64, D>) -> bool, met: impl Fn(usize, usize) -> bool) -> Interpolated {
-        let mut interpolated = Interpolated::default();
-        if jumps.iter().all(Jumps::is_empty) {
-            return interpolated;
+    fn interpolate(
+        &self,
+        jumps: &[Jumps],
+        near: impl Fn(&SVector<f64, D>) -> bool,
+        met: impl Fn(usize, usize) -> bool,
+        interpolated: &mut Interpolated,
+    ) {
+        interpolated.clear(jumps[0].stride());
+        if jumps[..D].iter().all(Jumps::is_empty) {
+            return;
         }
         let offsets: Vec<_> = self.interpolant.boxes.iter().map(|nodes| row_offsets(nodes.strides)).collect();
         let mut terms = [(0, 0.0); MOST_NODES];
@@ -138,7 +150,6 @@ impl<'a, const D: usize> Sampling<'a, D> {
                 interpolated.add(point * D + component, &jumps[component], &terms[..found]);
             }
         }
-        interpolated
     }
 }
 
@@ -167,18 +178,26 @@ fn runs<const D: usize>(grid: &Grid<D>, nodes: &Nodes<D>, met: &[bool]) -> Vec<R
 }
 
 impl Interpolated {
+    fn clear(&mut self, stride: usize) {
+        self.rows.clear();
+        self.values.clear();
+        self.stride = stride;
+    }
+
     fn add(&mut self, row: usize, jumps: &Jumps, terms: &[(u32, f64)]) {
         if !terms.is_empty() {
             self.rows.push(row);
             let start = self.values.len();
-            self.values.resize(start + jumps.count(), 0.0);
+            self.values.resize(start + self.stride, 0.0);
             jumps.add(terms, &mut self.values[start..]);
         }
     }
 
-    /// The transposed block of E, times `sign`: modes of the body that has the jumps down, modes of the surface across.
-    fn project<const D: usize>(&self, placed: &Placed<D>, sign: f64) -> Option<DMatrix<f64>> {
-        let modes = self.values.len().checked_div(self.rows.len())?;
+    /// The transposed block of E, times `sign`: `modes` of the body that has the jumps down, modes of the surface across.
+    fn project<const D: usize>(&self, placed: &Placed<D>, modes: usize, sign: f64) -> Option<DMatrix<f64>> {
+        if self.rows.is_empty() {
+            return None;
+        }
         let (projector, selected) = (placed.surface.projector(), &self.rows);
         let selection;
         let projector = if selected.len() == projector.ncols() {
@@ -189,8 +208,9 @@ impl Interpolated {
         };
         let count = projector.nrows();
         let transposed = DMatrixView::<f64, Dyn, Dyn>::from_slice_with_strides(projector.as_slice(), selected.len(), count, count, 1);
+        let values = DMatrixView::<f64, Dyn, Dyn>::from_slice_with_strides(&self.values, modes, selected.len(), 1, self.stride);
         let mut block = DMatrix::zeros(modes, count);
-        block.gemm(sign, &DMatrixView::from_slice(&self.values, modes, selected.len()), &transposed, 0.0);
+        block.gemm(sign, &values, &transposed, 0.0);
         Some(block)
     }
 }

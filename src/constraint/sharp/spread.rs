@@ -101,13 +101,16 @@ impl<'a, const D: usize> Spreading<'a, D> {
     /// All rows, from evaluated jumps.
     pub fn rows(self, jumps: &[Jumps]) -> Rows {
         let count = self.placed.surface.modes.count();
-        let mut values = vec![0.0; self.unknowns.len() * count];
+        let mut values = Vec::with_capacity(self.unknowns.len() * count);
+        let mut row = vec![0.0; jumps[D].stride()];
         let (mut group, mut term) = (0, 0);
-        for (row, &row_end) in values.chunks_exact_mut(count).zip(&self.row_ends) {
+        for &row_end in &self.row_ends {
+            row.fill(0.0);
             for &(field, end) in &self.groups[group..row_end] {
-                jumps[field].add(&self.terms[term..end], row);
+                jumps[field].add(&self.terms[term..end], &mut row);
                 term = end;
             }
+            values.extend_from_slice(&row[..count]);
             group = row_end;
         }
         let mut start = 0;
