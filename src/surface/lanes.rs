@@ -16,7 +16,10 @@ pub fn in_batches<const D: usize>(
     out: &mut [f64],
     mut fill: impl FnMut(&[Lanes; D], &mut [f64]),
 ) {
-    let stride = out.len() / (offsets.len() / D).max(1);
+    if offsets.is_empty() {
+        return;
+    }
+    let stride = out.len() / (offsets.len() / D);
     let mut values = vec![0.0; count * LANES];
     let mut positions = [[0.0; LANES]; D];
     for (points, rows) in offsets.chunks(D * LANES).zip(out.chunks_mut(stride * LANES)) {
