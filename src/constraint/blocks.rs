@@ -2,14 +2,23 @@
 
 use std::rc::Rc;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 
+use super::{
+    dense::dot,
+    interpolant::Interpolant,
+    places::{Places, from},
+    rows::Rows,
+};
 use crate::{
     constraint::Layout,
     error::Result,
-    petsc::{Matrix, RowBuilder, Scatter, Session, Vector},
+    petsc::{Scatter, Session, Vector},
     surface::SurfaceTable,
 };
+
+/// Most surfaces of one kind that are projected on their modes together.
+const TOGETHER: usize = 16;
 
 /// What one body adds: dense in its multipliers, on the lattice points near its surface.
 pub struct BodyBlocks<const D: usize> {
@@ -17,60 +26,58 @@ pub struct BodyBlocks<const D: usize> {
     pub surface: Rc<SurfaceTable<D>>,
     /// Index of its first multiplier in this rank's part.
     pub first: usize,
-    /// Indices, in fluid vectors, of the lattice points it touches.
-    pub places: Vec<i32>,
-    /// Rows of C: for each, the place, then one value a multiplier in `spread_values`.
-    pub spread_rows: Vec<u32>,
-    /// Values of C, multipliers running fastest.
-    pub spread_values: Vec<f64>,
-    /// Interpolation at the surface points: for each component of each point, where its terms end in `sample_terms`.
-    pub sample_ends: Vec<u32>,
-    /// Terms of the interpolation: place and weight.
-    pub sample_terms: Vec<(u32, f64)>,
-    /// Interpolated values that come from moving walls, one for each component of each point.
-    pub wall_values: Vec<f64>,
-    /// Dense blocks of E in the rows of this body: first multiplier, on all ranks, of the body whose columns it has.
-    pub local: Vec<(usize, DMatrix<f64>)>,
+    /// Rows of C.
+    pub rows: Rows,
+    /// J, before values at the points are projected on the modes.
+    pub interpolant: Interpolant<D>,
+    /// Dense blocks of E in the rows of this body.
+    pub local: Vec<LocalBlock>,
+}
+
+/// A dense block of E.
+pub struct LocalBlock {
+    /// First multiplier of the body whose columns it has, on all ranks; once planned, its place.
+    pub first: u32,
+    /// The block, transposed.
+    pub transposed: DMatrix<f64>,
 }
 
 /// The blocks of all bodies.
 pub struct Blocks<const D: usize> {
     bodies: Vec<BodyBlocks<D>>,
-    scatter: Scatter,
-    local: Matrix,
+    /// Entries of fluid vectors that interpolation takes from other ranks.
+    sampled: Scatter,
+    /// Entries of fluid vectors of other ranks to which rows of C belong.
+    spread: Scatter,
+    /// Multipliers of other ranks that E takes.
+    multipliers: Scatter,
 }
 
 impl<const D: usize> Blocks<D> {
     /// Joins the blocks of this rank's bodies; `fluid` is any fluid vector.
     pub fn new(session: &Session, fluid: &Vector, layout: &Layout, mut bodies: Vec<BodyBlocks<D>>) -> Result<Blocks<D>> {
-        let mut rows = RowBuilder::default();
+        let multipliers = Vector::new(session, layout.local_unknowns())?;
+        let (mut sampled, mut spread, mut taken) = (Places::new(fluid)?, Places::new(fluid)?, Places::new(&multipliers)?);
         for body in &mut bodies {
-            let blocks = std::mem::take(&mut body.local);
-            for row in 0..body.surface.modes.count() {
-                for (first, block) in &blocks {
-                    block.row(row).iter().enumerate().for_each(|(column, &value)| rows.push(first + column, value));
-                }
-                rows.end_row();
+            body.interpolant.plan(&mut sampled);
+            body.rows.plan(&mut spread);
+            for block in &mut body.local {
+                block.first = taken.of(block.first as usize, block.transposed.nrows());
             }
         }
-        let wanted: Vec<i32> = bodies.iter().flat_map(|body| body.places.iter().copied()).collect();
-        let scatter = Scatter::new(fluid, &wanted)?;
-        let local = Matrix::from_rows(session, layout.local_unknowns(), rows)?;
-        Ok(Blocks { bodies, scatter, local })
+        let (sampled, spread, multipliers) = (sampled.scatter(fluid)?, spread.scatter(fluid)?, taken.scatter(&multipliers)?);
+        Ok(Blocks { bodies, sampled, spread, multipliers })
     }
 
     /// `rows += factor * C c`, with this rank's multipliers `c`.
     pub fn spread(&mut self, factor: f64, c: &[f64], rows: &mut Vector) -> Result<()> {
         {
-            let mut places = self.scatter.places()?;
-            let mut rest = &mut places[..];
+            let (mut own, mut others) = (rows.local_mut()?, self.spread.places()?);
             for body in &self.bodies {
-                let (mine, others) = rest.split_at_mut(body.places.len());
-                body.spread(factor, c, mine);
-                rest = others;
+                body.rows.add(factor, &c[body.first..][..body.surface.modes.count()], &mut own, &mut others);
             }
         }
-        self.scatter.add_back(rows)
+        self.spread.add_back(rows)
     }
 
     /// `out = J u`, this rank's multipliers, for the velocity of a fluid vector (zero on walls).
@@ -84,40 +91,42 @@ impl<const D: usize> Blocks<D> {
     }
 
     fn sample_bodies(&mut self, fluid: &Vector, with_walls: bool, out: &mut [f64]) -> Result<()> {
-        let values = self.scatter.fetch(fluid)?;
-        let mut rest = &values[..];
-        for body in &self.bodies {
-            let (mine, others) = rest.split_at(body.places.len());
-            body.sample(mine, with_walls.then_some(&body.wall_values), out);
-            rest = others;
+        let (others, own) = (self.sampled.fetch(fluid)?, fluid.local()?);
+        let (mut scratch, mut velocities) = (Vec::new(), Vec::new());
+        for alike in self.bodies.chunk_by(|body, next| Rc::ptr_eq(&body.surface, &next.surface)) {
+            for bodies in alike.chunks(TOGETHER) {
+                let (first, surface) = (bodies[0].first, &bodies[0].surface);
+                let rows = surface.points() * D;
+                velocities.resize(bodies.len() * rows, 0.0);
+                for (body, velocities) in bodies.iter().zip(velocities.chunks_exact_mut(rows)) {
+                    body.interpolant.apply(&own, &others, &mut scratch, velocities);
+                    if with_walls {
+                        velocities.iter_mut().zip(&body.interpolant.wall_values).for_each(|(value, wall)| *value += wall);
+                    }
+                }
+                let count = surface.modes.count();
+                DMatrixViewMut::from_slice(&mut out[first..][..bodies.len() * count], count, bodies.len()).gemm(
+                    1.0,
+                    surface.projector(),
+                    &DMatrixView::from_slice(&velocities, rows, bodies.len()),
+                    0.0,
+                );
+            }
         }
         Ok(())
     }
 
     /// `out += E c`.
-    pub fn add_local(&self, c: &Vector, out: &mut Vector) -> Result<()> {
-        self.local.multiply_add(c, out)
-    }
-}
-
-impl<const D: usize> BodyBlocks<D> {
-    fn spread(&self, factor: f64, c: &[f64], places: &mut [f64]) {
-        let count = self.surface.modes.count();
-        let c = &c[self.first..][..count];
-        for (place, values) in self.spread_rows.iter().zip(self.spread_values.chunks_exact(count)) {
-            places[*place as usize] += factor * values.iter().zip(c).map(|(value, c)| value * c).sum::<f64>();
+    pub fn add_local(&mut self, c: &Vector, out: &mut Vector) -> Result<()> {
+        let (others, own, mut out) = (self.multipliers.fetch(c)?, c.local()?, out.local_mut()?);
+        for body in &self.bodies {
+            let out = &mut out[body.first..][..body.surface.modes.count()];
+            for LocalBlock { first, transposed } in &body.local {
+                let modes = transposed.nrows();
+                let c = &from(&own, &others, *first)[..modes];
+                out.iter_mut().zip(transposed.as_slice().chunks_exact(modes)).for_each(|(out, row)| *out += dot(row, c));
+            }
         }
-    }
-
-    fn sample(&self, places: &[f64], walls: Option<&Vec<f64>>, out: &mut [f64]) {
-        let mut begin = 0;
-        let interpolated = self.sample_ends.iter().enumerate().map(|(row, &end)| {
-            let terms = &self.sample_terms[std::mem::replace(&mut begin, end as usize)..end as usize];
-            terms.iter().map(|&(place, weight)| weight * places[place as usize]).sum::<f64>() + walls.map_or(0.0, |walls| walls[row])
-        });
-        let interpolated: Vec<f64> = interpolated.collect();
-        let out = &mut out[self.first..][..self.surface.modes.count()];
-        out.fill(0.0);
-        self.surface.project(&interpolated, out);
+        Ok(())
     }
 }

@@ -9,9 +9,12 @@
 //! sum_rows h^D C = integral of F        sum_rows h^D C r^T = integral of F r^T
 //! ```
 
-use nalgebra::{DMatrix, SVector};
+use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, SVector};
 
 use crate::surface::SurfaceTable;
+
+/// Force and first moments, filled up with zeros: products of matrices are fast from this size on.
+const TERMS: usize = 6;
 
 /// Corrects the momentum rows of one component: `values` holds, for each row at an offset from the centre, one value a mode.
 pub fn conserve_momentum<const D: usize>(
@@ -21,26 +24,30 @@ pub fn conserve_momentum<const D: usize>(
     offsets: &[SVector<f64, D>],
     values: &mut [f64],
 ) {
-    let count = surface.modes.count();
-    let basis = DMatrix::from_fn(D + 1, offsets.len(), |term, row| match term {
+    let (count, rows) = (surface.modes.count(), offsets.len());
+    let basis = DMatrix::from_fn(TERMS, rows, |term, row| match term {
         0 => 1.0,
-        _ => offsets[row][term - 1] / surface.modes.radius(),
+        term if term <= D => offsets[row][term - 1] / surface.modes.radius(),
+        _ => 0.0,
     });
-    let present = DMatrix::from_column_slice(count, offsets.len(), values);
-    let missing = wanted_moments(component, surface) / cell_volume - present * basis.transpose();
+    let mut missing = wanted_moments(component, surface) / cell_volume;
+    missing.gemm(-1.0, &DMatrixView::from_slice(values, count, rows), &basis.transpose(), 1.0);
+    let moments = basis.rows(0, D + 1);
     // rows too few or in line cannot carry all moments: such a body lies almost wholly beyond what the grid resolves
-    if let Some(inverse) = (&basis * basis.transpose()).try_inverse() {
-        let correction = missing * inverse * basis;
-        values.iter_mut().zip(correction.iter()).for_each(|(value, correction)| *value += correction);
+    if let Some(inverse) = (moments * moments.transpose()).try_inverse() {
+        let mut factors = DMatrix::zeros(count, TERMS);
+        missing.columns(0, D + 1).mul_to(&inverse, &mut factors.columns_mut(0, D + 1));
+        DMatrixViewMut::from_slice(values, count, rows).gemm(1.0, &factors, &basis, 1.0);
     }
 }
 
-/// Net force and first moments over the radius of one component of each mode's traction (modes down, moments across).
+/// Net force and first moments over the radius of one component of each mode's traction (modes down, moments across, then zeros).
 fn wanted_moments<const D: usize>(component: usize, surface: &SurfaceTable<D>) -> DMatrix<f64> {
     let moments = surface.first_moments();
-    DMatrix::from_fn(moments.len(), D + 1, |mode, term| match term {
+    DMatrix::from_fn(moments.len(), TERMS, |mode, term| match term {
         0 if mode == component => surface.area(),
         0 => 0.0,
+        term if term > D => 0.0,
         _ => moments[mode][(component, term - 1)] / surface.modes.radius(),
     })
 }

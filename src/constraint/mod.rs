@@ -11,11 +11,15 @@
 
 mod blocks;
 mod conservation;
+mod dense;
+mod interpolant;
 mod layout;
 mod patch;
+mod places;
+mod rows;
 mod sharp;
 
 pub use blocks::{Blocks, BodyBlocks};
 pub use layout::Layout;
 pub use patch::Patch;
-pub use sharp::{INTERPOLATION_REACH, Neighbour, Passed, Placed, assemble, jump, passed};
+pub use sharp::{INTERPOLATION_REACH, Neighbour, Passed, Placed, Workspace, assemble, jump, passed};

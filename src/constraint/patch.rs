@@ -1,63 +1,93 @@
-//! The neighbourhood of one body on the lattice of one field, with a slot for each of its points.
+//! The neighbourhood of one body on the lattice of one field.
 
 use nalgebra::SVector;
 
 use crate::grid::{Grid, Index};
 
-const EMPTY: u32 = u32::MAX;
-
-/// A box of lattice indices (not wrapped) around a body; each index can be given a slot number.
+/// A box of lattice indices (not wrapped) around a body; their places run from 0, the last axis fastest.
 pub struct Patch<const D: usize> {
     start: Index<D>,
     extent: [usize; D],
-    slots: Vec<u32>,
 }
 
 impl<const D: usize> Patch<D> {
     /// The lattice of `field` within `reach` of `center` along each axis, clipped at walls.
     pub fn around(grid: &Grid<D>, field: usize, center: &SVector<f64, D>, reach: f64) -> Patch<D> {
+        Patch::clipped(grid, field, center, reach, |axis| (0, grid.cells()[axis] as isize + isize::from(field == axis)))
+    }
+
+    /// As [`around`](Self::around), with the indices beyond the last ones of a velocity component: they stand for walls between lattice points.
+    pub fn with_walls(grid: &Grid<D>, field: usize, center: &SVector<f64, D>, reach: f64) -> Patch<D> {
+        Patch::clipped(grid, field, center, reach, |axis| {
+            let beyond = isize::from(field < D && field != axis);
+            (-beyond, grid.cells()[axis] as isize + isize::from(field < D))
+        })
+    }
+
+    fn clipped(grid: &Grid<D>, field: usize, center: &SVector<f64, D>, reach: f64, limits: impl Fn(usize) -> (isize, isize)) -> Patch<D> {
         let place = |axis: usize, x: f64| x / grid.spacing()[axis] - grid.stagger(field, axis);
         let mut start: Index<D> = std::array::from_fn(|axis| place(axis, center[axis] - reach).floor() as isize);
         let mut end: Index<D> = std::array::from_fn(|axis| place(axis, center[axis] + reach).ceil() as isize + 1);
         for axis in (0..D).filter(|&axis| !grid.domain().periodic(axis)) {
-            let beyond = grid.cells()[axis] as isize + isize::from(field == axis);
-            start[axis] = start[axis].max(0);
+            let (first, beyond) = limits(axis);
+            start[axis] = start[axis].max(first);
             end[axis] = end[axis].min(beyond);
         }
-        let extent: [usize; D] = std::array::from_fn(|axis| (end[axis] - start[axis]).max(0) as usize);
-        Patch { start, extent, slots: vec![EMPTY; extent.iter().product()] }
+        Patch { start, extent: std::array::from_fn(|axis| (end[axis] - start[axis]).max(0) as usize) }
     }
 
-    /// All its indices, the last axis running fastest.
+    /// First index along each axis.
+    pub fn start(&self) -> Index<D> {
+        self.start
+    }
+
+    /// Number of indices along each axis.
+    pub fn extent(&self) -> [usize; D] {
+        self.extent
+    }
+
+    /// Number of indices.
+    pub fn len(&self) -> usize {
+        self.extent.iter().product()
+    }
+
+    /// Whether it has no index.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Distance between the places of neighbours along each axis.
+    pub fn strides(&self) -> [usize; D] {
+        std::array::from_fn(|axis| self.extent[axis + 1..].iter().product())
+    }
+
+    /// All its indices, in the order of their places.
     pub fn indices(&self) -> impl Iterator<Item = Index<D>> + use<D> {
         let (start, extent) = (self.start, self.extent);
-        (0..self.slots.len()).map(move |mut offset| {
-            let mut index = start;
-            for axis in (0..D).rev() {
-                index[axis] += (offset % extent[axis]) as isize;
-                offset /= extent[axis];
-            }
-            index
+        (0..self.len()).map(move |place| index_at(start, extent, place))
+    }
+
+    /// The index at a place.
+    pub fn index(&self, place: usize) -> Index<D> {
+        index_at(self.start, self.extent, place)
+    }
+
+    /// The place of an index, which must lie in the patch.
+    pub fn place(&self, index: Index<D>) -> usize {
+        (0..D).fold(0, |place, axis| {
+            let along = index[axis] - self.start[axis];
+            assert!(along >= 0 && (along as usize) < self.extent[axis], "stencils reach no further than the patch");
+            place * self.extent[axis] + along as usize
         })
     }
+}
 
-    /// The slot of an index, if it has one; the index must lie in the patch.
-    pub fn find(&self, index: Index<D>) -> Option<usize> {
-        let slot = self.slots[self.offset(index)];
-        (slot != EMPTY).then_some(slot as usize)
+fn index_at<const D: usize>(start: Index<D>, extent: [usize; D], place: usize) -> Index<D> {
+    let (mut index, mut rest) = (start, place as u32);
+    for axis in (0..D).rev() {
+        let extent = extent[axis] as u32;
+        index[axis] += (rest % extent) as isize;
+        rest /= extent;
     }
-
-    /// Gives an index a slot.
-    pub fn set(&mut self, index: Index<D>, slot: usize) {
-        let offset = self.offset(index);
-        self.slots[offset] = slot as u32;
-    }
-
-    fn offset(&self, index: Index<D>) -> usize {
-        (0..D).fold(0, |offset, axis| {
-            let place = index[axis] - self.start[axis];
-            assert!(place >= 0 && (place as usize) < self.extent[axis], "stencils reach no further than the patch");
-            offset * self.extent[axis] + place as usize
-        })
-    }
+    index
 }

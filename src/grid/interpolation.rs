@@ -9,17 +9,18 @@ use super::{
 use crate::geometry::Axis;
 
 /// Nodes per axis.
-const NODES: usize = 4;
+pub const NODES: usize = 4;
 
 /// The four nodes used along one axis.
-struct Line {
-    /// Lattice indices; the entry of a node on a wall between lattice points is unused.
-    index: [isize; NODES],
+pub struct Line {
+    /// Lattice indices, one after the other; beyond the lattice, the index stands for the wall there.
+    pub index: [isize; NODES],
     /// Coordinates.
     coordinate: [f64; NODES],
-    weight: [f64; NODES],
+    /// Weights.
+    pub weight: [f64; NODES],
     /// The node, if any, that lies on a wall between lattice points, and whether that is the upper one.
-    wall: Option<(usize, bool)>,
+    pub wall: Option<(usize, bool)>,
 }
 
 /// Visits the `4^D` terms that interpolate component `component` at `point` (not wrapped; between the walls).
@@ -33,19 +34,20 @@ pub fn velocity<const D: usize>(grid: &Grid<D>, component: usize, point: &SVecto
 }
 
 fn site<const D: usize>(grid: &Grid<D>, field: usize, lines: &[Line; D], choice: [usize; D]) -> Site<D> {
+    let index: Index<D> = std::array::from_fn(|axis| lines[axis].index[choice[axis]]);
     for axis in 0..D {
         if let (Some((node, upper_wall)), Axis::Walls { lower, upper }) = (lines[axis].wall, grid.domain().axes[axis])
             && node == choice[axis]
         {
             let position = SVector::from_fn(|axis, _| lines[axis].coordinate[choice[axis]]);
-            return Site::Wall { position, value: if upper_wall { upper[field] } else { lower[field] } };
+            return Site::Wall { position, index, value: if upper_wall { upper[field] } else { lower[field] } };
         }
     }
-    let index: Index<D> = std::array::from_fn(|axis| lines[axis].index[choice[axis]]);
     Site::Lattice { field, index }
 }
 
-fn line<const D: usize>(grid: &Grid<D>, field: usize, axis: usize, x: f64) -> Line {
+/// The nodes along an axis for a point at `x` there, on the lattice of a field.
+pub fn line<const D: usize>(grid: &Grid<D>, field: usize, axis: usize, x: f64) -> Line {
     let (h, cells, stagger) = (grid.spacing()[axis], grid.cells()[axis] as isize, grid.stagger(field, axis));
     let mut first = (x / h - stagger).floor() as isize - 1;
     let walled = !grid.domain().periodic(axis);

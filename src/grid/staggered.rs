@@ -141,9 +141,18 @@ impl<const D: usize> Grid<D> {
 
     /// As [`node`](Self::node), numbered as in a fluid vector.
     pub fn fluid_node(&self, field: usize, index: Index<D>) -> Node {
+        self.fluid_run(field, index).0
+    }
+
+    /// As [`fluid_node`](Self::fluid_node), with the number of nodes, it included, that follow each other along the last axis
+    /// and in a fluid vector.
+    pub fn fluid_run(&self, field: usize, index: Index<D>) -> (Node, usize) {
         match self.unknown_at(field, index) {
-            Ok((rank, index)) => Node::Unknown(self.fluid_starts[rank][field] + self.blocks[rank][field].offset(index)),
-            Err(value) => Node::Wall(value),
+            Ok((rank, index)) => {
+                let block = &self.blocks[rank][field];
+                (Node::Unknown(self.fluid_starts[rank][field] + block.offset(index)), block.end[D - 1] - index[D - 1])
+            }
+            Err(value) => (Node::Wall(value), 1),
         }
     }
 

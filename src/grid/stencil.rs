@@ -19,6 +19,8 @@ pub enum Site<const D: usize> {
     Wall {
         /// The point.
         position: SVector<f64, D>,
+        /// The index, beyond the lattice, that stands for it.
+        index: Index<D>,
         /// The known value.
         value: f64,
     },
@@ -49,7 +51,7 @@ pub fn laplacian<const D: usize>(grid: &Grid<D>, field: usize, index: Index<D>, 
                 Some((plane, velocity)) => {
                     let mut position = grid.position(field, index);
                     position[axis] = plane;
-                    visit(Term { site: Site::Wall { position, value: velocity[field] }, weight: 2.0 * weight });
+                    visit(Term { site: Site::Wall { position, index: neighbour, value: velocity[field] }, weight: 2.0 * weight });
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Distributed vectors.
 
 use std::{
-    ops::{Deref, DerefMut},
+    ops::{Deref, DerefMut, Range},
     ptr::null_mut,
 };
 
@@ -68,6 +68,13 @@ impl Vector {
         petsc!(VecGetLocalSize(self.raw(), &mut length))?;
         petsc!(VecGetArray(self.raw(), &mut array))?;
         Ok(LocalWrite { vector: self, array, length: length as usize })
+    }
+
+    /// The numbers, on all ranks, of this rank's entries.
+    pub fn range(&self) -> Result<Range<usize>> {
+        let (mut start, mut end) = (0, 0);
+        petsc!(VecGetOwnershipRange(self.raw(), &mut start, &mut end))?;
+        Ok(start as usize..end as usize)
     }
 
     /// Sets every entry.

@@ -146,7 +146,9 @@ impl<'a, const D: usize> Bodies<'a, D> {
                 neighbours[body].push((other, image));
             }
         }
-        let assemble = |&body: &usize| constraint::assemble(self.grid, &self.layout, body, &self.placed[body], &neighbours[body]);
+        let mut workspace = constraint::Workspace::default();
+        let assemble =
+            |&body: &usize| constraint::assemble(self.grid, &self.layout, (body, &self.placed[body]), &neighbours[body], &mut workspace);
         let bodies = self.layout.local_bodies.iter().map(assemble).collect();
         Blocks::new(session, fluid, &self.layout, bodies)
     }

@@ -77,7 +77,7 @@ impl<const D: usize> Snapshot<D> {
     /// The jump at a point that a body passes, for this solution and a body that is about to be in the image at `center`.
     fn jump(&self, bodies: &Bodies<D>, body: usize, shift: &SVector<f64, D>, point: &Passed<D>) -> f64 {
         let placed = Placed { center: self.centers[body] + shift, surface: bodies.placed[body].surface.clone() };
-        jump(bodies.grid(), &placed, &self.multipliers[body], point)
+        jump(&placed, &self.multipliers[body], point)
     }
 }
 

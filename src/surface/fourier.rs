@@ -12,7 +12,10 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::Modes;
+use super::{
+    Modes,
+    lanes::{LANES, Lanes, each, in_batches},
+};
 
 /// Largest wavenumber `K` of [`Fourier`].
 pub const MAXIMUM_ORDER: usize = 32;
@@ -35,10 +38,13 @@ struct Harmonic {
     inverse: f64,
 }
 
-/// Powers `Z^j` and `conj(Z)^{-j}` of the scaled position, `j >= 0`.
-struct Powers {
-    growing: [Complex<f64>; CAPACITY],
-    decaying: [Complex<f64>; CAPACITY],
+/// Powers `Z^j` of a point of the unit circle, `j >= 0`.
+struct Powers([Complex<f64>; CAPACITY]);
+
+/// Real and imaginary part of powers `Z^j` (at `2 j`) and `Z^{-j}` (at `2 j + 1`) of scaled positions, `j >= 0`, and `|Z|^2`.
+struct PowerLanes {
+    parts: Vec<[Lanes; 2]>,
+    square: Lanes,
 }
 
 impl Fourier {
@@ -58,10 +64,26 @@ impl Fourier {
         Powers::new(Complex::new(x, y), self.order + 2)
     }
 
-    fn scaled_powers(&self, offset: &[f64]) -> Powers {
-        self.powers(offset[0] / self.radius, offset[1] / self.radius)
+    /// One component of the velocity jump of a pair of modes.
+    #[inline(always)]
+    fn velocity_pair(&self, powers: &PowerLanes, Harmonic { power, inverse }: Harmonic, component: usize) -> [Lanes; 2] {
+        let scale = self.radius / (4.0 * self.viscosity);
+        let [re, im] = match power {
+            0 => [each(|lane| -powers.square[lane].ln()), [0.0; LANES]],
+            _ => {
+                // conj(Z)^{-m} = conj(Z^{-m})
+                let (inner, outer) = (powers.growing(power), powers.growing(-power));
+                [each(|lane| (outer[0][lane] - inner[0][lane]) * inverse), each(|lane| -(outer[1][lane] + inner[1][lane]) * inverse)]
+            }
+        };
+        let rest = powers.growing(power - 2);
+        let along = each(|lane| rest[0][lane] * (powers.square[lane] - 1.0));
+        let across = each(|lane| -rest[1][lane] * (powers.square[lane] - 1.0));
+        match component {
+            0 => [each(|lane| scale * (re[lane] + along[lane])), each(|lane| -scale * (im[lane] - across[lane]))],
+            _ => [each(|lane| scale * (im[lane] + across[lane])), each(|lane| scale * (re[lane] - along[lane]))],
+        }
     }
-
     /// Writes `pair(m)`, the values of `f = 1` and `f = i`, of all modes in their order.
     fn fill<const N: usize>(&self, out: &mut [f64], pair: impl Fn(Harmonic) -> [[f64; N]; 2]) {
         let (rigid, free) = out[..self.count() * N].split_at_mut(RIGID * N);
@@ -89,35 +111,27 @@ impl Modes for Fourier {
     fn traction(&self, direction: &[f64], out: &mut [f64]) {
         let powers = self.powers(direction[0], direction[1]);
         self.fill(out, |harmonic| {
-            let wave = powers.growing(harmonic.power);
+            let wave = powers.of(harmonic.power);
             [[wave.re, wave.im], [-wave.im, wave.re]]
         });
     }
 
-    fn velocity_jump(&self, offset: &[f64], component: usize, out: &mut [f64]) {
-        let scale = self.radius / (4.0 * self.viscosity);
-        let powers = self.scaled_powers(offset);
-        let square = powers.growing[1].norm_sqr();
-        let logarithm = -square.ln();
-        self.fill(out, |Harmonic { power, inverse }| {
-            let first = match power {
-                0 => logarithm.into(),
-                _ => (powers.decaying(power) - powers.growing(power)) * inverse,
-            };
-            let second = powers.growing(power - 2).conj() * (square - 1.0);
-            let (sum, difference) = (first + second, first - second);
-            match component {
-                0 => [[scale * sum.re], [-scale * difference.im]],
-                _ => [[scale * sum.im], [scale * difference.re]],
-            }
+    fn velocity_jumps(&self, offsets: &[f64], component: usize, out: &mut [f64]) {
+        let mut powers = PowerLanes::new(self.order + 2);
+        in_batches((offsets, self.radius), self.count(), out, |position, values| {
+            powers.fill(position);
+            self.fill(values, |harmonic| self.velocity_pair(&powers, harmonic, component));
         });
     }
 
-    fn pressure_jump(&self, offset: &[f64], out: &mut [f64]) {
-        let powers = self.scaled_powers(offset);
-        self.fill(out, |harmonic| {
-            let wave = powers.growing(harmonic.power - 1);
-            [[wave.re], [-wave.im]]
+    fn pressure_jumps(&self, offsets: &[f64], out: &mut [f64]) {
+        let mut powers = PowerLanes::new(self.order + 2);
+        in_batches((offsets, self.radius), self.count(), out, |position, values| {
+            powers.fill(position);
+            self.fill(values, |harmonic| {
+                let [re, im] = powers.growing(harmonic.power - 1);
+                [*re, im.map(|im| -im)]
+            });
         });
     }
 
@@ -142,27 +156,44 @@ impl Harmonic {
 
 impl Powers {
     fn new(position: Complex<f64>, count: usize) -> Self {
-        let one = Complex::new(1.0, 0.0);
-        let mut powers = Self { growing: [one; CAPACITY], decaying: [one; CAPACITY] };
-        let inverse = position / position.norm_sqr();
+        let mut powers = [Complex::new(1.0, 0.0); CAPACITY];
         for power in 1..count {
-            powers.growing[power] = powers.growing[power - 1] * position;
-            powers.decaying[power] = powers.decaying[power - 1] * inverse;
+            powers[power] = powers[power - 1] * position;
         }
-        powers
+        Self(powers)
     }
 
     /// `Z^power`.
-    fn growing(&self, power: i32) -> Complex<f64> {
-        match power {
-            0.. => self.growing[power as usize],
-            _ => self.decaying[-power as usize].conj(),
-        }
+    fn of(&self, power: i32) -> Complex<f64> {
+        let positive = self.0[power.unsigned_abs() as usize];
+        if power < 0 { positive.conj() } else { positive }
+    }
+}
+
+impl PowerLanes {
+    fn new(count: usize) -> Self {
+        Self { parts: vec![[[1.0; LANES], [0.0; LANES]]; 2 * count], square: [1.0; LANES] }
     }
 
-    /// `conj(Z)^{-power}`.
-    fn decaying(&self, power: i32) -> Complex<f64> {
-        self.growing(-power).conj()
+    fn fill(&mut self, [x, y]: &[Lanes; 2]) {
+        let square = each(|lane| x[lane] * x[lane] + y[lane] * y[lane]);
+        let inverse = [each(|lane| x[lane] / square[lane]), each(|lane| -y[lane] / square[lane])];
+        for (start, [re, im]) in [(0, [*x, *y]), (1, inverse)] {
+            for place in (start + 2..self.parts.len()).step_by(2) {
+                let [before_re, before_im] = self.parts[place - 2];
+                self.parts[place] = [
+                    each(|lane| before_re[lane] * re[lane] - before_im[lane] * im[lane]),
+                    each(|lane| before_re[lane] * im[lane] + before_im[lane] * re[lane]),
+                ];
+            }
+        }
+        self.square = square;
+    }
+
+    /// `Z^power`.
+    #[inline(always)]
+    fn growing(&self, power: i32) -> &[Lanes; 2] {
+        &self.parts[2 * power.unsigned_abs() as usize + usize::from(power < 0)]
     }
 }
 
@@ -186,9 +217,9 @@ mod tests {
         for (offset, rows) in [([0.9, 0.5], &OUTSIDE), ([-0.2, 0.31], &INSIDE)] {
             let modes = Fourier::new(0.7, 1.3, 3);
             let mut values = [[0.0; 13]; 3];
-            modes.velocity_jump(&offset, 0, &mut values[0]);
-            modes.velocity_jump(&offset, 1, &mut values[1]);
-            modes.pressure_jump(&offset, &mut values[2]);
+            modes.velocity_jumps(&offset, 0, &mut values[0]);
+            modes.velocity_jumps(&offset, 1, &mut values[1]);
+            modes.pressure_jumps(&offset, &mut values[2]);
             for (mode, row) in (-3..=3).flat_map(indices).zip(rows) {
                 for (value, expected) in values.iter().zip(row) {
                     assert!((value[mode] - expected).abs() < 1e-11 * expected.abs().max(1.0));

@@ -12,6 +12,7 @@
 //! This module knows no grid, no box and no other body.
 
 pub mod fourier;
+mod lanes;
 pub mod quadrature;
 mod radial;
 mod solid_harmonics;
@@ -47,11 +48,12 @@ pub trait Modes {
     /// Writes in `out[mode * D + i]` the traction of unit coefficient at the surface point with outward unit normal `direction`.
     fn traction(&self, direction: &[f64], out: &mut [f64]);
 
-    /// Writes in `out[mode]` one component of the velocity jump `D_u` at `offset` from the centre, not zero.
-    fn velocity_jump(&self, offset: &[f64], component: usize, out: &mut [f64]);
+    /// Writes in `out[point * stride + mode]` one component of the velocity jump `D_u` at each of the offsets from the centre, none zero;
+    /// `stride = out.len() / points` is at least the number of modes, and what lies between is left alone.
+    fn velocity_jumps(&self, offsets: &[f64], component: usize, out: &mut [f64]);
 
-    /// Writes in `out[mode]` the pressure jump `D_p` at `offset` from the centre, not zero.
-    fn pressure_jump(&self, offset: &[f64], out: &mut [f64]);
+    /// Writes in `out[point * stride + mode]` the pressure jump `D_p` at each of the offsets from the centre, none zero.
+    fn pressure_jumps(&self, offsets: &[f64], out: &mut [f64]);
 
     /// The velocity of an isolated ball in unbounded fluid tested with the modes, symmetric positive definite.
     ///

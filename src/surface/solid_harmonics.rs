@@ -51,22 +51,32 @@ impl SolidHarmonics {
 
     /// All harmonics at `position`; those above the degree are 0.
     pub fn values(&self, position: [f64; 3]) -> Values {
-        let [x, y, z] = position;
-        let square = x * x + y * y + z * z;
+        let mut values = [[0.0]; CAPACITY];
+        self.fill(&position.map(|x| [x]), &mut values);
+        values.map(|[value]| value)
+    }
+
+    /// Writes all harmonics up to the degree at several positions.
+    pub fn fill<const N: usize>(&self, [x, y, z]: &[[f64; N]; 3], values: &mut [[f64; N]]) {
+        let square: [f64; N] = std::array::from_fn(|lane| x[lane] * x[lane] + y[lane] * y[lane] + z[lane] * z[lane]);
         let root = 3.0_f64.sqrt();
-        let mut values = [0.0; CAPACITY];
-        values[..4].copy_from_slice(&[1.0, root * y, root * z, root * x]);
+        values[0] = [1.0; N];
+        for (value, coordinate) in values[1..].iter_mut().zip([y, z, x]) {
+            *value = coordinate.map(|x| root * x);
+        }
         for l in 2..=self.degree {
             let (first, last, before) = (l * l, l * l + 2 * l, (l - 1) * (l - 1));
             for index in first + 1..last {
-                values[index] = self.interior[index].scaled([z, square]).apply(&values);
+                let Combination { indices, weights } = self.interior[index];
+                let terms = indices.map(|index| values[index]);
+                values[index] =
+                    std::array::from_fn(|lane| weights[0] * z[lane] * terms[0][lane] + weights[1] * square[lane] * terms[1][lane]);
             }
             let factor = ((2 * l + 1) as f64 / (2 * l) as f64).sqrt();
             let (sine, cosine) = (values[before], values[first - 1]);
-            values[first] = factor * (x * sine + y * cosine);
-            values[last] = factor * (x * cosine - y * sine);
+            values[first] = std::array::from_fn(|lane| factor * (x[lane] * sine[lane] + y[lane] * cosine[lane]));
+            values[last] = std::array::from_fn(|lane| factor * (x[lane] * cosine[lane] - y[lane] * sine[lane]));
         }
-        values
     }
 
     /// Component `axis` of the gradient of each harmonic.
@@ -86,8 +96,11 @@ impl Combination {
         self.weights[0] * values[self.indices[0]] + self.weights[1] * values[self.indices[1]]
     }
 
-    fn scaled(&self, factors: [f64; 2]) -> Self {
-        Self { indices: self.indices, weights: [self.weights[0] * factors[0], self.weights[1] * factors[1]] }
+    /// The weighted sum at each of several positions.
+    #[inline(always)]
+    pub fn apply_each<const N: usize>(&self, values: &[[f64; N]]) -> [f64; N] {
+        let terms = self.indices.map(|index| &values[index]);
+        std::array::from_fn(|lane| self.weights[0] * terms[0][lane] + self.weights[1] * terms[1][lane])
     }
 
     /// `weight` times the harmonic `(l, m)`, and a second term; a null weight may go with no harmonic at all.

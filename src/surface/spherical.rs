@@ -17,9 +17,12 @@
 
 use nalgebra::DMatrix;
 
-use super::Modes;
-use super::radial::Poloidal;
-use super::solid_harmonics::{MAXIMUM_DEGREE, SolidHarmonics};
+use super::{
+    Modes,
+    lanes::{LANES, Lanes, each, in_batches},
+    radial::Poloidal,
+    solid_harmonics::{MAXIMUM_DEGREE, SolidHarmonics},
+};
 
 /// Largest degree `L` of [`Spherical`].
 pub const MAXIMUM_ORDER: usize = MAXIMUM_DEGREE;
@@ -42,11 +45,16 @@ struct Degree {
     places: Vec<[usize; 3]>,
 }
 
-/// A scaled point: `X`, `s^2` and `1/s`.
-struct Scaled {
-    position: [f64; 3],
-    square: f64,
-    inverse: f64,
+/// Powers of the scaled distances `s` of several points from the centre, for one degree after the other.
+struct Powers {
+    /// `s^2`.
+    square: Lanes,
+    /// `s^{-2}`.
+    falloff: Lanes,
+    /// `s^{1-2l}`.
+    before: Lanes,
+    /// `s^{-2l-1}`.
+    decay: Lanes,
 }
 
 impl Spherical {
@@ -61,10 +69,17 @@ impl Spherical {
         Self { radius, viscosity, harmonics: SolidHarmonics::new(order), degrees }
     }
 
-    fn scaled(&self, offset: &[f64]) -> Scaled {
-        let position = [0, 1, 2].map(|axis| offset[axis] / self.radius);
-        let square = position.iter().map(|x| x * x).sum::<f64>();
-        Scaled { position, square, inverse: 1.0 / square.sqrt() }
+    /// Calls `fill(l, powers, harmonics, values)` for each batch of points and each degree.
+    fn each_degree(&self, offsets: &[f64], out: &mut [f64], fill: impl Fn(usize, &[Lanes; 3], &Powers, &[Lanes], &mut [f64])) {
+        let mut harmonics = vec![[0.0; LANES]; (self.degrees.len() + 1).pow(2)];
+        in_batches((offsets, self.radius), self.count(), out, |position, values| {
+            self.harmonics.fill(position, &mut harmonics);
+            let mut powers = Powers::new(position);
+            for l in 1..=self.degrees.len() {
+                powers.next_degree();
+                fill(l, position, &powers, &harmonics, values);
+            }
+        });
     }
 }
 
@@ -98,42 +113,34 @@ impl Modes for Spherical {
         }
     }
 
-    fn velocity_jump(&self, offset: &[f64], component: usize, out: &mut [f64]) {
-        let point = self.scaled(offset);
+    fn velocity_jumps(&self, offsets: &[f64], component: usize, out: &mut [f64]) {
         let scale = self.radius / self.viscosity;
-        let values = self.harmonics.values(point.position);
         let (gradient, rotation) = (self.harmonics.gradient(component), self.harmonics.rotation(component));
-        let along = point.position[component];
-        let falloff = point.inverse * point.inverse;
-        let mut decay = point.inverse;
-        for (l, degree) in (1..).zip(&self.degrees) {
-            let before = decay;
-            decay *= falloff;
-            let powers = [point.square, before, decay, decay * falloff];
-            let factors = degree.poloidal.each_ref().map(|mode| mode.factors(powers).map(|factor| scale * factor));
-            let turn = degree.toroidal * scale * (decay - 1.0) / (2 * l + 1) as f64;
-            for (index, places) in (l * l..).zip(&degree.places) {
-                let (radial, slope) = (along * values[index], gradient[index].apply(&values));
-                out[places[0]] = factors[0][0] * radial + factors[0][1] * slope;
-                out[places[1]] = factors[1][0] * radial + factors[1][1] * slope;
-                out[places[2]] = turn * rotation[index].apply(&values);
+        self.each_degree(offsets, out, |l, position, powers, harmonics, values| {
+            let (degree, along) = (&self.degrees[l - 1], &position[component]);
+            let [first, second] = degree.poloidal.each_ref().map(|mode| powers.velocity_factors(mode, scale));
+            let turn = degree.toroidal * scale / (2 * l + 1) as f64;
+            let turns = each(|lane| turn * (powers.decay[lane] - 1.0));
+            for (index, &[normal, surface, toroidal]) in (l * l..).zip(&degree.places) {
+                let radial = each(|lane| along[lane] * harmonics[index][lane]);
+                let (slope, around) = (gradient[index].apply_each(harmonics), rotation[index].apply_each(harmonics));
+                set(values, normal, |lane| first[0][lane] * radial[lane] + first[1][lane] * slope[lane]);
+                set(values, surface, |lane| second[0][lane] * radial[lane] + second[1][lane] * slope[lane]);
+                set(values, toroidal, |lane| turns[lane] * around[lane]);
             }
-        }
+        });
     }
 
-    fn pressure_jump(&self, offset: &[f64], out: &mut [f64]) {
-        let point = self.scaled(offset);
-        let values = self.harmonics.values(point.position);
-        let mut decay = point.inverse;
-        for (l, degree) in (1..).zip(&self.degrees) {
-            decay *= point.inverse * point.inverse;
-            let factors = degree.poloidal.each_ref().map(|mode| mode.pressure(decay));
-            for (value, places) in values[l * l..].iter().zip(&degree.places) {
-                out[places[0]] = factors[0] * value;
-                out[places[1]] = factors[1] * value;
-                out[places[2]] = 0.0;
+    fn pressure_jumps(&self, offsets: &[f64], out: &mut [f64]) {
+        self.each_degree(offsets, out, |l, _, powers, harmonics, values| {
+            let degree = &self.degrees[l - 1];
+            let [first, second] = degree.poloidal.each_ref().map(|mode| each(|lane| mode.pressure(powers.decay[lane])));
+            for (harmonic, &[normal, surface, toroidal]) in harmonics[l * l..].iter().zip(&degree.places) {
+                set(values, normal, |lane| first[lane] * harmonic[lane]);
+                set(values, surface, |lane| second[lane] * harmonic[lane]);
+                set(values, toroidal, |_| 0.0);
             }
-        }
+        });
     }
 
     /// Blocks of one `(l, m)`: the two poloidal modes, coupled for `l >= 2`; the toroidal one is `a/(mu (2l + 1))`.
@@ -153,6 +160,36 @@ impl Modes for Spherical {
             }
         }
         mobility
+    }
+}
+
+/// Sets the values of one mode.
+#[inline(always)]
+fn set(values: &mut [f64], mode: usize, value: impl FnMut(usize) -> f64) {
+    values[mode * LANES..][..LANES].copy_from_slice(&each(value));
+}
+
+impl Powers {
+    /// Of degree 0.
+    fn new([x, y, z]: &[Lanes; 3]) -> Self {
+        let square = each(|lane| x[lane] * x[lane] + y[lane] * y[lane] + z[lane] * z[lane]);
+        let decay = each(|lane| 1.0 / square[lane].sqrt());
+        Self { square, falloff: each(|lane| decay[lane] * decay[lane]), before: square, decay }
+    }
+
+    fn next_degree(&mut self) {
+        self.before = self.decay;
+        self.decay = each(|lane| self.before[lane] * self.falloff[lane]);
+    }
+
+    /// The factors of `X H` and `grad H` in the velocity of a mode.
+    #[inline(always)]
+    fn velocity_factors(&self, mode: &Poloidal, scale: f64) -> [Lanes; 2] {
+        let factors: [[f64; 2]; LANES] = std::array::from_fn(|lane| {
+            let decay = self.decay[lane];
+            mode.factors([self.square[lane], self.before[lane], decay, decay * self.falloff[lane]])
+        });
+        [0, 1].map(|kind| each(|lane| scale * factors[lane][kind]))
     }
 }
 
@@ -189,9 +226,9 @@ mod tests {
         let modes = Spherical::new(0.7, 1.3, 3);
         let mut values = [[0.0; 45]; 4];
         for (component, value) in values[..3].iter_mut().enumerate() {
-            modes.velocity_jump(&offset, component, value);
+            modes.velocity_jumps(&offset, component, value);
         }
-        modes.pressure_jump(&offset, &mut values[3]);
+        modes.pressure_jumps(&offset, &mut values[3]);
         for (mode, row) in (first..).zip(rows) {
             for (value, expected) in values.iter().zip(row) {
                 assert!((value[mode] - expected).abs() < 1e-9);

@@ -39,9 +39,9 @@ fn traction(modes: &dyn Modes, direction: &[f64]) -> Vec<f64> {
 fn jump(modes: &dyn Modes, offset: &[f64], component: usize) -> Vec<f64> {
     let mut out = vec![f64::NAN; modes.count()];
     if component == modes.dimension() {
-        modes.pressure_jump(offset, &mut out);
+        modes.pressure_jumps(offset, &mut out);
     } else {
-        modes.velocity_jump(offset, component, &mut out);
+        modes.velocity_jumps(offset, component, &mut out);
     }
     out
 }
@@ -229,6 +229,23 @@ fn a_ball_in_strain_has_einsteins_stresslet() {
 }
 
 #[test]
+fn a_point_has_the_same_jumps_alone_and_among_others() {
+    for modes in families() {
+        let (dimension, count) = (modes.dimension(), modes.count());
+        let offsets: Vec<f64> = (0..11).flat_map(|point| scaled(&direction(dimension), 0.5 + 0.1 * f64::from(point))).collect();
+        for component in 0..=dimension {
+            let mut together = vec![f64::NAN; 11 * count];
+            match component {
+                pressure if pressure == dimension => modes.pressure_jumps(&offsets, &mut together),
+                _ => modes.velocity_jumps(&offsets, component, &mut together),
+            }
+            let alone: Vec<f64> = offsets.chunks(dimension).flat_map(|offset| jump(modes.as_ref(), offset, component)).collect();
+            assert_eq!(together, alone);
+        }
+    }
+}
+
+#[test]
 fn the_largest_orders_are_finite_near_the_centre_and_vanish_on_the_surface() {
     for (dimension, order) in [(2, fourier::MAXIMUM_ORDER), (3, spherical::MAXIMUM_ORDER)] {
         let modes = modes(dimension, RADIUS, VISCOSITY, order);
@@ -239,27 +256,28 @@ fn the_largest_orders_are_finite_near_the_centre_and_vanish_on_the_surface() {
     }
 }
 
-/// Prints nanoseconds per call: `cargo test --release surface -- --ignored --nocapture`.
+/// Prints nanoseconds per point: `cargo test --release surface -- --ignored --nocapture`.
 #[test]
 #[ignore]
 #[allow(clippy::print_stdout)]
 fn timing_of_one_evaluation() {
+    const POINTS: usize = 200;
     for (dimension, order) in [(2, 4), (2, 6), (2, 12), (3, 3), (3, 5), (3, 8)] {
         let modes = modes(dimension, RADIUS, VISCOSITY, order);
-        let offset = scaled(&direction(dimension), 1.1 * RADIUS);
-        let mut out = vec![0.0; modes.count() * dimension];
+        let offsets = scaled(&direction(dimension), 1.1 * RADIUS).repeat(POINTS);
+        let mut out = vec![0.0; modes.count() * POINTS];
         let mut time = |component: usize| {
             let start = std::time::Instant::now();
-            for _ in 0..200_000 {
-                let offset = std::hint::black_box(&offset);
+            for _ in 0..1000 {
+                let offsets = std::hint::black_box(&offsets);
                 if component == dimension {
-                    modes.pressure_jump(offset, &mut out);
+                    modes.pressure_jumps(offsets, &mut out);
                 } else {
-                    modes.velocity_jump(offset, component, &mut out);
+                    modes.velocity_jumps(offsets, component, &mut out);
                 }
                 std::hint::black_box(&out);
             }
-            start.elapsed().as_secs_f64() / 200_000.0 * 1e9
+            start.elapsed().as_secs_f64() / (1000 * POINTS) as f64 * 1e9
         };
         let (velocity, pressure) = (time(0), time(dimension));
         println!("{dimension}D order {order}: velocity {velocity:.0} ns, pressure {pressure:.0} ns");

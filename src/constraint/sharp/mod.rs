@@ -13,6 +13,8 @@
 //! rigid motion, which interpolation reproduces; outer extensions `(a/r)^k` grow inwards so fast that interpolating them
 //! turns high modes unstable where bodies crowd.
 
+mod jumps;
+mod nodes;
 mod passage;
 mod sample;
 mod spread;
@@ -21,17 +23,19 @@ use std::rc::Rc;
 
 use nalgebra::SVector;
 
-use super::{Layout, blocks::BodyBlocks, patch::Patch};
-use crate::{
-    grid::{Grid, Index},
-    surface::SurfaceTable,
+use super::{
+    Layout,
+    blocks::{BodyBlocks, LocalBlock},
 };
+use crate::{grid::Grid, surface::SurfaceTable};
+use jumps::Jumps;
+use nodes::Nodes;
 pub use passage::{Passed, jump, passed};
-use sample::Sampling;
+use sample::{Interpolated, Sampling};
 use spread::Spreading;
 
-/// Lattice points around a surface that stencils and interpolation may touch, in spacings.
-const REACH: f64 = 4.0;
+/// Lattice points around a surface that stencils and interpolation may touch, in spacings: next to walls it is one-sided.
+const REACHES: [f64; 2] = [2.0, 3.0];
 
 /// Jump functions are singular at the centre; closer than this (in spacings) they are taken as zero.
 const CORE: f64 = 0.3;
@@ -57,61 +61,49 @@ impl<const D: usize> Placed<D> {
 /// A neighbour whose inside may meet the interpolation on a body's surface: its number, and it in the image next to the body.
 pub type Neighbour<const D: usize> = (usize, Placed<D>);
 
+/// Memory that the assembly of one body after the other uses again.
+#[derive(Default)]
+pub struct Workspace {
+    /// For each field, the jumps of the body.
+    jumps: [Jumps; 4],
+    /// For each component, the jumps of one neighbour after the other.
+    of_neighbour: [Jumps; 3],
+    interpolated: Interpolated,
+}
+
 /// The blocks of one body.
 pub fn assemble<const D: usize>(
     grid: &Grid<D>,
     layout: &Layout,
-    body: usize,
-    placed: &Placed<D>,
+    (body, placed): (usize, &Placed<D>),
     neighbours: &[Neighbour<D>],
+    workspace: &mut Workspace,
 ) -> BodyBlocks<D> {
-    let mut places = Places::around(grid, placed);
-    let (spread_rows, spread_values) = Spreading::new(grid, placed).all_rows(&mut places);
-    let sampling = Sampling::new(grid, placed, neighbours).all_points(&mut places);
-    let others = std::iter::once(body).chain(neighbours.iter().map(|(other, _)| *other));
+    let reach = placed.surface.modes.radius() + reach(grid);
+    let nodes: Vec<Nodes<D>> = (0..=D).map(|field| Nodes::around(grid, field, placed, reach)).collect();
+    let Workspace { jumps, of_neighbour, interpolated } = workspace;
+    let (jumps, of_neighbour) = (&mut jumps[..=D], &mut of_neighbour[..D]);
+    nodes.iter().zip(&mut *jumps).for_each(|(nodes, jumps)| jumps.turn_to(placed, nodes));
+    let spreading = Spreading::new(grid, placed, &nodes, jumps);
+    let sampling = Sampling::new(grid, placed, &nodes, jumps);
+    let core = CORE * grid.spacing().max();
+    nodes.iter().zip(&mut *jumps).for_each(|(nodes, jumps)| jumps.evaluate(nodes, placed, core));
+    let own = sampling.own_block(jumps, interpolated).map(|block| (body, block));
+    let others = neighbours.iter().filter_map(|(other, neighbour)| {
+        let block = sampling.neighbour_block((neighbour, core), of_neighbour, interpolated)?;
+        Some((*other, block))
+    });
+    let local = own.into_iter().chain(others);
     BodyBlocks {
         surface: placed.surface.clone(),
         first: layout.local(body),
-        places: places.fluid_indices,
-        spread_rows,
-        spread_values,
-        local: sampling.local_blocks(others.map(|other| layout.global(other))),
-        sample_ends: sampling.ends,
-        sample_terms: sampling.terms,
-        wall_values: sampling.wall_values,
+        rows: spreading.rows(jumps),
+        local: local.map(|(other, transposed)| LocalBlock { first: layout.global(other) as u32, transposed }).collect(),
+        interpolant: sampling.interpolant,
     }
 }
 
-/// The lattice points that a body touches, each with a place of its own.
-struct Places<const D: usize> {
-    patches: Vec<Patch<D>>,
-    fluid_indices: Vec<i32>,
-}
-
-impl<const D: usize> Places<D> {
-    fn around(grid: &Grid<D>, placed: &Placed<D>) -> Places<D> {
-        Places { patches: (0..=D).map(|field| patch(grid, placed, field)).collect(), fluid_indices: Vec::new() }
-    }
-
-    fn of(&mut self, field: usize, index: Index<D>, fluid_index: usize) -> u32 {
-        let place = self.patches[field].find(index).unwrap_or_else(|| {
-            self.patches[field].set(index, self.fluid_indices.len());
-            self.fluid_indices.push(fluid_index as i32);
-            self.fluid_indices.len() - 1
-        });
-        place as u32
-    }
-}
-
-/// The lattice of a field around a body, as far as stencils and interpolation reach.
-fn patch<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, field: usize) -> Patch<D> {
-    Patch::around(grid, field, &placed.center, placed.surface.modes.radius() + REACH * grid.spacing().max())
-}
-
-/// One component of the velocity jump of all modes at a point.
-fn velocity_jump<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, component: usize, position: &SVector<f64, D>, out: &mut [f64]) {
-    let offset = position - placed.center;
-    if offset.norm() > CORE * grid.spacing().max() {
-        placed.surface.modes.velocity_jump(offset.as_slice(), component, out);
-    }
+/// How far from a surface, along each axis, stencils and interpolation reach.
+fn reach<const D: usize>(grid: &Grid<D>) -> f64 {
+    REACHES[usize::from(!grid.domain().fully_periodic())] * grid.spacing().max()
 }

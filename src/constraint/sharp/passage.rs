@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use super::{Placed, velocity_jump};
+use super::Placed;
 use crate::{
     constraint::patch::Patch,
     grid::{Grid, Node},
@@ -42,16 +42,16 @@ pub fn passed<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, center: &SVect
 }
 
 /// The jump, outside minus inside, that the multipliers of a body cause at a point: zero in its core.
-pub fn jump<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, multipliers: &[f64], point: &Passed<D>) -> f64 {
+pub fn jump<const D: usize>(placed: &Placed<D>, multipliers: &[f64], point: &Passed<D>) -> f64 {
     let offset = point.position - placed.center;
     if offset.norm() < CORE * placed.surface.modes.radius() {
         return 0.0;
     }
     let mut modes = vec![0.0; multipliers.len()];
     if point.field < D {
-        velocity_jump(grid, placed, point.field, &point.position, &mut modes);
+        placed.surface.modes.velocity_jumps(offset.as_slice(), point.field, &mut modes);
     } else {
-        placed.surface.modes.pressure_jump(offset.as_slice(), &mut modes);
+        placed.surface.modes.pressure_jumps(offset.as_slice(), &mut modes);
     }
     modes.iter().zip(multipliers).map(|(mode, c)| mode * c).sum()
 }

@@ -1,147 +1,216 @@
 //! The blocks J and E: the velocity on a surface, interpolated from the inner extension.
 
-use nalgebra::{DMatrix, SVector};
+use std::ops::Range;
 
-use super::{Neighbour, Placed, Places, patch, velocity_jump};
+use nalgebra::{DMatrix, DMatrixView, Dyn, SVector};
+
+use super::{Placed, jumps::Jumps, nodes::Nodes, reach};
 use crate::{
-    constraint::patch::Patch,
+    constraint::interpolant::{Interpolant, NodeBox, Run, row_offsets, row_weights},
     grid::{
-        Grid, Index, Node, interpolation,
-        stencil::{Site, Term},
+        Grid,
+        interpolation::{self, NODES},
+        stencil::Site,
     },
 };
 
-/// A lattice point that interpolation meets: its place, unless it lies on a wall, and the jumps of the bodies around it,
-/// as (0 for the body itself or 1 + number of the neighbour, values of all its modes).
-struct Met {
-    place: Option<u32>,
-    jumps: Vec<(usize, Vec<f64>)>,
-}
+/// Most nodes that interpolation takes at a point.
+const MOST_NODES: usize = NODES * NODES * NODES;
 
-/// The interpolation on one body's surface, under way.
+/// The interpolation on one body's surface.
 pub struct Sampling<'a, const D: usize> {
     grid: &'a Grid<D>,
     placed: &'a Placed<D>,
-    neighbours: &'a [Neighbour<D>],
-    /// For each component of each point, where its terms end.
-    pub ends: Vec<u32>,
-    /// Place and weight.
-    pub terms: Vec<(u32, f64)>,
-    /// For each component of each point, what moving walls add.
-    pub wall_values: Vec<f64>,
-    /// For each component, the lattice points met, as numbers of `met`.
-    met_at: Vec<Patch<D>>,
-    met: Vec<Met>,
-    /// For the body and its neighbours.
-    interpolated_jumps: Vec<InterpolatedJumps>,
+    nodes: &'a [Nodes<D>],
+    /// For each component, whether each node is met.
+    met: Vec<Vec<bool>>,
+    /// The block J.
+    pub interpolant: Interpolant<D>,
 }
 
-impl<'a, const D: usize> Sampling<'a, D> {
-    /// Nothing yet.
-    pub fn new(grid: &'a Grid<D>, placed: &'a Placed<D>, neighbours: &'a [Neighbour<D>]) -> Self {
-        let rows = placed.surface.points() * D;
-        Sampling {
-            grid,
-            placed,
-            neighbours,
-            ends: Vec::with_capacity(rows),
-            terms: Vec::with_capacity(rows * 4_usize.pow(D as u32)),
-            wall_values: vec![0.0; rows],
-            met_at: (0..D).map(|component| patch(grid, placed, component)).collect(),
-            met: Vec::new(),
-            interpolated_jumps: (0..=neighbours.len()).map(|_| InterpolatedJumps::default()).collect(),
-        }
-    }
-
-    /// Interpolates at all points of the surface.
-    pub fn all_points(mut self, places: &mut Places<D>) -> Self {
-        for (point, offset) in self.placed.surface.offsets().enumerate() {
-            let position = self.placed.center + offset;
-            for component in 0..D {
-                let row = point * D + component;
-                interpolation::velocity(self.grid, component, &position, |term| self.add(row, component, term, places));
-                self.ends.push(self.terms.len() as u32);
-            }
-        }
-        self
-    }
-
-    fn add(&mut self, row: usize, component: usize, term: Term<D>, places: &mut Places<D>) {
-        let index = match term.site {
-            Site::Lattice { index, .. } => index,
-            Site::Wall { value, position } => {
-                self.wall_values[row] += term.weight * value;
-                let jump = self.extension(0, self.placed, component, &position);
-                return jump.into_iter().for_each(|(slot, jump)| self.interpolated_jumps[slot].add(row, term.weight, &jump));
-            }
-        };
-        let number = self.met_at[component].find(index).unwrap_or_else(|| self.meet(component, index, places));
-        let met = &self.met[number];
-        if let Some(place) = met.place {
-            self.terms.push((place, term.weight));
-        }
-        for (slot, jump) in &met.jumps {
-            self.interpolated_jumps[*slot].add(row, term.weight, jump);
-        }
-    }
-
-    fn meet(&mut self, component: usize, index: Index<D>, places: &mut Places<D>) -> usize {
-        let place = match self.grid.fluid_node(component, index) {
-            Node::Unknown(unknown) => Some(places.of(component, index, unknown)),
-            Node::Wall(_) => None,
-        };
-        let position = self.grid.position(component, index);
-        let bodies = std::iter::once(self.placed).chain(self.neighbours.iter().map(|(_, neighbour)| neighbour));
-        let jumps = bodies.enumerate().filter_map(|(slot, body)| self.extension(slot, body, component, &position)).collect();
-        self.met_at[component].set(index, self.met.len());
-        self.met.push(Met { place, jumps });
-        self.met.len() - 1
-    }
-
-    /// What turns the velocity at a point into that of the inside of the body itself (slot 0) or of the outside of a neighbour.
-    fn extension(&self, slot: usize, body: &Placed<D>, component: usize, position: &SVector<f64, D>) -> Option<(usize, Vec<f64>)> {
-        if body.outside(position) != (slot == 0) {
-            return None;
-        }
-        let mut jump = vec![0.0; body.surface.modes.count()];
-        velocity_jump(self.grid, body, component, position, &mut jump);
-        if slot == 0 {
-            jump.iter_mut().for_each(|jump| *jump = -*jump);
-        }
-        Some((slot, jump))
-    }
-
-    /// The dense blocks of E, each with the first multiplier of its columns; `firsts` are those of the body and its neighbours.
-    pub fn local_blocks(&self, firsts: impl Iterator<Item = usize>) -> Vec<(usize, DMatrix<f64>)> {
-        let projector = self.placed.surface.projector();
-        let met = firsts.zip(&self.interpolated_jumps).filter(|(_, jumps)| !jumps.rows.is_empty());
-        met.map(|(first, jumps)| (first, jumps.project(projector))).collect()
-    }
-}
-
-/// Jumps of one body's modes interpolated at surface points: only the rows (point and component) that meet its inside.
+/// Jumps interpolated at surface points: the rows (point and component) that meet any, and one value a mode for each.
 #[derive(Default)]
-struct InterpolatedJumps {
+pub struct Interpolated {
     rows: Vec<usize>,
-    /// One value a mode for each of the rows.
+    /// Length of a row of `values`.
+    stride: usize,
     values: Vec<f64>,
 }
 
-impl InterpolatedJumps {
-    /// Adds a term to a row; rows come in order.
-    fn add(&mut self, row: usize, weight: f64, jump: &[f64]) {
-        if self.rows.last() != Some(&row) {
-            self.rows.push(row);
-            self.values.resize(self.rows.len() * jump.len(), 0.0);
+impl<'a, const D: usize> Sampling<'a, D> {
+    /// Finds the nodes, and asks for the jumps of the body at those outside it.
+    pub fn new(grid: &'a Grid<D>, placed: &'a Placed<D>, nodes: &'a [Nodes<D>], jumps: &mut [Jumps]) -> Self {
+        let interpolant = Interpolant { boxes: Vec::new(), weights: Vec::new(), wall_values: Vec::new() };
+        let mut sampling = Sampling { grid, placed, nodes, met: Vec::new(), interpolant };
+        let corners = sampling.find_corners();
+        for ((nodes, corners), jumps) in nodes.iter().zip(corners).zip(jumps) {
+            let met = met(nodes, &corners);
+            (0..met.len()).filter(|&place| met[place] && nodes.outside[place]).for_each(|place| {
+                jumps.choose(place);
+            });
+            let runs = runs(grid, nodes, &met);
+            let (length, strides) = (nodes.patch.len(), nodes.patch.strides());
+            sampling.interpolant.boxes.push(NodeBox { length, strides, runs, corners });
+            sampling.met.push(met);
         }
-        let start = self.values.len() - jump.len();
-        self.values[start..].iter_mut().zip(jump).for_each(|(value, jump)| *value += weight * jump);
+        sampling
     }
 
-    /// The block of E: modes of the surface down, modes of the body across.
-    fn project(&self, projector: &DMatrix<f64>) -> DMatrix<f64> {
-        let modes = self.values.len() / self.rows.len();
-        let jumps = DMatrix::from_column_slice(modes, self.rows.len(), &self.values);
-        projector.select_columns(&self.rows) * jumps.transpose()
+    /// The first node of each point, component by component; fills in weights and what walls add.
+    fn find_corners(&mut self) -> [Vec<u32>; D] {
+        let mut corners = [const { Vec::new() }; D];
+        for (point, offset) in self.placed.surface.offsets().enumerate() {
+            let position = self.placed.center + offset;
+            // the fields along the axis and the pressure have their points on faces and between them
+            let lines: [_; D] =
+                std::array::from_fn(|axis| [axis, D].map(|field| interpolation::line(self.grid, field, axis, position[axis])));
+            self.interpolant.weights.push(lines.each_ref().map(|pair| pair.each_ref().map(|line| line.weight)));
+            for (component, corners) in corners.iter_mut().enumerate() {
+                let first = std::array::from_fn(|axis| lines[axis][usize::from(axis != component)].index[0]);
+                corners.push(self.nodes[component].patch.place(first) as u32);
+            }
+            if lines.iter().flatten().any(|line| line.wall.is_some()) {
+                self.add_walls(point, &position);
+            }
+        }
+        corners
+    }
+
+    fn add_walls(&mut self, point: usize, position: &SVector<f64, D>) {
+        let values = &mut self.interpolant.wall_values;
+        values.resize(self.placed.surface.points() * D, 0.0);
+        for component in 0..D {
+            interpolation::velocity(self.grid, component, position, |term| {
+                if let Site::Wall { value, .. } = term.site {
+                    values[point * D + component] += term.weight * value;
+                }
+            });
+        }
+    }
+
+    /// The transposed block of E of the body's own jumps.
+    pub fn own_block(&self, jumps: &[Jumps], interpolated: &mut Interpolated) -> Option<DMatrix<f64>> {
+        let met = |component: usize, place: usize| self.nodes[component].outside[place];
+        self.interpolate(jumps, |_| true, met, interpolated);
+        interpolated.project(self.placed, self.placed.surface.modes.count(), -1.0)
+    }
+
+    /// The transposed block of E of a neighbour's jumps, zero in its core, if interpolation meets its inside.
+    pub fn neighbour_block(
+        &self,
+        (neighbour, core): (&Placed<D>, f64),
+        jumps: &mut [Jumps],
+        interpolated: &mut Interpolated,
+    ) -> Option<DMatrix<f64>> {
+        for ((nodes, met), jumps) in self.nodes.iter().zip(&self.met).zip(&mut *jumps) {
+            jumps.turn_to(neighbour, nodes);
+            nodes.inside(neighbour, |place| {
+                if met[place] {
+                    jumps.choose(place);
+                }
+            });
+            jumps.evaluate(nodes, neighbour, core);
+        }
+        let (radius, reach) = (neighbour.surface.modes.radius(), reach(self.grid));
+        let near = |offset: &SVector<f64, D>| {
+            let separation = self.placed.center + offset - neighbour.center;
+            separation.norm_squared() < (radius + reach * (D as f64).sqrt()).powi(2) && separation.amax() < radius + reach
+        };
+        let met = |component: usize, place: usize| jumps[component].has(place);
+        self.interpolate(jumps, near, met, interpolated);
+        interpolated.project(self.placed, neighbour.surface.modes.count(), 1.0)
+    }
+
+    /// Interpolates jumps, at points that may be `near` them, over the nodes that are `met`.
+    fn interpolate(
+        &self,
+        jumps: &[Jumps],
+        near: impl Fn(&SVector<f64, D>) -> bool,
+        met: impl Fn(usize, usize) -> bool,
+        interpolated: &mut Interpolated,
+    ) {
+        interpolated.clear(jumps[0].stride());
+        if jumps[..D].iter().all(Jumps::is_empty) {
+            return;
+        }
+        let offsets: Vec<_> = self.interpolant.boxes.iter().map(|nodes| row_offsets(nodes.strides)).collect();
+        let mut terms = [(0, 0.0); MOST_NODES];
+        for (point, _) in self.placed.surface.offsets().enumerate().filter(|(_, offset)| near(offset)) {
+            for component in (0..D).filter(|&component| !jumps[component].is_empty()) {
+                let corner = self.interpolant.boxes[component].corners[point] as usize;
+                let weights: [&_; D] = std::array::from_fn(|axis| &self.interpolant.weights[point][axis][usize::from(axis != component)]);
+                let mut found = 0;
+                for (offset, weight) in offsets[component].iter().zip(row_weights(weights)).take(NODES.pow(D as u32 - 1)) {
+                    for (along, last) in weights[D - 1].iter().enumerate() {
+                        let place = corner + offset + along;
+                        terms[found] = (jumps[component].row(place), weight * last);
+                        found += usize::from(met(component, place));
+                    }
+                }
+                interpolated.add(point * D + component, &jumps[component], &terms[..found]);
+            }
+        }
+    }
+}
+
+fn met<const D: usize>(nodes: &Nodes<D>, corners: &[u32]) -> Vec<bool> {
+    let offsets = row_offsets(nodes.patch.strides());
+    let mut met = vec![false; nodes.patch.len()];
+    for &corner in corners {
+        for offset in &offsets[..NODES.pow(D as u32 - 1)] {
+            met[corner as usize + offset..][..NODES].fill(true);
+        }
+    }
+    met
+}
+
+/// What is to be fetched: in each row of nodes, from the first to the last that is met.
+fn runs<const D: usize>(grid: &Grid<D>, nodes: &Nodes<D>, met: &[bool]) -> Vec<Run> {
+    let narrowed = |row: Range<usize>| {
+        let first = row.clone().find(|&place| met[place]).unwrap_or(row.end);
+        first..row.rev().find(|&place| met[place]).map_or(first, |last| last + 1)
+    };
+    let mut runs = Vec::new();
+    nodes.runs(grid, narrowed, |start, length, unknown| {
+        runs.push(Run { start: start as u32, length: length as u32, unknown: unknown as u32 });
+    });
+    runs
+}
+
+impl Interpolated {
+    fn clear(&mut self, stride: usize) {
+        self.rows.clear();
+        self.values.clear();
+        self.stride = stride;
+    }
+
+    fn add(&mut self, row: usize, jumps: &Jumps, terms: &[(u32, f64)]) {
+        if !terms.is_empty() {
+            self.rows.push(row);
+            let start = self.values.len();
+            self.values.resize(start + self.stride, 0.0);
+            jumps.add(terms, &mut self.values[start..]);
+        }
+    }
+
+    /// The transposed block of E, times `sign`: `modes` of the body that has the jumps down, modes of the surface across.
+    fn project<const D: usize>(&self, placed: &Placed<D>, modes: usize, sign: f64) -> Option<DMatrix<f64>> {
+        if self.rows.is_empty() {
+            return None;
+        }
+        let (projector, selected) = (placed.surface.projector(), &self.rows);
+        let selection;
+        let projector = if selected.len() == projector.ncols() {
+            projector
+        } else {
+            selection = projector.select_columns(selected);
+            &selection
+        };
+        let count = projector.nrows();
+        let transposed = DMatrixView::<f64, Dyn, Dyn>::from_slice_with_strides(projector.as_slice(), selected.len(), count, count, 1);
+        let values = DMatrixView::<f64, Dyn, Dyn>::from_slice_with_strides(&self.values, modes, selected.len(), 1, self.stride);
+        let mut block = DMatrix::zeros(modes, count);
+        block.gemm(sign, &values, &transposed, 0.0);
+        Some(block)
     }
 }

@@ -1,135 +1,124 @@
 //! The block C: stencils that cross a surface, corrected for the jumps there.
 
-use super::{Placed, Places, patch, velocity_jump};
+use nalgebra::SVector;
+
+use super::{Placed, jumps::Jumps, nodes::Nodes};
 use crate::{
-    constraint::{conservation::conserve_momentum, patch::Patch},
+    constraint::{conservation::conserve_momentum, rows::Rows},
     grid::{
-        Grid, Index, Node,
+        Grid,
         stencil::{self, Site, Term},
     },
 };
 
-/// Jump functions on the lattice of one field, evaluated where first asked for.
-struct Jumps<const D: usize> {
-    patch: Patch<D>,
-    values: Vec<f64>,
-}
+/// Most terms of a Laplacian besides its centre.
+const MOST_TERMS: usize = 6;
 
-/// The rows of C of one body, under way.
+/// The rows of C of one body, under way: first which jumps they take, then their values.
 pub struct Spreading<'a, const D: usize> {
     grid: &'a Grid<D>,
     placed: &'a Placed<D>,
-    count: usize,
-    jumps: Vec<Jumps<D>>,
-    rows: Vec<u32>,
-    values: Vec<f64>,
+    nodes: &'a [Nodes<D>],
+    /// Unknown of each row, and its offset from the centre.
+    unknowns: Vec<u32>,
+    offsets: Vec<SVector<f64, D>>,
+    /// For each field, where its rows end.
+    field_ends: Vec<usize>,
+    /// For each row, where its groups end.
+    row_ends: Vec<usize>,
+    /// Terms from one field: the field, and where they end.
+    groups: Vec<(usize, usize)>,
+    /// Row of the jumps, and factor.
+    terms: Vec<(u32, f64)>,
 }
 
 impl<'a, const D: usize> Spreading<'a, D> {
-    /// Nothing yet.
-    pub fn new(grid: &'a Grid<D>, placed: &'a Placed<D>) -> Self {
-        let jumps = (0..=D).map(|field| Jumps { patch: patch(grid, placed, field), values: Vec::new() }).collect();
-        Spreading { grid, placed, count: placed.surface.modes.count(), jumps, rows: Vec::new(), values: Vec::new() }
-    }
-
-    /// All rows: their places, and one value a mode for each.
-    pub fn all_rows(mut self, places: &mut Places<D>) -> (Vec<u32>, Vec<f64>) {
+    /// Finds the rows that reach across the surface and asks for the jumps that they take.
+    pub fn new(grid: &'a Grid<D>, placed: &'a Placed<D>, nodes: &'a [Nodes<D>], jumps: &mut [Jumps]) -> Self {
+        let (unknowns, offsets, field_ends, row_ends) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut spreading =
+            Spreading { grid, placed, nodes, unknowns, offsets, field_ends, row_ends, groups: Vec::new(), terms: Vec::new() };
         for field in 0..=D {
-            self.rows_of(field, places);
+            spreading.find_rows(field, jumps);
+            spreading.field_ends.push(spreading.unknowns.len());
         }
-        (self.rows, self.values)
+        spreading
     }
 
-    /// Rows of C of one field: momentum along an axis, or continuity.
-    fn rows_of(&mut self, field: usize, places: &mut Places<D>) {
+    fn find_rows(&mut self, field: usize, jumps: &mut [Jumps]) {
         let (radius, reach) = (self.placed.surface.modes.radius(), self.grid.spacing().max());
-        let (first_value, mut offsets) = (self.values.len(), Vec::new());
-        let mut row = vec![0.0; self.count];
-        for index in places.patches[field].indices() {
-            let offset = self.grid.position(field, index) - self.placed.center;
-            let distance = offset.norm() - radius;
-            if distance.abs() > reach {
-                continue;
+        let near = (radius - reach).max(0.0).powi(2)..=(radius + reach).powi(2);
+        let nodes = &self.nodes[field];
+        nodes.runs(
+            self.grid,
+            |row| row,
+            |first, length, unknown| {
+                for along in (0..length).filter(|along| near.contains(&nodes.squares[first + along])) {
+                    self.find_row(field, first + along, jumps);
+                    if self.groups.len() > self.row_ends.last().map_or(0, |&end| end) {
+                        self.row_ends.push(self.groups.len());
+                        self.unknowns.push((unknown + along) as u32);
+                        self.offsets.push(nodes.position(first + along) - self.placed.center);
+                    }
+                }
+            },
+        );
+    }
+
+    /// Collects the corrections of a momentum row (along axis `field`) or of a continuity row.
+    fn find_row(&mut self, field: usize, place: usize, jumps: &mut [Jumps]) {
+        let (grid, nodes) = (self.grid, &self.nodes[field]);
+        let (index, outside) = (nodes.patch.index(place), nodes.outside[place]);
+        let side = if outside { 1.0 } else { -1.0 };
+        if field == D {
+            for axis in 0..D {
+                self.group(axis, (outside, -side), stencil::divergence(grid, axis, index), jumps);
             }
-            let Node::Unknown(place) = self.grid.fluid_node(field, index) else { continue };
-            let crossed = if field < D {
-                self.momentum_row(field, index, distance > 0.0, &mut row)
-            } else {
-                self.continuity_row(index, distance > 0.0, &mut row)
-            };
-            if crossed {
-                self.rows.push(places.of(field, index, place));
-                offsets.push(offset);
-                self.values.append(&mut row);
-                row.resize(self.count, 0.0);
+            return;
+        }
+        let mut terms = [None; MOST_TERMS];
+        let mut free = terms.iter_mut();
+        stencil::laplacian(grid, field, index, |term| *free.next().expect("two terms an axis") = Some(term));
+        self.group(field, (outside, side), terms.into_iter().flatten(), jumps);
+        self.group(D, (outside, -side), stencil::gradient(grid, field, index), jumps);
+    }
+
+    /// Collects those terms, all of one field, that reach across the surface from a centre that lies `outside` or not.
+    fn group(&mut self, field: usize, (outside, factor): (bool, f64), terms: impl IntoIterator<Item = Term<D>>, jumps: &mut [Jumps]) {
+        let (nodes, before) = (&self.nodes[field], self.terms.len());
+        for term in terms {
+            let (Site::Lattice { index, .. } | Site::Wall { index, .. }) = term.site;
+            let place = nodes.patch.place(index);
+            if nodes.outside[place] != outside {
+                self.terms.push((jumps[field].choose(place), factor * term.weight));
             }
         }
-        if field < D {
-            let values = &mut self.values[first_value..];
-            conserve_momentum(field, &self.placed.surface, self.grid.spacing().product(), &offsets, values);
+        if self.terms.len() > before {
+            self.groups.push((field, self.terms.len()));
         }
     }
 
-    fn momentum_row(&mut self, field: usize, index: Index<D>, outside: bool, row: &mut [f64]) -> bool {
-        let grid = self.grid;
-        let mut crossed = false;
-        stencil::laplacian(grid, field, index, |term| crossed |= self.correct(field, term, outside, 1.0, row));
-        for term in stencil::gradient(grid, field, index) {
-            crossed |= self.correct(field, term, outside, -1.0, row);
-        }
-        crossed
-    }
-
-    fn continuity_row(&mut self, index: Index<D>, outside: bool, row: &mut [f64]) -> bool {
-        let mut crossed = false;
-        for axis in 0..D {
-            for term in stencil::divergence(self.grid, axis, index) {
-                crossed |= self.correct(D, term, outside, -1.0, row);
+    /// All rows, from evaluated jumps.
+    pub fn rows(self, jumps: &[Jumps]) -> Rows {
+        let count = self.placed.surface.modes.count();
+        let mut values = Vec::with_capacity(self.unknowns.len() * count);
+        let mut row = vec![0.0; jumps[D].stride()];
+        let (mut group, mut term) = (0, 0);
+        for &row_end in &self.row_ends {
+            row.fill(0.0);
+            for &(field, end) in &self.groups[group..row_end] {
+                jumps[field].add(&self.terms[term..end], &mut row);
+                term = end;
             }
+            values.extend_from_slice(&row[..count]);
+            group = row_end;
         }
-        crossed
-    }
-
-    /// Adds the correction of one term of a row of `field`, times `sign`, if it reaches across the surface; tells whether it does.
-    fn correct(&mut self, field: usize, term: Term<D>, outside: bool, sign: f64, row: &mut [f64]) -> bool {
-        let position = match term.site {
-            Site::Lattice { field, index } => self.grid.position(field, index),
-            Site::Wall { position, .. } => position,
-        };
-        if self.placed.outside(&position) == outside {
-            return false;
+        let mut start = 0;
+        for (component, &end) in self.field_ends[..D].iter().enumerate() {
+            let (offsets, values) = (&self.offsets[start..end], &mut values[start * count..end * count]);
+            conserve_momentum(component, &self.placed.surface, self.grid.spacing().product(), offsets, values);
+            start = end;
         }
-        let factor = if outside { sign * term.weight } else { -sign * term.weight };
-        let mut add = |jump: &[f64]| row.iter_mut().zip(jump).for_each(|(row, jump)| *row += factor * jump);
-        match term.site {
-            Site::Lattice { field, index } => add(self.jumps[field].at(self.grid, self.placed, field, index)),
-            Site::Wall { position, .. } => {
-                let mut jump = vec![0.0; self.count];
-                velocity_jump(self.grid, self.placed, field, &position, &mut jump);
-                add(&jump);
-            }
-        }
-        true
-    }
-}
-
-impl<const D: usize> Jumps<D> {
-    /// The jump functions of all modes at a lattice point.
-    fn at(&mut self, grid: &Grid<D>, placed: &Placed<D>, field: usize, index: Index<D>) -> &[f64] {
-        let count = placed.surface.modes.count();
-        let slot = self.patch.find(index).unwrap_or_else(|| {
-            let slot = self.values.len() / count;
-            self.patch.set(index, slot);
-            self.values.resize((slot + 1) * count, 0.0);
-            let position = grid.position(field, index);
-            let out = &mut self.values[slot * count..];
-            if field < D {
-                velocity_jump(grid, placed, field, &position, out);
-            } else {
-                placed.surface.modes.pressure_jump((position - placed.center).as_slice(), out);
-            }
-            slot
-        });
-        &self.values[slot * count..][..count]
+        Rows { unknowns: self.unknowns, values }
     }
 }

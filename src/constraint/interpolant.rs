@@ -1,0 +1,93 @@
+//! The block J of one body: cubic interpolation of the velocity at the points of its surface.
+//!
+//! Along each axis there are four nodes with their weights; for each component they differ only in whether the lattice
+//! has its points on faces or between them. The nodes around the body are copied, run by run, to a small box without gaps.
+
+use super::places::{Places, from};
+
+/// Nodes per axis.
+pub const NODES: usize = 4;
+
+/// Weights of the nodes of one axis.
+pub type Weights = [f64; NODES];
+
+/// Entries that follow each other in a fluid vector and in the box.
+#[derive(Debug, Clone, Copy)]
+pub struct Run {
+    /// First of them in the box.
+    pub start: u32,
+    /// Number of them.
+    pub length: u32,
+    /// First of them in fluid vectors; once planned, its place.
+    pub unknown: u32,
+}
+
+/// The nodes around a body on the lattice of one velocity component.
+pub struct NodeBox<const D: usize> {
+    /// Number of nodes of the box; those in no run are zero.
+    pub length: usize,
+    /// Distance between neighbours along each axis; 1 along the last.
+    pub strides: [usize; D],
+    /// What to fetch.
+    pub runs: Vec<Run>,
+    /// For each point, the first of its nodes.
+    pub corners: Vec<u32>,
+}
+
+/// Interpolation at the points of a surface.
+pub struct Interpolant<const D: usize> {
+    /// For each component.
+    pub boxes: Vec<NodeBox<D>>,
+    /// For each point and axis, the weights of nodes on the faces of that axis and of nodes between them.
+    pub weights: Vec<[[Weights; 2]; D]>,
+    /// What moving walls add to each component of each point; empty if no wall is near.
+    pub wall_values: Vec<f64>,
+}
+
+impl<const D: usize> Interpolant<D> {
+    /// Turns the unknowns of the runs into places.
+    pub fn plan(&mut self, places: &mut Places) {
+        for run in self.boxes.iter_mut().flat_map(|nodes| &mut nodes.runs) {
+            run.unknown = places.of(run.unknown as usize, run.length as usize);
+        }
+    }
+
+    /// Writes the velocity at the points, `D` numbers each, from this rank's entries and those of others; `scratch` may hold anything.
+    pub fn apply(&self, own: &[f64], others: &[f64], scratch: &mut Vec<f64>, out: &mut [f64]) {
+        for (component, nodes) in self.boxes.iter().enumerate() {
+            scratch.clear();
+            scratch.resize(nodes.length, 0.0);
+            for &Run { start, length, unknown } in &nodes.runs {
+                let length = length as usize;
+                scratch[start as usize..][..length].copy_from_slice(&from(own, others, unknown)[..length]);
+            }
+            let offsets = row_offsets(nodes.strides);
+            for (point, (&corner, weights)) in nodes.corners.iter().zip(&self.weights).enumerate() {
+                let weights: [&_; D] = std::array::from_fn(|axis| &weights[axis][usize::from(axis != component)]);
+                out[point * D + component] = interpolated(&scratch[corner as usize..], &offsets, weights);
+            }
+        }
+    }
+}
+
+/// From the first node of a point to the first of each of its rows along the last axis; only the first `4^(D-1)` are used.
+pub fn row_offsets<const D: usize>(strides: [usize; D]) -> [usize; NODES * NODES] {
+    std::array::from_fn(|row| (0..D - 1).map(|axis| (row >> (2 * axis)) % NODES * strides[axis]).sum())
+}
+
+/// Weights of the rows.
+#[inline(always)]
+pub fn row_weights<const D: usize>(weights: [&Weights; D]) -> [f64; NODES * NODES] {
+    std::array::from_fn(|row| (0..D - 1).map(|axis| weights[axis][(row >> (2 * axis)) % NODES]).product())
+}
+
+#[inline(always)]
+fn interpolated<const D: usize>(nodes: &[f64], offsets: &[usize; NODES * NODES], weights: [&Weights; D]) -> f64 {
+    let mut sums = [0.0; NODES];
+    let row_weights = row_weights(weights);
+    for (offset, weight) in offsets.iter().zip(row_weights).take(NODES.pow(D as u32 - 1)) {
+        let row = &nodes[*offset..][..NODES];
+        (0..NODES).for_each(|k| sums[k] += weight * row[k]);
+    }
+    (0..NODES).map(|k| sums[k] * weights[D - 1][k]).sum()
+}

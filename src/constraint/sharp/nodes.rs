@@ -1,0 +1,116 @@
+//! The lattice points of one field around one body, and what stands on which side of its surface.
+
+use nalgebra::SVector;
+
+use super::Placed;
+use crate::{
+    constraint::patch::Patch,
+    geometry::Axis,
+    grid::{Grid, Index, Node},
+};
+
+/// Lattice points, and points of walls between them, around a body.
+pub struct Nodes<const D: usize> {
+    /// The field.
+    pub field: usize,
+    /// Their indices.
+    pub patch: Patch<D>,
+    /// Coordinates along each axis.
+    coordinates: [Vec<f64>; D],
+    /// Square of the distance of each from the centre of the body.
+    pub squares: Vec<f64>,
+    /// Whether each lies outside the body.
+    pub outside: Vec<bool>,
+}
+
+impl<const D: usize> Nodes<D> {
+    /// The nodes within `reach` of the centre along each axis.
+    pub fn around(grid: &Grid<D>, field: usize, placed: &Placed<D>, reach: f64) -> Nodes<D> {
+        let patch = Patch::with_walls(grid, field, &placed.center, reach);
+        let coordinates = std::array::from_fn(|axis| {
+            let start = patch.start()[axis];
+            (0..patch.extent()[axis] as isize).map(|along| coordinate(grid, field, axis, start + along)).collect()
+        });
+        let squares = squares(&coordinates, &placed.center);
+        let limit = placed.surface.modes.radius().powi(2);
+        let outside = squares.iter().map(|&square| square > limit).collect();
+        Nodes { field, patch, coordinates, squares, outside }
+    }
+
+    /// Where the node at a place is.
+    pub fn position(&self, place: usize) -> SVector<f64, D> {
+        let (index, start) = (self.patch.index(place), self.patch.start());
+        SVector::from_fn(|axis, _| self.coordinates[axis][(index[axis] - start[axis]) as usize])
+    }
+
+    /// Visits the places of the nodes inside another body.
+    pub fn inside(&self, other: &Placed<D>, mut visit: impl FnMut(usize)) {
+        let radius = other.surface.modes.radius();
+        let ranges: [(usize, usize); D] = std::array::from_fn(|axis| {
+            let (coordinates, center) = (&self.coordinates[axis], other.center[axis]);
+            (coordinates.partition_point(|x| *x < center - radius), coordinates.partition_point(|x| *x <= center + radius))
+        });
+        let (start, strides) = (ranges.map(|(first, _)| first), self.patch.strides());
+        let extent: [usize; D] = ranges.map(|(first, end)| end - first);
+        for mut rest in 0..extent.iter().product() {
+            let mut place = 0;
+            for axis in (0..D).rev() {
+                place += (start[axis] + rest % extent[axis]) * strides[axis];
+                rest /= extent[axis];
+            }
+            if !other.outside(&self.position(place)) {
+                visit(place);
+            }
+        }
+    }
+
+    /// Visits runs of nodes that follow each other here and in fluid vectors: first place, number and first unknown.
+    ///
+    /// `wanted` narrows each row along the last axis.
+    pub fn runs(
+        &self,
+        grid: &Grid<D>,
+        wanted: impl Fn(std::ops::Range<usize>) -> std::ops::Range<usize>,
+        mut visit: impl FnMut(usize, usize, usize),
+    ) {
+        let length = self.patch.extent()[D - 1];
+        for first in (0..self.patch.len()).step_by(length.max(1)) {
+            let range = wanted(first..first + length);
+            let mut index: Index<D> = self.patch.index(first);
+            index[D - 1] += (range.start - first) as isize;
+            let mut place = range.start;
+            while place < range.end {
+                let (node, follow) = if self.on_lattice(grid, index) { grid.fluid_run(self.field, index) } else { (Node::Wall(0.0), 1) };
+                let length = follow.min(range.end - place);
+                if let Node::Unknown(unknown) = node {
+                    visit(place, length, unknown);
+                }
+                place += length;
+                index[D - 1] += length as isize;
+            }
+        }
+    }
+
+    /// Whether an index stands for a point of the lattice, and not for a wall between its points.
+    fn on_lattice(&self, grid: &Grid<D>, index: Index<D>) -> bool {
+        (0..D).all(|axis| grid.domain().periodic(axis) || self.field == axis || (0..grid.cells()[axis] as isize).contains(&index[axis]))
+    }
+}
+
+/// Coordinate of an index along an axis: that of the wall if it lies beyond a lattice that has no points on it.
+fn coordinate<const D: usize>(grid: &Grid<D>, field: usize, axis: usize, index: isize) -> f64 {
+    match grid.domain().axes[axis] {
+        Axis::Walls { .. } if index < 0 => 0.0,
+        Axis::Walls { .. } if field != axis && index == grid.cells()[axis] as isize => grid.domain().size[axis],
+        _ => (index as f64 + grid.stagger(field, axis)) * grid.spacing()[axis],
+    }
+}
+
+fn squares<const D: usize>(coordinates: &[Vec<f64>; D], center: &SVector<f64, D>) -> Vec<f64> {
+    let mut squares = vec![0.0];
+    for axis in 0..D {
+        let along: Vec<f64> = coordinates[axis].iter().map(|x| (x - center[axis]).powi(2)).collect();
+        squares = squares.iter().flat_map(|before| along.iter().map(move |square| before + square)).collect();
+    }
+    squares
+}

@@ -1,0 +1,41 @@
+//! Points taken several at once, so that one instruction works on all of them.
+
+/// Number of points taken at once.
+pub const LANES: usize = 8;
+
+/// One number for each of the points.
+pub type Lanes = [f64; LANES];
+
+/// Fills `out[point * stride + mode]`, `stride = out.len() / points`, batch by batch: `fill(positions, values)` gets the points'
+/// coordinates over `length` and writes `values[mode * LANES + lane]`.
+///
+/// A last batch that is not full repeats its first point.
+pub fn in_batches<const D: usize>(
+    (offsets, length): (&[f64], f64),
+    count: usize,
+    out: &mut [f64],
+    mut fill: impl FnMut(&[Lanes; D], &mut [f64]),
+) {
+    if offsets.is_empty() {
+        return;
+    }
+    let stride = out.len() / (offsets.len() / D);
+    let mut values = vec![0.0; count * LANES];
+    let mut positions = [[0.0; LANES]; D];
+    for (points, rows) in offsets.chunks(D * LANES).zip(out.chunks_mut(stride * LANES)) {
+        for lane in 0..LANES {
+            let point = points.chunks_exact(D).nth(lane).unwrap_or(&points[..D]);
+            positions.iter_mut().zip(point).for_each(|(along, x)| along[lane] = x / length);
+        }
+        fill(&positions, &mut values);
+        for (lane, row) in rows.chunks_exact_mut(stride).enumerate() {
+            row.iter_mut().zip(values.chunks_exact(LANES)).for_each(|(out, mode)| *out = mode[lane]);
+        }
+    }
+}
+
+/// `f(lane)` for each lane.
+#[inline(always)]
+pub fn each(f: impl FnMut(usize) -> f64) -> Lanes {
+    std::array::from_fn(f)
+}
