@@ -36,6 +36,9 @@ enum Command {
         /// Output folder (default: out/NAME of the scene).
         #[arg(long)]
         out: Option<PathBuf>,
+        /// Print at the end what each stage took.
+        #[arg(long)]
+        profile: bool,
     },
     /// Go on with a run in time from its last checkpoint.
     Resume {
@@ -44,6 +47,9 @@ enum Command {
         /// Override time.end or a key of output: --set time.end=20
         #[arg(long = "set", value_name = "KEY=VALUE")]
         overrides: Vec<String>,
+        /// Print at the end what each stage took.
+        #[arg(long)]
+        profile: bool,
     },
     /// Draw the frames of a run in time as an animation (APNG).
     Animate {
@@ -89,21 +95,21 @@ struct SceneArguments {
 /// Carries out a command.
 pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
     match &arguments.command {
-        Command::Run { scene, out } => {
+        Command::Run { scene, out, profile } => run::profiled(session, *profile, || {
             let scene = scene.read(session)?;
             let folder = out.clone().unwrap_or_else(|| PathBuf::from("out").join(&scene.name));
             match scene.dimension() {
                 2 => run::run::<2>(session, &scene, &folder),
                 _ => run::run::<3>(session, &scene, &folder),
             }
-        }
-        Command::Resume { folder, overrides } => {
+        }),
+        Command::Resume { folder, overrides, profile } => run::profiled(session, *profile, || {
             let (scene, checkpoint) = run::open(session, folder, overrides)?;
             match scene.dimension() {
                 2 => run::resume::<2>(session, &scene, folder, &checkpoint),
                 _ => run::resume::<3>(session, &scene, folder, &checkpoint),
             }
-        }
+        }),
         Command::Animate { folder, out, width, seconds } => {
             let film = animate::Film {
                 folder,

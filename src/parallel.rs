@@ -8,7 +8,10 @@ use mpi::{
     traits::{AsRaw, Communicator, CommunicatorCollectives, Root},
 };
 
-use crate::error::{Error, Result};
+use crate::{
+    error::{Error, Result},
+    petsc::count_collective,
+};
 
 /// All ranks of this run.
 pub struct World {
@@ -50,8 +53,16 @@ impl World {
         values[0]
     }
 
+    /// Enters a collective exchange of this rank's values into PETSc's log, beside PETSc's own.
+    fn count<T>(&self, values: &[T]) {
+        if self.size() > 1 {
+            count_collective(size_of_val(values));
+        }
+    }
+
     fn reduce(&self, values: &mut [f64], operation: SystemOperation) {
         let local = values.to_vec();
+        self.count(values);
         self.communicator.all_reduce_into(&local[..], values, operation);
     }
 
@@ -59,9 +70,11 @@ impl World {
     pub fn gather<T: Equivalence + Clone + Default>(&self, local: &[T]) -> Vec<T> {
         let count = local.len() as i32;
         let mut counts = vec![0; self.size()];
+        self.count(&[count]);
         self.communicator.all_gather_into(&count, &mut counts[..]);
         let starts: Vec<i32> = counts.iter().scan(0, |sum, &count| Some(std::mem::replace(sum, *sum + count))).collect();
         let mut all = vec![T::default(); counts.iter().sum::<i32>() as usize];
+        self.count(local);
         self.communicator.all_gather_varcount_into(local, &mut PartitionMut::new(&mut all[..], counts, starts));
         all
     }
@@ -70,9 +83,11 @@ impl World {
     pub fn broadcast(&self, root: usize, text: &str) -> String {
         let process = self.communicator.process_at_rank(root as i32);
         let mut length = text.len() as u64;
+        self.count(&[length]);
         process.broadcast_into(&mut length);
         let mut bytes = text.as_bytes().to_vec();
         bytes.resize(length as usize, 0);
+        self.count(&bytes);
         process.broadcast_into(&mut bytes[..]);
         String::from_utf8_lossy(&bytes).into_owned()
     }

@@ -12,6 +12,8 @@ mod report;
 mod restart;
 mod series;
 mod slab;
+mod spread;
+mod stages;
 mod summary;
 mod together;
 
@@ -25,4 +27,6 @@ pub use progress::{Progress, TimeProgress};
 pub use report::{report, sparkline};
 pub use restart::{restore, store};
 pub use series::{ContactNumbers, Row, Rows};
+pub use spread::{ParallelSummary, Spread};
+pub use stages::stage_table;
 pub use summary::{ContactSummary, MotionSummary, Summary};

@@ -19,7 +19,7 @@ use crate::{
     constraint::Blocks,
     error::Result,
     flow::{Stokes, StokesInverse},
-    petsc::{System, Vector},
+    petsc::{Stage, System, Vector, enter},
 };
 
 /// A body of this rank in the coupled system.
@@ -137,9 +137,11 @@ impl<const D: usize> System for Coupled<'_, D> {
     fn apply(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
         let tail = self.work.split(self.stokes, self.tail(), input)?;
         let start = Instant::now();
+        let _matrices = enter(Stage::Matrices);
         self.stokes.multiply(&self.work.fluid_in, &mut self.work.fluid_out)?;
         self.work.stages.matrices += start.elapsed().as_secs_f64();
         let start = Instant::now();
+        let _bodies = enter(Stage::Bodies);
         self.blocks.spread(-1.0, &self.work.multipliers_in.local()?, &mut self.work.fluid_out)?;
         self.force_fluid(&tail)?;
         self.stokes.balance(&mut self.work.fluid_out)?;
@@ -156,9 +158,11 @@ impl<const D: usize> System for Coupled<'_, D> {
     fn precondition(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
         let rows = self.work.split(self.stokes, self.tail(), input)?;
         let start = Instant::now();
+        let _inverse = enter(Stage::Inverse);
         self.inverse.precondition(self.stokes, &self.work.fluid_in, &mut self.work.fluid_out)?;
         self.work.stages.inverse += start.elapsed().as_secs_f64();
         let start = Instant::now();
+        let _bodies = enter(Stage::Bodies);
         let mut tail = self.correct_mean_velocity(&rows)?;
         self.blocks.sample(&self.work.fluid_out, &mut self.work.multipliers_out.local_mut()?)?;
         let contacts = self.invert_contacts(&rows)?;

@@ -18,7 +18,7 @@ use crate::{
     error::Result,
     flow::{HypreInverse, Stokes, StokesInverse},
     grid::Grid,
-    petsc::{Krylov, KrylovMethod, KrylovSettings, Report, Session, Vector},
+    petsc::{Krylov, KrylovMethod, KrylovSettings, Report, Session, Stage, Vector, enter},
 };
 
 /// Iterations allowed for the coupled system.
@@ -101,7 +101,7 @@ impl<const D: usize> Suspension<D> {
         setup: Setup<D>,
         inverse: impl FnOnce(&Stokes<D>, &Grid<D>) -> Result<Box<dyn StokesInverse<D>>>,
     ) -> Result<Suspension<D>> {
-        let start = Instant::now();
+        let (_stage, start) = (enter(Stage::SetUp), Instant::now());
         let (basis, inverse) = Basis::new(session, setup, inverse)?;
         let cost = Cost { setup: start.elapsed().as_secs_f64(), grid_unknowns: basis.grid.fluid_unknowns(), ..Cost::default() };
         Ok(Suspension { basis, inverse, assembly: None, engine: None, remembers: false, past: None, cost })
@@ -212,6 +212,7 @@ impl<'a, const D: usize> Ready<'a, D> {
         past: Option<&Past<D>>,
         moment: &Moment<D>,
     ) -> Result<Self> {
+        let _stage = enter(Stage::Assembly);
         let bodies = Bodies::new(&basis.setup, &basis.grid, &basis.kinds, moment.centers, basis.session.world().rank());
         let assembly = match assembly {
             Some(assembly) if assembly.centers == moment.centers => assembly,
@@ -241,6 +242,7 @@ impl<'a, const D: usize> Ready<'a, D> {
             prescribed_drag: self.prescribed_drag,
             work: &mut self.engine.work,
         };
+        let _stage = enter(Stage::Orthogonalisation);
         let report = self.engine.krylov.solve(&mut coupled, (&self.engine.rhs, &mut self.engine.x), seen)?;
         let mut velocities = coupled.velocity_on_surfaces(&self.engine.x)?;
         velocities.iter_mut().zip(&self.assembly.undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);

@@ -13,7 +13,7 @@ use crate::{
     observe::{self, Plane, Viscosity},
     output::{self, Chart, Checkpoint, ContactSummary, Series, Summary, TimeProgress},
     parallel::World,
-    petsc::Session,
+    petsc::{Session, Stage, enter},
     scene::{ContactModel, Scene},
     simulation::{Simulation, View},
 };
@@ -105,12 +105,14 @@ impl<const D: usize> March<'_, D> {
     #[allow(clippy::print_stdout)]
     fn finish(&mut self, view: &View<D>) -> Result<()> {
         let mut summary = self.summary(view)?;
+        let output = enter(Stage::Output);
         let pictures = self.pictures(view)?;
         let first = self.world.rank() == 0;
         let write = || pictures.iter().try_for_each(|(name, bytes)| output::write_whole(&self.folder.join(name), bytes));
         self.world.agree(if first { write() } else { Ok(()) })?;
         summary.motion = Some(self.account.motion());
         self.world.agree(if first { folder::complete(self.folder, &summary) } else { Ok(()) })?;
+        drop(output);
         if first {
             println!("{}", output::report(&summary));
             if let Some(line) = output::sparkline(self.outputs.curve().iter().map(|(_, hydrodynamic, contact)| hydrodynamic + contact)) {
