@@ -3,6 +3,7 @@
 mod animate;
 mod plan;
 mod run;
+mod scaling;
 
 use std::path::PathBuf;
 
@@ -14,6 +15,7 @@ use crate::{
     scene::Scene,
     study::{self, ConditioningRange},
 };
+use scaling::ScalingArguments;
 
 /// Particles in viscous flow, particle by particle. Run it as it is, or under `mpirun -n N`.
 #[derive(Debug, Parser)]
@@ -70,6 +72,13 @@ enum Command {
         #[command(flatten)]
         scene: SceneArguments,
     },
+    /// Seconds, shares and traffic of a scene on several numbers of ranks, with a model of more; starts the ranks itself.
+    Scaling {
+        #[command(flatten)]
+        scene: SceneArguments,
+        #[command(flatten)]
+        scaling: ScalingArguments,
+    },
     /// Solve cases with known answers and print a table of errors and seconds.
     Validation,
     /// Iterations of the fluid solver against the grid, with hypre and with no preconditioner.
@@ -92,7 +101,13 @@ struct SceneArguments {
     overrides: Vec<String>,
 }
 
-/// Carries out a command.
+/// Carries out a command that starts ranks of its own and must not be one of them; nothing if it is another command.
+pub fn execute_alone(arguments: &Arguments) -> Option<Result<()>> {
+    let Command::Scaling { scene, scaling } = &arguments.command else { return None };
+    Some(scaling::scaling((&scene.scene, &scene.overrides), scaling, &arguments.petsc))
+}
+
+/// Carries out a command on all ranks.
 pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
     match &arguments.command {
         Command::Run { scene, out, profile } => run::profiled(session, *profile, || {
@@ -126,6 +141,7 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
                 _ => plan::plan::<3>(session, &scene),
             }
         }
+        Command::Scaling { .. } => Err(scaling::refuse_ranks()),
         Command::Validation => match study::validation(session)? {
             true => Ok(()),
             false => Err(Error::Diverged("a case is further from its reference than promised".into())),

@@ -18,7 +18,7 @@ mod summary;
 mod together;
 
 pub use animation::{AnimatedDisk, Animation, AnimationFrame};
-pub use chart::{Chart, Series};
+pub use chart::{Chart, Scale, Series};
 pub use checkpoint::{Checkpoint, CheckpointWriter};
 pub use file::{prepare_folder, write_whole};
 pub use frames::{Frame, FrameBody, FrameFields, Frames, StoredFrame, read_frames};

@@ -11,7 +11,7 @@ use super::{
 use crate::{
     error::{Error, Result},
     observe::{self, Plane, Viscosity},
-    output::{self, Chart, Checkpoint, ContactSummary, Series, Summary, TimeProgress},
+    output::{self, Chart, Checkpoint, ContactSummary, Scale, Series, Summary, TimeProgress},
     parallel::World,
     petsc::{Session, Stage, enter},
     scene::{ContactModel, Scene},
@@ -188,5 +188,5 @@ fn viscosity_chart(title: &str, curve: &[(f64, f64, f64)]) -> Chart {
     if curve.iter().any(|row| row.2 != 0.0) {
         all.push(series("flow", |row| row.1));
     }
-    Chart { title: title.into(), x: "strain".into(), y: "relative viscosity".into(), series: all }
+    Chart { title: title.into(), x: "strain".into(), y: "relative viscosity".into(), scale: Scale::Linear, series: all }
 }
