@@ -25,6 +25,9 @@ pub struct ScalingArguments {
     /// Folder for tables and chart (default: out/NAME-scaling of the scene).
     #[arg(long)]
     out: Option<PathBuf>,
+    /// Cores that the launcher reaches (default: those of this machine); more ranks than these are marked.
+    #[arg(long)]
+    cores: Option<usize>,
     /// Model: gigabytes a second that a rank sends.
     #[arg(long, default_value_t = 5.0, value_parser = positive)]
     bandwidth: f64,
@@ -48,6 +51,7 @@ pub fn scaling((scene, overrides): (&Path, &[String]), arguments: &ScalingArgume
         launcher: arguments.launcher.clone(),
         repeat: arguments.repeat as usize,
         out: arguments.out.clone(),
+        cores: arguments.cores,
         network: Network { bandwidth: arguments.bandwidth * 1e9, latency: arguments.latency * 1e-6 },
         petsc: petsc.to_vec(),
     })

@@ -8,6 +8,7 @@ const MEGA: f64 = 1e6;
 /// A row for each stage that took place: seconds on the fastest rank, on average and on the slowest, and the share of
 /// the whole; traffic and operations are means over the ranks. Collective.
 pub fn stage_table(world: &World, stages: &[StageCounts]) -> String {
+    let numbers = |counts: &StageCounts| [counts.seconds, counts.messages, counts.bytes, counts.collectives, counts.flops];
     let local: Vec<[f64; 5]> = stages.iter().map(numbers).collect();
     let all = world.gather(&local.concat());
     let ranks = world.size() as f64;
@@ -25,7 +26,8 @@ pub fn stage_table(world: &World, stages: &[StageCounts]) -> String {
             let (name, share) = (stage.stage.name(), 100.0 * seconds / whole);
             let (megabytes, millions) = (bytes / MEGA, flops / MEGA);
             lines.push(format!(
-                "| {name} | {least:.3} | {seconds:.3} | {most:.3} | {share:.1} % | {messages:.0} | {megabytes:.2} | {collectives:.0} | {millions:.0} |"
+                "| {name} | {least:.3} | {seconds:.3} | {most:.3} | {share:.1} % | {messages:.0} | {megabytes:.2} | {collectives:.0} \
+                 | {millions:.0} |"
             ));
         }
     }
@@ -34,9 +36,4 @@ pub fn stage_table(world: &World, stages: &[StageCounts]) -> String {
         "Traffic and operations per rank as PETSc counts them: without those of hypre, of the files, and of the bodies' blocks.".into(),
     );
     lines.join("\n")
-}
-
-/// Seconds, messages sent, bytes sent, collectives, operations; PETSc counts what is sent and what is received.
-fn numbers(counts: &StageCounts) -> [f64; 5] {
-    [counts.seconds, 0.5 * counts.messages, 0.5 * counts.bytes, counts.collectives, counts.flops]
 }

@@ -25,7 +25,6 @@ pub use scatter::Scatter;
 pub use session::Session;
 pub use shell::System;
 pub use traffic::Traffic;
-pub(crate) use traffic::count_collective;
 pub use vector::Vector;
 
 use session::check;

@@ -54,9 +54,9 @@ pub struct StageCounts {
     pub stage: Stage,
     /// Wall-clock seconds.
     pub seconds: f64,
-    /// Messages sent and received.
+    /// Messages sent: half of those sent and received, which the log does not tell apart.
     pub messages: f64,
-    /// Bytes sent and received.
+    /// Bytes sent, likewise.
     pub bytes: f64,
     /// Reductions, gatherings and broadcasts.
     pub collectives: f64,
@@ -122,8 +122,8 @@ impl Profile {
             StageCounts {
                 stage: *stage,
                 seconds: info.time,
-                messages: info.numMessages,
-                bytes: info.messageLength,
+                messages: 0.5 * info.numMessages,
+                bytes: 0.5 * info.messageLength,
                 collectives: info.numReductions,
                 flops: info.flops,
             }

@@ -29,9 +29,11 @@ impl Traffic {
 }
 
 /// Adds a collective to which this rank contributes some bytes.
-pub(crate) fn count_collective(bytes: usize) {
+pub(super) fn count_collective(bytes: usize) {
     unsafe {
         ffi::petsc_allreduce_ct += 1.0;
+        // stages know only the sum of both
         ffi::petsc_send_len += bytes as f64;
+        ffi::petsc_recv_len += bytes as f64;
     }
 }

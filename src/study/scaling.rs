@@ -9,16 +9,19 @@ mod growth;
 mod launcher;
 mod measurement;
 mod model;
+mod report;
 mod table;
 
 use std::{fs, path::PathBuf};
 
 use self::{
-    arrangement::Arrangement,
+    arrangement::{Arrangement, Shares},
     growth::{copies, write_grown},
     launcher::{Job, Launcher},
+    measurement::Measurement,
     model::{Model, Sample},
-    table::{Report, Row, Table},
+    report::Report,
+    table::{Row, Table},
 };
 use crate::{
     error::{Error, Result},
@@ -46,6 +49,8 @@ pub struct ScalingOptions {
     pub repeat: usize,
     /// Folder for tables and chart, `out/NAME-scaling` if there is none.
     pub out: Option<PathBuf>,
+    /// Cores that the launcher reaches, those of this machine if nothing is said.
+    pub cores: Option<usize>,
     /// Network that the model assumes.
     pub network: Network,
     /// Options for PETSc.
@@ -107,22 +112,20 @@ impl<'a, const D: usize> Study<'a, D> {
         // under the output folder: all ranks of a cluster can read it
         let scratch = Scratch(folder.join(format!("runs-{}", std::process::id())));
         prepare_folder(&scratch.0)?;
-        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let cores = options.cores.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
         Ok(Study { options, scene, ranks, cores, launcher, arrangement, folder, scratch })
     }
 
     #[allow(clippy::print_stdout)]
     fn report(&self) -> Result<()> {
         let strong = self.measure(Kind::Strong)?;
-        let weak = match copies::<D>(&self.scene, 2) {
-            Ok(_) => Ok(self.measure(Kind::Weak)?),
-            Err(reason) => Err(reason.to_string()),
+        let (weak, weak_refusal) = match copies::<D>(&self.scene, 2) {
+            Ok(_) => (Some(self.measure(Kind::Weak)?), None),
+            Err(reason) => (None, Some(reason.to_string())),
         };
-        let in_cores = |samples: &[(usize, Result<Sample>)]| -> Vec<Sample> {
-            samples.iter().filter(|(ranks, _)| *ranks <= self.cores).filter_map(|(_, sample)| sample.as_ref().ok().cloned()).collect()
-        };
-        let both = [in_cores(&strong), weak.as_ref().map_or(Vec::new(), |weak| in_cores(weak))].concat();
-        let model = Model::fit(&both, self.options.network);
+        let both = strong.iter().chain(weak.iter().flatten());
+        let samples: Vec<Sample> = both.filter_map(|(_, sample)| sample.as_ref().ok().cloned()).collect();
+        let model = Model::fit(&samples, self.cores, self.options.network);
         let report = Report {
             scene: self.scene.shown_title().to_owned(),
             steps: self.scene.time.is_some(),
@@ -131,14 +134,14 @@ impl<'a, const D: usize> Study<'a, D> {
             cores: self.cores,
             strong: self.table(&strong, model.as_ref(), Kind::Strong),
             weak: weak.map(|weak| self.table(&weak, model.as_ref(), Kind::Weak)),
+            weak_refusal,
             network: self.options.network,
             model,
         };
-        println!("{}", report.markdown());
         for (name, text) in report.files() {
             write_whole(&self.folder.join(name), text.as_bytes())?;
         }
-        println!("\nfiles: {}: scaling.json, scaling.csv, scaling.svg", self.folder.display());
+        println!("{}\n\nfiles: {}: scaling.json, scaling.csv, scaling.svg", report.markdown(), self.folder.display());
         Ok(())
     }
 
@@ -156,6 +159,15 @@ impl<'a, const D: usize> Study<'a, D> {
         Ok(samples)
     }
 
+    /// Shares on any number of ranks. Copies of a cell share out evenly, bodies placed anew do not: as unevenly as in a measured run.
+    fn expected_shares(&self, kind: Kind, ranks: usize, like: &Measurement) -> Result<Shares> {
+        let mut shares = self.arrangement(kind, ranks)?.shares(ranks)?;
+        if kind == Kind::Weak && ranks > 1 {
+            shares.bodies.most = shares.bodies.most.max(shares.bodies.mean * like.parallel.bodies.imbalance());
+        }
+        Ok(shares)
+    }
+
     fn arrangement(&self, kind: Kind, ranks: usize) -> Result<Arrangement<D>> {
         match kind {
             Kind::Strong => Ok(self.arrangement.clone()),
@@ -163,7 +175,7 @@ impl<'a, const D: usize> Study<'a, D> {
         }
     }
 
-    fn run(&self, kind: Kind, ranks: usize) -> Result<measurement::Measurement> {
+    fn run(&self, kind: Kind, ranks: usize) -> Result<Measurement> {
         let out = self.scratch.0.join("out");
         let (grown, overrides): (PathBuf, &[String]) = match kind {
             Kind::Weak if ranks > 1 => (write_grown(&self.scene, copies::<D>(&self.scene, ranks)?, &self.scratch.0)?, &[]),
@@ -178,11 +190,25 @@ impl<'a, const D: usize> Study<'a, D> {
         let last = samples.iter().rev().find_map(|(_, sample)| sample.as_ref().ok());
         let model = model.zip(last).map_or(Vec::new(), |(model, last)| {
             let powers = (0..).map(|power| 1 << power).take_while(|&ranks| ranks <= MOST_RANKS);
-            let shares = |ranks| self.arrangement(kind, ranks).and_then(|arrangement| arrangement.shares(ranks));
-            powers.map(|ranks| Row::predicted(ranks, model, &last.measured, shares(ranks).as_ref())).collect()
+            let shares = |ranks| self.expected_shares(kind, ranks, &last.measured);
+            let rows = powers.map(|ranks| Row::predicted(ranks, model, &last.measured, shares(ranks).as_ref()));
+            up_to_the_first(rows, Row::absent)
         });
         Table::new(measured, model, kind == Kind::Weak)
     }
+}
+
+/// The items of a sequence, of which the first that is the `last` one ends it.
+fn up_to_the_first<T>(items: impl Iterator<Item = T>, last: impl Fn(&T) -> bool) -> Vec<T> {
+    let mut taken = Vec::new();
+    for item in items {
+        let over = last(&item);
+        taken.push(item);
+        if over {
+            break;
+        }
+    }
+    taken
 }
 
 /// In rising order, each once.

@@ -78,7 +78,7 @@ fn table<const D: usize>(bodies: &[(Vec<f64>, f64)], size: &[f64], copies: [usiz
 fn prime_factors(mut number: usize) -> Vec<usize> {
     let (mut factors, mut factor) = (Vec::new(), 2);
     while number > 1 {
-        while number % factor == 0 {
+        while number.is_multiple_of(factor) {
             factors.push(factor);
             number /= factor;
         }
@@ -112,8 +112,9 @@ mod tests {
     fn bodies_grow_with_the_box() {
         let folder = std::env::temp_dir().join(format!("turbid-growth-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let groups = "[[bodies]]\nradius = 0.5\ncenters = [[1.0, 1.0]]\n[[bodies]]\nradius = 0.5\ncount = 3\n[[bodies]]\nradius = 0.5\nfraction = 0.1\n";
-        let small = scene(&format!("[domain]\nsize = [8.0, 8.0]\n[resolution]\nspacing = 0.1\n{groups}"));
+        let groups =
+            ["centers = [[1.0, 1.0]]", "count = 3", "fraction = 0.1"].map(|placed| format!("[[bodies]]\nradius = 0.5\n{placed}\n"));
+        let small = scene(&format!("[domain]\nsize = [8.0, 8.0]\n[resolution]\nspacing = 0.1\n{}", groups.concat()));
         let path = write_grown(&small, [2, 1], &folder).unwrap();
         let grown = Scene::read(&path, &[]).unwrap();
         assert_eq!(grown.domain.size, [16.0, 8.0]);

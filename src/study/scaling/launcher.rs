@@ -91,7 +91,7 @@ fn failure(ranks: usize, output: &Output) -> Error {
     let all = String::from_utf8_lossy(&output.stderr);
     let own: Vec<&str> = all.lines().filter(|line| line.starts_with("turbid: ")).collect();
     let said = if own.is_empty() { all.trim().to_owned() } else { own.join("\n") };
-    let text = format!("the run on {ranks} ranks failed ({}):\n{said}", output.status);
+    let text = format!("the run with --ranks {ranks} failed ({}):\n{said}", output.status);
     if output.status.code() == Some(2) { Error::Refused(text) } else { Error::Diverged(text) }
 }
 

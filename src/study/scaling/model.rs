@@ -9,7 +9,7 @@
 //! by least squares, each from the part of the run that it stands for. Messages and bytes per iteration are proportional
 //! to the neighbours and to the halo of a block, collectives to the iterations; the factors are those of the measured
 //! counts. hypre's multigrid, which is not counted, exchanges its halo five times on each level. Iterations are those
-//! measured on the most ranks.
+//! measured on the most ranks. Counts are fitted to all runs on several ranks, seconds to those in which each rank had a core.
 
 use serde::Serialize;
 
@@ -72,10 +72,11 @@ pub struct Prediction {
 }
 
 impl Model {
-    /// Fits measured runs; nothing if none of them was on more than one rank.
-    pub fn fit(samples: &[Sample], network: Network) -> Option<Model> {
-        let shared: Vec<&Sample> = samples.iter().filter(|sample| sample.shares.ranks > 1).collect();
-        if shared.is_empty() {
+    /// Fits measured runs; nothing if none was on more than one rank, or none on as few as there are cores.
+    pub fn fit(all: &[Sample], cores: usize, network: Network) -> Option<Model> {
+        let shared: Vec<&Sample> = all.iter().filter(|sample| sample.shares.ranks > 1).collect();
+        let samples: Vec<&Sample> = all.iter().filter(|sample| sample.shares.ranks <= cores).collect();
+        if shared.is_empty() || samples.is_empty() {
             return None;
         }
         let iterations = |sample: &Sample| sample.measured.iterations as f64;
@@ -89,11 +90,11 @@ impl Model {
             messages: sent(|sample| sample.measured.parallel.messages.most, |shares| shares.neighbours),
             bytes: sent(|sample| sample.measured.parallel.bytes.most, |shares| shares.halo),
             collectives: sent(|sample| sample.measured.parallel.collectives.most, |_| 1.0),
-            memory: line(samples.iter().map(|sample| (sample.shares.cells.most, sample.measured.parallel.memory_bytes.most))),
+            memory: line(all.iter().map(|sample| (sample.shares.cells.most, sample.measured.parallel.memory_bytes.most))),
             cell: 0.0,
             network,
         };
-        let of_cells = |sample: &Sample| {
+        let of_cells = |sample: &&Sample| {
             let cells = iterations(sample) * sample.shares.cells.most;
             (cells, sample.measured.grid - counted.network_seconds(&sample.shares, iterations(sample)))
         };
@@ -197,8 +198,10 @@ mod tests {
 
     #[test]
     fn a_law_that_is_obeyed_is_recovered() {
-        let samples = [sample(1, 50), sample(2, 52), sample(4, 51)];
-        let model = Model::fit(&samples, LAW.network).unwrap();
+        let mut slow = sample(8, 51);
+        slow.measured.grid *= 7.0;
+        let samples = [sample(1, 50), sample(2, 52), sample(4, 51), slow];
+        let model = Model::fit(&samples, 4, LAW.network).unwrap();
         let coefficients =
             |model: &Model| [model.setup, model.cell, model.body, model.rest, model.messages, model.bytes, model.collectives];
         for (found, true_one) in coefficients(&model).into_iter().zip(coefficients(&LAW)) {
@@ -213,6 +216,7 @@ mod tests {
 
     #[test]
     fn one_rank_alone_says_nothing_about_the_network() {
-        assert_eq!(Model::fit(&[sample(1, 50)], LAW.network), None);
+        assert_eq!(Model::fit(&[sample(1, 50)], 4, LAW.network), None);
+        assert_eq!(Model::fit(&[sample(8, 50)], 4, LAW.network), None);
     }
 }
