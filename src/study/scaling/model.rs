@@ -54,6 +54,8 @@ pub struct Model {
     pub memory: Option<[f64; 2]>,
     /// The network.
     pub network: Network,
+    /// Largest part by which it misses the seconds that it was fitted to.
+    pub misfit: f64,
 }
 
 /// What the model says of a run.
@@ -93,12 +95,18 @@ impl Model {
             memory: line(all.iter().map(|sample| (sample.shares.cells.most, sample.measured.parallel.memory_bytes.most))),
             cell: 0.0,
             network,
+            misfit: 0.0,
         };
         let of_cells = |sample: &&Sample| {
             let cells = iterations(sample) * sample.shares.cells.most;
             (cells, sample.measured.grid - counted.network_seconds(&sample.shares, iterations(sample)))
         };
-        Some(Model { cell: slope(samples.iter().map(of_cells)).max(0.0), ..counted })
+        let model = Model { cell: slope(samples.iter().map(of_cells)).max(0.0), ..counted };
+        let missed = |sample: &&Sample| {
+            let measured = sample.measured.seconds() * sample.measured.steps as f64;
+            (model.predict(&sample.shares, iterations(sample)).seconds / measured - 1.0).abs()
+        };
+        Some(Model { misfit: samples.iter().map(missed).fold(0.0, f64::max), ..model })
     }
 
     /// What a run of so many iterations costs.
@@ -158,6 +166,7 @@ mod tests {
         collectives: 11.0,
         memory: Some([2e7, 900.0]),
         network: Network { bandwidth: 1e9, latency: 1e-4 },
+        misfit: 0.0,
     };
 
     fn shares(ranks: usize) -> Shares {
@@ -208,6 +217,7 @@ mod tests {
             assert_near(found, true_one);
         }
         assert_near(model.memory.unwrap()[0], LAW.memory.unwrap()[0]);
+        assert!(model.misfit < 1e-10);
         for (ranks, iterations) in [(1, 50), (64, 55), (4096, 60)] {
             let expected = sample(ranks, iterations).measured.seconds();
             assert_near(model.predict(&shares(ranks), iterations as f64).seconds, expected);

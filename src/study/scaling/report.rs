@@ -64,12 +64,14 @@ impl Report {
             notes.push(format!("* More ranks than the {cores} cores: they take turns, and the model is not fitted to their seconds."));
         }
         notes.push(match self.model {
-            Some(_) => format!(
+            Some(model) => format!(
                 "Rows \"model\" are a model, not a measurement: seconds per cell, body and iteration fitted to the measured rows, shares \
                  counted in the partition at that many ranks, iterations as on the most ranks measured, messages of {:.2} microseconds \
-                 and {:.1} GB/s a rank (--latency, --bandwidth), and five exchanges on each multigrid level.",
+                 and {:.1} GB/s a rank (--latency, --bandwidth), and five exchanges on each multigrid level. \
+                 It misses the seconds that it was fitted to by up to {:.0} %.",
                 latency * 1e6,
-                bandwidth / 1e9
+                bandwidth / 1e9,
+                100.0 * model.misfit
             ),
             None => format!("No model: it takes a run on more than one rank, and one on no more than the {cores} cores."),
         });
