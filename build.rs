@@ -3,7 +3,8 @@
 use std::{env, path::PathBuf};
 
 const FUNCTIONS: &str = "Petsc(Initialize|Finalize|Initialized|ErrorMessage|PushErrorHandler|IgnoreErrorHandler|ReturnErrorHandler|\
-    OptionsSetValue|OptionsInsertString|MallocGetMaximumUsage|MemoryGetCurrentUsage|ObjectReference|OptionsHasName)|\
+    OptionsSetValue|OptionsInsertString|MallocGetMaximumUsage|MemoryGetCurrentUsage|ObjectReference|OptionsHasName|\
+    LogStage(Register|Push|Pop)|LogGetStageLog)|\
     Vec.*|Mat.*|KSP.*|PC.*|IS.*";
 
 fn main() {
@@ -18,7 +19,9 @@ fn main() {
         .header_contents("wrapper.h", "#include <petsc.h>")
         .clang_args(includes)
         .allowlist_function(FUNCTIONS)
-        .allowlist_var("PETSC_.*|(INSERT|ADD)_VALUES|SCATTER_.*|MAT_.*|KSP_.*|NORM_.*")
+        .allowlist_var(
+            "PETSC_.*|(INSERT|ADD)_VALUES|SCATTER_.*|MAT_.*|KSP_.*|NORM_.*|petsc_(allreduce|gather|scatter|(i?send|i?recv))_(ct|len)",
+        )
         .blocklist_item("MPI_.*|ompi_.*")
         .raw_line("pub use mpi::ffi::*;")
         .generate_comments(false)

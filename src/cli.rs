@@ -3,6 +3,7 @@
 mod animate;
 mod plan;
 mod run;
+mod scaling;
 
 use std::path::PathBuf;
 
@@ -14,6 +15,7 @@ use crate::{
     scene::Scene,
     study::{self, ConditioningRange},
 };
+use scaling::ScalingArguments;
 
 /// Particles in viscous flow, particle by particle. Run it as it is, or under `mpirun -n N`.
 #[derive(Debug, Parser)]
@@ -36,6 +38,9 @@ enum Command {
         /// Output folder (default: out/NAME of the scene).
         #[arg(long)]
         out: Option<PathBuf>,
+        /// Print at the end what each stage took.
+        #[arg(long)]
+        profile: bool,
     },
     /// Go on with a run in time from its last checkpoint.
     Resume {
@@ -44,6 +49,9 @@ enum Command {
         /// Override time.end or a key of output: --set time.end=20
         #[arg(long = "set", value_name = "KEY=VALUE")]
         overrides: Vec<String>,
+        /// Print at the end what each stage took.
+        #[arg(long)]
+        profile: bool,
     },
     /// Draw the frames of a run in time as an animation (APNG).
     Animate {
@@ -63,6 +71,13 @@ enum Command {
     Plan {
         #[command(flatten)]
         scene: SceneArguments,
+    },
+    /// Seconds, shares and traffic of a scene on several numbers of ranks, with a model of more; starts the ranks itself.
+    Scaling {
+        #[command(flatten)]
+        scene: SceneArguments,
+        #[command(flatten)]
+        scaling: ScalingArguments,
     },
     /// Solve cases with known answers and print a table of errors and seconds.
     Validation,
@@ -86,24 +101,30 @@ struct SceneArguments {
     overrides: Vec<String>,
 }
 
-/// Carries out a command.
+/// Carries out a command that starts ranks of its own and must not be one of them; nothing if it is another command.
+pub fn execute_alone(arguments: &Arguments) -> Option<Result<()>> {
+    let Command::Scaling { scene, scaling } = &arguments.command else { return None };
+    Some(scaling::scaling((&scene.scene, &scene.overrides), scaling, &arguments.petsc))
+}
+
+/// Carries out a command on all ranks.
 pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
     match &arguments.command {
-        Command::Run { scene, out } => {
+        Command::Run { scene, out, profile } => run::profiled(session, *profile, || {
             let scene = scene.read(session)?;
             let folder = out.clone().unwrap_or_else(|| PathBuf::from("out").join(&scene.name));
             match scene.dimension() {
                 2 => run::run::<2>(session, &scene, &folder),
                 _ => run::run::<3>(session, &scene, &folder),
             }
-        }
-        Command::Resume { folder, overrides } => {
+        }),
+        Command::Resume { folder, overrides, profile } => run::profiled(session, *profile, || {
             let (scene, checkpoint) = run::open(session, folder, overrides)?;
             match scene.dimension() {
                 2 => run::resume::<2>(session, &scene, folder, &checkpoint),
                 _ => run::resume::<3>(session, &scene, folder, &checkpoint),
             }
-        }
+        }),
         Command::Animate { folder, out, width, seconds } => {
             let film = animate::Film {
                 folder,
@@ -120,6 +141,7 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
                 _ => plan::plan::<3>(session, &scene),
             }
         }
+        Command::Scaling { .. } => Err(scaling::refuse_ranks()),
         Command::Validation => match study::validation(session)? {
             true => Ok(()),
             false => Err(Error::Diverged("a case is further from its reference than promised".into())),

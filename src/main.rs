@@ -2,7 +2,7 @@
 
 use clap::Parser;
 use turbid::{
-    cli::{Arguments, execute},
+    cli::{Arguments, execute, execute_alone},
     error::{Error, Result},
     parallel::abort_on_panic,
     petsc::Session,
@@ -10,27 +10,45 @@ use turbid::{
 
 fn main() {
     let arguments = arguments();
-    abort_on_panic();
-    let code = match Session::start(&arguments.petsc) {
-        Ok(session) => finish(&session, execute(&arguments, &session)),
-        Err(error) => {
-            complain(&error.to_string());
-            error.exit_code()
-        }
-    };
-    std::process::exit(code);
+    std::process::exit(match execute_alone(&arguments) {
+        Some(outcome) => finish_alone(outcome),
+        None => on_all_ranks(&arguments),
+    });
 }
 
 /// The command line; a wrong one is told by one rank and ends with code 2.
 fn arguments() -> Arguments {
     Arguments::try_parse().unwrap_or_else(|error| {
-        let others = std::env::var("OMPI_COMM_WORLD_RANK").is_ok_and(|rank| rank != "0");
-        if !others {
+        if speaker() {
             // clap prints help to the standard output and errors to the standard error
             let _ = error.print();
         }
         std::process::exit(error.exit_code())
     })
+}
+
+/// Whether this process speaks for all ranks before MPI is there to tell.
+fn speaker() -> bool {
+    std::env::var("OMPI_COMM_WORLD_RANK").map_or(true, |rank| rank == "0")
+}
+
+fn on_all_ranks(arguments: &Arguments) -> i32 {
+    abort_on_panic();
+    match Session::start(&arguments.petsc) {
+        Ok(session) => finish(&session, execute(arguments, &session)),
+        Err(error) => {
+            complain(&error.to_string());
+            error.exit_code()
+        }
+    }
+}
+
+fn finish_alone(outcome: Result<()>) -> i32 {
+    let Err(error) = outcome else { return 0 };
+    if speaker() {
+        complain(&error.to_string());
+    }
+    error.exit_code()
 }
 
 fn finish(session: &Session, outcome: Result<()>) -> i32 {

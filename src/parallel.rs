@@ -13,6 +13,8 @@ use crate::error::{Error, Result};
 /// All ranks of this run.
 pub struct World {
     communicator: SimpleCommunicator,
+    /// Told of the bytes that this rank contributes to a collective.
+    log: fn(usize),
 }
 
 /// How the entries of a buffer are shared out among the ranks, one rank's after the other's.
@@ -35,8 +37,8 @@ impl Shares {
 }
 
 impl World {
-    pub(crate) fn new() -> World {
-        World { communicator: SimpleCommunicator::world() }
+    pub(crate) fn new(log: fn(usize)) -> World {
+        World { communicator: SimpleCommunicator::world(), log }
     }
 
     pub(crate) fn raw(&self) -> MPI_Comm {
@@ -69,8 +71,16 @@ impl World {
         values[0]
     }
 
+    /// Logs a collective to which this rank contributes values.
+    fn count<T>(&self, values: &[T]) {
+        if self.size() > 1 {
+            (self.log)(size_of_val(values));
+        }
+    }
+
     fn reduce(&self, values: &mut [f64], operation: SystemOperation) {
         let local = values.to_vec();
+        self.count(values);
         self.communicator.all_reduce_into(&local[..], values, operation);
     }
 
@@ -78,15 +88,18 @@ impl World {
     pub fn gather<T: Equivalence + Clone + Default>(&self, local: &[T]) -> Vec<T> {
         let count = local.len() as i32;
         let mut counts = vec![0; self.size()];
+        self.count(&[count]);
         self.communicator.all_gather_into(&count, &mut counts[..]);
         let shares = Shares::new(counts);
         let mut all = vec![T::default(); shares.total()];
+        self.count(local);
         self.communicator.all_gather_varcount_into(local, &mut PartitionMut::new(&mut all[..], shares.counts, shares.starts));
         all
     }
 
     /// Sends each rank its share of `sent` and fills `received` with the shares that come from each.
     pub fn exchange<T: Equivalence>(&self, (sent, shares_sent): (&[T], &Shares), (received, shares_received): (&mut [T], &Shares)) {
+        self.count(sent);
         let sent = Partition::new(sent, &shares_sent.counts[..], &shares_sent.starts[..]);
         let mut received = PartitionMut::new(received, &shares_received.counts[..], &shares_received.starts[..]);
         self.communicator.all_to_all_varcount_into(&sent, &mut received);
@@ -96,9 +109,11 @@ impl World {
     pub fn broadcast(&self, root: usize, text: &str) -> String {
         let process = self.communicator.process_at_rank(root as i32);
         let mut length = text.len() as u64;
+        self.count(&[length]);
         process.broadcast_into(&mut length);
         let mut bytes = text.as_bytes().to_vec();
         bytes.resize(length as usize, 0);
+        self.count(&bytes);
         process.broadcast_into(&mut bytes[..]);
         String::from_utf8_lossy(&bytes).into_owned()
     }

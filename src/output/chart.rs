@@ -2,9 +2,11 @@
 //!
 //! A pure function of a [`Chart`]. Ranges follow the points, and reach down to zero only where that costs little of the height.
 
+mod axis;
+
 use std::fmt::Write;
 
-use super::picture::bar::{decade, round_step};
+use self::axis::Axis;
 use super::picture::{INK, colour, escaped};
 
 const PAGE: [f64; 2] = [800.0, 450.0];
@@ -22,8 +24,28 @@ pub struct Chart {
     pub x: String,
     /// Name of the ordinate, with its unit.
     pub y: String,
+    /// How both coordinates are drawn.
+    pub scale: Scale,
     /// The lines; the first stands out, and names are shown if there is more than one.
     pub series: Vec<Series>,
+}
+
+/// How coordinates are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scale {
+    /// As they are.
+    Linear,
+    /// By their logarithms; what is not positive is left out.
+    Logarithmic,
+}
+
+impl Scale {
+    fn of(self, point: &(f64, f64)) -> [f64; 2] {
+        match self {
+            Scale::Linear => [point.0, point.1],
+            Scale::Logarithmic => [point.0.log10(), point.1.log10()],
+        }
+    }
 }
 
 /// One line of a chart.
@@ -55,7 +77,7 @@ impl Chart {
     }
 
     fn finite_points(&self) -> impl Iterator<Item = [f64; 2]> {
-        self.series.iter().flat_map(|series| &series.points).map(|&(x, y)| [x, y]).filter(finite)
+        self.series.iter().flat_map(|series| &series.points).map(|point| self.scale.of(point)).filter(finite)
     }
 
     fn words(&self, frame: &Frame) -> String {
@@ -74,7 +96,7 @@ impl Chart {
 
     /// The pieces of a line between values that are not finite; a lonely point becomes a dot, a stroke without length.
     fn line(&self, k: usize, frame: &Frame) -> String {
-        let points: Vec<[f64; 2]> = self.series[k].points.iter().map(|&(x, y)| [x, y]).collect();
+        let points: Vec<[f64; 2]> = self.series[k].points.iter().map(|point| self.scale.of(point)).collect();
         let path: String = points.split(|point| !finite(point)).map(|piece| frame.path(piece)).collect();
         let width = if k == 0 { 2.4 } else { 1.8 };
         let dot = if points.iter().filter(|point| finite(point)).count() == 1 { 7.0 } else { width };
@@ -106,7 +128,8 @@ impl Chart {
 
     /// The number of each line and the height in pixels of its last point, from the top down.
     fn ends(&self, frame: &Frame) -> Vec<(usize, f64)> {
-        let end = |series: &Series| series.points.iter().rev().map(|&(x, y)| [x, y]).find(finite).map(|point| frame.place(point)[1]);
+        let end =
+            |series: &Series| series.points.iter().rev().map(|point| self.scale.of(point)).find(finite).map(|point| frame.place(point)[1]);
         let mut ends: Vec<(usize, f64)> = self.series.iter().map(|series| end(series).unwrap_or(frame.foot)).enumerate().collect();
         ends.sort_by(|a, b| a.1.total_cmp(&b.1));
         ends
@@ -126,7 +149,10 @@ struct Frame {
 impl Frame {
     fn new(chart: &Chart) -> Self {
         let [x, y] = [0, 1].map(|axis| chart.finite_points().map(|point| point[axis]).collect::<Vec<f64>>());
-        let [x, y] = [Axis::tight(&x), Axis::loose(&y)];
+        let [x, y] = match chart.scale {
+            Scale::Linear => [Axis::tight(&x), Axis::loose(&y)],
+            Scale::Logarithmic => [Axis::decades(&x), Axis::decades(&y)],
+        };
         let longest = |texts: &mut dyn Iterator<Item = usize>| LETTER * texts.max().unwrap_or(0) as f64;
         let labels = longest(&mut y.ticks().iter().map(|&tick| y.label(tick).chars().count()));
         let names = longest(&mut chart.series.iter().map(|series| series.name.chars().count())).min(260.0);
@@ -172,60 +198,6 @@ impl Frame {
     }
 }
 
-/// The range of one coordinate.
-struct Axis {
-    low: f64,
-    high: f64,
-}
-
-impl Axis {
-    /// From the least to the largest value, or some range around values that are all the same.
-    fn tight(values: &[f64]) -> Self {
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        match high - low {
-            span if span > 1e-9 * low.abs().max(high.abs()) && span > 1e-290 => Axis { low, high },
-            _ if low.abs() > 1e-280 && low.is_finite() => Axis { low: low - 0.1 * low.abs(), high: low + 0.1 * low.abs() },
-            _ => Axis { low: 0.0, high: 1.0 },
-        }
-    }
-
-    /// With some air on either side, or down to zero if that is not far.
-    fn loose(values: &[f64]) -> Self {
-        let Axis { low, high } = Axis::tight(values);
-        let air = 0.06 * (high - low);
-        Axis { low: if low >= 0.0 && low < 0.4 * high { 0.0 } else { low - air }, high: high + air }
-    }
-
-    fn part(&self, value: f64) -> f64 {
-        (value - self.low) / (self.high - self.low)
-    }
-
-    fn step(&self) -> f64 {
-        round_step(self.high - self.low)
-    }
-
-    fn ticks(&self) -> Vec<f64> {
-        let step = self.step();
-        let [first, last] = [(self.low / step - 1e-6).ceil(), (self.high / step + 1e-6).floor()];
-        (0..=(last - first) as usize).map(|k| (first + k as f64) * step + 0.0).collect()
-    }
-
-    /// A tick with as many digits as tell it from the next, and a power of ten if it is very large or small.
-    fn label(&self, tick: f64) -> String {
-        let largest = decade(self.low.abs().max(self.high.abs()));
-        let decimals = |unit: i32| (unit - decade(self.step())).max(0) as usize;
-        let text = if tick == 0.0 && !(-3..5).contains(&largest) {
-            "0".into()
-        } else if (-3..5).contains(&largest) {
-            format!("{tick:.*}", decimals(0))
-        } else {
-            format!("{:.*}e{largest}", decimals(largest), tick / 10f64.powi(largest))
-        };
-        text.replace('-', "\u{2212}")
-    }
-}
-
 fn finite(point: &[f64; 2]) -> bool {
     point.iter().all(|value| value.is_finite())
 }
@@ -249,7 +221,7 @@ mod tests {
 
     fn chart(lines: &[&[(f64, f64)]]) -> Chart {
         let series = lines.iter().map(|points| Series { name: "a < b".into(), points: points.to_vec() }).collect();
-        Chart { title: "A & B".into(), x: "strain".into(), y: "viscosity".into(), series }
+        Chart { title: "A & B".into(), x: "strain".into(), y: "viscosity".into(), scale: Scale::Linear, series }
     }
 
     fn assert_sound(chart: &Chart) {
@@ -285,24 +257,21 @@ mod tests {
     }
 
     #[test]
-    fn the_ordinate_starts_at_zero_only_where_the_curve_stays_steep() {
-        assert_eq!(Axis::loose(&[0.3, 2.0]).low, 0.0);
-        assert!(Axis::loose(&[1.8, 2.0]).low > 1.7);
-    }
-
-    #[test]
-    fn ticks_are_round_and_told_apart() {
-        let labels = |low, high| Axis { low, high }.ticks().iter().map(|&tick| Axis { low, high }.label(tick)).collect::<Vec<_>>();
-        assert_eq!(labels(0.0, 2.1), ["0.0", "0.5", "1.0", "1.5", "2.0"]);
-        assert_eq!(labels(-1.0, 1.0), ["\u{2212}1.0", "\u{2212}0.5", "0.0", "0.5", "1.0"]);
-        assert_eq!(labels(1.2e-7, 3.1e-7), ["1.5e\u{2212}7", "2.0e\u{2212}7", "2.5e\u{2212}7", "3.0e\u{2212}7"]);
-    }
-
-    #[test]
     fn names_keep_a_line_of_distance_within_the_axes() {
         let frame = Frame::new(&chart(&[]));
         let levels: Vec<f64> = apart(vec![(0, 380.0), (1, 385.0), (2, 386.0)], &frame).iter().map(|end| end.1).collect();
         assert!(levels.windows(2).all(|pair| pair[1] - pair[0] >= LINE) && levels[2] <= frame.foot);
+    }
+
+    #[test]
+    fn logarithmic_axes_have_powers_of_ten_and_leave_out_what_is_not_positive() {
+        let mut chart = chart(&[&[(1.0, 20.0), (4096.0, 0.01), (3.0, 0.0), (-1.0, 2.0)]]);
+        chart.scale = Scale::Logarithmic;
+        assert_sound(&chart);
+        let labels = |axis: Axis| axis.ticks().iter().map(|&tick| axis.label(tick)).collect::<Vec<_>>();
+        assert_eq!(labels(Frame::new(&chart).x), ["1", "10", "100", "1000"]);
+        chart.series.clear();
+        assert_sound(&chart);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 use serde::Serialize;
 
+use super::ParallelSummary;
 use crate::{
     body::components,
     error::Result,
@@ -41,6 +42,8 @@ pub struct Summary {
     pub motion: Option<MotionSummary>,
     /// Ranks used.
     pub ranks: usize,
+    /// How evenly they shared the work, and what they sent.
+    pub parallel: ParallelSummary,
 }
 
 /// One body.
@@ -175,7 +178,8 @@ impl Summary {
         (solution, viscosity): (&Solution<D>, Option<Viscosity>),
         world: &World,
     ) -> Result<Summary> {
-        let setup = suspension.setup();
+        let (setup, grid) = (suspension.setup(), suspension.grid());
+        let held = solution.bodies.iter().filter(|body| grid.owner(&setup.domain.wrap(body.center)) == world.rank()).count();
         let bodies = setup.bodies.iter().zip(&solution.bodies);
         Ok(Summary {
             flow: Some(FlowSummary {
@@ -186,8 +190,8 @@ impl Summary {
             solver: Some(SolverSummary::new(suspension, world)?),
             ..Summary::of_bodies(
                 named,
-                bodies.map(|(suspended, state)| BodySummary::of_state(suspended.body.ball.radius, state)).collect(),
-                setup.fraction(),
+                (bodies.map(|(suspended, state)| BodySummary::of_state(suspended.body.ball.radius, state)).collect(), setup.fraction()),
+                (held, grid.local_unknowns(D)),
                 world,
             )
         })
@@ -198,10 +202,11 @@ impl Summary {
         let balls = state.balls(radii);
         let fraction = balls.iter().map(Ball::volume).sum::<f64>() / domain.volume();
         let bodies = state.bodies.iter().zip(radii).map(|(moving, &radius)| BodySummary::of_moving(domain, radius, moving));
-        Summary::of_bodies(named, bodies.collect(), fraction, world)
+        Summary::of_bodies(named, (bodies.collect(), fraction), (0, 0), world)
     }
 
-    fn of_bodies(named: (&str, &str), bodies: Vec<BodySummary>, fraction: f64, world: &World) -> Summary {
+    /// `shared` is this rank's part: bodies and cells.
+    fn of_bodies(named: (&str, &str), (bodies, fraction): (Vec<BodySummary>, f64), shared: (usize, usize), world: &World) -> Summary {
         Summary {
             scene: named.0.into(),
             title: named.1.into(),
@@ -216,6 +221,7 @@ impl Summary {
             solver: None,
             motion: None,
             ranks: world.size(),
+            parallel: ParallelSummary::new(world, shared.0, shared.1),
         }
     }
 }

@@ -10,17 +10,21 @@ pub mod ffi;
 mod krylov;
 mod matrix;
 mod owned;
+mod profile;
 mod scatter;
 mod session;
 mod shell;
+mod traffic;
 mod vector;
 
 pub use amg::{Amg, AmgSettings};
 pub use krylov::{Krylov, KrylovMethod, KrylovSettings, Report};
 pub use matrix::{Matrix, RowBuilder};
+pub use profile::{Profile, Stage, StageCounts, StageGuard, enter};
 pub use scatter::Scatter;
 pub use session::Session;
 pub use shell::System;
+pub use traffic::Traffic;
 pub use vector::Vector;
 
 use session::check;

@@ -7,7 +7,7 @@ use std::{
     rc::Rc,
 };
 
-use super::ffi;
+use super::{ffi, traffic::count_collective};
 use crate::{
     error::{Error, Result},
     parallel::World,
@@ -49,7 +49,7 @@ impl Session {
         let arguments = Box::leak(arguments.into_boxed_slice());
         let count = Box::leak(Box::new(arguments.len() as c_int - 1));
         let list = Box::leak(Box::new(arguments.as_mut_ptr()));
-        let inner = Inner { world: World::new(), _universe: universe };
+        let inner = Inner { world: World::new(count_collective), _universe: universe };
         super::petsc!(PetscInitialize(count, list, null_mut(), null_mut()))?;
         super::petsc!(PetscPushErrorHandler(Some(remember), null_mut()))?;
         Ok(Session { inner: Rc::new(inner) })

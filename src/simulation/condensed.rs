@@ -9,12 +9,13 @@
 //! so that the solver's vectors are as short as the multipliers. Forces of the closure are no unknowns: their rows read
 //! `unknown = 0`, and they are read back from the fluid.
 
-use std::time::Instant;
-
-use super::coupled::{BodiesInFluid, Parts, Unknowns};
+use super::{
+    coupled::{BodiesInFluid, Parts, Unknowns},
+    work::Watch,
+};
 use crate::{
     error::Result,
-    petsc::{System, Vector},
+    petsc::{Stage, System, Vector},
 };
 
 /// The system without the fluid; vectors hold multipliers and the tail.
@@ -24,16 +25,16 @@ impl<const D: usize> Condensed<'_, D> {
     /// Puts into `fluid_in` the fluid that `multipliers_in` move; returns the forces of the closure.
     fn move_fluid(&mut self) -> Result<Vec<f64>> {
         let Parts { stokes, inverse, surfaces, work } = &mut self.0;
-        let start = Instant::now();
+        let watch = Watch::start(Stage::Bodies);
         work.fluid_out.fill(0.0)?;
         surfaces.blocks.spread(1.0, &work.multipliers_in.local()?, &mut work.fluid_out)?;
-        work.stages.bodies += start.elapsed().as_secs_f64();
-        let start = Instant::now();
+        watch.stop(&mut work.stages.bodies);
+        let watch = Watch::start(Stage::Inverse);
         stokes.balance(&mut work.fluid_out)?;
         inverse.precondition(stokes, &work.fluid_out, &mut work.fluid_in)?;
         let still = vec![0.0; surfaces.closure.forces().len()];
         let forces = surfaces.closure.correct_mean_velocities(surfaces.world, &still, &mut work.fluid_in)?;
-        work.stages.inverse += start.elapsed().as_secs_f64();
+        watch.stop(&mut work.stages.inverse);
         Ok(forces)
     }
 }
@@ -43,19 +44,19 @@ impl<const D: usize> System for Condensed<'_, D> {
         let tail = self.0.work.split(self.0.surfaces.world, input)?;
         self.move_fluid()?;
         let Parts { surfaces, work, .. } = &mut self.0;
-        let start = Instant::now();
+        let watch = Watch::start(Stage::Bodies);
         let rows = surfaces.rows(&work.fluid_in, (&work.multipliers_in, &tail), &mut work.multipliers_out)?;
-        work.stages.bodies += start.elapsed().as_secs_f64();
+        watch.stop(&mut work.stages.bodies);
         work.join(&rows, output)
     }
 
     fn precondition(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
         let Parts { surfaces, work, .. } = &mut self.0;
         let rows = work.split(surfaces.world, input)?;
-        let start = Instant::now();
+        let watch = Watch::start(Stage::Bodies);
         work.multipliers_out.fill(0.0)?;
         let tail = surfaces.precondition(&mut work.multipliers_in, &rows, &mut work.multipliers_out)?;
-        work.stages.bodies += start.elapsed().as_secs_f64();
+        watch.stop(&mut work.stages.bodies);
         work.join(&tail, output)
     }
 }

@@ -10,13 +10,14 @@
 //! The preconditioner is block triangular: the fluid by its approximate inverse, then contacts and bodies. Where the fluid's
 //! inverse is exact, [`Condensed`](super::condensed::Condensed) is the same system with the fluid eliminated.
 
-use std::time::Instant;
-
-use super::{surfaces::Surfaces, work::Work};
+use super::{
+    surfaces::Surfaces,
+    work::{Watch, Work},
+};
 use crate::{
     error::Result,
     flow::{Stokes, StokesInverse},
-    petsc::{System, Vector},
+    petsc::{Stage, System, Vector},
 };
 
 /// What a solver's vector stands for: this rank's parts, and the tail.
@@ -56,32 +57,32 @@ impl<const D: usize> System for Coupled<'_, D> {
     fn apply(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
         let Parts { stokes, surfaces, work, .. } = &mut self.0;
         let tail = work.split(surfaces.world, input)?;
-        let start = Instant::now();
+        let watch = Watch::start(Stage::Matrices);
         stokes.multiply(&work.fluid_in, &mut work.fluid_out)?;
-        work.stages.matrices += start.elapsed().as_secs_f64();
-        let start = Instant::now();
+        watch.stop(&mut work.stages.matrices);
+        let watch = Watch::start(Stage::Bodies);
         surfaces.blocks.spread(-1.0, &work.multipliers_in.local()?, &mut work.fluid_out)?;
         surfaces.closure.add_forces(-1.0, &tail, &mut work.fluid_out)?;
         stokes.balance(&mut work.fluid_out)?;
         let mut rows = surfaces.rows(&work.fluid_in, (&work.multipliers_in, &tail), &mut work.multipliers_out)?;
         let means = surfaces.closure.mean_velocities(surfaces.world, &work.fluid_in)?;
         rows[..means.len()].copy_from_slice(&means);
-        work.stages.bodies += start.elapsed().as_secs_f64();
+        watch.stop(&mut work.stages.bodies);
         work.join(&rows, output)
     }
 
     fn precondition(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
         let Parts { stokes, inverse, surfaces, work } = &mut self.0;
         let rows = work.split(surfaces.world, input)?;
-        let start = Instant::now();
+        let watch = Watch::start(Stage::Inverse);
         inverse.precondition(stokes, &work.fluid_in, &mut work.fluid_out)?;
-        work.stages.inverse += start.elapsed().as_secs_f64();
-        let start = Instant::now();
+        watch.stop(&mut work.stages.inverse);
+        let watch = Watch::start(Stage::Bodies);
         let forces = surfaces.closure.correct_mean_velocities(surfaces.world, &rows, &mut work.fluid_out)?;
         surfaces.blocks.sample(&work.fluid_out, &mut work.multipliers_out.local_mut()?)?;
         let mut tail = surfaces.precondition(&mut work.multipliers_in, &rows, &mut work.multipliers_out)?;
         tail[..forces.len()].copy_from_slice(&forces);
-        work.stages.bodies += start.elapsed().as_secs_f64();
+        watch.stop(&mut work.stages.bodies);
         work.join(&tail, output)
     }
 }

@@ -21,7 +21,7 @@ use crate::{
     contact::{self, Contact, ContactForce, Partner, Problem, Projection},
     error::{Error, Result},
     geometry::{Ball, near_pairs, near_walls},
-    petsc::Session,
+    petsc::{Session, Stage, enter},
     scene::Scheme,
 };
 
@@ -176,7 +176,7 @@ impl<const D: usize> Drift<D> {
     }
 
     fn project(&self, balls: &[Ball<D>], velocities: &[SVector<f64, D>], step: f64) -> Result<Projection<D>> {
-        let domain = &self.suspension.setup().domain;
+        let (_stage, domain) = (enter(Stage::Contacts), &self.suspension.setup().domain);
         contact::project(self.session.world(), &Problem { domain, balls, weights: &self.weights, velocities, step })
     }
 

@@ -18,7 +18,7 @@ use crate::{
     contact::{self, Problem},
     error::{Error, Result},
     geometry::Domain,
-    petsc::Session,
+    petsc::{Session, Stage, enter},
     scene::{ContactModel, Scene, Scheme},
 };
 
@@ -157,6 +157,7 @@ impl<const D: usize> Dynamics<D> for Dry<D> {
         let mut moves: Vec<Twist<D>> = view.twists.iter().zip(&self.setup.bodies).map(pushed).collect();
         let (mut contacts, mut certificate) = (Vec::new(), None);
         if self.setup.contact {
+            let _stage = enter(Stage::Contacts);
             let balls = state.balls(&self.pace.radii);
             let weights: Vec<f64> = self.setup.bodies.iter().map(|body| body.mass / step).collect();
             let velocities: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();

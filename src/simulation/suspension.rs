@@ -23,7 +23,7 @@ use crate::{
     error::Result,
     flow::{Stokes, StokesInverse},
     grid::Grid,
-    petsc::{Krylov, KrylovMethod, KrylovSettings, Report, Session, Vector},
+    petsc::{Krylov, KrylovMethod, KrylovSettings, Report, Session, Stage, Vector, enter},
 };
 
 /// Iterations allowed for the coupled system.
@@ -109,7 +109,7 @@ impl<const D: usize> Suspension<D> {
         setup: Setup<D>,
         inverse: impl FnOnce(&Stokes<D>, &Grid<D>) -> Result<Box<dyn StokesInverse<D>>>,
     ) -> Result<Suspension<D>> {
-        let start = Instant::now();
+        let (_stage, start) = (enter(Stage::SetUp), Instant::now());
         let (basis, inverse) = Basis::new(session, setup, inverse)?;
         let cost = Cost { setup: start.elapsed().as_secs_f64(), grid_unknowns: basis.grid.fluid_unknowns(), ..Cost::default() };
         Ok(Suspension { basis, inverse, assembly: None, engine: None, remembers: false, past: None, cost })
@@ -225,6 +225,7 @@ impl<'a, const D: usize> Ready<'a, D> {
         past: Option<&Past<D>>,
         moment: &Moment<D>,
     ) -> Result<Self> {
+        let _stage = enter(Stage::Assembly);
         let bodies = Bodies::new(&basis.setup, &basis.grid, &basis.kinds, moment.centers, basis.session.world().rank());
         let assembly = match assembly {
             Some(assembly) if assembly.centers == moment.centers => assembly,
@@ -257,6 +258,7 @@ impl<'a, const D: usize> Ready<'a, D> {
             touching: &mut self.touching,
             prescribed_drag: self.prescribed_drag,
         };
+        let _stage = enter(Stage::Orthogonalisation);
         let Engine { krylov, work, rhs, x } = &mut self.engine;
         let parts = Parts { stokes: &basis.stokes, inverse, surfaces, work };
         let (report, mut found) =

@@ -1,11 +1,13 @@
 //! Vectors that a linear system needs while it is applied, and how the solver's vectors are laid out.
 
+use std::time::Instant;
+
 use super::coupled::Unknowns;
 use crate::{
     error::Result,
     flow::Stokes,
     parallel::World,
-    petsc::{Session, Vector},
+    petsc::{Session, Stage, StageGuard, Vector, enter},
 };
 
 /// Seconds spent in the parts of a solve.
@@ -17,6 +19,24 @@ pub struct Stages {
     pub bodies: f64,
     /// Inverse of the fluid.
     pub inverse: f64,
+}
+
+/// A stopwatch for a stage of the solve, which PETSc's log sees too.
+pub struct Watch {
+    start: Instant,
+    _stage: StageGuard,
+}
+
+impl Watch {
+    /// Begins a stage.
+    pub fn start(stage: Stage) -> Watch {
+        Watch { start: Instant::now(), _stage: enter(stage) }
+    }
+
+    /// Ends it and adds its seconds.
+    pub fn stop(self, seconds: &mut f64) {
+        *seconds += self.start.elapsed().as_secs_f64();
+    }
 }
 
 /// Work space. The solver's vectors hold, on each rank, a fluid part (unless the fluid is eliminated), multipliers, and on

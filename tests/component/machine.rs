@@ -1,10 +1,14 @@
 //! The machine: ranks, vectors, matrices and scatters.
 
-use std::ops::Range;
+use std::{
+    ops::Range,
+    thread::sleep,
+    time::{Duration, Instant},
+};
 
 use turbid::{
     error::Error,
-    petsc::{Matrix, RowBuilder, Scatter, Session, Vector},
+    petsc::{Matrix, Profile, RowBuilder, Scatter, Session, Stage, StageCounts, Vector, enter},
 };
 
 use crate::Test;
@@ -29,6 +33,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_scatter_fetches_entries_of_any_rank_in_the_order_asked_for),
         Test::of(places_added_back_add_up),
         Test::of(a_petsc_error_names_the_call_and_says_why),
+        Test::of(a_stage_counts_without_those_entered_in_it),
     ]
 }
 
@@ -234,4 +239,28 @@ pub fn share(session: &Session, length: usize) -> Range<usize> {
 /// This rank, and how many there are.
 pub fn place(session: &Session) -> (usize, usize) {
     (session.world().rank(), session.world().size())
+}
+
+fn a_stage_counts_without_those_entered_in_it(session: &Session) {
+    let (_, size) = place(session);
+    // nobody keeps a profile yet
+    drop(enter(Stage::Output));
+    let start = Instant::now();
+    let profile = Profile::start().unwrap();
+    let outer = enter(Stage::SetUp);
+    sleep(Duration::from_millis(20));
+    let inner = enter(Stage::Assembly);
+    sleep(Duration::from_millis(60));
+    session.world().sum(&mut [1.0, 2.0]);
+    drop(inner);
+    drop(outer);
+    let counts = profile.finish().unwrap();
+    let elapsed = start.elapsed().as_secs_f64();
+    let of = |stage: Stage| *counts.iter().find(|counts| counts.stage == stage).unwrap();
+    let StageCounts { seconds, bytes, collectives, .. } = of(Stage::Assembly);
+    assert!(seconds >= 0.06 && of(Stage::SetUp).seconds >= 0.02);
+    assert!(counts.iter().map(|counts| counts.seconds).sum::<f64>() <= elapsed, "stages overlap");
+    let shared = f64::from(u8::from(size > 1));
+    assert_eq!((collectives, bytes), (shared, 16.0 * shared));
+    assert_eq!((of(Stage::Output).seconds, of(Stage::SetUp).collectives), (0.0, 0.0));
 }

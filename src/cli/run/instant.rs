@@ -7,7 +7,7 @@ use crate::{
     error::Result,
     observe,
     output::{self, Progress, Summary},
-    petsc::Session,
+    petsc::{Session, Stage, enter},
     scene::Scene,
     simulation::{Setup, Suspension},
 };
@@ -28,6 +28,7 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> R
 
     let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[])?;
     let summary = Summary::of_flow((&scene.name, &scene.title), &suspension, (&solution, viscosity), world)?;
+    let output = enter(Stage::Output);
     let mut files = vec!["scene.toml"];
     if scene.output.picture {
         let picture = observe::picture(scene.shown_title(), &suspension, &solution)?.svg();
@@ -36,6 +37,7 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> R
     }
     files.push("summary.json");
     world.agree(if first { folder::complete(folder, &summary) } else { Ok(()) })?;
+    drop(output);
     if first {
         println!("{}", output::report(&summary));
         println!("files                {}: {}", folder.display(), files.join(", "));

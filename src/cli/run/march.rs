@@ -11,9 +11,9 @@ use super::{
 use crate::{
     error::{Error, Result},
     observe::{self, Plane, Viscosity},
-    output::{self, Chart, Checkpoint, ContactSummary, Series, Summary, TimeProgress},
+    output::{self, Chart, Checkpoint, ContactSummary, Scale, Series, Summary, TimeProgress},
     parallel::World,
-    petsc::Session,
+    petsc::{Session, Stage, enter},
     scene::{ContactModel, Scene},
     simulation::{Simulation, View},
 };
@@ -105,12 +105,14 @@ impl<const D: usize> March<'_, D> {
     #[allow(clippy::print_stdout)]
     fn finish(&mut self, view: &View<D>) -> Result<()> {
         let mut summary = self.summary(view)?;
+        let output = enter(Stage::Output);
         let pictures = self.pictures(view)?;
         let first = self.world.rank() == 0;
         let write = || pictures.iter().try_for_each(|(name, bytes)| output::write_whole(&self.folder.join(name), bytes));
         self.world.agree(if first { write() } else { Ok(()) })?;
         summary.motion = Some(self.account.motion());
         self.world.agree(if first { folder::complete(self.folder, &summary) } else { Ok(()) })?;
+        drop(output);
         if first {
             println!("{}", output::report(&summary));
             if let Some(line) = output::sparkline(self.outputs.curve().iter().map(|(_, hydrodynamic, contact)| hydrodynamic + contact)) {
@@ -186,5 +188,5 @@ fn viscosity_chart(title: &str, curve: &[(f64, f64, f64)]) -> Chart {
     if curve.iter().any(|row| row.2 != 0.0) {
         all.push(series("flow", |row| row.1));
     }
-    Chart { title: title.into(), x: "strain".into(), y: "relative viscosity".into(), series: all }
+    Chart { title: title.into(), x: "strain".into(), y: "relative viscosity".into(), scale: Scale::Linear, series: all }
 }

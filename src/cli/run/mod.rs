@@ -11,8 +11,8 @@ use std::path::Path;
 
 use crate::{
     error::{Error, Result},
-    output::Checkpoint,
-    petsc::Session,
+    output::{Checkpoint, stage_table},
+    petsc::{Profile, Session},
     scene::Scene,
 };
 pub use folder::CHECKPOINT;
@@ -45,4 +45,19 @@ pub fn open<'a>(session: &'a Session, folder: &Path, overrides: &[String]) -> Re
 /// Goes on with a run.
 pub fn resume<const D: usize>(session: &Session, scene: &Scene, folder: &Path, checkpoint: &Checkpoint) -> Result<()> {
     march::run::<D>(session, scene, folder, Some(checkpoint))
+}
+
+/// Does a run, and prints what its stages took if a profile is wanted; collective.
+#[allow(clippy::print_stdout)]
+pub fn profiled(session: &Session, wanted: bool, run: impl FnOnce() -> Result<()>) -> Result<()> {
+    if !wanted {
+        return run();
+    }
+    let profile = Profile::start()?;
+    run()?;
+    let table = stage_table(session.world(), &profile.finish()?);
+    if session.world().rank() == 0 {
+        println!("{table}");
+    }
+    Ok(())
 }

@@ -16,6 +16,7 @@ use crate::{
     observe::{self, CellCenters, Viscosity},
     output::{self, ContactNumbers, Frame, FrameBody, FrameFields, Frames, Row, Rows},
     parallel::World,
+    petsc::{Stage, enter},
     scene::Scene,
     simulation::{Effort, Held, Simulation, State, StepReport, View},
 };
@@ -77,7 +78,7 @@ impl<const D: usize> Outputs<D> {
         (view, last): (&View<D>, Option<&StepReport>),
         viscosity: Option<Viscosity>,
     ) -> Result<f64> {
-        let start = Instant::now();
+        let (_stage, start) = (enter(Stage::Output), Instant::now());
         let row = self.row(simulation.state(), (view, last), viscosity);
         world.agree(self.rows.as_mut().map_or(Ok(()), |rows| rows.write(&row)))?;
         if self.frame_is_due(simulation) {
@@ -93,7 +94,7 @@ impl<const D: usize> Outputs<D> {
     pub fn checkpoint(&mut self, world: &World, simulation: &Simulation<D>, (account, asked): (&Account, bool)) -> Result<f64> {
         let due = asked || self.last_checkpoint.elapsed().as_secs_f64() >= self.checkpoint_pace || simulation.may_end();
         let due = world.max(f64::from(due)) > 0.0;
-        let start = Instant::now();
+        let (_stage, start) = (enter(Stage::Output), Instant::now());
         if due && simulation.on_the_way() && simulation.state().steps > 0 {
             output::store(world, &self.folder.join(CHECKPOINT), (&self.scene_text, &account.numbers()), simulation)?;
             self.last_checkpoint = Instant::now();

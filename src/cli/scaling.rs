@@ -1,0 +1,72 @@
+//! `turbid scaling`: words become a study that starts runs.
+
+use std::path::{Path, PathBuf};
+
+use crate::{
+    error::{Error, Result},
+    study::{self, Network, ScalingOptions},
+};
+
+/// Set in the environment of every rank by Open MPI, by PMIx and by Slurm's or MPICH's own starter.
+const MARKS: [&str; 3] = ["OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"];
+
+/// How to measure.
+#[derive(Debug, clap::Args)]
+pub struct ScalingArguments {
+    /// Numbers of ranks.
+    #[arg(long, value_delimiter = ',', default_values_t = [1, 2])]
+    ranks: Vec<usize>,
+    /// Command that starts a program on {ranks} ranks.
+    #[arg(long, default_value = "mpirun --oversubscribe -n {ranks}")]
+    launcher: String,
+    /// Runs of each, of which the fastest counts.
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=100))]
+    repeat: u32,
+    /// Folder for tables and chart (default: out/NAME-scaling of the scene).
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Cores that the launcher reaches (default: those of this machine); more ranks than these are marked.
+    #[arg(long)]
+    cores: Option<usize>,
+    /// Model: gigabytes a second that a rank sends.
+    #[arg(long, default_value_t = 5.0, value_parser = positive)]
+    bandwidth: f64,
+    /// Model: microseconds that a message takes.
+    #[arg(long, default_value_t = 2.0, value_parser = positive)]
+    latency: f64,
+}
+
+/// Measures the scaling of a scene file with overrides.
+///
+/// # Errors
+/// This process is one of several ranks, or the study cannot be made.
+pub fn scaling((scene, overrides): (&Path, &[String]), arguments: &ScalingArguments, petsc: &[String]) -> Result<()> {
+    if MARKS.iter().any(|mark| std::env::var_os(mark).is_some()) {
+        return Err(refuse_ranks());
+    }
+    study::scaling(&ScalingOptions {
+        scene: scene.to_owned(),
+        overrides: overrides.to_vec(),
+        ranks: arguments.ranks.clone(),
+        launcher: arguments.launcher.clone(),
+        repeat: arguments.repeat as usize,
+        out: arguments.out.clone(),
+        cores: arguments.cores,
+        network: Network { bandwidth: arguments.bandwidth * 1e9, latency: arguments.latency * 1e-6 },
+        petsc: petsc.to_vec(),
+    })
+}
+
+/// The refusal to be one of several ranks.
+pub fn refuse_ranks() -> Error {
+    Error::Refused(
+        "scaling starts its own ranks: call `turbid scaling SCENE --ranks 1,2,4` without mpirun; --launcher says how they start".into(),
+    )
+}
+
+fn positive(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
+        _ => Err("must be a positive number".into()),
+    }
+}

@@ -1,0 +1,39 @@
+//! What PETSc's log counts of the traffic between ranks.
+
+use super::ffi;
+
+/// What this rank has sent since PETSc started: by PETSc itself, and by the collectives of [`World`](crate::parallel::World).
+///
+/// What hypre and the HDF5 library send is not in it: they call MPI without PETSc's counters.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Traffic {
+    /// Messages to single ranks.
+    pub messages: f64,
+    /// Bytes sent; of a collective, what this rank contributes, as far as it is known.
+    pub bytes: f64,
+    /// Reductions, gatherings and broadcasts.
+    pub collectives: f64,
+}
+
+impl Traffic {
+    /// Until now.
+    pub fn local_so_far() -> Traffic {
+        unsafe {
+            Traffic {
+                messages: ffi::petsc_isend_ct + ffi::petsc_send_ct,
+                bytes: ffi::petsc_isend_len + ffi::petsc_send_len,
+                collectives: ffi::petsc_allreduce_ct + ffi::petsc_gather_ct + ffi::petsc_scatter_ct,
+            }
+        }
+    }
+}
+
+/// Adds a collective to which this rank contributes some bytes.
+pub(super) fn count_collective(bytes: usize) {
+    unsafe {
+        ffi::petsc_allreduce_ct += 1.0;
+        // stages know only the sum of both
+        ffi::petsc_send_len += bytes as f64;
+        ffi::petsc_recv_len += bytes as f64;
+    }
+}

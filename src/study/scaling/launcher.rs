@@ -1,0 +1,119 @@
+//! Starts `turbid run` on a number of ranks and reads what it left behind.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output, Stdio},
+};
+
+use super::measurement::Measurement;
+use crate::error::{Error, Result};
+
+/// Where the number of ranks goes in a launcher.
+const PLACE: &str = "{ranks}";
+
+/// How runs on several ranks are started.
+pub struct Launcher {
+    words: Vec<String>,
+    program: PathBuf,
+    /// Options for PETSc.
+    petsc: Vec<String>,
+}
+
+/// A scene file with its overrides.
+pub struct Job<'a> {
+    /// The file.
+    pub scene: &'a Path,
+    /// What is set in it.
+    pub overrides: &'a [String],
+    /// Folder for the output; it is removed.
+    pub folder: &'a Path,
+}
+
+impl Launcher {
+    /// A launcher from its command line, in which `{ranks}` stands for the number of ranks.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if it has no place for the number.
+    pub fn new(command: &str, petsc: &[String]) -> Result<Launcher> {
+        let words: Vec<String> = command.split_whitespace().map(str::to_owned).collect();
+        if !words.iter().skip(1).any(|word| word.contains(PLACE)) {
+            return Err(Error::Refused(format!(
+                "--launcher {command:?}: must be a command with {PLACE} where the number of ranks goes, \
+                 for example \"mpirun -n {PLACE}\" or \"srun -n {PLACE}\""
+            )));
+        }
+        let program = std::env::current_exe().map_err(|source| Error::File { path: "turbid".into(), source })?;
+        Ok(Launcher { words, program, petsc: petsc.to_vec() })
+    }
+
+    /// Runs a scene so many times; the fastest run counts.
+    ///
+    /// # Errors
+    /// The launcher does not start, or a run fails; its own words come along.
+    pub fn measure(&self, ranks: usize, repeat: usize, job: &Job) -> Result<Measurement> {
+        let mut best = self.run(ranks, job)?;
+        for _ in 1..repeat {
+            let next = self.run(ranks, job)?;
+            best = if next.seconds() < best.seconds() { next } else { best };
+        }
+        Ok(best)
+    }
+
+    fn run(&self, ranks: usize, job: &Job) -> Result<Measurement> {
+        let outcome = self.command(ranks, job).output();
+        let output = outcome.map_err(|error| {
+            let program = &self.words[0];
+            Error::Refused(format!("--launcher: {program} cannot be started ({error}); install it or name another launcher"))
+        })?;
+        if !output.status.success() {
+            return Err(failure(ranks, &output));
+        }
+        let measurement = Measurement::read(&job.folder.join("summary.json"))?;
+        fs::remove_dir_all(job.folder).map_err(|source| Error::File { path: job.folder.to_owned(), source })?;
+        Ok(measurement)
+    }
+
+    fn command(&self, ranks: usize, job: &Job) -> Command {
+        let words: Vec<String> = self.words.iter().map(|word| word.replace(PLACE, &ranks.to_string())).collect();
+        let mut command = Command::new(&words[0]);
+        command.args(&words[1..]).arg(&self.program).arg("run").arg(job.scene).arg("--out").arg(job.folder).stdin(Stdio::null());
+        for setting in job.overrides.iter().map(String::as_str).chain(["output.picture=false"]) {
+            command.args(["--set", setting]);
+        }
+        command.arg("--").args(&self.petsc);
+        command
+    }
+}
+
+/// What a failed run said about itself, or else all that the launcher said.
+fn failure(ranks: usize, output: &Output) -> Error {
+    let all = String::from_utf8_lossy(&output.stderr);
+    let own: Vec<&str> = all.lines().filter(|line| line.starts_with("turbid: ")).collect();
+    let said = if own.is_empty() { all.trim().to_owned() } else { own.join("\n") };
+    let text = format!("the run with --ranks {ranks} failed ({}):\n{said}", output.status);
+    if output.status.code() == Some(2) { Error::Refused(text) } else { Error::Diverged(text) }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_number_of_ranks_takes_its_place() {
+        let launcher = Launcher::new("srun --ntasks={ranks} -v", &["-log_view".into()]).unwrap();
+        let job = Job { scene: Path::new("a.toml"), overrides: &["seed=2".into()], folder: Path::new("b") };
+        let command = launcher.command(8, &job);
+        let words: Vec<&str> = command.get_args().map(|word| word.to_str().unwrap()).collect();
+        assert_eq!((command.get_program().to_str(), &words[..2]), (Some("srun"), &["--ntasks=8", "-v"][..]));
+        assert_eq!(words[3..], ["run", "a.toml", "--out", "b", "--set", "seed=2", "--set", "output.picture=false", "--", "-log_view"]);
+    }
+
+    #[test]
+    fn a_launcher_needs_a_place_for_the_number() {
+        for command in ["", "mpirun", "{ranks}", "mpirun -n 4"] {
+            assert!(Launcher::new(command, &[]).is_err_and(|error| error.to_string().contains("where the number of ranks goes")));
+        }
+    }
+}

@@ -1,0 +1,232 @@
+//! A performance model fitted to measured runs.
+//!
+//! ```text
+//! T(P) = s cells + iterations (g cells + b bodies) + rest + network
+//! network = messages latency + bytes / bandwidth + collectives log2(P) latency
+//! ```
+//!
+//! with the cells and bodies of the busiest rank, counted in the real partition at P ranks, and seconds `s`, `g` and `b`
+//! by least squares, each from the part of the run that it stands for. Messages and bytes per iteration are proportional
+//! to the neighbours and to the halo of a block, collectives to the iterations; the factors are those of the measured
+//! counts. hypre's multigrid, which is not counted, exchanges its halo five times on each level. Iterations are those
+//! measured on the most ranks. Counts are fitted to all runs on several ranks, seconds to those in which each rank had a core.
+
+use serde::Serialize;
+
+use super::{arrangement::Shares, measurement::Measurement};
+
+/// What is assumed of the network between ranks.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Network {
+    /// Bytes a second that a rank sends.
+    pub bandwidth: f64,
+    /// Seconds that a message takes however short.
+    pub latency: f64,
+}
+
+/// A run and how it was shared out.
+#[derive(Debug, Clone)]
+pub struct Sample {
+    /// Shares of the ranks.
+    pub shares: Shares,
+    /// What it cost.
+    pub measured: Measurement,
+}
+
+/// The fitted model.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Model {
+    /// Seconds of set-up for each cell.
+    pub setup: f64,
+    /// Seconds for each cell and iteration.
+    pub cell: f64,
+    /// Seconds for each body and iteration.
+    pub body: f64,
+    /// Seconds that no rank shares.
+    pub rest: f64,
+    /// Messages for each neighbour and iteration.
+    pub messages: f64,
+    /// Bytes for each face of the halo and iteration.
+    pub bytes: f64,
+    /// For each iteration.
+    pub collectives: f64,
+    /// Bytes of memory of a rank without cells, and for each cell; unknown from a single run.
+    pub memory: Option<[f64; 2]>,
+    /// The network.
+    pub network: Network,
+    /// Largest part by which it misses the seconds that it was fitted to.
+    pub misfit: f64,
+}
+
+/// What the model says of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prediction {
+    /// Seconds of all steps.
+    pub seconds: f64,
+    /// Messages of the busiest rank, without hypre's.
+    pub messages: f64,
+    /// Bytes that it sends, without hypre's.
+    pub bytes: f64,
+    /// Collectives.
+    pub collectives: f64,
+    /// Memory of the busiest rank.
+    pub memory: Option<f64>,
+}
+
+impl Model {
+    /// Fits measured runs; nothing if none was on more than one rank, or none on as few as there are cores.
+    pub fn fit(all: &[Sample], cores: usize, network: Network) -> Option<Model> {
+        let shared: Vec<&Sample> = all.iter().filter(|sample| sample.shares.ranks > 1).collect();
+        let samples: Vec<&Sample> = all.iter().filter(|sample| sample.shares.ranks <= cores).collect();
+        if shared.is_empty() || samples.is_empty() {
+            return None;
+        }
+        let iterations = |sample: &Sample| sample.measured.iterations as f64;
+        let sent = |count: fn(&Sample) -> f64, unit: fn(&Shares) -> f64| {
+            slope(shared.iter().map(|sample| (iterations(sample) * unit(&sample.shares), count(sample))))
+        };
+        let counted = Model {
+            setup: slope(samples.iter().map(|sample| (sample.shares.cells.most, sample.measured.setup))),
+            body: slope(samples.iter().map(|sample| (iterations(sample) * sample.shares.bodies.most, sample.measured.bodies))),
+            rest: samples.iter().map(|sample| sample.measured.rest).sum::<f64>() / samples.len() as f64,
+            messages: sent(|sample| sample.measured.parallel.messages.most, |shares| shares.neighbours),
+            bytes: sent(|sample| sample.measured.parallel.bytes.most, |shares| shares.halo),
+            collectives: sent(|sample| sample.measured.parallel.collectives.most, |_| 1.0),
+            memory: line(all.iter().map(|sample| (sample.shares.cells.most, sample.measured.parallel.memory_bytes.most))),
+            cell: 0.0,
+            network,
+            misfit: 0.0,
+        };
+        let of_cells = |sample: &&Sample| {
+            let cells = iterations(sample) * sample.shares.cells.most;
+            (cells, sample.measured.grid - counted.network_seconds(&sample.shares, iterations(sample)))
+        };
+        let model = Model { cell: slope(samples.iter().map(of_cells)).max(0.0), ..counted };
+        let missed = |sample: &&Sample| {
+            let measured = sample.measured.seconds() * sample.measured.steps as f64;
+            (model.predict(&sample.shares, iterations(sample)).seconds / measured - 1.0).abs()
+        };
+        Some(Model { misfit: samples.iter().map(missed).fold(0.0, f64::max), ..model })
+    }
+
+    /// What a run of so many iterations costs.
+    pub fn predict(&self, shares: &Shares, iterations: f64) -> Prediction {
+        let (cells, bodies) = (shares.cells.most, shares.bodies.most);
+        let computing = self.setup * cells + iterations * (self.cell * cells + self.body * bodies) + self.rest;
+        let [messages, bytes, collectives] = self.sent(shares, iterations);
+        let memory = self.memory.map(|[base, cell]| base + cell * cells);
+        Prediction { seconds: computing + self.network_seconds(shares, iterations), messages, bytes, collectives, memory }
+    }
+
+    /// Messages, bytes and collectives that are counted.
+    fn sent(&self, shares: &Shares, iterations: f64) -> [f64; 3] {
+        let collectives = if shares.ranks > 1 { self.collectives } else { 0.0 };
+        [self.messages * shares.neighbours, self.bytes * shares.halo, collectives].map(|each| each * iterations)
+    }
+
+    fn network_seconds(&self, shares: &Shares, iterations: f64) -> f64 {
+        let [messages, bytes, collectives] = self.sent(shares, iterations);
+        let Network { bandwidth, latency } = self.network;
+        (messages + iterations * shares.cycle_messages) * latency
+            + (bytes + iterations * shares.cycle_bytes) / bandwidth
+            + collectives * (shares.ranks as f64).log2() * latency
+    }
+}
+
+/// Least squares of `y = a x`.
+fn slope(points: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let (product, square) = points.fold((0.0, 0.0), |(product, square), (x, y)| (product + x * y, square + x * x));
+    if square > 0.0 { product / square } else { 0.0 }
+}
+
+/// Least squares of `y = a + b x`, if two abscissas differ.
+fn line(points: impl Iterator<Item = (f64, f64)>) -> Option<[f64; 2]> {
+    let points: Vec<(f64, f64)> = points.collect();
+    let count = points.len() as f64;
+    let mean = |value: fn(&(f64, f64)) -> f64| points.iter().map(value).sum::<f64>() / count;
+    let (x, y) = (mean(|point| point.0), mean(|point| point.1));
+    let spread: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
+    let b = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum::<f64>() / spread;
+    (spread > 0.0).then_some([y - b * x, b])
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::output::{ParallelSummary, Spread};
+
+    const LAW: Model = Model {
+        setup: 3e-6,
+        cell: 2e-7,
+        body: 5e-6,
+        rest: 0.25,
+        messages: 7.0,
+        bytes: 30.0,
+        collectives: 11.0,
+        memory: Some([2e7, 900.0]),
+        network: Network { bandwidth: 1e9, latency: 1e-4 },
+        misfit: 0.0,
+    };
+
+    fn shares(ranks: usize) -> Shares {
+        let alone = ranks == 1;
+        Shares {
+            ranks,
+            cells: Spread::of([1e5 / ranks as f64]),
+            bodies: Spread::of([300.0 / ranks as f64 + if alone { 0.0 } else { 5.0 }]),
+            halo: if alone { 0.0 } else { 400.0 / (ranks as f64).sqrt() },
+            neighbours: if alone { 0.0 } else { (ranks as f64 - 1.0).min(8.0) },
+            cycle_messages: if alone { 0.0 } else { 120.0 },
+            cycle_bytes: if alone { 0.0 } else { 1e4 },
+        }
+    }
+
+    /// A run that obeys the law.
+    fn sample(ranks: usize, iterations: usize) -> Sample {
+        let (shares, steps) = (shares(ranks), iterations as f64);
+        let Prediction { messages, bytes, collectives, memory, .. } = LAW.predict(&shares, steps);
+        let [messages, bytes, collectives, memory_bytes] =
+            [messages, bytes, collectives, memory.unwrap()].map(|amount| Spread::of([amount]));
+        let parallel = ParallelSummary { bodies: shares.bodies, cells: shares.cells, messages, bytes, collectives, memory_bytes };
+        let measured = Measurement {
+            setup: LAW.setup * shares.cells.most,
+            grid: steps * LAW.cell * shares.cells.most + LAW.network_seconds(&shares, steps),
+            bodies: steps * LAW.body * shares.bodies.most,
+            rest: LAW.rest,
+            steps: 1,
+            iterations,
+            parallel,
+        };
+        Sample { shares, measured }
+    }
+
+    fn assert_near(one: f64, other: f64) {
+        assert!((one - other).abs() <= 1e-10 * other.abs(), "{one} is not {other}");
+    }
+
+    #[test]
+    fn a_law_that_is_obeyed_is_recovered() {
+        let mut slow = sample(8, 51);
+        slow.measured.grid *= 7.0;
+        let samples = [sample(1, 50), sample(2, 52), sample(4, 51), slow];
+        let model = Model::fit(&samples, 4, LAW.network).unwrap();
+        let coefficients =
+            |model: &Model| [model.setup, model.cell, model.body, model.rest, model.messages, model.bytes, model.collectives];
+        for (found, true_one) in coefficients(&model).into_iter().zip(coefficients(&LAW)) {
+            assert_near(found, true_one);
+        }
+        assert_near(model.memory.unwrap()[0], LAW.memory.unwrap()[0]);
+        assert!(model.misfit < 1e-10);
+        for (ranks, iterations) in [(1, 50), (64, 55), (4096, 60)] {
+            let expected = sample(ranks, iterations).measured.seconds();
+            assert_near(model.predict(&shares(ranks), iterations as f64).seconds, expected);
+        }
+    }
+
+    #[test]
+    fn one_rank_alone_says_nothing_about_the_network() {
+        assert_eq!(Model::fit(&[sample(1, 50)], 4, LAW.network), None);
+        assert_eq!(Model::fit(&[sample(8, 50)], 4, LAW.network), None);
+    }
+}
