@@ -12,7 +12,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::Modes;
+use super::{Family, Modes};
 
 /// Largest wavenumber `K` of [`Fourier`].
 pub const MAXIMUM_ORDER: usize = 32;
@@ -131,6 +131,33 @@ impl Modes for Fourier {
         let free = self.free.iter().flat_map(|harmonic| [scale * harmonic.inverse.abs(); 2]);
         let diagonal = rigid.into_iter().chain(free);
         DMatrix::from_diagonal(&DVector::from_iterator(self.count(), diagonal))
+    }
+
+    fn exterior_velocity(&self, offset: &[f64], reach: f64, out: &mut [f64]) {
+        let scale = self.radius / (4.0 * self.viscosity);
+        let powers = self.scaled_powers(offset);
+        let square = powers.growing[1].norm_sqr();
+        let cut = 2.0 * (reach / self.radius).ln().max(0.5);
+        self.fill(out, |Harmonic { power, inverse }| {
+            let second = powers.growing(power - 2).conj() * (square - 1.0);
+            let (first, second) = match power {
+                0 => ((cut - square.ln()).into(), second),
+                1 => (powers.decaying(1), -powers.decaying(1)),
+                2.. => (powers.decaying(power) * inverse, Complex::ZERO),
+                _ => (powers.growing(power) * -inverse, second),
+            };
+            let (sum, difference) = ((first + second) * scale, (first - second) * scale);
+            [[sum.re, sum.im], [-difference.im, difference.re]]
+        });
+    }
+
+    fn families(&self) -> Vec<Family> {
+        let rigid = [(-1, vec![1, 0]), (0, vec![2])];
+        let free = self.free.iter().zip((RIGID..).step_by(2)).map(|(harmonic, first)| {
+            let k = harmonic.power - 1;
+            (k, if k > 0 { vec![first, first + 1] } else { vec![first + 1, first] })
+        });
+        rigid.into_iter().chain(free).map(|(k, modes)| Family::of_wavenumber(k, modes)).collect()
     }
 }
 

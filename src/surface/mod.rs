@@ -19,6 +19,7 @@ pub mod spherical;
 mod table;
 #[cfg(test)]
 mod tests;
+mod turn;
 
 use std::f64::consts::PI;
 
@@ -28,6 +29,7 @@ pub use fourier::Fourier;
 pub use quadrature::{Quadrature, quadrature};
 pub use spherical::Spherical;
 pub use table::SurfaceTable;
+pub use turn::{Family, turn};
 
 /// Multiplier modes on the surface of a ball: tractions `F` on `gamma`, linear in real coefficients, and the jump functions they cause.
 ///
@@ -59,6 +61,14 @@ pub trait Modes {
     /// In 2D, where a net force has no bounded velocity, the length `reach > a` cuts the logarithm:
     /// `ln(reach/a)`, at least 0.5.
     fn isolated_mobility(&self, reach: f64) -> DMatrix<f64>;
+
+    /// Writes in `out[mode * D + i]` the velocity that unit coefficients cause in unbounded fluid at `offset`, outside the ball.
+    ///
+    /// Its mean over `gamma` with the tractions is [`isolated_mobility`](Self::isolated_mobility); `reach` as there.
+    fn exterior_velocity(&self, offset: &[f64], reach: f64, out: &mut [f64]);
+
+    /// The modes, sorted by how they turn.
+    fn families(&self) -> Vec<Family>;
 
     /// Number of rigid modes, `D(D+1)/2`.
     fn rigid_count(&self) -> usize {
