@@ -12,10 +12,12 @@
 mod blocks;
 mod conservation;
 mod layout;
+mod near;
 mod patch;
 mod sharp;
 
 pub use blocks::{Blocks, BodyBlocks};
 pub use layout::Layout;
+pub use near::{Crowd, Nature, NearPairs, PairTables};
 pub use patch::Patch;
 pub use sharp::{INTERPOLATION_REACH, Neighbour, Passed, Placed, assemble, jump, passed};

@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector, DVectorViewMut};
 
 use super::{closure::Closure, touching::Touching};
 use crate::{
-    constraint::Blocks,
+    constraint::{Blocks, NearPairs},
     error::Result,
     flow::{Stokes, StokesInverse},
     petsc::{System, Vector},
@@ -62,6 +62,8 @@ pub struct Coupled<'a, const D: usize> {
     pub blocks: &'a mut Blocks<D>,
     /// This rank's bodies.
     pub members: &'a [Member],
+    /// Near pairs of bodies.
+    pub pairs: &'a mut NearPairs,
     /// Closure.
     pub closure: &'a Closure,
     /// Contacts.
@@ -289,6 +291,20 @@ impl<const D: usize> Coupled<'_, D> {
 
     /// Turns the sampled velocities in `multipliers_out` into multipliers.
     fn invert_bodies(&mut self) -> Result<()> {
+        self.take_sampled_from_wanted()?;
+        let corrections = self.pairs.correction(&self.work.multipliers_out)?;
+        let mut found = self.work.multipliers_out.local_mut()?;
+        for member in self.members {
+            let found = &mut found[member.range.clone()];
+            let wanted = DVector::from_column_slice(found);
+            DVectorViewMut::from_slice(found, wanted.len()).gemv(1.0, &member.inverse, &wanted, 0.0);
+        }
+        found.iter_mut().zip(corrections).for_each(|(found, correction)| *found += correction);
+        Ok(())
+    }
+
+    /// Leaves in `multipliers_out` the rows that multipliers are to meet; rows of given rigid modes are not sampled.
+    fn take_sampled_from_wanted(&mut self) -> Result<()> {
         let given = self.work.multipliers_in.local()?;
         let mut found = self.work.multipliers_out.local_mut()?;
         for member in self.members {
@@ -297,8 +313,6 @@ impl<const D: usize> Coupled<'_, D> {
                 let sampled = if member.free && mode < member.rigid { 0.0 } else { *found };
                 *found = given - sampled;
             }
-            let wanted = DVector::from_column_slice(found);
-            DVectorViewMut::from_slice(found, wanted.len()).gemv(1.0, &member.inverse, &wanted, 0.0);
         }
         Ok(())
     }
