@@ -18,6 +18,6 @@ mod sharp;
 
 pub use blocks::{Blocks, BodyBlocks};
 pub use layout::Layout;
-pub use near::{Crowd, Nature, NearPairs, PairTables};
+pub use near::{Crowd, NearPairs, PairTables};
 pub use patch::Patch;
 pub use sharp::{INTERPOLATION_REACH, Neighbour, Passed, Placed, assemble, jump, passed};

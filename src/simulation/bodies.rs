@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 use super::{BodyState, Setup, coupled::Member};
 use crate::{
     body::{Motion, Twist, components, skew},
-    constraint::{self, Blocks, Crowd, Layout, Nature, NearPairs, PairTables, Placed},
+    constraint::{self, Blocks, Crowd, Layout, NearPairs, PairTables, Placed},
     error::Result,
     geometry::{Ball, near_pairs},
     grid::Grid,
@@ -47,7 +47,9 @@ pub struct Bodies<'a, const D: usize> {
 impl<const D: usize> Kind<D> {
     fn new(radius: f64, order: usize, setup: &Setup<D>, grid: &Grid<D>) -> Kind<D> {
         let surface = Rc::new(SurfaceTable::new(radius, order, grid.mean_spacing()));
-        let mobility = surface.modes.isolated_mobility(reach(setup));
+        // other bodies cut the logarithm: half the distance to them
+        let reach = 0.5 * (setup.domain.volume() / setup.bodies.len() as f64).powf(1.0 / D as f64);
+        let mobility = surface.modes.isolated_mobility(reach);
         let translation = mobility[(0, 0)];
         let mut given_force = mobility.clone();
         for mode in 0..surface.modes.rigid_count() {
@@ -56,11 +58,6 @@ impl<const D: usize> Kind<D> {
         let invert = |matrix: DMatrix<f64>| Rc::new(matrix.try_inverse().expect("the mobility of a body is positive definite"));
         Kind { radius, order, surface, mobility: translation, inverses: [invert(given_force), invert(mobility)] }
     }
-}
-
-/// Other bodies cut the logarithm of a net force: half the distance to them.
-fn reach<const D: usize>(setup: &Setup<D>) -> f64 {
-    0.5 * (setup.domain.volume() / setup.bodies.len() as f64).powf(1.0 / D as f64)
 }
 
 impl<const D: usize> Kinds<D> {
@@ -76,7 +73,7 @@ impl<const D: usize> Kinds<D> {
                 kinds.len() - 1
             }));
         }
-        Kinds { kinds, kind_of, pair_tables: PairTables::new(reach(setup)) }
+        Kinds { kinds, kind_of, pair_tables: PairTables::default() }
     }
 
     fn of(&self, body: usize) -> &Kind<D> {
@@ -158,9 +155,8 @@ impl<'a, const D: usize> Bodies<'a, D> {
     /// The near pairs of this rank's bodies; collective.
     pub fn near_pairs(&self, session: &Session) -> Result<NearPairs> {
         let balls: Vec<Ball<D>> = (0..self.placed.len()).map(|body| self.ball(body)).collect();
-        let suspended = self.setup.bodies.iter();
-        let natures: Vec<Nature> = suspended.map(|suspended| Nature { order: suspended.order, free: suspended.body.free() }).collect();
-        let crowd = Crowd { domain: &self.setup.domain, balls: &balls, natures: &natures, layout: &self.layout };
+        let orders: Vec<usize> = self.setup.bodies.iter().map(|suspended| suspended.order).collect();
+        let crowd = Crowd { domain: &self.setup.domain, balls: &balls, orders: &orders, layout: &self.layout };
         let multipliers = Vector::new(session, self.layout.local_unknowns())?;
         NearPairs::new(&crowd, &self.kinds.pair_tables, &multipliers)
     }

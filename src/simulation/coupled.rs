@@ -12,7 +12,7 @@
 
 use std::{ops::Range, rc::Rc, time::Instant};
 
-use nalgebra::{DMatrix, DVector, DVectorViewMut};
+use nalgebra::{DMatrix, DVectorView, DVectorViewMut};
 
 use super::{closure::Closure, touching::Touching};
 use crate::{
@@ -168,6 +168,7 @@ impl<const D: usize> System for Coupled<'_, D> {
         if let Closure::MeanVelocity = self.closure {
             tail = self.correct_net_force(&rows)?;
         }
+        self.feel_neighbours()?;
         tail.extend(contacts);
         tail.extend(&rows[tail.len()..]);
         self.work.stages.bodies += start.elapsed().as_secs_f64();
@@ -289,31 +290,32 @@ impl<const D: usize> Coupled<'_, D> {
         Ok(contacts)
     }
 
-    /// Turns the sampled velocities in `multipliers_out` into multipliers.
+    /// Turns the sampled velocities in `multipliers_out` into multipliers; leaves in `multipliers_in` the velocities they meet.
     fn invert_bodies(&mut self) -> Result<()> {
-        self.take_sampled_from_wanted()?;
-        let corrections = self.pairs.correction(&self.work.multipliers_out)?;
+        let mut wanted = self.work.multipliers_in.local_mut()?;
         let mut found = self.work.multipliers_out.local_mut()?;
         for member in self.members {
-            let found = &mut found[member.range.clone()];
-            let wanted = DVector::from_column_slice(found);
+            let (wanted, found) = (&mut wanted[member.range.clone()], &mut found[member.range.clone()]);
+            for (mode, (wanted, sampled)) in wanted.iter_mut().zip(&*found).enumerate() {
+                *wanted -= if member.free && mode < member.rigid { 0.0 } else { *sampled };
+            }
+            let wanted = DVectorView::from_slice(wanted, found.len());
             DVectorViewMut::from_slice(found, wanted.len()).gemv(1.0, &member.inverse, &wanted, 0.0);
         }
-        found.iter_mut().zip(corrections).for_each(|(found, correction)| *found += correction);
         Ok(())
     }
 
-    /// Leaves in `multipliers_out` the rows that multipliers are to meet; rows of given rigid modes are not sampled.
-    fn take_sampled_from_wanted(&mut self) -> Result<()> {
-        let given = self.work.multipliers_in.local()?;
+    /// Adds to the multipliers found for lonely bodies what their near neighbours change.
+    fn feel_neighbours(&mut self) -> Result<()> {
         let mut found = self.work.multipliers_out.local_mut()?;
+        let mut wanted = self.work.multipliers_in.local_mut()?;
         for member in self.members {
-            let (given, found) = (&given[member.range.clone()], &mut found[member.range.clone()]);
-            for (mode, (found, given)) in found.iter_mut().zip(given).enumerate() {
-                let sampled = if member.free && mode < member.rigid { 0.0 } else { *found };
-                *found = given - sampled;
-            }
+            let rigid = member.range.start..member.range.start + member.rigid;
+            wanted[rigid.clone()].iter_mut().zip(&found[rigid]).for_each(|(row, c)| *row = member.force_scale * c);
         }
+        drop(wanted);
+        let corrections = self.pairs.correction(&self.work.multipliers_in)?;
+        found.iter_mut().zip(corrections).for_each(|(found, correction)| *found += correction);
         Ok(())
     }
 

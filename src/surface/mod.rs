@@ -93,6 +93,14 @@ pub trait Modes {
     }
 }
 
+/// Number of modes of a family up to `order`, rigid ones included.
+pub fn mode_count(dimension: usize, order: usize) -> usize {
+    match dimension {
+        2 => 4 * order + 1,
+        _ => 3 * order * (order + 2),
+    }
+}
+
 /// The modes of a ball: Fourier modes `|k| <= order` on a circle, vector spherical harmonics `l <= order` on a sphere.
 ///
 /// # Panics

@@ -101,6 +101,7 @@ fn first_moments(modes: &dyn Modes) -> Vec<DMatrix<f64>> {
 fn counts_are_those_of_the_families() {
     let counts = families().iter().map(|modes| (modes.count(), modes.rigid_count())).collect::<Vec<_>>();
     assert_eq!(counts, [(5, 3), (17, 3), (9, 6), (72, 6)]);
+    assert_eq!([mode_count(2, 4), mode_count(3, 4)], [17, 72]);
 }
 
 #[test]

@@ -4,8 +4,9 @@
 //! P = sum over bodies of B_i^{-1}  +  sum over near pairs of ( B_ij^{-1} - B_i^{-1} (+) B_j^{-1} )
 //! ```
 //!
-//! with `B_i` the block of an isolated body in unbounded fluid and `B_ij` that of two. In the frame of the pair the second sum
-//! depends on the distance alone, and comes from a table; [`NearPairs`] turns into that frame and back.
+//! with `B_i` the block of an isolated body in unbounded fluid and `B_ij` that of two, rigid modes given in both: forces reach
+//! far, and summed over pairs they would count too much. In the frame of the pair the second sum depends on the distance
+//! alone, and comes from a table; [`NearPairs`] turns into that frame and back.
 
 mod block;
 mod pattern;
@@ -19,10 +20,9 @@ use crate::{
     error::Result,
     geometry::{Ball, Domain, Pair, near_pairs},
     petsc::{Scatter, Vector},
-    surface::turn,
+    surface::{mode_count, turn},
 };
 
-pub use block::Nature;
 pub use table::PairTables;
 
 /// Gap, over the mean radius of the two, below which bodies are a near pair.
@@ -34,8 +34,8 @@ pub struct Crowd<'a, const D: usize> {
     pub domain: &'a Domain<D>,
     /// The bodies, with their centres in the box.
     pub balls: &'a [Ball<D>],
-    /// What else decides the block of each.
-    pub natures: &'a [Nature],
+    /// Order of the modes of each.
+    pub orders: &'a [usize],
     /// Who holds which multipliers.
     pub layout: &'a Layout,
 }
@@ -68,9 +68,8 @@ impl NearPairs {
     /// # Errors
     /// PETSc has no memory for the exchange.
     pub fn new<const D: usize>(crowd: &Crowd<D>, tables: &PairTables<D>, multipliers: &Vector) -> Result<NearPairs> {
-        let rank = Rank { layout: crowd.layout, natures: crowd.natures };
-        let mut near = near_and_mine(crowd);
-        let (fetched, places) = rank.places::<D>(&near);
+        let near = near_and_mine(crowd);
+        let (fetched, places) = places(crowd, &near);
         let local = crowd.layout.local_unknowns();
         let mut pairs = NearPairs {
             pairs: Vec::with_capacity(near.len()),
@@ -82,33 +81,36 @@ impl NearPairs {
             found: vec![0.0; local + fetched.len()],
             local,
         };
-        for pair in &mut near {
+        for pair in &near {
             pairs.add(crowd, tables, pair, &places);
         }
         Ok(pairs)
     }
 
     fn add<const D: usize>(&mut self, crowd: &Crowd<D>, tables: &PairTables<D>, pair: &Pair<D>, places: &[usize]) {
-        let side = |body: usize| (crowd.natures[body], crowd.balls[body].radius);
+        let order = |body: usize| crowd.orders[body];
+        let radius = |body: usize| crowd.balls[body].radius;
         let (mut ends, mut separation) = ([pair.first, pair.second], pair.separation);
-        if table::out_of_order(ends.map(side)) {
+        if (order(pair.second), radius(pair.second)) < (order(pair.first), radius(pair.first)) {
             ends.reverse();
             separation = -separation;
         }
-        let table = tables.of(ends.map(side));
+        let table = tables.of(ends.map(order), ends.map(radius));
         let known = self.tables.iter().position(|known| Rc::ptr_eq(known, &table));
         let index = known.unwrap_or_else(|| {
             self.tables.push(table.clone());
             self.tables.len() - 1
         });
         let (turn_start, values) = (self.turns.len(), self.values.len());
-        let order = ends.map(|body| crowd.natures[body].order).into_iter().max().unwrap_or(1);
-        turn(&separation.normalize(), order, &mut self.turns);
-        table.append(pair.gap, crowd.balls[ends[0]].radius, &mut self.values);
+        let largest = ends.map(order).into_iter().fold(1, usize::max);
+        turn(&separation.normalize(), largest, &mut self.turns);
+        table.append(pair.gap, radius(ends[0]), &mut self.values);
         self.pairs.push(NearPair { table: index, places: ends.map(|body| places[body]), turn: turn_start, values });
     }
 
-    /// What the pairs add to the inverses of isolated bodies applied to `wanted`: this rank's multipliers; collective.
+    /// What the pairs add to the multipliers of isolated bodies: this rank's part; collective.
+    ///
+    /// `wanted` has the velocity wanted of each mode, but for rigid modes the multiplier found times the radius.
     ///
     /// # Errors
     /// The exchange fails.
@@ -139,24 +141,18 @@ fn near_and_mine<const D: usize>(crowd: &Crowd<D>) -> Vec<Pair<D>> {
     near
 }
 
-struct Rank<'a> {
-    layout: &'a Layout,
-    natures: &'a [Nature],
-}
-
-impl Rank<'_> {
-    /// The multipliers to fetch for these pairs, and where each body's stand: this rank's first, then the fetched.
-    fn places<const D: usize>(&self, near: &[Pair<D>]) -> (Vec<i32>, Vec<usize>) {
-        let mut places = vec![usize::MAX; self.natures.len()];
-        self.layout.local_bodies.iter().for_each(|&body| places[body] = self.layout.local(body));
-        let mut fetched = Vec::new();
-        for body in near.iter().flat_map(|pair| [pair.first, pair.second]) {
-            if places[body] == usize::MAX {
-                places[body] = self.layout.local_unknowns() + fetched.len();
-                let first = self.layout.global(body);
-                fetched.extend((first..first + self.natures[body].count::<D>()).map(|unknown| unknown as i32));
-            }
+/// The multipliers to fetch for these pairs, and where each body's stand: this rank's first, then the fetched.
+fn places<const D: usize>(crowd: &Crowd<D>, near: &[Pair<D>]) -> (Vec<i32>, Vec<usize>) {
+    let layout = crowd.layout;
+    let mut places = vec![usize::MAX; crowd.balls.len()];
+    layout.local_bodies.iter().for_each(|&body| places[body] = layout.local(body));
+    let mut fetched = Vec::new();
+    for body in near.iter().flat_map(|pair| [pair.first, pair.second]) {
+        if places[body] == usize::MAX {
+            places[body] = layout.local_unknowns() + fetched.len();
+            let first = layout.global(body);
+            fetched.extend((first..first + mode_count(D, crowd.orders[body])).map(|unknown| unknown as i32));
         }
-        (fetched, places)
     }
+    (fetched, places)
 }

@@ -1,6 +1,6 @@
 //! How the multipliers of a pair are arranged in the frame of the pair, where the correction is block diagonal.
 //!
-//! Each body sees the other along the axis of its own frame; so two bodies of equal nature are alike, and sums and differences
+//! Each body sees the other along the axis of its own frame; so equal bodies are alike, and sums and differences
 //! of their multipliers go apart. Channels (see [`Family`]) go apart in any case.
 
 use crate::surface::{Family, Modes};
@@ -9,7 +9,7 @@ use crate::surface::{Family, Modes};
 pub struct Pattern {
     ends: [End; 2],
     channels: Vec<Channel>,
-    /// Whether the two bodies are of equal nature.
+    /// Whether the two bodies are equal.
     equal: bool,
     size: usize,
 }
@@ -51,7 +51,7 @@ impl Pattern {
         Pattern { ends, channels, equal, size }
     }
 
-    /// Whether the two bodies are of equal nature.
+    /// Whether the two bodies are equal.
     pub fn equal(&self) -> bool {
         self.equal
     }
@@ -83,7 +83,7 @@ impl Pattern {
         }
     }
 
-    /// Sums and differences of the two bodies, where they are of equal nature.
+    /// Sums and differences of the two bodies, where they are equal.
     fn fold(&self, frame: &mut [f64]) {
         if !self.equal {
             return;

@@ -7,30 +7,24 @@ use std::{cell::RefCell, collections::BTreeMap, rc::Rc};
 
 use nalgebra::DMatrix;
 
-use super::{
-    REACH,
-    block::{Nature, Side},
-    pattern::Pattern,
-};
+use super::{REACH, block::Side, pattern::Pattern};
 
 /// Nodes of a table.
 const NODES: usize = 16;
 
-/// Ratios of lengths are rounded to this fraction of an octave.
+/// Ratios of radii are rounded to this fraction of an octave.
 const STEPS_PER_OCTAVE: f64 = 16.0;
 
 /// The tables of all combinations of bodies met so far.
+#[derive(Default)]
 pub struct PairTables<const D: usize> {
-    /// Length that cuts the logarithm of a net force in 2D.
-    reach: f64,
     tables: RefCell<BTreeMap<Key, Rc<Table>>>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Key {
-    natures: [Nature; 2],
+    orders: [usize; 2],
     ratio: i32,
-    reach: i32,
 }
 
 /// The corrections of one combination of bodies.
@@ -43,40 +37,19 @@ pub struct Table {
     nodes: Vec<Vec<f32>>,
 }
 
-/// Whether a table has these two bodies the other way round.
-pub fn out_of_order([first, second]: [(Nature, f64); 2]) -> bool {
-    (second.0, second.1) < (first.0, first.1)
-}
-
 impl<const D: usize> PairTables<D> {
-    /// No tables yet; `reach` cuts the logarithm of a net force in 2D.
-    pub fn new(reach: f64) -> Self {
-        PairTables { reach, tables: RefCell::new(BTreeMap::new()) }
-    }
-
-    /// The table of two bodies of given natures and radii, in order.
-    pub fn of(&self, [first, second]: [(Nature, f64); 2]) -> Rc<Table> {
-        let natures = [first.0, second.0];
-        // the logarithm of a net force is a uniform velocity: free bodies do not test it
-        let matters = D == 2 && natures.iter().any(|nature| !nature.free);
-        let key = Key { natures, ratio: steps(second.1 / first.1), reach: if matters { steps(self.reach / first.1) } else { 0 } };
+    /// The table of two bodies of given orders and radii.
+    pub fn of(&self, orders: [usize; 2], radii: [f64; 2]) -> Rc<Table> {
+        let key = Key { orders, ratio: ((radii[1] / radii[0]).log2() * STEPS_PER_OCTAVE).round() as i32 };
         self.tables.borrow_mut().entry(key).or_insert_with(|| Rc::new(Table::new::<D>(key))).clone()
     }
 }
 
-fn steps(ratio: f64) -> i32 {
-    (ratio.log2() * STEPS_PER_OCTAVE).round() as i32
-}
-
-fn ratio(steps: i32) -> f64 {
-    (f64::from(steps) / STEPS_PER_OCTAVE).exp2()
-}
-
 impl Table {
     fn new<const D: usize>(key: Key) -> Table {
-        let (second, reach) = (ratio(key.ratio), ratio(key.reach));
-        let sides = [Side::<D>::new(key.natures[0], 1.0, reach), Side::new(key.natures[1], second, reach)];
-        let equal = key.ratio == 0 && key.natures[0] == key.natures[1];
+        let second = (f64::from(key.ratio) / STEPS_PER_OCTAVE).exp2();
+        let sides = [Side::<D>::new(1.0, key.orders[0]), Side::new(second, key.orders[1])];
+        let equal = key.ratio == 0 && key.orders[0] == key.orders[1];
         let pattern = Pattern::new(sides.each_ref().map(|side| side.surface.modes.as_ref()), equal);
         let contact = 1.0 + second;
         let last = 1.0 / (contact * (1.0 + 0.5 * REACH));
