@@ -288,8 +288,7 @@ fn the_exterior_velocity_on_the_surface_is_the_isolated_mobility() {
     }
 }
 
-/// The velocity inside is what is left of the outer one when the jump is taken away: smooth, so without the growing or
-/// decaying terms of the other side. Its Laplacian and divergence vanish with theirs.
+/// In 2D a net force moves the far fluid too, by a logarithm.
 #[test]
 fn the_exterior_velocity_is_free_of_sources_and_decays() {
     for modes in families() {
@@ -307,8 +306,7 @@ fn the_exterior_velocity_is_free_of_sources_and_decays() {
     }
 }
 
-/// Stokes outside: the vorticity (2D) or the curl of the curl of the curl (3D) of the velocity is harmonic, so is tested
-/// by the mean over a small sphere of the Laplacian, which is a gradient: its curl vanishes.
+/// Stokes: the Laplacian of the velocity is the gradient of a pressure, so its curl vanishes.
 #[test]
 fn the_laplacian_of_the_exterior_velocity_is_a_gradient() {
     for modes in families() {

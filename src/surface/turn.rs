@@ -184,7 +184,7 @@ mod tests {
         for dimension in [2, 3] {
             let modes = modes(dimension, 1.0, 1.0, 5);
             let signs = [[-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0]][dimension - 2];
-            let point = [0.6, -0.48, 0.64].map(|x| x / if dimension == 2 { 0.36_f64.hypot(0.0).sqrt().hypot(0.48) } else { 1.0 });
+            let point = [[0.6, -0.8, 0.0], [0.6, -0.48, 0.64]][dimension - 2];
             let flipped: Vec<f64> = point.iter().zip(signs).map(|(x, sign)| x * sign).collect();
             let (here, there) = (traction(modes.as_ref(), &point[..dimension]), traction(modes.as_ref(), &flipped[..dimension]));
             for family in modes.families() {

@@ -16,6 +16,7 @@ mod interpolation;
 mod lasting;
 mod machine;
 mod motion;
+mod near;
 mod solvers;
 mod suspension;
 
@@ -56,6 +57,7 @@ fn main() {
         grid::tests(),
         interpolation::tests(),
         fluid::tests(),
+        near::tests(),
         suspension::tests(),
         hard::tests(),
         lasting::tests(),

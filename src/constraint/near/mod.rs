@@ -14,7 +14,7 @@ mod table;
 
 use std::rc::Rc;
 
-use self::{pattern::Pattern, table::Table};
+use self::table::Table;
 use super::Layout;
 use crate::{
     error::Result,
@@ -43,7 +43,6 @@ pub struct Crowd<'a, const D: usize> {
 /// The correction for the near pairs of this rank's bodies.
 pub struct NearPairs {
     pairs: Vec<NearPair>,
-    tables: Vec<Rc<Table>>,
     /// Matrices that turn into the frames of the pairs.
     turns: Vec<f32>,
     /// Blocks of the pairs, one pair after the other.
@@ -55,11 +54,12 @@ pub struct NearPairs {
     local: usize,
 }
 
+/// The body with the larger order, or else radius, is the second.
 struct NearPair {
-    table: usize,
+    table: Rc<Table>,
     places: [usize; 2],
-    turn: usize,
-    values: usize,
+    /// Where its part of `turns` and of `values` begins.
+    starts: (usize, usize),
 }
 
 impl NearPairs {
@@ -73,7 +73,6 @@ impl NearPairs {
         let local = crowd.layout.local_unknowns();
         let mut pairs = NearPairs {
             pairs: Vec::with_capacity(near.len()),
-            tables: Vec::new(),
             turns: Vec::new(),
             values: Vec::new(),
             scatter: Scatter::new(multipliers, &fetched)?,
@@ -96,16 +95,10 @@ impl NearPairs {
             separation = -separation;
         }
         let table = tables.of(ends.map(order), ends.map(radius));
-        let known = self.tables.iter().position(|known| Rc::ptr_eq(known, &table));
-        let index = known.unwrap_or_else(|| {
-            self.tables.push(table.clone());
-            self.tables.len() - 1
-        });
-        let (turn_start, values) = (self.turns.len(), self.values.len());
-        let largest = ends.map(order).into_iter().fold(1, usize::max);
-        turn(&separation.normalize(), largest, &mut self.turns);
+        let starts = (self.turns.len(), self.values.len());
+        turn(&separation.normalize(), order(ends[1]), &mut self.turns);
         table.append(pair.gap, radius(ends[0]), &mut self.values);
-        self.pairs.push(NearPair { table: index, places: ends.map(|body| places[body]), turn: turn_start, values });
+        self.pairs.push(NearPair { table, places: ends.map(|body| places[body]), starts });
     }
 
     /// What the pairs add to the multipliers of isolated bodies: this rank's part; collective.
@@ -121,9 +114,8 @@ impl NearPairs {
         self.found.fill(0.0);
         let mut frame = [Vec::new(), Vec::new()];
         for pair in &self.pairs {
-            let pattern: &Pattern = &self.tables[pair.table].pattern;
-            let (turns, values) = (&self.turns[pair.turn..], &self.values[pair.values..]);
-            pattern.apply((turns, values), (&self.wanted, pair.places), &mut frame, &mut self.found);
+            let matrices = (&self.turns[pair.starts.0..], &self.values[pair.starts.1..]);
+            pair.table.pattern.apply(matrices, (&self.wanted, pair.places), &mut frame, &mut self.found);
         }
         Ok(&self.found[..self.local])
     }
