@@ -14,6 +14,7 @@ mod conservation;
 mod dense;
 mod interpolant;
 mod layout;
+mod near;
 mod patch;
 mod places;
 mod rows;
@@ -21,5 +22,6 @@ mod sharp;
 
 pub use blocks::{Blocks, BodyBlocks};
 pub use layout::Layout;
+pub use near::{Crowd, NearPairs, PairTables};
 pub use patch::Patch;
 pub use sharp::{INTERPOLATION_REACH, Neighbour, Passed, Placed, Workspace, assemble, jump, passed};

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 use super::{BodyState, Setup, surfaces::Member};
 use crate::{
     body::{Motion, Twist, components, skew},
-    constraint::{self, Blocks, Layout, Placed},
+    constraint::{self, Blocks, Crowd, Layout, NearPairs, PairTables, Placed},
     error::Result,
     geometry::{Ball, near_pairs},
     grid::Grid,
@@ -30,6 +30,7 @@ pub struct Kind<const D: usize> {
 pub struct Kinds<const D: usize> {
     kinds: Vec<Kind<D>>,
     kind_of: Vec<usize>,
+    pair_tables: PairTables<D>,
 }
 
 /// The bodies in their places, shared out over the ranks.
@@ -72,7 +73,7 @@ impl<const D: usize> Kinds<D> {
                 kinds.len() - 1
             }));
         }
-        Kinds { kinds, kind_of }
+        Kinds { kinds, kind_of, pair_tables: PairTables::default() }
     }
 
     fn of(&self, body: usize) -> &Kind<D> {
@@ -151,6 +152,15 @@ impl<'a, const D: usize> Bodies<'a, D> {
             |&body: &usize| constraint::assemble(self.grid, &self.layout, (body, &self.placed[body]), &neighbours[body], &mut workspace);
         let bodies = self.layout.local_bodies.iter().map(assemble).collect();
         Blocks::new(session, fluid, &self.layout, bodies)
+    }
+
+    /// The near pairs of this rank's bodies; collective.
+    pub fn near_pairs(&self, session: &Session) -> Result<NearPairs> {
+        let balls: Vec<Ball<D>> = (0..self.placed.len()).map(|body| self.ball(body)).collect();
+        let orders: Vec<usize> = self.setup.bodies.iter().map(|suspended| suspended.order).collect();
+        let crowd = Crowd { domain: &self.setup.domain, balls: &balls, orders: &orders, layout: &self.layout };
+        let multipliers = Vector::new(session, self.layout.local_unknowns())?;
+        NearPairs::new(&crowd, &self.kinds.pair_tables, &multipliers)
     }
 
     /// This rank's bodies as members of the coupled system.

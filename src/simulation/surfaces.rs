@@ -7,14 +7,19 @@
 //!                      [ f ]
 //! ```
 //!
-//! The approximate inverse gives each body its own mobility in unbounded fluid.
+//! The approximate inverse gives each body its own mobility in unbounded fluid, and corrects it by its near neighbours, pair by pair.
 
 use std::{ops::Range, rc::Rc};
 
-use nalgebra::{DMatrix, DVector, DVectorViewMut};
+use nalgebra::{DMatrix, DVectorView, DVectorViewMut};
 
 use super::{closure::Closure, touching::Touching};
-use crate::{constraint::Blocks, error::Result, parallel::World, petsc::Vector};
+use crate::{
+    constraint::{Blocks, NearPairs},
+    error::Result,
+    parallel::World,
+    petsc::Vector,
+};
 
 /// A body of this rank in the linear system.
 pub struct Member {
@@ -42,6 +47,8 @@ pub struct Surfaces<'a, const D: usize> {
     pub blocks: &'a mut Blocks<D>,
     /// This rank's bodies.
     pub members: &'a [Member],
+    /// Near pairs of bodies.
+    pub pairs: &'a mut NearPairs,
     /// Closure.
     pub closure: &'a Closure,
     /// Contacts.
@@ -90,6 +97,7 @@ impl<const D: usize> Surfaces<'_, D> {
             let means = self.correct_net_force(rows, sampled)?;
             tail[..D].copy_from_slice(&means);
         }
+        self.feel_neighbours(given, sampled)?;
         Ok(tail)
     }
 
@@ -141,19 +149,32 @@ impl<const D: usize> Surfaces<'_, D> {
         Ok(contacts)
     }
 
-    /// Turns the sampled velocities into multipliers.
-    fn invert_bodies(&mut self, given: &Vector, sampled: &mut Vector) -> Result<()> {
-        let given = given.local()?;
+    /// Turns the sampled velocities into multipliers of lonely bodies; leaves in `given` the velocities that they meet.
+    fn invert_bodies(&mut self, given: &mut Vector, sampled: &mut Vector) -> Result<()> {
+        let mut wanted = given.local_mut()?;
         let mut found = sampled.local_mut()?;
         for member in self.members {
-            let (given, found) = (&given[member.range.clone()], &mut found[member.range.clone()]);
-            for (mode, (found, given)) in found.iter_mut().zip(given).enumerate() {
-                let sampled = if member.free && mode < member.rigid { 0.0 } else { *found };
-                *found = given - sampled;
+            let (wanted, found) = (&mut wanted[member.range.clone()], &mut found[member.range.clone()]);
+            for (mode, (wanted, sampled)) in wanted.iter_mut().zip(&*found).enumerate() {
+                *wanted -= if member.free && mode < member.rigid { 0.0 } else { *sampled };
             }
-            let wanted = DVector::from_column_slice(found);
+            let wanted = DVectorView::from_slice(wanted, found.len());
             DVectorViewMut::from_slice(found, wanted.len()).gemv(1.0, &member.inverse, &wanted, 0.0);
         }
+        Ok(())
+    }
+
+    /// Adds to the multipliers of lonely bodies what their near neighbours change.
+    fn feel_neighbours(&mut self, wanted: &mut Vector, multipliers: &mut Vector) -> Result<()> {
+        let mut found = multipliers.local_mut()?;
+        let mut rows = wanted.local_mut()?;
+        for member in self.members {
+            let rigid = member.range.start..member.range.start + member.rigid;
+            rows[rigid.clone()].iter_mut().zip(&found[rigid]).for_each(|(row, c)| *row = member.force_scale * c);
+        }
+        drop(rows);
+        let corrections = self.pairs.correction(wanted)?;
+        found.iter_mut().zip(corrections).for_each(|(found, correction)| *found += correction);
         Ok(())
     }
 

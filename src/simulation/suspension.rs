@@ -18,7 +18,7 @@ use super::{
     work::{Sizes, Stages, Work},
 };
 use crate::{
-    constraint::Blocks,
+    constraint::{Blocks, NearPairs},
     contact::ContactForce,
     error::Result,
     flow::{Stokes, StokesInverse},
@@ -78,6 +78,7 @@ pub struct Suspension<const D: usize> {
 struct Assembly<const D: usize> {
     centers: Vec<SVector<f64, D>>,
     blocks: Blocks<D>,
+    pairs: NearPairs,
     /// The velocity of the flow without bodies on their surfaces.
     undisturbed: Vec<f64>,
 }
@@ -253,6 +254,7 @@ impl<'a, const D: usize> Ready<'a, D> {
         let surfaces = Surfaces {
             world: basis.session.world(),
             blocks: &mut self.assembly.blocks,
+            pairs: &mut self.assembly.pairs,
             members: &self.members,
             closure: &basis.closure,
             touching: &mut self.touching,
@@ -277,7 +279,8 @@ impl<const D: usize> Assembly<D> {
     fn new(basis: &Basis<D>, bodies: &Bodies<D>, centers: &[SVector<f64, D>]) -> Result<Assembly<D>> {
         let mut blocks = bodies.blocks(&basis.session, &basis.undisturbed.0)?;
         let undisturbed = bodies.undisturbed(&mut blocks, &basis.undisturbed.0, |point| basis.background(point))?;
-        Ok(Assembly { centers: centers.to_vec(), blocks, undisturbed })
+        let pairs = bodies.near_pairs(&basis.session)?;
+        Ok(Assembly { centers: centers.to_vec(), blocks, pairs, undisturbed })
     }
 }
 

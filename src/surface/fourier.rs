@@ -13,7 +13,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::{
-    Modes,
+    Family, Modes,
     lanes::{LANES, Lanes, each, in_batches},
 };
 
@@ -84,6 +84,7 @@ impl Fourier {
             _ => [each(|lane| scale * (im[lane] + across[lane])), each(|lane| scale * (re[lane] - along[lane]))],
         }
     }
+
     /// Writes `pair(m)`, the values of `f = 1` and `f = i`, of all modes in their order.
     fn fill<const N: usize>(&self, out: &mut [f64], pair: impl Fn(Harmonic) -> [[f64; N]; 2]) {
         let (rigid, free) = out[..self.count() * N].split_at_mut(RIGID * N);
@@ -145,6 +146,33 @@ impl Modes for Fourier {
         let free = self.free.iter().flat_map(|harmonic| [scale * harmonic.inverse.abs(); 2]);
         let diagonal = rigid.into_iter().chain(free);
         DMatrix::from_diagonal(&DVector::from_iterator(self.count(), diagonal))
+    }
+
+    fn exterior_velocity(&self, offset: &[f64], reach: f64, out: &mut [f64]) {
+        let scale = self.radius / (4.0 * self.viscosity);
+        let position = Complex::new(offset[0], offset[1]) / self.radius;
+        let (square, wave) = (position.norm_sqr(), |power| position.powi(power));
+        let cut = 2.0 * (reach / self.radius).ln().max(0.5);
+        self.fill(out, |Harmonic { power, inverse }| {
+            let second = wave(power - 2).conj() * (square - 1.0);
+            let (first, second) = match power {
+                0 => ((cut - square.ln()).into(), second),
+                1 => (wave(-1).conj(), -wave(-1).conj()),
+                2.. => (wave(-power).conj() * inverse, Complex::ZERO),
+                _ => (wave(power) * -inverse, second),
+            };
+            let (sum, difference) = ((first + second) * scale, (first - second) * scale);
+            [[sum.re, sum.im], [-difference.im, difference.re]]
+        });
+    }
+
+    fn families(&self) -> Vec<Family> {
+        let rigid = [(-1, vec![1, 0]), (0, vec![2])];
+        let free = self.free.iter().zip((RIGID..).step_by(2)).map(|(harmonic, first)| {
+            let k = harmonic.power - 1;
+            (k, if k > 0 { vec![first, first + 1] } else { vec![first + 1, first] })
+        });
+        rigid.into_iter().chain(free).map(|(k, modes)| Family::of_wavenumber(k, modes)).collect()
     }
 }
 

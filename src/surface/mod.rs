@@ -20,6 +20,7 @@ pub mod spherical;
 mod table;
 #[cfg(test)]
 mod tests;
+mod turn;
 
 use std::f64::consts::PI;
 
@@ -29,6 +30,7 @@ pub use fourier::Fourier;
 pub use quadrature::{Quadrature, quadrature};
 pub use spherical::Spherical;
 pub use table::SurfaceTable;
+pub use turn::{Family, turn};
 
 /// Multiplier modes on the surface of a ball: tractions `F` on `gamma`, linear in real coefficients, and the jump functions they cause.
 ///
@@ -62,6 +64,14 @@ pub trait Modes {
     /// `ln(reach/a)`, at least 0.5.
     fn isolated_mobility(&self, reach: f64) -> DMatrix<f64>;
 
+    /// Writes in `out[mode * D + i]` the velocity that unit coefficients cause in unbounded fluid at `offset`, outside the ball.
+    ///
+    /// Its mean over `gamma` with the tractions is [`isolated_mobility`](Self::isolated_mobility); `reach` as there.
+    fn exterior_velocity(&self, offset: &[f64], reach: f64, out: &mut [f64]);
+
+    /// The modes, sorted by how they turn.
+    fn families(&self) -> Vec<Family>;
+
     /// Number of rigid modes, `D(D+1)/2`.
     fn rigid_count(&self) -> usize {
         self.dimension() * (self.dimension() + 1) / 2
@@ -82,6 +92,14 @@ pub trait Modes {
             _ => self.radius() * (2.0_f64 / 3.0).sqrt(),
         };
         self.force_factor() * lever
+    }
+}
+
+/// Number of modes of a family up to `order`, rigid ones included.
+pub fn mode_count(dimension: usize, order: usize) -> usize {
+    match dimension {
+        2 => 4 * order + 1,
+        _ => 3 * order * (order + 2),
     }
 }
 

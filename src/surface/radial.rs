@@ -50,6 +50,12 @@ impl Poloidal {
         [position, g[0] * square + g[1] * before + g[2] + g[3] * decay]
     }
 
+    /// The part of [`factors`](Self::factors) that decays, given `s^{1-2l}, s^{-2l-1}, s^{-2l-3}`.
+    pub fn exterior_factors(&self, [before, decay, steep]: [f64; 3]) -> [f64; 2] {
+        let (p, g) = (&self.position, &self.gradient);
+        [p[1] * decay + p[2] * steep, g[1] * before + g[3] * decay]
+    }
+
     /// The factor of `H` in the pressure, `P s^{-l}`, given `decay = s^{-2l-1}`.
     pub fn pressure(&self, decay: f64) -> f64 {
         self.amplitudes[0] + self.amplitudes[1] * decay

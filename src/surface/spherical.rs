@@ -18,7 +18,7 @@
 use nalgebra::DMatrix;
 
 use super::{
-    Modes,
+    Family, Modes,
     lanes::{LANES, Lanes, each, in_batches},
     radial::Poloidal,
     solid_harmonics::{MAXIMUM_DEGREE, SolidHarmonics},
@@ -160,6 +160,39 @@ impl Modes for Spherical {
             }
         }
         mobility
+    }
+
+    /// The terms of `D_u` that decay.
+    fn exterior_velocity(&self, offset: &[f64], _reach: f64, out: &mut [f64]) {
+        let position = [0, 1, 2].map(|axis| offset[axis] / self.radius);
+        let inverse = 1.0 / position.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let scale = self.radius / self.viscosity;
+        let values = self.harmonics.values(position);
+        let falloff = inverse * inverse;
+        let mut decay = inverse;
+        for (l, degree) in (1..).zip(&self.degrees) {
+            let before = decay;
+            decay *= falloff;
+            let powers = [before, decay, decay * falloff];
+            let factors = degree.poloidal.each_ref().map(|mode| mode.exterior_factors(powers).map(|factor| scale * factor));
+            let turn = degree.toroidal * scale * decay / (2 * l + 1) as f64;
+            for axis in 0..3 {
+                let (gradient, rotation) = (self.harmonics.gradient(axis), self.harmonics.rotation(axis));
+                for (index, places) in (l * l..).zip(&degree.places) {
+                    let (radial, slope) = (position[axis] * values[index], gradient[index].apply(&values));
+                    out[places[0] * 3 + axis] = factors[0][0] * radial + factors[0][1] * slope;
+                    out[places[1] * 3 + axis] = factors[1][0] * radial + factors[1][1] * slope;
+                    out[places[2] * 3 + axis] = turn * rotation[index].apply(&values);
+                }
+            }
+        }
+    }
+
+    fn families(&self) -> Vec<Family> {
+        let of_degree = |(l, degree): (usize, &Degree)| {
+            [0, 1, 2].map(|kind| Family::of_degree(l, degree.places.iter().map(|places| places[kind]).collect(), kind == 2))
+        };
+        (1..).zip(&self.degrees).flat_map(of_degree).collect()
     }
 }
 

@@ -101,6 +101,7 @@ fn first_moments(modes: &dyn Modes) -> Vec<DMatrix<f64>> {
 fn counts_are_those_of_the_families() {
     let counts = families().iter().map(|modes| (modes.count(), modes.rigid_count())).collect::<Vec<_>>();
     assert_eq!(counts, [(5, 3), (17, 3), (9, 6), (72, 6)]);
+    assert_eq!([mode_count(2, 4), mode_count(3, 4)], [17, 72]);
 }
 
 #[test]
@@ -281,5 +282,83 @@ fn timing_of_one_evaluation() {
         };
         let (velocity, pressure) = (time(0), time(dimension));
         println!("{dimension}D order {order}: velocity {velocity:.0} ns, pressure {pressure:.0} ns");
+    }
+}
+
+fn exterior(modes: &dyn Modes, offset: &[f64]) -> Vec<f64> {
+    let mut out = vec![f64::NAN; modes.count() * modes.dimension()];
+    modes.exterior_velocity(offset, 10.0 * RADIUS, &mut out);
+    out
+}
+
+#[test]
+fn the_exterior_velocity_on_the_surface_is_the_isolated_mobility() {
+    for modes in families() {
+        let (dimension, count) = (modes.dimension(), modes.count());
+        let rule = quadrature(dimension, 0.5, 5);
+        let mut mobility = DMatrix::zeros(count, count);
+        for (direction, weight) in rule.directions.chunks(dimension).zip(&rule.weights) {
+            let tractions = DMatrix::from_vec(dimension, count, traction(modes.as_ref(), direction));
+            let velocities = DMatrix::from_vec(dimension, count, exterior(modes.as_ref(), &scaled(direction, RADIUS)));
+            mobility += *weight * tractions.transpose() * velocities;
+        }
+        assert!((mobility - modes.isolated_mobility(10.0 * RADIUS)).abs().max() < 1e-13);
+    }
+}
+
+/// In 2D a net force moves the far fluid too, by a logarithm.
+#[test]
+fn the_exterior_velocity_is_free_of_sources_and_decays() {
+    for modes in families() {
+        let (dimension, step) = (modes.dimension(), 1e-4 * RADIUS);
+        let offset = scaled(&direction(dimension), 1.4 * RADIUS);
+        let slope = |axis: usize| -> Vec<f64> {
+            let ahead = exterior(modes.as_ref(), &shifted(&offset, axis, step));
+            let behind = exterior(modes.as_ref(), &shifted(&offset, axis, -step));
+            ahead.iter().zip(behind).skip(axis).step_by(dimension).map(|(a, b)| (a - b) / (2.0 * step)).collect()
+        };
+        assert!(sum((0..dimension).map(slope)).iter().all(|value| value.abs() < 1e-6));
+        let far = [1e3, 2e3].map(|factor| exterior(modes.as_ref(), &scaled(&direction(dimension), factor * RADIUS)));
+        let forces = if dimension == 2 { 2 * dimension } else { 0 };
+        assert!(far[0][forces..].iter().zip(&far[1][forces..]).all(|(near, far)| far.abs() < 0.51 * near.abs() + 1e-15));
+    }
+}
+
+/// Stokes: the Laplacian of the velocity is the gradient of a pressure, so its curl vanishes.
+#[test]
+fn the_laplacian_of_the_exterior_velocity_is_a_gradient() {
+    for modes in families() {
+        let (dimension, step) = (modes.dimension(), 0.02 * RADIUS);
+        let offset = scaled(&direction(dimension), 1.5 * RADIUS);
+        let laplacian = |offset: &[f64]| -> Vec<f64> {
+            let mut total: Vec<f64> = exterior(modes.as_ref(), offset).iter().map(|value| -2.0 * dimension as f64 * value).collect();
+            for (axis, side) in (0..dimension).flat_map(|axis| [(axis, step), (axis, -step)]) {
+                total.iter_mut().zip(exterior(modes.as_ref(), &shifted(offset, axis, side))).for_each(|(total, value)| *total += value);
+            }
+            total.iter().map(|value| value / (step * step)).collect()
+        };
+        let slope = |axis: usize| -> Vec<f64> {
+            let pair = laplacian(&shifted(&offset, axis, step)).into_iter().zip(laplacian(&shifted(&offset, axis, -step)));
+            pair.map(|(ahead, behind)| (ahead - behind) / (2.0 * step)).collect()
+        };
+        let slopes: Vec<Vec<f64>> = (0..dimension).map(slope).collect();
+        for (i, j) in (0..dimension).flat_map(|i| (0..i).map(move |j| (i, j))) {
+            for mode in 0..modes.count() {
+                let (one, two) = (slopes[i][mode * dimension + j], slopes[j][mode * dimension + i]);
+                assert!((one - two).abs() < 0.02 * (1.0 + one.abs()), "{one} {two}");
+            }
+        }
+    }
+}
+
+#[test]
+fn far_away_a_translating_sphere_is_a_stokeslet() {
+    let modes = Spherical::new(RADIUS, VISCOSITY, 2);
+    let (normal, distance) = (direction(3), 1e4 * RADIUS);
+    let velocity = exterior(&modes, &scaled(&normal, distance));
+    for (force, i) in (0..3).flat_map(|force| (0..3).map(move |i| (force, i))) {
+        let unit = if force == i { 1.0 } else { 0.0 };
+        let expected = modes.force_factor() / (8.0 * PI * VISCOSITY * distance) * (unit + normal[force] * normal[i]);
+        assert!((velocity[force * 3 + i] - expected).abs() < 1e-7 * expected.abs().max(1e-5));
     }
 }

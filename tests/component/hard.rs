@@ -141,7 +141,7 @@ fn dense_disks(count: usize) -> Setup<2> {
 
 /// With one V-cycle for each scalar inverse, few more iterations than with exact inverses; promised at most 90 and 115.
 fn iterations_for_dense_disks(session: &Session) {
-    for (count, promised) in [(100, 60), (400, 70)] {
+    for (count, promised) in [(100, 40), (400, 45)] {
         let (suspension, _) = solve(session, dense_disks(count));
         let iterations = suspension.cost().krylov.iterations;
         assert!(iterations <= promised, "{iterations} iterations for {count} disks");
@@ -189,7 +189,7 @@ fn iterations_with_an_exact_inverse(session: &Session) {
     one.tolerance = Tolerance::Fixed(1e-6);
     let (alone, crowd) = (iterations(one), iterations(dense_disks(100)));
     assert!(alone <= 8, "{alone} iterations for one free disk");
-    assert!(crowd <= 45, "{crowd} iterations for a hundred");
+    assert!(crowd <= 30, "{crowd} iterations for a hundred");
 }
 
 /// Iterations do not grow with the number of spheres: fraction 0.3, four cells per radius, modes up to 3.
@@ -203,6 +203,6 @@ fn iterations_for_spheres(session: &Session) {
         setup.tolerance = Tolerance::Fixed(1e-6);
         solve(session, setup).0.cost().krylov.iterations
     };
-    let (few, many) = (iterations(16), iterations(64));
-    assert!(many as f64 <= 1.15 * few as f64, "{few} iterations for 16 spheres, {many} for 64");
+    let (few, many) = (iterations(32), iterations(64));
+    assert!(many as f64 <= 1.15 * few as f64, "{few} iterations for 32 spheres, {many} for 64");
 }

@@ -17,6 +17,7 @@ mod inverses;
 mod lasting;
 mod machine;
 mod motion;
+mod near;
 mod solvers;
 mod suspension;
 mod transform;
@@ -59,6 +60,7 @@ fn main() {
         interpolation::tests(),
         fluid::tests(),
         transform::tests(),
+        near::tests(),
         suspension::tests(),
         inverses::tests(),
         hard::tests(),

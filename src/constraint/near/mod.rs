@@ -1,0 +1,150 @@
+//! Near bodies feel each other: a correction, pair by pair, of the inverses of isolated bodies.
+//!
+//! ```text
+//! P = sum over bodies of B_i^{-1}  +  sum over near pairs of ( B_ij^{-1} - B_i^{-1} (+) B_j^{-1} )
+//! ```
+//!
+//! with `B_i` the block of an isolated body in unbounded fluid and `B_ij` that of two, rigid modes given in both: forces reach
+//! far, and summed over pairs they would count too much. In the frame of the pair the second sum depends on the distance
+//! alone, and comes from a table; [`NearPairs`] turns into that frame and back.
+
+mod block;
+mod pattern;
+mod table;
+
+use std::rc::Rc;
+
+use self::table::Table;
+use super::Layout;
+use crate::{
+    error::Result,
+    geometry::{Ball, Domain, Pair, near_pairs},
+    petsc::{Scatter, Vector},
+    surface::{mode_count, turn},
+};
+
+pub use table::PairTables;
+
+/// Gap, over the mean radius of the two, below which bodies are a near pair.
+pub const REACH: f64 = 1.0;
+
+/// The bodies of all ranks as pairs see them.
+pub struct Crowd<'a, const D: usize> {
+    /// The box.
+    pub domain: &'a Domain<D>,
+    /// The bodies, with their centres in the box.
+    pub balls: &'a [Ball<D>],
+    /// Order of the modes of each.
+    pub orders: &'a [usize],
+    /// Who holds which multipliers.
+    pub layout: &'a Layout,
+}
+
+/// The correction for the near pairs of this rank's bodies.
+pub struct NearPairs {
+    pairs: Vec<NearPair>,
+    /// Matrices that turn into the frames of the pairs.
+    turns: Vec<f32>,
+    /// Blocks of the pairs, one pair after the other.
+    values: Vec<f32>,
+    scatter: Scatter,
+    /// This rank's multipliers, then those fetched.
+    wanted: Vec<f64>,
+    found: Vec<f64>,
+    local: usize,
+}
+
+/// The body with the larger order, or else radius, is the second.
+struct NearPair {
+    table: Rc<Table>,
+    places: [usize; 2],
+    /// Where its part of `turns` and of `values` begins.
+    starts: (usize, usize),
+}
+
+impl NearPairs {
+    /// The near pairs of a crowd, for multipliers shaped like `multipliers`; collective.
+    ///
+    /// # Errors
+    /// PETSc has no memory for the exchange.
+    pub fn new<const D: usize>(crowd: &Crowd<D>, tables: &PairTables<D>, multipliers: &Vector) -> Result<NearPairs> {
+        let near = near_and_mine(crowd);
+        let (fetched, places) = places(crowd, &near);
+        let local = crowd.layout.local_unknowns();
+        let mut pairs = NearPairs {
+            pairs: Vec::with_capacity(near.len()),
+            turns: Vec::new(),
+            values: Vec::new(),
+            scatter: Scatter::new(multipliers, &fetched)?,
+            wanted: vec![0.0; local + fetched.len()],
+            found: vec![0.0; local + fetched.len()],
+            local,
+        };
+        for pair in &near {
+            pairs.add(crowd, tables, pair, &places);
+        }
+        Ok(pairs)
+    }
+
+    fn add<const D: usize>(&mut self, crowd: &Crowd<D>, tables: &PairTables<D>, pair: &Pair<D>, places: &[usize]) {
+        let order = |body: usize| crowd.orders[body];
+        let radius = |body: usize| crowd.balls[body].radius;
+        let (mut ends, mut separation) = ([pair.first, pair.second], pair.separation);
+        if (order(pair.second), radius(pair.second)) < (order(pair.first), radius(pair.first)) {
+            ends.reverse();
+            separation = -separation;
+        }
+        let table = tables.of(ends.map(order), ends.map(radius));
+        let starts = (self.turns.len(), self.values.len());
+        turn(&separation.normalize(), order(ends[1]), &mut self.turns);
+        table.append(pair.gap, radius(ends[0]), &mut self.values);
+        self.pairs.push(NearPair { table, places: ends.map(|body| places[body]), starts });
+    }
+
+    /// What the pairs add to the multipliers of isolated bodies: this rank's part; collective.
+    ///
+    /// `wanted` has the velocity wanted of each mode, but for rigid modes the multiplier found times the radius.
+    ///
+    /// # Errors
+    /// The exchange fails.
+    pub fn correction(&mut self, wanted: &Vector) -> Result<&[f64]> {
+        let (own, others) = self.wanted.split_at_mut(self.local);
+        own.copy_from_slice(&wanted.local()?);
+        others.copy_from_slice(&self.scatter.fetch(wanted)?);
+        self.found.fill(0.0);
+        let mut frame = [Vec::new(), Vec::new()];
+        for pair in &self.pairs {
+            let matrices = (&self.turns[pair.starts.0..], &self.values[pair.starts.1..]);
+            pair.table.pattern.apply(matrices, (&self.wanted, pair.places), &mut frame, &mut self.found);
+        }
+        Ok(&self.found[..self.local])
+    }
+}
+
+/// The near pairs with a body that this rank holds.
+fn near_and_mine<const D: usize>(crowd: &Crowd<D>) -> Vec<Pair<D>> {
+    let largest = crowd.balls.iter().map(|ball| ball.radius).fold(0.0, f64::max);
+    let radius = |body: usize| crowd.balls[body].radius;
+    let mut near = near_pairs(crowd.domain, crowd.balls, REACH * largest);
+    near.retain(|pair| {
+        let mean = 0.5 * (radius(pair.first) + radius(pair.second));
+        pair.gap < REACH * mean && [pair.first, pair.second].iter().any(|&body| crowd.layout.holds(body))
+    });
+    near
+}
+
+/// The multipliers to fetch for these pairs, and where each body's stand: this rank's first, then the fetched.
+fn places<const D: usize>(crowd: &Crowd<D>, near: &[Pair<D>]) -> (Vec<i32>, Vec<usize>) {
+    let layout = crowd.layout;
+    let mut places = vec![usize::MAX; crowd.balls.len()];
+    layout.local_bodies.iter().for_each(|&body| places[body] = layout.local(body));
+    let mut fetched = Vec::new();
+    for body in near.iter().flat_map(|pair| [pair.first, pair.second]) {
+        if places[body] == usize::MAX {
+            places[body] = layout.local_unknowns() + fetched.len();
+            let first = layout.global(body);
+            fetched.extend((first..first + mode_count(D, crowd.orders[body])).map(|unknown| unknown as i32));
+        }
+    }
+    (fetched, places)
+}

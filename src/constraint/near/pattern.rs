@@ -1,0 +1,157 @@
+//! How the multipliers of a pair are arranged in the frame of the pair, where the correction is block diagonal.
+//!
+//! Each body sees the other along the axis of its own frame; so equal bodies are alike, and sums and differences
+//! of their multipliers go apart. Channels (see [`Family`]) go apart in any case.
+
+use crate::surface::{Family, Modes};
+
+/// The arrangement of one combination of bodies.
+pub struct Pattern {
+    ends: [End; 2],
+    channels: Vec<Channel>,
+    /// Whether the two bodies are equal.
+    equal: bool,
+    size: usize,
+}
+
+struct End {
+    families: Vec<Placed>,
+}
+
+struct Placed {
+    family: Family,
+    /// For each mode, where it stands in the frame.
+    slots: Vec<usize>,
+}
+
+/// Modes of the first and second body that go together.
+struct Channel {
+    modes: [Vec<usize>; 2],
+}
+
+impl Pattern {
+    /// The arrangement of two bodies with these modes.
+    pub fn new(modes: [&dyn Modes; 2], equal: bool) -> Pattern {
+        let families = modes.map(|modes| modes.families());
+        let last = families.iter().flatten().flat_map(|family| &family.channels).max().map_or(0, |last| last + 1);
+        let channels: Vec<Channel> =
+            (0..last).map(|channel| Channel { modes: [0, 1].map(|end| members(&families[end], channel)) }).collect();
+        let mut slots = modes.map(|modes| vec![0; modes.count()]);
+        let mut size = 0;
+        for channel in &channels {
+            for (slots, members) in slots.iter_mut().zip(&channel.modes) {
+                for &mode in members {
+                    slots[mode] = size;
+                    size += 1;
+                }
+            }
+        }
+        let [first, second] = families;
+        let ends = [End::new(first, &slots[0], false), End::new(second, &slots[1], true)];
+        Pattern { ends, channels, equal, size }
+    }
+
+    /// Whether the two bodies are equal.
+    pub fn equal(&self) -> bool {
+        self.equal
+    }
+
+    /// For each channel, the modes of the first and of the second body.
+    pub fn channels(&self) -> impl Iterator<Item = &[Vec<usize>; 2]> {
+        self.channels.iter().map(|channel| &channel.modes)
+    }
+
+    /// Adds to `found`, at the places of the two bodies, the correction for `wanted` there.
+    pub fn apply(
+        &self,
+        (turns, values): (&[f32], &[f32]),
+        (wanted, places): (&[f64], [usize; 2]),
+        [seen, answer]: &mut [Vec<f64>; 2],
+        found: &mut [f64],
+    ) {
+        seen.resize(self.size, 0.0);
+        answer.clear();
+        answer.resize(self.size, 0.0);
+        for (end, place) in self.ends.iter().zip(places) {
+            end.turn(turns, &wanted[place..], seen);
+        }
+        self.fold(seen);
+        self.multiply(values, seen, answer);
+        self.fold(answer);
+        for (end, place) in self.ends.iter().zip(places) {
+            end.turn_back(turns, answer, &mut found[place..]);
+        }
+    }
+
+    /// Sums and differences of the two bodies, where they are equal.
+    fn fold(&self, frame: &mut [f64]) {
+        if !self.equal {
+            return;
+        }
+        let mut rest = frame;
+        for channel in &self.channels {
+            let (own, others) = rest.split_at_mut(2 * channel.modes[0].len());
+            let (first, second) = own.split_at_mut(channel.modes[0].len());
+            first.iter_mut().zip(second).for_each(|(one, two)| (*one, *two) = (*one + *two, *one - *two));
+            rest = others;
+        }
+    }
+
+    fn multiply(&self, mut values: &[f32], mut seen: &[f64], mut answer: &mut [f64]) {
+        for channel in &self.channels {
+            let [first, second] = channel.modes.each_ref().map(Vec::len);
+            let (size, count) = if self.equal { (first, 2) } else { (first + second, 1) };
+            for _ in 0..count {
+                let (block, later) = values.split_at(size * size);
+                let (input, others) = seen.split_at(size);
+                let (output, following) = answer.split_at_mut(size);
+                multiply_block(block, input, output);
+                (values, seen, answer) = (later, others, following);
+            }
+        }
+    }
+}
+
+fn multiply_block(block: &[f32], input: &[f64], output: &mut [f64]) {
+    for (value, column) in input.iter().zip(block.chunks_exact(input.len())) {
+        output.iter_mut().zip(column).for_each(|(out, entry)| *out += value * f64::from(*entry));
+    }
+}
+
+fn members(families: &[Family], channel: usize) -> Vec<usize> {
+    let modes = families.iter().flat_map(|family| family.modes.iter().zip(&family.channels));
+    modes.filter(|&(_, &own)| own == channel).map(|(&mode, _)| mode).collect()
+}
+
+impl End {
+    /// The second body looks the other way.
+    fn new(families: Vec<Family>, slots: &[usize], second: bool) -> End {
+        let place = |mut family: Family| {
+            if !second {
+                family.flips.fill(1.0);
+            }
+            Placed { slots: family.modes.iter().map(|&mode| slots[mode]).collect(), family }
+        };
+        End { families: families.into_iter().map(place).collect() }
+    }
+
+    fn turn(&self, turns: &[f32], wanted: &[f64], seen: &mut [f64]) {
+        for Placed { family, slots } in &self.families {
+            let rows = turns[family.matrix..].chunks_exact(slots.len());
+            for ((slot, flip), row) in slots.iter().zip(&family.flips).zip(rows) {
+                let sum: f64 = family.modes.iter().zip(row).map(|(&mode, &entry)| wanted[mode] * f64::from(entry)).sum();
+                seen[*slot] = flip * sum;
+            }
+        }
+    }
+
+    fn turn_back(&self, turns: &[f32], answer: &[f64], found: &mut [f64]) {
+        for Placed { family, slots } in &self.families {
+            let rows = turns[family.matrix..].chunks_exact(slots.len());
+            for ((slot, flip), row) in slots.iter().zip(&family.flips).zip(rows) {
+                let value = flip * answer[*slot];
+                family.modes.iter().zip(row).for_each(|(&mode, &entry)| found[mode] += value * f64::from(entry));
+            }
+        }
+    }
+}
