@@ -72,9 +72,9 @@ impl<const D: usize> Blocks<D> {
     /// `rows += factor * C c`, with this rank's multipliers `c`.
     pub fn spread(&mut self, factor: f64, c: &[f64], rows: &mut Vector) -> Result<()> {
         {
-            let (mut own, mut others) = (rows.local_mut()?, self.spread.places()?);
+            let (mut own, mut others, mut scratch) = (rows.local_mut()?, self.spread.places()?, Vec::new());
             for body in &self.bodies {
-                body.rows.add(factor, &c[body.first..][..body.surface.modes.count()], &mut own, &mut others);
+                body.rows.add(factor, &c[body.first..][..body.surface.modes.count()], &mut scratch, &mut own, &mut others);
             }
         }
         self.spread.add_back(rows)

@@ -1,6 +1,12 @@
 //! Rows of C of one body: dense in its multipliers.
 
-use super::{dense::dot, places::Places};
+use super::{
+    dense::{dot, dots},
+    places::Places,
+};
+
+/// Rows that are multiplied together.
+const TOGETHER: usize = 4;
 
 /// Rows, each with the unknown of the fluid to which it belongs.
 #[derive(Default)]
@@ -17,12 +23,23 @@ impl Rows {
         self.unknowns.iter_mut().for_each(|unknown| *unknown = places.of(*unknown as usize, 1));
     }
 
-    /// Adds `factor * C c` to the rows of this rank and of others, with the multipliers `c` of the body.
-    pub fn add(&self, factor: f64, c: &[f64], own: &mut [f64], others: &mut [f64]) {
-        for (place, values) in self.unknowns.iter().zip(self.values.chunks_exact(c.len())) {
+    /// Adds `factor * C c` to the rows of this rank and of others, with the multipliers `c` of the body; `scratch` may hold anything.
+    pub fn add(&self, factor: f64, c: &[f64], scratch: &mut Vec<f64>, own: &mut [f64], others: &mut [f64]) {
+        // products first: the scattered places then wait for memory all at once
+        self.multiply(c, scratch);
+        for (place, product) in self.unknowns.iter().zip(scratch) {
             let place = *place as usize;
             let row = if place < own.len() { &mut own[place] } else { &mut others[place - own.len()] };
-            *row += factor * dot(values, c);
+            *row += factor * *product;
         }
+    }
+
+    /// `products = C c`, row by row.
+    fn multiply(&self, c: &[f64], products: &mut Vec<f64>) {
+        products.resize(self.unknowns.len(), 0.0);
+        let (parts, rest) = products.as_chunks_mut::<TOGETHER>();
+        let (values, last_values) = self.values.split_at(parts.len() * TOGETHER * c.len());
+        parts.iter_mut().zip(values.chunks_exact(TOGETHER * c.len())).for_each(|(products, values)| *products = dots(values, c));
+        rest.iter_mut().zip(last_values.chunks_exact(c.len())).for_each(|(product, values)| *product = dot(values, c));
     }
 }
