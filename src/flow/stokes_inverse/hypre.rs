@@ -32,7 +32,7 @@ impl HypreInverse {
     /// Sets up one hierarchy for each Laplacian that differs.
     pub fn new<const D: usize>(stokes: &Stokes<D>, grid: &Grid<D>) -> Result<HypreInverse> {
         let start = Instant::now();
-        let settings = AmgSettings::laplacian();
+        let settings = AmgSettings::laplacian(D);
         let (laplacians, cycle_of) = stokes.laplacians()?;
         let singular = |index: usize| cycle_of[D] == index || grid.domain().fully_periodic();
         let cycles = laplacians.iter().enumerate().map(|(index, matrix)| Amg::new(matrix, singular(index), &settings));
