@@ -134,7 +134,7 @@ fn too_few_iterations_are_an_error_that_names_residual_and_tolerance(session: &S
 fn an_amg_cycle_reduces_the_residual_of_a_laplacian(session: &Session) {
     for singular in [false, true] {
         let matrix = laplacian(session, 24, singular);
-        let amg = Amg::new(&matrix, singular, &AmgSettings::laplacian(D)).unwrap();
+        let amg = Amg::new(&matrix, singular, &AmgSettings::laplacian(2)).unwrap();
         let mut residual = filled(session, 24 * 24, |index| ((index * index) as f64).sin());
         residual.remove_mean().unwrap();
         let (mut correction, mut change) = (residual.like().unwrap(), residual.like().unwrap());
