@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
+use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, SVector};
 
 use super::{
     dense::dot,
@@ -11,7 +11,7 @@ use super::{
     rows::Rows,
 };
 use crate::{
-    constraint::Layout,
+    constraint::{Layout, Neighbour, Placed},
     error::Result,
     petsc::{Scatter, Session, Vector},
     surface::SurfaceTable,
@@ -24,8 +24,8 @@ const TOGETHER: usize = 16;
 pub struct BodyBlocks<const D: usize> {
     /// Its surface.
     pub surface: Rc<SurfaceTable<D>>,
-    /// Index of its first multiplier in this rank's part.
-    pub first: usize,
+    /// What they were assembled for.
+    pub situation: Situation<D>,
     /// Rows of C.
     pub rows: Rows,
     /// J, before values at the points are projected on the modes.
@@ -34,10 +34,26 @@ pub struct BodyBlocks<const D: usize> {
     pub local: Vec<LocalBlock>,
 }
 
+/// Where a body and its neighbours were when its blocks were assembled; while nothing of it changes, the blocks hold.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Situation<const D: usize> {
+    /// The body.
+    pub body: usize,
+    centers: Vec<(usize, SVector<f64, D>)>,
+}
+
+impl<const D: usize> Situation<D> {
+    /// That of a body among its neighbours.
+    pub fn of((body, placed): (usize, &Placed<D>), neighbours: &[Neighbour<D>]) -> Situation<D> {
+        let own = std::iter::once((body, placed.center));
+        Situation { body, centers: own.chain(neighbours.iter().map(|(other, image)| (*other, image.center))).collect() }
+    }
+}
+
 /// A dense block of E.
 pub struct LocalBlock {
-    /// First multiplier of the body whose columns it has, on all ranks; once planned, its place.
-    pub first: u32,
+    /// The body whose columns it has.
+    pub body: usize,
     /// The block, transposed.
     pub transposed: DMatrix<f64>,
 }
@@ -45,6 +61,9 @@ pub struct LocalBlock {
 /// The blocks of all bodies.
 pub struct Blocks<const D: usize> {
     bodies: Vec<BodyBlocks<D>>,
+    /// For each of them, the index of its first multiplier in this rank's part, and the places of the first multipliers of
+    /// its blocks of E.
+    multiplier_places: Vec<(usize, Vec<u32>)>,
     /// Entries of fluid vectors that interpolation takes from other ranks.
     sampled: Scatter,
     /// Entries of fluid vectors of other ranks to which rows of C belong.
@@ -58,23 +77,28 @@ impl<const D: usize> Blocks<D> {
     pub fn new(session: &Session, fluid: &Vector, layout: &Layout, mut bodies: Vec<BodyBlocks<D>>) -> Result<Blocks<D>> {
         let multipliers = Vector::new(session, layout.local_unknowns())?;
         let (mut sampled, mut spread, mut taken) = (Places::new(fluid)?, Places::new(fluid)?, Places::new(&multipliers)?);
+        let mut multiplier_places = Vec::with_capacity(bodies.len());
         for body in &mut bodies {
             body.interpolant.plan(&mut sampled);
             body.rows.plan(&mut spread);
-            for block in &mut body.local {
-                block.first = taken.of(block.first as usize, block.transposed.nrows());
-            }
+            let places = body.local.iter().map(|block| taken.of(layout.global(block.body), block.transposed.nrows()));
+            multiplier_places.push((layout.local(body.situation.body), places.collect()));
         }
         let (sampled, spread, multipliers) = (sampled.scatter(fluid)?, spread.scatter(fluid)?, taken.scatter(&multipliers)?);
-        Ok(Blocks { bodies, sampled, spread, multipliers })
+        Ok(Blocks { bodies, multiplier_places, sampled, spread, multipliers })
+    }
+
+    /// The blocks of the bodies, one by one.
+    pub fn into_bodies(self) -> Vec<BodyBlocks<D>> {
+        self.bodies
     }
 
     /// `rows += factor * C c`, with this rank's multipliers `c`.
     pub fn spread(&mut self, factor: f64, c: &[f64], rows: &mut Vector) -> Result<()> {
         {
             let (mut own, mut others, mut scratch) = (rows.local_mut()?, self.spread.places()?, Vec::new());
-            for body in &self.bodies {
-                body.rows.add(factor, &c[body.first..][..body.surface.modes.count()], &mut scratch, &mut own, &mut others);
+            for (body, (first, _)) in self.bodies.iter().zip(&self.multiplier_places) {
+                body.rows.add(factor, &c[*first..][..body.surface.modes.count()], &mut scratch, &mut own, &mut others);
             }
         }
         self.spread.add_back(rows)
@@ -93,9 +117,10 @@ impl<const D: usize> Blocks<D> {
     fn sample_bodies(&mut self, fluid: &Vector, with_walls: bool, out: &mut [f64]) -> Result<()> {
         let (others, own) = (self.sampled.fetch(fluid)?, fluid.local()?);
         let (mut scratch, mut velocities) = (Vec::new(), Vec::new());
+        let mut first = 0;
         for alike in self.bodies.chunk_by(|body, next| Rc::ptr_eq(&body.surface, &next.surface)) {
             for bodies in alike.chunks(TOGETHER) {
-                let (first, surface) = (bodies[0].first, &bodies[0].surface);
+                let surface = &bodies[0].surface;
                 let rows = surface.points() * D;
                 velocities.resize(bodies.len() * rows, 0.0);
                 for (body, velocities) in bodies.iter().zip(velocities.chunks_exact_mut(rows)) {
@@ -111,6 +136,7 @@ impl<const D: usize> Blocks<D> {
                     &DMatrixView::from_slice(&velocities, rows, bodies.len()),
                     0.0,
                 );
+                first += bodies.len() * count;
             }
         }
         Ok(())
@@ -119,11 +145,11 @@ impl<const D: usize> Blocks<D> {
     /// `out += E c`.
     pub fn add_local(&mut self, c: &Vector, out: &mut Vector) -> Result<()> {
         let (others, own, mut out) = (self.multipliers.fetch(c)?, c.local()?, out.local_mut()?);
-        for body in &self.bodies {
-            let out = &mut out[body.first..][..body.surface.modes.count()];
-            for LocalBlock { first, transposed } in &body.local {
+        for (body, (first, places)) in self.bodies.iter().zip(&self.multiplier_places) {
+            let out = &mut out[*first..][..body.surface.modes.count()];
+            for (LocalBlock { transposed, .. }, place) in body.local.iter().zip(places) {
                 let modes = transposed.nrows();
-                let c = &from(&own, &others, *first)[..modes];
+                let c = &from(&own, &others, *place)[..modes];
                 out.iter_mut().zip(transposed.as_slice().chunks_exact(modes)).for_each(|(out, row)| *out += dot(row, c));
             }
         }

@@ -18,8 +18,10 @@ pub struct Run {
     pub start: u32,
     /// Number of them.
     pub length: u32,
-    /// First of them in fluid vectors; once planned, its place.
+    /// First of them in fluid vectors.
     pub unknown: u32,
+    /// Once planned, its place.
+    pub place: u32,
 }
 
 /// The nodes around a body on the lattice of one velocity component.
@@ -45,10 +47,10 @@ pub struct Interpolant<const D: usize> {
 }
 
 impl<const D: usize> Interpolant<D> {
-    /// Turns the unknowns of the runs into places.
+    /// Finds the places of the runs.
     pub fn plan(&mut self, places: &mut Places) {
         for run in self.boxes.iter_mut().flat_map(|nodes| &mut nodes.runs) {
-            run.unknown = places.of(run.unknown as usize, run.length as usize);
+            run.place = places.of(run.unknown as usize, run.length as usize);
         }
     }
 
@@ -57,9 +59,9 @@ impl<const D: usize> Interpolant<D> {
         for (component, nodes) in self.boxes.iter().enumerate() {
             scratch.clear();
             scratch.resize(nodes.length, 0.0);
-            for &Run { start, length, unknown } in &nodes.runs {
+            for &Run { start, length, place, .. } in &nodes.runs {
                 let length = length as usize;
-                scratch[start as usize..][..length].copy_from_slice(&from(own, others, unknown)[..length]);
+                scratch[start as usize..][..length].copy_from_slice(&from(own, others, place)[..length]);
             }
             let offsets = row_offsets(nodes.strides);
             for (point, (&corner, weights)) in nodes.corners.iter().zip(&self.weights).enumerate() {

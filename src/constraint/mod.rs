@@ -20,7 +20,7 @@ mod places;
 mod rows;
 mod sharp;
 
-pub use blocks::{Blocks, BodyBlocks};
+pub use blocks::{Blocks, BodyBlocks, Situation};
 pub use layout::Layout;
 pub use near::{Crowd, NearPairs, PairTables};
 pub use patch::Patch;

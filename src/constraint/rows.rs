@@ -11,23 +11,31 @@ const TOGETHER: usize = 4;
 /// Rows, each with the unknown of the fluid to which it belongs.
 #[derive(Default)]
 pub struct Rows {
-    /// Indices in fluid vectors; once planned, places.
+    /// Indices in fluid vectors.
     pub unknowns: Vec<u32>,
+    /// Once planned, their places.
+    places: Vec<u32>,
     /// Values, multipliers running fastest.
     pub values: Vec<f64>,
 }
 
 impl Rows {
-    /// Turns the unknowns into places.
+    /// Rows of the given unknowns.
+    pub fn new(unknowns: Vec<u32>, values: Vec<f64>) -> Rows {
+        Rows { unknowns, places: Vec::new(), values }
+    }
+
+    /// Finds the places of the unknowns.
     pub fn plan(&mut self, places: &mut Places) {
-        self.unknowns.iter_mut().for_each(|unknown| *unknown = places.of(*unknown as usize, 1));
+        self.places.clear();
+        self.places.extend(self.unknowns.iter().map(|&unknown| places.of(unknown as usize, 1)));
     }
 
     /// Adds `factor * C c` to the rows of this rank and of others, with the multipliers `c` of the body; `scratch` may hold anything.
     pub fn add(&self, factor: f64, c: &[f64], scratch: &mut Vec<f64>, own: &mut [f64], others: &mut [f64]) {
         // products first: the scattered places then wait for memory all at once
         self.multiply(c, scratch);
-        for (place, product) in self.unknowns.iter().zip(scratch) {
+        for (place, product) in self.places.iter().zip(scratch) {
             let place = *place as usize;
             let row = if place < own.len() { &mut own[place] } else { &mut others[place - own.len()] };
             *row += factor * *product;

@@ -1,13 +1,13 @@
 //! The bodies of a setup as the linear system sees them: their blocks, their rows, their states.
 
-use std::rc::Rc;
+use std::{collections::HashMap, rc::Rc};
 
 use nalgebra::{DMatrix, SMatrix, SVector};
 
 use super::{BodyState, Setup, surfaces::Member};
 use crate::{
     body::{Motion, Twist, components, skew},
-    constraint::{self, Blocks, Crowd, Layout, NearPairs, PairTables, Placed},
+    constraint::{self, Blocks, Crowd, Layout, NearPairs, PairTables, Placed, Situation},
     error::Result,
     geometry::{Ball, near_pairs},
     grid::Grid,
@@ -136,8 +136,10 @@ impl<'a, const D: usize> Bodies<'a, D> {
         Ball { center: self.placed[body].center, ..self.setup.bodies[body].body.ball }
     }
 
-    /// The blocks of this rank's bodies; `fluid` is any fluid vector.
-    pub fn blocks(&self, session: &Session, fluid: &Vector) -> Result<Blocks<D>> {
+    /// The blocks of this rank's bodies; those of `earlier` ones that did not move, nor their neighbours, stay as they are.
+    ///
+    /// Returns them with the number of bodies, of this rank, whose blocks are new. `fluid` is any fluid vector.
+    pub fn blocks(&self, session: &Session, fluid: &Vector, earlier: Option<Blocks<D>>) -> Result<(Blocks<D>, usize)> {
         let balls: Vec<Ball<D>> = (0..self.placed.len()).map(|body| self.ball(body)).collect();
         let reach = constraint::INTERPOLATION_REACH * self.grid.spacing().max();
         let mut neighbours: Vec<Vec<(usize, Placed<D>)>> = vec![Vec::new(); self.placed.len()];
@@ -147,11 +149,22 @@ impl<'a, const D: usize> Bodies<'a, D> {
                 neighbours[body].push((other, image));
             }
         }
-        let mut workspace = constraint::Workspace::default();
-        let assemble =
-            |&body: &usize| constraint::assemble(self.grid, &self.layout, (body, &self.placed[body]), &neighbours[body], &mut workspace);
+        let (mut workspace, mut kept) = (constraint::Workspace::default(), HashMap::new());
+        for blocks in earlier.into_iter().flat_map(Blocks::into_bodies) {
+            let body = blocks.situation.body;
+            if self.layout.holds(body) && blocks.situation == Situation::of((body, &self.placed[body]), &neighbours[body]) {
+                kept.insert(body, blocks);
+            } else {
+                workspace.recycle(blocks);
+            }
+        }
+        let assembled = self.layout.local_bodies.len() - kept.len();
+        let assemble = |&body: &usize| {
+            let anew = || constraint::assemble(self.grid, (body, &self.placed[body]), &neighbours[body], &mut workspace);
+            kept.remove(&body).unwrap_or_else(anew)
+        };
         let bodies = self.layout.local_bodies.iter().map(assemble).collect();
-        Blocks::new(session, fluid, &self.layout, bodies)
+        Ok((Blocks::new(session, fluid, &self.layout, bodies)?, assembled))
     }
 
     /// The near pairs of this rank's bodies; collective.

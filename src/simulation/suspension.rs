@@ -38,6 +38,8 @@ pub struct Cost {
     pub setup: f64,
     /// Jump corrections of the bodies.
     pub assembly: f64,
+    /// Bodies of this rank whose jump corrections were assembled: those that moved, and their near neighbours.
+    pub assembled: usize,
     /// The Krylov solver, everything included.
     pub krylov: Report,
     /// Parts of it.
@@ -78,6 +80,8 @@ pub struct Suspension<const D: usize> {
 struct Assembly<const D: usize> {
     centers: Vec<SVector<f64, D>>,
     blocks: Blocks<D>,
+    /// Bodies of this rank whose blocks are new.
+    assembled: usize,
     pairs: NearPairs,
     /// The velocity of the flow without bodies on their surfaces.
     undisturbed: Vec<f64>,
@@ -189,7 +193,7 @@ impl<const D: usize> Suspension<D> {
         let (start, basis) = (Instant::now(), &self.basis);
         let mut ready = Ready::new(basis, (self.assembly.take(), self.engine.take()), self.past.as_ref(), moment)?;
         self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();
-        self.cost.assembly = start.elapsed().as_secs_f64();
+        (self.cost.assembly, self.cost.assembled) = (start.elapsed().as_secs_f64(), ready.assembly.assembled);
         let (report, mut found) = ready.solve(basis, self.inverse.as_mut(), seen)?;
         let Ready { bodies, assembly, mut engine, guess, touching, .. } = ready;
         self.cost.krylov = report;
@@ -229,8 +233,8 @@ impl<'a, const D: usize> Ready<'a, D> {
         let _stage = enter(Stage::Assembly);
         let bodies = Bodies::new(&basis.setup, &basis.grid, &basis.kinds, moment.centers, basis.session.world().rank());
         let assembly = match assembly {
-            Some(assembly) if assembly.centers == moment.centers => assembly,
-            _ => Assembly::new(basis, &bodies, moment.centers)?,
+            Some(assembly) if assembly.centers == moment.centers => Assembly { assembled: 0, ..assembly },
+            earlier => Assembly::new(basis, &bodies, moment.centers, earlier)?,
         };
         let members = bodies.members();
         let guess = past.map_or(Ok(None), |past| past.guess(&bodies, moment.centers, moment.time))?;
@@ -276,11 +280,11 @@ fn solve(krylov: &mut Krylov, mut system: impl BodiesInFluid, (rhs, x): (&Vector
 }
 
 impl<const D: usize> Assembly<D> {
-    fn new(basis: &Basis<D>, bodies: &Bodies<D>, centers: &[SVector<f64, D>]) -> Result<Assembly<D>> {
-        let mut blocks = bodies.blocks(&basis.session, &basis.undisturbed.0)?;
+    fn new(basis: &Basis<D>, bodies: &Bodies<D>, centers: &[SVector<f64, D>], earlier: Option<Assembly<D>>) -> Result<Assembly<D>> {
+        let (mut blocks, assembled) = bodies.blocks(&basis.session, &basis.undisturbed.0, earlier.map(|earlier| earlier.blocks))?;
         let undisturbed = bodies.undisturbed(&mut blocks, &basis.undisturbed.0, |point| basis.background(point))?;
         let pairs = bodies.near_pairs(&basis.session)?;
-        Ok(Assembly { centers: centers.to_vec(), blocks, pairs, undisturbed })
+        Ok(Assembly { centers: centers.to_vec(), blocks, assembled, pairs, undisturbed })
     }
 }
 

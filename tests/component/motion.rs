@@ -22,6 +22,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_neutrally_buoyant_disk_on_the_centre_line_moves_straight_at_its_speed),
         Test::of(a_heavy_disk_in_a_box_is_followed_at_the_order_of_the_scheme),
         Test::of(a_settling_pair_is_followed_at_the_order_of_the_scheme),
+        Test::of(only_bodies_that_moved_are_assembled_anew),
         Test::of(two_disks_pressed_together_meet_and_rest),
         Test::of(a_heavy_disk_comes_to_rest_on_the_floor_that_bears_its_weight),
         Test::of(forces_balance_on_each_body_of_a_sheared_crowd_and_its_stress_reaches_the_walls),
@@ -284,4 +285,29 @@ fn forces_balance_on_each_body_of_a_sheared_crowd_and_its_stress_reaches_the_wal
         touching += usize::from(viscosity.contact > 1e-2);
     }
     assert!(touching > 5, "they touch in {touching} steps only");
+}
+
+/// A disk that goes its way among others that stay: their blocks are kept, and the answer is that of a fresh assembly.
+fn only_bodies_that_moved_are_assembled_anew(session: &Session) {
+    let setup = |way: f64| Setup {
+        domain: Domain { size: Vector2::repeat(6.0), axes: [Axis::Periodic; 2] },
+        spacing: 1.0 / 6.0,
+        viscosity: 1.0,
+        drive: Drive::Shear(1.0),
+        bodies: [[1.5 + way, 1.5], [4.5, 1.5], [1.5, 4.5], [4.5, 4.5]].map(|center| suspended(center.into(), 1.0, free(), 5)).to_vec(),
+        inverse: InverseMethod::Transform,
+        tolerance: Tolerance::Fixed(1e-9),
+    };
+    let mut suspension = Suspension::new(session, setup(0.0)).unwrap();
+    // a little way; then so close to the second disk that it meets its interpolation; then no further
+    for (way, expected) in [(0.0, 4.0), (0.1, 1.0), (0.75, 2.0), (0.75, 0.0)] {
+        let centers: Vec<Vector2<f64>> = setup(way).bodies.iter().map(|suspended| suspended.body.ball.center).collect();
+        let moment = Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0, tolerance: 1e-9 };
+        let solution = suspension.solve_at(&moment, &mut |_, _| {}).unwrap();
+        let mut assembled = [suspension.cost().assembled as f64];
+        session.world().sum(&mut assembled);
+        assert_eq!(assembled, [expected], "on a way of {way}");
+        let fresh = Suspension::new(session, setup(way)).unwrap().solve(&mut |_, _| {}).unwrap();
+        assert!(solution.bodies.iter().zip(&fresh.bodies).all(|(kept, fresh)| kept.twist == fresh.twist), "on a way of {way}");
+    }
 }

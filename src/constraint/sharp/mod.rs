@@ -24,7 +24,7 @@ use std::rc::Rc;
 use nalgebra::SVector;
 
 use super::{
-    Layout,
+    Situation,
     blocks::{BodyBlocks, LocalBlock},
 };
 use crate::{grid::Grid, surface::SurfaceTable};
@@ -69,19 +69,27 @@ pub struct Workspace {
     /// For each component, the jumps of one neighbour after the other.
     of_neighbour: [Jumps; 3],
     interpolated: Interpolated,
+    /// Values of the rows of bodies that are gone.
+    values: Vec<Vec<f64>>,
+}
+
+impl Workspace {
+    /// Takes the memory of blocks that are no longer needed.
+    pub fn recycle<const D: usize>(&mut self, blocks: BodyBlocks<D>) {
+        self.values.push(blocks.rows.values);
+    }
 }
 
 /// The blocks of one body.
 pub fn assemble<const D: usize>(
     grid: &Grid<D>,
-    layout: &Layout,
     (body, placed): (usize, &Placed<D>),
     neighbours: &[Neighbour<D>],
     workspace: &mut Workspace,
 ) -> BodyBlocks<D> {
     let reach = placed.surface.modes.radius() + reach(grid);
     let nodes: Vec<Nodes<D>> = (0..=D).map(|field| Nodes::around(grid, field, placed, reach)).collect();
-    let Workspace { jumps, of_neighbour, interpolated } = workspace;
+    let Workspace { jumps, of_neighbour, interpolated, values } = workspace;
     let (jumps, of_neighbour) = (&mut jumps[..=D], &mut of_neighbour[..D]);
     nodes.iter().zip(&mut *jumps).for_each(|(nodes, jumps)| jumps.turn_to(placed, nodes));
     let spreading = Spreading::new(grid, placed, &nodes, jumps);
@@ -96,9 +104,9 @@ pub fn assemble<const D: usize>(
     let local = own.into_iter().chain(others);
     BodyBlocks {
         surface: placed.surface.clone(),
-        first: layout.local(body),
-        rows: spreading.rows(jumps),
-        local: local.map(|(other, transposed)| LocalBlock { first: layout.global(other) as u32, transposed }).collect(),
+        situation: Situation::of((body, placed), neighbours),
+        rows: spreading.rows(jumps, values.pop().unwrap_or_default()),
+        local: local.map(|(body, transposed)| LocalBlock { body, transposed }).collect(),
         interpolant: sampling.interpolant,
     }
 }

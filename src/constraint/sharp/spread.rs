@@ -98,10 +98,11 @@ impl<'a, const D: usize> Spreading<'a, D> {
         }
     }
 
-    /// All rows, from evaluated jumps.
-    pub fn rows(self, jumps: &[Jumps]) -> Rows {
+    /// All rows, from evaluated jumps; `values` is memory to use again.
+    pub fn rows(self, jumps: &[Jumps], mut values: Vec<f64>) -> Rows {
         let count = self.placed.surface.modes.count();
-        let mut values = Vec::with_capacity(self.unknowns.len() * count);
+        values.clear();
+        values.reserve(self.unknowns.len() * count);
         let mut row = vec![0.0; jumps[D].stride()];
         let (mut group, mut term) = (0, 0);
         for &row_end in &self.row_ends {
@@ -119,6 +120,6 @@ impl<'a, const D: usize> Spreading<'a, D> {
             conserve_momentum(component, &self.placed.surface, self.grid.spacing().product(), offsets, values);
             start = end;
         }
-        Rows { unknowns: self.unknowns, values }
+        Rows::new(self.unknowns, values)
     }
 }
