@@ -3,7 +3,7 @@
 mod animate;
 mod plan;
 mod run;
-mod scaling;
+mod studies;
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ use crate::{
     scene::Scene,
     study::{self, ConditioningRange},
 };
-use scaling::ScalingArguments;
+use studies::ScalingArguments;
 
 /// Particles in viscous flow, particle by particle. Run it as it is, or under `mpirun -n N`.
 #[derive(Debug, Parser)]
@@ -79,6 +79,8 @@ enum Command {
         #[command(flatten)]
         scaling: ScalingArguments,
     },
+    /// Run scenes with each inverse of the fluid that suits them and print what each costs.
+    Inverses(studies::InverseArguments),
     /// Solve cases with known answers and print a table of errors and seconds.
     Validation,
     /// Iterations of the fluid solver against the grid, with hypre and with no preconditioner.
@@ -103,8 +105,11 @@ struct SceneArguments {
 
 /// Carries out a command that starts ranks of its own and must not be one of them; nothing if it is another command.
 pub fn execute_alone(arguments: &Arguments) -> Option<Result<()>> {
-    let Command::Scaling { scene, scaling } = &arguments.command else { return None };
-    Some(scaling::scaling((&scene.scene, &scene.overrides), scaling, &arguments.petsc))
+    match &arguments.command {
+        Command::Scaling { scene, scaling } => Some(studies::scaling((&scene.scene, &scene.overrides), scaling, &arguments.petsc)),
+        Command::Inverses(inverses) => Some(studies::inverses(inverses, &arguments.petsc)),
+        _ => None,
+    }
 }
 
 /// Carries out a command on all ranks.
@@ -141,7 +146,7 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
                 _ => plan::plan::<3>(session, &scene),
             }
         }
-        Command::Scaling { .. } => Err(scaling::refuse_ranks()),
+        Command::Scaling { .. } | Command::Inverses(_) => Err(studies::ranks_refused()),
         Command::Validation => match study::validation(session)? {
             true => Ok(()),
             false => Err(Error::Diverged("a case is further from its reference than promised".into())),

@@ -1,7 +1,7 @@
 //! What sections of a scene demand of each other.
 
 use crate::error::Result;
-use crate::scene::{AxisSection, ContactModel, Drive, Motion, Scene, Spacing};
+use crate::scene::{AxisSection, ContactModel, Drive, Motion, Scene, Spacing, StokesSolver};
 
 pub(super) fn check(scene: &Scene) -> Result<()> {
     check_spacing(scene)?;
@@ -9,6 +9,7 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     if scene.dry() {
         return check_dry(scene);
     }
+    check_inverse(scene)?;
     match &scene.flow.drive {
         Some(Drive::ShearRate(rate)) => check_shear(scene, *rate),
         Some(Drive::MeanVelocity(vector)) => check_walls(scene, "flow.drive.mean_velocity", vector),
@@ -34,6 +35,15 @@ fn check_contact(scene: &Scene) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+fn check_inverse(scene: &Scene) -> Result<()> {
+    let walled = scene.domain.axes.iter().filter(|axis| matches!(axis, AxisSection::Walls { .. })).count();
+    if scene.method.inverse == StokesSolver::Transform && walled > 1 {
+        let remedy = "transforms need a box with walls across one axis at most; set method.inverse = \"hypre\" or \"auto\"";
+        return Err(scene.refuse("method.inverse", "\"transform\"", remedy));
+    }
+    Ok(())
 }
 
 fn check_dry(scene: &Scene) -> Result<()> {

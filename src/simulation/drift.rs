@@ -78,7 +78,8 @@ impl<const D: usize> Drift<D> {
         self.refuse_overlap(&balls, state.time)?;
         let mut pressed = self.expected(state, &balls)?;
         let (mut chosen, mut step, mut difference) = (None, state.last_step, 0.0);
-        let tolerance = self.suspension.setup().tolerance.in_a_step(self.travelled(state));
+        let tightest = self.suspension.setup().tolerance.at_an_instant();
+        let mut tolerance = self.suspension.setup().tolerance.in_a_step(self.travelled(state));
         for round in 0..MOST_ROUNDS {
             let moment = Moment { centers: &centers, time: state.time, pressed: &pressed, step, tolerance };
             let mut solution = self.suspension.solve_at(&moment, seen)?;
@@ -102,6 +103,8 @@ impl<const D: usize> Drift<D> {
                 }
                 return Ok(Agreed { solution, twists, contacts: projection.forces, stride });
             }
+            // what is left of the residual may be what they differ by
+            tolerance = tightest.max(0.1 * tolerance);
             pressed = match round < ROUNDS_AT_ONCE {
                 true => pressing(projection),
                 false => self.with_one_changed(pressed, &balls, (&velocities(&twists), scale), step),

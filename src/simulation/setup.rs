@@ -59,7 +59,7 @@ impl<const D: usize> Setup<D> {
         };
         let bodies = placed.iter().map(|&(_, body)| suspended(scene, body, spacing)).collect::<Result<_>>()?;
         let (viscosity, tolerance) = (scene.flow.viscosity, scene.method.tolerance);
-        let inverse = inverse(scene, &domain)?;
+        let inverse = inverse(scene, &domain);
         Ok(Setup { domain, spacing, viscosity, drive: drive(scene), bodies, inverse, tolerance })
     }
 
@@ -83,16 +83,11 @@ fn drive<const D: usize>(scene: &Scene) -> Drive<D> {
     }
 }
 
-fn inverse<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<InverseMethod> {
-    let fastest = InverseMethod::fastest(domain);
+fn inverse<const D: usize>(scene: &Scene, domain: &Domain<D>) -> InverseMethod {
     match scene.method.inverse {
-        StokesSolver::Auto => Ok(fastest),
-        StokesSolver::Hypre => Ok(InverseMethod::Hypre),
-        StokesSolver::Transform if fastest == InverseMethod::Transform => Ok(InverseMethod::Transform),
-        StokesSolver::Transform => {
-            let remedy = "transforms need a box with walls along one axis at most; set method.inverse = \"hypre\" or \"auto\"";
-            Err(scene.refuse("method.inverse", "\"transform\"", remedy))
-        }
+        StokesSolver::Hypre => InverseMethod::Hypre,
+        StokesSolver::Transform => InverseMethod::Transform,
+        StokesSolver::Auto => InverseMethod::fastest(domain),
     }
 }
 

@@ -1,9 +1,12 @@
 //! Studies: how solvers scale, and how far known answers are met.
 
 mod conditioning;
+mod inverses;
+mod launcher;
 mod scaling;
 mod validation;
 
 pub use conditioning::{ConditioningRange, conditioning};
+pub use inverses::{InverseOptions, inverses};
 pub use scaling::{Network, ScalingOptions, scaling};
 pub use validation::{Case, cases, validation};

@@ -6,23 +6,22 @@
 
 mod arrangement;
 mod growth;
-mod launcher;
 mod measurement;
 mod model;
 mod report;
 mod table;
 
-use std::{fs, path::PathBuf};
+use std::path::PathBuf;
 
 use self::{
     arrangement::{Arrangement, Shares},
     growth::{copies, write_grown},
-    launcher::{Job, Launcher},
     measurement::Measurement,
     model::{Model, Sample},
     report::Report,
     table::{Row, Table},
 };
+use super::launcher::{Job, Launcher, Scratch};
 use crate::{
     error::{Error, Result},
     output::{prepare_folder, write_whole},
@@ -73,16 +72,6 @@ pub fn scaling(options: &ScalingOptions) -> Result<()> {
     }
 }
 
-/// A folder that is removed in the end.
-struct Scratch(PathBuf);
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        // what cannot be removed now is only in the way
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
 /// A scaling study of a scene of dimension `D`.
 struct Study<'a, const D: usize> {
     options: &'a ScalingOptions,
@@ -109,9 +98,7 @@ impl<'a, const D: usize> Study<'a, D> {
         let arrangement = Arrangement::of(&scene)?;
         let folder = options.out.clone().unwrap_or_else(|| PathBuf::from("out").join(format!("{}-scaling", scene.name)));
         prepare_folder(&folder)?;
-        // under the output folder: all ranks of a cluster can read it
-        let scratch = Scratch(folder.join(format!("runs-{}", std::process::id())));
-        prepare_folder(&scratch.0)?;
+        let scratch = Scratch::within(&folder)?;
         let cores = options.cores.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
         Ok(Study { options, scene, ranks, cores, launcher, arrangement, folder, scratch })
     }
@@ -181,7 +168,8 @@ impl<'a, const D: usize> Study<'a, D> {
             Kind::Weak if ranks > 1 => (write_grown(&self.scene, copies::<D>(&self.scene, ranks)?, &self.scratch.0)?, &[]),
             _ => (self.options.scene.clone(), &self.options.overrides),
         };
-        self.launcher.measure(ranks, self.options.repeat, &Job { scene: &grown, overrides, folder: &out })
+        let job = Job { scene: &grown, overrides, folder: &out };
+        self.launcher.measure((ranks, self.options.repeat), &job, Measurement::read, Measurement::seconds)
     }
 
     fn table(&self, samples: &[(usize, Result<Sample>)], model: Option<&Model>, kind: Kind) -> Table {

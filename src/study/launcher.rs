@@ -6,11 +6,35 @@ use std::{
     process::{Command, Output, Stdio},
 };
 
-use super::measurement::Measurement;
-use crate::error::{Error, Result};
+use crate::{
+    error::{Error, Result},
+    output::prepare_folder,
+};
 
 /// Where the number of ranks goes in a launcher.
 const PLACE: &str = "{ranks}";
+
+/// A folder for runs, which is removed in the end.
+pub struct Scratch(pub PathBuf);
+
+impl Scratch {
+    /// A new folder within `folder`, where all ranks of a cluster can read it.
+    ///
+    /// # Errors
+    /// It cannot be made.
+    pub fn within(folder: &Path) -> Result<Scratch> {
+        let scratch = Scratch(folder.join(format!("runs-{}", std::process::id())));
+        prepare_folder(&scratch.0)?;
+        Ok(scratch)
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        // what cannot be removed now is only in the way
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
 
 /// How runs on several ranks are started.
 pub struct Launcher {
@@ -47,20 +71,26 @@ impl Launcher {
         Ok(Launcher { words, program, petsc: petsc.to_vec() })
     }
 
-    /// Runs a scene so many times; the fastest run counts.
+    /// Runs a scene so many times; returns what `read` makes of the summary of the run in which it is fastest.
     ///
     /// # Errors
     /// The launcher does not start, or a run fails; its own words come along.
-    pub fn measure(&self, ranks: usize, repeat: usize, job: &Job) -> Result<Measurement> {
-        let mut best = self.run(ranks, job)?;
+    pub fn measure<T>(
+        &self,
+        (ranks, repeat): (usize, usize),
+        job: &Job,
+        read: impl Fn(&Path) -> Result<T>,
+        seconds: impl Fn(&T) -> f64,
+    ) -> Result<T> {
+        let mut best = self.run(ranks, job, &read)?;
         for _ in 1..repeat {
-            let next = self.run(ranks, job)?;
-            best = if next.seconds() < best.seconds() { next } else { best };
+            let next = self.run(ranks, job, &read)?;
+            best = if seconds(&next) < seconds(&best) { next } else { best };
         }
         Ok(best)
     }
 
-    fn run(&self, ranks: usize, job: &Job) -> Result<Measurement> {
+    fn run<T>(&self, ranks: usize, job: &Job, read: impl Fn(&Path) -> Result<T>) -> Result<T> {
         let outcome = self.command(ranks, job).output();
         let output = outcome.map_err(|error| {
             let program = &self.words[0];
@@ -69,9 +99,9 @@ impl Launcher {
         if !output.status.success() {
             return Err(failure(ranks, &output));
         }
-        let measurement = Measurement::read(&job.folder.join("summary.json"))?;
+        let found = read(&job.folder.join("summary.json"))?;
         fs::remove_dir_all(job.folder).map_err(|source| Error::File { path: job.folder.to_owned(), source })?;
-        Ok(measurement)
+        Ok(found)
     }
 
     fn command(&self, ranks: usize, job: &Job) -> Command {

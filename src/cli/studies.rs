@@ -1,10 +1,10 @@
-//! `turbid scaling`: words become a study that starts runs.
+//! `turbid scaling` and `turbid inverses`: words become studies that start runs.
 
 use std::path::{Path, PathBuf};
 
 use crate::{
     error::{Error, Result},
-    study::{self, Network, ScalingOptions},
+    study::{self, InverseOptions, Network, ScalingOptions},
 };
 
 /// Set in the environment of every rank by Open MPI, by PMIx and by Slurm's or MPICH's own starter.
@@ -41,9 +41,7 @@ pub struct ScalingArguments {
 /// # Errors
 /// This process is one of several ranks, or the study cannot be made.
 pub fn scaling((scene, overrides): (&Path, &[String]), arguments: &ScalingArguments, petsc: &[String]) -> Result<()> {
-    if MARKS.iter().any(|mark| std::env::var_os(mark).is_some()) {
-        return Err(refuse_ranks());
-    }
+    refuse_ranks()?;
     study::scaling(&ScalingOptions {
         scene: scene.to_owned(),
         overrides: overrides.to_vec(),
@@ -57,10 +55,53 @@ pub fn scaling((scene, overrides): (&Path, &[String]), arguments: &ScalingArgume
     })
 }
 
+/// Which runs to compare.
+#[derive(Debug, clap::Args)]
+pub struct InverseArguments {
+    /// Scene files.
+    #[arg(required = true)]
+    scenes: Vec<PathBuf>,
+    /// Override a key of each scene: --set bodies.0.count=100
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    /// Numbers of ranks.
+    #[arg(long, value_delimiter = ',', default_values_t = [1])]
+    ranks: Vec<usize>,
+    /// Command that starts a program on {ranks} ranks.
+    #[arg(long, default_value = "mpirun --oversubscribe -n {ranks}")]
+    launcher: String,
+    /// Runs of each, of which the fastest counts.
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=100))]
+    repeat: u32,
+}
+
+/// Compares the inverses of the fluid on scenes.
+///
+/// # Errors
+/// This process is one of several ranks, or a run fails.
+pub fn inverses(arguments: &InverseArguments, petsc: &[String]) -> Result<()> {
+    refuse_ranks()?;
+    study::inverses(&InverseOptions {
+        scenes: arguments.scenes.clone(),
+        overrides: arguments.overrides.clone(),
+        ranks: arguments.ranks.clone(),
+        launcher: arguments.launcher.clone(),
+        repeat: arguments.repeat as usize,
+        petsc: petsc.to_vec(),
+    })
+}
+
+/// Refuses to be one of several ranks.
+fn refuse_ranks() -> Result<()> {
+    if MARKS.iter().any(|mark| std::env::var_os(mark).is_some()) { Err(ranks_refused()) } else { Ok(()) }
+}
+
 /// The refusal to be one of several ranks.
-pub fn refuse_ranks() -> Error {
+pub fn ranks_refused() -> Error {
     Error::Refused(
-        "scaling starts its own ranks: call `turbid scaling SCENE --ranks 1,2,4` without mpirun; --launcher says how they start".into(),
+        "this study starts its own ranks: call `turbid scaling SCENE --ranks 1,2,4` (or `turbid inverses SCENE..`) without mpirun; \
+         --launcher says how they start"
+            .into(),
     )
 }
 
