@@ -33,7 +33,15 @@ impl AmgSettings {
     pub fn laplacian(dimension: usize) -> Self {
         let (most_interpolation_entries, aggressive_levels) = if dimension == 2 { (4, 1) } else { (6, 0) };
         let (coarsening, interpolation, relaxation) = ("HMIS", "ext+i", "SOR/Jacobi");
-        AmgSettings { coarsening, interpolation, most_interpolation_entries, strength: 0.25, relaxation, upward_relaxation: relaxation, aggressive_levels }
+        AmgSettings {
+            coarsening,
+            interpolation,
+            most_interpolation_entries,
+            strength: 0.25,
+            relaxation,
+            upward_relaxation: relaxation,
+            aggressive_levels,
+        }
     }
 
     /// The same with sweeps that run backwards on the way up: a symmetric cycle at the same cost, which conjugate gradients need.

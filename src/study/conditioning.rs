@@ -1,40 +1,113 @@
-//! Experiment.
+//! How hard the linear systems are as the grid is refined: condition numbers, iterations, seconds and memory, beside what theory predicts.
+//!
+//! The scalar Laplacian with several preconditioners, the multipliers of disks, and the fluid without bodies.
 
 mod energy;
 mod fit;
+mod fluid;
+mod growth;
 mod laplacian;
+mod method;
 mod multipliers;
+mod report;
+mod text;
 
-use crate::{error::Result, petsc::Session};
-use laplacian::{Method, Problem, exact_eigenvalues};
+use std::path::{Path, PathBuf};
 
-/// Finest grids of the study, in cells per side.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ConditioningRange {
-    /// In 2D.
+use self::{
+    growth::Growth,
+    laplacian::{Problem, Solve},
+    method::Method,
+    report::Report,
+};
+use crate::{
+    error::Result,
+    output::{prepare_folder, write_whole},
+    petsc::Session,
+};
+
+/// Coarsest grids of the Laplacian, in cells per side.
+const COARSEST: [usize; 2] = [16, 8];
+
+/// What to study, and where to write it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ConditioningOptions {
+    /// Finest grid in 2D, in cells per side.
     pub finest_2d: usize,
-    /// In 3D.
+    /// Finest grid in 3D, in cells per side.
     pub finest_3d: usize,
+    /// Folder for tables and charts, none if there is none.
+    pub out: Option<PathBuf>,
 }
 
-/// X.
-pub fn conditioning(session: &Session, range: &ConditioningRange) -> Result<()> {
-    for m in Method::ALL {
-        for n in [16, 32, 64, 128, 256, 512] { if n <= range.finest_2d { row::<2>(session, n, m)?; } }
-        for n in [8, 16, 32, 64, 96] { if n <= range.finest_3d { row::<3>(session, n, m)?; } }
-    }
-    if session.world().rank()==0 { println!("{:?}", fit::exponent(&[])); }
-    for r in multipliers::constrained(session)? { if session.world().rank()==0 { println!("{r:?}"); } }
-    Ok(())
-}
-
+/// Makes the study, prints its tables part by part and writes them.
+///
+/// # Errors
+/// The folder cannot be written to, the rank count does not fit, or a solver does not converge.
 #[allow(clippy::print_stdout)]
-fn row<const D: usize>(session: &Session, n: usize, m: Method) -> Result<()> {
-    let p = Problem::<D>::new(session, n)?;
-    let s = p.solve(m)?;
-    let (a, b) = exact_eigenvalues(D, n);
-    if session.world().rank() == 0 {
-    println!("{D} {n:4} {:20} its {:5}/{:5} kappa {:10.3} exact {:10.3} l {:.4e} {:.4e} {:.4e} setup {:.4} solve {:.4} MB {:.3} mat {:.3} bound {:.3} first {:.9}", m.name(), s.iterations, s.errors.len()-1, s.condition, b/a, s.smallest, s.largest, b, s.setup_seconds, s.solve_seconds, s.bytes/1e6, s.matrix_bytes/1e6, s.bound_taken, s.errors[0]);
+pub fn conditioning(session: &Session, options: &ConditioningOptions) -> Result<()> {
+    let world = session.world();
+    let first = world.rank() == 0;
+    let say = |text: String| {
+        if first {
+            println!("{text}\n");
+        }
+    };
+    let write = |work: &dyn Fn(&Path) -> Result<()>| match &options.out {
+        Some(folder) => world.agree(if first { work(folder) } else { Ok(()) }),
+        None => Ok(()),
+    };
+    write(&prepare_folder)?;
+    say(text::introduction(world.size()));
+    let (mut solves, growth) = laplacian(session, options)?;
+    say(text::eigenvalues(&solves));
+    [2, 3].into_iter().for_each(|dimension| say(text::preconditioners(&solves, &growth, dimension)));
+    let multipliers = multipliers::constrained(session)?;
+    say(text::multipliers(&multipliers));
+    let fluid = fluid::fluid(session, [options.finest_2d, options.finest_3d])?;
+    say(text::fluid(&fluid));
+    solves.sort_by_key(|solve| (solve.dimension, solve.method as usize));
+    let report = Report::new(world.size(), solves, growth, multipliers, fluid);
+    write(&|folder| report.files().iter().try_for_each(|(name, text)| write_whole(&folder.join(name), text.as_bytes())))?;
+    if let Some(folder) = &options.out {
+        say(format!("files: {}: {}", folder.display(), report.files().map(|(name, _)| name).join(", ")));
     }
     Ok(())
+}
+
+/// All grids with all preconditioners, and how they grow.
+fn laplacian(session: &Session, options: &ConditioningOptions) -> Result<(Vec<Solve>, Vec<Growth>)> {
+    let mut solves = Vec::new();
+    for cells in grids(COARSEST[0], options.finest_2d) {
+        solves.extend(all_methods::<2>(session, cells)?);
+    }
+    for cells in grids(COARSEST[1], options.finest_3d) {
+        solves.extend(all_methods::<3>(session, cells)?);
+    }
+    let growth = |dimension: usize| Method::ALL.map(|method| Growth::of(&solves, dimension, method));
+    let growth = [2, 3].into_iter().flat_map(growth).collect();
+    Ok((solves, growth))
+}
+
+fn all_methods<const D: usize>(session: &Session, cells: usize) -> Result<Vec<Solve>> {
+    let problem = Problem::<D>::new(session, cells)?;
+    Method::ALL.iter().map(|&method| problem.solve(method)).collect()
+}
+
+/// Grids from the first, each twice as fine as the one before, to the finest.
+fn grids(first: usize, finest: usize) -> impl Iterator<Item = usize> {
+    std::iter::successors(Some(first), |cells| Some(2 * cells)).take_while(move |&cells| cells < finest).chain([finest])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grids_double_and_end_with_the_finest() {
+        let listed = |first, finest| grids(first, finest).collect::<Vec<_>>();
+        assert_eq!(listed(8, 96), [8, 16, 32, 64, 96]);
+        assert_eq!(listed(16, 64), [16, 32, 64]);
+        assert_eq!(listed(16, 16), [16]);
+    }
 }

@@ -9,7 +9,8 @@ pub fn exponent(points: &[(f64, f64)]) -> Option<f64> {
     let logarithms = || points.iter().map(|&(x, y)| (x.ln(), y.ln()));
     let count = points.len() as f64;
     let (x, y) = logarithms().fold((0.0, 0.0), |sum, (x, y)| (sum.0 + x / count, sum.1 + y / count));
-    let (covariance, variance) = logarithms().fold((0.0, 0.0), |sum, next| (sum.0 + (next.0 - x) * (next.1 - y), sum.1 + (next.0 - x).powi(2)));
+    let (covariance, variance) =
+        logarithms().fold((0.0, 0.0), |sum, next| (sum.0 + (next.0 - x) * (next.1 - y), sum.1 + (next.0 - x).powi(2)));
     let slope = covariance / variance;
     slope.is_finite().then_some(slope)
 }

@@ -1,92 +1,91 @@
-//! Iterations of the fluid solver against the grid: with hypre they stay, without a preconditioner they grow at least like `1/h`.
+//! The fluid without bodies: iterations with hypre, which stay, and with no preconditioner, which grow at least like `1/h`.
 
 use std::ops::Range;
 
 use nalgebra::SVector;
+use serde::Serialize;
 
+use super::grids;
 use crate::{
     error::{Error, Result},
     flow::{FluidSystem, HypreInverse, Stokes},
     geometry::{Axis, Domain},
     grid::Grid,
-    petsc::{Krylov, KrylovMethod, KrylovSettings, Report, Session, System, Vector},
+    petsc::{Krylov, KrylovMethod, KrylovSettings, Session, System, Vector},
 };
 
 /// Relative residual wanted.
 const TOLERANCE: f64 = 1e-8;
 
 /// Iterations after which a solver without preconditioner is given up.
-const MOST_ITERATIONS: usize = 5000;
+pub const MOST_ITERATIONS: usize = 5000;
 
-/// Finest grids of the study, in cells per side.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ConditioningRange {
-    /// In 2D.
-    pub finest_2d: usize,
-    /// In 3D.
-    pub finest_3d: usize,
+/// Coarsest and finest grids in 2D and 3D: finer ones take a solver without preconditioner too long.
+const GRIDS: [[usize; 2]; 2] = [[32, 128], [16, 32]];
+
+/// The fluid of one box on one grid.
+#[derive(Debug, Clone, Serialize)]
+pub struct Fluid {
+    /// Dimension of the box.
+    pub dimension: usize,
+    /// What bounds it.
+    pub name: &'static str,
+    /// Cells per side.
+    pub cells: usize,
+    /// Iterations of GMRES with hypre in projection form.
+    pub hypre: usize,
+    /// Seconds to set hypre up.
+    pub setup_seconds: f64,
+    /// Seconds of these iterations.
+    pub solve_seconds: f64,
+    /// Iterations of MINRES with no preconditioner; nothing if they are more than 5000.
+    pub plain: Option<usize>,
 }
 
-/// Prints the table; each grid is twice as fine as the one before.
-#[allow(clippy::print_stdout)]
-pub fn conditioning(session: &Session, range: &ConditioningRange) -> Result<()> {
-    let first = session.world().rank() == 0;
-    if first {
-        println!(
-            "iterations for the fluid without bodies to a relative residual of {TOLERANCE:.0e}:\nGMRES with hypre in projection form, MINRES with no preconditioner\n"
-        );
-        println!("{:<4} {:<10} {:>6} {:>8} {:>9} {:>9} {:>12}", "", "box", "cells", "hypre", "set-up s", "solve s", "no precond.");
-    }
+/// All boxes on all grids, none finer than the finest that is asked for in 2D and 3D.
+///
+/// # Errors
+/// The rank count does not fit, or hypre does not converge.
+pub fn fluid(session: &Session, finest: [usize; 2]) -> Result<Vec<Fluid>> {
+    let listed = |place: usize| {
+        let [coarsest, own] = GRIDS[place];
+        grids(coarsest, own).filter(move |&cells| cells <= finest[place])
+    };
+    let mut rows = Vec::new();
     for walls in 0..=2 {
-        table::<2>(session, walls, doubling(32, range.finest_2d))?;
+        for cells in listed(0) {
+            rows.push(row::<2>(session, walls, cells)?);
+        }
     }
     for walls in 0..=1 {
-        table::<3>(session, walls, doubling(16, range.finest_3d))?;
+        for cells in listed(1) {
+            rows.push(row::<3>(session, walls, cells)?);
+        }
     }
-    Ok(())
+    Ok(rows)
 }
 
-/// The rows of one box, and how iterations grow.
-#[allow(clippy::print_stdout)]
-fn table<const D: usize>(session: &Session, walls: usize, grids: impl Iterator<Item = usize>) -> Result<()> {
-    let first = session.world().rank() == 0;
-    let (mut with_hypre, mut plain) = (Vec::new(), Vec::new());
-    for cells in grids {
-        let row = row::<D>(session, walls, cells)?;
-        print_row(first, D, walls, cells, &row);
-        with_hypre.push((cells, row.hypre.iterations));
-        plain.extend(row.plain.map(|iterations| (cells, iterations)));
-    }
-    if let (true, Some(hypre), Some(plain)) = (first, growth(&with_hypre), growth(&plain)) {
-        println!("{:>47}", format!("grow like h^-{hypre:.2} with hypre, h^-{plain:.2} without\n"));
-    }
-    Ok(())
-}
-
-/// Exponent of the growth of iterations with the number of cells, from the coarsest to the finest grid.
-fn growth(iterations: &[(usize, usize)]) -> Option<f64> {
-    let (coarse, fine) = (iterations.first()?, iterations.last()?);
-    (fine.0 > coarse.0).then(|| (fine.1 as f64 / coarse.1 as f64).ln() / (fine.0 as f64 / coarse.0 as f64).ln())
-}
-
-fn doubling(first: usize, last: usize) -> impl Iterator<Item = usize> {
-    std::iter::successors(Some(first), |cells| Some(2 * cells)).take_while(move |&cells| cells <= last)
-}
-
-/// One grid: with hypre (and its set-up seconds), and without a preconditioner (nothing if given up).
-struct Row {
-    hypre: Report,
-    setup: f64,
-    plain: Option<usize>,
-}
-
-fn row<const D: usize>(session: &Session, walls: usize, cells: usize) -> Result<Row> {
+fn row<const D: usize>(session: &Session, walls: usize, cells: usize) -> Result<Fluid> {
     let still = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
     let axes = std::array::from_fn(|axis| if axis >= D - walls { still } else { Axis::Periodic });
     let domain = Domain::<D> { size: SVector::repeat(1.0), axes };
     let grid = Grid::new(&domain, 1.0 / cells as f64, session.world().size(), session.world().rank())?;
     let stokes = Stokes::new(session, &grid);
     let mut inverse = HypreInverse::new(&stokes, &grid)?;
+    let rhs = right_hand_side(&stokes, &grid)?;
+    let setup_seconds = inverse.setup_seconds();
+    let mut x = stokes.vector()?;
+    let hypre = FluidSystem { stokes: &stokes, inverse: Some(&mut inverse) }.solve((&rhs, &mut x), TOLERANCE, MOST_ITERATIONS)?;
+    let plain = match plain_iterations(&stokes, &rhs) {
+        Ok(iterations) => Some(iterations),
+        Err(Error::Diverged(_)) => None,
+        Err(error) => return Err(error),
+    };
+    let name = ["periodic", "channel", "closed"][walls];
+    Ok(Fluid { dimension: D, name, cells, hypre: hypre.iterations, setup_seconds, solve_seconds: hypre.seconds, plain })
+}
+
+fn right_hand_side<const D: usize>(stokes: &Stokes<D>, grid: &Grid<D>) -> Result<Vector> {
     let mut rhs = stokes.vector()?;
     for field in 0..=D {
         let mut local = rhs.local_mut()?;
@@ -95,15 +94,7 @@ fn row<const D: usize>(session: &Session, walls: usize, cells: usize) -> Result<
         }
     }
     stokes.balance(&mut rhs)?;
-    let setup = inverse.setup_seconds();
-    let mut x = stokes.vector()?;
-    let hypre = FluidSystem { stokes: &stokes, inverse: Some(&mut inverse) }.solve((&rhs, &mut x), TOLERANCE, MOST_ITERATIONS)?;
-    let plain = match plain_iterations(&stokes, &rhs) {
-        Ok(iterations) => Some(iterations),
-        Err(Error::Diverged(_)) => None,
-        Err(error) => return Err(error),
-    };
-    Ok(Row { hypre, setup, plain })
+    Ok(rhs)
 }
 
 /// The symmetric form of the fluid's equations, in `(u, h p)` with rows `h^2` (momentum) and `-h` (continuity).
@@ -146,14 +137,4 @@ fn plain_iterations<const D: usize>(stokes: &Stokes<D>, rhs: &Vector) -> Result<
 fn forcing<const D: usize>(field: usize, point: &SVector<f64, D>) -> f64 {
     let step = if (point[0] - 0.3).abs() < 0.1 { 1.0 } else { 0.0 };
     (field + 1) as f64 * (7.0 * point[0] + 3.0 * point[D - 1]).sin() + step
-}
-
-#[allow(clippy::print_stdout)]
-fn print_row(first: bool, dimension: usize, walls: usize, cells: usize, row: &Row) {
-    if !first {
-        return;
-    }
-    let name = ["periodic", "channel", "closed"][walls];
-    let plain = row.plain.map_or(format!("> {MOST_ITERATIONS}"), |iterations| iterations.to_string());
-    println!("{dimension}D   {name:<10} {cells:>6} {:>8} {:>9.3} {:>9.3} {plain:>12}", row.hypre.iterations, row.setup, row.hypre.seconds);
 }

@@ -9,15 +9,15 @@ use std::{f64::consts::PI, time::Instant};
 use nalgebra::SVector;
 use serde::Serialize;
 
-use super::energy::{History, Inverse, Watched};
+use super::{
+    energy::{History, Watched},
+    method::Method,
+};
 use crate::{
     error::{Error, Result},
     geometry::{Axis, Domain},
     grid::{Grid, operators},
-    petsc::{
-        Amg, AmgSettings, Krylov, KrylovMethod, KrylovSettings, Matrix, Preconditioner, PreconditionerKind, Session, Vector,
-        local_heap_bytes,
-    },
+    petsc::{Krylov, KrylovMethod, KrylovSettings, Matrix, Session, Vector, local_heap_bytes},
 };
 
 /// Error wanted in the energy norm, over the energy norm of the solution.
@@ -27,58 +27,6 @@ pub const WANTED: f64 = 1e-8;
 const RESIDUAL: f64 = 1e-10;
 
 const MOST_ITERATIONS: usize = 100_000;
-
-/// A preconditioner of the comparison.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// None.
-    None,
-    /// The diagonal.
-    Jacobi,
-    /// Incomplete Cholesky factors.
-    IncompleteCholesky,
-    /// BoomerAMG as PETSc gives it.
-    DefaultAmg,
-    /// BoomerAMG as the fluid solver uses it, with backward sweeps on the way up: conjugate gradients need a symmetric cycle.
-    TunedAmg,
-}
-
-impl Method {
-    /// All, in the order of the tables.
-    pub const ALL: [Method; 5] = [Method::None, Method::Jacobi, Method::IncompleteCholesky, Method::DefaultAmg, Method::TunedAmg];
-
-    /// Its name for people.
-    pub fn name(self) -> &'static str {
-        match self {
-            Method::None => "none",
-            Method::Jacobi => "Jacobi",
-            Method::IncompleteCholesky => "incomplete Cholesky",
-            Method::DefaultAmg => "BoomerAMG, default",
-            Method::TunedAmg => "BoomerAMG, tuned",
-        }
-    }
-
-    /// Whether it is multigrid, with iterations that do not feel the grid.
-    pub fn multigrid(self) -> bool {
-        matches!(self, Method::DefaultAmg | Method::TunedAmg)
-    }
-
-    fn set_up(self, matrix: &Matrix, dimension: usize) -> Result<Inverse> {
-        let kind = match self {
-            Method::None => return Ok(Box::new(|input, output| output.copy_from(input))),
-            Method::TunedAmg => {
-                let amg = Amg::new(matrix, false, &AmgSettings::laplacian(dimension).symmetric())?;
-                return Ok(Box::new(move |input, output| amg.apply(input, output)));
-            }
-            Method::Jacobi => PreconditionerKind::Jacobi,
-            Method::IncompleteCholesky => PreconditionerKind::IncompleteCholesky,
-            Method::DefaultAmg => PreconditionerKind::BoomerAmg,
-        };
-        let preconditioner = Preconditioner::new(matrix, kind)?;
-        Ok(Box::new(move |input, output| preconditioner.apply(input, output)))
-    }
-}
 
 /// One grid, solved with one preconditioner.
 #[derive(Debug, Clone, Serialize)]
@@ -97,6 +45,8 @@ pub struct Solve {
     pub largest: f64,
     /// Their ratio.
     pub condition: f64,
+    /// The same in closed form, where there is no preconditioner.
+    pub exact_condition: Option<f64>,
     /// Iterations until the error in the energy norm is [`WANTED`].
     pub iterations: usize,
     /// Seconds to set the preconditioner up.
@@ -107,24 +57,30 @@ pub struct Solve {
     pub bytes: f64,
     /// Bytes of the matrix on all ranks.
     pub matrix_bytes: f64,
+    /// Iterations that the Chebyshev bound promises to be enough.
+    pub promised_iterations: usize,
     /// Largest part of the Chebyshev bound that the error took up, over all iterations.
     pub bound_taken: f64,
     /// Error in the energy norm before and after each iteration, over that of the solution.
     pub errors: Vec<f64>,
 }
 
-/// Extreme eigenvalues of the matrix, in closed form: smallest, largest.
-pub fn exact_eigenvalues(dimension: usize, cells: usize) -> (f64, f64) {
-    let h = 1.0 / cells as f64;
-    let eigenvalue = |k: usize| 4.0 / (h * h) * (k as f64 * PI * h / 2.0).sin().powi(2);
-    let others = (dimension - 1) as f64;
-    (dimension as f64 * eigenvalue(1), eigenvalue(cells - 1) + others * eigenvalue(cells))
+/// The condition number of the matrix in closed form.
+pub fn exact_condition(dimension: usize, cells: usize) -> f64 {
+    let part = |k: usize| (k as f64 * PI / (2.0 * cells as f64)).sin().powi(2);
+    (part(cells - 1) + (dimension - 1) as f64) / (dimension as f64 * part(1))
 }
 
 /// The bound `2 ((sqrt(kappa) - 1) / (sqrt(kappa) + 1))^k` on the error in the energy norm over the first one.
-pub fn chebyshev_bound(condition: f64, iteration: usize) -> f64 {
+fn chebyshev_bound(condition: f64, iteration: usize) -> f64 {
     let root = condition.max(1.0).sqrt();
     2.0 * ((root - 1.0) / (root + 1.0)).powi(iteration as i32)
+}
+
+/// Iterations after which the bound is below [`WANTED`].
+fn promised_iterations(condition: f64) -> usize {
+    let rate = chebyshev_bound(condition, 1) / 2.0;
+    ((WANTED / 2.0).ln() / rate.ln()).ceil().max(1.0) as usize
 }
 
 /// The box with its matrix, its right-hand side and the solution that belongs to it.
@@ -174,6 +130,8 @@ impl<const D: usize> Problem<D> {
         let history = system.history(self.energy_of_error(x)?, self.solution.dot(&self.rhs)?);
         let iterations = reached(&history)?;
         let condition = largest / smallest;
+        let exact_condition = (method == Method::None).then(|| exact_condition(D, self.cells));
+        let bounding = exact_condition.unwrap_or(condition);
         Ok(Solve {
             dimension: D,
             cells: self.cells,
@@ -182,12 +140,14 @@ impl<const D: usize> Problem<D> {
             smallest,
             largest,
             condition,
+            exact_condition,
             iterations,
             setup_seconds,
             solve_seconds: session.world().max(history.seconds[iterations]),
             bytes,
             matrix_bytes: self.matrix_bytes,
-            bound_taken: bound_taken(&history.errors, condition),
+            promised_iterations: promised_iterations(bounding),
+            bound_taken: bound_taken(&history.errors, bounding),
             errors: history.errors,
         })
     }
@@ -229,4 +189,26 @@ fn all_scales<const D: usize>(point: &SVector<f64, D>) -> f64 {
     let step = if (point[0] - 0.3).abs() < 0.1 { 1.0 } else { 0.0 };
     let phase: f64 = point.iter().zip([7.0, 5.0, 3.0]).map(|(coordinate, wave)| wave * coordinate).sum();
     phase.sin() + step
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_exact_condition_is_that_of_a_small_matrix() {
+        // n = 2 in 2D: two unknowns on the middle plane, 4 * [[5, -1], [-1, 5]], eigenvalues 24 and 16
+        assert!((exact_condition(2, 2) - 1.5).abs() < 1e-14);
+        assert!((exact_condition(3, 512) * (PI / 1024.0).powi(2) - 1.0).abs() < 1e-5, "it tends to (4/pi^2) n^2");
+    }
+
+    #[test]
+    fn the_bound_is_met_after_the_iterations_that_it_promises() {
+        for condition in [1.01, 3.0, 1e5] {
+            let promised = promised_iterations(condition);
+            assert!(chebyshev_bound(condition, promised) <= WANTED * (1.0 + 1e-9));
+            assert!(promised == 1 || chebyshev_bound(condition, promised - 1) > WANTED);
+        }
+        assert_eq!(promised_iterations(1.0), 1);
+    }
 }
