@@ -16,8 +16,9 @@ use std::path::{Path, PathBuf};
 
 use self::{
     growth::Growth,
-    laplacian::{Problem, Solve},
+    laplacian::{Problem, Solve, WANTED},
     method::Method,
+    multipliers::MultiplierGrowth,
     report::Report,
 };
 use crate::{
@@ -59,15 +60,16 @@ pub fn conditioning(session: &Session, options: &ConditioningOptions) -> Result<
     };
     write(&prepare_folder)?;
     say(text::introduction(world.size()));
-    let (mut solves, growth) = laplacian(session, options)?;
+    let (solves, growth) = laplacian(session, options)?;
     say(text::eigenvalues(&solves));
     [2, 3].into_iter().for_each(|dimension| say(text::preconditioners(&solves, &growth, dimension)));
-    let multipliers = multipliers::constrained(session)?;
-    say(text::multipliers(&multipliers));
+    let rows = multipliers::constrained(session)?;
+    let multiplier_growth = MultiplierGrowth::of(&rows);
+    say(text::multipliers(&rows, &multiplier_growth));
     let fluid = fluid::fluid(session, [options.finest_2d, options.finest_3d])?;
     say(text::fluid(&fluid));
-    solves.sort_by_key(|solve| (solve.dimension, solve.method as usize));
-    let report = Report::new(world.size(), solves, growth, multipliers, fluid);
+    let (ranks, wanted_error) = (world.size(), WANTED);
+    let report = Report { ranks, wanted_error, laplacian: solves, growth, multipliers: rows, multiplier_growth, fluid };
     write(&|folder| report.files().iter().try_for_each(|(name, text)| write_whole(&folder.join(name), text.as_bytes())))?;
     if let Some(folder) = &options.out {
         say(format!("files: {}: {}", folder.display(), report.files().map(|(name, _)| name).join(", ")));

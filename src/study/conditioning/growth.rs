@@ -22,7 +22,7 @@ pub struct Growth {
 /// An exponent.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Exponent {
-    /// Fitted to the three finest grids, if there are at least two.
+    /// Fitted to the last three points, if there are at least two.
     pub fitted: Option<f64>,
     /// Predicted.
     pub predicted: f64,
@@ -34,7 +34,7 @@ impl Growth {
         let [condition, iterations] = if method.multigrid() { [0.0, 0.0] } else { [2.0, 1.0] };
         let exponent = |predicted: f64, value: fn(&Solve) -> f64| {
             let points: Vec<(f64, f64)> = of(solves, dimension, method).map(|solve| (solve.cells as f64, value(solve))).collect();
-            Exponent { fitted: exponent(&points), predicted }
+            Exponent::of(&points, predicted)
         };
         Growth {
             dimension,
@@ -43,6 +43,13 @@ impl Growth {
             iterations: exponent(iterations, |solve| solve.iterations as f64),
             seconds: exponent(iterations + dimension as f64, |solve| solve.solve_seconds),
         }
+    }
+}
+
+impl Exponent {
+    /// The one of `y ~ x^p`.
+    pub fn of(points: &[(f64, f64)], predicted: f64) -> Exponent {
+        Exponent { fitted: exponent(points), predicted }
     }
 }
 

@@ -6,6 +6,7 @@
 use nalgebra::{SMatrix, SVector, Vector2};
 use serde::Serialize;
 
+use super::growth::Exponent;
 use crate::{
     body::{Body, Motion},
     error::Result,
@@ -44,7 +45,37 @@ pub struct Constrained {
     pub preconditioned: f64,
 }
 
-/// All grids and all orders, for one disk and for several.
+/// How the condition number of so many disks grows.
+#[derive(Debug, Clone, Serialize)]
+pub struct MultiplierGrowth {
+    /// Disks.
+    pub bodies: usize,
+    /// Exponent of `1/h` at the same modes.
+    pub grid: Exponent,
+    /// Exponent of `K + 1` on the same grid, for modes up to order K.
+    pub modes: Exponent,
+}
+
+impl MultiplierGrowth {
+    /// Those of all numbers of disks.
+    pub fn of(rows: &[Constrained]) -> Vec<MultiplierGrowth> {
+        rows.chunks(GRIDS.len() + ORDERS.len()).map(MultiplierGrowth::of_one).collect()
+    }
+
+    fn of_one(rows: &[Constrained]) -> MultiplierGrowth {
+        let (by_grid, by_order) = rows.split_at(GRIDS.len());
+        let points = |rows: &[Constrained], abscissa: fn(&Constrained) -> f64| -> Vec<(f64, f64)> {
+            rows.iter().map(|row| (abscissa(row), row.condition)).collect()
+        };
+        MultiplierGrowth {
+            bodies: rows[0].bodies,
+            grid: Exponent::of(&points(by_grid, |row| row.cells as f64), 0.0),
+            modes: Exponent::of(&points(by_order, |row| (row.modes + 1) as f64), 1.0),
+        }
+    }
+}
+
+/// All grids, then all orders on the finest, for one disk and for several.
 ///
 /// # Errors
 /// The rank count does not fit.

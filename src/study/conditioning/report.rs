@@ -7,7 +7,7 @@ use super::{
     growth::{Growth, of},
     laplacian::{Solve, WANTED},
     method::Method,
-    multipliers::Constrained,
+    multipliers::{Constrained, MultiplierGrowth},
 };
 use crate::output::{Chart, Scale, Series};
 
@@ -29,16 +29,13 @@ pub struct Report {
     pub growth: Vec<Growth>,
     /// Multipliers of disks.
     pub multipliers: Vec<Constrained>,
+    /// How they grow.
+    pub multiplier_growth: Vec<MultiplierGrowth>,
     /// The fluid without bodies.
     pub fluid: Vec<Fluid>,
 }
 
 impl Report {
-    /// That of all parts.
-    pub fn new(ranks: usize, laplacian: Vec<Solve>, growth: Vec<Growth>, multipliers: Vec<Constrained>, fluid: Vec<Fluid>) -> Report {
-        Report { ranks, wanted_error: WANTED, laplacian, growth, multipliers, fluid }
-    }
-
     /// Names and contents of the files.
     pub fn files(&self) -> [(&'static str, String); 4] {
         let json = serde_json::to_string(self).expect("a report is plain numbers and text");
@@ -74,7 +71,7 @@ impl Report {
         let first = |line: &Series, factor: f64| line.points.first().map(|&(x, y)| (x, factor * y));
         let last = series[0].points.last().map_or(1.0, |point| point.0);
         for (name, exponent, start) in
-            [("predicted: 1/h", 1.0, first(&series[0], 1.35)), ("predicted: flat", 0.0, first(&series[Method::ALL.len() - 1], 1.35))]
+            [("predicted: 1/h", 1.0, first(&series[0], 1.35)), ("predicted: flat", 0.0, first(&series[Method::ALL.len() - 1], 1.9))]
         {
             series.extend(start.map(|start| Series { name: name.into(), points: dashes(start, last, exponent) }));
         }
