@@ -21,8 +21,9 @@ pub fn introduction(ranks: usize) -> String {
          Laplacian: -Lap u = f in the unit box (L = 1), u = 0 on its walls, for one velocity component of the staggered grid.\n\
          Conjugate gradients start from zero; iterations and seconds are counted until the error in the energy norm is {WANTED:.0e} of\n\
          the solution's, which is known. Condition numbers are ratios of extreme eigenvalues, from the Lanczos matrix of that solve.\n\
-         Incomplete Cholesky: {cholesky}. BoomerAMG tuned: as in the fluid solver, made symmetric by\n\
-         backward sweeps on the way up. Memory: what set-up leaves allocated on all ranks, counted by the C library."
+         Incomplete Cholesky: {cholesky}.\n\
+         BoomerAMG tuned: as in the fluid solver, made symmetric by backward sweeps on the way up.\n\
+         Memory: what set-up leaves allocated on all ranks, counted by the C library."
     )
 }
 
@@ -100,7 +101,7 @@ fn reading(solves: &[Solve], dimension: usize) -> String {
     let verdict = if most <= 1.0 { "never exceeds it" } else { "exceeds it: something is wrong" };
     format!(
         "\nReading: Jacobi changes nothing, incomplete Cholesky a factor, and both pay 1/h iterations of h^-{dimension} work each; with multigrid\n\
-         iterations stay, and the solve costs as much per unknown on every grid, for more memory and a set-up that counts.\n\
+         iterations hardly change, and the solve costs about as much per unknown on every grid, for more memory and a set-up that counts.\n\
          Seconds grow a little faster than predicted where the grid outgrows the caches.\n\
          After k iterations the Chebyshev bound on the error in the energy norm is 2 ((sqrt(c) - 1)/(sqrt(c) + 1))^k of the first one,\n\
          c the condition number; \"promised\" are the iterations that it needs, \"of bound\" is the largest ratio of error to bound at any\n\
@@ -113,7 +114,7 @@ pub fn multipliers(rows: &[Constrained], growth: &[MultiplierGrowth]) -> String 
     let mut lines = vec![
         "4. Multipliers of free disks in a periodic box, the fluid eliminated (condition numbers by singular values of the full matrix)\n"
             .to_owned(),
-        row(["disks", "1/h", "radius/h", "modes K", "unknowns", "condition", "precond."]),
+        row(["disks", "1/h", "radius/h", "modes K", "unknowns", "condition", "with prec."]),
     ];
     for Constrained { bodies, cells, cells_per_radius, modes, unknowns, condition, preconditioned } in rows {
         lines.push(row([
