@@ -1,11 +1,11 @@
-//! Binds the part of PETSc that `src/petsc` uses, from the headers that the system's package provides.
+//! Binds the part of PETSc that `src/petsc` uses, and what the C library tells of its heap, from the headers that the system's package provides.
 
 use std::{env, path::PathBuf};
 
 const FUNCTIONS: &str = "Petsc(Initialize|Finalize|Initialized|ErrorMessage|PushErrorHandler|IgnoreErrorHandler|ReturnErrorHandler|\
     OptionsSetValue|OptionsInsertString|MallocGetMaximumUsage|MemoryGetCurrentUsage|ObjectReference|OptionsHasName|\
     LogStage(Register|Push|Pop)|LogGetStageLog)|\
-    Vec.*|Mat.*|KSP.*|PC.*|IS.*";
+    Vec.*|Mat.*|KSP.*|PC.*|IS.*|mallinfo2";
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
@@ -16,7 +16,7 @@ fn main() {
         println!("cargo:rustc-link-arg=-Wl,-rpath,{}", path.display());
     }
     bindgen::Builder::default()
-        .header_contents("wrapper.h", "#include <petsc.h>")
+        .header_contents("wrapper.h", "#include <petsc.h>\n#include <malloc.h>")
         .clang_args(includes)
         .allowlist_function(FUNCTIONS)
         .allowlist_var(

@@ -13,7 +13,7 @@ use crate::{
     error::{Error, Result},
     petsc::Session,
     scene::Scene,
-    study::{self, ConditioningRange},
+    study::{self, ConditioningOptions},
 };
 use studies::ScalingArguments;
 
@@ -83,14 +83,17 @@ enum Command {
     Inverses(studies::InverseArguments),
     /// Solve cases with known answers and print a table of errors and seconds.
     Validation,
-    /// Iterations of the fluid solver against the grid, with hypre and with no preconditioner.
+    /// Condition numbers, iterations, seconds and memory of the linear systems against the grid, and what theory predicts.
     Conditioning {
         /// Finest grid in 2D, in cells per side.
-        #[arg(long, default_value_t = 256)]
-        finest_2d: usize,
+        #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(16..=8192))]
+        finest_2d: u32,
         /// Finest grid in 3D, in cells per side.
-        #[arg(long, default_value_t = 64)]
-        finest_3d: usize,
+        #[arg(long, default_value_t = 96, value_parser = clap::value_parser!(u32).range(8..=512))]
+        finest_3d: u32,
+        /// Folder for conditioning.csv, conditioning.json and the charts (default: none is written).
+        #[arg(long)]
+        out: Option<PathBuf>,
     },
 }
 
@@ -151,8 +154,9 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
             true => Ok(()),
             false => Err(Error::Diverged("a case is further from its reference than promised".into())),
         },
-        Command::Conditioning { finest_2d, finest_3d } => {
-            study::conditioning(session, &ConditioningRange { finest_2d: *finest_2d, finest_3d: *finest_3d })
+        Command::Conditioning { finest_2d, finest_3d, out } => {
+            let (finest_2d, finest_3d) = (*finest_2d as usize, *finest_3d as usize);
+            study::conditioning(session, &ConditioningOptions { finest_2d, finest_3d, out: out.clone() })
         }
     }
 }

@@ -1,8 +1,8 @@
 //! hypre's BoomerAMG on a scalar matrix: set up once, one V-cycle per application.
 
-use std::{collections::BTreeSet, ffi::CString, ptr::null_mut, sync::Mutex};
+use std::ptr::null_mut;
 
-use super::{Matrix, Vector, ffi, owned::Owned, petsc};
+use super::{Matrix, Vector, ffi, options::insert_unless_given, owned::Owned, petsc};
 use crate::error::Result;
 
 /// BoomerAMG parameters that matter for Laplacians on Cartesian grids.
@@ -18,6 +18,8 @@ pub struct AmgSettings {
     pub strength: f64,
     /// Relaxation on every level but the coarsest.
     pub relaxation: &'static str,
+    /// The same on the way up.
+    pub upward_relaxation: &'static str,
     /// Levels, from the finest, that are coarsened aggressively: only points with at least two short ways to each other depend on each other.
     pub aggressive_levels: usize,
 }
@@ -31,7 +33,20 @@ impl AmgSettings {
     pub fn laplacian(dimension: usize) -> Self {
         let (most_interpolation_entries, aggressive_levels) = if dimension == 2 { (4, 1) } else { (6, 0) };
         let (coarsening, interpolation, relaxation) = ("HMIS", "ext+i", "SOR/Jacobi");
-        AmgSettings { coarsening, interpolation, most_interpolation_entries, strength: 0.25, relaxation, aggressive_levels }
+        AmgSettings {
+            coarsening,
+            interpolation,
+            most_interpolation_entries,
+            strength: 0.25,
+            relaxation,
+            upward_relaxation: relaxation,
+            aggressive_levels,
+        }
+    }
+
+    /// The same with sweeps that run backwards on the way up: a symmetric cycle at the same cost, which conjugate gradients need.
+    pub fn symmetric(self) -> Self {
+        AmgSettings { upward_relaxation: "backward-SOR/Jacobi", ..self }
     }
 }
 
@@ -76,6 +91,7 @@ fn insert_options(settings: &AmgSettings) -> Result<()> {
         ("strong_threshold", settings.strength.to_string()),
         ("P_max", settings.most_interpolation_entries.to_string()),
         ("relax_type_all", settings.relaxation.to_string()),
+        ("relax_type_up", settings.upward_relaxation.to_string()),
         ("relax_type_coarse", "symmetric-SOR/Jacobi".to_string()),
         ("grid_sweeps_coarse", "4".to_string()),
         ("agg_nl", settings.aggressive_levels.to_string()),
@@ -85,22 +101,6 @@ fn insert_options(settings: &AmgSettings) -> Result<()> {
     ];
     for (name, value) in options {
         insert_unless_given(&format!("-amg_pc_hypre_boomeramg_{name}"), &value)?;
-    }
-    Ok(())
-}
-
-/// Options that this program has set, and may set anew for another hierarchy.
-static OURS: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
-
-fn insert_unless_given(name: &str, value: &str) -> Result<()> {
-    let mut ours = OURS.lock().expect("no rank panics and goes on");
-    let text = |text: &str| CString::new(text).expect("option names and values are plain text");
-    let (option, value) = (text(name), text(value));
-    let mut given = ffi::PetscBool_PETSC_FALSE;
-    petsc!(PetscOptionsHasName(null_mut(), std::ptr::null(), option.as_ptr(), &mut given))?;
-    if given == ffi::PetscBool_PETSC_FALSE || ours.contains(name) {
-        petsc!(PetscOptionsSetValue(null_mut(), option.as_ptr(), value.as_ptr()))?;
-        ours.insert(name.to_owned());
     }
     Ok(())
 }

@@ -7,9 +7,12 @@
 mod amg;
 #[doc(hidden)]
 pub mod ffi;
+mod heap;
 mod krylov;
 mod matrix;
+mod options;
 mod owned;
+mod preconditioner;
 mod profile;
 mod scatter;
 mod session;
@@ -18,8 +21,10 @@ mod traffic;
 mod vector;
 
 pub use amg::{Amg, AmgSettings};
+pub use heap::local_heap_bytes;
 pub use krylov::{Krylov, KrylovMethod, KrylovSettings, Report};
 pub use matrix::{Matrix, RowBuilder};
+pub use preconditioner::{Preconditioner, PreconditionerKind};
 pub use profile::{Profile, Stage, StageCounts, StageGuard, enter};
 pub use scatter::Scatter;
 pub use session::Session;

@@ -17,6 +17,7 @@ mod setup;
 #[expect(clippy::module_inception, reason = "the time loop is what the module is named after")]
 mod simulation;
 mod solution;
+mod spectrum;
 mod state;
 mod surfaces;
 mod suspension;
@@ -33,6 +34,7 @@ pub use plan::Plan;
 pub use setup::{Setup, SuspendedBody};
 pub use simulation::{Simulation, StepReport};
 pub use solution::{BodyState, Solution};
+pub use spectrum::Conditions;
 pub use state::{Held, Moving, State};
 pub use suspension::{Cost, Moment, Suspension};
 pub use work::Stages;

@@ -13,6 +13,7 @@ use super::{
     dynamics::Seen,
     faster::{Faster, faster},
     memory::{Guess, Past, Snapshot},
+    spectrum::Conditions,
     surfaces::{Member, Surfaces},
     touching::Touching,
     work::{Sizes, Stages, Work},
@@ -20,7 +21,7 @@ use super::{
 use crate::{
     constraint::{Blocks, NearPairs},
     contact::ContactForce,
-    error::Result,
+    error::{Error, Result},
     flow::{Stokes, StokesInverse},
     grid::Grid,
     petsc::{Krylov, KrylovMethod, KrylovSettings, Report, Session, Stage, Vector, enter},
@@ -178,17 +179,41 @@ impl<const D: usize> Suspension<D> {
     /// Solves with the bodies where the setup has them; `seen` is told each iteration and its relative residual.
     ///
     /// # Errors
-    /// [`Error::Diverged`](crate::error::Error::Diverged) when the tolerance is not reached.
+    /// [`Error::Diverged`] when the tolerance is not reached.
     pub fn solve(&mut self, seen: &mut dyn FnMut(usize, f64)) -> Result<Solution<D>> {
-        let centers: Vec<SVector<f64, D>> = self.basis.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        let tolerance = self.basis.setup.tolerance.at_an_instant();
-        self.solve_at(&Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0, tolerance }, seen)
+        let centers = self.initial_centers();
+        self.solve_at(&self.at_rest(&centers), seen)
+    }
+
+    fn initial_centers(&self) -> Vec<SVector<f64, D>> {
+        self.basis.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect()
+    }
+
+    /// The moment at which bodies are there and none touches.
+    fn at_rest<'a>(&self, centers: &'a [SVector<f64, D>]) -> Moment<'a, D> {
+        Moment { centers, time: 0.0, pressed: &[], step: 0.0, tolerance: self.basis.setup.tolerance.at_an_instant() }
+    }
+
+    /// Condition numbers of the system on the multipliers with the bodies where the setup has them; as dear as that many iterations
+    /// twice over.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] when the inverse of the fluid is not exact: the fluid is then no part that can be eliminated.
+    pub fn conditions(&mut self) -> Result<Conditions> {
+        if !self.basis.condensed {
+            return Err(Error::Refused("condition numbers on the multipliers take an exact inverse of the fluid (transform)".into()));
+        }
+        let (centers, basis) = (self.initial_centers(), &self.basis);
+        let mut ready = Ready::new(basis, (None, None), None, &self.at_rest(&centers))?;
+        let shape = ready.engine.x.like()?;
+        let (_, parts) = ready.parts(basis, self.inverse.as_mut());
+        Conditions::of(basis.session.world(), &mut Condensed(parts), &shape)
     }
 
     /// Solves for a moment, starting from the solves before it if they are remembered.
     ///
     /// # Errors
-    /// [`Error::Diverged`](crate::error::Error::Diverged) when the tolerance is not reached.
+    /// [`Error::Diverged`] when the tolerance is not reached.
     pub fn solve_at(&mut self, moment: &Moment<D>, seen: &mut dyn FnMut(usize, f64)) -> Result<Solution<D>> {
         let (start, basis) = (Instant::now(), &self.basis);
         let mut ready = Ready::new(basis, (self.assembly.take(), self.engine.take()), self.past.as_ref(), moment)?;
@@ -253,8 +278,8 @@ impl<'a, const D: usize> Ready<'a, D> {
         Ok(Ready { bodies, members, assembly, touching, engine, guess, prescribed_drag })
     }
 
-    /// Solves; the velocities that are found include those of the flow without bodies.
-    fn solve(&mut self, basis: &Basis<D>, inverse: &mut dyn StokesInverse<D>, seen: Seen) -> Result<(Report, Unknowns)> {
+    /// The solver with its right-hand side and start, and what the system is made of.
+    fn parts<'b>(&'b mut self, basis: &'b Basis<D>, inverse: &'b mut dyn StokesInverse<D>) -> (Solver<'b>, Parts<'b, D>) {
         let surfaces = Surfaces {
             world: basis.session.world(),
             blocks: &mut self.assembly.blocks,
@@ -264,17 +289,25 @@ impl<'a, const D: usize> Ready<'a, D> {
             touching: &mut self.touching,
             prescribed_drag: self.prescribed_drag,
         };
-        let _stage = enter(Stage::Orthogonalisation);
         let Engine { krylov, work, rhs, x } = &mut self.engine;
-        let parts = Parts { stokes: &basis.stokes, inverse, surfaces, work };
+        ((krylov, (rhs, x)), Parts { stokes: &basis.stokes, inverse, surfaces, work })
+    }
+
+    /// Solves; the velocities that are found include those of the flow without bodies.
+    fn solve(&mut self, basis: &Basis<D>, inverse: &mut dyn StokesInverse<D>, seen: Seen) -> Result<(Report, Unknowns)> {
+        let _stage = enter(Stage::Orthogonalisation);
+        let (solver, parts) = self.parts(basis, inverse);
         let (report, mut found) =
-            if basis.condensed { solve(krylov, Condensed(parts), (rhs, x), seen) } else { solve(krylov, Coupled(parts), (rhs, x), seen) }?;
+            if basis.condensed { solve(solver, Condensed(parts), seen) } else { solve(solver, Coupled(parts), seen) }?;
         found.velocities.iter_mut().zip(&self.assembly.undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);
         Ok((report, found))
     }
 }
 
-fn solve(krylov: &mut Krylov, mut system: impl BodiesInFluid, (rhs, x): (&Vector, &mut Vector), seen: Seen) -> Result<(Report, Unknowns)> {
+/// A solver, the right-hand side, and where it starts.
+type Solver<'a> = (&'a mut Krylov, (&'a Vector, &'a mut Vector));
+
+fn solve((krylov, (rhs, x)): Solver, mut system: impl BodiesInFluid, seen: Seen) -> Result<(Report, Unknowns)> {
     let report = krylov.solve(&mut system, (rhs, x), seen)?;
     Ok((report, system.unknowns(x)?))
 }

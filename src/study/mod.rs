@@ -1,4 +1,4 @@
-//! Studies: how solvers scale, and how far known answers are met.
+//! Studies: how solvers scale, how hard their systems are, and how far known answers are met.
 
 mod conditioning;
 mod inverses;
@@ -6,7 +6,7 @@ mod launcher;
 mod scaling;
 mod validation;
 
-pub use conditioning::{ConditioningRange, conditioning};
+pub use conditioning::{ConditioningOptions, conditioning};
 pub use inverses::{InverseOptions, inverses};
 pub use scaling::{Network, ScalingOptions, scaling};
 pub use validation::{Case, cases, validation};

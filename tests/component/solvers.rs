@@ -2,7 +2,9 @@
 
 use turbid::{
     error::{Error, Result},
-    petsc::{Amg, AmgSettings, Krylov, KrylovMethod, KrylovSettings, Matrix, Report, Session, System, Vector},
+    petsc::{
+        Amg, AmgSettings, Krylov, KrylovMethod, KrylovSettings, Matrix, Preconditioner, PreconditionerKind, Report, Session, System, Vector,
+    },
 };
 
 use crate::{
@@ -27,6 +29,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_solver_serves_again_after_an_error),
         Test::of(too_few_iterations_are_an_error_that_names_residual_and_tolerance),
         Test::of(an_amg_cycle_reduces_the_residual_of_a_laplacian),
+        Test::of(preconditioners_for_conjugate_gradients_are_symmetric),
     ]
 }
 
@@ -148,6 +151,28 @@ fn an_amg_cycle_reduces_the_residual_of_a_laplacian(session: &Session) {
             assert!(!singular || correction.mean().unwrap().abs() < 1e-12);
         }
     }
+}
+
+fn preconditioners_for_conjugate_gradients_are_symmetric(session: &Session) {
+    let matrix = laplacian(session, 24, false);
+    let one = filled(session, 24 * 24, |index| ((index * index) as f64).sin());
+    let other = filled(session, 24 * 24, |index| (index as f64).cos());
+    let amg = Amg::new(&matrix, false, &AmgSettings::laplacian(2).symmetric()).unwrap();
+    symmetric_and_positive((&one, &other), |input, output| amg.apply(input, output));
+    for kind in [PreconditionerKind::Jacobi, PreconditionerKind::IncompleteCholesky, PreconditionerKind::BoomerAmg] {
+        let preconditioner = Preconditioner::new(&matrix, kind).unwrap();
+        symmetric_and_positive((&one, &other), |input, output| preconditioner.apply(input, output));
+    }
+}
+
+fn symmetric_and_positive((one, other): (&Vector, &Vector), apply: impl Fn(&Vector, &mut Vector) -> Result<()>) {
+    let (mut of_one, mut of_other) = (one.like().unwrap(), one.like().unwrap());
+    apply(one, &mut of_one).unwrap();
+    apply(other, &mut of_other).unwrap();
+    let (there, back) = (of_one.dot(other).unwrap(), one.dot(&of_other).unwrap());
+    let scale = of_one.dot(one).unwrap();
+    assert!(scale > 0.0);
+    assert!((there - back).abs() < 1e-10 * scale, "{there} and {back}");
 }
 
 /// A periodic chain: `3 + scale` on the diagonal, `-1 -+ skew` beside it.
