@@ -8,7 +8,7 @@ use crate::scene::table::Table;
 const STILL: &str = "inclusions of a scalar do not move; remove it";
 
 /// Sections and keys, and why a scalar scene has none.
-const REFUSED: [(&str, &[&str], &str); 8] = [
+const REFUSED: [(&str, &[&str], &str); 9] = [
     ("gravity", &[], "a scalar and its inclusions have no weight; remove it"),
     ("flow", &["viscosity", "density"], "a scalar (flow.model = \"scalar\") is no fluid; remove it"),
     ("flow", &["drive"], "a scalar has no flow to drive; remove it or give flow.source, a number"),
@@ -17,6 +17,7 @@ const REFUSED: [(&str, &[&str], &str); 8] = [
     ("contact", &[], STILL),
     ("lubrication", &[], STILL),
     ("time", &[], STILL),
+    ("output", &["picture"], "no picture of a scalar is drawn; remove it"),
 ];
 
 /// Refuses the first of them that the file has.
