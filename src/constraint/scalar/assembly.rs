@@ -52,9 +52,6 @@ fn corrections<const D: usize>(grid: &Grid<D>, inclusion: &PlacedInclusion<D>, n
     for (place, offset) in nodes.offsets.iter().enumerate().filter(|(_, offset)| offset.norm() < radius + reach) {
         let Some(unknown) = nodes.unknown(place) else { continue };
         let (before, side) = (terms.len(), if nodes.outside[place] { 1.0 } else { -1.0 });
-        if side < 0.0 {
-            source.unknowns.push(unknown);
-        }
         dirichlet::laplacian(grid, nodes.patch.index(place), |neighbour, weight| {
             let across = nodes.patch.place(neighbour);
             if nodes.outside[across] != nodes.outside[place] {
@@ -65,6 +62,8 @@ fn corrections<const D: usize>(grid: &Grid<D>, inclusion: &PlacedInclusion<D>, n
             unknowns.push(unknown);
             offsets.push(*offset);
             ends.push(terms.len());
+        } else if side < 0.0 {
+            source.unknowns.push(unknown);
         }
     }
     let jumps = nodes.jumps(inclusion, terms.iter().map(|&(place, _)| place));
@@ -79,7 +78,12 @@ fn corrections<const D: usize>(grid: &Grid<D>, inclusion: &PlacedInclusion<D>, n
     source.values = vec![-1.0; source.unknowns.len()];
     let last = values.nrows() - 1;
     source.unknowns.extend(&unknowns);
-    source.values.extend(values.row(last).iter());
+    let corrected = values.row(last);
+    source.values.extend(offsets.iter().zip(corrected.iter()).map(
+        |(offset, value)| {
+            if inclusion.excludes(offset) { *value } else { value - 1.0 }
+        },
+    ));
     (Rows { unknowns, values: values.remove_row(last).as_slice().to_vec() }, source)
 }
 

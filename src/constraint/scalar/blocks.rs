@@ -20,7 +20,7 @@ pub struct InclusionBlocks {
     pub range: Range<usize>,
     /// Rows of C.
     pub rows: Rows,
-    /// What is added to rows by a unit source outside of it, besides one everywhere.
+    /// What is added to rows by a unit source outside of it, besides one everywhere: each cell in it or beside its surface, once.
     pub source: Rows,
     /// Rows of the transpose of J.
     pub sampled: Rows,
@@ -75,6 +75,13 @@ impl ScalarBlocks {
         }
         drop((own, others));
         self.spread.add_back(rows)
+    }
+
+    /// For each of this rank's inclusions, the sum of a field over the cells in it and beside its surface.
+    pub fn sums(&mut self, field: &Vector) -> Result<Vec<f64>> {
+        let (others, own) = (self.spread.fetch(field)?, field.local()?);
+        let sum = |inclusion: &InclusionBlocks| inclusion.source.unknowns.iter().map(|&place| from(&own, &others, place)[0]).sum();
+        Ok(self.inclusions.iter().map(sum).collect())
     }
 
     /// `out = J u`, this rank's multipliers.

@@ -13,7 +13,7 @@ use crate::{
     error::{Error, Result},
     geometry::{Ball, near_pairs},
     grid::{Grid, dirichlet},
-    petsc::{Amg, AmgSettings, Krylov, KrylovMethod, KrylovSettings, Matrix, Session, Stage, Vector, enter},
+    petsc::{Amg, AmgSettings, Krylov, KrylovMethod, KrylovSettings, Matrix, Session, Stage, System, Vector, enter},
     simulation::{Cost, Stages},
     surface::ScalarSurface,
 };
@@ -115,11 +115,30 @@ impl<const D: usize> Inclusions<D> {
         let stage = enter(Stage::Orthogonalisation);
         let report = krylov.solve(&mut system, (&rhs, &mut x), seen)?;
         drop(stage);
-        system.work.split(&x)?;
+        let mut residual = rhs.like()?;
+        system.apply(&x, &mut residual)?;
+        residual.add(-1.0, &rhs)?;
         let mut values = vec![0.0; self.layout.local_unknowns()];
         system.values(self.setup.source, &mut values)?;
         (self.cost.krylov, self.cost.stages) = (report, self.work.stages);
-        self.solution(&values)
+        let fluxes = self.fluxes(&residual)?;
+        self.solution(&values, &fluxes)
+    }
+
+    /// Net fluxes out of this rank's inclusions as the grid has them: of the multipliers, and of what the solver leaves in the rows there.
+    fn fluxes(&mut self, residual: &Vector) -> Result<Vec<f64>> {
+        let cells = self.grid.local_unknowns(D);
+        self.work.field_out.local_mut()?.copy_from_slice(&residual.local()?[..cells]);
+        let sums = self.blocks.sums(&self.work.field_out)?;
+        let multipliers = self.work.multipliers.local()?;
+        let factor = self.grid.spacing().product() / self.scale();
+        let found = self.members.iter().zip(&self.layout.local_bodies).zip(sums);
+        Ok(found.map(|((member, &body), sum)| self.area(body) * multipliers[member.range.start] + factor * sum).collect())
+    }
+
+    fn area(&self, inclusion: usize) -> f64 {
+        let (ball, _) = self.setup.inclusions[inclusion];
+        ball.volume() * D as f64 / ball.radius
     }
 
     /// Makes rows of the scalar of the size of its values.
@@ -147,11 +166,10 @@ impl<const D: usize> Inclusions<D> {
         Ok(rhs)
     }
 
-    /// What is found, from the values on surfaces and what was split last.
-    fn solution(&self, values: &[f64]) -> Result<ScalarSolution<D>> {
-        let multipliers = self.work.multipliers.local()?;
-        let bodies = self.layout.local_bodies.iter().zip(&self.members);
-        let found = bodies.flat_map(|(&body, member)| [body as f64, values[member.range.start], multipliers[member.range.start]]);
+    /// What is found, from the values on surfaces, net fluxes, and what was split last.
+    fn solution(&self, values: &[f64], fluxes: &[f64]) -> Result<ScalarSolution<D>> {
+        let bodies = self.layout.local_bodies.iter().zip(self.members.iter().zip(fluxes));
+        let found = bodies.flat_map(|(&body, (member, &flux))| [body as f64, values[member.range.start], flux]);
         let all = self.session.world().gather(&found.collect::<Vec<f64>>());
         let mut found: Vec<&[f64]> = all.chunks(3).collect();
         found.sort_by(|one, two| one[0].total_cmp(&two[0]));
@@ -159,7 +177,7 @@ impl<const D: usize> Inclusions<D> {
             center: placed.center,
             radius: ball.radius,
             value: found[1],
-            flux: found[2] * ball.volume() * D as f64 / ball.radius,
+            flux: found[2],
         };
         let inclusions: Vec<InclusionState<D>> = found.iter().zip(self.setup.inclusions.iter().zip(&self.placed)).map(state).collect();
         let mut field = self.work.field_in.like()?;
