@@ -155,7 +155,7 @@ mod tests {
 
     use super::*;
 
-    const STEP: f64 = 1e-3;
+    const STEP: f64 = 3e-4;
 
     /// Minus the Laplacians of all jump functions at an offset, by differences.
     fn minus_laplacian<const D: usize>(modes: &ScalarModes<D>, offset: SVector<f64, D>) -> Vec<f64> {

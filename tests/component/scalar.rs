@@ -17,6 +17,7 @@ pub fn tests() -> Vec<Test> {
     vec![
         Test::of(values_and_energies_are_those_of_an_independent_program),
         Test::of(errors_are_of_second_order_and_iterations_do_not_grow),
+        Test::of(a_sphere_off_the_centre_is_of_second_order),
         Test::of(nothing_flows_net_out_of_many_disks),
         Test::of(nothing_flows_net_out_of_many_spheres),
         Test::of(symmetric_inclusions_have_equal_values),
@@ -74,6 +75,19 @@ fn errors_are_of_second_order_and_iterations_do_not_grow(session: &Session) {
             assert!(fine.abs() < bound * coarse.abs(), "{cells} cells: {fine:.1e} after {coarse:.1e}");
         }
         assert!(fine.1 <= coarse.1 + 2, "{} iterations after {}", fine.1, coarse.1);
+    }
+}
+
+/// Each refinement brings a quarter of the change of the one before.
+fn a_sphere_off_the_centre_is_of_second_order(session: &Session) {
+    let found = [16, 32, 64].map(|cells| {
+        let sphere = Ball { center: Vector3::new(0.42, 0.47, 0.55), radius: 0.25 };
+        let (_, solution) = solve(session, walled(1.0 / f64::from(cells), vec![(sphere, 4)]));
+        [solution.inclusions[0].value, solution.energy]
+    });
+    for [coarse, middle, fine] in [0, 1].map(|quantity| found.map(|found| found[quantity])) {
+        let ratio = (middle - coarse) / (fine - middle);
+        assert!((3.3..4.7).contains(&ratio), "changes go down by {ratio}: {coarse}, {middle}, {fine}");
     }
 }
 

@@ -10,6 +10,7 @@
 //! place of rigid motions, fluxes in the place of tractions.
 
 mod inclusions;
+mod placed;
 mod setup;
 mod solution;
 mod system;

@@ -45,6 +45,6 @@ impl<const D: usize> ScalarSetup<D> {
 
     /// Part of the box that inclusions fill.
     pub fn fraction(&self) -> f64 {
-        self.inclusions.iter().map(|(ball, _)| ball.volume()).sum::<f64>() / self.domain.volume()
+        self.inclusions.iter().fold(0.0, |sum, (ball, _)| sum + ball.volume()) / self.domain.volume()
     }
 }
