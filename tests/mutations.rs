@@ -73,7 +73,7 @@ travel = 0.2
 
 const TABLE: &str = "# made by hand\nx,y,z,radius\n1.0,2.0,3.0,0.5\n\n4.5,-5e-1,6,1e-3\n 7 , 8,9 ,0.25\n";
 
-const PIECES: [&str; 43] = [
+const PIECES: [&str; 45] = [
     "[",
     "]",
     "{",
@@ -113,6 +113,8 @@ const PIECES: [&str; 43] = [
     "[time]\n",
     "step = 3\n",
     "model = \"none\"\n",
+    "model = \"scalar\"\n",
+    "source = 2\n",
     "\"auto\"",
     "velocity = [1, 0]\n",
     "[output]\n",

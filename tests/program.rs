@@ -117,6 +117,18 @@ fn bad_scenes() -> Vec<(&'static str, String, &'static str, &'static [usize])> {
             "no steady flow",
             all,
         ),
+        (
+            "scalar_without_walls",
+            with("[[bodies]]\nradius = 1.0\ncount = 2\n[flow]\nmodel = \"scalar\""),
+            "flow.model = \"scalar\": needs a wall",
+            all,
+        ),
+        (
+            "scalar_in_time",
+            walled("[[bodies]]\nradius = 1.0\ncount = 2\n[flow]\nmodel = \"scalar\"\n[time]\nend = 1.0"),
+            "inclusions of a scalar do not move",
+            all,
+        ),
         ("missing_centers", with("[[bodies]]\nradius = 1.0\nfile = \"absent.csv\""), "absent.csv", all),
         ("ranks", "[domain]\nsize = [1.0, 1.0]\n[resolution]\nspacing = 0.25\n".into(), "3 ranks do not fit", &[3]),
     ]
@@ -183,6 +195,13 @@ fn a_plan_names_what_is_built_and_what_is_not_and_solves_nothing() {
         assert!(said.contains(part), "no {part:?} in: {said}");
     }
     assert_eq!(fs::read_dir(&here).unwrap().count(), 1);
+    let output = turbid(2, &["plan", root().join("examples/scalar.toml").to_str().unwrap()]);
+    let said = String::from_utf8_lossy(&output.stdout);
+    for part in
+        ["built      scalar: one matrix", "built      source: 1 outside", "not built  motion in time", "4096 on the grid, 17 on surfaces"]
+    {
+        assert!(said.contains(part), "no {part:?} in: {said}");
+    }
 }
 
 #[test]

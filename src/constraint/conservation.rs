@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, SVector};
 use crate::surface::SurfaceTable;
 
 /// Force and first moments, filled up with zeros: products of matrices are fast from this size on.
-const TERMS: usize = 6;
+pub const TERMS: usize = 6;
 
 /// Corrects the momentum rows of one component: `values` holds, for each row at an offset from the centre, one value a mode.
 pub fn conserve_momentum<const D: usize>(
@@ -24,13 +24,18 @@ pub fn conserve_momentum<const D: usize>(
     offsets: &[SVector<f64, D>],
     values: &mut [f64],
 ) {
-    let (count, rows) = (surface.modes.count(), offsets.len());
+    conserve((surface.modes.radius(), wanted_moments(component, surface) / cell_volume), offsets, values);
+}
+
+/// Gives rows the wanted sums, and sums times offsets over `length` (one row a mode, filled up with zeros to [`TERMS`]).
+pub fn conserve<const D: usize>((length, wanted): (f64, DMatrix<f64>), offsets: &[SVector<f64, D>], values: &mut [f64]) {
+    let (count, rows) = (wanted.nrows(), offsets.len());
     let basis = DMatrix::from_fn(TERMS, rows, |term, row| match term {
         0 => 1.0,
-        term if term <= D => offsets[row][term - 1] / surface.modes.radius(),
+        term if term <= D => offsets[row][term - 1] / length,
         _ => 0.0,
     });
-    let mut missing = wanted_moments(component, surface) / cell_volume;
+    let mut missing = wanted;
     missing.gemm(-1.0, &DMatrixView::from_slice(values, count, rows), &basis.transpose(), 1.0);
     let moments = basis.rows(0, D + 1);
     // rows too few or in line cannot carry all moments: such a body lies almost wholly beyond what the grid resolves

@@ -18,10 +18,12 @@ mod near;
 mod patch;
 mod places;
 mod rows;
+mod scalar;
 mod sharp;
 
 pub use blocks::{Blocks, BodyBlocks, Situation};
 pub use layout::Layout;
 pub use near::{Crowd, NearPairs, PairTables};
 pub use patch::Patch;
+pub use scalar::{PlacedInclusion, ScalarBlocks, assemble as assemble_inclusion};
 pub use sharp::{INTERPOLATION_REACH, Neighbour, Passed, Placed, Workspace, assemble, jump, passed};

@@ -24,6 +24,11 @@ impl<const D: usize> Patch<D> {
         })
     }
 
+    /// Cell centres within `reach` of `center` along each axis, with the indices beyond the last ones: they stand for walls.
+    pub fn of_cells(grid: &Grid<D>, center: &SVector<f64, D>, reach: f64) -> Patch<D> {
+        Patch::clipped(grid, D, center, reach, |axis| (-1, grid.cells()[axis] as isize + 1))
+    }
+
     fn clipped(grid: &Grid<D>, field: usize, center: &SVector<f64, D>, reach: f64, limits: impl Fn(usize) -> (isize, isize)) -> Patch<D> {
         let place = |axis: usize, x: f64| x / grid.spacing()[axis] - grid.stagger(field, axis);
         let mut start: Index<D> = std::array::from_fn(|axis| place(axis, center[axis] - reach).floor() as isize);

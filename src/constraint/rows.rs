@@ -14,7 +14,7 @@ pub struct Rows {
     /// Indices in fluid vectors.
     pub unknowns: Vec<u32>,
     /// Once planned, their places.
-    places: Vec<u32>,
+    pub places: Vec<u32>,
     /// Values, multipliers running fastest.
     pub values: Vec<f64>,
 }

@@ -1,7 +1,7 @@
 //! The result of a run in a few lines for people.
 
 use super::{
-    Summary,
+    ScalarSummary, Summary,
     summary::{ContactSummary, MotionSummary, SolverSummary},
 };
 
@@ -13,7 +13,10 @@ const WIDTH: usize = 60;
 
 /// The lines that a run ends with.
 pub fn report(summary: &Summary) -> String {
-    let bodies = counted(summary.bodies.len(), "body", "bodies");
+    let bodies = match &summary.scalar {
+        Some(scalar) => counted(scalar.inclusions.len(), "inclusion", "inclusions"),
+        None => counted(summary.bodies.len(), "body", "bodies"),
+    };
     let mut lines = vec![format!("{bodies}, fraction {:.4}, on {}", summary.fraction, counted(summary.ranks, "rank", "ranks"))];
     if let Some(motion) = &summary.motion {
         lines.extend(motion_lines(summary, motion));
@@ -22,6 +25,7 @@ pub fn report(summary: &Summary) -> String {
         let walls = viscosity.from_walls.map_or(String::new(), |walls| format!("   (from the force on the walls: {walls:.4})"));
         lines.push(format!("relative viscosity   {:.4}{walls}", viscosity.relative));
     }
+    lines.extend(summary.scalar.iter().flat_map(scalar_lines));
     lines.extend(summary.contact.as_ref().map(contact_line));
     lines.extend(summary.solver.iter().flat_map(|solver| solver_lines(solver, summary.motion.is_none())));
     lines.join("\n")
@@ -41,6 +45,18 @@ fn motion_lines(summary: &Summary, motion: &MotionSummary) -> Vec<String> {
         "seconds              {:.2}: {:.2} jump assembly, {:.2} flow, {:.2} contacts, {:.2} files",
         motion.seconds, motion.assembly_seconds, motion.solve_seconds, motion.contact_seconds, motion.output_seconds
     ));
+    lines
+}
+
+fn scalar_lines(scalar: &ScalarSummary) -> Vec<String> {
+    let inclusions = &scalar.inclusions;
+    let mut lines = vec![format!("energy               {:.6}", scalar.energy)];
+    let (lowest, highest, flux) = inclusions.iter().fold((f64::INFINITY, f64::NEG_INFINITY, 0.0_f64), |(low, high, flux), inclusion| {
+        (low.min(inclusion.value), high.max(inclusion.value), flux.max(inclusion.flux.abs()))
+    });
+    if !inclusions.is_empty() {
+        lines.push(format!("values               {lowest:.6} to {highest:.6}, largest net flux {flux:.1e}"));
+    }
     lines
 }
 

@@ -3,14 +3,14 @@
 use nalgebra::{SMatrix, SVector};
 use serde::Serialize;
 
-use super::ParallelSummary;
+use super::{ParallelSummary, ScalarSummary};
 use crate::{
     body::components,
     error::Result,
     geometry::{Ball, Domain},
     observe::Viscosity,
     parallel::{World, peak_memory_bytes},
-    simulation::{BodyState, Moving, Solution, State, Suspension},
+    simulation::{BodyState, Cost, Moving, Solution, State, Suspension},
 };
 
 /// Everything that `summary.json` holds; an effect that the scene does not call for is `null`.
@@ -32,6 +32,8 @@ pub struct Summary {
     pub bodies: Vec<BodySummary>,
     /// The flow.
     pub flow: Option<FlowSummary>,
+    /// The scalar around inclusions, where it takes the place of the flow.
+    pub scalar: Option<ScalarSummary>,
     /// Apparent viscosity over that of the fluid, in a sheared suspension of free bodies.
     pub viscosity: Option<ViscositySummary>,
     /// Contacts, if a contact model acts.
@@ -206,7 +208,12 @@ impl Summary {
     }
 
     /// `shared` is this rank's part: bodies and cells.
-    fn of_bodies(named: (&str, &str), (bodies, fraction): (Vec<BodySummary>, f64), shared: (usize, usize), world: &World) -> Summary {
+    pub(super) fn of_bodies(
+        named: (&str, &str),
+        (bodies, fraction): (Vec<BodySummary>, f64),
+        shared: (usize, usize),
+        world: &World,
+    ) -> Summary {
         Summary {
             scene: named.0.into(),
             title: named.1.into(),
@@ -216,6 +223,7 @@ impl Summary {
             fraction,
             bodies,
             flow: None,
+            scalar: None,
             viscosity: None,
             contact: None,
             solver: None,
@@ -262,15 +270,20 @@ impl ViscositySummary {
 
 impl SolverSummary {
     fn new<const D: usize>(suspension: &Suspension<D>, world: &World) -> Result<SolverSummary> {
-        let cost = suspension.cost();
         let faster = suspension.faster()?;
+        let faster = faster.map(|faster| FasterSummary { inverse: faster.inverse.word(), solve_seconds: faster.solve_seconds });
+        Ok(SolverSummary { faster, ..SolverSummary::of_cost(suspension.setup().inverse.word(), suspension.cost(), world) })
+    }
+
+    /// What a solve with this inverse cost; collective.
+    pub(super) fn of_cost(inverse: &'static str, cost: &Cost, world: &World) -> SolverSummary {
         let mut memory = [peak_memory_bytes()];
         world.sum(&mut memory);
         let slowest = |seconds: f64| world.max(seconds);
         let stages = cost.stages;
-        Ok(SolverSummary {
-            inverse: suspension.setup().inverse.word(),
-            faster: faster.map(|faster| FasterSummary { inverse: faster.inverse.word(), solve_seconds: faster.solve_seconds }),
+        SolverSummary {
+            inverse,
+            faster: None,
             grid_unknowns: cost.grid_unknowns,
             multiplier_unknowns: cost.multiplier_unknowns,
             iterations: cost.krylov.iterations,
@@ -283,6 +296,6 @@ impl SolverSummary {
             body_seconds: slowest(stages.bodies),
             krylov_seconds: slowest(cost.krylov.seconds - stages.inverse - stages.matrices - stages.bodies),
             peak_memory_bytes: memory[0],
-        })
+        }
     }
 }

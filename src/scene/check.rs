@@ -9,6 +9,9 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     if scene.dry() {
         return check_dry(scene);
     }
+    if scene.scalar() {
+        return check_scalar(scene);
+    }
     check_inverse(scene)?;
     match &scene.flow.drive {
         Some(Drive::ShearRate(rate)) => check_shear(scene, *rate),
@@ -55,7 +58,15 @@ fn check_dry(scene: &Scene) -> Result<()> {
         return refuse("a dry scene has no instantaneous solve; add [time]");
     }
     check_masses(scene)?;
-    check_still_walls(scene)
+    check_still_walls(scene, "without fluid and friction no body feels a wall move")
+}
+
+fn check_scalar(scene: &Scene) -> Result<()> {
+    if walled(scene).next().is_none() {
+        let remedy = "needs a wall, where the scalar is 0; set domain.x = \"walls\" or another axis";
+        return Err(scene.refuse("flow.model", "\"scalar\"", remedy));
+    }
+    check_still_walls(scene, "a scalar does not feel a wall move")
 }
 
 fn check_masses(scene: &Scene) -> Result<()> {
@@ -66,13 +77,13 @@ fn check_masses(scene: &Scene) -> Result<()> {
 }
 
 /// Walls move along themselves, so only a fluid or friction would feel it.
-fn check_still_walls(scene: &Scene) -> Result<()> {
+fn check_still_walls(scene: &Scene, reason: &str) -> Result<()> {
     for (axis, section) in scene.domain.axes.iter().enumerate() {
         let AxisSection::Walls { lower, upper } = section else { continue };
         for (wall, velocity) in [("lower", lower), ("upper", upper)] {
             if velocity.iter().any(|&component| component != 0.0) {
                 let key = format!("domain.{}.{wall}", name(axis));
-                return Err(scene.refuse(&key, format!("{velocity:?}"), "must be 0: without fluid and friction no body feels a wall move"));
+                return Err(scene.refuse(&key, format!("{velocity:?}"), &format!("must be 0: {reason}")));
             }
         }
     }

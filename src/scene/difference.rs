@@ -116,12 +116,14 @@ fn of_domain(domain: &DomainSection) -> Keys {
 }
 
 fn of_flow(flow: &FlowSection) -> Keys {
-    let FlowSection { model, viscosity, density, drive } = flow;
+    let FlowSection { model, viscosity, density, drive, source } = flow;
     let model = match model {
         FlowModel::None => "none",
+        FlowModel::Scalar => "scalar",
         FlowModel::Stokes => "stokes",
     };
-    let mut keys = vec![word("flow.model", model), pair("flow.viscosity", viscosity), pair("flow.density", density)];
+    let mut keys =
+        vec![word("flow.model", model), pair("flow.viscosity", viscosity), pair("flow.density", density), pair("flow.source", source)];
     keys.extend(drive.as_ref().map(|drive| match drive {
         Drive::MeanVelocity(velocity) => list("flow.drive.mean_velocity", velocity),
         Drive::PressureGradient(gradient) => list("flow.drive.pressure_gradient", gradient),

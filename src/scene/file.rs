@@ -8,8 +8,8 @@ use crate::error::{Error, Result};
 use crate::scene::locations::{Lines, Locations};
 use crate::scene::table::Table;
 use crate::scene::{
-    ContactSection, DomainSection, FlowSection, LubricationSection, MethodSection, OutputSection, ResolutionSection, Scene, TimeSection,
-    bodies, check, overrides,
+    ContactSection, DomainSection, FlowModel, FlowSection, LubricationSection, MethodSection, OutputSection, ResolutionSection, Scene,
+    TimeSection, bodies, check, overrides, scalar,
 };
 
 const KEYS: [&str; 12] =
@@ -57,6 +57,9 @@ fn read(file: &str, folder: &Path, content: &Value, locations: Locations) -> Res
     let dimension = domain.size.len();
     let flow = FlowSection::read(&root, dimension)?;
     let model = flow.model;
+    if model == FlowModel::Scalar {
+        scalar::refuse_keys(&root)?;
+    }
     Ok(Scene {
         name: Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         title: root.get("title").map_or(Ok(""), |entry| entry.text())?.to_owned(),

@@ -10,6 +10,7 @@ mod entry;
 mod file;
 mod locations;
 mod overrides;
+mod scalar;
 mod sections;
 mod table;
 
@@ -86,6 +87,11 @@ impl Scene {
     /// Whether there is no fluid: bodies then have inertia and only touch each other.
     pub fn dry(&self) -> bool {
         self.flow.model == FlowModel::None
+    }
+
+    /// Whether a scalar around inclusions takes the place of the fluid.
+    pub fn scalar(&self) -> bool {
+        self.flow.model == FlowModel::Scalar
     }
 
     /// The refusal of a key's value: place, key, value and what would be right.

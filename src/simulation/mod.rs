@@ -13,6 +13,7 @@ mod memory;
 mod pace;
 mod placement;
 mod plan;
+mod scalar;
 mod setup;
 #[expect(clippy::module_inception, reason = "the time loop is what the module is named after")]
 mod simulation;
@@ -31,6 +32,7 @@ pub use faster::Faster;
 pub use memory::{Past, Snapshot};
 pub use pace::{Pace, Stride, Urge};
 pub use plan::Plan;
+pub use scalar::{InclusionState, Inclusions, ScalarSetup, ScalarSolution};
 pub use setup::{Setup, SuspendedBody};
 pub use simulation::{Simulation, StepReport};
 pub use solution::{BodyState, Solution};

@@ -6,8 +6,8 @@ use crate::{
     error::Result,
     flow::{Drive, InverseMethod},
     grid::Grid,
-    scene::{ContactModel, Scene, Scheme, Step},
-    simulation::{DrySetup, Setup, SuspendedBody, closure::Closure},
+    scene::{ContactModel, FlowModel, Scene, Scheme, Step},
+    simulation::{DrySetup, ScalarSetup, Setup, SuspendedBody, closure::Closure},
     surface::{SurfaceTable, modes},
 };
 
@@ -72,7 +72,11 @@ impl Plan {
     /// # Errors
     /// Bodies, grid or rank count do not fit.
     pub fn of<const D: usize>(scene: &Scene, ranks: usize) -> Result<Plan> {
-        if scene.dry() { Plan::of_dry(scene, &DrySetup::<D>::of(scene)?) } else { Plan::of_flow(scene, &Setup::<D>::of(scene)?, ranks) }
+        match scene.flow.model {
+            FlowModel::None => Plan::of_dry(scene, &DrySetup::<D>::of(scene)?),
+            FlowModel::Scalar => Plan::of_scalar(&ScalarSetup::<D>::of(scene)?, ranks),
+            FlowModel::Stokes => Plan::of_flow(scene, &Setup::<D>::of(scene)?, ranks),
+        }
     }
 
     fn of_dry<const D: usize>(scene: &Scene, setup: &DrySetup<D>) -> Result<Plan> {
@@ -84,6 +88,31 @@ impl Plan {
         ];
         effects.extend(in_time(scene));
         Ok(Plan { effects, fluid: None, bytes: CONTACT_BYTES * setup.bodies.len() as f64 })
+    }
+
+    fn of_scalar<const D: usize>(setup: &ScalarSetup<D>, ranks: usize) -> Result<Plan> {
+        let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
+        let inclusions = match setup.inclusions.len() {
+            0 => Effect::off("inclusions"),
+            count => Effect::on("inclusions", format!("{count}, with surface multipliers and corrected stencils (sharp)")),
+        };
+        let effects = vec![
+            Effect::on("scalar", "one matrix, one multigrid hierarchy (hypre)".into()),
+            Effect::on("source", format!("{} outside the inclusions", setup.source)),
+            inclusions,
+            Effect::off("motion in time"),
+        ];
+        let (grid_unknowns, multiplier_unknowns) = (grid.unknowns(D), setup.multipliers());
+        let unknowns = (grid_unknowns + multiplier_unknowns) as f64;
+        let nonzeros = grid_unknowns as f64 * (2 * D + 1) as f64 * HIERARCHY_FACTOR;
+        let fluid = FluidPlan {
+            cells: grid.cells().to_vec(),
+            blocks: grid.partition().ranks().to_vec(),
+            grid_unknowns,
+            multiplier_unknowns,
+            closure_unknowns: 0,
+        };
+        Ok(Plan { effects, fluid: Some(fluid), bytes: nonzeros * BYTES_PER_NONZERO + KRYLOV_VECTORS * unknowns * 8.0 })
     }
 
     fn of_flow<const D: usize>(scene: &Scene, setup: &Setup<D>, ranks: usize) -> Result<Plan> {

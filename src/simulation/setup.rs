@@ -50,14 +50,7 @@ impl<const D: usize> Setup<D> {
     /// Bodies overlap or lie outside, do not fit at the asked fraction, or are too small for the grid or the modes.
     pub fn of(scene: &Scene) -> Result<Setup<D>> {
         let domain = domain(scene);
-        let placed = bodies(scene, &domain)?;
-        let resolution = resolution(scene);
-        let radii = placed.iter().map(|(_, body)| body.ball.radius);
-        let spacing = match resolution.spacing {
-            Spacing::Length(spacing) => spacing,
-            Spacing::CellsPerRadius(cells) => radii.fold(f64::INFINITY, f64::min) / cells,
-        };
-        let bodies = placed.iter().map(|&(_, body)| suspended(scene, body, spacing)).collect::<Result<_>>()?;
+        let (spacing, bodies) = suspended_bodies(scene, bodies(scene, &domain)?)?;
         let (viscosity, tolerance) = (scene.flow.viscosity, scene.method.tolerance);
         let inverse = inverse(scene, &domain);
         Ok(Setup { domain, spacing, viscosity, drive: drive(scene), bodies, inverse, tolerance })
@@ -89,6 +82,20 @@ fn inverse<const D: usize>(scene: &Scene, domain: &Domain<D>) -> InverseMethod {
         StokesSolver::Transform => InverseMethod::Transform,
         StokesSolver::Auto => InverseMethod::fastest(domain),
     }
+}
+
+/// The spacing that a scene asks for, and its bodies with the order of their modes.
+///
+/// # Errors
+/// A body is too small for the grid or the modes.
+pub(super) fn suspended_bodies<const D: usize>(scene: &Scene, placed: Vec<(usize, Body<D>)>) -> Result<(f64, Vec<SuspendedBody<D>>)> {
+    let radii = placed.iter().map(|(_, body)| body.ball.radius);
+    let spacing = match resolution(scene).spacing {
+        Spacing::Length(spacing) => spacing,
+        Spacing::CellsPerRadius(cells) => radii.fold(f64::INFINITY, f64::min) / cells,
+    };
+    let bodies = placed.iter().map(|&(_, body)| suspended(scene, body, spacing)).collect::<Result<_>>()?;
+    Ok((spacing, bodies))
 }
 
 fn suspended<const D: usize>(scene: &Scene, body: Body<D>, spacing: f64) -> Result<SuspendedBody<D>> {

@@ -66,6 +66,9 @@ pub fn scaling(options: &ScalingOptions) -> Result<()> {
         let remedy = "scaling measures the solver of the fluid, and a dry scene has none; choose a scene with a flow";
         return Err(scene.refuse("flow.model", "\"none\"", remedy));
     }
+    if scene.scalar() {
+        return Err(scene.refuse("flow.model", "\"scalar\"", "scaling measures the solver of the fluid; choose a scene with a flow"));
+    }
     match scene.dimension() {
         2 => Study::<2>::new(options, scene)?.report(),
         _ => Study::<3>::new(options, scene)?.report(),

@@ -15,6 +15,7 @@ pub mod fourier;
 mod lanes;
 pub mod quadrature;
 mod radial;
+mod scalar;
 mod solid_harmonics;
 pub mod spherical;
 mod table;
@@ -28,6 +29,7 @@ use nalgebra::DMatrix;
 
 pub use fourier::Fourier;
 pub use quadrature::{Quadrature, quadrature};
+pub use scalar::{ScalarModes, ScalarSurface};
 pub use spherical::Spherical;
 pub use table::SurfaceTable;
 pub use turn::{Family, turn};

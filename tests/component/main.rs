@@ -18,6 +18,7 @@ mod lasting;
 mod machine;
 mod motion;
 mod near;
+mod scalar;
 mod solvers;
 mod suspension;
 mod transform;
@@ -61,6 +62,7 @@ fn main() {
         fluid::tests(),
         transform::tests(),
         near::tests(),
+        scalar::tests(),
         suspension::tests(),
         inverses::tests(),
         hard::tests(),

@@ -5,6 +5,7 @@ mod folder;
 mod instant;
 mod march;
 mod outputs;
+mod scalar;
 mod signals;
 
 use std::path::Path;
@@ -20,6 +21,7 @@ pub use folder::CHECKPOINT;
 /// Runs a scene of dimension `D` from its start.
 pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> Result<()> {
     match scene.time {
+        None if scene.scalar() => scalar::run::<D>(session, scene, folder),
         None => instant::run::<D>(session, scene, folder),
         Some(_) => march::run::<D>(session, scene, folder, None),
     }

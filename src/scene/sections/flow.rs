@@ -7,7 +7,7 @@ use crate::scene::table::Table;
 /// Keys of `flow.drive`, which exclude each other.
 pub(in crate::scene) const DRIVES: [&str; 4] = ["mean_velocity", "pressure_gradient", "body_force", "shear_rate"];
 
-/// The fluid and what drives it; in a dry scene nothing but the model has a meaning.
+/// The fluid and what drives it; in a dry scene nothing but the model has a meaning, in a scalar one the source besides.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlowSection {
     /// The equations.
@@ -18,6 +18,8 @@ pub struct FlowSection {
     pub density: f64,
     /// What moves the fluid besides walls and bodies.
     pub drive: Option<Drive>,
+    /// Source of the scalar per volume outside the inclusions; only scalar scenes have one.
+    pub source: f64,
 }
 
 /// The equations of the fluid.
@@ -25,6 +27,8 @@ pub struct FlowSection {
 pub enum FlowModel {
     /// No fluid: dry bodies, which have inertia.
     None,
+    /// No fluid but a scalar: `-Lap u = source` around inclusions in which it is constant.
+    Scalar,
     /// Viscous flow without inertia.
     Stokes,
 }
@@ -44,11 +48,11 @@ pub enum Drive {
 
 impl FlowSection {
     pub(in crate::scene) fn read(root: &Table, dimension: usize) -> Result<Self> {
-        let table = root.section("flow", &["model", "viscosity", "density", "drive"])?;
-        let models = [("none", FlowModel::None), ("stokes", FlowModel::Stokes)];
-        let model = |entry: Entry| entry.choice(&models, &["scalar", "navier-stokes"]);
+        let table = root.section("flow", &["model", "viscosity", "density", "drive", "source"])?;
+        let models = [("none", FlowModel::None), ("scalar", FlowModel::Scalar), ("stokes", FlowModel::Stokes)];
+        let model = |entry: Entry| entry.choice(&models, &["navier-stokes"]);
         let model = table.get("model").map_or(Ok(FlowModel::Stokes), model)?;
-        for name in ["viscosity", "density", "drive"] {
+        for name in ["viscosity", "density", "drive", "source"] {
             model.allow(table.get(name))?;
         }
         Ok(FlowSection {
@@ -56,8 +60,15 @@ impl FlowSection {
             viscosity: table.get("viscosity").map_or(Ok(1.0), |entry| entry.positive())?,
             density: table.get("density").map_or(Ok(0.0), |entry| entry.not_negative())?,
             drive: table.get("drive").map(|entry| Drive::read(&entry, dimension)).transpose()?,
+            source: table.get("source").map_or(Ok(1.0), |entry| read_source(&entry, model))?,
         })
     }
+}
+
+fn read_source(entry: &Entry, model: FlowModel) -> Result<f64> {
+    let source = entry.number()?;
+    let remedy = "only a scalar (flow.model = \"scalar\") has a source; a fluid is driven by flow.drive";
+    entry.expect(source, model == FlowModel::Scalar, remedy)
 }
 
 impl FlowModel {

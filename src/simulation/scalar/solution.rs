@@ -1,0 +1,28 @@
+//! What a solve of the scalar problem finds.
+
+use nalgebra::SVector;
+
+use crate::petsc::Vector;
+
+/// An inclusion and what is found for it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InclusionState<const D: usize> {
+    /// Its centre, in the box.
+    pub center: SVector<f64, D>,
+    /// Its radius.
+    pub radius: f64,
+    /// The scalar in it: its mean over the surface.
+    pub value: f64,
+    /// Net flux out of it, zero up to the tolerance.
+    pub flux: f64,
+}
+
+/// The solution of the scalar problem.
+pub struct ScalarSolution<const D: usize> {
+    /// All inclusions, on every rank.
+    pub inclusions: Vec<InclusionState<D>>,
+    /// The scalar at cell centres, this rank's part.
+    pub field: Vector,
+    /// The least value of the functional that it minimises.
+    pub energy: f64,
+}
