@@ -120,7 +120,7 @@ fn a_study_that_cannot_be_made_is_refused() {
         (1, &[path, "--launcher", "no-such-starter {ranks}"], "no-such-starter cannot be started", 2),
         (1, &[path, "--latency", "-1"], "", 2),
         (1, &[dry.to_str().unwrap()], "flow.model = \"none\"", 2),
-        (2, &[path], "scaling starts its own ranks", 2),
+        (2, &[path], "this study starts its own ranks", 2),
         (1, &[path, "--ranks", "1", "--", "-coupled_ksp_max_it", "2"], "stopped after 2 iterations", 1),
     ];
     for (ranks, arguments, message, code) in cases {
