@@ -56,18 +56,23 @@ fn sheared(count: usize) -> Setup<2> {
     between_sliding_walls(count, 0.3, 2.0, 0.1)
 }
 
-/// What is left of the start's error sits in the slow modes of gaps, which a better preconditioner would have to know.
+/// A solve that starts from the last two takes at most 60 % of the iterations of the first, once its tolerance goes with the error
+/// of the step. To the same residual it saves little: what is left of the start's error sits in the slow modes of the crowd.
 fn a_warm_start_saves_iterations(session: &Session) {
-    let suspension = Suspension::new(session, sheared(60)).unwrap();
-    let mut simulation = Simulation::flowing(session, suspension, time(Step::Auto, 1.0, Scheme::TwoStep), ContactModel::None);
-    let mut iterations = Vec::new();
-    for _ in 0..8 {
-        let view = simulation.look(&mut |_, _| {}).unwrap();
-        iterations.push(view.effort.iterations);
-        simulation.step(&view, &mut |_, _| {}).unwrap();
+    for inverse in [InverseMethod::Hypre, InverseMethod::Transform] {
+        for (tolerance, part) in [(Tolerance::Auto, 0.6), (Tolerance::Fixed(1e-6), 0.9)] {
+            let suspension = Suspension::new(session, Setup { inverse, tolerance, ..sheared(60) }).unwrap();
+            let mut simulation = Simulation::flowing(session, suspension, time(Step::Auto, 1.0, Scheme::TwoStep), ContactModel::None);
+            let mut iterations = Vec::new();
+            for _ in 0..8 {
+                let view = simulation.look(&mut |_, _| {}).unwrap();
+                iterations.push(view.effort.iterations);
+                simulation.step(&view, &mut |_, _| {}).unwrap();
+            }
+            let warm = iterations[1..].iter().sum::<usize>() as f64 / 7.0;
+            assert!(warm <= part * iterations[0] as f64, "{inverse:?} to {tolerance:?}: {iterations:?}");
+        }
     }
-    let warm = iterations[1..].iter().sum::<usize>() as f64 / 7.0;
-    assert!(warm <= 0.86 * iterations[0] as f64, "{iterations:?}");
 }
 
 fn pulled(force: [f64; 2]) -> Motion<2> {
