@@ -183,19 +183,22 @@ impl Summary {
         let (setup, grid) = (suspension.setup(), suspension.grid());
         let held = solution.bodies.iter().filter(|body| grid.owner(&setup.domain.wrap(body.center)) == world.rank()).count();
         let bodies = setup.bodies.iter().zip(&solution.bodies);
+        // what this run took, before another inverse is tried out
+        let base = Summary::of_bodies(
+            named,
+            (bodies.map(|(suspended, state)| BodySummary::of_state(suspended.body.ball.radius, state)).collect(), setup.fraction()),
+            (held, grid.local_unknowns(D)),
+            world,
+        );
+        let solver = SolverSummary::new(suspension, world)?;
         Ok(Summary {
             flow: Some(FlowSummary {
                 mean_velocity: solution.mean_velocity.as_slice().to_vec(),
                 pressure_gradient: solution.pressure_gradient.as_slice().to_vec(),
             }),
             viscosity: viscosity.map(ViscositySummary::new),
-            solver: Some(SolverSummary::new(suspension, world)?),
-            ..Summary::of_bodies(
-                named,
-                (bodies.map(|(suspended, state)| BodySummary::of_state(suspended.body.ball.radius, state)).collect(), setup.fraction()),
-                (held, grid.local_unknowns(D)),
-                world,
-            )
+            solver: Some(solver),
+            ..base
         })
     }
 
@@ -270,9 +273,10 @@ impl ViscositySummary {
 
 impl SolverSummary {
     fn new<const D: usize>(suspension: &Suspension<D>, world: &World) -> Result<SolverSummary> {
+        let cost = SolverSummary::of_cost(suspension.setup().inverse.word(), suspension.cost(), world);
         let faster = suspension.faster()?;
         let faster = faster.map(|faster| FasterSummary { inverse: faster.inverse.word(), solve_seconds: faster.solve_seconds });
-        Ok(SolverSummary { faster, ..SolverSummary::of_cost(suspension.setup().inverse.word(), suspension.cost(), world) })
+        Ok(SolverSummary { faster, ..cost })
     }
 
     /// What a solve with this inverse cost; collective.
