@@ -1,11 +1,12 @@
 //! What sections of a scene demand of each other.
 
 use crate::error::Result;
-use crate::scene::{AxisSection, ContactModel, Drive, Motion, Scene, Spacing, StokesSolver};
+use crate::scene::{AxisSection, ConstraintMethod, ContactModel, Drive, FlowModel, Motion, Scene, Spacing, StokesSolver};
 
 pub(super) fn check(scene: &Scene) -> Result<()> {
     check_spacing(scene)?;
     check_contact(scene)?;
+    check_constraint(scene)?;
     if scene.dry() {
         return check_dry(scene);
     }
@@ -29,6 +30,15 @@ fn check_spacing(scene: &Scene) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+fn check_constraint(scene: &Scene) -> Result<()> {
+    let remedy = match (scene.method.constraint, scene.flow.model) {
+        (ConstraintMethod::Sharp, _) => return Ok(()),
+        (_, FlowModel::Scalar | FlowModel::Stokes) => "is not available yet; must be \"sharp\"",
+        (_, FlowModel::None) => "has no meaning without a fluid; remove it",
+    };
+    Err(scene.refuse("method.constraint", format!("{:?}", scene.method.constraint.word()), remedy))
 }
 
 fn check_contact(scene: &Scene) -> Result<()> {

@@ -6,7 +6,8 @@ use std::fmt::Display;
 use crate::error::Result;
 use crate::scene::{
     AxisSection, BodyGroup, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
-    LubricationSection, MethodSection, Modes, Motion, Placement, ResolutionSection, Scene, Scheme, Shape, Spacing, Step, TimeSection,
+    LubricationSection, MethodSection, Modes, Motion, MultiplierSolver, Placement, ResolutionSection, Scene, Scheme, Shape, Spacing, Step,
+    TimeSection,
 };
 
 /// A key in which two scenes differ, with both values as a scene file writes them; absent where a scene has no such key.
@@ -147,8 +148,22 @@ fn of_resolution(resolution: &ResolutionSection) -> Keys {
 }
 
 fn of_method(method: &MethodSection) -> Keys {
-    let MethodSection { constraint: ConstraintMethod::Sharp, inverse, tolerance } = method;
-    vec![word("method.constraint", "sharp"), word("method.inverse", inverse.word()), pair("method.tolerance", tolerance.text())]
+    let MethodSection { constraint, inverse, tolerance } = method;
+    let mut keys = vec![word("method.constraint", constraint.word())];
+    keys.extend(match constraint {
+        ConstraintMethod::Penalty(epsilon) => vec![automatic("method.epsilon", *epsilon)],
+        ConstraintMethod::MeanValue(MultiplierSolver::Krylov) => vec![word("method.solver", "krylov")],
+        ConstraintMethod::MeanValue(MultiplierSolver::Uzawa(step)) => {
+            vec![word("method.solver", "uzawa"), automatic("method.uzawa_step", *step)]
+        }
+        ConstraintMethod::Sharp | ConstraintMethod::Distributed | ConstraintMethod::Fitted => vec![],
+    });
+    keys.extend([word("method.inverse", inverse.word()), pair("method.tolerance", tolerance.text())]);
+    keys
+}
+
+fn automatic(key: &str, number: Option<f64>) -> (String, String) {
+    number.map_or_else(|| word(key, "auto"), |number| pair(key, number))
 }
 
 fn of_bodies(bodies: &BodyGroup) -> Keys {

@@ -19,8 +19,8 @@ pub use difference::Difference;
 pub use locations::Locations;
 pub use sections::{
     AxisSection, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
-    LubricationSection, MethodSection, Modes, OutputSection, ResolutionSection, Scheme, Spacing, Step, StokesSolver, TimeSection,
-    Tolerance,
+    LubricationSection, MethodSection, Modes, MultiplierSolver, OutputSection, ResolutionSection, Scheme, Spacing, Step, StokesSolver,
+    TimeSection, Tolerance,
 };
 
 use crate::error::Error;

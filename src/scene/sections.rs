@@ -12,7 +12,7 @@ pub use contact::{ContactModel, ContactSection, LubricationModel, LubricationSec
 pub use domain::{AxisSection, DomainSection};
 pub(super) use flow::DRIVES;
 pub use flow::{Drive, FlowModel, FlowSection};
-pub use method::{ConstraintMethod, MethodSection, StokesSolver, Tolerance};
+pub use method::{ConstraintMethod, MethodSection, MultiplierSolver, StokesSolver, Tolerance};
 pub use output::OutputSection;
 pub(super) use resolution::SPACINGS;
 pub use resolution::{Modes, ResolutionSection, Spacing};

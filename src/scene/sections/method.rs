@@ -26,10 +26,86 @@ pub enum Tolerance {
 }
 
 /// How bodies act on the grid.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ConstraintMethod {
     /// Multipliers on the surface with jump corrections.
     Sharp,
+    /// Multipliers on the surface, the grid velocity interpolated linearly.
+    MeanValue(MultiplierSolver),
+    /// Multipliers at every grid velocity inside a body.
+    Distributed,
+    /// Fluid inside bodies that is more viscous by one over this number; nothing leaves the choice to the method.
+    Penalty(Option<f64>),
+    /// A mesh that fits the bodies and moves with them, in 2D.
+    Fitted,
+}
+
+/// What solves for the multipliers of the mean-value method.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MultiplierSolver {
+    /// The Krylov solver of all methods.
+    Krylov,
+    /// Uzawa's iteration `lambda += step (u - m(u))`; without a step, the best one is estimated first.
+    Uzawa(Option<f64>),
+}
+
+impl ConstraintMethod {
+    /// The words of all methods.
+    pub const WORDS: [&str; 5] = ["sharp", "mean-value", "distributed", "penalty", "fitted"];
+
+    /// The word for it in a scene file.
+    pub fn word(self) -> &'static str {
+        match self {
+            ConstraintMethod::Sharp => "sharp",
+            ConstraintMethod::MeanValue(_) => "mean-value",
+            ConstraintMethod::Distributed => "distributed",
+            ConstraintMethod::Penalty(_) => "penalty",
+            ConstraintMethod::Fitted => "fitted",
+        }
+    }
+
+    fn read(table: &Table) -> Result<Self> {
+        let plain = [
+            ("sharp", ConstraintMethod::Sharp),
+            ("mean-value", ConstraintMethod::MeanValue(MultiplierSolver::Krylov)),
+            ("distributed", ConstraintMethod::Distributed),
+            ("penalty", ConstraintMethod::Penalty(None)),
+            ("fitted", ConstraintMethod::Fitted),
+        ];
+        let method = table.get("constraint").map_or(Ok(ConstraintMethod::Sharp), |entry| entry.choice(&plain, &[]))?;
+        let penalty = matches!(method, ConstraintMethod::Penalty(_));
+        let epsilon = of_method(table.get("epsilon"), penalty, "is for constraint = \"penalty\" only; remove it")?;
+        let surfaces = matches!(method, ConstraintMethod::MeanValue(_));
+        let solver = of_method(table.get("solver"), surfaces, "is for constraint = \"mean-value\" only; remove it")?;
+        let uzawa = solver.as_ref().map_or(Ok(false), |entry| entry.choice(&[("krylov", false), ("uzawa", true)], &[]))?;
+        let step = of_method(table.get("uzawa_step"), uzawa, "is for solver = \"uzawa\" only; remove it")?;
+        match method {
+            ConstraintMethod::Penalty(_) => Ok(ConstraintMethod::Penalty(epsilon.map_or(Ok(None), |entry| read_epsilon(&entry))?)),
+            ConstraintMethod::MeanValue(_) if uzawa => {
+                let step = step.map_or(Ok(None), |entry| automatic(&entry, |entry| entry.positive()))?;
+                Ok(ConstraintMethod::MeanValue(MultiplierSolver::Uzawa(step)))
+            }
+            method => Ok(method),
+        }
+    }
+}
+
+/// An entry, if the method has a use for it.
+fn of_method<'a>(entry: Option<Entry<'a>>, used: bool, remedy: &str) -> Result<Option<Entry<'a>>> {
+    match entry {
+        Some(entry) if !used => Err(entry.refuse(remedy)),
+        entry => Ok(entry),
+    }
+}
+
+fn read_epsilon(entry: &Entry) -> Result<Option<f64>> {
+    let epsilon = automatic(entry, |entry| entry.number())?;
+    entry.expect(epsilon, epsilon.is_none_or(|epsilon| (1e-12..1.0).contains(&epsilon)), "must be \"auto\", or at least 1e-12 and below 1")
+}
+
+/// Nothing for the word "auto".
+fn automatic(entry: &Entry, read: impl Fn(&Entry) -> Result<f64>) -> Result<Option<f64>> {
+    if entry.value.as_str().is_some() { entry.choice(&[("auto", None)], &[]) } else { read(entry).map(Some) }
 }
 
 /// What solves the Stokes problem of the empty box.
@@ -98,12 +174,10 @@ impl Tolerance {
 impl MethodSection {
     pub(in crate::scene) fn read(root: &Table, model: FlowModel) -> Result<Self> {
         model.allow(root.get("method"))?;
-        let table = root.section("method", &["constraint", "inverse", "tolerance"])?;
-        let planned = ["mean-value", "distributed", "penalty", "fitted"];
-        let constraint = |entry: Entry| entry.choice(&[("sharp", ConstraintMethod::Sharp)], &planned);
+        let table = root.section("method", &["constraint", "epsilon", "solver", "uzawa_step", "inverse", "tolerance"])?;
         let inverse = |entry: Entry| entry.choice(&INVERSES, &[]);
         Ok(MethodSection {
-            constraint: table.get("constraint").map_or(Ok(ConstraintMethod::Sharp), constraint)?,
+            constraint: ConstraintMethod::read(&table)?,
             inverse: table.get("inverse").map_or(Ok(StokesSolver::Hypre), inverse)?,
             tolerance: table.get("tolerance").map_or(Ok(Tolerance::Auto), |entry| Tolerance::read(&entry))?,
         })
