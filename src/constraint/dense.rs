@@ -1,5 +1,15 @@
 //! Products of dense rows, written so that several entries are taken at once.
 
+use nalgebra::DMatrix;
+
+/// A dense block of E.
+pub struct LocalBlock {
+    /// The body whose columns it has.
+    pub body: usize,
+    /// The block, transposed.
+    pub transposed: DMatrix<f64>,
+}
+
 const WIDTH: usize = 8;
 
 /// Scalar product of two slices of equal length.

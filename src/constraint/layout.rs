@@ -9,7 +9,7 @@ use crate::grid::Grid;
 pub struct Layout {
     /// This rank's bodies.
     pub local_bodies: Vec<usize>,
-    /// For each of all bodies: its owner, the index of its first multiplier in the owner's part, and on all ranks.
+    /// For each of all bodies: the index of its first multiplier in the owner's part and on all ranks, and their number.
     places: Vec<Place>,
     local_unknowns: usize,
     unknowns: usize,
@@ -19,19 +19,20 @@ pub struct Layout {
 struct Place {
     local: usize,
     global: usize,
+    count: usize,
 }
 
 impl Layout {
-    /// Shares out bodies with the given centres (in the box) and numbers of modes, seen from `rank`.
-    pub fn new<const D: usize>(grid: &Grid<D>, centers: &[SVector<f64, D>], modes: &[usize], rank: usize) -> Layout {
+    /// Shares out bodies with the given centres (in the box) and numbers of multipliers, seen from `rank`.
+    pub fn new<const D: usize>(grid: &Grid<D>, centers: &[SVector<f64, D>], counts: &[usize], rank: usize) -> Layout {
         let owners: Vec<usize> = centers.iter().map(|center| grid.owner(center)).collect();
-        let mut places = vec![Place { local: 0, global: 0 }; centers.len()];
+        let mut places = vec![Place { local: 0, global: 0, count: 0 }; centers.len()];
         let (mut unknowns, mut local_unknowns) = (0, 0);
         for owner in 0..grid.partition().blocks() {
             let start = unknowns;
             for body in (0..centers.len()).filter(|&body| owners[body] == owner) {
-                places[body] = Place { local: unknowns - start, global: unknowns };
-                unknowns += modes[body];
+                places[body] = Place { local: unknowns - start, global: unknowns, count: counts[body] };
+                unknowns += counts[body];
             }
             if owner == rank {
                 local_unknowns = unknowns - start;
@@ -49,6 +50,11 @@ impl Layout {
     /// Index of a body's first multiplier in its owner's part.
     pub fn local(&self, body: usize) -> usize {
         self.places[body].local
+    }
+
+    /// Number of a body's multipliers.
+    pub fn count(&self, body: usize) -> usize {
+        self.places[body].count
     }
 
     /// Index of a body's first multiplier on all ranks.

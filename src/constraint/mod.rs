@@ -9,6 +9,7 @@
 //!
 //! A method of imposing rigidity fills [`Blocks`]; who solves with them does not know which method it was.
 
+mod adjoint;
 mod blocks;
 mod conservation;
 mod dense;
@@ -21,9 +22,33 @@ mod rows;
 mod scalar;
 mod sharp;
 
-pub use blocks::{Blocks, BodyBlocks, Situation};
+pub use adjoint::{AdjointBlocks, AdjointBody, assemble as assemble_adjoint};
+pub use blocks::Blocks;
 pub use layout::Layout;
 pub use near::{Crowd, NearPairs, PairTables};
 pub use patch::Patch;
 pub use scalar::{PlacedInclusion, ScalarBlocks, assemble as assemble_inclusion};
-pub use sharp::{INTERPOLATION_REACH, Neighbour, Passed, Placed, Workspace, assemble, jump, passed};
+pub use sharp::{BodyBlocks, INTERPOLATION_REACH, Neighbour, Passed, Placed, SharpBlocks, Situation, Workspace, assemble, jump, passed};
+
+/// The ways to make bodies rigid on a grid that ignores them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Method {
+    /// Surface multipliers, stencils corrected for the jumps.
+    Sharp,
+    /// Surface multipliers, linear interpolation.
+    MeanValue,
+    /// Rigid at every lattice point inside.
+    Distributed,
+    /// Fluid inside that is `1/epsilon` times as viscous.
+    Penalty {
+        /// Viscosity of the fluid over that inside.
+        epsilon: f64,
+    },
+}
+
+impl Method {
+    /// Whether multipliers are coefficients of the surface modes, as many whatever the body's place.
+    pub fn on_surfaces(self) -> bool {
+        matches!(self, Method::Sharp | Method::MeanValue)
+    }
+}

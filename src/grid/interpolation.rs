@@ -1,4 +1,4 @@
-//! Cubic (4-point Lagrange) interpolation of a velocity component at a point, one-sided next to walls.
+//! Interpolation of a velocity component at a point: cubic (4-point Lagrange, one-sided next to walls) and linear.
 
 use nalgebra::SVector;
 
@@ -64,6 +64,35 @@ pub fn line<const D: usize>(grid: &Grid<D>, field: usize, axis: usize, x: f64) -
         coordinate[node] = if upper { cells as f64 * h } else { 0.0 };
     }
     Line { index, coordinate, weight: lagrange(&coordinate, x), wall }
+}
+
+/// Two neighbouring nodes along one axis, between which a point lies.
+pub struct Pair {
+    /// Lattice index of the first; where [`wall`](Self::wall) says so, one of the two stands for a wall.
+    pub first: isize,
+    /// Weights of both.
+    pub weights: [f64; 2],
+    /// Which of them, if any, lies on a wall between lattice points, and whether that is the upper one.
+    pub wall: Option<(usize, bool)>,
+}
+
+/// The nodes of linear interpolation along an axis for a point at `x` there, on the lattice of a field.
+pub fn linear<const D: usize>(grid: &Grid<D>, field: usize, axis: usize, x: f64) -> Pair {
+    let (h, cells, stagger) = (grid.spacing()[axis], grid.cells()[axis] as isize, grid.stagger(field, axis));
+    let first = (x / h - stagger).floor() as isize;
+    let mut ends = [first, first + 1].map(|index| (index as f64 + stagger) * h);
+    let walled = stagger > 0.0 && !grid.domain().periodic(axis);
+    let wall = if walled && first < 0 {
+        ends[0] = 0.0;
+        Some((0, false))
+    } else if walled && first + 1 >= cells {
+        ends[1] = cells as f64 * h;
+        Some((1, true))
+    } else {
+        None
+    };
+    let part = (x - ends[0]) / (ends[1] - ends[0]);
+    Pair { first, weights: [1.0 - part, part], wall }
 }
 
 fn lagrange(nodes: &[f64; NODES], x: f64) -> [f64; NODES] {

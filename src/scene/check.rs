@@ -35,6 +35,7 @@ fn check_spacing(scene: &Scene) -> Result<()> {
 fn check_constraint(scene: &Scene) -> Result<()> {
     let remedy = match (scene.method.constraint, scene.flow.model) {
         (ConstraintMethod::Sharp, _) => return Ok(()),
+        (ConstraintMethod::MeanValue(_) | ConstraintMethod::Distributed | ConstraintMethod::Penalty(_), FlowModel::Stokes) => return Ok(()),
         (_, FlowModel::Scalar | FlowModel::Stokes) => "is not available yet; must be \"sharp\"",
         (_, FlowModel::None) => "has no meaning without a fluid; remove it",
     };

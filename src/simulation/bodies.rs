@@ -1,15 +1,18 @@
 //! The bodies of a setup as the linear system sees them: their blocks, their rows, their states.
 
-use std::{collections::HashMap, rc::Rc};
+use std::rc::Rc;
 
 use nalgebra::{DMatrix, SMatrix, SVector};
 
-use super::{BodyState, Setup, surfaces::Member};
+use super::{
+    BodyState, Setup,
+    surfaces::{Inverse, Member},
+};
 use crate::{
     body::{Motion, Twist, components, skew},
-    constraint::{self, Blocks, Crowd, Layout, NearPairs, PairTables, Placed, Situation},
+    constraint::{Blocks, Crowd, Layout, NearPairs, PairTables, Placed},
     error::Result,
-    geometry::{Ball, near_pairs},
+    geometry::Ball,
     grid::Grid,
     petsc::{Session, Vector},
     surface::SurfaceTable,
@@ -76,6 +79,15 @@ impl<const D: usize> Kinds<D> {
         Kinds { kinds, kind_of, pair_tables: PairTables::default() }
     }
 
+    /// Bodies with their centres at the given places.
+    pub fn place(&self, setup: &Setup<D>, centers: &[SVector<f64, D>]) -> Vec<Placed<D>> {
+        let place = |(body, center): (usize, &SVector<f64, D>)| Placed {
+            center: setup.domain.wrap(*center),
+            surface: self.of(body).surface.clone(),
+        };
+        centers.iter().enumerate().map(place).collect()
+    }
+
     fn of(&self, body: usize) -> &Kind<D> {
         &self.kinds[self.kind_of[body]]
     }
@@ -87,16 +99,9 @@ impl<const D: usize> Kinds<D> {
 }
 
 impl<'a, const D: usize> Bodies<'a, D> {
-    /// Shares out the bodies of a setup with their centres at the given places, seen from `rank`.
-    pub fn new(setup: &'a Setup<D>, grid: &'a Grid<D>, kinds: &'a Kinds<D>, centers: &[SVector<f64, D>], rank: usize) -> Self {
-        let place = |(body, center): (usize, &SVector<f64, D>)| Placed {
-            center: setup.domain.wrap(*center),
-            surface: kinds.of(body).surface.clone(),
-        };
-        let placed: Vec<Placed<D>> = centers.iter().enumerate().map(place).collect();
-        let centers: Vec<SVector<f64, D>> = placed.iter().map(|placed| placed.center).collect();
-        let modes: Vec<usize> = placed.iter().map(|placed| placed.surface.modes.count()).collect();
-        Bodies { setup, grid, kinds, layout: Layout::new(grid, &centers, &modes, rank), placed }
+    /// The bodies of a setup, shared out as `layout` says.
+    pub fn new(setup: &'a Setup<D>, grid: &'a Grid<D>, kinds: &'a Kinds<D>, placed: Vec<Placed<D>>, layout: Layout) -> Self {
+        Bodies { setup, grid, kinds, layout, placed }
     }
 
     /// The grid.
@@ -106,13 +111,13 @@ impl<'a, const D: usize> Bodies<'a, D> {
 
     /// The multipliers of all bodies, from this rank's part; collective.
     pub fn share_multipliers(&self, session: &Session, local: &[f64]) -> Vec<Vec<f64>> {
-        let local = self.layout.local_bodies.iter().map(|&body| (body, &local[self.layout.local(body)..][..self.modes(body)]));
+        let local = self.layout.local_bodies.iter().map(|&body| (body, &local[self.layout.local(body)..][..self.layout.count(body)]));
         let numbers: Vec<f64> = local.flat_map(|(body, multipliers)| [&[body as f64], multipliers].concat()).collect();
         let all = session.world().gather(&numbers);
         let mut shared = vec![Vec::new(); self.placed.len()];
         let mut rest = &all[..];
         while let [body, following @ ..] = rest {
-            let (multipliers, others) = following.split_at(self.modes(*body as usize));
+            let (multipliers, others) = following.split_at(self.layout.count(*body as usize));
             shared[*body as usize] = multipliers.to_vec();
             rest = others;
         }
@@ -124,47 +129,13 @@ impl<'a, const D: usize> Bodies<'a, D> {
         self.layout.local_bodies.iter().flat_map(|&body| shared[body].iter().copied()).collect()
     }
 
-    fn modes(&self, body: usize) -> usize {
-        self.surface(body).modes.count()
-    }
-
     fn surface(&self, body: usize) -> &SurfaceTable<D> {
         &self.kinds.of(body).surface
     }
 
-    fn ball(&self, body: usize) -> Ball<D> {
+    /// A body as a ball in the box.
+    pub fn ball(&self, body: usize) -> Ball<D> {
         Ball { center: self.placed[body].center, ..self.setup.bodies[body].body.ball }
-    }
-
-    /// The blocks of this rank's bodies; those of `earlier` ones that did not move, nor their neighbours, stay as they are.
-    ///
-    /// Returns them with the number of bodies, of this rank, whose blocks are new. `fluid` is any fluid vector.
-    pub fn blocks(&self, session: &Session, fluid: &Vector, earlier: Option<Blocks<D>>) -> Result<(Blocks<D>, usize)> {
-        let balls: Vec<Ball<D>> = (0..self.placed.len()).map(|body| self.ball(body)).collect();
-        let reach = constraint::INTERPOLATION_REACH * self.grid.spacing().max();
-        let mut neighbours: Vec<Vec<(usize, Placed<D>)>> = vec![Vec::new(); self.placed.len()];
-        for pair in near_pairs(&self.setup.domain, &balls, reach) {
-            for (body, other, separation) in [(pair.first, pair.second, pair.separation), (pair.second, pair.first, -pair.separation)] {
-                let image = Placed { center: self.placed[body].center + separation, surface: self.placed[other].surface.clone() };
-                neighbours[body].push((other, image));
-            }
-        }
-        let (mut workspace, mut kept) = (constraint::Workspace::default(), HashMap::new());
-        for blocks in earlier.into_iter().flat_map(Blocks::into_bodies) {
-            let body = blocks.situation.body;
-            if self.layout.holds(body) && blocks.situation == Situation::of((body, &self.placed[body]), &neighbours[body]) {
-                kept.insert(body, blocks);
-            } else {
-                workspace.recycle(blocks);
-            }
-        }
-        let assembled = self.layout.local_bodies.len() - kept.len();
-        let assemble = |&body: &usize| {
-            let anew = || constraint::assemble(self.grid, (body, &self.placed[body]), &neighbours[body], &mut workspace);
-            kept.remove(&body).unwrap_or_else(anew)
-        };
-        let bodies = self.layout.local_bodies.iter().map(assemble).collect();
-        Ok((Blocks::new(session, fluid, &self.layout, bodies)?, assembled))
     }
 
     /// The near pairs of this rank's bodies; collective.
@@ -177,21 +148,28 @@ impl<'a, const D: usize> Bodies<'a, D> {
     }
 
     /// This rank's bodies as members of the coupled system.
-    pub fn members(&self) -> Vec<Member> {
-        let member = |&body: &usize| {
+    pub fn members(&self, blocks: &Blocks<D>) -> Vec<Member> {
+        let member = |(local, &body): (usize, &usize)| {
             let (kind, free, first) = (self.kinds.of(body), self.setup.bodies[body].body.free(), self.layout.local(body));
             let modes = &kind.surface.modes;
+            let dense = &kind.inverses[usize::from(!free)];
+            let inverse = match blocks.free_inverse(local) {
+                None => Inverse::Dense(dense.clone()),
+                Some(others) => {
+                    Inverse::Diagonal((0..modes.rigid_count()).map(|mode| dense[(mode, mode)]).chain(others.iter().copied()).collect())
+                }
+            };
             Member {
-                range: first..first + modes.count(),
+                range: first..first + self.layout.count(body),
                 rigid: modes.rigid_count(),
                 free,
-                inverse: kind.inverses[usize::from(!free)].clone(),
+                inverse,
                 force_scale: kind.radius,
                 area: modes.force_factor(),
                 mobility: kind.mobility,
             }
         };
-        self.layout.local_bodies.iter().map(member).collect()
+        self.layout.local_bodies.iter().enumerate().map(member).collect()
     }
 
     /// The velocity of the flow without bodies on the surfaces, tested with all modes: `fluid` and a `known` velocity besides it.
@@ -203,25 +181,26 @@ impl<'a, const D: usize> Bodies<'a, D> {
     ) -> Result<Vec<f64>> {
         let mut velocities = vec![0.0; self.layout.local_unknowns()];
         blocks.sample_with_walls(fluid, &mut velocities)?;
-        for &body in &self.layout.local_bodies {
+        for (local, &body) in self.layout.local_bodies.iter().enumerate() {
             let center = self.ball(body).center;
-            let known = self.surface(body).coefficients(|offset| known(&(center + offset)));
+            let known = blocks.coefficients(local, |offset| known(&(center + offset)));
             velocities[self.layout.local(body)..].iter_mut().zip(known).for_each(|(velocity, known)| *velocity += known);
         }
         Ok(velocities)
     }
 
     /// The right-hand sides of this rank's bodies.
-    pub fn wanted_rows(&self, members: &[Member], undisturbed: &[f64]) -> Vec<f64> {
-        let rows = members.iter().zip(&self.layout.local_bodies);
-        rows.flat_map(|(member, &body)| self.wanted_rows_of(body, member, &undisturbed[member.range.clone()])).collect()
+    pub fn wanted_rows(&self, blocks: &Blocks<D>, members: &[Member], undisturbed: &[f64]) -> Vec<f64> {
+        let rows = members.iter().enumerate();
+        rows.flat_map(|(local, member)| self.wanted_rows_of((blocks, local), member, &undisturbed[member.range.clone()])).collect()
     }
 
-    fn wanted_rows_of(&self, body: usize, member: &Member, undisturbed: &[f64]) -> Vec<f64> {
+    fn wanted_rows_of(&self, (blocks, local): (&Blocks<D>, usize), member: &Member, undisturbed: &[f64]) -> Vec<f64> {
+        let body = self.layout.local_bodies[local];
         let surface = self.surface(body);
         match self.setup.bodies[body].body.motion {
             Motion::Prescribed(twist) => {
-                surface.coefficients(|r| twist.at(r)).iter().zip(undisturbed).map(|(wanted, known)| wanted - known).collect()
+                blocks.coefficients(local, |r| twist.at(r)).iter().zip(undisturbed).map(|(wanted, known)| wanted - known).collect()
             }
             Motion::Free { force, torque } => {
                 let mut rows: Vec<f64> = undisturbed.iter().map(|known| -known).collect();
@@ -241,12 +220,13 @@ impl<'a, const D: usize> Bodies<'a, D> {
     }
 
     /// The states of all bodies, on every rank, from velocities on surfaces and multipliers (this rank's parts); collective.
-    pub fn states(&self, session: &Session, velocities: &[f64], multipliers: &[f64]) -> Vec<BodyState<D>> {
+    pub fn states(&self, session: &Session, blocks: &Blocks<D>, (velocities, multipliers): (&[f64], &[f64])) -> Vec<BodyState<D>> {
         let mut numbers = Vec::new();
-        for &body in &self.layout.local_bodies {
-            let range = self.layout.local(body)..self.layout.local(body) + self.surface(body).modes.count();
+        for (local, &body) in self.layout.local_bodies.iter().enumerate() {
+            let range = self.layout.local(body)..self.layout.local(body) + self.layout.count(body);
+            let moment = blocks.first_moment(local, &multipliers[range.clone()]);
             numbers.push(body as f64);
-            numbers.extend(self.state(body, &velocities[range.clone()], &multipliers[range]).pack());
+            numbers.extend(self.state(body, &velocities[range.clone()], &multipliers[range], moment).pack());
         }
         let all = session.world().gather(&numbers);
         let mut states: Vec<(usize, BodyState<D>)> =
@@ -255,14 +235,14 @@ impl<'a, const D: usize> Bodies<'a, D> {
         states.into_iter().map(|(_, state)| state).collect()
     }
 
-    fn state(&self, body: usize, velocities: &[f64], multipliers: &[f64]) -> BodyState<D> {
+    fn state(&self, body: usize, velocities: &[f64], multipliers: &[f64], moment: SMatrix<f64, D, D>) -> BodyState<D> {
         let (surface, viscosity) = (self.surface(body), self.setup.viscosity);
         let (modes, rigid) = (&surface.modes, surface.modes.rigid_count());
         let lever = modes.torque_factor() / modes.force_factor();
         let spin: Vec<f64> = velocities[D..rigid].iter().map(|mode| mode / lever).collect();
         let torque: Vec<f64> = multipliers[D..rigid].iter().map(|mode| -viscosity * modes.torque_factor() * mode).collect();
         let force = SVector::<f64, D>::from_column_slice(&multipliers[..D]) * (-viscosity * modes.force_factor());
-        let moment = surface.first_moment(multipliers) * -viscosity;
+        let moment = moment * -viscosity;
         let symmetric = (moment + moment.transpose()) * 0.5;
         BodyState {
             center: self.placed[body].center,

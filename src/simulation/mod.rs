@@ -1,5 +1,6 @@
 //! The machinery of a run: it solves what a [`Setup`] or a [`DrySetup`] describes, at an instant or in time.
 
+mod assembly;
 mod basis;
 mod bodies;
 mod closure;

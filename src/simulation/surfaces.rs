@@ -29,14 +29,44 @@ pub struct Member {
     pub rigid: usize,
     /// Whether its rigid modes are given (a free body) instead of its velocity.
     pub free: bool,
-    /// Inverse of its diagonal block.
-    pub inverse: Rc<DMatrix<f64>>,
+    /// Approximate inverse of its diagonal block.
+    pub inverse: Inverse,
     /// Factor of the rows that give the net force, which makes them velocities.
     pub force_scale: f64,
     /// Net force of a unit translation multiplier.
     pub area: f64,
     /// Velocity in unbounded fluid that a unit translation multiplier causes.
     pub mobility: f64,
+}
+
+/// Inverse of the diagonal block of a body.
+pub enum Inverse {
+    /// In unbounded fluid; shared by bodies of a kind.
+    Dense(Rc<DMatrix<f64>>),
+    /// Of a method whose rows hardly see each other.
+    Diagonal(Vec<f64>),
+}
+
+impl Inverse {
+    /// A diagonal entry.
+    pub fn diagonal(&self, row: usize) -> f64 {
+        match self {
+            Inverse::Dense(matrix) => matrix[(row, row)],
+            Inverse::Diagonal(entries) => entries[row],
+        }
+    }
+
+    fn apply(&self, input: &[f64], output: &mut [f64]) {
+        match self {
+            Inverse::Dense(matrix) => {
+                let input = DVectorView::from_slice(input, input.len());
+                DVectorViewMut::from_slice(output, input.len()).gemv(1.0, matrix, &input, 0.0);
+            }
+            Inverse::Diagonal(entries) => {
+                output.iter_mut().zip(input).zip(entries).for_each(|((output, input), entry)| *output = entry * input);
+            }
+        }
+    }
 }
 
 /// The part of a linear system that lives on surfaces.
@@ -47,8 +77,8 @@ pub struct Surfaces<'a, const D: usize> {
     pub blocks: &'a mut Blocks<D>,
     /// This rank's bodies.
     pub members: &'a [Member],
-    /// Near pairs of bodies.
-    pub pairs: &'a mut NearPairs,
+    /// Near pairs of bodies, if multipliers are coefficients of surface modes.
+    pub pairs: Option<&'a mut NearPairs>,
     /// Closure.
     pub closure: &'a Closure,
     /// Contacts.
@@ -158,14 +188,14 @@ impl<const D: usize> Surfaces<'_, D> {
             for (mode, (wanted, sampled)) in wanted.iter_mut().zip(&*found).enumerate() {
                 *wanted -= if member.free && mode < member.rigid { 0.0 } else { *sampled };
             }
-            let wanted = DVectorView::from_slice(wanted, found.len());
-            DVectorViewMut::from_slice(found, wanted.len()).gemv(1.0, &member.inverse, &wanted, 0.0);
+            member.inverse.apply(wanted, found);
         }
         Ok(())
     }
 
     /// Adds to the multipliers of lonely bodies what their near neighbours change.
     fn feel_neighbours(&mut self, wanted: &mut Vector, multipliers: &mut Vector) -> Result<()> {
+        let Some(pairs) = &mut self.pairs else { return Ok(()) };
         let mut found = multipliers.local_mut()?;
         let mut rows = wanted.local_mut()?;
         for member in self.members {
@@ -173,7 +203,7 @@ impl<const D: usize> Surfaces<'_, D> {
             rows[rigid.clone()].iter_mut().zip(&found[rigid]).for_each(|(row, c)| *row = member.force_scale * c);
         }
         drop(rows);
-        let corrections = self.pairs.correction(wanted)?;
+        let corrections = pairs.correction(wanted)?;
         found.iter_mut().zip(corrections).for_each(|(found, correction)| *found += correction);
         Ok(())
     }
@@ -185,7 +215,7 @@ impl<const D: usize> Surfaces<'_, D> {
         let means: Vec<f64> = force.iter().zip(rows).map(|(force, row)| force / self.prescribed_drag - row).collect();
         for member in self.members.iter().filter(|member| !member.free) {
             for (axis, mean) in means.iter().enumerate() {
-                found[member.range.start + axis] -= member.inverse[(axis, axis)] * mean;
+                found[member.range.start + axis] -= member.inverse.diagonal(axis) * mean;
             }
         }
         Ok(means)

@@ -6,6 +6,7 @@ use nalgebra::SVector;
 
 use super::{
     Setup, Solution,
+    assembly::Assembly,
     basis::Basis,
     bodies::Bodies,
     condensed::Condensed,
@@ -19,7 +20,6 @@ use super::{
     work::{Sizes, Stages, Work},
 };
 use crate::{
-    constraint::{Blocks, NearPairs},
     contact::ContactForce,
     error::{Error, Result},
     flow::{Stokes, StokesInverse},
@@ -75,17 +75,6 @@ pub struct Suspension<const D: usize> {
     remembers: bool,
     past: Option<Past<D>>,
     cost: Cost,
-}
-
-/// Bodies in their places.
-struct Assembly<const D: usize> {
-    centers: Vec<SVector<f64, D>>,
-    blocks: Blocks<D>,
-    /// Bodies of this rank whose blocks are new.
-    assembled: usize,
-    pairs: NearPairs,
-    /// The velocity of the flow without bodies on their surfaces.
-    undisturbed: Vec<f64>,
 }
 
 /// What solves of one size share.
@@ -224,11 +213,11 @@ impl<const D: usize> Suspension<D> {
         self.cost.krylov = report;
         self.cost.stages = std::mem::take(&mut engine.work.stages);
         let contacts = found.tail.split_off(basis.closure.unknowns::<D>());
-        if self.remembers {
+        if self.remembers && basis.setup.blocks().on_surfaces() {
             let last = Snapshot::of(&bodies, &basis.session, moment.centers, (&found, basis.condensed))?;
             self.past = Some(Past::then(self.past.take(), last, (guess, moment.time)));
         }
-        let states = bodies.states(&basis.session, &found.velocities, &found.multipliers);
+        let states = bodies.states(&basis.session, &assembly.blocks, (&found.velocities, &found.multipliers));
         (self.assembly, self.engine) = (Some(assembly), Some(engine));
         let unit = touching.scale * basis.setup.viscosity;
         let contact_forces = contacts[..touching.count()].iter().map(|unknown| unknown * unit).collect();
@@ -256,12 +245,10 @@ impl<'a, const D: usize> Ready<'a, D> {
         moment: &Moment<D>,
     ) -> Result<Self> {
         let _stage = enter(Stage::Assembly);
-        let bodies = Bodies::new(&basis.setup, &basis.grid, &basis.kinds, moment.centers, basis.session.world().rank());
-        let assembly = match assembly {
-            Some(assembly) if assembly.centers == moment.centers => Assembly { assembled: 0, ..assembly },
-            earlier => Assembly::new(basis, &bodies, moment.centers, earlier)?,
-        };
-        let members = bodies.members();
+        let assembly = Assembly::of(basis, moment.centers, assembly)?;
+        let placed = basis.kinds.place(&basis.setup, moment.centers);
+        let bodies = Bodies::new(&basis.setup, &basis.grid, &basis.kinds, placed, assembly.layout.clone());
+        let members = bodies.members(&assembly.blocks);
         let guess = past.map_or(Ok(None), |past| past.guess(&bodies, moment.centers, moment.time))?;
         let closure = basis.closure.unknowns::<D>();
         let places = engine.as_ref().map_or(0, |engine| engine.work.sizes().tail - closure);
@@ -271,7 +258,7 @@ impl<'a, const D: usize> Ready<'a, D> {
         let mut engine = Engine::fitting(engine, basis, sizes)?;
         engine.krylov.set_tolerance(moment.tolerance)?;
         let prescribed_drag = prescribed_drag(&basis.session, &members);
-        let wanted = bodies.wanted_rows(&members, &assembly.undisturbed);
+        let wanted = bodies.wanted_rows(&assembly.blocks, &members, &assembly.undisturbed);
         basis.fill_right_hand_side(&wanted, &touching.rates, prescribed_drag, &mut engine.rhs)?;
         let unit = touching.scale * basis.setup.viscosity;
         engine.start(&bodies, guess.as_ref(), moment.pressed.iter().map(|pressed| pressed.force / unit).collect())?;
@@ -283,7 +270,7 @@ impl<'a, const D: usize> Ready<'a, D> {
         let surfaces = Surfaces {
             world: basis.session.world(),
             blocks: &mut self.assembly.blocks,
-            pairs: &mut self.assembly.pairs,
+            pairs: self.assembly.pairs.as_mut(),
             members: &self.members,
             closure: &basis.closure,
             touching: &mut self.touching,
@@ -313,15 +300,6 @@ fn solve((krylov, (rhs, x)): Solver, mut system: impl BodiesInFluid, seen: Seen)
     let found = system.unknowns(x)?;
     // an eliminated fluid takes one more inverse to find
     Ok((Report { seconds: start.elapsed().as_secs_f64(), ..report }, found))
-}
-
-impl<const D: usize> Assembly<D> {
-    fn new(basis: &Basis<D>, bodies: &Bodies<D>, centers: &[SVector<f64, D>], earlier: Option<Assembly<D>>) -> Result<Assembly<D>> {
-        let (mut blocks, assembled) = bodies.blocks(&basis.session, &basis.undisturbed.0, earlier.map(|earlier| earlier.blocks))?;
-        let undisturbed = bodies.undisturbed(&mut blocks, &basis.undisturbed.0, |point| basis.background(point))?;
-        let pairs = bodies.near_pairs(&basis.session)?;
-        Ok(Assembly { centers: centers.to_vec(), blocks, assembled, pairs, undisturbed })
-    }
 }
 
 impl Engine {
@@ -359,7 +337,7 @@ impl Engine {
 
 /// Sum over all prescribed bodies of the net force that a unit velocity takes by their preconditioner.
 fn prescribed_drag(session: &Session, members: &[Member]) -> f64 {
-    let mut drag = [members.iter().filter(|member| !member.free).map(|member| member.area * member.inverse[(0, 0)]).sum()];
+    let mut drag = [members.iter().filter(|member| !member.free).map(|member| member.area * member.inverse.diagonal(0)).sum()];
     session.world().sum(&mut drag);
     if drag[0] > 0.0 { drag[0] } else { 1.0 }
 }

@@ -9,7 +9,7 @@ use turbid::{
     grid::Grid,
     observe,
     petsc::Session,
-    scene::Tolerance,
+    scene::{ConstraintMethod, Tolerance},
     simulation::{Setup, SuspendedBody, Suspension},
 };
 
@@ -101,6 +101,7 @@ fn units_do_not_matter(session: &Session) {
             viscosity,
             drive: Drive::Rest,
             bodies: disks.to_vec(),
+            constraint: ConstraintMethod::Sharp,
             inverse: InverseMethod::Hypre,
             tolerance: Tolerance::Fixed(1e-10),
         };

@@ -7,7 +7,7 @@ use turbid::{
     geometry::{Axis, Ball, Domain},
     observe,
     petsc::Session,
-    scene::{ContactModel, Scheme, Step, TimeSection, Tolerance},
+    scene::{ConstraintMethod, ContactModel, Scheme, Step, TimeSection, Tolerance},
     simulation::{Moment, Setup, Simulation, SuspendedBody, Suspension, View},
 };
 
@@ -47,6 +47,7 @@ fn between_sliding_walls(count: usize, fraction: f64, aspect: f64, gap: f64) -> 
         viscosity: 1.0,
         drive: Drive::Rest,
         bodies,
+        constraint: ConstraintMethod::Sharp,
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-6),
     }
@@ -89,6 +90,7 @@ fn closed_box(size: [f64; 2], cells_per_radius: f64, bodies: Vec<SuspendedBody<2
         viscosity: 1.0,
         drive: Drive::Rest,
         bodies,
+        constraint: ConstraintMethod::Sharp,
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-10),
     }
@@ -144,6 +146,7 @@ fn a_neutrally_buoyant_disk_on_the_centre_line_moves_straight_at_its_speed(sessi
         viscosity: 1.0,
         drive,
         bodies: disk(),
+        constraint: ConstraintMethod::Sharp,
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-10),
     };
@@ -231,6 +234,7 @@ fn two_disks_pressed_together_meet_and_rest(session: &Session) {
         viscosity: 1.0,
         drive: Drive::Rest,
         bodies,
+        constraint: ConstraintMethod::Sharp,
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-8),
     };
@@ -300,6 +304,7 @@ fn only_bodies_that_moved_are_assembled_anew(session: &Session) {
         viscosity: 1.0,
         drive: Drive::Shear(1.0),
         bodies: [[1.5 + way, 1.5], [4.5, 1.5], [1.5, 4.5], [4.5, 4.5]].map(|center| suspended(center.into(), 1.0, free(), 5)).to_vec(),
+        constraint: ConstraintMethod::Sharp,
         inverse: InverseMethod::Transform,
         tolerance: Tolerance::Fixed(1e-9),
     };

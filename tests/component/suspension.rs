@@ -10,7 +10,7 @@ use turbid::{
     geometry::{Axis, Ball, Domain},
     observe,
     petsc::Session,
-    scene::Tolerance,
+    scene::{ConstraintMethod, Tolerance},
     simulation::{Setup, Solution, SuspendedBody, Suspension},
     study::cases,
 };
@@ -44,14 +44,32 @@ pub fn suspended<const D: usize>(center: SVector<f64, D>, radius: f64, motion: M
 
 pub fn periodic_cube<const D: usize>(spacing: f64, drive: Drive<D>, bodies: Vec<SuspendedBody<D>>) -> Setup<D> {
     let domain = Domain { size: SVector::repeat(1.0), axes: [Axis::Periodic; D] };
-    Setup { domain, spacing, viscosity: 1.0, drive, bodies, inverse: InverseMethod::Hypre, tolerance: Tolerance::Fixed(1e-9) }
+    Setup {
+        domain,
+        spacing,
+        viscosity: 1.0,
+        drive,
+        bodies,
+        constraint: ConstraintMethod::Sharp,
+        inverse: InverseMethod::Hypre,
+        tolerance: Tolerance::Fixed(1e-9),
+    }
 }
 
 /// A channel of height 1 along x whose walls move at -1/2 and 1/2 times `rate`.
 pub fn couette(length: f64, spacing: f64, rate: f64, bodies: Vec<SuspendedBody<2>>) -> Setup<2> {
     let walls = Axis::Walls { lower: Vector2::x() * (-0.5 * rate), upper: Vector2::x() * (0.5 * rate) };
     let domain = Domain { size: Vector2::new(length, 1.0), axes: [Axis::Periodic, walls] };
-    Setup { domain, spacing, viscosity: 1.0, drive: Drive::Rest, bodies, inverse: InverseMethod::Hypre, tolerance: Tolerance::Fixed(1e-9) }
+    Setup {
+        domain,
+        spacing,
+        viscosity: 1.0,
+        drive: Drive::Rest,
+        bodies,
+        constraint: ConstraintMethod::Sharp,
+        inverse: InverseMethod::Hypre,
+        tolerance: Tolerance::Fixed(1e-9),
+    }
 }
 
 pub fn solve<const D: usize>(session: &Session, setup: Setup<D>) -> (Suspension<D>, Solution<D>) {
@@ -142,6 +160,7 @@ fn a_channel_driven_by_each_drive(session: &Session) {
         viscosity: 1.0,
         drive,
         bodies: vec![suspended(Vector2::new(0.513, 0.5), 0.125, motion, 8)],
+        constraint: ConstraintMethod::Sharp,
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-9),
     };
@@ -196,6 +215,7 @@ fn a_disk_in_a_closed_box(session: &Session) {
         viscosity: 2.0,
         drive: Drive::Rest,
         bodies: vec![suspended(Vector2::new(0.5, 0.5), 0.2, Motion::Prescribed(twist), 8)],
+        constraint: ConstraintMethod::Sharp,
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-9),
     };

@@ -6,8 +6,8 @@ use super::{PlacedInclusion, blocks::InclusionBlocks, nodes::Nodes};
 use crate::{
     constraint::{
         Layout,
-        blocks::LocalBlock,
         conservation::{TERMS, conserve},
+        dense::LocalBlock,
         rows::Rows,
     },
     grid::{

@@ -5,8 +5,7 @@ use std::ops::Range;
 use crate::{
     constraint::{
         Layout,
-        blocks::LocalBlock,
-        dense::dot,
+        dense::{LocalBlock, dot},
         places::{Places, from},
         rows::Rows,
     },

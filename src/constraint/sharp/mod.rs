@@ -13,6 +13,7 @@
 //! rigid motion, which interpolation reproduces; outer extensions `(a/r)^k` grow inwards so fast that interpolating them
 //! turns high modes unstable where bodies crowd.
 
+mod blocks;
 mod jumps;
 mod nodes;
 mod passage;
@@ -23,11 +24,9 @@ use std::rc::Rc;
 
 use nalgebra::SVector;
 
-use super::{
-    Situation,
-    blocks::{BodyBlocks, LocalBlock},
-};
+use super::dense::LocalBlock;
 use crate::{grid::Grid, surface::SurfaceTable};
+pub use blocks::{BodyBlocks, SharpBlocks, Situation};
 use jumps::Jumps;
 use nodes::Nodes;
 pub use passage::{Passed, jump, passed};
@@ -53,7 +52,8 @@ pub struct Placed<const D: usize> {
 }
 
 impl<const D: usize> Placed<D> {
-    fn outside(&self, point: &SVector<f64, D>) -> bool {
+    /// Whether a point lies outside.
+    pub(super) fn outside(&self, point: &SVector<f64, D>) -> bool {
         (point - self.center).norm_squared() > self.surface.modes.radius().powi(2)
     }
 }

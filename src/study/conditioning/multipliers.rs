@@ -13,7 +13,7 @@ use crate::{
     flow::{Drive, InverseMethod},
     geometry::{Axis, Ball, Domain},
     petsc::Session,
-    scene::Tolerance,
+    scene::{ConstraintMethod, Tolerance},
     simulation::{Setup, SuspendedBody, Suspension},
 };
 
@@ -99,6 +99,7 @@ fn row(session: &Session, disks: &[Ball<2>], cells: usize, order: usize) -> Resu
         viscosity: 1.0,
         drive: Drive::Shear(1.0),
         bodies: disks.iter().map(|&ball| SuspendedBody { body: Body { ball, motion }, order }).collect(),
+        constraint: ConstraintMethod::Sharp,
         inverse: InverseMethod::Transform,
         tolerance: Tolerance::Auto,
     };

@@ -12,7 +12,7 @@ use crate::{
     geometry::{Axis, Ball, Domain},
     observe::{self, Viscosity},
     petsc::Session,
-    scene::Tolerance,
+    scene::{ConstraintMethod, Tolerance},
     simulation::{Setup, Solution, SuspendedBody, Suspension},
 };
 
@@ -82,6 +82,7 @@ fn setup<const D: usize>(length: f64, axes: [Axis<D>; D], spacing: f64, drive: D
         viscosity: 1.0,
         drive,
         bodies,
+        constraint: ConstraintMethod::Sharp,
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(TOLERANCE),
     }

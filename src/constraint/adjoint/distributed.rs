@@ -1,0 +1,50 @@
+//! The `distributed` method: the velocity is rigid at every lattice point inside a body.
+//!
+//! It is enough to say so on the outermost layer, the points inside with a neighbour outside: between rigid values on the
+//! layer the discrete Stokes equations without forces have one solution, and the rigid motion is it. So multipliers grow with
+//! the surface, not the volume, and the answer is the same to the last digit.
+
+use super::{
+    AdjointBody,
+    nodes::{Collector, SparseRows, within_walls},
+    rigid::{motions, push_readings},
+    test::{RowTest, Test},
+};
+use crate::{
+    constraint::{patch::Patch, sharp::Placed},
+    grid::{Grid, Index, stencil::moved},
+};
+
+/// The blocks of one body.
+pub fn assemble<const D: usize>(grid: &Grid<D>, (body, placed): (usize, &Placed<D>)) -> AdjointBody<D> {
+    let mut collector = Collector::new(grid, placed.center);
+    for component in 0..D {
+        for index in Patch::around(grid, component, &placed.center, placed.surface.modes.radius()).indices() {
+            if on_layer(grid, placed, component, index) {
+                collector.node(component, index);
+            }
+        }
+    }
+    let (nodes, surface) = (collector.nodes, &placed.surface);
+    let (motions, cell, spacing) = (motions(surface, &nodes), grid.spacing().product(), grid.mean_spacing());
+    let mut rows = SparseRows::default();
+    push_readings(&motions, &vec![1.0; nodes.count()], &mut rows);
+    // so that the residual is a mean over the surface
+    let weight = (spacing / surface.modes.radius()).powf(0.5 * (D as f64 - 1.0));
+    (0..nodes.count() as u32).for_each(|node| rows.push([(node, weight)]));
+    let test = RowTest {
+        rigid: motions.ncols(),
+        motions: motions * weight,
+        // a force at one point moves it by about a third of the square of the spacing
+        strengths: [surface.modes.force_factor() / cell, 2.0 / (weight * spacing).powi(2)],
+        compliance: Vec::new(),
+        inverse: vec![1.0; nodes.count()],
+    };
+    AdjointBody { body, center: placed.center, nodes, rows, wall_values: Vec::new(), test: Test::Rows(test), cell }
+}
+
+fn on_layer<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, component: usize, index: Index<D>) -> bool {
+    let inside = |index: Index<D>| within_walls(grid, component, index) && !placed.outside(&grid.position(component, index));
+    let neighbours = (0..D).flat_map(|axis| [-1, 1].map(|side| moved(index, axis, side)));
+    inside(index) && !neighbours.into_iter().all(inside)
+}

@@ -1,0 +1,116 @@
+//! Bodies in their places: their blocks, and what of an earlier assembly still holds.
+
+use std::collections::HashMap;
+
+use nalgebra::SVector;
+
+use super::{basis::Basis, bodies::Bodies};
+use crate::{
+    constraint::{
+        self, AdjointBlocks, AdjointBody, Blocks, INTERPOLATION_REACH, Layout, Method, NearPairs, Neighbour, Placed, SharpBlocks,
+        Situation, Workspace,
+    },
+    error::Result,
+    geometry::{Ball, near_pairs},
+};
+
+/// Bodies in their places.
+pub struct Assembly<const D: usize> {
+    centers: Vec<SVector<f64, D>>,
+    /// Who holds which multipliers.
+    pub layout: Layout,
+    /// The blocks of this rank's bodies.
+    pub blocks: Blocks<D>,
+    /// Bodies of this rank whose blocks are new.
+    pub assembled: usize,
+    /// Near pairs, if multipliers are coefficients of surface modes.
+    pub pairs: Option<NearPairs>,
+    /// The velocity of the flow without bodies, tested with the rows of this rank's bodies.
+    pub undisturbed: Vec<f64>,
+}
+
+impl<const D: usize> Assembly<D> {
+    /// The assembly of bodies with the given centres; of an earlier one all that did not move is used again.
+    pub fn of(basis: &Basis<D>, centers: &[SVector<f64, D>], earlier: Option<Assembly<D>>) -> Result<Assembly<D>> {
+        match earlier {
+            Some(assembly) if assembly.centers == centers => Ok(Assembly { assembled: 0, ..assembly }),
+            earlier => Assembly::anew(basis, centers, earlier.map(|earlier| earlier.blocks)),
+        }
+    }
+
+    fn anew(basis: &Basis<D>, centers: &[SVector<f64, D>], earlier: Option<Blocks<D>>) -> Result<Assembly<D>> {
+        let (session, fluid, method) = (&basis.session, &basis.undisturbed.0, basis.setup.blocks());
+        let placed = basis.kinds.place(&basis.setup, centers);
+        let (layout, blocks, assembled) = match (method, earlier) {
+            (Method::Sharp, Some(Blocks::Sharp(earlier))) => sharp(basis, &placed, Some(earlier))?,
+            (Method::Sharp, _) => sharp(basis, &placed, None)?,
+            (_, Some(Blocks::Adjoint(earlier))) => adjoint(basis, &placed, earlier.into_bodies())?,
+            _ => adjoint(basis, &placed, Vec::new())?,
+        };
+        let mut blocks = blocks;
+        let bodies = Bodies::new(&basis.setup, &basis.grid, &basis.kinds, placed, layout);
+        let undisturbed = bodies.undisturbed(&mut blocks, fluid, |point| basis.background(point))?;
+        let pairs = if method.on_surfaces() { Some(bodies.near_pairs(session)?) } else { None };
+        Ok(Assembly { centers: centers.to_vec(), layout: bodies.layout, blocks, assembled, pairs, undisturbed })
+    }
+}
+
+/// Who holds which of the bodies, with so many multipliers each.
+fn layout<const D: usize>(basis: &Basis<D>, placed: &[Placed<D>], counts: &[usize]) -> Layout {
+    let centers: Vec<SVector<f64, D>> = placed.iter().map(|placed| placed.center).collect();
+    Layout::new(&basis.grid, &centers, counts, basis.session.world().rank())
+}
+
+/// Blocks of the sharp method, with the number of those that are new; bodies that did not move, nor their neighbours, keep theirs.
+fn sharp<const D: usize>(basis: &Basis<D>, placed: &[Placed<D>], earlier: Option<SharpBlocks<D>>) -> Result<(Layout, Blocks<D>, usize)> {
+    let counts: Vec<usize> = placed.iter().map(|placed| placed.surface.modes.count()).collect();
+    let (layout, neighbours) = (layout(basis, placed, &counts), neighbours(basis, placed));
+    let (mut workspace, mut kept) = (Workspace::default(), HashMap::new());
+    for blocks in earlier.into_iter().flat_map(SharpBlocks::into_bodies) {
+        let body = blocks.situation.body;
+        if layout.holds(body) && blocks.situation == Situation::of((body, &placed[body]), &neighbours[body]) {
+            kept.insert(body, blocks);
+        } else {
+            workspace.recycle(blocks);
+        }
+    }
+    let assembled = layout.local_bodies.len() - kept.len();
+    let assemble = |&body: &usize| {
+        let anew = || constraint::assemble(&basis.grid, (body, &placed[body]), &neighbours[body], &mut workspace);
+        kept.remove(&body).unwrap_or_else(anew)
+    };
+    let bodies = layout.local_bodies.iter().map(assemble).collect();
+    let blocks = SharpBlocks::new(&basis.session, &basis.undisturbed.0, &layout, bodies)?;
+    Ok((layout, Blocks::Sharp(blocks), assembled))
+}
+
+/// For each body, those whose inside the interpolation on its surface may meet.
+fn neighbours<const D: usize>(basis: &Basis<D>, placed: &[Placed<D>]) -> Vec<Vec<Neighbour<D>>> {
+    let balls: Vec<Ball<D>> = placed.iter().map(|placed| Ball { center: placed.center, radius: placed.surface.modes.radius() }).collect();
+    let mut neighbours: Vec<Vec<Neighbour<D>>> = vec![Vec::new(); placed.len()];
+    for pair in near_pairs(&basis.setup.domain, &balls, INTERPOLATION_REACH * basis.grid.spacing().max()) {
+        for (body, other, separation) in [(pair.first, pair.second, pair.separation), (pair.second, pair.first, -pair.separation)] {
+            let image = Placed { center: placed[body].center + separation, surface: placed[other].surface.clone() };
+            neighbours[body].push((other, image));
+        }
+    }
+    neighbours
+}
+
+/// Blocks of the other methods, with the number of those that are new; bodies that did not move keep theirs. Collective.
+fn adjoint<const D: usize>(basis: &Basis<D>, placed: &[Placed<D>], earlier: Vec<AdjointBody<D>>) -> Result<(Layout, Blocks<D>, usize)> {
+    let (grid, method, world) = (&basis.grid, basis.setup.blocks(), basis.session.world());
+    let mut kept: HashMap<usize, AdjointBody<D>> = earlier.into_iter().map(|body| (body.body, body)).collect();
+    kept.retain(|&body, earlier| earlier.center == placed[body].center && grid.owner(&earlier.center) == world.rank());
+    let held = kept.len();
+    let own = placed.iter().enumerate().filter(|(_, placed)| grid.owner(&placed.center) == world.rank());
+    let bodies: Vec<AdjointBody<D>> = own
+        .map(|(body, placed)| kept.remove(&body).unwrap_or_else(|| constraint::assemble_adjoint(method, grid, (body, placed))))
+        .collect();
+    let found = world.gather(&bodies.iter().flat_map(|body| [body.body as f64, body.count() as f64]).collect::<Vec<f64>>());
+    let mut counts = vec![0; placed.len()];
+    found.chunks(2).for_each(|found| counts[found[0] as usize] = found[1] as usize);
+    let (layout, assembled) = (layout(basis, placed, &counts), bodies.len() - held);
+    let blocks = AdjointBlocks::new(&basis.undisturbed.0, &layout, bodies)?;
+    Ok((layout, Blocks::Adjoint(blocks), assembled))
+}
