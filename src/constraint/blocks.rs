@@ -1,8 +1,10 @@
 //! The blocks of the linear system that bodies contribute, whatever the method.
 
+use std::rc::Rc;
+
 use nalgebra::{SMatrix, SVector};
 
-use super::{AdjointBlocks, SharpBlocks};
+use super::{AdjointBlocks, FreeInverse, SharpBlocks};
 use crate::{error::Result, petsc::Vector};
 
 /// The blocks of this rank's bodies, which are counted in the order of the layout.
@@ -62,8 +64,9 @@ impl<const D: usize> Blocks<D> {
         }
     }
 
-    /// Approximate inverse of the diagonal block of one of the bodies in the rows that are not rigid, if the method has a diagonal one.
-    pub fn free_inverse(&self, local: usize) -> Option<&[f64]> {
+    /// Approximate inverse of the diagonal block of one of the bodies in the rows that are not rigid, unless its
+    /// rows are those of surface modes.
+    pub fn free_inverse(&self, local: usize) -> Option<Rc<FreeInverse>> {
         match self {
             Blocks::Sharp(_) => None,
             Blocks::Adjoint(blocks) => blocks.body(local).free_inverse(),

@@ -22,7 +22,7 @@ mod rows;
 mod scalar;
 mod sharp;
 
-pub use adjoint::{AdjointBlocks, AdjointBody, assemble as assemble_adjoint};
+pub use adjoint::{AdjointBlocks, AdjointBody, FreeInverse, assemble as assemble_adjoint};
 pub use blocks::Blocks;
 pub use layout::Layout;
 pub use near::{Crowd, NearPairs, PairTables};

@@ -155,9 +155,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
             let dense = &kind.inverses[usize::from(!free)];
             let inverse = match blocks.free_inverse(local) {
                 None => Inverse::Dense(dense.clone()),
-                Some(others) => {
-                    Inverse::Diagonal((0..modes.rigid_count()).map(|mode| dense[(mode, mode)]).chain(others.iter().copied()).collect())
-                }
+                Some(others) => Inverse::Split((0..modes.rigid_count()).map(|mode| dense[(mode, mode)]).collect(), others),
             };
             Member {
                 range: first..first + self.layout.count(body),

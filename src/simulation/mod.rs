@@ -24,6 +24,7 @@ mod state;
 mod surfaces;
 mod suspension;
 mod touching;
+mod uzawa;
 mod work;
 
 pub use drift::Drift;

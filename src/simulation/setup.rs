@@ -7,7 +7,7 @@ use crate::{
     error::Result,
     flow::{Drive, InverseMethod},
     geometry::Domain,
-    scene::{self, ConstraintMethod, Modes, ResolutionSection, Scene, Spacing, StokesSolver, Tolerance},
+    scene::{self, ConstraintMethod, Modes, MultiplierSolver, ResolutionSection, Scene, Spacing, StokesSolver, Tolerance},
 };
 
 /// Fewest cells per radius: closer to the centre the jump functions are too steep for the grid.
@@ -15,6 +15,9 @@ const FEWEST_CELLS_PER_RADIUS: f64 = 3.0;
 
 /// Highest order of modes per cell of radius in 2D and 3D; above it the multipliers see the grid's own noise.
 const HIGHEST_ORDER_PER_CELL: [f64; 2] = [1.4, 1.25];
+
+/// Tolerance of the fluid alone over that of the whole.
+const INNER: f64 = 0.01;
 
 /// Default of the penalty method: viscosity of the fluid over that inside bodies.
 ///
@@ -77,6 +80,14 @@ impl<const D: usize> Setup<D> {
             ConstraintMethod::Penalty(epsilon) => Method::Penalty { epsilon: epsilon.unwrap_or(EPSILON) },
             ConstraintMethod::Fitted => panic!("a fitted mesh has no blocks on a grid"),
         }
+    }
+
+    /// Tolerance of the fluid alone, where a method needs each solve of it to be exact and the inverse is not.
+    ///
+    /// Extra stresses are told apart by what the exact flow makes of them, and Uzawa's iteration is one on the multipliers.
+    pub fn inner_tolerance(&self) -> Option<f64> {
+        let exact = matches!(self.constraint, ConstraintMethod::Penalty(_) | ConstraintMethod::MeanValue(MultiplierSolver::Uzawa(_)));
+        exact.then(|| INNER * self.tolerance.at_an_instant())
     }
 
     /// Part of the box that bodies fill.

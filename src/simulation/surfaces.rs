@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVectorView, DVectorViewMut};
 
 use super::{closure::Closure, touching::Touching};
 use crate::{
-    constraint::{Blocks, NearPairs},
+    constraint::{Blocks, FreeInverse, NearPairs},
     error::Result,
     parallel::World,
     petsc::Vector,
@@ -39,20 +39,27 @@ pub struct Member {
     pub mobility: f64,
 }
 
+impl Member {
+    /// Whether the row of a mode gives the net force or torque.
+    fn gives_force(&self, mode: usize) -> bool {
+        self.free && mode < self.rigid
+    }
+}
+
 /// Inverse of the diagonal block of a body.
 pub enum Inverse {
     /// In unbounded fluid; shared by bodies of a kind.
     Dense(Rc<DMatrix<f64>>),
-    /// Of a method whose rows hardly see each other.
-    Diagonal(Vec<f64>),
+    /// A diagonal in the rigid rows, and what the method has for the others.
+    Split(Vec<f64>, Rc<FreeInverse>),
 }
 
 impl Inverse {
-    /// A diagonal entry.
+    /// A diagonal entry of a rigid row.
     pub fn diagonal(&self, row: usize) -> f64 {
         match self {
             Inverse::Dense(matrix) => matrix[(row, row)],
-            Inverse::Diagonal(entries) => entries[row],
+            Inverse::Split(entries, _) => entries[row],
         }
     }
 
@@ -62,8 +69,9 @@ impl Inverse {
                 let input = DVectorView::from_slice(input, input.len());
                 DVectorViewMut::from_slice(output, input.len()).gemv(1.0, matrix, &input, 0.0);
             }
-            Inverse::Diagonal(entries) => {
+            Inverse::Split(entries, others) => {
                 output.iter_mut().zip(input).zip(entries).for_each(|((output, input), entry)| *output = entry * input);
+                others.apply(&input[entries.len()..], &mut output[entries.len()..]);
             }
         }
     }
@@ -131,6 +139,31 @@ impl<const D: usize> Surfaces<'_, D> {
         Ok(tail)
     }
 
+    /// Whether rows are velocities and given forces, and nothing else.
+    pub fn velocities_only(&self) -> bool {
+        self.touching.count() == 0 && !matches!(self.closure, Closure::MeanVelocity)
+    }
+
+    /// Multiplies residuals by what turns them into corrections: rows of velocities by `step`, and others so that they hold at once.
+    pub fn weigh(&self, step: f64, rows: &mut Vector) -> Result<()> {
+        let mut rows = rows.local_mut()?;
+        for member in self.members {
+            for (mode, row) in rows[member.range.clone()].iter_mut().enumerate() {
+                *row *= if member.gives_force(mode) { 1.0 / member.force_scale } else { step };
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets the rows of given forces to zero.
+    pub fn without_given_forces(&self, rows: &mut Vector) -> Result<()> {
+        let mut rows = rows.local_mut()?;
+        for member in self.members.iter().filter(|member| member.free) {
+            rows[member.range.start..member.range.start + member.rigid].fill(0.0);
+        }
+        Ok(())
+    }
+
     /// Where the contacts are in the tail.
     fn contacts(&self) -> Range<usize> {
         let first = self.closure.unknowns::<D>();
@@ -186,7 +219,7 @@ impl<const D: usize> Surfaces<'_, D> {
         for member in self.members {
             let (wanted, found) = (&mut wanted[member.range.clone()], &mut found[member.range.clone()]);
             for (mode, (wanted, sampled)) in wanted.iter_mut().zip(&*found).enumerate() {
-                *wanted -= if member.free && mode < member.rigid { 0.0 } else { *sampled };
+                *wanted -= if member.gives_force(mode) { 0.0 } else { *sampled };
             }
             member.inverse.apply(wanted, found);
         }

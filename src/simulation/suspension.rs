@@ -17,14 +17,16 @@ use super::{
     spectrum::Conditions,
     surfaces::{Member, Surfaces},
     touching::Touching,
+    uzawa::uzawa,
     work::{Sizes, Stages, Work},
 };
 use crate::{
     contact::ContactForce,
     error::{Error, Result},
-    flow::{Stokes, StokesInverse},
+    flow::{InverseMethod, IteratedInverse, Stokes, StokesInverse},
     grid::Grid,
     petsc::{Krylov, KrylovMethod, KrylovSettings, Report, Session, Stage, Vector, enter},
+    scene::{ConstraintMethod, MultiplierSolver},
 };
 
 /// Iterations allowed for the coupled system.
@@ -91,8 +93,11 @@ impl<const D: usize> Suspension<D> {
     /// # Errors
     /// The grid or the rank count does not fit, or no steady state exists.
     pub fn new(session: &Session, setup: Setup<D>) -> Result<Suspension<D>> {
-        let method = setup.inverse;
-        Self::with_inverse(session, setup, |stokes, grid| method.set_up(stokes, grid))
+        let (method, inner) = (setup.inverse, setup.inner_tolerance());
+        Self::with_inverse(session, setup, |stokes, grid| match (method, inner) {
+            (InverseMethod::Hypre, Some(tolerance)) => Ok(Box::new(IteratedInverse::new(stokes, grid, tolerance)?)),
+            _ => method.set_up(stokes, grid),
+        })
     }
 
     /// As [`new`](Self::new), with another approximate inverse of the fluid.
@@ -234,6 +239,7 @@ struct Ready<'a, const D: usize> {
     engine: Engine,
     guess: Option<Guess<D>>,
     prescribed_drag: f64,
+    tolerance: f64,
 }
 
 impl<'a, const D: usize> Ready<'a, D> {
@@ -262,7 +268,7 @@ impl<'a, const D: usize> Ready<'a, D> {
         basis.fill_right_hand_side(&wanted, &touching.rates, prescribed_drag, &mut engine.rhs)?;
         let unit = touching.scale * basis.setup.viscosity;
         engine.start(&bodies, guess.as_ref(), moment.pressed.iter().map(|pressed| pressed.force / unit).collect())?;
-        Ok(Ready { bodies, members, assembly, touching, engine, guess, prescribed_drag })
+        Ok(Ready { bodies, members, assembly, touching, engine, guess, prescribed_drag, tolerance: moment.tolerance })
     }
 
     /// The solver with its right-hand side and start, and what the system is made of.
@@ -283,9 +289,17 @@ impl<'a, const D: usize> Ready<'a, D> {
     /// Solves; the velocities that are found include those of the flow without bodies.
     fn solve(&mut self, basis: &Basis<D>, inverse: &mut dyn StokesInverse<D>, seen: Seen) -> Result<(Report, Unknowns)> {
         let _stage = enter(Stage::Orthogonalisation);
+        let tolerance = self.tolerance;
         let (solver, parts) = self.parts(basis, inverse);
-        let (report, mut found) =
-            if basis.condensed { solve(solver, Condensed(parts), seen) } else { solve(solver, Coupled(parts), seen) }?;
+        let (report, mut found) = match basis.setup.constraint {
+            ConstraintMethod::MeanValue(MultiplierSolver::Uzawa(step)) => {
+                let (_, vectors) = solver;
+                let by_uzawa = |system: &mut Condensed<D>, vectors: (&Vector, &mut Vector)| uzawa(system, vectors, (step, tolerance), seen);
+                solve(vectors, Condensed(parts), by_uzawa)
+            }
+            _ if basis.condensed => solve(solver.1, Condensed(parts), |system, vectors| solver.0.solve(system, vectors, seen)),
+            _ => solve(solver.1, Coupled(parts), |system, vectors| solver.0.solve(system, vectors, seen)),
+        }?;
         found.velocities.iter_mut().zip(&self.assembly.undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);
         Ok((report, found))
     }
@@ -294,9 +308,13 @@ impl<'a, const D: usize> Ready<'a, D> {
 /// A solver, the right-hand side, and where it starts.
 type Solver<'a> = (&'a mut Krylov, (&'a Vector, &'a mut Vector));
 
-fn solve((krylov, (rhs, x)): Solver, mut system: impl BodiesInFluid, seen: Seen) -> Result<(Report, Unknowns)> {
+fn solve<S: BodiesInFluid>(
+    (rhs, x): (&Vector, &mut Vector),
+    mut system: S,
+    by: impl FnOnce(&mut S, (&Vector, &mut Vector)) -> Result<Report>,
+) -> Result<(Report, Unknowns)> {
     let start = Instant::now();
-    let report = krylov.solve(&mut system, (rhs, x), seen)?;
+    let report = by(&mut system, (rhs, &mut *x))?;
     let found = system.unknowns(x)?;
     // an eliminated fluid takes one more inverse to find
     Ok((Report { seconds: start.elapsed().as_secs_f64(), ..report }, found))

@@ -1,10 +1,12 @@
 //! What one body adds, whatever its rows.
 
+use std::rc::Rc;
+
 use nalgebra::{SMatrix, SVector};
 
 use super::{
     nodes::{Nodes, SparseRows},
-    test::Test,
+    test::{FreeInverse, Test},
 };
 use crate::constraint::places::Places;
 
@@ -32,11 +34,11 @@ impl<const D: usize> AdjointBody<D> {
         self.test.count()
     }
 
-    /// Approximate inverse of the diagonal block in the rows that are not rigid, if it is a diagonal.
-    pub fn free_inverse(&self) -> Option<&[f64]> {
+    /// Approximate inverse of the diagonal block in the rows that are not rigid, unless the rows are those of surface modes.
+    pub fn free_inverse(&self) -> Option<Rc<FreeInverse>> {
         match &self.test {
             Test::Surface { .. } => None,
-            Test::Rows(rows) => Some(&rows.inverse),
+            Test::Rows(rows) => Some(rows.inverse.clone()),
         }
     }
 

@@ -4,11 +4,13 @@
 //! layer the discrete Stokes equations without forces have one solution, and the rigid motion is it. So multipliers grow with
 //! the surface, not the volume, and the answer is the same to the last digit.
 
+use std::rc::Rc;
+
 use super::{
     AdjointBody,
     nodes::{Collector, SparseRows, within_walls},
     rigid::{motions, push_readings},
-    test::{RowTest, Test},
+    test::{FreeInverse, RowTest, Test},
 };
 use crate::{
     constraint::{patch::Patch, sharp::Placed},
@@ -38,7 +40,8 @@ pub fn assemble<const D: usize>(grid: &Grid<D>, (body, placed): (usize, &Placed<
         // a force at one point moves it by about a third of the square of the spacing
         strengths: [surface.modes.force_factor() / cell, 2.0 / (weight * spacing).powi(2)],
         compliance: Vec::new(),
-        inverse: vec![1.0; nodes.count()],
+        others: nodes.count(),
+        inverse: Rc::new(FreeInverse::Identity),
     };
     AdjointBody { body, center: placed.center, nodes, rows, wall_values: Vec::new(), test: Test::Rows(test), cell }
 }

@@ -6,10 +6,13 @@
 
 mod body;
 mod distributed;
+mod elastic;
 mod mean_value;
 mod nodes;
 mod penalty;
 mod rigid;
+mod skyline;
+mod strains;
 mod test;
 
 use nalgebra::{SMatrix, SVector};
@@ -22,6 +25,7 @@ use crate::{
     petsc::{Scatter, Vector},
 };
 pub use body::AdjointBody;
+pub use test::FreeInverse;
 
 /// The blocks of one body by one of these methods.
 ///

@@ -99,20 +99,21 @@ impl SparseRows {
         self.ends.push(self.terms.len() as u32);
     }
 
-    fn rows(&self) -> impl Iterator<Item = &[(u32, f64)]> {
+    /// The rows, as nodes and weights.
+    pub fn iter(&self) -> impl Iterator<Item = &[(u32, f64)]> {
         let starts = std::iter::once(0).chain(self.ends.iter().copied());
         starts.zip(&self.ends).map(|(start, &end)| &self.terms[start as usize..end as usize])
     }
 
     /// The rows of values at the nodes.
     pub fn apply(&self, values: &[f64]) -> Vec<f64> {
-        self.rows().map(|row| row.iter().map(|&(node, weight)| weight * values[node as usize]).sum()).collect()
+        self.iter().map(|row| row.iter().map(|&(node, weight)| weight * values[node as usize]).sum()).collect()
     }
 
     /// The adjoint: values at so many nodes.
     pub fn transposed(&self, rows: &[f64], nodes: usize) -> Vec<f64> {
         let mut values = vec![0.0; nodes];
-        for (row, value) in self.rows().zip(rows) {
+        for (row, value) in self.iter().zip(rows) {
             row.iter().for_each(|&(node, weight)| values[node as usize] += weight * value);
         }
         values

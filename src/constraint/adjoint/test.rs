@@ -4,6 +4,7 @@ use std::rc::Rc;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::elastic::ElasticInverse;
 use crate::surface::SurfaceTable;
 
 /// The map from values of the fluid (rows over its nodes) to equations of the body, the rigid ones first.
@@ -27,10 +28,38 @@ pub struct RowTest {
     pub rigid: usize,
     /// Forces per volume of a unit multiplier: of a rigid motion, and of another row.
     pub strengths: [f64; 2],
+    /// Number of the other rows.
+    pub others: usize,
     /// Diagonal of E in the other rows; empty if there is none.
     pub compliance: Vec<f64>,
     /// Approximate inverse of the diagonal block in the other rows.
-    pub inverse: Vec<f64>,
+    pub inverse: Rc<FreeInverse>,
+}
+
+/// Approximate inverse of the diagonal block of a body in the rows that are not rigid.
+pub enum FreeInverse {
+    /// Of rows and multipliers that are scaled well.
+    Identity,
+    /// Of strains, each scaled by a factor, and stresses likewise.
+    Elastic {
+        /// Of strains and stresses as they are.
+        inverse: ElasticInverse,
+        /// The factors.
+        scales: Vec<f64>,
+    },
+}
+
+impl FreeInverse {
+    /// `output = ` what multipliers give the rows `input`.
+    pub fn apply(&self, input: &[f64], output: &mut [f64]) {
+        match self {
+            FreeInverse::Identity => output.copy_from_slice(input),
+            FreeInverse::Elastic { inverse, scales } => {
+                let strains: Vec<f64> = input.iter().zip(scales).map(|(row, scale)| row / scale).collect();
+                output.iter_mut().zip(inverse.apply(&strains)).zip(scales).for_each(|((output, stress), scale)| *output = stress / scale);
+            }
+        }
+    }
 }
 
 impl<const D: usize> Test<D> {
@@ -38,7 +67,7 @@ impl<const D: usize> Test<D> {
     pub fn count(&self) -> usize {
         match self {
             Test::Surface { surface, .. } => surface.modes.count(),
-            Test::Rows(rows) => rows.rigid + rows.inverse.len(),
+            Test::Rows(rows) => rows.rigid + rows.others,
         }
     }
 
