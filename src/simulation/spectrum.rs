@@ -51,7 +51,11 @@ fn matrix(world: &World, shape: &Vector, mut map: impl FnMut(&Vector, &mut Vecto
     Ok(matrix)
 }
 
+/// Singular values that are rounding noise beside the largest: directions that no row sees, and no right-hand side excites.
+const UNSEEN: f64 = 1e-13;
+
 fn condition(matrix: DMatrix<f64>) -> f64 {
     let values = matrix.singular_values();
-    values.max() / values.min()
+    let largest = values.max();
+    largest / values.iter().copied().filter(|value| *value > UNSEEN * largest).fold(largest, f64::min)
 }

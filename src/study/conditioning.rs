@@ -1,6 +1,6 @@
 //! How hard the linear systems are as the grid is refined: condition numbers, iterations, seconds and memory, beside what theory predicts.
 //!
-//! The scalar Laplacian with several preconditioners, the multipliers of disks, and the fluid without bodies.
+//! The scalar Laplacian with several preconditioners, the multipliers of disks by all methods, and the fluid without bodies.
 
 mod energy;
 mod fit;
@@ -10,6 +10,7 @@ mod laplacian;
 mod method;
 mod multipliers;
 mod report;
+mod rigidity;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -66,10 +67,12 @@ pub fn conditioning(session: &Session, options: &ConditioningOptions) -> Result<
     let rows = multipliers::constrained(session)?;
     let multiplier_growth = MultiplierGrowth::of(&rows);
     say(text::multipliers(&rows, &multiplier_growth));
+    let rigidity = rigidity::rigidity(session)?;
+    say(text::rigidity(&rigidity));
     let fluid = fluid::fluid(session, [options.finest_2d, options.finest_3d])?;
     say(text::fluid(&fluid));
     let (ranks, wanted_error) = (world.size(), WANTED);
-    let report = Report { ranks, wanted_error, laplacian: solves, growth, multipliers: rows, multiplier_growth, fluid };
+    let report = Report { ranks, wanted_error, laplacian: solves, growth, multipliers: rows, multiplier_growth, rigidity, fluid };
     write(&|folder| report.files().iter().try_for_each(|(name, text)| write_whole(&folder.join(name), text.as_bytes())))?;
     if let Some(folder) = &options.out {
         say(format!("files: {}: {}", folder.display(), report.files().map(|(name, _)| name).join(", ")));

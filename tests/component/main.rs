@@ -16,6 +16,7 @@ mod interpolation;
 mod inverses;
 mod lasting;
 mod machine;
+mod methods;
 mod motion;
 mod near;
 mod scalar;
@@ -56,6 +57,7 @@ fn main() {
     let mut passed = 0;
     let floors = [
         machine::tests(),
+        methods::tests(),
         solvers::tests(),
         grid::tests(),
         interpolation::tests(),

@@ -93,17 +93,7 @@ pub fn constrained(session: &Session) -> Result<Vec<Constrained>> {
 
 fn row(session: &Session, disks: &[Ball<2>], cells: usize, order: usize) -> Result<Constrained> {
     let motion = Motion::Free { force: SVector::zeros(), torque: SMatrix::zeros() };
-    let setup = Setup {
-        domain: Domain { size: SVector::repeat(1.0), axes: [Axis::Periodic; 2] },
-        spacing: 1.0 / cells as f64,
-        viscosity: 1.0,
-        drive: Drive::Shear(1.0),
-        bodies: disks.iter().map(|&ball| SuspendedBody { body: Body { ball, motion }, order }).collect(),
-        constraint: ConstraintMethod::Sharp,
-        inverse: InverseMethod::Transform,
-        tolerance: Tolerance::Auto,
-    };
-    let found = Suspension::new(session, setup)?.conditions()?;
+    let found = Suspension::new(session, periodic(disks, motion, cells, order))?.conditions()?;
     Ok(Constrained {
         bodies: disks.len(),
         cells,
@@ -115,8 +105,22 @@ fn row(session: &Session, disks: &[Ball<2>], cells: usize, order: usize) -> Resu
     })
 }
 
+/// Disks in a periodic box of side 1 that is sheared.
+pub fn periodic(disks: &[Ball<2>], motion: Motion<2>, cells: usize, order: usize) -> Setup<2> {
+    Setup {
+        domain: Domain { size: SVector::repeat(1.0), axes: [Axis::Periodic; 2] },
+        spacing: 1.0 / cells as f64,
+        viscosity: 1.0,
+        drive: Drive::Shear(1.0),
+        bodies: disks.iter().map(|&ball| SuspendedBody { body: Body { ball, motion }, order }).collect(),
+        constraint: ConstraintMethod::Sharp,
+        inverse: InverseMethod::Transform,
+        tolerance: Tolerance::Auto,
+    }
+}
+
 /// A disk in no special place on any grid.
-fn one() -> Vec<Ball<2>> {
+pub fn one() -> Vec<Ball<2>> {
     vec![Ball { center: Vector2::new(0.513, 0.527), radius: 0.2 }]
 }
 

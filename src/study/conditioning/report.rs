@@ -8,13 +8,14 @@ use super::{
     laplacian::{Solve, WANTED},
     method::Method,
     multipliers::{Constrained, MultiplierGrowth},
+    rigidity::Rigidity,
 };
 use crate::output::{Chart, Scale, Series};
 
 /// Names of the numbers of a row in `conditioning.csv`; what does not belong to its part is left empty.
 const COLUMNS: &str = "part,dimension,preconditioner,cells,unknowns,smallest_eigenvalue,largest_eigenvalue,condition,exact_condition,\
     iterations,promised_iterations,setup_seconds,solve_seconds,preconditioner_bytes,matrix_bytes,bound_taken,bodies,modes,\
-    preconditioned_condition";
+    preconditioned_condition,epsilon";
 
 /// All that the study found.
 #[derive(Serialize)]
@@ -31,6 +32,8 @@ pub struct Report {
     pub multipliers: Vec<Constrained>,
     /// How they grow.
     pub multiplier_growth: Vec<MultiplierGrowth>,
+    /// Other constraint methods.
+    pub rigidity: Vec<Rigidity>,
     /// The fluid without bodies.
     pub fluid: Vec<Fluid>,
 }
@@ -53,12 +56,16 @@ impl Report {
             text += &laplacian_line(solve);
         }
         for Constrained { bodies, cells, modes, unknowns, condition, preconditioned, .. } in &self.multipliers {
-            text += &format!("multipliers,2,,{cells},{unknowns},,,{condition},,,,,,,,,{bodies},{modes},{preconditioned}\n");
+            text += &format!("multipliers,2,,{cells},{unknowns},,,{condition},,,,,,,,,{bodies},{modes},{preconditioned},\n");
+        }
+        for Rigidity { method, epsilon, cells, unknowns, condition, preconditioned } in &self.rigidity {
+            let epsilon = epsilon.map_or(String::new(), |epsilon| epsilon.to_string());
+            text += &format!("{method},2,,{cells},{unknowns},,,{condition},,,,,,,,,1,,{preconditioned},{epsilon}\n");
         }
         for Fluid { dimension, name, cells, hypre, setup_seconds, solve_seconds, plain } in &self.fluid {
-            text += &format!("fluid {name},{dimension},hypre,{cells},,,,,,{hypre},,{setup_seconds},{solve_seconds},,,,,,\n");
+            text += &format!("fluid {name},{dimension},hypre,{cells},,,,,,{hypre},,{setup_seconds},{solve_seconds},,,,,,,\n");
             text += &format!(
-                "fluid {name},{dimension},none,{cells},,,,,,{},,,,,,,,,\n",
+                "fluid {name},{dimension},none,{cells},,,,,,{},,,,,,,,,,\n",
                 plain.map_or(String::new(), |plain| plain.to_string())
             );
         }
@@ -107,6 +114,6 @@ fn laplacian_line(solve: &Solve) -> String {
     let (name, exact) = (solve.method.name().replace(',', ""), solve.exact_condition.map_or(String::new(), |exact| exact.to_string()));
     format!(
         "laplacian,{dimension},{name},{cells},{unknowns},{smallest},{largest},{condition},{exact},{iterations},{promised_iterations},\
-         {setup_seconds},{solve_seconds},{bytes},{matrix_bytes},{bound_taken},,,\n"
+         {setup_seconds},{solve_seconds},{bytes},{matrix_bytes},{bound_taken},,,,\n"
     )
 }
