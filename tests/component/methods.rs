@@ -190,12 +190,12 @@ fn uzawa_beyond_its_bound_diverges_with_a_diagnosis(session: &Session) {
     assert!(failure.contains("method.uzawa_step = 100.000 lies beyond its bound"), "{failure}");
 }
 
-/// The simple cubic array at fraction 0.064: 2.810198 times the drag of Stokes (reference, section 1.2).
+/// The simple cubic array at fraction 0.064: 2.810198 times the drag of Stokes (reference, section 1.2), with four cells a radius:
+/// first-order methods err by twice what they do with eight.
 fn spheres(session: &Session) {
     let radius = (0.064 * 0.75 / std::f64::consts::PI).cbrt();
     let reference = 2.810198125 * 6.0 * std::f64::consts::PI * radius;
-    for (constraint, error) in [(ConstraintMethod::Sharp, 0.01), (MEAN_VALUE, 0.14), (ConstraintMethod::Distributed, 0.2), (PENALTY, 0.04)]
-    {
+    for (constraint, error) in [(ConstraintMethod::Sharp, 0.01), (MEAN_VALUE, 0.2), (ConstraintMethod::Distributed, 0.2), (PENALTY, 0.04)] {
         let sphere = suspended(Vector3::new(0.513, 0.527, 0.481), radius, fixed(), 3);
         let setup = periodic_cube(1.0 / 17.0, Drive::MeanVelocity(Vector3::x()), vec![sphere]);
         let setup = Setup { constraint, inverse: InverseMethod::Transform, tolerance: Tolerance::Fixed(1e-6), ..setup };
