@@ -82,7 +82,11 @@ enum Command {
     /// Run scenes with each inverse of the fluid that suits them and print what each costs.
     Inverses(studies::InverseArguments),
     /// Solve cases with known answers and print a table of errors and seconds.
-    Validation,
+    Validation {
+        /// Solve scenes with known answers to these accuracies instead, and print their error bars beside the true errors.
+        #[arg(long, value_delimiter = ',', num_args = 0.., default_missing_value = "1e-2", value_name = "ACCURACY")]
+        bars: Vec<f64>,
+    },
     /// Condition numbers, iterations, seconds and memory of the linear systems against the grid, and what theory predicts.
     Conditioning {
         /// Finest grid in 2D, in cells per side.
@@ -150,9 +154,13 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
             }
         }
         Command::Scaling { .. } | Command::Inverses(_) => Err(studies::ranks_refused()),
-        Command::Validation => match study::validation(session)? {
+        Command::Validation { bars } if bars.is_empty() => match study::validation(session)? {
             true => Ok(()),
             false => Err(Error::Diverged("a case is further from its reference than promised".into())),
+        },
+        Command::Validation { bars } => match study::bars(session, bars)? {
+            true => Ok(()),
+            false => Err(Error::Diverged("more than one error bar in twelve does not hold the true error".into())),
         },
         Command::Conditioning { finest_2d, finest_3d, out } => {
             let (finest_2d, finest_3d) = (*finest_2d as usize, *finest_3d as usize);

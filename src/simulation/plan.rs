@@ -79,6 +79,11 @@ impl Plan {
         }
     }
 
+    /// Bytes that it takes on all ranks together.
+    pub fn bytes(&self) -> f64 {
+        self.bytes
+    }
+
     fn of_dry<const D: usize>(scene: &Scene, setup: &DrySetup<D>) -> Result<Plan> {
         let free = setup.bodies.iter().filter(|body| body.mass.is_finite()).count();
         let mut effects = vec![

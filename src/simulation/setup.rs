@@ -15,6 +15,10 @@ const FEWEST_CELLS_PER_RADIUS: f64 = 3.0;
 /// Highest order of modes per cell of radius in 2D and 3D; above it the multipliers see the grid's own noise.
 const HIGHEST_ORDER_PER_CELL: [f64; 2] = [1.4, 1.25];
 
+/// Order of `modes = "most"` per cell of radius in 2D and 3D, a margin below the highest, and its limit.
+const MOST_ORDER_PER_CELL: [f64; 2] = [1.25, 1.0];
+const MOST_ORDER: [usize; 2] = [24, 12];
+
 /// A body with the order of its multiplier modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SuspendedBody<const D: usize> {
@@ -62,8 +66,14 @@ impl<const D: usize> Setup<D> {
     }
 }
 
-fn resolution(scene: &Scene) -> &ResolutionSection {
-    scene.resolution.as_ref().expect("only dry scenes have no resolution")
+/// The resolution of a scene that is not dry.
+///
+/// # Errors
+/// It is yet to be chosen.
+fn resolution(scene: &Scene) -> Result<&ResolutionSection> {
+    let accuracy = scene.accuracy.unwrap_or_default();
+    let open = || scene.refuse("accuracy", accuracy, "chooses the resolution in turbid run only; give [resolution] instead");
+    scene.resolution.as_ref().ok_or_else(open)
 }
 
 fn drive<const D: usize>(scene: &Scene) -> Drive<D> {
@@ -90,7 +100,7 @@ fn inverse<const D: usize>(scene: &Scene, domain: &Domain<D>) -> InverseMethod {
 /// A body is too small for the grid or the modes.
 pub(super) fn suspended_bodies<const D: usize>(scene: &Scene, placed: Vec<(usize, Body<D>)>) -> Result<(f64, Vec<SuspendedBody<D>>)> {
     let radii = placed.iter().map(|(_, body)| body.ball.radius);
-    let spacing = match resolution(scene).spacing {
+    let spacing = match resolution(scene)?.spacing {
         Spacing::Length(spacing) => spacing,
         Spacing::CellsPerRadius(cells) => radii.fold(f64::INFINITY, f64::min) / cells,
     };
@@ -102,7 +112,7 @@ fn suspended<const D: usize>(scene: &Scene, body: Body<D>, spacing: f64) -> Resu
     let cells = body.ball.radius / spacing;
     if cells < FEWEST_CELLS_PER_RADIUS * (1.0 - 1e-9) {
         let remedy = format!("leaves {cells:.2} cells per radius {}; at least {FEWEST_CELLS_PER_RADIUS} are needed", body.ball.radius);
-        return Err(match resolution(scene).spacing {
+        return Err(match resolution(scene)?.spacing {
             Spacing::Length(spacing) => scene.refuse("resolution.spacing", spacing, &remedy),
             Spacing::CellsPerRadius(cells) => scene.refuse("resolution.cells_per_radius", cells, &remedy),
         });
@@ -113,9 +123,10 @@ fn suspended<const D: usize>(scene: &Scene, body: Body<D>, spacing: f64) -> Resu
 /// Order of the modes of a body with so many cells per radius: what is asked for, or what the grid carries well.
 fn order<const D: usize>(scene: &Scene, cells: f64) -> Result<usize> {
     let highest = (HIGHEST_ORDER_PER_CELL[D - 2] * cells + 1e-9) as usize;
-    match resolution(scene).modes {
+    match resolution(scene)?.modes {
         Modes::Auto if D == 2 => Ok((cells.round() as usize).clamp(3, 16).min(highest)),
         Modes::Auto => Ok((cells.round() as usize - 1).clamp(2, 10).min(highest)),
+        Modes::Most => Ok(((MOST_ORDER_PER_CELL[D - 2] * cells + 1e-9) as usize).clamp(2, MOST_ORDER[D - 2]).min(highest)),
         Modes::Count(modes) if modes > highest => {
             let remedy = format!("is too many for {cells:.2} cells per radius: at most {highest}; lower it or refine the grid");
             Err(scene.refuse("resolution.modes", modes, &remedy))
