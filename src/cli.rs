@@ -67,10 +67,13 @@ enum Command {
         #[arg(long, default_value_t = 6.0)]
         seconds: f64,
     },
-    /// Say what a run would build, with unknowns and memory; solve nothing.
+    /// Say what a run would build, with unknowns, memory and seconds; solve no more than a sample.
     Plan {
         #[command(flatten)]
         scene: SceneArguments,
+        /// Output folder of the run, where a calibrated resolution is kept (default: out/NAME of the scene).
+        #[arg(long)]
+        out: Option<PathBuf>,
     },
     /// Seconds, shares and traffic of a scene on several numbers of ranks, with a model of more; starts the ranks itself.
     Scaling {
@@ -124,7 +127,7 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
     match &arguments.command {
         Command::Run { scene, out, profile } => run::profiled(session, *profile, || {
             let scene = scene.read(session)?;
-            let folder = out.clone().unwrap_or_else(|| PathBuf::from("out").join(&scene.name));
+            let folder = folder(out, &scene);
             match scene.dimension() {
                 2 => run::run::<2>(session, &scene, &folder),
                 _ => run::run::<3>(session, &scene, &folder),
@@ -146,11 +149,12 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
             };
             animate::animate(session, &film)
         }
-        Command::Plan { scene } => {
+        Command::Plan { scene, out } => {
             let scene = scene.read(session)?;
+            let folder = folder(out, &scene);
             match scene.dimension() {
-                2 => plan::plan::<2>(session, &scene),
-                _ => plan::plan::<3>(session, &scene),
+                2 => plan::plan::<2>(session, &scene, &folder),
+                _ => plan::plan::<3>(session, &scene, &folder),
             }
         }
         Command::Scaling { .. } | Command::Inverses(_) => Err(studies::ranks_refused()),
@@ -167,6 +171,11 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
             study::conditioning(session, &ConditioningOptions { finest_2d, finest_3d, out: out.clone() })
         }
     }
+}
+
+/// The output folder that is asked for, or that of the scene's name.
+fn folder(out: &Option<PathBuf>, scene: &Scene) -> PathBuf {
+    out.clone().unwrap_or_else(|| PathBuf::from("out").join(&scene.name))
 }
 
 impl SceneArguments {

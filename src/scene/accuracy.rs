@@ -8,8 +8,11 @@ use crate::scene::{ConstraintMethod, FlowModel, Scene, Tolerance};
 /// The accuracies that can be asked for: the tightest and the loosest.
 const RANGE: [f64; 2] = [1e-5, 0.5];
 
-/// A given tolerance of the linear solver must be this far below the accuracy.
-const TOLERANCE_PER_ACCURACY: f64 = 1e-2;
+/// Keys of `[resolution]`.
+const RESOLUTION: [&str; 3] = ["spacing", "cells_per_radius", "modes"];
+
+/// How far below the accuracy a given tolerance of the linear solver must be.
+const ACCURACY_PER_TOLERANCE: f64 = 100.0;
 
 /// Reads `accuracy` of the scene whose root is given.
 pub(super) fn read(entry: &Entry, root: &Table, model: FlowModel) -> Result<f64> {
@@ -21,8 +24,9 @@ pub(super) fn read(entry: &Entry, root: &Table, model: FlowModel) -> Result<f64>
         model == FlowModel::Stokes,
         "is that of drag and viscosity, which only a flow (flow.model = \"stokes\") has; remove it",
     )?;
-    match root.get("resolution") {
-        Some(resolution) => Err(resolution.refuse("excludes accuracy, which chooses the resolution; remove one of them")),
+    let resolution = root.section("resolution", &RESOLUTION)?;
+    match RESOLUTION.iter().find_map(|name| resolution.get(name)) {
+        Some(chosen) => Err(chosen.refuse("excludes accuracy, which chooses it; remove one of them")),
         None => Ok(accuracy),
     }
 }
@@ -40,8 +44,8 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
         return Err(scene.refuse("accuracy", accuracy, &remedy));
     }
     match scene.method.tolerance {
-        Tolerance::Fixed(tolerance) if tolerance > TOLERANCE_PER_ACCURACY * accuracy => {
-            let remedy = format!("is too loose for accuracy = {accuracy}; at most {:e}, or remove it", TOLERANCE_PER_ACCURACY * accuracy);
+        Tolerance::Fixed(tolerance) if tolerance > accuracy / ACCURACY_PER_TOLERANCE => {
+            let remedy = format!("is too loose for accuracy = {accuracy}; at most {:e}, or remove it", accuracy / ACCURACY_PER_TOLERANCE);
             Err(scene.refuse("method.tolerance", tolerance, &remedy))
         }
         _ => Ok(()),

@@ -36,6 +36,8 @@ const REMEMBERED_VECTORS: f64 = 5.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     effects: Vec<Effect>,
+    /// How the resolution was chosen, or who is to choose it.
+    choice: Option<String>,
     fluid: Option<FluidPlan>,
     bytes: f64,
 }
@@ -79,6 +81,21 @@ impl Plan {
         }
     }
 
+    /// The plan with a line that says how its resolution was chosen.
+    pub fn with_choice(self, choice: String) -> Plan {
+        Plan { choice: Some(choice), ..self }
+    }
+
+    /// The plan without grid, unknowns and memory, which take a resolution that is yet to be chosen in the way that is said.
+    pub fn undecided(self, choice: String) -> Plan {
+        Plan { fluid: None, bytes: f64::NAN, ..self.with_choice(choice) }
+    }
+
+    /// Unknowns of the grid and on surfaces, if there is a grid.
+    pub fn unknowns(&self) -> Option<(usize, usize)> {
+        self.fluid.as_ref().map(|fluid| (fluid.grid_unknowns, fluid.multiplier_unknowns))
+    }
+
     /// Bytes that it takes on all ranks together.
     pub fn bytes(&self) -> f64 {
         self.bytes
@@ -90,9 +107,12 @@ impl Plan {
             Effect::off("flow"),
             Effect::on("bodies", format!("{}, {free} of them free", setup.bodies.len())),
             Effect::on("inertia", "masses of the bodies".into()),
+            Effect::off("pressure"),
+            gravity(scene, setup.bodies.iter().filter(|body| body.mass.is_finite()).count()),
+            Effect::on("rotation", "spins of the bodies".into()),
         ];
         effects.extend(in_time(scene));
-        Ok(Plan { effects, fluid: None, bytes: CONTACT_BYTES * setup.bodies.len() as f64 })
+        Ok(Plan { effects, choice: None, fluid: None, bytes: CONTACT_BYTES * setup.bodies.len() as f64 })
     }
 
     fn of_scalar<const D: usize>(setup: &ScalarSetup<D>, ranks: usize) -> Result<Plan> {
@@ -105,8 +125,10 @@ impl Plan {
             Effect::on("scalar", "one matrix, one multigrid hierarchy (hypre)".into()),
             Effect::on("source", format!("{} outside the inclusions", setup.source)),
             inclusions,
-            Effect::off("motion in time"),
-        ];
+        ]
+        .into_iter()
+        .chain(["pressure", "gravity", "rotation", "motion in time"].map(Effect::off))
+        .collect();
         let (grid_unknowns, multiplier_unknowns) = (grid.unknowns(D), setup.multipliers());
         let unknowns = (grid_unknowns + multiplier_unknowns) as f64;
         let nonzeros = grid_unknowns as f64 * (2 * D + 1) as f64 * HIERARCHY_FACTOR;
@@ -117,13 +139,15 @@ impl Plan {
             multiplier_unknowns,
             closure_unknowns: 0,
         };
-        Ok(Plan { effects, fluid: Some(fluid), bytes: nonzeros * BYTES_PER_NONZERO + KRYLOV_VECTORS * unknowns * 8.0 })
+        Ok(Plan { effects, choice: None, fluid: Some(fluid), bytes: nonzeros * BYTES_PER_NONZERO + KRYLOV_VECTORS * unknowns * 8.0 })
     }
 
     fn of_flow<const D: usize>(scene: &Scene, setup: &Setup<D>, ranks: usize) -> Result<Plan> {
         let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
         let mut effects = flow_effects(setup, &grid);
-        effects.push(Effect::off("inertia"));
+        let heavy = scene.bodies.iter().any(|bodies| bodies.density != scene.flow.density);
+        let free = if heavy { setup.bodies.iter().filter(|suspended| suspended.body.free()).count() } else { 0 };
+        effects.extend([Effect::off("inertia"), gravity(scene, free)]);
         effects.extend(in_time(scene));
         let fluid = FluidPlan {
             cells: grid.cells().to_vec(),
@@ -132,7 +156,7 @@ impl Plan {
             multiplier_unknowns: setup.bodies.iter().map(mode_count).sum(),
             closure_unknowns: Closure::count(&setup.drive, &setup.domain),
         };
-        Ok(Plan { effects, fluid: Some(fluid), bytes: bytes(setup, &grid, scene.time.is_some()) })
+        Ok(Plan { effects, choice: None, fluid: Some(fluid), bytes: bytes(setup, &grid, scene.time.is_some()) })
     }
 }
 
@@ -154,10 +178,23 @@ fn in_time(scene: &Scene) -> Vec<Effect> {
         ContactModel::None => None,
         ContactModel::Inelastic => Some("inelastic, one quadratic program a step, split into islands".to_owned()),
     };
-    let held = if scene.output.fields { "bodies and fields" } else { "bodies only" };
-    let frames = scene.time.as_ref().map(|_| format!("every {}, {held}", scene.frame_interval()));
+    let frames = scene.time.as_ref().map(|_| format!("bodies every {}", scene.frame_interval()));
+    let fields = frames.as_ref().filter(|_| scene.output.fields).map(|_| "velocity and pressure of each cell in every frame".to_owned());
+    let picture = scene.output.picture.then(|| "at the end".to_owned());
     let effect = |(name, built)| Effect { name, built };
-    [("motion in time", motion), ("lubrication", None), ("contact", contact), ("frames", frames)].into_iter().map(effect).collect()
+    let of_motion = [("motion in time", motion), ("lubrication", None), ("contact", contact)];
+    of_motion.into_iter().chain([("frames", frames), ("fields output", fields), ("picture", picture)]).map(effect).collect()
+}
+
+/// The weight of so many free bodies that differ from the fluid in density.
+fn gravity(scene: &Scene, heavy: usize) -> Effect {
+    match &scene.gravity {
+        Some(gravity) if heavy > 0 && gravity.iter().any(|&component| component != 0.0) => {
+            let less = if scene.flow.density > 0.0 { " less buoyancy" } else { "" };
+            Effect::on("gravity", format!("{gravity:?}, weight{less} of {heavy} bodies"))
+        }
+        _ => Effect::off("gravity"),
+    }
 }
 
 fn mode_count<const D: usize>(suspended: &SuspendedBody<D>) -> usize {
@@ -167,6 +204,7 @@ fn mode_count<const D: usize>(suspended: &SuspendedBody<D>) -> usize {
 fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Effect> {
     let hierarchies = distinct_laplacians(grid);
     let free = setup.bodies.iter().filter(|suspended| suspended.body.free()).count();
+    let spins = (free > 0).then(|| format!("spins of {free} bodies, which follow from the flow"));
     vec![
         Effect::on(
             "stokes flow",
@@ -175,6 +213,8 @@ fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Effect>
                 InverseMethod::Transform => "no matrices: exact inverse by Fourier transforms".into(),
             },
         ),
+        Effect::on("pressure", "one unknown for each cell".into()),
+        Effect { name: "rotation", built: spins },
         Effect::on("drive", drive(&setup.drive)),
         match setup.bodies.len() {
             0 => Effect::off("bodies"),
@@ -236,6 +276,9 @@ impl fmt::Display for Plan {
                 None => writeln!(f, "not built  {name}")?,
             }
         }
+        if let Some(choice) = &self.choice {
+            writeln!(f, "accuracy   {choice}")?;
+        }
         if let Some(fluid) = &self.fluid {
             writeln!(f, "grid       {:?} cells in {:?} blocks", fluid.cells, fluid.blocks)?;
             writeln!(
@@ -244,6 +287,9 @@ impl fmt::Display for Plan {
                 fluid.grid_unknowns, fluid.multiplier_unknowns, fluid.closure_unknowns
             )?;
         }
-        write!(f, "memory     about {:.0} MB on all ranks", (self.bytes / 1e6).ceil())
+        if self.bytes.is_finite() {
+            writeln!(f, "memory     about {:.0} MB on all ranks", (self.bytes / 1e6).ceil())?;
+        }
+        Ok(())
     }
 }

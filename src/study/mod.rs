@@ -2,6 +2,7 @@
 
 mod calibration;
 mod conditioning;
+mod forecast;
 mod inverses;
 mod launcher;
 mod scaling;
@@ -9,6 +10,7 @@ mod validation;
 
 pub use calibration::{Answer, Calibration, Estimate, Ladder, Quantity, Rung, Solved, coarsest};
 pub use conditioning::{ConditioningOptions, conditioning};
+pub use forecast::Forecast;
 pub use inverses::{InverseOptions, inverses};
 pub use scaling::{Network, ScalingOptions, scaling};
 pub use validation::{Bar, Case, KnownScene, bars, cases, known_scenes, validation};

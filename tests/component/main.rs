@@ -6,6 +6,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+mod accuracy;
 mod contact;
 mod dry;
 mod fields;
@@ -65,6 +66,7 @@ fn main() {
         scalar::tests(),
         suspension::tests(),
         inverses::tests(),
+        accuracy::tests(),
         hard::tests(),
         lasting::tests(),
         motion::tests(),

@@ -14,9 +14,10 @@ use std::path::Path;
 use crate::{
     error::{Error, Result},
     output::{Checkpoint, stage_table},
+    parallel::World,
     petsc::{Profile, Session},
     scene::Scene,
-    study::Ladder,
+    study::{Calibration, Ladder},
 };
 pub use folder::CHECKPOINT;
 
@@ -66,6 +67,11 @@ pub fn open<'a>(session: &'a Session, folder: &Path, overrides: &[String]) -> Re
         return Err(Error::Refused(format!("{}: holds no run in time; only these are resumed", folder.display())));
     }
     Ok((scene, checkpoint))
+}
+
+/// The calibration that a folder has for a scene, if it has one; collective.
+pub fn cached(world: &World, folder: &Path, scene: &Scene) -> Option<Calibration> {
+    calibration::cached(world, folder, scene).map(|calibrated| calibrated.calibration)
 }
 
 /// Goes on with a run.
