@@ -9,6 +9,7 @@
 mod accuracy;
 mod contact;
 mod dry;
+mod effects;
 mod fields;
 mod fluid;
 mod grid;
@@ -66,6 +67,7 @@ fn main() {
         scalar::tests(),
         suspension::tests(),
         inverses::tests(),
+        effects::tests(),
         accuracy::tests(),
         hard::tests(),
         lasting::tests(),
