@@ -1,8 +1,8 @@
 //! The seconds that a run will take, from a sample of it that is solved on the spot.
 //!
 //! The sample has at most a dozen of the scene's bodies at its fraction, its kinds of axes and its inverse, and a coarse grid if it has all
-//! the bodies. Set-up and an iteration take seconds in proportion to unknowns; the number of iterations hardly depends on how many bodies there
-//! are. It does not know how a run ends: steps are counted at the speeds of the sample.
+//! the bodies. Set-up and an iteration take seconds in proportion to unknowns; the number of iterations grows little with that of bodies.
+//! It does not know how a run ends: steps are counted at the speeds of the sample.
 
 use crate::{
     body::pack,
@@ -25,6 +25,11 @@ const GAP: f64 = 0.1;
 /// By how much the box of a sample grows when its bodies do not fit, and how often.
 const WIDER: f64 = 1.1;
 const TRIES: usize = 12;
+
+/// Iterations grow with this power of the number of bodies.
+///
+/// Measured on disks at fraction 0.4: 34, 47 and 51 iterations for 10, 100 and 300 of them.
+const GROWTH: f64 = 0.12;
 
 /// Iterations of a step in time over those of an instant: steps start from the solutions before them.
 const WARM: f64 = 0.5;
@@ -63,6 +68,7 @@ impl Forecast {
         };
         let cost = suspension.cost();
         let times = grid as f64 / cost.grid_unknowns as f64;
+        let more = (setup.bodies.len() as f64 / SAMPLE as f64).max(1.0).powf(GROWTH);
         let bodies = multipliers.max(1) as f64 / cost.multiplier_unknowns.max(1) as f64;
         let [setup_seconds, assembly, krylov] =
             [cost.setup, cost.assembly, cost.krylov.seconds].map(|seconds| session.world().max(seconds));
@@ -70,8 +76,8 @@ impl Forecast {
         let smallest = setup.bodies.iter().map(|suspended| suspended.body.ball.radius).fold(f64::INFINITY, f64::min);
         Ok(Some(Forecast {
             setup: setup_seconds * times,
-            solve: assembly * bodies + krylov * times,
-            iterations: cost.krylov.iterations,
+            solve: assembly * bodies + krylov * times * more,
+            iterations: (cost.krylov.iterations as f64 * more).round() as usize,
             solves: scene.time.as_ref().map(|time| solves(time, fastest, smallest)),
         }))
     }
