@@ -186,7 +186,7 @@ fn options_after_two_dashes_reach_petsc() {
 }
 
 #[test]
-fn a_plan_names_what_is_built_and_what_is_not_and_solves_nothing() {
+fn a_plan_names_what_is_built_and_what_is_not_and_writes_nothing() {
     let here = folder("plan");
     let scene = write(&here, SMALL_SUSPENSION);
     let output = turbid(2, &["plan", scene.to_str().unwrap()]);

@@ -9,8 +9,7 @@ use crate::{
     output::{self, Progress, Summary},
     petsc::{Session, Stage, enter},
     scene::Scene,
-    simulation::Setup,
-    simulation::Suspension,
+    simulation::{Setup, Suspension},
     study::Solved,
 };
 
