@@ -67,10 +67,13 @@ enum Command {
         #[arg(long, default_value_t = 6.0)]
         seconds: f64,
     },
-    /// Say what a run would build, with unknowns and memory; solve nothing.
+    /// Say what a run would build, with unknowns, memory and seconds; solve no more than a sample.
     Plan {
         #[command(flatten)]
         scene: SceneArguments,
+        /// Output folder of the run, where a calibrated resolution is kept (default: out/NAME of the scene).
+        #[arg(long)]
+        out: Option<PathBuf>,
     },
     /// Seconds, shares and traffic of a scene on several numbers of ranks, with a model of more; starts the ranks itself.
     Scaling {
@@ -82,7 +85,11 @@ enum Command {
     /// Run scenes with each inverse of the fluid that suits them and print what each costs.
     Inverses(studies::InverseArguments),
     /// Solve cases with known answers and print a table of errors and seconds.
-    Validation,
+    Validation {
+        /// Solve scenes with known answers to these accuracies instead, and print their error bars beside the true errors.
+        #[arg(long, value_delimiter = ',', num_args = 0.., default_missing_value = "1e-2", value_name = "ACCURACY")]
+        bars: Vec<f64>,
+    },
     /// Condition numbers, iterations, seconds and memory of the linear systems against the grid, and what theory predicts.
     Conditioning {
         /// Finest grid in 2D, in cells per side.
@@ -120,7 +127,7 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
     match &arguments.command {
         Command::Run { scene, out, profile } => run::profiled(session, *profile, || {
             let scene = scene.read(session)?;
-            let folder = out.clone().unwrap_or_else(|| PathBuf::from("out").join(&scene.name));
+            let folder = folder(out, &scene);
             match scene.dimension() {
                 2 => run::run::<2>(session, &scene, &folder),
                 _ => run::run::<3>(session, &scene, &folder),
@@ -142,23 +149,33 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
             };
             animate::animate(session, &film)
         }
-        Command::Plan { scene } => {
+        Command::Plan { scene, out } => {
             let scene = scene.read(session)?;
+            let folder = folder(out, &scene);
             match scene.dimension() {
-                2 => plan::plan::<2>(session, &scene),
-                _ => plan::plan::<3>(session, &scene),
+                2 => plan::plan::<2>(session, &scene, &folder),
+                _ => plan::plan::<3>(session, &scene, &folder),
             }
         }
         Command::Scaling { .. } | Command::Inverses(_) => Err(studies::ranks_refused()),
-        Command::Validation => match study::validation(session)? {
+        Command::Validation { bars } if bars.is_empty() => match study::validation(session)? {
             true => Ok(()),
             false => Err(Error::Diverged("a case is further from its reference than promised".into())),
+        },
+        Command::Validation { bars } => match study::bars(session, bars)? {
+            true => Ok(()),
+            false => Err(Error::Diverged("more than one error bar in twelve does not hold the true error".into())),
         },
         Command::Conditioning { finest_2d, finest_3d, out } => {
             let (finest_2d, finest_3d) = (*finest_2d as usize, *finest_3d as usize);
             study::conditioning(session, &ConditioningOptions { finest_2d, finest_3d, out: out.clone() })
         }
     }
+}
+
+/// The output folder that is asked for, or that of the scene's name.
+fn folder(out: &Option<PathBuf>, scene: &Scene) -> PathBuf {
+    out.clone().unwrap_or_else(|| PathBuf::from("out").join(&scene.name))
 }
 
 impl SceneArguments {

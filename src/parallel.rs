@@ -134,6 +134,13 @@ impl World {
         }
     }
 
+    /// Memory that is free to use on all machines of this run together, in bytes.
+    pub fn available_memory_bytes(&self) -> f64 {
+        let (machines, free) = (self.gather(&[machine()]), self.gather(&[free_memory_bytes()]));
+        let first = |&(place, machine): &(usize, &u64)| !machines[..place].contains(machine);
+        machines.iter().enumerate().filter(first).map(|(place, _)| free[place]).sum()
+    }
+
     /// Waits for all ranks.
     pub fn barrier(&self) {
         self.communicator.barrier();
@@ -154,6 +161,21 @@ pub fn abort_on_panic() {
             SimpleCommunicator::world().abort(101);
         }
     }));
+}
+
+/// Memory of this machine that is free to use, in bytes; infinite where the system does not tell.
+fn free_memory_bytes() -> f64 {
+    let text = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"));
+    line.and_then(|line| line.split_whitespace().next()?.parse::<f64>().ok()).map_or(f64::INFINITY, |kilobytes| kilobytes * 1024.0)
+}
+
+/// A number that tells machines apart.
+fn machine() -> u64 {
+    let name = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    let mut hasher = std::hash::DefaultHasher::new();
+    std::hash::Hash::hash(&name, &mut hasher);
+    std::hash::Hasher::finish(&hasher)
 }
 
 /// Most memory that this process has used so far, in bytes (0 where the system does not tell).

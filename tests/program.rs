@@ -6,7 +6,7 @@ mod common;
 
 use std::fs;
 
-use common::{folder, number, root, run, said, turbid, write};
+use common::{Series, bodies, difference, folder, number, resume, root, run, said, turbid, write};
 use serde_json::Value;
 
 /// The promises of an example: lines `#= path value tolerance`.
@@ -186,7 +186,7 @@ fn options_after_two_dashes_reach_petsc() {
 }
 
 #[test]
-fn a_plan_names_what_is_built_and_what_is_not_and_solves_nothing() {
+fn a_plan_names_what_is_built_and_what_is_not_and_writes_nothing() {
     let here = folder("plan");
     let scene = write(&here, SMALL_SUSPENSION);
     let output = turbid(2, &["plan", scene.to_str().unwrap()]);
@@ -194,6 +194,7 @@ fn a_plan_names_what_is_built_and_what_is_not_and_solves_nothing() {
     for part in ["built      stokes flow", "not built  contact", "not built  lubrication", "cells in [2, 1] blocks", "MB"] {
         assert!(said.contains(part), "no {part:?} in: {said}");
     }
+    assert!(said.contains("built      rotation") && said.contains("time       about "), "{said}");
     assert_eq!(fs::read_dir(&here).unwrap().count(), 1);
     let output = turbid(2, &["plan", root().join("examples/scalar.toml").to_str().unwrap()]);
     let said = String::from_utf8_lossy(&output.stdout);
@@ -216,4 +217,103 @@ fn a_run_leaves_a_scene_that_gives_the_same_run() {
     let again = run(1, &here.join("file/scene.toml"), &here.join("file-again"), &[]);
     assert_eq!(from_file["bodies"], again["bodies"]);
     assert!(fs::read_to_string(here.join("first/picture.svg")).unwrap().trim_end().ends_with("</svg>"));
+}
+
+/// A disk held in a flow: its drag is 24.8317.
+const TO_ACCURACY: &str = r#"
+accuracy = 1e-2
+[domain]
+size = [1.0, 1.0]
+[flow]
+drive = { mean_velocity = [1.0, 0.0] }
+[[bodies]]
+radius = 0.17841241161527712
+centers = [[0.513, 0.527]]
+motion = "fixed"
+"#;
+
+#[test]
+fn an_accuracy_is_calibrated_once_and_shown_in_the_plan() {
+    let here = folder("accuracy");
+    let (scene, out) = (write(&here, TO_ACCURACY), here.join("out"));
+    let plan = || {
+        let output = turbid(2, &["plan", scene.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    assert!(plan().contains("0.01 asked for: turbid run calibrates the resolution"), "{}", plan());
+    let first = run(2, &scene, &out, &[]);
+    let relative = number(&first, "accuracy.estimated.drag");
+    let bar = number(&first, "accuracy.drag.bar");
+    let drag = number(&first, "bodies.0.force.0");
+    assert!(relative <= 1e-2 && (bar / (relative * drag) - 1.0).abs() < 1e-3, "{bar} of {drag}");
+    assert!((drag - 24.8316752488).abs() <= bar, "{drag} is off by more than {bar}");
+    assert!(number(&first, "accuracy.calibration_seconds") > 0.0);
+    let cells = number(&first, "accuracy.cells_per_radius");
+    assert!(plan().contains(&format!("0.01 asked for: {cells} cells per radius")), "{}", plan());
+    // the second run, and one on other ranks, take what the first one found
+    for ranks in [1, 3] {
+        let again = run(ranks, &scene, &out, &[]);
+        assert!(again["accuracy"]["calibration_seconds"].is_null());
+        assert_eq!(again["accuracy"]["estimated"], first["accuracy"]["estimated"]);
+        assert!((number(&again, "bodies.0.force.0") / drag - 1.0).abs() < 1e-6);
+    }
+    let fresh = run(3, &scene, &here.join("fresh"), &[]);
+    assert_eq!(number(&fresh, "accuracy.cells_per_radius"), cells);
+    // a calibration of another scene, and half of one, are not believed
+    let calibration = out.join("calibration.json");
+    let whole = fs::read_to_string(&calibration).unwrap();
+    for text in [whole.replace("radius = 0.178", "radius = 0.168"), whole[..whole.len() / 2].to_owned()] {
+        assert_ne!(text, whole);
+        fs::write(&calibration, text).unwrap();
+        assert!(number(&run(1, &scene, &out, &[]), "accuracy.calibration_seconds") > 0.0);
+    }
+}
+
+#[test]
+fn a_calibration_that_does_not_converge_names_its_grid() {
+    let here = folder("accuracy-starved");
+    let (scene, out) = (write(&here, TO_ACCURACY), here.join("out"));
+    let output = turbid(1, &["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap(), "--", "-coupled_ksp_max_it", "2"]);
+    let said = said(&output);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("the calibration with 3 cells per radius did not converge"), "{said}");
+    assert!(!out.join("calibration.json").exists() && !out.join("summary.json").exists());
+}
+
+#[test]
+fn a_run_in_time_is_calibrated_at_its_start_and_resumed_at_the_same_resolution() {
+    let here = folder("accuracy-in-time");
+    let text = format!(
+        "accuracy = 2e-2\n{}[time]\nend = 0.2\nstep = 0.05\n",
+        SMALL_SUSPENSION.replace("[resolution]\ncells_per_radius = 5\n", "")
+    );
+    let text = text.replace("fraction = 0.3", "count = 3").replace("gap = 0.1", "gap = 0.5");
+    let (scene, out) = (write(&here, &text), here.join("out"));
+    let whole = run(2, &scene, &out, &["output.checkpoint=0"]);
+    let interval = [0, 1].map(|end| number(&whole, &format!("viscosity.interval.{end}")));
+    let viscosity = number(&whole, "viscosity.relative");
+    assert!(interval[0] < viscosity && viscosity < interval[1] && interval[1] - interval[0] <= 4.1e-2 * viscosity, "{interval:?}");
+    let cells = number(&whole, "accuracy.cells_per_radius");
+    let longer = resume(1, &out, &["time.end=0.3"]);
+    assert_eq!((number(&longer, "accuracy.cells_per_radius"), number(&longer, "time")), (cells, 0.3));
+    assert!(longer["accuracy"]["calibration_seconds"].is_null());
+}
+
+#[test]
+fn fields_that_are_off_are_no_datasets_and_change_nothing() {
+    let here = folder("fields-off");
+    let scene = write(&here, &format!("{SMALL_SUSPENSION}[time]\nend = 0.1\nstep = 0.05\n"));
+    let runs = [true, false].map(|fields| {
+        let out = here.join(fields.to_string());
+        let summary = run(2, &scene, &out, &[&format!("output.fields={fields}"), &format!("output.picture={fields}")]);
+        let file = hdf5::File::open(out.join("frames/000000.h5")).unwrap();
+        assert_eq!(out.join("picture.svg").exists(), fields);
+        (bodies(&summary), Series::read(&out), file.member_names().unwrap())
+    });
+    let [with, without] = runs;
+    assert!(with.2.contains(&"fields".to_owned()) && !without.2.contains(&"fields".to_owned()), "{:?} and {:?}", with.2, without.2);
+    assert!(difference(&with.0, &without.0) < 1e-12);
+    assert!(with.1.difference(&without.1, &["seconds"]).0 < 1e-12);
+    // no contact model, no columns of contacts
+    assert!(!without.1.columns.iter().any(|column| column.contains("contact") || column.contains("gap")));
 }

@@ -1,14 +1,69 @@
-//! `turbid plan`: what a run would build and what not.
+//! `turbid plan`: what a run would build and what not, and what it would take.
 
-use crate::{error::Result, petsc::Session, scene::Scene, simulation::Plan};
+use std::path::Path;
 
-/// Prints the plan of a scene of dimension `D`.
+use super::run;
+use crate::{
+    error::Result,
+    petsc::Session,
+    scene::Scene,
+    simulation::Plan,
+    study::{Calibration, Estimate, Forecast, coarsest},
+};
+
+/// Prints the plan of a scene of dimension `D` whose runs write into `folder`.
 #[allow(clippy::print_stdout)]
-pub fn plan<const D: usize>(session: &Session, scene: &Scene) -> Result<()> {
+pub fn plan<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> Result<()> {
     let world = session.world();
-    let plan = world.agree(Plan::of::<D>(scene, world.size()))?;
+    let of = |scene: &Scene| world.agree(Plan::of::<D>(scene, world.size()));
+    let (plan, time) = match scene.accuracy {
+        None => {
+            let plan = of(scene)?;
+            let time = time::<D>(session, scene, &plan)?;
+            (plan, time)
+        }
+        Some(accuracy) => match run::cached(world, folder, scene) {
+            Some(calibration) => {
+                let resolved = calibration.resolved(scene);
+                let plan = of(&resolved)?.with_choice(chosen(&calibration));
+                let time = time::<D>(session, &resolved, &plan)?;
+                (plan, time)
+            }
+            None => {
+                let choice =
+                    format!("{accuracy} asked for: turbid run calibrates the resolution at its start and keeps it in its output folder");
+                (of(&coarsest(scene))?.undecided(choice), "known once the resolution is".to_owned())
+            }
+        },
+    };
     if world.rank() == 0 {
-        println!("{plan}");
+        println!("{plan}time       {time}");
     }
     Ok(())
+}
+
+/// How a resolution was chosen.
+fn chosen(calibration: &Calibration) -> String {
+    let Calibration { accuracy, cells_per_radius, estimates, .. } = calibration;
+    let error = |estimate: &Estimate| format!("{} {:.1e}", estimate.quantity.word(), estimate.error);
+    let errors = estimates.iter().map(error).collect::<Vec<_>>().join(", ");
+    format!("{accuracy} asked for: {cells_per_radius} cells per radius and the most modes, calibrated; estimated errors: {errors}")
+}
+
+/// What a run is expected to take.
+fn time<const D: usize>(session: &Session, scene: &Scene, plan: &Plan) -> Result<String> {
+    let Some(unknowns) = plan.unknowns().filter(|_| !scene.scalar()) else {
+        return Ok("not predicted: no flow is solved".into());
+    };
+    let Some(forecast) = Forecast::of::<D>(session, scene, unknowns)? else {
+        return Ok("not predicted: no sample of the scene can be solved".into());
+    };
+    let (seconds, solve, iterations) = (forecast.seconds(), forecast.solve, forecast.iterations);
+    Ok(match forecast.solves {
+        None => format!("about {seconds:.1} s, from a sample: {:.1} s of set-up, a solve of about {iterations} iterations", forecast.setup),
+        Some(solves) => format!(
+            "about {seconds:.0} s, from a sample: {solves:.0} solves at the speeds of the start, of {solve:.1} s for the first, which takes about \
+             {iterations} iterations"
+        ),
+    })
 }

@@ -1,5 +1,6 @@
 //! What a run leaves behind and shows on the way: files are complete or absent.
 
+mod accuracy;
 mod animation;
 mod chart;
 mod checkpoint;
@@ -18,6 +19,7 @@ mod stages;
 mod summary;
 mod together;
 
+pub use accuracy::{AccuracySummary, DragSummary, EstimatedErrors};
 pub use animation::{AnimatedDisk, Animation, AnimationFrame};
 pub use chart::{Chart, Scale, Series};
 pub use checkpoint::{Checkpoint, CheckpointWriter};

@@ -1,7 +1,7 @@
 //! The result of a run in a few lines for people.
 
 use super::{
-    ScalarSummary, Summary,
+    AccuracySummary, ScalarSummary, Summary,
     summary::{ContactSummary, MotionSummary, SolverSummary},
 };
 
@@ -23,8 +23,10 @@ pub fn report(summary: &Summary) -> String {
     }
     if let Some(viscosity) = &summary.viscosity {
         let walls = viscosity.from_walls.map_or(String::new(), |walls| format!("   (from the force on the walls: {walls:.4})"));
-        lines.push(format!("relative viscosity   {:.4}{walls}", viscosity.relative));
+        let bar = viscosity.interval.map_or(String::new(), |[low, high]| format!(" ± {}", bar(0.5 * (high - low))));
+        lines.push(format!("relative viscosity   {:.4}{bar}{walls}", viscosity.relative));
     }
+    lines.extend(summary.accuracy.iter().flat_map(accuracy_lines));
     lines.extend(summary.scalar.iter().flat_map(scalar_lines));
     lines.extend(summary.contact.as_ref().map(contact_line));
     lines.extend(summary.solver.iter().flat_map(|solver| solver_lines(solver, summary.motion.is_none())));
@@ -46,6 +48,25 @@ fn motion_lines(summary: &Summary, motion: &MotionSummary) -> Vec<String> {
         motion.seconds, motion.assembly_seconds, motion.solve_seconds, motion.contact_seconds, motion.output_seconds
     ));
     lines
+}
+
+/// Drag with its bar, and how the setting was found.
+fn accuracy_lines(accuracy: &AccuracySummary) -> Vec<String> {
+    let grids = accuracy.calibrated_on.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
+    let found = match accuracy.calibration_seconds {
+        Some(seconds) => format!("found on grids of {grids} ({seconds:.2} s before the last)"),
+        None => format!("found earlier on grids of {grids}"),
+    };
+    let (asked, cells) = (accuracy.asked, accuracy.cells_per_radius);
+    let setting = format!("accuracy             {asked} asked for, met with {cells} cells per radius, {found}");
+    let drag = accuracy.drag.map(|drag| format!("drag                 {:.6} ± {}", drag.root_mean_square, bar(drag.bar)));
+    drag.into_iter().chain([setting]).collect()
+}
+
+/// Half the width of a bar, in two digits.
+fn bar(half: f64) -> String {
+    let places = if half > 0.0 { (1.0 - half.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 };
+    format!("{half:.places$}")
 }
 
 fn scalar_lines(scalar: &ScalarSummary) -> Vec<String> {
@@ -117,6 +138,11 @@ fn counted(count: usize, one: &str, many: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_bar_is_written_in_two_digits() {
+        assert_eq!([0.01234, 1.2, 123.4, 0.0].map(bar), ["0.012", "1.2", "123", "0"]);
+    }
 
     #[test]
     fn a_sparkline_shows_the_range_and_needs_two_values() {

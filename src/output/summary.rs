@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 use serde::Serialize;
 
-use super::{ParallelSummary, ScalarSummary};
+use super::{AccuracySummary, ParallelSummary, ScalarSummary};
 use crate::{
     body::components,
     error::Result,
@@ -36,6 +36,8 @@ pub struct Summary {
     pub scalar: Option<ScalarSummary>,
     /// Apparent viscosity over that of the fluid, in a sheared suspension of free bodies.
     pub viscosity: Option<ViscositySummary>,
+    /// Error bars, if the scene asks for an accuracy.
+    pub accuracy: Option<AccuracySummary>,
     /// Contacts, if a contact model acts.
     pub contact: Option<ContactSummary>,
     /// What the last solve of the flow cost.
@@ -81,8 +83,8 @@ pub struct ViscositySummary {
     pub lubrication: Option<f64>,
     /// From contacts.
     pub contact: Option<f64>,
-    /// Uncertainty of a mean over time.
-    pub interval: Option<f64>,
+    /// Where the value for a grid without end lies, lowest and highest, if the scene asks for an accuracy.
+    pub interval: Option<[f64; 2]>,
     /// From the shear stress on the walls: must agree with `relative`.
     pub from_walls: Option<f64>,
 }
@@ -228,6 +230,7 @@ impl Summary {
             flow: None,
             scalar: None,
             viscosity: None,
+            accuracy: None,
             contact: None,
             solver: None,
             motion: None,

@@ -1,15 +1,19 @@
 //! The one owner of PETSc objects.
 
-use super::{Session, ffi, petsc};
+use super::{Census, Session, census::Class, ffi, petsc};
 
 /// A PETSc object type and how it is destroyed.
 pub(super) trait Object: Copy {
+    const CLASS: Class;
+
     fn destroy(&mut self) -> ffi::PetscErrorCode;
 }
 
 macro_rules! object {
-    ($($kind:ident => $destroy:ident),*) => { $(
+    ($($kind:ident, $class:ident => $destroy:ident),*) => { $(
         impl Object for ffi::$kind {
+            const CLASS: Class = Class::$class;
+
             fn destroy(&mut self) -> ffi::PetscErrorCode {
                 unsafe { ffi::$destroy(self) }
             }
@@ -17,7 +21,15 @@ macro_rules! object {
     )* };
 }
 
-object!(Vec => VecDestroy, Mat => MatDestroy, KSP => KSPDestroy, PC => PCDestroy, IS => ISDestroy, VecScatter => VecScatterDestroy, MatNullSpace => MatNullSpaceDestroy);
+object!(
+    Vec, Vector => VecDestroy,
+    Mat, Matrix => MatDestroy,
+    KSP, Solver => KSPDestroy,
+    PC, Preconditioner => PCDestroy,
+    IS, IndexSet => ISDestroy,
+    VecScatter, Scatter => VecScatterDestroy,
+    MatNullSpace, NullSpace => MatNullSpaceDestroy
+);
 
 /// One reference to a PETSc object, released on drop; keeps the session alive.
 pub(super) struct Owned<T: Object> {
@@ -27,6 +39,7 @@ pub(super) struct Owned<T: Object> {
 
 impl<T: Object> Owned<T> {
     pub(super) fn new(session: &Session, raw: T) -> Self {
+        Census::enter(T::CLASS);
         Owned { raw, session: session.clone() }
     }
 
@@ -49,6 +62,7 @@ impl Owned<ffi::Vec> {
 
 impl<T: Object> Drop for Owned<T> {
     fn drop(&mut self) {
+        Census::leave(T::CLASS);
         // a failed destroy leaves nothing to do but to leak
         let _ = self.raw.destroy();
     }

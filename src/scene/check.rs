@@ -1,12 +1,13 @@
 //! What sections of a scene demand of each other.
 
 use crate::error::Result;
-use crate::scene::{AxisSection, ConstraintMethod, ContactModel, Drive, FlowModel, Motion, Scene, Spacing, StokesSolver};
+use crate::scene::{AxisSection, ConstraintMethod, ContactModel, Drive, FlowModel, Motion, Scene, Spacing, StokesSolver, accuracy};
 
 pub(super) fn check(scene: &Scene) -> Result<()> {
     check_spacing(scene)?;
     check_contact(scene)?;
     check_constraint(scene)?;
+    accuracy::check(scene)?;
     if scene.dry() {
         return check_dry(scene);
     }

@@ -61,6 +61,7 @@ fn keys(scene: &Scene) -> Keys {
         title: _,
         seed,
         gravity,
+        accuracy,
         domain,
         flow,
         resolution,
@@ -77,8 +78,9 @@ fn keys(scene: &Scene) -> Keys {
     keys.extend(gravity.as_deref().map(|gravity| list("gravity", gravity)));
     keys.extend(of_domain(domain));
     keys.extend(of_flow(flow));
-    if let Some(resolution) = resolution {
-        keys.extend(of_resolution(resolution));
+    keys.extend(accuracy.map(|accuracy| pair("accuracy", accuracy)));
+    keys.extend(resolution.iter().flat_map(of_resolution));
+    if !scene.dry() {
         keys.extend(of_method(method));
     }
     for (group, bodies) in bodies.iter().enumerate() {
@@ -142,6 +144,7 @@ fn of_resolution(resolution: &ResolutionSection) -> Keys {
     };
     let modes = match modes {
         Modes::Auto => word("resolution.modes", "auto"),
+        Modes::Most => word("resolution.modes", "most"),
         Modes::Count(count) => pair("resolution.modes", count),
     };
     vec![spacing, modes]

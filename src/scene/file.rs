@@ -9,11 +9,24 @@ use crate::scene::locations::{Lines, Locations};
 use crate::scene::table::Table;
 use crate::scene::{
     ContactSection, DomainSection, FlowModel, FlowSection, LubricationSection, MethodSection, OutputSection, ResolutionSection, Scene,
-    TimeSection, bodies, check, overrides, scalar,
+    TimeSection, accuracy, bodies, check, overrides, scalar,
 };
 
-const KEYS: [&str; 12] =
-    ["title", "seed", "gravity", "domain", "flow", "resolution", "method", "bodies", "contact", "lubrication", "time", "output"];
+const KEYS: [&str; 13] = [
+    "title",
+    "seed",
+    "gravity",
+    "accuracy",
+    "domain",
+    "flow",
+    "resolution",
+    "method",
+    "bodies",
+    "contact",
+    "lubrication",
+    "time",
+    "output",
+];
 
 impl Scene {
     /// The scene of a file with `key=value` overrides; refused with file and line if anything is not right.
@@ -57,6 +70,7 @@ fn read(file: &str, folder: &Path, content: &Value, locations: Locations) -> Res
     let dimension = domain.size.len();
     let flow = FlowSection::read(&root, dimension)?;
     let model = flow.model;
+    let accuracy = root.get("accuracy").map(|entry| accuracy::read(&entry, &root, model)).transpose()?;
     if model == FlowModel::Scalar {
         scalar::refuse_keys(&root)?;
     }
@@ -67,7 +81,8 @@ fn read(file: &str, folder: &Path, content: &Value, locations: Locations) -> Res
         gravity: root.get("gravity").map(|entry| entry.vector(dimension)).transpose()?,
         domain,
         flow,
-        resolution: ResolutionSection::read(&root, model)?,
+        accuracy,
+        resolution: if accuracy.is_some() { None } else { ResolutionSection::read(&root, model)? },
         method: MethodSection::read(&root, model)?,
         bodies: bodies::read(&root, folder, dimension, model)?,
         contact: ContactSection::read(&root)?,

@@ -3,6 +3,7 @@
 //! It knows no grid, no solver and no dimension in its types: every vector is a `Vec<f64>` whose length was checked.
 //! Whether bodies overlap or fit into the box is checked where they are placed, with [`Scene::refuse`].
 
+mod accuracy;
 mod bodies;
 mod check;
 mod difference;
@@ -43,7 +44,9 @@ pub struct Scene {
     pub domain: DomainSection,
     /// The fluid and what drives it.
     pub flow: FlowSection,
-    /// How fine the grid and the multipliers are; absent from dry scenes and only there.
+    /// Relative error that the answers may have, if the program is to choose the resolution itself.
+    pub accuracy: Option<f64>,
+    /// How fine the grid and the multipliers are; absent from dry scenes, and from those whose accuracy is yet to choose it.
     pub resolution: Option<ResolutionSection>,
     /// How the equations are solved.
     pub method: MethodSection,
@@ -92,6 +95,12 @@ impl Scene {
     /// Whether a scalar around inclusions takes the place of the fluid.
     pub fn scalar(&self) -> bool {
         self.flow.model == FlowModel::Scalar
+    }
+
+    /// This scene with the resolution and the tolerance that its accuracy chose.
+    pub fn resolved(&self, resolution: ResolutionSection, tolerance: Tolerance) -> Scene {
+        let method = MethodSection { tolerance, ..self.method.clone() };
+        Scene { resolution: Some(resolution), method, ..self.clone() }
     }
 
     /// The refusal of a key's value: place, key, value and what would be right.

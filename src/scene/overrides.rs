@@ -53,6 +53,8 @@ impl<'a> Change<'a> {
         let parts: Vec<&str> = self.path.iter().map(String::as_str).collect();
         let (depth, keys): (usize, Vec<&str>) = match parts.as_slice() {
             ["resolution", key, ..] if SPACINGS.contains(key) => (1, SPACINGS.to_vec()),
+            // an accuracy chooses the resolution
+            ["accuracy"] => (0, vec!["resolution"]),
             ["flow", "drive", key, ..] if DRIVES.contains(key) => (2, DRIVES.to_vec()),
             // a gap belongs to bodies placed at random only
             ["bodies", _, "centers" | "file", ..] => (2, [&PLACEMENTS[..], &["gap"]].concat()),
@@ -62,8 +64,9 @@ impl<'a> Change<'a> {
             ["time", "travel"] => (1, vec!["step"]),
             _ => return Vec::new(),
         };
+        let accuracy = (parts[0] == "resolution").then(|| vec!["accuracy".to_owned()]);
         let others = keys.into_iter().filter(|&key| key != parts[depth]);
-        others.map(|key| [&self.path[..depth], &[key.to_owned()]].concat()).collect()
+        others.map(|key| [&self.path[..depth], &[key.to_owned()]].concat()).chain(accuracy).collect()
     }
 
     fn expect_resumable(&self) -> Result<()> {
@@ -165,7 +168,7 @@ mod tests {
     use std::path::Path;
 
     use crate::error::Result;
-    use crate::scene::{AxisSection, Drive, Motion, Placement, Scene, Spacing, Step};
+    use crate::scene::{AxisSection, Drive, Modes, Motion, Placement, Scene, Spacing, Step};
 
     const SCENE: &str = r#"
 [domain]
@@ -203,6 +206,15 @@ fraction = 0.1
         assert_eq!(scene.bodies[1].placement, Placement::Count(3));
         let scene = with(&["flow.drive.shear_rate=2"]).unwrap();
         assert_eq!(scene.flow.drive, Some(Drive::ShearRate(2.0)));
+    }
+
+    #[test]
+    fn an_accuracy_and_a_resolution_replace_each_other() {
+        let scene = with(&["accuracy=1e-2"]).unwrap();
+        assert_eq!((scene.accuracy, scene.resolution), (Some(1e-2), None));
+        let scene = with(&["accuracy=1e-2", "resolution.cells_per_radius=8", "resolution.modes=most"]).unwrap();
+        let chosen = scene.resolution.map(|resolution| (resolution.spacing, resolution.modes));
+        assert_eq!((scene.accuracy, chosen), (None, Some((Spacing::CellsPerRadius(8.0), Modes::Most))));
     }
 
     #[test]

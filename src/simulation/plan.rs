@@ -1,41 +1,25 @@
 //! What a scene calls for, before anything is built.
 
+mod effects;
+mod memory;
+
 use std::fmt;
 
 use crate::{
     error::Result,
-    flow::{Drive, InverseMethod},
     grid::Grid,
-    scene::{ContactModel, FlowModel, Scene, Scheme, Step},
-    simulation::{DrySetup, ScalarSetup, Setup, SuspendedBody, closure::Closure},
-    surface::{SurfaceTable, modes},
+    scene::{FlowModel, Scene},
+    simulation::{DrySetup, ScalarSetup, Setup, closure::Closure},
 };
-
-/// Bytes that a nonzero of a sparse matrix takes: value and index.
-const BYTES_PER_NONZERO: f64 = 12.0;
-
-/// Operator complexity of a BoomerAMG hierarchy with its copy of the finest matrix.
-const HIERARCHY_FACTOR: f64 = 4.0;
-
-/// Iterations of the coupled solver that memory is set aside for.
-const KRYLOV_VECTORS: f64 = 80.0;
-
-/// Fluid vectors that a solve by transforms takes: those of the operator, the wave numbers, the flow without bodies.
-const TRANSFORM_VECTORS: f64 = 6.0;
-
-/// Bytes for each cell that the factors of lines from wall to wall take.
-const WALLED_LINE_BYTES: f64 = 240.0;
-
-/// Bytes that the contact model takes for each body: neighbours, constraints and the factors of a pile's matrix.
-const CONTACT_BYTES: f64 = 4e3;
-
-/// Fluid vectors that a run in time keeps to start further solves from.
-const REMEMBERED_VECTORS: f64 = 5.0;
+use effects::{Effect, flow_effects, gravity, in_time};
+use memory::{CONTACT_BYTES, bytes, mode_count, scalar_bytes};
 
 /// The effects of a scene with their unknowns and memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     effects: Vec<Effect>,
+    /// How the resolution was chosen, or who is to choose it.
+    choice: Option<String>,
     fluid: Option<FluidPlan>,
     bytes: f64,
 }
@@ -47,23 +31,6 @@ struct FluidPlan {
     grid_unknowns: usize,
     multiplier_unknowns: usize,
     closure_unknowns: usize,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-struct Effect {
-    name: &'static str,
-    /// What is built for it; nothing if it is off.
-    built: Option<String>,
-}
-
-impl Effect {
-    fn on(name: &'static str, built: String) -> Effect {
-        Effect { name, built: Some(built) }
-    }
-
-    fn off(name: &'static str) -> Effect {
-        Effect { name, built: None }
-    }
 }
 
 impl Plan {
@@ -79,15 +46,38 @@ impl Plan {
         }
     }
 
+    /// The plan with a line that says how its resolution was chosen.
+    pub fn with_choice(self, choice: String) -> Plan {
+        Plan { choice: Some(choice), ..self }
+    }
+
+    /// The plan without grid, unknowns and memory, which take a resolution that is yet to be chosen in the way that is said.
+    pub fn undecided(self, choice: String) -> Plan {
+        Plan { fluid: None, bytes: f64::NAN, ..self.with_choice(choice) }
+    }
+
+    /// Unknowns of the grid and on surfaces, if there is a grid.
+    pub fn unknowns(&self) -> Option<(usize, usize)> {
+        self.fluid.as_ref().map(|fluid| (fluid.grid_unknowns, fluid.multiplier_unknowns))
+    }
+
+    /// Bytes that it takes on all ranks together.
+    pub fn bytes(&self) -> f64 {
+        self.bytes
+    }
+
     fn of_dry<const D: usize>(scene: &Scene, setup: &DrySetup<D>) -> Result<Plan> {
         let free = setup.bodies.iter().filter(|body| body.mass.is_finite()).count();
         let mut effects = vec![
             Effect::off("flow"),
             Effect::on("bodies", format!("{}, {free} of them free", setup.bodies.len())),
             Effect::on("inertia", "masses of the bodies".into()),
+            Effect::off("pressure"),
+            gravity(scene),
+            Effect::on("rotation", "spins of the bodies".into()),
         ];
         effects.extend(in_time(scene));
-        Ok(Plan { effects, fluid: None, bytes: CONTACT_BYTES * setup.bodies.len() as f64 })
+        Ok(Plan { effects, choice: None, fluid: None, bytes: CONTACT_BYTES * setup.bodies.len() as f64 })
     }
 
     fn of_scalar<const D: usize>(setup: &ScalarSetup<D>, ranks: usize) -> Result<Plan> {
@@ -100,11 +90,11 @@ impl Plan {
             Effect::on("scalar", "one matrix, one multigrid hierarchy (hypre)".into()),
             Effect::on("source", format!("{} outside the inclusions", setup.source)),
             inclusions,
-            Effect::off("motion in time"),
-        ];
+        ]
+        .into_iter()
+        .chain(["pressure", "gravity", "rotation", "motion in time"].map(Effect::off))
+        .collect();
         let (grid_unknowns, multiplier_unknowns) = (grid.unknowns(D), setup.multipliers());
-        let unknowns = (grid_unknowns + multiplier_unknowns) as f64;
-        let nonzeros = grid_unknowns as f64 * (2 * D + 1) as f64 * HIERARCHY_FACTOR;
         let fluid = FluidPlan {
             cells: grid.cells().to_vec(),
             blocks: grid.partition().ranks().to_vec(),
@@ -112,13 +102,13 @@ impl Plan {
             multiplier_unknowns,
             closure_unknowns: 0,
         };
-        Ok(Plan { effects, fluid: Some(fluid), bytes: nonzeros * BYTES_PER_NONZERO + KRYLOV_VECTORS * unknowns * 8.0 })
+        Ok(Plan { effects, choice: None, fluid: Some(fluid), bytes: scalar_bytes(&grid, multiplier_unknowns) })
     }
 
     fn of_flow<const D: usize>(scene: &Scene, setup: &Setup<D>, ranks: usize) -> Result<Plan> {
         let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
         let mut effects = flow_effects(setup, &grid);
-        effects.push(Effect::off("inertia"));
+        effects.extend([Effect::off("inertia"), gravity(scene)]);
         effects.extend(in_time(scene));
         let fluid = FluidPlan {
             cells: grid.cells().to_vec(),
@@ -127,100 +117,8 @@ impl Plan {
             multiplier_unknowns: setup.bodies.iter().map(mode_count).sum(),
             closure_unknowns: Closure::count(&setup.drive, &setup.domain),
         };
-        Ok(Plan { effects, fluid: Some(fluid), bytes: bytes(setup, &grid, scene.time.is_some()) })
+        Ok(Plan { effects, choice: None, fluid: Some(fluid), bytes: bytes(setup, &grid, scene.time.is_some()) })
     }
-}
-
-/// Effects of motion, which a fluid and dry bodies share.
-fn in_time(scene: &Scene) -> Vec<Effect> {
-    let motion = scene.time.as_ref().map(|time| {
-        let step = match time.step {
-            Step::Fixed(step) => format!("steps of {step}"),
-            Step::Auto => format!("steps in which no body moves more than {} radii", time.travel),
-        };
-        let scheme = match time.scheme {
-            Scheme::TwoStep => "two-step",
-            Scheme::Midpoint => "midpoint",
-            Scheme::Euler => "Euler",
-        };
-        format!("to time {} by the {scheme} rule, {step}", time.end)
-    });
-    let contact = match scene.contact.model {
-        ContactModel::None => None,
-        ContactModel::Inelastic => Some("inelastic, one quadratic program a step, split into islands".to_owned()),
-    };
-    let held = if scene.output.fields { "bodies and fields" } else { "bodies only" };
-    let frames = scene.time.as_ref().map(|_| format!("every {}, {held}", scene.frame_interval()));
-    let effect = |(name, built)| Effect { name, built };
-    [("motion in time", motion), ("lubrication", None), ("contact", contact), ("frames", frames)].into_iter().map(effect).collect()
-}
-
-fn mode_count<const D: usize>(suspended: &SuspendedBody<D>) -> usize {
-    modes(D, suspended.body.ball.radius, 1.0, suspended.order).count()
-}
-
-fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Effect> {
-    let hierarchies = distinct_laplacians(grid);
-    let free = setup.bodies.iter().filter(|suspended| suspended.body.free()).count();
-    vec![
-        Effect::on(
-            "stokes flow",
-            match setup.inverse {
-                InverseMethod::Hypre => format!("one matrix a component, {hierarchies} multigrid hierarchies (hypre)"),
-                InverseMethod::Transform => "no matrices: exact inverse by Fourier transforms".into(),
-            },
-        ),
-        Effect::on("drive", drive(&setup.drive)),
-        match setup.bodies.len() {
-            0 => Effect::off("bodies"),
-            count => Effect::on("bodies", format!("{count}, {free} of them free; surface multipliers with corrected stencils (sharp)")),
-        },
-    ]
-}
-
-fn distinct_laplacians<const D: usize>(grid: &Grid<D>) -> usize {
-    (0..=D).filter(|&field| (0..field).all(|other| !grid.same_laplacian(field, other))).count()
-}
-
-fn drive<const D: usize>(drive: &Drive<D>) -> String {
-    match drive {
-        Drive::Rest => "walls and forces only".into(),
-        Drive::MeanVelocity(velocity) => format!("mean velocity {:?}", velocity.as_slice()),
-        Drive::PressureGradient(gradient) => format!("pressure gradient {:?}", gradient.as_slice()),
-        Drive::BodyForce(force) => format!("body force {:?}", force.as_slice()),
-        Drive::Shear(rate) => format!("background shear at rate {rate}"),
-    }
-}
-
-fn bytes<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, in_time: bool) -> f64 {
-    let points = (2 * D + 1) as f64;
-    let cells = grid.unknowns(D) as f64;
-    let remembered = if in_time { REMEMBERED_VECTORS } else { 0.0 };
-    let fluid_vector = grid.fluid_unknowns() as f64 * 8.0;
-    let multipliers: f64 = setup.bodies.iter().map(mode_count).sum::<usize>() as f64 * 8.0;
-    let bodies: f64 = setup.bodies.iter().map(|suspended| body_bytes(suspended, grid)).sum();
-    bodies
-        + match setup.inverse {
-            InverseMethod::Hypre => {
-                let nonzeros = cells * (distinct_laplacians(grid) as f64 * points * HIERARCHY_FACTOR + 4.0 * D as f64);
-                nonzeros * BYTES_PER_NONZERO + (KRYLOV_VECTORS + remembered) * (fluid_vector + multipliers)
-            }
-            InverseMethod::Transform => {
-                let walled = if setup.domain.fully_periodic() { 0.0 } else { WALLED_LINE_BYTES };
-                cells * walled + TRANSFORM_VECTORS * fluid_vector + (KRYLOV_VECTORS + remembered) * multipliers
-            }
-        }
-}
-
-/// Values of the spread rows, interpolation terms, and the dense blocks of a body and about four neighbours.
-fn body_bytes<const D: usize>(suspended: &SuspendedBody<D>, grid: &Grid<D>) -> f64 {
-    let count = mode_count(suspended) as f64;
-    let cells = suspended.body.ball.radius / grid.mean_spacing();
-    let surface = if D == 2 { 2.0 * std::f64::consts::PI * cells } else { 4.0 * std::f64::consts::PI * cells * cells };
-    let points = SurfaceTable::<D>::point_count(suspended.body.ball.radius, suspended.order, grid.mean_spacing()) as f64;
-    8.0 * count * 2.0 * (D + 1) as f64 * surface
-        + 16.0 * points * (D * 4_usize.pow(D as u32)) as f64
-        + 5.0 * BYTES_PER_NONZERO * count * count
 }
 
 impl fmt::Display for Plan {
@@ -231,6 +129,9 @@ impl fmt::Display for Plan {
                 None => writeln!(f, "not built  {name}")?,
             }
         }
+        if let Some(choice) = &self.choice {
+            writeln!(f, "accuracy   {choice}")?;
+        }
         if let Some(fluid) = &self.fluid {
             writeln!(f, "grid       {:?} cells in {:?} blocks", fluid.cells, fluid.blocks)?;
             writeln!(
@@ -239,6 +140,9 @@ impl fmt::Display for Plan {
                 fluid.grid_unknowns, fluid.multiplier_unknowns, fluid.closure_unknowns
             )?;
         }
-        write!(f, "memory     about {:.0} MB on all ranks", (self.bytes / 1e6).ceil())
+        if self.bytes.is_finite() {
+            writeln!(f, "memory     about {:.0} MB on all ranks", (self.bytes / 1e6).ceil())?;
+        }
+        Ok(())
     }
 }

@@ -8,6 +8,7 @@ use crate::{
     flow::{Drive, InverseMethod},
     geometry::Domain,
     scene::{self, ConstraintMethod, Modes, MultiplierSolver, ResolutionSection, Scene, Spacing, StokesSolver, Tolerance},
+    surface::highest_order,
 };
 
 /// Fewest cells per radius: closer to the centre the jump functions are too steep for the grid.
@@ -24,6 +25,10 @@ const INNER: f64 = 0.01;
 /// The drag of the square array at 0.3 lacks 2 epsilon of its value on every grid, and the grid itself errs by more than 5e-4 up to 80 cells
 /// a radius; solves take the same iterations from 1e-4 down to 1e-10.
 const EPSILON: f64 = 1e-6;
+
+/// Order of `modes = "most"` per cell of radius in 2D and 3D, a margin below the highest, and its limit.
+const MOST_ORDER_PER_CELL: [f64; 2] = [1.25, 1.0];
+const MOST_ORDER: [usize; 2] = [24, 12];
 
 /// A body with the order of its multiplier modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,8 +101,14 @@ impl<const D: usize> Setup<D> {
     }
 }
 
-fn resolution(scene: &Scene) -> &ResolutionSection {
-    scene.resolution.as_ref().expect("only dry scenes have no resolution")
+/// The resolution of a scene that is not dry.
+///
+/// # Errors
+/// It is yet to be chosen.
+fn resolution(scene: &Scene) -> Result<&ResolutionSection> {
+    let accuracy = scene.accuracy.unwrap_or_default();
+    let open = || scene.refuse("accuracy", accuracy, "chooses the resolution in turbid run only; give [resolution] instead");
+    scene.resolution.as_ref().ok_or_else(open)
 }
 
 fn drive<const D: usize>(scene: &Scene) -> Drive<D> {
@@ -124,7 +135,7 @@ fn inverse<const D: usize>(scene: &Scene, domain: &Domain<D>) -> InverseMethod {
 /// A body is too small for the grid or the modes.
 pub(super) fn suspended_bodies<const D: usize>(scene: &Scene, placed: Vec<(usize, Body<D>)>) -> Result<(f64, Vec<SuspendedBody<D>>)> {
     let radii = placed.iter().map(|(_, body)| body.ball.radius);
-    let spacing = match resolution(scene).spacing {
+    let spacing = match resolution(scene)?.spacing {
         Spacing::Length(spacing) => spacing,
         Spacing::CellsPerRadius(cells) => radii.fold(f64::INFINITY, f64::min) / cells,
     };
@@ -136,7 +147,7 @@ fn suspended<const D: usize>(scene: &Scene, body: Body<D>, spacing: f64) -> Resu
     let cells = body.ball.radius / spacing;
     if cells < FEWEST_CELLS_PER_RADIUS * (1.0 - 1e-9) {
         let remedy = format!("leaves {cells:.2} cells per radius {}; at least {FEWEST_CELLS_PER_RADIUS} are needed", body.ball.radius);
-        return Err(match resolution(scene).spacing {
+        return Err(match resolution(scene)?.spacing {
             Spacing::Length(spacing) => scene.refuse("resolution.spacing", spacing, &remedy),
             Spacing::CellsPerRadius(cells) => scene.refuse("resolution.cells_per_radius", cells, &remedy),
         });
@@ -146,10 +157,11 @@ fn suspended<const D: usize>(scene: &Scene, body: Body<D>, spacing: f64) -> Resu
 
 /// Order of the modes of a body with so many cells per radius: what is asked for, or what the grid carries well.
 fn order<const D: usize>(scene: &Scene, cells: f64) -> Result<usize> {
-    let highest = (HIGHEST_ORDER_PER_CELL[D - 2] * cells + 1e-9) as usize;
-    match resolution(scene).modes {
+    let highest = ((HIGHEST_ORDER_PER_CELL[D - 2] * cells + 1e-9) as usize).min(highest_order(D));
+    match resolution(scene)?.modes {
         Modes::Auto if D == 2 => Ok((cells.round() as usize).clamp(3, 16).min(highest)),
         Modes::Auto => Ok((cells.round() as usize - 1).clamp(2, 10).min(highest)),
+        Modes::Most => Ok(((MOST_ORDER_PER_CELL[D - 2] * cells + 1e-9) as usize).clamp(2, MOST_ORDER[D - 2]).min(highest)),
         Modes::Count(modes) if modes > highest => {
             let remedy = format!("is too many for {cells:.2} cells per radius: at most {highest}; lower it or refine the grid");
             Err(scene.refuse("resolution.modes", modes, &remedy))

@@ -1,12 +1,16 @@
-//! Studies: how solvers scale, how hard their systems are, and how far known answers are met.
+//! Studies: how solvers scale, how hard their systems are, how far known answers are met, and which setting meets an accuracy.
 
+mod calibration;
 mod conditioning;
+mod forecast;
 mod inverses;
 mod launcher;
 mod scaling;
 mod validation;
 
+pub use calibration::{Answer, Calibration, Estimate, Ladder, Quantity, Rung, Solved, coarsest};
 pub use conditioning::{ConditioningOptions, conditioning};
+pub use forecast::Forecast;
 pub use inverses::{InverseOptions, inverses};
 pub use scaling::{Network, ScalingOptions, scaling};
-pub use validation::{Case, cases, validation};
+pub use validation::{Bar, Case, KnownScene, bars, cases, known_scenes, validation};

@@ -97,6 +97,11 @@ pub trait Modes {
     }
 }
 
+/// Highest order of modes that are tabulated.
+pub fn highest_order(dimension: usize) -> usize {
+    if dimension == 2 { fourier::MAXIMUM_ORDER } else { spherical::MAXIMUM_ORDER }
+}
+
 /// Number of modes of a family up to `order`, rigid ones included.
 pub fn mode_count(dimension: usize, order: usize) -> usize {
     match dimension {

@@ -6,8 +6,10 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+mod accuracy;
 mod contact;
 mod dry;
+mod effects;
 mod fields;
 mod fluid;
 mod grid;
@@ -67,6 +69,8 @@ fn main() {
         scalar::tests(),
         suspension::tests(),
         inverses::tests(),
+        effects::tests(),
+        accuracy::tests(),
         hard::tests(),
         lasting::tests(),
         motion::tests(),

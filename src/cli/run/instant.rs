@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::folder;
+use super::{calibration::Calibrated, folder};
 use crate::{
     error::Result,
     observe,
@@ -10,26 +10,44 @@ use crate::{
     petsc::{Session, Stage, enter},
     scene::Scene,
     simulation::{Setup, Suspension},
+    study::Solved,
 };
 
-/// Solves a scene of dimension `D` with the bodies where they start.
-#[allow(clippy::print_stdout)]
-pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> Result<()> {
+/// Solves a scene of dimension `D` with the bodies where they start, at the resolution that `resolved` has.
+pub fn run<const D: usize>(
+    session: &Session,
+    (scene, resolved): (&Scene, &Scene),
+    folder: &Path,
+    calibrated: Option<&Calibrated>,
+) -> Result<()> {
     let world = session.world();
-    let first = world.rank() == 0;
-    let setup = world.agree(Setup::<D>::of(scene))?;
+    let setup = world.agree(Setup::<D>::of(resolved))?;
     let mut suspension = Suspension::new(session, setup)?;
-    world.agree(if first { folder::claim(folder, scene) } else { Ok(()) })?;
+    world.agree(if world.rank() == 0 { folder::claim(folder, scene) } else { Ok(()) })?;
 
-    let progress = Progress::new(world.rank(), scene.method.tolerance.at_an_instant());
+    let progress = Progress::new(world.rank(), resolved.method.tolerance.at_an_instant());
     let solution = suspension.solve(&mut |iteration, residual| progress.show(iteration, residual));
     progress.end();
-    let solution = solution?;
+    write(session, scene, folder, ((suspension, solution?), calibrated))
+}
 
+/// Writes and reports what was solved.
+#[allow(clippy::print_stdout)]
+pub fn write<const D: usize>(
+    session: &Session,
+    scene: &Scene,
+    folder: &Path,
+    ((suspension, solution), calibrated): (Solved<D>, Option<&Calibrated>),
+) -> Result<()> {
+    let (world, first) = (session.world(), session.world().rank() == 0);
     let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[])?;
-    let summary = Summary::of_flow((&scene.name, &scene.title), &suspension, (&solution, viscosity), world)?;
-    let output = enter(Stage::Output);
+    let mut summary = Summary::of_flow((&scene.name, &scene.title), &suspension, (&solution, viscosity), world)?;
     let mut files = vec!["scene.toml"];
+    if let Some(calibrated) = calibrated {
+        calibrated.attach(&mut summary, (&suspension, &solution))?;
+        files.push("calibration.json");
+    }
+    let output = enter(Stage::Output);
     if scene.output.picture {
         let picture = observe::picture(scene.shown_title(), &suspension, &solution)?.svg();
         world.agree(if first { output::write_whole(&folder.join("picture.svg"), picture.as_bytes()) } else { Ok(()) })?;

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::{
     account::Account,
+    calibration::Calibrated,
     folder,
     outputs::{Outputs, frame_bodies, held},
     signals::Signals,
@@ -21,10 +22,15 @@ use crate::{
 /// Rounding of a time that is a sum of steps.
 const ROUNDING: f64 = 1e-9;
 
-/// Runs a scene of dimension `D` from its start or from a checkpoint.
-pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path, checkpoint: Option<&Checkpoint>) -> Result<()> {
+/// Runs a scene of dimension `D` from its start or from a checkpoint, at the resolution that `resolved` has.
+pub fn run<const D: usize>(
+    session: &Session,
+    (scene, resolved): (&Scene, &Scene),
+    folder: &Path,
+    (checkpoint, calibrated): (Option<&Checkpoint>, Option<&Calibrated>),
+) -> Result<()> {
     let (world, signals) = (session.world(), Signals::listen()?);
-    let mut simulation = Simulation::<D>::new(session, scene)?;
+    let mut simulation = Simulation::<D>::new(session, resolved)?;
     let account = match checkpoint {
         Some(checkpoint) => Account::from_numbers(&output::restore(checkpoint, &mut simulation)?)?,
         None => Account::new(),
@@ -33,7 +39,7 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path, chec
     let prepare = || if checkpoint.is_some() { folder::reclaim(folder, scene) } else { folder::claim(folder, scene) };
     world.agree(if world.rank() == 0 { prepare() } else { Ok(()) })?;
     let outputs = Outputs::open(world, scene, folder, &simulation)?;
-    let mut march = March { world, scene, folder, simulation, outputs, account };
+    let mut march = March { world, scene, folder, calibrated, simulation, outputs, account };
     let outcome = march.reach_the_end(&signals);
     if let (Err(Error::Contact { island, .. }), 0) = (&outcome, world.rank()) {
         output::write_whole(&folder.join("island.json"), island.as_bytes())?;
@@ -48,6 +54,7 @@ struct March<'a, const D: usize> {
     world: &'a World,
     scene: &'a Scene,
     folder: &'a Path,
+    calibrated: Option<&'a Calibrated>,
     simulation: Simulation<D>,
     outputs: Outputs<D>,
     account: Account,
@@ -134,6 +141,9 @@ impl<const D: usize> March<'_, D> {
             _ => Summary::of_dry(named, self.simulation.domain(), (state, self.simulation.radii()), self.world),
         };
         (summary.time, summary.steps) = (state.time, state.steps);
+        if let (Some(calibrated), Some(suspension), Some(solution)) = (self.calibrated, self.simulation.suspension(), &view.solution) {
+            calibrated.attach(&mut summary, (suspension, solution))?;
+        }
         if self.scene.contact.model != ContactModel::None {
             let held = held(state, view);
             let (pairs, smallest_gap, kkt_residual) = self.account.contacts();

@@ -1,6 +1,7 @@
 //! `turbid run` and `turbid resume`: an instantaneous solve, or a simulation in time.
 
 mod account;
+mod calibration;
 mod folder;
 mod instant;
 mod march;
@@ -13,8 +14,10 @@ use std::path::Path;
 use crate::{
     error::{Error, Result},
     output::{Checkpoint, stage_table},
+    parallel::World,
     petsc::{Profile, Session},
     scene::Scene,
+    study::{Calibration, Ladder},
 };
 pub use folder::CHECKPOINT;
 
@@ -22,9 +25,31 @@ pub use folder::CHECKPOINT;
 pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> Result<()> {
     match scene.time {
         None if scene.scalar() => scalar::run::<D>(session, scene, folder),
-        None => instant::run::<D>(session, scene, folder),
-        Some(_) => march::run::<D>(session, scene, folder, None),
+        _ if scene.accuracy.is_some() => run_to_accuracy::<D>(session, scene, folder),
+        None => instant::run::<D>(session, (scene, scene), folder, None),
+        Some(_) => march::run::<D>(session, (scene, scene), folder, (None, None)),
     }
+}
+
+/// Runs a scene that asks for an accuracy with the setting that meets it. Found now at an instant, the last solution is the result.
+fn run_to_accuracy<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> Result<()> {
+    let world = session.world();
+    if let Some(calibrated) = calibration::cached(world, folder, scene) {
+        let resolved = calibrated.calibration.resolved(scene);
+        return match scene.time {
+            None => instant::run::<D>(session, (scene, &resolved), folder, Some(&calibrated)),
+            Some(_) => march::run::<D>(session, (scene, &resolved), folder, (None, Some(&calibrated))),
+        };
+    }
+    let ladder = Ladder::<D>::begin(session, scene)?;
+    world.agree(if world.rank() == 0 { folder::claim(folder, scene) } else { Ok(()) })?;
+    let (calibration, solved) = ladder.climb()?;
+    let calibrated = calibration::keep(world, folder, scene, calibration)?;
+    if scene.time.is_none() {
+        return instant::write(session, scene, folder, (solved, Some(&calibrated)));
+    }
+    drop(solved);
+    march::run::<D>(session, (scene, &calibrated.calibration.resolved(scene)), folder, (None, Some(&calibrated)))
 }
 
 /// Reads the scene of a folder whose run is to go on, and its checkpoint.
@@ -44,9 +69,21 @@ pub fn open<'a>(session: &'a Session, folder: &Path, overrides: &[String]) -> Re
     Ok((scene, checkpoint))
 }
 
+/// The calibration that a folder has for a scene, if it has one; collective.
+pub fn cached(world: &World, folder: &Path, scene: &Scene) -> Option<Calibration> {
+    calibration::cached(world, folder, scene).map(|calibrated| calibrated.calibration)
+}
+
 /// Goes on with a run.
 pub fn resume<const D: usize>(session: &Session, scene: &Scene, folder: &Path, checkpoint: &Checkpoint) -> Result<()> {
-    march::run::<D>(session, scene, folder, Some(checkpoint))
+    if scene.accuracy.is_none() {
+        return march::run::<D>(session, (scene, scene), folder, (Some(checkpoint), None));
+    }
+    let calibrated = match calibration::cached(session.world(), folder, scene) {
+        Some(calibrated) => calibrated,
+        None => calibration::keep(session.world(), folder, scene, Ladder::<D>::begin(session, scene)?.climb()?.0)?,
+    };
+    march::run::<D>(session, (scene, &calibrated.calibration.resolved(scene)), folder, (Some(checkpoint), Some(&calibrated)))
 }
 
 /// Does a run, and prints what its stages took if a profile is wanted; collective.

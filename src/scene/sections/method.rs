@@ -23,6 +23,8 @@ pub enum Tolerance {
     Auto,
     /// This one, above 0 and at most 0.1.
     Fixed(f64),
+    /// As the automatic one, but this one where that is looser.
+    AtMost(f64),
 }
 
 /// How bodies act on the grid.
@@ -151,6 +153,7 @@ impl Tolerance {
         match self {
             Tolerance::Auto => (PART_OF_STEP_ERROR * travel * travel).clamp(TIGHTEST, LOOSEST),
             Tolerance::Fixed(tolerance) => tolerance,
+            Tolerance::AtMost(loosest) => Tolerance::Auto.in_a_step(travel).min(loosest),
         }
     }
 
@@ -158,7 +161,7 @@ impl Tolerance {
     pub fn text(self) -> String {
         match self {
             Tolerance::Auto => "\"auto\"".into(),
-            Tolerance::Fixed(tolerance) => tolerance.to_string(),
+            Tolerance::Fixed(tolerance) | Tolerance::AtMost(tolerance) => tolerance.to_string(),
         }
     }
 

@@ -29,8 +29,10 @@ pub enum Spacing {
 /// How many multiplier modes each body has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Modes {
-    /// As many as the grid supports.
+    /// About as many as there are cells per radius.
     Auto,
+    /// As many as the grid carries without the multipliers seeing its noise.
+    Most,
     /// This many, at least one.
     Count(usize),
 }
@@ -56,7 +58,8 @@ impl Modes {
     fn read(entry: &Entry) -> Result<Self> {
         match entry.text() {
             Ok("auto") => Ok(Modes::Auto),
-            Ok(_) => Err(entry.refuse("must be \"auto\" or a whole number")),
+            Ok("most") => Ok(Modes::Most),
+            Ok(_) => Err(entry.refuse("must be \"auto\", \"most\" or a whole number")),
             Err(_) => Ok(Modes::Count(entry.count()?)),
         }
     }

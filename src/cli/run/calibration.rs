@@ -1,0 +1,83 @@
+//! `calibration.json`: the setting that meets the accuracy of a scene, found once for an output folder.
+
+use std::{fs, path::Path};
+
+use serde::{Deserialize, Serialize};
+
+use super::folder::movable_text;
+use crate::{
+    error::Result,
+    output::{AccuracySummary, EstimatedErrors, Summary, write_whole},
+    parallel::World,
+    scene::Scene,
+    simulation::{Solution, Suspension},
+    study::{Answer, Calibration, Quantity},
+};
+
+const CALIBRATION: &str = "calibration.json";
+
+/// A calibration and whether this run made it.
+pub struct Calibrated {
+    /// The setting.
+    pub calibration: Calibration,
+    /// Whether an earlier run had found it.
+    pub cached: bool,
+}
+
+/// The file: a calibration and what it belongs to.
+#[derive(Serialize, Deserialize)]
+struct Cache {
+    version: String,
+    scene: String,
+    calibration: Calibration,
+}
+
+/// The calibration that a folder has for a scene, the same on all ranks; nothing if there is none, or one of another scene or version.
+pub fn cached(world: &World, folder: &Path, scene: &Scene) -> Option<Calibrated> {
+    let text = if world.rank() == 0 { fs::read_to_string(folder.join(CALIBRATION)).unwrap_or_default() } else { String::new() };
+    let cache: Cache = serde_json::from_str(&world.broadcast(0, &text)).ok()?;
+    let there = Scene::parse(&scene.name, Path::new("."), &cache.scene, &[]).ok()?;
+    let fits = cache.version == env!("CARGO_PKG_VERSION") && scene.difference(&there).is_none();
+    fits.then_some(Calibrated { calibration: cache.calibration, cached: true })
+}
+
+/// Keeps a calibration for later runs of the same scene; collective.
+///
+/// # Errors
+/// It cannot be written.
+pub fn keep(world: &World, folder: &Path, scene: &Scene, calibration: Calibration) -> Result<Calibrated> {
+    let write = || {
+        let cache = Cache { version: env!("CARGO_PKG_VERSION").into(), scene: movable_text(scene)?, calibration: calibration.clone() };
+        let text = serde_json::to_string_pretty(&cache).expect("a calibration is plain numbers and text");
+        write_whole(&folder.join(CALIBRATION), text.as_bytes())
+    };
+    world.agree(if world.rank() == 0 { write() } else { Ok(()) })?;
+    Ok(Calibrated { calibration, cached: false })
+}
+
+impl Calibrated {
+    /// Attaches the bars to the summary of a state; collective.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    pub fn attach<const D: usize>(&self, summary: &mut Summary, (suspension, solution): (&Suspension<D>, &Solution<D>)) -> Result<()> {
+        let calibration = &self.calibration;
+        let drag = Answer::all(suspension, solution)?.into_iter().find(|answer| answer.quantity == Quantity::Drag);
+        let given = suspension.setup().bodies.iter().filter(|suspended| !suspended.body.free()).count();
+        let accuracy = AccuracySummary {
+            asked: calibration.accuracy,
+            cells_per_radius: calibration.cells_per_radius,
+            calibrated_on: calibration.rungs.iter().map(|rung| rung.cells_per_radius).collect(),
+            calibration_seconds: (!self.cached).then(|| calibration.seconds()),
+            estimated: EstimatedErrors {
+                drag: calibration.error(Quantity::Drag),
+                velocity: calibration.error(Quantity::Velocity),
+                viscosity: calibration.error(Quantity::Viscosity),
+                mean_velocity: calibration.error(Quantity::MeanVelocity),
+            },
+            drag: None,
+        };
+        summary.attach(accuracy, drag.map(|drag| drag.norm() / (given as f64).sqrt()));
+        Ok(())
+    }
+}

@@ -1,0 +1,102 @@
+//! The effects of a scene: what is built for each, and which are off.
+
+use super::memory::distinct_laplacians;
+use crate::{
+    flow::{Drive, InverseMethod},
+    grid::Grid,
+    scene::{ContactModel, Motion, Scene, Scheme, Step},
+    simulation::Setup,
+};
+
+/// An effect of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Effect {
+    /// Its name.
+    pub name: &'static str,
+    /// What is built for it; nothing if it is off.
+    pub built: Option<String>,
+}
+
+impl Effect {
+    /// One that is built so.
+    pub fn on(name: &'static str, built: String) -> Effect {
+        Effect { name, built: Some(built) }
+    }
+
+    /// One that is off.
+    pub fn off(name: &'static str) -> Effect {
+        Effect { name, built: None }
+    }
+}
+
+/// Effects of a flow, but for those of motion.
+pub fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Effect> {
+    let hierarchies = distinct_laplacians(grid);
+    let free = setup.bodies.iter().filter(|suspended| suspended.body.free()).count();
+    let spins = (free > 0).then(|| format!("spins of {free} bodies, which follow from the flow"));
+    vec![
+        Effect::on(
+            "stokes flow",
+            match setup.inverse {
+                InverseMethod::Hypre => format!("one matrix a component, {hierarchies} multigrid hierarchies (hypre)"),
+                InverseMethod::Transform => "no matrices: exact inverse by Fourier transforms".into(),
+            },
+        ),
+        Effect::on("pressure", "one unknown for each cell".into()),
+        Effect { name: "rotation", built: spins },
+        Effect::on("drive", drive(&setup.drive)),
+        match setup.bodies.len() {
+            0 => Effect::off("bodies"),
+            count => Effect::on("bodies", format!("{count}, {free} of them free; surface multipliers with corrected stencils (sharp)")),
+        },
+    ]
+}
+
+fn drive<const D: usize>(drive: &Drive<D>) -> String {
+    match drive {
+        Drive::Rest => "walls and forces only".into(),
+        Drive::MeanVelocity(velocity) => format!("mean velocity {:?}", velocity.as_slice()),
+        Drive::PressureGradient(gradient) => format!("pressure gradient {:?}", gradient.as_slice()),
+        Drive::BodyForce(force) => format!("body force {:?}", force.as_slice()),
+        Drive::Shear(rate) => format!("background shear at rate {rate}"),
+    }
+}
+
+/// Effects of motion, which a fluid and dry bodies share.
+pub fn in_time(scene: &Scene) -> Vec<Effect> {
+    let motion = scene.time.as_ref().map(|time| {
+        let step = match time.step {
+            Step::Fixed(step) => format!("steps of {step}"),
+            Step::Auto => format!("steps in which no body moves more than {} radii", time.travel),
+        };
+        let scheme = match time.scheme {
+            Scheme::TwoStep => "two-step",
+            Scheme::Midpoint => "midpoint",
+            Scheme::Euler => "Euler",
+        };
+        format!("to time {} by the {scheme} rule, {step}", time.end)
+    });
+    let contact = match scene.contact.model {
+        ContactModel::None => None,
+        ContactModel::Inelastic => Some("inelastic, one quadratic program a step, split into islands".to_owned()),
+    };
+    let frames = scene.time.as_ref().map(|_| format!("bodies every {}", scene.frame_interval()));
+    let fields = frames.as_ref().filter(|_| scene.output.fields).map(|_| "velocity and pressure of each cell in every frame".to_owned());
+    let picture = scene.output.picture.then(|| "at the end".to_owned());
+    let effect = |(name, built)| Effect { name, built };
+    let of_motion = [("motion in time", motion), ("lubrication", None), ("contact", contact)];
+    of_motion.into_iter().chain([("frames", frames), ("fields output", fields), ("picture", picture)]).map(effect).collect()
+}
+
+/// The weight of free bodies that differ from the fluid in density.
+pub fn gravity(scene: &Scene) -> Effect {
+    let density = if scene.dry() { 0.0 } else { scene.flow.density };
+    let heavy = scene.bodies.iter().any(|bodies| bodies.motion == Motion::Free && bodies.density != density);
+    match &scene.gravity {
+        Some(gravity) if heavy && gravity.iter().any(|&component| component != 0.0) => {
+            let less = if density > 0.0 { " less buoyancy" } else { "" };
+            Effect::on("gravity", format!("{gravity:?}, weight{less} of free bodies"))
+        }
+        _ => Effect::off("gravity"),
+    }
+}

@@ -1,0 +1,78 @@
+//! Memory of a run, estimated before anything is built.
+
+use crate::{
+    flow::InverseMethod,
+    grid::Grid,
+    simulation::{Setup, SuspendedBody},
+    surface::{SurfaceTable, modes},
+};
+
+/// Bytes that a nonzero of a sparse matrix takes: value and index.
+const BYTES_PER_NONZERO: f64 = 12.0;
+
+/// Operator complexity of a BoomerAMG hierarchy with its copy of the finest matrix.
+const HIERARCHY_FACTOR: f64 = 4.0;
+
+/// Iterations of the coupled solver that memory is set aside for.
+const KRYLOV_VECTORS: f64 = 80.0;
+
+/// Fluid vectors that a solve by transforms takes: those of the operator, the wave numbers, the flow without bodies.
+const TRANSFORM_VECTORS: f64 = 6.0;
+
+/// Bytes for each cell that the factors of lines from wall to wall take.
+const WALLED_LINE_BYTES: f64 = 240.0;
+
+/// Bytes that the contact model takes for each body: neighbours, constraints and the factors of a pile's matrix.
+pub const CONTACT_BYTES: f64 = 4e3;
+
+/// Fluid vectors that a run in time keeps to start further solves from.
+const REMEMBERED_VECTORS: f64 = 5.0;
+
+/// Bytes that a flow takes on all ranks together.
+pub fn bytes<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, in_time: bool) -> f64 {
+    let points = (2 * D + 1) as f64;
+    let cells = grid.unknowns(D) as f64;
+    let remembered = if in_time { REMEMBERED_VECTORS } else { 0.0 };
+    let fluid_vector = grid.fluid_unknowns() as f64 * 8.0;
+    let multipliers: f64 = setup.bodies.iter().map(mode_count).sum::<usize>() as f64 * 8.0;
+    let bodies: f64 = setup.bodies.iter().map(|suspended| body_bytes(suspended, grid)).sum();
+    bodies
+        + match setup.inverse {
+            InverseMethod::Hypre => {
+                let nonzeros = cells * (distinct_laplacians(grid) as f64 * points * HIERARCHY_FACTOR + 4.0 * D as f64);
+                nonzeros * BYTES_PER_NONZERO + (KRYLOV_VECTORS + remembered) * (fluid_vector + multipliers)
+            }
+            InverseMethod::Transform => {
+                let walled = if setup.domain.fully_periodic() { 0.0 } else { WALLED_LINE_BYTES };
+                cells * walled + TRANSFORM_VECTORS * fluid_vector + (KRYLOV_VECTORS + remembered) * multipliers
+            }
+        }
+}
+
+/// Values of the spread rows, interpolation terms, and the dense blocks of a body and about four neighbours.
+fn body_bytes<const D: usize>(suspended: &SuspendedBody<D>, grid: &Grid<D>) -> f64 {
+    let count = mode_count(suspended) as f64;
+    let cells = suspended.body.ball.radius / grid.mean_spacing();
+    let surface = if D == 2 { 2.0 * std::f64::consts::PI * cells } else { 4.0 * std::f64::consts::PI * cells * cells };
+    let points = SurfaceTable::<D>::point_count(suspended.body.ball.radius, suspended.order, grid.mean_spacing()) as f64;
+    8.0 * count * 2.0 * (D + 1) as f64 * surface
+        + 16.0 * points * (D * 4_usize.pow(D as u32)) as f64
+        + 5.0 * BYTES_PER_NONZERO * count * count
+}
+
+/// Bytes that a scalar takes on all ranks together.
+pub fn scalar_bytes<const D: usize>(grid: &Grid<D>, multipliers: usize) -> f64 {
+    let cells = grid.unknowns(D) as f64;
+    let nonzeros = cells * (2 * D + 1) as f64 * HIERARCHY_FACTOR;
+    nonzeros * BYTES_PER_NONZERO + KRYLOV_VECTORS * (cells + multipliers as f64) * 8.0
+}
+
+/// Multipliers of a body.
+pub fn mode_count<const D: usize>(suspended: &SuspendedBody<D>) -> usize {
+    modes(D, suspended.body.ball.radius, 1.0, suspended.order).count()
+}
+
+/// Fields whose Laplacians differ from those of all fields before them.
+pub fn distinct_laplacians<const D: usize>(grid: &Grid<D>) -> usize {
+    (0..=D).filter(|&field| (0..field).all(|other| !grid.same_laplacian(field, other))).count()
+}

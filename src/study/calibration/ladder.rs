@@ -1,0 +1,148 @@
+//! From coarse grids to the one that meets an accuracy.
+
+use super::{
+    Calibration, Rung,
+    answers::Answer,
+    estimate::{Estimate, estimates, worst},
+    resolved,
+};
+use crate::{
+    error::{Error, Result},
+    output::Progress,
+    petsc::Session,
+    scene::Scene,
+    simulation::{Plan, Setup, Solution, Suspension},
+};
+
+/// Cells per radius of the first grid.
+pub const COARSEST: f64 = 3.0;
+
+/// Cells per radius of the second grid and of the third.
+const NEXT: [f64; 2] = [4.0, 6.0];
+
+/// Finest grid in 2D and 3D, in cells per radius.
+const FINEST: [f64; 2] = [96.0, 32.0];
+
+/// By how much the cells per radius grow at least from grid to grid, and at most in 2D and 3D, where a grid too fine costs more.
+const LEAST_GROWTH: f64 = 1.25;
+const MOST_GROWTH: [f64; 2] = [2.0, 1.5];
+
+/// The part of the accuracy that the next grid aims at.
+const AIM: f64 = 0.8;
+
+/// A calibration under way: it stands on a grid that is built and not yet solved on.
+pub struct Ladder<'a, const D: usize> {
+    session: &'a Session,
+    scene: &'a Scene,
+    accuracy: f64,
+    cells: f64,
+    suspension: Suspension<D>,
+    rungs: Vec<Rung>,
+    answers: Vec<(f64, Vec<Answer>)>,
+}
+
+/// The solution of the last grid, and the machinery that found it.
+pub type Solved<const D: usize> = (Suspension<D>, Solution<D>);
+
+impl<'a, const D: usize> Ladder<'a, D> {
+    /// Builds the first grid of a scene that asks for an accuracy.
+    ///
+    /// # Errors
+    /// The scene asks for none, or cannot be built on the first grid.
+    pub fn begin(session: &'a Session, scene: &'a Scene) -> Result<Ladder<'a, D>> {
+        let missing = || scene.refuse("accuracy", "nothing", "must be given for a calibration; for example accuracy = 1e-2");
+        let accuracy = scene.accuracy.ok_or_else(missing)?;
+        let suspension = build(session, scene, COARSEST)?;
+        Ok(Ladder { session, scene, accuracy, cells: COARSEST, suspension, rungs: Vec::new(), answers: Vec::new() })
+    }
+
+    /// Solves on finer and finer grids until the accuracy is met.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] when it cannot be met on the finest grid or in the memory of this machine, [`Error::Diverged`] when a solve does not
+    /// converge; both name the grid.
+    pub fn climb(mut self) -> Result<(Calibration, Solved<D>)> {
+        loop {
+            let solution = self.solve()?;
+            let estimates = estimates(&self.answers, self.accuracy);
+            let worst = worst(&estimates);
+            if worst.is_some_and(|worst| worst.error <= self.accuracy) {
+                let calibration = Calibration {
+                    accuracy: self.accuracy,
+                    cells_per_radius: self.cells,
+                    estimates,
+                    rungs: self.rungs,
+                    ranks: self.session.world().size(),
+                };
+                return Ok((calibration, (self.suspension, solution)));
+            }
+            self = self.refine(worst)?;
+        }
+    }
+
+    /// Solves on the grid that it stands on.
+    fn solve(&mut self) -> Result<Solution<D>> {
+        let world = self.session.world();
+        let progress = Progress::new(world.rank(), self.suspension.setup().tolerance.at_an_instant());
+        let solution = self.suspension.solve(&mut |iteration, residual| progress.show(iteration, residual));
+        progress.end();
+        let solution = solution.map_err(|error| at(self.cells, error))?;
+        self.answers.push((self.cells, Answer::all(&self.suspension, &solution)?));
+        let (setup, cost) = (self.suspension.setup(), self.suspension.cost());
+        self.rungs.push(Rung {
+            cells_per_radius: self.cells,
+            order: setup.bodies.iter().map(|suspended| suspended.order).max().unwrap_or(0),
+            grid_unknowns: cost.grid_unknowns,
+            multiplier_unknowns: cost.multiplier_unknowns,
+            iterations: cost.krylov.iterations,
+            seconds: world.max(cost.setup + cost.assembly + cost.krylov.seconds),
+        });
+        Ok(solution)
+    }
+
+    /// Builds the next grid in place of this one.
+    fn refine(self, worst: Option<Estimate>) -> Result<Self> {
+        let Ladder { session, scene, accuracy, cells, suspension, rungs, answers } = self;
+        let finer = match NEXT.get(rungs.len() - 1) {
+            Some(&next) => next,
+            None => next::<D>(cells, worst.map_or(1.0, |worst| worst.error / accuracy)),
+        };
+        let needed = Plan::of::<D>(&resolved(scene, finer), session.world().size())?.bytes();
+        drop(suspension);
+        if cells >= FINEST[D - 2] || needed > session.world().available_memory_bytes() {
+            return Err(unmet(scene, accuracy, (cells, worst), (finer, needed)));
+        }
+        let suspension = build(session, scene, finer)?;
+        Ok(Ladder { session, scene, accuracy, cells: finer, suspension, rungs, answers })
+    }
+}
+
+/// The cells per radius that bring an error that is too large by `factor` to where it should be, at second order.
+fn next<const D: usize>(cells: f64, factor: f64) -> f64 {
+    let wanted = (cells * (factor / AIM).sqrt()).ceil();
+    wanted.clamp((LEAST_GROWTH * cells).ceil(), (MOST_GROWTH[D - 2] * cells).floor()).min(FINEST[D - 2])
+}
+
+fn build<const D: usize>(session: &Session, scene: &Scene, cells: f64) -> Result<Suspension<D>> {
+    let setup = session.world().agree(Setup::<D>::of(&resolved(scene, cells)))?;
+    Suspension::new(session, setup)
+}
+
+/// The error of a solve, with the grid that it happened on.
+fn at(cells: f64, error: Error) -> Error {
+    match error {
+        Error::Diverged(text) => Error::Diverged(format!("the calibration with {cells} cells per radius did not converge: {text}")),
+        error => error,
+    }
+}
+
+/// The refusal of an accuracy that cannot be met.
+fn unmet(scene: &Scene, accuracy: f64, (cells, worst): (f64, Option<Estimate>), (finer, needed): (f64, f64)) -> Error {
+    let reached = worst.map_or(String::new(), |worst| {
+        format!("; {} is known to {:.1e} with {cells} cells per radius", worst.quantity.word(), worst.error)
+    });
+    let needed = if cells >= finer { String::new() } else { format!("; {finer} would take about {:.0} MB", needed / 1e6) };
+    let remedy =
+        format!("cannot be met on this machine{reached}{needed}; ask for less, or widen the narrowest gaps, which take many cells");
+    scene.refuse("accuracy", accuracy, &remedy)
+}

@@ -1,0 +1,66 @@
+//! Settings that an accuracy chooses, and the bars that go with them, against known answers.
+
+use std::path::Path;
+
+use turbid::{
+    error::Error,
+    petsc::Session,
+    scene::Scene,
+    study::{Ladder, Quantity, known_scenes},
+};
+
+use crate::Test;
+
+/// The tests of this file.
+pub fn tests() -> Vec<Test> {
+    vec![
+        Test::of(true_errors_lie_inside_their_bars_and_bars_inside_the_accuracy),
+        Test::of(a_tighter_accuracy_takes_a_finer_grid),
+        Test::of(an_accuracy_out_of_reach_is_refused_with_the_error_that_was_reached),
+    ]
+}
+
+/// All scenes in 2D at two accuracies (`turbid validation --bars` takes those in 3D as well).
+fn true_errors_lie_inside_their_bars_and_bars_inside_the_accuracy(session: &Session) {
+    let (mut bars, mut honest) = (0, 0);
+    for scene in known_scenes().iter().filter(|scene| scene.dimension().unwrap() == 2) {
+        for accuracy in [1e-2, 3e-3] {
+            let bar = scene.solve(session, accuracy).unwrap_or_else(|error| panic!("{}: {error}", scene.name));
+            assert!(bar.estimated <= accuracy, "{}: {:.1e} for {accuracy}", scene.name, bar.estimated);
+            assert!(bar.error <= accuracy, "{}: off by {:.1e}, asked for {accuracy}", scene.name, bar.error);
+            bars += 1;
+            honest += usize::from(bar.error <= bar.estimated);
+        }
+    }
+    assert!(bars >= 24 && 12 * honest >= 11 * bars, "only {honest} of {bars} bars hold the true error");
+}
+
+fn disk(accuracy: f64, more: &[&str]) -> Scene {
+    let text = format!(
+        "accuracy = {accuracy}\n[domain]\nsize = [1.0, 1.0]\n[flow]\ndrive = {{ mean_velocity = [1.0, 0.0] }}\n[method]\ninverse = \"auto\"\n\
+         [[bodies]]\nradius = 0.3\ncenters = [[0.513, 0.527]]\nmotion = \"fixed\""
+    );
+    let more: Vec<String> = more.iter().map(|&change| change.to_owned()).collect();
+    Scene::parse("disk", Path::new("."), &text, &more).unwrap()
+}
+
+fn a_tighter_accuracy_takes_a_finer_grid(session: &Session) {
+    let cells = [0.3, 1e-2, 1e-3, 1e-4].map(|accuracy| {
+        let (calibration, (suspension, _)) = Ladder::<2>::begin(session, &disk(accuracy, &[])).unwrap().climb().unwrap();
+        assert_eq!(calibration.rungs.last().unwrap().grid_unknowns, suspension.cost().grid_unknowns);
+        assert!(calibration.error(Quantity::Drag).is_some_and(|error| error <= accuracy));
+        assert!(calibration.error(Quantity::Viscosity).is_none());
+        calibration.cells_per_radius
+    });
+    assert!(cells.is_sorted() && cells[0] < cells[2] && cells[2] < cells[3], "{cells:?}");
+}
+
+/// Two disks a thousandth of a radius apart across a flow: what they feel takes more modes and cells than there are.
+fn an_accuracy_out_of_reach_is_refused_with_the_error_that_was_reached(session: &Session) {
+    let centers = "bodies.0.centers=[[0.3, 0.5], [0.7, 0.5]]";
+    let scene = disk(1e-5, &["bodies.0.radius=0.1999", centers, "bodies.0.motion=fixed"]);
+    let Err(Error::Refused(refusal)) = Ladder::<2>::begin(session, &scene).unwrap().climb() else { panic!("not refused") };
+    for part in ["disk.toml:1: accuracy = 0.00001: cannot be met", "drag is known to", "96 cells per radius", "ask for less"] {
+        assert!(refusal.contains(part), "no {part:?} in {refusal}");
+    }
+}

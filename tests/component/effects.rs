@@ -1,0 +1,243 @@
+//! An effect that is off does not exist: pairs of scenes with and without it. Without it nothing of it is built, which is counted; with it
+//! at zero strength the answer is the same.
+
+use std::path::Path;
+
+use turbid::{
+    body::components,
+    petsc::{Census, Class, Session},
+    scene::Scene,
+    simulation::{Plan, Setup, Simulation, Suspension},
+};
+
+use crate::Test;
+
+/// The tests of this file.
+pub fn tests() -> Vec<Test> {
+    vec![
+        Test::of(all_objects_of_a_suspension_go_with_it),
+        Test::of(no_bodies_no_multipliers_and_a_body_that_drifts_along_changes_no_flow),
+        Test::of(no_motion_no_memory_of_solves_and_bodies_that_stay_are_solved_for_alike),
+        Test::of(no_contact_no_certificate_and_bodies_that_do_not_touch_move_alike),
+        Test::of(no_gravity_no_weight_and_a_weightless_body_moves_alike),
+        Test::of(no_torque_and_a_torque_of_zero_are_alike),
+        Test::of(no_drive_no_mean_values_and_a_drive_of_zero_is_alike),
+        Test::of(no_fluid_not_one_object_and_no_pressure),
+        Test::of(effects_to_come_are_refused_and_nothing_of_them_is_planned),
+    ]
+}
+
+/// Two free disks between sliding walls.
+const SHEARED: &str = r#"
+[domain]
+size = [4.0, 3.0]
+y = { lower = [-1.0, 0.0], upper = [1.0, 0.0] }
+[resolution]
+cells_per_radius = 4
+[method]
+tolerance = 1e-11
+[[bodies]]
+radius = 0.5
+centers = [[1.0, 1.4], [2.8, 1.7]]
+"#;
+
+/// Rounding and the tolerance of the linear solver.
+const SAME: f64 = 1e-8;
+
+fn scene(text: &str, changes: &[&str]) -> Scene {
+    let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+    Scene::parse("effect", Path::new("."), text, &changes).unwrap()
+}
+
+/// What was found at an instant, and what was built for it.
+struct Built {
+    /// Motions, forces and torques of the bodies, and the mean velocity.
+    numbers: Vec<f64>,
+    /// Objects that were alive after the solve.
+    census: Census,
+    suspension: Suspension<2>,
+}
+
+fn instant(session: &Session, scene: &Scene) -> Built {
+    let before = Census::local_now();
+    let mut suspension = Suspension::new(session, Setup::<2>::of(scene).unwrap()).unwrap();
+    let solution = suspension.solve(&mut |_, _| {}).unwrap();
+    let mut numbers = solution.mean_velocity.as_slice().to_vec();
+    for body in &solution.bodies {
+        numbers.extend(body.twist.velocity.iter().chain(body.force.iter()));
+        numbers.extend(components(&body.twist.spin).iter().chain(&components(&body.torque)));
+    }
+    drop(solution);
+    Built { numbers, census: Census::local_now().since(&before), suspension }
+}
+
+fn assert_same(what: &str, one: &[f64], two: &[f64]) {
+    assert_eq!(one.len(), two.len(), "{what}");
+    let furthest = one.iter().zip(two).map(|(one, two)| (one - two).abs()).fold(0.0, f64::max);
+    assert!(furthest < SAME, "{what}: {one:?} and {two:?} differ by {furthest:.1e}");
+}
+
+fn plan(session: &Session, scene: &Scene) -> String {
+    Plan::of::<2>(scene, session.world().size()).unwrap().to_string()
+}
+
+/// The census counts down as well as up: what the other tests rely on.
+fn all_objects_of_a_suspension_go_with_it(session: &Session) {
+    let before = Census::local_now();
+    let built = instant(session, &scene(SHEARED, &[]));
+    let classes = [Class::Vector, Class::Matrix, Class::Solver, Class::Preconditioner];
+    assert!(classes.iter().all(|&class| built.census.of(class) > 0), "{:?}", built.census);
+    assert_eq!(built.census.total(), Census::local_now().total() - before.total());
+    drop(built);
+    assert_eq!(Census::local_now(), before);
+}
+
+/// A free body in a uniform flow is at zero strength: it moves with the fluid and disturbs nothing.
+fn no_bodies_no_multipliers_and_a_body_that_drifts_along_changes_no_flow(session: &Session) {
+    let uniform = ["domain.y=periodic", "flow.drive.mean_velocity=[1.0, 0.5]", "resolution.spacing=0.125"];
+    let with = instant(session, &scene(SHEARED, &uniform));
+    let without = instant(session, &scene(SHEARED, &[&uniform[..], &["bodies=[]"]].concat()));
+    assert_eq!((without.suspension.cost().multiplier_unknowns, without.suspension.cost().assembled), (0, 0));
+    assert!(with.suspension.cost().multiplier_unknowns > 0);
+    assert_same("mean velocity", &with.numbers[..2], &without.numbers);
+    assert_same("velocity of the body", &with.numbers[2..4], &[1.0, 0.5]);
+    assert_same("velocity of the empty box", &without.numbers, &[1.0, 0.5]);
+}
+
+/// Bodies that are held stay where they are: every step finds what the instant finds.
+fn no_motion_no_memory_of_solves_and_bodies_that_stay_are_solved_for_alike(session: &Session) {
+    let held = ["bodies.0.motion=fixed"];
+    let without = instant(session, &scene(SHEARED, &held));
+    assert!(without.suspension.past().is_none());
+    let moving = scene(SHEARED, &[&held[..], &["time.end=0.3", "time.step=0.1"]].concat());
+    let before = Census::local_now();
+    let mut simulation = Simulation::<2>::new(session, &moving).unwrap();
+    let mut steps = 0;
+    loop {
+        let view = simulation.look(&mut |_, _| {}).unwrap();
+        let found: Vec<f64> =
+            view.solution.iter().flat_map(|solution| solution.bodies.iter().flat_map(|body| body.force.data.0[0])).collect();
+        let forces: Vec<f64> = [4, 5, 10, 11].map(|place| without.numbers[place]).to_vec();
+        assert_same("forces", &found, &forces);
+        if simulation.over() {
+            break;
+        }
+        simulation.step(&view, &mut |_, _| {}).unwrap();
+        steps += 1;
+    }
+    assert_eq!(steps, 3);
+    assert!(simulation.suspension().unwrap().past().is_some());
+    let built = Census::local_now().since(&before);
+    assert!(built.of(Class::Vector) > without.census.of(Class::Vector), "{built:?} and {:?}", without.census);
+    assert_eq!(built.of(Class::Matrix), without.census.of(Class::Matrix));
+}
+
+fn no_contact_no_certificate_and_bodies_that_do_not_touch_move_alike(session: &Session) {
+    let run = |model: &str| {
+        let scene = scene(SHEARED, &["time.end=0.2", "time.step=0.1", &format!("contact.model={model}")]);
+        let before = Census::local_now();
+        let mut simulation = Simulation::<2>::new(session, &scene).unwrap();
+        let mut certificates = 0;
+        while !simulation.over() {
+            let view = simulation.look(&mut |_, _| {}).unwrap();
+            assert!(view.contacts.is_empty());
+            let report = simulation.step(&view, &mut |_, _| {}).unwrap();
+            certificates += usize::from(report.certificate.is_some());
+        }
+        let centers: Vec<f64> = simulation.state().centers().iter().flat_map(|center| center.data.0[0]).collect();
+        (centers, certificates, Census::local_now().since(&before))
+    };
+    let (with, without) = (run("inelastic"), run("none"));
+    assert_eq!((without.1, with.1), (0, 2));
+    assert_eq!(without.2, with.2, "contacts that do not press are no unknowns");
+    assert_same("centres", &with.0, &without.0);
+}
+
+fn no_gravity_no_weight_and_a_weightless_body_moves_alike(session: &Session) {
+    let without = instant(session, &scene(SHEARED, &[]));
+    let weightless = ["gravity=[0.0, 0.0]", "gravity=[0.0, -1.0]"].map(|gravity| {
+        let text = scene(SHEARED, &[gravity, "flow.density=1.0", "bodies.0.density=1.0"]);
+        assert!(plan(session, &text).contains("not built  gravity"), "{gravity}");
+        instant(session, &text)
+    });
+    for with in &weightless {
+        assert_same("zero weight", &with.numbers, &without.numbers);
+        assert_eq!(with.census, without.census);
+    }
+    let heavy = scene(SHEARED, &["gravity=[0.0, -1.0]"]);
+    assert!(plan(session, &heavy).contains("built      gravity: [0.0, -1.0], weight of free bodies"));
+    assert!((instant(session, &heavy).numbers[5] - without.numbers[5]).abs() > 0.1, "the fluid bears the weight");
+}
+
+fn no_torque_and_a_torque_of_zero_are_alike(session: &Session) {
+    let without = instant(session, &scene(SHEARED, &[]));
+    let with = instant(session, &scene(SHEARED, &["bodies.0.torque=0.0", "bodies.0.force=[0.0, 0.0]"]));
+    assert_same("zero torque", &with.numbers, &without.numbers);
+    assert_eq!(with.census, without.census);
+    assert!(plan(session, &scene(SHEARED, &["bodies.0.motion=fixed"])).contains("not built  rotation"));
+    let turned = instant(session, &scene(SHEARED, &["bodies.0.torque=0.5"]));
+    assert!((turned.numbers[6] - without.numbers[6]).abs() > 0.1, "a torque turns");
+}
+
+fn no_drive_no_mean_values_and_a_drive_of_zero_is_alike(session: &Session) {
+    let without = scene(SHEARED, &[]);
+    assert!(plan(session, &without).contains(" 0 mean values"));
+    let found = instant(session, &without);
+    for drive in ["pressure_gradient=[0.0, 0.0]", "body_force=[0.0, 0.0]"] {
+        let with = instant(session, &scene(SHEARED, &[&format!("flow.drive.{drive}")]));
+        assert_same(drive, &with.numbers, &found.numbers);
+        assert_eq!(with.census, found.census, "{drive}");
+    }
+    // a mean velocity is held by a force that is to be found
+    assert!(plan(session, &scene(SHEARED, &["flow.drive.mean_velocity=[0.0, 0.0]"])).contains(" 1 mean values"));
+}
+
+const DRY: &str = r#"
+[domain]
+size = [4.0, 3.0]
+y = "walls"
+[flow]
+model = "none"
+[[bodies]]
+radius = 0.5
+centers = [[1.0, 1.0], [2.6, 1.7]]
+velocity = [0.5, -1.0]
+[contact]
+model = "inelastic"
+[time]
+end = 1.0
+step = 0.1
+"#;
+
+fn no_fluid_not_one_object_and_no_pressure(session: &Session) {
+    let before = Census::local_now();
+    let scene = scene(DRY, &[]);
+    let mut simulation = Simulation::<2>::new(session, &scene).unwrap();
+    while !simulation.over() {
+        let view = simulation.look(&mut |_, _| {}).unwrap();
+        assert!(view.solution.is_none());
+        simulation.step(&view, &mut |_, _| {}).unwrap();
+        assert_eq!(Census::local_now(), before);
+    }
+    assert!(simulation.suspension().is_none());
+    let said = plan(session, &scene);
+    for effect in ["flow", "pressure", "gravity", "fields output"] {
+        assert!(said.contains(&format!("not built  {effect}\n")), "{effect} in {said}");
+    }
+    for effect in ["inertia", "rotation", "contact", "motion in time"] {
+        assert!(said.contains(&format!("built      {effect}:")), "{effect} in {said}");
+    }
+}
+
+fn effects_to_come_are_refused_and_nothing_of_them_is_planned(session: &Session) {
+    let changes = ["lubrication.model=pairwise", "flow.model=navier-stokes", "contact.model=repulsion"];
+    for change in changes {
+        let refusal = Scene::parse("effect", Path::new("."), SHEARED, &[change.to_owned()]).unwrap_err().to_string();
+        let (key, _) = change.split_once('=').unwrap();
+        assert!(refusal.contains(key) && refusal.contains("is not available yet"), "{refusal}");
+    }
+    let said = plan(session, &scene(SHEARED, &["time.end=1.0"]));
+    for effect in ["inertia", "lubrication", "contact", "gravity"] {
+        assert!(said.contains(&format!("not built  {effect}\n")), "{effect} in {said}");
+    }
+}
