@@ -35,6 +35,11 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> R
         world.agree(if first { output::write_whole(&folder.join("picture.svg"), picture.as_bytes()) } else { Ok(()) })?;
         files.push("picture.svg");
     }
+    if let Some(points) = scene.output.probe {
+        let probe = observe::velocity_probe(&suspension, &solution, points)?.csv();
+        world.agree(if first { output::write_whole(&folder.join("probe.csv"), probe.as_bytes()) } else { Ok(()) })?;
+        files.push("probe.csv");
+    }
     files.push("summary.json");
     world.agree(if first { folder::complete(folder, &summary) } else { Ok(()) })?;
     drop(output);
