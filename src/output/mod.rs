@@ -20,11 +20,11 @@ mod summary;
 mod together;
 
 pub use animation::{AnimatedDisk, Animation, AnimationFrame};
-pub use chart::{Chart, Scale, Series};
+pub use chart::{Chart, Level, Mark, Notes, Scale, Series};
 pub use checkpoint::{Checkpoint, CheckpointWriter};
 pub use file::{prepare_folder, write_whole};
 pub use frames::{Frame, FrameBody, FrameFields, Frames, StoredFrame, read_frames};
-pub use picture::{Disk, Picture};
+pub use picture::{Disk, Picture, escaped};
 pub use probe::Probe;
 pub use progress::{Progress, TimeProgress};
 pub use report::{report, sparkline};
