@@ -7,6 +7,7 @@ mod apply;
 mod axes;
 mod chart;
 mod choice;
+mod digits;
 mod facts;
 mod findings;
 mod knobs;
@@ -20,6 +21,7 @@ mod setting;
 mod store;
 mod suited;
 mod sweep;
+mod table;
 mod text;
 
 use std::path::PathBuf;

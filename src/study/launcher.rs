@@ -14,6 +14,9 @@ use crate::{
 /// Where the number of ranks goes in a launcher.
 const PLACE: &str = "{ranks}";
 
+/// How names of folders for runs begin.
+const RUNS: &str = "runs-";
+
 /// Leaves the picture out of a run; not for scalar scenes, which have none.
 pub const WITHOUT_PICTURE: &str = "output.picture=false";
 
@@ -26,9 +29,19 @@ impl Scratch {
     /// # Errors
     /// It cannot be made.
     pub fn within(folder: &Path) -> Result<Scratch> {
-        let scratch = Scratch(folder.join(format!("runs-{}", std::process::id())));
+        let scratch = Scratch(folder.join(format!("{RUNS}{}", std::process::id())));
         prepare_folder(&scratch.0)?;
         Ok(scratch)
+    }
+}
+
+/// Removes what studies that were killed have left within a folder; a run of theirs that is still under way fails.
+pub fn sweep_out(folder: &Path) {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let stale = entries.filter(|path| path.is_dir() && path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(RUNS)));
+    for path in stale {
+        // what cannot be removed now is only in the way
+        let _ = fs::remove_dir_all(path);
     }
 }
 

@@ -56,12 +56,13 @@ impl Chart {
                 text,
                 "<path d=\"M{left:.1} {y:.1}H{right:.1}\" stroke=\"{INK}\" stroke-opacity=\"0.6\" stroke-dasharray=\"6 5\"/>"
             );
+            // lines that fall leave the upper right and the lower left free
+            let (x, anchor) = if y < 0.5 * (frame.top + frame.foot) { (right - 4.0, "end") } else { (left + 4.0, "start") };
+            let name = escaped(&level.name);
             let _ = writeln!(
                 text,
-                "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"11\" fill-opacity=\"0.7\" text-anchor=\"end\">{}</text>",
-                right - 4.0,
-                y - 5.0,
-                escaped(&level.name)
+                "<text x=\"{x:.1}\" y=\"{:.1}\" font-size=\"11\" fill-opacity=\"0.7\" text-anchor=\"{anchor}\">{name}</text>",
+                y - 5.0
             );
         }
         text

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{report::Findings, text};
+use super::{digits::percent, report::Findings};
 use crate::{
     error::{Error, Result},
     output::write_whole,
@@ -19,10 +19,13 @@ pub fn apply(file: &Path, scene: &Scene, findings: &Findings) -> Result<()> {
         return Err(Error::Diverged(format!(
             "--apply {}: nothing is written, because no measured setting is known to reach {}; allow finer ones with --resolutions or --budget",
             file.display(),
-            text::percent(findings.wanted)
+            percent(findings.wanted)
         )));
     };
-    let made = Scene::parse(&scene.name, Path::new("."), &scene.movable_text()?, &cheapest.setting.overrides())?;
+    let mut changes = cheapest.setting.overrides();
+    // what the scene says already need not be written
+    changes.retain(|change| *change != format!("method.constraint={}", scene.method.constraint.word()));
+    let made = Scene::parse(&scene.name, Path::new("."), &scene.movable_text()?, &changes)?;
     write_whole(file, made.text.as_bytes())?;
     println!("applied: {}: {}, {}", file.display(), cheapest.setting.method, cheapest.setting.words());
     Ok(())

@@ -1,8 +1,9 @@
 //! Error against seconds, one line a method.
 
 use super::{
+    digits::percent,
     report::{Findings, Point},
-    text::{cells_per_radius, percent},
+    table::cells_per_radius,
 };
 use crate::output::{Chart, Level, Mark, Notes, Scale, Series};
 

@@ -64,7 +64,7 @@ impl<F: Fn(&[f64]) -> f64> Judge<F> {
         let (errors, seconds) = (errors.filter(|power| power.exponent > 0.0)?, seconds?);
         let spacing = errors.reaches(self.wanted)?.min(line.finest().1.spacing);
         let grid = match line.finest().0.grid {
-            Fineness::CellsPerRadius(_) => Fineness::CellsPerRadius((radius / spacing).ceil()),
+            Fineness::CellsPerRadius(_) => Fineness::CellsPerRadius((radius / spacing * (1.0 - 1e-9)).ceil()),
             Fineness::Spacing(_) => Fineness::Spacing(spacing),
         };
         let setting = Setting { grid, ..line.finest().0.clone() };

@@ -44,20 +44,31 @@ impl Study<'_> {
         let (ladders, mut notes) = self.climb(axes)?;
         self.expect_some()?;
         let refined = self.finest(&ladders);
-        let limit = refined.as_ref().map(|(_, limit)| limit.values.clone());
-        let mut turned = Vec::new();
-        if let Some((finest, _)) = &refined {
-            turned.push(self.sweep.turn(finest, self.scene, limit.as_deref())?);
-        }
-        let reference = match self.options.exact.is_empty() {
-            false => Some(self.exact()),
-            true => refined.as_ref().zip(turned.first()).map(|((finest, limit), turned)| self.extrapolated(finest, limit, turned)),
+        let turned = match &refined {
+            Some((finest, limit)) => vec![self.sweep.turn(finest, self.scene, Some(&limit.values))?],
+            None => Vec::new(),
         };
-        let methods: Vec<MethodFinding> = ladders.iter().map(|ladder| self.method(ladder, reference.as_ref())).collect();
+        let (facts, quantity) = (&self.sweep.facts, &self.sweep.quantity);
+        let reference = match (self.options.exact.is_empty(), &refined) {
+            (false, _) => Some(Reference::given(self.options, (quantity, facts))),
+            (true, Some((finest, limit))) => {
+                let finest = (finest, finest.solves_to(self.scene));
+                Some(Reference::extrapolated(finest, (limit, &turned[0]), (quantity, facts)))
+            }
+            (true, None) => None,
+        };
         notes.extend(self.faster());
+        let mut findings = self.judged(&ladders, reference, (turned, notes));
+        self.turn_the_chosen(&mut findings)?;
+        Ok(findings)
+    }
+
+    /// All settings and methods beside the reference.
+    fn judged(&self, ladders: &[Ladder], reference: Option<Reference>, (turned, notes): (Vec<Turned>, Vec<String>)) -> Findings {
+        let methods = ladders.iter().map(|ladder| self.method(ladder, reference.as_ref())).collect();
         let settings = ladders.iter().flat_map(|(_, settings)| settings);
         let points = settings.filter_map(|setting| self.point(setting, reference.as_ref())).collect();
-        let mut findings = Findings {
+        Findings {
             title: self.scene.shown_title().to_owned(),
             quantity: self.sweep.quantity.words(&self.sweep.facts),
             name: self.sweep.quantity.kind.word(),
@@ -70,14 +81,22 @@ impl Study<'_> {
             written: Some(Setting::written(self.scene)),
             turned,
             notes,
-        };
+        }
+    }
+
+    /// Turns the knobs of the cheapest setting, and tells what error each knob that was turned leaves.
+    fn turn_the_chosen(&mut self, findings: &mut Findings) -> Result<()> {
         let chosen = findings.cheapest().map(|cheapest| cheapest.setting.clone());
         if let Some(chosen) = chosen.filter(|chosen| findings.turned.iter().all(|turned| turned.at != *chosen)) {
             let limit = findings.reference.as_ref().map(|reference| reference.values.as_slice());
             let own = self.sweep.turn(&chosen, self.scene, limit)?;
             findings.turned.insert(0, own);
         }
-        Ok(findings)
+        if let Some(reference) = &findings.reference {
+            let measured = findings.turned.iter_mut().flat_map(|turned| &mut turned.knobs).filter(|knob| knob.seconds.is_some());
+            measured.for_each(|knob| knob.error = Some(self.error(&knob.values, reference)));
+        }
+        Ok(())
     }
 
     /// All methods that the scene allows, and why others or finer grids are left out.
@@ -86,7 +105,8 @@ impl Study<'_> {
         for method in &axes.methods {
             let trial = [format!("method.constraint={method}"), "resolution.modes=auto".into()];
             if let Err(refusal) = self.sweep.scene_with(&trial) {
-                notes.push(format!("{method} is left out: {refusal}"));
+                let reason = refusal.to_string();
+                notes.push(format!("{method} is left out: {}", reason.strip_prefix("--set: ").unwrap_or(&reason)));
                 continue;
             }
             let settings = axes.settings(method, (self.scene, self.sweep.radius()));
@@ -116,41 +136,6 @@ impl Study<'_> {
             Some((line.finest().0.clone(), limit))
         };
         first.iter().find_map(limit).or_else(|| others.iter().filter(|_| self.options.reference.is_none()).find_map(limit))
-    }
-
-    fn exact(&self) -> Reference {
-        let values = self.options.exact.clone();
-        let uncertainty = self.options.uncertainty / self.sweep.facts.scale(&self.sweep.quantity, &values);
-        let given = values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
-        let source = match uncertainty > 0.0 {
-            true => format!("{given} +- {}, as given", self.options.uncertainty),
-            false => format!("{given}, as given"),
-        };
-        Reference { values, uncertainty, source }
-    }
-
-    /// The limit with what modes, tolerance and step still change at the finest setting; all of it counts as uncertain.
-    fn extrapolated(&self, finest: &Setting, limit: &Limit, turned: &Turned) -> Reference {
-        let mut values = limit.values.clone();
-        let mut uncertainty = limit.uncertainty + finest.solves_to(self.scene);
-        let mut corrections = Vec::new();
-        for knob in turned.knobs.iter().filter(|knob| knob.name != "grid") {
-            let Some(change) = knob.change else { continue };
-            values.iter_mut().zip(&knob.changes).for_each(|(value, change)| *value += change);
-            uncertainty += change.abs();
-            corrections.push(format!("{} {}", knob.name, text::percent(change)));
-        }
-        let scale = self.sweep.facts.scale(&self.sweep.quantity, &values);
-        let shown = if let [value] = values[..] { format!("{value:.6} +- {:.2e}", uncertainty * scale) } else { "the limit".into() };
-        let also = if corrections.is_empty() { String::new() } else { format!("; also uncertain: {}", corrections.join(", ")) };
-        let source = format!(
-            "{shown} ({}), extrapolated from {} up to {} with order {:.1}{also}",
-            text::percent(uncertainty),
-            finest.method,
-            finest.words(),
-            limit.order
-        );
-        Reference { values, uncertainty, source }
     }
 
     fn error(&self, values: &[f64], reference: &Reference) -> f64 {

@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// A knob that was turned.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Knob {
     /// Which.
     pub name: &'static str,
@@ -25,9 +25,16 @@ pub struct Knob {
     pub change: Option<f64>,
     /// Why there is none, or where it comes from.
     pub remark: Option<String>,
+    /// Relative error that is left, once there is a reference.
+    pub error: Option<f64>,
+    /// Seconds of the run.
+    pub seconds: Option<f64>,
     /// Change of each value.
     #[serde(skip)]
     pub changes: Vec<f64>,
+    /// The values.
+    #[serde(skip)]
+    pub values: Vec<f64>,
 }
 
 /// A setting whose knobs were turned.
@@ -78,31 +85,31 @@ impl Sweep<'_> {
     }
 
     fn knob(&mut self, (name, to): (&'static str, String), base: &Measured, turned: Option<Setting>) -> Result<Knob> {
-        let none = |remark: String| Knob { name, to: to.clone(), change: None, remark: Some(remark), changes: Vec::new() };
+        let none = |remark: String| Knob { name, to: to.clone(), remark: Some(remark), ..Knob::default() };
         let Some(turned) = turned else { return Ok(none("no more of them suit this grid".into())) };
         if !self.affordable(&turned) {
-            return Ok(none("beyond --budget".into()));
+            return Ok(none("takes longer than the sweep, or than --budget".into()));
         }
         let outcome = self.record(&turned)?.outcome.clone();
         Ok(match outcome {
             Outcome::Failed(reason) => none(reason),
             Outcome::Measured(measured) => {
                 let near = self.facts.near(&self.quantity, &measured.values, &base.values);
-                Knob { remark: None, ..self.changed((name, to), base, &near) }
+                Knob { seconds: Some(measured.seconds()), ..self.changed((name, to), base, &near) }
             }
         })
     }
 
     /// What the limit of vanishing spacing would change.
     fn extrapolated(&self, base: &Measured, limit: &[f64]) -> Knob {
-        self.changed(("grid", "vanishing spacing".into()), base, limit)
+        Knob { remark: Some("extrapolated".into()), ..self.changed(("grid", "vanishing spacing".into()), base, limit) }
     }
 
     fn changed(&self, (name, to): (&'static str, String), base: &Measured, values: &[f64]) -> Knob {
         let changes: Vec<f64> = values.iter().zip(&base.values).map(|(new, old)| new - old).collect();
         let size = if let [change] = changes[..] { change } else { norm(&changes) };
         let change = Some(size / self.facts.scale(&self.quantity, &base.values));
-        Knob { name, to, change, remark: Some("extrapolated".into()), changes }
+        Knob { name, to, change, changes, values: values.to_vec(), ..Knob::default() }
     }
 
     /// Half as many modes again, or as many more as the grid carries.

@@ -1,6 +1,6 @@
 //! `cost.html`: chart, table and sentences on one page that needs nothing else.
 
-use super::{chart, report::Findings, text};
+use super::{chart, report::Findings, table, text};
 use crate::output::escaped;
 
 /// Light paper or dark, as the reader has it; the chart stays on light paper.
@@ -25,7 +25,7 @@ pub fn html(findings: &Findings) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width\">\n\
          <title>What accuracy costs: {title}</title>\n<style>\n{STYLE}\n</style>\n</head>\n<body>\n\
-         <h1>What accuracy costs</h1>\n<p class=\"lead\">{title}. {}.</p>\n\
+         <h1>What accuracy costs</h1>\n<p class=\"lead\">{title}: {}.</p>\n\
          <figure>\n{}</figure>\n<ul>\n{sentences}</ul>\n<h2>Every setting</h2>\n<div class=\"wide\">{}</div>\n{}\
          <p class=\"lead\">turbid {}, {} rank{}, the fastest of {} runs each.</p>\n</body>\n</html>\n",
         escaped(&findings.quantity),
@@ -41,7 +41,7 @@ pub fn html(findings: &Findings) -> String {
 
 fn table(findings: &Findings) -> String {
     let chosen = findings.cheapest().map(|cheapest| &cheapest.setting);
-    let rows = text::table(findings);
+    let rows = table::table(findings);
     let head: String = rows[0].iter().map(|name| format!("<th>{}</th>", escaped(name))).collect();
     let body = findings.points.iter().zip(&rows[1..]).map(|(point, row)| {
         let class = if chosen == Some(&point.setting) { " class=\"chosen\"" } else { "" };
@@ -64,15 +64,63 @@ fn knobs(findings: &Findings) -> String {
         let rows: String = turned
             .knobs
             .iter()
-            .map(|knob| format!("<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", knob.name, escaped(&knob.to), escaped(&text::change(knob))))
+            .map(|knob| {
+                let cells = [knob.name.to_owned(), knob.to.clone(), text::change(knob), text::left(knob, findings.uncertainty())];
+                format!("<tr>{}</tr>\n", cells.iter().map(|cell| format!("<td>{}</td>", escaped(cell))).collect::<String>())
+            })
             .collect();
         let verdict = text::dominating(turned).map_or(String::new(), |verdict| format!("<p>Here {}</p>\n", escaped(&verdict)));
         format!(
-            "<h2>Knobs of {}, {}</h2>\n<div class=\"wide\"><table>\n<thead><tr><th>knob</th><th>turned to</th><th>the quantity changes by</th>\
+            "<h2>Knobs of {}, {}</h2>\n<div class=\"wide\"><table>\n<thead><tr><th>knob</th><th>turned to</th><th>changes the quantity by</th><th>and leaves an error of</th>\
              </tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n{verdict}",
             turned.at.method,
             escaped(&turned.at.words())
         )
     });
     tables.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::cost::{
+        quantity::Kind,
+        record::{Outcome, Record},
+        reference::tests::run,
+        report::Point,
+        setting::{Fineness, Setting},
+    };
+
+    fn findings() -> Findings {
+        let setting =
+            |cells| Setting { method: "sharp".into(), grid: Fineness::CellsPerRadius(cells), modes: None, tolerance: None, step: None };
+        let measured = Record { setting: setting(4.0), outcome: Outcome::Measured(run(0.25, 1.02)) };
+        let failed = Record { setting: setting(8.0), outcome: Outcome::Failed("no <memory>".into()) };
+        Findings {
+            title: "a & b".into(),
+            quantity: "drag".into(),
+            name: Kind::Drag.word(),
+            ranks: 1,
+            repeat: 2,
+            wanted: 1e-2,
+            reference: None,
+            points: [measured, failed].iter().map(|record| Point::of(record, Some(1.0), |_| Some(0.02), 0.0)).collect(),
+            methods: Vec::new(),
+            written: Some(setting(4.0)),
+            turned: Vec::new(),
+            notes: vec!["a < b".into()],
+        }
+    }
+
+    #[test]
+    fn a_page_is_whole_and_says_nothing_that_is_read_as_markup() {
+        let page = html(&findings());
+        assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
+        for part in ["a &amp; b: drag.", "no &lt;memory&gt;", "a &lt; b.", "+2.0 %", "No reference"] {
+            assert!(page.contains(part), "no {part:?} in {page}");
+        }
+        for tag in ["table", "tr", "td", "ul", "li", "figure", "svg", "style", "body"] {
+            assert_eq!(page.matches(&format!("<{tag}")).count(), page.matches(&format!("</{tag}>")).count(), "{tag}");
+        }
+    }
 }

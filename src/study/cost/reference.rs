@@ -2,7 +2,15 @@
 
 use serde::Serialize;
 
-use super::{facts::Facts, quantity::Quantity, record::Measured};
+use super::{
+    CostOptions,
+    digits::percent,
+    facts::Facts,
+    knobs::Turned,
+    quantity::{Quantity, norm},
+    record::Measured,
+    setting::Setting,
+};
 
 /// Observed orders beyond these parts of the predicted one are not believed.
 const BELIEVED: [f64; 2] = [0.5, 2.0];
@@ -29,6 +37,43 @@ pub struct Limit {
     pub uncertainty: f64,
 }
 
+impl Reference {
+    /// The values that are given.
+    pub fn given(options: &CostOptions, (quantity, facts): (&Quantity, &Facts)) -> Reference {
+        let values = options.exact.clone();
+        let given = values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
+        let source = match options.uncertainty > 0.0 {
+            true => format!("{given} +- {}, as given", options.uncertainty),
+            false => format!("{given}, as given"),
+        };
+        Reference { uncertainty: options.uncertainty / facts.scale(quantity, &values), values, source }
+    }
+
+    /// The limit of the finest setting, which solves to a tolerance, with what modes, tolerance and step still change there;
+    /// all of it counts as uncertain.
+    pub fn extrapolated(
+        (finest, tolerance): (&Setting, f64),
+        (limit, turned): (&Limit, &Turned),
+        (quantity, facts): (&Quantity, &Facts),
+    ) -> Reference {
+        let mut values = limit.values.clone();
+        let mut uncertainty = limit.uncertainty + tolerance;
+        let mut also = Vec::new();
+        for knob in turned.knobs.iter().filter(|knob| knob.name != "grid") {
+            let Some(change) = knob.change else { continue };
+            values.iter_mut().zip(&knob.changes).for_each(|(value, change)| *value += change);
+            uncertainty += change.abs();
+            also.push(format!("{} {}", knob.name, percent(change)));
+        }
+        let off = uncertainty * facts.scale(quantity, &values);
+        let shown = if let [value] = values[..] { format!("{value:.6} +- {off:.2e}") } else { "the limit".into() };
+        let also = if also.is_empty() { String::new() } else { format!("; what else it may be off by: {}", also.join(", ")) };
+        let (method, words, order) = (&finest.method, finest.words(), limit.order);
+        let source = format!("{shown} ({}), extrapolated from {method} up to {words} with order {order:.1}{also}", percent(uncertainty));
+        Reference { values, uncertainty, source }
+    }
+}
+
 impl Limit {
     /// Of runs on ever finer grids, from the last three if there are so many; nothing if there are not two.
     ///
@@ -39,7 +84,10 @@ impl Limit {
         let coarse = runs.len().checked_sub(3).map(|place| runs[place]);
         let middle_values = facts.near(quantity, &middle.values, &finest.values);
         let scale = facts.scale(quantity, &finest.values);
-        let distance = |one: &Measured, two: &Measured| facts.error(quantity, &one.values, &two.values).abs();
+        let distance = |one: &Measured, two: &Measured| {
+            let near = facts.near(quantity, &one.values, &two.values);
+            norm(&near.iter().zip(&two.values).map(|(one, two)| one - two).collect::<Vec<_>>()) / scale
+        };
         let order = coarse.and_then(|coarse| {
             let ratio = distance(coarse, middle) / distance(middle, finest);
             observed([coarse.spacing, middle.spacing, finest.spacing], ratio)
@@ -48,14 +96,10 @@ impl Limit {
         let left = |coarser: f64, finer: f64| finest.spacing.powf(order) / (coarser.powf(order) - finer.powf(order));
         let factor = left(middle.spacing, finest.spacing);
         let values = finest.values.iter().zip(&middle_values).map(|(finest, middle)| finest + factor * (finest - middle)).collect();
-        let correction = factor * facts_distance(&finest.values, &middle_values) / scale;
+        let correction = factor * distance(middle, finest);
         let before = coarse.map_or(0.0, |coarse| left(coarse.spacing, middle.spacing) * distance(coarse, middle));
         Some(Limit { values, order, uncertainty: correction.max(before) })
     }
-}
-
-fn facts_distance(one: &[f64], two: &[f64]) -> f64 {
-    super::quantity::norm(&one.iter().zip(two).map(|(one, two)| one - two).collect::<Vec<_>>())
 }
 
 /// The order p at which differences between three grids have a ratio: `(a^p - b^p) / (b^p - c^p) = ratio`, by bisection.

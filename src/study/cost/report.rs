@@ -8,7 +8,7 @@ use super::{
     record::{Measured, Outcome, Record},
     reference::Reference,
     setting::Setting,
-    text::cells_per_radius,
+    table::cells_per_radius,
 };
 
 /// Names of the numbers of a row in `cost.csv`.

@@ -17,11 +17,10 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
-    output::prepare_folder,
     scene::Scene,
     study::{
         fit::Power,
-        launcher::{Job, Launcher, Scratch, WITHOUT_PICTURE},
+        launcher::{Job, Launcher, Scratch, WITHOUT_PICTURE, sweep_out},
     },
 };
 
@@ -54,11 +53,8 @@ impl<'a> Sweep<'a> {
         folder: &Path,
     ) -> Result<Sweep<'a>> {
         let launcher = Launcher::new(&options.launcher, &options.petsc)?;
-        // what a study that was stopped has left there
-        let runs = folder.join("runs");
-        let _ = fs::remove_dir_all(&runs);
-        prepare_folder(&runs)?;
-        Ok(Sweep { options, scene, facts, quantity, store, launcher, scratch: Scratch(runs) })
+        sweep_out(folder);
+        Ok(Sweep { options, scene, facts, quantity, store, launcher, scratch: Scratch::within(folder)? })
     }
 
     /// Goes through settings by rising work, as far as the budget lets it; tells why it ended early.
@@ -112,9 +108,10 @@ impl<'a> Sweep<'a> {
         Some(heaviest.measured()?.wall_seconds * growth)
     }
 
-    /// The budget of a single run.
+    /// Whether a run beside the sweep costs neither more than the budget nor more than the sweep so far.
     pub fn affordable(&self, setting: &Setting) -> bool {
-        self.store.find(setting).is_some() || self.predicted(setting).is_some_and(|seconds| seconds <= self.options.budget)
+        let spent = self.store.records().iter().filter_map(|record| Some(record.measured()?.wall_seconds)).sum();
+        self.store.find(setting).is_some() || self.predicted(setting).is_some_and(|seconds| seconds <= self.options.budget.min(spent))
     }
 
     /// Radius of the smallest body, or 1 where spacings are lengths anyway.

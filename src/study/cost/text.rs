@@ -1,10 +1,12 @@
-//! What a study says to people: progress, table, sentences.
+//! What a study says to people: progress, sentences, knobs.
 
 use super::{
     choice::Cheapest,
+    digits::{percent, seconds, signed, two_digits},
     knobs::{Knob, Turned},
-    record::{Measured, Outcome, Record},
-    report::{Findings, MethodFinding, Point},
+    record::{Outcome, Record},
+    report::{Findings, MethodFinding},
+    table::table,
 };
 
 /// What a run came to, in a line.
@@ -30,77 +32,13 @@ pub fn report(findings: &Findings) -> String {
     for turned in &findings.turned {
         lines.push(String::new());
         lines.push(format!("Knobs of {}, {}, turned one at a time:", turned.at.method, turned.at.words()));
-        lines.extend(turned.knobs.iter().map(|knob| format!("  {:<10} {:<18} {}", knob.name, knob.to, change(knob))));
+        let uncertainty = findings.uncertainty();
+        lines.push(format!("  {:<10} {:<18} {:<24} {}", "knob", "turned to", "changes the quantity by", "and leaves an error of"));
+        let line = |knob: &Knob| format!("  {:<10} {:<18} {:<24} {}", knob.name, knob.to, change(knob), left(knob, uncertainty));
+        lines.extend(turned.knobs.iter().map(|knob| line(knob).trim_end().to_owned()));
         lines.extend(dominating(turned).map(|text| format!("  {text}")));
     }
     lines.join("\n")
-}
-
-/// Heads and rows of the table.
-pub fn table(findings: &Findings) -> Vec<Vec<String>> {
-    let in_time = findings.points.iter().any(|point| point.setting.step.is_some());
-    let swept = findings.points.iter().any(|point| point.setting.tolerance.is_some());
-    let head = |name: &str, shown: bool| shown.then(|| name.to_owned());
-    let heads = [
-        head("method", true),
-        head("cells/radius", true),
-        head("modes", true),
-        head("tolerance", swept),
-        head("step", in_time),
-        head("unknowns", true),
-        head("iterations", true),
-        head("set-up s", true),
-        head("solve s", true),
-        head("MB", true),
-        head(findings.name, true),
-        head("error", true),
-    ];
-    let mut rows = vec![heads.into_iter().flatten().collect::<Vec<_>>()];
-    rows.extend(findings.points.iter().map(|point| row(point, findings, (swept, in_time))));
-    rows
-}
-
-fn row(point: &Point, findings: &Findings, (swept, in_time): (bool, bool)) -> Vec<String> {
-    let none = || "-".to_owned();
-    let of = |read: &dyn Fn(&Measured) -> String| point.measured.as_ref().map_or_else(none, read);
-    let setting = &point.setting;
-    let modes = point.measured.as_ref().and_then(|run| run.modes).or(setting.modes);
-    let mut cells = vec![setting.method.clone(), cells_per_radius(point), modes.map_or_else(none, |modes| modes.to_string())];
-    if swept {
-        cells.push(setting.tolerance.map_or_else(none, |tolerance| format!("{tolerance:.0e}")));
-    }
-    if in_time {
-        cells.push(setting.step.map_or_else(none, |step| step.length().to_string()));
-    }
-    cells.extend([
-        of(&|run| thousands(run.unknowns)),
-        of(&|run| format!("{:.0}", run.iterations)),
-        of(&|run| seconds(run.setup_seconds)),
-        of(&|run| seconds(run.solve_seconds)),
-        of(&|run| format!("{:.0}", run.memory_bytes / 1e6)),
-        point.value.map_or_else(none, |value| format!("{value:.6}")),
-        error(point, findings.uncertainty()),
-    ]);
-    cells
-}
-
-fn error(point: &Point, uncertainty: f64) -> String {
-    match (point.error, &point.remark) {
-        (_, Some(remark)) => remark.clone(),
-        (None, None) => "-".into(),
-        (Some(_), None) if point.within_uncertainty => format!("within {}", percent(uncertainty)),
-        (Some(error), None) if point.value.is_some() => signed(error),
-        (Some(error), None) => percent(error),
-    }
-}
-
-/// Cells across the smallest radius, or the spacing where there are no bodies.
-pub fn cells_per_radius(point: &Point) -> String {
-    match (point.cells_per_radius, point.setting.grid) {
-        (Some(cells), _) => format!("{cells:.1}"),
-        (None, super::setting::Fineness::CellsPerRadius(cells)) => format!("{cells:.1}"),
-        (None, super::setting::Fineness::Spacing(spacing)) => format!("h = {spacing:.4}"),
-    }
 }
 
 /// What was found, sentence by sentence.
@@ -184,10 +122,19 @@ pub fn change(knob: &Knob) -> String {
     }
 }
 
+/// What error a turned knob leaves, and in what time, in words.
+pub fn left(knob: &Knob, uncertainty: f64) -> String {
+    match (knob.error, knob.seconds) {
+        (Some(error), Some(time)) => format!("{}, {} s", within(error.abs(), uncertainty), seconds(time)),
+        _ => String::new(),
+    }
+}
+
 /// Which knob dominates, in words.
 pub fn dominating(turned: &Turned) -> Option<String> {
     let knob = turned.dominating()?;
-    Some(format!("the {} dominates the error: turn it first for more accuracy.", knob.name))
+    let (verb, it) = if knob.name == "modes" { ("dominate", "them") } else { ("dominates", "it") };
+    Some(format!("the {} {verb} the error: turn {it} first for more accuracy.", knob.name))
 }
 
 fn within(error: f64, uncertainty: f64) -> String {
@@ -196,45 +143,4 @@ fn within(error: f64, uncertainty: f64) -> String {
 
 fn ranks(count: usize) -> String {
     if count == 1 { "1 rank".into() } else { format!("{count} ranks") }
-}
-
-/// A part of one as percent with two digits.
-pub fn percent(part: f64) -> String {
-    format!("{} %", two_digits(100.0 * part.abs()))
-}
-
-fn signed(part: f64) -> String {
-    format!("{}{}", if part < 0.0 { "-" } else { "+" }, percent(part))
-}
-
-/// A positive number with two digits, or as many as it has before the point.
-fn two_digits(number: f64) -> String {
-    if number == 0.0 || !number.is_finite() {
-        return number.to_string();
-    }
-    let decimals = (1.0 - number.log10().floor()).clamp(0.0, 8.0) as usize;
-    format!("{number:.decimals$}")
-}
-
-/// Seconds with three digits.
-pub fn seconds(seconds: f64) -> String {
-    let decimals = if seconds > 0.0 { (2.0 - seconds.log10().floor()).clamp(0.0, 4.0) as usize } else { 0 };
-    format!("{seconds:.decimals$}")
-}
-
-fn thousands(count: f64) -> String {
-    if count < 1e4 { format!("{count:.0}") } else { format!("{:.0} k", count / 1e3) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_have_the_digits_that_matter() {
-        assert_eq!([0.01, 0.000321, 0.5, 1.234, 0.0].map(percent), ["1.0 %", "0.032 %", "50 %", "123 %", "0 %"]);
-        assert_eq!([0.00212, 0.0123, 1.5, 123.4].map(seconds), ["0.0021", "0.0123", "1.50", "123"]);
-        assert_eq!(signed(-0.00172), "-0.17 %");
-        assert_eq!([450.0, 136_107.0].map(thousands), ["450", "136 k"]);
-    }
 }
