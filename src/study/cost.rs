@@ -38,6 +38,7 @@ use crate::{
     error::{Error, Result},
     output::{prepare_folder, write_whole},
     scene::Scene,
+    study::launcher::sweep_out,
 };
 
 /// What to measure, and how; empty lists leave the choice to the scene.
@@ -153,6 +154,8 @@ pub fn cost(options: &CostOptions) -> Result<()> {
     let sweep = Sweep::new(&options, &scene, (facts, quantity, store), &folder)?;
     let mut study = Study { options: &options, scene: &scene, times, sweep };
     let findings = study.findings(&axes)?;
+    // a run that outlived the study which started it has made its folder anew
+    sweep_out(&folder);
     study.sweep.store.write(Some(&findings))?;
     for (name, text) in files(&findings) {
         write_whole(&folder.join(name), text.as_bytes())?;
