@@ -39,6 +39,8 @@ pub struct Sweep<'a> {
     pub store: Store,
     launcher: Launcher,
     scratch: Scratch,
+    /// Settings of the ladders so far. What is affordable follows from these alone, so that a study that goes on decides as it did.
+    climbed: Vec<Setting>,
 }
 
 impl<'a> Sweep<'a> {
@@ -54,7 +56,7 @@ impl<'a> Sweep<'a> {
     ) -> Result<Sweep<'a>> {
         let launcher = Launcher::new(&options.launcher, &options.petsc)?;
         sweep_out(folder);
-        Ok(Sweep { options, scene, facts, quantity, store, launcher, scratch: Scratch::within(folder)? })
+        Ok(Sweep { options, scene, facts, quantity, store, launcher, scratch: Scratch::within(folder)?, climbed: Vec::new() })
     }
 
     /// Goes through settings by rising work, as far as the budget lets it; tells why it ended early.
@@ -76,6 +78,7 @@ impl<'a> Sweep<'a> {
                 )));
             }
             spent += self.record(setting)?.measured().map_or(0.0, |measured| measured.wall_seconds);
+            self.climbed.push(setting.clone());
         }
         Ok(None)
     }
@@ -98,20 +101,25 @@ impl<'a> Sweep<'a> {
     pub fn predicted(&self, setting: &Setting) -> Option<f64> {
         let radius = self.radius();
         let work = |setting: &Setting| setting.work(self.facts.dimension, radius);
-        let own = || self.store.records().iter().filter(|record| record.setting.method == setting.method && record.measured().is_some());
-        let heaviest = own().max_by(|one, two| work(&one.setting).total_cmp(&work(&two.setting)))?;
-        let points = own().filter(|record| record.setting.beside(&heaviest.setting));
-        let points: Vec<(f64, f64)> = points.filter_map(|record| Some((work(&record.setting), record.measured()?.seconds()))).collect();
+        let own = || self.runs().filter(|(climbed, _)| climbed.method == setting.method);
+        let (heaviest, run) = own().max_by(|one, two| work(one.0).total_cmp(&work(two.0)))?;
+        let points: Vec<(f64, f64)> =
+            own().filter(|(climbed, _)| climbed.beside(heaviest)).map(|(climbed, run)| (work(climbed), run.seconds())).collect();
         let fitted = Power::fit(&points).map_or(1.0, |power| power.exponent);
         let [least, most] = GROWTH.map(|growth| 1.0 + growth / self.facts.dimension as f64);
-        let growth = (work(setting) / work(&heaviest.setting)).powf(fitted.clamp(least, most));
-        Some(heaviest.measured()?.wall_seconds * growth)
+        let growth = (work(setting) / work(heaviest)).powf(fitted.clamp(least, most));
+        Some(run.wall_seconds * growth)
     }
 
-    /// Whether a run beside the sweep costs neither more than the budget nor more than the sweep so far.
+    /// Whether a run beside the ladders costs neither more than the budget nor more than the ladders did.
     pub fn affordable(&self, setting: &Setting) -> bool {
-        let spent = self.store.records().iter().filter_map(|record| Some(record.measured()?.wall_seconds)).sum();
+        let spent = self.runs().map(|(_, run)| run.wall_seconds).sum();
         self.store.find(setting).is_some() || self.predicted(setting).is_some_and(|seconds| seconds <= self.options.budget.min(spent))
+    }
+
+    /// The runs of the ladders so far.
+    fn runs(&self) -> impl Iterator<Item = (&Setting, &Measured)> {
+        self.climbed.iter().filter_map(|setting| Some((setting, self.store.find(setting)?.measured()?)))
     }
 
     /// Radius of the smallest body, or 1 where spacings are lengths anyway.
