@@ -75,6 +75,7 @@ impl Study<'_> {
             ranks: self.options.ranks,
             repeat: self.options.repeat,
             wanted: self.options.error,
+            times: self.times,
             reference,
             points,
             methods,

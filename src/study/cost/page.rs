@@ -103,6 +103,7 @@ mod tests {
             ranks: 1,
             repeat: 2,
             wanted: 1e-2,
+            times: 1.0,
             reference: None,
             points: [measured, failed].iter().map(|record| Point::of(record, Some(1.0), |_| Some(0.02), 0.0)).collect(),
             methods: Vec::new(),

@@ -30,6 +30,8 @@ pub struct Findings {
     pub repeat: usize,
     /// Wanted relative error.
     pub wanted: f64,
+    /// Length of the whole scene over that of a run.
+    pub times: f64,
     /// What errors are measured against, if enough was measured to tell.
     pub reference: Option<Reference>,
     /// All settings that were swept.

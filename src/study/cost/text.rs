@@ -110,7 +110,12 @@ fn written(findings: &Findings) -> Option<String> {
             format!("wrong by {}", percent(error))
         }
     });
-    Some(format!("As written ({}, {}) the scene is {error} and takes {} s.", setting.method, setting.words(), seconds(run.seconds())))
+    Some(format!(
+        "As written ({}, {}) the scene is {error} and takes {} s.",
+        setting.method,
+        setting.words(),
+        seconds(run.whole_seconds(findings.times))
+    ))
 }
 
 /// What a knob changed, in words.
