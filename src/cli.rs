@@ -1,6 +1,7 @@
 //! The command line: words become calls.
 
 mod animate;
+mod cost;
 mod plan;
 mod run;
 mod studies;
@@ -82,6 +83,13 @@ enum Command {
         #[command(flatten)]
         scaling: ScalingArguments,
     },
+    /// Error against seconds on a scene: every method on grids from coarse to fine, and the cheapest setting for a wanted error.
+    Cost {
+        #[command(flatten)]
+        scene: SceneArguments,
+        #[command(flatten)]
+        cost: Box<cost::CostArguments>,
+    },
     /// Run scenes with each inverse of the fluid that suits them and print what each costs.
     Inverses(studies::InverseArguments),
     /// Solve cases with known answers and print a table of errors and seconds.
@@ -117,6 +125,7 @@ struct SceneArguments {
 pub fn execute_alone(arguments: &Arguments) -> Option<Result<()>> {
     match &arguments.command {
         Command::Scaling { scene, scaling } => Some(studies::scaling((&scene.scene, &scene.overrides), scaling, &arguments.petsc)),
+        Command::Cost { scene, cost } => Some(cost::cost((&scene.scene, &scene.overrides), cost, &arguments.petsc)),
         Command::Inverses(inverses) => Some(studies::inverses(inverses, &arguments.petsc)),
         _ => None,
     }
@@ -157,7 +166,7 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
                 _ => plan::plan::<3>(session, &scene, &folder),
             }
         }
-        Command::Scaling { .. } | Command::Inverses(_) => Err(studies::ranks_refused()),
+        Command::Scaling { .. } | Command::Cost { .. } | Command::Inverses(_) => Err(studies::ranks_refused()),
         Command::Validation { bars } if bars.is_empty() => match study::validation(session)? {
             true => Ok(()),
             false => Err(Error::Diverged("a case is further from its reference than promised".into())),

@@ -92,20 +92,21 @@ pub fn inverses(arguments: &InverseArguments, petsc: &[String]) -> Result<()> {
 }
 
 /// Refuses to be one of several ranks.
-fn refuse_ranks() -> Result<()> {
+pub fn refuse_ranks() -> Result<()> {
     if MARKS.iter().any(|mark| std::env::var_os(mark).is_some()) { Err(ranks_refused()) } else { Ok(()) }
 }
 
 /// The refusal to be one of several ranks.
 pub fn ranks_refused() -> Error {
     Error::Refused(
-        "this study starts its own ranks: call `turbid scaling SCENE --ranks 1,2,4` (or `turbid inverses SCENE..`) without mpirun; \
+        "this study starts its own ranks: call `turbid scaling SCENE --ranks 1,2,4` (or `turbid cost SCENE`, `turbid inverses SCENE..`) without mpirun; \
          --launcher says how they start"
             .into(),
     )
 }
 
-fn positive(text: &str) -> std::result::Result<f64, String> {
+/// A positive number of the command line.
+pub fn positive(text: &str) -> std::result::Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
         _ => Err("must be a positive number".into()),

@@ -33,6 +33,19 @@ pub fn velocity<const D: usize>(grid: &Grid<D>, component: usize, point: &SVecto
     }
 }
 
+/// Visits the nodes and weights that interpolate a scalar, held at cell centres and zero on walls, at `point` (not wrapped).
+pub fn scalar<const D: usize>(grid: &Grid<D>, point: &SVector<f64, D>, mut visit: impl FnMut(Index<D>, f64)) {
+    let lines: [Line; D] = std::array::from_fn(|axis| line(grid, D, axis, point[axis]));
+    for combination in 0..NODES.pow(D as u32) {
+        let choice: [usize; D] = std::array::from_fn(|axis| (combination >> (2 * axis)) % NODES);
+        let on_wall = (0..D).any(|axis| lines[axis].wall.is_some_and(|(node, _)| node == choice[axis]));
+        if !on_wall {
+            let index = std::array::from_fn(|axis| lines[axis].index[choice[axis]]);
+            visit(index, (0..D).map(|axis| lines[axis].weight[choice[axis]]).product());
+        }
+    }
+}
+
 fn site<const D: usize>(grid: &Grid<D>, field: usize, lines: &[Line; D], choice: [usize; D]) -> Site<D> {
     let index: Index<D> = std::array::from_fn(|axis| lines[axis].index[choice[axis]]);
     for axis in 0..D {

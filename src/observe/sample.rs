@@ -1,4 +1,4 @@
-//! The velocity of the fluid at points of the box.
+//! The velocity of the fluid, or the scalar in its place, at points of the box.
 
 use nalgebra::SVector;
 
@@ -10,27 +10,68 @@ use crate::{
 
 /// The velocity in a fluid vector at points of the box, on every rank (cubic interpolation; walls count with their own velocity).
 pub fn velocities<const D: usize>(grid: &Grid<D>, fluid: &Vector, points: &[SVector<f64, D>]) -> Result<Vec<SVector<f64, D>>> {
-    let world = fluid.session().world();
-    let mut values = vec![0.0; points.len() * D];
-    let (mut wanted, mut terms) = (Vec::new(), Vec::new());
-    for (number, point) in points.iter().enumerate().filter(|(_, point)| grid.owner(point) == world.rank()) {
+    let mut samples = Samples::new(points.len() * D);
+    for (number, point) in mine(grid, fluid, points) {
         for component in 0..D {
             let place = number * D + component;
             interpolation::velocity(grid, component, point, |term| match term.site {
-                Site::Wall { value, .. } => values[place] += term.weight * value,
-                Site::Lattice { index, .. } => {
-                    if let Node::Unknown(unknown) = grid.fluid_node(component, index) {
-                        wanted.push(unknown as i32);
-                        terms.push((place, term.weight));
-                    }
-                }
+                Site::Wall { value, .. } => samples.values[place] += term.weight * value,
+                Site::Lattice { index, .. } => samples.add(place, grid.fluid_node(component, index), term.weight),
             });
         }
     }
-    let mut scatter = Scatter::new(fluid, &wanted)?;
-    for ((place, weight), value) in terms.into_iter().zip(scatter.fetch(fluid)?.iter()) {
-        values[place] += weight * value;
+    Ok(samples.fetch(fluid)?.chunks(D).map(SVector::from_column_slice).collect())
+}
+
+/// A scalar that is zero on walls at points of the box, on every rank (cubic interpolation).
+pub fn scalars<const D: usize>(grid: &Grid<D>, field: &Vector, points: &[SVector<f64, D>]) -> Result<Vec<f64>> {
+    let mut samples = Samples::new(points.len());
+    for (number, point) in mine(grid, field, points) {
+        interpolation::scalar(grid, point, |index, weight| samples.add(number, grid.node(D, index), weight));
     }
-    world.sum(&mut values);
-    Ok(values.chunks(D).map(SVector::from_column_slice).collect())
+    samples.fetch(field)
+}
+
+/// The points in this rank's block, with their numbers.
+fn mine<'a, const D: usize>(
+    grid: &'a Grid<D>,
+    vector: &Vector,
+    points: &'a [SVector<f64, D>],
+) -> impl Iterator<Item = (usize, &'a SVector<f64, D>)> {
+    let rank = vector.session().world().rank();
+    points.iter().enumerate().filter(move |(_, point)| grid.owner(point) == rank)
+}
+
+/// Sums of weighted entries of a vector, each made by one rank.
+struct Samples {
+    /// What is known of each.
+    values: Vec<f64>,
+    wanted: Vec<i32>,
+    /// Place and weight of each wanted entry.
+    terms: Vec<(usize, f64)>,
+}
+
+impl Samples {
+    fn new(count: usize) -> Samples {
+        Samples { values: vec![0.0; count], wanted: Vec::new(), terms: Vec::new() }
+    }
+
+    /// Adds an entry to a sample; on walls that carry no unknown the value is zero.
+    fn add(&mut self, place: usize, node: Node, weight: f64) {
+        if let Node::Unknown(unknown) = node {
+            self.wanted.push(unknown as i32);
+            self.terms.push((place, weight));
+        }
+    }
+
+    /// The samples, on every rank.
+    fn fetch(self, vector: &Vector) -> Result<Vec<f64>> {
+        let Samples { mut values, wanted, terms } = self;
+        let mut scatter = Scatter::new(vector, &wanted)?;
+        for ((place, weight), value) in terms.into_iter().zip(scatter.fetch(vector)?.iter()) {
+            values[place] += weight * value;
+        }
+        vector.session().world().sum(&mut values);
+        Ok(values)
+    }
 }

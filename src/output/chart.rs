@@ -3,11 +3,13 @@
 //! A pure function of a [`Chart`]. Ranges follow the points, and reach down to zero only where that costs little of the height.
 
 mod axis;
+mod notes;
 
 use std::fmt::Write;
 
 use self::axis::Axis;
 use super::picture::{INK, colour, escaped};
+pub use notes::{Level, Mark, Notes};
 
 const PAGE: [f64; 2] = [800.0, 450.0];
 const SIDE: f64 = 22.0;
@@ -60,7 +62,12 @@ pub struct Series {
 impl Chart {
     /// The chart as a complete SVG document of 800 by 450 pixels; without a finite point it shows empty axes.
     pub fn svg(&self) -> String {
-        let frame = Frame::new(self);
+        self.annotated(&Notes::default())
+    }
+
+    /// The same with marks and levels.
+    pub fn annotated(&self, notes: &Notes) -> String {
+        let frame = Frame::new(self, notes);
         let [width, height] = PAGE;
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
@@ -69,9 +76,11 @@ impl Chart {
         );
         svg += &self.words(&frame);
         svg += &frame.grid();
+        svg += &self.levels(notes, &frame);
         for k in (0..self.series.len()).rev() {
             svg += &self.line(k, &frame);
         }
+        svg += &self.marks(notes, &frame);
         svg += &self.names(&frame);
         svg + "</svg>\n"
     }
@@ -147,8 +156,10 @@ struct Frame {
 }
 
 impl Frame {
-    fn new(chart: &Chart) -> Self {
-        let [x, y] = [0, 1].map(|axis| chart.finite_points().map(|point| point[axis]).collect::<Vec<f64>>());
+    fn new(chart: &Chart, notes: &Notes) -> Self {
+        let [x, mut y] = [0, 1].map(|axis| chart.finite_points().map(|point| point[axis]).collect::<Vec<f64>>());
+        let levels = notes.levels.iter().map(|level| chart.scale.of(&(1.0, level.y)));
+        y.extend(levels.filter(finite).map(|point| point[1]));
         let [x, y] = match chart.scale {
             Scale::Linear => [Axis::tight(&x), Axis::loose(&y)],
             Scale::Logarithmic => [Axis::decades(&x), Axis::decades(&y)],
@@ -246,7 +257,7 @@ mod tests {
     fn a_line_breaks_where_a_value_is_not_finite() {
         let chart = chart(&[&[(0.0, 1.0), (1.0, 2.0), (2.0, f64::NAN), (f64::INFINITY, 1.0), (4.0, 1.0), (5.0, 2.0)]]);
         assert_sound(&chart);
-        assert_eq!(chart.line(0, &Frame::new(&chart)).matches('M').count(), 2);
+        assert_eq!(chart.line(0, &Frame::new(&chart, &Notes::default())).matches('M').count(), 2);
     }
 
     #[test]
@@ -258,7 +269,7 @@ mod tests {
 
     #[test]
     fn names_keep_a_line_of_distance_within_the_axes() {
-        let frame = Frame::new(&chart(&[]));
+        let frame = Frame::new(&chart(&[]), &Notes::default());
         let levels: Vec<f64> = apart(vec![(0, 380.0), (1, 385.0), (2, 386.0)], &frame).iter().map(|end| end.1).collect();
         assert!(levels.windows(2).all(|pair| pair[1] - pair[0] >= LINE) && levels[2] <= frame.foot);
     }
@@ -269,7 +280,7 @@ mod tests {
         chart.scale = Scale::Logarithmic;
         assert_sound(&chart);
         let labels = |axis: Axis| axis.ticks().iter().map(|&tick| axis.label(tick)).collect::<Vec<_>>();
-        assert_eq!(labels(Frame::new(&chart).x), ["1", "10", "100", "1000"]);
+        assert_eq!(labels(Frame::new(&chart, &Notes::default()).x), ["1", "10", "100", "1000"]);
         chart.series.clear();
         assert_sound(&chart);
     }

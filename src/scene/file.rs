@@ -8,8 +8,8 @@ use crate::error::{Error, Result};
 use crate::scene::locations::{Lines, Locations};
 use crate::scene::table::Table;
 use crate::scene::{
-    ContactSection, DomainSection, FlowModel, FlowSection, LubricationSection, MethodSection, OutputSection, ResolutionSection, Scene,
-    TimeSection, accuracy, bodies, check, overrides, scalar,
+    ContactSection, DomainSection, FlowModel, FlowSection, LubricationSection, MethodSection, OutputSection, Placement, ResolutionSection,
+    Scene, TimeSection, accuracy, bodies, check, overrides, scalar,
 };
 
 const KEYS: [&str; 13] = [
@@ -40,6 +40,22 @@ impl Scene {
     /// The scene of a text that calls itself `name`; files it names are looked for in `folder`.
     pub fn parse(name: &str, folder: &Path, text: &str, overrides: &[String]) -> Result<Scene> {
         load(&format!("{name}.toml"), folder, text, overrides)
+    }
+
+    /// The text of a scene that gives the same scene from any folder.
+    ///
+    /// # Errors
+    /// A file that it names is gone.
+    pub fn movable_text(&self) -> Result<String> {
+        let files = self.bodies.iter().enumerate().filter_map(|(group, bodies)| match &bodies.placement {
+            Placement::File(path) => Some((group, path)),
+            _ => None,
+        });
+        let absolute = files.map(|(group, path)| {
+            let path = path.canonicalize().map_err(|source| Error::File { path: path.clone(), source })?;
+            Ok(format!("bodies.{group}.file={:?}", path.to_string_lossy()))
+        });
+        Ok(Scene::parse(&self.name, Path::new("."), &self.text, &absolute.collect::<Result<Vec<_>>>()?)?.text)
     }
 }
 
@@ -252,11 +268,11 @@ scheme = "midpoint"
     fn time_and_its_output_are_read_with_their_defaults() {
         let scene = parse(&format!("{FLAT}[time]\nend = 3"));
         assert_eq!(scene.time, Some(TimeSection { step: Step::Auto, end: 3.0, scheme: Scheme::TwoStep, travel: 0.1 }));
-        assert_eq!(scene.output, OutputSection { picture: false, every: None, fields: true, checkpoint: 600.0 });
-        let text = format!("{FLAT}every = 5\nfields = false\ncheckpoint = 0\n[time]\nend = 3\nstep = 3\nscheme = \"euler\"");
+        assert_eq!(scene.output, OutputSection { picture: false, every: None, fields: true, checkpoint: 600.0, probe: None });
+        let text = format!("{FLAT}every = 5\nfields = false\ncheckpoint = 0\nprobe = 16\n[time]\nend = 3\nstep = 3\nscheme = \"euler\"");
         let scene = parse(&text);
         assert_eq!(scene.time.map(|time| (time.step, time.scheme)), Some((Step::Fixed(3.0), Scheme::Euler)));
-        assert_eq!(scene.output, OutputSection { picture: false, every: Some(5.0), fields: false, checkpoint: 0.0 });
+        assert_eq!(scene.output, OutputSection { picture: false, every: Some(5.0), fields: false, checkpoint: 0.0, probe: Some(16) });
         assert_eq!(parse(FLAT).time, None);
     }
 

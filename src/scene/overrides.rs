@@ -56,6 +56,7 @@ impl<'a> Change<'a> {
             // an accuracy chooses the resolution
             ["accuracy"] => (0, vec!["resolution"]),
             ["flow", "drive", key, ..] if DRIVES.contains(key) => (2, DRIVES.to_vec()),
+            ["method", "constraint"] => (1, self.foreign_to_the_method()),
             // a gap belongs to bodies placed at random only
             ["bodies", _, "centers" | "file", ..] => (2, [&PLACEMENTS[..], &["gap"]].concat()),
             ["bodies", _, key, ..] if PLACEMENTS.contains(key) => (2, PLACEMENTS.to_vec()),
@@ -67,6 +68,15 @@ impl<'a> Change<'a> {
         let accuracy = (parts[0] == "resolution").then(|| vec!["accuracy".to_owned()]);
         let others = keys.into_iter().filter(|&key| key != parts[depth]);
         others.map(|key| [&self.path[..depth], &[key.to_owned()]].concat()).chain(accuracy).collect()
+    }
+
+    /// Keys of the method section that the method set here has no use for.
+    fn foreign_to_the_method(&self) -> Vec<&'static str> {
+        match self.value.as_str() {
+            Some("penalty") => vec!["solver", "uzawa_step"],
+            Some("mean-value") => vec!["epsilon"],
+            _ => vec!["epsilon", "solver", "uzawa_step"],
+        }
     }
 
     fn expect_resumable(&self) -> Result<()> {
@@ -223,6 +233,14 @@ fraction = 0.1
         assert_eq!(step(&["time.end=1", "time.travel=0.5", "time.step=0.5"]), Some((Step::Fixed(0.5), 0.1)));
         assert_eq!(step(&["time.end=1", "time.step=0.5", "time.travel=0.5"]), Some((Step::Auto, 0.5)));
         assert_eq!(step(&["time.end=1", "time.travel=0.5", "time.step=auto"]), Some((Step::Auto, 0.5)));
+    }
+
+    #[test]
+    fn a_method_takes_nothing_over_from_another() {
+        let text = SCENE.to_owned() + "[method]\nconstraint = \"penalty\"\nepsilon = 1e-4\n";
+        let scene = Scene::parse("scene", Path::new(""), &text, &["method.constraint=sharp".to_owned()]).unwrap();
+        assert_eq!(scene.method.constraint.word(), "sharp");
+        assert!(!scene.text.contains("epsilon"));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use std::{
 
 use serde::Deserialize;
 
-use super::launcher::{Job, Launcher, Scratch};
+use super::launcher::{Job, Launcher, Scratch, WITHOUT_PICTURE};
 use crate::{
     error::{Error, Result},
     flow::InverseMethod,
@@ -111,7 +111,7 @@ fn methods(scene: &Scene) -> Result<Vec<InverseMethod>> {
 impl InverseOptions {
     fn measure(&self, launcher: &Launcher, folder: &Path, (scene, method): (&Path, InverseMethod), ranks: usize) -> Result<Cost> {
         let mut overrides = self.overrides.clone();
-        overrides.push(format!("method.inverse={}", method.word()));
+        overrides.extend([format!("method.inverse={}", method.word()), WITHOUT_PICTURE.to_owned()]);
         launcher.measure((ranks, self.repeat), &Job { scene, overrides: &overrides, folder }, Cost::read, |cost| cost.seconds)
     }
 }

@@ -14,6 +14,12 @@ use crate::{
 /// Where the number of ranks goes in a launcher.
 const PLACE: &str = "{ranks}";
 
+/// How names of folders for runs begin.
+const RUNS: &str = "runs-";
+
+/// Leaves the picture out of a run; not for scalar scenes, which have none.
+pub const WITHOUT_PICTURE: &str = "output.picture=false";
+
 /// A folder for runs, which is removed in the end.
 pub struct Scratch(pub PathBuf);
 
@@ -23,9 +29,19 @@ impl Scratch {
     /// # Errors
     /// It cannot be made.
     pub fn within(folder: &Path) -> Result<Scratch> {
-        let scratch = Scratch(folder.join(format!("runs-{}", std::process::id())));
+        let scratch = Scratch(folder.join(format!("{RUNS}{}", std::process::id())));
         prepare_folder(&scratch.0)?;
         Ok(scratch)
+    }
+}
+
+/// Removes what studies that were killed have left within a folder; a run of theirs that is still under way fails.
+pub fn sweep_out(folder: &Path) {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let stale = entries.filter(|path| path.is_dir() && path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(RUNS)));
+    for path in stale {
+        // what cannot be removed now is only in the way
+        let _ = fs::remove_dir_all(path);
     }
 }
 
@@ -82,24 +98,41 @@ impl Launcher {
         read: impl Fn(&Path) -> Result<T>,
         seconds: impl Fn(&T) -> f64,
     ) -> Result<T> {
-        let mut best = self.run(ranks, job, &read)?;
-        for _ in 1..repeat {
-            let next = self.run(ranks, job, &read)?;
-            best = if seconds(&next) < seconds(&best) { next } else { best };
-        }
-        Ok(best)
+        self.attempt((ranks, repeat), job, read, seconds)?
     }
 
-    fn run<T>(&self, ranks: usize, job: &Job, read: impl Fn(&Path) -> Result<T>) -> Result<T> {
+    /// As [`measure`](Self::measure), but the failure of a run is an outcome.
+    ///
+    /// # Errors
+    /// The launcher does not start, or the folder of the output cannot be removed.
+    pub fn attempt<T>(
+        &self,
+        (ranks, repeat): (usize, usize),
+        job: &Job,
+        read: impl Fn(&Path) -> Result<T>,
+        seconds: impl Fn(&T) -> f64,
+    ) -> Result<Result<T>> {
+        let mut best: Option<T> = None;
+        for _ in 0..repeat {
+            best = match (self.run(ranks, job, &read)?, best) {
+                (Err(failure), _) => return Ok(Err(failure)),
+                (Ok(next), Some(best)) if seconds(&next) >= seconds(&best) => Some(best),
+                (Ok(next), _) => Some(next),
+            };
+        }
+        Ok(Ok(best.expect("there is at least one run")))
+    }
+
+    fn run<T>(&self, ranks: usize, job: &Job, read: impl Fn(&Path) -> Result<T>) -> Result<Result<T>> {
         let outcome = self.command(ranks, job).output();
         let output = outcome.map_err(|error| {
             let program = &self.words[0];
             Error::Refused(format!("--launcher: {program} cannot be started ({error}); install it or name another launcher"))
         })?;
         if !output.status.success() {
-            return Err(failure(ranks, &output));
+            return Ok(Err(failure(ranks, &output)));
         }
-        let found = read(&job.folder.join("summary.json"))?;
+        let found = read(&job.folder.join("summary.json"));
         fs::remove_dir_all(job.folder).map_err(|source| Error::File { path: job.folder.to_owned(), source })?;
         Ok(found)
     }
@@ -108,7 +141,7 @@ impl Launcher {
         let words: Vec<String> = self.words.iter().map(|word| word.replace(PLACE, &ranks.to_string())).collect();
         let mut command = Command::new(&words[0]);
         command.args(&words[1..]).arg(&self.program).arg("run").arg(job.scene).arg("--out").arg(job.folder).stdin(Stdio::null());
-        for setting in job.overrides.iter().map(String::as_str).chain(["output.picture=false"]) {
+        for setting in job.overrides {
             command.args(["--set", setting]);
         }
         command.arg("--").args(&self.petsc);
@@ -133,7 +166,8 @@ mod tests {
     #[test]
     fn the_number_of_ranks_takes_its_place() {
         let launcher = Launcher::new("srun --ntasks={ranks} -v", &["-log_view".into()]).unwrap();
-        let job = Job { scene: Path::new("a.toml"), overrides: &["seed=2".into()], folder: Path::new("b") };
+        let overrides = ["seed=2".to_owned(), WITHOUT_PICTURE.into()];
+        let job = Job { scene: Path::new("a.toml"), overrides: &overrides, folder: Path::new("b") };
         let command = launcher.command(8, &job);
         let words: Vec<&str> = command.get_args().map(|word| word.to_str().unwrap()).collect();
         assert_eq!((command.get_program().to_str(), &words[..2]), (Some("srun"), &["--ntasks=8", "-v"][..]));

@@ -2,6 +2,8 @@
 
 mod calibration;
 mod conditioning;
+mod cost;
+mod fit;
 mod forecast;
 mod inverses;
 mod launcher;
@@ -10,6 +12,7 @@ mod validation;
 
 pub use calibration::{Answer, Calibration, Estimate, Ladder, Quantity, Rung, Solved, coarsest};
 pub use conditioning::{ConditioningOptions, conditioning};
+pub use cost::{CostOptions, cost};
 pub use forecast::Forecast;
 pub use inverses::{InverseOptions, inverses};
 pub use scaling::{Network, ScalingOptions, scaling};

@@ -21,7 +21,7 @@ use self::{
     report::Report,
     table::{Row, Table},
 };
-use super::launcher::{Job, Launcher, Scratch};
+use super::launcher::{Job, Launcher, Scratch, WITHOUT_PICTURE};
 use crate::{
     error::{Error, Result},
     output::{prepare_folder, write_whole},
@@ -171,7 +171,8 @@ impl<'a, const D: usize> Study<'a, D> {
             Kind::Weak if ranks > 1 => (write_grown(&self.scene, copies::<D>(&self.scene, ranks)?, &self.scratch.0)?, &[]),
             _ => (self.options.scene.clone(), &self.options.overrides),
         };
-        let job = Job { scene: &grown, overrides, folder: &out };
+        let overrides = [overrides, &[WITHOUT_PICTURE.to_owned()]].concat();
+        let job = Job { scene: &grown, overrides: &overrides, folder: &out };
         self.launcher.measure((ranks, self.options.repeat), &job, Measurement::read, Measurement::seconds)
     }
 

@@ -4,7 +4,6 @@ use std::{fs, path::Path};
 
 use serde::{Deserialize, Serialize};
 
-use super::folder::movable_text;
 use crate::{
     error::Result,
     output::{AccuracySummary, EstimatedErrors, Summary, write_whole},
@@ -47,7 +46,7 @@ pub fn cached(world: &World, folder: &Path, scene: &Scene) -> Option<Calibrated>
 /// It cannot be written.
 pub fn keep(world: &World, folder: &Path, scene: &Scene, calibration: Calibration) -> Result<Calibrated> {
     let write = || {
-        let cache = Cache { version: env!("CARGO_PKG_VERSION").into(), scene: movable_text(scene)?, calibration: calibration.clone() };
+        let cache = Cache { version: env!("CARGO_PKG_VERSION").into(), scene: scene.movable_text()?, calibration: calibration.clone() };
         let text = serde_json::to_string_pretty(&cache).expect("a calibration is plain numbers and text");
         write_whole(&folder.join(CALIBRATION), text.as_bytes())
     };

@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use crate::{
     error::{Error, Result},
     output::{prepare_folder, write_whole},
-    scene::{Placement, Scene},
+    scene::Scene,
 };
 
 /// Name of the newest checkpoint.
@@ -37,7 +37,7 @@ pub fn claim(folder: &Path, scene: &Scene) -> Result<()> {
     for name in [SUMMARY, CHECKPOINT] {
         remove(&folder.join(name))?;
     }
-    write_whole(&folder.join(SCENE), movable_text(scene)?.as_bytes())
+    write_whole(&folder.join(SCENE), scene.movable_text()?.as_bytes())
 }
 
 /// Makes the folder of a run ready to go on.
@@ -47,7 +47,7 @@ pub fn claim(folder: &Path, scene: &Scene) -> Result<()> {
 pub fn reclaim(folder: &Path, scene: &Scene) -> Result<()> {
     prepare_folder(folder)?;
     remove(&folder.join(SUMMARY))?;
-    write_whole(&folder.join(SCENE), movable_text(scene)?.as_bytes())
+    write_whole(&folder.join(SCENE), scene.movable_text()?.as_bytes())
 }
 
 /// The scene of a folder's run, with what a resumed run may change.
@@ -78,20 +78,4 @@ fn remove(path: &Path) -> Result<()> {
         Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(Error::File { path: path.to_owned(), source }),
         _ => Ok(()),
     }
-}
-
-/// The text of a scene that gives the same scene from any folder.
-///
-/// # Errors
-/// A file that it names is gone.
-pub fn movable_text(scene: &Scene) -> Result<String> {
-    let files = scene.bodies.iter().enumerate().filter_map(|(group, bodies)| match &bodies.placement {
-        Placement::File(path) => Some((group, path)),
-        _ => None,
-    });
-    let absolute = files.map(|(group, path)| {
-        let path = path.canonicalize().map_err(|source| Error::File { path: path.clone(), source })?;
-        Ok(format!("bodies.{group}.file={:?}", path.to_string_lossy()))
-    });
-    Ok(Scene::parse(&scene.name, Path::new("."), &scene.text, &absolute.collect::<Result<Vec<_>>>()?)?.text)
 }

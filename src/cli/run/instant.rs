@@ -53,6 +53,11 @@ pub fn write<const D: usize>(
         world.agree(if first { output::write_whole(&folder.join("picture.svg"), picture.as_bytes()) } else { Ok(()) })?;
         files.push("picture.svg");
     }
+    if let Some(points) = scene.output.probe {
+        let probe = observe::velocity_probe(&suspension, &solution, points)?.csv();
+        world.agree(if first { output::write_whole(&folder.join("probe.csv"), probe.as_bytes()) } else { Ok(()) })?;
+        files.push("probe.csv");
+    }
     files.push("summary.json");
     world.agree(if first { folder::complete(folder, &summary) } else { Ok(()) })?;
     drop(output);

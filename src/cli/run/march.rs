@@ -156,12 +156,15 @@ impl<const D: usize> March<'_, D> {
         Ok(summary)
     }
 
-    /// Pictures of the last state and the curve of the viscosity, by name; collective.
+    /// Pictures and samples of the last state and the curve of the viscosity, by name; collective.
     fn pictures(&self, view: &View<D>) -> Result<Vec<(&'static str, Vec<u8>)>> {
         let mut pictures = Vec::new();
         let curve = self.outputs.curve();
         if curve.len() > 1 {
             pictures.push(("viscosity.svg", viscosity_chart(self.scene.shown_title(), curve).svg().into_bytes()));
+        }
+        if let (Some(points), Some(suspension), Some(solution)) = (self.scene.output.probe, self.simulation.suspension(), &view.solution) {
+            pictures.push(("probe.csv", observe::velocity_probe(suspension, solution, points)?.csv().into_bytes()));
         }
         if !self.scene.output.picture {
             return Ok(pictures);

@@ -5,10 +5,7 @@ use std::{
     time::Instant,
 };
 
-use super::{
-    account::Account,
-    folder::{CHECKPOINT, movable_text},
-};
+use super::{account::Account, folder::CHECKPOINT};
 use crate::{
     contact::Partner,
     error::Result,
@@ -55,7 +52,7 @@ impl<const D: usize> Outputs<D> {
         };
         Ok(Outputs {
             folder: folder.to_owned(),
-            scene_text: movable_text(scene)?,
+            scene_text: scene.movable_text()?,
             rows,
             frames,
             every: scene.frame_interval(),

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::folder;
 use crate::{
     error::Result,
+    observe,
     output::{self, Progress, Summary},
     petsc::Session,
     scene::Scene,
@@ -26,10 +27,17 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> R
     let solution = solution?;
 
     let summary = Summary::of_scalar((&scene.name, &scene.title), &inclusions, &solution, world);
+    let mut files = vec!["scene.toml"];
+    if let Some(points) = scene.output.probe {
+        let probe = observe::scalar_probe(&inclusions, &solution, points)?.csv();
+        world.agree(if first { output::write_whole(&folder.join("probe.csv"), probe.as_bytes()) } else { Ok(()) })?;
+        files.push("probe.csv");
+    }
+    files.push("summary.json");
     world.agree(if first { folder::complete(folder, &summary) } else { Ok(()) })?;
     if first {
         println!("{}", output::report(&summary));
-        println!("files                {}: scene.toml, summary.json", folder.display());
+        println!("files                {}: {}", folder.display(), files.join(", "));
     }
     Ok(())
 }

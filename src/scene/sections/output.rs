@@ -5,6 +5,10 @@ use crate::scene::FlowModel;
 use crate::scene::entry::Entry;
 use crate::scene::table::Table;
 
+/// Points along each axis of a lattice of probes.
+const FEWEST_POINTS: u64 = 2;
+const MOST_POINTS: usize = 1000;
+
 /// What a run writes besides its summary.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OutputSection {
@@ -16,11 +20,13 @@ pub struct OutputSection {
     pub fields: bool,
     /// Seconds of wall time between checkpoints, not negative; 0 means one after every step.
     pub checkpoint: f64,
+    /// Points along each axis of the lattice on which the flow, or the scalar, of the end is written, at least two; absent means none.
+    pub probe: Option<usize>,
 }
 
 impl OutputSection {
     pub(in crate::scene) fn read(root: &Table, model: FlowModel) -> Result<Self> {
-        let table = root.section("output", &["picture", "every", "fields", "checkpoint"])?;
+        let table = root.section("output", &["picture", "every", "fields", "checkpoint", "probe"])?;
         if root.get("time").is_none() {
             refuse_frames(&table)?;
         }
@@ -30,6 +36,7 @@ impl OutputSection {
             every: table.get("every").map(|entry| entry.positive()).transpose()?,
             fields: fields.unwrap_or(model != FlowModel::None),
             checkpoint: table.get("checkpoint").map_or(Ok(600.0), |entry| entry.not_negative())?,
+            probe: table.get("probe").map(|entry| read_probe(&entry, model)).transpose()?,
         })
     }
 }
@@ -39,6 +46,13 @@ fn refuse_frames(table: &Table) -> Result<()> {
         Some(entry) => Err(entry.refuse("an instantaneous solve writes no frames and no checkpoints; add [time] or remove it")),
         None => Ok(()),
     }
+}
+
+fn read_probe(entry: &Entry, model: FlowModel) -> Result<usize> {
+    let points = entry.whole(FEWEST_POINTS)? as usize;
+    let remedy = "a dry scene (flow.model = \"none\") has no flow to write; remove it";
+    entry.expect(points, model != FlowModel::None, remedy)?;
+    entry.expect(points, points <= MOST_POINTS, &format!("must be at most {MOST_POINTS}"))
 }
 
 fn read_fields(entry: &Entry, model: FlowModel) -> Result<bool> {

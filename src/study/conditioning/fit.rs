@@ -1,18 +1,13 @@
 //! Exponents of growth, fitted to what was measured.
 
+use crate::study::fit::Power;
+
 /// Finest grids that a fit takes: on coarse ones the walls show.
 const FINEST: usize = 3;
 
 /// The exponent p of `y = C x^p` that fits the last points best, in logarithms; nothing if there are fewer than two points.
 pub fn exponent(points: &[(f64, f64)]) -> Option<f64> {
-    let points = &points[points.len().saturating_sub(FINEST)..];
-    let logarithms = || points.iter().map(|&(x, y)| (x.ln(), y.ln()));
-    let count = points.len() as f64;
-    let (x, y) = logarithms().fold((0.0, 0.0), |sum, (x, y)| (sum.0 + x / count, sum.1 + y / count));
-    let (covariance, variance) =
-        logarithms().fold((0.0, 0.0), |sum, next| (sum.0 + (next.0 - x) * (next.1 - y), sum.1 + (next.0 - x).powi(2)));
-    let slope = covariance / variance;
-    slope.is_finite().then_some(slope)
+    Power::fit(&points[points.len().saturating_sub(FINEST)..]).map(|power| power.exponent)
 }
 
 #[cfg(test)]

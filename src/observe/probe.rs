@@ -1,0 +1,51 @@
+//! The flow, or the scalar in its place, on a lattice of points that does not depend on the grid: what solutions on several grids are
+//! compared by.
+//!
+//! Next to a surface the interpolation reaches across the kink there, so the mean error of samples falls as `h^(3/2)` at best.
+
+use nalgebra::SVector;
+
+use super::sample::{scalars, velocities};
+use crate::{
+    error::Result,
+    geometry::Domain,
+    output::Probe,
+    simulation::{Inclusions, ScalarSolution, Solution, Suspension},
+};
+
+/// The velocity of a solution, background included, on `per_axis^D` points; collective, and the same on every rank.
+pub fn velocity_probe<const D: usize>(suspension: &Suspension<D>, solution: &Solution<D>, per_axis: usize) -> Result<Probe<D>> {
+    let setup = suspension.setup();
+    let points = lattice(&setup.domain, per_axis);
+    let disturbance = velocities(suspension.grid(), &solution.fluid, &points)?;
+    let total = points.iter().zip(disturbance).map(|(point, velocity)| velocity + setup.drive.background(point));
+    let values = total.map(|velocity| velocity.as_slice().to_vec()).collect();
+    Ok(Probe { points, names: ["u", "v", "w"][..D].to_vec(), values })
+}
+
+/// The scalar of a solution on `per_axis^D` points; collective, and the same on every rank.
+pub fn scalar_probe<const D: usize>(inclusions: &Inclusions<D>, solution: &ScalarSolution<D>, per_axis: usize) -> Result<Probe<D>> {
+    let points = lattice(&inclusions.setup().domain, per_axis);
+    let values = scalars(inclusions.grid(), &solution.field, &points)?;
+    Ok(Probe { points, names: vec!["value"], values: values.into_iter().map(|value| vec![value]).collect() })
+}
+
+/// The centres of equal parts of the box, the first axis fastest.
+fn lattice<const D: usize>(domain: &Domain<D>, per_axis: usize) -> Vec<SVector<f64, D>> {
+    let place = |number: usize, axis: usize| number / per_axis.pow(axis as u32) % per_axis;
+    let point = |number| SVector::from_fn(|axis, _| (place(number, axis) as f64 + 0.5) * domain.size[axis] / per_axis as f64);
+    (0..per_axis.pow(D as u32)).map(point).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Axis;
+
+    #[test]
+    fn the_lattice_fills_the_box_and_the_first_axis_is_fastest() {
+        let domain = Domain::<2> { size: SVector::from([4.0, 2.0]), axes: [Axis::Periodic; 2] };
+        let points: Vec<[f64; 2]> = lattice(&domain, 2).iter().map(|point| [point[0], point[1]]).collect();
+        assert_eq!(points, [[1.0, 0.5], [3.0, 0.5], [1.0, 1.5], [3.0, 1.5]]);
+    }
+}

@@ -1,0 +1,133 @@
+//! What the errors of a method say: their order, and its cheapest setting for a wanted error.
+
+use serde::Serialize;
+
+use super::{
+    lines::Line,
+    setting::{Fineness, Setting},
+};
+use crate::study::fit::Power;
+
+/// The setting of a method that reaches the wanted error in the least time.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Cheapest {
+    /// The setting; a predicted one stands between or beyond those measured.
+    pub setting: Setting,
+    /// Its relative error without sign: measured, or the wanted one if it is predicted.
+    pub error: f64,
+    /// Seconds of the whole scene.
+    pub seconds: f64,
+    /// Whether it was measured.
+    pub measured: bool,
+}
+
+/// How to judge settings.
+#[derive(Debug, Clone, Copy)]
+pub struct Judge<F> {
+    /// Relative error of a run's values, with or without sign.
+    pub error: F,
+    /// Uncertainty of the reference.
+    pub uncertainty: f64,
+    /// Wanted error.
+    pub wanted: f64,
+    /// Length of the scene over that of a run.
+    pub times: f64,
+}
+
+impl<F: Fn(&[f64]) -> f64> Judge<F> {
+    /// Powers of the spacing that errors and seconds follow on a line; errors within the uncertainty do not count.
+    pub fn growth(&self, line: &Line) -> [Option<Power>; 2] {
+        let errors = line.runs.iter().map(|(_, run)| (run.spacing, (self.error)(&run.values).abs()));
+        let errors: Vec<(f64, f64)> = errors.filter(|(_, error)| *error > self.uncertainty).collect();
+        let seconds: Vec<(f64, f64)> = line.runs.iter().map(|(_, run)| (run.spacing, run.whole_seconds(self.times))).collect();
+        [Power::fit(&errors), Power::fit(&seconds)]
+    }
+
+    /// The cheapest setting that was measured, of all lines. It counts only if all finer grids of its line reach the error as well:
+    /// where an error changes its sign, a coarse grid may be right by chance.
+    pub fn cheapest(&self, lines: &[Line]) -> Option<Cheapest> {
+        let reaches = |values: &[f64]| (self.error)(values).abs() + self.uncertainty <= self.wanted;
+        let safe = |line: &Line| line.runs.iter().rev().take_while(|(_, run)| reaches(&run.values)).count();
+        let candidates = lines.iter().flat_map(|line| line.runs[line.runs.len() - safe(line)..].iter());
+        let cheapest = candidates.min_by(|one, two| one.1.whole_seconds(self.times).total_cmp(&two.1.whole_seconds(self.times)));
+        cheapest.map(|(setting, run)| Cheapest {
+            setting: (*setting).clone(),
+            error: (self.error)(&run.values).abs(),
+            seconds: run.whole_seconds(self.times),
+            measured: true,
+        })
+    }
+
+    /// The setting beyond a line that its fits predict to reach the error; nothing if errors do not fall.
+    pub fn predicted(&self, line: &Line, radius: f64) -> Option<Cheapest> {
+        let [errors, seconds] = self.growth(line);
+        let (errors, seconds) = (errors.filter(|power| power.exponent > 0.0)?, seconds?);
+        let spacing = errors.reaches(self.wanted)?.min(line.finest().1.spacing);
+        let grid = match line.finest().0.grid {
+            Fineness::CellsPerRadius(_) => Fineness::CellsPerRadius((radius / spacing * (1.0 - 1e-9)).ceil()),
+            Fineness::Spacing(_) => Fineness::Spacing(spacing),
+        };
+        let setting = Setting { grid, ..line.finest().0.clone() };
+        Some(Cheapest { setting, error: self.wanted, seconds: seconds.at(grid.spacing(radius)), measured: false })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::cost::{
+        record::{Measured, Outcome, Record},
+        reference::tests::run,
+    };
+
+    fn records(errors: &[(f64, f64)]) -> Vec<Record> {
+        let record = |&(cells, error): &(f64, f64)| Record {
+            setting: Setting { method: "sharp".into(), grid: Fineness::CellsPerRadius(cells), modes: None, tolerance: None, step: None },
+            outcome: Outcome::Measured(Measured { values: vec![1.0 + error], ..run(1.0 / cells, 0.0) }),
+        };
+        errors.iter().map(record).collect()
+    }
+
+    fn judged<T>(errors: &[(f64, f64)], uncertainty: f64, ask: impl Fn(&Judge<fn(&[f64]) -> f64>, &[Line]) -> T) -> T {
+        let records = records(errors);
+        let settings: Vec<Setting> = records.iter().map(|record| record.setting.clone()).collect();
+        let error: fn(&[f64]) -> f64 = |values| values[0] - 1.0;
+        ask(&Judge { error, uncertainty, wanted: 1e-2, times: 1.0 }, &Line::all(&records, &settings))
+    }
+
+    #[test]
+    fn a_lucky_error_is_not_chosen() {
+        let chosen = judged(&[(4.0, 1e-4), (6.0, -0.02), (8.0, 5e-3), (12.0, 1e-3)], 0.0, |judge, lines| judge.cheapest(lines));
+        let chosen = chosen.expect("8 cells do");
+        assert_eq!((chosen.setting.grid, chosen.measured), (Fineness::CellsPerRadius(8.0), true));
+        assert!((chosen.error - 5e-3).abs() < 1e-12 && chosen.seconds == 64.0);
+    }
+
+    #[test]
+    fn an_uncertain_reference_lets_fewer_settings_pass() {
+        let errors = [(4.0, 0.02), (6.0, 8e-3), (8.0, 5e-3)];
+        let with = |uncertainty| judged(&errors, uncertainty, |judge, lines| judge.cheapest(lines)).map(|chosen| chosen.setting.grid);
+        assert_eq!(with(0.0), Some(Fineness::CellsPerRadius(6.0)));
+        assert_eq!(with(4e-3), Some(Fineness::CellsPerRadius(8.0)));
+        assert_eq!(with(2e-2), None);
+    }
+
+    #[test]
+    fn a_fit_predicts_what_was_not_measured() {
+        let errors: Vec<(f64, f64)> = [4.0, 6.0, 8.0].map(|cells| (cells, 0.8 / cells)).to_vec();
+        let predicted = judged(&errors, 0.0, |judge, lines| (judge.cheapest(lines), judge.predicted(&lines[0], 1.0)));
+        let (None, Some(predicted)) = predicted else { panic!("{predicted:?}") };
+        assert_eq!((predicted.setting.grid, predicted.measured), (Fineness::CellsPerRadius(80.0), false));
+        assert!((predicted.seconds / 6400.0 - 1.0).abs() < 1e-9);
+        let growing = [(4.0, 0.02), (8.0, 0.04)];
+        assert_eq!(judged(&growing, 0.0, |judge, lines| judge.predicted(&lines[0], 1.0)), None);
+    }
+
+    #[test]
+    fn errors_within_the_uncertainty_are_left_out_of_fits() {
+        let errors = [(4.0, 0.16), (8.0, 0.04), (16.0, 1e-9)];
+        let [order, seconds] = judged(&errors, 1e-3, |judge, lines| judge.growth(&lines[0]));
+        assert!((order.expect("two are left").exponent - 2.0).abs() < 1e-9);
+        assert!((seconds.expect("three").exponent + 2.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,129 @@
+//! What a study has to know of a scene, whatever its dimension: box, bodies, modes.
+
+use crate::{
+    error::Result,
+    geometry::Domain,
+    scene::Scene,
+    simulation::{ScalarSetup, Setup},
+};
+
+use super::quantity::{Kind, Quantity, norm};
+
+/// Box and bodies of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Facts {
+    /// Dimension of space.
+    pub dimension: usize,
+    /// Radius of the smallest body.
+    pub radius: Option<f64>,
+    /// Whether each body's motion is given.
+    pub held: Vec<bool>,
+    /// Length of the box along each periodic axis.
+    pub periods: Vec<Option<f64>>,
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Volume of the box.
+    pub volume: f64,
+}
+
+/// Highest order of the modes of any body of a scene.
+///
+/// # Errors
+/// They do not suit the grid, or the bodies cannot be placed.
+pub fn modes(scene: &Scene) -> Result<Option<usize>> {
+    let orders: Vec<usize> = match (scene.scalar(), scene.dimension()) {
+        (true, 2) => ScalarSetup::<2>::of(scene)?.inclusions.iter().map(|inclusion| inclusion.1).collect(),
+        (true, _) => ScalarSetup::<3>::of(scene)?.inclusions.iter().map(|inclusion| inclusion.1).collect(),
+        (false, 2) => Setup::<2>::of(scene)?.bodies.iter().map(|body| body.order).collect(),
+        (false, _) => Setup::<3>::of(scene)?.bodies.iter().map(|body| body.order).collect(),
+    };
+    Ok(orders.into_iter().max())
+}
+
+impl Facts {
+    /// Those of a scene.
+    ///
+    /// # Errors
+    /// Its bodies cannot be placed.
+    pub fn of(scene: &Scene) -> Result<Facts> {
+        match scene.dimension() {
+            2 => Facts::in_dimension::<2>(scene),
+            _ => Facts::in_dimension::<3>(scene),
+        }
+    }
+
+    fn in_dimension<const D: usize>(scene: &Scene) -> Result<Facts> {
+        if scene.scalar() {
+            let setup = ScalarSetup::<D>::of(scene)?;
+            return Ok(Facts::with(&setup.domain, setup.inclusions.iter().map(|(ball, _)| (ball.radius, false))));
+        }
+        let setup = Setup::<D>::of(scene)?;
+        Ok(Facts::with(&setup.domain, setup.bodies.iter().map(|suspended| (suspended.body.ball.radius, !suspended.body.free()))))
+    }
+
+    fn with<const D: usize>(domain: &Domain<D>, bodies: impl Iterator<Item = (f64, bool)>) -> Facts {
+        let (radii, held): (Vec<f64>, Vec<bool>) = bodies.unzip();
+        Facts {
+            dimension: D,
+            radius: radii.iter().copied().reduce(f64::min),
+            bodies: held.len(),
+            held,
+            periods: (0..D).map(|axis| domain.periodic(axis).then(|| domain.size[axis])).collect(),
+            volume: domain.volume(),
+        }
+    }
+
+    /// Values moved by periods of the box to where they are nearest to others.
+    pub fn near(&self, quantity: &Quantity, values: &[f64], others: &[f64]) -> Vec<f64> {
+        if quantity.kind != Kind::Position {
+            return values.to_vec();
+        }
+        let moved = |(place, (value, other)): (usize, (&f64, &f64))| match self.periods[place % self.dimension] {
+            Some(period) => value - period * ((value - other) / period).round(),
+            None => *value,
+        };
+        values.iter().zip(others).enumerate().map(moved).collect()
+    }
+
+    /// What errors are taken over: the norm of the quantity, or of positions a radius for each body.
+    pub fn scale(&self, quantity: &Quantity, values: &[f64]) -> f64 {
+        let scale = match (quantity.kind, self.radius) {
+            (Kind::Position, Some(radius)) => radius * (values.len() as f64 / self.dimension as f64).sqrt(),
+            _ => norm(values),
+        };
+        if scale > 0.0 { scale } else { 1.0 }
+    }
+
+    /// How far values are from others, over the scale of these; with its sign where there is one value.
+    pub fn error(&self, quantity: &Quantity, values: &[f64], others: &[f64]) -> f64 {
+        let near = self.near(quantity, values, others);
+        let differences: Vec<f64> = near.iter().zip(others).map(|(value, other)| value - other).collect();
+        let size = if let [difference] = differences[..] { difference } else { norm(&differences) };
+        size / self.scale(quantity, others)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    const DISK: &str = "domain.size = [4, 4]\nresolution.spacing = 0.125\n[[bodies]]\nradius = 0.5\ncenters = [[1, 1]]\n";
+
+    fn suits(extra: &str) -> (Scene, Facts) {
+        let scene = Scene::parse("scene", Path::new(""), &(DISK.to_owned() + extra), &[]).unwrap();
+        let facts = Facts::of(&scene).unwrap();
+        (scene, facts)
+    }
+
+    #[test]
+    fn positions_are_compared_across_the_sides_of_the_box() {
+        let (_, facts) = suits("force = [1.0, 0.0]\n[time]\nend = 1\n");
+        let position = Quantity { kind: Kind::Position, body: None, probe: None };
+        assert!((facts.error(&position, &[3.9, 1.0], &[0.1, 1.0]) - 0.4).abs() < 1e-12, "0.2 are 0.4 radii");
+        let drag = Quantity { kind: Kind::Drag, body: None, probe: None };
+        assert!((facts.error(&drag, &[9.0], &[10.0]) + 0.1).abs() < 1e-12);
+    }
+}

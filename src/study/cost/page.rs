@@ -1,0 +1,127 @@
+//! `cost.html`: chart, table and sentences on one page that needs nothing else.
+
+use super::{chart, report::Findings, table, text};
+use crate::output::escaped;
+
+/// Light paper or dark, as the reader has it; the chart stays on light paper.
+const STYLE: &str = "\
+:root{color-scheme:light dark;--ink:#14171f;--paper:#fff;--faint:#667085;--line:#dfe3e9;--tint:#f4f6f9;--good:#e3f3e6}
+@media (prefers-color-scheme:dark){:root{--ink:#e6e9ef;--paper:#14171f;--faint:#9aa4b2;--line:#2e3440;--tint:#1c212b;--good:#1d3a26}}
+body{margin:2.5rem auto;max-width:62rem;padding:0 1.2rem;background:var(--paper);color:var(--ink);font:15px/1.55 Helvetica,Arial,'Liberation Sans','DejaVu Sans',sans-serif}
+h1{font-size:1.6rem;margin-bottom:.2rem}h2{font-size:1.15rem;margin-top:2rem}
+p.lead{color:var(--faint);margin-top:0}
+figure{margin:1.5rem 0;padding:.5rem;background:#fff;border:1px solid var(--line);border-radius:8px}
+figure svg{display:block;width:100%;height:auto}
+div.wide{overflow-x:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums;width:100%}
+th,td{padding:.3rem .6rem;text-align:right;border-bottom:1px solid var(--line);white-space:nowrap}
+th{color:var(--faint);font-weight:600}th:first-child,td:first-child{text-align:left}
+td.remark{white-space:normal;text-align:left;color:var(--faint)}tr.chosen td{background:var(--good)}
+ul{padding-left:1.2rem}li{margin:.25rem 0}";
+
+/// The page.
+pub fn html(findings: &Findings) -> String {
+    let title = escaped(&findings.title);
+    let sentences: String = text::sentences(findings).iter().map(|sentence| format!("<li>{}</li>\n", escaped(sentence))).collect();
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width\">\n\
+         <title>What accuracy costs: {title}</title>\n<style>\n{STYLE}\n</style>\n</head>\n<body>\n\
+         <h1>What accuracy costs</h1>\n<p class=\"lead\">{title}: {}.</p>\n\
+         <figure>\n{}</figure>\n<ul>\n{sentences}</ul>\n<h2>Every setting</h2>\n<div class=\"wide\">{}</div>\n{}\
+         <p class=\"lead\">turbid {}, {} rank{}, the fastest of {} runs each.</p>\n</body>\n</html>\n",
+        escaped(&findings.quantity),
+        chart::svg(findings),
+        table(findings),
+        knobs(findings),
+        env!("CARGO_PKG_VERSION"),
+        findings.ranks,
+        if findings.ranks == 1 { "" } else { "s" },
+        findings.repeat,
+    )
+}
+
+fn table(findings: &Findings) -> String {
+    let chosen = findings.cheapest().map(|cheapest| &cheapest.setting);
+    let rows = table::table(findings);
+    let head: String = rows[0].iter().map(|name| format!("<th>{}</th>", escaped(name))).collect();
+    let body = findings.points.iter().zip(&rows[1..]).map(|(point, row)| {
+        let class = if chosen == Some(&point.setting) { " class=\"chosen\"" } else { "" };
+        let last = row.len() - 1;
+        let cells: String = row
+            .iter()
+            .enumerate()
+            .map(|(place, cell)| {
+                let remark = if place == last && point.remark.is_some() { " class=\"remark\"" } else { "" };
+                format!("<td{remark}>{}</td>", escaped(cell))
+            })
+            .collect();
+        format!("<tr{class}>{cells}</tr>\n")
+    });
+    format!("<table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{}</tbody>\n</table>", body.collect::<String>())
+}
+
+fn knobs(findings: &Findings) -> String {
+    let tables = findings.turned.iter().filter(|turned| !turned.knobs.is_empty()).map(|turned| {
+        let rows: String = turned
+            .knobs
+            .iter()
+            .map(|knob| {
+                let cells = [knob.name.to_owned(), knob.to.clone(), text::change(knob), text::left(knob, findings.uncertainty())];
+                format!("<tr>{}</tr>\n", cells.iter().map(|cell| format!("<td>{}</td>", escaped(cell))).collect::<String>())
+            })
+            .collect();
+        let verdict = text::dominating(turned).map_or(String::new(), |verdict| format!("<p>Here {}</p>\n", escaped(&verdict)));
+        format!(
+            "<h2>Knobs of {}, {}</h2>\n<div class=\"wide\"><table>\n<thead><tr><th>knob</th><th>turned to</th><th>changes the quantity by</th><th>and leaves an error of</th>\
+             </tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n{verdict}",
+            turned.at.method,
+            escaped(&turned.at.words())
+        )
+    });
+    tables.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::cost::{
+        quantity::Kind,
+        record::{Outcome, Record},
+        reference::tests::run,
+        report::Point,
+        setting::{Fineness, Setting},
+    };
+
+    fn findings() -> Findings {
+        let setting =
+            |cells| Setting { method: "sharp".into(), grid: Fineness::CellsPerRadius(cells), modes: None, tolerance: None, step: None };
+        let measured = Record { setting: setting(4.0), outcome: Outcome::Measured(run(0.25, 1.02)) };
+        let failed = Record { setting: setting(8.0), outcome: Outcome::Failed("no <memory>".into()) };
+        Findings {
+            title: "a & b".into(),
+            quantity: "drag".into(),
+            name: Kind::Drag.word(),
+            ranks: 1,
+            repeat: 2,
+            wanted: 1e-2,
+            times: 1.0,
+            reference: None,
+            points: [measured, failed].iter().map(|record| Point::of(record, Some(1.0), |_| Some(0.02), 0.0)).collect(),
+            methods: Vec::new(),
+            written: Some(setting(4.0)),
+            turned: Vec::new(),
+            notes: vec!["a < b".into()],
+        }
+    }
+
+    #[test]
+    fn a_page_is_whole_and_says_nothing_that_is_read_as_markup() {
+        let page = html(&findings());
+        assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
+        for part in ["a &amp; b: drag.", "no &lt;memory&gt;", "a &lt; b.", "+2.0 %", "No reference"] {
+            assert!(page.contains(part), "no {part:?} in {page}");
+        }
+        for tag in ["table", "tr", "td", "ul", "li", "figure", "svg", "style", "body"] {
+            assert_eq!(page.matches(&format!("<{tag}")).count(), page.matches(&format!("</{tag}>")).count(), "{tag}");
+        }
+    }
+}
