@@ -1,12 +1,14 @@
-//! Where things are: the box and its images, balls and who is near whom. It knows no fluid and no forces.
+//! Where things are: the box and its images, balls, what boxes they fill and who is near whom. It knows no fluid and no forces.
 
 mod ball;
 mod cells;
 mod domain;
+mod fractions;
 mod overlap;
 mod pairs;
 
 pub use ball::Ball;
 pub use domain::{Axis, Domain};
+pub use fractions::fraction;
 pub use overlap::{Fault, first_fault};
 pub use pairs::{Pair, WallPair, near_pairs, near_walls};
