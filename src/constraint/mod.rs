@@ -25,5 +25,5 @@ pub use blocks::{Blocks, BodyBlocks, Situation};
 pub use layout::Layout;
 pub use near::{Crowd, NearPairs, PairTables};
 pub use patch::Patch;
-pub use scalar::{PlacedInclusion, ScalarBlocks, assemble as assemble_inclusion};
+pub use scalar::{InclusionMethod, PlacedInclusion, ScalarBlocks};
 pub use sharp::{INTERPOLATION_REACH, Neighbour, Passed, Placed, Workspace, assemble, jump, passed};

@@ -102,7 +102,7 @@ impl Plan {
             inclusions,
             Effect::off("motion in time"),
         ];
-        let (grid_unknowns, multiplier_unknowns) = (grid.unknowns(D), setup.multipliers());
+        let (grid_unknowns, multiplier_unknowns) = (grid.unknowns(D), setup.counts(&grid).iter().sum::<usize>());
         let unknowns = (grid_unknowns + multiplier_unknowns) as f64;
         let nonzeros = grid_unknowns as f64 * (2 * D + 1) as f64 * HIERARCHY_FACTOR;
         let fluid = FluidPlan {

@@ -3,10 +3,11 @@
 use nalgebra::{SVector, Vector2, Vector3};
 use turbid::{
     body::pack,
+    constraint::InclusionMethod,
     geometry::{Axis, Ball, Domain},
     grid::operators::signed,
     petsc::Session,
-    scene::Tolerance,
+    scene::{MultiplierSolver, Tolerance},
     simulation::{InclusionState, Inclusions, ScalarSetup, ScalarSolution},
 };
 
@@ -22,6 +23,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(nothing_flows_net_out_of_many_spheres),
         Test::of(symmetric_inclusions_have_equal_values),
         Test::of(a_channel_repeats_itself_and_knows_no_seam),
+        Test::of(explore),
     ]
 }
 
@@ -38,7 +40,16 @@ const DISKS: [([f64; 2], f64, f64, f64); 6] = [
 fn walled<const D: usize>(spacing: f64, inclusions: Vec<(Ball<D>, usize)>) -> ScalarSetup<D> {
     let still = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
     let domain = Domain { size: SVector::repeat(1.0), axes: [still; D] };
-    ScalarSetup { domain, spacing, source: 1.0, inclusions, tolerance: Tolerance::Fixed(1e-10) }
+    ScalarSetup {
+        domain,
+        spacing,
+        source: 1.0,
+        gradient: None,
+        inclusions,
+        method: InclusionMethod::Sharp,
+        solver: MultiplierSolver::Krylov,
+        tolerance: Tolerance::Fixed(1e-10),
+    }
 }
 
 fn solve<const D: usize>(session: &Session, setup: ScalarSetup<D>) -> (Inclusions<D>, ScalarSolution<D>) {
@@ -175,4 +186,27 @@ fn a_channel_repeats_itself_and_knows_no_seam(session: &Session) {
     }
     assert_near("the energy of two cells", twice.energy, 2.0 * once.energy, 1e-8);
     assert_near("the energy across the seam", across.energy, once.energy, 1e-8);
+}
+
+fn explore(session: &Session) {
+    let methods = [InclusionMethod::Sharp, InclusionMethod::MeanValue, InclusionMethod::Distributed, InclusionMethod::penalty(None),
+        InclusionMethod::Penalty { epsilon: 1e-2 }, InclusionMethod::Penalty { epsilon: 1e-8 }];
+    for method in methods {
+        for cells in [32, 64, 128, 256] {
+            let mut setup = walled(1.0 / f64::from(cells), vec![disk([0.4, 0.55], 0.2, (0.2 * f64::from(cells)).min(16.0) as usize)]);
+            setup.method = method;
+            setup.tolerance = Tolerance::Fixed(1e-8);
+            let (inclusions, solution) = solve(session, setup);
+            println!("{method:?} {cells} U {:+.2e} E {:+.2e} flux {:.1e} its {} mult {}", solution.inclusions[0].value / DISKS[5].2 - 1.0,
+                -2.0 * solution.energy / DISKS[5].3 - 1.0, solution.inclusions[0].flux, inclusions.cost().krylov.iterations, inclusions.cost().multiplier_unknowns);
+        }
+    }
+    for cells in [16, 32, 64] {
+        let mut setup = walled(1.0 / f64::from(cells), vec![disk([0.4, 0.55], 0.2, (0.2 * f64::from(cells)).min(16.0) as usize)]);
+        setup.method = InclusionMethod::MeanValue;
+        setup.solver = MultiplierSolver::Uzawa(None);
+        setup.tolerance = Tolerance::Fixed(1e-6);
+        let (inclusions, solution) = solve(session, setup);
+        println!("uzawa {cells} U {:+.2e} {:?} its {} flux {:.1e}", solution.inclusions[0].value / DISKS[5].2 - 1.0, solution.uzawa, inclusions.cost().krylov.iterations,solution.inclusions[0].flux);
+    }
 }

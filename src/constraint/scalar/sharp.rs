@@ -1,8 +1,16 @@
-//! The blocks of one inclusion.
+//! The sharp method: flux multipliers on the surface, and stencils corrected for the jump of the slope.
+//!
+//! As in the method for velocities, a stencil takes values from across a surface as its own side would extend them, and values on a
+//! surface are interpolated from its inner extension, which in the solution is a constant.
 
 use nalgebra::{DMatrix, SVector};
 
-use super::{PlacedInclusion, blocks::InclusionBlocks, nodes::Nodes};
+use super::{
+    PlacedInclusion,
+    blocks::InclusionBlocks,
+    coupling::{Coupling, Modes},
+    nodes::Nodes,
+};
 use crate::{
     constraint::{
         Layout,
@@ -40,8 +48,14 @@ pub fn assemble<const D: usize>(
     for (other, neighbour) in neighbours {
         add(*other, neighbour, 1.0, &|place| nodes.inside(neighbour, place));
     }
-    let first = layout.local(body);
-    InclusionBlocks { range: first..first + inclusion.surface.modes.count(), rows, source, sampled: sampling.rows(), local, by_source }
+    let surface = &inclusion.surface;
+    let (first, values) = (layout.local(body), surface.modes.isolated_values());
+    let (area, _) = measures::<D>(surface.modes.radius());
+    let range = first..first + surface.modes.count();
+    let (constant, positions) = (surface.constant(), surface.mean_moments().columns(1, D) * surface.modes.radius());
+    let (reaction, sampled) = (values[0], sampling.rows());
+    let coupling = Coupling::Modes(Modes { rows, sampled, local, by_source, values: values.into(), ..Modes::default() });
+    InclusionBlocks { range, constant, positions, measure: area, reaction, source, coupling }
 }
 
 /// Stencils that cross the surface: rows of C; and what a unit source differs from one everywhere, in one column.
@@ -105,7 +119,8 @@ fn wanted_moments<const D: usize>(inclusion: &PlacedInclusion<D>, nodes: &Nodes<
     wanted
 }
 
-fn measures<const D: usize>(radius: f64) -> (f64, f64) {
+/// Area of the surface and volume of a ball.
+pub fn measures<const D: usize>(radius: f64) -> (f64, f64) {
     let volume = crate::geometry::Ball::<D> { center: SVector::zeros(), radius }.volume();
     (volume * D as f64 / radius, volume)
 }
