@@ -94,15 +94,19 @@ impl Plan {
         let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
         let inclusions = match setup.inclusions.len() {
             0 => Effect::off("inclusions"),
-            count => Effect::on("inclusions", format!("{count}, with surface multipliers and corrected stencils (sharp)")),
+            count => Effect::on("inclusions", format!("{count}, {}", setup.method)),
         };
+        let source = format!("{} outside the inclusions", setup.source);
+        let gradient = setup.gradient.map(|gradient| format!("{:?}", gradient.as_slice()));
         let effects = vec![
             Effect::on("scalar", "one matrix, one multigrid hierarchy (hypre)".into()),
-            Effect::on("source", format!("{} outside the inclusions", setup.source)),
+            Effect { name: "source", built: (setup.source != 0.0).then_some(source) },
+            Effect { name: "mean gradient", built: gradient },
             inclusions,
             Effect::off("motion in time"),
         ];
-        let (grid_unknowns, multiplier_unknowns) = (grid.unknowns(D), setup.counts(&grid).iter().sum::<usize>());
+        let counts = setup.counts(&grid);
+        let (grid_unknowns, multiplier_unknowns) = (grid.unknowns(D), counts.iter().sum::<usize>());
         let unknowns = (grid_unknowns + multiplier_unknowns) as f64;
         let nonzeros = grid_unknowns as f64 * (2 * D + 1) as f64 * HIERARCHY_FACTOR;
         let fluid = FluidPlan {
@@ -112,7 +116,8 @@ impl Plan {
             multiplier_unknowns,
             closure_unknowns: 0,
         };
-        Ok(Plan { effects, fluid: Some(fluid), bytes: nonzeros * BYTES_PER_NONZERO + KRYLOV_VECTORS * unknowns * 8.0 })
+        let blocks: f64 = counts.iter().map(|&count| setup.method.bytes::<D>(count)).sum();
+        Ok(Plan { effects, fluid: Some(fluid), bytes: nonzeros * BYTES_PER_NONZERO + KRYLOV_VECTORS * unknowns * 8.0 + blocks })
     }
 
     fn of_flow<const D: usize>(scene: &Scene, setup: &Setup<D>, ranks: usize) -> Result<Plan> {

@@ -12,6 +12,7 @@ mod fields;
 mod fluid;
 mod grid;
 mod hard;
+mod inclusions;
 mod interpolation;
 mod inverses;
 mod lasting;
@@ -63,6 +64,7 @@ fn main() {
         transform::tests(),
         near::tests(),
         scalar::tests(),
+        inclusions::tests(),
         suspension::tests(),
         inverses::tests(),
         hard::tests(),

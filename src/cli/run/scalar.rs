@@ -5,8 +5,9 @@ use std::path::Path;
 use super::folder;
 use crate::{
     error::Result,
+    observe,
     output::{self, Progress, Summary},
-    petsc::Session,
+    petsc::{Session, Stage, enter},
     scene::Scene,
     simulation::{Inclusions, ScalarSetup},
 };
@@ -26,10 +27,19 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> R
     let solution = solution?;
 
     let summary = Summary::of_scalar((&scene.name, &scene.title), &inclusions, &solution, world);
+    let output = enter(Stage::Output);
+    let mut files = vec!["scene.toml"];
+    if scene.output.picture {
+        let picture = observe::scalar_picture(scene.shown_title(), &inclusions, &solution)?.svg();
+        world.agree(if first { output::write_whole(&folder.join("picture.svg"), picture.as_bytes()) } else { Ok(()) })?;
+        files.push("picture.svg");
+    }
+    files.push("summary.json");
     world.agree(if first { folder::complete(folder, &summary) } else { Ok(()) })?;
+    drop(output);
     if first {
         println!("{}", output::report(&summary));
-        println!("files                {}: scene.toml, summary.json", folder.display());
+        println!("files                {}: {}", folder.display(), files.join(", "));
     }
     Ok(())
 }

@@ -8,7 +8,7 @@ use super::{blocks::InclusionBlocks, cells::blocks, coupling::Cells, links::Link
 use crate::{constraint::Layout, geometry::Ball, grid::Grid};
 
 /// The blocks of an inclusion, with its number.
-pub fn assemble<const D: usize>(grid: &Grid<D>, layout: &Layout, body: usize, ball: &Ball<D>) -> InclusionBlocks {
+pub fn assemble<const D: usize>(grid: &Grid<D>, layout: &Layout, (body, ball): (usize, &Ball<D>)) -> InclusionBlocks {
     let covered = LinkedCells::covered(grid, ball);
     let cells = Cells { unknowns: covered.unknowns.clone(), places: Default::default(), compliance: None, links: covered.links.clone() };
     blocks(grid, layout, (body, ball), (&covered, cells))

@@ -15,7 +15,6 @@ use super::{
 };
 use crate::{
     constraint::{Layout, patch::Patch, rows::Rows},
-    geometry::Ball,
     grid::{Grid, Index, Node, dirichlet},
 };
 
@@ -24,8 +23,8 @@ const EMPTY: usize = usize::MAX;
 
 /// The blocks of an inclusion, with its number.
 pub fn assemble<const D: usize>(grid: &Grid<D>, layout: &Layout, (body, inclusion): (usize, &PlacedInclusion<D>)) -> InclusionBlocks {
-    let surface = &inclusion.surface;
-    let (radius, count) = (surface.modes.radius(), surface.modes.count());
+    let surface = inclusion.surface();
+    let (radius, count) = (inclusion.ball.radius, surface.modes.count());
     let (area, _) = measures::<D>(radius);
     let sampled = interpolation(grid, inclusion);
     let spread = sampled.values.iter().map(|value| value * area / grid.spacing().product()).collect();
@@ -45,11 +44,11 @@ pub fn assemble<const D: usize>(grid: &Grid<D>, layout: &Layout, (body, inclusio
 
 /// The rows of the transpose of J.
 fn interpolation<const D: usize>(grid: &Grid<D>, inclusion: &PlacedInclusion<D>) -> Rows {
-    let (projector, count) = (inclusion.surface.projector(), inclusion.surface.modes.count());
-    let patch = Patch::around(grid, D, &inclusion.center, inclusion.surface.modes.radius() + 2.0 * grid.spacing().max());
+    let (projector, count) = (inclusion.surface().projector(), inclusion.surface().modes.count());
+    let patch = Patch::around(grid, D, &inclusion.ball.center, inclusion.ball.radius + 2.0 * grid.spacing().max());
     let (mut columns, mut rows) = (vec![EMPTY; patch.len()], Rows::default());
-    for (offset, tests) in inclusion.surface.offsets().zip(projector.column_iter()) {
-        each_corner(grid, &(inclusion.center + offset), |index, weight| {
+    for (offset, tests) in inclusion.surface().offsets().zip(projector.column_iter()) {
+        each_corner(grid, &(inclusion.ball.center + offset), |index, weight| {
             let Some(Node::Unknown(unknown)) = dirichlet::within(grid, index).then(|| grid.node(D, index)) else { return };
             let column = &mut columns[patch.place(index)];
             if *column == EMPTY {
@@ -80,8 +79,7 @@ fn each_corner<const D: usize>(grid: &Grid<D>, point: &SVector<f64, D>, mut visi
 
 /// Minus the parts of cells in the inclusion, and nothing for the other cells to which its multipliers are spread.
 fn source<const D: usize>(grid: &Grid<D>, inclusion: &PlacedInclusion<D>, spread: &[u32]) -> Rows {
-    let ball = Ball { center: inclusion.center, radius: inclusion.surface.modes.radius() };
-    let (mut unknowns, mut parts) = filled_parts(grid, &ball);
+    let (mut unknowns, mut parts) = filled_parts(grid, &inclusion.ball);
     let inside: std::collections::BTreeSet<u32> = unknowns.iter().copied().collect();
     unknowns.extend(spread.iter().filter(|unknown| !inside.contains(unknown)));
     parts.resize(unknowns.len(), 0.0);

@@ -21,7 +21,7 @@ mod nodes;
 mod penalty;
 mod sharp;
 
-use std::rc::Rc;
+use std::{fmt, rc::Rc};
 
 use nalgebra::SVector;
 
@@ -44,19 +44,34 @@ pub enum InclusionMethod {
     },
 }
 
+impl fmt::Display for InclusionMethod {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            InclusionMethod::Sharp => write!(f, "with surface multipliers and corrected stencils (sharp)"),
+            InclusionMethod::MeanValue => write!(f, "with surface multipliers and linear interpolation (mean-value)"),
+            InclusionMethod::Distributed => write!(f, "with a multiplier in each cell inside (distributed)"),
+            InclusionMethod::Penalty { epsilon } => write!(f, "that conduct 1/{epsilon:e}, with Cholesky factors of each (penalty)"),
+        }
+    }
+}
+
 /// An inclusion in its place.
 #[derive(Clone)]
 pub struct PlacedInclusion<const D: usize> {
-    /// Its centre, in the box or, for an image, beyond it.
-    pub center: SVector<f64, D>,
-    /// Its surface.
-    pub surface: Rc<ScalarSurface<D>>,
+    /// Where it is, in the box or, for an image, beyond it.
+    pub ball: Ball<D>,
+    /// Its surface, if the method has multipliers there.
+    pub surface: Option<Rc<ScalarSurface<D>>>,
 }
 
 impl<const D: usize> PlacedInclusion<D> {
     /// Whether a point at an offset from the centre lies outside.
     fn excludes(&self, offset: &SVector<f64, D>) -> bool {
-        offset.norm_squared() > self.surface.modes.radius().powi(2)
+        offset.norm_squared() > self.ball.radius.powi(2)
+    }
+
+    fn surface(&self) -> &ScalarSurface<D> {
+        self.surface.as_ref().expect("inclusions of a method on surfaces have one")
     }
 }
 
@@ -80,6 +95,18 @@ impl InclusionMethod {
         }
     }
 
+    /// Bytes that the blocks of an inclusion with so many multipliers in space of dimension `D` take, about.
+    pub fn bytes<const D: usize>(self, count: usize) -> f64 {
+        let count = count as f64;
+        match self {
+            // rows, and blocks of it and of about four neighbours
+            InclusionMethod::Sharp | InclusionMethod::MeanValue => 8.0 * 10.0 * count * count,
+            InclusionMethod::Distributed => 32.0 * D as f64 * count,
+            // a row of the factors spans a slice of the inclusion
+            InclusionMethod::Penalty { .. } => 8.0 * count.powf(2.0 - 1.0 / D as f64),
+        }
+    }
+
     /// The blocks of an inclusion, from it and the neighbours, with their numbers, that its interpolation may meet.
     pub fn assemble<const D: usize>(
         self,
@@ -88,12 +115,11 @@ impl InclusionMethod {
         (body, inclusion): (usize, &PlacedInclusion<D>),
         neighbours: &[(usize, PlacedInclusion<D>)],
     ) -> InclusionBlocks {
-        let ball = Ball { center: inclusion.center, radius: inclusion.surface.modes.radius() };
         match self {
             InclusionMethod::Sharp => sharp::assemble(grid, layout, (body, inclusion), neighbours),
             InclusionMethod::MeanValue => mean_value::assemble(grid, layout, (body, inclusion)),
-            InclusionMethod::Distributed => distributed::assemble(grid, layout, body, &ball),
-            InclusionMethod::Penalty { epsilon } => penalty::assemble(grid, layout, (body, &ball), epsilon),
+            InclusionMethod::Distributed => distributed::assemble(grid, layout, (body, &inclusion.ball)),
+            InclusionMethod::Penalty { epsilon } => penalty::assemble(grid, layout, (body, &inclusion.ball), epsilon),
         }
     }
 }

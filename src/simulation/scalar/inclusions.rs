@@ -11,7 +11,7 @@ use super::{
     uzawa::{Uzawa, UzawaSystem},
 };
 use crate::{
-    constraint::{Layout, ScalarBlocks},
+    constraint::{InclusionMethod, Layout, ScalarBlocks},
     error::{Error, Result},
     grid::{Grid, dirichlet},
     petsc::{Amg, AmgSettings, Krylov, KrylovMethod, KrylovSettings, Matrix, Session, Stage, System, Vector, enter},
@@ -39,7 +39,7 @@ impl<const D: usize> Inclusions<D> {
     /// Builds the machinery that a setup calls for.
     ///
     /// # Errors
-    /// The box has neither walls nor a mean gradient, or both, or the grid or the rank count does not fit.
+    /// The box has neither walls nor a mean gradient, or both, the solver is not for the method, or the grid or the rank count does not fit.
     pub fn new(session: &Session, setup: ScalarSetup<D>) -> Result<Inclusions<D>> {
         check(&setup)?;
         let (stage, start, world) = (enter(Stage::SetUp), Instant::now(), session.world());
@@ -188,6 +188,9 @@ fn hierarchy<const D: usize>(setup: &ScalarSetup<D>) -> AmgSettings {
 
 fn check<const D: usize>(setup: &ScalarSetup<D>) -> Result<()> {
     let refuse = |text: &str| Err(Error::Refused(text.into()));
+    if setup.method != InclusionMethod::MeanValue && setup.solver != MultiplierSolver::Krylov {
+        return refuse("only the mean-value method is solved by Uzawa's iteration");
+    }
     match (setup.domain.fully_periodic(), setup.gradient) {
         (true, None) => {
             refuse("a scalar in a fully periodic box has no definite value; put up walls along an axis or give a mean gradient")

@@ -17,15 +17,19 @@ use crate::{
 /// The inclusions with their centres in the box; those of equal size share a surface.
 pub fn place<const D: usize>(setup: &ScalarSetup<D>, grid: &Grid<D>) -> Vec<PlacedInclusion<D>> {
     let mut kinds: Vec<(f64, usize, Rc<ScalarSurface<D>>)> = Vec::new();
-    let mut place = |(ball, order): &(Ball<D>, usize)| {
-        let known = kinds.iter().position(|(radius, of_order, _)| *radius == ball.radius && of_order == order);
+    let mut surface = |radius: f64, order: usize| {
+        let known = kinds.iter().position(|(of_radius, of_order, _)| *of_radius == radius && *of_order == order);
         let kind = known.unwrap_or_else(|| {
-            kinds.push((ball.radius, *order, Rc::new(ScalarSurface::new(ball.radius, *order, grid.mean_spacing()))));
+            kinds.push((radius, order, Rc::new(ScalarSurface::new(radius, order, grid.mean_spacing()))));
             kinds.len() - 1
         });
-        PlacedInclusion { center: setup.domain.wrap(ball.center), surface: kinds[kind].2.clone() }
+        kinds[kind].2.clone()
     };
-    setup.inclusions.iter().map(&mut place).collect()
+    let place = |&(ball, order): &(Ball<D>, usize)| PlacedInclusion {
+        ball: Ball { center: setup.domain.wrap(ball.center), ..ball },
+        surface: setup.method.on_surfaces().then(|| surface(ball.radius, order)),
+    };
+    setup.inclusions.iter().map(place).collect()
 }
 
 /// Who holds the multipliers of which inclusion.
@@ -53,11 +57,12 @@ fn neighbours<const D: usize>(
     setup: &ScalarSetup<D>,
     placed: &[PlacedInclusion<D>],
 ) -> Vec<Vec<(usize, PlacedInclusion<D>)>> {
-    let balls: Vec<Ball<D>> = placed.iter().map(|placed| Ball { center: placed.center, radius: placed.surface.modes.radius() }).collect();
+    let balls: Vec<Ball<D>> = placed.iter().map(|placed| placed.ball).collect();
     let mut neighbours = vec![Vec::new(); placed.len()];
     for pair in near_pairs(&setup.domain, &balls, INTERPOLATION_REACH * grid.spacing().max()) {
         for (body, other, separation) in [(pair.first, pair.second, pair.separation), (pair.second, pair.first, -pair.separation)] {
-            let image = PlacedInclusion { center: placed[body].center + separation, surface: placed[other].surface.clone() };
+            let ball = Ball { center: placed[body].ball.center + separation, ..placed[other].ball };
+            let image = PlacedInclusion { ball, surface: placed[other].surface.clone() };
             neighbours[body].push((other, image));
         }
     }
