@@ -5,6 +5,7 @@ use nalgebra::SVector;
 use super::{plane::CutPlane, sample::scalars};
 use crate::{
     error::Result,
+    geometry::Ball,
     output::{Disk, Picture},
     simulation::{Inclusions, ScalarSolution},
 };
@@ -21,7 +22,7 @@ pub fn scalar_picture<const D: usize>(title: &str, inclusions: &Inclusions<D>, s
         None => (if sign < 0.0 { "minus the scalar" } else { "scalar" }, values.iter().map(|value| sign * value).collect()),
     };
     let bodies = solution.inclusions.iter().zip(&setup.inclusions).filter_map(|(state, &(ball, _))| {
-        let (center, radius) = plane.cut(&crate::geometry::Ball { center: state.center, ..ball })?;
+        let (center, radius) = plane.cut(&Ball { center: state.center, ..ball })?;
         Some(Disk { center, radius, velocity: [0.0; 2] })
     });
     Ok(Picture {

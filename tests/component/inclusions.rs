@@ -104,10 +104,10 @@ fn errors(session: &Session, method: InclusionMethod, cells: u32) -> [f64; 5] {
     [value.abs(), energy.abs(), worst, mean_square, slope]
 }
 
-/// Orders between 64 and 256 cells, in the order of [`errors`]: at least these, and those of the mean square and of the slope not much higher.
+/// Orders between 64 and 256 cells, as [`errors`] lists them: at least these, and those of the mean square and of the slope not much higher.
 ///
-/// Values in the disk and at points are of the order of the distance by which the surface is misplaced, which scatters with the grid, so that their bounds
-/// are low where a method knows the surface to a cell only.
+/// Values in the disk and at points are wrong by the distance by which the surface is misplaced. Where a method knows it to a cell only,
+/// that scatters with the grid: there the bounds are low.
 fn methods_have_their_orders(session: &Session) {
     let orders = |method: InclusionMethod| {
         let (coarse, fine) = (errors(session, method, 64), errors(session, method, 256));

@@ -138,7 +138,7 @@ impl Coupling {
             }
             Coupling::Cells(cells) => {
                 out.fill(0.0);
-                for &Link { cells: [one, two], weight, .. } in &cells.links {
+                for &Link { cells: [one, two], weight } in &cells.links {
                     let flux = weight * (values[one] - values[two]);
                     out[one] += flux;
                     out[two] -= flux;

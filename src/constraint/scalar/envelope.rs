@@ -23,7 +23,7 @@ impl Envelope {
             length += row + 1 - first;
         }
         let mut envelope = Envelope { rows, values: vec![0.0; length] };
-        for &Link { cells: [one, two], weight, .. } in links {
+        for &Link { cells: [one, two], weight } in links {
             [(one, one, weight), (two, two, weight), (one.max(two), one.min(two), -weight)]
                 .into_iter()
                 .filter(|(row, ..)| row + 1 < cells)
@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn the_laplacian_of_the_potential_is_the_source() {
-        let link = |one: usize, two: usize| Link { cells: [one, two], weight: 1.0 + (one * two) as f64, part: 1.0 };
+        let link = |one: usize, two: usize| Link { cells: [one, two], weight: 1.0 + (one * two) as f64 };
         let links: Vec<Link> = (0..3)
             .flat_map(|x| (0..4).map(move |y| 4 * x + y))
             .flat_map(|cell| {
@@ -105,7 +105,7 @@ mod tests {
         let mut potential = vec![0.0; 12];
         Envelope::new(12, &links).add_potential(&sources, &mut potential);
         assert!(potential.iter().sum::<f64>().abs() < 1e-13);
-        for &Link { cells: [one, two], weight, .. } in &links {
+        for &Link { cells: [one, two], weight } in &links {
             let flux = weight * (potential[one] - potential[two]);
             sources[one] -= flux;
             sources[two] += flux;

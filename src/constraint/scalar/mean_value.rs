@@ -1,8 +1,8 @@
 //! The mean-value method: flux multipliers on the surface, on which the scalar is interpolated linearly.
 //!
-//! Tested with the modes, the scalar on the surface differs from its mean by nothing: `integral of psi (u - m(u)) = 0`. C is the adjoint of J: each
-//! multiplier is spread to the cells whose values make up its point. Stencils are not corrected for the jump of the slope, so that values
-//! near the surface are of first order.
+//! Tested with the modes, the scalar on the surface differs from its mean by nothing: `integral of psi (u - m(u)) = 0`. C is the adjoint
+//! of J: each multiplier is spread to the cells whose values make up its point. Stencils are not corrected for the jump of the slope, so
+//! that the method is of first order.
 
 use nalgebra::SVector;
 

@@ -39,7 +39,8 @@ impl<const D: usize> Inclusions<D> {
     /// Builds the machinery that a setup calls for.
     ///
     /// # Errors
-    /// The box has neither walls nor a mean gradient, or both, the solver is not for the method, or the grid or the rank count does not fit.
+    /// The box has neither walls nor a mean gradient, or both, the solver is not for the method, or the grid or the rank count
+    /// does not fit.
     pub fn new(session: &Session, setup: ScalarSetup<D>) -> Result<Inclusions<D>> {
         check(&setup)?;
         let (stage, start, world) = (enter(Stage::SetUp), Instant::now(), session.world());

@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 use super::{InclusionState, Inclusions, ScalarSolution, uzawa::Uzawa};
-use crate::{constraint::InclusionMethod, error::Result, petsc::Vector};
+use crate::{constraint::InclusionMethod, error::Result, geometry::Ball, petsc::Vector};
 
 impl<const D: usize> Inclusions<D> {
     /// The solution from what a solver leaves in the work space.
@@ -30,7 +30,7 @@ impl<const D: usize> Inclusions<D> {
         let all = self.session.world().gather(&found);
         let mut found: Vec<&[f64]> = all.chunks(3).collect();
         found.sort_by(|one, two| one[0].total_cmp(&two[0]));
-        let state = |(found, (ball, _)): (&&[f64], &(crate::geometry::Ball<D>, usize))| {
+        let state = |(found, (ball, _)): (&&[f64], &(Ball<D>, usize))| {
             let center = self.setup.domain.wrap(ball.center);
             let background = self.setup.gradient.map_or(0.0, |gradient| gradient.dot(&center));
             InclusionState { center, radius: ball.radius, value: found[1] + background, flux: found[2] }
@@ -46,7 +46,7 @@ impl<const D: usize> Inclusions<D> {
         Ok(fluxes.iter().zip(sums).map(|(flux, sum)| flux + cell_volume * sum).collect())
     }
 
-    /// The mean gradient less what the sources on inclusions take off it: the gradient that drives the flux within them has none of its own.
+    /// The mean gradient, and the mean of what flows within inclusions, where the scalar has no slope: sources times their places.
     fn mean_flux(&self) -> Result<Option<SVector<f64, D>>> {
         let Some(gradient) = self.setup.gradient else { return Ok(None) };
         let multipliers = self.work.multipliers.local()?;

@@ -1,6 +1,7 @@
 //! Uzawa's iteration for the multipliers: `c -= step (u - m(u))`, with an accurate solve of the box for each.
 //!
-//! It converges for steps below `2 / |J A^{-1} C|`, in a number of iterations that grows as the smallest of the modes on a surface is finer.
+//! It converges for steps below `2 / |J A^{-1} C|`, in a number of iterations that grows with the number of modes on a surface: as `1/h`
+//! if the modes follow the grid.
 
 use std::time::Instant;
 
@@ -24,7 +25,8 @@ const ACCURACY: f64 = 0.1;
 /// Power iterations for the norm; their estimate is some per cent too small.
 const POWER_ITERATIONS: usize = 12;
 
-/// Step over its bound: the coarsest modes, which bound it, then keep 0.6 of their error in an iteration, and the finest nearly as much as they can.
+/// Step over its bound: the coarsest modes, which bound it, then keep 0.6 of their error in an iteration, and the finest lose nearly as
+/// much as they can.
 const PART_OF_BOUND: f64 = 0.8;
 
 /// Residual, over the first, from which the iteration counts as diverged.
@@ -79,8 +81,8 @@ impl System for EmptyBox<'_> {
 }
 
 impl UzawaSystem<'_> {
-    /// Iterates from zero multipliers, with the rows of the source and what is known of the values on surfaces; the step is a part of the
-    /// bound if none is given.
+    /// Iterates from zero multipliers, with the rows of the source and what is known of the values on surfaces; without a step, it is a
+    /// part of the bound.
     ///
     /// # Errors
     /// [`Error::Diverged`] when the step is too large, or the tolerance is not reached.
@@ -115,8 +117,8 @@ impl UzawaSystem<'_> {
             c.iter_mut().zip(&values).for_each(|(c, value)| *c -= uzawa.step * value);
         }
         Err(Error::Diverged(format!(
-            "method.uzawa_step = {}: {MOST_ITERATIONS} iterations do not reach the tolerance {tolerance:.1e}; a step nearer to {:.3e} takes fewer, \
-             method.solver = \"krylov\" far fewer",
+            "method.uzawa_step = {}: {MOST_ITERATIONS} iterations do not reach the tolerance {tolerance:.1e}; a step nearer to {:.3e} \
+             takes fewer, method.solver = \"krylov\" far fewer",
             uzawa.step,
             PART_OF_BOUND * bound
         )))
@@ -172,6 +174,7 @@ impl UzawaSystem<'_> {
 
 fn too_large(Uzawa { step, bound, .. }: Uzawa, iterations: usize) -> Error {
     Error::Diverged(format!(
-        "method.uzawa_step = {step}: the iteration diverged after {iterations} steps, as it does above about {bound:.3e}; lower it or set it to \"auto\""
+        "method.uzawa_step = {step}: the iteration diverged after {iterations} steps, as it does above about {bound:.3e}; \
+         lower it or set it to \"auto\""
     ))
 }
