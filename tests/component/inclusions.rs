@@ -240,27 +240,27 @@ fn conductivities_are_symmetric(session: &Session) {
 }
 
 fn by_uzawa(step: Option<f64>, cells: u32) -> ScalarSetup<2> {
-    ScalarSetup { solver: MultiplierSolver::Uzawa(step), tolerance: Tolerance::Fixed(1e-7), ..square(MEAN_VALUE, cells) }
+    ScalarSetup { solver: MultiplierSolver::Uzawa(step), tolerance: Tolerance::Fixed(1e-6), ..square(MEAN_VALUE, cells) }
 }
 
 fn uzawa_comes_to_the_answer_of_krylov_and_needs_more_the_finer_the_grid(session: &Session) {
-    let iterations = [20, 40, 80].map(|cells| {
+    let iterations = [16, 32, 48].map(|cells| {
         let (inclusions, solution) = solve(session, by_uzawa(None, cells));
         let (_, krylov) = solve(session, square(MEAN_VALUE, cells));
-        assert_near("the value by Uzawa", solution.inclusions[0].value, krylov.inclusions[0].value, 1e-6);
-        assert_near("the energy by Uzawa", solution.energy, krylov.energy, 1e-6);
-        assert!(solution.inclusions[0].flux.abs() < 1e-7);
+        assert_near("the value by Uzawa", solution.inclusions[0].value, krylov.inclusions[0].value, 1e-5);
+        assert_near("the energy by Uzawa", solution.energy, krylov.energy, 1e-5);
+        assert!(solution.inclusions[0].flux.abs() < 1e-6);
         inclusions.cost().krylov.iterations
     });
     assert!(iterations[2] > iterations[1] && iterations[1] > iterations[0], "{iterations:?}");
 }
 
-/// Two times the estimated bound of the step apart, one converges and the other does not.
+/// Of two steps a little to both sides of the estimated bound, one converges and the other does not.
 fn uzawa_beyond_its_bound_is_said_to_diverge(session: &Session) {
-    let bound = solve(session, by_uzawa(None, 32)).1.uzawa.unwrap().bound;
-    let within = solve(session, by_uzawa(Some(0.95 * bound), 32)).1;
-    assert!(within.inclusions[0].flux.abs() < 1e-7);
-    let beyond = Inclusions::new(session, by_uzawa(Some(1.05 * bound), 32)).unwrap().solve(&mut |_, _| {});
+    let bound = solve(session, by_uzawa(None, 24)).1.uzawa.unwrap().bound;
+    let within = solve(session, by_uzawa(Some(0.95 * bound), 24)).1;
+    assert!(within.inclusions[0].flux.abs() < 1e-6);
+    let beyond = Inclusions::new(session, by_uzawa(Some(1.05 * bound), 24)).unwrap().solve(&mut |_, _| {});
     match beyond {
         Err(Error::Diverged(said)) => assert!(said.contains("method.uzawa_step") && said.contains("diverged after"), "{said}"),
         _ => panic!("a step of {} was taken", 1.05 * bound),
