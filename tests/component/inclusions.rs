@@ -149,7 +149,8 @@ fn spheres_of_all_methods_come_to_one_answer(session: &Session) {
         let found = values(method);
         assert!((found[2].0 / limit - 1.0).abs() < promised, "{method}: {found:?}, limit {limit}");
         assert!((found[2].0 - limit).abs() < 0.7 * (found[0].0 - limit).abs(), "{method}: {found:?}, limit {limit}");
-        assert!(found[2].1 <= found[0].1 + 4, "{method}: iterations grow: {found:?}");
+        // twice as many would be those of multipliers without a stand-in for their inverse
+        assert!(5 * found[2].1 <= 7 * found[0].1, "{method}: iterations grow: {found:?}");
     }
 }
 
