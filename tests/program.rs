@@ -90,6 +90,50 @@ fn the_result_does_not_depend_on_the_number_of_ranks() {
     }
 }
 
+const METHODS: [&str; 4] = ["sharp", "mean-value", "distributed", "penalty"];
+
+#[test]
+fn every_method_for_a_scalar_gives_the_same_on_any_number_of_ranks() {
+    let here = folder("scalar-ranks");
+    let scene = root().join("examples/scalar.toml");
+    for method in METHODS {
+        let setting = format!("method.constraint=\"{method}\"");
+        let summaries: Vec<Value> = (1..=3)
+            .map(|ranks| run(ranks, &scene, &here.join(format!("{method}-{ranks}")), &[&setting, "method.tolerance=1e-10"]))
+            .collect();
+        for (summary, key) in summaries.iter().flat_map(|summary| ["scalar.inclusions.0.value", "scalar.energy"].map(|key| (summary, key)))
+        {
+            let difference = number(summary, key) / number(&summaries[0], key) - 1.0;
+            assert!(difference.abs() < 1e-8, "{method}: {key} differs by {difference:.1e}");
+        }
+        assert!((number(&summaries[0], "scalar.inclusions.0.value") / 0.0406780 - 1.0).abs() < 3e-3, "{method}");
+    }
+}
+
+#[test]
+fn a_scalar_has_a_picture_of_itself_and_of_its_flux() {
+    for (example, quantity) in [("scalar", "scalar"), ("conduction", "flux")] {
+        let here = folder(&format!("{example}-picture"));
+        run(2, &root().join(format!("examples/{example}.toml")), &here, &["method.constraint=\"penalty\""]);
+        let picture = fs::read_to_string(here.join("picture.svg")).unwrap();
+        assert!(picture.contains(&format!(">{quantity}</text>")) && picture.contains("<circle"), "{example}");
+    }
+}
+
+#[test]
+fn a_step_of_uzawa_that_is_too_large_is_an_error_with_a_diagnosis_and_leaves_no_summary() {
+    let here = folder("uzawa-diverges");
+    let words = ["method.constraint=\"mean-value\"", "method.solver=\"uzawa\"", "method.uzawa_step=100.0"];
+    let scene = root().join("examples/scalar.toml");
+    let mut arguments = vec!["run", scene.to_str().unwrap(), "--out", here.to_str().unwrap()];
+    words.iter().for_each(|word| arguments.extend(["--set", word]));
+    let output = turbid(2, &arguments);
+    let said = said(&output);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("method.uzawa_step = 100: the iteration diverged after") && said.contains("lower it"), "{said}");
+    assert!(!here.join("summary.json").exists());
+}
+
 /// Scene, what its refusal must say, rank counts on which it is refused.
 fn bad_scenes() -> Vec<(&'static str, String, &'static str, &'static [usize])> {
     let with = |bodies: &str| format!("[domain]\nsize = [10.0, 10.0]\n[resolution]\ncells_per_radius = 4\n{bodies}\n");
@@ -198,9 +242,13 @@ fn a_plan_names_what_is_built_and_what_is_not_and_writes_nothing() {
     assert_eq!(fs::read_dir(&here).unwrap().count(), 1);
     let output = turbid(2, &["plan", root().join("examples/scalar.toml").to_str().unwrap()]);
     let said = String::from_utf8_lossy(&output.stdout);
-    for part in
-        ["built      scalar: one matrix", "built      source: 1 outside", "not built  motion in time", "4096 on the grid, 17 on surfaces"]
-    {
+    for part in [
+        "built      scalar: one matrix",
+        "built      source: 1 outside",
+        "not built  mean gradient",
+        "not built  motion in time",
+        "4096 on the grid, 17 on surfaces",
+    ] {
         assert!(said.contains(part), "no {part:?} in: {said}");
     }
 }

@@ -27,7 +27,7 @@ pub use blocks::Blocks;
 pub use layout::Layout;
 pub use near::{Crowd, NearPairs, PairTables};
 pub use patch::Patch;
-pub use scalar::{PlacedInclusion, ScalarBlocks, assemble as assemble_inclusion};
+pub use scalar::{InclusionMethod, PlacedInclusion, ScalarBlocks};
 pub use sharp::{BodyBlocks, INTERPOLATION_REACH, Neighbour, Passed, Placed, SharpBlocks, Situation, Workspace, assemble, jump, passed};
 
 /// The ways to make bodies rigid on a grid that ignores them.

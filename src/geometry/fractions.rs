@@ -27,11 +27,10 @@ const GAUSS: [(f64, f64); 8] = [
 /// # Panics
 /// If the dimension is neither 2 nor 3.
 pub fn fraction<const D: usize>(ball: &Ball<D>, center: &SVector<f64, D>, size: &SVector<f64, D>) -> f64 {
-    let (offset, radius) = (center - ball.center, ball.radius);
-    let nearest = offset.zip_map(size, |offset, size| (offset.abs() - 0.5 * size).max(0.0));
-    if nearest.norm() >= radius {
+    if !touches(ball, center, size) {
         return 0.0;
     }
+    let (offset, radius) = (center - ball.center, ball.radius);
     let farthest = offset.zip_map(size, |offset, size| offset.abs() + 0.5 * size);
     if farthest.norm() <= radius {
         return 1.0;
@@ -44,6 +43,11 @@ pub fn fraction<const D: usize>(ball: &Ball<D>, center: &SVector<f64, D>, size: 
         _ => panic!("volume fractions exist in dimension 2 and 3, not {D}"),
     };
     (filled / size.product()).clamp(0.0, 1.0)
+}
+
+/// Whether the ball reaches into the box of the given centre and edge lengths.
+pub fn touches<const D: usize>(ball: &Ball<D>, center: &SVector<f64, D>, size: &SVector<f64, D>) -> bool {
+    (center - ball.center).zip_map(size, |offset, size| (offset.abs() - 0.5 * size).max(0.0)).norm() < ball.radius
 }
 
 /// Area that the disk around the origin and the rectangle between two corners have in common.

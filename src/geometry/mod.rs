@@ -9,6 +9,6 @@ mod pairs;
 
 pub use ball::Ball;
 pub use domain::{Axis, Domain};
-pub use fractions::fraction;
+pub use fractions::{fraction, touches};
 pub use overlap::{Fault, first_fault};
 pub use pairs::{Pair, WallPair, near_pairs, near_walls};

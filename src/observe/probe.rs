@@ -23,11 +23,13 @@ pub fn velocity_probe<const D: usize>(suspension: &Suspension<D>, solution: &Sol
     Ok(Probe { points, names: ["u", "v", "w"][..D].to_vec(), values })
 }
 
-/// The scalar of a solution on `per_axis^D` points; collective, and the same on every rank.
+/// The scalar of a solution, mean gradient included, on `per_axis^D` points; collective, and the same on every rank.
 pub fn scalar_probe<const D: usize>(inclusions: &Inclusions<D>, solution: &ScalarSolution<D>, per_axis: usize) -> Result<Probe<D>> {
     let points = lattice(&inclusions.setup().domain, per_axis);
-    let values = scalars(inclusions.grid(), &solution.field, &points)?;
-    Ok(Probe { points, names: vec!["value"], values: values.into_iter().map(|value| vec![value]).collect() })
+    let gradient = inclusions.setup().gradient.unwrap_or_else(SVector::zeros);
+    let disturbance = scalars(inclusions.grid(), &solution.field, &points)?;
+    let values = points.iter().zip(disturbance).map(|(point, value)| vec![value + gradient.dot(point)]).collect();
+    Ok(Probe { points, names: vec!["value"], values })
 }
 
 /// The centres of equal parts of the box, the first axis fastest.

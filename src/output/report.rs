@@ -72,6 +72,12 @@ fn bar(half: f64) -> String {
 fn scalar_lines(scalar: &ScalarSummary) -> Vec<String> {
     let inclusions = &scalar.inclusions;
     let mut lines = vec![format!("energy               {:.6}", scalar.energy)];
+    if let Some(conduction) = &scalar.conduction {
+        lines.push(format!("conductivity         {:.6}, mean flux {:.6?}", conduction.conductivity, conduction.mean_flux));
+    }
+    if let Some(uzawa) = &scalar.uzawa {
+        lines.push(format!("Uzawa's step         {:.3e}, diverges above about {:.3e}", uzawa.step, uzawa.bound));
+    }
     let (lowest, highest, flux) = inclusions.iter().fold((f64::INFINITY, f64::NEG_INFINITY, 0.0_f64), |(low, high, flux), inclusion| {
         (low.min(inclusion.value), high.max(inclusion.value), flux.max(inclusion.flux.abs()))
     });

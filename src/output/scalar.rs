@@ -1,11 +1,12 @@
 //! The numbers of a scalar around inclusions.
 
+use nalgebra::SVector;
 use serde::Serialize;
 
 use super::{Summary, summary::SolverSummary};
 use crate::{
     parallel::World,
-    simulation::{InclusionState, Inclusions, ScalarSolution},
+    simulation::{InclusionState, Inclusions, ScalarSolution, Uzawa},
 };
 
 /// The scalar problem.
@@ -15,8 +16,36 @@ pub struct ScalarSummary {
     pub source: f64,
     /// Least value of `1/2 integral |grad u|^2 - integral of source u` outside the inclusions.
     pub energy: f64,
+    /// What the mean gradient of a periodic box brings about; absent without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub conduction: Option<ConductionSummary>,
+    /// Uzawa's iteration, if it solved for the multipliers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uzawa: Option<UzawaSummary>,
     /// The inclusions.
     pub inclusions: Vec<InclusionSummary>,
+}
+
+/// Conduction through a periodic box.
+#[derive(Debug, Clone, Serialize)]
+pub struct ConductionSummary {
+    /// The mean gradient.
+    pub mean_gradient: Vec<f64>,
+    /// The mean flux up the gradient.
+    pub mean_flux: Vec<f64>,
+    /// Its part along the gradient over the gradient: the effective conductivity, that of what is around the inclusions being 1.
+    pub conductivity: f64,
+}
+
+/// How Uzawa's iteration went.
+#[derive(Debug, Clone, Serialize)]
+pub struct UzawaSummary {
+    /// The step.
+    pub step: f64,
+    /// Estimate of the step from which it diverges.
+    pub bound: f64,
+    /// Iterations of all solves of the box.
+    pub box_iterations: usize,
 }
 
 /// One inclusion.
@@ -45,6 +74,8 @@ impl Summary {
         let scalar = ScalarSummary {
             source: setup.source,
             energy: solution.energy,
+            conduction: setup.gradient.zip(solution.mean_flux).map(|(gradient, flux)| ConductionSummary::new(&gradient, &flux)),
+            uzawa: solution.uzawa.map(|Uzawa { step, bound, box_iterations }| UzawaSummary { step, bound, box_iterations }),
             inclusions: solution.inclusions.iter().map(InclusionSummary::new).collect(),
         };
         Summary {
@@ -52,6 +83,14 @@ impl Summary {
             solver: Some(SolverSummary::of_cost("hypre", inclusions.cost(), world)),
             ..Summary::of_bodies(named, (Vec::new(), setup.fraction()), (held, grid.local_unknowns(D)), world)
         }
+    }
+}
+
+impl ConductionSummary {
+    fn new<const D: usize>(gradient: &SVector<f64, D>, flux: &SVector<f64, D>) -> ConductionSummary {
+        let list = |vector: &SVector<f64, D>| vector.as_slice().to_vec();
+        let conductivity = gradient.dot(flux) / gradient.norm_squared();
+        ConductionSummary { mean_gradient: list(gradient), mean_flux: list(flux), conductivity }
     }
 }
 

@@ -19,6 +19,10 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
         Some(Drive::ShearRate(rate)) => check_shear(scene, *rate),
         Some(Drive::MeanVelocity(vector)) => check_walls(scene, "flow.drive.mean_velocity", vector),
         Some(Drive::PressureGradient(vector)) => check_walls(scene, "flow.drive.pressure_gradient", vector),
+        Some(Drive::MeanGradient(gradient)) => {
+            let remedy = "is for a scalar (flow.model = \"scalar\") only; a fluid has pressure_gradient";
+            Err(scene.refuse("flow.drive.mean_gradient", format!("{gradient:?}"), remedy))
+        }
         Some(Drive::BodyForce(_)) | None => Ok(()),
     }
 }
@@ -37,6 +41,7 @@ fn check_constraint(scene: &Scene) -> Result<()> {
     let remedy = match (scene.method.constraint, scene.flow.model) {
         (ConstraintMethod::Sharp, _) => return Ok(()),
         (ConstraintMethod::MeanValue(_) | ConstraintMethod::Distributed | ConstraintMethod::Penalty(_), FlowModel::Stokes) => return Ok(()),
+        (method, FlowModel::Scalar) if method != ConstraintMethod::Fitted => return Ok(()),
         (_, FlowModel::Scalar | FlowModel::Stokes) => "is not available yet; must be \"sharp\"",
         (_, FlowModel::None) => "has no meaning without a fluid; remove it",
     };
@@ -74,11 +79,28 @@ fn check_dry(scene: &Scene) -> Result<()> {
 }
 
 fn check_scalar(scene: &Scene) -> Result<()> {
-    if walled(scene).next().is_none() {
-        let remedy = "needs a wall, where the scalar is 0; set domain.x = \"walls\" or another axis";
-        return Err(scene.refuse("flow.model", "\"scalar\"", remedy));
+    check_still_walls(scene, "a scalar does not feel a wall move")?;
+    let wall = walled(scene).next();
+    match (&scene.flow.drive, wall) {
+        (None, Some(_)) => Ok(()),
+        (None, None) => {
+            let remedy = "needs a wall, where the scalar is 0; set domain.x = \"walls\" or another axis, or give flow.drive.mean_gradient";
+            Err(scene.refuse("flow.model", "\"scalar\"", remedy))
+        }
+        (Some(Drive::MeanGradient(gradient)), Some(axis)) => {
+            let remedy = format!("needs a fully periodic box, but domain.{} has walls, where the scalar is 0", name(axis));
+            Err(scene.refuse("flow.drive.mean_gradient", format!("{gradient:?}"), &remedy))
+        }
+        (Some(Drive::MeanGradient(_)), None) if scene.flow.source != 0.0 => {
+            let remedy = "must be 0 with a mean gradient: what a source brings into a fully periodic box cannot leave it";
+            Err(scene.refuse("flow.source", scene.flow.source, remedy))
+        }
+        (Some(Drive::MeanGradient(gradient)), None) if gradient.iter().all(|&component| component == 0.0) => {
+            Err(scene.refuse("flow.drive.mean_gradient", format!("{gradient:?}"), "must not be 0: nothing else drives the scalar"))
+        }
+        (Some(Drive::MeanGradient(_)), None) => Ok(()),
+        (Some(_), _) => unreachable!("other drives of a scalar are refused by their keys"),
     }
-    check_still_walls(scene, "a scalar does not feel a wall move")
 }
 
 fn check_masses(scene: &Scene) -> Result<()> {

@@ -132,6 +132,7 @@ fn of_flow(flow: &FlowSection) -> Keys {
         Drive::PressureGradient(gradient) => list("flow.drive.pressure_gradient", gradient),
         Drive::BodyForce(force) => list("flow.drive.body_force", force),
         Drive::ShearRate(rate) => pair("flow.drive.shear_rate", rate),
+        Drive::MeanGradient(gradient) => list("flow.drive.mean_gradient", gradient),
     }));
     keys
 }

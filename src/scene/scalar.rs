@@ -8,16 +8,14 @@ use crate::scene::table::Table;
 const STILL: &str = "inclusions of a scalar do not move; remove it";
 
 /// Sections and keys, and why a scalar scene has none.
-const REFUSED: [(&str, &[&str], &str); 9] = [
+const REFUSED: [(&str, &[&str], &str); 7] = [
     ("gravity", &[], "a scalar and its inclusions have no weight; remove it"),
     ("flow", &["viscosity", "density"], "a scalar (flow.model = \"scalar\") is no fluid; remove it"),
-    ("flow", &["drive"], "a scalar has no flow to drive; remove it or give flow.source, a number"),
     ("method", &["inverse"], "a scalar is always solved by multigrid; remove it"),
     ("bodies", &["density", "motion", "force", "torque", "velocity", "spin"], STILL),
     ("contact", &[], STILL),
     ("lubrication", &[], STILL),
     ("time", &[], STILL),
-    ("output", &["picture"], "no picture of a scalar is drawn; remove it"),
 ];
 
 /// Refuses the first of them that the file has.
@@ -29,7 +27,21 @@ pub(super) fn refuse_keys(root: &Table) -> Result<()> {
             _ => keys.iter().try_for_each(|key| refuse_key(&entry, key, remedy))?,
         }
     }
-    Ok(())
+    match root.get("flow") {
+        Some(flow) => refuse_drive(&flow),
+        None => Ok(()),
+    }
+}
+
+/// Refuses drives of fluids.
+fn refuse_drive(flow: &Entry) -> Result<()> {
+    match flow.value.as_inline_table().and_then(|table| table.get("drive")) {
+        Some(value) if value.as_inline_table().is_none_or(|drive| !drive.contains_key("mean_gradient")) => {
+            let remedy = "a scalar has no flow to drive; give it mean_gradient, or flow.source, a number";
+            Err(Entry { value, key: join(&flow.key, "drive"), locations: flow.locations }.refuse(remedy))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Refuses a key of a table, or of any table of a list.

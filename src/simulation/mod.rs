@@ -34,7 +34,7 @@ pub use faster::Faster;
 pub use memory::{Past, Snapshot};
 pub use pace::{Pace, Stride, Urge};
 pub use plan::Plan;
-pub use scalar::{InclusionState, Inclusions, ScalarSetup, ScalarSolution};
+pub use scalar::{InclusionState, Inclusions, ScalarSetup, ScalarSolution, Uzawa};
 pub use setup::{Setup, SuspendedBody};
 pub use simulation::{Simulation, StepReport};
 pub use solution::{BodyState, Solution};

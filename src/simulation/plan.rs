@@ -84,17 +84,21 @@ impl Plan {
         let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
         let inclusions = match setup.inclusions.len() {
             0 => Effect::off("inclusions"),
-            count => Effect::on("inclusions", format!("{count}, with surface multipliers and corrected stencils (sharp)")),
+            count => Effect::on("inclusions", format!("{count}, {}", setup.method)),
         };
+        let source = format!("{} outside the inclusions", setup.source);
+        let gradient = setup.gradient.map(|gradient| format!("{:?}", gradient.as_slice()));
         let effects = vec![
             Effect::on("scalar", "one matrix, one multigrid hierarchy (hypre)".into()),
-            Effect::on("source", format!("{} outside the inclusions", setup.source)),
+            Effect { name: "source", built: (setup.source != 0.0).then_some(source) },
+            Effect { name: "mean gradient", built: gradient },
             inclusions,
         ]
         .into_iter()
         .chain(["pressure", "gravity", "rotation", "motion in time"].map(Effect::off))
         .collect();
-        let (grid_unknowns, multiplier_unknowns) = (grid.unknowns(D), setup.multipliers());
+        let counts = setup.counts(&grid);
+        let (grid_unknowns, multiplier_unknowns) = (grid.unknowns(D), counts.iter().sum::<usize>());
         let fluid = FluidPlan {
             cells: grid.cells().to_vec(),
             blocks: grid.partition().ranks().to_vec(),
@@ -102,7 +106,8 @@ impl Plan {
             multiplier_unknowns,
             closure_unknowns: 0,
         };
-        Ok(Plan { effects, choice: None, fluid: Some(fluid), bytes: scalar_bytes(&grid, multiplier_unknowns) })
+        let blocks: f64 = counts.iter().map(|&count| setup.method.bytes::<D>(count)).sum();
+        Ok(Plan { effects, choice: None, fluid: Some(fluid), bytes: scalar_bytes(&grid, multiplier_unknowns) + blocks })
     }
 
     fn of_flow<const D: usize>(scene: &Scene, setup: &Setup<D>, ranks: usize) -> Result<Plan> {

@@ -113,7 +113,8 @@ fn resolution(scene: &Scene) -> Result<&ResolutionSection> {
 
 fn drive<const D: usize>(scene: &Scene) -> Drive<D> {
     match &scene.flow.drive {
-        None => Drive::Rest,
+        // refused: fluids have no mean gradient
+        None | Some(scene::Drive::MeanGradient(_)) => Drive::Rest,
         Some(scene::Drive::MeanVelocity(velocity)) => Drive::MeanVelocity(vector(velocity)),
         Some(scene::Drive::PressureGradient(gradient)) => Drive::PressureGradient(vector(gradient)),
         Some(scene::Drive::BodyForce(force)) => Drive::BodyForce(vector(force)),

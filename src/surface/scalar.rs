@@ -133,6 +133,13 @@ impl<const D: usize> ScalarSurface<D> {
         self.quadrature.directions.chunks(D).map(|direction| SVector::from_column_slice(direction) * self.modes.radius)
     }
 
+    /// What projection makes of a constant: the first mode alone.
+    pub fn constant(&self) -> Vec<f64> {
+        let mut constant = vec![0.0; self.modes.count()];
+        constant[0] = 1.0;
+        constant
+    }
+
     /// What projects values at the points (columns) on the modes (rows): weight times mode.
     pub fn projector(&self) -> &DMatrix<f64> {
         &self.projector

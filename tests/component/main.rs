@@ -14,6 +14,7 @@ mod fields;
 mod fluid;
 mod grid;
 mod hard;
+mod inclusions;
 mod interpolation;
 mod inverses;
 mod lasting;
@@ -67,6 +68,7 @@ fn main() {
         transform::tests(),
         near::tests(),
         scalar::tests(),
+        inclusions::tests(),
         suspension::tests(),
         inverses::tests(),
         effects::tests(),

@@ -3,10 +3,11 @@
 use nalgebra::{SVector, Vector2, Vector3};
 use turbid::{
     body::pack,
+    constraint::InclusionMethod,
     geometry::{Axis, Ball, Domain},
     grid::operators::signed,
     petsc::Session,
-    scene::Tolerance,
+    scene::{MultiplierSolver, Tolerance},
     simulation::{InclusionState, Inclusions, ScalarSetup, ScalarSolution},
 };
 
@@ -26,7 +27,7 @@ pub fn tests() -> Vec<Test> {
 }
 
 /// Centre, radius, value in the disk and integral of the squared gradient, for a unit source in the unit square.
-const DISKS: [([f64; 2], f64, f64, f64); 6] = [
+pub const DISKS: [([f64; 2], f64, f64, f64); 6] = [
     ([0.5, 0.5], 0.10, 0.06274534820228, 0.030897858487),
     ([0.5, 0.5], 0.15, 0.05364913825614, 0.026343103811),
     ([0.5, 0.5], 0.20, 0.04382838849255, 0.021005256073),
@@ -35,19 +36,28 @@ const DISKS: [([f64; 2], f64, f64, f64); 6] = [
     ([0.4, 0.55], 0.20, 0.04067803527883, 0.020998646033),
 ];
 
-fn walled<const D: usize>(spacing: f64, inclusions: Vec<(Ball<D>, usize)>) -> ScalarSetup<D> {
+pub fn walled<const D: usize>(spacing: f64, inclusions: Vec<(Ball<D>, usize)>) -> ScalarSetup<D> {
     let still = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
     let domain = Domain { size: SVector::repeat(1.0), axes: [still; D] };
-    ScalarSetup { domain, spacing, source: 1.0, inclusions, tolerance: Tolerance::Fixed(1e-10) }
+    ScalarSetup {
+        domain,
+        spacing,
+        source: 1.0,
+        gradient: None,
+        inclusions,
+        method: InclusionMethod::Sharp,
+        solver: MultiplierSolver::Krylov,
+        tolerance: Tolerance::Fixed(1e-10),
+    }
 }
 
-fn solve<const D: usize>(session: &Session, setup: ScalarSetup<D>) -> (Inclusions<D>, ScalarSolution<D>) {
+pub fn solve<const D: usize>(session: &Session, setup: ScalarSetup<D>) -> (Inclusions<D>, ScalarSolution<D>) {
     let mut inclusions = Inclusions::new(session, setup).unwrap();
     let solution = inclusions.solve(&mut |_, _| {}).unwrap();
     (inclusions, solution)
 }
 
-fn disk([x, y]: [f64; 2], radius: f64, order: usize) -> (Ball<2>, usize) {
+pub fn disk([x, y]: [f64; 2], radius: f64, order: usize) -> (Ball<2>, usize) {
     (Ball { center: Vector2::new(x, y), radius }, order)
 }
 
@@ -92,7 +102,7 @@ fn a_sphere_off_the_centre_is_of_second_order(session: &Session) {
 }
 
 /// Inclusions with given centres between walls: no net flux by multipliers and by the grid, and a constant in each.
-fn balanced<const D: usize>(session: &Session, setup: ScalarSetup<D>, flat: f64, most_iterations: usize) {
+pub fn balanced<const D: usize>(session: &Session, setup: ScalarSetup<D>, flat: f64, most_iterations: usize) {
     let volume: f64 = setup.inclusions.iter().map(|(ball, _)| ball.volume()).sum();
     let (mut inclusions, solution) = solve(session, setup);
     let iterations = inclusions.cost().krylov.iterations;
@@ -119,7 +129,7 @@ fn deviation<const D: usize>(inclusions: &Inclusions<D>, solution: &ScalarSoluti
     deviations.fold(0.0, f64::max)
 }
 
-fn random<const D: usize>(count: usize, radius: f64, gap: f64, cells_per_radius: f64, order: usize) -> ScalarSetup<D> {
+pub fn random<const D: usize>(count: usize, radius: f64, gap: f64, cells_per_radius: f64, order: usize) -> ScalarSetup<D> {
     let mut setup = walled(radius / cells_per_radius, Vec::new());
     let centers = pack(&setup.domain, &[], &vec![radius; count], gap, 3).unwrap();
     setup.inclusions = centers.into_iter().map(|center| (Ball { center, radius }, order)).collect();
@@ -159,7 +169,7 @@ fn symmetric_inclusions_have_equal_values(session: &Session) {
 }
 
 /// Periodic along x, with one disk of every length 1.
-fn channel(length: usize, x: f64) -> ScalarSetup<2> {
+pub fn channel(length: usize, x: f64) -> ScalarSetup<2> {
     let disks = (0..length).map(|place| disk([x + place as f64, 0.45], 0.2, 7)).collect();
     let setup = walled(1.0 / 40.0, disks);
     let domain = Domain { size: Vector2::new(length as f64, 1.0), axes: [Axis::Periodic, setup.domain.axes[1]] };

@@ -2,10 +2,12 @@
 
 use std::ops::Range;
 
+use nalgebra::DMatrix;
+
+use super::coupling::{Coupling, Plans, Seen};
 use crate::{
     constraint::{
         Layout,
-        dense::{LocalBlock, dot},
         places::{Places, from},
         rows::Rows,
     },
@@ -17,23 +19,40 @@ use crate::{
 pub struct InclusionBlocks {
     /// Its multipliers in this rank's part.
     pub range: Range<usize>,
-    /// Rows of C.
-    pub rows: Rows,
-    /// What is added to rows by a unit source outside of it, besides one everywhere: each cell in it or beside its surface, once.
+    /// The values that a constant has when it is tested.
+    pub constant: Vec<f64>,
+    /// The values that the coordinates from the centre (columns) have when they are tested.
+    pub positions: DMatrix<f64>,
+    /// Flux of a multiplier that is constant over the inclusion: the area of its surface, or the volume of a cell, over what testing takes.
+    pub measure: f64,
+    /// Value that stands for a unit of the constant multiplier, whose row says that nothing flows net out.
+    pub reaction: f64,
+    /// What is added to rows by a unit source outside of it, besides one everywhere: each cell that it changes or touches, once.
     pub source: Rows,
-    /// Rows of the transpose of J.
-    pub sampled: Rows,
-    /// Blocks of E in its rows.
-    pub local: Vec<LocalBlock>,
-    /// What a unit source adds to the values on its surface through the jumps.
-    pub by_source: Vec<f64>,
+    /// C, J and E.
+    pub coupling: Coupling,
+}
+
+impl InclusionBlocks {
+    /// The part of the constant in tested values or multipliers.
+    fn constant_part(&self, tested: &[f64]) -> f64 {
+        let square: f64 = self.constant.iter().map(|one| one * one).sum();
+        self.constant.iter().zip(tested).map(|(one, value)| one * value).sum::<f64>() / square
+    }
+
+    fn add_constant(&self, factor: f64, tested: &mut [f64]) {
+        tested.iter_mut().zip(&self.constant).for_each(|(value, one)| *value += factor * one);
+    }
+
+    /// Integrals over the inclusion of its multipliers times a function of the given tested values.
+    fn integral(&self, tested: impl Iterator<Item = f64>, c: &[f64]) -> f64 {
+        self.measure * tested.zip(c).map(|(value, c)| value * c).sum::<f64>()
+    }
 }
 
 /// The blocks of all inclusions.
 pub struct ScalarBlocks {
     inclusions: Vec<InclusionBlocks>,
-    /// For each of them, the places of the first multipliers of its blocks of E.
-    multiplier_places: Vec<Vec<u32>>,
     /// Entries of fields that interpolation takes from other ranks.
     sampled: Scatter,
     /// Entries of fields of other ranks to which rows belong.
@@ -46,56 +65,54 @@ impl ScalarBlocks {
     /// Joins the blocks of this rank's inclusions; `field` is any vector of the scalar.
     pub fn new(session: &Session, field: &Vector, layout: &Layout, mut inclusions: Vec<InclusionBlocks>) -> Result<ScalarBlocks> {
         let multipliers = Vector::new(session, layout.local_unknowns())?;
-        let (mut sampled, mut spread, mut taken) = (Places::new(field)?, Places::new(field)?, Places::new(&multipliers)?);
-        let mut multiplier_places = Vec::with_capacity(inclusions.len());
+        let mut plans = Plans { sampled: Places::new(field)?, spread: Places::new(field)?, multipliers: Places::new(&multipliers)? };
         for inclusion in &mut inclusions {
-            inclusion.sampled.plan(&mut sampled);
-            inclusion.rows.plan(&mut spread);
-            inclusion.source.plan(&mut spread);
-            let places = inclusion.local.iter().map(|block| taken.of(layout.global(block.body), block.transposed.nrows()));
-            multiplier_places.push(places.collect());
+            inclusion.source.plan(&mut plans.spread);
+            inclusion.coupling.plan(layout, &mut plans);
         }
-        let (sampled, spread, multipliers) = (sampled.scatter(field)?, spread.scatter(field)?, taken.scatter(&multipliers)?);
-        Ok(ScalarBlocks { inclusions, multiplier_places, sampled, spread, multipliers })
+        let (sampled, spread) = (plans.sampled.scatter(field)?, plans.spread.scatter(field)?);
+        Ok(ScalarBlocks { inclusions, sampled, spread, multipliers: plans.multipliers.scatter(&multipliers)? })
     }
 
     /// `rows += factor * C c`, with this rank's multipliers `c`.
     pub fn spread(&mut self, factor: f64, c: &[f64], rows: &mut Vector) -> Result<()> {
-        self.add_rows(rows, |inclusion| (&inclusion.rows, factor, &c[inclusion.range.clone()]))
-    }
-
-    /// Adds to rows that hold `source` everywhere what makes it a source outside the inclusions only.
-    pub fn confine_source(&mut self, source: f64, rows: &mut Vector) -> Result<()> {
-        self.add_rows(rows, |inclusion| (&inclusion.source, source, &[1.0]))
-    }
-
-    fn add_rows<'a>(&'a mut self, rows: &mut Vector, chosen: impl Fn(&'a InclusionBlocks) -> (&'a Rows, f64, &'a [f64])) -> Result<()> {
-        let (mut own, mut others, mut scratch) = (rows.local_mut()?, self.spread.places()?, Vec::new());
-        for (block, factor, c) in self.inclusions.iter().map(chosen) {
-            block.add(factor, c, &mut scratch, &mut own, &mut others);
+        let (mut own, mut others) = (rows.local_mut()?, self.spread.places()?);
+        for inclusion in &self.inclusions {
+            inclusion.coupling.spread(factor, &c[inclusion.range.clone()], &mut own, &mut others);
         }
         drop((own, others));
         self.spread.add_back(rows)
     }
 
-    /// For each of this rank's inclusions, the sum of a field over the cells in it and beside its surface.
+    /// Adds to rows that hold `source` everywhere what makes it a source outside the inclusions only.
+    pub fn confine_source(&mut self, source: f64, rows: &mut Vector) -> Result<()> {
+        let (mut own, mut others, mut scratch) = (rows.local_mut()?, self.spread.places()?, Vec::new());
+        for inclusion in &self.inclusions {
+            inclusion.source.add(source, &[1.0], &mut scratch, &mut own, &mut others);
+        }
+        drop((own, others));
+        self.spread.add_back(rows)
+    }
+
+    /// For each of this rank's inclusions, the sum of a field over the cells that it changes or touches.
     pub fn sums(&mut self, field: &Vector) -> Result<Vec<f64>> {
         let (others, own) = (self.spread.fetch(field)?, field.local()?);
         let sum = |inclusion: &InclusionBlocks| inclusion.source.places.iter().map(|&place| from(&own, &others, place)[0]).sum();
         Ok(self.inclusions.iter().map(sum).collect())
     }
 
+    /// The sum of a field over the cells of this rank's inclusions, by the parts of them that a unit source is kept out of.
+    pub fn confined(&mut self, field: &Vector) -> Result<f64> {
+        let (others, own) = (self.spread.fetch(field)?, field.local()?);
+        let cells = self.inclusions.iter().flat_map(|inclusion| inclusion.source.places.iter().zip(&inclusion.source.values));
+        Ok(cells.map(|(&place, value)| -value * from(&own, &others, place)[0]).sum())
+    }
+
     /// `out = J u`, this rank's multipliers.
     pub fn sample(&mut self, field: &Vector, out: &mut [f64]) -> Result<()> {
         let (others, own) = (self.sampled.fetch(field)?, field.local()?);
         for inclusion in &self.inclusions {
-            let out = &mut out[inclusion.range.clone()];
-            out.fill(0.0);
-            let Rows { places, values, .. } = &inclusion.sampled;
-            for (&place, tests) in places.iter().zip(values.chunks_exact(out.len())) {
-                let value = from(&own, &others, place)[0];
-                out.iter_mut().zip(tests).for_each(|(out, test)| *out += value * test);
-            }
+            inclusion.coupling.sample(&own, &others, &mut out[inclusion.range.clone()]);
         }
         Ok(())
     }
@@ -103,15 +120,59 @@ impl ScalarBlocks {
     /// `out += E c + source e`.
     pub fn add_local(&mut self, c: &Vector, source: f64, out: &mut [f64]) -> Result<()> {
         let (others, own) = (self.multipliers.fetch(c)?, c.local()?);
-        for (inclusion, places) in self.inclusions.iter().zip(&self.multiplier_places) {
-            let out = &mut out[inclusion.range.clone()];
-            out.iter_mut().zip(&inclusion.by_source).for_each(|(out, value)| *out += source * value);
-            for (LocalBlock { transposed, .. }, place) in inclusion.local.iter().zip(places) {
-                let modes = transposed.nrows();
-                let c = &from(&own, &others, *place)[..modes];
-                out.iter_mut().zip(transposed.as_slice().chunks_exact(modes)).for_each(|(out, row)| *out += dot(row, c));
-            }
+        for inclusion in &self.inclusions {
+            let range = inclusion.range.clone();
+            let seen = Seen { own: &own, others: &others, inclusion: &own[range.clone()] };
+            inclusion.coupling.add_local(seen, source, &mut out[range]);
         }
         Ok(())
+    }
+
+    /// `out += J (gradient . x)`, with the position `x` from the centre of each inclusion.
+    pub fn add_positions(&self, gradient: &[f64], out: &mut [f64]) {
+        for inclusion in &self.inclusions {
+            for (column, factor) in inclusion.positions.column_iter().zip(gradient) {
+                out[inclusion.range.clone()].iter_mut().zip(column.iter()).for_each(|(out, position)| *out += factor * position);
+            }
+        }
+    }
+
+    /// Takes the constant out of tested values, which it may be, and puts the net flux of the multipliers in its place, which is zero.
+    pub fn free_constants(&self, c: &[f64], out: &mut [f64]) {
+        for inclusion in &self.inclusions {
+            let (c, out) = (&c[inclusion.range.clone()], &mut out[inclusion.range.clone()]);
+            let factor = inclusion.reaction * inclusion.constant_part(c) - inclusion.constant_part(out);
+            inclusion.add_constant(factor, out);
+        }
+    }
+
+    /// Multipliers that would bring about the `wanted` values, each inclusion as if it were alone, where the scalar has those in `out`.
+    pub fn alone(&self, wanted: &[f64], out: &mut [f64]) {
+        for inclusion in &self.inclusions {
+            let (wanted, out) = (&wanted[inclusion.range.clone()], &mut out[inclusion.range.clone()]);
+            let net = inclusion.constant_part(wanted) / inclusion.reaction;
+            let mut missing: Vec<f64> = wanted.iter().zip(out.iter()).map(|(wanted, value)| wanted - value).collect();
+            inclusion.add_constant(-inclusion.constant_part(&missing), &mut missing);
+            inclusion.coupling.invert(&missing, out);
+            inclusion.add_constant(net - inclusion.constant_part(out), out);
+        }
+    }
+
+    /// The constants in tested values, one for each of this rank's inclusions.
+    pub fn constants(&self, tested: &[f64]) -> Vec<f64> {
+        self.inclusions.iter().map(|inclusion| inclusion.constant_part(&tested[inclusion.range.clone()])).collect()
+    }
+
+    /// Net fluxes of multipliers, one for each of this rank's inclusions.
+    pub fn fluxes(&self, c: &[f64]) -> Vec<f64> {
+        let flux = |inclusion: &InclusionBlocks| inclusion.integral(inclusion.constant.iter().copied(), &c[inclusion.range.clone()]);
+        self.inclusions.iter().map(flux).collect()
+    }
+
+    /// Integral over this rank's inclusions of the multipliers times the position along an axis.
+    pub fn dipole(&self, axis: usize, c: &[f64]) -> f64 {
+        let dipole =
+            |inclusion: &InclusionBlocks| inclusion.integral(inclusion.positions.column(axis).iter().copied(), &c[inclusion.range.clone()]);
+        self.inclusions.iter().map(dipole).sum()
     }
 }

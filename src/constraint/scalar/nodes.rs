@@ -29,10 +29,10 @@ pub struct Nodes<'a, const D: usize> {
 impl<'a, const D: usize> Nodes<'a, D> {
     /// All that stencils and interpolation may touch.
     pub fn around(grid: &'a Grid<D>, inclusion: &'a PlacedInclusion<D>) -> Self {
-        let reach = inclusion.surface.modes.radius() + REACH * grid.spacing().max();
-        let patch = Patch::of_cells(grid, &inclusion.center, reach);
+        let reach = inclusion.ball.radius + REACH * grid.spacing().max();
+        let patch = Patch::of_cells(grid, &inclusion.ball.center, reach);
         let position = |index: Index<D>| SVector::from_fn(|axis, _| dirichlet::coordinate(grid, axis, index[axis]));
-        let offsets: Vec<SVector<f64, D>> = patch.indices().map(|index| position(index) - inclusion.center).collect();
+        let offsets: Vec<SVector<f64, D>> = patch.indices().map(|index| position(index) - inclusion.ball.center).collect();
         let outside = offsets.iter().map(|offset| inclusion.excludes(offset)).collect();
         Nodes { grid, inclusion, patch, offsets, outside }
     }
@@ -48,9 +48,9 @@ impl<'a, const D: usize> Nodes<'a, D> {
 
     /// Jump functions of an inclusion (rows, the source last) at places (columns).
     pub fn jumps(&self, of: &PlacedInclusion<D>, places: impl Iterator<Item = usize>) -> DMatrix<f64> {
-        let shift = self.inclusion.center - of.center;
+        let shift = self.inclusion.ball.center - of.ball.center;
         let offsets: Vec<SVector<f64, D>> = places.map(|place| self.offsets[place] + shift).collect();
-        let mut jumps = of.surface.modes.jumps(&offsets);
+        let mut jumps = of.surface().modes.jumps(&offsets);
         let core = CORE * self.grid.spacing().max();
         for (offset, mut column) in offsets.iter().zip(jumps.column_iter_mut()) {
             if offset.norm() <= core {
@@ -62,6 +62,6 @@ impl<'a, const D: usize> Nodes<'a, D> {
 
     /// Whether the node at a place lies inside another inclusion.
     pub fn inside(&self, other: &PlacedInclusion<D>, place: usize) -> bool {
-        !other.excludes(&(self.offsets[place] + self.inclusion.center - other.center))
+        !other.excludes(&(self.offsets[place] + self.inclusion.ball.center - other.ball.center))
     }
 }

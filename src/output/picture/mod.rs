@@ -1,4 +1,4 @@
-//! The picture of a suspension: speed as colour, streamlines in white, bodies in black, as one SVG text.
+//! The picture of a suspension: speed or a scalar as colour, streamlines in white, bodies in black, as one SVG text.
 //!
 //! A [`Picture`] is a plane cut sampled on a regular grid. Everything here is a pure function of it: no file,
 //! no mesh, no simulation is known. Lengths and speeds are in the units of the simulation, `y` points up.
@@ -27,8 +27,10 @@ pub struct Picture {
     pub samples: [usize; 2],
     /// Velocity at the sample centres `((i + 0.5) / samples * size)`, at index `j * samples[0] + i`.
     pub velocity: Vec<[f64; 2]>,
-    /// Speed to colour by, at the same points; it may include the component out of the plane.
-    pub speed: Vec<f64>,
+    /// What to colour by at the same points, not negative: the speed, which may include the component out of the plane, or a scalar.
+    pub coloured: Vec<f64>,
+    /// The name of it.
+    pub quantity: &'static str,
 }
 
 /// The cut of one body: a filled circle.
@@ -49,7 +51,7 @@ impl Picture {
     /// and bodies with such a center or radius are left out.
     pub fn svg(&self) -> String {
         let count = self.samples[0] * self.samples[1];
-        assert!(count > 0 && self.velocity.len() == count && self.speed.len() == count, "one velocity and one speed per sample");
+        assert!(count > 0 && self.velocity.len() == count && self.coloured.len() == count, "one velocity and one colour per sample");
         assert!(self.size.iter().all(|length| length.is_finite() && *length > 0.0), "the box has a positive size");
         svg::drawing(self)
     }
@@ -90,7 +92,8 @@ mod tests {
             bodies: Vec::new(),
             samples: [32, 16],
             velocity: vec![velocity; 512],
-            speed: vec![velocity[0].hypot(velocity[1]); 512],
+            coloured: vec![velocity[0].hypot(velocity[1]); 512],
+            quantity: "speed",
         }
     }
 

@@ -19,7 +19,7 @@ pub fn data_uri(picture: &Picture, [width, height]: [usize; 2], top: f64) -> Str
 fn resampled(picture: &Picture, [width, height]: [usize; 2]) -> Vec<f64> {
     let columns = weights(picture, 0, width);
     let rows = weights(picture, 1, height);
-    let along = |row: usize, column: &[(usize, f64)]| sum(column, |i| finite(picture.speed[row * picture.samples[0] + i]));
+    let along = |row: usize, column: &[(usize, f64)]| sum(column, |i| finite(picture.coloured[row * picture.samples[0] + i]));
     let narrow: Vec<f64> = (0..picture.samples[1]).flat_map(|row| columns.iter().map(move |column| along(row, column))).collect();
     rows.iter().rev().flat_map(|row| (0..width).map(|i| sum(row, |j| narrow[j * width + i])).collect::<Vec<_>>()).collect()
 }
@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn the_first_row_of_pixels_is_the_top_of_the_box() {
         let mut picture = uniform_flow([0.0, 0.0]);
-        picture.speed[15 * 32..].fill(1.0);
+        picture.coloured[15 * 32..].fill(1.0);
         let pixels = resampled(&picture, [32, 16]);
         assert!(pixels[0] > 0.9 && pixels[511].abs() < 1e-12);
     }

@@ -19,7 +19,7 @@ pub const INK: &str = "#14171f";
 /// The whole document.
 pub fn drawing(picture: &Picture) -> String {
     let frame = Frame::new(picture);
-    let bar = Bar::new(&picture.speed);
+    let bar = Bar::new(&picture.coloured);
     let [width, height] = frame.page;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" \
@@ -34,7 +34,7 @@ pub fn drawing(picture: &Picture) -> String {
     svg += &bodies(picture, &frame);
     svg += "</g>\n";
     svg += &edges(picture, &frame);
-    svg += &colour_bar(&frame, &bar);
+    svg += &colour_bar(picture.quantity, &frame, &bar);
     svg + "</svg>\n"
 }
 
@@ -187,7 +187,7 @@ fn edges(picture: &Picture, frame: &Frame) -> String {
     text
 }
 
-fn colour_bar(frame: &Frame, bar: &Bar) -> String {
+fn colour_bar(quantity: &str, frame: &Frame, bar: &Bar) -> String {
     let [x, y] = [frame.left + frame.size[0] + 24.0, frame.top];
     let height = frame.size[1];
     let mut text = format!(
@@ -202,7 +202,7 @@ fn colour_bar(frame: &Frame, bar: &Bar) -> String {
     let letters = bar.ticks.iter().map(|&tick| bar.label(tick).len()).max().unwrap_or(0);
     let [x, y] = [x + 42.0 + 7.5 * letters as f64, y + height / 2.0];
     let unit = power(bar.exponent);
-    let _ = writeln!(text, "<text transform=\"translate({x:.1} {y:.1}) rotate(-90)\" text-anchor=\"middle\">speed{unit}</text>\n</g>");
+    let _ = writeln!(text, "<text transform=\"translate({x:.1} {y:.1}) rotate(-90)\" text-anchor=\"middle\">{quantity}{unit}</text>\n</g>");
     text
 }
 
@@ -257,7 +257,7 @@ mod tests {
         for size in [[4.0, 1.0], [1.0, 4.0], [1e-6, 1e-6], [1e5, 3e5]] {
             assert_sound(&Picture { size, ..uniform_flow([1e-5, 1e-5]) });
         }
-        assert_sound(&Picture { samples: [1, 1], velocity: vec![[1.0, 0.0]], speed: vec![1.0], ..uniform_flow([0.0, 0.0]) });
+        assert_sound(&Picture { samples: [1, 1], velocity: vec![[1.0, 0.0]], coloured: vec![1.0], ..uniform_flow([0.0, 0.0]) });
     }
 
     #[test]

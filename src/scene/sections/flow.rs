@@ -5,7 +5,7 @@ use crate::scene::entry::Entry;
 use crate::scene::table::Table;
 
 /// Keys of `flow.drive`, which exclude each other.
-pub(in crate::scene) const DRIVES: [&str; 4] = ["mean_velocity", "pressure_gradient", "body_force", "shear_rate"];
+pub(in crate::scene) const DRIVES: [&str; 5] = ["mean_velocity", "pressure_gradient", "body_force", "shear_rate", "mean_gradient"];
 
 /// The fluid and what drives it; in a dry scene nothing but the model has a meaning, in a scalar one the source besides.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,6 +44,8 @@ pub enum Drive {
     BodyForce(Vec<f64>),
     /// The rate of the background shear `(rate y, 0, 0)` of a fully periodic box.
     ShearRate(f64),
+    /// The mean gradient of a scalar in a fully periodic box.
+    MeanGradient(Vec<f64>),
 }
 
 impl FlowSection {
@@ -55,12 +57,15 @@ impl FlowSection {
         for name in ["viscosity", "density", "drive", "source"] {
             model.allow(table.get(name))?;
         }
+        let drive = table.get("drive").map(|entry| Drive::read(&entry, dimension)).transpose()?;
+        // a fully periodic box has no wall through which a source could leave
+        let source = if matches!(drive, Some(Drive::MeanGradient(_))) { 0.0 } else { 1.0 };
         Ok(FlowSection {
             model,
             viscosity: table.get("viscosity").map_or(Ok(1.0), |entry| entry.positive())?,
             density: table.get("density").map_or(Ok(0.0), |entry| entry.not_negative())?,
-            drive: table.get("drive").map(|entry| Drive::read(&entry, dimension)).transpose()?,
-            source: table.get("source").map_or(Ok(1.0), |entry| read_source(&entry, model))?,
+            drive,
+            source: table.get("source").map_or(Ok(source), |entry| read_source(&entry, model))?,
         })
     }
 }
@@ -88,6 +93,7 @@ impl Drive {
             "mean_velocity" => Drive::MeanVelocity(entry.vector(dimension)?),
             "pressure_gradient" => Drive::PressureGradient(entry.vector(dimension)?),
             "body_force" => Drive::BodyForce(entry.vector(dimension)?),
+            "mean_gradient" => Drive::MeanGradient(entry.vector(dimension)?),
             _ => Drive::ShearRate(entry.number()?),
         })
     }

@@ -5,16 +5,17 @@ use std::time::Instant;
 use nalgebra::SVector;
 
 use super::{
-    InclusionState, ScalarSetup, ScalarSolution,
-    placed::{assemble, members, place},
-    system::{Member, ScalarSystem, ScalarWork},
+    ScalarSetup, ScalarSolution,
+    placed::{assemble, layout},
+    system::{ScalarSystem, ScalarWork},
+    uzawa::{Uzawa, UzawaSystem},
 };
 use crate::{
-    constraint::{Layout, PlacedInclusion, ScalarBlocks},
+    constraint::{InclusionMethod, Layout, ScalarBlocks},
     error::{Error, Result},
-    geometry::Ball,
     grid::{Grid, dirichlet},
     petsc::{Amg, AmgSettings, Krylov, KrylovMethod, KrylovSettings, Matrix, Session, Stage, System, Vector, enter},
+    scene::MultiplierSolver,
     simulation::{Cost, Stages},
 };
 
@@ -23,16 +24,14 @@ const MOST_ITERATIONS: usize = 1000;
 
 /// The scalar problem with its matrices.
 pub struct Inclusions<const D: usize> {
-    session: Session,
-    setup: ScalarSetup<D>,
-    grid: Grid<D>,
+    pub(super) session: Session,
+    pub(super) setup: ScalarSetup<D>,
+    pub(super) grid: Grid<D>,
+    pub(super) layout: Layout,
+    pub(super) blocks: ScalarBlocks,
+    pub(super) work: ScalarWork,
     matrix: Matrix,
     inverse: Amg,
-    layout: Layout,
-    placed: Vec<PlacedInclusion<D>>,
-    blocks: ScalarBlocks,
-    members: Vec<Member>,
-    work: ScalarWork,
     cost: Cost,
 }
 
@@ -40,28 +39,23 @@ impl<const D: usize> Inclusions<D> {
     /// Builds the machinery that a setup calls for.
     ///
     /// # Errors
-    /// The box has no wall, or the grid or the rank count does not fit.
+    /// The box has neither walls nor a mean gradient, or both, the solver is not for the method, or the grid or the rank count
+    /// does not fit.
     pub fn new(session: &Session, setup: ScalarSetup<D>) -> Result<Inclusions<D>> {
-        if setup.domain.fully_periodic() {
-            return Err(Error::Refused("a scalar in a fully periodic box has no definite value; put up walls along an axis".into()));
-        }
+        check(&setup)?;
         let (stage, start, world) = (enter(Stage::SetUp), Instant::now(), session.world());
         let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
         let matrix = dirichlet::minus_laplacian(session, &grid)?;
-        let inverse = Amg::new(&matrix, false, &AmgSettings::laplacian(D))?;
+        let inverse = Amg::new(&matrix, setup.domain.fully_periodic(), &hierarchy(&setup))?;
         let field = Vector::new(session, grid.local_unknowns(D))?;
         let mut cost = Cost { setup: start.elapsed().as_secs_f64(), grid_unknowns: grid.unknowns(D), ..Cost::default() };
         drop(stage);
         let (_stage, start) = (enter(Stage::Assembly), Instant::now());
-        let placed = place(&setup, &grid);
-        let centers: Vec<SVector<f64, D>> = placed.iter().map(|placed| placed.center).collect();
-        let modes: Vec<usize> = placed.iter().map(|placed| placed.surface.modes.count()).collect();
-        let layout = Layout::new(&grid, &centers, &modes, world.rank());
-        let blocks = assemble(session, &field, (&grid, &setup), (&layout, &placed))?;
+        let layout = layout(&setup, &grid, world.rank());
+        let blocks = assemble(session, &field, (&grid, &setup), &layout)?;
         (cost.assembly, cost.multiplier_unknowns) = (start.elapsed().as_secs_f64(), layout.unknowns());
-        let (members, multipliers) = (members(&layout, &placed), Vector::new(session, layout.local_unknowns())?);
-        let work = ScalarWork { field_out: field.like()?, field_in: field, multipliers, stages: Stages::default() };
-        Ok(Inclusions { session: session.clone(), setup, grid, matrix, inverse, layout, placed, blocks, members, work, cost })
+        let work = ScalarWork::new(session, field, layout.local_unknowns())?;
+        Ok(Inclusions { session: session.clone(), setup, grid, layout, blocks, work, matrix, inverse, cost })
     }
 
     /// The grid.
@@ -103,98 +97,107 @@ impl<const D: usize> Inclusions<D> {
     /// # Errors
     /// [`Error::Diverged`] when the tolerance is not reached.
     pub fn solve(&mut self, seen: &mut dyn FnMut(usize, f64)) -> Result<ScalarSolution<D>> {
-        let (rhs, scale) = (self.right_hand_side()?, self.scale());
-        let mut x = rhs.like()?;
-        let tolerance = self.setup.tolerance.at_an_instant();
-        let settings =
-            KrylovSettings { method: KrylovMethod::Gmres { restart: MOST_ITERATIONS }, tolerance, most_iterations: MOST_ITERATIONS };
-        let mut krylov = Krylov::new(&self.session, rhs.local()?.len(), c"coupled_", settings)?;
-        let Inclusions { matrix, inverse, blocks, members, work, .. } = self;
-        work.stages = Stages::default();
-        let mut system = ScalarSystem { matrix, inverse, blocks, members, scale, work };
+        self.work.stages = Stages::default();
+        let known = self.known_values()?;
+        self.fill_source()?;
+        let uzawa = match self.setup.solver {
+            MultiplierSolver::Krylov => self.solve_coupled(&known, seen).map(|()| None),
+            MultiplierSolver::Uzawa(step) => self.solve_by_uzawa(&known, step, seen).map(Some),
+        }?;
+        self.cost.stages = self.work.stages;
+        self.solution(uzawa)
+    }
+
+    /// Leaves the scalar and the multipliers in the work space, and in `field_out` what the solver leaves of the rows of the scalar.
+    fn solve_coupled(&mut self, known: &[f64], seen: &mut dyn FnMut(usize, f64)) -> Result<()> {
+        let scale = self.scale();
+        let cells = self.grid.local_unknowns(D);
+        let mut rhs = Vector::new(&self.session, cells + known.len())?;
+        self.work.field_out.scale(scale)?;
+        rhs.local_mut()?[..cells].copy_from_slice(&self.work.field_out.local()?);
+        rhs.local_mut()?[cells..].copy_from_slice(known);
+        let (method, tolerance) = (KrylovMethod::Gmres { restart: MOST_ITERATIONS }, self.setup.tolerance.at_an_instant());
+        let settings = KrylovSettings { method, tolerance, most_iterations: MOST_ITERATIONS };
+        let mut krylov = Krylov::new(&self.session, cells + known.len(), c"coupled_", settings)?;
+        let Inclusions { matrix, inverse, blocks, work, .. } = self;
+        let mut system = ScalarSystem { matrix, inverse, blocks, scale, work };
+        let (mut x, mut residual) = (rhs.like()?, rhs.like()?);
         let stage = enter(Stage::Orthogonalisation);
-        let report = krylov.solve(&mut system, (&rhs, &mut x), seen)?;
+        self.cost.krylov = krylov.solve(&mut system, (&rhs, &mut x), seen)?;
         drop(stage);
-        let mut residual = rhs.like()?;
         system.apply(&x, &mut residual)?;
         residual.add(-1.0, &rhs)?;
-        let mut values = vec![0.0; self.layout.local_unknowns()];
-        system.values(self.setup.source, &mut values)?;
-        (self.cost.krylov, self.cost.stages) = (report, self.work.stages);
-        let fluxes = self.fluxes(&residual)?;
-        self.solution(&values, &fluxes)
-    }
-
-    /// Net fluxes out of this rank's inclusions as the grid has them: of the multipliers, and of what the solver leaves in the rows there.
-    fn fluxes(&mut self, residual: &Vector) -> Result<Vec<f64>> {
-        let cells = self.grid.local_unknowns(D);
         self.work.field_out.local_mut()?.copy_from_slice(&residual.local()?[..cells]);
-        let sums = self.blocks.sums(&self.work.field_out)?;
-        let multipliers = self.work.multipliers.local()?;
-        let factor = self.grid.spacing().product() / self.scale();
-        let found = self.members.iter().zip(&self.layout.local_bodies).zip(sums);
-        Ok(found.map(|((member, &body), sum)| self.area(body) * multipliers[member.range.start] + factor * sum).collect())
+        self.work.field_out.scale(1.0 / scale)
     }
 
-    fn area(&self, inclusion: usize) -> f64 {
-        let (ball, _) = self.setup.inclusions[inclusion];
-        ball.volume() * D as f64 / ball.radius
+    /// As [`solve_coupled`](Self::solve_coupled).
+    fn solve_by_uzawa(&mut self, known: &[f64], step: Option<f64>, seen: &mut dyn FnMut(usize, f64)) -> Result<Uzawa> {
+        let mut source = self.work.field_out.like()?;
+        source.copy_from(&self.work.field_out)?;
+        let tolerance = self.setup.tolerance.at_an_instant();
+        let Inclusions { session, matrix, inverse, blocks, work, .. } = self;
+        let mut system = UzawaSystem { session, matrix, inverse, blocks, work };
+        let (uzawa, report) = system.solve((&source, known), (step, tolerance), seen)?;
+        self.cost.krylov = report;
+        self.matrix.multiply(&self.work.field_in, &mut self.work.field_out)?;
+        self.work.field_out.add(-1.0, &source)?;
+        self.blocks.spread(-1.0, &self.work.multipliers.local()?, &mut self.work.field_out)?;
+        Ok(uzawa)
     }
 
     /// Makes rows of the scalar of the size of its values.
-    fn scale(&self) -> f64 {
+    pub(super) fn scale(&self) -> f64 {
         self.grid.mean_spacing().powi(2)
     }
 
-    fn right_hand_side(&mut self) -> Result<Vector> {
-        let (source, scale) = (self.setup.source, self.scale());
-        let rows = &mut self.work.field_out;
+    /// The source outside the inclusions, in `field_out`.
+    fn fill_source(&mut self) -> Result<()> {
+        let (source, rows) = (self.setup.source, &mut self.work.field_out);
         rows.fill(source)?;
         dirichlet::bend_at_walls(&self.grid, source, &mut rows.local_mut()?);
-        self.blocks.confine_source(source, rows)?;
-        rows.scale(scale)?;
-        self.work.multipliers.fill(0.0)?;
+        self.blocks.confine_source(source, rows)
+    }
+
+    /// Minus the values on inclusions that come from the source and the mean gradient, without constants.
+    fn known_values(&mut self) -> Result<Vec<f64>> {
         let mut known = vec![0.0; self.layout.local_unknowns()];
-        self.blocks.add_local(&self.work.multipliers, source, &mut known)?;
-        for Member { range, .. } in &self.members {
-            known[range.start] = 0.0;
+        self.work.multipliers.fill(0.0)?;
+        self.add_outer_values(&mut known)?;
+        self.blocks.free_constants(&vec![0.0; known.len()], &mut known);
+        known.iter_mut().for_each(|known| *known = -*known);
+        Ok(known)
+    }
+
+    /// Adds `E c` and the values on inclusions that come from the source and the mean gradient.
+    pub(super) fn add_outer_values(&mut self, values: &mut [f64]) -> Result<()> {
+        self.blocks.add_local(&self.work.multipliers, self.setup.source, values)?;
+        if let Some(gradient) = &self.setup.gradient {
+            self.blocks.add_positions(gradient.as_slice(), values);
         }
-        let mut rhs = Vector::new(&self.session, self.grid.local_unknowns(D) + known.len())?;
-        let rows = self.work.field_out.local()?;
-        let known = known.iter().map(|known| -known);
-        rhs.local_mut()?.iter_mut().zip(rows.iter().copied().chain(known)).for_each(|(rhs, row)| *rhs = row);
-        Ok(rhs)
+        Ok(())
     }
+}
 
-    /// What is found, from the values on surfaces, net fluxes, and what was split last.
-    fn solution(&self, values: &[f64], fluxes: &[f64]) -> Result<ScalarSolution<D>> {
-        let bodies = self.layout.local_bodies.iter().zip(self.members.iter().zip(fluxes));
-        let found = bodies.flat_map(|(&body, (member, &flux))| [body as f64, values[member.range.start], flux]);
-        let all = self.session.world().gather(&found.collect::<Vec<f64>>());
-        let mut found: Vec<&[f64]> = all.chunks(3).collect();
-        found.sort_by(|one, two| one[0].total_cmp(&two[0]));
-        let state = |(found, ((ball, _), placed)): (&&[f64], (&(Ball<D>, usize), &PlacedInclusion<D>))| InclusionState {
-            center: placed.center,
-            radius: ball.radius,
-            value: found[1],
-            flux: found[2],
-        };
-        let inclusions: Vec<InclusionState<D>> = found.iter().zip(self.setup.inclusions.iter().zip(&self.placed)).map(state).collect();
-        let mut field = self.work.field_in.like()?;
-        field.copy_from(&self.work.field_in)?;
-        let energy = self.energy(&inclusions, &field)?;
-        Ok(ScalarSolution { inclusions, field, energy })
+/// Conjugate gradients, on which Uzawa's iteration leans, need symmetric cycles.
+fn hierarchy<const D: usize>(setup: &ScalarSetup<D>) -> AmgSettings {
+    match setup.solver {
+        MultiplierSolver::Krylov => AmgSettings::laplacian(D),
+        MultiplierSolver::Uzawa(_) => AmgSettings::laplacian(D).symmetric(),
     }
+}
 
-    /// Where it is least, the functional is minus half the integral of the source times the scalar outside the inclusions.
-    ///
-    /// The mean over a cell differs from the value at its centre by `h^2/24` times the Laplacian, minus the source outside.
-    fn energy(&self, inclusions: &[InclusionState<D>], field: &Vector) -> Result<f64> {
-        let whole = field.mean()? * self.setup.domain.volume();
-        let volumes = self.setup.inclusions.iter().map(|(ball, _)| ball.volume());
-        let inside: f64 = volumes.zip(inclusions).map(|(volume, inclusion)| volume * inclusion.value).sum();
-        let outside = self.setup.domain.volume() * (1.0 - self.setup.fraction());
-        let bend = self.scale() / 24.0 * self.setup.source * outside;
-        Ok(-0.5 * self.setup.source * (whole - inside - bend))
+fn check<const D: usize>(setup: &ScalarSetup<D>) -> Result<()> {
+    let refuse = |text: &str| Err(Error::Refused(text.into()));
+    if setup.method != InclusionMethod::MeanValue && setup.solver != MultiplierSolver::Krylov {
+        return refuse("only the mean-value method is solved by Uzawa's iteration");
+    }
+    match (setup.domain.fully_periodic(), setup.gradient) {
+        (true, None) => {
+            refuse("a scalar in a fully periodic box has no definite value; put up walls along an axis or give a mean gradient")
+        }
+        (true, Some(_)) if setup.source != 0.0 => refuse("what a source brings into a fully periodic box cannot leave it; set it to 0"),
+        (false, Some(_)) => refuse("a mean gradient needs a fully periodic box"),
+        _ => Ok(()),
     }
 }

@@ -6,15 +6,19 @@
 //! J(v) = 1/2 integral of |grad v|^2 - integral of f v outside the inclusions
 //! ```
 //!
-//! among the fields that are constant in each inclusion. It is the model problem of rigid bodies in a fluid: constants in the
+//! among the fields that are constant in each inclusion. In a fully periodic box without a source, the mean of `grad u` is given in the
+//! place of walls: its flux tells how well the whole conducts. It is the model problem of rigid bodies in a fluid: constants in the
 //! place of rigid motions, fluxes in the place of tractions.
 
 mod inclusions;
+mod outcome;
 mod placed;
 mod setup;
 mod solution;
 mod system;
+mod uzawa;
 
 pub use inclusions::Inclusions;
 pub use setup::ScalarSetup;
 pub use solution::{InclusionState, ScalarSolution};
+pub use uzawa::Uzawa;

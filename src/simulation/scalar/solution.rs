@@ -2,6 +2,7 @@
 
 use nalgebra::SVector;
 
+use super::uzawa::Uzawa;
 use crate::petsc::Vector;
 
 /// An inclusion and what is found for it.
@@ -11,7 +12,7 @@ pub struct InclusionState<const D: usize> {
     pub center: SVector<f64, D>,
     /// Its radius.
     pub radius: f64,
-    /// The scalar in it: its mean over the surface.
+    /// The scalar in it: its mean over the surface, or over its cells.
     pub value: f64,
     /// Net flux out of it, zero up to the tolerance.
     pub flux: f64,
@@ -21,8 +22,12 @@ pub struct InclusionState<const D: usize> {
 pub struct ScalarSolution<const D: usize> {
     /// All inclusions, on every rank.
     pub inclusions: Vec<InclusionState<D>>,
-    /// The scalar at cell centres, this rank's part.
+    /// The scalar at cell centres, this rank's part; with a mean gradient, what it has besides, which is periodic.
     pub field: Vector,
     /// The least value of the functional that it minimises.
     pub energy: f64,
+    /// With a mean gradient, the mean of what flows down the scalar, turned round: in an empty box, the gradient itself.
+    pub mean_flux: Option<SVector<f64, D>>,
+    /// How Uzawa's iteration went, if it was it.
+    pub uzawa: Option<Uzawa>,
 }

@@ -1,28 +1,18 @@
 //! The coupled linear system of the scalar and the multipliers, with its block preconditioner.
 //!
 //! ```text
-//! [ h^2 A   -h^2 C ] [ u ]   [ h^2 f (chi + s) ]
-//! [ J        E     ] [ c ] = [ -f e            ]      row of the constant mode: a c = 0, no net flux
+//! [ h^2 A   -h^2 C ] [ u ]   [ h^2 f (chi + s)     ]
+//! [ J        E     ] [ c ] = [ -f e - J (gradient) ]      constants taken out, and in their place: no net flux
 //! ```
 //!
 //! The preconditioner is block triangular: a multigrid cycle for `A`, then each inclusion as if it were alone.
 
-use std::{ops::Range, rc::Rc};
-
 use crate::{
     constraint::ScalarBlocks,
     error::Result,
-    petsc::{Amg, Matrix, Stage, System, Vector},
+    petsc::{Amg, Matrix, Session, Stage, System, Vector},
     simulation::work::{Stages, Watch},
 };
-
-/// An inclusion of this rank.
-pub struct Member {
-    /// Its multipliers in this rank's part; the first is that of the constant.
-    pub range: Range<usize>,
-    /// The value on the surface of a lonely inclusion per unit of each multiplier.
-    pub values: Rc<Vec<f64>>,
-}
 
 /// The coupled system; the solver's vectors hold the scalar, then multipliers.
 pub struct ScalarSystem<'a> {
@@ -32,8 +22,6 @@ pub struct ScalarSystem<'a> {
     pub inverse: &'a Amg,
     /// Inclusions.
     pub blocks: &'a mut ScalarBlocks,
-    /// This rank's inclusions.
-    pub members: &'a [Member],
     /// Factor `h^2` of the rows of the scalar.
     pub scale: f64,
     /// Work space.
@@ -53,6 +41,12 @@ pub struct ScalarWork {
 }
 
 impl ScalarWork {
+    /// Work space for fields like the given one and so many multipliers.
+    pub fn new(session: &Session, field: Vector, multipliers: usize) -> Result<ScalarWork> {
+        let multipliers = Vector::new(session, multipliers)?;
+        Ok(ScalarWork { field_out: field.like()?, field_in: field, multipliers, stages: Stages::default() })
+    }
+
     /// Takes a solver's vector apart into `field_in` and `multipliers`.
     pub fn split(&mut self, input: &Vector) -> Result<()> {
         let input = input.local()?;
@@ -65,10 +59,10 @@ impl ScalarWork {
 }
 
 impl ScalarSystem<'_> {
-    /// Values on surfaces tested with all modes, from the scalar in `field_in` and `multipliers`.
-    pub fn values(&mut self, source: f64, out: &mut [f64]) -> Result<()> {
+    /// `J u + E c` of the scalar in `field_in` and `multipliers`.
+    pub fn values(&mut self, out: &mut [f64]) -> Result<()> {
         self.blocks.sample(&self.work.field_in, out)?;
-        self.blocks.add_local(&self.work.multipliers, source, out)
+        self.blocks.add_local(&self.work.multipliers, 0.0, out)
     }
 }
 
@@ -84,12 +78,8 @@ impl System for ScalarSystem<'_> {
         let mut output = output.local_mut()?;
         let field = self.work.field_out.local()?.len();
         output[..field].copy_from_slice(&self.work.field_out.local()?);
-        self.values(0.0, &mut output[field..])?;
-        let multipliers = self.work.multipliers.local()?;
-        for Member { range, values } in self.members {
-            output[field + range.start] = values[0] * multipliers[range.start];
-        }
-        drop(multipliers);
+        self.values(&mut output[field..])?;
+        self.blocks.free_constants(&self.work.multipliers.local()?, &mut output[field..]);
         watch.stop(&mut self.work.stages.bodies);
         Ok(())
     }
@@ -105,14 +95,7 @@ impl System for ScalarSystem<'_> {
         let field = self.work.field_out.local()?.len();
         output[..field].copy_from_slice(&self.work.field_out.local()?);
         self.blocks.sample(&self.work.field_out, &mut output[field..])?;
-        let wanted = self.work.multipliers.local()?;
-        for Member { range, values } in self.members {
-            output[field + range.start] = 0.0;
-            for (multiplier, value) in range.clone().zip(values.iter()) {
-                output[field + multiplier] = (wanted[multiplier] - output[field + multiplier]) / value;
-            }
-        }
-        drop(wanted);
+        self.blocks.alone(&self.work.multipliers.local()?, &mut output[field..]);
         watch.stop(&mut self.work.stages.bodies);
         Ok(())
     }

@@ -1,5 +1,7 @@
 //! The cases.
 
+mod scalar;
+
 use std::f64::consts::PI;
 
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
@@ -58,6 +60,7 @@ pub fn cases() -> Vec<Case> {
         closed_box_disk(),
         closed_box_sphere(),
     ]);
+    all.extend(scalar::cases());
     all
 }
 

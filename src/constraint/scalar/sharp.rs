@@ -1,8 +1,16 @@
-//! The blocks of one inclusion.
+//! The sharp method: flux multipliers on the surface, and stencils corrected for the jump of the slope.
+//!
+//! As in the method for velocities, a stencil takes values from across a surface as its own side would extend them, and values on a
+//! surface are interpolated from its inner extension, which in the solution is a constant.
 
 use nalgebra::{DMatrix, SVector};
 
-use super::{PlacedInclusion, blocks::InclusionBlocks, nodes::Nodes};
+use super::{
+    PlacedInclusion,
+    blocks::InclusionBlocks,
+    coupling::{Coupling, Modes},
+    nodes::Nodes,
+};
 use crate::{
     constraint::{
         Layout,
@@ -29,7 +37,7 @@ pub fn assemble<const D: usize>(
     let nodes = Nodes::around(grid, inclusion);
     let (rows, source) = corrections(grid, inclusion, &nodes);
     let sampling = Sampling::new(grid, inclusion, &nodes);
-    let (mut local, mut by_source) = (Vec::new(), vec![0.0; inclusion.surface.modes.count()]);
+    let (mut local, mut by_source) = (Vec::new(), vec![0.0; inclusion.surface().modes.count()]);
     let mut add = |other: usize, of: &PlacedInclusion<D>, sign: f64, meets: &dyn Fn(usize) -> bool| {
         if let Some((block, values)) = sampling.jumps((sign, of), meets) {
             local.push(LocalBlock { body: other, transposed: block });
@@ -40,13 +48,19 @@ pub fn assemble<const D: usize>(
     for (other, neighbour) in neighbours {
         add(*other, neighbour, 1.0, &|place| nodes.inside(neighbour, place));
     }
-    let first = layout.local(body);
-    InclusionBlocks { range: first..first + inclusion.surface.modes.count(), rows, source, sampled: sampling.rows(), local, by_source }
+    let surface = inclusion.surface();
+    let (first, values) = (layout.local(body), surface.modes.isolated_values());
+    let (area, _) = measures::<D>(inclusion.ball.radius);
+    let range = first..first + surface.modes.count();
+    let (constant, positions) = (surface.constant(), surface.mean_moments().columns(1, D) * inclusion.ball.radius);
+    let (reaction, sampled) = (values[0], sampling.rows());
+    let coupling = Coupling::Modes(Modes { rows, sampled, local, by_source, values: values.into(), ..Modes::default() });
+    InclusionBlocks { range, constant, positions, measure: area, reaction, source, coupling }
 }
 
 /// Stencils that cross the surface: rows of C; and what a unit source differs from one everywhere, in one column.
 fn corrections<const D: usize>(grid: &Grid<D>, inclusion: &PlacedInclusion<D>, nodes: &Nodes<D>) -> (Rows, Rows) {
-    let (radius, reach) = (inclusion.surface.modes.radius(), grid.spacing().max());
+    let (radius, reach) = (inclusion.ball.radius, grid.spacing().max());
     let mut source = Rows::default();
     let (mut unknowns, mut offsets, mut ends, mut terms) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for (place, offset) in nodes.offsets.iter().enumerate().filter(|(_, offset)| offset.norm() < radius + reach) {
@@ -91,7 +105,7 @@ fn corrections<const D: usize>(grid: &Grid<D>, inclusion: &PlacedInclusion<D>, n
 ///
 /// Then every discrete flux out of a box around the inclusion is that of its multipliers and of the source outside of it.
 fn wanted_moments<const D: usize>(inclusion: &PlacedInclusion<D>, nodes: &Nodes<D>, cell_volume: f64) -> DMatrix<f64> {
-    let (surface, radius) = (&inclusion.surface, inclusion.surface.modes.radius());
+    let (surface, radius) = (inclusion.surface(), inclusion.ball.radius);
     let count = surface.modes.count();
     let (area, volume) = measures::<D>(radius);
     let mut wanted = DMatrix::zeros(count + 1, TERMS);
@@ -105,7 +119,8 @@ fn wanted_moments<const D: usize>(inclusion: &PlacedInclusion<D>, nodes: &Nodes<
     wanted
 }
 
-fn measures<const D: usize>(radius: f64) -> (f64, f64) {
+/// Area of the surface and volume of a ball.
+pub fn measures<const D: usize>(radius: f64) -> (f64, f64) {
     let volume = crate::geometry::Ball::<D> { center: SVector::zeros(), radius }.volume();
     (volume * D as f64 / radius, volume)
 }
@@ -121,11 +136,11 @@ struct Sampling<'a, const D: usize> {
 
 impl<'a, const D: usize> Sampling<'a, D> {
     fn new(grid: &Grid<D>, inclusion: &PlacedInclusion<D>, nodes: &'a Nodes<'a, D>) -> Self {
-        let (projector, count) = (inclusion.surface.projector(), inclusion.surface.modes.count());
+        let (projector, count) = (inclusion.surface().projector(), inclusion.surface().modes.count());
         let mut columns = vec![EMPTY; nodes.patch.len()];
         let (mut met, mut values) = (Vec::new(), Vec::new());
-        for (offset, tests) in inclusion.surface.offsets().zip(projector.column_iter()) {
-            each_node(grid, nodes, &(inclusion.center + offset), |place, weight| {
+        for (offset, tests) in inclusion.surface().offsets().zip(projector.column_iter()) {
+            each_node(grid, nodes, &(inclusion.ball.center + offset), |place, weight| {
                 if columns[place] == EMPTY {
                     columns[place] = met.len();
                     met.push(place);

@@ -1,0 +1,82 @@
+//! The cells around one inclusion and the links between their centres.
+
+use nalgebra::SVector;
+
+use crate::{
+    constraint::patch::Patch,
+    geometry::{Ball, fraction, touches},
+    grid::{Grid, Index, Node, dirichlet, stencil::moved},
+};
+
+/// Two neighbouring cells, by their numbers in a list of cells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Link {
+    /// The cells.
+    pub cells: [usize; 2],
+    /// Weight in a Laplacian.
+    pub weight: f64,
+}
+
+/// Cells that belong to an inclusion, with the links between them.
+pub struct LinkedCells<const D: usize> {
+    /// Their unknowns.
+    pub unknowns: Vec<u32>,
+    /// Their centres, from that of the inclusion.
+    pub offsets: Vec<SVector<f64, D>>,
+    /// Links, with the weights of the Laplacian.
+    pub links: Vec<Link>,
+    /// The middles of the links, from the centre of the inclusion.
+    pub middles: Vec<SVector<f64, D>>,
+}
+
+impl<const D: usize> LinkedCells<D> {
+    /// The cells whose centres an inclusion covers, and all links between them.
+    pub fn covered(grid: &Grid<D>, ball: &Ball<D>) -> Self {
+        let outside = |index: Index<D>| (grid.position(D, index) - ball.center).norm() > ball.radius;
+        LinkedCells::chosen(grid, ball, |ends| !ends.into_iter().any(outside))
+    }
+
+    /// The links whose boxes, from centre to centre and as wide as a cell, an inclusion touches, and the cells at their ends.
+    pub fn touched(grid: &Grid<D>, ball: &Ball<D>) -> Self {
+        LinkedCells::chosen(grid, ball, |ends| touches(ball, &middle(grid, ends), &grid.spacing()))
+    }
+
+    fn chosen(grid: &Grid<D>, ball: &Ball<D>, belongs: impl Fn([Index<D>; 2]) -> bool) -> Self {
+        let patch = Patch::around(grid, D, &ball.center, ball.radius + 2.0 * grid.spacing().max());
+        let mut found = LinkedCells { unknowns: Vec::new(), offsets: Vec::new(), links: Vec::new(), middles: Vec::new() };
+        let mut numbers = vec![None; patch.len()];
+        let pairs = patch.indices().flat_map(|one| (0..D).map(move |axis| (one, axis)));
+        let within = |index: Index<D>| (0..D).all(|axis| index[axis] < patch.start()[axis] + patch.extent()[axis] as isize);
+        for (one, axis) in pairs {
+            let ends = [one, moved(one, axis, 1)];
+            if within(ends[1]) && belongs(ends) {
+                let cells = ends.map(|index| *numbers[patch.place(index)].get_or_insert_with(|| found.add(grid, ball, index)));
+                found.links.push(Link { cells, weight: grid.spacing()[axis].powi(-2) });
+                found.middles.push(middle(grid, ends) - ball.center);
+            }
+        }
+        found
+    }
+
+    fn add(&mut self, grid: &Grid<D>, ball: &Ball<D>, index: Index<D>) -> usize {
+        let Node::Unknown(unknown) = grid.node(D, index) else { unreachable!("every cell has an unknown") };
+        self.unknowns.push(unknown as u32);
+        self.offsets.push(grid.position(D, index) - ball.center);
+        self.unknowns.len() - 1
+    }
+}
+
+fn middle<const D: usize>(grid: &Grid<D>, [one, two]: [Index<D>; 2]) -> SVector<f64, D> {
+    (grid.position(D, one) + grid.position(D, two)) * 0.5
+}
+
+/// Cells of which a ball fills a part, with minus that part: what confines a unit source to the outside.
+pub fn filled_parts<const D: usize>(grid: &Grid<D>, ball: &Ball<D>) -> (Vec<u32>, Vec<f64>) {
+    let patch = Patch::around(grid, D, &ball.center, ball.radius + grid.spacing().max());
+    let cells = patch.indices().filter(|&index| dirichlet::within(grid, index));
+    let part = |index: Index<D>| match grid.node(D, index) {
+        Node::Unknown(unknown) => Some((unknown as u32, -fraction(ball, &grid.position(D, index), &grid.spacing()))),
+        Node::Wall(_) => None,
+    };
+    cells.filter_map(part).filter(|(_, part)| *part < 0.0).unzip()
+}

@@ -1,0 +1,55 @@
+//! The plane of a picture: that of the first two axes, through the middle of the box.
+
+use nalgebra::SVector;
+
+use crate::{
+    geometry::{Ball, Domain},
+    grid::Grid,
+};
+
+/// Most samples along the longer side.
+const SAMPLES: f64 = 420.0;
+
+/// Most samples a cell: more show nothing new, and in 3D each takes 192 nodes.
+const SAMPLES_PER_CELL: f64 = 4.0;
+
+/// The plane with its samples.
+pub struct CutPlane<const D: usize> {
+    domain: Domain<D>,
+    /// Width and height.
+    pub size: [f64; 2],
+    /// Number of samples along both.
+    pub samples: [usize; 2],
+    /// Which of them repeat.
+    pub periodic: [bool; 2],
+}
+
+impl<const D: usize> CutPlane<D> {
+    /// The plane, sampled as finely as a picture shows and the grid has something to show.
+    pub fn of(domain: &Domain<D>, grid: &Grid<D>) -> Self {
+        let size = [domain.size[0], domain.size[1]];
+        let density = (SAMPLES / size[0].max(size[1])).min(SAMPLES_PER_CELL / grid.spacing().min());
+        let samples = size.map(|length| (density * length).ceil().max(8.0) as usize);
+        CutPlane { size, samples, periodic: [domain.periodic(0), domain.periodic(1)], domain: domain.clone() }
+    }
+
+    /// The samples, row by row.
+    pub fn points(&self) -> Vec<SVector<f64, D>> {
+        let point = |place: usize| {
+            let mut point = self.domain.size * 0.5;
+            for (axis, index) in [place % self.samples[0], place / self.samples[0]].into_iter().enumerate() {
+                point[axis] = (index as f64 + 0.5) * self.size[axis] / self.samples[axis] as f64;
+            }
+            point
+        };
+        (0..self.samples[0] * self.samples[1]).map(point).collect()
+    }
+
+    /// Centre and radius of the disk in which the plane cuts a ball, if it does.
+    pub fn cut(&self, ball: &Ball<D>) -> Option<([f64; 2], f64)> {
+        let from_plane = self.domain.nearest_image(ball.center - self.domain.size * 0.5);
+        let height: f64 = from_plane.iter().skip(2).map(|offset| offset * offset).sum();
+        let squared = ball.radius * ball.radius - height;
+        (squared > 0.0).then(|| ([ball.center[0], ball.center[1]], squared.sqrt()))
+    }
+}

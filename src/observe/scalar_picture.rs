@@ -1,0 +1,60 @@
+//! The picture of a scalar: its value, or with a mean gradient the strength of its flux, as colour, and the lines along which it flows.
+
+use nalgebra::SVector;
+
+use super::{plane::CutPlane, sample::scalars};
+use crate::{
+    error::Result,
+    geometry::Ball,
+    output::{Disk, Picture},
+    simulation::{Inclusions, ScalarSolution},
+};
+
+/// Cuts a solution; collective, and the same on every rank.
+pub fn scalar_picture<const D: usize>(title: &str, inclusions: &Inclusions<D>, solution: &ScalarSolution<D>) -> Result<Picture> {
+    let setup = inclusions.setup();
+    let plane = CutPlane::of(&setup.domain, inclusions.grid());
+    let values = scalars(inclusions.grid(), &solution.field, &plane.points())?;
+    let flux = fluxes(&plane, &values, setup.gradient.unwrap_or_else(SVector::zeros));
+    let sign = if setup.source < 0.0 { -1.0 } else { 1.0 };
+    let (quantity, coloured) = match setup.gradient {
+        Some(_) => ("flux", flux.iter().map(|flux| flux[0].hypot(flux[1])).collect()),
+        None => (if sign < 0.0 { "minus the scalar" } else { "scalar" }, values.iter().map(|value| sign * value).collect()),
+    };
+    let bodies = solution.inclusions.iter().zip(&setup.inclusions).filter_map(|(state, &(ball, _))| {
+        let (center, radius) = plane.cut(&Ball { center: state.center, ..ball })?;
+        Some(Disk { center, radius, velocity: [0.0; 2] })
+    });
+    Ok(Picture {
+        title: title.to_owned(),
+        size: plane.size,
+        periodic: plane.periodic,
+        bodies: bodies.collect(),
+        samples: plane.samples,
+        velocity: flux,
+        quantity,
+        coloured,
+    })
+}
+
+/// Minus the gradient at the samples, by differences between those beside them; one-sided at walls.
+fn fluxes<const D: usize>(plane: &CutPlane<D>, values: &[f64], gradient: SVector<f64, D>) -> Vec<[f64; 2]> {
+    let [columns, rows] = plane.samples;
+    let slope = |place: [usize; 2], axis: usize| {
+        let count = plane.samples[axis];
+        let at = |index: usize| {
+            let mut place = place;
+            place[axis] = index;
+            values[place[1] * columns + place[0]]
+        };
+        let (here, step) = (place[axis], plane.size[axis] / count as f64);
+        let (before, after, steps) = match plane.periodic[axis] {
+            true => ((here + count - 1) % count, (here + 1) % count, 2.0),
+            false if here == 0 => (0, 1, 1.0),
+            false if here + 1 == count => (here - 1, here, 1.0),
+            false => (here - 1, here + 1, 2.0),
+        };
+        -gradient[axis] - (at(after) - at(before)) / (steps * step)
+    };
+    (0..columns * rows).map(|place| [0, 1].map(|axis| slope([place % columns, place / columns], axis))).collect()
+}
