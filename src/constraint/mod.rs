@@ -12,6 +12,7 @@
 mod blocks;
 mod conservation;
 mod dense;
+pub mod fitted;
 mod interpolant;
 mod layout;
 mod near;

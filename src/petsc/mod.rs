@@ -5,6 +5,7 @@
 //! is every drop**: no object of this module may live on some ranks only.
 
 mod amg;
+mod direct;
 #[doc(hidden)]
 pub mod ffi;
 mod heap;
@@ -21,6 +22,7 @@ mod traffic;
 mod vector;
 
 pub use amg::{Amg, AmgSettings};
+pub use direct::Direct;
 pub use heap::local_heap_bytes;
 pub use krylov::{Krylov, KrylovMethod, KrylovSettings, Report};
 pub use matrix::{Matrix, RowBuilder};

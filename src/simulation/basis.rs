@@ -160,7 +160,8 @@ impl<const D: usize> Basis<D> {
     }
 }
 
-fn check_steady_state<const D: usize>(setup: &Setup<D>) -> Result<()> {
+/// Refuses a drive under which the flow would never become steady.
+pub fn check_steady_state<const D: usize>(setup: &Setup<D>) -> Result<()> {
     if setup.drive.leaves_mean_velocity_open(&setup.domain) && setup.bodies.iter().all(|suspended| suspended.body.free()) {
         return Err(Error::Refused(
             "flow.drive: under a uniform force a fully periodic box in which nothing is fixed has no steady flow; \

@@ -9,6 +9,7 @@
 mod contact;
 mod dry;
 mod fields;
+mod fitted;
 mod fluid;
 mod grid;
 mod hard;
@@ -64,6 +65,7 @@ fn main() {
         near::tests(),
         scalar::tests(),
         suspension::tests(),
+        fitted::tests(),
         inverses::tests(),
         hard::tests(),
         lasting::tests(),

@@ -1,0 +1,173 @@
+//! A suspension on a fitted mesh.
+
+use std::time::Instant;
+
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
+
+use super::sampling::sample;
+use crate::{
+    body::{Motion, Twist, components, skew},
+    constraint::fitted::{DiskMotion, Load, Mesh, Rigid, StokesFlow, StokesNumbering, StokesProblem, System, generate, loads},
+    error::Result,
+    flow::Drive,
+    geometry::{Axis, Ball, Domain},
+    grid::Grid,
+    petsc::{Direct, Report, Session, Stage, enter},
+    simulation::{BodyState, Cost, Moment, Setup, Solution, check_steady_state, dynamics::Seen},
+};
+
+/// A suspension in 2D whose flow is found on a mesh that fits the bodies.
+pub struct FittedFlow<const D: usize> {
+    session: Session,
+    setup: Setup<D>,
+    grid: Grid<D>,
+    domain: Domain<2>,
+    mesh: Option<Mesh>,
+    direct: Option<Direct>,
+    cost: Cost,
+}
+
+impl<const D: usize> FittedFlow<D> {
+    /// Prepares a setup; meshes are made where bodies are.
+    ///
+    /// # Errors
+    /// The grid on which the flow is shown or the rank count does not fit, or no steady state exists.
+    pub fn new(session: &Session, setup: Setup<D>) -> Result<FittedFlow<D>> {
+        check_steady_state(&setup)?;
+        let world = session.world();
+        let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
+        let domain = plane(&setup.domain);
+        Ok(FittedFlow { session: session.clone(), setup, grid, domain, mesh: None, direct: None, cost: Cost::default() })
+    }
+
+    /// The mesh of the last solve.
+    pub fn mesh(&self) -> Option<&Mesh> {
+        self.mesh.as_ref()
+    }
+
+    /// What the last solve cost.
+    pub fn cost(&self) -> &Cost {
+        &self.cost
+    }
+
+    /// Solves with the bodies where the setup has them.
+    ///
+    /// # Errors
+    /// No mesh fits, or its matrix is singular.
+    pub fn solve(&mut self, seen: Seen) -> Result<Solution<D>> {
+        let centers: Vec<SVector<f64, D>> = self.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
+        self.solve_at(&Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0, tolerance: 0.0 }, seen)
+    }
+
+    /// Solves for a moment.
+    ///
+    /// # Errors
+    /// No mesh fits, or its matrix is singular.
+    pub fn solve_at(&mut self, moment: &Moment<D>, seen: Seen) -> Result<Solution<D>> {
+        let (stage, start) = (enter(Stage::SetUp), Instant::now());
+        let mesh = self.mesh_at(moment.centers)?;
+        self.cost.setup = start.elapsed().as_secs_f64();
+        drop(stage);
+        let (stage, start) = (enter(Stage::Assembly), Instant::now());
+        let motions: Vec<DiskMotion> = self.setup.bodies.iter().map(|suspended| disk_motion(&suspended.body.motion, self.setup.viscosity)).collect();
+        let problem = self.problem(&mesh, &motions);
+        let numbering = StokesNumbering::new(&problem);
+        let mut system = System::new(self.session.world(), numbering.unknowns());
+        numbering.assemble(&problem, &mut system);
+        self.cost.assembly = start.elapsed().as_secs_f64();
+        drop(stage);
+        let (stage, start) = (enter(Stage::Inverse), Instant::now());
+        let (found, residual) = system.solve(&self.session, &mut self.direct)?;
+        drop(stage);
+        seen(1, residual);
+        self.cost.krylov = Report { iterations: 1, residual, seconds: start.elapsed().as_secs_f64() };
+        self.cost.grid_unknowns = numbering.unknowns();
+        let flow = numbering.flow(&problem, &found);
+        let solution = self.solution(&problem, &flow);
+        self.mesh = Some(mesh);
+        solution
+    }
+
+    fn mesh_at(&mut self, centers: &[SVector<f64, D>]) -> Result<Mesh> {
+        let disk = |(suspended, center): (&super::super::SuspendedBody<D>, &SVector<f64, D>)| Ball {
+            center: flat(center),
+            radius: suspended.body.ball.radius,
+        };
+        let disks: Vec<Ball<2>> = self.setup.bodies.iter().zip(centers).map(disk).collect();
+        self.direct = None;
+        generate(&self.domain, &disks, self.setup.spacing)
+    }
+
+    fn problem<'a>(&self, mesh: &'a Mesh, motions: &'a [DiskMotion]) -> StokesProblem<'a> {
+        let (drive, domain, viscosity) = (&self.setup.drive, &self.setup.domain, self.setup.viscosity);
+        let background = match drive {
+            Drive::Shear(rate) => Matrix2::new(0.0, *rate, 0.0, 0.0),
+            _ => Matrix2::zeros(),
+        };
+        let uniform = drive.uniform_force();
+        let mean_velocity = [0, 1].map(|axis| match drive {
+            Drive::MeanVelocity(velocity) if domain.periodic(axis) => Some(velocity[axis]),
+            Drive::Rest | Drive::Shear(_) if domain.fully_periodic() => Some(0.0),
+            _ => None,
+        });
+        StokesProblem {
+            mesh,
+            motions,
+            background,
+            on_fluid: flat(&uniform) / viscosity,
+            on_disks: flat(&(uniform - drive.force_on_fluid_alone())) / viscosity,
+            mean_velocity,
+        }
+    }
+
+    fn solution(&self, problem: &StokesProblem, flow: &StokesFlow) -> Result<Solution<D>> {
+        let found = loads(problem, flow);
+        let viscosity = self.setup.viscosity;
+        let states = problem.mesh.disks.iter().zip(&flow.motions).zip(&found.disks);
+        let gradient = match self.setup.drive {
+            Drive::PressureGradient(gradient) => gradient,
+            _ => spatial(&(-viscosity * flow.force)),
+        };
+        Ok(Solution {
+            bodies: states.map(|((disk, rigid), load)| state(disk, rigid, load, viscosity)).collect(),
+            fluid: sample(&self.session, &self.grid, problem, (flow, found.mean_pressure))?,
+            mean_velocity: spatial(&found.mean_velocity),
+            pressure_gradient: gradient,
+            contact_forces: Vec::new(),
+        })
+    }
+}
+
+fn flat<const D: usize>(vector: &SVector<f64, D>) -> Vector2<f64> {
+    Vector2::new(vector[0], vector[1])
+}
+
+fn spatial<const D: usize>(vector: &Vector2<f64>) -> SVector<f64, D> {
+    SVector::from_fn(|axis, _| vector[axis])
+}
+
+/// The box in two dimensions.
+fn plane<const D: usize>(domain: &Domain<D>) -> Domain<2> {
+    let axis = |axis: usize| match domain.axes[axis] {
+        Axis::Periodic => Axis::Periodic,
+        Axis::Walls { lower, upper } => Axis::Walls { lower: flat(&lower), upper: flat(&upper) },
+    };
+    Domain { size: flat(&domain.size), axes: [axis(0), axis(1)] }
+}
+
+fn disk_motion<const D: usize>(motion: &Motion<D>, viscosity: f64) -> DiskMotion {
+    match motion {
+        Motion::Free { force, torque } => DiskMotion::Free { force: flat(force) / viscosity, torque: components(torque)[0] / viscosity },
+        Motion::Prescribed(twist) => DiskMotion::Given(Rigid { velocity: flat(&twist.velocity), spin: components(&twist.spin)[0] }),
+    }
+}
+
+fn state<const D: usize>(disk: &Ball<2>, rigid: &Rigid, load: &Load, viscosity: f64) -> BodyState<D> {
+    BodyState {
+        center: spatial(&disk.center),
+        twist: Twist { velocity: spatial(&rigid.velocity), spin: skew(&[rigid.spin]) },
+        force: spatial(&(viscosity * load.force)),
+        torque: skew(&[viscosity * load.torque]),
+        stresslet: SMatrix::from_fn(|row, column| viscosity * load.stresslet[(row, column)]),
+    }
+}

@@ -1,0 +1,6 @@
+//! The direct way to the flow and the scalar: a mesh that fits the bodies, moved along with them, and a direct solver.
+
+mod flow;
+mod sampling;
+
+pub use flow::FittedFlow;
