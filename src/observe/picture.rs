@@ -6,7 +6,7 @@ use super::velocities;
 use crate::{
     error::Result,
     output::{Disk, Picture},
-    simulation::{Solution, Suspension},
+    simulation::{FlowSolver, Solution},
 };
 
 /// Most samples along the longer side.
@@ -16,7 +16,7 @@ const SAMPLES: f64 = 420.0;
 const SAMPLES_PER_CELL: f64 = 4.0;
 
 /// Cuts a solution; collective, and the same on every rank.
-pub fn picture<const D: usize>(title: &str, suspension: &Suspension<D>, solution: &Solution<D>) -> Result<Picture> {
+pub fn picture<const D: usize>(title: &str, suspension: &dyn FlowSolver<D>, solution: &Solution<D>) -> Result<Picture> {
     let (setup, domain) = (suspension.setup(), &suspension.setup().domain);
     let size = [domain.size[0], domain.size[1]];
     let density = (SAMPLES / size[0].max(size[1])).min(SAMPLES_PER_CELL / suspension.grid().spacing().min());
@@ -46,7 +46,7 @@ pub fn picture<const D: usize>(title: &str, suspension: &Suspension<D>, solution
 }
 
 /// The cuts of the bodies through the plane, periodic images included where they reach it.
-fn disks<const D: usize>(suspension: &Suspension<D>, solution: &Solution<D>) -> Vec<Disk> {
+fn disks<const D: usize>(suspension: &dyn FlowSolver<D>, solution: &Solution<D>) -> Vec<Disk> {
     let domain = &suspension.setup().domain;
     let bodies = suspension.setup().bodies.iter().zip(&solution.bodies);
     bodies

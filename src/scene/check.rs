@@ -35,8 +35,13 @@ fn check_spacing(scene: &Scene) -> Result<()> {
 fn check_constraint(scene: &Scene) -> Result<()> {
     let remedy = match (scene.method.constraint, scene.flow.model) {
         (ConstraintMethod::Sharp, _) => return Ok(()),
-        (_, FlowModel::Scalar | FlowModel::Stokes) => "is not available yet; must be \"sharp\"",
         (_, FlowModel::None) => "has no meaning without a fluid; remove it",
+        (ConstraintMethod::Fitted, _) if scene.dimension() != 2 => "makes meshes in two dimensions only; set method.constraint = \"sharp\"",
+        (ConstraintMethod::Fitted, _) if scene.contact.model != ContactModel::None => {
+            "leaves no room for contacts: no mesh fits between bodies that touch; set contact.model = \"none\" or method.constraint = \"sharp\""
+        }
+        (ConstraintMethod::Fitted, _) => return Ok(()),
+        (_, FlowModel::Scalar | FlowModel::Stokes) => "is not available yet; must be \"sharp\" or, in 2D, \"fitted\"",
     };
     Err(scene.refuse("method.constraint", format!("{:?}", scene.method.constraint.word()), remedy))
 }

@@ -127,7 +127,7 @@ impl<const D: usize> Basis<D> {
         }
         let pressure_gradient = self.pressure_gradient(&bodies, tail);
         let mean_velocity = self.mean_velocity(&fluid)?;
-        Ok(Solution { bodies, fluid, mean_velocity, pressure_gradient, contact_forces })
+        Ok(Solution { bodies, fluid, mean_velocity, pressure_gradient, walls: None, contact_forces })
     }
 
     fn mean_velocity(&self, fluid: &Vector) -> Result<SVector<f64, D>> {

@@ -9,7 +9,7 @@ use crate::{
     output::{self, Progress, Summary},
     petsc::{Session, Stage, enter},
     scene::Scene,
-    simulation::{Setup, Suspension},
+    simulation::{Setup, flow_solver},
 };
 
 /// Solves a scene of dimension `D` with the bodies where they start.
@@ -18,7 +18,7 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> R
     let world = session.world();
     let first = world.rank() == 0;
     let setup = world.agree(Setup::<D>::of(scene))?;
-    let mut suspension = Suspension::new(session, setup)?;
+    let mut suspension = flow_solver(session, scene, setup)?;
     world.agree(if first { folder::claim(folder, scene) } else { Ok(()) })?;
 
     let progress = Progress::new(world.rank(), scene.method.tolerance.at_an_instant());
@@ -27,11 +27,11 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> R
     let solution = solution?;
 
     let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[])?;
-    let summary = Summary::of_flow((&scene.name, &scene.title), &suspension, (&solution, viscosity), world)?;
+    let summary = Summary::of_flow((&scene.name, &scene.title), suspension.as_ref(), (&solution, viscosity), world)?;
     let output = enter(Stage::Output);
     let mut files = vec!["scene.toml"];
     if scene.output.picture {
-        let picture = observe::picture(scene.shown_title(), &suspension, &solution)?.svg();
+        let picture = observe::picture(scene.shown_title(), suspension.as_ref(), &solution)?.svg();
         world.agree(if first { output::write_whole(&folder.join("picture.svg"), picture.as_bytes()) } else { Ok(()) })?;
         files.push("picture.svg");
     }

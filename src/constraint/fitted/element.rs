@@ -87,6 +87,15 @@ impl Shape {
         self.points.iter().zip(values).map(|(point, value)| point * *value).sum()
     }
 
+    /// Gradients of the first-order shape functions with straight edges.
+    pub fn linear_slopes(&self) -> [Vector2<f64>; 3] {
+        let twice_area = (self.points[1] - self.points[0]).perp(&(self.points[2] - self.points[0]));
+        [0, 1, 2].map(|k| {
+            let opposite = self.points[(k + 2) % 3] - self.points[(k + 1) % 3];
+            Vector2::new(-opposite.y, opposite.x) / twice_area
+        })
+    }
+
     /// The smallest angle with straight edges.
     pub fn smallest_angle(&self) -> f64 {
         let angle = |k: usize| {

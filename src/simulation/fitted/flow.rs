@@ -7,13 +7,13 @@ use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use super::sampling::sample;
 use crate::{
     body::{Motion, Twist, components, skew},
-    constraint::fitted::{DiskMotion, Load, Mesh, Rigid, StokesFlow, StokesNumbering, StokesProblem, System, generate, loads},
+    constraint::fitted::{DiskMotion, Load, Mesh, MovingMesh, Rigid, StokesFlow, StokesNumbering, StokesProblem, System, generate, loads},
     error::Result,
     flow::Drive,
     geometry::{Axis, Ball, Domain},
     grid::Grid,
-    petsc::{Direct, Report, Session, Stage, enter},
-    simulation::{BodyState, Cost, Moment, Setup, Solution, check_steady_state, dynamics::Seen},
+    petsc::{Direct, Report, Session, Stage, Vector, enter},
+    simulation::{BodyState, Cost, FlowSolver, Moment, Setup, Solution, SuspendedBody, check_steady_state, dynamics::Seen},
 };
 
 /// A suspension in 2D whose flow is found on a mesh that fits the bodies.
@@ -22,8 +22,10 @@ pub struct FittedFlow<const D: usize> {
     setup: Setup<D>,
     grid: Grid<D>,
     domain: Domain<2>,
+    /// The last mesh that was made, and the factors for it, which also those that it moves to share.
+    moving: Option<(MovingMesh, Option<Direct>)>,
     mesh: Option<Mesh>,
-    direct: Option<Direct>,
+    made: usize,
     cost: Cost,
 }
 
@@ -37,7 +39,7 @@ impl<const D: usize> FittedFlow<D> {
         let world = session.world();
         let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
         let domain = plane(&setup.domain);
-        Ok(FittedFlow { session: session.clone(), setup, grid, domain, mesh: None, direct: None, cost: Cost::default() })
+        Ok(FittedFlow { session: session.clone(), setup, grid, domain, moving: None, mesh: None, made: 0, cost: Cost::default() })
     }
 
     /// The mesh of the last solve.
@@ -45,25 +47,39 @@ impl<const D: usize> FittedFlow<D> {
         self.mesh.as_ref()
     }
 
-    /// What the last solve cost.
-    pub fn cost(&self) -> &Cost {
+}
+
+impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
+    fn grid(&self) -> &Grid<D> {
+        &self.grid
+    }
+
+    fn setup(&self) -> &Setup<D> {
+        &self.setup
+    }
+
+    fn cost(&self) -> &Cost {
         &self.cost
     }
 
-    /// Solves with the bodies where the setup has them.
-    ///
-    /// # Errors
-    /// No mesh fits, or its matrix is singular.
-    pub fn solve(&mut self, seen: Seen) -> Result<Solution<D>> {
+    fn inverse(&self) -> &'static str {
+        "direct"
+    }
+
+    fn meshes(&self) -> Option<usize> {
+        Some(self.made)
+    }
+
+    fn fluid_vector(&self) -> Result<Vector> {
+        Vector::new(&self.session, self.grid.local_fluid_unknowns())
+    }
+
+    fn solve(&mut self, seen: Seen) -> Result<Solution<D>> {
         let centers: Vec<SVector<f64, D>> = self.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
         self.solve_at(&Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0, tolerance: 0.0 }, seen)
     }
 
-    /// Solves for a moment.
-    ///
-    /// # Errors
-    /// No mesh fits, or its matrix is singular.
-    pub fn solve_at(&mut self, moment: &Moment<D>, seen: Seen) -> Result<Solution<D>> {
+    fn solve_at(&mut self, moment: &Moment<D>, seen: Seen) -> Result<Solution<D>> {
         let (stage, start) = (enter(Stage::SetUp), Instant::now());
         let mesh = self.mesh_at(moment.centers)?;
         self.cost.setup = start.elapsed().as_secs_f64();
@@ -77,7 +93,9 @@ impl<const D: usize> FittedFlow<D> {
         self.cost.assembly = start.elapsed().as_secs_f64();
         drop(stage);
         let (stage, start) = (enter(Stage::Inverse), Instant::now());
-        let (found, residual) = system.solve(&self.session, &mut self.direct)?;
+        let mut unused = None;
+        let direct = self.moving.as_mut().map_or(&mut unused, |(_, direct)| direct);
+        let (found, residual) = system.solve(&self.session, direct)?;
         drop(stage);
         seen(1, residual);
         self.cost.krylov = Report { iterations: 1, residual, seconds: start.elapsed().as_secs_f64() };
@@ -87,15 +105,29 @@ impl<const D: usize> FittedFlow<D> {
         self.mesh = Some(mesh);
         solution
     }
+}
 
+impl<const D: usize> FittedFlow<D> {
+
+    /// The mesh around bodies at these centres: the last one that was made, moved there, or a new one where that would be too distorted.
     fn mesh_at(&mut self, centers: &[SVector<f64, D>]) -> Result<Mesh> {
-        let disk = |(suspended, center): (&super::super::SuspendedBody<D>, &SVector<f64, D>)| Ball {
+        if let Some((moving, _)) = &mut self.moving {
+            let centers: Vec<Vector2<f64>> = centers.iter().map(flat).collect();
+            if let Some(mesh) = moving.moved(&self.session, &centers)? {
+                return Ok(mesh);
+            }
+        }
+        let disk = |(suspended, center): (&SuspendedBody<D>, &SVector<f64, D>)| Ball {
             center: flat(center),
             radius: suspended.body.ball.radius,
         };
         let disks: Vec<Ball<2>> = self.setup.bodies.iter().zip(centers).map(disk).collect();
-        self.direct = None;
-        generate(&self.domain, &disks, self.setup.spacing)
+        // the factors of the last mesh go before those of the new one come
+        self.moving = None;
+        let mesh = generate(&self.domain, &disks, self.setup.spacing)?;
+        self.moving = Some((MovingMesh::new(mesh.clone()), None));
+        self.made += 1;
+        Ok(mesh)
     }
 
     fn problem<'a>(&self, mesh: &'a Mesh, motions: &'a [DiskMotion]) -> StokesProblem<'a> {
@@ -134,11 +166,13 @@ impl<const D: usize> FittedFlow<D> {
             mean_velocity: spatial(&found.mean_velocity),
             pressure_gradient: gradient,
             contact_forces: Vec::new(),
+            walls: Some(std::array::from_fn(|axis| found.walls.get(axis).copied().unwrap_or_default().map(|force| spatial(&(viscosity * force))))),
         })
     }
 }
 
-fn flat<const D: usize>(vector: &SVector<f64, D>) -> Vector2<f64> {
+/// A vector in two dimensions.
+pub fn flat<const D: usize>(vector: &SVector<f64, D>) -> Vector2<f64> {
     Vector2::new(vector[0], vector[1])
 }
 
@@ -147,7 +181,7 @@ fn spatial<const D: usize>(vector: &Vector2<f64>) -> SVector<f64, D> {
 }
 
 /// The box in two dimensions.
-fn plane<const D: usize>(domain: &Domain<D>) -> Domain<2> {
+pub fn plane<const D: usize>(domain: &Domain<D>) -> Domain<2> {
     let axis = |axis: usize| match domain.axes[axis] {
         Axis::Periodic => Axis::Periodic,
         Axis::Walls { lower, upper } => Axis::Walls { lower: flat(&lower), upper: flat(&upper) },

@@ -1,6 +1,8 @@
 //! The direct way to the flow and the scalar: a mesh that fits the bodies, moved along with them, and a direct solver.
 
 mod flow;
+mod inclusions;
 mod sampling;
 
 pub use flow::FittedFlow;
+pub use inclusions::FittedInclusions;
