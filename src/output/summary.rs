@@ -278,7 +278,7 @@ impl SolverSummary {
         let cost = SolverSummary::of_cost(suspension.inverse(), suspension.cost(), world);
         let faster = suspension.faster()?;
         let faster = faster.map(|faster| FasterSummary { inverse: faster.inverse.word(), solve_seconds: faster.solve_seconds });
-        Ok(SolverSummary { faster, meshes: suspension.meshes(), ..cost })
+        Ok(SolverSummary { faster, ..cost })
     }
 
     /// What a solve with this inverse cost; collective.
@@ -292,7 +292,7 @@ impl SolverSummary {
             faster: None,
             grid_unknowns: cost.grid_unknowns,
             multiplier_unknowns: cost.multiplier_unknowns,
-            meshes: None,
+            meshes: Some(cost.meshes).filter(|&made| made > 0),
             iterations: cost.krylov.iterations,
             residual: cost.krylov.residual,
             setup_seconds: slowest(cost.setup),

@@ -57,7 +57,9 @@ impl Direct {
         let mut reason = 0;
         petsc!(KSPGetConvergedReason(self.solver.raw(), &mut reason))?;
         if reason < 0 {
-            return Err(Error::Diverged("MUMPS cannot factor the matrix: it is singular, or memory is short; a coarser mesh may help".into()));
+            return Err(Error::Diverged(
+                "MUMPS cannot factor the matrix: it is singular, or memory is short; a coarser mesh may help".into(),
+            ));
         }
         let mut residual = rhs.like()?;
         self.matrix.multiply(x, &mut residual)?;

@@ -40,11 +40,6 @@ pub trait FlowSolver<const D: usize> {
     /// [`Diverged`](crate::error::Error::Diverged) when the solve fails.
     fn solve_at(&mut self, moment: &Moment<D>, seen: Seen) -> Result<Solution<D>>;
 
-    /// Meshes that were made so far, by a solver that makes meshes.
-    fn meshes(&self) -> Option<usize> {
-        None
-    }
-
     /// A faster inverse that the box allows, if there is one.
     ///
     /// # Errors

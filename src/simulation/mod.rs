@@ -27,13 +27,13 @@ mod suspension;
 mod touching;
 mod work;
 
+use basis::check_steady_state;
 pub use drift::Drift;
 pub use dry::{Dry, DryBody, DrySetup};
 pub use dynamics::{Dynamics, Effort, Seen, Travel, View};
 pub use faster::Faster;
 pub use fitted::{FittedFlow, FittedInclusions};
 pub use flow_solver::{FlowSolver, flow_solver};
-use basis::check_steady_state;
 pub use memory::{Past, Snapshot};
 pub use pace::{Pace, Stride, Urge};
 pub use plan::Plan;

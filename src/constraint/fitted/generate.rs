@@ -105,12 +105,15 @@ fn refine(cloud: &mut Cloud, grading: &Grading, reach: f64) -> Result<Vec<[Corne
         }
         wanted.into_iter().for_each(|point| cloud.push(point, Place::Fluid));
     }
-    Err(Error::Diverged(format!("the mesh is not fine enough after {MOST_ROUNDS} rounds of refinement; another resolution.spacing may help")))
+    Err(Error::Diverged(format!(
+        "the mesh is not fine enough after {MOST_ROUNDS} rounds of refinement; another resolution.spacing may help"
+    )))
 }
 
 /// Circumcentres of bad triangles that leave room to each other, the worst first.
 fn wanted(cloud: &Cloud, triangles: &[[Corner; 3]], grading: &Grading) -> Vec<Vector2<f64>> {
-    let mut candidates: Vec<(f64, f64, Vector2<f64>)> = triangles.iter().filter_map(|triangle| candidate(cloud, triangle, grading)).collect();
+    let mut candidates: Vec<(f64, f64, Vector2<f64>)> =
+        triangles.iter().filter_map(|triangle| candidate(cloud, triangle, grading)).collect();
     candidates.sort_by(|one, two| two.0.total_cmp(&one.0));
     let edge = candidates.iter().map(|candidate| candidate.1).fold(0.0, f64::max);
     let mut crowd = Crowd { domain: &cloud.domain, edge, cells: HashMap::new() };
@@ -137,7 +140,8 @@ fn circumcircle(points: &[Vector2<f64>; 3]) -> Option<(Vector2<f64>, f64)> {
     if area.abs() < 1e-14 * one.norm() * two.norm() {
         return None;
     }
-    let to_center = Vector2::new(two.y * one.norm_squared() - one.y * two.norm_squared(), one.x * two.norm_squared() - two.x * one.norm_squared());
+    let to_center =
+        Vector2::new(two.y * one.norm_squared() - one.y * two.norm_squared(), one.x * two.norm_squared() - two.x * one.norm_squared());
     let to_center = to_center / area;
     Some((points[0] + to_center, to_center.norm()))
 }

@@ -80,7 +80,8 @@ impl Grading {
     /// The sum of the distances from the two nearest surfaces; walls that meet in a corner leave no gap between them.
     fn gap(&self, point: &Vector2<f64>) -> f64 {
         let (point, near) = self.near(point);
-        let along = |axis: usize| two_smallest(near.iter().filter(|surface| !surface.across(1 - axis)).map(|one| one.distance(&point).max(0.0)));
+        let along =
+            |axis: usize| two_smallest(near.iter().filter(|surface| !surface.across(1 - axis)).map(|one| one.distance(&point).max(0.0)));
         (0..2).map(|axis| along(axis).iter().sum()).fold(f64::INFINITY, f64::min)
     }
 

@@ -32,24 +32,38 @@ pub struct Loads {
 pub fn loads(problem: &StokesProblem, flow: &StokesFlow) -> Loads {
     let mesh = problem.mesh;
     let mut forces = vec![Vector2::zeros(); mesh.nodes.len()];
-    let (mut volume_flux, mut pressure, mut area) = (Vector2::zeros(), 0.0, 0.0);
+    let mut sums = Sums::default();
     for triangle in &mesh.triangles {
-        let at = Sums::of(mesh, flow, triangle);
-        (volume_flux, pressure, area) = (volume_flux + at.velocity, pressure + at.pressure, area + at.area);
+        sums.add(mesh, flow, triangle);
         if triangle.nodes.iter().any(|&node| mesh.places[node] != Place::Fluid) {
             add_forces(problem, flow, triangle, &mut forces);
         }
     }
-    let mut loads = Loads { disks: vec![Load::default(); mesh.disks.len()], mean_pressure: pressure / area, ..Loads::default() };
-    let mut moments = vec![Matrix2::zeros(); mesh.disks.len()];
+    let mut loads = of_forces(mesh, &forces);
+    let strain = 0.5 * (problem.background + problem.background.transpose());
+    for (disk, area) in mesh.disk_areas().into_iter().enumerate() {
+        let load = &mut loads.disks[disk];
+        load.force += (problem.on_disks + flow.force) * area;
+        let moment = 0.5 * (load.stresslet + load.stresslet.transpose()) + 2.0 * area * strain;
+        load.stresslet = moment - Matrix2::identity() * (0.5 * moment.trace());
+        sums.velocity += area * (flow.motions[disk].velocity - problem.background * mesh.disks[disk].center);
+    }
+    loads.mean_velocity = sums.velocity / mesh.domain.volume();
+    loads.mean_pressure = sums.pressure / sums.area;
+    loads
+}
+
+/// Sums of forces at nodes; in the place of stresslets, their moments.
+fn of_forces(mesh: &Mesh, forces: &[Vector2<f64>]) -> Loads {
+    let mut loads = Loads { disks: vec![Load::default(); mesh.disks.len()], ..Loads::default() };
     for (node, force) in forces.iter().enumerate() {
         match mesh.places[node] {
             Place::Fluid => {}
             Place::Surface(disk) => {
-                let arm = mesh.arm(disk, &mesh.nodes[node]);
-                loads.disks[disk].force += force;
-                loads.disks[disk].torque += arm.perp(force);
-                moments[disk] += arm * force.transpose();
+                let (arm, load) = (mesh.arm(disk, &mesh.nodes[node]), &mut loads.disks[disk]);
+                load.force += force;
+                load.torque += arm.perp(force);
+                load.stresslet += arm * force.transpose();
             }
             Place::Wall(walls) => {
                 let on = walls.iter().enumerate().filter_map(|(axis, upper)| Some((axis, (*upper)?)));
@@ -57,18 +71,11 @@ pub fn loads(problem: &StokesProblem, flow: &StokesFlow) -> Loads {
             }
         }
     }
-    let strain = 0.5 * (problem.background + problem.background.transpose());
-    for (disk, area) in mesh.disk_areas().into_iter().enumerate() {
-        loads.disks[disk].force += (problem.on_disks + flow.force) * area;
-        let moment = 0.5 * (moments[disk] + moments[disk].transpose()) + 2.0 * area * strain;
-        loads.disks[disk].stresslet = moment - Matrix2::identity() * (0.5 * moment.trace());
-        volume_flux += area * (flow.motions[disk].velocity - problem.background * mesh.disks[disk].center);
-    }
-    loads.mean_velocity = volume_flux / mesh.domain.volume();
     loads
 }
 
-/// Integrals over a triangle.
+/// Integrals over the fluid.
+#[derive(Default)]
 struct Sums {
     velocity: Vector2<f64>,
     pressure: f64,
@@ -76,15 +83,13 @@ struct Sums {
 }
 
 impl Sums {
-    fn of(mesh: &Mesh, flow: &StokesFlow, triangle: &Triangle) -> Sums {
-        let mut sums = Sums { velocity: Vector2::zeros(), pressure: 0.0, area: 0.0 };
+    fn add(&mut self, mesh: &Mesh, flow: &StokesFlow, triangle: &Triangle) {
         for sample in mesh.shape(triangle).samples() {
             let values = triangle.nodes.iter().zip(sample.values);
-            sums.velocity += sample.weight * values.map(|(&node, value)| value * flow.velocities[node]).sum::<Vector2<f64>>();
-            sums.pressure += sample.weight * (0..3).map(|k| sample.linear[k] * flow.pressures[triangle.nodes[k]]).sum::<f64>();
-            sums.area += sample.weight;
+            self.velocity += sample.weight * values.map(|(&node, value)| value * flow.velocities[node]).sum::<Vector2<f64>>();
+            self.pressure += sample.weight * (0..3).map(|k| sample.linear[k] * flow.pressures[triangle.nodes[k]]).sum::<f64>();
+            self.area += sample.weight;
         }
-        sums
     }
 }
 

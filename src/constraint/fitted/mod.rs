@@ -1,5 +1,6 @@
 //! The direct way: a mesh that fits the bodies and moves with them, in 2D.
 
+mod assembly;
 mod boundary;
 mod cloud;
 mod element;
@@ -9,8 +10,9 @@ mod loads;
 mod locate;
 mod mesh;
 mod moving;
+mod numbering;
+mod problem;
 mod scalar;
-mod stokes;
 mod system;
 #[cfg(test)]
 mod tests;
@@ -22,6 +24,7 @@ pub use loads::{Load, Loads, loads};
 pub use locate::{Locator, Spot, first_order, second_order};
 pub use mesh::{Mesh, Triangle};
 pub use moving::MovingMesh;
+pub use numbering::StokesNumbering;
+pub use problem::{DiskMotion, Rigid, StokesFlow, StokesProblem};
 pub use scalar::ScalarNumbering;
-pub use stokes::{DiskMotion, Rigid, StokesFlow, StokesNumbering, StokesProblem};
 pub use system::System;

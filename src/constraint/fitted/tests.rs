@@ -28,7 +28,6 @@ fn assert_sound(name: &str, mesh: &Mesh, longest: f64) {
     let disks: f64 = mesh.disks.iter().map(|disk| PI * disk.radius * disk.radius).sum();
     let missing = area(mesh) - (mesh.domain.volume() - disks);
     let bound: f64 = mesh.disks.iter().map(|disk| disk.radius * disk.radius * (longest / disk.radius).powi(4)).sum();
-    eprintln!("{name}: {} vertices {} triangles, missing {missing:.1e} angle {:.1}", mesh.vertices, mesh.triangles.len(), mesh.smallest_angle().to_degrees());
     assert!(missing.abs() <= 1e-2 * bound + 1e-12, "{name}: area is off by {missing:.1e}");
     assert!(mesh.smallest_angle().to_degrees() > 18.0, "{name}: an angle of {} degrees", mesh.smallest_angle().to_degrees());
     let edges = mesh.nodes.len() - mesh.vertices;

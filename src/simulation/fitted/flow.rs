@@ -13,7 +13,7 @@ use crate::{
     geometry::{Axis, Ball, Domain},
     grid::Grid,
     petsc::{Direct, Report, Session, Stage, Vector, enter},
-    simulation::{BodyState, Cost, FlowSolver, Moment, Setup, Solution, SuspendedBody, check_steady_state, dynamics::Seen},
+    simulation::{BodyState, Cost, FlowSolver, Moment, Setup, Solution, check_steady_state, dynamics::Seen},
 };
 
 /// A suspension in 2D whose flow is found on a mesh that fits the bodies.
@@ -25,7 +25,6 @@ pub struct FittedFlow<const D: usize> {
     /// The last mesh that was made, and the factors for it, which also those that it moves to share.
     moving: Option<(MovingMesh, Option<Direct>)>,
     mesh: Option<Mesh>,
-    made: usize,
     cost: Cost,
 }
 
@@ -39,14 +38,13 @@ impl<const D: usize> FittedFlow<D> {
         let world = session.world();
         let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
         let domain = plane(&setup.domain);
-        Ok(FittedFlow { session: session.clone(), setup, grid, domain, moving: None, mesh: None, made: 0, cost: Cost::default() })
+        Ok(FittedFlow { session: session.clone(), setup, grid, domain, moving: None, mesh: None, cost: Cost::default() })
     }
 
     /// The mesh of the last solve.
     pub fn mesh(&self) -> Option<&Mesh> {
         self.mesh.as_ref()
     }
-
 }
 
 impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
@@ -66,10 +64,6 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
         "direct"
     }
 
-    fn meshes(&self) -> Option<usize> {
-        Some(self.made)
-    }
-
     fn fluid_vector(&self) -> Result<Vector> {
         Vector::new(&self.session, self.grid.local_fluid_unknowns())
     }
@@ -85,8 +79,8 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
         self.cost.setup = start.elapsed().as_secs_f64();
         drop(stage);
         let (stage, start) = (enter(Stage::Assembly), Instant::now());
-        let motions: Vec<DiskMotion> = self.setup.bodies.iter().map(|suspended| disk_motion(&suspended.body.motion, self.setup.viscosity)).collect();
-        let problem = self.problem(&mesh, &motions);
+        let motions = motions(&self.setup);
+        let problem = problem(&self.setup, &mesh, &motions);
         let numbering = StokesNumbering::new(&problem);
         let mut system = System::new(self.session.world(), numbering.unknowns());
         numbering.assemble(&problem, &mut system);
@@ -98,7 +92,8 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
         let (found, residual) = system.solve(&self.session, direct)?;
         drop(stage);
         seen(1, residual);
-        self.cost.krylov = Report { iterations: 1, residual, seconds: start.elapsed().as_secs_f64() };
+        self.cost.stages.inverse = start.elapsed().as_secs_f64();
+        self.cost.krylov = Report { iterations: 1, residual, seconds: self.cost.stages.inverse };
         self.cost.grid_unknowns = numbering.unknowns();
         let flow = numbering.flow(&problem, &found);
         let solution = self.solution(&problem, &flow);
@@ -108,7 +103,6 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
 }
 
 impl<const D: usize> FittedFlow<D> {
-
     /// The mesh around bodies at these centres: the last one that was made, moved there, or a new one where that would be too distorted.
     fn mesh_at(&mut self, centers: &[SVector<f64, D>]) -> Result<Mesh> {
         if let Some((moving, _)) = &mut self.moving {
@@ -117,39 +111,14 @@ impl<const D: usize> FittedFlow<D> {
                 return Ok(mesh);
             }
         }
-        let disk = |(suspended, center): (&SuspendedBody<D>, &SVector<f64, D>)| Ball {
-            center: flat(center),
-            radius: suspended.body.ball.radius,
-        };
-        let disks: Vec<Ball<2>> = self.setup.bodies.iter().zip(centers).map(disk).collect();
+        let radii = self.setup.bodies.iter().map(|suspended| suspended.body.ball.radius);
+        let disks: Vec<Ball<2>> = centers.iter().zip(radii).map(|(center, radius)| Ball { center: flat(center), radius }).collect();
         // the factors of the last mesh go before those of the new one come
         self.moving = None;
         let mesh = generate(&self.domain, &disks, self.setup.spacing)?;
         self.moving = Some((MovingMesh::new(mesh.clone()), None));
-        self.made += 1;
+        self.cost.meshes += 1;
         Ok(mesh)
-    }
-
-    fn problem<'a>(&self, mesh: &'a Mesh, motions: &'a [DiskMotion]) -> StokesProblem<'a> {
-        let (drive, domain, viscosity) = (&self.setup.drive, &self.setup.domain, self.setup.viscosity);
-        let background = match drive {
-            Drive::Shear(rate) => Matrix2::new(0.0, *rate, 0.0, 0.0),
-            _ => Matrix2::zeros(),
-        };
-        let uniform = drive.uniform_force();
-        let mean_velocity = [0, 1].map(|axis| match drive {
-            Drive::MeanVelocity(velocity) if domain.periodic(axis) => Some(velocity[axis]),
-            Drive::Rest | Drive::Shear(_) if domain.fully_periodic() => Some(0.0),
-            _ => None,
-        });
-        StokesProblem {
-            mesh,
-            motions,
-            background,
-            on_fluid: flat(&uniform) / viscosity,
-            on_disks: flat(&(uniform - drive.force_on_fluid_alone())) / viscosity,
-            mean_velocity,
-        }
     }
 
     fn solution(&self, problem: &StokesProblem, flow: &StokesFlow) -> Result<Solution<D>> {
@@ -166,9 +135,54 @@ impl<const D: usize> FittedFlow<D> {
             mean_velocity: spatial(&found.mean_velocity),
             pressure_gradient: gradient,
             contact_forces: Vec::new(),
-            walls: Some(std::array::from_fn(|axis| found.walls.get(axis).copied().unwrap_or_default().map(|force| spatial(&(viscosity * force))))),
+            walls: Some(std::array::from_fn(|axis| {
+                found.walls.get(axis).copied().unwrap_or_default().map(|force| spatial(&(viscosity * force)))
+            })),
         })
     }
+}
+
+/// Numbers of triangles and unknowns of a setup with its bodies where they start.
+///
+/// # Errors
+/// No mesh fits.
+pub fn size<const D: usize>(setup: &Setup<D>) -> Result<(usize, usize)> {
+    let disks: Vec<Ball<2>> = setup.bodies.iter().map(|suspended| flat_disk(&suspended.body.ball)).collect();
+    let (mesh, motions) = (generate(&plane(&setup.domain), &disks, setup.spacing)?, motions(setup));
+    Ok((mesh.triangles.len(), StokesNumbering::new(&problem(setup, &mesh, &motions)).unknowns()))
+}
+
+/// A ball in two dimensions.
+pub fn flat_disk<const D: usize>(ball: &Ball<D>) -> Ball<2> {
+    Ball { center: flat(&ball.center), radius: ball.radius }
+}
+
+/// What a setup is on a mesh.
+pub fn problem<'a, const D: usize>(setup: &Setup<D>, mesh: &'a Mesh, motions: &'a [DiskMotion]) -> StokesProblem<'a> {
+    let (drive, domain, viscosity) = (&setup.drive, &setup.domain, setup.viscosity);
+    let background = match drive {
+        Drive::Shear(rate) => Matrix2::new(0.0, *rate, 0.0, 0.0),
+        _ => Matrix2::zeros(),
+    };
+    let uniform = drive.uniform_force();
+    let mean_velocity = [0, 1].map(|axis| match drive {
+        Drive::MeanVelocity(velocity) if domain.periodic(axis) => Some(velocity[axis]),
+        Drive::Rest | Drive::Shear(_) if domain.fully_periodic() => Some(0.0),
+        _ => None,
+    });
+    StokesProblem {
+        mesh,
+        motions,
+        background,
+        on_fluid: flat(&uniform) / viscosity,
+        on_disks: flat(&(uniform - drive.force_on_fluid_alone())) / viscosity,
+        mean_velocity,
+    }
+}
+
+/// How the bodies of a setup move, per unit viscosity.
+pub fn motions<const D: usize>(setup: &Setup<D>) -> Vec<DiskMotion> {
+    setup.bodies.iter().map(|suspended| disk_motion(&suspended.body.motion, setup.viscosity)).collect()
 }
 
 /// A vector in two dimensions.

@@ -5,7 +5,7 @@ use std::time::Instant;
 use nalgebra::Vector2;
 
 use super::{
-    flow::{flat, plane},
+    flow::{flat, flat_disk, plane},
     sampling::spot,
 };
 use crate::{
@@ -37,9 +37,8 @@ impl<const D: usize> FittedInclusions<D> {
         }
         let (_stage, start, world) = (enter(Stage::SetUp), Instant::now(), session.world());
         let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
-        let disks: Vec<Ball<2>> = setup.inclusions.iter().map(|(ball, _)| Ball { center: flat(&ball.center), radius: ball.radius }).collect();
-        let mesh = generate(&plane(&setup.domain), &disks, setup.spacing)?;
-        let cost = Cost { setup: start.elapsed().as_secs_f64(), ..Cost::default() };
+        let mesh = mesh(&setup)?;
+        let cost = Cost { setup: start.elapsed().as_secs_f64(), meshes: 1, ..Cost::default() };
         Ok(FittedInclusions { session: session.clone(), setup, grid, mesh, cost })
     }
 
@@ -77,7 +76,8 @@ impl<const D: usize> FittedInclusions<D> {
         let (_stage, start) = (enter(Stage::Inverse), Instant::now());
         let (found, residual) = system.solve(&self.session, &mut None)?;
         seen(1, residual);
-        self.cost.krylov = Report { iterations: 1, residual, seconds: start.elapsed().as_secs_f64() };
+        self.cost.stages.inverse = start.elapsed().as_secs_f64();
+        self.cost.krylov = Report { iterations: 1, residual, seconds: self.cost.stages.inverse };
         self.cost.grid_unknowns = numbering.unknowns();
         self.solution(&numbering.values(&found))
     }
@@ -130,4 +130,18 @@ impl<const D: usize> FittedInclusions<D> {
         }
         Ok(field)
     }
+}
+
+fn mesh<const D: usize>(setup: &ScalarSetup<D>) -> Result<Mesh> {
+    let disks: Vec<Ball<2>> = setup.inclusions.iter().map(|(ball, _)| flat_disk(ball)).collect();
+    generate(&plane(&setup.domain), &disks, setup.spacing)
+}
+
+/// Numbers of triangles and unknowns of a setup.
+///
+/// # Errors
+/// No mesh fits.
+pub fn size<const D: usize>(setup: &ScalarSetup<D>) -> Result<(usize, usize)> {
+    let mesh = mesh(setup)?;
+    Ok((mesh.triangles.len(), ScalarNumbering::new(&mesh).unknowns()))
 }

@@ -4,5 +4,5 @@ mod flow;
 mod inclusions;
 mod sampling;
 
-pub use flow::FittedFlow;
-pub use inclusions::FittedInclusions;
+pub use flow::{FittedFlow, size as flow_size};
+pub use inclusions::{FittedInclusions, size as scalar_size};
