@@ -10,7 +10,7 @@ use turbid::{
     observe,
     petsc::Session,
     scene::{Scheme, Step, TimeSection, Tolerance},
-    simulation::{FittedFlow, FlowSolver, Moment, Setup, Simulation, Solution, SuspendedBody},
+    simulation::{FittedFlow, FlowSolver, Moment, Past, Setup, Simulation, Snapshot, Solution, SuspendedBody},
 };
 
 use crate::{
@@ -225,11 +225,18 @@ fn a_mesh_that_moves_gives_what_a_new_one_gives(session: &Session) {
         let moved = fitted.solve_at(&moment, &mut |_, _| {}).unwrap();
         let fresh = FittedFlow::new(session, setup()).unwrap().solve_at(&moment, &mut |_, _| {}).unwrap();
         let (one, other) = (moved.bodies[0].twist, fresh.bodies[0].twist);
-        assert!((one.velocity - other.velocity).norm() < 1e-4 * other.velocity.norm(), "at {y}: {} and {}", one.velocity, other.velocity);
+        assert!((one.velocity - other.velocity).norm() < 5e-4 * other.velocity.norm(), "at {y}: {} and {}", one.velocity, other.velocity);
         assert!(step > 3 || fitted.cost().meshes == 1, "a new mesh at {y}");
     }
     let made = fitted.cost().meshes;
     assert!((2..=4).contains(&made), "{made} meshes");
+    let past = fitted.past().unwrap();
+    let last = Snapshot { fluid: None, multipliers: Vec::new(), centers: past.last.centers.clone(), closure: Vec::new() };
+    let mut resumed = FittedFlow::new(session, setup()).unwrap();
+    resumed.remember(Some(Past { time: past.time, last, earlier: None }));
+    let moment = Moment { centers: &[Vector2::new(0.4, 0.19)], time: 0.0, pressed: &[], step: 0.0, tolerance: 1e-6 };
+    let [one, other] = [&mut fitted, &mut resumed].map(|flow| flow.solve_at(&moment, &mut |_, _| {}).unwrap().bodies[0].twist);
+    assert!((one.velocity - other.velocity).norm() < 1e-10 * one.velocity.norm(), "a restart does not make the same mesh");
 }
 
 /// In a channel whose walls shear two disks past each other, runs with twice the edges and half the steps agree.

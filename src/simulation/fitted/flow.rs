@@ -13,7 +13,7 @@ use crate::{
     geometry::{Axis, Ball, Domain},
     grid::Grid,
     petsc::{Direct, Report, Session, Stage, Vector, enter},
-    simulation::{BodyState, Cost, FlowSolver, Moment, Setup, Solution, check_steady_state, dynamics::Seen},
+    simulation::{BodyState, Cost, FlowSolver, Moment, Past, Setup, Snapshot, Solution, check_steady_state, dynamics::Seen},
 };
 
 /// A suspension in 2D whose flow is found on a mesh that fits the bodies.
@@ -25,6 +25,8 @@ pub struct FittedFlow<const D: usize> {
     /// The last mesh that was made, and the factors for it, which also those that it moves to share.
     moving: Option<(MovingMesh, Option<Direct>)>,
     mesh: Option<Mesh>,
+    /// Where the last mesh was made, which a restart needs to make it again.
+    past: Option<Past<D>>,
     cost: Cost,
 }
 
@@ -38,7 +40,7 @@ impl<const D: usize> FittedFlow<D> {
         let world = session.world();
         let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
         let domain = plane(&setup.domain);
-        Ok(FittedFlow { session: session.clone(), setup, grid, domain, moving: None, mesh: None, cost: Cost::default() })
+        Ok(FittedFlow { session: session.clone(), setup, grid, domain, moving: None, mesh: None, past: None, cost: Cost::default() })
     }
 
     /// The mesh of the last solve.
@@ -68,6 +70,14 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
         Vector::new(&self.session, self.grid.local_fluid_unknowns())
     }
 
+    fn remember(&mut self, past: Option<Past<D>>) {
+        (self.moving, self.past) = (None, past);
+    }
+
+    fn past(&self) -> Option<&Past<D>> {
+        self.past.as_ref()
+    }
+
     fn solve(&mut self, seen: Seen) -> Result<Solution<D>> {
         let centers: Vec<SVector<f64, D>> = self.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
         self.solve_at(&Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0, tolerance: 0.0 }, seen)
@@ -75,7 +85,7 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
 
     fn solve_at(&mut self, moment: &Moment<D>, seen: Seen) -> Result<Solution<D>> {
         let (stage, start) = (enter(Stage::SetUp), Instant::now());
-        let mesh = self.mesh_at(moment.centers)?;
+        let mesh = self.mesh_at(moment.centers, moment.time)?;
         self.cost.setup = start.elapsed().as_secs_f64();
         drop(stage);
         let (stage, start) = (enter(Stage::Assembly), Instant::now());
@@ -104,19 +114,29 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
 
 impl<const D: usize> FittedFlow<D> {
     /// The mesh around bodies at these centres: the last one that was made, moved there, or a new one where that would be too distorted.
-    fn mesh_at(&mut self, centers: &[SVector<f64, D>]) -> Result<Mesh> {
+    fn mesh_at(&mut self, centers: &[SVector<f64, D>], time: f64) -> Result<Mesh> {
+        if let Some(past) = self.past.take_if(|_| self.moving.is_none()) {
+            self.make(&past.last.centers, past.time)?;
+        }
         if let Some((moving, _)) = &mut self.moving {
-            let centers: Vec<Vector2<f64>> = centers.iter().map(flat).collect();
-            if let Some(mesh) = moving.moved(&self.session, &centers)? {
+            let flat_centers: Vec<Vector2<f64>> = centers.iter().map(flat).collect();
+            if let Some(mesh) = moving.moved(&self.session, &flat_centers)? {
                 return Ok(mesh);
             }
         }
-        let radii = self.setup.bodies.iter().map(|suspended| suspended.body.ball.radius);
-        let disks: Vec<Ball<2>> = centers.iter().zip(radii).map(|(center, radius)| Ball { center: flat(center), radius }).collect();
+        self.make(centers, time)
+    }
+
+    /// A new mesh.
+    fn make(&mut self, centers: &[SVector<f64, D>], time: f64) -> Result<Mesh> {
         // the factors of the last mesh go before those of the new one come
         self.moving = None;
+        let radii = self.setup.bodies.iter().map(|suspended| suspended.body.ball.radius);
+        let disks: Vec<Ball<2>> = centers.iter().zip(radii).map(|(center, radius)| Ball { center: flat(center), radius }).collect();
         let mesh = generate(&self.domain, &disks, self.setup.spacing)?;
         self.moving = Some((MovingMesh::new(mesh.clone()), None));
+        let last = Snapshot { fluid: None, multipliers: Vec::new(), centers: centers.to_vec(), closure: Vec::new() };
+        self.past = Some(Past { time, last, earlier: None });
         self.cost.meshes += 1;
         Ok(mesh)
     }
