@@ -8,7 +8,7 @@ use super::sampling::sample;
 use crate::{
     body::{Motion, Twist, components, skew},
     constraint::fitted::{DiskMotion, Load, Mesh, MovingMesh, Rigid, StokesFlow, StokesNumbering, StokesProblem, System, generate, loads},
-    error::Result,
+    error::{Error, Result},
     flow::Drive,
     geometry::{Axis, Ball, Domain},
     grid::Grid,
@@ -133,12 +133,20 @@ impl<const D: usize> FittedFlow<D> {
         self.moving = None;
         let radii = self.setup.bodies.iter().map(|suspended| suspended.body.ball.radius);
         let disks: Vec<Ball<2>> = centers.iter().zip(radii).map(|(center, radius)| Ball { center: flat(center), radius }).collect();
-        let mesh = generate(&self.domain, &disks, self.setup.spacing)?;
+        let mesh = generate(&self.domain, &disks, self.setup.spacing).map_err(|error| self.on_the_way(error, time))?;
         self.moving = Some((MovingMesh::new(mesh.clone()), None));
         let last = Snapshot { fluid: None, multipliers: Vec::new(), centers: centers.to_vec(), closure: Vec::new() };
         self.past = Some(Past { time, last, earlier: None });
         self.cost.meshes += 1;
         Ok(mesh)
+    }
+
+    /// A mesh that fitted bodies at the start and no longer does is no fault of the scene's.
+    fn on_the_way(&self, error: Error, time: f64) -> Error {
+        match error {
+            Error::Refused(text) if self.cost.meshes > 0 => Error::Diverged(format!("at time {time} {text}; a shorter time.step may help")),
+            error => error,
+        }
     }
 
     fn solution(&self, problem: &StokesProblem, flow: &StokesFlow) -> Result<Solution<D>> {
