@@ -7,7 +7,8 @@ impl StokesNumbering {
     pub fn assemble(&self, problem: &StokesProblem, system: &mut System) {
         for triangle in &problem.mesh.triangles {
             let parts = Parts::of(self, problem, triangle);
-            if parts.rows().any(|row| system.holds(row)) {
+            // every triangle has a part in mean velocities
+            if parts.rows().chain(self.forces.into_iter().flatten()).any(|row| system.holds(row)) {
                 parts.assemble(problem, self.forces, system);
             }
         }
