@@ -30,7 +30,7 @@ const WALLED_LINE_BYTES: f64 = 240.0;
 const CONTACT_BYTES: f64 = 4e3;
 
 /// Bytes that factors of a matrix in 2D take for each unknown, over the binary logarithm of their number.
-const FACTOR_BYTES: f64 = 100.0;
+const FACTOR_BYTES: f64 = 180.0;
 
 /// Fluid vectors that a run in time keeps to start further solves from.
 const REMEMBERED_VECTORS: f64 = 5.0;
