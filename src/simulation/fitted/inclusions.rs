@@ -5,7 +5,7 @@ use std::time::Instant;
 use nalgebra::Vector2;
 
 use super::{
-    flow::{flat, flat_disk, plane},
+    plane::{flat, flat_disk, plane},
     sampling::spot,
 };
 use crate::{

@@ -2,7 +2,9 @@
 
 mod flow;
 mod inclusions;
+mod plane;
 mod sampling;
 
-pub use flow::{FittedFlow, size as flow_size};
+pub use flow::FittedFlow;
 pub use inclusions::{FittedInclusions, size as scalar_size};
+pub use plane::size as flow_size;
