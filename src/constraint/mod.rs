@@ -13,6 +13,7 @@ mod adjoint;
 mod blocks;
 mod conservation;
 mod dense;
+pub mod fitted;
 mod interpolant;
 mod layout;
 mod near;
@@ -22,7 +23,7 @@ mod rows;
 mod scalar;
 mod sharp;
 
-pub use adjoint::{AdjointBlocks, AdjointBody, FreeInverse, assemble as assemble_adjoint};
+pub use adjoint::{AdjointBlocks, AdjointBody, FreeInverse, assemble as assemble_adjoint, count as count_adjoint};
 pub use blocks::Blocks;
 pub use layout::Layout;
 pub use near::{Crowd, NearPairs, PairTables};

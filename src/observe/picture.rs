@@ -7,11 +7,11 @@ use crate::{
     error::Result,
     geometry::Ball,
     output::{Disk, Picture},
-    simulation::{Solution, Suspension},
+    simulation::{FlowSolver, Solution},
 };
 
 /// Cuts a solution; collective, and the same on every rank.
-pub fn picture<const D: usize>(title: &str, suspension: &Suspension<D>, solution: &Solution<D>) -> Result<Picture> {
+pub fn picture<const D: usize>(title: &str, suspension: &dyn FlowSolver<D>, solution: &Solution<D>) -> Result<Picture> {
     let setup = suspension.setup();
     let plane = CutPlane::of(&setup.domain, suspension.grid());
     let points = plane.points();
@@ -31,7 +31,7 @@ pub fn picture<const D: usize>(title: &str, suspension: &Suspension<D>, solution
 }
 
 /// The cuts of the bodies through the plane.
-fn disks<const D: usize>(plane: &CutPlane<D>, suspension: &Suspension<D>, solution: &Solution<D>) -> Vec<Disk> {
+fn disks<const D: usize>(plane: &CutPlane<D>, suspension: &dyn FlowSolver<D>, solution: &Solution<D>) -> Vec<Disk> {
     let bodies = suspension.setup().bodies.iter().zip(&solution.bodies);
     let cut = bodies.filter_map(|(suspended, state)| {
         let (center, radius) = plane.cut(&Ball { center: state.center, ..suspended.body.ball })?;

@@ -9,12 +9,13 @@ use super::sample::{scalars, velocities};
 use crate::{
     error::Result,
     geometry::Domain,
+    grid::Grid,
     output::Probe,
-    simulation::{Inclusions, ScalarSolution, Solution, Suspension},
+    simulation::{FlowSolver, ScalarSetup, ScalarSolution, Solution},
 };
 
 /// The velocity of a solution, background included, on `per_axis^D` points; collective, and the same on every rank.
-pub fn velocity_probe<const D: usize>(suspension: &Suspension<D>, solution: &Solution<D>, per_axis: usize) -> Result<Probe<D>> {
+pub fn velocity_probe<const D: usize>(suspension: &dyn FlowSolver<D>, solution: &Solution<D>, per_axis: usize) -> Result<Probe<D>> {
     let setup = suspension.setup();
     let points = lattice(&setup.domain, per_axis);
     let disturbance = velocities(suspension.grid(), &solution.fluid, &points)?;
@@ -24,10 +25,14 @@ pub fn velocity_probe<const D: usize>(suspension: &Suspension<D>, solution: &Sol
 }
 
 /// The scalar of a solution, mean gradient included, on `per_axis^D` points; collective, and the same on every rank.
-pub fn scalar_probe<const D: usize>(inclusions: &Inclusions<D>, solution: &ScalarSolution<D>, per_axis: usize) -> Result<Probe<D>> {
-    let points = lattice(&inclusions.setup().domain, per_axis);
-    let gradient = inclusions.setup().gradient.unwrap_or_else(SVector::zeros);
-    let disturbance = scalars(inclusions.grid(), &solution.field, &points)?;
+pub fn scalar_probe<const D: usize>(
+    (setup, grid): (&ScalarSetup<D>, &Grid<D>),
+    solution: &ScalarSolution<D>,
+    per_axis: usize,
+) -> Result<Probe<D>> {
+    let points = lattice(&setup.domain, per_axis);
+    let gradient = setup.gradient.unwrap_or_else(SVector::zeros);
+    let disturbance = scalars(grid, &solution.field, &points)?;
     let values = points.iter().zip(disturbance).map(|(point, value)| vec![value + gradient.dot(point)]).collect();
     Ok(Probe { points, names: vec!["value"], values })
 }

@@ -6,15 +6,19 @@ use super::{plane::CutPlane, sample::scalars};
 use crate::{
     error::Result,
     geometry::Ball,
+    grid::Grid,
     output::{Disk, Picture},
-    simulation::{Inclusions, ScalarSolution},
+    simulation::{ScalarSetup, ScalarSolution},
 };
 
 /// Cuts a solution; collective, and the same on every rank.
-pub fn scalar_picture<const D: usize>(title: &str, inclusions: &Inclusions<D>, solution: &ScalarSolution<D>) -> Result<Picture> {
-    let setup = inclusions.setup();
-    let plane = CutPlane::of(&setup.domain, inclusions.grid());
-    let values = scalars(inclusions.grid(), &solution.field, &plane.points())?;
+pub fn scalar_picture<const D: usize>(
+    title: &str,
+    (setup, grid): (&ScalarSetup<D>, &Grid<D>),
+    solution: &ScalarSolution<D>,
+) -> Result<Picture> {
+    let plane = CutPlane::of(&setup.domain, grid);
+    let values = scalars(grid, &solution.field, &plane.points())?;
     let flux = fluxes(&plane, &values, setup.gradient.unwrap_or_else(SVector::zeros));
     let sign = if setup.source < 0.0 { -1.0 } else { 1.0 };
     let (quantity, coloured) = match setup.gradient {

@@ -58,7 +58,7 @@ pub fn viscosity<const D: usize>(
     let unit = setup.viscosity * shear.rate * setup.domain.volume();
     let from_walls = match setup.domain.axes[shear.gradient] {
         Axis::Periodic => None,
-        Axis::Walls { lower, upper } => Some(wall_shear(grid, solution, &shear, [lower, upper])? / shear.rate),
+        Axis::Walls { lower, upper } => Some(wall_shear((grid, setup.viscosity), solution, &shear, [lower, upper])? / shear.rate),
     };
     Ok(Some(Viscosity { rate: shear.rate, hydrodynamic: 1.0 + stresslets / unit, contact: -moments / unit, from_walls }))
 }
@@ -80,8 +80,18 @@ fn shear<const D: usize>(domain: &Domain<D>, drive: &Drive<D>) -> Option<Shear<D
     })
 }
 
-/// Mean over both walls of the velocity gradient at the wall, as the momentum balance of the grid has it.
-fn wall_shear<const D: usize>(grid: &Grid<D>, solution: &Solution<D>, shear: &Shear<D>, walls: [SVector<f64, D>; 2]) -> Result<f64> {
+/// Mean over both walls of the velocity gradient at the wall, as the forces on the walls or the momentum balance of the grid have it.
+fn wall_shear<const D: usize>(
+    (grid, viscosity): (&Grid<D>, f64),
+    solution: &Solution<D>,
+    shear: &Shear<D>,
+    walls: [SVector<f64, D>; 2],
+) -> Result<f64> {
+    if let Some(walls) = solution.walls {
+        let [on_lower, on_upper] = walls[shear.gradient];
+        let area = grid.domain().volume() / grid.domain().size[shear.gradient];
+        return Ok((on_lower - on_upper).dot(&shear.flow) / (2.0 * area * viscosity));
+    }
     let last = grid.cells()[shear.gradient] - 1;
     let to_wall = 0.5 * grid.spacing()[shear.gradient];
     let values = solution.fluid.local()?;

@@ -94,7 +94,10 @@ fn contact_line(contact: &ContactSummary) -> String {
 }
 
 fn solver_lines(solver: &SolverSummary, instant: bool) -> Vec<String> {
-    let mut lines = vec![format!("unknowns             {} on the grid, {} on surfaces", solver.grid_unknowns, solver.multiplier_unknowns)];
+    let mut lines = vec![match solver.meshes {
+        None => format!("unknowns             {} on the grid, {} on surfaces", solver.grid_unknowns, solver.multiplier_unknowns),
+        Some(made) => format!("unknowns             {} on the mesh; {} made", solver.grid_unknowns, counted(made, "mesh", "meshes")),
+    }];
     if instant {
         lines.push(format!("iterations           {} to a residual of {:.1e}", solver.iterations, solver.residual));
         lines.push(format!(

@@ -5,8 +5,9 @@ use serde::Serialize;
 
 use super::{Summary, summary::SolverSummary};
 use crate::{
+    grid::Grid,
     parallel::World,
-    simulation::{InclusionState, Inclusions, ScalarSolution, Uzawa},
+    simulation::{Cost, InclusionState, ScalarSetup, ScalarSolution, Uzawa},
 };
 
 /// The scalar problem.
@@ -62,14 +63,14 @@ pub struct InclusionSummary {
 }
 
 impl Summary {
-    /// The numbers of a scalar problem; collective. `named` is the scene's name and title.
+    /// The numbers of a scalar problem; collective. `named` is the scene's name and title, `solver` the word for what inverted the matrix
+    /// and what that cost.
     pub fn of_scalar<const D: usize>(
         named: (&str, &str),
-        inclusions: &Inclusions<D>,
-        solution: &ScalarSolution<D>,
+        (setup, grid): (&ScalarSetup<D>, &Grid<D>),
+        (solution, solver): (&ScalarSolution<D>, (&'static str, &Cost)),
         world: &World,
     ) -> Summary {
-        let (setup, grid) = (inclusions.setup(), inclusions.grid());
         let held = solution.inclusions.iter().filter(|inclusion| grid.owner(&inclusion.center) == world.rank()).count();
         let scalar = ScalarSummary {
             source: setup.source,
@@ -80,7 +81,7 @@ impl Summary {
         };
         Summary {
             scalar: Some(scalar),
-            solver: Some(SolverSummary::of_cost("hypre", inclusions.cost(), world)),
+            solver: Some(SolverSummary::of_cost(solver.0, solver.1, world)),
             ..Summary::of_bodies(named, (Vec::new(), setup.fraction()), (held, grid.local_unknowns(D)), world)
         }
     }

@@ -10,7 +10,7 @@ use crate::{
     geometry::{Ball, Domain},
     observe::Viscosity,
     parallel::{World, peak_memory_bytes},
-    simulation::{BodyState, Cost, Moving, Solution, State, Suspension},
+    simulation::{BodyState, Cost, FlowSolver, Moving, Solution, State},
 };
 
 /// Everything that `summary.json` holds; an effect that the scene does not call for is `null`.
@@ -140,6 +140,8 @@ pub struct SolverSummary {
     pub grid_unknowns: usize,
     /// Unknowns on surfaces.
     pub multiplier_unknowns: usize,
+    /// Meshes that were made, by a method that makes meshes.
+    pub meshes: Option<usize>,
     /// Iterations of the coupled solver.
     pub iterations: usize,
     /// Relative residual reached.
@@ -178,7 +180,7 @@ impl Summary {
     /// A faster inverse cannot be tried out.
     pub fn of_flow<const D: usize>(
         named: (&str, &str),
-        suspension: &Suspension<D>,
+        suspension: &dyn FlowSolver<D>,
         (solution, viscosity): (&Solution<D>, Option<Viscosity>),
         world: &World,
     ) -> Result<Summary> {
@@ -275,8 +277,8 @@ impl ViscositySummary {
 }
 
 impl SolverSummary {
-    fn new<const D: usize>(suspension: &Suspension<D>, world: &World) -> Result<SolverSummary> {
-        let cost = SolverSummary::of_cost(suspension.setup().inverse.word(), suspension.cost(), world);
+    fn new<const D: usize>(suspension: &dyn FlowSolver<D>, world: &World) -> Result<SolverSummary> {
+        let cost = SolverSummary::of_cost(suspension.inverse(), suspension.cost(), world);
         let faster = suspension.faster()?;
         let faster = faster.map(|faster| FasterSummary { inverse: faster.inverse.word(), solve_seconds: faster.solve_seconds });
         Ok(SolverSummary { faster, ..cost })
@@ -293,6 +295,7 @@ impl SolverSummary {
             faster: None,
             grid_unknowns: cost.grid_unknowns,
             multiplier_unknowns: cost.multiplier_unknowns,
+            meshes: Some(cost.meshes).filter(|&made| made > 0),
             iterations: cost.krylov.iterations,
             residual: cost.krylov.residual,
             setup_seconds: slowest(cost.setup),

@@ -63,6 +63,23 @@ impl Matrix {
         Ok(matrix)
     }
 
+    /// Gives it other values in the same places, row by row in the same order.
+    ///
+    /// # Errors
+    /// A value has no place.
+    pub(super) fn replace(&mut self, rows: RowBuilder) -> Result<()> {
+        let (mut first, mut past) = (0, 0);
+        petsc!(MatGetOwnershipRange(self.raw(), &mut first, &mut past))?;
+        for (row, places) in (first..past).zip(rows.starts.windows(2)) {
+            let places = places[0] as usize..places[1] as usize;
+            let (columns, values) = (&rows.columns[places.clone()], &rows.values[places]);
+            let (count, insert) = (index(columns.len()), ffi::InsertMode_INSERT_VALUES);
+            petsc!(MatSetValues(self.raw(), 1, &row, count, columns.as_ptr(), values.as_ptr(), insert))?;
+        }
+        petsc!(MatAssemblyBegin(self.raw(), ffi::MatAssemblyType_MAT_FINAL_ASSEMBLY))?;
+        petsc!(MatAssemblyEnd(self.raw(), ffi::MatAssemblyType_MAT_FINAL_ASSEMBLY))
+    }
+
     /// The block matrix `blocks[row][column]` (absent blocks are zero) on vectors whose local parts follow one another.
     pub fn nest(session: &Session, blocks: &[Vec<Option<&Matrix>>]) -> Result<Matrix> {
         let flat: Vec<ffi::Mat> = blocks.iter().flatten().map(|block| block.map_or(null_mut(), |matrix| matrix.raw())).collect();

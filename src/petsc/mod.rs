@@ -6,6 +6,7 @@
 
 mod amg;
 mod census;
+mod direct;
 #[doc(hidden)]
 pub mod ffi;
 mod heap;
@@ -23,6 +24,7 @@ mod vector;
 
 pub use amg::{Amg, AmgSettings};
 pub use census::{Census, Class};
+pub use direct::Direct;
 pub use heap::local_heap_bytes;
 pub use krylov::{Krylov, KrylovMethod, KrylovSettings, Report};
 pub use matrix::{Matrix, RowBuilder};

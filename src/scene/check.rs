@@ -40,10 +40,21 @@ fn check_spacing(scene: &Scene) -> Result<()> {
 fn check_constraint(scene: &Scene) -> Result<()> {
     let remedy = match (scene.method.constraint, scene.flow.model) {
         (ConstraintMethod::Sharp, _) => return Ok(()),
-        (ConstraintMethod::MeanValue(_) | ConstraintMethod::Distributed | ConstraintMethod::Penalty(_), FlowModel::Stokes) => return Ok(()),
-        (method, FlowModel::Scalar) if method != ConstraintMethod::Fitted => return Ok(()),
-        (_, FlowModel::Scalar | FlowModel::Stokes) => "is not available yet; must be \"sharp\"",
+        (
+            ConstraintMethod::MeanValue(_) | ConstraintMethod::Distributed | ConstraintMethod::Penalty(_),
+            FlowModel::Stokes | FlowModel::Scalar,
+        ) => {
+            return Ok(());
+        }
         (_, FlowModel::None) => "has no meaning without a fluid; remove it",
+        (ConstraintMethod::Fitted, _) if scene.dimension() != 2 => "makes meshes in two dimensions only; set method.constraint = \"sharp\"",
+        (ConstraintMethod::Fitted, _) if scene.contact.model != ContactModel::None => {
+            "leaves no room for contacts: no mesh fits between bodies that touch; set contact.model = \"none\" or method.constraint = \"sharp\""
+        }
+        (ConstraintMethod::Fitted, FlowModel::Scalar) if walled(scene).next().is_none() => {
+            "carries no mean gradient through a fully periodic box; set method.constraint = \"sharp\""
+        }
+        (ConstraintMethod::Fitted, _) => return Ok(()),
     };
     Err(scene.refuse("method.constraint", format!("{:?}", scene.method.constraint.word()), remedy))
 }

@@ -86,7 +86,7 @@ fn sharp<const D: usize>(basis: &Basis<D>, placed: &[Placed<D>], earlier: Option
 
 /// For each body, those whose inside the interpolation on its surface may meet.
 fn neighbours<const D: usize>(basis: &Basis<D>, placed: &[Placed<D>]) -> Vec<Vec<Neighbour<D>>> {
-    let balls: Vec<Ball<D>> = placed.iter().map(|placed| Ball { center: placed.center, radius: placed.surface.modes.radius() }).collect();
+    let balls: Vec<Ball<D>> = placed.iter().map(Placed::ball).collect();
     let mut neighbours: Vec<Vec<Neighbour<D>>> = vec![Vec::new(); placed.len()];
     for pair in near_pairs(&basis.setup.domain, &balls, INTERPOLATION_REACH * basis.grid.spacing().max()) {
         for (body, other, separation) in [(pair.first, pair.second, pair.separation), (pair.second, pair.first, -pair.separation)] {

@@ -127,7 +127,7 @@ impl<const D: usize> Basis<D> {
         }
         let pressure_gradient = self.pressure_gradient(&bodies, tail);
         let mean_velocity = self.mean_velocity(&fluid)?;
-        Ok(Solution { bodies, fluid, mean_velocity, pressure_gradient, contact_forces })
+        Ok(Solution { bodies, fluid, mean_velocity, pressure_gradient, walls: None, contact_forces })
     }
 
     fn mean_velocity(&self, fluid: &Vector) -> Result<SVector<f64, D>> {
@@ -160,7 +160,8 @@ impl<const D: usize> Basis<D> {
     }
 }
 
-fn check_steady_state<const D: usize>(setup: &Setup<D>) -> Result<()> {
+/// Refuses a drive under which the flow would never become steady.
+pub fn check_steady_state<const D: usize>(setup: &Setup<D>) -> Result<()> {
     if setup.drive.leaves_mean_velocity_open(&setup.domain) && setup.bodies.iter().all(|suspended| suspended.body.free()) {
         return Err(Error::Refused(
             "flow.drive: under a uniform force a fully periodic box in which nothing is fixed has no steady flow; \

@@ -13,7 +13,7 @@ use std::{collections::HashMap, time::Instant};
 use nalgebra::SVector;
 
 use super::{
-    Dynamics, Effort, Held, Moment, Past, Seen, Solution, State, Suspension, Travel, View,
+    Dynamics, Effort, FlowSolver, Held, Moment, Past, Seen, Solution, State, Travel, View,
     pace::{Pace, Stride, Urge},
 };
 use crate::{
@@ -44,11 +44,11 @@ const OVERLAP: f64 = 1e-6;
 /// Bodies carried by Stokes flow.
 pub struct Drift<const D: usize> {
     session: Session,
-    suspension: Suspension<D>,
+    suspension: Box<dyn FlowSolver<D>>,
     pace: Pace,
     /// Whether a contact model acts.
     contact: bool,
-    /// Force that gives each body a unit velocity in unbounded fluid.
+    /// Force that gives each body a unit velocity in unbounded fluid; none without a contact model.
     weights: Vec<f64>,
 }
 
@@ -61,11 +61,11 @@ struct Agreed<const D: usize> {
 }
 
 impl<const D: usize> Drift<D> {
-    /// Bodies of a suspension that move at a pace.
-    pub fn new(session: &Session, mut suspension: Suspension<D>, pace: Pace, contact: bool) -> Drift<D> {
+    /// Bodies of a suspension that move at a pace; with the force that gives each a unit velocity in unbounded fluid, a contact model acts.
+    pub fn new(session: &Session, mut suspension: Box<dyn FlowSolver<D>>, pace: Pace, weights: Option<Vec<f64>>) -> Drift<D> {
         suspension.remember(None);
-        let weights = suspension.resistances();
-        Drift { session: session.clone(), suspension, pace, contact, weights }
+        let contact = weights.is_some();
+        Drift { session: session.clone(), suspension, pace, contact, weights: weights.unwrap_or_default() }
     }
 
     fn balls(&self, state: &State<D>) -> Vec<Ball<D>> {
@@ -243,8 +243,8 @@ impl<const D: usize> Dynamics<D> for Drift<D> {
         Ok(Travel { step, moves, twists: view.twists.clone(), contacts: view.contacts.clone(), certificate, effort })
     }
 
-    fn suspension(&self) -> Option<&Suspension<D>> {
-        Some(&self.suspension)
+    fn suspension(&self) -> Option<&dyn FlowSolver<D>> {
+        Some(self.suspension.as_ref())
     }
 
     fn remember(&mut self, past: Past<D>) {

@@ -1,6 +1,6 @@
 //! What moves bodies: the interface behind which a fluid, or inertia alone, drives a [`Simulation`](super::Simulation).
 
-use super::{Cost, Past, Solution, State, Suspension, pace::Stride};
+use super::{Cost, FlowSolver, Past, Solution, State, pace::Stride};
 use crate::{
     body::Twist,
     contact::{Certificate, ContactForce},
@@ -70,7 +70,7 @@ pub trait Dynamics<const D: usize> {
     fn travel(&mut self, state: &State<D>, view: &View<D>, seen: Seen) -> Result<Travel<D>>;
 
     /// The suspension that is solved, if there is a fluid.
-    fn suspension(&self) -> Option<&Suspension<D>> {
+    fn suspension(&self) -> Option<&dyn FlowSolver<D>> {
         None
     }
 

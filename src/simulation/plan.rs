@@ -1,6 +1,7 @@
 //! What a scene calls for, before anything is built.
 
 mod effects;
+mod fitted;
 mod memory;
 
 use std::fmt;
@@ -8,11 +9,11 @@ use std::fmt;
 use crate::{
     error::Result,
     grid::Grid,
-    scene::{FlowModel, Scene},
+    scene::{ConstraintMethod, FlowModel, Scene},
     simulation::{DrySetup, ScalarSetup, Setup, closure::Closure},
 };
 use effects::{Effect, flow_effects, gravity, in_time};
-use memory::{CONTACT_BYTES, bytes, mode_count, scalar_bytes};
+use memory::{CONTACT_BYTES, bytes, multiplier_counts, scalar_bytes};
 
 /// The effects of a scene with their unknowns and memory.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,10 +40,17 @@ impl Plan {
     /// # Errors
     /// Bodies, grid or rank count do not fit.
     pub fn of<const D: usize>(scene: &Scene, ranks: usize) -> Result<Plan> {
+        let on_mesh = scene.method.constraint == ConstraintMethod::Fitted;
         match scene.flow.model {
             FlowModel::None => Plan::of_dry(scene, &DrySetup::<D>::of(scene)?),
-            FlowModel::Scalar => Plan::of_scalar(&ScalarSetup::<D>::of(scene)?, ranks),
-            FlowModel::Stokes => Plan::of_flow(scene, &Setup::<D>::of(scene)?, ranks),
+            FlowModel::Scalar => {
+                let setup = ScalarSetup::<D>::of(scene)?;
+                if on_mesh { fitted::scalar(&setup, ranks) } else { Plan::of_scalar(&setup, ranks) }
+            }
+            FlowModel::Stokes => {
+                let setup = Setup::<D>::of(scene)?;
+                if on_mesh { fitted::flow(scene, &setup, ranks) } else { Plan::of_flow(scene, &setup, ranks) }
+            }
         }
     }
 
@@ -112,17 +120,17 @@ impl Plan {
 
     fn of_flow<const D: usize>(scene: &Scene, setup: &Setup<D>, ranks: usize) -> Result<Plan> {
         let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
-        let mut effects = flow_effects(setup, &grid);
+        let (mut effects, counts) = (flow_effects(setup, &grid), multiplier_counts(setup, &grid));
         effects.extend([Effect::off("inertia"), gravity(scene)]);
         effects.extend(in_time(scene));
         let fluid = FluidPlan {
             cells: grid.cells().to_vec(),
             blocks: grid.partition().ranks().to_vec(),
             grid_unknowns: grid.fluid_unknowns(),
-            multiplier_unknowns: setup.bodies.iter().map(mode_count).sum(),
+            multiplier_unknowns: counts.iter().sum(),
             closure_unknowns: Closure::count(&setup.drive, &setup.domain),
         };
-        Ok(Plan { effects, choice: None, fluid: Some(fluid), bytes: bytes(setup, &grid, scene.time.is_some()) })
+        Ok(Plan { effects, choice: None, fluid: Some(fluid), bytes: bytes(setup, (&grid, &counts), scene.time.is_some()) })
     }
 }
 

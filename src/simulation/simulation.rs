@@ -1,12 +1,12 @@
 //! The time loop: bodies move step by step, driven by a fluid or by inertia alone.
 
-use super::{Drift, Dry, DrySetup, Dynamics, Effort, Held, Past, Seen, Setup, State, Suspension, View, pace::Pace};
+use super::{Drift, Dry, DrySetup, Dynamics, Effort, FittedFlow, FlowSolver, Held, Past, Seen, Setup, State, Suspension, View, pace::Pace};
 use crate::{
     contact::Certificate,
     error::Result,
     geometry::Domain,
     petsc::Session,
-    scene::{ContactModel, Scene, TimeSection},
+    scene::{ConstraintMethod, ContactModel, Scene, TimeSection},
 };
 
 /// A simulation in time. Every function is collective.
@@ -42,7 +42,10 @@ impl<const D: usize> Simulation<D> {
             return Ok(Self::dry(session, setup, time));
         }
         let setup = session.world().agree(Setup::<D>::of(scene))?;
-        Ok(Self::flowing(session, Suspension::new(session, setup)?, time, scene.contact.model))
+        match scene.method.constraint {
+            ConstraintMethod::Fitted => Ok(Self::fitted(session, FittedFlow::new(session, setup)?, time)),
+            _ => Ok(Self::flowing(session, Suspension::new(session, setup)?, time, scene.contact.model)),
+        }
     }
 
     /// Dry bodies in motion.
@@ -55,13 +58,22 @@ impl<const D: usize> Simulation<D> {
 
     /// Bodies carried by Stokes flow.
     pub fn flowing(session: &Session, suspension: Suspension<D>, time: TimeSection, contact: ContactModel) -> Simulation<D> {
+        let weights = (contact == ContactModel::Inelastic).then(|| suspension.resistances());
+        Self::carried(session, Box::new(suspension), time, weights)
+    }
+
+    /// Bodies carried by Stokes flow on a mesh that fits them, which leaves no room for contacts.
+    pub fn fitted(session: &Session, flow: FittedFlow<D>, time: TimeSection) -> Simulation<D> {
+        Self::carried(session, Box::new(flow), time, None)
+    }
+
+    fn carried(session: &Session, suspension: Box<dyn FlowSolver<D>>, time: TimeSection, weights: Option<Vec<f64>>) -> Simulation<D> {
         let bodies = &suspension.setup().bodies;
         let pace = Pace { time, radii: bodies.iter().map(|suspended| suspended.body.ball.radius).collect() };
         let at_rest = |suspended: &super::SuspendedBody<D>| (suspended.body.ball.center, crate::body::Twist::zero());
         let state = State::start(bodies.iter().map(at_rest));
         let domain = suspension.setup().domain.clone();
-        let contact = contact == ContactModel::Inelastic;
-        let dynamics = Box::new(Drift::new(session, suspension, pace.clone(), contact));
+        let dynamics = Box::new(Drift::new(session, suspension, pace.clone(), weights));
         Simulation { state, dynamics, domain, pace, cut_short: false }
     }
 
@@ -79,7 +91,7 @@ impl<const D: usize> Simulation<D> {
     }
 
     /// The suspension that is solved, if there is a fluid.
-    pub fn suspension(&self) -> Option<&Suspension<D>> {
+    pub fn suspension(&self) -> Option<&dyn FlowSolver<D>> {
         self.dynamics.suspension()
     }
 

@@ -66,6 +66,9 @@ pub struct Solution<const D: usize> {
     pub mean_velocity: SVector<f64, D>,
     /// Mean gradient of the pressure along periodic axes.
     pub pressure_gradient: SVector<f64, D>,
+    /// Forces of the fluid on the lower and the upper wall across each axis, if the solver knows them better than its velocities on the grid
+    /// tell; zero where there are none.
+    pub walls: Option<[[SVector<f64, D>; 2]; D]>,
     /// Force of each contact that was held, positive where it pushes.
     pub contact_forces: Vec<f64>,
 }

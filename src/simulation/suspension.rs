@@ -51,6 +51,8 @@ pub struct Cost {
     pub grid_unknowns: usize,
     /// Unknowns on surfaces on all ranks.
     pub multiplier_unknowns: usize,
+    /// Meshes that were made so far; none by methods whose grid ignores bodies.
+    pub meshes: usize,
 }
 
 /// Where the bodies of a suspension are, and what is known of that instant.

@@ -11,6 +11,8 @@ mod contact;
 mod dry;
 mod effects;
 mod fields;
+mod fitted;
+mod fitted_scalar;
 mod fluid;
 mod grid;
 mod hard;
@@ -70,6 +72,8 @@ fn main() {
         scalar::tests(),
         inclusions::tests(),
         suspension::tests(),
+        fitted::tests(),
+        fitted_scalar::tests(),
         inverses::tests(),
         effects::tests(),
         accuracy::tests(),

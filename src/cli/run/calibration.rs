@@ -9,7 +9,7 @@ use crate::{
     output::{AccuracySummary, EstimatedErrors, Summary, write_whole},
     parallel::World,
     scene::Scene,
-    simulation::{Solution, Suspension},
+    simulation::{FlowSolver, Solution},
     study::{Answer, Calibration, Quantity},
 };
 
@@ -59,7 +59,7 @@ impl Calibrated {
     ///
     /// # Errors
     /// PETSc fails.
-    pub fn attach<const D: usize>(&self, summary: &mut Summary, (suspension, solution): (&Suspension<D>, &Solution<D>)) -> Result<()> {
+    pub fn attach<const D: usize>(&self, summary: &mut Summary, (suspension, solution): (&dyn FlowSolver<D>, &Solution<D>)) -> Result<()> {
         let calibration = &self.calibration;
         let drag = Answer::all(suspension, solution)?.into_iter().find(|answer| answer.quantity == Quantity::Drag);
         let given = suspension.setup().bodies.iter().filter(|suspended| !suspended.body.free()).count();

@@ -9,8 +9,7 @@ use crate::{
     output::{self, Progress, Summary},
     petsc::{Session, Stage, enter},
     scene::Scene,
-    simulation::{Setup, Suspension},
-    study::Solved,
+    simulation::{FlowSolver, Setup, Solution, flow_solver},
 };
 
 /// Solves a scene of dimension `D` with the bodies where they start, at the resolution that `resolved` has.
@@ -22,13 +21,13 @@ pub fn run<const D: usize>(
 ) -> Result<()> {
     let world = session.world();
     let setup = world.agree(Setup::<D>::of(resolved))?;
-    let mut suspension = Suspension::new(session, setup)?;
+    let mut suspension = flow_solver(session, resolved, setup)?;
     world.agree(if world.rank() == 0 { folder::claim(folder, scene) } else { Ok(()) })?;
 
     let progress = Progress::new(world.rank(), resolved.method.tolerance.at_an_instant());
     let solution = suspension.solve(&mut |iteration, residual| progress.show(iteration, residual));
     progress.end();
-    write(session, scene, folder, ((suspension, solution?), calibrated))
+    write(session, scene, folder, ((suspension.as_ref(), &solution?), calibrated))
 }
 
 /// Writes and reports what was solved.
@@ -37,24 +36,24 @@ pub fn write<const D: usize>(
     session: &Session,
     scene: &Scene,
     folder: &Path,
-    ((suspension, solution), calibrated): (Solved<D>, Option<&Calibrated>),
+    ((suspension, solution), calibrated): ((&dyn FlowSolver<D>, &Solution<D>), Option<&Calibrated>),
 ) -> Result<()> {
     let (world, first) = (session.world(), session.world().rank() == 0);
-    let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[])?;
-    let mut summary = Summary::of_flow((&scene.name, &scene.title), &suspension, (&solution, viscosity), world)?;
+    let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), solution, &[])?;
+    let mut summary = Summary::of_flow((&scene.name, &scene.title), suspension, (solution, viscosity), world)?;
     let mut files = vec!["scene.toml"];
     if let Some(calibrated) = calibrated {
-        calibrated.attach(&mut summary, (&suspension, &solution))?;
+        calibrated.attach(&mut summary, (suspension, solution))?;
         files.push("calibration.json");
     }
     let output = enter(Stage::Output);
     if scene.output.picture {
-        let picture = observe::picture(scene.shown_title(), &suspension, &solution)?.svg();
+        let picture = observe::picture(scene.shown_title(), suspension, solution)?.svg();
         world.agree(if first { output::write_whole(&folder.join("picture.svg"), picture.as_bytes()) } else { Ok(()) })?;
         files.push("picture.svg");
     }
     if let Some(points) = scene.output.probe {
-        let probe = observe::velocity_probe(&suspension, &solution, points)?.csv();
+        let probe = observe::velocity_probe(suspension, solution, points)?.csv();
         world.agree(if first { output::write_whole(&folder.join("probe.csv"), probe.as_bytes()) } else { Ok(()) })?;
         files.push("probe.csv");
     }

@@ -46,7 +46,7 @@ fn run_to_accuracy<const D: usize>(session: &Session, scene: &Scene, folder: &Pa
     let (calibration, solved) = ladder.climb()?;
     let calibrated = calibration::keep(world, folder, scene, calibration)?;
     if scene.time.is_none() {
-        return instant::write(session, scene, folder, (solved, Some(&calibrated)));
+        return instant::write(session, scene, folder, ((&solved.0, &solved.1), Some(&calibrated)));
     }
     drop(solved);
     march::run::<D>(session, (scene, &calibrated.calibration.resolved(scene)), folder, (None, Some(&calibrated)))

@@ -5,37 +5,58 @@ use std::path::Path;
 use super::folder;
 use crate::{
     error::Result,
+    grid::Grid,
     observe,
     output::{self, Progress, Summary},
     petsc::{Session, Stage, enter},
-    scene::Scene,
-    simulation::{Inclusions, ScalarSetup},
+    scene::{ConstraintMethod, Scene},
+    simulation::{Cost, FittedInclusions, Inclusions, ScalarSetup, ScalarSolution},
 };
 
 /// Solves a scalar scene of dimension `D`.
-#[allow(clippy::print_stdout)]
 pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> Result<()> {
     let world = session.world();
-    let first = world.rank() == 0;
     let setup = world.agree(ScalarSetup::<D>::of(scene))?;
-    let mut inclusions = Inclusions::new(session, setup)?;
-    world.agree(if first { folder::claim(folder, scene) } else { Ok(()) })?;
-
     let progress = Progress::new(world.rank(), scene.method.tolerance.at_an_instant());
-    let solution = inclusions.solve(&mut |iteration, residual| progress.show(iteration, residual));
-    progress.end();
-    let solution = solution?;
+    let mut seen = |iteration, residual| progress.show(iteration, residual);
+    let claim = || world.agree(if world.rank() == 0 { folder::claim(folder, scene) } else { Ok(()) });
+    match scene.method.constraint {
+        ConstraintMethod::Fitted => {
+            let mut inclusions = FittedInclusions::new(session, setup)?;
+            claim()?;
+            let solution = inclusions.solve(&mut seen);
+            progress.end();
+            write(session, (scene, folder), (inclusions.setup(), inclusions.grid()), (&solution?, ("direct", inclusions.cost())))
+        }
+        _ => {
+            let mut inclusions = Inclusions::new(session, setup)?;
+            claim()?;
+            let solution = inclusions.solve(&mut seen);
+            progress.end();
+            write(session, (scene, folder), (inclusions.setup(), inclusions.grid()), (&solution?, ("hypre", inclusions.cost())))
+        }
+    }
+}
 
-    let summary = Summary::of_scalar((&scene.name, &scene.title), &inclusions, &solution, world);
+/// Writes and reports what was solved.
+#[allow(clippy::print_stdout)]
+fn write<const D: usize>(
+    session: &Session,
+    (scene, folder): (&Scene, &Path),
+    problem: (&ScalarSetup<D>, &Grid<D>),
+    (solution, solver): (&ScalarSolution<D>, (&'static str, &Cost)),
+) -> Result<()> {
+    let (world, first) = (session.world(), session.world().rank() == 0);
+    let summary = Summary::of_scalar((&scene.name, &scene.title), problem, (solution, solver), world);
     let output = enter(Stage::Output);
     let mut files = vec!["scene.toml"];
     if let Some(points) = scene.output.probe {
-        let probe = observe::scalar_probe(&inclusions, &solution, points)?.csv();
+        let probe = observe::scalar_probe(problem, solution, points)?.csv();
         world.agree(if first { output::write_whole(&folder.join("probe.csv"), probe.as_bytes()) } else { Ok(()) })?;
         files.push("probe.csv");
     }
     if scene.output.picture {
-        let picture = observe::scalar_picture(scene.shown_title(), &inclusions, &solution)?.svg();
+        let picture = observe::scalar_picture(scene.shown_title(), problem, solution)?.svg();
         world.agree(if first { output::write_whole(&folder.join("picture.svg"), picture.as_bytes()) } else { Ok(()) })?;
         files.push("picture.svg");
     }

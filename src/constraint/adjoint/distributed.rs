@@ -8,26 +8,19 @@ use std::rc::Rc;
 
 use super::{
     AdjointBody,
-    nodes::{Collector, SparseRows, within_walls},
+    nodes::{Collector, Nodes, SparseRows, within_walls},
     rigid::{motions, push_readings},
     test::{FreeInverse, RowTest, Test},
 };
 use crate::{
     constraint::{patch::Patch, sharp::Placed},
+    geometry::Ball,
     grid::{Grid, Index, stencil::moved},
 };
 
 /// The blocks of one body.
 pub fn assemble<const D: usize>(grid: &Grid<D>, (body, placed): (usize, &Placed<D>)) -> AdjointBody<D> {
-    let mut collector = Collector::new(grid, placed.center);
-    for component in 0..D {
-        for index in Patch::around(grid, component, &placed.center, placed.surface.modes.radius()).indices() {
-            if on_layer(grid, placed, component, index) {
-                collector.node(component, index);
-            }
-        }
-    }
-    let (nodes, surface) = (collector.nodes, &placed.surface);
+    let (nodes, surface) = (layer(grid, &placed.ball()), &placed.surface);
     let (motions, cell, spacing) = (motions(surface, &nodes), grid.spacing().product(), grid.mean_spacing());
     let mut rows = SparseRows::default();
     push_readings(&motions, &vec![1.0; nodes.count()], &mut rows);
@@ -46,8 +39,22 @@ pub fn assemble<const D: usize>(grid: &Grid<D>, (body, placed): (usize, &Placed<
     AdjointBody { body, center: placed.center, nodes, rows, wall_values: Vec::new(), test: Test::Rows(test), cell }
 }
 
-fn on_layer<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, component: usize, index: Index<D>) -> bool {
-    let inside = |index: Index<D>| within_walls(grid, component, index) && !placed.outside(&grid.position(component, index));
-    let neighbours = (0..D).flat_map(|axis| [-1, 1].map(|side| moved(index, axis, side)));
-    inside(index) && !neighbours.into_iter().all(inside)
+/// The points inside a ball with a neighbour outside.
+pub fn layer<const D: usize>(grid: &Grid<D>, ball: &Ball<D>) -> Nodes<D> {
+    let mut collector = Collector::new(grid, ball.center);
+    for component in 0..D {
+        for index in Patch::around(grid, component, &ball.center, ball.radius).indices() {
+            if on_layer(grid, ball, component, index) {
+                collector.node(component, index);
+            }
+        }
+    }
+    collector.nodes
+}
+
+fn on_layer<const D: usize>(grid: &Grid<D>, ball: &Ball<D>, component: usize, index: Index<D>) -> bool {
+    let within = |index: Index<D>| (grid.position(component, index) - ball.center).norm_squared() <= ball.radius.powi(2);
+    let inside = |index: Index<D>| within_walls(grid, component, index) && within(index);
+    let mut neighbours = (0..D).flat_map(|axis| [-1, 1].map(|side| moved(index, axis, side)));
+    inside(index) && !neighbours.all(inside)
 }

@@ -19,11 +19,11 @@ use nalgebra::{SMatrix, SVector};
 
 use super::{Layout, places::Places};
 use super::{Method, Placed};
-use crate::grid::Grid;
 use crate::{
     error::Result,
     petsc::{Scatter, Vector},
 };
+use crate::{geometry::Ball, grid::Grid};
 pub use body::AdjointBody;
 pub use test::FreeInverse;
 
@@ -37,6 +37,18 @@ pub fn assemble<const D: usize>(method: Method, grid: &Grid<D>, body: (usize, &P
         Method::Distributed => distributed::assemble(grid, body),
         Method::Penalty { epsilon } => penalty::assemble(grid, body, epsilon),
         Method::Sharp => panic!("the sharp method spreads corrected stencils"),
+    }
+}
+
+/// Number of multipliers of a body by one of the methods that has them at lattice points, besides those of rigid motions.
+///
+/// # Panics
+/// For the methods with surface modes.
+pub fn count<const D: usize>(method: Method, grid: &Grid<D>, ball: &Ball<D>) -> usize {
+    match method {
+        Method::Distributed => distributed::layer(grid, ball).count(),
+        Method::Penalty { .. } => strains::Strains::of(grid, ball).strains.len(),
+        Method::Sharp | Method::MeanValue => panic!("surface modes are counted by their order"),
     }
 }
 

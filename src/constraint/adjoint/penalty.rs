@@ -25,15 +25,11 @@ use super::{
     strains::{Strain, Strains},
     test::{FreeInverse, RowTest, Test},
 };
-use crate::{
-    constraint::sharp::Placed,
-    geometry::{Ball, fraction},
-    grid::Grid,
-};
+use crate::{constraint::sharp::Placed, geometry::fraction, grid::Grid};
 
 /// The blocks of one body.
 pub fn assemble<const D: usize>(grid: &Grid<D>, (body, placed): (usize, &Placed<D>), epsilon: f64) -> AdjointBody<D> {
-    let ball = Ball { center: placed.center, radius: placed.surface.modes.radius() };
+    let ball = placed.ball();
     let Strains { nodes, strains, divergences } = Strains::of(grid, &ball);
     let filled = |offset| fraction(&ball, &(placed.center + offset), &grid.spacing());
     let (mut rows, mut plain, motions) = (SparseRows::default(), SparseRows::default(), motions(&placed.surface, &nodes));

@@ -25,7 +25,7 @@ use std::rc::Rc;
 use nalgebra::SVector;
 
 use super::dense::LocalBlock;
-use crate::{grid::Grid, surface::SurfaceTable};
+use crate::{geometry::Ball, grid::Grid, surface::SurfaceTable};
 pub use blocks::{BodyBlocks, SharpBlocks, Situation};
 use jumps::Jumps;
 use nodes::Nodes;
@@ -52,8 +52,12 @@ pub struct Placed<const D: usize> {
 }
 
 impl<const D: usize> Placed<D> {
-    /// Whether a point lies outside.
-    pub(super) fn outside(&self, point: &SVector<f64, D>) -> bool {
+    /// It as a ball.
+    pub fn ball(&self) -> Ball<D> {
+        Ball { center: self.center, radius: self.surface.modes.radius() }
+    }
+
+    fn outside(&self, point: &SVector<f64, D>) -> bool {
         (point - self.center).norm_squared() > self.surface.modes.radius().powi(2)
     }
 }

@@ -38,7 +38,7 @@ pub enum ConstraintMethod {
     Distributed,
     /// Fluid inside bodies that is more viscous by one over this number; nothing leaves the choice to the method.
     Penalty(Option<f64>),
-    /// A mesh that fits the bodies and moves with them, in 2D.
+    /// A mesh that fits the bodies and moves with them, in 2D, and a direct solver: modes, inverse and tolerance have no meaning then.
     Fitted,
 }
 

@@ -11,7 +11,7 @@ pub(in crate::scene) const SPACINGS: [&str; 2] = ["cells_per_radius", "spacing"]
 /// How fine the grid and the multipliers are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResolutionSection {
-    /// The grid spacing.
+    /// The grid spacing, or the length of the edges of a fitted mesh far from gaps.
     pub spacing: Spacing,
     /// The multiplier modes of each body.
     pub modes: Modes,

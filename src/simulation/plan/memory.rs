@@ -1,7 +1,9 @@
 //! Memory of a run, estimated before anything is built.
 
 use crate::{
+    constraint::{Method, count_adjoint},
     flow::InverseMethod,
+    geometry::Ball,
     grid::Grid,
     simulation::{Setup, SuspendedBody},
     surface::{SurfaceTable, modes},
@@ -28,14 +30,21 @@ pub const CONTACT_BYTES: f64 = 4e3;
 /// Fluid vectors that a run in time keeps to start further solves from.
 const REMEMBERED_VECTORS: f64 = 5.0;
 
+/// Bytes that a multiplier at a lattice point takes: its node and rows that take it.
+const LATTICE_BYTES: f64 = 120.0;
+
 /// Bytes that a flow takes on all ranks together.
-pub fn bytes<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, in_time: bool) -> f64 {
+pub fn bytes<const D: usize>(setup: &Setup<D>, (grid, counts): (&Grid<D>, &[usize]), in_time: bool) -> f64 {
     let points = (2 * D + 1) as f64;
     let cells = grid.unknowns(D) as f64;
     let remembered = if in_time { REMEMBERED_VECTORS } else { 0.0 };
     let fluid_vector = grid.fluid_unknowns() as f64 * 8.0;
-    let multipliers: f64 = setup.bodies.iter().map(mode_count).sum::<usize>() as f64 * 8.0;
-    let bodies: f64 = setup.bodies.iter().map(|suspended| body_bytes(suspended, grid)).sum();
+    let multipliers = counts.iter().sum::<usize>() as f64 * 8.0;
+    let bodies: f64 = match setup.blocks() {
+        Method::Distributed => LATTICE_BYTES * counts.iter().sum::<usize>() as f64,
+        Method::Penalty { .. } => counts.iter().map(|&count| penalty_bytes::<D>(count)).sum(),
+        Method::Sharp | Method::MeanValue => setup.bodies.iter().map(|suspended| body_bytes(suspended, grid)).sum(),
+    };
     bodies
         + match setup.inverse {
             InverseMethod::Hypre => {
@@ -47,6 +56,11 @@ pub fn bytes<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, in_time: bool) ->
                 cells * walled + TRANSFORM_VECTORS * fluid_vector + (KRYLOV_VECTORS + remembered) * multipliers
             }
         }
+}
+
+/// Rows of strains, and the factors of an elastic body, of which a row spans a slice.
+fn penalty_bytes<const D: usize>(count: usize) -> f64 {
+    4.0 * LATTICE_BYTES * count as f64 + 8.0 * (count as f64).powf(2.0 - 1.0 / D as f64)
 }
 
 /// Values of the spread rows, interpolation terms, and the dense blocks of a body and about four neighbours.
@@ -67,8 +81,19 @@ pub fn scalar_bytes<const D: usize>(grid: &Grid<D>, multipliers: usize) -> f64 {
     nonzeros * BYTES_PER_NONZERO + KRYLOV_VECTORS * (cells + multipliers as f64) * 8.0
 }
 
-/// Multipliers of a body.
-pub fn mode_count<const D: usize>(suspended: &SuspendedBody<D>) -> usize {
+/// Multipliers of each body.
+pub fn multiplier_counts<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<usize> {
+    let count = |suspended: &SuspendedBody<D>| {
+        let ball = Ball { center: setup.domain.wrap(suspended.body.ball.center), ..suspended.body.ball };
+        match setup.blocks() {
+            Method::Sharp | Method::MeanValue => mode_count(suspended),
+            method => D * (D + 1) / 2 + count_adjoint(method, grid, &ball),
+        }
+    };
+    setup.bodies.iter().map(count).collect()
+}
+
+fn mode_count<const D: usize>(suspended: &SuspendedBody<D>) -> usize {
     modes(D, suspended.body.ball.radius, 1.0, suspended.order).count()
 }
 

@@ -75,7 +75,7 @@ fn method(constraint: ConstraintMethod) -> (InclusionMethod, MultiplierSolver) {
         ConstraintMethod::MeanValue(solver) => (InclusionMethod::MeanValue, solver),
         ConstraintMethod::Distributed => (InclusionMethod::Distributed, MultiplierSolver::Krylov),
         ConstraintMethod::Penalty(epsilon) => (InclusionMethod::penalty(epsilon), MultiplierSolver::Krylov),
-        ConstraintMethod::Sharp => (InclusionMethod::Sharp, MultiplierSolver::Krylov),
-        ConstraintMethod::Fitted => unreachable!("a fitted mesh is no grid, and a scalar on it is refused"),
+        // a fitted mesh asks for neither
+        ConstraintMethod::Sharp | ConstraintMethod::Fitted => (InclusionMethod::Sharp, MultiplierSolver::Krylov),
     }
 }

@@ -7,7 +7,7 @@ use crate::{
     error::Result,
     flow::Drive,
     observe,
-    simulation::{Setup, Solution, Suspension},
+    simulation::{FlowSolver, Setup, Solution},
 };
 
 /// Something that a solve answers.
@@ -50,7 +50,7 @@ impl Answer {
     ///
     /// # Errors
     /// PETSc fails.
-    pub fn all<const D: usize>(suspension: &Suspension<D>, solution: &Solution<D>) -> Result<Vec<Answer>> {
+    pub fn all<const D: usize>(suspension: &dyn FlowSolver<D>, solution: &Solution<D>) -> Result<Vec<Answer>> {
         let setup = suspension.setup();
         let viscosity = observe::viscosity(setup, suspension.grid(), solution, &[])?;
         let (drag, velocity) = of_bodies(setup, solution);

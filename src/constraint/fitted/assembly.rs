@@ -1,0 +1,125 @@
+//! The linear system of Stokes flow on a mesh.
+
+use super::{DiskMotion, Sample, StokesNumbering, StokesProblem, System, Triangle, numbering::Component};
+
+impl StokesNumbering {
+    /// Adds the rows of this rank to a system.
+    pub fn assemble(&self, problem: &StokesProblem, system: &mut System) {
+        for triangle in &problem.mesh.triangles {
+            let parts = Parts::of(self, problem, triangle);
+            // every triangle has a part in mean velocities
+            if parts.rows().chain(self.forces.into_iter().flatten()).any(|row| system.holds(row)) {
+                parts.assemble(problem, self.forces, system);
+            }
+        }
+        let areas = problem.mesh.disk_areas();
+        for (disk, motion) in problem.motions.iter().enumerate() {
+            let DiskMotion::Free { force, torque } = motion else { continue };
+            let (Some(first), area) = (self.disks[disk], areas[disk]) else { continue };
+            let force = force + problem.on_disks * area;
+            [force.x, force.y, *torque].into_iter().enumerate().for_each(|(row, load)| system.load(first + row, load));
+        }
+        self.assemble_means(problem, &areas, system);
+    }
+
+    /// What disks have to do with mean velocities and the forces that they take.
+    fn assemble_means(&self, problem: &StokesProblem, areas: &[f64], system: &mut System) {
+        let mesh = problem.mesh;
+        for axis in 0..2 {
+            let (Some(row), Some(mean)) = (self.forces[axis], problem.mean_velocity[axis]) else { continue };
+            system.load(row, -mean * mesh.domain.volume());
+            // so that each row has a diagonal
+            system.add(row, row, 0.0);
+            for (disk, motion) in problem.motions.iter().enumerate() {
+                let background = (problem.background * mesh.disks[disk].center)[axis];
+                match (self.disks[disk], motion) {
+                    (Some(first), _) => {
+                        system.add(row, first + axis, -areas[disk]);
+                        system.add(first + axis, row, -areas[disk]);
+                        system.load(row, -background * areas[disk]);
+                    }
+                    (None, DiskMotion::Given(rigid)) => system.load(row, (rigid.velocity[axis] - background) * areas[disk]),
+                    (None, _) => {}
+                }
+            }
+        }
+    }
+}
+
+/// A triangle with the unknowns of its nodes.
+struct Parts {
+    velocities: [[Component; 2]; 6],
+    pressures: [Option<usize>; 3],
+    samples: Vec<Sample>,
+}
+
+impl Parts {
+    fn of(numbering: &StokesNumbering, problem: &StokesProblem, triangle: &Triangle) -> Parts {
+        Parts {
+            velocities: triangle.nodes.map(|node| numbering.velocity(problem, node)),
+            pressures: [0, 1, 2].map(|vertex| numbering.pressure(triangle.nodes[vertex])),
+            samples: problem.mesh.shape(triangle).samples().to_vec(),
+        }
+    }
+
+    fn rows(&self) -> impl Iterator<Item = usize> {
+        let velocities = self.velocities.iter().flatten().flat_map(|component| component.terms().iter().map(|(row, _)| *row));
+        velocities.chain(self.pressures.iter().flatten().copied())
+    }
+
+    fn assemble(&self, problem: &StokesProblem, forces: [Option<usize>; 2], system: &mut System) {
+        for (i, row) in self.velocities.iter().enumerate() {
+            for (a, row) in row.iter().enumerate() {
+                let means = self.samples.iter().map(|sample| sample.weight * sample.values[i]).sum::<f64>();
+                for (unknown, factor) in row.terms() {
+                    system.load(*unknown, factor * problem.on_fluid[a] * means);
+                    if let Some(force) = forces[a] {
+                        system.add(*unknown, force, -factor * means);
+                        system.add(force, *unknown, -factor * means);
+                    }
+                }
+                if let Some(force) = forces[a] {
+                    system.load(force, row.known * means);
+                }
+                self.assemble_viscous((i, a), row, system);
+                self.assemble_pressure((i, a), row, system);
+            }
+        }
+    }
+
+    fn assemble_viscous(&self, (i, a): (usize, usize), row: &Component, system: &mut System) {
+        if row.terms().is_empty() {
+            return;
+        }
+        for (j, column) in self.velocities.iter().enumerate() {
+            for (b, column) in column.iter().enumerate() {
+                let value: f64 = self.samples.iter().map(|sample| sample.weight * sample.friction((i, a), (j, b))).sum();
+                for (unknown, factor) in row.terms() {
+                    system.load(*unknown, -factor * value * column.known);
+                    column.terms().iter().for_each(|(other, of_column)| system.add(*unknown, *other, factor * value * of_column));
+                }
+            }
+        }
+    }
+
+    /// The pressure in momentum rows, and continuity.
+    fn assemble_pressure(&self, (i, a): (usize, usize), velocity: &Component, system: &mut System) {
+        for (k, pressure) in self.pressures.iter().enumerate() {
+            let Some(pressure) = *pressure else { continue };
+            let value: f64 = self.samples.iter().map(|sample| -sample.weight * sample.linear[k] * sample.gradients[i][a]).sum();
+            system.load(pressure, -value * velocity.known);
+            for (unknown, factor) in velocity.terms() {
+                system.add(*unknown, pressure, factor * value);
+                system.add(pressure, *unknown, factor * value);
+            }
+        }
+    }
+}
+
+impl Sample {
+    /// `2 D(u) : D(v)` of two shape functions along two axes.
+    pub fn friction(&self, (i, a): (usize, usize), (j, b): (usize, usize)) -> f64 {
+        let (of_row, of_column) = (&self.gradients[i], &self.gradients[j]);
+        of_row[b] * of_column[a] + if a == b { of_row.dot(of_column) } else { 0.0 }
+    }
+}

@@ -1,0 +1,30 @@
+//! The direct way: a mesh that fits the bodies and moves with them, in 2D.
+
+mod assembly;
+mod boundary;
+mod cloud;
+mod element;
+mod generate;
+mod grading;
+mod loads;
+mod locate;
+mod mesh;
+mod moving;
+mod numbering;
+mod problem;
+mod scalar;
+mod system;
+#[cfg(test)]
+mod tests;
+
+pub use cloud::Place;
+pub use element::{Sample, Shape};
+pub use generate::generate;
+pub use loads::{Load, Loads, loads};
+pub use locate::{Locator, Spot, first_order, second_order};
+pub use mesh::{Mesh, Triangle};
+pub use moving::MovingMesh;
+pub use numbering::StokesNumbering;
+pub use problem::{DiskMotion, Rigid, StokesFlow, StokesProblem};
+pub use scalar::ScalarNumbering;
+pub use system::System;

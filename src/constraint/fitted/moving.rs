@@ -1,0 +1,88 @@
+//! A mesh that moves with its disks: the displacement of these is continued into the fluid by Laplace's equation.
+
+use nalgebra::Vector2;
+
+use super::{Mesh, Place, System};
+use crate::{
+    error::Result,
+    geometry::Ball,
+    petsc::{Direct, Session},
+};
+
+/// Smallest angle of a mesh that is still used, in degrees; one that is made has no smaller one than about 25.
+const SMALLEST_ANGLE: f64 = 12.0;
+
+/// A mesh as it was made, from which all later positions are reached.
+///
+/// What a mesh is at an instant depends on where it was made and where disks are, not on their way there.
+pub struct MovingMesh {
+    made: Mesh,
+    /// For each vertex in the fluid, its unknown.
+    numbers: Vec<Option<usize>>,
+    unknowns: usize,
+    direct: Option<Direct>,
+}
+
+impl MovingMesh {
+    /// A mesh that is to move.
+    pub fn new(made: Mesh) -> MovingMesh {
+        let mut unknowns = 0;
+        let mut number = |place: &Place| {
+            let free = *place == Place::Fluid;
+            unknowns += usize::from(free);
+            free.then(|| unknowns - 1)
+        };
+        let numbers = made.places[..made.vertices].iter().map(&mut number).collect();
+        MovingMesh { made, numbers, unknowns, direct: None }
+    }
+
+    /// The mesh with the centres of its disks elsewhere, or nothing if it would be too distorted.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    pub fn moved(&mut self, session: &Session, centers: &[Vector2<f64>]) -> Result<Option<Mesh>> {
+        let domain = &self.made.domain;
+        let ways: Vec<Vector2<f64>> =
+            centers.iter().zip(&self.made.disks).map(|(center, disk)| domain.nearest_image(center - disk.center)).collect();
+        let mut mesh = self.made.clone();
+        for axis in 0..2 {
+            let along: Vec<f64> = ways.iter().map(|way| way[axis]).collect();
+            if along.iter().any(|&way| way != 0.0) {
+                let moves = self.continued(session, &along)?;
+                mesh.nodes.iter_mut().zip(moves).for_each(|(node, way)| node[axis] += way);
+            }
+        }
+        for (disk, center) in mesh.disks.iter_mut().zip(centers) {
+            *disk = Ball { center: mesh.domain.wrap(*center), ..*disk };
+        }
+        mesh.place_middles();
+        let good = mesh.smallest_angle().to_degrees() > SMALLEST_ANGLE && mesh.regular();
+        Ok(good.then_some(mesh))
+    }
+
+    /// How far each vertex moves along an axis when disks move so far; small triangles are the stiffer.
+    fn continued(&mut self, session: &Session, ways: &[f64]) -> Result<Vec<f64>> {
+        let mut system = System::new(session.world(), self.unknowns);
+        let made = &self.made;
+        let known = |vertex: usize| match made.places[vertex] {
+            Place::Surface(disk) => ways[disk],
+            _ => 0.0,
+        };
+        for triangle in &made.triangles {
+            let slopes = made.shape(triangle).linear_slopes();
+            for i in 0..3 {
+                let Some(row) = self.numbers[triangle.nodes[i]] else { continue };
+                for j in 0..3 {
+                    // weighted with one over the area, which the integral cancels
+                    let value = slopes[i].dot(&slopes[j]);
+                    match self.numbers[triangle.nodes[j]] {
+                        Some(column) => system.add(row, column, value),
+                        None => system.load(row, -value * known(triangle.nodes[j])),
+                    }
+                }
+            }
+        }
+        let (found, _) = system.solve(session, &mut self.direct)?;
+        Ok(self.numbers.iter().enumerate().map(|(vertex, number)| number.map_or_else(|| known(vertex), |number| found[number])).collect())
+    }
+}

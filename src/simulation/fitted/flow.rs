@@ -1,0 +1,173 @@
+//! A suspension on a fitted mesh.
+
+use std::time::Instant;
+
+use nalgebra::{SVector, Vector2};
+
+use super::{
+    plane::{flat, motions, plane, problem, spatial, state},
+    sampling::sample,
+};
+use crate::{
+    constraint::fitted::{Mesh, MovingMesh, StokesFlow, StokesNumbering, StokesProblem, System, generate, loads},
+    error::{Error, Result},
+    flow::Drive,
+    geometry::{Ball, Domain},
+    grid::Grid,
+    petsc::{Direct, Report, Session, Stage, Vector, enter},
+    simulation::{Cost, FlowSolver, Moment, Past, Setup, Snapshot, Solution, check_steady_state, dynamics::Seen},
+};
+
+/// A suspension in 2D whose flow is found on a mesh that fits the bodies.
+pub struct FittedFlow<const D: usize> {
+    session: Session,
+    setup: Setup<D>,
+    grid: Grid<D>,
+    domain: Domain<2>,
+    /// The last mesh that was made, and the factors for it, which also those that it moves to share.
+    moving: Option<(MovingMesh, Option<Direct>)>,
+    mesh: Option<Mesh>,
+    /// Where the last mesh was made, which a restart needs to make it again.
+    past: Option<Past<D>>,
+    cost: Cost,
+}
+
+impl<const D: usize> FittedFlow<D> {
+    /// Prepares a setup; meshes are made where bodies are.
+    ///
+    /// # Errors
+    /// The grid on which the flow is shown or the rank count does not fit, or no steady state exists.
+    pub fn new(session: &Session, setup: Setup<D>) -> Result<FittedFlow<D>> {
+        check_steady_state(&setup)?;
+        let world = session.world();
+        let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
+        let domain = plane(&setup.domain);
+        Ok(FittedFlow { session: session.clone(), setup, grid, domain, moving: None, mesh: None, past: None, cost: Cost::default() })
+    }
+
+    /// The mesh of the last solve.
+    pub fn mesh(&self) -> Option<&Mesh> {
+        self.mesh.as_ref()
+    }
+}
+
+impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
+    fn grid(&self) -> &Grid<D> {
+        &self.grid
+    }
+
+    fn setup(&self) -> &Setup<D> {
+        &self.setup
+    }
+
+    fn cost(&self) -> &Cost {
+        &self.cost
+    }
+
+    fn inverse(&self) -> &'static str {
+        "direct"
+    }
+
+    fn fluid_vector(&self) -> Result<Vector> {
+        Vector::new(&self.session, self.grid.local_fluid_unknowns())
+    }
+
+    fn remember(&mut self, past: Option<Past<D>>) {
+        (self.moving, self.past) = (None, past);
+    }
+
+    fn past(&self) -> Option<&Past<D>> {
+        self.past.as_ref()
+    }
+
+    fn solve(&mut self, seen: Seen) -> Result<Solution<D>> {
+        let centers: Vec<SVector<f64, D>> = self.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
+        self.solve_at(&Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0, tolerance: 0.0 }, seen)
+    }
+
+    fn solve_at(&mut self, moment: &Moment<D>, seen: Seen) -> Result<Solution<D>> {
+        let (stage, start) = (enter(Stage::SetUp), Instant::now());
+        let mesh = self.mesh_at(moment.centers, moment.time)?;
+        self.cost.setup = start.elapsed().as_secs_f64();
+        drop(stage);
+        let (stage, start) = (enter(Stage::Assembly), Instant::now());
+        let motions = motions(&self.setup);
+        let problem = problem(&self.setup, &mesh, &motions);
+        let numbering = StokesNumbering::new(&problem);
+        let mut system = System::new(self.session.world(), numbering.unknowns());
+        numbering.assemble(&problem, &mut system);
+        self.cost.assembly = start.elapsed().as_secs_f64();
+        drop(stage);
+        let (stage, start) = (enter(Stage::Inverse), Instant::now());
+        let mut unused = None;
+        let direct = self.moving.as_mut().map_or(&mut unused, |(_, direct)| direct);
+        let (found, residual) = system.solve(&self.session, direct)?;
+        drop(stage);
+        seen(1, residual);
+        self.cost.stages.inverse = start.elapsed().as_secs_f64();
+        self.cost.krylov = Report { iterations: 1, residual, seconds: self.cost.stages.inverse };
+        self.cost.grid_unknowns = numbering.unknowns();
+        let flow = numbering.flow(&problem, &found);
+        let solution = self.solution(&problem, &flow);
+        self.mesh = Some(mesh);
+        solution
+    }
+}
+
+impl<const D: usize> FittedFlow<D> {
+    /// The mesh around bodies at these centres: the last one that was made, moved there, or a new one where that would be too distorted.
+    fn mesh_at(&mut self, centers: &[SVector<f64, D>], time: f64) -> Result<Mesh> {
+        if let Some(past) = self.past.take_if(|_| self.moving.is_none()) {
+            self.make(&past.last.centers, past.time)?;
+        }
+        if let Some((moving, _)) = &mut self.moving {
+            let flat_centers: Vec<Vector2<f64>> = centers.iter().map(flat).collect();
+            if let Some(mesh) = moving.moved(&self.session, &flat_centers)? {
+                return Ok(mesh);
+            }
+        }
+        self.make(centers, time)
+    }
+
+    /// A new mesh.
+    fn make(&mut self, centers: &[SVector<f64, D>], time: f64) -> Result<Mesh> {
+        // the factors of the last mesh go before those of the new one come
+        self.moving = None;
+        let radii = self.setup.bodies.iter().map(|suspended| suspended.body.ball.radius);
+        let disks: Vec<Ball<2>> = centers.iter().zip(radii).map(|(center, radius)| Ball { center: flat(center), radius }).collect();
+        let mesh = generate(&self.domain, &disks, self.setup.spacing).map_err(|error| self.on_the_way(error, time))?;
+        self.moving = Some((MovingMesh::new(mesh.clone()), None));
+        let last = Snapshot { fluid: None, multipliers: Vec::new(), centers: centers.to_vec(), closure: Vec::new() };
+        self.past = Some(Past { time, last, earlier: None });
+        self.cost.meshes += 1;
+        Ok(mesh)
+    }
+
+    /// A mesh that fitted bodies at the start and no longer does is no fault of the scene's.
+    fn on_the_way(&self, error: Error, time: f64) -> Error {
+        match error {
+            Error::Refused(text) if self.cost.meshes > 0 => Error::Diverged(format!("at time {time} {text}; a shorter time.step may help")),
+            error => error,
+        }
+    }
+
+    fn solution(&self, problem: &StokesProblem, flow: &StokesFlow) -> Result<Solution<D>> {
+        let found = loads(problem, flow);
+        let viscosity = self.setup.viscosity;
+        let states = problem.mesh.disks.iter().zip(&flow.motions).zip(&found.disks);
+        let gradient = match self.setup.drive {
+            Drive::PressureGradient(gradient) => gradient,
+            _ => spatial(&(-viscosity * flow.force)),
+        };
+        Ok(Solution {
+            bodies: states.map(|((disk, rigid), load)| state(disk, rigid, load, viscosity)).collect(),
+            fluid: sample(&self.session, &self.grid, problem, (flow, found.mean_pressure))?,
+            mean_velocity: spatial(&found.mean_velocity),
+            pressure_gradient: gradient,
+            contact_forces: Vec::new(),
+            walls: Some(std::array::from_fn(|axis| {
+                found.walls.get(axis).copied().unwrap_or_default().map(|force| spatial(&(viscosity * force)))
+            })),
+        })
+    }
+}

@@ -1,0 +1,120 @@
+//! What finds the flow at an instant: the interface behind which grids that ignore bodies and meshes that fit them stand.
+
+use super::{Cost, Faster, FittedFlow, Moment, Past, Setup, Solution, Suspension, dynamics::Seen};
+use crate::{
+    error::Result,
+    grid::Grid,
+    petsc::{Session, Vector},
+    scene::{ConstraintMethod, Scene},
+};
+
+/// Finds the flow and the motions of bodies at an instant. Every function is collective.
+pub trait FlowSolver<const D: usize> {
+    /// The grid on which the flow is given.
+    fn grid(&self) -> &Grid<D>;
+
+    /// What is solved.
+    fn setup(&self) -> &Setup<D>;
+
+    /// What the last solve cost.
+    fn cost(&self) -> &Cost;
+
+    /// The word for what inverts the fluid.
+    fn inverse(&self) -> &'static str;
+
+    /// A vector of the fluid's shape, zero.
+    ///
+    /// # Errors
+    /// PETSc has no memory for it.
+    fn fluid_vector(&self) -> Result<Vector>;
+
+    /// Solves with the bodies where the setup has them; `seen` is told each iteration and its relative residual.
+    ///
+    /// # Errors
+    /// [`Diverged`](crate::error::Error::Diverged) when the solve fails.
+    fn solve(&mut self, seen: Seen) -> Result<Solution<D>>;
+
+    /// Solves for a moment, starting from the solves before it if they are remembered.
+    ///
+    /// # Errors
+    /// [`Diverged`](crate::error::Error::Diverged) when the solve fails.
+    fn solve_at(&mut self, moment: &Moment<D>, seen: Seen) -> Result<Solution<D>>;
+
+    /// A faster inverse that the box allows, if there is one.
+    ///
+    /// # Errors
+    /// PETSc has no memory for it.
+    fn faster(&self) -> Result<Option<Faster>> {
+        Ok(None)
+    }
+
+    /// Lets each solve start from the ones before it, beginning with those given, if it can.
+    fn remember(&mut self, _past: Option<Past<D>>) {}
+
+    /// Whether further solves start from the fluid of earlier ones.
+    fn remembers_fluid(&self) -> bool {
+        false
+    }
+
+    /// What further solves start from.
+    fn past(&self) -> Option<&Past<D>> {
+        None
+    }
+}
+
+/// The solver that a scene's method of imposing rigidity calls for.
+///
+/// # Errors
+/// Bodies, grid or rank count do not fit, or no steady state exists.
+pub fn flow_solver<const D: usize>(session: &Session, scene: &Scene, setup: Setup<D>) -> Result<Box<dyn FlowSolver<D>>> {
+    match scene.method.constraint {
+        ConstraintMethod::Fitted => Ok(Box::new(FittedFlow::new(session, setup)?)),
+        _ => Ok(Box::new(Suspension::new(session, setup)?)),
+    }
+}
+
+impl<const D: usize> FlowSolver<D> for Suspension<D> {
+    fn grid(&self) -> &Grid<D> {
+        self.grid()
+    }
+
+    fn setup(&self) -> &Setup<D> {
+        self.setup()
+    }
+
+    fn cost(&self) -> &Cost {
+        self.cost()
+    }
+
+    fn inverse(&self) -> &'static str {
+        self.setup().inverse.word()
+    }
+
+    fn fluid_vector(&self) -> Result<Vector> {
+        self.fluid_vector()
+    }
+
+    fn solve(&mut self, seen: Seen) -> Result<Solution<D>> {
+        self.solve(seen)
+    }
+
+    fn solve_at(&mut self, moment: &Moment<D>, seen: Seen) -> Result<Solution<D>> {
+        self.solve_at(moment, seen)
+    }
+
+    fn faster(&self) -> Result<Option<Faster>> {
+        self.faster()
+    }
+
+    fn remember(&mut self, past: Option<Past<D>>) {
+        self.remember(past);
+    }
+
+    fn remembers_fluid(&self) -> bool {
+        self.remembers_fluid()
+    }
+
+    fn past(&self) -> Option<&Past<D>> {
+        self.past()
+    }
+}

@@ -1,0 +1,69 @@
+//! The plan of a fitted mesh, which is made for it: nothing else tells how many elements gaps take.
+
+use super::{
+    FluidPlan, Plan,
+    effects::{Effect, drive, gravity, in_time},
+};
+use crate::{
+    error::Result,
+    grid::Grid,
+    scene::Scene,
+    simulation::{ScalarSetup, Setup, closure::Closure, fitted},
+};
+
+/// Bytes that factors of a matrix in 2D take for each unknown, over the binary logarithm of their number.
+const FACTOR_BYTES: f64 = 180.0;
+
+/// The plan of a flow.
+pub fn flow<const D: usize>(scene: &Scene, setup: &Setup<D>, ranks: usize) -> Result<Plan> {
+    let (triangles, unknowns) = fitted::flow_size(setup)?;
+    let free = setup.bodies.iter().filter(|suspended| suspended.body.free()).count();
+    let mut effects = vec![
+        Effect::on("stokes flow", mesh(triangles)),
+        Effect::on("pressure", "one unknown for each corner of a triangle".into()),
+        Effect { name: "rotation", built: (free > 0).then(|| format!("spins of {free} bodies, which are unknowns")) },
+        Effect::on("drive", drive(&setup.drive)),
+        bodies(setup.bodies.len(), &format!("{free} of them free; ")),
+        Effect::off("inertia"),
+        gravity(scene),
+    ];
+    effects.extend(in_time(scene));
+    let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
+    Ok(plan(effects, &grid, unknowns, Closure::count(&setup.drive, &setup.domain)))
+}
+
+/// The plan of a scalar.
+pub fn scalar<const D: usize>(setup: &ScalarSetup<D>, ranks: usize) -> Result<Plan> {
+    let (triangles, unknowns) = fitted::scalar_size(setup)?;
+    let mut effects = vec![
+        Effect::on("scalar", mesh(triangles)),
+        Effect::on("source", format!("{} outside the inclusions", setup.source)),
+        bodies(setup.inclusions.len(), ""),
+    ];
+    effects.extend(["pressure", "gravity", "rotation", "motion in time"].map(Effect::off));
+    let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
+    Ok(plan(effects, &grid, unknowns, 0))
+}
+
+fn mesh(triangles: usize) -> String {
+    format!("{triangles} triangles of second order, one matrix and its factors (MUMPS)")
+}
+
+fn bodies(count: usize, more: &str) -> Effect {
+    match count {
+        0 => Effect::off("bodies"),
+        count => Effect::on("bodies", format!("{count}, {more}edges of the mesh follow them (fitted)")),
+    }
+}
+
+/// A mesh, whose flow a grid shows.
+fn plan<const D: usize>(effects: Vec<Effect>, grid: &Grid<D>, unknowns: usize, closure_unknowns: usize) -> Plan {
+    let fluid = FluidPlan {
+        cells: grid.cells().to_vec(),
+        blocks: grid.partition().ranks().to_vec(),
+        grid_unknowns: unknowns - closure_unknowns,
+        multiplier_unknowns: 0,
+        closure_unknowns,
+    };
+    Plan { effects, choice: None, fluid: Some(fluid), bytes: FACTOR_BYTES * unknowns as f64 * (unknowns as f64).log2() }
+}
