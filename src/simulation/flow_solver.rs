@@ -5,7 +5,7 @@ use crate::{
     error::Result,
     grid::Grid,
     petsc::{Session, Vector},
-    scene::{ConstraintMethod, Scene},
+    scene::ConstraintMethod,
 };
 
 /// Finds the flow and the motions of bodies at an instant. Every function is collective.
@@ -62,12 +62,12 @@ pub trait FlowSolver<const D: usize> {
     }
 }
 
-/// The solver that a scene's method of imposing rigidity calls for.
+/// The solver that a setup's method of imposing rigidity calls for.
 ///
 /// # Errors
 /// Bodies, grid or rank count do not fit, or no steady state exists.
-pub fn flow_solver<const D: usize>(session: &Session, scene: &Scene, setup: Setup<D>) -> Result<Box<dyn FlowSolver<D>>> {
-    match scene.method.constraint {
+pub fn flow_solver<const D: usize>(session: &Session, setup: Setup<D>) -> Result<Box<dyn FlowSolver<D>>> {
+    match setup.constraint {
         ConstraintMethod::Fitted => Ok(Box::new(FittedFlow::new(session, setup)?)),
         _ => Ok(Box::new(Suspension::new(session, setup)?)),
     }

@@ -10,7 +10,7 @@ use crate::{
     geometry::Domain,
     petsc::Session,
     scene::{Scene, Scheme, Step, TimeSection},
-    simulation::{Setup, SuspendedBody, Suspension},
+    simulation::{Setup, SuspendedBody, flow_solver},
 };
 
 /// Bodies of a sample.
@@ -56,7 +56,7 @@ impl Forecast {
         let setup = session.world().agree(Setup::<D>::of(scene))?;
         let Some(sample) = sample(&setup) else { return Ok(None) };
         let speed = |velocity: f64| session.world().max(velocity);
-        let solved = Suspension::new(session, sample).and_then(|mut suspension| {
+        let solved = flow_solver(session, sample).and_then(|mut suspension| {
             let solution = suspension.solve(&mut |_, _| {})?;
             Ok((suspension, solution))
         });

@@ -21,7 +21,7 @@ pub fn run<const D: usize>(
 ) -> Result<()> {
     let world = session.world();
     let setup = world.agree(Setup::<D>::of(resolved))?;
-    let mut suspension = flow_solver(session, resolved, setup)?;
+    let mut suspension = flow_solver(session, setup)?;
     world.agree(if world.rank() == 0 { folder::claim(folder, scene) } else { Ok(()) })?;
 
     let progress = Progress::new(world.rank(), resolved.method.tolerance.at_an_instant());
