@@ -14,7 +14,7 @@ fn study(ranks: usize, out: &Path) -> Value {
     let output = turbid(ranks, &["conditioning", "--finest-2d", "64", "--finest-3d", "32", "--out", out.to_str().unwrap()]);
     assert!(output.status.success(), "on {ranks} ranks: {}", said(&output));
     let told = String::from_utf8_lossy(&output.stdout);
-    assert_eq!(told.matches("Reading:").count(), 5, "a sentence for each table, told once: {told}");
+    assert_eq!(told.matches("Reading:").count(), 6, "a sentence for each table, told once: {told}");
     serde_json::from_str(&fs::read_to_string(out.join("conditioning.json")).unwrap()).unwrap()
 }
 
@@ -124,8 +124,12 @@ fn multipliers_feel_their_modes_and_not_the_grid_and_files_are_whole() {
     let commas = |line: &str| line.matches(',').count();
     let heads = commas(table.lines().next().unwrap());
     assert!(table.ends_with('\n') && table.lines().all(|line| commas(line) == heads));
-    // a Laplacian's rows, the multipliers', and two for each row of the fluid
-    let rows = ["laplacian", "multipliers", "fluid", "fluid"].iter().map(|name| list(&report, name).len()).sum::<usize>();
+    for row in list(&report, "rigidity").iter().filter(|row| row["method"] == "penalty") {
+        let product = number(row, "condition") * number(row, "epsilon");
+        assert!((0.5..2.0).contains(&product) && number(row, "preconditioned") < 0.3 * number(row, "condition"), "{row}");
+    }
+    // a Laplacian's rows, the multipliers' by all methods, and two for each row of the fluid
+    let rows = ["laplacian", "multipliers", "rigidity", "fluid", "fluid"].iter().map(|name| list(&report, name).len()).sum::<usize>();
     assert_eq!(table.lines().count(), 1 + rows);
     for name in ["conditioning.svg", "conditioning-3d.svg"] {
         let chart = fs::read_to_string(out.join(name)).unwrap();

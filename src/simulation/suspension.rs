@@ -34,6 +34,9 @@ use crate::{
 /// The restart is as long, so memory grows with the iterations made: a restart after 50 stalls where bodies crowd.
 const MOST_ITERATIONS: usize = 1000;
 
+/// Vectors that are kept at least before a restart.
+const FEWEST_VECTORS: usize = 30;
+
 /// What a solve cost on this rank, in seconds, and how it converged.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Cost {
@@ -335,7 +338,10 @@ impl Engine {
     fn new<const D: usize>(basis: &Basis<D>, sizes: Sizes) -> Result<Engine> {
         let work = Work::new(&basis.stokes, sizes)?;
         let rhs = work.solver_vector(&basis.session)?;
-        let krylov = Krylov::new(&basis.session, rhs.local()?.len(), c"coupled_", krylov_settings(basis.setup.tolerance.at_an_instant()))?;
+        let mut unknowns = [rhs.local()?.len() as f64];
+        basis.session.world().sum(&mut unknowns);
+        let settings = krylov_settings(basis.setup.tolerance.at_an_instant(), unknowns[0] as usize);
+        let krylov = Krylov::new(&basis.session, rhs.local()?.len(), c"coupled_", settings)?;
         Ok(Engine { krylov, work, x: rhs.like()?, rhs })
     }
 
@@ -362,6 +368,8 @@ fn prescribed_drag(session: &Session, members: &[Member]) -> f64 {
     if drag[0] > 0.0 { drag[0] } else { 1.0 }
 }
 
-fn krylov_settings(tolerance: f64) -> KrylovSettings {
-    KrylovSettings { method: KrylovMethod::Gmres { restart: MOST_ITERATIONS }, tolerance, most_iterations: MOST_ITERATIONS }
+/// PETSc clears a square of the restart's size beforehand: ten milliseconds that small systems do not need.
+fn krylov_settings(tolerance: f64, unknowns: usize) -> KrylovSettings {
+    let restart = unknowns.clamp(FEWEST_VECTORS, MOST_ITERATIONS);
+    KrylovSettings { method: KrylovMethod::Gmres { restart }, tolerance, most_iterations: MOST_ITERATIONS }
 }

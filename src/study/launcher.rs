@@ -104,7 +104,7 @@ impl Launcher {
     /// As [`measure`](Self::measure), but the failure of a run is an outcome.
     ///
     /// # Errors
-    /// The launcher does not start, or the folder of the output cannot be removed.
+    /// The launcher does not start the run, or the folder of the output cannot be removed.
     pub fn attempt<T>(
         &self,
         (ranks, repeat): (usize, usize),
@@ -130,7 +130,9 @@ impl Launcher {
             Error::Refused(format!("--launcher: {program} cannot be started ({error}); install it or name another launcher"))
         })?;
         if !output.status.success() {
-            return Ok(Err(failure(ranks, &output)));
+            let failure = failure(ranks, &output);
+            // no word of its own and no folder: it never began
+            return if own_words(&output).is_empty() && !job.folder.exists() { Err(failure) } else { Ok(Err(failure)) };
         }
         let found = read(&job.folder.join("summary.json"));
         fs::remove_dir_all(job.folder).map_err(|source| Error::File { path: job.folder.to_owned(), source })?;
@@ -151,11 +153,15 @@ impl Launcher {
 
 /// What a failed run said about itself, or else all that the launcher said.
 fn failure(ranks: usize, output: &Output) -> Error {
-    let all = String::from_utf8_lossy(&output.stderr);
-    let own: Vec<&str> = all.lines().filter(|line| line.starts_with("turbid: ")).collect();
-    let said = if own.is_empty() { all.trim().to_owned() } else { own.join("\n") };
+    let own = own_words(output);
+    let said = if own.is_empty() { String::from_utf8_lossy(&output.stderr).trim().to_owned() } else { own };
     let text = format!("the run with --ranks {ranks} failed ({}):\n{said}", output.status);
     if output.status.code() == Some(2) { Error::Refused(text) } else { Error::Diverged(text) }
+}
+
+fn own_words(output: &Output) -> String {
+    let all = String::from_utf8_lossy(&output.stderr);
+    all.lines().filter(|line| line.starts_with("turbid: ")).collect::<Vec<_>>().join("\n")
 }
 
 #[cfg(test)]

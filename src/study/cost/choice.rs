@@ -17,6 +17,10 @@ pub struct Cheapest {
     pub error: f64,
     /// Seconds of the whole scene.
     pub seconds: f64,
+    /// Spacing of its grid.
+    pub spacing: f64,
+    /// Its unknowns.
+    pub unknowns: f64,
     /// Whether it was measured.
     pub measured: bool,
 }
@@ -54,6 +58,8 @@ impl<F: Fn(&[f64]) -> f64> Judge<F> {
             setting: (*setting).clone(),
             error: (self.error)(&run.values).abs(),
             seconds: run.whole_seconds(self.times),
+            spacing: run.spacing,
+            unknowns: run.unknowns,
             measured: true,
         })
     }
@@ -68,7 +74,9 @@ impl<F: Fn(&[f64]) -> f64> Judge<F> {
             Fineness::Spacing(_) => Fineness::Spacing(spacing),
         };
         let setting = Setting { grid, ..line.finest().0.clone() };
-        Some(Cheapest { setting, error: self.wanted, seconds: seconds.at(grid.spacing(radius)), measured: false })
+        let spacing = grid.spacing(radius);
+        let unknowns = Power::fit(&line.runs.iter().map(|(_, run)| (run.spacing, run.unknowns)).collect::<Vec<_>>())?.at(spacing);
+        Some(Cheapest { setting, error: self.wanted, seconds: seconds.at(spacing), spacing, unknowns, measured: false })
     }
 }
 

@@ -1,7 +1,8 @@
 //! The settings of a study as a table.
 
 use super::{
-    digits::{percent, seconds, signed, thousands},
+    choice::Cheapest,
+    digits::{percent, seconds, signed, thousands, two_digits},
     record::Measured,
     report::{Findings, Point},
     setting::Fineness,
@@ -29,6 +30,20 @@ pub fn table(findings: &Findings) -> Vec<Vec<String>> {
     let mut rows = vec![heads.into_iter().flatten().collect::<Vec<_>>()];
     rows.extend(findings.points.iter().map(|point| row(point, findings, (swept, in_time))));
     rows
+}
+
+/// What each method takes for the wanted error; heads and rows.
+pub fn at_wanted(findings: &Findings) -> Vec<Vec<String>> {
+    let heads = [&format!("for {}", percent(findings.wanted)), "spacing", "unknowns", "seconds", "times the cheapest", ""];
+    let best = findings.cheapest().map(|cheapest| cheapest.seconds);
+    let row = |(method, found): (&str, &Cheapest)| {
+        let ratio = best.map_or("-".to_owned(), |best| two_digits(found.seconds / best));
+        let how = if found.measured { "measured" } else { "predicted by its fits" };
+        let numbers = [format!("{:.5}", found.spacing), thousands(found.unknowns), seconds(found.seconds), ratio];
+        [vec![method.to_owned()], numbers.to_vec(), vec![how.to_owned()]].concat()
+    };
+    let found = findings.methods.iter().filter_map(|method| Some((method.method.as_str(), method.cheapest.as_ref()?)));
+    std::iter::once(heads.map(str::to_owned).to_vec()).chain(found.map(row)).collect()
 }
 
 fn row(point: &Point, findings: &Findings, (swept, in_time): (bool, bool)) -> Vec<String> {

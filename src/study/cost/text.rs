@@ -6,7 +6,7 @@ use super::{
     knobs::{Knob, Turned},
     record::{Outcome, Record},
     report::{Findings, MethodFinding},
-    table::table,
+    table::{at_wanted, table},
 };
 
 /// What a run came to, in a line.
@@ -24,11 +24,14 @@ pub fn progress(record: &Record) -> String {
 
 /// The table, the sentences and what there is to be said about knobs.
 pub fn report(findings: &Findings) -> String {
-    let table = table(findings).into_iter().map(|row| format!("| {} |", row.join(" | ")));
-    let mut lines: Vec<String> = table.collect();
-    lines.insert(1, format!("|{}", "-|".repeat(lines[0].matches('|').count() - 1)));
+    let mut lines = markdown(table(findings));
     lines.push(String::new());
     lines.extend(sentences(findings));
+    let wanted = at_wanted(findings);
+    if wanted.len() > 2 {
+        lines.push(String::new());
+        lines.extend(markdown(wanted));
+    }
     for turned in &findings.turned {
         lines.push(String::new());
         lines.push(format!("Knobs of {}, {}, turned one at a time:", turned.at.method, turned.at.words()));
@@ -39,6 +42,12 @@ pub fn report(findings: &Findings) -> String {
         lines.extend(dominating(turned).map(|text| format!("  {text}")));
     }
     lines.join("\n")
+}
+
+fn markdown(table: Vec<Vec<String>>) -> Vec<String> {
+    let mut lines: Vec<String> = table.into_iter().map(|row| format!("| {} |", row.join(" | "))).collect();
+    lines.insert(1, format!("|{}", "-|".repeat(lines[0].matches('|').count() - 1)));
+    lines
 }
 
 /// What was found, sentence by sentence.
@@ -85,7 +94,7 @@ fn cheapest(findings: &Findings) -> String {
 
 fn own_cheapest(method: &MethodFinding, findings: &Findings) -> Option<String> {
     let best = findings.cheapest();
-    let Cheapest { setting, error, seconds: time, measured } = method.cheapest.as_ref().filter(|own| Some(*own) != best)?;
+    let Cheapest { setting, error, seconds: time, measured, .. } = method.cheapest.as_ref().filter(|own| Some(*own) != best)?;
     let ratio = best.map_or(String::new(), |best| format!(", {} times as long", two_digits(time / best.seconds)));
     Some(match measured {
         true => format!(
