@@ -19,8 +19,9 @@ use crate::{
     simulation::{Cost, Stages},
 };
 
-/// Iterations allowed; the restart is as long.
+/// Iterations allowed, and those after which the solver restarts; crowds take fewer than a hundred.
 const MOST_ITERATIONS: usize = 1000;
+const RESTART: usize = 200;
 
 /// The scalar problem with its matrices.
 pub struct Inclusions<const D: usize> {
@@ -116,7 +117,7 @@ impl<const D: usize> Inclusions<D> {
         self.work.field_out.scale(scale)?;
         rhs.local_mut()?[..cells].copy_from_slice(&self.work.field_out.local()?);
         rhs.local_mut()?[cells..].copy_from_slice(known);
-        let (method, tolerance) = (KrylovMethod::Gmres { restart: MOST_ITERATIONS }, self.setup.tolerance.at_an_instant());
+        let (method, tolerance) = (KrylovMethod::Gmres { restart: RESTART }, self.setup.tolerance.at_an_instant());
         let settings = KrylovSettings { method, tolerance, most_iterations: MOST_ITERATIONS };
         let mut krylov = Krylov::new(&self.session, cells + known.len(), c"coupled_", settings)?;
         let Inclusions { matrix, inverse, blocks, work, .. } = self;

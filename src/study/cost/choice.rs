@@ -8,6 +8,9 @@ use super::{
 };
 use crate::study::fit::Power;
 
+/// Finest grids of a line whose seconds are fitted.
+const TIMED: usize = 3;
+
 /// The setting of a method that reaches the wanted error in the least time.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cheapest {
@@ -39,11 +42,13 @@ pub struct Judge<F> {
 }
 
 impl<F: Fn(&[f64]) -> f64> Judge<F> {
-    /// Powers of the spacing that errors and seconds follow on a line; errors within the uncertainty do not count.
+    /// Powers of the spacing that errors and, on the finest grids, seconds follow on a line; errors within the uncertainty do not count.
     pub fn growth(&self, line: &Line) -> [Option<Power>; 2] {
         let errors = line.runs.iter().map(|(_, run)| (run.spacing, (self.error)(&run.values).abs()));
         let errors: Vec<(f64, f64)> = errors.filter(|(_, error)| *error > self.uncertainty).collect();
-        let seconds: Vec<(f64, f64)> = line.runs.iter().map(|(_, run)| (run.spacing, run.whole_seconds(self.times))).collect();
+        // on coarse grids, seconds are those of whatever has no grid
+        let finest = &line.runs[line.runs.len().saturating_sub(TIMED)..];
+        let seconds: Vec<(f64, f64)> = finest.iter().map(|(_, run)| (run.spacing, run.whole_seconds(self.times))).collect();
         [Power::fit(&errors), Power::fit(&seconds)]
     }
 
