@@ -247,7 +247,7 @@ fn a_plan_names_what_is_built_and_what_is_not_and_writes_nothing() {
         "built      source: 1 outside",
         "not built  mean gradient",
         "not built  motion in time",
-        "4096 on the grid, 17 on surfaces",
+        "4096 on the grid, 17 multipliers",
     ] {
         assert!(said.contains(part), "no {part:?} in: {said}");
     }

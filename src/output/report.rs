@@ -95,7 +95,7 @@ fn contact_line(contact: &ContactSummary) -> String {
 
 fn solver_lines(solver: &SolverSummary, instant: bool) -> Vec<String> {
     let mut lines = vec![match solver.meshes {
-        None => format!("unknowns             {} on the grid, {} on surfaces", solver.grid_unknowns, solver.multiplier_unknowns),
+        None => format!("unknowns             {} on the grid, {} multipliers", solver.grid_unknowns, solver.multiplier_unknowns),
         Some(made) => format!("unknowns             {} on the mesh; {} made", solver.grid_unknowns, counted(made, "mesh", "meshes")),
     }];
     if instant {

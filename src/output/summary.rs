@@ -138,7 +138,7 @@ pub struct SolverSummary {
     pub faster: Option<FasterSummary>,
     /// Unknowns of the grid.
     pub grid_unknowns: usize,
-    /// Unknowns on surfaces.
+    /// Multipliers of bodies.
     pub multiplier_unknowns: usize,
     /// Meshes that were made, by a method that makes meshes.
     pub meshes: Option<usize>,

@@ -64,7 +64,7 @@ impl Plan {
         Plan { fluid: None, bytes: f64::NAN, ..self.with_choice(choice) }
     }
 
-    /// Unknowns of the grid and on surfaces, if there is a grid.
+    /// Unknowns of the grid and multipliers, if there is a grid.
     pub fn unknowns(&self) -> Option<(usize, usize)> {
         self.fluid.as_ref().map(|fluid| (fluid.grid_unknowns, fluid.multiplier_unknowns))
     }
@@ -149,7 +149,7 @@ impl fmt::Display for Plan {
             writeln!(f, "grid       {:?} cells in {:?} blocks", fluid.cells, fluid.blocks)?;
             writeln!(
                 f,
-                "unknowns   {} on the grid, {} on surfaces, {} mean values",
+                "unknowns   {} on the grid, {} multipliers, {} mean values",
                 fluid.grid_unknowns, fluid.multiplier_unknowns, fluid.closure_unknowns
             )?;
         }

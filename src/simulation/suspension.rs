@@ -52,7 +52,7 @@ pub struct Cost {
     pub stages: Stages,
     /// Unknowns of the grid on all ranks.
     pub grid_unknowns: usize,
-    /// Unknowns on surfaces on all ranks.
+    /// Multipliers of bodies on all ranks.
     pub multiplier_unknowns: usize,
     /// Meshes that were made so far; none by methods whose grid ignores bodies.
     pub meshes: usize,

@@ -43,7 +43,7 @@ pub struct Rung {
     pub order: usize,
     /// Unknowns of the grid.
     pub grid_unknowns: usize,
-    /// Unknowns on surfaces.
+    /// Multipliers of bodies.
     pub multiplier_unknowns: usize,
     /// Iterations of the linear solver.
     pub iterations: usize,

@@ -5,8 +5,8 @@ use std::rc::Rc;
 use nalgebra::{SMatrix, SVector};
 
 use super::{
+    equations::{Equations, FreeInverse},
     nodes::{Nodes, SparseRows},
-    test::{FreeInverse, Test},
 };
 use crate::constraint::places::Places;
 
@@ -23,7 +23,7 @@ pub struct AdjointBody<const D: usize> {
     /// What moving walls add to the values; empty if no wall is near.
     pub(super) wall_values: Vec<f64>,
     /// Equations of the values.
-    pub(super) test: Test<D>,
+    pub(super) equations: Equations<D>,
     /// Volume that belongs to a node.
     pub(super) cell: f64,
 }
@@ -31,14 +31,14 @@ pub struct AdjointBody<const D: usize> {
 impl<const D: usize> AdjointBody<D> {
     /// Number of its multipliers, those of rigid motions first.
     pub fn count(&self) -> usize {
-        self.test.count()
+        self.equations.count()
     }
 
     /// Approximate inverse of the diagonal block in the rows that are not rigid, unless the rows are those of surface modes.
     pub fn free_inverse(&self) -> Option<Rc<FreeInverse>> {
-        match &self.test {
-            Test::Surface { .. } => None,
-            Test::Rows(rows) => Some(rows.inverse.clone()),
+        match &self.equations {
+            Equations::Surface { .. } => None,
+            Equations::Rows(rows) => Some(rows.inverse.clone()),
         }
     }
 
@@ -54,20 +54,20 @@ impl<const D: usize> AdjointBody<D> {
 
     /// `out = J u`.
     pub fn sample(&self, own: &[f64], others: &[f64], out: &mut [f64]) {
-        out.copy_from_slice(&self.test.apply(self.rows.apply(&self.nodes.values(own, others))));
+        out.copy_from_slice(&self.equations.apply(self.rows.apply(&self.nodes.values(own, others))));
     }
 
     /// Adds what moving walls contribute to `J u`.
     pub fn add_walls(&self, out: &mut [f64]) {
         if !self.wall_values.is_empty() {
-            let added = self.test.apply(self.wall_values.clone());
+            let added = self.equations.apply(self.wall_values.clone());
             out.iter_mut().zip(added).for_each(|(out, added)| *out += added);
         }
     }
 
     /// `out += E c`.
     pub fn add_compliance(&self, c: &[f64], out: &mut [f64]) {
-        if let Test::Rows(rows) = &self.test {
+        if let Equations::Rows(rows) = &self.equations {
             let others = out[rows.rigid..].iter_mut().zip(&c[rows.rigid..]);
             others.zip(&rows.compliance).for_each(|((out, c), compliance)| *out += compliance * c);
         }
@@ -77,7 +77,7 @@ impl<const D: usize> AdjointBody<D> {
     pub fn coefficients(&self, known: impl Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Vec<f64> {
         let nodes = self.nodes.components.iter().zip(&self.nodes.offsets);
         let values: Vec<f64> = nodes.map(|(&component, offset)| known(offset)[component as usize]).collect();
-        self.test.apply(self.rows.apply(&values))
+        self.equations.apply(self.rows.apply(&values))
     }
 
     /// First moment `sum of F_i r_j` of the forces at the nodes.
@@ -91,6 +91,6 @@ impl<const D: usize> AdjointBody<D> {
 
     /// Forces per volume at the nodes.
     fn forces(&self, c: &[f64]) -> Vec<f64> {
-        self.rows.transposed(&self.test.forces(c), self.nodes.count())
+        self.rows.transposed(&self.equations.forces(c), self.nodes.count())
     }
 }

@@ -8,9 +8,9 @@ use std::rc::Rc;
 
 use super::{
     AdjointBody,
+    equations::{Equations, FreeInverse, RowEquations},
     nodes::{Collector, Nodes, SparseRows, within_walls},
     rigid::{motions, push_readings},
-    test::{FreeInverse, RowTest, Test},
 };
 use crate::{
     constraint::{patch::Patch, sharp::Placed},
@@ -27,7 +27,7 @@ pub fn assemble<const D: usize>(grid: &Grid<D>, (body, placed): (usize, &Placed<
     // so that the residual is a mean over the surface
     let weight = (spacing / surface.modes.radius()).powf(0.5 * (D as f64 - 1.0));
     (0..nodes.count() as u32).for_each(|node| rows.push([(node, weight)]));
-    let test = RowTest {
+    let equations = RowEquations {
         rigid: motions.ncols(),
         motions: motions * weight,
         // a force at one point moves it by about a third of the square of the spacing
@@ -36,7 +36,7 @@ pub fn assemble<const D: usize>(grid: &Grid<D>, (body, placed): (usize, &Placed<
         others: nodes.count(),
         inverse: Rc::new(FreeInverse::Identity),
     };
-    AdjointBody { body, center: placed.center, nodes, rows, wall_values: Vec::new(), test: Test::Rows(test), cell }
+    AdjointBody { body, center: placed.center, nodes, rows, wall_values: Vec::new(), equations: Equations::Rows(equations), cell }
 }
 
 /// The points inside a ball with a neighbour outside.

@@ -5,8 +5,8 @@
 
 use super::{
     AdjointBody,
+    equations::Equations,
     nodes::{Collector, SparseRows},
-    test::Test,
 };
 use crate::{
     constraint::sharp::Placed,
@@ -45,8 +45,8 @@ pub fn assemble<const D: usize>(grid: &Grid<D>, (body, placed): (usize, &Placed<
         wall_values.clear();
     }
     let cell = grid.spacing().product();
-    let test = Test::Surface { surface: placed.surface.clone(), strength: placed.surface.area() / cell };
-    AdjointBody { body, center: placed.center, nodes: collector.nodes, rows, wall_values, test, cell }
+    let equations = Equations::Surface { surface: placed.surface.clone(), strength: placed.surface.area() / cell };
+    AdjointBody { body, center: placed.center, nodes: collector.nodes, rows, wall_values, equations, cell }
 }
 
 /// The velocity of the wall that a corner of the interpolation lies on, if that is between lattice points.

@@ -7,13 +7,13 @@
 mod body;
 mod distributed;
 mod elastic;
+mod equations;
 mod mean_value;
 mod nodes;
 mod penalty;
 mod rigid;
 mod skyline;
 mod strains;
-mod test;
 
 use nalgebra::{SMatrix, SVector};
 
@@ -25,7 +25,7 @@ use crate::{
 };
 use crate::{geometry::Ball, grid::Grid};
 pub use body::AdjointBody;
-pub use test::FreeInverse;
+pub use equations::FreeInverse;
 
 /// The blocks of one body by one of these methods.
 ///

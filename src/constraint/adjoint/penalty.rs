@@ -20,10 +20,10 @@ use nalgebra::DMatrix;
 use super::{
     AdjointBody,
     elastic::ElasticInverse,
+    equations::{Equations, FreeInverse, RowEquations},
     nodes::SparseRows,
     rigid::{motions, push_readings},
     strains::{Strain, Strains},
-    test::{FreeInverse, RowTest, Test},
 };
 use crate::{constraint::sharp::Placed, geometry::fraction, grid::Grid};
 
@@ -47,7 +47,7 @@ pub fn assemble<const D: usize>(grid: &Grid<D>, (body, placed): (usize, &Placed<
         compliances.push(compliance);
         balances.push(balance);
     }
-    let test = RowTest {
+    let equations = RowEquations {
         rigid: motions.ncols(),
         motions: DMatrix::zeros(0, 0),
         strengths: [placed.surface.modes.force_factor() / grid.spacing().product(), 2.0 / (weight * weight)],
@@ -59,5 +59,5 @@ pub fn assemble<const D: usize>(grid: &Grid<D>, (body, placed): (usize, &Placed<
         }),
     };
     let cell = grid.spacing().product();
-    AdjointBody { body, center: placed.center, nodes, rows, wall_values: Vec::new(), test: Test::Rows(test), cell }
+    AdjointBody { body, center: placed.center, nodes, rows, wall_values: Vec::new(), equations: Equations::Rows(equations), cell }
 }

@@ -11,6 +11,9 @@ use crate::study::fit::Power;
 /// Finest grids of a line whose seconds are fitted.
 const TIMED: usize = 3;
 
+/// How much finer than the finest measured grid a predicted one may be.
+const FARTHEST: f64 = 10.0;
+
 /// The setting of a method that reaches the wanted error in the least time.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cheapest {
@@ -69,11 +72,12 @@ impl<F: Fn(&[f64]) -> f64> Judge<F> {
         })
     }
 
-    /// The setting beyond a line that its fits predict to reach the error; nothing if errors do not fall.
+    /// The setting beyond a line that its fits predict to reach the error; nothing if errors do not fall, or so slowly that fits tell nothing.
     pub fn predicted(&self, line: &Line, radius: f64) -> Option<Cheapest> {
         let [errors, seconds] = self.growth(line);
         let (errors, seconds) = (errors.filter(|power| power.exponent > 0.0)?, seconds?);
-        let spacing = errors.reaches(self.wanted)?.min(line.finest().1.spacing);
+        let finest = line.finest().1.spacing;
+        let spacing = errors.reaches(self.wanted).filter(|spacing| *spacing > finest / FARTHEST)?.min(finest);
         let grid = match line.finest().0.grid {
             Fineness::CellsPerRadius(_) => Fineness::CellsPerRadius((radius / spacing * (1.0 - 1e-9)).ceil()),
             Fineness::Spacing(_) => Fineness::Spacing(spacing),
@@ -128,6 +132,8 @@ mod tests {
     #[test]
     fn a_fit_predicts_what_was_not_measured() {
         let errors: Vec<(f64, f64)> = [4.0, 6.0, 8.0].map(|cells| (cells, 0.8 / cells)).to_vec();
+        let slow: Vec<(f64, f64)> = [4.0, 6.0, 8.0].map(|cells: f64| (cells, 0.8 / cells.sqrt())).to_vec();
+        assert_eq!(judged(&slow, 0.0, |judge, lines| judge.predicted(&lines[0], 1.0)), None);
         let predicted = judged(&errors, 0.0, |judge, lines| (judge.cheapest(lines), judge.predicted(&lines[0], 1.0)));
         let (None, Some(predicted)) = predicted else { panic!("{predicted:?}") };
         assert_eq!((predicted.setting.grid, predicted.measured), (Fineness::CellsPerRadius(80.0), false));

@@ -1,4 +1,4 @@
-//! What a body's rows are tested with: how values of the fluid near it become equations, and multipliers become values.
+//! How values of the fluid near a body become its equations, and multipliers become forces in their place.
 
 use std::rc::Rc;
 
@@ -8,7 +8,7 @@ use super::elastic::ElasticInverse;
 use crate::surface::SurfaceTable;
 
 /// The map from values of the fluid (rows over its nodes) to equations of the body, the rigid ones first.
-pub enum Test<const D: usize> {
+pub enum Equations<const D: usize> {
     /// Velocities at the points of a surface become coefficients of its modes.
     Surface {
         /// The surface.
@@ -17,11 +17,11 @@ pub enum Test<const D: usize> {
         strength: f64,
     },
     /// The first values are the rigid motion, which is taken out of the others.
-    Rows(RowTest),
+    Rows(RowEquations),
 }
 
-/// The test of rows of which the first read the rigid motion.
-pub struct RowTest {
+/// Equations that are the values themselves, of which the first read the rigid motion.
+pub struct RowEquations {
     /// The other values of each rigid motion; without rows if they do not see it.
     pub motions: DMatrix<f64>,
     /// Number of rigid motions.
@@ -62,40 +62,40 @@ impl FreeInverse {
     }
 }
 
-impl<const D: usize> Test<D> {
+impl<const D: usize> Equations<D> {
     /// Number of equations.
     pub fn count(&self) -> usize {
         match self {
-            Test::Surface { surface, .. } => surface.modes.count(),
-            Test::Rows(rows) => rows.rigid + rows.others,
+            Equations::Surface { surface, .. } => surface.modes.count(),
+            Equations::Rows(rows) => rows.rigid + rows.others,
         }
     }
 
     /// The equations of values.
     pub fn apply(&self, values: Vec<f64>) -> Vec<f64> {
         match self {
-            Test::Surface { surface, .. } => {
+            Equations::Surface { surface, .. } => {
                 let mut out = vec![0.0; surface.modes.count()];
                 surface.project(&values, &mut out);
                 out
             }
-            Test::Rows(rows) => rows.without_motion(values),
+            Equations::Rows(rows) => rows.without_motion(values),
         }
     }
 
     /// The adjoint, times the strengths: forces in the place of values.
     pub fn forces(&self, multipliers: &[f64]) -> Vec<f64> {
         match self {
-            Test::Surface { surface, strength } => {
+            Equations::Surface { surface, strength } => {
                 let columns = surface.projector().as_slice().chunks_exact(multipliers.len());
                 columns.map(|column| strength * column.iter().zip(multipliers).map(|(entry, c)| entry * c).sum::<f64>()).collect()
             }
-            Test::Rows(rows) => rows.forces(multipliers),
+            Equations::Rows(rows) => rows.forces(multipliers),
         }
     }
 }
 
-impl RowTest {
+impl RowEquations {
     fn without_motion(&self, mut values: Vec<f64>) -> Vec<f64> {
         if self.motions.nrows() > 0 {
             let (motion, others) = values.split_at_mut(self.rigid);
