@@ -12,7 +12,7 @@ use crate::study::fit::Power;
 const TIMED: usize = 3;
 
 /// How much finer than the finest measured grid a predicted one may be.
-const FARTHEST: f64 = 10.0;
+const FARTHEST: f64 = 20.0;
 
 /// The setting of a method that reaches the wanted error in the least time.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -71,12 +71,11 @@ impl Kind {
 
     /// The order in the spacing at which theory sees its error fall with a method.
     ///
-    /// Fields are seen through a grid, whose interpolation reaches across the kinks at surfaces: an error of order h there, and of order 1
-    /// in the gradient, in a layer as thick as the spacing.
+    /// Fields are seen through a grid, whose interpolation reaches across the kinks at surfaces: an error of order h in a layer as thick as the
+    /// spacing. Differences between points of the lattice follow them once the grid is finer than the lattice.
     pub fn predicted_order(self, method: &str) -> f64 {
         match (method, self) {
-            (_, Kind::Gradient) => 0.5,
-            ("sharp" | "fitted", Kind::Field) => 1.5,
+            ("sharp" | "fitted", Kind::Field | Kind::Gradient) => 1.5,
             ("sharp", _) => 2.0,
             ("fitted", _) => 4.0,
             _ => 1.0,
