@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::studies::{positive, refuse_ranks};
+use super::studies::{StartArguments, positive, refuse_ranks};
 use crate::{
     error::Result,
     study::{self, CostOptions},
@@ -65,12 +65,8 @@ pub struct CostArguments {
     /// Ranks of each run.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     ranks: u32,
-    /// Command that starts a program on {ranks} ranks.
-    #[arg(long, default_value = "mpirun --oversubscribe -n {ranks}")]
-    launcher: String,
-    /// Runs of each setting, of which the fastest counts.
-    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=100))]
-    repeat: u32,
+    #[command(flatten)]
+    starts: StartArguments,
     /// Folder for results; a study that was interrupted goes on there (default: out/NAME-cost of the scene).
     #[arg(long)]
     out: Option<PathBuf>,
@@ -109,8 +105,8 @@ pub fn cost((scene, overrides): (&Path, &[String]), arguments: &CostArguments, p
         budget: arguments.budget.unwrap_or(if listed { f64::INFINITY } else { BUDGET }),
         until: arguments.until,
         ranks: arguments.ranks as usize,
-        launcher: arguments.launcher.clone(),
-        repeat: arguments.repeat as usize,
+        launcher: arguments.starts.launcher.clone(),
+        repeat: arguments.starts.repeat as usize,
         out: arguments.out.clone(),
         apply: arguments.apply.clone(),
         fresh: arguments.fresh,

@@ -10,18 +10,25 @@ use crate::{
 /// Set in the environment of every rank by Open MPI, by PMIx and by Slurm's or MPICH's own starter.
 const MARKS: [&str; 3] = ["OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"];
 
+/// How runs are started, and how often.
+#[derive(Debug, clap::Args)]
+pub struct StartArguments {
+    /// Command that starts a program on {ranks} ranks.
+    #[arg(long, default_value = "mpirun --oversubscribe -n {ranks}")]
+    pub launcher: String,
+    /// Runs of each setting, of which the fastest counts.
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub repeat: u32,
+}
+
 /// How to measure.
 #[derive(Debug, clap::Args)]
 pub struct ScalingArguments {
     /// Numbers of ranks.
     #[arg(long, value_delimiter = ',', default_values_t = [1, 2])]
     ranks: Vec<usize>,
-    /// Command that starts a program on {ranks} ranks.
-    #[arg(long, default_value = "mpirun --oversubscribe -n {ranks}")]
-    launcher: String,
-    /// Runs of each, of which the fastest counts.
-    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=100))]
-    repeat: u32,
+    #[command(flatten)]
+    starts: StartArguments,
     /// Folder for tables and chart (default: out/NAME-scaling of the scene).
     #[arg(long)]
     out: Option<PathBuf>,
@@ -46,8 +53,8 @@ pub fn scaling((scene, overrides): (&Path, &[String]), arguments: &ScalingArgume
         scene: scene.to_owned(),
         overrides: overrides.to_vec(),
         ranks: arguments.ranks.clone(),
-        launcher: arguments.launcher.clone(),
-        repeat: arguments.repeat as usize,
+        launcher: arguments.starts.launcher.clone(),
+        repeat: arguments.starts.repeat as usize,
         out: arguments.out.clone(),
         cores: arguments.cores,
         network: Network { bandwidth: arguments.bandwidth * 1e9, latency: arguments.latency * 1e-6 },
@@ -67,12 +74,8 @@ pub struct InverseArguments {
     /// Numbers of ranks.
     #[arg(long, value_delimiter = ',', default_values_t = [1])]
     ranks: Vec<usize>,
-    /// Command that starts a program on {ranks} ranks.
-    #[arg(long, default_value = "mpirun --oversubscribe -n {ranks}")]
-    launcher: String,
-    /// Runs of each, of which the fastest counts.
-    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=100))]
-    repeat: u32,
+    #[command(flatten)]
+    starts: StartArguments,
 }
 
 /// Compares the inverses of the fluid on scenes.
@@ -85,8 +88,8 @@ pub fn inverses(arguments: &InverseArguments, petsc: &[String]) -> Result<()> {
         scenes: arguments.scenes.clone(),
         overrides: arguments.overrides.clone(),
         ranks: arguments.ranks.clone(),
-        launcher: arguments.launcher.clone(),
-        repeat: arguments.repeat as usize,
+        launcher: arguments.starts.launcher.clone(),
+        repeat: arguments.starts.repeat as usize,
         petsc: petsc.to_vec(),
     })
 }

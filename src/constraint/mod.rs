@@ -22,6 +22,7 @@ mod places;
 mod rows;
 mod scalar;
 mod sharp;
+mod skyline;
 
 pub use adjoint::{AdjointBlocks, AdjointBody, FreeInverse, assemble as assemble_adjoint, count as count_adjoint};
 pub use blocks::Blocks;

@@ -11,10 +11,8 @@
 //! where both sides vanish on the same stresses and the left one is at most a few times smaller elsewhere. Its sum with the compliance
 //! `k` is inverted by `k^-1 - k^-1 B (2 B^T B + g D^T D + B^T k^-1 B)^-1 B^T k^-1`.
 
-use super::{
-    nodes::{Nodes, SparseRows},
-    skyline::Skyline,
-};
+use super::nodes::{Nodes, SparseRows};
+use crate::constraint::skyline::Skyline;
 
 /// Resistance `g` of the body to changes of volume; 18 iterations at 1e3 as at 1e6, 35 at 10.
 const INCOMPRESSIBILITY: f64 = 1e3;

@@ -12,7 +12,6 @@ mod mean_value;
 mod nodes;
 mod penalty;
 mod rigid;
-mod skyline;
 mod strains;
 
 use nalgebra::{SMatrix, SVector};

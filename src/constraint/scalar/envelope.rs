@@ -1,87 +1,39 @@
-//! Cholesky factors of the Laplacian of one inclusion, which nothing but its own links holds together.
+//! The potential of sources in one inclusion, which nothing but its own links holds together.
 
 use super::links::Link;
-use crate::constraint::dense::dot;
+use crate::constraint::skyline::Skyline;
 
-/// The lower factor, each row from its first entry to the diagonal; the last cell, which is held, has none.
-pub struct Envelope {
-    /// For each row, its first column and where it starts in `values`.
-    rows: Vec<(usize, usize)>,
-    values: Vec<f64>,
-}
+/// Cholesky factors of the Laplacian of its cells, of which the last is held.
+pub struct Envelope(Skyline);
 
 impl Envelope {
     /// Factors the Laplacian of cells that their links connect.
     pub fn new(cells: usize, links: &[Link]) -> Envelope {
-        let mut first: Vec<usize> = (0..cells).collect();
+        let mut firsts: Vec<usize> = (0..cells).collect();
         for &Link { cells: [one, two], .. } in links {
-            first[one.max(two)] = first[one.max(two)].min(one.min(two));
+            firsts[one.max(two)] = firsts[one.max(two)].min(one.min(two));
         }
-        let (mut rows, mut length) = (Vec::with_capacity(cells), 0);
-        for (row, &first) in first[..cells - 1].iter().enumerate() {
-            rows.push((first, length));
-            length += row + 1 - first;
-        }
-        let mut envelope = Envelope { rows, values: vec![0.0; length] };
+        firsts.truncate(cells - 1);
+        let mut laplacian = Skyline::new(firsts);
         for &Link { cells: [one, two], weight } in links {
             [(one, one, weight), (two, two, weight), (one.max(two), one.min(two), -weight)]
                 .into_iter()
                 .filter(|(row, ..)| row + 1 < cells)
-                .for_each(|(row, column, weight)| envelope.add(row, column, weight));
+                .for_each(|(row, column, weight)| laplacian.add(row, column, weight));
         }
-        envelope.factor();
-        envelope
-    }
-
-    fn add(&mut self, row: usize, column: usize, value: f64) {
-        let (first, start) = self.rows[row];
-        self.values[start + column - first] += value;
-    }
-
-    fn row(&self, row: usize) -> &[f64] {
-        let (first, start) = self.rows[row];
-        &self.values[start..=start + row - first]
-    }
-
-    fn factor(&mut self) {
-        for row in 0..self.rows.len() {
-            let (first, start) = self.rows[row];
-            for column in first..=row {
-                let from = first.max(self.rows[column].0);
-                let taken = dot(
-                    &self.row(row)[from - first..column - first],
-                    &self.row(column)[from - self.rows[column].0..column - self.rows[column].0],
-                );
-                let value = self.values[start + column - first] - taken;
-                self.values[start + column - first] =
-                    if column == row { value.sqrt() } else { value / self.row(column)[column - self.rows[column].0] };
-            }
-        }
+        Envelope(laplacian.factor())
     }
 
     /// Adds to `out` the potential of sources in the cells: both without their means.
     pub fn add_potential(&self, sources: &[f64], out: &mut [f64]) {
         let mean = sources.iter().sum::<f64>() / sources.len() as f64;
         let mut potential: Vec<f64> = sources.iter().map(|source| source - mean).collect();
-        if let Some(held) = potential.last_mut() {
+        if let Some((held, others)) = potential.split_last_mut() {
             *held = 0.0;
+            self.0.solve(others);
         }
-        self.solve(&mut potential);
         let mean = potential.iter().sum::<f64>() / sources.len() as f64;
         out.iter_mut().zip(potential).for_each(|(out, potential)| *out += potential - mean);
-    }
-
-    fn solve(&self, x: &mut [f64]) {
-        for (row, &(first, _)) in self.rows.iter().enumerate() {
-            let (entries, diagonal) = self.row(row).split_at(row - first);
-            x[row] = (x[row] - dot(entries, &x[first..row])) / diagonal[0];
-        }
-        for (row, &(first, _)) in self.rows.iter().enumerate().rev() {
-            let (entries, diagonal) = self.row(row).split_at(row - first);
-            x[row] /= diagonal[0];
-            let value = x[row];
-            x[first..row].iter_mut().zip(entries).for_each(|(x, entry)| *x -= value * entry);
-        }
     }
 }
 

@@ -15,7 +15,10 @@ use super::{
 };
 use crate::{
     constraint::{Layout, patch::Patch, rows::Rows},
-    grid::{Grid, Index, Node, dirichlet},
+    grid::{
+        Grid, Index, Node, dirichlet,
+        interpolation::{Pair, linear},
+    },
 };
 
 /// The place of a cell that has none.
@@ -65,15 +68,11 @@ fn interpolation<const D: usize>(grid: &Grid<D>, inclusion: &PlacedInclusion<D>)
 
 /// Visits the cells around a point with their weights; points of walls, where the scalar is zero, have indices beyond the cells.
 fn each_corner<const D: usize>(grid: &Grid<D>, point: &SVector<f64, D>, mut visit: impl FnMut(Index<D>, f64)) {
-    let lines: [(isize, f64); D] = std::array::from_fn(|axis| {
-        let lower = (point[axis] / grid.spacing()[axis] - 0.5).floor() as isize;
-        let [start, end] = [lower, lower + 1].map(|index| dirichlet::coordinate(grid, axis, index));
-        (lower, (point[axis] - start) / (end - start))
-    });
+    let pairs: [Pair; D] = std::array::from_fn(|axis| linear(grid, D, axis, point[axis]));
     for corner in 0..1 << D {
-        let upper = |axis: usize| (corner >> axis) & 1;
-        let weight = |axis: usize| if upper(axis) == 1 { lines[axis].1 } else { 1.0 - lines[axis].1 };
-        visit(std::array::from_fn(|axis| lines[axis].0 + upper(axis) as isize), (0..D).map(weight).product());
+        let side = |axis: usize| (corner >> axis) & 1;
+        let weight = (0..D).map(|axis| pairs[axis].weights[side(axis)]).product();
+        visit(std::array::from_fn(|axis| pairs[axis].first + side(axis) as isize), weight);
     }
 }
 

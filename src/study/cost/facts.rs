@@ -105,14 +105,15 @@ impl Facts {
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
-mod tests {
+pub mod tests {
     use std::path::Path;
 
     use super::*;
 
     const DISK: &str = "domain.size = [4, 4]\nresolution.spacing = 0.125\n[[bodies]]\nradius = 0.5\ncenters = [[1, 1]]\n";
 
-    fn suits(extra: &str) -> (Scene, Facts) {
+    /// The scene of a disk with something more, and what is known of it.
+    pub fn suits(extra: &str) -> (Scene, Facts) {
         let scene = Scene::parse("scene", Path::new(""), &(DISK.to_owned() + extra), &[]).unwrap();
         let facts = Facts::of(&scene).unwrap();
         (scene, facts)

@@ -99,17 +99,8 @@ impl Facts {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
-
-    const DISK: &str = "domain.size = [4, 4]\nresolution.spacing = 0.125\n[[bodies]]\nradius = 0.5\ncenters = [[1, 1]]\n";
-
-    fn suits(extra: &str) -> (Scene, Facts) {
-        let scene = Scene::parse("scene", Path::new(""), &(DISK.to_owned() + extra), &[]).unwrap();
-        let facts = Facts::of(&scene).unwrap();
-        (scene, facts)
-    }
+    use crate::study::cost::facts::tests::suits;
 
     fn chosen(extra: &str, options: &CostOptions) -> std::result::Result<Kind, String> {
         let (scene, facts) = suits(extra);
