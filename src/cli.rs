@@ -2,6 +2,7 @@
 
 mod animate;
 mod cost;
+mod lubrication;
 mod plan;
 mod run;
 mod studies;
@@ -90,6 +91,8 @@ enum Command {
         #[command(flatten)]
         cost: Box<cost::CostArguments>,
     },
+    /// What two near bodies, or a body and a wall, resist, what modes see of it, and what lubrication adds.
+    Lubrication(lubrication::LubricationArguments),
     /// Run scenes with each inverse of the fluid that suits them and print what each costs.
     Inverses(studies::InverseArguments),
     /// Solve cases with known answers and print a table of errors and seconds.
@@ -167,6 +170,7 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
             }
         }
         Command::Scaling { .. } | Command::Cost { .. } | Command::Inverses(_) => Err(studies::ranks_refused()),
+        Command::Lubrication(arguments) => session.world().agree(lubrication::lubrication(session.world(), arguments)),
         Command::Validation { bars } if bars.is_empty() => match study::validation(session)? {
             true => Ok(()),
             false => Err(Error::Diverged("a case is further from its reference than promised".into())),

@@ -16,6 +16,7 @@ mod dense;
 pub mod fitted;
 mod interpolant;
 mod layout;
+pub mod lubrication;
 mod near;
 mod patch;
 mod places;

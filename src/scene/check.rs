@@ -1,12 +1,13 @@
 //! What sections of a scene demand of each other.
 
 use crate::error::Result;
-use crate::scene::{AxisSection, ConstraintMethod, ContactModel, Drive, FlowModel, Motion, Scene, Spacing, StokesSolver, accuracy};
+use crate::scene::{AxisSection, ConstraintMethod, ContactModel, Drive, FlowModel, LubricationModel, Motion, Scene, Spacing, StokesSolver, accuracy};
 
 pub(super) fn check(scene: &Scene) -> Result<()> {
     check_spacing(scene)?;
     check_contact(scene)?;
     check_constraint(scene)?;
+    check_lubrication(scene)?;
     accuracy::check(scene)?;
     if scene.dry() {
         return check_dry(scene);
@@ -66,6 +67,16 @@ fn check_contact(scene: &Scene) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+fn check_lubrication(scene: &Scene) -> Result<()> {
+    let remedy = match (scene.lubrication.model, scene.method.constraint) {
+        (LubricationModel::None, _) => return Ok(()),
+        (_, _) if scene.dry() => "needs a fluid; set contact.model = \"gluey\" or remove it",
+        (_, ConstraintMethod::Sharp) => return Ok(()),
+        _ => "knows what the modes of the sharp method miss, and no other method; set method.constraint = \"sharp\"",
+    };
+    Err(scene.refuse("lubrication.model", "\"pairwise\"", remedy))
 }
 
 fn check_inverse(scene: &Scene) -> Result<()> {

@@ -208,8 +208,13 @@ fn of_contact(contact: &ContactSection, lubrication: &LubricationSection) -> Key
         ContactModel::None => "none",
         ContactModel::Inelastic => "inelastic",
     };
-    let LubricationSection { model: LubricationModel::None } = lubrication;
-    vec![word("contact.model", model), word("lubrication.model", "none")]
+    let mut keys = vec![word("contact.model", model)];
+    let LubricationSection { model } = lubrication;
+    match model {
+        LubricationModel::None => keys.push(word("lubrication.model", "none")),
+        LubricationModel::Pairwise { roughness } => keys.extend([word("lubrication.model", "pairwise"), pair("lubrication.roughness", roughness)]),
+    }
+    keys
 }
 
 fn of_time(time: &TimeSection) -> Keys {

@@ -3,15 +3,17 @@
 mod contact;
 mod domain;
 mod flow;
+mod lubrication;
 mod method;
 mod output;
 mod resolution;
 mod time;
 
-pub use contact::{ContactModel, ContactSection, LubricationModel, LubricationSection};
+pub use contact::{ContactModel, ContactSection};
 pub use domain::{AxisSection, DomainSection};
 pub(super) use flow::DRIVES;
 pub use flow::{Drive, FlowModel, FlowSection};
+pub use lubrication::{LubricationModel, LubricationSection};
 pub use method::{ConstraintMethod, MethodSection, MultiplierSolver, StokesSolver, Tolerance};
 pub use output::OutputSection;
 pub(super) use resolution::SPACINGS;

@@ -4,10 +4,8 @@ use nalgebra::SVector;
 
 use super::{
     BodyState, Setup, Solution,
-    bodies::{Bodies, Kinds},
+    bodies::Kinds,
     closure::{Closure, flow_without_bodies},
-    suspension::Moment,
-    touching::{End, Touching},
 };
 use crate::{
     error::{Error, Result},
@@ -70,35 +68,6 @@ impl<const D: usize> Basis<D> {
         }
     }
 
-    /// The contacts of a moment as rows and unknowns, for a flow without bodies that has this rank's `undisturbed` velocities
-    /// on surfaces.
-    ///
-    /// # Errors
-    /// They cannot be factored.
-    pub fn touching(&self, bodies: &Bodies<D>, moment: &Moment<D>, (undisturbed, places): (&[f64], usize)) -> Result<Touching<D>> {
-        let (mut ends, mut rates) = (Vec::new(), Vec::new());
-        let force_per_radius = |body: usize| self.kinds.translation(body).1 / self.setup.bodies[body].body.ball.radius;
-        let scale = moment.pressed.first().map_or(1.0, |pressed| force_per_radius(pressed.contact.body));
-        for (contact, pressed) in moment.pressed.iter().map(|pressed| pressed.contact).enumerate() {
-            rates.push(-pressed.gap / moment.step);
-            for (body, normal) in [(Some(pressed.body), -pressed.normal), (pressed.other(), pressed.normal)] {
-                let Some(body) = body else { continue };
-                match self.setup.bodies[body].body.given_motion() {
-                    Some(twist) => rates[contact] -= normal.dot(&twist.velocity),
-                    None => {
-                        let (mobility, force) = self.kinds.translation(body);
-                        let first = bodies.layout.holds(body).then(|| bodies.layout.local(body));
-                        ends.push(End { contact, body, normal, first, multiplier: scale / force, mobility });
-                    }
-                }
-            }
-        }
-        let touching = Touching::new(scale, ends, rates, places)?;
-        let mut known = touching.local_rates(undisturbed);
-        self.session.world().sum(&mut known);
-        Ok(touching.without(&known))
-    }
-
     /// The right-hand side of the linear system: rows of this rank's bodies, then the tail on rank 0.
     pub fn fill_right_hand_side(&self, wanted: &[f64], rates: &[f64], prescribed_drag: f64, rhs: &mut Vector) -> Result<()> {
         let fluid = if self.condensed { 0 } else { self.grid.local_fluid_unknowns() };
@@ -127,7 +96,7 @@ impl<const D: usize> Basis<D> {
         }
         let pressure_gradient = self.pressure_gradient(&bodies, tail);
         let mean_velocity = self.mean_velocity(&fluid)?;
-        Ok(Solution { bodies, fluid, mean_velocity, pressure_gradient, walls: None, contact_forces })
+        Ok(Solution { bodies, fluid, mean_velocity, pressure_gradient, walls: None, contact_forces, lubrication: None })
     }
 
     fn mean_velocity(&self, fluid: &Vector) -> Result<SVector<f64, D>> {

@@ -7,10 +7,14 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 use super::{
     BodyState, Setup,
     surfaces::{Inverse, Member},
+    touching::Weights,
 };
 use crate::{
     body::{Motion, Twist, components, skew},
-    constraint::{Blocks, Crowd, Layout, NearPairs, PairTables, Placed},
+    constraint::{
+        Blocks, Crowd, Layout, NearPairs, PairTables, Placed,
+        lubrication::{FilmTables, Films, films},
+    },
     error::Result,
     geometry::Ball,
     grid::Grid,
@@ -21,12 +25,22 @@ use crate::{
 /// What bodies of equal size share, kept for the whole run.
 pub struct Kind<const D: usize> {
     radius: f64,
-    /// Velocity in unbounded fluid that a unit translation multiplier causes.
-    mobility: f64,
+    /// Velocities in unbounded fluid that unit multipliers of rigid modes cause.
+    mobilities: Weights,
     order: usize,
     surface: Rc<SurfaceTable<D>>,
     /// Inverse of the diagonal block of a free body, and of one with prescribed motion.
     inverses: [Rc<DMatrix<f64>>; 2],
+}
+
+/// What a force or a torque on a body stands for.
+pub struct Rigid {
+    /// Velocities in unbounded fluid that unit multipliers of rigid modes cause.
+    pub mobilities: Weights,
+    /// Force of a unit translation multiplier.
+    pub force: f64,
+    /// Velocity of a rotation mode at unit spin.
+    pub lever: f64,
 }
 
 /// The kinds of a setup's bodies, and which kind each body is.
@@ -34,6 +48,7 @@ pub struct Kinds<const D: usize> {
     kinds: Vec<Kind<D>>,
     kind_of: Vec<usize>,
     pair_tables: PairTables<D>,
+    film_tables: FilmTables,
 }
 
 /// The bodies in their places, shared out over the ranks.
@@ -53,13 +68,14 @@ impl<const D: usize> Kind<D> {
         // other bodies cut the logarithm: half the distance to them
         let reach = 0.5 * (setup.domain.volume() / setup.bodies.len() as f64).powf(1.0 / D as f64);
         let mobility = surface.modes.isolated_mobility(reach);
-        let translation = mobility[(0, 0)];
+        let rigid = surface.modes.rigid_count();
+        let mobilities = Weights::from_fn(|mode, _| if mode < rigid { mobility[(mode, mode)] } else { 0.0 });
         let mut given_force = mobility.clone();
-        for mode in 0..surface.modes.rigid_count() {
+        for mode in 0..rigid {
             given_force[(mode, mode)] = radius;
         }
         let invert = |matrix: DMatrix<f64>| Rc::new(matrix.try_inverse().expect("the mobility of a body is positive definite"));
-        Kind { radius, order, surface, mobility: translation, inverses: [invert(given_force), invert(mobility)] }
+        Kind { radius, order, surface, mobilities, inverses: [invert(given_force), invert(mobility)] }
     }
 }
 
@@ -76,7 +92,7 @@ impl<const D: usize> Kinds<D> {
                 kinds.len() - 1
             }));
         }
-        Kinds { kinds, kind_of, pair_tables: PairTables::default() }
+        Kinds { kinds, kind_of, pair_tables: PairTables::default(), film_tables: FilmTables::default() }
     }
 
     /// Bodies with their centres at the given places.
@@ -92,9 +108,16 @@ impl<const D: usize> Kinds<D> {
         &self.kinds[self.kind_of[body]]
     }
 
+    /// How a body answers to forces and torques.
+    pub fn rigid(&self, body: usize) -> Rigid {
+        let kind = self.of(body);
+        let force = kind.surface.modes.force_factor();
+        Rigid { mobilities: kind.mobilities, force, lever: kind.surface.modes.torque_factor() / force }
+    }
+
     /// Velocity of a body in unbounded fluid of unit viscosity that a unit translation multiplier causes, and the force of that multiplier.
     pub fn translation(&self, body: usize) -> (f64, f64) {
-        (self.of(body).mobility, self.of(body).surface.modes.force_factor())
+        (self.of(body).mobilities[0], self.of(body).surface.modes.force_factor())
     }
 }
 
@@ -138,10 +161,22 @@ impl<'a, const D: usize> Bodies<'a, D> {
         Ball { center: self.placed[body].center, ..self.setup.bodies[body].body.ball }
     }
 
+    /// All bodies as balls in the box, and the orders of their modes.
+    fn balls(&self) -> (Vec<Ball<D>>, Vec<usize>) {
+        let balls = (0..self.placed.len()).map(|body| self.ball(body)).collect();
+        (balls, self.setup.bodies.iter().map(|suspended| suspended.order).collect())
+    }
+
+    /// The films between bodies, if lubrication acts.
+    pub fn films(&self) -> Films<D> {
+        let Some(roughness) = self.setup.lubrication else { return Films { films: Vec::new(), imbalance: 0.0 } };
+        let (balls, orders) = self.balls();
+        films(&self.setup.domain, &balls, &orders, &self.kinds.film_tables, roughness)
+    }
+
     /// The near pairs of this rank's bodies; collective.
     pub fn near_pairs(&self, session: &Session) -> Result<NearPairs> {
-        let balls: Vec<Ball<D>> = (0..self.placed.len()).map(|body| self.ball(body)).collect();
-        let orders: Vec<usize> = self.setup.bodies.iter().map(|suspended| suspended.order).collect();
+        let (balls, orders) = self.balls();
         let crowd = Crowd { domain: &self.setup.domain, balls: &balls, orders: &orders, layout: &self.layout };
         let multipliers = Vector::new(session, self.layout.local_unknowns())?;
         NearPairs::new(&crowd, &self.kinds.pair_tables, &multipliers)
@@ -164,7 +199,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
                 inverse,
                 force_scale: kind.radius,
                 area: modes.force_factor(),
-                mobility: kind.mobility,
+                mobilities: kind.mobilities,
             }
         };
         self.layout.local_bodies.iter().enumerate().map(member).collect()

@@ -30,6 +30,13 @@ const EPSILON: f64 = 1e-6;
 const MOST_ORDER_PER_CELL: [f64; 2] = [1.25, 1.0];
 const MOST_ORDER: [usize; 2] = [24, 12];
 
+/// Order of the modes per cell of radius where lubrication knows what they miss, and the least order in 2D and 3D.
+///
+/// Of two disks 0.1 radii apart the resistance to approach varies by 1 % with their places on the grid at this order, and by 4 % at one
+/// mode a cell.
+const LUBRICATED_ORDER_PER_CELL: f64 = 0.8;
+const LUBRICATED_ORDER: [usize; 2] = [3, 2];
+
 /// A body with the order of its multiplier modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SuspendedBody<const D: usize> {
@@ -54,6 +61,8 @@ pub struct Setup<const D: usize> {
     pub bodies: Vec<SuspendedBody<D>>,
     /// What makes bodies rigid.
     pub constraint: ConstraintMethod,
+    /// With lubrication, the gap in radii below which none counts as smaller; nothing without it.
+    pub lubrication: Option<f64>,
     /// What inverts the fluid.
     pub inverse: InverseMethod,
     /// When the linear solver ends.
@@ -70,7 +79,7 @@ impl<const D: usize> Setup<D> {
         let (spacing, bodies) = suspended_bodies(scene, bodies(scene, &domain)?)?;
         let (viscosity, tolerance) = (scene.flow.viscosity, scene.method.tolerance);
         let inverse = inverse(scene, &domain);
-        Ok(Setup { domain, spacing, viscosity, drive: drive(scene), bodies, constraint: scene.method.constraint, inverse, tolerance })
+        Ok(Setup { domain, spacing, viscosity, drive: drive(scene), bodies, constraint: scene.method.constraint, lubrication: scene.lubrication.roughness(), inverse, tolerance })
     }
 
     /// What fills the blocks of the bodies.
@@ -160,8 +169,11 @@ fn suspended<const D: usize>(scene: &Scene, body: Body<D>, spacing: f64) -> Resu
 fn order<const D: usize>(scene: &Scene, cells: f64) -> Result<usize> {
     let highest = ((HIGHEST_ORDER_PER_CELL[D - 2] * cells + 1e-9) as usize).min(highest_order(D));
     match resolution(scene)?.modes {
-        Modes::Auto if D == 2 => Ok((cells.round() as usize).clamp(3, 16).min(highest)),
-        Modes::Auto => Ok((cells.round() as usize - 1).clamp(2, 10).min(highest)),
+        Modes::Auto => {
+            let plain = if D == 2 { (cells.round() as usize).clamp(3, 16) } else { (cells.round() as usize - 1).clamp(2, 10) };
+            let lubricated = ((LUBRICATED_ORDER_PER_CELL * cells + 1e-9) as usize).max(LUBRICATED_ORDER[D - 2]);
+            Ok(if scene.lubrication.roughness().is_some() { plain.min(lubricated) } else { plain }.min(highest))
+        }
         Modes::Most => Ok(((MOST_ORDER_PER_CELL[D - 2] * cells + 1e-9) as usize).clamp(2, MOST_ORDER[D - 2]).min(highest)),
         Modes::Count(modes) if modes > highest => {
             let remedy = format!("is too many for {cells:.2} cells per radius: at most {highest}; lower it or refine the grid");

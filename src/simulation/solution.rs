@@ -55,6 +55,19 @@ impl<const D: usize> BodyState<D> {
     }
 }
 
+/// The films of a suspension that modes do not see.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lubrication<const D: usize> {
+    /// Their number.
+    pub films: usize,
+    /// Smallest gap, in radii of the smaller body.
+    pub smallest_gap: f64,
+    /// Net force or torque of a film on a pair, at most, over its force.
+    pub imbalance: f64,
+    /// Sum over all bodies of the part of the stresslets that films make.
+    pub stress: SMatrix<f64, D, D>,
+}
+
 /// The state of the suspension at one instant.
 pub struct Solution<const D: usize> {
     /// All bodies, on every rank.
@@ -71,4 +84,6 @@ pub struct Solution<const D: usize> {
     pub walls: Option<[[SVector<f64, D>; 2]; D]>,
     /// Force of each contact that was held, positive where it pushes.
     pub contact_forces: Vec<f64>,
+    /// Films, if lubrication acts; what they do is in the states of the bodies.
+    pub lubrication: Option<Lubrication<D>>,
 }

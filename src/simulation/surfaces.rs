@@ -13,7 +13,10 @@ use std::{ops::Range, rc::Rc};
 
 use nalgebra::{DMatrix, DVectorView, DVectorViewMut};
 
-use super::{closure::Closure, touching::Touching};
+use super::{
+    closure::Closure,
+    touching::{Touching, Weights},
+};
 use crate::{
     constraint::{Blocks, FreeInverse, NearPairs},
     error::Result,
@@ -35,8 +38,8 @@ pub struct Member {
     pub force_scale: f64,
     /// Net force of a unit translation multiplier.
     pub area: f64,
-    /// Velocity in unbounded fluid that a unit translation multiplier causes.
-    pub mobility: f64,
+    /// Velocities in unbounded fluid that unit multipliers of rigid modes cause.
+    pub mobilities: Weights,
 }
 
 impl Member {
@@ -90,7 +93,7 @@ pub struct Surfaces<'a, const D: usize> {
     /// Closure.
     pub closure: &'a Closure,
     /// Contacts.
-    pub touching: &'a mut Touching<D>,
+    pub touching: &'a mut Touching,
     /// Sum over all prescribed bodies of the translation block of their inverses, the closure's own row scale.
     pub prescribed_drag: f64,
 }
@@ -100,7 +103,9 @@ impl<const D: usize> Surfaces<'_, D> {
     /// `unknown = given` for a force of the closure and for places that no contact takes.
     pub fn rows(&mut self, fluid: &Vector, (given, tail): (&Vector, &[f64]), rows: &mut Vector) -> Result<Vec<f64>> {
         self.velocity(fluid, (given, tail), rows)?;
-        let rates = self.shared_sum(self.touching.local_rates(&rows.local()?));
+        let mut rates = self.shared_sum(self.touching.local_rates(&rows.local()?));
+        let links = tail[self.contacts()].iter().zip(&self.touching.compliances);
+        rates.iter_mut().zip(links).for_each(|(rate, (unknown, compliance))| *rate += compliance * unknown);
         self.net_force_rows((given, tail), rows)?;
         let mut tail_rows = tail.to_vec();
         if let Closure::MeanVelocity = self.closure {
@@ -196,8 +201,8 @@ impl<const D: usize> Surfaces<'_, D> {
         let mut velocities = sampled.local()?.to_vec();
         let mut given = given.local_mut()?;
         for member in self.members.iter().filter(|member| member.free) {
-            for mode in member.range.start..member.range.start + D {
-                velocities[mode] += member.mobility * given[mode] / member.force_scale;
+            for (mode, mobility) in (member.range.start..member.range.start + member.rigid).zip(member.mobilities.iter()) {
+                velocities[mode] += mobility * given[mode] / member.force_scale;
             }
         }
         let found = self.shared_sum(self.touching.local_rates(&velocities));
@@ -206,8 +211,8 @@ impl<const D: usize> Surfaces<'_, D> {
         let mut pressed = vec![0.0; given.len()];
         self.touching.press(1.0, &contacts, &mut pressed);
         for member in self.members.iter().filter(|member| member.free) {
-            let translations = member.range.start..member.range.start + D;
-            given[translations.clone()].iter_mut().zip(&pressed[translations]).for_each(|(row, c)| *row += member.force_scale * c);
+            let rigid = member.range.start..member.range.start + member.rigid;
+            given[rigid.clone()].iter_mut().zip(&pressed[rigid]).for_each(|(row, c)| *row += member.force_scale * c);
         }
         Ok(contacts)
     }

@@ -16,11 +16,13 @@ use super::{
     memory::{Guess, Past, Snapshot},
     spectrum::Conditions,
     surfaces::{Member, Surfaces},
+    links::{add_films, touching},
     touching::Touching,
     uzawa::uzawa,
     work::{Sizes, Stages, Work},
 };
 use crate::{
+    constraint::lubrication::Films,
     contact::ContactForce,
     error::{Error, Result},
     flow::{InverseMethod, IteratedInverse, Stokes, StokesInverse},
@@ -219,19 +221,21 @@ impl<const D: usize> Suspension<D> {
         self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();
         (self.cost.assembly, self.cost.assembled) = (start.elapsed().as_secs_f64(), ready.assembly.assembled);
         let (report, mut found) = ready.solve(basis, self.inverse.as_mut(), seen)?;
-        let Ready { bodies, assembly, mut engine, guess, touching, .. } = ready;
+        let Ready { bodies, assembly, mut engine, guess, touching, films, .. } = ready;
         self.cost.krylov = report;
         self.cost.stages = std::mem::take(&mut engine.work.stages);
-        let contacts = found.tail.split_off(basis.closure.unknowns::<D>());
+        let links = found.tail.split_off(basis.closure.unknowns::<D>());
         if self.remembers && basis.setup.blocks().on_surfaces() {
             let last = Snapshot::of(&bodies, &basis.session, moment.centers, (&found, basis.condensed))?;
             self.past = Some(Past::then(self.past.take(), last, (guess, moment.time)));
         }
-        let states = bodies.states(&basis.session, &assembly.blocks, (&found.velocities, &found.multipliers));
+        let mut states = bodies.states(&basis.session, &assembly.blocks, (&found.velocities, &found.multipliers));
         (self.assembly, self.engine) = (Some(assembly), Some(engine));
         let unit = touching.scale * basis.setup.viscosity;
-        let contact_forces = contacts[..touching.count()].iter().map(|unknown| unknown * unit).collect();
-        basis.solution(states, found.fluid, &found.tail, contact_forces)
+        let mut contact_forces: Vec<f64> = links[..touching.count()].iter().map(|unknown| unknown * unit).collect();
+        let film_forces = contact_forces.split_off(moment.pressed.len());
+        let lubrication = basis.setup.lubrication.map(|_| add_films(&films, &film_forces, &mut states));
+        Ok(Solution { lubrication, ..basis.solution(states, found.fluid, &found.tail, contact_forces)? })
     }
 }
 
@@ -240,7 +244,8 @@ struct Ready<'a, const D: usize> {
     bodies: Bodies<'a, D>,
     members: Vec<Member>,
     assembly: Assembly<D>,
-    touching: Touching<D>,
+    touching: Touching,
+    films: Films<D>,
     engine: Engine,
     guess: Option<Guess<D>>,
     prescribed_drag: f64,
@@ -263,7 +268,8 @@ impl<'a, const D: usize> Ready<'a, D> {
         let guess = past.map_or(Ok(None), |past| past.guess(&bodies, moment.centers, moment.time))?;
         let closure = basis.closure.unknowns::<D>();
         let places = engine.as_ref().map_or(0, |engine| engine.work.sizes().tail - closure);
-        let touching = basis.touching(&bodies, moment, (&assembly.undisturbed, places))?;
+        let films = bodies.films();
+        let touching = touching(basis, &bodies, (moment, &films), (&assembly.undisturbed, places))?;
         let fluid = if basis.condensed { 0 } else { basis.grid.local_fluid_unknowns() };
         let sizes = Sizes { fluid, multipliers: assembly.undisturbed.len(), tail: closure + touching.places() };
         let mut engine = Engine::fitting(engine, basis, sizes)?;
@@ -273,7 +279,7 @@ impl<'a, const D: usize> Ready<'a, D> {
         basis.fill_right_hand_side(&wanted, &touching.rates, prescribed_drag, &mut engine.rhs)?;
         let unit = touching.scale * basis.setup.viscosity;
         engine.start(&bodies, guess.as_ref(), moment.pressed.iter().map(|pressed| pressed.force / unit).collect())?;
-        Ok(Ready { bodies, members, assembly, touching, engine, guess, prescribed_drag, tolerance: moment.tolerance })
+        Ok(Ready { bodies, members, assembly, touching, films, engine, guess, prescribed_drag, tolerance: moment.tolerance })
     }
 
     /// The solver with its right-hand side and start, and what the system is made of.

@@ -28,7 +28,7 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 
 pub use fourier::Fourier;
-pub use quadrature::{Quadrature, quadrature};
+pub use quadrature::{Quadrature, axial, quadrature};
 pub use scalar::{ScalarModes, ScalarSurface};
 pub use spherical::Spherical;
 pub use table::SurfaceTable;
@@ -70,6 +70,9 @@ pub trait Modes {
     ///
     /// Its mean over `gamma` with the tractions is [`isolated_mobility`](Self::isolated_mobility); `reach` as there.
     fn exterior_velocity(&self, offset: &[f64], reach: f64, out: &mut [f64]);
+
+    /// Writes in `out[mode]` the pressure that goes with [`exterior_velocity`](Self::exterior_velocity).
+    fn exterior_pressure(&self, offset: &[f64], out: &mut [f64]);
 
     /// The modes, sorted by how they turn.
     fn families(&self) -> Vec<Family>;

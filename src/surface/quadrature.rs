@@ -23,7 +23,24 @@ pub struct Quadrature {
 pub fn quadrature(dimension: usize, radius_over_spacing: f64, order: usize) -> Quadrature {
     match dimension {
         2 => circle(((2.0 * PI * radius_over_spacing).ceil() as usize).max(4 * order + 4)),
-        3 => sphere(order + 3 + radius_over_spacing.ceil() as usize),
+        3 => {
+            let latitudes = order + 3 + radius_over_spacing.ceil() as usize;
+            sphere(latitudes, 2 * latitudes)
+        }
+        _ => panic!("quadrature exists in dimension 2 and 3, not {dimension}"),
+    }
+}
+
+/// A rule for products of two modes that vary no faster than once round the axis of the pair's frame (the first in 2D, the third in 3D):
+/// `count` equispaced points in 2D, as many Gauss-Legendre latitudes times four longitudes in 3D.
+///
+/// # Panics
+///
+/// If `dimension` is not 2 or 3.
+pub fn axial(dimension: usize, count: usize) -> Quadrature {
+    match dimension {
+        2 => circle(count),
+        3 => sphere(count, 4),
         _ => panic!("quadrature exists in dimension 2 and 3, not {dimension}"),
     }
 }
@@ -35,14 +52,13 @@ fn circle(count: usize) -> Quadrature {
     }
 }
 
-fn sphere(latitudes: usize) -> Quadrature {
-    let longitudes = 2 * latitudes;
+fn sphere(latitudes: usize, longitudes: usize) -> Quadrature {
     let mut rule = Quadrature { directions: Vec::new(), weights: Vec::new() };
     for (height, weight) in gauss_legendre(latitudes) {
         let distance = (1.0 - height * height).sqrt();
         for angle in angles(longitudes) {
             rule.directions.extend([distance * angle.cos(), distance * angle.sin(), height]);
-            rule.weights.push(weight / (2 * longitudes) as f64);
+            rule.weights.push(0.5 * weight / longitudes as f64);
         }
     }
     rule

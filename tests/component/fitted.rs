@@ -123,6 +123,7 @@ fn a_channel_driven_by_each_drive(session: &Session) {
         drive,
         bodies: vec![suspended(Vector2::new(0.513, 0.5), 0.125, motion, 3)],
         constraint: ConstraintMethod::Fitted,
+        lubrication: None,
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-9),
     };
@@ -164,6 +165,7 @@ fn closed_box(radius: f64, spacing: f64, twist: Twist<2>) -> Setup<2> {
         drive: Drive::Rest,
         bodies: vec![suspended(Vector2::new(0.5, 0.5), radius, Motion::Prescribed(twist), 3)],
         constraint: ConstraintMethod::Fitted,
+        lubrication: None,
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-9),
     }

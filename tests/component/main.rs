@@ -20,6 +20,7 @@ mod inclusions;
 mod interpolation;
 mod inverses;
 mod lasting;
+mod lubrication;
 mod machine;
 mod methods;
 mod motion;
@@ -77,6 +78,7 @@ fn main() {
         inverses::tests(),
         effects::tests(),
         accuracy::tests(),
+        lubrication::tests(),
         hard::tests(),
         lasting::tests(),
         motion::tests(),

@@ -48,6 +48,7 @@ fn between_sliding_walls(count: usize, fraction: f64, aspect: f64, gap: f64) -> 
         drive: Drive::Rest,
         bodies,
         constraint: ConstraintMethod::Sharp,
+        lubrication: None,
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-6),
     }
@@ -91,6 +92,7 @@ fn closed_box(size: [f64; 2], cells_per_radius: f64, bodies: Vec<SuspendedBody<2
         drive: Drive::Rest,
         bodies,
         constraint: ConstraintMethod::Sharp,
+        lubrication: None,
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-10),
     }
@@ -147,6 +149,7 @@ fn a_neutrally_buoyant_disk_on_the_centre_line_moves_straight_at_its_speed(sessi
         drive,
         bodies: disk(),
         constraint: ConstraintMethod::Sharp,
+        lubrication: None,
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-10),
     };
@@ -235,6 +238,7 @@ fn two_disks_pressed_together_meet_and_rest(session: &Session) {
         drive: Drive::Rest,
         bodies,
         constraint: ConstraintMethod::Sharp,
+        lubrication: None,
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-8),
     };
@@ -305,6 +309,7 @@ fn only_bodies_that_moved_are_assembled_anew(session: &Session) {
         drive: Drive::Shear(1.0),
         bodies: [[1.5 + way, 1.5], [4.5, 1.5], [1.5, 4.5], [4.5, 4.5]].map(|center| suspended(center.into(), 1.0, free(), 5)).to_vec(),
         constraint: ConstraintMethod::Sharp,
+        lubrication: None,
         inverse: InverseMethod::Transform,
         tolerance: Tolerance::Fixed(1e-9),
     };

@@ -51,6 +51,7 @@ pub fn periodic_cube<const D: usize>(spacing: f64, drive: Drive<D>, bodies: Vec<
         drive,
         bodies,
         constraint: ConstraintMethod::Sharp,
+        lubrication: None,
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-9),
     }
@@ -67,6 +68,7 @@ pub fn couette(length: f64, spacing: f64, rate: f64, bodies: Vec<SuspendedBody<2
         drive: Drive::Rest,
         bodies,
         constraint: ConstraintMethod::Sharp,
+        lubrication: None,
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-9),
     }
@@ -161,6 +163,7 @@ fn a_channel_driven_by_each_drive(session: &Session) {
         drive,
         bodies: vec![suspended(Vector2::new(0.513, 0.5), 0.125, motion, 8)],
         constraint: ConstraintMethod::Sharp,
+        lubrication: None,
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-9),
     };
@@ -216,6 +219,7 @@ fn a_disk_in_a_closed_box(session: &Session) {
         drive: Drive::Rest,
         bodies: vec![suspended(Vector2::new(0.5, 0.5), 0.2, Motion::Prescribed(twist), 8)],
         constraint: ConstraintMethod::Sharp,
+        lubrication: None,
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-9),
     };

@@ -20,33 +20,11 @@ pub enum ContactModel {
     Inelastic,
 }
 
-/// What happens between bodies that nearly touch.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LubricationSection {
-    /// The correction for films thinner than the grid.
-    pub model: LubricationModel,
-}
-
-/// The correction for films thinner than the grid.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LubricationModel {
-    /// No correction.
-    None,
-}
-
 impl ContactSection {
     pub(in crate::scene) fn read(root: &Table) -> Result<Self> {
         let table = root.section("contact", &["model"])?;
         let models = [("none", ContactModel::None), ("inelastic", ContactModel::Inelastic)];
         let model = |entry: Entry| entry.choice(&models, &["repulsion", "gluey"]);
         Ok(ContactSection { model: table.get("model").map_or(Ok(ContactModel::None), model)? })
-    }
-}
-
-impl LubricationSection {
-    pub(in crate::scene) fn read(root: &Table) -> Result<Self> {
-        let table = root.section("lubrication", &["model"])?;
-        let model = |entry: Entry| entry.choice(&[("none", LubricationModel::None)], &["pairwise"]);
-        Ok(LubricationSection { model: table.get("model").map_or(Ok(LubricationModel::None), model)? })
     }
 }

@@ -160,6 +160,7 @@ impl<const D: usize> FittedFlow<D> {
             _ => spatial(&(-viscosity * flow.force)),
         };
         Ok(Solution {
+            lubrication: None,
             bodies: states.map(|((disk, rigid), load)| state(disk, rigid, load, viscosity)).collect(),
             fluid: sample(&self.session, &self.grid, problem, (flow, found.mean_pressure))?,
             mean_velocity: spatial(&found.mean_velocity),

@@ -95,8 +95,13 @@ pub fn in_time(scene: &Scene) -> Vec<Effect> {
     let fields = frames.as_ref().filter(|_| scene.output.fields).map(|_| "velocity and pressure of each cell in every frame".to_owned());
     let picture = scene.output.picture.then(|| "at the end".to_owned());
     let effect = |(name, built)| Effect { name, built };
-    let of_motion = [("motion in time", motion), ("lubrication", None), ("contact", contact)];
+    let of_motion = [("motion in time", motion), ("lubrication", lubrication(scene)), ("contact", contact)];
     of_motion.into_iter().chain([("frames", frames), ("fields output", fields), ("picture", picture)]).map(effect).collect()
+}
+
+fn lubrication(scene: &Scene) -> Option<String> {
+    let roughness = scene.lubrication.roughness()?;
+    Some(format!("what modes miss of films between near bodies and walls, pair by pair; no gap below {roughness} radii"))
 }
 
 /// The weight of free bodies that differ from the fluid in density.

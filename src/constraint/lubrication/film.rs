@@ -1,0 +1,191 @@
+//! Films between bodies in their places: which there are, and in which ways they resist.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::{FilmTable, FilmTables};
+use crate::{
+    body::{Twist, components},
+    geometry::{Ball, Domain, near_pairs, near_walls},
+};
+
+/// Largest reach of any table, in radii of the smaller body.
+const REACH: f64 = 1.25;
+
+/// Resistance, over viscosity and radius, of a way that counts as no resistance.
+const NEGLIGIBLE: f64 = 1e-6;
+
+/// A wall: its axis, and whether it is the upper one.
+pub type Wall = (usize, bool);
+
+/// A film between two bodies, or a body and a wall.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Film<const D: usize> {
+    /// The body; of two the smaller.
+    pub body: usize,
+    /// What is on the other side.
+    pub other: Opposite<D>,
+    /// From the centre of the body to that of the other (the image that is near), or to the wall.
+    pub separation: SVector<f64, D>,
+    /// Distance of the surfaces, in radii of the body, before roughness.
+    pub gap: f64,
+    /// In which ways it resists, each apart from the others.
+    pub ways: Vec<Way<D>>,
+}
+
+/// What is on the other side of a film.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Opposite<const D: usize> {
+    /// A body, and by how much its image is displaced.
+    Body(usize, SVector<f64, D>),
+    /// A wall.
+    Wall(Wall),
+}
+
+/// A relative motion that a film resists. Its rate is the sum over both sides of `direction . velocity + turn : spin`, the latter over the
+/// planes of rotation; and so act its force and torque.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Way<const D: usize> {
+    /// What the motions of the body and of the other side count.
+    pub sides: [Side<D>; 2],
+    /// Force over rate and viscosity that modes do not see, positive.
+    pub resistance: f64,
+    /// Symmetric traceless first moment of the traction on each side for a unit rate, over viscosity.
+    pub stress: [SMatrix<f64, D, D>; 2],
+}
+
+/// A linear function of a rigid motion; read as a wrench, the force and torque that do its work.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Side<const D: usize> {
+    /// What a velocity counts.
+    pub direction: SVector<f64, D>,
+    /// What a spin counts, a skew matrix.
+    pub turn: SMatrix<f64, D, D>,
+}
+
+/// The films of a crowd.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Films<const D: usize> {
+    /// The films.
+    pub films: Vec<Film<D>>,
+    /// The largest rate, over the radius, at which any way sees two sides move as one rigid body: forces are opposite and without torque
+    /// as well as this is zero.
+    pub imbalance: f64,
+}
+
+impl<const D: usize> Side<D> {
+    /// What a motion counts.
+    pub fn rate(&self, twist: &Twist<D>) -> f64 {
+        let turning: f64 = components(&self.turn).iter().zip(components(&twist.spin)).map(|(turn, spin)| turn * spin).sum();
+        self.direction.dot(&twist.velocity) + turning
+    }
+}
+
+/// The films of bodies with modes up to the given orders; no gap counts as smaller than `roughness` radii.
+pub fn films<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], orders: &[usize], tables: &FilmTables, roughness: f64) -> Films<D> {
+    let largest = balls.iter().map(|ball| ball.radius).fold(0.0, f64::max);
+    let mut films = Vec::new();
+    for pair in near_pairs(domain, balls, REACH * largest) {
+        let (mut ends, mut separation) = ([pair.first, pair.second], pair.separation);
+        if balls[ends[1]].radius < balls[ends[0]].radius {
+            ends.reverse();
+            separation = -separation;
+        }
+        let [small, large] = ends.map(|body| balls[body].radius);
+        let gap = pair.gap / small;
+        if gap < REACH {
+            let table = tables.of::<D>(orders[ends[0]], Some((orders[ends[1]], large / small)));
+            let offset = separation - (balls[ends[1]].center - balls[ends[0]].center);
+            let other = Opposite::Body(ends[1], offset);
+            films.extend(film(&table, (ends[0], small), (other, Some(large)), (separation, gap), roughness));
+        }
+    }
+    for near in near_walls(domain, balls, REACH * largest) {
+        let radius = balls[near.body].radius;
+        let gap = near.gap / radius;
+        if gap < REACH {
+            let mut separation = SVector::<f64, D>::zeros();
+            separation[near.axis] = if near.upper { near.gap + radius } else { -near.gap - radius };
+            let table = tables.of::<D>(orders[near.body], None);
+            films.extend(film(&table, (near.body, radius), (Opposite::Wall((near.axis, near.upper)), None), (separation, gap), roughness));
+        }
+    }
+    let imbalance = films.iter().map(imbalance).fold(0.0, f64::max);
+    Films { films, imbalance }
+}
+
+fn film<const D: usize>(
+    table: &FilmTable,
+    (body, radius): (usize, f64),
+    (other, second): (Opposite<D>, Option<f64>),
+    (separation, gap): (SVector<f64, D>, f64),
+    roughness: f64,
+) -> Option<Film<D>> {
+    let seen = gap.max(roughness);
+    if seen >= table.reach() {
+        return None;
+    }
+    let missing = table.missing(seen);
+    let normal = separation.normalize();
+    // the middle of the film, so that a rigid motion of both sides has no rate
+    let levers = [radius * (1.0 + 0.5 * gap), second.map_or(0.0, |second| second + 0.5 * radius * gap)];
+    let unit = radius.powi(D as i32 - 2);
+    let mut ways = Vec::new();
+    let mut add = |resistance: f64, sides: [Side<D>; 2], stress: [SMatrix<f64, D, D>; 2]| {
+        if resistance > NEGLIGIBLE {
+            ways.push(Way { sides, resistance: resistance * unit, stress });
+        }
+    };
+    let still = SMatrix::zeros();
+    let deviator = (normal * normal.transpose() * D as f64 - SMatrix::identity()) / (D - 1) as f64;
+    let sides = [normal, -normal].map(|direction| Side { direction, turn: still });
+    add(missing.approach, sides, missing.stress[0].map(|moment| deviator * (moment * unit * radius)));
+    for across in across(&normal) {
+        let plane = across * normal.transpose() - normal * across.transpose();
+        let symmetric = across * normal.transpose() + normal * across.transpose();
+        for (resistance, [slip, roll]) in principal(missing.slip, missing.cross, missing.roll) {
+            let turns = [levers[0] * slip + radius * roll, levers[1] * slip - radius * roll];
+            let side = |sign: f64, turn: f64| Side { direction: across * (sign * slip), turn: plane * turn };
+            let moment = |side: usize| symmetric * ((missing.stress[1][side] * slip + missing.stress[2][side] * roll) * unit * radius);
+            add(resistance, [side(1.0, turns[0]), side(-1.0, turns[1])], [moment(0), moment(1)]);
+        }
+    }
+    Some(Film { body, other, separation, gap, ways })
+}
+
+/// Unit vectors that complete a normal.
+fn across<const D: usize>(normal: &SVector<f64, D>) -> Vec<SVector<f64, D>> {
+    let mut found: Vec<SVector<f64, D>> = Vec::new();
+    let mut axes: Vec<usize> = (0..D).collect();
+    axes.sort_by(|one, two| normal[*one].abs().total_cmp(&normal[*two].abs()));
+    for &axis in &axes[..D - 1] {
+        let mut vector = SVector::zeros();
+        vector[axis] = 1.0;
+        for earlier in found.iter().chain([normal]) {
+            vector -= earlier * earlier.dot(&vector);
+        }
+        found.push(vector.normalize());
+    }
+    found
+}
+
+/// Eigenvalues and eigenvectors of a symmetric matrix of two rows.
+fn principal(first: f64, cross: f64, second: f64) -> [(f64, [f64; 2]); 2] {
+    let angle = 0.5 * (2.0 * cross).atan2(first - second);
+    let (sine, cosine) = angle.sin_cos();
+    let mean = 0.5 * (first + second);
+    let half = (0.5 * (first - second)).hypot(cross);
+    [(mean + half, [cosine, sine]), (mean - half, [-sine, cosine])]
+}
+
+/// The largest rate of any way under rigid motions of both sides with unit velocity at the body's surface.
+fn imbalance<const D: usize>(film: &Film<D>) -> f64 {
+    let Opposite::Body(..) = film.other else { return 0.0 };
+    let of_way = |way: &Way<D>| {
+        let force = (way.sides[0].direction + way.sides[1].direction).norm();
+        let [first, second] = way.sides;
+        let lever = film.separation * second.direction.transpose() - second.direction * film.separation.transpose();
+        let torque = (first.turn + second.turn - lever).norm() / film.separation.norm();
+        force.max(torque)
+    };
+    film.ways.iter().map(of_way).fold(0.0, f64::max)
+}
