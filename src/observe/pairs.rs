@@ -203,7 +203,7 @@ mod tests {
         let mut counts = PairCounts::new(&domain, radii, None);
         let mut random = ChaCha8Rng::seed_from_u64(7);
         let mean = radii.iter().sum::<f64>() / radii.len() as f64;
-        for _ in 0..300 {
+        for _ in 0..1000 {
             let mut place = |axis: usize| {
                 let margin = if walled[axis] { mean } else { 0.0 };
                 margin + random.random::<f64>() * (size[axis] - 2.0 * margin)
@@ -221,7 +221,8 @@ mod tests {
         }
         let count = distribution.radial.len() - 1;
         let mean = distribution.radial[1..].iter().map(|(_, density)| density).sum::<f64>() / count as f64;
-        assert!((mean - 1.0).abs() < 0.5 * scatter / (count as f64).sqrt() + 2e-3, "{mean} over {count} bins");
+        // four times what such means scatter between walls
+        assert!((mean - 1.0).abs() < 8e-3, "{mean} over {count} bins");
     }
 
     #[test]

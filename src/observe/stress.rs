@@ -101,7 +101,8 @@ impl<const D: usize> Stress<D> {
 
 /// The particle pressure of the flow over viscosity, `fraction (mean inside - mean over the fluid)`; nothing where the solver has no pressure inside.
 fn pressure_on_bodies<const D: usize>((setup, grid): (&Setup<D>, &Grid<D>), solution: &Solution<D>) -> Result<Option<f64>> {
-    if setup.constraint == ConstraintMethod::Fitted {
+    // meshes have no inside, and multipliers at points inside leave its pressure open
+    if !matches!(setup.constraint, ConstraintMethod::Sharp | ConstraintMethod::Penalty(_)) {
         return Ok(None);
     }
     let depth = DEPTH * grid.mean_spacing();

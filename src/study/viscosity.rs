@@ -1,6 +1,6 @@
 //! Viscosity against fraction, with error bars, beside published laws; and how it evolves with strain.
 //!
-//! Points are means over random configurations at an instant, with the standard error of these; curves are runs in time between sliding
+//! Points are means over configurations of hard bodies in equilibrium at an instant, with the standard error of these; curves are runs in time between sliding
 //! walls. Every one is a run of its own, started by a launcher; what was measured is kept in `viscosity.json` after every run, and a study that
 //! is started again measures only what is missing.
 
@@ -87,7 +87,7 @@ pub fn viscosity(options: &ViscosityOptions) -> Result<()> {
 
 fn measure(launcher: &Launcher, ranks: usize, (setting, scratch): (&Setting, &Scratch)) -> Result<Measured> {
     let (scene, folder) = (scratch.0.join("scene.toml"), scratch.0.join("run"));
-    fs::write(&scene, setting.scene()).map_err(|source| Error::File { path: scene.clone(), source })?;
+    fs::write(&scene, setting.scene()?).map_err(|source| Error::File { path: scene.clone(), source })?;
     let job = Job { scene: &scene, overrides: &[], folder: &folder };
     launcher.measure((ranks, 1), &job, Measured::read, |measured| measured.seconds)
 }
@@ -113,7 +113,7 @@ impl ViscosityOptions {
             let base = Setting {
                 dimension,
                 fraction: self.sheared_fraction,
-                bodies: self.bodies.unwrap_or([16, 12][dimension - 2]),
+                bodies: self.bodies.unwrap_or(16),
                 cells_per_radius: self.cells_per_radius.unwrap_or([8.0, 4.0][dimension - 2]),
                 gap: self.gap,
                 seed: 1,

@@ -14,6 +14,9 @@ pub use transient::transient;
 /// Most samples that a curve is turned into.
 const MOST_SAMPLES: usize = 4096;
 
+/// Scatter over the mean that is rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// Fewest samples of which anything can be said.
 const FEWEST_SAMPLES: usize = 40;
 

@@ -1,5 +1,7 @@
 //! How much of the beginning of a record to leave out (MSER-5: White 1997, doi:10.1177/003754979706900601).
 
+use super::ROUNDING;
+
 /// Samples that are averaged before they are looked at.
 const BATCH: usize = 5;
 
@@ -15,7 +17,7 @@ pub fn transient(samples: &[f64]) -> Option<usize> {
         let off = batch - mean;
         mean += off / count;
         squares += off * (batch - mean);
-        let uncertainty = squares / (count * count);
+        let uncertainty = (squares / count + (ROUNDING * mean).powi(2)) / count;
         if place <= batches.len() / 2 && uncertainty <= smallest {
             (best, smallest) = (place, uncertainty);
         }

@@ -6,10 +6,10 @@ use nalgebra::SVector;
 
 use super::{Case, free, measured_viscosity, setup, suspended};
 use crate::{
-    body::pack,
+    body::equilibrium,
     error::Result,
     flow::{Drive, InverseMethod},
-    geometry::{Axis, Ball, Domain},
+    geometry::{Axis, Domain},
     petsc::Session,
     scene::Tolerance,
     simulation::Setup,
@@ -38,9 +38,9 @@ pub fn cases() -> Vec<Case> {
     let disks = |fraction, configurations| Ensemble { fraction, bodies: 16, configurations, cells_per_radius: 8.0, order: 10 };
     let spheres = |fraction| Ensemble { fraction, bodies: 12, configurations: 8, cells_per_radius: 4.0, order: 4 };
     vec![
-        case::<2>("viscosity, random disks 0.05", EQUILIBRIUM, disks(0.05, 8), (1.10962, 4e-3)),
+        case::<2>("viscosity, random disks 0.05", EQUILIBRIUM, disks(0.05, 16), (1.10962, 5e-3)),
         case::<2>("viscosity, random disks 0.3", EQUILIBRIUM, disks(0.3, 16), (2.177, 4e-2)),
-        second_order::<2>("second-order coefficient, random disks 0.1", EQUILIBRIUM, disks(0.1, 24), (4.18, 0.15)),
+        second_order::<2>("second-order coefficient, random disks 0.1", EQUILIBRIUM, disks(0.1, 64), (4.18, 0.25)),
         case::<3>("viscosity, random spheres 0.1", "Ladd 1990, two digits", spheres(0.1), (1.32, 2e-2)),
     ]
 }
@@ -78,7 +78,7 @@ impl Ensemble {
         let unit = if D == 2 { PI } else { 4.0 * PI / 3.0 };
         let radius = (self.fraction / (unit * self.bodies as f64)).powf(1.0 / D as f64);
         let domain = Domain { size: SVector::repeat(1.0), axes: [Axis::Periodic; D] };
-        let centers = pack(&domain, &[] as &[Ball<D>], &vec![radius; self.bodies], GAP, seed)?;
+        let centers = equilibrium(&domain, &vec![radius; self.bodies], GAP, seed)?;
         let bodies = centers.into_iter().map(|center| suspended(center, radius, free(), self.order)).collect();
         let setup = setup(1.0, [Axis::Periodic; D], radius / self.cells_per_radius, Drive::Shear(1.0), bodies);
         Ok(Setup { inverse: InverseMethod::Transform, tolerance: Tolerance::Fixed(TOLERANCE), ..setup })
