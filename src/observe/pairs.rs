@@ -203,7 +203,7 @@ mod tests {
         let mut counts = PairCounts::new(&domain, radii, None);
         let mut random = ChaCha8Rng::seed_from_u64(7);
         let mean = radii.iter().sum::<f64>() / radii.len() as f64;
-        for _ in 0..1000 {
+        for _ in 0..400 {
             let mut place = |axis: usize| {
                 let margin = if walled[axis] { mean } else { 0.0 };
                 margin + random.random::<f64>() * (size[axis] - 2.0 * margin)
@@ -222,7 +222,7 @@ mod tests {
         let count = distribution.radial.len() - 1;
         let mean = distribution.radial[1..].iter().map(|(_, density)| density).sum::<f64>() / count as f64;
         // four times what such means scatter between walls
-        assert!((mean - 1.0).abs() < 8e-3, "{mean} over {count} bins");
+        assert!((mean - 1.0).abs() < 1.2e-2, "{mean} over {count} bins");
     }
 
     #[test]

@@ -67,7 +67,7 @@ fn a_run_in_two_halves_ends_where_the_run_in_one_does() {
     let pairs = |name: &str| fs::read_to_string(here.join(name).join("pairs.json")).unwrap();
     assert_eq!(pairs("once"), pairs("twice"));
     assert_eq!(once["pairs"], resumed["pairs"]);
-    assert!(number(&once, "pairs.coordination") > 0.0 && number(&once, "pairs.configurations") >= 2.0);
+    assert!(number(&once, "pairs.configurations") >= 2.0);
 }
 
 fn same_run(once: &Value, resumed: &Value, here: &Path) {
@@ -84,9 +84,10 @@ fn same_run(once: &Value, resumed: &Value, here: &Path) {
 fn pairs_are_measured_where_the_scene_asks_for_it_and_nowhere_else() {
     let here = folder("until-pairs");
     let scene = write(&here, DRY);
-    let with = run(1, &scene, &here.join("with"), &["output.pairs=true"]);
+    let with = run(1, &scene, &here.join("with"), &["time.end=4", "output.pairs=true"]);
     assert!(number(&with, "pairs.coordination") > 0.5, "disks in a heap touch");
-    assert_eq!(number(&with, "pairs.from_time"), 0.8);
+    // the first frame of the second half
+    assert!((2.0..2.3).contains(&number(&with, "pairs.from_time")));
     let csv = fs::read_to_string(here.join("with/pairs.csv")).unwrap();
     assert!(csv.starts_with("separation,distribution\n1.0125,") && csv.ends_with('\n'), "{csv}");
     let without = run(1, &scene, &here.join("without"), &[]);
