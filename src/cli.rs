@@ -6,6 +6,7 @@ mod lubrication;
 mod plan;
 mod run;
 mod studies;
+mod viscosity;
 
 use std::path::PathBuf;
 
@@ -95,6 +96,8 @@ enum Command {
     Lubrication(lubrication::LubricationArguments),
     /// Run scenes with each inverse of the fluid that suits them and print what each costs.
     Inverses(studies::InverseArguments),
+    /// Viscosity against fraction in 2D and 3D with error bars beside published laws, and against strain; starts its own runs.
+    Viscosity(viscosity::ViscosityArguments),
     /// Solve cases with known answers and print a table of errors and seconds.
     Validation {
         /// Solve scenes with known answers to these accuracies instead, and print their error bars beside the true errors.
@@ -130,6 +133,7 @@ pub fn execute_alone(arguments: &Arguments) -> Option<Result<()>> {
         Command::Scaling { scene, scaling } => Some(studies::scaling((&scene.scene, &scene.overrides), scaling, &arguments.petsc)),
         Command::Cost { scene, cost } => Some(cost::cost((&scene.scene, &scene.overrides), cost, &arguments.petsc)),
         Command::Inverses(inverses) => Some(studies::inverses(inverses, &arguments.petsc)),
+        Command::Viscosity(options) => Some(viscosity::viscosity(options, &arguments.petsc)),
         _ => None,
     }
 }
@@ -169,8 +173,8 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
                 _ => plan::plan::<3>(session, &scene, &folder),
             }
         }
-        Command::Scaling { .. } | Command::Cost { .. } | Command::Inverses(_) => Err(studies::ranks_refused()),
         Command::Lubrication(arguments) => session.world().agree(lubrication::lubrication(session.world(), arguments)),
+        Command::Scaling { .. } | Command::Cost { .. } | Command::Inverses(_) | Command::Viscosity(_) => Err(studies::ranks_refused()),
         Command::Validation { bars } if bars.is_empty() => match study::validation(session)? {
             true => Ok(()),
             false => Err(Error::Diverged("a case is further from its reference than promised".into())),

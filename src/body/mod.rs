@@ -1,6 +1,7 @@
 //! Bodies: where they are, how they move or what moves them. This module knows no fluid and no grid.
 
 mod centers;
+mod equilibrium;
 mod fire;
 mod packing;
 mod relaxation;
@@ -11,6 +12,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::geometry::Ball;
 pub use centers::{parse_centers, read_centers};
+pub use equilibrium::equilibrium;
 pub use packing::pack;
 pub use twist::{Twist, components, planes, skew};
 

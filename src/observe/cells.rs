@@ -46,17 +46,22 @@ impl<const D: usize> CellCenters<D> {
 
 /// Which of this rank's cells have their centre inside a body: 1, and 0 outside, in the order of its block.
 pub fn inside<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>]) -> Vec<f64> {
+    let mut inside = vec![0.0; grid.block(D).len()];
+    visit_inside(grid, balls, |_, cell| inside[cell] = 1.0);
+    inside
+}
+
+/// Calls `found` with the number of a ball and the place in this rank's block of a cell whose centre it holds, for all of them.
+pub(super) fn visit_inside<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>], mut found: impl FnMut(usize, usize)) {
     let block = grid.block(D);
-    let mut inside = vec![0.0; block.len()];
-    for ball in balls {
+    for (number, ball) in balls.iter().enumerate() {
         let center = grid.domain().wrap(ball.center);
         for index in Patch::around(grid, D, &center, ball.radius).indices() {
             let wrapped: [usize; D] = std::array::from_fn(|axis| index[axis].rem_euclid(grid.cells()[axis] as isize) as usize);
             let mine = (0..D).all(|axis| (block.start[axis]..block.end[axis]).contains(&wrapped[axis]));
             if mine && (grid.position(D, index) - center).norm() <= ball.radius {
-                inside[block.offset(wrapped)] = 1.0;
+                found(number, block.offset(wrapped));
             }
         }
     }
-    inside
 }

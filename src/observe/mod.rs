@@ -2,17 +2,24 @@
 
 mod cells;
 mod film;
+mod pairs;
 mod picture;
 mod plane;
 mod probe;
 mod sample;
 mod scalar_picture;
+mod shear;
+pub mod statistics;
+mod stress;
 mod viscosity;
 
 pub use cells::{CellCenters, inside};
 pub use film::Plane;
+pub use pairs::{NEAR, PairCounts, PairDistribution};
 pub use picture::picture;
 pub use probe::{scalar_probe, velocity_probe};
 pub use sample::{scalars, velocities};
 pub use scalar_picture::scalar_picture;
+pub use shear::Shear;
+pub use stress::{NormalStresses, Stress};
 pub use viscosity::{Viscosity, viscosity};

@@ -2,39 +2,42 @@
 
 use nalgebra::SVector;
 
+use super::{
+    shear::Shear,
+    stress::{NormalStresses, Stress},
+};
 use crate::{
     contact::ContactForce,
     error::Result,
-    flow::Drive,
-    geometry::{Axis, Domain},
+    geometry::Axis,
     grid::Grid,
     simulation::{Setup, Solution},
 };
 
 /// Apparent viscosity over that of the fluid, by roads that must agree.
+///
+/// A third road, the power of the walls over `mu rate^2 V`, is `from_walls` again, and what the fluid dissipates is `relative` again: as bodies move
+/// rigidly, the work of the surface forces on the disturbance is `E : S`, term by term.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viscosity {
     /// Rate of the simple shear in which it is measured.
     pub rate: f64,
     /// Of the fluid and the stresslets of the flow: `1 + sum_i S_i / (mu rate V)`.
     pub hydrodynamic: f64,
+    /// Of lubrication beyond the resolved flow, if there is a model of it.
+    pub lubrication: Option<f64>,
     /// Of the contact forces `f`, between centres a distance `r n` apart: `-sum f r n n / (mu rate V)`.
     pub contact: f64,
+    /// Normal stresses.
+    pub normal: NormalStresses,
     /// From the shear stress on the walls, mean of both, where there are walls.
     pub from_walls: Option<f64>,
-}
-
-/// A simple shear: velocity along `flow` grows along axis `gradient`; no other axis has walls.
-struct Shear<const D: usize> {
-    flow: SVector<f64, D>,
-    gradient: usize,
-    rate: f64,
 }
 
 impl Viscosity {
     /// The sum of all parts.
     pub fn relative(&self) -> f64 {
-        self.hydrodynamic + self.contact
+        self.hydrodynamic + self.lubrication.unwrap_or(0.0) + self.contact
     }
 }
 
@@ -45,39 +48,23 @@ pub fn viscosity<const D: usize>(
     solution: &Solution<D>,
     contacts: &[ContactForce<D>],
 ) -> Result<Option<Viscosity>> {
-    let Some(shear) = shear(&setup.domain, &setup.drive) else { return Ok(None) };
+    let Some(shear) = Shear::of(&setup.domain, &setup.drive) else { return Ok(None) };
     if setup.bodies.iter().any(|suspended| !suspended.body.free()) {
         return Ok(None);
     }
-    let stresslets: f64 = solution.bodies.iter().map(|state| (state.stresslet.column(shear.gradient).transpose() * shear.flow)[0]).sum();
-    let pressed = |pressed: &ContactForce<D>| {
-        let normal = pressed.contact.normal;
-        pressed.force * pressed.contact.separation * normal[shear.gradient] * normal.dot(&shear.flow)
-    };
-    let moments: f64 = contacts.iter().map(pressed).sum();
-    let unit = setup.viscosity * shear.rate * setup.domain.volume();
+    let stress = Stress::of((setup, grid), solution, contacts, &shear)?;
     let from_walls = match setup.domain.axes[shear.gradient] {
         Axis::Periodic => None,
         Axis::Walls { lower, upper } => Some(wall_shear((grid, setup.viscosity), solution, &shear, [lower, upper])? / shear.rate),
     };
-    Ok(Some(Viscosity { rate: shear.rate, hydrodynamic: 1.0 + stresslets / unit, contact: -moments / unit, from_walls }))
-}
-
-fn shear<const D: usize>(domain: &Domain<D>, drive: &Drive<D>) -> Option<Shear<D>> {
-    if let Drive::Shear(rate) = drive {
-        return (*rate != 0.0).then(|| Shear {
-            flow: SVector::from_fn(|axis, _| if axis == 0 { 1.0 } else { 0.0 }),
-            gradient: 1,
-            rate: *rate,
-        });
-    }
-    (0..D).find_map(|gradient| {
-        let Axis::Walls { lower, upper } = domain.axes[gradient] else { return None };
-        let difference = upper - lower;
-        let speed = difference.norm();
-        let sheared = speed > 0.0 && (0..D).all(|axis| axis == gradient || domain.periodic(axis));
-        sheared.then(|| Shear { flow: difference / speed, gradient, rate: speed / domain.size[gradient] })
-    })
+    Ok(Some(Viscosity {
+        rate: shear.rate,
+        hydrodynamic: shear.of_stress(&stress.hydrodynamic),
+        lubrication: stress.lubrication.map(|lubrication| shear.of_stress(&lubrication)),
+        contact: shear.of_stress(&stress.contact),
+        normal: stress.normal(&shear),
+        from_walls,
+    }))
 }
 
 /// Mean over both walls of the velocity gradient at the wall, as the forces on the walls or the momentum balance of the grid have it.

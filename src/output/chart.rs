@@ -3,12 +3,14 @@
 //! A pure function of a [`Chart`]. Ranges follow the points, and reach down to zero only where that costs little of the height.
 
 mod axis;
+mod bars;
 mod notes;
 
 use std::fmt::Write;
 
 use self::axis::Axis;
 use super::picture::{INK, colour, escaped};
+pub use bars::Bar;
 pub use notes::{Level, Mark, Notes};
 
 const PAGE: [f64; 2] = [800.0, 450.0];
@@ -65,7 +67,7 @@ impl Chart {
         self.annotated(&Notes::default())
     }
 
-    /// The same with marks and levels.
+    /// The same with marks, levels and bars.
     pub fn annotated(&self, notes: &Notes) -> String {
         let frame = Frame::new(self, notes);
         let [width, height] = PAGE;
@@ -80,6 +82,7 @@ impl Chart {
         for k in (0..self.series.len()).rev() {
             svg += &self.line(k, &frame);
         }
+        svg += &self.bars(&notes.bars, &frame);
         svg += &self.marks(notes, &frame);
         svg += &self.names(&frame);
         svg + "</svg>\n"
@@ -160,6 +163,8 @@ impl Frame {
         let [x, mut y] = [0, 1].map(|axis| chart.finite_points().map(|point| point[axis]).collect::<Vec<f64>>());
         let levels = notes.levels.iter().map(|level| chart.scale.of(&(1.0, level.y)));
         y.extend(levels.filter(finite).map(|point| point[1]));
+        let ends = notes.bars.iter().flat_map(|bar| bar.ends.map(|end| chart.scale.of(&(bar.x, end))));
+        y.extend(ends.filter(finite).map(|point| point[1]));
         let [x, y] = match chart.scale {
             Scale::Linear => [Axis::tight(&x), Axis::loose(&y)],
             Scale::Logarithmic => [Axis::decades(&x), Axis::decades(&y)],

@@ -7,6 +7,8 @@ use std::{
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::{MeanViscosity, report::bar};
+
 /// A progress line; silent when the standard error is no terminal, and on every rank but the first.
 pub struct Progress {
     line: ProgressBar,
@@ -55,14 +57,15 @@ impl TimeProgress {
         TimeProgress { line: Progress::new(rank, 1.0).line, start: Instant::now(), times: [begin, end] }
     }
 
-    /// Shows how far the run has come.
-    pub fn show(&self, time: f64, step: usize) {
+    /// Shows how far the run has come, and its mean viscosity once there is one.
+    pub fn show(&self, time: f64, step: usize, mean: Option<&MeanViscosity>) {
         let [begin, end] = self.times;
         let done = if end > begin { ((time - begin) / (end - begin)).clamp(0.0, 1.0) } else { 1.0 };
         self.line.set_position((1000.0 * done) as u64);
         let elapsed = self.start.elapsed().as_secs_f64();
         let left = if done > 0.01 { format!(", {:.0} s left", elapsed * (1.0 - done) / done) } else { String::new() };
-        self.line.set_message(format!("time {time:.4} of {end}, step {step}{left}"));
+        let mean = mean.map_or(String::new(), |mean| format!(", viscosity {:.4} ± {}", mean.relative, bar(mean.half_width())));
+        self.line.set_message(format!("time {time:.4} of {end}, step {step}{mean}{left}"));
     }
 
     /// Removes the line.

@@ -1,9 +1,11 @@
 //! The result of a run in a few lines for people.
 
 use super::{
-    AccuracySummary, ScalarSummary, Summary,
+    AccuracySummary, MeanViscosity, ScalarSummary, Summary,
     summary::{ContactSummary, MotionSummary, SolverSummary},
 };
+
+use crate::observe::NEAR;
 
 /// Bars of a sparkline, from the lowest to the highest.
 const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
@@ -25,10 +27,14 @@ pub fn report(summary: &Summary) -> String {
         let walls = viscosity.from_walls.map_or(String::new(), |walls| format!("   (from the force on the walls: {walls:.4})"));
         let bar = viscosity.interval.map_or(String::new(), |[low, high]| format!(" ± {}", bar(0.5 * (high - low))));
         lines.push(format!("relative viscosity   {:.4}{bar}{walls}", viscosity.relative));
+        lines.extend(viscosity.mean.as_ref().map(mean_line));
     }
     lines.extend(summary.accuracy.iter().flat_map(accuracy_lines));
     lines.extend(summary.scalar.iter().flat_map(scalar_lines));
     lines.extend(summary.contact.as_ref().map(contact_line));
+    lines.extend(
+        summary.pairs.as_ref().map(|pairs| format!("coordination         {:.3} neighbours within {NEAR} radii", pairs.coordination)),
+    );
     lines.extend(summary.solver.iter().flat_map(|solver| solver_lines(solver, summary.motion.is_none())));
     lines.join("\n")
 }
@@ -50,6 +56,12 @@ fn motion_lines(summary: &Summary, motion: &MotionSummary) -> Vec<String> {
     lines
 }
 
+fn mean_line(mean: &MeanViscosity) -> String {
+    let ([from, to], half) = (mean.strains, bar(mean.half_width()));
+    let parts = mean.contact.map_or(String::new(), |contact| format!(", {:.4} flow and {contact:.4} contacts", mean.hydrodynamic));
+    format!("mean viscosity       {:.4} ± {half} from strain {from:.2} to {to:.2}{parts}", mean.relative)
+}
+
 /// Drag with its bar, and how the setting was found.
 fn accuracy_lines(accuracy: &AccuracySummary) -> Vec<String> {
     let grids = accuracy.calibrated_on.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
@@ -64,7 +76,7 @@ fn accuracy_lines(accuracy: &AccuracySummary) -> Vec<String> {
 }
 
 /// Half the width of a bar, in two digits.
-fn bar(half: f64) -> String {
+pub(super) fn bar(half: f64) -> String {
     let places = if half > 0.0 { (1.0 - half.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 };
     format!("{half:.places$}")
 }

@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::write_whole;
+use super::{CurvePoint, write_whole};
 use crate::{
     error::{Error, Result},
     observe::Viscosity,
@@ -51,23 +51,22 @@ pub struct ContactNumbers {
 pub struct Rows {
     path: PathBuf,
     file: File,
-    /// Rows so far: strain and parts of the viscosity.
-    curve: Vec<(f64, f64, f64)>,
+    /// The viscosity of the rows so far.
+    curve: Vec<CurvePoint>,
 }
 
 impl Row {
+    fn point(&self) -> Option<CurvePoint> {
+        self.viscosity.map(|viscosity| CurvePoint::of(&viscosity, self.time, self.contact.is_some()))
+    }
+
     fn cells(&self) -> Vec<(&'static str, String)> {
         let mut cells = vec![("step", self.step.to_string()), ("time", number(self.time)), ("last_step", number(self.last_step))];
-        if let Some(viscosity) = &self.viscosity {
-            cells.push(("strain", number(viscosity.rate * self.time)));
-            cells.push(("viscosity", number(viscosity.relative())));
-            cells.push(("viscosity_hydrodynamic", number(viscosity.hydrodynamic)));
-            if self.contact.is_some() {
-                cells.push(("viscosity_contact", number(viscosity.contact)));
-            }
-            if let Some(walls) = viscosity.from_walls {
-                cells.push(("viscosity_from_walls", number(walls)));
-            }
+        if let Some(point) = self.point() {
+            cells.extend(point.columns().into_iter().map(|(name, value)| (name, number(value))));
+        }
+        if let Some(walls) = self.viscosity.and_then(|viscosity| viscosity.from_walls) {
+            cells.push(("viscosity_from_walls", number(walls)));
         }
         if let Some(contact) = &self.contact {
             cells.push(("contacts", contact.active.to_string()));
@@ -99,7 +98,7 @@ impl Rows {
         let kept = if step > 0 { rows_before(&path, step)? } else { String::new() };
         write_whole(&path, kept.as_bytes())?;
         let file = OpenOptions::new().append(true).open(&path).map_err(|source| Error::File { path: path.clone(), source })?;
-        Ok(Rows { curve: curve(&kept), path, file })
+        Ok(Rows { curve: CurvePoint::read(&kept), path, file })
     }
 
     /// Adds a row, and the names of the columns before the first one.
@@ -111,15 +110,13 @@ impl Rows {
         if empty {
             text = line(cells.iter().map(|(name, _)| (*name).to_owned()).collect()) + &text;
         }
-        if let Some(viscosity) = &row.viscosity {
-            self.curve.push((viscosity.rate * row.time, viscosity.hydrodynamic, viscosity.contact));
-        }
+        self.curve.extend(row.point());
         // one call a row: what a kill leaves is a whole line or nothing
         self.file.write_all(text.as_bytes()).map_err(|source| Error::File { path: self.path.clone(), source })
     }
 
-    /// Strain, hydrodynamic and contact part of the viscosity of all rows.
-    pub fn curve(&self) -> &[(f64, f64, f64)] {
+    /// The viscosity of all rows.
+    pub fn curve(&self) -> &[CurvePoint] {
         &self.curve
     }
 }
@@ -143,25 +140,16 @@ fn rows_before(path: &Path, step: usize) -> Result<String> {
     Ok(kept)
 }
 
-/// Strain and parts of the viscosity in the rows of a text, if it has them.
-fn curve(text: &str) -> Vec<(f64, f64, f64)> {
-    let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
-    let header = lines.next().unwrap_or_default();
-    let columns = ["strain", "viscosity_hydrodynamic", "viscosity_contact"].map(|name| header.iter().position(|column| *column == name));
-    let [Some(strain), Some(hydrodynamic), contact] = columns else { return Vec::new() };
-    let number = |line: &[&str], column: usize| line.get(column).and_then(|cell| cell.parse().ok()).unwrap_or(f64::NAN);
-    let of_contacts = |line: &[&str]| contact.map_or(0.0, |contact| number(line, contact));
-    lines.map(|line| (number(&line, strain), number(&line, hydrodynamic), of_contacts(&line))).collect()
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::observe::NormalStresses;
 
     fn row(step: usize) -> Row {
         let time = 0.1 * step as f64;
-        let viscosity = Some(Viscosity { rate: 1.0, hydrodynamic: 1.5, contact: 0.25, from_walls: None });
+        let normal = NormalStresses { first: -0.5, second: None, pressure: Some(0.25), contact_pressure: 0.125 };
+        let viscosity = Some(Viscosity { rate: 1.0, hydrodynamic: 1.5, lubrication: None, contact: 0.25, normal, from_walls: None });
         Row { step, time, last_step: 0.1, viscosity, contact: None, flow: true, effort: Effort::default(), seconds: 0.5 }
     }
 
@@ -176,6 +164,8 @@ mod tests {
         let mut rows = Rows::open(&folder, 3).unwrap();
         assert_eq!(rows.curve().len(), 3);
         (3..5).for_each(|step| rows.write(&row(step)).unwrap());
+        let written: Vec<CurvePoint> = (0..5).map(|step| row(step).point().unwrap()).collect();
+        assert_eq!(rows.curve(), written, "what is read back is not what was written");
         assert_eq!(fs::read_to_string(folder.join("series.csv")).unwrap(), whole);
         assert!(!whole.contains("contacts"), "an effect that is off has a column");
         fs::write(folder.join("series.csv"), "header\nnonsense\n").unwrap();

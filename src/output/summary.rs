@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 use serde::Serialize;
 
-use super::{AccuracySummary, ParallelSummary, ScalarSummary};
+use super::{AccuracySummary, MeanViscosity, PairSummary, ParallelSummary, ScalarSummary};
 use crate::{
     body::components,
     error::Result,
@@ -40,6 +40,8 @@ pub struct Summary {
     pub accuracy: Option<AccuracySummary>,
     /// Contacts, if a contact model acts.
     pub contact: Option<ContactSummary>,
+    /// How bodies lie to each other, if the scene asks for it.
+    pub pairs: Option<PairSummary>,
     /// What the last solve of the flow cost.
     pub solver: Option<SolverSummary>,
     /// The run as a whole, if it was one in time.
@@ -87,6 +89,16 @@ pub struct ViscositySummary {
     pub interval: Option<[f64; 2]>,
     /// From the shear stress on the walls: must agree with `relative`.
     pub from_walls: Option<f64>,
+    /// First normal stress difference over viscosity and rate: along the flow less along the gradient, tension positive.
+    pub first_normal_difference: f64,
+    /// Second one: along the gradient less along the vorticity, in three dimensions.
+    pub second_normal_difference: Option<f64>,
+    /// Pressure that bodies bear beyond the mean of the fluid's, over viscosity and rate, where the method tells.
+    pub particle_pressure: Option<f64>,
+    /// Its contact part.
+    pub particle_pressure_contact: Option<f64>,
+    /// Means over the steady part of a run in time; nothing while it has none.
+    pub mean: Option<MeanViscosity>,
 }
 
 /// Contacts at the end of a run, and how well they were kept on the way.
@@ -234,6 +246,7 @@ impl Summary {
             viscosity: None,
             accuracy: None,
             contact: None,
+            pairs: None,
             solver: None,
             motion: None,
             ranks: world.size(),
@@ -268,10 +281,15 @@ impl ViscositySummary {
         ViscositySummary {
             relative: viscosity.relative(),
             hydrodynamic: viscosity.hydrodynamic,
-            lubrication: None,
+            lubrication: viscosity.lubrication,
             contact: None,
             interval: None,
             from_walls: viscosity.from_walls,
+            first_normal_difference: viscosity.normal.first,
+            second_normal_difference: viscosity.normal.second,
+            particle_pressure: viscosity.normal.pressure,
+            particle_pressure_contact: None,
+            mean: None,
         }
     }
 }

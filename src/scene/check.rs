@@ -9,6 +9,7 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     check_constraint(scene)?;
     check_lubrication(scene)?;
     accuracy::check(scene)?;
+    check_until(scene)?;
     if scene.dry() {
         return check_dry(scene);
     }
@@ -158,6 +159,27 @@ fn check_shear(scene: &Scene, rate: f64) -> Result<()> {
         }
         None => Ok(()),
     }
+}
+
+/// Only a sheared suspension of free bodies has a viscosity.
+fn check_until(scene: &Scene) -> Result<()> {
+    let Some(until) = scene.time.as_ref().and_then(|time| time.until) else { return Ok(()) };
+    let free = !scene.bodies.is_empty() && scene.bodies.iter().all(|bodies| bodies.motion == Motion::Free);
+    if scene.flow.model == FlowModel::Stokes && free && sheared(scene) {
+        return Ok(());
+    }
+    let remedy = "is that of a sheared suspension of free bodies in Stokes flow; remove it, or let walls across one axis slide and others be periodic";
+    Err(scene.refuse("time.until.viscosity_interval", until.viscosity_interval, remedy))
+}
+
+/// Whether a background shear or sliding walls across the only axis that has walls shear the box.
+fn sheared(scene: &Scene) -> bool {
+    if let Some(Drive::ShearRate(rate)) = scene.flow.drive {
+        return rate != 0.0;
+    }
+    let walled: Vec<usize> = walled(scene).collect();
+    let [axis] = walled[..] else { return false };
+    matches!(&scene.domain.axes[axis], AxisSection::Walls { lower, upper } if lower != upper)
 }
 
 fn check_walls(scene: &Scene, key: &str, vector: &[f64]) -> Result<()> {

@@ -24,7 +24,7 @@ pub struct Difference {
 impl Scene {
     /// The first key in which two scenes describe different runs.
     ///
-    /// Title, `time.end` and output may differ, and so may the ways to write the same, such as a default.
+    /// Title, `time.end`, `time.until` and output may differ, and so may the ways to write the same, such as a default.
     pub fn difference(&self, other: &Scene) -> Option<Difference> {
         let (here, there) = (keys(self), keys(other));
         let (ours, theirs) = (table(&here), table(&there));
@@ -42,7 +42,7 @@ impl Scene {
             return Ok(());
         };
         let (here, there) = (here.as_deref().unwrap_or("nothing"), there.as_deref().unwrap_or("nothing"));
-        let remedy = format!("{owner} has {there}; only title, time.end and output.* may differ");
+        let remedy = format!("{owner} has {there}; only title, time.end, time.until and output.* may differ");
         Err(self.refuse(&key, here, &remedy))
     }
 }
@@ -218,7 +218,7 @@ fn of_contact(contact: &ContactSection, lubrication: &LubricationSection) -> Key
 }
 
 fn of_time(time: &TimeSection) -> Keys {
-    let TimeSection { step, end: _, scheme, travel } = time;
+    let TimeSection { step, end: _, scheme, travel, until: _ } = time;
     let scheme = match scheme {
         Scheme::TwoStep => "two-step",
         Scheme::Midpoint => "midpoint",

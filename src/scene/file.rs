@@ -261,18 +261,21 @@ scheme = "midpoint"
         assert!(scene.dry() && scene.resolution.is_none() && !scene.output.fields);
         assert_eq!(scene.contact.model, ContactModel::Inelastic);
         assert_eq!((&scene.bodies[0].velocity, &scene.bodies[0].spin), (&Some(vec![1.0, 0.0]), &Some(vec![-2.0])));
-        assert_eq!(scene.time, Some(TimeSection { step: Step::Auto, end: 2.0, scheme: Scheme::Midpoint, travel: 0.25 }));
+        assert_eq!(scene.time, Some(TimeSection { step: Step::Auto, end: 2.0, scheme: Scheme::Midpoint, travel: 0.25, until: None }));
     }
 
     #[test]
     fn time_and_its_output_are_read_with_their_defaults() {
         let scene = parse(&format!("{FLAT}[time]\nend = 3"));
-        assert_eq!(scene.time, Some(TimeSection { step: Step::Auto, end: 3.0, scheme: Scheme::TwoStep, travel: 0.1 }));
-        assert_eq!(scene.output, OutputSection { picture: false, every: None, fields: true, checkpoint: 600.0, probe: None });
+        assert_eq!(scene.time, Some(TimeSection { step: Step::Auto, end: 3.0, scheme: Scheme::TwoStep, travel: 0.1, until: None }));
+        assert_eq!(scene.output, OutputSection { picture: false, every: None, fields: true, checkpoint: 600.0, probe: None, pairs: false });
         let text = format!("{FLAT}every = 5\nfields = false\ncheckpoint = 0\nprobe = 16\n[time]\nend = 3\nstep = 3\nscheme = \"euler\"");
         let scene = parse(&text);
         assert_eq!(scene.time.map(|time| (time.step, time.scheme)), Some((Step::Fixed(3.0), Scheme::Euler)));
-        assert_eq!(scene.output, OutputSection { picture: false, every: Some(5.0), fields: false, checkpoint: 0.0, probe: Some(16) });
+        assert_eq!(
+            scene.output,
+            OutputSection { picture: false, every: Some(5.0), fields: false, checkpoint: 0.0, probe: Some(16), pairs: false }
+        );
         assert_eq!(parse(FLAT).time, None);
     }
 

@@ -21,7 +21,7 @@ pub use locations::Locations;
 pub use sections::{
     AxisSection, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
     LubricationSection, MethodSection, Modes, MultiplierSolver, OutputSection, ResolutionSection, Scheme, Spacing, Step, StokesSolver,
-    TimeSection, Tolerance,
+    TimeSection, Tolerance, Until,
 };
 
 use crate::error::Error;

@@ -25,7 +25,7 @@ pub(super) fn apply(document: &mut DocumentMut, locations: &mut Locations, text:
 }
 
 impl Scene {
-    /// Refuses overrides that a resumed run cannot take: all but those of `time.end` and `output.*`.
+    /// Refuses overrides that a resumed run cannot take: all but those of `time.end`, `time.until` and `output.*`.
     pub fn resumable_overrides(overrides: &[String]) -> Result<()> {
         overrides.iter().try_for_each(|text| Change::parse(text)?.expect_resumable())
     }
@@ -81,8 +81,8 @@ impl<'a> Change<'a> {
 
     fn expect_resumable(&self) -> Result<()> {
         match self.path.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
-            ["time", "end"] | ["output", ..] => Ok(()),
-            _ => Err(malformed(self.text, "a resumed run keeps its scene; only time.end and output.* may change")),
+            ["time", "end"] | ["time", "until", ..] | ["output", ..] => Ok(()),
+            _ => Err(malformed(self.text, "a resumed run keeps its scene; only time.end, time.until and output.* may change")),
         }
     }
 
@@ -246,11 +246,11 @@ fraction = 0.1
     #[test]
     fn a_resumed_run_takes_an_end_and_outputs_only() {
         let resumable = |text: &str| Scene::resumable_overrides(&["time.end=3".to_owned(), text.to_owned()]);
-        for text in ["time.end = 2", "output.every=0.5", "output={ fields = false }"] {
+        for text in ["time.end = 2", "time.until.viscosity_interval=0.1", "output.every=0.5", "output={ fields = false }"] {
             assert!(resumable(text).is_ok(), "{text}");
         }
         for text in ["time.step=1", "time={end=2}", "time.end.x=1", "bodies.0.radius=1", "title=other"] {
-            let remedy = "a resumed run keeps its scene; only time.end and output.* may change";
+            let remedy = "a resumed run keeps its scene; only time.end, time.until and output.* may change";
             assert_eq!(resumable(text).unwrap_err().to_string(), format!("--set \"{text}\": {remedy}"));
         }
         assert!(resumable("time.end").unwrap_err().to_string().contains("must be key=value"));

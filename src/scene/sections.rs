@@ -18,4 +18,4 @@ pub use method::{ConstraintMethod, MethodSection, MultiplierSolver, StokesSolver
 pub use output::OutputSection;
 pub(super) use resolution::SPACINGS;
 pub use resolution::{Modes, ResolutionSection, Spacing};
-pub use time::{Scheme, Step, TimeSection};
+pub use time::{Scheme, Step, TimeSection, Until};

@@ -9,6 +9,7 @@ mod inverses;
 mod launcher;
 mod scaling;
 mod validation;
+mod viscosity;
 
 pub use calibration::{Answer, Calibration, Estimate, Ladder, Quantity, Rung, Solved, coarsest};
 pub use conditioning::{ConditioningOptions, conditioning};
@@ -17,3 +18,4 @@ pub use forecast::Forecast;
 pub use inverses::{InverseOptions, inverses};
 pub use scaling::{Network, ScalingOptions, scaling};
 pub use validation::{Bar, Case, KnownScene, bars, cases, known_scenes, validation};
+pub use viscosity::{ViscosityOptions, viscosity};

@@ -27,6 +27,7 @@ mod motion;
 mod near;
 mod scalar;
 mod solvers;
+mod stress;
 mod suspension;
 mod transform;
 
@@ -73,6 +74,7 @@ fn main() {
         scalar::tests(),
         inclusions::tests(),
         suspension::tests(),
+        stress::tests(),
         fitted::tests(),
         fitted_scalar::tests(),
         inverses::tests(),

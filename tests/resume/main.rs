@@ -11,3 +11,4 @@ mod promises;
 mod refusals;
 mod scenes;
 mod signals;
+mod until;

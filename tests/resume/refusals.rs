@@ -72,7 +72,11 @@ fn a_resume_without_scene_or_checkpoint_is_refused() {
 #[test]
 fn a_resume_of_another_scene_is_refused_with_the_key_that_differs() {
     let (here, _, out) = finished("edited");
-    refused(&here, &["resume", &out, "--set", "bodies.0.radius=2"], &["bodies.0.radius=2", "only time.end and output.* may change"]);
+    refused(
+        &here,
+        &["resume", &out, "--set", "bodies.0.radius=2"],
+        &["bodies.0.radius=2", "only time.end, time.until and output.* may change"],
+    );
     let path = here.join("out/scene.toml");
     let edited = fs::read_to_string(&path).unwrap().replace("density = 1.0", "density = 1.5");
     fs::write(&path, edited).unwrap();

@@ -2,9 +2,14 @@
 
 use std::path::Path;
 
-use super::{calibration::Calibrated, folder};
+use super::{
+    calibration::Calibrated,
+    folder,
+    pairs::{self, Crowd},
+};
 use crate::{
     error::Result,
+    geometry::Ball,
     observe,
     output::{self, Progress, Summary},
     petsc::{Session, Stage, enter},
@@ -56,6 +61,18 @@ pub fn write<const D: usize>(
         let probe = observe::velocity_probe(suspension, solution, points)?.csv();
         world.agree(if first { output::write_whole(&folder.join("probe.csv"), probe.as_bytes()) } else { Ok(()) })?;
         files.push("probe.csv");
+    }
+    if scene.output.pairs {
+        let setup = suspension.setup();
+        let balls: Vec<Ball<D>> = setup.bodies.iter().map(|suspended| suspended.body.ball).collect();
+        let radii: Vec<f64> = balls.iter().map(|ball| ball.radius).collect();
+        let crowd = Crowd { domain: &setup.domain, radii: &radii, shear: observe::Shear::of(&setup.domain, &setup.drive) };
+        if let Some(pairs) = pairs::at_an_instant(crowd, &balls) {
+            let write = || pairs.files.iter().try_for_each(|(name, bytes)| output::write_whole(&folder.join(name), bytes));
+            world.agree(if first { write() } else { Ok(()) })?;
+            files.extend(pairs.files.iter().map(|(name, _)| *name));
+            summary.pairs = Some(pairs.summary);
+        }
     }
     files.push("summary.json");
     world.agree(if first { folder::complete(folder, &summary) } else { Ok(()) })?;

@@ -7,12 +7,13 @@ use super::{
     calibration::Calibrated,
     folder,
     outputs::{Outputs, frame_bodies, held},
+    pairs::{self, Crowd, Pairs},
     signals::Signals,
 };
 use crate::{
     error::{Error, Result},
-    observe::{self, Plane, Viscosity},
-    output::{self, Chart, Checkpoint, ContactSummary, Scale, Series, Summary, TimeProgress},
+    observe::{self, Plane, Shear, Viscosity},
+    output::{self, Chart, Checkpoint, ContactSummary, CurvePoint, Scale, Series, Summary, TimeProgress},
     parallel::World,
     petsc::{Session, Stage, enter},
     scene::{ContactModel, Scene},
@@ -66,8 +67,8 @@ impl<const D: usize> March<'_, D> {
         let view = loop {
             self.checkpoint(signals.take_checkpoint())?;
             let view = self.look()?;
-            progress.show(self.simulation.state().time, self.simulation.state().steps);
-            if self.simulation.over() {
+            progress.show(self.simulation.state().time, self.simulation.state().steps, self.outputs.mean());
+            if self.simulation.over() || self.outputs.satisfied() {
                 break view;
             }
             let report = self.simulation.step(&view, &mut |_, _| {})?;
@@ -113,7 +114,11 @@ impl<const D: usize> March<'_, D> {
     fn finish(&mut self, view: &View<D>) -> Result<()> {
         let mut summary = self.summary(view)?;
         let output = enter(Stage::Output);
-        let pictures = self.pictures(view)?;
+        let mut pictures = self.pictures(view)?;
+        if let Some(pairs) = self.pairs()? {
+            summary.pairs = Some(pairs.summary);
+            pictures.extend(pairs.files);
+        }
         let first = self.world.rank() == 0;
         let write = || pictures.iter().try_for_each(|(name, bytes)| output::write_whole(&self.folder.join(name), bytes));
         self.world.agree(if first { write() } else { Ok(()) })?;
@@ -122,7 +127,7 @@ impl<const D: usize> March<'_, D> {
         drop(output);
         if first {
             println!("{}", output::report(&summary));
-            if let Some(line) = output::sparkline(self.outputs.curve().iter().map(|(_, hydrodynamic, contact)| hydrodynamic + contact)) {
+            if let Some(line) = output::sparkline(self.outputs.curve().iter().map(CurvePoint::relative)) {
                 println!("viscosity over time  {line}");
             }
             let names: Vec<&str> = pictures.iter().map(|(name, _)| *name).collect();
@@ -151,9 +156,23 @@ impl<const D: usize> March<'_, D> {
             summary.contact = Some(ContactSummary { pairs, active: held.len(), smallest_gap, kkt_residual, total_force });
             if let (Some(parts), Some(viscosity)) = (&mut summary.viscosity, viscosity) {
                 parts.contact = Some(viscosity.contact);
+                parts.particle_pressure_contact = Some(viscosity.normal.contact_pressure);
             }
         }
+        if let Some(parts) = &mut summary.viscosity {
+            parts.mean = self.outputs.mean().copied();
+        }
         Ok(summary)
+    }
+
+    /// How bodies lie to each other, if the scene asks for it; on the first rank. Collective.
+    fn pairs(&self) -> Result<Option<Pairs>> {
+        if !self.scene.output.pairs {
+            return Ok(None);
+        }
+        let shear = self.simulation.suspension().and_then(|suspension| Shear::of(&suspension.setup().domain, &suspension.setup().drive));
+        let crowd = Crowd { domain: self.simulation.domain(), radii: self.simulation.radii(), shear };
+        pairs::of_a_run(self.world, self.folder, crowd, (self.simulation.state().time, self.outputs.mean()))
     }
 
     /// Pictures and samples of the last state and the curve of the viscosity, by name; collective.
@@ -192,14 +211,18 @@ fn refuse_the_past(scene: &Scene, time: f64) -> Result<()> {
     Err(scene.refuse("time.end", scene.end(), &remedy))
 }
 
-fn viscosity_chart(title: &str, curve: &[(f64, f64, f64)]) -> Chart {
-    let series = |name: &str, value: fn(&(f64, f64, f64)) -> f64| Series {
+fn viscosity_chart(title: &str, curve: &[CurvePoint]) -> Chart {
+    let series = |name: &str, value: fn(&CurvePoint) -> f64| Series {
         name: name.into(),
-        points: curve.iter().map(|row| (row.0, value(row))).collect(),
+        points: curve.iter().map(|point| (point.strain, value(point))).collect(),
     };
-    let mut all = vec![series("total", |row| row.1 + row.2)];
-    if curve.iter().any(|row| row.2 != 0.0) {
-        all.push(series("flow", |row| row.1));
+    let mut all = vec![series("total", CurvePoint::relative)];
+    let lubricated = curve.iter().any(|point| point.lubrication.is_some());
+    if lubricated || curve.iter().any(|point| point.contact.is_some_and(|contact| contact != 0.0)) {
+        all.push(series("flow", |point| point.hydrodynamic));
+    }
+    if lubricated {
+        all.push(series("lubrication", |point| point.lubrication.unwrap_or(0.0)));
     }
     Chart { title: title.into(), x: "strain".into(), y: "relative viscosity".into(), scale: Scale::Linear, series: all }
 }

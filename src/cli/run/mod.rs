@@ -6,6 +6,7 @@ mod folder;
 mod instant;
 mod march;
 mod outputs;
+mod pairs;
 mod scalar;
 mod signals;
 

@@ -11,15 +11,18 @@ use crate::{
     error::Result,
     geometry::Ball,
     observe::{self, CellCenters, Viscosity},
-    output::{self, ContactNumbers, Frame, FrameBody, FrameFields, Frames, Row, Rows},
+    output::{self, ContactNumbers, CurvePoint, Frame, FrameBody, FrameFields, Frames, MeanViscosity, Row, Rows},
     parallel::World,
     petsc::{Stage, enter},
-    scene::Scene,
+    scene::{Scene, Until},
     simulation::{Effort, Held, Simulation, State, StepReport, View},
 };
 
 /// Rounding of a time that is a multiple of the time between frames.
 const ROUNDING: f64 = 1e-9;
+
+/// How much wider than wanted an interval is at most before steps that may end the run: these start from a checkpoint.
+const ABOUT: f64 = 1.25;
 
 /// The open outputs of a run.
 pub struct Outputs<const D: usize> {
@@ -33,6 +36,11 @@ pub struct Outputs<const D: usize> {
     centers: Option<CellCenters<D>>,
     contact: bool,
     checkpoint_pace: f64,
+    until: Option<Until>,
+    /// Mean viscosity so far; on the first rank.
+    mean: Option<MeanViscosity>,
+    /// Whether what ends a run early has come; on all ranks.
+    satisfied: bool,
     last_checkpoint: Instant,
     last_row: Instant,
 }
@@ -53,12 +61,15 @@ impl<const D: usize> Outputs<D> {
         Ok(Outputs {
             folder: folder.to_owned(),
             scene_text: scene.movable_text()?,
-            rows,
             frames,
             every: scene.frame_interval(),
             centers,
             contact: scene.contact.model != crate::scene::ContactModel::None,
             checkpoint_pace: scene.output.checkpoint,
+            until: scene.time.as_ref().and_then(|time| time.until),
+            mean: MeanViscosity::of(rows.as_ref().map_or(&[], Rows::curve)),
+            rows,
+            satisfied: false,
             last_checkpoint: Instant::now(),
             last_row: Instant::now(),
         })
@@ -78,6 +89,12 @@ impl<const D: usize> Outputs<D> {
         let (_stage, start) = (enter(Stage::Output), Instant::now());
         let row = self.row(simulation.state(), (view, last), viscosity);
         world.agree(self.rows.as_mut().map_or(Ok(()), |rows| rows.write(&row)))?;
+        // only a step that started from a checkpoint may be the last: the run can then be resumed
+        let near = self.nearly(ABOUT);
+        self.mean = MeanViscosity::of(self.curve());
+        if self.until.is_some() {
+            self.satisfied = world.max(f64::from(near && self.nearly(1.0))) > 0.0;
+        }
         if self.frame_is_due(simulation) {
             self.write_frame(world, simulation, view)?;
         }
@@ -89,7 +106,8 @@ impl<const D: usize> Outputs<D> {
     /// # Errors
     /// It cannot be written.
     pub fn checkpoint(&mut self, world: &World, simulation: &Simulation<D>, (account, asked): (&Account, bool)) -> Result<f64> {
-        let due = asked || self.last_checkpoint.elapsed().as_secs_f64() >= self.checkpoint_pace || simulation.may_end();
+        let due = asked || self.last_checkpoint.elapsed().as_secs_f64() >= self.checkpoint_pace;
+        let due = due || simulation.may_end() || self.nearly(ABOUT);
         let due = world.max(f64::from(due)) > 0.0;
         let (_stage, start) = (enter(Stage::Output), Instant::now());
         if due && simulation.on_the_way() && simulation.state().steps > 0 {
@@ -99,9 +117,26 @@ impl<const D: usize> Outputs<D> {
         Ok(start.elapsed().as_secs_f64())
     }
 
-    /// Strain, hydrodynamic and contact part of the viscosity so far; on the first rank.
-    pub fn curve(&self) -> &[(f64, f64, f64)] {
+    /// The viscosity so far; on the first rank.
+    pub fn curve(&self) -> &[CurvePoint] {
         self.rows.as_ref().map_or(&[], Rows::curve)
+    }
+
+    /// The mean viscosity so far, once there is one; on the first rank.
+    pub fn mean(&self) -> Option<&MeanViscosity> {
+        self.mean.as_ref()
+    }
+
+    /// Whether the viscosity is known as well as the scene asks for, and the run may end.
+    pub fn satisfied(&self) -> bool {
+        self.satisfied
+    }
+
+    /// Whether the viscosity is known but for a factor; on the first rank.
+    fn nearly(&self, factor: f64) -> bool {
+        let (Some(until), Some(mean)) = (self.until, &self.mean) else { return false };
+        let [from, to] = mean.strains;
+        factor * (to - from) >= until.strain && mean.half_width() <= factor * until.viscosity_interval * mean.relative.abs()
     }
 
     fn row(&mut self, state: &State<D>, (view, last): (&View<D>, Option<&StepReport>), viscosity: Option<Viscosity>) -> Row {
@@ -129,7 +164,7 @@ impl<const D: usize> Outputs<D> {
     fn frame_is_due(&self, simulation: &Simulation<D>) -> bool {
         let state = simulation.state();
         let number = |time: f64| (time / self.every + ROUNDING).floor();
-        state.steps == 0 || simulation.over() || number(state.time) > number(state.time - state.last_step)
+        state.steps == 0 || simulation.over() || self.satisfied || number(state.time) > number(state.time - state.last_step)
     }
 
     fn write_frame(&mut self, world: &World, simulation: &Simulation<D>, view: &View<D>) -> Result<()> {

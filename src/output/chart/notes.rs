@@ -1,21 +1,23 @@
-//! What may be written into a chart besides its lines: marks at points, and levels across it.
+//! What may be written into a chart besides its lines: marks at points, levels across it, and error bars.
 
 use std::fmt::Write;
 
-use super::{Chart, Frame, finite};
+use super::{Bar, Chart, Frame, finite};
 use crate::output::picture::{INK, escaped};
 
 /// Radius of a mark, and of the ring around it, in pixels.
 const MARK: f64 = 4.0;
 const RING: f64 = 9.0;
 
-/// Marks and levels of a chart.
+/// Marks, levels and error bars of a chart.
 #[derive(Clone, Debug, Default)]
 pub struct Notes {
     /// The marks.
     pub marks: Vec<Mark>,
     /// The levels.
     pub levels: Vec<Level>,
+    /// The error bars.
+    pub bars: Vec<Bar>,
 }
 
 /// A disk at a point of a line.
@@ -112,7 +114,7 @@ mod tests {
         let mark = |point, hollow, ringed| Mark { series: 0, point, label: "8".into(), hollow, ringed };
         let marks = vec![mark((1.0, 0.1), false, true), mark((10.0, 0.01), true, false), mark((1.0, 0.0), false, false)];
         let levels = vec![Level { y: 1e-4, name: "a < b".into() }, Level { y: 0.0, name: "nowhere".into() }];
-        let text = chart.annotated(&Notes { marks, levels });
+        let text = chart.annotated(&Notes { marks, levels, bars: Vec::new() });
         assert_eq!((text.matches("<circle").count(), text.matches("stroke-dasharray").count()), (3, 1));
         assert!(text.contains("a &lt; b") && text.contains(">0.0001<") && !text.contains("NaN"), "the ordinate reaches the level: {text}");
         assert_eq!(chart.svg(), chart.annotated(&Notes::default()));

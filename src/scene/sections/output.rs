@@ -22,11 +22,13 @@ pub struct OutputSection {
     pub checkpoint: f64,
     /// Points along each axis of the lattice on which the flow, or the scalar, of the end is written, at least two; absent means none.
     pub probe: Option<usize>,
+    /// Whether the distribution of pairs is measured.
+    pub pairs: bool,
 }
 
 impl OutputSection {
     pub(in crate::scene) fn read(root: &Table, model: FlowModel) -> Result<Self> {
-        let table = root.section("output", &["picture", "every", "fields", "checkpoint", "probe"])?;
+        let table = root.section("output", &["picture", "every", "fields", "checkpoint", "probe", "pairs"])?;
         if root.get("time").is_none() {
             refuse_frames(&table)?;
         }
@@ -37,6 +39,7 @@ impl OutputSection {
             fields: fields.unwrap_or(model != FlowModel::None),
             checkpoint: table.get("checkpoint").map_or(Ok(600.0), |entry| entry.not_negative())?,
             probe: table.get("probe").map(|entry| read_probe(&entry, model)).transpose()?,
+            pairs: table.get("pairs").map_or(Ok(false), |entry| read_pairs(&entry, model))?,
         })
     }
 }
@@ -59,4 +62,10 @@ fn read_fields(entry: &Entry, model: FlowModel) -> Result<bool> {
     let fields = entry.flag()?;
     let remedy = "a dry scene (flow.model = \"none\") has no flow to write; remove it";
     entry.expect(fields, !fields || model != FlowModel::None, remedy)
+}
+
+fn read_pairs(entry: &Entry, model: FlowModel) -> Result<bool> {
+    let pairs = entry.flag()?;
+    let remedy = "inclusions of a scalar (flow.model = \"scalar\") have no pair distribution; remove it";
+    entry.expect(pairs, !pairs || model != FlowModel::Scalar, remedy)
 }

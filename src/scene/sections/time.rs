@@ -6,6 +6,9 @@ use crate::error::Result;
 use crate::scene::entry::Entry;
 use crate::scene::table::Table;
 
+/// Strain that a mean viscosity is taken over at least, if nobody says.
+const STRAIN: f64 = 2.0;
+
 /// How far bodies go; a scene without it is one instantaneous solve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeSection {
@@ -17,6 +20,17 @@ pub struct TimeSection {
     pub scheme: Scheme,
     /// Largest part of its radius that a body moves in an automatic step, above 0 and at most 1.
     pub travel: f64,
+    /// What ends the run before `end`.
+    pub until: Option<Until>,
+}
+
+/// What ends a run before its latest end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Until {
+    /// Half the width of the 95 % interval of the mean viscosity over that mean, above 0 and below 1.
+    pub viscosity_interval: f64,
+    /// Least strain that the mean is taken over, positive.
+    pub strain: f64,
 }
 
 /// The time step.
@@ -42,7 +56,7 @@ pub enum Scheme {
 impl TimeSection {
     pub(in crate::scene) fn read(root: &Table) -> Result<Option<Self>> {
         let Some(entry) = root.get("time") else { return Ok(None) };
-        let table = entry.table(&["step", "end", "scheme", "travel"])?;
+        let table = entry.table(&["step", "end", "scheme", "travel", "until"])?;
         let end = table.require("end", "10.0")?.positive()?;
         let step = table.get("step").map_or(Ok(Step::Auto), |entry| Step::read(&entry, end))?;
         let schemes = [("two-step", Scheme::TwoStep), ("midpoint", Scheme::Midpoint), ("euler", Scheme::Euler)];
@@ -51,7 +65,18 @@ impl TimeSection {
             end,
             scheme: table.get("scheme").map_or(Ok(Scheme::TwoStep), |entry| entry.choice(&schemes, &[]))?,
             travel: table.get("travel").map_or(Ok(0.1), |entry| read_travel(&entry, step))?,
+            until: table.get("until").map(|entry| Until::read(&entry)).transpose()?,
         }))
+    }
+}
+
+impl Until {
+    fn read(entry: &Entry) -> Result<Self> {
+        let table = entry.table(&["viscosity_interval", "strain"])?;
+        let interval = table.require("viscosity_interval", "0.02")?;
+        let viscosity_interval = interval.positive()?;
+        interval.expect((), viscosity_interval < 1.0, "must be below 1: it is a part of the mean viscosity")?;
+        Ok(Until { viscosity_interval, strain: table.get("strain").map_or(Ok(STRAIN), |entry| entry.positive())? })
     }
 }
 

@@ -85,7 +85,11 @@ pub fn in_time(scene: &Scene) -> Vec<Effect> {
             Scheme::Midpoint => "midpoint",
             Scheme::Euler => "Euler",
         };
-        format!("to time {} by the {scheme} rule, {step}", time.end)
+        let until = time.until.map_or(String::new(), |until| {
+            let (percent, strain) = (100.0 * until.viscosity_interval, until.strain);
+            format!(", or until 95 % confidence leaves the mean viscosity +- {percent} % over a strain of at least {strain}")
+        });
+        format!("to time {} by the {scheme} rule, {step}{until}", time.end)
     });
     let contact = match scene.contact.model {
         ContactModel::None => None,
@@ -93,10 +97,15 @@ pub fn in_time(scene: &Scene) -> Vec<Effect> {
     };
     let frames = scene.time.as_ref().map(|_| format!("bodies every {}", scene.frame_interval()));
     let fields = frames.as_ref().filter(|_| scene.output.fields).map(|_| "velocity and pressure of each cell in every frame".to_owned());
+    let pairs = scene.output.pairs.then(|| "distribution and neighbours, from the frames once the run has ended".to_owned());
     let picture = scene.output.picture.then(|| "at the end".to_owned());
     let effect = |(name, built)| Effect { name, built };
     let of_motion = [("motion in time", motion), ("lubrication", lubrication(scene)), ("contact", contact)];
-    of_motion.into_iter().chain([("frames", frames), ("fields output", fields), ("picture", picture)]).map(effect).collect()
+    of_motion
+        .into_iter()
+        .chain([("frames", frames), ("fields output", fields), ("pair distribution", pairs), ("picture", picture)])
+        .map(effect)
+        .collect()
 }
 
 fn lubrication(scene: &Scene) -> Option<String> {

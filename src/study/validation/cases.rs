@@ -1,5 +1,6 @@
 //! The cases.
 
+mod random;
 mod scalar;
 
 use std::f64::consts::PI;
@@ -50,16 +51,19 @@ pub fn cases() -> Vec<Case> {
         disk_lattice("viscosity increment, square lattice 0.01", 0.01, 0.01988520959),
         disk_lattice("viscosity increment, square lattice 0.1", 0.1, 0.19222418765),
         disk_lattice("viscosity increment, square lattice 0.3", 0.3, 0.59811597742),
-        sphere_lattice(),
+        sphere_lattice("viscosity increment, cubic lattice 0.01", 0.01, 0.024813427),
+        sphere_lattice("viscosity increment, cubic lattice 0.027", 0.027, 0.066332554),
         couette_spin("spin, free disk in a Couette cell, L = H", 1.0, 0.485564146),
         couette_spin("spin, free disk in a Couette channel", 8.0, 0.48207921),
         couette_viscosity("viscosity from the walls, disk in a Couette cell", true),
         couette_viscosity("viscosity from stresslets, the same", false),
         pair_viscosity(),
+        pair_normal_difference(),
         pulled_disk(),
         closed_box_disk(),
         closed_box_sphere(),
     ]);
+    all.extend(random::cases());
     all.extend(scalar::cases());
     all
 }
@@ -137,18 +141,18 @@ fn disk_lattice(name: &'static str, fraction: f64, reference: f64) -> Case {
     Case { name, source: SERIES, resolution: "a/h = 8, K = 8".into(), reference, tolerance: 3e-3, solve: Box::new(solve) }
 }
 
-fn sphere_lattice() -> Case {
-    let radius = (0.75 * 0.027 / PI).cbrt();
+fn sphere_lattice(name: &'static str, fraction: f64, reference: f64) -> Case {
+    let radius = (0.75 * fraction / PI).cbrt();
     let solve = move |session: &Session| {
         let sphere = suspended(SPHERE, radius, free(), 4);
         let sheared = setup(1.0, [Axis::Periodic; 3], radius / 5.0, Drive::Shear(1.0), vec![sphere]);
         Ok(measured_viscosity(session, sheared)?.relative() - 1.0)
     };
     Case {
-        name: "viscosity increment, cubic lattice 0.027",
+        name,
         source: "Nunan & Keller 1984, recomputed",
         resolution: "a/h = 5, L = 4".into(),
-        reference: 0.066332554,
+        reference,
         tolerance: 1e-2,
         solve: Box::new(solve),
     }
@@ -188,6 +192,21 @@ fn pair_viscosity() -> Case {
         resolution: "a/h = 9, K = 9".into(),
         reference: 1.3813693532,
         tolerance: 2e-3,
+        solve: Box::new(solve),
+    }
+}
+
+fn pair_normal_difference() -> Case {
+    let solve = |session: &Session| {
+        let disks = [[0.3, 0.4], [0.65, 0.62]].map(|center| suspended(center, 0.15, free(), 10));
+        Ok(measured_viscosity(session, setup(1.0, [Axis::Periodic; 2], 1.0 / 64.0, Drive::Shear(1.0), disks.to_vec()))?.normal.first)
+    };
+    Case {
+        name: "first normal stress difference, two disks in a periodic box",
+        source: SERIES,
+        resolution: "a/h = 9.6, K = 10".into(),
+        reference: 0.074669119,
+        tolerance: 1e-2,
         solve: Box::new(solve),
     }
 }

@@ -1,0 +1,138 @@
+//! Mean stress of a suspension in simple shear, as a tensor of parts.
+//!
+//! ```text
+//! Sigma = -p I + 2 mu E + sum_i S_i / V - sum f r n n / V
+//! ```
+//!
+//! `p` is the mean pressure over the fluid, `E` the mean rate of strain, `S_i` the stresslets, `f` the forces of contacts between centres
+//! a distance `r n` apart. Stresslets have no trace: that part of the stress is what bodies bear as pressure,
+//! `fraction (p - mean of the pressure inside bodies)`, as the inside of a rigid body is at rest in the solution and bears the mean normal traction.
+//! All parts are over `mu rate` (Batchelor 1970, doi:10.1017/S0022112070000745; particle pressure: Jeffrey, Morris & Brady 1993,
+//! doi:10.1063/1.858709).
+
+use nalgebra::{SMatrix, SVector};
+
+use super::{cells::visit_inside, shear::Shear};
+use crate::{
+    contact::ContactForce,
+    error::Result,
+    geometry::Ball,
+    grid::Grid,
+    scene::ConstraintMethod,
+    simulation::{Setup, Solution},
+};
+
+/// Cells between the surface of a body and those whose pressure counts as that of its inside.
+const DEPTH: f64 = 1.5;
+
+/// Mean stress over `mu rate`, without the mean pressure of the fluid; tension is positive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stress<const D: usize> {
+    /// Of the fluid and of the stresslets of the flow, with the trace of the latter if it is known.
+    pub hydrodynamic: SMatrix<f64, D, D>,
+    /// Of lubrication beyond the resolved flow, if there is a model of it.
+    pub lubrication: Option<SMatrix<f64, D, D>>,
+    /// Of contacts.
+    pub contact: SMatrix<f64, D, D>,
+    /// Whether the trace of the hydrodynamic part is known.
+    pub with_trace: bool,
+}
+
+/// Differences and mean of the normal stresses, over `mu rate`; tension is positive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NormalStresses {
+    /// Along the flow less along the gradient.
+    pub first: f64,
+    /// Along the gradient less along the vorticity, in three dimensions.
+    pub second: Option<f64>,
+    /// Pressure that bodies bear beyond that of the fluid, positive where they push apart; nothing where the trace of their stresslets is not known.
+    pub pressure: Option<f64>,
+    /// Its contact part.
+    pub contact_pressure: f64,
+}
+
+impl<const D: usize> Stress<D> {
+    /// Of a solution with the contacts between bodies; collective.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    pub(super) fn of(
+        (setup, grid): (&Setup<D>, &Grid<D>),
+        solution: &Solution<D>,
+        contacts: &[ContactForce<D>],
+        shear: &Shear<D>,
+    ) -> Result<Stress<D>> {
+        let unit = setup.viscosity * shear.rate * setup.domain.volume();
+        let stresslets: SMatrix<f64, D, D> = solution.bodies.iter().map(|state| state.stresslet).sum();
+        let pressed = |pressed: &ContactForce<D>| {
+            let normal = pressed.contact.normal;
+            normal * normal.transpose() * (pressed.force * pressed.contact.separation)
+        };
+        let moments: SMatrix<f64, D, D> = contacts.iter().map(pressed).sum();
+        let pressure = pressure_on_bodies((setup, grid), solution)?;
+        let trace = SMatrix::identity() * (pressure.unwrap_or(0.0) / shear.rate);
+        Ok(Stress {
+            hydrodynamic: shear.doubled_strain() + stresslets / unit - trace,
+            lubrication: None,
+            contact: -moments / unit,
+            with_trace: pressure.is_some(),
+        })
+    }
+
+    /// The sum of all parts.
+    pub fn total(&self) -> SMatrix<f64, D, D> {
+        self.hydrodynamic + self.contact + self.lubrication.unwrap_or_else(SMatrix::zeros)
+    }
+
+    /// Its normal stresses in a shear.
+    pub(super) fn normal(&self, shear: &Shear<D>) -> NormalStresses {
+        let total = self.total();
+        let along = |direction: &SVector<f64, D>| (direction.transpose() * total * direction)[0];
+        let (flow, gradient) = (along(&shear.flow), along(&shear.across()));
+        let mean = |stress: &SMatrix<f64, D, D>| -stress.trace() / D as f64;
+        NormalStresses {
+            first: flow - gradient,
+            second: (D == 3).then(|| gradient - (total.trace() - flow - gradient)),
+            pressure: self.with_trace.then(|| mean(&total)),
+            contact_pressure: mean(&self.contact),
+        }
+    }
+}
+
+/// The particle pressure of the flow over viscosity, `fraction (mean inside - mean over the fluid)`; nothing where the solver has no pressure inside.
+fn pressure_on_bodies<const D: usize>((setup, grid): (&Setup<D>, &Grid<D>), solution: &Solution<D>) -> Result<Option<f64>> {
+    // meshes have no inside, and multipliers at points inside leave its pressure open
+    if !matches!(setup.constraint, ConstraintMethod::Sharp | ConstraintMethod::Penalty(_)) {
+        return Ok(None);
+    }
+    let depth = DEPTH * grid.mean_spacing();
+    let bodies = setup.bodies.iter().zip(&solution.bodies);
+    let balls: Vec<Ball<D>> =
+        bodies.map(|(suspended, state)| Ball { center: state.center, radius: suspended.body.ball.radius - depth }).collect();
+    let sums = inside_sums(grid, &balls, solution)?;
+    let inside = sums.chunks(2).zip(&setup.bodies).map(|(sum, suspended)| suspended.body.ball.volume() * sum[0] / sum[1]);
+    let (borne, fraction) = (inside.sum::<f64>() / setup.domain.volume(), setup.fraction());
+    let everywhere = mean_pressure(grid, solution)?;
+    Ok(Some((borne - fraction * everywhere) / (1.0 - fraction)))
+}
+
+/// Sum of the pressures of the cells in each ball, and their number.
+fn inside_sums<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>], solution: &Solution<D>) -> Result<Vec<f64>> {
+    let (values, mut sums) = (solution.fluid.local()?, vec![0.0; 2 * balls.len()]);
+    let pressures = &values[grid.local_range(D)];
+    visit_inside(grid, balls, |ball, cell| {
+        sums[2 * ball] += pressures[cell];
+        sums[2 * ball + 1] += 1.0;
+    });
+    drop(values);
+    if !sums.is_empty() {
+        solution.fluid.session().world().sum(&mut sums);
+    }
+    Ok(sums)
+}
+
+fn mean_pressure<const D: usize>(grid: &Grid<D>, solution: &Solution<D>) -> Result<f64> {
+    let mut sum = [solution.fluid.local()?[grid.local_range(D)].iter().sum::<f64>()];
+    solution.fluid.session().world().sum(&mut sum);
+    Ok(sum[0] / grid.unknowns(D) as f64)
+}

@@ -1,0 +1,167 @@
+//! The viscosity of a run over the strain, as `series.csv` holds it, and its mean.
+
+use serde::{Deserialize, Serialize};
+
+use crate::observe::{
+    Viscosity,
+    statistics::{Interval, Steady, mean_from, steady},
+};
+
+/// The viscosity at a step of a run, over that of the fluid, and the normal stresses that go with it, over viscosity and rate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurvePoint {
+    /// Strain so far.
+    pub strain: f64,
+    /// From the resolved flow.
+    pub hydrodynamic: f64,
+    /// From lubrication beyond it, if there is a model of it.
+    pub lubrication: Option<f64>,
+    /// From contacts, if a contact model acts.
+    pub contact: Option<f64>,
+    /// First normal stress difference.
+    pub first_normal_difference: f64,
+    /// Second normal stress difference, in three dimensions.
+    pub second_normal_difference: Option<f64>,
+    /// Pressure that bodies bear, where it is known.
+    pub particle_pressure: Option<f64>,
+}
+
+/// Means over the steady part of a run, each step with its strain.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MeanViscosity {
+    /// Total.
+    pub relative: f64,
+    /// From the resolved flow.
+    pub hydrodynamic: f64,
+    /// From lubrication beyond it, if there is a model of it.
+    pub lubrication: Option<f64>,
+    /// From contacts, if a contact model acts.
+    pub contact: Option<f64>,
+    /// First normal stress difference over viscosity and rate.
+    pub first_normal_difference: f64,
+    /// Second normal stress difference over viscosity and rate, in three dimensions.
+    pub second_normal_difference: Option<f64>,
+    /// Pressure that bodies bear over viscosity and rate, where it is known.
+    pub particle_pressure: Option<f64>,
+    /// Lowest and highest value of `relative` that 95 % confidence leaves, for the time average of this run's bodies.
+    pub interval: [f64; 2],
+    /// Strains where the steady part begins, what is before it is left out, and where it ends.
+    pub strains: [f64; 2],
+    /// Blocks of the steady part whose scatter gives the interval.
+    pub blocks: usize,
+}
+
+impl CurvePoint {
+    /// Of a viscosity at a time; the part of contacts only if a contact model acts.
+    pub fn of(viscosity: &Viscosity, time: f64, contact: bool) -> CurvePoint {
+        CurvePoint {
+            strain: viscosity.rate * time,
+            hydrodynamic: viscosity.hydrodynamic,
+            lubrication: viscosity.lubrication,
+            contact: contact.then_some(viscosity.contact),
+            first_normal_difference: viscosity.normal.first,
+            second_normal_difference: viscosity.normal.second,
+            particle_pressure: viscosity.normal.pressure,
+        }
+    }
+
+    /// The total.
+    pub fn relative(&self) -> f64 {
+        self.hydrodynamic + self.lubrication.unwrap_or(0.0) + self.contact.unwrap_or(0.0)
+    }
+
+    /// Names of columns and numbers; what is not there has no column.
+    pub(super) fn columns(&self) -> Vec<(&'static str, f64)> {
+        let columns = [
+            ("strain", Some(self.strain)),
+            ("viscosity", Some(self.relative())),
+            ("viscosity_hydrodynamic", Some(self.hydrodynamic)),
+            ("viscosity_lubrication", self.lubrication),
+            ("viscosity_contact", self.contact),
+            ("first_normal_difference", Some(self.first_normal_difference)),
+            ("second_normal_difference", self.second_normal_difference),
+            ("particle_pressure", self.particle_pressure),
+        ];
+        columns.into_iter().filter_map(|(name, number)| Some((name, number?))).collect()
+    }
+
+    /// The points in the rows of a text, if it has them.
+    pub fn read(text: &str) -> Vec<CurvePoint> {
+        let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let header = lines.next().unwrap_or_default();
+        if !header.contains(&"viscosity_hydrodynamic") {
+            return Vec::new();
+        }
+        let number = |line: &[&str], name: &str| {
+            let column = header.iter().position(|column| *column == name)?;
+            Some(line.get(column).and_then(|cell| cell.parse().ok()).unwrap_or(f64::NAN))
+        };
+        let point = |line: Vec<&str>| CurvePoint {
+            strain: number(&line, "strain").unwrap_or(f64::NAN),
+            hydrodynamic: number(&line, "viscosity_hydrodynamic").unwrap_or(f64::NAN),
+            lubrication: number(&line, "viscosity_lubrication"),
+            contact: number(&line, "viscosity_contact"),
+            first_normal_difference: number(&line, "first_normal_difference").unwrap_or(f64::NAN),
+            second_normal_difference: number(&line, "second_normal_difference"),
+            particle_pressure: number(&line, "particle_pressure"),
+        };
+        lines.map(point).collect()
+    }
+}
+
+impl MeanViscosity {
+    /// Over the steady part of a curve; nothing while it is too short or has not become steady.
+    pub fn of(curve: &[CurvePoint]) -> Option<MeanViscosity> {
+        // a negative rate shears as well
+        let part = |value: &dyn Fn(&CurvePoint) -> f64| curve.iter().map(|point| (point.strain.abs(), value(point))).collect::<Vec<_>>();
+        let Steady { from, to, interval: Interval { mean, half_width, blocks } } = steady(&part(&CurvePoint::relative))?;
+        let over = |value: &dyn Fn(&CurvePoint) -> f64| mean_from(&part(value), from);
+        let over_known = |value: fn(&CurvePoint) -> Option<f64>| {
+            curve.iter().all(|point| value(point).is_some()).then(|| over(&|point| value(point).unwrap_or(f64::NAN)))
+        };
+        Some(MeanViscosity {
+            relative: mean,
+            hydrodynamic: over(&|point| point.hydrodynamic),
+            lubrication: over_known(|point| point.lubrication),
+            contact: over_known(|point| point.contact),
+            first_normal_difference: over(&|point| point.first_normal_difference),
+            second_normal_difference: over_known(|point| point.second_normal_difference),
+            particle_pressure: over_known(|point| point.particle_pressure),
+            interval: [mean - half_width, mean + half_width],
+            strains: [from, to],
+            blocks,
+        })
+    }
+
+    /// Half the width of the interval.
+    pub fn half_width(&self) -> f64 {
+        0.5 * (self.interval[1] - self.interval[0])
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_the_mean_make_up_the_whole() {
+        let point = |step: i32| {
+            let strain = 0.1 * f64::from(step);
+            CurvePoint {
+                strain: -strain,
+                hydrodynamic: 2.0 + strain.sin(),
+                lubrication: None,
+                contact: Some(0.5 + 0.1 * (3.0 * strain).cos()),
+                first_normal_difference: -0.5,
+                second_normal_difference: None,
+                particle_pressure: Some(0.25),
+            }
+        };
+        let mean = MeanViscosity::of(&(0..800).map(point).collect::<Vec<_>>()).unwrap();
+        assert!((mean.relative - mean.hydrodynamic - mean.contact.unwrap()).abs() < 1e-12, "{mean:?}");
+        assert!((mean.relative - 2.5).abs() < mean.half_width() && mean.half_width() < 0.3, "{mean:?}");
+        assert!((mean.first_normal_difference + 0.5).abs() < 1e-12 && mean.lubrication.is_none());
+        assert_eq!(MeanViscosity::of(&[]), None);
+    }
+}

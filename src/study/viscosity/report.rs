@@ -1,0 +1,201 @@
+//! What the study says: for people, as numbers, as charts.
+
+use std::fmt::Write;
+
+use super::{
+    laws::{known, laws},
+    record::{Measured, Setting, Store},
+};
+use crate::output::{Bar, Chart, Mark, Notes, Scale, Series};
+
+/// Fractions at which laws are drawn between 0 and the largest measured one.
+const LAW_POINTS: usize = 60;
+
+/// Largest viscosity of a law that is drawn, over the largest measured one: the ordinate reaches no farther.
+const TALLEST: f64 = 1.3;
+
+/// All points and curves.
+pub struct Report {
+    points: Vec<Point>,
+    curves: Vec<(Setting, Measured)>,
+}
+
+/// A fraction at an instant.
+struct Point {
+    dimension: usize,
+    fraction: f64,
+    configurations: usize,
+    mean: f64,
+    /// Standard error of the mean; not a number for one configuration.
+    error: f64,
+}
+
+impl Report {
+    /// Of the settings that were measured.
+    pub fn new(settings: &[Setting], store: &Store) -> Report {
+        let mut report = Report { points: Vec::new(), curves: Vec::new() };
+        let measured: Vec<(&Setting, &Measured)> = settings.iter().filter_map(|setting| Some((setting, store.find(setting)?))).collect();
+        for &(setting, result) in &measured {
+            let of_point = |point: &Point| (point.dimension, point.fraction) == (setting.dimension, setting.fraction);
+            if setting.strain.is_some() {
+                report.curves.push((setting.clone(), result.clone()));
+            } else if !report.points.iter().any(of_point) {
+                let alike = measured.iter().filter(|(other, _)| {
+                    other.strain.is_none() && (other.dimension, other.fraction) == (setting.dimension, setting.fraction)
+                });
+                report.points.push(Point::of(setting, &alike.map(|(_, measured)| measured.relative).collect::<Vec<_>>()));
+            }
+        }
+        report
+    }
+
+    /// The tables.
+    pub fn markdown(&self) -> String {
+        let mut text = String::new();
+        for dimension in self.dimensions() {
+            let laws = laws(dimension);
+            let names: Vec<&str> = laws.iter().map(|law| law.name).collect();
+            let (source, values) = known(dimension);
+            let _ = writeln!(text, "| {dimension}D fraction | viscosity | standard error | {} | {source} |", names.join(" | "));
+            let _ = writeln!(text, "|{}", "-|".repeat(names.len() + 4));
+            for Point { fraction, mean, error, .. } in self.points_of(dimension) {
+                let laws: Vec<String> = laws.iter().map(|law| format!("{:.4}", (law.value)(*fraction))).collect();
+                let known = values.iter().find(|(there, _)| there == fraction).map_or(String::new(), |(_, value)| value.to_string());
+                let _ = writeln!(text, "| {fraction} | {mean:.4} | {error:.4} | {} | {known} |", laws.join(" | "));
+            }
+            text.push('\n');
+        }
+        for (setting, measured) in &self.curves {
+            let mean = match &measured.mean {
+                Some(mean) => {
+                    let [from, to] = mean.strains;
+                    format!("mean {:.4} ± {:.4} (95 %) from strain {from:.2} to {to:.2}", mean.relative, mean.half_width())
+                }
+                None => "too short a strain for a mean".into(),
+            };
+            let _ = writeln!(text, "{setting}: {:.4} at the end, {mean}", measured.relative);
+        }
+        text
+    }
+
+    /// Names and contents of the files.
+    pub fn files(&self) -> Vec<(&'static str, String)> {
+        let mut files = vec![("viscosity.csv", self.csv())];
+        for (dimension, name) in [(2, "viscosity-2d.svg"), (3, "viscosity-3d.svg")] {
+            if self.points_of(dimension).next().is_some() {
+                files.push((name, self.chart(dimension)));
+            }
+        }
+        if !self.curves.is_empty() {
+            files.extend([("strain.csv", self.curves_csv()), ("strain.svg", self.evolution())]);
+        }
+        files
+    }
+
+    fn dimensions(&self) -> impl Iterator<Item = usize> {
+        [2, 3].into_iter().filter(|&dimension| self.points_of(dimension).next().is_some())
+    }
+
+    fn points_of(&self, dimension: usize) -> impl Iterator<Item = &Point> {
+        self.points.iter().filter(move |point| point.dimension == dimension)
+    }
+
+    fn csv(&self) -> String {
+        let mut text = "dimension,fraction,configurations,viscosity,standard_error\n".to_owned();
+        for Point { dimension, fraction, configurations, mean, error } in &self.points {
+            let _ = writeln!(text, "{dimension},{fraction:?},{configurations},{mean:?},{error:?}");
+        }
+        text
+    }
+
+    fn curves_csv(&self) -> String {
+        let mut text = "dimension,fraction,strain,viscosity\n".to_owned();
+        for (Setting { dimension, fraction, .. }, measured) in &self.curves {
+            for (strain, viscosity) in &measured.curve {
+                let _ = writeln!(text, "{dimension},{fraction:?},{strain:?},{viscosity:?}");
+            }
+        }
+        text
+    }
+
+    /// Viscosity against fraction: points with bars of two standard errors, laws as lines, and known values as circles.
+    fn chart(&self, dimension: usize) -> String {
+        let points: Vec<&Point> = self.points_of(dimension).collect();
+        let largest = points.iter().map(|point| point.fraction).fold(0.0, f64::max);
+        let tallest = TALLEST * points.iter().map(|point| point.mean).fold(1.0, f64::max);
+        // points joined to nothing: only their marks show
+        let lonely = |points: &[(f64, f64)]| points.iter().flat_map(|&point| [point, (f64::NAN, f64::NAN)]).collect();
+        let own: Vec<(f64, f64)> = points.iter().map(|point| (point.fraction, point.mean)).collect();
+        let mut series = vec![Series { name: "this study".into(), points: lonely(&own) }];
+        series.extend(laws(dimension).iter().map(|law| {
+            let at = |place: usize| largest * place as f64 / LAW_POINTS as f64;
+            let values = (0..=LAW_POINTS).map(|place| (at(place), (law.value)(at(place))));
+            Series { name: law.name.into(), points: values.filter(|(_, value)| *value <= tallest).collect() }
+        }));
+        let (source, values) = known(dimension);
+        let shown: Vec<(f64, f64)> = values.iter().copied().filter(|(fraction, _)| *fraction <= largest).collect();
+        let mark = |series, point, hollow| Mark { series, point, label: String::new(), hollow, ringed: false };
+        let mut marks: Vec<Mark> = shown.iter().map(|&point| mark(series.len(), point, true)).collect();
+        marks.extend(own.iter().map(|&point| mark(0, point, false)));
+        if !shown.is_empty() {
+            series.push(Series { name: source.into(), points: lonely(&shown) });
+        }
+        let bar =
+            |point: &&Point| Bar { series: 0, x: point.fraction, ends: [point.mean - 2.0 * point.error, point.mean + 2.0 * point.error] };
+        let notes = Notes { marks, bars: points.iter().map(bar).collect(), ..Notes::default() };
+        let bodies = if dimension == 2 { "disks" } else { "spheres" };
+        let title = format!("{bodies} in equilibrium at an instant: mean and two standard errors");
+        Chart { title, x: "fraction φ".into(), y: "relative viscosity".into(), scale: Scale::Linear, series }.annotated(&notes)
+    }
+
+    /// Viscosity against strain.
+    fn evolution(&self) -> String {
+        let line = |(setting, measured): &(Setting, Measured)| Series {
+            name: format!("{}D, fraction {}", setting.dimension, setting.fraction),
+            points: measured.curve.clone(),
+        };
+        let series = self.curves.iter().map(line).collect();
+        let title = "sheared between walls, with contacts".into();
+        Chart { title, x: "strain".into(), y: "relative viscosity".into(), scale: Scale::Linear, series }.svg()
+    }
+}
+
+impl Point {
+    fn of(setting: &Setting, values: &[f64]) -> Point {
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+        let error = (squares / (count * (count - 1.0))).sqrt();
+        Point { dimension: setting.dimension, fraction: setting.fraction, configurations: values.len(), mean, error }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_report_has_means_errors_and_charts_of_what_was_measured() {
+        let folder = std::env::temp_dir().join(format!("turbid-viscosity-report-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let mut store = Store::open(&folder, true).unwrap();
+        let setting = |fraction, seed| Setting { dimension: 2, fraction, bodies: 4, cells_per_radius: 4.0, gap: 0.02, seed, strain: None };
+        let settings = [setting(0.1, 1), setting(0.1, 2), setting(0.3, 1), setting(0.1, 1).sheared(2.0), setting(0.4, 1)];
+        for (setting, relative) in settings.iter().zip([1.2, 1.4, 2.0, 1.3]) {
+            let curve = if setting.strain.is_some() { vec![(0.0, 1.2), (1.0, 1.3)] } else { Vec::new() };
+            store.add(setting.clone(), Measured { relative, mean: None, curve, seconds: 1.0 }).unwrap();
+        }
+        let report = Report::new(&settings, &store);
+        std::fs::remove_dir_all(&folder).unwrap();
+        let points: Vec<(f64, usize, f64)> = report.points.iter().map(|point| (point.fraction, point.configurations, point.mean)).collect();
+        assert!((points[0].2 - 1.3).abs() < 1e-12);
+        assert_eq!((points[0].1, points[1..].to_vec()), (2, vec![(0.3, 1, 2.0)]));
+        assert!((report.points[0].error - 0.1).abs() < 1e-12 && report.points[1].error.is_nan());
+        let files = report.files();
+        let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
+        assert_eq!(names, ["viscosity.csv", "viscosity-2d.svg", "strain.csv", "strain.svg"]);
+        assert!(files[1].1.contains("Krieger-Dougherty") && !files[1].1.contains("NaN"), "{}", files[1].1);
+        assert!(report.markdown().contains("| 0.1 | 1.3000 | 0.1000 | 1.2000 |"), "{}", report.markdown());
+    }
+}
