@@ -57,7 +57,7 @@ pub fn viscosity<const D: usize>(
     let moments: f64 = contacts.iter().map(pressed).sum();
     let unit = setup.viscosity * shear.rate * setup.domain.volume();
     let from_walls = match setup.domain.axes[shear.gradient] {
-        Axis::Periodic => None,
+        Axis::Periodic | Axis::Sheared(_) => None,
         Axis::Walls { lower, upper } => Some(wall_shear((grid, setup.viscosity), solution, &shear, [lower, upper])? / shear.rate),
     };
     Ok(Some(Viscosity { rate: shear.rate, hydrodynamic: 1.0 + stresslets / unit, contact: -moments / unit, from_walls }))
