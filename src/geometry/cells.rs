@@ -41,10 +41,12 @@ impl<'a, const D: usize> Cells<'a, D> {
         for row in self.cell(lower)[1].div_euclid(rows)..=self.cell(upper)[1].div_euclid(rows) {
             // seen from a row of images, the centre lies aside
             let aside = self.domain.offset(std::array::from_fn(|axis| if axis == 1 { row } else { 0 }));
-            let [mut first, mut last] = [lower, upper].map(|corner| self.cell(SVector::from_fn(|axis, _| match axis {
-                0 => corner[0] - aside[0],
-                _ => corner[axis],
-            })));
+            let [mut first, mut last] = [lower, upper].map(|corner| {
+                self.cell(SVector::from_fn(|axis, _| match axis {
+                    0 => corner[0] - aside[0],
+                    _ => corner[axis],
+                }))
+            });
             (first[1], last[1]) = (first[1].max(row * rows), last[1].min((row + 1) * rows - 1));
             for_each_index(first, last, |cell| {
                 let (flat, image) = self.wrap(cell);

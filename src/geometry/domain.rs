@@ -199,7 +199,8 @@ mod tests {
             let (domain, separation) = (sheared(shift), Vector3::new(x, 0.61 * x + 0.2, 0.3 * x));
             let nearest = domain.nearest_image(separation);
             let images = (-9..=9).flat_map(|row| (-20..=20).map(move |column| [column, row]));
-            let lengths = images.flat_map(|[i, j]| (-4..=4).map(move |k| [i, j, k])).map(|image| (separation + domain.offset(image)).norm());
+            let lengths =
+                images.flat_map(|[i, j]| (-4..=4).map(move |k| [i, j, k])).map(|image| (separation + domain.offset(image)).norm());
             assert!((nearest.norm() - lengths.fold(f64::INFINITY, f64::min)).abs() < 1e-12, "shift {shift}");
         }
     }

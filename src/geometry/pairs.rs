@@ -191,8 +191,10 @@ mod tests {
             let flat = Domain { size: [3.0, 1.7].into(), axes: [Axis::Periodic, axis] };
             assert_same(&flat, &random_balls(&flat, 60, [0.02, 0.4], seed as u64), 0.1);
             assert_same(&flat, &random_balls(&flat, 3, [0.3, 0.7], seed as u64), 0.5);
-            let deep =
-                Domain { size: [3.0, 1.0, 1.3].into(), axes: [Axis::Periodic, Axis::Sheared(Slide { start, speed: 0.0, time: 0.0 }), Axis::Periodic] };
+            let deep = Domain {
+                size: [3.0, 1.0, 1.3].into(),
+                axes: [Axis::Periodic, Axis::Sheared(Slide { start, speed: 0.0, time: 0.0 }), Axis::Periodic],
+            };
             assert_same(&deep, &random_balls(&deep, 40, [0.02, 0.4], seed as u64), 0.1);
         }
     }

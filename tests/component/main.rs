@@ -25,6 +25,7 @@ mod methods;
 mod motion;
 mod near;
 mod scalar;
+mod sheared;
 mod solvers;
 mod suspension;
 mod transform;
@@ -80,6 +81,7 @@ fn main() {
         hard::tests(),
         lasting::tests(),
         motion::tests(),
+        sheared::tests(),
         contact::tests(),
         dry::tests(),
     ];
