@@ -240,7 +240,12 @@ impl<const D: usize> Drift<D> {
 impl<const D: usize> Dynamics<D> for Drift<D> {
     fn look(&mut self, state: &State<D>, seen: Seen) -> Result<View<D>> {
         let mut effort = Effort::default();
-        let Agreed { solution, twists, contacts, stride } = self.agree(state, &mut effort, seen)?;
+        let Agreed { mut solution, twists, contacts, stride } = self.agree(state, &mut effort, seen)?;
+        let domain = self.domain(state);
+        for (body, moving) in solution.bodies.iter_mut().zip(&state.bodies) {
+            // centres of solutions are in the box: so are the motions that go with them
+            body.twist.velocity -= domain.image_velocity(&moving.center);
+        }
         Ok(View { twists, contacts, solution: Some(solution), stride, effort })
     }
 

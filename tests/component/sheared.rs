@@ -63,9 +63,13 @@ fn viscosity<const D: usize>(session: &Session, setup: Setup<D>) -> f64 {
 
 /// Random disks at fraction 0.3 in a square box of images displaced by a number of cells, moved on by so many cells.
 fn crowd(count: usize, cells: f64, aside: f64, moved: [f64; 2]) -> Setup<2> {
-    let size = (count as f64 * std::f64::consts::PI / 0.3).sqrt();
+    crowd_at(0.3, count, cells, (aside, moved))
+}
+
+fn crowd_at(fraction: f64, count: usize, cells: f64, (aside, moved): (f64, [f64; 2])) -> Setup<2> {
+    let size = (count as f64 * std::f64::consts::PI / fraction).sqrt();
     let (spacing, domain) = (size / cells, sheared(Vector2::repeat(size), aside * size / cells));
-    let centers: Vec<Vector2<f64>> = pack(&domain, &[] as &[Ball<2>], &vec![1.0; count], 0.1, 3).unwrap();
+    let centers: Vec<Vector2<f64>> = pack(&domain, &[] as &[Ball<2>], &vec![1.0; count], 0.03 / fraction, 3).unwrap();
     let there = |center: Vector2<f64>| domain.wrap(center + Vector2::from(moved) * spacing);
     let bodies = centers.into_iter().map(|center| suspended(there(center), 1.0, free(), 5)).collect();
     setup(domain, spacing, bodies)
@@ -78,7 +82,7 @@ fn a_square_lattice_slid_by_half_its_edge_is_the_centred_lattice(session: &Sessi
     for (x, y) in [(0.513, 0.47), (0.07, 0.95)] {
         let one = viscosity(session, setup(sheared(Vector2::repeat(1.0), 0.5), 1.0 / 24.0, vec![disk(x, y)]));
         let plain = Domain { size: Vector2::new(1.0, 2.0), axes: [Axis::Periodic; 2] };
-        let two = viscosity(session, setup(plain, 1.0 / 24.0, vec![disk(x, y), disk(x + 0.5, if y < 0.9 { y + 1.0 } else { y })]));
+        let two = viscosity(session, setup(plain, 1.0 / 24.0, vec![disk(x, y), disk(x + 0.5, y + 1.0)]));
         assert!((one / two - 1.0).abs() < 1e-8, "{one} and {two} differ by {:e}", one / two - 1.0);
         assert!((one / SQUARE - 1.0).abs() > 0.05, "{one} is not that of the square lattice");
     }
@@ -164,15 +168,16 @@ fn a_lattice_comes_back_after_a_strain_of_one(session: &Session) {
     assert_near("viscosity of the square lattice", curve[0].1, SQUARE, 5e-3);
     assert_near("viscosity after a strain of one", curve[6].1, curve[0].1, 1e-7);
     assert_near("viscosity by symmetry", curve[5].1, curve[1].1, 1e-7);
-    assert!((state.bodies[0].center - Vector2::new(1.0, 0.5)).norm() < 1e-7, "{}", state.bodies[0].center);
+    // points of surfaces are not symmetric about the centre
+    assert!((state.bodies[0].center - Vector2::new(1.0, 0.5)).norm() < 2e-5, "{}", state.bodies[0].center);
     let angle = state.bodies[0].rotation[(1, 0)].atan2(state.bodies[0].rotation[(0, 0)]);
     assert!((angle + 0.5).abs() < 2e-3, "turned by {angle}");
 }
 
-/// A box cut half its height further up: each step moves what is cut by half as many cells as images slide, whole cells again.
+/// A box cut half its height further up: half a step moves the disks on the grid by half as many cells as images slide, one.
 fn disks_go_the_same_way_wherever_the_box_is_cut(session: &Session) {
     let end = 16.0 / 44.0;
-    let went = |setup: Setup<2>| run(simulation(session, setup, time(Step::Fixed(2.0 / 44.0), end, Scheme::Midpoint), ContactModel::None));
+    let went = |setup: Setup<2>| run(simulation(session, setup, time(Step::Fixed(4.0 / 44.0), end, Scheme::Midpoint), ContactModel::None));
     let (here, there) = (crowd(6, 44.0, 0.0, [0.0; 2]), crowd(6, 44.0, 0.0, [0.0, 22.0]));
     let (domain, half) = (here.domain.clone(), 0.5 * here.domain.size[1]);
     let row = |center: &Vector2<f64>| (center[1] / domain.size[1]).floor();
@@ -208,8 +213,8 @@ fn midpoint_and_two_step_rules_keep_the_beat(session: &Session) {
 
 fn disks_that_meet_across_the_seam_do_not_overlap(session: &Session) {
     let mut simulation =
-        simulation(session, crowd(10, 48.0, 0.0, [0.0; 2]), time(Step::Auto, 1.5, Scheme::TwoStep), ContactModel::Inelastic);
-    let (mut across, radii) = (0, vec![1.0; 10]);
+        simulation(session, crowd_at(0.5, 14, 44.0, (0.0, [0.0; 2])), time(Step::Auto, 1.5, Scheme::TwoStep), ContactModel::Inelastic);
+    let (mut across, radii) = (0, vec![1.0; 14]);
     while !simulation.over() {
         let view = simulation.look(&mut |_, _| {}).unwrap();
         across += view.contacts.iter().filter(|pressed| pressed.force > 0.0 && pressed.contact.image[1] != 0).count();
