@@ -177,11 +177,10 @@ impl<const D: usize> Grid<D> {
     }
 
     fn unknown_at(&self, field: usize, index: Index<D>) -> std::result::Result<(usize, [usize; D]), f64> {
-        for axis in 0..D {
+        let on_wall = field < D && !self.domain.periodic(field) && (index[field] == 0 || index[field] == self.cells[field] as isize);
+        if on_wall {
             // a wall's velocity along its own axis is zero
-            if field == axis && (index[axis] == 0 || index[axis] == self.cells[axis] as isize) && !self.domain.periodic(axis) {
-                return Err(0.0);
-            }
+            return Err(0.0);
         }
         let cell = self.wrapped(index);
         Ok((self.partition.owner(cell), cell))
