@@ -124,7 +124,7 @@ const PIECES: [&str; 45] = [
 const TABLE_PIECES: [&str; 20] =
     [",", "\n", "\r\n", "#", "x", "y", "z", "radius", "nan", "inf", "-", "1e999", "0", "1e-400", ".", "e", " ", "\u{feff}", "é", "\"1\""];
 
-const KEYS: [&str; 34] = [
+const KEYS: [&str; 35] = [
     "seed",
     "title",
     "domain",
@@ -134,6 +134,7 @@ const KEYS: [&str; 34] = [
     "domain.y.lower",
     "flow.drive",
     "flow.drive.shear_rate",
+    "flow.drive.periodic",
     "flow",
     "resolution.spacing",
     "resolution",
@@ -161,7 +162,7 @@ const KEYS: [&str; 34] = [
     "bodies.0.density",
 ];
 
-const VALUES: [&str; 21] = [
+const VALUES: [&str; 22] = [
     "1",
     "0.5",
     "-2",
@@ -182,6 +183,7 @@ const VALUES: [&str; 21] = [
     "auto",
     "euler",
     "inelastic",
+    "sheared",
     "{end=3}",
 ];
 

@@ -13,7 +13,7 @@ use turbid::scene::Scene;
 #[test]
 fn every_bad_scene_is_refused_with_its_message() {
     let read = |path: &Path, text: &str| Scene::read(path, &marked(text, "#--set ")).map(drop);
-    refuses("toml", 124, read);
+    refuses("toml", 130, read);
 }
 
 #[test]

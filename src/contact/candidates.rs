@@ -25,10 +25,12 @@ pub struct Contact<const D: usize> {
     pub body: usize,
     /// What it touches.
     pub partner: Partner,
-    /// Boxes between the partner's centre and the image of it that is touched (zeros for walls).
+    /// Boxes between the partner's centre and the image of it that is touched ([`Domain::offset`]; zeros for walls).
     ///
     /// It stays the same from step to step as long as centres are followed and not wrapped into the box.
     pub image: [i32; D],
+    /// Velocity of that image relative to the partner: images of a sheared box slide.
+    pub sliding: SVector<f64, D>,
     /// Unit vector from the body to the partner.
     pub normal: SVector<f64, D>,
     /// Distance from the body's centre to the partner's centre, or to the wall.
@@ -41,15 +43,15 @@ impl<const D: usize> Contact<D> {
     /// The contact of two balls whose centres are about `separation` apart, which tells the periodic image.
     pub(super) fn between(domain: &Domain<D>, balls: &[Ball<D>], [body, partner]: [usize; 2], separation: SVector<f64, D>) -> Self {
         let (ball, other) = (&balls[body], &balls[partner]);
-        let shift = separation - (other.center - ball.center);
-        let image = std::array::from_fn(|axis| (shift[axis] / domain.size[axis]).round() as i32);
-        let offset = SVector::from_fn(|axis, _| f64::from(image[axis]) * domain.size[axis]);
-        let separation = other.center + offset - ball.center;
+        let image = domain.image(separation - (other.center - ball.center));
+        let separation = other.center + domain.offset(image) - ball.center;
+        let sliding = domain.sliding() * image[1] as f64;
         let distance = separation.norm();
         // centres that coincide part along the first axis
         let normal = if distance > 0.0 { separation / distance } else { SVector::from_fn(|axis, _| f64::from(axis == 0)) };
         let gap = distance - ball.radius - other.radius;
-        Self { body, partner: Partner::Body(partner), image, normal, separation: distance, gap }
+        let image = image.map(|boxes| boxes as i32);
+        Self { body, partner: Partner::Body(partner), image, sliding, normal, separation: distance, gap }
     }
 
     /// The contact of a ball and a wall.
@@ -57,7 +59,8 @@ impl<const D: usize> Contact<D> {
         let ball = &balls[body];
         let (separation, sign) = if upper { (domain.size[axis] - ball.center[axis], 1.0) } else { (ball.center[axis], -1.0) };
         let normal = SVector::from_fn(|other, _| if other == axis { sign } else { 0.0 });
-        Self { body, partner: Partner::Wall { axis, upper }, image: [0; D], normal, separation, gap: separation - ball.radius }
+        let (partner, sliding) = (Partner::Wall { axis, upper }, SVector::zeros());
+        Self { body, partner, image: [0; D], sliding, normal, separation, gap: separation - ball.radius }
     }
 
     /// The partner, if it is a body.
@@ -73,9 +76,9 @@ impl<const D: usize> Contact<D> {
         (self.body, self.partner, self.image)
     }
 
-    /// `n . (v_partner - v_body)`: how fast the gap opens as bodies move; walls do not move along their normal.
+    /// `n . (v_image - v_body)`: how fast the gap opens as bodies move; walls do not move along their normal.
     pub fn opening(&self, velocities: &[SVector<f64, D>]) -> f64 {
-        let partner = self.other().map_or(0.0, |other| self.normal.dot(&velocities[other]));
+        let partner = self.other().map_or(0.0, |other| self.normal.dot(&(velocities[other] + self.sliding)));
         partner - self.normal.dot(&velocities[self.body])
     }
 

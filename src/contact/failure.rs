@@ -37,7 +37,7 @@ fn visits<const D: usize>(problem: &Problem<D>) -> f64 {
         if problem.domain.periodic(axis) { boxes } else { boxes.min(1.0) }
     };
     let share = |radius: f64| (0..D).map(|axis| along(axis, radius)).product::<f64>();
-    swept_balls(problem.balls, &moves, 0.0).iter().map(|ball| share(ball.radius) * moves.len() as f64).sum()
+    swept_balls(problem, &moves, 0.0).iter().map(|ball| share(ball.radius) * moves.len() as f64).sum()
 }
 
 /// The error of an island that was not solved.
@@ -74,6 +74,7 @@ fn error<const D: usize>(problem: &Problem<D>, bodies: &[usize], contacts: &[Con
     let island = json!({
         "size": domain.size.as_slice(),
         "periodic": periodic,
+        "shift": domain.slide().map(|slide| slide.shift()),
         "step": step,
         "bodies": bodies.iter().map(body).collect::<Vec<_>>(),
         "contacts": contacts.iter().map(touch).collect::<Vec<_>>(),

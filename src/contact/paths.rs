@@ -1,7 +1,8 @@
 //! Paths of a step: which pairs come near each other on the way, however far bodies fly.
 //!
 //! Each body is enclosed in a ball around its straight path, seen from the common motion of all. Pairs of
-//! such balls that meet are all pairs that can meet, periodic images included.
+//! such balls that meet are all pairs that can meet, periodic images included. Where images slide, the common motion is
+//! a shear, in which all images of a body take the same part; balls are larger for what it does to pairs.
 
 use nalgebra::SVector;
 
@@ -26,25 +27,33 @@ pub(super) fn paths<const D: usize>(problem: &Problem<D>, velocities: &[SVector<
     paths
 }
 
-/// Balls that enclose what bodies cover in a step, seen from the common motion.
-pub(super) fn swept_balls<const D: usize>(balls: &[Ball<D>], moves: &[SVector<f64, D>], margin: f64) -> Vec<Ball<D>> {
-    let common = common_move(moves);
-    let around = |(ball, own): (&Ball<D>, &SVector<f64, D>)| {
-        let own = own - common;
-        Ball { center: ball.center + own / 2.0, radius: ball.radius * (1.0 + margin / 2.0) + own.norm() / 2.0 }
+/// Balls that enclose what bodies cover in a step, seen from the common motion, in the places of half the step.
+pub(super) fn swept_balls<const D: usize>(problem: &Problem<D>, moves: &[SVector<f64, D>], margin: f64) -> Vec<Ball<D>> {
+    let Problem { domain, balls, step, .. } = *problem;
+    let own: Vec<_> = balls.iter().zip(moves).map(|(ball, own)| own - domain.carried(&ball.center) * step).collect();
+    let common = common_move(&own);
+    // of two that meet, half the strain moves one centre aside by that part of their distance along y
+    let strain = (domain.shear_rate() * step).abs();
+    let around = |((ball, moved), own): ((&Ball<D>, &SVector<f64, D>), &SVector<f64, D>)| {
+        let swept = (own - common).norm() / 2.0;
+        let radius = ball.radius * (1.0 + margin / 2.0) * (1.0 + strain / 2.0) + swept * (1.0 + strain);
+        Ball { center: ball.center + moved / 2.0, radius }
     };
-    balls.iter().zip(moves).map(around).collect()
+    balls.iter().zip(moves).zip(&own).map(around).collect()
 }
 
 fn body_paths<const D: usize>(problem: &Problem<D>, moves: &[SVector<f64, D>], margin: f64) -> Vec<Path<D>> {
-    let Problem { domain, balls, .. } = *problem;
+    let Problem { domain, balls, step, .. } = *problem;
+    let halfway = domain.after(step / 2.0);
+    let swept = swept_balls(problem, moves, margin);
     let mut paths = Vec::new();
-    for pair in near_pairs(domain, &swept_balls(balls, moves, margin), 0.0) {
+    for pair in near_pairs(&halfway, &swept, 0.0) {
         let (first, second) = (pair.first, pair.second);
         if first == second || !(problem.gives_way(first) || problem.gives_way(second)) {
             continue;
         }
-        let relative = moves[second] - moves[first];
+        let image = halfway.image(pair.separation - (swept[second].center - swept[first].center));
+        let relative = moves[second] - moves[first] + domain.sliding() * (image[1] as f64 * step);
         let contact = Contact::between(domain, balls, [first, second], pair.separation - relative / 2.0);
         let radii = balls[first].radius + balls[second].radius;
         let separation = contact.normal * contact.separation;

@@ -32,20 +32,30 @@ impl<'a, const D: usize> Cells<'a, D> {
     }
 
     /// Calls `found(other, image, separation)` for each centre, image included, in the cells within
-    /// `range` of the centre of ball `body`; `image` counts the boxes it was moved by along each axis.
+    /// `range` of the centre of ball `body`; `image` counts the boxes it was moved by ([`Domain::offset`]).
     pub fn visit(&self, body: usize, range: f64, mut found: impl FnMut(usize, [isize; D], SVector<f64, D>)) {
         let center = self.centers[body];
         // rounding must not hide a pair that sits on a cell face
         let range = SVector::repeat(range * (1.0 + 1e-9));
-        let lower = self.cell(center - range);
-        let upper = self.cell(center + range);
-        for_each_index(lower, upper, |cell| {
-            let (flat, image) = self.wrap(cell);
-            let offset = SVector::from_fn(|axis, _| image[axis] as f64 * self.domain.size[axis]);
-            for &other in &self.members[self.starts[flat]..self.starts[flat + 1]] {
-                found(other, image, self.centers[other] - center + offset);
-            }
-        });
+        let (lower, upper, rows) = (center - range, center + range, self.counts[1] as isize);
+        for row in self.cell(lower)[1].div_euclid(rows)..=self.cell(upper)[1].div_euclid(rows) {
+            // seen from a row of images, the centre lies aside
+            let aside = self.domain.offset(std::array::from_fn(|axis| if axis == 1 { row } else { 0 }));
+            let [mut first, mut last] = [lower, upper].map(|corner| {
+                self.cell(SVector::from_fn(|axis, _| match axis {
+                    0 => corner[0] - aside[0],
+                    _ => corner[axis],
+                }))
+            });
+            (first[1], last[1]) = (first[1].max(row * rows), last[1].min((row + 1) * rows - 1));
+            for_each_index(first, last, |cell| {
+                let (flat, image) = self.wrap(cell);
+                let offset = self.domain.offset(image);
+                for &other in &self.members[self.starts[flat]..self.starts[flat + 1]] {
+                    found(other, image, self.centers[other] - center + offset);
+                }
+            });
+        }
     }
 
     fn sort(&mut self) {

@@ -2,11 +2,15 @@
 
 use nalgebra::SVector;
 
+use super::Slide;
+
 /// What bounds the box along one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Axis<const D: usize> {
     /// The box repeats.
     Periodic,
+    /// The box repeats, and its images slide along the first axis. For the second axis only, in a fully periodic box.
+    Sheared(Slide),
     /// Two walls, each with a velocity (tangential: its component along the axis is zero).
     Walls {
         /// Velocity of the wall at coordinate 0.
@@ -28,7 +32,7 @@ pub struct Domain<const D: usize> {
 impl<const D: usize> Domain<D> {
     /// Whether the box repeats along `axis`.
     pub fn periodic(&self, axis: usize) -> bool {
-        self.axes[axis] == Axis::Periodic
+        !matches!(self.axes[axis], Axis::Walls { .. })
     }
 
     /// Whether the box repeats along every axis.
@@ -41,21 +45,172 @@ impl<const D: usize> Domain<D> {
         self.size.product()
     }
 
+    /// How images slide, if they do.
+    pub fn slide(&self) -> Option<Slide> {
+        match self.axes[1] {
+            Axis::Sheared(slide) => Some(slide),
+            _ => None,
+        }
+    }
+
+    /// The box at a time; only one whose images slide depends on it.
+    pub fn at(mut self, time: f64) -> Domain<D> {
+        if let Axis::Sheared(slide) = &mut self.axes[1] {
+            slide.time = time;
+        }
+        self
+    }
+
+    /// The box a while later.
+    pub fn after(&self, interval: f64) -> Domain<D> {
+        let time = self.slide().map_or(0.0, |slide| slide.time);
+        self.clone().at(time + interval)
+    }
+
+    /// Displacement of the images one box further along y, along x.
+    pub fn shift(&self) -> f64 {
+        self.slide().map_or(0.0, |slide| slide.shift())
+    }
+
+    /// Velocity gained one box further along y.
+    pub fn sliding(&self) -> SVector<f64, D> {
+        self.along_x(self.slide().map_or(0.0, |slide| slide.speed))
+    }
+
+    /// The rate at which images shear the box.
+    pub fn shear_rate(&self) -> f64 {
+        self.sliding()[0] / self.size[1]
+    }
+
+    /// Velocity of a point that goes along with the images: zero at the bottom of the box.
+    pub fn carried(&self, point: &SVector<f64, D>) -> SVector<f64, D> {
+        self.along_x(self.shear_rate() * point[1])
+    }
+
+    /// Velocity of the image of the box in which a point lies.
+    pub fn image_velocity(&self, point: &SVector<f64, D>) -> SVector<f64, D> {
+        self.sliding() * self.turns(1, point[1]).0
+    }
+
+    /// From a point to its image so many boxes away.
+    pub fn offset(&self, image: [isize; D]) -> SVector<f64, D> {
+        let boxes = SVector::from_fn(|axis, _| image[axis] as f64 * self.size[axis]);
+        boxes + self.along_x(image[1] as f64 * self.shift())
+    }
+
+    /// The image whose [`offset`](Self::offset) is nearest to a vector, along walls too.
+    pub fn image(&self, mut offset: SVector<f64, D>) -> [isize; D] {
+        let rows = (offset[1] / self.size[1]).round();
+        offset[0] -= rows * self.shift();
+        std::array::from_fn(|axis| (offset[axis] / self.size[axis]).round() as isize)
+    }
+
     /// The shortest of the periodic images of a separation.
-    pub fn nearest_image(&self, mut separation: SVector<f64, D>) -> SVector<f64, D> {
-        for axis in (0..D).filter(|&axis| self.periodic(axis)) {
+    pub fn nearest_image(&self, separation: SVector<f64, D>) -> SVector<f64, D> {
+        match self.slide() {
+            None => self.nearest_along(separation, 0),
+            Some(slide) => self.nearest_slid(separation, slide.shift()),
+        }
+    }
+
+    /// The shortest of the images along the axes from `first` on.
+    fn nearest_along(&self, mut separation: SVector<f64, D>, first: usize) -> SVector<f64, D> {
+        for axis in (first..D).filter(|&axis| self.periodic(axis)) {
             separation[axis] -= self.size[axis] * (separation[axis] / self.size[axis]).round();
         }
         separation
     }
 
+    /// The shortest of the images of all rows that are not further away than it.
+    fn nearest_slid(&self, separation: SVector<f64, D>, shift: f64) -> SVector<f64, D> {
+        let middle = (separation[1] / self.size[1]).round();
+        let in_row = |row: f64| {
+            let mut image = separation;
+            image[0] -= (middle + row) * shift;
+            image[1] -= (middle + row) * self.size[1];
+            image[0] -= self.size[0] * (image[0] / self.size[0]).round();
+            self.nearest_along(image, 2)
+        };
+        let (mut nearest, mut row) = (in_row(0.0), 1.0);
+        while (row - 0.5) * self.size[1] < nearest.norm() {
+            for image in [in_row(row), in_row(-row)] {
+                nearest = if image.norm_squared() < nearest.norm_squared() { image } else { nearest };
+            }
+            row += 1.0;
+        }
+        nearest
+    }
+
     /// The periodic image of a point that lies in the box.
     pub fn wrap(&self, mut point: SVector<f64, D>) -> SVector<f64, D> {
-        for axis in (0..D).filter(|&axis| self.periodic(axis)) {
-            let wrapped = point[axis].rem_euclid(self.size[axis]);
-            // rem_euclid of a tiny negative number rounds up to the size itself
-            point[axis] = if wrapped < self.size[axis] { wrapped } else { 0.0 };
+        for axis in (0..D).rev().filter(|&axis| self.periodic(axis)) {
+            let (turns, wrapped) = self.turns(axis, point[axis]);
+            point[axis] = wrapped;
+            if axis == 1 {
+                point[0] -= turns * self.shift();
+            }
         }
         point
+    }
+
+    /// How many boxes away along an axis a coordinate is, and the image of it in the box.
+    fn turns(&self, axis: usize, coordinate: f64) -> (f64, f64) {
+        let size = self.size[axis];
+        let wrapped = coordinate.rem_euclid(size);
+        // rem_euclid of a tiny negative number rounds up to the size itself
+        let wrapped = if wrapped < size { wrapped } else { 0.0 };
+        (((coordinate - wrapped) / size).round(), wrapped)
+    }
+
+    fn along_x(&self, length: f64) -> SVector<f64, D> {
+        SVector::from_fn(|axis, _| if axis == 0 { length } else { 0.0 })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+
+    fn sheared(start: f64) -> Domain<3> {
+        let slide = Slide { start, speed: 2.0, time: 0.0 };
+        Domain { size: Vector3::new(2.0, 1.0, 1.5), axes: [Axis::Periodic, Axis::Sheared(slide), Axis::Periodic] }
+    }
+
+    #[test]
+    fn a_point_and_its_images_have_one_image_in_the_box() {
+        for shift in [0.0, 0.3, -0.7, 5.9] {
+            let (domain, point) = (sheared(shift), Vector3::new(1.9, 0.2, 0.4));
+            for image in [[0, 0, 0], [1, 0, 0], [0, 1, 0], [-2, -3, 1], [4, 2, -1]] {
+                let there = point + domain.offset(image);
+                assert!((domain.wrap(there) - point).norm() < 1e-12);
+                assert_eq!(domain.image(there - point), image);
+                assert_eq!(domain.image_velocity(&there), Vector3::new(2.0 * image[1] as f64, 0.0, 0.0));
+            }
+            let above = point + Vector3::new(shift, 1.0, 0.0);
+            assert!((domain.wrap(above) - point).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_nearest_image_is_the_shortest_of_all() {
+        for (shift, x) in (0..40).map(|k| (0.13 * f64::from(k), 0.37 * f64::from(k) - 5.0)) {
+            let (domain, separation) = (sheared(shift), Vector3::new(x, 0.61 * x + 0.2, 0.3 * x));
+            let nearest = domain.nearest_image(separation);
+            let images = (-9..=9).flat_map(|row| (-20..=20).map(move |column| [column, row]));
+            let lengths =
+                images.flat_map(|[i, j]| (-4..=4).map(move |k| [i, j, k])).map(|image| (separation + domain.offset(image)).norm());
+            assert!((nearest.norm() - lengths.fold(f64::INFINITY, f64::min)).abs() < 1e-12, "shift {shift}");
+        }
+    }
+
+    #[test]
+    fn images_slide_as_time_passes_and_by_a_length_of_the_box_come_back() {
+        let domain = sheared(0.1).at(0.25);
+        assert_eq!(domain.shift(), 0.6);
+        assert_eq!(domain.clone().at(0.0), sheared(0.1));
+        let point = Vector3::new(0.3, 4.2, 0.1);
+        assert!((domain.clone().at(1.25).wrap(point) - domain.wrap(point)).norm() < 1e-12);
     }
 }

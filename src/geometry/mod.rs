@@ -6,9 +6,11 @@ mod domain;
 mod fractions;
 mod overlap;
 mod pairs;
+mod slide;
 
 pub use ball::Ball;
 pub use domain::{Axis, Domain};
 pub use fractions::{fraction, touches};
 pub use overlap::{Fault, first_fault};
 pub use pairs::{Pair, WallPair, near_pairs, near_walls};
+pub use slide::Slide;

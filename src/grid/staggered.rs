@@ -5,7 +5,7 @@ use nalgebra::SVector;
 use super::partition::{Block, Partition};
 use crate::{
     error::{Error, Result},
-    geometry::{Axis, Domain},
+    geometry::Domain,
 };
 
 /// A lattice index before wrapping: it may lie outside the box along periodic axes.
@@ -13,6 +13,9 @@ pub type Index<const D: usize> = [isize; D];
 
 /// Fewest cells along an axis: cubic interpolation takes four nodes.
 const FEWEST_CELLS: usize = 4;
+
+/// Part of a displacement, in cells, that is rounding.
+const PART_OF_CELL: f64 = 1e-9;
 
 /// What stands at a lattice index.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,6 +36,8 @@ pub struct Grid<const D: usize> {
     domain: Domain<D>,
     cells: [usize; D],
     spacing: SVector<f64, D>,
+    /// Cells by which the images above the box are displaced along x, from none to less than all.
+    shift: usize,
     partition: Partition<D>,
     rank: usize,
     /// `blocks[rank][field]`
@@ -47,7 +52,8 @@ impl<const D: usize> Grid<D> {
     /// The grid with cells as near to `spacing` as whole numbers of cells allow, cut into blocks for `ranks` ranks, seen from `rank`.
     ///
     /// # Errors
-    /// Fewer than four cells along an axis, more unknowns than 32-bit indices can number, or a rank count that does not fit.
+    /// Fewer than four cells along an axis, more unknowns than 32-bit indices can number, a rank count that does not fit, or images
+    /// displaced by a part of a cell.
     pub fn new(domain: &Domain<D>, spacing: f64, ranks: usize, rank: usize) -> Result<Grid<D>> {
         let cells: [usize; D] = std::array::from_fn(|axis| (domain.size[axis] / spacing).round() as usize);
         check_size(cells, spacing)?;
@@ -56,7 +62,16 @@ impl<const D: usize> Grid<D> {
             (0..ranks).map(|rank| (0..=D).map(|field| field_block(domain, partition.block(rank), field)).collect()).collect();
         let (field_starts, fluid_starts) = starts(&blocks);
         let spacing = SVector::from_fn(|axis, _| domain.size[axis] / cells[axis] as f64);
-        Ok(Grid { domain: domain.clone(), cells, spacing, partition, rank, blocks, field_starts, fluid_starts })
+        let shift = whole_shift(domain, cells[0], spacing[0])?;
+        Ok(Grid { domain: domain.clone(), cells, spacing, shift, partition, rank, blocks, field_starts, fluid_starts })
+    }
+
+    /// The same grid after its images have slid to where they are in `domain`.
+    ///
+    /// # Errors
+    /// They are displaced by a part of a cell.
+    pub fn slid(&self, domain: &Domain<D>) -> Result<Grid<D>> {
+        Ok(Grid { domain: domain.clone(), shift: whole_shift(domain, self.cells[0], self.spacing[0])?, ..self.clone() })
     }
 
     /// The box.
@@ -67,6 +82,11 @@ impl<const D: usize> Grid<D> {
     /// Cells along each axis.
     pub fn cells(&self) -> [usize; D] {
         self.cells
+    }
+
+    /// Cells by which the images above the box are displaced along x, from none to less than all.
+    pub fn shift(&self) -> usize {
+        self.shift
     }
 
     /// Edge lengths of a cell.
@@ -157,18 +177,28 @@ impl<const D: usize> Grid<D> {
     }
 
     fn unknown_at(&self, field: usize, index: Index<D>) -> std::result::Result<(usize, [usize; D]), f64> {
-        let mut cell = [0; D];
-        for axis in 0..D {
-            let cells = self.cells[axis] as isize;
-            cell[axis] = match self.domain.axes[axis] {
-                Axis::Periodic if (0..cells).contains(&index[axis]) => index[axis] as usize,
-                Axis::Periodic => index[axis].rem_euclid(cells) as usize,
-                // a wall's velocity along its own axis is zero
-                Axis::Walls { .. } if field == axis && (index[axis] == 0 || index[axis] == cells) => return Err(0.0),
-                Axis::Walls { .. } => index[axis] as usize,
-            };
+        let on_wall = field < D && !self.domain.periodic(field) && (index[field] == 0 || index[field] == self.cells[field] as isize);
+        if on_wall {
+            // a wall's velocity along its own axis is zero
+            return Err(0.0);
         }
+        let cell = self.wrapped(index);
         Ok((self.partition.owner(cell), cell))
+    }
+
+    /// The index in the box that is an image of this one; along a walled axis it must not lie beyond the walls.
+    pub fn wrapped(&self, mut index: Index<D>) -> [usize; D] {
+        if self.shift > 0 {
+            index[0] -= index[1].div_euclid(self.cells[1] as isize) * self.shift as isize;
+        }
+        std::array::from_fn(|axis| {
+            let cells = self.cells[axis] as isize;
+            if (0..cells).contains(&index[axis]) || !self.domain.periodic(axis) {
+                index[axis] as usize
+            } else {
+                index[axis].rem_euclid(cells) as usize
+            }
+        })
     }
 
     /// Whether two fields have the same lattice and the same boundary conditions, hence the same Laplacian.
@@ -195,6 +225,17 @@ fn check_size<const D: usize>(cells: [usize; D], spacing: f64) -> Result<()> {
         return Err(Error::Refused(format!("a grid of {cells:?} cells has more unknowns than can be numbered; coarsen [resolution]")));
     }
     Ok(())
+}
+
+/// The cells of a displacement, which must be whole; whole turns of the box are left out.
+fn whole_shift<const D: usize>(domain: &Domain<D>, cells: usize, spacing: f64) -> Result<usize> {
+    let shift = domain.shift() / spacing;
+    if (shift - shift.round()).abs() > PART_OF_CELL * (1.0 + shift.abs()) {
+        return Err(Error::Refused(format!(
+            "the images of a sheared box lie {shift} cells aside; only whole cells have stencils across the seam: choose times at which they are"
+        )));
+    }
+    Ok(shift.round().rem_euclid(cells as f64) as usize)
 }
 
 fn field_block<const D: usize>(domain: &Domain<D>, cells: Block<D>, field: usize) -> Block<D> {

@@ -57,7 +57,7 @@ pub(super) fn visit_inside<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>], mu
     for (number, ball) in balls.iter().enumerate() {
         let center = grid.domain().wrap(ball.center);
         for index in Patch::around(grid, D, &center, ball.radius).indices() {
-            let wrapped: [usize; D] = std::array::from_fn(|axis| index[axis].rem_euclid(grid.cells()[axis] as isize) as usize);
+            let wrapped = grid.wrapped(index);
             let mine = (0..D).all(|axis| (block.start[axis]..block.end[axis]).contains(&wrapped[axis]));
             if mine && (grid.position(D, index) - center).norm() <= ball.radius {
                 found(number, block.offset(wrapped));

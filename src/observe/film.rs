@@ -2,7 +2,7 @@
 
 use crate::{
     output::{AnimatedDisk, Animation, AnimationFrame, FrameBody},
-    scene::{AxisSection, Scene},
+    scene::{AxisSection, Drive, Scene},
 };
 
 /// The axes that point right and up.
@@ -10,6 +10,8 @@ use crate::{
 pub struct Plane {
     across: usize,
     up: usize,
+    /// Speed at which the box above slides to the right.
+    sliding: f64,
 }
 
 impl Plane {
@@ -17,7 +19,12 @@ impl Plane {
     pub fn of(scene: &Scene) -> Plane {
         let gravity = scene.gravity.as_deref().unwrap_or_default();
         let strongest = (1..gravity.len()).max_by(|&one, &two| gravity[one].abs().total_cmp(&gravity[two].abs()));
-        Plane { across: 0, up: strongest.filter(|&axis| gravity[axis] != 0.0).unwrap_or(1) }
+        let up = strongest.filter(|&axis| gravity[axis] != 0.0).unwrap_or(1);
+        let sliding = match scene.flow.drive {
+            Some(Drive::ShearedBox(rate)) if up == 1 => rate * scene.domain.size[1],
+            _ => 0.0,
+        };
+        Plane { across: 0, up, sliding }
     }
 
     /// Bodies at a time, seen from the front: spheres further back come first.
@@ -32,7 +39,7 @@ impl Plane {
             angle: if D == 2 { body.rotation[(1, 0)].atan2(body.rotation[(0, 0)]) } else { f64::NAN },
             speed: body.velocity.norm(),
         };
-        AnimationFrame { time, disks: bodies.iter().map(disk).collect() }
+        AnimationFrame { time, shift: self.sliding * time, disks: bodies.iter().map(disk).collect() }
     }
 
     /// Frames of a scene's box as a film.

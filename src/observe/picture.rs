@@ -22,6 +22,7 @@ pub fn picture<const D: usize>(title: &str, suspension: &dyn FlowSolver<D>, solu
         title: title.to_owned(),
         size: plane.size,
         periodic: plane.periodic,
+        shift: plane.shift,
         bodies: disks(&plane, suspension, solution),
         samples: plane.samples,
         velocity: total.iter().map(|velocity| [velocity[0], velocity[1]]).collect(),

@@ -22,6 +22,8 @@ pub struct CutPlane<const D: usize> {
     pub samples: [usize; 2],
     /// Which of them repeat.
     pub periodic: [bool; 2],
+    /// How far to the right the box above lies.
+    pub shift: f64,
 }
 
 impl<const D: usize> CutPlane<D> {
@@ -30,7 +32,8 @@ impl<const D: usize> CutPlane<D> {
         let size = [domain.size[0], domain.size[1]];
         let density = (SAMPLES / size[0].max(size[1])).min(SAMPLES_PER_CELL / grid.spacing().min());
         let samples = size.map(|length| (density * length).ceil().max(8.0) as usize);
-        CutPlane { size, samples, periodic: [domain.periodic(0), domain.periodic(1)], domain: domain.clone() }
+        let periodic = [domain.periodic(0), domain.periodic(1)];
+        CutPlane { size, samples, periodic, shift: domain.shift(), domain: domain.clone() }
     }
 
     /// The samples, row by row.

@@ -33,6 +33,7 @@ pub fn scalar_picture<const D: usize>(
         title: title.to_owned(),
         size: plane.size,
         periodic: plane.periodic,
+        shift: plane.shift,
         bodies: bodies.collect(),
         samples: plane.samples,
         velocity: flux,

@@ -54,7 +54,7 @@ pub fn viscosity<const D: usize>(
     }
     let stress = Stress::of((setup, grid), solution, contacts, &shear)?;
     let from_walls = match setup.domain.axes[shear.gradient] {
-        Axis::Periodic => None,
+        Axis::Periodic | Axis::Sheared(_) => None,
         Axis::Walls { lower, upper } => Some(wall_shear((grid, setup.viscosity), solution, &shear, [lower, upper])? / shear.rate),
     };
     Ok(Some(Viscosity {

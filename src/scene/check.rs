@@ -19,6 +19,7 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     check_inverse(scene)?;
     match &scene.flow.drive {
         Some(Drive::ShearRate(rate)) => check_shear(scene, *rate),
+        Some(Drive::ShearedBox(rate)) => check_sheared_box(scene, *rate),
         Some(Drive::MeanVelocity(vector)) => check_walls(scene, "flow.drive.mean_velocity", vector),
         Some(Drive::PressureGradient(vector)) => check_walls(scene, "flow.drive.pressure_gradient", vector),
         Some(Drive::MeanGradient(gradient)) => {
@@ -149,9 +150,27 @@ fn check_still_walls(scene: &Scene, reason: &str) -> Result<()> {
 
 fn check_shear(scene: &Scene, rate: f64) -> Result<()> {
     if scene.time.is_some() {
-        let remedy = "drives no run in time: the images of a periodic box would have to shear along; remove [time] or shear between walls";
+        let remedy = "drives no run in time where images stay; add periodic = \"sheared\", which lets them go along, remove [time] or shear between walls";
         return Err(scene.refuse("flow.drive.shear_rate", rate, remedy));
     }
+    check_no_walls(scene, rate)
+}
+
+fn check_sheared_box(scene: &Scene, rate: f64) -> Result<()> {
+    check_no_walls(scene, rate)?;
+    if scene.method.constraint == ConstraintMethod::Fitted {
+        let remedy = "makes no mesh of a box whose images slide; set method.constraint = \"sharp\" or remove flow.drive.periodic";
+        return Err(scene.refuse("method.constraint", "\"fitted\"", remedy));
+    }
+    match scene.time {
+        Some(_) if rate == 0.0 => {
+            Err(scene.refuse("flow.drive.shear_rate", rate, "must not be 0: nothing would ever slide; remove flow.drive.periodic"))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn check_no_walls(scene: &Scene, rate: f64) -> Result<()> {
     match walled(scene).next() {
         Some(axis) => {
             let remedy = format!("needs a fully periodic box, but domain.{} has walls", name(axis));

@@ -127,11 +127,12 @@ fn of_flow(flow: &FlowSection) -> Keys {
     };
     let mut keys =
         vec![word("flow.model", model), pair("flow.viscosity", viscosity), pair("flow.density", density), pair("flow.source", source)];
+    keys.extend(matches!(drive, Some(Drive::ShearedBox(_))).then(|| word("flow.drive.periodic", "sheared")));
     keys.extend(drive.as_ref().map(|drive| match drive {
         Drive::MeanVelocity(velocity) => list("flow.drive.mean_velocity", velocity),
         Drive::PressureGradient(gradient) => list("flow.drive.pressure_gradient", gradient),
         Drive::BodyForce(force) => list("flow.drive.body_force", force),
-        Drive::ShearRate(rate) => pair("flow.drive.shear_rate", rate),
+        Drive::ShearRate(rate) | Drive::ShearedBox(rate) => pair("flow.drive.shear_rate", rate),
         Drive::MeanGradient(gradient) => list("flow.drive.mean_gradient", gradient),
     }));
     keys

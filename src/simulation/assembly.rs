@@ -49,7 +49,10 @@ impl<const D: usize> Assembly<D> {
         };
         let mut blocks = blocks;
         let bodies = Bodies::new(&basis.setup, &basis.grid, &basis.kinds, placed, layout);
-        let undisturbed = bodies.undisturbed(&mut blocks, fluid, |point| basis.background(point))?;
+        let undisturbed = bodies.undisturbed(&mut blocks, fluid, |body, point| {
+            // a body that has left a sheared box goes on as fast as the image of the box in which it is
+            basis.background(point) + basis.setup.domain.image_velocity(&centers[body])
+        })?;
         let pairs = if method.on_surfaces() { Some(bodies.near_pairs(session)?) } else { None };
         Ok(Assembly { centers: centers.to_vec(), layout: bodies.layout, blocks, assembled, pairs, undisturbed })
     }

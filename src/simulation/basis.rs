@@ -55,6 +55,25 @@ impl<const D: usize> Basis<D> {
         Ok((Basis { session: session.clone(), setup, grid, stokes, closure, undisturbed, kinds, condensed }, inverse))
     }
 
+    /// Lets images slide to where they are at a time, and sets up the inverse of the fluid anew; nothing where they are there already.
+    ///
+    /// # Errors
+    /// They would be displaced by a part of a cell, or the inverse cannot be set up.
+    pub fn slide(
+        &mut self,
+        time: f64,
+        inverse: impl FnOnce(&Setup<D>, &Stokes<D>, &Grid<D>) -> Result<Box<dyn StokesInverse<D>>>,
+    ) -> Result<Option<Box<dyn StokesInverse<D>>>> {
+        let domain = self.setup.domain.clone().at(time);
+        if domain == self.setup.domain {
+            return Ok(None);
+        }
+        self.grid = self.grid.slid(&domain)?;
+        self.stokes = Stokes::new(&self.session, &self.grid);
+        self.setup.domain = domain;
+        inverse(&self.setup, &self.stokes, &self.grid).map(Some)
+    }
+
     /// The velocity that the flow without bodies has besides its fluid vector.
     pub fn background(&self, point: &SVector<f64, D>) -> SVector<f64, D> {
         self.imposed_mean_velocity() + self.setup.drive.background(point)

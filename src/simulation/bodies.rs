@@ -205,18 +205,19 @@ impl<'a, const D: usize> Bodies<'a, D> {
         self.layout.local_bodies.iter().enumerate().map(member).collect()
     }
 
-    /// The velocity of the flow without bodies on the surfaces, tested with all modes: `fluid` and a `known` velocity besides it.
+    /// The velocity of the flow without bodies on the surfaces, tested with all modes: `fluid` and a velocity besides it that is
+    /// `known` of each body at points of its surface.
     pub fn undisturbed(
         &self,
         blocks: &mut Blocks<D>,
         fluid: &Vector,
-        known: impl Fn(&SVector<f64, D>) -> SVector<f64, D>,
+        known: impl Fn(usize, &SVector<f64, D>) -> SVector<f64, D>,
     ) -> Result<Vec<f64>> {
         let mut velocities = vec![0.0; self.layout.local_unknowns()];
         blocks.sample_with_walls(fluid, &mut velocities)?;
         for (local, &body) in self.layout.local_bodies.iter().enumerate() {
             let center = self.ball(body).center;
-            let known = blocks.coefficients(local, |offset| known(&(center + offset)));
+            let known = blocks.coefficients(local, |offset| known(body, &(center + offset)));
             velocities[self.layout.local(body)..].iter_mut().zip(known).for_each(|(velocity, known)| *velocity += known);
         }
         Ok(velocities)

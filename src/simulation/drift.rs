@@ -13,14 +13,14 @@ use std::{collections::HashMap, time::Instant};
 use nalgebra::SVector;
 
 use super::{
-    Dynamics, Effort, FlowSolver, Held, Moment, Past, Seen, Solution, State, Travel, View,
+    Dynamics, Effort, FlowSolver, Held, Moment, Moving, Past, Seen, Solution, State, Travel, View,
     pace::{Pace, Stride, Urge},
 };
 use crate::{
     body::Twist,
     contact::{self, Contact, ContactForce, Partner, Problem, Projection},
     error::{Error, Result},
-    geometry::{Ball, near_pairs, near_walls},
+    geometry::{Ball, Domain, near_pairs, near_walls},
     petsc::{Session, Stage, enter},
     scene::Scheme,
 };
@@ -72,10 +72,27 @@ impl<const D: usize> Drift<D> {
         state.balls(&self.pace.radii)
     }
 
+    /// The box in a state.
+    fn domain(&self, state: &State<D>) -> Domain<D> {
+        self.suspension.setup().domain.clone().at(state.time)
+    }
+
+    /// What bodies that move so do to each other: where images slide, without what all take part in, but with what that does to neighbours.
+    fn felt(&self, state: &State<D>, twists: &[Twist<D>]) -> Vec<SVector<f64, D>> {
+        let domain = &self.suspension.setup().domain;
+        let strain = domain.shear_rate().abs();
+        let felt = |((body, twist), radius): ((&Moving<D>, &Twist<D>), &f64)| {
+            let own = twist.velocity - domain.carried(&body.center);
+            if strain > 0.0 { SVector::from_fn(|axis, _| if axis == 0 { own.norm() + strain * radius } else { 0.0 }) } else { own }
+        };
+        state.bodies.iter().zip(twists).zip(&self.pace.radii).map(felt).collect()
+    }
+
     /// Solves the flow with contacts that keep gaps open over the step to come.
     fn agree(&mut self, state: &State<D>, effort: &mut Effort, seen: Seen) -> Result<Agreed<D>> {
         let (balls, centers) = (self.balls(state), state.centers());
-        self.refuse_overlap(&balls, state.time)?;
+        let domain = self.domain(state);
+        self.refuse_overlap(&domain, &balls, state.time)?;
         let mut pressed = self.expected(state, &balls)?;
         let (mut chosen, mut step, mut difference) = (None, state.last_step, 0.0);
         let tightest = self.suspension.setup().tolerance.at_an_instant();
@@ -85,7 +102,7 @@ impl<const D: usize> Drift<D> {
             let mut solution = self.suspension.solve_at(&moment, seen)?;
             effort.add_solve(self.suspension.cost());
             let mut twists: Vec<Twist<D>> = solution.bodies.iter().map(|body| body.twist).collect();
-            let stride = *chosen.get_or_insert_with(|| self.pace.next(&urges(&twists), state.time, state.last_step));
+            let stride = *chosen.get_or_insert_with(|| self.pace.next(&urges(self.felt(state, &twists)), state.time, state.last_step));
             if !self.contact {
                 return Ok(Agreed { solution, twists, contacts: Vec::new(), stride });
             }
@@ -93,7 +110,7 @@ impl<const D: usize> Drift<D> {
             step = if stride.length > 0.0 { stride.length } else { state.last_step };
             pressed.iter_mut().zip(&solution.contact_forces).for_each(|(pressed, force)| pressed.force = *force);
             let unpressed = self.without_contacts(velocities(&twists), &pressed);
-            let projection = self.project(&balls, &unpressed, step)?;
+            let projection = self.project(&domain, &balls, &unpressed, step)?;
             effort.contact += start.elapsed().as_secs_f64();
             let scale = fastest(&twists, &unpressed);
             difference = largest_difference(&twists, &projection.velocities) / scale;
@@ -107,7 +124,7 @@ impl<const D: usize> Drift<D> {
             tolerance = tightest.max(0.1 * tolerance);
             pressed = match round < ROUNDS_AT_ONCE {
                 true => pressing(projection),
-                false => self.with_one_changed(pressed, &balls, (&velocities(&twists), scale), step),
+                false => self.with_one_changed(pressed, (&domain, &balls), (&velocities(&twists), scale), step),
             };
         }
         Err(Error::Diverged(format!(
@@ -119,7 +136,8 @@ impl<const D: usize> Drift<D> {
 
     /// The longest way of the last step, in radii of the body that went it.
     fn travelled(&self, state: &State<D>) -> f64 {
-        let ways = state.bodies.iter().zip(&self.pace.radii).map(|(body, radius)| body.twist.velocity.norm() / radius);
+        let last: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
+        let ways = self.felt(state, &last).into_iter().zip(&self.pace.radii).map(|(velocity, radius)| velocity.norm() / radius);
         state.last_step * ways.fold(0.0, f64::max)
     }
 
@@ -130,23 +148,24 @@ impl<const D: usize> Drift<D> {
         }
         let reach = MEMORY_REACH * self.pace.radii.iter().copied().fold(f64::INFINITY, f64::min);
         let forces: HashMap<_, f64> = state.held.iter().map(|held| ((held.body, held.partner, held.image), held.force)).collect();
-        let near = contact::candidates(&self.suspension.setup().domain, balls, &self.weights, reach);
+        let domain = self.domain(state);
+        let near = contact::candidates(&domain, balls, &self.weights, reach);
         let pressed = |contact: Contact<D>| forces.get(&contact.identity()).map(|&force| ContactForce { contact, force });
         let held: Vec<ContactForce<D>> = near.into_iter().filter_map(pressed).collect();
         let velocities = state.bodies.iter().map(|body| body.twist.velocity).collect();
-        Ok(pressing(self.project(balls, &self.without_contacts(velocities, &held), state.last_step)?))
+        Ok(pressing(self.project(&domain, balls, &self.without_contacts(velocities, &held), state.last_step)?))
     }
 
     /// The same contacts but for the first that pulls, which goes, or that is not held and closes too far, which comes.
     fn with_one_changed(
         &self,
         mut pressed: Vec<ContactForce<D>>,
-        balls: &[Ball<D>],
+        (domain, balls): (&Domain<D>, &[Ball<D>]),
         (velocities, fastest): (&[SVector<f64, D>], f64),
         step: f64,
     ) -> Vec<ContactForce<D>> {
         let slack = AGREEMENT * fastest;
-        for contact in contact::candidates(&self.suspension.setup().domain, balls, &self.weights, 2.0 * fastest * step) {
+        for contact in contact::candidates(domain, balls, &self.weights, 2.0 * fastest * step) {
             match pressed.iter().position(|pressed| pressed.contact.identity() == contact.identity()) {
                 Some(place) if pressed[place].force < -slack * self.softest(&contact) => {
                     pressed.remove(place);
@@ -178,17 +197,16 @@ impl<const D: usize> Drift<D> {
         contact.other().map_or(f64::INFINITY, |other| self.weights[other]).min(self.weights[contact.body])
     }
 
-    fn project(&self, balls: &[Ball<D>], velocities: &[SVector<f64, D>], step: f64) -> Result<Projection<D>> {
-        let (_stage, domain) = (enter(Stage::Contacts), &self.suspension.setup().domain);
+    fn project(&self, domain: &Domain<D>, balls: &[Ball<D>], velocities: &[SVector<f64, D>], step: f64) -> Result<Projection<D>> {
+        let _stage = enter(Stage::Contacts);
         contact::project(self.session.world(), &Problem { domain, balls, weights: &self.weights, velocities, step })
     }
 
     /// Without a contact model nothing keeps bodies apart: a run in which they meet has no meaning.
-    fn refuse_overlap(&self, balls: &[Ball<D>], time: f64) -> Result<()> {
+    fn refuse_overlap(&self, domain: &Domain<D>, balls: &[Ball<D>], time: f64) -> Result<()> {
         if self.contact {
             return Ok(());
         }
-        let domain = &self.suspension.setup().domain;
         let pairs = near_pairs(domain, balls, 0.0).into_iter().map(|pair| (pair.first, pair.gap));
         let walls = near_walls(domain, balls, 0.0).into_iter().map(|pair| (pair.body, pair.gap));
         match pairs.chain(walls).find(|&(body, gap)| gap < -OVERLAP * balls[body].radius) {
@@ -222,7 +240,12 @@ impl<const D: usize> Drift<D> {
 impl<const D: usize> Dynamics<D> for Drift<D> {
     fn look(&mut self, state: &State<D>, seen: Seen) -> Result<View<D>> {
         let mut effort = Effort::default();
-        let Agreed { solution, twists, contacts, stride } = self.agree(state, &mut effort, seen)?;
+        let Agreed { mut solution, twists, contacts, stride } = self.agree(state, &mut effort, seen)?;
+        let domain = self.domain(state);
+        for (body, moving) in solution.bodies.iter_mut().zip(&state.bodies) {
+            // centres of solutions are in the box: so are the motions that go with them
+            body.twist.velocity -= domain.image_velocity(&moving.center);
+        }
         Ok(View { twists, contacts, solution: Some(solution), stride, effort })
     }
 
@@ -230,12 +253,12 @@ impl<const D: usize> Dynamics<D> for Drift<D> {
         let mut effort = Effort::default();
         let mut moves = self.rule(state, view, &mut effort, seen)?;
         let velocities = velocities(&moves);
-        let step = self.pace.shortened(&velocities, view.stride.length);
+        let step = self.pace.shortened(&self.felt(state, &moves), view.stride.length, state.last_step);
         let mut certificate = None;
         if self.contact {
             let start = Instant::now();
             let unpressed = self.without_contacts(velocities, &view.contacts);
-            let projection = self.project(&self.balls(state), &unpressed, step)?;
+            let projection = self.project(&self.domain(state), &self.balls(state), &unpressed, step)?;
             moves.iter_mut().zip(projection.velocities).for_each(|(twist, velocity)| twist.velocity = velocity);
             certificate = Some(projection.certificate);
             effort.contact += start.elapsed().as_secs_f64();
@@ -279,8 +302,8 @@ fn contacts_of<const D: usize>(held: &[Held<D>], bodies: usize) -> Vec<Vec<(Part
     of_body
 }
 
-fn urges<const D: usize>(twists: &[Twist<D>]) -> Vec<Urge<D>> {
-    twists.iter().map(|twist| Urge { velocity: twist.velocity, acceleration: SVector::zeros() }).collect()
+fn urges<const D: usize>(velocities: Vec<SVector<f64, D>>) -> Vec<Urge<D>> {
+    velocities.into_iter().map(|velocity| Urge { velocity, acceleration: SVector::zeros() }).collect()
 }
 
 fn velocities<const D: usize>(twists: &[Twist<D>]) -> Vec<SVector<f64, D>> {

@@ -57,7 +57,7 @@ struct Builder<'a, const D: usize> {
 
 impl<const D: usize> Builder<'_, D> {
     fn add_contact(&mut self, contact: crate::contact::Contact<D>, step: f64) {
-        self.links.rates.push(-contact.gap / step);
+        self.links.rates.push(-contact.gap / step - contact.normal.dot(&contact.sliding));
         self.links.compliances.push(0.0);
         let side = |direction| Side { direction, turn: SMatrix::zeros() };
         self.add_end(contact.body, &side(-contact.normal));

@@ -2,6 +2,7 @@
 
 mod assembly;
 mod basis;
+mod beat;
 mod bodies;
 mod closure;
 mod condensed;

@@ -2,6 +2,7 @@
 
 use nalgebra::SVector;
 
+use super::beat::Beat;
 use crate::scene::{Step, TimeSection};
 
 /// Largest growth from one step to the next.
@@ -17,6 +18,8 @@ pub struct Pace {
     pub time: TimeSection,
     /// Radii of the bodies.
     pub radii: Vec<f64>,
+    /// What steps and the end are whole numbers of, where images slide.
+    pub beat: Option<Beat>,
 }
 
 /// A body's motion as far as steps depend on it.
@@ -50,23 +53,35 @@ impl Pace {
         let natural = match self.time.step {
             Step::Fixed(step) => step,
             Step::Auto => {
-                let longest = if last_step > 0.0 { GROWTH * last_step } else { self.time.end };
-                motion.iter().zip(&self.radii).map(|(urge, radius)| reach(urge, self.time.travel * radius)).fold(longest, f64::min)
+                let longest = if last_step > 0.0 { self.grown(last_step) } else { self.time.end };
+                let limits = motion.iter().zip(&self.radii).map(|(urge, radius)| reach(urge, self.time.travel * radius));
+                self.whole(limits.fold(longest, f64::min), last_step)
             }
         };
         let left = self.time.end - time;
         Stride { length: if natural > left * (1.0 - ROUNDING) { left } else { natural }, natural }
     }
 
-    /// A step that would carry bodies too far, made shorter.
-    pub fn shortened<const D: usize>(&self, moves: &[SVector<f64, D>], step: f64) -> f64 {
+    /// A step, after a last one, that would carry bodies too far, made shorter.
+    pub fn shortened<const D: usize>(&self, moves: &[SVector<f64, D>], step: f64, last_step: f64) -> f64 {
         match self.time.step {
             Step::Fixed(_) => step,
             Step::Auto => {
                 let limit = |(velocity, radius): (&SVector<f64, D>, &f64)| self.time.travel * radius / velocity.norm();
-                moves.iter().zip(&self.radii).map(limit).fold(step, f64::min)
+                step.min(self.whole(moves.iter().zip(&self.radii).map(limit).fold(step, f64::min), last_step))
             }
         }
+    }
+
+    /// The longest step after another.
+    fn grown(&self, last_step: f64) -> f64 {
+        // whole beats would never grow from one to two
+        self.beat.map_or(GROWTH * last_step, |beat| (GROWTH * last_step).max(last_step + beat.0))
+    }
+
+    /// A step that keeps the beat, if there is one; never shorter than the shortest that does.
+    fn whole(&self, step: f64, last_step: f64) -> f64 {
+        self.beat.map_or(step, |beat| beat.within(step, Beat::together(self.time.scheme, last_step)))
     }
 
     /// Whether the run has ended.
@@ -76,7 +91,7 @@ impl Pace {
 
     /// Whether the next step may reach the end.
     pub fn may_end(&self, time: f64, last_step: f64) -> bool {
-        let step = if let Step::Fixed(step) = self.time.step { step } else { GROWTH * last_step };
+        let step = if let Step::Fixed(step) = self.time.step { step } else { self.grown(last_step) };
         time + step * (1.0 + ROUNDING) >= self.time.end
     }
 }

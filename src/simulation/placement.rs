@@ -5,7 +5,7 @@ use nalgebra::{SMatrix, SVector};
 use crate::{
     body::{Body, Motion, Twist, pack, read_centers, skew},
     error::{Error, Result},
-    geometry::{Axis, Ball, Domain, Fault, first_fault},
+    geometry::{Axis, Ball, Domain, Fault, Slide, first_fault},
     scene::{self, AxisSection, BodyGroup, Placement, Scene},
 };
 
@@ -16,9 +16,12 @@ pub fn vector<const D: usize>(numbers: &[f64]) -> SVector<f64, D> {
 
 /// The box of a scene.
 pub fn domain<const D: usize>(scene: &Scene) -> Domain<D> {
-    let axis = |axis: usize| match &scene.domain.axes[axis] {
-        AxisSection::Periodic => Axis::Periodic,
-        AxisSection::Walls { lower, upper } => Axis::Walls { lower: vector(lower), upper: vector(upper) },
+    let axis = |axis: usize| match (&scene.domain.axes[axis], &scene.flow.drive) {
+        (AxisSection::Periodic, Some(scene::Drive::ShearedBox(rate))) if axis == 1 => {
+            Axis::Sheared(Slide { start: 0.0, speed: rate * scene.domain.size[1], time: 0.0 })
+        }
+        (AxisSection::Periodic, _) => Axis::Periodic,
+        (AxisSection::Walls { lower, upper }, _) => Axis::Walls { lower: vector(lower), upper: vector(upper) },
     };
     Domain { size: vector(&scene.domain.size), axes: std::array::from_fn(axis) }
 }

@@ -127,7 +127,7 @@ fn drive<const D: usize>(scene: &Scene) -> Drive<D> {
         Some(scene::Drive::MeanVelocity(velocity)) => Drive::MeanVelocity(vector(velocity)),
         Some(scene::Drive::PressureGradient(gradient)) => Drive::PressureGradient(vector(gradient)),
         Some(scene::Drive::BodyForce(force)) => Drive::BodyForce(vector(force)),
-        Some(scene::Drive::ShearRate(rate)) => Drive::Shear(*rate),
+        Some(scene::Drive::ShearRate(rate) | scene::Drive::ShearedBox(rate)) => Drive::Shear(*rate),
     }
 }
 

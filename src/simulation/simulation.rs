@@ -1,6 +1,9 @@
 //! The time loop: bodies move step by step, driven by a fluid or by inertia alone.
 
-use super::{Drift, Dry, DrySetup, Dynamics, Effort, FittedFlow, FlowSolver, Held, Past, Seen, Setup, State, Suspension, View, pace::Pace};
+use super::{
+    Drift, Dry, DrySetup, Dynamics, Effort, FittedFlow, FlowSolver, Held, Past, Seen, Setup, State, Suspension, View, beat::Beat,
+    pace::Pace,
+};
 use crate::{
     contact::Certificate,
     error::Result,
@@ -44,19 +47,24 @@ impl<const D: usize> Simulation<D> {
         let setup = session.world().agree(Setup::<D>::of(scene))?;
         match scene.method.constraint {
             ConstraintMethod::Fitted => Ok(Self::fitted(session, FittedFlow::new(session, setup)?, time)),
-            _ => Ok(Self::flowing(session, Suspension::new(session, setup)?, time, scene.contact.model)),
+            _ => {
+                let suspension = Suspension::new(session, setup)?;
+                let beat = Beat::of(&suspension.setup().domain, suspension.grid());
+                let time = beat.map_or(Ok(time.clone()), |beat| beat.keep(&time))?;
+                Ok(Self::flowing(session, suspension, time, scene.contact.model))
+            }
         }
     }
 
     /// Dry bodies in motion.
     pub fn dry(session: &Session, setup: DrySetup<D>, time: TimeSection) -> Simulation<D> {
-        let pace = Pace { time, radii: setup.bodies.iter().map(|body| body.radius).collect() };
+        let pace = Pace { time, radii: setup.bodies.iter().map(|body| body.radius).collect(), beat: None };
         let (state, domain) = (setup.start(), setup.domain.clone());
         let dynamics = Box::new(Dry::new(session, setup, pace.clone()));
         Simulation { state, dynamics, domain, pace, cut_short: false }
     }
 
-    /// Bodies carried by Stokes flow.
+    /// Bodies carried by Stokes flow. Where images slide, the step, if it is fixed, and the end slide them by whole cells.
     pub fn flowing(session: &Session, suspension: Suspension<D>, time: TimeSection, contact: ContactModel) -> Simulation<D> {
         let weights = (contact == ContactModel::Inelastic).then(|| suspension.resistances());
         Self::carried(session, Box::new(suspension), time, weights)
@@ -69,7 +77,8 @@ impl<const D: usize> Simulation<D> {
 
     fn carried(session: &Session, suspension: Box<dyn FlowSolver<D>>, time: TimeSection, weights: Option<Vec<f64>>) -> Simulation<D> {
         let bodies = &suspension.setup().bodies;
-        let pace = Pace { time, radii: bodies.iter().map(|suspended| suspended.body.ball.radius).collect() };
+        let beat = Beat::of(&suspension.setup().domain, suspension.grid());
+        let pace = Pace { time, radii: bodies.iter().map(|suspended| suspended.body.ball.radius).collect(), beat };
         let at_rest = |suspended: &super::SuspendedBody<D>| (suspended.body.ball.center, crate::body::Twist::zero());
         let state = State::start(bodies.iter().map(at_rest));
         let domain = suspension.setup().domain.clone();
@@ -85,6 +94,7 @@ impl<const D: usize> Simulation<D> {
     /// Goes on from another state, with what earlier solves say about the next one.
     pub fn restore(&mut self, state: State<D>, past: Option<Past<D>>) {
         self.state = state;
+        self.slide();
         if let Some(past) = past {
             self.dynamics.remember(past);
         }
@@ -95,7 +105,7 @@ impl<const D: usize> Simulation<D> {
         self.dynamics.suspension()
     }
 
-    /// The box.
+    /// The box as it is now.
     pub fn domain(&self) -> &Domain<D> {
         &self.domain
     }
@@ -137,7 +147,13 @@ impl<const D: usize> Simulation<D> {
         self.state.bodies.iter_mut().zip(&travel.twists).for_each(|(body, twist)| body.twist = *twist);
         self.state.held = travel.contacts.iter().filter(|pressed| pressed.force > 0.0).map(Held::of).collect();
         self.state.advance(&travel.moves, travel.step);
+        self.slide();
         self.cut_short = view.stride.cut_short() && travel.step == view.stride.length;
         Ok(StepReport { length: travel.step, certificate: travel.certificate, effort: travel.effort })
+    }
+
+    /// Lets images slide to where they are now.
+    fn slide(&mut self) {
+        self.domain = self.domain.clone().at(self.state.time);
     }
 }

@@ -100,14 +100,11 @@ impl<const D: usize> Suspension<D> {
     /// # Errors
     /// The grid or the rank count does not fit, or no steady state exists.
     pub fn new(session: &Session, setup: Setup<D>) -> Result<Suspension<D>> {
-        let (method, inner) = (setup.inverse, setup.inner_tolerance());
-        Self::with_inverse(session, setup, |stokes, grid| match (method, inner) {
-            (InverseMethod::Hypre, Some(tolerance)) => Ok(Box::new(IteratedInverse::new(stokes, grid, tolerance)?)),
-            _ => method.set_up(stokes, grid),
-        })
+        let chosen = setup.clone();
+        Self::with_inverse(session, setup, |stokes, grid| inverse(&chosen, stokes, grid))
     }
 
-    /// As [`new`](Self::new), with another approximate inverse of the fluid.
+    /// As [`new`](Self::new), with another approximate inverse of the fluid until images slide.
     ///
     /// # Errors
     /// The same, and those of making the inverse.
@@ -186,13 +183,25 @@ impl<const D: usize> Suspension<D> {
         self.solve_at(&self.at_rest(&centers), seen)
     }
 
+    /// Lets images slide to where they are at a time; what was assembled across the seam is gone.
+    fn slide_to(&mut self, time: f64) -> Result<()> {
+        if let Some(inverse) = self.basis.slide(time, inverse)? {
+            (self.inverse, self.assembly) = (inverse, None);
+            if self.remembers_fluid() {
+                self.past = None;
+            }
+        }
+        Ok(())
+    }
+
     fn initial_centers(&self) -> Vec<SVector<f64, D>> {
         self.basis.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect()
     }
 
     /// The moment at which bodies are there and none touches.
     fn at_rest<'a>(&self, centers: &'a [SVector<f64, D>]) -> Moment<'a, D> {
-        Moment { centers, time: 0.0, pressed: &[], step: 0.0, tolerance: self.basis.setup.tolerance.at_an_instant() }
+        let time = self.basis.setup.domain.slide().map_or(0.0, |slide| slide.time);
+        Moment { centers, time, pressed: &[], step: 0.0, tolerance: self.basis.setup.tolerance.at_an_instant() }
     }
 
     /// Condition numbers of the system on the multipliers with the bodies where the setup has them; as dear as that many iterations
@@ -216,7 +225,9 @@ impl<const D: usize> Suspension<D> {
     /// # Errors
     /// [`Error::Diverged`] when the tolerance is not reached.
     pub fn solve_at(&mut self, moment: &Moment<D>, seen: &mut dyn FnMut(usize, f64)) -> Result<Solution<D>> {
-        let (start, basis) = (Instant::now(), &self.basis);
+        let start = Instant::now();
+        self.slide_to(moment.time)?;
+        let basis = &self.basis;
         let mut ready = Ready::new(basis, (self.assembly.take(), self.engine.take()), self.past.as_ref(), moment)?;
         self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();
         (self.cost.assembly, self.cost.assembled) = (start.elapsed().as_secs_f64(), ready.assembly.assembled);
@@ -236,6 +247,14 @@ impl<const D: usize> Suspension<D> {
         let film_forces = contact_forces.split_off(moment.pressed.len());
         let lubrication = basis.setup.lubrication.map(|_| add_films(&films, &film_forces, &mut states));
         Ok(Solution { lubrication, ..basis.solution(states, found.fluid, &found.tail, contact_forces)? })
+    }
+}
+
+/// The inverse of the fluid that a setup calls for.
+fn inverse<const D: usize>(setup: &Setup<D>, stokes: &Stokes<D>, grid: &Grid<D>) -> Result<Box<dyn StokesInverse<D>>> {
+    match (setup.inverse, setup.inner_tolerance()) {
+        (InverseMethod::Hypre, Some(tolerance)) => Ok(Box::new(IteratedInverse::new(stokes, grid, tolerance)?)),
+        (method, _) => method.set_up(stokes, grid),
     }
 }
 

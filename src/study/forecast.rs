@@ -10,7 +10,7 @@ use crate::{
     geometry::Domain,
     petsc::Session,
     scene::{Scene, Scheme, Step, TimeSection},
-    simulation::{Setup, SuspendedBody, flow_solver},
+    simulation::{BodyState, Setup, SuspendedBody, flow_solver},
 };
 
 /// Bodies of a sample.
@@ -72,8 +72,8 @@ impl Forecast {
         let bodies = multipliers.max(1) as f64 / cost.multiplier_unknowns.max(1) as f64;
         let [setup_seconds, assembly, krylov] =
             [cost.setup, cost.assembly, cost.krylov.seconds].map(|seconds| session.world().max(seconds));
-        let fastest = speed(solution.bodies.iter().map(|body| body.twist.velocity.norm()).fold(0.0, f64::max));
         let smallest = setup.bodies.iter().map(|suspended| suspended.body.ball.radius).fold(f64::INFINITY, f64::min);
+        let fastest = speed(solution.bodies.iter().map(|body| felt_speed(&setup, body, smallest)).fold(0.0, f64::max));
         Ok(Some(Forecast {
             setup: setup_seconds * times,
             solve: assembly * bodies + krylov * times * more,
@@ -85,6 +85,14 @@ impl Forecast {
     /// All seconds.
     pub fn seconds(&self) -> f64 {
         self.setup + self.solves.map_or(self.solve, |solves| self.solve * (1.0 + WARM * (solves - 1.0).max(0.0)))
+    }
+}
+
+/// The speed of a body that limits steps: where images slide, not that of the shear in which all take part, but what it does to neighbours.
+fn felt_speed<const D: usize>(setup: &Setup<D>, body: &BodyState<D>, radius: f64) -> f64 {
+    match setup.domain.shear_rate().abs() {
+        0.0 => body.twist.velocity.norm(),
+        strain => (body.twist.velocity - setup.drive.background(&body.center)).norm() + strain * radius,
     }
 }
 

@@ -26,6 +26,7 @@ mod methods;
 mod motion;
 mod near;
 mod scalar;
+mod sheared;
 mod solvers;
 mod stress;
 mod suspension;
@@ -84,6 +85,7 @@ fn main() {
         hard::tests(),
         lasting::tests(),
         motion::tests(),
+        sheared::tests(),
         contact::tests(),
         dry::tests(),
     ];

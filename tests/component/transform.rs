@@ -4,7 +4,7 @@ use nalgebra::SVector;
 use turbid::{
     error::Error,
     flow::{FluidSystem, IteratedInverse, Stokes, StokesInverse, TransformInverse},
-    geometry::{Axis, Domain},
+    geometry::{Axis, Domain, Slide},
     grid::{Exchange, Grid, Layout, Partition, Pencils, Redistribution},
     petsc::{Session, System, Vector},
 };
@@ -42,13 +42,26 @@ struct Fluid<const D: usize> {
     inverse: TransformInverse<D>,
 }
 
+/// A box of so many cells whose images lie so many of them aside.
+fn sheared<const D: usize>(cells: [usize; D], aside: isize) -> Domain<D> {
+    let mut domain = unequal(cells, None);
+    let start = aside as f64 * domain.size[0] / cells[0] as f64;
+    domain.axes[1] = Axis::Sheared(Slide { start, speed: 1.0, time: 0.0 });
+    domain
+}
+
+/// Cells aside: a few, half of many, more than all, backwards.
+const ASIDE: [isize; 4] = [1, 8, 23, -3];
+
 /// Calls `proof` with boxes of all kinds that the transform serves.
 fn each_box(session: &Session, flat: fn(Fluid<2>), deep: fn(Fluid<3>)) {
     for cells in CELLS_2D {
-        [None, Some(0), Some(1)].into_iter().for_each(|walled| flat(Fluid::new(session, cells, walled)));
+        [None, Some(0), Some(1)].into_iter().for_each(|walled| flat(Fluid::new(session, cells, unequal(cells, walled))));
+        ASIDE.into_iter().for_each(|aside| flat(Fluid::new(session, cells, sheared(cells, aside))));
     }
     for cells in CELLS_3D {
-        [None, Some(0), Some(1), Some(2)].into_iter().for_each(|walled| deep(Fluid::new(session, cells, walled)));
+        [None, Some(0), Some(1), Some(2)].into_iter().for_each(|walled| deep(Fluid::new(session, cells, unequal(cells, walled))));
+        ASIDE.into_iter().for_each(|aside| deep(Fluid::new(session, cells, sheared(cells, aside))));
     }
 }
 
@@ -150,8 +163,8 @@ fn closed_boxes_are_refused_with_a_remedy(session: &Session) {
 }
 
 impl<const D: usize> Fluid<D> {
-    fn new(session: &Session, cells: [usize; D], walled: Option<usize>) -> Fluid<D> {
-        let (domain, world) = (unequal(cells, walled), session.world());
+    fn new(session: &Session, cells: [usize; D], domain: Domain<D>) -> Fluid<D> {
+        let world = session.world();
         assert!(TransformInverse::fits(&domain));
         let grid = Grid::new(&domain, 1.0, world.size(), world.rank()).unwrap();
         assert_eq!(grid.cells(), cells);
@@ -162,7 +175,7 @@ impl<const D: usize> Fluid<D> {
 
     /// Whether constants of a field are in the null space.
     fn null(&self, field: usize) -> bool {
-        field == D || self.grid.domain().axes.iter().all(|axis| *axis == Axis::Periodic)
+        field == D || self.grid.domain().fully_periodic()
     }
 
     fn noise(&self) -> Vector {

@@ -4,7 +4,7 @@ use std::{fs, path::Path, process::Command};
 
 use super::{
     common::{Series, bodies, difference, folder, number, resume, run, write},
-    scenes::{DRY, SHEARED, SPHERES},
+    scenes::{DRY, SHEARED, SLIDING, SPHERES},
 };
 
 /// The same arithmetic on the same ranks; what is left is the order of sums after a matrix of another size.
@@ -45,6 +45,12 @@ fn frames_agree(one: &Path, two: &Path) {
     let times = |out: &Path| hdf5::File::open(out.join("run.h5")).unwrap().dataset("times").unwrap().read_raw::<f64>().unwrap();
     let (one, two) = (times(one), times(two));
     assert!(one.len() >= 3 && difference(&one, &two) <= SAME, "frames at {one:?} and {two:?}");
+}
+
+#[test]
+fn a_box_whose_images_slide_in_two_halves_is_the_run_in_one() {
+    let ways: [&[&str]; 3] = [&[], &["time.step=0.07"], &["method.inverse=transform"]];
+    halves_agree("sliding", SLIDING, &ways, &[2]);
 }
 
 #[test]

@@ -23,6 +23,30 @@ every = 0.08
 picture = false
 "#;
 
+/// Disks in a box whose images slide.
+pub const SLIDING: &str = r#"
+seed = 2
+[domain]
+size = [8.0, 8.0]
+[flow]
+drive = { shear_rate = 1.0, periodic = "sheared" }
+[resolution]
+cells_per_radius = 4
+[method]
+tolerance = 1e-8
+[[bodies]]
+radius = 1.0
+fraction = 0.45
+gap = 0.02
+[contact]
+model = "inelastic"
+[time]
+end = 0.625
+[output]
+every = 0.0625
+picture = false
+"#;
+
 /// Spheres in a background shear.
 pub const SPHERES: &str = r#"
 seed = 1

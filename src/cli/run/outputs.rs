@@ -32,7 +32,7 @@ pub struct Outputs<const D: usize> {
     rows: Option<Rows>,
     frames: Frames,
     every: f64,
-    /// Present if frames hold fields.
+    /// Present if frames hold fields; made anew where images slide.
     centers: Option<CellCenters<D>>,
     contact: bool,
     checkpoint_pace: f64,
@@ -174,6 +174,9 @@ impl<const D: usize> Outputs<D> {
         let fields = match (&mut self.centers, &view.solution, simulation.suspension()) {
             (Some(centers), Some(solution), Some(suspension)) => {
                 let (grid, setup) = (suspension.grid(), suspension.setup());
+                if domain.slide().is_some() {
+                    *centers = CellCenters::new(grid, &solution.fluid)?;
+                }
                 let mut velocity = centers.velocity(&solution.fluid)?;
                 for (index, velocity) in grid.block(D).indices().zip(&mut velocity) {
                     *velocity += setup.drive.background(&grid.position(D, crate::grid::operators::signed(index)));

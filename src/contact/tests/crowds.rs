@@ -54,6 +54,24 @@ fn spheres_that_step_far_never_overlap_and_never_gain_energy() {
     }
 }
 
+/// With the images and against them: each way balls meet those that slide past.
+#[test]
+fn disks_whose_images_slide_never_overlap() {
+    for (seed, speed) in (0..30).map(|seed| (seed, [14.0, -9.0, 3.0][seed as usize % 3])) {
+        let mut domain = domain([20.0, 14.0], [true, true]);
+        domain.axes[1] = Axis::Sheared(Slide { start: 0.7 * seed as f64, speed, time: 0.25 });
+        let mut scene = crowd(domain, 200, 4.0, seed);
+        if seed % 2 == 0 {
+            let carried = scene.balls.iter().map(|ball| scene.domain.carried(&ball.center));
+            scene.velocities.iter_mut().zip(carried).for_each(|(velocity, carried)| *velocity += carried);
+        }
+        let projection = scene.solve().unwrap();
+        assert!(scene.overlap(&projection) < 1e-10, "overlap {:e} with seed {seed}", scene.overlap(&projection));
+        assert!(projection.certificate.kkt_residual < 1e-10, "{:?}", projection.certificate);
+        assert!(projection.forces.iter().any(|pressed| pressed.force > 0.0 && pressed.contact.image[1] != 0));
+    }
+}
+
 #[test]
 fn momentum_of_a_periodic_crowd_is_kept() {
     let scene = crowd(domain([20.0, 14.0], [true, true]), 200, 5.0, 3);

@@ -10,7 +10,7 @@ use nalgebra::{SVector, Vector2};
 use super::{Problem, Projection, island::solve_island, project::project_by};
 use crate::{
     error::Result,
-    geometry::{Axis, Ball, Domain},
+    geometry::{Axis, Ball, Domain, Slide},
 };
 
 /// Gaps that close and sums that vanish are right to this, in radii or in what is summed.
@@ -54,7 +54,7 @@ impl<const D: usize> Scene<D> {
     /// Largest overlap after the step, in radii of the smaller of the two, by looking at every pair; bodies do not
     /// leave the box by more than one box length.
     fn overlap(&self, projection: &Projection<D>) -> f64 {
-        let balls = self.moved(projection);
+        let (balls, domain) = (self.moved(projection), self.domain.after(self.step));
         let mut largest = 0.0f64;
         for (place, one) in balls.iter().enumerate() {
             for axis in (0..D).filter(|&axis| !self.domain.periodic(axis)) {
@@ -62,7 +62,7 @@ impl<const D: usize> Scene<D> {
                 largest = largest.max(-gap / one.radius);
             }
             for two in &balls[..place] {
-                let distance = self.domain.nearest_image(two.center - one.center).norm();
+                let distance = domain.nearest_image(two.center - one.center).norm();
                 largest = largest.max((one.radius + two.radius - distance) / one.radius.min(two.radius));
             }
         }

@@ -37,6 +37,8 @@ pub struct Animation {
 pub struct AnimationFrame {
     /// Time, in any unit.
     pub time: f64,
+    /// How far to the right the box above lies, if it repeats.
+    pub shift: f64,
     /// The disks; each covers those before it.
     pub disks: Vec<AnimatedDisk>,
 }
@@ -94,15 +96,15 @@ impl Animation {
     fn still(&self, layout: &Layout, frame: &AnimationFrame, top: f64, part: f64) -> Canvas {
         let mut canvas = layout.empty(part);
         for disk in frame.disks.iter().filter(|disk| disk.finite()) {
-            self.draw(&mut canvas, layout, disk, palette::shade(disk.speed / top));
+            self.draw(&mut canvas, layout, (disk, frame.shift), palette::shade(disk.speed / top));
         }
         canvas
     }
 
-    fn draw(&self, canvas: &mut Canvas, layout: &Layout, disk: &AnimatedDisk, shade: [u8; 3]) {
+    fn draw(&self, canvas: &mut Canvas, layout: &Layout, (disk, shift): (&AnimatedDisk, f64), shade: [u8; 3]) {
         let radius = disk.radius * layout.scale;
         let mark = MARK.map(|part| part * radius);
-        for center in (Window { size: self.size, periodic: self.periodic }).images(disk.center, disk.radius) {
+        for center in (Window { size: self.size, periodic: self.periodic, shift }).images(disk.center, disk.radius) {
             let [x, y] = layout.place(center);
             canvas.fill_disk([x, y], radius + RING, palette::PAPER);
             canvas.fill_disk([x, y], radius, shade);
@@ -125,7 +127,7 @@ mod tests {
     use super::*;
 
     fn film(disks: Vec<AnimatedDisk>) -> Animation {
-        let frames = [0.0, 1.0, 3.0].map(|time| AnimationFrame { time, disks: disks.clone() });
+        let frames = [0.0, 1.0, 3.0].map(|time| AnimationFrame { time, shift: 0.0, disks: disks.clone() });
         Animation { size: [2.0, 1.0], periodic: [true, false], frames: frames.into() }
     }
 

@@ -11,7 +11,7 @@ pub struct FrameBody<const D: usize> {
     pub center: SVector<f64, D>,
     /// Radius.
     pub radius: f64,
-    /// Velocity of the centre.
+    /// Velocity of the centre; that of the same image is stored.
     pub velocity: SVector<f64, D>,
     /// Skew matrix of the rotation rate.
     pub spin: SMatrix<f64, D, D>,

@@ -75,6 +75,7 @@ fn write_bodies<const D: usize>(columns: &[Dataset], counts: &[Dataset], frame: 
     let mut values: [Vec<f64>; COLUMNS.len()] = Default::default();
     for body in frame.bodies {
         let mut body = body.clone();
+        body.velocity -= frame.domain.image_velocity(&body.center);
         body.center = frame.domain.wrap(body.center);
         values.iter_mut().zip(body.columns()).for_each(|(column, entries)| column.extend(entries));
     }

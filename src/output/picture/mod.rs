@@ -21,6 +21,8 @@ pub struct Picture {
     pub size: [f64; 2],
     /// Which directions are periodic; the others end at solid walls.
     pub periodic: [bool; 2],
+    /// How far to the right the box above lies, if it repeats.
+    pub shift: f64,
     /// The bodies cut by the plane.
     pub bodies: Vec<Disk>,
     /// Number of samples along each direction.
@@ -62,8 +64,11 @@ impl Picture {
     }
 
     fn images(&self, body: &Disk) -> Vec<Disk> {
-        let window = Window { size: self.size, periodic: self.periodic };
-        window.images(body.center, body.radius).into_iter().map(|center| Disk { center, ..*body }).collect()
+        self.window().images(body.center, body.radius).into_iter().map(|center| Disk { center, ..*body }).collect()
+    }
+
+    fn window(&self) -> Window {
+        Window { size: self.size, periodic: self.periodic, shift: self.shift }
     }
 
     /// The sample column or row of index `index`, wrapped or clamped into the grid.
@@ -89,6 +94,7 @@ mod tests {
             title: "A < B & C".into(),
             size: [2.0, 1.0],
             periodic: [true, false],
+            shift: 0.0,
             bodies: Vec::new(),
             samples: [32, 16],
             velocity: vec![velocity; 512],

@@ -7,6 +7,7 @@
 use std::collections::VecDeque;
 
 use super::Picture;
+use crate::output::images::Window;
 
 /// A point or a direction in the plane.
 pub type Point = [f64; 2];
@@ -32,8 +33,8 @@ pub fn streamlines(picture: &Picture) -> Vec<Vec<Point>> {
 
 /// The parts of a line brought back into the box, each reaching just over the periodic edges it crosses.
 pub fn pieces(picture: &Picture, line: &[Point]) -> Vec<Vec<Point>> {
-    let image = |p: Point| [0, 1].map(|a| if picture.periodic[a] { (p[a] / picture.size[a]).floor() } else { 0.0 });
-    let shift = |p: Point, k: Point| [0, 1].map(|a| p[a] - k[a] * picture.size[a]);
+    let window = picture.window();
+    let (image, shift) = (|p: Point| window.turns(p), |p: Point, k: Point| window.back(p, k));
     let mut pieces: Vec<Vec<Point>> = Vec::new();
     let mut current = line.first().map_or([0.0; 2], |&first| image(first));
     let mut piece: Vec<Point> = line.first().map(|&first| shift(first, current)).into_iter().collect();
@@ -165,7 +166,8 @@ impl<'a> Tracer<'a> {
     }
 
     fn wrapped(&self, x: Point) -> Point {
-        [0, 1].map(|axis| if self.picture.periodic[axis] { x[axis].rem_euclid(self.picture.size[axis]) } else { x[axis] })
+        let window = self.picture.window();
+        window.back(x, window.turns(x))
     }
 }
 
@@ -208,8 +210,7 @@ impl Obstacles {
 
 /// The points of all lines so far, in square bins no smaller than the largest distance asked for.
 struct Neighbours {
-    size: Point,
-    periodic: [bool; 2],
+    window: Window,
     counts: [usize; 2],
     bins: Vec<Vec<Point>>,
 }
@@ -217,7 +218,7 @@ struct Neighbours {
 impl Neighbours {
     fn new(picture: &Picture, distance: f64) -> Self {
         let counts = picture.size.map(|length| (length / distance).floor().max(1.0) as usize);
-        Neighbours { size: picture.size, periodic: picture.periodic, counts, bins: vec![Vec::new(); counts[0] * counts[1]] }
+        Neighbours { window: picture.window(), counts, bins: vec![Vec::new(); counts[0] * counts[1]] }
     }
 
     fn insert(&mut self, x: Point) {
@@ -233,23 +234,23 @@ impl Neighbours {
 
     /// The bin `step` bins away from the one that holds `x`, or none behind a wall.
     fn bin(&self, x: Point, step: [i64; 2]) -> Option<usize> {
+        let (periodic, home) = (self.window.periodic, self.window.back(x, self.window.turns(x)));
         let index = |axis: usize| {
             let count = self.counts[axis] as i64;
-            let place = x[axis] / self.size[axis];
-            let place = if self.periodic[axis] { place.rem_euclid(1.0) } else { place };
+            let place = home[axis] / self.window.size[axis];
             let index = ((place * count as f64) as i64).min(count - 1) + step[axis];
-            if self.periodic[axis] { Some(index.rem_euclid(count)) } else { (0..count).contains(&index).then_some(index) }
+            if periodic[axis] { Some(index.rem_euclid(count)) } else { (0..count).contains(&index).then_some(index) }
         };
         Some(index(1)? as usize * self.counts[0] + index(0)? as usize)
     }
 
     /// The vector from one point to the nearest image of another.
     fn offset(&self, from: Point, to: Point) -> Point {
-        [0, 1].map(|axis| {
-            let difference = to[axis] - from[axis];
-            let turns = if self.periodic[axis] { (difference / self.size[axis]).round() } else { 0.0 };
-            difference - turns * self.size[axis]
-        })
+        let Window { size, periodic, shift } = self.window;
+        let turns = |axis: usize, length: f64| if periodic[axis] { (length / size[axis]).round() } else { 0.0 };
+        let up = turns(1, to[1] - from[1]);
+        let across = to[0] - from[0] - up * shift;
+        [across - turns(0, across) * size[0], to[1] - from[1] - up * size[1]]
     }
 }
 

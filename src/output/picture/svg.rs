@@ -125,8 +125,8 @@ fn arrows(picture: &Picture, frame: &Frame, line: &[Point]) -> Vec<String> {
     let head = |k: usize| {
         let index = ((2 * k + 1) * line.len() / (2 * count)).clamp(1, line.len() - 1);
         let [before, tip] = [line[index - 1], line[index]];
-        let shift = [0, 1].map(|a| if picture.periodic[a] { (tip[a] / picture.size[a]).floor() * picture.size[a] } else { 0.0 });
-        let [before, tip] = [before, tip].map(|p| frame.place([p[0] - shift[0], p[1] - shift[1]]));
+        let (window, turns) = (picture.window(), picture.window().turns(tip));
+        let [before, tip] = [before, tip].map(|p| frame.place(window.back(p, turns)));
         arrow(before, tip, (0.36 * separation(picture) * frame.scale).clamp(5.0, 9.5))
     };
     (0..count).map(head).collect()

@@ -44,6 +44,8 @@ pub enum Drive {
     BodyForce(Vec<f64>),
     /// The rate of the background shear `(rate y, 0, 0)` of a fully periodic box.
     ShearRate(f64),
+    /// As [`ShearRate`](Drive::ShearRate), where the images of the box go along: those above it slide along x.
+    ShearedBox(f64),
     /// The mean gradient of a scalar in a fully periodic box.
     MeanGradient(Vec<f64>),
 }
@@ -88,12 +90,18 @@ impl FlowModel {
 
 impl Drive {
     fn read(entry: &Entry, dimension: usize) -> Result<Self> {
-        let (name, entry) = entry.table(&DRIVES)?.exactly_one(&DRIVES, "{ shear_rate = 1.0 }")?;
+        let table = entry.table(&[&DRIVES[..], &["periodic"]].concat())?;
+        let (name, entry) = table.exactly_one(&DRIVES, "{ shear_rate = 1.0 }")?;
+        let sheared = table.get("periodic").map_or(Ok(false), |entry| {
+            entry.expect((), name == "shear_rate", "belongs to shear_rate; remove it")?;
+            entry.choice(&[("fixed", false), ("sheared", true)], &[])
+        })?;
         Ok(match name {
             "mean_velocity" => Drive::MeanVelocity(entry.vector(dimension)?),
             "pressure_gradient" => Drive::PressureGradient(entry.vector(dimension)?),
             "body_force" => Drive::BodyForce(entry.vector(dimension)?),
             "mean_gradient" => Drive::MeanGradient(entry.vector(dimension)?),
+            _ if sheared => Drive::ShearedBox(entry.number()?),
             _ => Drive::ShearRate(entry.number()?),
         })
     }

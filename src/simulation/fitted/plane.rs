@@ -68,6 +68,7 @@ pub fn spatial<const D: usize>(vector: &Vector2<f64>) -> SVector<f64, D> {
 pub fn plane<const D: usize>(domain: &Domain<D>) -> Domain<2> {
     let axis = |axis: usize| match domain.axes[axis] {
         Axis::Periodic => Axis::Periodic,
+        Axis::Sheared(slide) => Axis::Sheared(slide),
         Axis::Walls { lower, upper } => Axis::Walls { lower: flat(&lower), upper: flat(&upper) },
     };
     Domain { size: flat(&domain.size), axes: [axis(0), axis(1)] }

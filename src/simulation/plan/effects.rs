@@ -6,7 +6,7 @@ use crate::{
     flow::{Drive, InverseMethod},
     grid::Grid,
     scene::{ContactModel, Motion, Scene, Scheme, Step},
-    simulation::Setup,
+    simulation::{Setup, beat::Beat},
 };
 
 /// An effect of a scene.
@@ -45,7 +45,7 @@ pub fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Eff
         ),
         Effect::on("pressure", "one unknown for each cell".into()),
         Effect { name: "rotation", built: spins },
-        Effect::on("drive", drive(&setup.drive)),
+        Effect::on("drive", drive(&setup.drive) + &sliding(setup, grid)),
         match setup.bodies.len() {
             0 => Effect::off("bodies"),
             count => Effect::on("bodies", format!("{count}, {free} of them free; {}", method(setup.blocks()))),
@@ -71,6 +71,14 @@ pub fn drive<const D: usize>(drive: &Drive<D>) -> String {
         Drive::BodyForce(force) => format!("body force {:?}", force.as_slice()),
         Drive::Shear(rate) => format!("background shear at rate {rate}"),
     }
+}
+
+/// How the images of a sheared box go along.
+fn sliding<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> String {
+    let beat = Beat::of(&setup.domain, grid);
+    beat.map_or(String::new(), |beat| {
+        format!("; images slide along, by a cell in {:.4e}: steps and the end are whole numbers of that", beat.0)
+    })
 }
 
 /// Effects of motion, which a fluid and dry bodies share.

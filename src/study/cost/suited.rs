@@ -39,7 +39,7 @@ impl Facts {
         match &scene.flow.drive {
             _ if scene.scalar() => Kind::Value,
             _ if self.bodies == 0 => Kind::Field,
-            Some(Drive::ShearRate(_)) if !self.held.contains(&true) => Kind::Viscosity,
+            Some(Drive::ShearRate(_) | Drive::ShearedBox(_)) if !self.held.contains(&true) => Kind::Viscosity,
             _ if scene.time.is_some() => Kind::Position,
             _ if self.held.contains(&true) => Kind::Drag,
             _ => Kind::Velocity,

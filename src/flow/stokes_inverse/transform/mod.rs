@@ -1,13 +1,15 @@
 //! The exact inverse by Fourier transforms, for boxes periodic along all axes and for channels.
 //!
 //! One axis after the other is made whole on every rank and transformed; the last one, across the walls in a channel, is solved
-//! for every wave along the others, and the same way leads back.
+//! for every wave along the others, and the same way leads back. Where images slide, the axis across the seam comes last: for every
+//! wave along x the displacement of the images is a phase.
 
 mod banded;
 mod channel;
 mod fourier;
 mod lines;
 mod periodic;
+mod seam;
 mod symbols;
 mod tridiagonal;
 mod wall_to_wall;
@@ -26,7 +28,7 @@ use self::{
 use super::{Stokes, StokesInverse};
 use crate::{
     error::{Error, Result},
-    geometry::Domain,
+    geometry::{Axis, Domain},
     grid::{Block, Exchange, Grid, Layout, Pencils, Redistribution},
     parallel::World,
     petsc::Vector,
@@ -84,8 +86,8 @@ impl<const D: usize> TransformInverse<D> {
         }
         let (ranks, rank) = (grid.partition().blocks(), stokes.session().world().rank());
         let own = Layout((0..ranks).map(|rank| grid.partition().block(rank)).collect());
-        let walled = (0..D).find(|&axis| !grid.domain().periodic(axis));
-        let pencils = Pencils::new(&own, grid.cells(), walled);
+        let special = (0..D).find(|&axis| grid.domain().axes[axis] != Axis::Periodic);
+        let pencils = Pencils::new(&own, grid.cells(), special);
         let order = pencils.order();
         let mut waves = grid.cells();
         waves[order[0]] = waves[order[0]] / 2 + 1;
@@ -186,7 +188,7 @@ impl<const D: usize> LastAxis<D> {
     fn new(lines: Lines<D>, axis: usize, grid: &Grid<D>) -> LastAxis<D> {
         let symbols = Symbols::new(grid);
         if grid.domain().periodic(axis) {
-            LastAxis::Periodic(PeriodicLines::new(lines, axis, symbols))
+            LastAxis::Periodic(PeriodicLines::new(lines, axis, grid, symbols))
         } else {
             LastAxis::Channel(ChannelLines::new(lines, axis, grid, symbols))
         }

@@ -1,4 +1,4 @@
-//! Box periodic along every axis: every wave by itself.
+//! Box periodic along every axis, its images displaced along x or not: every wave by itself.
 //!
 //! With the factors `g` of the discrete gradient the equations for one wave are `|g|^2 u + g p = r_u`, `-conj(g) . u = r_p`, hence
 //!
@@ -11,23 +11,28 @@ use rustfft::num_complex::Complex;
 use super::{
     fourier::Waves,
     lines::{Lines, TILE},
+    seam::Seam,
     symbols::Symbols,
 };
+use crate::grid::Grid;
 
 /// The last transform of a periodic box and the solution for every wave, a tile at a time.
 pub struct PeriodicLines<const D: usize> {
     lines: Lines<D>,
     along: usize,
     symbols: Symbols<D>,
+    /// Where the images across the seam lie displaced.
+    seam: Option<Seam>,
     waves: Waves,
     tile: Vec<Complex<f64>>,
 }
 
 impl<const D: usize> PeriodicLines<D> {
     /// The lines of `block`, already transformed along all other axes than `along`.
-    pub fn new(lines: Lines<D>, along: usize, symbols: Symbols<D>) -> PeriodicLines<D> {
-        let points = lines.points();
-        PeriodicLines { waves: Waves::new(points), tile: vec![Complex::default(); (D + 1) * TILE * points], lines, along, symbols }
+    pub fn new(lines: Lines<D>, along: usize, grid: &Grid<D>, symbols: Symbols<D>) -> PeriodicLines<D> {
+        let (points, block) = (lines.points(), lines.block());
+        let seam = (grid.shift() > 0).then(|| Seam::new(grid, block.start[0]..block.end[0]));
+        PeriodicLines { waves: Waves::new(points), tile: vec![Complex::default(); (D + 1) * TILE * points], lines, along, symbols, seam }
     }
 
     /// Replaces rows by the solution.
@@ -37,22 +42,33 @@ impl<const D: usize> PeriodicLines<D> {
             let size = tile.lines * points;
             let lines = &mut self.tile[..(D + 1) * size];
             (0..=D).for_each(|field| tile.gather(&values[field * extent..], &mut lines[field * size..]));
+            let along_x = |line: usize| tile.line_start(line % tile.lines)[0];
+            if let Some(seam) = &self.seam {
+                lines.chunks_exact_mut(points).enumerate().for_each(|(line, values)| seam.level(along_x(line), values));
+            }
             self.waves.forward(lines);
             for line in 0..tile.lines {
-                solve_line(&self.symbols, self.along, tile.line_start(line), &mut lines[line * points..], size);
+                let mut factors: [&[_]; D] = std::array::from_fn(|axis| self.symbols.gradient(axis));
+                if let Some(seam) = &self.seam {
+                    factors[self.along] = seam.gradient(along_x(line));
+                }
+                solve_line(factors, self.along, tile.line_start(line), &mut lines[line * points..], size);
             }
             self.waves.backward(lines);
+            if let Some(seam) = &self.seam {
+                lines.chunks_exact_mut(points).enumerate().for_each(|(line, values)| seam.tilt(along_x(line), values));
+            }
             (0..=D).for_each(|field| tile.scatter(&lines[field * size..], &mut values[field * extent..]));
         }
     }
 }
 
 /// Solves for the waves of one line; the values of the fields are `step` apart.
-fn solve_line<const D: usize>(symbols: &Symbols<D>, along: usize, wave: [usize; D], line: &mut [Complex<f64>], step: usize) {
-    let mut factors: [Complex<f64>; D] = std::array::from_fn(|axis| symbols.gradient(axis)[wave[axis]]);
+fn solve_line<const D: usize>(gradient: [&[Complex<f64>]; D], along: usize, wave: [usize; D], line: &mut [Complex<f64>], step: usize) {
+    let mut factors: [Complex<f64>; D] = std::array::from_fn(|axis| gradient[axis][wave[axis]]);
     factors[along] = Complex::default();
     let others: f64 = factors.iter().map(Complex::norm_sqr).sum();
-    for (point, &factor) in symbols.gradient(along).iter().enumerate() {
+    for (point, &factor) in gradient[along].iter().enumerate() {
         factors[along] = factor;
         let inverse = 1.0 / (others + factor.norm_sqr());
         let mut source = Complex::default();

@@ -19,11 +19,7 @@ pub struct Symbols<const D: usize> {
 impl<const D: usize> Symbols<D> {
     /// The factors for all waves of a grid.
     pub fn new(grid: &Grid<D>) -> Symbols<D> {
-        let factor = |axis: usize, wave: usize| {
-            let phase = TAU * wave as f64 / grid.cells()[axis] as f64;
-            // 1 - cos by the half angle keeps all digits of slow waves
-            Complex::new(2.0 * (phase / 2.0).sin().powi(2), phase.sin()) / grid.spacing()[axis]
-        };
+        let factor = |axis: usize, wave: usize| derivative(TAU * wave as f64 / grid.cells()[axis] as f64) / grid.spacing()[axis];
         Symbols { gradient: std::array::from_fn(|axis| (0..grid.cells()[axis]).map(|wave| factor(axis, wave)).collect()) }
     }
 
@@ -31,4 +27,10 @@ impl<const D: usize> Symbols<D> {
     pub fn gradient(&self, axis: usize) -> &[Complex<f64>] {
         &self.gradient[axis]
     }
+}
+
+/// `1 - exp(-i phase)`: the difference between a point and the one before it in a wave that grows by `phase` from point to point.
+pub fn derivative(phase: f64) -> Complex<f64> {
+    // 1 - cos by the half angle keeps all digits of slow waves
+    Complex::new(2.0 * (phase / 2.0).sin().powi(2), phase.sin())
 }

@@ -1,0 +1,91 @@
+//! The beat of a sheared box: steps are such that images slide by whole cells, between which there is nothing to interpolate.
+
+use crate::{
+    error::{Error, Result},
+    geometry::Domain,
+    grid::Grid,
+    scene::{Scheme, Step, TimeSection},
+};
+
+/// Part of a beat that is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// The time in which the images of a sheared box slide by one cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beat(pub f64);
+
+impl Beat {
+    /// The beat of a box on a grid; none if its images stay.
+    pub fn of<const D: usize>(domain: &Domain<D>, grid: &Grid<D>) -> Option<Beat> {
+        let speed = domain.sliding()[0].abs();
+        (speed > 0.0).then(|| Beat(grid.spacing()[0] / speed))
+    }
+
+    /// Beats in the next step, after a last one (0 if there is none), come in this number: the midpoint of a step is an instant too.
+    pub fn together(scheme: Scheme, last_step: f64) -> f64 {
+        match scheme {
+            Scheme::Euler => 1.0,
+            Scheme::TwoStep if last_step > 0.0 => 1.0,
+            Scheme::TwoStep | Scheme::Midpoint => 2.0,
+        }
+    }
+
+    /// The longest time of whole beats, so many `together`, that is not longer; the shortest if that is longer still.
+    pub fn within(self, time: f64, together: f64) -> f64 {
+        let unit = self.0 * together;
+        (time / unit * (1.0 + ROUNDING)).floor().max(1.0) * unit
+    }
+
+    /// Rounds a fixed step and the end of a run down to whole beats.
+    ///
+    /// # Errors
+    /// One of them is shorter than the shortest step.
+    pub fn keep(self, time: &TimeSection) -> Result<TimeSection> {
+        let together = Beat::together(time.scheme, 0.0);
+        let step = match time.step {
+            Step::Auto => Step::Auto,
+            Step::Fixed(step) => Step::Fixed(self.kept("step", step, together)?),
+        };
+        Ok(TimeSection { step, end: self.kept("end", time.end, together)?, ..time.clone() })
+    }
+
+    fn kept(self, key: &str, time: f64, together: f64) -> Result<f64> {
+        let kept = self.within(time, together);
+        if kept > time * (1.0 + ROUNDING) {
+            let cells = if together > 1.0 { "two cells, one for each half of a step" } else { "one cell" };
+            return Err(Error::Refused(format!(
+                "time.{key} = {time}: the images of the sheared box slide by whole cells in a step, at least {cells}, which takes {kept}; \
+                 lengthen it or refine [resolution]"
+            )));
+        }
+        Ok(kept)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn time(step: Step, end: f64, scheme: Scheme) -> TimeSection {
+        TimeSection { step, end, scheme, travel: 0.1 }
+    }
+
+    #[test]
+    fn steps_and_ends_are_rounded_down_to_whole_beats() {
+        let kept = Beat(0.25).keep(&time(Step::Fixed(0.6), 1.8, Scheme::Euler)).unwrap();
+        assert_eq!((kept.step, kept.end), (Step::Fixed(0.5), 1.75));
+        let kept = Beat(0.25).keep(&time(Step::Fixed(0.8), 1.8, Scheme::Midpoint)).unwrap();
+        assert_eq!((kept.step, kept.end), (Step::Fixed(0.5), 1.5));
+        // whole already but for rounding
+        assert!((Beat(0.1).within(0.3, 1.0) - 0.3).abs() < 1e-15);
+    }
+
+    #[test]
+    fn what_is_shorter_than_a_beat_is_refused_with_the_shortest_that_is_not() {
+        let short = |step, end, scheme| Beat(0.25).keep(&time(step, end, scheme)).unwrap_err().to_string();
+        let message = short(Step::Fixed(0.2), 1.0, Scheme::Euler);
+        assert!(message.contains("time.step = 0.2") && message.contains("one cell, which takes 0.25"), "{message}");
+        let message = short(Step::Auto, 0.3, Scheme::TwoStep);
+        assert!(message.contains("time.end = 0.3") && message.contains("two cells") && message.contains("takes 0.5"), "{message}");
+    }
+}
