@@ -27,7 +27,7 @@ pub fn touching<const D: usize>(
     (moment, films): (&Moment<D>, &Films<D>),
     (undisturbed, places): (&[f64], usize),
 ) -> Result<Touching> {
-    let mut builder = Builder { basis, bodies, scale: scale(basis), links: Links::default() };
+    let mut builder = Builder { basis, bodies, centers: moment.centers, scale: scale(basis), links: Links::default() };
     for pressed in moment.pressed {
         builder.add_contact(pressed.contact, moment.step);
     }
@@ -51,6 +51,7 @@ fn scale<const D: usize>(basis: &Basis<D>) -> f64 {
 struct Builder<'a, const D: usize> {
     basis: &'a Basis<D>,
     bodies: &'a Bodies<'a, D>,
+    centers: &'a [SVector<f64, D>],
     scale: f64,
     links: Links,
 }
@@ -74,12 +75,17 @@ impl<const D: usize> Builder<'_, D> {
         let known = match film.other {
             Opposite::Body(other, offset) => {
                 self.add_end(other, &way.sides[1]);
-                // an image moves with the background
-                direction.dot(&self.basis.setup.drive.background(&offset))
+                // images move with the background
+                direction.dot(&(self.basis.setup.drive.background(&offset) - self.sliding(other)))
             }
             Opposite::Wall((axis, upper)) => direction.dot(&wall_velocity(self.basis, axis, upper)),
         };
-        self.known(known);
+        self.known(known - way.sides[0].direction.dot(&self.sliding(film.body)));
+    }
+
+    /// Velocity of the image of the box in which the centre of a body lies, that of films being in the box.
+    fn sliding(&self, body: usize) -> SVector<f64, D> {
+        self.basis.setup.domain.image_velocity(&self.centers[body])
     }
 
     /// Takes a rate that is known from the one wanted of the last link.
