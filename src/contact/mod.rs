@@ -9,22 +9,28 @@
 //! nor fluid, friction or torque: balls touch along the line of their centres.
 
 mod active;
+mod augmented;
 mod candidates;
 mod certificate;
+mod dual;
 mod failure;
 mod groups;
 mod interior;
 mod island;
+mod memory;
 mod paths;
 mod problem;
 mod program;
 mod project;
 mod share;
+mod solver;
 
 #[cfg(test)]
 mod tests;
 
 pub use candidates::{Contact, Partner, candidates};
 pub use certificate::Certificate;
+pub use memory::Memory;
 pub use problem::Problem;
-pub use project::{ContactForce, Projection, project};
+pub use solver::Solver;
+pub use project::{ContactForce, Projection, project, project_from};

@@ -7,7 +7,7 @@ mod refusals;
 
 use nalgebra::{SVector, Vector2};
 
-use super::{Problem, Projection, island::solve_island, project::project_by};
+use super::{Memory, Problem, Projection, island::solve_island, project::project_by, share::pick};
 use crate::{
     error::Result,
     geometry::{Axis, Ball, Domain},
@@ -40,9 +40,8 @@ impl<const D: usize> Scene<D> {
 
     fn solve(&self) -> Result<Projection<D>> {
         let problem = self.problem();
-        project_by(&problem, |contacts, islands| {
-            let pick = |island: &Vec<usize>| island.iter().map(|&place| contacts[place]).collect::<Vec<_>>();
-            islands.iter().map(|island| solve_island(&problem, &pick(island))).collect()
+        project_by(&problem, &Memory::default(), |contacts, guess, islands| {
+            islands.iter().map(|island| solve_island(&problem, &pick(contacts, island), &pick(guess, island))).collect()
         })
     }
 
