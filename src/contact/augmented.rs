@@ -13,20 +13,22 @@ use super::{
 
 /// Softness at the start, and the smallest: with less, rounding of slacks over the softness shows in multipliers.
 const SOFTNESS: [f64; 2] = [1e-2, 1e-6];
-/// The softness becomes so much less whenever the residual does not.
-const HARDENING: f64 = 0.1;
-/// What the residual must lose in one update of the multipliers, or the softness is reduced.
+/// The softness becomes so much less from update to update, so that a few Newton steps suffice for each..
+const HARDENING: f64 = 0.3;
+/// .. and from this on only if the residual has not become so much less.
+const FIRM: f64 = 1e-4;
 const PROGRESS: f64 = 0.3;
 /// Updates of the multipliers before giving up.
 const UPDATES: usize = 40;
-/// Newton steps for one update, and for all.
-const STEPS: [usize; 2] = [50, 250];
+/// Newton steps for one update, and for all: an interior point costs as much and does not fail.
+const STEPS: [usize; 2] = [50, 120];
 /// Halvings in the search for the minimum along a direction.
 const HALVINGS: usize = 30;
 /// A change of the unknowns, in parts of the residual times the softness, that is none, and one that is rounding.
 const STILL: [f64; 2] = [1.0, 1e-13];
-/// Residual from which exact equations may lead to the solution at once.
+/// Residual from which exact equations may lead to the solution at once, and what it must lose before they are tried again.
 const NEAR: f64 = 1e-3;
+const NEARER: f64 = 0.1;
 
 /// Where the method stands.
 pub(super) struct Augmented<'a> {
@@ -52,14 +54,14 @@ impl<'a> Augmented<'a> {
 
     /// Goes on until the program is solved to a tolerance, if it can be.
     pub fn run(&mut self, tolerance: f64) {
-        let mut sharpened_at = NEAR / HARDENING;
+        let mut sharpened_at = NEAR / NEARER;
         for _ in 0..UPDATES {
             if !self.minimise() {
                 return;
             }
             self.update();
             let earlier = std::mem::replace(&mut self.residual, self.program.residual(&self.multipliers));
-            if self.residual < HARDENING * sharpened_at {
+            if self.residual < NEARER * sharpened_at {
                 sharpened_at = self.residual;
                 self.multipliers = sharpen(self.program, &self.multipliers);
             }
@@ -67,7 +69,7 @@ impl<'a> Augmented<'a> {
             if self.program.solved(&self.multipliers, tolerance) || self.steps >= STEPS[1] {
                 return;
             }
-            if self.residual > PROGRESS * earlier {
+            if self.residual > PROGRESS * earlier || self.softness > FIRM {
                 self.softness = SOFTNESS[1].max(HARDENING * self.softness);
             }
         }
@@ -80,7 +82,7 @@ impl<'a> Augmented<'a> {
         for _ in 0..STEPS[0] {
             let pressing: Vec<usize> = (0..self.slacks.len()).filter(|&row| self.presses(row, self.slacks[row])).collect();
             if pressing == earlier {
-                break;
+                return true;
             }
             let Some((unknowns, slacks)) = self.newton(&pressing) else { return false };
             self.steps += 1;
@@ -89,11 +91,11 @@ impl<'a> Augmented<'a> {
             self.unknowns.iter_mut().zip(&move_x).for_each(|(unknown, change)| *unknown += length * change);
             self.slacks.iter_mut().zip(&move_s).for_each(|(slack, change)| *slack += length * change);
             if length * dot(&move_x, &move_x).sqrt() <= small {
-                break;
+                return true;
             }
             earlier = if length == 1.0 { pressing } else { Vec::new() };
         }
-        true
+        false
     }
 
     /// Unknowns and slacks at the minimum if just these rows press: `x = A^T y`, `s = e (z - y)` in each of them.

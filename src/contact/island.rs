@@ -3,7 +3,12 @@
 use clarabel::algebra::CscMatrix;
 use nalgebra::SVector;
 
-use super::{Contact, Problem, Solver, groups::Groups, program::Program, solver::{Answer, solve}};
+use super::{
+    Contact, Problem, Solver,
+    groups::Groups,
+    program::Program,
+    solver::{Answer, solve},
+};
 
 /// Smallest violation, in radii, that the unknowns are scaled by: impossible constraints by rounding are none.
 const SMALLEST_SCALE: f64 = 1e-6;
@@ -54,6 +59,12 @@ pub(super) fn free_body<const D: usize>(problem: &Problem<D>, contact: &Contact<
 
 /// The forces at the contacts of one island, from a guess.
 pub(super) fn solve_island<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>], guess: &[f64]) -> Outcome {
+    let both = [Solver::Newton, Solver::Interior];
+    solve_by(problem, contacts, guess, if contacts.len() < LARGE { &both[1..] } else { &both })
+}
+
+/// The same by given methods, each of which is tried if those before it fail.
+pub(super) fn solve_by<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>], guess: &[f64], solvers: &[Solver]) -> Outcome {
     let unit = Unit::new(problem, contacts);
     if unit.violation <= 0.0 {
         return Outcome::Solved { forces: vec![0.0; contacts.len()], iterations: 0, solver: Solver::Formula };
@@ -64,9 +75,8 @@ pub(super) fn solve_island<const D: usize>(problem: &Problem<D>, contacts: &[Con
     }
     let program = program(problem, contacts, &unit);
     let guess: Vec<f64> = contacts.iter().zip(guess).map(|(contact, force)| force / unit.force(problem, contact)).collect();
-    let mut trials = if contacts.len() < LARGE { vec![Solver::Interior] } else { vec![Solver::Newton, Solver::Interior] }.into_iter();
     let mut infeasible = false;
-    let found = trials.find_map(|solver| {
+    let found = solvers.iter().find_map(|&solver| {
         let answer = solve(&program, &guess, solver)?;
         infeasible |= answer.infeasible;
         program.solved(&answer.multipliers, TOLERANCE).then_some((solver, answer))

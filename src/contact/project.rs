@@ -106,7 +106,16 @@ struct State<'a, const D: usize> {
 impl<'a, const D: usize> State<'a, D> {
     fn new(problem: &'a Problem<'a, D>, memory: &'a Memory<D>) -> Self {
         let velocities = problem.velocities.to_vec();
-        Self { problem, memory, contacts: Vec::new(), known: HashSet::new(), forces: Vec::new(), velocities, iterations: 0, solver: Solver::Formula }
+        Self {
+            problem,
+            memory,
+            contacts: Vec::new(),
+            known: HashSet::new(),
+            forces: Vec::new(),
+            velocities,
+            iterations: 0,
+            solver: Solver::Formula,
+        }
     }
 
     /// Pairs that overlap on the way, and pairs near the bodies that they hang together with; empty if none overlap.
@@ -161,7 +170,12 @@ impl<'a, const D: usize> State<'a, D> {
         let pairs = self.contacts.into_iter().zip(self.forces);
         let mut forces: Vec<_> = pairs.map(|(contact, force)| ContactForce { contact, force }).collect();
         forces.sort_unstable_by_key(|force| force.contact.identity());
-        let certificate = Certificate { iterations: self.iterations, solver: self.solver, rounds, ..certify(self.problem, &self.velocities, &forces, paths) };
+        let certificate = Certificate {
+            iterations: self.iterations,
+            solver: self.solver,
+            rounds,
+            ..certify(self.problem, &self.velocities, &forces, paths)
+        };
         Projection { velocities: self.velocities, forces, certificate }
     }
 }

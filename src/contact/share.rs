@@ -72,7 +72,7 @@ fn read(record: &[f64]) -> Outcome {
         -1.0 => Outcome::Squeezed,
         -2.0 => Outcome::Stalled,
         iterations => {
-            let solver = [Solver::Formula, Solver::Interior, Solver::Newton][record[1] as usize];
+            let solver = Solver::ALL[record[1] as usize];
             Outcome::Solved { forces: record[2..].to_vec(), iterations: iterations as usize, solver }
         }
     }

@@ -1,13 +1,22 @@
 //! Which method solves the program of an island.
 //!
-//! Both end in the same active set ([`polish`]) and are held to the same tolerance.
+//! Both end in an active set and are held to the same tolerance.
 
-use super::{active::polish, augmented::Augmented, dual::Descent, interior::interior_point, program::Program};
+use super::{
+    active::{polish, sharpen},
+    augmented::Augmented,
+    dual::Descent,
+    interior::interior_point,
+    program::Program,
+};
 
 /// Iterations of conjugate gradients before Newton's method: they find out cheaply who presses.
 const ITERATIONS: usize = 60;
 /// What Newton's method is asked for; the active set does the rest.
-const GOAL: f64 = 1e-8;
+const GOAL: f64 = 5e-8;
+
+/// What the active set is not asked to improve.
+const EXACT: f64 = 1e-10;
 
 /// How the forces of an island are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -18,6 +27,20 @@ pub enum Solver {
     Interior,
     /// By conjugate gradients on the forces, an augmented Lagrangian, and an active set: the fastest for many contacts.
     Newton,
+}
+
+impl Solver {
+    /// All of them, in order.
+    pub const ALL: [Solver; 3] = [Solver::Formula, Solver::Interior, Solver::Newton];
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Solver::Formula => "formula",
+            Solver::Interior => "interior",
+            Solver::Newton => "newton",
+        }
+    }
 }
 
 /// What a method found.
@@ -32,10 +55,10 @@ pub(super) struct Answer {
 
 /// The multipliers of a program by a method, if it accepts it; whether they solve it the caller must see.
 pub(super) fn solve(program: &Program, guess: &[f64], solver: Solver) -> Option<Answer> {
-    let Answer { multipliers, iterations, infeasible } = match solver {
-        Solver::Newton => by_newton(program, guess),
-        _ => interior_point(program)?,
-    };
+    if solver == Solver::Newton {
+        return Some(by_newton(program, guess));
+    }
+    let Answer { multipliers, iterations, infeasible } = interior_point(program)?;
     Some(Answer { multipliers: polish(program, &multipliers), iterations, infeasible })
 }
 
@@ -47,5 +70,8 @@ fn by_newton(program: &Program, guess: &[f64]) -> Answer {
     if !program.solved(&augmented.multipliers, GOAL) {
         augmented.run(GOAL);
     }
-    Answer { iterations: iterations + augmented.steps, multipliers: augmented.multipliers, infeasible: false }
+    let Augmented { multipliers, steps, .. } = augmented;
+    // a crystal that stands still has nothing to gain
+    let multipliers = if program.solved(&multipliers, EXACT) { multipliers } else { sharpen(program, &multipliers) };
+    Answer { iterations: iterations + steps, multipliers, infeasible: false }
 }

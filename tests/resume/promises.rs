@@ -55,7 +55,7 @@ fn an_effect_that_is_off_is_null_and_has_no_column() {
     let columns = Series::read(&here.join("flow")).columns;
     assert!(
         !columns.iter().any(
-            |column| ["contacts", "smallest_gap", "kkt_residual", "contact_iterations", "viscosity_contact"].contains(&column.as_str())
+            |column| ["contacts", "smallest_gap", "kkt_residual", "contact_force", "contact_iterations", "contact_solver", "viscosity_contact"].contains(&column.as_str())
         ),
         "{columns:?}"
     );
@@ -66,6 +66,6 @@ fn an_effect_that_is_off_is_null_and_has_no_column() {
     assert!(summary["contact"].is_object() && summary["motion"].is_object());
     assert_eq!(
         Series::read(&here.join("dry")).columns,
-        ["step", "time", "last_step", "contacts", "smallest_gap", "kkt_residual", "contact_iterations", "seconds"]
+        ["step", "time", "last_step", "contacts", "smallest_gap", "kkt_residual", "contact_force", "contact_iterations", "contact_solver", "seconds"]
     );
 }

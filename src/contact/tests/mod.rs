@@ -3,7 +3,9 @@
 mod crowds;
 mod geometry;
 mod impacts;
+mod rebound;
 mod refusals;
+mod solvers;
 
 use nalgebra::{SVector, Vector2};
 
