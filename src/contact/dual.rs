@@ -74,13 +74,6 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// Goes on from other multipliers.
-    pub fn jump(&mut self, multipliers: Vec<f64>) {
-        self.multipliers = multipliers;
-        self.slacks = self.program.slacks(&self.multipliers);
-        self.turn();
-    }
-
     fn look(&self) -> Look {
         let mut look = Look { residual: 0.0, free: 0.0, bound: 0.0 };
         let rows = self.multipliers.iter().zip(&self.slacks).zip(&self.program.sticky);

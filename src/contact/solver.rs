@@ -32,15 +32,6 @@ pub enum Solver {
 impl Solver {
     /// All of them, in order.
     pub const ALL: [Solver; 3] = [Solver::Formula, Solver::Interior, Solver::Newton];
-
-    /// Its name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Solver::Formula => "formula",
-            Solver::Interior => "interior",
-            Solver::Newton => "newton",
-        }
-    }
 }
 
 /// What a method found.
