@@ -32,6 +32,13 @@ pub(super) fn polish(program: &Program, guess: &[f64]) -> Vec<f64> {
     best.multipliers
 }
 
+/// Multipliers at least as good as the guess, by exact equations only.
+pub(super) fn sharpen(program: &Program, guess: &[f64]) -> Vec<f64> {
+    let mut best = Best::new(program, guess);
+    best.improve(program, STAGES[0]);
+    best.multipliers
+}
+
 /// The best multipliers so far.
 struct Best {
     multipliers: Vec<f64>,
@@ -40,7 +47,8 @@ struct Best {
 
 impl Best {
     fn new(program: &Program, guess: &[f64]) -> Self {
-        let multipliers = clipped(guess);
+        let mut multipliers = guess.to_vec();
+        program.clip(&mut multipliers);
         Self { residual: program.residual(&multipliers), multipliers }
     }
 
@@ -49,7 +57,7 @@ impl Best {
         let mut earlier = Vec::new();
         for _ in 0..GUESSES {
             let slacks = program.slacks(&trial);
-            let active: Vec<usize> = (0..trial.len()).filter(|&row| trial[row] > slacks[row]).collect();
+            let active: Vec<usize> = (0..trial.len()).filter(|&row| program.sticky[row] || trial[row] > slacks[row]).collect();
             let Some(next) = meet(program, &active, &trial, stage) else { return };
             trial = next;
             let found = Self::new(program, &trial);
@@ -67,7 +75,8 @@ impl Best {
 /// Multipliers, zero outside the active set, with which no active constraint has any slack.
 fn meet(program: &Program, active: &[usize], guess: &[f64], (regularization, corrections): (f64, usize)) -> Option<Vec<f64>> {
     let mut multipliers = vec![0.0; guess.len()];
-    active.iter().for_each(|&row| multipliers[row] = guess[row].max(0.0));
+    active.iter().for_each(|&row| multipliers[row] = guess[row]);
+    program.clip(&mut multipliers);
     if active.is_empty() {
         return Some(multipliers);
     }
@@ -87,13 +96,13 @@ fn meet(program: &Program, active: &[usize], guess: &[f64], (regularization, cor
 }
 
 /// The factored matrix `[1, B^T; B, -e]`, where `B` holds the active rows.
-struct Equations {
+pub(super) struct Equations {
     factors: QDLDLFactorisation<f64>,
     unknowns: usize,
 }
 
 impl Equations {
-    fn new(program: &Program, active: &[usize], regularization: f64) -> Option<Self> {
+    pub fn new(program: &Program, active: &[usize], regularization: f64) -> Option<Self> {
         let unknowns = program.transposed.m;
         let (mut starts, mut rows, mut values) =
             ((0..=unknowns).collect::<Vec<_>>(), (0..unknowns).collect::<Vec<_>>(), vec![1.0; unknowns]);
@@ -112,16 +121,12 @@ impl Equations {
     }
 
     /// Changes of the multipliers that take the slacks away.
-    fn solve(&mut self, slacks: impl Iterator<Item = f64>) -> Vec<f64> {
+    pub fn solve(&mut self, slacks: impl Iterator<Item = f64>) -> Vec<f64> {
         let mut vector = vec![0.0; self.unknowns];
         vector.extend(slacks);
         self.factors.solve(&mut vector);
         vector.split_off(self.unknowns)
     }
-}
-
-fn clipped(multipliers: &[f64]) -> Vec<f64> {
-    multipliers.iter().map(|multiplier| multiplier.max(0.0)).collect()
 }
 
 fn rounding(multipliers: &[f64]) -> f64 {

@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use super::{Contact, ContactForce, Problem, island::islands, paths::Path};
+use super::{Contact, ContactForce, Problem, Solver, island::islands, paths::Path};
 
 /// Forces below this part of the largest are rounding.
 const ROUNDING: f64 = 1e-13;
@@ -20,8 +20,12 @@ pub struct Certificate {
     /// Distance from the optimum, the largest of: change of a body that its forces do not explain; force that
     /// pulls; gap closed; force on an open gap. All in radii: forces by how far they push apart in the step.
     pub kkt_residual: f64,
-    /// Most iterations of the interior-point method on one island.
+    /// Sum of all contact forces.
+    pub total_force: f64,
+    /// Most iterations of a method on one island.
     pub iterations: usize,
+    /// The last in the list of [`Solver`]s of those that solved an island.
+    pub solver: Solver,
     /// Islands with a force.
     pub islands: usize,
     /// Times that contacts were added.
@@ -44,7 +48,9 @@ pub(super) fn certify<const D: usize>(
         active: forces.iter().filter(|force| force.force > rounding).count(),
         smallest_gap: paths.iter().map(relative).fold(f64::INFINITY, f64::min),
         kkt_residual: stationarity(problem, velocities, &contacts, forces).max(complementarity(problem, velocities, forces)),
+        total_force: forces.iter().map(|force| force.force).sum(),
         iterations: 0,
+        solver: Solver::Formula,
         islands: islands(problem, &contacts).iter().filter(|island| pushes(island)).count(),
         rounds: 0,
     }

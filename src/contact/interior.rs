@@ -5,30 +5,20 @@ use clarabel::{
     solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT},
 };
 
-use super::program::Program;
+use super::{program::Program, solver::Answer};
 
 /// Relative to the largest gap, which may be far larger than the violations that matter.
 const FEASIBILITY: f64 = 1e-9;
 /// Small, so that forces on open gaps fade; feasibility follows by itself and would, if small, stop progress.
 const DUALITY_GAP: f64 = 1e-12;
 
-/// What the method found.
-pub(super) struct Interior {
-    /// The multipliers.
-    pub multipliers: Vec<f64>,
-    /// Its iterations.
-    pub iterations: usize,
-    /// Whether it found that no unknowns meet all constraints.
-    pub infeasible: bool,
-}
-
 /// Solves a program; `None` if the solver does not accept it.
-pub(super) fn interior_point(program: &Program) -> Option<Interior> {
-    let (unknowns, constraints) = (program.transposed.m, program.transposed.n);
+pub(super) fn interior_point(program: &Program) -> Option<Answer> {
+    let unknowns = program.transposed.m;
     let metric = CscMatrix::identity(unknowns);
     let mut matrix = CscMatrix::from(program.transposed.t());
     matrix.nzval.iter_mut().for_each(|value| *value = -*value);
-    let cones = [SupportedConeT::NonnegativeConeT(constraints)];
+    let cones = cones(&program.sticky);
     let settings = DefaultSettings {
         verbose: false,
         presolve_enable: false,
@@ -41,5 +31,14 @@ pub(super) fn interior_point(program: &Program) -> Option<Interior> {
     let mut solver = DefaultSolver::new(&metric, &vec![0.0; unknowns], &matrix, &program.offsets, &cones, settings).ok()?;
     solver.solve();
     let infeasible = matches!(solver.solution.status, SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible);
-    Some(Interior { multipliers: solver.solution.z, iterations: solver.solution.iterations as usize, infeasible })
+    Some(Answer { multipliers: solver.solution.z, iterations: solver.solution.iterations as usize, infeasible })
+}
+
+/// One cone for each run of rows of a kind.
+fn cones(sticky: &[bool]) -> Vec<SupportedConeT<f64>> {
+    let cone = |run: &[bool]| match run[0] {
+        true => SupportedConeT::ZeroConeT(run.len()),
+        false => SupportedConeT::NonnegativeConeT(run.len()),
+    };
+    sticky.chunk_by(|one, two| one == two).map(cone).collect()
 }

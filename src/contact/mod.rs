@@ -5,26 +5,43 @@
 //! forces: they push, never pull, and act only where a gap closes. Balls are convex, so that a gap that
 //! the linear constraint keeps open stays open on the whole way, however long the step.
 //!
+//! Bodies that meet go on together: nothing rebounds, which makes motions unique. With a rebound they need not be (Bressan 1960,
+//! Schatzman 1978, Ballard 2000): take a point above a floor, `q >= 0`, `q(0) = q'(0) = 0`, pressed down by a force that on
+//! `(t_(n+1), t_n)`, `t_n = 1/(n+1)`, is zero on the first half and `-8 v_(n+1) / (t_n - t_(n+1))` on the second, `v_n = 3^-n`. It may
+//! lie still; and if it keeps its speed at each impact it may as well leave the floor at each `t_(n+1)` with `v_(n+1)` and land at
+//! `t_n` with `3 v_(n+1) = v_n`. Pieces of other lengths do the same to any rebound. Without one the point lies still, and so it does here.
+//!
+//! An island is a quadratic program, solved by one of two methods ([`Solver`]) that are held to the same tolerance; if the fast one
+//! stalls the sure one follows, and if that fails too the step is an [error](crate::error::Error::Contact) that carries the [`Island`].
+//!
 //! This module knows balls, walls and weights. It does not know what the weights mean (mass, resistance),
 //! nor fluid, friction or torque: balls touch along the line of their centres.
 
 mod active;
+mod augmented;
 mod candidates;
 mod certificate;
+mod dual;
 mod failure;
 mod groups;
 mod interior;
 mod island;
+mod memory;
 mod paths;
 mod problem;
 mod program;
 mod project;
+mod replay;
 mod share;
+mod solver;
 
 #[cfg(test)]
 mod tests;
 
 pub use candidates::{Contact, Partner, candidates};
 pub use certificate::Certificate;
+pub use memory::Memory;
 pub use problem::Problem;
-pub use project::{ContactForce, Projection, project};
+pub use project::{ContactForce, Projection, project, project_from};
+pub use replay::Island;
+pub use solver::Solver;

@@ -11,6 +11,8 @@ pub(super) struct Program {
     pub transposed: CscMatrix<f64>,
     /// `c`.
     pub offsets: Vec<f64>,
+    /// Rows that are equations: their multipliers have any sign.
+    pub sticky: Vec<bool>,
 }
 
 impl Program {
@@ -20,26 +22,50 @@ impl Program {
         (colptr[constraint]..colptr[constraint + 1]).map(|entry| (rowval[entry], nzval[entry]))
     }
 
-    /// `s = A A^T z + c`.
-    pub fn slacks(&self, multipliers: &[f64]) -> Vec<f64> {
-        let mut unknowns = vec![0.0; self.transposed.m];
+    /// `x = A^T z`.
+    pub fn push(&self, multipliers: &[f64], unknowns: &mut [f64]) {
+        unknowns.fill(0.0);
         for (constraint, multiplier) in multipliers.iter().enumerate() {
             self.row(constraint).for_each(|(place, value)| unknowns[place] += value * multiplier);
         }
-        let change = |constraint| self.row(constraint).map(|(place, value)| value * unknowns[place]).sum::<f64>();
-        self.offsets.iter().enumerate().map(|(constraint, offset)| offset + change(constraint)).collect()
     }
 
-    /// Whether multipliers, none negative, leave no slack below `-tolerance`, and do no more work than that part on slacks.
+    /// `A x`.
+    pub fn open(&self, unknowns: &[f64], changes: &mut [f64]) {
+        for (constraint, change) in changes.iter_mut().enumerate() {
+            *change = self.row(constraint).map(|(place, value)| value * unknowns[place]).sum();
+        }
+    }
+
+    /// `s = A A^T z + c`.
+    pub fn slacks(&self, multipliers: &[f64]) -> Vec<f64> {
+        let mut unknowns = vec![0.0; self.transposed.m];
+        let mut slacks = vec![0.0; self.offsets.len()];
+        self.push(multipliers, &mut unknowns);
+        self.open(&unknowns, &mut slacks);
+        slacks.iter_mut().zip(&self.offsets).for_each(|(slack, offset)| *slack += offset);
+        slacks
+    }
+
+    /// Makes multipliers zero that are negative and must not be.
+    pub fn clip(&self, multipliers: &mut [f64]) {
+        let rows = multipliers.iter_mut().zip(&self.sticky);
+        rows.filter(|(_, sticky)| !**sticky).for_each(|(multiplier, _)| *multiplier = multiplier.max(0.0));
+    }
+
+    /// Whether multipliers, none negative that must not be, leave no slack below `-tolerance`, none at all in equations, and do no
+    /// more work than that part on slacks.
     pub fn solved(&self, multipliers: &[f64], tolerance: f64) -> bool {
         let slacks = self.slacks(multipliers);
         let sum = |values: &[f64]| values.iter().zip(multipliers).map(|(value, multiplier)| value * multiplier).sum::<f64>();
         let work = -sum(&self.offsets);
-        slacks.iter().all(|slack| *slack >= -tolerance) && sum(&slacks).abs() <= tolerance * work.max(1.0)
+        let kept = |(slack, sticky): (&f64, &bool)| *slack >= -tolerance && (!sticky || *slack <= tolerance);
+        slacks.iter().zip(&self.sticky).all(kept) && sum(&slacks).abs() <= tolerance * work.max(1.0)
     }
 
-    /// Distance from the solution: the largest `|min(z, s)|`.
+    /// Distance from the solution: the largest `|min(z, s)|`, and `|s|` of equations.
     pub fn residual(&self, multipliers: &[f64]) -> f64 {
-        self.slacks(multipliers).iter().zip(multipliers).map(|(slack, multiplier)| slack.min(*multiplier).abs()).fold(0.0, f64::max)
+        let rows = self.slacks(multipliers).into_iter().zip(multipliers).zip(&self.sticky);
+        rows.map(|((slack, multiplier), sticky)| if *sticky { slack } else { slack.min(*multiplier) }.abs()).fold(0.0, f64::max)
     }
 }

@@ -9,7 +9,7 @@ use std::collections::HashSet;
 use nalgebra::SVector;
 
 use super::{
-    Certificate, Contact, Partner, Problem,
+    Certificate, Contact, Memory, Partner, Problem, Solver,
     certificate::certify,
     failure::{check, endless, failure},
     groups::Groups,
@@ -58,16 +58,25 @@ pub struct Projection<const D: usize> {
 /// [`Error::Contact`](crate::error::Error::Contact) if bodies are squeezed with no way out, a velocity is not
 /// finite, the step is absurdly long, or the solver fails.
 pub fn project<const D: usize>(world: &World, problem: &Problem<D>) -> Result<Projection<D>> {
-    project_by(problem, |contacts, islands| solve_shared(world, problem, contacts, islands))
+    project_from(world, problem, &Memory::default())
+}
+
+/// The same projection, found sooner if the forces are like those of an earlier step.
+///
+/// # Errors
+/// As [`project`].
+pub fn project_from<const D: usize>(world: &World, problem: &Problem<D>, memory: &Memory<D>) -> Result<Projection<D>> {
+    project_by(problem, memory, |contacts, guess, islands| solve_shared(world, problem, (contacts, guess), islands))
 }
 
 /// The projection, given how to solve islands.
 pub(super) fn project_by<const D: usize>(
     problem: &Problem<D>,
-    solve: impl Fn(&[Contact<D>], &[Vec<usize>]) -> Vec<Outcome>,
+    memory: &Memory<D>,
+    solve: impl Fn(&[Contact<D>], &[f64], &[Vec<usize>]) -> Vec<Outcome>,
 ) -> Result<Projection<D>> {
     check(problem)?;
-    let mut state = State::new(problem);
+    let mut state = State::new(problem, memory);
     for round in 0..ROUNDS {
         let nearness = LARGEST_NEARNESS.min(NEARNESS * f64::powi(2.0, round as i32));
         let paths = paths(problem, &state.velocities, nearness);
@@ -76,7 +85,7 @@ pub(super) fn project_by<const D: usize>(
             return Ok(state.finish(&paths, round));
         }
         let changed = state.add(wanting);
-        let outcomes = solve(&state.contacts, &changed);
+        let outcomes = solve(&state.contacts, &state.forces, &changed);
         state.take(&changed, outcomes)?;
     }
     Err(endless(problem, ROUNDS, state.contacts.len()))
@@ -85,17 +94,28 @@ pub(super) fn project_by<const D: usize>(
 /// Where the rounds stand.
 struct State<'a, const D: usize> {
     problem: &'a Problem<'a, D>,
+    memory: &'a Memory<D>,
     contacts: Vec<Contact<D>>,
     known: HashSet<(usize, Partner, [i32; D])>,
     forces: Vec<f64>,
     velocities: Vec<SVector<f64, D>>,
     iterations: usize,
+    solver: Solver,
 }
 
 impl<'a, const D: usize> State<'a, D> {
-    fn new(problem: &'a Problem<'a, D>) -> Self {
+    fn new(problem: &'a Problem<'a, D>, memory: &'a Memory<D>) -> Self {
         let velocities = problem.velocities.to_vec();
-        Self { problem, contacts: Vec::new(), known: HashSet::new(), forces: Vec::new(), velocities, iterations: 0 }
+        Self {
+            problem,
+            memory,
+            contacts: Vec::new(),
+            known: HashSet::new(),
+            forces: Vec::new(),
+            velocities,
+            iterations: 0,
+            solver: Solver::Formula,
+        }
     }
 
     /// Pairs that overlap on the way, and pairs near the bodies that they hang together with; empty if none overlap.
@@ -126,8 +146,8 @@ impl<'a, const D: usize> State<'a, D> {
     fn add(&mut self, fresh: Vec<Contact<D>>) -> Vec<Vec<usize>> {
         let earlier = self.contacts.len();
         self.known.extend(fresh.iter().map(Contact::identity));
+        self.forces.extend(fresh.iter().map(|contact| self.memory.force(contact)));
         self.contacts.extend(fresh);
-        self.forces.resize(self.contacts.len(), 0.0);
         let mut changed = islands(self.problem, &self.contacts);
         changed.retain(|island| island.iter().any(|&place| place >= earlier));
         changed
@@ -135,12 +155,12 @@ impl<'a, const D: usize> State<'a, D> {
 
     fn take(&mut self, islands: &[Vec<usize>], outcomes: Vec<Outcome>) -> Result<()> {
         for (island, outcome) in islands.iter().zip(outcomes) {
-            let Outcome::Solved { forces, iterations } = outcome else {
+            let Outcome::Solved { forces, iterations, solver } = outcome else {
                 let contacts: Vec<_> = island.iter().map(|&place| self.contacts[place]).collect();
                 return Err(failure(self.problem, &contacts, &outcome));
             };
             island.iter().zip(forces).for_each(|(&place, force)| self.forces[place] = force);
-            self.iterations = self.iterations.max(iterations);
+            (self.iterations, self.solver) = (self.iterations.max(iterations), self.solver.max(solver));
         }
         self.velocities = self.problem.turned_aside(&self.contacts, &self.forces);
         Ok(())
@@ -150,7 +170,12 @@ impl<'a, const D: usize> State<'a, D> {
         let pairs = self.contacts.into_iter().zip(self.forces);
         let mut forces: Vec<_> = pairs.map(|(contact, force)| ContactForce { contact, force }).collect();
         forces.sort_unstable_by_key(|force| force.contact.identity());
-        let certificate = Certificate { iterations: self.iterations, rounds, ..certify(self.problem, &self.velocities, &forces, paths) };
+        let certificate = Certificate {
+            iterations: self.iterations,
+            solver: self.solver,
+            rounds,
+            ..certify(self.problem, &self.velocities, &forces, paths)
+        };
         Projection { velocities: self.velocities, forces, certificate }
     }
 }

@@ -1,7 +1,7 @@
 //! Islands dealt out to the ranks, and their forces gathered again. Everything here is collective.
 
 use super::{
-    Contact, Problem,
+    Contact, Problem, Solver,
     island::{Outcome, solve_island},
 };
 use crate::parallel::World;
@@ -13,14 +13,13 @@ const WORK_POWER: f64 = 1.5;
 pub(super) fn solve_shared<const D: usize>(
     world: &World,
     problem: &Problem<D>,
-    contacts: &[Contact<D>],
+    (contacts, guess): (&[Contact<D>], &[f64]),
     islands: &[Vec<usize>],
 ) -> Vec<Outcome> {
     let owners = deal(islands, world.size());
     let mut numbers = Vec::new();
     for (island, _) in islands.iter().zip(&owners).filter(|&(_, &owner)| owner == world.rank()) {
-        let contacts: Vec<_> = island.iter().map(|&place| contacts[place]).collect();
-        write(&solve_island(problem, &contacts), contacts.len(), &mut numbers);
+        write(&solve_island(problem, &pick(contacts, island), &pick(guess, island)), island.len(), &mut numbers);
     }
     let all = world.gather(&numbers);
     let mut outcomes = vec![Outcome::Stalled; islands.len()];
@@ -28,11 +27,16 @@ pub(super) fn solve_shared<const D: usize>(
     for rank in 0..world.size() {
         for place in (0..islands.len()).filter(|&place| owners[place] == rank) {
             let record;
-            (record, rest) = rest.split_at(islands[place].len() + 1);
+            (record, rest) = rest.split_at(islands[place].len() + 2);
             outcomes[place] = read(record);
         }
     }
     outcomes
+}
+
+/// What belongs to the contacts of an island.
+pub(super) fn pick<T: Copy>(of_all: &[T], island: &[usize]) -> Vec<T> {
+    island.iter().map(|&place| of_all[place]).collect()
 }
 
 /// The rank that solves each island: the largest first, each to the rank with the least work so far.
@@ -49,16 +53,16 @@ fn deal(islands: &[Vec<usize>], ranks: usize) -> Vec<usize> {
     owners
 }
 
-/// Appends the iterations, or what failed as a negative number, and the forces.
+/// Appends the iterations, or what failed as a negative number, the method, and the forces.
 fn write(outcome: &Outcome, contacts: usize, numbers: &mut Vec<f64>) {
     match outcome {
-        Outcome::Solved { forces, iterations } => {
-            numbers.push(*iterations as f64);
+        Outcome::Solved { forces, iterations, solver } => {
+            numbers.extend([*iterations as f64, f64::from(*solver as u8)]);
             numbers.extend(forces);
         }
         Outcome::Squeezed | Outcome::Stalled => {
             numbers.push(if *outcome == Outcome::Squeezed { -1.0 } else { -2.0 });
-            numbers.resize(numbers.len() + contacts, 0.0);
+            numbers.resize(numbers.len() + contacts + 1, 0.0);
         }
     }
 }
@@ -67,7 +71,10 @@ fn read(record: &[f64]) -> Outcome {
     match record[0] {
         -1.0 => Outcome::Squeezed,
         -2.0 => Outcome::Stalled,
-        iterations => Outcome::Solved { forces: record[1..].to_vec(), iterations: iterations as usize },
+        iterations => {
+            let solver = Solver::ALL[record[1] as usize];
+            Outcome::Solved { forces: record[2..].to_vec(), iterations: iterations as usize, solver }
+        }
     }
 }
 
@@ -84,11 +91,11 @@ mod tests {
 
     #[test]
     fn outcomes_survive_as_numbers() {
-        let solved = Outcome::Solved { forces: vec![0.5, 0.0], iterations: 7 };
+        let solved = Outcome::Solved { forces: vec![0.5, 0.0], iterations: 7, solver: Solver::Newton };
         for outcome in [solved, Outcome::Squeezed, Outcome::Stalled] {
             let mut numbers = Vec::new();
             write(&outcome, 2, &mut numbers);
-            assert_eq!((numbers.len(), read(&numbers)), (3, outcome));
+            assert_eq!((numbers.len(), read(&numbers)), (4, outcome));
         }
     }
 }

@@ -8,6 +8,7 @@ use std::{
 
 use super::{CurvePoint, write_whole};
 use crate::{
+    contact::Solver,
     error::{Error, Result},
     observe::Viscosity,
     simulation::Effort,
@@ -35,7 +36,7 @@ pub struct Row {
 }
 
 /// Contacts at an instant, and how well they were kept in the step that led there.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactNumbers {
     /// Contacts that bear a force.
     pub active: usize,
@@ -43,8 +44,12 @@ pub struct ContactNumbers {
     pub smallest_gap: f64,
     /// Residual of the optimality conditions.
     pub kkt_residual: f64,
-    /// Iterations of the interior-point method on the island that took most.
+    /// Sum of all contact forces that were found in that step.
+    pub total_force: f64,
+    /// Iterations of the contact solver on the island that took most.
     pub iterations: usize,
+    /// The contact solver: 0 by a formula, 1 interior point, 2 Newton.
+    pub solver: Solver,
 }
 
 /// The file, open for further rows. Only the first rank has one.
@@ -72,7 +77,9 @@ impl Row {
             cells.push(("contacts", contact.active.to_string()));
             cells.push(("smallest_gap", number(contact.smallest_gap)));
             cells.push(("kkt_residual", number(contact.kkt_residual)));
+            cells.push(("contact_force", number(contact.total_force)));
             cells.push(("contact_iterations", contact.iterations.to_string()));
+            cells.push(("contact_solver", (contact.solver as u8).to_string()));
         }
         if self.flow {
             cells.push(("solves", self.effort.solves.to_string()));

@@ -162,7 +162,7 @@ impl<const D: usize> Dynamics<D> for Dry<D> {
             let weights: Vec<f64> = self.setup.bodies.iter().map(|body| body.mass / step).collect();
             let velocities: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
             let problem = Problem { domain: &self.setup.domain, balls: &balls, weights: &weights, velocities: &velocities, step };
-            let projection = contact::project(self.session.world(), &problem)?;
+            let projection = contact::project_from(self.session.world(), &problem, &state.memory())?;
             moves.iter_mut().zip(projection.velocities).for_each(|(twist, velocity)| twist.velocity = velocity);
             (contacts, certificate) = (projection.forces, Some(projection.certificate));
         } else {

@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::{
     body::Twist,
-    contact::{ContactForce, Partner},
+    contact::{ContactForce, Memory, Partner},
     geometry::Ball,
 };
 
@@ -70,6 +70,11 @@ impl<const D: usize> State<D> {
     /// The bodies as balls with these radii.
     pub fn balls(&self, radii: &[f64]) -> Vec<Ball<D>> {
         self.bodies.iter().zip(radii).map(|(body, &radius)| Ball { center: body.center, radius }).collect()
+    }
+
+    /// The contact forces of the last step.
+    pub fn memory(&self) -> Memory<D> {
+        self.held.iter().map(|held| ((held.body, held.partner, held.image), held.force)).collect()
     }
 
     /// Moves every body for a step.

@@ -54,9 +54,16 @@ fn an_effect_that_is_off_is_null_and_has_no_column() {
     assert!(summary["contact"].is_null() && summary["motion"].is_object() && summary["viscosity"]["contact"].is_null());
     let columns = Series::read(&here.join("flow")).columns;
     assert!(
-        !columns.iter().any(
-            |column| ["contacts", "smallest_gap", "kkt_residual", "contact_iterations", "viscosity_contact"].contains(&column.as_str())
-        ),
+        !columns.iter().any(|column| [
+            "contacts",
+            "smallest_gap",
+            "kkt_residual",
+            "contact_force",
+            "contact_iterations",
+            "contact_solver",
+            "viscosity_contact"
+        ]
+        .contains(&column.as_str())),
         "{columns:?}"
     );
     let summary = run(1, &write(&here, DRY), &here.join("dry"), &[]);
@@ -66,6 +73,17 @@ fn an_effect_that_is_off_is_null_and_has_no_column() {
     assert!(summary["contact"].is_object() && summary["motion"].is_object());
     assert_eq!(
         Series::read(&here.join("dry")).columns,
-        ["step", "time", "last_step", "contacts", "smallest_gap", "kkt_residual", "contact_iterations", "seconds"]
+        [
+            "step",
+            "time",
+            "last_step",
+            "contacts",
+            "smallest_gap",
+            "kkt_residual",
+            "contact_force",
+            "contact_iterations",
+            "contact_solver",
+            "seconds"
+        ]
     );
 }

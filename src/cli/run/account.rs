@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use crate::{
-    contact::Certificate,
+    contact::{Certificate, Solver},
     error::{Error, Result},
     output::MotionSummary,
     simulation::{Effort, StepReport, View},
@@ -88,9 +88,11 @@ impl Account {
         if let Some(StepReport { length, certificate, effort }) = self.last {
             let Effort { solves, iterations, assembly, solving, contact } = effort;
             numbers.extend([length, solves as f64, iterations as f64, assembly, solving, contact]);
-            if let Some(Certificate { pairs, active, smallest_gap, kkt_residual, iterations, islands, rounds }) = certificate {
-                numbers.extend([smallest_gap, kkt_residual]);
-                numbers.extend([pairs, active, iterations, islands, rounds].map(|count| count as f64));
+            if let Some(Certificate { pairs, active, smallest_gap, kkt_residual, total_force, iterations, solver, islands, rounds }) =
+                certificate
+            {
+                numbers.extend([smallest_gap, kkt_residual, total_force]);
+                numbers.extend([pairs, active, iterations, solver as usize, islands, rounds].map(|count| count as f64));
             }
         }
         numbers
@@ -134,9 +136,11 @@ impl Account {
 fn certificate(numbers: &[f64]) -> Option<Option<Certificate>> {
     match *numbers {
         [] => Some(None),
-        [smallest_gap, kkt_residual, pairs, active, iterations, islands, rounds] => {
-            let [pairs, active, iterations, islands, rounds] = [pairs, active, iterations, islands, rounds].map(|count| count as usize);
-            Some(Some(Certificate { pairs, active, smallest_gap, kkt_residual, iterations, islands, rounds }))
+        [smallest_gap, kkt_residual, total_force, pairs, active, iterations, solver, islands, rounds] => {
+            let [pairs, active, iterations, solver, islands, rounds] =
+                [pairs, active, iterations, solver, islands, rounds].map(|count| count as usize);
+            let solver = *Solver::ALL.get(solver)?;
+            Some(Some(Certificate { pairs, active, smallest_gap, kkt_residual, total_force, iterations, solver, islands, rounds }))
         }
         _ => None,
     }

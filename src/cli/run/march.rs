@@ -42,10 +42,15 @@ pub fn run<const D: usize>(
     let outputs = Outputs::open(world, scene, folder, &simulation)?;
     let mut march = March { world, scene, folder, calibrated, simulation, outputs, account };
     let outcome = march.reach_the_end(&signals);
-    if let (Err(Error::Contact { island, .. }), 0) = (&outcome, world.rank()) {
-        output::write_whole(&folder.join("island.json"), island.as_bytes())?;
-    }
-    outcome
+    keep_island(world, folder, outcome)
+}
+
+/// Writes the island that was not solved beside the other files, and says so.
+fn keep_island(world: &World, folder: &Path, outcome: Result<()>) -> Result<()> {
+    let Err(Error::Contact { text, island }) = outcome else { return outcome };
+    let path = folder.join("contact-island.json");
+    world.agree(if world.rank() == 0 { output::write_whole(&path, island.as_bytes()) } else { Ok(()) })?;
+    Err(Error::Contact { text: format!("{text}; the problem is in {}", path.display()), island })
 }
 
 /// Width in pixels of the picture of dry bodies.

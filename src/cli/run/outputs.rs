@@ -7,7 +7,7 @@ use std::{
 
 use super::{account::Account, folder::CHECKPOINT};
 use crate::{
-    contact::Partner,
+    contact::{Partner, Solver},
     error::Result,
     geometry::Ball,
     observe::{self, CellCenters, Viscosity},
@@ -145,7 +145,9 @@ impl<const D: usize> Outputs<D> {
             active: held(state, view).len(),
             smallest_gap: certificate.map_or(f64::INFINITY, |certificate| certificate.smallest_gap),
             kkt_residual: certificate.map_or(0.0, |certificate| certificate.kkt_residual),
+            total_force: certificate.map_or(0.0, |certificate| certificate.total_force),
             iterations: certificate.map_or(0, |certificate| certificate.iterations),
+            solver: certificate.map_or(Solver::Formula, |certificate| certificate.solver),
         });
         let seconds = std::mem::replace(&mut self.last_row, Instant::now()).elapsed().as_secs_f64();
         Row {

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use super::*;
 
 /// Balls of several sizes at random, that do not overlap; many of the tries fail.
-fn crowd<const D: usize>(domain: Domain<D>, tries: usize, speed: f64, seed: u64) -> Scene<D> {
+pub(super) fn crowd<const D: usize>(domain: Domain<D>, tries: usize, speed: f64, seed: u64) -> Scene<D> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut balls: Vec<Ball<D>> = Vec::new();
     for _ in 0..tries {
@@ -103,7 +103,7 @@ fn units_do_not_matter() {
 }
 
 /// Disks of radius 1 in a triangular lattice on the floor, between walls that fit.
-fn crystal(across: usize, up: usize) -> Scene<2> {
+pub(super) fn crystal(across: usize, up: usize) -> Scene<2> {
     let height = 3f64.sqrt();
     let place = |row: usize, column: usize| [1.0 + 2.0 * column as f64 + (row % 2) as f64, 1.0 + height * row as f64];
     let bodies: Vec<_> = (0..up).flat_map(|row| (0..across).map(move |column| (place(row, column), [0.0, -1e-3]))).collect();

@@ -3,11 +3,13 @@
 mod crowds;
 mod geometry;
 mod impacts;
+mod rebound;
 mod refusals;
+mod solvers;
 
 use nalgebra::{SVector, Vector2};
 
-use super::{Problem, Projection, island::solve_island, project::project_by};
+use super::{Memory, Problem, Projection, island::solve_island, project::project_by, share::pick};
 use crate::{
     error::Result,
     geometry::{Axis, Ball, Domain, Slide},
@@ -40,9 +42,8 @@ impl<const D: usize> Scene<D> {
 
     fn solve(&self) -> Result<Projection<D>> {
         let problem = self.problem();
-        project_by(&problem, |contacts, islands| {
-            let pick = |island: &Vec<usize>| island.iter().map(|&place| contacts[place]).collect::<Vec<_>>();
-            islands.iter().map(|island| solve_island(&problem, &pick(island))).collect()
+        project_by(&problem, &Memory::default(), |contacts, guess, islands| {
+            islands.iter().map(|island| solve_island(&problem, &pick(contacts, island), &pick(guess, island))).collect()
         })
     }
 

@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 use serde_json::Value;
 
 use super::*;
-use crate::error::Error;
+use crate::{contact::Island, error::Error};
 
 fn refusal(scene: &Scene<2>) -> (String, Value) {
     let error = scene.solve().unwrap_err();
@@ -56,4 +56,17 @@ fn an_absurd_step_is_refused() {
     scene.domain = domain([200.0, 100.0], [true, true]);
     scene.step = 1e9;
     assert!(refusal(&scene).0.starts_with("body 1 moves by 1.000e9 of its radius in one step"), "{}", refusal(&scene).0);
+}
+
+#[test]
+fn an_island_read_back_fails_again_in_the_same_way() {
+    let mut scene = row(3, |body| Vector2::new(1.0 - body as f64, 0.0));
+    (scene.weights[0], scene.weights[2]) = (f64::INFINITY, f64::INFINITY);
+    let Error::Contact { text, island } = scene.solve().unwrap_err() else { panic!("no contact error") };
+    let Island { domain, balls, weights, velocities, step } = Island::<2>::read(&island).unwrap();
+    let again = Scene { domain, balls, weights, velocities, step };
+    let Error::Contact { text: found, island: written } = again.solve().unwrap_err() else { panic!("no contact error") };
+    assert_eq!((found, written), (text, island.clone()));
+    assert!(matches!(Island::<3>::read(&island), Err(Error::Refused(_))));
+    assert!(matches!(Island::<2>::read("{}"), Err(Error::Refused(_))));
 }
