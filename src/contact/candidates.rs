@@ -18,6 +18,9 @@ pub enum Partner {
     },
 }
 
+/// What tells a contact from all others, from step to step: the body, its partner, and the image of it.
+pub type Identity<const D: usize> = (usize, Partner, [i32; D]);
+
 /// A body and a partner that touch, or may within a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact<const D: usize> {
@@ -43,6 +46,12 @@ impl<const D: usize> Contact<D> {
         let (ball, other) = (&balls[body], &balls[partner]);
         let shift = separation - (other.center - ball.center);
         let image = std::array::from_fn(|axis| (shift[axis] / domain.size[axis]).round() as i32);
+        Self::of_image(domain, balls, [body, partner], image)
+    }
+
+    /// The contact of two balls of which the second one's image is known.
+    fn of_image(domain: &Domain<D>, balls: &[Ball<D>], [body, partner]: [usize; 2], image: [i32; D]) -> Self {
+        let (ball, other) = (&balls[body], &balls[partner]);
         let offset = SVector::from_fn(|axis, _| f64::from(image[axis]) * domain.size[axis]);
         let separation = other.center + offset - ball.center;
         let distance = separation.norm();
@@ -60,6 +69,14 @@ impl<const D: usize> Contact<D> {
         Self { body, partner: Partner::Wall { axis, upper }, image: [0; D], normal, separation, gap: separation - ball.radius }
     }
 
+    /// The contact of this identity, with bodies where they are now.
+    pub fn again(domain: &Domain<D>, balls: &[Ball<D>], (body, partner, image): Identity<D>) -> Self {
+        match partner {
+            Partner::Body(other) => Self::of_image(domain, balls, [body, other], image),
+            Partner::Wall { axis, upper } => Self::of_wall(domain, balls, body, axis, upper),
+        }
+    }
+
     /// The partner, if it is a body.
     pub fn other(&self) -> Option<usize> {
         match self.partner {
@@ -69,7 +86,7 @@ impl<const D: usize> Contact<D> {
     }
 
     /// What tells this contact from all others, from step to step.
-    pub fn identity(&self) -> (usize, Partner, [i32; D]) {
+    pub fn identity(&self) -> Identity<D> {
         (self.body, self.partner, self.image)
     }
 

@@ -3,7 +3,7 @@
 use clarabel::algebra::CscMatrix;
 use nalgebra::SVector;
 
-use super::{Contact, Problem, active::polish, groups::Groups, interior::interior_point, program::Program};
+use super::{Contact, Problem, active::polish, groups::Groups, interior::interior_point, pulling::solve_above, program::Program};
 
 /// Smallest violation, in radii, that the unknowns are scaled by: impossible constraints by rounding are none.
 const SMALLEST_SCALE: f64 = 1e-6;
@@ -56,24 +56,33 @@ pub(super) fn solve_island<const D: usize>(problem: &Problem<D>, contacts: &[Con
     }
     if let [contact] = contacts {
         let force = -problem.gap_after(contact, problem.velocities) / (problem.mobility(contact) * problem.step);
-        return Outcome::Solved { forces: vec![force], iterations: 0 };
+        return Outcome::Solved { forces: vec![force.max(problem.floor(contact))], iterations: 0 };
     }
     let program = program(problem, contacts, &unit);
-    let Some(interior) = interior_point(&program) else { return Outcome::Stalled };
-    let multipliers = polish(&program, &interior.multipliers);
-    if program.solved(&multipliers, TOLERANCE) {
-        let forces = contacts.iter().zip(multipliers).map(|(contact, multiplier)| multiplier * unit.force(problem, contact)).collect();
-        Outcome::Solved { forces, iterations: interior.iterations }
-    } else if interior.infeasible {
-        Outcome::Squeezed
-    } else {
-        Outcome::Stalled
+    let floors: Vec<f64> = contacts.iter().map(|contact| problem.floor(contact) / unit.force(problem, contact)).collect();
+    let in_units = |(contact, multiplier): (&Contact<D>, f64)| multiplier * unit.force(problem, contact);
+    match solve_above(program, &floors) {
+        Ok((multipliers, iterations)) => {
+            Outcome::Solved { forces: contacts.iter().zip(multipliers).map(in_units).collect(), iterations }
+        }
+        Err(outcome) => outcome,
+    }
+}
+
+/// The multipliers of a program, and the iterations of the interior-point method; or what went wrong.
+pub(super) fn solve(program: &Program) -> Result<(Vec<f64>, usize), Outcome> {
+    let Some(interior) = interior_point(program) else { return Err(Outcome::Stalled) };
+    let multipliers = polish(program, &interior.multipliers);
+    match program.solved(&multipliers, TOLERANCE) {
+        true => Ok((multipliers, interior.iterations)),
+        false if interior.infeasible => Err(Outcome::Squeezed),
+        false => Err(Outcome::Stalled),
     }
 }
 
 /// The unit of a gap times the root of a weight.
 struct Unit {
-    /// The largest violation by the velocities wanted.
+    /// The largest violation by the velocities wanted; of contacts that may pull also the largest gap.
     violation: f64,
     /// The unit: that violation, but not too small a part of a radius.
     scale: f64,
@@ -84,7 +93,8 @@ impl Unit {
         let (mut violation, mut scale) = (0.0f64, 0.0f64);
         for contact in contacts {
             let root = problem.mobility(contact).sqrt();
-            violation = violation.max(-problem.gap_after(contact, problem.velocities) / root);
+            let gap = problem.gap_after(contact, problem.velocities) / root;
+            violation = violation.max(if problem.floor(contact) < 0.0 { gap.abs() } else { -gap });
             scale = scale.max(SMALLEST_SCALE * contact.smaller_radius(problem.balls) / root);
         }
         Self { violation, scale: scale.max(violation) }

@@ -39,12 +39,13 @@ pub struct Row {
 pub struct ContactNumbers {
     /// Contacts that bear a force.
     pub active: usize,
+    /// Contacts that stick, if contacts are gluey.
+    pub stuck: Option<usize>,
     /// Smallest gap in radii of the smaller body, infinite if no two are near each other.
     pub smallest_gap: f64,
-    /// Residual of the optimality conditions.
-    pub kkt_residual: f64,
-    /// Iterations of the interior-point method on the island that took most.
-    pub iterations: usize,
+    /// If velocities are projected: residual of the optimality conditions, and iterations of the interior-point method on the
+    /// island that took most.
+    pub projection: Option<(f64, usize)>,
 }
 
 /// The file, open for further rows. Only the first rank has one.
@@ -71,9 +72,12 @@ impl Row {
         }
         if let Some(contact) = &self.contact {
             cells.push(("contacts", contact.active.to_string()));
+            cells.extend(contact.stuck.map(|stuck| ("stuck", stuck.to_string())));
             cells.push(("smallest_gap", number(contact.smallest_gap)));
-            cells.push(("kkt_residual", number(contact.kkt_residual)));
-            cells.push(("contact_iterations", contact.iterations.to_string()));
+            if let Some((residual, iterations)) = contact.projection {
+                cells.push(("kkt_residual", number(residual)));
+                cells.push(("contact_iterations", iterations.to_string()));
+            }
         }
         if self.flow {
             cells.push(("solves", self.effort.solves.to_string()));

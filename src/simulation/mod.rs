@@ -12,6 +12,7 @@ mod dynamics;
 mod faster;
 mod fitted;
 mod flow_solver;
+mod law;
 mod memory;
 mod pace;
 mod placement;

@@ -17,6 +17,8 @@ pub struct Pace {
     pub time: TimeSection,
     /// Radii of the bodies.
     pub radii: Vec<f64>,
+    /// The longest step with which contact is stable; infinite if it limits none.
+    pub longest: f64,
 }
 
 /// A body's motion as far as steps depend on it.
@@ -50,7 +52,7 @@ impl Pace {
         let natural = match self.time.step {
             Step::Fixed(step) => step,
             Step::Auto => {
-                let longest = if last_step > 0.0 { GROWTH * last_step } else { self.time.end };
+                let longest = self.longest.min(if last_step > 0.0 { GROWTH * last_step } else { self.time.end });
                 motion.iter().zip(&self.radii).map(|(urge, radius)| reach(urge, self.time.travel * radius)).fold(longest, f64::min)
             }
         };

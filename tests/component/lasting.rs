@@ -183,7 +183,7 @@ fn frames_give_back_their_bodies(session: &Session) {
         for step in 0..3 {
             // the first frame has no bodies
             let bodies = bodies(domain, step, 5 * step);
-            frames.write(session.world(), &Frame { time: 0.1 * step as f64, step, domain, bodies: &bodies, fields: None }).unwrap();
+            frames.write(session.world(), &Frame { time: 0.1 * step as f64, step, domain, bodies: &bodies, contacts: None, fields: None }).unwrap();
             let read = read_frames::<D>(&folder).unwrap();
             assert_eq!((read.len(), read[step].step, read[step].time), (step + 1, step, 0.1 * step as f64));
             assert_eq!(read[step].size, domain.size);
@@ -196,7 +196,7 @@ fn frames_give_back_their_bodies(session: &Session) {
     boxes_3d().for_each(|domain| proof(session, &domain));
     let folder = folder(session);
     let mut frames = Frames::create(session.world(), &folder).unwrap();
-    frames.write(session.world(), &Frame { time: 0.0, step: 0, domain: &domain(BOXES_2D[0]), bodies: &[], fields: None }).unwrap();
+    frames.write(session.world(), &Frame { time: 0.0, step: 0, domain: &domain(BOXES_2D[0]), bodies: &[], contacts: None, fields: None }).unwrap();
     let error = read_frames::<3>(&folder).unwrap_err().to_string();
     assert!(error.contains("000000.h5") && error.contains("2 dimensions, not 3"), "{error}");
 }
@@ -206,7 +206,7 @@ fn fields_are_stored_slowest_axis_first_whoever_wrote_them(session: &Session) {
         let folder = folder(session);
         let grid = grid(session, domain, 8);
         let mut frames = Frames::create(session.world(), &folder).unwrap();
-        frames.write(session.world(), &Frame { time: 0.0, step: 0, domain, bodies: &[], fields: Some(fields(&grid, 0.0)) }).unwrap();
+        frames.write(session.world(), &Frame { time: 0.0, step: 0, domain, bodies: &[], contacts: None, fields: Some(fields(&grid, 0.0)) }).unwrap();
         let file = hdf5::File::open(folder.join("run.h5")).unwrap();
         let stored = file.dataset("frames/000000/fields/pressure").unwrap();
         let mut extents = [grid.cells().to_vec(), vec![1; 3 - D]].concat();
@@ -231,7 +231,7 @@ fn a_resumed_run_forgets_later_frames_and_a_new_one_all(session: &Session) {
     let domain = domain(BOXES_2D[0]);
     let write = |frames: &mut Frames, time: f64| {
         let bodies = bodies(&domain, 0, 2);
-        frames.write(session.world(), &Frame { time, step: 0, domain: &domain, bodies: &bodies, fields: None }).unwrap();
+        frames.write(session.world(), &Frame { time, step: 0, domain: &domain, bodies: &bodies, contacts: None, fields: None }).unwrap();
     };
     let times = || {
         session.world().barrier();
@@ -268,7 +268,7 @@ fn frames_for_an_independent_reader(session: &Session) {
         let mut frames = Frames::create(session.world(), folder).unwrap();
         for step in 0..3 {
             let (time, bodies) = (0.25 * step as f64, bodies(domain, step, 7));
-            frames.write(session.world(), &Frame { time, step, domain, bodies: &bodies, fields: Some(fields(&grid, time)) }).unwrap();
+            frames.write(session.world(), &Frame { time, step, domain, bodies: &bodies, contacts: None, fields: Some(fields(&grid, time)) }).unwrap();
             let start = Instant::now();
             while !folder.join(format!("read-{step}")).exists() {
                 assert!(start.elapsed() < PATIENCE, "nobody reads");

@@ -20,6 +20,7 @@ mod inclusions;
 mod interpolation;
 mod inverses;
 mod lasting;
+mod laws;
 mod machine;
 mod methods;
 mod motion;
@@ -82,6 +83,7 @@ fn main() {
         motion::tests(),
         contact::tests(),
         dry::tests(),
+        laws::tests(),
     ];
     for test in floors.into_iter().flatten() {
         if wanted.is_empty() || wanted.iter().any(|part| test.name.contains(part)) {
