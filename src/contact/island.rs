@@ -3,7 +3,7 @@
 use clarabel::algebra::CscMatrix;
 use nalgebra::SVector;
 
-use super::{Contact, Problem, active::polish, groups::Groups, interior::interior_point, pulling::solve_above, program::Program};
+use super::{Contact, Problem, active::polish, groups::Groups, interior::interior_point, program::Program, pulling::solve_above};
 
 /// Smallest violation, in radii, that the unknowns are scaled by: impossible constraints by rounding are none.
 const SMALLEST_SCALE: f64 = 1e-6;
@@ -62,9 +62,7 @@ pub(super) fn solve_island<const D: usize>(problem: &Problem<D>, contacts: &[Con
     let floors: Vec<f64> = contacts.iter().map(|contact| problem.floor(contact) / unit.force(problem, contact)).collect();
     let in_units = |(contact, multiplier): (&Contact<D>, f64)| multiplier * unit.force(problem, contact);
     match solve_above(program, &floors) {
-        Ok((multipliers, iterations)) => {
-            Outcome::Solved { forces: contacts.iter().zip(multipliers).map(in_units).collect(), iterations }
-        }
+        Ok((multipliers, iterations)) => Outcome::Solved { forces: contacts.iter().zip(multipliers).map(in_units).collect(), iterations },
         Err(outcome) => outcome,
     }
 }

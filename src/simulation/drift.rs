@@ -41,8 +41,11 @@ const AGREEMENT: f64 = 1e-5;
 /// Gap, in radii, up to which a contact of the last step is tried first.
 const MEMORY_REACH: f64 = 0.1;
 
-/// Overlap, in radii, at which a run ends whose contacts are not projected.
+/// Overlap, in radii, at which a run without a law of contact ends.
 const OVERLAP: f64 = 1e-6;
+
+/// The same under a repulsion, which gives way a little.
+const SOFT_OVERLAP: f64 = 0.02;
 
 /// Part of a force that is rounding.
 const ROUNDING: f64 = 1e-12;
@@ -234,7 +237,7 @@ impl<const D: usize> Drift<D> {
         contact::project(self.session.world(), &Problem { domain, balls, weights: &self.weights, velocities, step, floors })
     }
 
-    /// Without a contact model nothing keeps bodies apart: a run in which they meet has no meaning.
+    /// Without a law of contact nothing keeps bodies apart, and a repulsion may be too soft: where they overlap, a flow has no meaning.
     fn refuse_overlap(&self, balls: &[Ball<D>], time: f64) -> Result<()> {
         if self.projects() {
             return Ok(());
@@ -242,11 +245,14 @@ impl<const D: usize> Drift<D> {
         let domain = &self.suspension.setup().domain;
         let pairs = near_pairs(domain, balls, 0.0).into_iter().map(|pair| (pair.first, pair.gap));
         let walls = near_walls(domain, balls, 0.0).into_iter().map(|pair| (pair.body, pair.gap));
-        match pairs.chain(walls).find(|&(body, gap)| gap < -OVERLAP * balls[body].radius) {
-            Some((body, gap)) => Err(Error::Diverged(format!(
-                "at time {time} body {body} overlaps another or a wall by {:.1e}; set contact.model = \"inelastic\" or a shorter time.step",
-                -gap
-            ))),
+        let (overlap, remedy) = match self.law {
+            Law::Repulsion(_) => (SOFT_OVERLAP, "raise contact.stiffness or contact.range"),
+            _ => (OVERLAP, "set contact.model = \"inelastic\" or a shorter time.step"),
+        };
+        match pairs.chain(walls).find(|&(body, gap)| gap < -overlap * balls[body].radius) {
+            Some((body, gap)) => {
+                Err(Error::Diverged(format!("at time {time} body {body} overlaps another or a wall by {:.1e}; {remedy}", -gap)))
+            }
             None => Ok(()),
         }
     }

@@ -9,8 +9,7 @@ use std::time::Instant;
 use nalgebra::{SMatrix, SVector};
 
 use super::{
-    Dynamics, Effort, Seen, State, Travel, View,
-    law,
+    Dynamics, Effort, Seen, State, Travel, View, law,
     pace::{Pace, Urge},
     placement::{bodies, domain, vector},
 };

@@ -80,7 +80,8 @@ fn drive<const D: usize>(setup: &Setup<D>, radius: f64) -> f64 {
 /// The longest stable step of dry bodies; infinite under a law without such a limit.
 pub fn longest_dry_step<const D: usize>(law: Law, bodies: &[DryBody<D>]) -> f64 {
     let Law::Repulsion(repulsion) = law else { return f64::INFINITY };
-    let [mass, radius] = [|body: &DryBody<D>| body.mass, |body: &DryBody<D>| body.radius].map(|of| bodies.iter().map(of).fold(f64::INFINITY, f64::min));
+    let [mass, radius] =
+        [|body: &DryBody<D>| body.mass, |body: &DryBody<D>| body.radius].map(|of| bodies.iter().map(of).fold(f64::INFINITY, f64::min));
     DRY_STEP * (mass / repulsion.steepest(radius)).sqrt()
 }
 

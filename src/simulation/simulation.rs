@@ -1,6 +1,8 @@
 //! The time loop: bodies move step by step, driven by a fluid or by inertia alone.
 
-use super::{Drift, Dry, DrySetup, Dynamics, Effort, FittedFlow, FlowSolver, Held, Past, Seen, Setup, State, Suspension, View, law, pace::Pace};
+use super::{
+    Drift, Dry, DrySetup, Dynamics, Effort, FittedFlow, FlowSolver, Held, Past, Seen, Setup, State, Suspension, View, law, pace::Pace,
+};
 use crate::{
     contact::{Certificate, Law},
     error::Result,

@@ -21,6 +21,7 @@ mod interpolation;
 mod inverses;
 mod lasting;
 mod laws;
+mod laws_flow;
 mod machine;
 mod methods;
 mod motion;
@@ -84,6 +85,7 @@ fn main() {
         contact::tests(),
         dry::tests(),
         laws::tests(),
+        laws_flow::tests(),
     ];
     for test in floors.into_iter().flatten() {
         if wanted.is_empty() || wanted.iter().any(|part| test.name.contains(part)) {

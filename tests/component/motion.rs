@@ -125,7 +125,9 @@ fn a_warm_start_finds_the_solution_that_a_cold_one_finds(session: &Session) {
     let warm = simulation.look(&mut |_, _| {}).unwrap();
     let centers = simulation.state().centers();
     let mut fresh = Suspension::new(session, setup).unwrap();
-    let cold = fresh.solve_at(&Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 1e-8 }, &mut |_, _| {}).unwrap();
+    let cold = fresh
+        .solve_at(&Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 1e-8 }, &mut |_, _| {})
+        .unwrap();
     assert!(warm.effort.iterations < fresh.cost().krylov.iterations, "the start was not warm");
     let fastest = cold.bodies.iter().map(|body| body.twist.velocity.norm()).fold(0.0, f64::max);
     for (warm, cold) in warm.twists.iter().zip(&cold.bodies) {

@@ -35,7 +35,14 @@ impl<const D: usize> Scene<D> {
     }
 
     fn problem(&self) -> Problem<'_, D> {
-        Problem { domain: &self.domain, balls: &self.balls, weights: &self.weights, velocities: &self.velocities, step: self.step, floors: &[] }
+        Problem {
+            domain: &self.domain,
+            balls: &self.balls,
+            weights: &self.weights,
+            velocities: &self.velocities,
+            step: self.step,
+            floors: &[],
+        }
     }
 
     fn solve(&self) -> Result<Projection<D>> {

@@ -89,7 +89,8 @@ mod tests {
             let contact = FrameContact { body: 3, partner, image: [-1, 2], point, normal, gap: 0.125, force: -2.0, gamma: Some(-0.5) };
             let (columns, counts) = (contact.columns(), contact.counts());
             assert_eq!(counts, [vec![3], vec![number], vec![-1, 2, 0]]);
-            let back = FrameContact::from_columns(columns.each_ref().map(Vec::as_slice), counts.each_ref().map(Vec::as_slice), contact.gamma);
+            let back =
+                FrameContact::from_columns(columns.each_ref().map(Vec::as_slice), counts.each_ref().map(Vec::as_slice), contact.gamma);
             assert_eq!(back, contact);
         }
     }

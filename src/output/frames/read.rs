@@ -101,7 +101,8 @@ fn network<const D: usize>(file: &File) -> hdf5::Result<Vec<FrameContact<D>>> {
     let columns = contact::COLUMNS.iter().map(|(name, _)| group.dataset(name)?.read_raw::<f64>()).collect::<hdf5::Result<Vec<_>>>()?;
     let counts = contact::COUNTS.iter().map(|(name, _)| group.dataset(name)?.read_raw::<i32>()).collect::<hdf5::Result<Vec<_>>>()?;
     let gamma = group.link_exists(contact::GAMMA).then(|| group.dataset(contact::GAMMA)?.read_raw::<f64>()).transpose()?;
-    let whole = |lengths: &[usize], widths: &[(&str, usize)]| lengths.iter().zip(widths).all(|(length, (_, width))| *length == count * width);
+    let whole =
+        |lengths: &[usize], widths: &[(&str, usize)]| lengths.iter().zip(widths).all(|(length, (_, width))| *length == count * width);
     let complete = whole(&columns.iter().map(Vec::len).collect::<Vec<_>>(), &contact::COLUMNS)
         && whole(&counts.iter().map(Vec::len).collect::<Vec<_>>(), &contact::COUNTS)
         && gamma.as_ref().is_none_or(|gamma| gamma.len() == count);

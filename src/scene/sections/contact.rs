@@ -37,7 +37,7 @@ pub enum ContactModel {
 const KEYS: [(&str, &str); 3] = [("stiffness", "repulsion"), ("range", "repulsion"), ("gamma_min", "gluey")];
 
 /// Stiffness and range of a repulsion that says nothing of them.
-const REPULSION: [f64; 2] = [20.0, 0.1];
+const REPULSION: [f64; 2] = [100.0, 0.1];
 
 /// What happens between bodies that nearly touch.
 #[derive(Debug, Clone, PartialEq)]
