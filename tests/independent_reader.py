@@ -155,6 +155,7 @@ def check_run(folder):
                 check_flow(frame)
         if (folder / "summary.json").exists():
             check_last(run["frames"][names[-1]], json.loads((folder / "summary.json").read_text()))
+            check_network(folder, dict(zip(times, (run["frames"][name]["contacts"] for name in names))))
 
 
 def check_contacts(frame):
@@ -191,6 +192,20 @@ def check_contacts(frame):
     same(bodies["contacts"], touches, "contacts of bodies")
     if "gamma" in columns:
         assert (columns["gamma"] <= 0).all() and (numpy.abs(columns["gap"][columns["gamma"] < 0]) < 1e-3).all(), "memories of open gaps"
+
+
+def check_network(folder, contacts):
+    """VTK finds in contacts.xdmf what the frames hold; those without contacts are not listed."""
+    listed, some = 0, any(len(frame["gap"]) > 0 for frame in contacts.values())
+    # VTK complains of a list of nothing
+    for time, data in vtk_frames(folder / "contacts.xdmf") if some else []:
+        expected = contacts[time]
+        same(vtk_to_numpy(data.GetPoints().GetData()), expected["point"], "points of contacts in VTK")
+        found = arrays(data.GetPointData())
+        for name in set(expected) - {"point", "image"}:
+            same(found[name], expected[name], f"{name} of contacts in VTK")
+        listed += 1
+    assert listed == sum(len(frame["gap"]) > 0 for frame in contacts.values()), f"{listed} frames with contacts are listed"
 
 
 def check_flow(frame):

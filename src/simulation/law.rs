@@ -97,7 +97,7 @@ pub fn longest_step_in_flow<const D: usize>(law: Law, setup: &Setup<D>) -> f64 {
 /// Refuses a repulsion without a unit, and a fixed step that is too long for it.
 pub fn check(scene: &Scene, law: Law, longest: f64) -> Result<()> {
     match (law, scene.time.as_ref().map(|time| time.step)) {
-        (Law::Repulsion(Repulsion { touch, .. }), _) if touch == 0.0 => {
+        (Law::Repulsion(Repulsion { touch: 0.0, .. }), _) => {
             let remedy = "has no force to be measured by: nothing drives the bodies; give them gravity, a force, a velocity or a flow";
             Err(scene.refuse("contact.model", "\"repulsion\"", remedy))
         }

@@ -76,13 +76,15 @@ fn gluey_disks_in_two_halves_are_the_run_in_one_memories_included() {
     halves_agree("gluey", GLUEY, &[&[], &["time.step=0.1"], &["time.scheme=euler", "contact.gamma_min=-0.2"]], &[1, 2]);
     let out = folder("halves-gluey-memories");
     let summary = run(1, &write(&out, GLUEY), &out.join("out"), &[]);
-    assert!(number(&summary, "contact.glue.stuck") >= 12.0 && number(&summary, "contact.glue.gamma") < -1.0);
+    assert!(number(&summary, "contact.glue.stuck") >= 8.0 && number(&summary, "contact.glue.gamma") < -1.0);
 }
 
 #[test]
 fn a_gluey_or_repelling_sheared_suspension_in_two_halves_is_the_run_in_one() {
-    halves_agree("sheared-gluey", &SHEARED.replace("inelastic", "gluey"), &[&[], &["time.scheme=midpoint", "time.step=0.04"]], &[2]);
-    halves_agree("sheared-repulsion", &SHEARED.replace("inelastic", "repulsion").replace("end = 0.32", "end = 0.06"), &[&[]], &[2]);
+    let transform: &[&str] = &["method.inverse=transform"];
+    halves_agree("sheared-gluey", &SHEARED.replace("inelastic", "gluey"), &[transform], &[2]);
+    let brief = SHEARED.replace("inelastic", "repulsion").replace("end = 0.32", "end = 0.02");
+    halves_agree("sheared-repulsion", &brief, &[transform], &[2]);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 mod crowds;
 mod geometry;
 mod impacts;
+mod pulling;
 mod refusals;
 
 use nalgebra::{SVector, Vector2};
