@@ -83,7 +83,7 @@ fn gluey_disks_in_two_halves_are_the_run_in_one_memories_included() {
 fn a_gluey_or_repelling_sheared_suspension_in_two_halves_is_the_run_in_one() {
     let transform: &[&str] = &["method.inverse=transform"];
     halves_agree("sheared-gluey", &SHEARED.replace("inelastic", "gluey"), &[transform], &[2]);
-    let brief = SHEARED.replace("inelastic", "repulsion").replace("end = 0.32", "end = 0.02");
+    let brief = SHEARED.replace("inelastic", "repulsion").replace("end = 0.32", "end = 0.02").replace("every = 0.08", "every = 0.005");
     halves_agree("sheared-repulsion", &brief, &[transform], &[2]);
 }
 
