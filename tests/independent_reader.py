@@ -150,10 +150,62 @@ def check_run(folder):
         for name, time in zip(names, times):
             frame = run["frames"][name]
             same(frame.attrs["time"], time, "time")
+            check_contacts(frame)
             if "fields" in frame:
                 check_flow(frame)
         if (folder / "summary.json").exists():
             check_last(run["frames"][names[-1]], json.loads((folder / "summary.json").read_text()))
+            check_network(folder, dict(zip(times, (run["frames"][name]["contacts"] for name in names))))
+
+
+def check_contacts(frame):
+    """Contacts are told by their bodies: normal, gap and image follow from the places of those."""
+    contacts, bodies = frame["contacts"], frame["bodies"]
+    count = frame.attrs["contact_count"]
+    columns = {name: numpy.asarray(contacts[name]) for name in contacts}
+    assert all(len(column) == count for column in columns.values()), "columns of contacts differ in length"
+    center, radius, size = numpy.asarray(bodies["center"]), numpy.asarray(bodies["radius"]), frame.attrs["size"]
+    periodic = in_space(numpy.array([frame.attrs["periodic"]]))[0].astype(bool)
+    lengths = in_space(numpy.array([size]))[0]
+    for place in range(count):
+        body, partner, normal = columns["body"][place], columns["partner"][place], columns["normal"][place]
+        same(numpy.linalg.norm(normal), 1.0, "length of a normal")
+        if partner >= 0:
+            between = center[partner] - center[body]
+            between = numpy.where(periodic, between - lengths * numpy.round(between / numpy.where(periodic, lengths, 1.0)), between)
+            gap = numpy.linalg.norm(between) - radius[body] - radius[partner]
+            direction = between / numpy.linalg.norm(between)
+        else:
+            axis, upper = divmod(-1 - partner, 2)
+            gap = (lengths[axis] - center[body][axis] if upper else center[body][axis]) - radius[body]
+            direction = numpy.where(numpy.arange(3) == axis, 1.0 if upper else -1.0, 0.0)
+        same(columns["gap"][place], gap, "gap of a contact")
+        same(normal, direction, "normal of a contact")
+        expected = center[body] + direction * (radius[body] + 0.5 * gap)
+        apart = columns["point"][place] - expected
+        same(numpy.where(periodic, apart - lengths * numpy.round(apart / numpy.where(periodic, lengths, 1.0)), apart), 0 * apart, "point")
+    assert ("gamma" in columns) == ("gamma" in contacts)
+    touches = numpy.zeros(len(radius), dtype=int)
+    bearing = columns["force"] != 0
+    numpy.add.at(touches, columns["body"][bearing], 1)
+    numpy.add.at(touches, columns["partner"][bearing & (columns["partner"] >= 0)], 1)
+    same(bodies["contacts"], touches, "contacts of bodies")
+    if "gamma" in columns:
+        assert (columns["gamma"] <= 0).all() and (numpy.abs(columns["gap"][columns["gamma"] < 0]) < 1e-3).all(), "memories of open gaps"
+
+
+def check_network(folder, contacts):
+    """VTK finds in contacts.xdmf what the frames hold; those without contacts are not listed."""
+    listed, some = 0, any(len(frame["gap"]) > 0 for frame in contacts.values())
+    # VTK complains of a list of nothing
+    for time, data in vtk_frames(folder / "contacts.xdmf") if some else []:
+        expected = contacts[time]
+        same(vtk_to_numpy(data.GetPoints().GetData()), expected["point"], "points of contacts in VTK")
+        found = arrays(data.GetPointData())
+        for name in set(expected) - {"point", "image"}:
+            same(found[name], expected[name], f"{name} of contacts in VTK")
+        listed += 1
+    assert listed == sum(len(frame["gap"]) > 0 for frame in contacts.values()), f"{listed} frames with contacts are listed"
 
 
 def check_flow(frame):

@@ -10,7 +10,7 @@ use clarabel::{
     qdldl::{QDLDLFactorisation, QDLDLSettings},
 };
 
-use super::program::Program;
+use super::program::{Program, clip};
 
 /// Guesses tried with each regularization.
 const GUESSES: usize = 8;
@@ -48,7 +48,7 @@ struct Best {
 impl Best {
     fn new(program: &Program, guess: &[f64]) -> Self {
         let mut multipliers = guess.to_vec();
-        program.clip(&mut multipliers);
+        clip(&mut multipliers);
         Self { residual: program.residual(&multipliers), multipliers }
     }
 
@@ -57,7 +57,7 @@ impl Best {
         let mut earlier = Vec::new();
         for _ in 0..GUESSES {
             let slacks = program.slacks(&trial);
-            let active: Vec<usize> = (0..trial.len()).filter(|&row| program.sticky[row] || trial[row] > slacks[row]).collect();
+            let active: Vec<usize> = (0..trial.len()).filter(|&row| trial[row] > slacks[row]).collect();
             let Some(next) = meet(program, &active, &trial, stage) else { return };
             trial = next;
             let found = Self::new(program, &trial);
@@ -76,7 +76,7 @@ impl Best {
 fn meet(program: &Program, active: &[usize], guess: &[f64], (regularization, corrections): (f64, usize)) -> Option<Vec<f64>> {
     let mut multipliers = vec![0.0; guess.len()];
     active.iter().for_each(|&row| multipliers[row] = guess[row]);
-    program.clip(&mut multipliers);
+    clip(&mut multipliers);
     if active.is_empty() {
         return Some(multipliers);
     }

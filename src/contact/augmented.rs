@@ -8,7 +8,7 @@
 
 use super::{
     active::{Equations, sharpen},
-    program::Program,
+    program::{Program, clip},
 };
 
 /// Softness at the start, and the smallest: with less, rounding of slacks over the softness shows in multipliers.
@@ -137,14 +137,14 @@ impl<'a> Augmented<'a> {
     }
 
     fn presses(&self, row: usize, slack: f64) -> bool {
-        self.program.sticky[row] || slack < self.softness * self.multipliers[row]
+        slack < self.softness * self.multipliers[row]
     }
 
     /// The next multipliers.
     fn update(&mut self) {
         let rows = self.multipliers.iter_mut().zip(&self.slacks);
         rows.for_each(|(multiplier, slack)| *multiplier -= slack / self.softness);
-        self.program.clip(&mut self.multipliers);
+        clip(&mut self.multipliers);
     }
 
     /// Unknowns and slacks of the multipliers.

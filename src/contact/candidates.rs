@@ -18,6 +18,9 @@ pub enum Partner {
     },
 }
 
+/// What tells a contact from all others, from step to step: the body, its partner, and the image of it.
+pub type Identity<const D: usize> = (usize, Partner, [i32; D]);
+
 /// A body and a partner that touch, or may within a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact<const D: usize> {
@@ -43,9 +46,15 @@ impl<const D: usize> Contact<D> {
     /// The contact of two balls whose centres are about `separation` apart, which tells the periodic image.
     pub(super) fn between(domain: &Domain<D>, balls: &[Ball<D>], [body, partner]: [usize; 2], separation: SVector<f64, D>) -> Self {
         let (ball, other) = (&balls[body], &balls[partner]);
-        let image = domain.image(separation - (other.center - ball.center));
-        let separation = other.center + domain.offset(image) - ball.center;
-        let sliding = domain.sliding() * image[1] as f64;
+        let image = domain.image(separation - (other.center - ball.center)).map(|image| image as i32);
+        Self::of_image(domain, balls, [body, partner], image)
+    }
+
+    /// The contact of two balls of which the second one's image is known.
+    fn of_image(domain: &Domain<D>, balls: &[Ball<D>], [body, partner]: [usize; 2], image: [i32; D]) -> Self {
+        let (ball, other) = (&balls[body], &balls[partner]);
+        let separation = other.center + domain.offset(image.map(|image| image as isize)) - ball.center;
+        let sliding = domain.sliding() * f64::from(image[1]);
         let distance = separation.norm();
         // centres that coincide part along the first axis
         let normal = if distance > 0.0 { separation / distance } else { SVector::from_fn(|axis, _| f64::from(axis == 0)) };
@@ -63,6 +72,14 @@ impl<const D: usize> Contact<D> {
         Self { body, partner, image: [0; D], sliding, normal, separation, gap: separation - ball.radius }
     }
 
+    /// The contact of this identity, with bodies where they are now.
+    pub fn again(domain: &Domain<D>, balls: &[Ball<D>], (body, partner, image): Identity<D>) -> Self {
+        match partner {
+            Partner::Body(other) => Self::of_image(domain, balls, [body, other], image),
+            Partner::Wall { axis, upper } => Self::of_wall(domain, balls, body, axis, upper),
+        }
+    }
+
     /// The partner, if it is a body.
     pub fn other(&self) -> Option<usize> {
         match self.partner {
@@ -72,7 +89,7 @@ impl<const D: usize> Contact<D> {
     }
 
     /// What tells this contact from all others, from step to step.
-    pub fn identity(&self) -> (usize, Partner, [i32; D]) {
+    pub fn identity(&self) -> Identity<D> {
         (self.body, self.partner, self.image)
     }
 

@@ -3,6 +3,7 @@
 use nalgebra::SVector;
 
 use super::{Contact, ContactForce, Problem, Solver, island::islands, paths::Path};
+use crate::geometry::Ball;
 
 /// Forces below this part of the largest are rounding.
 const ROUNDING: f64 = 1e-13;
@@ -17,8 +18,8 @@ pub struct Certificate {
     /// Smallest gap after the step, in radii of the smaller body, over all pairs that come near each other and
     /// of which one gives way; infinite if there are none.
     pub smallest_gap: f64,
-    /// Distance from the optimum, the largest of: change of a body that its forces do not explain; force that
-    /// pulls; gap closed; force on an open gap. All in radii: forces by how far they push apart in the step.
+    /// Distance from the optimum, the largest of: change of a body that its forces do not explain; force below
+    /// the least that its contact may bear; gap closed; force on an open gap. All in radii: forces by how far they push apart in the step.
     pub kkt_residual: f64,
     /// Sum of all contact forces.
     pub total_force: f64,
@@ -32,6 +33,25 @@ pub struct Certificate {
     pub rounds: usize,
 }
 
+impl Certificate {
+    /// The certificate of forces that nobody solved for: how many there are, and the smallest gap where they act.
+    pub fn of_forces<const D: usize>(forces: &[ContactForce<D>], balls: &[Ball<D>]) -> Certificate {
+        let gap = |force: &ContactForce<D>| force.contact.gap / force.contact.smaller_radius(balls);
+        let (count, smallest_gap) = (forces.len(), forces.iter().map(gap).fold(f64::INFINITY, f64::min));
+        Certificate {
+            pairs: count,
+            active: count,
+            smallest_gap,
+            kkt_residual: 0.0,
+            total_force: forces.iter().map(|force| force.force).sum(),
+            iterations: 0,
+            solver: Solver::Formula,
+            islands: 0,
+            rounds: 0,
+        }
+    }
+}
+
 /// The certificate of an answer, without its cost.
 pub(super) fn certify<const D: usize>(
     problem: &Problem<D>,
@@ -41,17 +61,18 @@ pub(super) fn certify<const D: usize>(
 ) -> Certificate {
     let relative = |path: &Path<D>| path.last_gap / path.contact.smaller_radius(problem.balls);
     let contacts: Vec<Contact<D>> = forces.iter().map(|force| force.contact).collect();
-    let rounding = ROUNDING * forces.iter().map(|force| force.force).fold(0.0, f64::max);
-    let pushes = |island: &Vec<usize>| island.iter().any(|&place| forces[place].force > rounding);
+    let rounding = ROUNDING * forces.iter().map(|force| force.force.abs()).fold(0.0, f64::max);
+    let bears = |force: &ContactForce<D>| force.force.abs() > rounding;
+    let acts = |island: &Vec<usize>| island.iter().any(|&place| bears(&forces[place]));
     Certificate {
         pairs: forces.len(),
-        active: forces.iter().filter(|force| force.force > rounding).count(),
+        active: forces.iter().filter(|force| bears(force)).count(),
         smallest_gap: paths.iter().map(relative).fold(f64::INFINITY, f64::min),
         kkt_residual: stationarity(problem, velocities, &contacts, forces).max(complementarity(problem, velocities, forces)),
         total_force: forces.iter().map(|force| force.force).sum(),
         iterations: 0,
         solver: Solver::Formula,
-        islands: islands(problem, &contacts).iter().filter(|island| pushes(island)).count(),
+        islands: islands(problem, &contacts).iter().filter(|island| acts(island)).count(),
         rounds: 0,
     }
 }
@@ -69,10 +90,10 @@ fn stationarity<const D: usize>(
     (0..velocities.len()).map(change).fold(0.0, f64::max)
 }
 
-/// Largest `|min(force, gap)|` in radii, which is nought just if both are non-negative and one is nought.
+/// Largest `|min(force - floor, gap)|` in radii, which is nought just if both are non-negative and one is nought.
 fn complementarity<const D: usize>(problem: &Problem<D>, velocities: &[SVector<f64, D>], forces: &[ContactForce<D>]) -> f64 {
     let residual = |force: &ContactForce<D>| {
-        let push = force.force * problem.mobility(&force.contact) * problem.step;
+        let push = (force.force - problem.floor(&force.contact)) * problem.mobility(&force.contact) * problem.step;
         push.min(problem.gap_after(&force.contact, velocities)).abs() / force.contact.smaller_radius(problem.balls)
     };
     forces.iter().map(residual).fold(0.0, f64::max)

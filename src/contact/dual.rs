@@ -1,12 +1,12 @@
 //! Conjugate gradients among non-negative multipliers, for islands too large for a factorisation at every iteration.
 //!
-//! The multipliers minimise `1/2 |A^T z|^2 + c . z` over `z >= 0` (sticky ones have any sign), whose gradient are the slacks.
+//! The multipliers minimise `1/2 |A^T z|^2 + c . z` over `z >= 0`, whose gradient are the slacks.
 //! Conjugate gradients run among the multipliers that are free; a step that would make one negative ends there and is
 //! followed by a short projected one; multipliers at zero are freed when their slacks outweigh those of the free ones
 //! (modified proportioning with reduced gradient projections, Dostál and Schöberl 2005, doi:10.1007/s10589-005-4557-7).
 //! An iteration costs one product with `A` and one with `A^T`, no more.
 
-use super::program::Program;
+use super::program::{Program, clip};
 
 /// Length of projected steps, times the largest eigenvalue of `A A^T`: they go downhill up to 2.
 const STEP: f64 = 1.7;
@@ -16,7 +16,7 @@ const POWERS: usize = 15;
 /// Where the method stands.
 pub(super) struct Descent<'a> {
     program: &'a Program,
-    /// The multipliers, none negative but sticky ones.
+    /// The multipliers, none negative.
     pub multipliers: Vec<f64>,
     /// The iterations so far.
     pub iterations: usize,
@@ -43,7 +43,7 @@ impl<'a> Descent<'a> {
     /// Starts from a guess.
     pub fn new(program: &'a Program, guess: &[f64]) -> Self {
         let mut multipliers = guess.to_vec();
-        program.clip(&mut multipliers);
+        clip(&mut multipliers);
         let slacks = program.slacks(&multipliers);
         let mut descent = Self {
             program,
@@ -76,13 +76,10 @@ impl<'a> Descent<'a> {
 
     fn look(&self) -> Look {
         let mut look = Look { residual: 0.0, free: 0.0, bound: 0.0 };
-        let rows = self.multipliers.iter().zip(&self.slacks).zip(&self.program.sticky);
-        for ((&multiplier, &slack), &sticky) in rows {
-            let reach = if sticky { slack } else { slack.min(multiplier) };
-            look.residual = look.residual.max(reach.abs());
-            if multiplier > 0.0 || sticky {
-                let lead = if sticky { slack } else { slack.min(multiplier / self.step) };
-                look.free += lead * slack;
+        for (&multiplier, &slack) in self.multipliers.iter().zip(&self.slacks) {
+            look.residual = look.residual.max(slack.min(multiplier).abs());
+            if multiplier > 0.0 {
+                look.free += slack.min(multiplier / self.step) * slack;
             } else {
                 look.bound += slack.min(0.0).powi(2);
             }
@@ -115,7 +112,7 @@ impl<'a> Descent<'a> {
             self.multipliers[row] -= length * self.direction[row];
             self.slacks[row] -= length * self.product[row];
         }
-        self.program.clip(&mut self.multipliers);
+        clip(&mut self.multipliers);
     }
 
     /// A projected step of the free multipliers, after which directions start anew.
@@ -125,7 +122,7 @@ impl<'a> Descent<'a> {
                 self.multipliers[row] -= self.step * self.slacks[row];
             }
         }
-        self.program.clip(&mut self.multipliers);
+        clip(&mut self.multipliers);
         self.slacks = self.program.slacks(&self.multipliers);
         self.turn();
     }
@@ -152,7 +149,7 @@ impl<'a> Descent<'a> {
     fn room(&self) -> f64 {
         let mut room = f64::INFINITY;
         for row in 0..self.direction.len() {
-            if self.direction[row] > 0.0 && !self.program.sticky[row] {
+            if self.direction[row] > 0.0 {
                 room = room.min(self.multipliers[row] / self.direction[row]);
             }
         }
@@ -165,7 +162,7 @@ impl<'a> Descent<'a> {
     }
 
     fn is_free(&self, row: usize) -> bool {
-        self.multipliers[row] > 0.0 || self.program.sticky[row]
+        self.multipliers[row] > 0.0
     }
 
     fn multiply(&mut self) {

@@ -64,7 +64,7 @@ pub(super) fn endless<const D: usize>(problem: &Problem<D>, rounds: usize, conta
 }
 
 fn error<const D: usize>(problem: &Problem<D>, bodies: &[usize], contacts: &[Contact<D>], text: String) -> Error {
-    let Problem { domain, balls, weights, velocities, step } = *problem;
+    let Problem { domain, balls, weights, velocities, step, .. } = *problem;
     let body = |&body: &usize| {
         let (ball, velocity) = (&balls[body], velocities[body].as_slice());
         // an infinite weight becomes null

@@ -18,7 +18,7 @@ pub(super) fn interior_point(program: &Program) -> Option<Answer> {
     let metric = CscMatrix::identity(unknowns);
     let mut matrix = CscMatrix::from(program.transposed.t());
     matrix.nzval.iter_mut().for_each(|value| *value = -*value);
-    let cones = cones(&program.sticky);
+    let cones = [SupportedConeT::NonnegativeConeT(program.offsets.len())];
     let settings = DefaultSettings {
         verbose: false,
         presolve_enable: false,
@@ -32,13 +32,4 @@ pub(super) fn interior_point(program: &Program) -> Option<Answer> {
     solver.solve();
     let infeasible = matches!(solver.solution.status, SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible);
     Some(Answer { multipliers: solver.solution.z, iterations: solver.solution.iterations as usize, infeasible })
-}
-
-/// One cone for each run of rows of a kind.
-fn cones(sticky: &[bool]) -> Vec<SupportedConeT<f64>> {
-    let cone = |run: &[bool]| match run[0] {
-        true => SupportedConeT::ZeroConeT(run.len()),
-        false => SupportedConeT::NonnegativeConeT(run.len()),
-    };
-    sticky.chunk_by(|one, two| one == two).map(cone).collect()
 }

@@ -7,6 +7,7 @@ use super::{
     Contact, Problem, Solver,
     groups::Groups,
     program::Program,
+    pulling::solve_above,
     solver::{Answer, solve},
 };
 
@@ -72,29 +73,39 @@ pub(super) fn solve_by<const D: usize>(problem: &Problem<D>, contacts: &[Contact
     }
     if let [contact] = contacts {
         let force = -problem.gap_after(contact, problem.velocities) / (problem.mobility(contact) * problem.step);
-        return Outcome::Solved { forces: vec![force], iterations: 0, solver: Solver::Formula };
+        return Outcome::Solved { forces: vec![force.max(problem.floor(contact))], iterations: 0, solver: Solver::Formula };
     }
     let program = program(problem, contacts, &unit);
-    let guess: Vec<f64> = contacts.iter().zip(guess).map(|(contact, force)| force / unit.force(problem, contact)).collect();
-    let mut infeasible = false;
-    let found = solvers.iter().find_map(|&solver| {
-        let answer = solve(&program, &guess, solver)?;
-        infeasible |= answer.infeasible;
-        program.solved(&answer.multipliers, TOLERANCE).then_some((solver, answer))
-    });
-    match found {
-        Some((solver, Answer { multipliers, iterations, .. })) => {
+    let in_units = |force: f64, contact: &Contact<D>| force / unit.force(problem, contact);
+    let guess: Vec<f64> = contacts.iter().zip(guess).map(|(contact, &force)| in_units(force, contact)).collect();
+    let floors: Vec<f64> = contacts.iter().map(|contact| in_units(problem.floor(contact), contact)).collect();
+    match solve_above(program, (&floors, &guess), solvers) {
+        Ok((Answer { multipliers, iterations, .. }, solver)) => {
             let forces = contacts.iter().zip(multipliers).map(|(contact, multiplier)| multiplier * unit.force(problem, contact)).collect();
             Outcome::Solved { forces, iterations, solver }
         }
-        None if infeasible => Outcome::Squeezed,
-        None => Outcome::Stalled,
+        Err(outcome) => outcome,
+    }
+}
+
+/// The solution of a program by the first of several methods that finds it, and which; or what went wrong.
+pub(super) fn solve_first(program: &Program, guess: &[f64], solvers: &[Solver]) -> Result<(Answer, Solver), Outcome> {
+    let mut infeasible = false;
+    let found = solvers.iter().find_map(|&solver| {
+        let answer = solve(program, guess, solver)?;
+        infeasible |= answer.infeasible;
+        program.solved(&answer.multipliers, TOLERANCE).then_some((answer, solver))
+    });
+    match found {
+        Some(found) => Ok(found),
+        None if infeasible => Err(Outcome::Squeezed),
+        None => Err(Outcome::Stalled),
     }
 }
 
 /// The unit of a gap times the root of a weight.
 struct Unit {
-    /// The largest violation by the velocities wanted.
+    /// The largest violation by the velocities wanted; of contacts that may pull also the largest gap.
     violation: f64,
     /// The unit: that violation, but not too small a part of a radius.
     scale: f64,
@@ -105,7 +116,8 @@ impl Unit {
         let (mut violation, mut scale) = (0.0f64, 0.0f64);
         for contact in contacts {
             let root = problem.mobility(contact).sqrt();
-            violation = violation.max(-problem.gap_after(contact, problem.velocities) / root);
+            let gap = problem.gap_after(contact, problem.velocities) / root;
+            violation = violation.max(if problem.floor(contact) < 0.0 { gap.abs() } else { -gap });
             scale = scale.max(SMALLEST_SCALE * contact.smaller_radius(problem.balls) / root);
         }
         Self { violation, scale: scale.max(violation) }
@@ -137,8 +149,7 @@ fn program<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>], unit: 
         starts.push(rows.len());
         offsets.push(problem.gap_after(contact, problem.velocities) / (root * unit.scale));
     }
-    let sticky = vec![false; contacts.len()];
-    Program { transposed: CscMatrix::new(bodies.len() * D, contacts.len(), starts, rows, values), offsets, sticky }
+    Program { transposed: CscMatrix::new(bodies.len() * D, contacts.len(), starts, rows, values), offsets }
 }
 
 /// Bodies of contacts that give way, in order.

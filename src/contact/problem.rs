@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use super::Contact;
+use super::{Contact, ContactForce};
 use crate::geometry::{Ball, Domain};
 
 /// Bodies that want to move for one step.
@@ -19,6 +19,10 @@ pub struct Problem<'a, const D: usize> {
     pub velocities: &'a [SVector<f64, D>],
     /// Length of the step.
     pub step: f64,
+    /// Contacts that may pull, each with the least force that it may bear, which is negative; all others only push.
+    ///
+    /// Sorted by [`Contact::identity`].
+    pub floors: &'a [ContactForce<D>],
 }
 
 impl<const D: usize> Problem<'_, D> {
@@ -37,15 +41,28 @@ impl<const D: usize> Problem<'_, D> {
         1.0 / self.weights[contact.body] + contact.other().map_or(0.0, |other| 1.0 / self.weights[other])
     }
 
+    /// The least force that a contact may bear.
+    pub(super) fn floor(&self, contact: &Contact<D>) -> f64 {
+        let found = self.floors.binary_search_by_key(&contact.identity(), |floor| floor.contact.identity());
+        found.map_or(0.0, |place| self.floors[place].force)
+    }
+
     /// The velocities that contact forces turn the wanted ones into.
     pub(super) fn turned_aside(&self, contacts: &[Contact<D>], forces: &[f64]) -> Vec<SVector<f64, D>> {
-        let mut pushes = vec![SVector::zeros(); self.balls.len()];
-        for (contact, &force) in contacts.iter().zip(forces) {
-            pushes[contact.body] -= contact.normal * force;
-            if let Some(other) = contact.other() {
-                pushes[other] += contact.normal * force;
-            }
-        }
+        let forces = contacts.iter().zip(forces).map(|(&contact, &force)| ContactForce { contact, force });
+        let pushes = pushes(self.balls.len(), forces);
         (0..pushes.len()).map(|body| self.velocities[body] + pushes[body] / self.weights[body]).collect()
     }
+}
+
+/// The force on each of so many bodies by contact forces, which are opposite on the two bodies of a contact.
+pub fn pushes<const D: usize>(bodies: usize, forces: impl IntoIterator<Item = ContactForce<D>>) -> Vec<SVector<f64, D>> {
+    let mut pushes = vec![SVector::zeros(); bodies];
+    for ContactForce { contact, force } in forces {
+        pushes[contact.body] -= contact.normal * force;
+        if let Some(other) = contact.other() {
+            pushes[other] += contact.normal * force;
+        }
+    }
+    pushes
 }

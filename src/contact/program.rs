@@ -11,8 +11,6 @@ pub(super) struct Program {
     pub transposed: CscMatrix<f64>,
     /// `c`.
     pub offsets: Vec<f64>,
-    /// Rows that are equations: their multipliers have any sign.
-    pub sticky: Vec<bool>,
 }
 
 impl Program {
@@ -47,25 +45,21 @@ impl Program {
         slacks
     }
 
-    /// Makes multipliers zero that are negative and must not be.
-    pub fn clip(&self, multipliers: &mut [f64]) {
-        let rows = multipliers.iter_mut().zip(&self.sticky);
-        rows.filter(|(_, sticky)| !**sticky).for_each(|(multiplier, _)| *multiplier = multiplier.max(0.0));
-    }
-
-    /// Whether multipliers, none negative that must not be, leave no slack below `-tolerance`, none at all in equations, and do no
-    /// more work than that part on slacks.
+    /// Whether multipliers, none negative, leave no slack below `-tolerance`, and do no more work than that part on slacks.
     pub fn solved(&self, multipliers: &[f64], tolerance: f64) -> bool {
         let slacks = self.slacks(multipliers);
         let sum = |values: &[f64]| values.iter().zip(multipliers).map(|(value, multiplier)| value * multiplier).sum::<f64>();
         let work = -sum(&self.offsets);
-        let kept = |(slack, sticky): (&f64, &bool)| *slack >= -tolerance && (!sticky || *slack <= tolerance);
-        slacks.iter().zip(&self.sticky).all(kept) && sum(&slacks).abs() <= tolerance * work.max(1.0)
+        slacks.iter().all(|slack| *slack >= -tolerance) && sum(&slacks).abs() <= tolerance * work.max(1.0)
     }
 
-    /// Distance from the solution: the largest `|min(z, s)|`, and `|s|` of equations.
+    /// Distance from the solution: the largest `|min(z, s)|`.
     pub fn residual(&self, multipliers: &[f64]) -> f64 {
-        let rows = self.slacks(multipliers).into_iter().zip(multipliers).zip(&self.sticky);
-        rows.map(|((slack, multiplier), sticky)| if *sticky { slack } else { slack.min(*multiplier) }.abs()).fold(0.0, f64::max)
+        self.slacks(multipliers).iter().zip(multipliers).map(|(slack, multiplier)| slack.min(*multiplier).abs()).fold(0.0, f64::max)
     }
+}
+
+/// Makes negative multipliers zero.
+pub(super) fn clip(multipliers: &mut [f64]) {
+    multipliers.iter_mut().for_each(|multiplier| *multiplier = multiplier.max(0.0));
 }

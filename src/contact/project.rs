@@ -33,7 +33,7 @@ const ROUNDS: usize = 100;
 pub struct ContactForce<const D: usize> {
     /// The contact, as it was before the step.
     pub contact: Contact<D>,
-    /// Force on the partner along the normal, and on the body against it; never negative.
+    /// Force on the partner along the normal, and on the body against it; negative only where a contact may pull.
     pub force: f64,
 }
 
@@ -77,6 +77,11 @@ pub(super) fn project_by<const D: usize>(
 ) -> Result<Projection<D>> {
     check(problem)?;
     let mut state = State::new(problem, memory);
+    if !problem.floors.is_empty() {
+        let changed = state.add(problem.floors.iter().map(|floor| floor.contact).collect());
+        let outcomes = solve(&state.contacts, &state.forces, &changed);
+        state.take(&changed, outcomes)?;
+    }
     for round in 0..ROUNDS {
         let nearness = LARGEST_NEARNESS.min(NEARNESS * f64::powi(2.0, round as i32));
         let paths = paths(problem, &state.velocities, nearness);

@@ -9,7 +9,7 @@ use crate::{
     geometry::{Axis, Ball, Domain},
 };
 
-/// The bodies of an island and what they wanted, numbered from 0 in the order of the file.
+/// The bodies of an island and what they wanted, numbered from 0 in the order of the file; what gluey contacts remember is not in it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Island<const D: usize> {
     /// The box; of its walls only the places are known.
@@ -52,7 +52,8 @@ impl<const D: usize> Island<D> {
 
     /// The problem to solve again.
     pub fn problem(&self) -> Problem<'_, D> {
-        Problem { domain: &self.domain, balls: &self.balls, weights: &self.weights, velocities: &self.velocities, step: self.step }
+        let Island { domain, balls, weights, velocities, step } = self;
+        Problem { domain, balls, weights, velocities, step: *step, floors: &[] }
     }
 }
 

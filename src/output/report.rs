@@ -102,7 +102,9 @@ fn scalar_lines(scalar: &ScalarSummary) -> Vec<String> {
 fn contact_line(contact: &ContactSummary) -> String {
     let gap =
         contact.smallest_gap.map_or("no two bodies near each other".into(), |gap| format!("smallest gap of all steps {gap:.1e} radii"));
-    format!("contacts             {} that press, {gap}, residual {:.1e}", contact.active, contact.kkt_residual)
+    let residual = contact.kkt_residual.map_or(String::new(), |residual| format!(", residual {residual:.1e}"));
+    let stick = contact.glue.as_ref().map_or(String::new(), |glue| format!(", {} that stick", glue.stuck));
+    format!("contacts             {} that bear a force{stick}, {gap}{residual}", contact.active)
 }
 
 fn solver_lines(solver: &SolverSummary, instant: bool) -> Vec<String> {

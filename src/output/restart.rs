@@ -8,7 +8,7 @@ use nalgebra::{SMatrix, SVector};
 use super::{Checkpoint, CheckpointWriter};
 use crate::{
     body::{Twist, components, skew},
-    contact::Partner,
+    contact::{Identity, Partner, gluey::Stuck},
     error::{Error, Result},
     grid::Grid,
     parallel::World,
@@ -54,25 +54,56 @@ pub fn restore<const D: usize>(checkpoint: &Checkpoint, simulation: &mut Simulat
 }
 
 fn store_state<const D: usize>(writer: &mut CheckpointWriter, state: &State<D>) -> Result<()> {
-    writer.shared("time", &[state.time, state.steps as f64, state.last_step])?;
+    let mut numbers = vec![state.time, state.steps as f64, state.last_step];
+    if !state.stuck.is_empty() {
+        // how many, so that a list that is lost is missed
+        numbers.push(state.stuck.len() as f64);
+        let stuck = state.stuck.iter().flat_map(|stuck| numbers_of(stuck.identity(), stuck.gamma));
+        writer.shared("stuck", &stuck.collect::<Vec<f64>>())?;
+    }
+    writer.shared("time", &numbers)?;
     let bodies = state.bodies.iter().flat_map(|body| {
         let twist = &body.twist;
         [body.center.as_slice(), body.rotation.as_slice(), twist.velocity.as_slice(), &components(&twist.spin)].concat()
     });
     writer.shared("bodies", &bodies.collect::<Vec<f64>>())?;
-    let held = state.held.iter().flat_map(|held| {
-        let partner = match held.partner {
-            Partner::Body(body) => [body as f64, -1.0],
-            Partner::Wall { axis, upper } => [axis as f64, f64::from(upper)],
-        };
-        [&[held.body as f64][..], &partner, &held.image.map(f64::from), &[held.force]].concat()
-    });
+    let held = state.held.iter().flat_map(|held| numbers_of(held.identity(), held.force));
     writer.shared("contacts", &held.collect::<Vec<f64>>())
+}
+
+/// A contact and a number of it, as [`contact_of`] reads them.
+fn numbers_of<const D: usize>((body, partner, image): Identity<D>, number: f64) -> Vec<f64> {
+    let partner = match partner {
+        Partner::Body(body) => [body as f64, -1.0],
+        Partner::Wall { axis, upper } => [axis as f64, f64::from(upper)],
+    };
+    [&[body as f64][..], &partner, &image.map(f64::from), &[number]].concat()
+}
+
+fn contact_of<const D: usize>(numbers: &[f64]) -> (Identity<D>, f64) {
+    let partner = match numbers[2] {
+        -1.0 => Partner::Body(numbers[1] as usize),
+        upper => Partner::Wall { axis: numbers[1] as usize, upper: upper == 1.0 },
+    };
+    ((numbers[0] as usize, partner, std::array::from_fn(|axis| numbers[3 + axis] as i32)), numbers[3 + D])
+}
+
+/// The contacts of this name, each with a number.
+fn read_contacts<const D: usize>(checkpoint: &Checkpoint, name: &str) -> Result<Vec<(Identity<D>, f64)>> {
+    let numbers = checkpoint.shared(name)?;
+    if numbers.len() % (D + 4) != 0 {
+        return Err(misfit(name));
+    }
+    Ok(numbers.chunks(D + 4).map(contact_of).collect())
 }
 
 fn read_state<const D: usize>(checkpoint: &Checkpoint, bodies: usize) -> Result<State<D>> {
     let numbers = checkpoint.shared("time")?;
-    let [time, steps, last_step] = numbers[..] else { return Err(misfit("time")) };
+    let (&[time, steps, last_step], sticking) = numbers.split_first_chunk().ok_or_else(|| misfit("time"))?;
+    let stuck = if sticking.is_empty() { Vec::new() } else { read_contacts(checkpoint, "stuck")? };
+    if sticking != &[stuck.len() as f64][..sticking.len().min(1)] {
+        return Err(misfit("stuck"));
+    }
     let length = 2 * D + D * D + D * (D - 1) / 2;
     let flat = checkpoint.shared("bodies")?;
     if flat.len() != length * bodies {
@@ -84,23 +115,14 @@ fn read_state<const D: usize>(checkpoint: &Checkpoint, bodies: usize) -> Result<
         let twist = Twist { velocity: SVector::from_column_slice(&motion[..D]), spin: skew(&motion[D..]) };
         Moving { center: SVector::from_column_slice(center), rotation: SMatrix::from_column_slice(rotation), twist }
     };
-    let contact = |held: &[f64]| {
-        let partner = match held[2] {
-            -1.0 => Partner::Body(held[1] as usize),
-            upper => Partner::Wall { axis: held[1] as usize, upper: upper == 1.0 },
-        };
-        Held { body: held[0] as usize, partner, image: std::array::from_fn(|axis| held[3 + axis] as i32), force: held[3 + D] }
-    };
-    let held = checkpoint.shared("contacts")?;
-    if held.len() % (D + 4) != 0 {
-        return Err(misfit("contacts"));
-    }
+    let held = read_contacts(checkpoint, "contacts")?.into_iter();
     Ok(State {
         time,
         steps: steps as usize,
         last_step,
         bodies: flat.chunks(length).map(moving).collect(),
-        held: held.chunks(D + 4).map(contact).collect(),
+        held: held.map(|((body, partner, image), force)| Held { body, partner, image, force }).collect(),
+        stuck: stuck.into_iter().map(|((body, partner, image), gamma)| Stuck { body, partner, image, gamma }).collect(),
     })
 }
 

@@ -40,8 +40,17 @@ pub struct Row {
 pub struct ContactNumbers {
     /// Contacts that bear a force.
     pub active: usize,
+    /// Contacts that stick, if contacts are gluey.
+    pub stuck: Option<usize>,
     /// Smallest gap in radii of the smaller body, infinite if no two are near each other.
     pub smallest_gap: f64,
+    /// If velocities are projected, how.
+    pub projection: Option<ProjectionNumbers>,
+}
+
+/// How velocities were projected in a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProjectionNumbers {
     /// Residual of the optimality conditions.
     pub kkt_residual: f64,
     /// Sum of all contact forces that were found in that step.
@@ -75,11 +84,14 @@ impl Row {
         }
         if let Some(contact) = &self.contact {
             cells.push(("contacts", contact.active.to_string()));
+            cells.extend(contact.stuck.map(|stuck| ("stuck", stuck.to_string())));
             cells.push(("smallest_gap", number(contact.smallest_gap)));
-            cells.push(("kkt_residual", number(contact.kkt_residual)));
-            cells.push(("contact_force", number(contact.total_force)));
-            cells.push(("contact_iterations", contact.iterations.to_string()));
-            cells.push(("contact_solver", (contact.solver as u8).to_string()));
+            if let Some(projection) = contact.projection {
+                cells.push(("kkt_residual", number(projection.kkt_residual)));
+                cells.push(("contact_force", number(projection.total_force)));
+                cells.push(("contact_iterations", projection.iterations.to_string()));
+                cells.push(("contact_solver", (projection.solver as u8).to_string()));
+            }
         }
         if self.flow {
             cells.push(("solves", self.effort.solves.to_string()));

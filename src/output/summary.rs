@@ -104,16 +104,29 @@ pub struct ViscositySummary {
 /// Contacts at the end of a run, and how well they were kept on the way.
 #[derive(Debug, Clone, Serialize)]
 pub struct ContactSummary {
+    /// The law of contact.
+    pub model: &'static str,
     /// Pairs that the contact model looked at in the last step.
     pub pairs: usize,
     /// Contacts that bear a force.
     pub active: usize,
     /// Smallest gap of all steps, in radii of the smaller body; nothing if no two came near each other.
     pub smallest_gap: Option<f64>,
-    /// Largest residual of the optimality conditions of all steps.
-    pub kkt_residual: f64,
-    /// Sum of all contact forces.
+    /// Largest residual of the optimality conditions of all steps, if velocities were projected.
+    pub kkt_residual: Option<f64>,
+    /// Sum of all contact forces, those that pull being negative.
     pub total_force: f64,
+    /// What contacts remember, if they are gluey.
+    pub glue: Option<GlueSummary>,
+}
+
+/// What gluey contacts remember at the end of a run.
+#[derive(Debug, Clone, Serialize)]
+pub struct GlueSummary {
+    /// Contacts that stick.
+    pub stuck: usize,
+    /// The least memory of them, 0 if there are none.
+    pub gamma: f64,
 }
 
 /// A run in time.

@@ -64,8 +64,9 @@ fn check_constraint(scene: &Scene) -> Result<()> {
 
 fn check_contact(scene: &Scene) -> Result<()> {
     match scene.contact.model {
-        ContactModel::Inelastic if scene.time.is_none() => {
-            Err(scene.refuse("contact.model", "\"inelastic\"", "contacts act over a time step; add [time]"))
+        ContactModel::None => Ok(()),
+        model if scene.time.is_none() => {
+            Err(scene.refuse("contact.model", format!("{:?}", model.word()), "contacts act over a time step; add [time]"))
         }
         _ => Ok(()),
     }

@@ -205,11 +205,12 @@ fn of_motion(motion: &Motion) -> Keys {
 
 fn of_contact(contact: &ContactSection, lubrication: &LubricationSection) -> Keys {
     let ContactSection { model } = contact;
-    let model = match model {
-        ContactModel::None => "none",
-        ContactModel::Inelastic => "inelastic",
-    };
-    let mut keys = vec![word("contact.model", model)];
+    let mut keys = vec![word("contact.model", model.word())];
+    keys.extend(match model {
+        ContactModel::None | ContactModel::Inelastic => vec![],
+        ContactModel::Repulsion { stiffness, range } => vec![pair("contact.stiffness", stiffness), pair("contact.range", range)],
+        ContactModel::Gluey { gamma_min } => gamma_min.map(|least| pair("contact.gamma_min", least)).into_iter().collect(),
+    });
     let LubricationSection { model } = lubrication;
     match model {
         LubricationModel::None => keys.push(word("lubrication.model", "none")),

@@ -65,9 +65,7 @@ pub struct Bodies<'a, const D: usize> {
 impl<const D: usize> Kind<D> {
     fn new(radius: f64, order: usize, setup: &Setup<D>, grid: &Grid<D>) -> Kind<D> {
         let surface = Rc::new(SurfaceTable::new(radius, order, grid.mean_spacing()));
-        // other bodies cut the logarithm: half the distance to them
-        let reach = 0.5 * (setup.domain.volume() / setup.bodies.len() as f64).powf(1.0 / D as f64);
-        let mobility = surface.modes.isolated_mobility(reach);
+        let mobility = surface.modes.isolated_mobility(setup.reach());
         let rigid = surface.modes.rigid_count();
         let mobilities = Weights::from_fn(|mode, _| if mode < rigid { mobility[(mode, mode)] } else { 0.0 });
         let mut given_force = mobility.clone();
@@ -224,12 +222,23 @@ impl<'a, const D: usize> Bodies<'a, D> {
     }
 
     /// The right-hand sides of this rank's bodies.
-    pub fn wanted_rows(&self, blocks: &Blocks<D>, members: &[Member], undisturbed: &[f64]) -> Vec<f64> {
+    ///
+    /// `pushes` are forces on all bodies besides those of the setup, or empty.
+    pub fn wanted_rows(&self, blocks: &Blocks<D>, members: &[Member], (undisturbed, pushes): (&[f64], &[SVector<f64, D>])) -> Vec<f64> {
         let rows = members.iter().enumerate();
-        rows.flat_map(|(local, member)| self.wanted_rows_of((blocks, local), member, &undisturbed[member.range.clone()])).collect()
+        let of = |(local, member): (usize, &Member)| {
+            let push = pushes.get(self.layout.local_bodies[local]).copied().unwrap_or_else(SVector::zeros);
+            self.wanted_rows_of((blocks, local), member, (&undisturbed[member.range.clone()], push))
+        };
+        rows.flat_map(of).collect()
     }
 
-    fn wanted_rows_of(&self, (blocks, local): (&Blocks<D>, usize), member: &Member, undisturbed: &[f64]) -> Vec<f64> {
+    fn wanted_rows_of(
+        &self,
+        (blocks, local): (&Blocks<D>, usize),
+        member: &Member,
+        (undisturbed, push): (&[f64], SVector<f64, D>),
+    ) -> Vec<f64> {
         let body = self.layout.local_bodies[local];
         let surface = self.surface(body);
         match self.setup.bodies[body].body.motion {
@@ -239,7 +248,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
             Motion::Free { force, torque } => {
                 let mut rows: Vec<f64> = undisturbed.iter().map(|known| -known).collect();
                 let scale = member.force_scale / self.setup.viscosity;
-                let net = force - self.force_on_fluid_inside(body);
+                let net = force + push - self.force_on_fluid_inside(body);
                 rows[..D].copy_from_slice((net * (scale / surface.modes.force_factor())).as_slice());
                 let turn = scale / surface.modes.torque_factor();
                 rows[D..member.rigid].iter_mut().zip(components(&torque)).for_each(|(row, torque)| *row = turn * torque);

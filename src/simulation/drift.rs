@@ -7,6 +7,9 @@
 //! two-step rule `v + dt/(2 dt_last) (v - v_last)`, the midpoint rule or Euler's, and what the rule adds to `v` is
 //! projected once more, so that nothing overlaps whatever the step. The contact forces press on in this projection: else
 //! bodies that landed in the last step would bounce, as the rule looks back at the velocity with which they came.
+//!
+//! Gluey contacts may pull as much as takes their memory back: those that are held are unknowns as above, with forces of any
+//! sign; those that let go in the step pull with a known force, and act as the forces of a repulsion do.
 
 use std::{collections::HashMap, time::Instant};
 
@@ -18,7 +21,7 @@ use super::{
 };
 use crate::{
     body::Twist,
-    contact::{self, Contact, ContactForce, Partner, Problem, Projection},
+    contact::{self, Certificate, Contact, ContactForce, Law, Partner, Problem, Projection, gluey, pushes},
     error::{Error, Result},
     geometry::{Ball, Domain, near_pairs, near_walls},
     petsc::{Session, Stage, enter},
@@ -38,19 +41,28 @@ const AGREEMENT: f64 = 1e-5;
 /// Gap, in radii, up to which a contact of the last step is tried first.
 const MEMORY_REACH: f64 = 0.1;
 
-/// Overlap, in radii, at which a run without a contact model ends.
+/// Overlap, in radii, at which a run without a law of contact ends.
 const OVERLAP: f64 = 1e-6;
+
+/// The same under a repulsion, which gives way a little.
+const SOFT_OVERLAP: f64 = 0.02;
+
+/// Part of a force that is rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// Bodies carried by Stokes flow.
 pub struct Drift<const D: usize> {
     session: Session,
     suspension: Box<dyn FlowSolver<D>>,
     pace: Pace,
-    /// Whether a contact model acts.
-    contact: bool,
-    /// Force that gives each body a unit velocity in unbounded fluid; none without a contact model.
+    /// The law of contact.
+    law: Law,
+    /// Force that gives each body a unit velocity in unbounded fluid; none without a law of contact.
     weights: Vec<f64>,
 }
+
+/// Where bodies are, and the contacts that may pull, with the least force of each.
+type Crowd<'a, const D: usize> = (&'a Domain<D>, &'a [Ball<D>], &'a [ContactForce<D>]);
 
 /// Velocities on which flow and contacts agree.
 struct Agreed<const D: usize> {
@@ -61,11 +73,10 @@ struct Agreed<const D: usize> {
 }
 
 impl<const D: usize> Drift<D> {
-    /// Bodies of a suspension that move at a pace; with the force that gives each a unit velocity in unbounded fluid, a contact model acts.
-    pub fn new(session: &Session, mut suspension: Box<dyn FlowSolver<D>>, pace: Pace, weights: Option<Vec<f64>>) -> Drift<D> {
+    /// Bodies of a suspension that move at a pace, under a law of contact with the force that gives each a unit velocity in unbounded fluid.
+    pub fn new(session: &Session, mut suspension: Box<dyn FlowSolver<D>>, pace: Pace, (law, weights): (Law, Vec<f64>)) -> Drift<D> {
         suspension.remember(None);
-        let contact = weights.is_some();
-        Drift { session: session.clone(), suspension, pace, contact, weights: weights.unwrap_or_default() }
+        Drift { session: session.clone(), suspension, pace, law, weights }
     }
 
     fn balls(&self, state: &State<D>) -> Vec<Ball<D>> {
@@ -93,24 +104,27 @@ impl<const D: usize> Drift<D> {
         let (balls, centers) = (self.balls(state), state.centers());
         let domain = self.domain(state);
         self.refuse_overlap(&domain, &balls, state.time)?;
+        if !self.projects() {
+            return self.with_known_forces(state, &balls, effort, seen);
+        }
         let mut pressed = self.expected(state, &balls)?;
         let (mut chosen, mut step, mut difference) = (None, state.last_step, 0.0);
         let tightest = self.suspension.setup().tolerance.at_an_instant();
         let mut tolerance = self.suspension.setup().tolerance.in_a_step(self.travelled(state));
         for round in 0..MOST_ROUNDS {
-            let moment = Moment { centers: &centers, time: state.time, pressed: &pressed, step, tolerance };
+            let loose = loose(self.floors(state, &balls, step), &pressed);
+            let pushes = pushes(balls.len(), loose.iter().copied());
+            let moment = Moment { centers: &centers, time: state.time, pressed: &pressed, step, pushes: &pushes, tolerance };
             let mut solution = self.suspension.solve_at(&moment, seen)?;
             effort.add_solve(self.suspension.cost());
             let mut twists: Vec<Twist<D>> = solution.bodies.iter().map(|body| body.twist).collect();
             let stride = *chosen.get_or_insert_with(|| self.pace.next(&urges(self.felt(state, &twists)), state.time, state.last_step));
-            if !self.contact {
-                return Ok(Agreed { solution, twists, contacts: Vec::new(), stride });
-            }
             let start = Instant::now();
             step = if stride.length > 0.0 { stride.length } else { state.last_step };
             pressed.iter_mut().zip(&solution.contact_forces).for_each(|(pressed, force)| pressed.force = *force);
-            let unpressed = self.without_contacts(velocities(&twists), &pressed);
-            let projection = self.project(&domain, &balls, &unpressed, step)?;
+            let unpressed = self.without_contacts(velocities(&twists), pressed.iter().chain(&loose));
+            let floors = self.floors(state, &balls, step);
+            let projection = self.project((&domain, &balls, &floors), &unpressed, step)?;
             effort.contact += start.elapsed().as_secs_f64();
             let scale = fastest(&twists, &unpressed);
             difference = largest_difference(&twists, &projection.velocities) / scale;
@@ -123,8 +137,8 @@ impl<const D: usize> Drift<D> {
             // what is left of the residual may be what they differ by
             tolerance = tightest.max(0.1 * tolerance);
             pressed = match round < ROUNDS_AT_ONCE {
-                true => pressing(projection),
-                false => self.with_one_changed(pressed, (&domain, &balls), (&velocities(&twists), scale), step),
+                true => closed(projection, &floors),
+                false => self.with_one_changed(pressed, (&domain, &balls, &floors), (&velocities(&twists), scale), step),
             };
         }
         Err(Error::Diverged(format!(
@@ -132,6 +146,39 @@ impl<const D: usize> Drift<D> {
              a shorter time.step or a finer grid may help",
             state.time
         )))
+    }
+
+    /// Whether contact forces are found by projections, as a law has it that lets nothing overlap.
+    fn projects(&self) -> bool {
+        matches!(self.law, Law::Inelastic | Law::Gluey { .. })
+    }
+
+    /// Solves the flow once: contact forces follow from the places of bodies, or there are none.
+    fn with_known_forces(&mut self, state: &State<D>, balls: &[Ball<D>], effort: &mut Effort, seen: Seen) -> Result<Agreed<D>> {
+        let contacts = match self.law {
+            Law::Repulsion(repulsion) => repulsion.forces(&self.domain(state), balls, &self.weights),
+            _ => Vec::new(),
+        };
+        let (centers, pushes) = (state.centers(), pushes(balls.len(), contacts.iter().copied()));
+        let tolerance = self.suspension.setup().tolerance.in_a_step(self.travelled(state));
+        let moment = Moment { centers: &centers, time: state.time, pressed: &[], step: state.last_step, pushes: &pushes, tolerance };
+        let solution = self.suspension.solve_at(&moment, seen)?;
+        effort.add_solve(self.suspension.cost());
+        let twists: Vec<Twist<D>> = solution.bodies.iter().map(|body| body.twist).collect();
+        let stride = self.pace.next(&urges(self.felt(state, &twists)), state.time, state.last_step);
+        Ok(Agreed { solution, twists, contacts, stride })
+    }
+
+    /// The contacts that stick, each with the least force that it may bear for a step.
+    fn floors(&self, state: &State<D>, balls: &[Ball<D>], step: f64) -> Vec<ContactForce<D>> {
+        let viscosity = self.suspension.setup().viscosity;
+        gluey::floors((&self.domain(state), balls), &state.stuck, step, |_| viscosity)
+    }
+
+    /// The contacts that stick after a step with these forces.
+    fn remembered(&self, forces: &[ContactForce<D>], state: &State<D>, step: f64) -> Vec<gluey::Stuck<D>> {
+        let Law::Gluey { least } = self.law else { return Vec::new() };
+        gluey::remembered(forces, &state.stuck, (step, least), |_| self.suspension.setup().viscosity)
     }
 
     /// The longest way of the last step, in radii of the body that went it.
@@ -143,31 +190,32 @@ impl<const D: usize> Drift<D> {
 
     /// The contacts that press now if bodies want to go on as in the last step.
     fn expected(&self, state: &State<D>, balls: &[Ball<D>]) -> Result<Vec<ContactForce<D>>> {
-        if !self.contact || state.last_step == 0.0 {
+        if state.last_step == 0.0 {
             return Ok(Vec::new());
         }
         let reach = MEMORY_REACH * self.pace.radii.iter().copied().fold(f64::INFINITY, f64::min);
-        let forces: HashMap<_, f64> = state.held.iter().map(|held| ((held.body, held.partner, held.image), held.force)).collect();
+        let forces: HashMap<_, f64> = state.held.iter().map(|held| (held.identity(), held.force)).collect();
         let domain = self.domain(state);
         let near = contact::candidates(&domain, balls, &self.weights, reach);
         let pressed = |contact: Contact<D>| forces.get(&contact.identity()).map(|&force| ContactForce { contact, force });
         let held: Vec<ContactForce<D>> = near.into_iter().filter_map(pressed).collect();
         let velocities = state.bodies.iter().map(|body| body.twist.velocity).collect();
-        Ok(pressing(self.project(&domain, balls, &self.without_contacts(velocities, &held), state.last_step)?))
+        let floors = self.floors(state, balls, state.last_step);
+        Ok(closed(self.project((&domain, balls, &floors), &self.without_contacts(velocities, &held), state.last_step)?, &floors))
     }
 
-    /// The same contacts but for the first that pulls, which goes, or that is not held and closes too far, which comes.
+    /// The same contacts but for the first that pulls more than it may, which goes, or that is not held and closes too far, which comes.
     fn with_one_changed(
         &self,
         mut pressed: Vec<ContactForce<D>>,
-        (domain, balls): (&Domain<D>, &[Ball<D>]),
+        (domain, balls, floors): Crowd<D>,
         (velocities, fastest): (&[SVector<f64, D>], f64),
         step: f64,
     ) -> Vec<ContactForce<D>> {
         let slack = AGREEMENT * fastest;
         for contact in contact::candidates(domain, balls, &self.weights, 2.0 * fastest * step) {
             match pressed.iter().position(|pressed| pressed.contact.identity() == contact.identity()) {
-                Some(place) if pressed[place].force < -slack * self.softest(&contact) => {
+                Some(place) if pressed[place].force < least(floors, &contact) - slack * self.softest(&contact) => {
                     pressed.remove(place);
                     return pressed;
                 }
@@ -182,7 +230,11 @@ impl<const D: usize> Drift<D> {
     }
 
     /// The velocities that bodies would have without the contact forces, if each were alone.
-    fn without_contacts(&self, mut velocities: Vec<SVector<f64, D>>, pressed: &[ContactForce<D>]) -> Vec<SVector<f64, D>> {
+    fn without_contacts<'a>(
+        &self,
+        mut velocities: Vec<SVector<f64, D>>,
+        pressed: impl IntoIterator<Item = &'a ContactForce<D>>,
+    ) -> Vec<SVector<f64, D>> {
         for ContactForce { contact, force } in pressed {
             velocities[contact.body] += contact.normal * *force / self.weights[contact.body];
             if let Some(other) = contact.other() {
@@ -197,23 +249,26 @@ impl<const D: usize> Drift<D> {
         contact.other().map_or(f64::INFINITY, |other| self.weights[other]).min(self.weights[contact.body])
     }
 
-    fn project(&self, domain: &Domain<D>, balls: &[Ball<D>], velocities: &[SVector<f64, D>], step: f64) -> Result<Projection<D>> {
+    fn project(&self, (domain, balls, floors): Crowd<D>, velocities: &[SVector<f64, D>], step: f64) -> Result<Projection<D>> {
         let _stage = enter(Stage::Contacts);
-        contact::project(self.session.world(), &Problem { domain, balls, weights: &self.weights, velocities, step })
+        contact::project(self.session.world(), &Problem { domain, balls, weights: &self.weights, velocities, step, floors })
     }
 
-    /// Without a contact model nothing keeps bodies apart: a run in which they meet has no meaning.
+    /// Without a law of contact nothing keeps bodies apart, and a repulsion may be too soft: where they overlap, a flow has no meaning.
     fn refuse_overlap(&self, domain: &Domain<D>, balls: &[Ball<D>], time: f64) -> Result<()> {
-        if self.contact {
+        if self.projects() {
             return Ok(());
         }
         let pairs = near_pairs(domain, balls, 0.0).into_iter().map(|pair| (pair.first, pair.gap));
         let walls = near_walls(domain, balls, 0.0).into_iter().map(|pair| (pair.body, pair.gap));
-        match pairs.chain(walls).find(|&(body, gap)| gap < -OVERLAP * balls[body].radius) {
-            Some((body, gap)) => Err(Error::Diverged(format!(
-                "at time {time} body {body} overlaps another or a wall by {:.1e}; set contact.model = \"inelastic\" or a shorter time.step",
-                -gap
-            ))),
+        let (overlap, remedy) = match self.law {
+            Law::Repulsion(_) => (SOFT_OVERLAP, "raise contact.stiffness or contact.range"),
+            _ => (OVERLAP, "set contact.model = \"inelastic\" or a shorter time.step"),
+        };
+        match pairs.chain(walls).find(|&(body, gap)| gap < -overlap * balls[body].radius) {
+            Some((body, gap)) => {
+                Err(Error::Diverged(format!("at time {time} body {body} overlaps another or a wall by {:.1e}; {remedy}", -gap)))
+            }
             None => Ok(()),
         }
     }
@@ -222,7 +277,7 @@ impl<const D: usize> Drift<D> {
     fn rule(&mut self, state: &State<D>, view: &View<D>, effort: &mut Effort, seen: Seen) -> Result<Vec<Twist<D>>> {
         match self.pace.time.scheme {
             Scheme::Euler => Ok(view.twists.clone()),
-            Scheme::TwoStep if state.last_step > 0.0 => Ok(two_step(state, view)),
+            Scheme::TwoStep if state.last_step > 0.0 => Ok(two_step(state, view, self.projects())),
             _ => self.midpoint(state, view, effort, seen),
         }
     }
@@ -233,6 +288,7 @@ impl<const D: usize> Drift<D> {
         let mut ahead = state.clone();
         ahead.advance(&view.twists, half);
         ahead.held = view.contacts.iter().map(Held::of).collect();
+        ahead.stuck = self.remembered(&view.contacts, state, half);
         Ok(self.agree(&ahead, effort, seen)?.twists)
     }
 }
@@ -254,16 +310,19 @@ impl<const D: usize> Dynamics<D> for Drift<D> {
         let mut moves = self.rule(state, view, &mut effort, seen)?;
         let velocities = velocities(&moves);
         let step = self.pace.shortened(&self.felt(state, &moves), view.stride.length, state.last_step);
-        let mut certificate = None;
-        if self.contact {
-            let start = Instant::now();
+        let (mut stuck, mut certificate) = (Vec::new(), None);
+        if self.projects() {
+            let (start, balls) = (Instant::now(), self.balls(state));
             let unpressed = self.without_contacts(velocities, &view.contacts);
-            let projection = self.project(&self.domain(state), &self.balls(state), &unpressed, step)?;
+            let projection = self.project((&self.domain(state), &balls, &self.floors(state, &balls, step)), &unpressed, step)?;
+            stuck = self.remembered(&projection.forces, state, step);
             moves.iter_mut().zip(projection.velocities).for_each(|(twist, velocity)| twist.velocity = velocity);
             certificate = Some(projection.certificate);
             effort.contact += start.elapsed().as_secs_f64();
+        } else if self.law != Law::None {
+            certificate = Some(Certificate::of_forces(&view.contacts, &self.balls(state)));
         }
-        Ok(Travel { step, moves, twists: view.twists.clone(), contacts: view.contacts.clone(), certificate, effort })
+        Ok(Travel { step, moves, twists: view.twists.clone(), contacts: view.contacts.clone(), stuck, certificate, effort })
     }
 
     fn suspension(&self) -> Option<&dyn FlowSolver<D>> {
@@ -275,13 +334,14 @@ impl<const D: usize> Dynamics<D> for Drift<D> {
     }
 }
 
-/// `v + dt/(2 dt_last) (v - v_last)`; bodies that came into contact or out of it since the last step do not look back.
-fn two_step<const D: usize>(state: &State<D>, view: &View<D>) -> Vec<Twist<D>> {
-    let now: Vec<Held<D>> = view.contacts.iter().filter(|pressed| pressed.force > 0.0).map(Held::of).collect();
+/// `v + dt/(2 dt_last) (v - v_last)`; bodies that came into contact or out of it since the last step do not look back, if contact
+/// forces `jump`.
+fn two_step<const D: usize>(state: &State<D>, view: &View<D>, jump: bool) -> Vec<Twist<D>> {
+    let now: Vec<Held<D>> = view.contacts.iter().filter(|pressed| pressed.force != 0.0).map(Held::of).collect();
     let (before, after) = (contacts_of(&state.held, state.bodies.len()), contacts_of(&now, state.bodies.len()));
     let factor = 0.5 * view.stride.length / state.last_step;
     let rule = |(body, (now, last)): (usize, (&Twist<D>, &Twist<D>))| {
-        if before[body] != after[body] {
+        if jump && before[body] != after[body] {
             return *now;
         }
         Twist { velocity: now.velocity + (now.velocity - last.velocity) * factor, spin: now.spin + (now.spin - last.spin) * factor }
@@ -310,10 +370,22 @@ fn velocities<const D: usize>(twists: &[Twist<D>]) -> Vec<SVector<f64, D>> {
     twists.iter().map(|twist| twist.velocity).collect()
 }
 
-/// The contacts of a projection that bear a force.
-fn pressing<const D: usize>(mut projection: Projection<D>) -> Vec<ContactForce<D>> {
-    projection.forces.retain(|pressed| pressed.force > 0.0);
+/// The contacts of a projection that are held closed: they bear more than the least force that they may.
+fn closed<const D: usize>(mut projection: Projection<D>, floors: &[ContactForce<D>]) -> Vec<ContactForce<D>> {
+    projection.forces.retain(|pressed| pressed.force > (1.0 - ROUNDING) * least(floors, &pressed.contact));
     projection.forces
+}
+
+/// The contacts that stick but are not held: they pull as they let go.
+fn loose<const D: usize>(mut floors: Vec<ContactForce<D>>, pressed: &[ContactForce<D>]) -> Vec<ContactForce<D>> {
+    floors.retain(|floor| !pressed.iter().any(|pressed| pressed.contact.identity() == floor.contact.identity()));
+    floors
+}
+
+/// The least force that a contact may bear.
+fn least<const D: usize>(floors: &[ContactForce<D>], contact: &Contact<D>) -> f64 {
+    let found = floors.binary_search_by_key(&contact.identity(), |floor| floor.contact.identity());
+    found.map_or(0.0, |place| floors[place].force)
 }
 
 /// Largest velocity, with contact forces or without them: where they hold bodies at rest, only what they resist tells how

@@ -9,17 +9,17 @@ use std::time::Instant;
 use nalgebra::{SMatrix, SVector};
 
 use super::{
-    Dynamics, Effort, Seen, State, Travel, View,
+    Dynamics, Effort, Seen, State, Travel, View, law,
     pace::{Pace, Urge},
     placement::{bodies, domain, vector},
 };
 use crate::{
     body::{Motion, Twist, skew},
-    contact::{self, Problem},
+    contact::{self, Certificate, ContactForce, Law, Problem, Projection, Repulsion, gluey, pushes},
     error::{Error, Result},
     geometry::Domain,
     petsc::{Session, Stage, enter},
-    scene::{ContactModel, Scene, Scheme},
+    scene::{Scene, Scheme},
 };
 
 /// A body without a fluid.
@@ -48,8 +48,8 @@ pub struct DrySetup<const D: usize> {
     pub domain: Domain<D>,
     /// The bodies.
     pub bodies: Vec<DryBody<D>>,
-    /// Whether they notice each other and the walls.
-    pub contact: bool,
+    /// How they notice each other and the walls.
+    pub contact: Law,
 }
 
 /// Dry bodies in motion.
@@ -91,8 +91,15 @@ impl<const D: usize> DrySetup<D> {
                 },
             }
         };
-        let bodies = bodies(scene, &domain)?.into_iter().map(of_group).collect();
-        Ok(DrySetup { domain, bodies, contact: scene.contact.model == ContactModel::Inelastic })
+        let bodies: Vec<DryBody<D>> = bodies(scene, &domain)?.into_iter().map(of_group).collect();
+        let setup = DrySetup { contact: law::of_dry(scene.contact.model, &domain, &bodies), domain, bodies };
+        law::check(scene, setup.contact, setup.longest_step())?;
+        Ok(setup)
+    }
+
+    /// The longest step with which contact is stable; infinite if it limits none.
+    pub fn longest_step(&self) -> f64 {
+        law::longest_dry_step(self.contact, &self.bodies)
     }
 
     /// The bodies at the start.
@@ -129,6 +136,42 @@ impl<const D: usize> Dry<D> {
             _ => 0.5 * (last_step + step),
         }
     }
+
+    fn masses(&self) -> Vec<f64> {
+        self.setup.bodies.iter().map(|body| body.mass).collect()
+    }
+
+    /// The impulse of a memory of one: the mass with which a gap resists being opened.
+    fn reduced_mass(&self, contact: &contact::Contact<D>) -> f64 {
+        let inverse = |body: usize| 1.0 / self.setup.bodies[body].mass;
+        1.0 / (inverse(contact.body) + contact.other().map_or(0.0, inverse))
+    }
+
+    /// The forces of a repulsion, and the accelerations by all forces.
+    fn repelled(&self, repulsion: &Repulsion, state: &State<D>) -> (Vec<ContactForce<D>>, Vec<SVector<f64, D>>) {
+        let forces = repulsion.forces(&self.setup.domain, &state.balls(&self.pace.radii), &self.masses());
+        let pushes = pushes(self.setup.bodies.len(), forces.iter().copied());
+        let accelerations = self.setup.bodies.iter().zip(pushes).map(|(body, push)| body.acceleration + push / body.mass).collect();
+        (forces, accelerations)
+    }
+
+    /// Accelerations by all forces but those that a projection finds.
+    fn accelerations(&self, state: &State<D>) -> Vec<SVector<f64, D>> {
+        match &self.setup.contact {
+            Law::Repulsion(repulsion) => self.repelled(repulsion, state).1,
+            _ => self.setup.bodies.iter().map(|body| body.acceleration).collect(),
+        }
+    }
+
+    /// Velocities that keep contacts, next to those wanted.
+    fn project(&self, state: &State<D>, moves: &[Twist<D>], step: f64) -> Result<Projection<D>> {
+        let (_stage, domain, balls) = (enter(Stage::Contacts), &self.setup.domain, state.balls(&self.pace.radii));
+        let weights: Vec<f64> = self.masses().iter().map(|mass| mass / step).collect();
+        let velocities: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
+        let floors = gluey::floors((domain, &balls), &state.stuck, step, |contact| self.reduced_mass(contact));
+        let problem = Problem { domain, balls: &balls, weights: &weights, velocities: &velocities, step, floors: &floors };
+        contact::project_from(self.session.world(), &problem, &state.memory())
+    }
 }
 
 impl<const D: usize> Dynamics<D> for Dry<D> {
@@ -136,12 +179,9 @@ impl<const D: usize> Dynamics<D> for Dry<D> {
         let twists: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
         let urges: Vec<Urge<D>> = twists
             .iter()
-            .zip(&self.setup.bodies)
+            .zip(self.accelerations(state))
             // velocities live half a step before places
-            .map(|(twist, body)| Urge {
-                velocity: twist.velocity + body.acceleration * (0.5 * state.last_step),
-                acceleration: body.acceleration,
-            })
+            .map(|(twist, acceleration)| Urge { velocity: twist.velocity + acceleration * (0.5 * state.last_step), acceleration })
             .collect();
         let stride = self.pace.next(&urges, state.time, state.last_step);
         Ok(View { twists, contacts: Vec::new(), solution: None, stride, effort: Effort::default() })
@@ -150,25 +190,28 @@ impl<const D: usize> Dynamics<D> for Dry<D> {
     fn travel(&mut self, state: &State<D>, view: &View<D>, _: Seen) -> Result<Travel<D>> {
         let (start, step) = (Instant::now(), view.stride.length);
         let push = self.push(state.last_step, step);
-        let pushed = |(twist, body): (&Twist<D>, &DryBody<D>)| Twist {
-            velocity: twist.velocity + body.acceleration * push,
+        let pushed = |((twist, body), acceleration): ((&Twist<D>, &DryBody<D>), SVector<f64, D>)| Twist {
+            velocity: twist.velocity + acceleration * push,
             spin: twist.spin + body.spin_up * push,
         };
-        let mut moves: Vec<Twist<D>> = view.twists.iter().zip(&self.setup.bodies).map(pushed).collect();
-        let (mut contacts, mut certificate) = (Vec::new(), None);
-        if self.setup.contact {
-            let _stage = enter(Stage::Contacts);
-            let balls = state.balls(&self.pace.radii);
-            let weights: Vec<f64> = self.setup.bodies.iter().map(|body| body.mass / step).collect();
-            let velocities: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
-            let problem = Problem { domain: &self.setup.domain, balls: &balls, weights: &weights, velocities: &velocities, step };
-            let projection = contact::project_from(self.session.world(), &problem, &state.memory())?;
-            moves.iter_mut().zip(projection.velocities).for_each(|(twist, velocity)| twist.velocity = velocity);
-            (contacts, certificate) = (projection.forces, Some(projection.certificate));
-        } else {
-            self.refuse_outside(state)?;
+        let mut moves: Vec<Twist<D>> = view.twists.iter().zip(&self.setup.bodies).zip(self.accelerations(state)).map(pushed).collect();
+        let (mut contacts, mut stuck, mut certificate) = (Vec::new(), Vec::new(), None);
+        match self.setup.contact {
+            Law::None => self.refuse_outside(state)?,
+            Law::Repulsion(repulsion) => {
+                contacts = self.repelled(&repulsion, state).0;
+                certificate = Some(Certificate::of_forces(&contacts, &state.balls(&self.pace.radii)));
+            }
+            law @ (Law::Inelastic | Law::Gluey { .. }) => {
+                let projection = self.project(state, &moves, step)?;
+                moves.iter_mut().zip(&projection.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
+                if let Law::Gluey { least } = law {
+                    stuck = gluey::remembered(&projection.forces, &state.stuck, (step, least), |contact| self.reduced_mass(contact));
+                }
+                (contacts, certificate) = (projection.forces, Some(projection.certificate));
+            }
         }
         let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };
-        Ok(Travel { step, twists: moves.clone(), moves, contacts, certificate, effort })
+        Ok(Travel { step, twists: moves.clone(), moves, contacts, stuck, certificate, effort })
     }
 }

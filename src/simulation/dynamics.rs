@@ -3,7 +3,7 @@
 use super::{Cost, FlowSolver, Past, Solution, State, pace::Stride};
 use crate::{
     body::Twist,
-    contact::{Certificate, ContactForce},
+    contact::{Certificate, ContactForce, gluey::Stuck},
     error::Result,
 };
 
@@ -49,6 +49,8 @@ pub struct Travel<const D: usize> {
     pub twists: Vec<Twist<D>>,
     /// Contacts and their forces, if they were found on the way.
     pub contacts: Vec<ContactForce<D>>,
+    /// Contacts that stick from now on.
+    pub stuck: Vec<Stuck<D>>,
     /// How well contacts were kept, if there are any to keep.
     pub certificate: Option<Certificate>,
     /// What it took.

@@ -111,8 +111,9 @@ impl<const D: usize> Builder<'_, D> {
 
 fn wall_velocity<const D: usize>(basis: &Basis<D>, axis: usize, upper: bool) -> SVector<f64, D> {
     match basis.setup.domain.axes[axis] {
-        Axis::Walls { lower, upper: velocity } => if upper { velocity } else { lower },
-        Axis::Periodic => SVector::zeros(),
+        Axis::Walls { lower, .. } if !upper => lower,
+        Axis::Walls { upper, .. } => upper,
+        Axis::Periodic | Axis::Sheared(_) => SVector::zeros(),
     }
 }
 

@@ -13,6 +13,7 @@ mod dynamics;
 mod faster;
 mod fitted;
 mod flow_solver;
+mod law;
 mod links;
 mod memory;
 mod pace;

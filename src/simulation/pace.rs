@@ -20,6 +20,8 @@ pub struct Pace {
     pub radii: Vec<f64>,
     /// What steps and the end are whole numbers of, where images slide.
     pub beat: Option<Beat>,
+    /// The longest step with which contact is stable; infinite if it limits none.
+    pub longest: f64,
 }
 
 /// A body's motion as far as steps depend on it.
@@ -53,7 +55,7 @@ impl Pace {
         let natural = match self.time.step {
             Step::Fixed(step) => step,
             Step::Auto => {
-                let longest = if last_step > 0.0 { self.grown(last_step) } else { self.time.end };
+                let longest = self.longest.min(if last_step > 0.0 { self.grown(last_step) } else { self.time.end });
                 let limits = motion.iter().zip(&self.radii).map(|(urge, radius)| reach(urge, self.time.travel * radius));
                 self.whole(limits.fold(longest, f64::min), last_step)
             }

@@ -10,7 +10,7 @@ use crate::{
     error::Result,
     grid::Grid,
     scene::{ConstraintMethod, FlowModel, Scene},
-    simulation::{DrySetup, ScalarSetup, Setup, closure::Closure},
+    simulation::{DrySetup, ScalarSetup, Setup, closure::Closure, law},
 };
 use effects::{Effect, flow_effects, gravity, in_time};
 use memory::{CONTACT_BYTES, bytes, multiplier_counts, scalar_bytes};
@@ -84,7 +84,7 @@ impl Plan {
             gravity(scene),
             Effect::on("rotation", "spins of the bodies".into()),
         ];
-        effects.extend(in_time(scene));
+        effects.extend(in_time(scene, setup.longest_step()));
         Ok(Plan { effects, choice: None, fluid: None, bytes: CONTACT_BYTES * setup.bodies.len() as f64 })
     }
 
@@ -122,7 +122,10 @@ impl Plan {
         let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
         let (mut effects, counts) = (flow_effects(setup, &grid), multiplier_counts(setup, &grid));
         effects.extend([Effect::off("inertia"), gravity(scene)]);
-        effects.extend(in_time(scene));
+        let contact = law::of_flow(scene.contact.model, setup);
+        let longest = law::longest_step_in_flow(contact, setup);
+        law::check(scene, contact, longest)?;
+        effects.extend(in_time(scene, longest));
         let fluid = FluidPlan {
             cells: grid.cells().to_vec(),
             blocks: grid.partition().ranks().to_vec(),

@@ -8,7 +8,7 @@ use crate::{
     flow::{Drive, InverseMethod},
     geometry::Domain,
     scene::{self, ConstraintMethod, Modes, MultiplierSolver, ResolutionSection, Scene, Spacing, StokesSolver, Tolerance},
-    surface::highest_order,
+    surface::{highest_order, modes},
 };
 
 /// Fewest cells per radius: closer to the centre the jump functions are too steep for the grid.
@@ -102,6 +102,17 @@ impl<const D: usize> Setup<D> {
     pub fn inner_tolerance(&self) -> Option<f64> {
         let exact = matches!(self.constraint, ConstraintMethod::Penalty(_) | ConstraintMethod::MeanValue(MultiplierSolver::Uzawa(_)));
         exact.then(|| INNER * self.tolerance.at_an_instant())
+    }
+
+    /// Half the distance between bodies: in 2D others cut the logarithm of a body's mobility there.
+    pub fn reach(&self) -> f64 {
+        0.5 * (self.domain.volume() / self.bodies.len() as f64).powf(1.0 / D as f64)
+    }
+
+    /// Force that gives a body of this radius a unit velocity in unbounded fluid.
+    pub fn resistance(&self, radius: f64) -> f64 {
+        let modes = modes(D, radius, 1.0, 1);
+        self.viscosity * modes.force_factor() / modes.isolated_mobility(self.reach())[(0, 0)]
     }
 
     /// Part of the box that bodies fill.

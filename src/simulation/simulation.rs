@@ -1,11 +1,11 @@
 //! The time loop: bodies move step by step, driven by a fluid or by inertia alone.
 
 use super::{
-    Drift, Dry, DrySetup, Dynamics, Effort, FittedFlow, FlowSolver, Held, Past, Seen, Setup, State, Suspension, View, beat::Beat,
+    Drift, Dry, DrySetup, Dynamics, Effort, FittedFlow, FlowSolver, Held, Past, Seen, Setup, State, Suspension, View, beat::Beat, law,
     pace::Pace,
 };
 use crate::{
-    contact::Certificate,
+    contact::{Certificate, Law},
     error::Result,
     geometry::Domain,
     petsc::Session,
@@ -48,6 +48,8 @@ impl<const D: usize> Simulation<D> {
         match scene.method.constraint {
             ConstraintMethod::Fitted => Ok(Self::fitted(session, FittedFlow::new(session, setup)?, time)),
             _ => {
+                let contact = law::of_flow(scene.contact.model, &setup);
+                session.world().agree(law::check(scene, contact, law::longest_step_in_flow(contact, &setup)))?;
                 let suspension = Suspension::new(session, setup)?;
                 let beat = Beat::of(&suspension.setup().domain, suspension.grid());
                 let time = beat.map_or(Ok(time.clone()), |beat| beat.keep(&time))?;
@@ -58,7 +60,8 @@ impl<const D: usize> Simulation<D> {
 
     /// Dry bodies in motion.
     pub fn dry(session: &Session, setup: DrySetup<D>, time: TimeSection) -> Simulation<D> {
-        let pace = Pace { time, radii: setup.bodies.iter().map(|body| body.radius).collect(), beat: None };
+        let radii = setup.bodies.iter().map(|body| body.radius).collect();
+        let pace = Pace { time, radii, beat: None, longest: setup.longest_step() };
         let (state, domain) = (setup.start(), setup.domain.clone());
         let dynamics = Box::new(Dry::new(session, setup, pace.clone()));
         Simulation { state, dynamics, domain, pace, cut_short: false }
@@ -66,23 +69,24 @@ impl<const D: usize> Simulation<D> {
 
     /// Bodies carried by Stokes flow. Where images slide, the step, if it is fixed, and the end slide them by whole cells.
     pub fn flowing(session: &Session, suspension: Suspension<D>, time: TimeSection, contact: ContactModel) -> Simulation<D> {
-        let weights = (contact == ContactModel::Inelastic).then(|| suspension.resistances());
-        Self::carried(session, Box::new(suspension), time, weights)
+        let (law, weights) = (law::of_flow(contact, suspension.setup()), suspension.resistances());
+        Self::carried(session, Box::new(suspension), time, (law, weights))
     }
 
     /// Bodies carried by Stokes flow on a mesh that fits them, which leaves no room for contacts.
     pub fn fitted(session: &Session, flow: FittedFlow<D>, time: TimeSection) -> Simulation<D> {
-        Self::carried(session, Box::new(flow), time, None)
+        Self::carried(session, Box::new(flow), time, (Law::None, Vec::new()))
     }
 
-    fn carried(session: &Session, suspension: Box<dyn FlowSolver<D>>, time: TimeSection, weights: Option<Vec<f64>>) -> Simulation<D> {
+    fn carried(session: &Session, suspension: Box<dyn FlowSolver<D>>, time: TimeSection, (law, weights): (Law, Vec<f64>)) -> Simulation<D> {
         let bodies = &suspension.setup().bodies;
         let beat = Beat::of(&suspension.setup().domain, suspension.grid());
-        let pace = Pace { time, radii: bodies.iter().map(|suspended| suspended.body.ball.radius).collect(), beat };
+        let longest = law::longest_step_in_flow(law, suspension.setup());
+        let pace = Pace { time, radii: bodies.iter().map(|suspended| suspended.body.ball.radius).collect(), beat, longest };
         let at_rest = |suspended: &super::SuspendedBody<D>| (suspended.body.ball.center, crate::body::Twist::zero());
         let state = State::start(bodies.iter().map(at_rest));
         let domain = suspension.setup().domain.clone();
-        let dynamics = Box::new(Drift::new(session, suspension, pace.clone(), weights));
+        let dynamics = Box::new(Drift::new(session, suspension, pace.clone(), (law, weights)));
         Simulation { state, dynamics, domain, pace, cut_short: false }
     }
 
@@ -145,7 +149,8 @@ impl<const D: usize> Simulation<D> {
     pub fn step(&mut self, view: &View<D>, seen: Seen) -> Result<StepReport> {
         let travel = self.dynamics.travel(&self.state, view, seen)?;
         self.state.bodies.iter_mut().zip(&travel.twists).for_each(|(body, twist)| body.twist = *twist);
-        self.state.held = travel.contacts.iter().filter(|pressed| pressed.force > 0.0).map(Held::of).collect();
+        self.state.held = travel.contacts.iter().filter(|pressed| pressed.force != 0.0).map(Held::of).collect();
+        self.state.stuck = travel.stuck;
         self.state.advance(&travel.moves, travel.step);
         self.slide();
         self.cut_short = view.stride.cut_short() && travel.step == view.stride.length;

@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::{
     body::Twist,
-    contact::{ContactForce, Memory, Partner},
+    contact::{ContactForce, Identity, Memory, Partner, gluey::Stuck},
     geometry::Ball,
 };
 
@@ -45,6 +45,8 @@ pub struct State<const D: usize> {
     pub bodies: Vec<Moving<D>>,
     /// Contacts that bore a force.
     pub held: Vec<Held<D>>,
+    /// Contacts that stick; none unless contacts are gluey.
+    pub stuck: Vec<Stuck<D>>,
 }
 
 impl<const D: usize> Held<D> {
@@ -53,13 +55,18 @@ impl<const D: usize> Held<D> {
         let ContactForce { contact, force } = *contact;
         Held { body: contact.body, partner: contact.partner, image: contact.image, force }
     }
+
+    /// What tells its contact from all others.
+    pub fn identity(&self) -> Identity<D> {
+        (self.body, self.partner, self.image)
+    }
 }
 
 impl<const D: usize> State<D> {
     /// Bodies at the start.
     pub fn start(bodies: impl Iterator<Item = (SVector<f64, D>, Twist<D>)>) -> State<D> {
         let moving = |(center, twist)| Moving { center, rotation: SMatrix::identity(), twist };
-        State { time: 0.0, steps: 0, last_step: 0.0, bodies: bodies.map(moving).collect(), held: Vec::new() }
+        State { time: 0.0, steps: 0, last_step: 0.0, bodies: bodies.map(moving).collect(), held: Vec::new(), stuck: Vec::new() }
     }
 
     /// Their centres, not moved back into the box.

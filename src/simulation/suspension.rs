@@ -71,6 +71,8 @@ pub struct Moment<'a, const D: usize> {
     pub pressed: &'a [ContactForce<D>],
     /// The step in which their gaps are to close, and no sooner.
     pub step: f64,
+    /// Forces on all bodies besides those of the setup; none if empty.
+    pub pushes: &'a [SVector<f64, D>],
     /// Relative residual at which the solve ends.
     pub tolerance: f64,
 }
@@ -201,7 +203,7 @@ impl<const D: usize> Suspension<D> {
     /// The moment at which bodies are there and none touches.
     fn at_rest<'a>(&self, centers: &'a [SVector<f64, D>]) -> Moment<'a, D> {
         let time = self.basis.setup.domain.slide().map_or(0.0, |slide| slide.time);
-        Moment { centers, time, pressed: &[], step: 0.0, tolerance: self.basis.setup.tolerance.at_an_instant() }
+        Moment { centers, time, pressed: &[], step: 0.0, pushes: &[], tolerance: self.basis.setup.tolerance.at_an_instant() }
     }
 
     /// Condition numbers of the system on the multipliers with the bodies where the setup has them; as dear as that many iterations
@@ -294,7 +296,7 @@ impl<'a, const D: usize> Ready<'a, D> {
         let mut engine = Engine::fitting(engine, basis, sizes)?;
         engine.krylov.set_tolerance(moment.tolerance)?;
         let prescribed_drag = prescribed_drag(&basis.session, &members);
-        let wanted = bodies.wanted_rows(&assembly.blocks, &members, &assembly.undisturbed);
+        let wanted = bodies.wanted_rows(&assembly.blocks, &members, (&assembly.undisturbed, moment.pushes));
         basis.fill_right_hand_side(&wanted, &touching.rates, prescribed_drag, &mut engine.rhs)?;
         let unit = touching.scale * basis.setup.viscosity;
         engine.start(&bodies, guess.as_ref(), moment.pressed.iter().map(|pressed| pressed.force / unit).collect())?;

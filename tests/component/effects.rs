@@ -230,7 +230,7 @@ fn no_fluid_not_one_object_and_no_pressure(session: &Session) {
 }
 
 fn effects_to_come_are_refused_and_nothing_of_them_is_planned(session: &Session) {
-    let changes = ["lubrication.model=pairwise", "flow.model=navier-stokes", "contact.model=repulsion"];
+    let changes = ["lubrication.model=pairwise", "flow.model=navier-stokes"];
     for change in changes {
         let refusal = Scene::parse("effect", Path::new("."), SHEARED, &[change.to_owned()]).unwrap_err().to_string();
         let (key, _) = change.split_once('=').unwrap();

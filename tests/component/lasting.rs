@@ -9,10 +9,11 @@ use std::{
 use nalgebra::{SMatrix, SVector};
 use turbid::{
     body::skew,
+    contact::Partner,
     error::Error,
     geometry::Domain,
     grid::{Grid, operators::signed},
-    output::{Checkpoint, CheckpointWriter, Frame, FrameBody, FrameFields, Frames, read_frames},
+    output::{Checkpoint, CheckpointWriter, Frame, FrameBody, FrameContact, FrameFields, Frames, read_frames},
     petsc::Session,
 };
 
@@ -34,6 +35,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_checkpoint_for_another_grid_is_refused),
         Test::of(a_checkpoint_that_cannot_be_written_names_its_file),
         Test::of(frames_give_back_their_bodies),
+        Test::of(frames_give_back_their_contacts),
         Test::of(fields_are_stored_slowest_axis_first_whoever_wrote_them),
         Test::of(a_resumed_run_forgets_later_frames_and_a_new_one_all),
         Test::of(frames_for_an_independent_reader),
@@ -183,7 +185,9 @@ fn frames_give_back_their_bodies(session: &Session) {
         for step in 0..3 {
             // the first frame has no bodies
             let bodies = bodies(domain, step, 5 * step);
-            frames.write(session.world(), &Frame { time: 0.1 * step as f64, step, domain, bodies: &bodies, fields: None }).unwrap();
+            frames
+                .write(session.world(), &Frame { time: 0.1 * step as f64, step, domain, bodies: &bodies, contacts: None, fields: None })
+                .unwrap();
             let read = read_frames::<D>(&folder).unwrap();
             assert_eq!((read.len(), read[step].step, read[step].time), (step + 1, step, 0.1 * step as f64));
             assert_eq!(read[step].size, domain.size);
@@ -196,9 +200,55 @@ fn frames_give_back_their_bodies(session: &Session) {
     boxes_3d().for_each(|domain| proof(session, &domain));
     let folder = folder(session);
     let mut frames = Frames::create(session.world(), &folder).unwrap();
-    frames.write(session.world(), &Frame { time: 0.0, step: 0, domain: &domain(BOXES_2D[0]), bodies: &[], fields: None }).unwrap();
+    frames
+        .write(session.world(), &Frame { time: 0.0, step: 0, domain: &domain(BOXES_2D[0]), bodies: &[], contacts: None, fields: None })
+        .unwrap();
     let error = read_frames::<3>(&folder).unwrap_err().to_string();
     assert!(error.contains("000000.h5") && error.contains("2 dimensions, not 3"), "{error}");
+}
+
+fn frames_give_back_their_contacts(session: &Session) {
+    fn proof<const D: usize>(session: &Session, domain: &Domain<D>) {
+        let folder = folder(session);
+        let mut frames = Frames::create(session.world(), &folder).unwrap();
+        let partners = [Partner::Body(4), Partner::Wall { axis: 1, upper: false }, Partner::Wall { axis: 0, upper: true }];
+        let contact = |(place, partner): (usize, Partner), gluey: bool| FrameContact {
+            body: place,
+            partner,
+            image: std::array::from_fn(|axis| place as i32 - axis as i32),
+            point: SVector::from_fn(|axis, _| 0.1 + 0.05 * (place + axis) as f64),
+            normal: SVector::from_fn(|axis, _| {
+                if axis == 0 {
+                    0.6
+                } else if axis == 1 {
+                    -0.8
+                } else {
+                    0.0
+                }
+            }),
+            gap: 0.01 * place as f64,
+            force: 1.5 - place as f64,
+            gamma: gluey.then_some(-0.25 * place as f64),
+        };
+        let bodies = bodies(domain, 0, 5);
+        for (step, (count, gluey)) in [(0, true), (3, true), (2, false)].into_iter().enumerate() {
+            let contacts: Vec<_> = partners.into_iter().enumerate().take(count).map(|partner| contact(partner, gluey)).collect();
+            let time = step as f64;
+            frames.write(session.world(), &Frame { time, step, domain, bodies: &bodies, contacts: Some(&contacts), fields: None }).unwrap();
+            assert_eq!(read_frames::<D>(&folder).unwrap()[step].contacts.as_ref(), Some(&contacts));
+        }
+        let listed = fs::read_to_string(folder.join("contacts.xdmf")).unwrap();
+        assert_eq!((listed.matches("<Time").count(), listed.matches("contacts/gamma").count()), (2, 1), "{listed}");
+        session.world().barrier();
+        // without a law of contact there is nothing of it, and nothing of an earlier run is left
+        let mut frames = Frames::create(session.world(), &folder).unwrap();
+        frames.write(session.world(), &Frame { time: 0.0, step: 0, domain, bodies: &bodies, contacts: None, fields: None }).unwrap();
+        assert_eq!(read_frames::<D>(&folder).unwrap()[0].contacts, None);
+        assert!(!folder.join("contacts.xdmf").exists());
+        session.world().barrier();
+    }
+    boxes_2d().for_each(|domain| proof(session, &domain));
+    boxes_3d().for_each(|domain| proof(session, &domain));
 }
 
 fn fields_are_stored_slowest_axis_first_whoever_wrote_them(session: &Session) {
@@ -206,7 +256,9 @@ fn fields_are_stored_slowest_axis_first_whoever_wrote_them(session: &Session) {
         let folder = folder(session);
         let grid = grid(session, domain, 8);
         let mut frames = Frames::create(session.world(), &folder).unwrap();
-        frames.write(session.world(), &Frame { time: 0.0, step: 0, domain, bodies: &[], fields: Some(fields(&grid, 0.0)) }).unwrap();
+        frames
+            .write(session.world(), &Frame { time: 0.0, step: 0, domain, bodies: &[], contacts: None, fields: Some(fields(&grid, 0.0)) })
+            .unwrap();
         let file = hdf5::File::open(folder.join("run.h5")).unwrap();
         let stored = file.dataset("frames/000000/fields/pressure").unwrap();
         let mut extents = [grid.cells().to_vec(), vec![1; 3 - D]].concat();
@@ -231,7 +283,7 @@ fn a_resumed_run_forgets_later_frames_and_a_new_one_all(session: &Session) {
     let domain = domain(BOXES_2D[0]);
     let write = |frames: &mut Frames, time: f64| {
         let bodies = bodies(&domain, 0, 2);
-        frames.write(session.world(), &Frame { time, step: 0, domain: &domain, bodies: &bodies, fields: None }).unwrap();
+        frames.write(session.world(), &Frame { time, step: 0, domain: &domain, bodies: &bodies, contacts: None, fields: None }).unwrap();
     };
     let times = || {
         session.world().barrier();
@@ -268,7 +320,9 @@ fn frames_for_an_independent_reader(session: &Session) {
         let mut frames = Frames::create(session.world(), folder).unwrap();
         for step in 0..3 {
             let (time, bodies) = (0.25 * step as f64, bodies(domain, step, 7));
-            frames.write(session.world(), &Frame { time, step, domain, bodies: &bodies, fields: Some(fields(&grid, time)) }).unwrap();
+            frames
+                .write(session.world(), &Frame { time, step, domain, bodies: &bodies, contacts: None, fields: Some(fields(&grid, time)) })
+                .unwrap();
             let start = Instant::now();
             while !folder.join(format!("read-{step}")).exists() {
                 assert!(start.elapsed() < PATIENCE, "nobody reads");

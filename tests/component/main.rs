@@ -20,6 +20,8 @@ mod inclusions;
 mod interpolation;
 mod inverses;
 mod lasting;
+mod laws;
+mod laws_flow;
 mod lubrication;
 mod machine;
 mod methods;
@@ -88,6 +90,8 @@ fn main() {
         sheared::tests(),
         contact::tests(),
         dry::tests(),
+        laws::tests(),
+        laws_flow::tests(),
     ];
     for test in floors.into_iter().flatten() {
         if wanted.is_empty() || wanted.iter().any(|part| test.name.contains(part)) {

@@ -4,7 +4,7 @@ use std::{fs, path::Path, process::Command};
 
 use super::{
     common::{Series, bodies, difference, folder, number, resume, run, write},
-    scenes::{DRY, SHEARED, SLIDING, SPHERES},
+    scenes::{DRY, GLUEY, SHEARED, SLIDING, SPHERES},
 };
 
 /// The same arithmetic on the same ranks; what is left is the order of sums after a matrix of another size.
@@ -75,6 +75,22 @@ fn spheres_in_two_halves_are_the_run_in_one() {
 #[test]
 fn dry_disks_in_two_halves_are_the_run_in_one() {
     halves_agree("dry", DRY, &[&[], &["time.step=0.1"], &["time.scheme=euler"]], &[1, 2]);
+}
+
+#[test]
+fn gluey_disks_in_two_halves_are_the_run_in_one_memories_included() {
+    halves_agree("gluey", GLUEY, &[&[], &["time.step=0.1"], &["time.scheme=euler", "contact.gamma_min=-0.2"]], &[1, 2]);
+    let out = folder("halves-gluey-memories");
+    let summary = run(1, &write(&out, GLUEY), &out.join("out"), &[]);
+    assert!(number(&summary, "contact.glue.stuck") >= 8.0 && number(&summary, "contact.glue.gamma") < -1.0);
+}
+
+#[test]
+fn a_gluey_or_repelling_sheared_suspension_in_two_halves_is_the_run_in_one() {
+    let transform: &[&str] = &["method.inverse=transform"];
+    halves_agree("sheared-gluey", &SHEARED.replace("inelastic", "gluey"), &[transform], &[2]);
+    let brief = SHEARED.replace("inelastic", "repulsion").replace("end = 0.32", "end = 0.02").replace("every = 0.08", "every = 0.005");
+    halves_agree("sheared-repulsion", &brief, &[transform], &[2]);
 }
 
 #[test]

@@ -94,6 +94,28 @@ end = 1.6
 every = 0.16
 "#;
 
+/// Disks that fall on a floor and stick, some under others; the run ends while they do.
+pub const GLUEY: &str = r#"
+seed = 4
+gravity = [0.3, -1.0]
+[domain]
+size = [6.0, 6.0]
+y = "walls"
+[flow]
+model = "none"
+[[bodies]]
+radius = 0.5
+count = 12
+gap = 0.1
+density = 1.0
+[contact]
+model = "gluey"
+[time]
+end = 2.4
+[output]
+every = 0.24
+"#;
+
 /// Three disks in shear whose step is quick, with a checkpoint after every step.
 pub const QUICK: &str = r#"
 [domain]

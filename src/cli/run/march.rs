@@ -13,7 +13,7 @@ use super::{
 use crate::{
     error::{Error, Result},
     observe::{self, Plane, Shear, Viscosity},
-    output::{self, Chart, Checkpoint, ContactSummary, CurvePoint, Scale, Series, Summary, TimeProgress},
+    output::{self, Chart, Checkpoint, ContactSummary, CurvePoint, GlueSummary, Scale, Series, Summary, TimeProgress},
     parallel::World,
     petsc::{Session, Stage, enter},
     scene::{ContactModel, Scene},
@@ -155,10 +155,7 @@ impl<const D: usize> March<'_, D> {
             calibrated.attach(&mut summary, (suspension, solution))?;
         }
         if self.scene.contact.model != ContactModel::None {
-            let held = held(state, view);
-            let (pairs, smallest_gap, kkt_residual) = self.account.contacts();
-            let total_force = held.iter().map(|held| held.force).sum();
-            summary.contact = Some(ContactSummary { pairs, active: held.len(), smallest_gap, kkt_residual, total_force });
+            summary.contact = Some(self.contacts(view));
             if let (Some(parts), Some(viscosity)) = (&mut summary.viscosity, viscosity) {
                 parts.contact = Some(viscosity.contact);
                 parts.particle_pressure_contact = Some(viscosity.normal.contact_pressure);
@@ -178,6 +175,22 @@ impl<const D: usize> March<'_, D> {
         let shear = self.simulation.suspension().and_then(|suspension| Shear::of(&suspension.setup().domain, &suspension.setup().drive));
         let crowd = Crowd { domain: self.simulation.domain(), radii: self.simulation.radii(), shear };
         pairs::of_a_run(self.world, self.folder, crowd, (self.simulation.state().time, self.outputs.mean()))
+    }
+
+    /// Contacts now, and how well they were kept on the way.
+    fn contacts(&self, view: &View<D>) -> ContactSummary {
+        let (model, state) = (self.scene.contact.model, self.simulation.state());
+        let (held, (pairs, smallest_gap, kkt_residual)) = (held(state, view), self.account.contacts());
+        let glue = || GlueSummary { stuck: state.stuck.len(), gamma: state.stuck.iter().map(|stuck| stuck.gamma).fold(0.0, f64::min) };
+        ContactSummary {
+            model: model.word(),
+            pairs,
+            active: held.len(),
+            smallest_gap,
+            kkt_residual: (!matches!(model, ContactModel::Repulsion { .. })).then_some(kkt_residual),
+            total_force: held.iter().map(|held| held.force).sum(),
+            glue: matches!(model, ContactModel::Gluey { .. }).then(glue),
+        }
     }
 
     /// Pictures and samples of the last state and the curve of the viscosity, by name; collective.

@@ -1,20 +1,21 @@
 //! What a run in time writes on its way: rows, frames, checkpoints.
 
 use std::{
+    collections::BTreeMap,
     path::{Path, PathBuf},
     time::Instant,
 };
 
 use super::{account::Account, folder::CHECKPOINT};
 use crate::{
-    contact::{Partner, Solver},
+    contact::{Contact, Identity, Partner, Solver},
     error::Result,
-    geometry::Ball,
+    geometry::{Ball, Domain},
     observe::{self, CellCenters, Viscosity},
-    output::{self, ContactNumbers, CurvePoint, Frame, FrameBody, FrameFields, Frames, MeanViscosity, Row, Rows},
+    output::{self, ContactNumbers, CurvePoint, Frame, FrameBody, FrameContact, FrameFields, Frames, MeanViscosity, ProjectionNumbers, Row, Rows},
     parallel::World,
     petsc::{Stage, enter},
-    scene::{Scene, Until},
+    scene::{ContactModel, Scene, Until},
     simulation::{Effort, Held, Simulation, State, StepReport, View},
 };
 
@@ -34,7 +35,7 @@ pub struct Outputs<const D: usize> {
     every: f64,
     /// Present if frames hold fields; made anew where images slide.
     centers: Option<CellCenters<D>>,
-    contact: bool,
+    contact: ContactModel,
     checkpoint_pace: f64,
     until: Option<Until>,
     /// Mean viscosity so far; on the first rank.
@@ -64,7 +65,7 @@ impl<const D: usize> Outputs<D> {
             frames,
             every: scene.frame_interval(),
             centers,
-            contact: scene.contact.model != crate::scene::ContactModel::None,
+            contact: scene.contact.model,
             checkpoint_pace: scene.output.checkpoint,
             until: scene.time.as_ref().and_then(|time| time.until),
             mean: MeanViscosity::of(rows.as_ref().map_or(&[], Rows::curve)),
@@ -141,13 +142,18 @@ impl<const D: usize> Outputs<D> {
 
     fn row(&mut self, state: &State<D>, (view, last): (&View<D>, Option<&StepReport>), viscosity: Option<Viscosity>) -> Row {
         let certificate = last.and_then(|report| report.certificate);
-        let contact = self.contact.then(|| ContactNumbers {
-            active: held(state, view).len(),
-            smallest_gap: certificate.map_or(f64::INFINITY, |certificate| certificate.smallest_gap),
+        let projected = matches!(self.contact, ContactModel::Inelastic | ContactModel::Gluey { .. });
+        let projection = ProjectionNumbers {
             kkt_residual: certificate.map_or(0.0, |certificate| certificate.kkt_residual),
             total_force: certificate.map_or(0.0, |certificate| certificate.total_force),
             iterations: certificate.map_or(0, |certificate| certificate.iterations),
             solver: certificate.map_or(Solver::Formula, |certificate| certificate.solver),
+        };
+        let contact = (self.contact != ContactModel::None).then(|| ContactNumbers {
+            active: held(state, view).len(),
+            stuck: gluey(self.contact).then_some(state.stuck.len()),
+            smallest_gap: certificate.map_or(f64::INFINITY, |certificate| certificate.smallest_gap),
+            projection: projected.then_some(projection),
         });
         let seconds = std::mem::replace(&mut self.last_row, Instant::now()).elapsed().as_secs_f64();
         Row {
@@ -173,6 +179,8 @@ impl<const D: usize> Outputs<D> {
         let (state, domain) = (simulation.state(), simulation.domain());
         let balls = state.balls(simulation.radii());
         let bodies = frame_bodies(state, simulation.radii(), view);
+        let contacts = network((state, view), (domain, &balls), gluey(self.contact));
+        let contacts = (self.contact != ContactModel::None).then_some(&contacts[..]);
         let fields = match (&mut self.centers, &view.solution, simulation.suspension()) {
             (Some(centers), Some(solution), Some(suspension)) => {
                 let (grid, setup) = (suspension.grid(), suspension.setup());
@@ -189,16 +197,34 @@ impl<const D: usize> Outputs<D> {
             }
             _ => None,
         };
-        self.frames.write(world, &Frame { time: state.time, step: state.steps, domain, bodies: &bodies, fields })
+        self.frames.write(world, &Frame { time: state.time, step: state.steps, domain, bodies: &bodies, contacts, fields })
     }
 }
 
 /// Contacts that bear a force: of this instant in a flow, of the last step in a dry run.
 pub fn held<const D: usize>(state: &State<D>, view: &View<D>) -> Vec<Held<D>> {
     match view.solution {
-        Some(_) => view.contacts.iter().filter(|pressed| pressed.force > 0.0).map(Held::of).collect(),
+        Some(_) => view.contacts.iter().filter(|pressed| pressed.force != 0.0).map(Held::of).collect(),
         None => state.held.clone(),
     }
+}
+
+fn gluey(contact: ContactModel) -> bool {
+    matches!(contact, ContactModel::Gluey { .. })
+}
+
+/// Contacts that bear a force or stick, as frames hold them.
+fn network<const D: usize>(
+    (state, view): (&State<D>, &View<D>),
+    (domain, balls): (&Domain<D>, &[Ball<D>]),
+    gluey: bool,
+) -> Vec<FrameContact<D>> {
+    let mut all: BTreeMap<Identity<D>, (f64, f64)> = held(state, view).iter().map(|held| (held.identity(), (held.force, 0.0))).collect();
+    state.stuck.iter().for_each(|stuck| all.entry(stuck.identity()).or_default().1 = stuck.gamma);
+    let contact = |(identity, (force, gamma)): (Identity<D>, (f64, f64))| {
+        FrameContact::of(&Contact::again(domain, balls, identity), balls, (force, gluey.then_some(gamma)))
+    };
+    all.into_iter().map(contact).collect()
 }
 
 /// The bodies as frames hold them.

@@ -124,7 +124,9 @@ impl FilmTable {
         let gaps = (1..=100).map(|step| REACH * f64::from(step) / 100.0);
         let missing = |gap: f64| self.exact(gap).approach - self.truncated(gap).approach - self.excess.approach;
         let enough = |gap: &f64| missing(*gap).abs() < NEGLIGIBLE * self.exact(*gap).approach;
-        gaps.clone().rev().take_while(enough).last().unwrap_or(REACH) * (1.0 + FADING)
+        let found = gaps.clone().rev().take_while(enough).last().unwrap_or(REACH) * (1.0 + FADING);
+        // beyond, what is missing relative to there means nothing
+        if lift(self.second) == Lift::First { found.min(REACH) } else { found }
     }
 }
 

@@ -3,6 +3,7 @@
 mod crowds;
 mod geometry;
 mod impacts;
+mod pulling;
 mod rebound;
 mod refusals;
 mod solvers;
@@ -37,7 +38,14 @@ impl<const D: usize> Scene<D> {
     }
 
     fn problem(&self) -> Problem<'_, D> {
-        Problem { domain: &self.domain, balls: &self.balls, weights: &self.weights, velocities: &self.velocities, step: self.step }
+        Problem {
+            domain: &self.domain,
+            balls: &self.balls,
+            weights: &self.weights,
+            velocities: &self.velocities,
+            step: self.step,
+            floors: &[],
+        }
     }
 
     fn solve(&self) -> Result<Projection<D>> {

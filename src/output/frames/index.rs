@@ -19,6 +19,7 @@ pub(super) const FOLDER: &str = "frames";
 const RUN: &str = "run.h5";
 const BODIES: &str = "bodies.xdmf";
 const FIELDS: &str = "fields.xdmf";
+const CONTACTS: &str = "contacts.xdmf";
 
 /// Room that `run.h5` takes, and each frame in it, in bytes; both need less than half of it.
 const ROOM: u64 = 1 << 14;
@@ -31,6 +32,14 @@ pub(super) struct Mesh {
     pub spacing: Vec<f64>,
 }
 
+/// The contacts of a frame under a law of contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Network {
+    pub count: usize,
+    /// Whether they have a memory.
+    pub gluey: bool,
+}
+
 /// A frame as the others see it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Entry {
@@ -38,6 +47,7 @@ pub(super) struct Entry {
     pub time: f64,
     pub step: usize,
     pub bodies: usize,
+    pub contacts: Option<Network>,
     pub mesh: Option<Mesh>,
 }
 
@@ -46,7 +56,12 @@ impl Entry {
     pub fn of<const D: usize>(number: usize, frame: &Frame<D>) -> Entry {
         let mesh = |grid: &crate::grid::Grid<D>| Mesh { cells: grid.cells().to_vec(), spacing: grid.spacing().as_slice().to_vec() };
         let mesh = frame.fields.as_ref().map(|fields| mesh(fields.grid));
-        Entry { number, time: frame.time, step: frame.step, bodies: frame.bodies.len(), mesh }
+        let network = |contacts: &[super::FrameContact<D>]| Network {
+            count: contacts.len(),
+            gluey: contacts.iter().any(|contact| contact.gamma.is_some()),
+        };
+        let contacts = frame.contacts.map(network);
+        Entry { number, time: frame.time, step: frame.step, bodies: frame.bodies.len(), contacts, mesh }
     }
 }
 
@@ -59,6 +74,12 @@ pub(super) fn path_in_run(number: usize) -> String {
 pub(super) fn write(folder: &Path, entries: &[Entry]) -> Result<()> {
     write_run(&folder.join(RUN), entries)?;
     write_whole(&folder.join(BODIES), xdmf::bodies(entries).as_bytes())?;
+    let contacts = folder.join(CONTACTS);
+    if entries.iter().any(|entry| entry.contacts.is_some()) {
+        write_whole(&contacts, xdmf::contacts(entries).as_bytes())?;
+    } else if contacts.exists() {
+        fs::remove_file(&contacts).map_err(|source| Error::File { path: contacts, source })?;
+    }
     write_whole(&folder.join(FIELDS), xdmf::fields(entries).as_bytes())
 }
 

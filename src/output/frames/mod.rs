@@ -1,9 +1,10 @@
 //! Frames: one HDF5 file an output time, `frames/000012.h5`, and companions that show them as one run.
 //!
-//! `run.h5` links to all frames; `bodies.xdmf` and `fields.xdmf` show them to ParaView. Every file is written aside and renamed,
+//! `run.h5` links to all frames; `bodies.xdmf`, `fields.xdmf` and, under a law of contact, `contacts.xdmf` show them to ParaView. Every file is written aside and renamed,
 //! so that a reader never meets half of one and the end of the program at any moment loses at most the frame under way.
 
 mod body;
+mod contact;
 mod index;
 mod read;
 mod store;
@@ -17,6 +18,7 @@ use std::{
 use nalgebra::SVector;
 
 pub use body::FrameBody;
+pub use contact::FrameContact;
 pub use read::{StoredFrame, read_frames};
 
 use super::together::Together;
@@ -50,6 +52,8 @@ pub struct Frame<'a, const D: usize> {
     pub domain: &'a Domain<D>,
     /// All bodies, the same on all ranks.
     pub bodies: &'a [FrameBody<D>],
+    /// All contacts that bear a force or stick, the same on all ranks; nothing without a law of contact.
+    pub contacts: Option<&'a [FrameContact<D>]>,
     /// The fluid, on all ranks or on none.
     pub fields: Option<FrameFields<'a, D>>,
 }

@@ -7,7 +7,8 @@ use nalgebra::SVector;
 
 use super::{
     body::{COLUMNS, FrameBody},
-    index::{Entry, Mesh, frame_files},
+    contact::{self, FrameContact},
+    index::{Entry, Mesh, Network, frame_files},
     store::{FORMAT, VERSION},
 };
 use crate::{
@@ -26,6 +27,8 @@ pub struct StoredFrame<const D: usize> {
     pub size: SVector<f64, D>,
     /// All bodies, with centres in the box.
     pub bodies: Vec<FrameBody<D>>,
+    /// All contacts, if there is a law of contact.
+    pub contacts: Option<Vec<FrameContact<D>>>,
 }
 
 /// The bodies of all frames in the folder of a run, in the order of time; local to this rank.
@@ -42,9 +45,14 @@ pub(super) fn entry(number: usize, path: &Path) -> Result<Entry> {
         let step = slab::get::<u64>(file, "step")? as usize;
         let bodies = slab::get::<u64>(file, "body_count")? as usize;
         let with_fields = file.link_exists("fields");
+        let network = |file: &File| {
+            let gluey = file.group("contacts")?.link_exists(contact::GAMMA);
+            Ok::<_, hdf5::Error>(Network { count: slab::get::<u64>(file, "contact_count")? as usize, gluey })
+        };
+        let contacts = file.link_exists("contacts").then(|| network(file)).transpose()?;
         let cells = || Ok::<_, hdf5::Error>(list::<u64>(file, "cells")?.into_iter().map(|cells| cells as usize).collect());
         let mesh = if with_fields { Some(Mesh { cells: cells()?, spacing: list(file, "spacing")? }) } else { None };
-        Ok(Entry { number, time: slab::get(file, "time")?, step, bodies, mesh })
+        Ok(Entry { number, time: slab::get(file, "time")?, step, bodies, contacts, mesh })
     })
 }
 
@@ -80,7 +88,33 @@ fn bodies<const D: usize>(file: &File) -> hdf5::Result<StoredFrame<D>> {
         FrameBody::from_columns(entries, contacts[body] as usize)
     };
     let (time, step) = (slab::get(file, "time")?, slab::get::<u64>(file, "step")? as usize);
-    Ok(StoredFrame { time, step, size: SVector::from_column_slice(&size), bodies: (0..count).map(body).collect() })
+    let contacts = file.link_exists("contacts").then(|| network(file)).transpose()?;
+    Ok(StoredFrame { time, step, size: SVector::from_column_slice(&size), bodies: (0..count).map(body).collect(), contacts })
+}
+
+fn network<const D: usize>(file: &File) -> hdf5::Result<Vec<FrameContact<D>>> {
+    let count = slab::get::<u64>(file, "contact_count")? as usize;
+    if count == 0 {
+        return Ok(Vec::new());
+    }
+    let group = file.group("contacts")?;
+    let columns = contact::COLUMNS.iter().map(|(name, _)| group.dataset(name)?.read_raw::<f64>()).collect::<hdf5::Result<Vec<_>>>()?;
+    let counts = contact::COUNTS.iter().map(|(name, _)| group.dataset(name)?.read_raw::<i32>()).collect::<hdf5::Result<Vec<_>>>()?;
+    let gamma = group.link_exists(contact::GAMMA).then(|| group.dataset(contact::GAMMA)?.read_raw::<f64>()).transpose()?;
+    let whole =
+        |lengths: &[usize], widths: &[(&str, usize)]| lengths.iter().zip(widths).all(|(length, (_, width))| *length == count * width);
+    let complete = whole(&columns.iter().map(Vec::len).collect::<Vec<_>>(), &contact::COLUMNS)
+        && whole(&counts.iter().map(Vec::len).collect::<Vec<_>>(), &contact::COUNTS)
+        && gamma.as_ref().is_none_or(|gamma| gamma.len() == count);
+    if !complete {
+        return Err("its contacts differ in length".into());
+    }
+    let contact = |place: usize| {
+        let numbers = std::array::from_fn(|column| &columns[column][place * contact::COLUMNS[column].1..][..contact::COLUMNS[column].1]);
+        let whole = std::array::from_fn(|column| &counts[column][place * contact::COUNTS[column].1..][..contact::COUNTS[column].1]);
+        FrameContact::from_columns(numbers, whole, gamma.as_ref().map(|gamma| gamma[place]))
+    };
+    Ok((0..count).map(contact).collect())
 }
 
 fn list<T: H5Type>(file: &File, name: &str) -> hdf5::Result<Vec<T>> {

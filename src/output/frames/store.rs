@@ -8,6 +8,7 @@ use hdf5::{Dataset, Group};
 use super::{
     Frame, FrameFields,
     body::{COLUMNS, COUNTS, in_space},
+    contact,
 };
 use crate::{
     error::Result,
@@ -27,6 +28,7 @@ pub(super) fn store<const D: usize>(file: &mut Together, frame: &Frame<D>) -> Re
     make_room(file, frame)?;
     file.step(|root| describe(root, frame))?;
     store_bodies(file, frame)?;
+    store_contacts(file, frame)?;
     frame.fields.as_ref().map_or(Ok(()), |fields| store_fields(file, fields))
 }
 
@@ -35,7 +37,10 @@ fn make_room<const D: usize>(file: &mut Together, frame: &Frame<D>) -> Result<()
     let columns = COLUMNS.iter().map(|(_, width)| frame.bodies.len() * width * size_of::<f64>());
     let counts = COUNTS.iter().map(|_| frame.bodies.len() * size_of::<i32>());
     let fields = FIELDS.iter().map(|(_, width)| cells * width * size_of::<f64>());
-    file.make_room(columns.chain(counts).chain(fields).sum())
+    let contact = contact::COLUMNS.iter().chain(&[(contact::GAMMA, 1)]).map(|(_, width)| width * size_of::<f64>()).sum::<usize>()
+        + contact::COUNTS.iter().map(|(_, width)| width * size_of::<i32>()).sum::<usize>();
+    let contacts = frame.contacts.map_or(0, <[_]>::len) * contact;
+    file.make_room(columns.chain(counts).chain(fields).sum::<usize>() + contacts)
 }
 
 fn describe<const D: usize>(root: &Group, frame: &Frame<D>) -> hdf5::Result<()> {
@@ -47,6 +52,9 @@ fn describe<const D: usize>(root: &Group, frame: &Frame<D>) -> hdf5::Result<()> 
     slab::set(root, "body_count", frame.bodies.len() as u64)?;
     slab::set_all(root, "size", frame.domain.size.as_slice())?;
     slab::set_all(root, "periodic", &std::array::from_fn::<u8, D, _>(|axis| u8::from(frame.domain.periodic(axis))))?;
+    if let Some(contacts) = frame.contacts {
+        slab::set(root, "contact_count", contacts.len() as u64)?;
+    }
     if let Some(fields) = &frame.fields {
         slab::set_all(root, "cells", &fields.grid.cells().map(|cells| cells as u64))?;
         slab::set_all(root, "spacing", fields.grid.spacing().as_slice())?;
@@ -85,6 +93,42 @@ fn write_bodies<const D: usize>(columns: &[Dataset], counts: &[Dataset], frame: 
     let identity: Vec<i32> = (0..frame.bodies.len() as i32).collect();
     let contacts: Vec<i32> = frame.bodies.iter().map(|body| body.contacts as i32).collect();
     counts.iter().zip([identity, contacts]).try_for_each(|(dataset, values)| dataset.write_raw(&values))
+}
+
+fn store_contacts<const D: usize>(file: &Together, frame: &Frame<D>) -> Result<()> {
+    let Some(contacts) = frame.contacts else { return Ok(()) };
+    let gluey = contacts.iter().any(|contact| contact.gamma.is_some());
+    let made = file.step(|root| {
+        let group = root.create_group("contacts")?;
+        let shape = |width: usize| if width == 1 { vec![contacts.len()] } else { vec![contacts.len(), width] };
+        let gamma = gluey.then_some((contact::GAMMA, 1));
+        let columns = contact::COLUMNS.into_iter().chain(gamma);
+        let columns = columns.map(|(name, width)| group.new_dataset::<f64>().shape(shape(width)).create(name));
+        let columns = columns.collect::<hdf5::Result<Vec<Dataset>>>()?;
+        let counts = contact::COUNTS.iter().map(|&(name, width)| group.new_dataset::<i32>().shape(shape(width)).create(name));
+        Ok((columns, counts.collect::<hdf5::Result<Vec<Dataset>>>()?))
+    });
+    let (columns, counts) = made?;
+    if contacts.is_empty() {
+        return Ok(());
+    }
+    file.step(|_| if file.world().rank() == 0 { write_contacts((&columns, &counts), frame, contacts) } else { Ok(()) })
+}
+
+fn write_contacts<const D: usize>(
+    (columns, counts): (&[Dataset], &[Dataset]),
+    frame: &Frame<D>,
+    contacts: &[contact::FrameContact<D>],
+) -> hdf5::Result<()> {
+    let (mut numbers, mut whole) = (vec![Vec::new(); contact::COLUMNS.len()], vec![Vec::new(); contact::COUNTS.len()]);
+    for contact in contacts {
+        let contact = contact::FrameContact { point: frame.domain.wrap(contact.point), ..*contact };
+        numbers.iter_mut().zip(contact.columns()).for_each(|(column, entries)| column.extend(entries));
+        whole.iter_mut().zip(contact.counts()).for_each(|(column, entries)| column.extend(entries));
+    }
+    numbers.push(contacts.iter().filter_map(|contact| contact.gamma).collect());
+    columns.iter().zip(&numbers).try_for_each(|(dataset, values)| dataset.write_raw(values))?;
+    counts.iter().zip(&whole).try_for_each(|(dataset, values)| dataset.write_raw(values))
 }
 
 fn store_fields<const D: usize>(file: &Together, fields: &FrameFields<D>) -> Result<()> {

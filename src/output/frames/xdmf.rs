@@ -2,6 +2,7 @@
 
 use super::{
     body::{COLUMNS, COUNTS},
+    contact,
     index::{Entry, Mesh, path_in_run},
     store::FIELDS,
 };
@@ -9,6 +10,12 @@ use super::{
 /// The bodies as points that move.
 pub(super) fn bodies(entries: &[Entry]) -> String {
     collection("bodies", entries.iter().filter(|entry| entry.bodies > 0).map(cloud))
+}
+
+/// The contacts as points, with their normals and forces.
+pub(super) fn contacts(entries: &[Entry]) -> String {
+    let listed = entries.iter().filter(|entry| entry.contacts.is_some_and(|network| network.count > 0));
+    collection("contacts", listed.map(network))
 }
 
 /// The fields on the cells.
@@ -25,14 +32,26 @@ fn collection(name: &str, grids: impl Iterator<Item = String>) -> String {
 }
 
 fn cloud(entry: &Entry) -> String {
-    let item = |name: &str, width: usize| {
-        let shape = if width == 1 { vec![entry.bodies] } else { vec![entry.bodies, width] };
-        data_item(entry, &format!("bodies/{name}"), &shape, !COUNTS.contains(&name))
-    };
     let columns = COLUMNS.iter().filter(|(name, _)| *name != "center").copied().chain(COUNTS.map(|name| (name, 1)));
-    let attributes: String = columns.map(|(name, width)| attribute(name, width, "Node", &item(name, width))).collect();
-    let topology = format!("<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\"/>\n", entry.bodies);
-    let geometry = format!("<Geometry GeometryType=\"XYZ\">{}</Geometry>\n", item("center", 3));
+    points(entry, ("bodies", entry.bodies), "center", columns.map(|(name, width)| (name, width, !COUNTS.contains(&name))))
+}
+
+fn network(entry: &Entry) -> String {
+    let (count, gluey) = entry.contacts.map_or((0, false), |network| (network.count, network.gluey));
+    let columns = contact::COLUMNS.iter().filter(|(name, _)| *name != "point").copied().chain(gluey.then_some((contact::GAMMA, 1)));
+    let counts = contact::COUNTS.iter().filter(|(_, width)| *width == 1).map(|&(name, width)| (name, width, false));
+    points(entry, ("contacts", count), "point", columns.map(|(name, width)| (name, width, true)).chain(counts))
+}
+
+/// A cloud of points in the columns of a group: where they are, and names, widths and kinds (real or whole) of what they carry.
+fn points(entry: &Entry, (group, count): (&str, usize), place: &str, columns: impl Iterator<Item = (&'static str, usize, bool)>) -> String {
+    let item = |name: &str, width: usize, real: bool| {
+        let shape = if width == 1 { vec![count] } else { vec![count, width] };
+        data_item(entry, &format!("{group}/{name}"), &shape, real)
+    };
+    let attributes: String = columns.map(|(name, width, real)| attribute(name, width, "Node", &item(name, width, real))).collect();
+    let topology = format!("<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{count}\" NodesPerElement=\"1\"/>\n");
+    let geometry = format!("<Geometry GeometryType=\"XYZ\">{}</Geometry>\n", item(place, 3, true));
     grid(entry, &format!("{topology}{geometry}{attributes}"))
 }
 

@@ -12,19 +12,69 @@ pub struct ContactSection {
 }
 
 /// The law of contact.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ContactModel {
     /// Bodies do not notice contact.
     None,
     /// Bodies do not overlap at the end of a step and do not bounce; there is no friction.
     Inelastic,
+    /// Bodies push each other apart before they touch, and bounce without loss where nothing else takes their energy.
+    Repulsion {
+        /// Force at touch, over the largest force that drives a body (a dry one: over the hardest impact's energy per radius).
+        stiffness: f64,
+        /// Largest gap at which they push, in radii of the smaller one.
+        range: f64,
+    },
+    /// As inelastic, but what was pressed together sticks until it was pulled apart as much: lubrication as viscosity vanishes.
+    Gluey {
+        /// Least memory of a contact, not positive; none if contacts remember everything. In a dry run a velocity (impulse over the
+        /// reduced mass), in a fluid an impulse over the viscosity.
+        gamma_min: Option<f64>,
+    },
 }
+
+/// Keys that only one law of contact has.
+const KEYS: [(&str, &str); 3] = [("stiffness", "repulsion"), ("range", "repulsion"), ("gamma_min", "gluey")];
+
+/// Stiffness and range of a repulsion that says nothing of them.
+const REPULSION: [f64; 2] = [100.0, 0.1];
 
 impl ContactSection {
     pub(in crate::scene) fn read(root: &Table) -> Result<Self> {
-        let table = root.section("contact", &["model"])?;
-        let models = [("none", ContactModel::None), ("inelastic", ContactModel::Inelastic)];
-        let model = |entry: Entry| entry.choice(&models, &["repulsion", "gluey"]);
-        Ok(ContactSection { model: table.get("model").map_or(Ok(ContactModel::None), model)? })
+        let table = root.section("contact", &["model", "stiffness", "range", "gamma_min"])?;
+        let positive = |name: &str, default: f64| table.get(name).map_or(Ok(default), |entry| entry.positive());
+        let [stiffness, range] = REPULSION;
+        let repulsion = ContactModel::Repulsion { stiffness: positive("stiffness", stiffness)?, range: positive("range", range)? };
+        let gamma_min = table.get("gamma_min").map(|entry| not_positive(&entry)).transpose()?;
+        let models = [
+            ("none", ContactModel::None),
+            ("inelastic", ContactModel::Inelastic),
+            ("repulsion", repulsion),
+            ("gluey", ContactModel::Gluey { gamma_min }),
+        ];
+        let model = table.get("model").map_or(Ok(ContactModel::None), |entry| entry.choice(&models, &[]))?;
+        for (key, law) in KEYS.into_iter().filter(|(_, law)| *law != model.word()) {
+            if let Some(entry) = table.get(key) {
+                return Err(entry.refuse(&format!("only contact.model = {law:?} has it; remove it")));
+            }
+        }
+        Ok(ContactSection { model })
     }
+}
+
+impl ContactModel {
+    /// The word for it in a scene.
+    pub fn word(&self) -> &'static str {
+        match self {
+            ContactModel::None => "none",
+            ContactModel::Inelastic => "inelastic",
+            ContactModel::Repulsion { .. } => "repulsion",
+            ContactModel::Gluey { .. } => "gluey",
+        }
+    }
+}
+
+fn not_positive(entry: &Entry) -> Result<f64> {
+    let number = entry.number()?;
+    entry.expect(number, number <= 0.0, "must not be positive")
 }

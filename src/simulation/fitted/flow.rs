@@ -82,7 +82,7 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
 
     fn solve(&mut self, seen: Seen) -> Result<Solution<D>> {
         let centers: Vec<SVector<f64, D>> = self.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        self.solve_at(&Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0, tolerance: 0.0 }, seen)
+        self.solve_at(&Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 0.0 }, seen)
     }
 
     fn solve_at(&mut self, moment: &Moment<D>, seen: Seen) -> Result<Solution<D>> {

@@ -82,7 +82,9 @@ fn sliding<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> String {
 }
 
 /// Effects of motion, which a fluid and dry bodies share.
-pub fn in_time(scene: &Scene) -> Vec<Effect> {
+///
+/// `longest` is the longest step with which contact is stable.
+pub fn in_time(scene: &Scene, longest: f64) -> Vec<Effect> {
     let motion = scene.time.as_ref().map(|time| {
         let step = match time.step {
             Step::Fixed(step) => format!("steps of {step}"),
@@ -102,6 +104,13 @@ pub fn in_time(scene: &Scene) -> Vec<Effect> {
     let contact = match scene.contact.model {
         ContactModel::None => None,
         ContactModel::Inelastic => Some("inelastic, one quadratic program a step, split into islands".to_owned()),
+        ContactModel::Gluey { gamma_min } => {
+            let least = gamma_min.map_or("without limit".to_owned(), |least| format!("down to {least}"));
+            Some(format!("gluey, one quadratic program a step, split into islands, and a memory for each contact that sticks, {least}"))
+        }
+        ContactModel::Repulsion { stiffness, range } => {
+            Some(format!("repulsion of stiffness {stiffness} within {range} radii, stable with steps up to {longest:.3e}"))
+        }
     };
     let frames = scene.time.as_ref().map(|_| format!("bodies every {}", scene.frame_interval()));
     let fields = frames.as_ref().filter(|_| scene.output.fields).map(|_| "velocity and pressure of each cell in every frame".to_owned());

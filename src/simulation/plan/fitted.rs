@@ -27,7 +27,7 @@ pub fn flow<const D: usize>(scene: &Scene, setup: &Setup<D>, ranks: usize) -> Re
         Effect::off("inertia"),
         gravity(scene),
     ];
-    effects.extend(in_time(scene));
+    effects.extend(in_time(scene, f64::INFINITY));
     let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
     Ok(plan(effects, &grid, unknowns, Closure::count(&setup.drive, &setup.domain)))
 }
