@@ -53,7 +53,11 @@ pub fn lubrication(world: &World, arguments: &LubricationArguments) -> Result<()
 
 fn text(table: &FilmTable) -> String {
     let columns = ["approach", "slip", "cross", "roll"];
-    let mut text = format!("Resistance over viscosity, lengths in radii of the first body; films act below a gap of {:.3}\n\n{:>8}", table.reach(), "gap");
+    let mut text = format!(
+        "Resistance over viscosity, lengths in radii of the first body; films act below a gap of {:.3}\n\n{:>8}",
+        table.reach(),
+        "gap"
+    );
     columns.iter().for_each(|name| text += &format!(" {name:>12} {:>12} {:>12}", "by modes", "missing"));
     for gap in GAPS {
         let [whole, seen, missing] = [table.exact(gap), table.truncated(gap), table.missing(gap)].map(|resistance| numbers(&resistance));

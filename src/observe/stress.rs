@@ -69,11 +69,13 @@ impl<const D: usize> Stress<D> {
             normal * normal.transpose() * (pressed.force * pressed.contact.separation)
         };
         let moments: SMatrix<f64, D, D> = contacts.iter().map(pressed).sum();
+        let films = solution.lubrication.map(|lubrication| lubrication.stress);
+        let resolved = stresslets - films.unwrap_or_else(SMatrix::zeros);
         let pressure = pressure_on_bodies((setup, grid), solution)?;
         let trace = SMatrix::identity() * (pressure.unwrap_or(0.0) / shear.rate);
         Ok(Stress {
-            hydrodynamic: shear.doubled_strain() + stresslets / unit - trace,
-            lubrication: None,
+            hydrodynamic: shear.doubled_strain() + resolved / unit - trace,
+            lubrication: films.map(|stress| stress / unit),
             contact: -moments / unit,
             with_trace: pressure.is_some(),
         })

@@ -79,6 +79,11 @@ fn wall_shear<const D: usize>(
         let area = grid.domain().volume() / grid.domain().size[shear.gradient];
         return Ok((on_lower - on_upper).dot(&shear.flow) / (2.0 * area * viscosity));
     }
+    let by_films = solution.lubrication.map_or(0.0, |lubrication| {
+        let [on_lower, on_upper] = lubrication.walls[shear.gradient];
+        let area = grid.domain().volume() / grid.domain().size[shear.gradient];
+        (on_lower - on_upper).dot(&shear.flow) / (2.0 * area * viscosity)
+    });
     let last = grid.cells()[shear.gradient] - 1;
     let to_wall = 0.5 * grid.spacing()[shear.gradient];
     let values = solution.fluid.local()?;
@@ -96,5 +101,5 @@ fn wall_shear<const D: usize>(
         }
     }
     solution.fluid.session().world().sum(&mut sum);
-    Ok(sum[0])
+    Ok(sum[0] + by_films)
 }

@@ -10,7 +10,7 @@ use crate::{
     geometry::{Ball, Domain},
     observe::Viscosity,
     parallel::{World, peak_memory_bytes},
-    simulation::{BodyState, Cost, FlowSolver, Moving, Solution, State},
+    simulation::{BodyState, Cost, FlowSolver, Lubrication, Moving, Solution, State},
 };
 
 /// Everything that `summary.json` holds; an effect that the scene does not call for is `null`.
@@ -38,6 +38,8 @@ pub struct Summary {
     pub viscosity: Option<ViscositySummary>,
     /// Error bars, if the scene asks for an accuracy.
     pub accuracy: Option<AccuracySummary>,
+    /// Films, if lubrication acts.
+    pub lubrication: Option<LubricationSummary>,
     /// Contacts, if a contact model acts.
     pub contact: Option<ContactSummary>,
     /// How bodies lie to each other, if the scene asks for it.
@@ -99,6 +101,17 @@ pub struct ViscositySummary {
     pub particle_pressure_contact: Option<f64>,
     /// Means over the steady part of a run in time; nothing while it has none.
     pub mean: Option<MeanViscosity>,
+}
+
+/// Films that modes do not see.
+#[derive(Debug, Clone, Serialize)]
+pub struct LubricationSummary {
+    /// Their number.
+    films: usize,
+    /// Smallest gap, in radii of the smaller body, before roughness; nothing without films.
+    smallest_gap: Option<f64>,
+    /// Net force or torque of a film on the two bodies, at most, over its force: rounding.
+    imbalance: f64,
 }
 
 /// Contacts at the end of a run, and how well they were kept on the way.
@@ -226,6 +239,7 @@ impl Summary {
                 pressure_gradient: solution.pressure_gradient.as_slice().to_vec(),
             }),
             viscosity: viscosity.map(ViscositySummary::new),
+            lubrication: solution.lubrication.as_ref().map(LubricationSummary::new),
             solver: Some(solver),
             ..base
         })
@@ -258,6 +272,7 @@ impl Summary {
             scalar: None,
             viscosity: None,
             accuracy: None,
+            lubrication: None,
             contact: None,
             pairs: None,
             solver: None,
@@ -286,6 +301,13 @@ impl BodySummary {
         let (force, nothing) = (SVector::zeros(), SMatrix::zeros());
         let center = domain.wrap(moving.center);
         BodySummary::of_state(radius, &BodyState { center, twist: moving.twist, force, torque: nothing, stresslet: nothing })
+    }
+}
+
+impl LubricationSummary {
+    fn new<const D: usize>(lubrication: &Lubrication<D>) -> LubricationSummary {
+        let Lubrication { films, smallest_gap, imbalance, .. } = *lubrication;
+        LubricationSummary { films, smallest_gap: (films > 0).then_some(smallest_gap), imbalance }
     }
 }
 

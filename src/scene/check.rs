@@ -1,7 +1,9 @@
 //! What sections of a scene demand of each other.
 
 use crate::error::Result;
-use crate::scene::{AxisSection, ConstraintMethod, ContactModel, Drive, FlowModel, LubricationModel, Motion, Scene, Spacing, StokesSolver, accuracy};
+use crate::scene::{
+    AxisSection, ConstraintMethod, ContactModel, Drive, FlowModel, LubricationModel, Motion, Scene, Spacing, StokesSolver, accuracy,
+};
 
 pub(super) fn check(scene: &Scene) -> Result<()> {
     check_spacing(scene)?;

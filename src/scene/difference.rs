@@ -214,7 +214,9 @@ fn of_contact(contact: &ContactSection, lubrication: &LubricationSection) -> Key
     let LubricationSection { model } = lubrication;
     match model {
         LubricationModel::None => keys.push(word("lubrication.model", "none")),
-        LubricationModel::Pairwise { roughness } => keys.extend([word("lubrication.model", "pairwise"), pair("lubrication.roughness", roughness)]),
+        LubricationModel::Pairwise { roughness } => {
+            keys.extend([word("lubrication.model", "pairwise"), pair("lubrication.roughness", roughness)])
+        }
     }
     keys
 }

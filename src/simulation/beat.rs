@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     fn time(step: Step, end: f64, scheme: Scheme) -> TimeSection {
-        TimeSection { step, end, scheme, travel: 0.1 }
+        TimeSection { step, end, scheme, travel: 0.1, until: None }
     }
 
     #[test]

@@ -120,7 +120,8 @@ impl<const D: usize> Drift<D> {
             let mut twists: Vec<Twist<D>> = solution.bodies.iter().map(|body| body.twist).collect();
             let stride = *chosen.get_or_insert_with(|| self.pace.next(&urges(self.felt(state, &twists)), state.time, state.last_step));
             let start = Instant::now();
-            step = if stride.length > 0.0 { stride.length } else { state.last_step };
+            // not the length, which the end of the run cuts short: a run that ends later must find the same
+            step = if stride.natural > 0.0 { stride.natural } else { state.last_step };
             pressed.iter_mut().zip(&solution.contact_forces).for_each(|(pressed, force)| pressed.force = *force);
             let unpressed = self.without_contacts(velocities(&twists), pressed.iter().chain(&loose));
             let floors = self.floors(state, &balls, step);

@@ -120,9 +120,16 @@ fn wall_velocity<const D: usize>(basis: &Basis<D>, axis: usize, upper: bool) -> 
 /// Adds to the states of the bodies what films do to them, given the force of each way.
 pub fn add_films<const D: usize>(films: &Films<D>, forces: &[f64], states: &mut [BodyState<D>]) -> Lubrication<D> {
     let mut stress = SMatrix::zeros();
+    let mut walls = [[SVector::zeros(); 2]; D];
     let ways = films.films.iter().flat_map(|film| film.ways.iter().map(move |way| (film, way)));
     for ((film, way), force) in ways.zip(forces) {
-        let other = if let Opposite::Body(other, _) = film.other { Some(other) } else { None };
+        let other = match film.other {
+            Opposite::Body(other, _) => Some(other),
+            Opposite::Wall((axis, upper)) => {
+                walls[axis][usize::from(upper)] += way.sides[1].direction * *force;
+                None
+            }
+        };
         for (place, body) in [(0, Some(film.body)), (1, other)] {
             let Some(state) = body.and_then(|body| states.get_mut(body)) else { continue };
             let side = &way.sides[place];
@@ -136,5 +143,6 @@ pub fn add_films<const D: usize>(films: &Films<D>, forces: &[f64], states: &mut 
         }
     }
     let gaps = films.films.iter().map(|film| film.gap);
-    Lubrication { films: films.films.len(), smallest_gap: gaps.fold(f64::INFINITY, f64::min), imbalance: films.imbalance, stress }
+    let smallest_gap = gaps.fold(f64::INFINITY, f64::min);
+    Lubrication { films: films.films.len(), smallest_gap, imbalance: films.imbalance, stress, walls }
 }

@@ -45,7 +45,7 @@ pub use plan::Plan;
 pub use scalar::{InclusionState, Inclusions, ScalarSetup, ScalarSolution, Uzawa};
 pub use setup::{Setup, SuspendedBody};
 pub use simulation::{Simulation, StepReport};
-pub use solution::{BodyState, Solution, Lubrication};
+pub use solution::{BodyState, Lubrication, Solution};
 pub use spectrum::Conditions;
 pub use state::{Held, Moving, State};
 pub use suspension::{Cost, Moment, Suspension};

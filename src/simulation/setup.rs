@@ -79,7 +79,17 @@ impl<const D: usize> Setup<D> {
         let (spacing, bodies) = suspended_bodies(scene, bodies(scene, &domain)?)?;
         let (viscosity, tolerance) = (scene.flow.viscosity, scene.method.tolerance);
         let inverse = inverse(scene, &domain);
-        Ok(Setup { domain, spacing, viscosity, drive: drive(scene), bodies, constraint: scene.method.constraint, lubrication: scene.lubrication.roughness(), inverse, tolerance })
+        Ok(Setup {
+            domain,
+            spacing,
+            viscosity,
+            drive: drive(scene),
+            bodies,
+            constraint: scene.method.constraint,
+            lubrication: scene.lubrication.roughness(),
+            inverse,
+            tolerance,
+        })
     }
 
     /// What fills the blocks of the bodies.

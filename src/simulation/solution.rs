@@ -66,6 +66,8 @@ pub struct Lubrication<const D: usize> {
     pub imbalance: f64,
     /// Sum over all bodies of the part of the stresslets that films make.
     pub stress: SMatrix<f64, D, D>,
+    /// Forces of films on the lower and the upper wall across each axis.
+    pub walls: [[SVector<f64, D>; 2]; D],
 }
 
 /// The state of the suspension at one instant.

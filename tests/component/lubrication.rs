@@ -82,7 +82,14 @@ fn frame<const D: usize>(random: &mut ChaCha8Rng) -> [SVector<f64, D>; 2] {
 type Motions = [(f64, f64, f64); 2];
 
 /// Force along and across and torque in the plane on each body of a pair that moves as given.
-fn pair<const D: usize>(session: &Session, size: f64, (cells, order): (f64, usize), gap: f64, motions: Motions, seed: u64) -> [[f64; 3]; 2] {
+fn pair<const D: usize>(
+    session: &Session,
+    size: f64,
+    (cells, order): (f64, usize),
+    gap: f64,
+    motions: Motions,
+    seed: u64,
+) -> [[f64; 3]; 2] {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let [along, across] = frame::<D>(&mut random);
     let middle = SVector::repeat(0.5 * size) + SVector::<f64, D>::from_fn(|_, _| random.random::<f64>() / cells);
@@ -96,7 +103,8 @@ fn pair<const D: usize>(session: &Session, size: f64, (cells, order): (f64, usiz
     };
     let bodies = vec![body(0), body(1)];
     let solution = solve(session, setup(periodic(size), cells, order, bodies));
-    let turning = |state: &BodyState<D>| components(&plane).iter().zip(components(&state.torque)).map(|(plane, torque)| plane * torque).sum();
+    let turning =
+        |state: &BodyState<D>| components(&plane).iter().zip(components(&state.torque)).map(|(plane, torque)| plane * torque).sum();
     [0, 1].map(|place| {
         let state = &solution.bodies[place];
         [along.dot(&state.force), across.dot(&state.force), turning(state)]
@@ -113,7 +121,12 @@ fn agree(values: &[f64], exact: f64, tolerance: f64, what: &str) {
     assert!(spread < 0.02 * exact.abs(), "{what}: values spread by {spread} about {mean}");
     if std::env::var("TURBID_POSITIONS").is_ok() {
         let worst = values.iter().map(|value| (value / exact - 1.0).abs()).fold(0.0, f64::max);
-        println!("{what}: mean {:+.2} %, spread {:.2} %, worst {:.2} %", 100.0 * (mean / exact - 1.0), 100.0 * spread / exact.abs(), 100.0 * worst);
+        println!(
+            "{what}: mean {:+.2} %, spread {:.2} %, worst {:.2} %",
+            100.0 * (mean / exact - 1.0),
+            100.0 * spread / exact.abs(),
+            100.0 * worst
+        );
     }
 }
 
@@ -162,7 +175,9 @@ fn two_disks_resist_slip_and_spin_at_any_gap(session: &Session) {
 /// Maude's series, by half the distance of the centres.
 fn two_spheres_resist_approach_at_any_gap(session: &Session) {
     let grid = (5.0, 4);
-    for (half, factor) in [(1.001, 254.14320360806), (1.01, 28.114022193234), (1.1, 4.6255431402510), (1.5, 2.0386546439229), (2.0, 1.5966819994960)] {
+    for (half, factor) in
+        [(1.001, 254.14320360806), (1.01, 28.114022193234), (1.1, 4.6255431402510), (1.5, 2.0386546439229), (2.0, 1.5966819994960)]
+    {
         let gap = 2.0 * half - 2.0;
         let motions = [(0.5, 0.0, 0.0), (-0.5, 0.0, 0.0)];
         let force = |seed: usize| -pair::<3>(session, 14.0, grid, gap, motions, seed as u64)[0][0];
@@ -200,7 +215,8 @@ fn a_disk_near_a_wall_resists_at_any_gap(session: &Session) {
         for gap in GAPS {
             let alpha = (1.0 + gap).acosh();
             let seeds = || (0..positions()).map(|seed| seed as u64);
-            let moved = |velocity: Vector2<f64>, spin, seed| near_wall::<2>(session, (40.0, 40.0), grid, gap, Twist { velocity, spin }, seed);
+            let moved =
+                |velocity: Vector2<f64>, spin, seed| near_wall::<2>(session, (40.0, 40.0), grid, gap, Twist { velocity, spin }, seed);
             let what = |name: &str| format!("{name} of a disk, {} cells, gap {gap} to a wall", grid.0);
             let towards: Vec<f64> = seeds().map(|seed| moved(-Vector2::y(), still, seed).force[1]).collect();
             agree(&towards, 4.0 * PI / (alpha - alpha.tanh()), 0.03, &what("approach"));
@@ -216,7 +232,9 @@ fn a_disk_near_a_wall_resists_at_any_gap(session: &Session) {
 fn a_sphere_near_a_wall_resists_at_any_gap(session: &Session) {
     let grid = (5.0, 4);
     let seeds = || (0..positions().min(3)).map(|seed| seed as u64);
-    let moved = |gap, velocity: SVector<f64, 3>, seed| near_wall::<3>(session, (16.0, 16.0), grid, gap, Twist { velocity, spin: SMatrix::zeros() }, seed);
+    let moved = |gap, velocity: SVector<f64, 3>, seed| {
+        near_wall::<3>(session, (16.0, 16.0), grid, gap, Twist { velocity, spin: SMatrix::zeros() }, seed)
+    };
     for (gap, factor) in [(0.001, 1002.3533268807), (0.01, 101.89617232461), (0.1, 11.459157203410), (0.5, 3.2053903153526)] {
         let towards: Vec<f64> = seeds().map(|seed| moved(gap, -SVector::y(), seed).force[1]).collect();
         agree(&towards, 6.0 * PI * factor, 0.03, &format!("approach of a sphere, gap {gap} to a wall"));

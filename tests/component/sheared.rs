@@ -51,6 +51,7 @@ fn setup<const D: usize>(domain: Domain<D>, spacing: f64, bodies: Vec<SuspendedB
         drive: Drive::Shear(1.0),
         bodies,
         constraint: ConstraintMethod::Sharp,
+        lubrication: None,
         inverse: InverseMethod::Transform,
         tolerance: Tolerance::Fixed(1e-10),
     }
@@ -155,7 +156,7 @@ fn run(mut simulation: Simulation<2>) -> (Vec<(f64, f64)>, State<2>) {
 }
 
 fn time(step: Step, end: f64, scheme: Scheme) -> TimeSection {
-    TimeSection { step, end, scheme, travel: 0.1 }
+    TimeSection { step, end, scheme, travel: 0.1, until: None }
 }
 
 /// The disk is carried along; what is to be seen depends on the strain up to whole numbers alone.

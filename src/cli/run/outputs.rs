@@ -12,7 +12,9 @@ use crate::{
     error::Result,
     geometry::{Ball, Domain},
     observe::{self, CellCenters, Viscosity},
-    output::{self, ContactNumbers, CurvePoint, Frame, FrameBody, FrameContact, FrameFields, Frames, MeanViscosity, ProjectionNumbers, Row, Rows},
+    output::{
+        self, ContactNumbers, CurvePoint, Frame, FrameBody, FrameContact, FrameFields, Frames, MeanViscosity, ProjectionNumbers, Row, Rows,
+    },
     parallel::World,
     petsc::{Stage, enter},
     scene::{ContactModel, Scene, Until},

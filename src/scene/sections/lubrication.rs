@@ -42,7 +42,8 @@ impl LubricationSection {
         let table = root.section("lubrication", &["model", "roughness"])?;
         let pairwise = table.get("model").map_or(Ok(false), |entry| entry.choice(&[("none", false), ("pairwise", true)], &[]))?;
         let roughness = table.get("roughness").map(|entry| read_roughness(&entry, pairwise)).transpose()?;
-        let model = if pairwise { LubricationModel::Pairwise { roughness: roughness.unwrap_or(ROUGHNESS) } } else { LubricationModel::None };
+        let model =
+            if pairwise { LubricationModel::Pairwise { roughness: roughness.unwrap_or(ROUGHNESS) } } else { LubricationModel::None };
         Ok(LubricationSection { model })
     }
 }
