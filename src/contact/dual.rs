@@ -33,6 +33,8 @@ pub(super) struct Descent<'a> {
 struct Look {
     /// `|min(z, s)|`, the largest.
     residual: f64,
+    /// The least slack.
+    least: f64,
     /// Free slacks times how far they lead, square.
     free: f64,
     /// Pulls on multipliers at zero, square.
@@ -61,12 +63,13 @@ impl<'a> Descent<'a> {
         descent
     }
 
-    /// Goes on until the residual is no more than `goal`, or for so many iterations.
-    pub fn run(&mut self, goal: f64, most: usize) {
+    /// Goes on until the program is solved to a tolerance, or for so many iterations.
+    pub fn run(&mut self, tolerance: f64, most: usize) {
         for _ in 0..most {
             let look = self.look();
             self.residual = look.residual;
-            if self.residual <= goal {
+            // slacks may not be exact after many steps
+            if look.least >= -tolerance && self.program.solved(&self.multipliers, tolerance) {
                 break;
             }
             self.iterations += 1;
@@ -75,9 +78,10 @@ impl<'a> Descent<'a> {
     }
 
     fn look(&self) -> Look {
-        let mut look = Look { residual: 0.0, free: 0.0, bound: 0.0 };
+        let mut look = Look { residual: 0.0, least: f64::INFINITY, free: 0.0, bound: 0.0 };
         for (&multiplier, &slack) in self.multipliers.iter().zip(&self.slacks) {
             look.residual = look.residual.max(slack.min(multiplier).abs());
+            look.least = look.least.min(slack);
             if multiplier > 0.0 {
                 look.free += slack.min(multiplier / self.step) * slack;
             } else {

@@ -16,7 +16,7 @@ use crate::{
         lubrication::{FilmTables, Films, films},
     },
     error::Result,
-    geometry::Ball,
+    geometry::{Ball, Domain},
     grid::Grid,
     petsc::{Session, Vector},
     surface::SurfaceTable,
@@ -106,6 +106,12 @@ impl<const D: usize> Kinds<D> {
         &self.kinds[self.kind_of[body]]
     }
 
+    /// The films between bodies in these places in the box.
+    pub fn films(&self, domain: &Domain<D>, balls: &[Ball<D>], setup: &Setup<D>, roughness: f64) -> Films<D> {
+        let orders: Vec<usize> = setup.bodies.iter().map(|suspended| suspended.order).collect();
+        films(domain, balls, &orders, &self.film_tables, roughness)
+    }
+
     /// How a body answers to forces and torques.
     pub fn rigid(&self, body: usize) -> Rigid {
         let kind = self.of(body);
@@ -167,9 +173,9 @@ impl<'a, const D: usize> Bodies<'a, D> {
 
     /// The films between bodies, if lubrication acts.
     pub fn films(&self) -> Films<D> {
-        let Some(roughness) = self.setup.lubrication else { return Films { films: Vec::new(), imbalance: 0.0 } };
-        let (balls, orders) = self.balls();
-        films(&self.setup.domain, &balls, &orders, &self.kinds.film_tables, roughness)
+        let balls = self.balls().0;
+        let films = |roughness| self.kinds.films(&self.setup.domain, &balls, self.setup, roughness);
+        self.setup.lubrication.map_or(Films { films: Vec::new(), imbalance: 0.0 }, films)
     }
 
     /// The near pairs of this rank's bodies; collective.

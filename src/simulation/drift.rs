@@ -16,7 +16,7 @@ use std::{collections::HashMap, time::Instant};
 use nalgebra::SVector;
 
 use super::{
-    Dynamics, Effort, FlowSolver, Held, Moment, Moving, Past, Seen, Solution, State, Travel, View,
+    Dynamics, Effort, FilmResistances, FlowSolver, Held, Moment, Moving, Past, Seen, Solution, State, Travel, View,
     pace::{Pace, Stride, Urge},
 };
 use crate::{
@@ -35,8 +35,9 @@ const MOST_ROUNDS: usize = 60;
 const ROUNDS_AT_ONCE: usize = 4;
 
 /// Difference between the velocities by the flow and by the contact model, over the largest ([`fastest`]), that counts as agreement,
-/// unless the flow is solved to less.
+/// unless the flow is solved to less. Films at roughness resist a million times more than bodies alone, and let velocities be known less well.
 const AGREEMENT: f64 = 1e-5;
+const AGREEMENT_IN_FILMS: f64 = 1e-4;
 
 /// Gap, in radii, up to which a contact of the last step is tried first.
 const MEMORY_REACH: f64 = 0.1;
@@ -107,8 +108,10 @@ impl<const D: usize> Drift<D> {
         if !self.projects() {
             return self.with_known_forces(state, &balls, effort, seen);
         }
-        let mut pressed = self.expected(state, &balls)?;
+        let films = self.suspension.films(&domain, &balls);
+        let mut pressed = self.expected(state, (&balls, &films))?;
         let (mut chosen, mut step, mut difference) = (None, state.last_step, 0.0);
+        let agreement = if films.is_empty() { AGREEMENT } else { AGREEMENT_IN_FILMS };
         let tightest = self.suspension.setup().tolerance.at_an_instant();
         let mut tolerance = self.suspension.setup().tolerance.in_a_step(self.travelled(state));
         for round in 0..MOST_ROUNDS {
@@ -123,13 +126,13 @@ impl<const D: usize> Drift<D> {
             // not the length, which the end of the run cuts short: a run that ends later must find the same
             step = if stride.natural > 0.0 { stride.natural } else { state.last_step };
             pressed.iter_mut().zip(&solution.contact_forces).for_each(|(pressed, force)| pressed.force = *force);
-            let unpressed = self.without_contacts(velocities(&twists), pressed.iter().chain(&loose));
+            let unpressed = self.without_contacts(velocities(&twists), pressed.iter().chain(&loose), &films);
             let floors = self.floors(state, &balls, step);
-            let projection = self.project((&domain, &balls, &floors), &unpressed, step)?;
+            let projection = self.project((&domain, &balls, &floors), (&unpressed, &films), step)?;
             effort.contact += start.elapsed().as_secs_f64();
             let scale = fastest(&twists, &unpressed);
             difference = largest_difference(&twists, &projection.velocities) / scale;
-            if difference <= AGREEMENT.max(tolerance) {
+            if difference <= agreement.max(tolerance) {
                 for ((twist, body), velocity) in twists.iter_mut().zip(&mut solution.bodies).zip(&projection.velocities) {
                     (twist.velocity, body.twist.velocity) = (*velocity, *velocity);
                 }
@@ -190,7 +193,7 @@ impl<const D: usize> Drift<D> {
     }
 
     /// The contacts that press now if bodies want to go on as in the last step.
-    fn expected(&self, state: &State<D>, balls: &[Ball<D>]) -> Result<Vec<ContactForce<D>>> {
+    fn expected(&self, state: &State<D>, (balls, films): (&[Ball<D>], &FilmResistances)) -> Result<Vec<ContactForce<D>>> {
         if state.last_step == 0.0 {
             return Ok(Vec::new());
         }
@@ -202,7 +205,8 @@ impl<const D: usize> Drift<D> {
         let held: Vec<ContactForce<D>> = near.into_iter().filter_map(pressed).collect();
         let velocities = state.bodies.iter().map(|body| body.twist.velocity).collect();
         let floors = self.floors(state, balls, state.last_step);
-        Ok(closed(self.project((&domain, balls, &floors), &self.without_contacts(velocities, &held), state.last_step)?, &floors))
+        let unpressed = self.without_contacts(velocities, &held, films);
+        Ok(closed(self.project((&domain, balls, &floors), (&unpressed, films), state.last_step)?, &floors))
     }
 
     /// The same contacts but for the first that pulls more than it may, which goes, or that is not held and closes too far, which comes.
@@ -230,19 +234,27 @@ impl<const D: usize> Drift<D> {
         pressed
     }
 
-    /// The velocities that bodies would have without the contact forces, if each were alone.
+    /// The velocities that bodies would have without the contact forces, if each were alone but for the film that bears most of a force.
     fn without_contacts<'a>(
         &self,
         mut velocities: Vec<SVector<f64, D>>,
         pressed: impl IntoIterator<Item = &'a ContactForce<D>>,
+        films: &FilmResistances,
     ) -> Vec<SVector<f64, D>> {
         for ContactForce { contact, force } in pressed {
-            velocities[contact.body] += contact.normal * *force / self.weights[contact.body];
+            let push = contact.normal * (*force * self.felt_part(contact, films));
+            velocities[contact.body] += push / self.weights[contact.body];
             if let Some(other) = contact.other() {
-                velocities[other] -= contact.normal * *force / self.weights[other];
+                velocities[other] -= push / self.weights[other];
             }
         }
         velocities
+    }
+
+    /// The part of a contact force that moves the two as if each were alone: their film resists the rest.
+    fn felt_part(&self, contact: &Contact<D>, films: &FilmResistances) -> f64 {
+        let mobility = 1.0 / self.weights[contact.body] + contact.other().map_or(0.0, |other| 1.0 / self.weights[other]);
+        films.get(&(contact.body, contact.partner)).map_or(1.0, |resistance| 1.0 / (1.0 + resistance * mobility))
     }
 
     /// Force that moves the more mobile end of a contact at unit velocity.
@@ -250,9 +262,21 @@ impl<const D: usize> Drift<D> {
         contact.other().map_or(f64::INFINITY, |other| self.weights[other]).min(self.weights[contact.body])
     }
 
-    fn project(&self, (domain, balls, floors): Crowd<D>, velocities: &[SVector<f64, D>], step: f64) -> Result<Projection<D>> {
+    /// The projection of velocities, with the forces that cause it between bodies with these films.
+    fn project(
+        &self,
+        (domain, balls, floors): Crowd<D>,
+        (velocities, films): (&[SVector<f64, D>], &FilmResistances),
+        step: f64,
+    ) -> Result<Projection<D>> {
         let _stage = enter(Stage::Contacts);
-        contact::project(self.session.world(), &Problem { domain, balls, weights: &self.weights, velocities, step, floors })
+        let felt = |floor: &ContactForce<D>| ContactForce { force: floor.force * self.felt_part(&floor.contact, films), ..*floor };
+        let floors: Vec<ContactForce<D>> = floors.iter().map(felt).collect();
+        let problem = Problem { domain, balls, weights: &self.weights, velocities, step, floors: &floors };
+        let mut projection = contact::project(self.session.world(), &problem)?;
+        projection.forces.iter_mut().for_each(|pressed| pressed.force /= self.felt_part(&pressed.contact, films));
+        projection.certificate.total_force = projection.forces.iter().map(|pressed| pressed.force).sum();
+        Ok(projection)
     }
 
     /// Without a law of contact nothing keeps bodies apart, and a repulsion may be too soft: where they overlap, a flow has no meaning.
@@ -314,8 +338,10 @@ impl<const D: usize> Dynamics<D> for Drift<D> {
         let (mut stuck, mut certificate) = (Vec::new(), None);
         if self.projects() {
             let (start, balls) = (Instant::now(), self.balls(state));
-            let unpressed = self.without_contacts(velocities, &view.contacts);
-            let projection = self.project((&self.domain(state), &balls, &self.floors(state, &balls, step)), &unpressed, step)?;
+            let domain = self.domain(state);
+            let films = self.suspension.films(&domain, &balls);
+            let unpressed = self.without_contacts(velocities, &view.contacts, &films);
+            let projection = self.project((&domain, &balls, &self.floors(state, &balls, step)), (&unpressed, &films), step)?;
             stuck = self.remembered(&projection.forces, state, step);
             moves.iter_mut().zip(projection.velocities).for_each(|(twist, velocity)| twist.velocity = velocity);
             certificate = Some(projection.certificate);

@@ -1,12 +1,19 @@
 //! What finds the flow at an instant: the interface behind which grids that ignore bodies and meshes that fit them stand.
 
+use std::collections::HashMap;
+
 use super::{Cost, Faster, FittedFlow, Moment, Past, Setup, Solution, Suspension, dynamics::Seen};
 use crate::{
+    contact::Partner,
     error::Result,
+    geometry::{Ball, Domain},
     grid::Grid,
     petsc::{Session, Vector},
     scene::ConstraintMethod,
 };
+
+/// What films resist approach by, by the body that comes first and its partner.
+pub type FilmResistances = HashMap<(usize, Partner), f64>;
 
 /// Finds the flow and the motions of bodies at an instant. Every function is collective.
 pub trait FlowSolver<const D: usize> {
@@ -39,6 +46,11 @@ pub trait FlowSolver<const D: usize> {
     /// # Errors
     /// [`Diverged`](crate::error::Error::Diverged) when the solve fails.
     fn solve_at(&mut self, moment: &Moment<D>, seen: Seen) -> Result<Solution<D>>;
+
+    /// The films between bodies in these places, if lubrication acts, by body and partner: force over the speed of approach.
+    fn films(&self, _domain: &Domain<D>, _balls: &[Ball<D>]) -> FilmResistances {
+        FilmResistances::new()
+    }
 
     /// A faster inverse that the box allows, if there is one.
     ///
@@ -100,6 +112,10 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
 
     fn solve_at(&mut self, moment: &Moment<D>, seen: Seen) -> Result<Solution<D>> {
         self.solve_at(moment, seen)
+    }
+
+    fn films(&self, domain: &Domain<D>, balls: &[Ball<D>]) -> FilmResistances {
+        self.films(domain, balls)
     }
 
     fn faster(&self) -> Result<Option<Faster>> {

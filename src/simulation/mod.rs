@@ -38,7 +38,7 @@ pub use dry::{Dry, DryBody, DrySetup};
 pub use dynamics::{Dynamics, Effort, Seen, Travel, View};
 pub use faster::Faster;
 pub use fitted::{FittedFlow, FittedInclusions};
-pub use flow_solver::{FlowSolver, flow_solver};
+pub use flow_solver::{FilmResistances, FlowSolver, flow_solver};
 pub use memory::{Past, Snapshot};
 pub use pace::{Pace, Stride, Urge};
 pub use plan::Plan;

@@ -5,7 +5,7 @@ use std::time::Instant;
 use nalgebra::SVector;
 
 use super::{
-    Setup, Solution,
+    FilmResistances, Setup, Solution,
     assembly::Assembly,
     basis::Basis,
     bodies::Bodies,
@@ -22,10 +22,11 @@ use super::{
     work::{Sizes, Stages, Work},
 };
 use crate::{
-    constraint::lubrication::Films,
-    contact::ContactForce,
+    constraint::lubrication::{Films, Opposite},
+    contact::{ContactForce, Partner},
     error::{Error, Result},
     flow::{InverseMethod, IteratedInverse, Stokes, StokesInverse},
+    geometry::{Ball, Domain},
     grid::Grid,
     petsc::{Krylov, KrylovMethod, KrylovSettings, Report, Session, Stage, Vector, enter},
     scene::{ConstraintMethod, MultiplierSolver},
@@ -151,6 +152,22 @@ impl<const D: usize> Suspension<D> {
             if suspended.body.free() { self.basis.setup.viscosity * force / mobility } else { f64::INFINITY }
         };
         self.basis.setup.bodies.iter().enumerate().map(resistance).collect()
+    }
+
+    /// The films between bodies in these places, if lubrication acts, by body and partner: force over the speed of approach.
+    pub fn films(&self, domain: &Domain<D>, balls: &[Ball<D>]) -> FilmResistances {
+        let (setup, mut found) = (&self.basis.setup, FilmResistances::new());
+        let Some(roughness) = setup.lubrication else { return found };
+        let wrapped: Vec<Ball<D>> = balls.iter().map(|ball| Ball { center: domain.wrap(ball.center), ..*ball }).collect();
+        for film in self.basis.kinds.films(domain, &wrapped, setup, roughness).films {
+            let (body, partner) = match film.other {
+                Opposite::Body(other, _) => (film.body.min(other), Partner::Body(film.body.max(other))),
+                Opposite::Wall((axis, upper)) => (film.body, Partner::Wall { axis, upper }),
+            };
+            // the first way is approach
+            *found.entry((body, partner)).or_insert(0.0) += setup.viscosity * film.ways.first().map_or(0.0, |way| way.resistance);
+        }
+        found
     }
 
     /// Lets each solve start from the ones before it, beginning with those given.
