@@ -58,9 +58,6 @@ fn by_newton(program: &Program, guess: &[f64]) -> Answer {
     let mut descent = Descent::new(program, guess);
     descent.run(GOAL, ITERATIONS);
     let iterations = descent.iterations;
-    if program.solved(&descent.multipliers, GOAL) {
-        return Answer { multipliers: descent.multipliers, iterations, infeasible: false };
-    }
     let mut augmented = Augmented::new(program, descent.multipliers);
     if !program.solved(&augmented.multipliers, GOAL) {
         augmented.run(GOAL);

@@ -37,6 +37,9 @@ use crate::{
 /// The restart is as long, so memory grows with the iterations made: a restart after 50 stalls where bodies crowd.
 const MOST_ITERATIONS: usize = 1000;
 
+/// Net force or torque of a film on a pair, over its force, that is rounding.
+const LARGEST_IMBALANCE: f64 = 1e-9;
+
 /// Vectors that are kept at least before a restart.
 const FEWEST_VECTORS: usize = 30;
 
@@ -306,7 +309,7 @@ impl<'a, const D: usize> Ready<'a, D> {
         let guess = past.map_or(Ok(None), |past| past.guess(&bodies, moment.centers, moment.time))?;
         let closure = basis.closure.unknowns::<D>();
         let places = engine.as_ref().map_or(0, |engine| engine.work.sizes().tail - closure);
-        let films = bodies.films();
+        let films = balanced(bodies.films())?;
         let touching = touching(basis, &bodies, (moment, &films), (&assembly.undisturbed, places))?;
         let fluid = if basis.condensed { 0 } else { basis.grid.local_fluid_unknowns() };
         let sizes = Sizes { fluid, multipliers: assembly.undisturbed.len(), tail: closure + touching.places() };
@@ -351,6 +354,16 @@ impl<'a, const D: usize> Ready<'a, D> {
         }?;
         found.velocities.iter_mut().zip(&self.assembly.undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);
         Ok((report, found))
+    }
+}
+
+/// Films whose forces are opposite and without torque on each pair, as they must be.
+fn balanced<const D: usize>(films: Films<D>) -> Result<Films<D>> {
+    match films.imbalance < LARGEST_IMBALANCE {
+        true => Ok(films),
+        false => {
+            Err(Error::Diverged(format!("a film acts on its pair with a net force or torque of {:.1e} of its force", films.imbalance)))
+        }
     }
 }
 

@@ -206,6 +206,9 @@ impl<const D: usize> March<'_, D> {
         if !self.scene.output.picture {
             return Ok(pictures);
         }
+        // the first rank writes what it reads here
+        let rows = std::fs::read_to_string(self.folder.join("series.csv")).unwrap_or_default();
+        pictures.push(("effort.svg", output::effort_chart(self.scene.shown_title(), &rows).svg().into_bytes()));
         pictures.push(match (self.simulation.suspension(), &view.solution) {
             (Some(suspension), Some(solution)) => {
                 ("picture.svg", observe::picture(self.scene.shown_title(), suspension, solution)?.svg().into_bytes())
