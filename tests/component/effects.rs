@@ -20,6 +20,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(no_motion_no_memory_of_solves_and_bodies_that_stay_are_solved_for_alike),
         Test::of(no_contact_no_certificate_and_bodies_that_do_not_touch_move_alike),
         Test::of(no_gravity_no_weight_and_a_weightless_body_moves_alike),
+        Test::of(no_lubrication_no_film_and_bodies_far_apart_move_alike),
         Test::of(no_torque_and_a_torque_of_zero_are_alike),
         Test::of(no_drive_no_mean_values_and_a_drive_of_zero_is_alike),
         Test::of(no_fluid_not_one_object_and_no_pressure),
@@ -169,6 +170,20 @@ fn no_gravity_no_weight_and_a_weightless_body_moves_alike(session: &Session) {
     assert!((instant(session, &heavy).numbers[5] - without.numbers[5]).abs() > 0.1, "the fluid bears the weight");
 }
 
+/// Bodies beyond the reach of films are at zero strength.
+fn no_lubrication_no_film_and_bodies_far_apart_move_alike(session: &Session) {
+    let modes = "resolution.modes=3";
+    let without = instant(session, &scene(SHEARED, &[modes]));
+    let with = instant(session, &scene(SHEARED, &[modes, "lubrication.model=pairwise"]));
+    assert_same("films out of reach", &with.numbers, &without.numbers);
+    assert_eq!(with.census, without.census);
+    let near = [modes, "bodies.0.centers=[[1.0, 1.4], [2.01, 1.45]]"];
+    let resolved = instant(session, &scene(SHEARED, &near));
+    let lubricated = instant(session, &scene(SHEARED, &[&near[..], &["lubrication.model=pairwise"]].concat()));
+    let slower = |built: &Built| (built.numbers[2] - built.numbers[8]).abs();
+    assert!(slower(&lubricated) < 0.9 * slower(&resolved), "{} {}", slower(&lubricated), slower(&resolved));
+}
+
 fn no_torque_and_a_torque_of_zero_are_alike(session: &Session) {
     let without = instant(session, &scene(SHEARED, &[]));
     let with = instant(session, &scene(SHEARED, &["bodies.0.torque=0.0", "bodies.0.force=[0.0, 0.0]"]));
@@ -230,8 +245,7 @@ fn no_fluid_not_one_object_and_no_pressure(session: &Session) {
 }
 
 fn effects_to_come_are_refused_and_nothing_of_them_is_planned(session: &Session) {
-    let changes = ["lubrication.model=pairwise", "flow.model=navier-stokes"];
-    for change in changes {
+    for change in ["flow.model=navier-stokes"] {
         let refusal = Scene::parse("effect", Path::new("."), SHEARED, &[change.to_owned()]).unwrap_err().to_string();
         let (key, _) = change.split_once('=').unwrap();
         assert!(refusal.contains(key) && refusal.contains("is not available yet"), "{refusal}");
