@@ -46,7 +46,7 @@ impl<const D: usize> Contact<D> {
     /// The contact of two balls whose centres are about `separation` apart, which tells the periodic image.
     pub(super) fn between(domain: &Domain<D>, balls: &[Ball<D>], [body, partner]: [usize; 2], separation: SVector<f64, D>) -> Self {
         let (ball, other) = (&balls[body], &balls[partner]);
-        let image = domain.image(separation - (other.center - ball.center)).map(|image| image as i32);
+        let image = domain.image(separation - (other.center - ball.center)).map(|boxes| boxes as i32);
         Self::of_image(domain, balls, [body, partner], image)
     }
 
@@ -59,7 +59,6 @@ impl<const D: usize> Contact<D> {
         // centres that coincide part along the first axis
         let normal = if distance > 0.0 { separation / distance } else { SVector::from_fn(|axis, _| f64::from(axis == 0)) };
         let gap = distance - ball.radius - other.radius;
-        let image = image.map(|boxes| boxes as i32);
         Self { body, partner: Partner::Body(partner), image, sliding, normal, separation: distance, gap }
     }
 

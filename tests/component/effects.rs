@@ -245,11 +245,9 @@ fn no_fluid_not_one_object_and_no_pressure(session: &Session) {
 }
 
 fn effects_to_come_are_refused_and_nothing_of_them_is_planned(session: &Session) {
-    for change in ["flow.model=navier-stokes"] {
-        let refusal = Scene::parse("effect", Path::new("."), SHEARED, &[change.to_owned()]).unwrap_err().to_string();
-        let (key, _) = change.split_once('=').unwrap();
-        assert!(refusal.contains(key) && refusal.contains("is not available yet"), "{refusal}");
-    }
+    let change = "flow.model=navier-stokes".to_owned();
+    let refusal = Scene::parse("effect", Path::new("."), SHEARED, &[change]).unwrap_err().to_string();
+    assert!(refusal.contains("flow.model") && refusal.contains("is not available yet"), "{refusal}");
     let said = plan(session, &scene(SHEARED, &["time.end=1.0"]));
     for effect in ["inertia", "lubrication", "contact", "gravity"] {
         assert!(said.contains(&format!("not built  {effect}\n")), "{effect} in {said}");
