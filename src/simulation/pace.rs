@@ -9,7 +9,7 @@ use crate::scene::{Step, TimeSection};
 const GROWTH: f64 = 1.25;
 
 /// Part of a step that is rounding.
-const ROUNDING: f64 = 1e-9;
+pub const ROUNDING: f64 = 1e-9;
 
 /// How steps are chosen: none moves a body by more than a part of its radius, none is much longer than the one before.
 #[derive(Debug, Clone, PartialEq)]
