@@ -12,6 +12,7 @@
 mod adjoint;
 mod blocks;
 mod conservation;
+mod cubic;
 mod dense;
 pub mod fitted;
 mod interpolant;

@@ -20,8 +20,6 @@ pub(super) struct Descent<'a> {
     pub multipliers: Vec<f64>,
     /// The iterations so far.
     pub iterations: usize,
-    /// The largest `|min(z, s)|`.
-    pub residual: f64,
     slacks: Vec<f64>,
     direction: Vec<f64>,
     product: Vec<f64>,
@@ -31,8 +29,6 @@ pub(super) struct Descent<'a> {
 
 /// What the slacks say about free multipliers and about those at zero.
 struct Look {
-    /// `|min(z, s)|`, the largest.
-    residual: f64,
     /// The least slack.
     least: f64,
     /// Free slacks times how far they lead, square.
@@ -50,7 +46,6 @@ impl<'a> Descent<'a> {
         let mut descent = Self {
             program,
             iterations: 0,
-            residual: f64::INFINITY,
             direction: vec![0.0; slacks.len()],
             product: vec![0.0; slacks.len()],
             unknowns: vec![0.0; program.transposed.m],
@@ -67,7 +62,6 @@ impl<'a> Descent<'a> {
     pub fn run(&mut self, tolerance: f64, most: usize) {
         for _ in 0..most {
             let look = self.look();
-            self.residual = look.residual;
             // slacks may not be exact after many steps
             if look.least >= -tolerance && self.program.solved(&self.multipliers, tolerance) {
                 break;
@@ -78,9 +72,8 @@ impl<'a> Descent<'a> {
     }
 
     fn look(&self) -> Look {
-        let mut look = Look { residual: 0.0, least: f64::INFINITY, free: 0.0, bound: 0.0 };
+        let mut look = Look { least: f64::INFINITY, free: 0.0, bound: 0.0 };
         for (&multiplier, &slack) in self.multipliers.iter().zip(&self.slacks) {
-            look.residual = look.residual.max(slack.min(multiplier).abs());
             look.least = look.least.min(slack);
             if multiplier > 0.0 {
                 look.free += slack.min(multiplier / self.step) * slack;

@@ -9,7 +9,7 @@ use super::{
     pair::{self, Lift},
     wall,
 };
-use crate::surface::highest_order;
+use crate::{constraint::cubic::cubic, surface::highest_order};
 
 /// Nodes of the truncated resistance, equally spaced in the inverse distance of the centres.
 const NODES: usize = 24;
@@ -94,11 +94,6 @@ impl FilmTable {
         self.reach
     }
 
-    /// Radius of the second body, none for a wall.
-    pub fn second(&self) -> Option<f64> {
-        self.second
-    }
-
     /// The whole resistance at a gap above zero.
     pub fn exact(&self, gap: f64) -> Resistance {
         self.exact.at(gap)
@@ -106,9 +101,7 @@ impl FilmTable {
 
     /// The resistance that the modes see.
     pub fn truncated(&self, gap: f64) -> Resistance {
-        let place = node_of_gap(gap).clamp(0.0, (NODES - 1) as f64);
-        let first = (place.floor() as usize).clamp(1, NODES - 3) - 1;
-        let weights = cubic(place - first as f64);
+        let (first, weights) = cubic(node_of_gap(gap), NODES);
         (0..4).fold(Resistance::default(), |sum, node| sum.with(&self.truncated[first + node], |sum, value| sum + weights[node] * value))
     }
 
@@ -145,16 +138,6 @@ fn gap_of_node(node: f64) -> f64 {
 fn node_of_gap(gap: f64) -> f64 {
     let last = 1.0 / (1.0 + (1.0 + FADING) * REACH);
     (1.0 - 1.0 / (1.0 + gap)) / (1.0 - last) * (NODES - 1) as f64
-}
-
-/// Weights of the nodes 0, 1, 2, 3 at `x`.
-fn cubic(x: f64) -> [f64; 4] {
-    [
-        -(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0,
-        x * (x - 2.0) * (x - 3.0) / 2.0,
-        -x * (x - 1.0) * (x - 3.0) / 2.0,
-        x * (x - 1.0) * (x - 2.0) / 6.0,
-    ]
 }
 
 /// How relative motions of a pair are lifted to motions of both.

@@ -8,6 +8,7 @@ use std::{cell::RefCell, collections::BTreeMap, rc::Rc};
 use nalgebra::DMatrix;
 
 use super::{REACH, block::Side, pattern::Pattern};
+use crate::constraint::cubic::cubic;
 
 /// Nodes of a table.
 const NODES: usize = 16;
@@ -61,24 +62,13 @@ impl Table {
     /// Appends the correction for a gap, where the first body has the given radius.
     pub fn append(&self, gap: f64, radius: f64, out: &mut Vec<f32>) {
         let inverse = 1.0 / (self.contact + (gap / radius).max(0.0));
-        let place = ((inverse - self.range[0]) / self.range[1]).clamp(0.0, (NODES - 1) as f64);
-        let first = (place.floor() as usize).clamp(1, NODES - 3) - 1;
-        let weights = cubic(place - first as f64).map(|weight| (weight / radius) as f32);
+        let (first, weights) = cubic((inverse - self.range[0]) / self.range[1], NODES);
+        let weights = weights.map(|weight| (weight / radius) as f32);
         let [a, b, c, d] = [0, 1, 2, 3].map(|node| &self.nodes[first + node]);
         out.extend(
             a.iter().zip(b).zip(c.iter().zip(d)).map(|((a, b), (c, d))| weights[0] * a + weights[1] * b + weights[2] * c + weights[3] * d),
         );
     }
-}
-
-/// Weights of the nodes 0, 1, 2, 3 at `x`.
-fn cubic(x: f64) -> [f64; 4] {
-    [
-        -(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0,
-        x * (x - 2.0) * (x - 3.0) / 2.0,
-        -x * (x - 1.0) * (x - 3.0) / 2.0,
-        x * (x - 1.0) * (x - 2.0) / 6.0,
-    ]
 }
 
 /// The blocks of the correction at one distance, channel by channel, columns one after the other.
