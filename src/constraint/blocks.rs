@@ -64,6 +64,14 @@ impl<const D: usize> Blocks<D> {
         }
     }
 
+    /// What this rank's bodies exert on the lower and the upper wall across each axis besides what the rows beside it have.
+    pub fn on_walls(&self, multipliers: &[f64]) -> [[SVector<f64, D>; 2]; D] {
+        match self {
+            Blocks::Sharp(blocks) => blocks.on_walls(multipliers),
+            Blocks::Adjoint(_) => [[SVector::zeros(); 2]; D],
+        }
+    }
+
     /// Approximate inverse of the diagonal block of one of the bodies in the rows that are not rigid, unless its
     /// rows are those of surface modes.
     pub fn free_inverse(&self, local: usize) -> Option<Rc<FreeInverse>> {

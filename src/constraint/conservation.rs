@@ -16,27 +16,42 @@ use crate::surface::SurfaceTable;
 /// Force and first moments, filled up with zeros: products of matrices are fast from this size on.
 pub const TERMS: usize = 6;
 
-/// Corrects the momentum rows of one component: `values` holds, for each row at an offset from the centre, one value a mode.
+/// Rows at offsets from the centre, with one value a mode for each.
+pub type AtOffsets<'a, const D: usize, V> = (&'a [SVector<f64, D>], V);
+
+/// Corrects the momentum rows of one component, which have all but what has passed to walls.
 pub fn conserve_momentum<const D: usize>(
     component: usize,
     surface: &SurfaceTable<D>,
     cell_volume: f64,
-    offsets: &[SVector<f64, D>],
-    values: &mut [f64],
+    (points, passed): AtOffsets<D, &[f64]>,
+    (offsets, values): AtOffsets<D, &mut [f64]>,
 ) {
-    conserve((surface.modes.radius(), wanted_moments(component, surface) / cell_volume), offsets, values);
+    let radius = surface.modes.radius();
+    let mut wanted = wanted_moments(component, surface) / cell_volume;
+    subtract_moments(radius, (points, passed), &mut wanted);
+    conserve((radius, wanted), offsets, values);
+}
+
+/// One over offsets, offsets over `length`, and zeros, in turn.
+fn basis<const D: usize>(length: f64, offsets: &[SVector<f64, D>]) -> DMatrix<f64> {
+    DMatrix::from_fn(TERMS, offsets.len(), |term, row| match term {
+        0 => 1.0,
+        term if term <= D => offsets[row][term - 1] / length,
+        _ => 0.0,
+    })
+}
+
+fn subtract_moments<const D: usize>(length: f64, (offsets, values): AtOffsets<D, &[f64]>, moments: &mut DMatrix<f64>) {
+    moments.gemm(-1.0, &DMatrixView::from_slice(values, moments.nrows(), offsets.len()), &basis(length, offsets).transpose(), 1.0);
 }
 
 /// Gives rows the wanted sums, and sums times offsets over `length` (one row a mode, filled up with zeros to [`TERMS`]).
 pub fn conserve<const D: usize>((length, wanted): (f64, DMatrix<f64>), offsets: &[SVector<f64, D>], values: &mut [f64]) {
     let (count, rows) = (wanted.nrows(), offsets.len());
-    let basis = DMatrix::from_fn(TERMS, rows, |term, row| match term {
-        0 => 1.0,
-        term if term <= D => offsets[row][term - 1] / length,
-        _ => 0.0,
-    });
+    let basis = basis(length, offsets);
     let mut missing = wanted;
-    missing.gemm(-1.0, &DMatrixView::from_slice(values, count, rows), &basis.transpose(), 1.0);
+    subtract_moments(length, (offsets, values), &mut missing);
     let moments = basis.rows(0, D + 1);
     // rows too few or in line cannot carry all moments: such a body lies almost wholly beyond what the grid resolves
     if let Some(inverse) = (moments * moments.transpose()).try_inverse() {
@@ -69,7 +84,7 @@ mod tests {
         let offsets: Vec<_> = (0..40).map(|row| Vector2::new((row as f64).sin(), (1.7 * row as f64).cos()) * 0.5).collect();
         let count = surface.modes.count();
         let mut values: Vec<f64> = (0..40 * count).map(|place| (place as f64).sin()).collect();
-        conserve_momentum(1, &surface, 0.01, &offsets, &mut values);
+        conserve_momentum(1, &surface, 0.01, (&[], &[]), (&offsets, &mut values));
         for mode in 0..count {
             let sum = |weight: &dyn Fn(&Vector2<f64>) -> f64| -> f64 {
                 offsets.iter().enumerate().map(|(row, offset)| 0.01 * weight(offset) * values[row * count + mode]).sum()

@@ -56,6 +56,14 @@ pub fn add_wall_laplacian<const D: usize>(grid: &Grid<D>, field: usize, values: 
     }
 }
 
+/// Adds to `values` (this rank's part of a velocity component) a uniform force along it, with the part that beside walls bends the flow as the
+/// [gradient of the pressure](stencil::gradient) does.
+pub fn add_uniform_force<const D: usize>(grid: &Grid<D>, axis: usize, force: f64, values: &mut [f64]) {
+    for (value, index) in values.iter_mut().zip(grid.block(axis).indices()) {
+        *value += force * stencil::left_beside_walls(grid, axis, signed(index));
+    }
+}
+
 fn push<const D: usize>(grid: &Grid<D>, rows: &mut RowBuilder, term: Term<D>) {
     if let Site::Lattice { field, index } = term.site
         && let Node::Unknown(column) = grid.node(field, index)

@@ -35,6 +35,9 @@ pub struct Term<const D: usize> {
     pub weight: f64,
 }
 
+/// What is left of the derivative of the pressure along a wall half a cell away: see [`gradient`].
+pub const BESIDE_WALL: f64 = 0.75;
+
 /// The 5- or 7-point Laplacian of a velocity component or of the pressure at `index`, without the centre's own term:
 /// the centre weighs minus the sum of the weights.
 ///
@@ -58,11 +61,63 @@ pub fn laplacian<const D: usize>(grid: &Grid<D>, field: usize, index: Index<D>, 
     }
 }
 
-/// The derivative along `axis` of the pressure at face `index` of that axis.
+/// The derivative along `axis` of the pressure at face `index` of that axis, less a quarter for each wall half a cell away.
+///
+/// On a wall `mu u_nn = p_t` for velocities along it. The value beyond it, `2 u_w - u_0 + h^2/4 u_nn`, is the reflected one, as
+/// [`laplacian`] takes it, and what the flow bends, which is put here: so the Laplacian stays symmetric, and no part of the mean momentum is lost.
 pub fn gradient<const D: usize>(grid: &Grid<D>, axis: usize, index: Index<D>) -> [Term<D>; 2] {
-    let weight = 1.0 / grid.spacing()[axis];
+    difference(grid, axis, index, left_beside_walls(grid, axis, index))
+}
+
+/// What is left at a face of `axis` of any uniform force or gradient of the pressure along it: [`BESIDE_WALL`] at one wall.
+pub fn left_beside_walls<const D: usize>(grid: &Grid<D>, axis: usize, index: Index<D>) -> f64 {
+    let wall_towards = |across: usize, side: isize| wall_between(grid, axis, across, moved(index, across, side)).is_some();
+    let walls = (0..D).map(|across| [-1, 1].map(|side| wall_towards(across, side)).into_iter().filter(|wall| *wall).count()).sum::<usize>();
+    1.0 - (1.0 - BESIDE_WALL) * walls as f64
+}
+
+/// A part of the difference of the pressure along `axis` at a face of that axis.
+fn difference<const D: usize>(grid: &Grid<D>, axis: usize, index: Index<D>, part: f64) -> [Term<D>; 2] {
+    let weight = part / grid.spacing()[axis];
     let term = |shift, weight| Term { site: Site::Lattice { field: D, index: moved(index, axis, shift) }, weight };
     [term(-1, -weight), term(0, weight)]
+}
+
+/// The wall on which an index of a velocity component lies, or for which it stands: its axis, and the step away from it.
+///
+/// None in the fluid, and none where walls meet: nothing passes there.
+pub fn wall_at<const D: usize>(grid: &Grid<D>, field: usize, index: Index<D>) -> Option<(usize, isize)> {
+    let on = |axis: usize| {
+        let beyond = isize::from(field != axis);
+        match index[axis] {
+            _ if grid.domain().periodic(axis) => None,
+            lower if lower == -beyond => Some((axis, 1)),
+            upper if upper == grid.cells()[axis] as isize => Some((axis, -1)),
+            _ => None,
+        }
+    };
+    let mut walls = (0..D).filter_map(on);
+    walls.next().filter(|_| walls.next().is_none())
+}
+
+/// What the momentum rows beside a wall lose to it at one of its points, as if that had a row: the terms of the
+/// [`laplacian`] and of the [`gradient`] that cancel those of its neighbours.
+pub fn wall_row<const D: usize>(
+    grid: &Grid<D>,
+    (field, index): (usize, Index<D>),
+    (axis, inward): (usize, isize),
+    mut velocity: impl FnMut(Term<D>),
+    mut pressure: impl FnMut(Term<D>),
+) {
+    let weight = grid.spacing()[axis].powi(-2) * if field == axis { 1.0 } else { 2.0 };
+    let first = moved(index, axis, inward);
+    velocity(Term { site: Site::Lattice { field, index: first }, weight });
+    if field == axis {
+        let cell = if inward > 0 { index } else { first };
+        pressure(Term { site: Site::Lattice { field: D, index: cell }, weight: inward as f64 / grid.spacing()[axis] });
+        return;
+    }
+    difference(grid, field, first, 1.0 - BESIDE_WALL).into_iter().for_each(pressure);
 }
 
 /// The derivative along `axis` of the velocity component along it at the centre of cell `index`.

@@ -74,16 +74,14 @@ fn wall_shear<const D: usize>(
     shear: &Shear<D>,
     walls: [SVector<f64, D>; 2],
 ) -> Result<f64> {
-    if let Some(walls) = solution.walls {
+    let area = grid.domain().volume() / grid.domain().size[shear.gradient];
+    let by_forces = |walls: &[[SVector<f64, D>; 2]; D]| {
         let [on_lower, on_upper] = walls[shear.gradient];
-        let area = grid.domain().volume() / grid.domain().size[shear.gradient];
-        return Ok((on_lower - on_upper).dot(&shear.flow) / (2.0 * area * viscosity));
-    }
-    let by_films = solution.lubrication.map_or(0.0, |lubrication| {
-        let [on_lower, on_upper] = lubrication.walls[shear.gradient];
-        let area = grid.domain().volume() / grid.domain().size[shear.gradient];
         (on_lower - on_upper).dot(&shear.flow) / (2.0 * area * viscosity)
-    });
+    };
+    if let Some(walls) = solution.walls {
+        return Ok(by_forces(&walls));
+    }
     let last = grid.cells()[shear.gradient] - 1;
     let to_wall = 0.5 * grid.spacing()[shear.gradient];
     let values = solution.fluid.local()?;
@@ -101,5 +99,6 @@ fn wall_shear<const D: usize>(
         }
     }
     solution.fluid.session().world().sum(&mut sum);
-    Ok(sum[0] + by_films)
+    let by_films = solution.lubrication.map_or(0.0, |lubrication| by_forces(&lubrication.walls));
+    Ok(sum[0] + by_forces(&solution.directly_on_walls) + by_films)
 }

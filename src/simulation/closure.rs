@@ -33,6 +33,8 @@ pub struct UniformForce {
     pub axis: usize,
     /// This rank's faces of the axis in a fluid vector, and their number on all ranks.
     pub faces: (Range<usize>, usize),
+    /// What a unit of it is in the momentum rows of these faces.
+    load: Vec<f64>,
     /// The flow.
     pub response: Vector,
     /// Mean velocity of that flow along the axis.
@@ -84,7 +86,7 @@ impl Closure {
     pub fn add_forces(&self, factor: f64, amounts: &[f64], rows: &mut Vector) -> Result<()> {
         let mut rows = rows.local_mut()?;
         for (force, amount) in self.forces().iter().zip(amounts) {
-            rows[force.faces.0.clone()].iter_mut().for_each(|row| *row += factor * amount);
+            rows[force.faces.0.clone()].iter_mut().zip(&force.load).for_each(|(row, load)| *row += factor * amount * load);
         }
         Ok(())
     }
@@ -109,11 +111,13 @@ impl Closure {
 impl UniformForce {
     fn new<const D: usize>(axis: usize, grid: &Grid<D>, stokes: &Stokes<D>, inverse: &mut dyn StokesInverse<D>) -> Result<UniformForce> {
         let mut rhs = stokes.vector()?;
-        rhs.local_mut()?[grid.local_range(axis)].fill(1.0);
+        let mut load = vec![0.0; grid.local_unknowns(axis)];
+        operators::add_uniform_force(grid, axis, 1.0, &mut load);
+        rhs.local_mut()?[grid.local_range(axis)].copy_from_slice(&load);
         stokes.balance(&mut rhs)?;
         let mut response = stokes.vector()?;
         FluidSystem { stokes, inverse: Some(inverse) }.solve((&rhs, &mut response), EXACT, MOST_ITERATIONS)?;
-        let mut force = UniformForce { axis, faces: (grid.local_range(axis), grid.unknowns(axis)), response, mean: 0.0 };
+        let mut force = UniformForce { axis, faces: (grid.local_range(axis), grid.unknowns(axis)), load, response, mean: 0.0 };
         force.mean = force.mean_velocity(stokes.session().world(), &force.response)?;
         Ok(force)
     }
@@ -148,7 +152,7 @@ pub fn flow_without_bodies<const D: usize>(
     let mut rhs = stokes.vector()?;
     for axis in 0..D {
         let rows = &mut rhs.local_mut()?[grid.local_range(axis)];
-        rows.fill(drive.uniform_force()[axis]);
+        operators::add_uniform_force(grid, axis, drive.uniform_force()[axis], rows);
         operators::add_wall_laplacian(grid, axis, rows);
     }
     stokes.balance(&mut rhs)?;

@@ -84,6 +84,9 @@ pub struct Solution<const D: usize> {
     /// Forces of the fluid on the lower and the upper wall across each axis, if the solver knows them better than its velocities on the grid
     /// tell; zero where there are none.
     pub walls: Option<[[SVector<f64, D>; 2]; D]>,
+    /// What bodies within a cell of a wall exert on the lower and the upper one across each axis directly, besides the stress that the
+    /// velocities of the grid have there.
+    pub directly_on_walls: [[SVector<f64, D>; 2]; D],
     /// Force of each contact that was held, positive where it pushes.
     pub contact_forces: Vec<f64>,
     /// Films, if lubrication acts; what they do is in the states of the bodies.

@@ -263,12 +263,15 @@ impl<const D: usize> Suspension<D> {
             self.past = Some(Past::then(self.past.take(), last, (guess, moment.time)));
         }
         let mut states = bodies.states(&basis.session, &assembly.blocks, (&found.velocities, &found.multipliers));
+        let mut directly_on_walls =
+            assembly.blocks.on_walls(&found.multipliers).map(|pair| pair.map(|force| force * basis.setup.viscosity));
+        directly_on_walls.iter_mut().flatten().for_each(|force| basis.session.world().sum(force.as_mut_slice()));
         (self.assembly, self.engine) = (Some(assembly), Some(engine));
         let unit = touching.scale * basis.setup.viscosity;
         let mut contact_forces: Vec<f64> = links[..touching.count()].iter().map(|unknown| unknown * unit).collect();
         let film_forces = contact_forces.split_off(moment.pressed.len());
         let lubrication = basis.setup.lubrication.map(|_| add_films(&films, &film_forces, &mut states));
-        Ok(Solution { lubrication, ..basis.solution(states, found.fluid, &found.tail, contact_forces)? })
+        Ok(Solution { lubrication, directly_on_walls, ..basis.solution(states, found.fluid, &found.tail, contact_forces)? })
     }
 }
 

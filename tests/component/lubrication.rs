@@ -25,6 +25,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(two_spheres_resist_approach_at_any_gap),
         Test::of(a_disk_near_a_wall_resists_at_any_gap),
         Test::of(a_sphere_near_a_wall_resists_at_any_gap),
+        Test::of(what_a_disk_does_to_a_near_wall_is_what_its_stress_says),
         Test::of(forces_of_a_pair_are_opposite_and_without_torque),
         Test::of(the_random_cell_has_its_viscosity_with_few_modes),
         Test::of(a_free_pair_at_a_tiny_gap_turns_as_one),
@@ -33,10 +34,10 @@ pub fn tests() -> Vec<Test> {
 }
 
 /// Gaps in radii.
-const GAPS: [f64; 6] = [1e-4, 1e-3, 1e-2, 0.1, 0.5, 2.0];
+const GAPS: [f64; 8] = [1e-4, 1e-3, 1e-2, 0.05, 0.1, 0.2, 0.5, 2.0];
 
 /// Cells per radius and order of the modes, as a scene chooses it.
-const GRIDS: [(f64, usize); 3] = [(5.0, 4), (6.0, 4), (8.0, 6)];
+const GRIDS: [(f64, usize); 3] = [(5.0, 3), (6.0, 3), (8.0, 4)];
 
 /// Places on the grid that are tried; more, and on all grids, when asked for by `TURBID_POSITIONS`.
 fn positions() -> usize {
@@ -182,7 +183,7 @@ fn two_disks_resist_slip_and_spin_at_any_gap(session: &Session) {
 
 /// Maude's series, by half the distance of the centres.
 fn two_spheres_resist_approach_at_any_gap(session: &Session) {
-    let grid = (5.0, 4);
+    let grid = (5.0, 3);
     for (half, factor) in
         [(1.001, 254.14320360806), (1.01, 28.114022193234), (1.1, 4.6255431402510), (1.5, 2.0386546439229), (2.0, 1.5966819994960)]
     {
@@ -217,9 +218,6 @@ fn near_wall<const D: usize>(
 }
 
 /// `4 pi mu V / (alpha - tanh alpha)` towards the wall, `4 pi mu U / alpha` along it without torque, and the torque of a spin, `4 pi mu W coth alpha`.
-///
-/// Between the gaps that modes resolve and those where films bear nearly all, the grid's own error next to a wall shows: values beyond it are
-/// reflected, which costs an order where the flow bends within a cell. There the resistance lacks up to a quarter at five cells a radius.
 fn a_disk_near_a_wall_resists_at_any_gap(session: &Session) {
     let still = SMatrix::zeros();
     for &grid in grids() {
@@ -229,31 +227,48 @@ fn a_disk_near_a_wall_resists_at_any_gap(session: &Session) {
             let moved =
                 |velocity: Vector2<f64>, spin, seed| near_wall::<2>(session, (40.0, 40.0), grid, gap, Twist { velocity, spin }, seed);
             let what = |name: &str| format!("{name} of a disk, {} cells, gap {gap} to a wall", grid.0);
-            let tolerance = |usual: f64, poor: bool| if poor { 0.3 } else { usual };
             let towards: Vec<f64> = seeds().map(|seed| moved(-Vector2::y(), still, seed).force[1]).collect();
-            agree(&towards, 4.0 * PI / (alpha - alpha.tanh()), tolerance(0.03, (0.005..0.7).contains(&gap)), &what("approach"));
+            agree(&towards, 4.0 * PI / (alpha - alpha.tanh()), 0.03, &what("approach"));
             let along: Vec<f64> = seeds().map(|seed| -moved(Vector2::x(), still, seed).force[0]).collect();
-            agree(&along, 4.0 * PI / alpha, tolerance(0.05, gap < 0.05), &what("slip"));
+            agree(&along, 4.0 * PI / alpha, 0.05, &what("slip"));
             let spun: Vec<f64> = seeds().map(|seed| -components(&moved(Vector2::zeros(), skew(&[1.0]), seed).torque)[0]).collect();
-            agree(&spun, 4.0 * PI / alpha.tanh(), tolerance(0.05, gap < 0.05), &what("spin"));
+            agree(&spun, 4.0 * PI / alpha.tanh(), 0.05, &what("spin"));
         }
     }
 }
 
 /// Brenner's series towards the wall; Goldman, Cox and Brenner along it.
 fn a_sphere_near_a_wall_resists_at_any_gap(session: &Session) {
-    let grid = (5.0, 4);
+    let grid = (5.0, 3);
     let seeds = || (0..positions().min(3)).map(|seed| seed as u64);
     let moved = |gap, velocity: SVector<f64, 3>, seed| {
         near_wall::<3>(session, (16.0, 16.0), grid, gap, Twist { velocity, spin: SMatrix::zeros() }, seed)
     };
     for (gap, factor) in [(0.001, 1002.3533268807), (0.01, 101.89617232461), (0.1, 11.459157203410), (0.5, 3.2053903153526)] {
         let towards: Vec<f64> = seeds().map(|seed| moved(gap, -SVector::y(), seed).force[1]).collect();
-        let tolerance = if (0.005..0.7).contains(&gap) { 0.2 } else { 0.03 };
-        agree(&towards, 6.0 * PI * factor, tolerance, &format!("approach of a sphere, gap {gap} to a wall"));
+        agree(&towards, 6.0 * PI * factor, 0.03, &format!("approach of a sphere, gap {gap} to a wall"));
     }
     let along: Vec<f64> = seeds().map(|seed| -moved(0.5430806, SVector::x(), seed).force[0]).collect();
     agree(&along, 6.0 * PI * 1.5674594, 0.05, "slip of a sphere near a wall");
+}
+
+/// Part of the traction passes to a wall within the cell beside it, where the grid has no row for it. A film acts on the two that it lies
+/// between and on nothing beyond, though its tractions would reach farther by some 1e-3 of them.
+fn what_a_disk_does_to_a_near_wall_is_what_its_stress_says(session: &Session) {
+    let walls = Axis::Walls { lower: -Vector2::x(), upper: Vector2::x() };
+    let domain = Domain { size: Vector2::new(12.0, 8.0), axes: [Axis::Periodic, walls] };
+    for (gap, lubrication, tolerance) in [(0.01, None, 1e-10), (0.05, None, 1e-10), (0.01, Some(1e-6), 1e-3)] {
+        let ball = Ball { center: Vector2::new(5.3, 1.0 + gap), radius: 1.0 };
+        let mut setup = setup(domain.clone(), 6.0, 4, vec![(ball, free())]);
+        setup.lubrication = lubrication;
+        let mut suspension = Suspension::new(session, setup).unwrap();
+        let solution = suspension.solve(&mut |_, _| {}).unwrap();
+        let [lower, upper] = solution.directly_on_walls[1];
+        assert!(lower.norm() > 1e-2 && upper.norm() == 0.0, "{lower:?} {upper:?}");
+        let found = viscosity(suspension.setup(), suspension.grid(), &solution, &[]).unwrap().unwrap();
+        let (walls, stress) = (found.from_walls.unwrap() - 1.0, found.relative() - 1.0);
+        assert!((walls - stress).abs() < tolerance * stress, "gap {gap}: {walls} by the walls, {stress} by stresslets");
+    }
 }
 
 fn forces_of_a_pair_are_opposite_and_without_torque(session: &Session) {
@@ -285,7 +300,7 @@ fn the_random_cell_has_its_viscosity_with_few_modes(session: &Session) {
     let centers: Vec<Vec<f64>> = text.lines().map(numbers).filter(|row| row.len() >= 2).collect();
     let radius = 0.05641895835477563;
     assert_eq!(centers.len(), 30);
-    for order in [4, 6, 8] {
+    for order in [3, 4, 6, 8] {
         let bodies = centers.iter().map(|center| (Ball { center: Vector2::new(center[0], center[1]), radius }, free())).collect();
         let mut setup = setup(periodic::<2>(1.0), 6.0 / radius, order, bodies);
         setup.drive = Drive::Shear(1.0);

@@ -11,8 +11,11 @@ use super::{
 };
 use crate::{constraint::cubic::cubic, surface::highest_order};
 
-/// Nodes of the truncated resistance, equally spaced in the inverse distance of the centres.
+/// Nodes of the truncated resistance: the inverse distance of the centres falls with their square, for it changes fast where the gap closes.
 const NODES: usize = 24;
+
+/// One less the inverse of one more than the gap, at the last of them.
+const FARTHEST: f64 = 1.0 - 1.0 / (1.0 + (1.0 + FADING) * REACH);
 
 /// Samples of the exact one.
 const SAMPLES: usize = 20;
@@ -131,13 +134,11 @@ fn smooth(x: f64) -> f64 {
 
 /// Nodes lie from gap 0 to beyond the largest reach.
 fn gap_of_node(node: f64) -> f64 {
-    let last = 1.0 / (1.0 + (1.0 + FADING) * REACH);
-    1.0 / (1.0 - (1.0 - last) * node / (NODES - 1) as f64) - 1.0
+    1.0 / (1.0 - FARTHEST * (node / (NODES - 1) as f64).powi(2)) - 1.0
 }
 
 fn node_of_gap(gap: f64) -> f64 {
-    let last = 1.0 / (1.0 + (1.0 + FADING) * REACH);
-    (1.0 - 1.0 / (1.0 + gap)) / (1.0 - last) * (NODES - 1) as f64
+    ((1.0 - 1.0 / (1.0 + gap)) / FARTHEST).sqrt() * (NODES - 1) as f64
 }
 
 /// How relative motions of a pair are lifted to motions of both.

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use nalgebra::{DMatrixView, DMatrixViewMut, SMatrix, SVector};
 
-use super::{Neighbour, Placed};
+use super::{Neighbour, Placed, spread::OnWall};
 use crate::{
     constraint::{
         Layout,
@@ -29,6 +29,8 @@ pub struct BodyBlocks<const D: usize> {
     pub situation: Situation<D>,
     /// Rows of C.
     pub rows: Rows,
+    /// What passes to walls.
+    pub on_walls: Vec<OnWall>,
     /// J, before values at the points are projected on the modes.
     pub interpolant: Interpolant<D>,
     /// Dense blocks of E in the rows of this body.
@@ -94,6 +96,17 @@ impl<const D: usize> SharpBlocks<D> {
     /// First moment of what one of the bodies does to the fluid.
     pub fn first_moment(&self, local: usize, multipliers: &[f64]) -> SMatrix<f64, D, D> {
         self.bodies[local].surface.first_moment(multipliers)
+    }
+
+    /// What this rank's bodies exert directly on the lower and the upper wall across each axis, with its multipliers `c`.
+    pub fn on_walls(&self, c: &[f64]) -> [[SVector<f64, D>; 2]; D] {
+        let mut forces = [[SVector::zeros(); 2]; D];
+        for (body, (first, _)) in self.bodies.iter().zip(&self.multiplier_places) {
+            for OnWall { axis, upper, component, values } in &body.on_walls {
+                forces[*axis][usize::from(*upper)][*component] += dot(values, &c[*first..][..values.len()]);
+            }
+        }
+        forces
     }
 
     /// `rows += factor * C c`, with this rank's multipliers `c`.

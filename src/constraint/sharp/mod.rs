@@ -106,10 +106,12 @@ pub fn assemble<const D: usize>(
         Some((*other, block))
     });
     let local = own.into_iter().chain(others);
+    let (rows, on_walls) = spreading.rows(jumps, values.pop().unwrap_or_default());
     BodyBlocks {
         surface: placed.surface.clone(),
         situation: Situation::of((body, placed), neighbours),
-        rows: spreading.rows(jumps, values.pop().unwrap_or_default()),
+        rows,
+        on_walls,
         local: local.map(|(body, transposed)| LocalBlock { body, transposed }).collect(),
         interpolant: sampling.interpolant,
     }

@@ -11,16 +11,36 @@ use crate::{
     },
 };
 
-/// Most terms of a Laplacian besides its centre.
-const MOST_TERMS: usize = 6;
+/// What the tractions of a body near a wall exert on it directly: the rows beside it do not have it.
+pub struct OnWall {
+    /// The axis across the wall.
+    pub axis: usize,
+    /// Whether it is the upper one.
+    pub upper: bool,
+    /// The component of the force.
+    pub component: usize,
+    /// For each mode.
+    pub values: Vec<f64>,
+}
 
 /// The rows of C of one body, under way: first which jumps they take, then their values.
 pub struct Spreading<'a, const D: usize> {
     grid: &'a Grid<D>,
     placed: &'a Placed<D>,
     nodes: &'a [Nodes<D>],
-    /// Unknown of each row, and its offset from the centre.
+    /// Unknown of each row.
     unknowns: Vec<u32>,
+    rows: Corrections<D>,
+    /// What passes to points of walls.
+    walls: Corrections<D>,
+    /// The wall of each of these points: its axis, and whether it is the upper one.
+    walls_of: Vec<(usize, bool)>,
+}
+
+/// Which jumps rows take, field by field.
+#[derive(Default)]
+struct Corrections<const D: usize> {
+    /// Offset of each row from the centre.
     offsets: Vec<SVector<f64, D>>,
     /// For each field, where its rows end.
     field_ends: Vec<usize>,
@@ -35,19 +55,21 @@ pub struct Spreading<'a, const D: usize> {
 impl<'a, const D: usize> Spreading<'a, D> {
     /// Finds the rows that reach across the surface and asks for the jumps that they take.
     pub fn new(grid: &'a Grid<D>, placed: &'a Placed<D>, nodes: &'a [Nodes<D>], jumps: &mut [Jumps]) -> Self {
-        let (unknowns, offsets, field_ends, row_ends) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let mut spreading =
-            Spreading { grid, placed, nodes, unknowns, offsets, field_ends, row_ends, groups: Vec::new(), terms: Vec::new() };
+        let (rows, walls) = (Corrections::default(), Corrections::default());
+        let mut spreading = Spreading { grid, placed, nodes, unknowns: Vec::new(), rows, walls, walls_of: Vec::new() };
         for field in 0..=D {
             spreading.find_rows(field, jumps);
-            spreading.field_ends.push(spreading.unknowns.len());
+            spreading.rows.end_field();
+            if field < D {
+                spreading.find_walls(field, jumps);
+            }
+            spreading.walls.end_field();
         }
         spreading
     }
 
     fn find_rows(&mut self, field: usize, jumps: &mut [Jumps]) {
-        let (radius, reach) = (self.placed.surface.modes.radius(), self.grid.spacing().max());
-        let near = (radius - reach).max(0.0).powi(2)..=(radius + reach).powi(2);
+        let near = self.near();
         let nodes = &self.nodes[field];
         nodes.runs(
             self.grid,
@@ -55,54 +77,125 @@ impl<'a, const D: usize> Spreading<'a, D> {
             |first, length, unknown| {
                 for along in (0..length).filter(|along| near.contains(&nodes.squares[first + along])) {
                     self.find_row(field, first + along, jumps);
-                    if self.groups.len() > self.row_ends.last().map_or(0, |&end| end) {
-                        self.row_ends.push(self.groups.len());
+                    if self.rows.end_row(|| nodes.position(first + along) - self.placed.center) {
                         self.unknowns.push((unknown + along) as u32);
-                        self.offsets.push(nodes.position(first + along) - self.placed.center);
                     }
                 }
             },
         );
     }
 
+    /// Squares of distances from the centre at which rows may reach across the surface.
+    fn near(&self) -> std::ops::RangeInclusive<f64> {
+        let (radius, reach) = (self.placed.surface.modes.radius(), self.grid.spacing().max());
+        (radius - reach).max(0.0).powi(2)..=(radius + reach).powi(2)
+    }
+
     /// Collects the corrections of a momentum row (along axis `field`) or of a continuity row.
     fn find_row(&mut self, field: usize, place: usize, jumps: &mut [Jumps]) {
-        let (grid, nodes) = (self.grid, &self.nodes[field]);
-        let (index, outside) = (nodes.patch.index(place), nodes.outside[place]);
+        let Self { grid, nodes, rows, .. } = self;
+        let (index, outside) = (nodes[field].patch.index(place), nodes[field].outside[place]);
         let side = if outside { 1.0 } else { -1.0 };
         if field == D {
             for axis in 0..D {
-                self.group(axis, (outside, -side), stencil::divergence(grid, axis, index), jumps);
+                let mut group = rows.group((&nodes[axis], &mut jumps[axis]), (outside, -side));
+                stencil::divergence(grid, axis, index).into_iter().for_each(|term| group.take(term));
             }
             return;
         }
-        let mut terms = [None; MOST_TERMS];
-        let mut free = terms.iter_mut();
-        stencil::laplacian(grid, field, index, |term| *free.next().expect("two terms an axis") = Some(term));
-        self.group(field, (outside, side), terms.into_iter().flatten(), jumps);
-        self.group(D, (outside, -side), stencil::gradient(grid, field, index), jumps);
+        let mut group = rows.group((&nodes[field], &mut jumps[field]), (outside, side));
+        stencil::laplacian(grid, field, index, |term| group.take(term));
+        drop(group);
+        let mut group = rows.group((&nodes[D], &mut jumps[D]), (outside, -side));
+        stencil::gradient(grid, field, index).into_iter().for_each(|term| group.take(term));
     }
 
-    /// Collects those terms, all of one field, that reach across the surface from a centre that lies `outside` or not.
-    fn group(&mut self, field: usize, (outside, factor): (bool, f64), terms: impl IntoIterator<Item = Term<D>>, jumps: &mut [Jumps]) {
-        let (nodes, before) = (&self.nodes[field], self.terms.len());
-        for term in terms {
-            let (Site::Lattice { index, .. } | Site::Wall { index, .. }) = term.site;
-            let place = nodes.patch.place(index);
-            if nodes.outside[place] != outside {
-                self.terms.push((jumps[field].choose(place), factor * term.weight));
+    /// Collects what passes to the points of walls where a velocity component is known.
+    fn find_walls(&mut self, field: usize, jumps: &mut [Jumps]) {
+        if self.grid.domain().fully_periodic() {
+            return;
+        }
+        let near = self.near();
+        let nodes = &self.nodes[field];
+        for place in (0..nodes.patch.len()).filter(|&place| near.contains(&nodes.squares[place])) {
+            let index = nodes.patch.index(place);
+            let Some(wall) = stencil::wall_at(self.grid, field, index) else { continue };
+            let (mut velocities, mut pressures) = (Vec::new(), Vec::new());
+            stencil::wall_row(self.grid, (field, index), wall, |term| velocities.push(term), |term| pressures.push(term));
+            for (from, side, terms) in [(field, 1.0, velocities), (D, -1.0, pressures)] {
+                let mut group = self.walls.group((&self.nodes[from], &mut jumps[from]), (true, side));
+                terms.into_iter().for_each(|term| group.take(term));
+            }
+            if self.walls.end_row(|| nodes.position(place) - self.placed.center) {
+                self.walls_of.push((wall.0, wall.1 < 0));
             }
         }
-        if self.terms.len() > before {
-            self.groups.push((field, self.terms.len()));
-        }
     }
 
-    /// All rows, from evaluated jumps; `values` is memory to use again.
-    pub fn rows(self, jumps: &[Jumps], mut values: Vec<f64>) -> Rows {
+    /// All rows, from evaluated jumps, and what passes to walls; `values` is memory to use again.
+    pub fn rows(self, jumps: &[Jumps], mut values: Vec<f64>) -> (Rows, Vec<OnWall>) {
         let count = self.placed.surface.modes.count();
+        let cell_volume = self.grid.spacing().product();
+        self.rows.evaluate(jumps, count, &mut values);
+        let mut to_walls = Vec::new();
+        self.walls.evaluate(jumps, count, &mut to_walls);
+        for component in 0..D {
+            let (rows, walls) = (self.rows.field(component), self.walls.field(component));
+            let (offsets, values) = (&self.rows.offsets[rows.clone()], &mut values[rows.start * count..rows.end * count]);
+            let passed = (&self.walls.offsets[walls.clone()], &to_walls[walls.start * count..walls.end * count]);
+            conserve_momentum(component, &self.placed.surface, cell_volume, passed, (offsets, values));
+        }
+        to_walls.iter_mut().for_each(|value| *value *= cell_volume);
+        let on_walls = self.sum_on_walls(&to_walls, count);
+        (Rows::new(self.unknowns, values), on_walls)
+    }
+
+    fn sum_on_walls(&self, to_walls: &[f64], count: usize) -> Vec<OnWall> {
+        let mut found: Vec<OnWall> = Vec::new();
+        for component in 0..D {
+            for point in self.walls.field(component) {
+                let (axis, upper) = self.walls_of[point];
+                let values = &to_walls[point * count..][..count];
+                match found.iter_mut().find(|wall| (wall.axis, wall.upper, wall.component) == (axis, upper, component)) {
+                    Some(wall) => wall.values.iter_mut().zip(values).for_each(|(sum, value)| *sum += value),
+                    None => found.push(OnWall { axis, upper, component, values: values.to_vec() }),
+                }
+            }
+        }
+        found
+    }
+}
+
+impl<const D: usize> Corrections<D> {
+    /// Starts terms, all of one field, of a row whose centre lies `outside` or not.
+    fn group<'a>(&'a mut self, (nodes, jumps): (&'a Nodes<D>, &'a mut Jumps), (outside, factor): (bool, f64)) -> Group<'a, D> {
+        Group { before: self.terms.len(), corrections: self, nodes, jumps, outside, factor }
+    }
+
+    /// Ends a row, if it has any term; whether it has.
+    fn end_row(&mut self, offset: impl Fn() -> SVector<f64, D>) -> bool {
+        let any = self.groups.len() > self.row_ends.last().map_or(0, |&end| end);
+        if any {
+            self.row_ends.push(self.groups.len());
+            self.offsets.push(offset());
+        }
+        any
+    }
+
+    fn end_field(&mut self) {
+        self.field_ends.push(self.offsets.len());
+    }
+
+    /// The rows of a field.
+    fn field(&self, field: usize) -> std::ops::Range<usize> {
+        let start = if field == 0 { 0 } else { self.field_ends[field - 1] };
+        start..self.field_ends[field]
+    }
+
+    /// Values of all rows, `count` modes each, from evaluated jumps.
+    fn evaluate(&self, jumps: &[Jumps], count: usize, values: &mut Vec<f64>) {
         values.clear();
-        values.reserve(self.unknowns.len() * count);
+        values.reserve(self.offsets.len() * count);
         let mut row = vec![0.0; jumps[D].stride()];
         let (mut group, mut term) = (0, 0);
         for &row_end in &self.row_ends {
@@ -114,12 +207,34 @@ impl<'a, const D: usize> Spreading<'a, D> {
             values.extend_from_slice(&row[..count]);
             group = row_end;
         }
-        let mut start = 0;
-        for (component, &end) in self.field_ends[..D].iter().enumerate() {
-            let (offsets, values) = (&self.offsets[start..end], &mut values[start * count..end * count]);
-            conserve_momentum(component, &self.placed.surface, self.grid.spacing().product(), offsets, values);
-            start = end;
+    }
+}
+
+/// Terms of a row from one field, which end when it is dropped.
+struct Group<'a, const D: usize> {
+    corrections: &'a mut Corrections<D>,
+    nodes: &'a Nodes<D>,
+    jumps: &'a mut Jumps,
+    outside: bool,
+    factor: f64,
+    before: usize,
+}
+
+impl<const D: usize> Group<'_, D> {
+    /// Takes a term if it reaches across the surface.
+    fn take(&mut self, term: Term<D>) {
+        let (Site::Lattice { index, .. } | Site::Wall { index, .. }) = term.site;
+        let place = self.nodes.patch.place(index);
+        if self.nodes.outside[place] != self.outside {
+            self.corrections.terms.push((self.jumps.choose(place), self.factor * term.weight));
         }
-        Rows::new(self.unknowns, values)
+    }
+}
+
+impl<const D: usize> Drop for Group<'_, D> {
+    fn drop(&mut self) {
+        if self.corrections.terms.len() > self.before {
+            self.corrections.groups.push((self.nodes.field, self.corrections.terms.len()));
+        }
     }
 }

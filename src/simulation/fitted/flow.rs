@@ -160,6 +160,7 @@ impl<const D: usize> FittedFlow<D> {
             _ => spatial(&(-viscosity * flow.force)),
         };
         Ok(Solution {
+            directly_on_walls: [[SVector::zeros(); 2]; D],
             lubrication: None,
             bodies: states.map(|((disk, rigid), load)| state(disk, rigid, load, viscosity)).collect(),
             fluid: sample(&self.session, &self.grid, problem, (flow, found.mean_pressure))?,

@@ -8,6 +8,7 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
+    geometry::near_walls,
     output::Progress,
     petsc::Session,
     scene::Scene,
@@ -26,6 +27,10 @@ const FINEST: [f64; 2] = [96.0, 32.0];
 /// By how much the cells per radius grow at least from grid to grid, and at most in 2D and 3D, where a grid too fine costs more.
 const LEAST_GROWTH: f64 = 1.25;
 const MOST_GROWTH: [f64; 2] = [2.0, 1.5];
+
+/// Grids that are compared at least, and where bodies are less than a radius from a wall. The flow there is a few cells wide and its error depends
+/// on how they lie: the drag of a disk of radius 0.3 in a closed box differs by 0.1 % between the first two grids and is 3 % off.
+const FEWEST_GRIDS: [usize; 2] = [2, 3];
 
 /// The part of the accuracy that the next grid aims at.
 const AIM: f64 = 0.8;
@@ -66,7 +71,7 @@ impl<'a, const D: usize> Ladder<'a, D> {
             let solution = self.solve()?;
             let estimates = estimates(&self.answers, self.accuracy);
             let worst = worst(&estimates);
-            if worst.is_some_and(|worst| worst.error <= self.accuracy) {
+            if self.rungs.len() >= self.fewest_grids() && worst.is_some_and(|worst| worst.error <= self.accuracy) {
                 let calibration = Calibration {
                     accuracy: self.accuracy,
                     cells_per_radius: self.cells,
@@ -98,6 +103,14 @@ impl<'a, const D: usize> Ladder<'a, D> {
             seconds: world.max(cost.setup + cost.assembly + cost.krylov.seconds),
         });
         Ok(solution)
+    }
+
+    fn fewest_grids(&self) -> usize {
+        let setup = self.suspension.setup();
+        let balls: Vec<_> = setup.bodies.iter().map(|suspended| suspended.body.ball).collect();
+        let largest = balls.iter().map(|ball| ball.radius).fold(0.0, f64::max);
+        let near = near_walls(&setup.domain, &balls, largest);
+        FEWEST_GRIDS[usize::from(near.iter().any(|pair| pair.gap < balls[pair.body].radius))]
     }
 
     /// Builds the next grid in place of this one.

@@ -6,15 +6,17 @@
 //! velocity `v` and the pressure solve the real system
 //!
 //! ```text
-//! (A + k^2) u + k p = r_u,   (N + k^2) v + d p = r_v,   -k u + d' v = r_p
+//! (A + k^2) u + k b p = r_u,   (N + k^2) v + d p = r_v,   -k u + d' v = r_p
 //! ```
 //!
+//! with `b` what is left of the pressure's gradient beside walls (see [`gradient`](crate::grid::stencil::gradient)), 1 elsewhere;
 //! and the part of the tangential velocity across `g` diffuses by itself. Momentum rows are multiplied by the square of the spacing
 //! `s`, continuity rows by `s`, so that all entries are of the order of one; the unknown that goes with them is `s p`.
 
 use rustfft::num_complex::Complex;
 
 use super::{banded::Banded, tridiagonal::Tridiagonal};
+use crate::grid::stencil::BESIDE_WALL;
 
 type Coupled = Banded<3, 7>;
 
@@ -56,9 +58,10 @@ impl Work {
 impl WallToWall {
     /// Solver for waves of a `number` on lines of `points` cells.
     pub fn new(points: usize, spacing: f64, number: f64) -> WallToWall {
-        let (scaled, edge) = (spacing * number, |point: usize| if point == 0 || point == points - 1 { 3.0 } else { 2.0 });
+        let (scaled, edge) = (spacing * number, |point: usize| point == 0 || point == points - 1);
+        let diagonal = |point: usize| scaled * scaled + if edge(point) { 3.0 } else { 2.0 };
         let coupled = (number > 0.0).then(|| Coupled::new(3 * points, |row, column| entry(scaled, edge, row, column)));
-        let diffusion = Tridiagonal::new((0..points).map(|point| edge(point) + scaled * scaled));
+        let diffusion = Tridiagonal::new((0..points).map(diagonal));
         WallToWall { spacing, number, coupled, diffusion }
     }
 
@@ -151,17 +154,17 @@ fn remove_mean(values: &mut [Complex<f64>]) {
 }
 
 /// An entry of the coupled matrix; rows and columns are normal velocity, velocity along the wave and pressure of a cell in turn.
-fn entry(number: f64, edge: impl Fn(usize) -> f64, row: usize, column: usize) -> f64 {
+fn entry(number: f64, edge: impl Fn(usize) -> bool, row: usize, column: usize) -> f64 {
     // the normal velocity on the lower wall is no unknown
     if row == 0 || column == 0 {
         return if row == column { 1.0 } else { 0.0 };
     }
     match (row % 3, column % 3, (column / 3) as isize - (row / 3) as isize) {
         (0, 0, 0) => 2.0 + number * number,
-        (1, 1, 0) => edge(row / 3) + number * number,
+        (1, 1, 0) => number * number + if edge(row / 3) { 3.0 } else { 2.0 },
         (0, 0, -1 | 1) | (1, 1, -1 | 1) | (0, 2, -1) | (2, 0, 0) => -1.0,
         (0, 2, 0) | (2, 0, 1) => 1.0,
-        (1, 2, 0) => number,
+        (1, 2, 0) => number * if edge(row / 3) { BESIDE_WALL } else { 1.0 },
         (2, 1, 0) => -number,
         _ => 0.0,
     }
