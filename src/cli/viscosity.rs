@@ -15,15 +15,15 @@ pub struct ViscosityArguments {
     #[arg(long, value_delimiter = ',', default_values_t = [2, 3])]
     dimensions: Vec<usize>,
     /// Fractions at which configurations in equilibrium are solved at an instant.
-    #[arg(long, value_delimiter = ',', default_values_t = [0.05, 0.1, 0.2, 0.3])]
+    #[arg(long, value_delimiter = ',', default_values_t = [0.05, 0.1, 0.2, 0.3, 0.4])]
     fractions: Vec<f64>,
     /// Configurations of each fraction, whose scatter gives the error bar.
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
     configurations: u32,
-    /// Bodies of each configuration (default: 16).
+    /// Bodies of each configuration (default: 64 in 2D, 27 in 3D).
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     bodies: Option<u32>,
-    /// Cells per radius (default: 8 in 2D, 4 in 3D).
+    /// Cells per radius (default: 5 in 2D, 4 in 3D).
     #[arg(long, value_parser = positive)]
     cells_per_radius: Option<f64>,
     /// Smallest gap between bodies at an instant, in radii.

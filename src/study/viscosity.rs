@@ -1,7 +1,7 @@
 //! Viscosity against fraction, with error bars, beside published laws; and how it evolves with strain.
 //!
 //! Points are means over configurations of hard bodies in equilibrium at an instant, with the standard error of these; curves are runs in time between sliding
-//! walls. Every one is a run of its own, started by a launcher; what was measured is kept in `viscosity.json` after every run, and a study that
+//! images. Lubrication acts in all of them. Every one is a run of its own, started by a launcher; what was measured is kept in `viscosity.json` after every run, and a study that
 //! is started again measures only what is missing.
 
 mod laws;
@@ -113,8 +113,8 @@ impl ViscosityOptions {
             let base = Setting {
                 dimension,
                 fraction: self.sheared_fraction,
-                bodies: self.bodies.unwrap_or(16),
-                cells_per_radius: self.cells_per_radius.unwrap_or([8.0, 4.0][dimension - 2]),
+                bodies: self.bodies.unwrap_or([64, 27][dimension - 2]),
+                cells_per_radius: self.cells_per_radius.unwrap_or([5.0, 4.0][dimension - 2]),
                 gap: self.gap,
                 seed: 1,
                 strain: None,

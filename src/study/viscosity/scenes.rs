@@ -14,6 +14,12 @@ use crate::{
 /// Cells per radius of runs in time, in 2D and 3D.
 const SHEARED_CELLS: [f64; 2] = [5.0, 3.0];
 
+/// Films thinner than this, in radii, count as so thin.
+const ROUGHNESS: f64 = 1e-4;
+
+/// Shear between images that slide.
+const SLIDING: &str = "[flow]\ndrive = { shear_rate = 1.0, periodic = \"sheared\" }\n";
+
 impl Setting {
     /// The run in time that goes with an instant, on a coarser grid: contacts matter more there than the flow in gaps.
     pub fn sheared(&self, strain: f64) -> Setting {
@@ -30,20 +36,19 @@ impl Setting {
         let side = (self.bodies as f64 * volume / self.fraction).powf(1.0 / self.dimension as f64);
         let size = vec![format!("{side:?}"); self.dimension].join(", ");
         let Setting { bodies, cells_per_radius, gap, seed, .. } = self;
-        let (walls, places, rest) = match self.strain {
+        let (places, rest) = match self.strain {
             None => {
                 let centers = if self.dimension == 2 { self.centers::<2>(side)? } else { self.centers::<3>(side)? };
-                (String::new(), format!("centers = {centers}"), "[flow]\ndrive = { shear_rate = 1.0 }\n[output]\n".to_owned())
+                (format!("centers = {centers}"), "[flow]\ndrive = { shear_rate = 1.0 }\n[output]\n".to_owned())
             }
             Some(strain) => (
-                self.sliding_walls(0.5 * side),
                 format!("count = {bodies}\ngap = {gap:?}"),
-                format!("[contact]\nmodel = \"inelastic\"\n[time]\nend = {strain:?}\n[output]\nfields = false\n"),
+                format!("{SLIDING}[contact]\nmodel = \"inelastic\"\n[time]\nend = {strain:?}\n[output]\nfields = false\n"),
             ),
         };
         Ok(format!(
-            "seed = {seed}\n[domain]\nsize = [{size}]\n{walls}[resolution]\ncells_per_radius = {cells_per_radius:?}\n\
-             [method]\ninverse = \"auto\"\n[[bodies]]\nradius = 1.0\n{places}\n{rest}picture = false\n"
+            "seed = {seed}\n[domain]\nsize = [{size}]\n[resolution]\ncells_per_radius = {cells_per_radius:?}\n\
+             [method]\ninverse = \"auto\"\n[lubrication]\nmodel = \"pairwise\"\nroughness = {ROUGHNESS:?}\n[[bodies]]\nradius = 1.0\n{places}\n{rest}picture = false\n"
         ))
     }
 
@@ -51,11 +56,6 @@ impl Setting {
         let domain = Domain { size: SVector::repeat(side), axes: [Axis::Periodic; D] };
         let centers = equilibrium(&domain, &vec![1.0; self.bodies], self.gap, self.seed)?;
         Ok(format!("{:?}", centers.iter().map(|center| center.as_slice().to_vec()).collect::<Vec<_>>()))
-    }
-
-    fn sliding_walls(&self, speed: f64) -> String {
-        let velocity = |speed: f64| [&[format!("{speed:?}")][..], &vec!["0.0".to_owned(); self.dimension - 1]].concat().join(", ");
-        format!("y = {{ lower = [{}], upper = [{}] }}\n", velocity(-speed), velocity(speed))
     }
 }
 
