@@ -15,8 +15,8 @@ const GUESSES: usize = 8;
 /// A guess that differs from the one before in more rows, or in a greater part of all, is not followed: equations are then no way to the solution.
 const ASTRAY: (usize, f64) = (16, 0.01);
 /// What makes the matrix of repeated equations invertible, and how often the regularized solution is corrected:
-/// exact equations; if they lead astray, short steps from the best multipliers so far, and exact equations again.
-const STAGES: [(f64, usize); 3] = [(1e-7, 12), (1e-5, 2), (1e-7, 12)];
+/// short steps, which lead to the active set also where many constraints neither press nor gape, and exact equations.
+const STAGES: [(f64, usize); 2] = [(1e-4, 2), (1e-6, 12)];
 /// A residual of this many roundings of the largest multiplier is none.
 const ROUNDINGS: f64 = 8.0;
 
@@ -35,7 +35,7 @@ pub(super) fn polish(program: &Program, factors: &mut Cholesky, guess: &[f64]) -
 /// Multipliers at least as good as the guess, by exact equations only.
 pub(super) fn sharpen(program: &Program, factors: &mut Cholesky, guess: &[f64]) -> Vec<f64> {
     let mut best = Best::new(program, guess);
-    best.improve(program, factors, STAGES[0]);
+    best.improve(program, factors, STAGES[1]);
     best.multipliers
 }
 

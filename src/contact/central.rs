@@ -23,7 +23,7 @@ const CORRECTIONS: usize = 2;
 const LONGER: f64 = 0.3;
 const GAIN: f64 = 0.1;
 /// Products between these, over the one aimed at, are not corrected.
-const BAND: [f64; 2] = [0.1, 10.0];
+const BAND: [f64; 2] = [0.03, 30.0];
 /// Steps shorter than this lead nowhere.
 const SHORTEST: f64 = 1e-5;
 
@@ -114,15 +114,18 @@ impl<'a> Central<'a> {
 
     /// The same direction or a longer one, and how far it leads at most.
     fn corrected(&self, factors: &Cholesky, first: Direction, aim: f64) -> (Direction, f64) {
-        let (mut best, mut room) = (first, 0.0);
-        room = self.room(&best).max(room);
+        let mut room = self.room(&first);
+        let mut best = first;
         for _ in 0..CORRECTIONS {
+            if room >= 1.0 {
+                break;
+            }
             let planned = (room + LONGER).min(1.0);
             let excess: Vec<f64> = self.products_after(&best, planned).map(|product| excess(product, aim)).collect();
             let mut trial = self.direction(factors, &excess, false);
             trial.add(&best);
             let trial_room = self.room(&trial);
-            if room >= 1.0 || trial_room < room + GAIN * LONGER {
+            if trial_room < room + GAIN * LONGER {
                 break;
             }
             (best, room) = (trial, trial_room);
@@ -174,7 +177,8 @@ impl<'a> Central<'a> {
     }
 
     fn walk(&mut self, direction: &Direction, length: f64) {
-        let walk = |values: &mut [f64], changes: &[f64]| values.iter_mut().zip(changes).for_each(|(value, change)| *value += length * change);
+        let walk =
+            |values: &mut [f64], changes: &[f64]| values.iter_mut().zip(changes).for_each(|(value, change)| *value += length * change);
         walk(&mut self.unknowns, &direction.unknowns);
         walk(&mut self.slacks, &direction.slacks);
         walk(&mut self.multipliers, &direction.multipliers);

@@ -14,7 +14,7 @@ use super::{
 const ITERATIONS: usize = 60;
 /// Where the path ends: the most that a constraint is violated, and the work on slacks. Where many constraints neither press nor gape, the work
 /// falls to a third from iteration to iteration, and the larger of a slack and its multiplier with the root of it.
-const END: [f64; 2] = [1e-9, 1e-11];
+const END: [f64; 2] = [1e-9, 1e-10];
 /// Work from which the active set is tried if the work fell by so much in an iteration, and what it must fall by to try again.
 const NEAR: f64 = 1e-5;
 const FALL: f64 = 0.1;

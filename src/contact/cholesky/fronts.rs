@@ -6,7 +6,7 @@ use super::order::{NONE, Order};
 
 /// Groups are joined to their parents if that makes them no larger than so many bodies and no more than such a part of their columns is
 /// stored zeros: dense matrices that are too small cost more than zeros.
-const JOINED: [(usize, f64); 4] = [(5, 1.0), (16, 0.5), (40, 0.2), (usize::MAX, 0.05)];
+const JOINED: [(usize, f64); 4] = [(4, 1.0), (12, 0.4), (32, 0.15), (usize::MAX, 0.05)];
 
 /// A constraint in a front.
 pub(super) struct Element {
@@ -39,6 +39,8 @@ pub(super) struct Front {
     pub children: Vec<usize>,
     /// Where the rows are in the front that takes the remains of this one.
     pub relative: Vec<usize>,
+    /// The places in `relative` where a run of neighbours ends.
+    pub runs: Vec<usize>,
     /// Constraints of which these bodies are the first to go.
     pub elements: Vec<Element>,
 }
@@ -114,9 +116,13 @@ fn couple(order: &Order, groups: Vec<Range<usize>>, owners: &[usize], width: usi
         let (wide, below) = (columns.len() * width, rows.len() * width);
         let panel = start..start + wide * (wide + below);
         start = panel.end;
-        let front = Front { columns, rows, width: wide, below, panel, children, relative: Vec::new(), elements: Vec::new() };
+        let front =
+            Front { columns, rows, width: wide, below, panel, children, relative: Vec::new(), runs: Vec::new(), elements: Vec::new() };
         for &child in &front.children {
-            fronts[child].relative = fronts[child].rows.iter().map(|&row| front.place(row)).collect();
+            let relative: Vec<usize> = fronts[child].rows.iter().map(|&row| front.place(row)).collect();
+            let ends = |&place: &usize| relative.get(place) != Some(&(relative[place - 1] + 1));
+            fronts[child].runs = (1..=relative.len()).filter(ends).collect();
+            fronts[child].relative = relative;
         }
         if let Some(&first) = front.rows.first() {
             givers[owners[first]].push(number);

@@ -166,9 +166,11 @@ impl<const D: usize> Sum<'_, D> {
             let (place, axis) = (number / D, number % D);
             let first = child.relative[place];
             let target = self.column(first * D + axis, first);
-            for (row, values) in child.relative[place..].iter().zip(source.as_chunks::<D>().0[place..].iter()) {
-                let target = &mut target[(row - first) * D..(row - first + 1) * D];
-                target.iter_mut().zip(values).for_each(|(target, value)| *target += value);
+            let mut start = place;
+            for &end in &child.runs[child.runs.partition_point(|&end| end <= place)..] {
+                let target = &mut target[(child.relative[start] - first) * D..];
+                target.iter_mut().zip(&source[start * D..end * D]).for_each(|(target, value)| *target += value);
+                start = end;
             }
         }
     }
