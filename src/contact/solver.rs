@@ -4,7 +4,7 @@
 
 use super::{
     active::{polish, sharpen},
-    central::Central,
+    central::{Central, Distance},
     cholesky::Cholesky,
     interior::interior_point,
     program::{Program, clip},
@@ -75,26 +75,28 @@ fn along_the_path(program: &Program, guess: &[f64]) -> (Vec<f64>, usize) {
             return (sharp, 1);
         }
     }
-    let mut central = Central::new(program, &guess);
-    let mut tried = f64::INFINITY;
-    let mut earlier = central.distance().work;
+    let (multipliers, iterations) = follow(program, &mut factors, &guess);
+    (polish(program, &mut factors, &multipliers), iterations)
+}
+
+/// Goes along the path from near a guess: the multipliers that press at its end, or exact ones found on the way, and how many iterations it took.
+fn follow(program: &Program, factors: &mut Cholesky, guess: &[f64]) -> (Vec<f64>, usize) {
+    let mut central = Central::new(program, guess);
+    let (mut earlier, mut tried) = (central.distance().work, f64::INFINITY);
     for iteration in 1..=ITERATIONS {
-        if !central.step(&mut factors) {
-            return (polish(program, &mut factors, &central.pressing()), iteration);
+        let goes_on = central.step(factors);
+        let Distance { violation, work } = central.distance();
+        if !goes_on || violation <= END[0] && work <= END[1] {
+            return (central.pressing(), iteration);
         }
-        let distance = central.distance();
-        let falls = distance.work < FALL * earlier;
-        earlier = distance.work;
-        if distance.violation <= END[0] && distance.work <= END[1] {
-            return (polish(program, &mut factors, &central.pressing()), iteration);
-        }
-        if falls && distance.work < NEAR.min(AGAIN * tried) {
-            tried = distance.work;
-            let sharp = sharpen(program, &mut factors, &central.pressing());
+        if work < FALL * earlier && work < NEAR.min(AGAIN * tried) {
+            tried = work;
+            let sharp = sharpen(program, factors, &central.pressing());
             if program.solved(&sharp, EXACT) {
                 return (sharp, iteration);
             }
         }
+        earlier = work;
     }
-    (polish(program, &mut factors, &central.pressing()), ITERATIONS)
+    (central.pressing(), ITERATIONS)
 }

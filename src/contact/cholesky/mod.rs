@@ -175,3 +175,52 @@ impl<const D: usize> Sum<'_, D> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use clarabel::algebra::CscMatrix;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+
+    /// Constraints of one body or two, some of them twice, on a random graph.
+    fn program(bodies: usize, width: usize, seed: u64) -> Program {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+        for _ in 0..3 * bodies {
+            let mut ends = [(); 2].map(|()| random.random_range(0..bodies));
+            ends.sort_unstable();
+            let touched = if ends[0] == ends[1] { &ends[..1] } else { &ends[..] };
+            for body in touched {
+                rows.extend(body * width..(body + 1) * width);
+                values.extend((0..width).map(|_| random.random::<f64>() - 0.5));
+            }
+            starts.push(rows.len());
+        }
+        let count = starts.len() - 1;
+        Program { transposed: CscMatrix::new(bodies * width, count, starts, rows, values), width, offsets: vec![0.0; count] }
+    }
+
+    #[test]
+    fn a_solution_gives_its_right_hand_side_back() {
+        for (bodies, width, seed) in [(1, 2, 0), (2, 3, 1), (40, 2, 2), (40, 3, 3), (300, 2, 4), (300, 3, 5)] {
+            let program = program(bodies, width, seed);
+            let mut factors = Cholesky::new(&program);
+            // the second time over what the first left
+            for power in [0, 4] {
+                let weights: Vec<f64> = (0..program.offsets.len()).map(|row| (row % 3) as f64 * 10f64.powi(power)).collect();
+                let expected: Vec<f64> = (0..bodies * width).map(|place| (place % 7) as f64 - 3.0).collect();
+                let (mut changes, mut vector) = (vec![0.0; weights.len()], vec![0.0; expected.len()]);
+                program.open(&expected, &mut changes);
+                changes.iter_mut().zip(&weights).for_each(|(change, weight)| *change *= weight);
+                program.push(&changes, &mut vector);
+                vector.iter_mut().zip(&expected).for_each(|(entry, expected)| *entry += expected);
+                factors.factor(&weights);
+                factors.solve(&mut vector);
+                let error = vector.iter().zip(&expected).map(|(found, expected)| (found - expected).abs()).fold(0.0, f64::max);
+                assert!(error < 1e-9, "{bodies} bodies along {width} axes, weights to 1e{power}: {error:e}");
+            }
+        }
+    }
+}
