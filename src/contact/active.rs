@@ -5,26 +5,26 @@
 //! may repeat each other, as in a crystal: of all their solutions the one nearest to the guess is taken,
 //! by iterations on a slightly regularised matrix.
 
-use clarabel::{
-    algebra::CscMatrix,
-    qdldl::{QDLDLFactorisation, QDLDLSettings},
+use super::{
+    cholesky::Cholesky,
+    program::{Program, clip},
 };
-
-use super::program::{Program, clip};
 
 /// Guesses tried with each regularization.
 const GUESSES: usize = 8;
+/// A guess that differs from the one before in more rows, or in a greater part of all, is not followed: equations are then no way to the solution.
+const ASTRAY: (usize, f64) = (16, 0.01);
 /// What makes the matrix of repeated equations invertible, and how often the regularized solution is corrected:
-/// exact equations; if they lead astray, short steps from the best multipliers so far, and exact equations again.
-const STAGES: [(f64, usize); 3] = [(1e-9, 12), (1e-6, 2), (1e-9, 12)];
+/// short steps, which lead to the active set also where many constraints neither press nor gape, and exact equations.
+const STAGES: [(f64, usize); 2] = [(1e-4, 2), (1e-6, 12)];
 /// A residual of this many roundings of the largest multiplier is none.
 const ROUNDINGS: f64 = 8.0;
 
 /// Multipliers at least as good as the guess: the best found, none negative.
-pub(super) fn polish(program: &Program, guess: &[f64]) -> Vec<f64> {
+pub(super) fn polish(program: &Program, factors: &mut Cholesky, guess: &[f64]) -> Vec<f64> {
     let mut best = Best::new(program, guess);
     for stage in STAGES {
-        best.improve(program, stage);
+        best.improve(program, factors, stage);
         if best.residual <= rounding(&best.multipliers) {
             break;
         }
@@ -33,9 +33,9 @@ pub(super) fn polish(program: &Program, guess: &[f64]) -> Vec<f64> {
 }
 
 /// Multipliers at least as good as the guess, by exact equations only.
-pub(super) fn sharpen(program: &Program, guess: &[f64]) -> Vec<f64> {
+pub(super) fn sharpen(program: &Program, factors: &mut Cholesky, guess: &[f64]) -> Vec<f64> {
     let mut best = Best::new(program, guess);
-    best.improve(program, STAGES[0]);
+    best.improve(program, factors, STAGES[1]);
     best.multipliers
 }
 
@@ -52,81 +52,52 @@ impl Best {
         Self { residual: program.residual(&multipliers), multipliers }
     }
 
-    fn improve(&mut self, program: &Program, stage: (f64, usize)) {
+    fn improve(&mut self, program: &Program, factors: &mut Cholesky, stage: (f64, usize)) {
         let mut trial = self.multipliers.clone();
-        let mut earlier = Vec::new();
+        let mut earlier: Option<Vec<bool>> = None;
         for _ in 0..GUESSES {
             let slacks = program.slacks(&trial);
-            let active: Vec<usize> = (0..trial.len()).filter(|&row| trial[row] > slacks[row]).collect();
-            let Some(next) = meet(program, &active, &trial, stage) else { return };
-            trial = next;
+            let active: Vec<bool> = trial.iter().zip(&slacks).map(|(multiplier, slack)| multiplier > slack).collect();
+            let changes = earlier.map(|earlier| active.iter().zip(&earlier).filter(|(now, before)| now != before).count());
+            if changes.is_some_and(|changes| changes == 0 || changes > ASTRAY.0.max((ASTRAY.1 * trial.len() as f64) as usize)) {
+                return;
+            }
+            trial = meet(program, factors, &active, &trial, stage);
             let found = Self::new(program, &trial);
             if found.residual < self.residual {
                 *self = found;
             }
-            if active == earlier || self.residual <= rounding(&self.multipliers) {
+            if self.residual <= rounding(&self.multipliers) {
                 return;
             }
-            earlier = active;
+            earlier = Some(active);
         }
     }
 }
 
-/// Multipliers, zero outside the active set, with which no active constraint has any slack.
-fn meet(program: &Program, active: &[usize], guess: &[f64], (regularization, corrections): (f64, usize)) -> Option<Vec<f64>> {
-    let mut multipliers = vec![0.0; guess.len()];
-    active.iter().for_each(|&row| multipliers[row] = guess[row]);
-    clip(&mut multipliers);
-    if active.is_empty() {
-        return Some(multipliers);
-    }
-    let mut equations = Equations::new(program, active, regularization)?;
+/// Multipliers, zero outside the active set, with which no active constraint has any slack: corrections by the augmented Lagrangian.
+fn meet(program: &Program, factors: &mut Cholesky, active: &[bool], guess: &[f64], (softness, corrections): (f64, usize)) -> Vec<f64> {
+    let mut multipliers: Vec<f64> = guess.iter().zip(active).map(|(guess, active)| if *active { guess.max(0.0) } else { 0.0 }).collect();
+    let weights: Vec<f64> = active.iter().map(|active| if *active { 1.0 / softness } else { 0.0 }).collect();
+    factors.factor(&weights);
+    let (mut unknowns, mut changes) = (vec![0.0; program.transposed.m], vec![0.0; active.len()]);
     let mut earlier = f64::INFINITY;
     for _ in 0..corrections {
         let slacks = program.slacks(&multipliers);
-        let largest = active.iter().map(|&row| slacks[row].abs()).fold(0.0, f64::max);
+        let largest = slacks.iter().zip(active).filter(|(_, active)| **active).map(|(slack, _)| slack.abs()).fold(0.0, f64::max);
         if largest <= rounding(&multipliers) || largest > 0.5 * earlier {
             break;
         }
         earlier = largest;
-        let corrections = equations.solve(active.iter().map(|&row| slacks[row]));
-        active.iter().zip(corrections).for_each(|(&row, correction)| multipliers[row] += correction);
-    }
-    multipliers.iter().all(|multiplier| multiplier.is_finite()).then_some(multipliers)
-}
-
-/// The factored matrix `[1, B^T; B, -e]`, where `B` holds the active rows.
-pub(super) struct Equations {
-    factors: QDLDLFactorisation<f64>,
-    unknowns: usize,
-}
-
-impl Equations {
-    pub fn new(program: &Program, active: &[usize], regularization: f64) -> Option<Self> {
-        let unknowns = program.transposed.m;
-        let (mut starts, mut rows, mut values) =
-            ((0..=unknowns).collect::<Vec<_>>(), (0..unknowns).collect::<Vec<_>>(), vec![1.0; unknowns]);
-        for (place, &constraint) in active.iter().enumerate() {
-            for (row, value) in program.row(constraint).chain([(unknowns + place, -regularization)]) {
-                rows.push(row);
-                values.push(value);
-            }
-            starts.push(rows.len());
+        changes.iter_mut().zip(slacks.iter().zip(&weights)).for_each(|(change, (slack, weight))| *change = -slack * weight);
+        program.push(&changes, &mut unknowns);
+        factors.solve(&mut unknowns);
+        program.open(&unknowns, &mut changes);
+        for (row, multiplier) in multipliers.iter_mut().enumerate() {
+            *multiplier -= (slacks[row] + changes[row]) * weights[row];
         }
-        let size = unknowns + active.len();
-        let signs = (0..size).map(|row| if row < unknowns { 1 } else { -1 }).collect();
-        let settings = QDLDLSettings { Dsigns: Some(signs), ..QDLDLSettings::default() };
-        let factors = QDLDLFactorisation::new(&CscMatrix::new(size, size, starts, rows, values), Some(settings)).ok()?;
-        Some(Self { factors, unknowns })
     }
-
-    /// Changes of the multipliers that take the slacks away.
-    pub fn solve(&mut self, slacks: impl Iterator<Item = f64>) -> Vec<f64> {
-        let mut vector = vec![0.0; self.unknowns];
-        vector.extend(slacks);
-        self.factors.solve(&mut vector);
-        vector.split_off(self.unknowns)
-    }
+    multipliers
 }
 
 fn rounding(multipliers: &[f64]) -> f64 {

@@ -16,9 +16,6 @@ const SMALLEST_SCALE: f64 = 1e-6;
 /// Overlap left over, in the scale of the largest violation, and work of the forces on open gaps, as a part of all their
 /// work, up to which a solution is one. A contact that is about to press may have a little of both, gap and force.
 const TOLERANCE: f64 = 1e-7;
-/// Contacts from which the interior point costs more than Newton's method. Measured on a loaded machine in a falling pile, median (worst)
-/// of a step: 865 contacts 64 (445) against 87 (201) ms, 2161 contacts 88 (2868) against 257 (656) ms.
-const LARGE: usize = 1000;
 
 /// How an island was solved.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,8 +58,7 @@ pub(super) fn free_body<const D: usize>(problem: &Problem<D>, contact: &Contact<
 
 /// The forces at the contacts of one island, from a guess.
 pub(super) fn solve_island<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>], guess: &[f64]) -> Outcome {
-    let both = [Solver::Newton, Solver::Interior];
-    solve_by(problem, contacts, guess, if contacts.len() < LARGE { &both[1..] } else { &both })
+    solve_by(problem, contacts, guess, &[Solver::Sparse, Solver::General])
 }
 
 /// The same by given methods, each of which is tried if those before it fail.
@@ -149,7 +145,7 @@ fn program<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>], unit: 
         starts.push(rows.len());
         offsets.push(problem.gap_after(contact, problem.velocities) / (root * unit.scale));
     }
-    Program { transposed: CscMatrix::new(bodies.len() * D, contacts.len(), starts, rows, values), offsets }
+    Program { transposed: CscMatrix::new(bodies.len() * D, contacts.len(), starts, rows, values), width: D, offsets }
 }
 
 /// Bodies of contacts that give way, in order.

@@ -19,10 +19,10 @@
 //! nor fluid, friction or torque: balls touch along the line of their centres.
 
 mod active;
-mod augmented;
 mod candidates;
+mod central;
 mod certificate;
-mod dual;
+mod cholesky;
 mod failure;
 pub mod gluey;
 mod groups;

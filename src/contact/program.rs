@@ -9,6 +9,8 @@ use clarabel::algebra::CscMatrix;
 pub(super) struct Program {
     /// `A^T`: one column for each constraint.
     pub transposed: CscMatrix<f64>,
+    /// Unknowns of a body, which follow each other; a constraint has entries in all of those of one or two bodies.
+    pub width: usize,
     /// `c`.
     pub offsets: Vec<f64>,
 }
@@ -18,6 +20,17 @@ impl Program {
     pub fn row(&self, constraint: usize) -> impl Iterator<Item = (usize, f64)> {
         let CscMatrix { colptr, rowval, nzval, .. } = &self.transposed;
         (colptr[constraint]..colptr[constraint + 1]).map(|entry| (rowval[entry], nzval[entry]))
+    }
+
+    /// The entries of `A` in the row of a constraint, one body after the other.
+    pub fn values(&self, constraint: usize) -> &[f64] {
+        &self.transposed.nzval[self.transposed.colptr[constraint]..self.transposed.colptr[constraint + 1]]
+    }
+
+    /// The two bodies of a constraint; the same twice if it has one.
+    pub fn bodies(&self, constraint: usize) -> [usize; 2] {
+        let CscMatrix { colptr, rowval, .. } = &self.transposed;
+        [colptr[constraint], colptr[constraint + 1] - 1].map(|entry| rowval[entry] / self.width)
     }
 
     /// `x = A^T z`.

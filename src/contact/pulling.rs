@@ -22,7 +22,7 @@ pub(super) fn solve_above(program: Program, (floors, guess): (&[f64], &[f64]), s
     let (mut limit, mut total) = (LIMIT, 0);
     loop {
         let limited: Vec<f64> = floors.iter().map(|floor| floor.max(-limit)).collect();
-        let moved = Program { transposed: program.transposed.clone(), offsets: program.slacks(&limited) };
+        let moved = Program { transposed: program.transposed.clone(), offsets: program.slacks(&limited), ..program };
         let raised: Vec<f64> = guess.iter().zip(&limited).map(|(guess, floor)| (guess - floor).max(0.0)).collect();
         let (above, solver) = solve_first(&moved, &raised, solvers)?;
         total += above.iterations;

@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn outcomes_survive_as_numbers() {
-        let solved = Outcome::Solved { forces: vec![0.5, 0.0], iterations: 7, solver: Solver::Newton };
+        let solved = Outcome::Solved { forces: vec![0.5, 0.0], iterations: 7, solver: Solver::Sparse };
         for outcome in [solved, Outcome::Squeezed, Outcome::Stalled] {
             let mut numbers = Vec::new();
             write(&outcome, 2, &mut numbers);

@@ -57,7 +57,7 @@ pub struct ProjectionNumbers {
     pub total_force: f64,
     /// Iterations of the contact solver on the island that took most.
     pub iterations: usize,
-    /// The contact solver: 0 by a formula, 1 interior point, 2 Newton.
+    /// The contact solver: 0 by a formula, 1 along the sparse central path, 2 by the general interior point.
     pub solver: Solver,
 }
 
