@@ -155,7 +155,7 @@ impl Report {
             points: measured.curve.clone(),
         };
         let series = self.curves.iter().map(line).collect();
-        let title = "sheared between walls, with contacts".into();
+        let title = "sheared between sliding images, with lubrication and contacts".into();
         Chart { title, x: "strain".into(), y: "relative viscosity".into(), scale: Scale::Linear, series }.svg()
     }
 }
