@@ -10,6 +10,7 @@ mod coupled;
 mod drift;
 mod dry;
 mod dynamics;
+mod engine;
 mod faster;
 mod fitted;
 mod flow_solver;
@@ -19,6 +20,7 @@ mod memory;
 mod pace;
 mod placement;
 mod plan;
+mod ready;
 mod scalar;
 mod setup;
 #[expect(clippy::module_inception, reason = "the time loop is what the module is named after")]

@@ -8,40 +8,24 @@ use super::{
     FilmResistances, Setup, Solution,
     assembly::Assembly,
     basis::Basis,
-    bodies::Bodies,
     condensed::Condensed,
-    coupled::{BodiesInFluid, Coupled, Parts, Unknowns},
-    dynamics::Seen,
+    engine::Engine,
     faster::{Faster, faster},
-    links::{add_films, touching},
-    memory::{Guess, Past, Snapshot},
+    links::add_films,
+    memory::{Past, Snapshot},
+    ready::Ready,
     spectrum::Conditions,
-    surfaces::{Member, Surfaces},
-    touching::Touching,
-    uzawa::uzawa,
-    work::{Sizes, Stages, Work},
+    work::Stages,
 };
 use crate::{
-    constraint::lubrication::{Films, Opposite},
+    constraint::lubrication::Opposite,
     contact::{ContactForce, Partner},
     error::{Error, Result},
     flow::{InverseMethod, IteratedInverse, Stokes, StokesInverse},
     geometry::{Ball, Domain},
     grid::Grid,
-    petsc::{Krylov, KrylovMethod, KrylovSettings, Report, Session, Stage, Vector, enter},
-    scene::{ConstraintMethod, MultiplierSolver},
+    petsc::{Report, Session, Stage, Vector, enter},
 };
-
-/// Iterations allowed for the coupled system.
-///
-/// The restart is as long, so memory grows with the iterations made: a restart after 50 stalls where bodies crowd.
-const MOST_ITERATIONS: usize = 1000;
-
-/// Net force or torque of a film on a pair, over its force, that is rounding.
-const LARGEST_IMBALANCE: f64 = 1e-9;
-
-/// Vectors that are kept at least before a restart.
-const FEWEST_VECTORS: usize = 30;
 
 /// What a solve cost on this rank, in seconds, and how it converged.
 #[derive(Debug, Clone, Copy, Default)]
@@ -90,14 +74,6 @@ pub struct Suspension<const D: usize> {
     remembers: bool,
     past: Option<Past<D>>,
     cost: Cost,
-}
-
-/// What solves of one size share.
-struct Engine {
-    krylov: Krylov,
-    work: Work,
-    rhs: Vector,
-    x: Vector,
 }
 
 impl<const D: usize> Suspension<D> {
@@ -281,155 +257,4 @@ fn inverse<const D: usize>(setup: &Setup<D>, stokes: &Stokes<D>, grid: &Grid<D>)
         (InverseMethod::Hypre, Some(tolerance)) => Ok(Box::new(IteratedInverse::new(stokes, grid, tolerance)?)),
         (method, _) => method.set_up(stokes, grid),
     }
-}
-
-/// All that the solve of one moment needs.
-struct Ready<'a, const D: usize> {
-    bodies: Bodies<'a, D>,
-    members: Vec<Member>,
-    assembly: Assembly<D>,
-    touching: Touching,
-    films: Films<D>,
-    engine: Engine,
-    guess: Option<Guess<D>>,
-    prescribed_drag: f64,
-    tolerance: f64,
-}
-
-impl<'a, const D: usize> Ready<'a, D> {
-    /// Puts bodies in their places and fills right-hand side and start; what is at hand is used again where it fits.
-    fn new(
-        basis: &'a Basis<D>,
-        (assembly, engine): (Option<Assembly<D>>, Option<Engine>),
-        past: Option<&Past<D>>,
-        moment: &Moment<D>,
-    ) -> Result<Self> {
-        let _stage = enter(Stage::Assembly);
-        let assembly = Assembly::of(basis, moment.centers, assembly)?;
-        let placed = basis.kinds.place(&basis.setup, moment.centers);
-        let bodies = Bodies::new(&basis.setup, &basis.grid, &basis.kinds, placed, assembly.layout.clone());
-        let members = bodies.members(&assembly.blocks);
-        let guess = past.map_or(Ok(None), |past| past.guess(&bodies, moment.centers, moment.time))?;
-        let closure = basis.closure.unknowns::<D>();
-        let places = engine.as_ref().map_or(0, |engine| engine.work.sizes().tail - closure);
-        let films = balanced(bodies.films())?;
-        let touching = touching(basis, &bodies, (moment, &films), (&assembly.undisturbed, places))?;
-        let fluid = if basis.condensed { 0 } else { basis.grid.local_fluid_unknowns() };
-        let sizes = Sizes { fluid, multipliers: assembly.undisturbed.len(), tail: closure + touching.places() };
-        let mut engine = Engine::fitting(engine, basis, sizes)?;
-        engine.krylov.set_tolerance(moment.tolerance)?;
-        let prescribed_drag = prescribed_drag(&basis.session, &members);
-        let wanted = bodies.wanted_rows(&assembly.blocks, &members, (&assembly.undisturbed, moment.pushes));
-        basis.fill_right_hand_side(&wanted, &touching.rates, prescribed_drag, &mut engine.rhs)?;
-        let unit = touching.scale * basis.setup.viscosity;
-        engine.start(&bodies, guess.as_ref(), moment.pressed.iter().map(|pressed| pressed.force / unit).collect())?;
-        Ok(Ready { bodies, members, assembly, touching, films, engine, guess, prescribed_drag, tolerance: moment.tolerance })
-    }
-
-    /// The solver with its right-hand side and start, and what the system is made of.
-    fn parts<'b>(&'b mut self, basis: &'b Basis<D>, inverse: &'b mut dyn StokesInverse<D>) -> (Solver<'b>, Parts<'b, D>) {
-        let surfaces = Surfaces {
-            world: basis.session.world(),
-            blocks: &mut self.assembly.blocks,
-            pairs: self.assembly.pairs.as_mut(),
-            members: &self.members,
-            closure: &basis.closure,
-            touching: &mut self.touching,
-            prescribed_drag: self.prescribed_drag,
-        };
-        let Engine { krylov, work, rhs, x } = &mut self.engine;
-        ((krylov, (rhs, x)), Parts { stokes: &basis.stokes, inverse, surfaces, work })
-    }
-
-    /// Solves; the velocities that are found include those of the flow without bodies.
-    fn solve(&mut self, basis: &Basis<D>, inverse: &mut dyn StokesInverse<D>, seen: Seen) -> Result<(Report, Unknowns)> {
-        let _stage = enter(Stage::Orthogonalisation);
-        let tolerance = self.tolerance;
-        let (solver, parts) = self.parts(basis, inverse);
-        let (report, mut found) = match basis.setup.constraint {
-            ConstraintMethod::MeanValue(MultiplierSolver::Uzawa(step)) => {
-                let (_, vectors) = solver;
-                let by_uzawa = |system: &mut Condensed<D>, vectors: (&Vector, &mut Vector)| uzawa(system, vectors, (step, tolerance), seen);
-                solve(vectors, Condensed(parts), by_uzawa)
-            }
-            _ if basis.condensed => solve(solver.1, Condensed(parts), |system, vectors| solver.0.solve(system, vectors, seen)),
-            _ => solve(solver.1, Coupled(parts), |system, vectors| solver.0.solve(system, vectors, seen)),
-        }?;
-        found.velocities.iter_mut().zip(&self.assembly.undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);
-        Ok((report, found))
-    }
-}
-
-/// Films whose forces are opposite and without torque on each pair, as they must be.
-fn balanced<const D: usize>(films: Films<D>) -> Result<Films<D>> {
-    match films.imbalance < LARGEST_IMBALANCE {
-        true => Ok(films),
-        false => {
-            Err(Error::Diverged(format!("a film acts on its pair with a net force or torque of {:.1e} of its force", films.imbalance)))
-        }
-    }
-}
-
-/// A solver, the right-hand side, and where it starts.
-type Solver<'a> = (&'a mut Krylov, (&'a Vector, &'a mut Vector));
-
-fn solve<S: BodiesInFluid>(
-    (rhs, x): (&Vector, &mut Vector),
-    mut system: S,
-    by: impl FnOnce(&mut S, (&Vector, &mut Vector)) -> Result<Report>,
-) -> Result<(Report, Unknowns)> {
-    let start = Instant::now();
-    let report = by(&mut system, (rhs, &mut *x))?;
-    let found = system.unknowns(x)?;
-    // an eliminated fluid takes one more inverse to find
-    Ok((Report { seconds: start.elapsed().as_secs_f64(), ..report }, found))
-}
-
-impl Engine {
-    /// The engine at hand if it has the right sizes on every rank, or else a new one.
-    fn fitting<const D: usize>(at_hand: Option<Engine>, basis: &Basis<D>, sizes: Sizes) -> Result<Engine> {
-        let fits = at_hand.as_ref().is_some_and(|engine| engine.work.sizes() == sizes);
-        match at_hand.filter(|_| basis.session.world().max(if fits { 0.0 } else { 1.0 }) == 0.0) {
-            Some(engine) => Ok(engine),
-            None => Engine::new(basis, sizes),
-        }
-    }
-
-    fn new<const D: usize>(basis: &Basis<D>, sizes: Sizes) -> Result<Engine> {
-        let work = Work::new(&basis.stokes, sizes)?;
-        let rhs = work.solver_vector(&basis.session)?;
-        let mut unknowns = [rhs.local()?.len() as f64];
-        basis.session.world().sum(&mut unknowns);
-        let settings = krylov_settings(basis.setup.tolerance.at_an_instant(), unknowns[0] as usize);
-        let krylov = Krylov::new(&basis.session, rhs.local()?.len(), c"coupled_", settings)?;
-        Ok(Engine { krylov, work, x: rhs.like()?, rhs })
-    }
-
-    /// Sets the unknowns to a guess, or to zero.
-    fn start<const D: usize>(&mut self, bodies: &Bodies<D>, guess: Option<&Guess<D>>, contacts: Vec<f64>) -> Result<()> {
-        let mut x = self.x.local_mut()?;
-        x.fill(0.0);
-        let Some(Guess { extrapolated: Snapshot { fluid, multipliers, closure, .. }, .. }) = guess else { return Ok(()) };
-        let (of_fluid, others) = x.split_at_mut(self.work.sizes().fluid);
-        if let Some(fluid) = fluid {
-            of_fluid.copy_from_slice(&fluid.local()?);
-        }
-        let parts = [&bodies.local_multipliers(multipliers), closure, &contacts[..]].concat();
-        // only rank 0 holds the tail
-        others.iter_mut().zip(parts).for_each(|(x, guess)| *x = guess);
-        Ok(())
-    }
-}
-
-/// Sum over all prescribed bodies of the net force that a unit velocity takes by their preconditioner.
-fn prescribed_drag(session: &Session, members: &[Member]) -> f64 {
-    let mut drag = [members.iter().filter(|member| !member.free).map(|member| member.area * member.inverse.diagonal(0)).sum()];
-    session.world().sum(&mut drag);
-    if drag[0] > 0.0 { drag[0] } else { 1.0 }
-}
-
-/// PETSc clears a square of the restart's size beforehand: ten milliseconds that small systems do not need.
-fn krylov_settings(tolerance: f64, unknowns: usize) -> KrylovSettings {
-    let restart = unknowns.clamp(FEWEST_VECTORS, MOST_ITERATIONS);
-    KrylovSettings { method: KrylovMethod::Gmres { restart }, tolerance, most_iterations: MOST_ITERATIONS }
 }

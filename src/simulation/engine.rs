@@ -1,0 +1,70 @@
+//! The Krylov solver with its vectors, kept from solve to solve.
+
+use super::{
+    basis::Basis,
+    bodies::Bodies,
+    memory::{Guess, Snapshot},
+    work::{Sizes, Work},
+};
+use crate::{
+    error::Result,
+    petsc::{Krylov, KrylovMethod, KrylovSettings, Vector},
+};
+
+/// Iterations allowed for the coupled system.
+///
+/// The restart is as long, so memory grows with the iterations made: a restart after 50 stalls where bodies crowd.
+const MOST_ITERATIONS: usize = 1000;
+
+/// Vectors that are kept at least before a restart.
+const FEWEST_VECTORS: usize = 30;
+
+/// What solves of one size share.
+pub(super) struct Engine {
+    pub krylov: Krylov,
+    pub work: Work,
+    pub rhs: Vector,
+    pub x: Vector,
+}
+
+impl Engine {
+    /// The engine at hand if it has the right sizes on every rank, or else a new one.
+    pub fn fitting<const D: usize>(at_hand: Option<Engine>, basis: &Basis<D>, sizes: Sizes) -> Result<Engine> {
+        let fits = at_hand.as_ref().is_some_and(|engine| engine.work.sizes() == sizes);
+        match at_hand.filter(|_| basis.session.world().max(if fits { 0.0 } else { 1.0 }) == 0.0) {
+            Some(engine) => Ok(engine),
+            None => Engine::new(basis, sizes),
+        }
+    }
+
+    fn new<const D: usize>(basis: &Basis<D>, sizes: Sizes) -> Result<Engine> {
+        let work = Work::new(&basis.stokes, sizes)?;
+        let rhs = work.solver_vector(&basis.session)?;
+        let mut unknowns = [rhs.local()?.len() as f64];
+        basis.session.world().sum(&mut unknowns);
+        let settings = krylov_settings(basis.setup.tolerance.at_an_instant(), unknowns[0] as usize);
+        let krylov = Krylov::new(&basis.session, rhs.local()?.len(), c"coupled_", settings)?;
+        Ok(Engine { krylov, work, x: rhs.like()?, rhs })
+    }
+
+    /// Sets the unknowns to a guess, or to zero.
+    pub fn start<const D: usize>(&mut self, bodies: &Bodies<D>, guess: Option<&Guess<D>>, contacts: Vec<f64>) -> Result<()> {
+        let mut x = self.x.local_mut()?;
+        x.fill(0.0);
+        let Some(Guess { extrapolated: Snapshot { fluid, multipliers, closure, .. }, .. }) = guess else { return Ok(()) };
+        let (of_fluid, others) = x.split_at_mut(self.work.sizes().fluid);
+        if let Some(fluid) = fluid {
+            of_fluid.copy_from_slice(&fluid.local()?);
+        }
+        let parts = [&bodies.local_multipliers(multipliers), closure, &contacts[..]].concat();
+        // only rank 0 holds the tail
+        others.iter_mut().zip(parts).for_each(|(x, guess)| *x = guess);
+        Ok(())
+    }
+}
+
+/// PETSc clears a square of the restart's size beforehand: ten milliseconds that small systems do not need.
+fn krylov_settings(tolerance: f64, unknowns: usize) -> KrylovSettings {
+    let restart = unknowns.clamp(FEWEST_VECTORS, MOST_ITERATIONS);
+    KrylovSettings { method: KrylovMethod::Gmres { restart }, tolerance, most_iterations: MOST_ITERATIONS }
+}

@@ -1,0 +1,139 @@
+//! One moment of a suspension, ready to be solved.
+
+use std::time::Instant;
+
+use super::{
+    assembly::Assembly,
+    basis::Basis,
+    bodies::Bodies,
+    condensed::Condensed,
+    coupled::{BodiesInFluid, Coupled, Parts, Unknowns},
+    dynamics::Seen,
+    engine::Engine,
+    links::touching,
+    memory::{Guess, Past},
+    surfaces::{Member, Surfaces},
+    suspension::Moment,
+    touching::Touching,
+    uzawa::uzawa,
+    work::Sizes,
+};
+use crate::{
+    constraint::lubrication::Films,
+    error::{Error, Result},
+    flow::StokesInverse,
+    petsc::{Krylov, Report, Session, Stage, Vector, enter},
+    scene::{ConstraintMethod, MultiplierSolver},
+};
+
+/// Net force or torque of a film on a pair, over its force, that is rounding.
+const LARGEST_IMBALANCE: f64 = 1e-9;
+
+/// All that the solve of one moment needs.
+pub(super) struct Ready<'a, const D: usize> {
+    pub bodies: Bodies<'a, D>,
+    pub members: Vec<Member>,
+    pub assembly: Assembly<D>,
+    pub touching: Touching,
+    pub films: Films<D>,
+    pub engine: Engine,
+    pub guess: Option<Guess<D>>,
+    prescribed_drag: f64,
+    tolerance: f64,
+}
+
+impl<'a, const D: usize> Ready<'a, D> {
+    /// Puts bodies in their places and fills right-hand side and start; what is at hand is used again where it fits.
+    pub fn new(
+        basis: &'a Basis<D>,
+        (assembly, engine): (Option<Assembly<D>>, Option<Engine>),
+        past: Option<&Past<D>>,
+        moment: &Moment<D>,
+    ) -> Result<Self> {
+        let _stage = enter(Stage::Assembly);
+        let assembly = Assembly::of(basis, moment.centers, assembly)?;
+        let placed = basis.kinds.place(&basis.setup, moment.centers);
+        let bodies = Bodies::new(&basis.setup, &basis.grid, &basis.kinds, placed, assembly.layout.clone());
+        let members = bodies.members(&assembly.blocks);
+        let guess = past.map_or(Ok(None), |past| past.guess(&bodies, moment.centers, moment.time))?;
+        let closure = basis.closure.unknowns::<D>();
+        let places = engine.as_ref().map_or(0, |engine| engine.work.sizes().tail - closure);
+        let films = balanced(bodies.films())?;
+        let touching = touching(basis, &bodies, (moment, &films), (&assembly.undisturbed, places))?;
+        let fluid = if basis.condensed { 0 } else { basis.grid.local_fluid_unknowns() };
+        let sizes = Sizes { fluid, multipliers: assembly.undisturbed.len(), tail: closure + touching.places() };
+        let mut engine = Engine::fitting(engine, basis, sizes)?;
+        engine.krylov.set_tolerance(moment.tolerance)?;
+        let prescribed_drag = prescribed_drag(&basis.session, &members);
+        let wanted = bodies.wanted_rows(&assembly.blocks, &members, (&assembly.undisturbed, moment.pushes));
+        basis.fill_right_hand_side(&wanted, &touching.rates, prescribed_drag, &mut engine.rhs)?;
+        let unit = touching.scale * basis.setup.viscosity;
+        engine.start(&bodies, guess.as_ref(), moment.pressed.iter().map(|pressed| pressed.force / unit).collect())?;
+        Ok(Ready { bodies, members, assembly, touching, films, engine, guess, prescribed_drag, tolerance: moment.tolerance })
+    }
+
+    /// The solver with its right-hand side and start, and what the system is made of.
+    pub fn parts<'b>(&'b mut self, basis: &'b Basis<D>, inverse: &'b mut dyn StokesInverse<D>) -> (Solver<'b>, Parts<'b, D>) {
+        let surfaces = Surfaces {
+            world: basis.session.world(),
+            blocks: &mut self.assembly.blocks,
+            pairs: self.assembly.pairs.as_mut(),
+            members: &self.members,
+            closure: &basis.closure,
+            touching: &mut self.touching,
+            prescribed_drag: self.prescribed_drag,
+        };
+        let Engine { krylov, work, rhs, x } = &mut self.engine;
+        ((krylov, (rhs, x)), Parts { stokes: &basis.stokes, inverse, surfaces, work })
+    }
+
+    /// Solves; the velocities that are found include those of the flow without bodies.
+    pub fn solve(&mut self, basis: &Basis<D>, inverse: &mut dyn StokesInverse<D>, seen: Seen) -> Result<(Report, Unknowns)> {
+        let _stage = enter(Stage::Orthogonalisation);
+        let tolerance = self.tolerance;
+        let (solver, parts) = self.parts(basis, inverse);
+        let (report, mut found) = match basis.setup.constraint {
+            ConstraintMethod::MeanValue(MultiplierSolver::Uzawa(step)) => {
+                let (_, vectors) = solver;
+                let by_uzawa = |system: &mut Condensed<D>, vectors: (&Vector, &mut Vector)| uzawa(system, vectors, (step, tolerance), seen);
+                solve(vectors, Condensed(parts), by_uzawa)
+            }
+            _ if basis.condensed => solve(solver.1, Condensed(parts), |system, vectors| solver.0.solve(system, vectors, seen)),
+            _ => solve(solver.1, Coupled(parts), |system, vectors| solver.0.solve(system, vectors, seen)),
+        }?;
+        found.velocities.iter_mut().zip(&self.assembly.undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);
+        Ok((report, found))
+    }
+}
+
+/// Films whose forces are opposite and without torque on each pair, as they must be.
+fn balanced<const D: usize>(films: Films<D>) -> Result<Films<D>> {
+    match films.imbalance < LARGEST_IMBALANCE {
+        true => Ok(films),
+        false => {
+            Err(Error::Diverged(format!("a film acts on its pair with a net force or torque of {:.1e} of its force", films.imbalance)))
+        }
+    }
+}
+
+/// A solver, the right-hand side, and where it starts.
+type Solver<'a> = (&'a mut Krylov, (&'a Vector, &'a mut Vector));
+
+fn solve<S: BodiesInFluid>(
+    (rhs, x): (&Vector, &mut Vector),
+    mut system: S,
+    by: impl FnOnce(&mut S, (&Vector, &mut Vector)) -> Result<Report>,
+) -> Result<(Report, Unknowns)> {
+    let start = Instant::now();
+    let report = by(&mut system, (rhs, &mut *x))?;
+    let found = system.unknowns(x)?;
+    // an eliminated fluid takes one more inverse to find
+    Ok((Report { seconds: start.elapsed().as_secs_f64(), ..report }, found))
+}
+
+/// Sum over all prescribed bodies of the net force that a unit velocity takes by their preconditioner.
+fn prescribed_drag(session: &Session, members: &[Member]) -> f64 {
+    let mut drag = [members.iter().filter(|member| !member.free).map(|member| member.area * member.inverse.diagonal(0)).sum()];
+    session.world().sum(&mut drag);
+    if drag[0] > 0.0 { drag[0] } else { 1.0 }
+}
