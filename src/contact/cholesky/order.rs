@@ -73,13 +73,14 @@ fn renumbered(neighbours: &[Vec<usize>], order: &[usize]) -> Vec<Vec<usize>> {
 
 /// Approximate minimum degree (Amestoy, Davis and Duff 1996, doi:10.1137/S0895479894278952).
 fn least_degree(neighbours: &[Vec<usize>]) -> Vec<usize> {
-    let mut starts = vec![0];
-    starts.extend(neighbours.iter().scan(0, |sum, list| {
-        *sum += list.len();
-        Some(*sum)
-    }));
-    let control = amd::Control::default();
-    let (order, ..) = amd::order(neighbours.len(), &starts, &neighbours.concat(), &control).expect("lists are sorted and in range");
+    let (mut starts, mut pattern) = (vec![0], Vec::new());
+    for (body, list) in neighbours.iter().enumerate() {
+        pattern.extend(list);
+        // the crate expects the diagonal too, in any order
+        pattern.push(body);
+        starts.push(pattern.len());
+    }
+    let (order, ..) = amd::order(neighbours.len(), &starts, &pattern, &amd::Control::default()).expect("bodies are in range");
     order
 }
 
