@@ -18,6 +18,7 @@ use nalgebra::SVector;
 use super::{
     Dynamics, Effort, FilmResistances, FlowSolver, Held, Moment, Moving, Past, Seen, Solution, State, Travel, View,
     pace::{Pace, Stride, Urge},
+    rounds::Rounds,
 };
 use crate::{
     body::Twist,
@@ -30,9 +31,6 @@ use crate::{
 
 /// Rounds that flow and contacts are given to agree.
 const MOST_ROUNDS: usize = 60;
-
-/// Of these, rounds in which the contact model chooses all contacts at once.
-const ROUNDS_AT_ONCE: usize = 4;
 
 /// Difference between the velocities by the flow and by the contact model, over the largest ([`fastest`]), that counts as agreement,
 /// unless the flow is solved to less. Films at roughness resist a million times more than bodies alone, and let velocities be known less well.
@@ -114,7 +112,8 @@ impl<const D: usize> Drift<D> {
         let agreement = if films.is_empty() { AGREEMENT } else { AGREEMENT_IN_FILMS };
         let tightest = self.suspension.setup().tolerance.at_an_instant();
         let mut tolerance = self.suspension.setup().tolerance.in_a_step(self.travelled(state));
-        for round in 0..MOST_ROUNDS {
+        let mut rounds = Rounds::default();
+        for _ in 0..MOST_ROUNDS {
             let loose = loose(self.floors(state, &balls, step), &pressed);
             let pushes = pushes(balls.len(), loose.iter().copied());
             let moment = Moment { centers: &centers, time: state.time, pressed: &pressed, step, pushes: &pushes, tolerance };
@@ -131,7 +130,8 @@ impl<const D: usize> Drift<D> {
             let projection = self.project((&domain, &balls, &floors), (&unpressed, &films), step)?;
             effort.contact += start.elapsed().as_secs_f64();
             let scale = fastest(&twists, &unpressed);
-            difference = largest_difference(&twists, &projection.velocities) / scale;
+            let apart = largest_difference(&twists, &projection.velocities);
+            difference = apart / scale;
             if difference <= agreement.max(tolerance) {
                 for ((twist, body), velocity) in twists.iter_mut().zip(&mut solution.bodies).zip(&projection.velocities) {
                     (twist.velocity, body.twist.velocity) = (*velocity, *velocity);
@@ -140,10 +140,8 @@ impl<const D: usize> Drift<D> {
             }
             // what is left of the residual may be what they differ by
             tolerance = tightest.max(0.1 * tolerance);
-            pressed = match round < ROUNDS_AT_ONCE {
-                true => closed(projection, &floors),
-                false => self.with_one_changed(pressed, (&domain, &balls, &floors), (&velocities(&twists), scale), step),
-            };
+            let with_one_changed = |tried| self.with_one_changed(tried, (&domain, &balls, &floors), (&velocities(&twists), scale), step);
+            pressed = rounds.next((apart, pressed), closed(projection, &floors), with_one_changed);
         }
         Err(Error::Diverged(format!(
             "at time {} flow and contacts do not agree after {MOST_ROUNDS} rounds (velocities differ by {difference:.1e}); \

@@ -21,6 +21,7 @@ mod pace;
 mod placement;
 mod plan;
 mod ready;
+mod rounds;
 mod scalar;
 mod setup;
 #[expect(clippy::module_inception, reason = "the time loop is what the module is named after")]
