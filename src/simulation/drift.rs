@@ -112,7 +112,7 @@ impl<const D: usize> Drift<D> {
         let agreement = if films.is_empty() { AGREEMENT } else { AGREEMENT_IN_FILMS };
         let tightest = self.suspension.setup().tolerance.at_an_instant();
         let mut tolerance = self.suspension.setup().tolerance.in_a_step(self.travelled(state));
-        let mut rounds = Rounds::default();
+        let mut rounds = Rounds::new();
         for _ in 0..MOST_ROUNDS {
             let loose = loose(self.floors(state, &balls, step), &pressed);
             let pushes = pushes(balls.len(), loose.iter().copied());
