@@ -84,7 +84,7 @@ impl<'a> Central<'a> {
     }
 
     /// The mean product of a slack and a multiplier.
-    pub fn mean(&self) -> f64 {
+    fn mean(&self) -> f64 {
         dot(&self.slacks, &self.multipliers) / self.slacks.len() as f64
     }
 

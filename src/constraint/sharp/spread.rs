@@ -91,6 +91,13 @@ impl<'a, const D: usize> Spreading<'a, D> {
         (radius - reach).max(0.0).powi(2)..=(radius + reach).powi(2)
     }
 
+    /// Whether a stencil at a wall may reach the body.
+    fn is_near_wall(&self) -> bool {
+        let (domain, center) = (self.grid.domain(), &self.placed.center);
+        let reach = self.placed.surface.modes.radius() + self.grid.spacing().max();
+        (0..D).any(|axis| !domain.periodic(axis) && (center[axis] <= reach || center[axis] >= domain.size[axis] - reach))
+    }
+
     /// Collects the corrections of a momentum row (along axis `field`) or of a continuity row.
     fn find_row(&mut self, field: usize, place: usize, jumps: &mut [Jumps]) {
         let Self { grid, nodes, rows, .. } = self;
@@ -112,7 +119,7 @@ impl<'a, const D: usize> Spreading<'a, D> {
 
     /// Collects what passes to the points of walls where a velocity component is known.
     fn find_walls(&mut self, field: usize, jumps: &mut [Jumps]) {
-        if self.grid.domain().fully_periodic() {
+        if !self.is_near_wall() {
             return;
         }
         let near = self.near();
