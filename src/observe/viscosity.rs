@@ -11,7 +11,7 @@ use crate::{
     error::Result,
     geometry::Axis,
     grid::Grid,
-    simulation::{Setup, Solution},
+    simulation::{Lubrication, Setup, Solution},
 };
 
 /// Apparent viscosity over that of the fluid, by roads that must agree.
@@ -68,6 +68,9 @@ pub fn viscosity<const D: usize>(
 }
 
 /// Mean over both walls of the velocity gradient at the wall, as the forces on the walls or the momentum balance of the grid have it.
+///
+/// By the reciprocal theorem with the shear of the empty box as second flow, tractions `t` on bodies at heights `y` drag each wall by
+/// `sum t y` over its distance from the other, on top of the forces between body and wall: so do those of films, whose flow is not on the grid.
 fn wall_shear<const D: usize>(
     (grid, viscosity): (&Grid<D>, f64),
     solution: &Solution<D>,
@@ -99,6 +102,8 @@ fn wall_shear<const D: usize>(
         }
     }
     solution.fluid.session().world().sum(&mut sum);
-    let by_films = solution.lubrication.map_or(0.0, |lubrication| by_forces(&lubrication.walls));
+    let unit = viscosity * grid.domain().volume();
+    let of_films = |films: Lubrication<D>| by_forces(&films.walls) + shear.of_stress(&films.first_moment) / unit;
+    let by_films = solution.lubrication.map_or(0.0, of_films);
     Ok(sum[0] + by_forces(&solution.directly_on_walls) + by_films)
 }

@@ -119,7 +119,7 @@ fn wall_velocity<const D: usize>(basis: &Basis<D>, axis: usize, upper: bool) -> 
 
 /// Adds to the states of the bodies what films do to them, given the force of each way.
 pub fn add_films<const D: usize>(films: &Films<D>, forces: &[f64], states: &mut [BodyState<D>]) -> Lubrication<D> {
-    let mut stress = SMatrix::zeros();
+    let (mut stress, mut first_moment) = (SMatrix::zeros(), SMatrix::zeros());
     let mut walls = [[SVector::zeros(); 2]; D];
     let ways = films.films.iter().flat_map(|film| film.ways.iter().map(move |way| (film, way)));
     for ((film, way), force) in ways.zip(forces) {
@@ -136,13 +136,15 @@ pub fn add_films<const D: usize>(films: &Films<D>, forces: &[f64], states: &mut 
             state.force += side.direction * *force;
             // components of a torque are those of its skew matrix
             let torque: Vec<f64> = components(&side.turn).iter().map(|turn| turn * force).collect();
-            state.torque += skew::<D>(&torque);
+            let torque = skew::<D>(&torque);
+            state.torque += torque;
             let moment = way.stress[place] * (-force / way.resistance);
             state.stresslet += moment;
             stress += moment;
+            first_moment += moment + torque * 0.5 + side.direction * film.lever(place).transpose() * *force;
         }
     }
     let gaps = films.films.iter().map(|film| film.gap);
     let smallest_gap = gaps.fold(f64::INFINITY, f64::min);
-    Lubrication { films: films.films.len(), smallest_gap, imbalance: films.imbalance, stress, walls }
+    Lubrication { films: films.films.len(), smallest_gap, imbalance: films.imbalance, stress, first_moment, walls }
 }

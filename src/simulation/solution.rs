@@ -66,6 +66,9 @@ pub struct Lubrication<const D: usize> {
     pub imbalance: f64,
     /// Sum over all bodies of the part of the stresslets that films make.
     pub stress: SMatrix<f64, D, D>,
+    /// First moment of the tractions of films on bodies, `t_i x_j`, about the wall or, of a pair, about any point. Tractions next to the gap have
+    /// none; what there is drives a flow that the grid does not have, and that reaches the walls.
+    pub first_moment: SMatrix<f64, D, D>,
     /// Forces of films on the lower and the upper wall across each axis.
     pub walls: [[SVector<f64, D>; 2]; D],
 }

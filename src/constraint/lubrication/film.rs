@@ -72,6 +72,17 @@ pub struct Films<const D: usize> {
     pub imbalance: f64,
 }
 
+impl<const D: usize> Film<D> {
+    /// From the wall, or the centre of the body, to the centre of one side.
+    pub fn lever(&self, side: usize) -> SVector<f64, D> {
+        match (self.other, side) {
+            (Opposite::Wall(_), _) => -self.separation,
+            (Opposite::Body(..), 0) => SVector::zeros(),
+            (Opposite::Body(..), _) => self.separation,
+        }
+    }
+}
+
 impl<const D: usize> Side<D> {
     /// What a motion counts.
     pub fn rate(&self, twist: &Twist<D>) -> f64 {
