@@ -30,6 +30,7 @@ mod solution;
 mod spectrum;
 mod state;
 mod surfaces;
+mod surroundings;
 mod suspension;
 mod touching;
 mod uzawa;

@@ -6,7 +6,7 @@ use crate::{
     geometry::Ball,
     grid::Grid,
     simulation::{Setup, SuspendedBody},
-    surface::{SurfaceTable, modes},
+    surface::{SurfaceTable, mode_count as count_of_order},
 };
 
 /// Bytes that a nonzero of a sparse matrix takes: value and index.
@@ -94,7 +94,7 @@ pub fn multiplier_counts<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Ve
 }
 
 fn mode_count<const D: usize>(suspended: &SuspendedBody<D>) -> usize {
-    modes(D, suspended.body.ball.radius, 1.0, suspended.order).count()
+    count_of_order(D, suspended.order)
 }
 
 /// Fields whose Laplacians differ from those of all fields before them.

@@ -43,7 +43,7 @@ impl<const D: usize> ScalarSetup<D> {
     /// Inclusions overlap or lie outside, do not fit at the asked fraction, or are too small for the grid or the modes.
     pub fn of(scene: &Scene) -> Result<ScalarSetup<D>> {
         let domain = domain(scene);
-        let (spacing, placed) = suspended_bodies(scene, bodies(scene, &domain)?)?;
+        let (spacing, placed) = suspended_bodies(scene, &domain, bodies(scene, &domain)?)?;
         let inclusions = placed.iter().map(|suspended| (suspended.body.ball, suspended.order)).collect();
         let gradient = match &scene.flow.drive {
             Some(Drive::MeanGradient(gradient)) => Some(SVector::from_column_slice(gradient)),
