@@ -42,6 +42,11 @@ impl Scene {
         load(&format!("{name}.toml"), folder, text, overrides)
     }
 
+    /// An error with the place of the key that it begins with, if it is a refusal of what no reader of the file could know.
+    pub fn place(&self, error: Error) -> Error {
+        self.locations.place(error, &KEYS)
+    }
+
     /// The text of a scene that gives the same scene from any folder.
     ///
     /// # Errors

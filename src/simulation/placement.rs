@@ -2,6 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
+use super::room;
 use crate::{
     body::{Body, Motion, Twist, pack, read_centers, skew},
     error::{Error, Result},
@@ -42,28 +43,21 @@ fn place<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Vec<(usize
     for (group, bodies) in scene.bodies.iter().enumerate() {
         balls.extend(given_balls(bodies)?.into_iter().map(|ball| (group, ball)));
     }
+    let groups = scene.bodies.iter().enumerate();
+    let counts = groups.map(|(group, bodies)| random_count(scene, group, bodies, domain)).collect::<Result<Vec<f64>>>()?;
+    room::check(scene, domain, &balls, &counts)?;
     check_places(scene, domain, &balls)?;
     let obstacles: Vec<Ball<D>> = balls.iter().map(|&(_, ball)| ball).collect();
     let (mut random, mut gap) = (Vec::new(), 0.0_f64);
-    for (group, bodies) in scene.bodies.iter().enumerate() {
-        let count = random_count(scene, group, bodies, domain)?;
-        random.extend(std::iter::repeat_n((group, bodies.radius), count));
-        gap = if count > 0 { gap.max(bodies.gap) } else { gap };
+    for (group, (bodies, &count)) in scene.bodies.iter().zip(&counts).enumerate() {
+        random.extend(std::iter::repeat_n((group, bodies.radius), count as usize));
+        gap = if count > 0.0 { gap.max(bodies.gap) } else { gap };
     }
     let radii: Vec<f64> = random.iter().map(|&(_, radius)| radius).collect();
-    let centers =
-        pack(domain, &obstacles, &radii, gap, scene.seed).map_err(|error| refuse_crowd(scene, random[0].0, &error.to_string()))?;
+    let refuse = |error: Error| room::refuse_number(scene, random[0].0, &error.to_string());
+    let centers = pack(domain, &obstacles, &radii, gap, scene.seed).map_err(refuse)?;
     balls.extend(random.into_iter().zip(centers).map(|((group, radius), center)| (group, Ball { center, radius })));
     Ok(balls)
-}
-
-/// The refusal of a random group that does not fit.
-fn refuse_crowd(scene: &Scene, group: usize, remedy: &str) -> Error {
-    match scene.bodies[group].placement {
-        Placement::Fraction(fraction) => scene.refuse(&format!("bodies[{group}].fraction"), fraction, remedy),
-        Placement::Count(count) => scene.refuse(&format!("bodies[{group}].count"), count, remedy),
-        _ => unreachable!("only random groups are packed"),
-    }
 }
 
 fn given_balls<const D: usize>(group: &BodyGroup) -> Result<Vec<Ball<D>>> {
@@ -77,16 +71,17 @@ fn given_balls<const D: usize>(group: &BodyGroup) -> Result<Vec<Ball<D>>> {
     }
 }
 
-fn random_count<const D: usize>(scene: &Scene, group: usize, bodies: &BodyGroup, domain: &Domain<D>) -> Result<usize> {
+/// How many bodies a group places at random.
+fn random_count<const D: usize>(scene: &Scene, group: usize, bodies: &BodyGroup, domain: &Domain<D>) -> Result<f64> {
     match bodies.placement {
-        Placement::Count(count) => Ok(count),
+        Placement::Count(count) => Ok(count as f64),
         Placement::Fraction(fraction) => {
             let one = Ball { center: SVector::<f64, D>::zeros(), radius: bodies.radius }.volume();
-            let count = (fraction * domain.volume() / one).round() as usize;
+            let count = (fraction * domain.volume() / one).round();
             let remedy = "is less than half a body; enlarge domain.size or lower the radius";
-            if count == 0 { Err(scene.refuse(&format!("bodies[{group}].fraction"), fraction, remedy)) } else { Ok(count) }
+            if count < 1.0 { Err(room::refuse_number(scene, group, remedy)) } else { Ok(count) }
         }
-        _ => Ok(0),
+        _ => Ok(0.0),
     }
 }
 

@@ -24,7 +24,7 @@ use self::{
 use super::launcher::{Job, Launcher, Scratch, WITHOUT_PICTURE};
 use crate::{
     error::{Error, Result},
-    output::{prepare_folder, write_whole},
+    output::{prepare_folder, say, write_whole},
     scene::Scene,
 };
 
@@ -106,7 +106,6 @@ impl<'a, const D: usize> Study<'a, D> {
         Ok(Study { options, scene, ranks, cores, launcher, arrangement, folder, scratch })
     }
 
-    #[allow(clippy::print_stdout)]
     fn report(&self) -> Result<()> {
         let strong = self.measure(Kind::Strong)?;
         let (weak, weak_refusal) = match copies::<D>(&self.scene, 2) {
@@ -131,8 +130,7 @@ impl<'a, const D: usize> Study<'a, D> {
         for (name, text) in report.files() {
             write_whole(&self.folder.join(name), text.as_bytes())?;
         }
-        println!("{}\n\nfiles: {}: scaling.json, scaling.csv, scaling.svg", report.markdown(), self.folder.display());
-        Ok(())
+        say(&format!("{}\n\nfiles: {}: scaling.json, scaling.csv, scaling.svg", report.markdown(), self.folder.display()))
     }
 
     /// A run for each rank count, or why there is none.
