@@ -2,7 +2,7 @@
 
 use std::io::ErrorKind;
 
-use clap::{CommandFactory, Parser, error::ErrorKind as Misuse};
+use clap::{CommandFactory, Parser};
 use turbid::{
     cli::{Arguments, execute, execute_alone},
     error::{Error, Result},
@@ -28,10 +28,10 @@ fn misused(error: &clap::Error) -> i32 {
     if let Err(failure) = error.print().as_ref().map_err(std::io::Error::kind)
         && failure != ErrorKind::BrokenPipe
     {
-        return Error::File { path: "standard output".into(), source: failure.into() }.exit_code();
+        return finish_alone(Err(Error::File { path: "standard output".into(), source: failure.into() }));
     }
-    if error.kind() == Misuse::InvalidSubcommand {
-        let names: Vec<String> = Arguments::command().get_subcommands().map(|command| command.get_name().to_owned()).collect();
+    let names: Vec<String> = Arguments::command().get_subcommands().map(|command| command.get_name().to_owned()).collect();
+    if error.use_stderr() && std::env::args().nth(1).is_none_or(|word| !names.contains(&word)) {
         note(&format!("commands: {}", names.join(", ")));
     }
     error.exit_code()

@@ -7,8 +7,11 @@ use crate::{
     body::{Body, Motion, Twist, pack, read_centers, skew},
     error::{Error, Result},
     geometry::{Axis, Ball, Domain, Fault, Slide, first_fault},
-    scene::{self, AxisSection, BodyGroup, Placement, Scene},
+    scene::{self, AxisSection, BodyGroup, FlowModel, Placement, Scene},
 };
+
+/// Part of a length that is rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// A list of numbers whose length the scene has checked.
 pub fn vector<const D: usize>(numbers: &[f64]) -> SVector<f64, D> {
@@ -34,6 +37,7 @@ pub fn domain<const D: usize>(scene: &Scene) -> Domain<D> {
 pub fn bodies<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Vec<(usize, Body<D>)>> {
     let balls = place(scene, domain)?;
     check_places(scene, domain, &balls)?;
+    check_spans(scene, domain, &balls)?;
     Ok(balls.into_iter().map(|(group, ball)| (group, Body { ball, motion: motion(scene, group, &ball) })).collect())
 }
 
@@ -45,8 +49,8 @@ fn place<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Vec<(usize
     }
     let groups = scene.bodies.iter().enumerate();
     let counts = groups.map(|(group, bodies)| random_count(scene, group, bodies, domain)).collect::<Result<Vec<f64>>>()?;
-    room::check(scene, domain, &balls, &counts)?;
     check_places(scene, domain, &balls)?;
+    room::check(scene, domain, &balls, &counts)?;
     let obstacles: Vec<Ball<D>> = balls.iter().map(|&(_, ball)| ball).collect();
     let (mut random, mut gap) = (Vec::new(), 0.0_f64);
     for (group, (bodies, &count)) in scene.bodies.iter().zip(&counts).enumerate() {
@@ -105,6 +109,21 @@ fn check_places<const D: usize>(scene: &Scene, domain: &Domain<D>, balls: &[(usi
         _ => format!("bodies[{group}].centers"),
     };
     Err(scene.refuse(&key, at(body), &remedy))
+}
+
+/// Refuses a body that touches both walls of an axis in a flow: what it would take to move them past it has no bound.
+fn check_spans<const D: usize>(scene: &Scene, domain: &Domain<D>, balls: &[(usize, Ball<D>)]) -> Result<()> {
+    if scene.flow.model != FlowModel::Stokes {
+        return Ok(());
+    }
+    for axis in (0..D).filter(|&axis| !domain.periodic(axis)) {
+        let (size, name) = (domain.size[axis], ["x", "y", "z"][axis]);
+        if let Some((group, ball)) = balls.iter().find(|(_, ball)| 2.0 * ball.radius >= size * (1.0 - ROUNDING)) {
+            let remedy = format!("touches both walls along {name}, which are {size} apart; lower it or enlarge domain.size");
+            return Err(scene.refuse(&format!("bodies[{group}].radius"), ball.radius, &remedy));
+        }
+    }
+    Ok(())
 }
 
 fn motion<const D: usize>(scene: &Scene, group: usize, ball: &Ball<D>) -> Motion<D> {

@@ -33,6 +33,9 @@ pub use model::Network;
 /// Most ranks that the model speaks of.
 const MOST_RANKS: usize = 4096;
 
+/// Most ranks that a run is started on.
+const MOST_STARTED: usize = 65_536;
+
 /// What to measure, and how.
 #[derive(Debug, Clone)]
 pub struct ScalingOptions {
@@ -209,6 +212,9 @@ fn rank_counts(ranks: &[usize]) -> Result<Vec<usize>> {
     if ranks.is_empty() || ranks[0] == 0 {
         return Err(Error::Refused("--ranks: must be numbers from 1 up, for example --ranks 1,2,4".into()));
     }
+    if let Some(many) = ranks.last().filter(|&&ranks| ranks > MOST_STARTED) {
+        return Err(Error::Refused(format!("--ranks {many}: must be at most {MOST_STARTED}; more are only modelled")));
+    }
     Ok(ranks)
 }
 
@@ -220,6 +226,6 @@ mod tests {
     #[test]
     fn rank_counts_rise_and_start_at_one_or_more() {
         assert_eq!(rank_counts(&[4, 1, 4, 2]).unwrap(), [1, 2, 4]);
-        assert!(rank_counts(&[]).is_err() && rank_counts(&[0, 2]).is_err());
+        assert!(rank_counts(&[]).is_err() && rank_counts(&[0, 2]).is_err() && rank_counts(&[1, 1_000_000_000]).is_err());
     }
 }

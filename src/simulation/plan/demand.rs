@@ -22,7 +22,7 @@ const LEAST_CELL_BYTES: f64 = 100.0;
 /// About as many bytes as a scene takes on all ranks together; infinite where already its cells are too many for this machine.
 ///
 /// # Errors
-/// A table of centres cannot be read, or the grid does not fit.
+/// A table of centres cannot be read.
 pub fn demand<const D: usize>(scene: &Scene) -> Result<f64> {
     let domain = placement::domain::<D>(scene);
     let groups: Vec<(&BodyGroup, f64)> =
@@ -43,12 +43,13 @@ pub fn demand<const D: usize>(scene: &Scene) -> Result<f64> {
     if scene.method.constraint == ConstraintMethod::Fitted {
         return Ok(fitted::bytes_of_cells(cells));
     }
-    let grid = Grid::new(&domain, spacing, 1, 0)?;
-    Ok(if scene.scalar() { scalar_bytes(&grid, 0) } else { of_flow(scene, (&domain, &grid, spacing), &groups)? })
+    // a grid that does not fit is refused, with its key, where the bodies are placed
+    let Ok(grid) = Grid::new(&domain, spacing, 1, 0) else { return Ok(0.0) };
+    Ok(if scene.scalar() { scalar_bytes(&grid, 0) } else { of_flow(scene, (&domain, &grid, spacing), &groups) })
 }
 
 /// Of the grid, and of as many bodies as each group has beside one like its first.
-fn of_flow<const D: usize>(scene: &Scene, (domain, grid, spacing): (&Domain<D>, &Grid<D>, f64), groups: &[(&BodyGroup, f64)]) -> Result<f64> {
+fn of_flow<const D: usize>(scene: &Scene, (domain, grid, spacing): (&Domain<D>, &Grid<D>, f64), groups: &[(&BodyGroup, f64)]) -> f64 {
     let with = |bodies: Vec<SuspendedBody<D>>| {
         let setup = Setup::with_bodies(scene, domain.clone(), spacing, bodies);
         bytes(&setup, (grid, &multiplier_counts(&setup, grid)), scene.time.is_some())
@@ -61,7 +62,7 @@ fn of_flow<const D: usize>(scene: &Scene, (domain, grid, spacing): (&Domain<D>, 
         let Ok((_, bodies)) = suspended_bodies(scene, vec![one]) else { continue };
         all += count * (with(bodies) - empty);
     }
-    Ok(all)
+    all
 }
 
 /// How many bodies a group has.
