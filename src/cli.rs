@@ -3,6 +3,7 @@
 mod animate;
 mod cost;
 mod lubrication;
+mod memory;
 mod plan;
 mod run;
 mod studies;
@@ -41,6 +42,9 @@ enum Command {
         /// Output folder (default: out/NAME of the scene).
         #[arg(long)]
         out: Option<PathBuf>,
+        /// Run even if it takes more memory than is free.
+        #[arg(long)]
+        force: bool,
         /// Print at the end what each stage took.
         #[arg(long)]
         profile: bool,
@@ -141,20 +145,25 @@ pub fn execute_alone(arguments: &Arguments) -> Option<Result<()>> {
 /// Carries out a command on all ranks.
 pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
     match &arguments.command {
-        Command::Run { scene, out, profile } => run::profiled(session, *profile, || {
+        Command::Run { scene, out, force, profile } => run::profiled(session, *profile, || {
             let scene = scene.read(session)?;
+            if !force {
+                memory::check(session.world(), &scene)?;
+            }
             let folder = folder(out, &scene);
-            match scene.dimension() {
+            let outcome = match scene.dimension() {
                 2 => run::run::<2>(session, &scene, &folder),
                 _ => run::run::<3>(session, &scene, &folder),
-            }
+            };
+            outcome.map_err(|error| scene.place(error))
         }),
         Command::Resume { folder, overrides, profile } => run::profiled(session, *profile, || {
             let (scene, checkpoint) = run::open(session, folder, overrides)?;
-            match scene.dimension() {
+            let outcome = match scene.dimension() {
                 2 => run::resume::<2>(session, &scene, folder, &checkpoint),
                 _ => run::resume::<3>(session, &scene, folder, &checkpoint),
-            }
+            };
+            outcome.map_err(|error| scene.place(error))
         }),
         Command::Animate { folder, out, width, seconds } => {
             let film = animate::Film {
@@ -167,11 +176,13 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
         }
         Command::Plan { scene, out } => {
             let scene = scene.read(session)?;
+            memory::check_plan(session.world(), &scene)?;
             let folder = folder(out, &scene);
-            match scene.dimension() {
+            let outcome = match scene.dimension() {
                 2 => plan::plan::<2>(session, &scene, &folder),
                 _ => plan::plan::<3>(session, &scene, &folder),
-            }
+            };
+            outcome.map_err(|error| scene.place(error))
         }
         Command::Lubrication(arguments) => session.world().agree(lubrication::lubrication(session.world(), arguments)),
         Command::Scaling { .. } | Command::Cost { .. } | Command::Inverses(_) | Command::Viscosity(_) => Err(studies::ranks_refused()),

@@ -1,35 +1,40 @@
 //! The program: reads the command line, starts MPI and PETSc, and turns errors into exit codes.
 
-use clap::Parser;
+use std::io::ErrorKind;
+
+use clap::{CommandFactory, Parser};
 use turbid::{
     cli::{Arguments, execute, execute_alone},
     error::{Error, Result},
-    parallel::abort_on_panic,
+    output::note,
+    parallel::{abort_on_panic, end_together, first_of_launched},
     petsc::Session,
 };
 
 fn main() {
-    let arguments = arguments();
-    std::process::exit(match execute_alone(&arguments) {
-        Some(outcome) => finish_alone(outcome),
-        None => on_all_ranks(&arguments),
-    });
+    let arguments = Arguments::try_parse().unwrap_or_else(|error| end_together(misused(&error)));
+    match execute_alone(&arguments) {
+        Some(outcome) => end_together(finish_alone(outcome)),
+        None => std::process::exit(on_all_ranks(&arguments)),
+    }
 }
 
-/// The command line; a wrong one is told by one rank and ends with code 2.
-fn arguments() -> Arguments {
-    Arguments::try_parse().unwrap_or_else(|error| {
-        if speaker() {
-            // clap prints help to the standard output and errors to the standard error
-            let _ = error.print();
-        }
-        std::process::exit(error.exit_code())
-    })
-}
-
-/// Whether this process speaks for all ranks before MPI is there to tell.
-fn speaker() -> bool {
-    std::env::var("OMPI_COMM_WORLD_RANK").map_or(true, |rank| rank == "0")
+/// Tells what is wrong with the command line, or the help that it asks for, and returns the exit code.
+fn misused(error: &clap::Error) -> i32 {
+    if !first_of_launched() {
+        return error.exit_code();
+    }
+    // clap prints help to the standard output and errors to the standard error
+    if let Err(failure) = error.print().as_ref().map_err(std::io::Error::kind)
+        && failure != ErrorKind::BrokenPipe
+    {
+        return finish_alone(Err(Error::File { path: "standard output".into(), source: failure.into() }));
+    }
+    let names: Vec<String> = Arguments::command().get_subcommands().map(|command| command.get_name().to_owned()).collect();
+    if error.use_stderr() && std::env::args().nth(1).is_none_or(|word| !names.contains(&word)) {
+        note(&format!("commands: {}", names.join(", ")));
+    }
+    error.exit_code()
 }
 
 fn on_all_ranks(arguments: &Arguments) -> i32 {
@@ -45,7 +50,7 @@ fn on_all_ranks(arguments: &Arguments) -> i32 {
 
 fn finish_alone(outcome: Result<()>) -> i32 {
     let Err(error) = outcome else { return 0 };
-    if speaker() {
+    if first_of_launched() {
         complain(&error.to_string());
     }
     error.exit_code()
@@ -65,7 +70,6 @@ fn finish(session: &Session, outcome: Result<()>) -> i32 {
     error.exit_code()
 }
 
-#[allow(clippy::print_stderr)]
 fn complain(text: &str) {
-    eprintln!("turbid: {text}");
+    note(&format!("turbid: {text}"));
 }

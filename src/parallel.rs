@@ -1,5 +1,7 @@
 //! The ranks: sums, extremes, gathering, broadcasting and agreeing. Everything here is collective.
 
+mod memory;
+
 use mpi::{
     collective::SystemOperation,
     datatype::{Equivalence, Partition, PartitionMut},
@@ -9,6 +11,7 @@ use mpi::{
 };
 
 use crate::error::{Error, Result};
+pub use memory::{free_memory_bytes, peak_memory_bytes};
 
 /// All ranks of this run.
 pub struct World {
@@ -152,6 +155,37 @@ impl World {
     }
 }
 
+/// Set in the environment of every rank by Open MPI, by PMIx and by Slurm's or MPICH's own starter.
+const MARKS: [&str; 3] = ["OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"];
+
+/// The number of this rank as its launcher tells it before MPI is there to ask; nothing without a launcher.
+fn launched_rank() -> Option<String> {
+    MARKS.iter().find_map(|mark| std::env::var(mark).ok())
+}
+
+/// Whether a launcher has started this process as one of several ranks.
+pub fn launched() -> bool {
+    launched_rank().is_some()
+}
+
+/// Whether this process speaks for all ranks before MPI is there to tell.
+pub fn first_of_launched() -> bool {
+    launched_rank().is_none_or(|rank| rank == "0")
+}
+
+/// Ends a process that has not started MPI, if it is a rank together with the others.
+///
+/// A launcher ends all ranks as soon as one of them ends with a code, also the first one while it still speaks.
+pub fn end_together(code: i32) -> ! {
+    if launched() {
+        if let Some(universe) = mpi::initialize() {
+            SimpleCommunicator::world().barrier();
+            drop(universe);
+        }
+    }
+    std::process::exit(code)
+}
+
 /// Stops all ranks when one of them panics, instead of leaving the others to wait for ever.
 pub fn abort_on_panic() {
     let report = std::panic::take_hook();
@@ -163,24 +197,10 @@ pub fn abort_on_panic() {
     }));
 }
 
-/// Memory of this machine that is free to use, in bytes; infinite where the system does not tell.
-fn free_memory_bytes() -> f64 {
-    let text = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
-    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"));
-    line.and_then(|line| line.split_whitespace().next()?.parse::<f64>().ok()).map_or(f64::INFINITY, |kilobytes| kilobytes * 1024.0)
-}
-
 /// A number that tells machines apart.
 fn machine() -> u64 {
     let name = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
     let mut hasher = std::hash::DefaultHasher::new();
     std::hash::Hash::hash(&name, &mut hasher);
     std::hash::Hasher::finish(&hasher)
-}
-
-/// Most memory that this process has used so far, in bytes (0 where the system does not tell).
-pub fn peak_memory_bytes() -> f64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    line.and_then(|line| line.split_whitespace().next()).and_then(|number| number.parse::<f64>().ok()).unwrap_or(0.0) * 1024.0
 }

@@ -103,7 +103,16 @@ fn entry<const D: usize>(columns: &[usize], line: &str) -> std::result::Result<E
 
 fn finite(field: &str) -> std::result::Result<f64, String> {
     let number = field.parse::<f64>().ok().filter(|number| number.is_finite());
-    number.ok_or_else(|| format!("found {}, expected a finite number", quoted(field)))
+    let number = number.ok_or_else(|| format!("found {}, expected a finite number", quoted(field)))?;
+    match usable(number) {
+        true => Ok(number),
+        false => Err(format!("found {}, expected 0 or a number from 1e-60 to 1e60 in size", quoted(field))),
+    }
+}
+
+/// Whether a number can be multiplied by others of its size: a product of five such numbers is still one.
+pub fn usable(number: f64) -> bool {
+    number == 0.0 || (1e-60..=1e60).contains(&number.abs())
 }
 
 /// The beginning of a field, in quotes.

@@ -62,14 +62,15 @@ fn refusal<const D: usize>(domain: &Domain<D>, radii: &[f64], gap: f64, scale: f
     let asked = fraction(domain, radii);
     let swollen = 1.0 + gap / 2.0;
     let reached = asked * power::<D>(scale);
+    let fitting = (radii.len() as f64 * power::<D>(scale)).floor();
     let largest_gap = 2.0 * (scale * swollen - 1.0);
     let remedy = if reached == 0.0 {
-        "lower `fraction` or `gap`, or enlarge `size`".to_string()
+        "place fewer bodies, lower `gap`, or enlarge `size`".to_string()
     } else if largest_gap > 0.0 {
-        format!("lower `gap` below {largest_gap:.4} or `fraction` below {reached:.3}")
+        format!("lower `gap` below {largest_gap:.4}, or fill less than {reached:.3}: about {fitting} bodies")
     } else {
         let without_gap = reached * power::<D>(swollen);
-        format!("lower `fraction` below {reached:.3}, or below {without_gap:.3} with a `gap` of 0")
+        format!("fill less than {reached:.3}: about {fitting} bodies, or less than {without_gap:.3} with a `gap` of 0")
     };
     Error::Refused(format!(
         "{} bodies that fill a fraction of {asked:.3} ({:.3} with their `gap` of {gap} counted) did not \
@@ -174,6 +175,6 @@ mod tests {
         search.crowd.effort = 10_000_000;
         let message = refusal(&domain, &radii, 0.01, search.run().unwrap_err()).to_string();
         assert!(message.starts_with("50 bodies that fill a fraction of 0.950 (0.960 with"), "{message}");
-        assert!(message.contains("reached a fraction of 0.8") && message.contains("lower `fraction` below 0.8"), "{message}");
+        assert!(message.contains("reached a fraction of 0.8") && message.contains("fill less than 0.8") && message.contains(": about 4"), "{message}");
     }
 }

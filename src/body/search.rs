@@ -10,7 +10,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::relaxation::Crowd;
-use crate::geometry::{Ball, Domain};
+use crate::geometry::{Ball, Domain, Levels};
 
 /// Pair evaluations spent at most: some seconds.
 const EFFORT: u64 = 300_000_000;
@@ -35,6 +35,7 @@ pub(super) struct Search<'a, const D: usize> {
     /// The bodies, the obstacles and the effort left.
     pub crowd: Crowd<'a, D>,
     random: ChaCha8Rng,
+    obstacles: Levels<'a, D>,
     /// Scale of the radii from which they grow.
     easy_scale: f64,
     /// Largest scale of the radii without overlaps so far.
@@ -54,6 +55,10 @@ impl<'a, const D: usize> Search<'a, D> {
             easy_scale *= 0.98;
         }
         let centers = radii.iter().map(|_| SVector::zeros());
+        let mut places = Levels::new(domain);
+        for (number, (obstacle, &radius)) in obstacles.iter().zip(fixed).enumerate() {
+            places.insert(number, &Ball { center: obstacle.center, radius });
+        }
         let crowd = Crowd {
             domain,
             centers: centers.chain(obstacles.iter().map(|ball| ball.center)).collect(),
@@ -64,7 +69,7 @@ impl<'a, const D: usize> Search<'a, D> {
             margin: WIDE_MARGIN,
             effort: EFFORT + EFFORT_PER_BODY * radii.len() as u64,
         };
-        Self { crowd, random: ChaCha8Rng::seed_from_u64(seed), easy_scale, best_scale: 0.0 }
+        Self { crowd, random: ChaCha8Rng::seed_from_u64(seed), obstacles: places, easy_scale, best_scale: 0.0 }
     }
 
     /// The centres found, or else the largest scale of the radii that could be packed (0 if none).
@@ -107,11 +112,10 @@ impl<'a, const D: usize> Search<'a, D> {
 
     /// Whether the centre of a body lies in an obstacle.
     fn buried(&self, body: usize) -> bool {
-        let crowd = &self.crowd;
-        (crowd.movable..crowd.centers.len()).any(|obstacle| {
-            let separation = crowd.centers[obstacle] - crowd.centers[body];
-            crowd.domain.nearest_image(separation).norm() < crowd.radii[obstacle]
-        })
+        let (radii, mut buried) = (&self.crowd.radii[self.crowd.movable..], false);
+        let point = Ball { center: self.crowd.centers[body], radius: 0.0 };
+        self.obstacles.visit(&point, |obstacle, distance| buried |= distance < radii[obstacle]);
+        buried
     }
 
     /// Lets stirred bodies grow from an easy fraction; returns whether they get their radii before

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::{
     error::{Error, Result},
     observe::Plane,
-    output::{AnimationFrame, read_frames, write_whole},
+    output::{AnimationFrame, read_frames, say, write_whole},
     petsc::Session,
     scene::Scene,
 };
@@ -23,7 +23,6 @@ pub struct Film<'a> {
 }
 
 /// Draws the frames of a run; the first rank does.
-#[allow(clippy::print_stdout)]
 pub fn animate(session: &Session, film: &Film) -> Result<()> {
     let world = session.world();
     let draw = || {
@@ -36,8 +35,7 @@ pub fn animate(session: &Session, film: &Film) -> Result<()> {
             return Err(Error::Refused(format!("{}: holds no frames; only runs with a [time] section write them", film.folder.display())));
         }
         write_whole(&film.out, &Plane::of(&scene).film(&scene, frames).apng(film.width as usize, film.seconds))?;
-        println!("{}", film.out.display());
-        Ok(())
+        say(&film.out.display().to_string())
     };
     world.agree(if world.rank() == 0 { draw() } else { Ok(()) })
 }

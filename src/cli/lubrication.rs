@@ -5,6 +5,7 @@ use clap::Args;
 use crate::{
     constraint::lubrication::{FilmTable, Resistance},
     error::{Error, Result},
+    output::say,
     parallel::World,
     surface::highest_order,
 };
@@ -33,7 +34,6 @@ const GAPS: [f64; 13] = [1e-5, 1e-4, 1e-3, 0.003, 0.01, 0.02, 0.05, 0.1, 0.2, 0.
 ///
 /// # Errors
 /// [`Error::Refused`] for an order that is not tabulated or a ratio below 1.
-#[allow(clippy::print_stdout)]
 pub fn lubrication(world: &World, arguments: &LubricationArguments) -> Result<()> {
     let LubricationArguments { dimension, modes, ratio, wall } = arguments;
     let highest = highest_order(usize::from(*dimension));
@@ -45,10 +45,7 @@ pub fn lubrication(world: &World, arguments: &LubricationArguments) -> Result<()
     }
     let second = (!wall).then_some((*modes, *ratio));
     let table = if *dimension == 2 { FilmTable::new::<2>(*modes, second) } else { FilmTable::new::<3>(*modes, second) };
-    if world.rank() == 0 {
-        print!("{}", text(&table));
-    }
-    Ok(())
+    if world.rank() == 0 { say(text(&table).trim_end()) } else { Ok(()) }
 }
 
 fn text(table: &FilmTable) -> String {

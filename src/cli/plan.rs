@@ -5,6 +5,7 @@ use std::path::Path;
 use super::run;
 use crate::{
     error::Result,
+    output::say,
     petsc::Session,
     scene::Scene,
     simulation::Plan,
@@ -12,7 +13,6 @@ use crate::{
 };
 
 /// Prints the plan of a scene of dimension `D` whose runs write into `folder`.
-#[allow(clippy::print_stdout)]
 pub fn plan<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> Result<()> {
     let world = session.world();
     let of = |scene: &Scene| world.agree(Plan::of::<D>(scene, world.size()));
@@ -36,10 +36,9 @@ pub fn plan<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> 
             }
         },
     };
-    if world.rank() == 0 {
-        println!("{plan}time       {time}");
-    }
-    Ok(())
+    let free = world.available_memory_bytes();
+    let scarce = if plan.bytes() > free { format!("           only {:.0} MB are free: turbid run asks for --force\n", free / 1e6) } else { String::new() };
+    if world.rank() == 0 { say(&format!("{plan}{scarce}time       {time}")) } else { Ok(()) }
 }
 
 /// How a resolution was chosen.
@@ -52,6 +51,9 @@ fn chosen(calibration: &Calibration) -> String {
 
 /// What a run is expected to take.
 fn time<const D: usize>(session: &Session, scene: &Scene, plan: &Plan) -> Result<String> {
+    if plan.bytes() > session.world().available_memory_bytes() {
+        return Ok("not predicted: there is not enough memory".into());
+    }
     let Some(unknowns) = plan.unknowns().filter(|_| !scene.scalar()) else {
         return Ok("not predicted: no flow is solved".into());
     };

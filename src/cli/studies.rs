@@ -4,11 +4,9 @@ use std::path::{Path, PathBuf};
 
 use crate::{
     error::{Error, Result},
+    parallel::launched,
     study::{self, InverseOptions, Network, ScalingOptions},
 };
-
-/// Set in the environment of every rank by Open MPI, by PMIx and by Slurm's or MPICH's own starter.
-const MARKS: [&str; 3] = ["OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"];
 
 /// How runs are started, and how often.
 #[derive(Debug, clap::Args)]
@@ -96,7 +94,7 @@ pub fn inverses(arguments: &InverseArguments, petsc: &[String]) -> Result<()> {
 
 /// Refuses to be one of several ranks.
 pub fn refuse_ranks() -> Result<()> {
-    if MARKS.iter().any(|mark| std::env::var_os(mark).is_some()) { Err(ranks_refused()) } else { Ok(()) }
+    if launched() { Err(ranks_refused()) } else { Ok(()) }
 }
 
 /// The refusal to be one of several ranks.

@@ -8,14 +8,22 @@ use crate::error::{Error, Result};
 /// Pairs of cells and bodies that a look at all paths may visit.
 const MOST_VISITS: f64 = 1e9;
 
-/// Refuses velocities that are not finite, and steps so long that to look who meets takes for ever.
+/// Refuses weights and steps that are not positive, velocities that are not finite, and steps so long that to look who meets takes for ever.
 ///
 /// # Panics
-/// If lengths differ, or weights or the step are not positive.
+/// If lengths differ.
 pub(super) fn check<const D: usize>(problem: &Problem<D>) -> Result<()> {
     let count = problem.balls.len();
     assert!(problem.weights.len() == count && problem.velocities.len() == count, "each ball has a weight and a velocity");
-    assert!(problem.step > 0.0 && problem.weights.iter().all(|&weight| weight > 0.0), "weights and the step are positive");
+    if !(problem.step > 0.0 && problem.step.is_finite()) {
+        let text = format!("a step of {} is none; try weaker forces or a fixed time.step", problem.step);
+        return Err(error(problem, &[], &[], text));
+    }
+    // the weight of what no contact can move is infinite
+    if let Some(body) = problem.weights.iter().position(|weight| weight.is_nan() || *weight <= 0.0) {
+        let text = format!("body {body} weighs {}; change its density or radius", problem.weights[body]);
+        return Err(error(problem, &[body], &[], text));
+    }
     let displacement = |body: usize| (problem.velocities[body] * problem.step).norm();
     if let Some(body) = (0..count).find(|&body| !displacement(body).is_finite()) {
         return Err(error(problem, &[body], &[], format!("body {body} has a velocity that is not finite; try a smaller time.step")));

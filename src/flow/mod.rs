@@ -9,4 +9,4 @@ mod stokes_inverse;
 
 pub use drive::Drive;
 pub use stokes::Stokes;
-pub use stokes_inverse::{FluidSystem, HypreInverse, InverseMethod, IteratedInverse, StokesInverse, TransformInverse};
+pub use stokes_inverse::{FluidSystem, HypreInverse, InverseMethod, IteratedInverse, StokesInverse, TransformInverse, Transposes};

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Ball, Domain, near_pairs};
+use super::{Ball, Domain, levels::Levels};
 
 /// Overlaps below this many radii are rounding.
 const TOLERANCE: f64 = 1e-9;
@@ -51,12 +51,13 @@ impl fmt::Display for Fault {
     }
 }
 
-/// The first fault of a configuration, if any: bodies outside the box by index and axis, then overlaps
-/// in the order of [`near_pairs`].
+/// The first fault of a configuration, if any: bodies outside the box by index and axis, then those wider than it, then the first
+/// ball, from the largest down and by index, that overlaps one before it.
 ///
-/// Centres may lie anywhere in `[0, size]` along periodic axes; balls must lie between walls.
+/// Centres may lie anywhere in `[0, size]` along periodic axes; balls must lie between walls. Its cost grows as the number of balls, up to
+/// the first fault.
 pub fn first_fault<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<Fault> {
-    outside(domain, balls).or_else(|| overlap(domain, balls))
+    outside(domain, balls).or_else(|| own_image(domain, balls)).or_else(|| overlap(domain, balls))
 }
 
 fn outside<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<Fault> {
@@ -71,24 +72,49 @@ fn outside<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<Faul
     places.into_iter().find(is_outside).map(|(body, axis)| Fault::Outside { body, axis })
 }
 
+fn own_image<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<Fault> {
+    let images = (0..D).filter(|&axis| domain.periodic(axis)).map(|axis| {
+        let mut next = domain.offset(std::array::from_fn(|other| isize::from(other == axis)));
+        if axis == 1 && domain.periodic(0) {
+            // images that slide lie aside by less than half a box
+            next[0] -= domain.size[0] * (next[0] / domain.size[0]).round();
+        }
+        next.norm()
+    });
+    let nearest = images.fold(f64::INFINITY, f64::min);
+    let gap = |ball: &Ball<D>| nearest - 2.0 * ball.radius;
+    let body = balls.iter().position(|ball| gap(ball) < -TOLERANCE * ball.radius)?;
+    Some(Fault::OwnImage { body, gap: gap(&balls[body]) })
+}
+
 fn overlap<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<Fault> {
-    near_pairs(domain, balls, 0.0)
-        .into_iter()
-        .find(|pair| {
-            let slack = TOLERANCE * balls[pair.first].radius.min(balls[pair.second].radius);
-            pair.gap < -slack
-        })
-        .map(|pair| match pair.first == pair.second {
-            true => Fault::OwnImage { body: pair.first, gap: pair.gap },
-            false => Fault::Overlap { first: pair.first, second: pair.second, gap: pair.gap },
-        })
+    let mut order: Vec<usize> = (0..balls.len()).collect();
+    order.sort_by(|&one, &two| balls[two].radius.total_cmp(&balls[one].radius));
+    let mut levels = Levels::new(domain);
+    for body in order {
+        let mut fault: Option<(usize, f64)> = None;
+        levels.visit(&balls[body], |other, distance| {
+            let gap = distance - balls[body].radius - balls[other].radius;
+            let slack = TOLERANCE * balls[body].radius.min(balls[other].radius);
+            if gap < -slack && fault.is_none_or(|(first, least)| (other, gap) < (first, least)) {
+                fault = Some((other, gap));
+            }
+        });
+        if let Some((other, gap)) = fault {
+            return Some(Fault::Overlap { first: body.min(other), second: body.max(other), gap });
+        }
+        levels.insert(body, &balls[body]);
+    }
+    None
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Axis;
+    use crate::geometry::{Axis, Slide, near_pairs};
     use nalgebra::SVector;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
 
     fn channel() -> Domain<2> {
         let wall = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
@@ -120,6 +146,33 @@ mod tests {
         domain.size[0] = 0.7;
         let fault = first_fault(&domain, &[ball(0.1, 0.5, 0.4)]);
         assert!(matches!(fault, Some(Fault::OwnImage { body: 0, .. })), "{fault:?}");
+    }
+
+    #[test]
+    fn a_fault_is_found_where_pairs_overlap_and_nowhere_else() {
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        let sheared = Axis::Sheared(Slide { start: 0.7, speed: 0.0, time: 0.0 });
+        let mut found = [0, 0];
+        for case in 0..2000 {
+            let mut domain = channel();
+            domain.axes[1] = if case % 2 == 0 { Axis::Periodic } else { sheared };
+            let radius = |random: &mut ChaCha8Rng| 0.15 * random.random::<f64>().powi(4) + 0.001;
+            let balls: Vec<Ball<2>> =
+                (0..12).map(|_| ball(2.0 * random.random::<f64>(), random.random::<f64>(), radius(&mut random))).collect();
+            let overlaps = near_pairs(&domain, &balls, 0.0).iter().any(|pair| pair.gap < -1e-9);
+            assert_eq!(first_fault(&domain, &balls).is_some(), overlaps, "{balls:?}");
+            found[usize::from(overlaps)] += 1;
+        }
+        assert!(found.iter().all(|&cases| cases > 200), "{found:?}");
+    }
+
+    #[test]
+    fn crowds_that_cluster_or_coincide_are_told_soon() {
+        let domain: Domain<2> = Domain { size: [1e6, 1e6].into(), axes: [Axis::Periodic; 2] };
+        let same = vec![ball(1.0, 1.0, 0.5); 100_000];
+        assert_eq!(first_fault(&domain, &same), Some(Fault::Overlap { first: 0, second: 1, gap: -1.0 }));
+        let cluster: Vec<Ball<2>> = (0..100_000).map(|body| ball(f64::from(body % 300), f64::from(body / 300), 0.5)).collect();
+        assert_eq!(first_fault(&domain, &cluster), None);
     }
 
     #[test]

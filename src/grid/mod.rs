@@ -12,4 +12,4 @@ pub mod stencil;
 pub use partition::{Block, Partition};
 pub use pencils::Pencils;
 pub use redistribution::{Exchange, Layout, Redistribution};
-pub use staggered::{Grid, Index, Node};
+pub use staggered::{FEWEST_CELLS, Grid, Index, MOST_UNKNOWNS, Node};

@@ -61,15 +61,18 @@ impl<const D: usize> Block<D> {
 
     /// All indices, the last axis running fastest.
     pub fn indices(self) -> impl Iterator<Item = [usize; D]> {
-        (0..self.len()).map(move |mut offset| {
-            let mut index = [0; D];
-            for axis in (0..D).rev() {
-                let extent = self.end[axis] - self.start[axis];
-                index[axis] = self.start[axis] + offset % extent;
-                offset /= extent;
-            }
-            index
-        })
+        (0..self.len()).map(move |offset| self.index(offset))
+    }
+
+    /// The index at a place in the block.
+    fn index(&self, mut offset: usize) -> [usize; D] {
+        let mut index = [0; D];
+        for axis in (0..D).rev() {
+            let extent = self.end[axis] - self.start[axis];
+            index[axis] = self.start[axis] + offset % extent;
+            offset /= extent;
+        }
+        index
     }
 }
 
@@ -116,8 +119,7 @@ impl<const D: usize> Partition<D> {
 
     /// The cells of a rank.
     pub fn block(&self, rank: usize) -> Block<D> {
-        let place = Block { start: [0; D], end: self.ranks };
-        let place = place.indices().nth(rank).expect("a rank has a block");
+        let place = Block { start: [0; D], end: self.ranks }.index(rank);
         let cut = |axis: usize, part: usize| part * self.cells[axis] / self.ranks[axis];
         Block { start: std::array::from_fn(|axis| cut(axis, place[axis])), end: std::array::from_fn(|axis| cut(axis, place[axis] + 1)) }
     }

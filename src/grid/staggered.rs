@@ -12,7 +12,10 @@ use crate::{
 pub type Index<const D: usize> = [isize; D];
 
 /// Fewest cells along an axis: cubic interpolation takes four nodes.
-const FEWEST_CELLS: usize = 4;
+pub const FEWEST_CELLS: usize = 4;
+
+/// Most unknowns, pressure included, that 32-bit indices number.
+pub const MOST_UNKNOWNS: f64 = 0.9 * i32::MAX as f64;
 
 /// Part of a displacement, in cells, that is rounding.
 const PART_OF_CELL: f64 = 1e-9;
@@ -221,7 +224,7 @@ fn check_size<const D: usize>(cells: [usize; D], spacing: f64) -> Result<()> {
         )));
     }
     let unknowns = cells.iter().map(|&cells| cells as f64).product::<f64>() * (D + 1) as f64;
-    if unknowns > 0.9 * f64::from(i32::MAX) {
+    if unknowns > MOST_UNKNOWNS {
         return Err(Error::Refused(format!("a grid of {cells:?} cells has more unknowns than can be numbered; coarsen [resolution]")));
     }
     Ok(())

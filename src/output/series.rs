@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{CurvePoint, write_whole};
+use super::{CurvePoint, finite::not_finite, write_whole};
 use crate::{
     contact::Solver,
     error::{Error, Result},
@@ -102,6 +102,13 @@ impl Row {
     }
 }
 
+/// Refuses a row of which a number is not finite, but for the gap where none are near each other.
+fn check(cells: &[(&'static str, String)]) -> Result<()> {
+    let value = |text: &str| text.parse::<f64>().unwrap_or(f64::NAN);
+    let broken = cells.iter().find(|(name, text)| !value(text).is_finite() && !(*name == "smallest_gap" && text == "inf"));
+    broken.map_or(Ok(()), |(name, text)| Err(not_finite("series.csv", name, value(text))))
+}
+
 /// The shortest text that reads back as the number.
 fn number(value: f64) -> String {
     format!("{value:?}")
@@ -123,6 +130,7 @@ impl Rows {
     /// Adds a row, and the names of the columns before the first one.
     pub fn write(&mut self, row: &Row) -> Result<()> {
         let cells = row.cells();
+        check(&cells)?;
         let line = |cells: Vec<String>| cells.join(",") + "\n";
         let mut text = line(cells.iter().map(|(_, value)| value.clone()).collect());
         let empty = self.file.metadata().is_ok_and(|metadata| metadata.len() == 0);

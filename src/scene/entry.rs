@@ -2,6 +2,7 @@
 
 use toml_edit::Value;
 
+use crate::body::usable;
 use crate::error::{Error, Result};
 use crate::scene::locations::{Locations, join};
 use crate::scene::table::Table;
@@ -27,7 +28,8 @@ impl<'a> Entry<'a> {
             Value::Float(number) => *number.value(),
             _ => return Err(self.mistyped("a number")),
         };
-        self.expect(number, number.is_finite(), "must be finite")
+        self.expect((), number.is_finite(), "must be finite")?;
+        self.expect(number, usable(number), "must be 0 or from 1e-60 to 1e60 in size, so that it can be multiplied by others; choose other units")
     }
 
     pub(super) fn positive(&self) -> Result<f64> {

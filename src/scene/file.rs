@@ -28,10 +28,21 @@ const KEYS: [&str; 13] = [
     "output",
 ];
 
+/// Most bytes of a scene file, which takes fifty times as many to read.
+const LONGEST_FILE: u64 = 2_000_000;
+
+/// What is to be done about a longer one.
+const TOO_LONG: &str = "a scene file may hold 2 MB; place many bodies by fraction, count or a table (bodies.file = \"centers.csv\")";
+
 impl Scene {
     /// The scene of a file with `key=value` overrides; refused with file and line if anything is not right.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Scene> {
         let unreadable = |source| Error::File { path: path.to_owned(), source };
+        let length = std::fs::metadata(path).map_err(unreadable)?.len();
+        if length > LONGEST_FILE {
+            let size = length as f64 / 1e6;
+            return Err(Error::Refused(format!("{}:1: holds {size:.1} MB: {TOO_LONG}", path.display())));
+        }
         let text = std::fs::read_to_string(path).map_err(unreadable)?;
         let file = path.file_name().unwrap_or_default().to_string_lossy();
         load(&file, path.parent().unwrap_or(Path::new("")), &text, overrides)
@@ -40,6 +51,11 @@ impl Scene {
     /// The scene of a text that calls itself `name`; files it names are looked for in `folder`.
     pub fn parse(name: &str, folder: &Path, text: &str, overrides: &[String]) -> Result<Scene> {
         load(&format!("{name}.toml"), folder, text, overrides)
+    }
+
+    /// An error with the place of the key that it begins with, if it is a refusal of what no reader of the file could know.
+    pub fn place(&self, error: Error) -> Error {
+        self.locations.place(error, &KEYS)
     }
 
     /// The text of a scene that gives the same scene from any folder.

@@ -40,6 +40,16 @@ impl Locations {
         Error::Refused(format!("{place}: {message}"))
     }
 
+    /// A refusal that begins with a key, with the place of that key; any other error as it is.
+    pub(super) fn place(&self, error: Error, sections: &[&str]) -> Error {
+        let Error::Refused(text) = &error else { return error };
+        let key = text.split([' ', ':', '=', ',']).next().unwrap_or_default();
+        match sections.contains(&key.split(['.', '[']).next().unwrap_or_default()) {
+            true => self.complain(key, text.clone()),
+            false => error,
+        }
+    }
+
     pub(super) fn forget(&mut self, key: &str) {
         let inside = format!("{key}.");
         self.places.retain(|path, _| path != key && !path.starts_with(&inside));

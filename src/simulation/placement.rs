@@ -2,12 +2,16 @@
 
 use nalgebra::{SMatrix, SVector};
 
+use super::room;
 use crate::{
     body::{Body, Motion, Twist, pack, read_centers, skew},
     error::{Error, Result},
     geometry::{Axis, Ball, Domain, Fault, Slide, first_fault},
-    scene::{self, AxisSection, BodyGroup, Placement, Scene},
+    scene::{self, AxisSection, BodyGroup, FlowModel, Placement, Scene},
 };
+
+/// Part of a length that is rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// A list of numbers whose length the scene has checked.
 pub fn vector<const D: usize>(numbers: &[f64]) -> SVector<f64, D> {
@@ -33,6 +37,7 @@ pub fn domain<const D: usize>(scene: &Scene) -> Domain<D> {
 pub fn bodies<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Vec<(usize, Body<D>)>> {
     let balls = place(scene, domain)?;
     check_places(scene, domain, &balls)?;
+    check_spans(scene, domain, &balls)?;
     Ok(balls.into_iter().map(|(group, ball)| (group, Body { ball, motion: motion(scene, group, &ball) })).collect())
 }
 
@@ -42,28 +47,21 @@ fn place<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Vec<(usize
     for (group, bodies) in scene.bodies.iter().enumerate() {
         balls.extend(given_balls(bodies)?.into_iter().map(|ball| (group, ball)));
     }
+    let groups = scene.bodies.iter().enumerate();
+    let counts = groups.map(|(group, bodies)| random_count(scene, group, bodies, domain)).collect::<Result<Vec<f64>>>()?;
     check_places(scene, domain, &balls)?;
+    room::check(scene, domain, &balls, &counts)?;
     let obstacles: Vec<Ball<D>> = balls.iter().map(|&(_, ball)| ball).collect();
     let (mut random, mut gap) = (Vec::new(), 0.0_f64);
-    for (group, bodies) in scene.bodies.iter().enumerate() {
-        let count = random_count(scene, group, bodies, domain)?;
-        random.extend(std::iter::repeat_n((group, bodies.radius), count));
-        gap = if count > 0 { gap.max(bodies.gap) } else { gap };
+    for (group, (bodies, &count)) in scene.bodies.iter().zip(&counts).enumerate() {
+        random.extend(std::iter::repeat_n((group, bodies.radius), count as usize));
+        gap = if count > 0.0 { gap.max(bodies.gap) } else { gap };
     }
     let radii: Vec<f64> = random.iter().map(|&(_, radius)| radius).collect();
-    let centers =
-        pack(domain, &obstacles, &radii, gap, scene.seed).map_err(|error| refuse_crowd(scene, random[0].0, &error.to_string()))?;
+    let refuse = |error: Error| room::refuse_number(scene, random[0].0, &error.to_string());
+    let centers = pack(domain, &obstacles, &radii, gap, scene.seed).map_err(refuse)?;
     balls.extend(random.into_iter().zip(centers).map(|((group, radius), center)| (group, Ball { center, radius })));
     Ok(balls)
-}
-
-/// The refusal of a random group that does not fit.
-fn refuse_crowd(scene: &Scene, group: usize, remedy: &str) -> Error {
-    match scene.bodies[group].placement {
-        Placement::Fraction(fraction) => scene.refuse(&format!("bodies[{group}].fraction"), fraction, remedy),
-        Placement::Count(count) => scene.refuse(&format!("bodies[{group}].count"), count, remedy),
-        _ => unreachable!("only random groups are packed"),
-    }
 }
 
 fn given_balls<const D: usize>(group: &BodyGroup) -> Result<Vec<Ball<D>>> {
@@ -77,16 +75,17 @@ fn given_balls<const D: usize>(group: &BodyGroup) -> Result<Vec<Ball<D>>> {
     }
 }
 
-fn random_count<const D: usize>(scene: &Scene, group: usize, bodies: &BodyGroup, domain: &Domain<D>) -> Result<usize> {
+/// How many bodies a group places at random.
+fn random_count<const D: usize>(scene: &Scene, group: usize, bodies: &BodyGroup, domain: &Domain<D>) -> Result<f64> {
     match bodies.placement {
-        Placement::Count(count) => Ok(count),
+        Placement::Count(count) => Ok(count as f64),
         Placement::Fraction(fraction) => {
             let one = Ball { center: SVector::<f64, D>::zeros(), radius: bodies.radius }.volume();
-            let count = (fraction * domain.volume() / one).round() as usize;
+            let count = (fraction * domain.volume() / one).round();
             let remedy = "is less than half a body; enlarge domain.size or lower the radius";
-            if count == 0 { Err(scene.refuse(&format!("bodies[{group}].fraction"), fraction, remedy)) } else { Ok(count) }
+            if count < 1.0 { Err(room::refuse_number(scene, group, remedy)) } else { Ok(count) }
         }
-        _ => Ok(0),
+        _ => Ok(0.0),
     }
 }
 
@@ -110,6 +109,21 @@ fn check_places<const D: usize>(scene: &Scene, domain: &Domain<D>, balls: &[(usi
         _ => format!("bodies[{group}].centers"),
     };
     Err(scene.refuse(&key, at(body), &remedy))
+}
+
+/// Refuses a body that touches both walls of an axis in a flow: what it would take to move them past it has no bound.
+fn check_spans<const D: usize>(scene: &Scene, domain: &Domain<D>, balls: &[(usize, Ball<D>)]) -> Result<()> {
+    if scene.flow.model != FlowModel::Stokes {
+        return Ok(());
+    }
+    for axis in (0..D).filter(|&axis| !domain.periodic(axis)) {
+        let (size, name) = (domain.size[axis], ["x", "y", "z"][axis]);
+        if let Some((group, ball)) = balls.iter().find(|(_, ball)| 2.0 * ball.radius >= size * (1.0 - ROUNDING)) {
+            let remedy = format!("touches both walls along {name}, which are {size} apart; lower it or enlarge domain.size");
+            return Err(scene.refuse(&format!("bodies[{group}].radius"), ball.radius, &remedy));
+        }
+    }
+    Ok(())
 }
 
 fn motion<const D: usize>(scene: &Scene, group: usize, ball: &Ball<D>) -> Motion<D> {

@@ -1,5 +1,6 @@
 //! What a scene calls for, before anything is built.
 
+mod demand;
 mod effects;
 mod fitted;
 mod memory;
@@ -12,6 +13,7 @@ use crate::{
     scene::{ConstraintMethod, FlowModel, Scene},
     simulation::{DrySetup, ScalarSetup, Setup, closure::Closure, law},
 };
+pub use demand::demand;
 use effects::{Effect, flow_effects, gravity, in_time};
 use memory::{CONTACT_BYTES, bytes, multiplier_counts, scalar_bytes};
 

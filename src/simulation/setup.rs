@@ -84,19 +84,23 @@ impl<const D: usize> Setup<D> {
     pub fn of(scene: &Scene) -> Result<Setup<D>> {
         let domain = domain(scene);
         let (spacing, bodies) = suspended_bodies(scene, &domain, bodies(scene, &domain)?)?;
-        let (viscosity, tolerance) = (scene.flow.viscosity, scene.method.tolerance);
+        Ok(Setup::with_bodies(scene, domain, spacing, bodies))
+    }
+
+    /// The setup of a scene in which these are the bodies.
+    pub(super) fn with_bodies(scene: &Scene, domain: Domain<D>, spacing: f64, bodies: Vec<SuspendedBody<D>>) -> Setup<D> {
         let inverse = inverse(scene, &domain);
-        Ok(Setup {
+        Setup {
             domain,
             spacing,
-            viscosity,
+            viscosity: scene.flow.viscosity,
             drive: drive(scene),
             bodies,
             constraint: scene.method.constraint,
             lubrication: scene.lubrication.roughness(),
             inverse,
-            tolerance,
-        })
+            tolerance: scene.method.tolerance,
+        }
     }
 
     /// What fills the blocks of the bodies.

@@ -8,11 +8,14 @@ use super::{
 };
 use crate::{
     contact::{Certificate, Law},
-    error::Result,
+    error::{Error, Result},
     geometry::Domain,
     petsc::Session,
     scene::{ConstraintMethod, ContactModel, Scene, TimeSection},
 };
+
+/// Shortest step, as a part of the whole run: after so many steps that one more changes no time.
+const SHORTEST: f64 = 1e-14;
 
 /// A simulation in time. Every function is collective.
 pub struct Simulation<const D: usize> {
@@ -150,6 +153,7 @@ impl<const D: usize> Simulation<D> {
     /// A solver does not converge, contacts cannot be kept, or a body leaves the box.
     pub fn step(&mut self, view: &View<D>, seen: Seen) -> Result<StepReport> {
         let travel = self.dynamics.travel(&self.state, view, seen)?;
+        self.expect_progress(travel.step)?;
         self.state.bodies.iter_mut().zip(&travel.twists).for_each(|(body, twist)| body.twist = *twist);
         self.state.held = travel.contacts.iter().filter(|pressed| pressed.force != 0.0).map(Held::of).collect();
         self.state.stuck = travel.stuck;
@@ -158,6 +162,16 @@ impl<const D: usize> Simulation<D> {
         // whole cells of images that slide may be rounded
         self.cut_short = view.stride.cut_short() && travel.step >= view.stride.length * (1.0 - ROUNDING);
         Ok(StepReport { length: travel.step, certificate: travel.certificate, effort: travel.effort })
+    }
+
+    /// Refuses steps so short that the run never ends.
+    fn expect_progress(&self, step: f64) -> Result<()> {
+        let (time, end) = (self.state.time, self.pace.time.end);
+        if step >= SHORTEST * end {
+            return Ok(());
+        }
+        let remedy = "bodies are too fast for steps that follow them: choose weaker forces, other units or a fixed time.step";
+        Err(Error::Diverged(format!("at time {time} a step of {step:.3e} leads nowhere before time.end = {end}; {remedy}")))
     }
 
     /// Lets images slide to where they are now.

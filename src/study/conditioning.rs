@@ -24,7 +24,7 @@ use self::{
 };
 use crate::{
     error::Result,
-    output::{prepare_folder, write_whole},
+    output::{prepare_folder, say, write_whole},
     petsc::Session,
 };
 
@@ -46,36 +46,31 @@ pub struct ConditioningOptions {
 ///
 /// # Errors
 /// The folder cannot be written to, the rank count does not fit, or a solver does not converge.
-#[allow(clippy::print_stdout)]
 pub fn conditioning(session: &Session, options: &ConditioningOptions) -> Result<()> {
     let world = session.world();
     let first = world.rank() == 0;
-    let say = |text: String| {
-        if first {
-            println!("{text}\n");
-        }
-    };
+    let say = |text: String| world.agree(if first { say(&(text + "\n")) } else { Ok(()) });
     let write = |work: &dyn Fn(&Path) -> Result<()>| match &options.out {
         Some(folder) => world.agree(if first { work(folder) } else { Ok(()) }),
         None => Ok(()),
     };
     write(&prepare_folder)?;
-    say(text::introduction(world.size()));
+    say(text::introduction(world.size()))?;
     let (solves, growth) = laplacian(session, options)?;
-    say(text::eigenvalues(&solves));
-    [2, 3].into_iter().for_each(|dimension| say(text::preconditioners(&solves, &growth, dimension)));
+    say(text::eigenvalues(&solves))?;
+    [2, 3].into_iter().try_for_each(|dimension| say(text::preconditioners(&solves, &growth, dimension)))?;
     let rows = multipliers::constrained(session)?;
     let multiplier_growth = MultiplierGrowth::of(&rows);
-    say(text::multipliers(&rows, &multiplier_growth));
+    say(text::multipliers(&rows, &multiplier_growth))?;
     let rigidity = rigidity::rigidity(session)?;
-    say(text::rigidity(&rigidity));
+    say(text::rigidity(&rigidity))?;
     let fluid = fluid::fluid(session, [options.finest_2d, options.finest_3d])?;
-    say(text::fluid(&fluid));
+    say(text::fluid(&fluid))?;
     let (ranks, wanted_error) = (world.size(), WANTED);
     let report = Report { ranks, wanted_error, laplacian: solves, growth, multipliers: rows, multiplier_growth, rigidity, fluid };
     write(&|folder| report.files().iter().try_for_each(|(name, text)| write_whole(&folder.join(name), text.as_bytes())))?;
     if let Some(folder) = &options.out {
-        say(format!("files: {}: {}", folder.display(), report.files().map(|(name, _)| name).join(", ")));
+        say(format!("files: {}: {}", folder.display(), report.files().map(|(name, _)| name).join(", ")))?;
     }
     Ok(())
 }

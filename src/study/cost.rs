@@ -36,7 +36,7 @@ use self::{
 };
 use crate::{
     error::{Error, Result},
-    output::{prepare_folder, write_whole},
+    output::{prepare_folder, say, write_whole},
     scene::Scene,
     study::launcher::sweep_out,
 };
@@ -132,7 +132,6 @@ impl Default for CostOptions {
 ///
 /// # Errors
 /// The scene, a flag or the launcher cannot be used, no setting could be measured, or none that could be applied was found.
-#[allow(clippy::print_stdout)]
 pub fn cost(options: &CostOptions) -> Result<()> {
     let whole = Scene::read(&options.scene, &options.overrides)?;
     if whole.dry() {
@@ -150,7 +149,7 @@ pub fn cost(options: &CostOptions) -> Result<()> {
     prepare_folder(&folder)?;
     let identity = Identity::of(&scene, quantity, (options.ranks, &options.launcher, &options.petsc))?;
     let store = Store::open(&folder, identity, options.fresh)?;
-    println!("{}\nquantity: {}\n", scene.shown_title(), quantity.words(&facts));
+    say(&format!("{}\nquantity: {}\n", scene.shown_title(), quantity.words(&facts)))?;
     let sweep = Sweep::new(&options, &scene, (facts, quantity, store), &folder)?;
     let mut study = Study { options: &options, scene: &scene, times, sweep };
     let findings = study.findings(&axes)?;
@@ -160,7 +159,7 @@ pub fn cost(options: &CostOptions) -> Result<()> {
     for (name, text) in files(&findings) {
         write_whole(&folder.join(name), text.as_bytes())?;
     }
-    println!("\n{}\n\nfiles: {}: cost.json, cost.csv, cost.svg, cost.html", text::report(&findings), folder.display());
+    say(&format!("\n{}\n\nfiles: {}: cost.json, cost.csv, cost.svg, cost.html", text::report(&findings), folder.display()))?;
     match &options.apply {
         Some(file) => apply::apply(file, &whole, &findings),
         None => Ok(()),

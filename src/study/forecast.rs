@@ -1,8 +1,10 @@
 //! The seconds that a run will take, from a sample of it that is solved on the spot.
 //!
 //! The sample has at most a dozen of the scene's bodies at its fraction, its kinds of axes and its inverse, and a coarse grid if it has all
-//! the bodies. Set-up and an iteration take seconds in proportion to unknowns; the number of iterations grows little with that of bodies.
-//! It does not know how a run ends: steps are counted at the speeds of the sample.
+//! the bodies or would have many cells; a box that is still too large or too long is cut. Set-up and an iteration take seconds in proportion
+//! to unknowns; the number of iterations grows little with that of bodies. It does not know how a run ends: steps are counted at the speeds of the sample.
+
+use nalgebra::SVector;
 
 use crate::{
     body::pack,
@@ -18,6 +20,13 @@ const SAMPLE: usize = 12;
 
 /// Cells per radius of a sample that has all bodies.
 const COARSE: f64 = 4.0;
+
+/// Most cells of a sample, and the most times that its longest side is as long as its shortest.
+const MOST_CELLS: f64 = 4e4;
+const SLENDER: f64 = 16.0;
+
+/// Least side of a sample that was cut, in diameters of its largest body.
+const ROOM: f64 = 1.5;
 
 /// Gap between the bodies of a sample, in radii.
 const GAP: f64 = 0.1;
@@ -106,22 +115,45 @@ fn solves(time: &TimeSection, speed: f64, radius: f64) -> f64 {
     solves * steps.ceil() + 1.0
 }
 
-/// A part of a setup that is solved soon; nothing if its bodies find no room.
+/// A part of a setup that is solved soon; nothing if its bodies find no room or still take too many cells.
 fn sample<const D: usize>(setup: &Setup<D>) -> Option<Setup<D>> {
     let all = setup.bodies.len();
-    if all <= SAMPLE {
+    if all <= SAMPLE && small(setup.domain.size, coarse(setup).spacing) {
         return Some(coarse(setup));
     }
-    let chosen: Vec<SuspendedBody<D>> = (0..SAMPLE).map(|place| setup.bodies[place * all / SAMPLE]).collect();
+    let part = (SAMPLE as f64 / all as f64).min(1.0).powf(1.0 / D as f64);
+    let given = Setup { domain: Domain { size: setup.domain.size * part, ..setup.domain.clone() }, ..setup.clone() };
+    let part = if small(given.domain.size, given.spacing) { given } else { coarse(&given) };
+    let size = shrunk(&part)?;
+    let kept = (all as f64 * size.product() / setup.domain.volume()).round().clamp(all.min(1) as f64, SAMPLE as f64) as usize;
+    let chosen: Vec<SuspendedBody<D>> = (0..kept).map(|place| part.bodies[place * all / kept]).collect();
     let radii: Vec<f64> = chosen.iter().map(|suspended| suspended.body.ball.radius).collect();
-    let scale = (SAMPLE as f64 / all as f64).powf(1.0 / D as f64);
     (0..TRIES).find_map(|wider| {
-        let domain = Domain { size: setup.domain.size * (scale * WIDER.powi(wider as i32)), axes: setup.domain.axes };
+        let domain = Domain { size: size * WIDER.powi(wider as i32), axes: setup.domain.axes };
         let centers = pack(&domain, &[], &radii, GAP, 1).ok()?;
         let mut bodies = chosen.clone();
         bodies.iter_mut().zip(centers).for_each(|(suspended, center)| suspended.body.ball.center = center);
-        Some(Setup { domain, bodies, ..setup.clone() })
+        Some(Setup { domain, bodies, ..part.clone() })
     })
+}
+
+/// Whether a box has few cells, and not many more along one axis than along another.
+fn small<const D: usize>(size: SVector<f64, D>, spacing: f64) -> bool {
+    (size / spacing).product() <= MOST_CELLS && size.max() <= SLENDER * size.min()
+}
+
+/// The size of a box with its longest sides cut until it is small; nothing if its largest body then has no room.
+fn shrunk<const D: usize>(setup: &Setup<D>) -> Option<SVector<f64, D>> {
+    let widest = setup.bodies.iter().map(|suspended| 2.0 * suspended.body.ball.radius).fold(0.0, f64::max);
+    let mut size = setup.domain.size;
+    while !small(size, setup.spacing) {
+        let longest = size.imax();
+        size[longest] *= 0.5;
+        if size[longest] < ROOM * widest {
+            return None;
+        }
+    }
+    Some(size)
 }
 
 /// The setup on a grid that is coarse for its smallest body.

@@ -11,7 +11,7 @@ use super::launcher::{Job, Launcher, Scratch, WITHOUT_PICTURE};
 use crate::{
     error::{Error, Result},
     flow::InverseMethod,
-    output::prepare_folder,
+    output::{prepare_folder, say},
     scene::Scene,
     simulation::Setup,
 };
@@ -73,7 +73,6 @@ struct Motion {
 ///
 /// # Errors
 /// A scene or the launcher cannot be used, or a run fails.
-#[allow(clippy::print_stdout)]
 pub fn inverses(options: &InverseOptions) -> Result<()> {
     let launcher = Launcher::new(&options.launcher, &options.petsc)?;
     let scenes = options.scenes.iter().map(|path| Scene::read(path, &options.overrides)).collect::<Result<Vec<_>>>()?;
@@ -81,16 +80,16 @@ pub fn inverses(options: &InverseOptions) -> Result<()> {
     let folder = Path::new("out");
     prepare_folder(folder)?;
     let scratch = Scratch::within(folder)?;
-    println!("| scene | unknowns | ranks | iterations: transform / hypre | seconds: transform / hypre | ratio | MB: transform / hypre |");
-    println!("|-|-|-|-|-|-|-|");
+    say("| scene | unknowns | ranks | iterations: transform / hypre | seconds: transform / hypre | ratio | MB: transform / hypre |")?;
+    say("|-|-|-|-|-|-|-|")?;
     for ((path, scene), methods) in options.scenes.iter().zip(&scenes).zip(methods) {
         for &ranks in &options.ranks {
             let cost = |method: &InverseMethod| options.measure(&launcher, &scratch.0.join("out"), (path, *method), ranks);
             let costs = methods.iter().map(cost).collect::<Result<Vec<_>>>()?;
-            println!("{}", row(&path.display().to_string(), ranks, &costs));
+            say(&row(&path.display().to_string(), ranks, &costs))?;
         }
         if scene.time.is_some() {
-            println!("| (a scene in time: mean iterations of a solve, seconds of a step) | | | | | | |");
+            say("| (a scene in time: mean iterations of a solve, seconds of a step) | | | | | | |")?;
         }
     }
     Ok(())

@@ -24,7 +24,7 @@ use self::{
 use super::launcher::{Job, Launcher, Scratch, WITHOUT_PICTURE};
 use crate::{
     error::{Error, Result},
-    output::{prepare_folder, write_whole},
+    output::{prepare_folder, say, write_whole},
     scene::Scene,
 };
 
@@ -32,6 +32,9 @@ pub use model::Network;
 
 /// Most ranks that the model speaks of.
 const MOST_RANKS: usize = 4096;
+
+/// Most ranks that a run is started on.
+const MOST_STARTED: usize = 65_536;
 
 /// What to measure, and how.
 #[derive(Debug, Clone)]
@@ -106,7 +109,6 @@ impl<'a, const D: usize> Study<'a, D> {
         Ok(Study { options, scene, ranks, cores, launcher, arrangement, folder, scratch })
     }
 
-    #[allow(clippy::print_stdout)]
     fn report(&self) -> Result<()> {
         let strong = self.measure(Kind::Strong)?;
         let (weak, weak_refusal) = match copies::<D>(&self.scene, 2) {
@@ -131,8 +133,7 @@ impl<'a, const D: usize> Study<'a, D> {
         for (name, text) in report.files() {
             write_whole(&self.folder.join(name), text.as_bytes())?;
         }
-        println!("{}\n\nfiles: {}: scaling.json, scaling.csv, scaling.svg", report.markdown(), self.folder.display());
-        Ok(())
+        say(&format!("{}\n\nfiles: {}: scaling.json, scaling.csv, scaling.svg", report.markdown(), self.folder.display()))
     }
 
     /// A run for each rank count, or why there is none.
@@ -211,6 +212,9 @@ fn rank_counts(ranks: &[usize]) -> Result<Vec<usize>> {
     if ranks.is_empty() || ranks[0] == 0 {
         return Err(Error::Refused("--ranks: must be numbers from 1 up, for example --ranks 1,2,4".into()));
     }
+    if let Some(many) = ranks.last().filter(|&&ranks| ranks > MOST_STARTED) {
+        return Err(Error::Refused(format!("--ranks {many}: must be at most {MOST_STARTED}; more are only modelled")));
+    }
     Ok(ranks)
 }
 
@@ -222,6 +226,6 @@ mod tests {
     #[test]
     fn rank_counts_rise_and_start_at_one_or_more() {
         assert_eq!(rank_counts(&[4, 1, 4, 2]).unwrap(), [1, 2, 4]);
-        assert!(rank_counts(&[]).is_err() && rank_counts(&[0, 2]).is_err());
+        assert!(rank_counts(&[]).is_err() && rank_counts(&[0, 2]).is_err() && rank_counts(&[1, 1_000_000_000]).is_err());
     }
 }

@@ -5,7 +5,7 @@ mod cases;
 
 use std::time::Instant;
 
-use crate::{error::Result, petsc::Session};
+use crate::{error::Result, output::say, petsc::Session};
 
 pub use bars::{Bar, KnownScene, bars, known_scenes};
 pub use cases::cases;
@@ -37,15 +37,10 @@ impl Case {
 }
 
 /// Solves all cases and prints them as a table in Markdown; tells whether every promise is kept.
-#[allow(clippy::print_stdout)]
 pub fn validation(session: &Session) -> Result<bool> {
     let first = session.world().rank() == 0;
-    let say = |text: String| {
-        if first {
-            println!("{text}");
-        }
-    };
-    say("| case | resolution | reference | turbid | error | seconds | source |\n|-|-|-|-|-|-|-|".into());
+    let say = |text: &str| session.world().agree(if first { say(text) } else { Ok(()) });
+    say("| case | resolution | reference | turbid | error | seconds | source |\n|-|-|-|-|-|-|-|")?;
     let mut kept = true;
     for case in cases() {
         let start = Instant::now();
@@ -54,7 +49,7 @@ pub fn validation(session: &Session) -> Result<bool> {
         let error = case.error(value);
         kept &= error.abs() <= case.tolerance;
         let (name, resolution, source, percent) = (case.name, &case.resolution, case.source, 100.0 * error);
-        say(format!("| {name} | {resolution} | {:.6} | {value:.6} | {percent:+.3} % | {seconds:.3} | {source} |", case.reference));
+        say(&format!("| {name} | {resolution} | {:.6} | {value:.6} | {percent:+.3} % | {seconds:.3} | {source} |", case.reference))?;
     }
     Ok(kept)
 }

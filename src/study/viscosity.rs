@@ -18,7 +18,7 @@ use self::{
 use super::launcher::{Job, Launcher, Scratch, sweep_out};
 use crate::{
     error::{Error, Result},
-    output::{prepare_folder, write_whole},
+    output::{note, prepare_folder, say, write_whole},
 };
 
 /// What to measure, and how; absent numbers are those that suit each dimension.
@@ -56,7 +56,6 @@ pub struct ViscosityOptions {
 ///
 /// # Errors
 /// An option cannot be used, a run fails, or a file cannot be written.
-#[allow(clippy::print_stdout, clippy::print_stderr)]
 pub fn viscosity(options: &ViscosityOptions) -> Result<()> {
     options.check()?;
     let launcher = Launcher::new(&options.launcher, &options.petsc)?;
@@ -67,12 +66,12 @@ pub fn viscosity(options: &ViscosityOptions) -> Result<()> {
     let missing: Vec<&Setting> = settings.iter().filter(|setting| store.find(setting).is_none()).collect();
     let kept = settings.len() - missing.len();
     if kept > 0 {
-        eprintln!("{kept} of {} runs were measured before", settings.len());
+        note(&format!("{kept} of {} runs were measured before", settings.len()));
     }
     let scratch = Scratch::within(&options.out)?;
     for (number, setting) in missing.iter().enumerate() {
         let measured = measure(&launcher, options.ranks, (setting, &scratch))?;
-        eprintln!("{} of {}: {setting}: {:.4}, {:.1} s", number + 1, missing.len(), measured.relative, measured.seconds);
+        note(&format!("{} of {}: {setting}: {:.4}, {:.1} s", number + 1, missing.len(), measured.relative, measured.seconds));
         store.add((*setting).clone(), measured)?;
     }
     let report = Report::new(&settings, &store);
@@ -81,8 +80,7 @@ pub fn viscosity(options: &ViscosityOptions) -> Result<()> {
         write_whole(&options.out.join(name), text.as_bytes())?;
     }
     let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
-    println!("{}\nfiles: {}: viscosity.json, {}", report.markdown(), options.out.display(), names.join(", "));
-    Ok(())
+    say(&format!("{}\nfiles: {}: viscosity.json, {}", report.markdown(), options.out.display(), names.join(", ")))
 }
 
 fn measure(launcher: &Launcher, ranks: usize, (setting, scratch): (&Setting, &Scratch)) -> Result<Measured> {

@@ -152,5 +152,5 @@ fn table(cases: &[Case], rows: &[Vec<Vec<(String, String)>>]) -> String {
             writeln!(text, "| {about} | {} | {seen} |", row[0][place].0).unwrap();
         }
     }
-    text
+    text + &fs::read_to_string(root().join("docs/hard-fuzz.md")).unwrap()
 }

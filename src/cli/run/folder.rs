@@ -4,7 +4,7 @@ use std::{fs, path::Path};
 
 use crate::{
     error::{Error, Result},
-    output::{prepare_folder, write_whole},
+    output::{check_finite, prepare_folder, write_whole},
     scene::Scene,
 };
 
@@ -69,6 +69,7 @@ pub fn read_scene(folder: &Path, overrides: &[String]) -> Result<Scene> {
 /// # Errors
 /// It cannot be written.
 pub fn complete(folder: &Path, summary: &crate::output::Summary) -> Result<()> {
+    check_finite(SUMMARY, summary)?;
     let json = serde_json::to_string_pretty(summary).expect("a summary is plain numbers and text");
     write_whole(&folder.join(SUMMARY), json.as_bytes())
 }

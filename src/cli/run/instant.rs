@@ -36,7 +36,6 @@ pub fn run<const D: usize>(
 }
 
 /// Writes and reports what was solved.
-#[allow(clippy::print_stdout)]
 pub fn write<const D: usize>(
     session: &Session,
     scene: &Scene,
@@ -78,8 +77,8 @@ pub fn write<const D: usize>(
     world.agree(if first { folder::complete(folder, &summary) } else { Ok(()) })?;
     drop(output);
     if first {
-        println!("{}", output::report(&summary));
-        println!("files                {}: {}", folder.display(), files.join(", "));
+        output::say(&output::report(&summary))?;
+        output::say(&format!("files                {}: {}", folder.display(), files.join(", ")))?;
     }
     Ok(())
 }

@@ -115,7 +115,6 @@ impl<const D: usize> March<'_, D> {
         Err(Error::Stopped(format!("stopped by a signal at time {time}; `turbid resume {folder}` goes on")))
     }
 
-    #[allow(clippy::print_stdout)]
     fn finish(&mut self, view: &View<D>) -> Result<()> {
         let mut summary = self.summary(view)?;
         let output = enter(Stage::Output);
@@ -131,13 +130,13 @@ impl<const D: usize> March<'_, D> {
         self.world.agree(if first { folder::complete(self.folder, &summary) } else { Ok(()) })?;
         drop(output);
         if first {
-            println!("{}", output::report(&summary));
+            output::say(&output::report(&summary))?;
             if let Some(line) = output::sparkline(self.outputs.curve().iter().map(CurvePoint::relative)) {
-                println!("viscosity over time  {line}");
+                output::say(&format!("viscosity over time  {line}"))?;
             }
             let names: Vec<&str> = pictures.iter().map(|(name, _)| *name).collect();
             let names = [&["series.csv", "run.h5", "bodies.xdmf"], &names[..], &["summary.json"]].concat();
-            println!("files                {}: {}", self.folder.display(), names.join(", "));
+            output::say(&format!("files                {}: {}", self.folder.display(), names.join(", ")))?;
         }
         Ok(())
     }

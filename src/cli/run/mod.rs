@@ -14,7 +14,7 @@ use std::path::Path;
 
 use crate::{
     error::{Error, Result},
-    output::{Checkpoint, stage_table},
+    output::{Checkpoint, say, stage_table},
     parallel::World,
     petsc::{Profile, Session},
     scene::Scene,
@@ -88,7 +88,6 @@ pub fn resume<const D: usize>(session: &Session, scene: &Scene, folder: &Path, c
 }
 
 /// Does a run, and prints what its stages took if a profile is wanted; collective.
-#[allow(clippy::print_stdout)]
 pub fn profiled(session: &Session, wanted: bool, run: impl FnOnce() -> Result<()>) -> Result<()> {
     if !wanted {
         return run();
@@ -96,8 +95,5 @@ pub fn profiled(session: &Session, wanted: bool, run: impl FnOnce() -> Result<()
     let profile = Profile::start()?;
     run()?;
     let table = stage_table(session.world(), &profile.finish()?);
-    if session.world().rank() == 0 {
-        println!("{table}");
-    }
-    Ok(())
+    if session.world().rank() == 0 { say(&table) } else { Ok(()) }
 }

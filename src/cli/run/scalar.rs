@@ -39,7 +39,6 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> R
 }
 
 /// Writes and reports what was solved.
-#[allow(clippy::print_stdout)]
 fn write<const D: usize>(
     session: &Session,
     (scene, folder): (&Scene, &Path),
@@ -64,8 +63,8 @@ fn write<const D: usize>(
     world.agree(if first { folder::complete(folder, &summary) } else { Ok(()) })?;
     drop(output);
     if first {
-        println!("{}", output::report(&summary));
-        println!("files                {}: {}", folder.display(), files.join(", "));
+        output::say(&output::report(&summary))?;
+        output::say(&format!("files                {}: {}", folder.display(), files.join(", ")))?;
     }
     Ok(())
 }

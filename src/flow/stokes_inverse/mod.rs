@@ -6,7 +6,7 @@ mod transform;
 
 pub use hypre::HypreInverse;
 pub use iterated::IteratedInverse;
-pub use transform::TransformInverse;
+pub use transform::{TransformInverse, Transposes};
 
 use super::Stokes;
 use crate::{

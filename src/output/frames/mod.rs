@@ -21,7 +21,7 @@ pub use body::FrameBody;
 pub use contact::FrameContact;
 pub use read::{StoredFrame, read_frames};
 
-use super::together::Together;
+use super::{finite::not_finite, together::Together};
 use crate::{
     error::{Error, Result},
     geometry::Domain,
@@ -56,6 +56,25 @@ pub struct Frame<'a, const D: usize> {
     pub contacts: Option<&'a [FrameContact<D>]>,
     /// The fluid, on all ranks or on none.
     pub fields: Option<FrameFields<'a, D>>,
+}
+
+impl<const D: usize> Frame<'_, D> {
+    /// Refuses numbers that are not finite.
+    fn check(&self) -> Result<()> {
+        let columns = self.bodies.iter().flat_map(|body| body::COLUMNS.iter().zip(body.columns()));
+        let contacts = self.contacts.into_iter().flatten().flat_map(|held| contact::COLUMNS.iter().zip(held.columns()));
+        for ((name, _), numbers) in columns.chain(contacts) {
+            check_all(name, numbers)?;
+        }
+        let Some(fields) = &self.fields else { return Ok(()) };
+        check_all("velocity", fields.velocity.iter().flat_map(|velocity| velocity.iter().copied()))?;
+        check_all("pressure", fields.pressure.iter().copied())
+    }
+}
+
+fn check_all(name: &str, numbers: impl IntoIterator<Item = f64>) -> Result<()> {
+    let broken = numbers.into_iter().find(|number| !number.is_finite());
+    broken.map_or(Ok(()), |number| Err(not_finite("a frame", name, number)))
 }
 
 /// The frames of a run. All functions are collective.
@@ -93,6 +112,7 @@ impl Frames {
 
     /// Adds a frame.
     pub fn write<const D: usize>(&mut self, world: &World, frame: &Frame<D>) -> Result<()> {
+        world.agree(frame.check())?;
         let mut file = Together::create(world, &self.folder.join(path_in_run(self.next)))?;
         store::store(&mut file, frame)?;
         file.finish()?;

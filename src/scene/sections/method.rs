@@ -21,7 +21,7 @@ pub struct MethodSection {
 pub enum Tolerance {
     /// 1e-6 at an instant; in time looser, as long as the error stays small beside that of the step.
     Auto,
-    /// This one, above 0 and at most 0.1.
+    /// This one, at least 1e-13 and at most 0.1.
     Fixed(f64),
     /// As the automatic one, but this one where that is looser.
     AtMost(f64),
@@ -132,6 +132,10 @@ impl StokesSolver {
     }
 }
 
+/// What can be asked for: below it residuals are the rounding of what they are computed from.
+const SMALLEST_TOLERANCE: f64 = 1e-13;
+const LARGEST_TOLERANCE: f64 = 0.1;
+
 /// The automatic tolerance of an instant, and the loosest of a step.
 const TIGHTEST: f64 = 1e-6;
 const LOOSEST: f64 = 1e-3;
@@ -170,7 +174,11 @@ impl Tolerance {
             return entry.choice(&[("auto", Tolerance::Auto)], &[]);
         }
         let tolerance = entry.number()?;
-        entry.expect(Tolerance::Fixed(tolerance), tolerance > 0.0 && tolerance <= 0.1, "must be \"auto\", or above 0 and at most 0.1")
+        let usable = (SMALLEST_TOLERANCE..=LARGEST_TOLERANCE).contains(&tolerance);
+        let remedy = format!(
+            "must be \"auto\", or at least {SMALLEST_TOLERANCE:e}, which is what sums of doubles can reach, and at most {LARGEST_TOLERANCE}"
+        );
+        entry.expect(Tolerance::Fixed(tolerance), usable, &remedy)
     }
 }
 

@@ -14,6 +14,10 @@ use crate::{
 /// Bytes that factors of a matrix in 2D take for each unknown, over the binary logarithm of their number.
 const FACTOR_BYTES: f64 = 180.0;
 
+/// Unknowns of an equilateral mesh for each square on one of its edges: `4 / sqrt(3)` triangles, each with two nodes of velocity and half a
+/// corner of pressure.
+const UNKNOWNS_PER_CELL: f64 = 2.309 * 4.5;
+
 /// The plan of a flow.
 pub fn flow<const D: usize>(scene: &Scene, setup: &Setup<D>, ranks: usize) -> Result<Plan> {
     let (triangles, unknowns) = fitted::flow_size(setup)?;
@@ -65,5 +69,14 @@ fn plan<const D: usize>(effects: Vec<Effect>, grid: &Grid<D>, unknowns: usize, c
         multiplier_unknowns: 0,
         closure_unknowns,
     };
-    Plan { effects, choice: None, fluid: Some(fluid), bytes: FACTOR_BYTES * unknowns as f64 * (unknowns as f64).log2() }
+    Plan { effects, choice: None, fluid: Some(fluid), bytes: factor_bytes(unknowns as f64) }
+}
+
+fn factor_bytes(unknowns: f64) -> f64 {
+    FACTOR_BYTES * unknowns * unknowns.log2()
+}
+
+/// About as many bytes as a mesh takes whose triangles, far from bodies, have edges as long as those of so many square cells.
+pub fn bytes_of_cells(cells: f64) -> f64 {
+    factor_bytes((UNKNOWNS_PER_CELL * cells).max(2.0))
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{digits::percent, report::Findings};
 use crate::{
     error::{Error, Result},
-    output::write_whole,
+    output::{say, write_whole},
     scene::Scene,
 };
 
@@ -13,7 +13,6 @@ use crate::{
 ///
 /// # Errors
 /// There is no such setting, or the file cannot be written.
-#[allow(clippy::print_stdout)]
 pub fn apply(file: &Path, scene: &Scene, findings: &Findings) -> Result<()> {
     let Some(cheapest) = findings.cheapest() else {
         return Err(Error::Diverged(format!(
@@ -27,6 +26,5 @@ pub fn apply(file: &Path, scene: &Scene, findings: &Findings) -> Result<()> {
     changes.retain(|change| *change != format!("method.constraint={}", scene.method.constraint.word()));
     let made = Scene::parse(&scene.name, Path::new("."), &scene.movable_text()?, &changes)?;
     write_whole(file, made.text.as_bytes())?;
-    println!("applied: {}: {}, {}", file.display(), cheapest.setting.method, cheapest.setting.words());
-    Ok(())
+    say(&format!("applied: {}: {}, {}", file.display(), cheapest.setting.method, cheapest.setting.words()))
 }

@@ -17,6 +17,7 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
+    output::say,
     scene::Scene,
     study::{
         fit::Power,
@@ -87,12 +88,11 @@ impl<'a> Sweep<'a> {
     ///
     /// # Errors
     /// The run cannot be started, or its result cannot be written.
-    #[allow(clippy::print_stdout)]
     pub fn record(&mut self, setting: &Setting) -> Result<&Record> {
         if self.store.find(setting).is_none() {
             let outcome = self.run(setting)?;
             self.store.add(setting.clone(), outcome)?;
-            println!("{}", text::progress(self.store.records().last().expect("one was added")));
+            say(&text::progress(self.store.records().last().expect("one was added")))?;
         }
         Ok(self.store.find(setting).expect("it is there or was added"))
     }

@@ -4,6 +4,7 @@ use nalgebra::SVector;
 
 use crate::{
     error::Result,
+    flow::{InverseMethod, Transposes},
     geometry::Domain,
     grid::{Block, Grid},
     output::Spread,
@@ -22,6 +23,7 @@ const VALUE: f64 = 8.0;
 pub struct Arrangement<const D: usize> {
     domain: Domain<D>,
     spacing: f64,
+    inverse: InverseMethod,
     centers: Vec<SVector<f64, D>>,
 }
 
@@ -38,10 +40,19 @@ pub struct Shares {
     pub halo: f64,
     /// Most ranks that touch one.
     pub neighbours: f64,
-    /// Messages of the multigrid cycles of an iteration, by rule of thumb.
+    /// Messages of the multigrid cycles of an iteration, by rule of thumb; none where transforms invert the fluid.
     pub cycle_messages: f64,
     /// Bytes of the same.
     pub cycle_bytes: f64,
+    /// What ranks exchange in the transforms of an iteration; nothing where multigrid inverts the fluid.
+    pub transposes: Transposes,
+}
+
+impl Shares {
+    /// Bodies of all ranks.
+    pub fn all_bodies(&self) -> f64 {
+        self.bodies.mean * self.ranks as f64
+    }
 }
 
 impl<const D: usize> Arrangement<D> {
@@ -52,7 +63,7 @@ impl<const D: usize> Arrangement<D> {
     pub fn of(scene: &Scene) -> Result<Arrangement<D>> {
         let setup = Setup::<D>::of(scene)?;
         let centers = setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        Ok(Arrangement { domain: setup.domain, spacing: setup.spacing, centers })
+        Ok(Arrangement { domain: setup.domain, spacing: setup.spacing, inverse: setup.inverse, centers })
     }
 
     /// So many copies of it along each axis.
@@ -62,7 +73,7 @@ impl<const D: usize> Arrangement<D> {
         let shift = |place: [usize; D]| SVector::from_fn(|axis, _| place[axis] as f64 * self.domain.size[axis]);
         let all = Block { start: [0; D], end: copies };
         let centers = all.indices().flat_map(|place| self.centers.iter().map(move |center| center + shift(place))).collect();
-        Arrangement { domain, spacing: self.spacing, centers }
+        Arrangement { domain, centers, spacing: self.spacing, inverse: self.inverse }
     }
 
     /// What falls to each of so many ranks.
@@ -80,7 +91,10 @@ impl<const D: usize> Arrangement<D> {
         let halo = blocks.iter().map(|block| self.halo(block, partition.ranks())).fold(0.0, f64::max);
         let neighbours = partition.ranks().iter().map(|&parts| parts.min(3)).product::<usize>() as f64 - 1.0;
         let levels = (grid.unknowns(D) as f64).log2() / D as f64;
-        let finest = (D + 1) as f64 * EXCHANGES;
+        let (finest, transposes) = match self.inverse {
+            InverseMethod::Hypre => ((D + 1) as f64 * EXCHANGES, Transposes::default()),
+            InverseMethod::Transform => (0.0, Transposes::of(&grid)),
+        };
         Ok(Shares {
             ranks,
             cells: Spread::of(blocks.iter().map(|block| block.len() as f64)),
@@ -90,6 +104,7 @@ impl<const D: usize> Arrangement<D> {
             cycle_messages: finest * levels.ceil() * neighbours,
             // each level has half as many cells along each axis as the one before
             cycle_bytes: finest * VALUE * halo / (1.0 - 0.5_f64.powi(D as i32 - 1)),
+            transposes,
         })
     }
 
@@ -112,7 +127,8 @@ mod tests {
     fn arrangement() -> Arrangement<2> {
         let walls = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
         let domain = Domain { size: SVector::from([8.0, 4.0]), axes: [Axis::Periodic, walls] };
-        Arrangement { domain, spacing: 0.5, centers: vec![SVector::from([1.0, 1.0]), SVector::from([3.0, 1.0]), SVector::from([7.0, 3.0])] }
+        let inverse = InverseMethod::Hypre;
+        Arrangement { domain, spacing: 0.5, inverse, centers: vec![SVector::from([1.0, 1.0]), SVector::from([3.0, 1.0]), SVector::from([7.0, 3.0])] }
     }
 
     #[test]
@@ -124,6 +140,16 @@ mod tests {
         let eight = arrangement().shares(8).unwrap();
         assert_eq!((eight.cells.most, eight.halo, eight.neighbours), (16.0, 12.0, 5.0));
         assert!(arrangement().shares(128).is_err());
+    }
+
+    #[test]
+    fn multigrid_has_cycles_and_transforms_have_transposes() {
+        let hypre = arrangement().shares(4).unwrap();
+        assert!(hypre.cycle_messages > 0.0 && hypre.cycle_bytes > 0.0 && hypre.transposes == Transposes::default());
+        let transform = Arrangement { inverse: InverseMethod::Transform, ..arrangement() }.shares(4).unwrap();
+        assert!(transform.cycle_messages == 0.0 && transform.cycle_bytes == 0.0);
+        assert!(transform.transposes.count >= 2.0 && transform.transposes.bytes > 0.0);
+        assert_eq!(Arrangement { inverse: InverseMethod::Transform, ..arrangement() }.shares(1).unwrap().transposes, Transposes::default());
     }
 
     #[test]

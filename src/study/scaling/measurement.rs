@@ -18,7 +18,9 @@ pub struct Measurement {
     pub grid: f64,
     /// Seconds for the bodies: their jump corrections, and their blocks in the coupled solver.
     pub bodies: f64,
-    /// Further seconds, which no rank shares: contacts, files.
+    /// Seconds for contacts, which grow with the bodies of all ranks.
+    pub contacts: f64,
+    /// Further seconds, which no rank shares: files.
     pub rest: f64,
     /// Steps; 1 of an instant.
     pub steps: usize,
@@ -51,6 +53,7 @@ struct Motion {
     seconds: f64,
     assembly_seconds: f64,
     solve_seconds: f64,
+    contact_seconds: f64,
 }
 
 impl Measurement {
@@ -73,18 +76,28 @@ impl Measurement {
         match motion {
             None => {
                 let (grid, bodies) = split(solver.assembly_seconds, solver.solve_seconds);
-                Measurement { setup: solver.setup_seconds, grid, bodies, rest: 0.0, steps: 1, iterations: solver.iterations, parallel }
+                Measurement {
+                    setup: solver.setup_seconds,
+                    grid,
+                    bodies,
+                    contacts: 0.0,
+                    rest: 0.0,
+                    steps: 1,
+                    iterations: solver.iterations,
+                    parallel,
+                }
             }
             Some(motion) => {
                 let (grid, bodies) = split(motion.assembly_seconds, motion.solve_seconds);
-                let rest = (motion.seconds - grid - bodies).max(0.0);
-                Measurement { setup: 0.0, grid, bodies, rest, steps: steps.max(1), iterations: motion.iterations, parallel }
+                let contacts = motion.contact_seconds;
+                let rest = (motion.seconds - grid - bodies - contacts).max(0.0);
+                Measurement { setup: 0.0, grid, bodies, contacts, rest, steps: steps.max(1), iterations: motion.iterations, parallel }
             }
         }
     }
 
     /// Seconds of the instant, or of a step.
     pub fn seconds(&self) -> f64 {
-        (self.setup + self.grid + self.bodies + self.rest) / self.steps as f64
+        (self.setup + self.grid + self.bodies + self.contacts + self.rest) / self.steps as f64
     }
 }

@@ -1,19 +1,20 @@
 //! A performance model fitted to measured runs.
 //!
 //! ```text
-//! T(P) = s cells + iterations (g cells + b bodies) + rest + network
-//! network = messages latency + bytes / bandwidth + collectives log2(P) latency
+//! T(P) = s cells + iterations (g cells + b bodies) + c all bodies + rest + network
+//! network = messages latency + bytes / bandwidth + collectives log2(P) latency + transposes (P - 1) latency
 //! ```
 //!
-//! with the cells and bodies of the busiest rank, counted in the real partition at P ranks, and seconds `s`, `g` and `b`
-//! by least squares, each from the part of the run that it stands for. Messages and bytes per iteration are proportional
-//! to the neighbours and to the halo of a block, collectives to the iterations; the factors are those of the measured
-//! counts. hypre's multigrid, which is not counted, exchanges its halo five times on each level. Iterations are those
-//! measured on the most ranks. Counts are fitted to all runs on several ranks, seconds to those in which each rank had a core.
+//! with the cells and bodies of the busiest rank, counted in the real partition at P ranks, and seconds `s`, `g`, `b` and, for
+//! contacts, `c` by least squares, each from the part of the run that it stands for. Messages and bytes per iteration are
+//! proportional to the neighbours and to the halo of a block, collectives to the iterations; the factors are those of the measured
+//! counts. hypre's multigrid, which is not counted, exchanges its halo five times on each level; transforms exchange all values, each
+//! rank with all others, as often as their layouts ask for. Iterations are those measured on the most ranks. Counts are fitted to all runs on several ranks, seconds to those in which each rank had a core.
 
 use serde::Serialize;
 
 use super::{arrangement::Shares, measurement::Measurement};
+use crate::flow::Transposes;
 
 /// What is assumed of the network between ranks.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -42,13 +43,15 @@ pub struct Model {
     pub cell: f64,
     /// Seconds for each body and iteration.
     pub body: f64,
+    /// Seconds of contacts for each body of all ranks, in all steps.
+    pub contact: f64,
     /// Seconds that no rank shares.
     pub rest: f64,
     /// Messages for each neighbour and iteration.
     pub messages: f64,
-    /// Bytes for each face of the halo and iteration.
+    /// Bytes for each face of the halo and iteration, besides those of transforms.
     pub bytes: f64,
-    /// For each iteration.
+    /// For each iteration, besides those of transforms.
     pub collectives: f64,
     /// Bytes of memory of a rank without cells, and for each cell; unknown from a single run.
     pub memory: Option<[f64; 2]>,
@@ -82,16 +85,19 @@ impl Model {
             return None;
         }
         let iterations = |sample: &Sample| sample.measured.iterations as f64;
-        let sent = |count: fn(&Sample) -> f64, unit: fn(&Shares) -> f64| {
-            slope(shared.iter().map(|sample| (iterations(sample) * unit(&sample.shares), count(sample))))
+        // of what is counted, transforms are known
+        let sent = |count: fn(&Sample) -> f64, known: fn(&Shares) -> f64, unit: fn(&Shares) -> f64| {
+            let others = |sample: &Sample| (count(sample) - iterations(sample) * known(&sample.shares)).max(0.0);
+            slope(shared.iter().map(|sample| (iterations(sample) * unit(&sample.shares), others(sample))))
         };
         let counted = Model {
             setup: slope(samples.iter().map(|sample| (sample.shares.cells.most, sample.measured.setup))),
             body: slope(samples.iter().map(|sample| (iterations(sample) * sample.shares.bodies.most, sample.measured.bodies))),
+            contact: slope(samples.iter().map(|sample| (sample.shares.all_bodies(), sample.measured.contacts))),
             rest: samples.iter().map(|sample| sample.measured.rest).sum::<f64>() / samples.len() as f64,
-            messages: sent(|sample| sample.measured.parallel.messages.most, |shares| shares.neighbours),
-            bytes: sent(|sample| sample.measured.parallel.bytes.most, |shares| shares.halo),
-            collectives: sent(|sample| sample.measured.parallel.collectives.most, |_| 1.0),
+            messages: sent(|sample| sample.measured.parallel.messages.most, |_| 0.0, |shares| shares.neighbours),
+            bytes: sent(|sample| sample.measured.parallel.bytes.most, |shares| shares.transposes.bytes, |shares| shares.halo),
+            collectives: sent(|sample| sample.measured.parallel.collectives.most, |shares| shares.transposes.count, |_| 1.0),
             memory: line(all.iter().map(|sample| (sample.shares.cells.most, sample.measured.parallel.memory_bytes.most))),
             cell: 0.0,
             network,
@@ -112,7 +118,8 @@ impl Model {
     /// What a run of so many iterations costs.
     pub fn predict(&self, shares: &Shares, iterations: f64) -> Prediction {
         let (cells, bodies) = (shares.cells.most, shares.bodies.most);
-        let computing = self.setup * cells + iterations * (self.cell * cells + self.body * bodies) + self.rest;
+        let contacts = self.contact * shares.all_bodies();
+        let computing = self.setup * cells + iterations * (self.cell * cells + self.body * bodies) + contacts + self.rest;
         let [messages, bytes, collectives] = self.sent(shares, iterations);
         let memory = self.memory.map(|[base, cell]| base + cell * cells);
         Prediction { seconds: computing + self.network_seconds(shares, iterations), messages, bytes, collectives, memory }
@@ -121,15 +128,19 @@ impl Model {
     /// Messages, bytes and collectives that are counted.
     fn sent(&self, shares: &Shares, iterations: f64) -> [f64; 3] {
         let collectives = if shares.ranks > 1 { self.collectives } else { 0.0 };
-        [self.messages * shares.neighbours, self.bytes * shares.halo, collectives].map(|each| each * iterations)
+        let Transposes { count, bytes } = shares.transposes;
+        [self.messages * shares.neighbours, self.bytes * shares.halo + bytes, collectives + count].map(|each| each * iterations)
     }
 
     fn network_seconds(&self, shares: &Shares, iterations: f64) -> f64 {
         let [messages, bytes, collectives] = self.sent(shares, iterations);
         let Network { bandwidth, latency } = self.network;
-        (messages + iterations * shares.cycle_messages) * latency
-            + (bytes + iterations * shares.cycle_bytes) / bandwidth
-            + collectives * (shares.ranks as f64).log2() * latency
+        let (ranks, Transposes { count, bytes: transposed }) = (shares.ranks as f64, shares.transposes);
+        // each rank keeps its own share, and a transpose is a message to each of the others
+        let (kept, to_others) = (transposed / ranks, count * (ranks - 1.0));
+        (messages + iterations * (shares.cycle_messages + to_others)) * latency
+            + (bytes + iterations * (shares.cycle_bytes - kept)) / bandwidth
+            + (collectives - iterations * count) * ranks.log2() * latency
     }
 }
 
@@ -160,6 +171,7 @@ mod tests {
         setup: 3e-6,
         cell: 2e-7,
         body: 5e-6,
+        contact: 2e-5,
         rest: 0.25,
         messages: 7.0,
         bytes: 30.0,
@@ -179,12 +191,24 @@ mod tests {
             neighbours: if alone { 0.0 } else { (ranks as f64 - 1.0).min(8.0) },
             cycle_messages: if alone { 0.0 } else { 120.0 },
             cycle_bytes: if alone { 0.0 } else { 1e4 },
+            transposes: Transposes::default(),
         }
+    }
+
+    /// Those of a solve by transforms.
+    fn transformed(ranks: usize) -> Shares {
+        let transposes = Transposes { count: 4.0, bytes: 1e7 / ranks as f64 };
+        let transposes = if ranks == 1 { Transposes::default() } else { transposes };
+        Shares { cycle_messages: 0.0, cycle_bytes: 0.0, transposes, ..shares(ranks) }
     }
 
     /// A run that obeys the law.
     fn sample(ranks: usize, iterations: usize) -> Sample {
-        let (shares, steps) = (shares(ranks), iterations as f64);
+        sample_of(shares(ranks), iterations)
+    }
+
+    fn sample_of(shares: Shares, iterations: usize) -> Sample {
+        let steps = iterations as f64;
         let Prediction { messages, bytes, collectives, memory, .. } = LAW.predict(&shares, steps);
         let [messages, bytes, collectives, memory_bytes] =
             [messages, bytes, collectives, memory.unwrap()].map(|amount| Spread::of([amount]));
@@ -193,6 +217,7 @@ mod tests {
             setup: LAW.setup * shares.cells.most,
             grid: steps * LAW.cell * shares.cells.most + LAW.network_seconds(&shares, steps),
             bodies: steps * LAW.body * shares.bodies.most,
+            contacts: LAW.contact * shares.all_bodies(),
             rest: LAW.rest,
             steps: 1,
             iterations,
@@ -206,22 +231,44 @@ mod tests {
     }
 
     #[test]
-    fn a_law_that_is_obeyed_is_recovered() {
-        let mut slow = sample(8, 51);
-        slow.measured.grid *= 7.0;
-        let samples = [sample(1, 50), sample(2, 52), sample(4, 51), slow];
-        let model = Model::fit(&samples, 4, LAW.network).unwrap();
-        let coefficients =
-            |model: &Model| [model.setup, model.cell, model.body, model.rest, model.messages, model.bytes, model.collectives];
-        for (found, true_one) in coefficients(&model).into_iter().zip(coefficients(&LAW)) {
-            assert_near(found, true_one);
+    fn a_law_that_is_obeyed_is_recovered_with_either_inverse() {
+        for shares in [shares, transformed] {
+            let sample = |ranks, iterations| sample_of(shares(ranks), iterations);
+            let mut slow = sample(8, 51);
+            slow.measured.grid *= 7.0;
+            let samples = [sample(1, 50), sample(2, 52), sample(4, 51), slow];
+            let model = Model::fit(&samples, 4, LAW.network).unwrap();
+            let coefficients = |model: &Model| {
+                [model.setup, model.cell, model.body, model.contact, model.rest, model.messages, model.bytes, model.collectives]
+            };
+            for (found, true_one) in coefficients(&model).into_iter().zip(coefficients(&LAW)) {
+                assert_near(found, true_one);
+            }
+            assert_near(model.memory.unwrap()[0], LAW.memory.unwrap()[0]);
+            assert!(model.misfit < 1e-10);
+            for (ranks, iterations) in [(1, 50), (64, 55), (4096, 60)] {
+                let expected = sample(ranks, iterations).measured.seconds();
+                assert_near(model.predict(&shares(ranks), iterations as f64).seconds, expected);
+            }
         }
-        assert_near(model.memory.unwrap()[0], LAW.memory.unwrap()[0]);
-        assert!(model.misfit < 1e-10);
-        for (ranks, iterations) in [(1, 50), (64, 55), (4096, 60)] {
-            let expected = sample(ranks, iterations).measured.seconds();
-            assert_near(model.predict(&shares(ranks), iterations as f64).seconds, expected);
-        }
+    }
+
+    #[test]
+    fn transposes_cost_a_message_to_each_other_rank_and_all_bytes_but_ones_own() {
+        let [with, without] = [transformed(64), Shares { transposes: Transposes::default(), ..transformed(64) }];
+        let more = LAW.predict(&with, 10.0).seconds - LAW.predict(&without, 10.0).seconds;
+        assert_near(more, 10.0 * (4.0 * 63.0 * LAW.network.latency + with.transposes.bytes * 63.0 / 64.0 / LAW.network.bandwidth));
+    }
+
+    #[test]
+    fn contacts_grow_with_the_bodies_of_all_ranks() {
+        let weak = |ranks: usize| Shares { bodies: Spread::of([300.0]), cells: Spread::of([1e5]), ..shares(ranks) };
+        let contacts = |ranks: usize| {
+            let (all, none) = (weak(ranks), Model { contact: 0.0, ..LAW });
+            LAW.predict(&all, 10.0).seconds - none.predict(&all, 10.0).seconds
+        };
+        assert_near(contacts(64), 64.0 * contacts(1));
+        assert_near(contacts(1), 300.0 * LAW.contact);
     }
 
     #[test]

@@ -6,6 +6,7 @@ use std::{path::Path, time::Instant};
 
 use crate::{
     error::{Error, Result},
+    output::say,
     petsc::Session,
     scene::Scene,
     study::{Answer, Calibration, Ladder},
@@ -71,17 +72,14 @@ impl KnownScene {
 /// Solves all known scenes to each accuracy and prints bars beside true errors as a table in Markdown; tells whether enough bars are honest.
 ///
 /// # Errors
-/// A solve fails.
-#[allow(clippy::print_stdout)]
+/// No scene can be solved to an accuracy like these, or a solve fails.
 pub fn bars(session: &Session, accuracies: &[f64]) -> Result<bool> {
-    let say = |text: String| {
-        if session.world().rank() == 0 {
-            println!("{text}");
-        }
-    };
-    say("| scene | accuracy | cells per radius | estimated error | true error | seconds |\n|-|-|-|-|-|-|".into());
-    let (mut all, mut honest) = (Vec::new(), 0);
-    for scene in known_scenes() {
+    let scenes = known_scenes();
+    check(&scenes, accuracies)?;
+    let say = |text: &str| session.world().agree(if session.world().rank() == 0 { say(text) } else { Ok(()) });
+    say("| scene | accuracy | cells per radius | estimated error | true error | seconds |\n|-|-|-|-|-|-|")?;
+    let (mut all, mut honest, mut refused) = (Vec::new(), 0, 0);
+    for scene in &scenes {
         for &accuracy in accuracies {
             let start = Instant::now();
             let outcome = scene.solve(session, accuracy);
@@ -90,17 +88,64 @@ pub fn bars(session: &Session, accuracies: &[f64]) -> Result<bool> {
             match outcome {
                 Ok(Bar { estimated, error, calibration }) => {
                     let grids: Vec<String> = calibration.rungs.iter().map(|rung| rung.cells_per_radius.to_string()).collect();
-                    say(format!("| {what}, {name} | {accuracy} | {} | {estimated:.1e} | {error:.1e} | {seconds:.2} |", grids.join(", ")));
+                    say(&format!("| {what}, {name} | {accuracy} | {} | {estimated:.1e} | {error:.1e} | {seconds:.2} |", grids.join(", ")))?;
                     honest += usize::from(error <= estimated);
                     all.push(estimated / accuracy);
                 }
-                Err(Error::Refused(text)) => say(format!("| {what}, {name} | {accuracy} | refused: {text} | | | {seconds:.2} |")),
+                Err(Error::Refused(text)) => {
+                    refused += 1;
+                    say(&format!("| {what}, {name} | {accuracy} | refused: {text} | | | {seconds:.2} |"))?;
+                }
                 Err(error) => return Err(error),
             }
         }
     }
-    all.sort_by(f64::total_cmp);
-    let median = all.get(all.len() / 2).copied().unwrap_or(f64::NAN);
-    say(format!("\n{honest} of {} true errors lie inside their bars; the median bar is {median:.2} times the accuracy", all.len()));
-    Ok(honest as f64 >= HONEST * all.len() as f64)
+    say(&format!("\n{}", verdict(honest, refused, &mut all)))?;
+    Ok(enough(honest, refused + all.len()))
+}
+
+/// Refuses accuracies that no scene can be solved to.
+fn check(scenes: &[KnownScene], accuracies: &[f64]) -> Result<()> {
+    for accuracy in accuracies {
+        if let Some(Err(Error::Refused(reason))) = scenes.first().map(|scene| scene.read(*accuracy)) {
+            return Err(Error::Refused(format!("--bars {accuracy}: {reason}")));
+        }
+    }
+    Ok(())
+}
+
+/// How many of the bars, of which the parts of the accuracy are given, hold the true error.
+fn verdict(honest: usize, refused: usize, bars: &mut [f64]) -> String {
+    bars.sort_by(f64::total_cmp);
+    let median = bars.get(bars.len() / 2).map_or(String::new(), |median| format!("; the median bar is {median:.2} times the accuracy"));
+    let refusals = if refused > 0 { format!(", {refused} scenes are refused and hold nothing") } else { String::new() };
+    format!("{honest} of {} true errors lie inside their bars{refusals}{median}", bars.len())
+}
+
+/// Whether enough of all scenes have a bar that holds the true error; a scene that was refused has none.
+fn enough(honest: usize, all: usize) -> bool {
+    all > 0 && honest as f64 >= HONEST * all as f64
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scenes_that_are_refused_are_counted_as_missed() {
+        assert!(enough(11, 12) && !enough(10, 12) && !enough(0, 3) && !enough(0, 0));
+        assert_eq!(verdict(0, 3, &mut []), "0 of 0 true errors lie inside their bars, 3 scenes are refused and hold nothing");
+        let told = verdict(2, 0, &mut [0.5, 0.25]);
+        assert_eq!(told, "2 of 2 true errors lie inside their bars; the median bar is 0.50 times the accuracy");
+    }
+
+    #[test]
+    fn accuracies_that_cannot_be_asked_for_are_refused() {
+        for accuracy in [0.0, -1.0, f64::NAN, 1e-9, 3.0] {
+            let error = check(&known_scenes(), &[1e-2, accuracy]).unwrap_err().to_string();
+            assert!(error.starts_with(&format!("--bars {accuracy}: ")), "{error}");
+        }
+        check(&known_scenes(), &[1e-2, 1e-3]).unwrap();
+    }
 }

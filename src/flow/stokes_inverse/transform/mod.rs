@@ -10,6 +10,7 @@ mod fourier;
 mod lines;
 mod periodic;
 mod seam;
+mod stages;
 mod symbols;
 mod tridiagonal;
 mod wall_to_wall;
@@ -23,8 +24,10 @@ use self::{
     fourier::{ComplexTransform, RealTransform},
     lines::Lines,
     periodic::PeriodicLines,
+    stages::Stages,
     symbols::Symbols,
 };
+pub use self::stages::Transposes;
 use super::{Stokes, StokesInverse};
 use crate::{
     error::{Error, Result},
@@ -84,14 +87,8 @@ impl<const D: usize> TransformInverse<D> {
                 "method.inverse = \"transform\" needs a box with walls across one axis at most; use method.inverse = \"hypre\"".into(),
             ));
         }
-        let (ranks, rank) = (grid.partition().blocks(), stokes.session().world().rank());
-        let own = Layout((0..ranks).map(|rank| grid.partition().block(rank)).collect());
-        let special = (0..D).find(|&axis| grid.domain().axes[axis] != Axis::Periodic);
-        let pencils = Pencils::new(&own, grid.cells(), special);
-        let order = pencils.order();
-        let mut waves = grid.cells();
-        waves[order[0]] = waves[order[0]] / 2 + 1;
-        let (whole, stages) = (pencils.layout(0, grid.cells()), pencils.layouts(waves));
+        let rank = stokes.session().world().rank();
+        let Stages { own, whole, waves: stages, order } = Stages::new(grid);
         let start = Redistribution::new(&own, &whole, rank, D + 1);
         let turns: Vec<_> = stages.windows(2).map(|pair| Redistribution::new(&pair[0], &pair[1], rank, D + 1)).collect();
         let lines = |stage: usize| Lines::new(stages[stage].0[rank], order[stage]);

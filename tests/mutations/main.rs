@@ -5,6 +5,10 @@
 
 #![allow(clippy::unwrap_used)]
 
+#[path = "../common/mod.rs"]
+mod common;
+mod scenes;
+
 use std::path::Path;
 
 use proptest::prelude::*;

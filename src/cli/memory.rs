@@ -1,0 +1,50 @@
+//! Whether a run fits into the memory of the machine.
+
+use crate::{
+    error::{Error, Result},
+    parallel::World,
+    scene::{ConstraintMethod, Scene, Spacing},
+    simulation::demand,
+    study::coarsest,
+};
+
+/// Refuses a scene that takes more memory than all machines of this run have free; collective.
+///
+/// # Errors
+/// [`Error::Refused`], also for what cannot be placed.
+pub fn check(world: &World, scene: &Scene) -> Result<()> {
+    let free = world.available_memory_bytes();
+    let bytes = world.agree(bytes(scene))?;
+    if bytes <= free { Ok(()) } else { Err(refusal(scene, bytes, free)) }
+}
+
+/// Refuses to plan what already takes too long to plan: a mesh that is made for the plan, cells beyond all memory; collective.
+///
+/// # Errors
+/// As [`check`].
+pub fn check_plan(world: &World, scene: &Scene) -> Result<()> {
+    let bytes = world.agree(bytes(scene))?;
+    if bytes.is_infinite() || scene.method.constraint == ConstraintMethod::Fitted { check(world, scene) } else { Ok(()) }
+}
+
+/// About as many bytes as a scene takes.
+fn bytes(scene: &Scene) -> Result<f64> {
+    let resolved = if scene.accuracy.is_some() { coarsest(scene) } else { scene.clone() };
+    if scene.dimension() == 2 { demand::<2>(&resolved) } else { demand::<3>(&resolved) }
+}
+
+fn refusal(scene: &Scene, bytes: f64, free: f64) -> Error {
+    let taken = if bytes.is_finite() { format!("about {:.1} GB", bytes / 1e9) } else { "far more memory than there is".into() };
+    let remedy = format!(
+        "takes {taken}, and {:.1} GB are free; coarsen it or shrink domain.size, take more machines, or insist with turbid run --force",
+        free / 1e9
+    );
+    match (&scene.resolution, scene.accuracy) {
+        (Some(resolution), _) => match resolution.spacing {
+            Spacing::Length(spacing) => scene.refuse("resolution.spacing", spacing, &remedy),
+            Spacing::CellsPerRadius(cells) => scene.refuse("resolution.cells_per_radius", cells, &remedy),
+        },
+        (None, Some(accuracy)) => scene.refuse("accuracy", accuracy, &remedy),
+        (None, None) => scene.refuse("domain.size", format!("{:?}", scene.domain.size), &remedy),
+    }
+}

@@ -1,0 +1,110 @@
+//! Balls sorted by size into grids of hashed cells: who lies where, at linear cost however the balls cluster.
+//!
+//! Each power of two of the radii has a grid whose cells are as wide as its largest balls, so that what touches a ball not larger than
+//! these lies in the cells next to its own. Balls that do not overlap are few in a cell; whoever stops at the first overlap visits few.
+
+use std::collections::{BTreeMap, HashMap};
+
+use nalgebra::SVector;
+
+use super::{Ball, Domain};
+
+/// Most cells along an axis: beyond it their numbers are not exact.
+const MOST_CELLS: f64 = 1e15;
+
+/// Balls sorted by size and place.
+pub struct Levels<'a, const D: usize> {
+    domain: &'a Domain<D>,
+    /// By the binary logarithm of the radii, rounded up.
+    levels: BTreeMap<i32, Level<D>>,
+}
+
+/// Balls of about one size.
+struct Level<const D: usize> {
+    /// Number of cells along each axis.
+    counts: [f64; D],
+    /// Cells along each axis within which a ball of this level is touched.
+    reach: [i64; D],
+    /// Numbers and centres, moved into the box, of the balls in a cell.
+    members: HashMap<[i64; D], Vec<(usize, SVector<f64, D>)>>,
+}
+
+impl<'a, const D: usize> Levels<'a, D> {
+    /// No balls yet.
+    pub fn new(domain: &'a Domain<D>) -> Self {
+        Levels { domain, levels: BTreeMap::new() }
+    }
+
+    /// Adds a ball, which is known by a number.
+    pub fn insert(&mut self, number: usize, ball: &Ball<D>) {
+        let exponent = exponent(ball.radius);
+        let level = self.levels.entry(exponent).or_insert_with(|| Level::new(self.domain, exponent));
+        let center = self.domain.wrap(ball.center);
+        let cell = level.cell(self.domain, &center);
+        let inside = std::array::from_fn(|axis| cell[axis].clamp(0, level.counts[axis] as i64 - 1));
+        level.members.entry(inside).or_default().push((number, center));
+    }
+
+    /// Calls `found(number, distance of the centres)` for each image of a ball near one that is not larger than it.
+    ///
+    /// Smaller balls that were added may be missed.
+    pub fn visit(&self, ball: &Ball<D>, mut found: impl FnMut(usize, f64)) {
+        let center = self.domain.wrap(ball.center);
+        for (_, level) in self.levels.range(exponent(ball.radius)..) {
+            level.visit(self.domain, &center, &mut found);
+        }
+    }
+}
+
+impl<const D: usize> Level<D> {
+    fn new(domain: &Domain<D>, exponent: i32) -> Self {
+        let edge = 2.0 * 2.0_f64.powi(exponent);
+        let counts: [f64; D] = std::array::from_fn(|axis| (domain.size[axis] / edge).floor().clamp(1.0, MOST_CELLS));
+        let reach = std::array::from_fn(|axis| (edge * counts[axis] / domain.size[axis] * (1.0 - 1e-9)).ceil().max(1.0) as i64);
+        Level { counts, reach, members: HashMap::new() }
+    }
+
+    /// The cell of a point, which lies beyond the box if the point does.
+    fn cell(&self, domain: &Domain<D>, point: &SVector<f64, D>) -> [i64; D] {
+        std::array::from_fn(|axis| (point[axis] / domain.size[axis] * self.counts[axis]).floor() as i64)
+    }
+
+    fn visit(&self, domain: &Domain<D>, center: &SVector<f64, D>, found: &mut impl FnMut(usize, f64)) {
+        let rows = self.cell(domain, center)[1];
+        for row in rows - self.reach[1]..=rows + self.reach[1] {
+            let (up, row) = turns(domain, 1, row, self.counts[1] as i64);
+            // seen from a row of images, the centre lies aside
+            let aside = domain.offset(std::array::from_fn(|axis| if axis == 1 { up as isize } else { 0 }))[0];
+            let own = self.cell(domain, &SVector::from_fn(|axis, _| if axis == 0 { center[0] - aside } else { center[axis] }));
+            for flat in 0..(0..D).filter(|&axis| axis != 1).map(|axis| 2 * self.reach[axis] + 1).product() {
+                let (place, image) = self.place(domain, (own, row, up), flat);
+                let offset = domain.offset(image.map(|turns| turns as isize));
+                for (number, other) in self.members.get(&place).into_iter().flatten() {
+                    found(*number, (other + offset - center).norm());
+                }
+            }
+        }
+    }
+
+    /// One of the cells of a row around a cell, and the image of the box in which it lies.
+    fn place(&self, domain: &Domain<D>, (own, row, up): ([i64; D], i64, i64), mut flat: i64) -> ([i64; D], [i64; D]) {
+        let (mut place, mut image) = ([row; D], [up; D]);
+        for axis in (0..D).filter(|&axis| axis != 1) {
+            let width = 2 * self.reach[axis] + 1;
+            let cell = own[axis] + flat % width - self.reach[axis];
+            (image[axis], place[axis]) = turns(domain, axis, cell, self.counts[axis] as i64);
+            flat /= width;
+        }
+        (place, image)
+    }
+}
+
+/// How many boxes away a cell lies along an axis, and its image in the box; along walls it stays where it is.
+fn turns<const D: usize>(domain: &Domain<D>, axis: usize, cell: i64, count: i64) -> (i64, i64) {
+    if domain.periodic(axis) { (cell.div_euclid(count), cell.rem_euclid(count)) } else { (0, cell) }
+}
+
+/// The least power of two that is not below a radius.
+fn exponent(radius: f64) -> i32 {
+    radius.log2().ceil() as i32
+}

@@ -1,0 +1,207 @@
+//! The guard where results leave: no number that is told is NaN or infinite.
+
+use serde::{
+    Serialize, Serializer,
+    ser::{SerializeMap, SerializeSeq, SerializeStruct, SerializeStructVariant, SerializeTuple, SerializeTupleStruct, SerializeTupleVariant},
+};
+
+use crate::error::{Error, Result};
+
+/// Refuses to tell results of which a number is not finite.
+///
+/// # Errors
+/// [`Error::Diverged`], naming the first such number.
+pub fn check_finite(what: &str, results: &impl Serialize) -> Result<()> {
+    let mut walk = Walk { path: Vec::new(), found: None };
+    results.serialize(&mut walk).expect("a walk writes nothing that could fail");
+    walk.found.map_or(Ok(()), |(path, value)| Err(not_finite(what, &path, value)))
+}
+
+/// The error of a number that is not finite.
+pub(super) fn not_finite(what: &str, name: &str, value: f64) -> Error {
+    Error::Diverged(format!(
+        "{what} is not written: {name} is {value}; a number of the scene is too large or too small for the others, or time.step too long: \
+         choose other units or a smaller step"
+    ))
+}
+
+/// A walk through numbers and where it is.
+struct Walk {
+    path: Vec<String>,
+    found: Option<(String, f64)>,
+}
+
+type Outcome = std::result::Result<(), serde_json::Error>;
+
+impl Walk {
+    fn step(&mut self, name: String, value: &(impl Serialize + ?Sized)) -> Outcome {
+        self.path.push(name);
+        let outcome = value.serialize(&mut *self);
+        self.path.pop();
+        outcome
+    }
+}
+
+/// Fields and elements on the way, numbered where they have no name.
+struct Parts<'a>(&'a mut Walk, usize);
+
+impl Parts<'_> {
+    fn next(&mut self, value: &(impl Serialize + ?Sized)) -> Outcome {
+        self.1 += 1;
+        self.0.step((self.1 - 1).to_string(), value)
+    }
+}
+
+macro_rules! plain {
+    ($($name:ident: $kind:ty),*) => { $(fn $name(self, _: $kind) -> Outcome { Ok(()) })* };
+}
+
+macro_rules! numbered {
+    ($($part:ident: $name:ident),*) => { $(impl $part for Parts<'_> {
+        type Ok = ();
+        type Error = serde_json::Error;
+        fn $name<T: Serialize + ?Sized>(&mut self, value: &T) -> Outcome { self.next(value) }
+        fn end(self) -> Outcome { Ok(()) }
+    })* };
+}
+
+macro_rules! named {
+    ($($part:ident),*) => { $(impl $part for Parts<'_> {
+        type Ok = ();
+        type Error = serde_json::Error;
+        fn serialize_field<T: Serialize + ?Sized>(&mut self, name: &'static str, value: &T) -> Outcome { self.0.step(name.into(), value) }
+        fn end(self) -> Outcome { Ok(()) }
+    })* };
+}
+
+numbered!(SerializeSeq: serialize_element, SerializeTuple: serialize_element);
+numbered!(SerializeTupleStruct: serialize_field, SerializeTupleVariant: serialize_field);
+named!(SerializeStruct, SerializeStructVariant);
+
+impl SerializeMap for Parts<'_> {
+    type Ok = ();
+    type Error = serde_json::Error;
+
+    fn serialize_key<T: Serialize + ?Sized>(&mut self, _: &T) -> Outcome {
+        Ok(())
+    }
+
+    fn serialize_value<T: Serialize + ?Sized>(&mut self, value: &T) -> Outcome {
+        self.next(value)
+    }
+
+    fn end(self) -> Outcome {
+        Ok(())
+    }
+}
+
+type Begun<'a> = std::result::Result<Parts<'a>, serde_json::Error>;
+
+impl<'a> Serializer for &'a mut Walk {
+    type Ok = ();
+    type Error = serde_json::Error;
+    type SerializeSeq = Parts<'a>;
+    type SerializeTuple = Parts<'a>;
+    type SerializeTupleStruct = Parts<'a>;
+    type SerializeTupleVariant = Parts<'a>;
+    type SerializeMap = Parts<'a>;
+    type SerializeStruct = Parts<'a>;
+    type SerializeStructVariant = Parts<'a>;
+
+    plain!(serialize_bool: bool, serialize_i8: i8, serialize_i16: i16, serialize_i32: i32, serialize_i64: i64, serialize_u8: u8);
+    plain!(serialize_u16: u16, serialize_u32: u32, serialize_u64: u64, serialize_char: char, serialize_str: &str, serialize_bytes: &[u8]);
+
+    fn serialize_f32(self, value: f32) -> Outcome {
+        self.serialize_f64(value.into())
+    }
+
+    fn serialize_f64(self, value: f64) -> Outcome {
+        if !value.is_finite() && self.found.is_none() {
+            self.found = Some((self.path.join("."), value));
+        }
+        Ok(())
+    }
+
+    fn serialize_none(self) -> Outcome {
+        Ok(())
+    }
+
+    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Outcome {
+        value.serialize(self)
+    }
+
+    fn serialize_unit(self) -> Outcome {
+        Ok(())
+    }
+
+    fn serialize_unit_struct(self, _: &'static str) -> Outcome {
+        Ok(())
+    }
+
+    fn serialize_unit_variant(self, _: &'static str, _: u32, _: &'static str) -> Outcome {
+        Ok(())
+    }
+
+    fn serialize_newtype_struct<T: Serialize + ?Sized>(self, _: &'static str, value: &T) -> Outcome {
+        value.serialize(self)
+    }
+
+    fn serialize_newtype_variant<T: Serialize + ?Sized>(self, _: &'static str, _: u32, name: &'static str, value: &T) -> Outcome {
+        self.step(name.into(), value)
+    }
+
+    fn serialize_seq(self, _: Option<usize>) -> Begun<'a> {
+        Ok(Parts(self, 0))
+    }
+
+    fn serialize_tuple(self, _: usize) -> Begun<'a> {
+        Ok(Parts(self, 0))
+    }
+
+    fn serialize_tuple_struct(self, _: &'static str, _: usize) -> Begun<'a> {
+        Ok(Parts(self, 0))
+    }
+
+    fn serialize_tuple_variant(self, _: &'static str, _: u32, _: &'static str, _: usize) -> Begun<'a> {
+        Ok(Parts(self, 0))
+    }
+
+    fn serialize_map(self, _: Option<usize>) -> Begun<'a> {
+        Ok(Parts(self, 0))
+    }
+
+    fn serialize_struct(self, _: &'static str, _: usize) -> Begun<'a> {
+        Ok(Parts(self, 0))
+    }
+
+    fn serialize_struct_variant(self, _: &'static str, _: u32, _: &'static str, _: usize) -> Begun<'a> {
+        Ok(Parts(self, 0))
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[derive(Serialize)]
+    struct Inner {
+        velocity: Vec<f64>,
+        gap: Option<f64>,
+    }
+
+    #[derive(Serialize)]
+    struct Outer {
+        steps: usize,
+        bodies: Vec<Inner>,
+    }
+
+    #[test]
+    fn numbers_that_are_none_are_named_and_absent_ones_are_not() {
+        let results = |value, gap| Outer { steps: 3, bodies: vec![Inner { velocity: vec![1.0, value], gap }] };
+        check_finite("summary.json", &results(2.0, None)).unwrap();
+        let error = |results| check_finite("summary.json", &results).unwrap_err().to_string();
+        assert!(error(results(f64::NAN, None)).starts_with("summary.json is not written: bodies.0.velocity.1 is NaN; "));
+        assert!(error(results(0.0, Some(f64::INFINITY))).contains("bodies.0.gap is inf"));
+    }
+}

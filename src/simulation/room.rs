@@ -1,0 +1,112 @@
+//! Whether what a scene asks for fits: bodies into the box and into memory, cells into what can be numbered. Told before any is made.
+
+use nalgebra::SVector;
+
+use crate::{
+    error::{Error, Result},
+    geometry::{Ball, Domain},
+    grid::{FEWEST_CELLS, MOST_UNKNOWNS},
+    parallel::free_memory_bytes,
+    scene::{Placement, Scene, Spacing},
+};
+
+/// Bytes that placing a body takes.
+const BODY_BYTES: f64 = 500.0;
+
+/// Part of space that the densest packing of equal disks fills, `pi / sqrt(12)`, and of equal spheres, `pi / sqrt(18)`.
+const DENSEST: [f64; 2] = [0.906_899_7, 0.740_480_5];
+
+/// What a search for random places never fills with as many equal disks or spheres as a crowd has: it stops at 0.87 and at 0.645.
+const RANDOM: [f64; 2] = [0.88, 0.66];
+const CROWD: f64 = 500.0;
+
+/// Refuses bodies that cannot fit, or not be placed in the memory of this machine, and grids too coarse or too fine.
+///
+/// `counts` is the number of bodies that each group places at random.
+///
+/// # Errors
+/// [`Error::Refused`], naming the key.
+pub fn check<const D: usize>(scene: &Scene, domain: &Domain<D>, given: &[(usize, Ball<D>)], counts: &[f64]) -> Result<()> {
+    check_numbers(scene, counts)?;
+    check_filling(scene, domain, given, counts)?;
+    let random = scene.bodies.iter().zip(counts).filter(|(_, count)| **count > 0.0).map(|(bodies, _)| bodies.radius);
+    let smallest = given.iter().map(|(_, ball)| ball.radius).chain(random).fold(f64::INFINITY, f64::min);
+    check_grid(scene, domain, smallest)
+}
+
+/// The refusal of the number of a random group's bodies.
+pub fn refuse_number(scene: &Scene, group: usize, remedy: &str) -> Error {
+    match scene.bodies[group].placement {
+        Placement::Fraction(fraction) => scene.refuse(&format!("bodies[{group}].fraction"), fraction, remedy),
+        Placement::Count(count) => scene.refuse(&format!("bodies[{group}].count"), count, remedy),
+        _ => unreachable!("only random groups are numbers"),
+    }
+}
+
+fn check_numbers(scene: &Scene, counts: &[f64]) -> Result<()> {
+    let (needed, free) = (BODY_BYTES * counts.iter().sum::<f64>(), free_memory_bytes());
+    if needed <= free {
+        return Ok(());
+    }
+    let remedy = format!(
+        "asks for {:.3e} bodies, which take {:.1} GB to place, but only {:.1} GB are free; lower it, raise the radius or shrink domain.size",
+        counts[largest(counts)],
+        needed / 1e9,
+        free / 1e9
+    );
+    Err(refuse_number(scene, largest(counts), &remedy))
+}
+
+/// Refuses random bodies that would fill more than any packing does, with half the gap that each keeps.
+fn check_filling<const D: usize>(scene: &Scene, domain: &Domain<D>, given: &[(usize, Ball<D>)], counts: &[f64]) -> Result<()> {
+    let random = || scene.bodies.iter().zip(counts).filter(|(_, count)| **count > 0.0);
+    let gap = random().map(|(bodies, _)| bodies.gap).fold(0.0, f64::max);
+    let part = |radius: f64| Ball { center: SVector::<f64, D>::zeros(), radius }.volume() / domain.volume();
+    let swollen = |group: usize| counts[group] * part(scene.bodies[group].radius * (1.0 + gap / 2.0));
+    let equal = given.is_empty() && random().all(|(bodies, _)| random().next().is_some_and(|(first, _)| first.radius == bodies.radius));
+    let crowd = counts.iter().sum::<f64>() >= CROWD;
+    let most = if !equal { 1.0 } else if crowd { RANDOM[D - 2] } else { DENSEST[D - 2] };
+    let others: f64 = given.iter().map(|(_, ball)| part(ball.radius)).sum();
+    let parts: Vec<f64> = (0..counts.len()).map(|group| if counts[group] > 0.0 { swollen(group) } else { 0.0 }).collect();
+    let filled = others + parts.iter().sum::<f64>();
+    if parts.iter().all(|&part| part == 0.0) || filled <= most {
+        return Ok(());
+    }
+    let group = largest(&parts);
+    let fitting = (counts[group] * (1.0 - (filled - most) / parts[group])).floor().max(0.0);
+    let remedy = format!(
+        "{} bodies of radius {} would fill {:.4} of the box with the `gap` of {gap} that they keep, all together {filled:.4}, and no \
+         more than {most:.4} can be filled at random: about {fitting} of them fit at most; lower it, the radius or `gap`, or enlarge domain.size",
+        counts[group], scene.bodies[group].radius, parts[group]
+    );
+    Err(refuse_number(scene, group, &remedy))
+}
+
+/// Refuses a grid with too few cells along an axis, or with more unknowns than can be numbered.
+fn check_grid<const D: usize>(scene: &Scene, domain: &Domain<D>, smallest: f64) -> Result<()> {
+    let Some(resolution) = &scene.resolution else { return Ok(()) };
+    let (key, value, spacing) = match resolution.spacing {
+        Spacing::Length(spacing) => ("resolution.spacing", spacing, spacing),
+        Spacing::CellsPerRadius(cells) => ("resolution.cells_per_radius", cells, smallest / cells),
+    };
+    let cells: [f64; D] = std::array::from_fn(|axis| (domain.size[axis] / spacing).round());
+    if let Some(axis) = (0..D).find(|&axis| cells[axis] < FEWEST_CELLS as f64) {
+        let remedy = format!(
+            "leaves {} cells along {}: at least {FEWEST_CELLS} are needed; refine it or enlarge domain.size",
+            cells[axis],
+            ["x", "y", "z"][axis]
+        );
+        return Err(scene.refuse(key, value, &remedy));
+    }
+    let all: f64 = cells.iter().product();
+    if all * (D + 1) as f64 > MOST_UNKNOWNS {
+        let remedy = format!("asks for {all:.3e} cells, more than can be numbered; coarsen it, raise the radii or shrink domain.size");
+        return Err(scene.refuse(key, value, &remedy));
+    }
+    Ok(())
+}
+
+/// The place of the largest number.
+fn largest(numbers: &[f64]) -> usize {
+    (0..numbers.len()).max_by(|&one, &two| numbers[one].total_cmp(&numbers[two])).unwrap_or(0)
+}
