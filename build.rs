@@ -3,7 +3,7 @@
 use std::{env, path::PathBuf};
 
 const FUNCTIONS: &str = "Petsc(Initialize|Finalize|Initialized|ErrorMessage|PushErrorHandler|IgnoreErrorHandler|ReturnErrorHandler|\
-    OptionsSetValue|OptionsInsertString|MallocGetMaximumUsage|MemoryGetCurrentUsage|ObjectReference|OptionsHasName|\
+    Options(SetValue|InsertString|GetReal|LeftGet|LeftRestore)|MallocGetMaximumUsage|MemoryGetCurrentUsage|ObjectReference|OptionsHasName|\
     LogStage(Register|Push|Pop)|LogGetStageLog)|\
     Vec.*|Mat.*|KSP.*|PC.*|IS.*|mallinfo2";
 

@@ -8,12 +8,13 @@ use turbid::{
     error::{Error, Result},
     output::note,
     parallel::{abort_on_panic, end_together, first_of_launched},
-    petsc::Session,
+    petsc::{Session, check_options, unused_options},
 };
 
 fn main() {
     let arguments = Arguments::try_parse().unwrap_or_else(|error| end_together(misused(&error)));
-    match execute_alone(&arguments) {
+    let alone = check_options(&arguments.petsc).map_or_else(|error| Some(Err(error)), |()| execute_alone(&arguments));
+    match alone {
         Some(outcome) => end_together(finish_alone(outcome)),
         None => std::process::exit(on_all_ranks(&arguments)),
     }
@@ -40,11 +41,23 @@ fn misused(error: &clap::Error) -> i32 {
 fn on_all_ranks(arguments: &Arguments) -> i32 {
     abort_on_panic();
     match Session::start(&arguments.petsc) {
-        Ok(session) => finish(&session, execute(arguments, &session)),
+        Ok(session) => {
+            let code = finish(&session, execute(arguments, &session));
+            warn_of_unused(&session, &arguments.petsc);
+            code
+        }
         Err(error) => {
             complain(&error.to_string());
             error.exit_code()
         }
+    }
+}
+
+/// Says which words after `--` PETSc had no use for: a misspelt option changes nothing.
+fn warn_of_unused(session: &Session, words: &[String]) {
+    let unused = unused_options(session, words).unwrap_or_default();
+    if session.world().rank() == 0 && !unused.is_empty() {
+        complain(&format!("warning: PETSc had no use for {}: check the spelling, or whether this run needs it", unused.join(", ")));
     }
 }
 

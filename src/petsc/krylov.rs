@@ -1,6 +1,7 @@
 //! Krylov solvers for operators and preconditioners written in Rust.
 
 use std::{
+    cell::Cell,
     ffi::{CStr, c_void},
     ptr::null_mut,
     time::Instant,
@@ -8,6 +9,7 @@ use std::{
 
 use super::{
     Session, System, Vector, ffi, index,
+    options::number,
     owned::Owned,
     petsc,
     session::guard,
@@ -40,33 +42,63 @@ pub struct KrylovSettings {
     pub most_iterations: usize,
 }
 
+/// Loosest tolerance that an option of PETSc's may ask for: what a scene may, too.
+const LOOSEST: f64 = 0.1;
+
+/// What may help where a solve does not converge.
+const REMEDY: &str = "fewer modes, a finer grid or a looser method.tolerance may help";
+
+/// The true residual over the tolerance that a solve may end with: the solver's own estimate of it is off by rounding.
+const SLACK: f64 = 2.0;
+
+/// Times that a solve begins anew from where it ended, if its residual is not what it took it for.
+const MOST_RESTARTS: usize = 3;
+
+/// Part of its residual that such a solve has to take away to be worth another.
+const WORTH_ANOTHER: f64 = 0.5;
+
 /// What a solve cost and reached.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Report {
     /// Iterations.
     pub iterations: usize,
-    /// Last residual norm, relative to that of the right-hand side.
+    /// Last residual norm, relative to that of the right-hand side, or to what rounding makes of the scene where that is more.
     pub residual: f64,
     /// Wall-clock seconds.
     pub seconds: f64,
 }
 
 /// A Krylov solver for vectors of one shape; its work vectors are kept from solve to solve.
+///
+/// A solve has converged once its true residual, not the solver's estimate, is within the tolerance: a Krylov space that is
+/// exhausted, or an option of PETSc's, does not make an answer of what is none.
 pub struct Krylov {
     solver: Owned<ffi::KSP>,
     matrix: Owned<ffi::Mat>,
     settings: KrylovSettings,
+    /// Relative and absolute tolerance among PETSc's options, which no others override.
+    by_option: [bool; 2],
+    remedy: &'static str,
+    /// Where the monitor finds what watches the solve under way.
+    watch: Box<Cell<*mut c_void>>,
 }
 
 /// What the monitor callback needs during one solve.
 struct Watch<'a> {
     scale: f64,
+    before: usize,
     seen: &'a mut dyn FnMut(usize, f64),
 }
 
 impl Krylov {
     /// A solver for vectors with `local` entries on this rank; PETSc options with the given prefix override `settings`.
+    ///
+    /// # Errors
+    /// An option asks for a tolerance that is none.
     pub fn new(session: &Session, local: usize, prefix: &CStr, settings: KrylovSettings) -> Result<Krylov> {
+        let tolerance = tolerance_option(prefix)?;
+        let by_option = [tolerance.is_some(), number(prefix, c"-ksp_atol")?.is_some()];
+        let settings = KrylovSettings { tolerance: tolerance.unwrap_or(settings.tolerance), ..settings };
         let matrix = shell_matrix(session, index(local))?;
         let mut raw = null_mut();
         petsc!(KSPCreate(session.communicator(), &mut raw))?;
@@ -78,17 +110,22 @@ impl Krylov {
         petsc!(KSPGetPC(raw, &mut pc))?;
         petsc!(PCSetType(pc, c"shell".as_ptr()))?;
         petsc!(PCShellSetApply(pc, Some(apply_preconditioner)))?;
+        let watch = Box::new(Cell::new(null_mut()));
+        petsc!(KSPMonitorSet(raw, Some(monitor), (&raw const *watch).cast_mut().cast(), None))?;
         petsc!(KSPSetFromOptions(raw))?;
-        Ok(Krylov { solver, matrix, settings })
+        Ok(Krylov { solver, matrix, settings, by_option, remedy: REMEDY, watch })
     }
 
-    /// Makes further solves end at another residual.
-    pub fn set_tolerance(&mut self, tolerance: f64) -> Result<()> {
-        if tolerance == self.settings.tolerance {
-            return Ok(());
+    /// The same solver, with other advice where it does not converge.
+    pub fn with_remedy(self, remedy: &'static str) -> Krylov {
+        Krylov { remedy, ..self }
+    }
+
+    /// Makes further solves end at another residual, unless PETSc's options say at which.
+    pub fn set_tolerance(&mut self, tolerance: f64) {
+        if !self.by_option[0] {
+            self.settings.tolerance = tolerance;
         }
-        self.settings.tolerance = tolerance;
-        set_tolerances(self.solver.raw(), self.settings)
     }
 
     /// Solves `A x = rhs` starting from `x`; `seen` is told each iteration and its relative residual.
@@ -96,14 +133,45 @@ impl Krylov {
     /// # Errors
     /// [`Error::Diverged`] when the tolerance is not reached, with the iterations made and the residual reached.
     pub fn solve(&mut self, system: &mut dyn System, (rhs, x): (&Vector, &mut Vector), seen: &mut dyn FnMut(usize, f64)) -> Result<Report> {
+        self.solve_above(0.0, system, (rhs, x), seen)
+    }
+
+    /// As [`solve`](Self::solve), where a residual of the norm `rounding` is what rounding makes of a right-hand side that should be zero.
+    ///
+    /// # Errors
+    /// The same.
+    pub fn solve_above(
+        &mut self,
+        rounding: f64,
+        system: &mut dyn System,
+        (rhs, x): (&Vector, &mut Vector),
+        seen: &mut dyn FnMut(usize, f64),
+    ) -> Result<Report> {
         let start = Instant::now();
-        let size = rhs.norm()?;
-        if size == 0.0 {
+        let norm = rhs.norm()?;
+        let size = norm.max(rounding / self.settings.tolerance);
+        if norm <= rounding {
             x.fill(0.0)?;
-            return Ok(Report::default());
+            return Ok(Report { residual: if norm > 0.0 { norm / size } else { 0.0 }, ..Report::default() });
         }
-        self.call(system, (rhs, x), Watch { scale: 1.0 / size, seen })?;
-        self.outcome(size, start)
+        self.set_stopping_rule(rounding)?;
+        let (mut report, mut residual, mut last) = (Report::default(), rhs.like()?, f64::INFINITY);
+        for _ in 0..=MOST_RESTARTS {
+            self.call(system, (rhs, x), Watch { scale: 1.0 / size, before: report.iterations, seen })?;
+            let truth = true_residual(system, (rhs, x), &mut residual)? / size;
+            report = self.outcome(report.iterations, (size, truth), start)?;
+            let reason = self.reason()?;
+            if truth <= SLACK * self.settings.tolerance && reason != ffi::KSPConvergedReason_KSP_DIVERGED_ITS {
+                return Ok(report);
+            }
+            // a space that is exhausted, or a recurrence that rounding has led astray, may serve again from here
+            let over = reason < 0 && reason != ffi::KSPConvergedReason_KSP_DIVERGED_BREAKDOWN;
+            if over || truth.is_nan() || truth > WORTH_ANOTHER * last {
+                break;
+            }
+            last = truth;
+        }
+        Err(self.diverged(report)?)
     }
 
     fn call(&self, system: &mut dyn System, (rhs, x): (&Vector, &mut Vector), watch: Watch) -> Result<()> {
@@ -113,22 +181,37 @@ impl Krylov {
         petsc!(KSPGetPC(solver, &mut pc))?;
         petsc!(MatShellSetContext(self.matrix.raw(), (&raw mut context).cast()))?;
         petsc!(PCShellSetContext(pc, (&raw mut context).cast()))?;
-        petsc!(KSPMonitorSet(solver, Some(monitor), (&raw mut watch).cast(), None))?;
+        self.watch.set((&raw mut watch).cast());
         let outcome = petsc!(KSPSolve(solver, rhs.raw(), x.raw()));
-        // the context lives on this stack frame: no pointer to it may outlast it
+        // what these point to lives on this stack frame: no pointer to it may outlast it
+        self.watch.set(null_mut());
         petsc!(MatShellSetContext(self.matrix.raw(), null_mut()))?;
         petsc!(PCShellSetContext(pc, null_mut()))?;
-        petsc!(KSPMonitorCancel(solver))?;
         outcome
     }
 
-    fn outcome(&self, size: f64, start: Instant) -> Result<Report> {
-        let (mut reason, mut iterations, mut residual) = (0, 0, 0.0);
+    fn set_stopping_rule(&self, rounding: f64) -> Result<()> {
+        let kept = f64::from(ffi::PETSC_DEFAULT);
+        let [relative, absolute] = self.by_option;
+        let absolute = if absolute { kept } else { rounding };
+        let relative = if relative { kept } else { self.settings.tolerance };
+        petsc!(KSPSetTolerances(self.solver.raw(), relative, absolute, kept, ffi::PETSC_DEFAULT))
+    }
+
+    fn reason(&self) -> Result<ffi::KSPConvergedReason> {
+        let mut reason = 0;
         petsc!(KSPGetConvergedReason(self.solver.raw(), &mut reason))?;
+        Ok(reason)
+    }
+
+    /// What a call came to, after so many iterations before it: the residual is the solver's, unless that is not the true one.
+    fn outcome(&self, before: usize, (size, truth): (f64, f64), start: Instant) -> Result<Report> {
+        let (mut iterations, mut residual) = (0, 0.0);
         petsc!(KSPGetIterationNumber(self.solver.raw(), &mut iterations))?;
         petsc!(KSPGetResidualNorm(self.solver.raw(), &mut residual))?;
-        let report = Report { iterations: iterations as usize, residual: residual / size, seconds: start.elapsed().as_secs_f64() };
-        if reason > 0 { Ok(report) } else { Err(self.diverged(report)?) }
+        let estimate = residual / size;
+        let residual = if truth <= SLACK * estimate { estimate } else { truth };
+        Ok(Report { iterations: before + iterations as usize, residual, seconds: start.elapsed().as_secs_f64() })
     }
 
     fn diverged(&self, report: Report) -> Result<Error> {
@@ -136,9 +219,8 @@ impl Krylov {
         petsc!(KSPGetConvergedReasonString(self.solver.raw(), &mut text))?;
         let reason = unsafe { CStr::from_ptr(text) }.to_string_lossy();
         Ok(Error::Diverged(format!(
-            "the linear solver stopped after {} iterations at a relative residual of {:.1e}, tolerance {:.1e} ({reason}); \
-             fewer modes, a finer grid or a looser method.tolerance may help",
-            report.iterations, report.residual, self.settings.tolerance
+            "the linear solver stopped after {} iterations at a relative residual of {:.1e}, tolerance {:.1e} ({reason}); {}",
+            report.iterations, report.residual, self.settings.tolerance, self.remedy
         )))
     }
 
@@ -173,18 +255,35 @@ fn set_method(solver: ffi::KSP, settings: KrylovSettings) -> Result<()> {
     }
     petsc!(KSPSetNormType(solver, norm))?;
     petsc!(KSPSetInitialGuessNonzero(solver, ffi::PetscBool_PETSC_TRUE))?;
-    set_tolerances(solver, settings)
-}
-
-fn set_tolerances(solver: ffi::KSP, settings: KrylovSettings) -> Result<()> {
     let unused = f64::from(ffi::PETSC_DEFAULT);
     petsc!(KSPSetTolerances(solver, settings.tolerance, 0.0, unused, index(settings.most_iterations)))
 }
 
+/// The relative tolerance that PETSc's options ask for, if they do.
+fn tolerance_option(prefix: &CStr) -> Result<Option<f64>> {
+    let tolerance = number(prefix, c"-ksp_rtol")?;
+    match tolerance.filter(|tolerance| !(*tolerance > 0.0 && *tolerance <= LOOSEST)) {
+        None => Ok(tolerance),
+        Some(wrong) => Err(Error::Refused(format!(
+            "the PETSc option -{}ksp_rtol = {wrong} must be above 0 and at most {LOOSEST}, as method.tolerance; lower it or remove it",
+            prefix.to_string_lossy()
+        ))),
+    }
+}
+
+/// The norm of what `x` leaves of a right-hand side.
+fn true_residual(system: &mut dyn System, (rhs, x): (&Vector, &Vector), residual: &mut Vector) -> Result<f64> {
+    system.apply(x, residual)?;
+    residual.add(-1.0, rhs)?;
+    residual.norm()
+}
+
 extern "C" fn monitor(_: ffi::KSP, iteration: i32, residual: f64, context: *mut c_void) -> ffi::PetscErrorCode {
     guard(|| {
-        let watch = unsafe { &mut *context.cast::<Watch>() };
-        (watch.seen)(iteration as usize, residual * watch.scale);
+        let watch = unsafe { &*context.cast::<Cell<*mut c_void>>() }.get().cast::<Watch>();
+        if let Some(watch) = unsafe { watch.as_mut() } {
+            (watch.seen)(watch.before + iteration as usize, residual * watch.scale);
+        }
         Ok(())
     })
 }

@@ -28,6 +28,7 @@ pub use direct::Direct;
 pub use heap::local_heap_bytes;
 pub use krylov::{Krylov, KrylovMethod, KrylovSettings, Report};
 pub use matrix::{Matrix, RowBuilder};
+pub use options::{check_options, unused_options};
 pub use preconditioner::{Preconditioner, PreconditionerKind};
 pub use profile::{Profile, Stage, StageCounts, StageGuard, enter};
 pub use scatter::Scatter;

@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::{
     error::Result,
     flow::{Drive, FluidSystem, Stokes, StokesInverse},
-    geometry::Domain,
+    geometry::{Axis, Domain},
     grid::{Grid, operators},
     parallel::World,
     petsc::Vector,
@@ -131,6 +131,25 @@ impl UniformForce {
     }
 }
 
+/// Between two walls the velocity goes from that of the one to that of the other in proportion to the way: so the solver need not find
+/// it, and a box with walls that move alike moves with them to the last digit.
+fn start_between_walls<const D: usize>(grid: &Grid<D>, flow: &mut Vector) -> Result<()> {
+    let domain = grid.domain();
+    let mut walled = (0..D).filter_map(|axis| match domain.axes[axis] {
+        Axis::Walls { lower, upper } => Some((axis, lower, upper)),
+        _ => None,
+    });
+    let (Some((across, lower, upper)), None) = (walled.next(), walled.next()) else { return Ok(()) };
+    let mut values = flow.local_mut()?;
+    for field in (0..D).filter(|&field| field != across) {
+        for (value, index) in values[grid.local_range(field)].iter_mut().zip(grid.block(field).indices()) {
+            let way = grid.position(field, operators::signed(index))[across] / domain.size[across];
+            *value = lower[field] + (upper[field] - lower[field]) * way;
+        }
+    }
+    Ok(())
+}
+
 fn periodic_axes<const D: usize>(domain: &Domain<D>) -> impl Iterator<Item = usize> {
     (0..D).filter(|&axis| domain.periodic(axis))
 }
@@ -156,6 +175,7 @@ pub fn flow_without_bodies<const D: usize>(
         operators::add_wall_laplacian(grid, axis, rows);
     }
     stokes.balance(&mut rhs)?;
+    start_between_walls(grid, &mut flow)?;
     FluidSystem { stokes, inverse: Some(inverse) }.solve((&rhs, &mut flow), EXACT, MOST_ITERATIONS)?;
     let wanted: Vec<f64> = match drive {
         Drive::MeanVelocity(velocity) => closure.forces().iter().map(|force| velocity[force.axis]).collect(),

@@ -29,6 +29,9 @@ use crate::{
 /// Net force or torque of a film on a pair, over its force, that is rounding.
 const LARGEST_IMBALANCE: f64 = 1e-9;
 
+/// Part of the velocities of a scene that rounding leaves where they cancel: bodies that the flow carries as they are.
+const ROUNDING: f64 = 1e-13;
+
 /// All that the solve of one moment needs.
 pub(super) struct Ready<'a, const D: usize> {
     pub bodies: Bodies<'a, D>,
@@ -39,7 +42,16 @@ pub(super) struct Ready<'a, const D: usize> {
     pub engine: Engine,
     pub guess: Option<Guess<D>>,
     prescribed_drag: f64,
-    tolerance: f64,
+    stop: Stop,
+}
+
+/// When a solve ends.
+#[derive(Debug, Clone, Copy)]
+pub struct Stop {
+    /// Residual wanted, relative to the right-hand side.
+    pub tolerance: f64,
+    /// Norm of a right-hand side that is nothing but rounding in this scene.
+    pub rounding: f64,
 }
 
 impl<'a, const D: usize> Ready<'a, D> {
@@ -63,13 +75,15 @@ impl<'a, const D: usize> Ready<'a, D> {
         let fluid = if basis.condensed { 0 } else { basis.grid.local_fluid_unknowns() };
         let sizes = Sizes { fluid, multipliers: assembly.undisturbed.len(), tail: closure + touching.places() };
         let mut engine = Engine::fitting(engine, basis, sizes)?;
-        engine.krylov.set_tolerance(moment.tolerance)?;
+        engine.krylov.set_tolerance(moment.tolerance);
         let prescribed_drag = prescribed_drag(&basis.session, &members);
         let wanted = bodies.wanted_rows(&assembly.blocks, &members, (&assembly.undisturbed, moment.pushes));
         basis.fill_right_hand_side(&wanted, &touching.rates, prescribed_drag, &mut engine.rhs)?;
+        let rounding = ROUNDING * scale(&basis.session, &assembly.undisturbed, &engine.rhs)?;
         let unit = touching.scale * basis.setup.viscosity;
         engine.start(&bodies, guess.as_ref(), moment.pressed.iter().map(|pressed| pressed.force / unit).collect())?;
-        Ok(Ready { bodies, members, assembly, touching, films, engine, guess, prescribed_drag, tolerance: moment.tolerance })
+        let stop = Stop { tolerance: moment.tolerance, rounding };
+        Ok(Ready { bodies, members, assembly, touching, films, engine, guess, prescribed_drag, stop })
     }
 
     /// The solver with its right-hand side and start, and what the system is made of.
@@ -90,16 +104,18 @@ impl<'a, const D: usize> Ready<'a, D> {
     /// Solves; the velocities that are found include those of the flow without bodies.
     pub fn solve(&mut self, basis: &Basis<D>, inverse: &mut dyn StokesInverse<D>, seen: Seen) -> Result<(Report, Unknowns)> {
         let _stage = enter(Stage::Orthogonalisation);
-        let tolerance = self.tolerance;
+        let stop = self.stop;
         let (solver, parts) = self.parts(basis, inverse);
         let (report, mut found) = match basis.setup.constraint {
             ConstraintMethod::MeanValue(MultiplierSolver::Uzawa(step)) => {
                 let (_, vectors) = solver;
-                let by_uzawa = |system: &mut Condensed<D>, vectors: (&Vector, &mut Vector)| uzawa(system, vectors, (step, tolerance), seen);
+                let by_uzawa = |system: &mut Condensed<D>, vectors: (&Vector, &mut Vector)| uzawa(system, vectors, (step, stop), seen);
                 solve(vectors, Condensed(parts), by_uzawa)
             }
-            _ if basis.condensed => solve(solver.1, Condensed(parts), |system, vectors| solver.0.solve(system, vectors, seen)),
-            _ => solve(solver.1, Coupled(parts), |system, vectors| solver.0.solve(system, vectors, seen)),
+            _ if basis.condensed => {
+                solve(solver.1, Condensed(parts), |system, vectors| solver.0.solve_above(stop.rounding, system, vectors, seen))
+            }
+            _ => solve(solver.1, Coupled(parts), |system, vectors| solver.0.solve_above(stop.rounding, system, vectors, seen)),
         }?;
         found.velocities.iter_mut().zip(&self.assembly.undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);
         Ok((report, found))
@@ -129,6 +145,13 @@ fn solve<S: BodiesInFluid>(
     let found = system.unknowns(x)?;
     // an eliminated fluid takes one more inverse to find
     Ok((Report { seconds: start.elapsed().as_secs_f64(), ..report }, found))
+}
+
+/// Norm of the velocities that a right-hand side is the difference of.
+fn scale(session: &Session, undisturbed: &[f64], rhs: &Vector) -> Result<f64> {
+    let mut square = [undisturbed.iter().map(|velocity| velocity * velocity).sum()];
+    session.world().sum(&mut square);
+    Ok(square[0].sqrt().max(rhs.norm()?))
 }
 
 /// Sum over all prescribed bodies of the net force that a unit velocity takes by their preconditioner.

@@ -6,7 +6,7 @@
 
 use std::time::Instant;
 
-use super::{condensed::Condensed, dynamics::Seen};
+use super::{condensed::Condensed, dynamics::Seen, ready::Stop};
 use crate::{
     error::{Error, Result},
     petsc::{Report, System, Vector},
@@ -32,7 +32,7 @@ const PART_OF_BOUND: f64 = 0.9;
 pub fn uzawa<const D: usize>(
     system: &mut Condensed<D>,
     (rhs, x): (&Vector, &mut Vector),
-    (step, tolerance): (Option<f64>, f64),
+    (step, Stop { tolerance, rounding }): (Option<f64>, Stop),
     seen: Seen,
 ) -> Result<Report> {
     let start = Instant::now();
@@ -45,7 +45,7 @@ pub fn uzawa<const D: usize>(
         Some(step) => step,
         None => PART_OF_BOUND * bound(system, x)?,
     };
-    let (mut residual, scale) = (rhs.like()?, rhs.norm()?.max(f64::MIN_POSITIVE));
+    let (mut residual, scale) = (rhs.like()?, rhs.norm()?.max(rounding / tolerance).max(f64::MIN_POSITIVE));
     let mut first = 0.0;
     for iterations in 0..=MOST_ITERATIONS {
         system.apply(x, &mut residual)?;

@@ -1,12 +1,16 @@
 //! The linear system of Stokes flow on a mesh.
 
 use super::{DiskMotion, Sample, StokesNumbering, StokesProblem, System, Triangle, numbering::Component};
+use crate::error::Result;
 
 impl StokesNumbering {
     /// Adds the rows of this rank to a system.
-    pub fn assemble(&self, problem: &StokesProblem, system: &mut System) {
+    ///
+    /// # Errors
+    /// A triangle has collapsed.
+    pub fn assemble(&self, problem: &StokesProblem, system: &mut System) -> Result<()> {
         for triangle in &problem.mesh.triangles {
-            let parts = Parts::of(self, problem, triangle);
+            let parts = Parts::of(self, problem, triangle)?;
             // every triangle has a part in mean velocities
             if parts.rows().chain(self.forces.into_iter().flatten()).any(|row| system.holds(row)) {
                 parts.assemble(problem, self.forces, system);
@@ -20,6 +24,7 @@ impl StokesNumbering {
             [force.x, force.y, *torque].into_iter().enumerate().for_each(|(row, load)| system.load(first + row, load));
         }
         self.assemble_means(problem, &areas, system);
+        Ok(())
     }
 
     /// What disks have to do with mean velocities and the forces that they take.
@@ -54,12 +59,12 @@ struct Parts {
 }
 
 impl Parts {
-    fn of(numbering: &StokesNumbering, problem: &StokesProblem, triangle: &Triangle) -> Parts {
-        Parts {
+    fn of(numbering: &StokesNumbering, problem: &StokesProblem, triangle: &Triangle) -> Result<Parts> {
+        Ok(Parts {
             velocities: triangle.nodes.map(|node| numbering.velocity(problem, node)),
             pressures: [0, 1, 2].map(|vertex| numbering.pressure(triangle.nodes[vertex])),
-            samples: problem.mesh.shape(triangle).samples().to_vec(),
-        }
+            samples: problem.mesh.shape(triangle).samples()?,
+        })
     }
 
     fn rows(&self) -> impl Iterator<Item = usize> {

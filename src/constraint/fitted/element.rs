@@ -2,6 +2,8 @@
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
+use crate::error::{Error, Result};
+
 /// Points by which integrals over a triangle are taken, exact for polynomials of degree 6 (Dunavant 1985).
 const POINTS: usize = 12;
 
@@ -67,15 +69,21 @@ impl Shape {
     }
 
     /// All quadrature points.
-    pub fn samples(&self) -> [Sample; POINTS] {
-        quadrature().map(|(weight, linear)| {
-            let (values, slopes) = (values(&linear), slopes(&linear));
-            let jacobian = self.jacobian(&slopes);
-            let area = 0.5 * jacobian.determinant();
-            let inverse = jacobian.try_inverse().unwrap_or_else(Matrix2::zeros);
-            let gradients = slopes.map(|slope| inverse.transpose() * slope);
-            Sample { point: self.interpolate(&values), weight: weight * area, linear, values, gradients }
-        })
+    ///
+    /// # Errors
+    /// [`Error::Diverged`] where the triangle has collapsed: nothing has a gradient there.
+    pub fn samples(&self) -> Result<Vec<Sample>> {
+        quadrature().into_iter().map(|(weight, linear)| self.sample(weight, linear)).collect()
+    }
+
+    fn sample(&self, weight: f64, linear: Vector3<f64>) -> Result<Sample> {
+        let (values, slopes) = (values(&linear), slopes(&linear));
+        let (jacobian, point) = (self.jacobian(&slopes), self.interpolate(&values));
+        let area = 0.5 * jacobian.determinant();
+        let inverse = jacobian.try_inverse().filter(|inverse| area > 0.0 && inverse.iter().all(|entry| entry.is_finite()));
+        let inverse = inverse.ok_or_else(|| collapsed(&point))?;
+        let gradients = slopes.map(|slope| inverse.transpose() * slope);
+        Ok(Sample { point, weight: weight * area, linear, values, gradients })
     }
 
     /// Derivatives of the point along the two free barycentric coordinates, one a column.
@@ -139,6 +147,13 @@ impl Shape {
     }
 }
 
+fn collapsed(point: &Vector2<f64>) -> Error {
+    Error::Diverged(format!(
+        "a triangle of the fitted mesh at ({:e}, {:e}) has collapsed; another resolution.spacing or a shorter time.step may help",
+        point.x, point.y
+    ))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -156,6 +171,22 @@ mod tests {
                 let exact = 2.0 * factorial(i) * factorial(j) * factorial(k) / factorial(8);
                 assert!((sum - exact).abs() < 1e-14, "degree {i} {j} {k}: {sum} is not {exact}");
             }
+        }
+    }
+
+    #[test]
+    fn a_collapsed_triangle_is_an_error_and_a_tiny_one_is_none() {
+        let shape = |height: f64, unit: f64| {
+            let points = [[0.0, 0.0], [1.0, 0.0], [0.5, height], [0.5, 0.0], [0.75, height / 2.0], [0.25, height / 2.0]];
+            Shape::new(points.map(|point| Vector2::from(point) * unit))
+        };
+        for flat in [shape(0.0, 1.0), shape(-0.5, 1.0), shape(f64::NAN, 1.0)] {
+            let error = flat.samples().unwrap_err().to_string();
+            assert!(error.contains("has collapsed"), "{error}");
+        }
+        for unit in [1e-12, 1.0, 1e3] {
+            let area: f64 = shape(0.5, unit).samples().unwrap().iter().map(|sample| sample.weight).sum();
+            assert!((area / (0.25 * unit * unit) - 1.0).abs() < 1e-13);
         }
     }
 

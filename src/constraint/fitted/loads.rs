@@ -3,6 +3,7 @@
 use nalgebra::{Matrix2, Vector2};
 
 use super::{Mesh, Place, StokesFlow, StokesProblem, Triangle};
+use crate::error::Result;
 
 /// What the fluid does to a disk, per unit viscosity.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -29,14 +30,17 @@ pub struct Loads {
 }
 
 /// What a flow does to disks and walls, and its means.
-pub fn loads(problem: &StokesProblem, flow: &StokesFlow) -> Loads {
+///
+/// # Errors
+/// A triangle has collapsed.
+pub fn loads(problem: &StokesProblem, flow: &StokesFlow) -> Result<Loads> {
     let mesh = problem.mesh;
     let mut forces = vec![Vector2::zeros(); mesh.nodes.len()];
     let mut sums = Sums::default();
     for triangle in &mesh.triangles {
-        sums.add(mesh, flow, triangle);
+        sums.add(mesh, flow, triangle)?;
         if triangle.nodes.iter().any(|&node| mesh.places[node] != Place::Fluid) {
-            add_forces(problem, flow, triangle, &mut forces);
+            add_forces(problem, flow, triangle, &mut forces)?;
         }
     }
     let mut loads = of_forces(mesh, &forces);
@@ -50,7 +54,7 @@ pub fn loads(problem: &StokesProblem, flow: &StokesFlow) -> Loads {
     }
     loads.mean_velocity = sums.velocity / mesh.domain.volume();
     loads.mean_pressure = sums.pressure / sums.area;
-    loads
+    Ok(loads)
 }
 
 /// Sums of forces at nodes; in the place of stresslets, their moments.
@@ -83,19 +87,20 @@ struct Sums {
 }
 
 impl Sums {
-    fn add(&mut self, mesh: &Mesh, flow: &StokesFlow, triangle: &Triangle) {
-        for sample in mesh.shape(triangle).samples() {
+    fn add(&mut self, mesh: &Mesh, flow: &StokesFlow, triangle: &Triangle) -> Result<()> {
+        for sample in mesh.shape(triangle).samples()? {
             let values = triangle.nodes.iter().zip(sample.values);
             self.velocity += sample.weight * values.map(|(&node, value)| value * flow.velocities[node]).sum::<Vector2<f64>>();
             self.pressure += sample.weight * (0..3).map(|k| sample.linear[k] * flow.pressures[triangle.nodes[k]]).sum::<f64>();
             self.area += sample.weight;
         }
+        Ok(())
     }
 }
 
 /// Adds the forces of the fluid of a triangle on what is at its nodes.
-fn add_forces(problem: &StokesProblem, flow: &StokesFlow, triangle: &Triangle, forces: &mut [Vector2<f64>]) {
-    for sample in problem.mesh.shape(triangle).samples() {
+fn add_forces(problem: &StokesProblem, flow: &StokesFlow, triangle: &Triangle, forces: &mut [Vector2<f64>]) -> Result<()> {
+    for sample in problem.mesh.shape(triangle).samples()? {
         let gradient: Matrix2<f64> =
             triangle.nodes.iter().zip(sample.gradients).map(|(&node, slope)| flow.velocities[node] * slope.transpose()).sum();
         let pressure: f64 = (0..3).map(|k| sample.linear[k] * flow.pressures[triangle.nodes[k]]).sum();
@@ -105,4 +110,5 @@ fn add_forces(problem: &StokesProblem, flow: &StokesFlow, triangle: &Triangle, f
             forces[node] -= sample.weight * (stress * sample.gradients[i] - uniform);
         }
     }
+    Ok(())
 }

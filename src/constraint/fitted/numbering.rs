@@ -6,7 +6,7 @@
 
 use nalgebra::Vector2;
 
-use super::{DiskMotion, Place, Rigid, StokesFlow, StokesProblem};
+use super::{DiskMotion, Mesh, Place, Rigid, StokesFlow, StokesProblem};
 
 /// A velocity component of a node, as unknowns with factors and what is known.
 #[derive(Clone, Copy)]
@@ -60,6 +60,16 @@ impl StokesNumbering {
     /// How many there are.
     pub fn unknowns(&self) -> usize {
         self.unknowns
+    }
+
+    /// What one of each unknown stands for: powers of the length of a triangle, so that no unit of length makes rows large or small.
+    pub fn units(&self, mesh: &Mesh) -> Vec<f64> {
+        let length = (mesh.domain.volume() / mesh.triangles.len() as f64).sqrt();
+        let mut units = vec![1.0; self.unknowns];
+        units[self.pressures..].fill(1.0 / length);
+        self.disks.iter().flatten().for_each(|first| units[first + 2] = 1.0 / length);
+        self.forces.iter().flatten().for_each(|&force| units[force] = length.powi(-2));
+        units
     }
 
     /// The unknown of the pressure at a vertex.

@@ -1,6 +1,7 @@
 //! The scalar problem on a fitted mesh: each inclusion has one unknown, which all nodes on it share.
 
 use super::{Mesh, Place, System};
+use crate::error::Result;
 
 /// What a node's value is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,7 +47,10 @@ impl ScalarNumbering {
     }
 
     /// Adds the rows of `-Lap u = source` to a system.
-    pub fn assemble(&self, mesh: &Mesh, source: f64, system: &mut System) {
+    ///
+    /// # Errors
+    /// A triangle has collapsed.
+    pub fn assemble(&self, mesh: &Mesh, source: f64, system: &mut System) -> Result<()> {
         for triangle in &mesh.triangles {
             let numbers = triangle.nodes.map(|node| match self.values[node] {
                 Value::Unknown(unknown) => Some(unknown),
@@ -55,7 +59,7 @@ impl ScalarNumbering {
             if !numbers.iter().flatten().any(|&row| system.holds(row)) {
                 continue;
             }
-            for sample in mesh.shape(triangle).samples() {
+            for sample in mesh.shape(triangle).samples()? {
                 for (i, row) in numbers.iter().enumerate() {
                     let Some(row) = *row else { continue };
                     system.load(row, source * sample.weight * sample.values[i]);
@@ -66,5 +70,6 @@ impl ScalarNumbering {
                 }
             }
         }
+        Ok(())
     }
 }

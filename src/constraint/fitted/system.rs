@@ -17,6 +17,8 @@ pub struct System {
     /// Columns and values, which add up where columns repeat.
     rows: Vec<Vec<(usize, f64)>>,
     loads: Vec<f64>,
+    /// What one of each unknown, of all ranks, stands for; nothing if that is one.
+    units: Option<Vec<f64>>,
 }
 
 impl System {
@@ -24,7 +26,12 @@ impl System {
     pub fn new(world: &World, unknowns: usize) -> System {
         let start = |rank: usize| rank * unknowns / world.size();
         let range = start(world.rank())..start(world.rank() + 1);
-        System { rows: vec![Vec::new(); range.len()], loads: vec![0.0; range.len()], range }
+        System { rows: vec![Vec::new(); range.len()], loads: vec![0.0; range.len()], range, units: None }
+    }
+
+    /// The same in units of its own: the solver sees each unknown over its unit, and each row times that of its unknown.
+    pub fn in_units(self, units: Vec<f64>) -> System {
+        System { units: Some(units), ..self }
     }
 
     /// Whether a row is one of this rank's.
@@ -52,10 +59,12 @@ impl System {
     /// # Errors
     /// [`Error::Diverged`] when the matrix is singular.
     pub fn solve(self, session: &Session, direct: &mut Option<Direct>) -> Result<(Vec<f64>, f64)> {
-        let local = self.range.len();
+        let (local, first) = (self.range.len(), self.range.start);
+        let unit = |unknown: usize| self.units.as_ref().map_or(1.0, |units| units[unknown]);
         let mut rows = RowBuilder::default();
-        for row in self.rows {
-            row.into_iter().for_each(|(column, value)| rows.push(column, value));
+        for (row, entries) in self.rows.iter().enumerate() {
+            let factor = unit(first + row);
+            entries.iter().for_each(|&(column, value)| rows.push(column, value * factor * unit(column)));
             rows.end_row();
         }
         let mut solver = match direct.take() {
@@ -66,7 +75,7 @@ impl System {
             }
         };
         let mut rhs = Vector::new(session, local)?;
-        rhs.local_mut()?.copy_from_slice(&self.loads);
+        rhs.local_mut()?.iter_mut().zip(&self.loads).enumerate().for_each(|(row, (rhs, load))| *rhs = load * unit(first + row));
         let mut x = rhs.like()?;
         let residual = solver.solve(&rhs, &mut x)?;
         if residual > LARGEST_RESIDUAL || residual.is_nan() {
@@ -74,7 +83,8 @@ impl System {
                 "the direct solver leaves a residual of {residual:.1e}: the system is nearly singular; another resolution.spacing may help"
             )));
         }
-        let all = session.world().gather(&x.local()?);
+        let mut all = session.world().gather(&x.local()?);
+        all.iter_mut().enumerate().for_each(|(unknown, value)| *value *= unit(unknown));
         *direct = Some(solver);
         Ok((all, residual))
     }

@@ -20,7 +20,7 @@ fn disk(x: f64, y: f64, radius: f64) -> Ball<2> {
 }
 
 fn area(mesh: &Mesh) -> f64 {
-    mesh.triangles.iter().flat_map(|triangle| mesh.shape(triangle).samples()).map(|sample| sample.weight).sum()
+    mesh.triangles.iter().flat_map(|triangle| mesh.shape(triangle).samples().unwrap()).map(|sample| sample.weight).sum()
 }
 
 /// The mesh fills what disks leave of the box, but for what parabolas miss of circles.

@@ -1,12 +1,19 @@
 //! Inverses, approximate or exact, of the Stokes operator.
 
+mod cross_section;
 mod hypre;
 mod iterated;
+mod slender;
 mod transform;
 
 pub use hypre::HypreInverse;
 pub use iterated::IteratedInverse;
+<<<<<<< HEAD
 pub use transform::{TransformInverse, Transposes};
+=======
+use slender::{FlowAlong, SlenderInverse};
+pub use transform::TransformInverse;
+>>>>>>> wt-solvers
 
 use super::Stokes;
 use crate::{
@@ -59,11 +66,26 @@ impl InverseMethod {
     /// The box does not allow it, or PETSc has no memory for it.
     pub fn set_up<const D: usize>(self, stokes: &Stokes<D>, grid: &Grid<D>) -> Result<Box<dyn StokesInverse<D>>> {
         match self {
-            InverseMethod::Hypre => Ok(Box::new(HypreInverse::new(stokes, grid)?)),
+            InverseMethod::Hypre => by_multigrid(stokes, grid),
             InverseMethod::Transform => Ok(Box::new(TransformInverse::new(stokes, grid)?)),
         }
     }
 }
+
+/// The approximate inverse by multigrid that suits a box.
+///
+/// # Errors
+/// PETSc has no memory for it.
+pub fn by_multigrid<const D: usize>(stokes: &Stokes<D>, grid: &Grid<D>) -> Result<Box<dyn StokesInverse<D>>> {
+    let local = HypreInverse::new(stokes, grid)?;
+    match FlowAlong::of(stokes, grid) {
+        Some(along) => Ok(Box::new(SlenderInverse::new(stokes, along, local)?)),
+        None => Ok(Box::new(local)),
+    }
+}
+
+/// What may help where the flow of a box without bodies is not found.
+const REMEDY: &str = "method.inverse = \"transform\", where the box allows it, or a coarser grid may help";
 
 /// The fluid without bodies, as a linear system; `inverse` preconditions it, if there is one.
 pub struct FluidSystem<'a, const D: usize> {
@@ -98,7 +120,8 @@ impl<const D: usize> FluidSystem<'_, D> {
             return Ok(Report::default());
         }
         let settings = KrylovSettings { method: KrylovMethod::Gmres { restart: 200 }, tolerance, most_iterations };
-        let mut krylov = Krylov::new(self.stokes.session(), rhs.local()?.len(), c"fluid_", settings)?;
+        let krylov = Krylov::new(self.stokes.session(), rhs.local()?.len(), c"fluid_", settings)?;
+        let mut krylov = krylov.with_remedy(REMEDY);
         krylov.solve(self, (rhs, x), &mut |_, _| {})
     }
 }

@@ -94,8 +94,8 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
         let motions = motions(&self.setup);
         let problem = problem(&self.setup, &mesh, &motions);
         let numbering = StokesNumbering::new(&problem);
-        let mut system = System::new(self.session.world(), numbering.unknowns());
-        numbering.assemble(&problem, &mut system);
+        let mut system = System::new(self.session.world(), numbering.unknowns()).in_units(numbering.units(&mesh));
+        numbering.assemble(&problem, &mut system)?;
         self.cost.assembly = start.elapsed().as_secs_f64();
         drop(stage);
         let (stage, start) = (enter(Stage::Inverse), Instant::now());
@@ -152,7 +152,7 @@ impl<const D: usize> FittedFlow<D> {
     }
 
     fn solution(&self, problem: &StokesProblem, flow: &StokesFlow) -> Result<Solution<D>> {
-        let found = loads(problem, flow);
+        let found = loads(problem, flow)?;
         let viscosity = self.setup.viscosity;
         let states = problem.mesh.disks.iter().zip(&flow.motions).zip(&found.disks);
         let gradient = match self.setup.drive {

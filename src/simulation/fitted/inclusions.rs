@@ -70,7 +70,7 @@ impl<const D: usize> FittedInclusions<D> {
         let (stage, start) = (enter(Stage::Assembly), Instant::now());
         let numbering = ScalarNumbering::new(&self.mesh);
         let mut system = System::new(self.session.world(), numbering.unknowns());
-        numbering.assemble(&self.mesh, self.setup.source, &mut system);
+        numbering.assemble(&self.mesh, self.setup.source, &mut system)?;
         self.cost.assembly = start.elapsed().as_secs_f64();
         drop(stage);
         let (_stage, start) = (enter(Stage::Inverse), Instant::now());
@@ -83,7 +83,7 @@ impl<const D: usize> FittedInclusions<D> {
     }
 
     fn solution(&self, values: &[f64]) -> Result<ScalarSolution<D>> {
-        let (integral, fluxes) = self.integrals(values);
+        let (integral, fluxes) = self.integrals(values)?;
         let state = |(((ball, _), disk), flux): ((&(Ball<D>, usize), usize), f64)| InclusionState {
             center: self.setup.domain.wrap(ball.center),
             radius: ball.radius,
@@ -103,10 +103,10 @@ impl<const D: usize> FittedInclusions<D> {
     }
 
     /// Integral of the scalar outside the inclusions, and net fluxes out of these.
-    fn integrals(&self, values: &[f64]) -> (f64, Vec<f64>) {
+    fn integrals(&self, values: &[f64]) -> Result<(f64, Vec<f64>)> {
         let (mut integral, mut fluxes) = (0.0, vec![0.0; self.mesh.disks.len()]);
         for triangle in &self.mesh.triangles {
-            for sample in self.mesh.shape(triangle).samples() {
+            for sample in self.mesh.shape(triangle).samples()? {
                 let at_nodes = triangle.nodes.map(|node| values[node]);
                 integral += sample.weight * at_nodes.iter().zip(sample.values).map(|(one, other)| one * other).sum::<f64>();
                 let gradient: Vector2<f64> = at_nodes.iter().zip(sample.gradients).map(|(value, slope)| slope * *value).sum();
@@ -116,7 +116,7 @@ impl<const D: usize> FittedInclusions<D> {
                 }
             }
         }
-        (integral, fluxes)
+        Ok((integral, fluxes))
     }
 
     /// The scalar at this rank's cell centres.

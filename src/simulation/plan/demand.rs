@@ -59,7 +59,7 @@ fn of_flow<const D: usize>(scene: &Scene, (domain, grid, spacing): (&Domain<D>, 
     for (number, &(group, count)) in groups.iter().enumerate() {
         let ball = Ball { center: domain.size / 2.0, radius: group.radius };
         let one = (number, Body { ball, motion: Motion::Prescribed(Twist::zero()) });
-        let Ok((_, bodies)) = suspended_bodies(scene, vec![one]) else { continue };
+        let Ok((_, bodies)) = suspended_bodies(scene, domain, vec![one]) else { continue };
         all += count * (with(bodies) - empty);
     }
     all
