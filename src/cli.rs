@@ -41,6 +41,9 @@ enum Command {
         /// Output folder (default: out/NAME of the scene).
         #[arg(long)]
         out: Option<PathBuf>,
+        /// Overwrite what another run has left in the output folder.
+        #[arg(long)]
+        force: bool,
         /// Print at the end what each stage took.
         #[arg(long)]
         profile: bool,
@@ -141,19 +144,20 @@ pub fn execute_alone(arguments: &Arguments) -> Option<Result<()>> {
 /// Carries out a command on all ranks.
 pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
     match &arguments.command {
-        Command::Run { scene, out, profile } => run::profiled(session, *profile, || {
-            let scene = scene.read(session)?;
-            let folder = folder(out, &scene);
+        Command::Run { scene: SceneArguments { scene: file, overrides }, out, force, profile } => run::profiled(session, *profile, || {
+            let scene = session.world().agree(Scene::read(file, overrides))?;
+            let mut folder = run::RunFolder::to_begin(session.world(), &folder(out, &scene), (&scene, file), *force)?;
             match scene.dimension() {
-                2 => run::run::<2>(session, &scene, &folder),
-                _ => run::run::<3>(session, &scene, &folder),
+                2 => run::run::<2>(session, &scene, &mut folder),
+                _ => run::run::<3>(session, &scene, &mut folder),
             }
         }),
         Command::Resume { folder, overrides, profile } => run::profiled(session, *profile, || {
-            let (scene, checkpoint) = run::open(session, folder, overrides)?;
+            let mut folder = run::RunFolder::to_resume(session.world(), folder)?;
+            let (scene, checkpoint) = folder.read(overrides)?;
             match scene.dimension() {
-                2 => run::resume::<2>(session, &scene, folder, &checkpoint),
-                _ => run::resume::<3>(session, &scene, folder, &checkpoint),
+                2 => run::resume::<2>(session, &scene, &mut folder, &checkpoint),
+                _ => run::resume::<3>(session, &scene, &mut folder, &checkpoint),
             }
         }),
         Command::Animate { folder, out, width, seconds } => {

@@ -3,7 +3,7 @@
 //! Pairs are counted by their separation over the sum of the radii, each periodic image for itself, and compared with those of an ideal gas
 //! of points in the same box: uniform where centres can be, which is up to a mean radius from walls. A pair of such points is `r n` apart
 //! with density `prod over walled axes (1 - r |n_k| / L_k) / (prod of all lengths)`, with `L_k` the length that centres can reach, so walls
-//! alone do not make the distribution differ from 1. Pairs of a body and a wall, or of a body and its own image, are not counted.
+//! alone do not make the distribution differ from 1. Where images slide, each configuration has those of its own time. Pairs of a body and a wall, or of a body and its own image, are not counted.
 
 use std::{collections::BTreeMap, f64::consts::PI};
 
@@ -48,18 +48,18 @@ pub struct PairDistribution {
 }
 
 impl<'a, const D: usize> PairCounts<'a, D> {
-    /// No configuration yet of bodies with these radii in a box, with the shear that directions refer to.
+    /// No configuration yet of bodies with these radii in a box at any time, with the shear that directions refer to.
     pub fn new(domain: &'a Domain<D>, radii: &'a [f64], shear: Option<Shear<D>>) -> Self {
         let bins = ((farthest(domain, radii) - 1.0) / WIDTH + 1e-9).max(0.0) as usize;
         let (radial, directions) = (vec![0; bins], vec![0; DIRECTIONS]);
         PairCounts { domain, radii, shear, radial, directions, neighbours: 0, configurations: 0 }
     }
 
-    /// Adds a configuration; bodies in the order of the radii.
-    pub fn add(&mut self, balls: &[Ball<D>]) {
+    /// Adds the configuration of a time, to which images have slid if they do; bodies in the order of the radii.
+    pub fn add(&mut self, time: f64, balls: &[Ball<D>]) {
         let largest = self.radii.iter().copied().fold(0.0, f64::max);
         let far = WIDTH * self.radial.len() as f64;
-        let pairs = near_pairs(self.domain, balls, 2.0 * largest * far.max(0.5 * NEAR));
+        let pairs = near_pairs(&self.domain.clone().at(time), balls, 2.0 * largest * far.max(0.5 * NEAR));
         for pair in pairs.iter().filter(|pair| pair.first != pair.second) {
             let sum = self.radii[pair.first] + self.radii[pair.second];
             if let Some(count) = self.radial.get_mut((pair.gap.max(0.0) / sum / WIDTH) as usize) {
@@ -209,7 +209,7 @@ mod tests {
                 margin + random.random::<f64>() * (size[axis] - 2.0 * margin)
             };
             let mut ball = |&radius: &f64| Ball { center: SVector::from_fn(|axis, _| place(axis)), radius };
-            counts.add(&radii.iter().map(&mut ball).collect::<Vec<_>>());
+            counts.add(0.0, &radii.iter().map(&mut ball).collect::<Vec<_>>());
         }
         counts.distribution().expect("there are pairs")
     }
@@ -250,7 +250,7 @@ mod tests {
         let balls: Vec<Ball<2>> =
             [[1.0, 1.0], [3.08, 1.0], [1.0, 3.08], [3.08, 3.08]].map(|center| Ball { center: Vector2::from(center), radius: 1.0 }).to_vec();
         let mut counts = PairCounts::new(&domain, &radii, None);
-        counts.add(&balls);
+        counts.add(0.0, &balls);
         let distribution = counts.distribution().expect("there are pairs");
         assert_eq!((distribution.configurations, distribution.coordination), (1, 4.0));
         let directions: Vec<f64> = distribution.angular.iter().filter(|(_, part)| *part > 0.0).map(|(degrees, _)| *degrees).collect();

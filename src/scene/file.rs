@@ -4,11 +4,12 @@ use std::path::Path;
 
 use toml_edit::{Document, Item, TomlError, Value};
 
+use crate::body::read_text;
 use crate::error::{Error, Result};
 use crate::scene::locations::{Lines, Locations};
 use crate::scene::table::Table;
 use crate::scene::{
-    ContactSection, DomainSection, FlowModel, FlowSection, LubricationSection, MethodSection, OutputSection, Placement, ResolutionSection,
+    BodyGroup, ContactSection, DomainSection, FlowModel, FlowSection, LubricationSection, MethodSection, OutputSection, Placement, ResolutionSection,
     Scene, TimeSection, accuracy, bodies, check, overrides, scalar,
 };
 
@@ -31,8 +32,7 @@ const KEYS: [&str; 13] = [
 impl Scene {
     /// The scene of a file with `key=value` overrides; refused with file and line if anything is not right.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Scene> {
-        let unreadable = |source| Error::File { path: path.to_owned(), source };
-        let text = std::fs::read_to_string(path).map_err(unreadable)?;
+        let text = read_text(path)?;
         let file = path.file_name().unwrap_or_default().to_string_lossy();
         load(&file, path.parent().unwrap_or(Path::new("")), &text, overrides)
     }
@@ -40,6 +40,35 @@ impl Scene {
     /// The scene of a text that calls itself `name`; files it names are looked for in `folder`.
     pub fn parse(name: &str, folder: &Path, text: &str, overrides: &[String]) -> Result<Scene> {
         load(&format!("{name}.toml"), folder, text, overrides)
+    }
+
+    /// The texts of the files that the scene names, with the names that copies of them have beside the scene.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] with the line that names a file which cannot be read.
+    pub fn files(&self) -> Result<Vec<(String, String)>> {
+        let file = |(group, bodies): (usize, &BodyGroup)| match &bodies.placement {
+            Placement::File(path) => Some(read_text(path).map(|text| (copied(group), text)).map_err(|error| self.unreadable(group, error))),
+            _ => None,
+        };
+        self.bodies.iter().enumerate().filter_map(file).collect()
+    }
+
+    /// The refusal of a file that cannot be read, at the line that names it; other errors stay.
+    pub fn unreadable(&self, group: usize, error: Error) -> Error {
+        let Error::File { path, source } = error else { return error };
+        let remedy = format!("cannot be read ({source}); paths start from the folder of the scene");
+        self.refuse(&format!("bodies[{group}].file"), format!("{:?}", path.to_string_lossy()), &remedy)
+    }
+
+    /// The text of a scene that names copies of its files beside it.
+    ///
+    /// # Errors
+    /// The scene cannot be written so.
+    pub fn copied_text(&self) -> Result<String> {
+        let groups = self.bodies.iter().enumerate().filter(|(_, bodies)| matches!(bodies.placement, Placement::File(_)));
+        let copies: Vec<String> = groups.map(|(group, _)| format!("bodies.{group}.file={:?}", copied(group))).collect();
+        Ok(Scene::parse(&self.name, Path::new("."), &self.text, &copies)?.text)
     }
 
     /// The text of a scene that gives the same scene from any folder.
@@ -57,6 +86,10 @@ impl Scene {
         });
         Ok(Scene::parse(&self.name, Path::new("."), &self.text, &absolute.collect::<Result<Vec<_>>>()?)?.text)
     }
+}
+
+fn copied(group: usize) -> String {
+    format!("bodies-{group}.csv")
 }
 
 fn load(file: &str, folder: &Path, text: &str, overrides: &[String]) -> Result<Scene> {

@@ -40,7 +40,8 @@ pub fn bodies<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Vec<(
 fn place<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Vec<(usize, Ball<D>)>> {
     let mut balls = Vec::new();
     for (group, bodies) in scene.bodies.iter().enumerate() {
-        balls.extend(given_balls(bodies)?.into_iter().map(|ball| (group, ball)));
+        let given = given_balls(bodies).map_err(|error| scene.unreadable(group, error))?;
+        balls.extend(given.into_iter().map(|ball| (group, ball)));
     }
     check_places(scene, domain, &balls)?;
     let obstacles: Vec<Ball<D>> = balls.iter().map(|&(_, ball)| ball).collect();

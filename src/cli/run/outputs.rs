@@ -2,18 +2,18 @@
 
 use std::{
     collections::BTreeMap,
-    path::{Path, PathBuf},
+    path::PathBuf,
     time::Instant,
 };
 
-use super::{account::Account, folder::CHECKPOINT};
+use super::{account::Account, folder::RunFolder};
 use crate::{
     contact::{Contact, Identity, Partner, Solver},
     error::Result,
     geometry::{Ball, Domain},
     observe::{self, CellCenters, Viscosity},
     output::{
-        self, ContactNumbers, CurvePoint, Frame, FrameBody, FrameContact, FrameFields, Frames, MeanViscosity, ProjectionNumbers, Row, Rows,
+        self, CHECKPOINT, ContactNumbers, CurvePoint, Frame, FrameBody, FrameContact, FrameFields, Frames, MeanViscosity, ProjectionNumbers, Row, Rows,
     },
     parallel::World,
     petsc::{Stage, enter},
@@ -30,7 +30,7 @@ const ABOUT: f64 = 1.25;
 /// The open outputs of a run.
 pub struct Outputs<const D: usize> {
     folder: PathBuf,
-    scene_text: String,
+    texts: Vec<(&'static str, String)>,
     /// On the first rank.
     rows: Option<Rows>,
     frames: Frames,
@@ -53,17 +53,22 @@ impl<const D: usize> Outputs<D> {
     ///
     /// # Errors
     /// Files of the run so far cannot be read or written.
-    pub fn open(world: &World, scene: &Scene, folder: &Path, simulation: &Simulation<D>) -> Result<Outputs<D>> {
+    pub fn open(world: &World, scene: &Scene, folder: &RunFolder, simulation: &Simulation<D>) -> Result<Outputs<D>> {
         let (steps, time) = (simulation.state().steps, simulation.state().time);
-        let rows = world.agree(if world.rank() == 0 { Rows::open(folder, steps).map(Some) } else { Ok(None) })?;
-        let frames = if steps == 0 { Frames::create(world, folder)? } else { Frames::resume(world, folder, time.next_down())? };
+        let rows = world.agree(if world.rank() == 0 { Rows::open(folder.path(), steps).map(Some) } else { Ok(None) })?;
+        let (frames, lost) = match steps {
+            0 => (Frames::create(world, folder.path())?, Vec::new()),
+            _ => Frames::resume(world, folder.path(), time.next_down())?,
+        };
+        let (rows, lost_rows) = rows.map_or((None, None), |(rows, lost)| (Some(rows), lost));
+        say(lost.iter().chain(&lost_rows));
         let centers = match simulation.suspension() {
             Some(suspension) if scene.output.fields => Some(CellCenters::new(suspension.grid(), &suspension.fluid_vector()?)?),
             _ => None,
         };
         Ok(Outputs {
-            folder: folder.to_owned(),
-            scene_text: scene.movable_text()?,
+            folder: folder.path().to_owned(),
+            texts: folder.texts(scene)?,
             frames,
             every: scene.frame_interval(),
             centers,
@@ -114,7 +119,7 @@ impl<const D: usize> Outputs<D> {
         let due = world.max(f64::from(due)) > 0.0;
         let (_stage, start) = (enter(Stage::Output), Instant::now());
         if due && simulation.on_the_way() && simulation.state().steps > 0 {
-            output::store(world, &self.folder.join(CHECKPOINT), (&self.scene_text, &account.numbers()), simulation)?;
+            output::store(world, &self.folder.join(CHECKPOINT), (&self.texts, &account.numbers()), simulation)?;
             self.last_checkpoint = Instant::now();
         }
         Ok(start.elapsed().as_secs_f64())
@@ -201,6 +206,12 @@ impl<const D: usize> Outputs<D> {
         };
         self.frames.write(world, &Frame { time: state.time, step: state.steps, domain, bodies: &bodies, contacts, fields })
     }
+}
+
+/// Says what a run that goes on does without.
+#[allow(clippy::print_stderr)]
+fn say<'a>(lost: impl Iterator<Item = &'a String>) {
+    lost.for_each(|lost| eprintln!("turbid: {lost}"));
 }
 
 /// Contacts that bear a force: of this instant in a flow, of the last step in a dry run.
