@@ -190,7 +190,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
-    use crate::geometry::Axis;
+    use crate::geometry::{Axis, Slide};
 
     fn domain<const D: usize>(size: [f64; D], walled: [bool; D]) -> Domain<D> {
         let wall = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
@@ -240,6 +240,22 @@ mod tests {
     fn radii_may_differ() {
         let radii: Vec<f64> = (0..60).map(|body| if body % 3 == 0 { 0.6 } else { 0.3 }).collect();
         assert_ideal(&of_an_ideal_gas([12.0, 9.0], [false, false], &radii), 0.15);
+    }
+
+    /// A disk at the top and one at the bottom, whose image above has slid aside: it is not where it would be in a box at rest.
+    #[test]
+    fn images_that_slide_are_counted_where_they_are_at_that_time() {
+        let slide = Slide { start: 0.0, speed: 8.0, time: 0.0 };
+        let domain = Domain { size: Vector2::new(16.0, 8.0), axes: [Axis::Periodic, Axis::Sheared(slide)] };
+        let balls = [[1.0, 7.5], [1.0, 0.2]].map(|center| Ball { center: Vector2::from(center), radius: 1.0 });
+        // separations of 0.7, of (2, 0.7), of (-1.8, 0.7) and, after whole lengths of the box, of 0.7 again
+        for (time, separation) in [(0.0, 0.35), (0.25, 1.0595), (1.775, 0.9657), (4.0, 0.35)] {
+            let mut counts = PairCounts::new(&domain, &[1.0; 2], None);
+            counts.add(time, &balls);
+            let bin = ((f64::max(separation, 1.0) - 1.0) / WIDTH) as usize;
+            let found: Vec<usize> = counts.radial.iter().enumerate().filter(|(_, count)| **count > 0).map(|(bin, _)| bin).collect();
+            assert_eq!(found, [bin], "at {time}");
+        }
     }
 
     /// Four disks of a square lattice whose gaps are 0.08 radii: each has four neighbours, along x and y, of which two are periodic images.

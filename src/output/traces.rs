@@ -52,6 +52,13 @@ impl Traces {
         Ok(Traces { folder: folder.to_owned(), files: known.chain(tables).collect(), frames: frames.collect() })
     }
 
+    /// Those that are not as `known`, names of files with their texts, has them.
+    pub fn besides(mut self, known: &[(String, String)]) -> Traces {
+        let same = |path: &Path, (name, text): &(String, String)| path.ends_with(name) && fs::read(path).is_ok_and(|bytes| bytes == text.as_bytes());
+        self.files.retain(|path| !known.iter().any(|known| same(path, known)));
+        self
+    }
+
     /// Whether there are none.
     pub fn none(&self) -> bool {
         self.files.is_empty() && self.frames.is_empty()
@@ -115,6 +122,9 @@ mod tests {
         let traces = Traces::of(&folder).unwrap();
         assert!(traces.has(SUMMARY) && !traces.has(CHECKPOINT));
         assert_eq!(traces.words(), "summary.json, bodies-0.csv, 2 in frames/");
+        let known = |text: &str| [("bodies-0.csv".to_owned(), text.to_owned())];
+        assert_eq!(Traces::of(&folder).unwrap().besides(&known("y")).words(), traces.words());
+        assert_eq!(Traces::of(&folder).unwrap().besides(&known("x")).words(), "summary.json, 2 in frames/");
         traces.remove().unwrap();
         assert!(own.iter().all(|name| !folder.join(name).exists()) && foreign.iter().all(|name| folder.join(name).exists()));
         fs::remove_dir_all(&folder).unwrap();

@@ -328,5 +328,13 @@ scheme = "midpoint"
     fn an_unreadable_file_is_named() {
         let error = Scene::read(Path::new("/nowhere/scene.toml"), &[]).unwrap_err();
         assert!(error.to_string().starts_with("/nowhere/scene.toml: "));
+        let pipe = std::env::temp_dir().join(format!("turbid-scene-{}.toml", std::process::id()));
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        for path in [Path::new("/dev/null"), Path::new("/dev/zero"), &pipe] {
+            let error = Scene::read(path, &[]).unwrap_err();
+            assert_eq!(error.to_string(), format!("{}: is no regular file; copy what it gives into one", path.display()));
+        }
+        std::fs::remove_file(&pipe).unwrap();
+        assert!(Scene::read(Path::new("/"), &[]).unwrap_err().to_string().contains("directory"));
     }
 }

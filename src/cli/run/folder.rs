@@ -149,7 +149,8 @@ impl<'a> RunFolder<'a> {
 
     /// Refuses to let go what is there, unless it is what the same scene left without a checkpoint.
     fn refuse(&self, scene: &Scene) -> Result<()> {
-        let (there, kept) = (Traces::of(&self.path)?, self.path.join(SCENE));
+        // a run that was killed before it wrote its scene may have copied files
+        let (there, kept) = (Traces::of(&self.path)?.besides(&self.files), self.path.join(SCENE));
         if self.force || (there.none() && !kept.exists()) {
             return Ok(());
         }

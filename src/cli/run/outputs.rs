@@ -35,6 +35,8 @@ pub struct Outputs<const D: usize> {
     rows: Option<Rows>,
     frames: Frames,
     every: f64,
+    /// Whether the scene asks for frames more often than steps come, and nobody was told yet.
+    eager: bool,
     /// Present if frames hold fields; made anew where images slide.
     centers: Option<CellCenters<D>>,
     contact: ContactModel,
@@ -71,6 +73,7 @@ impl<const D: usize> Outputs<D> {
             texts: folder.texts(scene)?,
             frames,
             every: scene.frame_interval(),
+            eager: scene.output.every.is_some() && world.rank() == 0,
             centers,
             contact: scene.contact.model,
             checkpoint_pace: scene.output.checkpoint,
@@ -103,6 +106,7 @@ impl<const D: usize> Outputs<D> {
         if self.until.is_some() {
             self.satisfied = world.max(f64::from(near && self.nearly(1.0))) > 0.0;
         }
+        self.tell_of_long_steps(simulation.state());
         if self.frame_is_due(simulation) {
             self.write_frame(world, simulation, view)?;
         }
@@ -180,6 +184,20 @@ impl<const D: usize> Outputs<D> {
         let state = simulation.state();
         let number = |time: f64| (time / self.every + ROUNDING).floor();
         state.steps == 0 || simulation.over() || self.satisfied || number(state.time) > number(state.time - state.last_step)
+    }
+
+    /// Says once that frames cannot come as often as the scene asks for.
+    #[allow(clippy::print_stderr)]
+    fn tell_of_long_steps(&mut self, state: &State<D>) {
+        let (every, step) = (self.every, state.last_step);
+        if self.eager && step > every * (1.0 + ROUNDING) {
+            self.eager = false;
+            eprintln!(
+                "turbid: output.every = {every}: the step to time {} is {step} long, and frames come no more often than steps; \
+                 shorten them by time.step or time.travel for more",
+                state.time
+            );
+        }
     }
 
     fn write_frame(&mut self, world: &World, simulation: &Simulation<D>, view: &View<D>) -> Result<()> {
