@@ -42,7 +42,7 @@ enum Command {
         /// Output folder (default: out/NAME of the scene).
         #[arg(long)]
         out: Option<PathBuf>,
-        /// Run even if it takes more memory than is free.
+        /// Overwrite what another run has left in the output folder, and run even if it takes more memory than is free.
         #[arg(long)]
         force: bool,
         /// Print at the end what each stage took.
@@ -145,23 +145,24 @@ pub fn execute_alone(arguments: &Arguments) -> Option<Result<()>> {
 /// Carries out a command on all ranks.
 pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
     match &arguments.command {
-        Command::Run { scene, out, force, profile } => run::profiled(session, *profile, || {
-            let scene = scene.read(session)?;
+        Command::Run { scene: arguments, out, force, profile } => run::profiled(session, *profile, || {
+            let scene = arguments.read(session)?;
             if !force {
                 memory::check(session.world(), &scene)?;
             }
-            let folder = folder(out, &scene);
+            let mut folder = run::RunFolder::to_begin(session.world(), &folder(out, &scene), (&scene, &arguments.scene), *force)?;
             let outcome = match scene.dimension() {
-                2 => run::run::<2>(session, &scene, &folder),
-                _ => run::run::<3>(session, &scene, &folder),
+                2 => run::run::<2>(session, &scene, &mut folder),
+                _ => run::run::<3>(session, &scene, &mut folder),
             };
             outcome.map_err(|error| scene.place(error))
         }),
         Command::Resume { folder, overrides, profile } => run::profiled(session, *profile, || {
-            let (scene, checkpoint) = run::open(session, folder, overrides)?;
+            let mut folder = run::RunFolder::to_resume(session.world(), folder)?;
+            let (scene, checkpoint) = folder.read(overrides)?;
             let outcome = match scene.dimension() {
-                2 => run::resume::<2>(session, &scene, folder, &checkpoint),
-                _ => run::resume::<3>(session, &scene, folder, &checkpoint),
+                2 => run::resume::<2>(session, &scene, &mut folder, &checkpoint),
+                _ => run::resume::<3>(session, &scene, &mut folder, &checkpoint),
             };
             outcome.map_err(|error| scene.place(error))
         }),

@@ -152,10 +152,71 @@ def check_run(folder):
             same(frame.attrs["time"], time, "time")
             check_contacts(frame)
             if "fields" in frame:
+                check_inside(frame)
+            if "fields" in frame and "offset" not in frame.attrs:
                 check_flow(frame)
         if (folder / "summary.json").exists():
             check_last(run["frames"][names[-1]], json.loads((folder / "summary.json").read_text()))
-            check_network(folder, dict(zip(times, (run["frames"][name]["contacts"] for name in names))))
+            frames = dict(zip(times, (run["frames"][name] for name in names)))
+            check_network(folder, {time: frame["contacts"] for time, frame in frames.items()})
+            check_offsets(folder, frames)
+            check_pairs(folder, frames)
+        for companion in folder.glob("*.xdmf"):
+            assert "<Time" in companion.read_text(), f"{companion} lists nothing"
+
+
+def box(frame):
+    """Lengths of a frame's box, which axes are periodic, and by how much the box above lies to the right."""
+    periodic = in_space(numpy.array([frame.attrs["periodic"]]))[0].astype(bool)
+    return in_space(numpy.array([frame.attrs["size"]]))[0], periodic, frame.attrs.get("offset", 0.0)
+
+
+def nearest(frame, between):
+    """The shortest of the periodic images of separations, by trying those of the rows around."""
+    lengths, periodic, offset = box(frame)
+    safe, best = numpy.where(periodic, lengths, 1.0), None
+    for row in range(-2, 3) if periodic[1] else [0]:
+        image = between - row * numpy.array([offset, lengths[1], 0.0])
+        others = periodic & (numpy.arange(3) != 1)
+        image = numpy.where(others, image - lengths * numpy.round(image / safe), image)
+        shorter = None if best is None else (image**2).sum(-1, keepdims=True) < (best**2).sum(-1, keepdims=True)
+        best = image if best is None else numpy.where(shorter, image, best)
+    return best
+
+
+def check_offsets(folder, frames):
+    """Images slide at a steady rate, and VTK finds by how much."""
+    sliding = {time: frame.attrs["offset"] for time, frame in frames.items() if "offset" in frame.attrs}
+    for time, offset in sliding.items():
+        rate, length = frames[time].attrs["offset_rate"], frames[time].attrs["size"][0]
+        apart = (offset - rate * time) / length
+        assert 0 <= offset < length and abs(apart - round(apart)) < 1e-9, f"offset {offset} at {time}"
+    assert not sliding or (len(sliding) == len(frames) and len(set(sliding.values())) > 2), f"offsets {sliding}"
+    for companion in ["bodies.xdmf", "fields.xdmf"] if sliding else []:
+        for time, data in vtk_frames(folder / companion):
+            same(arrays(data.GetFieldData())["offset"], [sliding[time]], f"offset in {companion}")
+
+
+def check_pairs(folder, frames):
+    """The pair distribution of a periodic box is that of the frames it was measured in, image by image."""
+    rows = numpy.genfromtxt(folder / "pairs.csv", delimiter=",", names=True)
+    begin = json.loads((folder / "summary.json").read_text())["pairs"]["from_time"]
+    chosen = [frame for time, frame in frames.items() if time >= begin]
+    if not all(frame.attrs["periodic"].all() for frame in chosen):
+        return
+    count, diameter = len(chosen[0]["bodies/radius"]), 2 * chosen[0]["bodies/radius"][0]
+    edges = numpy.append(rows["separation"] - 0.0125, rows["separation"][-1] + 0.0125)
+    first, second = numpy.triu_indices(count, 1)
+    found = numpy.zeros(len(rows))
+    for frame in chosen:
+        center = numpy.asarray(frame["bodies/center"])
+        # beyond half a box a pair has more images than the nearest, which the distribution does not reach
+        distance = numpy.linalg.norm(nearest(frame, center[second] - center[first]), axis=1) / diameter
+        assert distance.min() > 1 - 1e-6, f"disks overlap: {distance.min()} diameters"
+        found += numpy.histogram(numpy.maximum(distance, edges[0]), edges)[0]
+    ideal = count * (count - 1) / 2 * numpy.pi * numpy.diff(edges**2) * diameter**2 / chosen[0].attrs["size"].prod()
+    # a separation on the edge of two bins may be counted in either
+    assert numpy.abs(found - rows["distribution"] * len(chosen) * ideal).sum() <= 2.01, "pairs are counted where they are not"
 
 
 def check_contacts(frame):
@@ -164,15 +225,12 @@ def check_contacts(frame):
     count = frame.attrs["contact_count"]
     columns = {name: numpy.asarray(contacts[name]) for name in contacts}
     assert all(len(column) == count for column in columns.values()), "columns of contacts differ in length"
-    center, radius, size = numpy.asarray(bodies["center"]), numpy.asarray(bodies["radius"]), frame.attrs["size"]
-    periodic = in_space(numpy.array([frame.attrs["periodic"]]))[0].astype(bool)
-    lengths = in_space(numpy.array([size]))[0]
+    center, radius, lengths = numpy.asarray(bodies["center"]), numpy.asarray(bodies["radius"]), box(frame)[0]
     for place in range(count):
         body, partner, normal = columns["body"][place], columns["partner"][place], columns["normal"][place]
         same(numpy.linalg.norm(normal), 1.0, "length of a normal")
         if partner >= 0:
-            between = center[partner] - center[body]
-            between = numpy.where(periodic, between - lengths * numpy.round(between / numpy.where(periodic, lengths, 1.0)), between)
+            between = nearest(frame, center[partner] - center[body])
             gap = numpy.linalg.norm(between) - radius[body] - radius[partner]
             direction = between / numpy.linalg.norm(between)
         else:
@@ -182,8 +240,8 @@ def check_contacts(frame):
         same(columns["gap"][place], gap, "gap of a contact")
         same(normal, direction, "normal of a contact")
         expected = center[body] + direction * (radius[body] + 0.5 * gap)
-        apart = columns["point"][place] - expected
-        same(numpy.where(periodic, apart - lengths * numpy.round(apart / numpy.where(periodic, lengths, 1.0)), apart), 0 * apart, "point")
+        apart = nearest(frame, columns["point"][place] - expected)
+        same(apart, 0 * apart, "point")
     assert ("gamma" in columns) == ("gamma" in contacts)
     touches = numpy.zeros(len(radius), dtype=int)
     bearing = columns["force"] != 0
@@ -206,6 +264,18 @@ def check_network(folder, contacts):
             same(found[name], expected[name], f"{name} of contacts in VTK")
         listed += 1
     assert listed == sum(len(frame["gap"]) > 0 for frame in contacts.values()), f"{listed} frames with contacts are listed"
+
+
+def check_inside(frame):
+    """Cells are inside bodies where the nearest images of those are."""
+    inside, (cells, spacing) = numpy.asarray(frame["fields/inside"])[0], (frame.attrs[name] for name in ["cells", "spacing"])
+    x, y = numpy.meshgrid(*[(numpy.arange(n) + 0.5) * h for n, h in zip(cells, spacing)])
+    points = numpy.stack([x, y, 0 * x], axis=-1)
+    depth = numpy.full(inside.shape, -numpy.inf)
+    for center, radius in zip(numpy.asarray(frame["bodies/center"]), numpy.asarray(frame["bodies/radius"])):
+        depth = numpy.maximum(depth, radius - numpy.linalg.norm(nearest(frame, points - center), axis=-1))
+    clear = numpy.abs(depth) > 1e-9
+    assert ((depth > 0) == (inside == 1))[clear].all(), "cells are inside bodies that are elsewhere"
 
 
 def check_flow(frame):

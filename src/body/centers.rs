@@ -1,6 +1,6 @@
 //! Centres from a file: comma-separated `x,y[,z][,radius]`, one body a line.
 
-use std::path::Path;
+use std::{fs, io, path::Path};
 
 use nalgebra::SVector;
 
@@ -13,8 +13,21 @@ type Entry<const D: usize> = (SVector<f64, D>, Option<f64>);
 ///
 /// Returns [`Error::File`] if the file cannot be read and [`Error::Refused`] if its text cannot be used.
 pub fn read_centers<const D: usize>(path: &Path) -> Result<Vec<(SVector<f64, D>, Option<f64>)>> {
-    let text = std::fs::read_to_string(path).map_err(|source| Error::File { path: path.to_path_buf(), source })?;
+    let text = read_text(path)?;
     parse_centers(&path.display().to_string(), &text)
+}
+
+/// The text of a file that a user names. A pipe or a device, which may never end and which only one rank could read, is none.
+///
+/// # Errors
+/// [`Error::File`] if it cannot be read, or is no regular file.
+pub fn read_text(path: &Path) -> Result<String> {
+    let read = || match fs::metadata(path)? {
+        metadata if metadata.is_file() => fs::read_to_string(path),
+        metadata if metadata.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+        _ => Err(io::Error::other("is no regular file; copy what it gives into one")),
+    };
+    read().map_err(|source| Error::File { path: path.to_owned(), source })
 }
 
 /// Parses the text of a file of centres, one body a line.

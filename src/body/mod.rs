@@ -11,7 +11,7 @@ mod twist;
 use nalgebra::{SMatrix, SVector};
 
 use crate::geometry::Ball;
-pub use centers::{parse_centers, read_centers, usable};
+pub use centers::{parse_centers, read_centers, read_text, usable};
 pub use equilibrium::equilibrium;
 pub use packing::pack;
 pub use twist::{Twist, components, planes, skew};

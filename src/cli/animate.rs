@@ -29,6 +29,7 @@ pub fn animate(session: &Session, film: &Film) -> Result<()> {
         if !(film.seconds.is_finite() && film.seconds > 0.0) {
             return Err(Error::Refused(format!("--seconds {}: must be positive", film.seconds)));
         }
+        refuse_ending(&film.out)?;
         let scene = Scene::read(&film.folder.join("scene.toml"), &[])?;
         let frames = if scene.dimension() == 2 { frames::<2>(&scene, film.folder)? } else { frames::<3>(&scene, film.folder)? };
         if frames.is_empty() {
@@ -38,6 +39,16 @@ pub fn animate(session: &Session, film: &Film) -> Result<()> {
         say(&film.out.display().to_string())
     };
     world.agree(if world.rank() == 0 { draw() } else { Ok(()) })
+}
+
+/// Programs tell formats by their endings, and only one is written.
+fn refuse_ending(out: &Path) -> Result<()> {
+    let ending = out.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    if matches!(ending.as_deref(), Some("png" | "apng")) {
+        return Ok(());
+    }
+    let better = out.with_extension("png");
+    Err(Error::Refused(format!("--out {}: an animation is an animated PNG; name it {}", out.display(), better.display())))
 }
 
 fn frames<const D: usize>(scene: &Scene, folder: &Path) -> Result<Vec<AnimationFrame>> {

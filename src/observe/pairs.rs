@@ -3,7 +3,7 @@
 //! Pairs are counted by their separation over the sum of the radii, each periodic image for itself, and compared with those of an ideal gas
 //! of points in the same box: uniform where centres can be, which is up to a mean radius from walls. A pair of such points is `r n` apart
 //! with density `prod over walled axes (1 - r |n_k| / L_k) / (prod of all lengths)`, with `L_k` the length that centres can reach, so walls
-//! alone do not make the distribution differ from 1. Pairs of a body and a wall, or of a body and its own image, are not counted.
+//! alone do not make the distribution differ from 1. Where images slide, each configuration has those of its own time. Pairs of a body and a wall, or of a body and its own image, are not counted.
 
 use std::{collections::BTreeMap, f64::consts::PI};
 
@@ -48,18 +48,18 @@ pub struct PairDistribution {
 }
 
 impl<'a, const D: usize> PairCounts<'a, D> {
-    /// No configuration yet of bodies with these radii in a box, with the shear that directions refer to.
+    /// No configuration yet of bodies with these radii in a box at any time, with the shear that directions refer to.
     pub fn new(domain: &'a Domain<D>, radii: &'a [f64], shear: Option<Shear<D>>) -> Self {
         let bins = ((farthest(domain, radii) - 1.0) / WIDTH + 1e-9).max(0.0) as usize;
         let (radial, directions) = (vec![0; bins], vec![0; DIRECTIONS]);
         PairCounts { domain, radii, shear, radial, directions, neighbours: 0, configurations: 0 }
     }
 
-    /// Adds a configuration; bodies in the order of the radii.
-    pub fn add(&mut self, balls: &[Ball<D>]) {
+    /// Adds the configuration of a time, to which images have slid if they do; bodies in the order of the radii.
+    pub fn add(&mut self, time: f64, balls: &[Ball<D>]) {
         let largest = self.radii.iter().copied().fold(0.0, f64::max);
         let far = WIDTH * self.radial.len() as f64;
-        let pairs = near_pairs(self.domain, balls, 2.0 * largest * far.max(0.5 * NEAR));
+        let pairs = near_pairs(&self.domain.clone().at(time), balls, 2.0 * largest * far.max(0.5 * NEAR));
         for pair in pairs.iter().filter(|pair| pair.first != pair.second) {
             let sum = self.radii[pair.first] + self.radii[pair.second];
             if let Some(count) = self.radial.get_mut((pair.gap.max(0.0) / sum / WIDTH) as usize) {
@@ -190,7 +190,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
-    use crate::geometry::Axis;
+    use crate::geometry::{Axis, Slide};
 
     fn domain<const D: usize>(size: [f64; D], walled: [bool; D]) -> Domain<D> {
         let wall = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
@@ -209,7 +209,7 @@ mod tests {
                 margin + random.random::<f64>() * (size[axis] - 2.0 * margin)
             };
             let mut ball = |&radius: &f64| Ball { center: SVector::from_fn(|axis, _| place(axis)), radius };
-            counts.add(&radii.iter().map(&mut ball).collect::<Vec<_>>());
+            counts.add(0.0, &radii.iter().map(&mut ball).collect::<Vec<_>>());
         }
         counts.distribution().expect("there are pairs")
     }
@@ -242,6 +242,22 @@ mod tests {
         assert_ideal(&of_an_ideal_gas([12.0, 9.0], [false, false], &radii), 0.15);
     }
 
+    /// A disk at the top and one at the bottom, whose image above has slid aside: it is not where it would be in a box at rest.
+    #[test]
+    fn images_that_slide_are_counted_where_they_are_at_that_time() {
+        let slide = Slide { start: 0.0, speed: 8.0, time: 0.0 };
+        let domain = Domain { size: Vector2::new(16.0, 8.0), axes: [Axis::Periodic, Axis::Sheared(slide)] };
+        let balls = [[1.0, 7.5], [1.0, 0.2]].map(|center| Ball { center: Vector2::from(center), radius: 1.0 });
+        // separations of 0.7, of (2, 0.7), of (-1.8, 0.7) and, after whole lengths of the box, of 0.7 again
+        for (time, separation) in [(0.0, 0.35), (0.25, 1.0595), (1.775, 0.9657), (4.0, 0.35)] {
+            let mut counts = PairCounts::new(&domain, &[1.0; 2], None);
+            counts.add(time, &balls);
+            let bin = ((f64::max(separation, 1.0) - 1.0) / WIDTH) as usize;
+            let found: Vec<usize> = counts.radial.iter().enumerate().filter(|(_, count)| **count > 0).map(|(bin, _)| bin).collect();
+            assert_eq!(found, [bin], "at {time}");
+        }
+    }
+
     /// Four disks of a square lattice whose gaps are 0.08 radii: each has four neighbours, along x and y, of which two are periodic images.
     #[test]
     fn neighbours_across_the_seam_count() {
@@ -250,7 +266,7 @@ mod tests {
         let balls: Vec<Ball<2>> =
             [[1.0, 1.0], [3.08, 1.0], [1.0, 3.08], [3.08, 3.08]].map(|center| Ball { center: Vector2::from(center), radius: 1.0 }).to_vec();
         let mut counts = PairCounts::new(&domain, &radii, None);
-        counts.add(&balls);
+        counts.add(0.0, &balls);
         let distribution = counts.distribution().expect("there are pairs");
         assert_eq!((distribution.configurations, distribution.coordination), (1, 4.0));
         let directions: Vec<f64> = distribution.angular.iter().filter(|(_, part)| *part > 0.0).map(|(degrees, _)| *degrees).collect();

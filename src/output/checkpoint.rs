@@ -37,8 +37,7 @@ impl<'a> CheckpointWriter<'a> {
 
     /// Stores a text that is the same on all ranks.
     pub fn text(&mut self, name: &str, text: &str) -> Result<()> {
-        let sum = checksum(text.bytes().map(u64::from).enumerate());
-        self.alike(name, text.as_bytes(), sum)
+        self.alike(name, text.as_bytes(), checksum_of(text))
     }
 
     /// Stores numbers that are the same on all ranks.
@@ -103,6 +102,11 @@ impl<'a> Checkpoint<'a> {
     pub fn text(&self, name: &str) -> Result<String> {
         let bytes = self.alike::<u8>(name, |&byte| u64::from(byte))?;
         self.world.agree(String::from_utf8(bytes).map_err(|_| self.corrupt(name)))
+    }
+
+    /// The text of this name; nothing where there is none, as in checkpoints of older versions.
+    pub fn text_if_any(&self, name: &str) -> Result<Option<String>> {
+        if self.file.link_exists(name) { self.text(name).map(Some) } else { Ok(None) }
     }
 
     /// The numbers of this name.
@@ -196,6 +200,11 @@ fn lattice_checksum<const D: usize>(world: &World, grid: &Grid<D>, field: usize,
     let places = grid.block(field).indices().map(|index| whole.offset(index));
     let local = checksum(places.zip(values.iter().map(|value| value.to_bits())));
     world.gather(&[local]).into_iter().fold(0, u64::wrapping_add)
+}
+
+/// A number that differs, but for one case in 1e19, for texts that differ; the same on every machine.
+pub fn checksum_of(text: &str) -> u64 {
+    checksum(text.bytes().map(u64::from).enumerate())
 }
 
 /// A sum over places and their contents in which any one change shows, in whatever order they are added.

@@ -19,13 +19,18 @@ use crate::{
 /// Names of the arrays of a solution.
 const SNAPSHOTS: [&str; 2] = ["last", "earlier"];
 
-/// Writes a checkpoint of a simulation with the text of its scene and the run's account. Collective.
+/// Writes a checkpoint of a simulation with texts by name, such as that of its scene, and the run's account. Collective.
 ///
 /// # Errors
 /// [`Error::File`] when it cannot be written; an older checkpoint is then untouched.
-pub fn store<const D: usize>(world: &World, path: &Path, (scene, account): (&str, &[f64]), simulation: &Simulation<D>) -> Result<()> {
+pub fn store<const D: usize>(
+    world: &World,
+    path: &Path,
+    (texts, account): (&[(&str, String)], &[f64]),
+    simulation: &Simulation<D>,
+) -> Result<()> {
     let mut writer = CheckpointWriter::create(world, path)?;
-    writer.text("scene", scene)?;
+    texts.iter().try_for_each(|(name, text)| writer.text(name, text))?;
     // seconds differ from rank to rank
     writer.shared("account", &world.gather(account)[..account.len()])?;
     store_state(&mut writer, simulation.state())?;

@@ -3,6 +3,7 @@
 use std::{
     fs::{self, File, OpenOptions},
     io::Write,
+    os::unix::fs::MetadataExt,
     path::{Path, PathBuf},
 };
 
@@ -42,7 +43,7 @@ pub struct ContactNumbers {
     pub active: usize,
     /// Contacts that stick, if contacts are gluey.
     pub stuck: Option<usize>,
-    /// Smallest gap in radii of the smaller body, infinite if no two are near each other.
+    /// Smallest gap in radii of the smaller body, infinite (an empty cell) if no two are near each other and at the start.
     pub smallest_gap: f64,
     /// If velocities are projected, how.
     pub projection: Option<ProjectionNumbers>,
@@ -65,6 +66,8 @@ pub struct ProjectionNumbers {
 pub struct Rows {
     path: PathBuf,
     file: File,
+    /// Length of what was written.
+    length: u64,
     /// The viscosity of the rows so far.
     curve: Vec<CurvePoint>,
 }
@@ -85,7 +88,8 @@ impl Row {
         if let Some(contact) = &self.contact {
             cells.push(("contacts", contact.active.to_string()));
             cells.extend(contact.stuck.map(|stuck| ("stuck", stuck.to_string())));
-            cells.push(("smallest_gap", number(contact.smallest_gap)));
+            // readers of CSV take an empty cell for a number that is not there, but few know infinity
+            cells.push(("smallest_gap", if contact.smallest_gap == f64::INFINITY { String::new() } else { number(contact.smallest_gap) }));
             if let Some(projection) = contact.projection {
                 cells.push(("kkt_residual", number(projection.kkt_residual)));
                 cells.push(("contact_force", number(projection.total_force)));
@@ -115,16 +119,16 @@ fn number(value: f64) -> String {
 }
 
 impl Rows {
-    /// Opens the file for the rows from `step` on: those before it stay, the others go.
+    /// Opens the file for the rows from `step` on: those before it stay, the others go. Says what is missing, if rows are.
     ///
     /// # Errors
     /// [`Error::File`], here and below, when the file cannot be read or written; [`Error::Refused`] when it is not one of ours.
-    pub fn open(folder: &Path, step: usize) -> Result<Rows> {
+    pub fn open(folder: &Path, step: usize) -> Result<(Rows, Option<String>)> {
         let path = folder.join("series.csv");
-        let kept = if step > 0 { rows_before(&path, step)? } else { String::new() };
+        let (kept, note) = if step > 0 { rows_before(&path, step)? } else { (String::new(), None) };
         write_whole(&path, kept.as_bytes())?;
         let file = OpenOptions::new().append(true).open(&path).map_err(|source| Error::File { path: path.clone(), source })?;
-        Ok(Rows { curve: CurvePoint::read(&kept), path, file })
+        Ok((Rows { curve: CurvePoint::read(&kept), path, file, length: kept.len() as u64 }, note))
     }
 
     /// Adds a row, and the names of the columns before the first one.
@@ -133,13 +137,30 @@ impl Rows {
         check(&cells)?;
         let line = |cells: Vec<String>| cells.join(",") + "\n";
         let mut text = line(cells.iter().map(|(_, value)| value.clone()).collect());
-        let empty = self.file.metadata().is_ok_and(|metadata| metadata.len() == 0);
-        if empty {
+        if self.length == 0 {
             text = line(cells.iter().map(|(name, _)| (*name).to_owned()).collect()) + &text;
         }
         self.curve.extend(row.point());
+        self.refuse_change()?;
         // one call a row: what a kill leaves is a whole line or nothing
-        self.file.write_all(text.as_bytes()).map_err(|source| Error::File { path: self.path.clone(), source })
+        self.file.write_all(text.as_bytes()).map_err(|source| Error::File { path: self.path.clone(), source })?;
+        self.length += text.len() as u64;
+        Ok(())
+    }
+
+    /// Refuses a file that is no longer there, or no longer holds the rows so far and nothing else.
+    fn refuse_change(&self) -> Result<()> {
+        let of = |metadata: fs::Metadata| (metadata.dev(), metadata.ino(), metadata.len());
+        let own = self.file.metadata().map_err(|source| Error::File { path: self.path.clone(), source })?;
+        let (path, folder) = (self.path.display(), self.path.parent().unwrap_or(Path::new("")).display());
+        let what = match fs::metadata(&self.path).map(of) {
+            Ok(there) if there == (own.dev(), own.ino(), self.length) => return Ok(()),
+            Ok(_) => "was changed",
+            Err(_) => "was removed",
+        };
+        Err(Error::Refused(format!(
+            "{path}: {what} while the run went on, which no longer adds to it; put it back, then `turbid resume {folder}` goes on from the last checkpoint"
+        )))
     }
 
     /// The viscosity of all rows.
@@ -148,14 +169,19 @@ impl Rows {
     }
 }
 
-/// The header and the whole rows whose number is below `step`.
-fn rows_before(path: &Path, step: usize) -> Result<String> {
-    let text = fs::read_to_string(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
+/// The header and the whole rows whose number is below `step`, and what is missing of them.
+fn rows_before(path: &Path, step: usize) -> Result<(String, Option<String>)> {
+    let lost = |kept: usize| format!("{}: {} of the {step} rows before step {step} are missing", path.display(), step - kept);
+    let bytes = match fs::read(path) {
+        Err(source) if source.kind() == std::io::ErrorKind::NotFound => return Ok((String::new(), Some(lost(0)))),
+        bytes => bytes.map_err(|source| Error::File { path: path.to_owned(), source })?,
+    };
+    let text = String::from_utf8_lossy(&bytes);
     let refuse = |line: usize| {
         let path = path.display();
-        Error::Refused(format!("{path}:{line}: is no row of a series; restore the file or resume from a copy of the folder"))
+        Error::Refused(format!("{path}:{line}: is no row of a series; put the file back, or remove it to go on without the rows so far"))
     };
-    let mut kept = String::new();
+    let (mut kept, mut rows) = (String::new(), 0);
     for (number, line) in text.split_inclusive('\n').enumerate().filter(|(_, line)| line.ends_with('\n')) {
         let row = line.split(',').next().and_then(|cell| cell.parse::<usize>().ok());
         match row {
@@ -163,8 +189,9 @@ fn rows_before(path: &Path, step: usize) -> Result<String> {
             Some(row) if row >= step => break,
             _ => kept.push_str(line),
         }
+        rows += usize::from(row.is_some());
     }
-    Ok(kept)
+    Ok((kept, (rows < step).then(|| lost(rows))))
 }
 
 #[cfg(test)]
@@ -180,15 +207,21 @@ mod tests {
         Row { step, time, last_step: 0.1, viscosity, contact: None, flow: true, effort: Effort::default(), seconds: 0.5 }
     }
 
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("turbid-series-{name}-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        folder
+    }
+
     #[test]
     fn a_series_goes_on_where_a_run_was_resumed_and_drops_half_rows() {
-        let folder = std::env::temp_dir().join(format!("turbid-series-{}", std::process::id()));
-        fs::create_dir_all(&folder).unwrap();
-        let mut rows = Rows::open(&folder, 0).unwrap();
+        let folder = folder("resumed");
+        let mut rows = Rows::open(&folder, 0).unwrap().0;
         (0..5).for_each(|step| rows.write(&row(step)).unwrap());
         let whole = fs::read_to_string(folder.join("series.csv")).unwrap();
         fs::write(folder.join("series.csv"), format!("{whole}5,0.5")).unwrap();
-        let mut rows = Rows::open(&folder, 3).unwrap();
+        let (mut rows, note) = Rows::open(&folder, 3).unwrap();
+        assert_eq!(note, None);
         assert_eq!(rows.curve().len(), 3);
         (3..5).for_each(|step| rows.write(&row(step)).unwrap());
         let written: Vec<CurvePoint> = (0..5).map(|step| row(step).point().unwrap()).collect();
@@ -196,6 +229,57 @@ mod tests {
         assert_eq!(fs::read_to_string(folder.join("series.csv")).unwrap(), whole);
         assert!(!whole.contains("contacts"), "an effect that is off has a column");
         fs::write(folder.join("series.csv"), "header\nnonsense\n").unwrap();
+        assert!(matches!(Rows::open(&folder, 3), Err(Error::Refused(_))));
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn a_gap_that_is_not_there_is_an_empty_cell() {
+        let projection = ProjectionNumbers { kkt_residual: 0.0, total_force: 0.0, iterations: 0, solver: Solver::Formula };
+        let contact = |smallest_gap| ContactNumbers { active: 0, stuck: None, smallest_gap, projection: Some(projection) };
+        let line = |gap| {
+            let cells = Row { contact: Some(contact(gap)), ..row(0) }.cells();
+            cells.into_iter().find(|(name, _)| *name == "smallest_gap").unwrap().1
+        };
+        assert_eq!((line(f64::INFINITY).as_str(), line(0.25).as_str()), ("", "0.25"));
+    }
+
+    #[test]
+    fn a_series_that_another_hand_changes_is_noticed() {
+        let folder = folder("changed");
+        let path = folder.join("series.csv");
+        let lose: [(&str, fn(&Path)); 4] = [
+            ("was removed", |path| fs::remove_file(path).unwrap()),
+            ("was changed", |path| OpenOptions::new().write(true).open(path).unwrap().set_len(20).unwrap()),
+            ("was changed", |path| {
+                let text = fs::read(path).unwrap();
+                fs::remove_file(path).unwrap();
+                fs::write(path, text).unwrap();
+            }),
+            ("was changed", |path| OpenOptions::new().append(true).open(path).unwrap().write_all(b"7,7\n").unwrap()),
+        ];
+        for (what, lose) in lose {
+            let mut rows = Rows::open(&folder, 0).unwrap().0;
+            (0..3).for_each(|step| rows.write(&row(step)).unwrap());
+            lose(&path);
+            let refusal = rows.write(&row(3)).unwrap_err().to_string();
+            assert!(refusal.contains("series.csv") && refusal.contains(what) && refusal.contains("turbid resume"), "{refusal}");
+        }
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn a_run_goes_on_without_rows_that_are_lost_and_says_so() {
+        let folder = folder("lost");
+        let note = Rows::open(&folder, 3).unwrap().1.unwrap();
+        assert!(note.ends_with("series.csv: 3 of the 3 rows before step 3 are missing"), "{note}");
+        let mut rows = Rows::open(&folder, 0).unwrap().0;
+        (0..2).for_each(|step| rows.write(&row(step)).unwrap());
+        let (mut rows, note) = Rows::open(&folder, 4).unwrap();
+        assert!(note.unwrap().contains("2 of the 4 rows"));
+        rows.write(&row(4)).unwrap();
+        assert_eq!(fs::read_to_string(folder.join("series.csv")).unwrap().lines().count(), 4);
+        fs::write(folder.join("series.csv"), b"step,\xff\n\xff\n").unwrap();
         assert!(matches!(Rows::open(&folder, 3), Err(Error::Refused(_))));
         fs::remove_dir_all(&folder).unwrap();
     }

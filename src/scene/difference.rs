@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
+use std::hash::{DefaultHasher, Hash, Hasher};
 
+use crate::body::read_text;
 use crate::error::Result;
 use crate::scene::{
     AxisSection, BodyGroup, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
@@ -187,12 +189,18 @@ fn of_placement(placement: &Placement) -> Keys {
         Placement::Fraction(fraction) => vec![pair("fraction", fraction)],
         Placement::Count(count) => vec![pair("count", count)],
         Placement::Centers(centers) => (0..).zip(centers).map(|(index, center)| list(&format!("centers[{index}]"), center)).collect(),
-        Placement::File(path) => {
-            // the scene that a run leaves behind names its files from the root
-            let path = path.canonicalize().unwrap_or_else(|_| path.clone());
-            vec![word("file", &path.to_string_lossy())]
-        }
+        // the scene that a run leaves behind names a copy
+        Placement::File(path) => vec![match read_text(path) {
+            Ok(text) => pair("file", format!("{} bytes with the hash {:016x}", text.len(), hash(&text))),
+            Err(_) => word("file", &path.to_string_lossy()),
+        }],
     }
+}
+
+fn hash(text: &str) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    text.hash(&mut hasher);
+    hasher.finish()
 }
 
 fn of_motion(motion: &Motion) -> Keys {

@@ -4,12 +4,13 @@ use std::path::Path;
 
 use toml_edit::{Document, Item, TomlError, Value};
 
+use crate::body::read_text;
 use crate::error::{Error, Result};
 use crate::scene::locations::{Lines, Locations};
 use crate::scene::table::Table;
 use crate::scene::{
-    ContactSection, DomainSection, FlowModel, FlowSection, LubricationSection, MethodSection, OutputSection, Placement, ResolutionSection,
-    Scene, TimeSection, accuracy, bodies, check, overrides, scalar,
+    BodyGroup, ContactSection, DomainSection, FlowModel, FlowSection, LubricationSection, MethodSection, OutputSection, Placement,
+    ResolutionSection, Scene, TimeSection, accuracy, bodies, check, overrides, scalar,
 };
 
 const KEYS: [&str; 13] = [
@@ -43,7 +44,7 @@ impl Scene {
             let size = length as f64 / 1e6;
             return Err(Error::Refused(format!("{}:1: holds {size:.1} MB: {TOO_LONG}", path.display())));
         }
-        let text = std::fs::read_to_string(path).map_err(unreadable)?;
+        let text = read_text(path)?;
         let file = path.file_name().unwrap_or_default().to_string_lossy();
         load(&file, path.parent().unwrap_or(Path::new("")), &text, overrides)
     }
@@ -56,6 +57,35 @@ impl Scene {
     /// An error with the place of the key that it begins with, if it is a refusal of what no reader of the file could know.
     pub fn place(&self, error: Error) -> Error {
         self.locations.place(error, &KEYS)
+    }
+
+    /// The texts of the files that the scene names, with the names that copies of them have beside the scene.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] with the line that names a file which cannot be read.
+    pub fn files(&self) -> Result<Vec<(String, String)>> {
+        let file = |(group, bodies): (usize, &BodyGroup)| match &bodies.placement {
+            Placement::File(path) => Some(read_text(path).map(|text| (copied(group), text)).map_err(|error| self.unreadable(group, error))),
+            _ => None,
+        };
+        self.bodies.iter().enumerate().filter_map(file).collect()
+    }
+
+    /// The refusal of a file that cannot be read, at the line that names it; other errors stay.
+    pub fn unreadable(&self, group: usize, error: Error) -> Error {
+        let Error::File { path, source } = error else { return error };
+        let remedy = format!("cannot be read ({source}); paths start from the folder of the scene");
+        self.refuse(&format!("bodies[{group}].file"), format!("{:?}", path.to_string_lossy()), &remedy)
+    }
+
+    /// The text of a scene that names copies of its files beside it.
+    ///
+    /// # Errors
+    /// The scene cannot be written so.
+    pub fn copied_text(&self) -> Result<String> {
+        let groups = self.bodies.iter().enumerate().filter(|(_, bodies)| matches!(bodies.placement, Placement::File(_)));
+        let copies: Vec<String> = groups.map(|(group, _)| format!("bodies.{group}.file={:?}", copied(group))).collect();
+        Ok(Scene::parse(&self.name, Path::new("."), &self.text, &copies)?.text)
     }
 
     /// The text of a scene that gives the same scene from any folder.
@@ -73,6 +103,10 @@ impl Scene {
         });
         Ok(Scene::parse(&self.name, Path::new("."), &self.text, &absolute.collect::<Result<Vec<_>>>()?)?.text)
     }
+}
+
+fn copied(group: usize) -> String {
+    format!("bodies-{group}.csv")
 }
 
 fn load(file: &str, folder: &Path, text: &str, overrides: &[String]) -> Result<Scene> {
@@ -311,5 +345,13 @@ scheme = "midpoint"
     fn an_unreadable_file_is_named() {
         let error = Scene::read(Path::new("/nowhere/scene.toml"), &[]).unwrap_err();
         assert!(error.to_string().starts_with("/nowhere/scene.toml: "));
+        let pipe = std::env::temp_dir().join(format!("turbid-scene-{}.toml", std::process::id()));
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        for path in [Path::new("/dev/null"), Path::new("/dev/zero"), &pipe] {
+            let error = Scene::read(path, &[]).unwrap_err();
+            assert_eq!(error.to_string(), format!("{}: is no regular file; copy what it gives into one", path.display()));
+        }
+        std::fs::remove_file(&pipe).unwrap();
+        assert!(Scene::read(Path::new("/"), &[]).unwrap_err().to_string().contains("directory"));
     }
 }

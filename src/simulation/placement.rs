@@ -45,7 +45,8 @@ pub fn bodies<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Vec<(
 fn place<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Vec<(usize, Ball<D>)>> {
     let mut balls = Vec::new();
     for (group, bodies) in scene.bodies.iter().enumerate() {
-        balls.extend(given_balls(bodies)?.into_iter().map(|ball| (group, ball)));
+        let given = given_balls(bodies).map_err(|error| scene.unreadable(group, error))?;
+        balls.extend(given.into_iter().map(|ball| (group, ball)));
     }
     let groups = scene.bodies.iter().enumerate();
     let counts = groups.map(|(group, bodies)| random_count(scene, group, bodies, domain)).collect::<Result<Vec<f64>>>()?;

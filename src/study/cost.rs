@@ -36,7 +36,7 @@ use self::{
 };
 use crate::{
     error::{Error, Result},
-    output::{prepare_folder, say, write_whole},
+    output::{FolderLock, prepare_folder, say, write_whole},
     scene::Scene,
     study::launcher::sweep_out,
 };
@@ -147,6 +147,7 @@ pub fn cost(options: &CostOptions) -> Result<()> {
     options.check_names(&axes)?;
     let folder = options.out.clone().unwrap_or_else(|| PathBuf::from("out").join(format!("{}-cost", scene.name)));
     prepare_folder(&folder)?;
+    let _lock = FolderLock::take(&folder)?;
     let identity = Identity::of(&scene, quantity, (options.ranks, &options.launcher, &options.petsc))?;
     let store = Store::open(&folder, identity, options.fresh)?;
     say(&format!("{}\nquantity: {}\n", scene.shown_title(), quantity.words(&facts)))?;

@@ -24,7 +24,7 @@ use self::{
 use super::launcher::{Job, Launcher, Scratch, WITHOUT_PICTURE};
 use crate::{
     error::{Error, Result},
-    output::{prepare_folder, say, write_whole},
+    output::{FolderLock, prepare_folder, say, write_whole},
     scene::Scene,
 };
 
@@ -88,6 +88,7 @@ struct Study<'a, const D: usize> {
     arrangement: Arrangement<D>,
     folder: PathBuf,
     scratch: Scratch,
+    _lock: FolderLock,
 }
 
 /// Whether the scene grows with the ranks.
@@ -104,9 +105,10 @@ impl<'a, const D: usize> Study<'a, D> {
         let arrangement = Arrangement::of(&scene)?;
         let folder = options.out.clone().unwrap_or_else(|| PathBuf::from("out").join(format!("{}-scaling", scene.name)));
         prepare_folder(&folder)?;
+        let lock = FolderLock::take(&folder)?;
         let scratch = Scratch::within(&folder)?;
         let cores = options.cores.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
-        Ok(Study { options, scene, ranks, cores, launcher, arrangement, folder, scratch })
+        Ok(Study { options, scene, ranks, cores, launcher, arrangement, folder, scratch, _lock: lock })
     }
 
     fn report(&self) -> Result<()> {

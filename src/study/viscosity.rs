@@ -18,7 +18,7 @@ use self::{
 use super::launcher::{Job, Launcher, Scratch, sweep_out};
 use crate::{
     error::{Error, Result},
-    output::{note, prepare_folder, say, write_whole},
+    output::{FolderLock, note, prepare_folder, say, write_whole},
 };
 
 /// What to measure, and how; absent numbers are those that suit each dimension.
@@ -60,6 +60,7 @@ pub fn viscosity(options: &ViscosityOptions) -> Result<()> {
     options.check()?;
     let launcher = Launcher::new(&options.launcher, &options.petsc)?;
     prepare_folder(&options.out)?;
+    let _lock = FolderLock::take(&options.out)?;
     sweep_out(&options.out);
     let mut store = Store::open(&options.out, options.fresh)?;
     let settings = options.settings();

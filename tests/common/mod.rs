@@ -67,6 +67,11 @@ pub fn run(ranks: usize, scene: &Path, out: &Path, settings: &[&str]) -> Value {
     reach_the_end(ranks, &["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap()], out, settings)
 }
 
+/// Runs a scene to its end in a folder where another run may be.
+pub fn run_again(ranks: usize, scene: &Path, out: &Path, settings: &[&str]) -> Value {
+    reach_the_end(ranks, &["run", scene.to_str().unwrap(), "--force", "--out", out.to_str().unwrap()], out, settings)
+}
+
 /// Resumes a run to its end.
 pub fn resume(ranks: usize, out: &Path, settings: &[&str]) -> Value {
     reach_the_end(ranks, &["resume", out.to_str().unwrap()], out, settings)
@@ -127,7 +132,7 @@ impl Series {
         assert!(text.is_empty() || text.ends_with('\n'), "half a row: {text:?}");
         let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
         let columns: Vec<String> = lines.next().unwrap_or_default().into_iter().map(str::to_owned).collect();
-        let rows: Vec<Vec<f64>> = lines.map(|line| line.iter().map(|cell| cell.parse().unwrap()).collect()).collect();
+        let rows: Vec<Vec<f64>> = lines.map(|line| line.iter().map(|cell| number_in(cell)).collect()).collect();
         for (step, row) in rows.iter().enumerate() {
             assert_eq!((row.len(), row[0]), (columns.len(), step as f64), "row {step}");
         }
@@ -143,6 +148,11 @@ impl Series {
         let differences = compared.map(|(place, name)| (difference(&column(&self.rows, place), &column(&other.rows, place)), name.clone()));
         differences.fold((0.0, String::new()), |worst, new| if new.0 > worst.0 || new.0.is_nan() { new } else { worst })
     }
+}
+
+/// The number in a cell; an empty one has none, which equals itself.
+fn number_in(cell: &str) -> f64 {
+    if cell.is_empty() { f64::INFINITY } else { cell.parse().unwrap() }
 }
 
 /// Files under a folder that are not whole.

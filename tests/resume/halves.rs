@@ -3,7 +3,7 @@
 use std::{fs, path::Path, process::Command};
 
 use super::{
-    common::{Series, bodies, difference, folder, number, resume, run, write},
+    common::{Series, bodies, difference, folder, number, resume, run, run_again, write},
     scenes::{DRY, GLUEY, SHEARED, SLIDING, SPHERES},
 };
 
@@ -133,7 +133,7 @@ fn a_finished_run_made_again_in_its_folder_leaves_the_same_files() {
         let here = folder(&format!("made-again-{name}"));
         let (scene, out) = (write(&here, text), here.join("out"));
         let made = || {
-            let bodies = bodies(&run(1, &scene, &out, &[]));
+            let bodies = bodies(&run_again(1, &scene, &out, &[]));
             let mut names: Vec<_> = files(&out).iter().map(|path| path.strip_prefix(&out).unwrap().to_owned()).collect();
             names.sort();
             (bodies, Series::read(&out), names)

@@ -72,7 +72,7 @@ fn a_run_killed_at_any_moment_goes_on_to_the_same_end() {
 }
 
 /// Kills a command and all that it started, children first so that none escapes, the command last.
-fn kill_all(mut child: Child) {
+pub fn kill_all(mut child: Child) {
     for process in descendants(child.id()) {
         let _ = Command::new("kill").args(["-9", &process.to_string()]).stderr(Stdio::null()).status();
     }

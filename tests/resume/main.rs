@@ -5,8 +5,10 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod disk;
+mod folders;
 mod halves;
 mod kills;
+mod lost;
 mod promises;
 mod refusals;
 mod scenes;

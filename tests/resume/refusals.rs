@@ -19,7 +19,7 @@ fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 }
 
 /// A command is refused on one and on three ranks, with a message that has these parts once, and changes nothing here.
-fn refused(here: &Path, arguments: &[&str], parts: &[&str]) {
+pub fn refused(here: &Path, arguments: &[&str], parts: &[&str]) {
     let before = contents(here);
     for ranks in [1, 3] {
         let output = turbid(ranks, arguments);
@@ -37,7 +37,7 @@ fn refused(here: &Path, arguments: &[&str], parts: &[&str]) {
 }
 
 /// The folder of a finished run, whose checkpoint lies before its end.
-fn finished(name: &str) -> (PathBuf, String, String) {
+pub fn finished(name: &str) -> (PathBuf, String, String) {
     let here = folder(&format!("refused-{name}"));
     let (scene, out) = (write(&here, DRY), here.join("out"));
     run(1, &scene, &out, &[]);
@@ -126,4 +126,8 @@ fn an_animation_without_frames_is_refused() {
     refused(&here, &["animate", here.to_str().unwrap()], &[here.to_str().unwrap()]);
     fs::create_dir(here.join("frames")).unwrap();
     refused(&here, &["animate", here.to_str().unwrap()], &["holds no frames", "[time]"]);
+    for name in ["film.gif", "film"] {
+        let out = here.join(name);
+        refused(&here, &["animate", here.to_str().unwrap(), "--out", out.to_str().unwrap()], &["animated PNG", "film.png"]);
+    }
 }

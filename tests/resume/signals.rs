@@ -78,7 +78,7 @@ fn signal(name: &str, running: &Child) {
     assert!(Command::new("kill").args([&format!("-{name}"), &running.id().to_string()]).status().unwrap().success());
 }
 
-fn wait_until(running: &mut Child, ready: impl Fn() -> bool) {
+pub fn wait_until(running: &mut Child, ready: impl Fn() -> bool) {
     let start = Instant::now();
     while !ready() {
         assert!(running.try_wait().unwrap().is_none(), "the run has ended");

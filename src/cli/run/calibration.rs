@@ -35,7 +35,7 @@ struct Cache {
 pub fn cached(world: &World, folder: &Path, scene: &Scene) -> Option<Calibrated> {
     let text = if world.rank() == 0 { fs::read_to_string(folder.join(CALIBRATION)).unwrap_or_default() } else { String::new() };
     let cache: Cache = serde_json::from_str(&world.broadcast(0, &text)).ok()?;
-    let there = Scene::parse(&scene.name, Path::new("."), &cache.scene, &[]).ok()?;
+    let there = Scene::parse(&scene.name, folder, &cache.scene, &[]).ok()?;
     let fits = cache.version == env!("CARGO_PKG_VERSION") && scene.difference(&there).is_none();
     fits.then_some(Calibrated { calibration: cache.calibration, cached: true })
 }
@@ -46,7 +46,7 @@ pub fn cached(world: &World, folder: &Path, scene: &Scene) -> Option<Calibrated>
 /// It cannot be written.
 pub fn keep(world: &World, folder: &Path, scene: &Scene, calibration: Calibration) -> Result<Calibrated> {
     let write = || {
-        let cache = Cache { version: env!("CARGO_PKG_VERSION").into(), scene: scene.movable_text()?, calibration: calibration.clone() };
+        let cache = Cache { version: env!("CARGO_PKG_VERSION").into(), scene: scene.copied_text()?, calibration: calibration.clone() };
         let text = serde_json::to_string_pretty(&cache).expect("a calibration is plain numbers and text");
         write_whole(&folder.join(CALIBRATION), text.as_bytes())
     };

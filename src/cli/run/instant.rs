@@ -1,10 +1,8 @@
 //! An instantaneous solve: solve, write, report.
 
-use std::path::Path;
-
 use super::{
     calibration::Calibrated,
-    folder,
+    folder::RunFolder,
     pairs::{self, Crowd},
 };
 use crate::{
@@ -21,13 +19,13 @@ use crate::{
 pub fn run<const D: usize>(
     session: &Session,
     (scene, resolved): (&Scene, &Scene),
-    folder: &Path,
+    folder: &mut RunFolder,
     calibrated: Option<&Calibrated>,
 ) -> Result<()> {
     let world = session.world();
     let setup = world.agree(Setup::<D>::of(resolved))?;
     let mut suspension = flow_solver(session, setup)?;
-    world.agree(if world.rank() == 0 { folder::claim(folder, scene) } else { Ok(()) })?;
+    folder.claim(scene)?;
 
     let progress = Progress::new(world.rank(), resolved.method.tolerance.at_an_instant());
     let solution = suspension.solve(&mut |iteration, residual| progress.show(iteration, residual));
@@ -39,7 +37,7 @@ pub fn run<const D: usize>(
 pub fn write<const D: usize>(
     session: &Session,
     scene: &Scene,
-    folder: &Path,
+    folder: &RunFolder,
     ((suspension, solution), calibrated): ((&dyn FlowSolver<D>, &Solution<D>), Option<&Calibrated>),
 ) -> Result<()> {
     let (world, first) = (session.world(), session.world().rank() == 0);
@@ -53,12 +51,12 @@ pub fn write<const D: usize>(
     let output = enter(Stage::Output);
     if scene.output.picture {
         let picture = observe::picture(scene.shown_title(), suspension, solution)?.svg();
-        world.agree(if first { output::write_whole(&folder.join("picture.svg"), picture.as_bytes()) } else { Ok(()) })?;
+        world.agree(if first { output::write_whole(&folder.path().join("picture.svg"), picture.as_bytes()) } else { Ok(()) })?;
         files.push("picture.svg");
     }
     if let Some(points) = scene.output.probe {
         let probe = observe::velocity_probe(suspension, solution, points)?.csv();
-        world.agree(if first { output::write_whole(&folder.join("probe.csv"), probe.as_bytes()) } else { Ok(()) })?;
+        world.agree(if first { output::write_whole(&folder.path().join("probe.csv"), probe.as_bytes()) } else { Ok(()) })?;
         files.push("probe.csv");
     }
     if scene.output.pairs {
@@ -67,18 +65,18 @@ pub fn write<const D: usize>(
         let radii: Vec<f64> = balls.iter().map(|ball| ball.radius).collect();
         let crowd = Crowd { domain: &setup.domain, radii: &radii, shear: observe::Shear::of(&setup.domain, &setup.drive) };
         if let Some(pairs) = pairs::at_an_instant(crowd, &balls) {
-            let write = || pairs.files.iter().try_for_each(|(name, bytes)| output::write_whole(&folder.join(name), bytes));
+            let write = || pairs.files.iter().try_for_each(|(name, bytes)| output::write_whole(&folder.path().join(name), bytes));
             world.agree(if first { write() } else { Ok(()) })?;
             files.extend(pairs.files.iter().map(|(name, _)| *name));
             summary.pairs = Some(pairs.summary);
         }
     }
     files.push("summary.json");
-    world.agree(if first { folder::complete(folder, &summary) } else { Ok(()) })?;
+    folder.complete(&summary)?;
     drop(output);
     if first {
         output::say(&output::report(&summary))?;
-        output::say(&format!("files                {}: {}", folder.display(), files.join(", ")))?;
+        output::say(&format!("files                {}: {}", folder.path().display(), files.join(", ")))?;
     }
     Ok(())
 }

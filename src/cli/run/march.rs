@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{
     account::Account,
     calibration::Calibrated,
-    folder,
+    folder::RunFolder,
     outputs::{Outputs, frame_bodies, held},
     pairs::{self, Crowd, Pairs},
     signals::Signals,
@@ -27,7 +27,7 @@ const ROUNDING: f64 = 1e-9;
 pub fn run<const D: usize>(
     session: &Session,
     (scene, resolved): (&Scene, &Scene),
-    folder: &Path,
+    folder: &mut RunFolder,
     (checkpoint, calibrated): (Option<&Checkpoint>, Option<&Calibrated>),
 ) -> Result<()> {
     let (world, signals) = (session.world(), Signals::listen()?);
@@ -37,12 +37,16 @@ pub fn run<const D: usize>(
         None => Account::new(),
     };
     refuse_the_past(scene, simulation.state().time)?;
-    let prepare = || if checkpoint.is_some() { folder::reclaim(folder, scene) } else { folder::claim(folder, scene) };
-    world.agree(if world.rank() == 0 { prepare() } else { Ok(()) })?;
+    if checkpoint.is_some() {
+        folder.reclaim(scene)?
+    } else {
+        folder.claim(scene)?
+    }
     let outputs = Outputs::open(world, scene, folder, &simulation)?;
+    let folder = &*folder;
     let mut march = March { world, scene, folder, calibrated, simulation, outputs, account };
     let outcome = march.reach_the_end(&signals);
-    keep_island(world, folder, outcome)
+    keep_island(world, folder.path(), outcome)
 }
 
 /// Writes the island that was not solved beside the other files, and says so.
@@ -59,7 +63,7 @@ const STILL_WIDTH: usize = 800;
 struct March<'a, const D: usize> {
     world: &'a World,
     scene: &'a Scene,
-    folder: &'a Path,
+    folder: &'a RunFolder<'a>,
     calibrated: Option<&'a Calibrated>,
     simulation: Simulation<D>,
     outputs: Outputs<D>,
@@ -111,7 +115,7 @@ impl<const D: usize> March<'_, D> {
 
     fn stop(&mut self) -> Result<()> {
         self.checkpoint(true)?;
-        let (time, folder) = (self.simulation.state().time, self.folder.display());
+        let (time, folder) = (self.simulation.state().time, self.folder.path().display());
         Err(Error::Stopped(format!("stopped by a signal at time {time}; `turbid resume {folder}` goes on")))
     }
 
@@ -124,10 +128,10 @@ impl<const D: usize> March<'_, D> {
             pictures.extend(pairs.files);
         }
         let first = self.world.rank() == 0;
-        let write = || pictures.iter().try_for_each(|(name, bytes)| output::write_whole(&self.folder.join(name), bytes));
+        let write = || pictures.iter().try_for_each(|(name, bytes)| output::write_whole(&self.folder.path().join(name), bytes));
         self.world.agree(if first { write() } else { Ok(()) })?;
         summary.motion = Some(self.account.motion());
-        self.world.agree(if first { folder::complete(self.folder, &summary) } else { Ok(()) })?;
+        self.folder.complete(&summary)?;
         drop(output);
         if first {
             output::say(&output::report(&summary))?;
@@ -135,8 +139,10 @@ impl<const D: usize> March<'_, D> {
                 output::say(&format!("viscosity over time  {line}"))?;
             }
             let names: Vec<&str> = pictures.iter().map(|(name, _)| *name).collect();
-            let names = [&["series.csv", "run.h5", "bodies.xdmf"], &names[..], &["summary.json"]].concat();
-            output::say(&format!("files                {}: {}", self.folder.display(), names.join(", ")))?;
+            let indices = ["series.csv", "run.h5", "bodies.xdmf", "contacts.xdmf", "fields.xdmf"];
+            let indices = indices.into_iter().filter(|name| self.folder.path().join(name).exists());
+            let names: Vec<&str> = indices.chain(names).chain(["summary.json"]).collect();
+            output::say(&format!("files                {}: {}", self.folder.path().display(), names.join(", ")))?;
         }
         Ok(())
     }
@@ -173,7 +179,7 @@ impl<const D: usize> March<'_, D> {
         }
         let shear = self.simulation.suspension().and_then(|suspension| Shear::of(&suspension.setup().domain, &suspension.setup().drive));
         let crowd = Crowd { domain: self.simulation.domain(), radii: self.simulation.radii(), shear };
-        pairs::of_a_run(self.world, self.folder, crowd, (self.simulation.state().time, self.outputs.mean()))
+        pairs::of_a_run(self.world, self.folder.path(), crowd, (self.simulation.state().time, self.outputs.mean()))
     }
 
     /// Contacts now, and how well they were kept on the way.
@@ -206,7 +212,7 @@ impl<const D: usize> March<'_, D> {
             return Ok(pictures);
         }
         // the first rank writes what it reads here
-        let rows = std::fs::read_to_string(self.folder.join("series.csv")).unwrap_or_default();
+        let rows = std::fs::read_to_string(self.folder.path().join("series.csv")).unwrap_or_default();
         pictures.push(("effort.svg", output::effort_chart(self.scene.shown_title(), &rows).svg().into_bytes()));
         pictures.push(match (self.simulation.suspension(), &view.solution) {
             (Some(suspension), Some(solution)) => {

@@ -5,6 +5,7 @@ mod calibration;
 mod folder;
 mod instant;
 mod march;
+mod origin;
 mod outputs;
 mod pairs;
 mod scalar;
@@ -13,17 +14,17 @@ mod signals;
 use std::path::Path;
 
 use crate::{
-    error::{Error, Result},
+    error::Result,
     output::{Checkpoint, say, stage_table},
     parallel::World,
     petsc::{Profile, Session},
     scene::Scene,
     study::{Calibration, Ladder},
 };
-pub use folder::CHECKPOINT;
+pub use folder::RunFolder;
 
 /// Runs a scene of dimension `D` from its start.
-pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> Result<()> {
+pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &mut RunFolder) -> Result<()> {
     match scene.time {
         None if scene.scalar() => scalar::run::<D>(session, scene, folder),
         _ if scene.accuracy.is_some() => run_to_accuracy::<D>(session, scene, folder),
@@ -33,9 +34,9 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> R
 }
 
 /// Runs a scene that asks for an accuracy with the setting that meets it. Found now at an instant, the last solution is the result.
-fn run_to_accuracy<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> Result<()> {
+fn run_to_accuracy<const D: usize>(session: &Session, scene: &Scene, folder: &mut RunFolder) -> Result<()> {
     let world = session.world();
-    if let Some(calibrated) = calibration::cached(world, folder, scene) {
+    if let Some(calibrated) = calibration::cached(world, folder.path(), scene) {
         let resolved = calibrated.calibration.resolved(scene);
         return match scene.time {
             None => instant::run::<D>(session, (scene, &resolved), folder, Some(&calibrated)),
@@ -43,31 +44,14 @@ fn run_to_accuracy<const D: usize>(session: &Session, scene: &Scene, folder: &Pa
         };
     }
     let ladder = Ladder::<D>::begin(session, scene)?;
-    world.agree(if world.rank() == 0 { folder::claim(folder, scene) } else { Ok(()) })?;
+    folder.claim(scene)?;
     let (calibration, solved) = ladder.climb()?;
-    let calibrated = calibration::keep(world, folder, scene, calibration)?;
+    let calibrated = calibration::keep(world, folder.path(), scene, calibration)?;
     if scene.time.is_none() {
         return instant::write(session, scene, folder, ((&solved.0, &solved.1), Some(&calibrated)));
     }
     drop(solved);
     march::run::<D>(session, (scene, &calibrated.calibration.resolved(scene)), folder, (None, Some(&calibrated)))
-}
-
-/// Reads the scene of a folder whose run is to go on, and its checkpoint.
-///
-/// # Errors
-/// There is none, it belongs to another scene, or an override would change the scene.
-pub fn open<'a>(session: &'a Session, folder: &Path, overrides: &[String]) -> Result<(Scene, Checkpoint<'a>)> {
-    let world = session.world();
-    let scene = world.agree(folder::read_scene(folder, overrides))?;
-    let checkpoint = Checkpoint::open(world, &folder.join(CHECKPOINT))?;
-    let text = checkpoint.text("scene")?;
-    let began = world.agree(Scene::parse(&scene.name, folder, &text, &[]))?;
-    world.agree(scene.same_run(&began, "the checkpoint"))?;
-    if scene.time.is_none() {
-        return Err(Error::Refused(format!("{}: holds no run in time; only these are resumed", folder.display())));
-    }
-    Ok((scene, checkpoint))
 }
 
 /// The calibration that a folder has for a scene, if it has one; collective.
@@ -76,13 +60,13 @@ pub fn cached(world: &World, folder: &Path, scene: &Scene) -> Option<Calibration
 }
 
 /// Goes on with a run.
-pub fn resume<const D: usize>(session: &Session, scene: &Scene, folder: &Path, checkpoint: &Checkpoint) -> Result<()> {
+pub fn resume<const D: usize>(session: &Session, scene: &Scene, folder: &mut RunFolder, checkpoint: &Checkpoint) -> Result<()> {
     if scene.accuracy.is_none() {
         return march::run::<D>(session, (scene, scene), folder, (Some(checkpoint), None));
     }
-    let calibrated = match calibration::cached(session.world(), folder, scene) {
+    let calibrated = match calibration::cached(session.world(), folder.path(), scene) {
         Some(calibrated) => calibrated,
-        None => calibration::keep(session.world(), folder, scene, Ladder::<D>::begin(session, scene)?.climb()?.0)?,
+        None => calibration::keep(session.world(), folder.path(), scene, Ladder::<D>::begin(session, scene)?.climb()?.0)?,
     };
     march::run::<D>(session, (scene, &calibrated.calibration.resolved(scene)), folder, (Some(checkpoint), Some(&calibrated)))
 }

@@ -1,19 +1,16 @@
 //! What a run in time writes on its way: rows, frames, checkpoints.
 
-use std::{
-    collections::BTreeMap,
-    path::{Path, PathBuf},
-    time::Instant,
-};
+use std::{collections::BTreeMap, path::PathBuf, time::Instant};
 
-use super::{account::Account, folder::CHECKPOINT};
+use super::{account::Account, folder::RunFolder};
 use crate::{
     contact::{Contact, Identity, Partner, Solver},
     error::Result,
     geometry::{Ball, Domain},
     observe::{self, CellCenters, Viscosity},
     output::{
-        self, ContactNumbers, CurvePoint, Frame, FrameBody, FrameContact, FrameFields, Frames, MeanViscosity, ProjectionNumbers, Row, Rows,
+        self, CHECKPOINT, ContactNumbers, CurvePoint, Frame, FrameBody, FrameContact, FrameFields, Frames, MeanViscosity,
+        ProjectionNumbers, Row, Rows,
     },
     parallel::World,
     petsc::{Stage, enter},
@@ -30,11 +27,13 @@ const ABOUT: f64 = 1.25;
 /// The open outputs of a run.
 pub struct Outputs<const D: usize> {
     folder: PathBuf,
-    scene_text: String,
+    texts: Vec<(&'static str, String)>,
     /// On the first rank.
     rows: Option<Rows>,
     frames: Frames,
     every: f64,
+    /// Whether the scene asks for frames more often than steps come, and nobody was told yet.
+    eager: bool,
     /// Present if frames hold fields; made anew where images slide.
     centers: Option<CellCenters<D>>,
     contact: ContactModel,
@@ -53,19 +52,25 @@ impl<const D: usize> Outputs<D> {
     ///
     /// # Errors
     /// Files of the run so far cannot be read or written.
-    pub fn open(world: &World, scene: &Scene, folder: &Path, simulation: &Simulation<D>) -> Result<Outputs<D>> {
+    pub fn open(world: &World, scene: &Scene, folder: &RunFolder, simulation: &Simulation<D>) -> Result<Outputs<D>> {
         let (steps, time) = (simulation.state().steps, simulation.state().time);
-        let rows = world.agree(if world.rank() == 0 { Rows::open(folder, steps).map(Some) } else { Ok(None) })?;
-        let frames = if steps == 0 { Frames::create(world, folder)? } else { Frames::resume(world, folder, time.next_down())? };
+        let rows = world.agree(if world.rank() == 0 { Rows::open(folder.path(), steps).map(Some) } else { Ok(None) })?;
+        let (frames, lost) = match steps {
+            0 => (Frames::create(world, folder.path())?, Vec::new()),
+            _ => Frames::resume(world, folder.path(), time.next_down())?,
+        };
+        let (rows, lost_rows) = rows.map_or((None, None), |(rows, lost)| (Some(rows), lost));
+        say(lost.iter().chain(&lost_rows));
         let centers = match simulation.suspension() {
             Some(suspension) if scene.output.fields => Some(CellCenters::new(suspension.grid(), &suspension.fluid_vector()?)?),
             _ => None,
         };
         Ok(Outputs {
-            folder: folder.to_owned(),
-            scene_text: scene.movable_text()?,
+            folder: folder.path().to_owned(),
+            texts: folder.texts(scene)?,
             frames,
             every: scene.frame_interval(),
+            eager: scene.output.every.is_some() && world.rank() == 0,
             centers,
             contact: scene.contact.model,
             checkpoint_pace: scene.output.checkpoint,
@@ -98,6 +103,7 @@ impl<const D: usize> Outputs<D> {
         if self.until.is_some() {
             self.satisfied = world.max(f64::from(near && self.nearly(1.0))) > 0.0;
         }
+        self.tell_of_long_steps(simulation.state());
         if self.frame_is_due(simulation) {
             self.write_frame(world, simulation, view)?;
         }
@@ -114,7 +120,7 @@ impl<const D: usize> Outputs<D> {
         let due = world.max(f64::from(due)) > 0.0;
         let (_stage, start) = (enter(Stage::Output), Instant::now());
         if due && simulation.on_the_way() && simulation.state().steps > 0 {
-            output::store(world, &self.folder.join(CHECKPOINT), (&self.scene_text, &account.numbers()), simulation)?;
+            output::store(world, &self.folder.join(CHECKPOINT), (&self.texts, &account.numbers()), simulation)?;
             self.last_checkpoint = Instant::now();
         }
         Ok(start.elapsed().as_secs_f64())
@@ -177,6 +183,20 @@ impl<const D: usize> Outputs<D> {
         state.steps == 0 || simulation.over() || self.satisfied || number(state.time) > number(state.time - state.last_step)
     }
 
+    /// Says once that frames cannot come as often as the scene asks for.
+    #[allow(clippy::print_stderr)]
+    fn tell_of_long_steps(&mut self, state: &State<D>) {
+        let (every, step) = (self.every, state.last_step);
+        if self.eager && step > every * (1.0 + ROUNDING) {
+            self.eager = false;
+            eprintln!(
+                "turbid: output.every = {every}: the step to time {} is {step} long, and frames come no more often than steps; \
+                 shorten them by time.step or time.travel for more",
+                state.time
+            );
+        }
+    }
+
     fn write_frame(&mut self, world: &World, simulation: &Simulation<D>, view: &View<D>) -> Result<()> {
         let (state, domain) = (simulation.state(), simulation.domain());
         let balls = state.balls(simulation.radii());
@@ -201,6 +221,12 @@ impl<const D: usize> Outputs<D> {
         };
         self.frames.write(world, &Frame { time: state.time, step: state.steps, domain, bodies: &bodies, contacts, fields })
     }
+}
+
+/// Says what a run that goes on does without.
+#[allow(clippy::print_stderr)]
+fn say<'a>(lost: impl Iterator<Item = &'a String>) {
+    lost.for_each(|lost| eprintln!("turbid: {lost}"));
 }
 
 /// Contacts that bear a force: of this instant in a flow, of the last step in a dry run.

@@ -34,7 +34,7 @@ pub struct Crowd<'a, const D: usize> {
 /// Of one configuration; nothing if there are fewer than two bodies.
 pub fn at_an_instant<const D: usize>(crowd: Crowd<D>, balls: &[Ball<D>]) -> Option<Pairs> {
     let mut counts = PairCounts::new(crowd.domain, crowd.radii, crowd.shear);
-    counts.add(balls);
+    counts.add(crowd.domain.slide().map_or(0.0, |slide| slide.time), balls);
     counts.distribution().map(|distribution| Pairs::of(&distribution, 0.0))
 }
 
@@ -57,7 +57,7 @@ pub fn of_a_run<const D: usize>(
         let mut first = None;
         for frame in read_frames::<D>(folder)?.into_iter().filter(|frame| frame.time >= begin) {
             let ball = |(body, &radius): (&crate::output::FrameBody<D>, &f64)| Ball { center: body.center, radius };
-            counts.add(&frame.bodies.iter().zip(crowd.radii).map(ball).collect::<Vec<_>>());
+            counts.add(frame.time, &frame.bodies.iter().zip(crowd.radii).map(ball).collect::<Vec<_>>());
             first.get_or_insert(frame.time);
         }
         Ok(counts.distribution().zip(first).map(|(distribution, first)| Pairs::of(&distribution, first)))

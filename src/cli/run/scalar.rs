@@ -1,8 +1,6 @@
 //! A scalar around inclusions: solve, write, report.
 
-use std::path::Path;
-
-use super::folder;
+use super::folder::RunFolder;
 use crate::{
     error::Result,
     grid::Grid,
@@ -14,23 +12,22 @@ use crate::{
 };
 
 /// Solves a scalar scene of dimension `D`.
-pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> Result<()> {
+pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &mut RunFolder) -> Result<()> {
     let world = session.world();
     let setup = world.agree(ScalarSetup::<D>::of(scene))?;
     let progress = Progress::new(world.rank(), scene.method.tolerance.at_an_instant());
     let mut seen = |iteration, residual| progress.show(iteration, residual);
-    let claim = || world.agree(if world.rank() == 0 { folder::claim(folder, scene) } else { Ok(()) });
     match scene.method.constraint {
         ConstraintMethod::Fitted => {
             let mut inclusions = FittedInclusions::new(session, setup)?;
-            claim()?;
+            folder.claim(scene)?;
             let solution = inclusions.solve(&mut seen);
             progress.end();
             write(session, (scene, folder), (inclusions.setup(), inclusions.grid()), (&solution?, ("direct", inclusions.cost())))
         }
         _ => {
             let mut inclusions = Inclusions::new(session, setup)?;
-            claim()?;
+            folder.claim(scene)?;
             let solution = inclusions.solve(&mut seen);
             progress.end();
             write(session, (scene, folder), (inclusions.setup(), inclusions.grid()), (&solution?, ("hypre", inclusions.cost())))
@@ -41,7 +38,7 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> R
 /// Writes and reports what was solved.
 fn write<const D: usize>(
     session: &Session,
-    (scene, folder): (&Scene, &Path),
+    (scene, folder): (&Scene, &RunFolder),
     problem: (&ScalarSetup<D>, &Grid<D>),
     (solution, solver): (&ScalarSolution<D>, (&'static str, &Cost)),
 ) -> Result<()> {
@@ -51,20 +48,20 @@ fn write<const D: usize>(
     let mut files = vec!["scene.toml"];
     if let Some(points) = scene.output.probe {
         let probe = observe::scalar_probe(problem, solution, points)?.csv();
-        world.agree(if first { output::write_whole(&folder.join("probe.csv"), probe.as_bytes()) } else { Ok(()) })?;
+        world.agree(if first { output::write_whole(&folder.path().join("probe.csv"), probe.as_bytes()) } else { Ok(()) })?;
         files.push("probe.csv");
     }
     if scene.output.picture {
         let picture = observe::scalar_picture(scene.shown_title(), problem, solution)?.svg();
-        world.agree(if first { output::write_whole(&folder.join("picture.svg"), picture.as_bytes()) } else { Ok(()) })?;
+        world.agree(if first { output::write_whole(&folder.path().join("picture.svg"), picture.as_bytes()) } else { Ok(()) })?;
         files.push("picture.svg");
     }
     files.push("summary.json");
-    world.agree(if first { folder::complete(folder, &summary) } else { Ok(()) })?;
+    folder.complete(&summary)?;
     drop(output);
     if first {
         output::say(&output::report(&summary))?;
-        output::say(&format!("files                {}: {}", folder.display(), files.join(", ")))?;
+        output::say(&format!("files                {}: {}", folder.path().display(), files.join(", ")))?;
     }
     Ok(())
 }

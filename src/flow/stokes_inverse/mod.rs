@@ -8,12 +8,8 @@ mod transform;
 
 pub use hypre::HypreInverse;
 pub use iterated::IteratedInverse;
-<<<<<<< HEAD
-pub use transform::{TransformInverse, Transposes};
-=======
 use slender::{FlowAlong, SlenderInverse};
-pub use transform::TransformInverse;
->>>>>>> wt-solvers
+pub use transform::{TransformInverse, Transposes};
 
 use super::Stokes;
 use crate::{

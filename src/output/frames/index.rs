@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// The folder of the frames in the run's folder.
-pub(super) const FOLDER: &str = "frames";
+pub(in crate::output) const FOLDER: &str = "frames";
 const RUN: &str = "run.h5";
 const BODIES: &str = "bodies.xdmf";
 const FIELDS: &str = "fields.xdmf";
@@ -49,6 +49,8 @@ pub(super) struct Entry {
     pub bodies: usize,
     pub contacts: Option<Network>,
     pub mesh: Option<Mesh>,
+    /// Displacement of the images above the box, where images slide.
+    pub offset: Option<f64>,
 }
 
 impl Entry {
@@ -61,7 +63,7 @@ impl Entry {
             gluey: contacts.iter().any(|contact| contact.gamma.is_some()),
         };
         let contacts = frame.contacts.map(network);
-        Entry { number, time: frame.time, step: frame.step, bodies: frame.bodies.len(), contacts, mesh }
+        Entry { number, time: frame.time, step: frame.step, bodies: frame.bodies.len(), contacts, mesh, offset: frame.offset() }
     }
 }
 
@@ -70,17 +72,30 @@ pub(super) fn path_in_run(number: usize) -> String {
     format!("{FOLDER}/{number:06}.h5")
 }
 
-/// Writes `run.h5` and the companions.
+/// Writes `run.h5` and the companions; one that would list nothing is not there, since readers take an empty one for a broken one.
 pub(super) fn write(folder: &Path, entries: &[Entry]) -> Result<()> {
     write_run(&folder.join(RUN), entries)?;
-    write_whole(&folder.join(BODIES), xdmf::bodies(entries).as_bytes())?;
-    let contacts = folder.join(CONTACTS);
-    if entries.iter().any(|entry| entry.contacts.is_some()) {
-        write_whole(&contacts, xdmf::contacts(entries).as_bytes())?;
-    } else if contacts.exists() {
-        fs::remove_file(&contacts).map_err(|source| Error::File { path: contacts, source })?;
+    let companions = [(BODIES, xdmf::bodies(entries)), (CONTACTS, xdmf::contacts(entries)), (FIELDS, xdmf::fields(entries))];
+    companions.into_iter().try_for_each(|(name, text)| match text {
+        Some(text) => write_whole(&folder.join(name), text.as_bytes()),
+        None => remove(&folder.join(name)),
+    })
+}
+
+/// Numbers and times of the frames that `run.h5` lists, or what is wrong with it.
+pub(super) fn listed(folder: &Path) -> std::result::Result<Vec<(usize, f64)>, String> {
+    let path = folder.join(RUN);
+    if !path.exists() {
+        return Err(format!("{} is missing", path.display()));
     }
-    write_whole(&folder.join(FIELDS), xdmf::fields(entries).as_bytes())
+    let read = || {
+        let file = hdf5::File::open(&path)?;
+        let mut numbers: Vec<usize> = file.group(FOLDER)?.member_names()?.iter().filter_map(|name| name.parse().ok()).collect();
+        numbers.sort_unstable();
+        let times = file.dataset("times")?.read_raw::<f64>()?;
+        Ok::<_, hdf5::Error>(numbers.into_iter().zip(times).collect())
+    };
+    read().map_err(|error| format!("{} cannot be read ({error})", path.display()))
 }
 
 /// The frames in the folder of a run, in their order.
@@ -100,6 +115,13 @@ pub(super) fn remove_halves(folder: &Path) -> Result<()> {
 fn files(folder: &Path) -> Result<Vec<PathBuf>> {
     let list = || fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>();
     list().map_err(|source| Error::File { path: folder.to_owned(), source })
+}
+
+fn remove(path: &Path) -> Result<()> {
+    match fs::remove_file(path) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(Error::File { path: path.to_owned(), source }),
+        _ => Ok(()),
+    }
 }
 
 fn write_run(path: &Path, entries: &[Entry]) -> Result<()> {

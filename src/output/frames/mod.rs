@@ -1,34 +1,30 @@
 //! Frames: one HDF5 file an output time, `frames/000012.h5`, and companions that show them as one run.
 //!
-//! `run.h5` links to all frames; `bodies.xdmf`, `fields.xdmf` and, under a law of contact, `contacts.xdmf` show them to ParaView. Every file is written aside and renamed,
-//! so that a reader never meets half of one and the end of the program at any moment loses at most the frame under way.
+//! `run.h5` links to all frames; `bodies.xdmf`, `fields.xdmf` and `contacts.xdmf` show them to ParaView, each once it has something to show.
+//! Where the images of the box slide, a frame holds by how much: `offset` along x, which `offset_rate` makes grow (what is at `(x, y)` is
+//! also at `(x + offset, y + size_y)` and moves there faster by `offset_rate`). Every file is written aside and renamed, so that a reader never meets half of one and the end of the program at any moment loses at most the frame under way.
 
 mod body;
 mod contact;
 mod index;
 mod read;
+mod recovery;
 mod store;
 mod xdmf;
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 use nalgebra::SVector;
 
 pub use body::FrameBody;
 pub use contact::FrameContact;
+pub(super) use index::FOLDER as FRAMES;
 pub use read::{StoredFrame, read_frames};
 
 use super::{finite::not_finite, together::Together};
-use crate::{
-    error::{Error, Result},
-    geometry::Domain,
-    grid::Grid,
-    parallel::World,
-};
+use crate::{error::Result, geometry::Domain, grid::Grid, parallel::World};
 use index::{Entry, path_in_run};
+use recovery::Kept;
 
 /// The fluid of one rank at one time: a value for each cell of its block of the pressure, in the block's order.
 pub struct FrameFields<'a, const D: usize> {
@@ -70,6 +66,11 @@ impl<const D: usize> Frame<'_, D> {
         check_all("velocity", fields.velocity.iter().flat_map(|velocity| velocity.iter().copied()))?;
         check_all("pressure", fields.pressure.iter().copied())
     }
+
+    /// Displacement of the images above the box along x, within a length of the box; nothing where images do not slide.
+    fn offset(&self) -> Option<f64> {
+        self.domain.slide().map(|slide| slide.shift().rem_euclid(self.domain.size[0]))
+    }
 }
 
 fn check_all(name: &str, numbers: impl IntoIterator<Item = f64>) -> Result<()> {
@@ -92,22 +93,20 @@ impl Frames {
     /// # Errors
     /// [`Error::File`], here and below, when a file cannot be written or removed.
     pub fn create(world: &World, folder: &Path) -> Result<Frames> {
-        Frames::keep(world, folder, f64::NEG_INFINITY)
+        Ok(Frames::keep(world, folder, f64::NEG_INFINITY)?.0)
     }
 
-    /// The frames of a run that goes on from `time`; later ones are removed.
-    ///
-    /// # Errors
-    /// Also [`Error::Refused`] when a frame cannot be read.
-    pub fn resume(world: &World, folder: &Path, time: f64) -> Result<Frames> {
+    /// The frames of a run that goes on from `time`, of which later ones are removed, and what is missing of them (on the first rank).
+    /// A frame that cannot be read is set aside.
+    pub fn resume(world: &World, folder: &Path, time: f64) -> Result<(Frames, Vec<String>)> {
         Frames::keep(world, folder, time)
     }
 
-    fn keep(world: &World, folder: &Path, time: f64) -> Result<Frames> {
-        let kept = if world.rank() == 0 { keep_until(folder, time) } else { Ok(Vec::new()) };
-        let entries = world.agree(kept)?;
-        let next = world.gather(&[entries.len() as u64])[0] as usize;
-        Ok(Frames { folder: folder.to_owned(), next, entries })
+    fn keep(world: &World, folder: &Path, time: f64) -> Result<(Frames, Vec<String>)> {
+        let kept = if world.rank() == 0 { recovery::keep_until(folder, time) } else { Ok(Kept::default()) };
+        let Kept { entries, next, notes } = world.agree(kept)?;
+        let next = world.gather(&[next as u64])[0] as usize;
+        Ok((Frames { folder: folder.to_owned(), next, entries }, notes))
     }
 
     /// Adds a frame.
@@ -124,22 +123,4 @@ impl Frames {
         self.next += 1;
         world.agree(listed)
     }
-}
-
-/// Removes the frames after `time`, last first, and lists the others anew.
-fn keep_until(folder: &Path, time: f64) -> Result<Vec<Entry>> {
-    let frames = folder.join(index::FOLDER);
-    fs::create_dir_all(&frames).map_err(|source| Error::File { path: frames, source })?;
-    index::remove_halves(folder)?;
-    let mut entries = Vec::new();
-    for (number, path) in index::frame_files(folder)?.into_iter().rev() {
-        let kept = if time == f64::NEG_INFINITY { None } else { Some(read::entry(number, &path)?).filter(|entry| entry.time <= time) };
-        match kept {
-            Some(entry) => entries.push(entry),
-            None => fs::remove_file(&path).map_err(|source| Error::File { path, source })?,
-        }
-    }
-    entries.reverse();
-    index::write(folder, &entries)?;
-    Ok(entries)
 }

@@ -9,7 +9,7 @@ use super::{
     body::{COLUMNS, FrameBody},
     contact::{self, FrameContact},
     index::{Entry, Mesh, Network, frame_files},
-    store::{FORMAT, VERSION},
+    store::{FORMAT, OFFSET, VERSION},
 };
 use crate::{
     error::{Error, Result},
@@ -25,6 +25,8 @@ pub struct StoredFrame<const D: usize> {
     pub step: usize,
     /// Edge lengths of the box.
     pub size: SVector<f64, D>,
+    /// Displacement of the images above the box along x, within a length of the box, where images slide.
+    pub offset: Option<f64>,
     /// All bodies, with centres in the box.
     pub bodies: Vec<FrameBody<D>>,
     /// All contacts, if there is a law of contact.
@@ -36,11 +38,12 @@ pub struct StoredFrame<const D: usize> {
 /// # Errors
 /// [`Error::Refused`] when a frame cannot be read or has another dimension.
 pub fn read_frames<const D: usize>(folder: &Path) -> Result<Vec<StoredFrame<D>>> {
-    frame_files(folder)?.into_iter().map(|(_, path)| read_with(&path, bodies)).collect()
+    let refused = |reason| Error::Refused(format!("{reason}; move it out of the folder to go on without it"));
+    frame_files(folder)?.into_iter().map(|(_, path)| read_with(&path, bodies).map_err(refused)).collect()
 }
 
-/// What the other frames need to know of a frame.
-pub(super) fn entry(number: usize, path: &Path) -> Result<Entry> {
+/// What the other frames need to know of a frame, or what is wrong with it.
+pub(super) fn entry(number: usize, path: &Path) -> std::result::Result<Entry, String> {
     read_with(path, |file| {
         let step = slab::get::<u64>(file, "step")? as usize;
         let bodies = slab::get::<u64>(file, "body_count")? as usize;
@@ -52,11 +55,11 @@ pub(super) fn entry(number: usize, path: &Path) -> Result<Entry> {
         let contacts = file.link_exists("contacts").then(|| network(file)).transpose()?;
         let cells = || Ok::<_, hdf5::Error>(list::<u64>(file, "cells")?.into_iter().map(|cells| cells as usize).collect());
         let mesh = if with_fields { Some(Mesh { cells: cells()?, spacing: list(file, "spacing")? }) } else { None };
-        Ok(Entry { number, time: slab::get(file, "time")?, step, bodies, contacts, mesh })
+        Ok(Entry { number, time: slab::get(file, "time")?, step, bodies, contacts, mesh, offset: offset(file)? })
     })
 }
 
-fn read_with<T>(path: &Path, read: impl Fn(&File) -> hdf5::Result<T>) -> Result<T> {
+fn read_with<T>(path: &Path, read: impl Fn(&File) -> hdf5::Result<T>) -> std::result::Result<T, String> {
     let checked = || {
         let file = File::open(path)?;
         let format = slab::get_text(&file, "format")?;
@@ -66,7 +69,7 @@ fn read_with<T>(path: &Path, read: impl Fn(&File) -> hdf5::Result<T>) -> Result<
         }
         read(&file)
     };
-    checked().map_err(|error| Error::Refused(format!("frame {} cannot be read ({error}); remove it", path.display())))
+    checked().map_err(|error| format!("frame {} cannot be read ({error})", path.display()))
 }
 
 fn bodies<const D: usize>(file: &File) -> hdf5::Result<StoredFrame<D>> {
@@ -89,7 +92,8 @@ fn bodies<const D: usize>(file: &File) -> hdf5::Result<StoredFrame<D>> {
     };
     let (time, step) = (slab::get(file, "time")?, slab::get::<u64>(file, "step")? as usize);
     let contacts = file.link_exists("contacts").then(|| network(file)).transpose()?;
-    Ok(StoredFrame { time, step, size: SVector::from_column_slice(&size), bodies: (0..count).map(body).collect(), contacts })
+    let (size, offset, bodies) = (SVector::from_column_slice(&size), offset(file)?, (0..count).map(body).collect());
+    Ok(StoredFrame { time, step, size, offset, bodies, contacts })
 }
 
 fn network<const D: usize>(file: &File) -> hdf5::Result<Vec<FrameContact<D>>> {
@@ -115,6 +119,12 @@ fn network<const D: usize>(file: &File) -> hdf5::Result<Vec<FrameContact<D>>> {
         FrameContact::from_columns(numbers, whole, gamma.as_ref().map(|gamma| gamma[place]))
     };
     Ok((0..count).map(contact).collect())
+}
+
+/// Where images slide.
+fn offset(file: &File) -> hdf5::Result<Option<f64>> {
+    let there = file.attr_names()?.iter().any(|name| name == OFFSET);
+    there.then(|| slab::get(file, OFFSET)).transpose()
 }
 
 fn list<T: H5Type>(file: &File, name: &str) -> hdf5::Result<Vec<T>> {

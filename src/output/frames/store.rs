@@ -20,6 +20,8 @@ use crate::{
 pub(super) const FORMAT: &str = "turbid frame";
 /// Version of the file format.
 pub(super) const VERSION: u32 = 1;
+/// Displacement along x of the images above the box, where images slide; `offset_rate` is its rate of change.
+pub(super) const OFFSET: &str = "offset";
 /// Named numbers and vectors of each cell.
 pub(super) const FIELDS: [(&str, usize); 3] = [("velocity", 3), ("pressure", 1), ("inside", 1)];
 
@@ -52,6 +54,10 @@ fn describe<const D: usize>(root: &Group, frame: &Frame<D>) -> hdf5::Result<()> 
     slab::set(root, "body_count", frame.bodies.len() as u64)?;
     slab::set_all(root, "size", frame.domain.size.as_slice())?;
     slab::set_all(root, "periodic", &std::array::from_fn::<u8, D, _>(|axis| u8::from(frame.domain.periodic(axis))))?;
+    if let (Some(offset), Some(slide)) = (frame.offset(), frame.domain.slide()) {
+        slab::set(root, OFFSET, offset)?;
+        slab::set(root, "offset_rate", slide.speed)?;
+    }
     if let Some(contacts) = frame.contacts {
         slab::set(root, "contact_count", contacts.len() as u64)?;
     }

@@ -7,28 +7,29 @@ use super::{
     store::FIELDS,
 };
 
-/// The bodies as points that move.
-pub(super) fn bodies(entries: &[Entry]) -> String {
+/// The bodies as points that move; nothing without any, here and below.
+pub(super) fn bodies(entries: &[Entry]) -> Option<String> {
     collection("bodies", entries.iter().filter(|entry| entry.bodies > 0).map(cloud))
 }
 
 /// The contacts as points, with their normals and forces.
-pub(super) fn contacts(entries: &[Entry]) -> String {
+pub(super) fn contacts(entries: &[Entry]) -> Option<String> {
     let listed = entries.iter().filter(|entry| entry.contacts.is_some_and(|network| network.count > 0));
     collection("contacts", listed.map(network))
 }
 
 /// The fields on the cells.
-pub(super) fn fields(entries: &[Entry]) -> String {
+pub(super) fn fields(entries: &[Entry]) -> Option<String> {
     collection("fields", entries.iter().filter_map(|entry| Some(lattice(entry, entry.mesh.as_ref()?))))
 }
 
-fn collection(name: &str, grids: impl Iterator<Item = String>) -> String {
+fn collection(name: &str, grids: impl Iterator<Item = String>) -> Option<String> {
     let grids: String = grids.collect();
-    format!(
+    let text = format!(
         "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n<Grid Name=\"{name}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n\
          {grids}</Grid>\n</Domain>\n</Xdmf>\n"
-    )
+    );
+    (!grids.is_empty()).then_some(text)
 }
 
 fn cloud(entry: &Entry) -> String {
@@ -81,7 +82,12 @@ fn in_space(mesh: &Mesh) -> ([usize; 3], [f64; 3], [f64; 3]) {
 }
 
 fn grid(entry: &Entry, contents: &str) -> String {
-    format!("<Grid Name=\"{:06}\" GridType=\"Uniform\">\n<Time Value=\"{:?}\"/>\n{contents}</Grid>\n", entry.number, entry.time)
+    let offset = entry.offset.map(|offset| attribute("offset", 1, "Grid", &number(offset))).unwrap_or_default();
+    format!("<Grid Name=\"{:06}\" GridType=\"Uniform\">\n<Time Value=\"{:?}\"/>\n{contents}{offset}</Grid>\n", entry.number, entry.time)
+}
+
+fn number(number: f64) -> String {
+    format!("<DataItem Format=\"XML\" NumberType=\"Float\" Precision=\"8\" Dimensions=\"1\">{number:?}</DataItem>")
 }
 
 fn attribute(name: &str, width: usize, center: &str, item: &str) -> String {

@@ -25,8 +25,7 @@ const LEAST_CELL_BYTES: f64 = 100.0;
 /// A table of centres cannot be read.
 pub fn demand<const D: usize>(scene: &Scene) -> Result<f64> {
     let domain = placement::domain::<D>(scene);
-    let groups: Vec<(&BodyGroup, f64)> =
-        scene.bodies.iter().map(|group| Ok((group, number(group, &domain)?))).collect::<Result<_>>()?;
+    let groups: Vec<(&BodyGroup, f64)> = scene.bodies.iter().map(|group| Ok((group, number(group, &domain)?))).collect::<Result<_>>()?;
     if scene.dry() {
         return Ok(CONTACT_BYTES * groups.iter().map(|(_, count)| count).sum::<f64>());
     }
@@ -69,7 +68,9 @@ fn of_flow<const D: usize>(scene: &Scene, (domain, grid, spacing): (&Domain<D>, 
 fn number<const D: usize>(group: &BodyGroup, domain: &Domain<D>) -> Result<f64> {
     Ok(match &group.placement {
         Placement::Count(count) => *count as f64,
-        Placement::Fraction(fraction) => fraction * domain.volume() / Ball { center: SVector::<f64, D>::zeros(), radius: group.radius }.volume(),
+        Placement::Fraction(fraction) => {
+            fraction * domain.volume() / Ball { center: SVector::<f64, D>::zeros(), radius: group.radius }.volume()
+        }
         Placement::Centers(centers) => centers.len() as f64,
         Placement::File(path) if path.is_file() => read_centers::<D>(path)?.len() as f64,
         Placement::File(_) => 0.0,
