@@ -107,6 +107,12 @@ enum Command {
         /// Solve scenes with known answers to these accuracies instead, and print their error bars beside the true errors.
         #[arg(long, value_delimiter = ',', num_args = 0.., default_missing_value = "1e-2", value_name = "ACCURACY")]
         bars: Vec<f64>,
+        /// With --bars: so many scenes drawn at random, with answers from fine grids, in place of those with known ones.
+        #[arg(long, requires = "bars", value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..=10_000))]
+        random: Option<u64>,
+        /// Seed of the first of them.
+        #[arg(long, default_value_t = 1, requires = "random", value_parser = clap::value_parser!(u64).range(..=1_000_000))]
+        seed: u64,
     },
     /// Condition numbers, iterations, seconds and memory of the linear systems against the grid, and what theory predicts.
     Conditioning {
@@ -187,11 +193,11 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
         }
         Command::Lubrication(arguments) => session.world().agree(lubrication::lubrication(session.world(), arguments)),
         Command::Scaling { .. } | Command::Cost { .. } | Command::Inverses(_) | Command::Viscosity(_) => Err(studies::ranks_refused()),
-        Command::Validation { bars } if bars.is_empty() => match study::validation(session)? {
+        Command::Validation { bars, .. } if bars.is_empty() => match study::validation(session)? {
             true => Ok(()),
             false => Err(Error::Diverged("a case is further from its reference than promised".into())),
         },
-        Command::Validation { bars } => match study::bars(session, bars)? {
+        Command::Validation { bars, random, seed } => match study::bars(session, bars, random.map(|count| *seed..*seed + count))? {
             true => Ok(()),
             false => Err(Error::Diverged("more than one error bar in twelve does not hold the true error".into())),
         },

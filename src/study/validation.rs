@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use crate::{error::Result, output::say, petsc::Session};
 
-pub use bars::{Bar, KnownScene, bars, known_scenes};
+pub use bars::{Bar, KnownScene, bars, known_scenes, random_scene};
 pub use cases::cases;
 
 /// Solves a case and measures its quantity; collective.

@@ -7,6 +7,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod accuracy;
+mod axes;
 mod contact;
 mod dry;
 mod effects;
@@ -83,6 +84,7 @@ fn main() {
         inverses::tests(),
         effects::tests(),
         accuracy::tests(),
+        axes::tests(),
         lubrication::tests(),
         hard::tests(),
         lasting::tests(),

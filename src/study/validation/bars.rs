@@ -1,8 +1,9 @@
 //! Honest bars: scenes with known answers are solved to an accuracy, and the true error is held against the estimated one.
 
+mod random;
 mod scenes;
 
-use std::{path::Path, time::Instant};
+use std::{ops::Range, path::Path, time::Instant};
 
 use crate::{
     error::{Error, Result},
@@ -12,6 +13,7 @@ use crate::{
     study::{Answer, Calibration, Ladder},
 };
 
+pub use random::random_scene;
 pub use scenes::known_scenes;
 
 /// Part of the bars that must hold the true error.
@@ -69,17 +71,22 @@ impl KnownScene {
     }
 }
 
-/// Solves all known scenes to each accuracy and prints bars beside true errors as a table in Markdown; tells whether enough bars are honest.
+/// Solves all known scenes, or those drawn from some seeds, to each accuracy and prints bars beside true errors as a table in Markdown; tells whether
+/// enough bars are honest.
 ///
 /// # Errors
 /// No scene can be solved to an accuracy like these, or a solve fails.
-pub fn bars(session: &Session, accuracies: &[f64]) -> Result<bool> {
-    let scenes = known_scenes();
-    check(&scenes, accuracies)?;
+pub fn bars(session: &Session, accuracies: &[f64], seeds: Option<Range<u64>>) -> Result<bool> {
+    check(&known_scenes(), accuracies)?;
+    let scenes: Box<dyn Iterator<Item = Result<KnownScene>>> = match seeds {
+        None => Box::new(known_scenes().into_iter().map(Ok)),
+        Some(seeds) => Box::new(seeds.map(|seed| random_scene(session, seed))),
+    };
     let say = |text: &str| session.world().agree(if session.world().rank() == 0 { say(text) } else { Ok(()) });
     say("| scene | accuracy | cells per radius | estimated error | true error | seconds |\n|-|-|-|-|-|-|")?;
     let (mut all, mut honest, mut refused) = (Vec::new(), 0, 0);
-    for scene in &scenes {
+    for scene in scenes {
+        let scene = scene?;
         for &accuracy in accuracies {
             let start = Instant::now();
             let outcome = scene.solve(session, accuracy);
