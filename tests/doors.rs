@@ -51,14 +51,22 @@ fn refused() -> Vec<(&'static str, String, &'static str)> {
         ("most", EMPTY.to_owned() + &bodies("count = 9223372036854775807"), "bodies[0].count = 9223372036854775807: "),
         ("dust", EMPTY.to_owned() + &bodies("fraction = 0.3").replace("1.0\n", "1e-6\n"), "bodies[0].fraction = 0.3: "),
         ("dry-dust", DRY.to_owned() + &bodies("fraction = 0.3").replace("1.0\n", "1e-6\n"), "bodies[0].fraction = 0.3: "),
-        ("fine", EMPTY.replace("= 6", "= 1e3") + &bodies("count = 2"), "resolution.cells_per_radius = 1000: takes about"),
-        ("finer", EMPTY.replace("= 6", "= 1e30") + &bodies("count = 2"), "scene.toml:4: resolution.cells_per_radius = 1000000000000000000000000000000: asks for"),
+        ("fine", EMPTY.replace("= 6", "= 1e3") + &bodies("count = 2"), "resolution.cells_per_radius = 1000: takes "),
+        (
+            "finer",
+            EMPTY.replace("= 6", "= 1e30") + &bodies("count = 2"),
+            "scene.toml:4: resolution.cells_per_radius = 1000000000000000000000000000000: asks for",
+        ),
         ("coarse", EMPTY.replace("cells_per_radius = 6", "spacing = 3.0"), "scene.toml:4: resolution.spacing = 3: leaves 3 cells along x"),
         ("thick", EMPTY.replace("6", "6\n[flow]\nviscosity = 1e307"), "scene.toml:6: flow.viscosity = 1e307: must be 0 or from 1e-60"),
         ("heavy", DRY.to_owned() + &bodies("count = 2\ndensity = 1e308"), "bodies[0].density = 1e308: must be 0 or from 1e-60"),
         ("pulled", DRY.replace("-1.0", "-1e308") + &bodies("count = 2"), "scene.toml:1: gravity[1] = -1e308: must be 0 or from 1e-60"),
         ("vast", EMPTY.replace("8.0, 8.0", "1e200, 1e200") + &bodies("count = 2"), "scene.toml:2: domain.size[0] = 1e200: "),
-        ("exact", EMPTY.to_owned() + "[method]\ntolerance = 1e-300\n" + &bodies("count = 2"), "method.tolerance = 1e-300: must be \"auto\", or at least"),
+        (
+            "exact",
+            EMPTY.to_owned() + "[method]\ntolerance = 1e-30\n" + &bodies("count = 2"),
+            "method.tolerance = 1e-30: must be \"auto\", or at least",
+        ),
         (
             "pushed",
             EMPTY.replace("6", "6\n[flow]\ndrive = { body_force = [1.0, 0.0] }") + &bodies("count = 2"),
@@ -71,7 +79,9 @@ fn refused() -> Vec<(&'static str, String, &'static str)> {
         ),
         (
             "short",
-            EMPTY.replace("6", "6\n[flow]\ndrive = { shear_rate = 1.0, periodic = \"sheared\" }") + &bodies("count = 2") + "[time]\nend = 1e-3\n",
+            EMPTY.replace("6", "6\n[flow]\ndrive = { shear_rate = 1.0, periodic = \"sheared\" }")
+                + &bodies("count = 2")
+                + "[time]\nend = 1e-3\n",
             "scene.toml:11: time.end = 0.001: the images of the sheared box slide by whole cells",
         ),
     ]
@@ -165,11 +175,15 @@ fn a_wrong_command_line_is_told_by_every_start_of_several_ranks() {
 /// Forces so strong that steps lead nowhere, and masses at the edge of what is allowed: an error or finite numbers, never neither.
 #[test]
 fn extreme_numbers_that_are_allowed_end_with_an_error_or_with_numbers() {
-    let wet = EMPTY.replace("6", "4\nmodes = 3\n[flow]\nviscosity = VISCOSITY\ndrive = { mean_velocity = [1.0, 0.0] }") + &bodies("centers = [[4.0, 4.0]]");
+    let wet = EMPTY.replace("6", "4\nmodes = 3\n[flow]\nviscosity = VISCOSITY\ndrive = { mean_velocity = [1.0, 0.0] }")
+        + &bodies("centers = [[4.0, 4.0]]");
     let scenes = [
         DRY.replace("-1.0", "-1e60") + &bodies("centers = [[4.0, 4.0]]"),
         DRY.to_owned() + &bodies("centers = [[4.0, 1.0]]\ndensity = 1e60"),
         DRY.to_owned() + &bodies("centers = [[4.0, 1.0]]\ndensity = 1e-60"),
+        DRY.replace("end = 1.0", "end = 4.0")
+            + &bodies("centers = [[4.0, 2.0]]\ndensity = 1e-60")
+            + &bodies("centers = [[4.5, 4.5]]\ndensity = 1e60"),
         wet.replace("VISCOSITY", "1e60"),
         wet.replace("VISCOSITY", "1e-60"),
     ];

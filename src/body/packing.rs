@@ -175,6 +175,9 @@ mod tests {
         search.crowd.effort = 10_000_000;
         let message = refusal(&domain, &radii, 0.01, search.run().unwrap_err()).to_string();
         assert!(message.starts_with("50 bodies that fill a fraction of 0.950 (0.960 with"), "{message}");
-        assert!(message.contains("reached a fraction of 0.8") && message.contains("fill less than 0.8") && message.contains(": about 4"), "{message}");
+        assert!(
+            message.contains("reached a fraction of 0.8") && message.contains("fill less than 0.8") && message.contains(": about 4"),
+            "{message}"
+        );
     }
 }

@@ -37,7 +37,11 @@ pub fn plan<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> 
         },
     };
     let free = world.available_memory_bytes();
-    let scarce = if plan.bytes() > free { format!("           only {:.0} MB are free: turbid run asks for --force\n", free / 1e6) } else { String::new() };
+    let scarce = if plan.bytes() > free {
+        format!("           only {:.0} MB are free: turbid run asks for --force\n", free / 1e6)
+    } else {
+        String::new()
+    };
     if world.rank() == 0 { say(&format!("{plan}{scarce}time       {time}")) } else { Ok(()) }
 }
 

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{Contact, Partner, Problem, island::Outcome, paths::swept_balls};
+use super::{Contact, Partner, Problem, Projection, island::Outcome, paths::swept_balls};
 use crate::error::{Error, Result};
 
 /// Pairs of cells and bodies that a look at all paths may visit.
@@ -68,6 +68,19 @@ pub(super) fn failure<const D: usize>(problem: &Problem<D>, contacts: &[Contact<
 /// The error of a problem to which contacts were added again and again.
 pub(super) fn endless<const D: usize>(problem: &Problem<D>, rounds: usize, contacts: usize) -> Error {
     let text = format!("new contacts appear after {rounds} rounds with {contacts} contacts; try a smaller time.step");
+    error(problem, &(0..problem.balls.len()).collect::<Vec<_>>(), &[], text)
+}
+
+/// The error of forces that do not keep bodies apart.
+pub(super) fn unkept<const D: usize>(problem: &Problem<D>, found: &Projection<D>) -> Error {
+    let finite = || problem.weights.iter().filter(|weight| weight.is_finite());
+    let ratio =
+        finite().fold(0.0, |most: f64, &weight| most.max(weight)) / finite().fold(f64::INFINITY, |least, &weight| least.min(weight));
+    let (residual, contacts) = (found.certificate.kkt_residual, found.forces.len());
+    let text = format!(
+        "the forces found at {contacts} contacts leave a residual of {residual:.1e} radii, between bodies whose weights differ by a factor \
+         of {ratio:.1e}; try densities nearer to each other or a smaller time.step"
+    );
     error(problem, &(0..problem.balls.len()).collect::<Vec<_>>(), &[], text)
 }
 

@@ -29,7 +29,11 @@ impl<'a> Entry<'a> {
             _ => return Err(self.mistyped("a number")),
         };
         self.expect((), number.is_finite(), "must be finite")?;
-        self.expect(number, usable(number), "must be 0 or from 1e-60 to 1e60 in size, so that it can be multiplied by others; choose other units")
+        self.expect(
+            number,
+            usable(number),
+            "must be 0 or from 1e-60 to 1e60 in size, so that it can be multiplied by others; choose other units",
+        )
     }
 
     pub(super) fn positive(&self) -> Result<f64> {

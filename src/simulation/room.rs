@@ -65,7 +65,13 @@ fn check_filling<const D: usize>(scene: &Scene, domain: &Domain<D>, given: &[(us
     let swollen = |group: usize| counts[group] * part(scene.bodies[group].radius * (1.0 + gap / 2.0));
     let equal = given.is_empty() && random().all(|(bodies, _)| random().next().is_some_and(|(first, _)| first.radius == bodies.radius));
     let crowd = counts.iter().sum::<f64>() >= CROWD;
-    let most = if !equal { 1.0 } else if crowd { RANDOM[D - 2] } else { DENSEST[D - 2] };
+    let most = if !equal {
+        1.0
+    } else if crowd {
+        RANDOM[D - 2]
+    } else {
+        DENSEST[D - 2]
+    };
     let others: f64 = given.iter().map(|(_, ball)| part(ball.radius)).sum();
     let parts: Vec<f64> = (0..counts.len()).map(|group| if counts[group] > 0.0 { swollen(group) } else { 0.0 }).collect();
     let filled = others + parts.iter().sum::<f64>();

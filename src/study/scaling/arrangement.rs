@@ -128,7 +128,12 @@ mod tests {
         let walls = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
         let domain = Domain { size: SVector::from([8.0, 4.0]), axes: [Axis::Periodic, walls] };
         let inverse = InverseMethod::Hypre;
-        Arrangement { domain, spacing: 0.5, inverse, centers: vec![SVector::from([1.0, 1.0]), SVector::from([3.0, 1.0]), SVector::from([7.0, 3.0])] }
+        Arrangement {
+            domain,
+            spacing: 0.5,
+            inverse,
+            centers: vec![SVector::from([1.0, 1.0]), SVector::from([3.0, 1.0]), SVector::from([7.0, 3.0])],
+        }
     }
 
     #[test]

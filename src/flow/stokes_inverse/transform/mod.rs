@@ -19,6 +19,7 @@ use std::{ops::Range, time::Instant};
 
 use rustfft::num_complex::Complex;
 
+pub use self::stages::Transposes;
 use self::{
     channel::ChannelLines,
     fourier::{ComplexTransform, RealTransform},
@@ -27,7 +28,6 @@ use self::{
     stages::Stages,
     symbols::Symbols,
 };
-pub use self::stages::Transposes;
 use super::{Stokes, StokesInverse};
 use crate::{
     error::{Error, Result},
