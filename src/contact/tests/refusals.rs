@@ -65,7 +65,7 @@ fn steps_and_weights_that_are_none_are_refused() {
 #[test]
 fn weights_however_different_give_an_answer_or_an_error() {
     let mut refused = 0;
-    for ratio in [1.0_f64, 1e6, 1e30, 1e60, 1e120] {
+    for ratio in [1.0_f64, 1e6, 1e13, 1e60, 1e120] {
         let mut scene = Scene::new(domain([20.0, 20.0], [true, false]), &[([5.0, 1.2], [0.0, -1.0]), ([5.5, 3.4], [0.0, -3.0])]);
         scene.weights = vec![ratio.sqrt().recip(), ratio.sqrt()];
         match scene.solve() {
@@ -76,7 +76,7 @@ fn weights_however_different_give_an_answer_or_an_error() {
             }
         }
     }
-    assert!(refused < 4, "{refused}");
+    assert_eq!(refused, 3);
 }
 
 #[test]
