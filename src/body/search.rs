@@ -12,8 +12,10 @@ use rand_chacha::ChaCha8Rng;
 use super::relaxation::Crowd;
 use crate::geometry::{Ball, Domain, Levels};
 
-/// Pair evaluations spent at most: some seconds.
+/// Pair evaluations spent at most, some seconds, and by few bodies.
 const EFFORT: u64 = 300_000_000;
+const LEAST_EFFORT: u64 = 20_000_000;
+const EFFORT_OF_FEW: u64 = 2_000_000;
 /// Pair evaluations spent at most in addition, for each body.
 const EFFORT_PER_BODY: u64 = 20_000;
 /// First step of the growth of the radii, relative to the final radii.
@@ -67,7 +69,7 @@ impl<'a, const D: usize> Search<'a, D> {
             movable: radii.len(),
             scale: 1.0,
             margin: WIDE_MARGIN,
-            effort: EFFORT + EFFORT_PER_BODY * radii.len() as u64,
+            effort: EFFORT.min(LEAST_EFFORT + EFFORT_OF_FEW * radii.len() as u64) + EFFORT_PER_BODY * radii.len() as u64,
         };
         Self { crowd, random: ChaCha8Rng::seed_from_u64(seed), obstacles: places, easy_scale, best_scale: 0.0 }
     }

@@ -34,7 +34,7 @@ fn bytes(scene: &Scene) -> Result<f64> {
 }
 
 fn refusal(scene: &Scene, bytes: f64, free: f64) -> Error {
-    let taken = if bytes.is_finite() { format!("about {:.1} GB", bytes / 1e9) } else { "far more memory than there is".into() };
+    let taken = if bytes.is_finite() { format!("about {:.1} GB", bytes / 1e9) } else { "more memory than can be told".into() };
     let remedy = format!(
         "takes {taken}, and {:.1} GB are free; coarsen it or shrink domain.size, take more machines, or insist with turbid run --force",
         free / 1e9

@@ -2,8 +2,11 @@
 
 use serde_json::{Value, json};
 
-use super::{Contact, Partner, Problem, island::Outcome, paths::swept_balls};
+use super::{Contact, Partner, Problem, Projection, island::Outcome, paths::swept_balls};
 use crate::error::{Error, Result};
+
+/// Largest weight over the smallest: beyond it what is between is rounding.
+const LARGEST_RATIO: f64 = 1e12;
 
 /// Pairs of cells and bodies that a look at all paths may visit.
 const MOST_VISITS: f64 = 1e9;
@@ -23,6 +26,13 @@ pub(super) fn check<const D: usize>(problem: &Problem<D>) -> Result<()> {
     if let Some(body) = problem.weights.iter().position(|weight| weight.is_nan() || *weight <= 0.0) {
         let text = format!("body {body} weighs {}; change its density or radius", problem.weights[body]);
         return Err(error(problem, &[body], &[], text));
+    }
+    let ratio = weight_ratio(problem);
+    if ratio > LARGEST_RATIO {
+        let text = format!(
+            "bodies weigh {ratio:.1e} times as much as others, and forces are found up to {LARGEST_RATIO:e}; choose nearer densities"
+        );
+        return Err(error(problem, &[], &[], text));
     }
     let displacement = |body: usize| (problem.velocities[body] * problem.step).norm();
     if let Some(body) = (0..count).find(|&body| !displacement(body).is_finite()) {
@@ -68,6 +78,26 @@ pub(super) fn failure<const D: usize>(problem: &Problem<D>, contacts: &[Contact<
 /// The error of a problem to which contacts were added again and again.
 pub(super) fn endless<const D: usize>(problem: &Problem<D>, rounds: usize, contacts: usize) -> Error {
     let text = format!("new contacts appear after {rounds} rounds with {contacts} contacts; try a smaller time.step");
+    error(problem, &(0..problem.balls.len()).collect::<Vec<_>>(), &[], text)
+}
+
+/// The largest weight of a body that gives way over the smallest.
+fn weight_ratio<const D: usize>(problem: &Problem<D>) -> f64 {
+    let (least, most) = problem
+        .weights
+        .iter()
+        .filter(|weight| weight.is_finite())
+        .fold((f64::INFINITY, 0.0_f64), |(least, most), &weight| (least.min(weight), most.max(weight)));
+    most / least
+}
+
+/// The error of forces that do not keep bodies apart.
+pub(super) fn unkept<const D: usize>(problem: &Problem<D>, found: &Projection<D>) -> Error {
+    let (residual, contacts, ratio) = (found.certificate.kkt_residual, found.forces.len(), weight_ratio(problem));
+    let text = format!(
+        "the forces found at {contacts} contacts leave a residual of {residual:.1e} radii, between bodies whose weights differ by a factor \
+         of {ratio:.1e}; try densities nearer to each other or a smaller time.step"
+    );
     error(problem, &(0..problem.balls.len()).collect::<Vec<_>>(), &[], text)
 }
 

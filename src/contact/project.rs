@@ -11,7 +11,7 @@ use nalgebra::SVector;
 use super::{
     Certificate, Contact, Memory, Partner, Problem, Solver,
     certificate::certify,
-    failure::{check, endless, failure},
+    failure::{check, endless, failure, unkept},
     groups::Groups,
     island::{Outcome, free_body, islands},
     paths::{Path, paths},
@@ -25,6 +25,8 @@ const TOLERANCE: f64 = 1e-11;
 const NEARNESS: f64 = 0.2;
 /// Where it stops doubling.
 const LARGEST_NEARNESS: f64 = 4.0;
+/// Distance from the optimum, in radii, beyond which an answer is none; answers have 1e-7 and less.
+const LARGEST_RESIDUAL: f64 = 1e-4;
 /// Rounds before giving up.
 const ROUNDS: usize = 100;
 
@@ -56,7 +58,7 @@ pub struct Projection<const D: usize> {
 ///
 /// # Errors
 /// [`Error::Contact`](crate::error::Error::Contact) if bodies are squeezed with no way out, a velocity is not
-/// finite, the step is absurdly long, or the solver fails.
+/// finite, the step is absurdly long, or the solver fails or finds forces that do not keep bodies apart.
 pub fn project<const D: usize>(world: &World, problem: &Problem<D>) -> Result<Projection<D>> {
     project_from(world, problem, &Memory::default())
 }
@@ -87,7 +89,8 @@ pub(super) fn project_by<const D: usize>(
         let paths = paths(problem, &state.velocities, nearness);
         let wanting = state.wanting(&paths, nearness);
         if wanting.is_empty() {
-            return Ok(state.finish(&paths, round));
+            let found = state.finish(&paths, round);
+            return if found.certificate.kkt_residual <= LARGEST_RESIDUAL { Ok(found) } else { Err(unkept(problem, &found)) };
         }
         let changed = state.add(wanting);
         let outcomes = solve(&state.contacts, &state.forces, &changed);

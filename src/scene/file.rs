@@ -165,6 +165,7 @@ fn read(file: &str, folder: &Path, content: &Value, locations: Locations) -> Res
 mod tests {
     use std::path::{Path, PathBuf};
 
+    use crate::error::Error;
     use crate::scene::{
         AxisSection, ContactModel, Drive, Modes, Motion, OutputSection, Placement, ResolutionSection, Scene, Scheme, Shape, Spacing, Step,
         TimeSection, Tolerance,
@@ -339,6 +340,26 @@ scheme = "midpoint"
         assert_eq!(refusal("bodies[1].motion"), "scene.toml:26: bodies[1].motion = 3: no");
         assert_eq!(refusal("flow.drive.shear_rate"), "scene.toml:12: flow.drive.shear_rate = 3: no");
         assert_eq!(refusal("ranks"), "scene.toml:1: ranks = 3: no");
+    }
+
+    #[test]
+    fn refusals_that_begin_with_a_key_get_its_place_and_others_stay() {
+        let scene = parse(FLAT);
+        let placed = |text: &str| scene.place(Error::Refused(text.into())).to_string();
+        assert_eq!(placed("flow.drive: has no steady flow"), "scene.toml:12: flow.drive: has no steady flow");
+        assert_eq!(placed("method.inverse = \"transform\" needs"), "scene.toml:18: method.inverse = \"transform\" needs");
+        for text in ["scene.toml:3: flow.drive = 3", "--out o: holds another run", "centers.csv:3: found 2", "2 ranks do not fit"] {
+            assert_eq!(placed(text), text);
+        }
+    }
+
+    #[test]
+    fn a_file_that_is_too_long_is_refused_unread() {
+        let path = std::env::temp_dir().join(format!("turbid-long-{}.toml", std::process::id()));
+        std::fs::write(&path, vec![b'#'; 2_000_001]).unwrap();
+        let error = Scene::read(&path, &[]).unwrap_err().to_string();
+        std::fs::remove_file(&path).unwrap();
+        assert!(error.contains(":1: holds 2.0 MB: a scene file may hold 2 MB"), "{error}");
     }
 
     #[test]

@@ -41,17 +41,34 @@ pub fn bodies<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Vec<(
     Ok(balls.into_iter().map(|(group, ball)| (group, Body { ball, motion: motion(scene, group, &ball) })).collect())
 }
 
-/// The balls of all groups with their groups: given centers first, then random ones, which avoid them.
-fn place<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Vec<(usize, Ball<D>)>> {
-    let mut balls = Vec::new();
+/// What a scene asks for, before anything is placed at random.
+pub struct Asked<const D: usize> {
+    /// The balls whose centers are given, with their groups.
+    pub given: Vec<(usize, Ball<D>)>,
+    /// How many bodies each group places at random.
+    pub counts: Vec<f64>,
+}
+
+/// What a scene asks for, if that can be.
+///
+/// # Errors
+/// A table of centers cannot be read, given bodies overlap or lie outside, random ones cannot fit, or the grid does not.
+pub fn asked<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Asked<D>> {
+    let mut given = Vec::new();
     for (group, bodies) in scene.bodies.iter().enumerate() {
-        let given = given_balls(bodies).map_err(|error| scene.unreadable(group, error))?;
-        balls.extend(given.into_iter().map(|ball| (group, ball)));
+        let balls = given_balls(bodies).map_err(|error| scene.unreadable(group, error))?;
+        given.extend(balls.into_iter().map(|ball| (group, ball)));
     }
     let groups = scene.bodies.iter().enumerate();
     let counts = groups.map(|(group, bodies)| random_count(scene, group, bodies, domain)).collect::<Result<Vec<f64>>>()?;
-    check_places(scene, domain, &balls)?;
-    room::check(scene, domain, &balls, &counts)?;
+    check_places(scene, domain, &given)?;
+    room::check(scene, domain, &given, &counts)?;
+    Ok(Asked { given, counts })
+}
+
+/// The balls of all groups with their groups: given centers first, then random ones, which avoid them.
+fn place<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Vec<(usize, Ball<D>)>> {
+    let Asked { given: mut balls, counts } = asked(scene, domain)?;
     let obstacles: Vec<Ball<D>> = balls.iter().map(|&(_, ball)| ball).collect();
     let (mut random, mut gap) = (Vec::new(), 0.0_f64);
     for (group, (bodies, &count)) in scene.bodies.iter().zip(&counts).enumerate() {

@@ -191,7 +191,11 @@ pub(super) fn suspended_bodies<const D: usize>(
     Ok((spacing, bodies.collect::<Result<_>>()?))
 }
 
-fn suspended<const D: usize>(scene: &Scene, (body, surrounded): (Body<D>, bool), spacing: f64) -> Result<SuspendedBody<D>> {
+/// A body, with neighbours in opposite places or not, with the order of its modes on a grid.
+///
+/// # Errors
+/// It is too small for the grid or the modes.
+pub(super) fn suspended<const D: usize>(scene: &Scene, (body, surrounded): (Body<D>, bool), spacing: f64) -> Result<SuspendedBody<D>> {
     let cells = body.ball.radius / spacing;
     if cells < FEWEST_CELLS_PER_RADIUS * (1.0 - 1e-9) {
         let remedy = format!("leaves {cells:.2} cells per radius {}; at least {FEWEST_CELLS_PER_RADIUS} are needed", body.ball.radius);

@@ -51,6 +51,35 @@ fn velocities_that_are_not_finite_are_refused() {
 }
 
 #[test]
+fn steps_and_weights_that_are_none_are_refused() {
+    for step in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let scene = Scene { step, ..row(2, |_| Vector2::zeros()) };
+        assert!(refusal(&scene).0.starts_with(&format!("a step of {step} is none")));
+    }
+    for weight in [0.0, f64::NAN] {
+        let scene = Scene { weights: vec![1.0, weight], ..row(2, |_| Vector2::zeros()) };
+        assert!(refusal(&scene).0.starts_with(&format!("body 1 weighs {weight}")));
+    }
+}
+
+#[test]
+fn weights_however_different_give_an_answer_or_an_error() {
+    let mut refused = 0;
+    for ratio in [1.0_f64, 1e6, 1e13, 1e60, 1e120] {
+        let mut scene = Scene::new(domain([20.0, 20.0], [true, false]), &[([5.0, 1.2], [0.0, -1.0]), ([5.5, 3.4], [0.0, -3.0])]);
+        scene.weights = vec![ratio.sqrt().recip(), ratio.sqrt()];
+        match scene.solve() {
+            Ok(projection) => assert!(projection.certificate.smallest_gap > -1e-4, "{ratio:e}: {:?}", projection.certificate),
+            Err(error) => {
+                assert!(matches!(error, Error::Contact { .. }), "{ratio:e}: {error}");
+                refused += 1;
+            }
+        }
+    }
+    assert_eq!(refused, 3);
+}
+
+#[test]
 fn an_absurd_step_is_refused() {
     let mut scene = row(2, |body| Vector2::new(0.0, body as f64));
     scene.domain = domain([200.0, 100.0], [true, true]);
