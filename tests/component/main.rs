@@ -8,6 +8,7 @@
 
 mod accuracy;
 mod contact;
+mod convergence;
 mod dry;
 mod effects;
 mod fields;
@@ -68,6 +69,7 @@ fn main() {
     let floors = [
         machine::tests(),
         methods::tests(),
+        convergence::tests(),
         solvers::tests(),
         grid::tests(),
         interpolation::tests(),
