@@ -68,9 +68,9 @@ fn wall(grading: &Grading, (axis, upper): (usize, bool), disorder: &mut dyn FnMu
     }
 }
 
-/// The least whole number of edges that are not longer than wanted, but for rounding: else a unit of length could change a mesh.
+/// The least whole number of edges that are shorter than wanted, also where rounding has them just as long: else a unit of length could change a mesh.
 pub fn whole_number(edges: f64) -> f64 {
-    (edges * (1.0 - ROUNDING)).ceil()
+    (edges * (1.0 + ROUNDING)).ceil()
 }
 
 /// Divides a line, closed or not, into edges of the wanted lengths; the first place is 0.
