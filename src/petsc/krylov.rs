@@ -220,8 +220,9 @@ impl Krylov {
         let mut text = std::ptr::null();
         petsc!(KSPGetConvergedReasonString(self.solver.raw(), &mut text))?;
         let reason = unsafe { CStr::from_ptr(text) }.to_string_lossy();
+        let account = if self.reason()? > 0 { " by its own account" } else { "" };
         Ok(Error::Diverged(format!(
-            "the linear solver stopped after {} iterations at a relative residual of {:.1e}, tolerance {:.1e} ({reason}); {}",
+            "the linear solver stopped after {} iterations at a relative residual of {:.1e}, tolerance {:.1e} ({reason}{account}); {}",
             report.iterations, report.residual, self.settings.tolerance, self.remedy
         )))
     }
