@@ -43,7 +43,9 @@ fn on_all_ranks(arguments: &Arguments) -> i32 {
     match Session::start(&arguments.petsc) {
         Ok(session) => {
             let code = finish(&session, execute(arguments, &session));
-            warn_of_unused(&session, &arguments.petsc);
+            if code == 0 {
+                warn_of_unused(&session, &arguments.petsc);
+            }
             code
         }
         Err(error) => {

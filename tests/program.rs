@@ -230,6 +230,47 @@ fn options_after_two_dashes_reach_petsc() {
 }
 
 #[test]
+fn options_that_switch_convergence_off_make_no_result() {
+    let here = folder("petsc-convergence");
+    let scene = write(&here, SMALL_SUSPENSION);
+    let run = |name: &str, options: &[&str]| {
+        let out = here.join(name);
+        (turbid(1, &[&["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap(), "--"], options].concat()), out)
+    };
+    let cases: [(&[&str], i32, &str); 6] = [
+        (&["-coupled_ksp_rtol", "10"], 2, "-coupled_ksp_rtol = 10 must be above 0 and at most 0.1"),
+        (&["-coupled_ksp_atol", "1e3"], 1, "relative residual of 1.0e0"),
+        (&["-coupled_ksp_convergence_test", "skip", "-coupled_ksp_max_it", "3"], 1, "relative residual of 9"),
+        (&["-coupled_ksp_norm_type", "none", "-coupled_ksp_max_it", "3"], 1, "relative residual of 9"),
+        (&["--set", "resolution.cells_per_radius=4"], 2, "--set after -- goes to PETSc"),
+        (&["resolution.cells_per_radius=4"], 2, "is the value of no PETSc option"),
+    ];
+    for (options, code, complaint) in cases {
+        let (output, out) = run("out", options);
+        assert_eq!(output.status.code(), Some(code), "{options:?}: {}", said(&output));
+        assert!(said(&output).contains(complaint), "{options:?}: {}", said(&output));
+        assert!(!out.join("summary.json").exists(), "{options:?}");
+    }
+    let (misspelt, _) = run("misspelt", &["-coupled_kps_rtol", "1e-3", "-coupled_ksp_rtol", "1e-7"]);
+    assert!(misspelt.status.success() && said(&misspelt).contains("had no use for -coupled_kps_rtol:"), "{}", said(&misspelt));
+}
+
+#[test]
+fn options_of_petsc_hold_for_all_solves_of_a_run_in_time() {
+    let here = folder("petsc-in-time");
+    let scene = write(&here, &format!("{SMALL_SUSPENSION}\n[time]\nend = 0.02\nstep = 0.01\n"));
+    let out = here.join("out");
+    let arguments = ["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap(), "--set", "method.tolerance=\"auto\""];
+    let output = turbid(1, &[&arguments[..], &["--", "-coupled_ksp_monitor", "-coupled_ksp_rtol", "1e-10"]].concat());
+    assert!(output.status.success(), "{}", said(&output));
+    let starts =
+        String::from_utf8_lossy(&output.stdout).lines().filter(|line| line.trim_start().starts_with("0 KSP Residual norm")).count();
+    let (rows, residual) = (Series::read(&out).rows.len(), number(&common::summary(&out), "solver.residual"));
+    assert!(starts >= rows && rows >= 2, "{starts} solves seen in {rows} rows");
+    assert!(residual <= 1e-10, "{residual:.1e}");
+}
+
+#[test]
 fn a_plan_names_what_is_built_and_what_is_not_and_writes_nothing() {
     let here = folder("plan");
     let scene = write(&here, SMALL_SUSPENSION);

@@ -128,7 +128,7 @@ impl Krylov {
         }
     }
 
-    /// Solves `A x = rhs` starting from `x`; `seen` is told each iteration and its relative residual.
+    /// Solves `A x = rhs` starting from `x`; `seen` is told each iteration and its relative residual. The system is applied to `x` last.
     ///
     /// # Errors
     /// [`Error::Diverged`] when the tolerance is not reached, with the iterations made and the residual reached.
@@ -150,12 +150,14 @@ impl Krylov {
         let start = Instant::now();
         let norm = rhs.norm()?;
         let size = norm.max(rounding / self.settings.tolerance);
+        let mut residual = rhs.like()?;
         if norm <= rounding {
             x.fill(0.0)?;
+            system.apply(x, &mut residual)?;
             return Ok(Report { residual: if norm > 0.0 { norm / size } else { 0.0 }, ..Report::default() });
         }
         self.set_stopping_rule(rounding)?;
-        let (mut report, mut residual, mut last) = (Report::default(), rhs.like()?, f64::INFINITY);
+        let (mut report, mut last) = (Report::default(), f64::INFINITY);
         for _ in 0..=MOST_RESTARTS {
             self.call(system, (rhs, x), Watch { scale: 1.0 / size, before: report.iterations, seen })?;
             let truth = true_residual(system, (rhs, x), &mut residual)? / size;
@@ -218,8 +220,9 @@ impl Krylov {
         let mut text = std::ptr::null();
         petsc!(KSPGetConvergedReasonString(self.solver.raw(), &mut text))?;
         let reason = unsafe { CStr::from_ptr(text) }.to_string_lossy();
+        let account = if self.reason()? > 0 { " by its own account" } else { "" };
         Ok(Error::Diverged(format!(
-            "the linear solver stopped after {} iterations at a relative residual of {:.1e}, tolerance {:.1e} ({reason}); {}",
+            "the linear solver stopped after {} iterations at a relative residual of {:.1e}, tolerance {:.1e} ({reason}{account}); {}",
             report.iterations, report.residual, self.settings.tolerance, self.remedy
         )))
     }

@@ -131,15 +131,16 @@ impl UniformForce {
     }
 }
 
-/// Between two walls the velocity goes from that of the one to that of the other in proportion to the way: so the solver need not find
-/// it, and a box with walls that move alike moves with them to the last digit.
-fn start_between_walls<const D: usize>(grid: &Grid<D>, flow: &mut Vector) -> Result<()> {
+/// The flow that walls across one axis drag along, if no others stand in its way: from the velocity of the one to that of the other in
+/// proportion to the way. A solver would find it but for its tolerance, and fluid between walls that move alike would not go with them.
+fn dragged_by_walls<const D: usize>(grid: &Grid<D>, stokes: &Stokes<D>) -> Result<Option<Vector>> {
     let domain = grid.domain();
     let mut walled = (0..D).filter_map(|axis| match domain.axes[axis] {
         Axis::Walls { lower, upper } => Some((axis, lower, upper)),
         _ => None,
     });
-    let (Some((across, lower, upper)), None) = (walled.next(), walled.next()) else { return Ok(()) };
+    let (Some((across, lower, upper)), None) = (walled.next(), walled.next()) else { return Ok(None) };
+    let mut flow = stokes.vector()?;
     let mut values = flow.local_mut()?;
     for field in (0..D).filter(|&field| field != across) {
         for (value, index) in values[grid.local_range(field)].iter_mut().zip(grid.block(field).indices()) {
@@ -147,7 +148,8 @@ fn start_between_walls<const D: usize>(grid: &Grid<D>, flow: &mut Vector) -> Res
             *value = lower[field] + (upper[field] - lower[field]) * way;
         }
     }
-    Ok(())
+    drop(values);
+    Ok(Some(flow))
 }
 
 fn periodic_axes<const D: usize>(domain: &Domain<D>) -> impl Iterator<Item = usize> {
@@ -168,15 +170,21 @@ pub fn flow_without_bodies<const D: usize>(
     if grid.domain().fully_periodic() {
         return Ok((flow, Vec::new()));
     }
-    let mut rhs = stokes.vector()?;
+    let (mut rhs, dragged) = (stokes.vector()?, dragged_by_walls(grid, stokes)?);
     for axis in 0..D {
         let rows = &mut rhs.local_mut()?[grid.local_range(axis)];
         operators::add_uniform_force(grid, axis, drive.uniform_force()[axis], rows);
-        operators::add_wall_laplacian(grid, axis, rows);
+        if dragged.is_none() {
+            operators::add_wall_laplacian(grid, axis, rows);
+        }
     }
     stokes.balance(&mut rhs)?;
-    start_between_walls(grid, &mut flow)?;
-    FluidSystem { stokes, inverse: Some(inverse) }.solve((&rhs, &mut flow), EXACT, MOST_ITERATIONS)?;
+    if rhs.norm()? > 0.0 {
+        FluidSystem { stokes, inverse: Some(inverse) }.solve((&rhs, &mut flow), EXACT, MOST_ITERATIONS)?;
+    }
+    if let Some(dragged) = dragged {
+        flow.add(1.0, &dragged)?;
+    }
     let wanted: Vec<f64> = match drive {
         Drive::MeanVelocity(velocity) => closure.forces().iter().map(|force| velocity[force.axis]).collect(),
         _ => Vec::new(),

@@ -18,10 +18,15 @@ use crate::{
     petsc::{Stage, System, Vector},
 };
 
-/// The system without the fluid; vectors hold multipliers and the tail.
-pub struct Condensed<'a, const D: usize>(pub Parts<'a, D>);
+/// The system without the fluid; vectors hold multipliers and the tail. The second part is the tail of the vector to which it was applied last.
+pub struct Condensed<'a, const D: usize>(pub Parts<'a, D>, Vec<f64>);
 
-impl<const D: usize> Condensed<'_, D> {
+impl<'a, const D: usize> Condensed<'a, D> {
+    /// The system of these parts.
+    pub fn new(parts: Parts<'a, D>) -> Self {
+        Condensed(parts, Vec::new())
+    }
+
     /// Puts into `fluid_in` the fluid that `multipliers_in` move; returns the forces of the closure.
     fn move_fluid(&mut self) -> Result<Vec<f64>> {
         let Parts { stokes, inverse, surfaces, work } = &mut self.0;
@@ -42,12 +47,15 @@ impl<const D: usize> Condensed<'_, D> {
 impl<const D: usize> System for Condensed<'_, D> {
     fn apply(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
         let tail = self.0.work.split(self.0.surfaces.world, input)?;
-        self.move_fluid()?;
+        let forces = self.move_fluid()?;
         let Parts { surfaces, work, .. } = &mut self.0;
         let watch = Watch::start(Stage::Bodies);
         let rows = surfaces.rows(&work.fluid_in, (&work.multipliers_in, &tail), &mut work.multipliers_out)?;
         watch.stop(&mut work.stages.bodies);
-        work.join(&rows, output)
+        work.join(&rows, output)?;
+        self.1 = tail;
+        self.1[..forces.len()].copy_from_slice(&forces);
+        Ok(())
     }
 
     fn precondition(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
@@ -62,10 +70,9 @@ impl<const D: usize> System for Condensed<'_, D> {
 }
 
 impl<const D: usize> BodiesInFluid for Condensed<'_, D> {
-    fn unknowns(&mut self, vector: &Vector) -> Result<Unknowns> {
-        let mut tail = self.0.work.split(self.0.surfaces.world, vector)?;
-        let forces = self.move_fluid()?;
-        tail[..forces.len()].copy_from_slice(&forces);
+    fn unknowns(&mut self, _: &Vector) -> Result<Unknowns> {
+        // the fluid that this vector moves is there already
+        let tail = std::mem::take(&mut self.1);
         let Parts { surfaces, work, .. } = &mut self.0;
         surfaces.velocity(&work.fluid_in, (&work.multipliers_in, &tail), &mut work.multipliers_out)?;
         work.unknowns(tail)

@@ -34,7 +34,7 @@ pub struct Unknowns {
 
 /// A linear system whose solution is a flow around bodies.
 pub trait BodiesInFluid: System {
-    /// The unknowns that a solver's vector stands for.
+    /// The unknowns that a solver's vector stands for: the one to which the system was applied last.
     fn unknowns(&mut self, vector: &Vector) -> Result<Unknowns>;
 }
 

@@ -110,10 +110,10 @@ impl<'a, const D: usize> Ready<'a, D> {
             ConstraintMethod::MeanValue(MultiplierSolver::Uzawa(step)) => {
                 let (_, vectors) = solver;
                 let by_uzawa = |system: &mut Condensed<D>, vectors: (&Vector, &mut Vector)| uzawa(system, vectors, (step, stop), seen);
-                solve(vectors, Condensed(parts), by_uzawa)
+                solve(vectors, Condensed::new(parts), by_uzawa)
             }
             _ if basis.condensed => {
-                solve(solver.1, Condensed(parts), |system, vectors| solver.0.solve_above(stop.rounding, system, vectors, seen))
+                solve(solver.1, Condensed::new(parts), |system, vectors| solver.0.solve_above(stop.rounding, system, vectors, seen))
             }
             _ => solve(solver.1, Coupled(parts), |system, vectors| solver.0.solve_above(stop.rounding, system, vectors, seen)),
         }?;
@@ -143,7 +143,6 @@ fn solve<S: BodiesInFluid>(
     let start = Instant::now();
     let report = by(&mut system, (rhs, &mut *x))?;
     let found = system.unknowns(x)?;
-    // an eliminated fluid takes one more inverse to find
     Ok((Report { seconds: start.elapsed().as_secs_f64(), ..report }, found))
 }
 

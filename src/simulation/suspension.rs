@@ -215,7 +215,7 @@ impl<const D: usize> Suspension<D> {
         let mut ready = Ready::new(basis, (None, None), None, &self.at_rest(&centers))?;
         let shape = ready.engine.x.like()?;
         let (_, parts) = ready.parts(basis, self.inverse.as_mut());
-        Conditions::of(basis.session.world(), &mut Condensed(parts), &shape)
+        Conditions::of(basis.session.world(), &mut Condensed::new(parts), &shape)
     }
 
     /// Solves for a moment, starting from the solves before it if they are remembered.

@@ -9,6 +9,7 @@
 mod accuracy;
 mod axes;
 mod contact;
+mod convergence;
 mod dry;
 mod effects;
 mod fields;
@@ -69,6 +70,7 @@ fn main() {
     let floors = [
         machine::tests(),
         methods::tests(),
+        convergence::tests(),
         solvers::tests(),
         grid::tests(),
         interpolation::tests(),

@@ -24,6 +24,8 @@ pub fn tests() -> Vec<Test> {
         Test::of(every_iteration_is_seen_and_reported),
         Test::of(a_good_preconditioner_saves_iterations),
         Test::of(a_zero_right_hand_side_has_a_zero_solution),
+        Test::of(what_is_rounding_beside_the_scene_is_zero),
+        Test::of(an_exhausted_space_makes_no_solution),
         Test::of(singular_values_come_out_of_a_solve),
         Test::of(an_error_in_a_callback_ends_the_solve_with_that_very_error),
         Test::of(a_solver_serves_again_after_an_error),
@@ -85,6 +87,29 @@ fn a_zero_right_hand_side_has_a_zero_solution(session: &Session) {
     let (rhs, mut x) = (filled(session, N, |_| 0.0), filled(session, N, |_| 1.0));
     let report = solve(session, GMRES, &mut Chain::new(session, 0.0), (&rhs, &mut x)).unwrap();
     assert_eq!((report, x.norm().unwrap()), (Report::default(), 0.0));
+}
+
+fn what_is_rounding_beside_the_scene_is_zero(session: &Session) {
+    let (rhs, mut x) = (filled(session, N, |index| 1e-15 * (index as f64).cos()), filled(session, N, |_| 1.0));
+    let mut krylov = krylov(session, GMRES, 100);
+    let report = krylov.solve_above(1e-13, &mut Chain::new(session, 0.0), (&rhs, &mut x), &mut |_, _| {}).unwrap();
+    assert_eq!((report.iterations, x.norm().unwrap()), (0, 0.0));
+    assert!(report.residual > 0.0 && report.residual <= TOLERANCE);
+    // what stands out of it is solved, but not below it
+    let rhs = filled(session, N, |index| 1e-12 * (index as f64).cos());
+    let report = krylov.solve_above(1e-13, &mut Chain::new(session, 0.0), (&rhs, &mut x), &mut |_, _| {}).unwrap();
+    assert!((1..6).contains(&report.iterations), "{report:?}");
+}
+
+/// The last row has no entry, and a load: after three vectors nothing is left to try, which is no solution, however small the load is.
+fn an_exhausted_space_makes_no_solution(session: &Session) {
+    let range = share(session, N);
+    let entry = |index: usize| if index + 1 < N { 1.0 + (index % 2) as f64 } else { 0.0 };
+    for load in [1.0, 1e-17] {
+        let (rhs, mut system) = (filled(session, N, |_| load), Diagonal(range.clone().map(entry).collect()));
+        let error = solve(session, GMRES, &mut system, (&rhs, &mut rhs.like().unwrap())).unwrap_err();
+        assert!(matches!(&error, Error::Diverged(text) if text.contains("tolerance")), "load {load:e}: {error}");
+    }
 }
 
 fn singular_values_come_out_of_a_solve(session: &Session) {

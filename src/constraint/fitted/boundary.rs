@@ -18,6 +18,9 @@ const MEASURING_STEP: f64 = 0.1;
 /// Part of an edge by which vertices leave their place at random: four on a circle would have no unique triangulation.
 pub const DISORDER: f64 = 1e-3;
 
+/// Part of a number of edges that is rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// Fewest vertices on a line, so that periodic images of edges are told apart.
 const FEWEST: usize = 4;
 
@@ -65,6 +68,11 @@ fn wall(grading: &Grading, (axis, upper): (usize, bool), disorder: &mut dyn FnMu
     }
 }
 
+/// The least whole number of edges that are shorter than wanted, also where rounding has them just as long: else a unit of length could change a mesh.
+pub fn whole_number(edges: f64) -> f64 {
+    (edges * (1.0 + ROUNDING)).ceil()
+}
+
 /// Divides a line, closed or not, into edges of the wanted lengths; the first place is 0.
 fn divide(whole: f64, closed: bool, disorder: &mut dyn FnMut() -> f64, length: impl Fn(f64) -> f64) -> Vec<f64> {
     let (mut places, mut edges) = (vec![0.0], vec![0.0]);
@@ -76,7 +84,7 @@ fn divide(whole: f64, closed: bool, disorder: &mut dyn FnMut() -> f64, length: i
         places.push(place);
         edges.push(count);
     }
-    let number = (count.ceil() as usize).max(FEWEST);
+    let number = (whole_number(count) as usize).max(FEWEST);
     let mut measured = 1;
     let place_of = |edge: usize| {
         let free = if edge == 0 && !closed { 0.0 } else { disorder() };

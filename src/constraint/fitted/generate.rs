@@ -8,7 +8,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::{
-    boundary::{DISORDER, boundary},
+    boundary::{DISORDER, boundary, whole_number},
     cloud::{Cloud, Corner, Place},
     grading::Grading,
     mesh::Mesh,
@@ -79,8 +79,8 @@ fn check_gaps(domain: &Domain<2>, disks: &[Ball<2>]) -> Result<()> {
 /// Adds a lattice of equilateral triangles where edges may have their full length.
 fn add_lattice(cloud: &mut Cloud, grading: &Grading) {
     let (size, longest) = (cloud.domain.size, grading.longest());
-    let columns = (size.x / longest).ceil();
-    let rows = 2.0 * (size.y / (longest * 3_f64.sqrt())).ceil();
+    let columns = whole_number(size.x / longest);
+    let rows = 2.0 * whole_number(size.y / (longest * 3_f64.sqrt()));
     let mut random = ChaCha8Rng::seed_from_u64(2);
     for row in 0..rows as usize {
         for column in 0..columns as usize {
