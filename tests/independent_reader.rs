@@ -50,7 +50,8 @@ fn h5py_reads_runs_of_the_program_under_way_and_finished() {
         let here = common::folder(&format!("independent-reader-{name}"));
         let (scene, out) = (common::write(&here, text), here.join("out"));
         let mut command = common::command(2, &["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap()]);
-        let mut running = Writer(command.args(["--set", "output.every=0.02", "--set", "output.pairs=true"]).stdout(Stdio::null()).spawn().unwrap());
+        let mut running =
+            Writer(command.args(["--set", "output.every=0.02", "--set", "output.pairs=true"]).stdout(Stdio::null()).spawn().unwrap());
         let frames = || fs::read_to_string(out.join("bodies.xdmf")).map_or(0, |text| text.matches("<Time").count());
         wait_until(&mut running.0, || frames() >= 2);
         reads_run(&out);

@@ -44,5 +44,5 @@ pub use scalar::{InclusionSummary, ScalarSummary};
 pub use series::{ContactNumbers, ProjectionNumbers, Row, Rows};
 pub use spread::{ParallelSummary, Spread};
 pub use stages::stage_table;
-pub use traces::{CHECKPOINT, SUMMARY, Traces};
 pub use summary::{ContactSummary, GlueSummary, MotionSummary, Summary};
+pub use traces::{CHECKPOINT, SUMMARY, Traces};

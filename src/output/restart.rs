@@ -23,7 +23,12 @@ const SNAPSHOTS: [&str; 2] = ["last", "earlier"];
 ///
 /// # Errors
 /// [`Error::File`] when it cannot be written; an older checkpoint is then untouched.
-pub fn store<const D: usize>(world: &World, path: &Path, (texts, account): (&[(&str, String)], &[f64]), simulation: &Simulation<D>) -> Result<()> {
+pub fn store<const D: usize>(
+    world: &World,
+    path: &Path,
+    (texts, account): (&[(&str, String)], &[f64]),
+    simulation: &Simulation<D>,
+) -> Result<()> {
     let mut writer = CheckpointWriter::create(world, path)?;
     texts.iter().try_for_each(|(name, text)| writer.text(name, text))?;
     // seconds differ from rank to rank

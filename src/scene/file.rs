@@ -9,8 +9,8 @@ use crate::error::{Error, Result};
 use crate::scene::locations::{Lines, Locations};
 use crate::scene::table::Table;
 use crate::scene::{
-    BodyGroup, ContactSection, DomainSection, FlowModel, FlowSection, LubricationSection, MethodSection, OutputSection, Placement, ResolutionSection,
-    Scene, TimeSection, accuracy, bodies, check, overrides, scalar,
+    BodyGroup, ContactSection, DomainSection, FlowModel, FlowSection, LubricationSection, MethodSection, OutputSection, Placement,
+    ResolutionSection, Scene, TimeSection, accuracy, bodies, check, overrides, scalar,
 };
 
 const KEYS: [&str; 13] = [

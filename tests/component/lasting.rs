@@ -190,7 +190,10 @@ fn frames_give_back_their_bodies(session: &Session) {
                 .unwrap();
             let read = read_frames::<D>(&folder).unwrap();
             assert_eq!((read.len(), read[step].step, read[step].time), (step + 1, step, 0.1 * step as f64));
-            assert_eq!((read[step].size, read[step].offset), (domain.size, domain.slide().map(|_| domain.shift().rem_euclid(domain.size[0]))));
+            assert_eq!(
+                (read[step].size, read[step].offset),
+                (domain.size, domain.slide().map(|_| domain.shift().rem_euclid(domain.size[0])))
+            );
             let wrapped = bodies.into_iter().map(|body| FrameBody { center: domain.wrap(body.center), ..body });
             assert_eq!(read[step].bodies, wrapped.collect::<Vec<_>>());
             session.world().barrier();

@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::{
-    common::{command, folder, resume, run, run_again, said, summary, turbid, write},
+    common::{Series, command, folder, resume, run, run_again, said, summary, turbid, write},
     kills::kill_all,
     refusals::{finished, refused},
     scenes::{DRY, QUICK},
@@ -37,7 +37,8 @@ fn a_second_writer_is_refused_and_a_killed_one_is_in_nobodys_way() {
         assert!(running.try_wait().unwrap().is_none(), "the run was brought down");
         kill_all(running);
         assert!(out.join("run.lock").exists());
-        resume(ranks, &out, &["time.end=0.9"]);
+        let reached = Series::read(&out).rows.last().unwrap()[1];
+        resume(ranks, &out, &[&format!("time.end={}", reached + 0.1)]);
         assert!(!out.join("run.lock").exists());
     }
 }

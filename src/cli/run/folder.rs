@@ -39,7 +39,10 @@ impl<'a> RunFolder<'a> {
         let files = world.agree(scene.files())?;
         let (path, scene_file) = (path.to_owned(), scene_file.to_owned());
         let folder = RunFolder { world, path, scene_file, force, files, claimed: false, _lock: None };
-        folder.on_first_rank(|| folder.refuse(scene))?;
+        folder.on_first_rank(|| {
+            FolderLock::refuse_held(&folder.path)?;
+            folder.refuse(scene)
+        })?;
         Ok(folder)
     }
 
@@ -93,7 +96,9 @@ impl<'a> RunFolder<'a> {
             self.refuse(scene)?;
             if scene.files()? != self.files {
                 let path = self.path.display();
-                return Err(Error::Refused(format!("--out {path}: a file of the scene changed while the run was made ready; start it again")));
+                return Err(Error::Refused(format!(
+                    "--out {path}: a file of the scene changed while the run was made ready; start it again"
+                )));
             }
             Traces::of(&self.path)?.remove()?;
             self.write_scene(scene)

@@ -37,7 +37,11 @@ pub fn run<const D: usize>(
         None => Account::new(),
     };
     refuse_the_past(scene, simulation.state().time)?;
-    if checkpoint.is_some() { folder.reclaim(scene)? } else { folder.claim(scene)? }
+    if checkpoint.is_some() {
+        folder.reclaim(scene)?
+    } else {
+        folder.claim(scene)?
+    }
     let outputs = Outputs::open(world, scene, folder, &simulation)?;
     let folder = &*folder;
     let mut march = March { world, scene, folder, calibrated, simulation, outputs, account };

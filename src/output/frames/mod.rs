@@ -22,12 +22,7 @@ pub(super) use index::FOLDER as FRAMES;
 pub use read::{StoredFrame, read_frames};
 
 use super::together::Together;
-use crate::{
-    error::Result,
-    geometry::Domain,
-    grid::Grid,
-    parallel::World,
-};
+use crate::{error::Result, geometry::Domain, grid::Grid, parallel::World};
 use index::{Entry, path_in_run};
 use recovery::Kept;
 
