@@ -141,7 +141,10 @@ impl Rows {
     }
 
     /// Refuses a file that is no longer there, or no longer holds the rows so far and nothing else.
-    fn refuse_change(&self) -> Result<()> {
+    ///
+    /// # Errors
+    /// [`Error::Refused`].
+    pub fn refuse_change(&self) -> Result<()> {
         let of = |metadata: fs::Metadata| (metadata.dev(), metadata.ino(), metadata.len());
         let own = self.file.metadata().map_err(|source| Error::File { path: self.path.clone(), source })?;
         let (path, folder) = (self.path.display(), self.path.parent().unwrap_or(Path::new("")).display());

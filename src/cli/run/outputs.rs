@@ -131,6 +131,16 @@ impl<const D: usize> Outputs<D> {
         Ok(start.elapsed().as_secs_f64())
     }
 
+    /// Makes sure at the end that all that was written is there. Collective.
+    ///
+    /// # Errors
+    /// Rows have gone; that frames have is told.
+    pub fn finish(&mut self, world: &World) -> Result<()> {
+        world.agree(self.rows.as_ref().map_or(Ok(()), Rows::refuse_change))?;
+        self.frames.finish(world)?.iter().for_each(|lost| tell(lost));
+        Ok(())
+    }
+
     /// The viscosity so far; on the first rank.
     pub fn curve(&self) -> &[CurvePoint] {
         self.rows.as_ref().map_or(&[], Rows::curve)

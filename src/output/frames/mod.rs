@@ -105,4 +105,10 @@ impl Frames {
         self.next += 1;
         world.agree(listed)
     }
+
+    /// Lists no more frames that have gone since they were written, and says which (on the first rank).
+    pub fn finish(&mut self, world: &World) -> Result<Option<String>> {
+        let lost = if world.rank() == 0 { recovery::forget_lost(&self.folder, &mut self.entries) } else { Ok(None) };
+        world.agree(lost)
+    }
 }
