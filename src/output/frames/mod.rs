@@ -57,7 +57,9 @@ pub struct Frame<'a, const D: usize> {
 impl<const D: usize> Frame<'_, D> {
     /// Displacement of the images above the box along x, within a length of the box; nothing where images do not slide.
     fn offset(&self) -> Option<f64> {
-        self.domain.slide().map(|slide| slide.shift().rem_euclid(self.domain.size[0]))
+        let length = self.domain.size[0];
+        // rem_euclid of a tiny negative number rounds up to the length itself
+        self.domain.slide().map(|slide| slide.shift().rem_euclid(length)).map(|offset| if offset < length { offset } else { 0.0 })
     }
 }
 
