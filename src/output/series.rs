@@ -239,11 +239,14 @@ mod tests {
         assert_eq!((line(f64::INFINITY).as_str(), line(0.25).as_str()), ("", "0.25"));
     }
 
+    /// How a file is lost.
+    type Lose = fn(&Path);
+
     #[test]
     fn a_series_that_another_hand_changes_is_noticed() {
         let folder = folder("changed");
         let path = folder.join("series.csv");
-        let lose: [(&str, fn(&Path)); 4] = [
+        let lose: [(&str, Lose); 4] = [
             ("was removed", |path| fs::remove_file(path).unwrap()),
             ("was changed", |path| OpenOptions::new().write(true).open(path).unwrap().set_len(20).unwrap()),
             ("was changed", |path| {

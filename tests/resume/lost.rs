@@ -101,9 +101,12 @@ fn a_run_goes_on_without_rows_that_are_lost() {
     assert!(fs::read_to_string(out.join("series.csv")).unwrap().starts_with("step,time,"));
 }
 
+/// How a file is lost.
+type Lose = fn(&Path);
+
 #[test]
 fn a_series_that_is_removed_or_cut_while_the_run_goes_on_ends_it_with_an_error() {
-    let lose: [(&str, fn(&Path)); 2] = [
+    let lose: [(&str, Lose); 2] = [
         ("was removed", |path| fs::remove_file(path).unwrap()),
         ("was changed", |path| fs::File::options().write(true).open(path).unwrap().set_len(100).unwrap()),
     ];
