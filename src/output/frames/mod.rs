@@ -76,7 +76,7 @@ impl Frames {
     /// No frames yet; those of an older run in the folder are removed.
     ///
     /// # Errors
-    /// [`Error::File`], here and below, when a file cannot be written or removed.
+    /// [`Error::File`](crate::error::Error::File), here and below, when a file cannot be written or removed.
     pub fn create(world: &World, folder: &Path) -> Result<Frames> {
         Ok(Frames::keep(world, folder, f64::NEG_INFINITY)?.0)
     }
