@@ -19,10 +19,13 @@ pub fn prepare_folder(folder: &Path) -> Result<()> {
     fs::write(&probe, b"").and_then(|()| fs::remove_file(&probe)).map_err(refuse)
 }
 
-/// Writes a file under its name only once all of it is on disk.
+/// Writes a file under its name only once all of it is on disk. A device or a pipe of that name is refused, since it would be replaced.
 pub fn write_whole(path: &Path, contents: &[u8]) -> Result<()> {
     let aside = aside(path);
     let write = || {
+        if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
+            return Err(std::io::Error::other("is no regular file; name one"));
+        }
         let mut file = fs::File::create(&aside)?;
         file.write_all(contents)?;
         file.sync_all()?;
@@ -55,6 +58,10 @@ mod tests {
         fs::write(folder.join("taken/inside"), b"x").unwrap();
         assert!(write_whole(&folder.join("taken"), b"new").is_err());
         assert!(!folder.join("taken.part").exists());
+        let pipe = folder.join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        assert!(write_whole(&pipe, b"new").unwrap_err().to_string().contains("no regular file"));
+        assert!(!fs::metadata(&pipe).unwrap().is_file());
         write_whole(&folder.join("free"), b"new").unwrap();
         assert_eq!(fs::read(folder.join("free")).unwrap(), b"new");
         fs::remove_dir_all(&folder).unwrap();

@@ -74,6 +74,14 @@ impl FolderLock {
         }
     }
 
+    /// Refuses a folder that another process has, before anything is made ready for it.
+    ///
+    /// # Errors
+    /// As [`take`](FolderLock::take).
+    pub fn refuse_held(folder: &Path) -> Result<()> {
+        if folder.join(LOCK).exists() { FolderLock::take(folder).map(drop) } else { Ok(()) }
+    }
+
     fn held(path: PathBuf, file: File) -> FolderLock {
         let (beat, ended) = channel();
         if let Ok(file) = file.try_clone() {
@@ -243,10 +251,12 @@ mod tests {
     fn a_folder_has_one_writer_at_a_time() {
         let folder = folder("one");
         let first = FolderLock::take(&folder).unwrap();
+        assert!(FolderLock::refuse_held(&folder).is_err());
         let refusal = FolderLock::take(&folder).err().unwrap().to_string();
         assert!(refusal.contains(&format!("process {} on ", std::process::id())) && refusal.contains("wait for its end"), "{refusal}");
         drop(first);
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
+        FolderLock::refuse_held(&folder).unwrap();
         drop(FolderLock::take(&folder).unwrap());
         fs::remove_dir_all(&folder).unwrap();
     }

@@ -149,7 +149,10 @@ impl Rows {
     }
 
     /// Refuses a file that is no longer there, or no longer holds the rows so far and nothing else.
-    fn refuse_change(&self) -> Result<()> {
+    ///
+    /// # Errors
+    /// [`Error::Refused`].
+    pub fn refuse_change(&self) -> Result<()> {
         let of = |metadata: fs::Metadata| (metadata.dev(), metadata.ino(), metadata.len());
         let own = self.file.metadata().map_err(|source| Error::File { path: self.path.clone(), source })?;
         let (path, folder) = (self.path.display(), self.path.parent().unwrap_or(Path::new("")).display());
@@ -244,11 +247,14 @@ mod tests {
         assert_eq!((line(f64::INFINITY).as_str(), line(0.25).as_str()), ("", "0.25"));
     }
 
+    /// How a file is lost.
+    type Lose = fn(&Path);
+
     #[test]
     fn a_series_that_another_hand_changes_is_noticed() {
         let folder = folder("changed");
         let path = folder.join("series.csv");
-        let lose: [(&str, fn(&Path)); 4] = [
+        let lose: [(&str, Lose); 4] = [
             ("was removed", |path| fs::remove_file(path).unwrap()),
             ("was changed", |path| OpenOptions::new().write(true).open(path).unwrap().set_len(20).unwrap()),
             ("was changed", |path| {

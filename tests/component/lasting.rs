@@ -194,7 +194,12 @@ fn frames_give_back_their_bodies(session: &Session) {
                 (read[step].size, read[step].offset),
                 (domain.size, domain.slide().map(|_| domain.shift().rem_euclid(domain.size[0])))
             );
-            let wrapped = bodies.into_iter().map(|body| FrameBody { center: domain.wrap(body.center), ..body });
+            let in_the_box = |body: FrameBody<D>| FrameBody {
+                center: domain.wrap(body.center),
+                velocity: body.velocity - domain.image_velocity(&body.center),
+                ..body
+            };
+            let wrapped = bodies.into_iter().map(in_the_box);
             assert_eq!(read[step].bodies, wrapped.collect::<Vec<_>>());
             session.world().barrier();
         }

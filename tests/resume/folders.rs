@@ -5,8 +5,10 @@ use std::{
     process::{Child, Stdio},
 };
 
+use turbid::output::FolderLock;
+
 use super::{
-    common::{command, folder, resume, run, run_again, said, summary, turbid, write},
+    common::{Series, command, folder, resume, run, run_again, said, summary, turbid, write},
     kills::kill_all,
     refusals::{finished, refused},
     scenes::{DRY, QUICK},
@@ -37,9 +39,24 @@ fn a_second_writer_is_refused_and_a_killed_one_is_in_nobodys_way() {
         assert!(running.try_wait().unwrap().is_none(), "the run was brought down");
         kill_all(running);
         assert!(out.join("run.lock").exists());
-        resume(ranks, &out, &["time.end=0.9"]);
+        let reached = Series::read(&out).rows.last().unwrap()[1];
+        resume(ranks, &out, &[&format!("time.end={}", reached + 0.1)]);
         assert!(!out.join("run.lock").exists());
     }
+}
+
+#[test]
+fn a_study_is_refused_the_folder_of_another() {
+    let here = folder("locked-study");
+    let scene = write(&here, QUICK);
+    let (scene, path) = (scene.to_str().unwrap(), here.to_str().unwrap());
+    let lock = FolderLock::take(&here).unwrap();
+    for study in [&["cost", scene, "--out", path][..], &["viscosity", "--out", path], &["scaling", scene, "--out", path]] {
+        let output = turbid(1, study);
+        assert_eq!(output.status.code(), Some(2), "{study:?}");
+        assert!(said(&output).contains("writes into this folder"), "{study:?}: {}", said(&output));
+    }
+    drop(lock);
 }
 
 #[test]

@@ -78,6 +78,19 @@ fn a_run_goes_on_without_frames_that_are_lost_and_loses_no_others() {
 }
 
 #[test]
+fn a_frame_that_is_removed_while_the_run_goes_on_is_listed_no_more() {
+    let here = folder("lost-on-the-way");
+    let (scene, out) = (write(&here, QUICK), here.join("out"));
+    let arguments = ["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap(), "--set", "time.end=2.7"];
+    let mut running = command(2, &arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    wait_until(&mut running, || out.join("frames/000002.h5").exists());
+    fs::remove_file(out.join("frames/000001.h5")).unwrap();
+    let output = running.wait_with_output().unwrap();
+    assert!(output.status.success() && said(&output).matches("000001.h5 missing").count() == 1, "{}", said(&output));
+    index_is_complete(&out);
+}
+
+#[test]
 fn a_run_goes_on_without_rows_that_are_lost() {
     let here = folder("lost-rows");
     let (scene, out) = (write(&here, DRY), here.join("out"));
@@ -88,9 +101,12 @@ fn a_run_goes_on_without_rows_that_are_lost() {
     assert!(fs::read_to_string(out.join("series.csv")).unwrap().starts_with("step,time,"));
 }
 
+/// How a file is lost.
+type Lose = fn(&Path);
+
 #[test]
 fn a_series_that_is_removed_or_cut_while_the_run_goes_on_ends_it_with_an_error() {
-    let lose: [(&str, fn(&Path)); 2] = [
+    let lose: [(&str, Lose); 2] = [
         ("was removed", |path| fs::remove_file(path).unwrap()),
         ("was changed", |path| fs::File::options().write(true).open(path).unwrap().set_len(100).unwrap()),
     ];

@@ -39,7 +39,10 @@ impl<'a> RunFolder<'a> {
         let files = world.agree(scene.files())?;
         let (path, scene_file) = (path.to_owned(), scene_file.to_owned());
         let folder = RunFolder { world, path, scene_file, force, files, claimed: false, _lock: None };
-        folder.on_first_rank(|| folder.refuse(scene))?;
+        folder.on_first_rank(|| {
+            FolderLock::refuse_held(&folder.path)?;
+            folder.refuse(scene)
+        })?;
         Ok(folder)
     }
 

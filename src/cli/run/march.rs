@@ -122,6 +122,7 @@ impl<const D: usize> March<'_, D> {
     fn finish(&mut self, view: &View<D>) -> Result<()> {
         let mut summary = self.summary(view)?;
         let output = enter(Stage::Output);
+        self.outputs.finish(self.world)?;
         let mut pictures = self.pictures(view)?;
         if let Some(pairs) = self.pairs()? {
             summary.pairs = Some(pairs.summary);

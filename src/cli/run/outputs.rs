@@ -1,6 +1,11 @@
 //! What a run in time writes on its way: rows, frames, checkpoints.
 
-use std::{collections::BTreeMap, path::PathBuf, time::Instant};
+use std::{
+    collections::BTreeMap,
+    io::{Write, stderr},
+    path::PathBuf,
+    time::Instant,
+};
 
 use super::{account::Account, folder::RunFolder};
 use crate::{
@@ -60,7 +65,7 @@ impl<const D: usize> Outputs<D> {
             _ => Frames::resume(world, folder.path(), time.next_down())?,
         };
         let (rows, lost_rows) = rows.map_or((None, None), |(rows, lost)| (Some(rows), lost));
-        say(lost.iter().chain(&lost_rows));
+        lost.iter().chain(&lost_rows).for_each(|lost| tell(lost));
         let centers = match simulation.suspension() {
             Some(suspension) if scene.output.fields => Some(CellCenters::new(suspension.grid(), &suspension.fluid_vector()?)?),
             _ => None,
@@ -126,6 +131,16 @@ impl<const D: usize> Outputs<D> {
         Ok(start.elapsed().as_secs_f64())
     }
 
+    /// Makes sure at the end that all that was written is there. Collective.
+    ///
+    /// # Errors
+    /// Rows have gone; that frames have is told.
+    pub fn finish(&mut self, world: &World) -> Result<()> {
+        world.agree(self.rows.as_ref().map_or(Ok(()), Rows::refuse_change))?;
+        self.frames.finish(world)?.iter().for_each(|lost| tell(lost));
+        Ok(())
+    }
+
     /// The viscosity so far; on the first rank.
     pub fn curve(&self) -> &[CurvePoint] {
         self.rows.as_ref().map_or(&[], Rows::curve)
@@ -184,16 +199,15 @@ impl<const D: usize> Outputs<D> {
     }
 
     /// Says once that frames cannot come as often as the scene asks for.
-    #[allow(clippy::print_stderr)]
     fn tell_of_long_steps(&mut self, state: &State<D>) {
         let (every, step) = (self.every, state.last_step);
         if self.eager && step > every * (1.0 + ROUNDING) {
             self.eager = false;
-            eprintln!(
-                "turbid: output.every = {every}: the step to time {} is {step} long, and frames come no more often than steps; \
+            tell(&format!(
+                "output.every = {every}: the step to time {} is {step} long, and frames come no more often than steps; \
                  shorten them by time.step or time.travel for more",
                 state.time
-            );
+            ));
         }
     }
 
@@ -223,10 +237,9 @@ impl<const D: usize> Outputs<D> {
     }
 }
 
-/// Says what a run that goes on does without.
-#[allow(clippy::print_stderr)]
-fn say<'a>(lost: impl Iterator<Item = &'a String>) {
-    lost.for_each(|lost| eprintln!("turbid: {lost}"));
+/// Says what the user did not ask for; that nobody listens is no reason to stop.
+fn tell(text: &str) {
+    let _ = writeln!(stderr(), "turbid: {text}");
 }
 
 /// Contacts that bear a force: of this instant in a flow, of the last step in a dry run.

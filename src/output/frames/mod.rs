@@ -69,7 +69,9 @@ impl<const D: usize> Frame<'_, D> {
 
     /// Displacement of the images above the box along x, within a length of the box; nothing where images do not slide.
     fn offset(&self) -> Option<f64> {
-        self.domain.slide().map(|slide| slide.shift().rem_euclid(self.domain.size[0]))
+        let length = self.domain.size[0];
+        // rem_euclid of a tiny negative number rounds up to the length itself
+        self.domain.slide().map(|slide| slide.shift().rem_euclid(length)).map(|offset| if offset < length { offset } else { 0.0 })
     }
 }
 
@@ -91,7 +93,7 @@ impl Frames {
     /// No frames yet; those of an older run in the folder are removed.
     ///
     /// # Errors
-    /// [`Error::File`], here and below, when a file cannot be written or removed.
+    /// [`Error::File`](crate::error::Error::File), here and below, when a file cannot be written or removed.
     pub fn create(world: &World, folder: &Path) -> Result<Frames> {
         Ok(Frames::keep(world, folder, f64::NEG_INFINITY)?.0)
     }
@@ -122,5 +124,11 @@ impl Frames {
         }
         self.next += 1;
         world.agree(listed)
+    }
+
+    /// Lists no more frames that have gone since they were written, and says which (on the first rank).
+    pub fn finish(&mut self, world: &World) -> Result<Option<String>> {
+        let lost = if world.rank() == 0 { recovery::forget_lost(&self.folder, &mut self.entries) } else { Ok(None) };
+        world.agree(lost)
     }
 }

@@ -63,6 +63,17 @@ pub(super) fn keep_until(folder: &Path, time: f64) -> Result<Kept> {
     Ok(kept)
 }
 
+/// Takes frames that are no longer there off the list, and says which.
+pub(super) fn forget_lost(folder: &Path, entries: &mut Vec<Entry>) -> Result<Option<String>> {
+    let there = |number: usize| folder.join(index::path_in_run(number)).exists();
+    let lost: Vec<usize> = entries.iter().map(|entry| entry.number).filter(|&number| !there(number)).collect();
+    if !lost.is_empty() {
+        entries.retain(|entry| !lost.contains(&entry.number));
+        index::write(folder, entries)?;
+    }
+    Ok(missing(folder, lost.into_iter()))
+}
+
 /// What the index of the run so far says, and what is wrong with it.
 fn listed(folder: &Path) -> (Vec<(usize, f64)>, Option<String>) {
     match index::listed(folder) {
