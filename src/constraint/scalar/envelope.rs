@@ -3,38 +3,56 @@
 use super::links::Link;
 use crate::constraint::skyline::Skyline;
 
-/// Cholesky factors of the Laplacian of its cells, of which the last is held.
-pub struct Envelope(Skyline);
+/// Cholesky factors of the Laplacian of its cells, of which one is held: the one that links hold best, because what rounding makes of the
+/// sum of all sources leaves through it, and the others rise by that over its links.
+pub struct Envelope {
+    factors: Skyline,
+    held: usize,
+}
 
 impl Envelope {
     /// Factors the Laplacian of cells that their links connect.
     pub fn new(cells: usize, links: &[Link]) -> Envelope {
-        let mut firsts: Vec<usize> = (0..cells).collect();
-        for &Link { cells: [one, two], .. } in links {
-            firsts[one.max(two)] = firsts[one.max(two)].min(one.min(two));
+        let held = best_held(cells, links);
+        let rows = |link: &Link| link.cells.map(|cell| row_of(cell, held));
+        let mut firsts: Vec<usize> = (0..cells - 1).collect();
+        for link in links {
+            if let [Some(one), Some(two)] = rows(link) {
+                firsts[one.max(two)] = firsts[one.max(two)].min(one.min(two));
+            }
         }
-        firsts.truncate(cells - 1);
         let mut laplacian = Skyline::new(firsts);
-        for &Link { cells: [one, two], weight } in links {
-            [(one, one, weight), (two, two, weight), (one.max(two), one.min(two), -weight)]
-                .into_iter()
-                .filter(|(row, ..)| row + 1 < cells)
-                .for_each(|(row, column, weight)| laplacian.add(row, column, weight));
+        for link in links {
+            rows(link).into_iter().flatten().for_each(|row| laplacian.add(row, row, link.weight));
+            if let [Some(one), Some(two)] = rows(link) {
+                laplacian.add(one.max(two), one.min(two), -link.weight);
+            }
         }
-        Envelope(laplacian.factor())
+        Envelope { factors: laplacian.factor(), held }
     }
 
     /// Adds to `out` the potential of sources in the cells: both without their means.
     pub fn add_potential(&self, sources: &[f64], out: &mut [f64]) {
         let mean = sources.iter().sum::<f64>() / sources.len() as f64;
         let mut potential: Vec<f64> = sources.iter().map(|source| source - mean).collect();
-        if let Some((held, others)) = potential.split_last_mut() {
-            *held = 0.0;
-            self.0.solve(others);
-        }
+        potential.remove(self.held);
+        self.factors.solve(&mut potential);
+        potential.insert(self.held, 0.0);
         let mean = potential.iter().sum::<f64>() / sources.len() as f64;
         out.iter_mut().zip(potential).for_each(|(out, potential)| *out += potential - mean);
     }
+}
+
+/// The cell whose links weigh most.
+fn best_held(cells: usize, links: &[Link]) -> usize {
+    let mut weights = vec![0.0; cells];
+    links.iter().for_each(|link| link.cells.iter().for_each(|&cell| weights[cell] += link.weight));
+    (0..cells).max_by(|&one, &two| weights[one].total_cmp(&weights[two])).unwrap_or(0)
+}
+
+/// The row of a cell; none for the one that is held.
+fn row_of(cell: usize, held: usize) -> Option<usize> {
+    (cell != held).then(|| cell - usize::from(cell > held))
 }
 
 #[cfg(test)]
