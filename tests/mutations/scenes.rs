@@ -27,8 +27,8 @@ use super::{
 
 /// Seeds, and how many of them go through the program.
 const INPUTS: u64 = 10_000;
-const PLANNED: u64 = 100;
-const RUN: u64 = 60;
+const PLANNED: u64 = 80;
+const RUN: u64 = 40;
 
 /// Bytes beyond which a scene is not planned here.
 const LARGE: f64 = 3e7;
@@ -36,7 +36,7 @@ const LARGE: f64 = 3e7;
 /// What a refusal may take, with a search for places that finds none, and what a process may.
 const SOON: Duration = Duration::from_secs(2);
 const SEARCHED: Duration = Duration::from_secs(15);
-const LIMITS: &str = "ulimit -v 1500000; ulimit -t 20; exec timeout 300 \"$0\" \"$@\"";
+const LIMITS: &str = "ulimit -v 1500000; ulimit -t 6; exec timeout 300 \"$0\" \"$@\"";
 
 const SPHERES: &str = r#"[domain]
 size = [6.0, 6.0, 6.0]
@@ -218,7 +218,7 @@ fn ten_thousand_scenes_with_other_numbers_are_planned_or_refused_soon() {
             slowest = if searched { slowest } else { slowest.max(taken) };
         }
     }
-    assert!(counts.len() == 4 && counts.values().all(|&count| count > 200), "{counts:?}");
+    assert!(counts.len() == 4 && counts.values().all(|&count| count > 50), "{counts:?}");
     summarize(&counts, slowest);
 }
 
@@ -282,7 +282,7 @@ fn summarize(counts: &BTreeMap<&str, usize>, slowest: Duration) {
         "\n## Mutated scenes\n\nOf {INPUTS} scenes with numbers exchanged at random for extreme ones (`cargo test --test mutations`, seeds fixed), {} are\n\
          refused when they are read and {} when they are planned, {} are planned, and {} are too large to be planned in the test. None panics,\n\
          every refusal has exit code 2, and the slowest without a search for places took {:.2} s. {PLANNED} more go through `turbid plan`, and {RUN} through `turbid run`,\n\
-         each within 1.5 GB of addresses and 20 s of one core: none panics, and none ends with exit code 0 and a number that is none.\n",
+         each within 1.5 GB of addresses and 6 s of one core: none panics, and none ends with exit code 0 and a number that is none.\n",
         count("refused when read"),
         count("refused when planned"),
         count("planned"),
