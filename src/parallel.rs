@@ -177,11 +177,11 @@ pub fn first_of_launched() -> bool {
 ///
 /// A launcher ends all ranks as soon as one of them ends with a code, also the first one while it still speaks.
 pub fn end_together(code: i32) -> ! {
-    if launched() {
-        if let Some(universe) = mpi::initialize() {
-            SimpleCommunicator::world().barrier();
-            drop(universe);
-        }
+    if launched()
+        && let Some(universe) = mpi::initialize()
+    {
+        SimpleCommunicator::world().barrier();
+        drop(universe);
     }
     std::process::exit(code)
 }
