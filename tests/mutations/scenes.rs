@@ -6,6 +6,7 @@
 use std::{
     collections::BTreeMap,
     fs,
+    os::unix::process::ExitStatusExt,
     path::Path,
     process::Command,
     time::{Duration, Instant},
@@ -37,6 +38,10 @@ const LARGE: f64 = 3e7;
 const SOON: Duration = Duration::from_secs(2);
 const SEARCHED: Duration = Duration::from_secs(15);
 const LIMITS: &str = "ulimit -v 1500000; exec timeout 300 \"$0\" \"$@\"";
+
+/// Signals to a process that has used up its seconds of a core.
+const OUT_OF_TIME: i32 = 24;
+const KILLED: i32 = 9;
 
 const SPHERES: &str = r#"[domain]
 size = [6.0, 6.0, 6.0]
@@ -255,7 +260,8 @@ fn no_mutated_scene_ends_well_with_numbers_that_are_none() {
                 assert!(numbers.iter().all(|number| number.is_finite()), "seed {seed}: {summary}");
             }
             // a solve that takes longer than its limits let it
-            None | Some(124 | 137 | 152) => {}
+            Some(124) => {}
+            None if matches!(output.status.signal(), Some(OUT_OF_TIME | KILLED)) => {}
             code => {
                 assert!(matches!(code, Some(1 | 2)) && said(&output).starts_with("turbid: "), "seed {seed}: {code:?} {}", said(&output))
             }
