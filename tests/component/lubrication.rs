@@ -263,7 +263,7 @@ fn what_a_disk_does_to_a_near_wall_is_what_its_stress_says(session: &Session) {
         let (found, solution) = shear_viscosity(session, setup);
         let [lower, upper] = solution.directly_on_walls[1];
         assert!(gap > 0.1 || (lower.norm() > 1e-2 && upper.norm() == 0.0), "{lower:?} {upper:?}");
-        agree(&found, tolerance, &format!("gap {gap}"));
+        same_viscosity(&found, tolerance, &format!("gap {gap}"));
     }
 }
 
@@ -272,10 +272,10 @@ fn stresslets_and_walls_agree_with_films(session: &Session) {
     let both = sheared::<2>([4.0, 2.4], 6.0, 4, &[[2.0, 1.2]]);
     let crowd = sheared::<2>([6.0, 4.5], 6.0, 3, &[[1.2, 1.03], [3.25, 1.2], [2.3, 3.1], [4.6, 3.45]]);
     for (setup, name) in [(both, "one disk, two walls"), (crowd, "four disks")] {
-        agree(&shear_viscosity(session, setup).0, 1e-6, name);
+        same_viscosity(&shear_viscosity(session, setup).0, 1e-6, name);
     }
     let spheres = sheared::<3>([4.5, 4.2, 3.0], 4.0, 2, &[[1.1, 1.02, 1.2], [3.0, 2.3, 1.6]]);
-    agree(&shear_viscosity(session, spheres).0, 1e-6, "two spheres");
+    same_viscosity(&shear_viscosity(session, spheres).0, 1e-6, "two spheres");
 }
 
 /// The same box at 24 cells per radius with 24 modes, which resolve these gaps without films to 3e-3 of the increment.
@@ -297,7 +297,7 @@ fn a_disk_near_a_wall_has_the_viscosity_of_a_fine_grid(session: &Session) {
 fn sheared<const D: usize>(size: [f64; D], cells: f64, order: usize, centers: &[[f64; D]]) -> Setup<D> {
     let along = SVector::<f64, D>::from_fn(|axis, _| if axis == 0 { 1.0 } else { 0.0 });
     let walls = Axis::Walls { lower: -along, upper: along };
-    let axes = std::array::from_fn(|axis| if axis == 1 { walls.clone() } else { Axis::Periodic });
+    let axes = std::array::from_fn(|axis| if axis == 1 { walls } else { Axis::Periodic });
     let bodies = centers.iter().map(|center| (Ball { center: SVector::from(*center), radius: 1.0 }, free())).collect();
     Setup { tolerance: Tolerance::Fixed(1e-9), ..setup(Domain { size: SVector::from(size), axes }, cells, order, bodies) }
 }
@@ -308,7 +308,7 @@ fn shear_viscosity<const D: usize>(session: &Session, setup: Setup<D>) -> (Visco
     (viscosity(suspension.setup(), suspension.grid(), &solution, &[]).unwrap().unwrap(), solution)
 }
 
-fn agree(found: &Viscosity, tolerance: f64, case: &str) {
+fn same_viscosity(found: &Viscosity, tolerance: f64, case: &str) {
     let (walls, stress) = (found.from_walls.unwrap() - 1.0, found.relative() - 1.0);
     assert!((walls - stress).abs() < tolerance * stress, "{case}: {walls} by the walls, {stress} by stresslets");
 }
