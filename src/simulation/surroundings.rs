@@ -65,7 +65,7 @@ mod tests {
     #[test]
     fn lattices_have_opposite_neighbours_and_loose_ones_have_none() {
         let periodic = [Axis::Periodic; 3];
-        assert_eq!(found([3.0; 3], periodic, &[[0.7, 0.8, 0.9]]), [true]);
+        assert_eq!(found([2.8; 3], periodic, &[[0.7, 0.8, 0.9]]), [true]);
         assert_eq!(found([3.0; 3], periodic, &[[0.7; 3], [2.2; 3]]), [true, true]);
         assert_eq!(found([3.0; 3], periodic, &[[0.7; 3], [2.2, 2.2, 2.3]]), [false, false]);
         assert_eq!(found([8.0; 3], periodic, &[[0.7; 3]]), [false]);
