@@ -16,7 +16,7 @@ pub struct Quadrature {
 /// The rule for modes of the given order on a ball of `radius_over_spacing = a/h`.
 ///
 /// 2D: `max(ceil(2 pi a/h), 4 K + 4)` equispaced points. 3D: the points of an equiangular cube, at least
-/// `(L + 3 + ceil(a/h))/2` a side (see [`octahedral`]). Both are exact for products of two modes; in
+/// `(L + 3 + ceil(a/h))/2` a side. Both are exact for products of two modes; in
 /// 2D points are at most `h` apart, in 3D up to about `pi h`.
 ///
 /// # Panics
