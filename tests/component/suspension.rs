@@ -98,9 +98,10 @@ fn square_array(session: &Session, fraction: f64, cells: usize, order: usize, ce
 
 const CENTER: [f64; 2] = [0.513, 0.527];
 
-/// Published and exactly computable values (`turbid validation` prints them).
+/// Published and exactly computable values (`turbid validation` prints them); means over many random configurations on one rank alone.
 fn known_answers_are_met(session: &Session) {
-    for case in cases() {
+    let alone = session.world().size() == 1;
+    for case in cases().into_iter().filter(|case| alone || !case.name.contains("random")) {
         let value = (case.solve)(session).unwrap();
         assert_near(&format!("{}, {}", case.name, case.resolution), value, case.reference, case.tolerance);
     }
