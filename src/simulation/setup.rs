@@ -186,7 +186,10 @@ pub(super) fn suspended_bodies<const D: usize>(
         Spacing::CellsPerRadius(cells) => radii.fold(f64::INFINITY, f64::min) / cells,
     };
     let balls: Vec<_> = placed.iter().map(|(_, body)| body.ball).collect();
-    let surrounded = opposite_neighbours(domain, &balls);
+    let surrounded = match resolution(scene)?.modes {
+        Modes::Count(_) => vec![false; balls.len()],
+        Modes::Auto | Modes::Most => opposite_neighbours(domain, &balls),
+    };
     let bodies = placed.iter().zip(surrounded).map(|(&(_, body), surrounded)| suspended(scene, (body, surrounded), spacing));
     Ok((spacing, bodies.collect::<Result<_>>()?))
 }

@@ -278,7 +278,7 @@ fn stresslets_and_walls_agree_with_films(session: &Session) {
     same_viscosity(&shear_viscosity(session, spheres).0, 1e-6, "two spheres");
 }
 
-/// The same box at 24 cells per radius with 24 modes, which resolve these gaps without films to 3e-3 of the increment.
+/// The reference is the same box at 24 cells per radius with 24 modes, where films add next to nothing.
 fn a_disk_near_a_wall_has_the_viscosity_of_a_fine_grid(session: &Session) {
     for gap in [0.05, 0.1, 0.3] {
         let of = |cells: f64, order: usize| {
