@@ -9,7 +9,7 @@ use crate::grid::Grid;
 pub struct Layout {
     /// This rank's bodies.
     pub local_bodies: Vec<usize>,
-    /// For each of all bodies: the index of its first multiplier in the owner's part and on all ranks, and their number.
+    /// For each of all bodies: the index of its first multiplier in the owner's part and on all ranks, their number, and its own.
     places: Vec<Place>,
     local_unknowns: usize,
     unknowns: usize,
@@ -20,19 +20,20 @@ struct Place {
     local: usize,
     global: usize,
     count: usize,
+    number: usize,
 }
 
 impl Layout {
     /// Shares out bodies with the given centres (in the box) and numbers of multipliers, seen from `rank`.
     pub fn new<const D: usize>(grid: &Grid<D>, centers: &[SVector<f64, D>], counts: &[usize], rank: usize) -> Layout {
         let owners: Vec<usize> = centers.iter().map(|center| grid.owner(center)).collect();
-        let mut places = vec![Place { local: 0, global: 0, count: 0 }; centers.len()];
-        let (mut unknowns, mut local_unknowns) = (0, 0);
+        let mut places = vec![Place { local: 0, global: 0, count: 0, number: 0 }; centers.len()];
+        let (mut unknowns, mut local_unknowns, mut number) = (0, 0, 0);
         for owner in 0..grid.partition().blocks() {
             let start = unknowns;
             for body in (0..centers.len()).filter(|&body| owners[body] == owner) {
-                places[body] = Place { local: unknowns - start, global: unknowns, count: counts[body] };
-                unknowns += counts[body];
+                places[body] = Place { local: unknowns - start, global: unknowns, count: counts[body], number };
+                (unknowns, number) = (unknowns + counts[body], number + 1);
             }
             if owner == rank {
                 local_unknowns = unknowns - start;
@@ -60,6 +61,11 @@ impl Layout {
     /// Index of a body's first multiplier on all ranks.
     pub fn global(&self, body: usize) -> usize {
         self.places[body].global
+    }
+
+    /// The place of a body among all: those of the first rank come first.
+    pub fn number(&self, body: usize) -> usize {
+        self.places[body].number
     }
 
     /// Number of multipliers on this rank.

@@ -12,6 +12,7 @@
 mod adjoint;
 mod blocks;
 mod conservation;
+mod crowd;
 mod cubic;
 mod dense;
 pub mod fitted;
@@ -28,8 +29,9 @@ mod skyline;
 
 pub use adjoint::{AdjointBlocks, AdjointBody, FreeInverse, assemble as assemble_adjoint, count as count_adjoint};
 pub use blocks::Blocks;
+pub use crowd::Crowd;
 pub use layout::Layout;
-pub use near::{Crowd, NearPairs, PairTables};
+pub use near::{NearPairs, PairTables};
 pub use patch::Patch;
 pub use scalar::{InclusionMethod, PlacedInclusion, ScalarBlocks};
 pub use sharp::{BodyBlocks, INTERPOLATION_REACH, Neighbour, Passed, Placed, SharpBlocks, Situation, Workspace, assemble, jump, passed};

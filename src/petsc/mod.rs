@@ -6,6 +6,7 @@
 
 mod amg;
 mod census;
+mod definite;
 mod direct;
 #[doc(hidden)]
 pub mod ffi;
@@ -24,6 +25,7 @@ mod vector;
 
 pub use amg::{Amg, AmgSettings};
 pub use census::{Census, Class};
+pub use definite::Definite;
 pub use direct::Direct;
 pub use heap::local_heap_bytes;
 pub use krylov::{Krylov, KrylovMethod, KrylovSettings, Report};

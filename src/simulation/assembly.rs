@@ -1,22 +1,26 @@
 //! Bodies in their places: their blocks, and what of an earlier assembly still holds.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, rc::Rc};
 
 use nalgebra::SVector;
 
 use super::{basis::Basis, bodies::Bodies};
 use crate::{
     constraint::{
-        self, AdjointBlocks, AdjointBody, Blocks, INTERPOLATION_REACH, Layout, Method, NearPairs, Neighbour, Placed, SharpBlocks,
+        self, AdjointBlocks, AdjointBody, Blocks, Crowd, INTERPOLATION_REACH, Layout, Method, NearPairs, Neighbour, Placed, SharpBlocks,
         Situation, Workspace,
     },
     error::Result,
-    geometry::{Ball, near_pairs},
+    geometry::Ball,
 };
 
 /// Bodies in their places.
 pub struct Assembly<const D: usize> {
     centers: Vec<SVector<f64, D>>,
+    /// The bodies in the box.
+    pub placed: Rc<Vec<Placed<D>>>,
+    /// Who is near whom.
+    pub crowd: Rc<Crowd<D>>,
     /// Who holds which multipliers.
     pub layout: Layout,
     /// The blocks of this rank's bodies.
@@ -40,22 +44,31 @@ impl<const D: usize> Assembly<D> {
 
     fn anew(basis: &Basis<D>, centers: &[SVector<f64, D>], earlier: Option<Blocks<D>>) -> Result<Assembly<D>> {
         let (session, fluid, method) = (&basis.session, &basis.undisturbed.0, basis.setup.blocks());
-        let placed = basis.kinds.place(&basis.setup, centers);
+        let placed = Rc::new(basis.kinds.place(&basis.setup, centers));
+        let crowd = Rc::new(crowd(basis, &placed));
         let (layout, blocks, assembled) = match (method, earlier) {
-            (Method::Sharp, Some(Blocks::Sharp(earlier))) => sharp(basis, &placed, Some(earlier))?,
-            (Method::Sharp, _) => sharp(basis, &placed, None)?,
+            (Method::Sharp, Some(Blocks::Sharp(earlier))) => sharp(basis, (&placed, &crowd), Some(earlier))?,
+            (Method::Sharp, _) => sharp(basis, (&placed, &crowd), None)?,
             (_, Some(Blocks::Adjoint(earlier))) => adjoint(basis, &placed, earlier.into_bodies())?,
             _ => adjoint(basis, &placed, Vec::new())?,
         };
         let mut blocks = blocks;
-        let bodies = Bodies::new(&basis.setup, &basis.grid, &basis.kinds, placed, layout);
+        let bodies = Bodies::new((&basis.setup, &basis.grid, &basis.kinds), (placed.clone(), crowd.clone()), layout);
         let undisturbed = bodies.undisturbed(&mut blocks, fluid, |body, point| {
             // a body that has left a sheared box goes on as fast as the image of the box in which it is
             basis.background(point) + basis.setup.domain.image_velocity(&centers[body])
         })?;
         let pairs = if method.on_surfaces() { Some(bodies.near_pairs(session)?) } else { None };
-        Ok(Assembly { centers: centers.to_vec(), layout: bodies.layout, blocks, assembled, pairs, undisturbed })
+        Ok(Assembly { centers: centers.to_vec(), placed, crowd, layout: bodies.layout, blocks, assembled, pairs, undisturbed })
     }
+}
+
+/// The bodies with all that any part of the simulation takes for near.
+fn crowd<const D: usize>(basis: &Basis<D>, placed: &[Placed<D>]) -> Crowd<D> {
+    let balls: Vec<Ball<D>> = placed.iter().map(Placed::ball).collect();
+    let orders = basis.setup.bodies.iter().map(|suspended| suspended.order).collect();
+    let reach = Crowd::reach(&balls).max(INTERPOLATION_REACH * basis.grid.spacing().max());
+    Crowd::new(&basis.setup.domain, balls, orders, reach)
 }
 
 /// Who holds which of the bodies, with so many multipliers each.
@@ -65,9 +78,13 @@ fn layout<const D: usize>(basis: &Basis<D>, placed: &[Placed<D>], counts: &[usiz
 }
 
 /// Blocks of the sharp method, with the number of those that are new; bodies that did not move, nor their neighbours, keep theirs.
-fn sharp<const D: usize>(basis: &Basis<D>, placed: &[Placed<D>], earlier: Option<SharpBlocks<D>>) -> Result<(Layout, Blocks<D>, usize)> {
+fn sharp<const D: usize>(
+    basis: &Basis<D>,
+    (placed, crowd): (&[Placed<D>], &Crowd<D>),
+    earlier: Option<SharpBlocks<D>>,
+) -> Result<(Layout, Blocks<D>, usize)> {
     let counts: Vec<usize> = placed.iter().map(|placed| placed.surface.modes.count()).collect();
-    let (layout, neighbours) = (layout(basis, placed, &counts), neighbours(basis, placed));
+    let (layout, neighbours) = (layout(basis, placed, &counts), neighbours(basis, (placed, crowd)));
     let (mut workspace, mut kept) = (Workspace::default(), HashMap::new());
     for blocks in earlier.into_iter().flat_map(SharpBlocks::into_bodies) {
         let body = blocks.situation.body;
@@ -88,10 +105,10 @@ fn sharp<const D: usize>(basis: &Basis<D>, placed: &[Placed<D>], earlier: Option
 }
 
 /// For each body, those whose inside the interpolation on its surface may meet.
-fn neighbours<const D: usize>(basis: &Basis<D>, placed: &[Placed<D>]) -> Vec<Vec<Neighbour<D>>> {
-    let balls: Vec<Ball<D>> = placed.iter().map(Placed::ball).collect();
+fn neighbours<const D: usize>(basis: &Basis<D>, (placed, crowd): (&[Placed<D>], &Crowd<D>)) -> Vec<Vec<Neighbour<D>>> {
+    let reach = INTERPOLATION_REACH * basis.grid.spacing().max();
     let mut neighbours: Vec<Vec<Neighbour<D>>> = vec![Vec::new(); placed.len()];
-    for pair in near_pairs(&basis.setup.domain, &balls, INTERPOLATION_REACH * basis.grid.spacing().max()) {
+    for pair in crowd.pairs.iter().filter(|pair| pair.gap < reach) {
         for (body, other, separation) in [(pair.first, pair.second, pair.separation), (pair.second, pair.first, -pair.separation)] {
             let image = Placed { center: placed[body].center + separation, surface: placed[other].surface.clone() };
             neighbours[body].push((other, image));

@@ -87,18 +87,26 @@ impl<const D: usize> Basis<D> {
         }
     }
 
-    /// The right-hand side of the linear system: rows of this rank's bodies, then the tail on rank 0.
-    pub fn fill_right_hand_side(&self, wanted: &[f64], rates: &[f64], prescribed_drag: f64, rhs: &mut Vector) -> Result<()> {
+    /// The right-hand side of the linear system: rows of this rank's bodies, of the closure on rank 0, and of this rank's links.
+    pub fn fill_right_hand_side(
+        &self,
+        wanted: &[f64],
+        rates: impl Iterator<Item = f64>,
+        prescribed_drag: f64,
+        rhs: &mut Vector,
+    ) -> Result<()> {
         let fluid = if self.condensed { 0 } else { self.grid.local_fluid_unknowns() };
         let mut rows = rhs.local_mut()?;
         rows.fill(0.0);
         let (multipliers, tail) = rows[fluid..].split_at_mut(wanted.len());
         multipliers.copy_from_slice(wanted);
+        let closure = if self.session.world().rank() == 0 { self.closure.unknowns::<D>() } else { 0 };
+        let (closure, links) = tail.split_at_mut(closure);
         if let Closure::MeanVelocity = self.closure {
             let total = -self.setup.drive.uniform_force() * self.setup.domain.volume() / self.setup.viscosity;
-            tail.iter_mut().zip(total.iter()).for_each(|(row, force)| *row = force / prescribed_drag);
+            closure.iter_mut().zip(total.iter()).for_each(|(row, force)| *row = force / prescribed_drag);
         }
-        tail.iter_mut().skip(self.closure.unknowns::<D>()).zip(rates).for_each(|(row, rate)| *row = *rate);
+        links.iter_mut().zip(rates).for_each(|(row, rate)| *row = rate);
         Ok(())
     }
 

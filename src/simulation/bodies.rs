@@ -13,10 +13,11 @@ use crate::{
     body::{Motion, Twist, components, skew},
     constraint::{
         Blocks, Crowd, Layout, NearPairs, PairTables, Placed,
-        lubrication::{FilmTables, Films, films},
+        lubrication::{self, FilmTables, Films, films},
     },
+    contact::{Contact, Partner},
     error::Result,
-    geometry::{Ball, Domain},
+    geometry::Ball,
     grid::Grid,
     petsc::{Session, Vector},
     surface::SurfaceTable,
@@ -59,7 +60,9 @@ pub struct Bodies<'a, const D: usize> {
     /// Who holds which multipliers.
     pub layout: Layout,
     /// All of them, with their centres in the box.
-    pub placed: Vec<Placed<D>>,
+    pub placed: Rc<Vec<Placed<D>>>,
+    /// Who is near whom.
+    crowd: Rc<Crowd<D>>,
 }
 
 impl<const D: usize> Kind<D> {
@@ -106,10 +109,14 @@ impl<const D: usize> Kinds<D> {
         &self.kinds[self.kind_of[body]]
     }
 
-    /// The films between bodies in these places in the box.
-    pub fn films(&self, domain: &Domain<D>, balls: &[Ball<D>], setup: &Setup<D>, roughness: f64) -> Films<D> {
-        let orders: Vec<usize> = setup.bodies.iter().map(|suspended| suspended.order).collect();
-        films(domain, balls, &orders, &self.film_tables, roughness)
+    /// What the film of a contact resists approach by, per unit viscosity, if there is one; no gap counts as smaller than `roughness` radii.
+    pub fn film_resistance(&self, contact: &Contact<D>, roughness: f64) -> Option<f64> {
+        let of = |body: usize| (self.of(body).radius, self.of(body).order);
+        let other = match contact.partner {
+            Partner::Body(other) => Some(of(other)),
+            Partner::Wall { .. } => None,
+        };
+        lubrication::approach::<D>(&self.film_tables, (of(contact.body), other), contact.gap, roughness)
     }
 
     /// How a body answers to forces and torques.
@@ -127,8 +134,12 @@ impl<const D: usize> Kinds<D> {
 
 impl<'a, const D: usize> Bodies<'a, D> {
     /// The bodies of a setup, shared out as `layout` says.
-    pub fn new(setup: &'a Setup<D>, grid: &'a Grid<D>, kinds: &'a Kinds<D>, placed: Vec<Placed<D>>, layout: Layout) -> Self {
-        Bodies { setup, grid, kinds, layout, placed }
+    pub fn new(
+        (setup, grid, kinds): (&'a Setup<D>, &'a Grid<D>, &'a Kinds<D>),
+        (placed, crowd): (Rc<Vec<Placed<D>>>, Rc<Crowd<D>>),
+        layout: Layout,
+    ) -> Self {
+        Bodies { setup, grid, kinds, layout, placed, crowd }
     }
 
     /// The grid.
@@ -162,28 +173,19 @@ impl<'a, const D: usize> Bodies<'a, D> {
 
     /// A body as a ball in the box.
     pub fn ball(&self, body: usize) -> Ball<D> {
-        Ball { center: self.placed[body].center, ..self.setup.bodies[body].body.ball }
+        self.crowd.balls[body]
     }
 
-    /// All bodies as balls in the box, and the orders of their modes.
-    fn balls(&self) -> (Vec<Ball<D>>, Vec<usize>) {
-        let balls = (0..self.placed.len()).map(|body| self.ball(body)).collect();
-        (balls, self.setup.bodies.iter().map(|suspended| suspended.order).collect())
-    }
-
-    /// The films between bodies, if lubrication acts.
+    /// The films that have a side on a body of this rank, if lubrication acts.
     pub fn films(&self) -> Films<D> {
-        let balls = self.balls().0;
-        let films = |roughness| self.kinds.films(&self.setup.domain, &balls, self.setup, roughness);
+        let films = |roughness| films((&self.crowd, &self.layout), &self.kinds.film_tables, roughness);
         self.setup.lubrication.map_or(Films { films: Vec::new(), imbalance: 0.0 }, films)
     }
 
     /// The near pairs of this rank's bodies; collective.
     pub fn near_pairs(&self, session: &Session) -> Result<NearPairs> {
-        let (balls, orders) = self.balls();
-        let crowd = Crowd { domain: &self.setup.domain, balls: &balls, orders: &orders, layout: &self.layout };
         let multipliers = Vector::new(session, self.layout.local_unknowns())?;
-        NearPairs::new(&crowd, &self.kinds.pair_tables, &multipliers)
+        NearPairs::new((&self.crowd, &self.layout), &self.kinds.pair_tables, &multipliers)
     }
 
     /// This rank's bodies as members of the coupled system.

@@ -16,7 +16,7 @@ use std::{collections::HashMap, time::Instant};
 use nalgebra::SVector;
 
 use super::{
-    Dynamics, Effort, FilmResistances, FlowSolver, Held, Moment, Moving, Past, Seen, Solution, State, Travel, View,
+    Dynamics, Effort, FlowSolver, Held, Moment, Moving, Past, Seen, Solution, State, Travel, View,
     pace::{Pace, Stride, Urge},
     rounds::Rounds,
 };
@@ -106,10 +106,9 @@ impl<const D: usize> Drift<D> {
         if !self.projects() {
             return self.with_known_forces(state, &balls, effort, seen);
         }
-        let films = self.suspension.films(&domain, &balls);
-        let mut pressed = self.expected(state, (&balls, &films))?;
+        let mut pressed = self.expected(state, &balls)?;
         let (mut chosen, mut step, mut difference) = (None, state.last_step, 0.0);
-        let agreement = if films.is_empty() { AGREEMENT } else { AGREEMENT_IN_FILMS };
+        let agreement = if self.suspension.setup().lubrication.is_some() { AGREEMENT_IN_FILMS } else { AGREEMENT };
         let tightest = self.suspension.setup().tolerance.at_an_instant();
         let mut tolerance = self.suspension.setup().tolerance.in_a_step(self.travelled(state));
         let mut rounds = Rounds::new();
@@ -125,9 +124,9 @@ impl<const D: usize> Drift<D> {
             // not the length, which the end of the run cuts short: a run that ends later must find the same
             step = if stride.natural > 0.0 { stride.natural } else { state.last_step };
             pressed.iter_mut().zip(&solution.contact_forces).for_each(|(pressed, force)| pressed.force = *force);
-            let unpressed = self.without_contacts(velocities(&twists), pressed.iter().chain(&loose), &films);
+            let unpressed = self.without_contacts(velocities(&twists), pressed.iter().chain(&loose));
             let floors = self.floors(state, &balls, step);
-            let projection = self.project((&domain, &balls, &floors), (&unpressed, &films), step)?;
+            let projection = self.project((&domain, &balls, &floors), &unpressed, step)?;
             effort.contact += start.elapsed().as_secs_f64();
             let scale = fastest(&twists, &unpressed);
             let apart = largest_difference(&twists, &projection.velocities);
@@ -191,7 +190,7 @@ impl<const D: usize> Drift<D> {
     }
 
     /// The contacts that press now if bodies want to go on as in the last step.
-    fn expected(&self, state: &State<D>, (balls, films): (&[Ball<D>], &FilmResistances)) -> Result<Vec<ContactForce<D>>> {
+    fn expected(&self, state: &State<D>, balls: &[Ball<D>]) -> Result<Vec<ContactForce<D>>> {
         if state.last_step == 0.0 {
             return Ok(Vec::new());
         }
@@ -203,8 +202,8 @@ impl<const D: usize> Drift<D> {
         let held: Vec<ContactForce<D>> = near.into_iter().filter_map(pressed).collect();
         let velocities = state.bodies.iter().map(|body| body.twist.velocity).collect();
         let floors = self.floors(state, balls, state.last_step);
-        let unpressed = self.without_contacts(velocities, &held, films);
-        Ok(closed(self.project((&domain, balls, &floors), (&unpressed, films), state.last_step)?, &floors))
+        let unpressed = self.without_contacts(velocities, &held);
+        Ok(closed(self.project((&domain, balls, &floors), &unpressed, state.last_step)?, &floors))
     }
 
     /// The same contacts but for the first that pulls more than it may, which goes, or that is not held and closes too far, which comes.
@@ -237,10 +236,9 @@ impl<const D: usize> Drift<D> {
         &self,
         mut velocities: Vec<SVector<f64, D>>,
         pressed: impl IntoIterator<Item = &'a ContactForce<D>>,
-        films: &FilmResistances,
     ) -> Vec<SVector<f64, D>> {
         for ContactForce { contact, force } in pressed {
-            let push = contact.normal * (*force * self.felt_part(contact, films));
+            let push = contact.normal * (*force * self.felt_part(contact));
             velocities[contact.body] += push / self.weights[contact.body];
             if let Some(other) = contact.other() {
                 velocities[other] -= push / self.weights[other];
@@ -250,9 +248,9 @@ impl<const D: usize> Drift<D> {
     }
 
     /// The part of a contact force that moves the two as if each were alone: their film resists the rest.
-    fn felt_part(&self, contact: &Contact<D>, films: &FilmResistances) -> f64 {
+    fn felt_part(&self, contact: &Contact<D>) -> f64 {
         let mobility = 1.0 / self.weights[contact.body] + contact.other().map_or(0.0, |other| 1.0 / self.weights[other]);
-        films.get(&(contact.body, contact.partner)).map_or(1.0, |resistance| 1.0 / (1.0 + resistance * mobility))
+        self.suspension.film_resistance(contact).map_or(1.0, |resistance| 1.0 / (1.0 + resistance * mobility))
     }
 
     /// Force that moves the more mobile end of a contact at unit velocity.
@@ -264,15 +262,15 @@ impl<const D: usize> Drift<D> {
     fn project(
         &self,
         (domain, balls, floors): Crowd<D>,
-        (velocities, films): (&[SVector<f64, D>], &FilmResistances),
+        velocities: &[SVector<f64, D>],
         step: f64,
     ) -> Result<Projection<D>> {
         let _stage = enter(Stage::Contacts);
-        let felt = |floor: &ContactForce<D>| ContactForce { force: floor.force * self.felt_part(&floor.contact, films), ..*floor };
+        let felt = |floor: &ContactForce<D>| ContactForce { force: floor.force * self.felt_part(&floor.contact), ..*floor };
         let floors: Vec<ContactForce<D>> = floors.iter().map(felt).collect();
         let problem = Problem { domain, balls, weights: &self.weights, velocities, step, floors: &floors };
         let mut projection = contact::project(self.session.world(), &problem)?;
-        projection.forces.iter_mut().for_each(|pressed| pressed.force /= self.felt_part(&pressed.contact, films));
+        projection.forces.iter_mut().for_each(|pressed| pressed.force /= self.felt_part(&pressed.contact));
         projection.certificate.total_force = projection.forces.iter().map(|pressed| pressed.force).sum();
         Ok(projection)
     }
@@ -337,9 +335,8 @@ impl<const D: usize> Dynamics<D> for Drift<D> {
         if self.projects() {
             let (start, balls) = (Instant::now(), self.balls(state));
             let domain = self.domain(state);
-            let films = self.suspension.films(&domain, &balls);
-            let unpressed = self.without_contacts(velocities, &view.contacts, &films);
-            let projection = self.project((&domain, &balls, &self.floors(state, &balls, step)), (&unpressed, &films), step)?;
+            let unpressed = self.without_contacts(velocities, &view.contacts);
+            let projection = self.project((&domain, &balls, &self.floors(state, &balls, step)), &unpressed, step)?;
             stuck = self.remembered(&projection.forces, state, step);
             moves.iter_mut().zip(projection.velocities).for_each(|(twist, velocity)| twist.velocity = velocity);
             certificate = Some(projection.certificate);

@@ -47,7 +47,7 @@ impl Engine {
         Ok(Engine { krylov, work, x: rhs.like()?, rhs })
     }
 
-    /// Sets the unknowns to a guess, or to zero.
+    /// Sets the unknowns to a guess, or to zero; `contacts` are those of this rank.
     pub fn start<const D: usize>(&mut self, bodies: &Bodies<D>, guess: Option<&Guess<D>>, contacts: Vec<f64>) -> Result<()> {
         let mut x = self.x.local_mut()?;
         x.fill(0.0);
@@ -56,9 +56,11 @@ impl Engine {
         if let Some(fluid) = fluid {
             of_fluid.copy_from_slice(&fluid.local()?);
         }
-        let parts = [&bodies.local_multipliers(multipliers), closure, &contacts[..]].concat();
-        // only rank 0 holds the tail
+        let (others, links) = others.split_at_mut(others.len() - self.work.sizes().links);
+        let parts = [&bodies.local_multipliers(multipliers), &closure[..]].concat();
+        // only rank 0 holds the closure
         others.iter_mut().zip(parts).for_each(|(x, guess)| *x = guess);
+        links.iter_mut().zip(contacts).for_each(|(x, guess)| *x = guess);
         Ok(())
     }
 }

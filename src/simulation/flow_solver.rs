@@ -1,19 +1,13 @@
 //! What finds the flow at an instant: the interface behind which grids that ignore bodies and meshes that fit them stand.
 
-use std::collections::HashMap;
-
 use super::{Cost, Faster, FittedFlow, Moment, Past, Setup, Solution, Suspension, dynamics::Seen};
 use crate::{
-    contact::Partner,
+    contact::Contact,
     error::Result,
-    geometry::{Ball, Domain},
     grid::Grid,
     petsc::{Session, Vector},
     scene::ConstraintMethod,
 };
-
-/// What films resist approach by, by the body that comes first and its partner.
-pub type FilmResistances = HashMap<(usize, Partner), f64>;
 
 /// Finds the flow and the motions of bodies at an instant. Every function is collective.
 pub trait FlowSolver<const D: usize> {
@@ -47,9 +41,9 @@ pub trait FlowSolver<const D: usize> {
     /// [`Diverged`](crate::error::Error::Diverged) when the solve fails.
     fn solve_at(&mut self, moment: &Moment<D>, seen: Seen) -> Result<Solution<D>>;
 
-    /// The films between bodies in these places, if lubrication acts, by body and partner: force over the speed of approach.
-    fn films(&self, _domain: &Domain<D>, _balls: &[Ball<D>]) -> FilmResistances {
-        FilmResistances::new()
+    /// What the film of a contact resists approach by, force over speed, if lubrication acts and reaches so far.
+    fn film_resistance(&self, _contact: &Contact<D>) -> Option<f64> {
+        None
     }
 
     /// A faster inverse that the box allows, if there is one.
@@ -114,8 +108,8 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         self.solve_at(moment, seen)
     }
 
-    fn films(&self, domain: &Domain<D>, balls: &[Ball<D>]) -> FilmResistances {
-        self.films(domain, balls)
+    fn film_resistance(&self, contact: &Contact<D>) -> Option<f64> {
+        self.film_resistance(contact)
     }
 
     fn faster(&self) -> Result<Option<Faster>> {

@@ -7,13 +7,18 @@ use super::{
     basis::Basis,
     bodies::Bodies,
     suspension::Moment,
-    touching::{End, Links, Touching, Weights},
+    touching::{End, Link, Touching, Weights},
 };
 use crate::{
-    body::{components, skew},
-    constraint::lubrication::{Film, Films, Opposite, Side, Way},
+    body::components,
+    constraint::{
+        Layout,
+        lubrication::{Film, Films, Opposite, Side, Way},
+    },
+    contact::{Contact, ContactForce},
     error::Result,
     geometry::Axis,
+    parallel::World,
 };
 
 /// The links of a moment, for a flow without bodies that has this rank's `undisturbed` velocities on surfaces, in a system with at least
@@ -27,19 +32,35 @@ pub fn touching<const D: usize>(
     (moment, films): (&Moment<D>, &Films<D>),
     (undisturbed, places): (&[f64], usize),
 ) -> Result<Touching> {
-    let mut builder = Builder { basis, bodies, centers: moment.centers, scale: scale(basis), links: Links::default() };
-    for pressed in moment.pressed {
-        builder.add_contact(pressed.contact, moment.step);
+    let mut builder = Builder { basis, centers: moment.centers, scale: scale(basis), links: Vec::new() };
+    for pressed in moment.pressed.iter().filter(|pressed| touches(&bodies.layout, pressed)) {
+        builder.add_contact(pressed.contact, moment.step, belongs(&bodies.layout, pressed));
     }
     for film in &films.films {
-        film.ways.iter().for_each(|way| builder.add_way(film, way));
+        film.ways.iter().for_each(|way| builder.add_way(film, way, bodies.layout.holds(film.body)));
     }
-    let touching = Touching::new(builder.scale, builder.links, D * (D + 1) / 2, places)?;
-    let mut known = touching.local_rates(undisturbed);
-    if !known.is_empty() {
-        basis.session.world().sum(&mut known);
-    }
-    Ok(touching.without(&known))
+    let scaled = (builder.scale, builder.links);
+    let resistances: Vec<Option<[f64; 6]>> = bodies.layout.local_bodies.iter().map(|&body| resistance(basis, scaled.0, body)).collect();
+    let mut touching = Touching::new((&basis.session, &bodies.layout), scaled, (D * (D + 1) / 2, &resistances), places)?;
+    touching.without(undisturbed)?;
+    Ok(touching)
+}
+
+/// Whether a contact is one of this rank's.
+pub fn belongs<const D: usize>(layout: &Layout, pressed: &ContactForce<D>) -> bool {
+    layout.holds(pressed.contact.body)
+}
+
+/// Whether it has a side on a body of this rank.
+fn touches<const D: usize>(layout: &Layout, pressed: &ContactForce<D>) -> bool {
+    belongs(layout, pressed) || pressed.contact.other().is_some_and(|other| layout.holds(other))
+}
+
+/// Unknowns of links over velocities for a body alone; none if its motion is given.
+fn resistance<const D: usize>(basis: &Basis<D>, scale: f64, body: usize) -> Option<[f64; 6]> {
+    let rigid = basis.kinds.rigid(body);
+    let own = || std::array::from_fn(|mode| rigid.force / (scale * rigid.mobilities[mode]));
+    basis.setup.bodies[body].body.free().then(own)
 }
 
 /// Force per unit viscosity that a unit of the unknowns stands for.
@@ -50,31 +71,28 @@ fn scale<const D: usize>(basis: &Basis<D>) -> f64 {
 /// What is linked so far.
 struct Builder<'a, const D: usize> {
     basis: &'a Basis<D>,
-    bodies: &'a Bodies<'a, D>,
     centers: &'a [SVector<f64, D>],
     scale: f64,
-    links: Links,
+    links: Vec<Link>,
 }
 
 impl<const D: usize> Builder<'_, D> {
-    fn add_contact(&mut self, contact: crate::contact::Contact<D>, step: f64) {
-        self.links.rates.push(-contact.gap / step - contact.normal.dot(&contact.sliding));
-        self.links.compliances.push(0.0);
+    fn add_contact(&mut self, contact: Contact<D>, step: f64, owned: bool) {
+        self.links.push(Link { ends: [None; 2], rate: -contact.gap / step - contact.normal.dot(&contact.sliding), compliance: 0.0, owned });
         let side = |direction| Side { direction, turn: SMatrix::zeros() };
-        self.add_end(contact.body, &side(-contact.normal));
+        self.add_end(0, contact.body, &side(-contact.normal));
         if let Some(other) = contact.other() {
-            self.add_end(other, &side(contact.normal));
+            self.add_end(1, other, &side(contact.normal));
         }
     }
 
-    fn add_way(&mut self, film: &Film<D>, way: &Way<D>) {
-        self.links.rates.push(0.0);
-        self.links.compliances.push(self.scale / way.resistance);
-        self.add_end(film.body, &way.sides[0]);
+    fn add_way(&mut self, film: &Film<D>, way: &Way<D>, owned: bool) {
+        self.links.push(Link { ends: [None; 2], rate: 0.0, compliance: self.scale / way.resistance, owned });
+        self.add_end(0, film.body, &way.sides[0]);
         let direction = way.sides[1].direction;
         let known = match film.other {
             Opposite::Body(other, offset) => {
-                self.add_end(other, &way.sides[1]);
+                self.add_end(1, other, &way.sides[1]);
                 // images move with the background
                 direction.dot(&(self.basis.setup.drive.background(&offset) - self.sliding(other)))
             }
@@ -90,12 +108,13 @@ impl<const D: usize> Builder<'_, D> {
 
     /// Takes a rate that is known from the one wanted of the last link.
     fn known(&mut self, rate: f64) {
-        if let Some(wanted) = self.links.rates.last_mut() {
-            *wanted -= rate;
+        if let Some(link) = self.links.last_mut() {
+            link.rate -= rate;
         }
     }
 
-    fn add_end(&mut self, body: usize, side: &Side<D>) {
+    /// Makes a body an end of the last link.
+    fn add_end(&mut self, place: usize, body: usize, side: &Side<D>) {
         if let Some(twist) = self.basis.setup.bodies[body].body.given_motion() {
             return self.known(side.rate(&twist));
         }
@@ -103,9 +122,9 @@ impl<const D: usize> Builder<'_, D> {
         let numbers = side.direction.iter().copied().chain(components(&side.turn).into_iter().map(|turn| turn / rigid.lever));
         let mut weights = Weights::zeros();
         weights.iter_mut().zip(numbers).for_each(|(weight, number)| *weight = number);
-        let first = self.bodies.layout.holds(body).then(|| self.bodies.layout.local(body));
-        let link = self.links.rates.len() - 1;
-        self.links.ends.push(End { link, body, weights, first, multiplier: self.scale / rigid.force, mobilities: rigid.mobilities });
+        if let Some(link) = self.links.last_mut() {
+            link.ends[place] = Some(End { body, weights, multiplier: self.scale / rigid.force, mobilities: rigid.mobilities });
+        }
     }
 }
 
@@ -117,34 +136,92 @@ fn wall_velocity<const D: usize>(basis: &Basis<D>, axis: usize, upper: bool) -> 
     }
 }
 
-/// Adds to the states of the bodies what films do to them, given the force of each way.
-pub fn add_films<const D: usize>(films: &Films<D>, forces: &[f64], states: &mut [BodyState<D>]) -> Lubrication<D> {
-    let (mut stress, mut first_moment) = (SMatrix::zeros(), SMatrix::zeros());
-    let mut walls = [[SVector::zeros(); 2]; D];
-    let ways = films.films.iter().flat_map(|film| film.ways.iter().map(move |way| (film, way)));
-    for ((film, way), force) in ways.zip(forces) {
+/// Adds to the states of all bodies what films do to them, given the force of each way of the films that belong to this rank. Collective.
+pub fn add_films<const D: usize>(
+    (world, layout): (&World, &Layout),
+    films: &Films<D>,
+    forces: &[f64],
+    states: &mut [BodyState<D>],
+) -> Lubrication<D> {
+    let mut effect = Effect::<D>::new(states.len());
+    let owned = films.films.iter().filter(|film| layout.holds(film.body));
+    let gap = owned.clone().map(|film| film.gap).fold(f64::INFINITY, f64::min);
+    let ways = owned.clone().flat_map(|film| film.ways.iter().map(move |way| (film, way)));
+    ways.zip(forces).for_each(|((film, way), force)| effect.add(film, way, *force));
+    effect.numbers[0] = owned.count() as f64;
+    world.sum(&mut effect.numbers);
+    for (body, state) in states.iter_mut().enumerate() {
+        let (force, torque, moment) = effect.on_body(body);
+        state.force += force;
+        state.torque += torque;
+        state.stresslet += moment;
+    }
+    let smallest_gap = -world.max(-gap);
+    effect.lubrication(smallest_gap, world.max(films.imbalance))
+}
+
+/// What films do to bodies and walls, as numbers that ranks sum: the number of films, then sums over films, then body by body.
+struct Effect<const D: usize> {
+    numbers: Vec<f64>,
+}
+
+impl<const D: usize> Effect<D> {
+    const STRESS: usize = 1;
+    const FIRST_MOMENT: usize = Self::STRESS + D * D;
+    const WALLS: usize = Self::FIRST_MOMENT + D * D;
+    const BODIES: usize = Self::WALLS + 2 * D * D;
+    /// Force, torque and stresslet of a body.
+    const OF_BODY: usize = D + 2 * D * D;
+
+    fn new(bodies: usize) -> Self {
+        Effect { numbers: vec![0.0; Self::BODIES + bodies * Self::OF_BODY] }
+    }
+
+    fn add(&mut self, film: &Film<D>, way: &Way<D>, force: f64) {
         let other = match film.other {
             Opposite::Body(other, _) => Some(other),
             Opposite::Wall((axis, upper)) => {
-                walls[axis][usize::from(upper)] += way.sides[1].direction * *force;
+                let wall = Self::WALLS + (2 * axis + usize::from(upper)) * D;
+                self.sum(wall, (way.sides[1].direction * force).as_slice());
                 None
             }
         };
         for (place, body) in [(0, Some(film.body)), (1, other)] {
-            let Some(state) = body.and_then(|body| states.get_mut(body)) else { continue };
+            let Some(body) = body else { continue };
             let side = &way.sides[place];
-            state.force += side.direction * *force;
-            // components of a torque are those of its skew matrix
-            let torque: Vec<f64> = components(&side.turn).iter().map(|turn| turn * force).collect();
-            let torque = skew::<D>(&torque);
-            state.torque += torque;
+            let (push, torque) = (side.direction * force, side.turn * force);
             let moment = way.stress[place] * (-force / way.resistance);
-            state.stresslet += moment;
-            stress += moment;
-            first_moment += moment + torque * 0.5 + side.direction * film.lever(place).transpose() * *force;
+            let first = Self::BODIES + body * Self::OF_BODY;
+            self.sum(first, push.as_slice());
+            self.sum(first + D, torque.as_slice());
+            self.sum(first + D + D * D, moment.as_slice());
+            self.sum(Self::STRESS, moment.as_slice());
+            let moment = moment + torque * 0.5 + push * film.lever(place).transpose();
+            self.sum(Self::FIRST_MOMENT, moment.as_slice());
         }
     }
-    let gaps = films.films.iter().map(|film| film.gap);
-    let smallest_gap = gaps.fold(f64::INFINITY, f64::min);
-    Lubrication { films: films.films.len(), smallest_gap, imbalance: films.imbalance, stress, first_moment, walls }
+
+    fn sum(&mut self, first: usize, amounts: &[f64]) {
+        self.numbers[first..].iter_mut().zip(amounts).for_each(|(number, amount)| *number += amount);
+    }
+
+    fn matrix(&self, first: usize) -> SMatrix<f64, D, D> {
+        SMatrix::from_column_slice(&self.numbers[first..first + D * D])
+    }
+
+    fn vector(&self, first: usize) -> SVector<f64, D> {
+        SVector::from_column_slice(&self.numbers[first..first + D])
+    }
+
+    fn on_body(&self, body: usize) -> (SVector<f64, D>, SMatrix<f64, D, D>, SMatrix<f64, D, D>) {
+        let first = Self::BODIES + body * Self::OF_BODY;
+        (self.vector(first), self.matrix(first + D), self.matrix(first + D + D * D))
+    }
+
+    fn lubrication(&self, smallest_gap: f64, imbalance: f64) -> Lubrication<D> {
+        let wall = |axis: usize, upper: usize| self.vector(Self::WALLS + (2 * axis + upper) * D);
+        let walls = std::array::from_fn(|axis| [wall(axis, 0), wall(axis, 1)]);
+        let (stress, first_moment) = (self.matrix(Self::STRESS), self.matrix(Self::FIRST_MOMENT));
+        Lubrication { films: self.numbers[0] as usize, smallest_gap, imbalance, stress, first_moment, walls }
+    }
 }

@@ -10,7 +10,7 @@ use super::{
     coupled::{BodiesInFluid, Coupled, Parts, Unknowns},
     dynamics::Seen,
     engine::Engine,
-    links::touching,
+    links::{belongs, touching},
     memory::{Guess, Past},
     surfaces::{Member, Surfaces},
     suspension::Moment,
@@ -22,6 +22,7 @@ use crate::{
     constraint::lubrication::Films,
     error::{Error, Result},
     flow::StokesInverse,
+    parallel::World,
     petsc::{Krylov, Report, Session, Stage, Vector, enter},
     scene::{ConstraintMethod, MultiplierSolver},
 };
@@ -64,24 +65,25 @@ impl<'a, const D: usize> Ready<'a, D> {
     ) -> Result<Self> {
         let _stage = enter(Stage::Assembly);
         let assembly = Assembly::of(basis, moment.centers, assembly)?;
-        let placed = basis.kinds.place(&basis.setup, moment.centers);
-        let bodies = Bodies::new(&basis.setup, &basis.grid, &basis.kinds, placed, assembly.layout.clone());
+        let places = (assembly.placed.clone(), assembly.crowd.clone());
+        let bodies = Bodies::new((&basis.setup, &basis.grid, &basis.kinds), places, assembly.layout.clone());
         let members = bodies.members(&assembly.blocks);
         let guess = past.map_or(Ok(None), |past| past.guess(&bodies, moment.centers, moment.time))?;
         let closure = basis.closure.unknowns::<D>();
-        let places = engine.as_ref().map_or(0, |engine| engine.work.sizes().tail - closure);
-        let films = balanced(bodies.films())?;
+        let places = engine.as_ref().map_or(0, |engine| engine.work.sizes().links);
+        let films = balanced(basis.session.world(), bodies.films())?;
         let touching = touching(basis, &bodies, (moment, &films), (&assembly.undisturbed, places))?;
         let fluid = if basis.condensed { 0 } else { basis.grid.local_fluid_unknowns() };
-        let sizes = Sizes { fluid, multipliers: assembly.undisturbed.len(), tail: closure + touching.places() };
+        let sizes = Sizes { fluid, multipliers: assembly.undisturbed.len(), closure, links: touching.places() };
         let mut engine = Engine::fitting(engine, basis, sizes)?;
         engine.krylov.set_tolerance(moment.tolerance);
         let prescribed_drag = prescribed_drag(&basis.session, &members);
         let wanted = bodies.wanted_rows(&assembly.blocks, &members, (&assembly.undisturbed, moment.pushes));
-        basis.fill_right_hand_side(&wanted, &touching.rates, prescribed_drag, &mut engine.rhs)?;
+        basis.fill_right_hand_side(&wanted, touching.wanted(), prescribed_drag, &mut engine.rhs)?;
         let rounding = ROUNDING * scale(&basis.session, &assembly.undisturbed, &engine.rhs)?;
         let unit = touching.scale * basis.setup.viscosity;
-        engine.start(&bodies, guess.as_ref(), moment.pressed.iter().map(|pressed| pressed.force / unit).collect())?;
+        let pressed = moment.pressed.iter().filter(|pressed| belongs(&bodies.layout, pressed)).map(|pressed| pressed.force / unit);
+        engine.start(&bodies, guess.as_ref(), pressed.collect())?;
         let stop = Stop { tolerance: moment.tolerance, rounding };
         Ok(Ready { bodies, members, assembly, touching, films, engine, guess, prescribed_drag, stop })
     }
@@ -123,8 +125,8 @@ impl<'a, const D: usize> Ready<'a, D> {
 }
 
 /// Films whose forces are opposite and without torque on each pair, as they must be.
-fn balanced<const D: usize>(films: Films<D>) -> Result<Films<D>> {
-    match films.imbalance < LARGEST_IMBALANCE {
+fn balanced<const D: usize>(world: &World, films: Films<D>) -> Result<Films<D>> {
+    match world.max(films.imbalance) < LARGEST_IMBALANCE {
         true => Ok(films),
         false => {
             Err(Error::Diverged(format!("a film acts on its pair with a net force or torque of {:.1e} of its force", films.imbalance)))

@@ -103,9 +103,7 @@ impl<const D: usize> Surfaces<'_, D> {
     /// `unknown = given` for a force of the closure and for places that no contact takes.
     pub fn rows(&mut self, fluid: &Vector, (given, tail): (&Vector, &[f64]), rows: &mut Vector) -> Result<Vec<f64>> {
         self.velocity(fluid, (given, tail), rows)?;
-        let mut rates = self.shared_sum(self.touching.local_rates(&rows.local()?));
-        let links = tail[self.contacts()].iter().zip(&self.touching.compliances);
-        rates.iter_mut().zip(links).for_each(|(rate, (unknown, compliance))| *rate += compliance * unknown);
+        let rates = self.touching.rows(rows, &tail[self.contacts()])?;
         self.net_force_rows((given, tail), rows)?;
         let mut tail_rows = tail.to_vec();
         if let Closure::MeanVelocity = self.closure {
@@ -146,7 +144,7 @@ impl<const D: usize> Surfaces<'_, D> {
 
     /// Whether rows are velocities and given forces, and nothing else.
     pub fn velocities_only(&self) -> bool {
-        self.touching.count() == 0 && !matches!(self.closure, Closure::MeanVelocity)
+        !self.touching.any() && !matches!(self.closure, Closure::MeanVelocity)
     }
 
     /// Multiplies residuals by what turns them into corrections: rows of velocities by `step`, and others so that they hold at once.
@@ -182,10 +180,11 @@ impl<const D: usize> Surfaces<'_, D> {
         values
     }
 
-    fn net_force_rows(&self, (given, tail): (&Vector, &[f64]), rows: &mut Vector) -> Result<()> {
-        let mut multipliers = given.local()?.to_vec();
-        self.touching.press(-1.0, &tail[self.contacts()], &mut multipliers);
-        let mut rows = rows.local_mut()?;
+    fn net_force_rows(&mut self, (given, tail): (&Vector, &[f64]), rows: &mut Vector) -> Result<()> {
+        let mut multipliers = given.like()?;
+        multipliers.copy_from(given)?;
+        self.touching.press(-1.0, &tail[self.contacts()], &mut multipliers)?;
+        let (multipliers, mut rows) = (multipliers.local()?, rows.local_mut()?);
         for member in self.members.iter().filter(|member| member.free) {
             let rigid = member.range.start..member.range.start + member.rigid;
             rows[rigid.clone()].iter_mut().zip(&multipliers[rigid]).for_each(|(row, c)| *row = member.force_scale * c);
@@ -195,21 +194,26 @@ impl<const D: usize> Surfaces<'_, D> {
 
     /// The contacts' unknowns for the sampled velocities; adds what they press to the given net forces.
     fn invert_contacts(&mut self, given: &mut Vector, rows: &[f64], sampled: &Vector) -> Result<Vec<f64>> {
-        if self.touching.count() == 0 {
+        if !self.touching.any() {
             return Ok(Vec::new());
         }
-        let mut velocities = sampled.local()?.to_vec();
-        let mut given = given.local_mut()?;
+        let mut velocities = sampled.like()?;
+        velocities.copy_from(sampled)?;
+        let (mut moved, known) = (velocities.local_mut()?, given.local()?);
         for member in self.members.iter().filter(|member| member.free) {
             for (mode, mobility) in (member.range.start..member.range.start + member.rigid).zip(member.mobilities.iter()) {
-                velocities[mode] += mobility * given[mode] / member.force_scale;
+                moved[mode] += mobility * known[mode] / member.force_scale;
             }
         }
-        let found = self.shared_sum(self.touching.local_rates(&velocities));
+        drop((moved, known));
+        let still = vec![0.0; self.touching.count()];
+        let found = self.touching.rows(&velocities, &still)?;
         let missing = rows[self.contacts()].iter().zip(found).map(|(wanted, found)| wanted - found).collect();
-        let contacts = self.touching.approximate_unknowns(missing);
-        let mut pressed = vec![0.0; given.len()];
-        self.touching.press(1.0, &contacts, &mut pressed);
+        let contacts = self.touching.approximate_unknowns(missing)?;
+        let mut pressed = velocities;
+        pressed.fill(0.0)?;
+        self.touching.press(1.0, &contacts, &mut pressed)?;
+        let (pressed, mut given) = (pressed.local()?, given.local_mut()?);
         for member in self.members.iter().filter(|member| member.free) {
             let rigid = member.range.start..member.range.start + member.rigid;
             given[rigid.clone()].iter_mut().zip(&pressed[rigid]).for_each(|(row, c)| *row += member.force_scale * c);

@@ -5,24 +5,22 @@ use std::time::Instant;
 use nalgebra::SVector;
 
 use super::{
-    FilmResistances, Setup, Solution,
+    Setup, Solution,
     assembly::Assembly,
     basis::Basis,
     condensed::Condensed,
     engine::Engine,
     faster::{Faster, faster},
-    links::add_films,
+    links::{add_films, belongs},
     memory::{Past, Snapshot},
     ready::Ready,
     spectrum::Conditions,
     work::Stages,
 };
 use crate::{
-    constraint::lubrication::Opposite,
-    contact::{ContactForce, Partner},
+    contact::{Contact, ContactForce},
     error::{Error, Result},
     flow::{InverseMethod, IteratedInverse, Stokes, StokesInverse},
-    geometry::{Ball, Domain},
     grid::Grid,
     petsc::{Report, Session, Stage, Vector, enter},
 };
@@ -133,20 +131,11 @@ impl<const D: usize> Suspension<D> {
         self.basis.setup.bodies.iter().enumerate().map(resistance).collect()
     }
 
-    /// The films between bodies in these places, if lubrication acts, by body and partner: force over the speed of approach.
-    pub fn films(&self, domain: &Domain<D>, balls: &[Ball<D>]) -> FilmResistances {
-        let (setup, mut found) = (&self.basis.setup, FilmResistances::new());
-        let Some(roughness) = setup.lubrication else { return found };
-        let wrapped: Vec<Ball<D>> = balls.iter().map(|ball| Ball { center: domain.wrap(ball.center), ..*ball }).collect();
-        for film in self.basis.kinds.films(domain, &wrapped, setup, roughness).films {
-            let (body, partner) = match film.other {
-                Opposite::Body(other, _) => (film.body.min(other), Partner::Body(film.body.max(other))),
-                Opposite::Wall((axis, upper)) => (film.body, Partner::Wall { axis, upper }),
-            };
-            // the first way is approach
-            *found.entry((body, partner)).or_insert(0.0) += setup.viscosity * film.ways.first().map_or(0.0, |way| way.resistance);
-        }
-        found
+    /// What the film of a contact resists approach by, force over speed, if lubrication acts and reaches so far.
+    pub fn film_resistance(&self, contact: &Contact<D>) -> Option<f64> {
+        let setup = &self.basis.setup;
+        let resistance = self.basis.kinds.film_resistance(contact, setup.lubrication?)?;
+        Some(setup.viscosity * resistance)
     }
 
     /// Lets each solve start from the ones before it, beginning with those given.
@@ -244,9 +233,15 @@ impl<const D: usize> Suspension<D> {
         directly_on_walls.iter_mut().flatten().for_each(|force| basis.session.world().sum(force.as_mut_slice()));
         (self.assembly, self.engine) = (Some(assembly), Some(engine));
         let unit = touching.scale * basis.setup.viscosity;
-        let mut contact_forces: Vec<f64> = links[..touching.count()].iter().map(|unknown| unknown * unit).collect();
-        let film_forces = contact_forces.split_off(moment.pressed.len());
-        let lubrication = basis.setup.lubrication.map(|_| add_films(&films, &film_forces, &mut states));
+        let (world, layout) = (basis.session.world(), &bodies.layout);
+        let mut forces = links[..touching.count()].iter().map(|unknown| unknown * unit);
+        let of_contact = |pressed| if belongs(layout, pressed) { forces.next().unwrap_or(0.0) } else { 0.0 };
+        let mut contact_forces: Vec<f64> = moment.pressed.iter().map(of_contact).collect();
+        if !contact_forces.is_empty() {
+            world.sum(&mut contact_forces);
+        }
+        let film_forces: Vec<f64> = forces.collect();
+        let lubrication = basis.setup.lubrication.map(|_| add_films((world, layout), &films, &film_forces, &mut states));
         Ok(Solution { lubrication, directly_on_walls, ..basis.solution(states, found.fluid, &found.tail, contact_forces)? })
     }
 }

@@ -7,20 +7,22 @@
 //! contact  sum over its ends of  n . v = rate        film  sum over its ends of  (d . v + t : w)  +  g / resistance = - rate that is known
 //! ```
 //!
-//! so that a film of whatever resistance leaves the system well conditioned: what resists most is a constraint. With the mobility of
-//! each body in unbounded fluid these rows have a sparse approximation, factored once a solve. Adding what modes see of films, pair by pair,
-//! to the resistance of bodies costs iterations (60 disks at 0.4 with gaps down to 0.1 and 0.001 radii: 35 and 73 instead of 27 and 45):
-//! forces then answer strongly to rates that free modes, which are solved for afterwards, still change.
+//! so that a film of whatever resistance leaves the system well conditioned: what resists most is a constraint. Each link belongs to the
+//! rank that holds its first body. With the mobility of each body in unbounded fluid these rows have a sparse approximation, the
+//! [`Network`], factored once a solve.
 
-use clarabel::{
-    algebra::CscMatrix,
-    qdldl::{QDLDLFactorisation, QDLDLSettings},
-};
+use std::collections::BTreeMap;
+
 use nalgebra::SVector;
 
-use crate::error::{Error, Result};
+use super::network::Network;
+use crate::{
+    constraint::Layout,
+    error::Result,
+    petsc::{Scatter, Session, Vector},
+};
 
-/// Part of its diagonal added to the approximation, so that redundant contacts do no harm.
+/// Compliance that a contact has in the approximation, over the mobility of its ends: redundant contacts then do no harm.
 const SHIFT: f64 = 1e-7;
 
 /// What a link counts of the coefficients of a body's rigid modes, translations first.
@@ -29,104 +31,195 @@ pub type Weights = SVector<f64, 6>;
 /// One free body of a link.
 #[derive(Debug, Clone, Copy)]
 pub struct End {
-    /// Number of the link: contacts first, then ways of films.
-    pub link: usize,
     /// The body.
     pub body: usize,
     /// What its motion counts for the rate, and so how a unit force pushes it.
     pub weights: Weights,
-    /// Index of its first multiplier on this rank, if this rank holds it.
-    pub first: Option<usize>,
     /// Multiplier of a unit weight that a unit of the unknown stands for.
     pub multiplier: f64,
     /// Velocities in unbounded fluid that unit multipliers of rigid modes cause.
     pub mobilities: Weights,
 }
 
-/// The links of a solve: contacts and ways of films.
-pub struct Touching {
-    /// Force, per unit viscosity, that a unit of the unknown stands for.
-    pub scale: f64,
-    /// Free ends, known to all ranks.
-    pub ends: Vec<End>,
-    /// Rates wanted, without what is known to move.
-    pub rates: Vec<f64>,
-    /// Rate that a unit of the unknown gives way by: zero for contacts.
-    pub compliances: Vec<f64>,
-    rigid: usize,
-    places: usize,
-    approximation: Option<QDLDLFactorisation<f64>>,
+impl End {
+    /// Rate that a unit of the unknown causes through the body's own mobility.
+    fn mobility(&self) -> f64 {
+        self.multiplier * self.weights.component_mul(&self.mobilities).dot(&self.weights)
+    }
 }
 
-/// Links yet to be factored.
-#[derive(Default)]
-pub struct Links {
-    /// See [`Touching`].
-    pub ends: Vec<End>,
-    /// See [`Touching`].
-    pub rates: Vec<f64>,
-    /// See [`Touching`].
-    pub compliances: Vec<f64>,
+/// A contact, or a way of a film.
+#[derive(Debug, Clone)]
+pub struct Link {
+    /// Its free bodies.
+    pub ends: [Option<End>; 2],
+    /// Rate wanted, without what is known to move.
+    pub rate: f64,
+    /// Rate that a unit of the unknown gives way by: zero for contacts.
+    pub compliance: f64,
+    /// Whether it belongs to this rank.
+    pub owned: bool,
+}
+
+impl Link {
+    /// Its free bodies.
+    pub fn ends(&self) -> impl Iterator<Item = &End> {
+        self.ends.iter().flatten()
+    }
+
+    /// Its compliance in the approximation, which is never zero.
+    pub fn stiff_compliance(&self) -> f64 {
+        let mobility: f64 = self.ends().map(End::mobility).sum();
+        (self.compliance + SHIFT * mobility).max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Bodies of other ranks at the ends of this rank's links, and what the links do through the network.
+struct Acting {
+    network: Network,
+    others: Scatter,
+    /// For each end of this rank's links, where its motion begins: among this rank's multipliers, then among those fetched.
+    places: Vec<[usize; 2]>,
+    /// Velocities or forces in the places of multipliers.
+    motions: Vector,
+}
+
+/// The links of a solve that belong to this rank: contacts and ways of films.
+pub struct Touching {
+    /// Force, per unit viscosity, that a unit of an unknown stands for.
+    pub scale: f64,
+    links: Vec<Link>,
+    rigid: usize,
+    places: usize,
+    acting: Option<Acting>,
 }
 
 impl Touching {
-    /// Links with the given ends, in a system that has at least so many `places` for them, between bodies of so many rigid modes.
+    /// The links that touch this rank's bodies, in a system that has at least so many `places` for those that belong to it; bodies have so
+    /// many rigid modes, and those of this rank the given resistances of their own. Collective.
     ///
     /// # Errors
     /// The approximation cannot be factored.
-    pub fn new(scale: f64, links: Links, rigid: usize, places: usize) -> Result<Self> {
-        let approximation = if links.rates.is_empty() { None } else { Some(factor(&links)?) };
-        let Links { ends, rates, compliances } = links;
+    pub fn new(
+        (session, layout): (&Session, &Layout),
+        (scale, links): (f64, Vec<Link>),
+        (rigid, resistances): (usize, &[Option<[f64; 6]>]),
+        places: usize,
+    ) -> Result<Self> {
+        let owned: Vec<Link> = links.iter().filter(|link| link.owned).cloned().collect();
+        let any = session.world().max(links.len() as f64) > 0.0;
+        let acting = if any { Some(Acting::new((session, layout), (&links, &owned), (rigid, resistances))?) } else { None };
         // a few links more or less do not change the size of the system
-        let places = if rates.len() <= places { places } else { roomy(rates.len()) };
-        Ok(Touching { scale, ends, rates, compliances, rigid, places, approximation })
+        let places = if owned.len() <= places { places } else { roomy(owned.len()) };
+        Ok(Touching { scale, links: owned, rigid, places, acting })
     }
 
-    /// The same links with rates from which known ones are taken away.
-    pub fn without(mut self, known: &[f64]) -> Self {
-        self.rates.iter_mut().zip(known).for_each(|(rate, known)| *rate -= known);
-        self
+    /// Takes the rates that are known, those of the given velocities on surfaces, from the rates wanted.
+    pub fn without(&mut self, velocities: &[f64]) -> Result<()> {
+        let Some(acting) = &mut self.acting else { return Ok(()) };
+        acting.motions.local_mut()?.copy_from_slice(velocities);
+        let known = acting.rates(&self.links, self.rigid)?;
+        self.links.iter_mut().zip(known).for_each(|(link, known)| link.rate -= known);
+        Ok(())
     }
 
-    /// Number of links.
+    /// Number of this rank's links.
     pub fn count(&self) -> usize {
-        self.rates.len()
+        self.links.len()
     }
 
-    /// Number of unknowns set aside for links.
+    /// Number of unknowns set aside for them.
     pub fn places(&self) -> usize {
         self.places
     }
 
-    /// This rank's share of the rates, for velocities of its bodies in the order of the multipliers.
-    pub fn local_rates(&self, velocities: &[f64]) -> Vec<f64> {
-        let mut rates = vec![0.0; self.count()];
-        for (end, first) in self.local_ends() {
-            let motion = &velocities[first..first + self.rigid];
-            rates[end.link] += end.weights.iter().zip(motion).map(|(weight, velocity)| weight * velocity).sum::<f64>();
-        }
-        rates
+    /// Whether any rank has links.
+    pub fn any(&self) -> bool {
+        self.acting.is_some()
     }
 
-    /// Adds to this rank's multipliers of rigid modes what the links press, times `factor`.
-    pub fn press(&self, factor: f64, unknowns: &[f64], multipliers: &mut [f64]) {
-        for (end, first) in self.local_ends() {
-            let amount = factor * end.multiplier * unknowns[end.link];
-            let pressed = &mut multipliers[first..first + self.rigid];
-            pressed.iter_mut().zip(end.weights.iter()).for_each(|(multiplier, weight)| *multiplier += amount * weight);
-        }
+    /// Rates wanted.
+    pub fn wanted(&self) -> impl Iterator<Item = f64> {
+        self.links.iter().map(|link| link.rate)
     }
 
-    /// The unknowns that change rates by the given amounts, if every body were alone.
-    pub fn approximate_unknowns(&mut self, mut rates: Vec<f64>) -> Vec<f64> {
-        if let Some(approximation) = &mut self.approximation {
-            approximation.solve(&mut rates);
-        }
-        rates
+    /// What the rows of the links give for velocities in the order of the multipliers. Collective.
+    pub fn rows(&mut self, velocities: &Vector, unknowns: &[f64]) -> Result<Vec<f64>> {
+        let Some(acting) = &mut self.acting else { return Ok(Vec::new()) };
+        acting.motions.copy_from(velocities)?;
+        let mut rates = acting.rates(&self.links, self.rigid)?;
+        rates.iter_mut().zip(&self.links).zip(unknowns).for_each(|((rate, link), unknown)| *rate += link.compliance * unknown);
+        Ok(rates)
     }
 
-    fn local_ends(&self) -> impl Iterator<Item = (&End, usize)> {
-        self.ends.iter().filter_map(|end| end.first.map(|first| (end, first)))
+    /// Adds to the multipliers of rigid modes what the links press, times `factor`. Collective.
+    pub fn press(&mut self, factor: f64, unknowns: &[f64], multipliers: &mut Vector) -> Result<()> {
+        let Some(acting) = &mut self.acting else { return Ok(()) };
+        acting.push(&self.links, self.rigid, unknowns, |end| factor * end.multiplier)?;
+        multipliers.add(1.0, &acting.motions)
+    }
+
+    /// The unknowns that change rates by the given amounts, if the network were all that resists. Collective.
+    pub fn approximate_unknowns(&mut self, mut rates: Vec<f64>) -> Result<Vec<f64>> {
+        let Some(acting) = &mut self.acting else { return Ok(rates) };
+        let compliances: Vec<f64> = self.links.iter().map(Link::stiff_compliance).collect();
+        rates.iter_mut().zip(&compliances).for_each(|(rate, compliance)| *rate /= compliance);
+        acting.push(&self.links, self.rigid, &rates, |_| 1.0)?;
+        acting.network.answer(&mut acting.motions)?;
+        let found = acting.rates(&self.links, self.rigid)?;
+        rates.iter_mut().zip(found).zip(compliances).for_each(|((rate, found), compliance)| *rate -= found / compliance);
+        Ok(rates)
+    }
+}
+
+impl Acting {
+    fn new(
+        (session, layout): (&Session, &Layout),
+        (links, owned): (&[Link], &[Link]),
+        (rigid, resistances): (usize, &[Option<[f64; 6]>]),
+    ) -> Result<Acting> {
+        let motions = Vector::new(session, layout.local_unknowns())?;
+        let (mut wanted, mut fetched) = (Vec::new(), BTreeMap::new());
+        let mut place = |end: &Option<End>| match end {
+            Some(end) if !layout.holds(end.body) => *fetched.entry(end.body).or_insert_with(|| {
+                let first = layout.global(end.body);
+                wanted.extend((first..first + rigid).map(|unknown| unknown as i32));
+                layout.local_unknowns() + wanted.len() - rigid
+            }),
+            Some(end) => layout.local(end.body),
+            None => 0,
+        };
+        let places = owned.iter().map(|link| link.ends.each_ref().map(&mut place)).collect();
+        let network = Network::new(session, layout, links, resistances, rigid)?;
+        Ok(Acting { network, others: Scatter::new(&motions, &wanted)?, places, motions })
+    }
+
+    /// Rates of the links for velocities in `motions`.
+    fn rates(&mut self, links: &[Link], rigid: usize) -> Result<Vec<f64>> {
+        let fetched = self.others.fetch(&self.motions)?;
+        let own = self.motions.local()?;
+        let of_end = |end: &Option<End>, place: usize| {
+            let from = if place < own.len() { &own[place..] } else { &fetched[place - own.len()..] };
+            end.map_or(0.0, |end| end.weights.iter().zip(&from[..rigid]).map(|(weight, velocity)| weight * velocity).sum())
+        };
+        let rate = |(link, places): (&Link, &[usize; 2])| link.ends.iter().zip(places).map(|(end, &place)| of_end(end, place)).sum();
+        Ok(links.iter().zip(&self.places).map(rate).collect())
+    }
+
+    /// Puts into `motions` the pushes of unknowns, each end's times its own factor.
+    fn push(&mut self, links: &[Link], rigid: usize, unknowns: &[f64], factor: impl Fn(&End) -> f64) -> Result<()> {
+        self.motions.fill(0.0)?;
+        let (mut own, mut others) = (self.motions.local_mut()?, self.others.places()?);
+        for ((link, places), unknown) in links.iter().zip(&self.places).zip(unknowns) {
+            for (end, &place) in link.ends.iter().zip(places) {
+                let Some(end) = end else { continue };
+                let pushed = if place < own.len() { &mut own[place..] } else { &mut others[place - own.len()..] };
+                let amount = factor(end) * unknown;
+                pushed[..rigid].iter_mut().zip(end.weights.iter()).for_each(|(push, weight)| *push += amount * weight);
+            }
+        }
+        drop((own, others));
+        self.others.add_back(&mut self.motions)
     }
 }
 
@@ -134,30 +227,4 @@ impl Touching {
 fn roomy(count: usize) -> usize {
     let step = (count.next_power_of_two() / 8).max(1);
     count.div_ceil(step) * step
-}
-
-/// Factors the rates that unit unknowns cause through the bodies' own mobilities: symmetric, sparse, slightly shifted.
-fn factor(links: &Links) -> Result<QDLDLFactorisation<f64>> {
-    let mut by_body: Vec<&End> = links.ends.iter().collect();
-    by_body.sort_by_key(|end| end.body);
-    let count = links.rates.len();
-    let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
-    let mut add = |row: usize, column: usize, value: f64| {
-        rows.push(row);
-        columns.push(column);
-        values.push(value);
-    };
-    for group in by_body.chunk_by(|one, two| one.body == two.body) {
-        for one in group {
-            let moved = one.weights.component_mul(&one.mobilities);
-            for two in group.iter().filter(|two| one.link <= two.link) {
-                let shift = if one.link == two.link { 1.0 + SHIFT } else { 1.0 };
-                add(one.link, two.link, shift * two.multiplier * moved.dot(&two.weights));
-            }
-        }
-    }
-    links.compliances.iter().enumerate().for_each(|(link, compliance)| add(link, link, *compliance));
-    let matrix = CscMatrix::new_from_triplets(count, count, rows, columns, values);
-    QDLDLFactorisation::new(&matrix, Some(QDLDLSettings::default()))
-        .map_err(|error| Error::Diverged(format!("{count} contacts and films cannot be factored: {error:?}")))
 }

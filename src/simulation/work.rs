@@ -40,7 +40,7 @@ impl Watch {
 }
 
 /// Work space. The solver's vectors hold, on each rank, a fluid part (unless the fluid is eliminated), multipliers, and on
-/// rank 0 the tail: the unknowns of the closure, then those of the contacts.
+/// rank 0 the unknowns of the closure, then those of the rank's own links.
 pub struct Work {
     /// Fluid vectors: unknowns and rows.
     pub fluid_in: Vector,
@@ -62,8 +62,10 @@ pub struct Sizes {
     pub fluid: usize,
     /// On surfaces.
     pub multipliers: usize,
-    /// In the tail, on all ranks alike, though only rank 0 holds them.
-    pub tail: usize,
+    /// Of the closure, on all ranks alike, though only rank 0 holds them.
+    pub closure: usize,
+    /// Places for links that belong to this rank.
+    pub links: usize,
 }
 
 impl Work {
@@ -87,11 +89,11 @@ impl Work {
 
     /// A vector of zeros for the solver.
     pub fn solver_vector(&self, session: &Session) -> Result<Vector> {
-        let tail = if session.world().rank() == 0 { self.sizes.tail } else { 0 };
-        Vector::new(session, self.sizes.fluid + self.sizes.multipliers + tail)
+        let closure = if session.world().rank() == 0 { self.sizes.closure } else { 0 };
+        Vector::new(session, self.sizes.fluid + self.sizes.multipliers + closure + self.sizes.links)
     }
 
-    /// Takes a solver's vector apart into `fluid_in`, `multipliers_in` and the tail, which all ranks then know.
+    /// Takes a solver's vector apart into `fluid_in`, `multipliers_in` and the tail: the closure, which all ranks then know, and the links.
     pub fn split(&mut self, world: &World, input: &Vector) -> Result<Vec<f64>> {
         let input = input.local()?;
         let (fluid, rest) = input.split_at(self.sizes.fluid);
@@ -100,11 +102,13 @@ impl Work {
             self.fluid_in.local_mut()?.copy_from_slice(fluid);
         }
         self.multipliers_in.local_mut()?.copy_from_slice(multipliers);
-        let mut shared = vec![0.0; self.sizes.tail];
-        shared[..tail.len()].copy_from_slice(tail);
+        let (closure, links) = tail.split_at(tail.len() - self.sizes.links);
+        let mut shared = vec![0.0; self.sizes.closure];
+        shared[..closure.len()].copy_from_slice(closure);
         if !shared.is_empty() {
             world.sum(&mut shared);
         }
+        shared.extend_from_slice(links);
         Ok(shared)
     }
 
@@ -125,7 +129,7 @@ impl Work {
             fluid.copy_from_slice(&self.fluid_out.local()?);
         }
         multipliers.copy_from_slice(&self.multipliers_out.local()?);
-        own_tail.copy_from_slice(&tail[..own_tail.len()]);
+        own_tail.copy_from_slice(&tail[tail.len() - own_tail.len()..]);
         Ok(())
     }
 }

@@ -68,8 +68,8 @@ fn correction<const D: usize>(session: &Session, balls: &[Ball<D>], orders: &[us
         let (local, all) = ranges(body);
         multipliers.local_mut().unwrap()[local].copy_from_slice(&wanted[all]);
     }
-    let crowd = Crowd { domain: &domain, balls, orders, layout: &layout };
-    let mut pairs = NearPairs::new(&crowd, &PairTables::default(), &multipliers).unwrap();
+    let crowd = Crowd::new(&domain, balls.to_vec(), orders.to_vec(), Crowd::reach(balls));
+    let mut pairs = NearPairs::new((&crowd, &layout), &PairTables::default(), &multipliers).unwrap();
     let own = pairs.correction(&multipliers).unwrap();
     let mut found = vec![0.0; wanted.len()];
     for &body in &layout.local_bodies {

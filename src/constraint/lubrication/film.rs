@@ -5,11 +5,11 @@ use nalgebra::{SMatrix, SVector};
 use super::{FilmTable, FilmTables};
 use crate::{
     body::{Twist, components},
-    geometry::{Ball, Domain, near_pairs, near_walls},
+    constraint::{Crowd, Layout},
 };
 
 /// Largest reach of any table, in radii of the smaller body.
-const REACH: f64 = 1.25;
+pub const REACH: f64 = 1.25;
 
 /// Resistance, over viscosity and radius, of a way that counts as no resistance.
 const NEGLIGIBLE: f64 = 1e-6;
@@ -91,11 +91,11 @@ impl<const D: usize> Side<D> {
     }
 }
 
-/// The films of bodies with modes up to the given orders; no gap counts as smaller than `roughness` radii.
-pub fn films<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], orders: &[usize], tables: &FilmTables, roughness: f64) -> Films<D> {
-    let largest = balls.iter().map(|ball| ball.radius).fold(0.0, f64::max);
+/// The films of a crowd that have a side on a body of this rank; no gap counts as smaller than `roughness` radii.
+pub fn films<const D: usize>((crowd, layout): (&Crowd<D>, &Layout), tables: &FilmTables, roughness: f64) -> Films<D> {
+    let Crowd { balls, orders, .. } = crowd;
     let mut films = Vec::new();
-    for pair in near_pairs(domain, balls, REACH * largest) {
+    for pair in crowd.pairs.iter().filter(|pair| Crowd::<D>::touches(layout, [pair.first, pair.second])) {
         let (mut ends, mut separation) = ([pair.first, pair.second], pair.separation);
         if balls[ends[1]].radius < balls[ends[0]].radius {
             ends.reverse();
@@ -110,7 +110,7 @@ pub fn films<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], orders: &[us
             films.extend(film(&table, (ends[0], small), (other, Some(large)), (separation, gap), roughness));
         }
     }
-    for near in near_walls(domain, balls, REACH * largest) {
+    for near in crowd.walls.iter().filter(|near| layout.holds(near.body)) {
         let radius = balls[near.body].radius;
         let gap = near.gap / radius;
         if gap < REACH {
@@ -122,6 +122,21 @@ pub fn films<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], orders: &[us
     }
     let imbalance = films.iter().map(imbalance).fold(0.0, f64::max);
     Films { films, imbalance }
+}
+
+/// What the film of a body of given radius and order and another, or a wall, resists approach by at a gap (a length), over viscosity, if it
+/// is within reach; no gap counts as smaller than `roughness` radii.
+pub fn approach<const D: usize>(
+    tables: &FilmTables,
+    (body, other): ((f64, usize), Option<(f64, usize)>),
+    gap: f64,
+    roughness: f64,
+) -> Option<f64> {
+    let swap = other.is_some_and(|(radius, _)| radius < body.0);
+    let ((radius, order), second) = if swap { (other?, Some(body)) } else { (body, other) };
+    let table = tables.of::<D>(order, second.map(|(larger, order)| (order, larger / radius)));
+    let seen = (gap / radius).max(roughness);
+    (seen < table.reach()).then(|| table.missing(seen).approach * radius.powi(D as i32 - 2))
 }
 
 fn film<const D: usize>(

@@ -15,10 +15,10 @@ mod table;
 use std::rc::Rc;
 
 use self::table::Table;
-use super::Layout;
+use super::{Crowd, Layout};
 use crate::{
     error::Result,
-    geometry::{Ball, Domain, Pair, near_pairs},
+    geometry::Pair,
     petsc::{Scatter, Vector},
     surface::{mode_count, turn},
 };
@@ -27,18 +27,6 @@ pub use table::PairTables;
 
 /// Gap, over the mean radius of the two, below which bodies are a near pair.
 pub const REACH: f64 = 1.0;
-
-/// The bodies of all ranks as pairs see them.
-pub struct Crowd<'a, const D: usize> {
-    /// The box.
-    pub domain: &'a Domain<D>,
-    /// The bodies, with their centres in the box.
-    pub balls: &'a [Ball<D>],
-    /// Order of the modes of each.
-    pub orders: &'a [usize],
-    /// Who holds which multipliers.
-    pub layout: &'a Layout,
-}
 
 /// The correction for the near pairs of this rank's bodies.
 pub struct NearPairs {
@@ -63,14 +51,18 @@ struct NearPair {
 }
 
 impl NearPairs {
-    /// The near pairs of a crowd, for multipliers shaped like `multipliers`; collective.
+    /// The near pairs of a crowd shared out as `layout` says, for multipliers shaped like `multipliers`; collective.
     ///
     /// # Errors
     /// PETSc has no memory for the exchange.
-    pub fn new<const D: usize>(crowd: &Crowd<D>, tables: &PairTables<D>, multipliers: &Vector) -> Result<NearPairs> {
-        let near = near_and_mine(crowd);
-        let (fetched, places) = places(crowd, &near);
-        let local = crowd.layout.local_unknowns();
+    pub fn new<const D: usize>(
+        (crowd, layout): (&Crowd<D>, &Layout),
+        tables: &PairTables<D>,
+        multipliers: &Vector,
+    ) -> Result<NearPairs> {
+        let near = near_and_mine(crowd, layout);
+        let (fetched, places) = places((crowd, layout), &near);
+        let local = layout.local_unknowns();
         let mut pairs = NearPairs {
             pairs: Vec::with_capacity(near.len()),
             turns: Vec::new(),
@@ -80,7 +72,7 @@ impl NearPairs {
             found: vec![0.0; local + fetched.len()],
             local,
         };
-        for pair in &near {
+        for pair in near {
             pairs.add(crowd, tables, pair, &places);
         }
         Ok(pairs)
@@ -122,20 +114,16 @@ impl NearPairs {
 }
 
 /// The near pairs with a body that this rank holds.
-fn near_and_mine<const D: usize>(crowd: &Crowd<D>) -> Vec<Pair<D>> {
-    let largest = crowd.balls.iter().map(|ball| ball.radius).fold(0.0, f64::max);
-    let radius = |body: usize| crowd.balls[body].radius;
-    let mut near = near_pairs(crowd.domain, crowd.balls, REACH * largest);
-    near.retain(|pair| {
-        let mean = 0.5 * (radius(pair.first) + radius(pair.second));
-        pair.gap < REACH * mean && [pair.first, pair.second].iter().any(|&body| crowd.layout.holds(body))
-    });
-    near
+fn near_and_mine<'a, const D: usize>(crowd: &'a Crowd<D>, layout: &Layout) -> Vec<&'a Pair<D>> {
+    let near = |pair: &&Pair<D>| {
+        let mean = 0.5 * (crowd.balls[pair.first].radius + crowd.balls[pair.second].radius);
+        pair.gap < REACH * mean && Crowd::<D>::touches(layout, [pair.first, pair.second])
+    };
+    crowd.pairs.iter().filter(near).collect()
 }
 
 /// The multipliers to fetch for these pairs, and where each body's stand: this rank's first, then the fetched.
-fn places<const D: usize>(crowd: &Crowd<D>, near: &[Pair<D>]) -> (Vec<i32>, Vec<usize>) {
-    let layout = crowd.layout;
+fn places<const D: usize>((crowd, layout): (&Crowd<D>, &Layout), near: &[&Pair<D>]) -> (Vec<i32>, Vec<usize>) {
     let mut places = vec![usize::MAX; crowd.balls.len()];
     layout.local_bodies.iter().for_each(|&body| places[body] = layout.local(body));
     let mut fetched = Vec::new();

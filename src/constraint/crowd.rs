@@ -1,0 +1,35 @@
+//! The bodies of all ranks, and which of them are near each other: looked for once, for all that asks.
+
+use super::{Layout, lubrication, near};
+use crate::geometry::{Ball, Domain, Pair, WallPair, near_pairs, near_walls};
+
+/// Bodies in their places, with what is within reach of each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crowd<const D: usize> {
+    /// The bodies, with their centres in the box.
+    pub balls: Vec<Ball<D>>,
+    /// Order of the modes of each.
+    pub orders: Vec<usize>,
+    /// Pairs of bodies within reach.
+    pub pairs: Vec<Pair<D>>,
+    /// Bodies within reach of a wall.
+    pub walls: Vec<WallPair<D>>,
+}
+
+impl<const D: usize> Crowd<D> {
+    /// Bodies with their centres in the box; near is what is less than `reach` away.
+    pub fn new(domain: &Domain<D>, balls: Vec<Ball<D>>, orders: Vec<usize>, reach: f64) -> Crowd<D> {
+        let (pairs, walls) = (near_pairs(domain, &balls, reach), near_walls(domain, &balls, reach));
+        Crowd { balls, orders, pairs, walls }
+    }
+
+    /// A reach beyond which neither films nor the approximate inverse know of a neighbour.
+    pub fn reach(balls: &[Ball<D>]) -> f64 {
+        lubrication::REACH.max(near::REACH) * balls.iter().map(|ball| ball.radius).fold(0.0, f64::max)
+    }
+
+    /// Whether a rank with this layout holds one of the two bodies.
+    pub fn touches(layout: &Layout, bodies: [usize; 2]) -> bool {
+        bodies.iter().any(|&body| layout.holds(body))
+    }
+}
