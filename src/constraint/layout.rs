@@ -68,6 +68,11 @@ impl Layout {
         self.places[body].number
     }
 
+    /// Number of bodies on all ranks.
+    pub fn bodies(&self) -> usize {
+        self.places.len()
+    }
+
     /// Number of multipliers on this rank.
     pub fn local_unknowns(&self) -> usize {
         self.local_unknowns

@@ -31,7 +31,7 @@ pub use adjoint::{AdjointBlocks, AdjointBody, FreeInverse, assemble as assemble_
 pub use blocks::Blocks;
 pub use crowd::Crowd;
 pub use layout::Layout;
-pub use near::{NearPairs, PairTables};
+pub use near::{Given, NearPairs, PairTables, RigidBlock};
 pub use patch::Patch;
 pub use scalar::{InclusionMethod, PlacedInclusion, ScalarBlocks};
 pub use sharp::{BodyBlocks, INTERPOLATION_REACH, Neighbour, Passed, Placed, SharpBlocks, Situation, Workspace, assemble, jump, passed};

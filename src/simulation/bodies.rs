@@ -12,8 +12,8 @@ use super::{
 use crate::{
     body::{Motion, Twist, components, skew},
     constraint::{
-        Blocks, Crowd, Layout, NearPairs, PairTables, Placed,
-        lubrication::{self, FilmTables, Films, films},
+        Blocks, Crowd, Given, Layout, NearPairs, PairTables, Placed,
+        lubrication::{self, FilmTables, Films, films, walls_seen},
     },
     contact::{Contact, Partner},
     error::Result,
@@ -93,7 +93,8 @@ impl<const D: usize> Kinds<D> {
                 kinds.len() - 1
             }));
         }
-        Kinds { kinds, kind_of, pair_tables: PairTables::default(), film_tables: FilmTables::default() }
+        let given = if setup.lubrication.is_some() { Given::Motions } else { Given::Forces };
+        Kinds { kinds, kind_of, pair_tables: PairTables::new(given), film_tables: FilmTables::default() }
     }
 
     /// Bodies with their centres at the given places.
@@ -117,6 +118,11 @@ impl<const D: usize> Kinds<D> {
             Partner::Wall { .. } => None,
         };
         lubrication::approach::<D>(&self.film_tables, (of(contact.body), other), contact.gap, roughness)
+    }
+
+    /// What corrections by near pairs are for.
+    pub fn given(&self) -> Given {
+        self.pair_tables.given
     }
 
     /// How a body answers to forces and torques.
@@ -180,6 +186,11 @@ impl<'a, const D: usize> Bodies<'a, D> {
     pub fn films(&self) -> Films<D> {
         let films = |roughness| films((&self.crowd, &self.layout), &self.kinds.film_tables, roughness);
         self.setup.lubrication.map_or(Films { films: Vec::new(), imbalance: 0.0 }, films)
+    }
+
+    /// What modes see of the films between bodies of this rank and walls.
+    pub fn walls_seen(&self) -> Films<D> {
+        walls_seen((&self.crowd, &self.layout), &self.kinds.film_tables)
     }
 
     /// The near pairs of this rank's bodies; collective.

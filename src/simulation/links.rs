@@ -7,12 +7,13 @@ use super::{
     basis::Basis,
     bodies::Bodies,
     suspension::Moment,
-    touching::{End, Link, Touching, Weights},
+    network::Resistances,
+    touching::{End, Link, Medium, Touching, Weights},
 };
 use crate::{
     body::components,
     constraint::{
-        Layout,
+        Given, Layout, NearPairs, RigidBlock,
         lubrication::{Film, Films, Opposite, Side, Way},
     },
     contact::{Contact, ContactForce},
@@ -20,6 +21,17 @@ use crate::{
     geometry::Axis,
     parallel::World,
 };
+
+/// Numbers of rigid modes, by dimension.
+const RIGID: [usize; 4] = [0, 0, 3, 6];
+
+/// Part of what a body alone resists that is left to it among neighbours, whose resistance to its motion relative to them counts apart, and
+/// what a body without any has besides.
+const AMONG_NEIGHBOURS: f64 = 0.01;
+const AMONG_FEW: f64 = 0.3;
+
+/// Neighbours that are not few.
+const FEW: usize = 3;
 
 /// The links of a moment, for a flow without bodies that has this rank's `undisturbed` velocities on surfaces, in a system with at least
 /// so many `places`. Collective.
@@ -30,7 +42,8 @@ pub fn touching<const D: usize>(
     basis: &Basis<D>,
     bodies: &Bodies<D>,
     (moment, films): (&Moment<D>, &Films<D>),
-    (undisturbed, places): (&[f64], usize),
+    (undisturbed, pairs): (&[f64], Option<&NearPairs>),
+    places: usize,
 ) -> Result<Touching> {
     let mut builder = Builder { basis, centers: moment.centers, scale: scale(basis), links: Vec::new() };
     for pressed in moment.pressed.iter().filter(|pressed| touches(&bodies.layout, pressed)) {
@@ -39,9 +52,10 @@ pub fn touching<const D: usize>(
     for film in &films.films {
         film.ways.iter().for_each(|way| builder.add_way(film, way, bodies.layout.holds(film.body)));
     }
-    let scaled = (builder.scale, builder.links);
-    let resistances: Vec<Option<[f64; 6]>> = bodies.layout.local_bodies.iter().map(|&body| resistance(basis, scaled.0, body)).collect();
-    let mut touching = Touching::new((&basis.session, &bodies.layout), scaled, (D * (D + 1) / 2, &resistances), places)?;
+    let links = std::mem::take(&mut builder.links);
+    let medium = builder.medium(bodies, pairs);
+    let stays = |body: usize| !basis.setup.bodies[body].body.free();
+    let mut touching = Touching::new((&basis.session, &bodies.layout), (builder.scale, links), (RIGID[D], medium, stays), places)?;
     touching.without(undisturbed)?;
     Ok(touching)
 }
@@ -54,13 +68,6 @@ pub fn belongs<const D: usize>(layout: &Layout, pressed: &ContactForce<D>) -> bo
 /// Whether it has a side on a body of this rank.
 fn touches<const D: usize>(layout: &Layout, pressed: &ContactForce<D>) -> bool {
     belongs(layout, pressed) || pressed.contact.other().is_some_and(|other| layout.holds(other))
-}
-
-/// Unknowns of links over velocities for a body alone; none if its motion is given.
-fn resistance<const D: usize>(basis: &Basis<D>, scale: f64, body: usize) -> Option<[f64; 6]> {
-    let rigid = basis.kinds.rigid(body);
-    let own = || std::array::from_fn(|mode| rigid.force / (scale * rigid.mobilities[mode]));
-    basis.setup.bodies[body].body.free().then(own)
 }
 
 /// Force per unit viscosity that a unit of the unknowns stands for.
@@ -99,6 +106,44 @@ impl<const D: usize> Builder<'_, D> {
             Opposite::Wall((axis, upper)) => direction.dot(&wall_velocity(self.basis, axis, upper)),
         };
         self.known(known - way.sides[0].direction.dot(&self.sliding(film.body)));
+    }
+
+    /// What bodies resist besides links.
+    fn medium(&mut self, bodies: &Bodies<D>, pairs: Option<&NearPairs>) -> Medium {
+        let (basis, layout) = (self.basis, &bodies.layout);
+        let mut resistances = Resistances::default();
+        let Some(pairs) = pairs.filter(|_| basis.kinds.given() == Given::Motions) else {
+            layout.local_bodies.iter().for_each(|&body| resistances.add(layout, [body; 2], &self.alone(body)));
+            return Medium::Alone(resistances);
+        };
+        let mut neighbours = vec![0; layout.bodies()];
+        for (ends, blocks) in pairs.resistances(RIGID[D]) {
+            for (one, two) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                let block = blocks[one][two] * (basis.kinds.rigid(ends[one]).force / self.scale);
+                resistances.add(layout, [ends[one], ends[two]], &block);
+            }
+            ends.iter().for_each(|&end| neighbours[end] += 1);
+        }
+        for film in &bodies.walls_seen().films {
+            neighbours[film.body] += FEW;
+            film.ways.iter().for_each(|way| self.add_way(film, way, true));
+        }
+        resistances.add_links(layout, self.links.iter(), |link| link.compliance);
+        for &body in &layout.local_bodies {
+            let few = FEW.saturating_sub(neighbours[body]) as f64 / FEW as f64;
+            let part = if basis.setup.bodies[body].body.free() { AMONG_NEIGHBOURS + AMONG_FEW * few } else { 1.0 };
+            resistances.add(layout, [body; 2], &(self.alone(body) * part));
+        }
+        Medium::Pairs(resistances)
+    }
+
+    /// What a body resists alone.
+    fn alone(&self, body: usize) -> RigidBlock {
+        let rigid = self.basis.kinds.rigid(body);
+        let own = (0..RIGID[D]).map(|mode| rigid.force / (self.scale * rigid.mobilities[mode]));
+        let mut block = RigidBlock::zeros();
+        own.enumerate().for_each(|(mode, own)| block[(mode, mode)] = own);
+        block
     }
 
     /// Velocity of the image of the box in which the centre of a body lies, that of films being in the box.

@@ -1,25 +1,45 @@
-//! The resistance of bodies to motion, each on its own and through the links between them: sparse, symmetric and positive.
+//! The resistance of bodies to motion, by their neighbours and through the links between them: sparse, symmetric and positive.
 //!
 //! ```text
-//! ( D^-1 + N' C^-1 N ) U = forces        N: rates of links for motions U     C: compliances     D: bodies' own mobilities
+//! ( A + N' C^-1 N ) U = forces        N: rates of links for motions U     C: compliances     A: what bodies alone or near pairs resist
 //! ```
 //!
 //! It has the rigid modes of each body as unknowns, owned with the body, whatever the number of links. By the identity of Woodbury it
-//! gives what `N D N' + C`, a matrix of the links, would.
+//! gives what `N A^-1 N' + C`, a matrix of the links, would.
 
 use std::collections::BTreeMap;
 
-use nalgebra::SMatrix;
-
-use super::touching::{End, Link};
+use super::touching::Link;
 use crate::{
-    constraint::Layout,
+    constraint::{Layout, RigidBlock},
     error::Result,
     petsc::{Definite, RowBuilder, Session, Vector},
 };
 
-/// Resistance between the rigid modes of two bodies.
-type Block = SMatrix<f64, 6, 6>;
+/// Rows of this rank's bodies, block by block: the numbers of two bodies, and what the motion of the second makes the first feel.
+#[derive(Clone, Default)]
+pub struct Resistances {
+    blocks: BTreeMap<(usize, usize), RigidBlock>,
+}
+
+impl Resistances {
+    /// Adds what one body feels of the motion of another, or of its own.
+    pub fn add(&mut self, layout: &Layout, [one, two]: [usize; 2], block: &RigidBlock) {
+        if layout.holds(one) {
+            *self.blocks.entry((layout.number(one), layout.number(two))).or_default() += block;
+        }
+    }
+
+    /// Adds what links resist with the given compliances.
+    pub fn add_links<'a>(&mut self, layout: &Layout, links: impl Iterator<Item = &'a Link>, compliance: impl Fn(&Link) -> f64) {
+        for link in links {
+            let ends = || link.ends.iter().flatten();
+            for (one, two) in ends().flat_map(|one| ends().map(move |two| (one, two))) {
+                self.add(layout, [one.body, two.body], &(one.weights * two.weights.transpose() / compliance(link)));
+            }
+        }
+    }
+}
 
 /// The factored resistance.
 pub struct Network {
@@ -32,26 +52,25 @@ pub struct Network {
 }
 
 impl Network {
-    /// The network of the links that touch this rank's bodies, for bodies of so many rigid modes with the given `resistances` of their own;
-    /// bodies whose motion is given have none, and stay where they are. Collective.
+    /// The network of some resistances, between bodies of so many rigid modes; bodies that `stay` have their motion given. Collective.
     ///
     /// # Errors
     /// It cannot be factored.
-    pub fn new(session: &Session, layout: &Layout, links: &[Link], resistances: &[Option<[f64; 6]>], rigid: usize) -> Result<Network> {
-        let mut blocks: BTreeMap<(usize, usize), Block> = BTreeMap::new();
-        for link in links {
-            for one in link.ends().filter(|end| layout.holds(end.body)) {
-                for two in link.ends() {
-                    *blocks.entry(numbers(layout, one, two)).or_default() += one.weights * two.weights.transpose() / link.stiff_compliance();
-                }
-            }
-        }
+    pub fn new(
+        session: &Session,
+        layout: &Layout,
+        (resistances, rigid): (&Resistances, usize),
+        stays: impl Fn(usize) -> bool,
+    ) -> Result<Network> {
+        let mut bodies = vec![0; layout.bodies()];
+        (0..bodies.len()).for_each(|body| bodies[layout.number(body)] = body);
         let mut rows = RowBuilder::default();
-        for (&body, own) in layout.local_bodies.iter().zip(resistances) {
+        for &body in &layout.local_bodies {
             let number = layout.number(body);
+            let own = || resistances.blocks.range((number, 0)..=(number, usize::MAX)).filter(|_| !stays(body));
             for row in 0..rigid {
-                rows.push(number * rigid + row, own.map_or(1.0, |own| own[row]));
-                for (&(_, column), block) in blocks.range((number, 0)..=(number, usize::MAX)) {
+                rows.push(number * rigid + row, f64::from(stays(body)));
+                for (&(_, column), block) in own().filter(|&(&(_, column), _)| !stays(bodies[column])) {
                     (0..rigid).for_each(|mode| rows.push(column * rigid + mode, block[(row, mode)]));
                 }
                 rows.end_row();
@@ -76,8 +95,4 @@ impl Network {
         }
         Ok(())
     }
-}
-
-fn numbers(layout: &Layout, one: &End, two: &End) -> (usize, usize) {
-    (layout.number(one.body), layout.number(two.body))
 }

@@ -72,7 +72,7 @@ impl<'a, const D: usize> Ready<'a, D> {
         let closure = basis.closure.unknowns::<D>();
         let places = engine.as_ref().map_or(0, |engine| engine.work.sizes().links);
         let films = balanced(basis.session.world(), bodies.films())?;
-        let touching = touching(basis, &bodies, (moment, &films), (&assembly.undisturbed, places))?;
+        let touching = touching(basis, &bodies, (moment, &films), (&assembly.undisturbed, assembly.pairs.as_ref()), places)?;
         let fluid = if basis.condensed { 0 } else { basis.grid.local_fluid_unknowns() };
         let sizes = Sizes { fluid, multipliers: assembly.undisturbed.len(), closure, links: touching.places() };
         let mut engine = Engine::fitting(engine, basis, sizes)?;
@@ -97,6 +97,7 @@ impl<'a, const D: usize> Ready<'a, D> {
             members: &self.members,
             closure: &basis.closure,
             touching: &mut self.touching,
+            prescribed: basis.setup.bodies.iter().any(|suspended| !suspended.body.free()),
             prescribed_drag: self.prescribed_drag,
         };
         let Engine { krylov, work, rhs, x } = &mut self.engine;

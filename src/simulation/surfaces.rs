@@ -18,7 +18,7 @@ use super::{
     touching::{Touching, Weights},
 };
 use crate::{
-    constraint::{Blocks, FreeInverse, NearPairs},
+    constraint::{Blocks, FreeInverse, Given, NearPairs},
     error::Result,
     parallel::World,
     petsc::Vector,
@@ -94,6 +94,8 @@ pub struct Surfaces<'a, const D: usize> {
     pub closure: &'a Closure,
     /// Contacts.
     pub touching: &'a mut Touching,
+    /// Whether any rank has bodies whose motion is given.
+    pub prescribed: bool,
     /// Sum over all prescribed bodies of the translation block of their inverses, the closure's own row scale.
     pub prescribed_drag: f64,
 }
@@ -131,6 +133,15 @@ impl<const D: usize> Surfaces<'_, D> {
     /// Multipliers and tail for the given rows, when the fluid already moves as `sampled`, which the multipliers replace.
     pub fn precondition(&mut self, given: &mut Vector, rows: &[f64], sampled: &mut Vector) -> Result<Vec<f64>> {
         let mut tail = rows.to_vec();
+        if self.pairs.as_ref().is_some_and(|pairs| pairs.given() == Given::Motions) {
+            let contacts = self.invert_together(given, rows, sampled)?;
+            tail[self.contacts()].copy_from_slice(&contacts);
+            if let Closure::MeanVelocity = self.closure {
+                let means = self.correct_net_force(rows, sampled)?;
+                tail[..D].copy_from_slice(&means);
+            }
+            return Ok(tail);
+        }
         let contacts = self.invert_contacts(given, rows, sampled)?;
         tail[self.contacts()].copy_from_slice(&contacts);
         self.invert_bodies(given, sampled)?;
@@ -209,8 +220,9 @@ impl<const D: usize> Surfaces<'_, D> {
         let still = vec![0.0; self.touching.count()];
         let found = self.touching.rows(&velocities, &still)?;
         let missing = rows[self.contacts()].iter().zip(found).map(|(wanted, found)| wanted - found).collect();
-        let contacts = self.touching.approximate_unknowns(missing)?;
         let mut pressed = velocities;
+        pressed.fill(0.0)?;
+        let contacts = self.touching.resist(&mut pressed, missing)?;
         pressed.fill(0.0)?;
         self.touching.press(1.0, &contacts, &mut pressed)?;
         let (pressed, mut given) = (pressed.local()?, given.local_mut()?);
@@ -219,6 +231,113 @@ impl<const D: usize> Surfaces<'_, D> {
             given[rigid.clone()].iter_mut().zip(&pressed[rigid]).for_each(|(row, c)| *row += member.force_scale * c);
         }
         Ok(contacts)
+    }
+
+    /// Turns the sampled velocities into multipliers, and returns the unknowns of links, by what near pairs answer to motions:
+    ///
+    /// ```text
+    /// z = A^-1 V r        (A + N' C^-1 N) U = F + N' C^-1 rates - V r        c = B r + W (U + z)        g = C^-1 (rates - N U)
+    /// ```
+    ///
+    /// with `r` the velocities wanted of free modes, `B` their inverse, `V` the forces that they call for at rest, and `W` the multipliers
+    /// that motions call for. Net forces hold exactly.
+    fn invert_together(&mut self, given: &Vector, rows: &[f64], sampled: &mut Vector) -> Result<Vec<f64>> {
+        let mut rates = self.touching.rows(sampled, &vec![0.0; self.touching.count()])?;
+        rates.iter_mut().zip(&rows[self.contacts()]).for_each(|(rate, wanted)| *rate = wanted - *rate);
+        let (mut wanted, mut motions) = (given.like()?, given.like()?);
+        self.part(given, sampled, (&mut wanted, &mut motions))?;
+        let mut found = given.like()?;
+        self.answer(&wanted, &mut found)?;
+        // forces that velocities of free modes call for, and those wanted, over those of a unit of a link's unknown
+        let (mut held, mut forces) = (given.like()?, given.like()?);
+        self.collect_forces((given, &found, &motions), (&mut held, &mut forces))?;
+        let mut drift = held;
+        self.touching.move_unlinked(&mut drift)?;
+        let unknowns = self.touching.resist(&mut forces, rates)?;
+        self.move_free(&forces, &mut motions)?;
+        motions.add(1.0, &drift)?;
+        self.finish(given, (&mut motions, &mut found))?;
+        self.touching.press(1.0, &unknowns, &mut found)?;
+        sampled.copy_from(&found)?;
+        Ok(unknowns)
+    }
+
+    /// Velocities wanted of free modes, and motions wanted of bodies whose motion is given.
+    fn part(&self, given: &Vector, sampled: &Vector, (wanted, motions): (&mut Vector, &mut Vector)) -> Result<()> {
+        let (given, sampled) = (given.local()?, sampled.local()?);
+        let (mut wanted, mut motions) = (wanted.local_mut()?, motions.local_mut()?);
+        for member in self.members {
+            for (mode, place) in member.range.clone().enumerate().filter(|&(mode, _)| !member.gives_force(mode)) {
+                let to = if mode < member.rigid { &mut motions } else { &mut wanted };
+                to[place] = given[place] - sampled[place];
+            }
+        }
+        Ok(())
+    }
+
+    /// What the wanted velocities of free modes call for, of bodies alone and near pairs.
+    fn answer(&mut self, wanted: &Vector, found: &mut Vector) -> Result<()> {
+        let (input, mut output) = (wanted.local()?, found.local_mut()?);
+        for member in self.members {
+            member.inverse.apply(&input[member.range.clone()], &mut output[member.range.clone()]);
+        }
+        drop(input);
+        self.add_pairs(wanted, &mut output)
+    }
+
+    fn add_pairs(&mut self, input: &Vector, output: &mut [f64]) -> Result<()> {
+        if let Some(pairs) = &mut self.pairs {
+            output.iter_mut().zip(pairs.correction(input)?).for_each(|(out, correction)| *out += correction);
+        }
+        Ok(())
+    }
+
+    /// The forces that free modes call for (`held`), and what forces are wanted beyond those and what given motions cause.
+    fn collect_forces(&mut self, (given, found, motions): (&Vector, &Vector, &Vector), (held, forces): (&mut Vector, &mut Vector)) -> Result<()> {
+        let mut dragged = vec![0.0; found.local()?.len()];
+        if self.prescribed {
+            self.add_pairs(motions, &mut dragged)?;
+        }
+        let (given, found) = (given.local()?, found.local()?);
+        let (mut held, mut forces) = (held.local_mut()?, forces.local_mut()?);
+        for member in self.members {
+            let unit = self.touching.scale / member.area;
+            for place in member.range.start..member.range.start + member.rigid {
+                held[place] = found[place] / unit;
+                if member.free {
+                    forces[place] = (given[place] / member.force_scale - found[place] - dragged[place]) / unit;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Copies the motions of free bodies.
+    fn move_free(&self, found: &Vector, motions: &mut Vector) -> Result<()> {
+        let (found, mut motions) = (found.local()?, motions.local_mut()?);
+        for member in self.members.iter().filter(|member| member.free) {
+            let rigid = member.range.start..member.range.start + member.rigid;
+            motions[rigid.clone()].copy_from_slice(&found[rigid]);
+        }
+        Ok(())
+    }
+
+    /// Adds to the multipliers what motions call for; those of rigid modes of free bodies are the given forces.
+    fn finish(&mut self, given: &Vector, (motions, found): (&mut Vector, &mut Vector)) -> Result<()> {
+        let mut found = found.local_mut()?;
+        self.members.iter().for_each(|member| found[member.range.start..member.range.start + member.rigid].fill(0.0));
+        self.add_pairs(motions, &mut found)?;
+        let (given, motions) = (given.local()?, motions.local()?);
+        for member in self.members {
+            for (mode, place) in (member.range.start..member.range.start + member.rigid).enumerate() {
+                if member.free {
+                    found[place] = given[place] / member.force_scale;
+                } else {
+                    found[place] += member.inverse.diagonal(mode) * motions[place];
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Turns the sampled velocities into multipliers of lonely bodies; leaves in `given` the velocities that they meet.

@@ -8,14 +8,14 @@
 //! ```
 //!
 //! so that a film of whatever resistance leaves the system well conditioned: what resists most is a constraint. Each link belongs to the
-//! rank that holds its first body. With the mobility of each body in unbounded fluid these rows have a sparse approximation, the
-//! [`Network`], factored once a solve.
+//! rank that holds its first body. With what bodies alone, or near pairs, resist these rows have a sparse approximation, the [`Network`],
+//! factored once a solve.
 
 use std::collections::BTreeMap;
 
 use nalgebra::SVector;
 
-use super::network::Network;
+use super::network::{Network, Resistances};
 use crate::{
     constraint::Layout,
     error::Result,
@@ -62,26 +62,32 @@ pub struct Link {
 }
 
 impl Link {
-    /// Its free bodies.
-    pub fn ends(&self) -> impl Iterator<Item = &End> {
-        self.ends.iter().flatten()
-    }
-
     /// Its compliance in the approximation, which is never zero.
     pub fn stiff_compliance(&self) -> f64 {
-        let mobility: f64 = self.ends().map(End::mobility).sum();
+        let mobility: f64 = self.ends.iter().flatten().map(End::mobility).sum();
         (self.compliance + SHIFT * mobility).max(f64::MIN_POSITIVE)
     }
 }
 
 /// Bodies of other ranks at the ends of this rank's links, and what the links do through the network.
 struct Acting {
-    network: Network,
+    /// Bodies and links.
+    linked: Network,
+    /// Bodies alone, if what they resist is known of near pairs.
+    unlinked: Option<Network>,
     others: Scatter,
     /// For each end of this rank's links, where its motion begins: among this rank's multipliers, then among those fetched.
     places: Vec<[usize; 2]>,
     /// Velocities or forces in the places of multipliers.
     motions: Vector,
+}
+
+/// What bodies resist besides links.
+pub enum Medium {
+    /// Each as if it were alone.
+    Alone(Resistances),
+    /// By near pairs.
+    Pairs(Resistances),
 }
 
 /// The links of a solve that belong to this rank: contacts and ways of films.
@@ -96,19 +102,30 @@ pub struct Touching {
 
 impl Touching {
     /// The links that touch this rank's bodies, in a system that has at least so many `places` for those that belong to it; bodies have so
-    /// many rigid modes, and those of this rank the given resistances of their own. Collective.
+    /// many rigid modes, and those that `stay` have their motion given. Collective.
     ///
     /// # Errors
     /// The approximation cannot be factored.
     pub fn new(
         (session, layout): (&Session, &Layout),
         (scale, links): (f64, Vec<Link>),
-        (rigid, resistances): (usize, &[Option<[f64; 6]>]),
+        (rigid, medium, stays): (usize, Medium, impl Fn(usize) -> bool),
         places: usize,
     ) -> Result<Self> {
         let owned: Vec<Link> = links.iter().filter(|link| link.owned).cloned().collect();
-        let any = session.world().max(links.len() as f64) > 0.0;
-        let acting = if any { Some(Acting::new((session, layout), (&links, &owned), (rigid, resistances))?) } else { None };
+        let (mut resistances, by_pairs) = match medium {
+            Medium::Alone(resistances) => (resistances, false),
+            Medium::Pairs(resistances) => (resistances, true),
+        };
+        let any = by_pairs || session.world().max(links.len() as f64) > 0.0;
+        let acting = if any {
+            let unlinked = if by_pairs { Some(Network::new(session, layout, (&resistances, rigid), |_| false)?) } else { None };
+            resistances.add_links(layout, links.iter(), Link::stiff_compliance);
+            let linked = Network::new(session, layout, (&resistances, rigid), stays)?;
+            Some(Acting::new((session, layout), (linked, unlinked), (&owned, rigid))?)
+        } else {
+            None
+        };
         // a few links more or less do not change the size of the system
         let places = if owned.len() <= places { places } else { roomy(owned.len()) };
         Ok(Touching { scale, links: owned, rigid, places, acting })
@@ -159,24 +176,35 @@ impl Touching {
         multipliers.add(1.0, &acting.motions)
     }
 
-    /// The unknowns that change rates by the given amounts, if the network were all that resists. Collective.
-    pub fn approximate_unknowns(&mut self, mut rates: Vec<f64>) -> Result<Vec<f64>> {
+    /// The unknowns for which links give the wanted rates where `forces`, in the places of multipliers and per unit of an unknown, act too;
+    /// they are replaced by the motions of the bodies. Collective.
+    pub fn resist(&mut self, forces: &mut Vector, mut rates: Vec<f64>) -> Result<Vec<f64>> {
         let Some(acting) = &mut self.acting else { return Ok(rates) };
         let compliances: Vec<f64> = self.links.iter().map(Link::stiff_compliance).collect();
         rates.iter_mut().zip(&compliances).for_each(|(rate, compliance)| *rate /= compliance);
         acting.push(&self.links, self.rigid, &rates, |_| 1.0)?;
-        acting.network.answer(&mut acting.motions)?;
+        acting.motions.add(1.0, forces)?;
+        acting.linked.answer(&mut acting.motions)?;
         let found = acting.rates(&self.links, self.rigid)?;
         rates.iter_mut().zip(found).zip(compliances).for_each(|((rate, found), compliance)| *rate -= found / compliance);
+        forces.copy_from(&acting.motions)?;
         Ok(rates)
+    }
+
+    /// Replaces forces on bodies by motions as if there were no links, where that is known of near pairs. Collective.
+    pub fn move_unlinked(&mut self, forces: &mut Vector) -> Result<()> {
+        match self.acting.as_mut().and_then(|acting| acting.unlinked.as_mut()) {
+            Some(unlinked) => unlinked.answer(forces),
+            None => Ok(()),
+        }
     }
 }
 
 impl Acting {
     fn new(
         (session, layout): (&Session, &Layout),
-        (links, owned): (&[Link], &[Link]),
-        (rigid, resistances): (usize, &[Option<[f64; 6]>]),
+        (linked, unlinked): (Network, Option<Network>),
+        (owned, rigid): (&[Link], usize),
     ) -> Result<Acting> {
         let motions = Vector::new(session, layout.local_unknowns())?;
         let (mut wanted, mut fetched) = (Vec::new(), BTreeMap::new());
@@ -190,8 +218,7 @@ impl Acting {
             None => 0,
         };
         let places = owned.iter().map(|link| link.ends.each_ref().map(&mut place)).collect();
-        let network = Network::new(session, layout, links, resistances, rigid)?;
-        Ok(Acting { network, others: Scatter::new(&motions, &wanted)?, places, motions })
+        Ok(Acting { linked, unlinked, others: Scatter::new(&motions, &wanted)?, places, motions })
     }
 
     /// Rates of the links for velocities in `motions`.

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, SVector};
 use turbid::{
-    constraint::{Crowd, Layout, NearPairs, PairTables},
+    constraint::{Crowd, Given, Layout, NearPairs, PairTables},
     geometry::{Axis, Ball, Domain},
     grid::Grid,
     petsc::{Session, Vector},
@@ -69,7 +69,7 @@ fn correction<const D: usize>(session: &Session, balls: &[Ball<D>], orders: &[us
         multipliers.local_mut().unwrap()[local].copy_from_slice(&wanted[all]);
     }
     let crowd = Crowd::new(&domain, balls.to_vec(), orders.to_vec(), Crowd::reach(balls));
-    let mut pairs = NearPairs::new((&crowd, &layout), &PairTables::default(), &multipliers).unwrap();
+    let mut pairs = NearPairs::new((&crowd, &layout), &PairTables::new(Given::Forces), &multipliers).unwrap();
     let own = pairs.correction(&multipliers).unwrap();
     let mut found = vec![0.0; wanted.len()];
     for &body in &layout.local_bodies {

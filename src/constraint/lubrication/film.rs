@@ -2,10 +2,11 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{FilmTable, FilmTables};
+use super::{FilmTable, FilmTables, Resistance};
 use crate::{
     body::{Twist, components},
     constraint::{Crowd, Layout},
+    geometry::WallPair,
 };
 
 /// Largest reach of any table, in radii of the smaller body.
@@ -107,21 +108,35 @@ pub fn films<const D: usize>((crowd, layout): (&Crowd<D>, &Layout), tables: &Fil
             let table = tables.of::<D>(orders[ends[0]], Some((orders[ends[1]], large / small)));
             let offset = separation - (balls[ends[1]].center - balls[ends[0]].center);
             let other = Opposite::Body(ends[1], offset);
-            films.extend(film(&table, (ends[0], small), (other, Some(large)), (separation, gap), roughness));
+            films.extend(film((&table, FilmTable::missing), (ends[0], small), (other, Some(large)), (separation, gap), roughness));
         }
     }
-    for near in crowd.walls.iter().filter(|near| layout.holds(near.body)) {
-        let radius = balls[near.body].radius;
-        let gap = near.gap / radius;
-        if gap < REACH {
-            let mut separation = SVector::<f64, D>::zeros();
-            separation[near.axis] = if near.upper { near.gap + radius } else { -near.gap - radius };
-            let table = tables.of::<D>(orders[near.body], None);
-            films.extend(film(&table, (near.body, radius), (Opposite::Wall((near.axis, near.upper)), None), (separation, gap), roughness));
-        }
-    }
+    films.extend(of_walls((crowd, layout), tables, FilmTable::missing, roughness));
     let imbalance = films.iter().map(imbalance).fold(0.0, f64::max);
     Films { films, imbalance }
+}
+
+/// What modes see of the films between bodies of this rank and walls.
+pub fn walls_seen<const D: usize>((crowd, layout): (&Crowd<D>, &Layout), tables: &FilmTables) -> Films<D> {
+    Films { films: of_walls((crowd, layout), tables, FilmTable::truncated, 0.0), imbalance: 0.0 }
+}
+
+/// Films between bodies of this rank and walls, with a part of their resistance.
+fn of_walls<const D: usize>(
+    (crowd, layout): (&Crowd<D>, &Layout),
+    tables: &FilmTables,
+    part: fn(&FilmTable, f64) -> Resistance,
+    roughness: f64,
+) -> Vec<Film<D>> {
+    let of_wall = |near: &WallPair<D>| {
+        let (radius, order) = (crowd.balls[near.body].radius, crowd.orders[near.body]);
+        let mut separation = SVector::<f64, D>::zeros();
+        separation[near.axis] = if near.upper { near.gap + radius } else { -near.gap - radius };
+        let (table, other) = (tables.of::<D>(order, None), Opposite::Wall((near.axis, near.upper)));
+        film((&table, part), (near.body, radius), (other, None), (separation, near.gap / radius), roughness)
+    };
+    let near = crowd.walls.iter().filter(|near| layout.holds(near.body) && near.gap < REACH * crowd.balls[near.body].radius);
+    near.filter_map(of_wall).collect()
 }
 
 /// What the film of a body of given radius and order and another, or a wall, resists approach by at a gap (a length), over viscosity, if it
@@ -140,7 +155,7 @@ pub fn approach<const D: usize>(
 }
 
 fn film<const D: usize>(
-    table: &FilmTable,
+    (table, part): (&FilmTable, fn(&FilmTable, f64) -> Resistance),
     (body, radius): (usize, f64),
     (other, second): (Opposite<D>, Option<f64>),
     (separation, gap): (SVector<f64, D>, f64),
@@ -150,7 +165,7 @@ fn film<const D: usize>(
     if seen >= table.reach() {
         return None;
     }
-    let missing = table.missing(seen);
+    let missing = part(table, seen);
     let normal = separation.normalize();
     // the middle of the film, so that a rigid motion of both sides has no rate
     let levers = [radius * (1.0 + 0.5 * gap), second.map_or(0.0, |second| second + 0.5 * radius * gap)];

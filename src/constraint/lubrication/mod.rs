@@ -23,7 +23,7 @@ mod pair;
 mod table;
 mod wall;
 
-pub use film::{Film, Films, Opposite, REACH, Side, Wall, Way, approach, films};
+pub use film::{Film, Films, Opposite, REACH, Side, Wall, Way, approach, films, walls_seen};
 pub use table::{FilmTable, FilmTables};
 
 /// What two near bodies, or a body and a wall, resist, for radius 1 of the first body and unit viscosity; linear in the tractions.

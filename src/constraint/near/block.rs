@@ -1,11 +1,17 @@
 //! The blocks of one and of two bodies in unbounded fluid, in the frame of the pair.
 
-use nalgebra::{DMatrix, SVector};
+use nalgebra::{DMatrix, SMatrix, SVector};
 
 use crate::surface::SurfaceTable;
 
 /// Quadrature points lie about a radius over this number apart.
 const FINENESS: f64 = 10.0;
+
+/// In 2D and 3D, the axis along which each of the two sees the other, and the signs by which their frames differ.
+const FRAME: [(usize, [f64; 3]); 2] = [(0, [-1.0, -1.0, 1.0]), (2, [-1.0, 1.0, -1.0])];
+
+/// Distances at which a net force causes no velocity in 2D. A pair without one does not feel it.
+const FAR: f64 = 4.0;
 
 /// A body of a pair.
 pub struct Side<const D: usize> {
@@ -29,11 +35,44 @@ impl<const D: usize> Side<D> {
         block
     }
 
+    /// Its block when it is alone, velocities in all rows; in 2D the velocity of a net force is zero a few distances away.
+    pub fn isolated_in_motion(&self, distance: f64) -> DMatrix<f64> {
+        self.surface.modes.isolated_mobility(FAR * distance)
+    }
+
+    /// The motions of two bodies as one, seen from this one, the first of the two or the `second`: a row for each mode, a column for each
+    /// translation and rotation about the point half way between the centres.
+    pub fn motions_as_one(&self, distance: f64, second: bool) -> DMatrix<f64> {
+        let (axis, signs) = FRAME[usize::from(D == 3)];
+        let mut middle = SVector::<f64, D>::zeros();
+        middle[axis] = 0.5 * distance;
+        let translations = (0..D).map(|i| (SVector::from_fn(|row, _| f64::from(row == i)), SMatrix::<f64, D, D>::zeros()));
+        let planes = (0..D).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let rotations = planes.map(|(i, j)| {
+            let spin = SMatrix::from_fn(|row, column| f64::from((row, column) == (i, j)) - f64::from((row, column) == (j, i)));
+            (SVector::zeros(), spin)
+        });
+        let turned = |i: usize| if second { signs[i] } else { 1.0 };
+        let seen = |(velocity, spin): (SVector<f64, D>, SMatrix<f64, D, D>)| {
+            let at = |offset: &SVector<f64, D>| {
+                let mut place = SVector::from_fn(|i, _| turned(i) * offset[i]) - middle;
+                if second {
+                    place += middle * 2.0;
+                }
+                let moved = velocity + spin * place;
+                SVector::from_fn(|i, _| turned(i) * moved[i])
+            };
+            self.surface.coefficients(at)
+        };
+        let columns: Vec<f64> = translations.chain(rotations).flat_map(seen).collect();
+        DMatrix::from_vec(self.surface.modes.count(), D * (D + 1) / 2, columns)
+    }
+
     /// The velocity that unit multipliers of `other` cause at this body's points, `D` rows a point; in 2D up to a uniform one.
     ///
     /// Each of the two sees the other along the axis of its own frame: the frames differ by half a turn.
     pub fn velocity_caused_by(&self, other: &Side<D>, distance: f64) -> DMatrix<f64> {
-        let (axis, signs) = if D == 2 { (0, [-1.0, -1.0, 1.0]) } else { (2, [-1.0, 1.0, -1.0]) };
+        let (axis, signs) = FRAME[usize::from(D == 3)];
         let mut center = SVector::<f64, D>::zeros();
         center[axis] = distance;
         let count = other.surface.modes.count();
@@ -41,7 +80,7 @@ impl<const D: usize> Side<D> {
         let mut velocity = DMatrix::zeros(self.surface.points() * D, count);
         for (point, offset) in self.surface.offsets().enumerate() {
             let from_other = SVector::<f64, D>::from_fn(|i, _| signs[i] * (offset[i] - center[i]));
-            other.surface.modes.exterior_velocity(from_other.as_slice(), distance, &mut values);
+            other.surface.modes.exterior_velocity(from_other.as_slice(), FAR * distance, &mut values);
             for (mode, value) in values.chunks_exact(D).enumerate() {
                 (0..D).for_each(|i| velocity[(point * D + i, mode)] = signs[i] * value[i]);
             }
@@ -49,12 +88,8 @@ impl<const D: usize> Side<D> {
         velocity
     }
 
-    /// The `velocity` of given `columns` tested with the modes `rows`, but not with rigid ones.
+    /// The `velocity` of given `columns` tested with the modes `rows`.
     pub fn test(&self, velocity: &DMatrix<f64>, rows: &[usize], columns: &[usize]) -> DMatrix<f64> {
-        let mut block = self.surface.projector().select_rows(rows) * velocity.select_columns(columns);
-        for (row, _) in rows.iter().enumerate().filter(|&(_, &mode)| mode < self.surface.modes.rigid_count()) {
-            block.row_mut(row).fill(0.0);
-        }
-        block
+        self.surface.projector().select_rows(rows) * velocity.select_columns(columns)
     }
 }

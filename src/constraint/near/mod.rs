@@ -5,8 +5,9 @@
 //! ```
 //!
 //! with `B_i` the block of an isolated body in unbounded fluid and `B_ij` that of two, rigid modes given in both: forces reach
-//! far, and summed over pairs they would count too much. In the frame of the pair the second sum depends on the distance
-//! alone, and comes from a table; [`NearPairs`] turns into that frame and back.
+//! far, and summed over pairs they would count too much. Where motions are given instead, a pair has neither net force nor torque, and the
+//! blocks say what the motion of its bodies relative to each other calls for: of the free modes, and of the forces. In the frame of the
+//! pair the second sum depends on the distance alone, and comes from a table; [`NearPairs`] turns into that frame and back.
 
 mod block;
 mod pattern;
@@ -15,6 +16,8 @@ mod table;
 use std::rc::Rc;
 
 use self::table::Table;
+use nalgebra::SMatrix;
+
 use super::{Crowd, Layout};
 use crate::{
     error::Result,
@@ -23,13 +26,17 @@ use crate::{
     surface::{mode_count, turn},
 };
 
-pub use table::PairTables;
+pub use table::{Given, PairTables};
 
 /// Gap, over the mean radius of the two, below which bodies are a near pair.
 pub const REACH: f64 = 1.0;
 
+/// Multipliers of the rigid modes of a body for motions of rigid modes of a body.
+pub type RigidBlock = SMatrix<f64, 6, 6>;
+
 /// The correction for the near pairs of this rank's bodies.
 pub struct NearPairs {
+    given: Given,
     pairs: Vec<NearPair>,
     /// Matrices that turn into the frames of the pairs.
     turns: Vec<f32>,
@@ -45,6 +52,7 @@ pub struct NearPairs {
 /// The body with the larger order, or else radius, is the second.
 struct NearPair {
     table: Rc<Table>,
+    bodies: [usize; 2],
     places: [usize; 2],
     /// Where its part of `turns` and of `values` begins.
     starts: (usize, usize),
@@ -64,6 +72,7 @@ impl NearPairs {
         let (fetched, places) = places((crowd, layout), &near);
         let local = layout.local_unknowns();
         let mut pairs = NearPairs {
+            given: tables.given,
             pairs: Vec::with_capacity(near.len()),
             turns: Vec::new(),
             values: Vec::new(),
@@ -90,12 +99,17 @@ impl NearPairs {
         let starts = (self.turns.len(), self.values.len());
         turn(&separation.normalize(), order(ends[1]), &mut self.turns);
         table.append(pair.gap, radius(ends[0]), &mut self.values);
-        self.pairs.push(NearPair { table, places: ends.map(|body| places[body]), starts });
+        self.pairs.push(NearPair { table, bodies: ends, places: ends.map(|body| places[body]), starts });
+    }
+
+    /// What is known of the rigid modes.
+    pub fn given(&self) -> Given {
+        self.given
     }
 
     /// What the pairs add to the multipliers of isolated bodies: this rank's part; collective.
     ///
-    /// `wanted` has the velocity wanted of each mode, but for rigid modes the multiplier found times the radius.
+    /// `wanted` has the velocity wanted of each mode, but for rigid modes, if forces are given, the multiplier found times the radius.
     ///
     /// # Errors
     /// The exchange fails.
@@ -110,6 +124,33 @@ impl NearPairs {
             pair.table.pattern.apply(matrices, (&self.wanted, pair.places), &mut frame, &mut self.found);
         }
         Ok(&self.found[..self.local])
+    }
+}
+
+impl NearPairs {
+    /// The multipliers of `rigid` modes that unit motions of rigid modes call for, pair by pair: both bodies, and for each the columns of both.
+    ///
+    /// What is known of rigid modes must be [`Given::Motions`].
+    pub fn resistances(&self, rigid: usize) -> impl Iterator<Item = ([usize; 2], [[RigidBlock; 2]; 2])> + '_ {
+        let mut frame = [Vec::new(), Vec::new()];
+        self.pairs.iter().map(move |pair| {
+            let pattern = &pair.table.pattern;
+            let [first, second] = pattern.counts();
+            let places = [0, first];
+            let (mut wanted, mut found) = (vec![0.0; first + second], vec![0.0; first + second]);
+            let matrices = (&self.turns[pair.starts.0..], &self.values[pair.starts.1..]);
+            let mut blocks = [[RigidBlock::zeros(); 2]; 2];
+            for (body, mode) in [0, 1].into_iter().flat_map(|body| (0..rigid).map(move |mode| (body, mode))) {
+                wanted[places[body] + mode] = 1.0;
+                found.fill(0.0);
+                pattern.apply(matrices, (&wanted, places), &mut frame, &mut found);
+                wanted[places[body] + mode] = 0.0;
+                for (other, place) in places.into_iter().enumerate() {
+                    (0..rigid).for_each(|row| blocks[other][body][(row, mode)] = found[place + row]);
+                }
+            }
+            (pair.bodies, blocks)
+        })
     }
 }
 

@@ -56,6 +56,11 @@ impl Pattern {
         self.equal
     }
 
+    /// Numbers of modes of the two bodies.
+    pub fn counts(&self) -> [usize; 2] {
+        [0, 1].map(|end| self.channels.iter().map(|channel| channel.modes[end].len()).sum())
+    }
+
     /// For each channel, the modes of the first and of the second body.
     pub fn channels(&self) -> impl Iterator<Item = &[Vec<usize>; 2]> {
         self.channels.iter().map(|channel| &channel.modes)

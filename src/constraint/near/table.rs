@@ -16,9 +16,22 @@ const NODES: usize = 16;
 /// Ratios of radii are rounded to this fraction of an octave.
 const STEPS_PER_OCTAVE: f64 = 16.0;
 
+/// Part of a unit motion that is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// What is known of the rigid modes of bodies, of which the correction tells the others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Given {
+    /// Net forces and torques.
+    Forces,
+    /// Velocities and spins.
+    Motions,
+}
+
 /// The tables of all combinations of bodies met so far.
-#[derive(Default)]
 pub struct PairTables<const D: usize> {
+    /// What the corrections are for.
+    pub given: Given,
     tables: RefCell<BTreeMap<Key, Rc<Table>>>,
 }
 
@@ -39,15 +52,20 @@ pub struct Table {
 }
 
 impl<const D: usize> PairTables<D> {
+    /// No tables yet.
+    pub fn new(given: Given) -> Self {
+        PairTables { given, tables: RefCell::default() }
+    }
+
     /// The table of two bodies of given orders and radii.
     pub fn of(&self, orders: [usize; 2], radii: [f64; 2]) -> Rc<Table> {
         let key = Key { orders, ratio: ((radii[1] / radii[0]).log2() * STEPS_PER_OCTAVE).round() as i32 };
-        self.tables.borrow_mut().entry(key).or_insert_with(|| Rc::new(Table::new::<D>(key))).clone()
+        self.tables.borrow_mut().entry(key).or_insert_with(|| Rc::new(Table::new::<D>(key, self.given))).clone()
     }
 }
 
 impl Table {
-    fn new<const D: usize>(key: Key) -> Table {
+    fn new<const D: usize>(key: Key, given: Given) -> Table {
         let second = (f64::from(key.ratio) / STEPS_PER_OCTAVE).exp2();
         let sides = [Side::<D>::new(1.0, key.orders[0]), Side::new(second, key.orders[1])];
         let equal = key.ratio == 0 && key.orders[0] == key.orders[1];
@@ -55,7 +73,7 @@ impl Table {
         let contact = 1.0 + second;
         let last = 1.0 / (contact * (1.0 + 0.5 * REACH));
         let step = (1.0 / contact - last) / (NODES - 1) as f64;
-        let nodes = (0..NODES).map(|node| corrections(&sides, &pattern, 1.0 / (last + step * node as f64))).collect();
+        let nodes = (0..NODES).map(|node| corrections((&sides, given), &pattern, 1.0 / (last + step * node as f64))).collect();
         Table { pattern, contact, range: [last, step], nodes }
     }
 
@@ -72,27 +90,135 @@ impl Table {
 }
 
 /// The blocks of the correction at one distance, channel by channel, columns one after the other.
-fn corrections<const D: usize>(sides: &[Side<D>; 2], pattern: &Pattern, distance: f64) -> Vec<f32> {
-    let [first, second] = sides;
-    let isolated = sides.each_ref().map(Side::isolated);
-    let on_first = first.velocity_caused_by(second, distance);
-    let on_second = if pattern.equal() { DMatrix::zeros(0, 0) } else { second.velocity_caused_by(first, distance) };
+fn corrections<const D: usize>((sides, given): (&[Side<D>; 2], Given), pattern: &Pattern, distance: f64) -> Vec<f32> {
+    let pair = Two::new(sides, pattern.equal(), distance);
     let mut out = Vec::new();
-    for [one, two] in pattern.channels() {
-        let alone = [(&isolated[0], one), (&isolated[1], two)].map(|(block, modes)| block.select_rows(modes).select_columns(modes));
-        let coupling = first.test(&on_first, one, two);
-        if pattern.equal() {
-            for sign in [1.0, -1.0] {
-                let block = (inverse(&alone[0] + &coupling * sign) - inverse(alone[0].clone())) * 0.5;
-                out.extend(block.iter().map(|value| *value as f32));
-            }
-        } else {
-            let back = second.test(&on_second, two, one);
-            let block = inverse(joined(&alone, Some([&coupling, &back]))) - joined(&alone.map(inverse), None);
-            out.extend(block.iter().map(|value| *value as f32));
-        }
+    for modes in pattern.channels() {
+        let blocks = match given {
+            Given::Forces => pair.given_forces(modes),
+            Given::Motions => pair.given_motions(modes),
+        };
+        out.extend(blocks.iter().flat_map(|block| block.iter().map(|value| *value as f32)));
     }
     out
+}
+
+/// Two bodies at a distance.
+struct Two<'a, const D: usize> {
+    sides: &'a [Side<D>; 2],
+    distance: f64,
+    /// The velocity that each causes on the other; that on the first alone if they are equal.
+    caused: Vec<DMatrix<f64>>,
+}
+
+impl<'a, const D: usize> Two<'a, D> {
+    fn new(sides: &'a [Side<D>; 2], equal: bool, distance: f64) -> Self {
+        let [first, second] = sides;
+        let mut caused = vec![first.velocity_caused_by(second, distance)];
+        if !equal {
+            caused.push(second.velocity_caused_by(first, distance));
+        }
+        Two { sides, distance, caused }
+    }
+
+    fn equal(&self) -> bool {
+        self.caused.len() == 1
+    }
+
+    fn rigid(&self) -> usize {
+        self.sides[0].surface.modes.rigid_count()
+    }
+
+    /// Rows and columns of some modes of a block of each body's own.
+    fn own(&self, blocks: [DMatrix<f64>; 2], [one, two]: &[Vec<usize>; 2]) -> [DMatrix<f64>; 2] {
+        let [first, second] = blocks;
+        [(first, one), (second, two)].map(|(block, modes)| block.select_rows(modes).select_columns(modes))
+    }
+
+    /// The blocks by which each acts on the other, tested with all modes.
+    fn coupling(&self, [one, two]: &[Vec<usize>; 2]) -> Vec<DMatrix<f64>> {
+        let on = |(place, velocity): (usize, &DMatrix<f64>)| {
+            let (rows, columns) = if place == 0 { (one, two) } else { (two, one) };
+            self.sides[place].test(velocity, rows, columns)
+        };
+        self.caused.iter().enumerate().map(on).collect()
+    }
+
+    /// Sums and differences of a block and what couples it, or the two bodies in one.
+    fn combined(&self, own: &[DMatrix<f64>; 2], coupling: &[DMatrix<f64>]) -> Vec<DMatrix<f64>> {
+        match coupling {
+            [coupling] => [1.0, -1.0].iter().map(|&sign| &own[0] + coupling * sign).collect(),
+            _ => vec![joined(own, Some([&coupling[0], &coupling[1]]))],
+        }
+    }
+
+    /// `B_ij^{-1} - B_i^{-1} (+) B_j^{-1}`.
+    fn given_forces(&self, modes: &[Vec<usize>; 2]) -> Vec<DMatrix<f64>> {
+        let own = self.own(self.sides.each_ref().map(Side::isolated), modes);
+        let mut coupling = self.coupling(modes);
+        for (place, block) in coupling.iter_mut().enumerate() {
+            let rigid = modes[place].iter().enumerate().filter(|&(_, &mode)| mode < self.rigid());
+            rigid.for_each(|(row, _)| block.row_mut(row).fill(0.0));
+        }
+        let pair = self.combined(&own, &coupling).into_iter().map(inverse);
+        let alone = own.map(inverse);
+        if self.equal() { pair.map(|pair| (pair - &alone[0]) * 0.5).collect() } else { pair.map(|pair| pair - joined(&alone, None)).collect() }
+    }
+
+    /// The multipliers for given velocities of all modes, with no net force or torque on the pair; but between free modes as above.
+    fn given_motions(&self, modes: &[Vec<usize>; 2]) -> Vec<DMatrix<f64>> {
+        let own = self.own(self.sides.each_ref().map(|side| side.isolated_in_motion(self.distance)), modes);
+        let coupling = self.coupling(modes);
+        let areas = self.sides.each_ref().map(|side| side.surface.area());
+        let mut places = modes.each_ref().map(|modes| modes.as_slice());
+        let as_one = [0, 1].map(|place| self.sides[place].motions_as_one(self.distance, place == 1).select_rows(places[place]));
+        let (mut motions, mut factor) = (vec![stacked(&as_one, areas)], 1.0);
+        if self.equal() {
+            motions = [1.0, -1.0].iter().map(|&sign| (&as_one[0] + &as_one[1] * sign, &as_one[0] + &as_one[1] * sign)).collect();
+            places[1] = &[];
+            factor = 0.5;
+        }
+        let free: Vec<bool> = places.iter().flat_map(|modes| modes.iter().map(|&mode| mode >= self.rigid())).collect();
+        let alone = if self.equal() { inverse(free_part(&own[0], &free)) } else { inverse(free_part(&joined(&own, None), &free)) };
+        let blocks = self.combined(&own, &coupling).into_iter().zip(motions);
+        let answer = |(block, (motions, forces)): (DMatrix<f64>, (DMatrix<f64>, DMatrix<f64>))| {
+            let mut answer = without_net_force(&block, &motions, &forces);
+            let others = inverse(free_part(&block, &free)) - &alone;
+            let places: Vec<usize> = (0..free.len()).filter(|&place| free[place]).collect();
+            for (row, &place) in places.iter().enumerate() {
+                places.iter().enumerate().for_each(|(column, &other)| answer[(place, other)] = others[(row, column)]);
+            }
+            answer * factor
+        };
+        blocks.map(answer).collect()
+    }
+}
+
+/// The motions of both, one below the other, and the same weighed by the areas, which takes the net force.
+fn stacked([first, second]: &[DMatrix<f64>; 2], areas: [f64; 2]) -> (DMatrix<f64>, DMatrix<f64>) {
+    let size = first.nrows() + second.nrows();
+    let mut motions = DMatrix::zeros(size, first.ncols());
+    motions.rows_mut(0, first.nrows()).copy_from(first);
+    motions.rows_mut(first.nrows(), second.nrows()).copy_from(second);
+    let mut forces = motions.clone();
+    forces.rows_mut(first.nrows(), second.nrows()).scale_mut(areas[1] / areas[0]);
+    (motions, forces)
+}
+
+fn free_part(block: &DMatrix<f64>, free: &[bool]) -> DMatrix<f64> {
+    let places: Vec<usize> = (0..free.len()).filter(|&place| free[place]).collect();
+    block.select_rows(&places).select_columns(&places)
+}
+
+/// The inverse of a block on what has no part along some `forces`, up to the `motions` that go with them.
+fn without_net_force(block: &DMatrix<f64>, motions: &DMatrix<f64>, forces: &DMatrix<f64>) -> DMatrix<f64> {
+    let some: Vec<usize> = (0..motions.ncols()).filter(|&column| motions.column(column).norm() > ROUNDING).collect();
+    let (size, count) = (block.nrows(), some.len());
+    let mut whole = DMatrix::zeros(size + count, size + count);
+    whole.view_mut((0, 0), (size, size)).copy_from(block);
+    whole.view_mut((0, size), (size, count)).copy_from(&motions.select_columns(&some));
+    whole.view_mut((size, 0), (count, size)).copy_from(&forces.select_columns(&some).transpose());
+    inverse(whole).view((0, 0), (size, size)).into_owned()
 }
 
 fn joined(diagonal: &[DMatrix<f64>; 2], others: Option<[&DMatrix<f64>; 2]>) -> DMatrix<f64> {
