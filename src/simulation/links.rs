@@ -117,10 +117,9 @@ impl<const D: usize> Builder<'_, D> {
             return Medium::Alone(resistances);
         };
         let mut neighbours = vec![0; layout.bodies()];
-        for (ends, blocks) in pairs.resistances(RIGID[D]) {
+        for (ends, blocks) in pairs.resistances::<D>() {
             for (one, two) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                let block = blocks[one][two] * (basis.kinds.rigid(ends[one]).force / self.scale);
-                resistances.add(layout, [ends[one], ends[two]], &block);
+                resistances.add(layout, [ends[one], ends[two]], &(blocks[one][two] / self.scale));
             }
             ends.iter().for_each(|&end| neighbours[end] += 1);
         }

@@ -82,21 +82,30 @@ pub trait Modes {
         self.dimension() * (self.dimension() + 1) / 2
     }
 
-    /// Net force on the fluid of a unit translation coefficient: `2 pi a` in 2D, `4 pi a^2` in 3D.
+    /// Net force on the fluid of a unit translation coefficient: the [`area`].
     fn force_factor(&self) -> f64 {
-        match self.dimension() {
-            2 => 2.0 * PI * self.radius(),
-            _ => 4.0 * PI * self.radius().powi(2),
-        }
+        area(self.dimension(), self.radius())
     }
 
-    /// Net torque on the fluid of a unit rotation coefficient: `2 pi a^2` in 2D, `4 pi a^3 sqrt(2/3)` in 3D.
+    /// Net torque on the fluid of a unit rotation coefficient: the area times the [`lever`].
     fn torque_factor(&self) -> f64 {
-        let lever = match self.dimension() {
-            2 => self.radius(),
-            _ => self.radius() * (2.0_f64 / 3.0).sqrt(),
-        };
-        self.force_factor() * lever
+        self.force_factor() * lever(self.dimension(), self.radius())
+    }
+}
+
+/// Area of a sphere, `4 pi a^2`, or length of a circle, `2 pi a`.
+pub fn area(dimension: usize, radius: f64) -> f64 {
+    match dimension {
+        2 => 2.0 * PI * radius,
+        _ => 4.0 * PI * radius.powi(2),
+    }
+}
+
+/// Velocity of a rotation mode at unit spin: `a` on a circle, `a sqrt(2/3)` on a sphere.
+pub fn lever(dimension: usize, radius: f64) -> f64 {
+    match dimension {
+        2 => radius,
+        _ => radius * (2.0_f64 / 3.0).sqrt(),
     }
 }
 

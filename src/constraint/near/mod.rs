@@ -16,14 +16,15 @@ mod table;
 use std::rc::Rc;
 
 use self::table::Table;
-use nalgebra::SMatrix;
+use nalgebra::{DMatrix, SMatrix, SVector};
 
 use super::{Crowd, Layout};
 use crate::{
+    body::skew,
     error::Result,
     geometry::Pair,
     petsc::{Scatter, Vector},
-    surface::{mode_count, turn},
+    surface::{area, lever, mode_count, turn},
 };
 
 pub use table::{Given, PairTables};
@@ -53,6 +54,11 @@ pub struct NearPairs {
 struct NearPair {
     table: Rc<Table>,
     bodies: [usize; 2],
+    /// From the first to the second.
+    separation: [f64; 3],
+    /// Velocity of a rotation mode at unit spin, and net force of a unit translation multiplier.
+    levers: [f64; 2],
+    areas: [f64; 2],
     places: [usize; 2],
     /// Where its part of `turns` and of `values` begins.
     starts: (usize, usize),
@@ -99,7 +105,17 @@ impl NearPairs {
         let starts = (self.turns.len(), self.values.len());
         turn(&separation.normalize(), order(ends[1]), &mut self.turns);
         table.append(pair.gap, radius(ends[0]), &mut self.values);
-        self.pairs.push(NearPair { table, bodies: ends, places: ends.map(|body| places[body]), starts });
+        let mut padded = [0.0; 3];
+        padded[..D].copy_from_slice(separation.as_slice());
+        self.pairs.push(NearPair {
+            table,
+            bodies: ends,
+            separation: padded,
+            levers: ends.map(|body| lever(D, radius(body))),
+            areas: ends.map(|body| area(D, radius(body))),
+            places: ends.map(|body| places[body]),
+            starts,
+        });
     }
 
     /// What is known of the rigid modes.
@@ -128,10 +144,12 @@ impl NearPairs {
 }
 
 impl NearPairs {
-    /// The multipliers of `rigid` modes that unit motions of rigid modes call for, pair by pair: both bodies, and for each the columns of both.
+    /// What the motions of rigid modes call for, pair by pair: both bodies, and for each the net forces and torques (areas times multipliers)
+    /// for motions of both, symmetric and zero where both move as one.
     ///
     /// What is known of rigid modes must be [`Given::Motions`].
-    pub fn resistances(&self, rigid: usize) -> impl Iterator<Item = ([usize; 2], [[RigidBlock; 2]; 2])> + '_ {
+    pub fn resistances<const D: usize>(&self) -> impl Iterator<Item = ([usize; 2], [[RigidBlock; 2]; 2])> + '_ {
+        let rigid = D * (D + 1) / 2;
         let mut frame = [Vec::new(), Vec::new()];
         self.pairs.iter().map(move |pair| {
             let pattern = &pair.table.pattern;
@@ -139,18 +157,46 @@ impl NearPairs {
             let places = [0, first];
             let (mut wanted, mut found) = (vec![0.0; first + second], vec![0.0; first + second]);
             let matrices = (&self.turns[pair.starts.0..], &self.values[pair.starts.1..]);
-            let mut blocks = [[RigidBlock::zeros(); 2]; 2];
-            for (body, mode) in [0, 1].into_iter().flat_map(|body| (0..rigid).map(move |mode| (body, mode))) {
-                wanted[places[body] + mode] = 1.0;
+            let mut forces = DMatrix::zeros(2 * rigid, 2 * rigid);
+            for (column, place) in places.iter().flat_map(|place| *place..place + rigid).enumerate() {
+                wanted[place] = 1.0;
                 found.fill(0.0);
                 pattern.apply(matrices, (&wanted, places), &mut frame, &mut found);
-                wanted[places[body] + mode] = 0.0;
-                for (other, place) in places.into_iter().enumerate() {
-                    (0..rigid).for_each(|row| blocks[other][body][(row, mode)] = found[place + row]);
+                wanted[place] = 0.0;
+                for (body, place) in places.into_iter().enumerate() {
+                    (0..rigid).for_each(|row| forces[(body * rigid + row, column)] = pair.areas[body] * found[place + row]);
                 }
             }
-            (pair.bodies, blocks)
+            let forces = pair.relative::<D>(&forces);
+            let block = |one: usize, two: usize| {
+                let mut block = RigidBlock::zeros();
+                block.view_mut((0, 0), (rigid, rigid)).copy_from(&forces.view((one * rigid, two * rigid), (rigid, rigid)));
+                block
+            };
+            (pair.bodies, [0, 1].map(|one| [0, 1].map(|two| block(one, two))))
         })
+    }
+}
+
+impl NearPair {
+    /// The symmetric part of a matrix of the two bodies' motions that sees their motion relative to each other alone: a table for nearly
+    /// these radii takes a motion of both as one for a slightly relative one.
+    fn relative<const D: usize>(&self, forces: &DMatrix<f64>) -> DMatrix<f64> {
+        let rigid = D * (D + 1) / 2;
+        let mut as_one = DMatrix::zeros(2 * rigid, rigid);
+        for (body, side) in [(0, -0.5), (1, 0.5)] {
+            let from_middle = SVector::<f64, D>::from_column_slice(&self.separation[..D]) * side;
+            let mut rows = as_one.rows_mut(body * rigid, rigid);
+            (0..D).for_each(|axis| rows[(axis, axis)] = 1.0);
+            for plane in 0..rigid - D {
+                let unit: Vec<f64> = (0..rigid - D).map(|other| f64::from(other == plane)).collect();
+                rows.view_mut((0, D + plane), (D, 1)).copy_from(&(skew::<D>(&unit) * from_middle));
+                rows[(D + plane, D + plane)] = self.levers[body];
+            }
+        }
+        let as_one = as_one.qr().q();
+        let others = DMatrix::identity(2 * rigid, 2 * rigid) - &as_one * as_one.transpose();
+        &others * ((forces + forces.transpose()) * 0.5) * &others
     }
 }
 
