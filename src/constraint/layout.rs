@@ -21,18 +21,19 @@ struct Place {
     global: usize,
     count: usize,
     number: usize,
+    owner: usize,
 }
 
 impl Layout {
     /// Shares out bodies with the given centres (in the box) and numbers of multipliers, seen from `rank`.
     pub fn new<const D: usize>(grid: &Grid<D>, centers: &[SVector<f64, D>], counts: &[usize], rank: usize) -> Layout {
         let owners: Vec<usize> = centers.iter().map(|center| grid.owner(center)).collect();
-        let mut places = vec![Place { local: 0, global: 0, count: 0, number: 0 }; centers.len()];
+        let mut places = vec![Place { local: 0, global: 0, count: 0, number: 0, owner: 0 }; centers.len()];
         let (mut unknowns, mut local_unknowns, mut number) = (0, 0, 0);
         for owner in 0..grid.partition().blocks() {
             let start = unknowns;
             for body in (0..centers.len()).filter(|&body| owners[body] == owner) {
-                places[body] = Place { local: unknowns - start, global: unknowns, count: counts[body], number };
+                places[body] = Place { local: unknowns - start, global: unknowns, count: counts[body], number, owner };
                 (unknowns, number) = (unknowns + counts[body], number + 1);
             }
             if owner == rank {
@@ -66,6 +67,11 @@ impl Layout {
     /// The place of a body among all: those of the first rank come first.
     pub fn number(&self, body: usize) -> usize {
         self.places[body].number
+    }
+
+    /// The rank that holds a body.
+    pub fn owner(&self, body: usize) -> usize {
+        self.places[body].owner
     }
 
     /// Number of bodies on all ranks.

@@ -22,6 +22,7 @@ pub mod lubrication;
 mod near;
 mod patch;
 mod places;
+mod pores;
 mod rows;
 mod scalar;
 mod sharp;
@@ -33,6 +34,7 @@ pub use crowd::Crowd;
 pub use layout::Layout;
 pub use near::{Given, NearPairs, PairTables, RigidBlock};
 pub use patch::Patch;
+pub use pores::{Pores, Share as PoreShare};
 pub use scalar::{InclusionMethod, PlacedInclusion, ScalarBlocks};
 pub use sharp::{BodyBlocks, INTERPOLATION_REACH, Neighbour, Passed, Placed, SharpBlocks, Situation, Workspace, assemble, jump, passed};
 

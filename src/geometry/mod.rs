@@ -2,6 +2,7 @@
 
 mod ball;
 mod cells;
+mod delaunay;
 mod domain;
 mod fractions;
 mod levels;
@@ -10,6 +11,7 @@ mod pairs;
 mod slide;
 
 pub use ball::Ball;
+pub use delaunay::{Corner, Edges, delaunay, position};
 pub use domain::{Axis, Domain};
 pub use fractions::{fraction, touches};
 pub use levels::Levels;

@@ -6,7 +6,6 @@
 
 mod amg;
 mod census;
-mod definite;
 mod direct;
 #[doc(hidden)]
 pub mod ffi;
@@ -20,12 +19,12 @@ mod profile;
 mod scatter;
 mod session;
 mod shell;
+mod symmetric;
 mod traffic;
 mod vector;
 
 pub use amg::{Amg, AmgSettings};
 pub use census::{Census, Class};
-pub use definite::Definite;
 pub use direct::Direct;
 pub use heap::local_heap_bytes;
 pub use krylov::{Krylov, KrylovMethod, KrylovSettings, Report};
@@ -36,6 +35,7 @@ pub use profile::{Profile, Stage, StageCounts, StageGuard, enter};
 pub use scatter::Scatter;
 pub use session::Session;
 pub use shell::System;
+pub use symmetric::{Definiteness, Symmetric};
 pub use traffic::Traffic;
 pub use vector::Vector;
 

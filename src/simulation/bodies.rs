@@ -12,7 +12,7 @@ use super::{
 use crate::{
     body::{Motion, Twist, components, skew},
     constraint::{
-        Blocks, Crowd, Given, Layout, NearPairs, PairTables, Placed,
+        Blocks, Crowd, Given, Layout, NearPairs, PairTables, Placed, Pores,
         lubrication::{self, FilmTables, Films, films, walls_seen},
     },
     contact::{Contact, Partner},
@@ -191,6 +191,11 @@ impl<'a, const D: usize> Bodies<'a, D> {
     /// What modes see of the films between bodies of this rank and walls.
     pub fn walls_seen(&self) -> Films<D> {
         walls_seen((&self.crowd, &self.layout), &self.kinds.film_tables)
+    }
+
+    /// The pores between bodies, in 2D.
+    pub fn pores(&self) -> Option<Pores> {
+        Pores::new(&self.setup.domain, &self.crowd, &self.layout)
     }
 
     /// The near pairs of this rank's bodies; collective.

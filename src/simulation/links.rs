@@ -13,7 +13,7 @@ use super::{
 use crate::{
     body::components,
     constraint::{
-        Given, Layout, NearPairs, RigidBlock,
+        Given, Layout, NearPairs, Pores, RigidBlock,
         lubrication::{Film, Films, Opposite, Side, Way},
     },
     contact::{Contact, ContactForce},
@@ -29,6 +29,13 @@ const RIGID: [usize; 4] = [0, 0, 3, 6];
 /// what a body without any has besides.
 const AMONG_NEIGHBOURS: f64 = 0.01;
 const AMONG_FEW: f64 = 0.3;
+
+/// The same with pores, which know of the rest: next to nothing, but springs between neighbours, and against rotation.
+const LEAST: f64 = 1e-5;
+const SPRING: f64 = 0.003;
+const SPRING_AMONG_FEW: f64 = 0.1;
+const ROTATION: f64 = 0.02;
+const ROTATION_AMONG_FEW: f64 = 0.3;
 
 /// Neighbours that are not few.
 const FEW: usize = 3;
@@ -55,7 +62,9 @@ pub fn touching<const D: usize>(
     let links = std::mem::take(&mut builder.links);
     let medium = builder.medium(bodies, pairs);
     let stays = |body: usize| !basis.setup.bodies[body].body.free();
-    let mut touching = Touching::new((&basis.session, &bodies.layout), (builder.scale, links), (RIGID[D], medium, stays), places)?;
+    let unit = |body: usize| basis.kinds.rigid(body).force / builder.scale;
+    let mut touching =
+        Touching::new((&basis.session, &bodies.layout), (builder.scale, links), (RIGID[D], medium), (stays, unit), places)?;
     touching.without(undisturbed)?;
     Ok(touching)
 }
@@ -114,7 +123,7 @@ impl<const D: usize> Builder<'_, D> {
         let mut resistances = Resistances::default();
         let Some(pairs) = pairs.filter(|_| basis.kinds.given() == Given::Motions) else {
             layout.local_bodies.iter().for_each(|&body| resistances.add(layout, [body; 2], &self.alone(body)));
-            return Medium::Alone(resistances);
+            return Medium { resistances, pores: None, needed: false };
         };
         let mut neighbours = vec![0; layout.bodies()];
         for (ends, blocks) in pairs.resistances::<D>() {
@@ -128,12 +137,20 @@ impl<const D: usize> Builder<'_, D> {
             film.ways.iter().for_each(|way| self.add_way(film, way, true));
         }
         resistances.add_links(layout, self.links.iter(), |link| link.compliance);
+        let few: Vec<f64> = neighbours.iter().map(|&count| FEW.saturating_sub(count) as f64 / FEW as f64).collect();
+        let pores = bodies.pores();
         for &body in &layout.local_bodies {
-            let few = FEW.saturating_sub(neighbours[body]) as f64 / FEW as f64;
-            let part = if basis.setup.bodies[body].body.free() { AMONG_NEIGHBOURS + AMONG_FEW * few } else { 1.0 };
+            let part = match (&pores, basis.setup.bodies[body].body.free()) {
+                (_, false) => 1.0,
+                (None, true) => AMONG_NEIGHBOURS + AMONG_FEW * few[body],
+                (Some(_), true) => LEAST,
+            };
             resistances.add(layout, [body; 2], &(self.alone(body) * part));
         }
-        Medium::Pairs(resistances)
+        if let Some(pores) = &pores {
+            add_springs(layout, (pores, &few), &mut resistances);
+        }
+        Medium { resistances, pores, needed: true }
     }
 
     /// What a body resists alone.
@@ -169,6 +186,26 @@ impl<const D: usize> Builder<'_, D> {
         if let Some(link) = self.links.last_mut() {
             link.ends[place] = Some(End { body, weights, multiplier: self.scale / rigid.force, mobilities: rigid.mobilities });
         }
+    }
+}
+
+/// Resistances that leave no motion of a body relative to its neighbours without one, and motions of all as one with next to none: a part of
+/// what a disk resists alone would count as much for a wave of any length.
+fn add_springs(layout: &Layout, (pores, few): (&Pores, &[f64]), resistances: &mut Resistances) {
+    let translations = RigidBlock::from_diagonal(&Weights::from_fn(|mode, _| f64::from(mode < 2)));
+    for throat in &pores.throats {
+        let [one, two] = throat.bodies;
+        // each is listed for both of its pores
+        let spring = translations * (0.5 * (SPRING + SPRING_AMONG_FEW * (few[one] + few[two])));
+        for (body, other) in [(one, two), (two, one)] {
+            resistances.add(layout, [body; 2], &spring);
+            resistances.add(layout, [body, other], &-spring);
+        }
+    }
+    let mut rotation = RigidBlock::zeros();
+    for &body in &layout.local_bodies {
+        rotation[(2, 2)] = ROTATION + ROTATION_AMONG_FEW * few[body];
+        resistances.add(layout, [body; 2], &rotation);
     }
 }
 

@@ -1,7 +1,8 @@
-//! The resistance of bodies to motion, by their neighbours and through the links between them: sparse, symmetric and positive.
+//! The resistance of bodies to motion, by their neighbours and through the links between them: sparse and symmetric.
 //!
 //! ```text
-//! ( A + N' C^-1 N ) U = forces        N: rates of links for motions U     C: compliances     A: what bodies alone or near pairs resist
+//! [ A + N' C^-1 N   P ] [ U ]   [ forces ]      N: rates of links for motions U     C: compliances     A: what bodies or near pairs resist
+//! [ P'             -L ] [ p ] = [ flows  ]      p: pressures of pores, if they count (see [`Pores`])
 //! ```
 //!
 //! It has the rigid modes of each body as unknowns, owned with the body, whatever the number of links. By the identity of Woodbury it
@@ -11,13 +12,13 @@ use std::collections::BTreeMap;
 
 use super::touching::Link;
 use crate::{
-    constraint::{Layout, RigidBlock},
+    constraint::{Layout, PoreShare, Pores, RigidBlock},
     error::Result,
-    petsc::{Definite, RowBuilder, Session, Vector},
+    petsc::{Definiteness, RowBuilder, Scatter, Session, Symmetric, Vector},
 };
 
 /// Rows of this rank's bodies, block by block: the numbers of two bodies, and what the motion of the second makes the first feel.
-#[derive(Clone, Default)]
+#[derive(Default)]
 pub struct Resistances {
     blocks: BTreeMap<(usize, usize), RigidBlock>,
 }
@@ -41,51 +42,119 @@ impl Resistances {
     }
 }
 
+/// Where the unknowns of the network are: on each rank the rigid modes of its bodies, then its pores.
+struct Numbering {
+    rigid: usize,
+    /// Where the modes of each body begin.
+    of_body: Vec<usize>,
+    of_pore: Vec<usize>,
+    /// This rank's pores.
+    pores: Vec<usize>,
+    first: usize,
+}
+
+impl Numbering {
+    fn new(session: &Session, layout: &Layout, rigid: usize, pores: Option<&Pores>) -> Numbering {
+        let owners: Vec<usize> = pores.iter().flat_map(|pores| &pores.of_body).map(|&body| layout.owner(body)).collect();
+        let (mut of_pore, mut before) = (vec![0; owners.len()], vec![0; session.world().size() + 1]);
+        owners.iter().for_each(|&owner| before[owner + 1] += 1);
+        (1..before.len()).for_each(|rank| before[rank] += before[rank - 1]);
+        let of_body: Vec<usize> =
+            (0..layout.bodies()).map(|body| rigid * layout.number(body) + before[layout.owner(body)]).collect();
+        let mut bodies = vec![0; before.len()];
+        (0..layout.bodies()).for_each(|body| bodies[layout.owner(body) + 1] += rigid);
+        (1..bodies.len()).for_each(|rank| bodies[rank] += bodies[rank - 1]);
+        let mut next: Vec<usize> = before.iter().zip(&bodies[1..]).map(|(pores, bodies)| pores + bodies).collect();
+        for (place, &owner) in of_pore.iter_mut().zip(&owners) {
+            (*place, next[owner]) = (next[owner], next[owner] + 1);
+        }
+        let rank = session.world().rank();
+        let pores = (0..owners.len()).filter(|&pore| owners[pore] == rank).collect();
+        Numbering { rigid, of_body, of_pore, pores, first: before[rank] + bodies[rank] }
+    }
+
+    fn local(&self, layout: &Layout) -> usize {
+        self.rigid * layout.local_bodies.len() + self.pores.len()
+    }
+}
+
+/// A share of a body of this rank in a pore.
+struct Share {
+    /// Where the pore is: among this rank's unknowns, then among those fetched.
+    pore: usize,
+    /// Where its multipliers begin.
+    first: usize,
+    /// Net force of a unit multiplier, over that of a unit of a link's unknown.
+    unit: f64,
+    multipliers: Vec<f64>,
+}
+
 /// The factored resistance.
 pub struct Network {
-    solver: Definite,
+    solver: Symmetric,
     rigid: usize,
     /// Where the rigid modes of this rank's bodies begin among the multipliers.
     places: Vec<usize>,
+    shares: Vec<Share>,
+    others: Scatter,
     forces: Vector,
     motions: Vector,
 }
 
+/// What a network is made of.
+pub struct Parts<'a, S: Fn(usize) -> bool, U: Fn(usize) -> f64> {
+    /// What bodies and links resist.
+    pub resistances: &'a Resistances,
+    /// Pores, if they count.
+    pub pores: Option<&'a Pores>,
+    /// Number of rigid modes of a body.
+    pub rigid: usize,
+    /// Whether the motion of a body is given.
+    pub stays: S,
+    /// Net force of a unit translation multiplier of a body, over that of a unit of a link's unknown.
+    pub unit: U,
+}
+
 impl Network {
-    /// The network of some resistances, between bodies of so many rigid modes; bodies that `stay` have their motion given. Collective.
+    /// The network of some parts. Collective.
     ///
     /// # Errors
     /// It cannot be factored.
-    pub fn new(
-        session: &Session,
-        layout: &Layout,
-        (resistances, rigid): (&Resistances, usize),
-        stays: impl Fn(usize) -> bool,
-    ) -> Result<Network> {
-        let mut bodies = vec![0; layout.bodies()];
-        (0..bodies.len()).for_each(|body| bodies[layout.number(body)] = body);
-        let mut rows = RowBuilder::default();
-        for &body in &layout.local_bodies {
-            let number = layout.number(body);
-            let own = || resistances.blocks.range((number, 0)..=(number, usize::MAX)).filter(|_| !stays(body));
-            for row in 0..rigid {
-                rows.push(number * rigid + row, f64::from(stays(body)));
-                for (&(_, column), block) in own().filter(|&(&(_, column), _)| !stays(bodies[column])) {
-                    (0..rigid).for_each(|mode| rows.push(column * rigid + mode, block[(row, mode)]));
-                }
-                rows.end_row();
-            }
-        }
-        let local = rigid * layout.local_bodies.len();
+    pub fn new(session: &Session, layout: &Layout, parts: Parts<impl Fn(usize) -> bool, impl Fn(usize) -> f64>) -> Result<Network> {
+        let Parts { pores, rigid, .. } = parts;
+        let numbering = Numbering::new(session, layout, rigid, pores);
+        let local = numbering.local(layout);
+        let rows = rows(layout, &numbering, &parts);
+        let definiteness = if pores.is_some() { Definiteness::Quasi } else { Definiteness::Positive };
+        let solver = Symmetric::new(session, (local, rows), definiteness)?;
         let places = layout.local_bodies.iter().map(|&body| layout.local(body)).collect();
         let forces = Vector::new(session, local)?;
-        Ok(Network { solver: Definite::new(session, local, rows)?, rigid, places, motions: forces.like()?, forces })
+        let (mut fetched, mut found) = (Vec::new(), BTreeMap::new());
+        let share = |share: &PoreShare| {
+            let place = numbering.of_pore[share.pore];
+            let pore = if (numbering.first..numbering.first + local).contains(&place) {
+                place - numbering.first
+            } else {
+                *found.entry(place).or_insert_with(|| {
+                    fetched.push(place as i32);
+                    local + fetched.len() - 1
+                })
+            };
+            Share { pore, first: layout.local(share.body), unit: (parts.unit)(share.body), multipliers: share.multipliers.clone() }
+        };
+        let own = pores.iter().flat_map(|pores| &pores.shares).filter(|share| layout.holds(share.body));
+        let shares = own.map(share).collect();
+        Ok(Network { solver, rigid, places, shares, others: Scatter::new(&forces, &fetched)?, motions: forces.like()?, forces })
     }
 
-    /// Turns forces in the places of multipliers of rigid modes into motions.
-    pub fn answer(&mut self, forces: &mut Vector) -> Result<()> {
-        let mut shared = forces.local_mut()?;
+    /// Turns forces in the places of multipliers of rigid modes into motions, where all modes are to move as `wanted` besides; adds to
+    /// `found` the multipliers that the pressures of pores stand for. Collective.
+    pub fn answer(&mut self, forces: &mut Vector, (wanted, found): (&Vector, &mut Vector)) -> Result<()> {
         let rigid = self.rigid;
+        self.forces.fill(0.0)?;
+        self.press_out(&wanted.local()?)?;
+        self.others.add_back(&mut self.forces)?;
+        let mut shared = forces.local_mut()?;
         for (own, &place) in self.forces.local_mut()?.chunks_mut(rigid).zip(&self.places) {
             own.copy_from_slice(&shared[place..place + rigid]);
         }
@@ -93,6 +162,70 @@ impl Network {
         for (own, &place) in self.motions.local()?.chunks(rigid).zip(&self.places) {
             shared[place..place + rigid].copy_from_slice(own);
         }
+        self.press(&mut found.local_mut()?)
+    }
+
+    /// Puts into the rows of pores what flows in as surfaces move as wanted.
+    fn press_out(&mut self, wanted: &[f64]) -> Result<()> {
+        let (mut own, mut others) = (self.forces.local_mut()?, self.others.places()?);
+        for share in &self.shares {
+            let velocities = &wanted[share.first..share.first + share.multipliers.len()];
+            let flow: f64 = velocities.iter().zip(&share.multipliers).map(|(velocity, multiplier)| velocity * multiplier).sum();
+            let row = if share.pore < own.len() { &mut own[share.pore] } else { &mut others[share.pore - own.len()] };
+            *row -= share.unit * flow;
+        }
         Ok(())
     }
+
+    /// Adds the multipliers of the pressures found.
+    fn press(&mut self, found: &mut [f64]) -> Result<()> {
+        let fetched = self.others.fetch(&self.motions)?;
+        let own = self.motions.local()?;
+        for share in &self.shares {
+            let pressure = if share.pore < own.len() { own[share.pore] } else { fetched[share.pore - own.len()] };
+            let pressed = &mut found[share.first..share.first + share.multipliers.len()];
+            pressed.iter_mut().zip(&share.multipliers).for_each(|(found, multiplier)| *found += pressure * multiplier);
+        }
+        Ok(())
+    }
+}
+
+/// This rank's rows of the network.
+fn rows(layout: &Layout, numbering: &Numbering, parts: &Parts<impl Fn(usize) -> bool, impl Fn(usize) -> f64>) -> RowBuilder {
+    let Parts { resistances, pores, rigid, stays, unit } = parts;
+    let rigid = *rigid;
+    let mut bodies = vec![0; layout.bodies()];
+    (0..bodies.len()).for_each(|body| bodies[layout.number(body)] = body);
+    let mut of_body = vec![Vec::new(); layout.bodies()];
+    let mut of_pore = vec![Vec::new(); numbering.of_pore.len()];
+    for share in pores.iter().flat_map(|pores| &pores.shares).filter(|share| !stays(share.body)) {
+        let forces: Vec<f64> = share.multipliers[..rigid].iter().map(|multiplier| multiplier * unit(share.body)).collect();
+        of_body[share.body].push((share.pore, forces.clone()));
+        of_pore[share.pore].push((share.body, forces));
+    }
+    let mut rows = RowBuilder::default();
+    for &body in &layout.local_bodies {
+        let number = layout.number(body);
+        let own = || resistances.blocks.range((number, 0)..=(number, usize::MAX)).filter(|_| !stays(body));
+        for row in 0..rigid {
+            rows.push(numbering.of_body[body] + row, f64::from(stays(body)));
+            for (&(_, column), block) in own().filter(|&(&(_, column), _)| !stays(bodies[column])) {
+                (0..rigid).for_each(|mode| rows.push(numbering.of_body[bodies[column]] + mode, block[(row, mode)]));
+            }
+            of_body[body].iter().for_each(|(pore, forces)| rows.push(numbering.of_pore[*pore], forces[row]));
+            rows.end_row();
+        }
+    }
+    let mut conductances = vec![Vec::new(); numbering.of_pore.len()];
+    for ([pore, other], entry) in pores.iter().flat_map(|pores| pores.conductances()) {
+        conductances[pore].push((other, entry));
+    }
+    for &pore in &numbering.pores {
+        for (body, forces) in &of_pore[pore] {
+            forces.iter().enumerate().for_each(|(mode, force)| rows.push(numbering.of_body[*body] + mode, *force));
+        }
+        conductances[pore].iter().for_each(|&(other, entry)| rows.push(numbering.of_pore[other], -entry));
+        rows.end_row();
+    }
+    rows
 }

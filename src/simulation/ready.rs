@@ -97,7 +97,6 @@ impl<'a, const D: usize> Ready<'a, D> {
             members: &self.members,
             closure: &basis.closure,
             touching: &mut self.touching,
-            prescribed: basis.setup.bodies.iter().any(|suspended| !suspended.body.free()),
             prescribed_drag: self.prescribed_drag,
         };
         let Engine { krylov, work, rhs, x } = &mut self.engine;

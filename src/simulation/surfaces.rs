@@ -94,8 +94,6 @@ pub struct Surfaces<'a, const D: usize> {
     pub closure: &'a Closure,
     /// Contacts.
     pub touching: &'a mut Touching,
-    /// Whether any rank has bodies whose motion is given.
-    pub prescribed: bool,
     /// Sum over all prescribed bodies of the translation block of their inverses, the closure's own row scale.
     pub prescribed_drag: f64,
 }
@@ -222,7 +220,8 @@ impl<const D: usize> Surfaces<'_, D> {
         let missing = rows[self.contacts()].iter().zip(found).map(|(wanted, found)| wanted - found).collect();
         let mut pressed = velocities;
         pressed.fill(0.0)?;
-        let contacts = self.touching.resist(&mut pressed, missing)?;
+        let (still, mut none) = (sampled.like()?, sampled.like()?);
+        let contacts = self.touching.resist(&mut pressed, missing, (&still, &mut none))?;
         pressed.fill(0.0)?;
         self.touching.press(1.0, &contacts, &mut pressed)?;
         let (pressed, mut given) = (pressed.local()?, given.local_mut()?);
@@ -233,109 +232,81 @@ impl<const D: usize> Surfaces<'_, D> {
         Ok(contacts)
     }
 
-    /// Turns the sampled velocities into multipliers, and returns the unknowns of links, by what near pairs answer to motions:
+    /// Turns the sampled velocities into multipliers, and returns the unknowns of links, by what near pairs and pores answer to motions:
     ///
     /// ```text
-    /// z = A^-1 V r        (A + N' C^-1 N) U = F + N' C^-1 rates - V r        c = B r + W (U + z)        g = C^-1 (rates - N U)
+    /// [ A + N' C^-1 N   P ] [ U ]   [ F + N' C^-1 rates - B r ]         c = B (r + U) + P p
+    /// [ P'             -L ] [ p ] = [ -P' r                   ]         g = C^-1 (rates - N U)
     /// ```
     ///
-    /// with `r` the velocities wanted of free modes, `B` their inverse, `V` the forces that they call for at rest, and `W` the multipliers
-    /// that motions call for. Net forces hold exactly.
+    /// with `r` the velocities wanted of free modes, and of all modes of bodies whose motion is given. Net forces hold exactly.
     fn invert_together(&mut self, given: &Vector, rows: &[f64], sampled: &mut Vector) -> Result<Vec<f64>> {
         let mut rates = self.touching.rows(sampled, &vec![0.0; self.touching.count()])?;
         rates.iter_mut().zip(&rows[self.contacts()]).for_each(|(rate, wanted)| *rate = wanted - *rate);
-        let (mut wanted, mut motions) = (given.like()?, given.like()?);
-        self.part(given, sampled, (&mut wanted, &mut motions))?;
-        let mut found = given.like()?;
+        let (mut wanted, mut found, mut motions) = (given.like()?, given.like()?, given.like()?);
+        self.want(given, sampled, &mut wanted)?;
         self.answer(&wanted, &mut found)?;
-        // forces that velocities of free modes call for, and those wanted, over those of a unit of a link's unknown
-        let (mut held, mut forces) = (given.like()?, given.like()?);
-        self.collect_forces((given, &found, &motions), (&mut held, &mut forces))?;
-        let mut drift = held;
-        self.touching.move_unlinked(&mut drift)?;
-        let unknowns = self.touching.resist(&mut forces, rates)?;
-        self.move_free(&forces, &mut motions)?;
-        motions.add(1.0, &drift)?;
-        self.finish(given, (&mut motions, &mut found))?;
+        self.miss(given, &found, &mut motions)?;
+        let unknowns = self.touching.resist(&mut motions, rates, (&wanted, &mut found))?;
+        self.leave_given(&mut motions)?;
+        let corrections = self.pairs.as_mut().map_or(Ok(&[][..]), |pairs| pairs.correction(&motions))?;
+        found.local_mut()?.iter_mut().zip(corrections).for_each(|(found, correction)| *found += correction);
+        self.hold_forces(given, &mut found)?;
         self.touching.press(1.0, &unknowns, &mut found)?;
         sampled.copy_from(&found)?;
         Ok(unknowns)
     }
 
-    /// Velocities wanted of free modes, and motions wanted of bodies whose motion is given.
-    fn part(&self, given: &Vector, sampled: &Vector, (wanted, motions): (&mut Vector, &mut Vector)) -> Result<()> {
-        let (given, sampled) = (given.local()?, sampled.local()?);
-        let (mut wanted, mut motions) = (wanted.local_mut()?, motions.local_mut()?);
+    /// Velocities wanted, of all modes whose force is not.
+    fn want(&self, given: &Vector, sampled: &Vector, wanted: &mut Vector) -> Result<()> {
+        let (given, sampled, mut wanted) = (given.local()?, sampled.local()?, wanted.local_mut()?);
         for member in self.members {
-            for (mode, place) in member.range.clone().enumerate().filter(|&(mode, _)| !member.gives_force(mode)) {
-                let to = if mode < member.rigid { &mut motions } else { &mut wanted };
-                to[place] = given[place] - sampled[place];
+            for (_, place) in member.range.clone().enumerate().filter(|&(mode, _)| !member.gives_force(mode)) {
+                wanted[place] = given[place] - sampled[place];
             }
         }
         Ok(())
     }
 
-    /// What the wanted velocities of free modes call for, of bodies alone and near pairs.
+    /// What the wanted velocities call for, of bodies alone and near pairs.
     fn answer(&mut self, wanted: &Vector, found: &mut Vector) -> Result<()> {
         let (input, mut output) = (wanted.local()?, found.local_mut()?);
         for member in self.members {
             member.inverse.apply(&input[member.range.clone()], &mut output[member.range.clone()]);
         }
-        drop(input);
-        self.add_pairs(wanted, &mut output)
-    }
-
-    fn add_pairs(&mut self, input: &Vector, output: &mut [f64]) -> Result<()> {
         if let Some(pairs) = &mut self.pairs {
-            output.iter_mut().zip(pairs.correction(input)?).for_each(|(out, correction)| *out += correction);
+            output.iter_mut().zip(pairs.correction(wanted)?).for_each(|(out, correction)| *out += correction);
         }
         Ok(())
     }
 
-    /// The forces that free modes call for (`held`), and what forces are wanted beyond those and what given motions cause.
-    fn collect_forces(&mut self, (given, found, motions): (&Vector, &Vector, &Vector), (held, forces): (&mut Vector, &mut Vector)) -> Result<()> {
-        let mut dragged = vec![0.0; found.local()?.len()];
-        if self.prescribed {
-            self.add_pairs(motions, &mut dragged)?;
-        }
-        let (given, found) = (given.local()?, found.local()?);
-        let (mut held, mut forces) = (held.local_mut()?, forces.local_mut()?);
-        for member in self.members {
-            let unit = self.touching.scale / member.area;
+    /// The forces wanted of free bodies beyond those found, over that of a unit of a link's unknown.
+    fn miss(&self, given: &Vector, found: &Vector, forces: &mut Vector) -> Result<()> {
+        let (given, found, mut forces) = (given.local()?, found.local()?, forces.local_mut()?);
+        for member in self.members.iter().filter(|member| member.free) {
             for place in member.range.start..member.range.start + member.rigid {
-                held[place] = found[place] / unit;
-                if member.free {
-                    forces[place] = (given[place] / member.force_scale - found[place] - dragged[place]) / unit;
-                }
+                forces[place] = (given[place] / member.force_scale - found[place]) * member.area / self.touching.scale;
             }
         }
         Ok(())
     }
 
-    /// Copies the motions of free bodies.
-    fn move_free(&self, found: &Vector, motions: &mut Vector) -> Result<()> {
-        let (found, mut motions) = (found.local()?, motions.local_mut()?);
+    /// Leaves out the motions of bodies whose motion is given: they are among the velocities wanted.
+    fn leave_given(&self, motions: &mut Vector) -> Result<()> {
+        let mut motions = motions.local_mut()?;
+        for member in self.members {
+            let kept = if member.free { member.rigid } else { 0 };
+            motions[member.range.start + kept..member.range.end].fill(0.0);
+        }
+        Ok(())
+    }
+
+    /// Makes the multipliers of rigid modes of free bodies those of the given forces.
+    fn hold_forces(&self, given: &Vector, found: &mut Vector) -> Result<()> {
+        let (given, mut found) = (given.local()?, found.local_mut()?);
         for member in self.members.iter().filter(|member| member.free) {
             let rigid = member.range.start..member.range.start + member.rigid;
-            motions[rigid.clone()].copy_from_slice(&found[rigid]);
-        }
-        Ok(())
-    }
-
-    /// Adds to the multipliers what motions call for; those of rigid modes of free bodies are the given forces.
-    fn finish(&mut self, given: &Vector, (motions, found): (&mut Vector, &mut Vector)) -> Result<()> {
-        let mut found = found.local_mut()?;
-        self.members.iter().for_each(|member| found[member.range.start..member.range.start + member.rigid].fill(0.0));
-        self.add_pairs(motions, &mut found)?;
-        let (given, motions) = (given.local()?, motions.local()?);
-        for member in self.members {
-            for (mode, place) in (member.range.start..member.range.start + member.rigid).enumerate() {
-                if member.free {
-                    found[place] = given[place] / member.force_scale;
-                } else {
-                    found[place] += member.inverse.diagonal(mode) * motions[place];
-                }
-            }
+            found[rigid.clone()].iter_mut().zip(&given[rigid]).for_each(|(found, given)| *found = given / member.force_scale);
         }
         Ok(())
     }

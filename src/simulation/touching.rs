@@ -15,9 +15,9 @@ use std::collections::BTreeMap;
 
 use nalgebra::SVector;
 
-use super::network::{Network, Resistances};
+use super::network::{Network, Parts, Resistances};
 use crate::{
-    constraint::Layout,
+    constraint::{Layout, Pores},
     error::Result,
     petsc::{Scatter, Session, Vector},
 };
@@ -71,10 +71,7 @@ impl Link {
 
 /// Bodies of other ranks at the ends of this rank's links, and what the links do through the network.
 struct Acting {
-    /// Bodies and links.
-    linked: Network,
-    /// Bodies alone, if what they resist is known of near pairs.
-    unlinked: Option<Network>,
+    network: Network,
     others: Scatter,
     /// For each end of this rank's links, where its motion begins: among this rank's multipliers, then among those fetched.
     places: Vec<[usize; 2]>,
@@ -83,11 +80,13 @@ struct Acting {
 }
 
 /// What bodies resist besides links.
-pub enum Medium {
-    /// Each as if it were alone.
-    Alone(Resistances),
-    /// By near pairs.
-    Pairs(Resistances),
+pub struct Medium {
+    /// Each as if it were alone, or by near pairs.
+    pub resistances: Resistances,
+    /// Pores, if they count.
+    pub pores: Option<Pores>,
+    /// Whether the approximation needs it also where there are no links.
+    pub needed: bool,
 }
 
 /// The links of a solve that belong to this rank: contacts and ways of films.
@@ -102,27 +101,24 @@ pub struct Touching {
 
 impl Touching {
     /// The links that touch this rank's bodies, in a system that has at least so many `places` for those that belong to it; bodies have so
-    /// many rigid modes, and those that `stay` have their motion given. Collective.
+    /// many rigid modes, and those that stay have their motion given. Collective.
     ///
     /// # Errors
     /// The approximation cannot be factored.
     pub fn new(
         (session, layout): (&Session, &Layout),
         (scale, links): (f64, Vec<Link>),
-        (rigid, medium, stays): (usize, Medium, impl Fn(usize) -> bool),
+        (rigid, medium): (usize, Medium),
+        (stays, unit): (impl Fn(usize) -> bool, impl Fn(usize) -> f64),
         places: usize,
     ) -> Result<Self> {
         let owned: Vec<Link> = links.iter().filter(|link| link.owned).cloned().collect();
-        let (mut resistances, by_pairs) = match medium {
-            Medium::Alone(resistances) => (resistances, false),
-            Medium::Pairs(resistances) => (resistances, true),
-        };
-        let any = by_pairs || session.world().max(links.len() as f64) > 0.0;
-        let acting = if any {
-            let unlinked = if by_pairs { Some(Network::new(session, layout, (&resistances, rigid), |_| false)?) } else { None };
+        let Medium { mut resistances, pores, needed } = medium;
+        let acting = if needed || session.world().max(links.len() as f64) > 0.0 {
             resistances.add_links(layout, links.iter(), Link::stiff_compliance);
-            let linked = Network::new(session, layout, (&resistances, rigid), stays)?;
-            Some(Acting::new((session, layout), (linked, unlinked), (&owned, rigid))?)
+            let parts = Parts { resistances: &resistances, pores: pores.as_ref(), rigid, stays, unit };
+            let network = Network::new(session, layout, parts)?;
+            Some(Acting::new((session, layout), network, (&owned, rigid))?)
         } else {
             None
         };
@@ -177,33 +173,32 @@ impl Touching {
     }
 
     /// The unknowns for which links give the wanted rates where `forces`, in the places of multipliers and per unit of an unknown, act too;
-    /// they are replaced by the motions of the bodies. Collective.
-    pub fn resist(&mut self, forces: &mut Vector, mut rates: Vec<f64>) -> Result<Vec<f64>> {
+    /// they are replaced by the motions of the bodies. All modes are to move as wanted besides; the multipliers of pores are added to those
+    /// found. Collective.
+    pub fn resist(
+        &mut self,
+        forces: &mut Vector,
+        mut rates: Vec<f64>,
+        (wanted, multipliers): (&Vector, &mut Vector),
+    ) -> Result<Vec<f64>> {
         let Some(acting) = &mut self.acting else { return Ok(rates) };
         let compliances: Vec<f64> = self.links.iter().map(Link::stiff_compliance).collect();
         rates.iter_mut().zip(&compliances).for_each(|(rate, compliance)| *rate /= compliance);
         acting.push(&self.links, self.rigid, &rates, |_| 1.0)?;
         acting.motions.add(1.0, forces)?;
-        acting.linked.answer(&mut acting.motions)?;
+        acting.network.answer(&mut acting.motions, (wanted, multipliers))?;
         let found = acting.rates(&self.links, self.rigid)?;
         rates.iter_mut().zip(found).zip(compliances).for_each(|((rate, found), compliance)| *rate -= found / compliance);
         forces.copy_from(&acting.motions)?;
         Ok(rates)
     }
 
-    /// Replaces forces on bodies by motions as if there were no links, where that is known of near pairs. Collective.
-    pub fn move_unlinked(&mut self, forces: &mut Vector) -> Result<()> {
-        match self.acting.as_mut().and_then(|acting| acting.unlinked.as_mut()) {
-            Some(unlinked) => unlinked.answer(forces),
-            None => Ok(()),
-        }
-    }
 }
 
 impl Acting {
     fn new(
         (session, layout): (&Session, &Layout),
-        (linked, unlinked): (Network, Option<Network>),
+        network: Network,
         (owned, rigid): (&[Link], usize),
     ) -> Result<Acting> {
         let motions = Vector::new(session, layout.local_unknowns())?;
@@ -218,7 +213,7 @@ impl Acting {
             None => 0,
         };
         let places = owned.iter().map(|link| link.ends.each_ref().map(&mut place)).collect();
-        Ok(Acting { linked, unlinked, others: Scatter::new(&motions, &wanted)?, places, motions })
+        Ok(Acting { network, others: Scatter::new(&motions, &wanted)?, places, motions })
     }
 
     /// Rates of the links for velocities in `motions`.

@@ -1,11 +1,10 @@
 //! The vertices of a mesh before they are connected, and their Delaunay triangulation.
 
 use nalgebra::Vector2;
-use spade::{DelaunayTriangulation, Point2, Triangulation};
 
 use crate::{
     error::{Error, Result},
-    geometry::{Ball, Domain},
+    geometry::{self, Ball, Corner, Domain, delaunay},
 };
 
 /// What a node of a mesh lies on.
@@ -18,9 +17,6 @@ pub enum Place {
     /// On walls: for each axis that has one there, whether it is the upper one.
     Wall([Option<bool>; 2]),
 }
-
-/// A vertex in a periodic image of the box, by its number and the image.
-pub type Corner = (usize, [i32; 2]);
 
 /// Vertices with what they lie on.
 #[derive(Debug, Clone)]
@@ -43,8 +39,8 @@ impl Cloud {
     }
 
     /// Where a corner lies.
-    pub fn position(&self, (vertex, image): Corner) -> Vector2<f64> {
-        self.points[vertex] + image_offset(&self.domain, image)
+    pub fn position(&self, corner: Corner) -> Vector2<f64> {
+        geometry::position(&self.domain, &self.points, corner)
     }
 
     /// The triangles of the fluid, counter-clockwise: of all periodic images of one, that whose first vertex lies in the box, and which has
@@ -53,30 +49,10 @@ impl Cloud {
     /// # Errors
     /// No point set of finite numbers.
     pub fn triangles(&self, reach: f64) -> Result<Vec<[Corner; 3]>> {
-        let corners = self.images(reach);
-        let points = corners.iter().map(|&corner| self.position(corner)).map(|point| Point2::new(point.x, point.y)).collect();
         let unfit = |error| Error::Diverged(format!("the mesh cannot be made: {error}"));
-        let connected = DelaunayTriangulation::<Point2<f64>>::bulk_load_stable(points).map_err(unfit)?;
-        let faces = connected.inner_faces().map(|face| face.vertices().map(|vertex| corners[vertex.index()]));
-        let mut triangles: Vec<[Corner; 3]> = faces.filter_map(canonical).filter(|triangle| !self.in_a_disk(triangle)).collect();
-        triangles.sort_unstable();
+        let mut triangles = delaunay(&self.domain, &self.points, reach).map_err(unfit)?;
+        triangles.retain(|triangle| !self.in_a_disk(triangle));
         Ok(triangles)
-    }
-
-    /// All vertices of the box and those of their images that lie within `reach` of it.
-    fn images(&self, reach: f64) -> Vec<Corner> {
-        let mut corners = Vec::new();
-        for (vertex, point) in self.points.iter().enumerate() {
-            let range = |axis: usize| {
-                let (length, x) = (self.domain.size[axis], point[axis]);
-                match self.domain.periodic(axis) {
-                    true => (-(reach + x) / length).ceil() as i32..=((reach - x) / length + 1.0).floor() as i32,
-                    false => 0..=0,
-                }
-            };
-            corners.extend(range(0).flat_map(|x| range(1).map(move |y| (vertex, [x, y]))));
-        }
-        corners
     }
 
     /// Whether all corners lie on the same image of one disk.
@@ -98,11 +74,4 @@ impl Cloud {
 /// How far an image of the box lies from it.
 pub fn image_offset(domain: &Domain<2>, image: [i32; 2]) -> Vector2<f64> {
     Vector2::from_fn(|axis, _| f64::from(image[axis]) * domain.size[axis])
-}
-
-/// The triangle turned so that it begins with its smallest vertex, if that lies in the box.
-fn canonical(mut triangle: [Corner; 3]) -> Option<[Corner; 3]> {
-    let smallest = (0..3).min_by_key(|&corner| triangle[corner].0)?;
-    triangle.rotate_left(smallest);
-    (triangle[0].1 == [0, 0]).then_some(triangle)
 }

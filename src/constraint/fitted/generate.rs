@@ -9,13 +9,13 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{
     boundary::{DISORDER, boundary, whole_number},
-    cloud::{Cloud, Corner, Place},
+    cloud::{Cloud, Place},
     grading::Grading,
     mesh::Mesh,
 };
 use crate::{
     error::{Error, Result},
-    geometry::{Ball, Domain, near_pairs, near_walls},
+    geometry::{Ball, Corner, Domain, near_pairs, near_walls},
 };
 
 /// Narrowest gap, in radii, that a mesh is made for: its elements number about as one over the root of the gap.

@@ -5,12 +5,12 @@ use std::collections::HashMap;
 use nalgebra::Vector2;
 
 use super::{
-    cloud::{Cloud, Corner, Place, image_offset},
+    cloud::{Cloud, Place, image_offset},
     element::Shape,
 };
 use crate::{
     error::{Error, Result},
-    geometry::{Axis, Ball, Domain},
+    geometry::{Axis, Ball, Corner, Domain},
 };
 
 /// A triangle of a mesh.

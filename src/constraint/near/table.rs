@@ -165,28 +165,27 @@ impl<'a, const D: usize> Two<'a, D> {
         if self.equal() { pair.map(|pair| (pair - &alone[0]) * 0.5).collect() } else { pair.map(|pair| pair - joined(&alone, None)).collect() }
     }
 
-    /// The multipliers for given velocities of all modes, with no net force or torque on the pair; but between free modes as above.
+    /// The multipliers for given velocities of all modes, with no net force or torque on the pair, less those of free modes of each alone.
     fn given_motions(&self, modes: &[Vec<usize>; 2]) -> Vec<DMatrix<f64>> {
         let own = self.own(self.sides.each_ref().map(|side| side.isolated_in_motion(self.distance)), modes);
         let coupling = self.coupling(modes);
         let areas = self.sides.each_ref().map(|side| side.surface.area());
-        let mut places = modes.each_ref().map(|modes| modes.as_slice());
-        let as_one = [0, 1].map(|place| self.sides[place].motions_as_one(self.distance, place == 1).select_rows(places[place]));
+        let as_one = [0, 1].map(|side| self.sides[side].motions_as_one(self.distance, side == 1).select_rows(&modes[side]));
+        let mut members = modes.each_ref().map(|modes| modes.as_slice());
         let (mut motions, mut factor) = (vec![stacked(&as_one, areas)], 1.0);
         if self.equal() {
             motions = [1.0, -1.0].iter().map(|&sign| (&as_one[0] + &as_one[1] * sign, &as_one[0] + &as_one[1] * sign)).collect();
-            places[1] = &[];
+            members[1] = &[];
             factor = 0.5;
         }
-        let free: Vec<bool> = places.iter().flat_map(|modes| modes.iter().map(|&mode| mode >= self.rigid())).collect();
-        let alone = if self.equal() { inverse(free_part(&own[0], &free)) } else { inverse(free_part(&joined(&own, None), &free)) };
+        let free: Vec<bool> = members.iter().flat_map(|modes| modes.iter().map(|&mode| mode >= self.rigid())).collect();
+        let places: Vec<usize> = (0..free.len()).filter(|&place| free[place]).collect();
+        let alone = if self.equal() { inverse(part(&own[0], &places)) } else { inverse(part(&joined(&own, None), &places)) };
         let blocks = self.combined(&own, &coupling).into_iter().zip(motions);
         let answer = |(block, (motions, forces)): (DMatrix<f64>, (DMatrix<f64>, DMatrix<f64>))| {
             let mut answer = without_net_force(&block, &motions, &forces);
-            let others = inverse(free_part(&block, &free)) - &alone;
-            let places: Vec<usize> = (0..free.len()).filter(|&place| free[place]).collect();
             for (row, &place) in places.iter().enumerate() {
-                places.iter().enumerate().for_each(|(column, &other)| answer[(place, other)] = others[(row, column)]);
+                places.iter().enumerate().for_each(|(column, &other)| answer[(place, other)] -= alone[(row, column)]);
             }
             answer * factor
         };
@@ -205,9 +204,8 @@ fn stacked([first, second]: &[DMatrix<f64>; 2], areas: [f64; 2]) -> (DMatrix<f64
     (motions, forces)
 }
 
-fn free_part(block: &DMatrix<f64>, free: &[bool]) -> DMatrix<f64> {
-    let places: Vec<usize> = (0..free.len()).filter(|&place| free[place]).collect();
-    block.select_rows(&places).select_columns(&places)
+fn part(block: &DMatrix<f64>, places: &[usize]) -> DMatrix<f64> {
+    block.select_rows(places).select_columns(places)
 }
 
 /// The inverse of a block on what has no part along some `forces`, up to the `motions` that go with them.
