@@ -28,6 +28,11 @@ impl<const D: usize> Crowd<D> {
         lubrication::REACH.max(near::REACH) * balls.iter().map(|ball| ball.radius).fold(0.0, f64::max)
     }
 
+    /// Whether a pair is one whose bodies feel each other in the approximate inverse.
+    pub fn near(&self, pair: &Pair<D>) -> bool {
+        pair.gap < near::REACH * 0.5 * (self.balls[pair.first].radius + self.balls[pair.second].radius)
+    }
+
     /// Whether a rank with this layout holds one of the two bodies.
     pub fn touches(layout: &Layout, bodies: [usize; 2]) -> bool {
         bodies.iter().any(|&body| layout.holds(body))

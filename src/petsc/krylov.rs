@@ -29,6 +29,11 @@ pub enum KrylovMethod {
         /// Vectors kept before a restart.
         restart: usize,
     },
+    /// The same with a preconditioner that may differ from iteration to iteration, which takes twice the vectors.
+    FlexibleGmres {
+        /// Vectors kept before a restart.
+        restart: usize,
+    },
 }
 
 /// Method and stopping rule.
@@ -248,8 +253,9 @@ fn set_method(solver: ffi::KSP, settings: KrylovSettings) -> Result<()> {
             petsc!(KSPSetType(solver, c"minres".as_ptr()))?;
             norm = ffi::KSPNormType_KSP_NORM_PRECONDITIONED;
         }
-        KrylovMethod::Gmres { restart } => {
-            petsc!(KSPSetType(solver, c"gmres".as_ptr()))?;
+        KrylovMethod::Gmres { restart } | KrylovMethod::FlexibleGmres { restart } => {
+            let kind = if let KrylovMethod::Gmres { .. } = settings.method { c"gmres" } else { c"fgmres" };
+            petsc!(KSPSetType(solver, kind.as_ptr()))?;
             petsc!(KSPGMRESSetRestart(solver, index(restart)))?;
             // without it dense fixed arrays lose orthogonality, and the residual stalls
             petsc!(KSPGMRESSetCGSRefinementType(solver, ffi::KSPGMRESCGSRefinementType_KSP_GMRES_CGS_REFINE_IFNEEDED))?;

@@ -1,45 +1,57 @@
-//! Solves with sparse symmetric matrices by their factors.
+//! Solves with sparse symmetric matrices, by their factors or to a loose tolerance.
 
 use std::ptr::null_mut;
 
-use super::{Matrix, RowBuilder, Session, Vector, ffi, owned::Owned, petsc};
+use super::{Matrix, RowBuilder, Session, Vector, ffi, options::insert_unless_given, owned::Owned, petsc};
 use crate::error::{Error, Result};
 
-/// What is known of the signs of a symmetric matrix.
+/// How a symmetric matrix is solved with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Definiteness {
-    /// Positive.
+pub enum Way {
+    /// By factors of a positive matrix: CHOLMOD's on one rank, or else MUMPS's.
     Positive,
-    /// Positive on some unknowns and negative on the others.
-    Quasi,
+    /// By MUMPS's factors of a matrix that is positive on some unknowns and negative on the others.
+    Quasidefinite,
+    /// By conjugate gradients to a loose tolerance, for a positive matrix whose factors would take too much memory and time.
+    Iterated,
 }
 
-/// The factors of a symmetric matrix, which all ranks share.
+/// Residual at which iterations end, over the right-hand side.
+const LOOSE: f64 = 1e-2;
+
+/// A symmetric matrix to solve with, which all ranks share.
 pub struct Symmetric {
     solver: Owned<ffi::KSP>,
     _matrix: Matrix,
 }
 
 impl Symmetric {
-    /// Factors the matrix of this rank's rows, of which there are `local`, by CHOLMOD if it is positive and on one rank, or else by MUMPS; PETSc options with the prefix `network_` adjust it.
+    /// Factors the matrix of this rank's rows, of which there are `local`, PETSc options with the prefix `network_` adjust it.
     ///
     /// # Errors
     /// [`Error::Diverged`] when the matrix has no such factors.
-    pub fn new(session: &Session, (local, rows): (usize, RowBuilder), definiteness: Definiteness) -> Result<Symmetric> {
+    pub fn new(session: &Session, (local, rows): (usize, RowBuilder), way: Way) -> Result<Symmetric> {
         let matrix = Matrix::from_rows(session, local, rows)?;
-        let positive = definiteness == Definiteness::Positive;
-        let kind = if positive { ffi::MatOption_MAT_SPD } else { ffi::MatOption_MAT_SYMMETRIC };
+        let kind = if way == Way::Quasidefinite { ffi::MatOption_MAT_SYMMETRIC } else { ffi::MatOption_MAT_SPD };
         petsc!(MatSetOption(matrix.raw(), kind, ffi::PetscBool_PETSC_TRUE))?;
         let (mut raw, mut pc) = (null_mut(), null_mut());
         petsc!(KSPCreate(session.communicator(), &mut raw))?;
         let solver = Owned::new(session, raw);
         petsc!(KSPSetOptionsPrefix(raw, c"network_".as_ptr()))?;
         petsc!(KSPSetOperators(raw, matrix.raw(), matrix.raw()))?;
-        petsc!(KSPSetType(raw, c"preonly".as_ptr()))?;
         petsc!(KSPGetPC(raw, &mut pc))?;
-        petsc!(PCSetType(pc, c"cholesky".as_ptr()))?;
-        let package = if positive && session.world().size() == 1 { c"cholmod" } else { c"mumps" };
-        petsc!(PCFactorSetMatSolverType(pc, package.as_ptr()))?;
+        if way == Way::Iterated {
+            let kept = f64::from(ffi::PETSC_DEFAULT);
+            petsc!(KSPSetType(raw, c"cg".as_ptr()))?;
+            petsc!(KSPSetTolerances(raw, LOOSE, kept, kept, ffi::PETSC_DEFAULT))?;
+            petsc!(PCSetType(pc, c"bjacobi".as_ptr()))?;
+            insert_unless_given("-network_sub_pc_type", "icc")?;
+        } else {
+            let package = if way == Way::Positive && session.world().size() == 1 { c"cholmod" } else { c"mumps" };
+            petsc!(KSPSetType(raw, c"preonly".as_ptr()))?;
+            petsc!(PCSetType(pc, c"cholesky".as_ptr()))?;
+            petsc!(PCFactorSetMatSolverType(pc, package.as_ptr()))?;
+        }
         petsc!(KSPSetFromOptions(raw))?;
         petsc!(KSPSetUp(raw))?;
         let mut reason = ffi::PCFailedReason_PC_NOERROR;

@@ -23,6 +23,9 @@ use crate::{
     surface::SurfaceTable,
 };
 
+/// Near neighbours that are not few.
+const FEW: usize = 3;
+
 /// What bodies of equal size share, kept for the whole run.
 pub struct Kind<const D: usize> {
     radius: f64,
@@ -191,6 +194,15 @@ impl<'a, const D: usize> Bodies<'a, D> {
     /// What modes see of the films between bodies of this rank and walls.
     pub fn walls_seen(&self) -> Films<D> {
         walls_seen((&self.crowd, &self.layout), &self.kinds.film_tables)
+    }
+
+    /// How many of [`FEW`] near neighbours each body lacks, as a part; a wall counts for all.
+    pub fn few_neighbours(&self) -> Vec<f64> {
+        let mut found = vec![0; self.placed.len()];
+        let near = self.crowd.pairs.iter().filter(|pair| self.crowd.near(pair));
+        near.flat_map(|pair| [pair.first, pair.second]).for_each(|body| found[body] += 1);
+        self.crowd.walls.iter().for_each(|near| found[near.body] = FEW);
+        found.into_iter().map(|count: usize| FEW.saturating_sub(count) as f64 / FEW as f64).collect()
     }
 
     /// The pores between bodies, in 2D.

@@ -4,9 +4,11 @@ use super::{
     basis::Basis,
     bodies::Bodies,
     memory::{Guess, Snapshot},
+    network::iterated,
     work::{Sizes, Work},
 };
 use crate::{
+    constraint::Given,
     error::Result,
     petsc::{Krylov, KrylovMethod, KrylovSettings, Vector},
 };
@@ -42,7 +44,9 @@ impl Engine {
         let rhs = work.solver_vector(&basis.session)?;
         let mut unknowns = [rhs.local()?.len() as f64];
         basis.session.world().sum(&mut unknowns);
-        let settings = krylov_settings(basis.setup.tolerance.at_an_instant(), unknowns[0] as usize);
+        let bodies = basis.setup.bodies.len();
+        let flexible = basis.kinds.given() == Given::Motions && iterated(D * (D + 1) / 2, bodies);
+        let settings = krylov_settings(basis.setup.tolerance.at_an_instant(), unknowns[0] as usize, flexible);
         let krylov = Krylov::new(&basis.session, rhs.local()?.len(), c"coupled_", settings)?;
         Ok(Engine { krylov, work, x: rhs.like()?, rhs })
     }
@@ -66,7 +70,8 @@ impl Engine {
 }
 
 /// PETSc clears a square of the restart's size beforehand: ten milliseconds that small systems do not need.
-fn krylov_settings(tolerance: f64, unknowns: usize) -> KrylovSettings {
+fn krylov_settings(tolerance: f64, unknowns: usize, flexible: bool) -> KrylovSettings {
     let restart = unknowns.clamp(FEWEST_VECTORS, MOST_ITERATIONS);
-    KrylovSettings { method: KrylovMethod::Gmres { restart }, tolerance, most_iterations: MOST_ITERATIONS }
+    let method = if flexible { KrylovMethod::FlexibleGmres { restart } } else { KrylovMethod::Gmres { restart } };
+    KrylovSettings { method, tolerance, most_iterations: MOST_ITERATIONS }
 }

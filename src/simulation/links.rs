@@ -37,9 +37,6 @@ const SPRING_AMONG_FEW: f64 = 0.1;
 const ROTATION: f64 = 0.02;
 const ROTATION_AMONG_FEW: f64 = 0.3;
 
-/// Neighbours that are not few.
-const FEW: usize = 3;
-
 /// The links of a moment, for a flow without bodies that has this rank's `undisturbed` velocities on surfaces, in a system with at least
 /// so many `places`. Collective.
 ///
@@ -125,20 +122,16 @@ impl<const D: usize> Builder<'_, D> {
             layout.local_bodies.iter().for_each(|&body| resistances.add(layout, [body; 2], &self.alone(body)));
             return Medium { resistances, pores: None, needed: false };
         };
-        let mut neighbours = vec![0; layout.bodies()];
         for (ends, blocks) in pairs.resistances::<D>() {
             for (one, two) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
                 resistances.add(layout, [ends[one], ends[two]], &(blocks[one][two] / self.scale));
             }
-            ends.iter().for_each(|&end| neighbours[end] += 1);
         }
         for film in &bodies.walls_seen().films {
-            neighbours[film.body] += FEW;
             film.ways.iter().for_each(|way| self.add_way(film, way, true));
         }
         resistances.add_links(layout, self.links.iter(), |link| link.compliance);
-        let few: Vec<f64> = neighbours.iter().map(|&count| FEW.saturating_sub(count) as f64 / FEW as f64).collect();
-        let pores = bodies.pores();
+        let (few, pores) = (bodies.few_neighbours(), bodies.pores());
         for &body in &layout.local_bodies {
             let part = match (&pores, basis.setup.bodies[body].body.free()) {
                 (_, false) => 1.0,

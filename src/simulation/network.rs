@@ -14,8 +14,16 @@ use super::touching::Link;
 use crate::{
     constraint::{Layout, PoreShare, Pores, RigidBlock},
     error::Result,
-    petsc::{Definiteness, RowBuilder, Scatter, Session, Symmetric, Vector},
+    petsc::{RowBuilder, Scatter, Session, Symmetric, Vector, Way},
 };
+
+/// Bodies in 3D beyond which factors of the network take more time than iterations: they grow with the square of the number.
+const MOST_FACTORED: usize = 500;
+
+/// Whether the network of so many bodies, of so many rigid modes each, is solved by iterations, to a loose tolerance.
+pub fn iterated(rigid: usize, bodies: usize) -> bool {
+    rigid > 3 && bodies > MOST_FACTORED
+}
 
 /// Rows of this rank's bodies, block by block: the numbers of two bodies, and what the motion of the second makes the first feel.
 #[derive(Default)]
@@ -109,6 +117,8 @@ pub struct Parts<'a, S: Fn(usize) -> bool, U: Fn(usize) -> f64> {
     pub pores: Option<&'a Pores>,
     /// Number of rigid modes of a body.
     pub rigid: usize,
+    /// Whether it may be solved loosely.
+    pub flexible: bool,
     /// Whether the motion of a body is given.
     pub stays: S,
     /// Net force of a unit translation multiplier of a body, over that of a unit of a link's unknown.
@@ -125,8 +135,12 @@ impl Network {
         let numbering = Numbering::new(session, layout, rigid, pores);
         let local = numbering.local(layout);
         let rows = rows(layout, &numbering, &parts);
-        let definiteness = if pores.is_some() { Definiteness::Quasi } else { Definiteness::Positive };
-        let solver = Symmetric::new(session, (local, rows), definiteness)?;
+        let way = match pores {
+            Some(_) => Way::Quasidefinite,
+            None if parts.flexible && iterated(rigid, layout.bodies()) => Way::Iterated,
+            None => Way::Positive,
+        };
+        let solver = Symmetric::new(session, (local, rows), way)?;
         let places = layout.local_bodies.iter().map(|&body| layout.local(body)).collect();
         let forces = Vector::new(session, local)?;
         let (mut fetched, mut found) = (Vec::new(), BTreeMap::new());
@@ -192,7 +206,7 @@ impl Network {
 
 /// This rank's rows of the network.
 fn rows(layout: &Layout, numbering: &Numbering, parts: &Parts<impl Fn(usize) -> bool, impl Fn(usize) -> f64>) -> RowBuilder {
-    let Parts { resistances, pores, rigid, stays, unit } = parts;
+    let Parts { resistances, pores, rigid, stays, unit, .. } = parts;
     let rigid = *rigid;
     let mut bodies = vec![0; layout.bodies()];
     (0..bodies.len()).for_each(|body| bodies[layout.number(body)] = body);

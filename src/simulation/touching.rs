@@ -116,7 +116,7 @@ impl Touching {
         let Medium { mut resistances, pores, needed } = medium;
         let acting = if needed || session.world().max(links.len() as f64) > 0.0 {
             resistances.add_links(layout, links.iter(), Link::stiff_compliance);
-            let parts = Parts { resistances: &resistances, pores: pores.as_ref(), rigid, stays, unit };
+            let parts = Parts { resistances: &resistances, pores: pores.as_ref(), rigid, flexible: needed, stays, unit };
             let network = Network::new(session, layout, parts)?;
             Some(Acting::new((session, layout), network, (&owned, rigid))?)
         } else {

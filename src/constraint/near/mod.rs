@@ -202,11 +202,7 @@ impl NearPair {
 
 /// The near pairs with a body that this rank holds.
 fn near_and_mine<'a, const D: usize>(crowd: &'a Crowd<D>, layout: &Layout) -> Vec<&'a Pair<D>> {
-    let near = |pair: &&Pair<D>| {
-        let mean = 0.5 * (crowd.balls[pair.first].radius + crowd.balls[pair.second].radius);
-        pair.gap < REACH * mean && Crowd::<D>::touches(layout, [pair.first, pair.second])
-    };
-    crowd.pairs.iter().filter(near).collect()
+    crowd.pairs.iter().filter(|pair| crowd.near(pair) && Crowd::<D>::touches(layout, [pair.first, pair.second])).collect()
 }
 
 /// The multipliers to fetch for these pairs, and where each body's stand: this rank's first, then the fetched.
