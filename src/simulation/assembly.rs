@@ -4,15 +4,20 @@ use std::{collections::HashMap, rc::Rc};
 
 use nalgebra::SVector;
 
-use super::{basis::Basis, bodies::Bodies};
+use super::{basis::Basis, bodies::Bodies, links::medium, touching::Medium};
 use crate::{
     constraint::{
         self, AdjointBlocks, AdjointBody, Blocks, Crowd, INTERPOLATION_REACH, Layout, Method, NearPairs, Neighbour, Placed, SharpBlocks,
         Situation, Workspace,
+        lubrication::Films,
     },
-    error::Result,
+    error::{Error, Result},
     geometry::Ball,
+    parallel::World,
 };
+
+/// Net force or torque of a film on a pair, over its force, that is rounding.
+const LARGEST_IMBALANCE: f64 = 1e-9;
 
 /// Bodies in their places.
 pub struct Assembly<const D: usize> {
@@ -29,6 +34,10 @@ pub struct Assembly<const D: usize> {
     pub assembled: usize,
     /// Near pairs, if multipliers are coefficients of surface modes.
     pub pairs: Option<NearPairs>,
+    /// The films of this rank's bodies.
+    pub films: Films<D>,
+    /// What bodies resist besides films and contacts.
+    pub medium: Medium,
     /// The velocity of the flow without bodies, tested with the rows of this rank's bodies.
     pub undisturbed: Vec<f64>,
 }
@@ -59,7 +68,19 @@ impl<const D: usize> Assembly<D> {
             basis.background(point) + basis.setup.domain.image_velocity(&centers[body])
         })?;
         let pairs = if method.on_surfaces() { Some(bodies.near_pairs(session)?) } else { None };
-        Ok(Assembly { centers: centers.to_vec(), placed, crowd, layout: bodies.layout, blocks, assembled, pairs, undisturbed })
+        let (films, medium) = (balanced(session.world(), bodies.films())?, medium(basis, &bodies, centers, pairs.as_ref()));
+        let (centers, layout) = (centers.to_vec(), bodies.layout);
+        Ok(Assembly { centers, placed, crowd, layout, blocks, assembled, pairs, films, medium, undisturbed })
+    }
+}
+
+/// Films whose forces are opposite and without torque on each pair, as they must be.
+fn balanced<const D: usize>(world: &World, films: Films<D>) -> Result<Films<D>> {
+    match world.max(films.imbalance) < LARGEST_IMBALANCE {
+        true => Ok(films),
+        false => {
+            Err(Error::Diverged(format!("a film acts on its pair with a net force or torque of {:.1e} of its force", films.imbalance)))
+        }
     }
 }
 

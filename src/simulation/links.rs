@@ -46,24 +46,28 @@ pub fn touching<const D: usize>(
     basis: &Basis<D>,
     bodies: &Bodies<D>,
     (moment, films): (&Moment<D>, &Films<D>),
-    (undisturbed, pairs): (&[f64], Option<&NearPairs>),
+    (undisturbed, medium): (&[f64], &Medium),
     places: usize,
 ) -> Result<Touching> {
-    let mut builder = Builder { basis, centers: moment.centers, scale: scale(basis), links: Vec::new() };
+    let mut builder = Builder::new(basis, moment.centers);
     for pressed in moment.pressed.iter().filter(|pressed| touches(&bodies.layout, pressed)) {
         builder.add_contact(pressed.contact, moment.step, belongs(&bodies.layout, pressed));
     }
     for film in &films.films {
         film.ways.iter().for_each(|way| builder.add_way(film, way, bodies.layout.holds(film.body)));
     }
-    let links = std::mem::take(&mut builder.links);
-    let medium = builder.medium(bodies, pairs);
     let stays = |body: usize| !basis.setup.bodies[body].body.free();
-    let unit = |body: usize| basis.kinds.rigid(body).force / builder.scale;
+    let scale = builder.scale;
+    let unit = |body: usize| basis.kinds.rigid(body).force / scale;
     let mut touching =
-        Touching::new((&basis.session, &bodies.layout), (builder.scale, links), (RIGID[D], medium), (stays, unit), places)?;
+        Touching::new((&basis.session, &bodies.layout), (builder.scale, builder.links), (RIGID[D], medium), (stays, unit), places)?;
     touching.without(undisturbed)?;
     Ok(touching)
+}
+
+/// What bodies with these centres resist besides links.
+pub fn medium<const D: usize>(basis: &Basis<D>, bodies: &Bodies<D>, centers: &[SVector<f64, D>], pairs: Option<&NearPairs>) -> Medium {
+    Builder::new(basis, centers).medium(bodies, pairs)
 }
 
 /// Whether a contact is one of this rank's.
@@ -89,7 +93,11 @@ struct Builder<'a, const D: usize> {
     links: Vec<Link>,
 }
 
-impl<const D: usize> Builder<'_, D> {
+impl<'a, const D: usize> Builder<'a, D> {
+    fn new(basis: &'a Basis<D>, centers: &'a [SVector<f64, D>]) -> Self {
+        Builder { basis, centers, scale: scale(basis), links: Vec::new() }
+    }
+
     fn add_contact(&mut self, contact: Contact<D>, step: f64, owned: bool) {
         self.links.push(Link { ends: [None; 2], rate: -contact.gap / step - contact.normal.dot(&contact.sliding), compliance: 0.0, owned });
         let side = |direction| Side { direction, turn: SMatrix::zeros() };
@@ -114,7 +122,7 @@ impl<const D: usize> Builder<'_, D> {
         self.known(known - way.sides[0].direction.dot(&self.sliding(film.body)));
     }
 
-    /// What bodies resist besides links.
+    /// See [`medium`].
     fn medium(&mut self, bodies: &Bodies<D>, pairs: Option<&NearPairs>) -> Medium {
         let (basis, layout) = (self.basis, &bodies.layout);
         let mut resistances = Resistances::default();

@@ -26,7 +26,7 @@ pub fn iterated(rigid: usize, bodies: usize) -> bool {
 }
 
 /// Rows of this rank's bodies, block by block: the numbers of two bodies, and what the motion of the second makes the first feel.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Resistances {
     blocks: BTreeMap<(usize, usize), RigidBlock>,
 }

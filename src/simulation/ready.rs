@@ -19,16 +19,11 @@ use super::{
     work::Sizes,
 };
 use crate::{
-    constraint::lubrication::Films,
-    error::{Error, Result},
+    error::Result,
     flow::StokesInverse,
-    parallel::World,
     petsc::{Krylov, Report, Session, Stage, Vector, enter},
     scene::{ConstraintMethod, MultiplierSolver},
 };
-
-/// Net force or torque of a film on a pair, over its force, that is rounding.
-const LARGEST_IMBALANCE: f64 = 1e-9;
 
 /// Part of the velocities of a scene that rounding leaves where they cancel: bodies that the flow carries as they are.
 const ROUNDING: f64 = 1e-13;
@@ -39,7 +34,6 @@ pub(super) struct Ready<'a, const D: usize> {
     pub members: Vec<Member>,
     pub assembly: Assembly<D>,
     pub touching: Touching,
-    pub films: Films<D>,
     pub engine: Engine,
     pub guess: Option<Guess<D>>,
     prescribed_drag: f64,
@@ -71,8 +65,7 @@ impl<'a, const D: usize> Ready<'a, D> {
         let guess = past.map_or(Ok(None), |past| past.guess(&bodies, moment.centers, moment.time))?;
         let closure = basis.closure.unknowns::<D>();
         let places = engine.as_ref().map_or(0, |engine| engine.work.sizes().links);
-        let films = balanced(basis.session.world(), bodies.films())?;
-        let touching = touching(basis, &bodies, (moment, &films), (&assembly.undisturbed, assembly.pairs.as_ref()), places)?;
+        let touching = touching(basis, &bodies, (moment, &assembly.films), (&assembly.undisturbed, &assembly.medium), places)?;
         let fluid = if basis.condensed { 0 } else { basis.grid.local_fluid_unknowns() };
         let sizes = Sizes { fluid, multipliers: assembly.undisturbed.len(), closure, links: touching.places() };
         let mut engine = Engine::fitting(engine, basis, sizes)?;
@@ -85,7 +78,7 @@ impl<'a, const D: usize> Ready<'a, D> {
         let pressed = moment.pressed.iter().filter(|pressed| belongs(&bodies.layout, pressed)).map(|pressed| pressed.force / unit);
         engine.start(&bodies, guess.as_ref(), pressed.collect())?;
         let stop = Stop { tolerance: moment.tolerance, rounding };
-        Ok(Ready { bodies, members, assembly, touching, films, engine, guess, prescribed_drag, stop })
+        Ok(Ready { bodies, members, assembly, touching, engine, guess, prescribed_drag, stop })
     }
 
     /// The solver with its right-hand side and start, and what the system is made of.
@@ -121,16 +114,6 @@ impl<'a, const D: usize> Ready<'a, D> {
         }?;
         found.velocities.iter_mut().zip(&self.assembly.undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);
         Ok((report, found))
-    }
-}
-
-/// Films whose forces are opposite and without torque on each pair, as they must be.
-fn balanced<const D: usize>(world: &World, films: Films<D>) -> Result<Films<D>> {
-    match world.max(films.imbalance) < LARGEST_IMBALANCE {
-        true => Ok(films),
-        false => {
-            Err(Error::Diverged(format!("a film acts on its pair with a net force or torque of {:.1e} of its force", films.imbalance)))
-        }
     }
 }
 

@@ -219,7 +219,7 @@ impl<const D: usize> Suspension<D> {
         self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();
         (self.cost.assembly, self.cost.assembled) = (start.elapsed().as_secs_f64(), ready.assembly.assembled);
         let (report, mut found) = ready.solve(basis, self.inverse.as_mut(), seen)?;
-        let Ready { bodies, assembly, mut engine, guess, touching, films, .. } = ready;
+        let Ready { bodies, assembly, mut engine, guess, touching, .. } = ready;
         self.cost.krylov = report;
         self.cost.stages = std::mem::take(&mut engine.work.stages);
         let links = found.tail.split_off(basis.closure.unknowns::<D>());
@@ -231,7 +231,6 @@ impl<const D: usize> Suspension<D> {
         let mut directly_on_walls =
             assembly.blocks.on_walls(&found.multipliers).map(|pair| pair.map(|force| force * basis.setup.viscosity));
         directly_on_walls.iter_mut().flatten().for_each(|force| basis.session.world().sum(force.as_mut_slice()));
-        (self.assembly, self.engine) = (Some(assembly), Some(engine));
         let unit = touching.scale * basis.setup.viscosity;
         let (world, layout) = (basis.session.world(), &bodies.layout);
         let mut forces = links[..touching.count()].iter().map(|unknown| unknown * unit);
@@ -241,7 +240,8 @@ impl<const D: usize> Suspension<D> {
             world.sum(&mut contact_forces);
         }
         let film_forces: Vec<f64> = forces.collect();
-        let lubrication = basis.setup.lubrication.map(|_| add_films((world, layout), &films, &film_forces, &mut states));
+        let lubrication = basis.setup.lubrication.map(|_| add_films((world, layout), &assembly.films, &film_forces, &mut states));
+        (self.assembly, self.engine) = (Some(assembly), Some(engine));
         Ok(Solution { lubrication, directly_on_walls, ..basis.solution(states, found.fluid, &found.tail, contact_forces)? })
     }
 }

@@ -108,15 +108,16 @@ impl Touching {
     pub fn new(
         (session, layout): (&Session, &Layout),
         (scale, links): (f64, Vec<Link>),
-        (rigid, medium): (usize, Medium),
+        (rigid, medium): (usize, &Medium),
         (stays, unit): (impl Fn(usize) -> bool, impl Fn(usize) -> f64),
         places: usize,
     ) -> Result<Self> {
         let owned: Vec<Link> = links.iter().filter(|link| link.owned).cloned().collect();
-        let Medium { mut resistances, pores, needed } = medium;
-        let acting = if needed || session.world().max(links.len() as f64) > 0.0 {
+        let Medium { resistances, pores, needed } = medium;
+        let acting = if *needed || session.world().max(links.len() as f64) > 0.0 {
+            let mut resistances = resistances.clone();
             resistances.add_links(layout, links.iter(), Link::stiff_compliance);
-            let parts = Parts { resistances: &resistances, pores: pores.as_ref(), rigid, flexible: needed, stays, unit };
+            let parts = Parts { resistances: &resistances, pores: pores.as_ref(), rigid, flexible: *needed, stays, unit };
             let network = Network::new(session, layout, parts)?;
             Some(Acting::new((session, layout), network, (&owned, rigid))?)
         } else {
