@@ -110,6 +110,9 @@ enum Command {
         /// With --bars: so many scenes drawn at random, with answers from fine grids, in place of those with known ones.
         #[arg(long, requires = "bars", value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..=10_000))]
         random: Option<u64>,
+        /// Solve crowds with many films instead, known ones and such as show how the cost grows with number, fraction and gap.
+        #[arg(long, conflicts_with = "bars")]
+        crowds: bool,
         /// Seed of the first of them.
         #[arg(long, default_value_t = 1, requires = "random", value_parser = clap::value_parser!(u64).range(..=1_000_000))]
         seed: u64,
@@ -193,11 +196,12 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
         }
         Command::Lubrication(arguments) => session.world().agree(lubrication::lubrication(session.world(), arguments)),
         Command::Scaling { .. } | Command::Cost { .. } | Command::Inverses(_) | Command::Viscosity(_) => Err(studies::ranks_refused()),
+        Command::Validation { crowds: true, .. } => study::crowds(session),
         Command::Validation { bars, .. } if bars.is_empty() => match study::validation(session)? {
             true => Ok(()),
             false => Err(Error::Diverged("a case is further from its reference than promised".into())),
         },
-        Command::Validation { bars, random, seed } => match study::bars(session, bars, random.map(|count| *seed..*seed + count))? {
+        Command::Validation { bars, random, seed, .. } => match study::bars(session, bars, random.map(|count| *seed..*seed + count))? {
             true => Ok(()),
             false => Err(Error::Diverged("more than one error bar in twelve does not hold the true error".into())),
         },

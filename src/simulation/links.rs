@@ -151,7 +151,7 @@ impl<'a, const D: usize> Builder<'a, D> {
         if let Some(pores) = &pores {
             add_springs(layout, (pores, &few), &mut resistances);
         }
-        Medium { resistances, pores, needed: true }
+        Medium { resistances, pores, needed: layout.bodies() > 0 }
     }
 
     /// What a body resists alone.

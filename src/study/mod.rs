@@ -17,5 +17,5 @@ pub use cost::{CostOptions, cost};
 pub use forecast::Forecast;
 pub use inverses::{InverseOptions, inverses};
 pub use scaling::{Network, ScalingOptions, scaling};
-pub use validation::{Bar, Case, KnownScene, bars, cases, known_scenes, random_scene, validation};
+pub use validation::{Bar, Case, KnownScene, bars, cases, crowds, known_scenes, random_scene, validation};
 pub use viscosity::{ViscosityOptions, viscosity};

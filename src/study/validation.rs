@@ -2,6 +2,7 @@
 
 mod bars;
 mod cases;
+mod crowds;
 
 use std::time::Instant;
 
@@ -9,6 +10,7 @@ use crate::{error::Result, output::say, petsc::Session};
 
 pub use bars::{Bar, KnownScene, bars, known_scenes, random_scene};
 pub use cases::cases;
+pub use crowds::crowds;
 
 /// Solves a case and measures its quantity; collective.
 pub type Solve = Box<dyn Fn(&Session) -> Result<f64>>;
