@@ -17,9 +17,7 @@ use std::f64::consts::PI;
 use nalgebra::{Complex, Vector2};
 
 use super::{Crowd, Layout};
-use crate::{
-    geometry::{Axis, Ball, Corner, Domain, Edges, delaunay, position},
-};
+use crate::geometry::{Axis, Ball, Corner, Domain, Edges, delaunay, position};
 
 /// Flow through a wide throat, over that of a unit of `(g/a)^2.5`, and the gap beyond which it does not grow.
 const CONDUCTANCE: f64 = 1.0 / (9.0 * PI * PI);
@@ -34,7 +32,10 @@ const TIE: f64 = 1e-2;
 /// Reaches of triangulations that are tried, in means of the distance between neighbours.
 const REACHES: [f64; 3] = [5.0, 15.0, 50.0];
 
-/// Part of a radius by which centres are displaced for the triangulation, so that it is one also where four lie on a circle.
+/// Least distance of the feet of disks on walls, in radii.
+const APART: f64 = 0.01;
+
+/// Part of their distance by which centres are displaced for the triangulation, so that it is one also where four lie on a circle.
 const DISPLACEMENT: f64 = 1e-6;
 
 /// The share of a body in a pore.
@@ -52,8 +53,8 @@ pub struct Share {
 pub struct Throat {
     /// The pore, and the other one.
     pub pores: (usize, Option<usize>),
-    /// The disks between which it is.
-    pub bodies: [usize; 2],
+    /// The disks between which it is; none for a wall.
+    pub bodies: [Option<usize>; 2],
     /// Flow for a unit difference of pressure over viscosity, over `2 pi`. Each throat between two pores is listed once for each of them.
     pub conductance: f64,
 }
@@ -71,25 +72,27 @@ pub struct Pores {
 impl Pores {
     /// The pores of a crowd of disks of which this rank holds some; none in 3D, and where no three disks make a triangle.
     pub fn new<const D: usize>(domain: &Domain<D>, crowd: &Crowd<D>, layout: &Layout) -> Option<Pores> {
-        let (domain, balls) = in_plane(domain, &crowd.balls)?;
-        let triangles = triangles(&domain, &balls)?;
+        let (domain, balls) = in_plane(domain, crowd)?;
+        let mut triangles = triangles(&domain, &balls)?;
+        // feet of disks on walls come after all disks
+        let foot = |body: usize| body >= crowd.balls.len();
+        triangles.retain(|triangle| !foot(triangle[0].0));
         let edges = Edges::new(&triangles);
         let centers: Vec<Vector2<f64>> = balls.iter().map(|ball| ball.center).collect();
         let place = |corner: Corner| position(&domain, &centers, corner);
         let mut pores = Pores { of_body: Vec::new(), shares: Vec::new(), throats: Vec::new() };
         for (pore, triangle) in triangles.iter().enumerate() {
             pores.of_body.push(triangle[0].0);
-            let here = triangle.iter().any(|corner| layout.holds(corner.0));
+            let here = triangle.iter().any(|corner| !foot(corner.0) && layout.holds(corner.0));
             for first in 0..3 {
                 let [one, next, last] = [0, 1, 2].map(|turn| triangle[(first + turn) % 3]);
                 let bodies = [one, next].map(|corner| corner.0);
-                let radii = bodies.map(|body| balls[body].radius);
-                let effective = 2.0 * radii[0] * radii[1] / (radii[0] + radii[1]);
-                let order = bodies.map(|body| crowd.orders[body]).into_iter().min().unwrap_or(1) as f64;
-                let gap = ((place(next) - place(one)).norm() - radii[0] - radii[1]).max(0.0) / effective;
-                let conductance = LEAKAGE / order.powi(3) + CONDUCTANCE * gap.min(WIDEST).powf(2.5);
-                pores.throats.push(Throat { pores: (pore, edges.across(one, next)), bodies, conductance: conductance * effective.powi(2) });
-                if here {
+                if !bodies.iter().all(|&body| foot(body)) {
+                    let pores_beside = (pore, edges.across(one, next));
+                    let conductance = conductance(crowd, (place(next) - place(one)).norm(), bodies.map(|body| (body, balls[body].radius)));
+                    pores.throats.push(Throat { pores: pores_beside, bodies: bodies.map(|body| (!foot(body)).then_some(body)), conductance });
+                }
+                if here && !foot(one.0) {
                     let to = [next, last].map(|corner| (place(corner) - place(one), balls[corner.0].radius));
                     let multipliers = multipliers(crowd.orders[one.0], balls[one.0].radius, to);
                     pores.shares.push(Share { pore, body: one.0, multipliers });
@@ -110,28 +113,48 @@ impl Pores {
     }
 }
 
-/// The box and the disks, if the dimension is 2.
-fn in_plane<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<(Domain<2>, Vec<Ball<2>>)> {
+/// Flow through the throat between two bodies so far apart, of these numbers and radii; a wall is as flat as a disk without end.
+fn conductance<const D: usize>(crowd: &Crowd<D>, distance: f64, bodies: [(usize, f64); 2]) -> f64 {
+    let [(_, one), (_, two)] = bodies;
+    let effective = if one.min(two) > 0.0 { 2.0 * one * two / (one + two) } else { 2.0 * one.max(two) };
+    let order = bodies.iter().filter_map(|&(body, _)| crowd.orders.get(body)).min().map_or(1.0, |&order| order as f64);
+    let gap = (distance - one - two).max(0.0) / effective;
+    effective.powi(2) * (LEAKAGE / order.powi(3) + CONDUCTANCE * gap.min(WIDEST).powf(2.5))
+}
+
+/// The box and the disks, then the feet of near ones on walls as disks without a radius, if the dimension is 2.
+fn in_plane<const D: usize>(domain: &Domain<D>, crowd: &Crowd<D>) -> Option<(Domain<2>, Vec<Ball<2>>)> {
     if D != 2 {
         return None;
     }
-    let flat = balls.iter().map(|ball| Ball { center: Vector2::new(ball.center[0], ball.center[1]), radius: ball.radius }).collect();
+    let flat = |ball: &Ball<D>| Ball { center: Vector2::new(ball.center[0], ball.center[1]), radius: ball.radius };
+    let mut balls: Vec<Ball<2>> = crowd.balls.iter().map(flat).collect();
+    let mut feet: Vec<Ball<2>> = Vec::new();
+    for near in crowd.walls.iter().filter(|near| near.gap < crowd.balls[near.body].radius) {
+        let mut foot = Ball { radius: 0.0, ..balls[near.body] };
+        foot.center[near.axis] = if near.upper { domain.size[near.axis] } else { 0.0 };
+        let apart = APART * balls[near.body].radius;
+        if feet.iter().all(|other| (other.center - foot.center).norm() > apart) {
+            feet.push(foot);
+        }
+    }
+    balls.extend(feet);
     let axis = |axis: usize| match domain.axes[axis] {
         Axis::Periodic => Axis::Periodic,
         Axis::Sheared(slide) => Axis::Sheared(slide),
         Axis::Walls { .. } => Axis::Walls { lower: Vector2::zeros(), upper: Vector2::zeros() },
     };
-    Some((Domain { size: Vector2::new(domain.size[0], domain.size[1]), axes: [axis(0), axis(1)] }, flat))
+    Some((Domain { size: Vector2::new(domain.size[0], domain.size[1]), axes: [axis(0), axis(1)] }, balls))
 }
 
 /// The triangles of the centres, as many as there must be.
 fn triangles(domain: &Domain<2>, balls: &[Ball<2>]) -> Option<Vec<[Corner; 3]>> {
+    let apart = (domain.volume() / balls.len().max(1) as f64).sqrt();
     let displaced = |(body, ball): (usize, &Ball<2>)| {
         let direction = Vector2::new((12.9898 * body as f64).sin(), (78.233 * body as f64).sin());
-        ball.center + direction * (DISPLACEMENT * ball.radius)
+        ball.center + direction * (DISPLACEMENT * apart)
     };
     let points: Vec<Vector2<f64>> = balls.iter().enumerate().map(displaced).collect();
-    let apart = (domain.volume() / balls.len().max(1) as f64).sqrt();
     let complete = |found: &Vec<[Corner; 3]>| !domain.fully_periodic() || found.len() == 2 * balls.len();
     let found = REACHES.iter().filter_map(|reach| delaunay(domain, &points, reach * apart).ok().filter(complete)).next()?;
     (!found.is_empty()).then_some(found)

@@ -89,13 +89,14 @@ fn key(from: Corner, to: Corner) -> (usize, usize, [i32; 2]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Axis;
+    use crate::geometry::{Axis, Slide};
 
     /// As many triangles as twice the points, and a neighbour across each edge, also where a point is its own neighbour.
     #[test]
     fn a_periodic_box_has_two_triangles_a_point() {
-        let domain = Domain { size: [3.0, 2.0].into(), axes: [Axis::Periodic; 2] };
-        for count in [1, 2, 3, 20] {
+        let slide = Slide { start: 0.0, speed: 1.0, time: 0.37 };
+        let domain = Domain { size: [3.0, 2.0].into(), axes: [Axis::Periodic, Axis::Sheared(slide)] };
+        for count in [1, 2, 3, 20, 100] {
             let points: Vec<Vector2<f64>> =
                 (0..count).map(|n| Vector2::new((0.77 * n as f64).fract() * 3.0, (0.341 * n as f64 + 0.1).fract() * 2.0)).collect();
             let triangles = delaunay(&domain, &points, 3.0).unwrap();

@@ -8,8 +8,7 @@ use super::{basis::Basis, bodies::Bodies, links::medium, touching::Medium};
 use crate::{
     constraint::{
         self, AdjointBlocks, AdjointBody, Blocks, Crowd, INTERPOLATION_REACH, Layout, Method, NearPairs, Neighbour, Placed, SharpBlocks,
-        Situation, Workspace,
-        lubrication::Films,
+        Situation, Workspace, lubrication::Films,
     },
     error::{Error, Result},
     geometry::Ball,

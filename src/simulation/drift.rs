@@ -267,12 +267,7 @@ impl<const D: usize> Drift<D> {
     }
 
     /// The projection of velocities, with the forces that cause it between bodies with these films.
-    fn project(
-        &self,
-        (domain, balls, floors): Crowd<D>,
-        velocities: &[SVector<f64, D>],
-        step: f64,
-    ) -> Result<Projection<D>> {
+    fn project(&self, (domain, balls, floors): Crowd<D>, velocities: &[SVector<f64, D>], step: f64) -> Result<Projection<D>> {
         let _stage = enter(Stage::Contacts);
         let felt = |floor: &ContactForce<D>| ContactForce { force: floor.force * self.felt_part(&floor.contact), ..*floor };
         let floors: Vec<ContactForce<D>> = floors.iter().map(felt).collect();

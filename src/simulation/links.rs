@@ -6,8 +6,8 @@ use super::{
     BodyState, Lubrication,
     basis::Basis,
     bodies::Bodies,
-    suspension::Moment,
     network::Resistances,
+    suspension::Moment,
     touching::{End, Link, Medium, Touching, Weights},
 };
 use crate::{
@@ -195,7 +195,7 @@ impl<'a, const D: usize> Builder<'a, D> {
 fn add_springs(layout: &Layout, (pores, few): (&Pores, &[f64]), resistances: &mut Resistances) {
     let translations = RigidBlock::from_diagonal(&Weights::from_fn(|mode, _| f64::from(mode < 2)));
     for throat in &pores.throats {
-        let [one, two] = throat.bodies;
+        let [Some(one), Some(two)] = throat.bodies else { continue };
         // each is listed for both of its pores
         let spring = translations * (0.5 * (SPRING + SPRING_AMONG_FEW * (few[one] + few[two])));
         for (body, other) in [(one, two), (two, one)] {

@@ -67,8 +67,7 @@ impl Numbering {
         let (mut of_pore, mut before) = (vec![0; owners.len()], vec![0; session.world().size() + 1]);
         owners.iter().for_each(|&owner| before[owner + 1] += 1);
         (1..before.len()).for_each(|rank| before[rank] += before[rank - 1]);
-        let of_body: Vec<usize> =
-            (0..layout.bodies()).map(|body| rigid * layout.number(body) + before[layout.owner(body)]).collect();
+        let of_body: Vec<usize> = (0..layout.bodies()).map(|body| rigid * layout.number(body) + before[layout.owner(body)]).collect();
         let mut bodies = vec![0; before.len()];
         (0..layout.bodies()).for_each(|body| bodies[layout.owner(body) + 1] += rigid);
         (1..bodies.len()).for_each(|rank| bodies[rank] += bodies[rank - 1]);

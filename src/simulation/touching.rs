@@ -22,8 +22,9 @@ use crate::{
     petsc::{Scatter, Session, Vector},
 };
 
-/// Compliance that a contact has in the approximation, over the mobility of its ends: redundant contacts then do no harm.
-const SHIFT: f64 = 1e-7;
+/// Compliance that a contact has in the approximation, over the mobility of its ends: redundant contacts then do no harm. Its inverse
+/// magnifies rounding.
+const SHIFT: f64 = 1e-4;
 
 /// What a link counts of the coefficients of a body's rigid modes, translations first.
 pub type Weights = SVector<f64, 6>;
@@ -176,12 +177,7 @@ impl Touching {
     /// The unknowns for which links give the wanted rates where `forces`, in the places of multipliers and per unit of an unknown, act too;
     /// they are replaced by the motions of the bodies. All modes are to move as wanted besides; the multipliers of pores are added to those
     /// found. Collective.
-    pub fn resist(
-        &mut self,
-        forces: &mut Vector,
-        mut rates: Vec<f64>,
-        (wanted, multipliers): (&Vector, &mut Vector),
-    ) -> Result<Vec<f64>> {
+    pub fn resist(&mut self, forces: &mut Vector, mut rates: Vec<f64>, (wanted, multipliers): (&Vector, &mut Vector)) -> Result<Vec<f64>> {
         let Some(acting) = &mut self.acting else { return Ok(rates) };
         let compliances: Vec<f64> = self.links.iter().map(Link::stiff_compliance).collect();
         rates.iter_mut().zip(&compliances).for_each(|(rate, compliance)| *rate /= compliance);
@@ -193,15 +189,10 @@ impl Touching {
         forces.copy_from(&acting.motions)?;
         Ok(rates)
     }
-
 }
 
 impl Acting {
-    fn new(
-        (session, layout): (&Session, &Layout),
-        network: Network,
-        (owned, rigid): (&[Link], usize),
-    ) -> Result<Acting> {
+    fn new((session, layout): (&Session, &Layout), network: Network, (owned, rigid): (&[Link], usize)) -> Result<Acting> {
         let motions = Vector::new(session, layout.local_unknowns())?;
         let (mut wanted, mut fetched) = (Vec::new(), BTreeMap::new());
         let mut place = |end: &Option<End>| match end {

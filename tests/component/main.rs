@@ -10,6 +10,7 @@ mod accuracy;
 mod axes;
 mod contact;
 mod convergence;
+mod crowds;
 mod dry;
 mod effects;
 mod fields;
@@ -71,6 +72,7 @@ fn main() {
         machine::tests(),
         methods::tests(),
         convergence::tests(),
+        crowds::tests(),
         solvers::tests(),
         grid::tests(),
         interpolation::tests(),

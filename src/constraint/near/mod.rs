@@ -69,11 +69,7 @@ impl NearPairs {
     ///
     /// # Errors
     /// PETSc has no memory for the exchange.
-    pub fn new<const D: usize>(
-        (crowd, layout): (&Crowd<D>, &Layout),
-        tables: &PairTables<D>,
-        multipliers: &Vector,
-    ) -> Result<NearPairs> {
+    pub fn new<const D: usize>((crowd, layout): (&Crowd<D>, &Layout), tables: &PairTables<D>, multipliers: &Vector) -> Result<NearPairs> {
         let near = near_and_mine(crowd, layout);
         let (fetched, places) = places((crowd, layout), &near);
         let local = layout.local_unknowns();

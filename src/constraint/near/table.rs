@@ -162,7 +162,11 @@ impl<'a, const D: usize> Two<'a, D> {
         }
         let pair = self.combined(&own, &coupling).into_iter().map(inverse);
         let alone = own.map(inverse);
-        if self.equal() { pair.map(|pair| (pair - &alone[0]) * 0.5).collect() } else { pair.map(|pair| pair - joined(&alone, None)).collect() }
+        if self.equal() {
+            pair.map(|pair| (pair - &alone[0]) * 0.5).collect()
+        } else {
+            pair.map(|pair| pair - joined(&alone, None)).collect()
+        }
     }
 
     /// The multipliers for given velocities of all modes, with no net force or torque on the pair, less those of free modes of each alone.

@@ -133,7 +133,9 @@ pub fn crowds(session: &Session) -> Result<()> {
             ))?;
         }
     }
-    say("\n| dimension | bodies | fraction | least gap | iterations: transform / hypre | seconds: assembly + solve | ms a body |\n|-|-|-|-|-|-|-|")?;
+    say(
+        "\n| dimension | bodies | fraction | least gap | iterations: transform / hypre | seconds: assembly + solve | ms a body |\n|-|-|-|-|-|-|-|",
+    )?;
     for growth in &GROWTH {
         let (numbers, fraction, gap) = growth.numbers;
         for &count in numbers {
