@@ -90,7 +90,11 @@ impl Pores {
                 if !bodies.iter().all(|&body| foot(body)) {
                     let pores_beside = (pore, edges.across(one, next));
                     let conductance = conductance(crowd, (place(next) - place(one)).norm(), bodies.map(|body| (body, balls[body].radius)));
-                    pores.throats.push(Throat { pores: pores_beside, bodies: bodies.map(|body| (!foot(body)).then_some(body)), conductance });
+                    pores.throats.push(Throat {
+                        pores: pores_beside,
+                        bodies: bodies.map(|body| (!foot(body)).then_some(body)),
+                        conductance,
+                    });
                 }
                 if here && !foot(one.0) {
                     let to = [next, last].map(|corner| (place(corner) - place(one), balls[corner.0].radius));

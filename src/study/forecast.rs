@@ -1,14 +1,20 @@
 //! The seconds that a run will take, from a sample of it that is solved on the spot.
 //!
 //! The sample has at most forty of the scene's bodies at its fraction, its kinds of axes and its inverse, and a coarse grid if it has all
-//! the bodies or would have many cells; a box that is still too large or too long is cut. Set-up and an iteration take seconds in proportion
-//! to unknowns; the number of iterations grows little with that of bodies. It does not know how a run ends: steps are counted at the speeds of the sample.
+//! the bodies or would have many cells; a box that is still too large or too long is cut. Set-up and what an iteration does on the grid take
+//! seconds in proportion to its unknowns (Fourier transforms also by the lengths of the axes, some of which suit them badly), what it does on
+//! surfaces in proportion to multipliers; the number of iterations grows little with that of bodies. It does not know how a run ends: steps are
+//! counted at the speeds of the sample.
+
+use std::time::Instant;
 
 use nalgebra::SVector;
+use rustfft::{FftPlanner, num_complex::Complex};
 
 use crate::{
     body::pack,
     error::{Error, Result},
+    flow::InverseMethod,
     geometry::Domain,
     petsc::Session,
     scene::{Scene, Scheme, Step, TimeSection},
@@ -39,6 +45,12 @@ const TRIES: usize = 12;
 ///
 /// Measured on disks at fraction 0.4: 34, 47 and 51 iterations for 10, 100 and 300 of them.
 const GROWTH: f64 = 0.12;
+
+/// The same where near pairs and pores precondition films. Measured on disks at 0.5: 19, 22 and 24 iterations for 100, 1,000 and 10,000 of them.
+const GROWTH_IN_FILMS: f64 = 0.06;
+
+/// Numbers in each transform that is timed, at least.
+const TRANSFORMED: usize = 1 << 16;
 
 /// Cells by which the bodies of a sample are displaced: next to none, for beside walls there may be no room.
 const DISPLACEMENT: f64 = 1e-6;
@@ -83,15 +95,17 @@ impl Forecast {
         };
         let cost = suspension.cost();
         let times = grid as f64 / cost.grid_unknowns as f64;
-        let more = (setup.bodies.len() as f64 / SAMPLE as f64).max(1.0).powf(GROWTH);
+        let growth = if setup.lubrication.is_some() { GROWTH_IN_FILMS } else { GROWTH };
+        let more = (setup.bodies.len() as f64 / SAMPLE as f64).max(1.0).powf(growth);
         let bodies = multipliers.max(1) as f64 / cost.multiplier_unknowns.max(1) as f64;
-        let [setup_seconds, assembly, krylov] =
-            [cost.setup, cost.assembly, cost.krylov.seconds].map(|seconds| session.world().max(seconds));
+        let [setup_seconds, assembly, krylov, surfaces] =
+            [cost.setup, cost.assembly, cost.krylov.seconds, cost.stages.bodies].map(|seconds| session.world().max(seconds));
+        let suited = if setup.inverse == InverseMethod::Transform { transforms(&setup, suspension.setup()) } else { 1.0 };
         let smallest = setup.bodies.iter().map(|suspended| suspended.body.ball.radius).fold(f64::INFINITY, f64::min);
         let fastest = speed(solution.bodies.iter().map(|body| felt_speed(&setup, body, smallest)).fold(0.0, f64::max));
         Ok(Some(Forecast {
             setup: setup_seconds * times + session.world().max(first - assembly).max(0.0),
-            solve: assembly * bodies + krylov * times * more,
+            solve: assembly * bodies + ((krylov - surfaces).max(0.0) * times * suited + surfaces * bodies) * more,
             iterations: (cost.krylov.iterations as f64 * more).round() as usize,
             solves: scene.time.as_ref().map(|time| solves(time, fastest, smallest)),
         }))
@@ -101,6 +115,29 @@ impl Forecast {
     pub fn seconds(&self) -> f64 {
         self.setup + self.solves.map_or(self.solve, |solves| self.solve * (1.0 + WARM * (solves - 1.0).max(0.0)))
     }
+}
+
+/// Seconds that transforms of a grid take for each cell, over those of a sample's.
+fn transforms<const D: usize>(setup: &Setup<D>, sample: &Setup<D>) -> f64 {
+    let of_grid = |setup: &Setup<D>| {
+        let periodic = (0..D).filter(|&axis| setup.domain.periodic(axis));
+        periodic.map(|axis| transform((setup.domain.size[axis] / setup.spacing).round() as usize)).sum::<f64>()
+    };
+    let (one, other) = (of_grid(setup), of_grid(sample));
+    if other > 0.0 { one / other } else { 1.0 }
+}
+
+/// Seconds that a Fourier transform of so many numbers takes for each.
+fn transform(length: usize) -> f64 {
+    let length = length.max(1);
+    let plan = FftPlanner::<f64>::new().plan_fft_forward(length);
+    let mut numbers = vec![Complex::new(1.0, 0.0); length * TRANSFORMED.div_ceil(length)];
+    let mut once = || {
+        let start = Instant::now();
+        plan.process(&mut numbers);
+        start.elapsed().as_secs_f64() / numbers.len() as f64
+    };
+    once().min(once())
 }
 
 /// Solves with all bodies displaced by a part of a cell.
