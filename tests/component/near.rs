@@ -166,7 +166,7 @@ fn motions_agree<const D: usize>(session: &Session, direction: SVector<f64, D>, 
     let found = DVector::from_vec(answer(session, &balls, (&orders, Given::Motions), &wanted));
     let expected = dense_answer(&surfaces, separation) * DVector::from_vec(wanted);
     let error = (found - &expected).norm() / expected.norm();
-    // entries of single precision, cubics between sixteen distances
+    // entries of single precision, cubics between 24 distances
     assert!(error < 5e-4, "{error:.1e}");
     let mut as_one = vec![0.0; first + second];
     as_one[..D].copy_from_slice(direction.as_slice());

@@ -11,7 +11,7 @@ use super::{REACH, block::Side, pattern::Pattern};
 use crate::constraint::cubic::cubic;
 
 /// Nodes of a table.
-const NODES: usize = 16;
+const NODES: usize = 24;
 
 /// Ratios of radii are rounded to this fraction of an octave.
 const STEPS_PER_OCTAVE: f64 = 16.0;

@@ -127,7 +127,11 @@ pub fn in_time(scene: &Scene, longest: f64) -> Vec<Effect> {
 
 fn lubrication(scene: &Scene) -> Option<String> {
     let roughness = scene.lubrication.roughness()?;
-    Some(format!("what modes miss of films between near bodies and walls, pair by pair; no gap below {roughness} radii"))
+    let pores = if scene.dimension() == 2 { " and the pores between them" } else { "" };
+    Some(format!(
+        "what modes miss of films between near bodies and walls, pair by pair; no gap below {roughness} radii; \
+         one sparse matrix of the bodies' motions{pores} preconditions it"
+    ))
 }
 
 /// The weight of free bodies that differ from the fluid in density.
