@@ -11,6 +11,15 @@ const SPARE_WORK_SPACE: i32 = 80;
 /// MUMPS's number for that parameter.
 const SPARE_WORK_SPACE_PARAMETER: i32 = 14;
 
+/// Has MUMPS factor the matrix of a preconditioner, with room for pivots that come late.
+pub(super) fn factor_by_mumps(pc: ffi::PC) -> Result<()> {
+    let mut factors = null_mut();
+    petsc!(PCFactorSetMatSolverType(pc, c"mumps".as_ptr()))?;
+    petsc!(PCFactorSetUpMatSolverType(pc))?;
+    petsc!(PCFactorGetMatrix(pc, &mut factors))?;
+    petsc!(MatMumpsSetIcntl(factors, SPARE_WORK_SPACE_PARAMETER, SPARE_WORK_SPACE))
+}
+
 /// The LU factors of a square matrix, computed at the first solve and anew after its values change.
 pub struct Direct {
     solver: Owned<ffi::KSP>,
@@ -24,7 +33,7 @@ impl Direct {
     /// PETSc lacks MUMPS.
     pub fn new(matrix: Matrix) -> Result<Direct> {
         let session = matrix.session();
-        let (mut raw, mut pc, mut factors) = (null_mut(), null_mut(), null_mut());
+        let (mut raw, mut pc) = (null_mut(), null_mut());
         petsc!(KSPCreate(session.communicator(), &mut raw))?;
         let solver = Owned::new(session, raw);
         petsc!(KSPSetOptionsPrefix(raw, c"direct_".as_ptr()))?;
@@ -32,10 +41,7 @@ impl Direct {
         petsc!(KSPSetType(raw, c"preonly".as_ptr()))?;
         petsc!(KSPGetPC(raw, &mut pc))?;
         petsc!(PCSetType(pc, c"lu".as_ptr()))?;
-        petsc!(PCFactorSetMatSolverType(pc, c"mumps".as_ptr()))?;
-        petsc!(PCFactorSetUpMatSolverType(pc))?;
-        petsc!(PCFactorGetMatrix(pc, &mut factors))?;
-        petsc!(MatMumpsSetIcntl(factors, SPARE_WORK_SPACE_PARAMETER, SPARE_WORK_SPACE))?;
+        factor_by_mumps(pc)?;
         petsc!(KSPSetFromOptions(raw))?;
         Ok(Direct { solver, matrix })
     }

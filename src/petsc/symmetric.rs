@@ -2,7 +2,7 @@
 
 use std::ptr::null_mut;
 
-use super::{Matrix, RowBuilder, Session, Vector, ffi, options::insert_unless_given, owned::Owned, petsc};
+use super::{Matrix, RowBuilder, Session, Vector, direct::factor_by_mumps, ffi, options::insert_unless_given, owned::Owned, petsc};
 use crate::error::{Error, Result};
 
 /// How a symmetric matrix is solved with.
@@ -47,10 +47,13 @@ impl Symmetric {
             petsc!(PCSetType(pc, c"bjacobi".as_ptr()))?;
             insert_unless_given("-network_sub_pc_type", "icc")?;
         } else {
-            let package = if way == Way::Positive && session.world().size() == 1 { c"cholmod" } else { c"mumps" };
             petsc!(KSPSetType(raw, c"preonly".as_ptr()))?;
             petsc!(PCSetType(pc, c"cholesky".as_ptr()))?;
-            petsc!(PCFactorSetMatSolverType(pc, package.as_ptr()))?;
+            if way == Way::Positive && session.world().size() == 1 {
+                petsc!(PCFactorSetMatSolverType(pc, c"cholmod".as_ptr()))?;
+            } else {
+                factor_by_mumps(pc)?;
+            }
         }
         petsc!(KSPSetFromOptions(raw))?;
         petsc!(KSPSetUp(raw))?;
