@@ -110,12 +110,12 @@ enum Command {
         /// With --bars: so many scenes drawn at random, with answers from fine grids, in place of those with known ones.
         #[arg(long, requires = "bars", value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..=10_000))]
         random: Option<u64>,
-        /// Solve crowds with many films instead, known ones and such as show how the cost grows with number, fraction and gap.
-        #[arg(long, conflicts_with = "bars")]
-        crowds: bool,
         /// Seed of the first of them.
         #[arg(long, default_value_t = 1, requires = "random", value_parser = clap::value_parser!(u64).range(..=1_000_000))]
         seed: u64,
+        /// Solve crowds with many films instead, known ones and such as show how the cost grows with number, fraction and gap.
+        #[arg(long, conflicts_with = "bars")]
+        crowds: bool,
     },
     /// Condition numbers, iterations, seconds and memory of the linear systems against the grid, and what theory predicts.
     Conditioning {

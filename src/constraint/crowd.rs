@@ -1,6 +1,6 @@
 //! The bodies of all ranks, and which of them are near each other: looked for once, for all that asks.
 
-use super::{Layout, lubrication, near};
+use super::{lubrication, near};
 use crate::geometry::{Ball, Domain, Pair, WallPair, near_pairs, near_walls};
 
 /// Bodies in their places, with what is within reach of each.
@@ -31,10 +31,5 @@ impl<const D: usize> Crowd<D> {
     /// Whether a pair is one whose bodies feel each other in the approximate inverse.
     pub fn near(&self, pair: &Pair<D>) -> bool {
         pair.gap < near::REACH * 0.5 * (self.balls[pair.first].radius + self.balls[pair.second].radius)
-    }
-
-    /// Whether a rank with this layout holds one of the two bodies.
-    pub fn touches(layout: &Layout, bodies: [usize; 2]) -> bool {
-        bodies.iter().any(|&body| layout.holds(body))
     }
 }

@@ -49,6 +49,11 @@ impl Layout {
         self.local_bodies.binary_search(&body).is_ok()
     }
 
+    /// Whether this rank holds one of some bodies.
+    pub fn holds_any(&self, bodies: impl IntoIterator<Item = usize>) -> bool {
+        bodies.into_iter().any(|body| self.holds(body))
+    }
+
     /// Index of a body's first multiplier in its owner's part.
     pub fn local(&self, body: usize) -> usize {
         self.places[body].local

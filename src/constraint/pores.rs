@@ -83,7 +83,7 @@ impl Pores {
         let mut pores = Pores { of_body: Vec::new(), shares: Vec::new(), throats: Vec::new() };
         for (pore, triangle) in triangles.iter().enumerate() {
             pores.of_body.push(triangle[0].0);
-            let here = triangle.iter().any(|corner| !foot(corner.0) && layout.holds(corner.0));
+            let here = layout.holds_any(triangle.iter().map(|corner| corner.0).filter(|&body| !foot(body)));
             for first in 0..3 {
                 let [one, next, last] = [0, 1, 2].map(|turn| triangle[(first + turn) % 3]);
                 let bodies = [one, next].map(|corner| corner.0);

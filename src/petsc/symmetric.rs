@@ -26,7 +26,7 @@ pub struct Symmetric {
 }
 
 impl Symmetric {
-    /// Factors the matrix of this rank's rows, of which there are `local`, PETSc options with the prefix `network_` adjust it.
+    /// Sets up solves with the matrix of this rank's rows, of which there are `local`; PETSc options with the prefix `network_` adjust it.
     ///
     /// # Errors
     /// [`Error::Diverged`] when the matrix has no such factors.

@@ -35,8 +35,8 @@ pub struct Assembly<const D: usize> {
     pub pairs: Option<NearPairs>,
     /// The films of this rank's bodies.
     pub films: Films<D>,
-    /// What bodies resist besides films and contacts.
-    pub medium: Medium,
+    /// What bodies resist besides films and contacts, where near pairs answer to motions.
+    pub medium: Option<Medium>,
     /// The velocity of the flow without bodies, tested with the rows of this rank's bodies.
     pub undisturbed: Vec<f64>,
 }
@@ -75,11 +75,10 @@ impl<const D: usize> Assembly<D> {
 
 /// Films whose forces are opposite and without torque on each pair, as they must be.
 fn balanced<const D: usize>(world: &World, films: Films<D>) -> Result<Films<D>> {
-    match world.max(films.imbalance) < LARGEST_IMBALANCE {
+    let imbalance = world.max(films.imbalance);
+    match imbalance < LARGEST_IMBALANCE {
         true => Ok(films),
-        false => {
-            Err(Error::Diverged(format!("a film acts on its pair with a net force or torque of {:.1e} of its force", films.imbalance)))
-        }
+        false => Err(Error::Diverged(format!("a film acts on its pair with a net force or torque of {imbalance:.1e} of its force"))),
     }
 }
 
@@ -87,7 +86,10 @@ fn balanced<const D: usize>(world: &World, films: Films<D>) -> Result<Films<D>> 
 fn crowd<const D: usize>(basis: &Basis<D>, placed: &[Placed<D>]) -> Crowd<D> {
     let balls: Vec<Ball<D>> = placed.iter().map(Placed::ball).collect();
     let orders = basis.setup.bodies.iter().map(|suspended| suspended.order).collect();
-    let reach = Crowd::reach(&balls).max(INTERPOLATION_REACH * basis.grid.spacing().max());
+    let (method, films) = (basis.setup.blocks(), basis.setup.lubrication.is_some());
+    let of_bodies = if method.on_surfaces() || films { Crowd::reach(&balls) } else { 0.0 };
+    let of_stencils = if method == Method::Sharp { INTERPOLATION_REACH * basis.grid.spacing().max() } else { 0.0 };
+    let reach = of_bodies.max(of_stencils);
     Crowd::new(&basis.setup.domain, balls, orders, reach)
 }
 

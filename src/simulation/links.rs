@@ -1,9 +1,8 @@
-//! Contacts and films of a moment as rows and unknowns of the coupled system, and films' forces read back.
+//! Contacts and films of a moment as rows and unknowns of the coupled system, and what bodies resist besides them.
 
 use nalgebra::{SMatrix, SVector};
 
 use super::{
-    BodyState, Lubrication,
     basis::Basis,
     bodies::Bodies,
     network::Resistances,
@@ -19,7 +18,6 @@ use crate::{
     contact::{Contact, ContactForce},
     error::Result,
     geometry::Axis,
-    parallel::World,
 };
 
 /// Numbers of rigid modes, by dimension.
@@ -46,7 +44,7 @@ pub fn touching<const D: usize>(
     basis: &Basis<D>,
     bodies: &Bodies<D>,
     (moment, films): (&Moment<D>, &Films<D>),
-    (undisturbed, medium): (&[f64], &Medium),
+    (undisturbed, medium): (&[f64], Option<&Medium>),
     places: usize,
 ) -> Result<Touching> {
     let mut builder = Builder::new(basis, moment.centers);
@@ -56,18 +54,31 @@ pub fn touching<const D: usize>(
     for film in &films.films {
         film.ways.iter().for_each(|way| builder.add_way(film, way, bodies.layout.holds(film.body)));
     }
+    let Builder { links, scale, .. } = builder;
+    let alone;
+    let medium = match medium {
+        None if basis.session.world().max(links.len() as f64) > 0.0 => {
+            alone = Builder::new(basis, moment.centers).alone(&bodies.layout);
+            Some(&alone)
+        }
+        _ => medium,
+    };
     let stays = |body: usize| !basis.setup.bodies[body].body.free();
-    let scale = builder.scale;
     let unit = |body: usize| basis.kinds.rigid(body).force / scale;
-    let mut touching =
-        Touching::new((&basis.session, &bodies.layout), (builder.scale, builder.links), (RIGID[D], medium), (stays, unit), places)?;
+    let mut touching = Touching::new((&basis.session, &bodies.layout), (scale, links), (RIGID[D], medium), (stays, unit), places)?;
     touching.without(undisturbed)?;
     Ok(touching)
 }
 
-/// What bodies with these centres resist besides links.
-pub fn medium<const D: usize>(basis: &Basis<D>, bodies: &Bodies<D>, centers: &[SVector<f64, D>], pairs: Option<&NearPairs>) -> Medium {
-    Builder::new(basis, centers).medium(bodies, pairs)
+/// What bodies with these centres resist besides links, where near pairs answer to motions.
+pub fn medium<const D: usize>(
+    basis: &Basis<D>,
+    bodies: &Bodies<D>,
+    centers: &[SVector<f64, D>],
+    pairs: Option<&NearPairs>,
+) -> Option<Medium> {
+    let pairs = pairs.filter(|pairs| pairs.given() == Given::Motions && bodies.layout.bodies() > 0)?;
+    Some(Builder::new(basis, centers).medium(bodies, pairs))
 }
 
 /// Whether a contact is one of this rank's.
@@ -77,7 +88,7 @@ pub fn belongs<const D: usize>(layout: &Layout, pressed: &ContactForce<D>) -> bo
 
 /// Whether it has a side on a body of this rank.
 fn touches<const D: usize>(layout: &Layout, pressed: &ContactForce<D>) -> bool {
-    belongs(layout, pressed) || pressed.contact.other().is_some_and(|other| layout.holds(other))
+    layout.holds_any([Some(pressed.contact.body), pressed.contact.other()].into_iter().flatten())
 }
 
 /// Force per unit viscosity that a unit of the unknowns stands for.
@@ -122,14 +133,17 @@ impl<'a, const D: usize> Builder<'a, D> {
         self.known(known - way.sides[0].direction.dot(&self.sliding(film.body)));
     }
 
+    /// Bodies each as if it were alone.
+    fn alone(&self, layout: &Layout) -> Medium {
+        let mut resistances = Resistances::default();
+        layout.local_bodies.iter().for_each(|&body| resistances.add(layout, [body; 2], &self.of_body(body)));
+        Medium { resistances, pores: None, by_pairs: false }
+    }
+
     /// See [`medium`].
-    fn medium(&mut self, bodies: &Bodies<D>, pairs: Option<&NearPairs>) -> Medium {
+    fn medium(&mut self, bodies: &Bodies<D>, pairs: &NearPairs) -> Medium {
         let (basis, layout) = (self.basis, &bodies.layout);
         let mut resistances = Resistances::default();
-        let Some(pairs) = pairs.filter(|_| basis.kinds.given() == Given::Motions) else {
-            layout.local_bodies.iter().for_each(|&body| resistances.add(layout, [body; 2], &self.alone(body)));
-            return Medium { resistances, pores: None, needed: false };
-        };
         for (ends, blocks) in pairs.resistances::<D>() {
             for (one, two) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
                 resistances.add(layout, [ends[one], ends[two]], &(blocks[one][two] / self.scale));
@@ -146,16 +160,16 @@ impl<'a, const D: usize> Builder<'a, D> {
                 (None, true) => AMONG_NEIGHBOURS + AMONG_FEW * few[body],
                 (Some(_), true) => LEAST,
             };
-            resistances.add(layout, [body; 2], &(self.alone(body) * part));
+            resistances.add(layout, [body; 2], &(self.of_body(body) * part));
         }
         if let Some(pores) = &pores {
             add_springs(layout, (pores, &few), &mut resistances);
         }
-        Medium { resistances, pores, needed: layout.bodies() > 0 }
+        Medium { resistances, pores, by_pairs: true }
     }
 
     /// What a body resists alone.
-    fn alone(&self, body: usize) -> RigidBlock {
+    fn of_body(&self, body: usize) -> RigidBlock {
         let rigid = self.basis.kinds.rigid(body);
         let own = (0..RIGID[D]).map(|mode| rigid.force / (self.scale * rigid.mobilities[mode]));
         let mut block = RigidBlock::zeros();
@@ -215,95 +229,5 @@ fn wall_velocity<const D: usize>(basis: &Basis<D>, axis: usize, upper: bool) -> 
         Axis::Walls { lower, .. } if !upper => lower,
         Axis::Walls { upper, .. } => upper,
         Axis::Periodic | Axis::Sheared(_) => SVector::zeros(),
-    }
-}
-
-/// Adds to the states of all bodies what films do to them, given the force of each way of the films that belong to this rank. Collective.
-pub fn add_films<const D: usize>(
-    (world, layout): (&World, &Layout),
-    films: &Films<D>,
-    forces: &[f64],
-    states: &mut [BodyState<D>],
-) -> Lubrication<D> {
-    let mut effect = Effect::<D>::new(states.len());
-    let owned = films.films.iter().filter(|film| layout.holds(film.body));
-    let gap = owned.clone().map(|film| film.gap).fold(f64::INFINITY, f64::min);
-    let ways = owned.clone().flat_map(|film| film.ways.iter().map(move |way| (film, way)));
-    ways.zip(forces).for_each(|((film, way), force)| effect.add(film, way, *force));
-    effect.numbers[0] = owned.count() as f64;
-    world.sum(&mut effect.numbers);
-    for (body, state) in states.iter_mut().enumerate() {
-        let (force, torque, moment) = effect.on_body(body);
-        state.force += force;
-        state.torque += torque;
-        state.stresslet += moment;
-    }
-    let smallest_gap = -world.max(-gap);
-    effect.lubrication(smallest_gap, world.max(films.imbalance))
-}
-
-/// What films do to bodies and walls, as numbers that ranks sum: the number of films, then sums over films, then body by body.
-struct Effect<const D: usize> {
-    numbers: Vec<f64>,
-}
-
-impl<const D: usize> Effect<D> {
-    const STRESS: usize = 1;
-    const FIRST_MOMENT: usize = Self::STRESS + D * D;
-    const WALLS: usize = Self::FIRST_MOMENT + D * D;
-    const BODIES: usize = Self::WALLS + 2 * D * D;
-    /// Force, torque and stresslet of a body.
-    const OF_BODY: usize = D + 2 * D * D;
-
-    fn new(bodies: usize) -> Self {
-        Effect { numbers: vec![0.0; Self::BODIES + bodies * Self::OF_BODY] }
-    }
-
-    fn add(&mut self, film: &Film<D>, way: &Way<D>, force: f64) {
-        let other = match film.other {
-            Opposite::Body(other, _) => Some(other),
-            Opposite::Wall((axis, upper)) => {
-                let wall = Self::WALLS + (2 * axis + usize::from(upper)) * D;
-                self.sum(wall, (way.sides[1].direction * force).as_slice());
-                None
-            }
-        };
-        for (place, body) in [(0, Some(film.body)), (1, other)] {
-            let Some(body) = body else { continue };
-            let side = &way.sides[place];
-            let (push, torque) = (side.direction * force, side.turn * force);
-            let moment = way.stress[place] * (-force / way.resistance);
-            let first = Self::BODIES + body * Self::OF_BODY;
-            self.sum(first, push.as_slice());
-            self.sum(first + D, torque.as_slice());
-            self.sum(first + D + D * D, moment.as_slice());
-            self.sum(Self::STRESS, moment.as_slice());
-            let moment = moment + torque * 0.5 + push * film.lever(place).transpose();
-            self.sum(Self::FIRST_MOMENT, moment.as_slice());
-        }
-    }
-
-    fn sum(&mut self, first: usize, amounts: &[f64]) {
-        self.numbers[first..].iter_mut().zip(amounts).for_each(|(number, amount)| *number += amount);
-    }
-
-    fn matrix(&self, first: usize) -> SMatrix<f64, D, D> {
-        SMatrix::from_column_slice(&self.numbers[first..first + D * D])
-    }
-
-    fn vector(&self, first: usize) -> SVector<f64, D> {
-        SVector::from_column_slice(&self.numbers[first..first + D])
-    }
-
-    fn on_body(&self, body: usize) -> (SVector<f64, D>, SMatrix<f64, D, D>, SMatrix<f64, D, D>) {
-        let first = Self::BODIES + body * Self::OF_BODY;
-        (self.vector(first), self.matrix(first + D), self.matrix(first + D + D * D))
-    }
-
-    fn lubrication(&self, smallest_gap: f64, imbalance: f64) -> Lubrication<D> {
-        let wall = |axis: usize, upper: usize| self.vector(Self::WALLS + (2 * axis + upper) * D);
-        let walls = std::array::from_fn(|axis| [wall(axis, 0), wall(axis, 1)]);
-        let (stress, first_moment) = (self.matrix(Self::STRESS), self.matrix(Self::FIRST_MOMENT));
-        Lubrication { films: self.numbers[0] as usize, smallest_gap, imbalance, stress, first_moment, walls }
     }
 }

@@ -12,6 +12,7 @@ mod dry;
 mod dynamics;
 mod engine;
 mod faster;
+mod film_forces;
 mod fitted;
 mod flow_solver;
 mod law;

@@ -102,6 +102,8 @@ pub struct Network {
     rigid: usize,
     /// Where the rigid modes of this rank's bodies begin among the multipliers.
     places: Vec<usize>,
+    /// Whether any rank has pores.
+    pores: bool,
     shares: Vec<Share>,
     others: Scatter,
     forces: Vector,
@@ -157,16 +159,28 @@ impl Network {
         };
         let own = pores.iter().flat_map(|pores| &pores.shares).filter(|share| layout.holds(share.body));
         let shares = own.map(share).collect();
-        Ok(Network { solver, rigid, places, shares, others: Scatter::new(&forces, &fetched)?, motions: forces.like()?, forces })
+        Ok(Network {
+            solver,
+            rigid,
+            places,
+            pores: pores.is_some(),
+            shares,
+            others: Scatter::new(&forces, &fetched)?,
+            motions: forces.like()?,
+            forces,
+        })
     }
 
-    /// Turns forces in the places of multipliers of rigid modes into motions, where all modes are to move as `wanted` besides; adds to
-    /// `found` the multipliers that the pressures of pores stand for. Collective.
-    pub fn answer(&mut self, forces: &mut Vector, (wanted, found): (&Vector, &mut Vector)) -> Result<()> {
+    /// Turns forces in the places of multipliers of rigid modes into motions. With pores, all modes are to move as wanted besides, and the
+    /// multipliers that the pressures stand for are added to those found. Collective.
+    pub fn answer(&mut self, forces: &mut Vector, modes: Option<(&Vector, &mut Vector)>) -> Result<()> {
         let rigid = self.rigid;
-        self.forces.fill(0.0)?;
-        self.press_out(&wanted.local()?)?;
-        self.others.add_back(&mut self.forces)?;
+        let modes = modes.filter(|_| self.pores);
+        if let Some((wanted, _)) = &modes {
+            self.forces.fill(0.0)?;
+            self.press_out(&wanted.local()?)?;
+            self.others.add_back(&mut self.forces)?;
+        }
         let mut shared = forces.local_mut()?;
         for (own, &place) in self.forces.local_mut()?.chunks_mut(rigid).zip(&self.places) {
             own.copy_from_slice(&shared[place..place + rigid]);
@@ -175,7 +189,10 @@ impl Network {
         for (own, &place) in self.motions.local()?.chunks(rigid).zip(&self.places) {
             shared[place..place + rigid].copy_from_slice(own);
         }
-        self.press(&mut found.local_mut()?)
+        match modes {
+            Some((_, found)) => self.press(&mut found.local_mut()?),
+            None => Ok(()),
+        }
     }
 
     /// Puts into the rows of pores what flows in as surfaces move as wanted.

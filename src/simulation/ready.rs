@@ -65,7 +65,7 @@ impl<'a, const D: usize> Ready<'a, D> {
         let guess = past.map_or(Ok(None), |past| past.guess(&bodies, moment.centers, moment.time))?;
         let closure = basis.closure.unknowns::<D>();
         let places = engine.as_ref().map_or(0, |engine| engine.work.sizes().links);
-        let touching = touching(basis, &bodies, (moment, &assembly.films), (&assembly.undisturbed, &assembly.medium), places)?;
+        let touching = touching(basis, &bodies, (moment, &assembly.films), (&assembly.undisturbed, assembly.medium.as_ref()), places)?;
         let fluid = if basis.condensed { 0 } else { basis.grid.local_fluid_unknowns() };
         let sizes = Sizes { fluid, multipliers: assembly.undisturbed.len(), closure, links: touching.places() };
         let mut engine = Engine::fitting(engine, basis, sizes)?;

@@ -9,6 +9,8 @@
 //!
 //! The approximate inverse gives each body its own mobility in unbounded fluid, and corrects it by its near neighbours, pair by pair.
 
+mod together;
+
 use std::{ops::Range, rc::Rc};
 
 use nalgebra::{DMatrix, DVectorView, DVectorViewMut};
@@ -43,6 +45,11 @@ pub struct Member {
 }
 
 impl Member {
+    /// The multipliers of its rigid modes.
+    fn rigid_range(&self) -> Range<usize> {
+        self.range.start..self.range.start + self.rigid
+    }
+
     /// Whether the row of a mode gives the net force or torque.
     fn gives_force(&self, mode: usize) -> bool {
         self.free && mode < self.rigid
@@ -171,7 +178,7 @@ impl<const D: usize> Surfaces<'_, D> {
     pub fn without_given_forces(&self, rows: &mut Vector) -> Result<()> {
         let mut rows = rows.local_mut()?;
         for member in self.members.iter().filter(|member| member.free) {
-            rows[member.range.start..member.range.start + member.rigid].fill(0.0);
+            rows[member.rigid_range()].fill(0.0);
         }
         Ok(())
     }
@@ -195,7 +202,7 @@ impl<const D: usize> Surfaces<'_, D> {
         self.touching.press(-1.0, &tail[self.contacts()], &mut multipliers)?;
         let (multipliers, mut rows) = (multipliers.local()?, rows.local_mut()?);
         for member in self.members.iter().filter(|member| member.free) {
-            let rigid = member.range.start..member.range.start + member.rigid;
+            let rigid = member.rigid_range();
             rows[rigid.clone()].iter_mut().zip(&multipliers[rigid]).for_each(|(row, c)| *row = member.force_scale * c);
         }
         Ok(())
@@ -210,7 +217,7 @@ impl<const D: usize> Surfaces<'_, D> {
         velocities.copy_from(sampled)?;
         let (mut moved, known) = (velocities.local_mut()?, given.local()?);
         for member in self.members.iter().filter(|member| member.free) {
-            for (mode, mobility) in (member.range.start..member.range.start + member.rigid).zip(member.mobilities.iter()) {
+            for (mode, mobility) in member.rigid_range().zip(member.mobilities.iter()) {
                 moved[mode] += mobility * known[mode] / member.force_scale;
             }
         }
@@ -220,93 +227,21 @@ impl<const D: usize> Surfaces<'_, D> {
         let missing = rows[self.contacts()].iter().zip(found).map(|(wanted, found)| wanted - found).collect();
         let mut pressed = velocities;
         pressed.fill(0.0)?;
-        let (still, mut none) = (sampled.like()?, sampled.like()?);
-        let contacts = self.touching.resist(&mut pressed, missing, (&still, &mut none))?;
+        let contacts = self.touching.resist(&mut pressed, missing, None)?;
         pressed.fill(0.0)?;
         self.touching.press(1.0, &contacts, &mut pressed)?;
         let (pressed, mut given) = (pressed.local()?, given.local_mut()?);
         for member in self.members.iter().filter(|member| member.free) {
-            let rigid = member.range.start..member.range.start + member.rigid;
+            let rigid = member.rigid_range();
             given[rigid.clone()].iter_mut().zip(&pressed[rigid]).for_each(|(row, c)| *row += member.force_scale * c);
         }
         Ok(contacts)
     }
 
-    /// Turns the sampled velocities into multipliers, and returns the unknowns of links, by what near pairs and pores answer to motions:
-    ///
-    /// ```text
-    /// [ A + N' C^-1 N   P ] [ U ]   [ F + N' C^-1 rates - B r ]         c = B (r + U) + P p
-    /// [ P'             -L ] [ p ] = [ -P' r                   ]         g = C^-1 (rates - N U)
-    /// ```
-    ///
-    /// with `r` the velocities wanted of free modes, and of all modes of bodies whose motion is given. Net forces hold exactly.
-    fn invert_together(&mut self, given: &Vector, rows: &[f64], sampled: &mut Vector) -> Result<Vec<f64>> {
-        let mut rates = self.touching.rows(sampled, &vec![0.0; self.touching.count()])?;
-        rates.iter_mut().zip(&rows[self.contacts()]).for_each(|(rate, wanted)| *rate = wanted - *rate);
-        let (mut wanted, mut found, mut motions) = (given.like()?, given.like()?, given.like()?);
-        self.want(given, sampled, &mut wanted)?;
-        self.answer(&wanted, &mut found)?;
-        self.miss(given, &found, &mut motions)?;
-        let unknowns = self.touching.resist(&mut motions, rates, (&wanted, &mut found))?;
-        self.leave_given(&mut motions)?;
-        let corrections = self.pairs.as_mut().map_or(Ok(&[][..]), |pairs| pairs.correction(&motions))?;
-        found.local_mut()?.iter_mut().zip(corrections).for_each(|(found, correction)| *found += correction);
-        self.hold_forces(given, &mut found)?;
-        self.touching.press(1.0, &unknowns, &mut found)?;
-        sampled.copy_from(&found)?;
-        Ok(unknowns)
-    }
-
-    /// Velocities wanted, of all modes whose force is not.
-    fn want(&self, given: &Vector, sampled: &Vector, wanted: &mut Vector) -> Result<()> {
-        let (given, sampled, mut wanted) = (given.local()?, sampled.local()?, wanted.local_mut()?);
-        for member in self.members {
-            for (_, place) in member.range.clone().enumerate().filter(|&(mode, _)| !member.gives_force(mode)) {
-                wanted[place] = given[place] - sampled[place];
-            }
-        }
-        Ok(())
-    }
-
-    /// What the wanted velocities call for, of bodies alone and near pairs.
-    fn answer(&mut self, wanted: &Vector, found: &mut Vector) -> Result<()> {
-        let (input, mut output) = (wanted.local()?, found.local_mut()?);
-        for member in self.members {
-            member.inverse.apply(&input[member.range.clone()], &mut output[member.range.clone()]);
-        }
+    /// Adds to multipliers what near pairs have beyond bodies alone.
+    fn add_pairs(&mut self, wanted: &Vector, multipliers: &mut [f64]) -> Result<()> {
         if let Some(pairs) = &mut self.pairs {
-            output.iter_mut().zip(pairs.correction(wanted)?).for_each(|(out, correction)| *out += correction);
-        }
-        Ok(())
-    }
-
-    /// The forces wanted of free bodies beyond those found, over that of a unit of a link's unknown.
-    fn miss(&self, given: &Vector, found: &Vector, forces: &mut Vector) -> Result<()> {
-        let (given, found, mut forces) = (given.local()?, found.local()?, forces.local_mut()?);
-        for member in self.members.iter().filter(|member| member.free) {
-            for place in member.range.start..member.range.start + member.rigid {
-                forces[place] = (given[place] / member.force_scale - found[place]) * member.area / self.touching.scale;
-            }
-        }
-        Ok(())
-    }
-
-    /// Leaves out the motions of bodies whose motion is given: they are among the velocities wanted.
-    fn leave_given(&self, motions: &mut Vector) -> Result<()> {
-        let mut motions = motions.local_mut()?;
-        for member in self.members {
-            let kept = if member.free { member.rigid } else { 0 };
-            motions[member.range.start + kept..member.range.end].fill(0.0);
-        }
-        Ok(())
-    }
-
-    /// Makes the multipliers of rigid modes of free bodies those of the given forces.
-    fn hold_forces(&self, given: &Vector, found: &mut Vector) -> Result<()> {
-        let (given, mut found) = (given.local()?, found.local_mut()?);
-        for member in self.members.iter().filter(|member| member.free) {
-            let rigid = member.range.start..member.range.start + member.rigid;
-            found[rigid.clone()].iter_mut().zip(&given[rigid]).for_each(|(found, given)| *found = given / member.force_scale);
+            multipliers.iter_mut().zip(pairs.correction(wanted)?).for_each(|(multiplier, correction)| *multiplier += correction);
         }
         Ok(())
     }
@@ -327,17 +262,17 @@ impl<const D: usize> Surfaces<'_, D> {
 
     /// Adds to the multipliers of lonely bodies what their near neighbours change.
     fn feel_neighbours(&mut self, wanted: &mut Vector, multipliers: &mut Vector) -> Result<()> {
-        let Some(pairs) = &mut self.pairs else { return Ok(()) };
+        if self.pairs.is_none() {
+            return Ok(());
+        }
         let mut found = multipliers.local_mut()?;
         let mut rows = wanted.local_mut()?;
         for member in self.members {
-            let rigid = member.range.start..member.range.start + member.rigid;
+            let rigid = member.rigid_range();
             rows[rigid.clone()].iter_mut().zip(&found[rigid]).for_each(|(row, c)| *row = member.force_scale * c);
         }
         drop(rows);
-        let corrections = pairs.correction(wanted)?;
-        found.iter_mut().zip(corrections).for_each(|(found, correction)| *found += correction);
-        Ok(())
+        self.add_pairs(wanted, &mut found)
     }
 
     /// Chooses the mean velocity for which prescribed bodies bear the wanted net force.

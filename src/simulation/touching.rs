@@ -82,12 +82,12 @@ struct Acting {
 
 /// What bodies resist besides links.
 pub struct Medium {
-    /// Each as if it were alone, or by near pairs.
+    /// Of bodies each as if it were alone, or by near pairs.
     pub resistances: Resistances,
     /// Pores, if they count.
     pub pores: Option<Pores>,
-    /// Whether the approximation needs it also where there are no links.
-    pub needed: bool,
+    /// Whether it is by near pairs.
+    pub by_pairs: bool,
 }
 
 /// The links of a solve that belong to this rank: contacts and ways of films.
@@ -102,28 +102,25 @@ pub struct Touching {
 
 impl Touching {
     /// The links that touch this rank's bodies, in a system that has at least so many `places` for those that belong to it; bodies have so
-    /// many rigid modes, and those that stay have their motion given. Collective.
+    /// many rigid modes, and those that stay have their motion given. Without a medium there is no link on any rank. Collective.
     ///
     /// # Errors
     /// The approximation cannot be factored.
     pub fn new(
         (session, layout): (&Session, &Layout),
         (scale, links): (f64, Vec<Link>),
-        (rigid, medium): (usize, &Medium),
+        (rigid, medium): (usize, Option<&Medium>),
         (stays, unit): (impl Fn(usize) -> bool, impl Fn(usize) -> f64),
         places: usize,
     ) -> Result<Self> {
         let owned: Vec<Link> = links.iter().filter(|link| link.owned).cloned().collect();
-        let Medium { resistances, pores, needed } = medium;
-        let acting = if *needed || session.world().max(links.len() as f64) > 0.0 {
+        let act = |Medium { resistances, pores, by_pairs }: &Medium| {
             let mut resistances = resistances.clone();
             resistances.add_links(layout, links.iter(), Link::stiff_compliance);
-            let parts = Parts { resistances: &resistances, pores: pores.as_ref(), rigid, flexible: *needed, stays, unit };
-            let network = Network::new(session, layout, parts)?;
-            Some(Acting::new((session, layout), network, (&owned, rigid))?)
-        } else {
-            None
+            let parts = Parts { resistances: &resistances, pores: pores.as_ref(), rigid, flexible: *by_pairs, stays, unit };
+            Acting::new((session, layout), Network::new(session, layout, parts)?, (&owned, rigid))
         };
+        let acting = medium.map(act).transpose()?;
         // a few links more or less do not change the size of the system
         let places = if owned.len() <= places { places } else { roomy(owned.len()) };
         Ok(Touching { scale, links: owned, rigid, places, acting })
@@ -148,7 +145,7 @@ impl Touching {
         self.places
     }
 
-    /// Whether any rank has links.
+    /// Whether any rank has links, or near pairs answer to motions.
     pub fn any(&self) -> bool {
         self.acting.is_some()
     }
@@ -175,15 +172,15 @@ impl Touching {
     }
 
     /// The unknowns for which links give the wanted rates where `forces`, in the places of multipliers and per unit of an unknown, act too;
-    /// they are replaced by the motions of the bodies. All modes are to move as wanted besides; the multipliers of pores are added to those
-    /// found. Collective.
-    pub fn resist(&mut self, forces: &mut Vector, mut rates: Vec<f64>, (wanted, multipliers): (&Vector, &mut Vector)) -> Result<Vec<f64>> {
+    /// they are replaced by the motions of the bodies. With pores, all modes are to move as wanted besides, and the multipliers that pores stand
+    /// for are added to those found. Collective.
+    pub fn resist(&mut self, forces: &mut Vector, mut rates: Vec<f64>, modes: Option<(&Vector, &mut Vector)>) -> Result<Vec<f64>> {
         let Some(acting) = &mut self.acting else { return Ok(rates) };
         let compliances: Vec<f64> = self.links.iter().map(Link::stiff_compliance).collect();
         rates.iter_mut().zip(&compliances).for_each(|(rate, compliance)| *rate /= compliance);
         acting.push(&self.links, self.rigid, &rates, |_| 1.0)?;
         acting.motions.add(1.0, forces)?;
-        acting.network.answer(&mut acting.motions, (wanted, multipliers))?;
+        acting.network.answer(&mut acting.motions, modes)?;
         let found = acting.rates(&self.links, self.rigid)?;
         rates.iter_mut().zip(found).zip(compliances).for_each(|((rate, found), compliance)| *rate -= found / compliance);
         forces.copy_from(&acting.motions)?;

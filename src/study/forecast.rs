@@ -46,7 +46,8 @@ const TRIES: usize = 12;
 /// Measured on disks at fraction 0.4: 34, 47 and 51 iterations for 10, 100 and 300 of them.
 const GROWTH: f64 = 0.12;
 
-/// The same where near pairs and pores precondition films. Measured on disks at 0.5: 19, 22 and 24 iterations for 100, 1,000 and 10,000 of them.
+/// The same where near pairs and pores precondition films. Measured on disks at 0.5: 18, 20 and 22 iterations for 100, 1,000 and 10,000 of them,
+/// on spheres at 0.4 20, 22 and 24 for 100, 300 and 1,000.
 const GROWTH_IN_FILMS: f64 = 0.06;
 
 /// Numbers in each transform that is timed, at least.

@@ -45,7 +45,7 @@ fn iterations<const D: usize>(session: &Session, text: &str) -> usize {
     suspension.cost().krylov.iterations
 }
 
-/// Measured: 16 and 17 for disks, 14 and 18 for spheres; 63 and 90 for 60 disks before pores and near pairs counted.
+/// Measured: 16 and 18 for disks by transforms, 46 and 58 by multigrid, 12 and 14 for spheres.
 fn thinner_films_take_no_more_iterations(session: &Session) {
     for inverse in ["transform", "hypre"] {
         let [wide, thin] = [0.1, 1e-4].map(|gap| iterations::<2>(session, &crowd(2, (60, 0.5, gap), inverse)));

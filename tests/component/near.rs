@@ -106,15 +106,7 @@ fn isolated<const D: usize>(surface: &SurfaceTable<D>) -> DMatrix<f64> {
 }
 
 fn caused<const D: usize>(on: &SurfaceTable<D>, by: &SurfaceTable<D>, separation: SVector<f64, D>) -> DMatrix<f64> {
-    let count = by.modes.count();
-    let mut velocity = DMatrix::zeros(on.points() * D, count);
-    let mut values = vec![0.0; count * D];
-    for (point, offset) in on.offsets().enumerate() {
-        by.modes.exterior_velocity((offset - separation).as_slice(), 1.0, &mut values);
-        let columns = DMatrix::from_column_slice(D, count, &values);
-        velocity.view_mut((point * D, 0), (D, count)).copy_from(&columns);
-    }
-    let mut block = on.projector() * velocity;
+    let mut block = on_all_modes(on, by, (separation, 1.0));
     block.rows_mut(0, on.modes.rigid_count()).fill(0.0);
     block
 }
@@ -184,7 +176,7 @@ fn dense_answer<const D: usize>(surfaces: &[SurfaceTable<D>; 2], separation: SVe
     whole.view_mut((first, first), (second, second)).copy_from(&surfaces[1].modes.isolated_mobility(2.0));
     for (on, by, rows, columns, from) in [(0, 1, (0, first), (first, second), separation), (1, 0, (first, second), (0, first), -separation)]
     {
-        let block = on_all_modes(&surfaces[on], &surfaces[by], from);
+        let block = on_all_modes(&surfaces[on], &surfaces[by], (from, 2.0));
         whole.view_mut((rows.0, columns.0), (rows.1, columns.1)).copy_from(&block);
     }
     let motion = |mode: usize, at: SVector<f64, D>| match mode {
@@ -207,13 +199,15 @@ fn dense_answer<const D: usize>(surfaces: &[SurfaceTable<D>; 2], separation: SVe
     whole.try_inverse().unwrap().view((0, 0), (size, size)).into_owned()
 }
 
-fn on_all_modes<const D: usize>(on: &SurfaceTable<D>, by: &SurfaceTable<D>, separation: SVector<f64, D>) -> DMatrix<f64> {
+/// The velocity that unit multipliers of one body cause on another, tested with all its modes; in 2D that of a net force is zero `reach` away.
+fn on_all_modes<const D: usize>(on: &SurfaceTable<D>, by: &SurfaceTable<D>, (separation, reach): (SVector<f64, D>, f64)) -> DMatrix<f64> {
     let count = by.modes.count();
     let mut velocity = DMatrix::zeros(on.points() * D, count);
     let mut values = vec![0.0; count * D];
     for (point, offset) in on.offsets().enumerate() {
-        by.modes.exterior_velocity((offset - separation).as_slice(), 2.0, &mut values);
-        velocity.view_mut((point * D, 0), (D, count)).copy_from(&DMatrix::from_column_slice(D, count, &values));
+        by.modes.exterior_velocity((offset - separation).as_slice(), reach, &mut values);
+        let columns = DMatrix::from_column_slice(D, count, &values);
+        velocity.view_mut((point * D, 0), (D, count)).copy_from(&columns);
     }
     on.projector() * velocity
 }

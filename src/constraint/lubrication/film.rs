@@ -96,7 +96,7 @@ impl<const D: usize> Side<D> {
 pub fn films<const D: usize>((crowd, layout): (&Crowd<D>, &Layout), tables: &FilmTables, roughness: f64) -> Films<D> {
     let Crowd { balls, orders, .. } = crowd;
     let mut films = Vec::new();
-    for pair in crowd.pairs.iter().filter(|pair| Crowd::<D>::touches(layout, [pair.first, pair.second])) {
+    for pair in crowd.pairs.iter().filter(|pair| layout.holds_any([pair.first, pair.second])) {
         let (mut ends, mut separation) = ([pair.first, pair.second], pair.separation);
         if balls[ends[1]].radius < balls[ends[0]].radius {
             ends.reverse();

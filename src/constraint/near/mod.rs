@@ -137,9 +137,7 @@ impl NearPairs {
         }
         Ok(&self.found[..self.local])
     }
-}
 
-impl NearPairs {
     /// What the motions of rigid modes call for, pair by pair: both bodies, and for each the net forces and torques (areas times multipliers)
     /// for motions of both, symmetric and zero where both move as one.
     ///
@@ -198,7 +196,7 @@ impl NearPair {
 
 /// The near pairs with a body that this rank holds.
 fn near_and_mine<'a, const D: usize>(crowd: &'a Crowd<D>, layout: &Layout) -> Vec<&'a Pair<D>> {
-    crowd.pairs.iter().filter(|pair| crowd.near(pair) && Crowd::<D>::touches(layout, [pair.first, pair.second])).collect()
+    crowd.pairs.iter().filter(|pair| crowd.near(pair) && layout.holds_any([pair.first, pair.second])).collect()
 }
 
 /// The multipliers to fetch for these pairs, and where each body's stand: this rank's first, then the fetched.

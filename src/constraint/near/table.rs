@@ -178,7 +178,8 @@ impl<'a, const D: usize> Two<'a, D> {
         let mut members = modes.each_ref().map(|modes| modes.as_slice());
         let (mut motions, mut factor) = (vec![stacked(&as_one, areas)], 1.0);
         if self.equal() {
-            motions = [1.0, -1.0].iter().map(|&sign| (&as_one[0] + &as_one[1] * sign, &as_one[0] + &as_one[1] * sign)).collect();
+            let combined = [1.0, -1.0].map(|sign| &as_one[0] + &as_one[1] * sign);
+            motions = combined.into_iter().map(|motions| (motions.clone(), motions)).collect();
             members[1] = &[];
             factor = 0.5;
         }
