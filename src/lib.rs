@@ -17,6 +17,8 @@ pub mod surface;
 pub mod constraint;
 pub mod contact;
 pub mod flow;
+// what bodies do to each other besides the flow
+pub mod interaction;
 // floor 4: what to simulate, and the machinery
 pub mod scene;
 pub mod simulation;

@@ -26,6 +26,8 @@ pub struct Viscosity {
     pub hydrodynamic: f64,
     /// Of lubrication beyond the resolved flow, if there is a model of it.
     pub lubrication: Option<f64>,
+    /// Of forces at a distance, if there are any.
+    pub interaction: Option<f64>,
     /// Of the contact forces `f`, between centres a distance `r n` apart: `-sum f r n n / (mu rate V)`.
     pub contact: f64,
     /// Normal stresses.
@@ -37,7 +39,7 @@ pub struct Viscosity {
 impl Viscosity {
     /// The sum of all parts.
     pub fn relative(&self) -> f64 {
-        self.hydrodynamic + self.lubrication.unwrap_or(0.0) + self.contact
+        self.hydrodynamic + self.lubrication.unwrap_or(0.0) + self.interaction.unwrap_or(0.0) + self.contact
     }
 }
 
@@ -61,6 +63,7 @@ pub fn viscosity<const D: usize>(
         rate: shear.rate,
         hydrodynamic: shear.of_stress(&stress.hydrodynamic),
         lubrication: stress.lubrication.map(|lubrication| shear.of_stress(&lubrication)),
+        interaction: stress.interaction.map(|interaction| shear.of_stress(&interaction)),
         contact: shear.of_stress(&stress.contact),
         normal: stress.normal(&shear),
         from_walls,

@@ -206,7 +206,8 @@ mod tests {
     fn row(step: usize) -> Row {
         let time = 0.1 * step as f64;
         let normal = NormalStresses { first: -0.5, second: None, pressure: Some(0.25), contact_pressure: 0.125 };
-        let viscosity = Some(Viscosity { rate: 1.0, hydrodynamic: 1.5, lubrication: None, contact: 0.25, normal, from_walls: None });
+        let viscosity =
+            Some(Viscosity { rate: 1.0, hydrodynamic: 1.5, lubrication: None, interaction: None, contact: 0.25, normal, from_walls: None });
         Row { step, time, last_step: 0.1, viscosity, contact: None, flow: true, effort: Effort::default(), seconds: 0.5 }
     }
 

@@ -1,6 +1,7 @@
 //! A scene resolved in its dimension: numbers only, nothing left to choose.
 
 use super::{
+    interactions,
     placement::{bodies, domain, vector},
     surroundings::opposite_neighbours,
 };
@@ -10,7 +11,8 @@ use crate::{
     error::Result,
     flow::{Drive, InverseMethod},
     geometry::Domain,
-    scene::{self, ConstraintMethod, Modes, MultiplierSolver, ResolutionSection, Scene, Spacing, StokesSolver, Tolerance},
+    interaction::{Interaction, Interactions, Lubrication},
+    scene::{self, ConstraintMethod, ContactModel, Modes, MultiplierSolver, ResolutionSection, Scene, Spacing, StokesSolver, Tolerance},
     surface::{highest_order, modes},
 };
 
@@ -68,8 +70,8 @@ pub struct Setup<const D: usize> {
     pub bodies: Vec<SuspendedBody<D>>,
     /// What makes bodies rigid.
     pub constraint: ConstraintMethod,
-    /// With lubrication, the gap in radii below which none counts as smaller; nothing without it.
-    pub lubrication: Option<f64>,
+    /// What bodies do to each other besides the flow.
+    pub interactions: Interactions<D>,
     /// What inverts the fluid.
     pub inverse: InverseMethod,
     /// When the linear solver ends.
@@ -90,17 +92,34 @@ impl<const D: usize> Setup<D> {
     /// The setup of a scene in which these are the bodies.
     pub(super) fn with_bodies(scene: &Scene, domain: Domain<D>, spacing: f64, bodies: Vec<SuspendedBody<D>>) -> Setup<D> {
         let inverse = inverse(scene, &domain);
-        Setup {
+        let setup = Setup {
             domain,
             spacing,
             viscosity: scene.flow.viscosity,
             drive: drive(scene),
             bodies,
             constraint: scene.method.constraint,
-            lubrication: scene.lubrication.roughness(),
+            interactions: Interactions::default(),
             inverse,
             tolerance: scene.method.tolerance,
-        }
+        };
+        let setup = match scene.lubrication.roughness() {
+            Some(roughness) => setup.with(Lubrication::new(roughness)),
+            None => setup,
+        };
+        setup.with_contact(scene.contact.model)
+    }
+
+    /// The same with another interaction.
+    pub fn with(self, interaction: impl Interaction<D> + 'static) -> Setup<D> {
+        Setup { interactions: self.interactions.with(interaction), ..self }
+    }
+
+    /// The same with contacts by a model, whose numbers count in the force that drives bodies.
+    pub fn with_contact(self, model: ContactModel) -> Setup<D> {
+        let contact = interactions::contact_in_flow(model, &self);
+        let all: Vec<_> = self.interactions.shared().chain(contact).collect();
+        Setup { interactions: Interactions::new(all), ..self }
     }
 
     /// What fills the blocks of the bodies.

@@ -92,6 +92,8 @@ pub struct Solution<const D: usize> {
     pub directly_on_walls: [[SVector<f64, D>; 2]; D],
     /// Force of each contact that was held, positive where it pushes.
     pub contact_forces: Vec<f64>,
+    /// What forces at a distance add to the stress times volume, if there are any.
+    pub pair_stress: Option<SMatrix<f64, D, D>>,
     /// Films, if lubrication acts; what they do is in the states of the bodies.
     pub lubrication: Option<Lubrication<D>>,
 }

@@ -22,7 +22,9 @@ use crate::{
     contact::{Contact, ContactForce},
     error::{Error, Result},
     flow::{InverseMethod, IteratedInverse, Stokes, StokesInverse},
+    geometry::Ball,
     grid::Grid,
+    interaction::{Arrangement, PairForce, Wrench},
     petsc::{Report, Session, Stage, Vector, enter},
 };
 
@@ -58,8 +60,8 @@ pub struct Moment<'a, const D: usize> {
     pub pressed: &'a [ContactForce<D>],
     /// The step in which their gaps are to close, and no sooner.
     pub step: f64,
-    /// Forces on all bodies besides those of the setup; none if empty.
-    pub pushes: &'a [SVector<f64, D>],
+    /// Forces and torques on all bodies besides those of the setup; none if empty.
+    pub pushes: &'a [Wrench<D>],
     /// Relative residual at which the solve ends.
     pub tolerance: f64,
 }
@@ -132,11 +134,10 @@ impl<const D: usize> Suspension<D> {
         self.basis.setup.bodies.iter().enumerate().map(resistance).collect()
     }
 
-    /// What the film of a contact resists approach by, force over speed, if lubrication acts and reaches so far.
-    pub fn film_resistance(&self, contact: &Contact<D>) -> Option<f64> {
-        let setup = &self.basis.setup;
-        let resistance = self.basis.kinds.film_resistance(contact, setup.lubrication?)?;
-        Some(setup.viscosity * resistance)
+    /// What interactions resist the approach of a contact by, force over speed, besides the flow that is resolved.
+    pub fn film_resistance(&self, contact: &Contact<D>) -> f64 {
+        let of = |body: usize| self.basis.kinds.radius_and_order(body);
+        self.basis.setup.viscosity * self.basis.setup.interactions.approach_resistance(contact, &of)
     }
 
     /// Lets each solve start from the ones before it, beginning with those given.
@@ -167,8 +168,14 @@ impl<const D: usize> Suspension<D> {
     /// # Errors
     /// [`Error::Diverged`] when the tolerance is not reached.
     pub fn solve(&mut self, seen: &mut dyn FnMut(usize, f64)) -> Result<Solution<D>> {
-        let centers = self.initial_centers();
-        self.solve_at(&self.at_rest(&centers), seen)
+        let (centers, weights) = (self.initial_centers(), self.resistances());
+        let setup = &self.basis.setup;
+        let balls: Vec<Ball<D>> = setup.bodies.iter().map(|suspended| suspended.body.ball).collect();
+        let arrangement = Arrangement { domain: &setup.domain, balls: &balls, weights: &weights, viscosity: Some(setup.viscosity) };
+        let forces = setup.interactions.pair_forces(&arrangement);
+        let pushes = Wrench::on_bodies(balls.len(), [], &forces);
+        let solution = self.solve_at(&Moment { pushes: &pushes, ..self.at_rest(&centers) }, seen)?;
+        Ok(Solution { pair_stress: PairForce::total_stress(&forces), ..solution })
     }
 
     /// Lets images slide to where they are at a time; what was assembled across the seam is gone.
@@ -241,7 +248,7 @@ impl<const D: usize> Suspension<D> {
             world.sum(&mut contact_forces);
         }
         let film_forces: Vec<f64> = forces.collect();
-        let lubrication = basis.setup.lubrication.map(|_| add_films((world, layout), &assembly.films, &film_forces, &mut states));
+        let lubrication = basis.setup.interactions.resist().then(|| add_films((world, layout), &assembly.films, &film_forces, &mut states));
         (self.assembly, self.engine) = (Some(assembly), Some(engine));
         Ok(Solution { lubrication, directly_on_walls, ..basis.solution(states, found.fluid, &found.tail, contact_forces)? })
     }

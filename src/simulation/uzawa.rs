@@ -6,7 +6,7 @@
 
 use std::time::Instant;
 
-use super::{condensed::Condensed, dynamics::Seen, ready::Stop};
+use super::{condensed::Condensed, ready::Stop, stepper::Seen};
 use crate::{
     error::{Error, Result},
     petsc::{Report, System, Vector},

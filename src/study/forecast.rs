@@ -96,7 +96,7 @@ impl Forecast {
         };
         let cost = suspension.cost();
         let times = grid as f64 / cost.grid_unknowns as f64;
-        let growth = if setup.lubrication.is_some() { GROWTH_IN_FILMS } else { GROWTH };
+        let growth = if setup.interactions.resist() { GROWTH_IN_FILMS } else { GROWTH };
         let more = (setup.bodies.len() as f64 / SAMPLE as f64).max(1.0).powf(growth);
         let bodies = multipliers.max(1) as f64 / cost.multiplier_unknowns.max(1) as f64;
         let [setup_seconds, assembly, krylov, surfaces] =

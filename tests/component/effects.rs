@@ -79,7 +79,7 @@ fn assert_same(what: &str, one: &[f64], two: &[f64]) {
 }
 
 fn plan(session: &Session, scene: &Scene) -> String {
-    Plan::of::<2>(scene, session.world().size()).unwrap().to_string()
+    Plan::<2>::of(scene).unwrap().report(session.world().size()).unwrap().to_string()
 }
 
 /// The census counts down as well as up: what the other tests rely on.

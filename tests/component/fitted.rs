@@ -123,7 +123,7 @@ fn a_channel_driven_by_each_drive(session: &Session) {
         drive,
         bodies: vec![suspended(Vector2::new(0.513, 0.5), 0.125, motion, 3)],
         constraint: ConstraintMethod::Fitted,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-9),
     };
@@ -165,7 +165,7 @@ fn closed_box(radius: f64, spacing: f64, twist: Twist<2>) -> Setup<2> {
         drive: Drive::Rest,
         bodies: vec![suspended(Vector2::new(0.5, 0.5), radius, Motion::Prescribed(twist), 3)],
         constraint: ConstraintMethod::Fitted,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-9),
     }
@@ -249,7 +249,7 @@ fn two_disks_pass_each_other_in_shear(session: &Session) {
         let disks = [[0.6, 0.72], [1.4, 0.28]].map(|center| suspended(Vector2::from(center), 0.2, free(), 3)).to_vec();
         let time = TimeSection { end: 3.0, step: Step::Fixed(step), travel: 0.1, scheme: Scheme::TwoStep, until: None };
         let fitted = FittedFlow::new(session, couette(2.0, 0.2 / edges, 1.0, disks)).unwrap();
-        let mut simulation = Simulation::fitted(session, fitted, time);
+        let mut simulation = Simulation::flowing(session, Box::new(fitted), time);
         while !simulation.over() {
             let view = simulation.look(&mut |_, _| {}).unwrap();
             simulation.step(&view, &mut |_, _| {}).unwrap();

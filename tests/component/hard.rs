@@ -102,7 +102,7 @@ fn units_do_not_matter(session: &Session) {
             drive: Drive::Rest,
             bodies: disks.to_vec(),
             constraint: ConstraintMethod::Sharp,
-            lubrication: None,
+            interactions: Default::default(),
             inverse: InverseMethod::Hypre,
             tolerance: Tolerance::Fixed(1e-10),
         };

@@ -37,7 +37,7 @@ fn channel(disks: &[([f64; 2], [f64; 2])]) -> Setup<2> {
         drive: Drive::Rest,
         bodies: disks.iter().map(body).collect(),
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Transform,
         tolerance: Tolerance::Fixed(1e-9),
     }
@@ -45,7 +45,7 @@ fn channel(disks: &[([f64; 2], [f64; 2])]) -> Setup<2> {
 
 fn start(session: &Session, setup: Setup<2>, step: Step, contact: ContactModel) -> Simulation<2> {
     let time = TimeSection { step, end: 100.0, scheme: Scheme::TwoStep, travel: 0.1, until: None };
-    Simulation::flowing(session, Suspension::new(session, setup).unwrap(), time, contact)
+    Simulation::flowing(session, Box::new(Suspension::new(session, setup.with_contact(contact)).unwrap()), time)
 }
 
 fn step(simulation: &mut Simulation<2>) -> View<2> {

@@ -11,7 +11,7 @@ use turbid::{
     grid::Node,
     observe,
     petsc::Session,
-    scene::{ConstraintMethod, ContactModel, MultiplierSolver, Scheme, Step, TimeSection, Tolerance},
+    scene::{ConstraintMethod, MultiplierSolver, Scheme, Step, TimeSection, Tolerance},
     simulation::{Setup, Simulation, Suspension},
 };
 
@@ -234,7 +234,7 @@ fn all_methods_move_two_disks_past_each_other(session: &Session) {
         let setup = Setup { constraint, tolerance: Tolerance::Fixed(1e-6), ..couette(1.0, 0.024, 1.0, bodies.to_vec()) };
         let time = TimeSection { step: Step::Fixed(0.1), end: 1.0, travel: 0.1, scheme: Scheme::TwoStep, until: None };
         let suspension = Suspension::new(session, setup).unwrap();
-        let mut simulation = Simulation::flowing(session, suspension, time, ContactModel::None);
+        let mut simulation = Simulation::flowing(session, Box::new(suspension), time);
         while !simulation.over() {
             let view = simulation.look(&mut |_, _| {}).unwrap();
             simulation.step(&view, &mut |_, _| {}).unwrap();

@@ -48,7 +48,7 @@ fn between_sliding_walls(count: usize, fraction: f64, aspect: f64, gap: f64) -> 
         drive: Drive::Rest,
         bodies,
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-6),
     }
@@ -64,7 +64,7 @@ fn a_warm_start_saves_iterations(session: &Session) {
     for inverse in [InverseMethod::Hypre, InverseMethod::Transform] {
         for (tolerance, part) in [(Tolerance::Auto, 0.6), (Tolerance::Fixed(1e-6), 0.9)] {
             let suspension = Suspension::new(session, Setup { inverse, tolerance, ..sheared(60) }).unwrap();
-            let mut simulation = Simulation::flowing(session, suspension, time(Step::Auto, 1.0, Scheme::TwoStep), ContactModel::None);
+            let mut simulation = Simulation::flowing(session, Box::new(suspension), time(Step::Auto, 1.0, Scheme::TwoStep));
             let mut iterations = Vec::new();
             for _ in 0..8 {
                 let view = simulation.look(&mut |_, _| {}).unwrap();
@@ -92,14 +92,14 @@ fn closed_box(size: [f64; 2], cells_per_radius: f64, bodies: Vec<SuspendedBody<2
         drive: Drive::Rest,
         bodies,
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-10),
     }
 }
 
 fn simulate(session: &Session, setup: Setup<2>, time: TimeSection, contact: ContactModel) -> Simulation<2> {
-    Simulation::flowing(session, Suspension::new(session, setup).unwrap(), time, contact)
+    Simulation::flowing(session, Box::new(Suspension::new(session, setup.with_contact(contact)).unwrap()), time)
 }
 
 /// Looks and makes a step.
@@ -151,7 +151,7 @@ fn a_neutrally_buoyant_disk_on_the_centre_line_moves_straight_at_its_speed(sessi
         drive,
         bodies: disk(),
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-10),
     };
@@ -240,7 +240,7 @@ fn two_disks_pressed_together_meet_and_rest(session: &Session) {
         drive: Drive::Rest,
         bodies,
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-8),
     };
@@ -311,7 +311,7 @@ fn only_bodies_that_moved_are_assembled_anew(session: &Session) {
         drive: Drive::Shear(1.0),
         bodies: [[1.5 + way, 1.5], [4.5, 1.5], [1.5, 4.5], [4.5, 4.5]].map(|center| suspended(center.into(), 1.0, free(), 5)).to_vec(),
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Transform,
         tolerance: Tolerance::Fixed(1e-9),
     };

@@ -15,7 +15,7 @@ use crate::{
     geometry::{Ball, Domain},
     grid::Grid,
     petsc::{Direct, Report, Session, Stage, Vector, enter},
-    simulation::{Cost, FlowSolver, Moment, Past, Setup, Snapshot, Solution, check_steady_state, dynamics::Seen},
+    simulation::{Cost, FlowSolver, Moment, Past, Setup, Snapshot, Solution, check_steady_state, stepper::Seen},
 };
 
 /// A suspension in 2D whose flow is found on a mesh that fits the bodies.
@@ -38,6 +38,10 @@ impl<const D: usize> FittedFlow<D> {
     /// # Errors
     /// The grid on which the flow is shown or the rank count does not fit, or no steady state exists.
     pub fn new(session: &Session, setup: Setup<D>) -> Result<FittedFlow<D>> {
+        if !setup.interactions.is_empty() {
+            let refused = "method.constraint = \"fitted\": meshes that follow bodies know of no interactions; choose another method";
+            return Err(Error::Refused(refused.into()));
+        }
         check_steady_state(&setup)?;
         let world = session.world();
         let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
@@ -167,6 +171,7 @@ impl<const D: usize> FittedFlow<D> {
             mean_velocity: spatial(&found.mean_velocity),
             pressure_gradient: gradient,
             contact_forces: Vec::new(),
+            pair_stress: None,
             walls: Some(std::array::from_fn(|axis| {
                 found.walls.get(axis).copied().unwrap_or_default().map(|force| spatial(&(viscosity * force)))
             })),

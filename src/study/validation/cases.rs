@@ -90,7 +90,7 @@ fn setup<const D: usize>(length: f64, axes: [Axis<D>; D], spacing: f64, drive: D
         drive,
         bodies,
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: crate::interaction::Interactions::default(),
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(TOLERANCE),
     }

@@ -9,15 +9,16 @@ use std::time::Instant;
 use nalgebra::{SMatrix, SVector};
 
 use super::{
-    Dynamics, Effort, Seen, State, Travel, View, law,
+    Dynamics, Effort, Seen, State, Travel, View, interactions,
     pace::{Pace, Urge},
     placement::{bodies, domain, vector},
 };
 use crate::{
     body::{Motion, Twist, skew},
-    contact::{self, Certificate, ContactForce, Law, Problem, Projection, Repulsion, gluey, pushes},
+    contact::{self, Adhesive, Certificate, ContactForce, Problem, Projection},
     error::{Error, Result},
-    geometry::Domain,
+    geometry::{Ball, Domain},
+    interaction::{Arrangement, Interactions, PairForce, Touch, Wrench},
     petsc::{Session, Stage, enter},
     scene::{Scene, Scheme},
 };
@@ -42,14 +43,14 @@ pub struct DryBody<const D: usize> {
 }
 
 /// A dry scene resolved in its dimension.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct DrySetup<const D: usize> {
     /// The box.
     pub domain: Domain<D>,
     /// The bodies.
     pub bodies: Vec<DryBody<D>>,
-    /// How they notice each other and the walls.
-    pub contact: Law,
+    /// What they do to each other and how they notice walls.
+    pub interactions: Interactions<D>,
 }
 
 /// Dry bodies in motion.
@@ -57,6 +58,22 @@ pub struct Dry<const D: usize> {
     session: Session,
     setup: DrySetup<D>,
     pace: Pace,
+    masses: Vec<f64>,
+    /// In the state that was looked at last.
+    known: Known<D>,
+}
+
+/// Forces that follow from where bodies are.
+#[derive(Default)]
+struct Known<const D: usize> {
+    contacts: Vec<ContactForce<D>>,
+    others: Vec<PairForce<D>>,
+}
+
+/// Rates at which a motion changes.
+struct Acceleration<const D: usize> {
+    velocity: SVector<f64, D>,
+    spin: SMatrix<f64, D, D>,
 }
 
 impl<const D: usize> DrySetup<D> {
@@ -92,14 +109,14 @@ impl<const D: usize> DrySetup<D> {
             }
         };
         let bodies: Vec<DryBody<D>> = bodies(scene, &domain)?.into_iter().map(of_group).collect();
-        let setup = DrySetup { contact: law::of_dry(scene.contact.model, &domain, &bodies), domain, bodies };
-        law::check(scene, setup.contact, setup.longest_step())?;
+        let setup = DrySetup { interactions: interactions::of_dry(scene, &domain, &bodies), domain, bodies };
+        interactions::check(scene, &setup.interactions, setup.longest_step())?;
         Ok(setup)
     }
 
     /// The longest step with which contact is stable; infinite if it limits none.
     pub fn longest_step(&self) -> f64 {
-        law::longest_dry_step(self.contact, &self.bodies)
+        interactions::longest_dry_step(&self.interactions, &self.bodies)
     }
 
     /// The bodies at the start.
@@ -111,7 +128,8 @@ impl<const D: usize> DrySetup<D> {
 impl<const D: usize> Dry<D> {
     /// Dry bodies that move at a pace.
     pub fn new(session: &Session, setup: DrySetup<D>, pace: Pace) -> Dry<D> {
-        Dry { session: session.clone(), setup, pace }
+        let masses = setup.bodies.iter().map(|body| body.mass).collect();
+        Dry { session: session.clone(), setup, pace, masses, known: Known::default() }
     }
 
     /// Without a contact model bodies notice no walls: a run in which they leave the box has no meaning.
@@ -137,78 +155,74 @@ impl<const D: usize> Dry<D> {
         }
     }
 
-    fn masses(&self) -> Vec<f64> {
-        self.setup.bodies.iter().map(|body| body.mass).collect()
+    fn arrangement<'a>(&'a self, balls: &'a [Ball<D>]) -> Arrangement<'a, D> {
+        Arrangement { domain: &self.setup.domain, balls, weights: &self.masses, viscosity: None }
     }
 
-    /// The impulse of a memory of one: the mass with which a gap resists being opened.
-    fn reduced_mass(&self, contact: &contact::Contact<D>) -> f64 {
-        let inverse = |body: usize| 1.0 / self.setup.bodies[body].mass;
-        1.0 / (inverse(contact.body) + contact.other().map_or(0.0, inverse))
-    }
-
-    /// The forces of a repulsion, and the accelerations by all forces.
-    fn repelled(&self, repulsion: &Repulsion, state: &State<D>) -> (Vec<ContactForce<D>>, Vec<SVector<f64, D>>) {
-        let forces = repulsion.forces(&self.setup.domain, &state.balls(&self.pace.radii), &self.masses());
-        let pushes = pushes(self.setup.bodies.len(), forces.iter().copied());
-        let accelerations = self.setup.bodies.iter().zip(pushes).map(|(body, push)| body.acceleration + push / body.mass).collect();
-        (forces, accelerations)
+    /// The forces that interactions know from where bodies are.
+    fn known(&self, balls: &[Ball<D>]) -> Known<D> {
+        let (interactions, arrangement) = (&self.setup.interactions, self.arrangement(balls));
+        Known { contacts: interactions.contact_forces(&arrangement), others: interactions.pair_forces(&arrangement) }
     }
 
     /// Accelerations by all forces but those that a projection finds.
-    fn accelerations(&self, state: &State<D>) -> Vec<SVector<f64, D>> {
-        match &self.setup.contact {
-            Law::Repulsion(repulsion) => self.repelled(repulsion, state).1,
-            _ => self.setup.bodies.iter().map(|body| body.acceleration).collect(),
-        }
+    fn accelerations(&self) -> Vec<Acceleration<D>> {
+        let pushes = Wrench::on_bodies(self.setup.bodies.len(), &self.known.contacts, &self.known.others);
+        let of = |(body, push): (&DryBody<D>, Wrench<D>)| Acceleration {
+            velocity: body.acceleration + push.force / body.mass,
+            spin: body.spin_up + push.torque / body.inertia,
+        };
+        self.setup.bodies.iter().zip(pushes).map(of).collect()
     }
 
-    /// Velocities that keep contacts, next to those wanted.
-    fn project(&self, state: &State<D>, moves: &[Twist<D>], step: f64) -> Result<Projection<D>> {
-        let (_stage, domain, balls) = (enter(Stage::Contacts), &self.setup.domain, state.balls(&self.pace.radii));
-        let weights: Vec<f64> = self.masses().iter().map(|mass| mass / step).collect();
+    /// Velocities that keep contacts, next to those wanted, and what contacts remember then.
+    fn project(&self, state: &State<D>, balls: &[Ball<D>], moves: &[Twist<D>], step: f64) -> Result<(Projection<D>, Vec<Adhesive<D>>)> {
+        let (_stage, arrangement, interactions) = (enter(Stage::Contacts), self.arrangement(balls), &self.setup.interactions);
+        let weights: Vec<f64> = self.masses.iter().map(|mass| mass / step).collect();
         let velocities: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
-        let floors = gluey::floors((domain, &balls), &state.stuck, step, |contact| self.reduced_mass(contact));
-        let problem = Problem { domain, balls: &balls, weights: &weights, velocities: &velocities, step, floors: &floors };
-        contact::project_from(self.session.world(), &problem, &state.memory())
+        let floors = interactions.lower_bounds(&arrangement, &state.stuck, step);
+        let problem = Problem { domain: arrangement.domain, balls, weights: &weights, velocities: &velocities, step, floors: &floors };
+        let projection = contact::project_from(self.session.world(), &problem, &state.memory())?;
+        let stuck = interactions.remember(&arrangement, &state.stuck, &projection.forces, step);
+        Ok((projection, stuck))
     }
 }
 
 impl<const D: usize> Dynamics<D> for Dry<D> {
     fn look(&mut self, state: &State<D>, _: Seen) -> Result<View<D>> {
         let twists: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
+        self.known = self.known(&state.balls(&self.pace.radii));
         let urges: Vec<Urge<D>> = twists
             .iter()
-            .zip(self.accelerations(state))
+            .zip(self.accelerations())
             // velocities live half a step before places
-            .map(|(twist, acceleration)| Urge { velocity: twist.velocity + acceleration * (0.5 * state.last_step), acceleration })
+            .map(|(twist, acceleration)| Urge {
+                velocity: twist.velocity + acceleration.velocity * (0.5 * state.last_step),
+                acceleration: acceleration.velocity,
+            })
             .collect();
         let stride = self.pace.next(&urges, state.time, state.last_step);
-        Ok(View { twists, contacts: Vec::new(), solution: None, stride, effort: Effort::default() })
+        Ok(View { twists, contacts: Vec::new(), pair_forces: self.known.others.clone(), solution: None, stride, effort: Effort::default() })
     }
 
     fn travel(&mut self, state: &State<D>, view: &View<D>, _: Seen) -> Result<Travel<D>> {
         let (start, step) = (Instant::now(), view.stride.length);
-        let push = self.push(state.last_step, step);
-        let pushed = |((twist, body), acceleration): ((&Twist<D>, &DryBody<D>), SVector<f64, D>)| Twist {
-            velocity: twist.velocity + acceleration * push,
-            spin: twist.spin + body.spin_up * push,
+        let (push, balls) = (self.push(state.last_step, step), state.balls(&self.pace.radii));
+        let pushed = |(twist, acceleration): (&Twist<D>, Acceleration<D>)| Twist {
+            velocity: twist.velocity + acceleration.velocity * push,
+            spin: twist.spin + acceleration.spin * push,
         };
-        let mut moves: Vec<Twist<D>> = view.twists.iter().zip(&self.setup.bodies).zip(self.accelerations(state)).map(pushed).collect();
-        let (mut contacts, mut stuck, mut certificate) = (Vec::new(), Vec::new(), None);
-        match self.setup.contact {
-            Law::None => self.refuse_outside(state)?,
-            Law::Repulsion(repulsion) => {
-                contacts = self.repelled(&repulsion, state).0;
-                certificate = Some(Certificate::of_forces(&contacts, &state.balls(&self.pace.radii)));
-            }
-            law @ (Law::Inelastic | Law::Gluey { .. }) => {
-                let projection = self.project(state, &moves, step)?;
+        let mut moves: Vec<Twist<D>> = view.twists.iter().zip(self.accelerations()).map(pushed).collect();
+        let (mut contacts, mut stuck, mut certificate) = (self.known.contacts.clone(), Vec::new(), None);
+        match self.setup.interactions.touch() {
+            None => self.refuse_outside(state)?,
+            Some(Touch::Soft { .. }) => certificate = Some(Certificate::of_forces(&contacts, &balls)),
+            Some(Touch::Hard) => {
+                let (projection, remembered) = self.project(state, &balls, &moves, step)?;
                 moves.iter_mut().zip(&projection.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
-                if let Law::Gluey { least } = law {
-                    stuck = gluey::remembered(&projection.forces, &state.stuck, (step, least), |contact| self.reduced_mass(contact));
-                }
-                (contacts, certificate) = (projection.forces, Some(projection.certificate));
+                stuck = remembered;
+                contacts.extend(projection.forces);
+                certificate = Some(projection.certificate);
             }
         }
         let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };

@@ -1,0 +1,121 @@
+//! The interactions that a scene calls for, in the units of its run, and the longest step with which they are stable.
+//!
+//! The stiffness of a repulsion counts in the force that drives bodies. In a flow that is the largest of: the force on a free
+//! body, `mu rate a^(D-1)` of walls or background in shear, `mu U a^(D-2)` of a mean velocity or of bodies whose motion is given,
+//! and `|G| L a^(D-1) / 2` of a pressure gradient between walls `L` apart (of a periodic box: `L = a`), with the largest
+//! radius `a`. In a dry run it is the energy of the hardest impact to be expected, `m U^2 + |f| L`, over `a`, with the largest
+//! mass, speed at the start and force and the longest edge `L` of the box.
+
+use std::rc::Rc;
+
+use super::{DryBody, Setup};
+use crate::{
+    body::{Motion, Twist},
+    error::Result,
+    flow::Drive,
+    geometry::{Axis, Domain},
+    interaction::{Gluey, Inelastic, Interaction, Interactions, Repulsion, Touch},
+    scene::{ContactModel, Scene, Step},
+};
+
+/// Largest step in units of `sqrt(m / k)`: a body between as many others as fit around it vibrates at up to `sqrt(24 k / m)`.
+const DRY_STEP: f64 = 0.4;
+
+/// Largest step in units of resistance over `k`: such a body comes to rest at up to the rate `8 k / R` as if the others were far, and the
+/// two-step rule is stable up to the rate `1 / step`; bodies that nearly touch resist several times as much.
+const FLOW_STEP: f64 = 0.2;
+
+/// The interactions of dry bodies.
+pub fn of_dry<const D: usize>(scene: &Scene, domain: &Domain<D>, bodies: &[DryBody<D>]) -> Interactions<D> {
+    let contact = contact(scene.contact.model, || {
+        let largest = |number: fn(&DryBody<D>) -> f64| bodies.iter().map(number).filter(|number| number.is_finite()).fold(0.0, f64::max);
+        let (mass, speed) = (largest(|body| body.mass), largest(|body| body.twist.velocity.norm()));
+        let force = largest(|body| if body.mass.is_finite() { body.mass * body.acceleration.norm() } else { 0.0 });
+        (mass * speed * speed + force * domain.size.max()) / largest(|body| body.radius)
+    });
+    Interactions::new(contact)
+}
+
+/// The interaction of a contact model between bodies in a flow.
+pub fn contact_in_flow<const D: usize>(model: ContactModel, setup: &Setup<D>) -> Option<Rc<dyn Interaction<D>>> {
+    contact(model, || {
+        let radius = setup.bodies.iter().map(|suspended| suspended.body.ball.radius).fold(0.0, f64::max);
+        let (surface, viscosity) = (radius.powi(D as i32 - 1), setup.viscosity);
+        let of_body = |motion: Motion<D>| match motion {
+            Motion::Free { force, torque } => force.norm() + torque.norm() / radius,
+            Motion::Prescribed(Twist { velocity, spin }) => viscosity * (velocity.norm() / radius + spin.norm()) * surface,
+        };
+        let bodies = setup.bodies.iter().map(|suspended| of_body(suspended.body.motion)).fold(0.0, f64::max);
+        bodies.max(surface * walls(setup)).max(surface * drive(setup, radius))
+    })
+}
+
+/// The interaction of a contact model whose forces are in a unit.
+fn contact<const D: usize>(model: ContactModel, unit: impl FnOnce() -> f64) -> Option<Rc<dyn Interaction<D>>> {
+    match model {
+        ContactModel::None => None,
+        ContactModel::Inelastic => Some(Rc::new(Inelastic)),
+        ContactModel::Gluey { gamma_min } => Some(Rc::new(Gluey { least: gamma_min.unwrap_or(f64::NEG_INFINITY) })),
+        ContactModel::Repulsion { stiffness, range } => Some(Rc::new(Repulsion { touch: stiffness * unit(), range })),
+    }
+}
+
+/// Shear stress that walls cause.
+fn walls<const D: usize>(setup: &Setup<D>) -> f64 {
+    let rate = |axis: usize| match setup.domain.axes[axis] {
+        Axis::Periodic | Axis::Sheared(_) => 0.0,
+        Axis::Walls { lower, upper } => (upper - lower).norm() / setup.domain.size[axis],
+    };
+    setup.viscosity * (0..D).map(rate).fold(0.0, f64::max)
+}
+
+/// Stress that the drive causes on bodies of a radius.
+fn drive<const D: usize>(setup: &Setup<D>, radius: f64) -> f64 {
+    let between_walls = (0..D).filter(|&axis| !setup.domain.periodic(axis)).map(|axis| setup.domain.size[axis]);
+    let width = between_walls.fold(radius, f64::max);
+    match setup.drive {
+        Drive::Rest => 0.0,
+        Drive::MeanVelocity(velocity) => setup.viscosity * velocity.norm() / radius,
+        Drive::PressureGradient(force) | Drive::BodyForce(force) => 0.5 * force.norm() * width,
+        Drive::Shear(rate) => setup.viscosity * rate.abs(),
+    }
+}
+
+/// The longest stable step of dry bodies; infinite if no interaction limits it.
+pub fn longest_dry_step<const D: usize>(interactions: &Interactions<D>, bodies: &[DryBody<D>]) -> f64 {
+    let [mass, radius] =
+        [|body: &DryBody<D>| body.mass, |body: &DryBody<D>| body.radius].map(|of| bodies.iter().map(of).fold(f64::INFINITY, f64::min));
+    limited(interactions.steepest(radius), |steepest| DRY_STEP * (mass / steepest).sqrt())
+}
+
+/// The longest stable step of bodies in a flow, of which each takes a force for a unit velocity; infinite if no interaction limits it.
+pub fn longest_step_in_flow<const D: usize>(setup: &Setup<D>) -> f64 {
+    let free = setup.bodies.iter().filter(|suspended| suspended.body.free()).map(|suspended| suspended.body.ball.radius);
+    let radius = setup.bodies.iter().map(|suspended| suspended.body.ball.radius).fold(f64::INFINITY, f64::min);
+    limited(setup.interactions.steepest(radius), |steepest| {
+        FLOW_STEP * free.map(|radius| setup.resistance(radius)).fold(f64::INFINITY, f64::min) / steepest
+    })
+}
+
+fn limited(steepest: f64, limit: impl FnOnce(f64) -> f64) -> f64 {
+    if steepest > 0.0 { limit(steepest) } else { f64::INFINITY }
+}
+
+/// Refuses a repulsion without a unit, and a fixed step that is too long for the interactions.
+pub fn check<const D: usize>(scene: &Scene, interactions: &Interactions<D>, longest: f64) -> Result<()> {
+    let soft = matches!(interactions.touch(), Some(Touch::Soft { .. }));
+    match scene.time.as_ref().map(|time| time.step) {
+        _ if soft && interactions.steepest(1.0) == 0.0 => {
+            let remedy = "has no force to be measured by: nothing drives the bodies; give them gravity, a force, a velocity or a flow";
+            Err(scene.refuse("contact.model", "\"repulsion\"", remedy))
+        }
+        Some(Step::Fixed(step)) if step > longest => {
+            let remedy = format!(
+                "is too long for contact.model = \"repulsion\", which is stable up to {longest:.3e}; shorten it, set it to \"auto\", or lower \
+                 contact.stiffness"
+            );
+            Err(scene.refuse("time.step", step, &remedy))
+        }
+        _ => Ok(()),
+    }
+}
