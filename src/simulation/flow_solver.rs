@@ -38,7 +38,7 @@ pub trait FlowSolver<const D: usize> {
     /// Force that gives each body a unit velocity in unbounded fluid; infinite for a body whose motion is given.
     fn resistances(&self) -> Vec<f64> {
         let setup = self.setup();
-        let resistance = |body: &SuspendedBody<D>| if body.body.free() { setup.resistance(body.body.ball.radius) } else { f64::INFINITY };
+        let resistance = |body: &SuspendedBody<D>| if body.body.free() { setup.resistance(&body.body.ball) } else { f64::INFINITY };
         setup.bodies.iter().map(resistance).collect()
     }
 

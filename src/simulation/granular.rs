@@ -21,6 +21,7 @@ use crate::{
     interaction::{Arrangement, Interactions, PairForce, Touch, Wrench},
     petsc::{Session, Stage, enter},
     scene::{Scene, Scheme},
+    surface::Shape,
 };
 
 /// A body without a fluid.
@@ -90,8 +91,7 @@ impl<const D: usize> DrySetup<D> {
                 spin: given.spin.as_deref().map_or(SMatrix::zeros(), skew::<D>),
             };
             let mass = given.density * body.ball.volume();
-            // of a homogeneous disk, 1/2 m r^2, and of a sphere, 2/5 m r^2
-            let inertia = mass * body.ball.radius.powi(2) * 2.0 / (D + 2) as f64;
+            let inertia = given.density * body.ball.moment_of_inertia();
             let (center, radius) = (body.ball.center, body.ball.radius);
             match body.motion {
                 Motion::Free { force, torque } => {

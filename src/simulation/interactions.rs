@@ -90,10 +90,10 @@ pub fn longest_dry_step<const D: usize>(interactions: &Interactions<D>, bodies: 
 
 /// The longest stable step of bodies in a flow, of which each takes a force for a unit velocity; infinite if no interaction limits it.
 pub fn longest_step_in_flow<const D: usize>(setup: &Setup<D>) -> f64 {
-    let free = setup.bodies.iter().filter(|suspended| suspended.body.free()).map(|suspended| suspended.body.ball.radius);
+    let free = setup.bodies.iter().filter(|suspended| suspended.body.free());
     let radius = setup.bodies.iter().map(|suspended| suspended.body.ball.radius).fold(f64::INFINITY, f64::min);
     limited(setup.interactions.steepest(radius), |steepest| {
-        FLOW_STEP * free.map(|radius| setup.resistance(radius)).fold(f64::INFINITY, f64::min) / steepest
+        FLOW_STEP * free.map(|suspended| setup.resistance(&suspended.body.ball)).fold(f64::INFINITY, f64::min) / steepest
     })
 }
 

@@ -13,7 +13,7 @@ use crate::{
     geometry::Domain,
     interaction::{Interaction, Interactions, Lubrication},
     scene::{self, ConstraintMethod, ContactModel, Modes, MultiplierSolver, ResolutionSection, Scene, Spacing, StokesSolver, Tolerance},
-    surface::{highest_order, modes},
+    surface::{Shape, highest_order},
 };
 
 /// Fewest cells per radius: closer to the centre the jump functions are too steep for the grid.
@@ -149,9 +149,9 @@ impl<const D: usize> Setup<D> {
         0.5 * (self.domain.volume() / self.bodies.len() as f64).powf(1.0 / D as f64)
     }
 
-    /// Force that gives a body of this radius a unit velocity in unbounded fluid.
-    pub fn resistance(&self, radius: f64) -> f64 {
-        let modes = modes(D, radius, 1.0, 1);
+    /// Force that gives a body of this shape a unit velocity in unbounded fluid.
+    pub fn resistance(&self, shape: &dyn Shape<D>) -> f64 {
+        let modes = shape.modes(1);
         self.viscosity * modes.force_factor() / modes.isolated_mobility(self.reach())[(0, 0)]
     }
 
