@@ -11,7 +11,7 @@ use crate::{
     error::Result,
     geometry::Axis,
     grid::Grid,
-    simulation::{Lubrication, Setup, Solution},
+    simulation::{Setup, Solution},
 };
 
 /// Apparent viscosity over that of the fluid, by roads that must agree.
@@ -81,12 +81,10 @@ fn wall_shear<const D: usize>(
     walls: [SVector<f64, D>; 2],
 ) -> Result<f64> {
     let area = grid.domain().volume() / grid.domain().size[shear.gradient];
-    let by_forces = |walls: &[[SVector<f64, D>; 2]; D]| {
-        let [on_lower, on_upper] = walls[shear.gradient];
-        (on_lower - on_upper).dot(&shear.flow) / (2.0 * area * viscosity)
-    };
-    if let Some(walls) = solution.walls {
-        return Ok(by_forces(&walls));
+    let [on_lower, on_upper] = solution.walls.forces[shear.gradient];
+    let by_forces = (on_lower - on_upper).dot(&shear.flow) / (2.0 * area * viscosity);
+    if solution.walls.complete {
+        return Ok(by_forces);
     }
     let last = grid.cells()[shear.gradient] - 1;
     let to_wall = 0.5 * grid.spacing()[shear.gradient];
@@ -106,7 +104,6 @@ fn wall_shear<const D: usize>(
     }
     solution.fluid.session().world().sum(&mut sum);
     let unit = viscosity * grid.domain().volume();
-    let of_films = |films: Lubrication<D>| by_forces(&films.walls) + shear.of_stress(&films.first_moment) / unit;
-    let by_films = solution.lubrication.map_or(0.0, of_films);
-    Ok(sum[0] + by_forces(&solution.directly_on_walls) + by_films)
+    let by_films = solution.lubrication.map_or(0.0, |films| shear.of_stress(&films.first_moment) / unit);
+    Ok(sum[0] + by_forces + by_films)
 }

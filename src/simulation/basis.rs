@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 use super::{
-    BodyState, Setup, Solution,
+    BodyState, Setup, Solution, WallForces,
     bodies::Kinds,
     closure::{Closure, flow_without_bodies},
 };
@@ -123,14 +123,12 @@ impl<const D: usize> Basis<D> {
         }
         let pressure_gradient = self.pressure_gradient(&bodies, tail);
         let mean_velocity = self.mean_velocity(&fluid)?;
-        let directly_on_walls = [[SVector::zeros(); 2]; D];
         Ok(Solution {
             bodies,
             fluid,
             mean_velocity,
             pressure_gradient,
-            walls: None,
-            directly_on_walls,
+            walls: WallForces::none(),
             contact_forces,
             pair_stress: None,
             lubrication: None,

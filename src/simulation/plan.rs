@@ -16,18 +16,18 @@ use crate::{
 pub use demand::demand;
 pub use report::PlanReport;
 
-/// A scene of dimension `D` resolved into parts.
+/// A scene of dimension `D` resolved: what is solved, and what bodies do to each other besides.
 #[derive(Debug, Clone)]
 pub struct Plan<const D: usize> {
     /// The scene.
     pub scene: Scene,
     /// What is solved.
-    pub parts: Parts<D>,
+    pub model: Model<D>,
 }
 
 /// What is solved, in numbers.
 #[derive(Debug, Clone)]
-pub enum Parts<const D: usize> {
+pub enum Model<const D: usize> {
     /// Bodies without a fluid.
     Dry(DrySetup<D>),
     /// A scalar around inclusions.
@@ -42,12 +42,12 @@ impl<const D: usize> Plan<D> {
     /// # Errors
     /// Bodies do not fit, or the scene asks for steps that are too long for its interactions.
     pub fn of(scene: &Scene) -> Result<Plan<D>> {
-        let parts = match scene.flow.model {
-            FlowModel::None => Parts::Dry(DrySetup::of(scene)?),
-            FlowModel::Scalar => Parts::Scalar(ScalarSetup::of(scene)?),
-            FlowModel::Stokes => Parts::Flow(Setup::of(scene)?),
+        let model = match scene.flow.model {
+            FlowModel::None => Model::Dry(DrySetup::of(scene)?),
+            FlowModel::Scalar => Model::Scalar(ScalarSetup::of(scene)?),
+            FlowModel::Stokes => Model::Flow(Setup::of(scene)?),
         };
-        Plan { scene: scene.clone(), parts }.checked()
+        Plan { scene: scene.clone(), model }.checked()
     }
 
     /// The same with another interaction between bodies.
@@ -65,27 +65,27 @@ impl<const D: usize> Plan<D> {
 
     /// What bodies do to each other, if they can.
     pub fn interactions(&self) -> Option<&Interactions<D>> {
-        match &self.parts {
-            Parts::Dry(setup) => Some(&setup.interactions),
-            Parts::Scalar(_) => None,
-            Parts::Flow(setup) => Some(&setup.interactions),
+        match &self.model {
+            Model::Dry(setup) => Some(&setup.interactions),
+            Model::Scalar(_) => None,
+            Model::Flow(setup) => Some(&setup.interactions),
         }
     }
 
     fn interactions_mut(&mut self) -> Option<&mut Interactions<D>> {
-        match &mut self.parts {
-            Parts::Dry(setup) => Some(&mut setup.interactions),
-            Parts::Scalar(_) => None,
-            Parts::Flow(setup) => Some(&mut setup.interactions),
+        match &mut self.model {
+            Model::Dry(setup) => Some(&mut setup.interactions),
+            Model::Scalar(_) => None,
+            Model::Flow(setup) => Some(&mut setup.interactions),
         }
     }
 
     /// The longest step with which interactions are stable; infinite if they limit none.
     pub fn longest_step(&self) -> f64 {
-        match &self.parts {
-            Parts::Dry(setup) => setup.longest_step(),
-            Parts::Scalar(_) => f64::INFINITY,
-            Parts::Flow(setup) => interactions::longest_step_in_flow(setup),
+        match &self.model {
+            Model::Dry(setup) => setup.longest_step(),
+            Model::Scalar(_) => f64::INFINITY,
+            Model::Flow(setup) => interactions::longest_step_in_flow(setup),
         }
     }
 
@@ -96,7 +96,7 @@ impl<const D: usize> Plan<D> {
         Ok(self)
     }
 
-    /// The simulation in time of the parts. Collective.
+    /// The simulation in time that is planned. Collective.
     ///
     /// # Errors
     /// Grid or rank count do not fit.
@@ -105,10 +105,10 @@ impl<const D: usize> Plan<D> {
     /// For a scene without a `[time]` section, and for a scalar problem.
     pub fn simulation(self, session: &Session) -> Result<Simulation<D>> {
         let time = self.scene.time.expect("the scene has a [time] section");
-        match self.parts {
-            Parts::Scalar(_) => panic!("a scalar problem has no time"),
-            Parts::Dry(setup) => Ok(Simulation::dry(session, setup, time)),
-            Parts::Flow(setup) => {
+        match self.model {
+            Model::Scalar(_) => panic!("a scalar problem has no time"),
+            Model::Dry(setup) => Ok(Simulation::dry(session, setup, time)),
+            Model::Flow(setup) => {
                 let flow = flow_solver(session, setup)?;
                 let beat = Beat::of(&flow.setup().domain, flow.grid());
                 let time = beat.map_or(Ok(time.clone()), |beat| beat.keep(&time))?;

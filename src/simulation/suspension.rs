@@ -5,7 +5,7 @@ use std::time::Instant;
 use nalgebra::SVector;
 
 use super::{
-    Setup, Solution,
+    Setup, Solution, WallForces,
     assembly::Assembly,
     basis::Basis,
     condensed::Condensed,
@@ -236,9 +236,8 @@ impl<const D: usize> Suspension<D> {
             self.past = Some(Past::then(self.past.take(), last, (guess, moment.time)));
         }
         let mut states = bodies.states(&basis.session, &assembly.blocks, (&found.velocities, &found.multipliers));
-        let mut directly_on_walls =
-            assembly.blocks.on_walls(&found.multipliers).map(|pair| pair.map(|force| force * basis.setup.viscosity));
-        directly_on_walls.iter_mut().flatten().for_each(|force| basis.session.world().sum(force.as_mut_slice()));
+        let mut walls = assembly.blocks.on_walls(&found.multipliers).map(|pair| pair.map(|force| force * basis.setup.viscosity));
+        walls.iter_mut().flatten().for_each(|force| basis.session.world().sum(force.as_mut_slice()));
         let unit = touching.scale * basis.setup.viscosity;
         let (world, layout) = (basis.session.world(), &bodies.layout);
         let mut forces = links[..touching.count()].iter().map(|unknown| unknown * unit);
@@ -248,9 +247,14 @@ impl<const D: usize> Suspension<D> {
             world.sum(&mut contact_forces);
         }
         let film_forces: Vec<f64> = forces.collect();
-        let lubrication = basis.setup.interactions.resist().then(|| add_films((world, layout), &assembly.films, &film_forces, &mut states));
+        let lubrication =
+            basis.setup.interactions.resist().then(|| add_films((world, layout), &assembly.films, &film_forces, (&mut states, &mut walls)));
         (self.assembly, self.engine) = (Some(assembly), Some(engine));
-        Ok(Solution { lubrication, directly_on_walls, ..basis.solution(states, found.fluid, &found.tail, contact_forces)? })
+        Ok(Solution {
+            lubrication,
+            walls: WallForces { forces: walls, complete: false },
+            ..basis.solution(states, found.fluid, &found.tail, contact_forces)?
+        })
     }
 }
 

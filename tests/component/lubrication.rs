@@ -270,7 +270,7 @@ fn what_a_disk_does_to_a_near_wall_is_what_its_stress_says(session: &Session) {
         let mut setup = sheared::<2>([12.0, 8.0], 6.0, 4, &[[5.3, 1.0 + gap]]);
         setup.interactions = interactions;
         let (found, solution) = shear_viscosity(session, setup);
-        let [lower, upper] = solution.directly_on_walls[1];
+        let [lower, upper] = solution.walls.forces[1];
         assert!(gap > 0.1 || (lower.norm() > 1e-2 && upper.norm() == 0.0), "{lower:?} {upper:?}");
         same_viscosity(&found, tolerance, &format!("gap {gap}"));
     }

@@ -15,7 +15,7 @@ use crate::{
     geometry::{Ball, Domain},
     grid::Grid,
     petsc::{Direct, Report, Session, Stage, Vector, enter},
-    simulation::{Cost, FlowSolver, Moment, Past, Setup, Snapshot, Solution, check_steady_state, stepper::Seen},
+    simulation::{Cost, FlowSolver, Moment, Past, Setup, Snapshot, Solution, WallForces, check_steady_state, stepper::Seen},
 };
 
 /// A suspension in 2D whose flow is found on a mesh that fits the bodies.
@@ -164,7 +164,6 @@ impl<const D: usize> FittedFlow<D> {
             _ => spatial(&(-viscosity * flow.force)),
         };
         Ok(Solution {
-            directly_on_walls: [[SVector::zeros(); 2]; D],
             lubrication: None,
             bodies: states.map(|((disk, rigid), load)| state(disk, rigid, load, viscosity)).collect(),
             fluid: sample(&self.session, &self.grid, problem, (flow, found.mean_pressure))?,
@@ -172,9 +171,12 @@ impl<const D: usize> FittedFlow<D> {
             pressure_gradient: gradient,
             contact_forces: Vec::new(),
             pair_stress: None,
-            walls: Some(std::array::from_fn(|axis| {
-                found.walls.get(axis).copied().unwrap_or_default().map(|force| spatial(&(viscosity * force)))
-            })),
+            walls: WallForces {
+                forces: std::array::from_fn(|axis| {
+                    found.walls.get(axis).copied().unwrap_or_default().map(|force| spatial(&(viscosity * force)))
+                }),
+                complete: true,
+            },
         })
     }
 }

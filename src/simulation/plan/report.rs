@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::{
-    Parts, Plan,
+    Model, Plan,
     effects::{Effect, flow_effects, gravity, in_time},
     fitted,
     memory::{CONTACT_BYTES, bytes, multiplier_counts, scalar_bytes},
@@ -42,12 +42,12 @@ impl<const D: usize> Plan<D> {
     /// Bodies, grid or rank count do not fit.
     pub fn report(&self, ranks: usize) -> Result<PlanReport> {
         let on_mesh = self.scene.method.constraint == ConstraintMethod::Fitted;
-        match &self.parts {
-            Parts::Dry(setup) => Ok(self.of_dry(setup)),
-            Parts::Scalar(setup) if on_mesh => fitted::scalar(setup, ranks),
-            Parts::Scalar(setup) => of_scalar(setup, ranks),
-            Parts::Flow(setup) if on_mesh => fitted::flow(self, setup, ranks),
-            Parts::Flow(setup) => self.of_flow(setup, ranks),
+        match &self.model {
+            Model::Dry(setup) => Ok(self.of_dry(setup)),
+            Model::Scalar(setup) if on_mesh => fitted::scalar(setup, ranks),
+            Model::Scalar(setup) => of_scalar(setup, ranks),
+            Model::Flow(setup) if on_mesh => fitted::flow(self, setup, ranks),
+            Model::Flow(setup) => self.of_flow(setup, ranks),
         }
     }
 
