@@ -6,8 +6,8 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 
 use super::{
     BodyState, Setup,
+    link::Weights,
     surfaces::{Inverse, Member},
-    touching::Weights,
 };
 use crate::{
     body::{Motion, Twist, components, skew},

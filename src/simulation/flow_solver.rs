@@ -1,6 +1,6 @@
 //! What finds the flow at an instant: the interface behind which grids that ignore bodies and meshes that fit them stand.
 
-use super::{Cost, Faster, Moment, Past, Setup, Solution, SuspendedBody, Suspension, stepper::Seen};
+use super::{Configuration, Cost, Faster, Past, Seen, Setup, Solution, SuspendedBody};
 use crate::{contact::Contact, error::Result, grid::Grid, petsc::Vector};
 
 /// Finds the flow and the motions of bodies at an instant. Every function is collective.
@@ -33,7 +33,7 @@ pub trait FlowSolver<const D: usize> {
     ///
     /// # Errors
     /// [`Diverged`](crate::error::Error::Diverged) when the solve fails.
-    fn solve_at(&mut self, moment: &Moment<D>, seen: Seen) -> Result<Solution<D>>;
+    fn solve_at(&mut self, moment: &Configuration<D>, seen: Seen) -> Result<Solution<D>>;
 
     /// Force that gives each body a unit velocity in unbounded fluid; infinite for a body whose motion is given.
     fn resistances(&self) -> Vec<f64> {
@@ -66,59 +66,5 @@ pub trait FlowSolver<const D: usize> {
     /// What further solves start from.
     fn past(&self) -> Option<&Past<D>> {
         None
-    }
-}
-
-impl<const D: usize> FlowSolver<D> for Suspension<D> {
-    fn grid(&self) -> &Grid<D> {
-        self.grid()
-    }
-
-    fn setup(&self) -> &Setup<D> {
-        self.setup()
-    }
-
-    fn cost(&self) -> &Cost {
-        self.cost()
-    }
-
-    fn inverse(&self) -> &'static str {
-        self.setup().inverse.word()
-    }
-
-    fn fluid_vector(&self) -> Result<Vector> {
-        self.fluid_vector()
-    }
-
-    fn solve(&mut self, seen: Seen) -> Result<Solution<D>> {
-        self.solve(seen)
-    }
-
-    fn solve_at(&mut self, moment: &Moment<D>, seen: Seen) -> Result<Solution<D>> {
-        self.solve_at(moment, seen)
-    }
-
-    fn resistances(&self) -> Vec<f64> {
-        self.resistances()
-    }
-
-    fn film_resistance(&self, contact: &Contact<D>) -> f64 {
-        self.film_resistance(contact)
-    }
-
-    fn faster(&self) -> Result<Option<Faster>> {
-        self.faster()
-    }
-
-    fn remember(&mut self, past: Option<Past<D>>) {
-        self.remember(past);
-    }
-
-    fn remembers_fluid(&self) -> bool {
-        self.remembers_fluid()
-    }
-
-    fn past(&self) -> Option<&Past<D>> {
-        self.past()
     }
 }

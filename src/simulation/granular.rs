@@ -35,7 +35,7 @@ pub struct DryBody<const D: usize> {
     pub twist: Twist<D>,
     /// Mass, infinite if its motion is given.
     pub mass: f64,
-    /// Moment of inertia.
+    /// Configuration of inertia.
     pub inertia: f64,
     /// Acceleration by the forces on it besides contacts.
     pub acceleration: SVector<f64, D>,

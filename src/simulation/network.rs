@@ -10,7 +10,7 @@
 
 use std::collections::BTreeMap;
 
-use super::touching::Link;
+use super::link::Link;
 use crate::{
     constraint::{Layout, PoreShare, Pores, RigidBlock},
     error::Result,

@@ -16,7 +16,7 @@ use std::time::Instant;
 use nalgebra::SVector;
 
 use super::{
-    Dynamics, Effort, FlowSolver, Held, Moment, Moving, Past, Seen, Solution, State, Travel, View,
+    Configuration, Dynamics, Effort, FlowSolver, Held, Moving, Past, Seen, Solution, State, Travel, View,
     contact_step::{ContactStep, identities},
     pace::{Pace, Stride, Urge},
     rounds::Rounds,
@@ -130,7 +130,7 @@ impl<const D: usize> QuasiStatic<D> {
         for _ in 0..MOST_ROUNDS {
             let loose = self.contact_step(&placed, step).loose(&pressed);
             let pushes = Wrench::on_bodies(centers.len(), known.iter().chain(&loose), &pair_forces);
-            let moment = Moment { centers: &centers, time: state.time, pressed: &pressed, step, pushes: &pushes, tolerance };
+            let moment = Configuration { centers: &centers, time: state.time, pressed: &pressed, step, pushes: &pushes, tolerance };
             let mut solution = self.suspension.solve_at(&moment, seen)?;
             effort.add_solve(self.suspension.cost());
             let mut twists: Vec<Twist<D>> = solution.bodies.iter().map(|body| body.twist).collect();

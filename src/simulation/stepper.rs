@@ -1,15 +1,12 @@
 //! What moves bodies: the interface behind which a fluid, or inertia alone, drives a [`Simulation`](super::Simulation).
 
-use super::{Cost, FlowSolver, Past, Solution, State, pace::Stride};
+use super::{Cost, FlowSolver, Past, Seen, Solution, State, pace::Stride};
 use crate::{
     body::Twist,
     contact::{Adhesive, Certificate, ContactForce},
     error::Result,
     interaction::PairForce,
 };
-
-/// Told of each iteration of a linear solver and its relative residual.
-pub type Seen<'a> = &'a mut dyn FnMut(usize, f64);
 
 /// What happens at one instant.
 pub struct View<const D: usize> {

@@ -18,7 +18,7 @@ use crate::{
     geometry::Domain,
     petsc::Session,
     scene::{Scene, Scheme, Step, TimeSection},
-    simulation::{BodyState, FlowSolver, Moment, Setup, Solution, SuspendedBody, flow_solver},
+    simulation::{BodyState, Configuration, FlowSolver, Setup, Solution, SuspendedBody, flow_solver},
 };
 
 /// Bodies of a sample.
@@ -148,7 +148,7 @@ fn elsewhere<const D: usize>(suspension: &mut dyn FlowSolver<D>) -> Result<Solut
         setup.bodies.iter().map(|suspended| suspended.body.ball.center + SVector::repeat(DISPLACEMENT * setup.spacing)).collect();
     let time = setup.domain.slide().map_or(0.0, |slide| slide.time);
     let tolerance = setup.tolerance.at_an_instant();
-    let moment = Moment { centers: &centers, time, pressed: &[], step: 0.0, pushes: &[], tolerance };
+    let moment = Configuration { centers: &centers, time, pressed: &[], step: 0.0, pushes: &[], tolerance };
     suspension.solve_at(&moment, &mut |_, _| {})
 }
 

@@ -7,7 +7,7 @@ use turbid::{
     body::components,
     petsc::{Census, Class, Session},
     scene::Scene,
-    simulation::{Plan, Setup, Simulation, Suspension},
+    simulation::{FlowSolver, Plan, Setup, Simulation, Suspension},
 };
 
 use crate::Test;

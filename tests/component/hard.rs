@@ -10,7 +10,7 @@ use turbid::{
     observe,
     petsc::Session,
     scene::{ConstraintMethod, Tolerance},
-    simulation::{Setup, SuspendedBody, Suspension},
+    simulation::{FlowSolver, Setup, SuspendedBody, Suspension},
 };
 
 use crate::Test;

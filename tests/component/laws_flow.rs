@@ -7,7 +7,7 @@ use turbid::{
     geometry::{Axis, Domain},
     petsc::Session,
     scene::{ConstraintMethod, ContactModel, Scheme, Step, TimeSection, Tolerance},
-    simulation::{Setup, Simulation, Suspension, View},
+    simulation::{FlowSolver, Setup, Simulation, Suspension, View},
 };
 
 use crate::Test;

@@ -13,7 +13,7 @@ use turbid::{
     observe::{Viscosity, viscosity},
     petsc::Session,
     scene::{ConstraintMethod, Tolerance},
-    simulation::{BodyState, Setup, Solution, SuspendedBody, Suspension},
+    simulation::{BodyState, FlowSolver, Setup, Solution, SuspendedBody, Suspension},
 };
 
 use crate::Test;

@@ -11,7 +11,7 @@ use turbid::{
     interaction::{Arrangement, Gluey, Inelastic, Interaction, Interactions, Lubrication, PairForce, Repulsion, Wrench},
     petsc::Session,
     scene::{ConstraintMethod, Scheme, Step, TimeSection, Tolerance},
-    simulation::{DryBody, DrySetup, Setup, Simulation, Suspension},
+    simulation::{DryBody, DrySetup, FlowSolver, Setup, Simulation, Suspension},
 };
 
 use crate::{Test, suspension::suspended};

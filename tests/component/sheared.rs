@@ -10,7 +10,7 @@ use turbid::{
     observe,
     petsc::Session,
     scene::{ConstraintMethod, ContactModel, MultiplierSolver, Scheme, Step, TimeSection, Tolerance},
-    simulation::{Setup, Simulation, State, SuspendedBody, Suspension},
+    simulation::{FlowSolver, Setup, Simulation, State, SuspendedBody, Suspension},
 };
 
 use crate::{

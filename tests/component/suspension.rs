@@ -11,7 +11,7 @@ use turbid::{
     observe,
     petsc::Session,
     scene::{ConstraintMethod, Tolerance},
-    simulation::{Setup, Solution, SuspendedBody, Suspension},
+    simulation::{FlowSolver, Setup, Solution, SuspendedBody, Suspension},
     study::cases,
 };
 

@@ -15,7 +15,7 @@ use crate::{
     geometry::{Ball, Domain},
     grid::Grid,
     petsc::{Direct, Report, Session, Stage, Vector, enter},
-    simulation::{Cost, FlowSolver, Moment, Past, Setup, Snapshot, Solution, WallForces, check_steady_state, stepper::Seen},
+    simulation::{Configuration, Cost, FlowSolver, Past, Seen, Setup, Snapshot, Solution, WallForces, check_steady_state},
 };
 
 /// A suspension in 2D whose flow is found on a mesh that fits the bodies.
@@ -86,10 +86,10 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
 
     fn solve(&mut self, seen: Seen) -> Result<Solution<D>> {
         let centers: Vec<SVector<f64, D>> = self.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        self.solve_at(&Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 0.0 }, seen)
+        self.solve_at(&Configuration { centers: &centers, time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 0.0 }, seen)
     }
 
-    fn solve_at(&mut self, moment: &Moment<D>, seen: Seen) -> Result<Solution<D>> {
+    fn solve_at(&mut self, moment: &Configuration<D>, seen: Seen) -> Result<Solution<D>> {
         let (stage, start) = (enter(Stage::SetUp), Instant::now());
         let mesh = self.mesh_at(moment.centers, moment.time)?;
         self.cost.setup = start.elapsed().as_secs_f64();

@@ -12,7 +12,7 @@ use crate::{
     output::Progress,
     petsc::Session,
     scene::Scene,
-    simulation::{Plan, Setup, Solution, Suspension},
+    simulation::{FlowSolver, Plan, Setup, Solution, Suspension},
 };
 
 /// Cells per radius of the first grid.

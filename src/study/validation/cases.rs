@@ -16,7 +16,7 @@ use crate::{
     observe::{self, Viscosity},
     petsc::Session,
     scene::{ConstraintMethod, Tolerance},
-    simulation::{Setup, Solution, SuspendedBody, Suspension},
+    simulation::{FlowSolver, Setup, Solution, SuspendedBody, Suspension},
 };
 
 /// Far below the errors that are measured.
