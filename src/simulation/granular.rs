@@ -9,50 +9,18 @@ use std::time::Instant;
 use nalgebra::{SMatrix, SVector};
 
 use super::{
-    Dynamics, Effort, Seen, State, Travel, View, interactions,
+    DryBody, DrySetup, Dynamics, Effort, Seen, State, Travel, View,
     pace::{Pace, Urge},
-    placement::{bodies, domain, vector},
 };
 use crate::{
-    body::{Motion, Twist, skew},
+    body::Twist,
     contact::{self, Adhesive, Certificate, ContactForce, Problem, Projection},
     error::{Error, Result},
-    geometry::{Ball, Domain},
-    interaction::{Arrangement, Interactions, PairForce, Touch, Wrench},
+    geometry::Ball,
+    interaction::{Arrangement, PairForce, Touch, Wrench},
     petsc::{Session, Stage, enter},
-    scene::{Scene, Scheme},
-    surface::Shape,
+    scene::Scheme,
 };
-
-/// A body without a fluid.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DryBody<const D: usize> {
-    /// Radius.
-    pub radius: f64,
-    /// Place at the start.
-    pub center: SVector<f64, D>,
-    /// Motion at the start, and for ever if nothing can change it.
-    pub twist: Twist<D>,
-    /// Mass, infinite if its motion is given.
-    pub mass: f64,
-    /// Configuration of inertia.
-    pub inertia: f64,
-    /// Acceleration by the forces on it besides contacts.
-    pub acceleration: SVector<f64, D>,
-    /// The same of its spin.
-    pub spin_up: SMatrix<f64, D, D>,
-}
-
-/// A dry scene resolved in its dimension.
-#[derive(Debug, Clone)]
-pub struct DrySetup<const D: usize> {
-    /// The box.
-    pub domain: Domain<D>,
-    /// The bodies.
-    pub bodies: Vec<DryBody<D>>,
-    /// What they do to each other and how they notice walls.
-    pub interactions: Interactions<D>,
-}
 
 /// Dry bodies in motion.
 pub struct Dry<const D: usize> {
@@ -75,54 +43,6 @@ struct Known<const D: usize> {
 struct Acceleration<const D: usize> {
     velocity: SVector<f64, D>,
     spin: SMatrix<f64, D, D>,
-}
-
-impl<const D: usize> DrySetup<D> {
-    /// Resolves a dry scene of dimension `D`.
-    ///
-    /// # Errors
-    /// Bodies overlap or lie outside, or do not fit at the asked fraction.
-    pub fn of(scene: &Scene) -> Result<DrySetup<D>> {
-        let domain = domain(scene);
-        let of_group = |(group, body): (usize, crate::body::Body<D>)| {
-            let given = &scene.bodies[group];
-            let start = Twist {
-                velocity: given.velocity.as_deref().map_or(SVector::zeros(), vector::<D>),
-                spin: given.spin.as_deref().map_or(SMatrix::zeros(), skew::<D>),
-            };
-            let mass = given.density * body.ball.volume();
-            let inertia = given.density * body.ball.moment_of_inertia();
-            let (center, radius) = (body.ball.center, body.ball.radius);
-            match body.motion {
-                Motion::Free { force, torque } => {
-                    DryBody { radius, center, twist: start, mass, inertia, acceleration: force / mass, spin_up: torque / inertia }
-                }
-                Motion::Prescribed(twist) => DryBody {
-                    radius,
-                    center,
-                    twist,
-                    mass: f64::INFINITY,
-                    inertia: f64::INFINITY,
-                    acceleration: SVector::zeros(),
-                    spin_up: SMatrix::zeros(),
-                },
-            }
-        };
-        let bodies: Vec<DryBody<D>> = bodies(scene, &domain)?.into_iter().map(of_group).collect();
-        let setup = DrySetup { interactions: interactions::of_dry(scene, &domain, &bodies), domain, bodies };
-        interactions::check(scene, &setup.interactions, setup.longest_step())?;
-        Ok(setup)
-    }
-
-    /// The longest step with which contact is stable; infinite if it limits none.
-    pub fn longest_step(&self) -> f64 {
-        interactions::longest_dry_step(&self.interactions, &self.bodies)
-    }
-
-    /// The bodies at the start.
-    pub fn start(&self) -> State<D> {
-        State::start(self.bodies.iter().map(|body| (body.center, body.twist)))
-    }
 }
 
 impl<const D: usize> Dry<D> {

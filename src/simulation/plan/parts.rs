@@ -1,20 +1,12 @@
 //! What a scene calls for: its parts, settled before anything is built. What a plan prints is what is built from it, and nothing else.
 
-mod demand;
-mod effects;
-mod fitted;
-mod memory;
-mod report;
-
-use super::{DrySetup, FittedFlow, FlowSolver, ScalarSetup, Setup, Simulation, Suspension, beat::Beat, interactions};
+use crate::simulation::{DrySetup, FittedFlow, FlowSolver, ScalarSetup, Setup, Simulation, Suspension, beat::Beat, interactions};
 use crate::{
     error::Result,
     interaction::{Interaction, Interactions},
     petsc::Session,
     scene::{ConstraintMethod, FlowModel, Scene},
 };
-pub use demand::demand;
-pub use report::PlanReport;
 
 /// A scene of dimension `D` resolved: what is solved, and what bodies do to each other besides.
 #[derive(Debug, Clone)]
