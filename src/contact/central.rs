@@ -7,10 +7,8 @@
 //! each other (Friedlander and Orban 2012, doi:10.1007/s12532-012-0035-2). How many iterations it takes hardly depends
 //! on how many constraints there are, nor on how far from the guess they press.
 
-use super::{
-    cholesky::{Cholesky, dot},
-    program::Program,
-};
+use super::{cholesky::Cholesky, program::Program};
+use crate::linalg::dot;
 
 /// Products of slacks and multipliers at the start.
 const START: f64 = 1.0;

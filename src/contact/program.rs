@@ -5,6 +5,8 @@
 
 use clarabel::algebra::CscMatrix;
 
+use crate::linalg::dot;
+
 /// A program whose unknowns are the multipliers.
 pub(super) struct Program {
     /// `A^T`: one column for each constraint.
@@ -61,9 +63,8 @@ impl Program {
     /// Whether multipliers, none negative, leave no slack below `-tolerance`, and do no more work than that part on slacks.
     pub fn solved(&self, multipliers: &[f64], tolerance: f64) -> bool {
         let slacks = self.slacks(multipliers);
-        let sum = |values: &[f64]| values.iter().zip(multipliers).map(|(value, multiplier)| value * multiplier).sum::<f64>();
-        let work = -sum(&self.offsets);
-        slacks.iter().all(|slack| *slack >= -tolerance) && sum(&slacks).abs() <= tolerance * work.max(1.0)
+        let work = -dot(&self.offsets, multipliers);
+        slacks.iter().all(|slack| *slack >= -tolerance) && dot(&slacks, multipliers).abs() <= tolerance * work.max(1.0)
     }
 
     /// Distance from the solution: the largest `|min(z, s)|`.

@@ -63,14 +63,3 @@ fn multiply(panel: &[f64], (height, width): (usize, usize), (rows, columns): (us
     let mut target = ViewMut::from_slice_with_strides_generic(target, Dyn(rows), Dyn(columns), Dyn(1), Dyn(stride));
     target.gemm(-1.0, &left, &right, 1.0);
 }
-
-/// The scalar product.
-pub fn dot(one: &[f64], two: &[f64]) -> f64 {
-    let (quads, others) = (one.as_chunks::<4>(), two.as_chunks::<4>());
-    let mut sums = [0.0; 4];
-    for (one, two) in quads.0.iter().zip(others.0) {
-        sums.iter_mut().zip(one.iter().zip(two)).for_each(|(sum, (one, two))| *sum += one * two);
-    }
-    let tail: f64 = quads.1.iter().zip(others.1).map(|(one, two)| one * two).sum();
-    sums.iter().sum::<f64>() + tail
-}

@@ -9,13 +9,13 @@ mod dense;
 mod fronts;
 mod order;
 
-pub(super) use self::dense::dot;
 use self::{
     dense::{eliminate, subtract},
     fronts::{Element, Front, fronts},
     order::Order,
 };
 use super::program::Program;
+use crate::linalg::dot;
 
 /// The factors, and where they go.
 pub(super) struct Cholesky<'a> {
