@@ -18,15 +18,15 @@
 //! This module knows balls, walls and weights. It does not know what the weights mean (mass, resistance),
 //! nor fluid, friction or torque: balls touch along the line of their centres.
 
-mod active;
+mod active_set;
 mod candidates;
-mod central;
 mod certificate;
 mod cholesky;
+mod clarabel;
 mod failure;
+mod force;
 pub mod gluey;
-mod groups;
-mod interior;
+mod interior_point;
 mod island;
 mod law;
 mod memory;
@@ -39,16 +39,18 @@ mod replay;
 mod repulsion;
 mod share;
 mod solver;
+mod union_find;
 
 #[cfg(test)]
 mod tests;
 
 pub use candidates::{Contact, Identity, Partner, candidates};
 pub use certificate::Certificate;
+pub use force::{ContactForce, pushes};
 pub use law::Law;
 pub use memory::Memory;
-pub use problem::{Problem, pushes};
-pub use project::{ContactForce, Projection, project, project_from};
+pub use problem::Problem;
+pub use project::{Projection, project, project_from};
 pub use replay::Island;
 pub use repulsion::Repulsion;
 pub use solver::Solver;

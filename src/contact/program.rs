@@ -36,7 +36,7 @@ impl Program {
     }
 
     /// `x = A^T z`.
-    pub fn push(&self, multipliers: &[f64], unknowns: &mut [f64]) {
+    pub fn apply_transpose(&self, multipliers: &[f64], unknowns: &mut [f64]) {
         unknowns.fill(0.0);
         for (constraint, multiplier) in multipliers.iter().enumerate() {
             self.row(constraint).for_each(|(place, value)| unknowns[place] += value * multiplier);
@@ -44,7 +44,7 @@ impl Program {
     }
 
     /// `A x`.
-    pub fn open(&self, unknowns: &[f64], changes: &mut [f64]) {
+    pub fn apply(&self, unknowns: &[f64], changes: &mut [f64]) {
         for (constraint, change) in changes.iter_mut().enumerate() {
             *change = self.row(constraint).map(|(place, value)| value * unknowns[place]).sum();
         }
@@ -54,8 +54,8 @@ impl Program {
     pub fn slacks(&self, multipliers: &[f64]) -> Vec<f64> {
         let mut unknowns = vec![0.0; self.transposed.m];
         let mut slacks = vec![0.0; self.offsets.len()];
-        self.push(multipliers, &mut unknowns);
-        self.open(&unknowns, &mut slacks);
+        self.apply_transpose(multipliers, &mut unknowns);
+        self.apply(&unknowns, &mut slacks);
         slacks.iter_mut().zip(&self.offsets).for_each(|(slack, offset)| *slack += offset);
         slacks
     }
@@ -71,6 +71,16 @@ impl Program {
     pub fn residual(&self, multipliers: &[f64]) -> f64 {
         self.slacks(multipliers).iter().zip(multipliers).map(|(slack, multiplier)| slack.min(*multiplier).abs()).fold(0.0, f64::max)
     }
+}
+
+/// What a method found.
+pub(super) struct Answer {
+    /// The multipliers.
+    pub multipliers: Vec<f64>,
+    /// Iterations of the method.
+    pub iterations: usize,
+    /// Whether it found that no unknowns meet all constraints.
+    pub infeasible: bool,
 }
 
 /// Makes negative multipliers zero.
