@@ -8,11 +8,12 @@ use std::{
 };
 
 use super::{
-    Session, System, Vector, ffi, index,
+    Session, System, Vector,
+    call::guard,
+    ffi, index,
     options::number,
     owned::Owned,
     petsc,
-    session::guard,
     shell::{Context, apply_preconditioner, shell_matrix},
 };
 use crate::error::{Error, Result};

@@ -2,7 +2,7 @@
 //!
 //! It shows what the multipliers alone cost: with it the coupled solver iterates as if on them.
 
-use super::{FluidSystem, Stokes, StokesInverse, by_multigrid};
+use super::{FluidSystem, Stokes, StokesInverse, method::by_multigrid};
 use crate::{error::Result, grid::Grid, petsc::Vector};
 
 /// Iterations allowed for one application.
