@@ -28,7 +28,7 @@ impl<const D: usize> StokesInverse<D> for IteratedInverse<D> {
         projected.copy_from(rows)?;
         stokes.project(&mut projected)?;
         output.fill(0.0)?;
-        FluidSystem { stokes, inverse: Some(self.cycle.as_mut()) }.solve((&projected, output), self.tolerance, MOST_ITERATIONS)?;
+        FluidSystem { stokes, inverse: Some(self.cycle.as_mut()) }.solve(&projected, output, self.tolerance, MOST_ITERATIONS)?;
         Ok(())
     }
 

@@ -36,7 +36,7 @@ impl<const D: usize> FluidSystem<'_, D> {
     ///
     /// # Errors
     /// [`Diverged`](crate::error::Error::Diverged) after `most_iterations` iterations.
-    pub fn solve(&mut self, (rhs, x): (&Vector, &mut Vector), tolerance: f64, most_iterations: usize) -> Result<Report> {
+    pub fn solve(&mut self, rhs: &Vector, x: &mut Vector, tolerance: f64, most_iterations: usize) -> Result<Report> {
         if let Some(inverse) = self.inverse.as_mut().filter(|inverse| inverse.exact()) {
             inverse.precondition(self.stokes, rhs, x)?;
             return Ok(Report::default());
@@ -44,6 +44,6 @@ impl<const D: usize> FluidSystem<'_, D> {
         let settings = KrylovSettings { method: KrylovMethod::Gmres { restart: 200 }, tolerance, most_iterations };
         let krylov = Krylov::new(self.stokes.session(), rhs.local()?.len(), c"fluid_", settings)?;
         let mut krylov = krylov.with_remedy(REMEDY);
-        krylov.solve(self, (rhs, x), &mut |_, _| {})
+        krylov.solve(self, rhs, x, &mut |_, _| {})
     }
 }
