@@ -4,6 +4,7 @@
 
 // floor 0: the machine
 pub mod error;
+pub mod linalg;
 pub mod parallel;
 #[allow(unsafe_code)]
 pub mod petsc;

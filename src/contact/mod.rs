@@ -18,15 +18,15 @@
 //! This module knows balls, walls and weights. It does not know what the weights mean (mass, resistance),
 //! nor fluid, friction or torque: balls touch along the line of their centres.
 
-mod active;
+mod active_set;
 mod adhesive;
 mod candidates;
-mod central;
 mod certificate;
 mod cholesky;
+mod clarabel;
 mod failure;
-mod groups;
-mod interior;
+mod force;
+mod interior_point;
 mod island;
 mod memory;
 mod paths;
@@ -37,6 +37,7 @@ mod pulling;
 mod replay;
 mod share;
 mod solver;
+mod union_find;
 
 #[cfg(test)]
 mod tests;
@@ -44,8 +45,9 @@ mod tests;
 pub use adhesive::Adhesive;
 pub use candidates::{Contact, Identity, Partner, candidates};
 pub use certificate::Certificate;
+pub use force::ContactForce;
 pub use memory::Memory;
-pub use problem::{Problem, pushes};
-pub use project::{ContactForce, Projection, project, project_from};
+pub use problem::Problem;
+pub use project::{Projection, project, project_from};
 pub use replay::Island;
 pub use solver::Solver;

@@ -3,12 +3,7 @@
 use nalgebra::SVector;
 use serde::Serialize;
 
-use super::{Summary, summary::SolverSummary};
-use crate::{
-    grid::Grid,
-    parallel::World,
-    simulation::{Cost, InclusionState, ScalarSetup, ScalarSolution, Uzawa},
-};
+use crate::simulation::{InclusionState, ScalarSetup, ScalarSolution, Uzawa};
 
 /// The scalar problem.
 #[derive(Debug, Clone, Serialize)]
@@ -62,27 +57,14 @@ pub struct InclusionSummary {
     pub flux: f64,
 }
 
-impl Summary {
-    /// The numbers of a scalar problem; collective. `named` is the scene's name and title, `solver` the word for what inverted the matrix
-    /// and what that cost.
-    pub fn of_scalar<const D: usize>(
-        named: (&str, &str),
-        (setup, grid): (&ScalarSetup<D>, &Grid<D>),
-        (solution, solver): (&ScalarSolution<D>, (&'static str, &Cost)),
-        world: &World,
-    ) -> Summary {
-        let held = solution.inclusions.iter().filter(|inclusion| grid.owner(&inclusion.center) == world.rank()).count();
-        let scalar = ScalarSummary {
+impl ScalarSummary {
+    pub(super) fn new<const D: usize>(setup: &ScalarSetup<D>, solution: &ScalarSolution<D>) -> ScalarSummary {
+        ScalarSummary {
             source: setup.source,
             energy: solution.energy,
             conduction: setup.gradient.zip(solution.mean_flux).map(|(gradient, flux)| ConductionSummary::new(&gradient, &flux)),
             uzawa: solution.uzawa.map(|Uzawa { step, bound, box_iterations }| UzawaSummary { step, bound, box_iterations }),
             inclusions: solution.inclusions.iter().map(InclusionSummary::new).collect(),
-        };
-        Summary {
-            scalar: Some(scalar),
-            solver: Some(SolverSummary::of_cost(solver.0, solver.1, world)),
-            ..Summary::of_bodies(named, (Vec::new(), setup.fraction()), (held, grid.local_unknowns(D)), world)
         }
     }
 }

@@ -99,9 +99,9 @@ impl<'a, const D: usize> Ready<'a, D> {
                 solve(vectors, Condensed::new(parts), by_uzawa)
             }
             _ if basis.condensed => {
-                solve(solver.1, Condensed::new(parts), |system, vectors| solver.0.solve_above(stop.rounding, system, vectors, seen))
+                solve(solver.1, Condensed::new(parts), |system, (rhs, x)| solver.0.solve_above(stop.rounding, system, rhs, x, seen))
             }
-            _ => solve(solver.1, Coupled(parts), |system, vectors| solver.0.solve_above(stop.rounding, system, vectors, seen)),
+            _ => solve(solver.1, Coupled(parts), |system, (rhs, x)| solver.0.solve_above(stop.rounding, system, rhs, x, seen)),
         }?;
         found.velocities.iter_mut().zip(&self.assembly.undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);
         Ok((report, found))

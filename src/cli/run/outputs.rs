@@ -12,10 +12,9 @@ use crate::{
     contact::{Contact, Identity, Partner, Solver},
     error::Result,
     geometry::{Ball, Domain},
-    observe::{self, CellCenters, Viscosity},
+    observe::{self, CellCenters, FrameBody, Viscosity},
     output::{
-        self, CHECKPOINT, ContactNumbers, CurvePoint, Frame, FrameBody, FrameContact, FrameFields, Frames, MeanViscosity,
-        ProjectionNumbers, Row, Rows,
+        self, CHECKPOINT, ContactNumbers, CurvePoint, Frame, FrameContact, FrameFields, Frames, MeanViscosity, ProjectionNumbers, Row, Rows,
     },
     parallel::World,
     petsc::{Stage, enter},

@@ -56,7 +56,7 @@ pub fn of_a_run<const D: usize>(
         let mut counts = PairCounts::new(crowd.domain, crowd.radii, crowd.shear);
         let mut first = None;
         for frame in read_frames::<D>(folder)?.into_iter().filter(|frame| frame.time >= begin) {
-            let ball = |(body, &radius): (&crate::output::FrameBody<D>, &f64)| Ball { center: body.center, radius };
+            let ball = |(body, &radius): (&crate::observe::FrameBody<D>, &f64)| Ball { center: body.center, radius };
             counts.add(frame.time, &frame.bodies.iter().zip(crowd.radii).map(ball).collect::<Vec<_>>());
             first.get_or_insert(frame.time);
         }

@@ -6,13 +6,15 @@ use hdf5::{File, H5Type};
 use nalgebra::SVector;
 
 use super::{
-    body::{COLUMNS, FrameBody},
+    body::COLUMNS,
     contact::{self, FrameContact},
-    index::{Entry, Mesh, Network, frame_files},
+    entry::{Entry, Mesh, Network},
+    index::frame_files,
     store::{FORMAT, OFFSET, VERSION},
 };
 use crate::{
     error::{Error, Result},
+    observe::FrameBody,
     output::slab,
 };
 
