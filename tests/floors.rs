@@ -212,8 +212,9 @@ impl Library {
 
     /// The files that a file imports from.
     fn neighbours(&self, module: &[String]) -> BTreeSet<Segments> {
-        let imports = self.0[module].imports(module);
-        imports.filter_map(|path| self.definer(&path, 20)).filter(|other| other != module).collect()
+        let named = self.0[module].imports(module).filter_map(|path| self.definer(&path, 20));
+        let whole = self.0[module].globs.iter().filter(|glob| self.0.get(*glob).is_some_and(|source| !source.names.is_empty())).cloned();
+        named.chain(whole).filter(|other| other != module).collect()
     }
 
     fn file(&self, module: &[String]) -> &str {
