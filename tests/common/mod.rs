@@ -51,6 +51,8 @@ pub fn command(ranks: usize, arguments: &[&str]) -> Command {
 pub fn settle(command: &mut Command) {
     command.current_dir(root());
     command.envs([("OMPI_ALLOW_RUN_AS_ROOT", "1"), ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"), ("OMP_NUM_THREADS", "1")]);
+    // tests run side by side: a rank that waits leaves its core to the others
+    command.env("OMPI_MCA_mpi_yield_when_idle", "1");
 }
 
 pub fn turbid(ranks: usize, arguments: &[&str]) -> Output {
@@ -89,7 +91,12 @@ pub fn summary(out: &Path) -> Value {
     serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap()
 }
 
+/// The number at a path of a summary; `list.*.path` is the mean over a list.
 pub fn number(summary: &Value, path: &str) -> f64 {
+    if let Some((list, rest)) = path.split_once(".*.") {
+        let members = summary[list].as_array().unwrap();
+        return members.iter().map(|member| number(member, rest)).sum::<f64>() / members.len() as f64;
+    }
     let pointer = format!("/{}", path.replace('.', "/"));
     summary.pointer(&pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no number at {path}"))
 }
@@ -137,6 +144,11 @@ impl Series {
             assert_eq!((row.len(), row[0]), (columns.len(), step as f64), "row {step}");
         }
         Series { columns, rows }
+    }
+
+    /// The number in a row and a column.
+    pub fn at(&self, row: usize, column: &str) -> f64 {
+        self.rows[row][self.columns.iter().position(|name| name == column).unwrap()]
     }
 
     /// Largest difference to another series in the columns that are not left out; they have the same steps.

@@ -15,8 +15,8 @@ use crate::Test;
 /// The tests of this file.
 pub fn tests() -> Vec<Test> {
     vec![
-        Test::of(true_errors_lie_inside_their_bars_and_bars_inside_the_accuracy),
-        Test::of(random_scenes_lie_inside_their_bars),
+        Test::only_on(1, true_errors_lie_inside_their_bars_and_bars_inside_the_accuracy),
+        Test::only_on(1, random_scenes_lie_inside_their_bars),
         Test::of(modes_are_chosen_by_what_they_bear),
         Test::of(a_tighter_accuracy_takes_a_finer_grid),
         Test::of(an_accuracy_out_of_reach_is_refused_with_the_error_that_was_reached),

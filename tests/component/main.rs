@@ -1,4 +1,7 @@
-//! Component tests of the lower floors, alike on 1, 2 and 3 ranks: `mpirun -n 3 component [part of a name]`.
+//! Component tests of the lower floors, on 1, 2 and 3 ranks: `mpirun -n 3 component [part of a name]`.
+//!
+//! A few that take long and say nothing about ranks run on one number of them only, unless they are named.
+//! `component --share=1/2` runs every second test, `component --share=2/2` the others: two processes of one rank each fill two cores.
 //!
 //! `component panic-on-last-rank` does just that; all ranks must stop with a non-zero code.
 //!
@@ -38,20 +41,36 @@ mod stress;
 mod suspension;
 mod transform;
 
+use std::time::Instant;
+
 use turbid::{parallel::abort_on_panic, petsc::Session};
 
 /// A test: the sentence that it proves, and the proof.
 pub struct Test {
     name: &'static str,
     run: Box<dyn Fn(&Session)>,
+    /// The only number of ranks on which it runs if it is not named.
+    ranks: Option<usize>,
 }
 
 impl Test {
     /// The test that is named as its function is.
     pub fn of<F: Fn(&Session) + 'static>(run: F) -> Test {
         let path = std::any::type_name::<F>();
-        Test { name: path.strip_prefix("component::").unwrap_or(path), run: Box::new(run) }
+        Test { name: path.strip_prefix("component::").unwrap_or(path), run: Box::new(run), ranks: None }
     }
+
+    /// The test on this number of ranks only: what it says does not depend on them, and other tests say it of less on any number.
+    pub fn only_on<F: Fn(&Session) + 'static>(ranks: usize, run: F) -> Test {
+        Test { ranks: Some(ranks), ..Test::of(run) }
+    }
+}
+
+/// The share of the tests that is asked for: which, and of how many.
+fn share() -> (usize, usize) {
+    let asked = std::env::args().find_map(|argument| argument.strip_prefix("--share=").map(str::to_owned));
+    let Some((place, count)) = asked.as_deref().map(|asked| asked.split_once('/').unwrap()) else { return (0, 1) };
+    (place.parse::<usize>().unwrap() - 1, count.parse().unwrap())
 }
 
 fn main() {
@@ -101,13 +120,18 @@ fn main() {
         laws::tests(),
         laws_flow::tests(),
     ];
-    for test in floors.into_iter().flatten() {
-        if wanted.is_empty() || wanted.iter().any(|part| test.name.contains(part)) {
-            (test.run)(&session);
-            session.world().barrier();
-            say(format!("test {} ... ok", test.name));
-            passed += 1;
-        }
+    let (place, count) = share();
+    let ranks = session.world().size();
+    let runs = |test: &Test| match &wanted[..] {
+        [] => test.ranks.is_none_or(|only| only == ranks),
+        parts => parts.iter().any(|part| test.name.contains(part)),
+    };
+    for test in floors.into_iter().flatten().filter(runs).skip(place).step_by(count) {
+        let start = Instant::now();
+        (test.run)(&session);
+        session.world().barrier();
+        say(format!("test {} ... ok, {:.2} s", test.name, start.elapsed().as_secs_f64()));
+        passed += 1;
     }
     say(format!("{passed} passed, 0 failed"));
 }

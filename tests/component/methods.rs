@@ -20,7 +20,8 @@ pub fn tests() -> Vec<Test> {
     vec![
         Test::of(drags_have_the_digits_of_an_independent_program),
         Test::of(errors_fall_with_the_spacing_as_predicted),
-        Test::of(a_translated_scene_gives_the_translated_answer),
+        Test::of(a_scene_translated_by_whole_cells_has_the_same_drag),
+        Test::of(a_scene_translated_by_parts_of_a_cell_scatters_with_the_grid),
         Test::of(a_symmetric_scene_has_a_symmetric_answer),
         Test::of(the_fluid_inside_moves_as_the_body_does),
         Test::of(what_bodies_bear_is_what_walls_and_stresslets_say),
@@ -81,8 +82,36 @@ fn errors_fall_with_the_spacing_as_predicted(session: &Session) {
     }
 }
 
-fn a_translated_scene_gives_the_translated_answer(session: &Session) {
+/// Whole cells, also across the seam: the same sums in another place.
+fn a_scene_translated_by_whole_cells_has_the_same_drag(session: &Session) {
+    for (constraint, _) in METHODS {
+        let of = |shift: [f64; 2]| {
+            let center = shift.map(|cells| (0.513 + cells / 32.0) % 1.0);
+            drag(session, Setup { tolerance: Tolerance::Fixed(1e-12), ..array(constraint, 32, center) })
+        };
+        let here = of([0.0, 0.0]);
+        for shift in [[3.0, 0.0], [0.0, 5.0], [16.0, 15.0]] {
+            println!("WHOLE {} {shift:?} {:.3e}", constraint.word(), of(shift) / here - 1.0);
+        }
+    }
+}
+
+/// Parts of a cell.
+fn a_scene_translated_by_parts_of_a_cell_scatters_with_the_grid(session: &Session) {
     for (constraint, error) in METHODS {
+        for cells in [16, 32, 64] {
+            let drags: Vec<f64> = [[0.0, 0.0], [0.5, 0.5], [0.25, 0.75], [0.1, 0.4], [0.7, 0.3], [0.416, 0.864]]
+                .map(|part| drag(session, array(constraint, cells, part.map(|part| 0.5 + part / cells as f64))))
+                .to_vec();
+            let mean = drags.iter().sum::<f64>() / drags.len() as f64;
+            let scatter = drags.iter().map(|drag| (drag / mean - 1.0).abs()).fold(0.0, f64::max);
+            println!(
+                "PARTS {} {cells} mean {:.4e} scatter {scatter:.4e} {:?}",
+                constraint.word(),
+                mean / DRAG - 1.0,
+                drags.iter().map(|d| d / DRAG - 1.0).collect::<Vec<_>>()
+            );
+        }
         for center in [[0.5, 0.5], [0.513, 0.527], [0.991, 0.004]] {
             assert_near(constraint.word(), drag(session, array(constraint, 32, center)), DRAG, error);
         }

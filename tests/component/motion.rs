@@ -17,11 +17,11 @@ use crate::suspension::{assert_near, free, suspended};
 
 pub fn tests() -> Vec<Test> {
     vec![
-        Test::of(a_warm_start_saves_iterations),
+        Test::only_on(1, a_warm_start_saves_iterations),
         Test::of(a_warm_start_finds_the_solution_that_a_cold_one_finds),
         Test::of(a_neutrally_buoyant_disk_on_the_centre_line_moves_straight_at_its_speed),
-        Test::of(a_heavy_disk_in_a_box_is_followed_at_the_order_of_the_scheme),
-        Test::of(a_settling_pair_is_followed_at_the_order_of_the_scheme),
+        Test::only_on(1, a_heavy_disk_in_a_box_is_followed_at_the_order_of_the_scheme),
+        Test::only_on(1, a_settling_pair_is_followed_at_the_order_of_the_scheme),
         Test::of(only_bodies_that_moved_are_assembled_anew),
         Test::of(two_disks_pressed_together_meet_and_rest),
         Test::of(a_heavy_disk_comes_to_rest_on_the_floor_that_bears_its_weight),
