@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{digits::percent, report::Findings};
+use super::{digits::percent, findings::Findings};
 use crate::{
     error::{Error, Result},
     output::{say, write_whole},

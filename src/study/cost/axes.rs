@@ -1,7 +1,7 @@
 //! Which settings a sweep goes through: what the command line lists, or else what suits the scene.
 
 use super::{
-    CostOptions,
+    options::Cost,
     setting::{Fineness, Setting, Stepping, has_modes},
 };
 use crate::{
@@ -35,7 +35,7 @@ impl Axes {
     ///
     /// # Errors
     /// A list holds what cannot be used.
-    pub fn of(options: &CostOptions, scene: &Scene, radius: Option<f64>) -> Result<Axes> {
+    pub fn of(options: &Cost, scene: &Scene, radius: Option<f64>) -> Result<Axes> {
         Ok(Axes {
             methods: methods(options, scene)?,
             grids: grids(options, scene, radius)?,
@@ -46,7 +46,7 @@ impl Axes {
     }
 
     /// All settings of a method and, if it is its own, that of the scene as written, by rising work.
-    pub fn settings(&self, method: &str, (scene, radius): (&Scene, f64)) -> Vec<Setting> {
+    pub fn settings(&self, method: &str, scene: &Scene, radius: f64) -> Vec<Setting> {
         let modes = if has_modes(method) { self.modes.as_slice() } else { &[None] };
         let mut settings = Vec::new();
         for &grid in &self.grids {
@@ -65,7 +65,7 @@ impl Axes {
     }
 }
 
-fn methods(options: &CostOptions, scene: &Scene) -> Result<Vec<String>> {
+fn methods(options: &Cost, scene: &Scene) -> Result<Vec<String>> {
     let suits = |word: &&str| *word != "fitted" || scene.dimension() == 2;
     let known: Vec<&str> = ConstraintMethod::WORDS.into_iter().filter(suits).collect();
     if options.methods.is_empty() {
@@ -77,7 +77,7 @@ fn methods(options: &CostOptions, scene: &Scene) -> Result<Vec<String>> {
     }
 }
 
-fn grids(options: &CostOptions, scene: &Scene, radius: Option<f64>) -> Result<Vec<Fineness>> {
+fn grids(options: &Cost, scene: &Scene, radius: Option<f64>) -> Result<Vec<Fineness>> {
     let positive = |flag, list: &[f64]| listed(flag, list, "must be positive", |_| true);
     if !options.spacings.is_empty() {
         return Ok(positive("--spacings", &options.spacings)?.into_iter().flatten().map(Fineness::Spacing).collect());
@@ -100,14 +100,14 @@ fn grids(options: &CostOptions, scene: &Scene, radius: Option<f64>) -> Result<Ve
     })
 }
 
-fn modes(options: &CostOptions) -> Result<Vec<Option<usize>>> {
+fn modes(options: &Cost) -> Result<Vec<Option<usize>>> {
     if options.modes.contains(&0) {
         return Err(Error::Refused("--modes 0: must be at least 1".into()));
     }
     Ok(if options.modes.is_empty() { vec![None] } else { options.modes.iter().copied().map(Some).collect() })
 }
 
-fn steps(options: &CostOptions, scene: &Scene) -> Result<Vec<Option<Stepping>>> {
+fn steps(options: &Cost, scene: &Scene) -> Result<Vec<Option<Stepping>>> {
     let Some(own) = Stepping::of(scene) else {
         return match options.steps.is_empty() && options.travels.is_empty() {
             true => Ok(vec![None]),
@@ -154,42 +154,42 @@ mod tests {
     #[test]
     fn spacings_halve_and_keep_whole_cells() {
         let scene = scene(ARRAY);
-        let axes = Axes::of(&CostOptions::default(), &scene, Some(0.309)).unwrap();
+        let axes = Axes::of(&Cost::default(), &scene, Some(0.309)).unwrap();
         let cells: Vec<f64> = axes.grids.iter().map(|grid| 1.0 / grid.spacing(0.309)).map(|cells| (1e6 * cells).round() / 1e6).collect();
         assert_eq!(cells, [12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 96.0]);
-        let settings = axes.settings("sharp", (&scene, 0.309));
+        let settings = axes.settings("sharp", &scene, 0.309);
         assert_eq!(settings.len(), 7, "the scene as it is written is among them");
         assert!(settings.windows(2).all(|pair| pair[0].work(2, 0.309) <= pair[1].work(2, 0.309)));
         assert_eq!(axes.methods, ConstraintMethod::WORDS);
     }
 
     #[test]
-    fn methods_without_modes_have_no_ladder_of_modes() {
+    fn methods_without_modes_have_no_list_of_modes() {
         let scene = scene(ARRAY);
-        let options = CostOptions { modes: vec![4, 8], resolutions: vec![6.0], tolerances: vec![1e-4, 1e-6], ..CostOptions::default() };
+        let options = Cost { modes: vec![4, 8], resolutions: vec![6.0], tolerances: vec![1e-4, 1e-6], ..Cost::default() };
         let axes = Axes::of(&options, &scene, Some(0.309)).unwrap();
-        assert_eq!(axes.settings("distributed", (&scene, 0.309)).len(), 2);
-        assert_eq!(axes.settings("sharp", (&scene, 0.309)).len(), 5, "four, and the scene as it is written");
+        assert_eq!(axes.settings("distributed", &scene, 0.309).len(), 2);
+        assert_eq!(axes.settings("sharp", &scene, 0.309).len(), 5, "four, and the scene as it is written");
     }
 
     #[test]
     fn steps_are_those_of_the_scene_unless_told() {
         let scene = scene(&format!("{ARRAY}[time]\nend = 1\nstep = 0.75\n"));
-        let steps = |options: &CostOptions| Axes::of(options, &scene, Some(0.309)).map(|axes| axes.steps);
-        assert_eq!(steps(&CostOptions::default()).unwrap(), [Some(Stepping::Step(0.75)), Some(Stepping::Step(0.375))]);
-        let travels = CostOptions { travels: vec![0.1], ..CostOptions::default() };
+        let steps = |options: &Cost| Axes::of(options, &scene, Some(0.309)).map(|axes| axes.steps);
+        assert_eq!(steps(&Cost::default()).unwrap(), [Some(Stepping::Step(0.75)), Some(Stepping::Step(0.375))]);
+        let travels = Cost { travels: vec![0.1], ..Cost::default() };
         assert_eq!(steps(&travels).unwrap(), [Some(Stepping::Travel(0.1))]);
     }
 
     #[test]
     fn lists_that_cannot_be_used_are_refused_with_their_flag() {
-        let with = |options: CostOptions| Axes::of(&options, &scene(ARRAY), Some(0.309)).unwrap_err().to_string();
-        let options = CostOptions::default;
-        assert_eq!(with(CostOptions { resolutions: vec![4.0, -1.0], ..options() }), "--resolutions -1: must be positive");
-        assert_eq!(with(CostOptions { tolerances: vec![0.5], ..options() }), "--tolerances 0.5: must lie above 0 and not above 0.1");
-        assert_eq!(with(CostOptions { modes: vec![0], ..options() }), "--modes 0: must be at least 1");
-        assert!(with(CostOptions { steps: vec![0.1], ..options() }).starts_with("--steps: the scene is one instant"));
-        let strange = with(CostOptions { methods: vec!["blunt".into()], ..options() });
+        let with = |options: Cost| Axes::of(&options, &scene(ARRAY), Some(0.309)).unwrap_err().to_string();
+        let options = Cost::default;
+        assert_eq!(with(Cost { resolutions: vec![4.0, -1.0], ..options() }), "--resolutions -1: must be positive");
+        assert_eq!(with(Cost { tolerances: vec![0.5], ..options() }), "--tolerances 0.5: must lie above 0 and not above 0.1");
+        assert_eq!(with(Cost { modes: vec![0], ..options() }), "--modes 0: must be at least 1");
+        assert!(with(Cost { steps: vec![0.1], ..options() }).starts_with("--steps: the scene is one instant"));
+        let strange = with(Cost { methods: vec!["blunt".into()], ..options() });
         assert_eq!(strange, "--methods blunt: must be some of sharp,mean-value,distributed,penalty,fitted");
     }
 }

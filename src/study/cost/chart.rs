@@ -2,8 +2,7 @@
 
 use super::{
     digits::percent,
-    report::{Findings, Point},
-    table::cells_per_radius,
+    findings::{Findings, Point},
 };
 use crate::output::{Chart, Level, Mark, Notes, Scale, Series};
 
@@ -23,7 +22,7 @@ pub fn svg(findings: &Findings) -> String {
             continue;
         }
         marks.extend(own.iter().filter_map(|point| {
-            let (label, hollow) = (cells_per_radius(point), point.within_uncertainty);
+            let (label, hollow) = (point.resolution(), point.within_uncertainty);
             Some(Mark { series: series.len(), point: place(point)?, label, hollow, ringed: chosen == Some(&point.setting) })
         }));
         series.push(Series { name: method.to_owned(), points: joined(&own, place) });

@@ -7,8 +7,6 @@ use crate::{
     simulation::{ScalarSetup, Setup},
 };
 
-use super::quantity::{Kind, Quantity, norm};
-
 /// Box and bodies of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Facts {
@@ -61,6 +59,11 @@ impl Facts {
         Ok(Facts::with(&setup.domain, setup.bodies.iter().map(|suspended| (suspended.body.ball.radius, !suspended.body.free()))))
     }
 
+    /// Radius of the smallest body, or 1 where spacings are lengths anyway.
+    pub fn unit(&self) -> f64 {
+        self.radius.unwrap_or(1.0)
+    }
+
     fn with<const D: usize>(domain: &Domain<D>, bodies: impl Iterator<Item = (f64, bool)>) -> Facts {
         let (radii, held): (Vec<f64>, Vec<bool>) = bodies.unzip();
         Facts {
@@ -71,35 +74,6 @@ impl Facts {
             periods: (0..D).map(|axis| domain.periodic(axis).then(|| domain.size[axis])).collect(),
             volume: domain.volume(),
         }
-    }
-
-    /// Values moved by periods of the box to where they are nearest to others.
-    pub fn near(&self, quantity: &Quantity, values: &[f64], others: &[f64]) -> Vec<f64> {
-        if quantity.kind != Kind::Position {
-            return values.to_vec();
-        }
-        let moved = |(place, (value, other)): (usize, (&f64, &f64))| match self.periods[place % self.dimension] {
-            Some(period) => value - period * ((value - other) / period).round(),
-            None => *value,
-        };
-        values.iter().zip(others).enumerate().map(moved).collect()
-    }
-
-    /// What errors are taken over: the norm of the quantity, or of positions a radius for each body.
-    pub fn scale(&self, quantity: &Quantity, values: &[f64]) -> f64 {
-        let scale = match (quantity.kind, self.radius) {
-            (Kind::Position, Some(radius)) => radius * (values.len() as f64 / self.dimension as f64).sqrt(),
-            _ => norm(values),
-        };
-        if scale > 0.0 { scale } else { 1.0 }
-    }
-
-    /// How far values are from others, over the scale of these; with its sign where there is one value.
-    pub fn error(&self, quantity: &Quantity, values: &[f64], others: &[f64]) -> f64 {
-        let near = self.near(quantity, values, others);
-        let differences: Vec<f64> = near.iter().zip(others).map(|(value, other)| value - other).collect();
-        let size = if let [difference] = differences[..] { difference } else { norm(&differences) };
-        size / self.scale(quantity, others)
     }
 }
 
@@ -117,14 +91,5 @@ pub mod tests {
         let scene = Scene::parse("scene", Path::new(""), &(DISK.to_owned() + extra), &[]).unwrap();
         let facts = Facts::of(&scene).unwrap();
         (scene, facts)
-    }
-
-    #[test]
-    fn positions_are_compared_across_the_sides_of_the_box() {
-        let (_, facts) = suits("force = [1.0, 0.0]\n[time]\nend = 1\n");
-        let position = Quantity { kind: Kind::Position, body: None, probe: None };
-        assert!((facts.error(&position, &[3.9, 1.0], &[0.1, 1.0]) - 0.4).abs() < 1e-12, "0.2 are 0.4 radii");
-        let drag = Quantity { kind: Kind::Drag, body: None, probe: None };
-        assert!((facts.error(&drag, &[9.0], &[10.0]) + 0.1).abs() < 1e-12);
     }
 }

@@ -1,8 +1,9 @@
 //! Which quantity suits a scene, and what is refused because it has no meaning there.
 
 use super::{
-    CostOptions,
     facts::Facts,
+    metric::Metric,
+    options::Cost,
     quantity::{Kind, Quantity, WORDS},
 };
 use crate::{
@@ -13,12 +14,21 @@ use crate::{
 /// Points along each axis of a lattice for fields, in 2D and 3D.
 const PROBE: [usize; 2] = [48, 16];
 
-impl Facts {
+impl Metric {
     /// The quantity that is asked for, or the one that suits the scene.
     ///
     /// # Errors
-    /// It has no meaning in this scene.
-    pub fn quantity(&self, options: &CostOptions, scene: &Scene) -> Result<Quantity> {
+    /// It has no meaning in this scene, or the true values that are given cannot be its own.
+    pub fn of(options: &Cost, scene: &Scene) -> Result<Metric> {
+        let facts = Facts::of(scene)?;
+        let metric = Metric { quantity: facts.quantity(options, scene)?, facts };
+        metric.check_exact(options)?;
+        Ok(metric)
+    }
+}
+
+impl Facts {
+    fn quantity(&self, options: &Cost, scene: &Scene) -> Result<Quantity> {
         let kind = match &options.quantity {
             Some(word) => self.named(word, scene)?,
             None => self.suitable(scene),
@@ -63,34 +73,34 @@ impl Facts {
             kind => Ok(kind),
         }
     }
+}
 
-    /// Refuses true values that cannot be those of the quantity.
-    ///
-    /// # Errors
-    /// There are more or fewer than it has, or it has none that could be given.
-    pub fn check_exact(&self, options: &CostOptions, quantity: &Quantity) -> Result<()> {
-        let (given, word) = (options.exact.len(), quantity.kind.word());
+impl Metric {
+    /// Refuses true values that cannot be those of the quantity: there are more or fewer than it has, or it has none that could be given.
+    fn check_exact(&self, options: &Cost) -> Result<()> {
+        let (given, word) = (options.exact.len(), self.quantity.kind.word());
         if given == 0 {
             let lonely = options.uncertainty > 0.0;
             let remedy = "says how far --exact may be off; give that too or leave the flag out";
             return if lonely { Err(Error::Refused(format!("--uncertainty {}: {remedy}", options.uncertainty))) } else { Ok(()) };
         }
-        if quantity.kind.of_field() {
+        if self.quantity.kind.of_field() {
             return Err(Error::Refused(format!("--exact: a {word} has no values to give; leave the flag out")));
         }
-        let wanted = self.count(quantity);
+        let wanted = self.count();
         match given == wanted {
             true => Ok(()),
             false => Err(Error::Refused(format!("--exact: has {given} numbers, but the {word} has {wanted}; --body chooses one body"))),
         }
     }
 
-    fn count(&self, quantity: &Quantity) -> usize {
-        let bodies = if quantity.body.is_some() { 1 } else { self.bodies };
-        match quantity.kind {
+    /// Numbers that the quantity has.
+    fn count(&self) -> usize {
+        let (dimension, bodies) = (self.facts.dimension, if self.quantity.body.is_some() { 1 } else { self.facts.bodies });
+        match self.quantity.kind {
             Kind::Value => bodies,
-            Kind::Position => bodies * self.dimension,
-            Kind::Velocity => bodies * self.dimension * (self.dimension + 1) / 2,
+            Kind::Position => bodies * dimension,
+            Kind::Velocity => bodies * dimension * (dimension + 1) / 2,
             _ => 1,
         }
     }
@@ -102,14 +112,14 @@ mod tests {
     use super::*;
     use crate::study::cost::facts::tests::suits;
 
-    fn chosen(extra: &str, options: &CostOptions) -> std::result::Result<Kind, String> {
+    fn chosen(extra: &str, options: &Cost) -> std::result::Result<Kind, String> {
         let (scene, facts) = suits(extra);
         facts.quantity(options, &scene).map(|quantity| quantity.kind).map_err(|error| error.to_string())
     }
 
     #[test]
     fn the_scene_chooses_the_quantity() {
-        let default = CostOptions::default();
+        let default = Cost::default();
         assert_eq!(chosen("motion = \"fixed\"\n[flow]\ndrive = { mean_velocity = [1, 0] }\n", &default), Ok(Kind::Drag));
         assert_eq!(chosen("[flow]\ndrive = { shear_rate = 1 }\n", &default), Ok(Kind::Viscosity));
         assert_eq!(chosen("force = [1.0, 0.0]\n", &default), Ok(Kind::Velocity));
@@ -118,7 +128,7 @@ mod tests {
 
     #[test]
     fn a_quantity_without_a_meaning_is_refused() {
-        let asked = |word: &str, body| CostOptions { quantity: Some(word.into()), body, ..CostOptions::default() };
+        let asked = |word: &str, body| Cost { quantity: Some(word.into()), body, ..Cost::default() };
         assert_eq!(chosen("", &asked("drag", None)), Err("--quantity drag: no body is held; choose velocity".into()));
         assert!(chosen("", &asked("weight", None)).unwrap_err().starts_with("--quantity weight: must be one of drag, viscosity"));
         assert!(chosen("", &asked("position", None)).unwrap_err().contains("nothing moves at an instant"));

@@ -5,13 +5,13 @@ use std::path::Path;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::KnownScene;
+use super::known::KnownScene;
 use crate::{
     error::{Error, Result},
     petsc::Session,
     scene::Scene,
     simulation::{Setup, Suspension},
-    study::{Answer, Quantity},
+    study::calibration::{Answer, Quantity},
 };
 
 /// Cells per radius and order of the modes of the answers, in 2D and 3D: with films they are right to 1e-3, as twice the cells show.

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use super::KnownScene;
-use crate::study::{Answer, Quantity};
+use super::known::KnownScene;
+use crate::study::calibration::{Answer, Quantity};
 
 /// Centres of the random cell.
 const RANDOM_CELL: &str = include_str!("../../../../examples/random30.csv");
