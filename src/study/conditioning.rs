@@ -3,8 +3,8 @@
 //! The scalar Laplacian with several preconditioners, the multipliers of disks by all methods, and the fluid without bodies.
 
 mod energy;
-mod fit;
 mod fluid;
+mod grids;
 mod growth;
 mod laplacian;
 mod method;
@@ -16,6 +16,7 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use self::{
+    grids::grids,
     growth::Growth,
     laplacian::{Problem, Solve, WANTED},
     method::Method,
@@ -101,22 +102,4 @@ impl Conditioning {
 fn all_methods<const D: usize>(session: &Session, cells: usize) -> Result<Vec<Solve>> {
     let problem = Problem::<D>::new(session, cells)?;
     Method::ALL.iter().map(|&method| problem.solve(method)).collect()
-}
-
-/// Grids from the first, each twice as fine as the one before, to the finest.
-fn grids(first: usize, finest: usize) -> impl Iterator<Item = usize> {
-    std::iter::successors(Some(first), |cells| Some(2 * cells)).take_while(move |&cells| cells < finest).chain([finest])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn grids_double_and_end_with_the_finest() {
-        let listed = |first, finest| grids(first, finest).collect::<Vec<_>>();
-        assert_eq!(listed(8, 96), [8, 16, 32, 64, 96]);
-        assert_eq!(listed(16, 64), [16, 32, 64]);
-        assert_eq!(listed(16, 16), [16]);
-    }
 }

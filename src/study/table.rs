@@ -19,17 +19,18 @@ pub fn csv(rows: &[Row]) -> String {
     std::iter::once(heads).chain(lines).map(|cells| cells.join(",") + "\n").collect()
 }
 
-/// The same for a terminal, each column right-aligned to a width: the first to one of its own, but for a negative width, which aligns left.
-pub fn aligned(rows: &[Row], first: isize) -> String {
-    let Some(heads) = rows.first() else { return String::new() };
-    let pad = |(place, cell): (usize, &str)| match (place, first) {
-        (0, ..0) => format!("{cell:<0$}", first.unsigned_abs()),
-        (0, _) => format!("{cell:>0$}", first.unsigned_abs()),
-        _ => format!("{cell:>12}"),
+/// The same for a terminal: names, if they have a width, to the left, then cells to the right.
+pub fn aligned(name_width: usize, rows: &[Row]) -> String {
+    let named = usize::from(name_width > 0);
+    let cell = |(place, text): (usize, &str)| match place {
+        0 if named == 1 => format!("{text:<name_width$}"),
+        place if place == named => format!("{text:>8}"),
+        _ => format!("{text:>12}"),
     };
-    let line = |cells: Vec<&str>| cells.into_iter().enumerate().map(pad).collect::<String>();
+    let line = |cells: Vec<&str>| cells.into_iter().enumerate().map(cell).collect::<String>();
+    let heads = rows.iter().take(1).map(|row| line(row.iter().map(|(head, _)| *head).collect()));
     let lines = rows.iter().map(|row| line(row.iter().map(|(_, cell)| cell.as_str()).collect()));
-    std::iter::once(line(heads.iter().map(|(head, _)| *head).collect())).chain(lines).collect::<Vec<_>>().join("\n")
+    heads.chain(lines).collect::<Vec<_>>().join("\n")
 }
 
 /// A number, or an empty cell.
@@ -51,7 +52,7 @@ mod tests {
         let rows = [vec![("a", "1".to_owned()), ("b", number(None::<f64>))], vec![("a", "2".into()), ("b", number(Some(0.5)))]];
         assert_eq!(markdown(&rows), "| a | b |\n|-|-|\n| 1 |  |\n| 2 | 0.5 |");
         assert_eq!(csv(&rows), "a,b\n1,\n2,0.5\n");
-        assert_eq!(aligned(&rows, 3), "  a           b\n  1            \n  2         0.5");
-        assert!(aligned(&rows, -3).starts_with("a             b\n"));
+        assert_eq!(aligned(0, &rows), "       a           b\n       1            \n       2         0.5");
+        assert!(aligned(3, &rows).starts_with("a         b\n1"));
     }
 }

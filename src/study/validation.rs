@@ -4,6 +4,7 @@ mod bars;
 mod case;
 mod cases;
 mod crowds;
+mod solve;
 
 use std::time::Instant;
 

@@ -11,8 +11,9 @@ mod scenes;
 
 use std::{fs, path::PathBuf};
 
+pub use self::record::Setting;
 use self::{
-    record::{Measured, Record, Setting, Version},
+    record::{Measured, Record, Version},
     report::Report,
 };
 use super::{

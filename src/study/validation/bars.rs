@@ -2,7 +2,7 @@
 
 mod known;
 mod random;
-mod scenes;
+pub mod scenes;
 
 use std::{ops::Range, time::Instant};
 

@@ -42,46 +42,46 @@ struct Cost {
 const PLANE: &[(f64, usize)] = &[(5.0, 3), (6.0, 6), (8.0, 8)];
 const SPACE: &[(f64, usize)] = &[(4.0, 3), (6.0, 5), (8.0, 6)];
 
+/// A random crowd in a box, without a known viscosity.
+const DISKS: Known = Known { name: "", dimension: 2, centers: "", side: 0.0, resolutions: PLANE, known: "" };
+const SPHERES: Known = Known { dimension: 3, resolutions: SPACE, ..DISKS };
+
 const KNOWN: [Known; 5] = [
     Known {
         name: "1,000 disks, 0.5, many gaps near 0.01",
-        dimension: 2,
         centers: include_str!("crowds/disks1000_050.csv"),
         side: 79.2665459521,
-        resolutions: PLANE,
-        known: "",
+        ..DISKS
     },
     Known {
         name: "10,000 disks, 0.65, smallest gap 1.2e-3",
-        dimension: 2,
         centers: include_str!("crowds/disks10000_065.csv"),
         side: 219.84584296863,
         resolutions: &[(5.0, 3)],
         known: "47 iterations on such crowds (Broms, Tornberg, Barnett, arXiv 2606.11273)",
+        ..DISKS
     },
     Known {
         name: "125 spheres, 0.3, gap 0.1",
-        dimension: 3,
         centers: include_str!("crowds/spheres125_030.csv"),
         side: 12.0399806569,
-        resolutions: SPACE,
         known: "2.774 by fast Stokesian dynamics",
+        ..SPHERES
     },
     Known {
         name: "125 spheres, 0.45, gap 0.01",
-        dimension: 3,
         centers: include_str!("crowds/spheres125_045.csv"),
         side: 10.5178918977,
-        resolutions: SPACE,
         known: "7.773 by fast Stokesian dynamics",
+        ..SPHERES
     },
     Known {
         name: "1,000 spheres, 0.3, gap 0.1",
-        dimension: 3,
         centers: include_str!("crowds/spheres1000_030.csv"),
         side: 24.0799613138,
         resolutions: &[(4.0, 3)],
         known: "2.791 by fast Stokesian dynamics",
+        ..SPHERES
     },
 ];
 

@@ -6,7 +6,10 @@ use crate::{
     error::{Error, Result},
     petsc::Session,
     scene::Scene,
-    study::calibration::{Answer, Calibration, RefinementSequence},
+    study::{
+        calibration::{Answer, Calibration, RefinementSequence},
+        validation::solve::solve,
+    },
 };
 
 /// A scene and what it must answer.
@@ -55,12 +58,36 @@ impl KnownScene {
         Scene::parse("known", Path::new("."), &self.text, &[format!("accuracy={accuracy}")])
     }
 
+    /// What is known of it, solved with overrides; collective.
+    ///
+    /// # Errors
+    /// It cannot be solved, or does not answer what is known.
+    pub fn answered(&self, session: &Session, overrides: &[String]) -> Result<Answer> {
+        let scene = Scene::parse("known", Path::new("."), &self.text, overrides)?;
+        let answers = if scene.dimension() == 2 {
+            answers::<2>(session, &self.text, overrides)
+        } else {
+            answers::<3>(session, &self.text, overrides)
+        };
+        self.find(answers?)
+    }
+
+    fn find(&self, answers: Vec<Answer>) -> Result<Answer> {
+        let quantity = self.answer.quantity;
+        let missing = || Error::Diverged(format!("{} has no {}", self.name, quantity.word()));
+        answers.into_iter().find(|answer| answer.quantity == quantity).ok_or_else(missing)
+    }
+
     fn measure<const D: usize>(&self, session: &Session, scene: &Scene) -> Result<Bar> {
         let (calibration, (suspension, solution)) = RefinementSequence::<D>::begin(session, scene)?.refine_until_met()?;
-        let quantity = self.answer.quantity;
-        let found = Answer::all(&suspension, &solution)?.into_iter().find(|answer| answer.quantity == quantity);
-        let missing = || Error::Diverged(format!("{} has no {}", self.name, quantity.word()));
-        let (found, estimated) = found.zip(calibration.error(quantity)).ok_or_else(missing)?;
+        let found = self.find(Answer::all(&suspension, &solution)?)?;
+        let missing = || Error::Diverged(format!("{} has no bar", self.name));
+        let estimated = calibration.error(found.quantity).ok_or_else(missing)?;
         Ok(Bar { estimated, error: self.answer.distance(&found), calibration })
     }
+}
+
+fn answers<const D: usize>(session: &Session, text: &str, overrides: &[String]) -> Result<Vec<Answer>> {
+    let (suspension, solution) = solve::<D>(session, text, overrides)?;
+    Answer::all(&suspension, &solution)
 }

@@ -50,16 +50,19 @@ fn disk_radius(fraction: f64) -> f64 {
     (fraction / PI).sqrt()
 }
 
-fn sphere_radius(fraction: f64) -> f64 {
+/// Radius of a sphere that fills a part of the unit box.
+pub fn sphere_radius(fraction: f64) -> f64 {
     (0.75 * fraction / PI).cbrt()
 }
 
-fn square_array((fraction, drag): (f64, f64)) -> KnownScene {
+/// Fixed disks at a fraction, with their drag.
+pub fn square_array((fraction, drag): (f64, f64)) -> KnownScene {
     let disk = body(disk_radius(fraction), DISK, FIXED);
     known(format!("square array {fraction}"), ["[1.0, 1.0]", "", CROSS_FLOW, &disk], (Quantity::Drag, &[drag, 0.0, 0.0]))
 }
 
-fn disk_lattice((fraction, viscosity): (f64, f64)) -> KnownScene {
+/// Free disks at a fraction in shear, with their viscosity.
+pub fn disk_lattice((fraction, viscosity): (f64, f64)) -> KnownScene {
     let disk = body(disk_radius(fraction), DISK, "");
     known(format!("square lattice {fraction}"), ["[1.0, 1.0]", "", SHEAR, &disk], (Quantity::Viscosity, &[viscosity]))
 }
@@ -69,11 +72,13 @@ fn couette(length: f64, radius: f64, answer: (Quantity, &[f64])) -> KnownScene {
     known(format!("disk of {radius} in a Couette cell of {length}"), [&size, SLIDING, "", &disk], answer)
 }
 
-fn couette_viscosity((length, radius, viscosity): (f64, f64, f64)) -> KnownScene {
+/// The same with its viscosity.
+pub fn couette_viscosity((length, radius, viscosity): (f64, f64, f64)) -> KnownScene {
     couette(length, radius, (Quantity::Viscosity, &[viscosity]))
 }
 
-fn couette_spin((length, radius, spin): (f64, f64, f64)) -> KnownScene {
+/// A free disk between sliding walls: length of the cell, radius, spin.
+pub fn couette_spin((length, radius, spin): (f64, f64, f64)) -> KnownScene {
     couette(length, radius, (Quantity::Velocity, &[0.0, 0.0, spin * radius]))
 }
 
@@ -86,7 +91,13 @@ fn pair_between_walls() -> KnownScene {
     known("two disks in a Couette cell".into(), ["[1.0, 1.0]", SLIDING, "", &disks], (Quantity::Velocity, &velocities))
 }
 
-fn pair_in_a_periodic_box() -> KnownScene {
+/// The same with their viscosity.
+pub fn pair_between_walls_sheared() -> KnownScene {
+    KnownScene { answer: Answer { quantity: Quantity::Viscosity, values: vec![1.3813693532] }, ..pair_between_walls() }
+}
+
+/// Two free disks in shear.
+pub fn pair_in_a_periodic_box() -> KnownScene {
     let disks = body(0.15, PAIR, "");
     known("two disks in a periodic box".into(), ["[1.0, 1.0]", "", SHEAR, &disks], (Quantity::Viscosity, &[1.3457188363]))
 }
@@ -105,7 +116,8 @@ fn random_cell() -> KnownScene {
     known("random cell of 30 disks".into(), ["[1.0, 1.0]", "", SHEAR, &disks], (Quantity::Viscosity, &[2.2380]))
 }
 
-fn pulled_disk((radius, drag): (f64, f64)) -> KnownScene {
+/// A disk that is pulled along a channel: radius and drag.
+pub fn pulled_disk((radius, drag): (f64, f64)) -> KnownScene {
     let (disk, drive) = (body(radius, "[[0.513, 0.5]]", MOVED), "drive = { mean_velocity = [0.0, 0.0] }");
     let answer = [-drag, 0.0, 0.0];
     known(format!("disk of {radius} pulled along a channel"), ["[1.0, 1.0]", "y = \"walls\"", drive, &disk], (Quantity::Drag, &answer))
@@ -120,25 +132,29 @@ fn channel_flux((radius, flux): (f64, f64)) -> KnownScene {
     )
 }
 
-fn closed_box_disk((radius, drag): (f64, f64)) -> KnownScene {
+/// A disk that is moved through a closed box, with its drag.
+pub fn closed_box_disk((radius, drag): (f64, f64)) -> KnownScene {
     let disk = body(radius, "[[0.5, 0.5]]", MOVED);
     let answer = [-drag, 0.0, 0.0];
     known(format!("disk of {radius} in a closed box"), ["[1.0, 1.0]", "x = \"walls\"\ny = \"walls\"", "", &disk], (Quantity::Drag, &answer))
 }
 
-fn cubic_array((fraction, drag): (f64, f64)) -> KnownScene {
+/// Fixed spheres at a fraction, with their drag over that of a lone one.
+pub fn cubic_array((fraction, drag): (f64, f64)) -> KnownScene {
     let radius = sphere_radius(fraction);
     let (sphere, drive) = (body(radius, SPHERE, FIXED), "drive = { mean_velocity = [1.0, 0.0, 0.0] }");
     let answer = [6.0 * PI * radius * drag, 0.0, 0.0, 0.0, 0.0, 0.0];
     known(format!("cubic array {fraction}"), ["[1.0, 1.0, 1.0]", "", drive, &sphere], (Quantity::Drag, &answer))
 }
 
-fn sphere_lattice((fraction, viscosity): (f64, f64)) -> KnownScene {
+/// Free spheres at a fraction in shear, with their viscosity.
+pub fn sphere_lattice((fraction, viscosity): (f64, f64)) -> KnownScene {
     let sphere = body(sphere_radius(fraction), SPHERE, "");
     known(format!("cubic lattice {fraction}"), ["[1.0, 1.0, 1.0]", "", SHEAR, &sphere], (Quantity::Viscosity, &[viscosity]))
 }
 
-fn closed_box_sphere() -> KnownScene {
+/// A sphere that is moved through a closed box.
+pub fn closed_box_sphere() -> KnownScene {
     let sphere = body(0.2, "[[0.5, 0.5, 0.5]]", "motion = { velocity = [1.0, 0.0, 0.0] }");
     let answer = [-6.0 * PI * 0.2 * 3.12345, 0.0, 0.0, 0.0, 0.0, 0.0];
     let walls = "x = \"walls\"\ny = \"walls\"\nz = \"walls\"";
