@@ -14,13 +14,8 @@ pub struct Power {
 impl Power {
     /// The one that fits points best, in logarithms; nothing if there are fewer than two abscissas, or values that have no logarithm.
     pub fn fit(points: &[(f64, f64)]) -> Option<Power> {
-        let logarithms = || points.iter().map(|&(x, y)| (x.ln(), y.ln()));
-        let count = points.len() as f64;
-        let (x, y) = logarithms().fold((0.0, 0.0), |sum, (x, y)| (sum.0 + x / count, sum.1 + y / count));
-        let (covariance, variance) =
-            logarithms().fold((0.0, 0.0), |sum, next| (sum.0 + (next.0 - x) * (next.1 - y), sum.1 + (next.0 - x).powi(2)));
-        let exponent = covariance / variance;
-        exponent.is_finite().then(|| Power { factor: (y - exponent * x).exp(), exponent })
+        let [factor, exponent] = line(points.iter().map(|&(x, y)| (x.ln(), y.ln())))?;
+        exponent.is_finite().then(|| Power { factor: factor.exp(), exponent })
     }
 
     /// Its value.
@@ -33,6 +28,17 @@ impl Power {
         let x = (y / self.factor).powf(1.0 / self.exponent);
         (x.is_finite() && x > 0.0).then_some(x)
     }
+}
+
+/// Least squares of `y = a + b x`, if two abscissas differ.
+pub fn line(points: impl Iterator<Item = (f64, f64)>) -> Option<[f64; 2]> {
+    let points: Vec<(f64, f64)> = points.collect();
+    let count = points.len() as f64;
+    let mean = |value: fn(&(f64, f64)) -> f64| points.iter().map(value).sum::<f64>() / count;
+    let (x, y) = (mean(|point| point.0), mean(|point| point.1));
+    let spread: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
+    let b = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum::<f64>() / spread;
+    (spread > 0.0).then_some([y - b * x, b])
 }
 
 #[cfg(test)]

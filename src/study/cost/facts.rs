@@ -16,33 +16,19 @@ pub struct Facts {
     pub radius: Option<f64>,
     /// Whether each body's motion is given.
     pub held: Vec<bool>,
+    /// Highest order of the modes of any body.
+    pub modes: Option<usize>,
     /// Length of the box along each periodic axis.
     pub periods: Vec<Option<f64>>,
-    /// Number of bodies.
-    pub bodies: usize,
     /// Volume of the box.
     pub volume: f64,
-}
-
-/// Highest order of the modes of any body of a scene.
-///
-/// # Errors
-/// They do not suit the grid, or the bodies cannot be placed.
-pub fn modes(scene: &Scene) -> Result<Option<usize>> {
-    let orders: Vec<usize> = match (scene.scalar(), scene.dimension()) {
-        (true, 2) => ScalarSetup::<2>::of(scene)?.inclusions.iter().map(|inclusion| inclusion.1).collect(),
-        (true, _) => ScalarSetup::<3>::of(scene)?.inclusions.iter().map(|inclusion| inclusion.1).collect(),
-        (false, 2) => Setup::<2>::of(scene)?.bodies.iter().map(|body| body.order).collect(),
-        (false, _) => Setup::<3>::of(scene)?.bodies.iter().map(|body| body.order).collect(),
-    };
-    Ok(orders.into_iter().max())
 }
 
 impl Facts {
     /// Those of a scene.
     ///
     /// # Errors
-    /// Its bodies cannot be placed.
+    /// Its bodies cannot be placed, or the modes do not suit the grid.
     pub fn of(scene: &Scene) -> Result<Facts> {
         match scene.dimension() {
             2 => Facts::in_dimension::<2>(scene),
@@ -51,29 +37,26 @@ impl Facts {
     }
 
     fn in_dimension<const D: usize>(scene: &Scene) -> Result<Facts> {
-        if scene.scalar() {
-            let setup = ScalarSetup::<D>::of(scene)?;
-            return Ok(Facts::with(&setup.domain, setup.inclusions.iter().map(|(ball, _)| (ball.radius, false))));
-        }
-        let setup = Setup::<D>::of(scene)?;
-        Ok(Facts::with(&setup.domain, setup.bodies.iter().map(|suspended| (suspended.body.ball.radius, !suspended.body.free()))))
+        let (domain, bodies): (Domain<D>, Vec<(f64, bool, usize)>) = if scene.scalar() {
+            let setup = ScalarSetup::of(scene)?;
+            (setup.domain, setup.inclusions.iter().map(|(ball, order)| (ball.radius, false, *order)).collect())
+        } else {
+            let setup = Setup::of(scene)?;
+            (setup.domain, setup.bodies.iter().map(|own| (own.body.ball.radius, !own.body.free(), own.order)).collect())
+        };
+        Ok(Facts {
+            dimension: D,
+            radius: bodies.iter().map(|(radius, ..)| *radius).reduce(f64::min),
+            held: bodies.iter().map(|(_, held, _)| *held).collect(),
+            modes: bodies.iter().map(|(.., order)| *order).max(),
+            periods: (0..D).map(|axis| domain.periodic(axis).then(|| domain.size[axis])).collect(),
+            volume: domain.volume(),
+        })
     }
 
     /// Radius of the smallest body, or 1 where spacings are lengths anyway.
     pub fn unit(&self) -> f64 {
         self.radius.unwrap_or(1.0)
-    }
-
-    fn with<const D: usize>(domain: &Domain<D>, bodies: impl Iterator<Item = (f64, bool)>) -> Facts {
-        let (radii, held): (Vec<f64>, Vec<bool>) = bodies.unzip();
-        Facts {
-            dimension: D,
-            radius: radii.iter().copied().reduce(f64::min),
-            bodies: held.len(),
-            held,
-            periods: (0..D).map(|axis| domain.periodic(axis).then(|| domain.size[axis])).collect(),
-            volume: domain.volume(),
-        }
     }
 }
 

@@ -159,7 +159,7 @@ mod tests {
     use crate::study::cost::facts::tests::suits;
 
     fn facts() -> Facts {
-        Facts { dimension: 2, radius: Some(0.5), held: vec![true, false, true], periods: vec![None; 2], bodies: 3, volume: 1.0 }
+        Facts { dimension: 2, radius: Some(0.5), held: vec![true, false, true], periods: vec![None; 2], modes: None, volume: 1.0 }
     }
 
     fn read(kind: Kind, body: Option<usize>, summary: &RunSummary) -> Option<Vec<f64>> {

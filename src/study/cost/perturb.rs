@@ -1,7 +1,7 @@
 //! Each parameter of a setting is changed on its own, and the change of the quantity compared.
 
 use super::{
-    facts,
+    facts::Facts,
     metric::norm,
     record::{Measured, Outcome},
     sensitivity::{ParameterChange, Sensitivity},
@@ -77,7 +77,7 @@ impl Sweep<'_> {
         (modes + 1..=wanted)
             .rev()
             .map(|modes| Setting { modes: Some(modes), ..setting.clone() })
-            .find(|raised| self.scene_with(&raised.overrides()).is_ok_and(|scene| facts::modes(&scene).is_ok()))
+            .find(|raised| self.scene_with(&raised.overrides()).is_ok_and(|scene| Facts::of(&scene).is_ok()))
     }
 }
 

@@ -122,7 +122,7 @@ mod tests {
 
     fn limit(value: impl Fn(f64) -> f64, spacings: &[f64], predicted: f64) -> Option<Limit> {
         let runs: Vec<Measured> = spacings.iter().map(|&spacing| run(spacing, value(spacing))).collect();
-        let facts = Facts { dimension: 2, radius: Some(1.0), held: vec![true], periods: vec![None; 2], bodies: 1, volume: 1.0 };
+        let facts = Facts { dimension: 2, radius: Some(1.0), held: vec![true], periods: vec![None; 2], modes: None, volume: 1.0 };
         let metric = Metric { quantity: Quantity { kind: Kind::Drag, body: None, probe: None }, facts };
         Limit::of(&runs.iter().collect::<Vec<_>>(), &metric, predicted)
     }

@@ -38,8 +38,8 @@ impl Facts {
             Some(body) if !kind.of_bodies() => {
                 Err(Error::Refused(format!("--body {body}: {} is not that of a body; leave the flag out", kind.word())))
             }
-            Some(body) if body >= self.bodies => {
-                Err(Error::Refused(format!("--body {body}: must be below the number of bodies, {}", self.bodies)))
+            Some(body) if body >= self.held.len() => {
+                Err(Error::Refused(format!("--body {body}: must be below the number of bodies, {}", self.held.len())))
             }
             body => Ok(Quantity { kind, body, probe }),
         }
@@ -48,7 +48,7 @@ impl Facts {
     fn suitable(&self, scene: &Scene) -> Kind {
         match &scene.flow.drive {
             _ if scene.scalar() => Kind::Value,
-            _ if self.bodies == 0 => Kind::Field,
+            _ if self.held.len() == 0 => Kind::Field,
             Some(Drive::ShearRate(_) | Drive::ShearedBox(_)) if !self.held.contains(&true) => Kind::Viscosity,
             _ if scene.time.is_some() => Kind::Position,
             _ if self.held.contains(&true) => Kind::Drag,
@@ -69,7 +69,7 @@ impl Facts {
             }
             Kind::Drag if !self.held.contains(&true) => refuse("no body is held; choose velocity"),
             Kind::Position if scene.time.is_none() => refuse("nothing moves at an instant; add [time] to the scene or choose velocity"),
-            _ if kind.of_bodies() && self.bodies == 0 => refuse("there are no bodies; choose field"),
+            _ if kind.of_bodies() && self.held.len() == 0 => refuse("there are no bodies; choose field"),
             kind => Ok(kind),
         }
     }
@@ -96,7 +96,7 @@ impl Metric {
 
     /// Numbers that the quantity has.
     fn count(&self) -> usize {
-        let (dimension, bodies) = (self.facts.dimension, if self.quantity.body.is_some() { 1 } else { self.facts.bodies });
+        let (dimension, bodies) = (self.facts.dimension, if self.quantity.body.is_some() { 1 } else { self.facts.held.len() });
         match self.quantity.kind {
             Kind::Value => bodies,
             Kind::Position => bodies * dimension,

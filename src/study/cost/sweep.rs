@@ -3,7 +3,7 @@
 use std::{fs, path::PathBuf, time::Instant};
 
 use super::{
-    facts,
+    facts::Facts,
     identity::CostIdentity,
     metric::Metric,
     options::Cost,
@@ -115,7 +115,7 @@ impl Sweep<'_> {
     }
 
     fn run(&self, setting: &Setting) -> Result<Outcome> {
-        let order = |scene: Scene| if has_modes(&setting.method) { facts::modes(&scene) } else { Ok(None) };
+        let order = |scene: Scene| if has_modes(&setting.method) { Ok(Facts::of(&scene)?.modes) } else { Ok(None) };
         let modes = match self.scene_with(&setting.overrides()).and_then(order) {
             Ok(modes) => modes,
             Err(refusal) => return Ok(Outcome::Failed(refusal.to_string())),

@@ -14,7 +14,7 @@
 use serde::Serialize;
 
 use super::{arrangement::Shares, measurement::Measurement};
-use crate::flow::Transposes;
+use crate::{flow::Transposes, study::fit::line};
 
 /// What is assumed of the network between ranks.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -148,17 +148,6 @@ impl Model {
 fn slope(points: impl Iterator<Item = (f64, f64)>) -> f64 {
     let (product, square) = points.fold((0.0, 0.0), |(product, square), (x, y)| (product + x * y, square + x * x));
     if square > 0.0 { product / square } else { 0.0 }
-}
-
-/// Least squares of `y = a + b x`, if two abscissas differ.
-fn line(points: impl Iterator<Item = (f64, f64)>) -> Option<[f64; 2]> {
-    let points: Vec<(f64, f64)> = points.collect();
-    let count = points.len() as f64;
-    let mean = |value: fn(&(f64, f64)) -> f64| points.iter().map(value).sum::<f64>() / count;
-    let (x, y) = (mean(|point| point.0), mean(|point| point.1));
-    let spread: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
-    let b = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum::<f64>() / spread;
-    (spread > 0.0).then_some([y - b * x, b])
 }
 
 #[cfg(test)]

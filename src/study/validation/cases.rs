@@ -9,8 +9,8 @@ use super::{
     bars::{
         KnownScene,
         scenes::{
-            closed_box_disk, closed_box_sphere, couette_spin, couette_viscosity, cubic_array, disk_lattice, pair_between_walls_sheared,
-            pair_in_a_periodic_box, pulled_disk, sphere_lattice, sphere_radius, square_array,
+            closed_box_disk, closed_box_sphere, couette_spin, couette_viscosity, cubic_array, disk_lattice, pair_in_a_periodic_box,
+            pulled_disk, sheared_pair_between_walls, sphere_lattice, sphere_radius, square_array,
         },
     },
     case::Case,
@@ -35,7 +35,7 @@ pub fn cases() -> Vec<Case> {
         all.extend(grids.map(|(cells, modes, tolerance)| {
             let label = format!("{cells} x {cells}, a/h = {:.1}, K = {modes}", radius * cells as f64);
             let grid = Grid { spacing: 1.0 / cells as f64, modes, label };
-            case(name, SANGANI, square_array((fraction, drag)), grid, tolerance, Component { place: 0, factor: 1.0, offset: 0.0 })
+            case(name, SANGANI, square_array(fraction, drag), grid, tolerance, Component { place: 0, factor: 1.0, offset: 0.0 })
         }));
     }
     for (fraction, name, drag, grids) in [
@@ -46,7 +46,7 @@ pub fn cases() -> Vec<Case> {
         let radius = sphere_radius(fraction);
         all.extend(grids.map(|(cells, modes, tolerance)| {
             let grid = Grid { label: format!("a/h = {cells:.1}, L = {modes}"), ..Grid::spheres(radius, cells, modes) };
-            case(name, ZICK, cubic_array((fraction, drag)), grid, tolerance, over_stokes_drag(radius))
+            case(name, ZICK, cubic_array(fraction, drag), grid, tolerance, over_stokes_drag(radius))
         }));
     }
     let increment = Component { place: 0, factor: 1.0, offset: -1.0 };
@@ -56,21 +56,21 @@ pub fn cases() -> Vec<Case> {
         (0.3, "viscosity increment, square lattice 0.3", 1.59811597742),
     ] {
         let grid = Grid::disks((fraction / PI).sqrt(), 8.0, 8);
-        all.push(case(name, SERIES, disk_lattice((fraction, viscosity)), grid, 3e-3, increment));
+        all.push(case(name, SERIES, disk_lattice(fraction, viscosity), grid, 3e-3, increment));
     }
     for (fraction, name, viscosity) in
         [(0.01, "viscosity increment, cubic lattice 0.01", 1.024813427), (0.027, "viscosity increment, cubic lattice 0.027", 1.066332554)]
     {
         let grid = Grid::spheres(sphere_radius(fraction), 5.0, 4);
-        all.push(case(name, NUNAN, sphere_lattice((fraction, viscosity)), grid, 1e-2, increment));
+        all.push(case(name, NUNAN, sphere_lattice(fraction, viscosity), grid, 1e-2, increment));
     }
     for (length, name, spin) in
         [(1.0, "spin, free disk in a Couette cell, L = H", -0.485564146), (8.0, "spin, free disk in a Couette channel", -0.48207921)]
     {
         let spin_alone = Component { place: 2, factor: -1.0 / 0.125, offset: 0.0 };
-        all.push(case(name, SERIES, couette_spin((length, 0.125, spin)), Grid::disks(0.125, 8.0, 6), 3e-3, spin_alone));
+        all.push(case(name, SERIES, couette_spin(length, 0.125, spin), Grid::disks(0.125, 8.0, 6), 3e-3, spin_alone));
     }
-    let (cell, grid) = (couette_viscosity((1.0, 0.2, 1.291011445)), || Grid::disks(0.2, 8.0, 8));
+    let (cell, grid) = (couette_viscosity(1.0, 0.2, 1.291011445), || Grid::disks(0.2, 8.0, 8));
     let from_walls = |viscosity: Viscosity| viscosity.from_walls.unwrap_or(f64::NAN);
     let whole = Component { place: 0, factor: 1.0, offset: 0.0 };
     let over = Component { place: 0, factor: -1.0, offset: 0.0 };
@@ -78,7 +78,7 @@ pub fn cases() -> Vec<Case> {
     all.extend([
         viscous("viscosity from the walls, disk in a Couette cell", &cell, grid(), from_walls, [1.291011445, 2e-3]),
         case("viscosity from stresslets, the same", SERIES, cell, grid(), 2e-3, whole),
-        case("viscosity, two disks in a Couette cell", SERIES, pair_between_walls_sheared(), Grid::disks(0.15, 9.0, 9), 2e-3, whole),
+        case("viscosity, two disks in a Couette cell", SERIES, sheared_pair_between_walls(), Grid::disks(0.15, 9.0, 9), 2e-3, whole),
         viscous(
             "first normal stress difference, two disks in a periodic box",
             &pair,
@@ -89,12 +89,12 @@ pub fn cases() -> Vec<Case> {
         case(
             "drag, disk pulled along a channel, zero flux",
             SERIES,
-            pulled_disk((0.125, 21.9145884)),
+            pulled_disk(0.125, 21.9145884),
             Grid::disks(0.125, 8.0, 8),
             5e-3,
             over,
         ),
-        case("drag, disk in a closed box", SERIES, closed_box_disk((0.2, 55.04312168)), Grid::disks(0.2, 9.6, 8), 5e-3, over),
+        case("drag, disk in a closed box", SERIES, closed_box_disk(0.2, 55.04312168), Grid::disks(0.2, 9.6, 8), 5e-3, over),
         case("drag over Stokes drag, sphere in a closed box", SERIES, closed_box_sphere(), Grid::spheres(0.2, 5.0, 4), 1e-2, sphere),
     ]);
     all.extend(random::cases());
