@@ -3,21 +3,20 @@
 //! A pure function of a [`Chart`]. Ranges follow the points, and reach down to zero only where that costs little of the height.
 
 mod axis;
-mod bars;
+mod frame;
 mod notes;
 
 use std::fmt::Write;
 
-use self::axis::Axis;
+use self::frame::{Frame, PAGE, SIDE, finite};
+pub use self::{
+    frame::Scale,
+    notes::{Bar, Level, Mark, Notes},
+};
 use super::picture::{INK, colour, escaped};
-pub use bars::Bar;
-pub use notes::{Level, Mark, Notes};
 
-const PAGE: [f64; 2] = [800.0, 450.0];
-const SIDE: f64 = 22.0;
+/// Least distance of names in pixels.
 const LINE: f64 = 18.0;
-/// Width of a letter in pixels, about.
-const LETTER: f64 = 7.2;
 
 /// A chart of lines over a common abscissa, ready to be drawn.
 #[derive(Clone, Debug)]
@@ -32,24 +31,6 @@ pub struct Chart {
     pub scale: Scale,
     /// The lines; the first stands out, and names are shown if there is more than one.
     pub series: Vec<Series>,
-}
-
-/// How coordinates are drawn.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Scale {
-    /// As they are.
-    Linear,
-    /// By their logarithms; what is not positive is left out.
-    Logarithmic,
-}
-
-impl Scale {
-    fn of(self, point: &(f64, f64)) -> [f64; 2] {
-        match self {
-            Scale::Linear => [point.0, point.1],
-            Scale::Logarithmic => [point.0.log10(), point.1.log10()],
-        }
-    }
 }
 
 /// One line of a chart.
@@ -69,7 +50,7 @@ impl Chart {
 
     /// The same with marks, levels and bars.
     pub fn annotated(&self, notes: &Notes) -> String {
-        let frame = Frame::new(self, notes);
+        let (frame, colour) = (self.frame(notes), |k: usize| self.colour(k));
         let [width, height] = PAGE;
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
@@ -78,18 +59,23 @@ impl Chart {
         );
         svg += &self.words(&frame);
         svg += &frame.grid();
-        svg += &self.levels(notes, &frame);
+        svg += &notes.levels(&frame);
         for k in (0..self.series.len()).rev() {
             svg += &self.line(k, &frame);
         }
-        svg += &self.bars(&notes.bars, &frame);
-        svg += &self.marks(notes, &frame);
+        svg += &notes.bars(&frame, colour);
+        svg += &notes.marks(&frame, colour);
         svg += &self.names(&frame);
         svg + "</svg>\n"
     }
 
-    fn finite_points(&self) -> impl Iterator<Item = [f64; 2]> {
-        self.series.iter().flat_map(|series| &series.points).map(|point| self.scale.of(point)).filter(finite)
+    /// Axes that hold all points, levels and bars.
+    fn frame(&self, notes: &Notes) -> Frame {
+        let finite_points = self.series.iter().flat_map(|series| &series.points).map(|point| self.scale.of(point)).filter(finite);
+        let (x, mut y): (Vec<f64>, Vec<f64>) = finite_points.map(|[x, y]| (x, y)).unzip();
+        y.extend(notes.extent().map(|point| self.scale.of(&point)).filter(finite).map(|point| point[1]));
+        let names: Vec<&str> = self.series.iter().map(|series| series.name.as_str()).collect();
+        Frame::new(self.scale, [&x, &y], &names, !self.title.is_empty())
     }
 
     fn words(&self, frame: &Frame) -> String {
@@ -148,76 +134,6 @@ impl Chart {
     }
 }
 
-/// Where the axes lie on the page and what they span.
-struct Frame {
-    left: f64,
-    right: f64,
-    top: f64,
-    foot: f64,
-    x: Axis,
-    y: Axis,
-}
-
-impl Frame {
-    fn new(chart: &Chart, notes: &Notes) -> Self {
-        let [x, mut y] = [0, 1].map(|axis| chart.finite_points().map(|point| point[axis]).collect::<Vec<f64>>());
-        let levels = notes.levels.iter().map(|level| chart.scale.of(&(1.0, level.y)));
-        y.extend(levels.filter(finite).map(|point| point[1]));
-        let ends = notes.bars.iter().flat_map(|bar| bar.ends.map(|end| chart.scale.of(&(bar.x, end))));
-        y.extend(ends.filter(finite).map(|point| point[1]));
-        let [x, y] = match chart.scale {
-            Scale::Linear => [Axis::tight(&x), Axis::loose(&y)],
-            Scale::Logarithmic => [Axis::decades(&x), Axis::decades(&y)],
-        };
-        let longest = |texts: &mut dyn Iterator<Item = usize>| LETTER * texts.max().unwrap_or(0) as f64;
-        let labels = longest(&mut y.ticks().iter().map(|&tick| y.label(tick).chars().count()));
-        let names = longest(&mut chart.series.iter().map(|series| series.name.chars().count())).min(260.0);
-        let right = if chart.series.len() > 1 { 38.0 + names } else { 8.0 };
-        let top = if chart.title.is_empty() { SIDE } else { 58.0 };
-        Frame { left: SIDE + 30.0 + labels.min(120.0), right: PAGE[0] - SIDE - right, top, foot: PAGE[1] - SIDE - 40.0, x, y }
-    }
-
-    fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        [self.left + self.x.part(x) * (self.right - self.left), self.foot - self.y.part(y) * (self.foot - self.top)]
-    }
-
-    /// A line through points, without those less than half a pixel from the one before.
-    fn path(&self, points: &[[f64; 2]]) -> String {
-        let mut places: Vec<[f64; 2]> = points.iter().map(|&point| self.place(point)).collect();
-        places.dedup_by(|next, last| (next[0] - last[0]).hypot(next[1] - last[1]) < 0.5);
-        let letter = |k: usize| if k == 0 { "M" } else { "L" };
-        let mut path: String = places.iter().enumerate().map(|(k, [x, y])| format!("{}{x:.1} {y:.1}", letter(k))).collect();
-        if places.len() == 1 {
-            path += "h0";
-        }
-        path
-    }
-
-    fn grid(&self) -> String {
-        let [left, right, top, foot] = [self.left, self.right, self.top, self.foot];
-        let [mut lines, mut labels] = [String::new(), String::new()];
-        for tick in self.x.ticks() {
-            let x = left + self.x.part(tick) * (right - left);
-            let _ = write!(lines, "M{x:.1} {top:.1}V{foot:.1}");
-            let _ = writeln!(labels, "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>", foot + 19.0, self.x.label(tick));
-        }
-        for tick in self.y.ticks() {
-            let y = foot - self.y.part(tick) * (foot - top);
-            let _ = write!(lines, "M{left:.1} {y:.1}H{right:.1}");
-            let _ =
-                writeln!(labels, "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>", left - 9.0, y + 4.6, self.y.label(tick));
-        }
-        format!(
-            "<path d=\"{lines}\" fill=\"none\" stroke=\"#dfe3e9\" stroke-width=\"0.8\"/>\n{labels}\
-             <path d=\"M{left:.1} {top:.1}V{foot:.1}H{right:.1}\" fill=\"none\" stroke=\"{INK}\" stroke-opacity=\"0.55\"/>\n"
-        )
-    }
-}
-
-fn finite(point: &[f64; 2]) -> bool {
-    point.iter().all(|value| value.is_finite())
-}
-
 /// Heights from the top down, each at least a line below the one before and none below the axes.
 fn apart(mut ends: Vec<(usize, f64)>, frame: &Frame) -> Vec<(usize, f64)> {
     for k in 1..ends.len() {
@@ -262,7 +178,7 @@ mod tests {
     fn a_line_breaks_where_a_value_is_not_finite() {
         let chart = chart(&[&[(0.0, 1.0), (1.0, 2.0), (2.0, f64::NAN), (f64::INFINITY, 1.0), (4.0, 1.0), (5.0, 2.0)]]);
         assert_sound(&chart);
-        assert_eq!(chart.line(0, &Frame::new(&chart, &Notes::default())).matches('M').count(), 2);
+        assert_eq!(chart.line(0, &chart.frame(&Notes::default())).matches('M').count(), 2);
     }
 
     #[test]
@@ -274,7 +190,7 @@ mod tests {
 
     #[test]
     fn names_keep_a_line_of_distance_within_the_axes() {
-        let frame = Frame::new(&chart(&[]), &Notes::default());
+        let frame = chart(&[]).frame(&Notes::default());
         let levels: Vec<f64> = apart(vec![(0, 380.0), (1, 385.0), (2, 386.0)], &frame).iter().map(|end| end.1).collect();
         assert!(levels.windows(2).all(|pair| pair[1] - pair[0] >= LINE) && levels[2] <= frame.foot);
     }
@@ -284,8 +200,8 @@ mod tests {
         let mut chart = chart(&[&[(1.0, 20.0), (4096.0, 0.01), (3.0, 0.0), (-1.0, 2.0)]]);
         chart.scale = Scale::Logarithmic;
         assert_sound(&chart);
-        let labels = |axis: Axis| axis.ticks().iter().map(|&tick| axis.label(tick)).collect::<Vec<_>>();
-        assert_eq!(labels(Frame::new(&chart, &Notes::default()).x), ["1", "10", "100", "1000"]);
+        let labels = |axis: axis::Axis| axis.ticks().iter().map(|&tick| axis.label(tick)).collect::<Vec<_>>();
+        assert_eq!(labels(chart.frame(&Notes::default()).x), ["1", "10", "100", "1000"]);
         chart.series.clear();
         assert_sound(&chart);
     }
