@@ -31,7 +31,7 @@ pub trait Study<On: ?Sized>: clap::Args {
 pub type PetscOptions = [String];
 
 /// A study in the list of those that the program knows.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub struct StudyCommand {
     /// The word that calls it.
     pub name: &'static str,
@@ -40,7 +40,7 @@ pub struct StudyCommand {
     run: Run,
 }
 
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 enum Run {
     Alone(fn(&ArgMatches, &PetscOptions) -> Result<()>),
     OnRanks(fn(&ArgMatches, &Session) -> Result<()>),

@@ -26,6 +26,7 @@ pub fn studies() -> [StudyCommand; 6] {
 }
 
 /// The study that a command line asks for.
+#[derive(Debug)]
 pub struct SelectedStudy {
     study: StudyCommand,
     matches: ArgMatches,
@@ -43,12 +44,6 @@ impl SelectedStudy {
     /// It fails, or is one that starts runs of its own.
     pub fn run_on_ranks(&self, session: &Session) -> Result<()> {
         self.study.run_on_ranks(&self.matches, session)
-    }
-}
-
-impl std::fmt::Debug for SelectedStudy {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.study.name)
     }
 }
 

@@ -48,8 +48,13 @@ impl Measurement {
         Ok(Measurement { setup, grid, bodies, contacts, rest, steps, iterations: number("iterations") as usize, parallel })
     }
 
+    /// Seconds of the instant, or of all steps.
+    pub fn all_seconds(&self) -> f64 {
+        self.setup + self.grid + self.bodies + self.contacts + self.rest
+    }
+
     /// Seconds of the instant, or of a step.
     pub fn seconds(&self) -> f64 {
-        (self.setup + self.grid + self.bodies + self.contacts + self.rest) / self.steps as f64
+        self.all_seconds() / self.steps as f64
     }
 }

@@ -108,10 +108,8 @@ impl Model {
             (cells, sample.measured.grid - counted.network_seconds(&sample.shares, iterations(sample)))
         };
         let model = Model { cell: slope(samples.iter().map(of_cells)).max(0.0), ..counted };
-        let missed = |sample: &&Sample| {
-            let measured = sample.measured.seconds() * sample.measured.steps as f64;
-            (model.predict(&sample.shares, iterations(sample)).seconds / measured - 1.0).abs()
-        };
+        let missed =
+            |sample: &&Sample| (model.predict(&sample.shares, iterations(sample)).seconds / sample.measured.all_seconds() - 1.0).abs();
         Some(Model { misfit: samples.iter().map(missed).fold(0.0, f64::max), ..model })
     }
 

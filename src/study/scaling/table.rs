@@ -5,11 +5,11 @@ use serde::Serialize;
 use super::{
     arrangement::Shares,
     measurement::Measurement,
-    model::{Model, Sample},
+    model::{Model, Prediction, Sample},
 };
 use crate::{
     error::Error,
-    output::Series,
+    output::{ParallelSummary, Series, Spread},
     study::table::{Row, markdown, number, quoted},
 };
 
@@ -45,44 +45,40 @@ struct Numbers {
     memory_bytes: Option<f64>,
 }
 
+impl Numbers {
+    /// Of a step of a run, from those of all steps; efficiencies are told later.
+    fn of(run: &Measurement, total: &Prediction, cells: &Spread, bodies: &Spread) -> Numbers {
+        let steps = run.steps as f64;
+        Numbers {
+            seconds: total.seconds / steps,
+            efficiency: 1.0,
+            iterations: run.iterations as f64 / steps,
+            cells_imbalance: cells.imbalance(),
+            bodies_imbalance: bodies.imbalance(),
+            messages: total.messages / steps,
+            bytes: total.bytes / steps,
+            collectives: total.collectives / steps,
+            memory_bytes: total.memory,
+        }
+    }
+}
+
 impl RunRow {
     /// A measured run, or why there is none.
     pub fn measured(ranks: usize, beyond_cores: bool, sample: std::result::Result<&Sample, &Error>) -> RunRow {
-        let numbers = |sample: &Sample| {
-            let (measured, parallel) = (&sample.measured, &sample.measured.parallel);
-            let steps = measured.steps as f64;
-            Numbers {
-                seconds: measured.seconds(),
-                efficiency: 1.0,
-                iterations: measured.iterations as f64 / steps,
-                cells_imbalance: parallel.cells.imbalance(),
-                bodies_imbalance: parallel.bodies.imbalance(),
-                messages: parallel.messages.most / steps,
-                bytes: parallel.bytes.most / steps,
-                collectives: parallel.collectives.most / steps,
-                memory_bytes: Some(parallel.memory_bytes.most),
-            }
+        let numbers = |Sample { measured, .. }: &Sample| {
+            let ParallelSummary { cells, bodies, messages, bytes, collectives, memory_bytes } = measured.parallel;
+            let (messages, bytes, collectives) = (messages.most, bytes.most, collectives.most);
+            let total = Prediction { seconds: measured.all_seconds(), messages, bytes, collectives, memory: Some(memory_bytes.most) };
+            Numbers::of(measured, &total, &cells, &bodies)
         };
         RunRow { ranks, beyond_cores, numbers: sample.ok().map(numbers), remark: sample.err().map(Error::to_string) }
     }
 
     /// A run that the model predicts, with the steps and iterations of one that was measured.
     pub fn predicted(ranks: usize, model: &Model, like: &Measurement, shares: std::result::Result<&Shares, &Error>) -> RunRow {
-        let numbers = |shares: &Shares| {
-            let (steps, iterations) = (like.steps as f64, like.iterations as f64);
-            let predicted = model.predict(shares, iterations);
-            Numbers {
-                seconds: predicted.seconds / steps,
-                efficiency: 1.0,
-                iterations: iterations / steps,
-                cells_imbalance: shares.cells.imbalance(),
-                bodies_imbalance: shares.bodies.imbalance(),
-                messages: predicted.messages / steps,
-                bytes: predicted.bytes / steps,
-                collectives: predicted.collectives / steps,
-                memory_bytes: predicted.memory,
-            }
-        };
+        let total = |shares: &Shares| model.predict(shares, like.iterations as f64);
+        let numbers = |shares: &Shares| Numbers::of(like, &total(shares), &shares.cells, &shares.bodies);
         RunRow { ranks, beyond_cores: false, numbers: shares.ok().map(numbers), remark: shares.err().map(Error::to_string) }
     }
 

@@ -2,9 +2,9 @@
 
 use std::{fmt::Write, path::Path, time::Instant};
 
+use super::solve::viscosity;
 use crate::{
-    error::{Error, Result},
-    observe,
+    error::Result,
     output::say,
     petsc::Session,
     scene::Scene,
@@ -203,8 +203,7 @@ fn cost<const D: usize>(session: &Session, scene: &Scene) -> Result<Cost> {
     let start = Instant::now();
     let solution = suspension.solve(&mut |_, _| ())?;
     let seconds = session.world().max(start.elapsed().as_secs_f64());
-    let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[])?;
-    let viscosity = viscosity.ok_or_else(|| Error::Diverged("a crowd of the validation is not sheared".into()))?.relative();
+    let viscosity = viscosity(&suspension, &solution)?.relative();
     let cost = suspension.cost();
     let assembly = session.world().max(cost.assembly);
     Ok(Cost { viscosity, iterations: cost.krylov.iterations, assembly, solve: seconds - assembly })
