@@ -5,24 +5,24 @@
 
 mod analysis;
 mod apply;
-mod axes;
 mod chart;
-mod choice;
-mod digits;
-mod facts;
+mod cheapest;
 mod findings;
+mod format;
 mod identity;
 mod metric;
 mod options;
 mod page;
 mod perturb;
+mod properties;
 mod quantity;
+mod ranges;
 mod record;
 mod reference;
 mod sensitivity;
 mod sequence;
 mod setting;
-mod suited;
+mod suitable_quantity;
 mod sweep;
 mod table;
 mod text;
@@ -30,9 +30,9 @@ mod text;
 pub use self::options::Cost;
 use self::{
     analysis::Analysis,
-    axes::Axes,
     identity::{CostIdentity, Identity},
     metric::Metric,
+    ranges::ParameterRanges,
     sweep::Sweep,
 };
 use super::{
@@ -62,8 +62,8 @@ impl Study<PetscOptions> for Cost {
         let (options, times) = self.shortened(&whole)?;
         let scene = &Scene::read(&options.scene.scene, &options.scene.overrides)?;
         let metric = Metric::of(&options, scene)?;
-        let axes = Axes::of(&options, scene, metric.facts.radius)?;
-        options.check_names(&axes.methods)?;
+        let ranges = ParameterRanges::of(&options, scene, metric.properties.radius)?;
+        options.check_names(&ranges.methods)?;
         let launcher = Launcher::new(&options.start.launcher, petsc)?;
         let folder = StudyFolder::take(options.out.clone().unwrap_or_else(|| format!("out/{}-cost", scene.name).into()))?;
         let identity = CostIdentity { identity: Identity::of(scene, metric.quantity, &options, petsc)? };
@@ -72,7 +72,7 @@ impl Study<PetscOptions> for Cost {
         let scratch = &folder.scratch;
         let sweep = Sweep { options: &options, scene, metric, store, launcher, scratch, measured: Vec::new() };
         let mut analysis = Analysis { times, sweep };
-        let findings = analysis.findings(&axes)?;
+        let findings = analysis.findings(&ranges)?;
         // a run that outlived the study which started it has made its folder anew
         sweep_out(&folder.path);
         analysis.sweep.store.write(Some(&findings))?;

@@ -4,22 +4,22 @@
 //! timed by the step, over as many as it has. *Strong*: the same scene on more ranks. *Weak*: as many times the bodies in
 //! as many times the volume as there are ranks, along the periodic axes of the box.
 
-mod arrangement;
-mod growth;
+mod enlarge;
 mod measurement;
 mod model;
 mod report;
 mod table;
+mod workload;
 
 use std::path::PathBuf;
 
 use self::{
-    arrangement::{Arrangement, Shares},
-    growth::{copies, write_grown},
+    enlarge::{copies, write_enlarged},
     measurement::Measurement,
     model::{Model, Network, Sample},
     report::Report,
     table::{RunRow, Table},
+    workload::{RankShares, Workload},
 };
 use super::{
     command::{PetscOptions, SceneArguments, Study, positive},
@@ -91,13 +91,13 @@ struct Measuring<'a, const D: usize> {
     ranks: Vec<usize>,
     cores: usize,
     launcher: Launcher,
-    arrangement: Arrangement<D>,
+    workload: Workload<D>,
     folder: StudyFolder,
 }
 
 /// Whether the scene grows with the ranks.
 #[derive(Clone, Copy, PartialEq)]
-enum Kind {
+enum ScalingKind {
     Strong,
     Weak,
 }
@@ -106,16 +106,16 @@ impl<'a, const D: usize> Measuring<'a, D> {
     fn new(options: &'a Scaling, petsc: &PetscOptions, scene: Scene) -> Result<Measuring<'a, D>> {
         let ranks = rank_counts(&options.ranks)?;
         let launcher = Launcher::new(&options.start.launcher, petsc)?;
-        let arrangement = Arrangement::of(&scene)?;
+        let workload = Workload::of(&scene)?;
         let folder = StudyFolder::take(options.out.clone().unwrap_or_else(|| format!("out/{}-scaling", scene.name).into()))?;
         let cores = options.cores.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
-        Ok(Measuring { options, scene, ranks, cores, launcher, arrangement, folder })
+        Ok(Measuring { options, scene, ranks, cores, launcher, workload, folder })
     }
 
     fn report(&self) -> Result<()> {
-        let strong = self.measure(Kind::Strong)?;
+        let strong = self.measure(ScalingKind::Strong)?;
         let (weak, weak_refusal) = match copies::<D>(&self.scene, 2) {
-            Ok(_) => (Some(self.measure(Kind::Weak)?), None),
+            Ok(_) => (Some(self.measure(ScalingKind::Weak)?), None),
             Err(reason) => (None, Some(reason.to_string())),
         };
         let both = strong.iter().chain(weak.iter().flatten());
@@ -128,8 +128,8 @@ impl<'a, const D: usize> Measuring<'a, D> {
             launcher: self.options.start.launcher.clone(),
             repeat: self.options.start.repeat,
             cores: self.cores,
-            strong: self.table(&strong, model.as_ref(), Kind::Strong),
-            weak: weak.map(|weak| self.table(&weak, model.as_ref(), Kind::Weak)),
+            strong: self.table(&strong, model.as_ref(), ScalingKind::Strong),
+            weak: weak.map(|weak| self.table(&weak, model.as_ref(), ScalingKind::Weak)),
             weak_refusal,
             network,
             model,
@@ -139,10 +139,10 @@ impl<'a, const D: usize> Measuring<'a, D> {
     }
 
     /// A run for each rank count, or why there is none.
-    fn measure(&self, kind: Kind) -> Result<Vec<(usize, Result<Sample>)>> {
+    fn measure(&self, kind: ScalingKind) -> Result<Vec<(usize, Result<Sample>)>> {
         let mut samples = Vec::new();
         for &ranks in &self.ranks {
-            let shares = self.arrangement(kind, ranks).and_then(|arrangement| arrangement.shares(ranks));
+            let shares = self.workload(kind, ranks).and_then(|workload| workload.shares(ranks));
             let sample = match shares {
                 Ok(shares) => Ok(Sample { shares, measured: self.run(kind, ranks)? }),
                 Err(reason) => Err(reason),
@@ -152,35 +152,35 @@ impl<'a, const D: usize> Measuring<'a, D> {
         Ok(samples)
     }
 
-    /// Shares on any number of ranks. Copies of a cell share out evenly, bodies placed anew do not: as unevenly as in a measured run.
-    fn expected_shares(&self, kind: Kind, ranks: usize, like: &Measurement) -> Result<Shares> {
-        let mut shares = self.arrangement(kind, ranks)?.shares(ranks)?;
-        if kind == Kind::Weak && ranks > 1 {
+    /// RankShares on any number of ranks. Copies of a cell share out evenly, bodies placed anew do not: as unevenly as in a measured run.
+    fn expected_shares(&self, kind: ScalingKind, ranks: usize, like: &Measurement) -> Result<RankShares> {
+        let mut shares = self.workload(kind, ranks)?.shares(ranks)?;
+        if kind == ScalingKind::Weak && ranks > 1 {
             shares.bodies.most = shares.bodies.most.max(shares.bodies.mean * like.parallel.bodies.imbalance());
         }
         Ok(shares)
     }
 
-    fn arrangement(&self, kind: Kind, ranks: usize) -> Result<Arrangement<D>> {
+    fn workload(&self, kind: ScalingKind, ranks: usize) -> Result<Workload<D>> {
         match kind {
-            Kind::Strong => Ok(self.arrangement.clone()),
-            Kind::Weak => Ok(self.arrangement.repeated(copies(&self.scene, ranks)?)),
+            ScalingKind::Strong => Ok(self.workload.clone()),
+            ScalingKind::Weak => Ok(self.workload.repeated(copies(&self.scene, ranks)?)),
         }
     }
 
-    fn run(&self, kind: Kind, ranks: usize) -> Result<Measurement> {
+    fn run(&self, kind: ScalingKind, ranks: usize) -> Result<Measurement> {
         let scratch = &self.folder.scratch.0;
-        let (grown, overrides): (PathBuf, &[String]) = match kind {
-            Kind::Weak if ranks > 1 => (write_grown(&self.scene, copies::<D>(&self.scene, ranks)?, scratch)?, &[]),
+        let (enlarged, overrides): (PathBuf, &[String]) = match kind {
+            ScalingKind::Weak if ranks > 1 => (write_enlarged(&self.scene, copies::<D>(&self.scene, ranks)?, scratch)?, &[]),
             _ => (self.options.scene.scene.clone(), &self.options.scene.overrides),
         };
         let overrides = [overrides, &[WITHOUT_PICTURE.to_owned()]].concat();
         let folder = &scratch.join("out");
-        let job = Job { scene: &grown, overrides: &overrides, folder, ranks, repeat: self.options.start.repeat };
+        let job = Job { scene: &enlarged, overrides: &overrides, folder, ranks, repeat: self.options.start.repeat };
         self.launcher.measure(&job, Measurement::read, Measurement::seconds)
     }
 
-    fn table(&self, samples: &[(usize, Result<Sample>)], model: Option<&Model>, kind: Kind) -> Table {
+    fn table(&self, samples: &[(usize, Result<Sample>)], model: Option<&Model>, kind: ScalingKind) -> Table {
         let measured: Vec<RunRow> =
             samples.iter().map(|(ranks, sample)| RunRow::measured(*ranks, *ranks > self.cores, sample.as_ref())).collect();
         let last = samples.iter().rev().find_map(|(_, sample)| sample.as_ref().ok());
@@ -190,7 +190,7 @@ impl<'a, const D: usize> Measuring<'a, D> {
             let rows = powers.map(|ranks| RunRow::predicted(ranks, model, &last.measured, shares(ranks).as_ref()));
             up_to_the_first(rows, RunRow::absent)
         });
-        Table::new(measured, model, kind == Kind::Weak)
+        Table::new(measured, model, kind == ScalingKind::Weak)
     }
 }
 

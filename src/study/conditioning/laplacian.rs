@@ -10,7 +10,7 @@ use nalgebra::SVector;
 use serde::Serialize;
 
 use super::{
-    energy::{History, Watched},
+    energy::{EnergyMonitor, History},
     method::Method,
 };
 use crate::{
@@ -124,7 +124,7 @@ impl<const D: usize> Problem<D> {
         let mut krylov = Krylov::new(session, self.rhs.local()?.len(), c"laplacian_", settings)?;
         krylov.keep_singular_values()?;
         let mut x = self.rhs.like()?;
-        let mut system = Watched::new(&self.matrix, inverse);
+        let mut system = EnergyMonitor::new(&self.matrix, inverse);
         krylov.solve(&mut system, (&self.rhs, &mut x), &mut |_, _| {})?;
         let (largest, smallest) = krylov.extreme_singular_values()?;
         let history = system.history(self.energy_of_error(x)?, self.solution.dot(&self.rhs)?);

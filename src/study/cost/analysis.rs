@@ -1,9 +1,9 @@
-//! From settings to findings: measure, find a reference, judge, change the parameters of what was chosen.
+//! From settings to findings: measure, find a reference, criterion, change the parameters of what was chosen.
 
 use super::{
-    axes::Axes,
-    choice::Judge,
+    cheapest::ErrorCriterion,
     findings::{Findings, MethodFinding, Point},
+    ranges::ParameterRanges,
     record::Record,
     reference::{Limit, Reference},
     sequence::RefinementSequence,
@@ -34,8 +34,8 @@ impl Analysis<'_> {
     ///
     /// # Errors
     /// Runs cannot be started, or none came to its end.
-    pub fn findings(&mut self, axes: &Axes) -> Result<Findings> {
-        let (methods, mut notes) = self.measure(axes)?;
+    pub fn findings(&mut self, ranges: &ParameterRanges) -> Result<Findings> {
+        let (methods, mut notes) = self.measure(ranges)?;
         self.expect_some()?;
         let refined = self.finest(&methods);
         let sensitivities = match &refined {
@@ -45,7 +45,7 @@ impl Analysis<'_> {
         let reference = match (self.sweep.options.exact.is_empty(), &refined) {
             (false, _) => Some(Reference::given(self.sweep.options, &self.sweep.metric)),
             (true, Some((finest, limit))) => {
-                let tolerance = finest.solves_to(self.sweep.scene);
+                let tolerance = finest.tolerance_in(self.sweep.scene);
                 Some(Reference::extrapolated(finest, tolerance, limit, &sensitivities[0], &self.sweep.metric))
             }
             (true, None) => None,
@@ -73,7 +73,7 @@ impl Analysis<'_> {
             reference,
             points,
             methods,
-            written: Some(Setting::written(scene)),
+            written: Some(Setting::of_scene(scene)),
             sensitivities: Vec::new(),
             notes: Vec::new(),
         }
@@ -96,16 +96,16 @@ impl Analysis<'_> {
     }
 
     /// Runs of all methods that the scene allows, and why others or finer grids are left out.
-    fn measure(&mut self, axes: &Axes) -> Result<(Vec<MethodSettings>, Vec<String>)> {
+    fn measure(&mut self, ranges: &ParameterRanges) -> Result<(Vec<MethodSettings>, Vec<String>)> {
         let (mut all, mut notes) = (Vec::new(), Vec::new());
-        for method in &axes.methods {
+        for method in &ranges.methods {
             let trial = [format!("method.constraint={method}"), "resolution.modes=auto".into()];
             if let Err(refusal) = self.sweep.scene_with(&trial) {
                 let reason = refusal.to_string();
                 notes.push(format!("{method} is left out: {}", reason.strip_prefix("--set: ").unwrap_or(&reason)));
                 continue;
             }
-            let settings = axes.settings(method, self.sweep.scene, self.sweep.metric.facts.unit());
+            let settings = ranges.settings(method, self.sweep.scene, self.sweep.metric.properties.unit());
             notes.extend(self.sweep.measure(&settings)?);
             all.push(MethodSettings { method: method.clone(), settings });
         }
@@ -148,21 +148,21 @@ impl Analysis<'_> {
         };
         let sequences = self.sequences(own);
         let Some((reference, main)) = reference.zip(RefinementSequence::main(&sequences)) else { return finding };
-        let judge = Judge {
+        let criterion = ErrorCriterion {
             error: |values: &[f64]| self.sweep.metric.error(values, &reference.values),
             uncertainty: reference.uncertainty,
             wanted: self.sweep.options.error,
             times: self.times,
         };
-        let [order, seconds] = judge.growth(&main).map(|power| power.map(|power| power.exponent));
-        let predicted = || judge.predicted(&main, self.sweep.metric.facts.unit());
-        MethodFinding { order, seconds_exponent: seconds, cheapest: judge.cheapest(&sequences).or_else(predicted), ..finding }
+        let [order, seconds] = criterion.growth(&main).map(|power| power.map(|power| power.exponent));
+        let predicted = || criterion.predicted(&main, self.sweep.metric.properties.unit());
+        MethodFinding { order, seconds_exponent: seconds, cheapest: criterion.cheapest(&sequences).or_else(predicted), ..finding }
     }
 
     fn point(&self, setting: &Setting, reference: Option<&Reference>) -> Option<Point> {
         let record = self.sweep.store.find(setting)?;
         let error = |values: &[f64]| reference.map(|reference| self.sweep.metric.error(values, &reference.values));
-        Some(Point::of(record, self.sweep.metric.facts.radius, error, reference.map_or(0.0, |reference| reference.uncertainty)))
+        Some(Point::of(record, self.sweep.metric.properties.radius, error, reference.map_or(0.0, |reference| reference.uncertainty)))
     }
 
     /// A faster inverse that the runs could have taken.

@@ -1,8 +1,8 @@
 //! Error against seconds, one line a method.
 
 use super::{
-    digits::percent,
     findings::{Findings, Point},
+    format::percent,
 };
 use crate::output::{Chart, Level, Mark, Notes, Scale, Series};
 
@@ -45,7 +45,7 @@ pub fn svg(findings: &Findings) -> String {
 fn joined(own: &[&Point], place: impl Fn(&Point) -> Option<(f64, f64)>) -> Vec<(f64, f64)> {
     let mut lines: Vec<Vec<&Point>> = Vec::new();
     for &point in own {
-        match lines.iter_mut().find(|line| line[0].setting.beside(&point.setting)) {
+        match lines.iter_mut().find(|line| line[0].setting.differs_in_grid_alone(&point.setting)) {
             Some(line) => line.push(point),
             None => lines.push(vec![point]),
         }

@@ -3,11 +3,11 @@
 use serde::Serialize;
 
 use super::{
-    choice::Cheapest,
+    cheapest::Cheapest,
     record::{Measured, Outcome, Record},
     reference::Reference,
     sensitivity::Sensitivity,
-    setting::{Fineness, Setting},
+    setting::{Resolution, Setting},
 };
 
 /// All that a study found.
@@ -103,8 +103,8 @@ impl Point {
     /// Cells across the smallest radius, or the spacing where there are no bodies.
     pub fn resolution(&self) -> String {
         match (self.cells_per_radius, self.setting.grid) {
-            (Some(cells), _) | (None, Fineness::CellsPerRadius(cells)) => format!("{cells:.1}").trim_end_matches(".0").to_owned(),
-            (None, Fineness::Spacing(spacing)) => format!("h = {spacing:.4}"),
+            (Some(cells), _) | (None, Resolution::CellsPerRadius(cells)) => format!("{cells:.1}").trim_end_matches(".0").to_owned(),
+            (None, Resolution::Spacing(spacing)) => format!("h = {spacing:.4}"),
         }
     }
 }

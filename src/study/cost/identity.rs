@@ -85,21 +85,21 @@ mod tests {
 
     use super::*;
     use crate::study::cost::{
-        quantity::Kind,
+        quantity::QuantityKind,
         record::{Measured, Outcome, Record},
-        setting::{Fineness, Setting},
+        setting::{Resolution, Setting},
     };
     use crate::study::store::Store;
 
     fn identity(scene: &str) -> CostIdentity {
-        let quantity = Quantity { kind: Kind::Drag, body: None, probe: None };
+        let quantity = Quantity { kind: QuantityKind::Drag, body: None, probe: None };
         let text = "domain.size = [1, 1]\nresolution.spacing = 0.1\n";
         let parsed = Scene::parse("scene", Path::new(""), &format!("title = {scene:?}\n{text}"), &[]).unwrap();
         CostIdentity { identity: Identity::of(&parsed, quantity, &Cost::default(), &[]).unwrap() }
     }
 
     fn setting(cells: f64) -> Setting {
-        Setting { method: "sharp".into(), grid: Fineness::CellsPerRadius(cells), modes: None, tolerance: None, step: None }
+        Setting { method: "sharp".into(), grid: Resolution::CellsPerRadius(cells), modes: None, tolerance: None, step: None }
     }
 
     #[test]

@@ -5,8 +5,8 @@ use std::{fs, path::Path};
 use serde_json::Value;
 
 use super::{
-    facts::Facts,
-    quantity::{Kind, Quantity},
+    properties::SceneProperties,
+    quantity::{Quantity, QuantityKind},
 };
 use crate::{
     error::{Error, Result},
@@ -19,7 +19,7 @@ pub struct Metric {
     /// The quantity.
     pub quantity: Quantity,
     /// The scene as it is.
-    pub facts: Facts,
+    pub properties: SceneProperties,
 }
 
 impl Metric {
@@ -27,17 +27,17 @@ impl Metric {
     pub fn words(&self) -> String {
         let of = self.quantity.body.map_or(String::new(), |body| format!(" of body {body}"));
         match self.quantity.kind {
-            Kind::Drag if self.quantity.body.is_none() && self.facts.held.iter().filter(|&&held| held).count() > 1 => {
+            QuantityKind::Drag if self.quantity.body.is_none() && self.properties.held.iter().filter(|&&held| held).count() > 1 => {
                 "drag: magnitude of the mean force on the held bodies".into()
             }
-            Kind::Drag => format!("drag{of}: magnitude of the force by the fluid"),
-            Kind::Viscosity => "relative viscosity".into(),
-            Kind::Velocity => format!("velocity{of}, with spin times radius; errors over its norm"),
-            Kind::Value => format!("value in the inclusions{of}"),
-            Kind::Energy => "energy".into(),
-            Kind::Position => format!("position{of} at the end; errors are root mean squares in radii"),
-            Kind::Field => format!("field on {} points an axis; errors in L2 over its norm", self.quantity.probe.unwrap_or(0)),
-            Kind::Gradient => {
+            QuantityKind::Drag => format!("drag{of}: magnitude of the force by the fluid"),
+            QuantityKind::Viscosity => "relative viscosity".into(),
+            QuantityKind::Velocity => format!("velocity{of}, with spin times radius; errors over its norm"),
+            QuantityKind::Value => format!("value in the inclusions{of}"),
+            QuantityKind::Energy => "energy".into(),
+            QuantityKind::Position => format!("position{of} at the end; errors are root mean squares in radii"),
+            QuantityKind::Field => format!("field on {} points an axis; errors in L2 over its norm", self.quantity.probe.unwrap_or(0)),
+            QuantityKind::Gradient => {
                 format!(
                     "differences of the field between {} points an axis; errors in L2 over their norm",
                     self.quantity.probe.unwrap_or(0)
@@ -52,23 +52,24 @@ impl Metric {
     /// The run does not tell it.
     pub fn read(&self, summary: &RunSummary, folder: &Path) -> Result<Vec<f64>> {
         let values = match self.quantity.kind {
-            Kind::Drag => self.drag(summary),
-            Kind::Viscosity => summary.get("/viscosity/relative").map(|viscosity| vec![viscosity]),
-            Kind::Energy => summary.get("/scalar/energy").map(|energy| vec![energy]),
-            Kind::Value => self.each(&summary.0["scalar"]["inclusions"], |inclusion| Some(vec![inclusion["value"].as_f64()?])),
-            Kind::Velocity => self.each(&summary.0["bodies"], velocity),
-            Kind::Position => self.each(&summary.0["bodies"], |body| numbers(&body["center"])),
-            Kind::Field | Kind::Gradient => return self.lattice(&folder.join("probe.csv")),
+            QuantityKind::Drag => self.drag(summary),
+            QuantityKind::Viscosity => summary.get("/viscosity/relative").map(|viscosity| vec![viscosity]),
+            QuantityKind::Energy => summary.get("/scalar/energy").map(|energy| vec![energy]),
+            QuantityKind::Value => self.each(&summary.0["scalar"]["inclusions"], |inclusion| Some(vec![inclusion["value"].as_f64()?])),
+            QuantityKind::Velocity => self.each(&summary.0["bodies"], velocity),
+            QuantityKind::Position => self.each(&summary.0["bodies"], |body| numbers(&body["center"])),
+            QuantityKind::Field | QuantityKind::Gradient => return self.lattice(&folder.join("probe.csv")),
         };
         values.ok_or_else(|| Error::Refused(format!("--quantity {}: the run does not tell it; choose another", self.quantity.kind.word())))
     }
 
     fn drag(&self, summary: &RunSummary) -> Option<Vec<f64>> {
         let forces = summary.0["bodies"].as_array()?.iter().map(|body| numbers(&body["force"])).collect::<Option<Vec<_>>>()?;
-        let chosen = |place: usize| self.quantity.body.map_or(self.facts.held.get(place) == Some(&true), |body| body == place);
+        let chosen = |place: usize| self.quantity.body.map_or(self.properties.held.get(place) == Some(&true), |body| body == place);
         let counted: Vec<&Vec<f64>> = (0..).zip(&forces).filter(|(place, _)| chosen(*place)).map(|(_, force)| force).collect();
-        let mean: Vec<f64> =
-            (0..self.facts.dimension).map(|axis| counted.iter().map(|force| force[axis]).sum::<f64>() / counted.len() as f64).collect();
+        let mean: Vec<f64> = (0..self.properties.dimension)
+            .map(|axis| counted.iter().map(|force| force[axis]).sum::<f64>() / counted.len() as f64)
+            .collect();
         let size = norm(&mean);
         size.is_finite().then_some(vec![size])
     }
@@ -87,20 +88,20 @@ impl Metric {
         let unreadable = |source| Error::File { path: path.to_owned(), source };
         let text = fs::read_to_string(path).map_err(unreadable)?;
         let parse = |cell: &str| cell.parse::<f64>().map_err(|error| unreadable(std::io::Error::other(error)));
-        let line = |line: &str| line.split(',').skip(self.facts.dimension).map(parse).collect::<Result<Vec<f64>>>();
+        let line = |line: &str| line.split(',').skip(self.properties.dimension).map(parse).collect::<Result<Vec<f64>>>();
         let values = text.lines().skip(1).map(line).collect::<Result<Vec<_>>>()?;
         match self.quantity.probe {
-            Some(points) if self.quantity.kind == Kind::Gradient => Ok(differences(&values, points, self.facts.dimension)),
+            Some(points) if self.quantity.kind == QuantityKind::Gradient => Ok(differences(&values, points, self.properties.dimension)),
             _ => Ok(values.concat()),
         }
     }
 
     /// Values moved by periods of the box to where they are nearest to others.
     pub fn near(&self, values: &[f64], others: &[f64]) -> Vec<f64> {
-        if self.quantity.kind != Kind::Position {
+        if self.quantity.kind != QuantityKind::Position {
             return values.to_vec();
         }
-        let moved = |(place, (value, other)): (usize, (&f64, &f64))| match self.facts.periods[place % self.facts.dimension] {
+        let moved = |(place, (value, other)): (usize, (&f64, &f64))| match self.properties.periods[place % self.properties.dimension] {
             Some(period) => value - period * ((value - other) / period).round(),
             None => *value,
         };
@@ -109,8 +110,8 @@ impl Metric {
 
     /// What errors are taken over: the norm of the quantity, or of positions a radius for each body.
     pub fn scale(&self, values: &[f64]) -> f64 {
-        let scale = match (self.quantity.kind, self.facts.radius) {
-            (Kind::Position, Some(radius)) => radius * (values.len() as f64 / self.facts.dimension as f64).sqrt(),
+        let scale = match (self.quantity.kind, self.properties.radius) {
+            (QuantityKind::Position, Some(radius)) => radius * (values.len() as f64 / self.properties.dimension as f64).sqrt(),
             _ => norm(values),
         };
         if scale > 0.0 { scale } else { 1.0 }
@@ -156,26 +157,26 @@ pub fn norm(values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::cost::facts::tests::suits;
+    use crate::study::cost::properties::tests::suits;
 
-    fn facts() -> Facts {
-        Facts { dimension: 2, radius: Some(0.5), held: vec![true, false, true], periods: vec![None; 2], modes: None, volume: 1.0 }
+    fn properties() -> SceneProperties {
+        SceneProperties { dimension: 2, radius: Some(0.5), held: vec![true, false, true], periods: vec![None; 2], modes: None, volume: 1.0 }
     }
 
-    fn read(kind: Kind, body: Option<usize>, summary: &RunSummary) -> Option<Vec<f64>> {
-        Metric { quantity: Quantity { kind, body, probe: None }, facts: facts() }.read(summary, Path::new("")).ok()
+    fn read(kind: QuantityKind, body: Option<usize>, summary: &RunSummary) -> Option<Vec<f64>> {
+        Metric { quantity: Quantity { kind, body, probe: None }, properties: properties() }.read(summary, Path::new("")).ok()
     }
 
     #[test]
     fn quantities_are_read_from_a_summary() {
         let body = |force: f64| serde_json::json!({"force": [force, 4.0], "velocity": [1.0, 2.0], "spin": [3.0], "radius": 0.5, "center": [0.1, 0.2]});
         let summary = RunSummary(serde_json::json!({"bodies": [body(2.0), body(100.0), body(4.0)], "viscosity": {"relative": 2.5}}));
-        assert_eq!(read(Kind::Drag, None, &summary), Some(vec![5.0]), "the mean of the held ones is (3, 4)");
-        assert_eq!(read(Kind::Viscosity, None, &summary), Some(vec![2.5]));
-        assert_eq!(read(Kind::Velocity, Some(1), &summary), Some(vec![1.0, 2.0, 1.5]));
-        assert_eq!(read(Kind::Position, Some(2), &summary), Some(vec![0.1, 0.2]));
-        assert_eq!(read(Kind::Energy, None, &summary), None);
-        assert_eq!(read(Kind::Velocity, Some(3), &summary), None);
+        assert_eq!(read(QuantityKind::Drag, None, &summary), Some(vec![5.0]), "the mean of the held ones is (3, 4)");
+        assert_eq!(read(QuantityKind::Viscosity, None, &summary), Some(vec![2.5]));
+        assert_eq!(read(QuantityKind::Velocity, Some(1), &summary), Some(vec![1.0, 2.0, 1.5]));
+        assert_eq!(read(QuantityKind::Position, Some(2), &summary), Some(vec![0.1, 0.2]));
+        assert_eq!(read(QuantityKind::Energy, None, &summary), None);
+        assert_eq!(read(QuantityKind::Velocity, Some(3), &summary), None);
     }
 
     #[test]
@@ -186,9 +187,9 @@ mod tests {
 
     #[test]
     fn positions_are_compared_across_the_sides_of_the_box() {
-        let (_, facts) = suits("force = [1.0, 0.0]\n[time]\nend = 1\n");
-        let metric = |kind| Metric { quantity: Quantity { kind, body: None, probe: None }, facts: facts.clone() };
-        assert!((metric(Kind::Position).error(&[3.9, 1.0], &[0.1, 1.0]) - 0.4).abs() < 1e-12, "0.2 are 0.4 radii");
-        assert!((metric(Kind::Drag).error(&[9.0], &[10.0]) + 0.1).abs() < 1e-12);
+        let (_, properties) = suits("force = [1.0, 0.0]\n[time]\nend = 1\n");
+        let metric = |kind| Metric { quantity: Quantity { kind, body: None, probe: None }, properties: properties.clone() };
+        assert!((metric(QuantityKind::Position).error(&[3.9, 1.0], &[0.1, 1.0]) - 0.4).abs() < 1e-12, "0.2 are 0.4 radii");
+        assert!((metric(QuantityKind::Drag).error(&[9.0], &[10.0]) + 0.1).abs() < 1e-12);
     }
 }

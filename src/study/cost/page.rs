@@ -81,20 +81,20 @@ mod tests {
     use super::*;
     use crate::study::cost::{
         findings::Point,
-        quantity::Kind,
+        quantity::QuantityKind,
         record::{Outcome, Record, tests::run},
-        setting::{Fineness, Setting},
+        setting::{Resolution, Setting},
     };
 
     fn findings() -> Findings {
         let setting =
-            |cells| Setting { method: "sharp".into(), grid: Fineness::CellsPerRadius(cells), modes: None, tolerance: None, step: None };
+            |cells| Setting { method: "sharp".into(), grid: Resolution::CellsPerRadius(cells), modes: None, tolerance: None, step: None };
         let measured = Record { setting: setting(4.0), outcome: Outcome::Measured(run(0.25, 1.02)) };
         let failed = Record { setting: setting(8.0), outcome: Outcome::Failed("no <memory>".into()) };
         Findings {
             title: "a & b".into(),
             quantity: "drag".into(),
-            name: Kind::Drag.word(),
+            name: QuantityKind::Drag.word(),
             ranks: 1,
             repeat: 2,
             wanted: 1e-2,

@@ -1,8 +1,8 @@
 //! Each parameter of a setting is changed on its own, and the change of the quantity compared.
 
 use super::{
-    facts::Facts,
     metric::norm,
+    properties::SceneProperties,
     record::{Measured, Outcome},
     sensitivity::{ParameterChange, Sensitivity},
     setting::{Setting, has_modes},
@@ -77,13 +77,13 @@ impl Sweep<'_> {
         (modes + 1..=wanted)
             .rev()
             .map(|modes| Setting { modes: Some(modes), ..setting.clone() })
-            .find(|raised| self.scene_with(&raised.overrides()).is_ok_and(|scene| Facts::of(&scene).is_ok()))
+            .find(|raised| self.scene_with(&raised.overrides()).is_ok_and(|scene| SceneProperties::of(&scene).is_ok()))
     }
 }
 
 /// A tenth of the tolerance; what is automatic in time becomes the tightest that it ever is.
 fn tighter(setting: &Setting, scene: &Scene) -> Setting {
-    let now = setting.solves_to(scene);
+    let now = setting.tolerance_in(scene);
     let automatic_in_time = setting.tolerance.is_none() && scene.time.is_some() && scene.method.tolerance == Tolerance::Auto;
     Setting { tolerance: Some(if automatic_in_time { now } else { 0.1 * now }), ..setting.clone() }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// What can be measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum QuantityKind {
     /// Magnitude of the mean force by the fluid on held bodies.
     Drag,
     /// Relative viscosity.
@@ -25,29 +25,29 @@ pub enum Kind {
 }
 
 /// Their words.
-pub const WORDS: [(&str, Kind); 8] = [
-    ("drag", Kind::Drag),
-    ("viscosity", Kind::Viscosity),
-    ("velocity", Kind::Velocity),
-    ("value", Kind::Value),
-    ("energy", Kind::Energy),
-    ("position", Kind::Position),
-    ("field", Kind::Field),
-    ("gradient", Kind::Gradient),
+pub const WORDS: [(&str, QuantityKind); 8] = [
+    ("drag", QuantityKind::Drag),
+    ("viscosity", QuantityKind::Viscosity),
+    ("velocity", QuantityKind::Velocity),
+    ("value", QuantityKind::Value),
+    ("energy", QuantityKind::Energy),
+    ("position", QuantityKind::Position),
+    ("field", QuantityKind::Field),
+    ("gradient", QuantityKind::Gradient),
 ];
 
 /// The quantity of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Quantity {
     /// Which.
-    pub kind: Kind,
+    pub kind: QuantityKind,
     /// Of this body alone, where it is one of bodies.
     pub body: Option<usize>,
     /// Points along each axis of the lattice, where it is one of fields.
     pub probe: Option<usize>,
 }
 
-impl Kind {
+impl QuantityKind {
     /// Its word.
     pub fn word(self) -> &'static str {
         WORDS.iter().find(|(_, kind)| *kind == self).map_or("", |(word, _)| word)
@@ -55,12 +55,12 @@ impl Kind {
 
     /// Whether it is one of bodies.
     pub fn of_bodies(self) -> bool {
-        matches!(self, Kind::Drag | Kind::Velocity | Kind::Value | Kind::Position)
+        matches!(self, QuantityKind::Drag | QuantityKind::Velocity | QuantityKind::Value | QuantityKind::Position)
     }
 
     /// Whether it is one of fields.
     pub fn of_field(self) -> bool {
-        matches!(self, Kind::Field | Kind::Gradient)
+        matches!(self, QuantityKind::Field | QuantityKind::Gradient)
     }
 
     /// The order in the spacing at which theory sees its error fall with a method.
@@ -69,7 +69,7 @@ impl Kind {
     /// spacing. Differences between points of the lattice follow them once the grid is finer than the lattice.
     pub fn predicted_order(self, method: &str) -> f64 {
         match (method, self) {
-            ("sharp" | "fitted", Kind::Field | Kind::Gradient) => 1.5,
+            ("sharp" | "fitted", QuantityKind::Field | QuantityKind::Gradient) => 1.5,
             ("sharp", _) => 2.0,
             ("fitted", _) => 4.0,
             _ => 1.0,

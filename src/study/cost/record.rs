@@ -4,7 +4,7 @@ use std::{fmt, path::Path};
 
 use serde::{Deserialize, Serialize};
 
-use super::{digits::seconds, metric::Metric, setting::Setting};
+use super::{format::seconds, metric::Metric, setting::Setting};
 use crate::{
     error::Result,
     study::{store::Recorded, summary::RunSummary},
@@ -138,8 +138,8 @@ impl Measured {
 fn spacing(summary: &RunSummary, setting: &Setting, metric: &Metric) -> f64 {
     let cells = summary.number("/parallel/cells/mean") * summary.get("/ranks").unwrap_or(1.0);
     match setting.method == "fitted" || cells <= 0.0 {
-        true => setting.grid.spacing(metric.facts.unit()),
-        false => (metric.facts.volume / cells).powf(1.0 / metric.facts.dimension as f64),
+        true => setting.grid.spacing(metric.properties.unit()),
+        false => (metric.properties.volume / cells).powf(1.0 / metric.properties.dimension as f64),
     }
 }
 

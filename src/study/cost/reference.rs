@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{
-    digits::percent,
+    format::percent,
     metric::{Metric, norm},
     options::Cost,
     record::Measured,
@@ -115,15 +115,16 @@ fn observed([coarse, middle, fine]: [f64; 3], ratio: f64) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::study::cost::{
-        facts::Facts,
-        quantity::{Kind, Quantity},
+        properties::SceneProperties,
+        quantity::{Quantity, QuantityKind},
         record::tests::run,
     };
 
     fn limit(value: impl Fn(f64) -> f64, spacings: &[f64], predicted: f64) -> Option<Limit> {
         let runs: Vec<Measured> = spacings.iter().map(|&spacing| run(spacing, value(spacing))).collect();
-        let facts = Facts { dimension: 2, radius: Some(1.0), held: vec![true], periods: vec![None; 2], modes: None, volume: 1.0 };
-        let metric = Metric { quantity: Quantity { kind: Kind::Drag, body: None, probe: None }, facts };
+        let properties =
+            SceneProperties { dimension: 2, radius: Some(1.0), held: vec![true], periods: vec![None; 2], modes: None, volume: 1.0 };
+        let metric = Metric { quantity: Quantity { kind: QuantityKind::Drag, body: None, probe: None }, properties };
         Limit::of(&runs.iter().collect::<Vec<_>>(), &metric, predicted)
     }
 

@@ -21,7 +21,7 @@ impl<'a> RefinementSequence<'a> {
         let mut sequences: Vec<RefinementSequence> = Vec::new();
         let runs = settings.iter().filter_map(|setting| records.iter().find(|record| record.setting == *setting));
         for (setting, run) in runs.filter_map(|record| Some((&record.setting, record.measured()?))) {
-            match sequences.iter_mut().find(|sequence| sequence.runs[0].0.beside(setting)) {
+            match sequences.iter_mut().find(|sequence| sequence.runs[0].0.differs_in_grid_alone(setting)) {
                 Some(sequence) => sequence.runs.push((setting, run)),
                 None => sequences.push(RefinementSequence { runs: vec![(setting, run)] }),
             }
@@ -66,12 +66,12 @@ mod tests {
     use super::*;
     use crate::study::cost::{
         record::{Outcome, tests::run},
-        setting::{Fineness, Stepping},
+        setting::{Resolution, TimeStep},
     };
 
     fn record(cells: f64, step: f64) -> Record {
-        let step = Some(Stepping::Step(step));
-        let setting = Setting { method: "sharp".into(), grid: Fineness::CellsPerRadius(cells), modes: None, tolerance: None, step };
+        let step = Some(TimeStep::Step(step));
+        let setting = Setting { method: "sharp".into(), grid: Resolution::CellsPerRadius(cells), modes: None, tolerance: None, step };
         Record { setting, outcome: Outcome::Measured(run(1.0 / cells, cells)) }
     }
 
@@ -88,6 +88,6 @@ mod tests {
             "what was not asked for is left out"
         );
         let main = RefinementSequence::main(&sequences).expect("there are sequences");
-        assert_eq!((main.finest().0.step, main.finest().1.spacing), (Some(Stepping::Step(0.1)), 0.125));
+        assert_eq!((main.finest().0.step, main.finest().1.spacing), (Some(TimeStep::Step(0.1)), 0.125));
     }
 }

@@ -3,10 +3,10 @@
 use std::{fs, path::PathBuf, time::Instant};
 
 use super::{
-    facts::Facts,
     identity::CostIdentity,
     metric::Metric,
     options::Cost,
+    properties::SceneProperties,
     record::{Measured, Outcome, Record},
     setting::{Setting, has_modes},
 };
@@ -83,14 +83,14 @@ impl Sweep<'_> {
 
     /// Seconds by the clock that a run would take, from the heaviest run of its method; nothing if there was none.
     pub fn predicted(&self, setting: &Setting) -> Option<f64> {
-        let facts = &self.metric.facts;
-        let work = |setting: &Setting| setting.work(facts.dimension, facts.unit());
+        let properties = &self.metric.properties;
+        let work = |setting: &Setting| setting.work(properties.dimension, properties.unit());
         let own = || self.runs().filter(|(other, _)| other.method == setting.method);
         let (heaviest, run) = own().max_by(|one, two| work(one.0).total_cmp(&work(two.0)))?;
         let points: Vec<(f64, f64)> =
-            own().filter(|(other, _)| other.beside(heaviest)).map(|(other, run)| (work(other), run.seconds())).collect();
+            own().filter(|(other, _)| other.differs_in_grid_alone(heaviest)).map(|(other, run)| (work(other), run.seconds())).collect();
         let fitted = Power::fit(&points).map_or(1.0, |power| power.exponent);
-        let [least, most] = GROWTH.map(|growth| 1.0 + growth / facts.dimension as f64);
+        let [least, most] = GROWTH.map(|growth| 1.0 + growth / properties.dimension as f64);
         let growth = (work(setting) / work(heaviest)).powf(fitted.clamp(least, most));
         Some(run.wall_seconds * growth)
     }
@@ -115,7 +115,7 @@ impl Sweep<'_> {
     }
 
     fn run(&self, setting: &Setting) -> Result<Outcome> {
-        let order = |scene: Scene| if has_modes(&setting.method) { Ok(Facts::of(&scene)?.modes) } else { Ok(None) };
+        let order = |scene: Scene| if has_modes(&setting.method) { Ok(SceneProperties::of(&scene)?.modes) } else { Ok(None) };
         let modes = match self.scene_with(&setting.overrides()).and_then(order) {
             Ok(modes) => modes,
             Err(refusal) => return Ok(Outcome::Failed(refusal.to_string())),

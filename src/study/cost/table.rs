@@ -1,8 +1,8 @@
 //! The settings of a study as tables.
 
 use super::{
-    digits::{percent, seconds, signed, thousands, two_digits},
     findings::{Findings, Point},
+    format::{percent, seconds, signed, thousands, two_digits},
     record::Measured,
 };
 use crate::study::table::{Row, number, quoted};

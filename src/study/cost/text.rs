@@ -1,9 +1,9 @@
 //! What a study says to people.
 
 use super::{
-    choice::Cheapest,
-    digits::{percent, seconds, signed, two_digits},
+    cheapest::Cheapest,
     findings::{Findings, MethodFinding},
+    format::{percent, seconds, signed, two_digits},
     sensitivity::{ParameterChange, Sensitivity},
     table::{at_wanted, settings},
 };

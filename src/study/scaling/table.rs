@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use super::{
-    arrangement::Shares,
     measurement::Measurement,
     model::{Model, Prediction, Sample},
+    workload::RankShares,
 };
 use crate::{
     error::Error,
@@ -76,9 +76,9 @@ impl RunRow {
     }
 
     /// A run that the model predicts, with the steps and iterations of one that was measured.
-    pub fn predicted(ranks: usize, model: &Model, like: &Measurement, shares: std::result::Result<&Shares, &Error>) -> RunRow {
-        let total = |shares: &Shares| model.predict(shares, like.iterations as f64);
-        let numbers = |shares: &Shares| Numbers::of(like, &total(shares), &shares.cells, &shares.bodies);
+    pub fn predicted(ranks: usize, model: &Model, like: &Measurement, shares: std::result::Result<&RankShares, &Error>) -> RunRow {
+        let total = |shares: &RankShares| model.predict(shares, like.iterations as f64);
+        let numbers = |shares: &RankShares| Numbers::of(like, &total(shares), &shares.cells, &shares.bodies);
         RunRow { ranks, beyond_cores: false, numbers: shares.ok().map(numbers), remark: shares.err().map(Error::to_string) }
     }
 

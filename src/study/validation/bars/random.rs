@@ -14,7 +14,7 @@ use crate::{
 const FINE: [(usize, usize); 2] = [(32, 24), (11, 10)];
 
 /// What may be asked of a flow: its box, its drive, the motion of the bodies, and the quantity.
-struct Kind {
+struct FlowKind {
     name: &'static str,
     walls: &'static str,
     flow: &'static str,
@@ -23,8 +23,8 @@ struct Kind {
 }
 
 /// Bodies that are free in a periodic box in shear.
-const SHEARED: Kind =
-    Kind { name: "sheared box", walls: "", flow: "drive = { shear_rate = 1.0 }", bodies: "", quantity: Quantity::Viscosity };
+const SHEARED: FlowKind =
+    FlowKind { name: "sheared box", walls: "", flow: "drive = { shear_rate = 1.0 }", bodies: "", quantity: Quantity::Viscosity };
 const SLIDING: &str = "y = { lower = [-1.0, 0.0], upper = [1.0, 0.0] }";
 const SLIDING_IN_SPACE: &str = "y = { lower = [-1.0, 0.0, 0.0], upper = [1.0, 0.0, 0.0] }";
 const CHANNEL: &str = "drive = { pressure_gradient = [-1.0, 0.0] }";
@@ -35,19 +35,19 @@ const CLOSED: &str = "x = \"walls\"\ny = \"walls\"";
 const STIRRED: &str = "motion = { velocity = [1.0, 0.0] }";
 const AT_REST: &str = "drive = { mean_velocity = [0.0, 0.0] }";
 
-const PLANE: [Kind; 6] = [
+const PLANE: [FlowKind; 6] = [
     SHEARED,
-    Kind { name: "Couette cell", walls: SLIDING, flow: "", ..SHEARED },
-    Kind { name: "channel", walls: "y = \"walls\"", flow: CHANNEL, quantity: Quantity::Velocity, ..SHEARED },
-    Kind { name: "fixed array", flow: CROSS_FLOW, bodies: FIXED, quantity: Quantity::Drag, ..SHEARED },
-    Kind { name: "closed box, stirred", walls: CLOSED, flow: "", bodies: STIRRED, quantity: Quantity::Drag },
-    Kind { name: "settling crowd", flow: AT_REST, bodies: "force = [0.0, -1.0]", quantity: Quantity::Velocity, ..SHEARED },
+    FlowKind { name: "Couette cell", walls: SLIDING, flow: "", ..SHEARED },
+    FlowKind { name: "channel", walls: "y = \"walls\"", flow: CHANNEL, quantity: Quantity::Velocity, ..SHEARED },
+    FlowKind { name: "fixed array", flow: CROSS_FLOW, bodies: FIXED, quantity: Quantity::Drag, ..SHEARED },
+    FlowKind { name: "closed box, stirred", walls: CLOSED, flow: "", bodies: STIRRED, quantity: Quantity::Drag },
+    FlowKind { name: "settling crowd", flow: AT_REST, bodies: "force = [0.0, -1.0]", quantity: Quantity::Velocity, ..SHEARED },
 ];
 
-const SPACE: [Kind; 3] = [
-    Kind { name: "sheared box in 3D", ..SHEARED },
-    Kind { name: "Couette cell in 3D", walls: SLIDING_IN_SPACE, flow: "", ..SHEARED },
-    Kind { name: "fixed array in 3D", flow: CROSS_FLOW_IN_SPACE, bodies: FIXED, quantity: Quantity::Drag, ..SHEARED },
+const SPACE: [FlowKind; 3] = [
+    FlowKind { name: "sheared box in 3D", ..SHEARED },
+    FlowKind { name: "Couette cell in 3D", walls: SLIDING_IN_SPACE, flow: "", ..SHEARED },
+    FlowKind { name: "fixed array in 3D", flow: CROSS_FLOW_IN_SPACE, bodies: FIXED, quantity: Quantity::Drag, ..SHEARED },
 ];
 
 /// The scene of a seed, with its answer; every sixth is in 3D. Collective.
@@ -72,7 +72,7 @@ pub fn random_scene(session: &Session, seed: u64) -> Result<KnownScene> {
 fn draw(seed: u64) -> (String, String, Quantity) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let solid = seed.is_multiple_of(6);
-    let kinds: &[Kind] = if solid { &SPACE } else { &PLANE };
+    let kinds: &[FlowKind] = if solid { &SPACE } else { &PLANE };
     let kind = &kinds[random.random_range(0..kinds.len())];
     let films = random.random_bool(0.7);
     let count = if solid { random.random_range(2..=4) } else { random.random_range(2..=14) };

@@ -41,7 +41,7 @@ pub fn known_scenes() -> Vec<KnownScene> {
 
 /// A scene with one kind of body: lines of its `[domain]`, `[flow]` and `[[bodies]]`.
 #[derive(Clone, Copy)]
-struct Draft<'a> {
+struct SceneDraft<'a> {
     size: &'a str,
     walls: &'a str,
     flow: &'a str,
@@ -51,10 +51,10 @@ struct Draft<'a> {
 }
 
 /// A free disk in a periodic box, and a sphere in one; centres are in no special place on any grid.
-const SQUARE: Draft = Draft { size: "[1.0, 1.0]", walls: "", flow: "", radius: 0.15, centers: "[[0.513, 0.527]]", motion: "" };
-const CUBE: Draft = Draft { size: "[1.0, 1.0, 1.0]", centers: "[[0.513, 0.527, 0.481]]", ..SQUARE };
-const CHANNEL: Draft = Draft { walls: "y = \"walls\"", centers: "[[0.513, 0.5]]", ..SQUARE };
-const PAIR: Draft = Draft { centers: "[[0.3, 0.4], [0.65, 0.62]]", ..SQUARE };
+const SQUARE: SceneDraft = SceneDraft { size: "[1.0, 1.0]", walls: "", flow: "", radius: 0.15, centers: "[[0.513, 0.527]]", motion: "" };
+const CUBE: SceneDraft = SceneDraft { size: "[1.0, 1.0, 1.0]", centers: "[[0.513, 0.527, 0.481]]", ..SQUARE };
+const CHANNEL: SceneDraft = SceneDraft { walls: "y = \"walls\"", centers: "[[0.513, 0.5]]", ..SQUARE };
+const PAIR: SceneDraft = SceneDraft { centers: "[[0.3, 0.4], [0.65, 0.62]]", ..SQUARE };
 
 const FIXED: &str = "motion = \"fixed\"";
 const MOVED: &str = "motion = { velocity = [1.0, 0.0] }";
@@ -62,9 +62,9 @@ const CROSS_FLOW: &str = "drive = { mean_velocity = [1.0, 0.0] }";
 const AT_REST: &str = "drive = { mean_velocity = [0.0, 0.0] }";
 const SHEAR: &str = "drive = { shear_rate = 1.0 }";
 
-impl Draft<'_> {
+impl SceneDraft<'_> {
     fn known(&self, name: impl Into<String>, quantity: Quantity, values: &[f64]) -> KnownScene {
-        let Draft { size, walls, flow, radius, centers, motion } = self;
+        let SceneDraft { size, walls, flow, radius, centers, motion } = self;
         let bodies = format!("[[bodies]]\nradius = {radius:?}\ncenters = {centers}\n{motion}\n");
         let text = format!("[domain]\nsize = {size}\n{walls}\n[flow]\n{flow}\n[method]\ninverse = \"auto\"\n{bodies}");
         KnownScene { name: name.into(), text, answer: Answer { quantity, values: values.to_vec() } }
@@ -83,18 +83,18 @@ pub fn sphere_radius(fraction: f64) -> f64 {
 
 /// Fixed disks at a fraction, with their drag.
 pub fn square_array(fraction: f64, drag: f64) -> KnownScene {
-    let draft = Draft { flow: CROSS_FLOW, radius: disk_radius(fraction), motion: FIXED, ..SQUARE };
+    let draft = SceneDraft { flow: CROSS_FLOW, radius: disk_radius(fraction), motion: FIXED, ..SQUARE };
     draft.known(format!("square array {fraction}"), Quantity::Drag, &[drag, 0.0, 0.0])
 }
 
 /// Free disks at a fraction in shear, with their viscosity.
 pub fn disk_lattice(fraction: f64, viscosity: f64) -> KnownScene {
-    let draft = Draft { flow: SHEAR, radius: disk_radius(fraction), ..SQUARE };
+    let draft = SceneDraft { flow: SHEAR, radius: disk_radius(fraction), ..SQUARE };
     draft.known(format!("square lattice {fraction}"), Quantity::Viscosity, &[viscosity])
 }
 
 fn couette(length: f64, radius: f64, quantity: Quantity, values: &[f64]) -> KnownScene {
-    let draft = Draft { size: &format!("[{length:?}, 1.0]"), walls: SLIDING, radius, ..CHANNEL };
+    let draft = SceneDraft { size: &format!("[{length:?}, 1.0]"), walls: SLIDING, radius, ..CHANNEL };
     draft.known(format!("disk of {radius} in a Couette cell of {length}"), quantity, values)
 }
 
@@ -111,7 +111,7 @@ pub fn couette_spin(length: f64, radius: f64, spin: f64) -> KnownScene {
 fn pair_between_walls() -> KnownScene {
     let spins = [-0.406080384, -0.402670314].map(|spin| 0.15 * spin);
     let velocities = [-0.053755754, 0.018929646, spins[0], 0.083329666, -0.018834326, spins[1]];
-    Draft { walls: SLIDING, ..PAIR }.known("two disks in a Couette cell", Quantity::Velocity, &velocities)
+    SceneDraft { walls: SLIDING, ..PAIR }.known("two disks in a Couette cell", Quantity::Velocity, &velocities)
 }
 
 /// Two free disks between sliding walls, with their viscosity.
@@ -121,11 +121,11 @@ pub fn sheared_pair_between_walls() -> KnownScene {
 
 /// Two free disks in shear.
 pub fn pair_in_a_periodic_box() -> KnownScene {
-    Draft { flow: SHEAR, ..PAIR }.known("two disks in a periodic box", Quantity::Viscosity, &[1.3457188363])
+    SceneDraft { flow: SHEAR, ..PAIR }.known("two disks in a periodic box", Quantity::Viscosity, &[1.3457188363])
 }
 
 fn pair_that_sinks() -> KnownScene {
-    let (draft, spin) = (Draft { flow: AT_REST, motion: "force = [1.0, 0.0]", ..PAIR }, 0.15 * 0.078226653);
+    let (draft, spin) = (SceneDraft { flow: AT_REST, motion: "force = [1.0, 0.0]", ..PAIR }, 0.15 * 0.078226653);
     let velocities = [0.049167859, 0.004072376, -spin, 0.049167859, 0.004072376, spin];
     draft.known("two disks that sink", Quantity::Velocity, &velocities)
 }
@@ -133,45 +133,45 @@ fn pair_that_sinks() -> KnownScene {
 fn random_cell() -> KnownScene {
     let lines = RANDOM_CELL.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
     let centers = format!("[{}]", lines.map(|line| format!("[{line}]")).collect::<Vec<_>>().join(", "));
-    let draft = Draft { flow: SHEAR, radius: 0.05641895835477563, centers: &centers, ..SQUARE };
+    let draft = SceneDraft { flow: SHEAR, radius: 0.05641895835477563, centers: &centers, ..SQUARE };
     draft.known("random cell of 30 disks", Quantity::Viscosity, &[2.2380])
 }
 
 /// A disk that is pulled along a channel, with its drag.
 pub fn pulled_disk(radius: f64, drag: f64) -> KnownScene {
-    let draft = Draft { flow: AT_REST, radius, motion: MOVED, ..CHANNEL };
+    let draft = SceneDraft { flow: AT_REST, radius, motion: MOVED, ..CHANNEL };
     draft.known(format!("disk of {radius} pulled along a channel"), Quantity::Drag, &[-drag, 0.0, 0.0])
 }
 
 fn channel_flux(radius: f64, flux: f64) -> KnownScene {
-    let draft = Draft { flow: "drive = { pressure_gradient = [-1.0, 0.0] }", radius, motion: FIXED, ..CHANNEL };
+    let draft = SceneDraft { flow: "drive = { pressure_gradient = [-1.0, 0.0] }", radius, motion: FIXED, ..CHANNEL };
     draft.known(format!("fixed disk of {radius} in a channel"), Quantity::MeanVelocity, &[flux, 0.0])
 }
 
 /// A disk that is moved through a closed box, with its drag.
 pub fn closed_box_disk(radius: f64, drag: f64) -> KnownScene {
-    let draft = Draft { walls: "x = \"walls\"\ny = \"walls\"", radius, centers: "[[0.5, 0.5]]", motion: MOVED, ..SQUARE };
+    let draft = SceneDraft { walls: "x = \"walls\"\ny = \"walls\"", radius, centers: "[[0.5, 0.5]]", motion: MOVED, ..SQUARE };
     draft.known(format!("disk of {radius} in a closed box"), Quantity::Drag, &[-drag, 0.0, 0.0])
 }
 
 /// Fixed spheres at a fraction, with their drag over that of a lone one.
 pub fn cubic_array(fraction: f64, drag: f64) -> KnownScene {
     let radius = sphere_radius(fraction);
-    let draft = Draft { flow: "drive = { mean_velocity = [1.0, 0.0, 0.0] }", radius, motion: FIXED, ..CUBE };
+    let draft = SceneDraft { flow: "drive = { mean_velocity = [1.0, 0.0, 0.0] }", radius, motion: FIXED, ..CUBE };
     let values = [6.0 * PI * radius * drag, 0.0, 0.0, 0.0, 0.0, 0.0];
     draft.known(format!("cubic array {fraction}"), Quantity::Drag, &values)
 }
 
 /// Free spheres at a fraction in shear, with their viscosity.
 pub fn sphere_lattice(fraction: f64, viscosity: f64) -> KnownScene {
-    let draft = Draft { flow: SHEAR, radius: sphere_radius(fraction), ..CUBE };
+    let draft = SceneDraft { flow: SHEAR, radius: sphere_radius(fraction), ..CUBE };
     draft.known(format!("cubic lattice {fraction}"), Quantity::Viscosity, &[viscosity])
 }
 
 /// A sphere that is moved through a closed box.
 pub fn closed_box_sphere() -> KnownScene {
     let walls = "x = \"walls\"\ny = \"walls\"\nz = \"walls\"";
-    let draft = Draft { walls, radius: 0.2, centers: "[[0.5, 0.5, 0.5]]", motion: "motion = { velocity = [1.0, 0.0, 0.0] }", ..CUBE };
+    let draft = SceneDraft { walls, radius: 0.2, centers: "[[0.5, 0.5, 0.5]]", motion: "motion = { velocity = [1.0, 0.0, 0.0] }", ..CUBE };
     let values = [-6.0 * PI * 0.2 * 3.12345, 0.0, 0.0, 0.0, 0.0, 0.0];
     draft.known("sphere in a closed box", Quantity::Drag, &values)
 }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{
     sequence::RefinementSequence,
-    setting::{Fineness, Setting},
+    setting::{Resolution, Setting},
 };
 use crate::study::fit::Power;
 
@@ -31,9 +31,9 @@ pub struct Cheapest {
     pub measured: bool,
 }
 
-/// How to judge settings.
+/// How to criterion settings.
 #[derive(Debug, Clone, Copy)]
-pub struct Judge<F> {
+pub struct ErrorCriterion<F> {
     /// Relative error of a run's values, with or without sign.
     pub error: F,
     /// Uncertainty of the reference.
@@ -44,7 +44,7 @@ pub struct Judge<F> {
     pub times: f64,
 }
 
-impl<F: Fn(&[f64]) -> f64> Judge<F> {
+impl<F: Fn(&[f64]) -> f64> ErrorCriterion<F> {
     /// Powers of the spacing that errors and, on the finest grids, seconds follow on a sequence; errors within the uncertainty do not count.
     pub fn growth(&self, sequence: &RefinementSequence) -> [Option<Power>; 2] {
         let errors = sequence.runs.iter().map(|(_, run)| (run.spacing, (self.error)(&run.values).abs()));
@@ -79,8 +79,8 @@ impl<F: Fn(&[f64]) -> f64> Judge<F> {
         let finest = sequence.finest().1.spacing;
         let spacing = errors.reaches(self.wanted).filter(|spacing| *spacing > finest / FARTHEST)?.min(finest);
         let grid = match sequence.finest().0.grid {
-            Fineness::CellsPerRadius(_) => Fineness::CellsPerRadius((radius / spacing * (1.0 - 1e-9)).ceil()),
-            Fineness::Spacing(_) => Fineness::Spacing(spacing),
+            Resolution::CellsPerRadius(_) => Resolution::CellsPerRadius((radius / spacing * (1.0 - 1e-9)).ceil()),
+            Resolution::Spacing(_) => Resolution::Spacing(spacing),
         };
         let setting = Setting { grid, ..sequence.finest().0.clone() };
         let spacing = grid.spacing(radius);
@@ -96,34 +96,40 @@ mod tests {
 
     fn records(errors: &[(f64, f64)]) -> Vec<Record> {
         let record = |&(cells, error): &(f64, f64)| Record {
-            setting: Setting { method: "sharp".into(), grid: Fineness::CellsPerRadius(cells), modes: None, tolerance: None, step: None },
+            setting: Setting { method: "sharp".into(), grid: Resolution::CellsPerRadius(cells), modes: None, tolerance: None, step: None },
             outcome: Outcome::Measured(Measured { values: vec![1.0 + error], ..run(1.0 / cells, 0.0) }),
         };
         errors.iter().map(record).collect()
     }
 
-    fn judged<T>(errors: &[(f64, f64)], uncertainty: f64, ask: impl Fn(&Judge<fn(&[f64]) -> f64>, &[RefinementSequence]) -> T) -> T {
+    fn judged<T>(
+        errors: &[(f64, f64)],
+        uncertainty: f64,
+        ask: impl Fn(&ErrorCriterion<fn(&[f64]) -> f64>, &[RefinementSequence]) -> T,
+    ) -> T {
         let records = records(errors);
         let settings: Vec<Setting> = records.iter().map(|record| record.setting.clone()).collect();
         let error: fn(&[f64]) -> f64 = |values| values[0] - 1.0;
-        ask(&Judge { error, uncertainty, wanted: 1e-2, times: 1.0 }, &RefinementSequence::all(&records, &settings))
+        ask(&ErrorCriterion { error, uncertainty, wanted: 1e-2, times: 1.0 }, &RefinementSequence::all(&records, &settings))
     }
 
     #[test]
     fn a_lucky_error_is_not_chosen() {
-        let chosen = judged(&[(4.0, 1e-4), (6.0, -0.02), (8.0, 5e-3), (12.0, 1e-3)], 0.0, |judge, sequences| judge.cheapest(sequences));
+        let chosen =
+            judged(&[(4.0, 1e-4), (6.0, -0.02), (8.0, 5e-3), (12.0, 1e-3)], 0.0, |criterion, sequences| criterion.cheapest(sequences));
         let chosen = chosen.expect("8 cells do");
-        assert_eq!((chosen.setting.grid, chosen.measured), (Fineness::CellsPerRadius(8.0), true));
+        assert_eq!((chosen.setting.grid, chosen.measured), (Resolution::CellsPerRadius(8.0), true));
         assert!((chosen.error - 5e-3).abs() < 1e-12 && chosen.seconds == 64.0);
     }
 
     #[test]
     fn an_uncertain_reference_lets_fewer_settings_pass() {
         let errors = [(4.0, 0.02), (6.0, 8e-3), (8.0, 5e-3)];
-        let with =
-            |uncertainty| judged(&errors, uncertainty, |judge, sequences| judge.cheapest(sequences)).map(|chosen| chosen.setting.grid);
-        assert_eq!(with(0.0), Some(Fineness::CellsPerRadius(6.0)));
-        assert_eq!(with(4e-3), Some(Fineness::CellsPerRadius(8.0)));
+        let with = |uncertainty| {
+            judged(&errors, uncertainty, |criterion, sequences| criterion.cheapest(sequences)).map(|chosen| chosen.setting.grid)
+        };
+        assert_eq!(with(0.0), Some(Resolution::CellsPerRadius(6.0)));
+        assert_eq!(with(4e-3), Some(Resolution::CellsPerRadius(8.0)));
         assert_eq!(with(2e-2), None);
     }
 
@@ -131,19 +137,20 @@ mod tests {
     fn a_fit_predicts_what_was_not_measured() {
         let errors: Vec<(f64, f64)> = [4.0, 6.0, 8.0].map(|cells| (cells, 0.8 / cells)).to_vec();
         let slow: Vec<(f64, f64)> = [4.0, 6.0, 8.0].map(|cells: f64| (cells, 0.8 / cells.sqrt())).to_vec();
-        assert_eq!(judged(&slow, 0.0, |judge, sequences| judge.predicted(&sequences[0], 1.0)), None);
-        let predicted = judged(&errors, 0.0, |judge, sequences| (judge.cheapest(sequences), judge.predicted(&sequences[0], 1.0)));
+        assert_eq!(judged(&slow, 0.0, |criterion, sequences| criterion.predicted(&sequences[0], 1.0)), None);
+        let predicted =
+            judged(&errors, 0.0, |criterion, sequences| (criterion.cheapest(sequences), criterion.predicted(&sequences[0], 1.0)));
         let (None, Some(predicted)) = predicted else { panic!("{predicted:?}") };
-        assert_eq!((predicted.setting.grid, predicted.measured), (Fineness::CellsPerRadius(80.0), false));
+        assert_eq!((predicted.setting.grid, predicted.measured), (Resolution::CellsPerRadius(80.0), false));
         assert!((predicted.seconds / 6400.0 - 1.0).abs() < 1e-9);
         let growing = [(4.0, 0.02), (8.0, 0.04)];
-        assert_eq!(judged(&growing, 0.0, |judge, sequences| judge.predicted(&sequences[0], 1.0)), None);
+        assert_eq!(judged(&growing, 0.0, |criterion, sequences| criterion.predicted(&sequences[0], 1.0)), None);
     }
 
     #[test]
     fn errors_within_the_uncertainty_are_left_out_of_fits() {
         let errors = [(4.0, 0.16), (8.0, 0.04), (16.0, 1e-9)];
-        let [order, seconds] = judged(&errors, 1e-3, |judge, sequences| judge.growth(&sequences[0]));
+        let [order, seconds] = judged(&errors, 1e-3, |criterion, sequences| criterion.growth(&sequences[0]));
         assert!((order.expect("two are left").exponent - 2.0).abs() < 1e-9);
         assert!((seconds.expect("three").exponent + 2.0).abs() < 1e-9);
     }

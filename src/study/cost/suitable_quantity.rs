@@ -1,10 +1,10 @@
 //! Which quantity suits a scene, and what is refused because it has no meaning there.
 
 use super::{
-    facts::Facts,
     metric::Metric,
     options::Cost,
-    quantity::{Kind, Quantity, WORDS},
+    properties::SceneProperties,
+    quantity::{Quantity, QuantityKind, WORDS},
 };
 use crate::{
     error::{Error, Result},
@@ -20,14 +20,14 @@ impl Metric {
     /// # Errors
     /// It has no meaning in this scene, or the true values that are given cannot be its own.
     pub fn of(options: &Cost, scene: &Scene) -> Result<Metric> {
-        let facts = Facts::of(scene)?;
-        let metric = Metric { quantity: facts.quantity(options, scene)?, facts };
+        let properties = SceneProperties::of(scene)?;
+        let metric = Metric { quantity: properties.quantity(options, scene)?, properties };
         metric.check_exact(options)?;
         Ok(metric)
     }
 }
 
-impl Facts {
+impl SceneProperties {
     fn quantity(&self, options: &Cost, scene: &Scene) -> Result<Quantity> {
         let kind = match &options.quantity {
             Some(word) => self.named(word, scene)?,
@@ -45,30 +45,32 @@ impl Facts {
         }
     }
 
-    fn suitable(&self, scene: &Scene) -> Kind {
+    fn suitable(&self, scene: &Scene) -> QuantityKind {
         match &scene.flow.drive {
-            _ if scene.scalar() => Kind::Value,
-            _ if self.held.len() == 0 => Kind::Field,
-            Some(Drive::ShearRate(_) | Drive::ShearedBox(_)) if !self.held.contains(&true) => Kind::Viscosity,
-            _ if scene.time.is_some() => Kind::Position,
-            _ if self.held.contains(&true) => Kind::Drag,
-            _ => Kind::Velocity,
+            _ if scene.scalar() => QuantityKind::Value,
+            _ if self.held.len() == 0 => QuantityKind::Field,
+            Some(Drive::ShearRate(_) | Drive::ShearedBox(_)) if !self.held.contains(&true) => QuantityKind::Viscosity,
+            _ if scene.time.is_some() => QuantityKind::Position,
+            _ if self.held.contains(&true) => QuantityKind::Drag,
+            _ => QuantityKind::Velocity,
         }
     }
 
-    fn named(&self, word: &str, scene: &Scene) -> Result<Kind> {
+    fn named(&self, word: &str, scene: &Scene) -> Result<QuantityKind> {
         let Some(&(_, kind)) = WORDS.iter().find(|(name, _)| *name == word) else {
             let names = WORDS.map(|(name, _)| name).join(", ");
             return Err(Error::Refused(format!("--quantity {word}: must be one of {names}")));
         };
         let refuse = |reason: &str| Err(Error::Refused(format!("--quantity {word}: {reason}")));
         match kind {
-            Kind::Value | Kind::Energy if !scene.scalar() => refuse("belongs to scenes with flow.model = \"scalar\""),
-            Kind::Drag | Kind::Viscosity | Kind::Velocity | Kind::Position if scene.scalar() => {
+            QuantityKind::Value | QuantityKind::Energy if !scene.scalar() => refuse("belongs to scenes with flow.model = \"scalar\""),
+            QuantityKind::Drag | QuantityKind::Viscosity | QuantityKind::Velocity | QuantityKind::Position if scene.scalar() => {
                 refuse("a scalar has no flow; choose value, energy, field or gradient")
             }
-            Kind::Drag if !self.held.contains(&true) => refuse("no body is held; choose velocity"),
-            Kind::Position if scene.time.is_none() => refuse("nothing moves at an instant; add [time] to the scene or choose velocity"),
+            QuantityKind::Drag if !self.held.contains(&true) => refuse("no body is held; choose velocity"),
+            QuantityKind::Position if scene.time.is_none() => {
+                refuse("nothing moves at an instant; add [time] to the scene or choose velocity")
+            }
             _ if kind.of_bodies() && self.held.len() == 0 => refuse("there are no bodies; choose field"),
             kind => Ok(kind),
         }
@@ -96,11 +98,11 @@ impl Metric {
 
     /// Numbers that the quantity has.
     fn count(&self) -> usize {
-        let (dimension, bodies) = (self.facts.dimension, if self.quantity.body.is_some() { 1 } else { self.facts.held.len() });
+        let (dimension, bodies) = (self.properties.dimension, if self.quantity.body.is_some() { 1 } else { self.properties.held.len() });
         match self.quantity.kind {
-            Kind::Value => bodies,
-            Kind::Position => bodies * dimension,
-            Kind::Velocity => bodies * dimension * (dimension + 1) / 2,
+            QuantityKind::Value => bodies,
+            QuantityKind::Position => bodies * dimension,
+            QuantityKind::Velocity => bodies * dimension * (dimension + 1) / 2,
             _ => 1,
         }
     }
@@ -110,20 +112,20 @@ impl Metric {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::study::cost::facts::tests::suits;
+    use crate::study::cost::properties::tests::suits;
 
-    fn chosen(extra: &str, options: &Cost) -> std::result::Result<Kind, String> {
-        let (scene, facts) = suits(extra);
-        facts.quantity(options, &scene).map(|quantity| quantity.kind).map_err(|error| error.to_string())
+    fn chosen(extra: &str, options: &Cost) -> std::result::Result<QuantityKind, String> {
+        let (scene, properties) = suits(extra);
+        properties.quantity(options, &scene).map(|quantity| quantity.kind).map_err(|error| error.to_string())
     }
 
     #[test]
     fn the_scene_chooses_the_quantity() {
         let default = Cost::default();
-        assert_eq!(chosen("motion = \"fixed\"\n[flow]\ndrive = { mean_velocity = [1, 0] }\n", &default), Ok(Kind::Drag));
-        assert_eq!(chosen("[flow]\ndrive = { shear_rate = 1 }\n", &default), Ok(Kind::Viscosity));
-        assert_eq!(chosen("force = [1.0, 0.0]\n", &default), Ok(Kind::Velocity));
-        assert_eq!(chosen("force = [1.0, 0.0]\n[time]\nend = 1\n", &default), Ok(Kind::Position));
+        assert_eq!(chosen("motion = \"fixed\"\n[flow]\ndrive = { mean_velocity = [1, 0] }\n", &default), Ok(QuantityKind::Drag));
+        assert_eq!(chosen("[flow]\ndrive = { shear_rate = 1 }\n", &default), Ok(QuantityKind::Viscosity));
+        assert_eq!(chosen("force = [1.0, 0.0]\n", &default), Ok(QuantityKind::Velocity));
+        assert_eq!(chosen("force = [1.0, 0.0]\n[time]\nend = 1\n", &default), Ok(QuantityKind::Position));
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::{
 
 /// Box and bodies of a scene.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Facts {
+pub struct SceneProperties {
     /// Dimension of space.
     pub dimension: usize,
     /// Radius of the smallest body.
@@ -24,19 +24,19 @@ pub struct Facts {
     pub volume: f64,
 }
 
-impl Facts {
+impl SceneProperties {
     /// Those of a scene.
     ///
     /// # Errors
     /// Its bodies cannot be placed, or the modes do not suit the grid.
-    pub fn of(scene: &Scene) -> Result<Facts> {
+    pub fn of(scene: &Scene) -> Result<SceneProperties> {
         match scene.dimension() {
-            2 => Facts::in_dimension::<2>(scene),
-            _ => Facts::in_dimension::<3>(scene),
+            2 => SceneProperties::in_dimension::<2>(scene),
+            _ => SceneProperties::in_dimension::<3>(scene),
         }
     }
 
-    fn in_dimension<const D: usize>(scene: &Scene) -> Result<Facts> {
+    fn in_dimension<const D: usize>(scene: &Scene) -> Result<SceneProperties> {
         let (domain, bodies): (Domain<D>, Vec<(f64, bool, usize)>) = if scene.scalar() {
             let setup = ScalarSetup::of(scene)?;
             (setup.domain, setup.inclusions.iter().map(|(ball, order)| (ball.radius, false, *order)).collect())
@@ -44,7 +44,7 @@ impl Facts {
             let setup = Setup::of(scene)?;
             (setup.domain, setup.bodies.iter().map(|own| (own.body.ball.radius, !own.body.free(), own.order)).collect())
         };
-        Ok(Facts {
+        Ok(SceneProperties {
             dimension: D,
             radius: bodies.iter().map(|(radius, ..)| *radius).reduce(f64::min),
             held: bodies.iter().map(|(_, held, _)| *held).collect(),
@@ -70,9 +70,9 @@ pub mod tests {
     const DISK: &str = "domain.size = [4, 4]\nresolution.spacing = 0.125\n[[bodies]]\nradius = 0.5\ncenters = [[1, 1]]\n";
 
     /// The scene of a disk with something more, and what is known of it.
-    pub fn suits(extra: &str) -> (Scene, Facts) {
+    pub fn suits(extra: &str) -> (Scene, SceneProperties) {
         let scene = Scene::parse("scene", Path::new(""), &(DISK.to_owned() + extra), &[]).unwrap();
-        let facts = Facts::of(&scene).unwrap();
-        (scene, facts)
+        let properties = SceneProperties::of(&scene).unwrap();
+        (scene, properties)
     }
 }
