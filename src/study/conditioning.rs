@@ -7,8 +7,8 @@ mod fluid;
 mod grids;
 mod growth;
 mod laplacian;
-mod method;
 mod multipliers;
+mod preconditioning;
 mod report;
 mod rigidity;
 mod text;
@@ -19,8 +19,8 @@ use self::{
     grids::grids,
     growth::Growth,
     laplacian::{Problem, Solve, WANTED},
-    method::Method,
     multipliers::MultiplierGrowth,
+    preconditioning::Preconditioning,
     report::Report,
 };
 use super::command::{Study, count};
@@ -88,18 +88,18 @@ impl Conditioning {
     fn laplacian(&self, session: &Session) -> Result<(Vec<Solve>, Vec<Growth>)> {
         let mut solves = Vec::new();
         for cells in grids(COARSEST[0], self.finest_2d) {
-            solves.extend(all_methods::<2>(session, cells)?);
+            solves.extend(all_preconditionings::<2>(session, cells)?);
         }
         for cells in grids(COARSEST[1], self.finest_3d) {
-            solves.extend(all_methods::<3>(session, cells)?);
+            solves.extend(all_preconditionings::<3>(session, cells)?);
         }
-        let growth = |dimension: usize| Method::ALL.map(|method| Growth::of(&solves, dimension, method));
+        let growth = |dimension: usize| Preconditioning::ALL.map(|method| Growth::of(&solves, dimension, method));
         let growth = [2, 3].into_iter().flat_map(growth).collect();
         Ok((solves, growth))
     }
 }
 
-fn all_methods<const D: usize>(session: &Session, cells: usize) -> Result<Vec<Solve>> {
+fn all_preconditionings<const D: usize>(session: &Session, cells: usize) -> Result<Vec<Solve>> {
     let problem = Problem::<D>::new(session, cells)?;
-    Method::ALL.iter().map(|&method| problem.solve(method)).collect()
+    Preconditioning::ALL.iter().map(|&method| problem.solve(method)).collect()
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{laplacian::Solve, method::Method};
+use super::{laplacian::Solve, preconditioning::Preconditioning};
 use crate::study::fit::Power;
 
 /// Finest grids that a fit takes: on coarse ones the walls show.
@@ -14,7 +14,7 @@ pub struct Growth {
     /// Dimension of the box.
     pub dimension: usize,
     /// Preconditioner.
-    pub method: Method,
+    pub method: Preconditioning,
     /// Of the condition number.
     pub condition: Exponent,
     /// Of the iterations.
@@ -34,7 +34,7 @@ pub struct Exponent {
 
 impl Growth {
     /// That of all solves of a dimension with a preconditioner.
-    pub fn of(solves: &[Solve], dimension: usize, method: Method) -> Growth {
+    pub fn of(solves: &[Solve], dimension: usize, method: Preconditioning) -> Growth {
         let [condition, iterations] = if method.multigrid() { [0.0, 0.0] } else { [2.0, 1.0] };
         let exponent = |predicted: f64, value: fn(&Solve) -> f64| {
             let points: Vec<(f64, f64)> = of(solves, dimension, method).map(|solve| (solve.cells as f64, value(solve))).collect();
@@ -59,7 +59,7 @@ impl Exponent {
 }
 
 /// The solves of a dimension with a preconditioner, from the coarsest grid to the finest.
-pub fn of(solves: &[Solve], dimension: usize, method: Method) -> impl Iterator<Item = &Solve> {
+pub fn of(solves: &[Solve], dimension: usize, method: Preconditioning) -> impl Iterator<Item = &Solve> {
     solves.iter().filter(move |solve| solve.dimension == dimension && solve.method == method)
 }
 

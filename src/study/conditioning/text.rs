@@ -6,8 +6,8 @@ use super::{
     fluid::{Fluid, MOST_ITERATIONS},
     growth::{Exponent, Growth, of},
     laplacian::{Solve, WANTED},
-    method::Method,
     multipliers::{Constrained, MultiplierGrowth},
+    preconditioning::Preconditioning,
     rigidity::Rigidity,
 };
 use crate::study::table::{Row, aligned};
@@ -45,7 +45,7 @@ pub fn eigenvalues(solves: &[Solve]) -> String {
             ("x (h/L)^2", format!("{:.4}", solve.condition / (solve.cells as f64).powi(2))),
         ]
     };
-    let rows: Vec<Row> = [2, 3].into_iter().flat_map(|dimension| of(solves, dimension, Method::None)).map(row).collect();
+    let rows: Vec<Row> = [2, 3].into_iter().flat_map(|dimension| of(solves, dimension, Preconditioning::None)).map(row).collect();
     format!(
         "1. Eigenvalues of the Laplacian, measured and exact\n\n{}\n\n\
          Reading: the smallest eigenvalue stays, the largest grows, and their ratio is {:.4} (L/h)^2:\n\
@@ -71,7 +71,7 @@ pub fn preconditioners(solves: &[Solve], growth: &[Growth], dimension: usize) ->
             ("of bound", format!("{:.2}", solve.bound_taken)),
         ]
     };
-    let rows: Vec<Row> = Method::ALL.into_iter().flat_map(|method| of(solves, dimension, method)).map(row).collect();
+    let rows: Vec<Row> = Preconditioning::ALL.into_iter().flat_map(|method| of(solves, dimension, method)).map(row).collect();
     let exponents = |growth: &Growth| {
         let Growth { condition, iterations, seconds, .. } = growth;
         let name = growth.method.name().to_owned();

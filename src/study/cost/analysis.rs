@@ -1,4 +1,4 @@
-//! From settings to findings: measure, find a reference, criterion, change the parameters of what was chosen.
+//! From settings to findings: measure, find a reference, judge, change the parameters of what was chosen.
 
 use super::{
     cheapest::ErrorCriterion,

@@ -31,7 +31,7 @@ pub struct Cheapest {
     pub measured: bool,
 }
 
-/// How to criterion settings.
+/// By what settings are judged.
 #[derive(Debug, Clone, Copy)]
 pub struct ErrorCriterion<F> {
     /// Relative error of a run's values, with or without sign.
