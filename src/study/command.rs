@@ -63,7 +63,7 @@ impl StudyCommand {
 
     /// The command with its help.
     pub fn command(&self) -> Command {
-        (self.arguments)(Command::new(self.name).about(self.about))
+        (self.arguments)(Command::new(self.name)).about(self.about).long_about(None)
     }
 
     /// Makes a study that starts runs of its own; nothing if it is another one.
@@ -138,7 +138,7 @@ pub fn from_words<S: clap::Args>(words: &[&str]) -> S {
 mod tests {
     use super::*;
 
-    /// A study with an argument that it wants to be even.
+    /// A study whose argument must be even.
     #[derive(clap::Args)]
     struct Toy {
         #[arg(long, default_value_t = 2)]

@@ -1,4 +1,4 @@
-//! Power laws, fitted to what was measured.
+//! Power laws and lines, fitted to what was measured.
 
 use serde::Serialize;
 
