@@ -28,13 +28,7 @@ mod table;
 mod text;
 
 pub use self::options::Cost;
-use self::{
-    analysis::Analysis,
-    identity::{CostIdentity, Identity},
-    metric::Metric,
-    ranges::ParameterRanges,
-    sweep::Sweep,
-};
+use self::{analysis::Analysis, identity::identity_of, metric::Metric, ranges::ParameterRanges, sweep::Sweep};
 use super::{
     command::{PetscOptions, SceneArguments, Study},
     launcher::{Launcher, StudyFolder, sweep_out},
@@ -66,7 +60,7 @@ impl Study<PetscOptions> for Cost {
         options.check_names(&ranges.methods)?;
         let launcher = Launcher::new(&options.start.launcher, petsc)?;
         let folder = StudyFolder::take(options.out.clone().unwrap_or_else(|| format!("out/{}-cost", scene.name).into()))?;
-        let identity = CostIdentity { identity: Identity::of(scene, metric.quantity, &options, petsc)? };
+        let identity = identity_of(scene, metric.quantity, &options, petsc)?;
         let store = Store::open(&folder.path, "cost.json", identity, options.fresh)?;
         say(&format!("{}\nquantity: {}\n", scene.shown_title(), metric.words()))?;
         let scratch = &folder.scratch;

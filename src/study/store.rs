@@ -6,6 +6,7 @@ use std::{
 };
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde_json::Value;
 
 use crate::{
     error::{Error, Result},
@@ -27,40 +28,42 @@ pub trait Recorded: Serialize + DeserializeOwned {
 }
 
 /// What decides all that a study measures: runs of another study are not taken for its own.
-pub trait Identity: Serialize + DeserializeOwned {
-    /// In what another study differs; nothing if it does not.
-    fn difference(&self, other: &Self) -> Option<&'static str>;
+pub struct Identity {
+    /// What stands in the file beside the records.
+    pub json: Value,
+    /// Places in it that must not differ, and what they are called.
+    pub places: &'static [(&'static str, &'static str)],
 }
 
 #[derive(Serialize)]
-struct Whole<'a, I, R, F> {
+struct Whole<'a, R, F> {
     #[serde(flatten)]
-    identity: &'a I,
+    identity: &'a Value,
     records: &'a [R],
     #[serde(skip_serializing_if = "Option::is_none")]
     findings: Option<&'a F>,
 }
 
 #[derive(Deserialize)]
-struct Saved<I, R> {
+struct Saved<R> {
     #[serde(flatten)]
-    identity: I,
+    identity: Value,
     records: Vec<R>,
 }
 
 /// The records of a study and the file that holds them.
-pub struct Store<I, R> {
+pub struct Store<R> {
     path: PathBuf,
-    identity: I,
+    identity: Value,
     records: Vec<R>,
 }
 
-impl<I: Identity, R: Recorded> Store<I, R> {
+impl<R: Recorded> Store<R> {
     /// The records in a file of a folder; none if the study starts anew.
     ///
     /// # Errors
     /// [`Error::Refused`] if the folder holds another study and nobody said `fresh`.
-    pub fn open(folder: &Path, file: &str, identity: I, fresh: bool) -> Result<Store<I, R>> {
+    pub fn open(folder: &Path, file: &str, identity: Identity, fresh: bool) -> Result<Store<R>> {
         let path = folder.join(file);
         let mut records = Vec::new();
         if path.exists() && !fresh {
@@ -69,13 +72,14 @@ impl<I: Identity, R: Recorded> Store<I, R> {
             };
             let text = fs::read_to_string(&path).map_err(|source| Error::File { path: path.clone(), source })?;
             let foreign = |_| refuse(format!("its {file} is not one that this version wrote"));
-            let saved: Saved<I, R> = serde_json::from_str(&text).map_err(foreign)?;
-            if let Some(difference) = saved.identity.difference(&identity) {
-                return Err(refuse(format!("holds a study that differs in {difference}")));
+            let saved: Saved<R> = serde_json::from_str(&text).map_err(foreign)?;
+            let differs = |(place, _): &&(&str, &str)| saved.identity.pointer(place) != identity.json.pointer(place);
+            if let Some((_, name)) = identity.places.iter().find(differs) {
+                return Err(refuse(format!("holds a study that differs in {name}")));
             }
             records = saved.records.into_iter().filter(Recorded::lasting).collect();
         }
-        Ok(Store { path, identity, records })
+        Ok(Store { path, identity: identity.json, records })
     }
 
     /// All records, in the order in which they were made.

@@ -13,7 +13,7 @@ use std::{fs, path::PathBuf};
 
 pub use self::record::Setting;
 use self::{
-    record::{Measured, Record, Version},
+    record::{Measured, Record, identity},
     report::Report,
 };
 use super::{
@@ -77,7 +77,7 @@ impl Study<PetscOptions> for ViscosityStudy {
         self.check()?;
         let launcher = Launcher::new(&self.launcher, petsc)?;
         let folder = StudyFolder::take(self.out.clone())?;
-        let mut store: Store<Version, Record> = Store::open(&folder.path, "viscosity.json", Version::own(), self.fresh)?;
+        let mut store: Store<Record> = Store::open(&folder.path, "viscosity.json", identity(), self.fresh)?;
         let settings = self.settings();
         let missing: Vec<&Setting> = settings.iter().filter(|setting| store.find(setting).is_none()).collect();
         let kept = settings.len() - missing.len();

@@ -5,77 +5,42 @@ use std::{
     hash::{DefaultHasher, Hash, Hasher},
 };
 
-use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 use super::{options::Cost, quantity::Quantity};
 use crate::{
     error::{Error, Result},
     scene::{Placement, Scene},
-    study::{command::PetscOptions, store},
+    study::{command::PetscOptions, store::Identity},
 };
 
-/// What decides all that a study measures; runs of another study are not taken for its own.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Identity {
-    /// Version of the program.
-    pub version: String,
-    /// The scene's text with its overrides.
-    pub scene: String,
-    /// A number that stands for the contents of the files that the scene names.
-    pub files: u64,
-    /// The quantity.
-    pub quantity: Quantity,
-    /// Ranks of each run.
-    pub ranks: usize,
-    /// Command line that starts them.
-    pub launcher: String,
-    /// Options for PETSc.
-    pub petsc: Vec<String>,
-}
+/// Places in `cost.json` that must not differ; what is in none of the first is in the last.
+const PLACES: [(&str, &str); 5] = [
+    ("/identity/version", "the version of the program"),
+    ("/identity/scene", "the scene"),
+    ("/identity/files", "the files of the scene"),
+    ("/identity/quantity", "the quantity"),
+    ("/identity", "how runs are started"),
+];
 
-/// The same as `cost.json` holds it.
-#[derive(Debug, Serialize, Deserialize)]
-pub struct CostIdentity {
-    /// It.
-    pub identity: Identity,
-}
-
-impl Identity {
-    /// Of a scene and how it is run.
-    ///
-    /// # Errors
-    /// A file that the scene names cannot be read.
-    pub fn of(scene: &Scene, quantity: Quantity, options: &Cost, petsc: &PetscOptions) -> Result<Identity> {
-        let mut hasher = DefaultHasher::new();
-        for bodies in &scene.bodies {
-            if let Placement::File(path) = &bodies.placement {
-                fs::read(path).map_err(|source| Error::File { path: path.clone(), source })?.hash(&mut hasher);
-            }
+/// The version of the program, the scene's text with its overrides, a number that stands for the contents of the files that it names, the
+/// quantity, and how runs are started.
+///
+/// # Errors
+/// A file that the scene names cannot be read.
+pub fn identity_of(scene: &Scene, quantity: Quantity, options: &Cost, petsc: &PetscOptions) -> Result<Identity> {
+    let mut hasher = DefaultHasher::new();
+    for bodies in &scene.bodies {
+        if let Placement::File(path) = &bodies.placement {
+            fs::read(path).map_err(|source| Error::File { path: path.clone(), source })?.hash(&mut hasher);
         }
-        Ok(Identity {
-            version: env!("CARGO_PKG_VERSION").into(),
-            scene: scene.text.clone(),
-            files: hasher.finish(),
-            quantity,
-            ranks: options.ranks,
-            launcher: options.start.launcher.clone(),
-            petsc: petsc.to_vec(),
-        })
     }
-}
-
-impl store::Identity for CostIdentity {
-    fn difference(&self, other: &CostIdentity) -> Option<&'static str> {
-        let (one, other) = (&self.identity, &other.identity);
-        let differ = [
-            ("the version of the program", one.version != other.version),
-            ("the scene", one.scene != other.scene),
-            ("the files of the scene", one.files != other.files),
-            ("the quantity", one.quantity != other.quantity),
-            ("how runs are started", one != other),
-        ];
-        differ.into_iter().find(|(_, differ)| *differ).map(|(what, _)| what)
-    }
+    let Cost { ranks, start, .. } = options;
+    let (version, files) = (env!("CARGO_PKG_VERSION"), hasher.finish());
+    let json = json!({ "identity": {
+        "version": version, "scene": scene.text, "files": files, "quantity": quantity, "ranks": ranks, "launcher": start.launcher, "petsc": petsc,
+    } });
+    Ok(Identity { json, places: &PLACES })
 }
 
 #[cfg(test)]
@@ -91,11 +56,11 @@ mod tests {
     };
     use crate::study::store::Store;
 
-    fn identity(scene: &str) -> CostIdentity {
+    fn identity(scene: &str) -> Identity {
         let quantity = Quantity { kind: QuantityKind::Drag, body: None, probe: None };
         let text = "domain.size = [1, 1]\nresolution.spacing = 0.1\n";
         let parsed = Scene::parse("scene", Path::new(""), &format!("title = {scene:?}\n{text}"), &[]).unwrap();
-        CostIdentity { identity: Identity::of(&parsed, quantity, &Cost::default(), &[]).unwrap() }
+        identity_of(&parsed, quantity, &Cost::default(), &[]).unwrap()
     }
 
     fn setting(cells: f64) -> Setting {
@@ -106,7 +71,7 @@ mod tests {
     fn a_study_goes_on_with_its_own_runs_and_tries_failures_again() {
         let folder = std::env::temp_dir().join(format!("turbid-store-{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
-        let open = |scene, fresh| Store::<CostIdentity, Record>::open(&folder, "cost.json", identity(scene), fresh);
+        let open = |scene, fresh| Store::<Record>::open(&folder, "cost.json", identity(scene), fresh);
         let mut store = open("one", false).unwrap();
         let measured: Measured = serde_json::from_str(
             r#"{"values": [0.1], "spacing": 0.3, "modes": 4, "unknowns": 10, "iterations": 3, "setup_seconds": 1, "solve_seconds": 2,

@@ -48,7 +48,7 @@ impl SceneProperties {
     fn suitable(&self, scene: &Scene) -> QuantityKind {
         match &scene.flow.drive {
             _ if scene.scalar() => QuantityKind::Value,
-            _ if self.held.len() == 0 => QuantityKind::Field,
+            _ if self.held.is_empty() => QuantityKind::Field,
             Some(Drive::ShearRate(_) | Drive::ShearedBox(_)) if !self.held.contains(&true) => QuantityKind::Viscosity,
             _ if scene.time.is_some() => QuantityKind::Position,
             _ if self.held.contains(&true) => QuantityKind::Drag,
@@ -71,7 +71,7 @@ impl SceneProperties {
             QuantityKind::Position if scene.time.is_none() => {
                 refuse("nothing moves at an instant; add [time] to the scene or choose velocity")
             }
-            _ if kind.of_bodies() && self.held.len() == 0 => refuse("there are no bodies; choose field"),
+            _ if kind.of_bodies() && self.held.is_empty() => refuse("there are no bodies; choose field"),
             kind => Ok(kind),
         }
     }

@@ -3,7 +3,6 @@
 use std::{fs, path::PathBuf, time::Instant};
 
 use super::{
-    identity::CostIdentity,
     metric::Metric,
     options::Cost,
     properties::SceneProperties,
@@ -33,7 +32,7 @@ pub struct Sweep<'a> {
     /// What is measured.
     pub metric: Metric,
     /// What was measured.
-    pub store: Store<CostIdentity, Record>,
+    pub store: Store<Record>,
     /// What starts runs.
     pub launcher: Launcher,
     /// Where they leave their output.

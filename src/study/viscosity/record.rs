@@ -3,6 +3,7 @@
 use std::{fmt, fs, path::Path};
 
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 use crate::{
     error::{Error, Result},
@@ -62,23 +63,9 @@ impl Recorded for Record {
     }
 }
 
-/// The version of the program, whose runs are not mixed with those of another one.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Version {
-    version: String,
-}
-
-impl Version {
-    /// That of this program.
-    pub fn own() -> Version {
-        Version { version: env!("CARGO_PKG_VERSION").to_owned() }
-    }
-}
-
-impl Identity for Version {
-    fn difference(&self, other: &Version) -> Option<&'static str> {
-        (self != other).then_some("the version of the program")
-    }
+/// What stands in `viscosity.json` beside the runs: those of another version are not taken.
+pub fn identity() -> Identity {
+    Identity { json: json!({ "version": env!("CARGO_PKG_VERSION") }), places: &[("/version", "the version of the program")] }
 }
 
 impl Measured {
@@ -126,7 +113,7 @@ mod tests {
         fs::create_dir_all(&folder).unwrap();
         let setting = |seed| Setting { dimension: 2, fraction: 0.1, bodies: 4, cells_per_radius: 4.0, gap: 0.02, seed, strain: None };
         let measured = Measured { relative: 1.25, mean: None, curve: vec![(0.0, 1.25), (0.1, 1.0 / 3.0)], seconds: 0.5 };
-        let open = |fresh| Store::<Version, Record>::open(&folder, "viscosity.json", Version::own(), fresh);
+        let open = |fresh| Store::<Record>::open(&folder, "viscosity.json", identity(), fresh);
         open(false).unwrap().add(Record { setting: setting(1), measured: measured.clone() }).unwrap();
         let store = open(false).unwrap();
         assert_eq!(store.find(&setting(1)).map(|record| &record.measured), Some(&measured));

@@ -2,7 +2,7 @@
 
 use super::{
     laws::{known, laws},
-    record::{Measured, Record, Setting, Version},
+    record::{Measured, Record, Setting},
 };
 use crate::{
     output::{Bar, Chart, Mark, Notes, Scale, Series},
@@ -36,7 +36,7 @@ struct Point {
 
 impl Report {
     /// Of the settings that were measured.
-    pub fn new(settings: &[Setting], store: &Store<Version, Record>) -> Report {
+    pub fn new(settings: &[Setting], store: &Store<Record>) -> Report {
         let mut report = Report { points: Vec::new(), curves: Vec::new() };
         let measured: Vec<&Record> = settings.iter().filter_map(|setting| store.find(setting)).collect();
         for Record { setting, measured: result } in &measured {
@@ -175,12 +175,13 @@ impl Point {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::study::viscosity::record::identity;
 
     #[test]
     fn a_report_has_means_errors_and_charts_of_what_was_measured() {
         let folder = std::env::temp_dir().join(format!("turbid-viscosity-report-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let mut store = Store::open(&folder, "viscosity.json", Version::own(), true).unwrap();
+        let mut store = Store::open(&folder, "viscosity.json", identity(), true).unwrap();
         let setting = |fraction, seed| Setting { dimension: 2, fraction, bodies: 4, cells_per_radius: 4.0, gap: 0.02, seed, strain: None };
         let settings = [setting(0.1, 1), setting(0.1, 2), setting(0.3, 1), setting(0.1, 1).sheared(2.0), setting(0.4, 1)];
         for (setting, relative) in settings.iter().zip([1.2, 1.4, 2.0, 1.3]) {
