@@ -1,25 +1,21 @@
 //! The command line: words become calls.
 
 mod animate;
-mod cost;
 mod lubrication;
 mod memory;
 mod plan;
 mod run;
-mod studies;
-mod viscosity;
 
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
 
 use crate::{
-    error::{Error, Result},
+    error::Result,
     petsc::Session,
     scene::Scene,
-    study::{self, ConditioningOptions},
+    study::{SceneArguments, SelectedStudy},
 };
-use studies::ScalingArguments;
 
 /// Particles in viscous flow, particle by particle. Run it as it is, or under `mpirun -n N`.
 #[derive(Debug, Parser)]
@@ -82,73 +78,15 @@ enum Command {
         #[arg(long)]
         out: Option<PathBuf>,
     },
-    /// Seconds, shares and traffic of a scene on several numbers of ranks, with a model of more; starts the ranks itself.
-    Scaling {
-        #[command(flatten)]
-        scene: SceneArguments,
-        #[command(flatten)]
-        scaling: ScalingArguments,
-    },
-    /// Error against seconds on a scene: every method on grids from coarse to fine, and the cheapest setting for a wanted error.
-    Cost {
-        #[command(flatten)]
-        scene: SceneArguments,
-        #[command(flatten)]
-        cost: Box<cost::CostArguments>,
-    },
     /// What two near bodies, or a body and a wall, resist, what modes see of it, and what lubrication adds.
     Lubrication(lubrication::LubricationArguments),
-    /// Run scenes with each inverse of the fluid that suits them and print what each costs.
-    Inverses(studies::InverseArguments),
-    /// Viscosity against fraction in 2D and 3D with error bars beside published laws, and against strain; starts its own runs.
-    Viscosity(viscosity::ViscosityArguments),
-    /// Solve cases with known answers and print a table of errors and seconds.
-    Validation {
-        /// Solve scenes with known answers to these accuracies instead, and print their error bars beside the true errors.
-        #[arg(long, value_delimiter = ',', num_args = 0.., default_missing_value = "1e-2", value_name = "ACCURACY")]
-        bars: Vec<f64>,
-        /// With --bars: so many scenes drawn at random, with answers from fine grids, in place of those with known ones.
-        #[arg(long, requires = "bars", value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..=10_000))]
-        random: Option<u64>,
-        /// Seed of the first of them.
-        #[arg(long, default_value_t = 1, requires = "random", value_parser = clap::value_parser!(u64).range(..=1_000_000))]
-        seed: u64,
-        /// Solve crowds with many films instead, known ones and such as show how the cost grows with number, fraction and gap.
-        #[arg(long, conflicts_with = "bars")]
-        crowds: bool,
-    },
-    /// Condition numbers, iterations, seconds and memory of the linear systems against the grid, and what theory predicts.
-    Conditioning {
-        /// Finest grid in 2D, in cells per side.
-        #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(16..=8192))]
-        finest_2d: u32,
-        /// Finest grid in 3D, in cells per side.
-        #[arg(long, default_value_t = 96, value_parser = clap::value_parser!(u32).range(8..=512))]
-        finest_3d: u32,
-        /// Folder for conditioning.csv, conditioning.json and the charts (default: none is written).
-        #[arg(long)]
-        out: Option<PathBuf>,
-    },
-}
-
-#[derive(Debug, clap::Args)]
-struct SceneArguments {
-    /// Scene file.
-    scene: PathBuf,
-    /// Override a key of the scene: --set resolution.cells_per_radius=8
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    overrides: Vec<String>,
+    #[command(flatten)]
+    Study(SelectedStudy),
 }
 
 /// Carries out a command that starts ranks of its own and must not be one of them; nothing if it is another command.
 pub fn execute_alone(arguments: &Arguments) -> Option<Result<()>> {
-    match &arguments.command {
-        Command::Scaling { scene, scaling } => Some(studies::scaling((&scene.scene, &scene.overrides), scaling, &arguments.petsc)),
-        Command::Cost { scene, cost } => Some(cost::cost((&scene.scene, &scene.overrides), cost, &arguments.petsc)),
-        Command::Inverses(inverses) => Some(studies::inverses(inverses, &arguments.petsc)),
-        Command::Viscosity(options) => Some(viscosity::viscosity(options, &arguments.petsc)),
-        _ => None,
-    }
+    if let Command::Study(study) = &arguments.command { study.run_alone(&arguments.petsc) } else { None }
 }
 
 /// Carries out a command on all ranks.
@@ -195,30 +133,11 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
             outcome.map_err(|error| scene.place(error))
         }
         Command::Lubrication(arguments) => session.world().agree(lubrication::lubrication(session.world(), arguments)),
-        Command::Scaling { .. } | Command::Cost { .. } | Command::Inverses(_) | Command::Viscosity(_) => Err(studies::ranks_refused()),
-        Command::Validation { crowds: true, .. } => study::crowds(session),
-        Command::Validation { bars, .. } if bars.is_empty() => match study::validation(session)? {
-            true => Ok(()),
-            false => Err(Error::Diverged("a case is further from its reference than promised".into())),
-        },
-        Command::Validation { bars, random, seed, .. } => match study::bars(session, bars, random.map(|count| *seed..*seed + count))? {
-            true => Ok(()),
-            false => Err(Error::Diverged("more than one error bar in twelve does not hold the true error".into())),
-        },
-        Command::Conditioning { finest_2d, finest_3d, out } => {
-            let (finest_2d, finest_3d) = (*finest_2d as usize, *finest_3d as usize);
-            study::conditioning(session, &ConditioningOptions { finest_2d, finest_3d, out: out.clone() })
-        }
+        Command::Study(study) => study.run_on_ranks(session),
     }
 }
 
 /// The output folder that is asked for, or that of the scene's name.
 fn folder(out: &Option<PathBuf>, scene: &Scene) -> PathBuf {
     out.clone().unwrap_or_else(|| PathBuf::from("out").join(&scene.name))
-}
-
-impl SceneArguments {
-    fn read(&self, session: &Session) -> Result<Scene> {
-        session.world().agree(Scene::read(&self.scene, &self.overrides))
-    }
 }

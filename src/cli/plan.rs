@@ -58,10 +58,10 @@ fn time<const D: usize>(session: &Session, scene: &Scene, plan: &PlanReport) -> 
     if plan.bytes() > session.world().available_memory_bytes() {
         return Ok("not predicted: there is not enough memory".into());
     }
-    let Some(unknowns) = plan.unknowns().filter(|_| !scene.scalar()) else {
+    let Some((grid, multipliers)) = plan.unknowns().filter(|_| !scene.scalar()) else {
         return Ok("not predicted: no flow is solved".into());
     };
-    let Some(forecast) = Forecast::of::<D>(session, scene, unknowns)? else {
+    let Some(forecast) = Forecast::of::<D>(session, scene, grid, multipliers)? else {
         return Ok("not predicted: no sample of the scene can be solved".into());
     };
     let (seconds, solve, iterations) = (forecast.seconds(), forecast.solve, forecast.iterations);

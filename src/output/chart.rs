@@ -3,19 +3,44 @@
 //! A pure function of a [`Chart`]. Ranges follow the points, and reach down to zero only where that costs little of the height.
 
 mod axis;
-mod bars;
-mod data;
 mod frame;
 mod notes;
 
 use std::fmt::Write;
 
-use super::picture::{INK, escaped};
-use data::finite;
-pub use data::{Bar, Chart, Level, Mark, Notes, Scale, Series};
-use frame::{Frame, PAGE, SIDE};
+use self::frame::{Frame, PAGE, SIDE, finite};
+pub use self::{
+    frame::Scale,
+    notes::{Bar, Level, Mark, Notes},
+};
+use super::picture::{INK, colour, escaped};
 
+/// Least distance of names in pixels.
 const LINE: f64 = 18.0;
+
+/// A chart of lines over a common abscissa, ready to be drawn.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    /// Line of text above the axes; an empty one takes no room.
+    pub title: String,
+    /// Name of the abscissa, with its unit.
+    pub x: String,
+    /// Name of the ordinate, with its unit.
+    pub y: String,
+    /// How both coordinates are drawn.
+    pub scale: Scale,
+    /// The lines; the first stands out, and names are shown if there is more than one.
+    pub series: Vec<Series>,
+}
+
+/// One line of a chart.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// Name.
+    pub name: String,
+    /// Abscissas and ordinates in the order to be joined; the line breaks where a value is not finite.
+    pub points: Vec<(f64, f64)>,
+}
 
 impl Chart {
     /// The chart as a complete SVG document of 800 by 450 pixels; without a finite point it shows empty axes.
@@ -25,7 +50,7 @@ impl Chart {
 
     /// The same with marks, levels and bars.
     pub fn annotated(&self, notes: &Notes) -> String {
-        let frame = Frame::new(self, notes);
+        let (frame, colour) = (self.frame(notes), |k: usize| self.colour(k));
         let [width, height] = PAGE;
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
@@ -34,14 +59,23 @@ impl Chart {
         );
         svg += &self.words(&frame);
         svg += &frame.grid();
-        svg += &self.levels(notes, &frame);
+        svg += &notes.levels(&frame);
         for k in (0..self.series.len()).rev() {
             svg += &self.line(k, &frame);
         }
-        svg += &self.bars(&notes.bars, &frame);
-        svg += &self.marks(notes, &frame);
+        svg += &notes.bars(&frame, colour);
+        svg += &notes.marks(&frame, colour);
         svg += &self.names(&frame);
         svg + "</svg>\n"
+    }
+
+    /// Axes that hold all points, levels and bars.
+    fn frame(&self, notes: &Notes) -> Frame {
+        let finite_points = self.series.iter().flat_map(|series| &series.points).map(|point| self.scale.of(point)).filter(finite);
+        let (x, mut y): (Vec<f64>, Vec<f64>) = finite_points.map(|[x, y]| (x, y)).unzip();
+        y.extend(notes.extent().map(|point| self.scale.of(&point)).filter(finite).map(|point| point[1]));
+        let names: Vec<&str> = self.series.iter().map(|series| series.name.as_str()).collect();
+        Frame::new(self.scale, [&x, &y], &names, !self.title.is_empty())
     }
 
     fn words(&self, frame: &Frame) -> String {
@@ -68,6 +102,12 @@ impl Chart {
             "<path d=\"{path}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{dot}\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>\n",
             self.colour(k)
         )
+    }
+
+    /// Ink for the first line, then the map of the speed without its palest end.
+    fn colour(&self, k: usize) -> String {
+        let parts = self.series.len().max(3) - 2;
+        if k == 0 { INK.into() } else { colour::hexadecimal(0.2 + 0.65 * (k - 1) as f64 / parts as f64) }
     }
 
     /// The names at the heights where their lines end, moved apart where they would touch.
@@ -109,7 +149,7 @@ fn apart(mut ends: Vec<(usize, f64)>, frame: &Frame) -> Vec<(usize, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use super::{axis::Axis, *};
+    use super::*;
 
     fn chart(lines: &[&[(f64, f64)]]) -> Chart {
         let series = lines.iter().map(|points| Series { name: "a < b".into(), points: points.to_vec() }).collect();
@@ -138,7 +178,7 @@ mod tests {
     fn a_line_breaks_where_a_value_is_not_finite() {
         let chart = chart(&[&[(0.0, 1.0), (1.0, 2.0), (2.0, f64::NAN), (f64::INFINITY, 1.0), (4.0, 1.0), (5.0, 2.0)]]);
         assert_sound(&chart);
-        assert_eq!(chart.line(0, &Frame::new(&chart, &Notes::default())).matches('M').count(), 2);
+        assert_eq!(chart.line(0, &chart.frame(&Notes::default())).matches('M').count(), 2);
     }
 
     #[test]
@@ -150,7 +190,7 @@ mod tests {
 
     #[test]
     fn names_keep_a_line_of_distance_within_the_axes() {
-        let frame = Frame::new(&chart(&[]), &Notes::default());
+        let frame = chart(&[]).frame(&Notes::default());
         let levels: Vec<f64> = apart(vec![(0, 380.0), (1, 385.0), (2, 386.0)], &frame).iter().map(|end| end.1).collect();
         assert!(levels.windows(2).all(|pair| pair[1] - pair[0] >= LINE) && levels[2] <= frame.foot);
     }
@@ -160,8 +200,8 @@ mod tests {
         let mut chart = chart(&[&[(1.0, 20.0), (4096.0, 0.01), (3.0, 0.0), (-1.0, 2.0)]]);
         chart.scale = Scale::Logarithmic;
         assert_sound(&chart);
-        let labels = |axis: Axis| axis.ticks().iter().map(|&tick| axis.label(tick)).collect::<Vec<_>>();
-        assert_eq!(labels(Frame::new(&chart, &Notes::default()).x), ["1", "10", "100", "1000"]);
+        let labels = |axis: axis::Axis| axis.ticks().iter().map(|&tick| axis.label(tick)).collect::<Vec<_>>();
+        assert_eq!(labels(chart.frame(&Notes::default()).x), ["1", "10", "100", "1000"]);
         chart.series.clear();
         assert_sound(&chart);
     }

@@ -3,12 +3,12 @@
 //! The scalar Laplacian with several preconditioners, the multipliers of disks by all methods, and the fluid without bodies.
 
 mod energy;
-mod fit;
 mod fluid;
+mod grids;
 mod growth;
 mod laplacian;
-mod method;
 mod multipliers;
+mod preconditioning;
 mod report;
 mod rigidity;
 mod text;
@@ -16,12 +16,14 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use self::{
+    grids::grids,
     growth::Growth,
     laplacian::{Problem, Solve, WANTED},
-    method::Method,
     multipliers::MultiplierGrowth,
+    preconditioning::Preconditioning,
     report::Report,
 };
+use super::command::{Study, count};
 use crate::{
     error::Result,
     output::{prepare_folder, say, write_whole},
@@ -32,82 +34,72 @@ use crate::{
 const COARSEST: [usize; 2] = [16, 8];
 
 /// What to study, and where to write it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ConditioningOptions {
+#[derive(Debug, Clone, PartialEq, clap::Args)]
+pub struct Conditioning {
     /// Finest grid in 2D, in cells per side.
+    #[arg(long, default_value_t = 512, value_parser = count(16..=8192))]
     pub finest_2d: usize,
     /// Finest grid in 3D, in cells per side.
+    #[arg(long, default_value_t = 96, value_parser = count(8..=512))]
     pub finest_3d: usize,
-    /// Folder for tables and charts, none if there is none.
+    /// Folder for conditioning.csv, conditioning.json and the charts (default: none is written).
+    #[arg(long)]
     pub out: Option<PathBuf>,
 }
 
-/// Makes the study, prints its tables part by part and writes them.
-///
-/// # Errors
-/// The folder cannot be written to, the rank count does not fit, or a solver does not converge.
-pub fn conditioning(session: &Session, options: &ConditioningOptions) -> Result<()> {
-    let world = session.world();
-    let first = world.rank() == 0;
-    let say = |text: String| world.agree(if first { say(&(text + "\n")) } else { Ok(()) });
-    let write = |work: &dyn Fn(&Path) -> Result<()>| match &options.out {
-        Some(folder) => world.agree(if first { work(folder) } else { Ok(()) }),
-        None => Ok(()),
-    };
-    write(&prepare_folder)?;
-    say(text::introduction(world.size()))?;
-    let (solves, growth) = laplacian(session, options)?;
-    say(text::eigenvalues(&solves))?;
-    [2, 3].into_iter().try_for_each(|dimension| say(text::preconditioners(&solves, &growth, dimension)))?;
-    let rows = multipliers::constrained(session)?;
-    let multiplier_growth = MultiplierGrowth::of(&rows);
-    say(text::multipliers(&rows, &multiplier_growth))?;
-    let rigidity = rigidity::rigidity(session)?;
-    say(text::rigidity(&rigidity))?;
-    let fluid = fluid::fluid(session, [options.finest_2d, options.finest_3d])?;
-    say(text::fluid(&fluid))?;
-    let (ranks, wanted_error) = (world.size(), WANTED);
-    let report = Report { ranks, wanted_error, laplacian: solves, growth, multipliers: rows, multiplier_growth, rigidity, fluid };
-    write(&|folder| report.files().iter().try_for_each(|(name, text)| write_whole(&folder.join(name), text.as_bytes())))?;
-    if let Some(folder) = &options.out {
-        say(format!("files: {}: {}", folder.display(), report.files().map(|(name, _)| name).join(", ")))?;
+impl Study<Session> for Conditioning {
+    const NAME: &'static str = "conditioning";
+    const ABOUT: &'static str =
+        "Condition numbers, iterations, seconds and memory of the linear systems against the grid, and what theory predicts";
+
+    /// Makes the study, prints its tables part by part and writes them.
+    fn run(&self, session: &Session) -> Result<()> {
+        let world = session.world();
+        let first = world.rank() == 0;
+        let say = |text: String| world.agree(if first { say(&(text + "\n")) } else { Ok(()) });
+        let write = |work: &dyn Fn(&Path) -> Result<()>| match &self.out {
+            Some(folder) => world.agree(if first { work(folder) } else { Ok(()) }),
+            None => Ok(()),
+        };
+        write(&prepare_folder)?;
+        say(text::introduction(world.size()))?;
+        let (solves, growth) = self.laplacian(session)?;
+        say(text::eigenvalues(&solves))?;
+        [2, 3].into_iter().try_for_each(|dimension| say(text::preconditioners(&solves, &growth, dimension)))?;
+        let rows = multipliers::constrained(session)?;
+        let multiplier_growth = MultiplierGrowth::of(&rows);
+        say(text::multipliers(&rows, &multiplier_growth))?;
+        let rigidity = rigidity::rigidity(session)?;
+        say(text::rigidity(&rigidity))?;
+        let fluid = fluid::fluid(session, [self.finest_2d, self.finest_3d])?;
+        say(text::fluid(&fluid))?;
+        let (ranks, wanted_error) = (world.size(), WANTED);
+        let report = Report { ranks, wanted_error, laplacian: solves, growth, multipliers: rows, multiplier_growth, rigidity, fluid };
+        write(&|folder| report.files().iter().try_for_each(|(name, text)| write_whole(&folder.join(name), text.as_bytes())))?;
+        if let Some(folder) = &self.out {
+            say(format!("files: {}: {}", folder.display(), report.files().map(|(name, _)| name).join(", ")))?;
+        }
+        Ok(())
     }
-    Ok(())
 }
 
-/// All grids with all preconditioners, and how they grow.
-fn laplacian(session: &Session, options: &ConditioningOptions) -> Result<(Vec<Solve>, Vec<Growth>)> {
-    let mut solves = Vec::new();
-    for cells in grids(COARSEST[0], options.finest_2d) {
-        solves.extend(all_methods::<2>(session, cells)?);
+impl Conditioning {
+    /// All grids with all preconditioners, and how they grow.
+    fn laplacian(&self, session: &Session) -> Result<(Vec<Solve>, Vec<Growth>)> {
+        let mut solves = Vec::new();
+        for cells in grids(COARSEST[0], self.finest_2d) {
+            solves.extend(all_preconditionings::<2>(session, cells)?);
+        }
+        for cells in grids(COARSEST[1], self.finest_3d) {
+            solves.extend(all_preconditionings::<3>(session, cells)?);
+        }
+        let growth = |dimension: usize| Preconditioning::ALL.map(|method| Growth::of(&solves, dimension, method));
+        let growth = [2, 3].into_iter().flat_map(growth).collect();
+        Ok((solves, growth))
     }
-    for cells in grids(COARSEST[1], options.finest_3d) {
-        solves.extend(all_methods::<3>(session, cells)?);
-    }
-    let growth = |dimension: usize| Method::ALL.map(|method| Growth::of(&solves, dimension, method));
-    let growth = [2, 3].into_iter().flat_map(growth).collect();
-    Ok((solves, growth))
 }
 
-fn all_methods<const D: usize>(session: &Session, cells: usize) -> Result<Vec<Solve>> {
+fn all_preconditionings<const D: usize>(session: &Session, cells: usize) -> Result<Vec<Solve>> {
     let problem = Problem::<D>::new(session, cells)?;
-    Method::ALL.iter().map(|&method| problem.solve(method)).collect()
-}
-
-/// Grids from the first, each twice as fine as the one before, to the finest.
-fn grids(first: usize, finest: usize) -> impl Iterator<Item = usize> {
-    std::iter::successors(Some(first), |cells| Some(2 * cells)).take_while(move |&cells| cells < finest).chain([finest])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn grids_double_and_end_with_the_finest() {
-        let listed = |first, finest| grids(first, finest).collect::<Vec<_>>();
-        assert_eq!(listed(8, 96), [8, 16, 32, 64, 96]);
-        assert_eq!(listed(16, 64), [16, 32, 64]);
-        assert_eq!(listed(16, 16), [16]);
-    }
+    Preconditioning::ALL.iter().map(|&method| problem.solve(method)).collect()
 }

@@ -1,4 +1,4 @@
-//! Power laws, fitted to what was measured.
+//! Power laws and lines, fitted to what was measured.
 
 use serde::Serialize;
 
@@ -17,8 +17,8 @@ impl Power {
     /// The one that fits points best, in logarithms; nothing if there are fewer than two abscissas, or values that have no logarithm.
     pub fn fit(points: &[(f64, f64)]) -> Option<Power> {
         let logarithms: Vec<(f64, f64)> = points.iter().map(|&(x, y)| (x.ln(), y.ln())).collect();
-        let [logarithm, exponent] = line(&logarithms)?;
-        exponent.is_finite().then(|| Power { factor: logarithm.exp(), exponent })
+        let [factor, exponent] = line(&logarithms)?;
+        exponent.is_finite().then(|| Power { factor: factor.exp(), exponent })
     }
 
     /// Its value.

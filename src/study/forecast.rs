@@ -73,11 +73,11 @@ pub struct Forecast {
 }
 
 impl Forecast {
-    /// Of a scene of dimension `D` with a flow and a resolution; nothing if no sample of it can be solved. Collective.
+    /// Of a scene of dimension `D` with a flow, a resolution, and so many unknowns of the grid and multipliers; nothing if no sample of it can be solved. Collective.
     ///
     /// # Errors
     /// The scene cannot be built, or PETSc fails.
-    pub fn of<const D: usize>(session: &Session, scene: &Scene, (grid, multipliers): (usize, usize)) -> Result<Option<Forecast>> {
+    pub fn of<const D: usize>(session: &Session, scene: &Scene, grid: usize, multipliers: usize) -> Result<Option<Forecast>> {
         let setup = session.world().agree(Setup::<D>::of(scene))?;
         let Some(sample) = sample(&setup) else { return Ok(None) };
         let speed = |velocity: f64| session.world().max(velocity);

@@ -1,15 +1,14 @@
 //! What each inverse of the fluid costs, scene by scene: a table made of real runs.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
+use std::path::{Path, PathBuf};
+
+use super::{
+    command::{PetscOptions, Study},
+    launcher::{Job, Launcher, Scratch, StartArguments, WITHOUT_PICTURE},
+    summary::RunSummary,
 };
-
-use serde::Deserialize;
-
-use super::launcher::{Job, Launcher, Scratch, WITHOUT_PICTURE};
 use crate::{
-    error::{Error, Result},
+    error::Result,
     flow::InverseMethod,
     output::{prepare_folder, say},
     scene::Scene,
@@ -17,26 +16,26 @@ use crate::{
 };
 
 /// What to run.
-#[derive(Debug, Clone)]
-pub struct InverseOptions {
+#[derive(Debug, Clone, clap::Args)]
+pub struct Inverses {
     /// Scene files.
+    #[arg(required = true)]
     pub scenes: Vec<PathBuf>,
-    /// What is set in each.
+    /// Override a key of each scene: --set bodies.0.count=100
+    #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
-    /// Rank counts.
+    /// Numbers of ranks.
+    #[arg(long, value_delimiter = ',', default_values_t = [1])]
     pub ranks: Vec<usize>,
-    /// Command line that starts a run, with `{ranks}` in it.
-    pub launcher: String,
-    /// Runs of each, of which the fastest counts.
-    pub repeat: usize,
-    /// Options for PETSc.
-    pub petsc: Vec<String>,
+    /// How runs are started.
+    #[command(flatten)]
+    pub start: StartArguments,
 }
 
 /// What a run tells of its cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Cost {
-    unknowns: usize,
+    unknowns: f64,
     /// Of the instant, or the mean of all solves.
     iterations: f64,
     /// Everything of an instant, or a step.
@@ -44,55 +43,35 @@ struct Cost {
     memory_bytes: f64,
 }
 
-#[derive(Deserialize)]
-struct Summary {
-    steps: usize,
-    solver: Solver,
-    motion: Option<Motion>,
-}
+impl Study<PetscOptions> for Inverses {
+    const NAME: &'static str = "inverses";
+    const ABOUT: &'static str = "Run scenes with each inverse of the fluid that suits them and print what each costs";
 
-#[derive(Deserialize)]
-struct Solver {
-    grid_unknowns: usize,
-    multiplier_unknowns: usize,
-    iterations: usize,
-    setup_seconds: f64,
-    assembly_seconds: f64,
-    solve_seconds: f64,
-    peak_memory_bytes: f64,
-}
-
-#[derive(Deserialize)]
-struct Motion {
-    solves: usize,
-    iterations: usize,
-    seconds: f64,
-}
-
-/// Runs all scenes with all inverses that suit them and prints a table; to be called outside of MPI.
-///
-/// # Errors
-/// A scene or the launcher cannot be used, or a run fails.
-pub fn inverses(options: &InverseOptions) -> Result<()> {
-    let launcher = Launcher::new(&options.launcher, &options.petsc)?;
-    let scenes = options.scenes.iter().map(|path| Scene::read(path, &options.overrides)).collect::<Result<Vec<_>>>()?;
-    let methods = scenes.iter().map(methods).collect::<Result<Vec<_>>>()?;
-    let folder = Path::new("out");
-    prepare_folder(folder)?;
-    let scratch = Scratch::within(folder)?;
-    say("| scene | unknowns | ranks | iterations: transform / hypre | seconds: transform / hypre | ratio | MB: transform / hypre |")?;
-    say("|-|-|-|-|-|-|-|")?;
-    for ((path, scene), methods) in options.scenes.iter().zip(&scenes).zip(methods) {
-        for &ranks in &options.ranks {
-            let cost = |method: &InverseMethod| options.measure(&launcher, &scratch.0.join("out"), (path, *method), ranks);
-            let costs = methods.iter().map(cost).collect::<Result<Vec<_>>>()?;
-            say(&row(&path.display().to_string(), ranks, &costs))?;
+    fn run(&self, petsc: &PetscOptions) -> Result<()> {
+        let launcher = Launcher::new(&self.start.launcher, petsc)?;
+        let scenes = self.scenes.iter().map(|path| Scene::read(path, &self.overrides)).collect::<Result<Vec<_>>>()?;
+        let methods = scenes.iter().map(methods).collect::<Result<Vec<_>>>()?;
+        let folder = Path::new("out");
+        prepare_folder(folder)?;
+        let scratch = Scratch::within(folder)?;
+        say("| scene | unknowns | ranks | iterations: transform / hypre | seconds: transform / hypre | ratio | MB: transform / hypre |")?;
+        say("|-|-|-|-|-|-|-|")?;
+        for ((path, scene), methods) in self.scenes.iter().zip(&scenes).zip(methods) {
+            for &ranks in &self.ranks {
+                let cost = |method: &InverseMethod| {
+                    let overrides = [&self.overrides[..], &[format!("method.inverse={}", method.word()), WITHOUT_PICTURE.into()]].concat();
+                    let job = Job { scene: path, overrides: &overrides, folder: &scratch.0.join("out"), ranks, repeat: self.start.repeat };
+                    launcher.measure(&job, |path| Ok(Cost::of(&RunSummary::read(path)?)), |cost| cost.seconds)
+                };
+                let costs = methods.iter().map(cost).collect::<Result<Vec<_>>>()?;
+                say(&row(&path.display().to_string(), ranks, &costs))?;
+            }
+            if scene.time.is_some() {
+                say("| (a scene in time: mean iterations of a solve, seconds of a step) | | | | | | |")?;
+            }
         }
-        if scene.time.is_some() {
-            say("| (a scene in time: mean iterations of a solve, seconds of a step) | | | | | | |")?;
-        }
+        Ok(())
     }
-    Ok(())
 }
 
 /// The inverses that suit a scene, the general one last.
@@ -107,34 +86,19 @@ fn methods(scene: &Scene) -> Result<Vec<InverseMethod>> {
     Ok(if fastest == InverseMethod::Hypre { vec![fastest] } else { vec![fastest, InverseMethod::Hypre] })
 }
 
-impl InverseOptions {
-    fn measure(&self, launcher: &Launcher, folder: &Path, (scene, method): (&Path, InverseMethod), ranks: usize) -> Result<Cost> {
-        let mut overrides = self.overrides.clone();
-        overrides.extend([format!("method.inverse={}", method.word()), WITHOUT_PICTURE.to_owned()]);
-        launcher.measure((ranks, self.repeat), &Job { scene, overrides: &overrides, folder }, Cost::read, |cost| cost.seconds)
-    }
-}
-
 impl Cost {
-    fn read(path: &Path) -> Result<Cost> {
-        let unreadable = |source| Error::File { path: path.to_owned(), source };
-        let text = fs::read_to_string(path).map_err(unreadable)?;
-        Ok(Cost::of(&serde_json::from_str(&text).map_err(|error| unreadable(error.into()))?))
-    }
-
-    fn of(Summary { steps, solver, motion }: &Summary) -> Cost {
-        let (iterations, seconds) = match motion {
-            Some(motion) => (motion.iterations as f64 / motion.solves.max(1) as f64, motion.seconds / (*steps).max(1) as f64),
-            None => (solver.iterations as f64, solver.setup_seconds + solver.assembly_seconds + solver.solve_seconds),
+    fn of(summary: &RunSummary) -> Cost {
+        let seconds = match summary.in_time() {
+            true => summary.solve_seconds() / summary.number("/steps").max(1.0),
+            false => summary.setup_seconds() + summary.solve_seconds(),
         };
-        let unknowns = solver.grid_unknowns + solver.multiplier_unknowns;
-        Cost { unknowns, iterations, seconds, memory_bytes: solver.peak_memory_bytes }
+        Cost { unknowns: summary.unknowns(), iterations: summary.iterations(), seconds, memory_bytes: summary.memory_bytes() }
     }
 }
 
 /// A row of the table for the costs with the fastest inverse and, if that is another one, with multigrid.
 fn row(name: &str, ranks: usize, costs: &[Cost]) -> String {
-    let unknowns = costs.first().map_or(0, |cost| cost.unknowns) / 1000;
+    let unknowns = (costs.first().map_or(0.0, |cost| cost.unknowns) / 1e3).floor();
     let each = |value: &dyn Fn(&Cost) -> String| {
         let values: Vec<String> = costs.iter().map(value).collect();
         if values.len() == 1 { format!("- / {}", values[0]) } else { values.join(" / ") }
@@ -152,18 +116,18 @@ mod tests {
 
     #[test]
     fn a_row_has_both_inverses_or_a_gap() {
-        let cost = |seconds| Cost { unknowns: 12_345, iterations: 30.0, seconds, memory_bytes: 2e6 };
+        let cost = |seconds| Cost { unknowns: 12_345.0, iterations: 30.0, seconds, memory_bytes: 2e6 };
         assert_eq!(row("a", 2, &[cost(0.25), cost(1.0)]), "| `a` | 12 k | 2 | 30 / 30 | 0.25 / 1.00 | 4.0 | 2 / 2 |");
         assert_eq!(row("a", 1, &[cost(1.0)]), "| `a` | 12 k | 1 | - / 30 | - / 1.00 | - | - / 2 |");
     }
 
     #[test]
     fn steps_and_solves_are_taken_one_by_one() {
-        let solver = r#"{"grid_unknowns": 10, "multiplier_unknowns": 5, "iterations": 7, "setup_seconds": 1, "assembly_seconds": 2,
-            "solve_seconds": 3, "peak_memory_bytes": 4}"#;
-        let summary = |motion: &str| serde_json::from_str(&format!(r#"{{"steps": 4, "solver": {solver}, "motion": {motion}}}"#)).unwrap();
-        assert_eq!(Cost::of(&summary("null")), Cost { unknowns: 15, iterations: 7.0, seconds: 6.0, memory_bytes: 4.0 });
-        let moving = Cost::of(&summary(r#"{"solves": 5, "iterations": 50, "seconds": 8}"#));
+        let solver = serde_json::json!({"grid_unknowns": 10, "multiplier_unknowns": 5, "iterations": 7, "setup_seconds": 1,
+            "assembly_seconds": 2, "solve_seconds": 3, "peak_memory_bytes": 4});
+        let summary = |motion| RunSummary(serde_json::json!({"steps": 4, "solver": solver, "motion": motion}));
+        assert_eq!(Cost::of(&summary(serde_json::Value::Null)), Cost { unknowns: 15.0, iterations: 7.0, seconds: 6.0, memory_bytes: 4.0 });
+        let moving = Cost::of(&summary(serde_json::json!({"solves": 5, "iterations": 50, "seconds": 8})));
         assert_eq!((moving.iterations, moving.seconds), (10.0, 2.0));
     }
 }

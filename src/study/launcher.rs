@@ -6,10 +6,25 @@ use std::{
     process::{Command, Output, Stdio},
 };
 
+use super::command::count;
 use crate::{
     error::{Error, Result},
-    output::prepare_folder,
+    output::{FolderLock, prepare_folder, write_whole},
 };
+
+/// How runs are started, and how often.
+#[derive(Debug, Clone, clap::Args)]
+pub struct StartArguments {
+    /// Command that starts a program on {ranks} ranks.
+    #[arg(long, default_value = LAUNCHER)]
+    pub launcher: String,
+    /// Runs of each setting, of which the fastest counts.
+    #[arg(long, default_value_t = 2, value_parser = count(1..=100))]
+    pub repeat: usize,
+}
+
+/// The launcher unless another one is named.
+pub const LAUNCHER: &str = "mpirun --oversubscribe -n {ranks}";
 
 /// Where the number of ranks goes in a launcher.
 const PLACE: &str = "{ranks}";
@@ -32,6 +47,36 @@ impl Scratch {
         let scratch = Scratch(folder.join(format!("{RUNS}{}", std::process::id())));
         prepare_folder(&scratch.0)?;
         Ok(scratch)
+    }
+}
+
+/// The folder of a study's results, which no other study may use meanwhile, with one for its runs within it.
+pub struct StudyFolder {
+    /// Where it is.
+    pub path: PathBuf,
+    /// Where runs leave their output.
+    pub scratch: Scratch,
+    _lock: FolderLock,
+}
+
+impl StudyFolder {
+    /// Takes a folder, without what studies that were killed have left in it.
+    ///
+    /// # Errors
+    /// It cannot be written to, or another study holds it.
+    pub fn take(path: PathBuf) -> Result<StudyFolder> {
+        prepare_folder(&path)?;
+        let lock = FolderLock::take(&path)?;
+        sweep_out(&path);
+        Ok(StudyFolder { scratch: Scratch::within(&path)?, path, _lock: lock })
+    }
+
+    /// Writes files by name and contents.
+    ///
+    /// # Errors
+    /// One cannot be written.
+    pub fn write(&self, files: &[(&str, String)]) -> Result<()> {
+        files.iter().try_for_each(|(name, text)| write_whole(&self.path.join(name), text.as_bytes()))
     }
 }
 
@@ -60,7 +105,7 @@ pub struct Launcher {
     petsc: Vec<String>,
 }
 
-/// A scene file with its overrides.
+/// A scene file with its overrides, and how it is run.
 pub struct Job<'a> {
     /// The file.
     pub scene: &'a Path,
@@ -68,6 +113,10 @@ pub struct Job<'a> {
     pub overrides: &'a [String],
     /// Folder for the output; it is removed.
     pub folder: &'a Path,
+    /// Number of ranks.
+    pub ranks: usize,
+    /// Number of runs, of which the fastest counts.
+    pub repeat: usize,
 }
 
 impl Launcher {
@@ -87,34 +136,22 @@ impl Launcher {
         Ok(Launcher { words, program, petsc: petsc.to_vec() })
     }
 
-    /// Runs a scene so many times; returns what `read` makes of the summary of the run in which it is fastest.
+    /// Runs a scene; returns what `read` makes of the summary of the run in which it is fastest.
     ///
     /// # Errors
     /// The launcher does not start, or a run fails; its own words come along.
-    pub fn measure<T>(
-        &self,
-        (ranks, repeat): (usize, usize),
-        job: &Job,
-        read: impl Fn(&Path) -> Result<T>,
-        seconds: impl Fn(&T) -> f64,
-    ) -> Result<T> {
-        self.attempt((ranks, repeat), job, read, seconds)?
+    pub fn measure<T>(&self, job: &Job, read: impl Fn(&Path) -> Result<T>, seconds: impl Fn(&T) -> f64) -> Result<T> {
+        self.attempt(job, read, seconds)?
     }
 
     /// As [`measure`](Self::measure), but the failure of a run is an outcome.
     ///
     /// # Errors
     /// The launcher does not start the run, or the folder of the output cannot be removed.
-    pub fn attempt<T>(
-        &self,
-        (ranks, repeat): (usize, usize),
-        job: &Job,
-        read: impl Fn(&Path) -> Result<T>,
-        seconds: impl Fn(&T) -> f64,
-    ) -> Result<Result<T>> {
+    pub fn attempt<T>(&self, job: &Job, read: impl Fn(&Path) -> Result<T>, seconds: impl Fn(&T) -> f64) -> Result<Result<T>> {
         let mut best: Option<T> = None;
-        for _ in 0..repeat {
-            best = match (self.run(ranks, job, &read)?, best) {
+        for _ in 0..job.repeat {
+            best = match (self.run(job, &read)?, best) {
                 (Err(failure), _) => return Ok(Err(failure)),
                 (Ok(next), Some(best)) if seconds(&next) >= seconds(&best) => Some(best),
                 (Ok(next), _) => Some(next),
@@ -123,14 +160,14 @@ impl Launcher {
         Ok(Ok(best.expect("there is at least one run")))
     }
 
-    fn run<T>(&self, ranks: usize, job: &Job, read: impl Fn(&Path) -> Result<T>) -> Result<Result<T>> {
-        let outcome = self.command(ranks, job).output();
+    fn run<T>(&self, job: &Job, read: impl Fn(&Path) -> Result<T>) -> Result<Result<T>> {
+        let outcome = self.command(job).output();
         let output = outcome.map_err(|error| {
             let program = &self.words[0];
             Error::Refused(format!("--launcher: {program} cannot be started ({error}); install it or name another launcher"))
         })?;
         if !output.status.success() {
-            let failure = failure(ranks, &output);
+            let failure = failure(job.ranks, &output);
             // no word of its own and no folder: it never began
             return if own_words(&output).is_empty() && !job.folder.exists() { Err(failure) } else { Ok(Err(failure)) };
         }
@@ -139,8 +176,8 @@ impl Launcher {
         Ok(found)
     }
 
-    fn command(&self, ranks: usize, job: &Job) -> Command {
-        let words: Vec<String> = self.words.iter().map(|word| word.replace(PLACE, &ranks.to_string())).collect();
+    fn command(&self, job: &Job) -> Command {
+        let words: Vec<String> = self.words.iter().map(|word| word.replace(PLACE, &job.ranks.to_string())).collect();
         let mut command = Command::new(&words[0]);
         command.args(&words[1..]).arg(&self.program).arg("run").arg(job.scene).arg("--out").arg(job.folder).stdin(Stdio::null());
         for setting in job.overrides {
@@ -173,8 +210,8 @@ mod tests {
     fn the_number_of_ranks_takes_its_place() {
         let launcher = Launcher::new("srun --ntasks={ranks} -v", &["-log_view".into()]).unwrap();
         let overrides = ["seed=2".to_owned(), WITHOUT_PICTURE.into()];
-        let job = Job { scene: Path::new("a.toml"), overrides: &overrides, folder: Path::new("b") };
-        let command = launcher.command(8, &job);
+        let job = Job { scene: Path::new("a.toml"), overrides: &overrides, folder: Path::new("b"), ranks: 8, repeat: 1 };
+        let command = launcher.command(&job);
         let words: Vec<&str> = command.get_args().map(|word| word.to_str().unwrap()).collect();
         assert_eq!((command.get_program().to_str(), &words[..2]), (Some("srun"), &["--ntasks=8", "-v"][..]));
         assert_eq!(words[3..], ["run", "a.toml", "--out", "b", "--set", "seed=2", "--set", "output.picture=false", "--", "-log_view"]);

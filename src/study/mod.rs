@@ -1,21 +1,28 @@
 //! Studies: how solvers scale, how hard their systems are, how far known answers are met, and which setting meets an accuracy.
 
 mod calibration;
+mod command;
 mod conditioning;
 mod cost;
 mod fit;
 mod forecast;
 mod inverses;
 mod launcher;
+mod registry;
 mod scaling;
+mod store;
+mod summary;
+mod table;
 mod validation;
 mod viscosity;
 
-pub use calibration::{Answer, Calibration, Estimate, Ladder, Quantity, Rung, Solved, coarsest};
-pub use conditioning::{ConditioningOptions, conditioning};
-pub use cost::{CostOptions, cost};
+pub use calibration::{Answer, Calibration, Estimate, Quantity, RefinementLevel, RefinementSequence, Solved, coarsest};
+pub use command::{PetscOptions, SceneArguments, Study, StudyCommand, positive};
+pub use conditioning::Conditioning;
+pub use cost::Cost;
 pub use forecast::Forecast;
-pub use inverses::{InverseOptions, inverses};
-pub use scaling::{Network, ScalingOptions, scaling};
-pub use validation::{Bar, Case, KnownScene, bars, cases, crowds, known_scenes, random_scene, validation};
-pub use viscosity::{ViscosityOptions, viscosity};
+pub use inverses::Inverses;
+pub use registry::{SelectedStudy, studies};
+pub use scaling::Scaling;
+pub use validation::{Bar, Case, KnownScene, Validation, cases, known_scenes, random_scene};
+pub use viscosity::ViscosityStudy;

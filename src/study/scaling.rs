@@ -4,31 +4,32 @@
 //! timed by the step, over as many as it has. *Strong*: the same scene on more ranks. *Weak*: as many times the bodies in
 //! as many times the volume as there are ranks, along the periodic axes of the box.
 
-mod arrangement;
-mod growth;
+mod enlarge;
 mod measurement;
 mod model;
 mod report;
 mod table;
+mod workload;
 
 use std::path::PathBuf;
 
 use self::{
-    arrangement::{Arrangement, Shares},
-    growth::{copies, write_grown},
+    enlarge::{copies, write_enlarged},
     measurement::Measurement,
-    model::{Model, Sample},
+    model::{Model, Network, Sample},
     report::Report,
-    table::{Row, Table},
+    table::{RunRow, Table},
+    workload::{RankShares, Workload},
 };
-use super::launcher::{Job, Launcher, Scratch, WITHOUT_PICTURE};
+use super::{
+    command::{PetscOptions, SceneArguments, Study, positive},
+    launcher::{Job, Launcher, StartArguments, StudyFolder, WITHOUT_PICTURE},
+};
 use crate::{
     error::{Error, Result},
-    output::{FolderLock, prepare_folder, say, write_whole},
+    output::say,
     scene::Scene,
 };
-
-pub use model::Network;
 
 /// Most ranks that the model speaks of.
 const MOST_RANKS: usize = 4096;
@@ -37,112 +38,111 @@ const MOST_RANKS: usize = 4096;
 const MOST_STARTED: usize = 65_536;
 
 /// What to measure, and how.
-#[derive(Debug, Clone)]
-pub struct ScalingOptions {
-    /// Scene file.
-    pub scene: PathBuf,
-    /// What is set in it.
-    pub overrides: Vec<String>,
-    /// Rank counts.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Scaling {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Numbers of ranks.
+    #[arg(long, value_delimiter = ',', default_values_t = [1, 2])]
     pub ranks: Vec<usize>,
-    /// Command line that starts a run, with `{ranks}` in it.
-    pub launcher: String,
-    /// Runs of each, of which the fastest counts.
-    pub repeat: usize,
-    /// Folder for tables and chart, `out/NAME-scaling` if there is none.
+    /// How runs are started.
+    #[command(flatten)]
+    pub start: StartArguments,
+    /// Folder for tables and chart (default: out/NAME-scaling of the scene).
+    #[arg(long)]
     pub out: Option<PathBuf>,
-    /// Cores that the launcher reaches, those of this machine if nothing is said.
+    /// Cores that the launcher reaches (default: those of this machine); more ranks than these are marked.
+    #[arg(long)]
     pub cores: Option<usize>,
-    /// Network that the model assumes.
-    pub network: Network,
-    /// Options for PETSc.
-    pub petsc: Vec<String>,
+    /// Model: gigabytes a second that a rank sends.
+    #[arg(long, default_value_t = 5.0, value_parser = positive)]
+    pub bandwidth: f64,
+    /// Model: microseconds that a message takes.
+    #[arg(long, default_value_t = 2.0, value_parser = positive)]
+    pub latency: f64,
 }
 
-/// Measures, fits, prints the tables and writes them; to be called outside of MPI.
-///
-/// # Errors
-/// The scene, the ranks or the launcher cannot be used, or a run fails.
-pub fn scaling(options: &ScalingOptions) -> Result<()> {
-    let scene = Scene::read(&options.scene, &options.overrides)?;
-    if scene.dry() {
-        let remedy = "scaling measures the solver of the fluid, and a dry scene has none; choose a scene with a flow";
-        return Err(scene.refuse("flow.model", "\"none\"", remedy));
-    }
-    if scene.scalar() {
-        return Err(scene.refuse("flow.model", "\"scalar\"", "scaling measures the solver of the fluid; choose a scene with a flow"));
-    }
-    match scene.dimension() {
-        2 => Study::<2>::new(options, scene)?.report(),
-        _ => Study::<3>::new(options, scene)?.report(),
+impl Study<PetscOptions> for Scaling {
+    const NAME: &'static str = "scaling";
+    const ABOUT: &'static str =
+        "Seconds, shares and traffic of a scene on several numbers of ranks, with a model of more; starts the ranks itself";
+
+    fn run(&self, petsc: &PetscOptions) -> Result<()> {
+        let scene = Scene::read(&self.scene.scene, &self.scene.overrides)?;
+        if scene.dry() {
+            let remedy = "scaling measures the solver of the fluid, and a dry scene has none; choose a scene with a flow";
+            return Err(scene.refuse("flow.model", "\"none\"", remedy));
+        }
+        if scene.scalar() {
+            return Err(scene.refuse("flow.model", "\"scalar\"", "scaling measures the solver of the fluid; choose a scene with a flow"));
+        }
+        match scene.dimension() {
+            2 => Measuring::<2>::new(self, petsc, scene)?.report(),
+            _ => Measuring::<3>::new(self, petsc, scene)?.report(),
+        }
     }
 }
 
 /// A scaling study of a scene of dimension `D`.
-struct Study<'a, const D: usize> {
-    options: &'a ScalingOptions,
+struct Measuring<'a, const D: usize> {
+    options: &'a Scaling,
     scene: Scene,
     ranks: Vec<usize>,
     cores: usize,
     launcher: Launcher,
-    arrangement: Arrangement<D>,
-    folder: PathBuf,
-    scratch: Scratch,
-    _lock: FolderLock,
+    workload: Workload<D>,
+    folder: StudyFolder,
 }
 
 /// Whether the scene grows with the ranks.
 #[derive(Clone, Copy, PartialEq)]
-enum Kind {
+enum ScalingKind {
     Strong,
     Weak,
 }
 
-impl<'a, const D: usize> Study<'a, D> {
-    fn new(options: &'a ScalingOptions, scene: Scene) -> Result<Study<'a, D>> {
+impl<'a, const D: usize> Measuring<'a, D> {
+    fn new(options: &'a Scaling, petsc: &PetscOptions, scene: Scene) -> Result<Measuring<'a, D>> {
         let ranks = rank_counts(&options.ranks)?;
-        let launcher = Launcher::new(&options.launcher, &options.petsc)?;
-        let arrangement = Arrangement::of(&scene)?;
-        let folder = options.out.clone().unwrap_or_else(|| PathBuf::from("out").join(format!("{}-scaling", scene.name)));
-        prepare_folder(&folder)?;
-        let lock = FolderLock::take(&folder)?;
-        let scratch = Scratch::within(&folder)?;
+        let launcher = Launcher::new(&options.start.launcher, petsc)?;
+        let workload = Workload::of(&scene)?;
+        let folder = StudyFolder::take(options.out.clone().unwrap_or_else(|| format!("out/{}-scaling", scene.name).into()))?;
         let cores = options.cores.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
-        Ok(Study { options, scene, ranks, cores, launcher, arrangement, folder, scratch, _lock: lock })
+        Ok(Measuring { options, scene, ranks, cores, launcher, workload, folder })
     }
 
     fn report(&self) -> Result<()> {
-        let strong = self.measure(Kind::Strong)?;
+        let strong = self.measure(ScalingKind::Strong)?;
         let (weak, weak_refusal) = match copies::<D>(&self.scene, 2) {
-            Ok(_) => (Some(self.measure(Kind::Weak)?), None),
+            Ok(_) => (Some(self.measure(ScalingKind::Weak)?), None),
             Err(reason) => (None, Some(reason.to_string())),
         };
         let both = strong.iter().chain(weak.iter().flatten());
         let samples: Vec<Sample> = both.filter_map(|(_, sample)| sample.as_ref().ok().cloned()).collect();
-        let model = Model::fit(&samples, self.cores, self.options.network);
+        let network = Network { bandwidth: self.options.bandwidth * 1e9, latency: self.options.latency * 1e-6 };
+        let model = Model::fit(&samples, self.cores, network);
         let report = Report {
             scene: self.scene.shown_title().to_owned(),
             steps: self.scene.time.is_some(),
-            launcher: self.options.launcher.clone(),
-            repeat: self.options.repeat,
+            launcher: self.options.start.launcher.clone(),
+            repeat: self.options.start.repeat,
             cores: self.cores,
-            strong: self.table(&strong, model.as_ref(), Kind::Strong),
-            weak: weak.map(|weak| self.table(&weak, model.as_ref(), Kind::Weak)),
+            strong: self.table(&strong, model.as_ref(), ScalingKind::Strong),
+            weak: weak.map(|weak| self.table(&weak, model.as_ref(), ScalingKind::Weak)),
             weak_refusal,
-            network: self.options.network,
+            network,
             model,
         };
-        for (name, text) in report.files() {
-            write_whole(&self.folder.join(name), text.as_bytes())?;
-        }
-        say(&format!("{}\n\nfiles: {}: scaling.json, scaling.csv, scaling.svg", report.markdown(), self.folder.display()))
+        self.folder.write(&report.files())?;
+        say(&format!("{}\n\nfiles: {}: scaling.json, scaling.csv, scaling.svg", report.markdown(), self.folder.path.display()))
     }
 
     /// A run for each rank count, or why there is none.
-    fn measure(&self, kind: Kind) -> Result<Vec<(usize, Result<Sample>)>> {
+    fn measure(&self, kind: ScalingKind) -> Result<Vec<(usize, Result<Sample>)>> {
         let mut samples = Vec::new();
         for &ranks in &self.ranks {
-            let shares = self.arrangement(kind, ranks).and_then(|arrangement| arrangement.shares(ranks));
+            let shares = self.workload(kind, ranks).and_then(|workload| workload.shares(ranks));
             let sample = match shares {
                 Ok(shares) => Ok(Sample { shares, measured: self.run(kind, ranks)? }),
                 Err(reason) => Err(reason),
@@ -152,44 +152,45 @@ impl<'a, const D: usize> Study<'a, D> {
         Ok(samples)
     }
 
-    /// Shares on any number of ranks. Copies of a cell share out evenly, bodies placed anew do not: as unevenly as in a measured run.
-    fn expected_shares(&self, kind: Kind, ranks: usize, like: &Measurement) -> Result<Shares> {
-        let mut shares = self.arrangement(kind, ranks)?.shares(ranks)?;
-        if kind == Kind::Weak && ranks > 1 {
+    /// RankShares on any number of ranks. Copies of a cell share out evenly, bodies placed anew do not: as unevenly as in a measured run.
+    fn expected_shares(&self, kind: ScalingKind, ranks: usize, like: &Measurement) -> Result<RankShares> {
+        let mut shares = self.workload(kind, ranks)?.shares(ranks)?;
+        if kind == ScalingKind::Weak && ranks > 1 {
             shares.bodies.most = shares.bodies.most.max(shares.bodies.mean * like.parallel.bodies.imbalance());
         }
         Ok(shares)
     }
 
-    fn arrangement(&self, kind: Kind, ranks: usize) -> Result<Arrangement<D>> {
+    fn workload(&self, kind: ScalingKind, ranks: usize) -> Result<Workload<D>> {
         match kind {
-            Kind::Strong => Ok(self.arrangement.clone()),
-            Kind::Weak => Ok(self.arrangement.repeated(copies(&self.scene, ranks)?)),
+            ScalingKind::Strong => Ok(self.workload.clone()),
+            ScalingKind::Weak => Ok(self.workload.repeated(copies(&self.scene, ranks)?)),
         }
     }
 
-    fn run(&self, kind: Kind, ranks: usize) -> Result<Measurement> {
-        let out = self.scratch.0.join("out");
-        let (grown, overrides): (PathBuf, &[String]) = match kind {
-            Kind::Weak if ranks > 1 => (write_grown(&self.scene, copies::<D>(&self.scene, ranks)?, &self.scratch.0)?, &[]),
-            _ => (self.options.scene.clone(), &self.options.overrides),
+    fn run(&self, kind: ScalingKind, ranks: usize) -> Result<Measurement> {
+        let scratch = &self.folder.scratch.0;
+        let (enlarged, overrides): (PathBuf, &[String]) = match kind {
+            ScalingKind::Weak if ranks > 1 => (write_enlarged(&self.scene, copies::<D>(&self.scene, ranks)?, scratch)?, &[]),
+            _ => (self.options.scene.scene.clone(), &self.options.scene.overrides),
         };
         let overrides = [overrides, &[WITHOUT_PICTURE.to_owned()]].concat();
-        let job = Job { scene: &grown, overrides: &overrides, folder: &out };
-        self.launcher.measure((ranks, self.options.repeat), &job, Measurement::read, Measurement::seconds)
+        let folder = &scratch.join("out");
+        let job = Job { scene: &enlarged, overrides: &overrides, folder, ranks, repeat: self.options.start.repeat };
+        self.launcher.measure(&job, Measurement::read, Measurement::seconds)
     }
 
-    fn table(&self, samples: &[(usize, Result<Sample>)], model: Option<&Model>, kind: Kind) -> Table {
-        let measured: Vec<Row> =
-            samples.iter().map(|(ranks, sample)| Row::measured(*ranks, *ranks > self.cores, sample.as_ref())).collect();
+    fn table(&self, samples: &[(usize, Result<Sample>)], model: Option<&Model>, kind: ScalingKind) -> Table {
+        let measured: Vec<RunRow> =
+            samples.iter().map(|(ranks, sample)| RunRow::measured(*ranks, *ranks > self.cores, sample.as_ref())).collect();
         let last = samples.iter().rev().find_map(|(_, sample)| sample.as_ref().ok());
         let model = model.zip(last).map_or(Vec::new(), |(model, last)| {
             let powers = (0..).map(|power| 1 << power).take_while(|&ranks| ranks <= MOST_RANKS);
             let shares = |ranks| self.expected_shares(kind, ranks, &last.measured);
-            let rows = powers.map(|ranks| Row::predicted(ranks, model, &last.measured, shares(ranks).as_ref()));
-            up_to_the_first(rows, Row::absent)
+            let rows = powers.map(|ranks| RunRow::predicted(ranks, model, &last.measured, shares(ranks).as_ref()));
+            up_to_the_first(rows, RunRow::absent)
         });
-        Table::new(measured, model, kind == Kind::Weak)
+        Table::new(measured, model, kind == ScalingKind::Weak)
     }
 }
 

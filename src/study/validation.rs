@@ -1,45 +1,59 @@
 //! Known answers: cases whose values are published or exactly computable, solved on this machine.
 
 mod bars;
+mod case;
 mod cases;
 mod crowds;
+mod solve;
 
 use std::time::Instant;
 
-use crate::{error::Result, output::say, petsc::Session};
+pub use self::{
+    bars::{Bar, KnownScene, known_scenes, random_scene},
+    case::Case,
+    cases::cases,
+};
+use super::command::Study;
+use crate::{
+    error::{Error, Result},
+    output::say,
+    petsc::Session,
+};
 
-pub use bars::{Bar, KnownScene, bars, known_scenes, random_scene};
-pub use cases::cases;
-pub use crowds::crowds;
-
-/// Solves a case and measures its quantity; collective.
-pub type Solve = Box<dyn Fn(&Session) -> Result<f64>>;
-
-/// A case with a known answer.
-pub struct Case {
-    /// What is measured.
-    pub name: &'static str,
-    /// Where the reference comes from.
-    pub source: &'static str,
-    /// Grid and modes.
-    pub resolution: String,
-    /// The known value.
-    pub reference: f64,
-    /// Largest relative error that is promised.
-    pub tolerance: f64,
-    /// How to get ours.
-    pub solve: Solve,
+/// Which of the known answers to hold the program to.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Validation {
+    /// Solve scenes with known answers to these accuracies instead, and print their error bars beside the true errors.
+    #[arg(long, value_delimiter = ',', num_args = 0.., default_missing_value = "1e-2", value_name = "ACCURACY")]
+    pub bars: Vec<f64>,
+    /// With --bars: so many scenes drawn at random, with answers from fine grids, in place of those with known ones.
+    #[arg(long, requires = "bars", value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    pub random: Option<u64>,
+    /// Seed of the first of them.
+    #[arg(long, default_value_t = 1, requires = "random", value_parser = clap::value_parser!(u64).range(..=1_000_000))]
+    pub seed: u64,
+    /// Solve crowds with many films instead, known ones and such as show how the cost grows with number, fraction and gap.
+    #[arg(long, conflicts_with = "bars")]
+    pub crowds: bool,
 }
 
-impl Case {
-    /// Relative error of a value.
-    pub fn error(&self, value: f64) -> f64 {
-        value / self.reference - 1.0
+impl Study<Session> for Validation {
+    const NAME: &'static str = "validation";
+    const ABOUT: &'static str = "Solve cases with known answers and print a table of errors and seconds";
+
+    fn run(&self, session: &Session) -> Result<()> {
+        let seeds = self.random.map(|count| self.seed..self.seed + count);
+        let (kept, broken) = match (self.crowds, self.bars.is_empty()) {
+            (true, _) => return crowds::crowds(session),
+            (_, true) => (table(session)?, "a case is further from its reference than promised"),
+            _ => (bars::bars(session, &self.bars, seeds)?, "more than one error bar in twelve does not hold the true error"),
+        };
+        if kept { Ok(()) } else { Err(Error::Diverged(broken.into())) }
     }
 }
 
 /// Solves all cases and prints them as a table in Markdown; tells whether every promise is kept.
-pub fn validation(session: &Session) -> Result<bool> {
+fn table(session: &Session) -> Result<bool> {
     let first = session.world().rank() == 0;
     let say = |text: &str| session.world().agree(if first { say(text) } else { Ok(()) });
     say("| case | resolution | reference | turbid | error | seconds | source |\n|-|-|-|-|-|-|-|")?;

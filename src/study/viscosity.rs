@@ -11,87 +11,100 @@ mod scenes;
 
 use std::{fs, path::PathBuf};
 
+pub use self::record::Setting;
 use self::{
-    record::{Measured, Setting, Store},
+    record::{Measured, Record, identity},
     report::Report,
 };
-use super::launcher::{Job, Launcher, Scratch, sweep_out};
+use super::{
+    command::{PetscOptions, Study, count, positive},
+    launcher::{Job, LAUNCHER, Launcher, StudyFolder},
+    store::Store,
+};
 use crate::{
     error::{Error, Result},
-    output::{FolderLock, note, prepare_folder, say, write_whole},
+    output::{note, say},
 };
 
 /// What to measure, and how; absent numbers are those that suit each dimension.
-#[derive(Debug, Clone)]
-pub struct ViscosityOptions {
+#[derive(Debug, Clone, clap::Args)]
+pub struct ViscosityStudy {
     /// Dimensions of space.
+    #[arg(long, value_delimiter = ',', default_values_t = [2, 3])]
     pub dimensions: Vec<usize>,
-    /// Fractions of instants.
+    /// Fractions at which configurations in equilibrium are solved at an instant.
+    #[arg(long, value_delimiter = ',', default_values_t = [0.05, 0.1, 0.2, 0.3, 0.4])]
     pub fractions: Vec<f64>,
-    /// Configurations of each fraction.
+    /// Configurations of each fraction, whose scatter gives the error bar.
+    #[arg(long, default_value_t = 16, value_parser = count(1..))]
     pub configurations: usize,
-    /// Bodies of each configuration.
+    /// Bodies of each configuration (default: 64 in 2D, 27 in 3D).
+    #[arg(long, value_parser = count(1..))]
     pub bodies: Option<usize>,
-    /// Cells per radius.
+    /// Cells per radius (default: 5 in 2D, 4 in 3D).
+    #[arg(long, value_parser = positive)]
     pub cells_per_radius: Option<f64>,
     /// Smallest gap between bodies at an instant, in radii.
+    #[arg(long, default_value_t = 0.02, value_parser = positive)]
     pub gap: f64,
-    /// Fraction of runs in time.
+    /// Fraction of the runs in time, one in each dimension.
+    #[arg(long, default_value_t = 0.3)]
     pub sheared_fraction: f64,
-    /// Strain of runs in time; 0 for none.
+    /// Strain of the runs in time (0: none).
+    #[arg(long, default_value_t = 2.0)]
     pub strain: f64,
     /// Ranks of each run.
+    #[arg(long, default_value_t = 1, value_parser = count(1..))]
     pub ranks: usize,
-    /// Command line that starts a run, with `{ranks}` in it.
+    /// Command that starts a program on {ranks} ranks.
+    #[arg(long, default_value = LAUNCHER)]
     pub launcher: String,
-    /// Folder of the results.
+    /// Folder for results; a study that was interrupted goes on there.
+    #[arg(long, default_value = "out/viscosity")]
     pub out: PathBuf,
-    /// Whether what was measured before is forgotten.
+    /// Forget what was measured before.
+    #[arg(long)]
     pub fresh: bool,
-    /// Options for PETSc.
-    pub petsc: Vec<String>,
 }
 
-/// Makes the study and writes `viscosity.json`, `viscosity.csv` and the charts.
-///
-/// # Errors
-/// An option cannot be used, a run fails, or a file cannot be written.
-pub fn viscosity(options: &ViscosityOptions) -> Result<()> {
-    options.check()?;
-    let launcher = Launcher::new(&options.launcher, &options.petsc)?;
-    prepare_folder(&options.out)?;
-    let _lock = FolderLock::take(&options.out)?;
-    sweep_out(&options.out);
-    let mut store = Store::open(&options.out, options.fresh)?;
-    let settings = options.settings();
-    let missing: Vec<&Setting> = settings.iter().filter(|setting| store.find(setting).is_none()).collect();
-    let kept = settings.len() - missing.len();
-    if kept > 0 {
-        note(&format!("{kept} of {} runs were measured before", settings.len()));
+impl Study<PetscOptions> for ViscosityStudy {
+    const NAME: &'static str = "viscosity";
+    const ABOUT: &'static str =
+        "Viscosity against fraction in 2D and 3D with error bars beside published laws, and against strain; starts its own runs";
+
+    /// Makes the study and writes `viscosity.json`, `viscosity.csv` and the charts.
+    fn run(&self, petsc: &PetscOptions) -> Result<()> {
+        self.check()?;
+        let launcher = Launcher::new(&self.launcher, petsc)?;
+        let folder = StudyFolder::take(self.out.clone())?;
+        let mut store: Store<Record> = Store::open(&folder.path, "viscosity.json", identity(), self.fresh)?;
+        let settings = self.settings();
+        let missing: Vec<&Setting> = settings.iter().filter(|setting| store.find(setting).is_none()).collect();
+        let kept = settings.len() - missing.len();
+        if kept > 0 {
+            note(&format!("{kept} of {} runs were measured before", settings.len()));
+        }
+        for (number, setting) in missing.iter().enumerate() {
+            let measured = self.measure(&launcher, &folder, setting)?;
+            note(&format!("{} of {}: {setting}: {:.4}, {:.1} s", number + 1, missing.len(), measured.relative, measured.seconds));
+            store.add(Record { setting: (*setting).clone(), measured })?;
+        }
+        let report = Report::new(&settings, &store);
+        let files = report.files();
+        folder.write(&files)?;
+        let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
+        say(&format!("{}\nfiles: {}: viscosity.json, {}", report.markdown(), folder.path.display(), names.join(", ")))
     }
-    let scratch = Scratch::within(&options.out)?;
-    for (number, setting) in missing.iter().enumerate() {
-        let measured = measure(&launcher, options.ranks, (setting, &scratch))?;
-        note(&format!("{} of {}: {setting}: {:.4}, {:.1} s", number + 1, missing.len(), measured.relative, measured.seconds));
-        store.add((*setting).clone(), measured)?;
-    }
-    let report = Report::new(&settings, &store);
-    let files = report.files();
-    for (name, text) in &files {
-        write_whole(&options.out.join(name), text.as_bytes())?;
-    }
-    let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
-    say(&format!("{}\nfiles: {}: viscosity.json, {}", report.markdown(), options.out.display(), names.join(", ")))
 }
 
-fn measure(launcher: &Launcher, ranks: usize, (setting, scratch): (&Setting, &Scratch)) -> Result<Measured> {
-    let (scene, folder) = (scratch.0.join("scene.toml"), scratch.0.join("run"));
-    fs::write(&scene, setting.scene()?).map_err(|source| Error::File { path: scene.clone(), source })?;
-    let job = Job { scene: &scene, overrides: &[], folder: &folder };
-    launcher.measure((ranks, 1), &job, Measured::read, |measured| measured.seconds)
-}
+impl ViscosityStudy {
+    fn measure(&self, launcher: &Launcher, folder: &StudyFolder, setting: &Setting) -> Result<Measured> {
+        let (scene, out) = (folder.scratch.0.join("scene.toml"), folder.scratch.0.join("run"));
+        fs::write(&scene, setting.scene()?).map_err(|source| Error::File { path: scene.clone(), source })?;
+        let job = Job { scene: &scene, overrides: &[], folder: &out, ranks: self.ranks, repeat: 1 };
+        launcher.measure(&job, Measured::read, |measured| measured.seconds)
+    }
 
-impl ViscosityOptions {
     fn check(&self) -> Result<()> {
         let refuse = |option: &str, value: String, remedy: &str| Err(Error::Refused(format!("--{option} {value}: {remedy}")));
         if let Some(dimension) = self.dimensions.iter().find(|dimension| !(2..=3).contains(*dimension)) {

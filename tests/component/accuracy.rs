@@ -7,7 +7,7 @@ use turbid::{
     petsc::Session,
     scene::Scene,
     simulation::{FlowSolver, Setup, Suspension},
-    study::{Ladder, Quantity, known_scenes, random_scene},
+    study::{Quantity, RefinementSequence, known_scenes, random_scene},
 };
 
 use crate::Test;
@@ -73,8 +73,9 @@ fn disk(accuracy: f64, more: &[&str]) -> Scene {
 
 fn a_tighter_accuracy_takes_a_finer_grid(session: &Session) {
     let cells = [0.3, 1e-2, 1e-3, 1e-4].map(|accuracy| {
-        let (calibration, (suspension, _)) = Ladder::<2>::begin(session, &disk(accuracy, &[])).unwrap().climb().unwrap();
-        assert_eq!(calibration.rungs.last().unwrap().grid_unknowns, suspension.cost().grid_unknowns);
+        let (calibration, (suspension, _)) =
+            RefinementSequence::<2>::begin(session, &disk(accuracy, &[])).unwrap().refine_until_met().unwrap();
+        assert_eq!(calibration.levels.last().unwrap().grid_unknowns, suspension.cost().grid_unknowns);
         assert!(calibration.error(Quantity::Drag).is_some_and(|error| error <= accuracy));
         assert!(calibration.error(Quantity::Viscosity).is_none());
         calibration.cells_per_radius
@@ -86,7 +87,9 @@ fn a_tighter_accuracy_takes_a_finer_grid(session: &Session) {
 fn an_accuracy_out_of_reach_is_refused_with_the_error_that_was_reached(session: &Session) {
     let centers = "bodies.0.centers=[[0.3, 0.5], [0.7, 0.5]]";
     let scene = disk(1e-5, &["bodies.0.radius=0.1999", centers, "bodies.0.motion=fixed"]);
-    let Err(Error::Refused(refusal)) = Ladder::<2>::begin(session, &scene).unwrap().climb() else { panic!("not refused") };
+    let Err(Error::Refused(refusal)) = RefinementSequence::<2>::begin(session, &scene).unwrap().refine_until_met() else {
+        panic!("not refused")
+    };
     for part in ["disk.toml:1: accuracy = 0.00001: cannot be met", "drag is known to", "96 cells per radius", "ask for less"] {
         assert!(refusal.contains(part), "no {part:?} in {refusal}");
     }

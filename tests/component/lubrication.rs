@@ -386,7 +386,8 @@ fn without_lubrication_no_film_is_built_or_felt(session: &Session) {
             let twist = Twist { velocity: across * -side, spin: SMatrix::zeros() };
             (Ball { center: center + across * side * (1.0 + 0.5 * gap), radius: 1.0 }, Motion::Prescribed(twist))
         };
-        let setup = Setup { lubrication, ..setup(periodic::<2>(24.0), 6.0, 4, vec![body(-1.0), body(1.0)]) };
+        let interactions = lubrication.map_or_else(Interactions::default, films);
+        let setup = Setup { interactions, ..setup(periodic::<2>(24.0), 6.0, 4, vec![body(-1.0), body(1.0)]) };
         let before = turbid::petsc::Census::local_now();
         let mut suspension = Suspension::new(session, setup).unwrap();
         let solution = suspension.solve(&mut |_, _| {}).unwrap();

@@ -66,7 +66,7 @@ impl Calibrated {
         let accuracy = AccuracySummary {
             asked: calibration.accuracy,
             cells_per_radius: calibration.cells_per_radius,
-            calibrated_on: calibration.rungs.iter().map(|rung| rung.cells_per_radius).collect(),
+            calibrated_on: calibration.levels.iter().map(|level| level.cells_per_radius).collect(),
             calibration_seconds: (!self.cached).then(|| calibration.seconds()),
             estimated: EstimatedErrors {
                 drag: calibration.error(Quantity::Drag),

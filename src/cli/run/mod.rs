@@ -19,7 +19,7 @@ use crate::{
     parallel::World,
     petsc::{Profile, Session},
     scene::Scene,
-    study::{Calibration, Ladder},
+    study::{Calibration, RefinementSequence},
 };
 pub use folder::RunFolder;
 
@@ -43,9 +43,9 @@ fn run_to_accuracy<const D: usize>(session: &Session, scene: &Scene, folder: &mu
             Some(_) => march::run::<D>(session, (scene, &resolved), folder, (None, Some(&calibrated))),
         };
     }
-    let ladder = Ladder::<D>::begin(session, scene)?;
+    let sequence = RefinementSequence::<D>::begin(session, scene)?;
     folder.claim(scene)?;
-    let (calibration, solved) = ladder.climb()?;
+    let (calibration, solved) = sequence.refine_until_met()?;
     let calibrated = calibration::keep(world, folder.path(), scene, calibration)?;
     if scene.time.is_none() {
         return instant::write(session, scene, folder, ((&solved.0, &solved.1), Some(&calibrated)));
@@ -66,7 +66,9 @@ pub fn resume<const D: usize>(session: &Session, scene: &Scene, folder: &mut Run
     }
     let calibrated = match calibration::cached(session.world(), folder.path(), scene) {
         Some(calibrated) => calibrated,
-        None => calibration::keep(session.world(), folder.path(), scene, Ladder::<D>::begin(session, scene)?.climb()?.0)?,
+        None => {
+            calibration::keep(session.world(), folder.path(), scene, RefinementSequence::<D>::begin(session, scene)?.refine_until_met()?.0)?
+        }
     };
     march::run::<D>(session, (scene, &calibrated.calibration.resolved(scene)), folder, (Some(checkpoint), Some(&calibrated)))
 }

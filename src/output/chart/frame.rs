@@ -1,22 +1,40 @@
-//! The frame of a chart: its axes on the page.
+//! Where a chart lies on its page.
 
 use std::fmt::Write;
 
-use super::{
-    axis::Axis,
-    data::{Chart, Notes, Scale, finite},
-};
+use super::axis::Axis;
 use crate::output::picture::INK;
 
-/// Width and height of the page in pixels.
-pub(super) const PAGE: [f64; 2] = [800.0, 450.0];
-/// Margin of the page in pixels.
-pub(super) const SIDE: f64 = 22.0;
+/// The page in pixels, and the room at its sides.
+pub const PAGE: [f64; 2] = [800.0, 450.0];
+pub const SIDE: f64 = 22.0;
 /// Width of a letter in pixels, about.
 const LETTER: f64 = 7.2;
 
+/// How coordinates are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scale {
+    /// As they are.
+    Linear,
+    /// By their logarithms; what is not positive is left out.
+    Logarithmic,
+}
+
+impl Scale {
+    /// A point as it is drawn.
+    pub fn of(self, point: &(f64, f64)) -> [f64; 2] {
+        match self {
+            Scale::Linear => [point.0, point.1],
+            Scale::Logarithmic => [point.0.log10(), point.1.log10()],
+        }
+    }
+}
+
 /// Where the axes lie on the page and what they span.
-pub(super) struct Frame {
+pub struct Frame {
+    /// How coordinates are drawn.
+    pub scale: Scale,
+    /// Edges of the axes in pixels.
     pub left: f64,
     pub right: f64,
     pub top: f64,
@@ -26,24 +44,21 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    pub fn new(chart: &Chart, notes: &Notes) -> Self {
-        let [x, mut y] = [0, 1].map(|axis| chart.finite_points().map(|point| point[axis]).collect::<Vec<f64>>());
-        let levels = notes.levels.iter().map(|level| chart.scale.of(&(1.0, level.y)));
-        y.extend(levels.filter(finite).map(|point| point[1]));
-        let ends = notes.bars.iter().flat_map(|bar| bar.ends.map(|end| chart.scale.of(&(bar.x, end))));
-        y.extend(ends.filter(finite).map(|point| point[1]));
-        let [x, y] = match chart.scale {
-            Scale::Linear => [Axis::tight(&x), Axis::loose(&y)],
-            Scale::Logarithmic => [Axis::decades(&x), Axis::decades(&y)],
+    /// Around points, with room for the names of lines and, if there is one, a title.
+    pub fn new(scale: Scale, [x, y]: [&[f64]; 2], names: &[&str], title: bool) -> Frame {
+        let [x, y] = match scale {
+            Scale::Linear => [Axis::tight(x), Axis::loose(y)],
+            Scale::Logarithmic => [Axis::decades(x), Axis::decades(y)],
         };
         let longest = |texts: &mut dyn Iterator<Item = usize>| LETTER * texts.max().unwrap_or(0) as f64;
         let labels = longest(&mut y.ticks().iter().map(|&tick| y.label(tick).chars().count()));
-        let names = longest(&mut chart.series.iter().map(|series| series.name.chars().count())).min(260.0);
-        let right = if chart.series.len() > 1 { 38.0 + names } else { 8.0 };
-        let top = if chart.title.is_empty() { SIDE } else { 58.0 };
-        Frame { left: SIDE + 30.0 + labels.min(120.0), right: PAGE[0] - SIDE - right, top, foot: PAGE[1] - SIDE - 40.0, x, y }
+        let width = longest(&mut names.iter().map(|name| name.chars().count())).min(260.0);
+        let right = if names.len() > 1 { 38.0 + width } else { 8.0 };
+        let top = if title { 58.0 } else { SIDE };
+        Frame { scale, left: SIDE + 30.0 + labels.min(120.0), right: PAGE[0] - SIDE - right, top, foot: PAGE[1] - SIDE - 40.0, x, y }
     }
 
+    /// Pixels of a point.
     pub fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [self.left + self.x.part(x) * (self.right - self.left), self.foot - self.y.part(y) * (self.foot - self.top)]
     }
@@ -60,6 +75,7 @@ impl Frame {
         path
     }
 
+    /// Lines at the ticks with their labels, and the axes.
     pub fn grid(&self) -> String {
         let [left, right, top, foot] = [self.left, self.right, self.top, self.foot];
         let [mut lines, mut labels] = [String::new(), String::new()];
@@ -79,4 +95,9 @@ impl Frame {
              <path d=\"M{left:.1} {top:.1}V{foot:.1}H{right:.1}\" fill=\"none\" stroke=\"{INK}\" stroke-opacity=\"0.55\"/>\n"
         )
     }
+}
+
+/// Whether a point can be drawn.
+pub fn finite(point: &[f64; 2]) -> bool {
+    point.iter().all(|value| value.is_finite())
 }

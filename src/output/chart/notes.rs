@@ -2,22 +2,74 @@
 
 use std::fmt::Write;
 
-use super::{
-    data::{Chart, Notes, finite},
-    frame::Frame,
-};
+use super::frame::{Frame, finite};
 use crate::output::picture::{INK, escaped};
 
 /// Radius of a mark, and of the ring around it, in pixels.
 const MARK: f64 = 4.0;
 const RING: f64 = 9.0;
 
-impl Chart {
+/// Half the width of the ends of a bar in pixels.
+const END: f64 = 4.0;
+
+/// Marks, levels and error bars of a chart.
+#[derive(Clone, Debug, Default)]
+pub struct Notes {
+    /// The marks.
+    pub marks: Vec<Mark>,
+    /// The levels.
+    pub levels: Vec<Level>,
+    /// The error bars.
+    pub bars: Vec<Bar>,
+}
+
+/// A disk at a point of a line.
+#[derive(Clone, Debug)]
+pub struct Mark {
+    /// Number of the line whose colour it has.
+    pub series: usize,
+    /// The point.
+    pub point: (f64, f64),
+    /// Small text above it.
+    pub label: String,
+    /// Whether it is a circle only.
+    pub hollow: bool,
+    /// Whether a ring singles it out.
+    pub ringed: bool,
+}
+
+/// A dashed line from side to side, which the ordinate reaches.
+#[derive(Clone, Debug)]
+pub struct Level {
+    /// Its ordinate.
+    pub y: f64,
+    /// Text on it.
+    pub name: String,
+}
+
+/// An interval at an abscissa, which the ordinate reaches.
+#[derive(Clone, Copy, Debug)]
+pub struct Bar {
+    /// Number of the line whose colour it has.
+    pub series: usize,
+    /// Abscissa.
+    pub x: f64,
+    /// Lowest and highest ordinate; nothing is drawn unless both are finite.
+    pub ends: [f64; 2],
+}
+
+impl Notes {
+    /// Points that the ordinate must reach.
+    pub fn extent(&self) -> impl Iterator<Item = (f64, f64)> {
+        let levels = self.levels.iter().map(|level| (1.0, level.y));
+        levels.chain(self.bars.iter().flat_map(|bar| bar.ends.map(|end| (bar.x, end))))
+    }
+
     /// The levels, below the lines.
-    pub(super) fn levels(&self, notes: &Notes, frame: &Frame) -> String {
+    pub fn levels(&self, frame: &Frame) -> String {
         let mut text = String::new();
-        for level in &notes.levels {
-            let y = frame.place(self.scale.of(&(1.0, level.y)))[1];
+        for level in &self.levels {
+            let y = frame.place(frame.scale.of(&(1.0, level.y)))[1];
             if !y.is_finite() {
                 continue;
             }
@@ -39,14 +91,14 @@ impl Chart {
     }
 
     /// The marks, above the lines.
-    pub(super) fn marks(&self, notes: &Notes, frame: &Frame) -> String {
+    pub fn marks(&self, frame: &Frame, colour: impl Fn(usize) -> String) -> String {
         let mut text = String::new();
-        for mark in &notes.marks {
-            let point = self.scale.of(&mark.point);
+        for mark in &self.marks {
+            let point = frame.scale.of(&mark.point);
             if !finite(&point) {
                 continue;
             }
-            let ([x, y], colour) = (frame.place(point), self.colour(mark.series));
+            let ([x, y], colour) = (frame.place(point), colour(mark.series));
             let fill = if mark.hollow { "#ffffff" } else { colour.as_str() };
             let _ = writeln!(
                 text,
@@ -68,15 +120,30 @@ impl Chart {
         }
         text
     }
+    /// The bars, above the lines.
+    pub fn bars(&self, frame: &Frame, colour: impl Fn(usize) -> String) -> String {
+        let mut text = String::new();
+        for bar in &self.bars {
+            let ends = bar.ends.map(|end| frame.scale.of(&(bar.x, end)));
+            if !ends.iter().all(finite) {
+                continue;
+            }
+            let ([x, low], [_, high]) = (frame.place(ends[0]), frame.place(ends[1]));
+            let (left, right, colour) = (x - END, x + END, colour(bar.series));
+            let _ = writeln!(
+                text,
+                "<path d=\"M{x:.1} {low:.1}V{high:.1}M{left:.1} {low:.1}H{right:.1}M{left:.1} {high:.1}H{right:.1}\" \
+                 fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.6\"/>"
+            );
+        }
+        text
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{
-        super::data::{Level, Mark},
-        *,
-    };
-    use crate::output::{Scale, Series};
+    use super::*;
+    use crate::output::{Chart, Scale, Series};
 
     #[test]
     fn marks_and_levels_are_drawn_where_they_can_be() {
@@ -89,5 +156,17 @@ mod tests {
         assert_eq!((text.matches("<circle").count(), text.matches("stroke-dasharray").count()), (3, 1));
         assert!(text.contains("a &lt; b") && text.contains(">0.0001<") && !text.contains("NaN"), "the ordinate reaches the level: {text}");
         assert_eq!(chart.svg(), chart.annotated(&Notes::default()));
+    }
+
+    #[test]
+    fn bars_are_drawn_where_they_are_finite_and_within_the_axes() {
+        let series = vec![Series { name: "a".into(), points: vec![(1.0, 2.0), (2.0, 3.0)] }];
+        let chart = Chart { title: String::new(), x: "x".into(), y: "y".into(), scale: Scale::Linear, series };
+        let bar = |ends| Bar { series: 0, x: 1.0, ends };
+        let bars = vec![bar([1.0, 9.0]), bar([f64::NAN, 2.0])];
+        let text = chart.annotated(&Notes { bars: bars.clone(), ..Notes::default() });
+        assert_eq!(text.matches("stroke-width=\"1.6\"").count(), 1);
+        assert!(text.contains(">8<"), "the ordinate does not reach the end of the bar: {text}");
+        assert!(!text.contains("NaN") && !chart.svg().contains(">8<"));
     }
 }

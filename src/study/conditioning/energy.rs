@@ -15,7 +15,7 @@ use crate::{
 pub type Inverse = Box<dyn Fn(&Vector, &mut Vector) -> Result<()>>;
 
 /// A matrix and its approximate inverse that keep account of energy and time as conjugate gradients use them.
-pub struct Watched<'a> {
+pub struct EnergyMonitor<'a> {
     matrix: &'a Matrix,
     inverse: Inverse,
     start: Instant,
@@ -42,10 +42,10 @@ pub struct History {
     pub seconds: Vec<f64>,
 }
 
-impl<'a> Watched<'a> {
+impl<'a> EnergyMonitor<'a> {
     /// A system at the start of its solve.
-    pub fn new(matrix: &'a Matrix, inverse: Inverse) -> Watched<'a> {
-        Watched { matrix, inverse, start: Instant::now(), own_seconds: 0.0, pending: None, steps: Vec::new() }
+    pub fn new(matrix: &'a Matrix, inverse: Inverse) -> EnergyMonitor<'a> {
+        EnergyMonitor { matrix, inverse, start: Instant::now(), own_seconds: 0.0, pending: None, steps: Vec::new() }
     }
 
     fn seconds(&self) -> f64 {
@@ -73,7 +73,7 @@ impl<'a> Watched<'a> {
     }
 }
 
-impl System for Watched<'_> {
+impl System for EnergyMonitor<'_> {
     fn apply(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
         self.matrix.multiply(input, output)?;
         // the first product is that of the initial guess, before any residual

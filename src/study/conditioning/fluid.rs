@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::SVector;
 use serde::Serialize;
 
-use super::grids;
+use super::grids::grids;
 use crate::{
     error::{Error, Result},
     flow::{FluidSystem, HypreInverse, Stokes},

@@ -10,8 +10,8 @@ use nalgebra::SVector;
 use serde::Serialize;
 
 use super::{
-    energy::{History, Watched},
-    method::Method,
+    energy::{EnergyMonitor, History},
+    preconditioning::Preconditioning,
 };
 use crate::{
     error::{Error, Result},
@@ -38,7 +38,7 @@ pub struct Solve {
     /// Unknowns.
     pub unknowns: usize,
     /// Preconditioner.
-    pub method: Method,
+    pub method: Preconditioning,
     /// Smallest eigenvalue of the preconditioned matrix, from the Lanczos matrix of the solve.
     pub smallest: f64,
     /// Largest eigenvalue, likewise.
@@ -115,7 +115,7 @@ impl<const D: usize> Problem<D> {
     ///
     /// # Errors
     /// The solver does not converge.
-    pub fn solve(&self, method: Method) -> Result<Solve> {
+    pub fn solve(&self, method: Preconditioning) -> Result<Solve> {
         let session = self.matrix.session();
         let start = Instant::now();
         let (inverse, bytes) = with_bytes(session, || method.set_up(&self.matrix, D))?;
@@ -124,13 +124,13 @@ impl<const D: usize> Problem<D> {
         let mut krylov = Krylov::new(session, self.rhs.local()?.len(), c"laplacian_", settings)?;
         krylov.keep_singular_values()?;
         let mut x = self.rhs.like()?;
-        let mut system = Watched::new(&self.matrix, inverse);
+        let mut system = EnergyMonitor::new(&self.matrix, inverse);
         krylov.solve(&mut system, &self.rhs, &mut x, &mut |_, _| {})?;
         let (largest, smallest) = krylov.extreme_singular_values()?;
         let history = system.history(self.energy_of_error(x)?, self.solution.dot(&self.rhs)?);
         let iterations = reached(&history)?;
         let condition = largest / smallest;
-        let exact_condition = (method == Method::None).then(|| exact_condition(D, self.cells));
+        let exact_condition = (method == Preconditioning::None).then(|| exact_condition(D, self.cells));
         let bounding = exact_condition.unwrap_or(condition);
         Ok(Solve {
             dimension: D,

@@ -6,8 +6,8 @@ use super::{
     fluid::Fluid,
     growth::{Growth, of},
     laplacian::{Solve, WANTED},
-    method::Method,
     multipliers::{Constrained, MultiplierGrowth},
+    preconditioning::Preconditioning,
     rigidity::Rigidity,
 };
 use crate::output::{Chart, Scale, Series};
@@ -74,12 +74,13 @@ impl Report {
 
     /// Iterations against `1/h`, and the predicted slopes, dashed.
     fn chart(&self, dimension: usize) -> Chart {
-        let mut series: Vec<Series> = Method::ALL.iter().map(|&method| self.line(dimension, method)).collect();
+        let mut series: Vec<Series> = Preconditioning::ALL.iter().map(|&method| self.line(dimension, method)).collect();
         let first = |line: &Series, factor: f64| line.points.first().map(|&(x, y)| (x, factor * y));
         let last = series[0].points.last().map_or(1.0, |point| point.0);
-        for (name, exponent, start) in
-            [("predicted: 1/h", 1.0, first(&series[0], 1.35)), ("predicted: flat", 0.0, first(&series[Method::ALL.len() - 1], 1.9))]
-        {
+        for (name, exponent, start) in [
+            ("predicted: 1/h", 1.0, first(&series[0], 1.35)),
+            ("predicted: flat", 0.0, first(&series[Preconditioning::ALL.len() - 1], 1.9)),
+        ] {
             series.extend(start.map(|start| Series { name: name.into(), points: dashes(start, last, exponent) }));
         }
         Chart {
@@ -91,7 +92,7 @@ impl Report {
         }
     }
 
-    fn line(&self, dimension: usize, method: Method) -> Series {
+    fn line(&self, dimension: usize, method: Preconditioning) -> Series {
         let points = of(&self.laplacian, dimension, method).map(|solve| (solve.cells as f64, solve.iterations as f64)).collect();
         Series { name: method.name().into(), points }
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{digits::percent, report::Findings};
+use super::{findings::Findings, format::percent};
 use crate::{
     error::{Error, Result},
     output::{say, write_whole},

@@ -1,9 +1,8 @@
 //! Error against seconds, one line a method.
 
 use super::{
-    digits::percent,
-    report::{Findings, Point},
-    table::cells_per_radius,
+    findings::{Findings, Point},
+    format::percent,
 };
 use crate::output::{Chart, Level, Mark, Notes, Scale, Series};
 
@@ -23,7 +22,7 @@ pub fn svg(findings: &Findings) -> String {
             continue;
         }
         marks.extend(own.iter().filter_map(|point| {
-            let (label, hollow) = (cells_per_radius(point), point.within_uncertainty);
+            let (label, hollow) = (point.resolution(), point.within_uncertainty);
             Some(Mark { series: series.len(), point: place(point)?, label, hollow, ringed: chosen == Some(&point.setting) })
         }));
         series.push(Series { name: method.to_owned(), points: joined(&own, place) });
@@ -46,7 +45,7 @@ pub fn svg(findings: &Findings) -> String {
 fn joined(own: &[&Point], place: impl Fn(&Point) -> Option<(f64, f64)>) -> Vec<(f64, f64)> {
     let mut lines: Vec<Vec<&Point>> = Vec::new();
     for &point in own {
-        match lines.iter_mut().find(|line| line[0].setting.beside(&point.setting)) {
+        match lines.iter_mut().find(|line| line[0].setting.differs_in_grid_alone(&point.setting)) {
             Some(line) => line.push(point),
             None => lines.push(vec![point]),
         }

@@ -1,7 +1,7 @@
 //! `cost.html`: chart, table and sentences on one page that needs nothing else.
 
-use super::{chart, report::Findings, table, text};
-use crate::output::escaped;
+use super::{chart, findings::Findings, sensitivity::ParameterChange, table, text};
+use crate::{output::escaped, study::table::Row};
 
 /// Light paper or dark, as the reader has it; the chart stays on light paper.
 const STYLE: &str = "\
@@ -31,7 +31,7 @@ pub fn html(findings: &Findings) -> String {
         escaped(&findings.quantity),
         chart::svg(findings),
         table(findings),
-        knobs(findings),
+        parameters(findings),
         env!("CARGO_PKG_VERSION"),
         findings.ranks,
         if findings.ranks == 1 { "" } else { "s" },
@@ -41,41 +41,37 @@ pub fn html(findings: &Findings) -> String {
 
 fn table(findings: &Findings) -> String {
     let chosen = findings.cheapest().map(|cheapest| &cheapest.setting);
-    let rows = table::table(findings);
-    let head: String = rows[0].iter().map(|name| format!("<th>{}</th>", escaped(name))).collect();
-    let body = findings.points.iter().zip(&rows[1..]).map(|(point, row)| {
-        let class = if chosen == Some(&point.setting) { " class=\"chosen\"" } else { "" };
-        let last = row.len() - 1;
-        let cells: String = row
-            .iter()
-            .enumerate()
-            .map(|(place, cell)| {
-                let remark = if place == last && point.remark.is_some() { " class=\"remark\"" } else { "" };
-                format!("<td{remark}>{}</td>", escaped(cell))
-            })
-            .collect();
-        format!("<tr{class}>{cells}</tr>\n")
+    let class = |place: usize| if chosen == Some(&findings.points[place].setting) { " class=\"chosen\"" } else { "" };
+    let remark = |place: usize| if findings.points[place].remark.is_some() { " class=\"remark\"" } else { "" };
+    rows(&table::settings(findings), class, remark)
+}
+
+/// A table, with the attributes of its rows and of their last cells.
+fn rows(rows: &[Row], class: impl Fn(usize) -> &'static str, last: impl Fn(usize) -> &'static str) -> String {
+    let head: String = rows.iter().take(1).flatten().map(|(name, _)| format!("<th>{}</th>", escaped(name))).collect();
+    let body = rows.iter().enumerate().map(|(number, row)| {
+        let attribute = |place: usize| if place + 1 == row.len() { last(number) } else { "" };
+        let cells = row.iter().enumerate().map(|(place, (_, cell))| format!("<td{}>{}</td>", attribute(place), escaped(cell)));
+        format!("<tr{}>{}</tr>\n", class(number), cells.collect::<String>())
     });
     format!("<table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{}</tbody>\n</table>", body.collect::<String>())
 }
 
-fn knobs(findings: &Findings) -> String {
-    let tables = findings.turned.iter().filter(|turned| !turned.knobs.is_empty()).map(|turned| {
-        let rows: String = turned
-            .knobs
-            .iter()
-            .map(|knob| {
-                let cells = [knob.name.to_owned(), knob.to.clone(), text::change(knob), text::left(knob, findings.uncertainty())];
-                format!("<tr>{}</tr>\n", cells.iter().map(|cell| format!("<td>{}</td>", escaped(cell))).collect::<String>())
-            })
-            .collect();
-        let verdict = text::dominating(turned).map_or(String::new(), |verdict| format!("<p>Here {}</p>\n", escaped(&verdict)));
-        format!(
-            "<h2>Knobs of {}, {}</h2>\n<div class=\"wide\"><table>\n<thead><tr><th>knob</th><th>turned to</th><th>changes the quantity by</th><th>and leaves an error of</th>\
-             </tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n{verdict}",
-            turned.at.method,
-            escaped(&turned.at.words())
-        )
+fn parameters(findings: &Findings) -> String {
+    let known = findings.sensitivities.iter().filter(|sensitivity| !sensitivity.parameters.is_empty());
+    let tables = known.map(|sensitivity| {
+        let row = |change: &ParameterChange| {
+            vec![
+                ("knob", change.name.to_owned()),
+                ("turned to", change.to.clone()),
+                ("changes the quantity by", text::change_words(change)),
+                ("and leaves an error of", text::left(change, findings.uncertainty())),
+            ]
+        };
+        let table = rows(&sensitivity.parameters.iter().map(row).collect::<Vec<_>>(), |_| "", |_| "");
+        let verdict = text::dominating(sensitivity).map_or(String::new(), |verdict| format!("<p>Here {}</p>\n", escaped(&verdict)));
+        let (method, words) = (&sensitivity.at.method, escaped(&sensitivity.at.words()));
+        format!("<h2>Knobs of {method}, {words}</h2>\n<div class=\"wide\">{table}</div>\n{verdict}")
     });
     tables.collect()
 }
@@ -84,22 +80,21 @@ fn knobs(findings: &Findings) -> String {
 mod tests {
     use super::*;
     use crate::study::cost::{
-        quantity::Kind,
-        record::{Outcome, Record},
-        reference::tests::run,
-        report::Point,
-        setting::{Fineness, Setting},
+        findings::Point,
+        quantity::QuantityKind,
+        record::{Outcome, Record, tests::run},
+        setting::{Resolution, Setting},
     };
 
     fn findings() -> Findings {
         let setting =
-            |cells| Setting { method: "sharp".into(), grid: Fineness::CellsPerRadius(cells), modes: None, tolerance: None, step: None };
+            |cells| Setting { method: "sharp".into(), grid: Resolution::CellsPerRadius(cells), modes: None, tolerance: None, step: None };
         let measured = Record { setting: setting(4.0), outcome: Outcome::Measured(run(0.25, 1.02)) };
         let failed = Record { setting: setting(8.0), outcome: Outcome::Failed("no <memory>".into()) };
         Findings {
             title: "a & b".into(),
             quantity: "drag".into(),
-            name: Kind::Drag.word(),
+            name: QuantityKind::Drag.word(),
             ranks: 1,
             repeat: 2,
             wanted: 1e-2,
@@ -108,7 +103,7 @@ mod tests {
             points: [measured, failed].iter().map(|record| Point::of(record, Some(1.0), |_| Some(0.02), 0.0)).collect(),
             methods: Vec::new(),
             written: Some(setting(4.0)),
-            turned: Vec::new(),
+            sensitivities: Vec::new(),
             notes: vec!["a < b".into()],
         }
     }

@@ -1,12 +1,14 @@
 //! What is kept of a run: its setting, the quantity, what it cost.
 
-use std::{fs, path::Path};
+use std::{fmt, path::Path};
 
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
-use super::{facts::Facts, quantity::Quantity, setting::Setting};
-use crate::error::{Error, Result};
+use super::{format::seconds, metric::Metric, setting::Setting};
+use crate::{
+    error::Result,
+    study::{store::Recorded, summary::RunSummary},
+};
 
 /// A setting and what came of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -64,42 +66,61 @@ impl Record {
     }
 }
 
+impl Recorded for Record {
+    type Setting = Setting;
+
+    fn setting(&self) -> &Setting {
+        &self.setting
+    }
+
+    /// Failures are tried again.
+    fn lasting(&self) -> bool {
+        self.measured().is_some()
+    }
+}
+
+/// What a run came to, in a line.
+impl fmt::Display for Record {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = match &self.outcome {
+            Outcome::Failed(reason) => reason.clone(),
+            Outcome::Measured(run) => {
+                let value = run.value().map_or(String::new(), |value| format!("{value:.6} in "));
+                format!("{value}{} s, {:.0} iterations", seconds(run.seconds()), run.iterations)
+            }
+        };
+        write!(f, "{:<12} {:<48} {what}", self.setting.method, self.setting.words())
+    }
+}
+
 impl Measured {
-    /// Of a run that left a summary there; seconds by the clock are left to whoever watched it.
+    /// Of a run that left a summary there; modes and seconds by the clock are left to whoever started it.
     ///
     /// # Errors
     /// The summary cannot be read or does not tell the quantity.
-    pub fn read(path: &Path, (setting, modes): (&Setting, Option<usize>), quantity: &Quantity, facts: &Facts) -> Result<Measured> {
-        let unreadable = |source| Error::File { path: path.to_owned(), source };
-        let text = fs::read_to_string(path).map_err(unreadable)?;
-        let summary: Value = serde_json::from_str(&text).map_err(|error| unreadable(error.into()))?;
-        let values = quantity.read(&summary, path.parent().unwrap_or(Path::new("")), facts)?;
-        let measured = Measured { values, modes, ..Measured::cost(&summary) };
-        Ok(Measured { spacing: spacing(&summary, setting, facts), ..measured })
+    pub fn read(path: &Path, setting: &Setting, metric: &Metric) -> Result<Measured> {
+        let summary = RunSummary::read(path)?;
+        let values = metric.read(&summary, path.parent().unwrap_or(Path::new("")))?;
+        let faster = summary.get("/solver/faster/inverse");
+        let part = summary.number("/solver/faster/solve_seconds") / summary.number("/solver/solve_seconds");
+        Ok(Measured {
+            values,
+            spacing: spacing(&summary, setting, metric),
+            modes: None,
+            unknowns: summary.unknowns(),
+            iterations: summary.iterations(),
+            setup_seconds: summary.setup_seconds(),
+            solve_seconds: summary.solve_seconds(),
+            steps: summary.get("/steps").unwrap_or(0),
+            memory_bytes: summary.memory_bytes(),
+            faster: faster.map(|inverse| (inverse, part)),
+            wall_seconds: 0.0,
+        })
     }
 
-    fn cost(summary: &Value) -> Measured {
-        let (solver, motion) = (&summary["solver"], &summary["motion"]);
-        let of = |section: &Value, name: &str| section[name].as_f64().unwrap_or(0.0);
-        let (setup_seconds, solve_seconds, iterations) = match motion.is_null() {
-            true => (of(solver, "setup_seconds") + of(solver, "assembly_seconds"), of(solver, "solve_seconds"), of(solver, "iterations")),
-            false => (of(solver, "setup_seconds"), of(motion, "seconds"), of(motion, "iterations") / of(motion, "solves").max(1.0)),
-        };
-        let faster = &solver["faster"];
-        let faster = faster["inverse"].as_str().map(|name| (name.to_owned(), of(faster, "solve_seconds") / of(solver, "solve_seconds")));
-        Measured {
-            values: Vec::new(),
-            spacing: 0.0,
-            modes: None,
-            unknowns: of(solver, "grid_unknowns") + of(solver, "multiplier_unknowns"),
-            iterations,
-            setup_seconds,
-            solve_seconds,
-            steps: of(summary, "steps") as usize,
-            memory_bytes: of(solver, "peak_memory_bytes"),
-            faster,
-            wall_seconds: 0.0,
-        }
+    /// The quantity, where it is one number.
+    pub fn value(&self) -> Option<f64> {
+        if let [value] = self.values[..] { Some(value) } else { None }
     }
 
     /// Seconds of everything.
@@ -114,26 +135,37 @@ impl Measured {
 }
 
 /// The spacing from the number of cells, because boxes hold whole ones; of a mesh that fits the bodies the one asked for.
-fn spacing(summary: &Value, setting: &Setting, facts: &Facts) -> f64 {
-    let asked = setting.grid.spacing(facts.radius.unwrap_or(1.0));
-    let cells = summary["parallel"]["cells"]["mean"].as_f64().unwrap_or(0.0) * summary["ranks"].as_f64().unwrap_or(1.0);
-    if setting.method == "fitted" || cells <= 0.0 { asked } else { (facts.volume / cells).powf(1.0 / facts.dimension as f64) }
+fn spacing(summary: &RunSummary, setting: &Setting, metric: &Metric) -> f64 {
+    let cells = summary.number("/parallel/cells/mean") * summary.get("/ranks").unwrap_or(1.0);
+    match setting.method == "fitted" || cells <= 0.0 {
+        true => setting.grid.spacing(metric.properties.unit()),
+        false => (metric.properties.volume / cells).powf(1.0 / metric.properties.dimension as f64),
+    }
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
 
+    /// A run with a value on a grid.
+    pub fn run(spacing: f64, value: f64) -> Measured {
+        Measured {
+            values: vec![value],
+            spacing,
+            modes: None,
+            unknowns: 1.0,
+            iterations: 1.0,
+            setup_seconds: 0.0,
+            solve_seconds: spacing.powi(-2),
+            steps: 0,
+            memory_bytes: 1.0,
+            faster: None,
+            wall_seconds: 1.0,
+        }
+    }
+
     #[test]
-    fn what_a_run_costs_is_split_into_set_up_and_solve() {
-        let solver = serde_json::json!({"setup_seconds": 1.0, "assembly_seconds": 2.0, "solve_seconds": 4.0, "iterations": 7,
-            "grid_unknowns": 10, "multiplier_unknowns": 5, "peak_memory_bytes": 8.0, "faster": {"inverse": "transform", "solve_seconds": 1.0}});
-        let instant = Measured::cost(&serde_json::json!({"solver": solver, "steps": 0, "motion": null}));
-        assert_eq!((instant.setup_seconds, instant.solve_seconds, instant.iterations, instant.unknowns), (3.0, 4.0, 7.0, 15.0));
-        assert_eq!(instant.faster, Some(("transform".into(), 0.25)));
-        let motion = serde_json::json!({"seconds": 30.0, "iterations": 60, "solves": 20});
-        let moving = Measured::cost(&serde_json::json!({"solver": solver, "steps": 10, "motion": motion}));
-        assert_eq!((moving.setup_seconds, moving.solve_seconds, moving.iterations, moving.steps), (1.0, 30.0, 3.0, 10));
-        assert_eq!(moving.whole_seconds(2.0), 61.0);
+    fn only_steps_grow_with_the_length_of_a_scene() {
+        assert_eq!(Measured { setup_seconds: 1.0, solve_seconds: 30.0, ..run(1.0, 1.0) }.whole_seconds(2.0), 61.0);
     }
 }

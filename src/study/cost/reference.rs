@@ -3,12 +3,11 @@
 use serde::Serialize;
 
 use super::{
-    CostOptions,
-    digits::percent,
-    facts::Facts,
-    knobs::Turned,
-    quantity::{Quantity, norm},
+    format::percent,
+    metric::{Metric, norm},
+    options::Cost,
     record::Measured,
+    sensitivity::Sensitivity,
     setting::Setting,
 };
 
@@ -39,33 +38,29 @@ pub struct Limit {
 
 impl Reference {
     /// The values that are given.
-    pub fn given(options: &CostOptions, (quantity, facts): (&Quantity, &Facts)) -> Reference {
+    pub fn given(options: &Cost, metric: &Metric) -> Reference {
         let values = options.exact.clone();
         let given = values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
         let source = match options.uncertainty > 0.0 {
             true => format!("{given} +- {}, as given", options.uncertainty),
             false => format!("{given}, as given"),
         };
-        Reference { uncertainty: options.uncertainty / facts.scale(quantity, &values), values, source }
+        Reference { uncertainty: options.uncertainty / metric.scale(&values), values, source }
     }
 
     /// The limit of the finest setting, which solves to a tolerance, with what modes, tolerance and step still change there;
     /// all of it counts as uncertain.
-    pub fn extrapolated(
-        (finest, tolerance): (&Setting, f64),
-        (limit, turned): (&Limit, &Turned),
-        (quantity, facts): (&Quantity, &Facts),
-    ) -> Reference {
+    pub fn extrapolated(finest: &Setting, tolerance: f64, limit: &Limit, sensitivity: &Sensitivity, metric: &Metric) -> Reference {
         let mut values = limit.values.clone();
         let mut uncertainty = limit.uncertainty + tolerance;
         let mut also = Vec::new();
-        for knob in turned.knobs.iter().filter(|knob| knob.name != "grid") {
-            let Some(change) = knob.change else { continue };
-            values.iter_mut().zip(&knob.changes).for_each(|(value, change)| *value += change);
+        for parameter in sensitivity.parameters.iter().filter(|parameter| parameter.name != "grid") {
+            let Some(change) = parameter.change else { continue };
+            values.iter_mut().zip(&parameter.changes).for_each(|(value, change)| *value += change);
             uncertainty += change.abs();
-            also.push(format!("{} {}", knob.name, percent(change)));
+            also.push(format!("{} {}", parameter.name, percent(change)));
         }
-        let off = uncertainty * facts.scale(quantity, &values);
+        let off = uncertainty * metric.scale(&values);
         let shown = if let [value] = values[..] { format!("{value:.6} +- {off:.2e}") } else { "the limit".into() };
         let also = if also.is_empty() { String::new() } else { format!("; what else it may be off by: {}", also.join(", ")) };
         let (method, words, order) = (&finest.method, finest.words(), limit.order);
@@ -79,13 +74,13 @@ impl Limit {
     ///
     /// The order is the observed one, if it is near to what is predicted. With it each pair of grids predicts what is left on
     /// the finest one, and the larger prediction counts as uncertain, because two grids may agree by chance.
-    pub fn of(runs: &[&Measured], (quantity, facts): (&Quantity, &Facts), predicted: f64) -> Option<Limit> {
+    pub fn of(runs: &[&Measured], metric: &Metric, predicted: f64) -> Option<Limit> {
         let [.., middle, finest] = runs else { return None };
         let coarse = runs.len().checked_sub(3).map(|place| runs[place]);
-        let middle_values = facts.near(quantity, &middle.values, &finest.values);
-        let scale = facts.scale(quantity, &finest.values);
+        let middle_values = metric.near(&middle.values, &finest.values);
+        let scale = metric.scale(&finest.values);
         let distance = |one: &Measured, two: &Measured| {
-            let near = facts.near(quantity, &one.values, &two.values);
+            let near = metric.near(&one.values, &two.values);
             norm(&near.iter().zip(&two.values).map(|(one, two)| one - two).collect::<Vec<_>>()) / scale
         };
         let order = coarse.and_then(|coarse| {
@@ -117,37 +112,20 @@ fn observed([coarse, middle, fine]: [f64; 3], ratio: f64) -> Option<f64> {
 }
 
 #[cfg(test)]
-pub mod tests {
+mod tests {
     use super::*;
-    use crate::study::cost::quantity::Kind;
-
-    /// A run with a value on a grid.
-    pub fn run(spacing: f64, value: f64) -> Measured {
-        Measured {
-            values: vec![value],
-            spacing,
-            modes: None,
-            unknowns: 1.0,
-            iterations: 1.0,
-            setup_seconds: 0.0,
-            solve_seconds: spacing.powi(-2),
-            steps: 0,
-            memory_bytes: 1.0,
-            faster: None,
-            wall_seconds: 1.0,
-        }
-    }
-
-    /// A box with a disk.
-    pub fn facts() -> Facts {
-        Facts { dimension: 2, radius: Some(1.0), held: vec![true], periods: vec![None; 2], bodies: 1, volume: 1.0 }
-    }
-
-    pub const DRAG: Quantity = Quantity { kind: Kind::Drag, body: None, probe: None };
+    use crate::study::cost::{
+        properties::SceneProperties,
+        quantity::{Quantity, QuantityKind},
+        record::tests::run,
+    };
 
     fn limit(value: impl Fn(f64) -> f64, spacings: &[f64], predicted: f64) -> Option<Limit> {
         let runs: Vec<Measured> = spacings.iter().map(|&spacing| run(spacing, value(spacing))).collect();
-        Limit::of(&runs.iter().collect::<Vec<_>>(), (&DRAG, &facts()), predicted)
+        let properties =
+            SceneProperties { dimension: 2, radius: Some(1.0), held: vec![true], periods: vec![None; 2], modes: None, volume: 1.0 };
+        let metric = Metric { quantity: Quantity { kind: QuantityKind::Drag, body: None, probe: None }, properties };
+        Limit::of(&runs.iter().collect::<Vec<_>>(), &metric, predicted)
     }
 
     #[test]

@@ -13,19 +13,19 @@ pub struct Setting {
     /// Word of the constraint method.
     pub method: String,
     /// The grid.
-    pub grid: Fineness,
+    pub grid: Resolution,
     /// Order of the surface modes, automatic if absent.
     pub modes: Option<usize>,
     /// Relative residual at which a solve ends.
     pub tolerance: Option<f64>,
     /// The time step; absent at an instant.
-    pub step: Option<Stepping>,
+    pub step: Option<TimeStep>,
 }
 
 /// How fine a grid is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Fineness {
+pub enum Resolution {
     /// Cells across the radius of the smallest body.
     CellsPerRadius(f64),
     /// A length.
@@ -35,7 +35,7 @@ pub enum Fineness {
 /// How long steps are.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Stepping {
+pub enum TimeStep {
     /// This long.
     Step(f64),
     /// As long as bodies take for this part of their radius.
@@ -52,39 +52,39 @@ impl Setting {
     ///
     /// # Panics
     /// The scene is dry.
-    pub fn written(scene: &Scene) -> Setting {
+    pub fn of_scene(scene: &Scene) -> Setting {
         let resolution = scene.resolution.as_ref().expect("only dry scenes have no resolution");
         let method = scene.method.constraint.word();
         let modes = match resolution.modes {
             Modes::Count(modes) if has_modes(method) => Some(modes),
             _ => None,
         };
-        Setting { method: method.to_owned(), grid: Fineness::of(resolution.spacing), modes, tolerance: None, step: Stepping::of(scene) }
+        Setting { method: method.to_owned(), grid: Resolution::of(resolution.spacing), modes, tolerance: None, step: TimeStep::of(scene) }
     }
 
     /// What makes a scene so, as `key=value`.
     pub fn overrides(&self) -> Vec<String> {
         let mut overrides = vec![format!("method.constraint={}", self.method)];
         overrides.push(match self.grid {
-            Fineness::CellsPerRadius(cells) => format!("resolution.cells_per_radius={cells:?}"),
-            Fineness::Spacing(spacing) => format!("resolution.spacing={spacing:?}"),
+            Resolution::CellsPerRadius(cells) => format!("resolution.cells_per_radius={cells:?}"),
+            Resolution::Spacing(spacing) => format!("resolution.spacing={spacing:?}"),
         });
         overrides.push(self.modes.map_or("resolution.modes=auto".into(), |modes| format!("resolution.modes={modes}")));
         overrides.extend(self.tolerance.map(|tolerance| format!("method.tolerance={tolerance:?}")));
         overrides.extend(self.step.map(|step| match step {
-            Stepping::Step(step) => format!("time.step={step:?}"),
-            Stepping::Travel(travel) => format!("time.travel={travel:?}"),
+            TimeStep::Step(step) => format!("time.step={step:?}"),
+            TimeStep::Travel(travel) => format!("time.travel={travel:?}"),
         }));
         overrides
     }
 
     /// What a run costs in proportion, with no regard to the method: cells of the grid times steps.
     pub fn work(&self, dimension: usize, radius: f64) -> f64 {
-        self.grid.spacing(radius).powi(-(dimension as i32)) / self.step.map_or(1.0, Stepping::length)
+        self.grid.spacing(radius).powi(-(dimension as i32)) / self.step.map_or(1.0, TimeStep::length)
     }
 
     /// The tolerance of its solves in a scene.
-    pub fn solves_to(&self, scene: &Scene) -> f64 {
+    pub fn tolerance_in(&self, scene: &Scene) -> f64 {
         match (self.tolerance, scene.method.tolerance) {
             (Some(tolerance), _) | (None, Tolerance::Fixed(tolerance)) => tolerance,
             (None, automatic) => automatic.at_an_instant(),
@@ -94,71 +94,71 @@ impl Setting {
     /// In words, without the method.
     pub fn words(&self) -> String {
         let grid = match self.grid {
-            Fineness::CellsPerRadius(cells) => format!("{cells} cells per radius"),
-            Fineness::Spacing(spacing) => format!("spacing {spacing:.5}"),
+            Resolution::CellsPerRadius(cells) => format!("{cells} cells per radius"),
+            Resolution::Spacing(spacing) => format!("spacing {spacing:.5}"),
         };
         let modes = has_modes(&self.method).then(|| self.modes.map_or("modes auto".into(), |modes| format!("{modes} modes")));
         let tolerance = self.tolerance.map(|tolerance| format!("tolerance {tolerance:.0e}"));
         let step = self.step.map(|step| match step {
-            Stepping::Step(step) => format!("step {step}"),
-            Stepping::Travel(travel) => format!("travel {travel}"),
+            TimeStep::Step(step) => format!("step {step}"),
+            TimeStep::Travel(travel) => format!("travel {travel}"),
         });
         [Some(grid), modes, tolerance, step].into_iter().flatten().collect::<Vec<_>>().join(", ")
     }
 
     /// Whether it differs from another in the grid alone.
-    pub fn beside(&self, other: &Setting) -> bool {
+    pub fn differs_in_grid_alone(&self, other: &Setting) -> bool {
         Setting { grid: other.grid, ..self.clone() } == *other
     }
 }
 
-impl Fineness {
+impl Resolution {
     /// That of a scene.
-    pub fn of(spacing: Spacing) -> Fineness {
+    pub fn of(spacing: Spacing) -> Resolution {
         match spacing {
-            Spacing::CellsPerRadius(cells) => Fineness::CellsPerRadius(cells),
-            Spacing::Length(spacing) => Fineness::Spacing(spacing),
+            Spacing::CellsPerRadius(cells) => Resolution::CellsPerRadius(cells),
+            Spacing::Length(spacing) => Resolution::Spacing(spacing),
         }
     }
 
     /// The spacing asked for beside bodies of a radius.
     pub fn spacing(self, radius: f64) -> f64 {
         match self {
-            Fineness::CellsPerRadius(cells) => radius / cells,
-            Fineness::Spacing(spacing) => spacing,
+            Resolution::CellsPerRadius(cells) => radius / cells,
+            Resolution::Spacing(spacing) => spacing,
         }
     }
 
     /// So many times finer.
-    pub fn finer(self, factor: f64) -> Fineness {
+    pub fn finer(self, factor: f64) -> Resolution {
         match self {
-            Fineness::CellsPerRadius(cells) => Fineness::CellsPerRadius(cells * factor),
-            Fineness::Spacing(spacing) => Fineness::Spacing(spacing / factor),
+            Resolution::CellsPerRadius(cells) => Resolution::CellsPerRadius(cells * factor),
+            Resolution::Spacing(spacing) => Resolution::Spacing(spacing / factor),
         }
     }
 }
 
-impl Stepping {
+impl TimeStep {
     /// That of a scene; nothing at an instant.
-    pub fn of(scene: &Scene) -> Option<Stepping> {
+    pub fn of(scene: &Scene) -> Option<TimeStep> {
         scene.time.as_ref().map(|time| match time.step {
-            Step::Auto => Stepping::Travel(time.travel),
-            Step::Fixed(step) => Stepping::Step(step),
+            Step::Auto => TimeStep::Travel(time.travel),
+            Step::Fixed(step) => TimeStep::Step(step),
         })
     }
 
     /// The step, or what stands for it in proportion.
     pub fn length(self) -> f64 {
         match self {
-            Stepping::Step(length) | Stepping::Travel(length) => length,
+            TimeStep::Step(length) | TimeStep::Travel(length) => length,
         }
     }
 
     /// So many times as long.
-    pub fn times(self, factor: f64) -> Stepping {
+    pub fn times(self, factor: f64) -> TimeStep {
         match self {
-            Stepping::Step(step) => Stepping::Step(step * factor),
-            Stepping::Travel(travel) => Stepping::Travel(travel * factor),
+            TimeStep::Step(step) => TimeStep::Step(step * factor),
+            TimeStep::Travel(travel) => TimeStep::Travel(travel * factor),
         }
     }
 }
@@ -175,13 +175,13 @@ mod tests {
     #[test]
     fn a_setting_makes_a_scene_as_it_says() {
         let scene = Scene::parse("scene", Path::new(""), SCENE, &[]).unwrap();
-        let written = Setting::written(&scene);
-        assert_eq!((written.grid, written.modes, written.step), (Fineness::Spacing(0.1), Some(9), Some(Stepping::Step(0.5))));
+        let written = Setting::of_scene(&scene);
+        assert_eq!((written.grid, written.modes, written.step), (Resolution::Spacing(0.1), Some(9), Some(TimeStep::Step(0.5))));
         let other =
-            Setting { grid: Fineness::Spacing(0.05), modes: None, tolerance: Some(1e-9), step: Some(Stepping::Travel(0.2)), ..written };
+            Setting { grid: Resolution::Spacing(0.05), modes: None, tolerance: Some(1e-9), step: Some(TimeStep::Travel(0.2)), ..written };
         let made = Scene::parse("scene", Path::new(""), SCENE, &other.overrides()).unwrap();
-        assert_eq!(Setting { tolerance: Some(1e-9), ..Setting::written(&made) }, other);
-        assert_eq!(other.solves_to(&made), 1e-9);
+        assert_eq!(Setting { tolerance: Some(1e-9), ..Setting::of_scene(&made) }, other);
+        assert_eq!(other.tolerance_in(&made), 1e-9);
         assert_eq!(other.words(), "spacing 0.05000, modes auto, tolerance 1e-9, travel 0.2");
     }
 
@@ -189,13 +189,13 @@ mod tests {
     fn work_counts_cells_and_steps() {
         let coarse = Setting {
             method: "sharp".into(),
-            grid: Fineness::CellsPerRadius(4.0),
+            grid: Resolution::CellsPerRadius(4.0),
             modes: None,
             tolerance: None,
-            step: Some(Stepping::Step(0.1)),
+            step: Some(TimeStep::Step(0.1)),
         };
         let fine = Setting { grid: coarse.grid.finer(2.0), step: coarse.step.map(|step| step.times(0.5)), ..coarse.clone() };
         assert!((fine.work(3, 1.0) / coarse.work(3, 1.0) - 16.0).abs() < 1e-12);
-        assert!(!fine.beside(&coarse) && Setting { step: coarse.step, ..fine }.beside(&coarse));
+        assert!(!fine.differs_in_grid_alone(&coarse) && Setting { step: coarse.step, ..fine }.differs_in_grid_alone(&coarse));
     }
 }

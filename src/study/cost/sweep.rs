@@ -1,19 +1,13 @@
 //! Runs the settings of a study one by one, each in a process of its own, and keeps what they cost.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    time::Instant,
-};
+use std::{fs, path::PathBuf, time::Instant};
 
 use super::{
-    CostOptions,
-    facts::{self, Facts},
-    quantity::Quantity,
+    metric::Metric,
+    options::Cost,
+    properties::SceneProperties,
     record::{Measured, Outcome, Record},
     setting::{Setting, has_modes},
-    store::Store,
-    text,
 };
 use crate::{
     error::{Error, Result},
@@ -21,65 +15,52 @@ use crate::{
     scene::Scene,
     study::{
         fit::Power,
-        launcher::{Job, Launcher, Scratch, WITHOUT_PICTURE, sweep_out},
+        launcher::{Job, Launcher, Scratch, WITHOUT_PICTURE},
+        store::Store,
     },
 };
 
 /// How seconds grow with the cells of a grid, at least and at most: in proportion, or with the iterations of a solver that feels the grid.
 const GROWTH: [f64; 2] = [0.0, 2.0];
 
-/// A study under way.
+/// The runs of a study.
 pub struct Sweep<'a> {
-    options: &'a CostOptions,
-    scene: &'a Scene,
-    /// The scene as it is.
-    pub facts: Facts,
+    /// What was asked for.
+    pub options: &'a Cost,
+    /// The scene as runs have it.
+    pub scene: &'a Scene,
     /// What is measured.
-    pub quantity: Quantity,
+    pub metric: Metric,
     /// What was measured.
-    pub store: Store,
-    launcher: Launcher,
-    scratch: Scratch,
-    /// Settings of the ladders so far. What is affordable follows from these alone, so that a study that goes on decides as it did.
-    climbed: Vec<Setting>,
+    pub store: Store<Record>,
+    /// What starts runs.
+    pub launcher: Launcher,
+    /// Where they leave their output.
+    pub scratch: &'a Scratch,
+    /// Settings of the sequences so far. What is affordable follows from these alone, so that a study that goes on decides as it did.
+    pub measured: Vec<Setting>,
 }
 
-impl<'a> Sweep<'a> {
-    /// Makes a study ready; runs are done within its folder.
-    ///
-    /// # Errors
-    /// The launcher or the folder cannot be used.
-    pub fn new(
-        options: &'a CostOptions,
-        scene: &'a Scene,
-        (facts, quantity, store): (Facts, Quantity, Store),
-        folder: &Path,
-    ) -> Result<Sweep<'a>> {
-        let launcher = Launcher::new(&options.launcher, &options.petsc)?;
-        sweep_out(folder);
-        Ok(Sweep { options, scene, facts, quantity, store, launcher, scratch: Scratch::within(folder)?, climbed: Vec::new() })
-    }
-
+impl Sweep<'_> {
     /// Goes through settings by rising work, as far as the budget lets it; tells why it ended early.
     ///
     /// # Errors
     /// Runs cannot be started, or results cannot be written.
-    pub fn climb(&mut self, settings: &[Setting]) -> Result<Option<String>> {
-        let mut spent = 0.0;
+    pub fn measure(&mut self, settings: &[Setting]) -> Result<Option<String>> {
+        let (mut spent, budget) = (0.0, self.options.seconds());
         for (place, setting) in settings.iter().enumerate() {
             let predicted = self.predicted(setting).unwrap_or(0.0);
-            if self.store.find(setting).is_none() && spent + predicted > self.options.budget {
+            if self.store.find(setting).is_none() && spent + predicted > budget {
                 let left = settings.len() - place;
                 return Ok(Some(format!(
-                    "{}: {left} of {} settings left out from {} on: about {predicted:.0} s more, beyond --budget {}",
+                    "{}: {left} of {} settings left out from {} on: about {predicted:.0} s more, beyond --budget {budget}",
                     setting.method,
                     settings.len(),
                     setting.words(),
-                    self.options.budget
                 )));
             }
             spent += self.record(setting)?.measured().map_or(0.0, |measured| measured.wall_seconds);
-            self.climbed.push(setting.clone());
+            self.measured.push(setting.clone());
         }
         Ok(None)
     }
@@ -91,40 +72,37 @@ impl<'a> Sweep<'a> {
     pub fn record(&mut self, setting: &Setting) -> Result<&Record> {
         if self.store.find(setting).is_none() {
             let outcome = self.run(setting)?;
-            self.store.add(setting.clone(), outcome)?;
-            say(&text::progress(self.store.records().last().expect("one was added")))?;
+            let record = Record { setting: setting.clone(), outcome };
+            let progress = record.to_string();
+            self.store.add(record)?;
+            say(&progress)?;
         }
         Ok(self.store.find(setting).expect("it is there or was added"))
     }
 
     /// Seconds by the clock that a run would take, from the heaviest run of its method; nothing if there was none.
     pub fn predicted(&self, setting: &Setting) -> Option<f64> {
-        let radius = self.radius();
-        let work = |setting: &Setting| setting.work(self.facts.dimension, radius);
-        let own = || self.runs().filter(|(climbed, _)| climbed.method == setting.method);
+        let properties = &self.metric.properties;
+        let work = |setting: &Setting| setting.work(properties.dimension, properties.unit());
+        let own = || self.runs().filter(|(other, _)| other.method == setting.method);
         let (heaviest, run) = own().max_by(|one, two| work(one.0).total_cmp(&work(two.0)))?;
         let points: Vec<(f64, f64)> =
-            own().filter(|(climbed, _)| climbed.beside(heaviest)).map(|(climbed, run)| (work(climbed), run.seconds())).collect();
+            own().filter(|(other, _)| other.differs_in_grid_alone(heaviest)).map(|(other, run)| (work(other), run.seconds())).collect();
         let fitted = Power::fit(&points).map_or(1.0, |power| power.exponent);
-        let [least, most] = GROWTH.map(|growth| 1.0 + growth / self.facts.dimension as f64);
+        let [least, most] = GROWTH.map(|growth| 1.0 + growth / properties.dimension as f64);
         let growth = (work(setting) / work(heaviest)).powf(fitted.clamp(least, most));
         Some(run.wall_seconds * growth)
     }
 
-    /// Whether a run beside the ladders costs neither more than the budget nor more than the ladders did.
+    /// Whether a run beside the sequences costs neither more than the budget nor more than the sequences did.
     pub fn affordable(&self, setting: &Setting) -> bool {
         let spent = self.runs().map(|(_, run)| run.wall_seconds).sum();
-        self.store.find(setting).is_some() || self.predicted(setting).is_some_and(|seconds| seconds <= self.options.budget.min(spent))
+        self.store.find(setting).is_some() || self.predicted(setting).is_some_and(|seconds| seconds <= self.options.seconds().min(spent))
     }
 
-    /// The runs of the ladders so far.
+    /// The runs of the sequences so far.
     fn runs(&self) -> impl Iterator<Item = (&Setting, &Measured)> {
-        self.climbed.iter().filter_map(|setting| Some((setting, self.store.find(setting)?.measured()?)))
-    }
-
-    /// Radius of the smallest body, or 1 where spacings are lengths anyway.
-    pub fn radius(&self) -> f64 {
-        self.facts.radius.unwrap_or(1.0)
+        self.measured.iter().filter_map(|setting| Some((setting, self.store.find(setting)?.measured()?)))
     }
 
     /// The scene with a setting.
@@ -132,25 +110,22 @@ impl<'a> Sweep<'a> {
     /// # Errors
     /// They do not go together.
     pub fn scene_with(&self, setting: &[String]) -> Result<Scene> {
-        Scene::read(&self.options.scene, &[&self.options.overrides[..], setting].concat())
+        Scene::read(&self.options.scene.scene, &[&self.options.scene.overrides[..], setting].concat())
     }
 
     fn run(&self, setting: &Setting) -> Result<Outcome> {
-        let scene = match self.scene_with(&setting.overrides()) {
-            Ok(scene) => scene,
-            Err(refusal) => return Ok(Outcome::Failed(refusal.to_string())),
-        };
-        let modes = if has_modes(&setting.method) { facts::modes(&scene) } else { Ok(None) };
-        let modes = match modes {
+        let order = |scene: Scene| if has_modes(&setting.method) { Ok(SceneProperties::of(&scene)?.modes) } else { Ok(None) };
+        let modes = match self.scene_with(&setting.overrides()).and_then(order) {
             Ok(modes) => modes,
             Err(refusal) => return Ok(Outcome::Failed(refusal.to_string())),
         };
-        let overrides = self.overrides(setting);
-        let job = Job { scene: &self.options.scene, overrides: &overrides, folder: &self.out() };
-        let read = |path: &Path| Measured::read(path, (setting, modes), &self.quantity, &self.facts);
-        let start = Instant::now();
-        Ok(match self.launcher.attempt((self.options.ranks, self.options.repeat), &job, read, Measured::seconds)? {
-            Ok(measured) => Outcome::Measured(Measured { wall_seconds: start.elapsed().as_secs_f64(), ..measured }),
+        let (overrides, folder) = (self.overrides(setting), self.out());
+        let Cost { scene, ranks, start, .. } = self.options;
+        let job = Job { scene: &scene.scene, overrides: &overrides, folder: &folder, ranks: *ranks, repeat: start.repeat };
+        let begin = Instant::now();
+        let measured = self.launcher.attempt(&job, |path| Measured::read(path, setting, &self.metric), Measured::seconds)?;
+        Ok(match measured {
+            Ok(measured) => Outcome::Measured(Measured { modes, wall_seconds: begin.elapsed().as_secs_f64(), ..measured }),
             Err(failure) => Outcome::Failed(reason(&failure)),
         })
     }
@@ -163,12 +138,12 @@ impl<'a> Sweep<'a> {
     }
 
     fn overrides(&self, setting: &Setting) -> Vec<String> {
-        let mut overrides = self.options.overrides.clone();
+        let mut overrides = self.options.scene.overrides.clone();
         overrides.extend(setting.overrides());
         if !self.scene.scalar() {
             overrides.push(WITHOUT_PICTURE.into());
         }
-        overrides.extend(self.quantity.probe.map(|points| format!("output.probe={points}")));
+        overrides.extend(self.metric.quantity.probe.map(|points| format!("output.probe={points}")));
         if self.scene.time.is_some() {
             let end = self.scene.end();
             overrides.extend(["output.fields=false".into(), format!("output.every={end:?}"), "output.checkpoint=1e9".into()]);

@@ -1,73 +1,84 @@
-//! The settings of a study as a table.
+//! The settings of a study as tables.
 
 use super::{
-    choice::Cheapest,
-    digits::{percent, seconds, signed, thousands, two_digits},
+    findings::{Findings, Point},
+    format::{percent, seconds, signed, thousands, two_digits},
     record::Measured,
-    report::{Findings, Point},
-    setting::Fineness,
 };
+use crate::study::table::{Row, number, quoted};
 
-/// Heads and rows of the table.
-pub fn table(findings: &Findings) -> Vec<Vec<String>> {
+/// The table of all settings for people.
+pub fn settings(findings: &Findings) -> Vec<Row<'_>> {
     let in_time = findings.points.iter().any(|point| point.setting.step.is_some());
     let swept = findings.points.iter().any(|point| point.setting.tolerance.is_some());
-    let head = |name: &str, shown: bool| shown.then(|| name.to_owned());
-    let heads = [
-        head("method", true),
-        head("cells/radius", true),
-        head("modes", true),
-        head("tolerance", swept),
-        head("step", in_time),
-        head("unknowns", true),
-        head("iterations", true),
-        head("set-up s", true),
-        head("solve s", true),
-        head("MB", true),
-        head(findings.name, true),
-        head("error", true),
-    ];
-    let mut rows = vec![heads.into_iter().flatten().collect::<Vec<_>>()];
-    rows.extend(findings.points.iter().map(|point| row(point, findings, (swept, in_time))));
-    rows
-}
-
-/// What each method takes for the wanted error; heads and rows.
-pub fn at_wanted(findings: &Findings) -> Vec<Vec<String>> {
-    let heads = [&format!("for {}", percent(findings.wanted)), "spacing", "unknowns", "seconds", "times the cheapest", ""];
-    let best = findings.cheapest().map(|cheapest| cheapest.seconds);
-    let row = |(method, found): (&str, &Cheapest)| {
-        let ratio = best.map_or("-".to_owned(), |best| two_digits(found.seconds / best));
-        let how = if found.measured { "measured" } else { "predicted by its fits" };
-        let numbers = [format!("{:.5}", found.spacing), thousands(found.unknowns), seconds(found.seconds), ratio];
-        [vec![method.to_owned()], numbers.to_vec(), vec![how.to_owned()]].concat()
+    let row = |point| {
+        let mut row = cells(point, findings);
+        row.retain(|(head, _)| (*head != "tolerance" || swept) && (*head != "step" || in_time));
+        row
     };
-    let found = findings.methods.iter().filter_map(|method| Some((method.method.as_str(), method.cheapest.as_ref()?)));
-    std::iter::once(heads.map(str::to_owned).to_vec()).chain(found.map(row)).collect()
+    findings.points.iter().map(row).collect()
 }
 
-fn row(point: &Point, findings: &Findings, (swept, in_time): (bool, bool)) -> Vec<String> {
+fn cells<'a>(point: &Point, findings: &Findings) -> Row<'a> {
     let none = || "-".to_owned();
-    let of = |read: &dyn Fn(&Measured) -> String| point.measured.as_ref().map_or_else(none, read);
+    let of = |read: fn(&Measured) -> String| point.measured.as_ref().map_or_else(none, read);
     let setting = &point.setting;
-    let modes = point.measured.as_ref().and_then(|run| run.modes).or(setting.modes);
-    let mut cells = vec![setting.method.clone(), cells_per_radius(point), modes.map_or_else(none, |modes| modes.to_string())];
-    if swept {
-        cells.push(setting.tolerance.map_or_else(none, |tolerance| format!("{tolerance:.0e}")));
-    }
-    if in_time {
-        cells.push(setting.step.map_or_else(none, |step| step.length().to_string()));
-    }
-    cells.extend([
-        of(&|run| thousands(run.unknowns)),
-        of(&|run| format!("{:.0}", run.iterations)),
-        of(&|run| seconds(run.setup_seconds)),
-        of(&|run| seconds(run.solve_seconds)),
-        of(&|run| format!("{:.0}", run.memory_bytes / 1e6)),
-        point.value.map_or_else(none, |value| format!("{value:.6}")),
-        error(point, findings.uncertainty()),
-    ]);
-    cells
+    vec![
+        ("method", setting.method.clone()),
+        ("cells/radius", point.resolution()),
+        ("modes", point.modes().map_or_else(none, |modes| modes.to_string())),
+        ("tolerance", setting.tolerance.map_or_else(none, |tolerance| format!("{tolerance:.0e}"))),
+        ("step", setting.step.map_or_else(none, |step| step.length().to_string())),
+        ("unknowns", of(|run| thousands(run.unknowns))),
+        ("iterations", of(|run| format!("{:.0}", run.iterations))),
+        ("set-up s", of(|run| seconds(run.setup_seconds))),
+        ("solve s", of(|run| seconds(run.solve_seconds))),
+        ("MB", of(|run| format!("{:.0}", run.memory_bytes / 1e6))),
+        (findings.name, point.value.map_or_else(none, |value| format!("{value:.6}"))),
+        ("error", error(point, findings.uncertainty())),
+    ]
+}
+
+/// The same for `cost.csv`.
+pub fn numbers(findings: &Findings) -> Vec<Row<'static>> {
+    let row = |point: &Point| {
+        let of = |read: fn(&Measured) -> f64| number(point.measured.as_ref().map(read));
+        vec![
+            ("method", point.setting.method.clone()),
+            ("cells_per_radius", point.resolution()),
+            ("spacing", of(|run| run.spacing)),
+            ("modes", number(point.modes())),
+            ("tolerance", number(point.setting.tolerance)),
+            ("step", number(point.setting.step.map(|step| step.length()))),
+            ("unknowns", of(|run| run.unknowns)),
+            ("iterations", of(|run| run.iterations)),
+            ("setup_seconds", of(|run| run.setup_seconds)),
+            ("solve_seconds", of(|run| run.solve_seconds)),
+            ("memory_bytes", of(|run| run.memory_bytes)),
+            ("value", number(point.value)),
+            ("error", number(point.error)),
+            ("within_uncertainty", point.within_uncertainty.to_string()),
+            ("remark", quoted(point.remark.as_deref().unwrap_or_default())),
+        ]
+    };
+    findings.points.iter().map(row).collect()
+}
+
+/// What each method takes for the wanted error, which is the first head.
+pub fn at_wanted<'a>(findings: &Findings, wanted: &'a str) -> Vec<Row<'a>> {
+    let best = findings.cheapest().map(|cheapest| cheapest.seconds);
+    let found = findings.methods.iter().filter_map(|method| Some((&method.method, method.cheapest.as_ref()?)));
+    let row = found.map(|(method, found)| {
+        vec![
+            (wanted, method.clone()),
+            ("spacing", format!("{:.5}", found.spacing)),
+            ("unknowns", thousands(found.unknowns)),
+            ("seconds", seconds(found.seconds)),
+            ("times the cheapest", best.map_or("-".to_owned(), |best| two_digits(found.seconds / best))),
+            ("", if found.measured { "measured" } else { "predicted by its fits" }.to_owned()),
+        ]
+    });
+    row.collect()
 }
 
 fn error(point: &Point, uncertainty: f64) -> String {
@@ -77,13 +88,5 @@ fn error(point: &Point, uncertainty: f64) -> String {
         (Some(_), None) if point.within_uncertainty => format!("within {}", percent(uncertainty)),
         (Some(error), None) if point.value.is_some() => signed(error),
         (Some(error), None) => percent(error),
-    }
-}
-
-/// Cells across the smallest radius, or the spacing where there are no bodies.
-pub fn cells_per_radius(point: &Point) -> String {
-    match (point.cells_per_radius, point.setting.grid) {
-        (Some(cells), _) | (None, Fineness::CellsPerRadius(cells)) => format!("{cells:.1}").trim_end_matches(".0").to_owned(),
-        (None, Fineness::Spacing(spacing)) => format!("h = {spacing:.4}"),
     }
 }

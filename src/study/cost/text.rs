@@ -1,53 +1,33 @@
-//! What a study says to people: progress, sentences, knobs.
+//! What a study says to people.
 
 use super::{
-    choice::Cheapest,
-    digits::{percent, seconds, signed, two_digits},
-    knobs::{Knob, Turned},
-    record::{Outcome, Record},
-    report::{Findings, MethodFinding},
-    table::{at_wanted, table},
+    cheapest::Cheapest,
+    findings::{Findings, MethodFinding},
+    format::{percent, seconds, signed, two_digits},
+    sensitivity::{ParameterChange, Sensitivity},
+    table::{at_wanted, settings},
 };
+use crate::study::table::markdown;
 
-/// What a run came to, in a line.
-pub fn progress(record: &Record) -> String {
-    let Record { setting, outcome } = record;
-    let what = match outcome {
-        Outcome::Failed(reason) => reason.clone(),
-        Outcome::Measured(run) => {
-            let value = if let [value] = run.values[..] { format!("{value:.6} in ") } else { String::new() };
-            format!("{value}{} s, {:.0} iterations", seconds(run.seconds()), run.iterations)
-        }
-    };
-    format!("{:<12} {:<48} {what}", setting.method, setting.words())
-}
-
-/// The table, the sentences and what there is to be said about knobs.
+/// The table, the sentences and what there is to be said about parameters.
 pub fn report(findings: &Findings) -> String {
-    let mut lines = markdown(table(findings));
-    lines.push(String::new());
+    let mut lines = vec![markdown(&settings(findings)), String::new()];
     lines.extend(sentences(findings));
-    let wanted = at_wanted(findings);
-    if wanted.len() > 2 {
-        lines.push(String::new());
-        lines.extend(markdown(wanted));
+    let head = format!("for {}", percent(findings.wanted));
+    let wanted = at_wanted(findings, &head);
+    if wanted.len() > 1 {
+        lines.extend([String::new(), markdown(&wanted)]);
     }
-    for turned in &findings.turned {
-        lines.push(String::new());
-        lines.push(format!("Knobs of {}, {}, turned one at a time:", turned.at.method, turned.at.words()));
+    for sensitivity in &findings.sensitivities {
+        let Sensitivity { at, parameters } = sensitivity;
+        lines.extend([String::new(), format!("Knobs of {}, {}, turned one at a time:", at.method, at.words())]);
+        let line = |[name, to, change, left]: [&str; 4]| format!("  {name:<10} {to:<18} {change:<24} {left}").trim_end().to_owned();
+        lines.push(line(["knob", "turned to", "changes the quantity by", "and leaves an error of"]));
         let uncertainty = findings.uncertainty();
-        lines.push(format!("  {:<10} {:<18} {:<24} {}", "knob", "turned to", "changes the quantity by", "and leaves an error of"));
-        let line = |knob: &Knob| format!("  {:<10} {:<18} {:<24} {}", knob.name, knob.to, change(knob), left(knob, uncertainty));
-        lines.extend(turned.knobs.iter().map(|knob| line(knob).trim_end().to_owned()));
-        lines.extend(dominating(turned).map(|text| format!("  {text}")));
+        lines.extend(parameters.iter().map(|change| line([change.name, &change.to, &change_words(change), &left(change, uncertainty)])));
+        lines.extend(dominating(sensitivity).map(|text| format!("  {text}")));
     }
     lines.join("\n")
-}
-
-fn markdown(table: Vec<Vec<String>>) -> Vec<String> {
-    let mut lines: Vec<String> = table.into_iter().map(|row| format!("| {} |", row.join(" | "))).collect();
-    lines.insert(1, format!("|{}", "-|".repeat(lines[0].matches('|').count() - 1)));
-    lines
 }
 
 /// What was found, sentence by sentence.
@@ -127,28 +107,28 @@ fn written(findings: &Findings) -> Option<String> {
     ))
 }
 
-/// What a knob changed, in words.
-pub fn change(knob: &Knob) -> String {
-    match (knob.change, &knob.remark) {
+/// What a parameter changed, in words.
+pub fn change_words(parameter: &ParameterChange) -> String {
+    match (parameter.change, &parameter.remark) {
         (Some(change), None) => signed(change),
         (Some(change), Some(remark)) => format!("{} ({remark})", signed(change)),
         (None, remark) => remark.clone().unwrap_or_default(),
     }
 }
 
-/// What error a turned knob leaves, and in what time, in words.
-pub fn left(knob: &Knob, uncertainty: f64) -> String {
-    match (knob.error, knob.seconds) {
+/// What error a changed parameter leaves, and in what time, in words.
+pub fn left(parameter: &ParameterChange, uncertainty: f64) -> String {
+    match (parameter.error, parameter.seconds) {
         (Some(error), Some(time)) => format!("{}, {} s", within(error.abs(), uncertainty), seconds(time)),
         _ => String::new(),
     }
 }
 
-/// Which knob dominates, in words.
-pub fn dominating(turned: &Turned) -> Option<String> {
-    let knob = turned.dominating()?;
-    let (verb, it) = if knob.name == "modes" { ("dominate", "them") } else { ("dominates", "it") };
-    Some(format!("the {} {verb} the error: turn {it} first for more accuracy.", knob.name))
+/// Which parameter dominates, in words.
+pub fn dominating(sensitivity: &Sensitivity) -> Option<String> {
+    let parameter = sensitivity.dominating()?;
+    let (verb, it) = if parameter.name == "modes" { ("dominate", "them") } else { ("dominates", "it") };
+    Some(format!("the {} {verb} the error: turn {it} first for more accuracy.", parameter.name))
 }
 
 fn within(error: f64, uncertainty: f64) -> String {

@@ -1,13 +1,8 @@
 //! What a run cost, read from its summary.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
-use serde::Deserialize;
-
-use crate::{
-    error::{Error, Result},
-    output::ParallelSummary,
-};
+use crate::{error::Result, output::ParallelSummary, study::summary::RunSummary};
 
 /// What a run cost. Of a scene in time these are its steps without the set-up, of an instant all of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,78 +21,40 @@ pub struct Measurement {
     pub steps: usize,
     /// Iterations of all solves.
     pub iterations: usize,
-    /// Shares of the ranks, and what they sent.
+    /// RankShares of the ranks, and what they sent.
     pub parallel: ParallelSummary,
-}
-
-#[derive(Deserialize)]
-struct Summary {
-    steps: usize,
-    solver: Solver,
-    motion: Option<Motion>,
-    parallel: ParallelSummary,
-}
-
-#[derive(Deserialize)]
-struct Solver {
-    iterations: usize,
-    setup_seconds: f64,
-    assembly_seconds: f64,
-    solve_seconds: f64,
-    body_seconds: f64,
-}
-
-#[derive(Deserialize)]
-struct Motion {
-    iterations: usize,
-    seconds: f64,
-    assembly_seconds: f64,
-    solve_seconds: f64,
-    contact_seconds: f64,
 }
 
 impl Measurement {
     /// Of the run that wrote a summary.
     ///
     /// # Errors
-    /// It cannot be read, or is that of a dry run.
+    /// It cannot be read.
     pub fn read(path: &Path) -> Result<Measurement> {
-        let unreadable = |source| Error::File { path: path.to_owned(), source };
-        let text = fs::read_to_string(path).map_err(unreadable)?;
-        let summary = serde_json::from_str(&text).map_err(|error| unreadable(error.into()))?;
-        Ok(Measurement::of(summary))
+        let summary = RunSummary::read(path)?;
+        // a run in time tells only of its last solve which part the bodies took
+        let last = summary.number("/solver/solve_seconds");
+        let part = if last > 0.0 { summary.number("/solver/body_seconds") / last } else { 0.0 };
+        let section = if summary.in_time() { "motion" } else { "solver" };
+        let number = |name: &str| summary.number(&format!("/{section}/{name}"));
+        let (assembly, solve) = (number("assembly_seconds"), number("solve_seconds"));
+        let (grid, bodies, contacts) = (solve * (1.0 - part), assembly + solve * part, number("contact_seconds"));
+        let (setup, rest) = match summary.in_time() {
+            true => (0.0, (number("seconds") - grid - bodies - contacts).max(0.0)),
+            false => (number("setup_seconds"), 0.0),
+        };
+        let steps = summary.get::<usize>("/steps").map_or(1, |steps| steps.max(1));
+        let parallel = summary.get("/parallel").unwrap_or_default();
+        Ok(Measurement { setup, grid, bodies, contacts, rest, steps, iterations: number("iterations") as usize, parallel })
     }
 
-    fn of(summary: Summary) -> Measurement {
-        let Summary { steps, solver, motion, parallel } = summary;
-        // a run in time tells only of its last solve which part the bodies took
-        let part = if solver.solve_seconds > 0.0 { solver.body_seconds / solver.solve_seconds } else { 0.0 };
-        let split = |assembly: f64, solve: f64| (solve * (1.0 - part), assembly + solve * part);
-        match motion {
-            None => {
-                let (grid, bodies) = split(solver.assembly_seconds, solver.solve_seconds);
-                Measurement {
-                    setup: solver.setup_seconds,
-                    grid,
-                    bodies,
-                    contacts: 0.0,
-                    rest: 0.0,
-                    steps: 1,
-                    iterations: solver.iterations,
-                    parallel,
-                }
-            }
-            Some(motion) => {
-                let (grid, bodies) = split(motion.assembly_seconds, motion.solve_seconds);
-                let contacts = motion.contact_seconds;
-                let rest = (motion.seconds - grid - bodies - contacts).max(0.0);
-                Measurement { setup: 0.0, grid, bodies, contacts, rest, steps: steps.max(1), iterations: motion.iterations, parallel }
-            }
-        }
+    /// Seconds of the instant, or of all steps.
+    pub fn all_seconds(&self) -> f64 {
+        self.setup + self.grid + self.bodies + self.contacts + self.rest
     }
 
     /// Seconds of the instant, or of a step.
     pub fn seconds(&self) -> f64 {
-        (self.setup + self.grid + self.bodies + self.contacts + self.rest) / self.steps as f64
+        self.all_seconds() / self.steps as f64
     }
 }

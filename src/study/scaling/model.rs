@@ -13,7 +13,7 @@
 
 use serde::Serialize;
 
-use super::{arrangement::Shares, measurement::Measurement};
+use super::{measurement::Measurement, workload::RankShares};
 use crate::{
     flow::Transposes,
     linalg::{line, proportion},
@@ -31,8 +31,8 @@ pub struct Network {
 /// A run and how it was shared out.
 #[derive(Debug, Clone)]
 pub struct Sample {
-    /// Shares of the ranks.
-    pub shares: Shares,
+    /// RankShares of the ranks.
+    pub shares: RankShares,
     /// What it cost.
     pub measured: Measurement,
 }
@@ -89,7 +89,7 @@ impl Model {
         }
         let iterations = |sample: &Sample| sample.measured.iterations as f64;
         // of what is counted, transforms are known
-        let sent = |count: fn(&Sample) -> f64, known: fn(&Shares) -> f64, unit: fn(&Shares) -> f64| {
+        let sent = |count: fn(&Sample) -> f64, known: fn(&RankShares) -> f64, unit: fn(&RankShares) -> f64| {
             let others = |sample: &Sample| (count(sample) - iterations(sample) * known(&sample.shares)).max(0.0);
             proportion(shared.iter().map(|sample| (iterations(sample) * unit(&sample.shares), others(sample))))
         };
@@ -113,15 +113,13 @@ impl Model {
             (cells, sample.measured.grid - counted.network_seconds(&sample.shares, iterations(sample)))
         };
         let model = Model { cell: proportion(samples.iter().map(of_cells)).max(0.0), ..counted };
-        let missed = |sample: &&Sample| {
-            let measured = sample.measured.seconds() * sample.measured.steps as f64;
-            (model.predict(&sample.shares, iterations(sample)).seconds / measured - 1.0).abs()
-        };
+        let missed =
+            |sample: &&Sample| (model.predict(&sample.shares, iterations(sample)).seconds / sample.measured.all_seconds() - 1.0).abs();
         Some(Model { misfit: samples.iter().map(missed).fold(0.0, f64::max), ..model })
     }
 
     /// What a run of so many iterations costs.
-    pub fn predict(&self, shares: &Shares, iterations: f64) -> Prediction {
+    pub fn predict(&self, shares: &RankShares, iterations: f64) -> Prediction {
         let (cells, bodies) = (shares.cells.most, shares.bodies.most);
         let contacts = self.contact * shares.all_bodies();
         let computing = self.setup * cells + iterations * (self.cell * cells + self.body * bodies) + contacts + self.rest;
@@ -131,13 +129,13 @@ impl Model {
     }
 
     /// Messages, bytes and collectives that are counted.
-    fn sent(&self, shares: &Shares, iterations: f64) -> [f64; 3] {
+    fn sent(&self, shares: &RankShares, iterations: f64) -> [f64; 3] {
         let collectives = if shares.ranks > 1 { self.collectives } else { 0.0 };
         let Transposes { count, bytes } = shares.transposes;
         [self.messages * shares.neighbours, self.bytes * shares.halo + bytes, collectives + count].map(|each| each * iterations)
     }
 
-    fn network_seconds(&self, shares: &Shares, iterations: f64) -> f64 {
+    fn network_seconds(&self, shares: &RankShares, iterations: f64) -> f64 {
         let [messages, bytes, collectives] = self.sent(shares, iterations);
         let Network { bandwidth, latency } = self.network;
         let (ranks, Transposes { count, bytes: transposed }) = (shares.ranks as f64, shares.transposes);
@@ -169,9 +167,9 @@ mod tests {
         misfit: 0.0,
     };
 
-    fn shares(ranks: usize) -> Shares {
+    fn shares(ranks: usize) -> RankShares {
         let alone = ranks == 1;
-        Shares {
+        RankShares {
             ranks,
             cells: Spread::of([1e5 / ranks as f64]),
             bodies: Spread::of([300.0 / ranks as f64 + if alone { 0.0 } else { 5.0 }]),
@@ -184,10 +182,10 @@ mod tests {
     }
 
     /// Those of a solve by transforms.
-    fn transformed(ranks: usize) -> Shares {
+    fn transformed(ranks: usize) -> RankShares {
         let transposes = Transposes { count: 4.0, bytes: 1e7 / ranks as f64 };
         let transposes = if ranks == 1 { Transposes::default() } else { transposes };
-        Shares { cycle_messages: 0.0, cycle_bytes: 0.0, transposes, ..shares(ranks) }
+        RankShares { cycle_messages: 0.0, cycle_bytes: 0.0, transposes, ..shares(ranks) }
     }
 
     /// A run that obeys the law.
@@ -195,7 +193,7 @@ mod tests {
         sample_of(shares(ranks), iterations)
     }
 
-    fn sample_of(shares: Shares, iterations: usize) -> Sample {
+    fn sample_of(shares: RankShares, iterations: usize) -> Sample {
         let steps = iterations as f64;
         let Prediction { messages, bytes, collectives, memory, .. } = LAW.predict(&shares, steps);
         let [messages, bytes, collectives, memory_bytes] =
@@ -243,14 +241,14 @@ mod tests {
 
     #[test]
     fn transposes_cost_a_message_to_each_other_rank_and_all_bytes_but_ones_own() {
-        let [with, without] = [transformed(64), Shares { transposes: Transposes::default(), ..transformed(64) }];
+        let [with, without] = [transformed(64), RankShares { transposes: Transposes::default(), ..transformed(64) }];
         let more = LAW.predict(&with, 10.0).seconds - LAW.predict(&without, 10.0).seconds;
         assert_near(more, 10.0 * (4.0 * 63.0 * LAW.network.latency + with.transposes.bytes * 63.0 / 64.0 / LAW.network.bandwidth));
     }
 
     #[test]
     fn contacts_grow_with_the_bodies_of_all_ranks() {
-        let weak = |ranks: usize| Shares { bodies: Spread::of([300.0]), cells: Spread::of([1e5]), ..shares(ranks) };
+        let weak = |ranks: usize| RankShares { bodies: Spread::of([300.0]), cells: Spread::of([1e5]), ..shares(ranks) };
         let contacts = |ranks: usize| {
             let (all, none) = (weak(ranks), Model { contact: 0.0, ..LAW });
             LAW.predict(&all, 10.0).seconds - none.predict(&all, 10.0).seconds

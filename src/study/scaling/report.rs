@@ -6,11 +6,10 @@ use super::{
     model::{Model, Network},
     table::Table,
 };
-use crate::output::{Chart, Scale};
-
-/// Names of the numbers of a row in `scaling.csv`.
-const COLUMNS: &str = "kind,source,ranks,beyond_cores,seconds,efficiency,iterations,cells_imbalance,bodies_imbalance,\
-    messages,bytes,collectives,memory_bytes,remark";
+use crate::{
+    output::{Chart, Scale},
+    study::table::csv,
+};
 
 /// All that the study found.
 #[derive(Serialize)]
@@ -90,8 +89,7 @@ impl Report {
     }
 
     fn csv(&self) -> String {
-        let rows = self.tables().flat_map(|(kind, table)| table.rows().map(move |(source, row)| row.csv(kind, source)));
-        format!("{COLUMNS}\n{}", rows.collect::<String>())
+        csv(&self.tables().flat_map(|(kind, table)| table.rows().map(move |(source, row)| row.csv(kind, source))).collect::<Vec<_>>())
     }
 
     fn chart(&self) -> Chart {

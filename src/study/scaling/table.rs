@@ -3,26 +3,26 @@
 use serde::Serialize;
 
 use super::{
-    arrangement::Shares,
     measurement::Measurement,
-    model::{Model, Sample},
+    model::{Model, Prediction, Sample},
+    workload::RankShares,
 };
-use crate::{error::Error, output::Series};
-
-/// Heads of the tables for people.
-const HEADS: &str =
-    "| ranks | seconds | efficiency | iterations | cells max/mean | bodies max/mean | messages | MB sent | collectives | memory MB | |";
+use crate::{
+    error::Error,
+    output::{ParallelSummary, Series, Spread},
+    study::table::{Row, markdown, number, quoted},
+};
 
 /// Rows for rising numbers of ranks.
 #[derive(Serialize)]
 pub struct Table {
-    measured: Vec<Row>,
-    model: Vec<Row>,
+    measured: Vec<RunRow>,
+    model: Vec<RunRow>,
 }
 
 /// A run on so many ranks, measured or predicted; counts are those of the busiest rank.
 #[derive(Debug, Clone, Serialize)]
-pub struct Row {
+pub struct RunRow {
     ranks: usize,
     /// More ranks than there are cores.
     beyond_cores: bool,
@@ -45,45 +45,41 @@ struct Numbers {
     memory_bytes: Option<f64>,
 }
 
-impl Row {
+impl Numbers {
+    /// Of a step of a run, from those of all steps; efficiencies are told later.
+    fn of(run: &Measurement, total: &Prediction, cells: &Spread, bodies: &Spread) -> Numbers {
+        let steps = run.steps as f64;
+        Numbers {
+            seconds: total.seconds / steps,
+            efficiency: 1.0,
+            iterations: run.iterations as f64 / steps,
+            cells_imbalance: cells.imbalance(),
+            bodies_imbalance: bodies.imbalance(),
+            messages: total.messages / steps,
+            bytes: total.bytes / steps,
+            collectives: total.collectives / steps,
+            memory_bytes: total.memory,
+        }
+    }
+}
+
+impl RunRow {
     /// A measured run, or why there is none.
-    pub fn measured(ranks: usize, beyond_cores: bool, sample: std::result::Result<&Sample, &Error>) -> Row {
-        let numbers = |sample: &Sample| {
-            let (measured, parallel) = (&sample.measured, &sample.measured.parallel);
-            let steps = measured.steps as f64;
-            Numbers {
-                seconds: measured.seconds(),
-                efficiency: 1.0,
-                iterations: measured.iterations as f64 / steps,
-                cells_imbalance: parallel.cells.imbalance(),
-                bodies_imbalance: parallel.bodies.imbalance(),
-                messages: parallel.messages.most / steps,
-                bytes: parallel.bytes.most / steps,
-                collectives: parallel.collectives.most / steps,
-                memory_bytes: Some(parallel.memory_bytes.most),
-            }
+    pub fn measured(ranks: usize, beyond_cores: bool, sample: std::result::Result<&Sample, &Error>) -> RunRow {
+        let numbers = |Sample { measured, .. }: &Sample| {
+            let ParallelSummary { cells, bodies, messages, bytes, collectives, memory_bytes } = measured.parallel;
+            let (messages, bytes, collectives) = (messages.most, bytes.most, collectives.most);
+            let total = Prediction { seconds: measured.all_seconds(), messages, bytes, collectives, memory: Some(memory_bytes.most) };
+            Numbers::of(measured, &total, &cells, &bodies)
         };
-        Row { ranks, beyond_cores, numbers: sample.ok().map(numbers), remark: sample.err().map(Error::to_string) }
+        RunRow { ranks, beyond_cores, numbers: sample.ok().map(numbers), remark: sample.err().map(Error::to_string) }
     }
 
     /// A run that the model predicts, with the steps and iterations of one that was measured.
-    pub fn predicted(ranks: usize, model: &Model, like: &Measurement, shares: std::result::Result<&Shares, &Error>) -> Row {
-        let numbers = |shares: &Shares| {
-            let (steps, iterations) = (like.steps as f64, like.iterations as f64);
-            let predicted = model.predict(shares, iterations);
-            Numbers {
-                seconds: predicted.seconds / steps,
-                efficiency: 1.0,
-                iterations: iterations / steps,
-                cells_imbalance: shares.cells.imbalance(),
-                bodies_imbalance: shares.bodies.imbalance(),
-                messages: predicted.messages / steps,
-                bytes: predicted.bytes / steps,
-                collectives: predicted.collectives / steps,
-                memory_bytes: predicted.memory,
-            }
-        };
-        Row { ranks, beyond_cores: false, numbers: shares.ok().map(numbers), remark: shares.err().map(Error::to_string) }
+    pub fn predicted(ranks: usize, model: &Model, like: &Measurement, shares: std::result::Result<&RankShares, &Error>) -> RunRow {
+        let total = |shares: &RankShares| model.predict(shares, like.iterations as f64);
+        let numbers = |shares: &RankShares| Numbers::of(like, &total(shares), &shares.cells, &shares.bodies);
+        RunRow { ranks, beyond_cores: false, numbers: shares.ok().map(numbers), remark: shares.err().map(Error::to_string) }
     }
 
     /// Whether there is no such run.
@@ -91,32 +87,43 @@ impl Row {
         self.numbers.is_none()
     }
 
-    fn markdown(&self, source: &str) -> String {
-        let ranks = format!("{}{}", self.ranks, if self.beyond_cores { "*" } else { "" });
-        let Some(numbers) = &self.numbers else {
-            let remark = self.remark.iter().flat_map(|remark| remark.split([':', ';']).next()).collect::<String>();
-            return format!("| {ranks} | - | - | - | - | - | - | - | - | - | {source}: {remark} |");
-        };
-        let Numbers { seconds, efficiency, iterations, cells_imbalance, bodies_imbalance, messages, bytes, collectives, memory_bytes } =
-            numbers;
-        let memory = memory_bytes.map_or("-".into(), |bytes| format!("{:.0}", bytes / 1e6));
-        format!(
-            "| {ranks} | {} | {efficiency:.2} | {iterations:.1} | {cells_imbalance:.2} | {bodies_imbalance:.2} | {messages:.0} \
-             | {:.2} | {collectives:.0} | {memory} | {source} |",
-            plain(*seconds),
-            bytes / 1e6
-        )
+    fn cells(&self, source: &str) -> Row<'static> {
+        let remark = self.remark.iter().flat_map(|remark| remark.split([':', ';']).next()).collect::<String>();
+        let of = |cell: &dyn Fn(&Numbers) -> String| self.numbers.as_ref().map_or("-".into(), cell);
+        vec![
+            ("ranks", format!("{}{}", self.ranks, if self.beyond_cores { "*" } else { "" })),
+            ("seconds", of(&|run| plain(run.seconds))),
+            ("efficiency", of(&|run| format!("{:.2}", run.efficiency))),
+            ("iterations", of(&|run| format!("{:.1}", run.iterations))),
+            ("cells max/mean", of(&|run| format!("{:.2}", run.cells_imbalance))),
+            ("bodies max/mean", of(&|run| format!("{:.2}", run.bodies_imbalance))),
+            ("messages", of(&|run| format!("{:.0}", run.messages))),
+            ("MB sent", of(&|run| format!("{:.2}", run.bytes / 1e6))),
+            ("collectives", of(&|run| format!("{:.0}", run.collectives))),
+            ("memory MB", of(&|run| run.memory_bytes.map_or("-".into(), |bytes| format!("{:.0}", bytes / 1e6)))),
+            ("", if self.absent() { format!("{source}: {remark}") } else { source.to_owned() }),
+        ]
     }
 
-    /// As a line of `scaling.csv`.
-    pub fn csv(&self, kind: &str, source: &str) -> String {
-        let numbers = self.numbers.as_ref().map_or(",,,,,,,,".to_owned(), |n| {
-            let memory = n.memory_bytes.map_or(String::new(), |memory| memory.to_string());
-            let all = [n.seconds, n.efficiency, n.iterations, n.cells_imbalance, n.bodies_imbalance, n.messages, n.bytes, n.collectives];
-            all.map(|number| number.to_string()).join(",") + "," + &memory
-        });
-        let remark = self.remark.as_deref().unwrap_or_default().replace('"', "'");
-        format!("{kind},{source},{},{},{numbers},\"{remark}\"\n", self.ranks, self.beyond_cores)
+    /// Its cells in `scaling.csv`.
+    pub fn csv(&self, kind: &str, source: &str) -> Row<'static> {
+        let of = |cell: fn(&Numbers) -> Option<f64>| number(self.numbers.as_ref().and_then(cell));
+        vec![
+            ("kind", kind.to_owned()),
+            ("source", source.to_owned()),
+            ("ranks", self.ranks.to_string()),
+            ("beyond_cores", self.beyond_cores.to_string()),
+            ("seconds", of(|run| Some(run.seconds))),
+            ("efficiency", of(|run| Some(run.efficiency))),
+            ("iterations", of(|run| Some(run.iterations))),
+            ("cells_imbalance", of(|run| Some(run.cells_imbalance))),
+            ("bodies_imbalance", of(|run| Some(run.bodies_imbalance))),
+            ("messages", of(|run| Some(run.messages))),
+            ("bytes", of(|run| Some(run.bytes))),
+            ("collectives", of(|run| Some(run.collectives))),
+            ("memory_bytes", of(|run| run.memory_bytes)),
+            ("remark", quoted(self.remark.as_deref().unwrap_or_default())),
+        ]
     }
 }
 
@@ -127,21 +134,20 @@ fn plain(seconds: f64) -> String {
 
 impl Table {
     /// Rows with their efficiencies, each list by its own first row.
-    pub fn new(mut measured: Vec<Row>, mut model: Vec<Row>, weak: bool) -> Table {
+    pub fn new(mut measured: Vec<RunRow>, mut model: Vec<RunRow>, weak: bool) -> Table {
         rate(&mut measured, weak);
         rate(&mut model, weak);
         Table { measured, model }
     }
 
     /// All rows with their source.
-    pub fn rows(&self) -> impl Iterator<Item = (&'static str, &Row)> {
+    pub fn rows(&self) -> impl Iterator<Item = (&'static str, &RunRow)> {
         self.measured.iter().map(|row| ("measured", row)).chain(self.model.iter().map(|row| ("model", row)))
     }
 
     /// The table for people.
     pub fn markdown(&self) -> String {
-        let rows = self.rows().map(|(source, row)| row.markdown(source)).collect::<Vec<_>>().join("\n");
-        format!("{HEADS}\n|-|-|-|-|-|-|-|-|-|-|-|\n{rows}")
+        markdown(&self.rows().map(|(source, row)| row.cells(source)).collect::<Vec<_>>())
     }
 
     /// Whether it has runs on more ranks than there are cores.
@@ -151,7 +157,7 @@ impl Table {
 
     /// Seconds against ranks.
     pub fn series(&self, kind: &str) -> Vec<Series> {
-        let line = |source: &str, rows: &[Row]| Series {
+        let line = |source: &str, rows: &[RunRow]| Series {
             name: format!("{kind}, {source}"),
             points: rows.iter().filter_map(|row| Some((row.ranks as f64, row.numbers.as_ref()?.seconds))).collect(),
         };
@@ -161,7 +167,7 @@ impl Table {
 }
 
 /// Gives rows their efficiency: speed per rank over that of the first row.
-fn rate(rows: &mut [Row], weak: bool) {
+fn rate(rows: &mut [RunRow], weak: bool) {
     let speed = |ranks: usize, seconds: f64| 1.0 / (seconds * if weak { 1.0 } else { ranks as f64 });
     let first = rows.iter().find_map(|row| Some(speed(row.ranks, row.numbers.as_ref()?.seconds)));
     for row in rows {

@@ -1,75 +1,24 @@
 //! Honest bars: scenes with known answers are solved to an accuracy, and the true error is held against the estimated one.
 
+mod known;
 mod random;
-mod scenes;
+pub mod scenes;
 
-use std::{ops::Range, path::Path, time::Instant};
+use std::{ops::Range, time::Instant};
 
+pub use self::{
+    known::{Bar, KnownScene},
+    random::random_scene,
+    scenes::known_scenes,
+};
 use crate::{
     error::{Error, Result},
     output::say,
     petsc::Session,
-    scene::Scene,
-    study::{Answer, Calibration, Ladder},
 };
-
-pub use random::random_scene;
-pub use scenes::known_scenes;
 
 /// Part of the bars that must hold the true error.
 const HONEST: f64 = 11.0 / 12.0;
-
-/// A scene and what it must answer.
-pub struct KnownScene {
-    /// What it is.
-    pub name: String,
-    /// Its text, without resolution and accuracy.
-    pub text: String,
-    /// All numbers of one quantity.
-    pub answer: Answer,
-}
-
-/// A bar beside the truth.
-pub struct Bar {
-    /// Estimated relative error.
-    pub estimated: f64,
-    /// True relative error.
-    pub error: f64,
-    /// The setting.
-    pub calibration: Calibration,
-}
-
-impl KnownScene {
-    /// The dimension of its space.
-    pub fn dimension(&self) -> Result<usize> {
-        Ok(self.read(1e-2)?.dimension())
-    }
-
-    /// Solves it to an accuracy; collective.
-    ///
-    /// # Errors
-    /// The accuracy cannot be met, or the scene does not answer what is known.
-    pub fn solve(&self, session: &Session, accuracy: f64) -> Result<Bar> {
-        let scene = self.read(accuracy)?;
-        match scene.dimension() {
-            2 => self.measure::<2>(session, &scene),
-            _ => self.measure::<3>(session, &scene),
-        }
-    }
-
-    fn read(&self, accuracy: f64) -> Result<Scene> {
-        Scene::parse("known", Path::new("."), &self.text, &[format!("accuracy={accuracy}")])
-    }
-
-    fn measure<const D: usize>(&self, session: &Session, scene: &Scene) -> Result<Bar> {
-        let (calibration, (suspension, solution)) = Ladder::<D>::begin(session, scene)?.climb()?;
-        let quantity = self.answer.quantity;
-        let found = Answer::all(&suspension, &solution)?.into_iter().find(|answer| answer.quantity == quantity);
-        let missing = || Error::Diverged(format!("{} has no {}", self.name, quantity.word()));
-        let (found, estimated) = found.zip(calibration.error(quantity)).ok_or_else(missing)?;
-        Ok(Bar { estimated, error: self.answer.distance(&found), calibration })
-    }
-}
 
 /// Solves all known scenes, or those drawn from some seeds, to each accuracy and prints bars beside true errors as a table in Markdown; tells whether
 /// enough bars are honest.
@@ -94,7 +43,7 @@ pub fn bars(session: &Session, accuracies: &[f64], seeds: Option<Range<u64>>) ->
             let (name, what) = (&scene.name, scene.answer.quantity.word());
             match outcome {
                 Ok(Bar { estimated, error, calibration }) => {
-                    let grids: Vec<String> = calibration.rungs.iter().map(|rung| rung.cells_per_radius.to_string()).collect();
+                    let grids: Vec<String> = calibration.levels.iter().map(|level| level.cells_per_radius.to_string()).collect();
                     say(&format!("| {what}, {name} | {accuracy} | {} | {estimated:.1e} | {error:.1e} | {seconds:.2} |", grids.join(", ")))?;
                     honest += usize::from(error <= estimated);
                     all.push(estimated / accuracy);

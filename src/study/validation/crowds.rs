@@ -2,9 +2,9 @@
 
 use std::{fmt::Write, path::Path, time::Instant};
 
+use super::solve::viscosity;
 use crate::{
-    error::{Error, Result},
-    observe,
+    error::Result,
     output::say,
     petsc::Session,
     scene::Scene,
@@ -12,7 +12,7 @@ use crate::{
 };
 
 /// A crowd in a periodic box in shear, bodies of radius 1.
-struct Crowd {
+struct DenseSuspension {
     dimension: usize,
     side: f64,
     bodies: String,
@@ -22,7 +22,7 @@ struct Crowd {
 }
 
 /// A crowd whose centres are given, with what is known of it.
-struct Known {
+struct KnownSuspension {
     name: &'static str,
     dimension: usize,
     centers: &'static str,
@@ -42,46 +42,46 @@ struct Cost {
 const PLANE: &[(f64, usize)] = &[(5.0, 3), (6.0, 6), (8.0, 8)];
 const SPACE: &[(f64, usize)] = &[(4.0, 3), (6.0, 5), (8.0, 6)];
 
-const KNOWN: [Known; 5] = [
-    Known {
+/// A random crowd in a box, without a known viscosity.
+const DISKS: KnownSuspension = KnownSuspension { name: "", dimension: 2, centers: "", side: 0.0, resolutions: PLANE, known: "" };
+const SPHERES: KnownSuspension = KnownSuspension { dimension: 3, resolutions: SPACE, ..DISKS };
+
+const KNOWN: [KnownSuspension; 5] = [
+    KnownSuspension {
         name: "1,000 disks, 0.5, many gaps near 0.01",
-        dimension: 2,
         centers: include_str!("crowds/disks1000_050.csv"),
         side: 79.2665459521,
-        resolutions: PLANE,
-        known: "",
+        ..DISKS
     },
-    Known {
+    KnownSuspension {
         name: "10,000 disks, 0.65, smallest gap 1.2e-3",
-        dimension: 2,
         centers: include_str!("crowds/disks10000_065.csv"),
         side: 219.84584296863,
         resolutions: &[(5.0, 3)],
         known: "47 iterations on such crowds (Broms, Tornberg, Barnett, arXiv 2606.11273)",
+        ..DISKS
     },
-    Known {
+    KnownSuspension {
         name: "125 spheres, 0.3, gap 0.1",
-        dimension: 3,
         centers: include_str!("crowds/spheres125_030.csv"),
         side: 12.0399806569,
-        resolutions: SPACE,
         known: "2.774 by fast Stokesian dynamics",
+        ..SPHERES
     },
-    Known {
+    KnownSuspension {
         name: "125 spheres, 0.45, gap 0.01",
-        dimension: 3,
         centers: include_str!("crowds/spheres125_045.csv"),
         side: 10.5178918977,
-        resolutions: SPACE,
         known: "7.773 by fast Stokesian dynamics",
+        ..SPHERES
     },
-    Known {
+    KnownSuspension {
         name: "1,000 spheres, 0.3, gap 0.1",
-        dimension: 3,
         centers: include_str!("crowds/spheres1000_030.csv"),
         side: 24.0799613138,
         resolutions: &[(4.0, 3)],
         known: "2.791 by fast Stokesian dynamics",
+        ..SPHERES
     },
 ];
 
@@ -124,8 +124,8 @@ pub fn crowds(session: &Session) -> Result<()> {
     say("| crowd | cells, modes | viscosity | iterations | seconds: assembly + solve | known |\n|-|-|-|-|-|-|")?;
     for known in &KNOWN {
         for &(cells, modes) in known.resolutions {
-            let Known { dimension, side, .. } = *known;
-            let crowd = Crowd { dimension, side, bodies: centers(known.centers), cells, modes, inverse: "transform" };
+            let KnownSuspension { dimension, side, .. } = *known;
+            let crowd = DenseSuspension { dimension, side, bodies: centers(known.centers), cells, modes, inverse: "transform" };
             let Cost { viscosity, iterations, assembly, solve } = crowd.solve(session)?;
             say(&format!(
                 "| {} | {cells}, {modes} | {viscosity:.4} | {iterations} | {assembly:.2} + {solve:.2} | {} |",
@@ -163,7 +163,7 @@ impl Growth {
         let side = (count as f64 * volume / fraction).powf(1.0 / self.dimension as f64);
         let crowd = |inverse| {
             let bodies = format!("count = {count}\ngap = {gap}");
-            Crowd { dimension: self.dimension, side, bodies, cells: self.cells, modes: MODES, inverse }
+            DenseSuspension { dimension: self.dimension, side, bodies, cells: self.cells, modes: MODES, inverse }
         };
         let Cost { iterations, assembly, solve, .. } = crowd("transform").solve(session)?;
         let by_multigrid = match count <= MOST_BY_MULTIGRID {
@@ -178,7 +178,7 @@ impl Growth {
     }
 }
 
-impl Crowd {
+impl DenseSuspension {
     fn solve(&self, session: &Session) -> Result<Cost> {
         let scene = Scene::parse("crowd", Path::new("."), &self.text(), &[])?;
         match self.dimension {
@@ -188,7 +188,7 @@ impl Crowd {
     }
 
     fn text(&self) -> String {
-        let Crowd { dimension, side, bodies, cells, modes, inverse } = self;
+        let DenseSuspension { dimension, side, bodies, cells, modes, inverse } = self;
         let size = vec![side.to_string(); *dimension].join(", ");
         format!(
             "seed = 1\n[domain]\nsize = [{size}]\n[flow]\ndrive = {{ shear_rate = 1.0 }}\n[resolution]\ncells_per_radius = {cells}\nmodes = {modes}\n\
@@ -203,8 +203,7 @@ fn cost<const D: usize>(session: &Session, scene: &Scene) -> Result<Cost> {
     let start = Instant::now();
     let solution = suspension.solve(&mut |_, _| ())?;
     let seconds = session.world().max(start.elapsed().as_secs_f64());
-    let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[])?;
-    let viscosity = viscosity.ok_or_else(|| Error::Diverged("a crowd of the validation is not sheared".into()))?.relative();
+    let viscosity = viscosity(&suspension, &solution)?.relative();
     let cost = suspension.cost();
     let assembly = session.world().max(cost.assembly);
     Ok(Cost { viscosity, iterations: cost.krylov.iterations, assembly, solve: seconds - assembly })

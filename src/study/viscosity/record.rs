@@ -1,18 +1,18 @@
-//! `viscosity.json`: all that was measured, written whole after every run, and read again when a study goes on.
+//! What is kept of a run of the study: its setting, and what came out.
 
-use std::{
-    fmt, fs,
-    path::{Path, PathBuf},
-};
+use std::{fmt, fs, path::Path};
 
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 use crate::{
     error::{Error, Result},
-    output::{CurvePoint, MeanViscosity, write_whole},
+    output::{CurvePoint, MeanViscosity},
+    study::{
+        store::{Identity, Recorded},
+        summary::RunSummary,
+    },
 };
-
-const FILE: &str = "viscosity.json";
 
 /// A run: everything that decides what comes out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -46,55 +46,26 @@ pub struct Measured {
     pub seconds: f64,
 }
 
+/// A setting and what came of it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-struct Record {
-    setting: Setting,
-    measured: Measured,
+pub struct Record {
+    /// The setting.
+    pub setting: Setting,
+    /// What came out.
+    pub measured: Measured,
 }
 
-#[derive(Serialize, Deserialize)]
-struct Saved {
-    version: String,
-    records: Vec<Record>,
+impl Recorded for Record {
+    type Setting = Setting;
+
+    fn setting(&self) -> &Setting {
+        &self.setting
+    }
 }
 
-/// The records of a folder.
-pub struct Store {
-    path: PathBuf,
-    saved: Saved,
-}
-
-impl Store {
-    /// The records of a folder; none if the study starts anew.
-    ///
-    /// # Errors
-    /// [`Error::Refused`] if another version wrote them and nobody said `fresh`.
-    pub fn open(folder: &Path, fresh: bool) -> Result<Store> {
-        let (path, version) = (folder.join(FILE), env!("CARGO_PKG_VERSION").to_owned());
-        let mut saved = Saved { version: version.clone(), records: Vec::new() };
-        if path.exists() && !fresh {
-            let text = fs::read_to_string(&path).map_err(|source| Error::File { path: path.clone(), source })?;
-            let known = serde_json::from_str::<Saved>(&text).ok().filter(|known| known.version == version);
-            let remedy = "its viscosity.json is not one that this version wrote; choose another folder, or start anew with --fresh";
-            saved = known.ok_or_else(|| Error::Refused(format!("--out {}: {remedy}", folder.display())))?;
-        }
-        Ok(Store { path, saved })
-    }
-
-    /// What came out of a setting, if it was measured.
-    pub fn find(&self, setting: &Setting) -> Option<&Measured> {
-        self.saved.records.iter().find(|record| record.setting == *setting).map(|record| &record.measured)
-    }
-
-    /// Adds a run and writes all of them.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn add(&mut self, setting: Setting, measured: Measured) -> Result<()> {
-        self.saved.records.push(Record { setting, measured });
-        let json = serde_json::to_string(&self.saved).expect("a study is plain numbers and text");
-        write_whole(&self.path, (json + "\n").as_bytes())
-    }
+/// What stands in `viscosity.json` beside the runs: those of another version are not taken.
+pub fn identity() -> Identity {
+    Identity { json: json!({ "version": env!("CARGO_PKG_VERSION") }), places: &[("/version", "the version of the program")] }
 }
 
 impl Measured {
@@ -102,20 +73,20 @@ impl Measured {
     ///
     /// # Errors
     /// They cannot be read.
-    pub fn read(summary: &Path) -> Result<Measured> {
-        let read = |path: &Path| fs::read_to_string(path).map_err(|source| Error::File { path: path.to_owned(), source });
-        let value: serde_json::Value = serde_json::from_str(&read(summary)?).unwrap_or_default();
-        let number = |pointer: &str| value.pointer(pointer).and_then(serde_json::Value::as_f64);
-        let missing = || Error::Diverged(format!("{}: holds no viscosity", summary.display()));
-        let relative = number("/viscosity/relative").ok_or_else(missing)?;
-        let instant = || ["setup", "assembly", "solve"].iter().filter_map(|stage| number(&format!("/solver/{stage}_seconds"))).sum();
-        let series = summary.with_file_name("series.csv");
-        let curve = if series.exists() { CurvePoint::read(&read(&series)?) } else { Vec::new() };
+    pub fn read(path: &Path) -> Result<Measured> {
+        let summary = RunSummary::read(path)?;
+        let missing = || Error::Diverged(format!("{}: holds no viscosity", path.display()));
+        let relative = summary.get("/viscosity/relative").ok_or_else(missing)?;
+        let series = path.with_file_name("series.csv");
+        let curve = match series.exists() {
+            true => CurvePoint::read(&fs::read_to_string(&series).map_err(|source| Error::File { path: series, source })?),
+            false => Vec::new(),
+        };
         Ok(Measured {
             relative,
-            mean: value.pointer("/viscosity/mean").and_then(|mean| serde_json::from_value(mean.clone()).ok()),
+            mean: summary.get("/viscosity/mean"),
             curve: curve.iter().map(|point| (point.strain, point.relative())).collect(),
-            seconds: number("/motion/seconds").unwrap_or_else(instant),
+            seconds: if summary.in_time() { summary.solve_seconds() } else { summary.setup_seconds() + summary.solve_seconds() },
         })
     }
 }
@@ -134,6 +105,7 @@ impl fmt::Display for Setting {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::study::store::Store;
 
     #[test]
     fn a_study_goes_on_with_what_it_measured() {
@@ -141,12 +113,13 @@ mod tests {
         fs::create_dir_all(&folder).unwrap();
         let setting = |seed| Setting { dimension: 2, fraction: 0.1, bodies: 4, cells_per_radius: 4.0, gap: 0.02, seed, strain: None };
         let measured = Measured { relative: 1.25, mean: None, curve: vec![(0.0, 1.25), (0.1, 1.0 / 3.0)], seconds: 0.5 };
-        Store::open(&folder, false).unwrap().add(setting(1), measured.clone()).unwrap();
-        let store = Store::open(&folder, false).unwrap();
-        assert_eq!((store.find(&setting(1)), store.find(&setting(2))), (Some(&measured), None));
-        assert!(Store::open(&folder, true).unwrap().find(&setting(1)).is_none());
-        fs::write(folder.join(FILE), "{").unwrap();
-        let refusal = Store::open(&folder, false).err().unwrap().to_string();
+        let open = |fresh| Store::<Record>::open(&folder, "viscosity.json", identity(), fresh);
+        open(false).unwrap().add(Record { setting: setting(1), measured: measured.clone() }).unwrap();
+        let store = open(false).unwrap();
+        assert_eq!(store.find(&setting(1)).map(|record| &record.measured), Some(&measured));
+        assert!(store.find(&setting(2)).is_none() && open(true).unwrap().find(&setting(1)).is_none());
+        fs::write(folder.join("viscosity.json"), "{").unwrap();
+        let refusal = open(false).err().unwrap().to_string();
         assert!(refusal.contains("start anew with --fresh"), "{refusal}");
         fs::remove_dir_all(&folder).unwrap();
     }

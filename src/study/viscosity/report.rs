@@ -1,12 +1,16 @@
 //! What the study says: for people, as numbers, as charts.
 
-use std::fmt::Write;
-
 use super::{
     laws::{known, laws},
-    record::{Measured, Setting, Store},
+    record::{Measured, Record, Setting},
 };
-use crate::output::{Bar, Chart, Mark, Notes, Scale, Series};
+use crate::{
+    output::{Bar, Chart, Mark, Notes, Scale, Series},
+    study::{
+        store::Store,
+        table::{Row, csv, markdown},
+    },
+};
 
 /// Fractions at which laws are drawn between 0 and the largest measured one.
 const LAW_POINTS: usize = 60;
@@ -32,18 +36,18 @@ struct Point {
 
 impl Report {
     /// Of the settings that were measured.
-    pub fn new(settings: &[Setting], store: &Store) -> Report {
+    pub fn new(settings: &[Setting], store: &Store<Record>) -> Report {
         let mut report = Report { points: Vec::new(), curves: Vec::new() };
-        let measured: Vec<(&Setting, &Measured)> = settings.iter().filter_map(|setting| Some((setting, store.find(setting)?))).collect();
-        for &(setting, result) in &measured {
+        let measured: Vec<&Record> = settings.iter().filter_map(|setting| store.find(setting)).collect();
+        for Record { setting, measured: result } in &measured {
             let of_point = |point: &Point| (point.dimension, point.fraction) == (setting.dimension, setting.fraction);
             if setting.strain.is_some() {
                 report.curves.push((setting.clone(), result.clone()));
             } else if !report.points.iter().any(of_point) {
-                let alike = measured.iter().filter(|(other, _)| {
+                let alike = measured.iter().filter(|Record { setting: other, .. }| {
                     other.strain.is_none() && (other.dimension, other.fraction) == (setting.dimension, setting.fraction)
                 });
-                report.points.push(Point::of(setting, &alike.map(|(_, measured)| measured.relative).collect::<Vec<_>>()));
+                report.points.push(Point::of(setting, &alike.map(|record| record.measured.relative).collect::<Vec<_>>()));
             }
         }
         report
@@ -51,21 +55,19 @@ impl Report {
 
     /// The tables.
     pub fn markdown(&self) -> String {
-        let mut text = String::new();
-        for dimension in self.dimensions() {
-            let laws = laws(dimension);
-            let names: Vec<&str> = laws.iter().map(|law| law.name).collect();
-            let (source, values) = known(dimension);
-            let _ = writeln!(text, "| {dimension}D fraction | viscosity | standard error | {} | {source} |", names.join(" | "));
-            let _ = writeln!(text, "|{}", "-|".repeat(names.len() + 4));
-            for Point { fraction, mean, error, .. } in self.points_of(dimension) {
-                let laws: Vec<String> = laws.iter().map(|law| format!("{:.4}", (law.value)(*fraction))).collect();
+        let tables = [2, 3].into_iter().filter(|&dimension| self.points_of(dimension).next().is_some()).map(|dimension| {
+            let (head, (source, values)) = (format!("{dimension}D fraction"), known(dimension));
+            let row = |Point { fraction, mean, error, .. }: &Point| {
                 let known = values.iter().find(|(there, _)| there == fraction).map_or(String::new(), |(_, value)| value.to_string());
-                let _ = writeln!(text, "| {fraction} | {mean:.4} | {error:.4} | {} | {known} |", laws.join(" | "));
-            }
-            text.push('\n');
-        }
-        for (setting, measured) in &self.curves {
+                let mut row: Row = vec![(&head, fraction.to_string())];
+                row.extend([("viscosity", format!("{mean:.4}")), ("standard error", format!("{error:.4}"))]);
+                row.extend(laws(dimension).iter().map(|law| (law.name, format!("{:.4}", (law.value)(*fraction)))));
+                row.push((source, known));
+                row
+            };
+            markdown(&self.points_of(dimension).map(row).collect::<Vec<_>>()) + "\n\n"
+        });
+        let curves = self.curves.iter().map(|(setting, measured)| {
             let mean = match &measured.mean {
                 Some(mean) => {
                     let [from, to] = mean.strains;
@@ -73,9 +75,9 @@ impl Report {
                 }
                 None => "too short a strain for a mean".into(),
             };
-            let _ = writeln!(text, "{setting}: {:.4} at the end, {mean}", measured.relative);
-        }
-        text
+            format!("{setting}: {:.4} at the end, {mean}\n", measured.relative)
+        });
+        tables.chain(curves).collect()
     }
 
     /// Names and contents of the files.
@@ -92,30 +94,29 @@ impl Report {
         files
     }
 
-    fn dimensions(&self) -> impl Iterator<Item = usize> {
-        [2, 3].into_iter().filter(|&dimension| self.points_of(dimension).next().is_some())
-    }
-
     fn points_of(&self, dimension: usize) -> impl Iterator<Item = &Point> {
         self.points.iter().filter(move |point| point.dimension == dimension)
     }
 
     fn csv(&self) -> String {
-        let mut text = "dimension,fraction,configurations,viscosity,standard_error\n".to_owned();
-        for Point { dimension, fraction, configurations, mean, error } in &self.points {
-            let _ = writeln!(text, "{dimension},{fraction:?},{configurations},{mean:?},{error:?}");
-        }
-        text
+        let row = |Point { dimension, fraction, configurations, mean, error }: &Point| {
+            let counts = [("dimension", dimension.to_string()), ("fraction", format!("{fraction:?}"))];
+            let numbers = [("viscosity", format!("{mean:?}")), ("standard_error", format!("{error:?}"))];
+            [&counts[..], &[("configurations", configurations.to_string())], &numbers].concat()
+        };
+        csv(&self.points.iter().map(row).collect::<Vec<_>>())
     }
 
     fn curves_csv(&self) -> String {
-        let mut text = "dimension,fraction,strain,viscosity\n".to_owned();
-        for (Setting { dimension, fraction, .. }, measured) in &self.curves {
-            for (strain, viscosity) in &measured.curve {
-                let _ = writeln!(text, "{dimension},{fraction:?},{strain:?},{viscosity:?}");
-            }
-        }
-        text
+        let row = |Setting { dimension, fraction, .. }: &Setting, strain: f64, viscosity: f64| {
+            let number = |number: f64| format!("{number:?}");
+            let place = [("dimension", dimension.to_string()), ("fraction", number(*fraction))];
+            [place, [("strain", number(strain)), ("viscosity", number(viscosity))]].concat()
+        };
+        let rows = |(setting, measured): &(Setting, Measured)| {
+            measured.curve.iter().map(|&(strain, viscosity)| row(setting, strain, viscosity)).collect::<Vec<_>>()
+        };
+        csv(&self.curves.iter().flat_map(rows).collect::<Vec<_>>())
     }
 
     /// Viscosity against fraction: points with bars of two standard errors, laws as lines, and known values as circles.
@@ -174,17 +175,19 @@ impl Point {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::study::viscosity::record::identity;
 
     #[test]
     fn a_report_has_means_errors_and_charts_of_what_was_measured() {
         let folder = std::env::temp_dir().join(format!("turbid-viscosity-report-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let mut store = Store::open(&folder, true).unwrap();
+        let mut store = Store::open(&folder, "viscosity.json", identity(), true).unwrap();
         let setting = |fraction, seed| Setting { dimension: 2, fraction, bodies: 4, cells_per_radius: 4.0, gap: 0.02, seed, strain: None };
         let settings = [setting(0.1, 1), setting(0.1, 2), setting(0.3, 1), setting(0.1, 1).sheared(2.0), setting(0.4, 1)];
         for (setting, relative) in settings.iter().zip([1.2, 1.4, 2.0, 1.3]) {
             let curve = if setting.strain.is_some() { vec![(0.0, 1.2), (1.0, 1.3)] } else { Vec::new() };
-            store.add(setting.clone(), Measured { relative, mean: None, curve, seconds: 1.0 }).unwrap();
+            let measured = Measured { relative, mean: None, curve, seconds: 1.0 };
+            store.add(Record { setting: setting.clone(), measured }).unwrap();
         }
         let report = Report::new(&settings, &store);
         std::fs::remove_dir_all(&folder).unwrap();

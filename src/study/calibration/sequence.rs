@@ -1,10 +1,9 @@
 //! From coarse grids to the one that meets an accuracy.
 
 use super::{
-    Calibration, Rung,
     answers::Answer,
     estimate::{Estimate, estimates, worst},
-    resolved,
+    setting::{COARSEST, Calibration, RefinementLevel, resolved},
 };
 use crate::{
     error::{Error, Result},
@@ -14,9 +13,6 @@ use crate::{
     scene::Scene,
     simulation::{FlowSolver, Plan, Setup, Solution, Suspension},
 };
-
-/// Cells per radius of the first grid.
-pub const COARSEST: f64 = 3.0;
 
 /// Cells per radius of the second grid and of the third.
 const NEXT: [f64; 2] = [4.0, 6.0];
@@ -37,29 +33,29 @@ const FEWEST_GRIDS: [usize; 2] = [2, 3];
 const AIM: f64 = 0.8;
 
 /// A calibration under way: it stands on a grid that is built and not yet solved on.
-pub struct Ladder<'a, const D: usize> {
+pub struct RefinementSequence<'a, const D: usize> {
     session: &'a Session,
     scene: &'a Scene,
     accuracy: f64,
     cells: f64,
     suspension: Suspension<D>,
-    rungs: Vec<Rung>,
+    levels: Vec<RefinementLevel>,
     answers: Vec<(f64, Vec<Answer>)>,
 }
 
 /// The solution of the last grid, and the machinery that found it.
 pub type Solved<const D: usize> = (Suspension<D>, Solution<D>);
 
-impl<'a, const D: usize> Ladder<'a, D> {
+impl<'a, const D: usize> RefinementSequence<'a, D> {
     /// Builds the first grid of a scene that asks for an accuracy.
     ///
     /// # Errors
     /// The scene asks for none, or cannot be built on the first grid.
-    pub fn begin(session: &'a Session, scene: &'a Scene) -> Result<Ladder<'a, D>> {
+    pub fn begin(session: &'a Session, scene: &'a Scene) -> Result<RefinementSequence<'a, D>> {
         let missing = || scene.refuse("accuracy", "nothing", "must be given for a calibration; for example accuracy = 1e-2");
         let accuracy = scene.accuracy.ok_or_else(missing)?;
         let suspension = build(session, scene, COARSEST)?;
-        Ok(Ladder { session, scene, accuracy, cells: COARSEST, suspension, rungs: Vec::new(), answers: Vec::new() })
+        Ok(RefinementSequence { session, scene, accuracy, cells: COARSEST, suspension, levels: Vec::new(), answers: Vec::new() })
     }
 
     /// Solves on finer and finer grids until the accuracy is met.
@@ -67,17 +63,17 @@ impl<'a, const D: usize> Ladder<'a, D> {
     /// # Errors
     /// [`Error::Refused`] when it cannot be met on the finest grid or in the memory of this machine, [`Error::Diverged`] when a solve does not
     /// converge; both name the grid.
-    pub fn climb(mut self) -> Result<(Calibration, Solved<D>)> {
+    pub fn refine_until_met(mut self) -> Result<(Calibration, Solved<D>)> {
         loop {
             let solution = self.solve()?;
             let estimates = estimates(&self.answers, self.accuracy);
             let worst = worst(&estimates);
-            if self.rungs.len() >= self.fewest_grids() && worst.is_some_and(|worst| worst.error <= self.accuracy) {
+            if self.levels.len() >= self.fewest_grids() && worst.is_some_and(|worst| worst.error <= self.accuracy) {
                 let calibration = Calibration {
                     accuracy: self.accuracy,
                     cells_per_radius: self.cells,
                     estimates,
-                    rungs: self.rungs,
+                    levels: self.levels,
                     ranks: self.session.world().size(),
                 };
                 return Ok((calibration, (self.suspension, solution)));
@@ -95,7 +91,7 @@ impl<'a, const D: usize> Ladder<'a, D> {
         let solution = solution.map_err(|error| at(self.cells, error))?;
         self.answers.push((self.cells, Answer::all(&self.suspension, &solution)?));
         let (setup, cost) = (self.suspension.setup(), self.suspension.cost());
-        self.rungs.push(Rung {
+        self.levels.push(RefinementLevel {
             cells_per_radius: self.cells,
             order: setup.bodies.iter().map(|suspended| suspended.order).max().unwrap_or(0),
             grid_unknowns: cost.grid_unknowns,
@@ -117,18 +113,18 @@ impl<'a, const D: usize> Ladder<'a, D> {
 
     /// Builds the next grid in place of this one.
     fn refine(self, worst: Option<Estimate>) -> Result<Self> {
-        let Ladder { session, scene, accuracy, cells, suspension, rungs, answers } = self;
-        let finer = match NEXT.get(rungs.len() - 1) {
+        let RefinementSequence { session, scene, accuracy, cells, suspension, levels, answers } = self;
+        let finer = match NEXT.get(levels.len() - 1) {
             Some(&next) => next,
             None => next::<D>(cells, worst.map_or(1.0, |worst| worst.error / accuracy)),
         };
         let needed = Plan::<D>::of(&resolved(scene, finer))?.report(session.world().size())?.bytes();
         drop(suspension);
         if cells >= FINEST[D - 2] || needed > session.world().available_memory_bytes() {
-            return Err(unmet(scene, accuracy, (cells, worst), (finer, needed)));
+            return Err(Unmet { cells, worst, finer, needed }.refusal(scene, accuracy));
         }
         let suspension = build(session, scene, finer)?;
-        Ok(Ladder { session, scene, accuracy, cells: finer, suspension, rungs, answers })
+        Ok(RefinementSequence { session, scene, accuracy, cells: finer, suspension, levels, answers })
     }
 }
 
@@ -151,13 +147,28 @@ fn at(cells: f64, error: Error) -> Error {
     }
 }
 
-/// The refusal of an accuracy that cannot be met.
-fn unmet(scene: &Scene, accuracy: f64, (cells, worst): (f64, Option<Estimate>), (finer, needed): (f64, f64)) -> Error {
-    let reached = worst.map_or(String::new(), |worst| {
-        format!("; {} is known to {:.1e} with {cells} cells per radius", worst.quantity.word(), worst.error)
-    });
-    let needed = if cells >= finer { String::new() } else { format!("; {finer} would take about {:.0} MB", needed / 1e6) };
-    let remedy =
-        format!("cannot be met on this machine{reached}{needed}; ask for less, or widen the narrowest gaps, which take many cells");
-    scene.refuse("accuracy", accuracy, &remedy)
+/// Where a calibration ended.
+struct Unmet {
+    /// Cells per radius of the last grid.
+    cells: f64,
+    /// The largest estimate on it.
+    worst: Option<Estimate>,
+    /// Cells per radius of the grid that would be next.
+    finer: f64,
+    /// Bytes that it would take.
+    needed: f64,
+}
+
+impl Unmet {
+    /// The refusal of an accuracy that cannot be met.
+    fn refusal(&self, scene: &Scene, accuracy: f64) -> Error {
+        let Unmet { cells, worst, finer, needed } = self;
+        let reached = worst.map_or(String::new(), |worst| {
+            format!("; {} is known to {:.1e} with {cells} cells per radius", worst.quantity.word(), worst.error)
+        });
+        let needed = if cells >= finer { String::new() } else { format!("; {finer} would take about {:.0} MB", needed / 1e6) };
+        let remedy =
+            format!("cannot be met on this machine{reached}{needed}; ask for less, or widen the narrowest gaps, which take many cells");
+        scene.refuse("accuracy", accuracy, &remedy)
+    }
 }

@@ -20,7 +20,7 @@ const VALUE: f64 = 8.0;
 
 /// The grid and the bodies of a scene.
 #[derive(Debug, Clone)]
-pub struct Arrangement<const D: usize> {
+pub struct Workload<const D: usize> {
     domain: Domain<D>,
     spacing: f64,
     inverse: InverseMethod,
@@ -29,7 +29,7 @@ pub struct Arrangement<const D: usize> {
 
 /// What falls to the ranks.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Shares {
+pub struct RankShares {
     /// Number of ranks.
     pub ranks: usize,
     /// Cells of each.
@@ -48,39 +48,39 @@ pub struct Shares {
     pub transposes: Transposes,
 }
 
-impl Shares {
+impl RankShares {
     /// Bodies of all ranks.
     pub fn all_bodies(&self) -> f64 {
         self.bodies.mean * self.ranks as f64
     }
 }
 
-impl<const D: usize> Arrangement<D> {
+impl<const D: usize> Workload<D> {
     /// Of a scene of dimension `D`.
     ///
     /// # Errors
     /// Its bodies cannot be placed.
-    pub fn of(scene: &Scene) -> Result<Arrangement<D>> {
+    pub fn of(scene: &Scene) -> Result<Workload<D>> {
         let setup = Setup::<D>::of(scene)?;
         let centers = setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        Ok(Arrangement { domain: setup.domain, spacing: setup.spacing, inverse: setup.inverse, centers })
+        Ok(Workload { domain: setup.domain, spacing: setup.spacing, inverse: setup.inverse, centers })
     }
 
     /// So many copies of it along each axis.
-    pub fn repeated(&self, copies: [usize; D]) -> Arrangement<D> {
+    pub fn repeated(&self, copies: [usize; D]) -> Workload<D> {
         let mut domain = self.domain.clone();
         domain.size.iter_mut().zip(copies).for_each(|(size, copies)| *size *= copies as f64);
         let shift = |place: [usize; D]| SVector::from_fn(|axis, _| place[axis] as f64 * self.domain.size[axis]);
         let all = Block { start: [0; D], end: copies };
         let centers = all.indices().flat_map(|place| self.centers.iter().map(move |center| center + shift(place))).collect();
-        Arrangement { domain, centers, spacing: self.spacing, inverse: self.inverse }
+        Workload { domain, centers, spacing: self.spacing, inverse: self.inverse }
     }
 
     /// What falls to each of so many ranks.
     ///
     /// # Errors
     /// The grid cannot be cut into so many blocks, or numbered.
-    pub fn shares(&self, ranks: usize) -> Result<Shares> {
+    pub fn shares(&self, ranks: usize) -> Result<RankShares> {
         let grid = Grid::new(&self.domain, self.spacing, ranks, 0)?;
         let partition = grid.partition();
         let mut bodies = vec![0.0; ranks];
@@ -95,7 +95,7 @@ impl<const D: usize> Arrangement<D> {
             InverseMethod::Hypre => ((D + 1) as f64 * EXCHANGES, Transposes::default()),
             InverseMethod::Transform => (0.0, Transposes::of(&grid)),
         };
-        Ok(Shares {
+        Ok(RankShares {
             ranks,
             cells: Spread::of(blocks.iter().map(|block| block.len() as f64)),
             bodies: Spread::of(bodies),
@@ -124,11 +124,11 @@ mod tests {
     use super::*;
     use crate::geometry::Axis;
 
-    fn arrangement() -> Arrangement<2> {
+    fn workload() -> Workload<2> {
         let walls = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
         let domain = Domain { size: SVector::from([8.0, 4.0]), axes: [Axis::Periodic, walls] };
         let inverse = InverseMethod::Hypre;
-        Arrangement {
+        Workload {
             domain,
             spacing: 0.5,
             inverse,
@@ -138,28 +138,28 @@ mod tests {
 
     #[test]
     fn shares_are_those_of_the_real_blocks() {
-        let one = arrangement().shares(1).unwrap();
+        let one = workload().shares(1).unwrap();
         assert_eq!((one.cells.most, one.bodies.most, one.halo, one.neighbours, one.cycle_messages), (128.0, 3.0, 0.0, 0.0, 0.0));
-        let two = arrangement().shares(2).unwrap();
+        let two = workload().shares(2).unwrap();
         assert_eq!((two.cells.most, two.bodies.most, two.bodies.least, two.halo, two.neighbours), (64.0, 2.0, 1.0, 16.0, 1.0));
-        let eight = arrangement().shares(8).unwrap();
+        let eight = workload().shares(8).unwrap();
         assert_eq!((eight.cells.most, eight.halo, eight.neighbours), (16.0, 12.0, 5.0));
-        assert!(arrangement().shares(128).is_err());
+        assert!(workload().shares(128).is_err());
     }
 
     #[test]
     fn multigrid_has_cycles_and_transforms_have_transposes() {
-        let hypre = arrangement().shares(4).unwrap();
+        let hypre = workload().shares(4).unwrap();
         assert!(hypre.cycle_messages > 0.0 && hypre.cycle_bytes > 0.0 && hypre.transposes == Transposes::default());
-        let transform = Arrangement { inverse: InverseMethod::Transform, ..arrangement() }.shares(4).unwrap();
+        let transform = Workload { inverse: InverseMethod::Transform, ..workload() }.shares(4).unwrap();
         assert!(transform.cycle_messages == 0.0 && transform.cycle_bytes == 0.0);
         assert!(transform.transposes.count >= 2.0 && transform.transposes.bytes > 0.0);
-        assert_eq!(Arrangement { inverse: InverseMethod::Transform, ..arrangement() }.shares(1).unwrap().transposes, Transposes::default());
+        assert_eq!(Workload { inverse: InverseMethod::Transform, ..workload() }.shares(1).unwrap().transposes, Transposes::default());
     }
 
     #[test]
     fn copies_share_out_as_one_does() {
-        let four = arrangement().repeated([4, 1]);
+        let four = workload().repeated([4, 1]);
         assert_eq!(four.centers.len(), 12);
         let shares = four.shares(4).unwrap();
         assert_eq!((shares.cells.most, shares.bodies.most, shares.bodies.least), (128.0, 3.0, 3.0));

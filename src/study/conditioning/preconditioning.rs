@@ -11,7 +11,7 @@ use crate::{
 /// A preconditioner of the comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Method {
+pub enum Preconditioning {
     /// None.
     None,
     /// The diagonal.
@@ -24,24 +24,30 @@ pub enum Method {
     TunedAmg,
 }
 
-impl Method {
+impl Preconditioning {
     /// All, in the order of the tables.
-    pub const ALL: [Method; 5] = [Method::None, Method::Jacobi, Method::IncompleteCholesky, Method::DefaultAmg, Method::TunedAmg];
+    pub const ALL: [Preconditioning; 5] = [
+        Preconditioning::None,
+        Preconditioning::Jacobi,
+        Preconditioning::IncompleteCholesky,
+        Preconditioning::DefaultAmg,
+        Preconditioning::TunedAmg,
+    ];
 
     /// Its name for people.
     pub fn name(self) -> &'static str {
         match self {
-            Method::None => "none",
-            Method::Jacobi => "Jacobi",
-            Method::IncompleteCholesky => "incomplete Cholesky",
-            Method::DefaultAmg => "BoomerAMG, default",
-            Method::TunedAmg => "BoomerAMG, tuned",
+            Preconditioning::None => "none",
+            Preconditioning::Jacobi => "Jacobi",
+            Preconditioning::IncompleteCholesky => "incomplete Cholesky",
+            Preconditioning::DefaultAmg => "BoomerAMG, default",
+            Preconditioning::TunedAmg => "BoomerAMG, tuned",
         }
     }
 
     /// Whether it is multigrid, with iterations that are not to feel the grid.
     pub fn multigrid(self) -> bool {
-        matches!(self, Method::DefaultAmg | Method::TunedAmg)
+        matches!(self, Preconditioning::DefaultAmg | Preconditioning::TunedAmg)
     }
 
     /// Sets it up for a matrix.
@@ -50,14 +56,14 @@ impl Method {
     /// Memory is short.
     pub fn set_up(self, matrix: &Matrix, dimension: usize) -> Result<Inverse> {
         let kind = match self {
-            Method::None => return Ok(Box::new(|input, output| output.copy_from(input))),
-            Method::TunedAmg => {
+            Preconditioning::None => return Ok(Box::new(|input, output| output.copy_from(input))),
+            Preconditioning::TunedAmg => {
                 let amg = Amg::new(matrix, false, &AmgSettings::laplacian(dimension).symmetric())?;
                 return Ok(Box::new(move |input, output| amg.apply(input, output)));
             }
-            Method::Jacobi => PreconditionerKind::Jacobi,
-            Method::IncompleteCholesky => PreconditionerKind::IncompleteCholesky,
-            Method::DefaultAmg => PreconditionerKind::BoomerAmg,
+            Preconditioning::Jacobi => PreconditionerKind::Jacobi,
+            Preconditioning::IncompleteCholesky => PreconditionerKind::IncompleteCholesky,
+            Preconditioning::DefaultAmg => PreconditionerKind::BoomerAmg,
         };
         let preconditioner = Preconditioner::new(matrix, kind)?;
         Ok(Box::new(move |input, output| preconditioner.apply(input, output)))

@@ -34,7 +34,7 @@ pub fn copies<const D: usize>(scene: &Scene, times: usize) -> Result<[usize; D]>
 ///
 /// # Errors
 /// A file cannot be read or written.
-pub fn write_grown<const D: usize>(scene: &Scene, copies: [usize; D], folder: &Path) -> Result<PathBuf> {
+pub fn write_enlarged<const D: usize>(scene: &Scene, copies: [usize; D], folder: &Path) -> Result<PathBuf> {
     let size: Vec<f64> = scene.domain.size.iter().zip(copies).map(|(size, copies)| size * copies as f64).collect();
     let mut changes = vec![format!("domain.size={size:?}")];
     for (group, bodies) in scene.bodies.iter().enumerate() {
@@ -110,17 +110,17 @@ mod tests {
 
     #[test]
     fn bodies_grow_with_the_box() {
-        let folder = std::env::temp_dir().join(format!("turbid-growth-{}", std::process::id()));
+        let folder = std::env::temp_dir().join(format!("turbid-enlarge-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let groups =
             ["centers = [[1.0, 1.0]]", "count = 3", "fraction = 0.1"].map(|placed| format!("[[bodies]]\nradius = 0.5\n{placed}\n"));
         let small = scene(&format!("[domain]\nsize = [8.0, 8.0]\n[resolution]\nspacing = 0.1\n{}", groups.concat()));
-        let path = write_grown(&small, [2, 1], &folder).unwrap();
-        let grown = Scene::read(&path, &[]).unwrap();
-        assert_eq!(grown.domain.size, [16.0, 8.0]);
-        assert_eq!(grown.bodies[1].placement, Placement::Count(6));
-        assert_eq!(grown.bodies[2].placement, Placement::Fraction(0.1));
-        let Placement::File(file) = &grown.bodies[0].placement else { panic!("no file") };
+        let path = write_enlarged(&small, [2, 1], &folder).unwrap();
+        let enlarged = Scene::read(&path, &[]).unwrap();
+        assert_eq!(enlarged.domain.size, [16.0, 8.0]);
+        assert_eq!(enlarged.bodies[1].placement, Placement::Count(6));
+        assert_eq!(enlarged.bodies[2].placement, Placement::Fraction(0.1));
+        let Placement::File(file) = &enlarged.bodies[0].placement else { panic!("no file") };
         let centers: Vec<_> = read_centers::<2>(file).unwrap().iter().map(|(center, radius)| (center[0], center[1], *radius)).collect();
         assert_eq!(centers, [(1.0, 1.0, Some(0.5)), (9.0, 1.0, Some(0.5))]);
         std::fs::remove_dir_all(&folder).unwrap();

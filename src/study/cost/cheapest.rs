@@ -3,12 +3,12 @@
 use serde::Serialize;
 
 use super::{
-    lines::Line,
-    setting::{Fineness, Setting},
+    sequence::RefinementSequence,
+    setting::{Resolution, Setting},
 };
 use crate::study::fit::Power;
 
-/// Finest grids of a line whose seconds are fitted.
+/// Finest grids of a sequence whose seconds are fitted.
 const TIMED: usize = 3;
 
 /// How much finer than the finest measured grid a predicted one may be.
@@ -31,9 +31,9 @@ pub struct Cheapest {
     pub measured: bool,
 }
 
-/// How to judge settings.
+/// By what settings are judged.
 #[derive(Debug, Clone, Copy)]
-pub struct Judge<F> {
+pub struct ErrorCriterion<F> {
     /// Relative error of a run's values, with or without sign.
     pub error: F,
     /// Uncertainty of the reference.
@@ -44,23 +44,23 @@ pub struct Judge<F> {
     pub times: f64,
 }
 
-impl<F: Fn(&[f64]) -> f64> Judge<F> {
-    /// Powers of the spacing that errors and, on the finest grids, seconds follow on a line; errors within the uncertainty do not count.
-    pub fn growth(&self, line: &Line) -> [Option<Power>; 2] {
-        let errors = line.runs.iter().map(|(_, run)| (run.spacing, (self.error)(&run.values).abs()));
+impl<F: Fn(&[f64]) -> f64> ErrorCriterion<F> {
+    /// Powers of the spacing that errors and, on the finest grids, seconds follow on a sequence; errors within the uncertainty do not count.
+    pub fn growth(&self, sequence: &RefinementSequence) -> [Option<Power>; 2] {
+        let errors = sequence.runs.iter().map(|(_, run)| (run.spacing, (self.error)(&run.values).abs()));
         let errors: Vec<(f64, f64)> = errors.filter(|(_, error)| *error > self.uncertainty).collect();
         // on coarse grids, seconds are those of whatever has no grid
-        let finest = &line.runs[line.runs.len().saturating_sub(TIMED)..];
+        let finest = &sequence.runs[sequence.runs.len().saturating_sub(TIMED)..];
         let seconds: Vec<(f64, f64)> = finest.iter().map(|(_, run)| (run.spacing, run.whole_seconds(self.times))).collect();
         [Power::fit(&errors), Power::fit(&seconds)]
     }
 
-    /// The cheapest setting that was measured, of all lines. It counts only if all finer grids of its line reach the error as well:
+    /// The cheapest setting that was measured, of all sequences. It counts only if all finer grids of its sequence reach the error as well:
     /// where an error changes its sign, a coarse grid may be right by chance.
-    pub fn cheapest(&self, lines: &[Line]) -> Option<Cheapest> {
+    pub fn cheapest(&self, sequences: &[RefinementSequence]) -> Option<Cheapest> {
         let reaches = |values: &[f64]| (self.error)(values).abs() + self.uncertainty <= self.wanted;
-        let safe = |line: &Line| line.runs.iter().rev().take_while(|(_, run)| reaches(&run.values)).count();
-        let candidates = lines.iter().flat_map(|line| line.runs[line.runs.len() - safe(line)..].iter());
+        let safe = |sequence: &RefinementSequence| sequence.runs.iter().rev().take_while(|(_, run)| reaches(&run.values)).count();
+        let candidates = sequences.iter().flat_map(|sequence| sequence.runs[sequence.runs.len() - safe(sequence)..].iter());
         let cheapest = candidates.min_by(|one, two| one.1.whole_seconds(self.times).total_cmp(&two.1.whole_seconds(self.times)));
         cheapest.map(|(setting, run)| Cheapest {
             setting: (*setting).clone(),
@@ -72,19 +72,19 @@ impl<F: Fn(&[f64]) -> f64> Judge<F> {
         })
     }
 
-    /// The setting beyond a line that its fits predict to reach the error; nothing if errors do not fall, or so slowly that fits tell nothing.
-    pub fn predicted(&self, line: &Line, radius: f64) -> Option<Cheapest> {
-        let [errors, seconds] = self.growth(line);
+    /// The setting beyond a sequence that its fits predict to reach the error; nothing if errors do not fall, or so slowly that fits tell nothing.
+    pub fn predicted(&self, sequence: &RefinementSequence, radius: f64) -> Option<Cheapest> {
+        let [errors, seconds] = self.growth(sequence);
         let (errors, seconds) = (errors.filter(|power| power.exponent > 0.0)?, seconds?);
-        let finest = line.finest().1.spacing;
+        let finest = sequence.finest().1.spacing;
         let spacing = errors.reaches(self.wanted).filter(|spacing| *spacing > finest / FARTHEST)?.min(finest);
-        let grid = match line.finest().0.grid {
-            Fineness::CellsPerRadius(_) => Fineness::CellsPerRadius((radius / spacing * (1.0 - 1e-9)).ceil()),
-            Fineness::Spacing(_) => Fineness::Spacing(spacing),
+        let grid = match sequence.finest().0.grid {
+            Resolution::CellsPerRadius(_) => Resolution::CellsPerRadius((radius / spacing * (1.0 - 1e-9)).ceil()),
+            Resolution::Spacing(_) => Resolution::Spacing(spacing),
         };
-        let setting = Setting { grid, ..line.finest().0.clone() };
+        let setting = Setting { grid, ..sequence.finest().0.clone() };
         let spacing = grid.spacing(radius);
-        let unknowns = Power::fit(&line.runs.iter().map(|(_, run)| (run.spacing, run.unknowns)).collect::<Vec<_>>())?.at(spacing);
+        let unknowns = Power::fit(&sequence.runs.iter().map(|(_, run)| (run.spacing, run.unknowns)).collect::<Vec<_>>())?.at(spacing);
         Some(Cheapest { setting, error: self.wanted, seconds: seconds.at(spacing), spacing, unknowns, measured: false })
     }
 }
@@ -92,40 +92,44 @@ impl<F: Fn(&[f64]) -> f64> Judge<F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::cost::{
-        record::{Measured, Outcome, Record},
-        reference::tests::run,
-    };
+    use crate::study::cost::record::{Measured, Outcome, Record, tests::run};
 
     fn records(errors: &[(f64, f64)]) -> Vec<Record> {
         let record = |&(cells, error): &(f64, f64)| Record {
-            setting: Setting { method: "sharp".into(), grid: Fineness::CellsPerRadius(cells), modes: None, tolerance: None, step: None },
+            setting: Setting { method: "sharp".into(), grid: Resolution::CellsPerRadius(cells), modes: None, tolerance: None, step: None },
             outcome: Outcome::Measured(Measured { values: vec![1.0 + error], ..run(1.0 / cells, 0.0) }),
         };
         errors.iter().map(record).collect()
     }
 
-    fn judged<T>(errors: &[(f64, f64)], uncertainty: f64, ask: impl Fn(&Judge<fn(&[f64]) -> f64>, &[Line]) -> T) -> T {
+    fn judged<T>(
+        errors: &[(f64, f64)],
+        uncertainty: f64,
+        ask: impl Fn(&ErrorCriterion<fn(&[f64]) -> f64>, &[RefinementSequence]) -> T,
+    ) -> T {
         let records = records(errors);
         let settings: Vec<Setting> = records.iter().map(|record| record.setting.clone()).collect();
         let error: fn(&[f64]) -> f64 = |values| values[0] - 1.0;
-        ask(&Judge { error, uncertainty, wanted: 1e-2, times: 1.0 }, &Line::all(&records, &settings))
+        ask(&ErrorCriterion { error, uncertainty, wanted: 1e-2, times: 1.0 }, &RefinementSequence::all(&records, &settings))
     }
 
     #[test]
     fn a_lucky_error_is_not_chosen() {
-        let chosen = judged(&[(4.0, 1e-4), (6.0, -0.02), (8.0, 5e-3), (12.0, 1e-3)], 0.0, |judge, lines| judge.cheapest(lines));
+        let chosen =
+            judged(&[(4.0, 1e-4), (6.0, -0.02), (8.0, 5e-3), (12.0, 1e-3)], 0.0, |criterion, sequences| criterion.cheapest(sequences));
         let chosen = chosen.expect("8 cells do");
-        assert_eq!((chosen.setting.grid, chosen.measured), (Fineness::CellsPerRadius(8.0), true));
+        assert_eq!((chosen.setting.grid, chosen.measured), (Resolution::CellsPerRadius(8.0), true));
         assert!((chosen.error - 5e-3).abs() < 1e-12 && chosen.seconds == 64.0);
     }
 
     #[test]
     fn an_uncertain_reference_lets_fewer_settings_pass() {
         let errors = [(4.0, 0.02), (6.0, 8e-3), (8.0, 5e-3)];
-        let with = |uncertainty| judged(&errors, uncertainty, |judge, lines| judge.cheapest(lines)).map(|chosen| chosen.setting.grid);
-        assert_eq!(with(0.0), Some(Fineness::CellsPerRadius(6.0)));
-        assert_eq!(with(4e-3), Some(Fineness::CellsPerRadius(8.0)));
+        let with = |uncertainty| {
+            judged(&errors, uncertainty, |criterion, sequences| criterion.cheapest(sequences)).map(|chosen| chosen.setting.grid)
+        };
+        assert_eq!(with(0.0), Some(Resolution::CellsPerRadius(6.0)));
+        assert_eq!(with(4e-3), Some(Resolution::CellsPerRadius(8.0)));
         assert_eq!(with(2e-2), None);
     }
 
@@ -133,19 +137,20 @@ mod tests {
     fn a_fit_predicts_what_was_not_measured() {
         let errors: Vec<(f64, f64)> = [4.0, 6.0, 8.0].map(|cells| (cells, 0.8 / cells)).to_vec();
         let slow: Vec<(f64, f64)> = [4.0, 6.0, 8.0].map(|cells: f64| (cells, 0.8 / cells.sqrt())).to_vec();
-        assert_eq!(judged(&slow, 0.0, |judge, lines| judge.predicted(&lines[0], 1.0)), None);
-        let predicted = judged(&errors, 0.0, |judge, lines| (judge.cheapest(lines), judge.predicted(&lines[0], 1.0)));
+        assert_eq!(judged(&slow, 0.0, |criterion, sequences| criterion.predicted(&sequences[0], 1.0)), None);
+        let predicted =
+            judged(&errors, 0.0, |criterion, sequences| (criterion.cheapest(sequences), criterion.predicted(&sequences[0], 1.0)));
         let (None, Some(predicted)) = predicted else { panic!("{predicted:?}") };
-        assert_eq!((predicted.setting.grid, predicted.measured), (Fineness::CellsPerRadius(80.0), false));
+        assert_eq!((predicted.setting.grid, predicted.measured), (Resolution::CellsPerRadius(80.0), false));
         assert!((predicted.seconds / 6400.0 - 1.0).abs() < 1e-9);
         let growing = [(4.0, 0.02), (8.0, 0.04)];
-        assert_eq!(judged(&growing, 0.0, |judge, lines| judge.predicted(&lines[0], 1.0)), None);
+        assert_eq!(judged(&growing, 0.0, |criterion, sequences| criterion.predicted(&sequences[0], 1.0)), None);
     }
 
     #[test]
     fn errors_within_the_uncertainty_are_left_out_of_fits() {
         let errors = [(4.0, 0.16), (8.0, 0.04), (16.0, 1e-9)];
-        let [order, seconds] = judged(&errors, 1e-3, |judge, lines| judge.growth(&lines[0]));
+        let [order, seconds] = judged(&errors, 1e-3, |criterion, sequences| criterion.growth(&sequences[0]));
         assert!((order.expect("two are left").exponent - 2.0).abs() < 1e-9);
         assert!((seconds.expect("three").exponent + 2.0).abs() < 1e-9);
     }

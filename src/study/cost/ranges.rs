@@ -1,8 +1,8 @@
 //! Which settings a sweep goes through: what the command line lists, or else what suits the scene.
 
 use super::{
-    CostOptions,
-    setting::{Fineness, Setting, Stepping, has_modes},
+    options::Cost,
+    setting::{Resolution, Setting, TimeStep, has_modes},
 };
 use crate::{
     error::{Error, Result},
@@ -21,22 +21,22 @@ const STEPS: [f64; 3] = [2.0, 1.0, 0.5];
 
 /// What is swept; every method goes through all combinations.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Axes {
+pub struct ParameterRanges {
     /// Words of methods.
     pub methods: Vec<String>,
-    grids: Vec<Fineness>,
+    grids: Vec<Resolution>,
     modes: Vec<Option<usize>>,
     tolerances: Vec<Option<f64>>,
-    steps: Vec<Option<Stepping>>,
+    steps: Vec<Option<TimeStep>>,
 }
 
-impl Axes {
+impl ParameterRanges {
     /// Those of the command line for a scene whose smallest body has this radius.
     ///
     /// # Errors
     /// A list holds what cannot be used.
-    pub fn of(options: &CostOptions, scene: &Scene, radius: Option<f64>) -> Result<Axes> {
-        Ok(Axes {
+    pub fn of(options: &Cost, scene: &Scene, radius: Option<f64>) -> Result<ParameterRanges> {
+        Ok(ParameterRanges {
             methods: methods(options, scene)?,
             grids: grids(options, scene, radius)?,
             modes: modes(options)?,
@@ -46,7 +46,7 @@ impl Axes {
     }
 
     /// All settings of a method and, if it is its own, that of the scene as written, by rising work.
-    pub fn settings(&self, method: &str, (scene, radius): (&Scene, f64)) -> Vec<Setting> {
+    pub fn settings(&self, method: &str, scene: &Scene, radius: f64) -> Vec<Setting> {
         let modes = if has_modes(method) { self.modes.as_slice() } else { &[None] };
         let mut settings = Vec::new();
         for &grid in &self.grids {
@@ -56,7 +56,7 @@ impl Axes {
                 }
             }
         }
-        let written = Setting::written(scene);
+        let written = Setting::of_scene(scene);
         if written.method == method && !settings.contains(&written) {
             settings.push(written);
         }
@@ -65,7 +65,7 @@ impl Axes {
     }
 }
 
-fn methods(options: &CostOptions, scene: &Scene) -> Result<Vec<String>> {
+fn methods(options: &Cost, scene: &Scene) -> Result<Vec<String>> {
     let suits = |word: &&str| *word != "fitted" || scene.dimension() == 2;
     let known: Vec<&str> = ConstraintMethod::WORDS.into_iter().filter(suits).collect();
     if options.methods.is_empty() {
@@ -77,38 +77,38 @@ fn methods(options: &CostOptions, scene: &Scene) -> Result<Vec<String>> {
     }
 }
 
-fn grids(options: &CostOptions, scene: &Scene, radius: Option<f64>) -> Result<Vec<Fineness>> {
+fn grids(options: &Cost, scene: &Scene, radius: Option<f64>) -> Result<Vec<Resolution>> {
     let positive = |flag, list: &[f64]| listed(flag, list, "must be positive", |_| true);
     if !options.spacings.is_empty() {
-        return Ok(positive("--spacings", &options.spacings)?.into_iter().flatten().map(Fineness::Spacing).collect());
+        return Ok(positive("--spacings", &options.spacings)?.into_iter().flatten().map(Resolution::Spacing).collect());
     }
     if !options.resolutions.is_empty() {
         if radius.is_none() {
             let remedy = "cells per radius, but there are no bodies to measure by; give --spacings instead";
             return Err(Error::Refused(format!("--resolutions: {remedy}")));
         }
-        return Ok(positive("--resolutions", &options.resolutions)?.into_iter().flatten().map(Fineness::CellsPerRadius).collect());
+        return Ok(positive("--resolutions", &options.resolutions)?.into_iter().flatten().map(Resolution::CellsPerRadius).collect());
     }
     let cells = CELLS_PER_RADIUS[scene.dimension() - 2];
     let (fewest, most) = (cells[0] * (1.0 - 1e-9), cells[cells.len() - 1]);
     Ok(match scene.resolution.as_ref().map(|resolution| resolution.spacing) {
         Some(Spacing::Length(own)) => {
             let suits = |spacing: &f64| radius.map_or(own / spacing <= 4.0, |radius| (fewest..=most).contains(&(radius / spacing)));
-            SPACINGS.iter().map(|factor| own * factor).filter(suits).map(Fineness::Spacing).collect()
+            SPACINGS.iter().map(|factor| own * factor).filter(suits).map(Resolution::Spacing).collect()
         }
-        _ => cells.iter().map(|&cells| Fineness::CellsPerRadius(cells)).collect(),
+        _ => cells.iter().map(|&cells| Resolution::CellsPerRadius(cells)).collect(),
     })
 }
 
-fn modes(options: &CostOptions) -> Result<Vec<Option<usize>>> {
+fn modes(options: &Cost) -> Result<Vec<Option<usize>>> {
     if options.modes.contains(&0) {
         return Err(Error::Refused("--modes 0: must be at least 1".into()));
     }
     Ok(if options.modes.is_empty() { vec![None] } else { options.modes.iter().copied().map(Some).collect() })
 }
 
-fn steps(options: &CostOptions, scene: &Scene) -> Result<Vec<Option<Stepping>>> {
-    let Some(own) = Stepping::of(scene) else {
+fn steps(options: &Cost, scene: &Scene) -> Result<Vec<Option<TimeStep>>> {
+    let Some(own) = TimeStep::of(scene) else {
         return match options.steps.is_empty() && options.travels.is_empty() {
             true => Ok(vec![None]),
             false => {
@@ -120,13 +120,13 @@ fn steps(options: &CostOptions, scene: &Scene) -> Result<Vec<Option<Stepping>>> 
     if !options.steps.is_empty() {
         let steps =
             listed("--steps", &options.steps, &format!("must be positive and not longer than the {end} of the run"), |step| step <= end)?;
-        return Ok(steps.into_iter().map(|step| step.map(Stepping::Step)).collect());
+        return Ok(steps.into_iter().map(|step| step.map(TimeStep::Step)).collect());
     }
     if !options.travels.is_empty() {
         let travels = listed("--travels", &options.travels, "must lie above 0 and not above 1", |travel| travel <= 1.0)?;
-        return Ok(travels.into_iter().map(|travel| travel.map(Stepping::Travel)).collect());
+        return Ok(travels.into_iter().map(|travel| travel.map(TimeStep::Travel)).collect());
     }
-    let longest = if matches!(own, Stepping::Step(_)) { end } else { 1.0 };
+    let longest = if matches!(own, TimeStep::Step(_)) { end } else { 1.0 };
     Ok(STEPS.iter().map(|&factor| own.times(factor)).filter(|step| step.length() <= longest).map(Some).collect())
 }
 
@@ -154,42 +154,42 @@ mod tests {
     #[test]
     fn spacings_halve_and_keep_whole_cells() {
         let scene = scene(ARRAY);
-        let axes = Axes::of(&CostOptions::default(), &scene, Some(0.309)).unwrap();
-        let cells: Vec<f64> = axes.grids.iter().map(|grid| 1.0 / grid.spacing(0.309)).map(|cells| (1e6 * cells).round() / 1e6).collect();
+        let ranges = ParameterRanges::of(&Cost::default(), &scene, Some(0.309)).unwrap();
+        let cells: Vec<f64> = ranges.grids.iter().map(|grid| 1.0 / grid.spacing(0.309)).map(|cells| (1e6 * cells).round() / 1e6).collect();
         assert_eq!(cells, [12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 96.0]);
-        let settings = axes.settings("sharp", (&scene, 0.309));
+        let settings = ranges.settings("sharp", &scene, 0.309);
         assert_eq!(settings.len(), 7, "the scene as it is written is among them");
         assert!(settings.windows(2).all(|pair| pair[0].work(2, 0.309) <= pair[1].work(2, 0.309)));
-        assert_eq!(axes.methods, ConstraintMethod::WORDS);
+        assert_eq!(ranges.methods, ConstraintMethod::WORDS);
     }
 
     #[test]
-    fn methods_without_modes_have_no_ladder_of_modes() {
+    fn methods_without_modes_have_no_list_of_modes() {
         let scene = scene(ARRAY);
-        let options = CostOptions { modes: vec![4, 8], resolutions: vec![6.0], tolerances: vec![1e-4, 1e-6], ..CostOptions::default() };
-        let axes = Axes::of(&options, &scene, Some(0.309)).unwrap();
-        assert_eq!(axes.settings("distributed", (&scene, 0.309)).len(), 2);
-        assert_eq!(axes.settings("sharp", (&scene, 0.309)).len(), 5, "four, and the scene as it is written");
+        let options = Cost { modes: vec![4, 8], resolutions: vec![6.0], tolerances: vec![1e-4, 1e-6], ..Cost::default() };
+        let ranges = ParameterRanges::of(&options, &scene, Some(0.309)).unwrap();
+        assert_eq!(ranges.settings("distributed", &scene, 0.309).len(), 2);
+        assert_eq!(ranges.settings("sharp", &scene, 0.309).len(), 5, "four, and the scene as it is written");
     }
 
     #[test]
     fn steps_are_those_of_the_scene_unless_told() {
         let scene = scene(&format!("{ARRAY}[time]\nend = 1\nstep = 0.75\n"));
-        let steps = |options: &CostOptions| Axes::of(options, &scene, Some(0.309)).map(|axes| axes.steps);
-        assert_eq!(steps(&CostOptions::default()).unwrap(), [Some(Stepping::Step(0.75)), Some(Stepping::Step(0.375))]);
-        let travels = CostOptions { travels: vec![0.1], ..CostOptions::default() };
-        assert_eq!(steps(&travels).unwrap(), [Some(Stepping::Travel(0.1))]);
+        let steps = |options: &Cost| ParameterRanges::of(options, &scene, Some(0.309)).map(|ranges| ranges.steps);
+        assert_eq!(steps(&Cost::default()).unwrap(), [Some(TimeStep::Step(0.75)), Some(TimeStep::Step(0.375))]);
+        let travels = Cost { travels: vec![0.1], ..Cost::default() };
+        assert_eq!(steps(&travels).unwrap(), [Some(TimeStep::Travel(0.1))]);
     }
 
     #[test]
     fn lists_that_cannot_be_used_are_refused_with_their_flag() {
-        let with = |options: CostOptions| Axes::of(&options, &scene(ARRAY), Some(0.309)).unwrap_err().to_string();
-        let options = CostOptions::default;
-        assert_eq!(with(CostOptions { resolutions: vec![4.0, -1.0], ..options() }), "--resolutions -1: must be positive");
-        assert_eq!(with(CostOptions { tolerances: vec![0.5], ..options() }), "--tolerances 0.5: must lie above 0 and not above 0.1");
-        assert_eq!(with(CostOptions { modes: vec![0], ..options() }), "--modes 0: must be at least 1");
-        assert!(with(CostOptions { steps: vec![0.1], ..options() }).starts_with("--steps: the scene is one instant"));
-        let strange = with(CostOptions { methods: vec!["blunt".into()], ..options() });
+        let with = |options: Cost| ParameterRanges::of(&options, &scene(ARRAY), Some(0.309)).unwrap_err().to_string();
+        let options = Cost::default;
+        assert_eq!(with(Cost { resolutions: vec![4.0, -1.0], ..options() }), "--resolutions -1: must be positive");
+        assert_eq!(with(Cost { tolerances: vec![0.5], ..options() }), "--tolerances 0.5: must lie above 0 and not above 0.1");
+        assert_eq!(with(Cost { modes: vec![0], ..options() }), "--modes 0: must be at least 1");
+        assert!(with(Cost { steps: vec![0.1], ..options() }).starts_with("--steps: the scene is one instant"));
+        let strange = with(Cost { methods: vec!["blunt".into()], ..options() });
         assert_eq!(strange, "--methods blunt: must be some of sharp,mean-value,distributed,penalty,fitted");
     }
 }

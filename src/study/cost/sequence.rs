@@ -1,0 +1,93 @@
+//! Runs sorted into sequences: settings that differ in the grid alone, from the coarsest to the finest.
+
+use super::{
+    record::{Measured, Record},
+    setting::Setting,
+};
+
+/// Grids that a sequence needs for its limit to be trusted.
+const ENOUGH: usize = 3;
+
+/// Runs on ever finer grids.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RefinementSequence<'a> {
+    /// Settings and runs.
+    pub runs: Vec<(&'a Setting, &'a Measured)>,
+}
+
+impl<'a> RefinementSequence<'a> {
+    /// The sequences of the settings of a method.
+    pub fn all(records: &'a [Record], settings: &[Setting]) -> Vec<RefinementSequence<'a>> {
+        let mut sequences: Vec<RefinementSequence> = Vec::new();
+        let runs = settings.iter().filter_map(|setting| records.iter().find(|record| record.setting == *setting));
+        for (setting, run) in runs.filter_map(|record| Some((&record.setting, record.measured()?))) {
+            match sequences.iter_mut().find(|sequence| sequence.runs[0].0.differs_in_grid_alone(setting)) {
+                Some(sequence) => sequence.runs.push((setting, run)),
+                None => sequences.push(RefinementSequence { runs: vec![(setting, run)] }),
+            }
+        }
+        for sequence in &mut sequences {
+            sequence.runs.sort_by(|one, two| two.1.spacing.total_cmp(&one.1.spacing));
+            // two nominal resolutions may round to the same cells
+            sequence.runs.dedup_by(|next, last| (next.1.spacing / last.1.spacing - 1.0).abs() < 1e-9);
+        }
+        sequences
+    }
+
+    /// The sequence that speaks for a method: of those with enough grids the one with most modes, tightest tolerance and shortest step,
+    /// or else the longest.
+    pub fn main(sequences: &[RefinementSequence<'a>]) -> Option<RefinementSequence<'a>> {
+        let care = |sequence: &RefinementSequence| {
+            let setting = sequence.runs[0].0;
+            let few = setting.modes.unwrap_or(0) as f64;
+            [few, -setting.tolerance.unwrap_or(0.0), -setting.step.map_or(0.0, |step| step.length())]
+        };
+        let rank = |sequence: &RefinementSequence| (sequence.runs.len().min(ENOUGH), care(sequence));
+        let better = |one: &&RefinementSequence, two: &&RefinementSequence| {
+            let ((count, care), (other_count, other_care)) = (rank(one), rank(two));
+            count.cmp(&other_count).then(care.partial_cmp(&other_care).unwrap_or(std::cmp::Ordering::Equal))
+        };
+        sequences.iter().max_by(better).cloned()
+    }
+
+    /// The run on the finest grid.
+    pub fn finest(&self) -> (&'a Setting, &'a Measured) {
+        self.runs[self.runs.len() - 1]
+    }
+
+    /// The runs alone.
+    pub fn measured(&self) -> Vec<&'a Measured> {
+        self.runs.iter().map(|(_, measured)| *measured).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::cost::{
+        record::{Outcome, tests::run},
+        setting::{Resolution, TimeStep},
+    };
+
+    fn record(cells: f64, step: f64) -> Record {
+        let step = Some(TimeStep::Step(step));
+        let setting = Setting { method: "sharp".into(), grid: Resolution::CellsPerRadius(cells), modes: None, tolerance: None, step };
+        Record { setting, outcome: Outcome::Measured(run(1.0 / cells, cells)) }
+    }
+
+    #[test]
+    fn the_main_sequence_has_enough_grids_and_then_the_shortest_steps() {
+        let places = [(4.0, 0.2), (4.0, 0.1), (4.0, 0.05), (6.0, 0.2), (6.0, 0.1), (6.0, 0.05), (8.0, 0.2), (8.0, 0.1)];
+        let mut records: Vec<Record> = places.map(|(cells, step)| record(cells, step)).to_vec();
+        let settings: Vec<Setting> = records.iter().map(|record| record.setting.clone()).collect();
+        records.push(record(16.0, 0.05));
+        let sequences = RefinementSequence::all(&records, &settings);
+        assert_eq!(
+            sequences.iter().map(|sequence| sequence.runs.len()).collect::<Vec<_>>(),
+            [3, 3, 2],
+            "what was not asked for is left out"
+        );
+        let main = RefinementSequence::main(&sequences).expect("there are sequences");
+        assert_eq!((main.finest().0.step, main.finest().1.spacing), (Some(TimeStep::Step(0.1)), 0.125));
+    }
+}
