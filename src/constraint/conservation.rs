@@ -23,16 +23,17 @@ pub const TERMS: usize = 6;
 /// Rows at offsets from the centre, with one value a mode for each.
 pub type AtOffsets<'a, const D: usize, V> = (&'a [SVector<f64, D>], V);
 
-/// Corrects the momentum rows of one component, which have all but what has passed to walls.
+/// Corrects the momentum rows of one component, which have all but what has passed to walls. Behind the modes, rows have values of sources
+/// whose own sums, and sums times offsets over the radius, are wanted.
 pub fn conserve_momentum<const D: usize>(
     component: usize,
-    surface: &SurfaceTable<D>,
+    (surface, sources): (&SurfaceTable<D>, &[[f64; TERMS]]),
     cell_volume: f64,
     (points, passed): AtOffsets<D, &[f64]>,
     (offsets, values): AtOffsets<D, &mut [f64]>,
 ) {
     let radius = surface.modes.radius();
-    let mut wanted = wanted_moments(component, surface) / cell_volume;
+    let mut wanted = wanted_moments(component, (surface, sources), cell_volume);
     subtract_moments(radius, (points, passed), &mut wanted);
     conserve((radius, wanted), offsets, values);
 }
@@ -51,7 +52,7 @@ fn subtract_moments<const D: usize>(length: f64, (offsets, values): AtOffsets<D,
 }
 
 /// Gives rows the wanted sums, and sums times offsets over `length` (one row a mode, filled up with zeros to [`TERMS`]).
-pub fn conserve<const D: usize>((length, wanted): (f64, DMatrix<f64>), offsets: &[SVector<f64, D>], values: &mut [f64]) {
+fn conserve<const D: usize>((length, wanted): (f64, DMatrix<f64>), offsets: &[SVector<f64, D>], values: &mut [f64]) {
     let (count, rows) = (wanted.nrows(), offsets.len());
     let basis = basis(length, offsets);
     let mut missing = wanted;
@@ -65,14 +66,20 @@ pub fn conserve<const D: usize>((length, wanted): (f64, DMatrix<f64>), offsets: 
     }
 }
 
-/// Net force and first moments over the radius of one component of each mode's traction (modes down, moments across, then zeros).
-fn wanted_moments<const D: usize>(component: usize, surface: &SurfaceTable<D>) -> DMatrix<f64> {
+/// Over the volume of a cell, net force and first moments over the radius of one component of each mode's traction (modes down, moments
+/// across, then zeros), and behind the modes those of sources.
+fn wanted_moments<const D: usize>(
+    component: usize,
+    (surface, sources): (&SurfaceTable<D>, &[[f64; TERMS]]),
+    cell_volume: f64,
+) -> DMatrix<f64> {
     let moments = surface.first_moments();
-    DMatrix::from_fn(moments.len(), TERMS, |mode, term| match term {
-        0 if mode == component => surface.area(),
+    DMatrix::from_fn(moments.len() + sources.len(), TERMS, |mode, term| match term {
+        _ if mode >= moments.len() => sources[mode - moments.len()][term],
+        0 if mode == component => surface.area() / cell_volume,
         0 => 0.0,
         term if term > D => 0.0,
-        _ => moments[mode][(component, term - 1)] / surface.modes.radius(),
+        _ => moments[mode][(component, term - 1)] / surface.modes.radius() / cell_volume,
     })
 }
 
@@ -88,7 +95,7 @@ mod tests {
         let offsets: Vec<_> = (0..40).map(|row| Vector2::new((row as f64).sin(), (1.7 * row as f64).cos()) * 0.5).collect();
         let count = surface.modes.count();
         let mut values: Vec<f64> = (0..40 * count).map(|place| (place as f64).sin()).collect();
-        conserve_momentum(1, &surface, 0.01, (&[], &[]), (&offsets, &mut values));
+        conserve_momentum(1, (&surface, &[]), 0.01, (&[], &[]), (&offsets, &mut values));
         for mode in 0..count {
             let sum = |weight: &dyn Fn(&Vector2<f64>) -> f64| -> f64 {
                 offsets.iter().enumerate().map(|(row, offset)| 0.01 * weight(offset) * values[row * count + mode]).sum()

@@ -8,7 +8,9 @@ mod memory;
 use std::fmt;
 
 use crate::{
+    constraint::Size,
     error::Result,
+    geometry::Ball,
     grid::Grid,
     scene::{ConstraintMethod, FlowModel, Scene},
     simulation::{DrySetup, ScalarSetup, Setup, closure::Closure, law},
@@ -94,7 +96,7 @@ impl Plan {
         let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
         let inclusions = match setup.inclusions.len() {
             0 => Effect::off("inclusions"),
-            count => Effect::on("inclusions", format!("{count}, {}", setup.method)),
+            count => Effect::on("inclusions", format!("{count}, {}", setup.method().description())),
         };
         let source = format!("{} outside the inclusions", setup.source);
         let gradient = setup.gradient.map(|gradient| format!("{:?}", gradient.as_slice()));
@@ -116,7 +118,9 @@ impl Plan {
             multiplier_unknowns,
             closure_unknowns: 0,
         };
-        let blocks: f64 = counts.iter().map(|&count| setup.method.bytes::<D>(count)).sum();
+        let method = setup.method();
+        let size = |(&(ball, order), &count): (&(Ball<D>, usize), &usize)| method.bytes(&grid, &Size { ball, order, count });
+        let blocks: f64 = setup.inclusions.iter().zip(&counts).map(size).sum();
         Ok(Plan { effects, choice: None, fluid: Some(fluid), bytes: scalar_bytes(&grid, multiplier_unknowns) + blocks })
     }
 

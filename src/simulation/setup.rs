@@ -1,12 +1,14 @@
 //! A scene resolved in its dimension: numbers only, nothing left to choose.
 
+use std::rc::Rc;
+
 use super::{
     placement::{bodies, domain, vector},
     surroundings::opposite_neighbours,
 };
 use crate::{
     body::Body,
-    constraint::Method,
+    constraint::{FlowMethod, flow_method},
     error::Result,
     flow::{Drive, InverseMethod},
     geometry::Domain,
@@ -22,12 +24,6 @@ const HIGHEST_ORDER_PER_CELL: [f64; 2] = [1.4, 1.25];
 
 /// Tolerance of the fluid alone over that of the whole.
 const INNER: f64 = 0.01;
-
-/// Default of the penalty method: viscosity of the fluid over that inside bodies.
-///
-/// The drag of the square array at 0.3 lacks 2 epsilon of its value on every grid, and the grid itself errs by more than 5e-4 up to 80 cells
-/// a radius; solves take the same iterations from 1e-4 down to 1e-10.
-const EPSILON: f64 = 1e-6;
 
 /// Order of `modes = "most"` per cell of radius in 2D and 3D, a margin below the highest, and its limit.
 const MOST_ORDER_PER_CELL: [f64; 2] = [1.25, 1.0];
@@ -107,14 +103,8 @@ impl<const D: usize> Setup<D> {
     ///
     /// # Panics
     /// For a fitted mesh, which has no such blocks.
-    pub fn blocks(&self) -> Method {
-        match self.constraint {
-            ConstraintMethod::Sharp => Method::Sharp,
-            ConstraintMethod::MeanValue(_) => Method::MeanValue,
-            ConstraintMethod::Distributed => Method::Distributed,
-            ConstraintMethod::Penalty(epsilon) => Method::Penalty { epsilon: epsilon.unwrap_or(EPSILON) },
-            ConstraintMethod::Fitted => panic!("a fitted mesh has no blocks on a grid"),
-        }
+    pub fn method(&self) -> Rc<FlowMethod<D>> {
+        flow_method(self.constraint.word(), self.constraint.epsilon()).expect("a fitted mesh has no blocks on a grid")
     }
 
     /// Tolerance of the fluid alone, where a method needs each solve of it to be exact and the inverse is not.

@@ -29,7 +29,7 @@ use nalgebra::DMatrix;
 
 pub use fourier::Fourier;
 pub use quadrature::{Quadrature, axial, quadrature};
-pub use scalar::{ScalarModes, ScalarSurface};
+pub use scalar::ScalarModes;
 pub use spherical::Spherical;
 pub use table::SurfaceTable;
 pub use turn::{Family, turn};
@@ -49,7 +49,12 @@ pub trait Modes {
     /// Number of modes, rigid ones included.
     fn count(&self) -> usize;
 
-    /// Writes in `out[mode * D + i]` the traction of unit coefficient at the surface point with outward unit normal `direction`.
+    /// Number of components of what the modes are: `D`, or one for the flux of a scalar.
+    fn components(&self) -> usize {
+        self.dimension()
+    }
+
+    /// Writes in `out[mode * components + i]` the traction of unit coefficient at the surface point with outward unit normal `direction`.
     fn traction(&self, direction: &[f64], out: &mut [f64]);
 
     /// Writes in `out[point * stride + mode]` one component of the velocity jump `D_u` at each of the offsets from the centre, none zero;
@@ -57,7 +62,19 @@ pub trait Modes {
     fn velocity_jumps(&self, offsets: &[f64], component: usize, out: &mut [f64]);
 
     /// Writes in `out[point * stride + mode]` the pressure jump `D_p` at each of the offsets from the centre, none zero.
-    fn pressure_jumps(&self, offsets: &[f64], out: &mut [f64]);
+    fn pressure_jumps(&self, _offsets: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+    }
+
+    /// The jump functions of a field: a component of the velocity (or the scalar), or the pressure behind the last of them.
+    fn jumps(&self, offsets: &[f64], field: usize, out: &mut [f64]) {
+        if field == self.components() { self.pressure_jumps(offsets, out) } else { self.velocity_jumps(offsets, field, out) }
+    }
+
+    /// Number of jump functions: one a mode, and behind them those of sources.
+    fn jump_count(&self) -> usize {
+        self.count()
+    }
 
     /// The velocity of an isolated ball in unbounded fluid tested with the modes, symmetric positive definite.
     ///
@@ -68,18 +85,25 @@ pub trait Modes {
 
     /// Writes in `out[mode * D + i]` the velocity that unit coefficients cause in unbounded fluid at `offset`, outside the ball.
     ///
-    /// Its mean over `gamma` with the tractions is [`isolated_mobility`](Self::isolated_mobility); `reach` as there.
-    fn exterior_velocity(&self, offset: &[f64], reach: f64, out: &mut [f64]);
+    /// Its mean over `gamma` with the tractions is [`isolated_mobility`](Self::isolated_mobility); `reach` as there. Zero where near pairs
+    /// are not looked at.
+    fn exterior_velocity(&self, _offset: &[f64], _reach: f64, out: &mut [f64]) {
+        out.fill(0.0);
+    }
 
     /// Writes in `out[mode]` the pressure that goes with [`exterior_velocity`](Self::exterior_velocity).
-    fn exterior_pressure(&self, offset: &[f64], out: &mut [f64]);
+    fn exterior_pressure(&self, _offset: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+    }
 
-    /// The modes, sorted by how they turn.
-    fn families(&self) -> Vec<Family>;
+    /// The modes, sorted by how they turn; none where near pairs are not looked at.
+    fn families(&self) -> Vec<Family> {
+        Vec::new()
+    }
 
-    /// Number of rigid modes, `D(D+1)/2`.
+    /// Number of rigid modes: `D(D+1)/2`, or the constant of a scalar.
     fn rigid_count(&self) -> usize {
-        self.dimension() * (self.dimension() + 1) / 2
+        if self.components() == 1 { 1 } else { self.dimension() * (self.dimension() + 1) / 2 }
     }
 
     /// Net force on the fluid of a unit translation coefficient: the [`area`].

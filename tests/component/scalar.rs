@@ -3,11 +3,10 @@
 use nalgebra::{SVector, Vector2, Vector3};
 use turbid::{
     body::pack,
-    constraint::InclusionMethod,
     geometry::{Axis, Ball, Domain},
     grid::operators::signed,
     petsc::Session,
-    scene::{MultiplierSolver, Tolerance},
+    scene::{ConstraintMethod, Tolerance},
     simulation::{InclusionState, Inclusions, ScalarSetup, ScalarSolution},
 };
 
@@ -45,8 +44,7 @@ pub fn walled<const D: usize>(spacing: f64, inclusions: Vec<(Ball<D>, usize)>) -
         source: 1.0,
         gradient: None,
         inclusions,
-        method: InclusionMethod::Sharp,
-        solver: MultiplierSolver::Krylov,
+        constraint: ConstraintMethod::Sharp,
         tolerance: Tolerance::Fixed(1e-10),
     }
 }

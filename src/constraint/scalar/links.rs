@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 use crate::{
-    constraint::patch::Patch,
+    constraint::index_box::IndexBox,
     geometry::{Ball, fraction, touches},
     grid::{Grid, Index, Node, dirichlet, stencil::moved},
 };
@@ -42,7 +42,7 @@ impl<const D: usize> LinkedCells<D> {
     }
 
     fn chosen(grid: &Grid<D>, ball: &Ball<D>, belongs: impl Fn([Index<D>; 2]) -> bool) -> Self {
-        let patch = Patch::around(grid, D, &ball.center, ball.radius + 2.0 * grid.spacing().max());
+        let patch = IndexBox::around(grid, D, &ball.center, ball.radius + 2.0 * grid.spacing().max());
         let mut found = LinkedCells { unknowns: Vec::new(), offsets: Vec::new(), links: Vec::new(), middles: Vec::new() };
         let mut numbers = vec![None; patch.len()];
         let pairs = patch.indices().flat_map(|one| (0..D).map(move |axis| (one, axis)));
@@ -72,7 +72,7 @@ fn middle<const D: usize>(grid: &Grid<D>, [one, two]: [Index<D>; 2]) -> SVector<
 
 /// Cells of which a ball fills a part, with minus that part: what confines a unit source to the outside.
 pub fn filled_parts<const D: usize>(grid: &Grid<D>, ball: &Ball<D>) -> (Vec<u32>, Vec<f64>) {
-    let patch = Patch::around(grid, D, &ball.center, ball.radius + grid.spacing().max());
+    let patch = IndexBox::around(grid, D, &ball.center, ball.radius + grid.spacing().max());
     let cells = patch.indices().filter(|&index| dirichlet::within(grid, index));
     let part = |index: Index<D>| match grid.node(D, index) {
         Node::Unknown(unknown) => Some((unknown as u32, -fraction(ball, &grid.position(D, index), &grid.spacing()))),

@@ -2,11 +2,15 @@
 
 use nalgebra::SVector;
 
-use super::{Placed, jumps::Jumps, nodes::Nodes};
+use super::{jumps::Jumps, nodes::Nodes};
 use crate::{
-    constraint::{conservation::conserve_momentum, rows::Rows},
+    constraint::{
+        conservation::{TERMS, conserve_momentum},
+        placed::Placed,
+        rows::Rows,
+    },
     grid::{
-        Grid,
+        Grid, dirichlet,
         stencil::{self, Site, Term},
     },
 };
@@ -57,10 +61,10 @@ impl<'a, const D: usize> Spreading<'a, D> {
     pub fn new(grid: &'a Grid<D>, placed: &'a Placed<D>, nodes: &'a [Nodes<D>], jumps: &mut [Jumps]) -> Self {
         let (rows, walls) = (Corrections::default(), Corrections::default());
         let mut spreading = Spreading { grid, placed, nodes, unknowns: Vec::new(), rows, walls, walls_of: Vec::new() };
-        for field in 0..=D {
+        for field in 0..nodes.len() {
             spreading.find_rows(field, jumps);
             spreading.rows.end_field();
-            if field < D {
+            if field < D && nodes.len() > 1 {
                 spreading.find_walls(field, jumps);
             }
             spreading.walls.end_field();
@@ -98,11 +102,16 @@ impl<'a, const D: usize> Spreading<'a, D> {
         (0..D).any(|axis| !domain.periodic(axis) && (center[axis] <= reach || center[axis] >= domain.size[axis] - reach))
     }
 
-    /// Collects the corrections of a momentum row (along axis `field`) or of a continuity row.
+    /// Collects the corrections of a momentum row (along axis `field`), of a continuity row, or of the one row of a scalar.
     fn find_row(&mut self, field: usize, place: usize, jumps: &mut [Jumps]) {
         let Self { grid, nodes, rows, .. } = self;
         let (index, outside) = (nodes[field].patch.index(place), nodes[field].outside[place]);
         let side = if outside { 1.0 } else { -1.0 };
+        if nodes.len() == 1 {
+            let mut group = rows.group((&nodes[field], &mut jumps[field]), (outside, side));
+            dirichlet::laplacian(grid, index, |index, weight| group.take(Term { site: Site::Lattice { field, index }, weight }));
+            return;
+        }
         if field == D {
             for axis in 0..D {
                 let mut group = rows.group((&nodes[axis], &mut jumps[axis]), (outside, -side));
@@ -139,18 +148,19 @@ impl<'a, const D: usize> Spreading<'a, D> {
         }
     }
 
-    /// All rows, from evaluated jumps, and what passes to walls; `values` is memory to use again.
-    pub fn rows(self, jumps: &[Jumps], mut values: Vec<f64>) -> (Rows, Vec<OnWall>) {
-        let count = self.placed.surface.modes.count();
+    /// All rows, from evaluated jumps, and what passes to walls; `values` is memory to use again. Behind the modes are values of sources,
+    /// which have these moments.
+    pub fn rows(self, jumps: &[Jumps], sources: &[[f64; TERMS]], mut values: Vec<f64>) -> (Rows, Vec<OnWall>) {
+        let (count, components) = (self.placed.surface.modes.jump_count(), self.placed.surface.modes.components());
         let cell_volume = self.grid.spacing().product();
         self.rows.evaluate(jumps, count, &mut values);
         let mut to_walls = Vec::new();
         self.walls.evaluate(jumps, count, &mut to_walls);
-        for component in 0..D {
+        for component in 0..components {
             let (rows, walls) = (self.rows.field(component), self.walls.field(component));
             let (offsets, values) = (&self.rows.offsets[rows.clone()], &mut values[rows.start * count..rows.end * count]);
             let passed = (&self.walls.offsets[walls.clone()], &to_walls[walls.start * count..walls.end * count]);
-            conserve_momentum(component, &self.placed.surface, cell_volume, passed, (offsets, values));
+            conserve_momentum(component, (&self.placed.surface, sources), cell_volume, passed, (offsets, values));
         }
         to_walls.iter_mut().for_each(|value| *value *= cell_volume);
         let on_walls = self.sum_on_walls(&to_walls, count);
@@ -159,7 +169,7 @@ impl<'a, const D: usize> Spreading<'a, D> {
 
     fn sum_on_walls(&self, to_walls: &[f64], count: usize) -> Vec<OnWall> {
         let mut found: Vec<OnWall> = Vec::new();
-        for component in 0..D {
+        for component in 0..self.placed.surface.modes.components() {
             for point in self.walls.field(component) {
                 let (axis, upper) = self.walls_of[point];
                 let values = &to_walls[point * count..][..count];
@@ -203,7 +213,7 @@ impl<const D: usize> Corrections<D> {
     fn evaluate(&self, jumps: &[Jumps], count: usize, values: &mut Vec<f64>) {
         values.clear();
         values.reserve(self.offsets.len() * count);
-        let mut row = vec![0.0; jumps[D].stride()];
+        let mut row = vec![0.0; jumps[0].stride()];
         let (mut group, mut term) = (0, 0);
         for &row_end in &self.row_ends {
             row.fill(0.0);

@@ -11,7 +11,7 @@ use super::{
     uzawa::{Uzawa, UzawaSystem},
 };
 use crate::{
-    constraint::{InclusionMethod, Layout, ScalarBlocks},
+    constraint::{Layout, ScalarBlocks},
     error::{Error, Result},
     grid::{Grid, dirichlet},
     petsc::{Amg, AmgSettings, Krylov, KrylovMethod, KrylovSettings, Matrix, Session, Stage, System, Vector, enter},
@@ -29,7 +29,7 @@ pub struct Inclusions<const D: usize> {
     pub(super) setup: ScalarSetup<D>,
     pub(super) grid: Grid<D>,
     pub(super) layout: Layout,
-    pub(super) blocks: ScalarBlocks,
+    pub(super) blocks: ScalarBlocks<D>,
     pub(super) work: ScalarWork,
     matrix: Matrix,
     inverse: Amg,
@@ -101,7 +101,7 @@ impl<const D: usize> Inclusions<D> {
         self.work.stages = Stages::default();
         let known = self.known_values()?;
         self.fill_source()?;
-        let uzawa = match self.setup.solver {
+        let uzawa = match self.setup.constraint.solver() {
             MultiplierSolver::Krylov => self.solve_coupled(&known, seen).map(|()| None),
             MultiplierSolver::Uzawa(step) => self.solve_by_uzawa(&known, step, seen).map(Some),
         }?;
@@ -143,7 +143,7 @@ impl<const D: usize> Inclusions<D> {
         self.cost.krylov = report;
         self.matrix.multiply(&self.work.field_in, &mut self.work.field_out)?;
         self.work.field_out.add(-1.0, &source)?;
-        self.blocks.spread(-1.0, &self.work.multipliers.local()?, &mut self.work.field_out)?;
+        self.blocks.bodies.spread(-1.0, &self.work.multipliers.local()?, &mut self.work.field_out)?;
         Ok(uzawa)
     }
 
@@ -174,7 +174,7 @@ impl<const D: usize> Inclusions<D> {
     pub(super) fn add_outer_values(&mut self, values: &mut [f64]) -> Result<()> {
         self.blocks.add_local(&self.work.multipliers, self.setup.source, values)?;
         if let Some(gradient) = &self.setup.gradient {
-            self.blocks.add_positions(gradient.as_slice(), values);
+            self.blocks.add_positions(gradient, values);
         }
         Ok(())
     }
@@ -182,7 +182,7 @@ impl<const D: usize> Inclusions<D> {
 
 /// Conjugate gradients, on which Uzawa's iteration leans, need symmetric cycles.
 fn hierarchy<const D: usize>(setup: &ScalarSetup<D>) -> AmgSettings {
-    match setup.solver {
+    match setup.constraint.solver() {
         MultiplierSolver::Krylov => AmgSettings::laplacian(D),
         MultiplierSolver::Uzawa(_) => AmgSettings::laplacian(D).symmetric(),
     }
@@ -190,9 +190,6 @@ fn hierarchy<const D: usize>(setup: &ScalarSetup<D>) -> AmgSettings {
 
 fn check<const D: usize>(setup: &ScalarSetup<D>) -> Result<()> {
     let refuse = |text: &str| Err(Error::Refused(text.into()));
-    if setup.method != InclusionMethod::MeanValue && setup.solver != MultiplierSolver::Krylov {
-        return refuse("only the mean-value method is solved by Uzawa's iteration");
-    }
     match (setup.domain.fully_periodic(), setup.gradient) {
         (true, None) => {
             refuse("a scalar in a fully periodic box has no definite value; put up walls along an axis or give a mean gradient")

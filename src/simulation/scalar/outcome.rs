@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 use super::{InclusionState, Inclusions, ScalarSolution, uzawa::Uzawa};
-use crate::{constraint::InclusionMethod, error::Result, geometry::Ball, petsc::Vector};
+use crate::{error::Result, geometry::Ball, petsc::Vector, scene::ConstraintMethod};
 
 impl<const D: usize> Inclusions<D> {
     /// The solution from what a solver leaves in the work space.
@@ -22,7 +22,7 @@ impl<const D: usize> Inclusions<D> {
     /// All inclusions with their values and fluxes, on every rank.
     fn states(&mut self) -> Result<Vec<InclusionState<D>>> {
         let mut values = vec![0.0; self.layout.local_unknowns()];
-        self.blocks.sample(&self.work.field_in, &mut values)?;
+        self.blocks.bodies.interpolate(&self.work.field_in, &mut values)?;
         self.add_outer_values(&mut values)?;
         let (constants, fluxes) = (self.blocks.constants(&values), self.fluxes()?);
         let found = self.layout.local_bodies.iter().zip(constants.iter().zip(&fluxes));
@@ -50,9 +50,9 @@ impl<const D: usize> Inclusions<D> {
     fn mean_flux(&self) -> Result<Option<SVector<f64, D>>> {
         let Some(gradient) = self.setup.gradient else { return Ok(None) };
         let multipliers = self.work.multipliers.local()?;
-        let mut dipole: [f64; D] = std::array::from_fn(|axis| self.blocks.dipole(axis, &multipliers));
-        self.session.world().sum(&mut dipole);
-        Ok(Some(gradient - SVector::from(dipole) / self.setup.domain.volume()))
+        let mut dipole = self.blocks.dipole(&multipliers);
+        self.session.world().sum(dipole.as_mut_slice());
+        Ok(Some(gradient - dipole / self.setup.domain.volume()))
     }
 
     /// Where it is least, the functional is minus half the integral of the source times the scalar outside the inclusions.
@@ -60,8 +60,8 @@ impl<const D: usize> Inclusions<D> {
     /// The mean over a cell differs from the value at its centre by `h^2/24` times the Laplacian, minus the source outside.
     fn energy(&mut self, inclusions: &[InclusionState<D>], field: &Vector) -> Result<f64> {
         let whole = field.mean()? * self.setup.domain.volume();
-        let inside = match self.setup.method {
-            InclusionMethod::Sharp => {
+        let inside = match self.setup.constraint {
+            ConstraintMethod::Sharp => {
                 self.setup.inclusions.iter().zip(inclusions).map(|((ball, _), state)| ball.volume() * state.value).sum()
             }
             _ => {

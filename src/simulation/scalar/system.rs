@@ -15,13 +15,13 @@ use crate::{
 };
 
 /// The coupled system; the solver's vectors hold the scalar, then multipliers.
-pub struct ScalarSystem<'a> {
+pub struct ScalarSystem<'a, const D: usize> {
     /// Minus the Laplacian.
     pub matrix: &'a Matrix,
     /// Its approximate inverse.
     pub inverse: &'a Amg,
     /// Inclusions.
-    pub blocks: &'a mut ScalarBlocks,
+    pub blocks: &'a mut ScalarBlocks<D>,
     /// Factor `h^2` of the rows of the scalar.
     pub scale: f64,
     /// Work space.
@@ -58,22 +58,22 @@ impl ScalarWork {
     }
 }
 
-impl ScalarSystem<'_> {
+impl<const D: usize> ScalarSystem<'_, D> {
     /// `J u + E c` of the scalar in `field_in` and `multipliers`.
     pub fn values(&mut self, out: &mut [f64]) -> Result<()> {
-        self.blocks.sample(&self.work.field_in, out)?;
+        self.blocks.bodies.interpolate(&self.work.field_in, out)?;
         self.blocks.add_local(&self.work.multipliers, 0.0, out)
     }
 }
 
-impl System for ScalarSystem<'_> {
+impl<const D: usize> System for ScalarSystem<'_, D> {
     fn apply(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
         self.work.split(input)?;
         let watch = Watch::start(Stage::Matrices);
         self.matrix.multiply(&self.work.field_in, &mut self.work.field_out)?;
         watch.stop(&mut self.work.stages.matrices);
         let watch = Watch::start(Stage::Bodies);
-        self.blocks.spread(-1.0, &self.work.multipliers.local()?, &mut self.work.field_out)?;
+        self.blocks.bodies.spread(-1.0, &self.work.multipliers.local()?, &mut self.work.field_out)?;
         self.work.field_out.scale(self.scale)?;
         let mut output = output.local_mut()?;
         let field = self.work.field_out.local()?.len();
@@ -94,7 +94,7 @@ impl System for ScalarSystem<'_> {
         let mut output = output.local_mut()?;
         let field = self.work.field_out.local()?.len();
         output[..field].copy_from_slice(&self.work.field_out.local()?);
-        self.blocks.sample(&self.work.field_out, &mut output[field..])?;
+        self.blocks.bodies.interpolate(&self.work.field_out, &mut output[field..])?;
         self.blocks.alone(&self.work.multipliers.local()?, &mut output[field..]);
         watch.stop(&mut self.work.stages.bodies);
         Ok(())

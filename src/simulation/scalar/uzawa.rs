@@ -44,7 +44,7 @@ pub struct Uzawa {
 }
 
 /// The box and its inclusions as the iteration sees them.
-pub struct UzawaSystem<'a> {
+pub struct UzawaSystem<'a, const D: usize> {
     /// MPI and PETSc.
     pub session: &'a Session,
     /// Minus the Laplacian.
@@ -52,7 +52,7 @@ pub struct UzawaSystem<'a> {
     /// Its approximate inverse, symmetric.
     pub inverse: &'a Amg,
     /// Inclusions.
-    pub blocks: &'a mut ScalarBlocks,
+    pub blocks: &'a mut ScalarBlocks<D>,
     /// Work space: the scalar found is in `field_in`, the multipliers in `multipliers`.
     pub work: &'a mut ScalarWork,
 }
@@ -80,7 +80,7 @@ impl System for EmptyBox<'_> {
     }
 }
 
-impl UzawaSystem<'_> {
+impl<const D: usize> UzawaSystem<'_, D> {
     /// Iterates from zero multipliers, with the rows of the source and what is known of the values on surfaces; without a step, it is a
     /// part of the bound.
     ///
@@ -153,14 +153,14 @@ impl UzawaSystem<'_> {
             Some(source) => field_out.copy_from(source)?,
             None => field_out.fill(0.0)?,
         }
-        self.blocks.spread(1.0, &multipliers.local()?, field_out)?;
+        self.blocks.bodies.spread(1.0, &multipliers.local()?, field_out)?;
         let mut system = EmptyBox { matrix: self.matrix, inverse: self.inverse, stages };
         Ok(krylov.solve(&mut system, (field_out, field_in), &mut |_, _| {})?.iterations)
     }
 
     /// The scalar on surfaces without its means.
     fn values(&mut self, out: &mut [f64]) -> Result<()> {
-        self.blocks.sample(&self.work.field_in, out)?;
+        self.blocks.bodies.interpolate(&self.work.field_in, out)?;
         self.blocks.free_constants(&vec![0.0; out.len()], out);
         Ok(())
     }

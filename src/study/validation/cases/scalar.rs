@@ -6,11 +6,10 @@ use nalgebra::{SVector, Vector2, Vector3};
 
 use super::{DISK, SPHERE, TOLERANCE, still};
 use crate::{
-    constraint::InclusionMethod,
     error::{Error, Result},
     geometry::{Axis, Ball, Domain},
     petsc::Session,
-    scene::{MultiplierSolver, Tolerance},
+    scene::{ConstraintMethod, Tolerance},
     simulation::{Inclusions, ScalarSetup, ScalarSolution},
     study::validation::Case,
 };
@@ -34,8 +33,7 @@ fn setup<const D: usize>(axes: [Axis<D>; D], spacing: f64, ball: Ball<D>, order:
         source: 1.0,
         gradient: None,
         inclusions: vec![(ball, order)],
-        method: InclusionMethod::Sharp,
-        solver: MultiplierSolver::Krylov,
+        constraint: ConstraintMethod::Sharp,
         tolerance: Tolerance::Fixed(TOLERANCE),
     }
 }

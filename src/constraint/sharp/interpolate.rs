@@ -4,9 +4,16 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DMatrixView, Dyn, SVector};
 
-use super::{Placed, jumps::Jumps, nodes::Nodes, reach};
+use super::{
+    jumps::Jumps,
+    nodes::{Nodes, reach},
+};
 use crate::{
-    constraint::interpolant::{Interpolant, NodeBox, Run, row_offsets, row_weights},
+    constraint::{
+        interpolant::{Interpolant, NodeBox, Run, row_offsets, row_weights},
+        placed::Placed,
+        unknowns::Unknowns,
+    },
     grid::{
         Grid,
         interpolation::{self, NODES},
@@ -50,15 +57,16 @@ impl<'a, const D: usize> Sampling<'a, D> {
             });
             let runs = runs(grid, nodes, &met);
             let (length, strides) = (nodes.patch.len(), nodes.patch.strides());
-            sampling.interpolant.boxes.push(NodeBox { length, strides, runs, corners });
+            sampling.interpolant.boxes.push(NodeBox { lattice: nodes.lattice, length, strides, runs, corners });
             sampling.met.push(met);
         }
         sampling
     }
 
     /// The first node of each point, component by component; fills in weights and what walls add.
-    fn find_corners(&mut self) -> [Vec<u32>; D] {
-        let mut corners = [const { Vec::new() }; D];
+    fn find_corners(&mut self) -> Vec<Vec<u32>> {
+        let unknowns = Unknowns::of(self.placed.surface.modes.as_ref());
+        let mut corners = vec![Vec::new(); unknowns.components::<D>()];
         for (point, offset) in self.placed.surface.offsets().enumerate() {
             let position = self.placed.center + offset;
             // the fields along the axis and the pressure have their points on faces and between them
@@ -66,10 +74,11 @@ impl<'a, const D: usize> Sampling<'a, D> {
                 std::array::from_fn(|axis| [axis, D].map(|field| interpolation::line(self.grid, field, axis, position[axis])));
             self.interpolant.weights.push(lines.each_ref().map(|pair| pair.each_ref().map(|line| line.weight)));
             for (component, corners) in corners.iter_mut().enumerate() {
-                let first = std::array::from_fn(|axis| lines[axis][usize::from(axis != component)].index[0]);
+                let lattice = self.nodes[component].lattice;
+                let first = std::array::from_fn(|axis| lines[axis][usize::from(axis != lattice)].index[0]);
                 corners.push(self.nodes[component].patch.place(first) as u32);
             }
-            if lines.iter().flatten().any(|line| line.wall.is_some()) {
+            if unknowns == Unknowns::Fluid && lines.iter().flatten().any(|line| line.wall.is_some()) {
                 self.add_walls(point, &position);
             }
         }
@@ -92,7 +101,7 @@ impl<'a, const D: usize> Sampling<'a, D> {
     pub fn own_block(&self, jumps: &[Jumps], interpolated: &mut Interpolated) -> Option<DMatrix<f64>> {
         let met = |component: usize, place: usize| self.nodes[component].outside[place];
         self.interpolate(jumps, |_| true, met, interpolated);
-        interpolated.project(self.placed, self.placed.surface.modes.count(), -1.0)
+        interpolated.project(self.placed, self.placed.surface.modes.jump_count(), -1.0)
     }
 
     /// The transposed block of E of a neighbour's jumps, zero in its core, if interpolation meets its inside.
@@ -118,7 +127,7 @@ impl<'a, const D: usize> Sampling<'a, D> {
         };
         let met = |component: usize, place: usize| jumps[component].has(place);
         self.interpolate(jumps, near, met, interpolated);
-        interpolated.project(self.placed, neighbour.surface.modes.count(), 1.0)
+        interpolated.project(self.placed, neighbour.surface.modes.jump_count(), 1.0)
     }
 
     /// Interpolates jumps, at points that may be `near` them, over the nodes that are `met`.
@@ -130,15 +139,17 @@ impl<'a, const D: usize> Sampling<'a, D> {
         interpolated: &mut Interpolated,
     ) {
         interpolated.clear(jumps[0].stride());
-        if jumps[..D].iter().all(Jumps::is_empty) {
+        let components = self.interpolant.boxes.len();
+        if jumps[..components].iter().all(Jumps::is_empty) {
             return;
         }
         let offsets: Vec<_> = self.interpolant.boxes.iter().map(|nodes| row_offsets(nodes.strides)).collect();
         let mut terms = [(0, 0.0); MOST_NODES];
         for (point, _) in self.placed.surface.offsets().enumerate().filter(|(_, offset)| near(offset)) {
-            for component in (0..D).filter(|&component| !jumps[component].is_empty()) {
-                let corner = self.interpolant.boxes[component].corners[point] as usize;
-                let weights: [&_; D] = std::array::from_fn(|axis| &self.interpolant.weights[point][axis][usize::from(axis != component)]);
+            for component in (0..components).filter(|&component| !jumps[component].is_empty()) {
+                let NodeBox { lattice, corners, .. } = &self.interpolant.boxes[component];
+                let corner = corners[point] as usize;
+                let weights: [&_; D] = std::array::from_fn(|axis| &self.interpolant.weights[point][axis][usize::from(axis != *lattice)]);
                 let mut found = 0;
                 for (offset, weight) in offsets[component].iter().zip(row_weights(weights)).take(NODES.pow(D as u32 - 1)) {
                     for (along, last) in weights[D - 1].iter().enumerate() {
@@ -147,7 +158,7 @@ impl<'a, const D: usize> Sampling<'a, D> {
                         found += usize::from(met(component, place));
                     }
                 }
-                interpolated.add(point * D + component, &jumps[component], &terms[..found]);
+                interpolated.add(point * components + component, &jumps[component], &terms[..found]);
             }
         }
     }
