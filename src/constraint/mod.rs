@@ -34,7 +34,7 @@ mod sharp;
 mod skyline;
 mod unknowns;
 
-pub use adjoint::{AdjointBody, Collector, Equations, SparseRows};
+pub use adjoint::{AdjointBody, Collector, SparseRows};
 pub use blocks::{Assembled, Blocks, surrounded};
 pub use body::{BodyBlocks, FreeInverse};
 pub use crowd::Crowd;

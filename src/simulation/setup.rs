@@ -122,7 +122,7 @@ impl<const D: usize> Setup<D> {
 
     /// Force that gives a body of this radius a unit velocity in unbounded fluid.
     pub fn resistance(&self, radius: f64) -> f64 {
-        let modes = modes(D, radius, 1.0, 1);
+        let modes = modes(D, radius, 1);
         self.viscosity * modes.force_factor() / modes.isolated_mobility(self.reach())[(0, 0)]
     }
 

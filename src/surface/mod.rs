@@ -12,16 +12,16 @@
 //! This module knows no grid, no box and no other body.
 
 pub mod fourier;
-mod lanes;
 pub mod quadrature;
 mod radial;
+mod rotation;
 mod scalar;
+mod simd;
 mod solid_harmonics;
 pub mod spherical;
 mod table;
 #[cfg(test)]
 mod tests;
-mod turn;
 
 use std::f64::consts::PI;
 
@@ -29,10 +29,10 @@ use nalgebra::DMatrix;
 
 pub use fourier::Fourier;
 pub use quadrature::{Quadrature, axial, quadrature};
+pub use rotation::{Degree, rotations};
 pub use scalar::ScalarModes;
 pub use spherical::Spherical;
 pub use table::SurfaceTable;
-pub use turn::{Family, turn};
 
 /// Multiplier modes on the surface of a ball: tractions `F` on `gamma`, linear in real coefficients, and the jump functions they cause.
 ///
@@ -96,8 +96,8 @@ pub trait Modes {
         out.fill(0.0);
     }
 
-    /// The modes, sorted by how they turn; none where near pairs are not looked at.
-    fn families(&self) -> Vec<Family> {
+    /// The modes, sorted by how they rotate; none where near pairs are not looked at.
+    fn degrees(&self) -> Vec<Degree> {
         Vec::new()
     }
 
@@ -146,15 +146,15 @@ pub fn mode_count(dimension: usize, order: usize) -> usize {
     }
 }
 
-/// The modes of a ball: Fourier modes `|k| <= order` on a circle, vector spherical harmonics `l <= order` on a sphere.
+/// The modes of a ball in a fluid of unit viscosity: Fourier modes `|k| <= order` on a circle, vector spherical harmonics `l <= order` on a sphere.
 ///
 /// # Panics
 ///
 /// If `dimension` is not 2 or 3, or `order` is not between 1 and the `MAXIMUM_ORDER` of the family.
-pub fn modes(dimension: usize, radius: f64, viscosity: f64, order: usize) -> Box<dyn Modes> {
+pub fn modes(dimension: usize, radius: f64, order: usize) -> Box<dyn Modes> {
     match dimension {
-        2 => Box::new(Fourier::new(radius, viscosity, order)),
-        3 => Box::new(Spherical::new(radius, viscosity, order)),
+        2 => Box::new(Fourier::new(radius, order)),
+        3 => Box::new(Spherical::new(radius, order)),
         _ => panic!("modes exist in dimension 2 and 3, not {dimension}"),
     }
 }

@@ -16,7 +16,7 @@ use nalgebra::DMatrix;
 
 use super::{
     Modes,
-    lanes::{LANES, Lanes, each, in_batches},
+    simd::{LANES, Simd, each, in_batches},
     solid_harmonics::SolidHarmonics,
 };
 
@@ -45,7 +45,7 @@ impl<const D: usize> ScalarModes<D> {
     }
 
     /// Writes the harmonic polynomials at scaled positions.
-    fn harmonics(&self, position: &[Lanes; D], values: &mut [Lanes]) {
+    fn harmonics(&self, position: &[Simd; D], values: &mut [Simd]) {
         if D > 2 {
             return self.solid.fill(&std::array::from_fn(|axis| position[axis]), values);
         }
@@ -58,7 +58,7 @@ impl<const D: usize> ScalarModes<D> {
         }
     }
 
-    fn jumps_of_lanes(&self, position: &[Lanes; D], values: &mut [Lanes]) {
+    fn simd_jumps(&self, position: &[Simd; D], values: &mut [Simd]) {
         let (a, dimension) = (self.radius, D as f64);
         let square = each(|k| position.iter().map(|x| x[k] * x[k]).sum());
         let mut decay = each(|k| square[k].powf(1.0 - 0.5 * dimension));
@@ -94,13 +94,13 @@ impl<const D: usize> Modes for ScalarModes<D> {
     fn traction(&self, direction: &[f64], out: &mut [f64]) {
         let mut values = vec![[0.0; LANES]; self.count()];
         self.harmonics(&std::array::from_fn(|axis| [direction[axis]; LANES]), &mut values);
-        out.iter_mut().zip(values).for_each(|(out, lanes)| *out = lanes[0]);
+        out.iter_mut().zip(values).for_each(|(out, value)| *out = value[0]);
     }
 
     /// The jump functions of unit coefficients, and last that of a unit source.
     fn velocity_jumps(&self, offsets: &[f64], _component: usize, out: &mut [f64]) {
         in_batches((offsets, self.radius), self.jump_count(), out, |position, values| {
-            self.jumps_of_lanes(position, values.as_chunks_mut().0);
+            self.simd_jumps(position, values.as_chunks_mut().0);
         });
     }
 

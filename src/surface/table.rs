@@ -20,7 +20,7 @@ pub struct SurfaceTable<const D: usize> {
 impl<const D: usize> SurfaceTable<D> {
     /// The surface of a ball of the given radius with modes up to `order`, sampled about as finely as the grid.
     pub fn new(radius: f64, order: usize, spacing: f64) -> SurfaceTable<D> {
-        SurfaceTable::of(modes(D, radius, 1.0, order), order, spacing)
+        SurfaceTable::of(modes(D, radius, order), order, spacing)
     }
 
     /// As [`new`](Self::new), with the modes of a scalar.

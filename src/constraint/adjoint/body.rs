@@ -12,8 +12,10 @@ use crate::{
     constraint::{
         body::{BodyBlocks, FreeInverse, Plans, Walls},
         layout::Layout,
+        placed::Placed,
         places::{Seen, SeenMut},
     },
+    grid::Grid,
     surface::SurfaceTable,
 };
 
@@ -32,6 +34,14 @@ pub struct AdjointBody<const D: usize> {
 }
 
 impl<const D: usize> AdjointBody<D> {
+    /// One whose multipliers are modes of its surface: rows are the values at the points of it, one a component, and `wall_values` what
+    /// moving walls add to them.
+    pub fn on_surface(grid: &Grid<D>, placed: &Placed<D>, nodes: Nodes<D>, rows: SparseRows, wall_values: Vec<f64>) -> AdjointBody<D> {
+        let cell = grid.spacing().product();
+        let equations = Equations::Surface { surface: placed.surface.clone(), strength: placed.surface.area() / cell };
+        AdjointBody { nodes, rows, wall_values, equations, cell }
+    }
+
     /// Forces per volume at the nodes.
     fn forces(&self, c: &[f64]) -> Vec<f64> {
         self.rows.transposed(&self.equations.forces(c), self.nodes.count())

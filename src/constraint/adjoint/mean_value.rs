@@ -5,7 +5,6 @@
 
 use super::{
     body::AdjointBody,
-    equations::Equations,
     nodes::{Collector, SparseRows},
 };
 use crate::{
@@ -70,9 +69,7 @@ pub fn assemble<const D: usize>(grid: &Grid<D>, placed: &Placed<D>) -> AdjointBo
     if wall_values.iter().all(|value| *value == 0.0) {
         wall_values.clear();
     }
-    let cell = grid.spacing().product();
-    let equations = Equations::Surface { surface: placed.surface.clone(), strength: placed.surface.area() / cell };
-    AdjointBody { nodes: collector.nodes, rows, wall_values, equations, cell }
+    AdjointBody::on_surface(grid, placed, collector.nodes, rows, wall_values)
 }
 
 /// The velocity of the wall that a corner of the interpolation lies on, if that is between lattice points.

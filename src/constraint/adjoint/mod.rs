@@ -16,7 +16,6 @@ mod strains;
 
 pub use body::AdjointBody;
 pub use distributed::Distributed;
-pub use equations::Equations;
 pub use mean_value::MeanValue;
 pub use nodes::{Collector, SparseRows};
 pub use penalty::Penalty;

@@ -25,7 +25,7 @@ use crate::{
 const MOST_NODES: usize = NODES * NODES * NODES;
 
 /// The interpolation on one body's surface.
-pub struct Sampling<'a, const D: usize> {
+pub struct Interpolation<'a, const D: usize> {
     grid: &'a Grid<D>,
     placed: &'a Placed<D>,
     nodes: &'a [Nodes<D>],
@@ -44,23 +44,23 @@ pub struct Interpolated {
     values: Vec<f64>,
 }
 
-impl<'a, const D: usize> Sampling<'a, D> {
+impl<'a, const D: usize> Interpolation<'a, D> {
     /// Finds the nodes, and asks for the jumps of the body at those outside it.
     pub fn new(grid: &'a Grid<D>, placed: &'a Placed<D>, nodes: &'a [Nodes<D>], jumps: &mut [Jumps]) -> Self {
         let interpolant = Interpolant { boxes: Vec::new(), weights: Vec::new(), wall_values: Vec::new() };
-        let mut sampling = Sampling { grid, placed, nodes, met: Vec::new(), interpolant };
-        let corners = sampling.find_corners();
+        let mut found = Interpolation { grid, placed, nodes, met: Vec::new(), interpolant };
+        let corners = found.find_corners();
         for ((nodes, corners), jumps) in nodes.iter().zip(corners).zip(jumps) {
             let met = met(nodes, &corners);
             (0..met.len()).filter(|&place| met[place] && nodes.outside[place]).for_each(|place| {
                 jumps.choose(place);
             });
             let runs = runs(grid, nodes, &met);
-            let (length, strides) = (nodes.patch.len(), nodes.patch.strides());
-            sampling.interpolant.boxes.push(NodeBox { lattice: nodes.lattice, length, strides, runs, corners });
-            sampling.met.push(met);
+            let (length, strides) = (nodes.indices.len(), nodes.indices.strides());
+            found.interpolant.boxes.push(NodeBox { lattice: nodes.lattice, length, strides, runs, corners });
+            found.met.push(met);
         }
-        sampling
+        found
     }
 
     /// The first node of each point, component by component; fills in weights and what walls add.
@@ -76,7 +76,7 @@ impl<'a, const D: usize> Sampling<'a, D> {
             for (component, corners) in corners.iter_mut().enumerate() {
                 let lattice = self.nodes[component].lattice;
                 let first = std::array::from_fn(|axis| lines[axis][usize::from(axis != lattice)].index[0]);
-                corners.push(self.nodes[component].patch.place(first) as u32);
+                corners.push(self.nodes[component].indices.place(first) as u32);
             }
             if unknowns == Unknowns::Fluid && lines.iter().flatten().any(|line| line.wall.is_some()) {
                 self.add_walls(point, &position);
@@ -165,8 +165,8 @@ impl<'a, const D: usize> Sampling<'a, D> {
 }
 
 fn met<const D: usize>(nodes: &Nodes<D>, corners: &[u32]) -> Vec<bool> {
-    let offsets = row_offsets(nodes.patch.strides());
-    let mut met = vec![false; nodes.patch.len()];
+    let offsets = row_offsets(nodes.indices.strides());
+    let mut met = vec![false; nodes.indices.len()];
     for &corner in corners {
         for offset in &offsets[..NODES.pow(D as u32 - 1)] {
             met[corner as usize + offset..][..NODES].fill(true);

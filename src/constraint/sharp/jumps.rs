@@ -24,7 +24,7 @@ impl Jumps {
     pub fn turn_to<const D: usize>(&mut self, placed: &Placed<D>, nodes: &Nodes<D>) {
         self.stride = padded(placed.surface.modes.jump_count());
         self.chosen.drain(..).for_each(|place| self.rows[place as usize] = EMPTY);
-        self.rows.resize(nodes.patch.len(), EMPTY);
+        self.rows.resize(nodes.indices.len(), EMPTY);
     }
 
     /// Asks for the node at a place; returns its row.

@@ -31,7 +31,7 @@ use super::{
 use crate::{grid::Grid, surface::SurfaceTable};
 pub use body::SharpBody;
 pub use cleared::{FreshlyCleared, freshly_cleared, jump};
-use interpolate::{Interpolated, Sampling};
+use interpolate::{Interpolated, Interpolation};
 use jumps::Jumps;
 pub use nodes::Nodes;
 use nodes::reach;
@@ -107,12 +107,12 @@ pub fn assemble<const D: usize>(
     let (jumps, of_neighbour) = (&mut jumps[..fields], &mut of_neighbour[..components]);
     nodes.iter().zip(&mut *jumps).for_each(|(nodes, jumps)| jumps.turn_to(placed, nodes));
     let spreading = Spreading::new(grid, placed, &nodes, jumps);
-    let sampling = Sampling::new(grid, placed, &nodes, jumps);
+    let interpolation = Interpolation::new(grid, placed, &nodes, jumps);
     let core = CORE * grid.spacing().max();
     nodes.iter().zip(&mut *jumps).for_each(|(nodes, jumps)| jumps.evaluate(nodes, placed, core));
-    let own = sampling.own_block(jumps, interpolated).map(|block| (*body, block));
+    let own = interpolation.own_block(jumps, interpolated).map(|block| (*body, block));
     let others = neighbours.iter().filter_map(|(other, neighbour)| {
-        let block = sampling.neighbour_block((neighbour, core), of_neighbour, interpolated)?;
+        let block = interpolation.neighbour_block((neighbour, core), of_neighbour, interpolated)?;
         Some((*other, block))
     });
     let local = own.into_iter().chain(others);
@@ -123,7 +123,7 @@ pub fn assemble<const D: usize>(
         on_walls,
         local: local.map(|(body, transposed)| LocalBlock { body, transposed }).collect(),
         local_places: Vec::new(),
-        interpolant: sampling.interpolant,
+        interpolant: interpolation.interpolant,
     };
     (body, nodes)
 }

@@ -24,7 +24,7 @@ pub struct Nodes<const D: usize> {
     /// Its lattice.
     pub lattice: usize,
     /// Their indices.
-    pub patch: IndexBox<D>,
+    pub indices: IndexBox<D>,
     /// Coordinates along each axis.
     coordinates: [Vec<f64>; D],
     /// Square of the distance of each from the centre of the body.
@@ -38,23 +38,23 @@ impl<const D: usize> Nodes<D> {
     pub fn around(grid: &Grid<D>, field: usize, placed: &Placed<D>, reach: f64) -> Nodes<D> {
         let unknowns = Unknowns::of(placed.surface.modes.as_ref());
         let lattice = unknowns.lattice::<D>(field);
-        let patch = match unknowns {
+        let indices = match unknowns {
             Unknowns::Fluid => IndexBox::with_walls(grid, lattice, &placed.center, reach),
             Unknowns::Scalar => IndexBox::of_cells(grid, &placed.center, reach),
         };
         let coordinates = std::array::from_fn(|axis| {
-            let start = patch.start()[axis];
-            (0..patch.extent()[axis] as isize).map(|along| coordinate(grid, lattice, axis, start + along)).collect()
+            let start = indices.start()[axis];
+            (0..indices.extent()[axis] as isize).map(|along| coordinate(grid, lattice, axis, start + along)).collect()
         });
         let squares = squares(&coordinates, &placed.center);
         let limit = placed.surface.modes.radius().powi(2);
         let outside = squares.iter().map(|&square| square > limit).collect();
-        Nodes { unknowns, field, lattice, patch, coordinates, squares, outside }
+        Nodes { unknowns, field, lattice, indices, coordinates, squares, outside }
     }
 
     /// Where the node at a place is.
     pub fn position(&self, place: usize) -> SVector<f64, D> {
-        let (index, start) = (self.patch.index(place), self.patch.start());
+        let (index, start) = (self.indices.index(place), self.indices.start());
         SVector::from_fn(|axis, _| self.coordinates[axis][(index[axis] - start[axis]) as usize])
     }
 
@@ -65,7 +65,7 @@ impl<const D: usize> Nodes<D> {
             let (coordinates, center) = (&self.coordinates[axis], other.center[axis]);
             (coordinates.partition_point(|x| *x < center - radius), coordinates.partition_point(|x| *x <= center + radius))
         });
-        let (start, strides) = (ranges.map(|(first, _)| first), self.patch.strides());
+        let (start, strides) = (ranges.map(|(first, _)| first), self.indices.strides());
         let extent: [usize; D] = ranges.map(|(first, end)| end - first);
         for mut rest in 0..extent.iter().product() {
             let mut place = 0;
@@ -88,10 +88,10 @@ impl<const D: usize> Nodes<D> {
         wanted: impl Fn(std::ops::Range<usize>) -> std::ops::Range<usize>,
         mut visit: impl FnMut(usize, usize, usize),
     ) {
-        let length = self.patch.extent()[D - 1];
-        for first in (0..self.patch.len()).step_by(length.max(1)) {
+        let length = self.indices.extent()[D - 1];
+        for first in (0..self.indices.len()).step_by(length.max(1)) {
             let range = wanted(first..first + length);
-            let mut index: Index<D> = self.patch.index(first);
+            let mut index: Index<D> = self.indices.index(first);
             index[D - 1] += (range.start - first) as isize;
             let mut place = range.start;
             while place < range.end {

@@ -105,7 +105,7 @@ impl<'a, const D: usize> Spreading<'a, D> {
     /// Collects the corrections of a momentum row (along axis `field`), of a continuity row, or of the one row of a scalar.
     fn find_row(&mut self, field: usize, place: usize, jumps: &mut [Jumps]) {
         let Self { grid, nodes, rows, .. } = self;
-        let (index, outside) = (nodes[field].patch.index(place), nodes[field].outside[place]);
+        let (index, outside) = (nodes[field].indices.index(place), nodes[field].outside[place]);
         let side = if outside { 1.0 } else { -1.0 };
         if nodes.len() == 1 {
             let mut group = rows.group((&nodes[field], &mut jumps[field]), (outside, side));
@@ -133,8 +133,8 @@ impl<'a, const D: usize> Spreading<'a, D> {
         }
         let near = self.near();
         let nodes = &self.nodes[field];
-        for place in (0..nodes.patch.len()).filter(|&place| near.contains(&nodes.squares[place])) {
-            let index = nodes.patch.index(place);
+        for place in (0..nodes.indices.len()).filter(|&place| near.contains(&nodes.squares[place])) {
+            let index = nodes.indices.index(place);
             let Some(wall) = stencil::wall_at(self.grid, field, index) else { continue };
             let (mut velocities, mut pressures) = (Vec::new(), Vec::new());
             stencil::wall_row(self.grid, (field, index), wall, |term| velocities.push(term), |term| pressures.push(term));
@@ -241,7 +241,7 @@ impl<const D: usize> Group<'_, D> {
     /// Takes a term if it reaches across the surface.
     fn take(&mut self, term: Term<D>) {
         let (Site::Lattice { index, .. } | Site::Wall { index, .. }) = term.site;
-        let place = self.nodes.patch.place(index);
+        let place = self.nodes.indices.place(index);
         if self.nodes.outside[place] != self.outside {
             self.corrections.terms.push((self.jumps.choose(place), self.factor * term.weight));
         }

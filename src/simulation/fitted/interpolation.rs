@@ -10,7 +10,7 @@ use crate::{
 };
 
 /// A flow, per unit viscosity and without the background, as a fluid vector; rigid motions in disks, where the pressure is that of its mean, zero.
-pub fn sample<const D: usize>(
+pub fn interpolate<const D: usize>(
     session: &Session,
     grid: &Grid<D>,
     problem: &StokesProblem,
