@@ -94,7 +94,7 @@ impl<const D: usize> ScalarBlocks<D> {
             let net = inclusion.constant_part(wanted) / inclusion.reaction;
             let mut missing: Vec<f64> = wanted.iter().zip(out.iter()).map(|(wanted, value)| wanted - value).collect();
             inclusion.add_constant(-inclusion.constant_part(&missing), &mut missing);
-            inclusion.alone.invert(&missing, out);
+            inclusion.alone.apply(&missing, out);
             inclusion.add_constant(net - inclusion.constant_part(out), out);
         }
     }

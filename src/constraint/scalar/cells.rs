@@ -4,12 +4,12 @@ use nalgebra::{SMatrix, SVector};
 
 use super::{
     envelope::Envelope,
-    inclusion::{Alone, Inclusion, InclusionBlocks},
+    inclusion::{Inclusion, InclusionBlocks},
     links::{Link, LinkedCells, filled_parts},
 };
 use crate::{
     constraint::{
-        body::{BodyBlocks, Plans, Walls},
+        body::{BodyBlocks, FreeInverse, Plans, Walls},
         layout::Layout,
         places::{Seen, SeenMut},
         rows::Rows,
@@ -31,6 +31,20 @@ struct Cells<const D: usize> {
     compliance: Option<Envelope>,
 }
 
+/// The Laplacian of the links between cells alone.
+struct Laplacian(Vec<Link>);
+
+impl FreeInverse for Laplacian {
+    fn apply(&self, input: &[f64], output: &mut [f64]) {
+        output.fill(0.0);
+        for &Link { cells: [one, two], weight } in &self.0 {
+            let flux = weight * (input[one] - input[two]);
+            output[one] += flux;
+            output[two] -= flux;
+        }
+    }
+}
+
 /// The blocks of an inclusion from its cells, E, and the links whose Laplacian stands for the inverse.
 pub fn blocks<const D: usize>(
     grid: &Grid<D>,
@@ -48,7 +62,7 @@ pub fn blocks<const D: usize>(
         reaction: ball.radius * ball.radius / D as f64,
         source: Rows::new(unknowns, parts),
         by_source: Vec::new(),
-        alone: Alone::Links(links),
+        alone: Box::new(Laplacian(links)),
     };
     let LinkedCells { unknowns, offsets, .. } = cells;
     InclusionBlocks { body: Box::new(Cells { unknowns, offsets, volume, places: Default::default(), compliance }), inclusion }

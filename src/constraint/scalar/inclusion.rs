@@ -1,7 +1,11 @@
 //! What one inclusion adds to the linear system.
 
-use super::links::Link;
-use crate::constraint::{body::BodyBlocks, method::Method, placed::Placed, rows::Rows};
+use crate::constraint::{
+    body::{BodyBlocks, FreeInverse},
+    method::Method,
+    placed::Placed,
+    rows::Rows,
+};
 
 /// The blocks of an inclusion: C, J and E as those of a body in a fluid, and the rest.
 pub struct InclusionBlocks<const D: usize> {
@@ -23,16 +27,17 @@ pub struct Inclusion {
     pub source: Rows,
     /// What a unit source adds to tested values through the jumps; empty without jumps.
     pub by_source: Vec<f64>,
-    /// What stands for the inverse of `J A^{-1} C + E` of a lonely inclusion.
-    pub alone: Alone,
+    /// What stands for the inverse of `J A^{-1} C + E` of a lonely inclusion, for values without a constant.
+    pub alone: Box<dyn FreeInverse>,
 }
 
-/// About the inverse of `J A^{-1} C + E` of a lonely inclusion, for values without a constant.
-pub enum Alone {
-    /// The value on the surface per unit of each multiplier.
-    Modes(Vec<f64>),
-    /// The Laplacian of the links between cells alone.
-    Links(Vec<Link>),
+/// The value on the surface per unit of each multiplier.
+struct ModeValues(Vec<f64>);
+
+impl FreeInverse for ModeValues {
+    fn apply(&self, input: &[f64], output: &mut [f64]) {
+        output.iter_mut().zip(input.iter().zip(&self.0)).for_each(|(output, (value, of))| *output = value / of);
+    }
 }
 
 /// A method for inclusions.
@@ -45,7 +50,7 @@ impl Inclusion {
         let values: Vec<f64> = modes.isolated_mobility(modes.radius()).diagonal().iter().copied().collect();
         let constant = (0..modes.count()).map(|mode| if mode == 0 { 1.0 } else { 0.0 }).collect();
         let (measure, reaction) = (placed.surface.area(), values[0]);
-        Inclusion { constant, measure, reaction, source, by_source, alone: Alone::Modes(values) }
+        Inclusion { constant, measure, reaction, source, by_source, alone: Box::new(ModeValues(values)) }
     }
 
     /// The part of the constant in tested values or multipliers.
@@ -62,22 +67,5 @@ impl Inclusion {
     /// Net flux of multipliers.
     pub fn flux(&self, c: &[f64]) -> f64 {
         self.measure * self.constant.iter().zip(c).map(|(one, c)| one * c).sum::<f64>()
-    }
-}
-
-impl Alone {
-    /// Multipliers for values.
-    pub fn invert(&self, values: &[f64], out: &mut [f64]) {
-        match self {
-            Alone::Modes(of) => out.iter_mut().zip(values.iter().zip(of)).for_each(|(out, (value, of))| *out = value / of),
-            Alone::Links(links) => {
-                out.fill(0.0);
-                for &Link { cells: [one, two], weight } in links {
-                    let flux = weight * (values[one] - values[two]);
-                    out[one] += flux;
-                    out[two] -= flux;
-                }
-            }
-        }
     }
 }
