@@ -23,6 +23,8 @@ const TOGETHER: usize = 16;
 /// The blocks of this rank's bodies, which are counted in the order of the layout.
 pub struct Blocks<const D: usize> {
     bodies: Vec<Box<dyn BodyBlocks<D>>>,
+    /// Where each of them was; empty if none is kept for another assembly.
+    situations: Vec<Situation<D>>,
     /// For each of them, its multipliers in this rank's part.
     ranges: Vec<Range<usize>>,
     /// Entries of vectors of the grid that are taken from other ranks.
@@ -33,7 +35,7 @@ pub struct Blocks<const D: usize> {
     multipliers: Scatter,
 }
 
-/// The blocks of this rank's bodies with what they were assembled for.
+/// The blocks of this rank's bodies and their numbering.
 pub struct Assembled<const D: usize> {
     /// Who holds which multipliers.
     pub layout: Layout,
@@ -41,25 +43,24 @@ pub struct Assembled<const D: usize> {
     pub blocks: Blocks<D>,
     /// Number of bodies whose blocks are new.
     pub new: usize,
-    /// Where each of this rank's bodies was.
-    pub situations: Vec<Situation<D>>,
 }
 
 impl<const D: usize> Assembled<D> {
     /// The blocks of all that a method makes rigid; bodies that did not move, nor their neighbours, keep those of an earlier assembly.
     /// `shape` is any vector of the grid's unknowns. Collective.
     pub fn new(
-        session: &Session,
-        (grid, shape): (&Grid<D>, &Vector),
+        grid: &Grid<D>,
+        shape: &Vector,
         method: &FlowMethod<D>,
         bodies: &[Surrounded<D>],
-        earlier: Option<(Blocks<D>, Vec<Situation<D>>)>,
+        earlier: Option<Blocks<D>>,
     ) -> Result<Assembled<D>> {
+        let session = shape.session();
         let rank = session.world().rank();
         let own: Vec<Surrounded<D>> = bodies.iter().filter(|body| grid.owner(&body.placed.center) == rank).copied().collect();
         let situations: Vec<Situation<D>> = own.iter().map(Situation::of).collect();
         let (mut kept, mut memory) = (HashMap::new(), Vec::new());
-        for (blocks, situation) in earlier.into_iter().flat_map(|(blocks, situations)| blocks.bodies.into_iter().zip(situations)) {
+        for (blocks, situation) in earlier.into_iter().flat_map(|earlier| earlier.bodies.into_iter().zip(earlier.situations)) {
             if situations.binary_search_by_key(&situation.body, |own| own.body).is_ok_and(|found| situations[found] == situation) {
                 kept.insert(situation.body, blocks);
             } else {
@@ -80,8 +81,8 @@ impl<const D: usize> Assembled<D> {
             }
         };
         let layout = Layout::new(grid, &bodies.iter().map(|body| body.placed.center).collect::<Vec<_>>(), &counts, rank);
-        let blocks = Blocks::new(session, shape, &layout, blocks)?;
-        Ok(Assembled { layout, blocks, new: moved.len(), situations })
+        let blocks = Blocks { situations, ..Blocks::new(session, shape, &layout, blocks)? };
+        Ok(Assembled { layout, blocks, new: moved.len() })
     }
 }
 
@@ -98,7 +99,7 @@ impl<const D: usize> Blocks<D> {
         bodies.iter_mut().for_each(|body| body.plan(layout, &mut plans));
         let ranges = layout.local_bodies.iter().map(|&body| layout.local(body)..layout.local(body) + layout.count(body)).collect();
         let (read, spread) = (plans.read.scatter(shape)?, plans.spread.scatter(shape)?);
-        Ok(Blocks { bodies, ranges, read, spread, multipliers: plans.multipliers.scatter(&multipliers)? })
+        Ok(Blocks { bodies, situations: Vec::new(), ranges, read, spread, multipliers: plans.multipliers.scatter(&multipliers)? })
     }
 
     /// Each of this rank's bodies with its multipliers in this rank's part.

@@ -51,16 +51,16 @@ pub fn padded(count: usize) -> usize {
 
 /// Adds to `out` the weighted sum of rows of `values`, each as long as `out`, a padded length; terms are row and weight.
 pub fn add_rows(terms: &[(u32, f64)], values: &[f64], out: &mut [f64]) {
-    let length = out.len();
     let mut start = 0;
-    start = add_parts::<{ 3 * WIDTH }>(terms, (values, length), start, out);
-    start = add_parts::<{ 2 * WIDTH }>(terms, (values, length), start, out);
-    add_parts::<WIDTH>(terms, (values, length), start, out);
+    start = add_parts::<{ 3 * WIDTH }>(terms, values, start, out);
+    start = add_parts::<{ 2 * WIDTH }>(terms, values, start, out);
+    add_parts::<WIDTH>(terms, values, start, out);
 }
 
 /// As many parts of `N` entries as fit from `start` on; returns where the next would start.
 #[inline(always)]
-fn add_parts<const N: usize>(terms: &[(u32, f64)], (values, length): (&[f64], usize), mut start: usize, out: &mut [f64]) -> usize {
+fn add_parts<const N: usize>(terms: &[(u32, f64)], values: &[f64], mut start: usize, out: &mut [f64]) -> usize {
+    let length = out.len();
     while let Some(part) = out.get_mut(start..start + N) {
         let mut sums = [0.0; N];
         for &(row, weight) in terms {

@@ -5,9 +5,8 @@ use serde::Serialize;
 
 use super::{Summary, summary::SolverSummary};
 use crate::{
-    grid::Grid,
     parallel::World,
-    simulation::{Cost, InclusionState, ScalarSetup, ScalarSolution, Uzawa},
+    simulation::{InclusionState, SolvedScalar, Uzawa},
 };
 
 /// The scalar problem.
@@ -63,14 +62,9 @@ pub struct InclusionSummary {
 }
 
 impl Summary {
-    /// The numbers of a scalar problem; collective. `named` is the scene's name and title, `solver` the word for what inverted the matrix
-    /// and what that cost.
-    pub fn of_scalar<const D: usize>(
-        named: (&str, &str),
-        (setup, grid): (&ScalarSetup<D>, &Grid<D>),
-        (solution, solver): (&ScalarSolution<D>, (&'static str, &Cost)),
-        world: &World,
-    ) -> Summary {
+    /// The numbers of a scalar problem of a scene of this name and title; collective.
+    pub fn of_scalar<const D: usize>(name: &str, title: &str, solved: &SolvedScalar<D>, world: &World) -> Summary {
+        let SolvedScalar { setup, grid, solution, inverse, cost } = *solved;
         let held = solution.inclusions.iter().filter(|inclusion| grid.owner(&inclusion.center) == world.rank()).count();
         let scalar = ScalarSummary {
             source: setup.source,
@@ -81,8 +75,8 @@ impl Summary {
         };
         Summary {
             scalar: Some(scalar),
-            solver: Some(SolverSummary::of_cost(solver.0, solver.1, world)),
-            ..Summary::of_bodies(named, (Vec::new(), setup.fraction()), (held, grid.local_unknowns(D)), world)
+            solver: Some(SolverSummary::of_cost(inverse, cost, world)),
+            ..Summary::of_bodies((name, title), (Vec::new(), setup.fraction()), (held, grid.local_unknowns(D)), world)
         }
     }
 }

@@ -6,7 +6,7 @@ use nalgebra::SVector;
 
 use super::{basis::Basis, bodies::Bodies, links::medium, touching::Medium};
 use crate::{
-    constraint::{Assembled, Blocks, Crowd, Layout, NearPairs, Placed, Situation, lubrication::Films, neighbours, surrounded},
+    constraint::{Assembled, Blocks, Crowd, Layout, NearPairs, Placed, lubrication::Films, neighbours, surrounded},
     error::{Error, Result},
     geometry::Ball,
     parallel::World,
@@ -26,7 +26,6 @@ pub struct Assembly<const D: usize> {
     pub layout: Layout,
     /// The blocks of this rank's bodies.
     pub blocks: Blocks<D>,
-    situations: Vec<Situation<D>>,
     /// Bodies of this rank whose blocks are new.
     pub assembled: usize,
     /// Near pairs, if multipliers are coefficients of surface modes.
@@ -44,17 +43,17 @@ impl<const D: usize> Assembly<D> {
     pub fn of(basis: &Basis<D>, centers: &[SVector<f64, D>], earlier: Option<Assembly<D>>) -> Result<Assembly<D>> {
         match earlier {
             Some(assembly) if assembly.centers == centers => Ok(Assembly { assembled: 0, ..assembly }),
-            earlier => Assembly::anew(basis, centers, earlier.map(|earlier| (earlier.blocks, earlier.situations))),
+            earlier => Assembly::anew(basis, centers, earlier.map(|earlier| earlier.blocks)),
         }
     }
 
-    fn anew(basis: &Basis<D>, centers: &[SVector<f64, D>], earlier: Option<(Blocks<D>, Vec<Situation<D>>)>) -> Result<Assembly<D>> {
+    fn anew(basis: &Basis<D>, centers: &[SVector<f64, D>], earlier: Option<Blocks<D>>) -> Result<Assembly<D>> {
         let (session, fluid, method) = (&basis.session, &basis.undisturbed.0, basis.method.as_ref());
         let placed = Rc::new(basis.kinds.place(&basis.setup, centers));
         let crowd = Rc::new(crowd(basis, &placed));
         let neighbours = neighbours(&placed, &crowd.pairs, method.reach() * basis.grid.spacing().max());
-        let Assembled { layout, mut blocks, new: assembled, situations } =
-            Assembled::new(session, (&basis.grid, fluid), method, &surrounded(&placed, &neighbours), earlier)?;
+        let Assembled { layout, mut blocks, new: assembled } =
+            Assembled::new(&basis.grid, fluid, method, &surrounded(&placed, &neighbours), earlier)?;
         let bodies = Bodies::new((&basis.setup, &basis.grid, &basis.kinds), (placed.clone(), crowd.clone()), layout);
         let undisturbed = bodies.undisturbed(&mut blocks, fluid, |body, point| {
             // a body that has left a sheared box goes on as fast as the image of the box in which it is
@@ -63,7 +62,7 @@ impl<const D: usize> Assembly<D> {
         let pairs = if method.on_surfaces() { Some(bodies.near_pairs(session)?) } else { None };
         let (films, medium) = (balanced(session.world(), bodies.films())?, medium(basis, &bodies, centers, pairs.as_ref()));
         let (centers, layout) = (centers.to_vec(), bodies.layout);
-        Ok(Assembly { centers, placed, crowd, layout, blocks, situations, assembled, pairs, films, medium, undisturbed })
+        Ok(Assembly { centers, placed, crowd, layout, blocks, assembled, pairs, films, medium, undisturbed })
     }
 }
 

@@ -49,7 +49,7 @@ pub use flow_solver::{FlowSolver, flow_solver};
 pub use memory::{Past, Snapshot};
 pub use pace::{Pace, Stride, Urge};
 pub use plan::{Plan, demand};
-pub use scalar::{InclusionState, Inclusions, ScalarSetup, ScalarSolution, Uzawa};
+pub use scalar::{InclusionState, Inclusions, ScalarSetup, ScalarSolution, SolvedScalar, Uzawa};
 pub use setup::{Setup, SuspendedBody};
 pub use simulation::{Simulation, StepReport};
 pub use solution::{BodyState, Lubrication, Solution};

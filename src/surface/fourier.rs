@@ -118,7 +118,7 @@ impl Modes for Fourier {
 
     fn velocity_jumps(&self, offsets: &[f64], component: usize, out: &mut [f64]) {
         let mut powers = SimdPowers::new(self.order + 2);
-        in_batches((offsets, self.radius), self.count(), out, |position, values| {
+        in_batches(offsets, self.radius, self.count(), out, |position, values| {
             powers.fill(position);
             self.fill(values, |harmonic| self.velocity_pair(&powers, harmonic, component));
         });
@@ -126,7 +126,7 @@ impl Modes for Fourier {
 
     fn pressure_jumps(&self, offsets: &[f64], out: &mut [f64]) {
         let mut powers = SimdPowers::new(self.order + 2);
-        in_batches((offsets, self.radius), self.count(), out, |position, values| {
+        in_batches(offsets, self.radius, self.count(), out, |position, values| {
             powers.fill(position);
             self.fill(values, |harmonic| {
                 let [re, im] = powers.growing(harmonic.power - 1);

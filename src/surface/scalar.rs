@@ -99,7 +99,7 @@ impl<const D: usize> Modes for ScalarModes<D> {
 
     /// The jump functions of unit coefficients, and last that of a unit source.
     fn velocity_jumps(&self, offsets: &[f64], _component: usize, out: &mut [f64]) {
-        in_batches((offsets, self.radius), self.jump_count(), out, |position, values| {
+        in_batches(offsets, self.radius, self.jump_count(), out, |position, values| {
             self.simd_jumps(position, values.as_chunks_mut().0);
         });
     }

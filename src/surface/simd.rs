@@ -11,7 +11,8 @@ pub type Simd = [f64; LANES];
 ///
 /// A last batch that is not full repeats its first point.
 pub fn in_batches<const D: usize>(
-    (offsets, length): (&[f64], f64),
+    offsets: &[f64],
+    length: f64,
     count: usize,
     out: &mut [f64],
     mut fill: impl FnMut(&[Simd; D], &mut [f64]),

@@ -71,7 +71,7 @@ impl Spherical {
     /// Calls `fill(l, powers, harmonics, values)` for each batch of points and each degree.
     fn each_degree(&self, offsets: &[f64], out: &mut [f64], fill: impl Fn(usize, &[Simd; 3], &Powers, &[Simd], &mut [f64])) {
         let mut harmonics = vec![[0.0; LANES]; (self.degrees.len() + 1).pow(2)];
-        in_batches((offsets, self.radius), self.count(), out, |position, values| {
+        in_batches(offsets, self.radius, self.count(), out, |position, values| {
             self.harmonics.fill(position, &mut harmonics);
             let mut powers = Powers::new(position);
             for l in 1..=self.degrees.len() {

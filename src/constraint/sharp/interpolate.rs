@@ -107,7 +107,8 @@ impl<'a, const D: usize> Interpolation<'a, D> {
     /// The transposed block of E of a neighbour's jumps, zero in its core, if interpolation meets its inside.
     pub fn neighbour_block(
         &self,
-        (neighbour, core): (&Placed<D>, f64),
+        neighbour: &Placed<D>,
+        core: f64,
         jumps: &mut [Jumps],
         interpolated: &mut Interpolated,
     ) -> Option<DMatrix<f64>> {

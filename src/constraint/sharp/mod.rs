@@ -112,7 +112,7 @@ pub fn assemble<const D: usize>(
     nodes.iter().zip(&mut *jumps).for_each(|(nodes, jumps)| jumps.evaluate(nodes, placed, core));
     let own = interpolation.own_block(jumps, interpolated).map(|block| (*body, block));
     let others = neighbours.iter().filter_map(|(other, neighbour)| {
-        let block = interpolation.neighbour_block((neighbour, core), of_neighbour, interpolated)?;
+        let block = interpolation.neighbour_block(neighbour, core, of_neighbour, interpolated)?;
         Some((*other, block))
     });
     let local = own.into_iter().chain(others);

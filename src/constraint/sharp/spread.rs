@@ -5,7 +5,7 @@ use nalgebra::SVector;
 use super::{jumps::Jumps, nodes::Nodes};
 use crate::{
     constraint::{
-        conservation::{TERMS, conserve_momentum},
+        conservation::{AtOffsets, TERMS, Wanted, conserve_momentum},
         placed::Placed,
         rows::Rows,
     },
@@ -108,21 +108,21 @@ impl<'a, const D: usize> Spreading<'a, D> {
         let (index, outside) = (nodes[field].indices.index(place), nodes[field].outside[place]);
         let side = if outside { 1.0 } else { -1.0 };
         if nodes.len() == 1 {
-            let mut group = rows.group((&nodes[field], &mut jumps[field]), (outside, side));
+            let mut group = rows.group(&nodes[field], &mut jumps[field], outside, side);
             dirichlet::laplacian(grid, index, |index, weight| group.take(Term { site: Site::Lattice { field, index }, weight }));
             return;
         }
         if field == D {
             for axis in 0..D {
-                let mut group = rows.group((&nodes[axis], &mut jumps[axis]), (outside, -side));
+                let mut group = rows.group(&nodes[axis], &mut jumps[axis], outside, -side);
                 stencil::divergence(grid, axis, index).into_iter().for_each(|term| group.take(term));
             }
             return;
         }
-        let mut group = rows.group((&nodes[field], &mut jumps[field]), (outside, side));
+        let mut group = rows.group(&nodes[field], &mut jumps[field], outside, side);
         stencil::laplacian(grid, field, index, |term| group.take(term));
         drop(group);
-        let mut group = rows.group((&nodes[D], &mut jumps[D]), (outside, -side));
+        let mut group = rows.group(&nodes[D], &mut jumps[D], outside, -side);
         stencil::gradient(grid, field, index).into_iter().for_each(|term| group.take(term));
     }
 
@@ -139,7 +139,7 @@ impl<'a, const D: usize> Spreading<'a, D> {
             let (mut velocities, mut pressures) = (Vec::new(), Vec::new());
             stencil::wall_row(self.grid, (field, index), wall, |term| velocities.push(term), |term| pressures.push(term));
             for (from, side, terms) in [(field, 1.0, velocities), (D, -1.0, pressures)] {
-                let mut group = self.walls.group((&self.nodes[from], &mut jumps[from]), (true, side));
+                let mut group = self.walls.group(&self.nodes[from], &mut jumps[from], true, side);
                 terms.into_iter().for_each(|term| group.take(term));
             }
             if self.walls.end_row(|| nodes.position(place) - self.placed.center) {
@@ -158,9 +158,11 @@ impl<'a, const D: usize> Spreading<'a, D> {
         self.walls.evaluate(jumps, count, &mut to_walls);
         for component in 0..components {
             let (rows, walls) = (self.rows.field(component), self.walls.field(component));
-            let (offsets, values) = (&self.rows.offsets[rows.clone()], &mut values[rows.start * count..rows.end * count]);
-            let passed = (&self.walls.offsets[walls.clone()], &to_walls[walls.start * count..walls.end * count]);
-            conserve_momentum(component, (&self.placed.surface, sources), cell_volume, passed, (offsets, values));
+            let passed =
+                AtOffsets { offsets: &self.walls.offsets[walls.clone()], values: &to_walls[walls.start * count..walls.end * count] };
+            let corrected =
+                AtOffsets { offsets: &self.rows.offsets[rows.clone()], values: &mut values[rows.start * count..rows.end * count] };
+            conserve_momentum(&Wanted { surface: &self.placed.surface, component, sources, cell_volume }, passed, corrected);
         }
         to_walls.iter_mut().for_each(|value| *value *= cell_volume);
         let on_walls = self.sum_on_walls(&to_walls, count);
@@ -185,7 +187,7 @@ impl<'a, const D: usize> Spreading<'a, D> {
 
 impl<const D: usize> Corrections<D> {
     /// Starts terms, all of one field, of a row whose centre lies `outside` or not.
-    fn group<'a>(&'a mut self, (nodes, jumps): (&'a Nodes<D>, &'a mut Jumps), (outside, factor): (bool, f64)) -> Group<'a, D> {
+    fn group<'a>(&'a mut self, nodes: &'a Nodes<D>, jumps: &'a mut Jumps, outside: bool, factor: f64) -> Group<'a, D> {
         Group { before: self.terms.len(), corrections: self, nodes, jumps, outside, factor }
     }
 

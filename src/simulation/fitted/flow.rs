@@ -163,7 +163,7 @@ impl<const D: usize> FittedFlow<D> {
             directly_on_walls: [[SVector::zeros(); 2]; D],
             lubrication: None,
             bodies: states.map(|((disk, rigid), load)| state(disk, rigid, load, viscosity)).collect(),
-            fluid: interpolate(&self.session, &self.grid, problem, (flow, found.mean_pressure))?,
+            fluid: interpolate(&self.session, &self.grid, problem, flow, found.mean_pressure)?,
             mean_velocity: spatial(&found.mean_velocity),
             pressure_gradient: gradient,
             contact_forces: Vec::new(),

@@ -14,7 +14,8 @@ pub fn interpolate<const D: usize>(
     session: &Session,
     grid: &Grid<D>,
     problem: &StokesProblem,
-    (flow, mean_pressure): (&StokesFlow, f64),
+    flow: &StokesFlow,
+    mean_pressure: f64,
 ) -> Result<Vector> {
     let locator = Locator::new(problem.mesh);
     let mut fluid = Vector::new(session, grid.local_fluid_unknowns())?;

@@ -48,7 +48,7 @@ impl<const D: usize> Inclusions<D> {
         drop(stage);
         let (_stage, start) = (enter(Stage::Assembly), Instant::now());
         let layout = layout(&setup, &grid, world.rank());
-        let blocks = assemble(session, &field, (&grid, &setup), &layout)?;
+        let blocks = assemble(session, &field, &grid, &setup, &layout)?;
         (cost.assembly, cost.multiplier_unknowns) = (start.elapsed().as_secs_f64(), layout.unknowns());
         let system = ScalarSystem {
             session: session.clone(),
@@ -122,7 +122,7 @@ impl<const D: usize> Inclusions<D> {
         source.copy_from(&self.system.field_out)?;
         let tolerance = self.setup.tolerance.at_an_instant();
         let system = &mut self.system;
-        let (uzawa, report) = system.solve_by_uzawa((&source, known), (step, tolerance), seen)?;
+        let (uzawa, report) = system.solve_by_uzawa(&source, known, step, tolerance, seen)?;
         self.cost.krylov = report;
         system.matrix.multiply(&system.field_in, &mut system.field_out)?;
         system.field_out.add(-1.0, &source)?;

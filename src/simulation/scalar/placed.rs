@@ -39,7 +39,8 @@ pub fn layout<const D: usize>(setup: &ScalarSetup<D>, grid: &Grid<D>, rank: usiz
 pub fn assemble<const D: usize>(
     session: &Session,
     field: &Vector,
-    (grid, setup): (&Grid<D>, &ScalarSetup<D>),
+    grid: &Grid<D>,
+    setup: &ScalarSetup<D>,
     layout: &Layout,
 ) -> Result<ScalarBlocks<D>> {
     let (placed, method) = (place(setup, grid), setup.method());

@@ -73,8 +73,10 @@ impl<const D: usize> ScalarSystem<D> {
     /// [`Error::Diverged`] when the step is too large, or the tolerance is not reached.
     pub fn solve_by_uzawa(
         &mut self,
-        (source, known): (&Vector, &[f64]),
-        (step, tolerance): (Option<f64>, f64),
+        source: &Vector,
+        known: &[f64],
+        step: Option<f64>,
+        tolerance: f64,
         seen: &mut dyn FnMut(usize, f64),
     ) -> Result<(Uzawa, Report)> {
         let start = Instant::now();
