@@ -1,5 +1,9 @@
 //! What any family of modes must satisfy, tried on both.
 
+use std::f64::consts::PI;
+
+use nalgebra::DMatrix;
+
 use super::*;
 
 const RADIUS: f64 = 0.7;
