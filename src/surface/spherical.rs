@@ -118,14 +118,14 @@ impl Modes for Spherical {
         self.each_degree(offsets, out, |l, position, powers, harmonics, values| {
             let (degree, along) = (&self.degrees[l - 1], &position[component]);
             let [first, second] = degree.poloidal.each_ref().map(|mode| powers.velocity_factors(mode, scale));
-            let turn = degree.toroidal * scale / (2 * l + 1) as f64;
-            let turns = each(|lane| turn * (powers.decay[lane] - 1.0));
+            let toroidal_part = degree.toroidal * scale / (2 * l + 1) as f64;
+            let toroidal_parts = each(|lane| toroidal_part * (powers.decay[lane] - 1.0));
             for (index, &[normal, surface, toroidal]) in (l * l..).zip(&degree.places) {
                 let radial = each(|lane| along[lane] * harmonics[index][lane]);
                 let (slope, around) = (gradient[index].apply_each(harmonics), rotation[index].apply_each(harmonics));
                 set(values, normal, |lane| first[0][lane] * radial[lane] + first[1][lane] * slope[lane]);
                 set(values, surface, |lane| second[0][lane] * radial[lane] + second[1][lane] * slope[lane]);
-                set(values, toroidal, |lane| turns[lane] * around[lane]);
+                set(values, toroidal, |lane| toroidal_parts[lane] * around[lane]);
             }
         });
     }
@@ -174,14 +174,14 @@ impl Modes for Spherical {
             decay *= falloff;
             let powers = [before, decay, decay * falloff];
             let factors = degree.poloidal.each_ref().map(|mode| mode.exterior_factors(powers).map(|factor| scale * factor));
-            let turn = degree.toroidal * scale * decay / (2 * l + 1) as f64;
+            let toroidal_part = degree.toroidal * scale * decay / (2 * l + 1) as f64;
             for axis in 0..3 {
                 let (gradient, rotation) = (self.harmonics.gradient(axis), self.harmonics.rotation(axis));
                 for (index, places) in (l * l..).zip(&degree.places) {
                     let (radial, slope) = (position[axis] * values[index], gradient[index].apply(&values));
                     out[places[0] * 3 + axis] = factors[0][0] * radial + factors[0][1] * slope;
                     out[places[1] * 3 + axis] = factors[1][0] * radial + factors[1][1] * slope;
-                    out[places[2] * 3 + axis] = turn * rotation[index].apply(&values);
+                    out[places[2] * 3 + axis] = toroidal_part * rotation[index].apply(&values);
                 }
             }
         }
