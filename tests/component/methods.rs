@@ -285,6 +285,6 @@ fn a_method_of_ones_own_is_one_implementation(session: &Session) {
     let setup = array(ConstraintMethod::Sharp, 40, [0.513, 0.527]);
     let mut suspension = Suspension::with_method(session, setup, Rc::new(Nearest)).unwrap();
     let solution = suspension.solve(&mut |_, _| {}).unwrap();
-    assert_near("drag", solution.bodies[0].force[0], DRAG, 0.15);
-    assert!(suspension.cost().krylov.iterations < 100, "{} iterations", suspension.cost().krylov.iterations);
+    assert_near("drag", solution.bodies[0].force[0], DRAG, 0.25);
+    assert!(suspension.cost().krylov.iterations < 200, "{} iterations", suspension.cost().krylov.iterations);
 }
