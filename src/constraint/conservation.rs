@@ -21,20 +21,31 @@ use crate::surface::SurfaceTable;
 pub const TERMS: usize = 6;
 
 /// Rows at offsets from the centre, with one value a mode for each.
-pub type AtOffsets<'a, const D: usize, V> = (&'a [SVector<f64, D>], V);
+pub struct AtOffsets<'a, const D: usize, V> {
+    /// The offsets.
+    pub offsets: &'a [SVector<f64, D>],
+    /// The values, modes running fastest.
+    pub values: V,
+}
 
-/// Corrects the momentum rows of one component, which have all but what has passed to walls.
-pub fn conserve_momentum<const D: usize>(
-    component: usize,
-    surface: &SurfaceTable<D>,
-    cell_volume: f64,
-    (points, passed): AtOffsets<D, &[f64]>,
-    (offsets, values): AtOffsets<D, &mut [f64]>,
-) {
-    let radius = surface.modes.radius();
-    let mut wanted = wanted_moments(component, surface) / cell_volume;
-    subtract_moments(radius, (points, passed), &mut wanted);
-    conserve((radius, wanted), offsets, values);
+/// What the rows of one component have to add up to.
+pub struct Wanted<'a, const D: usize> {
+    /// The surface whose tractions the rows stand for.
+    pub surface: &'a SurfaceTable<D>,
+    /// The component.
+    pub component: usize,
+    /// Sums, and sums times offsets over the radius, of the values of sources, which come behind those of the modes.
+    pub sources: &'a [[f64; TERMS]],
+    /// Volume of a cell.
+    pub cell_volume: f64,
+}
+
+/// Corrects the rows of one component, which have all but what has `passed` to walls.
+pub fn conserve_momentum<const D: usize>(wanted: &Wanted<D>, passed: AtOffsets<D, &[f64]>, rows: AtOffsets<D, &mut [f64]>) {
+    let radius = wanted.surface.modes.radius();
+    let mut missing = wanted.moments();
+    subtract_moments(radius, passed, &mut missing);
+    conserve(radius, missing, rows);
 }
 
 /// One over offsets, offsets over `length`, and zeros, in turn.
@@ -46,16 +57,15 @@ fn basis<const D: usize>(length: f64, offsets: &[SVector<f64, D>]) -> DMatrix<f6
     })
 }
 
-fn subtract_moments<const D: usize>(length: f64, (offsets, values): AtOffsets<D, &[f64]>, moments: &mut DMatrix<f64>) {
+fn subtract_moments<const D: usize>(length: f64, AtOffsets { offsets, values }: AtOffsets<D, &[f64]>, moments: &mut DMatrix<f64>) {
     moments.gemm(-1.0, &DMatrixView::from_slice(values, moments.nrows(), offsets.len()), &basis(length, offsets).transpose(), 1.0);
 }
 
-/// Gives rows the wanted sums, and sums times offsets over `length` (one row a mode, filled up with zeros to [`TERMS`]).
-pub fn conserve<const D: usize>((length, wanted): (f64, DMatrix<f64>), offsets: &[SVector<f64, D>], values: &mut [f64]) {
-    let (count, rows) = (wanted.nrows(), offsets.len());
+/// Gives rows the missing sums, and sums times offsets over `length` (one row a mode, filled up with zeros to [`TERMS`]).
+fn conserve<const D: usize>(length: f64, mut missing: DMatrix<f64>, AtOffsets { offsets, values }: AtOffsets<D, &mut [f64]>) {
+    let (count, rows) = (missing.nrows(), offsets.len());
     let basis = basis(length, offsets);
-    let mut missing = wanted;
-    subtract_moments(length, (offsets, values), &mut missing);
+    subtract_moments(length, AtOffsets { offsets, values: &*values }, &mut missing);
     let moments = basis.rows(0, D + 1);
     // rows too few or in line cannot carry all moments: such a body lies almost wholly beyond what the grid resolves
     if let Some(inverse) = (moments * moments.transpose()).try_inverse() {
@@ -65,15 +75,19 @@ pub fn conserve<const D: usize>((length, wanted): (f64, DMatrix<f64>), offsets: 
     }
 }
 
-/// Net force and first moments over the radius of one component of each mode's traction (modes down, moments across, then zeros).
-fn wanted_moments<const D: usize>(component: usize, surface: &SurfaceTable<D>) -> DMatrix<f64> {
-    let moments = surface.first_moments();
-    DMatrix::from_fn(moments.len(), TERMS, |mode, term| match term {
-        0 if mode == component => surface.area(),
-        0 => 0.0,
-        term if term > D => 0.0,
-        _ => moments[mode][(component, term - 1)] / surface.modes.radius(),
-    })
+impl<const D: usize> Wanted<'_, D> {
+    /// Over the volume of a cell, net force and first moments over the radius of each mode's traction (modes down, moments across, then
+    /// zeros), and behind the modes those of sources.
+    fn moments(&self) -> DMatrix<f64> {
+        let (moments, component) = (self.surface.first_moments(), self.component);
+        DMatrix::from_fn(moments.len() + self.sources.len(), TERMS, |mode, term| match term {
+            _ if mode >= moments.len() => self.sources[mode - moments.len()][term],
+            0 if mode == component => self.surface.area() / self.cell_volume,
+            0 => 0.0,
+            term if term > D => 0.0,
+            _ => moments[mode][(component, term - 1)] / self.surface.modes.radius() / self.cell_volume,
+        })
+    }
 }
 
 #[cfg(test)]
@@ -88,7 +102,9 @@ mod tests {
         let offsets: Vec<_> = (0..40).map(|row| Vector2::new((row as f64).sin(), (1.7 * row as f64).cos()) * 0.5).collect();
         let count = surface.modes.count();
         let mut values: Vec<f64> = (0..40 * count).map(|place| (place as f64).sin()).collect();
-        conserve_momentum(1, &surface, 0.01, (&[], &[]), (&offsets, &mut values));
+        let wanted = Wanted { surface: &surface, component: 1, sources: &[], cell_volume: 0.01 };
+        let none = AtOffsets { offsets: &[], values: &[][..] };
+        conserve_momentum(&wanted, none, AtOffsets { offsets: &offsets, values: &mut values[..] });
         for mode in 0..count {
             let sum = |weight: &dyn Fn(&Vector2<f64>) -> f64| -> f64 {
                 offsets.iter().enumerate().map(|(row, offset)| 0.01 * weight(offset) * values[row * count + mode]).sum()

@@ -3,7 +3,7 @@
 //! Along each axis there are four nodes with their weights; for each component they differ only in whether the lattice
 //! has its points on faces or between them. The nodes around the body are copied, run by run, to a small box without gaps.
 
-use super::places::{Places, from};
+use super::places::{Places, Seen};
 
 /// Nodes per axis.
 pub const NODES: usize = 4;
@@ -24,8 +24,10 @@ pub struct Run {
     pub place: u32,
 }
 
-/// The nodes around a body on the lattice of one velocity component.
+/// The nodes around a body on the lattice of one component.
 pub struct NodeBox<const D: usize> {
+    /// The lattice.
+    pub lattice: usize,
     /// Number of nodes of the box; those in no run are zero.
     pub length: usize,
     /// Distance between neighbours along each axis; 1 along the last.
@@ -54,19 +56,19 @@ impl<const D: usize> Interpolant<D> {
         }
     }
 
-    /// Writes the velocity at the points, `D` numbers each, from this rank's entries and those of others; `scratch` may hold anything.
-    pub fn apply(&self, own: &[f64], others: &[f64], scratch: &mut Vec<f64>, out: &mut [f64]) {
+    /// Writes the values at the points, one number for each component; `scratch` may hold anything.
+    pub fn apply(&self, u: Seen, scratch: &mut Vec<f64>, out: &mut [f64]) {
         for (component, nodes) in self.boxes.iter().enumerate() {
             scratch.clear();
             scratch.resize(nodes.length, 0.0);
             for &Run { start, length, place, .. } in &nodes.runs {
                 let length = length as usize;
-                scratch[start as usize..][..length].copy_from_slice(&from(own, others, place)[..length]);
+                scratch[start as usize..][..length].copy_from_slice(&u.from(place)[..length]);
             }
             let offsets = row_offsets(nodes.strides);
             for (point, (&corner, weights)) in nodes.corners.iter().zip(&self.weights).enumerate() {
-                let weights: [&_; D] = std::array::from_fn(|axis| &weights[axis][usize::from(axis != component)]);
-                out[point * D + component] = interpolated(&scratch[corner as usize..], &offsets, weights);
+                let weights: [&_; D] = std::array::from_fn(|axis| &weights[axis][usize::from(axis != nodes.lattice)]);
+                out[point * self.boxes.len() + component] = interpolated(&scratch[corner as usize..], &offsets, weights);
             }
         }
     }

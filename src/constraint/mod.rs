@@ -4,57 +4,45 @@
 //!
 //! ```text
 //! K (u, p) - C c = 0          C: spread
-//! J u      + E c = velocity   J: sample,  E: local
+//! J u      + E c = velocity   J: interpolate,  E: local
 //! ```
 //!
-//! A method of imposing rigidity fills [`Blocks`]; who solves with them does not know which method it was.
+//! A [`Method`] of imposing rigidity fills [`Blocks`]; who solves with them does not know which method it was. The scalar inclusion problem
+//! has the same blocks, with one component and one rigid mode. [`flow_method`] and [`inclusion_method`] list the methods.
 
 mod adjoint;
 mod blocks;
+mod body;
 mod conservation;
 mod crowd;
 mod dense;
 pub mod fitted;
+mod index_box;
 mod interpolant;
 mod layout;
 pub mod lubrication;
+mod method;
+mod methods;
 mod near;
-mod patch;
+mod placed;
 mod places;
 mod pores;
 mod rows;
 mod scalar;
 mod sharp;
+mod unknowns;
 
-pub use adjoint::{AdjointBlocks, AdjointBody, FreeInverse, assemble as assemble_adjoint, count as count_adjoint};
-pub use blocks::Blocks;
+pub use adjoint::{AdjointBody, Collector};
+pub use blocks::{Assembled, Blocks, surrounded};
+pub use body::{BodyBlocks, FreeInverse};
 pub use crowd::Crowd;
+pub use index_box::IndexBox;
 pub use layout::Layout;
+pub use method::{FlowMethod, Method, Size};
+pub use methods::{flow_method, inclusion_method};
 pub use near::{Given, NearPairs, PairTables, RigidBlock};
-pub use patch::Patch;
+pub use placed::{Neighbour, Placed, Situation, Surrounded, neighbours};
 pub use pores::{Pores, Share as PoreShare};
-pub use scalar::{InclusionMethod, PlacedInclusion, ScalarBlocks};
-pub use sharp::{BodyBlocks, INTERPOLATION_REACH, Neighbour, Passed, Placed, SharpBlocks, Situation, Workspace, assemble, jump, passed};
-
-/// The ways to make bodies rigid on a grid that ignores them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Method {
-    /// Surface multipliers, stencils corrected for the jumps.
-    Sharp,
-    /// Surface multipliers, linear interpolation.
-    MeanValue,
-    /// Rigid at every lattice point inside.
-    Distributed,
-    /// Fluid inside that is `1/epsilon` times as viscous.
-    Penalty {
-        /// Viscosity of the fluid over that inside.
-        epsilon: f64,
-    },
-}
-
-impl Method {
-    /// Whether multipliers are coefficients of the surface modes, as many whatever the body's place.
-    pub fn on_surfaces(self) -> bool {
-        matches!(self, Method::Sharp | Method::MeanValue)
-    }
-}
+pub use scalar::{InclusionMethod, ScalarBlocks};
+pub use sharp::{FreshlyCleared, freshly_cleared, jump};
+pub use unknowns::Unknowns;

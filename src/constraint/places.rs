@@ -13,6 +13,23 @@ pub struct Places {
     others: Vec<i32>,
 }
 
+/// Entries to read.
+#[derive(Clone, Copy)]
+pub struct Seen<'a> {
+    /// This rank's part.
+    pub own: &'a [f64],
+    /// Those of other ranks that were asked for.
+    pub others: &'a [f64],
+}
+
+/// Entries to add to.
+pub struct SeenMut<'a> {
+    /// This rank's part.
+    pub own: &'a mut [f64],
+    /// Those of other ranks that were asked for.
+    pub others: &'a mut [f64],
+}
+
 impl Places {
     /// Nothing asked for yet of vectors shaped like `vector`.
     pub fn new(vector: &Vector) -> Result<Places> {
@@ -29,14 +46,31 @@ impl Places {
         place as u32
     }
 
+    /// The places of single entries.
+    pub fn each(&mut self, unknowns: &[u32]) -> Vec<u32> {
+        unknowns.iter().map(|&unknown| self.of(unknown as usize, 1)).collect()
+    }
+
     /// What brings the entries of other ranks.
     pub fn scatter(&self, vector: &Vector) -> Result<Scatter> {
         Scatter::new(vector, &self.others)
     }
 }
 
-/// The entries from a place on: in this rank's own part, or among those of others.
-pub fn from<'a>(own: &'a [f64], others: &'a [f64], place: u32) -> &'a [f64] {
-    let place = place as usize;
-    if place < own.len() { &own[place..] } else { &others[place - own.len()..] }
+impl<'a> Seen<'a> {
+    /// The entries from a place on: in this rank's own part, or among those of others.
+    #[inline]
+    pub fn from(self, place: u32) -> &'a [f64] {
+        let place = place as usize;
+        if place < self.own.len() { &self.own[place..] } else { &self.others[place - self.own.len()..] }
+    }
+}
+
+impl SeenMut<'_> {
+    /// The entry at a place.
+    #[inline]
+    pub fn at(&mut self, place: u32) -> &mut f64 {
+        let place = place as usize;
+        if place < self.own.len() { &mut self.own[place] } else { &mut self.others[place - self.own.len()] }
+    }
 }

@@ -1,6 +1,6 @@
 //! Rows of C of one body: dense in its multipliers.
 
-use super::places::Places;
+use super::places::{Places, SeenMut};
 use crate::linalg::{dot, dots};
 
 /// Rows that are multiplied together.
@@ -25,18 +25,15 @@ impl Rows {
 
     /// Finds the places of the unknowns.
     pub fn plan(&mut self, places: &mut Places) {
-        self.places.clear();
-        self.places.extend(self.unknowns.iter().map(|&unknown| places.of(unknown as usize, 1)));
+        self.places = places.each(&self.unknowns);
     }
 
     /// Adds `factor * C c` to the rows of this rank and of others, with the multipliers `c` of the body; `scratch` may hold anything.
-    pub fn add(&self, factor: f64, c: &[f64], scratch: &mut Vec<f64>, own: &mut [f64], others: &mut [f64]) {
+    pub fn add(&self, factor: f64, c: &[f64], scratch: &mut Vec<f64>, rows: &mut SeenMut) {
         // products first: the scattered places then wait for memory all at once
         self.multiply(c, scratch);
         for (place, product) in self.places.iter().zip(scratch) {
-            let place = *place as usize;
-            let row = if place < own.len() { &mut own[place] } else { &mut others[place - own.len()] };
-            *row += factor * *product;
+            *rows.at(*place) += factor * *product;
         }
     }
 

@@ -156,10 +156,12 @@ impl<const D: usize> Grid<D> {
 
     /// What stands at an index of a field; along a walled axis the index must not lie beyond the walls.
     pub fn node(&self, field: usize, index: Index<D>) -> Node {
-        match self.unknown_at(field, index) {
-            Ok((rank, index)) => Node::Unknown(self.field_starts[rank][field] + self.blocks[rank][field].offset(index)),
-            Err(value) => Node::Wall(value),
-        }
+        self.run(field, index).0
+    }
+
+    /// As [`node`](Self::node), with the number of nodes, it included, that follow each other along the last axis and in a vector of the field.
+    pub fn run(&self, field: usize, index: Index<D>) -> (Node, usize) {
+        self.run_from(&self.field_starts, field, index)
     }
 
     /// As [`node`](Self::node), numbered as in a fluid vector.
@@ -170,10 +172,14 @@ impl<const D: usize> Grid<D> {
     /// As [`fluid_node`](Self::fluid_node), with the number of nodes, it included, that follow each other along the last axis
     /// and in a fluid vector.
     pub fn fluid_run(&self, field: usize, index: Index<D>) -> (Node, usize) {
+        self.run_from(&self.fluid_starts, field, index)
+    }
+
+    fn run_from(&self, starts: &[Vec<usize>], field: usize, index: Index<D>) -> (Node, usize) {
         match self.unknown_at(field, index) {
             Ok((rank, index)) => {
                 let block = &self.blocks[rank][field];
-                (Node::Unknown(self.fluid_starts[rank][field] + block.offset(index)), block.end[D - 1] - index[D - 1])
+                (Node::Unknown(starts[rank][field] + block.offset(index)), block.end[D - 1] - index[D - 1])
             }
             Err(value) => (Node::Wall(value), 1),
         }

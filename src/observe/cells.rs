@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 use crate::{
-    constraint::Patch,
+    constraint::IndexBox,
     error::Result,
     geometry::Ball,
     grid::{Grid, Node, operators::signed, stencil::moved},
@@ -56,7 +56,7 @@ pub(super) fn visit_inside<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>], mu
     let block = grid.block(D);
     for (number, ball) in balls.iter().enumerate() {
         let center = grid.domain().wrap(ball.center);
-        for index in Patch::around(grid, D, &center, ball.radius).indices() {
+        for index in IndexBox::around(grid, D, &center, ball.radius).indices() {
             let wrapped = grid.wrapped(index);
             let mine = (0..D).all(|axis| (block.start[axis]..block.end[axis]).contains(&wrapped[axis]));
             if mine && (grid.position(D, index) - center).norm() <= ball.radius {

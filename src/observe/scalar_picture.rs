@@ -3,19 +3,11 @@
 use nalgebra::SVector;
 
 use super::{Disk, Picture, plane::CutPlane, sample::scalars};
-use crate::{
-    error::Result,
-    geometry::Ball,
-    grid::Grid,
-    simulation::{ScalarSetup, ScalarSolution},
-};
+use crate::{error::Result, geometry::Ball, simulation::SolvedScalar};
 
 /// Cuts a solution; collective, and the same on every rank.
-pub fn scalar_picture<const D: usize>(
-    title: &str,
-    (setup, grid): (&ScalarSetup<D>, &Grid<D>),
-    solution: &ScalarSolution<D>,
-) -> Result<Picture> {
+pub fn scalar_picture<const D: usize>(title: &str, solved: &SolvedScalar<D>) -> Result<Picture> {
+    let SolvedScalar { setup, grid, solution, .. } = *solved;
     let plane = CutPlane::of(&setup.domain, grid);
     let values = scalars(grid, &solution.field, &plane.points())?;
     let flux = fluxes(&plane, &values, setup.gradient.unwrap_or_else(SVector::zeros));

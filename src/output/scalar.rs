@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 use serde::Serialize;
 
-use crate::simulation::{InclusionState, ScalarSetup, ScalarSolution, Uzawa};
+use crate::simulation::{InclusionState, SolvedScalar, Uzawa};
 
 /// The scalar problem.
 #[derive(Debug, Clone, Serialize)]
@@ -58,7 +58,8 @@ pub struct InclusionSummary {
 }
 
 impl ScalarSummary {
-    pub(super) fn new<const D: usize>(setup: &ScalarSetup<D>, solution: &ScalarSolution<D>) -> ScalarSummary {
+    pub(super) fn new<const D: usize>(solved: &SolvedScalar<D>) -> ScalarSummary {
+        let SolvedScalar { setup, solution, .. } = *solved;
         ScalarSummary {
             source: setup.source,
             energy: solution.energy,

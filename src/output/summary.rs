@@ -8,10 +8,9 @@ use crate::{
     body::components,
     error::Result,
     geometry::{Ball, Domain},
-    grid::Grid,
     observe::Viscosity,
     parallel::{World, peak_memory_bytes},
-    simulation::{BodyState, Cost, FlowSolver, Lubrication, Moving, ScalarSetup, ScalarSolution, Solution, State},
+    simulation::{BodyState, Cost, FlowSolver, Lubrication, Moving, Solution, SolvedScalar, State},
 };
 
 /// Everything that `summary.json` holds; an effect that the scene does not call for is `null`.
@@ -283,19 +282,14 @@ impl Summary {
         }
     }
 
-    /// The numbers of a scalar problem; collective. `named` is the scene's name and title, `solver` the word for what inverted the matrix
-    /// and what that cost.
-    pub fn of_scalar<const D: usize>(
-        named: (&str, &str),
-        (setup, grid): (&ScalarSetup<D>, &Grid<D>),
-        (solution, solver): (&ScalarSolution<D>, (&'static str, &Cost)),
-        world: &World,
-    ) -> Summary {
+    /// The numbers of a scalar problem of a scene of this name and title; collective.
+    pub fn of_scalar<const D: usize>(name: &str, title: &str, solved: &SolvedScalar<D>, world: &World) -> Summary {
+        let SolvedScalar { setup, grid, solution, inverse, cost } = *solved;
         let held = solution.inclusions.iter().filter(|inclusion| grid.owner(&inclusion.center) == world.rank()).count();
         Summary {
-            scalar: Some(ScalarSummary::new(setup, solution)),
-            solver: Some(SolverSummary::of_cost(solver.0, solver.1, world)),
-            ..Summary::of_bodies(named, (Vec::new(), setup.fraction()), (held, grid.local_unknowns(D)), world)
+            scalar: Some(ScalarSummary::new(solved)),
+            solver: Some(SolverSummary::of_cost(inverse, cost, world)),
+            ..Summary::of_bodies((name, title), (Vec::new(), setup.fraction()), (held, grid.local_unknowns(D)), world)
         }
     }
 

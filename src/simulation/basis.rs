@@ -1,5 +1,7 @@
 //! What no body changes: box, grid, fluid, the flow without bodies, and what bodies of equal size share.
 
+use std::rc::Rc;
+
 use nalgebra::SVector;
 
 use super::{
@@ -8,6 +10,7 @@ use super::{
     closure::{Closure, flow_without_bodies},
 };
 use crate::{
+    constraint::FlowMethod,
     error::{Error, Result},
     flow::{Drive, Stokes, StokesInverse},
     grid::Grid,
@@ -28,6 +31,8 @@ pub struct Basis<const D: usize> {
     pub closure: Closure,
     /// Flow of walls and drive without bodies, and the forces of the closure in it.
     pub undisturbed: (Vector, Vec<f64>),
+    /// What makes bodies rigid.
+    pub method: Rc<FlowMethod<D>>,
     /// Kinds of bodies.
     pub kinds: Kinds<D>,
     /// Whether the fluid is eliminated from the linear system, because its inverse is exact.
@@ -51,8 +56,8 @@ impl<const D: usize> Basis<D> {
         let mut inverse = inverse(&stokes, &grid)?;
         let closure = Closure::new(&setup.drive, &grid, &stokes, inverse.as_mut())?;
         let undisturbed = flow_without_bodies(&setup.drive, &grid, &stokes, inverse.as_mut(), &closure)?;
-        let (kinds, condensed) = (Kinds::new(&setup, &grid), inverse.exact());
-        Ok((Basis { session: session.clone(), setup, grid, stokes, closure, undisturbed, kinds, condensed }, inverse))
+        let (method, kinds, condensed) = (setup.method(), Kinds::new(&setup, &grid), inverse.exact());
+        Ok((Basis { session: session.clone(), setup, grid, stokes, closure, undisturbed, method, kinds, condensed }, inverse))
     }
 
     /// Lets images slide to where they are at a time, and sets up the inverse of the fluid anew; nothing where they are there already.

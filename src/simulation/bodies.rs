@@ -238,7 +238,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
         known: impl Fn(usize, &SVector<f64, D>) -> SVector<f64, D>,
     ) -> Result<Vec<f64>> {
         let mut velocities = vec![0.0; self.layout.local_unknowns()];
-        blocks.sample_with_walls(fluid, &mut velocities)?;
+        blocks.interpolate_with_walls(fluid, &mut velocities)?;
         for (local, &body) in self.layout.local_bodies.iter().enumerate() {
             let center = self.ball(body).center;
             let known = blocks.coefficients(local, |offset| known(body, &(center + offset)));

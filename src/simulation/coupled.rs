@@ -67,7 +67,7 @@ impl<const D: usize> System for Coupled<'_, D> {
         watch.stop(&mut work.stages.inverse);
         let watch = Watch::start(Stage::Bodies);
         let forces = surfaces.closure.correct_mean_velocities(surfaces.world, &rows, &mut work.fluid_out)?;
-        surfaces.blocks.sample(&work.fluid_out, &mut work.multipliers_out.local_mut()?)?;
+        surfaces.blocks.interpolate(&work.fluid_out, &mut work.multipliers_out.local_mut()?)?;
         let mut tail = surfaces.precondition(&mut work.multipliers_in, &rows, &mut work.multipliers_out)?;
         tail[..forces.len()].copy_from_slice(&forces);
         watch.stop(&mut work.stages.bodies);

@@ -9,7 +9,7 @@ use nalgebra::SVector;
 
 use super::{bodies::Bodies, work::Unknowns};
 use crate::{
-    constraint::{Passed, Placed, jump, passed},
+    constraint::{FreshlyCleared, Placed, freshly_cleared, jump},
     error::Result,
     petsc::{Scatter, Session, Vector},
 };
@@ -75,7 +75,7 @@ impl<const D: usize> Snapshot<D> {
     }
 
     /// The jump at a point that a body passes, for this solution and a body that is about to be in the image at `center`.
-    fn jump(&self, bodies: &Bodies<D>, body: usize, shift: &SVector<f64, D>, point: &Passed<D>) -> f64 {
+    fn jump(&self, bodies: &Bodies<D>, body: usize, shift: &SVector<f64, D>, point: &FreshlyCleared<D>) -> f64 {
         let placed = Placed { center: self.centers[body] + shift, surface: bodies.placed[body].surface.clone() };
         jump(&placed, &self.multipliers[body], point)
     }
@@ -113,8 +113,8 @@ impl<const D: usize> Past<D> {
         last: &mut Vector,
         extrapolated: &mut Vector,
     ) -> Result<()> {
-        let points: Vec<(usize, SVector<f64, D>, Passed<D>)> =
-            bodies.layout.local_bodies.iter().flat_map(|&body| self.passed(bodies, body, &centers[body])).collect();
+        let points: Vec<(usize, SVector<f64, D>, FreshlyCleared<D>)> =
+            bodies.layout.local_bodies.iter().flat_map(|&body| self.freshly_cleared(bodies, body, &centers[body])).collect();
         let places: Vec<i32> = points.iter().map(|(_, _, point)| point.place).collect();
         let mut scatter = Scatter::new(last, &places)?;
         let of_last: Vec<f64> =
@@ -132,10 +132,15 @@ impl<const D: usize> Past<D> {
     }
 
     /// The points that a body passes on its way to `center`, each with the body and the shift of its centres into the box.
-    fn passed(&self, bodies: &Bodies<D>, body: usize, center: &SVector<f64, D>) -> Vec<(usize, SVector<f64, D>, Passed<D>)> {
+    fn freshly_cleared(
+        &self,
+        bodies: &Bodies<D>,
+        body: usize,
+        center: &SVector<f64, D>,
+    ) -> Vec<(usize, SVector<f64, D>, FreshlyCleared<D>)> {
         let shift = bodies.placed[body].center - center;
         let placed = Placed { center: self.last.centers[body] + shift, surface: bodies.placed[body].surface.clone() };
-        passed(bodies.grid(), &placed, &bodies.placed[body].center).into_iter().map(|point| (body, shift, point)).collect()
+        freshly_cleared(bodies.grid(), &placed, &bodies.placed[body].center).into_iter().map(|point| (body, shift, point)).collect()
     }
 
     /// What is past once a solve at a `time` has found the snapshot `last`, starting from a guess.

@@ -57,7 +57,7 @@ pub use memory::{Past, Snapshot};
 pub use pace::{Pace, Stride, Urge};
 pub use plan::{Model, Plan, PlanReport, demand, flow_solver};
 pub use quasi_static::QuasiStatic;
-pub use scalar::{InclusionState, Inclusions, ScalarSetup, ScalarSolution, Uzawa};
+pub use scalar::{InclusionState, Inclusions, ScalarSetup, ScalarSolution, SolvedScalar, Uzawa};
 pub use setup::{Setup, SuspendedBody};
 pub use simulation::{Simulation, StepReport};
 pub use solution::{BodyState, Lubrication, Solution, WallForces};

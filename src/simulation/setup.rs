@@ -1,8 +1,10 @@
 //! Bodies in a flow, resolved in their dimension: numbers only, nothing left to choose.
 
+use std::rc::Rc;
+
 use crate::{
     body::Body,
-    constraint::Method,
+    constraint::{FlowMethod, flow_method},
     flow::{Drive, InverseMethod},
     geometry::Domain,
     interaction::{Interaction, Interactions},
@@ -12,12 +14,6 @@ use crate::{
 
 /// Tolerance of the fluid alone over that of the whole.
 const INNER: f64 = 0.01;
-
-/// Default of the penalty method: viscosity of the fluid over that inside bodies.
-///
-/// The drag of the square array at 0.3 lacks 2 epsilon of its value on every grid, and the grid itself errs by more than 5e-4 up to 80 cells
-/// a radius; solves take the same iterations from 1e-4 down to 1e-10.
-const EPSILON: f64 = 1e-6;
 
 /// A body with the order of its multiplier modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,14 +57,8 @@ impl<const D: usize> Setup<D> {
     ///
     /// # Panics
     /// For a fitted mesh, which has no such blocks.
-    pub fn blocks(&self) -> Method {
-        match self.constraint {
-            ConstraintMethod::Sharp => Method::Sharp,
-            ConstraintMethod::MeanValue(_) => Method::MeanValue,
-            ConstraintMethod::Distributed => Method::Distributed,
-            ConstraintMethod::Penalty(epsilon) => Method::Penalty { epsilon: epsilon.unwrap_or(EPSILON) },
-            ConstraintMethod::Fitted => panic!("a fitted mesh has no blocks on a grid"),
-        }
+    pub fn method(&self) -> Rc<FlowMethod<D>> {
+        flow_method(self.constraint.word(), self.constraint.epsilon()).expect("a fitted mesh has no blocks on a grid")
     }
 
     /// Tolerance of the fluid alone, where a method needs each solve of it to be exact and the inverse is not.

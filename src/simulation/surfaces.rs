@@ -58,7 +58,7 @@ pub enum Inverse {
     /// In unbounded fluid; shared by bodies of a kind.
     Dense(Rc<DMatrix<f64>>),
     /// A diagonal in the rigid rows, and what the method has for the others.
-    Split(Vec<f64>, Rc<FreeInverse>),
+    Split(Vec<f64>, Rc<dyn FreeInverse>),
 }
 
 impl Inverse {
@@ -121,8 +121,8 @@ impl<const D: usize> Surfaces<'_, D> {
 
     /// The velocity of the fluid on the surfaces, tested with all modes.
     pub fn velocity(&mut self, fluid: &Vector, (given, tail): (&Vector, &[f64]), velocity: &mut Vector) -> Result<()> {
-        self.blocks.sample(fluid, &mut velocity.local_mut()?)?;
-        self.blocks.add_local(given, velocity)?;
+        self.blocks.interpolate(fluid, &mut velocity.local_mut()?)?;
+        self.blocks.add_local(given, &mut velocity.local_mut()?)?;
         if let Closure::MeanVelocity = self.closure {
             let mut rows = velocity.local_mut()?;
             for member in self.members {

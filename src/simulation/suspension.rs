@@ -1,6 +1,6 @@
 //! A suspension in viscous flow at one instant: bodies where they are, the flow and their motions.
 
-use std::time::Instant;
+use std::{rc::Rc, time::Instant};
 
 use nalgebra::SVector;
 
@@ -20,6 +20,7 @@ use super::{
     spectrum::Conditions,
 };
 use crate::{
+    constraint::FlowMethod,
     contact::Contact,
     error::{Error, Result},
     flow::{InverseMethod, IteratedInverse, Stokes, StokesInverse},
@@ -63,6 +64,16 @@ impl<const D: usize> Suspension<D> {
         let (basis, inverse) = Basis::new(session, setup, inverse)?;
         let cost = Cost { setup: start.elapsed().as_secs_f64(), grid_unknowns: basis.grid.fluid_unknowns(), ..Cost::default() };
         Ok(Suspension { basis, inverse, assembly: None, engine: None, remembers: false, past: None, cost })
+    }
+
+    /// As [`new`](Self::new), with a method that makes bodies rigid of one's own, which need not be known to scene files.
+    ///
+    /// # Errors
+    /// The same.
+    pub fn with_method(session: &Session, setup: Setup<D>, method: Rc<FlowMethod<D>>) -> Result<Suspension<D>> {
+        let mut suspension = Suspension::new(session, setup)?;
+        suspension.basis.method = method;
+        Ok(suspension)
     }
 
     /// Lets images slide to where they are at a time; what was assembled across the seam is gone.
@@ -176,7 +187,7 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         self.cost.krylov = report;
         self.cost.stages = std::mem::take(&mut engine.work.stages);
         let links = found.tail.split_off(basis.closure.unknowns::<D>());
-        if self.remembers && basis.setup.blocks().on_surfaces() {
+        if self.remembers && basis.method.on_surfaces() {
             let last = Snapshot::of(&bodies, &basis.session, moment.centers, (&found, basis.condensed))?;
             self.past = Some(Past::then(self.past.take(), last, (guess, moment.time)));
         }

@@ -13,8 +13,8 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::{
-    Family, Modes,
-    lanes::{LANES, Lanes, each, in_batches},
+    Degree, Modes,
+    simd::{LANES, Simd, each, in_batches},
 };
 
 /// Largest wavenumber `K` of [`Fourier`].
@@ -26,7 +26,6 @@ const RIGID: usize = 3;
 /// Fourier modes `k = -K..K` on a circle, free ones ordered `k = 1, -2, 2, -3, 3, .. -K, K`.
 pub struct Fourier {
     radius: f64,
-    viscosity: f64,
     order: usize,
     free: Vec<Harmonic>,
 }
@@ -42,9 +41,9 @@ struct Harmonic {
 struct Powers([Complex<f64>; CAPACITY]);
 
 /// Real and imaginary part of powers `Z^j` (at `2 j`) and `Z^{-j}` (at `2 j + 1`) of scaled positions, `j >= 0`, and `|Z|^2`.
-struct PowerLanes {
-    parts: Vec<[Lanes; 2]>,
-    square: Lanes,
+struct SimdPowers {
+    parts: Vec<[Simd; 2]>,
+    square: Simd,
 }
 
 impl Fourier {
@@ -53,11 +52,11 @@ impl Fourier {
     /// # Panics
     ///
     /// If `order` is 0 or above [`MAXIMUM_ORDER`].
-    pub fn new(radius: f64, viscosity: f64, order: usize) -> Self {
+    pub fn new(radius: f64, order: usize) -> Self {
         assert!((1..=MAXIMUM_ORDER).contains(&order), "order {order} is not in 1..={MAXIMUM_ORDER}");
         let others = (2..=order as i32).flat_map(|k| [-k, k]);
         let free = std::iter::once(1).chain(others).map(|k| Harmonic::new(k + 1)).collect();
-        Self { radius, viscosity, order, free }
+        Self { radius, order, free }
     }
 
     fn powers(&self, x: f64, y: f64) -> Powers {
@@ -66,8 +65,8 @@ impl Fourier {
 
     /// One component of the velocity jump of a pair of modes.
     #[inline(always)]
-    fn velocity_pair(&self, powers: &PowerLanes, Harmonic { power, inverse }: Harmonic, component: usize) -> [Lanes; 2] {
-        let scale = self.radius / (4.0 * self.viscosity);
+    fn velocity_pair(&self, powers: &SimdPowers, Harmonic { power, inverse }: Harmonic, component: usize) -> [Simd; 2] {
+        let scale = self.radius / 4.0;
         let [re, im] = match power {
             0 => [each(|lane| -powers.square[lane].ln()), [0.0; LANES]],
             _ => {
@@ -118,16 +117,16 @@ impl Modes for Fourier {
     }
 
     fn velocity_jumps(&self, offsets: &[f64], component: usize, out: &mut [f64]) {
-        let mut powers = PowerLanes::new(self.order + 2);
-        in_batches((offsets, self.radius), self.count(), out, |position, values| {
+        let mut powers = SimdPowers::new(self.order + 2);
+        in_batches(offsets, self.radius, self.count(), out, |position, values| {
             powers.fill(position);
             self.fill(values, |harmonic| self.velocity_pair(&powers, harmonic, component));
         });
     }
 
     fn pressure_jumps(&self, offsets: &[f64], out: &mut [f64]) {
-        let mut powers = PowerLanes::new(self.order + 2);
-        in_batches((offsets, self.radius), self.count(), out, |position, values| {
+        let mut powers = SimdPowers::new(self.order + 2);
+        in_batches(offsets, self.radius, self.count(), out, |position, values| {
             powers.fill(position);
             self.fill(values, |harmonic| {
                 let [re, im] = powers.growing(harmonic.power - 1);
@@ -140,7 +139,7 @@ impl Modes for Fourier {
     ///
     /// The terms of `D_u` that decay, taken on `gamma`, are the velocity there.
     fn isolated_mobility(&self, reach: f64) -> DMatrix<f64> {
-        let scale = self.radius / (4.0 * self.viscosity);
+        let scale = self.radius / 4.0;
         let translation = 2.0 * scale * (reach / self.radius).ln().max(0.5);
         let rigid = [translation, translation, 2.0 * scale];
         let free = self.free.iter().flat_map(|harmonic| [scale * harmonic.inverse.abs(); 2]);
@@ -149,7 +148,7 @@ impl Modes for Fourier {
     }
 
     fn exterior_velocity(&self, offset: &[f64], reach: f64, out: &mut [f64]) {
-        let scale = self.radius / (4.0 * self.viscosity);
+        let scale = self.radius / 4.0;
         let position = Complex::new(offset[0], offset[1]) / self.radius;
         let (square, wave) = (position.norm_sqr(), |power| position.powi(power));
         let cut = 2.0 * (reach / self.radius).ln().max(0.5);
@@ -175,13 +174,13 @@ impl Modes for Fourier {
         });
     }
 
-    fn families(&self) -> Vec<Family> {
+    fn degrees(&self) -> Vec<Degree> {
         let rigid = [(-1, vec![1, 0]), (0, vec![2])];
         let free = self.free.iter().zip((RIGID..).step_by(2)).map(|(harmonic, first)| {
             let k = harmonic.power - 1;
             (k, if k > 0 { vec![first, first + 1] } else { vec![first + 1, first] })
         });
-        rigid.into_iter().chain(free).map(|(k, modes)| Family::of_wavenumber(k, modes)).collect()
+        rigid.into_iter().chain(free).map(|(k, modes)| Degree::of_wavenumber(k, modes)).collect()
     }
 }
 
@@ -207,12 +206,12 @@ impl Powers {
     }
 }
 
-impl PowerLanes {
+impl SimdPowers {
     fn new(count: usize) -> Self {
         Self { parts: vec![[[1.0; LANES], [0.0; LANES]]; 2 * count], square: [1.0; LANES] }
     }
 
-    fn fill(&mut self, [x, y]: &[Lanes; 2]) {
+    fn fill(&mut self, [x, y]: &[Simd; 2]) {
         let square = each(|lane| x[lane] * x[lane] + y[lane] * y[lane]);
         let inverse = [each(|lane| x[lane] / square[lane]), each(|lane| -y[lane] / square[lane])];
         for (start, [re, im]) in [(0, [*x, *y]), (1, inverse)] {
@@ -229,7 +228,7 @@ impl PowerLanes {
 
     /// `Z^power`.
     #[inline(always)]
-    fn growing(&self, power: i32) -> &[Lanes; 2] {
+    fn growing(&self, power: i32) -> &[Simd; 2] {
         &self.parts[2 * power.unsigned_abs() as usize + usize::from(power < 0)]
     }
 }
@@ -252,11 +251,12 @@ mod tests {
     #[test]
     fn jumps_agree_with_the_oracle() {
         for (offset, rows) in [([0.9, 0.5], &OUTSIDE), ([-0.2, 0.31], &INSIDE)] {
-            let modes = Fourier::new(0.7, 1.3, 3);
+            let modes = Fourier::new(0.7, 3);
             let mut values = [[0.0; 13]; 3];
             modes.velocity_jumps(&offset, 0, &mut values[0]);
             modes.velocity_jumps(&offset, 1, &mut values[1]);
             modes.pressure_jumps(&offset, &mut values[2]);
+            values[..2].iter_mut().flatten().for_each(|velocity| *velocity /= 1.3);
             for (mode, row) in (-3..=3).flat_map(indices).zip(rows) {
                 for (value, expected) in values.iter().zip(row) {
                     assert!((value[mode] - expected).abs() < 1e-11 * expected.abs().max(1.0));
@@ -299,10 +299,10 @@ mod tests {
 
     #[test]
     fn a_mode_moves_the_circle_by_its_own_traction_over_the_wavenumber() {
-        let mobility = Fourier::new(0.7, 1.3, 5).isolated_mobility(7.0);
+        let mobility = Fourier::new(0.7, 5).isolated_mobility(7.0);
         for k in [-5, -3, -2, 1, 4] {
             for mode in indices(k) {
-                let expected = 0.7 / (4.0 * 1.3 * f64::from((k + 1).abs()));
+                let expected = 0.7 / (4.0 * f64::from((k + 1).abs()));
                 assert!((mobility[(mode, mode)] - expected).abs() < 1e-15);
             }
         }
@@ -310,7 +310,7 @@ mod tests {
 
     #[test]
     fn the_logarithm_is_cut_at_the_reach() {
-        let translation = |reach| Fourier::new(0.5, 1.0, 2).isolated_mobility(reach)[(0, 0)];
+        let translation = |reach| Fourier::new(0.5, 2).isolated_mobility(reach)[(0, 0)];
         assert!((translation(0.5 * 3.0_f64.exp()) - 0.75).abs() < 1e-15);
         assert!((translation(0.5) - 0.125).abs() < 1e-15);
     }

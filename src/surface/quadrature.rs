@@ -1,6 +1,6 @@
 //! Quadrature on the unit circle and the unit sphere: means over the surface of a ball.
 
-mod octahedral;
+pub mod octahedral;
 
 use std::f64::consts::PI;
 
@@ -15,45 +15,16 @@ pub struct Quadrature {
     pub weights: Vec<f64>,
 }
 
-/// The rule for modes of the given order on a ball of `radius_over_spacing = a/h`.
-///
-/// 2D: `max(ceil(2 pi a/h), 4 K + 4)` equispaced points. 3D: the points of an equiangular cube, at least
-/// `(L + 3 + ceil(a/h))/2` a side. Both are exact for products of two modes; in
-/// 2D points are at most `h` apart, in 3D up to about `pi h`.
-///
-/// # Panics
-///
-/// If `dimension` is not 2 or 3.
-pub fn quadrature(dimension: usize, radius_over_spacing: f64, order: usize) -> Quadrature {
-    match dimension {
-        2 => circle(((2.0 * PI * radius_over_spacing).ceil() as usize).max(4 * order + 4)),
-        3 => octahedral::rule((order + 3 + radius_over_spacing.ceil() as usize).div_ceil(2), 2 * (order + 1)),
-        _ => panic!("quadrature exists in dimension 2 and 3, not {dimension}"),
-    }
-}
-
-/// A rule for products of two modes that vary no faster than once round the axis of the pair's frame (the first in 2D, the third in 3D):
-/// `count` equispaced points in 2D, as many Gauss-Legendre latitudes times four longitudes in 3D.
-///
-/// # Panics
-///
-/// If `dimension` is not 2 or 3.
-pub fn axial(dimension: usize, count: usize) -> Quadrature {
-    match dimension {
-        2 => circle(count),
-        3 => sphere(count, 4),
-        _ => panic!("quadrature exists in dimension 2 and 3, not {dimension}"),
-    }
-}
-
-fn circle(count: usize) -> Quadrature {
+/// So many equispaced points on a circle.
+pub fn circle(count: usize) -> Quadrature {
     Quadrature {
         directions: angles(count).flat_map(|angle| [angle.cos(), angle.sin()]).collect(),
         weights: vec![1.0 / count as f64; count],
     }
 }
 
-fn sphere(latitudes: usize, longitudes: usize) -> Quadrature {
+/// Gauss-Legendre latitudes with so many longitudes each.
+pub fn sphere(latitudes: usize, longitudes: usize) -> Quadrature {
     let mut rule = Quadrature { directions: Vec::new(), weights: Vec::new() };
     for (height, weight) in gauss_legendre(latitudes) {
         let distance = (1.0 - height * height).sqrt();
@@ -72,6 +43,7 @@ fn angles(count: usize) -> impl Iterator<Item = f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::quadrature;
 
     fn mean(rule: &Quadrature, dimension: usize, f: impl Fn(&[f64]) -> f64) -> f64 {
         let points = rule.directions.chunks(dimension);

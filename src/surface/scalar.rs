@@ -10,14 +10,15 @@
 //!
 //! with `D_0` the first of them: the source has neither a jump of the slope nor a net flux.
 
-use nalgebra::{DMatrix, SVector};
+use std::{f64::consts::SQRT_2, ops::Range};
+
+use nalgebra::DMatrix;
 
 use super::{
-    lanes::{LANES, Lanes, each, in_batches},
-    quadrature::{Quadrature, quadrature},
+    Modes,
+    simd::{LANES, Simd, each, in_batches},
     solid_harmonics::SolidHarmonics,
 };
-use std::{f64::consts::SQRT_2, ops::Range};
 
 /// Harmonics on a circle or a sphere, the constant first, then by degree; each has mean square 1 and is orthogonal to the others.
 pub struct ScalarModes<const D: usize> {
@@ -26,30 +27,12 @@ pub struct ScalarModes<const D: usize> {
     solid: SolidHarmonics,
 }
 
-/// The surface of a ball: scalar modes and their values at quadrature points.
-pub struct ScalarSurface<const D: usize> {
-    /// The modes.
-    pub modes: ScalarModes<D>,
-    quadrature: Quadrature,
-    projector: DMatrix<f64>,
-}
-
 impl<const D: usize> ScalarModes<D> {
     /// Modes up to degree `order`, at least 1.
     pub fn new(radius: f64, order: usize) -> Self {
         // the plane needs no solid harmonics
         let solid = SolidHarmonics::new(if D == 2 { 1 } else { order });
         ScalarModes { radius, order, solid }
-    }
-
-    /// Radius of the ball.
-    pub fn radius(&self) -> f64 {
-        self.radius
-    }
-
-    /// Number of modes.
-    pub fn count(&self) -> usize {
-        Self::of_degree(self.order).end
     }
 
     /// The modes of a degree.
@@ -62,7 +45,7 @@ impl<const D: usize> ScalarModes<D> {
     }
 
     /// Writes the harmonic polynomials at scaled positions.
-    fn harmonics(&self, position: &[Lanes; D], values: &mut [Lanes]) {
+    fn harmonics(&self, position: &[Simd; D], values: &mut [Simd]) {
         if D > 2 {
             return self.solid.fill(&std::array::from_fn(|axis| position[axis]), values);
         }
@@ -75,24 +58,7 @@ impl<const D: usize> ScalarModes<D> {
         }
     }
 
-    /// The modes at the surface point with an outward unit normal.
-    pub fn values(&self, direction: &[f64]) -> Vec<f64> {
-        let mut values = vec![[0.0; LANES]; self.count()];
-        self.harmonics(&std::array::from_fn(|axis| [direction[axis]; LANES]), &mut values);
-        values.into_iter().map(|lanes| lanes[0]).collect()
-    }
-
-    /// Jump functions of unit coefficients (rows), and last that of a unit source, at offsets from the centre, none zero (columns).
-    pub fn jumps(&self, offsets: &[SVector<f64, D>]) -> DMatrix<f64> {
-        let mut jumps = DMatrix::zeros(self.count() + 1, offsets.len());
-        let numbers: Vec<f64> = offsets.iter().flat_map(|offset| offset.iter().copied()).collect();
-        in_batches((&numbers, self.radius), self.count() + 1, jumps.as_mut_slice(), |position, values| {
-            self.jumps_of_lanes(position, values.as_chunks_mut().0);
-        });
-        jumps
-    }
-
-    fn jumps_of_lanes(&self, position: &[Lanes; D], values: &mut [Lanes]) {
+    fn simd_jumps(&self, position: &[Simd; D], values: &mut [Simd]) {
         let (a, dimension) = (self.radius, D as f64);
         let square = each(|k| position.iter().map(|x| x[k] * x[k]).sum());
         let mut decay = each(|k| square[k].powf(1.0 - 0.5 * dimension));
@@ -106,80 +72,87 @@ impl<const D: usize> ScalarModes<D> {
         let constant = values[0];
         values[self.count()] = each(|k| -a * (a * (square[k] - 1.0) / 2.0 + constant[k]) / dimension);
     }
-
-    /// The value that each mode has on the surface in unbounded space per unit of its coefficient, for an isolated ball: `a/n`.
-    ///
-    /// The constant, whose value depends on what is far away in the plane, counts as `a`.
-    pub fn isolated_values(&self) -> Vec<f64> {
-        let value = |degree: usize| if degree == 0 { self.radius } else { self.radius / (2 * degree + D - 2) as f64 };
-        (0..=self.order).flat_map(|degree| Self::of_degree(degree).map(move |_| value(degree))).collect()
-    }
 }
 
-impl<const D: usize> ScalarSurface<D> {
-    /// The surface of a ball with modes up to `order`, sampled about as finely as the grid.
-    pub fn new(radius: f64, order: usize, spacing: f64) -> Self {
-        let modes = ScalarModes::new(radius, order);
-        let quadrature = quadrature(D, radius / spacing, order);
-        let points = quadrature.directions.chunks(D).zip(&quadrature.weights);
-        let columns: Vec<f64> =
-            points.flat_map(|(direction, weight)| modes.values(direction).into_iter().map(move |value| weight * value)).collect();
-        let projector = DMatrix::from_vec(modes.count(), quadrature.weights.len(), columns);
-        ScalarSurface { modes, quadrature, projector }
+impl<const D: usize> Modes for ScalarModes<D> {
+    fn dimension(&self) -> usize {
+        D
     }
 
-    /// The quadrature points, from the centre.
-    pub fn offsets(&self) -> impl Iterator<Item = SVector<f64, D>> + '_ {
-        self.quadrature.directions.chunks(D).map(|direction| SVector::from_column_slice(direction) * self.modes.radius)
+    fn radius(&self) -> f64 {
+        self.radius
     }
 
-    /// What projection makes of a constant: the first mode alone.
-    pub fn constant(&self) -> Vec<f64> {
-        let mut constant = vec![0.0; self.modes.count()];
-        constant[0] = 1.0;
-        constant
+    fn count(&self) -> usize {
+        Self::of_degree(self.order).end
     }
 
-    /// What projects values at the points (columns) on the modes (rows): weight times mode.
-    pub fn projector(&self) -> &DMatrix<f64> {
-        &self.projector
+    fn components(&self) -> usize {
+        1
     }
 
-    /// Mean over the surface of each mode (rows), and of it times the offset over the radius (columns).
-    pub fn mean_moments(&self) -> DMatrix<f64> {
-        let moments = DMatrix::from_row_iterator(
-            self.projector.ncols(),
-            D + 1,
-            self.quadrature.directions.chunks(D).flat_map(|direction| std::iter::once(1.0).chain(direction.iter().copied())),
-        );
-        &self.projector * moments
+    fn traction(&self, direction: &[f64], out: &mut [f64]) {
+        let mut values = vec![[0.0; LANES]; self.count()];
+        self.harmonics(&std::array::from_fn(|axis| [direction[axis]; LANES]), &mut values);
+        out.iter_mut().zip(values).for_each(|(out, value)| *out = value[0]);
+    }
+
+    /// The jump functions of unit coefficients, and last that of a unit source.
+    fn velocity_jumps(&self, offsets: &[f64], _component: usize, out: &mut [f64]) {
+        in_batches(offsets, self.radius, self.jump_count(), out, |position, values| {
+            self.simd_jumps(position, values.as_chunks_mut().0);
+        });
+    }
+
+    fn jump_count(&self) -> usize {
+        self.count() + 1
+    }
+
+    /// On the diagonal `a/n`; the constant, whose value depends on what is far away in the plane, counts as `a`.
+    fn isolated_mobility(&self, _reach: f64) -> DMatrix<f64> {
+        let value = |degree: usize| if degree == 0 { self.radius } else { self.radius / (2 * degree + D - 2) as f64 };
+        let values = (0..=self.order).flat_map(|degree| Self::of_degree(degree).map(move |_| value(degree)));
+        DMatrix::from_diagonal(&values.collect::<Vec<f64>>().into())
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{Vector2, Vector3};
+    use nalgebra::{SVector, Vector2, Vector3};
 
     use super::*;
+    use crate::surface::SurfaceTable;
 
     const STEP: f64 = 3e-4;
 
+    fn jumps<const D: usize>(modes: &ScalarModes<D>, offset: SVector<f64, D>) -> SVector<f64, 26> {
+        let mut jumps = SVector::<f64, 26>::zeros();
+        modes.velocity_jumps(offset.as_slice(), 0, &mut jumps.as_mut_slice()[..modes.jump_count()]);
+        jumps
+    }
+
+    fn values(modes: &dyn Modes, direction: &[f64]) -> Vec<f64> {
+        let mut values = vec![0.0; modes.count()];
+        modes.traction(direction, &mut values);
+        values
+    }
+
     /// Minus the Laplacians of all jump functions at an offset, by differences.
     fn minus_laplacian<const D: usize>(modes: &ScalarModes<D>, offset: SVector<f64, D>) -> Vec<f64> {
-        let at = |offset| modes.jumps(&[offset]).column(0).into_owned();
+        let at = |offset| jumps(modes, offset);
         let mut sum = at(offset) * (2.0 * D as f64);
         for axis in 0..D {
             let step = SVector::<f64, D>::from_fn(|other, _| if other == axis { STEP } else { 0.0 });
             sum -= at(offset + step) + at(offset - step);
         }
-        (sum / (STEP * STEP)).iter().copied().collect()
+        (sum / (STEP * STEP)).iter().copied().take(modes.jump_count()).collect()
     }
 
     fn proof<const D: usize>(direction: SVector<f64, D>) {
         let modes = ScalarModes::<D>::new(0.7, 4);
-        let jumps = |s: f64| modes.jumps(&[direction * (0.7 * s)]);
+        let jumps = |s: f64| jumps(&modes, direction * (0.7 * s));
         let (on, out, inside) = (jumps(1.0), jumps(1.0 + STEP), jumps(1.0 - STEP));
-        for (mode, value) in modes.values(direction.as_slice()).into_iter().chain([0.0]).enumerate() {
+        for (mode, value) in values(&modes, direction.as_slice()).into_iter().chain([0.0]).enumerate() {
             assert!(on[mode].abs() < 1e-14);
             assert!(((out[mode] - inside[mode]) / (1.4 * STEP) + value).abs() < 1e-4, "slope of {mode}");
         }
@@ -200,9 +173,9 @@ mod tests {
 
     #[test]
     fn modes_are_orthonormal_in_the_mean() {
-        let surface = ScalarSurface::<3>::new(0.7, 3, 0.2);
+        let surface = SurfaceTable::<3>::scalar(0.7, 3, 0.2);
         let directions = surface.offsets().map(|offset| offset / 0.7);
-        let values: Vec<f64> = directions.flat_map(|direction| surface.modes.values(direction.as_slice())).collect();
+        let values: Vec<f64> = directions.flat_map(|direction| values(surface.modes.as_ref(), direction.as_slice())).collect();
         let products = surface.projector() * DMatrix::from_vec(16, values.len() / 16, values).transpose();
         assert!((products - DMatrix::identity(16, 16)).amax() < 1e-13);
     }

@@ -52,7 +52,7 @@ impl<const D: usize> Shape<D> for Ball<D> {
     }
 
     fn modes(&self, order: usize) -> Box<dyn Modes> {
-        modes(D, self.radius, 1.0, order)
+        modes(D, self.radius, order)
     }
 
     fn surface(&self, order: usize, spacing: f64) -> SurfaceTable<D> {

@@ -2,16 +2,16 @@
 
 use nalgebra::{DMatrix, SMatrix, SVector};
 
-use super::{Modes, Quadrature, modes, quadrature};
+use super::{Modes, Quadrature, ScalarModes, modes, quadrature};
 
 /// The surface of a ball: modes, quadrature points, and the tractions of the modes there.
 ///
-/// Surface vectors are stored as `D` numbers a point.
+/// Surface vectors are stored as `D` numbers a point, scalars as one.
 pub struct SurfaceTable<const D: usize> {
     /// The modes, for unit viscosity.
     pub modes: Box<dyn Modes>,
     quadrature: Quadrature,
-    /// Projects values at the points (columns, `D` a point) on the modes (rows): weight times traction.
+    /// Projects values at the points (columns, one a component) on the modes (rows): weight times traction.
     projector: DMatrix<f64>,
     /// First moment of each mode's traction.
     first_moments: Vec<SMatrix<f64, D, D>>,
@@ -20,15 +20,23 @@ pub struct SurfaceTable<const D: usize> {
 impl<const D: usize> SurfaceTable<D> {
     /// The surface of a ball of the given radius with modes up to `order`, sampled about as finely as the grid.
     pub fn new(radius: f64, order: usize, spacing: f64) -> SurfaceTable<D> {
-        let modes = modes(D, radius, 1.0, order);
-        let quadrature = quadrature(D, radius / spacing, order);
-        let count = modes.count();
-        let mut projector = DMatrix::zeros(count, quadrature.weights.len() * D);
-        let mut tractions = vec![0.0; count * D];
+        SurfaceTable::of(modes(D, radius, order), order, spacing)
+    }
+
+    /// As [`new`](Self::new), with the modes of a scalar.
+    pub fn scalar(radius: f64, order: usize, spacing: f64) -> SurfaceTable<D> {
+        SurfaceTable::of(Box::new(ScalarModes::<D>::new(radius, order)), order, spacing)
+    }
+
+    fn of(modes: Box<dyn Modes>, order: usize, spacing: f64) -> SurfaceTable<D> {
+        let quadrature = quadrature(D, modes.radius() / spacing, order);
+        let (count, components) = (modes.count(), modes.components());
+        let mut projector = DMatrix::zeros(count, quadrature.weights.len() * components);
+        let mut tractions = vec![0.0; count * components];
         for (point, (direction, weight)) in quadrature.directions.chunks(D).zip(&quadrature.weights).enumerate() {
             modes.traction(direction, &mut tractions);
-            for (mode, traction) in tractions.chunks(D).enumerate() {
-                (0..D).for_each(|i| projector[(mode, point * D + i)] = weight * traction[i]);
+            for (mode, traction) in tractions.chunks(components).enumerate() {
+                (0..components).for_each(|i| projector[(mode, point * components + i)] = weight * traction[i]);
             }
         }
         let mut table = SurfaceTable { modes, quadrature, projector, first_moments: Vec::new() };
@@ -58,15 +66,15 @@ impl<const D: usize> SurfaceTable<D> {
         }
     }
 
-    /// The modes' coefficients of a velocity given at each offset from the centre.
+    /// The modes' coefficients of a velocity, or of a scalar in the place of its first component, given at each offset from the centre.
     pub fn coefficients(&self, velocity: impl Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Vec<f64> {
-        let values: Vec<f64> = self.offsets().flat_map(|offset| velocity(&offset).as_slice().to_vec()).collect();
+        let values: Vec<f64> = self.offsets().flat_map(|offset| velocity(&offset).as_slice()[..self.modes.components()].to_vec()).collect();
         let mut out = vec![0.0; self.modes.count()];
         self.project(&values, &mut out);
         out
     }
 
-    /// The matrix that projects values at the points (columns, `D` a point) on the modes (rows).
+    /// The matrix that projects values at the points (columns, one a component) on the modes (rows).
     pub fn projector(&self) -> &DMatrix<f64> {
         &self.projector
     }
@@ -87,10 +95,11 @@ impl<const D: usize> SurfaceTable<D> {
     }
 
     fn integrate_first_moment(&self, mode: usize) -> SMatrix<f64, D, D> {
-        let points = self.offsets().enumerate();
-        let sum: SMatrix<f64, D, D> = points
-            .map(|(point, offset)| SVector::<f64, D>::from_fn(|i, _| self.projector[(mode, point * D + i)]) * offset.transpose())
-            .sum();
+        let (points, components) = (self.offsets().enumerate(), self.modes.components());
+        let traction = |point: usize| {
+            SVector::<f64, D>::from_fn(|i, _| if i < components { self.projector[(mode, point * components + i)] } else { 0.0 })
+        };
+        let sum: SMatrix<f64, D, D> = points.map(|(point, offset)| traction(point) * offset.transpose()).sum();
         sum * self.area()
     }
 }

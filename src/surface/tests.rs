@@ -1,14 +1,17 @@
 //! What any family of modes must satisfy, tried on both.
 
+use std::f64::consts::PI;
+
+use nalgebra::DMatrix;
+
 use super::*;
 
 const RADIUS: f64 = 0.7;
-const VISCOSITY: f64 = 1.3;
 
 /// Both families at a low and a higher order.
 fn families() -> Vec<Box<dyn Modes>> {
     let orders = [(2, 1), (2, 4), (3, 1), (3, 4)];
-    orders.map(|(dimension, order)| modes(dimension, RADIUS, VISCOSITY, order)).into()
+    orders.map(|(dimension, order)| modes(dimension, RADIUS, order)).into()
 }
 
 /// A direction that no symmetry singles out.
@@ -115,12 +118,12 @@ fn modes_are_orthonormal_in_the_mean() {
 #[test]
 fn rigid_modes_are_unit_translations_and_rotations_and_come_first() {
     let [x, y] = [0.6, -0.8];
-    assert!(close(&traction(&Fourier::new(RADIUS, VISCOSITY, 3), &[x, y])[..6], &[1.0, 0.0, 0.0, 1.0, -y, x]));
+    assert!(close(&traction(&Fourier::new(RADIUS, 3), &[x, y])[..6], &[1.0, 0.0, 0.0, 1.0, -y, x]));
     let [x, y, z] = [0.48, -0.6, 0.64];
     let root = 1.5_f64.sqrt();
     let expected = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
     let turns = [0.0, -z, y, z, 0.0, -x, -y, x, 0.0].map(|value| root * value);
-    let tractions = traction(&Spherical::new(RADIUS, VISCOSITY, 3), &[x, y, z]);
+    let tractions = traction(&Spherical::new(RADIUS, 3), &[x, y, z]);
     assert!(close(&tractions[..9], &expected) && close(&tractions[9..18], &turns));
 }
 
@@ -161,7 +164,7 @@ fn the_jump_functions_satisfy_stokes() {
             for component in 0..dimension {
                 let laplacian = sum((0..dimension).map(|axis| curvature(modes.as_ref(), &offset, component, axis)));
                 let push = slope(modes.as_ref(), &offset, dimension, component);
-                let residual = laplacian.iter().zip(push).map(|(l, p)| VISCOSITY * l - p);
+                let residual = laplacian.iter().zip(push).map(|(l, p)| l - p);
                 assert!(residual.clone().all(|value| value.abs() < 1e-6), "{:?}", residual.collect::<Vec<_>>());
             }
         }
@@ -181,7 +184,7 @@ fn the_jump_of_stress_on_the_surface_is_minus_the_traction() {
                 pair.map(|(a, b)| normal[j] * (a + b)).collect()
             }));
             for mode in 0..modes.count() {
-                let stress = VISCOSITY * strain[mode] - pressure[mode] * normal[i];
+                let stress = strain[mode] - pressure[mode] * normal[i];
                 assert!((stress + tractions[mode * dimension + i]).abs() < 1e-8);
             }
         }
@@ -214,7 +217,7 @@ fn the_isolated_mobility_is_symmetric_positive_definite() {
 #[test]
 fn a_ball_in_strain_has_einsteins_stresslet() {
     for (dimension, expected) in [(2, -2.0), (3, -5.0 / 3.0)] {
-        let modes = modes(dimension, RADIUS, VISCOSITY, 3);
+        let modes = modes(dimension, RADIUS, 3);
         let moments = first_moments(modes.as_ref());
         let strain = DMatrix::from_fn(dimension, dimension, |i, j| match (i, j) {
             (0, 0) => 1.0,
@@ -225,7 +228,7 @@ fn a_ball_in_strain_has_einsteins_stresslet() {
         let background = DMatrix::from_fn(modes.count(), 1, |mode, _| -RADIUS * moments[mode].dot(&strain));
         let coefficients = modes.isolated_mobility(10.0).cholesky().expect("positive definite").solve(&background);
         let moment = moments.iter().zip(&coefficients).fold(0.0 * &strain, |sum, (moment, c)| sum + moment * *c);
-        assert!((moment - expected * VISCOSITY * strain).abs().max() < 1e-13);
+        assert!((moment - expected * strain).abs().max() < 1e-13);
     }
 }
 
@@ -249,7 +252,7 @@ fn a_point_has_the_same_jumps_alone_and_among_others() {
 #[test]
 fn the_largest_orders_are_finite_near_the_centre_and_vanish_on_the_surface() {
     for (dimension, order) in [(2, fourier::MAXIMUM_ORDER), (3, spherical::MAXIMUM_ORDER)] {
-        let modes = modes(dimension, RADIUS, VISCOSITY, order);
+        let modes = modes(dimension, RADIUS, order);
         let offset = scaled(&direction(dimension), 0.01 * RADIUS);
         for component in 0..=dimension {
             assert!(jump(modes.as_ref(), &offset, component).iter().all(|value| value.is_finite()));
@@ -264,7 +267,7 @@ fn the_largest_orders_are_finite_near_the_centre_and_vanish_on_the_surface() {
 fn timing_of_one_evaluation() {
     const POINTS: usize = 200;
     for (dimension, order) in [(2, 4), (2, 6), (2, 12), (3, 3), (3, 5), (3, 8)] {
-        let modes = modes(dimension, RADIUS, VISCOSITY, order);
+        let modes = modes(dimension, RADIUS, order);
         let offsets = scaled(&direction(dimension), 1.1 * RADIUS).repeat(POINTS);
         let mut out = vec![0.0; modes.count() * POINTS];
         let mut time = |component: usize| {
@@ -353,12 +356,12 @@ fn the_laplacian_of_the_exterior_velocity_is_a_gradient() {
 
 #[test]
 fn far_away_a_translating_sphere_is_a_stokeslet() {
-    let modes = Spherical::new(RADIUS, VISCOSITY, 2);
+    let modes = Spherical::new(RADIUS, 2);
     let (normal, distance) = (direction(3), 1e4 * RADIUS);
     let velocity = exterior(&modes, &scaled(&normal, distance));
     for (force, i) in (0..3).flat_map(|force| (0..3).map(move |i| (force, i))) {
         let unit = if force == i { 1.0 } else { 0.0 };
-        let expected = modes.force_factor() / (8.0 * PI * VISCOSITY * distance) * (unit + normal[force] * normal[i]);
+        let expected = modes.force_factor() / (8.0 * PI * distance) * (unit + normal[force] * normal[i]);
         assert!((velocity[force * 3 + i] - expected).abs() < 1e-7 * expected.abs().max(1e-5));
     }
 }

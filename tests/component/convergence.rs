@@ -3,7 +3,6 @@
 use nalgebra::{SVector, Vector2, Vector3};
 use turbid::{
     body::Motion,
-    constraint::InclusionMethod,
     flow::{Drive, InverseMethod},
     geometry::{Axis, Domain},
     petsc::Session,
@@ -133,7 +132,7 @@ fn units_change_no_scalar(session: &Session) {
         let mut setup =
             walled(unit / 32.0, vec![disk([0.31 * unit, 0.35 * unit], 0.14 * unit, 4), disk([0.62 * unit, 0.6 * unit], 0.16 * unit, 4)]);
         setup.domain.size *= unit;
-        ScalarSetup { method, ..setup }
+        ScalarSetup { constraint: method, ..setup }
     };
     // values grow like the square of lengths, energies like their fourth power
     let numbers = |solution: ScalarSolution<2>, unit: f64| {
@@ -141,15 +140,14 @@ fn units_change_no_scalar(session: &Session) {
         numbers.push(solution.energy / unit.powi(4));
         numbers
     };
-    let methods =
-        [InclusionMethod::Sharp, InclusionMethod::MeanValue, InclusionMethod::Distributed, InclusionMethod::Penalty { epsilon: 1e-6 }];
+    let methods = [ConstraintMethod::Sharp, MEAN_VALUE, ConstraintMethod::Distributed, ConstraintMethod::Penalty(Some(1e-6))];
     for unit in [1e-9, 1e-6, 1e3] {
         for method in methods {
             let of = |unit| numbers(Inclusions::new(session, setup(method, unit)).unwrap().solve(&mut |_, _| {}).unwrap(), unit);
-            assert_same(&format!("{method} unit {unit:e}"), &of(1.0), &of(unit));
+            assert_same(&format!("{method:?} unit {unit:e}"), &of(1.0), &of(unit));
         }
         let of = |unit| {
-            let mut fitted = FittedInclusions::new(session, setup(InclusionMethod::Sharp, unit)).unwrap();
+            let mut fitted = FittedInclusions::new(session, setup(ConstraintMethod::Sharp, unit)).unwrap();
             numbers(fitted.solve(&mut |_, _| {}).unwrap(), unit)
         };
         assert_same(&format!("fitted unit {unit:e}"), &of(1.0), &of(unit));

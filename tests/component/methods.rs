@@ -5,10 +5,13 @@ use crate::{
     suspension::{assert_near, couette, fixed, free, periodic_cube, solve, suspended},
 };
 use nalgebra::{SMatrix, Vector2, Vector3};
+use std::rc::Rc;
 use turbid::{
     body::Motion,
+    constraint::{AdjointBody, BodyBlocks, Collector, Method, Placed, Size, Surrounded, Unknowns},
     flow::{Drive, InverseMethod},
-    grid::Node,
+    grid::{Grid, Node},
+    linalg::SparseRows,
     observe,
     petsc::Session,
     scene::{ConstraintMethod, MultiplierSolver, Scheme, Step, TimeSection, Tolerance},
@@ -34,6 +37,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(spheres),
         Test::of(bodies_that_move_are_assembled_anew),
         Test::of(all_methods_move_two_disks_past_each_other),
+        Test::of(a_method_of_ones_own_is_one_implementation),
     ]
 }
 
@@ -276,4 +280,42 @@ fn all_methods_move_two_disks_past_each_other(session: &Session) {
         assert!((place - sharp).norm() < 0.2 * error + 1e-12, "{}: {place} instead of {sharp}", constraint.word());
         assert!((sharp[0] - 0.3).abs() > 0.03);
     }
+}
+
+/// Surface multipliers, the velocity at each point of the surface that of the nearest node: the mean-value method with other weights.
+struct Nearest;
+
+impl Method<2, Box<dyn BodyBlocks<2>>> for Nearest {
+    fn description(&self) -> String {
+        "surface multipliers at the nearest nodes".into()
+    }
+
+    fn assemble(&self, grid: &Grid<2>, bodies: &[Surrounded<2>], _memory: Vec<Vec<f64>>) -> Vec<Box<dyn BodyBlocks<2>>> {
+        bodies.iter().map(|body| Box::new(at_nearest_nodes(grid, body.placed)) as Box<_>).collect()
+    }
+
+    fn bytes(&self, _grid: &Grid<2>, size: &Size<2>) -> f64 {
+        8.0 * size.count as f64
+    }
+}
+
+fn at_nearest_nodes(grid: &Grid<2>, placed: &Placed<2>) -> AdjointBody<2> {
+    let (mut collector, mut rows) = (Collector::new(grid, Unknowns::Fluid, placed.center), SparseRows::default());
+    for point in placed.surface.offsets().map(|offset| placed.center + offset) {
+        for component in 0..2 {
+            let place = |axis: usize| point[axis] / grid.spacing()[axis] - grid.stagger(component, axis);
+            let node = collector.node(component, std::array::from_fn(|axis| place(axis).round() as isize));
+            rows.push(node.map(|node| (node, 1.0)));
+        }
+    }
+    AdjointBody::on_surface(grid, placed, collector.nodes, rows, Vec::new())
+}
+
+/// What no scene knows is solved as what all know, to the accuracy of a method of first order.
+fn a_method_of_ones_own_is_one_implementation(session: &Session) {
+    let setup = array(ConstraintMethod::Sharp, 40, [0.513, 0.527]);
+    let mut suspension = Suspension::with_method(session, setup, Rc::new(Nearest)).unwrap();
+    let solution = suspension.solve(&mut |_, _| {}).unwrap();
+    assert_near("drag", solution.bodies[0].force[0], DRAG, 0.25);
+    assert!(suspension.cost().krylov.iterations < 200, "{} iterations", suspension.cost().krylov.iterations);
 }

@@ -3,12 +3,11 @@
 use super::folder::RunFolder;
 use crate::{
     error::Result,
-    grid::Grid,
     observe,
     output::{self, Progress, Summary},
     petsc::{Session, Stage, enter},
     scene::{ConstraintMethod, Scene},
-    simulation::{Cost, FittedInclusions, Inclusions, ScalarSetup, ScalarSolution},
+    simulation::{FittedInclusions, Inclusions, ScalarSetup, SolvedScalar},
 };
 
 /// Solves a scalar scene of dimension `D`.
@@ -23,36 +22,33 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, folder: &mut RunFol
             folder.claim(scene)?;
             let solution = inclusions.solve(&mut seen);
             progress.end();
-            write(session, (scene, folder), (inclusions.setup(), inclusions.grid()), (&solution?, ("direct", inclusions.cost())))
+            let (setup, grid, cost) = (inclusions.setup(), inclusions.grid(), inclusions.cost());
+            write(session, scene, folder, &SolvedScalar { setup, grid, solution: &solution?, inverse: "direct", cost })
         }
         _ => {
             let mut inclusions = Inclusions::new(session, setup)?;
             folder.claim(scene)?;
             let solution = inclusions.solve(&mut seen);
             progress.end();
-            write(session, (scene, folder), (inclusions.setup(), inclusions.grid()), (&solution?, ("hypre", inclusions.cost())))
+            let (setup, grid, cost) = (inclusions.setup(), inclusions.grid(), inclusions.cost());
+            write(session, scene, folder, &SolvedScalar { setup, grid, solution: &solution?, inverse: "hypre", cost })
         }
     }
 }
 
 /// Writes and reports what was solved.
-fn write<const D: usize>(
-    session: &Session,
-    (scene, folder): (&Scene, &RunFolder),
-    problem: (&ScalarSetup<D>, &Grid<D>),
-    (solution, solver): (&ScalarSolution<D>, (&'static str, &Cost)),
-) -> Result<()> {
+fn write<const D: usize>(session: &Session, scene: &Scene, folder: &RunFolder, solved: &SolvedScalar<D>) -> Result<()> {
     let (world, first) = (session.world(), session.world().rank() == 0);
-    let summary = Summary::of_scalar((&scene.name, &scene.title), problem, (solution, solver), world);
+    let summary = Summary::of_scalar(&scene.name, &scene.title, solved, world);
     let output = enter(Stage::Output);
     let mut files = vec!["scene.toml"];
     if let Some(points) = scene.output.probe {
-        let probe = observe::scalar_probe(problem, solution, points)?.csv();
+        let probe = observe::scalar_probe((solved.setup, solved.grid), solved.solution, points)?.csv();
         world.agree(if first { output::write_whole(&folder.path().join("probe.csv"), probe.as_bytes()) } else { Ok(()) })?;
         files.push("probe.csv");
     }
     if scene.output.picture {
-        let picture = observe::scalar_picture(scene.shown_title(), problem, solution)?.svg();
+        let picture = observe::scalar_picture(scene.shown_title(), solved)?.svg();
         world.agree(if first { output::write_whole(&folder.path().join("picture.svg"), picture.as_bytes()) } else { Ok(()) })?;
         files.push("picture.svg");
     }

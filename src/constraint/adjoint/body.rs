@@ -1,87 +1,96 @@
-//! What one body adds, whatever its rows.
+//! What one body adds whose multipliers act where its rows look: `C = J^T S`.
 
 use std::rc::Rc;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{
-    equations::{Equations, FreeInverse},
-    nodes::Nodes,
+use super::{equations::Equations, nodes::Nodes};
+use crate::{
+    constraint::{
+        body::{BodyBlocks, FreeInverse, Plans, Walls},
+        layout::Layout,
+        placed::Placed,
+        places::{Seen, SeenMut},
+    },
+    grid::Grid,
+    linalg::SparseRows,
+    surface::SurfaceTable,
 };
-use crate::{constraint::places::Places, linalg::SparseRows};
 
 /// A body whose multipliers act where its rows look.
 pub struct AdjointBody<const D: usize> {
-    /// Its number.
-    pub body: usize,
-    /// Its centre, for which it was assembled.
-    pub center: SVector<f64, D>,
     /// Lattice points near it.
-    pub(super) nodes: Nodes<D>,
-    /// Values of the fluid over the nodes.
-    pub(super) rows: SparseRows,
+    pub nodes: Nodes<D>,
+    /// Values of the grid over the nodes.
+    pub rows: SparseRows,
     /// What moving walls add to the values; empty if no wall is near.
-    pub(super) wall_values: Vec<f64>,
+    pub wall_values: Vec<f64>,
     /// Equations of the values.
-    pub(super) equations: Equations<D>,
+    pub equations: Equations<D>,
     /// Volume that belongs to a node.
-    pub(super) cell: f64,
+    pub cell: f64,
 }
 
 impl<const D: usize> AdjointBody<D> {
-    /// Number of its multipliers, those of rigid motions first.
-    pub fn count(&self) -> usize {
+    /// One whose multipliers are modes of its surface: rows are the values at the points of it, one a component, and `wall_values` what
+    /// moving walls add to them.
+    pub fn on_surface(grid: &Grid<D>, placed: &Placed<D>, nodes: Nodes<D>, rows: SparseRows, wall_values: Vec<f64>) -> AdjointBody<D> {
+        let cell = grid.spacing().product();
+        let equations = Equations::Surface { surface: placed.surface.clone(), strength: placed.surface.area() / cell };
+        AdjointBody { nodes, rows, wall_values, equations, cell }
+    }
+
+    /// Forces per volume at the nodes.
+    fn forces(&self, c: &[f64]) -> Vec<f64> {
+        self.rows.apply_transpose(&self.equations.forces(c), self.nodes.count())
+    }
+}
+
+impl<const D: usize> BodyBlocks<D> for AdjointBody<D> {
+    fn count(&self) -> usize {
         self.equations.count()
     }
 
-    /// Approximate inverse of the diagonal block in the rows that are not rigid, unless the rows are those of surface modes.
-    pub fn free_inverse(&self) -> Option<Rc<FreeInverse>> {
+    fn plan(&mut self, _layout: &Layout, plans: &mut Plans) {
+        self.nodes.plan(&mut plans.read, &mut plans.spread);
+    }
+
+    fn spread(&self, factor: f64, c: &[f64], _scratch: &mut Vec<f64>, rows: &mut SeenMut) {
+        self.nodes.add(factor, &self.forces(c), rows);
+    }
+
+    fn read(&self, u: Seen, walls: Walls, _scratch: &mut Vec<f64>, out: &mut [f64]) {
+        let mut values = self.rows.apply(&self.nodes.values(u));
+        if walls == Walls::Moving {
+            values.iter_mut().zip(&self.wall_values).for_each(|(value, wall)| *value += wall);
+        }
+        out.copy_from_slice(&match &self.equations {
+            Equations::Surface { .. } => values,
+            Equations::Rows(rows) => rows.without_motion(values),
+        });
+    }
+
+    fn surface(&self) -> Option<&Rc<SurfaceTable<D>>> {
         match &self.equations {
-            Equations::Surface { .. } => None,
-            Equations::Rows(rows) => Some(rows.inverse.clone()),
+            Equations::Surface { surface, .. } => Some(surface),
+            Equations::Rows(_) => None,
         }
     }
 
-    /// Finds the places of the nodes.
-    pub fn plan(&mut self, places: &mut Places) {
-        self.nodes.plan(places);
-    }
-
-    /// Adds `factor * C c` to entries of this rank and of others.
-    pub fn spread(&self, factor: f64, c: &[f64], own: &mut [f64], others: &mut [f64]) {
-        self.nodes.add(factor, &self.forces(c), own, others);
-    }
-
-    /// `out = J u`.
-    pub fn sample(&self, own: &[f64], others: &[f64], out: &mut [f64]) {
-        out.copy_from_slice(&self.equations.apply(self.rows.apply(&self.nodes.values(own, others))));
-    }
-
-    /// Adds what moving walls contribute to `J u`.
-    pub fn add_walls(&self, out: &mut [f64]) {
-        if !self.wall_values.is_empty() {
-            let added = self.equations.apply(self.wall_values.clone());
-            out.iter_mut().zip(added).for_each(|(out, added)| *out += added);
-        }
-    }
-
-    /// `out += E c`.
-    pub fn add_compliance(&self, c: &[f64], out: &mut [f64]) {
+    fn add_local(&self, own: &[f64], _all: Seen, out: &mut [f64]) {
         if let Equations::Rows(rows) = &self.equations {
-            let others = out[rows.rigid..].iter_mut().zip(&c[rows.rigid..]);
+            let others = out[rows.rigid..].iter_mut().zip(&own[rows.rigid..]);
             others.zip(&rows.compliance).for_each(|((out, c), compliance)| *out += compliance * c);
         }
     }
 
-    /// What the rows make of a velocity known at each offset from the centre.
-    pub fn coefficients(&self, known: impl Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Vec<f64> {
+    fn coefficients(&self, known: &dyn Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Vec<f64> {
         let nodes = self.nodes.components.iter().zip(&self.nodes.offsets);
         let values: Vec<f64> = nodes.map(|(&component, offset)| known(offset)[component as usize]).collect();
         self.equations.apply(self.rows.apply(&values))
     }
 
-    /// First moment `sum of F_i r_j` of the forces at the nodes.
-    pub fn first_moment(&self, c: &[f64]) -> SMatrix<f64, D, D> {
+    fn first_moment(&self, c: &[f64]) -> SMatrix<f64, D, D> {
         let mut moment = SMatrix::zeros();
         for ((&component, offset), force) in self.nodes.components.iter().zip(&self.nodes.offsets).zip(self.forces(c)) {
             (0..D).for_each(|axis| moment[(component as usize, axis)] += self.cell * force * offset[axis]);
@@ -89,8 +98,10 @@ impl<const D: usize> AdjointBody<D> {
         moment
     }
 
-    /// Forces per volume at the nodes.
-    fn forces(&self, c: &[f64]) -> Vec<f64> {
-        self.rows.apply_transpose(&self.equations.forces(c), self.nodes.count())
+    fn free_inverse(&self) -> Option<Rc<dyn FreeInverse>> {
+        match &self.equations {
+            Equations::Surface { .. } => None,
+            Equations::Rows(rows) => Some(rows.inverse.clone()),
+        }
     }
 }

@@ -7,20 +7,53 @@
 use std::rc::Rc;
 
 use super::{
-    AdjointBody,
-    equations::{Equations, FreeInverse, RowEquations},
+    LATTICE_BYTES,
+    body::AdjointBody,
+    equations::{Equations, Identity, RowEquations},
     nodes::{Collector, Nodes, within_walls},
     rigid::{motions, push_readings},
 };
 use crate::{
-    constraint::{patch::Patch, sharp::Placed},
+    constraint::{
+        body::BodyBlocks,
+        index_box::IndexBox,
+        method::{Method, Size},
+        placed::{Placed, Surrounded},
+        unknowns::Unknowns,
+    },
     geometry::Ball,
     grid::{Grid, Index, stencil::moved},
     linalg::SparseRows,
 };
 
+/// The method.
+#[derive(Debug, Clone, Copy)]
+pub struct Distributed;
+
+impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for Distributed {
+    fn description(&self) -> String {
+        "multipliers at the outermost points inside (distributed)".into()
+    }
+
+    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], _memory: Vec<Vec<f64>>) -> Vec<Box<dyn BodyBlocks<D>>> {
+        bodies.iter().map(|body| Box::new(assemble(grid, body.placed)) as Box<_>).collect()
+    }
+
+    fn bytes(&self, _grid: &Grid<D>, size: &Size<D>) -> f64 {
+        LATTICE_BYTES * size.count as f64
+    }
+
+    fn count(&self, grid: &Grid<D>, ball: &Ball<D>, _modes: usize) -> usize {
+        D * (D + 1) / 2 + layer(grid, ball).count()
+    }
+
+    fn on_surfaces(&self) -> bool {
+        false
+    }
+}
+
 /// The blocks of one body.
-pub fn assemble<const D: usize>(grid: &Grid<D>, (body, placed): (usize, &Placed<D>)) -> AdjointBody<D> {
+fn assemble<const D: usize>(grid: &Grid<D>, placed: &Placed<D>) -> AdjointBody<D> {
     let (nodes, surface) = (layer(grid, &placed.ball()), &placed.surface);
     let (motions, cell, spacing) = (motions(surface, &nodes), grid.spacing().product(), grid.mean_spacing());
     let mut rows = SparseRows::default();
@@ -35,16 +68,16 @@ pub fn assemble<const D: usize>(grid: &Grid<D>, (body, placed): (usize, &Placed<
         strengths: [surface.modes.force_factor() / cell, 2.0 / (weight * spacing).powi(2)],
         compliance: Vec::new(),
         others: nodes.count(),
-        inverse: Rc::new(FreeInverse::Identity),
+        inverse: Rc::new(Identity),
     };
-    AdjointBody { body, center: placed.center, nodes, rows, wall_values: Vec::new(), equations: Equations::Rows(equations), cell }
+    AdjointBody { nodes, rows, wall_values: Vec::new(), equations: Equations::Rows(equations), cell }
 }
 
 /// The points inside a ball with a neighbour outside.
-pub fn layer<const D: usize>(grid: &Grid<D>, ball: &Ball<D>) -> Nodes<D> {
-    let mut collector = Collector::new(grid, ball.center);
+fn layer<const D: usize>(grid: &Grid<D>, ball: &Ball<D>) -> Nodes<D> {
+    let mut collector = Collector::new(grid, Unknowns::Fluid, ball.center);
     for component in 0..D {
-        for index in Patch::around(grid, component, &ball.center, ball.radius).indices() {
+        for index in IndexBox::around(grid, component, &ball.center, ball.radius).indices() {
             if on_layer(grid, ball, component, index) {
                 collector.node(component, index);
             }

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use nalgebra::{DMatrix, DVector};
 
 use super::elastic::ElasticInverse;
-use crate::surface::SurfaceTable;
+use crate::{constraint::body::FreeInverse, surface::SurfaceTable};
 
 /// The map from values of the fluid (rows over its nodes) to equations of the body, the rigid ones first.
 pub enum Equations<const D: usize> {
@@ -33,32 +33,31 @@ pub struct RowEquations {
     /// Diagonal of E in the other rows; empty if there is none.
     pub compliance: Vec<f64>,
     /// Approximate inverse of the diagonal block in the other rows.
-    pub inverse: Rc<FreeInverse>,
+    pub inverse: Rc<dyn FreeInverse>,
 }
 
-/// Approximate inverse of the diagonal block of a body in the rows that are not rigid.
-pub enum FreeInverse {
-    /// Of rows and multipliers that are scaled well.
-    Identity,
-    /// Of strains, each scaled by a factor, and stresses likewise.
-    Elastic {
-        /// Of strains and stresses as they are.
-        inverse: ElasticInverse,
-        /// The factors.
-        scales: Vec<f64>,
-    },
+/// The inverse of rows and multipliers that are scaled well.
+pub struct Identity;
+
+/// The inverse of strains, each scaled by a factor, and stresses likewise.
+pub struct ScaledElastic {
+    /// Of strains and stresses as they are.
+    pub inverse: ElasticInverse,
+    /// The factors.
+    pub scales: Vec<f64>,
 }
 
-impl FreeInverse {
-    /// `output = ` what multipliers give the rows `input`.
-    pub fn apply(&self, input: &[f64], output: &mut [f64]) {
-        match self {
-            FreeInverse::Identity => output.copy_from_slice(input),
-            FreeInverse::Elastic { inverse, scales } => {
-                let strains: Vec<f64> = input.iter().zip(scales).map(|(row, scale)| row / scale).collect();
-                output.iter_mut().zip(inverse.apply(&strains)).zip(scales).for_each(|((output, stress), scale)| *output = stress / scale);
-            }
-        }
+impl FreeInverse for Identity {
+    fn apply(&self, input: &[f64], output: &mut [f64]) {
+        output.copy_from_slice(input);
+    }
+}
+
+impl FreeInverse for ScaledElastic {
+    fn apply(&self, input: &[f64], output: &mut [f64]) {
+        let strains: Vec<f64> = input.iter().zip(&self.scales).map(|(row, scale)| row / scale).collect();
+        let stresses = self.inverse.apply(&strains).into_iter().zip(&self.scales);
+        output.iter_mut().zip(stresses).for_each(|(output, (stress, scale))| *output = stress / scale);
     }
 }
 
@@ -96,7 +95,8 @@ impl<const D: usize> Equations<D> {
 }
 
 impl RowEquations {
-    fn without_motion(&self, mut values: Vec<f64>) -> Vec<f64> {
+    /// The values with the rigid motion taken out of those that are not it.
+    pub fn without_motion(&self, mut values: Vec<f64>) -> Vec<f64> {
         if self.motions.nrows() > 0 {
             let (motion, others) = values.split_at_mut(self.rigid);
             let carried = &self.motions * DVector::from_column_slice(motion);

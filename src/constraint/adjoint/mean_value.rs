@@ -3,9 +3,15 @@
 //! The velocity on `gamma` has to be its own mean, in the sense of rigid motions: `u = m(u)`, tested with the surface modes.
 //! Stencils are not corrected for the jumps that the multipliers cause, which costs an order of accuracy.
 
-use super::{AdjointBody, equations::Equations, nodes::Collector};
+use super::{body::AdjointBody, nodes::Collector};
 use crate::{
-    constraint::sharp::Placed,
+    constraint::{
+        body::BodyBlocks,
+        method::{Method, Size},
+        placed::{Placed, Surrounded},
+        sharp,
+        unknowns::Unknowns,
+    },
     geometry::Axis,
     grid::{
         Grid, Index,
@@ -14,14 +20,34 @@ use crate::{
     linalg::SparseRows,
 };
 
-/// The blocks of one body.
-pub fn assemble<const D: usize>(grid: &Grid<D>, (body, placed): (usize, &Placed<D>)) -> AdjointBody<D> {
-    let mut collector = Collector::new(grid, placed.center);
+/// The method.
+#[derive(Debug, Clone, Copy)]
+pub struct MeanValue;
+
+impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for MeanValue {
+    fn description(&self) -> String {
+        "surface multipliers with linear interpolation (mean-value)".into()
+    }
+
+    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], _memory: Vec<Vec<f64>>) -> Vec<Box<dyn BodyBlocks<D>>> {
+        bodies.iter().map(|body| Box::new(assemble(grid, body.placed)) as Box<_>).collect()
+    }
+
+    fn bytes(&self, grid: &Grid<D>, size: &Size<D>) -> f64 {
+        sharp::bytes(grid, size)
+    }
+}
+
+/// The blocks of one body, of a fluid or of a scalar.
+pub fn assemble<const D: usize>(grid: &Grid<D>, placed: &Placed<D>) -> AdjointBody<D> {
+    let unknowns = Unknowns::of(placed.surface.modes.as_ref());
+    let mut collector = Collector::new(grid, unknowns, placed.center);
     let (mut rows, mut wall_values) = (SparseRows::default(), Vec::new());
     for offset in placed.surface.offsets() {
         let point = placed.center + offset;
-        for component in 0..D {
-            let pairs: [Pair; D] = std::array::from_fn(|axis| linear(grid, component, axis, point[axis]));
+        for component in 0..unknowns.components::<D>() {
+            let lattice = unknowns.lattice::<D>(component);
+            let pairs: [Pair; D] = std::array::from_fn(|axis| linear(grid, lattice, axis, point[axis]));
             let (mut terms, mut wall) = (Vec::new(), 0.0);
             for corner in 0..1 << D {
                 let side = |axis: usize| (corner >> axis) & 1;
@@ -41,9 +67,7 @@ pub fn assemble<const D: usize>(grid: &Grid<D>, (body, placed): (usize, &Placed<
     if wall_values.iter().all(|value| *value == 0.0) {
         wall_values.clear();
     }
-    let cell = grid.spacing().product();
-    let equations = Equations::Surface { surface: placed.surface.clone(), strength: placed.surface.area() / cell };
-    AdjointBody { body, center: placed.center, nodes: collector.nodes, rows, wall_values, equations, cell }
+    AdjointBody::on_surface(grid, placed, collector.nodes, rows, wall_values)
 }
 
 /// The velocity of the wall that a corner of the interpolation lies on, if that is between lattice points.

@@ -5,18 +5,21 @@ use std::collections::HashMap;
 use nalgebra::SVector;
 
 use crate::{
-    constraint::places::{Places, from},
+    constraint::{
+        places::{Places, Seen, SeenMut},
+        unknowns::Unknowns,
+    },
     geometry::Axis,
-    grid::{Grid, Index, Node},
+    grid::{Grid, Index},
 };
 
-/// The velocities that the rows of a body take.
+/// The values that the rows of a body take.
 pub struct Nodes<const D: usize> {
-    /// Indices in fluid vectors.
+    /// Indices in vectors.
     unknowns: Vec<u32>,
-    /// Once planned, their places.
-    places: Vec<u32>,
-    /// Components of the velocity.
+    /// Once planned, their places when values are taken, and when they are added to.
+    places: [Vec<u32>; 2],
+    /// Their components.
     pub components: Vec<u8>,
     /// Where they are, from the centre of the body.
     pub offsets: Vec<SVector<f64, D>>,
@@ -25,6 +28,7 @@ pub struct Nodes<const D: usize> {
 /// Collects the nodes of a body around a centre.
 pub struct Collector<'a, const D: usize> {
     grid: &'a Grid<D>,
+    unknowns: Unknowns,
     center: SVector<f64, D>,
     known: HashMap<u32, u32>,
     /// What is collected.
@@ -33,19 +37,19 @@ pub struct Collector<'a, const D: usize> {
 
 impl<'a, const D: usize> Collector<'a, D> {
     /// Nothing yet.
-    pub fn new(grid: &'a Grid<D>, center: SVector<f64, D>) -> Self {
-        let nodes = Nodes { unknowns: Vec::new(), places: Vec::new(), components: Vec::new(), offsets: Vec::new() };
-        Collector { grid, center, known: HashMap::new(), nodes }
+    pub fn new(grid: &'a Grid<D>, unknowns: Unknowns, center: SVector<f64, D>) -> Self {
+        let nodes = Nodes { unknowns: Vec::new(), places: Default::default(), components: Vec::new(), offsets: Vec::new() };
+        Collector { grid, unknowns, center, known: HashMap::new(), nodes }
     }
 
     /// The number of the node at an index of a component's lattice; nothing on a wall, where the velocity is known.
     pub fn node(&mut self, component: usize, index: Index<D>) -> Option<u32> {
-        let Node::Unknown(unknown) = self.grid.fluid_node(component, index) else { return None };
+        let (unknown, lattice) = (self.unknowns.at(self.grid, component, index)?, self.unknowns.lattice::<D>(component));
         let nodes = &mut self.nodes;
         Some(*self.known.entry(unknown as u32).or_insert_with(|| {
             nodes.unknowns.push(unknown as u32);
             nodes.components.push(component as u8);
-            nodes.offsets.push(self.grid.position(component, index) - self.center);
+            nodes.offsets.push(self.grid.position(lattice, index) - self.center);
             nodes.unknowns.len() as u32 - 1
         }))
     }
@@ -65,22 +69,23 @@ impl<const D: usize> Nodes<D> {
         self.unknowns.len()
     }
 
-    /// Finds the places of the unknowns.
-    pub fn plan(&mut self, places: &mut Places) {
-        self.places = self.unknowns.iter().map(|&unknown| places.of(unknown as usize, 1)).collect();
+    /// Their indices in vectors.
+    pub fn unknowns(&self) -> &[u32] {
+        &self.unknowns
     }
 
-    /// The values at the nodes, from this rank's entries and those of others.
-    pub fn values(&self, own: &[f64], others: &[f64]) -> Vec<f64> {
-        self.places.iter().map(|&place| from(own, others, place)[0]).collect()
+    /// Finds the places of the unknowns among those that are read and those that are added to.
+    pub fn plan(&mut self, read: &mut Places, spread: &mut Places) {
+        self.places = [read, spread].map(|places| places.each(&self.unknowns));
     }
 
-    /// Adds values at the nodes, times `factor`, to entries of this rank and of others.
-    pub fn add(&self, factor: f64, values: &[f64], own: &mut [f64], others: &mut [f64]) {
-        for (place, value) in self.places.iter().zip(values) {
-            let place = *place as usize;
-            let entry = if place < own.len() { &mut own[place] } else { &mut others[place - own.len()] };
-            *entry += factor * value;
-        }
+    /// The values at the nodes.
+    pub fn values(&self, u: Seen) -> Vec<f64> {
+        self.places[0].iter().map(|&place| u.from(place)[0]).collect()
+    }
+
+    /// Adds values at the nodes, times `factor`.
+    pub fn add(&self, factor: f64, values: &[f64], rows: &mut SeenMut) {
+        self.places[1].iter().zip(values).for_each(|(&place, value)| *rows.at(place) += factor * value);
     }
 }

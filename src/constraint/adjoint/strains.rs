@@ -4,7 +4,7 @@ use std::iter::once;
 
 use super::nodes::{Collector, Nodes, within_walls};
 use crate::{
-    constraint::patch::Patch,
+    constraint::{index_box::IndexBox, unknowns::Unknowns},
     geometry::{Ball, fraction},
     grid::{
         Grid, Index,
@@ -37,9 +37,9 @@ pub struct Strains<const D: usize> {
 impl<const D: usize> Strains<D> {
     /// Those of a ball.
     pub fn of(grid: &Grid<D>, ball: &Ball<D>) -> Strains<D> {
-        let mut collector = Collector::new(grid, ball.center);
+        let mut collector = Collector::new(grid, Unknowns::Fluid, ball.center);
         let (mut strains, mut divergences) = (Vec::new(), SparseRows::default());
-        for index in Patch::around(grid, D, &ball.center, ball.radius + grid.spacing().max()).indices() {
+        for index in IndexBox::around(grid, D, &ball.center, ball.radius + grid.spacing().max()).indices() {
             let theta = fraction(ball, &grid.position(D, index), &grid.spacing());
             if theta > TRACE {
                 let slopes: [Vec<(u32, f64)>; D] = std::array::from_fn(|axis| slope(grid, axis, index, &mut collector));
@@ -73,7 +73,7 @@ fn without_trace<const D: usize>(slopes: &[Vec<(u32, f64)>; D], last: usize) -> 
 /// Shear strains in a plane of axes, at edges; there are none on walls.
 fn shear_strains<const D: usize>(grid: &Grid<D>, ball: &Ball<D>, [first, second]: [usize; 2], collector: &mut Collector<D>) -> Vec<Strain> {
     let mut strains = Vec::new();
-    for index in Patch::around(grid, first, &ball.center, ball.radius + 1.5 * grid.spacing().max()).indices() {
+    for index in IndexBox::around(grid, first, &ball.center, ball.radius + 1.5 * grid.spacing().max()).indices() {
         let mut center = grid.position(first, index);
         center[second] -= 0.5 * grid.spacing()[second];
         let theta = fraction(ball, &center, &grid.spacing());

@@ -38,7 +38,7 @@ impl<const D: usize> Meridian<D> {
 
     /// A body of the given radius with modes up to `order`.
     pub fn new(radius: f64, order: usize) -> Self {
-        let modes = modes(D, radius, 1.0, order);
+        let modes = modes(D, radius, order);
         let points = FINENESS.0 * order + FINENESS.1;
         let rule = axial(D, if D == 2 { 2 * points } else { points });
         let directions = rule.directions.chunks(D).map(SVector::from_column_slice).collect();
@@ -49,8 +49,8 @@ impl<const D: usize> Meridian<D> {
     /// The modes of a channel; rigid ones come first.
     pub fn channel(&self, channel: Channel) -> Vec<usize> {
         let rigid = if channel == Channel::Along { Self::AXIS } else { Self::ACROSS };
-        let families = self.modes.families();
-        let all = || families.iter().flat_map(|family| family.modes.iter().zip(&family.channels));
+        let families = self.modes.degrees();
+        let all = || families.iter().flat_map(|family| family.modes.iter().zip(&family.orders));
         let number = all().find(|(mode, _)| **mode == rigid).map(|(_, channel)| channel);
         let mut members: Vec<usize> = all().filter(|(_, channel)| Some(*channel) == number).map(|(mode, _)| *mode).collect();
         members.sort_unstable();

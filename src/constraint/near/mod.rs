@@ -24,7 +24,7 @@ use crate::{
     error::Result,
     geometry::Pair,
     petsc::{Scatter, Vector},
-    surface::{area, lever, mode_count, turn},
+    surface::{area, lever, mode_count, rotations},
 };
 
 pub use table::{Given, PairTables};
@@ -99,7 +99,7 @@ impl NearPairs {
         }
         let table = tables.of(ends.map(order), ends.map(radius));
         let starts = (self.turns.len(), self.values.len());
-        turn(&separation.normalize(), order(ends[1]), &mut self.turns);
+        rotations(&separation.normalize(), order(ends[1]), &mut self.turns);
         table.append(pair.gap, radius(ends[0]), &mut self.values);
         let mut padded = [0.0; 3];
         padded[..D].copy_from_slice(separation.as_slice());

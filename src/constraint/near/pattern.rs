@@ -1,9 +1,9 @@
 //! How the multipliers of a pair are arranged in the frame of the pair, where the correction is block diagonal.
 //!
 //! Each body sees the other along the axis of its own frame; so equal bodies are alike, and sums and differences
-//! of their multipliers go apart. Channels (see [`Family`]) go apart in any case.
+//! of their multipliers go apart. Channels (see [`Degree`]) go apart in any case.
 
-use crate::surface::{Family, Modes};
+use crate::surface::{Degree, Modes};
 
 /// The arrangement of one combination of bodies.
 pub struct Pattern {
@@ -19,7 +19,7 @@ struct End {
 }
 
 struct Placed {
-    family: Family,
+    family: Degree,
     /// For each mode, where it stands in the frame.
     slots: Vec<usize>,
 }
@@ -32,8 +32,8 @@ struct Channel {
 impl Pattern {
     /// The arrangement of two bodies with these modes.
     pub fn new(modes: [&dyn Modes; 2], equal: bool) -> Pattern {
-        let families = modes.map(|modes| modes.families());
-        let last = families.iter().flatten().flat_map(|family| &family.channels).max().map_or(0, |last| last + 1);
+        let families = modes.map(|modes| modes.degrees());
+        let last = families.iter().flatten().flat_map(|family| &family.orders).max().map_or(0, |last| last + 1);
         let channels: Vec<Channel> =
             (0..last).map(|channel| Channel { modes: [0, 1].map(|end| members(&families[end], channel)) }).collect();
         let mut slots = modes.map(|modes| vec![0; modes.count()]);
@@ -123,17 +123,17 @@ fn multiply_block(block: &[f32], input: &[f64], output: &mut [f64]) {
     }
 }
 
-fn members(families: &[Family], channel: usize) -> Vec<usize> {
-    let modes = families.iter().flat_map(|family| family.modes.iter().zip(&family.channels));
+fn members(families: &[Degree], channel: usize) -> Vec<usize> {
+    let modes = families.iter().flat_map(|family| family.modes.iter().zip(&family.orders));
     modes.filter(|&(_, &own)| own == channel).map(|(&mode, _)| mode).collect()
 }
 
 impl End {
     /// The second body looks the other way.
-    fn new(families: Vec<Family>, slots: &[usize], second: bool) -> End {
-        let place = |mut family: Family| {
+    fn new(families: Vec<Degree>, slots: &[usize], second: bool) -> End {
+        let place = |mut family: Degree| {
             if !second {
-                family.flips.fill(1.0);
+                family.parities.fill(1.0);
             }
             Placed { slots: family.modes.iter().map(|&mode| slots[mode]).collect(), family }
         };
@@ -143,7 +143,7 @@ impl End {
     fn turn(&self, turns: &[f32], wanted: &[f64], seen: &mut [f64]) {
         for Placed { family, slots } in &self.families {
             let rows = turns[family.matrix..].chunks_exact(slots.len());
-            for ((slot, flip), row) in slots.iter().zip(&family.flips).zip(rows) {
+            for ((slot, flip), row) in slots.iter().zip(&family.parities).zip(rows) {
                 let sum: f64 = family.modes.iter().zip(row).map(|(&mode, &entry)| wanted[mode] * f64::from(entry)).sum();
                 seen[*slot] = flip * sum;
             }
@@ -153,7 +153,7 @@ impl End {
     fn turn_back(&self, turns: &[f32], answer: &[f64], found: &mut [f64]) {
         for Placed { family, slots } in &self.families {
             let rows = turns[family.matrix..].chunks_exact(slots.len());
-            for ((slot, flip), row) in slots.iter().zip(&family.flips).zip(rows) {
+            for ((slot, flip), row) in slots.iter().zip(&family.parities).zip(rows) {
                 let value = flip * answer[*slot];
                 family.modes.iter().zip(row).for_each(|(&mode, &entry)| found[mode] += value * f64::from(entry));
             }

@@ -1,35 +1,102 @@
-//! Blocks of an inclusion whose multipliers are sources in cells.
+//! Blocks of an inclusion whose multipliers are sources in cells: C and J take each cell for itself.
 
-use nalgebra::DMatrix;
+use nalgebra::{SMatrix, SVector};
 
 use super::{
-    blocks::InclusionBlocks,
-    coupling::{Cells, Coupling},
-    links::{LinkedCells, filled_parts},
+    envelope::Envelope,
+    inclusion::{Inclusion, InclusionBlocks},
+    links::{Link, LinkedCells, filled_parts},
 };
 use crate::{
-    constraint::{Layout, rows::Rows},
+    constraint::{
+        body::{BodyBlocks, FreeInverse, Plans, Walls},
+        layout::Layout,
+        places::{Seen, SeenMut},
+        rows::Rows,
+    },
     geometry::Ball,
     grid::Grid,
 };
 
-/// The blocks of an inclusion, with its number, from its cells and their coupling.
+/// Sources in cells.
+struct Cells<const D: usize> {
+    /// The cells, as unknowns.
+    unknowns: Vec<u32>,
+    /// Their centres, from that of the inclusion.
+    offsets: Vec<SVector<f64, D>>,
+    volume: f64,
+    /// Once planned, their places when rows are added to, and when values are taken.
+    places: [Vec<u32>; 2],
+    /// E: the values by which a body that conducts gives way to sources; a rigid one does not.
+    compliance: Option<Envelope>,
+}
+
+/// The Laplacian of the links between cells alone.
+struct Laplacian(Vec<Link>);
+
+impl FreeInverse for Laplacian {
+    fn apply(&self, input: &[f64], output: &mut [f64]) {
+        output.fill(0.0);
+        for &Link { cells: [one, two], weight } in &self.0 {
+            let flux = weight * (input[one] - input[two]);
+            output[one] += flux;
+            output[two] -= flux;
+        }
+    }
+}
+
+/// The blocks of an inclusion from its cells, E, and the links whose Laplacian stands for the inverse.
 pub fn blocks<const D: usize>(
     grid: &Grid<D>,
-    layout: &Layout,
-    (body, ball): (usize, &Ball<D>),
-    (linked, cells): (&LinkedCells<D>, Cells),
-) -> InclusionBlocks {
-    let (first, count) = (layout.local(body), linked.unknowns.len());
+    ball: &Ball<D>,
+    cells: LinkedCells<D>,
+    compliance: Option<Envelope>,
+    links: Vec<Link>,
+) -> InclusionBlocks<D> {
     let (unknowns, parts) = filled_parts(grid, ball);
-    InclusionBlocks {
-        range: first..first + count,
-        constant: vec![1.0; count],
-        positions: DMatrix::from_fn(count, D, |cell, axis| linked.offsets[cell][axis]),
-        measure: grid.spacing().product(),
+    let volume = grid.spacing().product();
+    let inclusion = Inclusion {
+        constant: vec![1.0; cells.unknowns.len()],
+        measure: volume,
         // a source of strength 1 all over the inclusion flows out with strength a/D
         reaction: ball.radius * ball.radius / D as f64,
         source: Rows::new(unknowns, parts),
-        coupling: Coupling::Cells(cells),
+        by_source: Vec::new(),
+        alone: Box::new(Laplacian(links)),
+    };
+    let LinkedCells { unknowns, offsets, .. } = cells;
+    InclusionBlocks { body: Box::new(Cells { unknowns, offsets, volume, places: Default::default(), compliance }), inclusion }
+}
+
+impl<const D: usize> BodyBlocks<D> for Cells<D> {
+    fn count(&self) -> usize {
+        self.unknowns.len()
+    }
+
+    fn plan(&mut self, _layout: &Layout, plans: &mut Plans) {
+        self.places = [&mut plans.spread, &mut plans.read].map(|places| places.each(&self.unknowns));
+    }
+
+    fn spread(&self, factor: f64, c: &[f64], _scratch: &mut Vec<f64>, rows: &mut SeenMut) {
+        self.places[0].iter().zip(c).for_each(|(&place, c)| *rows.at(place) += factor * c);
+    }
+
+    fn read(&self, u: Seen, _walls: Walls, _scratch: &mut Vec<f64>, out: &mut [f64]) {
+        out.iter_mut().zip(&self.places[1]).for_each(|(out, &place)| *out = u.from(place)[0]);
+    }
+
+    fn add_local(&self, own: &[f64], _all: Seen, out: &mut [f64]) {
+        if let Some(compliance) = &self.compliance {
+            compliance.add_potential(own, out);
+        }
+    }
+
+    fn coefficients(&self, known: &dyn Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Vec<f64> {
+        self.offsets.iter().map(|offset| known(offset)[0]).collect()
+    }
+
+    fn first_moment(&self, c: &[f64]) -> SMatrix<f64, D, D> {
+        let dipole: SVector<f64, D> = self.offsets.iter().zip(c).map(|(offset, c)| offset * (self.volume * c)).sum();
+        SMatrix::from_fn(|component, axis| if component == 0 { dipole[axis] } else { 0.0 })
     }
 }

@@ -9,17 +9,40 @@
 //! the box, take 13, 17, 23 and 31 iterations; the multipliers 20, 21, 21 and 22, with a multigrid cycle in the place of the inverse.
 //! A hierarchy of `P^T A P` itself would be another one for each place of the inclusions.
 
-use super::{blocks::InclusionBlocks, cells::blocks, coupling::Cells, links::LinkedCells};
-use crate::{constraint::Layout, geometry::Ball, grid::Grid};
+use super::{cells::blocks, inclusion::InclusionBlocks, links::LinkedCells};
+use crate::{
+    constraint::{
+        adjoint::Distributed,
+        method::{Method, Size},
+        placed::Surrounded,
+    },
+    geometry::Ball,
+    grid::Grid,
+};
 
-/// The blocks of an inclusion, with its number.
-pub fn assemble<const D: usize>(grid: &Grid<D>, layout: &Layout, (body, ball): (usize, &Ball<D>)) -> InclusionBlocks {
-    let covered = LinkedCells::covered(grid, ball);
-    let cells = Cells { unknowns: covered.unknowns.clone(), places: Default::default(), compliance: None, links: covered.links.clone() };
-    blocks(grid, layout, (body, ball), (&covered, cells))
-}
+impl<const D: usize> Method<D, InclusionBlocks<D>> for Distributed {
+    fn description(&self) -> String {
+        "with a multiplier in each cell inside (distributed)".into()
+    }
 
-/// Number of multipliers of an inclusion.
-pub fn count<const D: usize>(grid: &Grid<D>, ball: &Ball<D>) -> usize {
-    LinkedCells::covered(grid, ball).unknowns.len()
+    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], _memory: Vec<Vec<f64>>) -> Vec<InclusionBlocks<D>> {
+        let of = |ball: Ball<D>| {
+            let covered = LinkedCells::covered(grid, &ball);
+            let links = covered.links.clone();
+            blocks(grid, &ball, covered, None, links)
+        };
+        bodies.iter().map(|body| of(body.placed.ball())).collect()
+    }
+
+    fn bytes(&self, _grid: &Grid<D>, size: &Size<D>) -> f64 {
+        32.0 * D as f64 * size.count as f64
+    }
+
+    fn count(&self, grid: &Grid<D>, ball: &Ball<D>, _modes: usize) -> usize {
+        LinkedCells::covered(grid, ball).unknowns.len()
+    }
+
+    fn on_surfaces(&self) -> bool {
+        false
+    }
 }

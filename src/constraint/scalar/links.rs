@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 use crate::{
-    constraint::patch::Patch,
+    constraint::index_box::IndexBox,
     geometry::{Ball, fraction, touches},
     grid::{Grid, Index, Node, dirichlet, stencil::moved},
 };
@@ -42,15 +42,15 @@ impl<const D: usize> LinkedCells<D> {
     }
 
     fn chosen(grid: &Grid<D>, ball: &Ball<D>, belongs: impl Fn([Index<D>; 2]) -> bool) -> Self {
-        let patch = Patch::around(grid, D, &ball.center, ball.radius + 2.0 * grid.spacing().max());
+        let indices = IndexBox::around(grid, D, &ball.center, ball.radius + 2.0 * grid.spacing().max());
         let mut found = LinkedCells { unknowns: Vec::new(), offsets: Vec::new(), links: Vec::new(), middles: Vec::new() };
-        let mut numbers = vec![None; patch.len()];
-        let pairs = patch.indices().flat_map(|one| (0..D).map(move |axis| (one, axis)));
-        let within = |index: Index<D>| (0..D).all(|axis| index[axis] < patch.start()[axis] + patch.extent()[axis] as isize);
+        let mut numbers = vec![None; indices.len()];
+        let pairs = indices.indices().flat_map(|one| (0..D).map(move |axis| (one, axis)));
+        let within = |index: Index<D>| (0..D).all(|axis| index[axis] < indices.start()[axis] + indices.extent()[axis] as isize);
         for (one, axis) in pairs {
             let ends = [one, moved(one, axis, 1)];
             if within(ends[1]) && belongs(ends) {
-                let cells = ends.map(|index| *numbers[patch.place(index)].get_or_insert_with(|| found.add(grid, ball, index)));
+                let cells = ends.map(|index| *numbers[indices.place(index)].get_or_insert_with(|| found.add(grid, ball, index)));
                 found.links.push(Link { cells, weight: grid.spacing()[axis].powi(-2) });
                 found.middles.push(middle(grid, ends) - ball.center);
             }
@@ -72,8 +72,8 @@ fn middle<const D: usize>(grid: &Grid<D>, [one, two]: [Index<D>; 2]) -> SVector<
 
 /// Cells of which a ball fills a part, with minus that part: what confines a unit source to the outside.
 pub fn filled_parts<const D: usize>(grid: &Grid<D>, ball: &Ball<D>) -> (Vec<u32>, Vec<f64>) {
-    let patch = Patch::around(grid, D, &ball.center, ball.radius + grid.spacing().max());
-    let cells = patch.indices().filter(|&index| dirichlet::within(grid, index));
+    let indices = IndexBox::around(grid, D, &ball.center, ball.radius + grid.spacing().max());
+    let cells = indices.indices().filter(|&index| dirichlet::within(grid, index));
     let part = |index: Index<D>| match grid.node(D, index) {
         Node::Unknown(unknown) => Some((unknown as u32, -fraction(ball, &grid.position(D, index), &grid.spacing()))),
         Node::Wall(_) => None,

@@ -16,29 +16,49 @@
 use nalgebra::SVector;
 
 use super::{
-    blocks::InclusionBlocks,
     cells::blocks,
-    coupling::Cells,
     envelope::Envelope,
+    inclusion::InclusionBlocks,
     links::{Link, LinkedCells},
 };
 use crate::{
-    constraint::Layout,
+    constraint::{
+        adjoint::Penalty,
+        method::{Method, Size},
+        placed::Surrounded,
+    },
     geometry::{Ball, fraction},
     grid::Grid,
 };
 
-/// One over the conductivity of an inclusion unless another is given.
-///
-/// The value in a disk is wrong by about `0.06 epsilon` besides what the grid makes of it, which goes down as `h^2` at best and is 1e-5
-/// with 512 cells a side: this choice stays below it on any grid that fits a machine. A smaller one changes nothing but rounding.
-pub const EPSILON: f64 = 1e-6;
-
 /// Links that an inclusion just touches are filled to this part, so that they hold their cells all the same.
 const SMALLEST_PART: f64 = 1e-6;
 
-/// The blocks of an inclusion, with its number, that conducts `1/epsilon`.
-pub fn assemble<const D: usize>(grid: &Grid<D>, layout: &Layout, (body, ball): (usize, &Ball<D>), epsilon: f64) -> InclusionBlocks {
+impl<const D: usize> Method<D, InclusionBlocks<D>> for Penalty {
+    fn description(&self) -> String {
+        format!("that conduct 1/{:e}, with Cholesky factors of each (penalty)", self.epsilon)
+    }
+
+    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], _memory: Vec<Vec<f64>>) -> Vec<InclusionBlocks<D>> {
+        bodies.iter().map(|body| assemble(grid, &body.placed.ball(), self.epsilon)).collect()
+    }
+
+    fn bytes(&self, _grid: &Grid<D>, size: &Size<D>) -> f64 {
+        // a row of the factors spans a slice of the inclusion
+        8.0 * (size.count as f64).powf(2.0 - 1.0 / D as f64)
+    }
+
+    fn count(&self, grid: &Grid<D>, ball: &Ball<D>, _modes: usize) -> usize {
+        LinkedCells::touched(grid, ball).unknowns.len()
+    }
+
+    fn on_surfaces(&self) -> bool {
+        false
+    }
+}
+
+/// The blocks of an inclusion that conducts `1/epsilon`.
+fn assemble<const D: usize>(grid: &Grid<D>, ball: &Ball<D>, epsilon: f64) -> InclusionBlocks<D> {
     let touched = LinkedCells::touched(grid, ball);
     let round = Ball { center: SVector::zeros(), radius: ball.radius };
     let excess = touched.middles.iter().map(|middle| (1.0 - epsilon) * fraction(&round, middle, &grid.spacing()).max(SMALLEST_PART));
@@ -48,11 +68,5 @@ pub fn assemble<const D: usize>(grid: &Grid<D>, layout: &Layout, (body, ball): (
         Link { weight: link.weight / (1.0 - part), ..*link }
     });
     let compliance = Envelope::new(touched.unknowns.len(), &conducting.collect::<Vec<Link>>());
-    let cells = Cells { unknowns: touched.unknowns.clone(), places: Default::default(), compliance: Some(compliance), links };
-    blocks(grid, layout, (body, ball), (&touched, cells))
-}
-
-/// Number of multipliers of an inclusion.
-pub fn count<const D: usize>(grid: &Grid<D>, ball: &Ball<D>) -> usize {
-    LinkedCells::touched(grid, ball).unknowns.len()
+    blocks(grid, ball, touched, Some(compliance), links)
 }

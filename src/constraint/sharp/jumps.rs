@@ -1,14 +1,16 @@
 //! Jump functions of all modes of a body at chosen nodes.
 
-use super::{Placed, nodes::Nodes};
-use crate::linalg::{add_rows, padded};
+use super::nodes::Nodes;
+use crate::{
+    constraint::placed::Placed,
+    linalg::{add_rows, padded},
+};
 
 const EMPTY: u32 = u32::MAX;
 
 /// Jump functions on the lattice of one field, at those nodes for which they were asked.
 #[derive(Default)]
 pub struct Jumps {
-    count: usize,
     /// Length of a row of `values`.
     stride: usize,
     /// For each node, its row in `values`.
@@ -20,10 +22,9 @@ pub struct Jumps {
 impl Jumps {
     /// Turns to another body and other nodes, and forgets those asked for.
     pub fn turn_to<const D: usize>(&mut self, placed: &Placed<D>, nodes: &Nodes<D>) {
-        self.count = placed.surface.modes.count();
-        self.stride = padded(self.count);
+        self.stride = padded(placed.surface.modes.jump_count());
         self.chosen.drain(..).for_each(|place| self.rows[place as usize] = EMPTY);
-        self.rows.resize(nodes.patch.len(), EMPTY);
+        self.rows.resize(nodes.indices.len(), EMPTY);
     }
 
     /// Asks for the node at a place; returns its row.
@@ -55,7 +56,7 @@ impl Jumps {
         self.stride
     }
 
-    /// Evaluates the jump functions of a body; velocities within `core` of its centre are zero.
+    /// Evaluates the jump functions of a body; all but pressures are zero within `core` of its centre.
     pub fn evaluate<const D: usize>(&mut self, nodes: &Nodes<D>, placed: &Placed<D>, core: f64) {
         let positions = self.chosen.iter().map(|&place| nodes.position(place as usize) - placed.center);
         let offsets: Vec<f64> = positions.flat_map(|offset| offset.data.0[0]).collect();
@@ -64,11 +65,10 @@ impl Jumps {
             self.values.resize(length, 0.0);
         }
         let values = &mut self.values[..length];
-        if nodes.field == D {
-            placed.surface.modes.pressure_jumps(&offsets, values);
+        placed.surface.modes.jumps(&offsets, nodes.field, values);
+        if nodes.field == placed.surface.modes.components() {
             return;
         }
-        placed.surface.modes.velocity_jumps(&offsets, nodes.field, values);
         for (offset, values) in offsets.chunks_exact(D).zip(values.chunks_exact_mut(self.stride)) {
             if offset.iter().map(|x| x * x).sum::<f64>() <= core * core {
                 values.fill(0.0);

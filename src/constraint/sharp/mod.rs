@@ -13,28 +13,29 @@
 //! rigid motion, which interpolation reproduces; outer extensions `(a/r)^k` grow inwards so fast that interpolating them
 //! turns high modes unstable where bodies crowd.
 
-mod blocks;
+mod body;
+mod cleared;
+mod interpolate;
 mod jumps;
 mod nodes;
-mod passage;
-mod sample;
 mod spread;
 
-use std::rc::Rc;
-
-use nalgebra::SVector;
-
-use super::dense::LocalBlock;
-use crate::{geometry::Ball, grid::Grid, surface::SurfaceTable};
-pub use blocks::{BodyBlocks, SharpBlocks, Situation};
+use super::{
+    body::BodyBlocks,
+    conservation::TERMS,
+    dense::LocalBlock,
+    method::{Method, Size},
+    placed::Surrounded,
+    unknowns::Unknowns,
+};
+use crate::{grid::Grid, surface::SurfaceTable};
+pub use body::SharpBody;
+pub use cleared::{FreshlyCleared, freshly_cleared, jump};
+use interpolate::{Interpolated, Interpolation};
 use jumps::Jumps;
-use nodes::Nodes;
-pub use passage::{Passed, jump, passed};
-use sample::{Interpolated, Sampling};
+pub use nodes::Nodes;
+use nodes::reach;
 use spread::Spreading;
-
-/// Lattice points around a surface that stencils and interpolation may touch, in spacings: next to walls it is one-sided.
-const REACHES: [f64; 2] = [2.0, 3.0];
 
 /// Jump functions are singular at the centre; closer than this (in spacings) they are taken as zero.
 const CORE: f64 = 0.3;
@@ -42,28 +43,8 @@ const CORE: f64 = 0.3;
 /// Gap between two surfaces, in spacings, below which interpolation on one meets the inside of the other.
 pub const INTERPOLATION_REACH: f64 = 3.5;
 
-/// A body in its place.
-#[derive(Clone)]
-pub struct Placed<const D: usize> {
-    /// Its centre, in the box or, for an image, beyond it.
-    pub center: SVector<f64, D>,
-    /// Its surface.
-    pub surface: Rc<SurfaceTable<D>>,
-}
-
-impl<const D: usize> Placed<D> {
-    /// It as a ball.
-    pub fn ball(&self) -> Ball<D> {
-        Ball { center: self.center, radius: self.surface.modes.radius() }
-    }
-
-    fn outside(&self, point: &SVector<f64, D>) -> bool {
-        (point - self.center).norm_squared() > self.surface.modes.radius().powi(2)
-    }
-}
-
-/// A neighbour whose inside may meet the interpolation on a body's surface: its number, and it in the image next to the body.
-pub type Neighbour<const D: usize> = (usize, Placed<D>);
+/// Bytes that an entry of a dense block takes, or of a row of interpolation.
+const BYTES_PER_ENTRY: f64 = 12.0;
 
 /// Memory that the assembly of one body after the other uses again.
 #[derive(Default)]
@@ -77,47 +58,72 @@ pub struct Workspace {
     values: Vec<Vec<f64>>,
 }
 
-impl Workspace {
-    /// Takes the memory of blocks that are no longer needed.
-    pub fn recycle<const D: usize>(&mut self, blocks: BodyBlocks<D>) {
-        self.values.push(blocks.rows.values);
+/// The method.
+#[derive(Debug, Clone, Copy)]
+pub struct Sharp;
+
+impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for Sharp {
+    fn description(&self) -> String {
+        "surface multipliers with corrected stencils (sharp)".into()
+    }
+
+    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], memory: Vec<Vec<f64>>) -> Vec<Box<dyn BodyBlocks<D>>> {
+        let mut workspace = Workspace { values: memory, ..Workspace::default() };
+        let of = |body: &Surrounded<D>| -> Box<dyn BodyBlocks<D>> { Box::new(assemble(grid, body, &mut workspace, |_| Vec::new()).0) };
+        bodies.iter().map(of).collect()
+    }
+
+    fn bytes(&self, grid: &Grid<D>, size: &Size<D>) -> f64 {
+        bytes(grid, size)
+    }
+
+    fn reach(&self) -> f64 {
+        INTERPOLATION_REACH
     }
 }
 
-/// The blocks of one body.
+/// Values of the spread rows, interpolation terms, and the dense blocks of a body and about four neighbours.
+pub fn bytes<const D: usize>(grid: &Grid<D>, Size { ball, order, count }: &Size<D>) -> f64 {
+    let (count, cells) = (*count as f64, ball.radius / grid.mean_spacing());
+    let surface = if D == 2 { 2.0 * std::f64::consts::PI * cells } else { 4.0 * std::f64::consts::PI * cells * cells };
+    let points = SurfaceTable::<D>::point_count(ball.radius, *order, grid.mean_spacing()) as f64;
+    8.0 * count * 2.0 * (D + 1) as f64 * surface
+        + 16.0 * points * (D * 4_usize.pow(D as u32)) as f64
+        + 5.0 * BYTES_PER_ENTRY * count * count
+}
+
+/// The blocks of one body, with values of sources behind those of the modes that have the moments of `sources`, and the nodes of each field.
 pub fn assemble<const D: usize>(
     grid: &Grid<D>,
-    (body, placed): (usize, &Placed<D>),
-    neighbours: &[Neighbour<D>],
+    Surrounded { body, placed, neighbours }: &Surrounded<D>,
     workspace: &mut Workspace,
-) -> BodyBlocks<D> {
+    sources: impl Fn(&Nodes<D>) -> Vec<[f64; TERMS]>,
+) -> (SharpBody<D>, Vec<Nodes<D>>) {
+    let unknowns = Unknowns::of(placed.surface.modes.as_ref());
+    let (fields, components) = (unknowns.fields::<D>(), unknowns.components::<D>());
     let reach = placed.surface.modes.radius() + reach(grid);
-    let nodes: Vec<Nodes<D>> = (0..=D).map(|field| Nodes::around(grid, field, placed, reach)).collect();
+    let nodes: Vec<Nodes<D>> = (0..fields).map(|field| Nodes::around(grid, field, placed, reach)).collect();
     let Workspace { jumps, of_neighbour, interpolated, values } = workspace;
-    let (jumps, of_neighbour) = (&mut jumps[..=D], &mut of_neighbour[..D]);
+    let (jumps, of_neighbour) = (&mut jumps[..fields], &mut of_neighbour[..components]);
     nodes.iter().zip(&mut *jumps).for_each(|(nodes, jumps)| jumps.turn_to(placed, nodes));
     let spreading = Spreading::new(grid, placed, &nodes, jumps);
-    let sampling = Sampling::new(grid, placed, &nodes, jumps);
+    let interpolation = Interpolation::new(grid, placed, &nodes, jumps);
     let core = CORE * grid.spacing().max();
     nodes.iter().zip(&mut *jumps).for_each(|(nodes, jumps)| jumps.evaluate(nodes, placed, core));
-    let own = sampling.own_block(jumps, interpolated).map(|block| (body, block));
+    let own = interpolation.own_block(jumps, interpolated).map(|block| (*body, block));
     let others = neighbours.iter().filter_map(|(other, neighbour)| {
-        let block = sampling.neighbour_block((neighbour, core), of_neighbour, interpolated)?;
+        let block = interpolation.neighbour_block(neighbour, core, of_neighbour, interpolated)?;
         Some((*other, block))
     });
     let local = own.into_iter().chain(others);
-    let (rows, on_walls) = spreading.rows(jumps, values.pop().unwrap_or_default());
-    BodyBlocks {
+    let (rows, on_walls) = spreading.rows(jumps, &sources(&nodes[0]), values.pop().unwrap_or_default());
+    let body = SharpBody {
         surface: placed.surface.clone(),
-        situation: Situation::of((body, placed), neighbours),
         rows,
         on_walls,
         local: local.map(|(body, transposed)| LocalBlock { body, transposed }).collect(),
-        interpolant: sampling.interpolant,
-    }
-}
-
-/// How far from a surface, along each axis, stencils and interpolation reach.
-fn reach<const D: usize>(grid: &Grid<D>) -> f64 {
-    REACHES[usize::from(!grid.domain().fully_periodic())] * grid.spacing().max()
+        local_places: Vec::new(),
+        interpolant: interpolation.interpolant,
+    };
+    (body, nodes)
 }

@@ -2,19 +2,29 @@
 
 use nalgebra::SVector;
 
-use super::Placed;
 use crate::{
-    constraint::patch::Patch,
+    constraint::{index_box::IndexBox, placed::Placed, unknowns::Unknowns},
     geometry::Axis,
-    grid::{Grid, Index, Node},
+    grid::{Grid, Index},
 };
+
+/// Lattice points around a surface that stencils and interpolation may touch, in spacings: next to walls it is one-sided.
+const REACHES: [f64; 2] = [2.0, 3.0];
+
+/// How far from a surface, along each axis, stencils and interpolation reach.
+pub fn reach<const D: usize>(grid: &Grid<D>) -> f64 {
+    REACHES[usize::from(!grid.domain().fully_periodic())] * grid.spacing().max()
+}
 
 /// Lattice points, and points of walls between them, around a body.
 pub struct Nodes<const D: usize> {
+    unknowns: Unknowns,
     /// The field.
     pub field: usize,
+    /// Its lattice.
+    pub lattice: usize,
     /// Their indices.
-    pub patch: Patch<D>,
+    pub indices: IndexBox<D>,
     /// Coordinates along each axis.
     coordinates: [Vec<f64>; D],
     /// Square of the distance of each from the centre of the body.
@@ -26,20 +36,25 @@ pub struct Nodes<const D: usize> {
 impl<const D: usize> Nodes<D> {
     /// The nodes within `reach` of the centre along each axis.
     pub fn around(grid: &Grid<D>, field: usize, placed: &Placed<D>, reach: f64) -> Nodes<D> {
-        let patch = Patch::with_walls(grid, field, &placed.center, reach);
+        let unknowns = Unknowns::of(placed.surface.modes.as_ref());
+        let lattice = unknowns.lattice::<D>(field);
+        let indices = match unknowns {
+            Unknowns::Fluid => IndexBox::with_walls(grid, lattice, &placed.center, reach),
+            Unknowns::Scalar => IndexBox::of_cells(grid, &placed.center, reach),
+        };
         let coordinates = std::array::from_fn(|axis| {
-            let start = patch.start()[axis];
-            (0..patch.extent()[axis] as isize).map(|along| coordinate(grid, field, axis, start + along)).collect()
+            let start = indices.start()[axis];
+            (0..indices.extent()[axis] as isize).map(|along| coordinate(grid, lattice, axis, start + along)).collect()
         });
         let squares = squares(&coordinates, &placed.center);
         let limit = placed.surface.modes.radius().powi(2);
         let outside = squares.iter().map(|&square| square > limit).collect();
-        Nodes { field, patch, coordinates, squares, outside }
+        Nodes { unknowns, field, lattice, indices, coordinates, squares, outside }
     }
 
     /// Where the node at a place is.
     pub fn position(&self, place: usize) -> SVector<f64, D> {
-        let (index, start) = (self.patch.index(place), self.patch.start());
+        let (index, start) = (self.indices.index(place), self.indices.start());
         SVector::from_fn(|axis, _| self.coordinates[axis][(index[axis] - start[axis]) as usize])
     }
 
@@ -50,7 +65,7 @@ impl<const D: usize> Nodes<D> {
             let (coordinates, center) = (&self.coordinates[axis], other.center[axis]);
             (coordinates.partition_point(|x| *x < center - radius), coordinates.partition_point(|x| *x <= center + radius))
         });
-        let (start, strides) = (ranges.map(|(first, _)| first), self.patch.strides());
+        let (start, strides) = (ranges.map(|(first, _)| first), self.indices.strides());
         let extent: [usize; D] = ranges.map(|(first, end)| end - first);
         for mut rest in 0..extent.iter().product() {
             let mut place = 0;
@@ -73,16 +88,16 @@ impl<const D: usize> Nodes<D> {
         wanted: impl Fn(std::ops::Range<usize>) -> std::ops::Range<usize>,
         mut visit: impl FnMut(usize, usize, usize),
     ) {
-        let length = self.patch.extent()[D - 1];
-        for first in (0..self.patch.len()).step_by(length.max(1)) {
+        let length = self.indices.extent()[D - 1];
+        for first in (0..self.indices.len()).step_by(length.max(1)) {
             let range = wanted(first..first + length);
-            let mut index: Index<D> = self.patch.index(first);
+            let mut index: Index<D> = self.indices.index(first);
             index[D - 1] += (range.start - first) as isize;
             let mut place = range.start;
             while place < range.end {
-                let (node, follow) = if self.on_lattice(grid, index) { grid.fluid_run(self.field, index) } else { (Node::Wall(0.0), 1) };
+                let (node, follow) = if self.on_lattice(grid, index) { self.unknowns.run(grid, self.field, index) } else { (None, 1) };
                 let length = follow.min(range.end - place);
-                if let Node::Unknown(unknown) = node {
+                if let Some(unknown) = node {
                     visit(place, length, unknown);
                 }
                 place += length;
@@ -93,16 +108,16 @@ impl<const D: usize> Nodes<D> {
 
     /// Whether an index stands for a point of the lattice, and not for a wall between its points.
     fn on_lattice(&self, grid: &Grid<D>, index: Index<D>) -> bool {
-        (0..D).all(|axis| grid.domain().periodic(axis) || self.field == axis || (0..grid.cells()[axis] as isize).contains(&index[axis]))
+        (0..D).all(|axis| grid.domain().periodic(axis) || self.lattice == axis || (0..grid.cells()[axis] as isize).contains(&index[axis]))
     }
 }
 
 /// Coordinate of an index along an axis: that of the wall if it lies beyond a lattice that has no points on it.
-fn coordinate<const D: usize>(grid: &Grid<D>, field: usize, axis: usize, index: isize) -> f64 {
+fn coordinate<const D: usize>(grid: &Grid<D>, lattice: usize, axis: usize, index: isize) -> f64 {
     match grid.domain().axes[axis] {
         Axis::Walls { .. } if index < 0 => 0.0,
-        Axis::Walls { .. } if field != axis && index == grid.cells()[axis] as isize => grid.domain().size[axis],
-        _ => (index as f64 + grid.stagger(field, axis)) * grid.spacing()[axis],
+        Axis::Walls { .. } if lattice != axis && index == grid.cells()[axis] as isize => grid.domain().size[axis],
+        _ => (index as f64 + grid.stagger(lattice, axis)) * grid.spacing()[axis],
     }
 }
 

@@ -2,11 +2,15 @@
 
 use nalgebra::SVector;
 
-use super::{Placed, jumps::Jumps, nodes::Nodes};
+use super::{jumps::Jumps, nodes::Nodes};
 use crate::{
-    constraint::{conservation::conserve_momentum, rows::Rows},
+    constraint::{
+        conservation::{AtOffsets, TERMS, Wanted, conserve_momentum},
+        placed::Placed,
+        rows::Rows,
+    },
     grid::{
-        Grid,
+        Grid, dirichlet,
         stencil::{self, Site, Term},
     },
 };
@@ -57,10 +61,10 @@ impl<'a, const D: usize> Spreading<'a, D> {
     pub fn new(grid: &'a Grid<D>, placed: &'a Placed<D>, nodes: &'a [Nodes<D>], jumps: &mut [Jumps]) -> Self {
         let (rows, walls) = (Corrections::default(), Corrections::default());
         let mut spreading = Spreading { grid, placed, nodes, unknowns: Vec::new(), rows, walls, walls_of: Vec::new() };
-        for field in 0..=D {
+        for field in 0..nodes.len() {
             spreading.find_rows(field, jumps);
             spreading.rows.end_field();
-            if field < D {
+            if field < D && nodes.len() > 1 {
                 spreading.find_walls(field, jumps);
             }
             spreading.walls.end_field();
@@ -98,22 +102,27 @@ impl<'a, const D: usize> Spreading<'a, D> {
         (0..D).any(|axis| !domain.periodic(axis) && (center[axis] <= reach || center[axis] >= domain.size[axis] - reach))
     }
 
-    /// Collects the corrections of a momentum row (along axis `field`) or of a continuity row.
+    /// Collects the corrections of a momentum row (along axis `field`), of a continuity row, or of the one row of a scalar.
     fn find_row(&mut self, field: usize, place: usize, jumps: &mut [Jumps]) {
         let Self { grid, nodes, rows, .. } = self;
-        let (index, outside) = (nodes[field].patch.index(place), nodes[field].outside[place]);
+        let (index, outside) = (nodes[field].indices.index(place), nodes[field].outside[place]);
         let side = if outside { 1.0 } else { -1.0 };
+        if nodes.len() == 1 {
+            let mut group = rows.group(&nodes[field], &mut jumps[field], outside, side);
+            dirichlet::laplacian(grid, index, |index, weight| group.take(Term { site: Site::Lattice { field, index }, weight }));
+            return;
+        }
         if field == D {
             for axis in 0..D {
-                let mut group = rows.group((&nodes[axis], &mut jumps[axis]), (outside, -side));
+                let mut group = rows.group(&nodes[axis], &mut jumps[axis], outside, -side);
                 stencil::divergence(grid, axis, index).into_iter().for_each(|term| group.take(term));
             }
             return;
         }
-        let mut group = rows.group((&nodes[field], &mut jumps[field]), (outside, side));
+        let mut group = rows.group(&nodes[field], &mut jumps[field], outside, side);
         stencil::laplacian(grid, field, index, |term| group.take(term));
         drop(group);
-        let mut group = rows.group((&nodes[D], &mut jumps[D]), (outside, -side));
+        let mut group = rows.group(&nodes[D], &mut jumps[D], outside, -side);
         stencil::gradient(grid, field, index).into_iter().for_each(|term| group.take(term));
     }
 
@@ -124,13 +133,13 @@ impl<'a, const D: usize> Spreading<'a, D> {
         }
         let near = self.near();
         let nodes = &self.nodes[field];
-        for place in (0..nodes.patch.len()).filter(|&place| near.contains(&nodes.squares[place])) {
-            let index = nodes.patch.index(place);
+        for place in (0..nodes.indices.len()).filter(|&place| near.contains(&nodes.squares[place])) {
+            let index = nodes.indices.index(place);
             let Some(wall) = stencil::wall_at(self.grid, field, index) else { continue };
             let (mut velocities, mut pressures) = (Vec::new(), Vec::new());
             stencil::wall_row(self.grid, field, index, wall, |term| velocities.push(term), |term| pressures.push(term));
             for (from, side, terms) in [(field, 1.0, velocities), (D, -1.0, pressures)] {
-                let mut group = self.walls.group((&self.nodes[from], &mut jumps[from]), (true, side));
+                let mut group = self.walls.group(&self.nodes[from], &mut jumps[from], true, side);
                 terms.into_iter().for_each(|term| group.take(term));
             }
             if self.walls.end_row(|| nodes.position(place) - self.placed.center) {
@@ -139,18 +148,21 @@ impl<'a, const D: usize> Spreading<'a, D> {
         }
     }
 
-    /// All rows, from evaluated jumps, and what passes to walls; `values` is memory to use again.
-    pub fn rows(self, jumps: &[Jumps], mut values: Vec<f64>) -> (Rows, Vec<OnWall>) {
-        let count = self.placed.surface.modes.count();
+    /// All rows, from evaluated jumps, and what passes to walls; `values` is memory to use again. Behind the modes are values of sources,
+    /// which have these moments.
+    pub fn rows(self, jumps: &[Jumps], sources: &[[f64; TERMS]], mut values: Vec<f64>) -> (Rows, Vec<OnWall>) {
+        let (count, components) = (self.placed.surface.modes.jump_count(), self.placed.surface.modes.components());
         let cell_volume = self.grid.spacing().product();
         self.rows.evaluate(jumps, count, &mut values);
         let mut to_walls = Vec::new();
         self.walls.evaluate(jumps, count, &mut to_walls);
-        for component in 0..D {
+        for component in 0..components {
             let (rows, walls) = (self.rows.field(component), self.walls.field(component));
-            let (offsets, values) = (&self.rows.offsets[rows.clone()], &mut values[rows.start * count..rows.end * count]);
-            let passed = (&self.walls.offsets[walls.clone()], &to_walls[walls.start * count..walls.end * count]);
-            conserve_momentum(component, &self.placed.surface, cell_volume, passed, (offsets, values));
+            let passed =
+                AtOffsets { offsets: &self.walls.offsets[walls.clone()], values: &to_walls[walls.start * count..walls.end * count] };
+            let corrected =
+                AtOffsets { offsets: &self.rows.offsets[rows.clone()], values: &mut values[rows.start * count..rows.end * count] };
+            conserve_momentum(&Wanted { surface: &self.placed.surface, component, sources, cell_volume }, passed, corrected);
         }
         to_walls.iter_mut().for_each(|value| *value *= cell_volume);
         let on_walls = self.sum_on_walls(&to_walls, count);
@@ -159,7 +171,7 @@ impl<'a, const D: usize> Spreading<'a, D> {
 
     fn sum_on_walls(&self, to_walls: &[f64], count: usize) -> Vec<OnWall> {
         let mut found: Vec<OnWall> = Vec::new();
-        for component in 0..D {
+        for component in 0..self.placed.surface.modes.components() {
             for point in self.walls.field(component) {
                 let (axis, upper) = self.walls_of[point];
                 let values = &to_walls[point * count..][..count];
@@ -175,7 +187,7 @@ impl<'a, const D: usize> Spreading<'a, D> {
 
 impl<const D: usize> Corrections<D> {
     /// Starts terms, all of one field, of a row whose centre lies `outside` or not.
-    fn group<'a>(&'a mut self, (nodes, jumps): (&'a Nodes<D>, &'a mut Jumps), (outside, factor): (bool, f64)) -> Group<'a, D> {
+    fn group<'a>(&'a mut self, nodes: &'a Nodes<D>, jumps: &'a mut Jumps, outside: bool, factor: f64) -> Group<'a, D> {
         Group { before: self.terms.len(), corrections: self, nodes, jumps, outside, factor }
     }
 
@@ -203,7 +215,7 @@ impl<const D: usize> Corrections<D> {
     fn evaluate(&self, jumps: &[Jumps], count: usize, values: &mut Vec<f64>) {
         values.clear();
         values.reserve(self.offsets.len() * count);
-        let mut row = vec![0.0; jumps[D].stride()];
+        let mut row = vec![0.0; jumps[0].stride()];
         let (mut group, mut term) = (0, 0);
         for &row_end in &self.row_ends {
             row.fill(0.0);
@@ -231,7 +243,7 @@ impl<const D: usize> Group<'_, D> {
     /// Takes a term if it reaches across the surface.
     fn take(&mut self, term: Term<D>) {
         let (Site::Lattice { index, .. } | Site::Wall { index, .. }) = term.site;
-        let place = self.nodes.patch.place(index);
+        let place = self.nodes.indices.place(index);
         if self.nodes.outside[place] != self.outside {
             self.corrections.terms.push((self.jumps.choose(place), self.factor * term.weight));
         }

@@ -66,6 +66,22 @@ impl ConstraintMethod {
         }
     }
 
+    /// The small parameter that is given for it, if it has one.
+    pub fn epsilon(self) -> Option<f64> {
+        match self {
+            ConstraintMethod::Penalty(epsilon) => epsilon,
+            _ => None,
+        }
+    }
+
+    /// What solves for its multipliers.
+    pub fn solver(self) -> MultiplierSolver {
+        match self {
+            ConstraintMethod::MeanValue(solver) => solver,
+            _ => MultiplierSolver::Krylov,
+        }
+    }
+
     fn read(table: &Table) -> Result<Self> {
         let plain = [
             ("sharp", ConstraintMethod::Sharp),

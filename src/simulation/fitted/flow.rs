@@ -5,8 +5,8 @@ use std::time::Instant;
 use nalgebra::{SVector, Vector2};
 
 use super::{
+    interpolation::interpolate,
     plane::{flat, motions, plane, problem, spatial, state},
-    sampling::sample,
 };
 use crate::{
     constraint::fitted::{Mesh, MovingMesh, StokesFlow, StokesNumbering, StokesProblem, System, generate, loads},
@@ -166,7 +166,7 @@ impl<const D: usize> FittedFlow<D> {
         Ok(Solution {
             lubrication: None,
             bodies: states.map(|((disk, rigid), load)| state(disk, rigid, load, viscosity)).collect(),
-            fluid: sample(&self.session, &self.grid, problem, (flow, found.mean_pressure))?,
+            fluid: interpolate(&self.session, &self.grid, problem, flow, found.mean_pressure)?,
             mean_velocity: spatial(&found.mean_velocity),
             pressure_gradient: gradient,
             contact_forces: Vec::new(),

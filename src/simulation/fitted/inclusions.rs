@@ -5,8 +5,8 @@ use std::time::Instant;
 use nalgebra::Vector2;
 
 use super::{
+    interpolation::spot,
     plane::{flat, flat_disk, plane},
-    sampling::spot,
 };
 use crate::{
     constraint::fitted::{Locator, Mesh, Place, ScalarNumbering, Spot, System, generate, second_order},
@@ -92,7 +92,7 @@ impl<const D: usize> FittedInclusions<D> {
         };
         let inclusions = self.setup.inclusions.iter().zip(0..).zip(fluxes).map(state).collect();
         let energy = -0.5 * self.setup.source * integral;
-        Ok(ScalarSolution { inclusions, field: self.sample(values)?, energy, mean_flux: None, uzawa: None })
+        Ok(ScalarSolution { inclusions, field: self.interpolate(values)?, energy, mean_flux: None, uzawa: None })
     }
 
     /// The value of an inclusion: that of any node on it.
@@ -120,7 +120,7 @@ impl<const D: usize> FittedInclusions<D> {
     }
 
     /// The scalar at this rank's cell centres.
-    fn sample(&self, values: &[f64]) -> Result<Vector> {
+    fn interpolate(&self, values: &[f64]) -> Result<Vector> {
         let locator = Locator::new(&self.mesh);
         let mut field = Vector::new(&self.session, self.grid.local_unknowns(D))?;
         for (index, value) in self.grid.block(D).indices().zip(field.local_mut()?.iter_mut()) {

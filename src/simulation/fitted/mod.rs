@@ -2,8 +2,8 @@
 
 mod flow;
 mod inclusions;
+mod interpolation;
 mod plane;
-mod sampling;
 
 pub use flow::FittedFlow;
 pub use inclusions::{FittedInclusions, size as scalar_size};

@@ -2,7 +2,6 @@
 
 use super::{Plan, memory::distinct_laplacians};
 use crate::{
-    constraint::Method,
     flow::{Drive, InverseMethod},
     grid::Grid,
     interaction::{Interaction, Interactions},
@@ -49,18 +48,9 @@ pub fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Eff
         Effect::on("drive", drive(&setup.drive) + &sliding(setup, grid)),
         match setup.bodies.len() {
             0 => Effect::off("bodies"),
-            count => Effect::on("bodies", format!("{count}, {free} of them free; {}", method(setup.blocks()))),
+            count => Effect::on("bodies", format!("{count}, {free} of them free; {}", setup.method().description())),
         },
     ]
-}
-
-fn method(method: Method) -> String {
-    match method {
-        Method::Sharp => "surface multipliers with corrected stencils (sharp)".into(),
-        Method::MeanValue => "surface multipliers with linear interpolation (mean-value)".into(),
-        Method::Distributed => "multipliers at the outermost points inside (distributed)".into(),
-        Method::Penalty { epsilon } => format!("1/{epsilon:e} times as viscous inside, with Cholesky factors of each (penalty)"),
-    }
 }
 
 /// What drives a flow.

@@ -8,7 +8,9 @@ use super::{
     report::{GridPlan, PlanReport},
 };
 use crate::{
+    constraint::Size,
     error::Result,
+    geometry::Ball,
     grid::Grid,
     scene::ConstraintMethod,
     simulation::{DrySetup, ScalarSetup, Setup, closure::Closure},
@@ -64,7 +66,7 @@ fn of_scalar<const D: usize>(setup: &ScalarSetup<D>, ranks: usize) -> Result<Pla
     let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
     let inclusions = match setup.inclusions.len() {
         0 => Effect::off("inclusions"),
-        count => Effect::on("inclusions", format!("{count}, {}", setup.method)),
+        count => Effect::on("inclusions", format!("{count}, {}", setup.method().description())),
     };
     let source = format!("{} outside the inclusions", setup.source);
     let gradient = setup.gradient.map(|gradient| format!("{:?}", gradient.as_slice()));
@@ -86,6 +88,8 @@ fn of_scalar<const D: usize>(setup: &ScalarSetup<D>, ranks: usize) -> Result<Pla
         multiplier_unknowns,
         closure_unknowns: 0,
     };
-    let blocks: f64 = counts.iter().map(|&count| setup.method.bytes::<D>(count)).sum();
+    let method = setup.method();
+    let size = |(&(ball, order), &count): (&(Ball<D>, usize), &usize)| method.bytes(&grid, &Size { ball, order, count });
+    let blocks: f64 = setup.inclusions.iter().zip(&counts).map(size).sum();
     Ok(PlanReport { effects, choice: None, fluid: Some(fluid), bytes: scalar_bytes(&grid, multiplier_unknowns) + blocks })
 }

@@ -1,12 +1,12 @@
 //! Memory of a run, estimated before anything is built.
 
 use crate::{
-    constraint::{Method, count_adjoint},
+    constraint::Size,
     flow::InverseMethod,
     geometry::Ball,
     grid::Grid,
     simulation::{Setup, SuspendedBody},
-    surface::{SurfaceTable, mode_count as count_of_order},
+    surface::mode_count,
 };
 
 /// Bytes that a nonzero of a sparse matrix takes: value and index.
@@ -30,9 +30,6 @@ pub const CONTACT_BYTES: f64 = 4e3;
 /// Fluid vectors that a run in time keeps to start further solves from.
 const REMEMBERED_VECTORS: f64 = 5.0;
 
-/// Bytes that a multiplier at a lattice point takes: its node and rows that take it.
-const LATTICE_BYTES: f64 = 120.0;
-
 /// Bytes that a flow takes on all ranks together.
 pub fn bytes<const D: usize>(setup: &Setup<D>, (grid, counts): (&Grid<D>, &[usize]), in_time: bool) -> f64 {
     let points = (2 * D + 1) as f64;
@@ -40,11 +37,9 @@ pub fn bytes<const D: usize>(setup: &Setup<D>, (grid, counts): (&Grid<D>, &[usiz
     let remembered = if in_time { REMEMBERED_VECTORS } else { 0.0 };
     let fluid_vector = grid.fluid_unknowns() as f64 * 8.0;
     let multipliers = counts.iter().sum::<usize>() as f64 * 8.0;
-    let bodies: f64 = match setup.blocks() {
-        Method::Distributed => LATTICE_BYTES * counts.iter().sum::<usize>() as f64,
-        Method::Penalty { .. } => counts.iter().map(|&count| penalty_bytes::<D>(count)).sum(),
-        Method::Sharp | Method::MeanValue => setup.bodies.iter().map(|suspended| body_bytes(suspended, grid)).sum(),
-    };
+    let method = setup.method();
+    let size = |(suspended, &count): (&SuspendedBody<D>, &usize)| Size { ball: suspended.body.ball, order: suspended.order, count };
+    let bodies: f64 = setup.bodies.iter().zip(counts).map(|body| method.bytes(grid, &size(body))).sum();
     bodies
         + match setup.inverse {
             InverseMethod::Hypre => {
@@ -58,22 +53,6 @@ pub fn bytes<const D: usize>(setup: &Setup<D>, (grid, counts): (&Grid<D>, &[usiz
         }
 }
 
-/// Rows of strains, and the factors of an elastic body, of which a row spans a slice.
-fn penalty_bytes<const D: usize>(count: usize) -> f64 {
-    4.0 * LATTICE_BYTES * count as f64 + 8.0 * (count as f64).powf(2.0 - 1.0 / D as f64)
-}
-
-/// Values of the spread rows, interpolation terms, and the dense blocks of a body and about four neighbours.
-fn body_bytes<const D: usize>(suspended: &SuspendedBody<D>, grid: &Grid<D>) -> f64 {
-    let count = mode_count(suspended) as f64;
-    let cells = suspended.body.ball.radius / grid.mean_spacing();
-    let surface = if D == 2 { 2.0 * std::f64::consts::PI * cells } else { 4.0 * std::f64::consts::PI * cells * cells };
-    let points = SurfaceTable::<D>::point_count(suspended.body.ball.radius, suspended.order, grid.mean_spacing()) as f64;
-    8.0 * count * 2.0 * (D + 1) as f64 * surface
-        + 16.0 * points * (D * 4_usize.pow(D as u32)) as f64
-        + 5.0 * BYTES_PER_NONZERO * count * count
-}
-
 /// Bytes that a scalar takes on all ranks together.
 pub fn scalar_bytes<const D: usize>(grid: &Grid<D>, multipliers: usize) -> f64 {
     let cells = grid.unknowns(D) as f64;
@@ -83,18 +62,12 @@ pub fn scalar_bytes<const D: usize>(grid: &Grid<D>, multipliers: usize) -> f64 {
 
 /// Multipliers of each body.
 pub fn multiplier_counts<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<usize> {
+    let method = setup.method();
     let count = |suspended: &SuspendedBody<D>| {
         let ball = Ball { center: setup.domain.wrap(suspended.body.ball.center), ..suspended.body.ball };
-        match setup.blocks() {
-            Method::Sharp | Method::MeanValue => mode_count(suspended),
-            method => D * (D + 1) / 2 + count_adjoint(method, grid, &ball),
-        }
+        method.count(grid, &ball, mode_count(D, suspended.order))
     };
     setup.bodies.iter().map(count).collect()
-}
-
-fn mode_count<const D: usize>(suspended: &SuspendedBody<D>) -> usize {
-    count_of_order(D, suspended.order)
 }
 
 /// Fields whose Laplacians differ from those of all fields before them.

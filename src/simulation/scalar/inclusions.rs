@@ -2,19 +2,17 @@
 
 use std::time::Instant;
 
-use nalgebra::SVector;
-
 use super::{
     ScalarSetup, ScalarSolution,
     placed::{assemble, layout},
-    system::{ScalarSystem, ScalarWork},
-    uzawa::{Uzawa, UzawaSystem},
+    system::ScalarSystem,
+    uzawa::Uzawa,
 };
 use crate::{
-    constraint::{InclusionMethod, Layout, ScalarBlocks},
+    constraint::Layout,
     error::{Error, Result},
     grid::{Grid, dirichlet},
-    petsc::{Amg, AmgSettings, Krylov, KrylovMethod, KrylovSettings, Matrix, Session, Stage, System, Vector, enter},
+    petsc::{Amg, AmgSettings, Krylov, KrylovMethod, KrylovSettings, Session, Stage, System, Vector, enter},
     scene::MultiplierSolver,
     simulation::{Cost, Stages},
 };
@@ -29,10 +27,7 @@ pub struct Inclusions<const D: usize> {
     pub(super) setup: ScalarSetup<D>,
     pub(super) grid: Grid<D>,
     pub(super) layout: Layout,
-    pub(super) blocks: ScalarBlocks,
-    pub(super) work: ScalarWork,
-    matrix: Matrix,
-    inverse: Amg,
+    pub(super) system: ScalarSystem<D>,
     cost: Cost,
 }
 
@@ -53,10 +48,20 @@ impl<const D: usize> Inclusions<D> {
         drop(stage);
         let (_stage, start) = (enter(Stage::Assembly), Instant::now());
         let layout = layout(&setup, &grid, world.rank());
-        let blocks = assemble(session, &field, (&grid, &setup), &layout)?;
+        let blocks = assemble(session, &field, &grid, &setup, &layout)?;
         (cost.assembly, cost.multiplier_unknowns) = (start.elapsed().as_secs_f64(), layout.unknowns());
-        let work = ScalarWork::new(session, field, layout.local_unknowns())?;
-        Ok(Inclusions { session: session.clone(), setup, grid, layout, blocks, work, matrix, inverse, cost })
+        let system = ScalarSystem {
+            session: session.clone(),
+            matrix,
+            inverse,
+            blocks,
+            scale: grid.mean_spacing().powi(2),
+            field_out: field.like()?,
+            field_in: field,
+            multipliers: Vector::new(session, layout.local_unknowns())?,
+            stages: Stages::default(),
+        };
+        Ok(Inclusions { session: session.clone(), setup, grid, layout, system, cost })
     }
 
     /// The grid.
@@ -74,107 +79,80 @@ impl<const D: usize> Inclusions<D> {
         &self.cost
     }
 
-    /// Net flux that the scalar of a solution brings out of the box of the given corners, which lie on edges of cells: as the grid has it.
-    ///
-    /// # Errors
-    /// PETSc fails.
-    pub fn flux_out_of(&mut self, field: &Vector, lower: &SVector<f64, D>, upper: &SVector<f64, D>) -> Result<f64> {
-        self.matrix.multiply(field, &mut self.work.field_out)?;
-        let rows = self.work.field_out.local()?;
-        let within = |index: [usize; D]| {
-            (0..D).all(|axis| {
-                let x = (index[axis] as f64 + 0.5) * self.grid.spacing()[axis];
-                lower[axis] < x && x < upper[axis]
-            })
-        };
-        let sum = self.grid.block(D).indices().zip(rows.iter()).filter(|(index, _)| within(*index)).map(|(_, row)| row).sum::<f64>();
-        let mut flux = [sum * self.grid.spacing().product()];
-        self.session.world().sum(&mut flux);
-        Ok(flux[0])
-    }
-
     /// Solves; `seen` is told each iteration and its relative residual.
     ///
     /// # Errors
     /// [`Error::Diverged`] when the tolerance is not reached.
     pub fn solve(&mut self, seen: &mut dyn FnMut(usize, f64)) -> Result<ScalarSolution<D>> {
-        self.work.stages = Stages::default();
+        self.system.stages = Stages::default();
         let known = self.known_values()?;
         self.fill_source()?;
-        let uzawa = match self.setup.solver {
+        let uzawa = match self.setup.constraint.solver() {
             MultiplierSolver::Krylov => self.solve_coupled(&known, seen).map(|()| None),
             MultiplierSolver::Uzawa(step) => self.solve_by_uzawa(&known, step, seen).map(Some),
         }?;
-        self.cost.stages = self.work.stages;
+        self.cost.stages = self.system.stages;
         self.solution(uzawa)
     }
 
     /// Leaves the scalar and the multipliers in the work space, and in `field_out` what the solver leaves of the rows of the scalar.
     fn solve_coupled(&mut self, known: &[f64], seen: &mut dyn FnMut(usize, f64)) -> Result<()> {
-        let scale = self.scale();
         let cells = self.grid.local_unknowns(D);
         let mut rhs = Vector::new(&self.session, cells + known.len())?;
-        self.work.field_out.scale(scale)?;
-        rhs.local_mut()?[..cells].copy_from_slice(&self.work.field_out.local()?);
+        self.system.field_out.scale(self.system.scale)?;
+        rhs.local_mut()?[..cells].copy_from_slice(&self.system.field_out.local()?);
         rhs.local_mut()?[cells..].copy_from_slice(known);
         let (method, tolerance) = (KrylovMethod::Gmres { restart: RESTART }, self.setup.tolerance.at_an_instant());
         let settings = KrylovSettings { method, tolerance, most_iterations: MOST_ITERATIONS };
         let mut krylov = Krylov::new(&self.session, cells + known.len(), c"coupled_", settings)?;
-        let Inclusions { matrix, inverse, blocks, work, .. } = self;
-        let mut system = ScalarSystem { matrix, inverse, blocks, scale, work };
+        let system = &mut self.system;
         let (mut x, mut residual) = (rhs.like()?, rhs.like()?);
         let stage = enter(Stage::Orthogonalisation);
-        self.cost.krylov = krylov.solve(&mut system, &rhs, &mut x, seen)?;
+        self.cost.krylov = krylov.solve(system, &rhs, &mut x, seen)?;
         drop(stage);
         system.apply(&x, &mut residual)?;
         residual.add(-1.0, &rhs)?;
-        self.work.field_out.local_mut()?.copy_from_slice(&residual.local()?[..cells]);
-        self.work.field_out.scale(1.0 / scale)
+        system.field_out.local_mut()?.copy_from_slice(&residual.local()?[..cells]);
+        system.field_out.scale(1.0 / system.scale)
     }
 
     /// As [`solve_coupled`](Self::solve_coupled).
     fn solve_by_uzawa(&mut self, known: &[f64], step: Option<f64>, seen: &mut dyn FnMut(usize, f64)) -> Result<Uzawa> {
-        let mut source = self.work.field_out.like()?;
-        source.copy_from(&self.work.field_out)?;
+        let mut source = self.system.field_out.like()?;
+        source.copy_from(&self.system.field_out)?;
         let tolerance = self.setup.tolerance.at_an_instant();
-        let Inclusions { session, matrix, inverse, blocks, work, .. } = self;
-        let mut system = UzawaSystem { session, matrix, inverse, blocks, work };
-        let (uzawa, report) = system.solve((&source, known), (step, tolerance), seen)?;
+        let system = &mut self.system;
+        let (uzawa, report) = system.solve_by_uzawa(&source, known, step, tolerance, seen)?;
         self.cost.krylov = report;
-        self.matrix.multiply(&self.work.field_in, &mut self.work.field_out)?;
-        self.work.field_out.add(-1.0, &source)?;
-        self.blocks.spread(-1.0, &self.work.multipliers.local()?, &mut self.work.field_out)?;
+        system.matrix.multiply(&system.field_in, &mut system.field_out)?;
+        system.field_out.add(-1.0, &source)?;
+        system.blocks.bodies.spread(-1.0, &system.multipliers.local()?, &mut system.field_out)?;
         Ok(uzawa)
-    }
-
-    /// Makes rows of the scalar of the size of its values.
-    pub(super) fn scale(&self) -> f64 {
-        self.grid.mean_spacing().powi(2)
     }
 
     /// The source outside the inclusions, in `field_out`.
     fn fill_source(&mut self) -> Result<()> {
-        let (source, rows) = (self.setup.source, &mut self.work.field_out);
+        let (source, rows) = (self.setup.source, &mut self.system.field_out);
         rows.fill(source)?;
         dirichlet::bend_at_walls(&self.grid, source, &mut rows.local_mut()?);
-        self.blocks.confine_source(source, rows)
+        self.system.blocks.confine_source(source, rows)
     }
 
     /// Minus the values on inclusions that come from the source and the mean gradient, without constants.
     fn known_values(&mut self) -> Result<Vec<f64>> {
         let mut known = vec![0.0; self.layout.local_unknowns()];
-        self.work.multipliers.fill(0.0)?;
+        self.system.multipliers.fill(0.0)?;
         self.add_outer_values(&mut known)?;
-        self.blocks.free_constants(&vec![0.0; known.len()], &mut known);
+        self.system.blocks.free_constants(&vec![0.0; known.len()], &mut known);
         known.iter_mut().for_each(|known| *known = -*known);
         Ok(known)
     }
 
     /// Adds `E c` and the values on inclusions that come from the source and the mean gradient.
     pub(super) fn add_outer_values(&mut self, values: &mut [f64]) -> Result<()> {
-        self.blocks.add_local(&self.work.multipliers, self.setup.source, values)?;
+        self.system.blocks.add_local(&self.system.multipliers, self.setup.source, values)?;
         if let Some(gradient) = &self.setup.gradient {
-            self.blocks.add_positions(gradient.as_slice(), values);
+            self.system.blocks.add_positions(gradient, values);
         }
         Ok(())
     }
@@ -182,7 +160,7 @@ impl<const D: usize> Inclusions<D> {
 
 /// Conjugate gradients, on which Uzawa's iteration leans, need symmetric cycles.
 fn hierarchy<const D: usize>(setup: &ScalarSetup<D>) -> AmgSettings {
-    match setup.solver {
+    match setup.constraint.solver() {
         MultiplierSolver::Krylov => AmgSettings::laplacian(D),
         MultiplierSolver::Uzawa(_) => AmgSettings::laplacian(D).symmetric(),
     }
@@ -190,9 +168,6 @@ fn hierarchy<const D: usize>(setup: &ScalarSetup<D>) -> AmgSettings {
 
 fn check<const D: usize>(setup: &ScalarSetup<D>) -> Result<()> {
     let refuse = |text: &str| Err(Error::Refused(text.into()));
-    if setup.method != InclusionMethod::MeanValue && setup.solver != MultiplierSolver::Krylov {
-        return refuse("only the mean-value method is solved by Uzawa's iteration");
-    }
     match (setup.domain.fully_periodic(), setup.gradient) {
         (true, None) => {
             refuse("a scalar in a fully periodic box has no definite value; put up walls along an axis or give a mean gradient")

@@ -20,5 +20,5 @@ mod uzawa;
 
 pub use inclusions::Inclusions;
 pub use setup::ScalarSetup;
-pub use solution::{InclusionState, ScalarSolution};
+pub use solution::{InclusionState, ScalarSolution, SolvedScalar};
 pub use uzawa::Uzawa;

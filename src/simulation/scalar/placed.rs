@@ -6,29 +6,26 @@ use nalgebra::SVector;
 
 use super::ScalarSetup;
 use crate::{
-    constraint::{INTERPOLATION_REACH, InclusionMethod, Layout, PlacedInclusion, ScalarBlocks},
+    constraint::{Layout, Placed, ScalarBlocks, Surrounded, neighbours, surrounded},
     error::Result,
     geometry::{Ball, near_pairs},
     grid::Grid,
     petsc::{Session, Vector},
-    surface::ScalarSurface,
+    surface::SurfaceTable,
 };
 
 /// The inclusions with their centres in the box; those of equal size share a surface.
-pub fn place<const D: usize>(setup: &ScalarSetup<D>, grid: &Grid<D>) -> Vec<PlacedInclusion<D>> {
-    let mut kinds: Vec<(f64, usize, Rc<ScalarSurface<D>>)> = Vec::new();
+fn place<const D: usize>(setup: &ScalarSetup<D>, grid: &Grid<D>) -> Vec<Placed<D>> {
+    let mut kinds: Vec<(f64, usize, Rc<SurfaceTable<D>>)> = Vec::new();
     let mut surface = |radius: f64, order: usize| {
         let known = kinds.iter().position(|(of_radius, of_order, _)| *of_radius == radius && *of_order == order);
         let kind = known.unwrap_or_else(|| {
-            kinds.push((radius, order, Rc::new(ScalarSurface::new(radius, order, grid.mean_spacing()))));
+            kinds.push((radius, order, Rc::new(SurfaceTable::scalar(radius, order, grid.mean_spacing()))));
             kinds.len() - 1
         });
         kinds[kind].2.clone()
     };
-    let place = |&(ball, order): &(Ball<D>, usize)| PlacedInclusion {
-        ball: Ball { center: setup.domain.wrap(ball.center), ..ball },
-        surface: setup.method.on_surfaces().then(|| surface(ball.radius, order)),
-    };
+    let place = |&(ball, order): &(Ball<D>, usize)| Placed { center: setup.domain.wrap(ball.center), surface: surface(ball.radius, order) };
     setup.inclusions.iter().map(place).collect()
 }
 
@@ -42,29 +39,13 @@ pub fn layout<const D: usize>(setup: &ScalarSetup<D>, grid: &Grid<D>, rank: usiz
 pub fn assemble<const D: usize>(
     session: &Session,
     field: &Vector,
-    (grid, setup): (&Grid<D>, &ScalarSetup<D>),
-    layout: &Layout,
-) -> Result<ScalarBlocks> {
-    let placed = place(setup, grid);
-    let neighbours = if setup.method == InclusionMethod::Sharp { neighbours(grid, setup, &placed) } else { vec![Vec::new(); placed.len()] };
-    let inclusion = |&body: &usize| setup.method.assemble(grid, layout, (body, &placed[body]), &neighbours[body]);
-    ScalarBlocks::new(session, field, layout, layout.local_bodies.iter().map(inclusion).collect())
-}
-
-/// For each inclusion, the images of others that its interpolation may meet.
-fn neighbours<const D: usize>(
     grid: &Grid<D>,
     setup: &ScalarSetup<D>,
-    placed: &[PlacedInclusion<D>],
-) -> Vec<Vec<(usize, PlacedInclusion<D>)>> {
-    let balls: Vec<Ball<D>> = placed.iter().map(|placed| placed.ball).collect();
-    let mut neighbours = vec![Vec::new(); placed.len()];
-    for pair in near_pairs(&setup.domain, &balls, INTERPOLATION_REACH * grid.spacing().max()) {
-        for (body, other, separation) in [(pair.first, pair.second, pair.separation), (pair.second, pair.first, -pair.separation)] {
-            let ball = Ball { center: placed[body].ball.center + separation, ..placed[other].ball };
-            let image = PlacedInclusion { ball, surface: placed[other].surface.clone() };
-            neighbours[body].push((other, image));
-        }
-    }
-    neighbours
+    layout: &Layout,
+) -> Result<ScalarBlocks<D>> {
+    let (placed, method) = (place(setup, grid), setup.method());
+    let (balls, reach): (Vec<Ball<D>>, f64) = (placed.iter().map(Placed::ball).collect(), method.reach() * grid.spacing().max());
+    let neighbours = neighbours(&placed, &near_pairs(&setup.domain, &balls, reach), reach);
+    let own: Vec<Surrounded<D>> = surrounded(&placed, &neighbours).into_iter().filter(|body| layout.holds(body.body)).collect();
+    ScalarBlocks::new(session, field, layout, method.assemble(grid, &own, Vec::new()))
 }

@@ -1,18 +1,20 @@
 //! A scalar scene resolved in its dimension.
 
+use std::rc::Rc;
+
 use nalgebra::SVector;
 
 use crate::{
-    constraint::InclusionMethod,
+    constraint::{InclusionMethod, inclusion_method},
     error::Result,
     geometry::{Ball, Domain},
     grid::Grid,
-    scene::{ConstraintMethod, Drive, MultiplierSolver, Scene, Tolerance},
+    scene::{ConstraintMethod, Drive, Scene, Tolerance},
     simulation::{
         placement::{bodies, domain},
         resolve::suspended_bodies,
     },
-    surface::ScalarModes,
+    surface::{Modes, ScalarModes},
 };
 
 /// What to solve.
@@ -29,9 +31,7 @@ pub struct ScalarSetup<const D: usize> {
     /// The inclusions and the highest degree of their modes.
     pub inclusions: Vec<(Ball<D>, usize)>,
     /// How inclusions act on the grid.
-    pub method: InclusionMethod,
-    /// What solves for the multipliers.
-    pub solver: MultiplierSolver,
+    pub constraint: ConstraintMethod,
     /// When it ends.
     pub tolerance: Tolerance,
 }
@@ -49,16 +49,24 @@ impl<const D: usize> ScalarSetup<D> {
             Some(Drive::MeanGradient(gradient)) => Some(SVector::from_column_slice(gradient)),
             _ => None,
         };
-        let (method, solver) = method(scene.method.constraint);
-        let (source, tolerance) = (scene.flow.source, scene.method.tolerance);
-        Ok(ScalarSetup { domain, spacing, source, gradient, inclusions, method, solver, tolerance })
+        let (source, constraint, tolerance) = (scene.flow.source, scene.method.constraint, scene.method.tolerance);
+        Ok(ScalarSetup { domain, spacing, source, gradient, inclusions, constraint, tolerance })
+    }
+
+    /// What fills the blocks of the inclusions.
+    ///
+    /// # Panics
+    /// For a fitted mesh, which has no such blocks.
+    pub fn method(&self) -> Rc<InclusionMethod<D>> {
+        inclusion_method(self.constraint.word(), self.constraint.epsilon()).expect("a fitted mesh has no blocks on a grid")
     }
 
     /// Number of multipliers of each inclusion.
     pub fn counts(&self, grid: &Grid<D>) -> Vec<usize> {
+        let method = self.method();
         let count = |&(ball, order): &(Ball<D>, usize)| {
             let modes = ScalarModes::<D>::new(ball.radius, order).count();
-            self.method.count(grid, &Ball { center: self.domain.wrap(ball.center), ..ball }, modes)
+            method.count(grid, &Ball { center: self.domain.wrap(ball.center), ..ball }, modes)
         };
         self.inclusions.iter().map(count).collect()
     }
@@ -66,16 +74,5 @@ impl<const D: usize> ScalarSetup<D> {
     /// Part of the box that inclusions fill.
     pub fn fraction(&self) -> f64 {
         self.inclusions.iter().fold(0.0, |sum, (ball, _)| sum + ball.volume()) / self.domain.volume()
-    }
-}
-
-/// The method of a scene and what solves for its multipliers.
-fn method(constraint: ConstraintMethod) -> (InclusionMethod, MultiplierSolver) {
-    match constraint {
-        ConstraintMethod::MeanValue(solver) => (InclusionMethod::MeanValue, solver),
-        ConstraintMethod::Distributed => (InclusionMethod::Distributed, MultiplierSolver::Krylov),
-        ConstraintMethod::Penalty(epsilon) => (InclusionMethod::penalty(epsilon), MultiplierSolver::Krylov),
-        // a fitted mesh asks for neither
-        ConstraintMethod::Sharp | ConstraintMethod::Fitted => (InclusionMethod::Sharp, MultiplierSolver::Krylov),
     }
 }

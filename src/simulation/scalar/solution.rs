@@ -2,8 +2,8 @@
 
 use nalgebra::SVector;
 
-use super::uzawa::Uzawa;
-use crate::petsc::Vector;
+use super::{setup::ScalarSetup, uzawa::Uzawa};
+use crate::{grid::Grid, petsc::Vector, simulation::Cost};
 
 /// An inclusion and what is found for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,6 +16,21 @@ pub struct InclusionState<const D: usize> {
     pub value: f64,
     /// Net flux out of it, zero up to the tolerance.
     pub flux: f64,
+}
+
+/// A scalar problem with its solution.
+#[derive(Clone, Copy)]
+pub struct SolvedScalar<'a, const D: usize> {
+    /// What was solved.
+    pub setup: &'a ScalarSetup<D>,
+    /// The grid on which the scalar is given.
+    pub grid: &'a Grid<D>,
+    /// The solution.
+    pub solution: &'a ScalarSolution<D>,
+    /// The word for what inverted the matrix.
+    pub inverse: &'static str,
+    /// What that cost.
+    pub cost: &'a Cost,
 }
 
 /// The solution of the scalar problem.

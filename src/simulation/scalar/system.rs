@@ -15,21 +15,17 @@ use crate::{
 };
 
 /// The coupled system; the solver's vectors hold the scalar, then multipliers.
-pub struct ScalarSystem<'a> {
+pub struct ScalarSystem<const D: usize> {
+    /// MPI and PETSc.
+    pub session: Session,
     /// Minus the Laplacian.
-    pub matrix: &'a Matrix,
+    pub matrix: Matrix,
     /// Its approximate inverse.
-    pub inverse: &'a Amg,
+    pub inverse: Amg,
     /// Inclusions.
-    pub blocks: &'a mut ScalarBlocks,
-    /// Factor `h^2` of the rows of the scalar.
+    pub blocks: ScalarBlocks<D>,
+    /// Factor `h^2` of the rows of the scalar, which makes them of the size of its values.
     pub scale: f64,
-    /// Work space.
-    pub work: &'a mut ScalarWork,
-}
-
-/// Vectors that the system needs while it is applied.
-pub struct ScalarWork {
     /// The scalar: unknowns and rows.
     pub field_in: Vector,
     /// See `field_in`.
@@ -40,15 +36,9 @@ pub struct ScalarWork {
     pub stages: Stages,
 }
 
-impl ScalarWork {
-    /// Work space for fields like the given one and so many multipliers.
-    pub fn new(session: &Session, field: Vector, multipliers: usize) -> Result<ScalarWork> {
-        let multipliers = Vector::new(session, multipliers)?;
-        Ok(ScalarWork { field_out: field.like()?, field_in: field, multipliers, stages: Stages::default() })
-    }
-
+impl<const D: usize> ScalarSystem<D> {
     /// Takes a solver's vector apart into `field_in` and `multipliers`.
-    pub fn split(&mut self, input: &Vector) -> Result<()> {
+    fn split(&mut self, input: &Vector) -> Result<()> {
         let input = input.local()?;
         let mut field = self.field_in.local_mut()?;
         let (of_field, multipliers) = input.split_at(field.len());
@@ -58,45 +48,38 @@ impl ScalarWork {
     }
 }
 
-impl ScalarSystem<'_> {
-    /// `J u + E c` of the scalar in `field_in` and `multipliers`.
-    pub fn values(&mut self, out: &mut [f64]) -> Result<()> {
-        self.blocks.sample(&self.work.field_in, out)?;
-        self.blocks.add_local(&self.work.multipliers, 0.0, out)
-    }
-}
-
-impl System for ScalarSystem<'_> {
+impl<const D: usize> System for ScalarSystem<D> {
     fn apply(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
-        self.work.split(input)?;
+        self.split(input)?;
         let watch = Watch::start(Stage::Matrices);
-        self.matrix.multiply(&self.work.field_in, &mut self.work.field_out)?;
-        watch.stop(&mut self.work.stages.matrices);
+        self.matrix.multiply(&self.field_in, &mut self.field_out)?;
+        watch.stop(&mut self.stages.matrices);
         let watch = Watch::start(Stage::Bodies);
-        self.blocks.spread(-1.0, &self.work.multipliers.local()?, &mut self.work.field_out)?;
-        self.work.field_out.scale(self.scale)?;
+        self.blocks.bodies.spread(-1.0, &self.multipliers.local()?, &mut self.field_out)?;
+        self.field_out.scale(self.scale)?;
         let mut output = output.local_mut()?;
-        let field = self.work.field_out.local()?.len();
-        output[..field].copy_from_slice(&self.work.field_out.local()?);
-        self.values(&mut output[field..])?;
-        self.blocks.free_constants(&self.work.multipliers.local()?, &mut output[field..]);
-        watch.stop(&mut self.work.stages.bodies);
+        let (field, values) = output.split_at_mut(self.field_out.local()?.len());
+        field.copy_from_slice(&self.field_out.local()?);
+        self.blocks.bodies.interpolate(&self.field_in, values)?;
+        self.blocks.add_local(&self.multipliers, 0.0, values)?;
+        self.blocks.free_constants(&self.multipliers.local()?, values);
+        watch.stop(&mut self.stages.bodies);
         Ok(())
     }
 
     fn precondition(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
-        self.work.split(input)?;
+        self.split(input)?;
         let watch = Watch::start(Stage::Inverse);
-        self.work.field_in.scale(1.0 / self.scale)?;
-        self.inverse.apply(&self.work.field_in, &mut self.work.field_out)?;
-        watch.stop(&mut self.work.stages.inverse);
+        self.field_in.scale(1.0 / self.scale)?;
+        self.inverse.apply(&self.field_in, &mut self.field_out)?;
+        watch.stop(&mut self.stages.inverse);
         let watch = Watch::start(Stage::Bodies);
         let mut output = output.local_mut()?;
-        let field = self.work.field_out.local()?.len();
-        output[..field].copy_from_slice(&self.work.field_out.local()?);
-        self.blocks.sample(&self.work.field_out, &mut output[field..])?;
-        self.blocks.alone(&self.work.multipliers.local()?, &mut output[field..]);
-        watch.stop(&mut self.work.stages.bodies);
+        let (field, values) = output.split_at_mut(self.field_out.local()?.len());
+        field.copy_from_slice(&self.field_out.local()?);
+        self.blocks.bodies.interpolate(&self.field_out, values)?;
+        self.blocks.alone(&self.multipliers.local()?, values);
+        watch.stop(&mut self.stages.bodies);
         Ok(())
     }
 }

@@ -5,11 +5,10 @@
 
 use std::time::Instant;
 
-use super::system::ScalarWork;
+use super::system::ScalarSystem;
 use crate::{
-    constraint::ScalarBlocks,
     error::{Error, Result},
-    petsc::{Amg, Krylov, KrylovMethod, KrylovSettings, Matrix, Report, Session, Stage, System, Vector},
+    petsc::{Amg, Krylov, KrylovMethod, KrylovSettings, Matrix, Report, Stage, System, Vector},
     simulation::work::{Stages, Watch},
 };
 
@@ -43,20 +42,6 @@ pub struct Uzawa {
     pub box_iterations: usize,
 }
 
-/// The box and its inclusions as the iteration sees them.
-pub struct UzawaSystem<'a> {
-    /// MPI and PETSc.
-    pub session: &'a Session,
-    /// Minus the Laplacian.
-    pub matrix: &'a Matrix,
-    /// Its approximate inverse, symmetric.
-    pub inverse: &'a Amg,
-    /// Inclusions.
-    pub blocks: &'a mut ScalarBlocks,
-    /// Work space: the scalar found is in `field_in`, the multipliers in `multipliers`.
-    pub work: &'a mut ScalarWork,
-}
-
 /// The box without inclusions.
 struct EmptyBox<'a> {
     matrix: &'a Matrix,
@@ -80,28 +65,30 @@ impl System for EmptyBox<'_> {
     }
 }
 
-impl UzawaSystem<'_> {
+impl<const D: usize> ScalarSystem<D> {
     /// Iterates from zero multipliers, with the rows of the source and what is known of the values on surfaces; without a step, it is a
     /// part of the bound.
     ///
     /// # Errors
     /// [`Error::Diverged`] when the step is too large, or the tolerance is not reached.
-    pub fn solve(
+    pub fn solve_by_uzawa(
         &mut self,
-        (source, known): (&Vector, &[f64]),
-        (step, tolerance): (Option<f64>, f64),
+        source: &Vector,
+        known: &[f64],
+        step: Option<f64>,
+        tolerance: f64,
         seen: &mut dyn FnMut(usize, f64),
     ) -> Result<(Uzawa, Report)> {
         let start = Instant::now();
-        let bound = 2.0 / self.norm(tolerance)?;
+        let bound = 2.0 / self.norm_of_response(tolerance)?;
         let mut uzawa = Uzawa { step: step.unwrap_or(PART_OF_BOUND * bound), bound, box_iterations: 0 };
-        self.work.multipliers.fill(0.0)?;
-        self.work.field_in.fill(0.0)?;
+        self.multipliers.fill(0.0)?;
+        self.field_in.fill(0.0)?;
         let mut krylov = self.krylov(ACCURACY * tolerance)?;
         let (mut values, mut first) = (vec![0.0; known.len()], 0.0);
         for iteration in 0..MOST_ITERATIONS {
             uzawa.box_iterations += self.solve_box(&mut krylov, Some(source))?;
-            self.values(&mut values)?;
+            self.values_without_means(&mut values)?;
             values.iter_mut().zip(known).for_each(|(value, known)| *value -= known);
             let size = self.size(&values);
             first = if iteration == 0 { size } else { first };
@@ -113,7 +100,7 @@ impl UzawaSystem<'_> {
             if residual.is_nan() || residual > DIVERGED {
                 return Err(too_large(uzawa, iteration));
             }
-            let mut c = self.work.multipliers.local_mut()?;
+            let mut c = self.multipliers.local_mut()?;
             c.iter_mut().zip(&values).for_each(|(c, value)| *c -= uzawa.step * value);
         }
         Err(Error::Diverged(format!(
@@ -125,17 +112,17 @@ impl UzawaSystem<'_> {
     }
 
     /// Power iterations for the norm of `J A^{-1} C` without constants.
-    fn norm(&mut self, tolerance: f64) -> Result<f64> {
+    fn norm_of_response(&mut self, tolerance: f64) -> Result<f64> {
         let mut krylov = self.krylov(tolerance.max(1e-4))?;
-        let first = self.work.multipliers.range()?.start;
-        let mut values: Vec<f64> = (0..self.work.multipliers.local()?.len()).map(|place| ((first + place) as f64).cos()).collect();
+        let first = self.multipliers.range()?.start;
+        let mut values: Vec<f64> = (0..self.multipliers.local()?.len()).map(|place| ((first + place) as f64).cos()).collect();
         self.blocks.free_constants(&vec![0.0; values.len()], &mut values);
         let mut norm = self.size(&values).max(f64::MIN_POSITIVE);
         for _ in 0..POWER_ITERATIONS {
-            self.work.multipliers.local_mut()?.iter_mut().zip(&values).for_each(|(c, value)| *c = value / norm);
-            self.work.field_in.fill(0.0)?;
+            self.multipliers.local_mut()?.iter_mut().zip(&values).for_each(|(c, value)| *c = value / norm);
+            self.field_in.fill(0.0)?;
             self.solve_box(&mut krylov, None)?;
-            self.values(&mut values)?;
+            self.values_without_means(&mut values)?;
             norm = self.size(&values);
         }
         Ok(norm)
@@ -143,24 +130,24 @@ impl UzawaSystem<'_> {
 
     fn krylov(&self, tolerance: f64) -> Result<Krylov> {
         let settings = KrylovSettings { method: KrylovMethod::ConjugateGradients, tolerance, most_iterations: MOST_BOX_ITERATIONS };
-        Krylov::new(self.session, self.work.field_in.local()?.len(), c"uzawa_", settings)
+        Krylov::new(&self.session, self.field_in.local()?.len(), c"uzawa_", settings)
     }
 
     /// `A u = source + C c`, from the last `u`.
     fn solve_box(&mut self, krylov: &mut Krylov, source: Option<&Vector>) -> Result<usize> {
-        let ScalarWork { field_in, field_out, multipliers, stages } = &mut *self.work;
+        let ScalarSystem { matrix, inverse, blocks, field_in, field_out, multipliers, stages, .. } = self;
         match source {
             Some(source) => field_out.copy_from(source)?,
             None => field_out.fill(0.0)?,
         }
-        self.blocks.spread(1.0, &multipliers.local()?, field_out)?;
-        let mut system = EmptyBox { matrix: self.matrix, inverse: self.inverse, stages };
+        blocks.bodies.spread(1.0, &multipliers.local()?, field_out)?;
+        let mut system = EmptyBox { matrix, inverse, stages };
         Ok(krylov.solve(&mut system, field_out, field_in, &mut |_, _| {})?.iterations)
     }
 
     /// The scalar on surfaces without its means.
-    fn values(&mut self, out: &mut [f64]) -> Result<()> {
-        self.blocks.sample(&self.work.field_in, out)?;
+    fn values_without_means(&mut self, out: &mut [f64]) -> Result<()> {
+        self.blocks.bodies.interpolate(&self.field_in, out)?;
         self.blocks.free_constants(&vec![0.0; out.len()], out);
         Ok(())
     }

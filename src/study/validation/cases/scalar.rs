@@ -5,11 +5,10 @@ use std::f64::consts::PI;
 use nalgebra::{SVector, Vector2, Vector3};
 
 use crate::{
-    constraint::InclusionMethod,
     error::{Error, Result},
     geometry::{Axis, Ball, Domain},
     petsc::Session,
-    scene::{MultiplierSolver, Tolerance},
+    scene::{ConstraintMethod, Tolerance},
     simulation::{Inclusions, ScalarSetup, ScalarSolution},
     study::validation::case::Case,
 };
@@ -40,8 +39,7 @@ fn setup<const D: usize>(axes: [Axis<D>; D], spacing: f64, ball: Ball<D>, order:
         source: 1.0,
         gradient: None,
         inclusions: vec![(ball, order)],
-        method: InclusionMethod::Sharp,
-        solver: MultiplierSolver::Krylov,
+        constraint: ConstraintMethod::Sharp,
         tolerance: Tolerance::Fixed(TOLERANCE),
     }
 }

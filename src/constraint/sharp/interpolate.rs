@@ -4,9 +4,16 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DMatrixView, Dyn, SVector};
 
-use super::{Placed, jumps::Jumps, nodes::Nodes, reach};
+use super::{
+    jumps::Jumps,
+    nodes::{Nodes, reach},
+};
 use crate::{
-    constraint::interpolant::{Interpolant, NodeBox, Run, row_offsets, row_weights},
+    constraint::{
+        interpolant::{Interpolant, NodeBox, Run, row_offsets, row_weights},
+        placed::Placed,
+        unknowns::Unknowns,
+    },
     grid::{
         Grid,
         interpolation::{self, NODES},
@@ -18,7 +25,7 @@ use crate::{
 const MOST_NODES: usize = NODES * NODES * NODES;
 
 /// The interpolation on one body's surface.
-pub struct Sampling<'a, const D: usize> {
+pub struct Interpolation<'a, const D: usize> {
     grid: &'a Grid<D>,
     placed: &'a Placed<D>,
     nodes: &'a [Nodes<D>],
@@ -37,28 +44,29 @@ pub struct Interpolated {
     values: Vec<f64>,
 }
 
-impl<'a, const D: usize> Sampling<'a, D> {
+impl<'a, const D: usize> Interpolation<'a, D> {
     /// Finds the nodes, and asks for the jumps of the body at those outside it.
     pub fn new(grid: &'a Grid<D>, placed: &'a Placed<D>, nodes: &'a [Nodes<D>], jumps: &mut [Jumps]) -> Self {
         let interpolant = Interpolant { boxes: Vec::new(), weights: Vec::new(), wall_values: Vec::new() };
-        let mut sampling = Sampling { grid, placed, nodes, met: Vec::new(), interpolant };
-        let corners = sampling.find_corners();
+        let mut found = Interpolation { grid, placed, nodes, met: Vec::new(), interpolant };
+        let corners = found.find_corners();
         for ((nodes, corners), jumps) in nodes.iter().zip(corners).zip(jumps) {
             let met = met(nodes, &corners);
             (0..met.len()).filter(|&place| met[place] && nodes.outside[place]).for_each(|place| {
                 jumps.choose(place);
             });
             let runs = runs(grid, nodes, &met);
-            let (length, strides) = (nodes.patch.len(), nodes.patch.strides());
-            sampling.interpolant.boxes.push(NodeBox { length, strides, runs, corners });
-            sampling.met.push(met);
+            let (length, strides) = (nodes.indices.len(), nodes.indices.strides());
+            found.interpolant.boxes.push(NodeBox { lattice: nodes.lattice, length, strides, runs, corners });
+            found.met.push(met);
         }
-        sampling
+        found
     }
 
     /// The first node of each point, component by component; fills in weights and what walls add.
-    fn find_corners(&mut self) -> [Vec<u32>; D] {
-        let mut corners = [const { Vec::new() }; D];
+    fn find_corners(&mut self) -> Vec<Vec<u32>> {
+        let unknowns = Unknowns::of(self.placed.surface.modes.as_ref());
+        let mut corners = vec![Vec::new(); unknowns.components::<D>()];
         for (point, offset) in self.placed.surface.offsets().enumerate() {
             let position = self.placed.center + offset;
             // the fields along the axis and the pressure have their points on faces and between them
@@ -66,10 +74,11 @@ impl<'a, const D: usize> Sampling<'a, D> {
                 std::array::from_fn(|axis| [axis, D].map(|field| interpolation::line(self.grid, field, axis, position[axis])));
             self.interpolant.weights.push(lines.each_ref().map(|pair| pair.each_ref().map(|line| line.weight)));
             for (component, corners) in corners.iter_mut().enumerate() {
-                let first = std::array::from_fn(|axis| lines[axis][usize::from(axis != component)].index[0]);
-                corners.push(self.nodes[component].patch.place(first) as u32);
+                let lattice = self.nodes[component].lattice;
+                let first = std::array::from_fn(|axis| lines[axis][usize::from(axis != lattice)].index[0]);
+                corners.push(self.nodes[component].indices.place(first) as u32);
             }
-            if lines.iter().flatten().any(|line| line.wall.is_some()) {
+            if unknowns == Unknowns::Fluid && lines.iter().flatten().any(|line| line.wall.is_some()) {
                 self.add_walls(point, &position);
             }
         }
@@ -92,13 +101,14 @@ impl<'a, const D: usize> Sampling<'a, D> {
     pub fn own_block(&self, jumps: &[Jumps], interpolated: &mut Interpolated) -> Option<DMatrix<f64>> {
         let met = |component: usize, place: usize| self.nodes[component].outside[place];
         self.interpolate(jumps, |_| true, met, interpolated);
-        interpolated.project(self.placed, self.placed.surface.modes.count(), -1.0)
+        interpolated.project(self.placed, self.placed.surface.modes.jump_count(), -1.0)
     }
 
     /// The transposed block of E of a neighbour's jumps, zero in its core, if interpolation meets its inside.
     pub fn neighbour_block(
         &self,
-        (neighbour, core): (&Placed<D>, f64),
+        neighbour: &Placed<D>,
+        core: f64,
         jumps: &mut [Jumps],
         interpolated: &mut Interpolated,
     ) -> Option<DMatrix<f64>> {
@@ -118,7 +128,7 @@ impl<'a, const D: usize> Sampling<'a, D> {
         };
         let met = |component: usize, place: usize| jumps[component].has(place);
         self.interpolate(jumps, near, met, interpolated);
-        interpolated.project(self.placed, neighbour.surface.modes.count(), 1.0)
+        interpolated.project(self.placed, neighbour.surface.modes.jump_count(), 1.0)
     }
 
     /// Interpolates jumps, at points that may be `near` them, over the nodes that are `met`.
@@ -130,15 +140,17 @@ impl<'a, const D: usize> Sampling<'a, D> {
         interpolated: &mut Interpolated,
     ) {
         interpolated.clear(jumps[0].stride());
-        if jumps[..D].iter().all(Jumps::is_empty) {
+        let components = self.interpolant.boxes.len();
+        if jumps[..components].iter().all(Jumps::is_empty) {
             return;
         }
         let offsets: Vec<_> = self.interpolant.boxes.iter().map(|nodes| row_offsets(nodes.strides)).collect();
         let mut terms = [(0, 0.0); MOST_NODES];
         for (point, _) in self.placed.surface.offsets().enumerate().filter(|(_, offset)| near(offset)) {
-            for component in (0..D).filter(|&component| !jumps[component].is_empty()) {
-                let corner = self.interpolant.boxes[component].corners[point] as usize;
-                let weights: [&_; D] = std::array::from_fn(|axis| &self.interpolant.weights[point][axis][usize::from(axis != component)]);
+            for component in (0..components).filter(|&component| !jumps[component].is_empty()) {
+                let NodeBox { lattice, corners, .. } = &self.interpolant.boxes[component];
+                let corner = corners[point] as usize;
+                let weights: [&_; D] = std::array::from_fn(|axis| &self.interpolant.weights[point][axis][usize::from(axis != *lattice)]);
                 let mut found = 0;
                 for (offset, weight) in offsets[component].iter().zip(row_weights(weights)).take(NODES.pow(D as u32 - 1)) {
                     for (along, last) in weights[D - 1].iter().enumerate() {
@@ -147,15 +159,15 @@ impl<'a, const D: usize> Sampling<'a, D> {
                         found += usize::from(met(component, place));
                     }
                 }
-                interpolated.add(point * D + component, &jumps[component], &terms[..found]);
+                interpolated.add(point * components + component, &jumps[component], &terms[..found]);
             }
         }
     }
 }
 
 fn met<const D: usize>(nodes: &Nodes<D>, corners: &[u32]) -> Vec<bool> {
-    let offsets = row_offsets(nodes.patch.strides());
-    let mut met = vec![false; nodes.patch.len()];
+    let offsets = row_offsets(nodes.indices.strides());
+    let mut met = vec![false; nodes.indices.len()];
     for &corner in corners {
         for offset in &offsets[..NODES.pow(D as u32 - 1)] {
             met[corner as usize + offset..][..NODES].fill(true);

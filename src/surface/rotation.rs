@@ -1,6 +1,6 @@
-//! Coefficients of modes seen from a turned frame.
+//! Coefficients of modes seen from a rotated frame.
 //!
-//! In a frame whose first (2D) or third (3D) axis points along a direction, the coefficients of each family of modes are
+//! In a frame whose first (2D) or third (3D) axis points along a direction, the coefficients of each degree of modes are
 //! an orthogonal matrix times the old ones: in 2D `f' = f e^{ik phi}`, in 3D the rotation matrix of the real harmonics of
 //! degree `l` (recurrence of Ivanic and Ruedenberg, *J. Phys. Chem.* 100, 1996, 6342, and its correction 102, 1998, 9099).
 
@@ -8,50 +8,51 @@ use std::f64::consts::SQRT_2;
 
 use nalgebra::{Matrix3, SVector, Vector3};
 
-/// Modes that a turn of the frame mixes with each other alone.
+/// Modes of one degree and kind: a rotation of the frame mixes them with each other alone.
 #[derive(Debug, Clone)]
-pub struct Family {
-    /// Where its matrix begins among those that [`turn`] makes; row by row, as many rows as modes.
+pub struct Degree {
+    /// Where its matrix begins among those that [`rotations`] makes; row by row, as many rows as modes.
     pub matrix: usize,
     /// Its modes, in the order of the matrix.
     pub modes: Vec<usize>,
-    /// For each, which modes it goes with where all is symmetric about the axis of the frame: those of the same number.
-    pub channels: Vec<usize>,
-    /// For each, its sign in the frame turned half round about the second axis (2D: about the centre).
-    pub flips: Vec<f64>,
+    /// For each, a number of its order and of its sine or cosine: where all is symmetric about the axis of the frame, it goes with modes of
+    /// the same number.
+    pub orders: Vec<usize>,
+    /// For each, its sign in the frame rotated half round about the second axis (2D: about the centre).
+    pub parities: Vec<f64>,
 }
 
-impl Family {
+impl Degree {
     /// Fourier modes `f = 1, i` of wavenumber `k`, in the other order if `k < 0`, or `f = i` alone if `k = 0`.
-    pub(super) fn of_wavenumber(k: i32, modes: Vec<usize>) -> Family {
-        let flips = vec![if k % 2 == 0 { 1.0 } else { -1.0 }; modes.len()];
-        let (matrix, channels) = match k {
+    pub(super) fn of_wavenumber(k: i32, modes: Vec<usize>) -> Degree {
+        let parities = vec![if k % 2 == 0 { 1.0 } else { -1.0 }; modes.len()];
+        let (matrix, orders) = match k {
             0 => (0, vec![1]),
             1.. => (4 * k as usize - 3, vec![0, 1]),
             _ => (4 * -k as usize - 3, vec![1, 0]),
         };
-        Family { matrix, modes, channels, flips }
+        Degree { matrix, modes, orders, parities }
     }
 
     /// Spherical modes of degree `l` for `m` from `-l` to `l`, of one kind.
-    pub(super) fn of_degree(l: usize, modes: Vec<usize>, toroidal: bool) -> Family {
+    pub(super) fn of_degree(l: usize, modes: Vec<usize>, toroidal: bool) -> Degree {
         let degree = l as i32;
         let orders = -degree..=degree;
-        let channel = |m: i32| 2 * m.unsigned_abs() as usize + usize::from((m < 0) != toroidal);
-        let flip = |m: i32| if (degree + i32::from(m < 0)) % 2 == 0 { 1.0 } else { -1.0 };
-        Family { matrix: start(l), modes, channels: orders.clone().map(channel).collect(), flips: orders.map(flip).collect() }
+        let order = |m: i32| 2 * m.unsigned_abs() as usize + usize::from((m < 0) != toroidal);
+        let parity = |m: i32| if (degree + i32::from(m < 0)) % 2 == 0 { 1.0 } else { -1.0 };
+        Degree { matrix: start(l), modes, orders: orders.clone().map(order).collect(), parities: orders.map(parity).collect() }
     }
 }
 
 /// Appends to `out` the matrices of all degrees up to `order`, for the frame whose axis points along the unit vector `direction`.
-pub fn turn<const D: usize>(direction: &SVector<f64, D>, order: usize, out: &mut Vec<f32>) {
+pub fn rotations<const D: usize>(direction: &SVector<f64, D>, order: usize, out: &mut Vec<f32>) {
     match D {
-        2 => turn_waves([direction[0], direction[1]], order, out),
-        _ => turn_harmonics(&frame(Vector3::new(direction[0], direction[1], direction[2])), order, out),
+        2 => rotate_waves([direction[0], direction[1]], order, out),
+        _ => rotate_harmonics(&frame(Vector3::new(direction[0], direction[1], direction[2])), order, out),
     }
 }
 
-fn turn_waves([cosine, sine]: [f64; 2], order: usize, out: &mut Vec<f32>) {
+fn rotate_waves([cosine, sine]: [f64; 2], order: usize, out: &mut Vec<f32>) {
     out.push(1.0);
     let (mut c, mut s) = (1.0, 0.0);
     for _ in 0..order {
@@ -66,10 +67,10 @@ fn frame(along: Vector3<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(&[first, along.cross(&first), along]).transpose()
 }
 
-fn turn_harmonics(axes: &Matrix3<f64>, order: usize, out: &mut Vec<f32>) {
+fn rotate_harmonics(axes: &Matrix3<f64>, order: usize, out: &mut Vec<f32>) {
     const AXES: [usize; 3] = [1, 2, 0];
-    let first = Degree { l: 1, entries: AXES.iter().flat_map(|&row| AXES.map(|column| axes[(row, column)])).collect() };
-    let mut last = Degree { l: 1, entries: first.entries.clone() };
+    let first = RotationMatrix { l: 1, entries: AXES.iter().flat_map(|&row| AXES.map(|column| axes[(row, column)])).collect() };
+    let mut last = RotationMatrix { l: 1, entries: first.entries.clone() };
     out.extend(last.entries.iter().map(|&entry| entry as f32));
     for _ in 1..order {
         last = last.next(&first);
@@ -83,17 +84,17 @@ fn start(l: usize) -> usize {
 }
 
 /// The rotation matrix of degree `l`.
-struct Degree {
+struct RotationMatrix {
     l: i32,
     entries: Vec<f64>,
 }
 
-impl Degree {
+impl RotationMatrix {
     fn at(&self, m: i32, n: i32) -> f64 {
         self.entries[((m + self.l) * (2 * self.l + 1) + n + self.l) as usize]
     }
 
-    fn next(&self, first: &Degree) -> Degree {
+    fn next(&self, first: &RotationMatrix) -> RotationMatrix {
         let l = self.l + 1;
         let entry = |m: i32, n: i32| {
             let root = |product: i32| {
@@ -113,11 +114,11 @@ impl Degree {
                 _ => same + below * (absent_at_one(1, m + 1) + single(p(-1, -m - 1))) - above(-1.0),
             }
         };
-        Degree { l, entries: (-l..=l).flat_map(|m| (-l..=l).map(move |n| (m, n))).map(|(m, n)| entry(m, n)).collect() }
+        RotationMatrix { l, entries: (-l..=l).flat_map(|m| (-l..=l).map(move |n| (m, n))).map(|(m, n)| entry(m, n)).collect() }
     }
 
     /// Products of degree 1 and of this degree that stand for the function `P` of the recurrence.
-    fn joined(&self, first: &Degree, i: i32, mu: i32, n: i32) -> f64 {
+    fn joined(&self, first: &RotationMatrix, i: i32, mu: i32, n: i32) -> f64 {
         let l = self.l + 1;
         if n == l {
             first.at(i, 1) * self.at(mu, l - 1) - first.at(i, -1) * self.at(mu, 1 - l)
@@ -142,13 +143,13 @@ mod tests {
         DMatrix::from_vec(modes.dimension(), modes.count(), out)
     }
 
-    /// Coefficients in the turned frame.
+    /// Coefficients in the rotated frame.
     fn turned(modes: &dyn Modes, matrices: &[f32], coefficients: &[f64]) -> Vec<f64> {
         let mut out = vec![f64::NAN; modes.count()];
-        for family in modes.families() {
-            let rows = matrices[family.matrix..].chunks(family.modes.len());
-            for (mode, row) in family.modes.iter().zip(rows) {
-                out[*mode] = family.modes.iter().zip(row).map(|(mode, entry)| coefficients[*mode] * f64::from(*entry)).sum();
+        for degree in modes.degrees() {
+            let rows = matrices[degree.matrix..].chunks(degree.modes.len());
+            for (mode, row) in degree.modes.iter().zip(rows) {
+                out[*mode] = degree.modes.iter().zip(row).map(|(mode, entry)| coefficients[*mode] * f64::from(*entry)).sum();
             }
         }
         out
@@ -159,9 +160,9 @@ mod tests {
     }
 
     fn the_field_stays<const D: usize>(axes: DMatrix<f64>, direction: SVector<f64, D>) {
-        let modes = modes(D, 1.0, 1.0, 6);
+        let modes = modes(D, 1.0, 6);
         let mut matrices = Vec::new();
-        turn(&direction, 6, &mut matrices);
+        rotations(&direction, 6, &mut matrices);
         let coefficients = coefficients(modes.count());
         let turned = turned(modes.as_ref(), &matrices, &coefficients);
         let point = DMatrix::from_row_slice(D, 1, &[0.6, 0.48, 0.64][..D]).normalize();
@@ -171,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_turned_frame_sees_the_same_field() {
+    fn a_rotated_frame_sees_the_same_field() {
         let plane = Vector2::new(-0.6, 0.8);
         the_field_stays(DMatrix::from_row_slice(2, 2, &[-0.6, 0.8, -0.8, -0.6]), plane);
         for space in [Vector3::new(0.48, -0.6, 0.64), Vector3::z(), -Vector3::x()] {
@@ -182,15 +183,15 @@ mod tests {
     #[test]
     fn half_a_turn_changes_signs_alone() {
         for dimension in [2, 3] {
-            let modes = modes(dimension, 1.0, 1.0, 5);
+            let modes = modes(dimension, 1.0, 5);
             let signs = [[-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0]][dimension - 2];
             let point = [[0.6, -0.8, 0.0], [0.6, -0.48, 0.64]][dimension - 2];
             let flipped: Vec<f64> = point.iter().zip(signs).map(|(x, sign)| x * sign).collect();
             let (here, there) = (traction(modes.as_ref(), &point[..dimension]), traction(modes.as_ref(), &flipped[..dimension]));
-            for family in modes.families() {
-                for (mode, flip) in family.modes.iter().zip(&family.flips) {
+            for degree in modes.degrees() {
+                for (mode, parity) in degree.modes.iter().zip(&degree.parities) {
                     for axis in 0..dimension {
-                        assert!((signs[axis] * there[(axis, *mode)] - flip * here[(axis, *mode)]).abs() < 1e-13);
+                        assert!((signs[axis] * there[(axis, *mode)] - parity * here[(axis, *mode)]).abs() < 1e-13);
                     }
                 }
             }

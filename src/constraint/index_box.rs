@@ -5,31 +5,37 @@ use nalgebra::SVector;
 use crate::grid::{Grid, Index};
 
 /// A box of lattice indices (not wrapped) around a body; their places run from 0, the last axis fastest.
-pub struct Patch<const D: usize> {
+pub struct IndexBox<const D: usize> {
     start: Index<D>,
     extent: [usize; D],
 }
 
-impl<const D: usize> Patch<D> {
+impl<const D: usize> IndexBox<D> {
     /// The lattice of `field` within `reach` of `center` along each axis, clipped at walls.
-    pub fn around(grid: &Grid<D>, field: usize, center: &SVector<f64, D>, reach: f64) -> Patch<D> {
-        Patch::clipped(grid, field, center, reach, |axis| (0, grid.cells()[axis] as isize + isize::from(field == axis)))
+    pub fn around(grid: &Grid<D>, field: usize, center: &SVector<f64, D>, reach: f64) -> IndexBox<D> {
+        IndexBox::clipped(grid, field, center, reach, |axis| (0, grid.cells()[axis] as isize + isize::from(field == axis)))
     }
 
     /// As [`around`](Self::around), with the indices beyond the last ones of a velocity component: they stand for walls between lattice points.
-    pub fn with_walls(grid: &Grid<D>, field: usize, center: &SVector<f64, D>, reach: f64) -> Patch<D> {
-        Patch::clipped(grid, field, center, reach, |axis| {
+    pub fn with_walls(grid: &Grid<D>, field: usize, center: &SVector<f64, D>, reach: f64) -> IndexBox<D> {
+        IndexBox::clipped(grid, field, center, reach, |axis| {
             let beyond = isize::from(field < D && field != axis);
             (-beyond, grid.cells()[axis] as isize + isize::from(field < D))
         })
     }
 
     /// Cell centres within `reach` of `center` along each axis, with the indices beyond the last ones: they stand for walls.
-    pub fn of_cells(grid: &Grid<D>, center: &SVector<f64, D>, reach: f64) -> Patch<D> {
-        Patch::clipped(grid, D, center, reach, |axis| (-1, grid.cells()[axis] as isize + 1))
+    pub fn of_cells(grid: &Grid<D>, center: &SVector<f64, D>, reach: f64) -> IndexBox<D> {
+        IndexBox::clipped(grid, D, center, reach, |axis| (-1, grid.cells()[axis] as isize + 1))
     }
 
-    fn clipped(grid: &Grid<D>, field: usize, center: &SVector<f64, D>, reach: f64, limits: impl Fn(usize) -> (isize, isize)) -> Patch<D> {
+    fn clipped(
+        grid: &Grid<D>,
+        field: usize,
+        center: &SVector<f64, D>,
+        reach: f64,
+        limits: impl Fn(usize) -> (isize, isize),
+    ) -> IndexBox<D> {
         let place = |axis: usize, x: f64| x / grid.spacing()[axis] - grid.stagger(field, axis);
         let mut start: Index<D> = std::array::from_fn(|axis| place(axis, center[axis] - reach).floor() as isize);
         let mut end: Index<D> = std::array::from_fn(|axis| place(axis, center[axis] + reach).ceil() as isize + 1);
@@ -38,7 +44,7 @@ impl<const D: usize> Patch<D> {
             start[axis] = start[axis].max(first);
             end[axis] = end[axis].min(beyond);
         }
-        Patch { start, extent: std::array::from_fn(|axis| (end[axis] - start[axis]).max(0) as usize) }
+        IndexBox { start, extent: std::array::from_fn(|axis| (end[axis] - start[axis]).max(0) as usize) }
     }
 
     /// First index along each axis.
@@ -77,11 +83,11 @@ impl<const D: usize> Patch<D> {
         index_at(self.start, self.extent, place)
     }
 
-    /// The place of an index, which must lie in the patch.
+    /// The place of an index, which must lie in the box of indices.
     pub fn place(&self, index: Index<D>) -> usize {
         (0..D).fold(0, |place, axis| {
             let along = index[axis] - self.start[axis];
-            assert!(along >= 0 && (along as usize) < self.extent[axis], "stencils reach no further than the patch");
+            assert!(along >= 0 && (along as usize) < self.extent[axis], "stencils reach no further than the box of indices");
             place * self.extent[axis] + along as usize
         })
     }

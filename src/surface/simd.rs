@@ -4,17 +4,18 @@
 pub const LANES: usize = 8;
 
 /// One number for each of the points.
-pub type Lanes = [f64; LANES];
+pub type Simd = [f64; LANES];
 
 /// Fills `out[point * stride + mode]`, `stride = out.len() / points`, batch by batch: `fill(positions, values)` gets the points'
 /// coordinates over `length` and writes `values[mode * LANES + lane]`.
 ///
 /// A last batch that is not full repeats its first point.
 pub fn in_batches<const D: usize>(
-    (offsets, length): (&[f64], f64),
+    offsets: &[f64],
+    length: f64,
     count: usize,
     out: &mut [f64],
-    mut fill: impl FnMut(&[Lanes; D], &mut [f64]),
+    mut fill: impl FnMut(&[Simd; D], &mut [f64]),
 ) {
     if offsets.is_empty() {
         return;
@@ -36,6 +37,6 @@ pub fn in_batches<const D: usize>(
 
 /// `f(lane)` for each lane.
 #[inline(always)]
-pub fn each(f: impl FnMut(usize) -> f64) -> Lanes {
+pub fn each(f: impl FnMut(usize) -> f64) -> Simd {
     std::array::from_fn(f)
 }

@@ -10,11 +10,12 @@ use crate::{
 };
 
 /// A flow, per unit viscosity and without the background, as a fluid vector; rigid motions in disks, where the pressure is that of its mean, zero.
-pub fn sample<const D: usize>(
+pub fn interpolate<const D: usize>(
     session: &Session,
     grid: &Grid<D>,
     problem: &StokesProblem,
-    (flow, mean_pressure): (&StokesFlow, f64),
+    flow: &StokesFlow,
+    mean_pressure: f64,
 ) -> Result<Vector> {
     let locator = Locator::new(problem.mesh);
     let mut fluid = Vector::new(session, grid.local_fluid_unknowns())?;

@@ -2,9 +2,8 @@
 
 use nalgebra::SVector;
 
-use super::Placed;
 use crate::{
-    constraint::patch::Patch,
+    constraint::{index_box::IndexBox, placed::Placed},
     grid::{Grid, Node},
 };
 
@@ -13,7 +12,7 @@ const CORE: f64 = 0.5;
 
 /// A lattice point that a surface passes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Passed<const D: usize> {
+pub struct FreshlyCleared<const D: usize> {
     /// Its place in fluid vectors.
     pub place: i32,
     /// The field: a component of the velocity, or `D` for the pressure.
@@ -25,16 +24,16 @@ pub struct Passed<const D: usize> {
 }
 
 /// The lattice points that change sides when a body moves to `center`.
-pub fn passed<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, center: &SVector<f64, D>) -> Vec<Passed<D>> {
+pub fn freshly_cleared<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, center: &SVector<f64, D>) -> Vec<FreshlyCleared<D>> {
     let moved = Placed { center: *center, surface: placed.surface.clone() };
     let reach = placed.surface.modes.radius() + (center - placed.center).norm();
     let mut found = Vec::new();
     for field in 0..=D {
-        for index in Patch::around(grid, field, &placed.center, reach).indices() {
+        for index in IndexBox::around(grid, field, &placed.center, reach).indices() {
             let position = grid.position(field, index);
             let (before, after) = (placed.outside(&position), moved.outside(&position));
             if let (true, Node::Unknown(place)) = (before != after, grid.fluid_node(field, index)) {
-                found.push(Passed { place: place as i32, field, position, side: if after { 1.0 } else { -1.0 } });
+                found.push(FreshlyCleared { place: place as i32, field, position, side: if after { 1.0 } else { -1.0 } });
             }
         }
     }
@@ -42,16 +41,12 @@ pub fn passed<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, center: &SVect
 }
 
 /// The jump, outside minus inside, that the multipliers of a body cause at a point: zero in its core.
-pub fn jump<const D: usize>(placed: &Placed<D>, multipliers: &[f64], point: &Passed<D>) -> f64 {
+pub fn jump<const D: usize>(placed: &Placed<D>, multipliers: &[f64], point: &FreshlyCleared<D>) -> f64 {
     let offset = point.position - placed.center;
     if offset.norm() < CORE * placed.surface.modes.radius() {
         return 0.0;
     }
     let mut modes = vec![0.0; multipliers.len()];
-    if point.field < D {
-        placed.surface.modes.velocity_jumps(offset.as_slice(), point.field, &mut modes);
-    } else {
-        placed.surface.modes.pressure_jumps(offset.as_slice(), &mut modes);
-    }
+    placed.surface.modes.jumps(offset.as_slice(), point.field, &mut modes);
     modes.iter().zip(multipliers).map(|(mode, c)| mode * c).sum()
 }

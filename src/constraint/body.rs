@@ -1,0 +1,81 @@
+//! What one body adds to the linear system, whatever the method.
+
+use std::rc::Rc;
+
+use nalgebra::{SMatrix, SVector};
+
+use super::{
+    layout::Layout,
+    places::{Places, Seen, SeenMut},
+};
+use crate::surface::SurfaceTable;
+
+/// The blocks C, J and E of one body. Places are those of the last [`plan`](Self::plan).
+pub trait BodyBlocks<const D: usize> {
+    /// Number of its multipliers.
+    fn count(&self) -> usize;
+
+    /// Finds the places of all that is touched.
+    fn plan(&mut self, layout: &Layout, plans: &mut Plans);
+
+    /// `rows += factor * C c`; `scratch` may hold anything.
+    fn spread(&self, factor: f64, c: &[f64], scratch: &mut Vec<f64>, rows: &mut SeenMut);
+
+    /// Writes `J u`, before it is projected on the modes of a [`surface`](Self::surface); `scratch` may hold anything.
+    fn read(&self, u: Seen, walls: Walls, scratch: &mut Vec<f64>, out: &mut [f64]);
+
+    /// The surface on whose modes what is read has to be projected.
+    fn surface(&self) -> Option<&Rc<SurfaceTable<D>>> {
+        None
+    }
+
+    /// `out += E c`, with the multipliers of this body and those of all as this rank sees them.
+    fn add_local(&self, _own: &[f64], _all: Seen, _out: &mut [f64]) {}
+
+    /// What the rows make of a velocity, or of a scalar in the place of its first component, known at each offset from the centre.
+    fn coefficients(&self, known: &dyn Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Vec<f64>;
+
+    /// First moment `integral of F_i r_j` of what multipliers do.
+    fn first_moment(&self, c: &[f64]) -> SMatrix<f64, D, D>;
+
+    /// Adds what multipliers exert directly on the lower and the upper wall across each axis.
+    fn add_on_walls(&self, _c: &[f64], _forces: &mut WallForces<D>) {}
+
+    /// Approximate inverse of the diagonal block in the rows that are not rigid, unless the rows are those of surface modes.
+    fn free_inverse(&self) -> Option<Rc<dyn FreeInverse>> {
+        None
+    }
+
+    /// Memory that the assembly of another body can use again.
+    fn into_memory(self: Box<Self>) -> Option<Vec<f64>> {
+        None
+    }
+}
+
+/// Forces on the lower and the upper wall across each axis.
+pub type WallForces<const D: usize> = [[SVector<f64, D>; 2]; D];
+
+/// What a velocity that is read is on walls.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Walls {
+    /// Zero.
+    Still,
+    /// That of the walls.
+    Moving,
+}
+
+/// What is collected while places are planned.
+pub struct Plans {
+    /// Entries that are read.
+    pub read: Places,
+    /// Entries that are added to.
+    pub spread: Places,
+    /// Multipliers.
+    pub multipliers: Places,
+}
+
+/// An approximate inverse of the diagonal block of a body in the rows that are not rigid.
+pub trait FreeInverse {
+    /// `output = ` what multipliers give the rows `input`.
+    fn apply(&self, input: &[f64], output: &mut [f64]);
+}

@@ -1,0 +1,67 @@
+//! Modes and quadrature by the dimension: circles in 2D, spheres in 3D.
+
+use std::f64::consts::PI;
+
+use super::{
+    fourier::{self, Fourier},
+    modes::Modes,
+    quadrature::{Quadrature, circle, octahedral, sphere},
+    spherical::{self, Spherical},
+};
+
+/// Highest order of modes that are tabulated.
+pub fn highest_order(dimension: usize) -> usize {
+    if dimension == 2 { fourier::MAXIMUM_ORDER } else { spherical::MAXIMUM_ORDER }
+}
+
+/// Number of modes of a family up to `order`, rigid ones included.
+pub fn mode_count(dimension: usize, order: usize) -> usize {
+    match dimension {
+        2 => 4 * order + 1,
+        _ => 3 * order * (order + 2),
+    }
+}
+
+/// The modes of a ball in a fluid of unit viscosity: Fourier modes `|k| <= order` on a circle, vector spherical harmonics `l <= order` on a sphere.
+///
+/// # Panics
+///
+/// If `dimension` is not 2 or 3, or `order` is not between 1 and the `MAXIMUM_ORDER` of the family.
+pub fn modes(dimension: usize, radius: f64, order: usize) -> Box<dyn Modes> {
+    match dimension {
+        2 => Box::new(Fourier::new(radius, order)),
+        3 => Box::new(Spherical::new(radius, order)),
+        _ => panic!("modes exist in dimension 2 and 3, not {dimension}"),
+    }
+}
+
+/// The rule for modes of the given order on a ball of `radius_over_spacing = a/h`.
+///
+/// 2D: `max(ceil(2 pi a/h), 4 K + 4)` equispaced points. 3D: the points of an equiangular cube, at least
+/// `(L + 3 + ceil(a/h))/2` a side. Both are exact for products of two modes; in
+/// 2D points are at most `h` apart, in 3D up to about `pi h`.
+///
+/// # Panics
+///
+/// If `dimension` is not 2 or 3.
+pub fn quadrature(dimension: usize, radius_over_spacing: f64, order: usize) -> Quadrature {
+    match dimension {
+        2 => circle(((2.0 * PI * radius_over_spacing).ceil() as usize).max(4 * order + 4)),
+        3 => octahedral::rule((order + 3 + radius_over_spacing.ceil() as usize).div_ceil(2), 2 * (order + 1)),
+        _ => panic!("quadrature exists in dimension 2 and 3, not {dimension}"),
+    }
+}
+
+/// A rule for products of two modes that vary no faster than once round the axis of the pair's frame (the first in 2D, the third in 3D):
+/// `count` equispaced points in 2D, as many Gauss-Legendre latitudes times four longitudes in 3D.
+///
+/// # Panics
+///
+/// If `dimension` is not 2 or 3.
+pub fn axial(dimension: usize, count: usize) -> Quadrature {
+    match dimension {
+        2 => circle(count),
+        3 => sphere(count, 4),
+        _ => panic!("quadrature exists in dimension 2 and 3, not {dimension}"),
+    }
+}
