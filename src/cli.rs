@@ -3,11 +3,11 @@
 mod animate;
 mod cost;
 mod lubrication;
-mod memory;
 mod plan;
-mod run;
+mod simulate;
 mod studies;
 mod viscosity;
+mod words;
 
 use std::path::PathBuf;
 
@@ -16,10 +16,12 @@ use clap::{Parser, Subcommand};
 use crate::{
     error::{Error, Result},
     petsc::Session,
+    run::check_memory_of_plan,
     scene::Scene,
     study::{self, ConditioningOptions},
 };
 use studies::ScalingArguments;
+pub use words::told;
 
 /// Particles in viscous flow, particle by particle. Run it as it is, or under `mpirun -n N`.
 #[derive(Debug, Parser)]
@@ -36,30 +38,9 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Simulate a scene, at an instant or in time; writes summary.json, scene.toml, pictures, series and frames into the output folder.
-    Run {
-        #[command(flatten)]
-        scene: SceneArguments,
-        /// Output folder (default: out/NAME of the scene).
-        #[arg(long)]
-        out: Option<PathBuf>,
-        /// Overwrite what another run has left in the output folder, and run even if it takes more memory than is free.
-        #[arg(long)]
-        force: bool,
-        /// Print at the end what each stage took.
-        #[arg(long)]
-        profile: bool,
-    },
+    Run(simulate::RunArguments),
     /// Go on with a run in time from its last checkpoint.
-    Resume {
-        /// Output folder of the run.
-        folder: PathBuf,
-        /// Override time.end or a key of output: --set time.end=20
-        #[arg(long = "set", value_name = "KEY=VALUE")]
-        overrides: Vec<String>,
-        /// Print at the end what each stage took.
-        #[arg(long)]
-        profile: bool,
-    },
+    Resume(simulate::ResumeArguments),
     /// Draw the frames of a run in time as an animation (APNG).
     Animate {
         /// Output folder of the run.
@@ -131,7 +112,7 @@ enum Command {
     },
 }
 
-#[derive(Debug, clap::Args)]
+#[derive(Debug, PartialEq, clap::Args)]
 struct SceneArguments {
     /// Scene file.
     scene: PathBuf,
@@ -154,27 +135,8 @@ pub fn execute_alone(arguments: &Arguments) -> Option<Result<()>> {
 /// Carries out a command on all ranks.
 pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
     match &arguments.command {
-        Command::Run { scene: arguments, out, force, profile } => run::profiled(session, *profile, || {
-            let scene = arguments.read(session)?;
-            if !force {
-                memory::check(session.world(), &scene)?;
-            }
-            let mut folder = run::RunFolder::to_begin(session.world(), &folder(out, &scene), (&scene, &arguments.scene), *force)?;
-            let outcome = match scene.dimension() {
-                2 => run::run::<2>(session, &scene, &mut folder),
-                _ => run::run::<3>(session, &scene, &mut folder),
-            };
-            outcome.map_err(|error| scene.place(error))
-        }),
-        Command::Resume { folder, overrides, profile } => run::profiled(session, *profile, || {
-            let mut folder = run::RunFolder::to_resume(session.world(), folder)?;
-            let (scene, checkpoint) = folder.read(overrides)?;
-            let outcome = match scene.dimension() {
-                2 => run::resume::<2>(session, &scene, &mut folder, &checkpoint),
-                _ => run::resume::<3>(session, &scene, &mut folder, &checkpoint),
-            };
-            outcome.map_err(|error| scene.place(error))
-        }),
+        Command::Run(arguments) => simulate::run(session, arguments),
+        Command::Resume(arguments) => simulate::resume(session, arguments),
         Command::Animate { folder, out, width, seconds } => {
             let film = animate::Film {
                 folder,
@@ -186,8 +148,8 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
         }
         Command::Plan { scene, out } => {
             let scene = scene.read(session)?;
-            memory::check_plan(session.world(), &scene)?;
-            let folder = folder(out, &scene);
+            check_memory_of_plan(session.world(), &scene)?;
+            let folder = simulate::output_folder(out, &scene);
             let outcome = match scene.dimension() {
                 2 => plan::plan::<2>(session, &scene, &folder),
                 _ => plan::plan::<3>(session, &scene, &folder),
@@ -210,11 +172,6 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
             study::conditioning(session, &ConditioningOptions { finest_2d, finest_3d, out: out.clone() })
         }
     }
-}
-
-/// The output folder that is asked for, or that of the scene's name.
-fn folder(out: &Option<PathBuf>, scene: &Scene) -> PathBuf {
-    out.clone().unwrap_or_else(|| PathBuf::from("out").join(&scene.name))
 }
 
 impl SceneArguments {

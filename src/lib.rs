@@ -23,6 +23,7 @@ pub mod simulation;
 // floor 5: look, never touch
 pub mod observe;
 pub mod output;
+pub mod run;
 pub mod study;
 // floor 6: words become calls
 pub mod cli;

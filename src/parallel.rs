@@ -126,6 +126,7 @@ impl World {
         let failed = self.gather(&[outcome.is_err()]);
         let Some(first) = failed.iter().position(|&failed| failed) else { return outcome };
         let (text, code) = match &outcome {
+            Err(Error::Refused(refusal)) => (serde_json::to_string(refusal).expect("a refusal is plain text"), 2),
             Err(error) => (error.to_string(), error.exit_code()),
             Ok(_) => (String::new(), 0),
         };
@@ -133,7 +134,9 @@ impl World {
         let text = self.broadcast(first, &text);
         match outcome {
             Err(error) if self.rank() == first => Err(error),
-            _ => Err(if code == 2 { Error::Refused(text) } else { Error::Elsewhere { rank: first, text } }),
+            // a file of that rank is told as text
+            _ if code == 2 => Err(serde_json::from_str(&text).map_or_else(|_| Error::refused(text), Error::Refused)),
+            _ => Err(Error::Elsewhere { rank: first, text }),
         }
     }
 

@@ -13,7 +13,7 @@ const FLOORS: [&[&str]; 7] = [
     &["body", "surface"],
     &["constraint", "contact", "flow"],
     &["scene", "simulation"],
-    &["observe", "output", "study"],
+    &["observe", "output", "study", "run"],
     &["cli"],
 ];
 

@@ -99,10 +99,9 @@ pub fn refuse_ranks() -> Result<()> {
 
 /// The refusal to be one of several ranks.
 pub fn ranks_refused() -> Error {
-    Error::Refused(
+    Error::refused(
         "this study starts its own ranks: call `turbid scaling SCENE --ranks 1,2,4` (or `turbid cost SCENE`, `turbid inverses SCENE..`, `turbid viscosity`) without mpirun; \
-         --launcher says how they start"
-            .into(),
+         --launcher says how they start",
     )
 }
 

@@ -108,7 +108,7 @@ impl Drop for FolderLock {
 fn refused(folder: &Path, owner: Option<Owner>) -> Error {
     let who = owner.map_or("another process".to_owned(), |owner| format!("process {} on {}", owner.process, owner.host));
     let folder = folder.display();
-    Error::Refused(format!("{folder}: {who} writes into this folder; wait for its end, stop it, or choose another folder"))
+    Error::refused(format!("{folder}: {who} writes into this folder; wait for its end, stop it, or choose another folder"))
 }
 
 /// One attempt to take a lock, where `lock` asks the kernel for it; nothing if the file system knows no locks.

@@ -24,13 +24,13 @@ pub fn check_options(words: &[String]) -> Result<()> {
     let mut takes_value = false;
     for word in words {
         if word.starts_with("--") {
-            return Err(Error::Refused(format!(
+            return Err(Error::refused(format!(
                 "{word} after -- goes to PETSc, whose options begin with one hyphen; put it before the --"
             )));
         }
         let named = is_name(word);
         if !named && !takes_value {
-            return Err(Error::Refused(format!("{word} after -- is the value of no PETSc option; put it before the --, or remove it")));
+            return Err(Error::refused(format!("{word} after -- is the value of no PETSc option; put it before the --, or remove it")));
         }
         takes_value = named;
     }

@@ -38,10 +38,10 @@ impl Session {
     /// # Errors
     /// MPI is already running, or PETSc does not start.
     pub fn start(options: &[String]) -> Result<Session> {
-        let universe = mpi::initialize().ok_or_else(|| Error::Refused("MPI is already running in this process".into()))?;
+        let universe = mpi::initialize().ok_or_else(|| Error::refused("MPI is already running in this process"))?;
         let mut arguments: Vec<*mut c_char> = Vec::new();
         for argument in ["turbid", "-no_signal_handler"].into_iter().chain(options.iter().map(String::as_str)) {
-            let argument = CString::new(argument).map_err(|_| Error::Refused(format!("option {argument:?} contains a zero byte")))?;
+            let argument = CString::new(argument).map_err(|_| Error::refused(format!("option {argument:?} contains a zero byte")))?;
             // PETSc keeps pointers to its arguments until the end
             arguments.push(argument.into_raw());
         }

@@ -42,7 +42,7 @@ impl Scene {
         let length = std::fs::metadata(path).map_err(unreadable)?.len();
         if length > LONGEST_FILE {
             let size = length as f64 / 1e6;
-            return Err(Error::Refused(format!("{}:1: holds {size:.1} MB: {TOO_LONG}", path.display())));
+            return Err(Error::refused(format!("{}:1: holds {size:.1} MB: {TOO_LONG}", path.display())));
         }
         let text = read_text(path)?;
         let file = path.file_name().unwrap_or_default().to_string_lossy();
@@ -127,7 +127,7 @@ fn load(file: &str, folder: &Path, text: &str, overrides: &[String]) -> Result<S
 fn misspelt(file: &str, text: &str, error: &TomlError) -> Error {
     let line = error.span().map_or(1, |span| Lines::of(text).at(&span));
     let message = error.message().lines().collect::<Vec<_>>().join("; ");
-    Error::Refused(format!("{file}:{line}: not valid TOML: {message}"))
+    Error::refused(format!("{file}:{line}: not valid TOML: {message}"))
 }
 
 fn read(file: &str, folder: &Path, content: &Value, locations: Locations) -> Result<Scene> {
@@ -345,10 +345,10 @@ scheme = "midpoint"
     #[test]
     fn refusals_that_begin_with_a_key_get_its_place_and_others_stay() {
         let scene = parse(FLAT);
-        let placed = |text: &str| scene.place(Error::Refused(text.into())).to_string();
+        let placed = |text: &str| scene.place(Error::refused(text)).to_string();
         assert_eq!(placed("flow.drive: has no steady flow"), "scene.toml:12: flow.drive: has no steady flow");
         assert_eq!(placed("method.inverse = \"transform\" needs"), "scene.toml:18: method.inverse = \"transform\" needs");
-        for text in ["scene.toml:3: flow.drive = 3", "--out o: holds another run", "centers.csv:3: found 2", "2 ranks do not fit"] {
+        for text in ["scene.toml:3: flow.drive = 3", "out: holds another run", "centers.csv:3: found 2", "2 ranks do not fit"] {
             assert_eq!(placed(text), text);
         }
     }

@@ -105,8 +105,8 @@ impl Scene {
 
     /// The refusal of a key's value: place, key, value and what would be right.
     ///
-    /// `key` is written `bodies[0].radius` or `bodies.0.radius`. The place is the line that holds the key, `--set` if
-    /// the command line gave it, or the line of the innermost table around a key that nobody wrote.
+    /// `key` is written `bodies[0].radius` or `bodies.0.radius`. The place is the line that holds the key, an
+    /// override if one gave it, or the line of the innermost table around a key that nobody wrote.
     pub fn refuse(&self, key: &str, value: impl std::fmt::Display, remedy: &str) -> Error {
         self.locations.refuse(key, value, remedy)
     }

@@ -171,10 +171,10 @@ pub fn cost(options: &CostOptions) -> Result<()> {
 fn shortened(options: &CostOptions, whole: &Scene) -> Result<(CostOptions, f64)> {
     let Some(until) = options.until else { return Ok((options.clone(), 1.0)) };
     if whole.time.is_none() {
-        return Err(Error::Refused(format!("--until {until}: the scene is one instant; leave the flag out")));
+        return Err(Error::refused(format!("--until {until}: the scene is one instant; leave the flag out")));
     }
     if !(until > 0.0 && until <= whole.end()) {
-        return Err(Error::Refused(format!("--until {until}: must lie above 0 and not above time.end = {}", whole.end())));
+        return Err(Error::refused(format!("--until {until}: must lie above 0 and not above time.end = {}", whole.end())));
     }
     let overrides = [&options.overrides[..], &[format!("time.end={until:?}")]].concat();
     Ok((CostOptions { overrides, ..options.clone() }, whole.end() / until))
@@ -190,13 +190,13 @@ impl CostOptions {
     fn check_names(&self, axes: &Axes) -> Result<()> {
         if let Some(method) = self.reference.as_ref().filter(|method| !axes.methods.contains(method)) {
             let known = axes.methods.join(", ");
-            return Err(Error::Refused(format!("--reference {method}: must be one of the methods that are swept, {known}")));
+            return Err(Error::refused(format!("--reference {method}: must be one of the methods that are swept, {known}")));
         }
         let folder =
             |path: &PathBuf| path.parent().map(|folder| if folder.as_os_str().is_empty() { ".".into() } else { folder.to_owned() });
         match self.apply.as_ref().and_then(|path| Some((path, folder(path)?))) {
             Some((path, folder)) if !folder.is_dir() => {
-                Err(Error::Refused(format!("--apply {}: there is no folder {}; make it first", path.display(), folder.display())))
+                Err(Error::refused(format!("--apply {}: there is no folder {}; make it first", path.display(), folder.display())))
             }
             _ => Ok(()),
         }

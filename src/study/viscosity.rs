@@ -93,7 +93,7 @@ fn measure(launcher: &Launcher, ranks: usize, (setting, scratch): (&Setting, &Sc
 
 impl ViscosityOptions {
     fn check(&self) -> Result<()> {
-        let refuse = |option: &str, value: String, remedy: &str| Err(Error::Refused(format!("--{option} {value}: {remedy}")));
+        let refuse = |option: &str, value: String, remedy: &str| Err(Error::refused(format!("--{option} {value}: {remedy}")));
         if let Some(dimension) = self.dimensions.iter().find(|dimension| !(2..=3).contains(*dimension)) {
             return refuse("dimensions", dimension.to_string(), "must be 2 or 3");
         }

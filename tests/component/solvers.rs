@@ -254,7 +254,7 @@ struct Faulty {
 impl Faulty {
     fn count(&mut self, map: usize) -> Result<()> {
         let left = self.left[map].checked_sub(1);
-        self.left[map] = left.ok_or_else(|| Error::Refused("the fifth is one too many".into()))?;
+        self.left[map] = left.ok_or_else(|| Error::refused("the fifth is one too many"))?;
         Ok(())
     }
 }

@@ -21,7 +21,7 @@ pub use contact::FrameContact;
 pub(super) use index::FOLDER as FRAMES;
 pub use read::{StoredFrame, read_frames};
 
-use super::{finite::not_finite, together::Together};
+use super::{finite::not_finite, parallel_file::ParallelFile};
 use crate::{error::Result, geometry::Domain, grid::Grid, parallel::World};
 use index::{Entry, path_in_run};
 use recovery::Kept;
@@ -114,7 +114,7 @@ impl Frames {
     /// Adds a frame.
     pub fn write<const D: usize>(&mut self, world: &World, frame: &Frame<D>) -> Result<()> {
         world.agree(frame.check())?;
-        let mut file = Together::create(world, &self.folder.join(path_in_run(self.next)))?;
+        let mut file = ParallelFile::create(world, &self.folder.join(path_in_run(self.next)))?;
         store::store(&mut file, frame)?;
         file.finish()?;
         let mut listed = Ok(());

@@ -38,7 +38,7 @@ pub struct StoredFrame<const D: usize> {
 /// # Errors
 /// [`Error::Refused`] when a frame cannot be read or has another dimension.
 pub fn read_frames<const D: usize>(folder: &Path) -> Result<Vec<StoredFrame<D>>> {
-    let refused = |reason| Error::Refused(format!("{reason}; move it out of the folder to go on without it"));
+    let refused = |reason| Error::refused(format!("{reason}; move it out of the folder to go on without it"));
     frame_files(folder)?.into_iter().map(|(_, path)| read_with(&path, bodies).map_err(refused)).collect()
 }
 

@@ -13,7 +13,7 @@ use super::{
 use crate::{
     error::Result,
     grid::{Block, Grid},
-    output::{slab, together::Together},
+    output::{parallel_file::ParallelFile, slab},
 };
 
 /// Name of the file format.
@@ -26,7 +26,7 @@ pub(super) const OFFSET: &str = "offset";
 pub(super) const FIELDS: [(&str, usize); 3] = [("velocity", 3), ("pressure", 1), ("inside", 1)];
 
 /// Writes a frame.
-pub(super) fn store<const D: usize>(file: &mut Together, frame: &Frame<D>) -> Result<()> {
+pub(super) fn store<const D: usize>(file: &mut ParallelFile, frame: &Frame<D>) -> Result<()> {
     make_room(file, frame)?;
     file.step(|root| describe(root, frame))?;
     store_bodies(file, frame)?;
@@ -34,7 +34,7 @@ pub(super) fn store<const D: usize>(file: &mut Together, frame: &Frame<D>) -> Re
     frame.fields.as_ref().map_or(Ok(()), |fields| store_fields(file, fields))
 }
 
-fn make_room<const D: usize>(file: &mut Together, frame: &Frame<D>) -> Result<()> {
+fn make_room<const D: usize>(file: &mut ParallelFile, frame: &Frame<D>) -> Result<()> {
     let cells = frame.fields.as_ref().map_or(0, |fields| fields.grid.unknowns(D));
     let columns = COLUMNS.iter().map(|(_, width)| frame.bodies.len() * width * size_of::<f64>());
     let counts = COUNTS.iter().map(|_| frame.bodies.len() * size_of::<i32>());
@@ -68,7 +68,7 @@ fn describe<const D: usize>(root: &Group, frame: &Frame<D>) -> hdf5::Result<()> 
     Ok(())
 }
 
-fn store_bodies<const D: usize>(file: &Together, frame: &Frame<D>) -> Result<()> {
+fn store_bodies<const D: usize>(file: &ParallelFile, frame: &Frame<D>) -> Result<()> {
     let count = frame.bodies.len();
     let made = file.step(|root| {
         let group = root.create_group("bodies")?;
@@ -101,7 +101,7 @@ fn write_bodies<const D: usize>(columns: &[Dataset], counts: &[Dataset], frame: 
     counts.iter().zip([identity, contacts]).try_for_each(|(dataset, values)| dataset.write_raw(&values))
 }
 
-fn store_contacts<const D: usize>(file: &Together, frame: &Frame<D>) -> Result<()> {
+fn store_contacts<const D: usize>(file: &ParallelFile, frame: &Frame<D>) -> Result<()> {
     let Some(contacts) = frame.contacts else { return Ok(()) };
     let gluey = contacts.iter().any(|contact| contact.gamma.is_some());
     let made = file.step(|root| {
@@ -137,7 +137,7 @@ fn write_contacts<const D: usize>(
     counts.iter().zip(&whole).try_for_each(|(dataset, values)| dataset.write_raw(values))
 }
 
-fn store_fields<const D: usize>(file: &Together, fields: &FrameFields<D>) -> Result<()> {
+fn store_fields<const D: usize>(file: &ParallelFile, fields: &FrameFields<D>) -> Result<()> {
     let grid = fields.grid;
     let datasets = file.step(|root| {
         let group = root.create_group("fields")?;

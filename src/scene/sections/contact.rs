@@ -63,6 +63,11 @@ impl ContactSection {
 }
 
 impl ContactModel {
+    /// Whether contacts stick.
+    pub fn gluey(&self) -> bool {
+        matches!(self, ContactModel::Gluey { .. })
+    }
+
     /// The word for it in a scene.
     pub fn word(&self) -> &'static str {
         match self {

@@ -189,7 +189,7 @@ fn hierarchy<const D: usize>(setup: &ScalarSetup<D>) -> AmgSettings {
 }
 
 fn check<const D: usize>(setup: &ScalarSetup<D>) -> Result<()> {
-    let refuse = |text: &str| Err(Error::Refused(text.into()));
+    let refuse = |text: &str| Err(Error::refused(text));
     if setup.method != InclusionMethod::MeanValue && setup.solver != MultiplierSolver::Krylov {
         return refuse("only the mean-value method is solved by Uzawa's iteration");
     }

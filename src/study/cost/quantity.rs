@@ -118,7 +118,7 @@ impl Quantity {
             Kind::Position => self.each(&summary["bodies"], |body| numbers(&body["center"])),
             Kind::Field | Kind::Gradient => return self.probe(&folder.join("probe.csv"), facts.dimension),
         };
-        values.ok_or_else(|| Error::Refused(format!("--quantity {}: the run does not tell it; choose another", self.kind.word())))
+        values.ok_or_else(|| Error::refused(format!("--quantity {}: the run does not tell it; choose another", self.kind.word())))
     }
 
     fn drag(&self, summary: &Value, facts: &Facts) -> Option<Vec<f64>> {

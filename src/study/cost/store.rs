@@ -97,7 +97,7 @@ impl Store {
         if path.exists() && !fresh {
             let refuse = |reason: &str| {
                 let remedy = "choose another folder, or start anew with --fresh";
-                Err(Error::Refused(format!("--out {}: {reason}; {remedy}", folder.display())))
+                Err(Error::refused(format!("--out {}: {reason}; {remedy}", folder.display())))
             };
             let text = fs::read_to_string(&path).map_err(|source| Error::File { path: path.clone(), source })?;
             let Ok(saved) = serde_json::from_str::<Saved>(&text) else {

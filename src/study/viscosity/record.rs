@@ -76,7 +76,7 @@ impl Store {
             let text = fs::read_to_string(&path).map_err(|source| Error::File { path: path.clone(), source })?;
             let known = serde_json::from_str::<Saved>(&text).ok().filter(|known| known.version == version);
             let remedy = "its viscosity.json is not one that this version wrote; choose another folder, or start anew with --fresh";
-            saved = known.ok_or_else(|| Error::Refused(format!("--out {}: {remedy}", folder.display())))?;
+            saved = known.ok_or_else(|| Error::refused(format!("--out {}: {remedy}", folder.display())))?;
         }
         Ok(Store { path, saved })
     }
