@@ -179,3 +179,67 @@ impl SceneArguments {
         session.world().agree(Scene::read(&self.scene, &self.overrides))
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn parsed(line: &str) -> Arguments {
+        Arguments::try_parse_from(line.split_whitespace()).unwrap_or_else(|error| panic!("{line}: {error}"))
+    }
+
+    #[test]
+    fn the_words_of_a_run_are_its_arguments() {
+        let Arguments { command, petsc } = parsed("turbid run a/b.toml --set seed=2 --set time.end=3 --out o --force -- -log_view");
+        let Command::Run(run) = command else { panic!("{command:?}") };
+        assert_eq!((run.scene.scene, run.scene.overrides), ("a/b.toml".into(), vec!["seed=2".to_owned(), "time.end=3".to_owned()]));
+        assert_eq!((run.out, run.force, run.profile), (Some("o".into()), true, false));
+        assert_eq!(petsc, ["-log_view"]);
+        let Command::Resume(resume) = parsed("turbid resume o --set time.end=3 --profile").command else { panic!("no resume") };
+        assert_eq!((resume.folder, resume.overrides.len(), resume.profile), ("o".into(), 1, true));
+    }
+
+    #[test]
+    fn a_run_goes_where_it_is_told_or_into_a_folder_of_its_name() {
+        let scene = Scene::new("disks", &[1.0, 1.0]);
+        assert_eq!(simulate::output_folder(&None, &scene), PathBuf::from("out/disks"));
+        assert_eq!(simulate::output_folder(&Some("o".into()), &scene), PathBuf::from("o"));
+    }
+
+    #[test]
+    fn every_command_is_carried_out_at_the_right_place() {
+        let absent = "/nowhere/scene.toml";
+        let alone = [format!("scaling {absent}"), format!("cost {absent}"), format!("inverses {absent}")];
+        for words in alone {
+            let outcome = execute_alone(&parsed(&format!("turbid {words}"))).unwrap_or_else(|| panic!("{words} takes a session"));
+            assert!(matches!(outcome, Err(Error::File { .. })), "{words}: {outcome:?}");
+        }
+        let on_ranks = ["run a.toml", "resume o", "animate o", "plan a.toml", "lubrication", "validation", "conditioning"];
+        for words in on_ranks {
+            assert!(execute_alone(&parsed(&format!("turbid {words}"))).is_none(), "{words} takes no session");
+        }
+    }
+
+    #[test]
+    fn words_that_mean_nothing_are_refused() {
+        let wrong = [
+            "turbid",
+            "turbid fly",
+            "turbid run",
+            "turbid run a.toml b.toml",
+            "turbid run a.toml --colour",
+            "turbid resume",
+            "turbid animate o --width 1",
+            "turbid lubrication --dimension 4",
+            "turbid validation --random 3",
+            "turbid validation --crowds --bars 1e-2",
+            "turbid conditioning --finest-2d 8",
+            "turbid cost a.toml --resolutions 4 --spacings 0.1",
+            "turbid cost a.toml --error 0",
+        ];
+        for line in wrong {
+            assert!(Arguments::try_parse_from(line.split_whitespace()).is_err(), "{line}");
+        }
+    }
+}

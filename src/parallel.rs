@@ -40,8 +40,8 @@ impl Shares {
 }
 
 impl World {
-    pub(crate) fn new(log: fn(usize)) -> World {
-        World { communicator: SimpleCommunicator::world(), log }
+    pub(crate) fn new(communicator: SimpleCommunicator, log: fn(usize)) -> World {
+        World { communicator, log }
     }
 
     pub(crate) fn raw(&self) -> MPI_Comm {

@@ -89,7 +89,7 @@ mod tests {
         }
         for (words, wrong) in [("--set time.end=0.1", "--set"), ("time.end=0.1", "time.end=0.1"), ("-a 1 2", "2"), ("-a -1 -2", "-2")] {
             let error = check(words).unwrap_err();
-            assert!(matches!(&error, Error::Refused(text) if text.starts_with(&format!("{wrong} after --"))), "{words:?}: {error}");
+            assert!(matches!(&error, Error::Refused(text) if text.remedy.starts_with(&format!("{wrong} after --"))), "{words:?}: {error}");
         }
     }
 }

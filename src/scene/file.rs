@@ -5,12 +5,12 @@ use std::path::Path;
 use toml_edit::{Document, Item, TomlError, Value};
 
 use crate::body::read_text;
-use crate::error::{Error, Result};
+use crate::error::{Error, Refusal, Result};
 use crate::scene::locations::{Lines, Locations};
 use crate::scene::table::Table;
 use crate::scene::{
     BodyGroup, ContactSection, DomainSection, FlowModel, FlowSection, LubricationSection, MethodSection, OutputSection, Placement,
-    ResolutionSection, Scene, TimeSection, accuracy, bodies, check, overrides, scalar,
+    ResolutionSection, Scene, TimeSection, accuracy, bodies, check, keys, overrides, scalar,
 };
 
 const KEYS: [&str; 13] = [
@@ -52,6 +52,20 @@ impl Scene {
     /// The scene of a text that calls itself `name`; files it names are looked for in `folder`.
     pub fn parse(name: &str, folder: &Path, text: &str, overrides: &[String]) -> Result<Scene> {
         load(&format!("{name}.toml"), folder, text, overrides)
+    }
+
+    /// This scene with the text of a file that gives it, once that text has passed the checks of every file.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] with key, value and remedy.
+    pub fn checked(self) -> Result<Scene> {
+        let file = keys::file_of(&keys::keys(&self));
+        let built = load(&format!("{}.toml", self.name), Path::new(""), &file, &[]);
+        let built = built.map_err(|error| match error {
+            Error::Refused(refusal) => Error::Refused(Refusal { place: None, ..refusal }),
+            other => other,
+        })?;
+        Ok(Scene { locations: Locations::default(), ..built })
     }
 
     /// An error with the place of the key that it begins with, if it is a refusal of what no reader of the file could know.

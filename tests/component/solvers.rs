@@ -130,7 +130,7 @@ fn an_error_in_a_callback_ends_the_solve_with_that_very_error(session: &Session)
             let rhs = filled(session, N, |index| (index as f64).cos());
             let mut system = Faulty { chain: Chain::new(session, 0.0), left: [apply, precondition] };
             let error = solve(session, method, &mut system, (&rhs, &mut rhs.like().unwrap())).unwrap_err();
-            assert!(matches!(&error, Error::Refused(text) if text == "the fifth is one too many"), "{error:?}");
+            assert!(matches!(&error, Error::Refused(text) if text.remedy == "the fifth is one too many"), "{error:?}");
         }
     }
 }
