@@ -140,6 +140,11 @@ impl World {
         }
     }
 
+    /// Acts on the first rank and makes its outcome known: its value there and a default elsewhere, or its error everywhere.
+    pub fn on_first_rank<T: Default>(&self, act: impl FnOnce() -> Result<T>) -> Result<T> {
+        self.agree(if self.rank() == 0 { act() } else { Ok(T::default()) })
+    }
+
     /// Memory that is free to use on all machines of this run together, in bytes.
     pub fn available_memory_bytes(&self) -> f64 {
         let (machines, free) = (self.gather(&[machine()]), self.gather(&[free_memory_bytes()]));

@@ -38,7 +38,7 @@ pub fn animate(session: &Session, film: &Film) -> Result<()> {
         write_whole(&film.out, &Plane::of(&scene).film(&scene, frames).apng(film.width as usize, film.seconds))?;
         say(&film.out.display().to_string())
     };
-    world.agree(if world.rank() == 0 { draw() } else { Ok(()) })
+    world.on_first_rank(draw)
 }
 
 /// Programs tell formats by their endings, and only one is written.

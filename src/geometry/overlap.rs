@@ -1,7 +1,5 @@
 //! Faults of a configuration: what no set of rigid balls in the box may do.
 
-use std::fmt;
-
 use super::{Ball, Domain, levels::Levels};
 
 /// Overlaps below this many radii are rounding.
@@ -33,22 +31,6 @@ pub enum Fault {
         /// Axis along which it leaves the box.
         axis: usize,
     },
-}
-
-impl fmt::Display for Fault {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Fault::Overlap { first, second, gap } => {
-                write!(formatter, "bodies {first} and {second} overlap by {:.3e}", -gap)
-            }
-            Fault::OwnImage { body, gap } => {
-                write!(formatter, "body {body} overlaps its own periodic image by {:.3e}", -gap)
-            }
-            Fault::Outside { body, axis } => {
-                write!(formatter, "body {body} leaves the box along axis {axis}")
-            }
-        }
-    }
 }
 
 /// The first fault of a configuration, if any: bodies outside the box by index and axis, then those wider than it, then the first

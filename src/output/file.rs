@@ -41,6 +41,17 @@ pub fn write_whole(path: &Path, contents: &[u8]) -> Result<()> {
     })
 }
 
+/// Removes a file, if it is there.
+///
+/// # Errors
+/// [`Error::File`].
+pub fn remove_file(path: &Path) -> Result<()> {
+    match fs::remove_file(path) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(Error::File { path: path.to_owned(), source }),
+        _ => Ok(()),
+    }
+}
+
 /// Where a file lies until it is whole.
 pub(super) fn temporary(path: &Path) -> PathBuf {
     let mut temporary = path.as_os_str().to_owned();

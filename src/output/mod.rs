@@ -31,7 +31,7 @@ pub use chart::{Bar, Chart, Level, Mark, Notes, Scale, Series};
 pub use checkpoint::{Checkpoint, CheckpointWriter, checksum_of};
 pub use curve::{CurvePoint, MeanViscosity};
 pub use effort::effort_chart;
-pub use file::{prepare_folder, write_whole};
+pub use file::{prepare_folder, remove_file, write_whole};
 pub use finite::{check_finite, not_finite};
 pub use frames::{Frame, FrameBody, FrameContact, FrameFields, Frames, StoredFrame, read_frames};
 pub use lock::FolderLock;

@@ -78,8 +78,7 @@ impl<'a> ParallelFile<'a> {
     }
 
     fn on_first_rank(&self, act: impl FnOnce(&Path) -> io::Result<()>) -> Result<()> {
-        let outcome = if self.world.rank() == 0 { act(&self.temporary) } else { Ok(()) };
-        self.world.agree(outcome.map_err(|source| self.error(source)))
+        self.world.on_first_rank(|| act(&self.temporary).map_err(|source| self.error(source)))
     }
 
     fn error(&self, source: io::Error) -> Error {

@@ -53,7 +53,7 @@ impl Calibrated {
             let text = serde_json::to_string_pretty(&cache).expect("a calibration is plain numbers and text");
             write_whole(&folder.join(FILE), text.as_bytes())
         };
-        world.agree(if world.rank() == 0 { write() } else { Ok(()) })
+        world.on_first_rank(write)
     }
 
     /// Attaches the bars to the summary of a state; collective.

@@ -1,14 +1,11 @@
 //! The output folder of a run: whose it is, what it holds, and the text of its scene.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 use super::origin::Origin;
 use crate::{
     error::{Error, Offer, Place, Refusal, Result},
-    output::{CHECKPOINT, Checkpoint, FolderLock, SUMMARY, Summary, Traces, check_finite, prepare_folder, write_whole},
+    output::{CHECKPOINT, Checkpoint, FolderLock, SUMMARY, Summary, Traces, check_finite, prepare_folder, remove_file, write_whole},
     parallel::World,
     scene::Scene,
 };
@@ -52,7 +49,7 @@ impl<'a> RunFolder<'a> {
         let files = world.agree(new.scene.files())?;
         let (path, scene_file) = (path.to_owned(), new.scene_file.map(Path::to_owned));
         let folder = RunFolder { world, path, scene_file, overwrite: new.overwrite, resumed: false, files, claimed: false, _lock: None };
-        folder.on_first_rank(|| {
+        world.on_first_rank(|| {
             FolderLock::refuse_held(&folder.path)?;
             folder.refuse(new.scene)
         })?;
@@ -68,7 +65,7 @@ impl<'a> RunFolder<'a> {
             read_scene(path, &[])?;
             FolderLock::take(path).map(Some)
         };
-        let lock = world.agree(if world.rank() == 0 { lock() } else { Ok(None) })?;
+        let lock = world.on_first_rank(lock)?;
         let files = Vec::new();
         Ok(RunFolder {
             world,
@@ -116,11 +113,11 @@ impl<'a> RunFolder<'a> {
         if !self.resumed {
             self.lock()?;
         }
-        self.on_first_rank(|| {
+        self.world.on_first_rank(|| {
             if self.resumed {
                 prepare_folder(&self.path)?;
                 // a folder with a summary is complete: from now on this one is not
-                remove(&self.path.join(SUMMARY))?;
+                remove_file(&self.path.join(SUMMARY))?;
             } else {
                 self.clear(scene)?;
             }
@@ -159,18 +156,14 @@ impl<'a> RunFolder<'a> {
     pub fn complete(&self, summary: &Summary) -> Result<String> {
         check_finite(SUMMARY, summary)?;
         let json = serde_json::to_string_pretty(summary).expect("a summary is plain numbers and text");
-        self.on_first_rank(|| write_whole(&self.path.join(SUMMARY), json.as_bytes()))?;
+        self.world.on_first_rank(|| write_whole(&self.path.join(SUMMARY), json.as_bytes()))?;
         Ok(SUMMARY.to_owned())
     }
 
     fn lock(&mut self) -> Result<()> {
         let lock = || prepare_folder(&self.path).and_then(|()| FolderLock::take(&self.path)).map(Some);
-        self._lock = self.world.agree(if self.world.rank() == 0 { lock() } else { Ok(None) })?;
+        self._lock = self.world.on_first_rank(lock)?;
         Ok(())
-    }
-
-    fn on_first_rank(&self, act: impl FnOnce() -> Result<()>) -> Result<()> {
-        self.world.agree(if self.world.rank() == 0 { act() } else { Ok(()) })
     }
 
     fn write_scene(&self, scene: &Scene) -> Result<()> {
@@ -227,11 +220,4 @@ fn read_scene(folder: &Path, overrides: &[String]) -> Result<Scene> {
 
 fn same_place(one: &Path, two: &Path) -> bool {
     matches!((one.canonicalize(), two.canonicalize()), (Ok(one), Ok(two)) if one == two)
-}
-
-fn remove(path: &Path) -> Result<()> {
-    match fs::remove_file(path) {
-        Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(Error::File { path: path.to_owned(), source }),
-        _ => Ok(()),
-    }
 }

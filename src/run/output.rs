@@ -96,8 +96,7 @@ impl<const D: usize> Seen<'_, D> {
     /// # Errors
     /// It cannot be written.
     pub fn write_file(&self, folder: &Path, name: &str, bytes: &[u8]) -> Result<String> {
-        let write = || write_whole(&folder.join(name), bytes);
-        self.world.agree(if self.world.rank() == 0 { write() } else { Ok(()) })?;
+        self.world.on_first_rank(|| write_whole(&folder.join(name), bytes))?;
         Ok(name.to_owned())
     }
 }

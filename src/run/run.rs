@@ -326,7 +326,7 @@ impl<'a, const D: usize> Run<'a, D> {
         match (outcome, &self.folder) {
             (Err(Error::Contact { text, island }), Some(folder)) => {
                 let path = folder.path().join("contact-island.json");
-                self.world.agree(if self.world.rank() == 0 { write_whole(&path, island.as_bytes()) } else { Ok(()) })?;
+                self.world.on_first_rank(|| write_whole(&path, island.as_bytes()))?;
                 Err(Error::Contact { text: format!("{text}; the problem is in {}", path.display()), island })
             }
             (outcome, _) => outcome,

@@ -62,7 +62,7 @@ fn write<const D: usize>(world: &World, scene: &Scene, folder: Option<RunFolder>
         let mut write = |name: &str, text: String| {
             files.push(name.to_owned());
             let path = folder.path().join(name);
-            world.agree(if world.rank() == 0 { output::write_whole(&path, text.as_bytes()) } else { Ok(()) })
+            world.on_first_rank(|| output::write_whole(&path, text.as_bytes()))
         };
         if let Some(points) = scene.output.probe {
             write("probe.csv", observe::scalar_probe(problem, solved.solution, points)?.csv())?;

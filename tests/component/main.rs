@@ -30,6 +30,7 @@ mod machine;
 mod methods;
 mod motion;
 mod near;
+mod outputs;
 mod scalar;
 mod sheared;
 mod solvers;
@@ -79,6 +80,7 @@ fn main() {
         fluid::tests(),
         transform::tests(),
         near::tests(),
+        outputs::tests(),
         scalar::tests(),
         inclusions::tests(),
         suspension::tests(),

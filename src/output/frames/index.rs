@@ -9,7 +9,7 @@ use super::{Frame, xdmf};
 use crate::{
     error::{Error, Result},
     output::{
-        file::{temporary, write_whole},
+        file::{remove_file, temporary, write_whole},
         parallel_file::{cause, reserve},
     },
 };
@@ -78,7 +78,7 @@ pub(super) fn write(folder: &Path, entries: &[Entry]) -> Result<()> {
     let companions = [(BODIES, xdmf::bodies(entries)), (CONTACTS, xdmf::contacts(entries)), (FIELDS, xdmf::fields(entries))];
     companions.into_iter().try_for_each(|(name, text)| match text {
         Some(text) => write_whole(&folder.join(name), text.as_bytes()),
-        None => remove(&folder.join(name)),
+        None => remove_file(&folder.join(name)),
     })
 }
 
@@ -115,13 +115,6 @@ pub(super) fn remove_halves(folder: &Path) -> Result<()> {
 fn files(folder: &Path) -> Result<Vec<PathBuf>> {
     let list = || fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>();
     list().map_err(|source| Error::File { path: folder.to_owned(), source })
-}
-
-fn remove(path: &Path) -> Result<()> {
-    match fs::remove_file(path) {
-        Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(Error::File { path: path.to_owned(), source }),
-        _ => Ok(()),
-    }
 }
 
 fn write_run(path: &Path, entries: &[Entry]) -> Result<()> {

@@ -33,8 +33,7 @@ impl<const D: usize> Output<D> for PairFiles {
         let distribution = match (&seen.motion, setup) {
             (Some(motion), _) => {
                 let bodies = Bodies { domain: motion.domain(), radii: motion.simulation.radii().to_vec(), shear };
-                let count = || bodies.over_frames(&self.folder, motion.state().time, seen.history.mean());
-                seen.world.agree(if seen.world.rank() == 0 { count() } else { Ok(None) })?
+                seen.world.on_first_rank(|| bodies.over_frames(&self.folder, motion.state().time, seen.history.mean()))?
             }
             (None, Some(setup)) => {
                 let balls: Vec<Ball<D>> = setup.bodies.iter().map(|suspended| suspended.body.ball).collect();

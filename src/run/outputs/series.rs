@@ -43,7 +43,7 @@ impl SeriesFile {
     /// # Errors
     /// [`Error::File`] when the file cannot be read or written; [`Error::Refused`] when it is not one of ours.
     pub fn open(world: &World, folder: &Path, step: usize) -> Result<(SeriesFile, Vec<CurvePoint>)> {
-        let opened = world.agree(if world.rank() == 0 { Rows::open(folder, step).map(Some) } else { Ok(None) })?;
+        let opened = world.on_first_rank(|| Rows::open(folder, step).map(Some))?;
         let (rows, kept, lost) = opened.map_or((None, String::new(), None), |(rows, kept, lost)| (Some(rows), kept, lost));
         lost.iter().for_each(|lost| note(&format!("turbid: {lost}")));
         Ok((SeriesFile { folder: folder.to_owned(), rows, last_row: Instant::now() }, CurvePoint::read(&kept)))
