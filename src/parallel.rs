@@ -101,7 +101,7 @@ impl World {
     }
 
     /// Sends each rank its share of `sent` and fills `received` with the shares that come from each.
-    pub fn exchange<T: Equivalence>(&self, (sent, shares_sent): (&[T], &Shares), (received, shares_received): (&mut [T], &Shares)) {
+    pub fn exchange<T: Equivalence>(&self, sent: &[T], shares_sent: &Shares, received: &mut [T], shares_received: &Shares) {
         self.count(sent);
         let sent = Partition::new(sent, &shares_sent.counts[..], &shares_sent.starts[..]);
         let mut received = PartitionMut::new(received, &shares_received.counts[..], &shares_received.starts[..]);

@@ -91,7 +91,7 @@ impl<T: Equivalence + Copy> Exchange<T> {
             self.sent[start..end].copy_from_slice(&values[place]);
             start = end;
         }
-        world.exchange((&self.sent, &from.shares), (&mut self.received, &to.shares));
+        world.exchange(&self.sent, &from.shares, &mut self.received, &to.shares);
         start = 0;
         for place in to.places() {
             let end = start + place.len();

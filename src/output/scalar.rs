@@ -3,10 +3,11 @@
 use nalgebra::SVector;
 use serde::Serialize;
 
-use super::{Summary, summary::SolverSummary};
+use super::{ParallelSummary, Summary, summary::SolverSummary};
 use crate::{
     grid::Grid,
     parallel::World,
+    scene::Scene,
     simulation::{Cost, InclusionState, ScalarSetup, ScalarSolution, Uzawa},
 };
 
@@ -63,10 +64,10 @@ pub struct InclusionSummary {
 }
 
 impl Summary {
-    /// The numbers of a scalar problem; collective. `named` is the scene's name and title, `solver` the word for what inverted the matrix
+    /// The numbers of a scalar problem; collective. `solver` is the word for what inverted the matrix
     /// and what that cost.
     pub fn of_scalar<const D: usize>(
-        named: (&str, &str),
+        scene: &Scene,
         (setup, grid): (&ScalarSetup<D>, &Grid<D>),
         (solution, solver): (&ScalarSolution<D>, (&'static str, &Cost)),
         world: &World,
@@ -82,7 +83,13 @@ impl Summary {
         Summary {
             scalar: Some(scalar),
             solver: Some(SolverSummary::of_cost(solver.0, solver.1, world)),
-            ..Summary::of_bodies(named, (Vec::new(), setup.fraction()), (held, grid.local_unknowns(D)), world)
+            ..Summary::of_bodies(
+                scene,
+                Vec::new(),
+                setup.fraction(),
+                world.size(),
+                ParallelSummary::new(world, held, grid.local_unknowns(D)),
+            )
         }
     }
 }

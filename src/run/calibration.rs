@@ -60,7 +60,7 @@ impl Calibrated {
     ///
     /// # Errors
     /// PETSc fails.
-    pub fn attach<const D: usize>(&self, summary: &mut Summary, (suspension, solution): (&dyn FlowSolver<D>, &Solution<D>)) -> Result<()> {
+    pub fn attach<const D: usize>(&self, summary: &mut Summary, suspension: &dyn FlowSolver<D>, solution: &Solution<D>) -> Result<()> {
         let calibration = &self.calibration;
         let drag = Answer::all(suspension, solution)?.into_iter().find(|answer| answer.quantity == Quantity::Drag);
         let given = suspension.setup().bodies.iter().filter(|suspended| !suspended.body.free()).count();

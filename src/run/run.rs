@@ -292,7 +292,7 @@ impl<'a, const D: usize> Run<'a, D> {
     pub fn summary(&self) -> Result<Summary> {
         let mut summary = summary(&self.seen())?;
         if let (Some(calibrated), Some(flow)) = (&self.calibrated, self.machinery.flow()) {
-            calibrated.attach(&mut summary, (flow.solver, flow.solution))?;
+            calibrated.attach(&mut summary, flow.solver, flow.solution)?;
         }
         Ok(summary)
     }

@@ -54,7 +54,7 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, mut folder: Option<
 /// Writes what was solved.
 fn write<const D: usize>(world: &World, scene: &Scene, folder: Option<RunFolder>, solved: &Solved<D>) -> Result<Finished> {
     let problem = (solved.setup, solved.grid);
-    let summary = Summary::of_scalar((&scene.name, &scene.title), problem, (solved.solution, (solved.inverse, solved.cost)), world);
+    let summary = Summary::of_scalar(scene, problem, (solved.solution, (solved.inverse, solved.cost)), world);
     let _stage = enter(Stage::Output);
     let mut files = Vec::new();
     if let Some(folder) = &folder {

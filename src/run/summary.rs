@@ -12,10 +12,9 @@ use crate::{
 /// # Errors
 /// PETSc fails.
 pub fn summary<const D: usize>(seen: &Seen<D>) -> Result<Summary> {
-    let named = (seen.scene.name.as_str(), seen.scene.title.as_str());
     let mut summary = match (&seen.flow, &seen.motion) {
-        (Some(flow), _) => Summary::of_flow(named, flow.solver, (flow.solution, seen.viscosity), seen.world)?,
-        (None, Some(motion)) => Summary::of_dry(named, motion.domain(), (motion.state(), motion.simulation.radii()), seen.world),
+        (Some(flow), _) => Summary::of_flow(seen.scene, flow.solver, flow.solution, seen.viscosity, seen.world)?,
+        (None, Some(motion)) => Summary::of_dry(seen.scene, motion.domain(), motion.state(), motion.simulation.radii(), seen.world),
         (None, None) => unreachable!("a run looks at something before it ends"),
     };
     let Some(motion) = &seen.motion else { return Ok(summary) };

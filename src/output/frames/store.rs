@@ -78,7 +78,7 @@ fn store_bodies<const D: usize>(file: &ParallelFile, frame: &Frame<D>) -> Result
     });
     let contacts = frame.bodies.iter().map(|body| body.contacts as i32).collect();
     let counts = COUNTS.into_iter().zip([(0..frame.bodies.len() as i32).collect(), contacts]).map(|(name, values)| (name, 1, values));
-    store_group(file, "bodies", frame.bodies.len(), (&columns(&COLUMNS, in_box), &counts.collect::<Vec<_>>()))
+    store_group(file, "bodies", frame.bodies.len(), &columns(&COLUMNS, in_box), &counts.collect::<Vec<_>>())
 }
 
 fn store_contacts<const D: usize>(file: &ParallelFile, frame: &Frame<D>) -> Result<()> {
@@ -88,7 +88,7 @@ fn store_contacts<const D: usize>(file: &ParallelFile, frame: &Frame<D>) -> Resu
     let gamma: Vec<f64> = contacts.iter().filter_map(|contact| contact.gamma).collect();
     numbers.extend((!gamma.is_empty()).then_some((contact::GAMMA, 1, gamma)));
     let counts = columns(&contact::COUNTS, contacts.iter().map(FrameContact::counts));
-    store_group(file, "contacts", contacts.len(), (&numbers, &counts))
+    store_group(file, "contacts", contacts.len(), &numbers, &counts)
 }
 
 /// The columns of entries that give their numbers column by column.
@@ -99,7 +99,7 @@ fn columns<T, const C: usize>(names: &[(&'static str, usize); C], entries: impl 
 }
 
 /// Stores a group of columns, which the first rank writes.
-fn store_group(file: &ParallelFile, name: &str, count: usize, (numbers, counts): (&[Column<f64>], &[Column<i32>])) -> Result<()> {
+fn store_group(file: &ParallelFile, name: &str, count: usize, numbers: &[Column<f64>], counts: &[Column<i32>]) -> Result<()> {
     fn make<T: hdf5::H5Type>(group: &Group, count: usize, columns: &[Column<T>]) -> hdf5::Result<Vec<Dataset>> {
         let shape = |width: usize| if width == 1 { vec![count] } else { vec![count, width] };
         columns.iter().map(|&(name, width, _)| group.new_dataset::<T>().shape(shape(width)).create(name)).collect()

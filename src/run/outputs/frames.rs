@@ -120,7 +120,7 @@ fn network<const D: usize>(motion: &MotionSeen<D>, gluey: bool) -> Vec<FrameCont
     let mut all: BTreeMap<Identity<D>, (f64, f64)> = motion.held().iter().map(|held| (held.identity(), (held.force, 0.0))).collect();
     state.stuck.iter().for_each(|stuck| all.entry(stuck.identity()).or_default().1 = stuck.gamma);
     let contact = |(identity, (force, gamma)): (Identity<D>, (f64, f64))| {
-        FrameContact::of(&Contact::again(domain, &balls, identity), &balls, (force, gluey.then_some(gamma)))
+        FrameContact::of(&Contact::again(domain, &balls, identity), &balls, force, gluey.then_some(gamma))
     };
     all.into_iter().map(contact).collect()
 }
