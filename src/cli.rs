@@ -112,7 +112,7 @@ enum Command {
     },
 }
 
-#[derive(Debug, PartialEq, clap::Args)]
+#[derive(Debug, clap::Args)]
 struct SceneArguments {
     /// Scene file.
     scene: PathBuf,

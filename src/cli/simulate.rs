@@ -15,7 +15,7 @@ use crate::{
 const OPTIONS: Options = Options { signals: true, progress: true };
 
 /// How a run is started.
-#[derive(Debug, PartialEq, clap::Args)]
+#[derive(Debug, clap::Args)]
 pub struct RunArguments {
     #[command(flatten)]
     pub(super) scene: SceneArguments,
@@ -31,7 +31,7 @@ pub struct RunArguments {
 }
 
 /// How a run goes on.
-#[derive(Debug, PartialEq, clap::Args)]
+#[derive(Debug, clap::Args)]
 pub struct ResumeArguments {
     /// Output folder of the run.
     pub(super) folder: PathBuf,

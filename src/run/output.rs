@@ -21,7 +21,7 @@ pub trait Output<const D: usize> {
     /// Is told of an iteration of the solver at an instant and its relative residual, on each rank.
     fn iterate(&mut self, _iteration: usize, _residual: f64) {}
 
-    /// Keeps what a restart from this state needs, before it is looked at.
+    /// Keeps what a restart from this state needs, before it is evaluated.
     ///
     /// # Errors
     /// A file cannot be written, here and below.
@@ -29,18 +29,18 @@ pub trait Output<const D: usize> {
         Ok(())
     }
 
-    /// Writes what is due of an instant that was looked at.
-    fn write(&mut self, _seen: &Seen<D>) -> Result<()> {
+    /// Writes what is due of an instant that was evaluated.
+    fn write(&mut self, _seen: &Evaluated<D>) -> Result<()> {
         Ok(())
     }
 
     /// Writes what is due at the end, adds to the summary what it found, and gives the names of its files.
-    fn finish(&mut self, _seen: &Seen<D>, _summary: &mut Summary) -> Result<Vec<String>> {
+    fn finish(&mut self, _seen: &Evaluated<D>, _summary: &mut Summary) -> Result<Vec<String>> {
         Ok(Vec::new())
     }
 }
 
-/// A state that was not looked at yet.
+/// A state that was not evaluated yet.
 pub struct BeforeStep<'a, const D: usize> {
     /// All ranks.
     pub world: &'a World,
@@ -53,24 +53,24 @@ pub struct BeforeStep<'a, const D: usize> {
 }
 
 /// What there is to write of an instant.
-pub struct Seen<'a, const D: usize> {
+pub struct Evaluated<'a, const D: usize> {
     /// All ranks.
     pub world: &'a World,
     /// What is simulated.
     pub scene: &'a Scene,
     /// The flow, if there is one.
-    pub flow: Option<FlowSeen<'a, D>>,
+    pub flow: Option<EvaluatedFlow<'a, D>>,
     /// Its viscosity, in a sheared suspension.
     pub viscosity: Option<Viscosity>,
     /// The bodies on their way, in a run in time.
-    pub motion: Option<MotionSeen<'a, D>>,
+    pub motion: Option<EvaluatedMotion<'a, D>>,
     /// The viscosity over time.
     pub history: &'a ViscosityHistory,
 }
 
 /// A flow at an instant.
 #[derive(Clone, Copy)]
-pub struct FlowSeen<'a, const D: usize> {
+pub struct EvaluatedFlow<'a, const D: usize> {
     /// What solved it.
     pub solver: &'a dyn FlowSolver<D>,
     /// The solution.
@@ -79,7 +79,7 @@ pub struct FlowSeen<'a, const D: usize> {
 
 /// Bodies on their way.
 #[derive(Clone, Copy)]
-pub struct MotionSeen<'a, const D: usize> {
+pub struct EvaluatedMotion<'a, const D: usize> {
     /// The simulation.
     pub simulation: &'a Simulation<D>,
     /// What happens at this instant.
@@ -90,7 +90,7 @@ pub struct MotionSeen<'a, const D: usize> {
     pub last: bool,
 }
 
-impl<const D: usize> Seen<'_, D> {
+impl<const D: usize> Evaluated<'_, D> {
     /// Writes a file of the run on the first rank, and gives its name.
     ///
     /// # Errors
@@ -101,7 +101,7 @@ impl<const D: usize> Seen<'_, D> {
     }
 }
 
-impl<'a, const D: usize> MotionSeen<'a, D> {
+impl<'a, const D: usize> EvaluatedMotion<'a, D> {
     /// Where bodies are.
     pub fn state(&self) -> &'a State<D> {
         self.simulation.state()

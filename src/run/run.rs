@@ -1,4 +1,4 @@
-//! A run: look, write, step, until the end or a signal; or one solve at an instant.
+//! A run: evaluate, write, step, until the end or a signal; or one solve at an instant.
 
 use std::time::Instant;
 
@@ -6,7 +6,7 @@ use super::{
     calibration::{self, Calibrated},
     finished::Finished,
     folder::RunFolder,
-    output::{BeforeStep, FlowSeen, MotionSeen, Output, Seen},
+    output::{BeforeStep, Evaluated, EvaluatedFlow, EvaluatedMotion, Output},
     outputs::{self, outputs},
     scalar,
     signals::Signals,
@@ -52,13 +52,15 @@ pub struct Run<'a, const D: usize> {
     history: ViscosityHistory,
     viscosity: Option<Viscosity>,
     signals: Option<Signals>,
+    /// Whether what there is to see of the state was evaluated.
+    evaluated: bool,
 }
 
 /// What solves.
 enum Machinery<const D: usize> {
     /// A flow at an instant, and its solution once there is one.
     Instant { solver: Box<dyn FlowSolver<D>>, solution: Option<Solution<D>> },
-    /// A simulation in time, and what happens in its state once it was looked at.
+    /// A simulation in time, and what happens in its state once it was evaluated.
     InTime { simulation: Simulation<D>, view: Option<View<D>> },
 }
 
@@ -137,6 +139,7 @@ impl<'a, const D: usize> Run<'a, D> {
             history: ViscosityHistory::default(),
             viscosity: None,
             signals,
+            evaluated: false,
         };
         run.open(options)?;
         Ok(run)
@@ -166,13 +169,24 @@ impl<'a, const D: usize> Run<'a, D> {
         self.outputs.push(output);
     }
 
-    /// Looks at the state, writes what is due, and takes a step unless the run ends here; whether it goes on.
+    /// Takes a step, unless this is the first call, evaluates the state and writes what is due; whether the run goes on from there.
     ///
     /// # Errors
     /// A solver does not converge, contacts cannot be kept, a file cannot be written, or a signal came ([`Error::Stopped`]).
     pub fn advance(&mut self) -> Result<bool> {
-        let outcome = self.look().and_then(|()| if self.ended() { Ok(false) } else { self.step().map(|()| true) });
+        let outcome = self.next();
         self.keep_island(outcome)
+    }
+
+    fn next(&mut self) -> Result<bool> {
+        if self.evaluated {
+            if self.ended() {
+                return Ok(false);
+            }
+            self.step()?;
+        }
+        self.evaluate()?;
+        Ok(!self.ended())
     }
 
     /// Goes on to the end.
@@ -189,12 +203,12 @@ impl<'a, const D: usize> Run<'a, D> {
         self.machinery.simulation().map(Simulation::state)
     }
 
-    /// The flow that was looked at last, if there is one.
+    /// The flow that was evaluated last, if there is one.
     pub fn solution(&self) -> Option<&Solution<D>> {
         self.machinery.flow().map(|flow| flow.solution)
     }
 
-    /// The viscosity of what was looked at last, in a sheared suspension.
+    /// The viscosity of what was evaluated last, in a sheared suspension.
     pub fn viscosity(&self) -> Option<&Viscosity> {
         self.viscosity.as_ref()
     }
@@ -209,12 +223,13 @@ impl<'a, const D: usize> Run<'a, D> {
         &self.statistics
     }
 
-    fn look(&mut self) -> Result<()> {
+    fn evaluate(&mut self) -> Result<()> {
         let asked = self.signals.as_ref().is_some_and(Signals::take_checkpoint);
         self.keep(asked)?;
         let outputs = &mut self.outputs;
-        self.machinery.look(&mut |iteration, residual| outputs.iter_mut().for_each(|output| output.iterate(iteration, residual)))?;
+        self.machinery.evaluate(&mut |iteration, residual| outputs.iter_mut().for_each(|output| output.iterate(iteration, residual)))?;
         self.viscosity = self.machinery.viscosity()?;
+        self.evaluated = true;
         self.timed(|run| {
             if let Machinery::InTime { simulation, .. } = &run.machinery {
                 let contact = run.scene.contact.model != ContactModel::None;
@@ -231,7 +246,8 @@ impl<'a, const D: usize> Run<'a, D> {
 
     fn step(&mut self) -> Result<()> {
         let Machinery::InTime { simulation, view } = &mut self.machinery else { return Ok(()) };
-        let view = view.take().expect("a state is looked at before its step");
+        let view = view.take().expect("a state is evaluated before its step");
+        self.evaluated = false;
         let report = simulation.step(&view, &mut |_, _| {})?;
         self.statistics.add(&view, &report);
         let stop = self.signals.as_ref().is_some_and(Signals::stop);
@@ -266,7 +282,7 @@ impl<'a, const D: usize> Run<'a, D> {
     }
 
     /// Tells every output of what is seen.
-    fn tell(&mut self, mut tell: impl FnMut(&mut dyn Output<D>, &Seen<D>) -> Result<()>) -> Result<()> {
+    fn tell(&mut self, mut tell: impl FnMut(&mut dyn Output<D>, &Evaluated<D>) -> Result<()>) -> Result<()> {
         let mut outputs = std::mem::take(&mut self.outputs);
         let seen = self.seen();
         let told = outputs.iter_mut().try_for_each(|output| tell(output.as_mut(), &seen));
@@ -274,22 +290,25 @@ impl<'a, const D: usize> Run<'a, D> {
         told
     }
 
-    fn seen(&self) -> Seen<'_, D> {
+    fn seen(&self) -> Evaluated<'_, D> {
         let motion = match &self.machinery {
             Machinery::InTime { simulation, view: Some(view) } => {
-                Some(MotionSeen { simulation, view, statistics: &self.statistics, last: self.ended() })
+                Some(EvaluatedMotion { simulation, view, statistics: &self.statistics, last: self.ended() })
             }
             _ => None,
         };
         let (scene, flow, viscosity) = (&self.scene, self.machinery.flow(), self.viscosity);
-        Seen { world: self.world, scene, flow, viscosity, motion, history: &self.history }
+        Evaluated { world: self.world, scene, flow, viscosity, motion, history: &self.history }
     }
 
-    /// The numbers of what was looked at last.
+    /// The numbers of what was evaluated last, or of the start.
     ///
     /// # Errors
-    /// PETSc fails.
-    pub fn summary(&self) -> Result<Summary> {
+    /// As [`advance`](Run::advance).
+    pub fn summary(&mut self) -> Result<Summary> {
+        if !self.evaluated {
+            self.evaluate()?;
+        }
         let mut summary = summary(&self.seen())?;
         if let (Some(calibrated), Some(flow)) = (&self.calibrated, self.machinery.flow()) {
             calibrated.attach(&mut summary, flow.solver, flow.solution)?;
@@ -350,7 +369,7 @@ impl<const D: usize> Machinery<D> {
         }
     }
 
-    fn look(&mut self, seen: &mut dyn FnMut(usize, f64)) -> Result<()> {
+    fn evaluate(&mut self, seen: &mut dyn FnMut(usize, f64)) -> Result<()> {
         match self {
             Machinery::Instant { solution: Some(_), .. } => {}
             Machinery::Instant { solver, solution } => *solution = Some(solver.solve(seen)?),
@@ -366,11 +385,11 @@ impl<const D: usize> Machinery<D> {
         }
     }
 
-    fn flow(&self) -> Option<FlowSeen<'_, D>> {
+    fn flow(&self) -> Option<EvaluatedFlow<'_, D>> {
         match self {
-            Machinery::Instant { solver, solution } => Some(FlowSeen { solver: solver.as_ref(), solution: solution.as_ref()? }),
+            Machinery::Instant { solver, solution } => Some(EvaluatedFlow { solver: solver.as_ref(), solution: solution.as_ref()? }),
             Machinery::InTime { simulation, view } => {
-                Some(FlowSeen { solver: simulation.suspension()?, solution: view.as_ref()?.solution.as_ref()? })
+                Some(EvaluatedFlow { solver: simulation.suspension()?, solution: view.as_ref()?.solution.as_ref()? })
             }
         }
     }

@@ -1,6 +1,6 @@
 //! The summary of what a run has come to.
 
-use super::output::{MotionSeen, Seen};
+use super::output::{Evaluated, EvaluatedMotion};
 use crate::{
     error::Result,
     output::{ContactSummary, GlueSummary, Summary},
@@ -11,11 +11,11 @@ use crate::{
 ///
 /// # Errors
 /// PETSc fails.
-pub fn summary<const D: usize>(seen: &Seen<D>) -> Result<Summary> {
+pub fn summary<const D: usize>(seen: &Evaluated<D>) -> Result<Summary> {
     let mut summary = match (&seen.flow, &seen.motion) {
         (Some(flow), _) => Summary::of_flow(seen.scene, flow.solver, flow.solution, seen.viscosity, seen.world)?,
         (None, Some(motion)) => Summary::of_dry(seen.scene, motion.domain(), motion.state(), motion.simulation.radii(), seen.world),
-        (None, None) => unreachable!("a run looks at something before it ends"),
+        (None, None) => unreachable!("a run evaluates something before it ends"),
     };
     let Some(motion) = &seen.motion else { return Ok(summary) };
     (summary.time, summary.steps) = (motion.state().time, motion.state().steps);
@@ -33,7 +33,7 @@ pub fn summary<const D: usize>(seen: &Seen<D>) -> Result<Summary> {
 }
 
 /// Contacts now, and how well they were kept on the way.
-fn contacts<const D: usize>(model: ContactModel, motion: &MotionSeen<D>) -> ContactSummary {
+fn contacts<const D: usize>(model: ContactModel, motion: &EvaluatedMotion<D>) -> ContactSummary {
     let (state, held, kept) = (motion.state(), motion.held(), motion.statistics.contacts());
     let glue = || GlueSummary { stuck: state.stuck.len(), gamma: state.stuck.iter().map(|stuck| stuck.gamma).fold(0.0, f64::min) };
     ContactSummary {

@@ -27,6 +27,7 @@ mod laws;
 mod laws_flow;
 mod lubrication;
 mod machine;
+mod measure;
 mod methods;
 mod motion;
 mod near;
@@ -81,6 +82,7 @@ fn main() {
         transform::tests(),
         near::tests(),
         outputs::tests(),
+        measure::tests(),
         scalar::tests(),
         inclusions::tests(),
         suspension::tests(),

@@ -11,7 +11,7 @@ use turbid::{
     error::Result,
     output::Summary,
     petsc::Session,
-    run::{BeforeStep, Options, Output, Run, Seen, outputs},
+    run::{BeforeStep, Evaluated, Options, Output, Run, outputs},
     scene::{
         AxisSection, BodyGroup, ContactModel, ContactSection, FlowModel, Placement, ResolutionSection, Scene, Spacing, Step, TimeSection,
     },
@@ -122,12 +122,12 @@ impl Output<2> for Count {
         Ok(())
     }
 
-    fn write(&mut self, _: &Seen<2>) -> Result<()> {
+    fn write(&mut self, _: &Evaluated<2>) -> Result<()> {
         self.0.borrow_mut()[2] += 1;
         Ok(())
     }
 
-    fn finish(&mut self, seen: &Seen<2>, summary: &mut Summary) -> Result<Vec<String>> {
+    fn finish(&mut self, seen: &Evaluated<2>, summary: &mut Summary) -> Result<Vec<String>> {
         self.0.borrow_mut()[3] += 1;
         assert_eq!(summary.steps, seen.motion.map_or(0, |motion| motion.state().steps));
         Ok(Vec::new())

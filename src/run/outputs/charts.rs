@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::{
     error::Result,
     output::{Chart, CurvePoint, Scale, Series, Summary, effort_chart},
-    run::{Output, Seen},
+    run::{Evaluated, Output},
 };
 
 /// Draws the viscosity, in a sheared suspension.
@@ -21,7 +21,7 @@ pub struct EffortChart {
 }
 
 impl<const D: usize> Output<D> for ViscosityChart {
-    fn finish(&mut self, seen: &Seen<D>, _: &mut Summary) -> Result<Vec<String>> {
+    fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
         // only the first rank knows the points, and all of them must agree on whether there is a file
         let points = seen.history.points();
         if seen.world.max(points.len() as f64) < 2.0 {
@@ -33,7 +33,7 @@ impl<const D: usize> Output<D> for ViscosityChart {
 }
 
 impl<const D: usize> Output<D> for EffortChart {
-    fn finish(&mut self, seen: &Seen<D>, _: &mut Summary) -> Result<Vec<String>> {
+    fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
         // the first rank writes what it reads here
         let rows = std::fs::read_to_string(self.folder.join("series.csv")).unwrap_or_default();
         let chart = effort_chart(seen.scene.shown_title(), &rows).svg();

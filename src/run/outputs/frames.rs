@@ -12,7 +12,7 @@ use crate::{
     observe::{CellCenters, inside},
     output::{Frame, FrameContact, FrameFields, Frames, Summary, note},
     parallel::World,
-    run::{MotionSeen, Output, Seen},
+    run::{Evaluated, EvaluatedMotion, Output},
     scene::{ContactModel, Scene},
     simulation::{Simulation, State},
 };
@@ -57,7 +57,7 @@ impl<const D: usize> FrameFiles<D> {
         Ok(FrameFiles { folder: folder.to_owned(), frames, every: scene.frame_interval(), eager, centers, contact: scene.contact.model })
     }
 
-    fn due(&self, motion: &MotionSeen<D>) -> bool {
+    fn due(&self, motion: &EvaluatedMotion<D>) -> bool {
         let state = motion.state();
         let number = |time: f64| (time / self.every + ROUNDING).floor();
         state.steps == 0 || motion.last || number(state.time) > number(state.time - state.last_step)
@@ -77,7 +77,7 @@ impl<const D: usize> FrameFiles<D> {
     }
 
     /// The fluid of this rank, if frames hold it; collective.
-    fn fields<'a>(&mut self, seen: &Seen<'a, D>, motion: &MotionSeen<D>) -> Result<Option<FrameFields<'a, D>>> {
+    fn fields<'a>(&mut self, seen: &Evaluated<'a, D>, motion: &EvaluatedMotion<D>) -> Result<Option<FrameFields<'a, D>>> {
         let (Some(centers), Some(flow)) = (&mut self.centers, seen.flow) else { return Ok(None) };
         let (grid, setup, fluid) = (flow.solver.grid(), flow.solver.setup(), &flow.solution.fluid);
         if motion.domain().slide().is_some() {
@@ -93,7 +93,7 @@ impl<const D: usize> FrameFiles<D> {
 }
 
 impl<const D: usize> Output<D> for FrameFiles<D> {
-    fn write(&mut self, seen: &Seen<D>) -> Result<()> {
+    fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
         let Some(motion) = seen.motion else { return Ok(()) };
         self.tell_of_long_steps(motion.state());
         if !self.due(&motion) {
@@ -107,14 +107,14 @@ impl<const D: usize> Output<D> for FrameFiles<D> {
             .write(seen.world, &Frame { time: state.time, step: state.steps, domain: motion.domain(), bodies: &bodies, contacts, fields })
     }
 
-    fn finish(&mut self, seen: &Seen<D>, _: &mut Summary) -> Result<Vec<String>> {
+    fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
         self.frames.finish(seen.world)?.iter().for_each(|lost| note(&format!("turbid: {lost}")));
         Ok(INDICES.into_iter().filter(|name| self.folder.join(name).exists()).map(str::to_owned).collect())
     }
 }
 
 /// Contacts that bear a force or stick, as frames hold them.
-fn network<const D: usize>(motion: &MotionSeen<D>, gluey: bool) -> Vec<FrameContact<D>> {
+fn network<const D: usize>(motion: &EvaluatedMotion<D>, gluey: bool) -> Vec<FrameContact<D>> {
     let (state, domain) = (motion.state(), motion.domain());
     let balls = state.balls(motion.simulation.radii());
     let mut all: BTreeMap<Identity<D>, (f64, f64)> = motion.held().iter().map(|held| (held.identity(), (held.force, 0.0))).collect();

@@ -7,7 +7,7 @@ use crate::{
     geometry::{Ball, Domain},
     observe::{PairCounts, PairDistribution, Shear},
     output::{FrameBody, MeanViscosity, PairSummary, Summary, pair_files, read_frames},
-    run::{Output, Seen},
+    run::{Evaluated, Output},
 };
 
 /// Part of a run without a steady viscosity that is left out.
@@ -27,7 +27,7 @@ struct Bodies<'a, const D: usize> {
 }
 
 impl<const D: usize> Output<D> for PairFiles {
-    fn finish(&mut self, seen: &Seen<D>, summary: &mut Summary) -> Result<Vec<String>> {
+    fn finish(&mut self, seen: &Evaluated<D>, summary: &mut Summary) -> Result<Vec<String>> {
         let setup = seen.flow.map(|flow| flow.solver.setup());
         let shear = setup.and_then(|setup| Shear::of(&setup.domain, &setup.drive));
         let distribution = match (&seen.motion, setup) {

@@ -6,7 +6,7 @@ use crate::{
     error::Result,
     observe::{Plane, picture},
     output::Summary,
-    run::{Output, Seen},
+    run::{Evaluated, Output},
 };
 
 /// Width in pixels of the picture of dry bodies.
@@ -19,7 +19,7 @@ pub struct PictureFile {
 }
 
 impl<const D: usize> Output<D> for PictureFile {
-    fn finish(&mut self, seen: &Seen<D>, _: &mut Summary) -> Result<Vec<String>> {
+    fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
         let (name, bytes) = match (&seen.flow, &seen.motion) {
             (Some(flow), _) => ("picture.svg", picture(seen.scene.shown_title(), flow.solver, flow.solution)?.svg().into_bytes()),
             (None, Some(motion)) => {

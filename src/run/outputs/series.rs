@@ -14,7 +14,7 @@ use crate::{
     observe::Viscosity,
     output::{CurvePoint, Summary, not_finite, note, write_whole},
     parallel::World,
-    run::{MotionSeen, Output, Seen},
+    run::{Evaluated, EvaluatedMotion, Output},
     scene::ContactModel,
 };
 
@@ -51,21 +51,21 @@ impl SeriesFile {
 }
 
 impl<const D: usize> Output<D> for SeriesFile {
-    fn write(&mut self, seen: &Seen<D>) -> Result<()> {
+    fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
         let Some(motion) = &seen.motion else { return Ok(()) };
         let seconds = std::mem::replace(&mut self.last_row, Instant::now()).elapsed().as_secs_f64();
         let row = cells(motion, seen.scene.contact.model, seen.viscosity, seconds);
         seen.world.agree(self.rows.as_mut().map_or(Ok(()), |rows| rows.write(&row)))
     }
 
-    fn finish(&mut self, seen: &Seen<D>, _: &mut Summary) -> Result<Vec<String>> {
+    fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
         seen.world.agree(self.rows.as_ref().map_or(Ok(()), Rows::refuse_change))?;
         Ok(vec!["series.csv".to_owned()].into_iter().filter(|name| self.folder.join(name).exists()).collect())
     }
 }
 
 /// The cells of the row of an instant and of the step that led there, `seconds` of wall-clock time after the last one.
-fn cells<const D: usize>(motion: &MotionSeen<D>, contact: ContactModel, viscosity: Option<Viscosity>, seconds: f64) -> Vec<Cell> {
+fn cells<const D: usize>(motion: &EvaluatedMotion<D>, contact: ContactModel, viscosity: Option<Viscosity>, seconds: f64) -> Vec<Cell> {
     let (state, last) = (motion.state(), motion.statistics.last());
     let mut cells = vec![count("step", state.steps), real("time", state.time), real("last_step", state.last_step)];
     if let Some(viscosity) = viscosity {
