@@ -3,6 +3,7 @@
 mod animate;
 mod cost;
 mod lubrication;
+mod petsc_options;
 mod plan;
 mod simulate;
 mod studies;
@@ -20,6 +21,7 @@ use crate::{
     scene::Scene,
     study::{self, ConditioningOptions},
 };
+pub use petsc_options::check_options;
 use studies::ScalingArguments;
 pub use words::told;
 

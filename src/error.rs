@@ -15,7 +15,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 pub enum Error {
     /// The scene, the arguments or the rank count cannot be used.
     #[error("{0}")]
-    Refused(Refusal),
+    Refused(Box<Refusal>),
     /// A solver did not reach its tolerance; the message says how far it came and what to change.
     #[error("{0}")]
     Diverged(String),
@@ -119,7 +119,7 @@ pub enum Offer {
 impl Error {
     /// A refusal that is all told by a text.
     pub fn refused(text: impl Into<String>) -> Error {
-        Error::Refused(Refusal { remedy: text.into(), ..Refusal::default() })
+        Refusal::from(text.into()).into()
     }
 
     /// Exit code of the program: 2 for input or files that cannot be used, 130 after a signal, 1 for anything else.
@@ -150,7 +150,7 @@ impl Refusal {
 
     /// The same refusal with something else that the caller can do.
     pub fn offering(self, offer: Offer) -> Error {
-        Error::Refused(Refusal { offer: Some(offer), ..self })
+        Refusal { offer: Some(offer), ..self }.into()
     }
 }
 
@@ -160,10 +160,16 @@ impl From<String> for Refusal {
     }
 }
 
+impl From<Refusal> for Error {
+    fn from(refusal: Refusal) -> Error {
+        Error::Refused(Box::new(refusal))
+    }
+}
+
 impl From<Error> for Refusal {
     fn from(error: Error) -> Refusal {
         match error {
-            Error::Refused(refusal) => refusal,
+            Error::Refused(refusal) => *refusal,
             other => Refusal::from(other.to_string()),
         }
     }

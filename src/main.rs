@@ -4,11 +4,11 @@ use std::io::ErrorKind;
 
 use clap::{CommandFactory, Parser};
 use turbid::{
-    cli::{Arguments, execute, execute_alone, told},
+    cli::{Arguments, check_options, execute, execute_alone, told},
     error::{Error, Result},
     output::note,
     parallel::{abort_on_panic, end_together, first_of_launched},
-    petsc::{Session, check_options, unused_options},
+    petsc::{Session, unused_options},
 };
 
 fn main() {

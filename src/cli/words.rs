@@ -40,7 +40,7 @@ mod tests {
 
     #[test]
     fn places_and_offers_are_told_by_their_flags() {
-        let refusal = |place, offer| Error::Refused(Refusal { place: Some(place), offer, ..Refusal::from("no".to_owned()) });
+        let refusal = |place, offer| Error::from(Refusal { place: Some(place), offer, ..Refusal::from("no".to_owned()) });
         let folder = || "out/a".into();
         let cases = [
             (Place::Line { file: "a.toml".into(), line: 2 }, None, "a.toml:2: no"),

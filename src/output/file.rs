@@ -15,7 +15,7 @@ use crate::error::{Error, Place, Refusal, Result};
 pub fn prepare_folder(folder: &Path) -> Result<()> {
     let refuse = |error| {
         let remedy = format!("cannot be written to ({error}); choose another folder");
-        Error::Refused(Refusal { place: Some(Place::Folder(folder.to_owned())), ..Refusal::from(remedy) })
+        Error::from(Refusal { place: Some(Place::Folder(folder.to_owned())), ..Refusal::from(remedy) })
     };
     fs::create_dir_all(folder).map_err(refuse)?;
     let probe = folder.join(".writable");

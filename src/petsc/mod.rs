@@ -29,7 +29,7 @@ pub use heap::local_heap_bytes;
 pub use krylov::{Krylov, KrylovMethod, KrylovSettings, Report};
 pub use matrix::{Matrix, RowBuilder};
 pub use object_counts::{Class, ObjectCounts};
-pub use options::{check_options, unused_options};
+pub use options::{names_option, unused_options};
 pub use preconditioner::{Preconditioner, PreconditionerKind};
 pub use profile::{Profile, Stage, StageCounts, StageGuard, enter};
 pub use scatter::Scatter;

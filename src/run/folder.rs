@@ -132,7 +132,7 @@ impl<'a> RunFolder<'a> {
         self.refuse(scene)?;
         if scene.files()? != self.files {
             let remedy = "a file of the scene changed while the run was made ready; start it again";
-            return Err(Error::Refused(self.refusal(remedy.into())));
+            return Err(self.refusal(remedy.into()).into());
         }
         Traces::of(&self.path)?.remove()
     }

@@ -61,7 +61,7 @@ enum Machinery<const D: usize> {
     /// A flow at an instant, and its solution once there is one.
     Instant { solver: Box<dyn FlowSolver<D>>, solution: Option<Solution<D>> },
     /// A simulation in time, and what happens in its state once it was evaluated.
-    InTime { simulation: Simulation<D>, view: Option<View<D>> },
+    InTime { simulation: Box<Simulation<D>>, view: Option<View<D>> },
 }
 
 /// Runs a scene of dimension `D` from its start to its end; without a folder it leaves nothing behind. Collective.
@@ -174,11 +174,11 @@ impl<'a, const D: usize> Run<'a, D> {
     /// # Errors
     /// A solver does not converge, contacts cannot be kept, a file cannot be written, or a signal came ([`Error::Stopped`]).
     pub fn advance(&mut self) -> Result<bool> {
-        let outcome = self.next();
+        let outcome = self.step_on();
         self.keep_island(outcome)
     }
 
-    fn next(&mut self) -> Result<bool> {
+    fn step_on(&mut self) -> Result<bool> {
         if self.evaluated {
             if self.ended() {
                 return Ok(false);
@@ -359,7 +359,7 @@ impl<const D: usize> Machinery<D> {
         match (&resolved.time, solved) {
             (Some(_), solved) => {
                 drop(solved);
-                Ok(Machinery::InTime { simulation: Simulation::new(session, resolved)?, view: None })
+                Ok(Machinery::InTime { simulation: Box::new(Simulation::new(session, resolved)?), view: None })
             }
             (None, Some((suspension, solution))) => Ok(Machinery::Instant { solver: Box::new(suspension), solution: Some(solution) }),
             (None, None) => {

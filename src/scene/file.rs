@@ -62,7 +62,7 @@ impl Scene {
         let file = keys::file_of(&keys::keys(&self));
         let built = load(&format!("{}.toml", self.name), Path::new(""), &file, &[]);
         let built = built.map_err(|error| match error {
-            Error::Refused(refusal) => Error::Refused(Refusal { place: None, ..refusal }),
+            Error::Refused(refusal) => Refusal { place: None, ..*refusal }.into(),
             other => other,
         })?;
         Ok(Scene { locations: Locations::default(), ..built })

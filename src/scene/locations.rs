@@ -26,12 +26,12 @@ impl Locations {
 
     /// The refusal of a key's value.
     pub(super) fn refuse(&self, key: &str, value: impl Display, remedy: &str) -> Error {
-        Error::Refused(Refusal { value: Some(value.to_string()), ..self.refusal(key, remedy.to_owned()) })
+        Refusal { value: Some(value.to_string()), ..self.refusal(key, remedy.to_owned()) }.into()
     }
 
     /// The refusal of a key that the message names.
     pub(super) fn complain(&self, key: &str, message: String) -> Error {
-        Error::Refused(self.refusal(key, message))
+        self.refusal(key, message).into()
     }
 
     fn refusal(&self, key: &str, remedy: String) -> Refusal {
@@ -45,7 +45,8 @@ impl Locations {
 
     /// A refusal that begins with a key, with the place of that key; any other error as it is.
     pub(super) fn place(&self, error: Error, sections: &[&str]) -> Error {
-        let Error::Refused(Refusal { place: None, key: None, remedy, .. }) = &error else { return error };
+        let Error::Refused(refusal) = &error else { return error };
+        let Refusal { place: None, key: None, remedy, .. } = refusal.as_ref() else { return error };
         let key = remedy.split([' ', ':', '=', ',']).next().unwrap_or_default();
         match sections.contains(&key.split(['.', '[']).next().unwrap_or_default()) {
             true => self.complain(key, remedy.clone()),

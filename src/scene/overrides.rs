@@ -95,7 +95,7 @@ impl<'a> Change<'a> {
 
 fn malformed(text: &str, remedy: &str) -> Error {
     let place = Some(Place::Override(Some(text.to_owned())));
-    Error::Refused(Refusal { place, ..Refusal::from(remedy.to_owned()) })
+    Refusal { place, ..Refusal::from(remedy.to_owned()) }.into()
 }
 
 fn is_bare(part: &str) -> bool {

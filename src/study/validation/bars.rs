@@ -115,7 +115,7 @@ pub fn bars(session: &Session, accuracies: &[f64], seeds: Option<Range<u64>>) ->
 fn check(scenes: &[KnownScene], accuracies: &[f64]) -> Result<()> {
     for accuracy in accuracies {
         if let Some(Err(Error::Refused(reason))) = scenes.first().map(|scene| scene.read(*accuracy)) {
-            return Err(Error::refused(format!("--bars {accuracy}: {}", Refusal { place: None, ..reason })));
+            return Err(Error::refused(format!("--bars {accuracy}: {}", Refusal { place: None, ..*reason })));
         }
     }
     Ok(())
