@@ -5,6 +5,7 @@ mod cost;
 mod lubrication;
 mod petsc_options;
 mod plan;
+mod scene;
 mod simulate;
 mod studies;
 mod viscosity;
@@ -18,10 +19,10 @@ use crate::{
     error::{Error, Result},
     petsc::Session,
     run::check_memory_of_plan,
-    scene::Scene,
     study::{self, ConditioningOptions},
 };
 pub use petsc_options::check_options;
+use scene::SceneArguments;
 use studies::ScalingArguments;
 pub use words::told;
 
@@ -114,15 +115,6 @@ enum Command {
     },
 }
 
-#[derive(Debug, clap::Args)]
-struct SceneArguments {
-    /// Scene file.
-    scene: PathBuf,
-    /// Override a key of the scene: --set resolution.cells_per_radius=8
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    overrides: Vec<String>,
-}
-
 /// Carries out a command that starts ranks of its own and must not be one of them; nothing if it is another command.
 pub fn execute_alone(arguments: &Arguments) -> Option<Result<()>> {
     match &arguments.command {
@@ -176,16 +168,11 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
     }
 }
 
-impl SceneArguments {
-    fn read(&self, session: &Session) -> Result<Scene> {
-        session.world().agree(Scene::read(&self.scene, &self.overrides))
-    }
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::scene::Scene;
 
     fn parsed(line: &str) -> Arguments {
         Arguments::try_parse_from(line.split_whitespace()).unwrap_or_else(|error| panic!("{line}: {error}"))

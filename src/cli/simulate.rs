@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::SceneArguments;
+use super::scene::SceneArguments;
 use crate::{
     error::Result,
     output::{say, stage_table},

@@ -6,6 +6,7 @@ use super::{
     calibration::{self, Calibrated},
     finished::Finished,
     folder::RunFolder,
+    options::Options,
     output::{BeforeStep, Evaluated, EvaluatedFlow, EvaluatedMotion, Output},
     outputs::{self, outputs},
     scalar,
@@ -30,15 +31,6 @@ const ROUNDING: f64 = 1e-9;
 
 /// How much wider than wanted an interval is at most before steps that may end the run: these start from a checkpoint.
 const ABOUT: f64 = 1.25;
-
-/// What a run does besides its outputs.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Options {
-    /// Whether SIGINT and SIGTERM stop a run in time after the step, and SIGUSR1 asks for a checkpoint.
-    pub signals: bool,
-    /// Whether a line on the terminal shows how far it has come.
-    pub progress: bool,
-}
 
 /// A run of a scene of dimension `D`, but for a scalar one. Every function is collective.
 pub struct Run<'a, const D: usize> {

@@ -1,6 +1,6 @@
 //! A scalar around inclusions: solve, write, report.
 
-use super::{finished::Finished, folder::RunFolder, run::Options};
+use super::{finished::Finished, folder::RunFolder, options::Options};
 use crate::{
     error::Result,
     grid::Grid,

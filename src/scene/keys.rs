@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use toml_edit::Value;
 
-use crate::scene::sections::word_of;
+use crate::scene::entry::word_of;
 use crate::scene::{
     AxisSection, BodyGroup, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
     MethodSection, Modes, Motion, MultiplierSolver, OutputSection, Placement, ResolutionSection, Scene, Scheme, Shape, Spacing, Step,

@@ -19,8 +19,3 @@ pub use output::OutputSection;
 pub(super) use resolution::SPACINGS;
 pub use resolution::{Modes, ResolutionSection, Spacing};
 pub use time::{Scheme, Step, TimeSection, Until};
-
-/// The word for a choice in a scene file.
-pub(super) fn word_of<T: PartialEq>(words: &[(&'static str, T)], choice: &T) -> &'static str {
-    words.iter().find(|(_, of)| of == choice).map_or("", |(word, _)| word)
-}

@@ -5,7 +5,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Frame, xdmf};
+use super::{
+    entry::{Entry, FOLDER, path_in_run},
+    xdmf,
+};
 use crate::{
     error::{Error, Result},
     output::{
@@ -14,8 +17,6 @@ use crate::{
     },
 };
 
-/// The folder of the frames in the run's folder.
-pub(in crate::output) const FOLDER: &str = "frames";
 const RUN: &str = "run.h5";
 const BODIES: &str = "bodies.xdmf";
 const FIELDS: &str = "fields.xdmf";
@@ -24,53 +25,6 @@ const CONTACTS: &str = "contacts.xdmf";
 /// Room that `run.h5` takes, and each frame in it, in bytes; both need less than half of it.
 const ROOM: u64 = 1 << 14;
 const ROOM_OF_ENTRY: u64 = 1 << 9;
-
-/// The cells of a frame with fields, along each axis.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Mesh {
-    pub cells: Vec<usize>,
-    pub spacing: Vec<f64>,
-}
-
-/// The contacts of a frame under a law of contact.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Network {
-    pub count: usize,
-    /// Whether they have a memory.
-    pub gluey: bool,
-}
-
-/// A frame as the others see it.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Entry {
-    pub number: usize,
-    pub time: f64,
-    pub step: usize,
-    pub bodies: usize,
-    pub contacts: Option<Network>,
-    pub mesh: Option<Mesh>,
-    /// Displacement of the images above the box, where images slide.
-    pub offset: Option<f64>,
-}
-
-impl Entry {
-    /// The entry of a frame.
-    pub fn of<const D: usize>(number: usize, frame: &Frame<D>) -> Entry {
-        let mesh = |grid: &crate::grid::Grid<D>| Mesh { cells: grid.cells().to_vec(), spacing: grid.spacing().as_slice().to_vec() };
-        let mesh = frame.fields.as_ref().map(|fields| mesh(fields.grid));
-        let network = |contacts: &[super::FrameContact<D>]| Network {
-            count: contacts.len(),
-            gluey: contacts.iter().any(|contact| contact.gamma.is_some()),
-        };
-        let contacts = frame.contacts.map(network);
-        Entry { number, time: frame.time, step: frame.step, bodies: frame.bodies.len(), contacts, mesh, offset: frame.offset() }
-    }
-}
-
-/// Where a frame lies in the run's folder.
-pub(super) fn path_in_run(number: usize) -> String {
-    format!("{FOLDER}/{number:06}.h5")
-}
 
 /// Writes `run.h5` and the companions; one that would list nothing is not there, since readers take an empty one for a broken one.
 pub(super) fn write(folder: &Path, entries: &[Entry]) -> Result<()> {

@@ -8,7 +8,8 @@ use nalgebra::SVector;
 use super::{
     body::{COLUMNS, FrameBody},
     contact::{self, FrameContact},
-    index::{Entry, Mesh, Network, frame_files},
+    entry::{Entry, Mesh, Network},
+    index::frame_files,
     store::{FORMAT, OFFSET, VERSION},
 };
 use crate::{

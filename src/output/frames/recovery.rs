@@ -10,8 +10,8 @@ use std::{
 };
 
 use super::{
-    index::{self, Entry},
-    read,
+    entry::{Entry, FOLDER, path_in_run},
+    index, read,
 };
 use crate::error::{Error, Result};
 
@@ -38,7 +38,7 @@ enum Found {
 
 /// Removes the frames after `time`, last first, and lists the others anew.
 pub(super) fn keep_until(folder: &Path, time: f64) -> Result<Kept> {
-    let frames = folder.join(index::FOLDER);
+    let frames = folder.join(FOLDER);
     fs::create_dir_all(&frames).map_err(|source| Error::File { path: frames, source })?;
     index::remove_halves(folder)?;
     let (listed, note) = if time == f64::NEG_INFINITY { (Vec::new(), None) } else { listed(folder) };
@@ -65,7 +65,7 @@ pub(super) fn keep_until(folder: &Path, time: f64) -> Result<Kept> {
 
 /// Takes frames that are no longer there off the list, and says which.
 pub(super) fn forget_lost(folder: &Path, entries: &mut Vec<Entry>) -> Result<Option<String>> {
-    let there = |number: usize| folder.join(index::path_in_run(number)).exists();
+    let there = |number: usize| folder.join(path_in_run(number)).exists();
     let lost: Vec<usize> = entries.iter().map(|entry| entry.number).filter(|&number| !there(number)).collect();
     if !lost.is_empty() {
         entries.retain(|entry| !lost.contains(&entry.number));
@@ -106,6 +106,6 @@ fn missing(folder: &Path, numbers: impl Iterator<Item = usize>) -> Option<String
     let names: Vec<String> = numbers.map(|number| format!("{number:06}.h5")).collect();
     let (shown, more) = (&names[..names.len().min(MOST_NAMED)], names.len().saturating_sub(MOST_NAMED));
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-    let place = folder.join(index::FOLDER);
+    let place = folder.join(FOLDER);
     (!names.is_empty()).then(|| format!("{}: {}{more} missing; the others stay listed", place.display(), shown.join(", ")))
 }

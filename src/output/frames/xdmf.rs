@@ -3,7 +3,7 @@
 use super::{
     body::{COLUMNS, COUNTS},
     contact,
-    index::{Entry, Mesh, path_in_run},
+    entry::{Entry, Mesh, path_in_run},
     store::FIELDS,
 };
 

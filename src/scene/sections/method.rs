@@ -2,8 +2,7 @@
 
 use crate::error::Result;
 use crate::scene::FlowModel;
-use crate::scene::entry::Entry;
-use crate::scene::sections::word_of;
+use crate::scene::entry::{Entry, word_of};
 use crate::scene::table::Table;
 
 /// How the equations are solved.

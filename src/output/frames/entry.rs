@@ -1,0 +1,52 @@
+//! What all frames together know of one.
+
+use super::{contact::FrameContact, frame::Frame};
+use crate::grid::Grid;
+
+/// The folder of the frames in the run's folder.
+pub(in crate::output) const FOLDER: &str = "frames";
+
+/// The cells of a frame with fields, along each axis.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Mesh {
+    pub cells: Vec<usize>,
+    pub spacing: Vec<f64>,
+}
+
+/// The contacts of a frame under a law of contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Network {
+    pub count: usize,
+    /// Whether they have a memory.
+    pub gluey: bool,
+}
+
+/// A frame as the others see it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Entry {
+    pub number: usize,
+    pub time: f64,
+    pub step: usize,
+    pub bodies: usize,
+    pub contacts: Option<Network>,
+    pub mesh: Option<Mesh>,
+    /// Displacement of the images above the box, where images slide.
+    pub offset: Option<f64>,
+}
+
+impl Entry {
+    /// The entry of a frame.
+    pub fn of<const D: usize>(number: usize, frame: &Frame<D>) -> Entry {
+        let mesh = |grid: &Grid<D>| Mesh { cells: grid.cells().to_vec(), spacing: grid.spacing().as_slice().to_vec() };
+        let mesh = frame.fields.as_ref().map(|fields| mesh(fields.grid));
+        let network =
+            |contacts: &[FrameContact<D>]| Network { count: contacts.len(), gluey: contacts.iter().any(|contact| contact.gamma.is_some()) };
+        let contacts = frame.contacts.map(network);
+        Entry { number, time: frame.time, step: frame.step, bodies: frame.bodies.len(), contacts, mesh, offset: frame.offset() }
+    }
+}
+
+/// Where a frame lies in the run's folder.
+pub(super) fn path_in_run(number: usize) -> String {
+    format!("{FOLDER}/{number:06}.h5")
+}
