@@ -2,9 +2,10 @@
 
 mod animate;
 mod lubrication;
-mod memory;
+mod petsc_options;
 mod plan;
-mod run;
+mod simulate;
+mod words;
 
 use std::path::PathBuf;
 
@@ -13,9 +14,11 @@ use clap::{Parser, Subcommand};
 use crate::{
     error::Result,
     petsc::Session,
-    scene::Scene,
+    run::check_memory_of_plan,
     study::{SceneArguments, SelectedStudy},
 };
+pub use petsc_options::check_options;
+pub use words::told;
 
 /// Particles in viscous flow, particle by particle. Run it as it is, or under `mpirun -n N`.
 #[derive(Debug, Parser)]
@@ -32,30 +35,9 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Simulate a scene, at an instant or in time; writes summary.json, scene.toml, pictures, series and frames into the output folder.
-    Run {
-        #[command(flatten)]
-        scene: SceneArguments,
-        /// Output folder (default: out/NAME of the scene).
-        #[arg(long)]
-        out: Option<PathBuf>,
-        /// Overwrite what another run has left in the output folder, and run even if it takes more memory than is free.
-        #[arg(long)]
-        force: bool,
-        /// Print at the end what each stage took.
-        #[arg(long)]
-        profile: bool,
-    },
+    Run(simulate::RunArguments),
     /// Go on with a run in time from its last checkpoint.
-    Resume {
-        /// Output folder of the run.
-        folder: PathBuf,
-        /// Override time.end or a key of output: --set time.end=20
-        #[arg(long = "set", value_name = "KEY=VALUE")]
-        overrides: Vec<String>,
-        /// Print at the end what each stage took.
-        #[arg(long)]
-        profile: bool,
-    },
+    Resume(simulate::ResumeArguments),
     /// Draw the frames of a run in time as an animation (APNG).
     Animate {
         /// Output folder of the run.
@@ -92,27 +74,8 @@ pub fn execute_alone(arguments: &Arguments) -> Option<Result<()>> {
 /// Carries out a command on all ranks.
 pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
     match &arguments.command {
-        Command::Run { scene: arguments, out, force, profile } => run::profiled(session, *profile, || {
-            let scene = arguments.read(session)?;
-            if !force {
-                memory::check(session.world(), &scene)?;
-            }
-            let mut folder = run::RunFolder::to_begin(session.world(), &folder(out, &scene), (&scene, &arguments.scene), *force)?;
-            let outcome = match scene.dimension() {
-                2 => run::run::<2>(session, &scene, &mut folder),
-                _ => run::run::<3>(session, &scene, &mut folder),
-            };
-            outcome.map_err(|error| scene.place(error))
-        }),
-        Command::Resume { folder, overrides, profile } => run::profiled(session, *profile, || {
-            let mut folder = run::RunFolder::to_resume(session.world(), folder)?;
-            let (scene, checkpoint) = folder.read(overrides)?;
-            let outcome = match scene.dimension() {
-                2 => run::resume::<2>(session, &scene, &mut folder, &checkpoint),
-                _ => run::resume::<3>(session, &scene, &mut folder, &checkpoint),
-            };
-            outcome.map_err(|error| scene.place(error))
-        }),
+        Command::Run(arguments) => simulate::run(session, arguments),
+        Command::Resume(arguments) => simulate::resume(session, arguments),
         Command::Animate { folder, out, width, seconds } => {
             let film = animate::Film {
                 folder,
@@ -124,8 +87,8 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
         }
         Command::Plan { scene, out } => {
             let scene = scene.read(session)?;
-            memory::check_plan(session.world(), &scene)?;
-            let folder = folder(out, &scene);
+            check_memory_of_plan(session.world(), &scene)?;
+            let folder = simulate::output_folder(out, &scene);
             let outcome = match scene.dimension() {
                 2 => plan::plan::<2>(session, &scene, &folder),
                 _ => plan::plan::<3>(session, &scene, &folder),
@@ -137,7 +100,67 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
     }
 }
 
-/// The output folder that is asked for, or that of the scene's name.
-fn folder(out: &Option<PathBuf>, scene: &Scene) -> PathBuf {
-    out.clone().unwrap_or_else(|| PathBuf::from("out").join(&scene.name))
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::{error::Error, scene::Scene};
+
+    fn parsed(line: &str) -> Arguments {
+        Arguments::try_parse_from(line.split_whitespace()).unwrap_or_else(|error| panic!("{line}: {error}"))
+    }
+
+    #[test]
+    fn the_words_of_a_run_are_its_arguments() {
+        let Arguments { command, petsc } = parsed("turbid run a/b.toml --set seed=2 --set time.end=3 --out o --force -- -log_view");
+        let Command::Run(run) = command else { panic!("{command:?}") };
+        assert_eq!((run.scene.scene, run.scene.overrides), ("a/b.toml".into(), vec!["seed=2".to_owned(), "time.end=3".to_owned()]));
+        assert_eq!((run.out, run.force, run.profile), (Some("o".into()), true, false));
+        assert_eq!(petsc, ["-log_view"]);
+        let Command::Resume(resume) = parsed("turbid resume o --set time.end=3 --profile").command else { panic!("no resume") };
+        assert_eq!((resume.folder, resume.overrides.len(), resume.profile), ("o".into(), 1, true));
+    }
+
+    #[test]
+    fn a_run_goes_where_it_is_told_or_into_a_folder_of_its_name() {
+        let scene = Scene::new("disks", &[1.0, 1.0]);
+        assert_eq!(simulate::output_folder(&None, &scene), PathBuf::from("out/disks"));
+        assert_eq!(simulate::output_folder(&Some("o".into()), &scene), PathBuf::from("o"));
+    }
+
+    #[test]
+    fn every_command_is_carried_out_at_the_right_place() {
+        let absent = "/nowhere/scene.toml";
+        let alone = [format!("scaling {absent}"), format!("cost {absent}"), format!("inverses {absent}")];
+        for words in alone {
+            let outcome = execute_alone(&parsed(&format!("turbid {words}"))).unwrap_or_else(|| panic!("{words} takes a session"));
+            assert!(matches!(outcome, Err(Error::File { .. })), "{words}: {outcome:?}");
+        }
+        let on_ranks = ["run a.toml", "resume o", "animate o", "plan a.toml", "lubrication", "validation", "conditioning"];
+        for words in on_ranks {
+            assert!(execute_alone(&parsed(&format!("turbid {words}"))).is_none(), "{words} takes no session");
+        }
+    }
+
+    #[test]
+    fn words_that_mean_nothing_are_refused() {
+        let wrong = [
+            "turbid",
+            "turbid fly",
+            "turbid run",
+            "turbid run a.toml b.toml",
+            "turbid run a.toml --colour",
+            "turbid resume",
+            "turbid animate o --width 1",
+            "turbid lubrication --dimension 4",
+            "turbid validation --random 3",
+            "turbid validation --crowds --bars 1e-2",
+            "turbid conditioning --finest-2d 8",
+            "turbid cost a.toml --resolutions 4 --spacings 0.1",
+            "turbid cost a.toml --error 0",
+        ];
+        for line in wrong {
+            assert!(Arguments::try_parse_from(line.split_whitespace()).is_err(), "{line}");
+        }
+    }
 }

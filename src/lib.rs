@@ -1,6 +1,47 @@
 //! Particles in viscous flow, particle by particle, on grids that ignore them.
 //!
-//! The modules stand in the order of the floors: each imports only from those above it in this list.
+//! Rigid bodies move in Stokes flow, or dry, in two and three dimensions and on any number of MPI ranks. The fluid is solved on a staggered
+//! Cartesian grid through which the bodies pass: multipliers on their surfaces make them rigid, and films and contacts that the grid
+//! does not see enter the same equations. A [`Scene`](scene::Scene) says what to simulate, read from a TOML file or built in Rust; a
+//! [`Run`](run::Run) does it; the program `turbid` is the [command line](cli) of both.
+//!
+//! ```
+//! use turbid::{
+//!     petsc::Session,
+//!     run::{Options, Run},
+//!     scene::{AxisSection, BodyGroup, Placement, ResolutionSection, Scene, Spacing, TimeSection},
+//! };
+//!
+//! # fn main() -> turbid::error::Result<()> {
+//! let session = Session::start(&[])?;
+//! let mut scene = Scene::new("disks", &[4.0, 4.0]);
+//! // two walls that slide past each other shear what is between them
+//! scene.domain.axes[1] = AxisSection::Walls { lower: vec![-1.0, 0.0], upper: vec![1.0, 0.0] };
+//! scene.resolution = Some(ResolutionSection::new(Spacing::CellsPerRadius(4.0)));
+//! scene.bodies = vec![BodyGroup::new(0.5, Placement::Centers(vec![vec![1.0, 1.5], vec![3.0, 2.5]]))];
+//! scene.time = Some(TimeSection::to(0.2));
+//! let mut run = Run::<2>::start(&session, &scene.checked()?, None, Options::default())?;
+//! while run.advance()? {}
+//! let viscosity = run.viscosity().expect("free bodies in shear have one").relative();
+//! // Einstein's law in two dimensions: 1 + 2 phi, and more where walls and neighbours are near
+//! assert!(viscosity > 1.1 && viscosity < 1.6, "{viscosity}");
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Modules
+//!
+//! They stand in the order of the floors: each imports only from those before it.
+//!
+//! | floor | modules | what they hold |
+//! |-|-|-|
+//! | 0 | [`error`], [`parallel`], [`petsc`] | what can go wrong; ranks; matrices and solvers |
+//! | 1 | [`geometry`], [`grid`] | boxes, balls and near pairs; the staggered grid |
+//! | 2 | [`body`], [`surface`] | rigid motions and places of bodies; modes on their surfaces |
+//! | 3 | [`constraint`], [`contact`], [`flow`] | how a surface enters the flow; bodies that touch; the fluid and its approximate inverses |
+//! | 4 | [`scene`], [`simulation`] | what to simulate; the machinery that does it |
+//! | 5 | [`observe`], [`output`], [`study`], [`run`] | stress, viscosity, pairs; files; error against cost; runs from start to end |
+//! | 6 | [`cli`] | the command line |
 
 // floor 0: the machine
 pub mod error;
@@ -26,6 +67,7 @@ pub mod simulation;
 // floor 5: look, never touch
 pub mod observe;
 pub mod output;
+pub mod run;
 pub mod study;
 // floor 6: words become calls
 pub mod cli;

@@ -4,11 +4,11 @@ use std::io::ErrorKind;
 
 use clap::{CommandFactory, Parser};
 use turbid::{
-    cli::{Arguments, execute, execute_alone},
+    cli::{Arguments, check_options, execute, execute_alone, told},
     error::{Error, Result},
     output::note,
     parallel::{abort_on_panic, end_together, first_of_launched},
-    petsc::{Session, check_options, unused_options},
+    petsc::{Session, unused_options},
 };
 
 fn main() {
@@ -49,7 +49,7 @@ fn on_all_ranks(arguments: &Arguments) -> i32 {
             code
         }
         Err(error) => {
-            complain(&error.to_string());
+            complain(&told(&error));
             error.exit_code()
         }
     }
@@ -66,7 +66,7 @@ fn warn_of_unused(session: &Session, words: &[String]) {
 fn finish_alone(outcome: Result<()>) -> i32 {
     let Err(error) = outcome else { return 0 };
     if first_of_launched() {
-        complain(&error.to_string());
+        complain(&told(&error));
     }
     error.exit_code()
 }
@@ -80,7 +80,7 @@ fn finish(session: &Session, outcome: Result<()>) -> i32 {
         world.abort(1);
     }
     if world.rank() == 0 {
-        complain(&error.to_string());
+        complain(&told(&error));
     }
     error.exit_code()
 }

@@ -40,8 +40,8 @@ impl Shares {
 }
 
 impl World {
-    pub(crate) fn new(log: fn(usize)) -> World {
-        World { communicator: SimpleCommunicator::world(), log }
+    pub(crate) fn new(communicator: SimpleCommunicator, log: fn(usize)) -> World {
+        World { communicator, log }
     }
 
     pub(crate) fn raw(&self) -> MPI_Comm {
@@ -126,6 +126,7 @@ impl World {
         let failed = self.gather(&[outcome.is_err()]);
         let Some(first) = failed.iter().position(|&failed| failed) else { return outcome };
         let (text, code) = match &outcome {
+            Err(Error::Refused(refusal)) => (serde_json::to_string(refusal).expect("a refusal is plain text"), 2),
             Err(error) => (error.to_string(), error.exit_code()),
             Ok(_) => (String::new(), 0),
         };
@@ -133,8 +134,15 @@ impl World {
         let text = self.broadcast(first, &text);
         match outcome {
             Err(error) if self.rank() == first => Err(error),
-            _ => Err(if code == 2 { Error::Refused(text) } else { Error::Elsewhere { rank: first, text } }),
+            // a file of that rank is told as text
+            _ if code == 2 => Err(serde_json::from_str(&text).map_or_else(|_| Error::refused(text), Error::Refused)),
+            _ => Err(Error::Elsewhere { rank: first, text }),
         }
+    }
+
+    /// Acts on the first rank and makes its outcome known: its value there and a default elsewhere, or its error everywhere.
+    pub fn on_first_rank<T: Default>(&self, act: impl FnOnce() -> Result<T>) -> Result<T> {
+        self.agree(if self.rank() == 0 { act() } else { Ok(T::default()) })
     }
 
     /// Memory that is free to use on all machines of this run together, in bytes.

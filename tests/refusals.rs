@@ -7,6 +7,7 @@
 use std::path::{Path, PathBuf};
 
 use turbid::body::read_centers;
+use turbid::cli::told;
 use turbid::error::{Error, Result};
 use turbid::scene::Scene;
 
@@ -44,7 +45,7 @@ fn failure(path: &Path, read: impl Fn(&Path, &str) -> Result<()>) -> Option<Stri
     let text = std::fs::read_to_string(path).unwrap();
     let expected = marked(&text, "#^ ").pop().expect("a bad file says its message");
     match read(path, &text) {
-        Err(Error::Refused(message)) if message.contains(&expected) => None,
+        Err(error @ Error::Refused(_)) if told(&error).contains(&expected) => None,
         result => Some(format!("{}: expected {expected}\n  found {result:?}", path.display())),
     }
 }

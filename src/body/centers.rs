@@ -37,9 +37,9 @@ pub fn read_text(path: &Path) -> Result<String> {
 pub fn parse_centers<const D: usize>(name: &str, text: &str) -> Result<Vec<(SVector<f64, D>, Option<f64>)>> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut lines = (1..).zip(text.lines().map(str::trim)).filter(|(_, line)| !line.is_empty() && !line.starts_with('#')).peekable();
-    let refuse = |number: usize, reason: String| Error::Refused(format!("{name}:{number}: {reason}"));
+    let refuse = |number: usize, reason: String| Error::refused(format!("{name}:{number}: {reason}"));
     let Some(&(number, first)) = lines.peek() else {
-        return Err(Error::Refused(format!("{name}: no centres found; expected lines of {}", choices::<D>().join(","))));
+        return Err(Error::refused(format!("{name}: no centres found; expected lines of {}", choices::<D>().join(","))));
     };
     let columns = if is_header(first) {
         lines.next();

@@ -31,10 +31,10 @@ pub fn pack<const D: usize>(domain: &Domain<D>, obstacles: &[Ball<D>], radii: &[
 
 fn check_numbers(radii: &[f64], gap: f64) -> Result<()> {
     if !(gap.is_finite() && gap >= 0.0) {
-        return Err(Error::Refused(format!("`gap` is {gap}; it must be zero or positive")));
+        return Err(Error::refused(format!("`gap` is {gap}; it must be zero or positive")));
     }
     match radii.iter().position(|radius| !(radius.is_finite() && *radius > 0.0)) {
-        Some(body) => Err(Error::Refused(format!("body {body} has radius {}; it must be positive", radii[body]))),
+        Some(body) => Err(Error::refused(format!("body {body} has radius {}; it must be positive", radii[body]))),
         None => Ok(()),
     }
 }
@@ -49,7 +49,7 @@ fn check_fit<const D: usize>(domain: &Domain<D>, body: usize, radius: f64, gap: 
             (2.0 * radius * (1.0 + gap), "does not fit between the walls")
         };
         if width > size * (1.0 + TOLERANCE) {
-            return Err(Error::Refused(format!(
+            return Err(Error::refused(format!(
                 "body {body} of radius {radius} {reason}: with a `gap` of {gap} it needs {width:.6} \
                  along {name}, but the box has {size}; lower the radius or `gap`, or enlarge `size`"
             )));
@@ -72,7 +72,7 @@ fn refusal<const D: usize>(domain: &Domain<D>, radii: &[f64], gap: f64, scale: f
         let without_gap = reached * power::<D>(swollen);
         format!("fill less than {reached:.3}: about {fitting} bodies, or less than {without_gap:.3} with a `gap` of 0")
     };
-    Error::Refused(format!(
+    Error::refused(format!(
         "{} bodies that fill a fraction of {asked:.3} ({:.3} with their `gap` of {gap} counted) did not \
          fit into the box: the search reached a fraction of {reached:.3} with this gap; {remedy}",
         radii.len(),

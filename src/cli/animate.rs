@@ -27,18 +27,18 @@ pub fn animate(session: &Session, film: &Film) -> Result<()> {
     let world = session.world();
     let draw = || {
         if !(film.seconds.is_finite() && film.seconds > 0.0) {
-            return Err(Error::Refused(format!("--seconds {}: must be positive", film.seconds)));
+            return Err(Error::refused(format!("--seconds {}: must be positive", film.seconds)));
         }
         refuse_ending(&film.out)?;
         let scene = Scene::read(&film.folder.join("scene.toml"), &[])?;
         let frames = if scene.dimension() == 2 { frames::<2>(&scene, film.folder)? } else { frames::<3>(&scene, film.folder)? };
         if frames.is_empty() {
-            return Err(Error::Refused(format!("{}: holds no frames; only runs with a [time] section write them", film.folder.display())));
+            return Err(Error::refused(format!("{}: holds no frames; only runs with a [time] section write them", film.folder.display())));
         }
         write_whole(&film.out, &Plane::of(&scene).film(&scene, frames).apng(film.width as usize, film.seconds))?;
         say(&film.out.display().to_string())
     };
-    world.agree(if world.rank() == 0 { draw() } else { Ok(()) })
+    world.on_first_rank(draw)
 }
 
 /// Programs tell formats by their endings, and only one is written.
@@ -48,7 +48,7 @@ fn refuse_ending(out: &Path) -> Result<()> {
         return Ok(());
     }
     let better = out.with_extension("png");
-    Err(Error::Refused(format!("--out {}: an animation is an animated PNG; name it {}", out.display(), better.display())))
+    Err(Error::refused(format!("--out {}: an animation is an animated PNG; name it {}", out.display(), better.display())))
 }
 
 fn frames<const D: usize>(scene: &Scene, folder: &Path) -> Result<Vec<AnimationFrame>> {

@@ -38,10 +38,10 @@ pub fn lubrication(world: &World, arguments: &LubricationArguments) -> Result<()
     let LubricationArguments { dimension, modes, ratio, wall } = arguments;
     let highest = highest_order(usize::from(*dimension));
     if !(1..=highest).contains(modes) {
-        return Err(Error::Refused(format!("--modes {modes}: must be from 1 to {highest} in {dimension}D")));
+        return Err(Error::refused(format!("--modes {modes}: must be from 1 to {highest} in {dimension}D")));
     }
     if !(*ratio >= 1.0 && ratio.is_finite()) {
-        return Err(Error::Refused(format!("--ratio {ratio}: must be at least 1, the first body is the smaller one")));
+        return Err(Error::refused(format!("--ratio {ratio}: must be at least 1, the first body is the smaller one")));
     }
     let second = (!wall).then_some((*modes, *ratio));
     let table = if *dimension == 2 { FilmTable::new::<2>(*modes, second) } else { FilmTable::new::<3>(*modes, second) };

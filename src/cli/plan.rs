@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::run;
 use crate::{
     error::Result,
     output::say,
     petsc::Session,
+    run,
     scene::Scene,
     simulation::{Plan, PlanReport},
     study::{Calibration, Estimate, Forecast, coarsest},

@@ -47,7 +47,7 @@ impl<const D: usize> Island<D> {
                 step: value["step"].as_f64()?,
             })
         };
-        parse().ok_or_else(|| Error::Refused(format!("contact-island.json: is no island of dimension {D}; take the file of a failed run")))
+        parse().ok_or_else(|| Error::refused(format!("contact-island.json: is no island of dimension {D}; take the file of a failed run")))
     }
 
     /// The problem to solve again.

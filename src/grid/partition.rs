@@ -96,7 +96,7 @@ impl<const D: usize> Partition<D> {
             .filter(|factors| (0..D).all(|axis| cells[axis] / factors[axis] >= FEWEST_CELLS))
             .min_by(|a, b| surface(cells, *a).total_cmp(&surface(cells, *b)));
         let ranks = best.ok_or_else(|| {
-            Error::Refused(format!(
+            Error::refused(format!(
                 "{ranks} ranks do not fit a grid of {cells:?} cells: every rank needs at least {FEWEST_CELLS} cells along each axis; \
                  use fewer ranks or more cells"
             ))

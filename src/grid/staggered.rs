@@ -224,14 +224,14 @@ impl<const D: usize> Grid<D> {
 
 fn check_size<const D: usize>(cells: [usize; D], spacing: f64) -> Result<()> {
     if let Some(axis) = (0..D).find(|&axis| cells[axis] < FEWEST_CELLS) {
-        return Err(Error::Refused(format!(
+        return Err(Error::refused(format!(
             "a spacing of {spacing} leaves {} cells along axis {axis}: at least {FEWEST_CELLS} are needed; refine [resolution] or enlarge domain.size",
             cells[axis]
         )));
     }
     let unknowns = cells.iter().map(|&cells| cells as f64).product::<f64>() * (D + 1) as f64;
     if unknowns > MOST_UNKNOWNS {
-        return Err(Error::Refused(format!("a grid of {cells:?} cells has more unknowns than can be numbered; coarsen [resolution]")));
+        return Err(Error::refused(format!("a grid of {cells:?} cells has more unknowns than can be numbered; coarsen [resolution]")));
     }
     Ok(())
 }
@@ -240,7 +240,7 @@ fn check_size<const D: usize>(cells: [usize; D], spacing: f64) -> Result<()> {
 fn whole_shift<const D: usize>(domain: &Domain<D>, cells: usize, spacing: f64) -> Result<usize> {
     let shift = domain.shift() / spacing;
     if (shift - shift.round()).abs() > PART_OF_CELL * (1.0 + shift.abs()) {
-        return Err(Error::Refused(format!(
+        return Err(Error::refused(format!(
             "the images of a sheared box lie {shift} cells aside; only whole cells have stencils across the seam: choose times at which they are"
         )));
     }

@@ -59,7 +59,8 @@ impl<const D: usize> Stress<D> {
     /// # Errors
     /// PETSc fails.
     pub(super) fn of(
-        (setup, grid): (&Setup<D>, &Grid<D>),
+        setup: &Setup<D>,
+        grid: &Grid<D>,
         solution: &Solution<D>,
         contacts: &[ContactForce<D>],
         shear: &Shear<D>,
@@ -73,7 +74,7 @@ impl<const D: usize> Stress<D> {
         let moments: SMatrix<f64, D, D> = contacts.iter().map(pressed).sum();
         let films = solution.lubrication.map(|lubrication| lubrication.stress);
         let resolved = stresslets - films.unwrap_or_else(SMatrix::zeros);
-        let pressure = pressure_on_bodies((setup, grid), solution)?;
+        let pressure = pressure_on_bodies(setup, grid, solution)?;
         let trace = SMatrix::identity() * (pressure.unwrap_or(0.0) / shear.rate);
         Ok(Stress {
             hydrodynamic: shear.doubled_strain() + resolved / unit - trace,
@@ -105,7 +106,7 @@ impl<const D: usize> Stress<D> {
 }
 
 /// The particle pressure of the flow over viscosity, `fraction (mean inside - mean over the fluid)`; nothing where the solver has no pressure inside.
-fn pressure_on_bodies<const D: usize>((setup, grid): (&Setup<D>, &Grid<D>), solution: &Solution<D>) -> Result<Option<f64>> {
+fn pressure_on_bodies<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, solution: &Solution<D>) -> Result<Option<f64>> {
     // meshes have no inside, and multipliers at points inside leave its pressure open
     if !matches!(setup.constraint, ConstraintMethod::Sharp | ConstraintMethod::Penalty(_)) {
         return Ok(None);

@@ -54,10 +54,10 @@ pub fn viscosity<const D: usize>(
     if setup.bodies.iter().any(|suspended| !suspended.body.free()) {
         return Ok(None);
     }
-    let stress = Stress::of((setup, grid), solution, contacts, &shear)?;
+    let stress = Stress::of(setup, grid, solution, contacts, &shear)?;
     let from_walls = match setup.domain.axes[shear.gradient] {
         Axis::Periodic | Axis::Sheared(_) => None,
-        Axis::Walls { lower, upper } => Some(wall_shear((grid, setup.viscosity), solution, &shear, [lower, upper])? / shear.rate),
+        Axis::Walls { lower, upper } => Some(wall_shear(grid, setup.viscosity, solution, &shear, [lower, upper])? / shear.rate),
     };
     Ok(Some(Viscosity {
         rate: shear.rate,
@@ -75,7 +75,8 @@ pub fn viscosity<const D: usize>(
 /// By the reciprocal theorem with the shear of the empty box as second flow, tractions `t` on bodies at heights `y` drag each wall by
 /// `sum t y` over its distance from the other, on top of the forces between body and wall: so do those of films, whose flow is not on the grid.
 fn wall_shear<const D: usize>(
-    (grid, viscosity): (&Grid<D>, f64),
+    grid: &Grid<D>,
+    viscosity: f64,
     solution: &Solution<D>,
     shear: &Shear<D>,
     walls: [SVector<f64, D>; 2],

@@ -5,20 +5,19 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{slab, together::Together};
+use super::{parallel_file::ParallelFile, slab};
 use crate::{
-    error::{Error, Result},
+    error::{Error, Offer, Refusal, Result},
     grid::Grid,
     parallel::World,
 };
 
 const FORMAT: &str = "turbid checkpoint";
 const VERSION: u32 = 1;
-const REMEDY: &str = "resume from another checkpoint, or start anew with turbid run";
 
 /// A checkpoint under way. Dropped before [`finish`](CheckpointWriter::finish), it leaves nothing behind.
 pub struct CheckpointWriter<'a> {
-    file: Together<'a>,
+    file: ParallelFile<'a>,
 }
 
 impl<'a> CheckpointWriter<'a> {
@@ -27,7 +26,7 @@ impl<'a> CheckpointWriter<'a> {
     /// # Errors
     /// [`Error::File`], here and below, when the file cannot be written.
     pub fn create(world: &'a World, path: &Path) -> Result<CheckpointWriter<'a>> {
-        let file = Together::create(world, path)?;
+        let file = ParallelFile::create(world, path)?;
         file.step(|root| {
             slab::set_text(root, "format", FORMAT)?;
             slab::set(root, "version", VERSION)
@@ -130,7 +129,7 @@ impl<'a> Checkpoint<'a> {
         let dataset = self.dataset(name)?;
         if dataset.shape() != expected {
             let what = format!("{name} lies on a lattice of {:?} points, the scene needs {expected:?}", dataset.shape());
-            return Err(Error::Refused(format!(
+            return Err(Error::refused(format!(
                 "{}: {what}; resume with the size and the resolution of the first run",
                 self.path.display()
             )));
@@ -192,7 +191,7 @@ fn open(path: &Path) -> std::result::Result<hdf5::File, String> {
 }
 
 fn refused(path: &Path, what: &str) -> Error {
-    Error::Refused(format!("checkpoint {}: {what}; {REMEDY}", path.display()))
+    Refusal::from(format!("checkpoint {}: {what}; resume from another checkpoint", path.display())).offering(Offer::Anew)
 }
 
 fn lattice_checksum<const D: usize>(world: &World, grid: &Grid<D>, field: usize, values: &[f64]) -> u64 {

@@ -71,7 +71,7 @@ impl CurvePoint {
     }
 
     /// Names of columns and numbers; what is not there has no column.
-    pub(super) fn columns(&self) -> Vec<(&'static str, f64)> {
+    pub fn columns(&self) -> Vec<(&'static str, f64)> {
         let columns = [
             ("strain", Some(self.strain)),
             ("viscosity", Some(self.relative())),

@@ -1,4 +1,4 @@
-//! Files written aside and renamed, so that no reader ever meets half of one.
+//! Files written under another name first, so that no reader ever meets half of one.
 
 use std::{
     fs,
@@ -6,14 +6,17 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Place, Refusal, Result};
 
 /// Makes the output folder if need be, and makes sure that it can be written to.
 ///
 /// # Errors
 /// [`Error::Refused`] naming the folder when it cannot be used.
 pub fn prepare_folder(folder: &Path) -> Result<()> {
-    let refuse = |error| Error::Refused(format!("--out {}: cannot be written to ({error}); choose another folder", folder.display()));
+    let refuse = |error| {
+        let remedy = format!("cannot be written to ({error}); choose another folder");
+        Error::from(Refusal { place: Some(Place::Folder(folder.to_owned())), ..Refusal::from(remedy) })
+    };
     fs::create_dir_all(folder).map_err(refuse)?;
     let probe = folder.join(".writable");
     fs::write(&probe, b"").and_then(|()| fs::remove_file(&probe)).map_err(refuse)
@@ -21,28 +24,39 @@ pub fn prepare_folder(folder: &Path) -> Result<()> {
 
 /// Writes a file under its name only once all of it is on disk. A device or a pipe of that name is refused, since it would be replaced.
 pub fn write_whole(path: &Path, contents: &[u8]) -> Result<()> {
-    let aside = aside(path);
+    let temporary = temporary(path);
     let write = || {
         if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
             return Err(std::io::Error::other("is no regular file; name one"));
         }
-        let mut file = fs::File::create(&aside)?;
+        let mut file = fs::File::create(&temporary)?;
         file.write_all(contents)?;
         file.sync_all()?;
-        fs::rename(&aside, path)
+        fs::rename(&temporary, path)
     };
     write().map_err(|source| {
         // the error that matters is the first one
-        let _ = fs::remove_file(&aside);
+        let _ = fs::remove_file(&temporary);
         Error::File { path: path.to_owned(), source }
     })
 }
 
+/// Removes a file, if it is there.
+///
+/// # Errors
+/// [`Error::File`].
+pub fn remove_file(path: &Path) -> Result<()> {
+    match fs::remove_file(path) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(Error::File { path: path.to_owned(), source }),
+        _ => Ok(()),
+    }
+}
+
 /// Where a file lies until it is whole.
-pub(super) fn aside(path: &Path) -> PathBuf {
-    let mut aside = path.as_os_str().to_owned();
-    aside.push(".part");
-    aside.into()
+pub(super) fn temporary(path: &Path) -> PathBuf {
+    let mut temporary = path.as_os_str().to_owned();
+    temporary.push(".part");
+    temporary.into()
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ pub fn check_finite(what: &str, results: &impl Serialize) -> Result<()> {
 }
 
 /// The error of a number that is not finite.
-pub(super) fn not_finite(what: &str, name: &str, value: f64) -> Error {
+pub fn not_finite(what: &str, name: &str, value: f64) -> Error {
     Error::Diverged(format!(
         "{what} is not written: {name} is {value}; a number of the scene is too large or too small for the others, or time.step too long: \
          choose other units or a smaller step"

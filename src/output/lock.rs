@@ -108,7 +108,7 @@ impl Drop for FolderLock {
 fn refused(folder: &Path, owner: Option<Owner>) -> Error {
     let who = owner.map_or("another process".to_owned(), |owner| format!("process {} on {}", owner.process, owner.host));
     let folder = folder.display();
-    Error::Refused(format!("{folder}: {who} writes into this folder; wait for its end, stop it, or choose another folder"))
+    Error::refused(format!("{folder}: {who} writes into this folder; wait for its end, stop it, or choose another folder"))
 }
 
 /// One attempt to take a lock, where `lock` asks the kernel for it; nothing if the file system knows no locks.
@@ -123,7 +123,7 @@ fn attempt(path: &Path, watch: Duration, lock: fn(&File) -> io::Result<Option<bo
         return Ok(Attempt::Again);
     }
     match owner {
-        Some(owner) if owner.lives((&file, path), kernel.is_some(), watch) => Ok(Attempt::Held(Some(owner))),
+        Some(owner) if owner.lives(&file, path, kernel.is_some(), watch) => Ok(Attempt::Held(Some(owner))),
         _ => take_over(file, path, kernel.is_some()),
     }
 }
@@ -184,16 +184,16 @@ impl Owner {
     }
 
     /// Whether the process still runs; `locked` if the kernel has given away its lock.
-    fn lives(&self, place: (&File, &Path), locked: bool, watch: Duration) -> bool {
+    fn lives(&self, file: &File, path: &Path, locked: bool, watch: Duration) -> bool {
         if self.boot != boot() {
-            return touched(place, watch);
+            return touched(file, path, watch);
         }
         !locked && start(self.process) == Some(self.start)
     }
 }
 
 /// Whether somebody touches a file while it is watched; clocks of machines are not compared.
-fn touched((file, path): (&File, &Path), watch: Duration) -> bool {
+fn touched(file: &File, path: &Path, watch: Duration) -> bool {
     // opening a file anew makes network file systems look
     let modified = || File::open(path).and_then(|file| file.metadata()).and_then(|metadata| metadata.modified()).ok();
     let (first, begun) = (file.metadata().and_then(|metadata| metadata.modified()).ok(), Instant::now());

@@ -11,7 +11,7 @@ use super::{MeanViscosity, report::bar};
 
 /// A progress line; silent when the standard error is no terminal, and on every rank but the first.
 pub struct Progress {
-    line: ProgressBar,
+    line: Line,
     start: Instant,
     tolerance: f64,
 }
@@ -19,33 +19,29 @@ pub struct Progress {
 impl Progress {
     /// A line for a solve to `tolerance`.
     pub fn new(rank: usize, tolerance: f64) -> Progress {
-        let shown = rank == 0 && stderr().is_terminal();
-        let line = if shown { ProgressBar::new(1000) } else { ProgressBar::hidden() };
-        let style = ProgressStyle::with_template("{bar:30} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
-        line.set_style(style);
-        Progress { line, start: Instant::now(), tolerance }
+        Progress { line: Line::new(rank), start: Instant::now(), tolerance }
     }
 
     /// Shows an iteration and its relative residual.
     pub fn show(&self, iteration: usize, residual: f64) {
         let done = part_done(residual, self.tolerance);
-        self.line.set_position((1000.0 * done) as u64);
+        self.line.0.set_position((1000.0 * done) as u64);
         let left = match done {
             done if done > 0.02 => format!(", {:.0} s left", self.start.elapsed().as_secs_f64() * (1.0 - done) / done),
             _ => String::new(),
         };
-        self.line.set_message(format!("iteration {iteration}, residual {residual:.1e} of {:.0e}{left}", self.tolerance));
+        self.line.0.set_message(format!("iteration {iteration}, residual {residual:.1e} of {:.0e}{left}", self.tolerance));
     }
 
     /// Removes the line.
     pub fn end(&self) {
-        self.line.finish_and_clear();
+        self.line.0.finish_and_clear();
     }
 }
 
 /// A progress line of a run in time; silent as [`Progress`] is.
 pub struct TimeProgress {
-    line: ProgressBar,
+    line: Line,
     start: Instant,
     /// Time at the start of this run and at its end.
     times: [f64; 2],
@@ -54,23 +50,41 @@ pub struct TimeProgress {
 impl TimeProgress {
     /// A line for a run from one time to another.
     pub fn new(rank: usize, begin: f64, end: f64) -> TimeProgress {
-        TimeProgress { line: Progress::new(rank, 1.0).line, start: Instant::now(), times: [begin, end] }
+        TimeProgress { line: Line::new(rank), start: Instant::now(), times: [begin, end] }
     }
 
     /// Shows how far the run has come, and its mean viscosity once there is one.
     pub fn show(&self, time: f64, step: usize, mean: Option<&MeanViscosity>) {
         let [begin, end] = self.times;
         let done = if end > begin { ((time - begin) / (end - begin)).clamp(0.0, 1.0) } else { 1.0 };
-        self.line.set_position((1000.0 * done) as u64);
+        self.line.0.set_position((1000.0 * done) as u64);
         let elapsed = self.start.elapsed().as_secs_f64();
         let left = if done > 0.01 { format!(", {:.0} s left", elapsed * (1.0 - done) / done) } else { String::new() };
         let mean = mean.map_or(String::new(), |mean| format!(", viscosity {:.4} ± {}", mean.relative, bar(mean.half_width())));
-        self.line.set_message(format!("time {time:.4} of {end}, step {step}{mean}{left}"));
+        self.line.0.set_message(format!("time {time:.4} of {end}, step {step}{mean}{left}"));
     }
 
     /// Removes the line.
     pub fn end(&self) {
-        self.line.finish_and_clear();
+        self.line.0.finish_and_clear();
+    }
+}
+
+/// A line of a bar and a message, which goes away when it is dropped.
+struct Line(ProgressBar);
+
+impl Line {
+    fn new(rank: usize) -> Line {
+        let shown = rank == 0 && stderr().is_terminal();
+        let line = if shown { ProgressBar::new(1000) } else { ProgressBar::hidden() };
+        line.set_style(ProgressStyle::with_template("{bar:30} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar()));
+        Line(line)
+    }
+}
+
+impl Drop for Line {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
     }
 }
 

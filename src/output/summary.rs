@@ -10,6 +10,7 @@ use crate::{
     geometry::{Ball, Domain},
     observe::Viscosity,
     parallel::{World, peak_memory_bytes},
+    scene::Scene,
     simulation::{BodyState, Cost, FlowSolver, Lubrication, Moving, Solution, SolvedScalar, State},
 };
 
@@ -212,27 +213,23 @@ pub struct FasterSummary {
 }
 
 impl Summary {
-    /// The numbers of an instant of a suspension in flow; collective. `named` is the scene's name and title.
+    /// The numbers of an instant of a suspension in flow; collective.
     ///
     /// # Errors
     /// A faster inverse cannot be tried out.
     pub fn of_flow<const D: usize>(
-        named: (&str, &str),
+        scene: &Scene,
         suspension: &dyn FlowSolver<D>,
-        (solution, viscosity): (&Solution<D>, Option<Viscosity>),
+        solution: &Solution<D>,
+        viscosity: Option<Viscosity>,
         world: &World,
     ) -> Result<Summary> {
         let (setup, grid) = (suspension.setup(), suspension.grid());
         let held = solution.bodies.iter().filter(|body| grid.owner(&setup.domain.wrap(body.center)) == world.rank()).count();
         let bodies = setup.bodies.iter().zip(&solution.bodies);
+        let bodies = bodies.map(|(suspended, state)| BodySummary::of_state(suspended.body.ball.radius, state)).collect();
         // what this run took, before another inverse is tried out
-        let base = Summary::of_bodies(
-            named,
-            (bodies.map(|(suspended, state)| BodySummary::of_state(suspended.body.ball.radius, state)).collect(), setup.fraction()),
-            (held, grid.local_unknowns(D)),
-            world,
-        );
-        let solver = SolverSummary::new(suspension, world)?;
+        let parallel = ParallelSummary::new(world, held, grid.local_unknowns(D));
         Ok(Summary {
             flow: Some(FlowSummary {
                 mean_velocity: solution.mean_velocity.as_slice().to_vec(),
@@ -240,29 +237,22 @@ impl Summary {
             }),
             viscosity: viscosity.map(ViscositySummary::new),
             lubrication: solution.lubrication.as_ref().map(LubricationSummary::new),
-            solver: Some(solver),
-            ..base
+            solver: Some(SolverSummary::new(suspension, world)?),
+            ..Summary::of_bodies(scene, bodies, setup.fraction(), world.size(), parallel)
         })
     }
 
-    /// The numbers of a state of dry bodies.
-    pub fn of_dry<const D: usize>(named: (&str, &str), domain: &Domain<D>, (state, radii): (&State<D>, &[f64]), world: &World) -> Summary {
-        let balls = state.balls(radii);
-        let fraction = balls.iter().map(Ball::volume).sum::<f64>() / domain.volume();
+    /// The numbers of a state of dry bodies; collective.
+    pub fn of_dry<const D: usize>(scene: &Scene, domain: &Domain<D>, state: &State<D>, radii: &[f64], world: &World) -> Summary {
+        let fraction = state.balls(radii).iter().map(Ball::volume).sum::<f64>() / domain.volume();
         let bodies = state.bodies.iter().zip(radii).map(|(moving, &radius)| BodySummary::of_moving(domain, radius, moving));
-        Summary::of_bodies(named, (bodies.collect(), fraction), (0, 0), world)
+        Summary::of_bodies(scene, bodies.collect(), fraction, world.size(), ParallelSummary::new(world, 0, 0))
     }
 
-    /// `shared` is this rank's part: bodies and cells.
-    pub(super) fn of_bodies(
-        named: (&str, &str),
-        (bodies, fraction): (Vec<BodySummary>, f64),
-        shared: (usize, usize),
-        world: &World,
-    ) -> Summary {
+    pub(super) fn of_bodies(scene: &Scene, bodies: Vec<BodySummary>, fraction: f64, ranks: usize, parallel: ParallelSummary) -> Summary {
         Summary {
-            scene: named.0.into(),
-            title: named.1.into(),
+            scene: scene.name.clone(),
+            title: scene.title.clone(),
             version: env!("CARGO_PKG_VERSION"),
             time: 0.0,
             steps: 0,
@@ -277,19 +267,25 @@ impl Summary {
             pairs: None,
             solver: None,
             motion: None,
-            ranks: world.size(),
-            parallel: ParallelSummary::new(world, shared.0, shared.1),
+            ranks,
+            parallel,
         }
     }
 
-    /// The numbers of a scalar problem of a scene of this name and title; collective.
-    pub fn of_scalar<const D: usize>(name: &str, title: &str, solved: &SolvedScalar<D>, world: &World) -> Summary {
+    /// The numbers of a scalar problem of a scene; collective.
+    pub fn of_scalar<const D: usize>(scene: &Scene, solved: &SolvedScalar<D>, world: &World) -> Summary {
         let SolvedScalar { setup, grid, solution, inverse, cost } = *solved;
         let held = solution.inclusions.iter().filter(|inclusion| grid.owner(&inclusion.center) == world.rank()).count();
         Summary {
             scalar: Some(ScalarSummary::new(solved)),
             solver: Some(SolverSummary::of_cost(inverse, cost, world)),
-            ..Summary::of_bodies((name, title), (Vec::new(), setup.fraction()), (held, grid.local_unknowns(D)), world)
+            ..Summary::of_bodies(
+                scene,
+                Vec::new(),
+                setup.fraction(),
+                world.size(),
+                ParallelSummary::new(world, held, grid.local_unknowns(D)),
+            )
         }
     }
 

@@ -275,7 +275,7 @@ fn tolerance_option(prefix: &CStr) -> Result<Option<f64>> {
     let tolerance = number(prefix, c"-ksp_rtol")?;
     match tolerance.filter(|tolerance| !(*tolerance > 0.0 && *tolerance <= LOOSEST)) {
         None => Ok(tolerance),
-        Some(wrong) => Err(Error::Refused(format!(
+        Some(wrong) => Err(Error::refused(format!(
             "the PETSc option -{}ksp_rtol = {wrong} must be above 0 and at most {LOOSEST}, as method.tolerance; lower it or remove it",
             prefix.to_string_lossy()
         ))),

@@ -6,13 +6,13 @@
 
 mod amg;
 mod call;
-mod census;
 mod direct;
 #[doc(hidden)]
 pub mod ffi;
 mod heap;
 mod krylov;
 mod matrix;
+mod object_counts;
 mod options;
 mod owned;
 mod preconditioner;
@@ -25,12 +25,12 @@ mod traffic;
 mod vector;
 
 pub use amg::{Amg, AmgSettings};
-pub use census::{Census, Class};
 pub use direct::Direct;
 pub use heap::local_heap_bytes;
 pub use krylov::{Krylov, KrylovMethod, KrylovSettings, Report};
 pub use matrix::{Matrix, RowBuilder};
-pub use options::{check_options, unused_options};
+pub use object_counts::{Class, ObjectCounts};
+pub use options::{names_option, unused_options};
 pub use preconditioner::{Preconditioner, PreconditionerKind};
 pub use profile::{Profile, Stage, StageCounts, StageGuard, enter};
 pub use scatter::Scatter;

@@ -1,6 +1,6 @@
 //! The one owner of PETSc objects.
 
-use super::{Census, Session, census::Class, ffi, petsc};
+use super::{ObjectCounts, Session, ffi, object_counts::Class, petsc};
 
 /// A PETSc object type and how it is destroyed.
 pub(super) trait Object: Copy {
@@ -39,7 +39,7 @@ pub(super) struct Owned<T: Object> {
 
 impl<T: Object> Owned<T> {
     pub(super) fn new(session: &Session, raw: T) -> Self {
-        Census::enter(T::CLASS);
+        ObjectCounts::enter(T::CLASS);
         Owned { raw, session: session.clone() }
     }
 
@@ -62,7 +62,7 @@ impl Owned<ffi::Vec> {
 
 impl<T: Object> Drop for Owned<T> {
     fn drop(&mut self) {
-        Census::leave(T::CLASS);
+        ObjectCounts::leave(T::CLASS);
         // a failed destroy leaves nothing to do but to leak
         let _ = self.raw.destroy();
     }

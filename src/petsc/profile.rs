@@ -103,7 +103,7 @@ impl Profile {
             let name = CString::new(stage.name()).expect("names of stages are plain text");
             petsc!(PetscLogStageRegister(name.as_ptr(), number))?;
         }
-        NUMBERS.set(numbers).map_err(|_| Error::Refused("a profile is already being kept".into()))?;
+        NUMBERS.set(numbers).map_err(|_| Error::refused("a profile is already being kept"))?;
         Ok(Profile { rest: enter(Stage::Rest) })
     }
 

@@ -6,13 +6,15 @@ use std::{
     rc::Rc,
 };
 
+use mpi::{topology::SimpleCommunicator, traits::Communicator};
+
 use super::{call::remember, ffi, petsc, traffic::count_collective};
 use crate::{
     error::{Error, Result},
     parallel::World,
 };
 
-/// A running MPI and PETSc; clones share it, and the last one ends both.
+/// A running MPI and PETSc; clones share it, and the last one ends what the first has started.
 #[derive(Clone)]
 pub struct Session {
     inner: Rc<Inner>,
@@ -20,8 +22,8 @@ pub struct Session {
 
 struct Inner {
     world: World,
-    // dropped last: PETSc is finalised before MPI
-    _universe: mpi::environment::Universe,
+    // dropped last: PETSc is finalised before MPI, if this session has started it
+    _universe: Option<mpi::environment::Universe>,
 }
 
 impl Session {
@@ -30,10 +32,29 @@ impl Session {
     /// # Errors
     /// MPI is already running, or PETSc does not start.
     pub fn start(options: &[String]) -> Result<Session> {
-        let universe = mpi::initialize().ok_or_else(|| Error::Refused("MPI is already running in this process".into()))?;
+        let running = || Error::refused("MPI is already running in this process; join it");
+        let universe = mpi::initialize().ok_or_else(running)?;
+        Session::open(SimpleCommunicator::world(), Some(universe), options)
+    }
+
+    /// Starts PETSc on ranks of an MPI that the caller has started, and ends after this session. Collective on the communicator,
+    /// of which the session takes a duplicate.
+    ///
+    /// # Errors
+    /// PETSc is already running in this process, or does not start.
+    pub fn join(communicator: &impl Communicator, options: &[String]) -> Result<Session> {
+        Session::open(communicator.duplicate(), None, options)
+    }
+
+    fn open(communicator: SimpleCommunicator, universe: Option<mpi::environment::Universe>, options: &[String]) -> Result<Session> {
+        let mut running = ffi::PetscBool_PETSC_FALSE;
+        super::petsc!(PetscInitialized(&mut running))?;
+        if running == ffi::PetscBool_PETSC_TRUE {
+            return Err(Error::refused("PETSc is already running in this process; clone its session"));
+        }
         let mut arguments: Vec<*mut c_char> = Vec::new();
         for argument in ["turbid", "-no_signal_handler"].into_iter().chain(options.iter().map(String::as_str)) {
-            let argument = CString::new(argument).map_err(|_| Error::Refused(format!("option {argument:?} contains a zero byte")))?;
+            let argument = CString::new(argument).map_err(|_| Error::refused(format!("option {argument:?} contains a zero byte")))?;
             // PETSc keeps pointers to its arguments until the end
             arguments.push(argument.into_raw());
         }
@@ -41,7 +62,9 @@ impl Session {
         let arguments = Box::leak(arguments.into_boxed_slice());
         let count = Box::leak(Box::new(arguments.len() as c_int - 1));
         let list = Box::leak(Box::new(arguments.as_mut_ptr()));
-        let inner = Inner { world: World::new(count_collective), _universe: universe };
+        let inner = Inner { world: World::new(communicator, count_collective), _universe: universe };
+        // the ranks that PETSc takes for all there are; it reads this as it starts
+        unsafe { ffi::PETSC_COMM_WORLD = inner.world.raw() };
         petsc!(PetscInitialize(count, list, null_mut(), null_mut()))?;
         petsc!(PetscPushErrorHandler(Some(remember), null_mut()))?;
         Ok(Session { inner: Rc::new(inner) })

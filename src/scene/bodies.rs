@@ -80,23 +80,30 @@ pub(super) fn read(root: &Table, folder: &Path, dimension: usize, model: FlowMod
 }
 
 impl BodyGroup {
+    /// Balls of this radius, free and as dense as a fluid of density 1.
+    pub fn new(radius: f64, placement: Placement) -> Self {
+        let (shape, gap, density, motion) = (Shape::Ball, 0.05, 1.0, Motion::Free);
+        BodyGroup { shape, radius, placement, gap, density, motion, force: None, torque: None, velocity: None, spin: None }
+    }
+
     fn read(entry: &Entry, folder: &Path, dimension: usize, model: FlowModel) -> Result<Self> {
         let table = Table::of(entry, &KEYS)?;
         let motion = table.get("motion").map_or(Ok(Motion::Free), |entry| Motion::read(&entry, dimension))?;
         refuse_load(&table, &motion)?;
         refuse_start(&table, &motion, model)?;
         let placement = Placement::read(&table, folder, dimension)?;
+        let shape = table.get("shape").map(|entry| entry.choice(&[("ball", Shape::Ball)], &[])).transpose()?;
+        let default = BodyGroup::new(table.require("radius", "1.0")?.positive()?, placement);
         Ok(BodyGroup {
-            shape: table.get("shape").map_or(Ok(Shape::Ball), |entry| entry.choice(&[("ball", Shape::Ball)], &[]))?,
-            radius: table.require("radius", "1.0")?.positive()?,
-            gap: read_gap(&table, &placement)?,
-            placement,
-            density: table.get("density").map_or(Ok(1.0), |entry| entry.not_negative())?,
+            shape: shape.unwrap_or(default.shape),
+            gap: read_gap(&table, &default)?,
+            density: table.get("density").map_or(Ok(default.density), |entry| entry.not_negative())?,
             motion,
             force: table.get("force").map(|entry| entry.vector(dimension)).transpose()?,
             torque: table.get("torque").map(|entry| entry.rotation(dimension)).transpose()?,
             velocity: table.get("velocity").map(|entry| entry.vector(dimension)).transpose()?,
             spin: table.get("spin").map(|entry| entry.rotation(dimension)).transpose()?,
+            ..default
         })
     }
 }
@@ -119,11 +126,11 @@ fn refuse_start(table: &Table, motion: &Motion, model: FlowModel) -> Result<()> 
     start.expect((), model == FlowModel::None, remedy)
 }
 
-fn read_gap(table: &Table, placement: &Placement) -> Result<f64> {
+fn read_gap(table: &Table, default: &BodyGroup) -> Result<f64> {
     let Some(entry) = table.get("gap") else {
-        return Ok(0.05);
+        return Ok(default.gap);
     };
-    let random = matches!(placement, Placement::Fraction(_) | Placement::Count(_));
+    let random = matches!(default.placement, Placement::Fraction(_) | Placement::Count(_));
     entry.expect((), random, "only bodies placed by fraction or count keep a gap; remove it")?;
     entry.not_negative()
 }

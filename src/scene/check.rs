@@ -1,5 +1,7 @@
 //! What sections of a scene demand of each other.
 
+use std::fmt::Display;
+
 use crate::error::Result;
 use crate::scene::{
     AxisSection, ConstraintMethod, ContactModel, Drive, FlowModel, LubricationModel, Motion, Scene, Spacing, StokesSolver, accuracy,
@@ -32,25 +34,20 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     }
 }
 
+/// Refuses a key's value unless it is right.
+fn expect(scene: &Scene, right: bool, key: &str, value: impl Display, remedy: &str) -> Result<()> {
+    if right { Ok(()) } else { Err(scene.refuse(key, value, remedy)) }
+}
+
 fn check_spacing(scene: &Scene) -> Result<()> {
-    match scene.resolution.as_ref().map(|resolution| resolution.spacing) {
-        Some(Spacing::CellsPerRadius(cells)) if scene.bodies.is_empty() => {
-            let remedy = "there are no bodies to measure by; give resolution.spacing instead";
-            Err(scene.refuse("resolution.cells_per_radius", cells, remedy))
-        }
-        _ => Ok(()),
-    }
+    let Some(Spacing::CellsPerRadius(cells)) = scene.resolution.as_ref().map(|resolution| resolution.spacing) else { return Ok(()) };
+    let remedy = "there are no bodies to measure by; give resolution.spacing instead";
+    expect(scene, !scene.bodies.is_empty(), "resolution.cells_per_radius", cells, remedy)
 }
 
 fn check_constraint(scene: &Scene) -> Result<()> {
     let remedy = match (scene.method.constraint, scene.flow.model) {
         (ConstraintMethod::Sharp, _) => return Ok(()),
-        (
-            ConstraintMethod::MeanValue(_) | ConstraintMethod::Distributed | ConstraintMethod::Penalty(_),
-            FlowModel::Stokes | FlowModel::Scalar,
-        ) => {
-            return Ok(());
-        }
         (_, FlowModel::None) => "has no meaning without a fluid; remove it",
         (ConstraintMethod::Fitted, _) if scene.dimension() != 2 => "makes meshes in two dimensions only; set method.constraint = \"sharp\"",
         (ConstraintMethod::Fitted, _) if scene.contact.model != ContactModel::None => {
@@ -59,19 +56,14 @@ fn check_constraint(scene: &Scene) -> Result<()> {
         (ConstraintMethod::Fitted, FlowModel::Scalar) if walled(scene).next().is_none() => {
             "carries no mean gradient through a fully periodic box; set method.constraint = \"sharp\""
         }
-        (ConstraintMethod::Fitted, _) => return Ok(()),
+        _ => return Ok(()),
     };
     Err(scene.refuse("method.constraint", format!("{:?}", scene.method.constraint.word()), remedy))
 }
 
 fn check_contact(scene: &Scene) -> Result<()> {
-    match scene.contact.model {
-        ContactModel::None => Ok(()),
-        model if scene.time.is_none() => {
-            Err(scene.refuse("contact.model", format!("{:?}", model.word()), "contacts act over a time step; add [time]"))
-        }
-        _ => Ok(()),
-    }
+    let (model, remedy) = (scene.contact.model, "contacts act over a time step; add [time]");
+    expect(scene, model == ContactModel::None || scene.time.is_some(), "contact.model", format!("{:?}", model.word()), remedy)
 }
 
 fn check_lubrication(scene: &Scene) -> Result<()> {
@@ -85,22 +77,14 @@ fn check_lubrication(scene: &Scene) -> Result<()> {
 }
 
 fn check_inverse(scene: &Scene) -> Result<()> {
-    let walled = scene.domain.axes.iter().filter(|axis| matches!(axis, AxisSection::Walls { .. })).count();
-    if scene.method.inverse == StokesSolver::Transform && walled > 1 {
-        let remedy = "transforms need a box with walls across one axis at most; set method.inverse = \"hypre\" or \"auto\"";
-        return Err(scene.refuse("method.inverse", "\"transform\"", remedy));
-    }
-    Ok(())
+    let remedy = "transforms need a box with walls across one axis at most; set method.inverse = \"hypre\" or \"auto\"";
+    expect(scene, scene.method.inverse != StokesSolver::Transform || walled(scene).count() <= 1, "method.inverse", "\"transform\"", remedy)
 }
 
 fn check_dry(scene: &Scene) -> Result<()> {
-    let refuse = |remedy| Err(scene.refuse("flow.model", "\"none\"", remedy));
-    if scene.bodies.is_empty() {
-        return refuse("no fluid and no bodies leave nothing to simulate; add [[bodies]]");
-    }
-    if scene.time.is_none() {
-        return refuse("a dry scene has no instantaneous solve; add [time]");
-    }
+    let expect = |right, remedy| expect(scene, right, "flow.model", "\"none\"", remedy);
+    expect(!scene.bodies.is_empty(), "no fluid and no bodies leave nothing to simulate; add [[bodies]]")?;
+    expect(scene.time.is_some(), "a dry scene has no instantaneous solve; add [time]")?;
     check_masses(scene)?;
     check_still_walls(scene, "without fluid and friction no body feels a wall move")
 }
@@ -131,10 +115,9 @@ fn check_scalar(scene: &Scene) -> Result<()> {
 }
 
 fn check_masses(scene: &Scene) -> Result<()> {
-    match scene.bodies.iter().position(|bodies| bodies.motion == Motion::Free && bodies.density == 0.0) {
-        Some(group) => Err(scene.refuse(&format!("bodies[{group}].density"), 0, "must be positive: free bodies of a dry scene need mass")),
-        None => Ok(()),
-    }
+    let massless = scene.bodies.iter().position(|bodies| bodies.motion == Motion::Free && bodies.density == 0.0);
+    let key = format!("bodies[{}].density", massless.unwrap_or(0));
+    expect(scene, massless.is_none(), &key, 0, "must be positive: free bodies of a dry scene need mass")
 }
 
 /// Walls move along themselves, so only a fluid or friction would feel it.
@@ -142,56 +125,39 @@ fn check_still_walls(scene: &Scene, reason: &str) -> Result<()> {
     for (axis, section) in scene.domain.axes.iter().enumerate() {
         let AxisSection::Walls { lower, upper } = section else { continue };
         for (wall, velocity) in [("lower", lower), ("upper", upper)] {
-            if velocity.iter().any(|&component| component != 0.0) {
-                let key = format!("domain.{}.{wall}", name(axis));
-                return Err(scene.refuse(&key, format!("{velocity:?}"), &format!("must be 0: {reason}")));
-            }
+            let (key, still) = (format!("domain.{}.{wall}", name(axis)), velocity.iter().all(|&component| component == 0.0));
+            expect(scene, still, &key, format!("{velocity:?}"), &format!("must be 0: {reason}"))?;
         }
     }
     Ok(())
 }
 
 fn check_shear(scene: &Scene, rate: f64) -> Result<()> {
-    if scene.time.is_some() {
-        let remedy = "drives no run in time where images stay; add periodic = \"sheared\", which lets them go along, remove [time] or shear between walls";
-        return Err(scene.refuse("flow.drive.shear_rate", rate, remedy));
-    }
+    let remedy = "drives no run in time where images stay; add periodic = \"sheared\", which lets them go along, remove [time] or shear between walls";
+    expect(scene, scene.time.is_none(), "flow.drive.shear_rate", rate, remedy)?;
     check_no_walls(scene, rate)
 }
 
 fn check_sheared_box(scene: &Scene, rate: f64) -> Result<()> {
     check_no_walls(scene, rate)?;
-    if scene.method.constraint == ConstraintMethod::Fitted {
-        let remedy = "makes no mesh of a box whose images slide; set method.constraint = \"sharp\" or remove flow.drive.periodic";
-        return Err(scene.refuse("method.constraint", "\"fitted\"", remedy));
-    }
-    match scene.time {
-        Some(_) if rate == 0.0 => {
-            Err(scene.refuse("flow.drive.shear_rate", rate, "must not be 0: nothing would ever slide; remove flow.drive.periodic"))
-        }
-        _ => Ok(()),
-    }
+    let remedy = "makes no mesh of a box whose images slide; set method.constraint = \"sharp\" or remove flow.drive.periodic";
+    expect(scene, scene.method.constraint != ConstraintMethod::Fitted, "method.constraint", "\"fitted\"", remedy)?;
+    let remedy = "must not be 0: nothing would ever slide; remove flow.drive.periodic";
+    expect(scene, scene.time.is_none() || rate != 0.0, "flow.drive.shear_rate", rate, remedy)
 }
 
 fn check_no_walls(scene: &Scene, rate: f64) -> Result<()> {
-    match walled(scene).next() {
-        Some(axis) => {
-            let remedy = format!("needs a fully periodic box, but domain.{} has walls", name(axis));
-            Err(scene.refuse("flow.drive.shear_rate", rate, &remedy))
-        }
-        None => Ok(()),
-    }
+    let Some(axis) = walled(scene).next() else { return Ok(()) };
+    Err(scene.refuse("flow.drive.shear_rate", rate, &format!("needs a fully periodic box, but domain.{} has walls", name(axis))))
 }
 
 /// Only a sheared suspension of free bodies has a viscosity.
 fn check_until(scene: &Scene) -> Result<()> {
     let Some(until) = scene.time.as_ref().and_then(|time| time.until) else { return Ok(()) };
     let free = !scene.bodies.is_empty() && scene.bodies.iter().all(|bodies| bodies.motion == Motion::Free);
-    if scene.flow.model == FlowModel::Stokes && free && sheared(scene) {
-        return Ok(());
-    }
+    let known = scene.flow.model == FlowModel::Stokes && free && sheared(scene);
     let remedy = "is that of a sheared suspension of free bodies in Stokes flow; remove it, or let walls across one axis slide and others be periodic";
-    Err(scene.refuse("time.until.viscosity_interval", until.viscosity_interval, remedy))
+    expect(scene, known, "time.until.viscosity_interval", until.viscosity_interval, remedy)
 }
 
 /// Whether a background shear or sliding walls across the only axis that has walls shear the box.
@@ -205,13 +171,8 @@ fn sheared(scene: &Scene) -> bool {
 }
 
 fn check_walls(scene: &Scene, key: &str, vector: &[f64]) -> Result<()> {
-    match walled(scene).find(|&axis| vector[axis] != 0.0) {
-        Some(axis) => {
-            let remedy = format!("number {} must be 0: domain.{} has walls", axis + 1, name(axis));
-            Err(scene.refuse(key, format!("{vector:?}"), &remedy))
-        }
-        None => Ok(()),
-    }
+    let Some(axis) = walled(scene).find(|&axis| vector[axis] != 0.0) else { return Ok(()) };
+    Err(scene.refuse(key, format!("{vector:?}"), &format!("number {} must be 0: domain.{} has walls", axis + 1, name(axis))))
 }
 
 fn walled(scene: &Scene) -> impl Iterator<Item = usize> {

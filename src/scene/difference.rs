@@ -1,16 +1,16 @@
 //! In which key two scenes differ, for runs that continue what another run began.
 
 use std::collections::BTreeMap;
-use std::fmt::Display;
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::Path;
 
 use crate::body::read_text;
 use crate::error::Result;
-use crate::scene::{
-    AxisSection, BodyGroup, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
-    LubricationSection, MethodSection, Modes, Motion, MultiplierSolver, Placement, ResolutionSection, Scene, Scheme, Shape, Spacing, Step,
-    TimeSection,
-};
+use crate::scene::keys::{Keys, keys};
+use crate::scene::{Placement, Scene};
+
+/// Keys that decide nothing of what a run computes on its way.
+const FREE: [&str; 4] = ["title", "time.end", "time.until.", "output."];
 
 /// A key in which two scenes differ, with both values as a scene file writes them; absent where a scene has no such key.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -28,7 +28,7 @@ impl Scene {
     ///
     /// Title, `time.end`, `time.until` and output may differ, and so may the ways to write the same, such as a default.
     pub fn difference(&self, other: &Scene) -> Option<Difference> {
-        let (here, there) = (keys(self), keys(other));
+        let (here, there) = (self.deciding_keys(), other.deciding_keys());
         let (ours, theirs) = (table(&here), table(&there));
         let mut names = here.iter().chain(&there).map(|(key, _)| key.as_str());
         let key = names.find(|key| ours.get(key) != theirs.get(key))?;
@@ -47,200 +47,33 @@ impl Scene {
         let remedy = format!("{owner} has {there}; only title, time.end, time.until and output.* may differ");
         Err(self.refuse(&key, here, &remedy))
     }
+
+    /// Keys and values that decide what a run computes.
+    fn deciding_keys(&self) -> Keys {
+        let mut deciding = keys(self);
+        deciding.retain(|(key, _)| !FREE.iter().any(|free| key == free || free.ends_with('.') && key.starts_with(free)));
+        for (group, bodies) in self.bodies.iter().enumerate() {
+            let key = format!("bodies[{group}].file");
+            if let Placement::File(path) = &bodies.placement
+                && let Some((_, value)) = deciding.iter_mut().find(|(name, _)| *name == key)
+            {
+                *value = contents(path).unwrap_or(std::mem::take(value));
+            }
+        }
+        deciding
+    }
 }
 
-type Keys = Vec<(String, String)>;
+/// What is in a file: the scene that a run leaves behind names a copy.
+fn contents(path: &Path) -> Option<String> {
+    let text = read_text(path).ok()?;
+    let mut hasher = DefaultHasher::new();
+    text.hash(&mut hasher);
+    Some(format!("{} bytes with the hash {:016x}", text.len(), hasher.finish()))
+}
 
 fn table(keys: &Keys) -> BTreeMap<&str, &str> {
     keys.iter().map(|(key, value)| (key.as_str(), value.as_str())).collect()
-}
-
-/// Keys and values that decide what a run computes, in the order of a scene file.
-fn keys(scene: &Scene) -> Keys {
-    // without `..`, so that no new section is forgotten
-    let Scene {
-        name: _,
-        title: _,
-        seed,
-        gravity,
-        accuracy,
-        domain,
-        flow,
-        resolution,
-        method,
-        bodies,
-        contact,
-        lubrication,
-        time,
-        output: _,
-        locations: _,
-        text: _,
-    } = scene;
-    let mut keys = vec![pair("seed", seed)];
-    keys.extend(gravity.as_deref().map(|gravity| list("gravity", gravity)));
-    keys.extend(of_domain(domain));
-    keys.extend(of_flow(flow));
-    keys.extend(accuracy.map(|accuracy| pair("accuracy", accuracy)));
-    keys.extend(resolution.iter().flat_map(of_resolution));
-    if !scene.dry() {
-        keys.extend(of_method(method));
-    }
-    for (group, bodies) in bodies.iter().enumerate() {
-        keys.extend(of_bodies(bodies).into_iter().map(|(key, value)| (format!("bodies[{group}].{key}"), value)));
-    }
-    keys.extend(of_contact(contact, lubrication));
-    keys.extend(time.iter().flat_map(of_time));
-    keys
-}
-
-fn pair(key: &str, value: impl Display) -> (String, String) {
-    (key.to_owned(), value.to_string())
-}
-
-fn word(key: &str, value: &str) -> (String, String) {
-    pair(key, format!("{value:?}"))
-}
-
-fn list(key: &str, value: &[f64]) -> (String, String) {
-    pair(key, format!("{value:?}"))
-}
-
-fn of_domain(domain: &DomainSection) -> Keys {
-    let DomainSection { size, axes } = domain;
-    let mut keys = vec![list("domain.size", size)];
-    for (name, axis) in ["x", "y", "z"].into_iter().zip(axes) {
-        match axis {
-            AxisSection::Periodic => keys.push(word(&format!("domain.{name}"), "periodic")),
-            AxisSection::Walls { lower, upper } => {
-                keys.push(list(&format!("domain.{name}.lower"), lower));
-                keys.push(list(&format!("domain.{name}.upper"), upper));
-            }
-        }
-    }
-    keys
-}
-
-fn of_flow(flow: &FlowSection) -> Keys {
-    let FlowSection { model, viscosity, density, drive, source } = flow;
-    let model = match model {
-        FlowModel::None => "none",
-        FlowModel::Scalar => "scalar",
-        FlowModel::Stokes => "stokes",
-    };
-    let mut keys =
-        vec![word("flow.model", model), pair("flow.viscosity", viscosity), pair("flow.density", density), pair("flow.source", source)];
-    keys.extend(matches!(drive, Some(Drive::ShearedBox(_))).then(|| word("flow.drive.periodic", "sheared")));
-    keys.extend(drive.as_ref().map(|drive| match drive {
-        Drive::MeanVelocity(velocity) => list("flow.drive.mean_velocity", velocity),
-        Drive::PressureGradient(gradient) => list("flow.drive.pressure_gradient", gradient),
-        Drive::BodyForce(force) => list("flow.drive.body_force", force),
-        Drive::ShearRate(rate) | Drive::ShearedBox(rate) => pair("flow.drive.shear_rate", rate),
-        Drive::MeanGradient(gradient) => list("flow.drive.mean_gradient", gradient),
-    }));
-    keys
-}
-
-fn of_resolution(resolution: &ResolutionSection) -> Keys {
-    let ResolutionSection { spacing, modes } = resolution;
-    let spacing = match spacing {
-        Spacing::Length(spacing) => pair("resolution.spacing", spacing),
-        Spacing::CellsPerRadius(cells) => pair("resolution.cells_per_radius", cells),
-    };
-    let modes = match modes {
-        Modes::Auto => word("resolution.modes", "auto"),
-        Modes::Most => word("resolution.modes", "most"),
-        Modes::Count(count) => pair("resolution.modes", count),
-    };
-    vec![spacing, modes]
-}
-
-fn of_method(method: &MethodSection) -> Keys {
-    let MethodSection { constraint, inverse, tolerance } = method;
-    let mut keys = vec![word("method.constraint", constraint.word())];
-    keys.extend(match constraint {
-        ConstraintMethod::Penalty(epsilon) => vec![automatic("method.epsilon", *epsilon)],
-        ConstraintMethod::MeanValue(MultiplierSolver::Krylov) => vec![word("method.solver", "krylov")],
-        ConstraintMethod::MeanValue(MultiplierSolver::Uzawa(step)) => {
-            vec![word("method.solver", "uzawa"), automatic("method.uzawa_step", *step)]
-        }
-        ConstraintMethod::Sharp | ConstraintMethod::Distributed | ConstraintMethod::Fitted => vec![],
-    });
-    keys.extend([word("method.inverse", inverse.word()), pair("method.tolerance", tolerance.text())]);
-    keys
-}
-
-fn automatic(key: &str, number: Option<f64>) -> (String, String) {
-    number.map_or_else(|| word(key, "auto"), |number| pair(key, number))
-}
-
-fn of_bodies(bodies: &BodyGroup) -> Keys {
-    let BodyGroup { shape: Shape::Ball, radius, placement, gap, density, motion, force, torque, velocity, spin } = bodies;
-    let mut keys = vec![word("shape", "ball"), pair("radius", radius)];
-    keys.extend(of_placement(placement));
-    keys.extend([pair("gap", gap), pair("density", density)]);
-    keys.extend(of_motion(motion));
-    let lists = [("force", force), ("torque", torque), ("velocity", velocity), ("spin", spin)];
-    keys.extend(lists.into_iter().filter_map(|(key, numbers)| Some(list(key, numbers.as_deref()?))));
-    keys
-}
-
-fn of_placement(placement: &Placement) -> Keys {
-    match placement {
-        Placement::Fraction(fraction) => vec![pair("fraction", fraction)],
-        Placement::Count(count) => vec![pair("count", count)],
-        Placement::Centers(centers) => (0..).zip(centers).map(|(index, center)| list(&format!("centers[{index}]"), center)).collect(),
-        // the scene that a run leaves behind names a copy
-        Placement::File(path) => vec![match read_text(path) {
-            Ok(text) => pair("file", format!("{} bytes with the hash {:016x}", text.len(), hash(&text))),
-            Err(_) => word("file", &path.to_string_lossy()),
-        }],
-    }
-}
-
-fn hash(text: &str) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    text.hash(&mut hasher);
-    hasher.finish()
-}
-
-fn of_motion(motion: &Motion) -> Keys {
-    match motion {
-        Motion::Free => vec![word("motion", "free")],
-        Motion::Fixed => vec![word("motion", "fixed")],
-        Motion::Prescribed { velocity, spin } => vec![list("motion.velocity", velocity), list("motion.spin", spin)],
-    }
-}
-
-fn of_contact(contact: &ContactSection, lubrication: &LubricationSection) -> Keys {
-    let ContactSection { model } = contact;
-    let mut keys = vec![word("contact.model", model.word())];
-    keys.extend(match model {
-        ContactModel::None | ContactModel::Inelastic => vec![],
-        ContactModel::Repulsion { stiffness, range } => vec![pair("contact.stiffness", stiffness), pair("contact.range", range)],
-        ContactModel::Gluey { gamma_min } => gamma_min.map(|least| pair("contact.gamma_min", least)).into_iter().collect(),
-    });
-    let LubricationSection { model } = lubrication;
-    match model {
-        LubricationModel::None => keys.push(word("lubrication.model", "none")),
-        LubricationModel::Pairwise { roughness } => {
-            keys.extend([word("lubrication.model", "pairwise"), pair("lubrication.roughness", roughness)])
-        }
-    }
-    keys
-}
-
-fn of_time(time: &TimeSection) -> Keys {
-    let TimeSection { step, end: _, scheme, travel, until: _ } = time;
-    let scheme = match scheme {
-        Scheme::TwoStep => "two-step",
-        Scheme::Midpoint => "midpoint",
-        Scheme::Euler => "euler",
-    };
-    let step = match step {
-        Step::Auto => vec![word("time.step", "auto"), pair("time.travel", travel)],
-        Step::Fixed(step) => vec![pair("time.step", step)],
-    };
-    [vec![word("time.scheme", scheme)], step].concat()
 }
 
 #[cfg(test)]

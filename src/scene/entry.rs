@@ -113,6 +113,11 @@ impl<'a> Entry<'a> {
     }
 }
 
+/// The word for a choice in a scene file.
+pub(super) fn word_of<T: PartialEq>(words: &[(&'static str, T)], choice: &T) -> &'static str {
+    words.iter().find(|(_, of)| of == choice).map_or("", |(word, _)| word)
+}
+
 /// `a`, `a or b`, `a, b or c`.
 fn listed(mut names: Vec<String>) -> String {
     let last = names.pop().unwrap_or_default();

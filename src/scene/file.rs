@@ -5,12 +5,12 @@ use std::path::Path;
 use toml_edit::{Document, Item, TomlError, Value};
 
 use crate::body::read_text;
-use crate::error::{Error, Result};
+use crate::error::{Error, Refusal, Result};
 use crate::scene::locations::{Lines, Locations};
 use crate::scene::table::Table;
 use crate::scene::{
     BodyGroup, ContactSection, DomainSection, FlowModel, FlowSection, LubricationSection, MethodSection, OutputSection, Placement,
-    ResolutionSection, Scene, TimeSection, accuracy, bodies, check, overrides, scalar,
+    ResolutionSection, Scene, TimeSection, accuracy, bodies, check, keys, overrides, scalar,
 };
 
 const KEYS: [&str; 13] = [
@@ -42,7 +42,7 @@ impl Scene {
         let length = std::fs::metadata(path).map_err(unreadable)?.len();
         if length > LONGEST_FILE {
             let size = length as f64 / 1e6;
-            return Err(Error::Refused(format!("{}:1: holds {size:.1} MB: {TOO_LONG}", path.display())));
+            return Err(Error::refused(format!("{}:1: holds {size:.1} MB: {TOO_LONG}", path.display())));
         }
         let text = read_text(path)?;
         let file = path.file_name().unwrap_or_default().to_string_lossy();
@@ -52,6 +52,20 @@ impl Scene {
     /// The scene of a text that calls itself `name`; files it names are looked for in `folder`.
     pub fn parse(name: &str, folder: &Path, text: &str, overrides: &[String]) -> Result<Scene> {
         load(&format!("{name}.toml"), folder, text, overrides)
+    }
+
+    /// This scene with the text of a file that gives it, once that text has passed the checks of every file.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] with key, value and remedy.
+    pub fn checked(self) -> Result<Scene> {
+        let file = keys::file_of(&keys::keys(&self));
+        let built = load(&format!("{}.toml", self.name), Path::new(""), &file, &[]);
+        let built = built.map_err(|error| match error {
+            Error::Refused(refusal) => Refusal { place: None, ..*refusal }.into(),
+            other => other,
+        })?;
+        Ok(Scene { locations: Locations::default(), ..built })
     }
 
     /// An error with the place of the key that it begins with, if it is a refusal of what no reader of the file could know.
@@ -127,7 +141,7 @@ fn load(file: &str, folder: &Path, text: &str, overrides: &[String]) -> Result<S
 fn misspelt(file: &str, text: &str, error: &TomlError) -> Error {
     let line = error.span().map_or(1, |span| Lines::of(text).at(&span));
     let message = error.message().lines().collect::<Vec<_>>().join("; ");
-    Error::Refused(format!("{file}:{line}: not valid TOML: {message}"))
+    Error::refused(format!("{file}:{line}: not valid TOML: {message}"))
 }
 
 fn read(file: &str, folder: &Path, content: &Value, locations: Locations) -> Result<Scene> {
@@ -345,10 +359,10 @@ scheme = "midpoint"
     #[test]
     fn refusals_that_begin_with_a_key_get_its_place_and_others_stay() {
         let scene = parse(FLAT);
-        let placed = |text: &str| scene.place(Error::Refused(text.into())).to_string();
+        let placed = |text: &str| scene.place(Error::refused(text)).to_string();
         assert_eq!(placed("flow.drive: has no steady flow"), "scene.toml:12: flow.drive: has no steady flow");
         assert_eq!(placed("method.inverse = \"transform\" needs"), "scene.toml:18: method.inverse = \"transform\" needs");
-        for text in ["scene.toml:3: flow.drive = 3", "--out o: holds another run", "centers.csv:3: found 2", "2 ranks do not fit"] {
+        for text in ["scene.toml:3: flow.drive = 3", "out: holds another run", "centers.csv:3: found 2", "2 ranks do not fit"] {
             assert_eq!(placed(text), text);
         }
     }

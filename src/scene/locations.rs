@@ -6,63 +6,68 @@ use std::ops::Range;
 
 use toml_edit::{Array, Document, Item, Key, TableLike, Value};
 
-use crate::error::Error;
+use crate::error::{Error, Place, Refusal};
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Place {
-    Line(usize),
-    Override,
-}
-
-/// The place of every key of a scene: a line of its file, or the command line.
-#[derive(Debug, Clone, PartialEq)]
+/// The place of every key of a scene: a line of its file, an override, or nothing if the scene was never written.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Locations {
-    file: String,
-    places: BTreeMap<String, Place>,
+    /// Name of the file, if there is one.
+    file: Option<String>,
+    /// Lines of keys; nothing for those of overrides.
+    lines: BTreeMap<String, Option<usize>>,
 }
 
 impl Locations {
     pub(super) fn of(file: &str, document: &Document<&str>) -> Self {
         let mut walk = Walk { lines: Lines::of(document.raw()), places: BTreeMap::new() };
         walk.table("", document.as_table());
-        Locations { file: file.to_owned(), places: walk.places }
+        Locations { file: Some(file.to_owned()), lines: walk.places }
     }
 
+    /// The refusal of a key's value.
     pub(super) fn refuse(&self, key: &str, value: impl Display, remedy: &str) -> Error {
-        self.complain(key, format!("{} = {value}: {remedy}", written(&dotted(key))))
+        Refusal { value: Some(value.to_string()), ..self.refusal(key, remedy.to_owned()) }.into()
     }
 
+    /// The refusal of a key that the message names.
     pub(super) fn complain(&self, key: &str, message: String) -> Error {
-        let place = match self.nearest(&dotted(key)) {
-            Place::Line(line) => format!("{}:{line}", self.file),
-            Place::Override => "--set".to_owned(),
+        self.refusal(key, message).into()
+    }
+
+    fn refusal(&self, key: &str, remedy: String) -> Refusal {
+        let key = dotted(key);
+        let place = match self.nearest(&key) {
+            Some(line) => self.file.as_ref().map(|file| Place::Line { file: file.clone(), line }),
+            None => Some(Place::Override(None)),
         };
-        Error::Refused(format!("{place}: {message}"))
+        Refusal { place, key: Some(written(&key)), remedy, ..Refusal::default() }
     }
 
     /// A refusal that begins with a key, with the place of that key; any other error as it is.
     pub(super) fn place(&self, error: Error, sections: &[&str]) -> Error {
-        let Error::Refused(text) = &error else { return error };
-        let key = text.split([' ', ':', '=', ',']).next().unwrap_or_default();
+        let Error::Refused(refusal) = &error else { return error };
+        let Refusal { place: None, key: None, remedy, .. } = refusal.as_ref() else { return error };
+        let key = remedy.split([' ', ':', '=', ',']).next().unwrap_or_default();
         match sections.contains(&key.split(['.', '[']).next().unwrap_or_default()) {
-            true => self.complain(key, text.clone()),
+            true => self.complain(key, remedy.clone()),
             false => error,
         }
     }
 
     pub(super) fn forget(&mut self, key: &str) {
         let inside = format!("{key}.");
-        self.places.retain(|path, _| path != key && !path.starts_with(&inside));
+        self.lines.retain(|path, _| path != key && !path.starts_with(&inside));
     }
 
     pub(super) fn overridden(&mut self, key: &str) {
         self.forget(key);
-        self.places.insert(key.to_owned(), Place::Override);
+        self.lines.insert(key.to_owned(), None);
     }
 
-    fn nearest(&self, key: &str) -> Place {
+    /// The line of a key or of the innermost table around it that was written; nothing if that was an override.
+    fn nearest(&self, key: &str) -> Option<usize> {
         let ends = key.rmatch_indices('.').map(|(end, _)| end);
-        std::iter::once(key.len()).chain(ends).find_map(|end| self.places.get(&key[..end]).copied()).unwrap_or(Place::Line(1))
+        std::iter::once(key.len()).chain(ends).find_map(|end| self.lines.get(&key[..end]).copied()).unwrap_or(Some(1))
     }
 }
 
@@ -105,7 +110,7 @@ impl Lines {
 
 struct Walk {
     lines: Lines,
-    places: BTreeMap<String, Place>,
+    places: BTreeMap<String, Option<usize>>,
 }
 
 impl Walk {
@@ -151,7 +156,7 @@ impl Walk {
     fn note(&mut self, path: &str, span: Option<Range<usize>>) {
         if let Some(span) = span {
             let line = self.lines.at(&span);
-            self.places.insert(path.to_owned(), Place::Line(line));
+            self.places.insert(path.to_owned(), Some(line));
         }
     }
 }

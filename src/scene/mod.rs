@@ -9,6 +9,7 @@ mod check;
 mod difference;
 mod entry;
 mod file;
+mod keys;
 mod locations;
 mod overrides;
 mod scalar;
@@ -67,6 +68,28 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// An empty box of this size, periodic along each axis, that Stokes flow fills: a scene to fill in, and then to [check](Scene::checked).
+    pub fn new(name: &str, size: &[f64]) -> Scene {
+        Scene {
+            name: name.to_owned(),
+            title: String::new(),
+            seed: 1,
+            gravity: None,
+            domain: DomainSection { size: size.to_vec(), axes: vec![AxisSection::Periodic; size.len()] },
+            flow: FlowSection::default(),
+            accuracy: None,
+            resolution: None,
+            method: MethodSection::default(),
+            bodies: Vec::new(),
+            contact: ContactSection::default(),
+            lubrication: LubricationSection::default(),
+            time: None,
+            output: OutputSection::default(),
+            locations: Locations::default(),
+            text: String::new(),
+        }
+    }
+
     /// The dimension of space, 2 or 3.
     pub fn dimension(&self) -> usize {
         self.domain.size.len()
@@ -105,8 +128,8 @@ impl Scene {
 
     /// The refusal of a key's value: place, key, value and what would be right.
     ///
-    /// `key` is written `bodies[0].radius` or `bodies.0.radius`. The place is the line that holds the key, `--set` if
-    /// the command line gave it, or the line of the innermost table around a key that nobody wrote.
+    /// `key` is written `bodies[0].radius` or `bodies.0.radius`. The place is the line that holds the key, an
+    /// override if one gave it, or the line of the innermost table around a key that nobody wrote.
     pub fn refuse(&self, key: &str, value: impl std::fmt::Display, remedy: &str) -> Error {
         self.locations.refuse(key, value, remedy)
     }

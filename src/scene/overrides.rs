@@ -1,10 +1,10 @@
-//! `--set key=value`: changes to a scene's document before it is checked.
+//! Overrides `key=value`: changes to a scene's document before it is checked.
 //!
 //! Setting one of several keys that exclude each other removes its rivals. A resumed run takes few changes.
 
 use toml_edit::{DocumentMut, InlineTable, Item, Table, Value};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Place, Refusal, Result};
 use crate::scene::Scene;
 use crate::scene::bodies::PLACEMENTS;
 use crate::scene::locations::{Locations, dotted, written};
@@ -94,7 +94,8 @@ impl<'a> Change<'a> {
 }
 
 fn malformed(text: &str, remedy: &str) -> Error {
-    Error::Refused(format!("--set \"{}\": {remedy}", text.escape_debug()))
+    let place = Some(Place::Override(Some(text.to_owned())));
+    Refusal { place, ..Refusal::from(remedy.to_owned()) }.into()
 }
 
 fn is_bare(part: &str) -> bool {
@@ -251,7 +252,7 @@ fraction = 0.1
         }
         for text in ["time.step=1", "time={end=2}", "time.end.x=1", "bodies.0.radius=1", "title=other"] {
             let remedy = "a resumed run keeps its scene; only time.end, time.until and output.* may change";
-            assert_eq!(resumable(text).unwrap_err().to_string(), format!("--set \"{text}\": {remedy}"));
+            assert_eq!(resumable(text).unwrap_err().to_string(), format!("override \"{text}\": {remedy}"));
         }
         assert!(resumable("time.end").unwrap_err().to_string().contains("must be key=value"));
     }
@@ -278,13 +279,13 @@ fraction = 0.1
     }
 
     #[test]
-    fn a_refusal_of_an_override_names_the_command_line() {
+    fn a_refusal_of_an_override_says_so() {
         let refusal = |text| with(&[text]).unwrap_err().to_string();
-        assert_eq!(refusal("bodies.0.radius=-1"), "--set: bodies[0].radius = -1: must be positive");
-        assert_eq!(refusal("flow.drive={shear_rate=nan}"), "--set: flow.drive.shear_rate = nan: must be finite");
-        assert_eq!(refusal("flow.drive={}").split(" needs").next(), Some("--set: flow.drive"));
-        assert!(refusal("flux.density=1").starts_with("--set: unknown key flux; "));
-        assert!(refusal("bodies=3").starts_with("--set: bodies = 3: must be a list"));
+        assert_eq!(refusal("bodies.0.radius=-1"), "override: bodies[0].radius = -1: must be positive");
+        assert_eq!(refusal("flow.drive={shear_rate=nan}"), "override: flow.drive.shear_rate = nan: must be finite");
+        assert_eq!(refusal("flow.drive={}").split(" needs").next(), Some("override: flow.drive"));
+        assert!(refusal("flux.density=1").starts_with("override: unknown key flux; "));
+        assert!(refusal("bodies=3").starts_with("override: bodies = 3: must be a list"));
     }
 
     #[test]
@@ -307,7 +308,7 @@ fraction = 0.1
         ];
         for text in malformed {
             let refusal = with(&[text]).unwrap_err().to_string();
-            assert!(refusal.starts_with(&format!("--set \"{text}\": ")), "{refusal}");
+            assert!(refusal.starts_with(&format!("override \"{text}\": ")), "{refusal}");
         }
     }
 }

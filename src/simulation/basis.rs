@@ -173,10 +173,9 @@ impl<const D: usize> Basis<D> {
 /// Refuses a drive under which the flow would never become steady.
 pub fn check_steady_state<const D: usize>(setup: &Setup<D>) -> Result<()> {
     if setup.drive.leaves_mean_velocity_open(&setup.domain) && setup.bodies.iter().all(|suspended| suspended.body.free()) {
-        return Err(Error::Refused(
+        return Err(Error::refused(
             "flow.drive: under a uniform force a fully periodic box in which nothing is fixed has no steady flow; \
-             fix a body, put up walls, or prescribe mean_velocity"
-                .into(),
+             fix a body, put up walls, or prescribe mean_velocity",
         ));
     }
     Ok(())

@@ -53,7 +53,7 @@ impl Beat {
         let kept = self.within(time, together);
         if kept > time * (1.0 + ROUNDING) {
             let cells = if together > 1.0 { "two cells, one for each half of a step" } else { "one cell" };
-            return Err(Error::Refused(format!(
+            return Err(Error::refused(format!(
                 "time.{key} = {time}: the images of the sheared box slide by whole cells in a step, at least {cells}, which takes {kept}; \
                  lengthen it or refine [resolution]"
             )));

@@ -104,7 +104,7 @@ impl<const D: usize> Suspension<D> {
     /// [`Error::Refused`] when the inverse of the fluid is not exact: the fluid is then no part that can be eliminated.
     pub fn conditions(&mut self) -> Result<Conditions> {
         if !self.basis.condensed {
-            return Err(Error::Refused("condition numbers on the multipliers take an exact inverse of the fluid (transform)".into()));
+            return Err(Error::refused("condition numbers on the multipliers take an exact inverse of the fluid (transform)"));
         }
         let (centers, basis) = (self.initial_centers(), &self.basis);
         let mut ready = Ready::new(basis, (None, None), None, &self.at_rest(&centers))?;

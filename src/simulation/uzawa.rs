@@ -37,8 +37,8 @@ pub fn uzawa<const D: usize>(
 ) -> Result<Report> {
     let start = Instant::now();
     if !system.0.surfaces.velocities_only() {
-        return Err(Error::Refused(
-            "method.solver = \"uzawa\" knows no contacts and no mean velocity under a uniform force on fixed bodies; use \"krylov\"".into(),
+        return Err(Error::refused(
+            "method.solver = \"uzawa\" knows no contacts and no mean velocity under a uniform force on fixed bodies; use \"krylov\"",
         ));
     }
     let step = match step {

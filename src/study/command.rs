@@ -81,15 +81,14 @@ impl StudyCommand {
 }
 
 fn parsed<S: clap::Args>(matches: &ArgMatches) -> Result<S> {
-    S::from_arg_matches(matches).map_err(|error| Error::Refused(error.to_string()))
+    S::from_arg_matches(matches).map_err(|error| Error::refused(error.to_string()))
 }
 
 /// The refusal to be one of several ranks.
 fn ranks_refused() -> Error {
-    Error::Refused(
+    Error::refused(
         "this study starts its own ranks: call `turbid scaling SCENE --ranks 1,2,4` (or `turbid cost SCENE`, `turbid inverses SCENE..`, `turbid viscosity`) without mpirun; \
-         --launcher says how they start"
-            .into(),
+         --launcher says how they start",
     )
 }
 
@@ -150,7 +149,7 @@ mod tests {
         const ABOUT: &'static str = "Refuse odd numbers.";
 
         fn run(&self, petsc: &PetscOptions) -> Result<()> {
-            if self.number.is_multiple_of(2) { Ok(()) } else { Err(Error::Refused(format!("{} {petsc:?}", self.number))) }
+            if self.number.is_multiple_of(2) { Ok(()) } else { Err(Error::refused(format!("{} {petsc:?}", self.number))) }
         }
     }
 

@@ -82,10 +82,10 @@ impl Cost {
     fn shortened(&self, whole: &Scene) -> Result<(Cost, f64)> {
         let Some(until) = self.until else { return Ok((self.clone(), 1.0)) };
         if whole.time.is_none() {
-            return Err(Error::Refused(format!("--until {until}: the scene is one instant; leave the flag out")));
+            return Err(Error::refused(format!("--until {until}: the scene is one instant; leave the flag out")));
         }
         if !(until > 0.0 && until <= whole.end()) {
-            return Err(Error::Refused(format!("--until {until}: must lie above 0 and not above time.end = {}", whole.end())));
+            return Err(Error::refused(format!("--until {until}: must lie above 0 and not above time.end = {}", whole.end())));
         }
         let overrides = [&self.scene.overrides[..], &[format!("time.end={until:?}")]].concat();
         let scene = SceneArguments { overrides, ..self.scene.clone() };

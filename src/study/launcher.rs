@@ -127,7 +127,7 @@ impl Launcher {
     pub fn new(command: &str, petsc: &[String]) -> Result<Launcher> {
         let words: Vec<String> = command.split_whitespace().map(str::to_owned).collect();
         if !words.iter().skip(1).any(|word| word.contains(PLACE)) {
-            return Err(Error::Refused(format!(
+            return Err(Error::refused(format!(
                 "--launcher {command:?}: must be a command with {PLACE} where the number of ranks goes, \
                  for example \"mpirun -n {PLACE}\" or \"srun -n {PLACE}\""
             )));
@@ -164,7 +164,7 @@ impl Launcher {
         let outcome = self.command(job).output();
         let output = outcome.map_err(|error| {
             let program = &self.words[0];
-            Error::Refused(format!("--launcher: {program} cannot be started ({error}); install it or name another launcher"))
+            Error::refused(format!("--launcher: {program} cannot be started ({error}); install it or name another launcher"))
         })?;
         if !output.status.success() {
             let failure = failure(job.ranks, &output);
@@ -193,7 +193,7 @@ fn failure(ranks: usize, output: &Output) -> Error {
     let own = own_words(output);
     let said = if own.is_empty() { String::from_utf8_lossy(&output.stderr).trim().to_owned() } else { own };
     let text = format!("the run with --ranks {ranks} failed ({}):\n{said}", output.status);
-    if output.status.code() == Some(2) { Error::Refused(text) } else { Error::Diverged(text) }
+    if output.status.code() == Some(2) { Error::refused(text) } else { Error::Diverged(text) }
 }
 
 fn own_words(output: &Output) -> String {

@@ -213,10 +213,10 @@ fn rank_counts(ranks: &[usize]) -> Result<Vec<usize>> {
     ranks.sort_unstable();
     ranks.dedup();
     if ranks.is_empty() || ranks[0] == 0 {
-        return Err(Error::Refused("--ranks: must be numbers from 1 up, for example --ranks 1,2,4".into()));
+        return Err(Error::refused("--ranks: must be numbers from 1 up, for example --ranks 1,2,4"));
     }
     if let Some(many) = ranks.last().filter(|&&ranks| ranks > MOST_STARTED) {
-        return Err(Error::Refused(format!("--ranks {many}: must be at most {MOST_STARTED}; more are only modelled")));
+        return Err(Error::refused(format!("--ranks {many}: must be at most {MOST_STARTED}; more are only modelled")));
     }
     Ok(ranks)
 }

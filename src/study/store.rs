@@ -68,7 +68,7 @@ impl<R: Recorded> Store<R> {
         let mut records = Vec::new();
         if path.exists() && !fresh {
             let refuse = |reason: String| {
-                Error::Refused(format!("--out {}: {reason}; choose another folder, or start anew with --fresh", folder.display()))
+                Error::refused(format!("--out {}: {reason}; choose another folder, or start anew with --fresh", folder.display()))
             };
             let text = fs::read_to_string(&path).map_err(|source| Error::File { path: path.clone(), source })?;
             let foreign = |_| refuse(format!("its {file} is not one that this version wrote"));

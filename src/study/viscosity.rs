@@ -106,7 +106,7 @@ impl ViscosityStudy {
     }
 
     fn check(&self) -> Result<()> {
-        let refuse = |option: &str, value: String, remedy: &str| Err(Error::Refused(format!("--{option} {value}: {remedy}")));
+        let refuse = |option: &str, value: String, remedy: &str| Err(Error::refused(format!("--{option} {value}: {remedy}")));
         if let Some(dimension) = self.dimensions.iter().find(|dimension| !(2..=3).contains(*dimension)) {
             return refuse("dimensions", dimension.to_string(), "must be 2 or 3");
         }

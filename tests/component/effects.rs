@@ -5,7 +5,7 @@ use std::path::Path;
 
 use turbid::{
     body::components,
-    petsc::{Census, Class, Session},
+    petsc::{Class, ObjectCounts, Session},
     scene::Scene,
     simulation::{FlowSolver, Plan, Setup, Simulation, Suspension},
 };
@@ -55,12 +55,12 @@ struct Built {
     /// Motions, forces and torques of the bodies, and the mean velocity.
     numbers: Vec<f64>,
     /// Objects that were alive after the solve.
-    census: Census,
+    counts: ObjectCounts,
     suspension: Suspension<2>,
 }
 
 fn instant(session: &Session, scene: &Scene) -> Built {
-    let before = Census::local_now();
+    let before = ObjectCounts::local_now();
     let mut suspension = Suspension::new(session, Setup::<2>::of(scene).unwrap()).unwrap();
     let solution = suspension.solve(&mut |_, _| {}).unwrap();
     let mut numbers = solution.mean_velocity.as_slice().to_vec();
@@ -69,7 +69,7 @@ fn instant(session: &Session, scene: &Scene) -> Built {
         numbers.extend(components(&body.twist.spin).iter().chain(&components(&body.torque)));
     }
     drop(solution);
-    Built { numbers, census: Census::local_now().since(&before), suspension }
+    Built { numbers, counts: ObjectCounts::local_now().since(&before), suspension }
 }
 
 fn assert_same(what: &str, one: &[f64], two: &[f64]) {
@@ -82,15 +82,15 @@ fn plan(session: &Session, scene: &Scene) -> String {
     Plan::<2>::of(scene).unwrap().report(session.world().size()).unwrap().to_string()
 }
 
-/// The census counts down as well as up: what the other tests rely on.
+/// The count counts down as well as up: what the other tests rely on.
 fn all_objects_of_a_suspension_go_with_it(session: &Session) {
-    let before = Census::local_now();
+    let before = ObjectCounts::local_now();
     let built = instant(session, &scene(SHEARED, &[]));
     let classes = [Class::Vector, Class::Matrix, Class::Solver, Class::Preconditioner];
-    assert!(classes.iter().all(|&class| built.census.of(class) > 0), "{:?}", built.census);
-    assert_eq!(built.census.total(), Census::local_now().total() - before.total());
+    assert!(classes.iter().all(|&class| built.counts.of(class) > 0), "{:?}", built.counts);
+    assert_eq!(built.counts.total(), ObjectCounts::local_now().total() - before.total());
     drop(built);
-    assert_eq!(Census::local_now(), before);
+    assert_eq!(ObjectCounts::local_now(), before);
 }
 
 /// A free body in a uniform flow is at zero strength: it moves with the fluid and disturbs nothing.
@@ -111,7 +111,7 @@ fn no_motion_no_memory_of_solves_and_bodies_that_stay_are_solved_for_alike(sessi
     let without = instant(session, &scene(SHEARED, &held));
     assert!(without.suspension.past().is_none());
     let moving = scene(SHEARED, &[&held[..], &["time.end=0.3", "time.step=0.1"]].concat());
-    let before = Census::local_now();
+    let before = ObjectCounts::local_now();
     let mut simulation = Simulation::<2>::new(session, &moving).unwrap();
     let mut steps = 0;
     loop {
@@ -128,15 +128,15 @@ fn no_motion_no_memory_of_solves_and_bodies_that_stay_are_solved_for_alike(sessi
     }
     assert_eq!(steps, 3);
     assert!(simulation.suspension().unwrap().past().is_some());
-    let built = Census::local_now().since(&before);
-    assert!(built.of(Class::Vector) > without.census.of(Class::Vector), "{built:?} and {:?}", without.census);
-    assert_eq!(built.of(Class::Matrix), without.census.of(Class::Matrix));
+    let built = ObjectCounts::local_now().since(&before);
+    assert!(built.of(Class::Vector) > without.counts.of(Class::Vector), "{built:?} and {:?}", without.counts);
+    assert_eq!(built.of(Class::Matrix), without.counts.of(Class::Matrix));
 }
 
 fn no_contact_no_certificate_and_bodies_that_do_not_touch_move_alike(session: &Session) {
     let run = |model: &str| {
         let scene = scene(SHEARED, &["time.end=0.2", "time.step=0.1", &format!("contact.model={model}")]);
-        let before = Census::local_now();
+        let before = ObjectCounts::local_now();
         let mut simulation = Simulation::<2>::new(session, &scene).unwrap();
         let mut certificates = 0;
         while !simulation.over() {
@@ -146,7 +146,7 @@ fn no_contact_no_certificate_and_bodies_that_do_not_touch_move_alike(session: &S
             certificates += usize::from(report.certificate.is_some());
         }
         let centers: Vec<f64> = simulation.state().centers().iter().flat_map(|center| center.data.0[0]).collect();
-        (centers, certificates, Census::local_now().since(&before))
+        (centers, certificates, ObjectCounts::local_now().since(&before))
     };
     let (with, without) = (run("inelastic"), run("none"));
     assert_eq!((without.1, with.1), (0, 2));
@@ -163,7 +163,7 @@ fn no_gravity_no_weight_and_a_weightless_body_moves_alike(session: &Session) {
     });
     for with in &weightless {
         assert_same("zero weight", &with.numbers, &without.numbers);
-        assert_eq!(with.census, without.census);
+        assert_eq!(with.counts, without.counts);
     }
     let heavy = scene(SHEARED, &["gravity=[0.0, -1.0]"]);
     assert!(plan(session, &heavy).contains("built      gravity: [0.0, -1.0], weight of free bodies"));
@@ -176,7 +176,7 @@ fn no_lubrication_no_film_and_bodies_far_apart_move_alike(session: &Session) {
     let without = instant(session, &scene(SHEARED, &[modes]));
     let with = instant(session, &scene(SHEARED, &[modes, "lubrication.model=pairwise"]));
     assert_same("films out of reach", &with.numbers, &without.numbers);
-    assert_eq!(with.census, without.census);
+    assert_eq!(with.counts, without.counts);
     let near = [modes, "bodies.0.centers=[[1.0, 1.4], [2.01, 1.45]]"];
     let resolved = instant(session, &scene(SHEARED, &near));
     let lubricated = instant(session, &scene(SHEARED, &[&near[..], &["lubrication.model=pairwise"]].concat()));
@@ -188,7 +188,7 @@ fn no_torque_and_a_torque_of_zero_are_alike(session: &Session) {
     let without = instant(session, &scene(SHEARED, &[]));
     let with = instant(session, &scene(SHEARED, &["bodies.0.torque=0.0", "bodies.0.force=[0.0, 0.0]"]));
     assert_same("zero torque", &with.numbers, &without.numbers);
-    assert_eq!(with.census, without.census);
+    assert_eq!(with.counts, without.counts);
     assert!(plan(session, &scene(SHEARED, &["bodies.0.motion=fixed"])).contains("not built  rotation"));
     let turned = instant(session, &scene(SHEARED, &["bodies.0.torque=0.5"]));
     assert!((turned.numbers[6] - without.numbers[6]).abs() > 0.1, "a torque turns");
@@ -201,7 +201,7 @@ fn no_drive_no_mean_values_and_a_drive_of_zero_is_alike(session: &Session) {
     for drive in ["pressure_gradient=[0.0, 0.0]", "body_force=[0.0, 0.0]"] {
         let with = instant(session, &scene(SHEARED, &[&format!("flow.drive.{drive}")]));
         assert_same(drive, &with.numbers, &found.numbers);
-        assert_eq!(with.census, found.census, "{drive}");
+        assert_eq!(with.counts, found.counts, "{drive}");
     }
     // a mean velocity is held by a force that is to be found
     assert!(plan(session, &scene(SHEARED, &["flow.drive.mean_velocity=[0.0, 0.0]"])).contains(" 1 mean values"));
@@ -225,14 +225,14 @@ step = 0.1
 "#;
 
 fn no_fluid_not_one_object_and_no_pressure(session: &Session) {
-    let before = Census::local_now();
+    let before = ObjectCounts::local_now();
     let scene = scene(DRY, &[]);
     let mut simulation = Simulation::<2>::new(session, &scene).unwrap();
     while !simulation.over() {
         let view = simulation.look(&mut |_, _| {}).unwrap();
         assert!(view.solution.is_none());
         simulation.step(&view, &mut |_, _| {}).unwrap();
-        assert_eq!(Census::local_now(), before);
+        assert_eq!(ObjectCounts::local_now(), before);
     }
     assert!(simulation.suspension().is_none());
     let said = plan(session, &scene);

@@ -388,13 +388,13 @@ fn without_lubrication_no_film_is_built_or_felt(session: &Session) {
         };
         let interactions = lubrication.map_or_else(Interactions::default, films);
         let setup = Setup { interactions, ..setup(periodic::<2>(24.0), 6.0, 4, vec![body(-1.0), body(1.0)]) };
-        let before = turbid::petsc::Census::local_now();
+        let before = turbid::petsc::ObjectCounts::local_now();
         let mut suspension = Suspension::new(session, setup).unwrap();
         let solution = suspension.solve(&mut |_, _| {}).unwrap();
         let force = across.dot(&solution.bodies[0].force);
         println!(
             "FILM {lubrication:?} {gap:e} {force} {:?} {:?}",
-            turbid::petsc::Census::local_now().since(&before),
+            turbid::petsc::ObjectCounts::local_now().since(&before),
             suspension.cost().multiplier_unknowns
         );
         force

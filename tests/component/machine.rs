@@ -74,7 +74,7 @@ fn ranks_that_all_succeed_keep_their_own_values(session: &Session) {
 fn an_error_on_one_rank_becomes_an_error_on_all_with_its_exit_code(session: &Session) {
     let (rank, size) = place(session);
     for guilty in 0..size {
-        let refused = || Error::Refused("no such key".into());
+        let refused = || Error::refused("no such key");
         let error = session.world().agree(if rank == guilty { Err(refused()) } else { Ok(()) }).unwrap_err();
         assert_eq!((error.to_string().as_str(), error.exit_code()), ("no such key", 2));
         let diverged = || Error::Diverged("too slow".into());
@@ -87,10 +87,10 @@ fn an_error_on_one_rank_becomes_an_error_on_all_with_its_exit_code(session: &Ses
 fn the_first_of_two_errors_is_the_one_agreed_on(session: &Session) {
     let (rank, size) = place(session);
     // the first rank's error has exit code 2, the others' 1
-    let outcome = if rank == 0 { Error::Refused("first".into()) } else { Error::Diverged("later".into()) };
+    let outcome = if rank == 0 { Error::refused("first") } else { Error::Diverged("later".into()) };
     let error = session.world().agree::<()>(Err(outcome)).unwrap_err();
     assert_eq!((error.to_string().as_str(), error.exit_code()), ("first", 2));
-    let outcome = if rank + 1 == size { Err(Error::Refused("last".into())) } else { Ok(()) };
+    let outcome = if rank + 1 == size { Err(Error::refused("last")) } else { Ok(()) };
     assert_eq!(session.world().agree(outcome).unwrap_err().exit_code(), 2);
 }
 

@@ -30,9 +30,11 @@ mod laws;
 mod laws_flow;
 mod lubrication;
 mod machine;
+mod measure;
 mod methods;
 mod motion;
 mod near;
+mod outputs;
 mod parts;
 mod scalar;
 mod sheared;
@@ -99,6 +101,8 @@ fn main() {
         fluid::tests(),
         transform::tests(),
         near::tests(),
+        outputs::tests(),
+        measure::tests(),
         parts::tests(),
         scalar::tests(),
         inclusions::tests(),

@@ -133,7 +133,7 @@ fn a_part_of_a_cell_is_refused(session: &Session) {
     let world = session.world();
     let error = Grid::new(&sheared(Vector2::repeat(1.0), 0.03), 1.0 / 16.0, world.size(), world.rank()).err().unwrap();
     let Error::Refused(text) = error else { panic!("{error:?}") };
-    assert!(text.contains("0.48 cells aside"), "{text}");
+    assert!(text.remedy.contains("0.48 cells aside"), "{text}");
 }
 
 fn simulation(session: &Session, setup: Setup<2>, time: TimeSection, contact: ContactModel) -> Simulation<2> {

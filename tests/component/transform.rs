@@ -154,7 +154,7 @@ fn closed_boxes_are_refused_with_a_remedy(session: &Session) {
         let error = TransformInverse::new(&Stokes::new(session, &grid), &grid).err().unwrap();
         let Error::Refused(text) = error else { panic!("{error:?}") };
         for part in ["method.inverse = \"transform\"", "walls across one axis at most", "method.inverse = \"hypre\""] {
-            assert!(text.contains(part), "{text:?} lacks {part:?}");
+            assert!(text.remedy.contains(part), "{text:?} lacks {part:?}");
         }
     }
     proof(session, [true, true]);

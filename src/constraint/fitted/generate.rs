@@ -68,7 +68,7 @@ fn check_gaps(domain: &Domain<2>, disks: &[Ball<2>]) -> Result<()> {
     let walls = near_walls(domain, disks, reach).into_iter().map(|pair| (pair.body, pair.gap));
     match pairs.chain(walls).find(|&(disk, gap)| gap < NARROWEST * disks[disk].radius) {
         None => Ok(()),
-        Some((disk, gap)) => Err(Error::Refused(format!(
+        Some((disk, gap)) => Err(Error::refused(format!(
             "method.constraint = \"fitted\": body {disk} leaves a gap of {:.1e} radii, and no mesh fits below {NARROWEST:.0e}; \
              move bodies apart or set method.constraint = \"sharp\"",
             gap / disks[disk].radius

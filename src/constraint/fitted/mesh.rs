@@ -168,7 +168,7 @@ impl Mesh {
 }
 
 fn misfit(what: &str) -> Error {
-    Error::Refused(format!("method.constraint = \"fitted\": no mesh fits ({what}); refine [resolution] or enlarge domain.size"))
+    Error::refused(format!("method.constraint = \"fitted\": no mesh fits ({what}); refine [resolution] or enlarge domain.size"))
 }
 
 /// Each edge must have two triangles, or one if it lies on a surface or a wall; each vertex there begins one such edge.

@@ -62,12 +62,12 @@ impl Animation {
     fn still(&self, layout: &Layout, frame: &AnimationFrame, top: f64, part: f64) -> Canvas {
         let mut canvas = layout.empty(part);
         for disk in frame.disks.iter().filter(|disk| disk.finite()) {
-            self.draw(&mut canvas, layout, (disk, frame.shift), palette::shade(disk.speed / top));
+            self.draw(&mut canvas, layout, disk, frame.shift, palette::shade(disk.speed / top));
         }
         canvas
     }
 
-    fn draw(&self, canvas: &mut Canvas, layout: &Layout, (disk, shift): (&AnimatedDisk, f64), shade: [u8; 3]) {
+    fn draw(&self, canvas: &mut Canvas, layout: &Layout, disk: &AnimatedDisk, shift: f64, shade: [u8; 3]) {
         let radius = disk.radius * layout.scale;
         let mark = MARK.map(|part| part * radius);
         for center in (Window { size: self.size, periodic: self.periodic, shift }).images(disk.center, disk.radius) {

@@ -35,7 +35,7 @@ pub(super) const COUNTS: [(&str, usize); 3] = [("body", 1), ("partner", 1), ("im
 
 impl<const D: usize> FrameContact<D> {
     /// The entry of a contact between bodies where they are.
-    pub fn of(contact: &Contact<D>, balls: &[Ball<D>], (force, gamma): (f64, Option<f64>)) -> FrameContact<D> {
+    pub fn of(contact: &Contact<D>, balls: &[Ball<D>], force: f64, gamma: Option<f64>) -> FrameContact<D> {
         let Contact { body, partner, image, normal, gap, .. } = *contact;
         let point = balls[body].center + normal * (balls[body].radius + 0.5 * gap);
         FrameContact { body, partner, image, point, normal, gap, force, gamma }

@@ -1,6 +1,6 @@
-//! A frame as the others see it.
+//! What all frames together know of one.
 
-use super::{Frame, FrameContact};
+use super::{contact::FrameContact, frame::Frame};
 use crate::grid::Grid;
 
 /// The folder of the frames in the run's folder.

@@ -12,8 +12,8 @@ use super::{
 use crate::{
     error::{Error, Result},
     output::{
-        file::{aside, write_whole},
-        together::{cause, reserve},
+        file::{remove_file, temporary, write_whole},
+        parallel_file::{cause, reserve},
     },
 };
 
@@ -32,7 +32,7 @@ pub(super) fn write(folder: &Path, entries: &[Entry]) -> Result<()> {
     let companions = [(BODIES, xdmf::bodies(entries)), (CONTACTS, xdmf::contacts(entries)), (FIELDS, xdmf::fields(entries))];
     companions.into_iter().try_for_each(|(name, text)| match text {
         Some(text) => write_whole(&folder.join(name), text.as_bytes()),
-        None => remove(&folder.join(name)),
+        None => remove_file(&folder.join(name)),
     })
 }
 
@@ -71,23 +71,16 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>> {
     list().map_err(|source| Error::File { path: folder.to_owned(), source })
 }
 
-fn remove(path: &Path) -> Result<()> {
-    match fs::remove_file(path) {
-        Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(Error::File { path: path.to_owned(), source }),
-        _ => Ok(()),
-    }
-}
-
 fn write_run(path: &Path, entries: &[Entry]) -> Result<()> {
-    let aside = aside(path);
+    let temporary = temporary(path);
     // a file that HDF5 cannot close on a full disk brings the program down at its end
     let room = ROOM + ROOM_OF_ENTRY * entries.len() as u64;
-    let written = fs::File::create(&aside).and_then(|file| reserve(&file, 0, room));
-    let written = written.and_then(|()| link_frames(&aside, entries).map_err(|error| cause(&error)));
-    let renamed = written.and_then(|()| fs::File::open(&aside)?.sync_all()).and_then(|()| fs::rename(&aside, path));
+    let written = fs::File::create(&temporary).and_then(|file| reserve(&file, 0, room));
+    let written = written.and_then(|()| link_frames(&temporary, entries).map_err(|error| cause(&error)));
+    let renamed = written.and_then(|()| fs::File::open(&temporary)?.sync_all()).and_then(|()| fs::rename(&temporary, path));
     renamed.map_err(|source| {
         // the error that matters is the first one
-        let _ = fs::remove_file(&aside);
+        let _ = fs::remove_file(&temporary);
         Error::File { path: path.to_owned(), source }
     })
 }

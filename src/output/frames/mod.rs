@@ -21,7 +21,7 @@ pub(super) use entry::FOLDER as FRAMES;
 pub use frame::{Frame, FrameFields};
 pub use read::{StoredFrame, read_frames};
 
-use super::together::Together;
+use super::parallel_file::ParallelFile;
 use crate::{error::Result, parallel::World};
 use entry::{Entry, path_in_run};
 use recovery::Kept;
@@ -51,8 +51,7 @@ impl Frames {
     }
 
     fn keep(world: &World, folder: &Path, time: f64) -> Result<(Frames, Vec<String>)> {
-        let kept = if world.rank() == 0 { recovery::keep_until(folder, time) } else { Ok(Kept::default()) };
-        let Kept { entries, next, notes } = world.agree(kept)?;
+        let Kept { entries, next, notes } = world.on_first_rank(|| recovery::keep_until(folder, time))?;
         let next = world.gather(&[next as u64])[0] as usize;
         Ok((Frames { folder: folder.to_owned(), next, entries }, notes))
     }
@@ -60,21 +59,19 @@ impl Frames {
     /// Adds a frame.
     pub fn write<const D: usize>(&mut self, world: &World, frame: &Frame<D>) -> Result<()> {
         world.agree(frame.check())?;
-        let mut file = Together::create(world, &self.folder.join(path_in_run(self.next)))?;
+        let mut file = ParallelFile::create(world, &self.folder.join(path_in_run(self.next)))?;
         store::store(&mut file, frame)?;
         file.finish()?;
-        let mut listed = Ok(());
-        if world.rank() == 0 {
-            self.entries.push(Entry::of(self.next, frame));
-            listed = index::write(&self.folder, &self.entries);
-        }
+        let number = self.next;
         self.next += 1;
-        world.agree(listed)
+        world.on_first_rank(|| {
+            self.entries.push(Entry::of(number, frame));
+            index::write(&self.folder, &self.entries)
+        })
     }
 
     /// Lists no more frames that have gone since they were written, and says which (on the first rank).
     pub fn finish(&mut self, world: &World) -> Result<Option<String>> {
-        let lost = if world.rank() == 0 { recovery::forget_lost(&self.folder, &mut self.entries) } else { Ok(None) };
-        world.agree(lost)
+        world.on_first_rank(|| recovery::forget_lost(&self.folder, &mut self.entries))
     }
 }

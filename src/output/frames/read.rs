@@ -40,7 +40,7 @@ pub struct StoredFrame<const D: usize> {
 /// # Errors
 /// [`Error::Refused`] when a frame cannot be read or has another dimension.
 pub fn read_frames<const D: usize>(folder: &Path) -> Result<Vec<StoredFrame<D>>> {
-    let refused = |reason| Error::Refused(format!("{reason}; move it out of the folder to go on without it"));
+    let refused = |reason| Error::refused(format!("{reason}; move it out of the folder to go on without it"));
     frame_files(folder)?.into_iter().map(|(_, path)| read_with(&path, bodies).map_err(refused)).collect()
 }
 
@@ -80,18 +80,10 @@ fn bodies<const D: usize>(file: &File) -> hdf5::Result<StoredFrame<D>> {
         return Err(format!("its box has {} dimensions, not {D}", size.len()).into());
     }
     let count = slab::get::<u64>(file, "body_count")? as usize;
-    let group = file.group("bodies")?;
-    let read = |name: &str| if count == 0 { Ok(Vec::new()) } else { group.dataset(name)?.read_raw::<f64>() };
-    let columns = COLUMNS.iter().map(|(name, _)| read(name)).collect::<hdf5::Result<Vec<_>>>()?;
-    let contacts = if count == 0 { Vec::new() } else { group.dataset("contacts")?.read_raw::<i32>()? };
-    let complete = columns.iter().zip(COLUMNS).all(|(column, (_, width))| column.len() == count * width) && contacts.len() == count;
-    if !complete {
-        return Err("its columns differ in length".into());
-    }
-    let body = |body: usize| {
-        let entries = std::array::from_fn(|column| &columns[column][body * COLUMNS[column].1..][..COLUMNS[column].1]);
-        FrameBody::from_columns(entries, contacts[body] as usize)
-    };
+    let group = Columns { file, group: "bodies", count };
+    let columns = group.all::<f64, _>(&COLUMNS)?;
+    let [contacts] = group.all::<i32, 1>(&[("contacts", 1)])?;
+    let body = |body: usize| FrameBody::from_columns(entry_of(&columns, &COLUMNS, body), contacts[body] as usize);
     let (time, step) = (slab::get(file, "time")?, slab::get::<u64>(file, "step")? as usize);
     let contacts = file.link_exists("contacts").then(|| network(file)).transpose()?;
     let (size, offset, bodies) = (SVector::from_column_slice(&size), offset(file)?, (0..count).map(body).collect());
@@ -99,28 +91,45 @@ fn bodies<const D: usize>(file: &File) -> hdf5::Result<StoredFrame<D>> {
 }
 
 fn network<const D: usize>(file: &File) -> hdf5::Result<Vec<FrameContact<D>>> {
-    let count = slab::get::<u64>(file, "contact_count")? as usize;
-    if count == 0 {
-        return Ok(Vec::new());
-    }
-    let group = file.group("contacts")?;
-    let columns = contact::COLUMNS.iter().map(|(name, _)| group.dataset(name)?.read_raw::<f64>()).collect::<hdf5::Result<Vec<_>>>()?;
-    let counts = contact::COUNTS.iter().map(|(name, _)| group.dataset(name)?.read_raw::<i32>()).collect::<hdf5::Result<Vec<_>>>()?;
-    let gamma = group.link_exists(contact::GAMMA).then(|| group.dataset(contact::GAMMA)?.read_raw::<f64>()).transpose()?;
-    let whole =
-        |lengths: &[usize], widths: &[(&str, usize)]| lengths.iter().zip(widths).all(|(length, (_, width))| *length == count * width);
-    let complete = whole(&columns.iter().map(Vec::len).collect::<Vec<_>>(), &contact::COLUMNS)
-        && whole(&counts.iter().map(Vec::len).collect::<Vec<_>>(), &contact::COUNTS)
-        && gamma.as_ref().is_none_or(|gamma| gamma.len() == count);
-    if !complete {
-        return Err("its contacts differ in length".into());
-    }
+    let group = Columns { file, group: "contacts", count: slab::get::<u64>(file, "contact_count")? as usize };
+    let (columns, counts) = (group.all::<f64, _>(&contact::COLUMNS)?, group.all::<i32, _>(&contact::COUNTS)?);
+    let gluey = file.group("contacts")?.link_exists(contact::GAMMA);
+    let gamma = gluey.then(|| group.all::<f64, 1>(&[(contact::GAMMA, 1)])).transpose()?;
     let contact = |place: usize| {
-        let numbers = std::array::from_fn(|column| &columns[column][place * contact::COLUMNS[column].1..][..contact::COLUMNS[column].1]);
-        let whole = std::array::from_fn(|column| &counts[column][place * contact::COUNTS[column].1..][..contact::COUNTS[column].1]);
-        FrameContact::from_columns(numbers, whole, gamma.as_ref().map(|gamma| gamma[place]))
+        let gamma = gamma.as_ref().map(|[gamma]| gamma[place]);
+        FrameContact::from_columns(entry_of(&columns, &contact::COLUMNS, place), entry_of(&counts, &contact::COUNTS, place), gamma)
     };
-    Ok((0..count).map(contact).collect())
+    Ok((0..group.count).map(contact).collect())
+}
+
+/// A group of columns of so many entries.
+struct Columns<'a> {
+    file: &'a File,
+    group: &'a str,
+    count: usize,
+}
+
+impl Columns<'_> {
+    /// The numbers of these columns, each with its width.
+    fn all<T: H5Type, const C: usize>(&self, names: &[(&str, usize); C]) -> hdf5::Result<[Vec<T>; C]> {
+        let mut columns = std::array::from_fn(|_| Vec::new());
+        if self.count == 0 {
+            return Ok(columns);
+        }
+        let group = self.file.group(self.group)?;
+        for (column, (name, width)) in columns.iter_mut().zip(names) {
+            *column = group.dataset(name)?.read_raw::<T>()?;
+            if column.len() != self.count * width {
+                return Err(format!("its {} differ in length", self.group).into());
+            }
+        }
+        Ok(columns)
+    }
+}
+
+/// The numbers of an entry, column by column.
+fn entry_of<'a, T, const C: usize>(columns: &'a [Vec<T>; C], names: &[(&str, usize); C], entry: usize) -> [&'a [T]; C] {
+    std::array::from_fn(|column| &columns[column][entry * names[column].1..][..names[column].1])
 }
 
 /// Where images slide.

@@ -45,7 +45,7 @@ pub(super) fn keep_until(folder: &Path, time: f64) -> Result<Kept> {
     let mut kept = Kept { notes: note.into_iter().collect(), ..Kept::default() };
     let mut there = BTreeSet::new();
     for (number, path) in index::frame_files(folder)?.into_iter().rev() {
-        match find((number, &path), time, &listed) {
+        match find(number, &path, time, &listed) {
             Found::Kept(entry) => kept.entries.push(entry),
             Found::Later => {
                 fs::remove_file(&path).map_err(|source| Error::File { path, source })?;
@@ -82,7 +82,7 @@ fn listed(folder: &Path) -> (Vec<(usize, f64)>, Option<String>) {
     }
 }
 
-fn find((number, path): (usize, &Path), time: f64, listed: &[(usize, f64)]) -> Found {
+fn find(number: usize, path: &Path, time: f64, listed: &[(usize, f64)]) -> Found {
     if time == f64::NEG_INFINITY {
         return Found::Later;
     }

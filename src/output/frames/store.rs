@@ -6,14 +6,15 @@
 use hdf5::{Dataset, Group};
 
 use super::{
-    Frame, FrameFields,
+    Frame, FrameContact, FrameFields,
     body::{COLUMNS, COUNTS, in_space},
     contact,
 };
 use crate::{
     error::Result,
     grid::{Block, Grid},
-    output::{slab, together::Together},
+    observe::FrameBody,
+    output::{parallel_file::ParallelFile, slab},
 };
 
 /// Name of the file format.
@@ -26,7 +27,7 @@ pub(super) const OFFSET: &str = "offset";
 pub(super) const FIELDS: [(&str, usize); 3] = [("velocity", 3), ("pressure", 1), ("inside", 1)];
 
 /// Writes a frame.
-pub(super) fn store<const D: usize>(file: &mut Together, frame: &Frame<D>) -> Result<()> {
+pub(super) fn store<const D: usize>(file: &mut ParallelFile, frame: &Frame<D>) -> Result<()> {
     make_room(file, frame)?;
     file.step(|root| describe(root, frame))?;
     store_bodies(file, frame)?;
@@ -34,7 +35,7 @@ pub(super) fn store<const D: usize>(file: &mut Together, frame: &Frame<D>) -> Re
     frame.fields.as_ref().map_or(Ok(()), |fields| store_fields(file, fields))
 }
 
-fn make_room<const D: usize>(file: &mut Together, frame: &Frame<D>) -> Result<()> {
+fn make_room<const D: usize>(file: &mut ParallelFile, frame: &Frame<D>) -> Result<()> {
     let cells = frame.fields.as_ref().map_or(0, |fields| fields.grid.unknowns(D));
     let columns = COLUMNS.iter().map(|(_, width)| frame.bodies.len() * width * size_of::<f64>());
     let counts = COUNTS.iter().map(|_| frame.bodies.len() * size_of::<i32>());
@@ -68,76 +69,57 @@ fn describe<const D: usize>(root: &Group, frame: &Frame<D>) -> hdf5::Result<()> 
     Ok(())
 }
 
-fn store_bodies<const D: usize>(file: &Together, frame: &Frame<D>) -> Result<()> {
-    let count = frame.bodies.len();
-    let made = file.step(|root| {
-        let group = root.create_group("bodies")?;
-        let shape = |width: usize| if width == 1 { vec![count] } else { vec![count, width] };
-        let columns = COLUMNS.iter().map(|&(name, width)| group.new_dataset::<f64>().shape(shape(width)).create(name));
-        let columns = columns.collect::<hdf5::Result<Vec<Dataset>>>()?;
-        let counts = COUNTS.iter().map(|&name| group.new_dataset::<i32>().shape(count).create(name));
-        Ok((columns, counts.collect::<hdf5::Result<Vec<Dataset>>>()?))
+/// A column of a group: its name, the numbers of each entry, and the numbers of all entries.
+type Column<T> = (&'static str, usize, Vec<T>);
+
+fn store_bodies<const D: usize>(file: &ParallelFile, frame: &Frame<D>) -> Result<()> {
+    let in_box = frame.bodies.iter().map(|body| {
+        let velocity = body.velocity - frame.domain.image_velocity(&body.center);
+        FrameBody { center: frame.domain.wrap(body.center), velocity, ..body.clone() }.columns()
     });
-    let (columns, counts) = made?;
+    let contacts = frame.bodies.iter().map(|body| body.contacts as i32).collect();
+    let counts = COUNTS.into_iter().zip([(0..frame.bodies.len() as i32).collect(), contacts]).map(|(name, values)| (name, 1, values));
+    store_group(file, "bodies", frame.bodies.len(), &columns(&COLUMNS, in_box), &counts.collect::<Vec<_>>())
+}
+
+fn store_contacts<const D: usize>(file: &ParallelFile, frame: &Frame<D>) -> Result<()> {
+    let Some(contacts) = frame.contacts else { return Ok(()) };
+    let in_box = contacts.iter().map(|contact| FrameContact { point: frame.domain.wrap(contact.point), ..*contact }.columns());
+    let mut numbers = columns(&contact::COLUMNS, in_box);
+    let gamma: Vec<f64> = contacts.iter().filter_map(|contact| contact.gamma).collect();
+    numbers.extend((!gamma.is_empty()).then_some((contact::GAMMA, 1, gamma)));
+    let counts = columns(&contact::COUNTS, contacts.iter().map(FrameContact::counts));
+    store_group(file, "contacts", contacts.len(), &numbers, &counts)
+}
+
+/// The columns of entries that give their numbers column by column.
+fn columns<T, const C: usize>(names: &[(&'static str, usize); C], entries: impl Iterator<Item = [Vec<T>; C]>) -> Vec<Column<T>> {
+    let mut columns: Vec<Column<T>> = names.iter().map(|&(name, width)| (name, width, Vec::new())).collect();
+    entries.for_each(|entry| columns.iter_mut().zip(entry).for_each(|((.., values), numbers)| values.extend(numbers)));
+    columns
+}
+
+/// Stores a group of columns, which the first rank writes.
+fn store_group(file: &ParallelFile, name: &str, count: usize, numbers: &[Column<f64>], counts: &[Column<i32>]) -> Result<()> {
+    fn make<T: hdf5::H5Type>(group: &Group, count: usize, columns: &[Column<T>]) -> hdf5::Result<Vec<Dataset>> {
+        let shape = |width: usize| if width == 1 { vec![count] } else { vec![count, width] };
+        columns.iter().map(|&(name, width, _)| group.new_dataset::<T>().shape(shape(width)).create(name)).collect()
+    }
+    fn write<T: hdf5::H5Type>(datasets: &[Dataset], columns: &[Column<T>]) -> hdf5::Result<()> {
+        datasets.iter().zip(columns).try_for_each(|(dataset, (.., values))| dataset.write_raw(values))
+    }
+    let (of_numbers, of_counts) = file.step(|root| {
+        let group = root.create_group(name)?;
+        Ok((make(&group, count, numbers)?, make(&group, count, counts)?))
+    })?;
     if count == 0 {
         return Ok(());
     }
-    file.step(|_| if file.world().rank() == 0 { write_bodies(&columns, &counts, frame) } else { Ok(()) })
+    let first = file.world().rank() == 0;
+    file.step(|_| if first { write(&of_numbers, numbers).and_then(|()| write(&of_counts, counts)) } else { Ok(()) })
 }
 
-fn write_bodies<const D: usize>(columns: &[Dataset], counts: &[Dataset], frame: &Frame<D>) -> hdf5::Result<()> {
-    let mut values: [Vec<f64>; COLUMNS.len()] = Default::default();
-    for body in frame.bodies {
-        let mut body = body.clone();
-        body.velocity -= frame.domain.image_velocity(&body.center);
-        body.center = frame.domain.wrap(body.center);
-        values.iter_mut().zip(body.columns()).for_each(|(column, entries)| column.extend(entries));
-    }
-    for (dataset, values) in columns.iter().zip(&values) {
-        dataset.write_raw(values)?;
-    }
-    let identity: Vec<i32> = (0..frame.bodies.len() as i32).collect();
-    let contacts: Vec<i32> = frame.bodies.iter().map(|body| body.contacts as i32).collect();
-    counts.iter().zip([identity, contacts]).try_for_each(|(dataset, values)| dataset.write_raw(&values))
-}
-
-fn store_contacts<const D: usize>(file: &Together, frame: &Frame<D>) -> Result<()> {
-    let Some(contacts) = frame.contacts else { return Ok(()) };
-    let gluey = contacts.iter().any(|contact| contact.gamma.is_some());
-    let made = file.step(|root| {
-        let group = root.create_group("contacts")?;
-        let shape = |width: usize| if width == 1 { vec![contacts.len()] } else { vec![contacts.len(), width] };
-        let gamma = gluey.then_some((contact::GAMMA, 1));
-        let columns = contact::COLUMNS.into_iter().chain(gamma);
-        let columns = columns.map(|(name, width)| group.new_dataset::<f64>().shape(shape(width)).create(name));
-        let columns = columns.collect::<hdf5::Result<Vec<Dataset>>>()?;
-        let counts = contact::COUNTS.iter().map(|&(name, width)| group.new_dataset::<i32>().shape(shape(width)).create(name));
-        Ok((columns, counts.collect::<hdf5::Result<Vec<Dataset>>>()?))
-    });
-    let (columns, counts) = made?;
-    if contacts.is_empty() {
-        return Ok(());
-    }
-    file.step(|_| if file.world().rank() == 0 { write_contacts((&columns, &counts), frame, contacts) } else { Ok(()) })
-}
-
-fn write_contacts<const D: usize>(
-    (columns, counts): (&[Dataset], &[Dataset]),
-    frame: &Frame<D>,
-    contacts: &[contact::FrameContact<D>],
-) -> hdf5::Result<()> {
-    let (mut numbers, mut whole) = (vec![Vec::new(); contact::COLUMNS.len()], vec![Vec::new(); contact::COUNTS.len()]);
-    for contact in contacts {
-        let contact = contact::FrameContact { point: frame.domain.wrap(contact.point), ..*contact };
-        numbers.iter_mut().zip(contact.columns()).for_each(|(column, entries)| column.extend(entries));
-        whole.iter_mut().zip(contact.counts()).for_each(|(column, entries)| column.extend(entries));
-    }
-    numbers.push(contacts.iter().filter_map(|contact| contact.gamma).collect());
-    columns.iter().zip(&numbers).try_for_each(|(dataset, values)| dataset.write_raw(values))?;
-    counts.iter().zip(&whole).try_for_each(|(dataset, values)| dataset.write_raw(values))
-}
-
-fn store_fields<const D: usize>(file: &Together, fields: &FrameFields<D>) -> Result<()> {
+fn store_fields<const D: usize>(file: &ParallelFile, fields: &FrameFields<D>) -> Result<()> {
     let grid = fields.grid;
     let datasets = file.step(|root| {
         let group = root.create_group("fields")?;

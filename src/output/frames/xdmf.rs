@@ -34,18 +34,18 @@ fn collection(name: &str, grids: impl Iterator<Item = String>) -> Option<String>
 
 fn cloud(entry: &Entry) -> String {
     let columns = COLUMNS.iter().filter(|(name, _)| *name != "center").copied().chain(COUNTS.map(|name| (name, 1)));
-    points(entry, ("bodies", entry.bodies), "center", columns.map(|(name, width)| (name, width, !COUNTS.contains(&name))))
+    points(entry, "bodies", entry.bodies, "center", columns.map(|(name, width)| (name, width, !COUNTS.contains(&name))))
 }
 
 fn network(entry: &Entry) -> String {
     let (count, gluey) = entry.contacts.map_or((0, false), |network| (network.count, network.gluey));
     let columns = contact::COLUMNS.iter().filter(|(name, _)| *name != "point").copied().chain(gluey.then_some((contact::GAMMA, 1)));
     let counts = contact::COUNTS.iter().filter(|(_, width)| *width == 1).map(|&(name, width)| (name, width, false));
-    points(entry, ("contacts", count), "point", columns.map(|(name, width)| (name, width, true)).chain(counts))
+    points(entry, "contacts", count, "point", columns.map(|(name, width)| (name, width, true)).chain(counts))
 }
 
 /// A cloud of points in the columns of a group: where they are, and names, widths and kinds (real or whole) of what they carry.
-fn points(entry: &Entry, (group, count): (&str, usize), place: &str, columns: impl Iterator<Item = (&'static str, usize, bool)>) -> String {
+fn points(entry: &Entry, group: &str, count: usize, place: &str, columns: impl Iterator<Item = (&'static str, usize, bool)>) -> String {
     let item = |name: &str, width: usize, real: bool| {
         let shape = if width == 1 { vec![count] } else { vec![count, width] };
         data_item(entry, &format!("{group}/{name}"), &shape, real)

@@ -39,6 +39,12 @@ const KEYS: [(&str, &str); 3] = [("stiffness", "repulsion"), ("range", "repulsio
 /// Stiffness and range of a repulsion that says nothing of them.
 const REPULSION: [f64; 2] = [100.0, 0.1];
 
+impl Default for ContactSection {
+    fn default() -> Self {
+        ContactSection { model: ContactModel::None }
+    }
+}
+
 impl ContactSection {
     pub(in crate::scene) fn read(root: &Table) -> Result<Self> {
         let table = root.section("contact", &["model", "stiffness", "range", "gamma_min"])?;
@@ -52,7 +58,7 @@ impl ContactSection {
             ("repulsion", repulsion),
             ("gluey", ContactModel::Gluey { gamma_min }),
         ];
-        let model = table.get("model").map_or(Ok(ContactModel::None), |entry| entry.choice(&models, &[]))?;
+        let model = table.get("model").map_or(Ok(ContactSection::default().model), |entry| entry.choice(&models, &[]))?;
         for (key, law) in KEYS.into_iter().filter(|(_, law)| *law != model.word()) {
             if let Some(entry) = table.get(key) {
                 return Err(entry.refuse(&format!("only contact.model = {law:?} has it; remove it")));
@@ -63,6 +69,11 @@ impl ContactSection {
 }
 
 impl ContactModel {
+    /// Whether contacts stick.
+    pub fn gluey(&self) -> bool {
+        matches!(self, ContactModel::Gluey { .. })
+    }
+
     /// The word for it in a scene.
     pub fn word(&self) -> &'static str {
         match self {

@@ -50,22 +50,28 @@ pub enum Drive {
     MeanGradient(Vec<f64>),
 }
 
+impl Default for FlowSection {
+    fn default() -> Self {
+        FlowSection { model: FlowModel::Stokes, viscosity: 1.0, density: 0.0, drive: None, source: 1.0 }
+    }
+}
+
 impl FlowSection {
     pub(in crate::scene) fn read(root: &Table, dimension: usize) -> Result<Self> {
         let table = root.section("flow", &["model", "viscosity", "density", "drive", "source"])?;
-        let models = [("none", FlowModel::None), ("scalar", FlowModel::Scalar), ("stokes", FlowModel::Stokes)];
-        let model = |entry: Entry| entry.choice(&models, &["navier-stokes"]);
-        let model = table.get("model").map_or(Ok(FlowModel::Stokes), model)?;
+        let default = FlowSection::default();
+        let model = |entry: Entry| entry.choice(&FlowModel::WORDS, &["navier-stokes"]);
+        let model = table.get("model").map_or(Ok(default.model), model)?;
         for name in ["viscosity", "density", "drive", "source"] {
             model.allow(table.get(name))?;
         }
         let drive = table.get("drive").map(|entry| Drive::read(&entry, dimension)).transpose()?;
         // a fully periodic box has no wall through which a source could leave
-        let source = if matches!(drive, Some(Drive::MeanGradient(_))) { 0.0 } else { 1.0 };
+        let source = if matches!(drive, Some(Drive::MeanGradient(_))) { 0.0 } else { default.source };
         Ok(FlowSection {
             model,
-            viscosity: table.get("viscosity").map_or(Ok(1.0), |entry| entry.positive())?,
-            density: table.get("density").map_or(Ok(0.0), |entry| entry.not_negative())?,
+            viscosity: table.get("viscosity").map_or(Ok(default.viscosity), |entry| entry.positive())?,
+            density: table.get("density").map_or(Ok(default.density), |entry| entry.not_negative())?,
             drive,
             source: table.get("source").map_or(Ok(source), |entry| read_source(&entry, model))?,
         })
@@ -79,6 +85,10 @@ fn read_source(entry: &Entry, model: FlowModel) -> Result<f64> {
 }
 
 impl FlowModel {
+    /// Words of the models.
+    pub(in crate::scene) const WORDS: [(&str, FlowModel); 3] =
+        [("none", FlowModel::None), ("scalar", FlowModel::Scalar), ("stokes", FlowModel::Stokes)];
+
     /// Refuses an entry that means nothing without a fluid.
     pub(in crate::scene) fn allow(self, entry: Option<Entry>) -> Result<()> {
         match entry.filter(|_| self == FlowModel::None) {

@@ -29,6 +29,12 @@ pub enum LubricationModel {
     },
 }
 
+impl Default for LubricationSection {
+    fn default() -> Self {
+        LubricationSection { model: LubricationModel::None }
+    }
+}
+
 impl LubricationSection {
     /// The roughness, if films resist.
     pub fn roughness(&self) -> Option<f64> {

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::scene::FlowModel;
-use crate::scene::entry::Entry;
+use crate::scene::entry::{Entry, word_of};
 use crate::scene::table::Table;
 
 /// How the equations are solved.
@@ -144,7 +144,7 @@ const INVERSES: [(&str, StokesSolver); 3] =
 impl StokesSolver {
     /// The word for it in a scene file.
     pub fn word(self) -> &'static str {
-        INVERSES.iter().find(|(_, solver)| *solver == self).map_or("", |(word, _)| word)
+        word_of(&INVERSES, &self)
     }
 }
 
@@ -198,15 +198,21 @@ impl Tolerance {
     }
 }
 
+impl Default for MethodSection {
+    fn default() -> Self {
+        MethodSection { constraint: ConstraintMethod::Sharp, inverse: StokesSolver::Hypre, tolerance: Tolerance::Auto }
+    }
+}
+
 impl MethodSection {
     pub(in crate::scene) fn read(root: &Table, model: FlowModel) -> Result<Self> {
         model.allow(root.get("method"))?;
         let table = root.section("method", &["constraint", "epsilon", "solver", "uzawa_step", "inverse", "tolerance"])?;
-        let inverse = |entry: Entry| entry.choice(&INVERSES, &[]);
+        let (default, inverse) = (MethodSection::default(), |entry: Entry| entry.choice(&INVERSES, &[]));
         Ok(MethodSection {
             constraint: ConstraintMethod::read(&table)?,
-            inverse: table.get("inverse").map_or(Ok(StokesSolver::Hypre), inverse)?,
-            tolerance: table.get("tolerance").map_or(Ok(Tolerance::Auto), |entry| Tolerance::read(&entry))?,
+            inverse: table.get("inverse").map_or(Ok(default.inverse), inverse)?,
+            tolerance: table.get("tolerance").map_or(Ok(default.tolerance), |entry| Tolerance::read(&entry))?,
         })
     }
 }

@@ -26,20 +26,27 @@ pub struct OutputSection {
     pub pairs: bool,
 }
 
+impl Default for OutputSection {
+    fn default() -> Self {
+        OutputSection { picture: true, every: None, fields: true, checkpoint: 600.0, probe: None, pairs: false }
+    }
+}
+
 impl OutputSection {
     pub(in crate::scene) fn read(root: &Table, model: FlowModel) -> Result<Self> {
         let table = root.section("output", &["picture", "every", "fields", "checkpoint", "probe", "pairs"])?;
         if root.get("time").is_none() {
             refuse_frames(&table)?;
         }
+        let default = OutputSection::default();
         let fields = table.get("fields").map(|entry| read_fields(&entry, model)).transpose()?;
         Ok(OutputSection {
-            picture: table.get("picture").map_or(Ok(true), |entry| entry.flag())?,
+            picture: table.get("picture").map_or(Ok(default.picture), |entry| entry.flag())?,
             every: table.get("every").map(|entry| entry.positive()).transpose()?,
-            fields: fields.unwrap_or(model != FlowModel::None),
-            checkpoint: table.get("checkpoint").map_or(Ok(600.0), |entry| entry.not_negative())?,
+            fields: fields.unwrap_or(default.fields && model != FlowModel::None),
+            checkpoint: table.get("checkpoint").map_or(Ok(default.checkpoint), |entry| entry.not_negative())?,
             probe: table.get("probe").map(|entry| read_probe(&entry, model)).transpose()?,
-            pairs: table.get("pairs").map_or(Ok(false), |entry| read_pairs(&entry, model))?,
+            pairs: table.get("pairs").map_or(Ok(default.pairs), |entry| read_pairs(&entry, model))?,
         })
     }
 }

@@ -38,6 +38,11 @@ pub enum Modes {
 }
 
 impl ResolutionSection {
+    /// A grid of this spacing, with automatic modes.
+    pub fn new(spacing: Spacing) -> Self {
+        ResolutionSection { spacing, modes: Modes::Auto }
+    }
+
     pub(in crate::scene) fn read(root: &Table, model: FlowModel) -> Result<Option<Self>> {
         model.allow(root.get("resolution"))?;
         if model == FlowModel::None {

@@ -54,20 +54,31 @@ pub enum Scheme {
 }
 
 impl TimeSection {
+    /// Automatic steps to an end.
+    pub fn to(end: f64) -> Self {
+        TimeSection { step: Step::Auto, end, scheme: Scheme::TwoStep, travel: 0.1, until: None }
+    }
+
     pub(in crate::scene) fn read(root: &Table) -> Result<Option<Self>> {
         let Some(entry) = root.get("time") else { return Ok(None) };
         let table = Table::of(&entry, &["step", "end", "scheme", "travel", "until"])?;
         let end = table.require("end", "10.0")?.positive()?;
         let step = table.get("step").map_or(Ok(Step::Auto), |entry| Step::read(&entry, end))?;
-        let schemes = [("two-step", Scheme::TwoStep), ("midpoint", Scheme::Midpoint), ("euler", Scheme::Euler)];
+        let default = TimeSection::to(end);
         Ok(Some(TimeSection {
             step,
             end,
-            scheme: table.get("scheme").map_or(Ok(Scheme::TwoStep), |entry| entry.choice(&schemes, &[]))?,
-            travel: table.get("travel").map_or(Ok(0.1), |entry| read_travel(&entry, step))?,
+            scheme: table.get("scheme").map_or(Ok(default.scheme), |entry| entry.choice(&Scheme::WORDS, &[]))?,
+            travel: table.get("travel").map_or(Ok(default.travel), |entry| read_travel(&entry, step))?,
             until: table.get("until").map(|entry| Until::read(&entry)).transpose()?,
         }))
     }
+}
+
+impl Scheme {
+    /// Words of the schemes.
+    pub(in crate::scene) const WORDS: [(&str, Scheme); 3] =
+        [("two-step", Scheme::TwoStep), ("midpoint", Scheme::Midpoint), ("euler", Scheme::Euler)];
 }
 
 impl Until {

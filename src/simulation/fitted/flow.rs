@@ -40,7 +40,7 @@ impl<const D: usize> FittedFlow<D> {
     pub fn new(session: &Session, setup: Setup<D>) -> Result<FittedFlow<D>> {
         if !setup.interactions.is_empty() {
             let refused = "method.constraint = \"fitted\": meshes that follow bodies know of no interactions; choose another method";
-            return Err(Error::Refused(refused.into()));
+            return Err(Error::refused(refused));
         }
         check_steady_state(&setup)?;
         let world = session.world();

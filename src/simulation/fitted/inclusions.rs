@@ -33,7 +33,7 @@ impl<const D: usize> FittedInclusions<D> {
     /// The box has no wall, no mesh fits, or the rank count does not fit the grid on which the scalar is given.
     pub fn new(session: &Session, setup: ScalarSetup<D>) -> Result<FittedInclusions<D>> {
         if setup.domain.fully_periodic() {
-            return Err(Error::Refused("a scalar in a fully periodic box has no definite value; put up walls along an axis".into()));
+            return Err(Error::refused("a scalar in a fully periodic box has no definite value; put up walls along an axis"));
         }
         let (_stage, start, world) = (enter(Stage::SetUp), Instant::now(), session.world());
         let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;

@@ -167,7 +167,7 @@ fn hierarchy<const D: usize>(setup: &ScalarSetup<D>) -> AmgSettings {
 }
 
 fn check<const D: usize>(setup: &ScalarSetup<D>) -> Result<()> {
-    let refuse = |text: &str| Err(Error::Refused(text.into()));
+    let refuse = |text: &str| Err(Error::refused(text));
     match (setup.domain.fully_periodic(), setup.gradient) {
         (true, None) => {
             refuse("a scalar in a fully periodic box has no definite value; put up walls along an axis or give a mean gradient")

@@ -118,7 +118,7 @@ impl Analysis<'_> {
             return Ok(());
         }
         let reasons = records.iter().map(Record::to_string).collect::<Vec<_>>().join("\n");
-        Err(Error::Refused(format!("no setting could be measured:\n{reasons}")))
+        Err(Error::refused(format!("no setting could be measured:\n{reasons}")))
     }
 
     /// The finest setting of the method that the others are referred to, and the limit of its sequence.

@@ -60,7 +60,7 @@ impl Metric {
             QuantityKind::Position => self.each(&summary.0["bodies"], |body| numbers(&body["center"])),
             QuantityKind::Field | QuantityKind::Gradient => return self.lattice(&folder.join("probe.csv")),
         };
-        values.ok_or_else(|| Error::Refused(format!("--quantity {}: the run does not tell it; choose another", self.quantity.kind.word())))
+        values.ok_or_else(|| Error::refused(format!("--quantity {}: the run does not tell it; choose another", self.quantity.kind.word())))
     }
 
     fn drag(&self, summary: &RunSummary) -> Option<Vec<f64>> {

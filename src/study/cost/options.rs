@@ -95,13 +95,13 @@ impl Cost {
     pub fn check_names(&self, methods: &[String]) -> Result<()> {
         if let Some(method) = self.reference.as_ref().filter(|method| !methods.contains(method)) {
             let known = methods.join(", ");
-            return Err(Error::Refused(format!("--reference {method}: must be one of the methods that are swept, {known}")));
+            return Err(Error::refused(format!("--reference {method}: must be one of the methods that are swept, {known}")));
         }
         let folder =
             |path: &PathBuf| path.parent().map(|folder| if folder.as_os_str().is_empty() { ".".into() } else { folder.to_owned() });
         match self.apply.as_ref().and_then(|path| Some((path, folder(path)?))) {
             Some((path, folder)) if !folder.is_dir() => {
-                Err(Error::Refused(format!("--apply {}: there is no folder {}; make it first", path.display(), folder.display())))
+                Err(Error::refused(format!("--apply {}: there is no folder {}; make it first", path.display(), folder.display())))
             }
             _ => Ok(()),
         }

@@ -72,7 +72,7 @@ fn methods(options: &Cost, scene: &Scene) -> Result<Vec<String>> {
         return Ok(known.into_iter().map(str::to_owned).collect());
     }
     match options.methods.iter().find(|word| !known.contains(&word.as_str())) {
-        Some(stranger) => Err(Error::Refused(format!("--methods {stranger}: must be some of {}", known.join(",")))),
+        Some(stranger) => Err(Error::refused(format!("--methods {stranger}: must be some of {}", known.join(",")))),
         None => Ok(options.methods.clone()),
     }
 }
@@ -85,7 +85,7 @@ fn grids(options: &Cost, scene: &Scene, radius: Option<f64>) -> Result<Vec<Resol
     if !options.resolutions.is_empty() {
         if radius.is_none() {
             let remedy = "cells per radius, but there are no bodies to measure by; give --spacings instead";
-            return Err(Error::Refused(format!("--resolutions: {remedy}")));
+            return Err(Error::refused(format!("--resolutions: {remedy}")));
         }
         return Ok(positive("--resolutions", &options.resolutions)?.into_iter().flatten().map(Resolution::CellsPerRadius).collect());
     }
@@ -102,7 +102,7 @@ fn grids(options: &Cost, scene: &Scene, radius: Option<f64>) -> Result<Vec<Resol
 
 fn modes(options: &Cost) -> Result<Vec<Option<usize>>> {
     if options.modes.contains(&0) {
-        return Err(Error::Refused("--modes 0: must be at least 1".into()));
+        return Err(Error::refused("--modes 0: must be at least 1"));
     }
     Ok(if options.modes.is_empty() { vec![None] } else { options.modes.iter().copied().map(Some).collect() })
 }
@@ -111,9 +111,7 @@ fn steps(options: &Cost, scene: &Scene) -> Result<Vec<Option<TimeStep>>> {
     let Some(own) = TimeStep::of(scene) else {
         return match options.steps.is_empty() && options.travels.is_empty() {
             true => Ok(vec![None]),
-            false => {
-                Err(Error::Refused("--steps: the scene is one instant and takes no steps; add [time] to it or leave the flag out".into()))
-            }
+            false => Err(Error::refused("--steps: the scene is one instant and takes no steps; add [time] to it or leave the flag out")),
         };
     };
     let end = scene.end();
@@ -133,7 +131,7 @@ fn steps(options: &Cost, scene: &Scene) -> Result<Vec<Option<TimeStep>>> {
 /// The numbers of a flag, or the one absent number if it is not there.
 fn listed(flag: &str, numbers: &[f64], remedy: &str, right: impl Fn(f64) -> bool) -> Result<Vec<Option<f64>>> {
     if let Some(wrong) = numbers.iter().find(|&&number| !(number.is_finite() && number > 0.0 && right(number))) {
-        return Err(Error::Refused(format!("{flag} {wrong}: {remedy}")));
+        return Err(Error::refused(format!("{flag} {wrong}: {remedy}")));
     }
     Ok(if numbers.is_empty() { vec![None] } else { numbers.iter().copied().map(Some).collect() })
 }

@@ -36,10 +36,10 @@ impl SceneProperties {
         let probe = kind.of_field().then(|| options.probe.unwrap_or(PROBE[self.dimension - 2]));
         match options.body {
             Some(body) if !kind.of_bodies() => {
-                Err(Error::Refused(format!("--body {body}: {} is not that of a body; leave the flag out", kind.word())))
+                Err(Error::refused(format!("--body {body}: {} is not that of a body; leave the flag out", kind.word())))
             }
             Some(body) if body >= self.held.len() => {
-                Err(Error::Refused(format!("--body {body}: must be below the number of bodies, {}", self.held.len())))
+                Err(Error::refused(format!("--body {body}: must be below the number of bodies, {}", self.held.len())))
             }
             body => Ok(Quantity { kind, body, probe }),
         }
@@ -59,9 +59,9 @@ impl SceneProperties {
     fn named(&self, word: &str, scene: &Scene) -> Result<QuantityKind> {
         let Some(&(_, kind)) = WORDS.iter().find(|(name, _)| *name == word) else {
             let names = WORDS.map(|(name, _)| name).join(", ");
-            return Err(Error::Refused(format!("--quantity {word}: must be one of {names}")));
+            return Err(Error::refused(format!("--quantity {word}: must be one of {names}")));
         };
-        let refuse = |reason: &str| Err(Error::Refused(format!("--quantity {word}: {reason}")));
+        let refuse = |reason: &str| Err(Error::refused(format!("--quantity {word}: {reason}")));
         match kind {
             QuantityKind::Value | QuantityKind::Energy if !scene.scalar() => refuse("belongs to scenes with flow.model = \"scalar\""),
             QuantityKind::Drag | QuantityKind::Viscosity | QuantityKind::Velocity | QuantityKind::Position if scene.scalar() => {
@@ -84,15 +84,15 @@ impl Metric {
         if given == 0 {
             let lonely = options.uncertainty > 0.0;
             let remedy = "says how far --exact may be off; give that too or leave the flag out";
-            return if lonely { Err(Error::Refused(format!("--uncertainty {}: {remedy}", options.uncertainty))) } else { Ok(()) };
+            return if lonely { Err(Error::refused(format!("--uncertainty {}: {remedy}", options.uncertainty))) } else { Ok(()) };
         }
         if self.quantity.kind.of_field() {
-            return Err(Error::Refused(format!("--exact: a {word} has no values to give; leave the flag out")));
+            return Err(Error::refused(format!("--exact: a {word} has no values to give; leave the flag out")));
         }
         let wanted = self.count();
         match given == wanted {
             true => Ok(()),
-            false => Err(Error::Refused(format!("--exact: has {given} numbers, but the {word} has {wanted}; --body chooses one body"))),
+            false => Err(Error::refused(format!("--exact: has {given} numbers, but the {word} has {wanted}; --body chooses one body"))),
         }
     }
 

@@ -23,7 +23,7 @@ pub fn copies<const D: usize>(scene: &Scene, times: usize) -> Result<[usize; D]>
         let length = |axis: usize| scene.domain.size[axis] * copies[axis] as f64;
         let shortest = periodic.min_by(|&one, &other| length(one).total_cmp(&length(other)));
         let Some(axis) = shortest else {
-            return Err(Error::Refused("no axis of the box is periodic, and walls cannot be moved without changing the flow".into()));
+            return Err(Error::refused("no axis of the box is periodic, and walls cannot be moved without changing the flow"));
         };
         copies[axis] *= factor;
     }

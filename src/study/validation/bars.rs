@@ -12,7 +12,7 @@ pub use self::{
     scenes::known_scenes,
 };
 use crate::{
-    error::{Error, Result},
+    error::{Error, Refusal, Result},
     output::say,
     petsc::Session,
 };
@@ -64,7 +64,7 @@ pub fn bars(session: &Session, accuracies: &[f64], seeds: Option<Range<u64>>) ->
 fn check(scenes: &[KnownScene], accuracies: &[f64]) -> Result<()> {
     for accuracy in accuracies {
         if let Some(Err(Error::Refused(reason))) = scenes.first().map(|scene| scene.read(*accuracy)) {
-            return Err(Error::Refused(format!("--bars {accuracy}: {}", reason.trim_start_matches("--set: "))));
+            return Err(Error::refused(format!("--bars {accuracy}: {}", Refusal { place: None, ..*reason })));
         }
     }
     Ok(())

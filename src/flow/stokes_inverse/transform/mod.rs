@@ -81,8 +81,8 @@ impl<const D: usize> TransformInverse<D> {
     pub fn new(stokes: &Stokes<D>, grid: &Grid<D>) -> Result<TransformInverse<D>> {
         let setup = Instant::now();
         if !Self::fits(grid.domain()) {
-            return Err(Error::Refused(
-                "method.inverse = \"transform\" needs a box with walls across one axis at most; use method.inverse = \"hypre\"".into(),
+            return Err(Error::refused(
+                "method.inverse = \"transform\" needs a box with walls across one axis at most; use method.inverse = \"hypre\"",
             ));
         }
         let rank = stokes.session().world().rank();

@@ -13,7 +13,8 @@ use crate::{
     study::{Answer, Calibration, Quantity},
 };
 
-const CALIBRATION: &str = "calibration.json";
+/// Name of the file.
+pub const FILE: &str = "calibration.json";
 
 /// A calibration and whether this run made it.
 pub struct Calibrated {
@@ -32,34 +33,34 @@ struct Cache {
 }
 
 /// The calibration that a folder has for a scene, the same on all ranks; nothing if there is none, or one of another scene or version.
-pub fn cached(world: &World, folder: &Path, scene: &Scene) -> Option<Calibrated> {
-    let text = if world.rank() == 0 { fs::read_to_string(folder.join(CALIBRATION)).unwrap_or_default() } else { String::new() };
+pub fn cached(world: &World, folder: &Path, scene: &Scene) -> Option<Calibration> {
+    let text = if world.rank() == 0 { fs::read_to_string(folder.join(FILE)).unwrap_or_default() } else { String::new() };
     let cache: Cache = serde_json::from_str(&world.broadcast(0, &text)).ok()?;
     let there = Scene::parse(&scene.name, folder, &cache.scene, &[]).ok()?;
     let fits = cache.version == env!("CARGO_PKG_VERSION") && scene.difference(&there).is_none();
-    fits.then_some(Calibrated { calibration: cache.calibration, cached: true })
-}
-
-/// Keeps a calibration for later runs of the same scene; collective.
-///
-/// # Errors
-/// It cannot be written.
-pub fn keep(world: &World, folder: &Path, scene: &Scene, calibration: Calibration) -> Result<Calibrated> {
-    let write = || {
-        let cache = Cache { version: env!("CARGO_PKG_VERSION").into(), scene: scene.copied_text()?, calibration: calibration.clone() };
-        let text = serde_json::to_string_pretty(&cache).expect("a calibration is plain numbers and text");
-        write_whole(&folder.join(CALIBRATION), text.as_bytes())
-    };
-    world.agree(if world.rank() == 0 { write() } else { Ok(()) })?;
-    Ok(Calibrated { calibration, cached: false })
+    fits.then_some(cache.calibration)
 }
 
 impl Calibrated {
+    /// Keeps the calibration for later runs of the same scene; collective.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn keep(&self, world: &World, folder: &Path, scene: &Scene) -> Result<()> {
+        let write = || {
+            let (version, calibration) = (env!("CARGO_PKG_VERSION").into(), self.calibration.clone());
+            let cache = Cache { version, scene: scene.copied_text()?, calibration };
+            let text = serde_json::to_string_pretty(&cache).expect("a calibration is plain numbers and text");
+            write_whole(&folder.join(FILE), text.as_bytes())
+        };
+        world.on_first_rank(write)
+    }
+
     /// Attaches the bars to the summary of a state; collective.
     ///
     /// # Errors
     /// PETSc fails.
-    pub fn attach<const D: usize>(&self, summary: &mut Summary, (suspension, solution): (&dyn FlowSolver<D>, &Solution<D>)) -> Result<()> {
+    pub fn attach<const D: usize>(&self, summary: &mut Summary, suspension: &dyn FlowSolver<D>, solution: &Solution<D>) -> Result<()> {
         let calibration = &self.calibration;
         let drag = Answer::all(suspension, solution)?.into_iter().find(|answer| answer.quantity == Quantity::Drag);
         let given = suspension.setup().bodies.iter().filter(|suspended| !suspended.body.free()).count();

@@ -1,11 +1,11 @@
-//! HDF5 files that all ranks write together through MPI-IO, aside, and that take their name once they are whole on disk.
+//! HDF5 files that all ranks write together through MPI-IO, under another name, and that take their name once they are whole on disk.
 
 use std::{
     fs, io,
     path::{Path, PathBuf},
 };
 
-use super::file::aside;
+use super::file::temporary;
 use crate::{
     error::{Error, Result},
     parallel::World,
@@ -15,30 +15,30 @@ use crate::{
 const DESCRIPTION: u64 = 1 << 16;
 const DESCRIPTION_OF_DATA_SET: u64 = 1 << 12;
 
-/// A file under way. Dropped before [`finish`](Together::finish), it leaves nothing behind.
-pub(super) struct Together<'a> {
+/// A file under way. Dropped before [`finish`](ParallelFile::finish), it leaves nothing behind.
+pub(super) struct ParallelFile<'a> {
     world: &'a World,
     path: PathBuf,
-    aside: PathBuf,
+    temporary: PathBuf,
     file: Option<hdf5::File>,
     /// Bytes that the disk has promised.
     room: u64,
 }
 
-impl<'a> Together<'a> {
-    /// Opens the file aside.
-    pub fn create(world: &'a World, path: &Path) -> Result<Together<'a>> {
-        let mut together = Together { world, path: path.to_owned(), aside: aside(path), file: None, room: 0 };
+impl<'a> ParallelFile<'a> {
+    /// Opens the file under another name.
+    pub fn create(world: &'a World, path: &Path) -> Result<ParallelFile<'a>> {
+        let mut file = ParallelFile { world, path: path.to_owned(), temporary: temporary(path), file: None, room: 0 };
         // the system says better than HDF5 why a file cannot be made
-        together.on_first_rank(|aside| fs::File::create(aside).and_then(|file| reserve(&file, 0, DESCRIPTION)))?;
+        file.on_first_rank(|temporary| fs::File::create(temporary).and_then(|file| reserve(&file, 0, DESCRIPTION)))?;
         let communicator = world.raw();
         // the newer file format has checksums in its metadata
         let options = hdf5::File::with_options().with_fapl(|access| access.mpio(communicator, None).libver_v110()).clone();
-        let opened = options.create(&together.aside).map_err(|error| together.error(cause(&error)));
-        together.file = Some(world.agree(opened)?);
+        let opened = options.create(&file.temporary).map_err(|error| file.error(cause(&error)));
+        file.file = Some(world.agree(opened)?);
         // opening has given the room back
-        together.extend(DESCRIPTION)?;
-        Ok(together)
+        file.extend(DESCRIPTION)?;
+        Ok(file)
     }
 
     /// Makes room for a data set of so many bytes before it is made: on a full disk HDF5 would wait for ever for the rank that
@@ -50,7 +50,7 @@ impl<'a> Together<'a> {
     fn extend(&mut self, bytes: u64) -> Result<()> {
         let start = self.room;
         self.room += bytes;
-        self.on_first_rank(|aside| fs::File::options().write(true).open(aside).and_then(|file| reserve(&file, start, bytes)))
+        self.on_first_rank(|temporary| fs::File::options().write(true).open(temporary).and_then(|file| reserve(&file, start, bytes)))
     }
 
     /// The ranks that write.
@@ -70,16 +70,15 @@ impl<'a> Together<'a> {
         let file = self.file.take().expect("open until finished");
         self.world.agree(file.close().map_err(|error| self.error(cause(&error))))?;
         // each rank for its own machine's share
-        self.world.agree(fs::File::open(&self.aside).and_then(|file| file.sync_all()).map_err(|source| self.error(source)))?;
-        self.on_first_rank(|aside| {
-            fs::rename(aside, &self.path)?;
+        self.world.agree(fs::File::open(&self.temporary).and_then(|file| file.sync_all()).map_err(|source| self.error(source)))?;
+        self.on_first_rank(|temporary| {
+            fs::rename(temporary, &self.path)?;
             self.path.parent().map_or(Ok(()), |folder| fs::File::open(folder)?.sync_all())
         })
     }
 
     fn on_first_rank(&self, act: impl FnOnce(&Path) -> io::Result<()>) -> Result<()> {
-        let outcome = if self.world.rank() == 0 { act(&self.aside) } else { Ok(()) };
-        self.world.agree(outcome.map_err(|source| self.error(source)))
+        self.world.on_first_rank(|| act(&self.temporary).map_err(|source| self.error(source)))
     }
 
     fn error(&self, source: io::Error) -> Error {
@@ -87,12 +86,12 @@ impl<'a> Together<'a> {
     }
 }
 
-impl Drop for Together<'_> {
+impl Drop for ParallelFile<'_> {
     fn drop(&mut self) {
         self.file = None;
         if self.world.rank() == 0 {
             // it is there only if something failed before
-            let _ = fs::remove_file(&self.aside);
+            let _ = fs::remove_file(&self.temporary);
         }
     }
 }

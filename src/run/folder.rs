@@ -1,14 +1,11 @@
 //! The output folder of a run: whose it is, what it holds, and the text of its scene.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 use super::origin::Origin;
 use crate::{
-    error::{Error, Result},
-    output::{CHECKPOINT, Checkpoint, FolderLock, SUMMARY, Summary, Traces, check_finite, prepare_folder, write_whole},
+    error::{Error, Offer, Place, Refusal, Result},
+    output::{CHECKPOINT, Checkpoint, FolderLock, SUMMARY, Summary, Traces, check_finite, prepare_folder, remove_file, write_whole},
     parallel::World,
     scene::Scene,
 };
@@ -19,10 +16,12 @@ const SCENE: &str = "scene.toml";
 pub struct RunFolder<'a> {
     world: &'a World,
     path: PathBuf,
-    /// Where the scene was read.
-    scene_file: PathBuf,
+    /// Where the scene was read, if it was.
+    scene_file: Option<PathBuf>,
     /// Whether what other runs have left may go.
-    force: bool,
+    overwrite: bool,
+    /// Whether a run goes on here.
+    resumed: bool,
     /// The files that the scene names, as they were when the run was asked for.
     files: Vec<(String, String)>,
     claimed: bool,
@@ -30,18 +29,29 @@ pub struct RunFolder<'a> {
     _lock: Option<FolderLock>,
 }
 
+/// A run from its start.
+#[derive(Debug, Clone, Copy)]
+pub struct NewRun<'s> {
+    /// What is run.
+    pub scene: &'s Scene,
+    /// Where it was read, if it was.
+    pub scene_file: Option<&'s Path>,
+    /// Whether what other runs have left in the folder may go.
+    pub overwrite: bool,
+}
+
 impl<'a> RunFolder<'a> {
-    /// For a run from the start of the scene of a file; nothing is written yet.
+    /// For a run from its start; nothing is written yet.
     ///
     /// # Errors
-    /// [`Error::Refused`] if it holds what another run has left, and nobody said `force`.
-    pub fn to_begin(world: &'a World, path: &Path, (scene, scene_file): (&Scene, &Path), force: bool) -> Result<RunFolder<'a>> {
-        let files = world.agree(scene.files())?;
-        let (path, scene_file) = (path.to_owned(), scene_file.to_owned());
-        let folder = RunFolder { world, path, scene_file, force, files, claimed: false, _lock: None };
-        folder.on_first_rank(|| {
+    /// [`Error::Refused`] if it holds what another run has left that may not be overwritten.
+    pub fn to_begin(world: &'a World, path: &Path, new: NewRun) -> Result<RunFolder<'a>> {
+        let files = world.agree(new.scene.files())?;
+        let (path, scene_file) = (path.to_owned(), new.scene_file.map(Path::to_owned));
+        let folder = RunFolder { world, path, scene_file, overwrite: new.overwrite, resumed: false, files, claimed: false, _lock: None };
+        world.on_first_rank(|| {
             FolderLock::refuse_held(&folder.path)?;
-            folder.refuse(scene)
+            folder.refuse(new.scene)
         })?;
         Ok(folder)
     }
@@ -55,9 +65,18 @@ impl<'a> RunFolder<'a> {
             read_scene(path, &[])?;
             FolderLock::take(path).map(Some)
         };
-        let lock = world.agree(if world.rank() == 0 { lock() } else { Ok(None) })?;
-        let (path, scene_file) = (path.to_owned(), path.join(SCENE));
-        Ok(RunFolder { world, path, scene_file, force: false, files: Vec::new(), claimed: false, _lock: lock })
+        let lock = world.on_first_rank(lock)?;
+        let files = Vec::new();
+        Ok(RunFolder {
+            world,
+            path: path.to_owned(),
+            scene_file: None,
+            overwrite: false,
+            resumed: true,
+            files,
+            claimed: false,
+            _lock: lock,
+        })
     }
 
     /// Where it is.
@@ -83,7 +102,7 @@ impl<'a> RunFolder<'a> {
         Ok((scene, checkpoint))
     }
 
-    /// Makes the folder ready for a run from the start, once: what others have left is gone.
+    /// Makes the folder ready, once: what others have left is gone, unless the run goes on there.
     ///
     /// # Errors
     /// [`Error::Refused`] when it cannot be written to, another run is under way there, or it holds what may not go.
@@ -91,33 +110,35 @@ impl<'a> RunFolder<'a> {
         if self.claimed {
             return Ok(());
         }
-        self.lock()?;
-        self.on_first_rank(|| {
-            self.refuse(scene)?;
-            if scene.files()? != self.files {
-                let path = self.path.display();
-                return Err(Error::Refused(format!(
-                    "--out {path}: a file of the scene changed while the run was made ready; start it again"
-                )));
+        if !self.resumed {
+            self.lock()?;
+        }
+        self.world.on_first_rank(|| {
+            if self.resumed {
+                prepare_folder(&self.path)?;
+                // a folder with a summary is complete: from now on this one is not
+                remove_file(&self.path.join(SUMMARY))?;
+            } else {
+                self.clear(scene)?;
             }
-            Traces::of(&self.path)?.remove()?;
             self.write_scene(scene)
         })?;
         self.claimed = true;
         Ok(())
     }
 
-    /// Makes the folder ready for a run that goes on.
-    ///
-    /// # Errors
-    /// It cannot be written to.
-    pub fn reclaim(&mut self, scene: &Scene) -> Result<()> {
-        self.on_first_rank(|| {
-            prepare_folder(&self.path)?;
-            // a folder with a summary is complete: from now on this one is not
-            remove(&self.path.join(SUMMARY))?;
-            self.write_scene(scene)
-        })
+    /// Removes what other runs have left.
+    fn clear(&self, scene: &Scene) -> Result<()> {
+        self.refuse(scene)?;
+        if scene.files()? != self.files {
+            let remedy = "a file of the scene changed while the run was made ready; start it again";
+            return Err(self.refusal(remedy.into()).into());
+        }
+        Traces::of(&self.path)?.remove()
+    }
+
+    fn refusal(&self, remedy: String) -> Refusal {
+        Refusal { place: Some(Place::Folder(self.path.clone())), ..Refusal::from(remedy) }
     }
 
     /// What checkpoints hold of the scene: its text, which names the copies of its files, and its origin.
@@ -128,24 +149,21 @@ impl<'a> RunFolder<'a> {
         Ok(vec![("scene", scene.copied_text()?), ("origin", Origin::new(&scene.name, &self.files).text())])
     }
 
-    /// Writes the last file of the run.
+    /// Writes the last file of the run and gives its name.
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn complete(&self, summary: &Summary) -> Result<()> {
+    pub fn complete(&self, summary: &Summary) -> Result<String> {
         check_finite(SUMMARY, summary)?;
         let json = serde_json::to_string_pretty(summary).expect("a summary is plain numbers and text");
-        self.on_first_rank(|| write_whole(&self.path.join(SUMMARY), json.as_bytes()))
+        self.world.on_first_rank(|| write_whole(&self.path.join(SUMMARY), json.as_bytes()))?;
+        Ok(SUMMARY.to_owned())
     }
 
     fn lock(&mut self) -> Result<()> {
         let lock = || prepare_folder(&self.path).and_then(|()| FolderLock::take(&self.path)).map(Some);
-        self._lock = self.world.agree(if self.world.rank() == 0 { lock() } else { Ok(None) })?;
+        self._lock = self.world.on_first_rank(lock)?;
         Ok(())
-    }
-
-    fn on_first_rank(&self, act: impl FnOnce() -> Result<()>) -> Result<()> {
-        self.world.agree(if self.world.rank() == 0 { act() } else { Ok(()) })
     }
 
     fn write_scene(&self, scene: &Scene) -> Result<()> {
@@ -157,29 +175,30 @@ impl<'a> RunFolder<'a> {
     fn refuse(&self, scene: &Scene) -> Result<()> {
         // a run that was killed before it wrote its scene may have copied files
         let (there, kept) = (Traces::of(&self.path)?.besides(&self.files), self.path.join(SCENE));
-        if self.force || (there.none() && !kept.exists()) {
+        if self.overwrite || (there.none() && !kept.exists()) {
             return Ok(());
         }
-        let refuse = |what: String, remedy: &str| {
-            let (path, files) = (self.path.display(), there.words());
+        let told = |what: &str| {
+            let files = there.words();
             let files = if files.is_empty() { files } else { format!(": {files}") };
-            Err(Error::Refused(format!("--out {path}: {what}{files}; choose another folder, or {remedy}")))
+            format!("{what}{files}; choose another folder")
         };
-        let anew = "let it all be overwritten with --force";
+        let refuse = |what: &str, offer: Offer| Err(self.refusal(told(what)).offering(offer));
         if !kept.exists() {
-            return refuse(format!("holds files of no run that is known (it has no {SCENE})"), anew);
+            return refuse(&format!("holds files of no run that is known (it has no {SCENE})"), Offer::Overwrite);
         }
-        if same_place(&kept, &self.scene_file) {
-            return refuse("holds the scene itself, which the run would overwrite".into(), anew);
+        if self.scene_file.as_ref().is_some_and(|file| same_place(&kept, file)) {
+            return refuse("holds the scene itself, which the run would overwrite", Offer::Overwrite);
         }
         if let Err(error) = Scene::read(&kept, &[]).and_then(|there| scene.same_run(&there, "the run in this folder")) {
-            return refuse(format!("holds another run ({error})"), anew);
+            let cause = Some(Box::new(Refusal::from(error)));
+            return Err(Refusal { cause, ..self.refusal(told("holds another run ({cause})")) }.offering(Offer::Overwrite));
         }
-        let resume = format!("go on with it by `turbid resume {}`, or start anew with --force", self.path.display());
+        let resume = Offer::ResumeOrOverwrite(self.path.clone());
         match (there.has(SUMMARY), there.has(CHECKPOINT)) {
-            (false, true) => refuse("holds a run that has not ended".into(), &resume),
-            (true, true) => refuse("holds this run, finished".into(), &resume),
-            (true, false) => refuse("holds this run, finished".into(), anew),
+            (false, true) => refuse("holds a run that has not ended", resume),
+            (true, true) => refuse("holds this run, finished", resume),
+            (true, false) => refuse("holds this run, finished", Offer::Overwrite),
             (false, false) => Ok(()),
         }
     }
@@ -189,24 +208,16 @@ impl<'a> RunFolder<'a> {
 fn read_scene(folder: &Path, overrides: &[String]) -> Result<Scene> {
     let path = folder.join(SCENE);
     if !path.exists() {
-        let folder = folder.display();
-        return Err(Error::Refused(format!("{folder}: holds no {SCENE}; turbid resume takes the output folder of a run")));
+        return Err(Refusal::from(format!("{}: holds no {SCENE}", folder.display())).offering(Offer::FolderOfRun));
     }
     Scene::resumable_overrides(overrides)?;
     let scene = Scene::read(&path, overrides)?;
     if scene.time.is_none() {
-        return Err(Error::Refused(format!("{}: holds no run in time; only these are resumed", folder.display())));
+        return Err(Error::refused(format!("{}: holds no run in time; only these are resumed", folder.display())));
     }
     Ok(scene)
 }
 
 fn same_place(one: &Path, two: &Path) -> bool {
     matches!((one.canonicalize(), two.canonicalize()), (Ok(one), Ok(two)) if one == two)
-}
-
-fn remove(path: &Path) -> Result<()> {
-    match fs::remove_file(path) {
-        Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(Error::File { path: path.to_owned(), source }),
-        _ => Ok(()),
-    }
 }

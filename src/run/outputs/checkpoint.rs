@@ -1,51 +1,79 @@
 //! What a checkpoint holds of a simulation: its state, and what the solver starts from, so that a resumed run repeats
 //! what the run would have done to the last digit on the same ranks.
 
-use std::path::Path;
+use std::{
+    path::{Path, PathBuf},
+    time::Instant,
+};
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{Checkpoint, CheckpointWriter};
 use crate::{
     body::{Twist, components, skew},
     contact::{Adhesive, Identity, Partner},
-    error::{Error, Result},
+    error::{Error, Offer, Refusal, Result},
     grid::Grid,
-    parallel::World,
+    output::{CHECKPOINT, Checkpoint, CheckpointWriter},
     petsc::Vector,
+    run::{BeforeStep, Output, RunStatistics},
     simulation::{Held, Moving, Past, Simulation, Snapshot, State},
 };
 
 /// Names of the arrays of a solution.
 const SNAPSHOTS: [&str; 2] = ["last", "earlier"];
 
-/// Writes a checkpoint of a simulation with texts by name, such as that of its scene, and the run's account. Collective.
-///
-/// # Errors
-/// [`Error::File`] when it cannot be written; an older checkpoint is then untouched.
-pub fn store<const D: usize>(
-    world: &World,
-    path: &Path,
-    (texts, account): (&[(&str, String)], &[f64]),
-    simulation: &Simulation<D>,
-) -> Result<()> {
-    let mut writer = CheckpointWriter::create(world, path)?;
-    texts.iter().try_for_each(|(name, text)| writer.text(name, text))?;
-    // seconds differ from rank to rank
-    writer.shared("account", &world.gather(account)[..account.len()])?;
-    store_state(&mut writer, simulation.state())?;
-    if let Some(suspension) = simulation.suspension() {
-        store_past(&mut writer, suspension.grid(), suspension.past())?;
-    }
-    writer.finish()
+/// The name of the statistics.
+const STATISTICS: &str = "statistics";
+
+/// The checkpoint of a run.
+pub struct CheckpointFile {
+    path: PathBuf,
+    /// Texts by name, such as that of the scene.
+    texts: Vec<(&'static str, String)>,
+    /// Seconds between checkpoints.
+    pace: f64,
+    last: Instant,
 }
 
-/// Brings a simulation to the state of a checkpoint and returns the run's account. Collective.
+impl CheckpointFile {
+    /// None yet.
+    pub fn new(folder: &Path, texts: Vec<(&'static str, String)>, pace: f64) -> CheckpointFile {
+        CheckpointFile { path: folder.join(CHECKPOINT), texts, pace, last: Instant::now() }
+    }
+
+    /// Writes it; if that fails, an older one is untouched.
+    fn store<const D: usize>(&self, before: &BeforeStep<D>) -> Result<()> {
+        let (world, simulation) = (before.world, before.simulation);
+        let mut writer = CheckpointWriter::create(world, &self.path)?;
+        self.texts.iter().try_for_each(|(name, text)| writer.text(name, text))?;
+        // seconds differ from rank to rank
+        writer.text(STATISTICS, &world.broadcast(0, &before.statistics.text()))?;
+        store_state(&mut writer, simulation.state())?;
+        if let Some(suspension) = simulation.suspension() {
+            store_past(&mut writer, suspension.grid(), suspension.past())?;
+        }
+        writer.finish()
+    }
+}
+
+impl<const D: usize> Output<D> for CheckpointFile {
+    fn keep(&mut self, before: &BeforeStep<D>) -> Result<()> {
+        let due = before.due || self.last.elapsed().as_secs_f64() >= self.pace;
+        let due = before.world.max(f64::from(due)) > 0.0;
+        if due && before.simulation.on_the_way() && before.simulation.state().steps > 0 {
+            self.store(before)?;
+            self.last = Instant::now();
+        }
+        Ok(())
+    }
+}
+
+/// Brings a simulation to the state of a checkpoint and returns the statistics of the run. Collective.
 ///
 /// # Errors
 /// [`Error::Refused`] when the checkpoint cannot be used.
-pub fn restore<const D: usize>(checkpoint: &Checkpoint, simulation: &mut Simulation<D>) -> Result<Vec<f64>> {
-    let account = checkpoint.shared("account")?;
+pub fn restore<const D: usize>(checkpoint: &Checkpoint, simulation: &mut Simulation<D>) -> Result<RunStatistics> {
+    let statistics = RunStatistics::read(&checkpoint.text(STATISTICS)?)?;
     let state = read_state(checkpoint, simulation.radii().len())?;
     let past = match simulation.suspension() {
         Some(suspension) => {
@@ -55,7 +83,7 @@ pub fn restore<const D: usize>(checkpoint: &Checkpoint, simulation: &mut Simulat
         None => None,
     };
     simulation.restore(state, past);
-    Ok(account)
+    Ok(statistics)
 }
 
 fn store_state<const D: usize>(writer: &mut CheckpointWriter, state: &State<D>) -> Result<()> {
@@ -132,7 +160,7 @@ fn read_state<const D: usize>(checkpoint: &Checkpoint, bodies: usize) -> Result<
 }
 
 fn misfit(name: &str) -> Error {
-    Error::Refused(format!("the checkpoint's {name} do not fit the scene; resume from another checkpoint, or start anew with turbid run"))
+    Refusal::from(format!("the checkpoint's {name} do not fit the scene; resume from another checkpoint")).offering(Offer::Anew)
 }
 
 fn store_past<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, past: Option<&Past<D>>) -> Result<()> {

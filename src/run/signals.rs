@@ -28,7 +28,7 @@ impl Signals {
             }
             register(SIGUSR1, signals.checkpoint.clone())
         };
-        listen().map_err(|error: std::io::Error| Error::Diverged(format!("the system does not let signals be listened to: {error}")))?;
+        listen().map_err(Error::Signals)?;
         Ok(signals)
     }
 

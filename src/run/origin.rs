@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     body::read_text,
-    error::{Error, Result},
+    error::{Error, Offer, Refusal, Result},
     output::checksum_of,
 };
 
@@ -30,7 +30,10 @@ impl Origin {
     /// # Errors
     /// [`Error::Refused`] if the text is none, or a file is not the one with which the run began.
     pub fn read(text: &str, folder: &Path) -> Result<Origin> {
-        let misfit = |_| Error::Refused(format!("{}: the checkpoint's origin is none; start anew with turbid run", folder.display()));
+        let misfit = |_| {
+            let what = format!("{}: the checkpoint's origin is none; resume from another checkpoint", folder.display());
+            Refusal::from(what).offering(Offer::Anew)
+        };
         let origin: Origin = serde_json::from_str(text).map_err(misfit)?;
         origin.files.iter().try_for_each(|(file, sum)| same_file(&folder.join(file), sum))?;
         Ok(origin)
@@ -48,8 +51,8 @@ fn sum(text: &str) -> String {
 
 fn same_file(path: &Path, expected: &str) -> Result<()> {
     let refuse = |what: String| {
-        let remedy = "put back the copy of the table with which the run began, or start anew with turbid run";
-        Err(Error::Refused(format!("{}: {what}; {remedy}", path.display())))
+        let remedy = "put back the copy of the table with which the run began";
+        Err(Refusal::from(format!("{}: {what}; {remedy}", path.display())).offering(Offer::Anew))
     };
     match read_text(path) {
         Ok(text) if sum(&text) == expected => Ok(()),

@@ -23,17 +23,17 @@ pub enum Class {
 
 /// Objects alive on this rank, by class.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Census {
+pub struct ObjectCounts {
     counts: [usize; 7],
 }
 
 thread_local! {
-    static ALIVE: Cell<Census> = const { Cell::new(Census { counts: [0; 7] }) };
+    static ALIVE: Cell<ObjectCounts> = const { Cell::new(ObjectCounts { counts: [0; 7] }) };
 }
 
-impl Census {
+impl ObjectCounts {
     /// The objects that are alive now; all ranks hold the same.
-    pub fn local_now() -> Census {
+    pub fn local_now() -> ObjectCounts {
         ALIVE.get()
     }
 
@@ -47,20 +47,20 @@ impl Census {
         self.counts.iter().sum()
     }
 
-    /// Those that have come since an earlier census and are still alive, if none of that time has gone.
-    pub fn since(&self, earlier: &Census) -> Census {
-        Census { counts: std::array::from_fn(|class| self.counts[class].saturating_sub(earlier.counts[class])) }
+    /// Those that have come since an earlier count and are still alive, if none of that time has gone.
+    pub fn since(&self, earlier: &ObjectCounts) -> ObjectCounts {
+        ObjectCounts { counts: std::array::from_fn(|class| self.counts[class].saturating_sub(earlier.counts[class])) }
     }
 
     pub(super) fn enter(class: Class) {
-        let mut census = ALIVE.get();
-        census.counts[class as usize] += 1;
-        ALIVE.set(census);
+        let mut counts = ALIVE.get();
+        counts.counts[class as usize] += 1;
+        ALIVE.set(counts);
     }
 
     pub(super) fn leave(class: Class) {
-        let mut census = ALIVE.get();
-        census.counts[class as usize] -= 1;
-        ALIVE.set(census);
+        let mut counts = ALIVE.get();
+        counts.counts[class as usize] -= 1;
+        ALIVE.set(counts);
     }
 }

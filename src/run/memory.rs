@@ -1,7 +1,7 @@
 //! Whether a run fits into the memory of the machine.
 
 use crate::{
-    error::{Error, Result},
+    error::{Error, Offer, Result},
     parallel::World,
     scene::{ConstraintMethod, Scene, Spacing},
     simulation::demand,
@@ -12,7 +12,7 @@ use crate::{
 ///
 /// # Errors
 /// [`Error::Refused`], also for what cannot be placed.
-pub fn check(world: &World, scene: &Scene) -> Result<()> {
+pub fn check_memory(world: &World, scene: &Scene) -> Result<()> {
     let free = world.available_memory_bytes();
     let bytes = world.agree(bytes(scene))?;
     if bytes <= free { Ok(()) } else { Err(refusal(scene, bytes, free)) }
@@ -21,10 +21,10 @@ pub fn check(world: &World, scene: &Scene) -> Result<()> {
 /// Refuses to plan what already takes too long to plan: a mesh that is made for the plan, cells beyond all memory; collective.
 ///
 /// # Errors
-/// As [`check`].
-pub fn check_plan(world: &World, scene: &Scene) -> Result<()> {
+/// As [`check_memory`].
+pub fn check_memory_of_plan(world: &World, scene: &Scene) -> Result<()> {
     let bytes = world.agree(bytes(scene))?;
-    if bytes.is_infinite() || scene.method.constraint == ConstraintMethod::Fitted { check(world, scene) } else { Ok(()) }
+    if bytes.is_infinite() || scene.method.constraint == ConstraintMethod::Fitted { check_memory(world, scene) } else { Ok(()) }
 }
 
 /// About as many bytes as a scene takes.
@@ -35,16 +35,17 @@ fn bytes(scene: &Scene) -> Result<f64> {
 
 fn refusal(scene: &Scene, bytes: f64, free: f64) -> Error {
     let taken = if bytes.is_finite() { format!("about {:.1} GB", bytes / 1e9) } else { "more memory than can be told".into() };
-    let remedy = format!(
-        "takes {taken}, and {:.1} GB are free; coarsen it or shrink domain.size, take more machines, or insist with turbid run --force",
-        free / 1e9
-    );
-    match (&scene.resolution, scene.accuracy) {
+    let remedy = format!("takes {taken}, and {:.1} GB are free; coarsen it or shrink domain.size, take more machines", free / 1e9);
+    let refused = match (&scene.resolution, scene.accuracy) {
         (Some(resolution), _) => match resolution.spacing {
             Spacing::Length(spacing) => scene.refuse("resolution.spacing", spacing, &remedy),
             Spacing::CellsPerRadius(cells) => scene.refuse("resolution.cells_per_radius", cells, &remedy),
         },
         (None, Some(accuracy)) => scene.refuse("accuracy", accuracy, &remedy),
         (None, None) => scene.refuse("domain.size", format!("{:?}", scene.domain.size), &remedy),
+    };
+    match refused {
+        Error::Refused(refusal) => refusal.offering(Offer::Insist),
+        other => other,
     }
 }

@@ -1,0 +1,30 @@
+//! Runs: a scene solved at an instant or simulated in time, what is written of it, and how it goes on.
+//!
+//! A [`Run`] knows the order of things and no file; each [`Output`] writes one thing at its own pace and cannot change the run.
+
+mod calibration;
+mod finished;
+mod folder;
+mod memory;
+mod options;
+mod origin;
+mod output;
+mod outputs;
+#[expect(clippy::module_inception, reason = "the run is what the module is named after")]
+mod run;
+mod scalar;
+mod signals;
+mod statistics;
+mod summary;
+mod viscosity;
+
+pub use calibration::cached;
+pub use finished::Finished;
+pub use folder::{NewRun, RunFolder};
+pub use memory::{check_memory, check_memory_of_plan};
+pub use options::Options;
+pub use output::{BeforeStep, Evaluated, EvaluatedFlow, EvaluatedMotion, Output};
+pub use outputs::outputs;
+pub use run::{Run, complete};
+pub use statistics::{KeptContacts, RunStatistics};
+pub use viscosity::ViscosityHistory;

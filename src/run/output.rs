@@ -1,0 +1,148 @@
+//! What is written of a run: the interface behind which frames, series, checkpoints, pictures and the progress line stand.
+
+use std::path::Path;
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::{
+    contact::Partner,
+    error::Result,
+    geometry::{Ball, Domain},
+    observe::{FrameBody, Viscosity},
+    output::{Summary, write_whole},
+    parallel::World,
+    run::{RunStatistics, ViscosityHistory},
+    scene::Scene,
+    simulation::{FlowSolver, Held, Simulation, Solution, State, View},
+};
+
+/// Writes one thing of a run, at its own pace, and cannot change the run. All functions are collective but [`iterate`](Output::iterate).
+pub trait Output<const D: usize> {
+    /// Is told of an iteration of the solver at an instant and its relative residual, on each rank.
+    fn iterate(&mut self, _iteration: usize, _residual: f64) {}
+
+    /// Keeps what a restart from this state needs, before it is evaluated.
+    ///
+    /// # Errors
+    /// A file cannot be written, here and below.
+    fn keep(&mut self, _before: &BeforeStep<D>) -> Result<()> {
+        Ok(())
+    }
+
+    /// Writes what is due of an instant that was evaluated.
+    fn write(&mut self, _seen: &Evaluated<D>) -> Result<()> {
+        Ok(())
+    }
+
+    /// Writes what is due at the end, adds to the summary what it found, and gives the names of its files.
+    fn finish(&mut self, _seen: &Evaluated<D>, _summary: &mut Summary) -> Result<Vec<String>> {
+        Ok(Vec::new())
+    }
+}
+
+/// A state that was not evaluated yet.
+pub struct BeforeStep<'a, const D: usize> {
+    /// All ranks.
+    pub world: &'a World,
+    /// The simulation.
+    pub simulation: &'a Simulation<D>,
+    /// What its steps cost and kept so far.
+    pub statistics: &'a RunStatistics,
+    /// Whether somebody asks for a checkpoint, or the next step may be the last; may differ from rank to rank.
+    pub due: bool,
+}
+
+/// What there is to write of an instant.
+pub struct Evaluated<'a, const D: usize> {
+    /// All ranks.
+    pub world: &'a World,
+    /// What is simulated.
+    pub scene: &'a Scene,
+    /// The flow, if there is one.
+    pub flow: Option<EvaluatedFlow<'a, D>>,
+    /// Its viscosity, in a sheared suspension.
+    pub viscosity: Option<Viscosity>,
+    /// The bodies on their way, in a run in time.
+    pub motion: Option<EvaluatedMotion<'a, D>>,
+    /// The viscosity over time.
+    pub history: &'a ViscosityHistory,
+}
+
+/// A flow at an instant.
+#[derive(Clone, Copy)]
+pub struct EvaluatedFlow<'a, const D: usize> {
+    /// What solved it.
+    pub solver: &'a dyn FlowSolver<D>,
+    /// The solution.
+    pub solution: &'a Solution<D>,
+}
+
+/// Bodies on their way.
+#[derive(Clone, Copy)]
+pub struct EvaluatedMotion<'a, const D: usize> {
+    /// The simulation.
+    pub simulation: &'a Simulation<D>,
+    /// What happens at this instant.
+    pub view: &'a View<D>,
+    /// What the steps until now cost and kept.
+    pub statistics: &'a RunStatistics,
+    /// Whether the run ends here.
+    pub last: bool,
+}
+
+impl<const D: usize> Evaluated<'_, D> {
+    /// Writes a file of the run on the first rank, and gives its name.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write_file(&self, folder: &Path, name: &str, bytes: &[u8]) -> Result<String> {
+        self.world.on_first_rank(|| write_whole(&folder.join(name), bytes))?;
+        Ok(name.to_owned())
+    }
+}
+
+impl<'a, const D: usize> EvaluatedMotion<'a, D> {
+    /// Where bodies are.
+    pub fn state(&self) -> &'a State<D> {
+        self.simulation.state()
+    }
+
+    /// The box as it is now.
+    pub fn domain(&self) -> &'a Domain<D> {
+        self.simulation.domain()
+    }
+
+    /// Contacts that bear a force: of this instant in a flow, of the last step in a dry run.
+    pub fn held(&self) -> Vec<Held<D>> {
+        match self.view.solution {
+            Some(_) => self.view.contacts.iter().filter(|pressed| pressed.force != 0.0).map(Held::of).collect(),
+            None => self.state().held.clone(),
+        }
+    }
+
+    /// The bodies as frames hold them.
+    pub fn bodies(&self) -> Vec<FrameBody<D>> {
+        let balls = self.state().balls(self.simulation.radii());
+        let mut contacts = vec![0; balls.len()];
+        for held in self.held() {
+            contacts[held.body] += 1;
+            if let Partner::Body(partner) = held.partner {
+                contacts[partner] += 1;
+            }
+        }
+        let body = |(number, ball): (usize, &Ball<D>)| {
+            let by_fluid = self.view.solution.as_ref().map(|solution| &solution.bodies[number]);
+            FrameBody {
+                center: ball.center,
+                radius: ball.radius,
+                velocity: self.view.twists[number].velocity,
+                spin: self.view.twists[number].spin,
+                rotation: self.state().bodies[number].rotation,
+                force: by_fluid.map_or_else(SVector::zeros, |state| state.force),
+                torque: by_fluid.map_or_else(SMatrix::zeros, |state| state.torque),
+                contacts: contacts[number],
+            }
+        };
+        balls.iter().enumerate().map(body).collect()
+    }
+}

@@ -1,0 +1,126 @@
+//! Frames of a run in time: the first instant, the last one, and the first one after each multiple of the time between frames.
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
+
+use crate::{
+    contact::{Contact, Identity},
+    error::Result,
+    grid::operators::signed,
+    observe::{CellCenters, inside},
+    output::{Frame, FrameContact, FrameFields, Frames, Summary, note},
+    parallel::World,
+    run::{Evaluated, EvaluatedMotion, Output},
+    scene::{ContactModel, Scene},
+    simulation::{Simulation, State},
+};
+
+/// Rounding of a time that is a multiple of the time between frames.
+const ROUNDING: f64 = 1e-9;
+
+/// Files that show the frames.
+const INDICES: [&str; 4] = ["run.h5", "bodies.xdmf", "contacts.xdmf", "fields.xdmf"];
+
+/// The frames of a run.
+pub struct FrameFiles<const D: usize> {
+    folder: PathBuf,
+    frames: Frames,
+    every: f64,
+    /// Whether the scene asks for frames more often than steps come, and nobody was told yet.
+    eager: bool,
+    /// Present if frames hold fields; made anew where images slide.
+    centers: Option<CellCenters<D>>,
+    contact: ContactModel,
+}
+
+impl<const D: usize> FrameFiles<D> {
+    /// Opens them for what comes from the state of the simulation on. Collective.
+    ///
+    /// # Errors
+    /// Frames of the run so far cannot be read or removed.
+    pub fn open(world: &World, scene: &Scene, folder: &Path, simulation: &Simulation<D>) -> Result<FrameFiles<D>> {
+        let frames = match simulation.state().steps {
+            0 => Frames::create(world, folder)?,
+            _ => {
+                let (frames, lost) = Frames::resume(world, folder, simulation.state().time.next_down())?;
+                lost.iter().for_each(|lost| note(&format!("turbid: {lost}")));
+                frames
+            }
+        };
+        let centers = match simulation.suspension() {
+            Some(suspension) if scene.output.fields => Some(CellCenters::new(suspension.grid(), &suspension.fluid_vector()?)?),
+            _ => None,
+        };
+        let eager = scene.output.every.is_some() && world.rank() == 0;
+        Ok(FrameFiles { folder: folder.to_owned(), frames, every: scene.frame_interval(), eager, centers, contact: scene.contact.model })
+    }
+
+    fn due(&self, motion: &EvaluatedMotion<D>) -> bool {
+        let state = motion.state();
+        let number = |time: f64| (time / self.every + ROUNDING).floor();
+        state.steps == 0 || motion.last || number(state.time) > number(state.time - state.last_step)
+    }
+
+    /// Says once that frames cannot come as often as the scene asks for.
+    fn tell_of_long_steps(&mut self, state: &State<D>) {
+        let (every, step) = (self.every, state.last_step);
+        if self.eager && step > every * (1.0 + ROUNDING) {
+            self.eager = false;
+            note(&format!(
+                "turbid: output.every = {every}: the step to time {} is {step} long, and frames come no more often than steps; \
+                 shorten them by time.step or time.travel for more",
+                state.time
+            ));
+        }
+    }
+
+    /// The fluid of this rank, if frames hold it; collective.
+    fn fields<'a>(&mut self, seen: &Evaluated<'a, D>, motion: &EvaluatedMotion<D>) -> Result<Option<FrameFields<'a, D>>> {
+        let (Some(centers), Some(flow)) = (&mut self.centers, seen.flow) else { return Ok(None) };
+        let (grid, setup, fluid) = (flow.solver.grid(), flow.solver.setup(), &flow.solution.fluid);
+        if motion.domain().slide().is_some() {
+            *centers = CellCenters::new(grid, fluid)?;
+        }
+        let mut velocity = centers.velocity(fluid)?;
+        for (index, velocity) in grid.block(D).indices().zip(&mut velocity) {
+            *velocity += setup.drive.background(&grid.position(D, signed(index)));
+        }
+        let pressure = fluid.local()?[grid.local_range(D)].iter().map(|pressure| pressure * setup.viscosity).collect();
+        Ok(Some(FrameFields { grid, velocity, pressure, inside: inside(grid, &motion.state().balls(motion.simulation.radii())) }))
+    }
+}
+
+impl<const D: usize> Output<D> for FrameFiles<D> {
+    fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
+        let Some(motion) = seen.motion else { return Ok(()) };
+        self.tell_of_long_steps(motion.state());
+        if !self.due(&motion) {
+            return Ok(());
+        }
+        let (state, bodies) = (motion.state(), motion.bodies());
+        let contacts = (self.contact != ContactModel::None).then(|| network(&motion, self.contact.gluey()));
+        let fields = self.fields(seen, &motion)?;
+        let contacts = contacts.as_deref();
+        self.frames
+            .write(seen.world, &Frame { time: state.time, step: state.steps, domain: motion.domain(), bodies: &bodies, contacts, fields })
+    }
+
+    fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
+        self.frames.finish(seen.world)?.iter().for_each(|lost| note(&format!("turbid: {lost}")));
+        Ok(INDICES.into_iter().filter(|name| self.folder.join(name).exists()).map(str::to_owned).collect())
+    }
+}
+
+/// Contacts that bear a force or stick, as frames hold them.
+fn network<const D: usize>(motion: &EvaluatedMotion<D>, gluey: bool) -> Vec<FrameContact<D>> {
+    let (state, domain) = (motion.state(), motion.domain());
+    let balls = state.balls(motion.simulation.radii());
+    let mut all: BTreeMap<Identity<D>, (f64, f64)> = motion.held().iter().map(|held| (held.identity(), (held.force, 0.0))).collect();
+    state.stuck.iter().for_each(|stuck| all.entry(stuck.identity()).or_default().1 = stuck.gamma);
+    let contact = |(identity, (force, gamma)): (Identity<D>, (f64, f64))| {
+        FrameContact::of(&Contact::again(domain, &balls, identity), &balls, force, gluey.then_some(gamma))
+    };
+    all.into_iter().map(contact).collect()
+}

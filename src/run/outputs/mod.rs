@@ -1,0 +1,50 @@
+//! The outputs of a run, one a file.
+
+mod charts;
+mod checkpoint;
+mod frames;
+mod pairs;
+mod picture;
+mod probe;
+mod progress;
+mod series;
+
+use std::path::Path;
+
+use crate::{error::Result, output::CurvePoint, parallel::World, run::Output, scene::Scene, simulation::Simulation};
+pub use checkpoint::restore;
+
+/// The outputs that a scene asks for, in the order in which they write, and the viscosity of the run so far (on the first rank).
+///
+/// `texts` are what checkpoints hold of the scene. A run without a `simulation` is one instant. Collective.
+///
+/// # Errors
+/// Files of the run so far cannot be read or written.
+pub fn outputs<const D: usize>(
+    world: &World,
+    scene: &Scene,
+    folder: &Path,
+    texts: Vec<(&'static str, String)>,
+    simulation: Option<&Simulation<D>>,
+) -> Result<(Vec<Box<dyn Output<D>>>, Vec<CurvePoint>)> {
+    let path = || folder.to_owned();
+    let probe = scene.output.probe.map(|points| Box::new(probe::ProbeFile { folder: path(), points }) as Box<dyn Output<D>>);
+    let picture = scene.output.picture.then(|| Box::new(picture::PictureFile { folder: path() }) as Box<dyn Output<D>>);
+    let pairs = scene.output.pairs.then(|| Box::new(pairs::PairFiles { folder: path() }) as Box<dyn Output<D>>);
+    let Some(simulation) = simulation else {
+        return Ok((picture.into_iter().chain(probe).chain(pairs).collect(), Vec::new()));
+    };
+    let (series, points) = series::SeriesFile::open(world, folder, simulation.state().steps)?;
+    let mut all: Vec<Box<dyn Output<D>>> = vec![
+        Box::new(series),
+        Box::new(frames::FrameFiles::open(world, scene, folder, simulation)?),
+        Box::new(checkpoint::CheckpointFile::new(folder, texts, scene.output.checkpoint)),
+        Box::new(charts::ViscosityChart { folder: path() }),
+    ];
+    all.extend(probe);
+    if scene.output.picture {
+        all.push(Box::new(charts::EffortChart { folder: path() }));
+    }
+    all.extend(picture.into_iter().chain(pairs));
+    Ok((all, points))
+}

@@ -1,0 +1,79 @@
+//! `pairs.csv` and `pairs.json`: the pair distribution of a run, over its frames once it has ended, or of an instant.
+
+use std::path::{Path, PathBuf};
+
+use crate::{
+    error::Result,
+    geometry::{Ball, Domain},
+    observe::{FrameBody, PairCounts, PairDistribution, Shear},
+    output::{MeanViscosity, PairSummary, Summary, pair_files, read_frames},
+    run::{Evaluated, Output},
+};
+
+/// Part of a run without a steady viscosity that is left out.
+const START_UP: f64 = 0.5;
+
+/// Measures pairs at the end.
+pub struct PairFiles {
+    /// Where the files go, and where the frames are.
+    pub folder: PathBuf,
+}
+
+/// The bodies that are looked at.
+struct Bodies<'a, const D: usize> {
+    domain: &'a Domain<D>,
+    radii: Vec<f64>,
+    shear: Option<Shear<D>>,
+}
+
+impl<const D: usize> Output<D> for PairFiles {
+    fn finish(&mut self, seen: &Evaluated<D>, summary: &mut Summary) -> Result<Vec<String>> {
+        let setup = seen.flow.map(|flow| flow.solver.setup());
+        let shear = setup.and_then(|setup| Shear::of(&setup.domain, &setup.drive));
+        let distribution = match (&seen.motion, setup) {
+            (Some(motion), _) => {
+                let bodies = Bodies { domain: motion.domain(), radii: motion.simulation.radii().to_vec(), shear };
+                seen.world.on_first_rank(|| bodies.over_frames(&self.folder, motion.state().time, seen.history.mean()))?
+            }
+            (None, Some(setup)) => {
+                let balls: Vec<Ball<D>> = setup.bodies.iter().map(|suspended| suspended.body.ball).collect();
+                let bodies = Bodies { domain: &setup.domain, radii: balls.iter().map(|ball| ball.radius).collect(), shear };
+                let mut counts = bodies.counts();
+                counts.add(bodies.domain.slide().map_or(0.0, |slide| slide.time), &balls);
+                counts.distribution().map(|distribution| (distribution, 0.0))
+            }
+            (None, None) => None,
+        };
+        if seen.world.max(f64::from(distribution.is_some())) == 0.0 {
+            return Ok(Vec::new());
+        }
+        let files = distribution.as_ref().map_or([("pairs.csv", vec![]), ("pairs.json", vec![])], |(found, _)| pair_files(found));
+        summary.pairs = distribution.map(|(found, from_time)| PairSummary {
+            coordination: found.coordination,
+            configurations: found.configurations,
+            from_time,
+        });
+        files.iter().map(|(name, bytes)| seen.write_file(&self.folder, name, bytes)).collect()
+    }
+}
+
+impl<const D: usize> Bodies<'_, D> {
+    fn counts(&self) -> PairCounts<'_, D> {
+        PairCounts::new(self.domain, &self.radii, self.shear)
+    }
+
+    /// Over the frames of a run until `end`: those of the steady part of its viscosity, or else of its second half; and the time of the first.
+    fn over_frames(&self, folder: &Path, end: f64, mean: Option<&MeanViscosity>) -> Result<Option<(PairDistribution, f64)>> {
+        let begin = match (&self.shear, mean) {
+            (Some(shear), Some(mean)) => mean.strains[0] / shear.rate.abs(),
+            _ => START_UP * end,
+        };
+        let (mut counts, mut first) = (self.counts(), None);
+        for frame in read_frames::<D>(folder)?.into_iter().filter(|frame| frame.time >= begin) {
+            let ball = |(body, &radius): (&FrameBody<D>, &f64)| Ball { center: body.center, radius };
+            counts.add(frame.time, &frame.bodies.iter().zip(&self.radii).map(ball).collect::<Vec<_>>());
+            first.get_or_insert(frame.time);
+        }
+        Ok(counts.distribution().zip(first))
+    }
+}

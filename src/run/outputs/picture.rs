@@ -1,0 +1,34 @@
+//! `picture.svg`, or `picture.png` of a dry scene: the end of a run.
+
+use std::path::PathBuf;
+
+use crate::{
+    error::Result,
+    observe::{Plane, picture},
+    output::Summary,
+    run::{Evaluated, Output},
+};
+
+/// Width in pixels of the picture of dry bodies.
+const WIDTH: usize = 800;
+
+/// Draws the picture at the end.
+pub struct PictureFile {
+    /// Where it goes.
+    pub folder: PathBuf,
+}
+
+impl<const D: usize> Output<D> for PictureFile {
+    fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
+        let (name, bytes) = match (&seen.flow, &seen.motion) {
+            (Some(flow), _) => ("picture.svg", picture(seen.scene.shown_title(), flow.solver, flow.solution)?.svg().into_bytes()),
+            (None, Some(motion)) => {
+                let plane = Plane::of(seen.scene);
+                let still = plane.frame(motion.state().time, motion.bodies());
+                ("picture.png", plane.film(seen.scene, vec![still]).apng(WIDTH, 1.0))
+            }
+            (None, None) => return Ok(Vec::new()),
+        };
+        Ok(vec![seen.write_file(&self.folder, name, &bytes)?])
+    }
+}

@@ -1,0 +1,26 @@
+//! `probe.csv`: the flow of the end on a lattice of points.
+
+use std::path::PathBuf;
+
+use crate::{
+    error::Result,
+    observe::velocity_probe,
+    output::Summary,
+    run::{Evaluated, Output},
+};
+
+/// Writes the probe at the end.
+pub struct ProbeFile {
+    /// Where it goes.
+    pub folder: PathBuf,
+    /// Points along each axis.
+    pub points: usize,
+}
+
+impl<const D: usize> Output<D> for ProbeFile {
+    fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
+        let Some(flow) = seen.flow else { return Ok(Vec::new()) };
+        let probe = velocity_probe(flow.solver, flow.solution, self.points)?.csv();
+        Ok(vec![seen.write_file(&self.folder, "probe.csv", probe.as_bytes())?])
+    }
+}

@@ -1,0 +1,32 @@
+//! The progress line as an output.
+
+use crate::{
+    error::Result,
+    output::{Progress, Summary, TimeProgress},
+    run::{Evaluated, Output},
+};
+
+impl<const D: usize> Output<D> for Progress {
+    fn iterate(&mut self, iteration: usize, residual: f64) {
+        self.show(iteration, residual);
+    }
+
+    fn write(&mut self, _: &Evaluated<D>) -> Result<()> {
+        self.end();
+        Ok(())
+    }
+}
+
+impl<const D: usize> Output<D> for TimeProgress {
+    fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
+        if let Some(motion) = &seen.motion {
+            self.show(motion.state().time, motion.state().steps, seen.history.mean());
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, _: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
+        self.end();
+        Ok(Vec::new())
+    }
+}

@@ -1,0 +1,430 @@
+//! A run: evaluate, write, step, until the end or a signal; or one solve at an instant.
+
+use std::time::Instant;
+
+use super::{
+    calibration::{self, Calibrated},
+    finished::Finished,
+    folder::RunFolder,
+    options::Options,
+    output::{BeforeStep, Evaluated, EvaluatedFlow, EvaluatedMotion, Output},
+    outputs::{self, outputs},
+    scalar,
+    signals::Signals,
+    statistics::RunStatistics,
+    summary::summary,
+    viscosity::ViscosityHistory,
+};
+use crate::{
+    error::{Error, Result},
+    observe::{self, Viscosity},
+    output::{Checkpoint, CurvePoint, Progress, Summary, TimeProgress, write_whole},
+    parallel::World,
+    petsc::{Session, Stage, enter},
+    scene::{ContactModel, Scene},
+    simulation::{FlowSolver, Setup, Simulation, Solution, State, View, flow_solver},
+    study::{RefinementSequence, Solved},
+};
+
+/// Rounding of a time that is a sum of steps.
+const ROUNDING: f64 = 1e-9;
+
+/// How much wider than wanted an interval is at most before steps that may end the run: these start from a checkpoint.
+const ABOUT: f64 = 1.25;
+
+/// A run of a scene of dimension `D`, but for a scalar one. Every function is collective.
+pub struct Run<'a, const D: usize> {
+    world: &'a World,
+    scene: Scene,
+    folder: Option<RunFolder<'a>>,
+    calibrated: Option<Calibrated>,
+    machinery: Machinery<D>,
+    outputs: Vec<Box<dyn Output<D>>>,
+    statistics: RunStatistics,
+    history: ViscosityHistory,
+    viscosity: Option<Viscosity>,
+    signals: Option<Signals>,
+    /// Whether what there is to see of the state was evaluated.
+    evaluated: bool,
+}
+
+/// What solves.
+enum Machinery<const D: usize> {
+    /// A flow at an instant, and its solution once there is one.
+    Instant { solver: Box<dyn FlowSolver<D>>, solution: Option<Solution<D>> },
+    /// A simulation in time, and what happens in its state once it was evaluated.
+    InTime { simulation: Box<Simulation<D>>, view: Option<View<D>> },
+}
+
+/// Runs a scene of dimension `D` from its start to its end; without a folder it leaves nothing behind. Collective.
+///
+/// # Errors
+/// As [`Run::start`] and [`Run::advance`].
+pub fn complete<const D: usize>(session: &Session, scene: &Scene, folder: Option<RunFolder>, options: Options) -> Result<Finished> {
+    match scene.scalar() {
+        true => scalar::run::<D>(session, scene, folder, options),
+        false => Run::<D>::start(session, scene, folder, options)?.complete(),
+    }
+}
+
+impl<'a, const D: usize> Run<'a, D> {
+    /// Builds what a scene calls for; without a folder it leaves nothing behind.
+    ///
+    /// # Errors
+    /// Bodies, grid, rank count or dimension do not fit, the accuracy cannot be met, or the folder is in use.
+    pub fn start(session: &'a Session, scene: &Scene, folder: Option<RunFolder<'a>>, options: Options) -> Result<Run<'a, D>> {
+        Run::build(session, scene, folder, None, options)
+    }
+
+    /// Goes on with the run of a folder, whose scene and checkpoint [`RunFolder::read`] gives.
+    ///
+    /// # Errors
+    /// As [`start`](Run::start); the checkpoint does not fit.
+    pub fn resume(
+        session: &'a Session,
+        scene: &Scene,
+        folder: RunFolder<'a>,
+        checkpoint: &Checkpoint,
+        options: Options,
+    ) -> Result<Run<'a, D>> {
+        Run::build(session, scene, Some(folder), Some(checkpoint), options)
+    }
+
+    fn build(
+        session: &'a Session,
+        scene: &Scene,
+        mut folder: Option<RunFolder<'a>>,
+        checkpoint: Option<&Checkpoint>,
+        options: Options,
+    ) -> Result<Run<'a, D>> {
+        let world = session.world();
+        if scene.dimension() != D || scene.scalar() {
+            return Err(scene.refuse(
+                "domain.size",
+                format!("{:?}", scene.domain.size),
+                &format!("is not that of a flow or of bodies in {D}D"),
+            ));
+        }
+        let (calibrated, solved) = match scene.accuracy {
+            Some(_) => calibrate(session, scene, &mut folder, checkpoint.is_none())?,
+            None => (None, None),
+        };
+        let signals = if options.signals && scene.time.is_some() { Some(Signals::listen()?) } else { None };
+        let resolved = calibrated.as_ref().map_or_else(|| scene.clone(), |calibrated| calibrated.calibration.resolved(scene));
+        let mut machinery = Machinery::new(session, &resolved, solved)?;
+        let statistics = match (checkpoint, &mut machinery) {
+            (Some(checkpoint), Machinery::InTime { simulation, .. }) => {
+                let statistics = outputs::restore(checkpoint, simulation)?;
+                refuse_the_past(scene, simulation.state().time)?;
+                statistics
+            }
+            _ => RunStatistics::new(),
+        };
+        let mut run = Run {
+            world,
+            scene: scene.clone(),
+            folder,
+            calibrated,
+            machinery,
+            outputs: Vec::new(),
+            statistics,
+            history: ViscosityHistory::default(),
+            viscosity: None,
+            signals,
+            evaluated: false,
+        };
+        run.open(options)?;
+        Ok(run)
+    }
+
+    /// Opens what the run writes.
+    fn open(&mut self, options: Options) -> Result<()> {
+        let (world, scene, simulation) = (self.world, &self.scene, self.machinery.simulation());
+        let mut points = Vec::new();
+        if let Some(folder) = &mut self.folder {
+            folder.claim(scene)?;
+            (self.outputs, points) = outputs(world, scene, folder.path(), folder.texts(scene)?, simulation)?;
+        }
+        if options.progress {
+            let line: Box<dyn Output<D>> = match &self.machinery {
+                Machinery::Instant { solver, .. } => Box::new(Progress::new(world.rank(), solver.setup().tolerance.at_an_instant())),
+                Machinery::InTime { simulation, .. } => Box::new(TimeProgress::new(world.rank(), simulation.state().time, scene.end())),
+            };
+            self.outputs.insert(0, line);
+        }
+        self.history = ViscosityHistory::new(scene.time.as_ref().and_then(|time| time.until), points);
+        Ok(())
+    }
+
+    /// Adds an output, which writes after the others.
+    pub fn add(&mut self, output: Box<dyn Output<D>>) {
+        self.outputs.push(output);
+    }
+
+    /// Takes a step, unless this is the first call, evaluates the state and writes what is due; whether the run goes on from there.
+    ///
+    /// # Errors
+    /// A solver does not converge, contacts cannot be kept, a file cannot be written, or a signal came ([`Error::Stopped`]).
+    pub fn advance(&mut self) -> Result<bool> {
+        let outcome = self.step_on();
+        self.keep_island(outcome)
+    }
+
+    fn step_on(&mut self) -> Result<bool> {
+        if self.evaluated {
+            if self.ended() {
+                return Ok(false);
+            }
+            self.step()?;
+        }
+        self.evaluate()?;
+        Ok(!self.ended())
+    }
+
+    /// Goes on to the end.
+    ///
+    /// # Errors
+    /// As [`advance`](Run::advance).
+    pub fn complete(mut self) -> Result<Finished> {
+        while self.advance()? {}
+        self.finish()
+    }
+
+    /// Where bodies are, in a run in time.
+    pub fn state(&self) -> Option<&State<D>> {
+        self.machinery.simulation().map(Simulation::state)
+    }
+
+    /// The flow that was evaluated last, if there is one.
+    pub fn solution(&self) -> Option<&Solution<D>> {
+        self.machinery.flow().map(|flow| flow.solution)
+    }
+
+    /// The viscosity of what was evaluated last, in a sheared suspension.
+    pub fn viscosity(&self) -> Option<&Viscosity> {
+        self.viscosity.as_ref()
+    }
+
+    /// The viscosity over time.
+    pub fn history(&self) -> &ViscosityHistory {
+        &self.history
+    }
+
+    /// What the steps cost and kept.
+    pub fn statistics(&self) -> &RunStatistics {
+        &self.statistics
+    }
+
+    fn evaluate(&mut self) -> Result<()> {
+        let asked = self.signals.as_ref().is_some_and(Signals::take_checkpoint);
+        self.keep(asked)?;
+        let outputs = &mut self.outputs;
+        self.machinery.evaluate(&mut |iteration, residual| outputs.iter_mut().for_each(|output| output.iterate(iteration, residual)))?;
+        self.viscosity = self.machinery.viscosity()?;
+        self.evaluated = true;
+        self.timed(|run| {
+            if let Machinery::InTime { simulation, .. } = &run.machinery {
+                let contact = run.scene.contact.model != ContactModel::None;
+                let point = run.viscosity.map(|viscosity| CurvePoint::of(&viscosity, simulation.state().time, contact));
+                run.history.add(run.world, point, ABOUT);
+            }
+            run.tell(|output, seen| output.write(seen))
+        })
+    }
+
+    fn ended(&self) -> bool {
+        self.machinery.simulation().is_none_or(Simulation::over) || self.history.satisfied()
+    }
+
+    fn step(&mut self) -> Result<()> {
+        let Machinery::InTime { simulation, view } = &mut self.machinery else { return Ok(()) };
+        let view = view.take().expect("a state is evaluated before its step");
+        self.evaluated = false;
+        let report = simulation.step(&view, &mut |_, _| {})?;
+        self.statistics.add(&view, &report);
+        let stop = self.signals.as_ref().is_some_and(Signals::stop);
+        if self.signals.is_some() && self.world.max(f64::from(stop)) > 0.0 {
+            return self.stop();
+        }
+        Ok(())
+    }
+
+    fn stop(&mut self) -> Result<()> {
+        self.keep(true)?;
+        let folder = self.folder.as_ref().map(|folder| folder.path().to_owned());
+        Err(Error::Stopped { time: self.state().map_or(0.0, |state| state.time), folder })
+    }
+
+    /// Lets a checkpoint be written if it is due.
+    fn keep(&mut self, asked: bool) -> Result<()> {
+        self.timed(|run| {
+            let Machinery::InTime { simulation, .. } = &run.machinery else { return Ok(()) };
+            let due = asked || simulation.may_end() || run.history.nearly(ABOUT);
+            let before = BeforeStep { world: run.world, simulation, statistics: &run.statistics, due };
+            run.outputs.iter_mut().try_for_each(|output| output.keep(&before))
+        })
+    }
+
+    /// Does what counts as output.
+    fn timed(&mut self, write: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
+        let (_stage, start) = (enter(Stage::Output), Instant::now());
+        write(self)?;
+        self.statistics.add_output(start.elapsed().as_secs_f64());
+        Ok(())
+    }
+
+    /// Tells every output of what is seen.
+    fn tell(&mut self, mut tell: impl FnMut(&mut dyn Output<D>, &Evaluated<D>) -> Result<()>) -> Result<()> {
+        let mut outputs = std::mem::take(&mut self.outputs);
+        let seen = self.seen();
+        let told = outputs.iter_mut().try_for_each(|output| tell(output.as_mut(), &seen));
+        self.outputs = outputs;
+        told
+    }
+
+    fn seen(&self) -> Evaluated<'_, D> {
+        let motion = match &self.machinery {
+            Machinery::InTime { simulation, view: Some(view) } => {
+                Some(EvaluatedMotion { simulation, view, statistics: &self.statistics, last: self.ended() })
+            }
+            _ => None,
+        };
+        let (scene, flow, viscosity) = (&self.scene, self.machinery.flow(), self.viscosity);
+        Evaluated { world: self.world, scene, flow, viscosity, motion, history: &self.history }
+    }
+
+    /// The numbers of what was evaluated last, or of the start.
+    ///
+    /// # Errors
+    /// As [`advance`](Run::advance).
+    pub fn summary(&mut self) -> Result<Summary> {
+        if !self.evaluated {
+            self.evaluate()?;
+        }
+        let mut summary = summary(&self.seen())?;
+        if let (Some(calibrated), Some(flow)) = (&self.calibrated, self.machinery.flow()) {
+            calibrated.attach(&mut summary, flow.solver, flow.solution)?;
+        }
+        Ok(summary)
+    }
+
+    /// Writes what is due at the end.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn finish(mut self) -> Result<Finished> {
+        let mut summary = self.summary()?;
+        let _stage = enter(Stage::Output);
+        let mut files = Vec::new();
+        if self.folder.is_some() && self.scene.time.is_none() {
+            files.push("scene.toml".to_owned());
+            files.extend(self.calibrated.as_ref().map(|_| calibration::FILE.to_owned()));
+        }
+        self.tell(|output, seen| {
+            files.extend(output.finish(seen, &mut summary)?);
+            Ok(())
+        })?;
+        summary.motion = self.scene.time.as_ref().map(|_| self.statistics.motion());
+        if let Some(folder) = &self.folder {
+            files.push(folder.complete(&summary)?);
+        }
+        let folder = self.folder.as_ref().map(|folder| folder.path().to_owned());
+        Ok(Finished { summary, curve: self.history.points().to_vec(), folder, files })
+    }
+
+    /// Writes the island that was not solved beside the other files, and says so.
+    fn keep_island(&self, outcome: Result<bool>) -> Result<bool> {
+        match (outcome, &self.folder) {
+            (Err(Error::Contact { text, island }), Some(folder)) => {
+                let path = folder.path().join("contact-island.json");
+                self.world.on_first_rank(|| write_whole(&path, island.as_bytes()))?;
+                Err(Error::Contact { text: format!("{text}; the problem is in {}", path.display()), island })
+            }
+            (outcome, _) => outcome,
+        }
+    }
+}
+
+impl<const D: usize> Machinery<D> {
+    /// For a scene that says how fine it is, or what a calibration has solved last.
+    fn new(session: &Session, resolved: &Scene, solved: Option<Solved<D>>) -> Result<Machinery<D>> {
+        match (&resolved.time, solved) {
+            (Some(_), solved) => {
+                drop(solved);
+                Ok(Machinery::InTime { simulation: Box::new(Simulation::new(session, resolved)?), view: None })
+            }
+            (None, Some((suspension, solution))) => Ok(Machinery::Instant { solver: Box::new(suspension), solution: Some(solution) }),
+            (None, None) => {
+                let setup = session.world().agree(Setup::<D>::of(resolved))?;
+                Ok(Machinery::Instant { solver: flow_solver(session, setup)?, solution: None })
+            }
+        }
+    }
+
+    fn evaluate(&mut self, seen: &mut dyn FnMut(usize, f64)) -> Result<()> {
+        match self {
+            Machinery::Instant { solution: Some(_), .. } => {}
+            Machinery::Instant { solver, solution } => *solution = Some(solver.solve(seen)?),
+            Machinery::InTime { simulation, view } => *view = Some(simulation.look(&mut |_, _| {})?),
+        }
+        Ok(())
+    }
+
+    fn simulation(&self) -> Option<&Simulation<D>> {
+        match self {
+            Machinery::Instant { .. } => None,
+            Machinery::InTime { simulation, .. } => Some(simulation),
+        }
+    }
+
+    fn flow(&self) -> Option<EvaluatedFlow<'_, D>> {
+        match self {
+            Machinery::Instant { solver, solution } => Some(EvaluatedFlow { solver: solver.as_ref(), solution: solution.as_ref()? }),
+            Machinery::InTime { simulation, view } => {
+                Some(EvaluatedFlow { solver: simulation.suspension()?, solution: view.as_ref()?.solution.as_ref()? })
+            }
+        }
+    }
+
+    fn viscosity(&self) -> Result<Option<Viscosity>> {
+        let Some(flow) = self.flow() else { return Ok(None) };
+        let contacts = match self {
+            Machinery::InTime { view: Some(view), .. } => &view.contacts[..],
+            _ => &[],
+        };
+        observe::viscosity(flow.solver.setup(), flow.solver.grid(), flow.solution, contacts)
+    }
+}
+
+/// The setting that meets a scene's accuracy, and the last solution if it is found now.
+fn calibrate<const D: usize>(
+    session: &Session,
+    scene: &Scene,
+    folder: &mut Option<RunFolder>,
+    from_start: bool,
+) -> Result<(Option<Calibrated>, Option<Solved<D>>)> {
+    let world = session.world();
+    let path = folder.as_ref().map(|folder| folder.path().to_owned());
+    if let Some(calibration) = path.as_deref().and_then(|path| calibration::cached(world, path, scene)) {
+        return Ok((Some(Calibrated { calibration, cached: true }), None));
+    }
+    let sequence = RefinementSequence::<D>::begin(session, scene)?;
+    if let (Some(folder), true) = (folder, from_start) {
+        folder.claim(scene)?;
+    }
+    let (calibration, solved) = sequence.refine_until_met()?;
+    let calibrated = Calibrated { calibration, cached: false };
+    if let Some(path) = path {
+        calibrated.keep(world, &path, scene)?;
+    }
+    Ok((Some(calibrated), Some(solved)))
+}
+
+/// A run that goes on cannot end before it does.
+fn refuse_the_past(scene: &Scene, time: f64) -> Result<()> {
+    if scene.end() >= time * (1.0 - ROUNDING) {
+        return Ok(());
+    }
+    let remedy = format!("the checkpoint is at time {time}; set a later end, or start anew in another folder");
+    Err(scene.refuse("time.end", scene.end(), &remedy))
+}

@@ -1,0 +1,200 @@
+//! What all steps of a run together cost and kept; a checkpoint carries it on.
+
+use std::{collections::BTreeMap, time::Instant};
+
+use crate::{
+    contact::{Certificate, Solver},
+    error::{Offer, Refusal, Result},
+    output::MotionSummary,
+    simulation::{Effort, StepReport, View},
+};
+
+/// The statistics of a run, from its start or from those of the run it goes on with.
+#[derive(Clone)]
+pub struct RunStatistics {
+    /// Steps and what they cost, without the time that runs.
+    motion: MotionSummary,
+    /// Smallest gap of all steps, infinite if no two came near each other.
+    smallest_gap: f64,
+    kkt_residual: f64,
+    last: Option<StepReport>,
+    since: Instant,
+}
+
+/// How contacts were kept in a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KeptContacts {
+    /// Pairs that the contact model looked at in the last step.
+    pub pairs: usize,
+    /// Smallest gap of all steps; nothing if no two came near each other.
+    pub smallest_gap: Option<f64>,
+    /// Largest residual of the optimality conditions of all steps.
+    pub kkt_residual: f64,
+}
+
+/// A number of the statistics, to read or to write.
+enum Number<'a> {
+    Count(&'a mut usize),
+    Real(&'a mut f64),
+    Solver(&'a mut Solver),
+}
+use Number::{Count, Real};
+
+impl RunStatistics {
+    /// Nothing yet.
+    pub fn new() -> RunStatistics {
+        let motion = MotionSummary::default();
+        RunStatistics { motion, smallest_gap: f64::INFINITY, kkt_residual: 0.0, last: None, since: Instant::now() }
+    }
+
+    /// Adds a step and the look before it.
+    pub fn add<const D: usize>(&mut self, view: &View<D>, report: &StepReport) {
+        let (motion, effort) = (&mut self.motion, view.effort + report.effort);
+        let [shortest, longest] = motion.steps;
+        let before = self.last.map(|last| last.length);
+        motion.steps = if before.is_none() { [report.length; 2] } else { [shortest.min(report.length), longest.max(report.length)] };
+        motion.grown += usize::from(before.is_some_and(|last| report.length > last * (1.0 + 1e-9)));
+        motion.shrunk += usize::from(before.is_some_and(|last| report.length < last * (1.0 - 1e-9)));
+        motion.solves += effort.solves;
+        motion.iterations += effort.iterations;
+        motion.assembly_seconds += effort.assembly;
+        motion.solve_seconds += effort.solving;
+        motion.contact_seconds += effort.contact;
+        if let Some(certificate) = report.certificate {
+            self.smallest_gap = self.smallest_gap.min(certificate.smallest_gap);
+            self.kkt_residual = self.kkt_residual.max(certificate.kkt_residual);
+        }
+        self.last = Some(*report);
+    }
+
+    /// The last step.
+    pub fn last(&self) -> Option<&StepReport> {
+        self.last.as_ref()
+    }
+
+    /// Steps and costs, with the seconds until now.
+    pub fn motion(&self) -> MotionSummary {
+        MotionSummary { seconds: self.motion.seconds + self.since.elapsed().as_secs_f64(), ..self.motion.clone() }
+    }
+
+    /// Adds seconds spent on files.
+    pub fn add_output(&mut self, seconds: f64) {
+        self.motion.output_seconds += seconds;
+    }
+
+    /// How contacts were kept.
+    pub fn contacts(&self) -> KeptContacts {
+        KeptContacts {
+            pairs: self.last.and_then(|last| last.certificate).map_or(0, |certificate| certificate.pairs),
+            smallest_gap: Some(self.smallest_gap).filter(|gap| gap.is_finite()),
+            kkt_residual: self.kkt_residual,
+        }
+    }
+
+    /// A line `name = number` for each number until now, from which [`read`](RunStatistics::read) makes them again to the last digit.
+    pub fn text(&self) -> String {
+        let line = |(name, number)| match number {
+            Count(count) => format!("{name} = {count}\n"),
+            Real(real) => format!("{name} = {real:?}\n"),
+            Number::Solver(solver) => format!("{name} = {}\n", *solver as usize),
+        };
+        RunStatistics { motion: self.motion(), ..self.clone() }.numbers().into_iter().map(line).collect()
+    }
+
+    /// The statistics of a run that goes on.
+    ///
+    /// # Errors
+    /// The text holds none.
+    pub fn read(text: &str) -> Result<RunStatistics> {
+        let lines: BTreeMap<&str, &str> = text.lines().filter_map(|line| line.split_once(" = ")).collect();
+        let mut statistics = RunStatistics::new();
+        statistics.last = lines.contains_key("last.length").then(|| StepReport {
+            length: 0.0,
+            certificate: lines.contains_key("last.pairs").then(|| Certificate::of_forces::<2>(&[], &[])),
+            effort: Effort::default(),
+        });
+        let read = |(name, number): (&str, Number)| {
+            let text = lines.get(name)?;
+            match number {
+                Count(count) => *count = text.parse().ok()?,
+                Real(real) => *real = text.parse().ok()?,
+                Number::Solver(solver) => *solver = *Solver::ALL.get(text.parse::<usize>().ok()?)?,
+            }
+            Some(())
+        };
+        let whole = statistics.numbers().into_iter().try_for_each(read);
+        let misfit =
+            || Refusal::from("the checkpoint's statistics are none; resume from another checkpoint".to_owned()).offering(Offer::Anew);
+        whole.map(|()| statistics).ok_or_else(misfit)
+    }
+
+    /// Every number by its name.
+    fn numbers(&mut self) -> Vec<(&'static str, Number<'_>)> {
+        let [shortest, longest] = &mut self.motion.steps;
+        let mut numbers = vec![
+            ("shortest_step", Real(shortest)),
+            ("longest_step", Real(longest)),
+            ("grown", Count(&mut self.motion.grown)),
+            ("shrunk", Count(&mut self.motion.shrunk)),
+            ("solves", Count(&mut self.motion.solves)),
+            ("iterations", Count(&mut self.motion.iterations)),
+            ("seconds", Real(&mut self.motion.seconds)),
+            ("assembly_seconds", Real(&mut self.motion.assembly_seconds)),
+            ("solve_seconds", Real(&mut self.motion.solve_seconds)),
+            ("contact_seconds", Real(&mut self.motion.contact_seconds)),
+            ("output_seconds", Real(&mut self.motion.output_seconds)),
+            ("smallest_gap", Real(&mut self.smallest_gap)),
+            ("kkt_residual", Real(&mut self.kkt_residual)),
+        ];
+        let Some(StepReport { length, certificate, effort }) = &mut self.last else { return numbers };
+        numbers.extend([
+            ("last.length", Real(length)),
+            ("last.solves", Count(&mut effort.solves)),
+            ("last.iterations", Count(&mut effort.iterations)),
+            ("last.assembly", Real(&mut effort.assembly)),
+            ("last.solving", Real(&mut effort.solving)),
+            ("last.contact", Real(&mut effort.contact)),
+        ]);
+        let Some(certificate) = certificate else { return numbers };
+        numbers.extend([
+            ("last.pairs", Count(&mut certificate.pairs)),
+            ("last.active", Count(&mut certificate.active)),
+            ("last.smallest_gap", Real(&mut certificate.smallest_gap)),
+            ("last.kkt_residual", Real(&mut certificate.kkt_residual)),
+            ("last.total_force", Real(&mut certificate.total_force)),
+            ("last.contact_iterations", Count(&mut certificate.iterations)),
+            ("last.contact_solver", Number::Solver(&mut certificate.solver)),
+            ("last.islands", Count(&mut certificate.islands)),
+            ("last.rounds", Count(&mut certificate.rounds)),
+        ]);
+        numbers
+    }
+}
+
+impl Default for RunStatistics {
+    fn default() -> RunStatistics {
+        RunStatistics::new()
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::error::Error;
+
+    #[test]
+    fn statistics_are_read_back_to_the_last_digit() {
+        let mut certificate = Certificate::of_forces::<2>(&[], &[]);
+        (certificate.kkt_residual, certificate.solver) = (0.1 + 0.2, Solver::ALL[1]);
+        for certificate in [None, Some(certificate)] {
+            let last = Some(StepReport { length: 1.0 / 3.0, certificate, effort: Effort { solves: 2, ..Effort::default() } });
+            let statistics = RunStatistics { last, ..RunStatistics::new() };
+            let again = RunStatistics::read(&statistics.text()).unwrap();
+            assert_eq!((again.last, again.smallest_gap), (statistics.last, f64::INFINITY));
+        }
+        for text in ["", "grown = 1\n"] {
+            assert!(matches!(RunStatistics::read(text), Err(Error::Refused(_))));
+        }
+    }
+}

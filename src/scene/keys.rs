@@ -1,0 +1,287 @@
+//! A scene as keys and values, as a file writes them: what two scenes are compared by, and the text of a scene that was built in Rust.
+
+use std::fmt::Display;
+
+use toml_edit::Value;
+
+use crate::scene::entry::word_of;
+use crate::scene::{
+    AxisSection, BodyGroup, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
+    MethodSection, Modes, Motion, MultiplierSolver, OutputSection, Placement, ResolutionSection, Scene, Scheme, Shape, Spacing, Step,
+    TimeSection, Until,
+};
+
+/// Keys with their values, in the order of a scene file.
+pub(super) type Keys = Vec<(String, String)>;
+
+/// Keys and values of a scene, defaults included, without keys that mean nothing in it.
+pub(super) fn keys(scene: &Scene) -> Keys {
+    // without `..`, so that no new section is forgotten
+    let Scene {
+        name: _,
+        title,
+        seed,
+        gravity,
+        accuracy,
+        domain,
+        flow,
+        resolution,
+        method,
+        bodies,
+        contact,
+        lubrication,
+        time,
+        output,
+        locations: _,
+        text: _,
+    } = scene;
+    let mut keys = vec![text("title", title), pair("seed", seed)];
+    keys.extend(gravity.as_deref().map(|gravity| list("gravity", gravity)));
+    keys.extend(of_domain(domain));
+    keys.extend(of_flow(flow));
+    keys.extend(accuracy.map(|accuracy| number("accuracy", accuracy)));
+    keys.extend(resolution.iter().flat_map(of_resolution));
+    if !scene.dry() {
+        keys.extend(of_method(method, flow.model));
+    }
+    for (group, bodies) in bodies.iter().enumerate() {
+        keys.extend(of_bodies(bodies, flow.model).into_iter().map(|(key, value)| (format!("bodies[{group}].{key}"), value)));
+    }
+    if !scene.scalar() {
+        keys.extend(of_contact(contact));
+        keys.extend(match lubrication.model {
+            LubricationModel::None => vec![word("lubrication.model", "none")],
+            LubricationModel::Pairwise { roughness } => {
+                vec![word("lubrication.model", "pairwise"), number("lubrication.roughness", roughness)]
+            }
+        });
+    }
+    keys.extend(time.iter().flat_map(of_time));
+    keys.extend(of_output(output, time.is_some(), scene.dry()));
+    keys
+}
+
+/// The text of a scene file that holds these keys.
+pub(super) fn file_of(keys: &Keys) -> String {
+    let (mut file, mut tables, mut group) = (String::new(), String::new(), None);
+    for (key, value) in keys {
+        let Some((number, key)) = key.strip_prefix("bodies[").and_then(|rest| rest.split_once("].")) else {
+            file += &format!("{key} = {value}\n");
+            continue;
+        };
+        if group != Some(number) {
+            tables += "\n[[bodies]]\n";
+            group = Some(number);
+        }
+        match key.strip_prefix("centers[") {
+            // the list stays open for the next center
+            Some(index) if index == "0]" => tables += &format!("centers = [{value}]\n"),
+            Some(_) => tables.insert_str(tables.len() - 2, &format!(", {value}")),
+            None => tables += &format!("{key} = {value}\n"),
+        }
+    }
+    file + &tables
+}
+
+fn pair(key: &str, value: impl Display) -> (String, String) {
+    (key.to_owned(), value.to_string())
+}
+
+fn number(key: &str, value: f64) -> (String, String) {
+    // a float that looks like an integer may be too long for one
+    let text = if value.abs() < 1e15 { value.to_string() } else { format!("{value:?}") };
+    (key.to_owned(), text.replace("NaN", "nan"))
+}
+
+fn word(key: &str, value: &str) -> (String, String) {
+    pair(key, format!("{value:?}"))
+}
+
+/// A text with whatever signs.
+fn text(key: &str, value: &str) -> (String, String) {
+    pair(key, Value::from(value))
+}
+
+fn list(key: &str, value: &[f64]) -> (String, String) {
+    (key.to_owned(), format!("{value:?}").replace("NaN", "nan"))
+}
+
+fn of_domain(domain: &DomainSection) -> Keys {
+    let DomainSection { size, axes } = domain;
+    let mut keys = vec![list("domain.size", size)];
+    for (name, axis) in ["x", "y", "z"].into_iter().zip(axes) {
+        match axis {
+            AxisSection::Periodic => keys.push(word(&format!("domain.{name}"), "periodic")),
+            AxisSection::Walls { lower, upper } => {
+                keys.push(list(&format!("domain.{name}.lower"), lower));
+                keys.push(list(&format!("domain.{name}.upper"), upper));
+            }
+        }
+    }
+    keys
+}
+
+fn of_flow(flow: &FlowSection) -> Keys {
+    let FlowSection { model, viscosity, density, drive, source } = flow;
+    let mut keys = vec![word("flow.model", word_of(&FlowModel::WORDS, model))];
+    match model {
+        FlowModel::None => {}
+        FlowModel::Scalar => keys.push(number("flow.source", *source)),
+        FlowModel::Stokes => keys.extend([number("flow.viscosity", *viscosity), number("flow.density", *density)]),
+    }
+    keys.extend(matches!(drive, Some(Drive::ShearedBox(_))).then(|| word("flow.drive.periodic", "sheared")));
+    keys.extend(drive.as_ref().map(|drive| match drive {
+        Drive::MeanVelocity(velocity) => list("flow.drive.mean_velocity", velocity),
+        Drive::PressureGradient(gradient) => list("flow.drive.pressure_gradient", gradient),
+        Drive::BodyForce(force) => list("flow.drive.body_force", force),
+        Drive::ShearRate(rate) | Drive::ShearedBox(rate) => number("flow.drive.shear_rate", *rate),
+        Drive::MeanGradient(gradient) => list("flow.drive.mean_gradient", gradient),
+    }));
+    keys
+}
+
+fn of_resolution(resolution: &ResolutionSection) -> Keys {
+    let ResolutionSection { spacing, modes } = resolution;
+    let spacing = match spacing {
+        Spacing::Length(spacing) => number("resolution.spacing", *spacing),
+        Spacing::CellsPerRadius(cells) => number("resolution.cells_per_radius", *cells),
+    };
+    let modes = match modes {
+        Modes::Auto => word("resolution.modes", "auto"),
+        Modes::Most => word("resolution.modes", "most"),
+        Modes::Count(count) => pair("resolution.modes", count),
+    };
+    vec![spacing, modes]
+}
+
+fn of_method(method: &MethodSection, model: FlowModel) -> Keys {
+    let MethodSection { constraint, inverse, tolerance } = method;
+    let mut keys = vec![word("method.constraint", constraint.word())];
+    keys.extend(match constraint {
+        ConstraintMethod::Penalty(epsilon) => vec![automatic("method.epsilon", *epsilon)],
+        ConstraintMethod::MeanValue(MultiplierSolver::Krylov) => vec![word("method.solver", "krylov")],
+        ConstraintMethod::MeanValue(MultiplierSolver::Uzawa(step)) => {
+            vec![word("method.solver", "uzawa"), automatic("method.uzawa_step", *step)]
+        }
+        ConstraintMethod::Sharp | ConstraintMethod::Distributed | ConstraintMethod::Fitted => vec![],
+    });
+    // a scalar is always solved by multigrid
+    keys.extend((model == FlowModel::Stokes).then(|| word("method.inverse", inverse.word())));
+    keys.push(pair("method.tolerance", tolerance.text()));
+    keys
+}
+
+fn automatic(key: &str, value: Option<f64>) -> (String, String) {
+    value.map_or_else(|| word(key, "auto"), |value| number(key, value))
+}
+
+fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
+    let BodyGroup { shape: Shape::Ball, radius, placement, gap, density, motion, force, torque, velocity, spin } = bodies;
+    let mut keys = vec![word("shape", "ball"), number("radius", *radius)];
+    keys.extend(match placement {
+        Placement::Fraction(fraction) => vec![number("fraction", *fraction), number("gap", *gap)],
+        Placement::Count(count) => vec![pair("count", count), number("gap", *gap)],
+        Placement::Centers(centers) if centers.is_empty() => vec![pair("centers", "[]")],
+        Placement::Centers(centers) => (0..).zip(centers).map(|(index, center)| list(&format!("centers[{index}]"), center)).collect(),
+        Placement::File(path) => vec![text("file", &path.to_string_lossy())],
+    });
+    if model != FlowModel::Scalar {
+        keys.push(number("density", *density));
+        keys.extend(of_motion(motion));
+    }
+    let lists = [("force", force), ("torque", torque), ("velocity", velocity), ("spin", spin)];
+    keys.extend(lists.into_iter().filter_map(|(key, numbers)| Some((key, numbers.as_deref()?))).map(|(key, numbers)| match numbers {
+        [rate] => number(key, *rate),
+        numbers => list(key, numbers),
+    }));
+    keys
+}
+
+fn of_motion(motion: &Motion) -> Keys {
+    match motion {
+        Motion::Free => vec![word("motion", "free")],
+        Motion::Fixed => vec![word("motion", "fixed")],
+        Motion::Prescribed { velocity, spin } => {
+            let spin = if let [rate] = spin[..] { number("motion.spin", rate) } else { list("motion.spin", spin) };
+            vec![list("motion.velocity", velocity), spin]
+        }
+    }
+}
+
+fn of_contact(contact: &ContactSection) -> Keys {
+    let ContactSection { model } = contact;
+    let mut keys = vec![word("contact.model", model.word())];
+    keys.extend(match model {
+        ContactModel::None | ContactModel::Inelastic => vec![],
+        ContactModel::Repulsion { stiffness, range } => vec![number("contact.stiffness", *stiffness), number("contact.range", *range)],
+        ContactModel::Gluey { gamma_min } => gamma_min.map(|least| number("contact.gamma_min", least)).into_iter().collect(),
+    });
+    keys
+}
+
+fn of_time(time: &TimeSection) -> Keys {
+    let TimeSection { step, end, scheme, travel, until } = time;
+    let mut keys = vec![word("time.scheme", word_of(&Scheme::WORDS, scheme)), number("time.end", *end)];
+    keys.extend(match step {
+        Step::Auto => vec![word("time.step", "auto"), number("time.travel", *travel)],
+        Step::Fixed(step) => vec![number("time.step", *step)],
+    });
+    if let Some(Until { viscosity_interval, strain }) = until {
+        keys.extend([number("time.until.viscosity_interval", *viscosity_interval), number("time.until.strain", *strain)]);
+    }
+    keys
+}
+
+fn of_output(output: &OutputSection, in_time: bool, dry: bool) -> Keys {
+    let OutputSection { picture, every, fields, checkpoint, probe, pairs } = output;
+    let mut keys = vec![pair("output.picture", picture), pair("output.pairs", pairs)];
+    keys.extend(every.map(|every| number("output.every", every)));
+    keys.extend(probe.map(|points| pair("output.probe", points)));
+    if in_time {
+        keys.push(number("output.checkpoint", *checkpoint));
+        keys.extend((!dry).then(|| pair("output.fields", fields)));
+    }
+    keys
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::error::Error;
+    use crate::scene::Locations;
+
+    /// Every example is the same scene when it is taken apart and built anew.
+    #[test]
+    fn a_scene_that_is_built_is_that_of_its_file() {
+        let examples = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples")).unwrap();
+        let scenes = examples.map(|entry| entry.unwrap().path()).filter(|path| path.extension().is_some_and(|ending| ending == "toml"));
+        let mut count = 0;
+        for path in scenes {
+            let read = Scene::read(&path, &[]).unwrap();
+            let built = read.clone().checked().unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+            assert_eq!(Scene { text: built.text.clone(), locations: Locations::default(), ..read }, built, "{}", path.display());
+            count += 1;
+        }
+        assert!(count > 10, "only {count} examples");
+    }
+
+    #[test]
+    fn a_scene_that_is_built_passes_the_checks_of_a_file() {
+        let mut scene = Scene::new("built", &[4.0, 4.0]);
+        scene.title = "a \"title\"\nof two lines".into();
+        scene.bodies = vec![BodyGroup::new(-1.0, Placement::Centers(vec![vec![1.0, 2.0], vec![3.0, 2.0]]))];
+        scene.resolution = Some(ResolutionSection::new(Spacing::CellsPerRadius(6.0)));
+        let Err(Error::Refused(refusal)) = scene.clone().checked() else { panic!("not refused") };
+        assert_eq!((refusal.key.as_deref(), refusal.value.as_deref(), refusal.place.clone()), (Some("bodies[0].radius"), Some("-1"), None));
+        assert_eq!(refusal.to_string(), "bodies[0].radius = -1: must be positive");
+        scene.bodies[0].radius = 0.5;
+        let built = scene.clone().checked().unwrap();
+        assert_eq!(Scene { text: String::new(), ..built.clone() }, scene);
+        assert_eq!(built.refuse("bodies[0].radius", 1, "no").to_string(), "bodies[0].radius = 1: no");
+        scene.resolution = None;
+        assert!(scene.checked().unwrap_err().to_string().starts_with("resolution needs one of"));
+    }
+}

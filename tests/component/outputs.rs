@@ -1,0 +1,151 @@
+//! What every output of a run keeps to: it changes nothing of the run, names only files that it has written, and is told of each instant once.
+
+use std::{
+    cell::RefCell,
+    fs,
+    path::{Path, PathBuf},
+    rc::Rc,
+};
+
+use turbid::{
+    error::Result,
+    output::Summary,
+    petsc::Session,
+    run::{BeforeStep, Evaluated, Options, Output, Run, outputs},
+    scene::{
+        AxisSection, BodyGroup, ContactModel, ContactSection, FlowModel, Placement, ResolutionSection, Scene, Spacing, Step, TimeSection,
+    },
+    simulation::Simulation,
+};
+
+use crate::Test;
+
+pub fn tests() -> Vec<Test> {
+    vec![
+        Test::of(every_output_conforms_in_a_flow),
+        Test::of(every_output_conforms_in_a_dry_run),
+        Test::of(every_output_conforms_at_an_instant),
+        Test::of(a_new_output_is_told_of_each_instant_once),
+        Test::of(a_run_of_another_dimension_is_refused),
+    ]
+}
+
+fn disks() -> Scene {
+    let mut scene = Scene::new("outputs", &[2.0, 2.0]);
+    scene.domain.axes[1] = AxisSection::Walls { lower: vec![-1.0, 0.0], upper: vec![1.0, 0.0] };
+    scene.resolution = Some(ResolutionSection::new(Spacing::Length(0.125)));
+    scene.bodies = vec![BodyGroup::new(0.3, Placement::Centers(vec![vec![0.5, 0.8], vec![1.5, 1.2]]))];
+    scene.output.pairs = true;
+    scene.output.probe = Some(4);
+    scene
+}
+
+fn in_time(scene: Scene) -> Scene {
+    let time = Some(TimeSection { step: Step::Fixed(0.1), ..TimeSection::to(0.3) });
+    let mut scene = Scene { time, ..scene };
+    scene.output.checkpoint = 0.0;
+    scene
+}
+
+fn dry() -> Scene {
+    let mut scene = in_time(disks());
+    scene.flow.model = FlowModel::None;
+    (scene.resolution, scene.output.probe) = (None, None);
+    scene.domain.axes[1] = AxisSection::Walls { lower: vec![0.0; 2], upper: vec![0.0; 2] };
+    scene.gravity = Some(vec![0.0, -1.0]);
+    scene.contact = ContactSection { model: ContactModel::Inelastic };
+    scene
+}
+
+fn every_output_conforms_in_a_flow(session: &Session) {
+    conform(session, in_time(disks()), 8);
+}
+
+fn every_output_conforms_in_a_dry_run(session: &Session) {
+    conform(session, dry(), 7);
+}
+
+fn every_output_conforms_at_an_instant(session: &Session) {
+    conform(session, disks(), 3);
+}
+
+/// The proof for each output that a scene calls for, alone.
+fn conform(session: &Session, scene: Scene, count: usize) {
+    let (world, scene) = (session.world(), scene.checked().unwrap());
+    let without = state(session, &scene, None).0;
+    for number in 0..count {
+        let folder = folder(session, number);
+        let simulation = scene.time.as_ref().map(|_| Simulation::<2>::new(session, &scene).unwrap());
+        let texts = vec![("scene", scene.text.clone())];
+        let mut all = outputs::<2>(world, &scene, &folder, texts, simulation.as_ref()).unwrap().0;
+        assert_eq!(all.len(), count);
+        let (with, files) = state(session, &scene, Some(all.swap_remove(number)));
+        assert_eq!(with, without, "output {number} changes the run");
+        assert!(files.iter().all(|name| fs::metadata(folder.join(name)).is_ok_and(|file| file.len() > 0)), "{files:?} of output {number}");
+        world.barrier();
+        if world.rank() == 0 {
+            let names = |path: PathBuf| path.extension().is_some_and(|ending| ending == "part");
+            assert!(!fs::read_dir(&folder).unwrap().any(|entry| names(entry.unwrap().path())), "output {number} leaves half a file");
+            fs::remove_dir_all(&folder).unwrap();
+        }
+    }
+}
+
+/// What a run with an output comes to, to the last digit, and the output's files.
+fn state(session: &Session, scene: &Scene, output: Option<Box<dyn Output<2>>>) -> (String, Vec<String>) {
+    let mut run = Run::<2>::start(session, scene, None, Options::default()).unwrap();
+    output.into_iter().for_each(|output| run.add(output));
+    let finished = run.complete().unwrap();
+    (serde_json::to_string(&finished.summary.bodies).unwrap(), finished.files)
+}
+
+fn folder(session: &Session, number: usize) -> PathBuf {
+    let name = session.world().broadcast(0, &format!("turbid-outputs-{}-{number}", std::process::id()));
+    let path = std::env::temp_dir().join(Path::new(&name));
+    fs::create_dir_all(path.join("frames")).unwrap();
+    session.world().barrier();
+    path
+}
+
+/// An output of another crate: it counts what it is told.
+#[derive(Default)]
+struct Count(Rc<RefCell<[usize; 4]>>);
+
+impl Output<2> for Count {
+    fn iterate(&mut self, _: usize, _: f64) {
+        self.0.borrow_mut()[0] += 1;
+    }
+
+    fn keep(&mut self, before: &BeforeStep<2>) -> Result<()> {
+        self.0.borrow_mut()[1] += 1;
+        assert_eq!(self.0.borrow()[1], before.simulation.state().steps + 1);
+        Ok(())
+    }
+
+    fn write(&mut self, _: &Evaluated<2>) -> Result<()> {
+        self.0.borrow_mut()[2] += 1;
+        Ok(())
+    }
+
+    fn finish(&mut self, seen: &Evaluated<2>, summary: &mut Summary) -> Result<Vec<String>> {
+        self.0.borrow_mut()[3] += 1;
+        assert_eq!(summary.steps, seen.motion.map_or(0, |motion| motion.state().steps));
+        Ok(Vec::new())
+    }
+}
+
+fn a_new_output_is_told_of_each_instant_once(session: &Session) {
+    for (scene, expected) in [(in_time(disks()), [0, 4, 4, 1]), (dry(), [0, 4, 4, 1]), (disks(), [0, 0, 1, 1])] {
+        let (told, scene) = (Rc::default(), scene.checked().unwrap());
+        state(session, &scene, Some(Box::new(Count(Rc::clone(&told)))));
+        let [iterations, kept, written, finished] = *told.borrow();
+        assert_eq!([kept, written, finished], expected[1..]);
+        assert_eq!(iterations > 0, scene.time.is_none(), "{iterations} iterations");
+    }
+}
+
+fn a_run_of_another_dimension_is_refused(session: &Session) {
+    let scene = disks().checked().unwrap();
+    let error = Run::<3>::start(session, &scene, None, Options::default()).err().unwrap().to_string();
+    assert_eq!(error, "domain.size = [2.0, 2.0]: is not that of a flow or of bodies in 3D");
+}
