@@ -82,7 +82,7 @@ fn errors_fall_with_the_spacing_as_predicted(session: &Session) {
     }
 }
 
-/// The same sums in another place, also across the seam: measured 1e-13.
+/// The same sums in another place, also across the seam: measured 1e-13 on one rank; on more of them the tolerance of the solver counts.
 fn a_scene_translated_by_whole_cells_has_the_same_drag(session: &Session) {
     for (constraint, _) in METHODS {
         let of = |shift: [f64; 2]| {
@@ -91,7 +91,7 @@ fn a_scene_translated_by_whole_cells_has_the_same_drag(session: &Session) {
         };
         let here = of([0.0, 0.0]);
         for shift in [[3.0, 0.0], [0.0, 5.0], [16.0, 15.0]] {
-            assert_near(&format!("{} {shift:?} cells away", constraint.word()), of(shift), here, 1e-11);
+            assert_near(&format!("{} {shift:?} cells away", constraint.word()), of(shift), here, 1e-9);
         }
     }
 }
