@@ -377,33 +377,22 @@ fn a_free_pair_at_a_tiny_gap_turns_as_one(session: &Session) {
     assert!((turning - spin).abs() < 0.02 * spin.abs(), "{turning} {spin}");
 }
 
-/// Without films a pair resists approach as grid and modes resolve it: alike at all gaps below a cell. Films let it grow without limit.
+/// Without films a pair resists approach as grid and modes resolve it: alike at all gaps far below a cell. With films it resists as the gap
+/// to the power -3/2.
 fn without_lubrication_no_film_is_built_or_felt(session: &Session) {
     let approach = |lubrication: Option<f64>, gap: f64| {
-        let center = Vector2::new(11.3, 12.1);
-        let across = Vector2::new(0.6, 0.8);
+        let (middle, along) = (Vector2::new(11.3, 12.1), Vector2::new(0.6, 0.8));
         let body = |side: f64| {
-            let twist = Twist { velocity: across * -side, spin: SMatrix::zeros() };
-            (Ball { center: center + across * side * (1.0 + 0.5 * gap), radius: 1.0 }, Motion::Prescribed(twist))
+            let twist = Twist { velocity: along * -side, spin: SMatrix::zeros() };
+            (Ball { center: middle + along * side * (1.0 + 0.5 * gap), radius: 1.0 }, Motion::Prescribed(twist))
         };
         let interactions = lubrication.map_or_else(Interactions::default, films);
-        let setup = Setup { interactions, ..setup(periodic::<2>(24.0), 6.0, 4, vec![body(-1.0), body(1.0)]) };
-        let before = turbid::petsc::ObjectCounts::local_now();
-        let mut suspension = Suspension::new(session, setup).unwrap();
-        let solution = suspension.solve(&mut |_, _| {}).unwrap();
-        let force = across.dot(&solution.bodies[0].force);
-        println!(
-            "FILM {lubrication:?} {gap:e} {force} {:?} {:?}",
-            turbid::petsc::ObjectCounts::local_now().since(&before),
-            suspension.cost().multiplier_unknowns
-        );
-        force
+        let solution = solve(session, Setup { interactions, ..setup(periodic::<2>(24.0), 6.0, 4, vec![body(-1.0), body(1.0)]) });
+        assert_eq!(solution.lubrication.map(|lubrication| lubrication.films), lubrication.map(|_| 1));
+        -along.dot(&solution.bodies[0].force)
     };
-    for gap in [1e-2, 1e-3, 1e-4, 1e-6] {
-        approach(None, gap);
-        approach(Some(1e-6), gap);
-    }
-    let mut setup = setup(periodic::<2>(24.0), 6.0, 4, near_neighbours(1e-3));
-    setup.interactions = Interactions::default();
-    assert!(solve(session, setup).lubrication.is_none());
+    let [near, nearer, touching] = [1e-3, 1e-4, 1e-6].map(|gap| approach(None, gap));
+    assert!((nearer / near - 1.0).abs() < 0.01 && (touching / nearer - 1.0).abs() < 1e-3, "{near}, {nearer}, {touching}");
+    let [near, nearer] = [1e-3, 1e-4].map(|gap| approach(Some(1e-6), gap));
+    assert!((nearer / near / 10.0_f64.powf(1.5) - 1.0).abs() < 0.01 && near > 500.0 * touching, "{near}, {nearer} by films");
 }

@@ -24,7 +24,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(drags_have_the_digits_of_an_independent_program),
         Test::of(errors_fall_with_the_spacing_as_predicted),
         Test::of(a_scene_translated_by_whole_cells_has_the_same_drag),
-        Test::of(a_scene_translated_by_parts_of_a_cell_scatters_with_the_grid),
+        Test::of(a_scene_translated_by_parts_of_a_cell_has_the_error_of_the_grid),
         Test::of(a_symmetric_scene_has_a_symmetric_answer),
         Test::of(the_fluid_inside_moves_as_the_body_does),
         Test::of(what_bodies_bear_is_what_walls_and_stresslets_say),
@@ -86,7 +86,7 @@ fn errors_fall_with_the_spacing_as_predicted(session: &Session) {
     }
 }
 
-/// Whole cells, also across the seam: the same sums in another place.
+/// The same sums in another place, also across the seam: measured 1e-13 on one rank; on more of them the tolerance of the solver counts.
 fn a_scene_translated_by_whole_cells_has_the_same_drag(session: &Session) {
     for (constraint, _) in METHODS {
         let of = |shift: [f64; 2]| {
@@ -95,30 +95,35 @@ fn a_scene_translated_by_whole_cells_has_the_same_drag(session: &Session) {
         };
         let here = of([0.0, 0.0]);
         for shift in [[3.0, 0.0], [0.0, 5.0], [16.0, 15.0]] {
-            println!("WHOLE {} {shift:?} {:.3e}", constraint.word(), of(shift) / here - 1.0);
+            assert_near(&format!("{} {shift:?} cells away", constraint.word()), of(shift), here, 1e-9);
         }
     }
 }
 
-/// Parts of a cell.
-fn a_scene_translated_by_parts_of_a_cell_scatters_with_the_grid(session: &Session) {
+/// By parts of a cell the error changes: about its mean it scatters with the places of the surface between nodes. Of the 13 % of distributed
+/// multipliers at ten cells a radius this is less than half; the rest is the layer of half a cell by which their disk is too small.
+fn a_scene_translated_by_parts_of_a_cell_has_the_error_of_the_grid(session: &Session) {
+    let errors = |constraint, cells: usize| {
+        let places = [[0.0, 0.0], [0.5, 0.5], [0.25, 0.75], [0.1, 0.4], [0.7, 0.3], [0.416, 0.864]];
+        let errors =
+            places.map(|place| drag(session, array(constraint, cells, place.map(|part: f64| 0.5 + part / cells as f64))) / DRAG - 1.0);
+        let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+        (mean, errors.iter().map(|error| (error - mean).abs()).fold(0.0, f64::max))
+    };
+    for (constraint, mean, tolerance, scatter) in [
+        (ConstraintMethod::Sharp, -3.6e-4, 1e-4, 3e-4),
+        (MEAN_VALUE, 0.096, 2e-3, 5e-3),
+        (ConstraintMethod::Distributed, -0.132, 5e-3, 0.07),
+        (PENALTY, -2e-3, 1e-3, 5e-3),
+    ] {
+        let [coarse, middle, fine] = [16, 32, 64].map(|cells| errors(constraint, cells));
+        let said = format!("{}: mean and scatter {coarse:?}, {middle:?}, {fine:?}", constraint.word());
+        assert!((middle.0 - mean).abs() < tolerance && middle.1 < scatter, "{said}");
+        // at least of first order, up to a third in the mean
+        assert!(fine.0.abs() < 0.33 * coarse.0.abs() && fine.1 < 0.25 * coarse.1, "{said}");
+    }
     for (constraint, error) in METHODS {
-        for cells in [16, 32, 64] {
-            let drags: Vec<f64> = [[0.0, 0.0], [0.5, 0.5], [0.25, 0.75], [0.1, 0.4], [0.7, 0.3], [0.416, 0.864]]
-                .map(|part| drag(session, array(constraint, cells, part.map(|part| 0.5 + part / cells as f64))))
-                .to_vec();
-            let mean = drags.iter().sum::<f64>() / drags.len() as f64;
-            let scatter = drags.iter().map(|drag| (drag / mean - 1.0).abs()).fold(0.0, f64::max);
-            println!(
-                "PARTS {} {cells} mean {:.4e} scatter {scatter:.4e} {:?}",
-                constraint.word(),
-                mean / DRAG - 1.0,
-                drags.iter().map(|d| d / DRAG - 1.0).collect::<Vec<_>>()
-            );
-        }
-        for center in [[0.5, 0.5], [0.513, 0.527], [0.991, 0.004]] {
-            assert_near(constraint.word(), drag(session, array(constraint, 32, center)), DRAG, error);
-        }
+        assert_near(constraint.word(), drag(session, array(constraint, 32, [0.991, 0.004])), DRAG, error);
     }
 }
 

@@ -15,7 +15,7 @@ use super::{
 /// Longer than any step takes on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// The same arithmetic on the same ranks.
+/// The same arithmetic on the same ranks: measured bit for bit.
 const SAME: f64 = 1e-10;
 
 /// Open MPI lets a second pass before it hands a stop on, and another one before it ends all by force.
