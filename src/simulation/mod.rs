@@ -43,7 +43,7 @@ use basis::check_steady_state;
 pub use drift::Drift;
 pub use dry::{Dry, DryBody, DrySetup};
 pub use dynamics::{Dynamics, Effort, Seen, Travel, View};
-pub use faster::{Faster, transform_seconds};
+pub use faster::Faster;
 pub use fitted::{FittedFlow, FittedInclusions};
 pub use flow_solver::{FlowSolver, flow_solver};
 pub use memory::{Past, Snapshot};

@@ -27,7 +27,6 @@ mod laws;
 mod laws_flow;
 mod lubrication;
 mod machine;
-mod measure;
 mod methods;
 mod motion;
 mod near;
@@ -82,7 +81,6 @@ fn main() {
         transform::tests(),
         near::tests(),
         outputs::tests(),
-        measure::tests(),
         scalar::tests(),
         inclusions::tests(),
         suspension::tests(),
