@@ -45,6 +45,7 @@
 
 // floor 0: the machine
 pub mod error;
+pub mod linalg;
 pub mod parallel;
 #[allow(unsafe_code)]
 pub mod petsc;
@@ -58,6 +59,8 @@ pub mod surface;
 pub mod constraint;
 pub mod contact;
 pub mod flow;
+// what bodies do to each other besides the flow
+pub mod interaction;
 // floor 4: what to simulate, and the machinery
 pub mod scene;
 pub mod simulation;

@@ -1,95 +1,283 @@
-//! Imports point down: no module imports from one that `lib.rs` lists after it, and siblings of floor 3 leave each other alone.
+//! Imports point down: a module imports only from those that `lib.rs` lists before it, siblings leave each other alone, and no files import each
+//! other in a circle.
+//!
+//! A name counts for the file that defines it, whatever modules hand it on; so re-exporting a name is not importing it. Tests may import
+//! what they like.
 
 #![allow(clippy::unwrap_used)]
 
 use std::{
-    fs,
-    path::{Path, PathBuf},
+    collections::{BTreeMap, BTreeSet, VecDeque},
+    fs, iter,
+    path::Path,
 };
 
-const FLOORS: [&[&str]; 7] = [
-    &["error", "petsc", "parallel"],
-    &["geometry", "grid"],
-    &["body", "surface"],
-    &["constraint", "contact", "flow"],
-    &["scene", "simulation"],
-    &["observe", "output", "study", "run"],
-    &["cli"],
-];
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 const SIBLINGS: [&str; 3] = ["constraint", "contact", "flow"];
 
-fn floor(module: &str) -> Option<usize> {
-    FLOORS.iter().position(|floor| floor.contains(&module))
+/// Folders in which circles are left, to be emptied.
+const CIRCLES_LEFT: [&str; 5] = ["cli", "constraint", "simulation", "study", "surface"];
+
+/// Segments of a path, from the root of the library on.
+type Segments = Vec<String>;
+
+/// What a file says.
+#[derive(Default)]
+struct Source {
+    /// Its place below `src`.
+    file: String,
+    /// Modules it declares.
+    children: BTreeSet<String>,
+    /// Items it defines.
+    names: BTreeSet<String>,
+    /// Names it brings in or hands on, and what they stand for.
+    uses: BTreeMap<String, Segments>,
+    /// Modules all of whose names it brings in.
+    globs: Vec<Segments>,
+    /// Names that it hands on.
+    exports: BTreeSet<String>,
+    /// Paths in its code, and single words.
+    mentions: BTreeSet<Segments>,
 }
 
-fn sources(folder: &Path, into: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            sources(&path, into);
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
-            into.push(path);
-        }
+impl Source {
+    /// A path as written in a module, from the root on.
+    fn absolute(module: &[String], path: &[String]) -> Segments {
+        let mut base = if path[0] == "crate" { Vec::new() } else { module.to_vec() };
+        let above = path.iter().take_while(|segment| *segment == "super").count();
+        base.truncate(base.len().saturating_sub(above));
+        let steps = path.iter().filter(|segment| !["crate", "self", "super"].contains(&segment.as_str()));
+        base.into_iter().chain(steps.cloned()).collect()
     }
-}
 
-/// Modules that a source names after `crate::`, also inside a braced list at the start of a `use`.
-fn imports(text: &str) -> Vec<String> {
-    let mut found = Vec::new();
-    for (place, _) in text.match_indices("crate::") {
-        let rest = &text[place + "crate::".len()..];
-        if let Some(list) = rest.strip_prefix('{') {
-            let (mut depth, mut item) = (1, String::new());
-            for character in list.chars() {
-                match character {
-                    '{' => depth += 1,
-                    '}' => depth -= 1,
-                    ',' if depth == 1 => found.push(std::mem::take(&mut item)),
-                    _ if depth == 1 => item.push(character),
-                    _ => {}
+    fn read(&mut self, module: &[String], tokens: TokenStream, top: bool) {
+        let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+        let mut place = 0;
+        while place < tokens.len() {
+            let word = word(&tokens[place]);
+            match (&tokens[place], word.as_deref()) {
+                (TokenTree::Punct(sign), _) if sign.as_char() == '#' && is_test(tokens.get(place + 1)) => {
+                    place = end_of_item(&tokens, place + 2)
                 }
-                if depth == 0 {
-                    break;
+                (_, Some("use")) => {
+                    let end = end_of_item(&tokens, place);
+                    let shown = place > 0 && (is_word(&tokens[place - 1], "pub") || place > 1 && is_word(&tokens[place - 2], "pub"));
+                    self.read_use(module, &tokens[place + 1..end], Vec::new(), shown);
+                    place = end;
                 }
+                (_, Some("mod")) if top && tokens.get(place + 2).is_some_and(|token| is_sign(token, ';')) => {
+                    self.children.extend(self::word(&tokens[place + 1]));
+                    place += 2;
+                }
+                (_, Some("fn" | "struct" | "enum" | "trait" | "type" | "const" | "static" | "mod")) if top => {
+                    self.names.extend(tokens.get(place + 1).and_then(self::word));
+                }
+                (_, Some("macro_rules")) => self.names.extend(tokens.get(place + 2).and_then(self::word)),
+                (_, Some(first)) => {
+                    let mut path = vec![first.to_owned()];
+                    while let Some(next) = next_segment(&tokens[place + 1..]) {
+                        path.push(next);
+                        place += 3;
+                    }
+                    self.mentions.insert(path);
+                }
+                (TokenTree::Group(group), _) => self.read(module, group.stream(), false),
+                _ => {}
             }
-            found.push(item);
-        } else {
-            found.push(rest.to_owned());
+            place += 1;
         }
     }
-    let word = |text: &String| text.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
-    found.iter().map(word).filter(|word| !word.is_empty()).collect()
+
+    /// The leaves of a tree after `use`.
+    fn read_use(&mut self, module: &[String], tokens: &[TokenTree], mut path: Segments, shown: bool) {
+        for (place, token) in tokens.iter().enumerate() {
+            match token {
+                TokenTree::Ident(name) if name == "as" => return self.bring(module, path, word(&tokens[place + 1]).unwrap(), shown),
+                TokenTree::Ident(name) => path.push(name.to_string()),
+                TokenTree::Punct(sign) if sign.as_char() == '*' => return self.globs.push(Self::absolute(module, &path)),
+                TokenTree::Group(group) => {
+                    let inside: Vec<TokenTree> = group.stream().into_iter().collect();
+                    inside.split(|token| is_sign(token, ',')).for_each(|leaf| self.read_use(module, leaf, path.clone(), shown));
+                    return;
+                }
+                _ => {}
+            }
+        }
+        if path.last().is_some_and(|name| name == "self") {
+            path.pop();
+        }
+        if let Some(name) = path.last().cloned() {
+            self.bring(module, path, name, shown);
+        }
+    }
+
+    fn bring(&mut self, module: &[String], path: Segments, name: String, shown: bool) {
+        self.uses.insert(name.clone(), Self::absolute(module, &path));
+        if shown {
+            self.exports.insert(name);
+        }
+    }
+
+    /// What it imports, as written, from the root on.
+    fn imports(&self, module: &[String]) -> impl Iterator<Item = Segments> {
+        let mentioned = |name: &String| self.mentions.iter().any(|path| path[0] == *name);
+        let used = self.uses.iter().filter(move |(name, _)| !self.exports.contains(*name) || mentioned(name)).map(|(_, path)| path.clone());
+        let rooted = |path: &&Segments| path.len() > 1;
+        used.chain(self.mentions.iter().filter(rooted).map(|path| Self::absolute(module, path))).chain(self.globs.iter().cloned())
+    }
+}
+
+fn word(token: &TokenTree) -> Option<String> {
+    if let TokenTree::Ident(word) = token { Some(word.to_string()) } else { None }
+}
+
+fn is_word(token: &TokenTree, wanted: &str) -> bool {
+    word(token).is_some_and(|word| word == wanted)
+}
+
+fn is_sign(token: &TokenTree, wanted: char) -> bool {
+    matches!(token, TokenTree::Punct(sign) if sign.as_char() == wanted)
+}
+
+/// The segment after `::`, if one follows.
+fn next_segment(tokens: &[TokenTree]) -> Option<String> {
+    let [one, two, name, ..] = tokens else { return None };
+    if is_sign(one, ':') && is_sign(two, ':') { word(name) } else { None }
+}
+
+fn is_test(attribute: Option<&TokenTree>) -> bool {
+    attribute.is_some_and(|attribute| attribute.to_string().replace(' ', "") == "[cfg(test)]")
+}
+
+/// The semicolon or the braces that end an item.
+fn end_of_item(tokens: &[TokenTree], start: usize) -> usize {
+    let brace = |token: &TokenTree| matches!(token, TokenTree::Group(group) if group.delimiter() == Delimiter::Brace);
+    let import = tokens[start..].iter().take(3).any(|token| is_word(token, "use"));
+    let ends = |token: &TokenTree| is_sign(token, ';') || !import && brace(token);
+    tokens[start..].iter().position(ends).map_or(tokens.len(), |length| start + length)
+}
+
+/// The sources of the library by module.
+struct Library(BTreeMap<Segments, Source>);
+
+impl Library {
+    fn read() -> Library {
+        let mut library = Library(BTreeMap::new());
+        library.read_folder(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &[]);
+        library
+    }
+
+    fn read_folder(&mut self, folder: &Path, module: &[String]) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let stem = path.file_stem().unwrap().to_str().unwrap().to_owned();
+            let inside: Segments = module.iter().cloned().chain([stem.clone()]).collect();
+            if stem == "tests" || stem == "main" {
+                continue;
+            }
+            if path.is_dir() {
+                self.read_folder(&path, &inside);
+            } else if path.extension().is_some_and(|ending| ending == "rs") {
+                let module = if stem == "mod" || stem == "lib" { module.to_vec() } else { inside };
+                let file = path.strip_prefix(concat!(env!("CARGO_MANIFEST_DIR"), "/src")).unwrap().to_str().unwrap().to_owned();
+                let mut source = Source { file, ..Source::default() };
+                source.read(&module, fs::read_to_string(&path).unwrap().parse().unwrap(), true);
+                self.0.insert(module, source);
+            }
+        }
+    }
+
+    /// The module in whose file a path is defined, if it is in the library and no module itself.
+    fn definer(&self, path: &[String], depth: usize) -> Option<Segments> {
+        let mut module = Segments::new();
+        for (place, segment) in path.iter().enumerate() {
+            let (here, last) = (self.0.get(&module)?, place + 1 == path.len());
+            if !last && here.children.contains(segment) {
+                module.push(segment.clone());
+            } else if here.names.contains(segment) {
+                return Some(module);
+            } else if depth == 0 {
+                return None;
+            } else if let Some(target) = here.uses.get(segment) {
+                let target: Segments = target.iter().chain(&path[place + 1..]).cloned().collect();
+                return self.definer(&target, depth - 1);
+            } else {
+                let through = |glob: &Segments| self.definer(&glob.iter().chain(&path[place..]).cloned().collect::<Segments>(), depth - 1);
+                return here.globs.iter().find_map(through);
+            }
+        }
+        None
+    }
+
+    /// The files that a file imports from.
+    fn neighbours(&self, module: &[String]) -> BTreeSet<Segments> {
+        let imports = self.0[module].imports(module);
+        imports.filter_map(|path| self.definer(&path, 20)).filter(|other| other != module).collect()
+    }
+
+    fn file(&self, module: &[String]) -> &str {
+        &self.0[module].file
+    }
+}
+
+/// The shortest way from a module to another along imports, both included.
+fn way(graph: &BTreeMap<Segments, BTreeSet<Segments>>, from: &Segments, to: &Segments) -> Option<Vec<Segments>> {
+    let (mut came_from, mut queue) = (BTreeMap::new(), VecDeque::from([from]));
+    while let Some(module) = queue.pop_front() {
+        if module == to {
+            let mut way: Vec<Segments> = iter::successors(Some(to), |module| came_from.get(*module).copied()).cloned().collect();
+            way.reverse();
+            return Some(way);
+        }
+        for next in &graph[module] {
+            if next != from && !came_from.contains_key(next) {
+                came_from.insert(next, module);
+                queue.push_back(next);
+            }
+        }
+    }
+    None
 }
 
 #[test]
-fn imports_point_down() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut files = Vec::new();
-    sources(&root, &mut files);
-    let mut wrong = Vec::new();
-    let mut checked = 0;
-    for file in files {
-        let relative = file.strip_prefix(&root).unwrap();
-        let module = relative.components().next().unwrap().as_os_str().to_str().unwrap().trim_end_matches(".rs").to_owned();
-        let Some(own) = floor(&module) else { continue };
-        for import in imports(&fs::read_to_string(&file).unwrap()) {
-            let Some(other) = floor(&import) else { continue };
-            checked += 1;
-            let sibling = import != module && SIBLINGS.contains(&module.as_str()) && SIBLINGS.contains(&import.as_str());
-            if other > own || sibling {
-                wrong.push(format!("{} imports {import}", relative.display()));
-            }
-        }
-    }
-    assert!(checked > 50, "only {checked} imports found: the test reads the wrong files");
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-}
-
-#[test]
-fn every_module_of_the_library_has_a_floor() {
+fn modules_import_from_those_before_them() {
+    let library = Library::read();
     let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs")).unwrap();
-    let modules: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("pub mod ")).map(|name| name.trim_end_matches(';')).collect();
-    let floors: Vec<usize> = modules.iter().map(|module| floor(module).unwrap_or_else(|| panic!("{module} has no floor"))).collect();
-    assert!(floors.is_sorted(), "lib.rs lists modules in the order of their floors");
+    let order: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("pub mod ")).map(|name| name.trim_end_matches(';')).collect();
+    let (mut wrong, mut checked) = (BTreeSet::new(), 0);
+    for (module, source) in library.0.iter().filter(|(module, _)| !module.is_empty()) {
+        let own = order.iter().position(|name| *name == module[0]).unwrap();
+        let written = source.imports(module).filter(|path| path.len() > 1).map(|path| path[0].clone());
+        for import in written.chain(library.neighbours(module).into_iter().map(|other| other[0].clone())) {
+            let Some(other) = order.iter().position(|name| *name == import) else { continue };
+            checked += 1;
+            if other > own || other != own && SIBLINGS.contains(&order[other]) && SIBLINGS.contains(&order[own]) {
+                wrong.insert(format!("{} imports from {import}", source.file));
+            }
+        }
+    }
+    assert!(checked > 500, "only {checked} imports found: the test reads the wrong files");
+    assert!(wrong.is_empty(), "{}", wrong.into_iter().collect::<Vec<_>>().join("\n"));
+}
+
+#[test]
+fn no_files_import_each_other_in_a_circle() {
+    let library = Library::read();
+    let graph: BTreeMap<Segments, BTreeSet<Segments>> =
+        library.0.keys().map(|module| (module.clone(), library.neighbours(module))).collect();
+    assert!(graph.values().map(BTreeSet::len).sum::<usize>() > 500, "the test reads the wrong files");
+    let mut circles = BTreeSet::new();
+    for (module, others) in &graph {
+        for other in others.iter().filter(|other| other[0] == module[0] && !CIRCLES_LEFT.contains(&other[0].as_str())) {
+            if let Some(mut way) = way(&graph, other, module) {
+                // each circle once, from its first file on
+                let first = way.iter().enumerate().min_by_key(|(_, module)| library.file(module)).unwrap().0;
+                way.rotate_left(first);
+                way.push(way[0].clone());
+                circles.insert(way.iter().map(|module| library.file(module)).collect::<Vec<_>>().join(" -> "));
+            }
+        }
+    }
+    assert!(circles.is_empty(), "{} circles:\n{}", circles.len(), circles.into_iter().collect::<Vec<_>>().join("\n"));
 }

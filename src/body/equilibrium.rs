@@ -24,33 +24,29 @@ const LONGEST: f64 = 1.0;
 /// # Errors
 /// They do not fit.
 pub fn equilibrium<const D: usize>(domain: &Domain<D>, radii: &[f64], gap: f64, seed: u64) -> Result<Vec<SVector<f64, D>>> {
-    let mut centers = pack(domain, &[] as &[Ball<D>], radii, gap, seed)?;
+    let centers = pack(domain, &[] as &[Ball<D>], radii, gap, seed)?;
+    let mut balls: Vec<Ball<D>> = centers.into_iter().zip(radii).map(|(center, &radius)| Ball { center, radius }).collect();
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     for _ in 0..SWEEPS * radii.len() {
-        let body = random.random_range(0..radii.len());
-        let step = SVector::from_fn(|_, _| (2.0 * random.random::<f64>() - 1.0) * LONGEST * radii[body]);
-        let trial = domain.wrap(centers[body] + step);
-        if fits(domain, (&centers, radii), (body, &trial), gap) {
-            centers[body] = trial;
+        let body = random.random_range(0..balls.len());
+        let step = SVector::from_fn(|_, _| (2.0 * random.random::<f64>() - 1.0) * LONGEST * balls[body].radius);
+        let trial = domain.wrap(balls[body].center + step);
+        if fits(domain, &balls, body, &trial, gap) {
+            balls[body].center = trial;
         }
     }
-    Ok(centers)
+    Ok(balls.into_iter().map(|ball| ball.center).collect())
 }
 
 /// Whether a body at a place keeps its distance to all others and to walls.
-fn fits<const D: usize>(
-    domain: &Domain<D>,
-    (centers, radii): (&[SVector<f64, D>], &[f64]),
-    (body, place): (usize, &SVector<f64, D>),
-    gap: f64,
-) -> bool {
-    let reach = radii[body] * (1.0 + gap);
+fn fits<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], body: usize, place: &SVector<f64, D>, gap: f64) -> bool {
+    let reach = balls[body].radius * (1.0 + gap);
     let within = |axis: usize| domain.periodic(axis) || (place[axis] >= reach && place[axis] <= domain.size[axis] - reach);
     let apart = |other: usize| {
-        let least = (radii[body] + radii[other]) * (1.0 + 0.5 * gap);
-        domain.nearest_image(centers[other] - place).norm_squared() >= least * least
+        let least = (balls[body].radius + balls[other].radius) * (1.0 + 0.5 * gap);
+        domain.nearest_image(balls[other].center - place).norm_squared() >= least * least
     };
-    (0..D).all(within) && (0..centers.len()).filter(|&other| other != body).all(apart)
+    (0..D).all(within) && (0..balls.len()).filter(|&other| other != body).all(apart)
 }
 
 #[cfg(test)]

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::{
     error::{Error, Result},
-    observe::Plane,
-    output::{AnimationFrame, read_frames, say, write_whole},
+    observe::{AnimationFrame, Plane},
+    output::{read_frames, say, write_whole},
     petsc::Session,
     scene::Scene,
 };

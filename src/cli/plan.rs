@@ -8,14 +8,14 @@ use crate::{
     petsc::Session,
     run,
     scene::Scene,
-    simulation::Plan,
+    simulation::{Plan, PlanReport},
     study::{Calibration, Estimate, Forecast, coarsest},
 };
 
 /// Prints the plan of a scene of dimension `D` whose runs write into `folder`.
 pub fn plan<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> Result<()> {
     let world = session.world();
-    let of = |scene: &Scene| world.agree(Plan::of::<D>(scene, world.size()));
+    let of = |scene: &Scene| world.agree(Plan::<D>::of(scene).and_then(|plan| plan.report(world.size())));
     let (plan, time) = match scene.accuracy {
         None => {
             let plan = of(scene)?;
@@ -54,7 +54,7 @@ fn chosen(calibration: &Calibration) -> String {
 }
 
 /// What a run is expected to take.
-fn time<const D: usize>(session: &Session, scene: &Scene, plan: &Plan) -> Result<String> {
+fn time<const D: usize>(session: &Session, scene: &Scene, plan: &PlanReport) -> Result<String> {
     if plan.bytes() > session.world().available_memory_bytes() {
         return Ok("not predicted: there is not enough memory".into());
     }

@@ -13,7 +13,6 @@ mod adjoint;
 mod blocks;
 mod conservation;
 mod crowd;
-mod cubic;
 mod dense;
 pub mod fitted;
 mod interpolant;
@@ -26,7 +25,6 @@ mod pores;
 mod rows;
 mod scalar;
 mod sharp;
-mod skyline;
 
 pub use adjoint::{AdjointBlocks, AdjointBody, FreeInverse, assemble as assemble_adjoint, count as count_adjoint};
 pub use blocks::Blocks;

@@ -1,9 +1,7 @@
 //! Rows of C of one body: dense in its multipliers.
 
-use super::{
-    dense::{dot, dots},
-    places::Places,
-};
+use super::places::Places;
+use crate::linalg::{dot, dots};
 
 /// Rows that are multiplied together.
 const TOGETHER: usize = 4;

@@ -85,7 +85,7 @@ fn stationarity<const D: usize>(
     forces: &[ContactForce<D>],
 ) -> f64 {
     let forces: Vec<f64> = forces.iter().map(|force| force.force).collect();
-    let explained = problem.turned_aside(contacts, &forces);
+    let explained = problem.corrected_velocities(contacts, &forces);
     let change = |body: usize| (velocities[body] - explained[body]).norm() * problem.step / problem.balls[body].radius;
     (0..velocities.len()).map(change).fold(0.0, f64::max)
 }
@@ -93,7 +93,7 @@ fn stationarity<const D: usize>(
 /// Largest `|min(force - floor, gap)|` in radii, which is nought just if both are non-negative and one is nought.
 fn complementarity<const D: usize>(problem: &Problem<D>, velocities: &[SVector<f64, D>], forces: &[ContactForce<D>]) -> f64 {
     let residual = |force: &ContactForce<D>| {
-        let push = (force.force - problem.floor(&force.contact)) * problem.mobility(&force.contact) * problem.step;
+        let push = (force.force - problem.lower_bound(&force.contact)) * problem.mobility(&force.contact) * problem.step;
         push.min(problem.gap_after(&force.contact, velocities)).abs() / force.contact.smaller_radius(problem.balls)
     };
     forces.iter().map(residual).fold(0.0, f64::max)

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{Contact, Partner, Problem, Projection, island::Outcome, paths::swept_balls};
+use super::{Certificate, Contact, Partner, Problem, paths::swept_balls, solver::Outcome};
 use crate::error::{Error, Result};
 
 /// Largest weight over the smallest: beyond it what is between is rounding.
@@ -65,7 +65,7 @@ pub(super) fn failure<const D: usize>(problem: &Problem<D>, contacts: &[Contact<
     bodies.sort_unstable();
     bodies.dedup();
     let what = match outcome {
-        Outcome::Squeezed => "bodies are squeezed with no way out",
+        Outcome::Infeasible => "bodies are squeezed with no way out",
         _ => "the solver stopped before the forces were found",
     };
     let named: Vec<String> = bodies.iter().take(5).map(usize::to_string).collect();
@@ -92,8 +92,8 @@ fn weight_ratio<const D: usize>(problem: &Problem<D>) -> f64 {
 }
 
 /// The error of forces that do not keep bodies apart.
-pub(super) fn unkept<const D: usize>(problem: &Problem<D>, found: &Projection<D>) -> Error {
-    let (residual, contacts, ratio) = (found.certificate.kkt_residual, found.forces.len(), weight_ratio(problem));
+pub(super) fn unkept<const D: usize>(problem: &Problem<D>, found: &Certificate) -> Error {
+    let (residual, contacts, ratio) = (found.kkt_residual, found.pairs, weight_ratio(problem));
     let text = format!(
         "the forces found at {contacts} contacts leave a residual of {residual:.1e} radii, between bodies whose weights differ by a factor \
          of {ratio:.1e}; try densities nearer to each other or a smaller time.step"

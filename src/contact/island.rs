@@ -5,47 +5,26 @@ use nalgebra::SVector;
 
 use super::{
     Contact, Problem, Solver,
-    groups::Groups,
-    program::Program,
+    program::{Answer, Program},
     pulling::solve_above,
-    solver::{Answer, solve},
+    solver::Outcome,
+    union_find::UnionFind,
 };
 
 /// Smallest violation, in radii, that the unknowns are scaled by: impossible constraints by rounding are none.
 const SMALLEST_SCALE: f64 = 1e-6;
-/// Overlap left over, in the scale of the largest violation, and work of the forces on open gaps, as a part of all their
-/// work, up to which a solution is one. A contact that is about to press may have a little of both, gap and force.
-const TOLERANCE: f64 = 1e-7;
-
-/// How an island was solved.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Outcome {
-    /// By forces, one for each contact, in so many iterations.
-    Solved {
-        /// The forces.
-        forces: Vec<f64>,
-        /// Iterations of the method.
-        iterations: usize,
-        /// The method.
-        solver: Solver,
-    },
-    /// Not at all: no velocities let nothing overlap.
-    Squeezed,
-    /// Not at all: the solver gave up.
-    Stalled,
-}
 
 /// The contacts of each island, as places in `contacts`; bodies that do not give way and walls connect nothing.
 pub(super) fn islands<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>]) -> Vec<Vec<usize>> {
-    let mut groups = Groups::new(problem.balls.len());
+    let mut bodies = UnionFind::new(problem.balls.len());
     for contact in contacts {
         if let Some(other) = contact.other().filter(|&other| problem.gives_way(contact.body) && problem.gives_way(other)) {
-            groups.join(contact.body, other);
+            bodies.join(contact.body, other);
         }
     }
     let mut members = vec![Vec::new(); problem.balls.len()];
     for (place, contact) in contacts.iter().enumerate() {
-        members[groups.root(free_body(problem, contact))].push(place);
+        members[bodies.root(free_body(problem, contact))].push(place);
     }
     members.retain(|contacts| !contacts.is_empty());
     members
@@ -69,33 +48,18 @@ pub(super) fn solve_by<const D: usize>(problem: &Problem<D>, contacts: &[Contact
     }
     if let [contact] = contacts {
         let force = -problem.gap_after(contact, problem.velocities) / (problem.mobility(contact) * problem.step);
-        return Outcome::Solved { forces: vec![force.max(problem.floor(contact))], iterations: 0, solver: Solver::Formula };
+        return Outcome::Solved { forces: vec![force.max(problem.lower_bound(contact))], iterations: 0, solver: Solver::Formula };
     }
     let program = program(problem, contacts, &unit);
     let in_units = |force: f64, contact: &Contact<D>| force / unit.force(problem, contact);
     let guess: Vec<f64> = contacts.iter().zip(guess).map(|(contact, &force)| in_units(force, contact)).collect();
-    let floors: Vec<f64> = contacts.iter().map(|contact| in_units(problem.floor(contact), contact)).collect();
-    match solve_above(program, (&floors, &guess), solvers) {
+    let lower_bounds: Vec<f64> = contacts.iter().map(|contact| in_units(problem.lower_bound(contact), contact)).collect();
+    match solve_above(program, (&lower_bounds, &guess), solvers) {
         Ok((Answer { multipliers, iterations, .. }, solver)) => {
             let forces = contacts.iter().zip(multipliers).map(|(contact, multiplier)| multiplier * unit.force(problem, contact)).collect();
             Outcome::Solved { forces, iterations, solver }
         }
         Err(outcome) => outcome,
-    }
-}
-
-/// The solution of a program by the first of several methods that finds it, and which; or what went wrong.
-pub(super) fn solve_first(program: &Program, guess: &[f64], solvers: &[Solver]) -> Result<(Answer, Solver), Outcome> {
-    let mut infeasible = false;
-    let found = solvers.iter().find_map(|&solver| {
-        let answer = solve(program, guess, solver)?;
-        infeasible |= answer.infeasible;
-        program.solved(&answer.multipliers, TOLERANCE).then_some((answer, solver))
-    });
-    match found {
-        Some(found) => Ok(found),
-        None if infeasible => Err(Outcome::Squeezed),
-        None => Err(Outcome::Stalled),
     }
 }
 
@@ -113,7 +77,7 @@ impl Unit {
         for contact in contacts {
             let root = problem.mobility(contact).sqrt();
             let gap = problem.gap_after(contact, problem.velocities) / root;
-            violation = violation.max(if problem.floor(contact) < 0.0 { gap.abs() } else { -gap });
+            violation = violation.max(if problem.lower_bound(contact) < 0.0 { gap.abs() } else { -gap });
             scale = scale.max(SMALLEST_SCALE * contact.smaller_radius(problem.balls) / root);
         }
         Self { violation, scale: scale.max(violation) }

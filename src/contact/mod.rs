@@ -3,8 +3,8 @@
 //! `min 1/2 sum_i w_i |v_i - wanted_i|^2` subject to `gap + dt n . (v_partner - v_body) >= 0` for each
 //! [`Contact`] (Moreau 1988; Maury 2006, doi:10.1007/s00211-005-0666-6). The multipliers are the contact
 //! forces: they push, never pull, and act only where a gap closes. Balls are convex, so that a gap that
-//! the linear constraint keeps open stays open on the whole way, however long the step. [`gluey`] contacts may pull,
-//! within what they remember; [`Repulsion`] is a force that keeps bodies apart without any projection.
+//! the linear constraint keeps open stays open on the whole way, however long the step. Some contacts may pull, down to a
+//! lower bound of their own. Which laws there are is said in [`interaction`](crate::interaction).
 //!
 //! Bodies that meet go on together: nothing rebounds, which makes motions unique. With a rebound they need not be (Bressan 1960,
 //! Schatzman 1978, Ballard 2000): take a point above a floor, `q >= 0`, `q(0) = q'(0) = 0`, pressed down by a force that on
@@ -18,17 +18,16 @@
 //! This module knows balls, walls and weights. It does not know what the weights mean (mass, resistance),
 //! nor fluid, friction or torque: balls touch along the line of their centres.
 
-mod active;
+mod active_set;
+mod adhesive;
 mod candidates;
-mod central;
 mod certificate;
 mod cholesky;
+mod clarabel;
 mod failure;
-pub mod gluey;
-mod groups;
-mod interior;
+mod force;
+mod interior_point;
 mod island;
-mod law;
 mod memory;
 mod paths;
 mod problem;
@@ -36,19 +35,19 @@ mod program;
 mod project;
 mod pulling;
 mod replay;
-mod repulsion;
 mod share;
 mod solver;
+mod union_find;
 
 #[cfg(test)]
 mod tests;
 
+pub use adhesive::Adhesive;
 pub use candidates::{Contact, Identity, Partner, candidates};
 pub use certificate::Certificate;
-pub use law::Law;
+pub use force::ContactForce;
 pub use memory::Memory;
-pub use problem::{Problem, pushes};
-pub use project::{ContactForce, Projection, project, project_from};
+pub use problem::Problem;
+pub use project::{Projection, project, project_from};
 pub use replay::Island;
-pub use repulsion::Repulsion;
 pub use solver::Solver;

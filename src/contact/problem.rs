@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use super::{Contact, ContactForce};
+use super::{Contact, ContactForce, force::pushes};
 use crate::geometry::{Ball, Domain};
 
 /// Bodies that want to move for one step.
@@ -42,27 +42,15 @@ impl<const D: usize> Problem<'_, D> {
     }
 
     /// The least force that a contact may bear.
-    pub(super) fn floor(&self, contact: &Contact<D>) -> f64 {
+    pub(super) fn lower_bound(&self, contact: &Contact<D>) -> f64 {
         let found = self.floors.binary_search_by_key(&contact.identity(), |floor| floor.contact.identity());
         found.map_or(0.0, |place| self.floors[place].force)
     }
 
-    /// The velocities that contact forces turn the wanted ones into.
-    pub(super) fn turned_aside(&self, contacts: &[Contact<D>], forces: &[f64]) -> Vec<SVector<f64, D>> {
+    /// The wanted velocities, corrected by what contact forces do to them.
+    pub(super) fn corrected_velocities(&self, contacts: &[Contact<D>], forces: &[f64]) -> Vec<SVector<f64, D>> {
         let forces = contacts.iter().zip(forces).map(|(&contact, &force)| ContactForce { contact, force });
         let pushes = pushes(self.balls.len(), forces);
         (0..pushes.len()).map(|body| self.velocities[body] + pushes[body] / self.weights[body]).collect()
     }
-}
-
-/// The force on each of so many bodies by contact forces, which are opposite on the two bodies of a contact.
-pub fn pushes<const D: usize>(bodies: usize, forces: impl IntoIterator<Item = ContactForce<D>>) -> Vec<SVector<f64, D>> {
-    let mut pushes = vec![SVector::zeros(); bodies];
-    for ContactForce { contact, force } in forces {
-        pushes[contact.body] -= contact.normal * force;
-        if let Some(other) = contact.other() {
-            pushes[other] += contact.normal * force;
-        }
-    }
-    pushes
 }

@@ -5,6 +5,8 @@
 
 use clarabel::algebra::CscMatrix;
 
+use crate::linalg::dot;
+
 /// A program whose unknowns are the multipliers.
 pub(super) struct Program {
     /// `A^T`: one column for each constraint.
@@ -34,7 +36,7 @@ impl Program {
     }
 
     /// `x = A^T z`.
-    pub fn push(&self, multipliers: &[f64], unknowns: &mut [f64]) {
+    pub fn apply_transpose(&self, multipliers: &[f64], unknowns: &mut [f64]) {
         unknowns.fill(0.0);
         for (constraint, multiplier) in multipliers.iter().enumerate() {
             self.row(constraint).for_each(|(place, value)| unknowns[place] += value * multiplier);
@@ -42,7 +44,7 @@ impl Program {
     }
 
     /// `A x`.
-    pub fn open(&self, unknowns: &[f64], changes: &mut [f64]) {
+    pub fn apply(&self, unknowns: &[f64], changes: &mut [f64]) {
         for (constraint, change) in changes.iter_mut().enumerate() {
             *change = self.row(constraint).map(|(place, value)| value * unknowns[place]).sum();
         }
@@ -52,8 +54,8 @@ impl Program {
     pub fn slacks(&self, multipliers: &[f64]) -> Vec<f64> {
         let mut unknowns = vec![0.0; self.transposed.m];
         let mut slacks = vec![0.0; self.offsets.len()];
-        self.push(multipliers, &mut unknowns);
-        self.open(&unknowns, &mut slacks);
+        self.apply_transpose(multipliers, &mut unknowns);
+        self.apply(&unknowns, &mut slacks);
         slacks.iter_mut().zip(&self.offsets).for_each(|(slack, offset)| *slack += offset);
         slacks
     }
@@ -61,15 +63,24 @@ impl Program {
     /// Whether multipliers, none negative, leave no slack below `-tolerance`, and do no more work than that part on slacks.
     pub fn solved(&self, multipliers: &[f64], tolerance: f64) -> bool {
         let slacks = self.slacks(multipliers);
-        let sum = |values: &[f64]| values.iter().zip(multipliers).map(|(value, multiplier)| value * multiplier).sum::<f64>();
-        let work = -sum(&self.offsets);
-        slacks.iter().all(|slack| *slack >= -tolerance) && sum(&slacks).abs() <= tolerance * work.max(1.0)
+        let work = -dot(&self.offsets, multipliers);
+        slacks.iter().all(|slack| *slack >= -tolerance) && dot(&slacks, multipliers).abs() <= tolerance * work.max(1.0)
     }
 
     /// Distance from the solution: the largest `|min(z, s)|`.
     pub fn residual(&self, multipliers: &[f64]) -> f64 {
         self.slacks(multipliers).iter().zip(multipliers).map(|(slack, multiplier)| slack.min(*multiplier).abs()).fold(0.0, f64::max)
     }
+}
+
+/// What a method found.
+pub(super) struct Answer {
+    /// The multipliers.
+    pub multipliers: Vec<f64>,
+    /// Iterations of the method.
+    pub iterations: usize,
+    /// Whether it found that no unknowns meet all constraints.
+    pub infeasible: bool,
 }
 
 /// Makes negative multipliers zero.

@@ -9,13 +9,14 @@ use std::collections::HashSet;
 use nalgebra::SVector;
 
 use super::{
-    Certificate, Contact, Memory, Partner, Problem, Solver,
+    Certificate, Contact, ContactForce, Memory, Partner, Problem, Solver,
     certificate::certify,
     failure::{check, endless, failure, unkept},
-    groups::Groups,
-    island::{Outcome, free_body, islands},
+    island::{free_body, islands},
     paths::{Path, paths},
     share::solve_shared,
+    solver::Outcome,
+    union_find::UnionFind,
 };
 use crate::{error::Result, parallel::World};
 
@@ -29,15 +30,6 @@ const LARGEST_NEARNESS: f64 = 4.0;
 const LARGEST_RESIDUAL: f64 = 1e-4;
 /// Rounds before giving up.
 const ROUNDS: usize = 100;
-
-/// A contact and the force that keeps it open.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ContactForce<const D: usize> {
-    /// The contact, as it was before the step.
-    pub contact: Contact<D>,
-    /// Force on the partner along the normal, and on the body against it; negative only where a contact may pull.
-    pub force: f64,
-}
 
 /// Velocities that let nothing overlap.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,7 +60,7 @@ pub fn project<const D: usize>(world: &World, problem: &Problem<D>) -> Result<Pr
 /// # Errors
 /// As [`project`].
 pub fn project_from<const D: usize>(world: &World, problem: &Problem<D>, memory: &Memory<D>) -> Result<Projection<D>> {
-    project_by(problem, memory, |contacts, guess, islands| solve_shared(world, problem, (contacts, guess), islands))
+    project_by(problem, memory, |contacts, guess, islands| solve_shared(world, problem, contacts, guess, islands))
 }
 
 /// The projection, given how to solve islands.
@@ -87,12 +79,12 @@ pub(super) fn project_by<const D: usize>(
     for round in 0..ROUNDS {
         let nearness = LARGEST_NEARNESS.min(NEARNESS * f64::powi(2.0, round as i32));
         let paths = paths(problem, &state.velocities, nearness);
-        let wanting = state.wanting(&paths, nearness);
-        if wanting.is_empty() {
+        let violated = state.violated(&paths, nearness);
+        if violated.is_empty() {
             let found = state.finish(&paths, round);
-            return if found.certificate.kkt_residual <= LARGEST_RESIDUAL { Ok(found) } else { Err(unkept(problem, &found)) };
+            return if found.certificate.kkt_residual <= LARGEST_RESIDUAL { Ok(found) } else { Err(unkept(problem, &found.certificate)) };
         }
-        let changed = state.add(wanting);
+        let changed = state.add(violated);
         let outcomes = solve(&state.contacts, &state.forces, &changed);
         state.take(&changed, outcomes)?;
     }
@@ -127,7 +119,7 @@ impl<'a, const D: usize> State<'a, D> {
     }
 
     /// Pairs that overlap on the way, and pairs near the bodies that they hang together with; empty if none overlap.
-    fn wanting(&self, paths: &[Path<D>], nearness: f64) -> Vec<Contact<D>> {
+    fn violated(&self, paths: &[Path<D>], nearness: f64) -> Vec<Contact<D>> {
         let problem = self.problem;
         let fresh: Vec<&Path<D>> = paths.iter().filter(|path| !self.known.contains(&path.contact.identity())).collect();
         let overlaps = |path: &Path<D>| path.smallest_gap < -TOLERANCE * path.contact.smaller_radius(problem.balls);
@@ -135,18 +127,18 @@ impl<'a, const D: usize> State<'a, D> {
         if !fresh.iter().any(|path| overlaps(path)) {
             return Vec::new();
         }
-        let mut groups = Groups::new(problem.balls.len());
+        let mut bodies = UnionFind::new(problem.balls.len());
         let near = fresh.iter().filter(|path| is_near(path) || overlaps(path)).map(|path| &path.contact);
         for contact in near.chain(&self.contacts) {
             if let Some(other) = contact.other().filter(|&other| problem.gives_way(contact.body) && problem.gives_way(other)) {
-                groups.join(contact.body, other);
+                bodies.join(contact.body, other);
             }
         }
         let mut concerned = vec![false; problem.balls.len()];
         for path in fresh.iter().filter(|path| overlaps(path)) {
-            concerned[groups.root(free_body(problem, &path.contact))] = true;
+            concerned[bodies.root(free_body(problem, &path.contact))] = true;
         }
-        let mut joins = |path: &Path<D>| overlaps(path) || is_near(path) && concerned[groups.root(free_body(problem, &path.contact))];
+        let mut joins = |path: &Path<D>| overlaps(path) || is_near(path) && concerned[bodies.root(free_body(problem, &path.contact))];
         fresh.into_iter().filter(|path| joins(path)).map(|path| path.contact).collect()
     }
 
@@ -170,7 +162,7 @@ impl<'a, const D: usize> State<'a, D> {
             island.iter().zip(forces).for_each(|(&place, force)| self.forces[place] = force);
             (self.iterations, self.solver) = (self.iterations.max(iterations), self.solver.max(solver));
         }
-        self.velocities = self.problem.turned_aside(&self.contacts, &self.forces);
+        self.velocities = self.problem.corrected_velocities(&self.contacts, &self.forces);
         Ok(())
     }
 

@@ -6,9 +6,8 @@
 
 use super::{
     Solver,
-    island::{Outcome, solve_first},
-    program::Program,
-    solver::Answer,
+    program::{Answer, Program},
+    solver::{Outcome, solve_first},
 };
 
 /// The first limit of floors, in the unit of the program, and the factor by which it grows.

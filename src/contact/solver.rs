@@ -3,11 +3,11 @@
 //! Both end in an active set and are held to the same tolerance.
 
 use super::{
-    active::{polish, sharpen},
-    central::{Central, Distance},
+    active_set::{active_set_refine, active_set_refine_exactly},
     cholesky::Cholesky,
-    interior::interior_point,
-    program::{Program, clip},
+    clarabel::solve_by_clarabel,
+    interior_point::{Distance, InteriorPoint},
+    program::{Answer, Program, clip},
 };
 
 /// Iterations along the central path before giving up.
@@ -23,6 +23,10 @@ const AGAIN: f64 = 1e-3;
 const EXACT: f64 = 1e-10;
 /// What the forces of the step before are asked for to need no more.
 const STILL: f64 = 1e-9;
+
+/// Overlap left over, in the scale of the largest violation, and work of the forces on open gaps, as a part of all their
+/// work, up to which a solution is one. A contact that is about to press may have a little of both, gap and force.
+const TOLERANCE: f64 = 1e-7;
 
 /// How the forces of an island are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -40,24 +44,47 @@ impl Solver {
     pub const ALL: [Solver; 3] = [Solver::Formula, Solver::Sparse, Solver::General];
 }
 
-/// What a method found.
-pub(super) struct Answer {
-    /// The multipliers.
-    pub multipliers: Vec<f64>,
-    /// Iterations of the method.
-    pub iterations: usize,
-    /// Whether it found that no unknowns meet all constraints.
-    pub infeasible: bool,
+/// How an island was solved.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Outcome {
+    /// By forces, one for each contact, in so many iterations.
+    Solved {
+        /// The forces.
+        forces: Vec<f64>,
+        /// Iterations of the method.
+        iterations: usize,
+        /// The method.
+        solver: Solver,
+    },
+    /// Not at all: no velocities let nothing overlap.
+    Infeasible,
+    /// Not at all: the solver gave up.
+    NotConverged,
+}
+
+/// The solution of a program by the first of several methods that finds it, and which; or what went wrong.
+pub(super) fn solve_first(program: &Program, guess: &[f64], solvers: &[Solver]) -> Result<(Answer, Solver), Outcome> {
+    let mut infeasible = false;
+    let found = solvers.iter().find_map(|&solver| {
+        let answer = solve(program, guess, solver)?;
+        infeasible |= answer.infeasible;
+        program.solved(&answer.multipliers, TOLERANCE).then_some((answer, solver))
+    });
+    match found {
+        Some(found) => Ok(found),
+        None if infeasible => Err(Outcome::Infeasible),
+        None => Err(Outcome::NotConverged),
+    }
 }
 
 /// The multipliers of a program by a method, if it accepts it; whether they solve it the caller must see.
-pub(super) fn solve(program: &Program, guess: &[f64], solver: Solver) -> Option<Answer> {
+fn solve(program: &Program, guess: &[f64], solver: Solver) -> Option<Answer> {
     if solver == Solver::Sparse {
         let (multipliers, iterations) = along_the_path(program, guess);
         return Some(Answer { multipliers, iterations, infeasible: false });
     }
-    let Answer { multipliers, iterations, infeasible } = interior_point(program)?;
-    Some(Answer { multipliers: polish(program, &mut Cholesky::new(program), &multipliers), iterations, infeasible })
+    let Answer { multipliers, iterations, infeasible } = solve_by_clarabel(program)?;
+    Some(Answer { multipliers: active_set_refine(program, &mut Cholesky::new(program), &multipliers), iterations, infeasible })
 }
 
 /// The multipliers, and how many iterations they took.
@@ -70,33 +97,33 @@ fn along_the_path(program: &Program, guess: &[f64]) -> (Vec<f64>, usize) {
     }
     let mut factors = Cholesky::new(program);
     if guess.iter().any(|&multiplier| multiplier > 0.0) {
-        let sharp = sharpen(program, &mut factors, &guess);
-        if program.solved(&sharp, STILL) {
-            return (sharp, 1);
+        let exact = active_set_refine_exactly(program, &mut factors, &guess);
+        if program.solved(&exact, STILL) {
+            return (exact, 1);
         }
     }
     let (multipliers, iterations) = follow(program, &mut factors, &guess);
-    (polish(program, &mut factors, &multipliers), iterations)
+    (active_set_refine(program, &mut factors, &multipliers), iterations)
 }
 
 /// Goes along the path from near a guess: the multipliers that press at its end, or exact ones found on the way, and how many iterations it took.
 fn follow(program: &Program, factors: &mut Cholesky, guess: &[f64]) -> (Vec<f64>, usize) {
-    let mut central = Central::new(program, guess);
-    let (mut earlier, mut tried) = (central.distance().work, f64::INFINITY);
+    let mut point = InteriorPoint::new(program, guess);
+    let (mut earlier, mut tried) = (point.distance().work, f64::INFINITY);
     for iteration in 1..=ITERATIONS {
-        let goes_on = central.step(factors);
-        let Distance { violation, work } = central.distance();
+        let goes_on = point.step(factors);
+        let Distance { violation, work } = point.distance();
         if !goes_on || violation <= END[0] && work <= END[1] {
-            return (central.pressing(), iteration);
+            return (point.pressing(), iteration);
         }
         if work < FALL * earlier && work < NEAR.min(AGAIN * tried) {
             tried = work;
-            let sharp = sharpen(program, factors, &central.pressing());
-            if program.solved(&sharp, EXACT) {
-                return (sharp, iteration);
+            let exact = active_set_refine_exactly(program, factors, &point.pressing());
+            if program.solved(&exact, EXACT) {
+                return (exact, iteration);
             }
         }
         earlier = work;
     }
-    (central.pressing(), ITERATIONS)
+    (point.pressing(), ITERATIONS)
 }

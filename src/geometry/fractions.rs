@@ -4,21 +4,15 @@
 //! disk and sectors where it does not. In space the areas of slices are integrated; between the heights at which a slice
 //! changes its shape they are smooth but for roots at the ends, which a cubic substitution removes (relative error below 1e-9).
 
+use std::sync::LazyLock;
+
 use nalgebra::{SVector, Vector2};
 
 use super::Ball;
+use crate::linalg::gauss_legendre;
 
-/// Nodes and weights of Gauss's rule of 16 points on `[0, 1]`, one half; the other mirrors it.
-const GAUSS: [(f64, f64); 8] = [
-    (0.005_299_532_504_175_031, 0.013_576_229_705_877_019),
-    (0.027_712_488_463_383_7, 0.031_126_761_969_323_853),
-    (0.067_184_398_806_084_12, 0.047_579_255_841_246_296),
-    (0.122_297_795_822_498_5, 0.062_314_485_627_767_015),
-    (0.191_061_877_798_678_11, 0.074_797_994_408_288_38),
-    (0.270_991_611_171_386_3, 0.084_578_259_697_501_31),
-    (0.359_198_224_610_370_54, 0.091_301_707_522_461_8),
-    (0.452_493_745_081_181_3, 0.094_725_305_227_534_29),
-];
+/// Gauss's rule of 16 points on `[-1, 1]`.
+static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(16));
 
 /// The part, from 0 to 1, of the box of the given centre and edge lengths that the ball fills; exact in 2D.
 ///
@@ -79,7 +73,7 @@ fn slices(radius: f64, rectangle: &[Vector2<f64>; 2], [bottom, top]: [f64; 2]) -
     let piece = |ends: &[f64]| {
         let (start, length) = (ends[0], ends[1] - ends[0]);
         let at = |t: f64| 6.0 * t * (1.0 - t) * area(start + length * t * t * (3.0 - 2.0 * t));
-        length * GAUSS.iter().map(|(node, weight)| weight * (at(*node) + at(1.0 - node))).sum::<f64>()
+        0.5 * length * RULE.iter().map(|(node, weight)| weight * at(0.5 * (1.0 + node))).sum::<f64>()
     };
     heights.windows(2).map(piece).sum()
 }

@@ -77,7 +77,7 @@ impl<const D: usize> Level<D> {
             let aside = domain.offset(std::array::from_fn(|axis| if axis == 1 { up as isize } else { 0 }))[0];
             let own = self.cell(domain, &SVector::from_fn(|axis, _| if axis == 0 { center[0] - aside } else { center[axis] }));
             for flat in 0..(0..D).filter(|&axis| axis != 1).map(|axis| 2 * self.reach[axis] + 1).product() {
-                let (place, image) = self.place(domain, (own, row, up), flat);
+                let (place, image) = self.place(domain, own, row, up, flat);
                 let offset = domain.offset(image.map(|turns| turns as isize));
                 for (number, other) in self.members.get(&place).into_iter().flatten() {
                     found(*number, (other + offset - center).norm());
@@ -87,7 +87,7 @@ impl<const D: usize> Level<D> {
     }
 
     /// One of the cells of a row around a cell, and the image of the box in which it lies.
-    fn place(&self, domain: &Domain<D>, (own, row, up): ([i64; D], i64, i64), mut flat: i64) -> ([i64; D], [i64; D]) {
+    fn place(&self, domain: &Domain<D>, own: [i64; D], row: i64, up: i64, mut flat: i64) -> ([i64; D], [i64; D]) {
         let (mut place, mut image) = ([row; D], [up; D]);
         for axis in (0..D).filter(|&axis| axis != 1) {
             let width = 2 * self.reach[axis] + 1;

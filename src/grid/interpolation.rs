@@ -6,7 +6,7 @@ use super::{
     staggered::{Grid, Index},
     stencil::{Site, Term},
 };
-use crate::geometry::Axis;
+use crate::{geometry::Axis, linalg::lagrange};
 
 /// Nodes per axis.
 pub const NODES: usize = 4;
@@ -106,10 +106,4 @@ pub fn linear<const D: usize>(grid: &Grid<D>, field: usize, axis: usize, x: f64)
     };
     let part = (x - ends[0]) / (ends[1] - ends[0]);
     Pair { first, weights: [1.0 - part, part], wall }
-}
-
-fn lagrange(nodes: &[f64; NODES], x: f64) -> [f64; NODES] {
-    std::array::from_fn(|node| {
-        (0..NODES).filter(|&other| other != node).map(|other| (x - nodes[other]) / (nodes[node] - nodes[other])).product()
-    })
 }

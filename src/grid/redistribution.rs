@@ -51,12 +51,12 @@ impl Redistribution {
 
     /// Moves values from the first layout to the second.
     pub fn forward<T: Equivalence + Copy>(&self, world: &World, values: &mut [T], exchange: &mut Exchange<T>) {
-        exchange.run(world, (&self.from, &self.to), values);
+        exchange.run(world, &self.from, &self.to, values);
     }
 
     /// Moves values from the second layout to the first.
     pub fn backward<T: Equivalence + Copy>(&self, world: &World, values: &mut [T], exchange: &mut Exchange<T>) {
-        exchange.run(world, (&self.to, &self.from), values);
+        exchange.run(world, &self.to, &self.from, values);
     }
 }
 
@@ -84,7 +84,7 @@ impl<T: Equivalence + Copy> Exchange<T> {
         Exchange { sent: vec![value; size], received: vec![value; size] }
     }
 
-    fn run(&mut self, world: &World, (from, to): (&Side, &Side), values: &mut [T]) {
+    fn run(&mut self, world: &World, from: &Side, to: &Side, values: &mut [T]) {
         let mut start = 0;
         for place in from.places() {
             let end = start + place.len();

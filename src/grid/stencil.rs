@@ -83,16 +83,25 @@ fn difference<const D: usize>(grid: &Grid<D>, axis: usize, index: Index<D>, part
     [term(-1, -weight), term(0, weight)]
 }
 
-/// The wall on which an index of a velocity component lies, or for which it stands: its axis, and the step away from it.
+/// One of the walls across an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WallSide {
+    /// The axis.
+    pub axis: usize,
+    /// The step along it away from the wall.
+    pub inward: isize,
+}
+
+/// The wall on which an index of a velocity component lies, or for which it stands.
 ///
 /// None in the fluid, and none where walls meet: nothing passes there.
-pub fn wall_at<const D: usize>(grid: &Grid<D>, field: usize, index: Index<D>) -> Option<(usize, isize)> {
+pub fn wall_at<const D: usize>(grid: &Grid<D>, field: usize, index: Index<D>) -> Option<WallSide> {
     let on = |axis: usize| {
         let beyond = isize::from(field != axis);
         match index[axis] {
             _ if grid.domain().periodic(axis) => None,
-            lower if lower == -beyond => Some((axis, 1)),
-            upper if upper == grid.cells()[axis] as isize => Some((axis, -1)),
+            lower if lower == -beyond => Some(WallSide { axis, inward: 1 }),
+            upper if upper == grid.cells()[axis] as isize => Some(WallSide { axis, inward: -1 }),
             _ => None,
         }
     };
@@ -104,8 +113,9 @@ pub fn wall_at<const D: usize>(grid: &Grid<D>, field: usize, index: Index<D>) ->
 /// [`laplacian`] and of the [`gradient`] that cancel those of its neighbours.
 pub fn wall_row<const D: usize>(
     grid: &Grid<D>,
-    (field, index): (usize, Index<D>),
-    (axis, inward): (usize, isize),
+    field: usize,
+    index: Index<D>,
+    WallSide { axis, inward }: WallSide,
     mut velocity: impl FnMut(Term<D>),
     mut pressure: impl FnMut(Term<D>),
 ) {

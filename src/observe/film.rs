@@ -1,9 +1,42 @@
 //! Bodies as disks on a picture plane: frames of an animation, or a still.
 
-use crate::{
-    output::{AnimatedDisk, Animation, AnimationFrame, FrameBody},
-    scene::{AxisSection, Drive, Scene},
-};
+use super::FrameBody;
+use crate::scene::{AxisSection, Drive, Scene};
+
+/// A film of disks in a box, ready to be drawn.
+#[derive(Clone, Debug)]
+pub struct Animation {
+    /// Width and height of the box, whose lower left corner is the origin; `y` points up.
+    pub size: [f64; 2],
+    /// Which directions are periodic; the others end at solid walls.
+    pub periodic: [bool; 2],
+    /// The frames in the order of time.
+    pub frames: Vec<AnimationFrame>,
+}
+
+/// What is seen at one time.
+#[derive(Clone, Debug)]
+pub struct AnimationFrame {
+    /// Time, in any unit.
+    pub time: f64,
+    /// How far to the right the box above lies, if it repeats.
+    pub shift: f64,
+    /// The disks; each covers those before it.
+    pub disks: Vec<AnimatedDisk>,
+}
+
+/// One body at one time.
+#[derive(Clone, Copy, Debug)]
+pub struct AnimatedDisk {
+    /// Center, in or out of the box: periodic directions wrap it.
+    pub center: [f64; 2],
+    /// Radius.
+    pub radius: f64,
+    /// Angle of the mark that shows rotation, counterclockwise from `x`; not a number for a disk without mark.
+    pub angle: f64,
+    /// Speed to colour by, from zero to the 99.5th percentile of the whole film.
+    pub speed: f64,
+}
 
 /// The axes that point right and up.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,5 +1,6 @@
 //! What is read off a solution: functions of a view, which change nothing.
 
+mod body;
 mod cells;
 mod film;
 mod pairs;
@@ -13,11 +14,13 @@ pub mod statistics;
 mod stress;
 mod viscosity;
 
+pub use body::FrameBody;
 pub use cells::{CellCenters, inside};
-pub use film::Plane;
+pub use film::{AnimatedDisk, Animation, AnimationFrame, Plane};
 pub use pairs::{NEAR, PairCounts, PairDistribution};
 pub use picture::picture;
-pub use probe::{scalar_probe, velocity_probe};
+pub use plane::{Disk, Picture};
+pub use probe::{Probe, scalar_probe, velocity_probe};
 pub use sample::{scalars, velocities};
 pub use scalar_picture::scalar_picture;
 pub use shear::Shear;

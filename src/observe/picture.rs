@@ -2,11 +2,10 @@
 
 use nalgebra::SVector;
 
-use super::{plane::CutPlane, velocities};
+use super::{Disk, Picture, plane::CutPlane, velocities};
 use crate::{
     error::Result,
     geometry::Ball,
-    output::{Disk, Picture},
     simulation::{FlowSolver, Solution},
 };
 

@@ -10,9 +10,19 @@ use crate::{
     error::Result,
     geometry::Domain,
     grid::Grid,
-    output::Probe,
     simulation::{FlowSolver, ScalarSetup, ScalarSolution, Solution},
 };
+
+/// Values at points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Probe<const D: usize> {
+    /// The points.
+    pub points: Vec<SVector<f64, D>>,
+    /// Names of the values of a point.
+    pub names: Vec<&'static str>,
+    /// The values of each point.
+    pub values: Vec<Vec<f64>>,
+}
 
 /// The velocity of a solution, background included, on `per_axis^D` points; collective, and the same on every rank.
 pub fn velocity_probe<const D: usize>(suspension: &dyn FlowSolver<D>, solution: &Solution<D>, per_axis: usize) -> Result<Probe<D>> {

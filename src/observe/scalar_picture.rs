@@ -2,12 +2,11 @@
 
 use nalgebra::SVector;
 
-use super::{plane::CutPlane, sample::scalars};
+use super::{Disk, Picture, plane::CutPlane, sample::scalars};
 use crate::{
     error::Result,
     geometry::Ball,
     grid::Grid,
-    output::{Disk, Picture},
     simulation::{ScalarSetup, ScalarSolution},
 };
 

@@ -32,6 +32,8 @@ pub struct Stress<const D: usize> {
     pub hydrodynamic: SMatrix<f64, D, D>,
     /// Of lubrication beyond the resolved flow, if there is a model of it.
     pub lubrication: Option<SMatrix<f64, D, D>>,
+    /// Of forces at a distance, if there are any.
+    pub interaction: Option<SMatrix<f64, D, D>>,
     /// Of contacts.
     pub contact: SMatrix<f64, D, D>,
     /// Whether the trace of the hydrodynamic part is known.
@@ -77,6 +79,7 @@ impl<const D: usize> Stress<D> {
         Ok(Stress {
             hydrodynamic: shear.doubled_strain() + resolved / unit - trace,
             lubrication: films.map(|stress| stress / unit),
+            interaction: solution.pair_stress.map(|stress| stress / unit),
             contact: -moments / unit,
             with_trace: pressure.is_some(),
         })
@@ -84,7 +87,7 @@ impl<const D: usize> Stress<D> {
 
     /// The sum of all parts.
     pub fn total(&self) -> SMatrix<f64, D, D> {
-        self.hydrodynamic + self.contact + self.lubrication.unwrap_or_else(SMatrix::zeros)
+        [self.lubrication, self.interaction].into_iter().flatten().fold(self.hydrodynamic + self.contact, |sum, part| sum + part)
     }
 
     /// Its normal stresses in a shear.

@@ -11,7 +11,7 @@ use crate::{
     error::Result,
     geometry::Axis,
     grid::Grid,
-    simulation::{Lubrication, Setup, Solution},
+    simulation::{Setup, Solution},
 };
 
 /// Apparent viscosity over that of the fluid, by roads that must agree.
@@ -26,6 +26,8 @@ pub struct Viscosity {
     pub hydrodynamic: f64,
     /// Of lubrication beyond the resolved flow, if there is a model of it.
     pub lubrication: Option<f64>,
+    /// Of forces at a distance, if there are any.
+    pub interaction: Option<f64>,
     /// Of the contact forces `f`, between centres a distance `r n` apart: `-sum f r n n / (mu rate V)`.
     pub contact: f64,
     /// Normal stresses.
@@ -37,7 +39,7 @@ pub struct Viscosity {
 impl Viscosity {
     /// The sum of all parts.
     pub fn relative(&self) -> f64 {
-        self.hydrodynamic + self.lubrication.unwrap_or(0.0) + self.contact
+        self.hydrodynamic + self.lubrication.unwrap_or(0.0) + self.interaction.unwrap_or(0.0) + self.contact
     }
 }
 
@@ -61,6 +63,7 @@ pub fn viscosity<const D: usize>(
         rate: shear.rate,
         hydrodynamic: shear.of_stress(&stress.hydrodynamic),
         lubrication: stress.lubrication.map(|lubrication| shear.of_stress(&lubrication)),
+        interaction: stress.interaction.map(|interaction| shear.of_stress(&interaction)),
         contact: shear.of_stress(&stress.contact),
         normal: stress.normal(&shear),
         from_walls,
@@ -79,12 +82,10 @@ fn wall_shear<const D: usize>(
     walls: [SVector<f64, D>; 2],
 ) -> Result<f64> {
     let area = grid.domain().volume() / grid.domain().size[shear.gradient];
-    let by_forces = |walls: &[[SVector<f64, D>; 2]; D]| {
-        let [on_lower, on_upper] = walls[shear.gradient];
-        (on_lower - on_upper).dot(&shear.flow) / (2.0 * area * viscosity)
-    };
-    if let Some(walls) = solution.walls {
-        return Ok(by_forces(&walls));
+    let [on_lower, on_upper] = solution.walls.forces[shear.gradient];
+    let by_forces = (on_lower - on_upper).dot(&shear.flow) / (2.0 * area * viscosity);
+    if solution.walls.complete {
+        return Ok(by_forces);
     }
     let last = grid.cells()[shear.gradient] - 1;
     let to_wall = 0.5 * grid.spacing()[shear.gradient];
@@ -104,7 +105,6 @@ fn wall_shear<const D: usize>(
     }
     solution.fluid.session().world().sum(&mut sum);
     let unit = viscosity * grid.domain().volume();
-    let of_films = |films: Lubrication<D>| by_forces(&films.walls) + shear.of_stress(&films.first_moment) / unit;
-    let by_films = solution.lubrication.map_or(0.0, of_films);
-    Ok(sum[0] + by_forces(&solution.directly_on_walls) + by_films)
+    let by_films = solution.lubrication.map_or(0.0, |films| shear.of_stress(&films.first_moment) / unit);
+    Ok(sum[0] + by_forces + by_films)
 }

@@ -2,8 +2,6 @@
 
 use serde::Serialize;
 
-use super::Summary;
-
 /// What was asked for, the setting that meets it, and the bars that go with it.
 ///
 /// Bars are those of the instant at which a run starts, and of its grid and modes alone: what a step in time adds is not in them.
@@ -43,17 +41,4 @@ pub struct EstimatedErrors {
     pub viscosity: Option<f64>,
     /// Of the mean velocity of a driven flow.
     pub mean_velocity: Option<f64>,
-}
-
-impl Summary {
-    /// Attaches bars; `drag` is the root mean square over the bodies whose motion is given, if there are any.
-    pub fn attach(&mut self, accuracy: AccuracySummary, drag: Option<f64>) {
-        if let (Some(viscosity), Some(error)) = (&mut self.viscosity, accuracy.estimated.viscosity) {
-            let bar = error * viscosity.relative.abs();
-            viscosity.interval = Some([viscosity.relative - bar, viscosity.relative + bar]);
-        }
-        let summary = |(root_mean_square, error)| DragSummary { root_mean_square, bar: root_mean_square * error };
-        let drag = drag.zip(accuracy.estimated.drag).map(summary);
-        self.accuracy = Some(AccuracySummary { drag, ..accuracy });
-    }
 }

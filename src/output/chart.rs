@@ -4,62 +4,18 @@
 
 mod axis;
 mod bars;
+mod data;
+mod frame;
 mod notes;
 
 use std::fmt::Write;
 
-use self::axis::Axis;
-use super::picture::{INK, colour, escaped};
-pub use bars::Bar;
-pub use notes::{Level, Mark, Notes};
+use super::picture::{INK, escaped};
+use data::finite;
+pub use data::{Bar, Chart, Level, Mark, Notes, Scale, Series};
+use frame::{Frame, PAGE, SIDE};
 
-const PAGE: [f64; 2] = [800.0, 450.0];
-const SIDE: f64 = 22.0;
 const LINE: f64 = 18.0;
-/// Width of a letter in pixels, about.
-const LETTER: f64 = 7.2;
-
-/// A chart of lines over a common abscissa, ready to be drawn.
-#[derive(Clone, Debug)]
-pub struct Chart {
-    /// Line of text above the axes; an empty one takes no room.
-    pub title: String,
-    /// Name of the abscissa, with its unit.
-    pub x: String,
-    /// Name of the ordinate, with its unit.
-    pub y: String,
-    /// How both coordinates are drawn.
-    pub scale: Scale,
-    /// The lines; the first stands out, and names are shown if there is more than one.
-    pub series: Vec<Series>,
-}
-
-/// How coordinates are drawn.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Scale {
-    /// As they are.
-    Linear,
-    /// By their logarithms; what is not positive is left out.
-    Logarithmic,
-}
-
-impl Scale {
-    fn of(self, point: &(f64, f64)) -> [f64; 2] {
-        match self {
-            Scale::Linear => [point.0, point.1],
-            Scale::Logarithmic => [point.0.log10(), point.1.log10()],
-        }
-    }
-}
-
-/// One line of a chart.
-#[derive(Clone, Debug)]
-pub struct Series {
-    /// Name.
-    pub name: String,
-    /// Abscissas and ordinates in the order to be joined; the line breaks where a value is not finite.
-    pub points: Vec<(f64, f64)>,
-}
 
 impl Chart {
     /// The chart as a complete SVG document of 800 by 450 pixels; without a finite point it shows empty axes.
@@ -88,10 +44,6 @@ impl Chart {
         svg + "</svg>\n"
     }
 
-    fn finite_points(&self) -> impl Iterator<Item = [f64; 2]> {
-        self.series.iter().flat_map(|series| &series.points).map(|point| self.scale.of(point)).filter(finite)
-    }
-
     fn words(&self, frame: &Frame) -> String {
         let [left, right] = [frame.left, frame.right];
         let [title, x, y] = [&self.title, &self.x, &self.y].map(|text| escaped(text));
@@ -118,12 +70,6 @@ impl Chart {
         )
     }
 
-    /// Ink for the first line, then the map of the speed without its palest end.
-    fn colour(&self, k: usize) -> String {
-        let parts = self.series.len().max(3) - 2;
-        if k == 0 { INK.into() } else { colour::hexadecimal(0.2 + 0.65 * (k - 1) as f64 / parts as f64) }
-    }
-
     /// The names at the heights where their lines end, moved apart where they would touch.
     fn names(&self, frame: &Frame) -> String {
         let mut text = String::new();
@@ -148,76 +94,6 @@ impl Chart {
     }
 }
 
-/// Where the axes lie on the page and what they span.
-struct Frame {
-    left: f64,
-    right: f64,
-    top: f64,
-    foot: f64,
-    x: Axis,
-    y: Axis,
-}
-
-impl Frame {
-    fn new(chart: &Chart, notes: &Notes) -> Self {
-        let [x, mut y] = [0, 1].map(|axis| chart.finite_points().map(|point| point[axis]).collect::<Vec<f64>>());
-        let levels = notes.levels.iter().map(|level| chart.scale.of(&(1.0, level.y)));
-        y.extend(levels.filter(finite).map(|point| point[1]));
-        let ends = notes.bars.iter().flat_map(|bar| bar.ends.map(|end| chart.scale.of(&(bar.x, end))));
-        y.extend(ends.filter(finite).map(|point| point[1]));
-        let [x, y] = match chart.scale {
-            Scale::Linear => [Axis::tight(&x), Axis::loose(&y)],
-            Scale::Logarithmic => [Axis::decades(&x), Axis::decades(&y)],
-        };
-        let longest = |texts: &mut dyn Iterator<Item = usize>| LETTER * texts.max().unwrap_or(0) as f64;
-        let labels = longest(&mut y.ticks().iter().map(|&tick| y.label(tick).chars().count()));
-        let names = longest(&mut chart.series.iter().map(|series| series.name.chars().count())).min(260.0);
-        let right = if chart.series.len() > 1 { 38.0 + names } else { 8.0 };
-        let top = if chart.title.is_empty() { SIDE } else { 58.0 };
-        Frame { left: SIDE + 30.0 + labels.min(120.0), right: PAGE[0] - SIDE - right, top, foot: PAGE[1] - SIDE - 40.0, x, y }
-    }
-
-    fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        [self.left + self.x.part(x) * (self.right - self.left), self.foot - self.y.part(y) * (self.foot - self.top)]
-    }
-
-    /// A line through points, without those less than half a pixel from the one before.
-    fn path(&self, points: &[[f64; 2]]) -> String {
-        let mut places: Vec<[f64; 2]> = points.iter().map(|&point| self.place(point)).collect();
-        places.dedup_by(|next, last| (next[0] - last[0]).hypot(next[1] - last[1]) < 0.5);
-        let letter = |k: usize| if k == 0 { "M" } else { "L" };
-        let mut path: String = places.iter().enumerate().map(|(k, [x, y])| format!("{}{x:.1} {y:.1}", letter(k))).collect();
-        if places.len() == 1 {
-            path += "h0";
-        }
-        path
-    }
-
-    fn grid(&self) -> String {
-        let [left, right, top, foot] = [self.left, self.right, self.top, self.foot];
-        let [mut lines, mut labels] = [String::new(), String::new()];
-        for tick in self.x.ticks() {
-            let x = left + self.x.part(tick) * (right - left);
-            let _ = write!(lines, "M{x:.1} {top:.1}V{foot:.1}");
-            let _ = writeln!(labels, "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>", foot + 19.0, self.x.label(tick));
-        }
-        for tick in self.y.ticks() {
-            let y = foot - self.y.part(tick) * (foot - top);
-            let _ = write!(lines, "M{left:.1} {y:.1}H{right:.1}");
-            let _ =
-                writeln!(labels, "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>", left - 9.0, y + 4.6, self.y.label(tick));
-        }
-        format!(
-            "<path d=\"{lines}\" fill=\"none\" stroke=\"#dfe3e9\" stroke-width=\"0.8\"/>\n{labels}\
-             <path d=\"M{left:.1} {top:.1}V{foot:.1}H{right:.1}\" fill=\"none\" stroke=\"{INK}\" stroke-opacity=\"0.55\"/>\n"
-        )
-    }
-}
-
-fn finite(point: &[f64; 2]) -> bool {
-    point.iter().all(|value| value.is_finite())
-}
-
 /// Heights from the top down, each at least a line below the one before and none below the axes.
 fn apart(mut ends: Vec<(usize, f64)>, frame: &Frame) -> Vec<(usize, f64)> {
     for k in 1..ends.len() {
@@ -233,7 +109,7 @@ fn apart(mut ends: Vec<(usize, f64)>, frame: &Frame) -> Vec<(usize, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{axis::Axis, *};
 
     fn chart(lines: &[&[(f64, f64)]]) -> Chart {
         let series = lines.iter().map(|points| Series { name: "a < b".into(), points: points.to_vec() }).collect();

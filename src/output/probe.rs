@@ -2,16 +2,7 @@
 
 use nalgebra::SVector;
 
-/// Values at points.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Probe<const D: usize> {
-    /// The points.
-    pub points: Vec<SVector<f64, D>>,
-    /// Names of the values of a point.
-    pub names: Vec<&'static str>,
-    /// The values of each point.
-    pub values: Vec<Vec<f64>>,
-}
+use crate::observe::Probe;
 
 impl<const D: usize> Probe<D> {
     /// A line of names, then a line a point, with numbers that are read back as they were.

@@ -3,13 +3,7 @@
 use nalgebra::SVector;
 use serde::Serialize;
 
-use super::{ParallelSummary, Summary, summary::SolverSummary};
-use crate::{
-    grid::Grid,
-    parallel::World,
-    scene::Scene,
-    simulation::{Cost, InclusionState, ScalarSetup, ScalarSolution, Uzawa},
-};
+use crate::simulation::{InclusionState, ScalarSetup, ScalarSolution, Uzawa};
 
 /// The scalar problem.
 #[derive(Debug, Clone, Serialize)]
@@ -63,33 +57,14 @@ pub struct InclusionSummary {
     pub flux: f64,
 }
 
-impl Summary {
-    /// The numbers of a scalar problem; collective. `solver` is the word for what inverted the matrix
-    /// and what that cost.
-    pub fn of_scalar<const D: usize>(
-        scene: &Scene,
-        (setup, grid): (&ScalarSetup<D>, &Grid<D>),
-        (solution, solver): (&ScalarSolution<D>, (&'static str, &Cost)),
-        world: &World,
-    ) -> Summary {
-        let held = solution.inclusions.iter().filter(|inclusion| grid.owner(&inclusion.center) == world.rank()).count();
-        let scalar = ScalarSummary {
+impl ScalarSummary {
+    pub(super) fn new<const D: usize>(setup: &ScalarSetup<D>, solution: &ScalarSolution<D>) -> ScalarSummary {
+        ScalarSummary {
             source: setup.source,
             energy: solution.energy,
             conduction: setup.gradient.zip(solution.mean_flux).map(|(gradient, flux)| ConductionSummary::new(&gradient, &flux)),
             uzawa: solution.uzawa.map(|Uzawa { step, bound, box_iterations }| UzawaSummary { step, bound, box_iterations }),
             inclusions: solution.inclusions.iter().map(InclusionSummary::new).collect(),
-        };
-        Summary {
-            scalar: Some(scalar),
-            solver: Some(SolverSummary::of_cost(solver.0, solver.1, world)),
-            ..Summary::of_bodies(
-                scene,
-                Vec::new(),
-                setup.fraction(),
-                world.size(),
-                ParallelSummary::new(world, held, grid.local_unknowns(D)),
-            )
         }
     }
 }

@@ -3,15 +3,16 @@
 use nalgebra::{SMatrix, SVector};
 use serde::Serialize;
 
-use super::{AccuracySummary, MeanViscosity, PairSummary, ParallelSummary, ScalarSummary};
+use super::{AccuracySummary, DragSummary, MeanViscosity, PairSummary, ParallelSummary, ScalarSummary};
 use crate::{
     body::components,
     error::Result,
     geometry::{Ball, Domain},
+    grid::Grid,
     observe::Viscosity,
     parallel::{World, peak_memory_bytes},
     scene::Scene,
-    simulation::{BodyState, Cost, FlowSolver, Lubrication, Moving, Solution, State},
+    simulation::{BodyState, Cost, FlowSolver, Lubrication, Moving, ScalarSetup, ScalarSolution, Solution, State},
 };
 
 /// Everything that `summary.json` holds; an effect that the scene does not call for is `null`.
@@ -270,6 +271,39 @@ impl Summary {
             ranks,
             parallel,
         }
+    }
+
+    /// The numbers of a scalar problem; collective. `solver` is the word for what inverted the matrix
+    /// and what that cost.
+    pub fn of_scalar<const D: usize>(
+        scene: &Scene,
+        (setup, grid): (&ScalarSetup<D>, &Grid<D>),
+        (solution, solver): (&ScalarSolution<D>, (&'static str, &Cost)),
+        world: &World,
+    ) -> Summary {
+        let held = solution.inclusions.iter().filter(|inclusion| grid.owner(&inclusion.center) == world.rank()).count();
+        Summary {
+            scalar: Some(ScalarSummary::new(setup, solution)),
+            solver: Some(SolverSummary::of_cost(solver.0, solver.1, world)),
+            ..Summary::of_bodies(
+                scene,
+                Vec::new(),
+                setup.fraction(),
+                world.size(),
+                ParallelSummary::new(world, held, grid.local_unknowns(D)),
+            )
+        }
+    }
+
+    /// Attaches bars; `drag` is the root mean square over the bodies whose motion is given, if there are any.
+    pub fn attach(&mut self, accuracy: AccuracySummary, drag: Option<f64>) {
+        if let (Some(viscosity), Some(error)) = (&mut self.viscosity, accuracy.estimated.viscosity) {
+            let bar = error * viscosity.relative.abs();
+            viscosity.interval = Some([viscosity.relative - bar, viscosity.relative + bar]);
+        }
+        let summary = |(root_mean_square, error)| DragSummary { root_mean_square, bar: root_mean_square * error };
+        let drag = drag.zip(accuracy.estimated.drag).map(summary);
+        self.accuracy = Some(AccuracySummary { drag, ..accuracy });
     }
 }
 

@@ -8,11 +8,12 @@ use std::{
 };
 
 use super::{
-    Session, System, Vector, ffi, index,
+    Session, System, Vector,
+    call::guard,
+    ffi, index,
     options::number,
     owned::Owned,
     petsc,
-    session::guard,
     shell::{Context, apply_preconditioner, shell_matrix},
 };
 use crate::error::{Error, Result};
@@ -137,8 +138,8 @@ impl Krylov {
     ///
     /// # Errors
     /// [`Error::Diverged`] when the tolerance is not reached, with the iterations made and the residual reached.
-    pub fn solve(&mut self, system: &mut dyn System, (rhs, x): (&Vector, &mut Vector), seen: &mut dyn FnMut(usize, f64)) -> Result<Report> {
-        self.solve_above(0.0, system, (rhs, x), seen)
+    pub fn solve(&mut self, system: &mut dyn System, rhs: &Vector, x: &mut Vector, seen: &mut dyn FnMut(usize, f64)) -> Result<Report> {
+        self.solve_above(0.0, system, rhs, x, seen)
     }
 
     /// As [`solve`](Self::solve), where a residual of the norm `rounding` is what rounding makes of a right-hand side that should be zero.
@@ -149,7 +150,8 @@ impl Krylov {
         &mut self,
         rounding: f64,
         system: &mut dyn System,
-        (rhs, x): (&Vector, &mut Vector),
+        rhs: &Vector,
+        x: &mut Vector,
         seen: &mut dyn FnMut(usize, f64),
     ) -> Result<Report> {
         let start = Instant::now();
@@ -164,9 +166,9 @@ impl Krylov {
         self.set_stopping_rule(rounding)?;
         let (mut report, mut last) = (Report::default(), f64::INFINITY);
         for _ in 0..=MOST_RESTARTS {
-            self.call(system, (rhs, x), Watch { scale: 1.0 / size, before: report.iterations, seen })?;
-            let truth = true_residual(system, (rhs, x), &mut residual)? / size;
-            report = self.outcome(report.iterations, (size, truth), start)?;
+            self.call(system, rhs, x, Watch { scale: 1.0 / size, before: report.iterations, seen })?;
+            let truth = true_residual(system, rhs, x, &mut residual)? / size;
+            report = self.outcome(report.iterations, size, truth, start)?;
             let reason = self.reason()?;
             if truth <= SLACK * self.settings.tolerance && reason != ffi::KSPConvergedReason_KSP_DIVERGED_ITS {
                 return Ok(report);
@@ -181,7 +183,7 @@ impl Krylov {
         Err(self.diverged(report)?)
     }
 
-    fn call(&self, system: &mut dyn System, (rhs, x): (&Vector, &mut Vector), watch: Watch) -> Result<()> {
+    fn call(&self, system: &mut dyn System, rhs: &Vector, x: &mut Vector, watch: Watch) -> Result<()> {
         let mut context = Context { session: self.solver.session().clone(), system };
         let (mut watch, mut pc) = (watch, null_mut());
         let solver = self.solver.raw();
@@ -212,7 +214,7 @@ impl Krylov {
     }
 
     /// What a call came to, after so many iterations before it: the residual is the solver's, unless that is not the true one.
-    fn outcome(&self, before: usize, (size, truth): (f64, f64), start: Instant) -> Result<Report> {
+    fn outcome(&self, before: usize, size: f64, truth: f64, start: Instant) -> Result<Report> {
         let (mut iterations, mut residual) = (0, 0.0);
         petsc!(KSPGetIterationNumber(self.solver.raw(), &mut iterations))?;
         petsc!(KSPGetResidualNorm(self.solver.raw(), &mut residual))?;
@@ -281,7 +283,7 @@ fn tolerance_option(prefix: &CStr) -> Result<Option<f64>> {
 }
 
 /// The norm of what `x` leaves of a right-hand side.
-fn true_residual(system: &mut dyn System, (rhs, x): (&Vector, &Vector), residual: &mut Vector) -> Result<f64> {
+fn true_residual(system: &mut dyn System, rhs: &Vector, x: &Vector, residual: &mut Vector) -> Result<f64> {
     system.apply(x, residual)?;
     residual.add(-1.0, rhs)?;
     residual.norm()

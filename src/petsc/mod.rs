@@ -5,6 +5,7 @@
 //! is every drop**: no object of this module may live on some ranks only.
 
 mod amg;
+mod call;
 mod direct;
 #[doc(hidden)]
 pub mod ffi;
@@ -39,17 +40,4 @@ pub use symmetric::{Symmetric, Way};
 pub use traffic::Traffic;
 pub use vector::Vector;
 
-use session::check;
-
-/// Calls a PETSc function and turns its error code into an [`Error`](crate::error::Error) that carries the call's name.
-macro_rules! petsc {
-    ($function:ident($($argument:expr),* $(,)?)) => {
-        $crate::petsc::check(stringify!($function), unsafe { $crate::petsc::ffi::$function($($argument),*) })
-    };
-}
-use petsc;
-
-/// PETSc's index type is 32-bit: sizes beyond it are refused where they arise, when the grid is made.
-fn index(size: usize) -> ffi::PetscInt {
-    ffi::PetscInt::try_from(size).expect("sizes are checked against 32-bit indices when the grid is made")
-}
+use call::{index, petsc};

@@ -2,7 +2,7 @@
 
 use std::{ffi::c_void, ptr::null_mut};
 
-use super::{Session, Vector, ffi, owned::Owned, petsc, session::guard};
+use super::{Session, Vector, call::guard, ffi, owned::Owned, petsc};
 use crate::error::Result;
 
 /// A linear system as a Krylov solver sees it.

@@ -30,7 +30,7 @@ impl Symmetric {
     ///
     /// # Errors
     /// [`Error::Diverged`] when the matrix has no such factors.
-    pub fn new(session: &Session, (local, rows): (usize, RowBuilder), way: Way) -> Result<Symmetric> {
+    pub fn new(session: &Session, local: usize, rows: RowBuilder, way: Way) -> Result<Symmetric> {
         let matrix = Matrix::from_rows(session, local, rows)?;
         let kind = if way == Way::Quasidefinite { ffi::MatOption_MAT_SYMMETRIC } else { ffi::MatOption_MAT_SPD };
         petsc!(MatSetOption(matrix.raw(), kind, ffi::PetscBool_PETSC_TRUE))?;

@@ -87,7 +87,7 @@ impl BodyGroup {
     }
 
     fn read(entry: &Entry, folder: &Path, dimension: usize, model: FlowModel) -> Result<Self> {
-        let table = entry.table(&KEYS)?;
+        let table = Table::of(entry, &KEYS)?;
         let motion = table.get("motion").map_or(Ok(Motion::Free), |entry| Motion::read(&entry, dimension))?;
         refuse_load(&table, &motion)?;
         refuse_start(&table, &motion, model)?;
@@ -177,7 +177,7 @@ impl Motion {
         if !entry.value.is_inline_table() {
             return Err(entry.mistyped(CHOICES));
         }
-        let table = entry.table(&["velocity", "spin"])?;
+        let table = Table::of(entry, &["velocity", "spin"])?;
         let rotations = if dimension == 2 { 1 } else { 3 };
         let still = |length| Ok(vec![0.0; length]);
         Ok(Motion::Prescribed {

@@ -5,7 +5,6 @@ use toml_edit::Value;
 use crate::body::usable;
 use crate::error::{Error, Result};
 use crate::scene::locations::{Locations, join};
-use crate::scene::table::Table;
 
 /// The longest value a message repeats in full.
 const LONGEST: usize = 60;
@@ -94,12 +93,6 @@ impl<'a> Entry<'a> {
     /// A turning rate or a torque: a number in 2D, three numbers in 3D.
     pub(super) fn rotation(&self, dimension: usize) -> Result<Vec<f64>> {
         if dimension == 2 { Ok(vec![self.number()?]) } else { self.vector(3) }
-    }
-
-    /// A table that holds nothing but known keys.
-    pub(super) fn table(&self, known: &[&str]) -> Result<Table<'a>> {
-        let items = self.value.as_inline_table().ok_or_else(|| self.mistyped("a table"))?;
-        Table { items: Some(items), key: self.key.clone(), locations: self.locations }.knowing(known)
     }
 
     pub(super) fn expect<T>(&self, value: T, right: bool, remedy: &str) -> Result<T> {

@@ -15,7 +15,13 @@ pub(super) struct Table<'a> {
 
 impl<'a> Table<'a> {
     pub(super) fn root(value: &'a Value, locations: &'a Locations, known: &[&str]) -> Result<Self> {
-        Entry { value, key: String::new(), locations }.table(known)
+        Table::of(&Entry { value, key: String::new(), locations }, known)
+    }
+
+    /// The table of an entry, which holds nothing but known keys.
+    pub(super) fn of(entry: &Entry<'a>, known: &[&str]) -> Result<Self> {
+        let items = entry.value.as_inline_table().ok_or_else(|| entry.mistyped("a table"))?;
+        Table { items: Some(items), key: entry.key.clone(), locations: entry.locations }.knowing(known)
     }
 
     pub(super) fn get(&self, name: &str) -> Option<Entry<'a>> {
@@ -34,7 +40,7 @@ impl<'a> Table<'a> {
 
     pub(super) fn section(&self, name: &str, known: &[&str]) -> Result<Table<'a>> {
         match self.get(name) {
-            Some(entry) => entry.table(known),
+            Some(entry) => Table::of(&entry, known),
             None => Ok(Table { items: None, key: join(&self.key, name), locations: self.locations }),
         }
     }
@@ -53,7 +59,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    pub(super) fn knowing(self, known: &[&str]) -> Result<Self> {
+    fn knowing(self, known: &[&str]) -> Result<Self> {
         let mut names = self.items.into_iter().flat_map(InlineTable::iter).map(|(name, _)| name);
         match names.find(|name| !known.contains(name)) {
             Some(stranger) => Err(self.unknown(stranger, known)),

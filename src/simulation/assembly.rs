@@ -86,7 +86,7 @@ fn balanced<const D: usize>(world: &World, films: Films<D>) -> Result<Films<D>> 
 fn crowd<const D: usize>(basis: &Basis<D>, placed: &[Placed<D>]) -> Crowd<D> {
     let balls: Vec<Ball<D>> = placed.iter().map(Placed::ball).collect();
     let orders = basis.setup.bodies.iter().map(|suspended| suspended.order).collect();
-    let (method, films) = (basis.setup.blocks(), basis.setup.lubrication.is_some());
+    let (method, films) = (basis.setup.blocks(), basis.setup.interactions.resist());
     let of_bodies = if method.on_surfaces() || films { Crowd::reach(&balls) } else { 0.0 };
     let of_stencils = if method == Method::Sharp { INTERPOLATION_REACH * basis.grid.spacing().max() } else { 0.0 };
     let reach = of_bodies.max(of_stencils);

@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 use super::{
-    BodyState, Setup, Solution,
+    BodyState, Setup, Solution, WallForces,
     bodies::Kinds,
     closure::{Closure, flow_without_bodies},
 };
@@ -123,8 +123,16 @@ impl<const D: usize> Basis<D> {
         }
         let pressure_gradient = self.pressure_gradient(&bodies, tail);
         let mean_velocity = self.mean_velocity(&fluid)?;
-        let directly_on_walls = [[SVector::zeros(); 2]; D];
-        Ok(Solution { bodies, fluid, mean_velocity, pressure_gradient, walls: None, directly_on_walls, contact_forces, lubrication: None })
+        Ok(Solution {
+            bodies,
+            fluid,
+            mean_velocity,
+            pressure_gradient,
+            walls: WallForces::none(),
+            contact_forces,
+            pair_stress: None,
+            lubrication: None,
+        })
     }
 
     fn mean_velocity(&self, fluid: &Vector) -> Result<SVector<f64, D>> {

@@ -6,19 +6,16 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 
 use super::{
     BodyState, Setup,
+    link::Weights,
     surfaces::{Inverse, Member},
-    touching::Weights,
 };
 use crate::{
     body::{Motion, Twist, components, skew},
-    constraint::{
-        Blocks, Crowd, Given, Layout, NearPairs, PairTables, Placed, Pores,
-        lubrication::{self, FilmTables, Films, films, walls_seen},
-    },
-    contact::{Contact, Partner},
+    constraint::{Blocks, Crowd, Given, Layout, NearPairs, PairTables, Placed, Pores, lubrication::Films},
     error::Result,
     geometry::Ball,
     grid::Grid,
+    interaction::Wrench,
     petsc::{Session, Vector},
     surface::SurfaceTable,
 };
@@ -52,7 +49,6 @@ pub struct Kinds<const D: usize> {
     kinds: Vec<Kind<D>>,
     kind_of: Vec<usize>,
     pair_tables: PairTables<D>,
-    film_tables: FilmTables,
 }
 
 /// The bodies in their places, shared out over the ranks.
@@ -96,8 +92,8 @@ impl<const D: usize> Kinds<D> {
                 kinds.len() - 1
             }));
         }
-        let given = if setup.lubrication.is_some() { Given::Motions } else { Given::Forces };
-        Kinds { kinds, kind_of, pair_tables: PairTables::new(given), film_tables: FilmTables::default() }
+        let given = if setup.interactions.resist() { Given::Motions } else { Given::Forces };
+        Kinds { kinds, kind_of, pair_tables: PairTables::new(given) }
     }
 
     /// Bodies with their centres at the given places.
@@ -113,14 +109,9 @@ impl<const D: usize> Kinds<D> {
         &self.kinds[self.kind_of[body]]
     }
 
-    /// What the film of a contact resists approach by, per unit viscosity, if there is one; no gap counts as smaller than `roughness` radii.
-    pub fn film_resistance(&self, contact: &Contact<D>, roughness: f64) -> Option<f64> {
-        let of = |body: usize| (self.of(body).radius, self.of(body).order);
-        let other = match contact.partner {
-            Partner::Body(other) => Some(of(other)),
-            Partner::Wall { .. } => None,
-        };
-        lubrication::approach::<D>(&self.film_tables, (of(contact.body), other), contact.gap, roughness)
+    /// Radius of a body, and the order of its modes.
+    pub fn radius_and_order(&self, body: usize) -> (f64, usize) {
+        (self.of(body).radius, self.of(body).order)
     }
 
     /// What corrections by near pairs are for.
@@ -185,15 +176,14 @@ impl<'a, const D: usize> Bodies<'a, D> {
         self.crowd.balls[body]
     }
 
-    /// The films that have a side on a body of this rank, if lubrication acts.
+    /// The relative motions that interactions resist and that have a side on a body of this rank.
     pub fn films(&self) -> Films<D> {
-        let films = |roughness| films((&self.crowd, &self.layout), &self.kinds.film_tables, roughness);
-        self.setup.lubrication.map_or(Films { films: Vec::new(), imbalance: 0.0 }, films)
+        self.setup.interactions.rows(&self.crowd, &self.layout)
     }
 
-    /// What modes see of the films between bodies of this rank and walls.
+    /// What the resolved flow resists already of the same, between bodies of this rank and walls.
     pub fn walls_seen(&self) -> Films<D> {
-        walls_seen((&self.crowd, &self.layout), &self.kinds.film_tables)
+        self.setup.interactions.resolved_at_walls(&self.crowd, &self.layout)
     }
 
     /// How many of [`FEW`] near neighbours each body lacks, as a part; a wall counts for all.
@@ -259,22 +249,17 @@ impl<'a, const D: usize> Bodies<'a, D> {
 
     /// The right-hand sides of this rank's bodies.
     ///
-    /// `pushes` are forces on all bodies besides those of the setup, or empty.
-    pub fn wanted_rows(&self, blocks: &Blocks<D>, members: &[Member], (undisturbed, pushes): (&[f64], &[SVector<f64, D>])) -> Vec<f64> {
+    /// `pushes` are forces and torques on all bodies besides those of the setup, or empty.
+    pub fn wanted_rows(&self, blocks: &Blocks<D>, members: &[Member], (undisturbed, pushes): (&[f64], &[Wrench<D>])) -> Vec<f64> {
         let rows = members.iter().enumerate();
         let of = |(local, member): (usize, &Member)| {
-            let push = pushes.get(self.layout.local_bodies[local]).copied().unwrap_or_else(SVector::zeros);
+            let push = pushes.get(self.layout.local_bodies[local]).copied().unwrap_or_else(Wrench::zero);
             self.wanted_rows_of((blocks, local), member, (&undisturbed[member.range.clone()], push))
         };
         rows.flat_map(of).collect()
     }
 
-    fn wanted_rows_of(
-        &self,
-        (blocks, local): (&Blocks<D>, usize),
-        member: &Member,
-        (undisturbed, push): (&[f64], SVector<f64, D>),
-    ) -> Vec<f64> {
+    fn wanted_rows_of(&self, (blocks, local): (&Blocks<D>, usize), member: &Member, (undisturbed, push): (&[f64], Wrench<D>)) -> Vec<f64> {
         let body = self.layout.local_bodies[local];
         let surface = self.surface(body);
         match self.setup.bodies[body].body.motion {
@@ -284,10 +269,10 @@ impl<'a, const D: usize> Bodies<'a, D> {
             Motion::Free { force, torque } => {
                 let mut rows: Vec<f64> = undisturbed.iter().map(|known| -known).collect();
                 let scale = member.force_scale / self.setup.viscosity;
-                let net = force + push - self.force_on_fluid_inside(body);
+                let net = force + push.force - self.force_on_fluid_inside(body);
                 rows[..D].copy_from_slice((net * (scale / surface.modes.force_factor())).as_slice());
                 let turn = scale / surface.modes.torque_factor();
-                rows[D..member.rigid].iter_mut().zip(components(&torque)).for_each(|(row, torque)| *row = turn * torque);
+                rows[D..member.rigid].iter_mut().zip(components(&(torque + push.torque))).for_each(|(row, torque)| *row = turn * torque);
                 rows
             }
         }

@@ -116,7 +116,7 @@ impl UniformForce {
         rhs.local_mut()?[grid.local_range(axis)].copy_from_slice(&load);
         stokes.balance(&mut rhs)?;
         let mut response = stokes.vector()?;
-        FluidSystem { stokes, inverse: Some(inverse) }.solve((&rhs, &mut response), EXACT, MOST_ITERATIONS)?;
+        FluidSystem { stokes, inverse: Some(inverse) }.solve(&rhs, &mut response, EXACT, MOST_ITERATIONS)?;
         let mut force = UniformForce { axis, faces: (grid.local_range(axis), grid.unknowns(axis)), load, response, mean: 0.0 };
         force.mean = force.mean_velocity(stokes.session().world(), &force.response)?;
         Ok(force)
@@ -180,7 +180,7 @@ pub fn flow_without_bodies<const D: usize>(
     }
     stokes.balance(&mut rhs)?;
     if rhs.norm()? > 0.0 {
-        FluidSystem { stokes, inverse: Some(inverse) }.solve((&rhs, &mut flow), EXACT, MOST_ITERATIONS)?;
+        FluidSystem { stokes, inverse: Some(inverse) }.solve(&rhs, &mut flow, EXACT, MOST_ITERATIONS)?;
     }
     if let Some(dragged) = dragged {
         flow.add(1.0, &dragged)?;

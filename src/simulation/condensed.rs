@@ -10,8 +10,8 @@
 //! `unknown = 0`, and they are read back from the fluid.
 
 use super::{
-    coupled::{BodiesInFluid, Parts, Unknowns},
-    work::Watch,
+    coupled::{BodiesInFluid, Parts},
+    work::{Unknowns, Watch},
 };
 use crate::{
     error::Result,

@@ -12,25 +12,13 @@
 
 use super::{
     surfaces::Surfaces,
-    work::{Watch, Work},
+    work::{Unknowns, Watch, Work},
 };
 use crate::{
     error::Result,
     flow::{Stokes, StokesInverse},
     petsc::{Stage, System, Vector},
 };
-
-/// What a solver's vector stands for: this rank's parts, and the tail.
-pub struct Unknowns {
-    /// Disturbance of the flow without bodies.
-    pub fluid: Vector,
-    /// Multipliers.
-    pub multipliers: Vec<f64>,
-    /// Velocities on the surfaces, tested with all modes.
-    pub velocities: Vec<f64>,
-    /// Unknowns of closure and contacts.
-    pub tail: Vec<f64>,
-}
 
 /// A linear system whose solution is a flow around bodies.
 pub trait BodiesInFluid: System {

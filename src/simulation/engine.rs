@@ -21,6 +21,15 @@ const MOST_ITERATIONS: usize = 1000;
 /// Vectors that are kept at least before a restart.
 const FEWEST_VECTORS: usize = 30;
 
+/// When a solve ends.
+#[derive(Debug, Clone, Copy)]
+pub struct Stop {
+    /// Residual wanted, relative to the right-hand side.
+    pub tolerance: f64,
+    /// Norm of a right-hand side that is nothing but rounding in this scene.
+    pub rounding: f64,
+}
+
 /// What solves of one size share.
 pub(super) struct Engine {
     pub krylov: Krylov,

@@ -11,12 +11,12 @@ use crate::{
     parallel::World,
 };
 
-/// Adds to the states of all bodies what films do to them, given the force of each way of the films that belong to this rank. Collective.
+/// Adds to the states of all bodies, and to the forces on walls, what films do to them, given the force of each way of the films that belong to this rank. Collective.
 pub fn add_films<const D: usize>(
     (world, layout): (&World, &Layout),
     films: &Films<D>,
     forces: &[f64],
-    states: &mut [BodyState<D>],
+    (states, walls): (&mut [BodyState<D>], &mut [[SVector<f64, D>; 2]; D]),
 ) -> Lubrication<D> {
     let mut effect = Effect::<D>::new(states.len());
     let owned = films.films.iter().filter(|film| layout.holds(film.body));
@@ -30,6 +30,9 @@ pub fn add_films<const D: usize>(
         state.force += force;
         state.torque += torque;
         state.stresslet += moment;
+    }
+    for (axis, pair) in walls.iter_mut().enumerate() {
+        pair.iter_mut().enumerate().for_each(|(upper, force)| *force += effect.on_wall(axis, upper));
     }
     let smallest_gap = -world.max(-gap);
     effect.lubrication(smallest_gap, world.max(films.imbalance))
@@ -93,10 +96,12 @@ impl<const D: usize> Effect<D> {
         (self.vector(first), self.matrix(first + D), self.matrix(first + D + D * D))
     }
 
+    fn on_wall(&self, axis: usize, upper: usize) -> SVector<f64, D> {
+        self.vector(Self::WALLS + (2 * axis + upper) * D)
+    }
+
     fn lubrication(&self, smallest_gap: f64, imbalance: f64) -> Lubrication<D> {
-        let wall = |axis: usize, upper: usize| self.vector(Self::WALLS + (2 * axis + upper) * D);
-        let walls = std::array::from_fn(|axis| [wall(axis, 0), wall(axis, 1)]);
         let (stress, first_moment) = (self.matrix(Self::STRESS), self.matrix(Self::FIRST_MOMENT));
-        Lubrication { films: self.numbers[0] as usize, smallest_gap, imbalance, stress, first_moment, walls }
+        Lubrication { films: self.numbers[0] as usize, smallest_gap, imbalance, stress, first_moment }
     }
 }

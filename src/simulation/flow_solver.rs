@@ -1,13 +1,7 @@
 //! What finds the flow at an instant: the interface behind which grids that ignore bodies and meshes that fit them stand.
 
-use super::{Cost, Faster, FittedFlow, Moment, Past, Setup, Solution, Suspension, dynamics::Seen};
-use crate::{
-    contact::Contact,
-    error::Result,
-    grid::Grid,
-    petsc::{Session, Vector},
-    scene::ConstraintMethod,
-};
+use super::{Configuration, Cost, Faster, Past, Seen, Setup, Solution, SuspendedBody};
+use crate::{contact::Contact, error::Result, grid::Grid, petsc::Vector};
 
 /// Finds the flow and the motions of bodies at an instant. Every function is collective.
 pub trait FlowSolver<const D: usize> {
@@ -39,11 +33,18 @@ pub trait FlowSolver<const D: usize> {
     ///
     /// # Errors
     /// [`Diverged`](crate::error::Error::Diverged) when the solve fails.
-    fn solve_at(&mut self, moment: &Moment<D>, seen: Seen) -> Result<Solution<D>>;
+    fn solve_at(&mut self, moment: &Configuration<D>, seen: Seen) -> Result<Solution<D>>;
 
-    /// What the film of a contact resists approach by, force over speed, if lubrication acts and reaches so far.
-    fn film_resistance(&self, _contact: &Contact<D>) -> Option<f64> {
-        None
+    /// Force that gives each body a unit velocity in unbounded fluid; infinite for a body whose motion is given.
+    fn resistances(&self) -> Vec<f64> {
+        let setup = self.setup();
+        let resistance = |body: &SuspendedBody<D>| if body.body.free() { setup.resistance(&body.body.ball) } else { f64::INFINITY };
+        setup.bodies.iter().map(resistance).collect()
+    }
+
+    /// What interactions resist the approach of a contact by, force over speed, besides the flow that is resolved.
+    fn film_resistance(&self, _contact: &Contact<D>) -> f64 {
+        0.0
     }
 
     /// A faster inverse that the box allows, if there is one.
@@ -65,66 +66,5 @@ pub trait FlowSolver<const D: usize> {
     /// What further solves start from.
     fn past(&self) -> Option<&Past<D>> {
         None
-    }
-}
-
-/// The solver that a setup's method of imposing rigidity calls for.
-///
-/// # Errors
-/// Bodies, grid or rank count do not fit, or no steady state exists.
-pub fn flow_solver<const D: usize>(session: &Session, setup: Setup<D>) -> Result<Box<dyn FlowSolver<D>>> {
-    match setup.constraint {
-        ConstraintMethod::Fitted => Ok(Box::new(FittedFlow::new(session, setup)?)),
-        _ => Ok(Box::new(Suspension::new(session, setup)?)),
-    }
-}
-
-impl<const D: usize> FlowSolver<D> for Suspension<D> {
-    fn grid(&self) -> &Grid<D> {
-        self.grid()
-    }
-
-    fn setup(&self) -> &Setup<D> {
-        self.setup()
-    }
-
-    fn cost(&self) -> &Cost {
-        self.cost()
-    }
-
-    fn inverse(&self) -> &'static str {
-        self.setup().inverse.word()
-    }
-
-    fn fluid_vector(&self) -> Result<Vector> {
-        self.fluid_vector()
-    }
-
-    fn solve(&mut self, seen: Seen) -> Result<Solution<D>> {
-        self.solve(seen)
-    }
-
-    fn solve_at(&mut self, moment: &Moment<D>, seen: Seen) -> Result<Solution<D>> {
-        self.solve_at(moment, seen)
-    }
-
-    fn film_resistance(&self, contact: &Contact<D>) -> Option<f64> {
-        self.film_resistance(contact)
-    }
-
-    fn faster(&self) -> Result<Option<Faster>> {
-        self.faster()
-    }
-
-    fn remember(&mut self, past: Option<Past<D>>) {
-        self.remember(past);
-    }
-
-    fn remembers_fluid(&self) -> bool {
-        self.remembers_fluid()
-    }
-
-    fn past(&self) -> Option<&Past<D>> {
-        self.past()
     }
 }

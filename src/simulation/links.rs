@@ -5,9 +5,10 @@ use nalgebra::{SMatrix, SVector};
 use super::{
     basis::Basis,
     bodies::Bodies,
+    configuration::Configuration,
+    link::{End, Link, Weights},
     network::Resistances,
-    suspension::Moment,
-    touching::{End, Link, Medium, Touching, Weights},
+    touching::{Medium, Touching},
 };
 use crate::{
     body::components,
@@ -43,7 +44,7 @@ const ROTATION_AMONG_FEW: f64 = 0.3;
 pub fn touching<const D: usize>(
     basis: &Basis<D>,
     bodies: &Bodies<D>,
-    (moment, films): (&Moment<D>, &Films<D>),
+    (moment, films): (&Configuration<D>, &Films<D>),
     (undisturbed, medium): (&[f64], Option<&Medium>),
     places: usize,
 ) -> Result<Touching> {

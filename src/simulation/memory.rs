@@ -7,7 +7,7 @@
 
 use nalgebra::SVector;
 
-use super::{bodies::Bodies, coupled::Unknowns};
+use super::{bodies::Bodies, work::Unknowns};
 use crate::{
     constraint::{Passed, Placed, jump, passed},
     error::Result,

@@ -10,7 +10,7 @@
 
 use std::collections::BTreeMap;
 
-use super::touching::Link;
+use super::link::Link;
 use crate::{
     constraint::{Layout, PoreShare, Pores, RigidBlock},
     error::Result,
@@ -141,7 +141,7 @@ impl Network {
             None if parts.flexible && iterated(rigid, layout.bodies()) => Way::Iterated,
             None => Way::Positive,
         };
-        let solver = Symmetric::new(session, (local, rows), way)?;
+        let solver = Symmetric::new(session, local, rows, way)?;
         let places = layout.local_bodies.iter().map(|&body| layout.local(body)).collect();
         let forces = Vector::new(session, local)?;
         let (mut fetched, mut found) = (Vec::new(), BTreeMap::new());

@@ -7,16 +7,16 @@ use super::{
     basis::Basis,
     bodies::Bodies,
     condensed::Condensed,
-    coupled::{BodiesInFluid, Coupled, Parts, Unknowns},
-    dynamics::Seen,
-    engine::Engine,
+    configuration::Configuration,
+    cost::Seen,
+    coupled::{BodiesInFluid, Coupled, Parts},
+    engine::{Engine, Stop},
     links::{belongs, touching},
     memory::{Guess, Past},
     surfaces::{Member, Surfaces},
-    suspension::Moment,
     touching::Touching,
     uzawa::uzawa,
-    work::Sizes,
+    work::{Sizes, Unknowns},
 };
 use crate::{
     error::Result,
@@ -40,22 +40,13 @@ pub(super) struct Ready<'a, const D: usize> {
     stop: Stop,
 }
 
-/// When a solve ends.
-#[derive(Debug, Clone, Copy)]
-pub struct Stop {
-    /// Residual wanted, relative to the right-hand side.
-    pub tolerance: f64,
-    /// Norm of a right-hand side that is nothing but rounding in this scene.
-    pub rounding: f64,
-}
-
 impl<'a, const D: usize> Ready<'a, D> {
     /// Puts bodies in their places and fills right-hand side and start; what is at hand is used again where it fits.
     pub fn new(
         basis: &'a Basis<D>,
         (assembly, engine): (Option<Assembly<D>>, Option<Engine>),
         past: Option<&Past<D>>,
-        moment: &Moment<D>,
+        moment: &Configuration<D>,
     ) -> Result<Self> {
         let _stage = enter(Stage::Assembly);
         let assembly = Assembly::of(basis, moment.centers, assembly)?;
@@ -108,9 +99,9 @@ impl<'a, const D: usize> Ready<'a, D> {
                 solve(vectors, Condensed::new(parts), by_uzawa)
             }
             _ if basis.condensed => {
-                solve(solver.1, Condensed::new(parts), |system, vectors| solver.0.solve_above(stop.rounding, system, vectors, seen))
+                solve(solver.1, Condensed::new(parts), |system, (rhs, x)| solver.0.solve_above(stop.rounding, system, rhs, x, seen))
             }
-            _ => solve(solver.1, Coupled(parts), |system, vectors| solver.0.solve_above(stop.rounding, system, vectors, seen)),
+            _ => solve(solver.1, Coupled(parts), |system, (rhs, x)| solver.0.solve_above(stop.rounding, system, rhs, x, seen)),
         }?;
         found.velocities.iter_mut().zip(&self.assembly.undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);
         Ok((report, found))

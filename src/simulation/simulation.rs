@@ -1,17 +1,17 @@
 //! The time loop: bodies move step by step, driven by a fluid or by inertia alone.
 
 use super::{
-    Drift, Dry, DrySetup, Dynamics, Effort, FittedFlow, FlowSolver, Held, Past, Seen, Setup, State, Suspension, View,
+    Dry, DrySetup, Dynamics, Effort, FlowSolver, Held, Past, Plan, QuasiStatic, Seen, State, View,
     beat::Beat,
-    law,
+    interactions,
     pace::{Pace, ROUNDING},
 };
 use crate::{
-    contact::{Certificate, Law},
+    contact::Certificate,
     error::{Error, Result},
     geometry::Domain,
     petsc::Session,
-    scene::{ConstraintMethod, ContactModel, Scene, TimeSection},
+    scene::{Scene, TimeSection},
 };
 
 /// Shortest step, as a part of the whole run: after so many steps that one more changes no time.
@@ -44,23 +44,7 @@ impl<const D: usize> Simulation<D> {
     /// # Errors
     /// Bodies, grid or rank count do not fit.
     pub fn new(session: &Session, scene: &Scene) -> Result<Simulation<D>> {
-        let time = scene.time.clone().expect("the scene has a [time] section");
-        if scene.dry() {
-            let setup = session.world().agree(DrySetup::<D>::of(scene))?;
-            return Ok(Self::dry(session, setup, time));
-        }
-        let setup = session.world().agree(Setup::<D>::of(scene))?;
-        match scene.method.constraint {
-            ConstraintMethod::Fitted => Ok(Self::fitted(session, FittedFlow::new(session, setup)?, time)),
-            _ => {
-                let contact = law::of_flow(scene.contact.model, &setup);
-                session.world().agree(law::check(scene, contact, law::longest_step_in_flow(contact, &setup)))?;
-                let suspension = Suspension::new(session, setup)?;
-                let beat = Beat::of(&suspension.setup().domain, suspension.grid());
-                let time = beat.map_or(Ok(time.clone()), |beat| beat.keep(&time))?;
-                Ok(Self::flowing(session, suspension, time, scene.contact.model))
-            }
-        }
+        session.world().agree(Plan::of(scene))?.simulation(session)
     }
 
     /// Dry bodies in motion.
@@ -73,25 +57,16 @@ impl<const D: usize> Simulation<D> {
     }
 
     /// Bodies carried by Stokes flow. Where images slide, the step, if it is fixed, and the end slide them by whole cells.
-    pub fn flowing(session: &Session, suspension: Suspension<D>, time: TimeSection, contact: ContactModel) -> Simulation<D> {
-        let (law, weights) = (law::of_flow(contact, suspension.setup()), suspension.resistances());
-        Self::carried(session, Box::new(suspension), time, (law, weights))
-    }
-
-    /// Bodies carried by Stokes flow on a mesh that fits them, which leaves no room for contacts.
-    pub fn fitted(session: &Session, flow: FittedFlow<D>, time: TimeSection) -> Simulation<D> {
-        Self::carried(session, Box::new(flow), time, (Law::None, Vec::new()))
-    }
-
-    fn carried(session: &Session, suspension: Box<dyn FlowSolver<D>>, time: TimeSection, (law, weights): (Law, Vec<f64>)) -> Simulation<D> {
-        let bodies = &suspension.setup().bodies;
-        let beat = Beat::of(&suspension.setup().domain, suspension.grid());
-        let longest = law::longest_step_in_flow(law, suspension.setup());
+    pub fn flowing(session: &Session, suspension: Box<dyn FlowSolver<D>>, time: TimeSection) -> Simulation<D> {
+        let setup = suspension.setup();
+        let bodies = &setup.bodies;
+        let beat = Beat::of(&setup.domain, suspension.grid());
+        let longest = interactions::longest_step_in_flow(setup);
         let pace = Pace { time, radii: bodies.iter().map(|suspended| suspended.body.ball.radius).collect(), beat, longest };
         let at_rest = |suspended: &super::SuspendedBody<D>| (suspended.body.ball.center, crate::body::Twist::zero());
         let state = State::start(bodies.iter().map(at_rest));
         let domain = suspension.setup().domain.clone();
-        let dynamics = Box::new(Drift::new(session, suspension, pace.clone(), (law, weights)));
+        let dynamics = Box::new(QuasiStatic::new(session, suspension, pace.clone()));
         Simulation { state, dynamics, domain, pace, cut_short: false }
     }
 

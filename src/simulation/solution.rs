@@ -69,8 +69,22 @@ pub struct Lubrication<const D: usize> {
     /// First moment of the tractions of films on bodies, `t_i x_j`, about the wall or, of a pair, about any point. Tractions next to the gap have
     /// none; what there is drives a flow that the grid does not have, and that reaches the walls.
     pub first_moment: SMatrix<f64, D, D>,
-    /// Forces of films on the lower and the upper wall across each axis.
-    pub walls: [[SVector<f64, D>; 2]; D],
+}
+
+/// Forces on the lower and the upper wall across each axis; zero where there are none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WallForces<const D: usize> {
+    /// Those of the fluid, or those that bodies within a cell of a wall and films exert besides the stress that velocities on the grid have there.
+    pub forces: [[SVector<f64, D>; 2]; D],
+    /// Whether they are all that acts on the walls.
+    pub complete: bool,
+}
+
+impl<const D: usize> WallForces<D> {
+    /// Nothing besides the stress that velocities on the grid have.
+    pub fn none() -> Self {
+        WallForces { forces: [[SVector::zeros(); 2]; D], complete: false }
+    }
 }
 
 /// The state of the suspension at one instant.
@@ -84,14 +98,12 @@ pub struct Solution<const D: usize> {
     pub mean_velocity: SVector<f64, D>,
     /// Mean gradient of the pressure along periodic axes.
     pub pressure_gradient: SVector<f64, D>,
-    /// Forces of the fluid on the lower and the upper wall across each axis, if the solver knows them better than its velocities on the grid
-    /// tell; zero where there are none.
-    pub walls: Option<[[SVector<f64, D>; 2]; D]>,
-    /// What bodies within a cell of a wall exert on the lower and the upper one across each axis directly, besides the stress that the
-    /// velocities of the grid have there.
-    pub directly_on_walls: [[SVector<f64, D>; 2]; D],
+    /// Forces on the walls.
+    pub walls: WallForces<D>,
     /// Force of each contact that was held, positive where it pushes.
     pub contact_forces: Vec<f64>,
+    /// What forces at a distance add to the stress times volume, if there are any.
+    pub pair_stress: Option<SMatrix<f64, D, D>>,
     /// Films, if lubrication acts; what they do is in the states of the bodies.
     pub lubrication: Option<Lubrication<D>>,
 }

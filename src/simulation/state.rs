@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::{
     body::Twist,
-    contact::{ContactForce, Identity, Memory, Partner, gluey::Stuck},
+    contact::{Adhesive, ContactForce, Identity, Memory, Partner},
     geometry::Ball,
 };
 
@@ -46,7 +46,7 @@ pub struct State<const D: usize> {
     /// Contacts that bore a force.
     pub held: Vec<Held<D>>,
     /// Contacts that stick; none unless contacts are gluey.
-    pub stuck: Vec<Stuck<D>>,
+    pub stuck: Vec<Adhesive<D>>,
 }
 
 impl<const D: usize> Held<D> {

@@ -15,10 +15,7 @@ use std::{ops::Range, rc::Rc};
 
 use nalgebra::{DMatrix, DVectorView, DVectorViewMut};
 
-use super::{
-    closure::Closure,
-    touching::{Touching, Weights},
-};
+use super::{closure::Closure, link::Weights, touching::Touching};
 use crate::{
     constraint::{Blocks, FreeInverse, Given, NearPairs},
     error::Result,

@@ -5,10 +5,12 @@ use std::time::Instant;
 use nalgebra::SVector;
 
 use super::{
-    Setup, Solution,
+    FlowSolver, Setup, Solution, WallForces,
     assembly::Assembly,
     basis::Basis,
     condensed::Condensed,
+    configuration::Configuration,
+    cost::{Cost, Seen},
     engine::Engine,
     faster::{Faster, faster},
     film_forces::add_films,
@@ -16,53 +18,16 @@ use super::{
     memory::{Past, Snapshot},
     ready::Ready,
     spectrum::Conditions,
-    work::Stages,
 };
 use crate::{
-    contact::{Contact, ContactForce},
+    contact::Contact,
     error::{Error, Result},
     flow::{InverseMethod, IteratedInverse, Stokes, StokesInverse},
+    geometry::Ball,
     grid::Grid,
-    petsc::{Report, Session, Stage, Vector, enter},
+    interaction::{Arrangement, PairForce, Wrench},
+    petsc::{Session, Stage, Vector, enter},
 };
-
-/// What a solve cost on this rank, in seconds, and how it converged.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Cost {
-    /// Matrices and approximate inverses of the box, once per run.
-    pub setup: f64,
-    /// Jump corrections of the bodies.
-    pub assembly: f64,
-    /// Bodies of this rank whose jump corrections were assembled: those that moved, and their near neighbours.
-    pub assembled: usize,
-    /// The Krylov solver, everything included.
-    pub krylov: Report,
-    /// Parts of it.
-    pub stages: Stages,
-    /// Unknowns of the grid on all ranks.
-    pub grid_unknowns: usize,
-    /// Multipliers of bodies on all ranks.
-    pub multiplier_unknowns: usize,
-    /// Meshes that were made so far; none by methods whose grid ignores bodies.
-    pub meshes: usize,
-}
-
-/// Where the bodies of a suspension are, and what is known of that instant.
-#[derive(Debug, Clone, Copy)]
-pub struct Moment<'a, const D: usize> {
-    /// Centres of all bodies.
-    pub centers: &'a [SVector<f64, D>],
-    /// The time, to which the last solution is extrapolated.
-    pub time: f64,
-    /// Contacts that are held: their forces are unknowns, and those given are where the solve starts.
-    pub pressed: &'a [ContactForce<D>],
-    /// The step in which their gaps are to close, and no sooner.
-    pub step: f64,
-    /// Forces on all bodies besides those of the setup; none if empty.
-    pub pushes: &'a [SVector<f64, D>],
-    /// Relative residual at which the solve ends.
-    pub tolerance: f64,
-}
 
 /// A suspension ready to be solved.
 pub struct Suspension<const D: usize> {
@@ -100,77 +65,6 @@ impl<const D: usize> Suspension<D> {
         Ok(Suspension { basis, inverse, assembly: None, engine: None, remembers: false, past: None, cost })
     }
 
-    /// The grid.
-    pub fn grid(&self) -> &Grid<D> {
-        &self.basis.grid
-    }
-
-    /// What is solved.
-    pub fn setup(&self) -> &Setup<D> {
-        &self.basis.setup
-    }
-
-    /// What the last solve cost.
-    pub fn cost(&self) -> &Cost {
-        &self.cost
-    }
-
-    /// A faster inverse that the box allows, if there is one. Collective, and as dear as an iteration or two.
-    ///
-    /// # Errors
-    /// PETSc has no memory for it.
-    pub fn faster(&self) -> Result<Option<Faster>> {
-        faster(&self.basis, &self.cost)
-    }
-
-    /// Force that gives each body a unit velocity in unbounded fluid; infinite for a body whose motion is given.
-    pub fn resistances(&self) -> Vec<f64> {
-        let resistance = |(body, suspended): (usize, &super::SuspendedBody<D>)| {
-            let (mobility, force) = self.basis.kinds.translation(body);
-            if suspended.body.free() { self.basis.setup.viscosity * force / mobility } else { f64::INFINITY }
-        };
-        self.basis.setup.bodies.iter().enumerate().map(resistance).collect()
-    }
-
-    /// What the film of a contact resists approach by, force over speed, if lubrication acts and reaches so far.
-    pub fn film_resistance(&self, contact: &Contact<D>) -> Option<f64> {
-        let setup = &self.basis.setup;
-        let resistance = self.basis.kinds.film_resistance(contact, setup.lubrication?)?;
-        Some(setup.viscosity * resistance)
-    }
-
-    /// Lets each solve start from the ones before it, beginning with those given.
-    pub fn remember(&mut self, past: Option<Past<D>>) {
-        (self.remembers, self.past) = (true, past);
-    }
-
-    /// A vector of the fluid's shape, zero.
-    ///
-    /// # Errors
-    /// PETSc has no memory for it.
-    pub fn fluid_vector(&self) -> Result<Vector> {
-        self.basis.stokes.vector()
-    }
-
-    /// Whether further solves start from the fluid of earlier ones; where it is eliminated, multipliers suffice.
-    pub fn remembers_fluid(&self) -> bool {
-        !self.basis.condensed
-    }
-
-    /// What further solves start from.
-    pub fn past(&self) -> Option<&Past<D>> {
-        self.past.as_ref()
-    }
-
-    /// Solves with the bodies where the setup has them; `seen` is told each iteration and its relative residual.
-    ///
-    /// # Errors
-    /// [`Error::Diverged`] when the tolerance is not reached.
-    pub fn solve(&mut self, seen: &mut dyn FnMut(usize, f64)) -> Result<Solution<D>> {
-        let centers = self.initial_centers();
-        self.solve_at(&self.at_rest(&centers), seen)
-    }
-
     /// Lets images slide to where they are at a time; what was assembled across the seam is gone.
     fn slide_to(&mut self, time: f64) -> Result<()> {
         if let Some(inverse) = self.basis.slide(time, inverse)? {
@@ -187,9 +81,9 @@ impl<const D: usize> Suspension<D> {
     }
 
     /// The moment at which bodies are there and none touches.
-    fn at_rest<'a>(&self, centers: &'a [SVector<f64, D>]) -> Moment<'a, D> {
+    fn at_rest<'a>(&self, centers: &'a [SVector<f64, D>]) -> Configuration<'a, D> {
         let time = self.basis.setup.domain.slide().map_or(0.0, |slide| slide.time);
-        Moment { centers, time, pressed: &[], step: 0.0, pushes: &[], tolerance: self.basis.setup.tolerance.at_an_instant() }
+        Configuration { centers, time, pressed: &[], step: 0.0, pushes: &[], tolerance: self.basis.setup.tolerance.at_an_instant() }
     }
 
     /// Condition numbers of the system on the multipliers with the bodies where the setup has them; as dear as that many iterations
@@ -207,12 +101,70 @@ impl<const D: usize> Suspension<D> {
         let (_, parts) = ready.parts(basis, self.inverse.as_mut());
         Conditions::of(basis.session.world(), &mut Condensed::new(parts), &shape)
     }
+}
 
-    /// Solves for a moment, starting from the solves before it if they are remembered.
-    ///
-    /// # Errors
-    /// [`Error::Diverged`] when the tolerance is not reached.
-    pub fn solve_at(&mut self, moment: &Moment<D>, seen: &mut dyn FnMut(usize, f64)) -> Result<Solution<D>> {
+impl<const D: usize> FlowSolver<D> for Suspension<D> {
+    fn grid(&self) -> &Grid<D> {
+        &self.basis.grid
+    }
+
+    fn setup(&self) -> &Setup<D> {
+        &self.basis.setup
+    }
+
+    fn cost(&self) -> &Cost {
+        &self.cost
+    }
+
+    fn inverse(&self) -> &'static str {
+        self.setup().inverse.word()
+    }
+
+    fn faster(&self) -> Result<Option<Faster>> {
+        faster(&self.basis, &self.cost)
+    }
+
+    fn resistances(&self) -> Vec<f64> {
+        let resistance = |(body, suspended): (usize, &super::SuspendedBody<D>)| {
+            let (mobility, force) = self.basis.kinds.translation(body);
+            if suspended.body.free() { self.basis.setup.viscosity * force / mobility } else { f64::INFINITY }
+        };
+        self.basis.setup.bodies.iter().enumerate().map(resistance).collect()
+    }
+
+    fn film_resistance(&self, contact: &Contact<D>) -> f64 {
+        let of = |body: usize| self.basis.kinds.radius_and_order(body);
+        self.basis.setup.viscosity * self.basis.setup.interactions.approach_resistance(contact, &of)
+    }
+
+    fn remember(&mut self, past: Option<Past<D>>) {
+        (self.remembers, self.past) = (true, past);
+    }
+
+    fn fluid_vector(&self) -> Result<Vector> {
+        self.basis.stokes.vector()
+    }
+
+    fn remembers_fluid(&self) -> bool {
+        !self.basis.condensed
+    }
+
+    fn past(&self) -> Option<&Past<D>> {
+        self.past.as_ref()
+    }
+
+    fn solve(&mut self, seen: Seen) -> Result<Solution<D>> {
+        let (centers, weights) = (self.initial_centers(), self.resistances());
+        let setup = &self.basis.setup;
+        let balls: Vec<Ball<D>> = setup.bodies.iter().map(|suspended| suspended.body.ball).collect();
+        let arrangement = Arrangement { domain: &setup.domain, balls: &balls, weights: &weights, viscosity: Some(setup.viscosity) };
+        let forces = setup.interactions.pair_forces(&arrangement);
+        let pushes = Wrench::on_bodies(balls.len(), [], &forces);
+        let solution = self.solve_at(&Configuration { pushes: &pushes, ..self.at_rest(&centers) }, seen)?;
+        Ok(Solution { pair_stress: PairForce::total_stress(&forces), ..solution })
+    }
+
+    fn solve_at(&mut self, moment: &Configuration<D>, seen: Seen) -> Result<Solution<D>> {
         let start = Instant::now();
         self.slide_to(moment.time)?;
         let basis = &self.basis;
@@ -229,9 +181,8 @@ impl<const D: usize> Suspension<D> {
             self.past = Some(Past::then(self.past.take(), last, (guess, moment.time)));
         }
         let mut states = bodies.states(&basis.session, &assembly.blocks, (&found.velocities, &found.multipliers));
-        let mut directly_on_walls =
-            assembly.blocks.on_walls(&found.multipliers).map(|pair| pair.map(|force| force * basis.setup.viscosity));
-        directly_on_walls.iter_mut().flatten().for_each(|force| basis.session.world().sum(force.as_mut_slice()));
+        let mut walls = assembly.blocks.on_walls(&found.multipliers).map(|pair| pair.map(|force| force * basis.setup.viscosity));
+        walls.iter_mut().flatten().for_each(|force| basis.session.world().sum(force.as_mut_slice()));
         let unit = touching.scale * basis.setup.viscosity;
         let (world, layout) = (basis.session.world(), &bodies.layout);
         let mut forces = links[..touching.count()].iter().map(|unknown| unknown * unit);
@@ -241,9 +192,14 @@ impl<const D: usize> Suspension<D> {
             world.sum(&mut contact_forces);
         }
         let film_forces: Vec<f64> = forces.collect();
-        let lubrication = basis.setup.lubrication.map(|_| add_films((world, layout), &assembly.films, &film_forces, &mut states));
+        let lubrication =
+            basis.setup.interactions.resist().then(|| add_films((world, layout), &assembly.films, &film_forces, (&mut states, &mut walls)));
         (self.assembly, self.engine) = (Some(assembly), Some(engine));
-        Ok(Solution { lubrication, directly_on_walls, ..basis.solution(states, found.fluid, &found.tail, contact_forces)? })
+        Ok(Solution {
+            lubrication,
+            walls: WallForces { forces: walls, complete: false },
+            ..basis.solution(states, found.fluid, &found.tail, contact_forces)?
+        })
     }
 }
 

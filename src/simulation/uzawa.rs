@@ -6,7 +6,7 @@
 
 use std::time::Instant;
 
-use super::{condensed::Condensed, dynamics::Seen, ready::Stop};
+use super::{condensed::Condensed, cost::Seen, engine::Stop};
 use crate::{
     error::{Error, Result},
     petsc::{Report, System, Vector},

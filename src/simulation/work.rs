@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use super::coupled::Unknowns;
 use crate::{
     error::Result,
     flow::Stokes,
@@ -37,6 +36,18 @@ impl Watch {
     pub fn stop(self, seconds: &mut f64) {
         *seconds += self.start.elapsed().as_secs_f64();
     }
+}
+
+/// What a solver's vector stands for: this rank's parts, and the tail.
+pub struct Unknowns {
+    /// Disturbance of the flow without bodies.
+    pub fluid: Vector,
+    /// Multipliers.
+    pub multipliers: Vec<f64>,
+    /// Velocities on the surfaces, tested with all modes.
+    pub velocities: Vec<f64>,
+    /// Unknowns of closure and contacts.
+    pub tail: Vec<f64>,
 }
 
 /// Work space. The solver's vectors hold, on each rank, a fluid part (unless the fluid is eliminated), multipliers, and on

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::linalg::line;
+
 /// `y = factor x^exponent`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Power {
@@ -14,13 +16,9 @@ pub struct Power {
 impl Power {
     /// The one that fits points best, in logarithms; nothing if there are fewer than two abscissas, or values that have no logarithm.
     pub fn fit(points: &[(f64, f64)]) -> Option<Power> {
-        let logarithms = || points.iter().map(|&(x, y)| (x.ln(), y.ln()));
-        let count = points.len() as f64;
-        let (x, y) = logarithms().fold((0.0, 0.0), |sum, (x, y)| (sum.0 + x / count, sum.1 + y / count));
-        let (covariance, variance) =
-            logarithms().fold((0.0, 0.0), |sum, next| (sum.0 + (next.0 - x) * (next.1 - y), sum.1 + (next.0 - x).powi(2)));
-        let exponent = covariance / variance;
-        exponent.is_finite().then(|| Power { factor: (y - exponent * x).exp(), exponent })
+        let logarithms: Vec<(f64, f64)> = points.iter().map(|&(x, y)| (x.ln(), y.ln())).collect();
+        let [logarithm, exponent] = line(&logarithms)?;
+        exponent.is_finite().then(|| Power { factor: logarithm.exp(), exponent })
     }
 
     /// Its value.

@@ -18,7 +18,7 @@ use crate::{
     geometry::Domain,
     petsc::Session,
     scene::{Scene, Scheme, Step, TimeSection},
-    simulation::{BodyState, FlowSolver, Moment, Setup, Solution, SuspendedBody, flow_solver},
+    simulation::{BodyState, Configuration, FlowSolver, Setup, Solution, SuspendedBody, flow_solver},
 };
 
 /// Bodies of a sample.
@@ -96,7 +96,7 @@ impl Forecast {
         };
         let cost = suspension.cost();
         let times = grid as f64 / cost.grid_unknowns as f64;
-        let growth = if setup.lubrication.is_some() { GROWTH_IN_FILMS } else { GROWTH };
+        let growth = if setup.interactions.resist() { GROWTH_IN_FILMS } else { GROWTH };
         let more = (setup.bodies.len() as f64 / SAMPLE as f64).max(1.0).powf(growth);
         let bodies = multipliers.max(1) as f64 / cost.multiplier_unknowns.max(1) as f64;
         let [setup_seconds, assembly, krylov, surfaces] =
@@ -148,7 +148,7 @@ fn elsewhere<const D: usize>(suspension: &mut dyn FlowSolver<D>) -> Result<Solut
         setup.bodies.iter().map(|suspended| suspended.body.ball.center + SVector::repeat(DISPLACEMENT * setup.spacing)).collect();
     let time = setup.domain.slide().map_or(0.0, |slide| slide.time);
     let tolerance = setup.tolerance.at_an_instant();
-    let moment = Moment { centers: &centers, time, pressed: &[], step: 0.0, pushes: &[], tolerance };
+    let moment = Configuration { centers: &centers, time, pressed: &[], step: 0.0, pushes: &[], tolerance };
     suspension.solve_at(&moment, &mut |_, _| {})
 }
 

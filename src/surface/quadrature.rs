@@ -4,6 +4,8 @@ mod octahedral;
 
 use std::f64::consts::PI;
 
+use crate::linalg::gauss_legendre;
+
 /// Points and weights of a mean over the surface of a ball.
 #[derive(Clone, Debug)]
 pub struct Quadrature {
@@ -65,31 +67,6 @@ fn sphere(latitudes: usize, longitudes: usize) -> Quadrature {
 
 fn angles(count: usize) -> impl Iterator<Item = f64> {
     (0..count).map(move |point| 2.0 * PI * point as f64 / count as f64)
-}
-
-/// Nodes and weights on `[-1, 1]`, weights summing to 2: Newton on `P_n` from `cos(pi (i + 3/4)/(n + 1/2))`.
-fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
-    (0..count)
-        .map(|index| {
-            let guess = (PI * (index as f64 + 0.75) / (count as f64 + 0.5)).cos();
-            let node = (0..6).fold(guess, |node, _| {
-                let (value, slope) = legendre(count, node);
-                node - value / slope
-            });
-            let (_, slope) = legendre(count, node);
-            (node, 2.0 / ((1.0 - node * node) * slope * slope))
-        })
-        .collect()
-}
-
-/// `P_n(x)` and its derivative, for `|x| < 1`.
-fn legendre(degree: usize, x: f64) -> (f64, f64) {
-    let (mut before, mut value) = (0.0, 1.0);
-    for index in 1..=degree {
-        let n = index as f64;
-        (before, value) = (value, ((2.0 * n - 1.0) * x * value - (n - 1.0) * before) / n);
-    }
-    (value, degree as f64 * (x * value - before) / (x * x - 1.0))
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use turbid::{
     error::Error,
     petsc::Session,
     scene::Scene,
-    simulation::{Setup, Suspension},
+    simulation::{FlowSolver, Setup, Suspension},
     study::{Ladder, Quantity, known_scenes, random_scene},
 };
 

@@ -8,7 +8,9 @@ use turbid::{
     geometry::{Axis, Domain},
     petsc::Session,
     scene::{ConstraintMethod, MultiplierSolver},
-    simulation::{BodyState, FittedInclusions, Inclusions, ScalarSetup, ScalarSolution, Setup, Solution, Suspension, flow_solver},
+    simulation::{
+        BodyState, FittedInclusions, FlowSolver, Inclusions, ScalarSetup, ScalarSolution, Setup, Solution, Suspension, flow_solver,
+    },
 };
 
 use crate::{

@@ -5,7 +5,7 @@ use std::path::Path;
 use turbid::{
     petsc::Session,
     scene::Scene,
-    simulation::{Setup, Suspension},
+    simulation::{FlowSolver, Setup, Suspension},
 };
 
 use crate::Test;

@@ -5,9 +5,9 @@ use std::path::Path;
 use nalgebra::{SMatrix, SVector, Vector2};
 use turbid::{
     body::{Twist, components, pack},
-    contact::Law,
     error::Error,
     geometry::{Axis, Ball, Domain, near_pairs, near_walls},
+    interaction::{Inelastic, Interactions},
     petsc::Session,
     scene::{Scene, Scheme, Step, TimeSection},
     simulation::{DryBody, DrySetup, Simulation, StepReport},
@@ -54,7 +54,7 @@ fn down<const D: usize>() -> SVector<f64, D> {
 }
 
 fn start<const D: usize>(session: &Session, domain: Domain<D>, bodies: Vec<DryBody<D>>, time: TimeSection) -> Simulation<D> {
-    let setup = DrySetup { domain, bodies, contact: Law::Inelastic };
+    let setup = DrySetup { domain, bodies, interactions: Interactions::default().with(Inelastic) };
     Simulation::dry(session, setup, time)
 }
 
@@ -286,7 +286,7 @@ fn spin_up<const D: usize>(session: &Session, size: &str, torque: &str, expected
 fn bodies_that_leave_the_box_without_a_contact_model_are_an_error_that_says_so(session: &Session) {
     let time = fixed(0.1, 5.0, Scheme::TwoStep);
     let bodies = vec![dry_body([0.5, 0.5], [1.0, 0.0], Vector2::zeros()), dry_body([0.5, 0.6], [0.0, 1.0], Vector2::zeros())];
-    let setup = DrySetup { domain: channel([1.0, 1.0]), bodies, contact: Law::None };
+    let setup = DrySetup { domain: channel([1.0, 1.0]), bodies, interactions: Interactions::default() };
     let mut simulation = Simulation::dry(session, setup, time);
     let error = loop {
         let view = simulation.look(&mut |_, _| {}).unwrap();

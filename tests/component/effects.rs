@@ -7,7 +7,7 @@ use turbid::{
     body::components,
     petsc::{Class, ObjectCounts, Session},
     scene::Scene,
-    simulation::{Plan, Setup, Simulation, Suspension},
+    simulation::{FlowSolver, Plan, Setup, Simulation, Suspension},
 };
 
 use crate::Test;
@@ -79,7 +79,7 @@ fn assert_same(what: &str, one: &[f64], two: &[f64]) {
 }
 
 fn plan(session: &Session, scene: &Scene) -> String {
-    Plan::of::<2>(scene, session.world().size()).unwrap().to_string()
+    Plan::<2>::of(scene).unwrap().report(session.world().size()).unwrap().to_string()
 }
 
 /// The count counts down as well as up: what the other tests rely on.

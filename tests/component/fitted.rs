@@ -10,7 +10,7 @@ use turbid::{
     observe,
     petsc::Session,
     scene::{ConstraintMethod, Scheme, Step, TimeSection, Tolerance},
-    simulation::{FittedFlow, FlowSolver, Moment, Past, Setup, Simulation, Snapshot, Solution, SuspendedBody},
+    simulation::{Configuration, FittedFlow, FlowSolver, Past, Setup, Simulation, Snapshot, Solution, SuspendedBody},
 };
 
 use crate::{
@@ -123,7 +123,7 @@ fn a_channel_driven_by_each_drive(session: &Session) {
         drive,
         bodies: vec![suspended(Vector2::new(0.513, 0.5), 0.125, motion, 3)],
         constraint: ConstraintMethod::Fitted,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-9),
     };
@@ -165,7 +165,7 @@ fn closed_box(radius: f64, spacing: f64, twist: Twist<2>) -> Setup<2> {
         drive: Drive::Rest,
         bodies: vec![suspended(Vector2::new(0.5, 0.5), radius, Motion::Prescribed(twist), 3)],
         constraint: ConstraintMethod::Fitted,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-9),
     }
@@ -225,7 +225,7 @@ fn a_mesh_that_moves_gives_what_a_new_one_gives(session: &Session) {
     let mut fitted = FittedFlow::new(session, setup()).unwrap();
     for (step, y) in [0.8, 0.78, 0.75, 0.7, 0.6, 0.5, 0.3, 0.2].into_iter().enumerate() {
         let centers = [Vector2::new(0.4, y)];
-        let moment = Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 1e-6 };
+        let moment = Configuration { centers: &centers, time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 1e-6 };
         let moved = fitted.solve_at(&moment, &mut |_, _| {}).unwrap();
         let fresh = FittedFlow::new(session, setup()).unwrap().solve_at(&moment, &mut |_, _| {}).unwrap();
         let (one, other) = (moved.bodies[0].twist, fresh.bodies[0].twist);
@@ -238,7 +238,7 @@ fn a_mesh_that_moves_gives_what_a_new_one_gives(session: &Session) {
     let last = Snapshot { fluid: None, multipliers: Vec::new(), centers: past.last.centers.clone(), closure: Vec::new() };
     let mut resumed = FittedFlow::new(session, setup()).unwrap();
     resumed.remember(Some(Past { time: past.time, last, earlier: None }));
-    let moment = Moment { centers: &[Vector2::new(0.4, 0.19)], time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 1e-6 };
+    let moment = Configuration { centers: &[Vector2::new(0.4, 0.19)], time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 1e-6 };
     let [one, other] = [&mut fitted, &mut resumed].map(|flow| flow.solve_at(&moment, &mut |_, _| {}).unwrap().bodies[0].twist);
     assert!((one.velocity - other.velocity).norm() < 1e-10 * one.velocity.norm(), "a restart does not make the same mesh");
 }
@@ -249,7 +249,7 @@ fn two_disks_pass_each_other_in_shear(session: &Session) {
         let disks = [[0.6, 0.72], [1.4, 0.28]].map(|center| suspended(Vector2::from(center), 0.2, free(), 3)).to_vec();
         let time = TimeSection { end: 3.0, step: Step::Fixed(step), travel: 0.1, scheme: Scheme::TwoStep, until: None };
         let fitted = FittedFlow::new(session, couette(2.0, 0.2 / edges, 1.0, disks)).unwrap();
-        let mut simulation = Simulation::fitted(session, fitted, time);
+        let mut simulation = Simulation::flowing(session, Box::new(fitted), time);
         while !simulation.over() {
             let view = simulation.look(&mut |_, _| {}).unwrap();
             simulation.step(&view, &mut |_, _| {}).unwrap();

@@ -130,7 +130,7 @@ fn iterations_without_a_preconditioner_grow_as_the_grid_is_refined(session: &Ses
             let fluid = Fluid::new(session, &domain, cells);
             let rhs = fluid.rows(noise);
             let mut system = FluidSystem { stokes: &fluid.stokes, inverse: None };
-            system.solve((&rhs, &mut rhs.like().unwrap()), 1e-8, 20_000).unwrap().iterations
+            system.solve(&rhs, &mut rhs.like().unwrap(), 1e-8, 20_000).unwrap().iterations
         });
         assert!(10 * iterations[1] >= 16 * iterations[0], "{iterations:?} in {domain:?}");
     }
@@ -288,7 +288,7 @@ impl<const D: usize> Fluid<D> {
     fn solve(&mut self, rhs: &Vector, tolerance: f64) -> (Vector, Report) {
         let mut x = rhs.like().unwrap();
         let mut system = FluidSystem { stokes: &self.stokes, inverse: Some(&mut self.inverse) };
-        let report = system.solve((rhs, &mut x), tolerance, 200).unwrap();
+        let report = system.solve(rhs, &mut x, tolerance, 200).unwrap();
         (x, report)
     }
 

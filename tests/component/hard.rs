@@ -10,7 +10,7 @@ use turbid::{
     observe,
     petsc::Session,
     scene::{ConstraintMethod, Tolerance},
-    simulation::{Setup, SuspendedBody, Suspension},
+    simulation::{FlowSolver, Setup, SuspendedBody, Suspension},
 };
 
 use crate::Test;
@@ -102,7 +102,7 @@ fn units_do_not_matter(session: &Session) {
             drive: Drive::Rest,
             bodies: disks.to_vec(),
             constraint: ConstraintMethod::Sharp,
-            lubrication: None,
+            interactions: Default::default(),
             inverse: InverseMethod::Hypre,
             tolerance: Tolerance::Fixed(1e-10),
         };

@@ -8,7 +8,7 @@ use turbid::{
     geometry::{Axis, Domain},
     petsc::Session,
     scene::{Scene, Tolerance},
-    simulation::{Setup, Solution, SuspendedBody},
+    simulation::{FlowSolver, Setup, Solution, SuspendedBody},
 };
 
 use super::{

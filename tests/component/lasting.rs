@@ -13,7 +13,8 @@ use turbid::{
     error::Error,
     geometry::{Axis, Domain, Slide},
     grid::{Grid, operators::signed},
-    output::{Checkpoint, CheckpointWriter, Frame, FrameBody, FrameContact, FrameFields, Frames, read_frames},
+    observe::FrameBody,
+    output::{Checkpoint, CheckpointWriter, Frame, FrameContact, FrameFields, Frames, read_frames},
     petsc::Session,
 };
 

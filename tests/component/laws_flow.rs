@@ -7,7 +7,7 @@ use turbid::{
     geometry::{Axis, Domain},
     petsc::Session,
     scene::{ConstraintMethod, ContactModel, Scheme, Step, TimeSection, Tolerance},
-    simulation::{Setup, Simulation, Suspension, View},
+    simulation::{FlowSolver, Setup, Simulation, Suspension, View},
 };
 
 use crate::Test;
@@ -37,7 +37,7 @@ fn channel(disks: &[([f64; 2], [f64; 2])]) -> Setup<2> {
         drive: Drive::Rest,
         bodies: disks.iter().map(body).collect(),
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Transform,
         tolerance: Tolerance::Fixed(1e-9),
     }
@@ -45,7 +45,7 @@ fn channel(disks: &[([f64; 2], [f64; 2])]) -> Setup<2> {
 
 fn start(session: &Session, setup: Setup<2>, step: Step, contact: ContactModel) -> Simulation<2> {
     let time = TimeSection { step, end: 100.0, scheme: Scheme::TwoStep, travel: 0.1, until: None };
-    Simulation::flowing(session, Suspension::new(session, setup).unwrap(), time, contact)
+    Simulation::flowing(session, Box::new(Suspension::new(session, setup.with_contact(contact)).unwrap()), time)
 }
 
 fn step(simulation: &mut Simulation<2>) -> View<2> {
@@ -117,7 +117,7 @@ fn a_chain_pressed_to_the_floor_sticks_until_it_was_pulled_as_much(session: &Ses
 /// Plans and refusals need no grid.
 fn resistances_are_known_before_anything_is_built(session: &Session) {
     let setup = channel(&[([2.0, 2.0], [0.0, 0.0]), ([5.0, 3.0], [0.0, 0.0])]);
-    let early = setup.resistance(1.0);
+    let early = setup.resistance(&setup.bodies[0].body.ball);
     for resistance in Suspension::new(session, setup).unwrap().resistances() {
         assert!((resistance / early - 1.0).abs() < 1e-12, "{resistance} and {early}");
     }

@@ -9,10 +9,11 @@ use turbid::{
     body::{Body, Motion, Twist, components, skew},
     flow::{Drive, InverseMethod},
     geometry::{Axis, Ball, Domain},
+    interaction::{Interactions, Lubrication},
     observe::{Viscosity, viscosity},
     petsc::Session,
     scene::{ConstraintMethod, Tolerance},
-    simulation::{BodyState, Setup, Solution, SuspendedBody, Suspension},
+    simulation::{BodyState, FlowSolver, Setup, Solution, SuspendedBody, Suspension},
 };
 
 use crate::Test;
@@ -58,6 +59,11 @@ fn free<const D: usize>() -> Motion<D> {
     Motion::Free { force: SVector::zeros(), torque: SMatrix::zeros() }
 }
 
+/// Films of a roughness, and no other interaction.
+fn films<const D: usize>(roughness: f64) -> Interactions<D> {
+    Interactions::default().with(Lubrication::new(roughness))
+}
+
 fn setup<const D: usize>(domain: Domain<D>, cells: f64, order: usize, bodies: Vec<(Ball<D>, Motion<D>)>) -> Setup<D> {
     let drive = if domain.fully_periodic() { Drive::MeanVelocity(SVector::zeros()) } else { Drive::Rest };
     Setup {
@@ -67,7 +73,7 @@ fn setup<const D: usize>(domain: Domain<D>, cells: f64, order: usize, bodies: Ve
         drive,
         bodies: bodies.into_iter().map(|(ball, motion)| SuspendedBody { body: Body { ball, motion }, order }).collect(),
         constraint: ConstraintMethod::Sharp,
-        lubrication: Some(1e-6),
+        interactions: films(1e-6),
         inverse: InverseMethod::Transform,
         tolerance: Tolerance::Fixed(1e-7),
     }
@@ -257,11 +263,14 @@ fn a_sphere_near_a_wall_resists_at_any_gap(session: &Session) {
 /// Part of the traction passes to a wall within the cell beside it, where the grid has no row for it. A film acts on the two that it lies
 /// between and on nothing beyond, though its tractions would reach farther by some 1e-3 of them.
 fn what_a_disk_does_to_a_near_wall_is_what_its_stress_says(session: &Session) {
-    for (gap, lubrication, tolerance) in [(0.01, None, 1e-10), (0.05, None, 1e-10), (0.3, Some(1e-6), 1e-6), (1e-4, Some(1e-6), 1e-6)] {
+    let none = Interactions::default;
+    for (gap, interactions, tolerance) in
+        [(0.01, none(), 1e-10), (0.05, none(), 1e-10), (0.3, films(1e-6), 1e-6), (1e-4, films(1e-6), 1e-6)]
+    {
         let mut setup = sheared::<2>([12.0, 8.0], 6.0, 4, &[[5.3, 1.0 + gap]]);
-        setup.lubrication = lubrication;
+        setup.interactions = interactions;
         let (found, solution) = shear_viscosity(session, setup);
-        let [lower, upper] = solution.directly_on_walls[1];
+        let [lower, upper] = solution.walls.forces[1];
         assert!(gap > 0.1 || (lower.norm() > 1e-2 && upper.norm() == 0.0), "{lower:?} {upper:?}");
         same_viscosity(&found, tolerance, &format!("gap {gap}"));
     }
@@ -370,6 +379,6 @@ fn a_free_pair_at_a_tiny_gap_turns_as_one(session: &Session) {
 
 fn without_lubrication_there_is_no_film(session: &Session) {
     let mut setup = setup(periodic::<2>(24.0), 6.0, 4, near_neighbours(1e-3));
-    setup.lubrication = None;
+    setup.interactions = Interactions::default();
     assert!(solve(session, setup).lubrication.is_none());
 }

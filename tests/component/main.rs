@@ -31,6 +31,7 @@ mod methods;
 mod motion;
 mod near;
 mod outputs;
+mod parts;
 mod scalar;
 mod sheared;
 mod solvers;
@@ -81,6 +82,7 @@ fn main() {
         transform::tests(),
         near::tests(),
         outputs::tests(),
+        parts::tests(),
         scalar::tests(),
         inclusions::tests(),
         suspension::tests(),

@@ -11,8 +11,8 @@ use turbid::{
     grid::Node,
     observe,
     petsc::Session,
-    scene::{ConstraintMethod, ContactModel, MultiplierSolver, Scheme, Step, TimeSection, Tolerance},
-    simulation::{Setup, Simulation, Suspension},
+    scene::{ConstraintMethod, MultiplierSolver, Scheme, Step, TimeSection, Tolerance},
+    simulation::{FlowSolver, Setup, Simulation, Suspension},
 };
 
 /// The tests of this file.
@@ -215,7 +215,8 @@ fn bodies_that_move_are_assembled_anew(session: &Session) {
         let mut moved = setup;
         moved.bodies[1].body.ball.center += Vector2::new(0.013, 0.007);
         let centers: Vec<_> = moved.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        let moment = turbid::simulation::Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 1e-9 };
+        let moment =
+            turbid::simulation::Configuration { centers: &centers, time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 1e-9 };
         let kept = suspension.solve_at(&moment, &mut |_, _| {}).unwrap();
         let mut assembled = [suspension.cost().assembled as f64];
         session.world().sum(&mut assembled);
@@ -234,7 +235,7 @@ fn all_methods_move_two_disks_past_each_other(session: &Session) {
         let setup = Setup { constraint, tolerance: Tolerance::Fixed(1e-6), ..couette(1.0, 0.024, 1.0, bodies.to_vec()) };
         let time = TimeSection { step: Step::Fixed(0.1), end: 1.0, travel: 0.1, scheme: Scheme::TwoStep, until: None };
         let suspension = Suspension::new(session, setup).unwrap();
-        let mut simulation = Simulation::flowing(session, suspension, time, ContactModel::None);
+        let mut simulation = Simulation::flowing(session, Box::new(suspension), time);
         while !simulation.over() {
             let view = simulation.look(&mut |_, _| {}).unwrap();
             simulation.step(&view, &mut |_, _| {}).unwrap();

@@ -8,7 +8,7 @@ use turbid::{
     observe,
     petsc::Session,
     scene::{ConstraintMethod, ContactModel, Scheme, Step, TimeSection, Tolerance},
-    simulation::{Moment, Setup, Simulation, SuspendedBody, Suspension, View},
+    simulation::{Configuration, FlowSolver, Setup, Simulation, SuspendedBody, Suspension, View},
 };
 
 use crate::Test;
@@ -48,7 +48,7 @@ fn between_sliding_walls(count: usize, fraction: f64, aspect: f64, gap: f64) -> 
         drive: Drive::Rest,
         bodies,
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-6),
     }
@@ -64,7 +64,7 @@ fn a_warm_start_saves_iterations(session: &Session) {
     for inverse in [InverseMethod::Hypre, InverseMethod::Transform] {
         for (tolerance, part) in [(Tolerance::Auto, 0.6), (Tolerance::Fixed(1e-6), 0.9)] {
             let suspension = Suspension::new(session, Setup { inverse, tolerance, ..sheared(60) }).unwrap();
-            let mut simulation = Simulation::flowing(session, suspension, time(Step::Auto, 1.0, Scheme::TwoStep), ContactModel::None);
+            let mut simulation = Simulation::flowing(session, Box::new(suspension), time(Step::Auto, 1.0, Scheme::TwoStep));
             let mut iterations = Vec::new();
             for _ in 0..8 {
                 let view = simulation.look(&mut |_, _| {}).unwrap();
@@ -92,14 +92,14 @@ fn closed_box(size: [f64; 2], cells_per_radius: f64, bodies: Vec<SuspendedBody<2
         drive: Drive::Rest,
         bodies,
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-10),
     }
 }
 
 fn simulate(session: &Session, setup: Setup<2>, time: TimeSection, contact: ContactModel) -> Simulation<2> {
-    Simulation::flowing(session, Suspension::new(session, setup).unwrap(), time, contact)
+    Simulation::flowing(session, Box::new(Suspension::new(session, setup.with_contact(contact)).unwrap()), time)
 }
 
 /// Looks and makes a step.
@@ -128,7 +128,7 @@ fn a_warm_start_finds_the_solution_that_a_cold_one_finds(session: &Session) {
     let centers = simulation.state().centers();
     let mut fresh = Suspension::new(session, setup).unwrap();
     let cold = fresh
-        .solve_at(&Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 1e-8 }, &mut |_, _| {})
+        .solve_at(&Configuration { centers: &centers, time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 1e-8 }, &mut |_, _| {})
         .unwrap();
     assert!(warm.effort.iterations < fresh.cost().krylov.iterations, "the start was not warm");
     let fastest = cold.bodies.iter().map(|body| body.twist.velocity.norm()).fold(0.0, f64::max);
@@ -151,7 +151,7 @@ fn a_neutrally_buoyant_disk_on_the_centre_line_moves_straight_at_its_speed(sessi
         drive,
         bodies: disk(),
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-10),
     };
@@ -240,7 +240,7 @@ fn two_disks_pressed_together_meet_and_rest(session: &Session) {
         drive: Drive::Rest,
         bodies,
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-8),
     };
@@ -311,7 +311,7 @@ fn only_bodies_that_moved_are_assembled_anew(session: &Session) {
         drive: Drive::Shear(1.0),
         bodies: [[1.5 + way, 1.5], [4.5, 1.5], [1.5, 4.5], [4.5, 4.5]].map(|center| suspended(center.into(), 1.0, free(), 5)).to_vec(),
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Transform,
         tolerance: Tolerance::Fixed(1e-9),
     };
@@ -319,7 +319,7 @@ fn only_bodies_that_moved_are_assembled_anew(session: &Session) {
     // a little way; then so close to the second disk that it meets its interpolation; then no further
     for (way, expected) in [(0.0, 4.0), (0.1, 1.0), (0.75, 2.0), (0.75, 0.0)] {
         let centers: Vec<Vector2<f64>> = setup(way).bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        let moment = Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 1e-9 };
+        let moment = Configuration { centers: &centers, time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 1e-9 };
         let solution = suspension.solve_at(&moment, &mut |_, _| {}).unwrap();
         let mut assembled = [suspension.cost().assembled as f64];
         session.world().sum(&mut assembled);

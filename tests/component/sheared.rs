@@ -10,7 +10,7 @@ use turbid::{
     observe,
     petsc::Session,
     scene::{ConstraintMethod, ContactModel, MultiplierSolver, Scheme, Step, TimeSection, Tolerance},
-    simulation::{Setup, Simulation, State, SuspendedBody, Suspension},
+    simulation::{FlowSolver, Setup, Simulation, State, SuspendedBody, Suspension},
 };
 
 use crate::{
@@ -51,7 +51,7 @@ fn setup<const D: usize>(domain: Domain<D>, spacing: f64, bodies: Vec<SuspendedB
         drive: Drive::Shear(1.0),
         bodies,
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Transform,
         tolerance: Tolerance::Fixed(1e-10),
     }
@@ -137,7 +137,7 @@ fn a_part_of_a_cell_is_refused(session: &Session) {
 }
 
 fn simulation(session: &Session, setup: Setup<2>, time: TimeSection, contact: ContactModel) -> Simulation<2> {
-    Simulation::flowing(session, Suspension::new(session, setup).unwrap(), time, contact)
+    Simulation::flowing(session, Box::new(Suspension::new(session, setup.with_contact(contact)).unwrap()), time)
 }
 
 /// Runs to the end; returns viscosities by time, and the last state.

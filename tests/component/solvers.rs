@@ -42,7 +42,7 @@ fn conjugate_gradients_and_gmres_solve_a_system_written_in_rust(session: &Sessio
         let mut rhs = solution.like().unwrap();
         system.apply(&solution, &mut rhs).unwrap();
         let mut x = rhs.like().unwrap();
-        let report = solve(session, method, &mut system, (&rhs, &mut x)).unwrap();
+        let report = solve(session, method, &mut system, &rhs, &mut x).unwrap();
         let mut residual = rhs.like().unwrap();
         system.apply(&x, &mut residual).unwrap();
         residual.add(-1.0, &rhs).unwrap();
@@ -59,15 +59,15 @@ fn every_iteration_is_seen_and_reported(session: &Session) {
     let mut system = Chain::new(session, 0.0);
     let (rhs, mut seen) = (filled(session, N, |index| (index as f64).cos()), Vec::new());
     let mut krylov = krylov(session, GMRES, 100);
-    let report = krylov.solve(&mut system, (&rhs, &mut rhs.like().unwrap()), &mut |iteration, residual| seen.push((iteration, residual)));
+    let report = krylov.solve(&mut system, &rhs, &mut rhs.like().unwrap(), &mut |iteration, residual| seen.push((iteration, residual)));
     let report = report.unwrap();
     assert!(seen.iter().enumerate().all(|(count, &(iteration, _))| count == iteration));
     assert_eq!(seen.len(), report.iterations + 1);
     assert!((seen[0].1 - 1.0).abs() < 1e-14);
     assert!((seen[report.iterations].1 / report.residual - 1.0).abs() < 1e-14);
     let mut x = rhs.like().unwrap();
-    krylov.solve(&mut system, (&rhs, &mut x), &mut |_, _| {}).unwrap();
-    let warm = krylov.solve(&mut system, (&rhs, &mut x), &mut |_, _| {}).unwrap();
+    krylov.solve(&mut system, &rhs, &mut x, &mut |_, _| {}).unwrap();
+    let warm = krylov.solve(&mut system, &rhs, &mut x, &mut |_, _| {}).unwrap();
     assert_eq!(warm.iterations, 0, "a solution is not improved");
 }
 
@@ -76,28 +76,28 @@ fn a_good_preconditioner_saves_iterations(session: &Session) {
     let rhs = filled(session, N, |_| 1.0);
     for method in [KrylovMethod::ConjugateGradients, GMRES] {
         let mut system = Chain { uneven: true, ..Chain::new(session, 0.0) };
-        let plain = solve(session, method, &mut system, (&rhs, &mut rhs.like().unwrap())).unwrap();
+        let plain = solve(session, method, &mut system, &rhs, &mut rhs.like().unwrap()).unwrap();
         system.preconditioned = true;
-        let divided = solve(session, method, &mut system, (&rhs, &mut rhs.like().unwrap())).unwrap();
+        let divided = solve(session, method, &mut system, &rhs, &mut rhs.like().unwrap()).unwrap();
         assert!(2 * divided.iterations < plain.iterations, "{method:?}: {} and {}", divided.iterations, plain.iterations);
     }
 }
 
 fn a_zero_right_hand_side_has_a_zero_solution(session: &Session) {
     let (rhs, mut x) = (filled(session, N, |_| 0.0), filled(session, N, |_| 1.0));
-    let report = solve(session, GMRES, &mut Chain::new(session, 0.0), (&rhs, &mut x)).unwrap();
+    let report = solve(session, GMRES, &mut Chain::new(session, 0.0), &rhs, &mut x).unwrap();
     assert_eq!((report, x.norm().unwrap()), (Report::default(), 0.0));
 }
 
 fn what_is_rounding_beside_the_scene_is_zero(session: &Session) {
     let (rhs, mut x) = (filled(session, N, |index| 1e-15 * (index as f64).cos()), filled(session, N, |_| 1.0));
     let mut krylov = krylov(session, GMRES, 100);
-    let report = krylov.solve_above(1e-13, &mut Chain::new(session, 0.0), (&rhs, &mut x), &mut |_, _| {}).unwrap();
+    let report = krylov.solve_above(1e-13, &mut Chain::new(session, 0.0), &rhs, &mut x, &mut |_, _| {}).unwrap();
     assert_eq!((report.iterations, x.norm().unwrap()), (0, 0.0));
     assert!(report.residual > 0.0 && report.residual <= TOLERANCE);
     // what stands out of it is solved, but not below it
     let rhs = filled(session, N, |index| 1e-12 * (index as f64).cos());
-    let report = krylov.solve_above(1e-13, &mut Chain::new(session, 0.0), (&rhs, &mut x), &mut |_, _| {}).unwrap();
+    let report = krylov.solve_above(1e-13, &mut Chain::new(session, 0.0), &rhs, &mut x, &mut |_, _| {}).unwrap();
     assert!((1..6).contains(&report.iterations), "{report:?}");
 }
 
@@ -107,7 +107,7 @@ fn an_exhausted_space_makes_no_solution(session: &Session) {
     let entry = |index: usize| if index + 1 < N { 1.0 + (index % 2) as f64 } else { 0.0 };
     for load in [1.0, 1e-17] {
         let (rhs, mut system) = (filled(session, N, |_| load), Diagonal(range.clone().map(entry).collect()));
-        let error = solve(session, GMRES, &mut system, (&rhs, &mut rhs.like().unwrap())).unwrap_err();
+        let error = solve(session, GMRES, &mut system, &rhs, &mut rhs.like().unwrap()).unwrap_err();
         assert!(matches!(&error, Error::Diverged(text) if text.contains("tolerance")), "load {load:e}: {error}");
     }
 }
@@ -117,7 +117,7 @@ fn singular_values_come_out_of_a_solve(session: &Session) {
     let mut system = Diagonal((0..N).map(|index| 1.0 + index as f64 / 10.0).skip(range.start).take(range.len()).collect());
     let mut krylov = krylov(session, GMRES, 100);
     krylov.keep_singular_values().unwrap();
-    krylov.solve(&mut system, (&rhs, &mut rhs.like().unwrap()), &mut |_, _| {}).unwrap();
+    krylov.solve(&mut system, &rhs, &mut rhs.like().unwrap(), &mut |_, _| {}).unwrap();
     let (largest, smallest) = krylov.extreme_singular_values().unwrap();
     // Ritz values reach the ends of the spectrum from inside; a solve to 1e-10 finds them to a per cent
     assert!((largest / (1.0 + (N - 1) as f64 / 10.0) - 1.0).abs() < 0.01, "{largest}");
@@ -129,7 +129,7 @@ fn an_error_in_a_callback_ends_the_solve_with_that_very_error(session: &Session)
         for method in [KrylovMethod::ConjugateGradients, GMRES] {
             let rhs = filled(session, N, |index| (index as f64).cos());
             let mut system = Faulty { chain: Chain::new(session, 0.0), left: [apply, precondition] };
-            let error = solve(session, method, &mut system, (&rhs, &mut rhs.like().unwrap())).unwrap_err();
+            let error = solve(session, method, &mut system, &rhs, &mut rhs.like().unwrap()).unwrap_err();
             assert!(matches!(&error, Error::Refused(text) if text.remedy == "the fifth is one too many"), "{error:?}");
         }
     }
@@ -138,8 +138,8 @@ fn an_error_in_a_callback_ends_the_solve_with_that_very_error(session: &Session)
 fn a_solver_serves_again_after_an_error(session: &Session) {
     let (rhs, mut krylov) = (filled(session, N, |index| (index as f64).cos()), krylov(session, GMRES, 100));
     let mut faulty = Faulty { chain: Chain::new(session, 0.0), left: [4, usize::MAX] };
-    krylov.solve(&mut faulty, (&rhs, &mut rhs.like().unwrap()), &mut |_, _| {}).unwrap_err();
-    let report = krylov.solve(&mut Chain::new(session, 0.0), (&rhs, &mut rhs.like().unwrap()), &mut |_, _| {}).unwrap();
+    krylov.solve(&mut faulty, &rhs, &mut rhs.like().unwrap(), &mut |_, _| {}).unwrap_err();
+    let report = krylov.solve(&mut Chain::new(session, 0.0), &rhs, &mut rhs.like().unwrap(), &mut |_, _| {}).unwrap();
     assert!(report.residual <= TOLERANCE);
     // the old error is not told twice
     let mut wrong = Vector::new(session, N + 3).unwrap();
@@ -151,7 +151,7 @@ fn too_few_iterations_are_an_error_that_names_residual_and_tolerance(session: &S
     let mut last = 0.0;
     let mut krylov = krylov(session, GMRES, 3);
     let mut see = |_: usize, residual: f64| last = residual;
-    let error = krylov.solve(&mut Chain::new(session, 0.0), (&rhs, &mut rhs.like().unwrap()), &mut see).unwrap_err();
+    let error = krylov.solve(&mut Chain::new(session, 0.0), &rhs, &mut rhs.like().unwrap(), &mut see).unwrap_err();
     let text = error.to_string();
     assert!(matches!(error, Error::Diverged(_)), "{text}");
     for part in ["3 iterations", &format!("residual of {last:.1e}"), &format!("tolerance {TOLERANCE:.1e}")] {
@@ -276,8 +276,8 @@ fn krylov(session: &Session, method: KrylovMethod, most_iterations: usize) -> Kr
     Krylov::new(session, share(session, N).len(), c"test_", settings).unwrap()
 }
 
-fn solve(session: &Session, method: KrylovMethod, system: &mut dyn System, pair: (&Vector, &mut Vector)) -> Result<Report> {
-    krylov(session, method, 1000).solve(system, pair, &mut |_, _| {})
+fn solve(session: &Session, method: KrylovMethod, system: &mut dyn System, rhs: &Vector, x: &mut Vector) -> Result<Report> {
+    krylov(session, method, 1000).solve(system, rhs, x, &mut |_, _| {})
 }
 
 /// The 5-point Laplacian of a square of unit cells, with values or (`singular`) fluxes given on its sides.

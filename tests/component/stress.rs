@@ -10,7 +10,7 @@ use turbid::{
     observe::{self, Viscosity},
     petsc::Session,
     scene::ConstraintMethod,
-    simulation::{Setup, Solution, Suspension},
+    simulation::{FlowSolver, Setup, Solution, Suspension},
 };
 
 /// The tests of this file.

@@ -11,7 +11,7 @@ use turbid::{
     observe,
     petsc::Session,
     scene::{ConstraintMethod, Tolerance},
-    simulation::{Setup, Solution, SuspendedBody, Suspension},
+    simulation::{FlowSolver, Setup, Solution, SuspendedBody, Suspension},
     study::cases,
 };
 
@@ -51,7 +51,7 @@ pub fn periodic_cube<const D: usize>(spacing: f64, drive: Drive<D>, bodies: Vec<
         drive,
         bodies,
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-9),
     }
@@ -68,7 +68,7 @@ pub fn couette(length: f64, spacing: f64, rate: f64, bodies: Vec<SuspendedBody<2
         drive: Drive::Rest,
         bodies,
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-9),
     }
@@ -164,7 +164,7 @@ fn a_channel_driven_by_each_drive(session: &Session) {
         drive,
         bodies: vec![suspended(Vector2::new(0.513, 0.5), 0.125, motion, 8)],
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-9),
     };
@@ -220,7 +220,7 @@ fn a_disk_in_a_closed_box(session: &Session) {
         drive: Drive::Rest,
         bodies: vec![suspended(Vector2::new(0.5, 0.5), 0.2, Motion::Prescribed(twist), 8)],
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: Default::default(),
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-9),
     };

@@ -203,7 +203,7 @@ fn plan<const D: usize>(scene: &Scene) -> Result<bool> {
     if scene.accuracy.is_some() || demand::<D>(scene).is_ok_and(|bytes| bytes > LARGE) {
         return Ok(false);
     }
-    Plan::of::<D>(scene, 1).map(|_| true)
+    Plan::<D>::of(scene)?.report(1).map(|_| true)
 }
 
 #[test]

@@ -6,9 +6,9 @@ use nalgebra::{SMatrix, SVector};
 
 use super::{
     equations::{Equations, FreeInverse},
-    nodes::{Nodes, SparseRows},
+    nodes::Nodes,
 };
-use crate::constraint::places::Places;
+use crate::{constraint::places::Places, linalg::SparseRows};
 
 /// A body whose multipliers act where its rows look.
 pub struct AdjointBody<const D: usize> {
@@ -91,6 +91,6 @@ impl<const D: usize> AdjointBody<D> {
 
     /// Forces per volume at the nodes.
     fn forces(&self, c: &[f64]) -> Vec<f64> {
-        self.rows.transposed(&self.equations.forces(c), self.nodes.count())
+        self.rows.apply_transpose(&self.equations.forces(c), self.nodes.count())
     }
 }

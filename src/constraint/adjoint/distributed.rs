@@ -9,13 +9,14 @@ use std::rc::Rc;
 use super::{
     AdjointBody,
     equations::{Equations, FreeInverse, RowEquations},
-    nodes::{Collector, Nodes, SparseRows, within_walls},
+    nodes::{Collector, Nodes, within_walls},
     rigid::{motions, push_readings},
 };
 use crate::{
     constraint::{patch::Patch, sharp::Placed},
     geometry::Ball,
     grid::{Grid, Index, stencil::moved},
+    linalg::SparseRows,
 };
 
 /// The blocks of one body.

@@ -11,8 +11,8 @@
 //! where both sides vanish on the same stresses and the left one is at most a few times smaller elsewhere. Its sum with the compliance
 //! `k` is inverted by `k^-1 - k^-1 B (2 B^T B + g D^T D + B^T k^-1 B)^-1 B^T k^-1`.
 
-use super::nodes::{Nodes, SparseRows};
-use crate::constraint::skyline::Skyline;
+use super::nodes::Nodes;
+use crate::linalg::{Skyline, SparseRows};
 
 /// Resistance `g` of the body to changes of volume; 18 iterations at 1e3 as at 1e6, 35 at 10.
 const INCOMPRESSIBILITY: f64 = 1e3;
@@ -69,7 +69,7 @@ impl ElasticInverse {
     /// The stresses of given strains.
     pub fn apply(&self, strains: &[f64]) -> Vec<f64> {
         let mut stresses: Vec<f64> = strains.iter().zip(&self.stiffness).map(|(strain, stiffness)| stiffness * strain).collect();
-        let forces = self.strains.transposed(&stresses, self.order.len());
+        let forces = self.strains.apply_transpose(&stresses, self.order.len());
         let mut moved = vec![0.0; forces.len()];
         self.order.iter().zip(forces).for_each(|(&place, force)| moved[place] = force);
         self.factor.solve(&mut moved);

@@ -3,11 +3,7 @@
 //! The velocity on `gamma` has to be its own mean, in the sense of rigid motions: `u = m(u)`, tested with the surface modes.
 //! Stencils are not corrected for the jumps that the multipliers cause, which costs an order of accuracy.
 
-use super::{
-    AdjointBody,
-    equations::Equations,
-    nodes::{Collector, SparseRows},
-};
+use super::{AdjointBody, equations::Equations, nodes::Collector};
 use crate::{
     constraint::sharp::Placed,
     geometry::Axis,
@@ -15,6 +11,7 @@ use crate::{
         Grid, Index,
         interpolation::{Pair, linear},
     },
+    linalg::SparseRows,
 };
 
 /// The blocks of one body.

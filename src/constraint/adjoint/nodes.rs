@@ -1,4 +1,4 @@
-//! Lattice points that the rows of a body take, and the rows: sparse, each node of a body once.
+//! Lattice points that the rows of a body take, each once.
 
 use std::collections::HashMap;
 
@@ -20,13 +20,6 @@ pub struct Nodes<const D: usize> {
     pub components: Vec<u8>,
     /// Where they are, from the centre of the body.
     pub offsets: Vec<SVector<f64, D>>,
-}
-
-/// Rows over the nodes.
-#[derive(Default)]
-pub struct SparseRows {
-    ends: Vec<u32>,
-    terms: Vec<(u32, f64)>,
 }
 
 /// Collects the nodes of a body around a centre.
@@ -89,33 +82,5 @@ impl<const D: usize> Nodes<D> {
             let entry = if place < own.len() { &mut own[place] } else { &mut others[place - own.len()] };
             *entry += factor * value;
         }
-    }
-}
-
-impl SparseRows {
-    /// Adds a row.
-    pub fn push(&mut self, terms: impl IntoIterator<Item = (u32, f64)>) {
-        self.terms.extend(terms);
-        self.ends.push(self.terms.len() as u32);
-    }
-
-    /// The rows, as nodes and weights.
-    pub fn iter(&self) -> impl Iterator<Item = &[(u32, f64)]> {
-        let starts = std::iter::once(0).chain(self.ends.iter().copied());
-        starts.zip(&self.ends).map(|(start, &end)| &self.terms[start as usize..end as usize])
-    }
-
-    /// The rows of values at the nodes.
-    pub fn apply(&self, values: &[f64]) -> Vec<f64> {
-        self.iter().map(|row| row.iter().map(|&(node, weight)| weight * values[node as usize]).sum()).collect()
-    }
-
-    /// The adjoint: values at so many nodes.
-    pub fn transposed(&self, rows: &[f64], nodes: usize) -> Vec<f64> {
-        let mut values = vec![0.0; nodes];
-        for (row, value) in self.iter().zip(rows) {
-            row.iter().for_each(|&(node, weight)| values[node as usize] += weight * value);
-        }
-        values
     }
 }

@@ -21,11 +21,10 @@ use super::{
     AdjointBody,
     elastic::ElasticInverse,
     equations::{Equations, FreeInverse, RowEquations},
-    nodes::SparseRows,
     rigid::{motions, push_readings},
     strains::{Strain, Strains},
 };
-use crate::{constraint::sharp::Placed, geometry::fraction, grid::Grid};
+use crate::{constraint::sharp::Placed, geometry::fraction, grid::Grid, linalg::SparseRows};
 
 /// The blocks of one body.
 pub fn assemble<const D: usize>(grid: &Grid<D>, (body, placed): (usize, &Placed<D>), epsilon: f64) -> AdjointBody<D> {

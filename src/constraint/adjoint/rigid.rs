@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, SVector};
 
-use super::nodes::{Nodes, SparseRows};
+use super::nodes::Nodes;
+use crate::linalg::SparseRows;
 use crate::{body::skew, surface::SurfaceTable};
 
 /// The velocities at nodes of a body's rigid motions of unit coefficient: nodes down, motions across.

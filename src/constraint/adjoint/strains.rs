@@ -2,7 +2,7 @@
 
 use std::iter::once;
 
-use super::nodes::{Collector, Nodes, SparseRows, within_walls};
+use super::nodes::{Collector, Nodes, within_walls};
 use crate::{
     constraint::patch::Patch,
     geometry::{Ball, fraction},
@@ -10,6 +10,7 @@ use crate::{
         Grid, Index,
         stencil::{Site, divergence, moved},
     },
+    linalg::SparseRows,
 };
 
 /// Parts of a cell that are too small to matter.

@@ -73,6 +73,14 @@ pub struct Films<const D: usize> {
     pub imbalance: f64,
 }
 
+impl<const D: usize> Films<D> {
+    /// These and others.
+    pub fn with(mut self, others: Films<D>) -> Films<D> {
+        self.films.extend(others.films);
+        Films { films: self.films, imbalance: self.imbalance.max(others.imbalance) }
+    }
+}
+
 impl<const D: usize> Film<D> {
     /// From the wall, or the centre of the body, to the centre of one side.
     pub fn lever(&self, side: usize) -> SVector<f64, D> {

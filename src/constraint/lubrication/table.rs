@@ -9,7 +9,7 @@ use super::{
     pair::{self, Lift},
     wall,
 };
-use crate::{constraint::cubic::cubic, surface::highest_order};
+use crate::{linalg::cubic, surface::highest_order};
 
 /// Nodes of the truncated resistance: the inverse distance of the centres falls with their square, for it changes fast where the gap closes.
 const NODES: usize = 24;

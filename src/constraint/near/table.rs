@@ -8,7 +8,7 @@ use std::{cell::RefCell, collections::BTreeMap, rc::Rc};
 use nalgebra::DMatrix;
 
 use super::{REACH, block::Side, pattern::Pattern};
-use crate::constraint::cubic::cubic;
+use crate::linalg::cubic;
 
 /// Nodes of a table.
 const NODES: usize = 24;

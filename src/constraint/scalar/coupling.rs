@@ -3,12 +3,14 @@
 use std::rc::Rc;
 
 use super::{envelope::Envelope, links::Link};
-use crate::constraint::{
-    Layout,
-    dense::LocalBlock,
-    dense::dot,
-    places::{Places, from},
-    rows::Rows,
+use crate::{
+    constraint::{
+        Layout,
+        dense::LocalBlock,
+        places::{Places, from},
+        rows::Rows,
+    },
+    linalg::dot,
 };
 
 /// The blocks C, J and E of one inclusion, with what stands for the inverse of `J A^{-1} C + E`.

@@ -1,7 +1,7 @@
 //! The potential of sources in one inclusion, which nothing but its own links holds together.
 
 use super::links::Link;
-use crate::constraint::skyline::Skyline;
+use crate::linalg::Skyline;
 
 /// Cholesky factors of the Laplacian of its cells, of which one is held: the one that links hold best, because what rounding makes of the
 /// sum of all sources leaves through it, and the others rise by that over its links.

@@ -8,12 +8,13 @@ use super::{Neighbour, Placed, spread::OnWall};
 use crate::{
     constraint::{
         Layout,
-        dense::{LocalBlock, dot},
+        dense::LocalBlock,
         interpolant::Interpolant,
         places::{Places, from},
         rows::Rows,
     },
     error::Result,
+    linalg::dot,
     petsc::{Scatter, Session, Vector},
     surface::SurfaceTable,
 };

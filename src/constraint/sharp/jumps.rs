@@ -1,7 +1,7 @@
 //! Jump functions of all modes of a body at chosen nodes.
 
 use super::{Placed, nodes::Nodes};
-use crate::constraint::dense::{add_rows, padded};
+use crate::linalg::{add_rows, padded};
 
 const EMPTY: u32 = u32::MAX;
 

@@ -128,13 +128,13 @@ impl<'a, const D: usize> Spreading<'a, D> {
             let index = nodes.patch.index(place);
             let Some(wall) = stencil::wall_at(self.grid, field, index) else { continue };
             let (mut velocities, mut pressures) = (Vec::new(), Vec::new());
-            stencil::wall_row(self.grid, (field, index), wall, |term| velocities.push(term), |term| pressures.push(term));
+            stencil::wall_row(self.grid, field, index, wall, |term| velocities.push(term), |term| pressures.push(term));
             for (from, side, terms) in [(field, 1.0, velocities), (D, -1.0, pressures)] {
                 let mut group = self.walls.group((&self.nodes[from], &mut jumps[from]), (true, side));
                 terms.into_iter().for_each(|term| group.take(term));
             }
             if self.walls.end_row(|| nodes.position(place) - self.placed.center) {
-                self.walls_of.push((wall.0, wall.1 < 0));
+                self.walls_of.push((wall.axis, wall.inward < 0));
             }
         }
     }

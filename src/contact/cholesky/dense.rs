@@ -33,7 +33,8 @@ pub(super) fn eliminate(panel: &mut [f64], height: usize, width: usize) {
         for first in (end..width).step_by(STRIP) {
             let strip = first..width.min(first + STRIP);
             let rest = &mut rest[(first - end) * height + first..];
-            multiply(&done[start * height + first..], (height, end - start), (height - first, strip.len()), rest, height);
+            let columns = Columns { entries: &done[start * height + first..], height, width: end - start };
+            subtract_product(columns, height - first, strip.len(), rest, height);
         }
     }
 }
@@ -52,25 +53,25 @@ pub(super) fn subtract(panel: &[f64], height: usize, width: usize, rest: &mut [f
     }
     for first in (0..below).step_by(STRIP) {
         let strip = STRIP.min(below - first);
-        multiply(&panel[width + first..], (height, width), (below - first, strip), &mut rest[first * below + first..], below);
+        let columns = Columns { entries: &panel[width + first..], height, width };
+        subtract_product(columns, below - first, strip, &mut rest[first * below + first..], below);
     }
 }
 
-/// Takes `B C^T` from a matrix of so many rows and columns, where `B` and `C` are the first rows of a panel of so many columns.
-fn multiply(panel: &[f64], (height, width): (usize, usize), (rows, columns): (usize, usize), target: &mut [f64], stride: usize) {
-    let left = View::from_slice_with_strides_generic(panel, Dyn(rows), Dyn(width), Dyn(1), Dyn(height));
-    let right = View::from_slice_with_strides_generic(panel, Dyn(width), Dyn(columns), Dyn(height), Dyn(1));
+/// Columns of a panel from some row on.
+struct Columns<'a> {
+    entries: &'a [f64],
+    /// From a column to the next.
+    height: usize,
+    /// Their number.
+    width: usize,
+}
+
+/// Takes `B C^T` from a matrix of so many rows and columns, where `B` and `C` are the first rows of these columns.
+fn subtract_product(from: Columns, rows: usize, columns: usize, target: &mut [f64], stride: usize) {
+    let Columns { entries, height, width } = from;
+    let left = View::from_slice_with_strides_generic(entries, Dyn(rows), Dyn(width), Dyn(1), Dyn(height));
+    let right = View::from_slice_with_strides_generic(entries, Dyn(width), Dyn(columns), Dyn(height), Dyn(1));
     let mut target = ViewMut::from_slice_with_strides_generic(target, Dyn(rows), Dyn(columns), Dyn(1), Dyn(stride));
     target.gemm(-1.0, &left, &right, 1.0);
-}
-
-/// The scalar product.
-pub fn dot(one: &[f64], two: &[f64]) -> f64 {
-    let (quads, others) = (one.as_chunks::<4>(), two.as_chunks::<4>());
-    let mut sums = [0.0; 4];
-    for (one, two) in quads.0.iter().zip(others.0) {
-        sums.iter_mut().zip(one.iter().zip(two)).for_each(|(sum, (one, two))| *sum += one * two);
-    }
-    let tail: f64 = quads.1.iter().zip(others.1).map(|(one, two)| one * two).sum();
-    sums.iter().sum::<f64>() + tail
 }

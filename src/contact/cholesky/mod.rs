@@ -9,13 +9,13 @@ mod dense;
 mod fronts;
 mod order;
 
-pub(super) use self::dense::dot;
 use self::{
     dense::{eliminate, subtract},
     fronts::{Element, Front, fronts},
     order::Order,
 };
 use super::program::Program;
+use crate::linalg::dot;
 
 /// The factors, and where they go.
 pub(super) struct Cholesky<'a> {
@@ -212,9 +212,9 @@ mod tests {
                 let weights: Vec<f64> = (0..program.offsets.len()).map(|row| (row % 3) as f64 * 10f64.powi(power)).collect();
                 let expected: Vec<f64> = (0..bodies * width).map(|place| (place % 7) as f64 - 3.0).collect();
                 let (mut changes, mut vector) = (vec![0.0; weights.len()], vec![0.0; expected.len()]);
-                program.open(&expected, &mut changes);
+                program.apply(&expected, &mut changes);
                 changes.iter_mut().zip(&weights).for_each(|(change, weight)| *change *= weight);
-                program.push(&changes, &mut vector);
+                program.apply_transpose(&changes, &mut vector);
                 vector.iter_mut().zip(&expected).for_each(|(entry, expected)| *entry += expected);
                 factors.factor(&weights);
                 factors.solve(&mut vector);

@@ -6,10 +6,7 @@ use super::{
     crowds::{crowd, crystal},
     *,
 };
-use crate::contact::{
-    Contact, Memory, Partner, Solver,
-    island::{Outcome, solve_by},
-};
+use crate::contact::{Contact, Memory, Partner, Solver, island::solve_by, solver::Outcome};
 
 impl<const D: usize> Scene<D> {
     /// The projection by one method alone.

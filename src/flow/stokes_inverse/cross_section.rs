@@ -1,8 +1,11 @@
 //! Flow along a box that does not change along it: two Poisson problems on a cross-section.
 
-use crate::grid::{
-    Grid,
-    stencil::{Site, laplacian, left_beside_walls},
+use crate::{
+    grid::{
+        Grid,
+        stencil::{Site, laplacian, left_beside_walls},
+    },
+    linalg::{SparseRows, dot},
 };
 
 /// Residual, relative to the right-hand side, of the profiles.
@@ -18,9 +21,6 @@ pub struct CrossSection {
     pub weights: Vec<f64>,
 }
 
-/// Minus the Laplacian of the velocity along the axis, row by row.
-type Rows = Vec<Vec<(usize, f64)>>;
-
 impl CrossSection {
     /// The cross-section of a box normal to an axis; nothing if no wall holds the flow along it.
     pub fn new<const D: usize>(grid: &Grid<D>, axis: usize) -> Option<CrossSection> {
@@ -28,15 +28,16 @@ impl CrossSection {
             return None;
         }
         let points: usize = (0..D).filter(|&across| across != axis).map(|across| grid.cells()[across]).product();
-        let (rows, load): (Rows, Vec<f64>) = (0..points).map(|point| row(grid, axis, point)).unzip();
-        let (flow, weights) = (solve(&rows, &load), solve(&rows, &vec![1.0; points]));
+        let mut minus_laplacian = SparseRows::default();
+        let load: Vec<f64> = (0..points).map(|point| push_row(grid, axis, point, &mut minus_laplacian)).collect();
+        let (flow, weights) = (solve(&minus_laplacian, &load), solve(&minus_laplacian, &vec![1.0; points]));
         let permeability = mean(&flow);
         Some(CrossSection { profile: flow.iter().map(|velocity| velocity / permeability).collect(), permeability, weights })
     }
 
     /// Mean over the cross-section of the profile, weighed as a force.
     pub fn inertia(&self) -> f64 {
-        self.profile.iter().zip(&self.weights).map(|(velocity, weight)| velocity * weight).sum::<f64>() / self.profile.len() as f64
+        dot(&self.profile, &self.weights) / self.profile.len() as f64
     }
 
     /// The point at which an index of the lattice lies.
@@ -45,8 +46,8 @@ impl CrossSection {
     }
 }
 
-/// The row of a point, and what a unit gradient of the pressure is there.
-fn row<const D: usize>(grid: &Grid<D>, axis: usize, mut point: usize) -> (Vec<(usize, f64)>, f64) {
+/// Adds the row of a point; returns what a unit gradient of the pressure is there.
+fn push_row<const D: usize>(grid: &Grid<D>, axis: usize, mut point: usize, rows: &mut SparseRows) -> f64 {
     let own = point;
     // no wall across the axis is near face 1
     let mut index = [1; D];
@@ -59,24 +60,24 @@ fn row<const D: usize>(grid: &Grid<D>, axis: usize, mut point: usize) -> (Vec<(u
         Site::Lattice { index: neighbour, .. } if neighbour[axis] != index[axis] => {}
         Site::Lattice { index: neighbour, .. } => {
             centre += term.weight;
-            row.push((CrossSection::point(grid, axis, &grid.wrapped(neighbour)), -term.weight));
+            row.push((CrossSection::point(grid, axis, &grid.wrapped(neighbour)) as u32, -term.weight));
         }
         Site::Wall { .. } => centre += term.weight,
     });
-    row.push((own, centre));
-    (row, left_beside_walls(grid, axis, index))
+    row.push((own as u32, centre));
+    rows.push(row);
+    left_beside_walls(grid, axis, index)
 }
 
 /// Conjugate gradients: the matrix is symmetric and positive definite, and small.
-fn solve(rows: &Rows, rhs: &[f64]) -> Vec<f64> {
-    let dot = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(one, other)| one * other).sum::<f64>();
+fn solve(rows: &SparseRows, rhs: &[f64]) -> Vec<f64> {
     let (mut x, mut residual, mut direction) = (vec![0.0; rhs.len()], rhs.to_vec(), rhs.to_vec());
     let (mut square, enough) = (dot(rhs, rhs), EXACT * EXACT * dot(rhs, rhs));
     for _ in 0..10 * rhs.len() {
         if square <= enough {
             break;
         }
-        let image: Vec<f64> = rows.iter().map(|row| row.iter().map(|&(column, value)| value * direction[column]).sum()).collect();
+        let image = rows.apply(&direction);
         let step = square / dot(&direction, &image);
         x.iter_mut().zip(&direction).for_each(|(x, direction)| *x += step * direction);
         residual.iter_mut().zip(&image).for_each(|(residual, image)| *residual -= step * image);

@@ -2,7 +2,7 @@
 //!
 //! It shows what the multipliers alone cost: with it the coupled solver iterates as if on them.
 
-use super::{FluidSystem, Stokes, StokesInverse, by_multigrid};
+use super::{FluidSystem, Stokes, StokesInverse, method::by_multigrid};
 use crate::{error::Result, grid::Grid, petsc::Vector};
 
 /// Iterations allowed for one application.
@@ -28,7 +28,7 @@ impl<const D: usize> StokesInverse<D> for IteratedInverse<D> {
         projected.copy_from(rows)?;
         stokes.project(&mut projected)?;
         output.fill(0.0)?;
-        FluidSystem { stokes, inverse: Some(self.cycle.as_mut()) }.solve((&projected, output), self.tolerance, MOST_ITERATIONS)?;
+        FluidSystem { stokes, inverse: Some(self.cycle.as_mut()) }.solve(&projected, output, self.tolerance, MOST_ITERATIONS)?;
         Ok(())
     }
 

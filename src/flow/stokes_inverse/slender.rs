@@ -74,7 +74,7 @@ impl FlowAlong {
         let section = CrossSection::new(grid, axis)?;
         let waves = if periodic { 2.0 } else { 1.0 };
         let wave_number = waves * std::f64::consts::PI / grid.domain().size[axis];
-        let places = |field: usize| Places::new(stokes, grid, (field, axis));
+        let places = |field: usize| Places::new(stokes, grid, field, axis);
         (wave_number.powi(2) * section.permeability < SLENDER).then(|| FlowAlong {
             inertia: section.inertia(),
             section,
@@ -148,7 +148,7 @@ impl FlowAlong {
 }
 
 impl Places {
-    fn new<const D: usize>(stokes: &Stokes<D>, grid: &Grid<D>, (field, axis): (usize, usize)) -> Places {
+    fn new<const D: usize>(stokes: &Stokes<D>, grid: &Grid<D>, field: usize, axis: usize) -> Places {
         let place = |index: [usize; D]| (index[axis], CrossSection::point(grid, axis, &index));
         let (range, factor) = stokes.balanced_fields().swap_remove(field);
         Places { range, factor, places: grid.block(field).indices().map(place).collect() }

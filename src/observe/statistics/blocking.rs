@@ -1,6 +1,7 @@
 //! The interval of the mean of correlated samples by blocking (Flyvbjerg & Petersen 1989, doi:10.1063/1.457480).
 
-use super::ROUNDING;
+/// Scatter over the mean that is rounding.
+pub(super) const ROUNDING: f64 = 1e-9;
 
 /// Fewest blocks whose scatter counts.
 pub const FEWEST_BLOCKS: usize = 8;

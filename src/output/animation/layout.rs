@@ -1,6 +1,7 @@
 //! Where things lie on a frame, in whole pixels from its upper left corner: the box, its walls and the bar of time.
 
-use super::{Animation, Canvas, palette};
+use super::{canvas::Canvas, palette};
+use crate::observe::Animation;
 
 const MARGIN: usize = 14;
 const WALL: usize = 5;

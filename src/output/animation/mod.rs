@@ -11,6 +11,7 @@ mod palette;
 use super::images::Window;
 use super::picture::bar::Bar;
 use super::picture::colour;
+use crate::observe::{AnimatedDisk, Animation, AnimationFrame};
 use canvas::Canvas;
 use layout::Layout;
 
@@ -20,41 +21,6 @@ const MARK: [f64; 2] = [0.58, 0.17];
 const MARKED: f64 = 4.0;
 /// Width in pixels of the light ring that sets a disk off from those it covers.
 const RING: f64 = 0.9;
-
-/// A film of disks in a box, ready to be drawn.
-#[derive(Clone, Debug)]
-pub struct Animation {
-    /// Width and height of the box, whose lower left corner is the origin; `y` points up.
-    pub size: [f64; 2],
-    /// Which directions are periodic; the others end at solid walls.
-    pub periodic: [bool; 2],
-    /// The frames in the order of time.
-    pub frames: Vec<AnimationFrame>,
-}
-
-/// What is seen at one time.
-#[derive(Clone, Debug)]
-pub struct AnimationFrame {
-    /// Time, in any unit.
-    pub time: f64,
-    /// How far to the right the box above lies, if it repeats.
-    pub shift: f64,
-    /// The disks; each covers those before it.
-    pub disks: Vec<AnimatedDisk>,
-}
-
-/// One body at one time.
-#[derive(Clone, Copy, Debug)]
-pub struct AnimatedDisk {
-    /// Center, in or out of the box: periodic directions wrap it.
-    pub center: [f64; 2],
-    /// Radius.
-    pub radius: f64,
-    /// Angle of the mark that shows rotation, counterclockwise from `x`; not a number for a disk without mark.
-    pub angle: f64,
-    /// Speed to colour by, from zero to the 99.5th percentile of the whole film.
-    pub speed: f64,
-}
 
 impl Animation {
     /// The film as an animated PNG that repeats for ever, at most `width_in_pixels` wide and one and a half times as high.

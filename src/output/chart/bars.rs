@@ -2,21 +2,13 @@
 
 use std::fmt::Write;
 
-use super::{Chart, Frame, finite};
+use super::{
+    data::{Bar, Chart, finite},
+    frame::Frame,
+};
 
 /// Half the width of the ends of a bar in pixels.
 const END: f64 = 4.0;
-
-/// An interval at an abscissa, which the ordinate reaches.
-#[derive(Clone, Copy, Debug)]
-pub struct Bar {
-    /// Number of the line whose colour it has.
-    pub series: usize,
-    /// Abscissa.
-    pub x: f64,
-    /// Lowest and highest ordinate; nothing is drawn unless both are finite.
-    pub ends: [f64; 2],
-}
 
 impl Chart {
     /// The bars, above the lines.

@@ -2,47 +2,15 @@
 
 use std::fmt::Write;
 
-use super::{Bar, Chart, Frame, finite};
+use super::{
+    data::{Chart, Notes, finite},
+    frame::Frame,
+};
 use crate::output::picture::{INK, escaped};
 
 /// Radius of a mark, and of the ring around it, in pixels.
 const MARK: f64 = 4.0;
 const RING: f64 = 9.0;
-
-/// Marks, levels and error bars of a chart.
-#[derive(Clone, Debug, Default)]
-pub struct Notes {
-    /// The marks.
-    pub marks: Vec<Mark>,
-    /// The levels.
-    pub levels: Vec<Level>,
-    /// The error bars.
-    pub bars: Vec<Bar>,
-}
-
-/// A disk at a point of a line.
-#[derive(Clone, Debug)]
-pub struct Mark {
-    /// Number of the line whose colour it has.
-    pub series: usize,
-    /// The point.
-    pub point: (f64, f64),
-    /// Small text above it.
-    pub label: String,
-    /// Whether it is a circle only.
-    pub hollow: bool,
-    /// Whether a ring singles it out.
-    pub ringed: bool,
-}
-
-/// A dashed line from side to side, which the ordinate reaches.
-#[derive(Clone, Debug)]
-pub struct Level {
-    /// Its ordinate.
-    pub y: f64,
-    /// Text on it.
-    pub name: String,
-}
 
 impl Chart {
     /// The levels, below the lines.
@@ -104,7 +72,10 @@ impl Chart {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{
+        super::data::{Level, Mark},
+        *,
+    };
     use crate::output::{Scale, Series};
 
     #[test]

@@ -1,29 +1,11 @@
-//! A body in a frame, and its place in the columns of the file.
+//! The columns of the file that hold the bodies of a frame.
 
 use nalgebra::{Matrix3, SMatrix, SVector};
 
-use crate::body::{components, skew};
-
-/// A body at one time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FrameBody<const D: usize> {
-    /// Centre; a periodic image of it in the box is stored.
-    pub center: SVector<f64, D>,
-    /// Radius.
-    pub radius: f64,
-    /// Velocity of the centre; that of the same image is stored.
-    pub velocity: SVector<f64, D>,
-    /// Skew matrix of the rotation rate.
-    pub spin: SMatrix<f64, D, D>,
-    /// Rotation since the start.
-    pub rotation: SMatrix<f64, D, D>,
-    /// Force of the fluid.
-    pub force: SVector<f64, D>,
-    /// Torque of the fluid, a skew matrix.
-    pub torque: SMatrix<f64, D, D>,
-    /// Number of bodies and walls that it touches.
-    pub contacts: usize,
-}
+use crate::{
+    body::{components, skew},
+    observe::FrameBody,
+};
 
 /// A named number, vector (three components) or tensor (nine) of each body; 2D is filled up as a plane in space.
 pub(super) const COLUMNS: [(&str, usize); 7] =

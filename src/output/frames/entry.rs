@@ -1,6 +1,6 @@
-//! What all frames together know of one.
+//! A frame as the others see it.
 
-use super::{contact::FrameContact, frame::Frame};
+use super::{Frame, FrameContact};
 use crate::grid::Grid;
 
 /// The folder of the frames in the run's folder.

@@ -2,11 +2,8 @@
 
 use nalgebra::SVector;
 
-use super::{
-    body::{self, FrameBody},
-    contact::{self, FrameContact},
-};
-use crate::{error::Result, geometry::Domain, grid::Grid, output::not_finite};
+use super::{body, contact, contact::FrameContact};
+use crate::{error::Result, geometry::Domain, grid::Grid, observe::FrameBody, output::not_finite};
 
 /// The fluid of one rank at one time: a value for each cell of its block of the pressure, in the block's order.
 pub struct FrameFields<'a, const D: usize> {

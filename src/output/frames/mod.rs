@@ -16,7 +16,6 @@ mod xdmf;
 
 use std::path::{Path, PathBuf};
 
-pub use body::FrameBody;
 pub use contact::FrameContact;
 pub(super) use entry::FOLDER as FRAMES;
 pub use frame::{Frame, FrameFields};

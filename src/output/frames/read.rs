@@ -6,7 +6,7 @@ use hdf5::{File, H5Type};
 use nalgebra::SVector;
 
 use super::{
-    body::{COLUMNS, FrameBody},
+    body::COLUMNS,
     contact::{self, FrameContact},
     entry::{Entry, Mesh, Network},
     index::frame_files,
@@ -14,6 +14,7 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
+    observe::FrameBody,
     output::slab,
 };
 

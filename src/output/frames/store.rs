@@ -6,13 +6,14 @@
 use hdf5::{Dataset, Group};
 
 use super::{
-    Frame, FrameBody, FrameContact, FrameFields,
+    Frame, FrameContact, FrameFields,
     body::{COLUMNS, COUNTS, in_space},
     contact,
 };
 use crate::{
     error::Result,
     grid::{Block, Grid},
+    observe::FrameBody,
     output::{parallel_file::ParallelFile, slab},
 };
 

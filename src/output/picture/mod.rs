@@ -10,41 +10,8 @@ mod streamlines;
 mod svg;
 
 use super::images::Window;
+use crate::observe::{Disk, Picture};
 pub use svg::{INK, escaped};
-
-/// A plane cut through a suspension, ready to be drawn.
-#[derive(Clone, Debug)]
-pub struct Picture {
-    /// Line of text above the box; an empty one takes no room.
-    pub title: String,
-    /// Width and height of the box, whose lower left corner is the origin.
-    pub size: [f64; 2],
-    /// Which directions are periodic; the others end at solid walls.
-    pub periodic: [bool; 2],
-    /// How far to the right the box above lies, if it repeats.
-    pub shift: f64,
-    /// The bodies cut by the plane.
-    pub bodies: Vec<Disk>,
-    /// Number of samples along each direction.
-    pub samples: [usize; 2],
-    /// Velocity at the sample centres `((i + 0.5) / samples * size)`, at index `j * samples[0] + i`.
-    pub velocity: Vec<[f64; 2]>,
-    /// What to colour by at the same points, not negative: the speed, which may include the component out of the plane, or a scalar.
-    pub coloured: Vec<f64>,
-    /// The name of it.
-    pub quantity: &'static str,
-}
-
-/// The cut of one body: a filled circle.
-#[derive(Clone, Debug)]
-pub struct Disk {
-    /// Center, in or out of the box: periodic directions wrap it.
-    pub center: [f64; 2],
-    /// Radius.
-    pub radius: f64,
-    /// Velocity of the center, drawn as a tick in the disk; none is drawn for a body at rest.
-    pub velocity: [f64; 2],
-}
 
 impl Picture {
     /// The picture as a complete SVG document, about 900 pixels wide and at most 1400 high.

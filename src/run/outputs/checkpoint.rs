@@ -10,7 +10,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::{
     body::{Twist, components, skew},
-    contact::{Identity, Partner, gluey::Stuck},
+    contact::{Adhesive, Identity, Partner},
     error::{Error, Offer, Refusal, Result},
     grid::Grid,
     output::{CHECKPOINT, Checkpoint, CheckpointWriter},
@@ -155,7 +155,7 @@ fn read_state<const D: usize>(checkpoint: &Checkpoint, bodies: usize) -> Result<
         last_step,
         bodies: flat.chunks(length).map(moving).collect(),
         held: held.map(|((body, partner, image), force)| Held { body, partner, image, force }).collect(),
-        stuck: stuck.into_iter().map(|((body, partner, image), gamma)| Stuck { body, partner, image, gamma }).collect(),
+        stuck: stuck.into_iter().map(|((body, partner, image), gamma)| Adhesive { body, partner, image, gamma }).collect(),
     })
 }
 

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use crate::{
     error::Result,
     geometry::{Ball, Domain},
-    observe::{PairCounts, PairDistribution, Shear},
-    output::{FrameBody, MeanViscosity, PairSummary, Summary, pair_files, read_frames},
+    observe::{FrameBody, PairCounts, PairDistribution, Shear},
+    output::{MeanViscosity, PairSummary, Summary, pair_files, read_frames},
     run::{Evaluated, Output},
 };
 

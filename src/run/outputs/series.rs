@@ -187,7 +187,8 @@ mod tests {
 
     fn point(step: usize) -> CurvePoint {
         let normal = NormalStresses { first: -0.5, second: None, pressure: Some(0.25), contact_pressure: 0.125 };
-        let viscosity = Viscosity { rate: 1.0, hydrodynamic: 1.5, lubrication: None, contact: 0.25, normal, from_walls: None };
+        let viscosity =
+            Viscosity { rate: 1.0, hydrodynamic: 1.5, lubrication: None, interaction: None, contact: 0.25, normal, from_walls: None };
         CurvePoint::of(&viscosity, 0.1 * step as f64, false)
     }
 

@@ -57,7 +57,7 @@ impl AxisSection {
         if !entry.value.is_inline_table() {
             return Err(entry.mistyped(CHOICES));
         }
-        let table = entry.table(&["lower", "upper"])?;
+        let table = Table::of(entry, &["lower", "upper"])?;
         let wall = |name| read_wall(&table.require(name, &format!("{:?}", vec![0.0; dimension]))?, axis, dimension);
         Ok(AxisSection::Walls { lower: wall("lower")?, upper: wall("upper")? })
     }

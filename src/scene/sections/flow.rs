@@ -100,7 +100,7 @@ impl FlowModel {
 
 impl Drive {
     fn read(entry: &Entry, dimension: usize) -> Result<Self> {
-        let table = entry.table(&[&DRIVES[..], &["periodic"]].concat())?;
+        let table = Table::of(entry, &[&DRIVES[..], &["periodic"]].concat())?;
         let (name, entry) = table.exactly_one(&DRIVES, "{ shear_rate = 1.0 }")?;
         let sheared = table.get("periodic").map_or(Ok(false), |entry| {
             entry.expect((), name == "shear_rate", "belongs to shear_rate; remove it")?;

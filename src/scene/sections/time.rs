@@ -61,7 +61,7 @@ impl TimeSection {
 
     pub(in crate::scene) fn read(root: &Table) -> Result<Option<Self>> {
         let Some(entry) = root.get("time") else { return Ok(None) };
-        let table = entry.table(&["step", "end", "scheme", "travel", "until"])?;
+        let table = Table::of(&entry, &["step", "end", "scheme", "travel", "until"])?;
         let end = table.require("end", "10.0")?.positive()?;
         let step = table.get("step").map_or(Ok(Step::Auto), |entry| Step::read(&entry, end))?;
         let default = TimeSection::to(end);
@@ -83,7 +83,7 @@ impl Scheme {
 
 impl Until {
     fn read(entry: &Entry) -> Result<Self> {
-        let table = entry.table(&["viscosity_interval", "strain"])?;
+        let table = Table::of(entry, &["viscosity_interval", "strain"])?;
         let interval = table.require("viscosity_interval", "0.02")?;
         let viscosity_interval = interval.positive()?;
         interval.expect((), viscosity_interval < 1.0, "must be below 1: it is a part of the mean viscosity")?;

@@ -15,7 +15,7 @@ use crate::{
     geometry::{Ball, Domain},
     grid::Grid,
     petsc::{Direct, Report, Session, Stage, Vector, enter},
-    simulation::{Cost, FlowSolver, Moment, Past, Setup, Snapshot, Solution, check_steady_state, dynamics::Seen},
+    simulation::{Configuration, Cost, FlowSolver, Past, Seen, Setup, Snapshot, Solution, WallForces, check_steady_state},
 };
 
 /// A suspension in 2D whose flow is found on a mesh that fits the bodies.
@@ -38,6 +38,10 @@ impl<const D: usize> FittedFlow<D> {
     /// # Errors
     /// The grid on which the flow is shown or the rank count does not fit, or no steady state exists.
     pub fn new(session: &Session, setup: Setup<D>) -> Result<FittedFlow<D>> {
+        if !setup.interactions.is_empty() {
+            let refused = "method.constraint = \"fitted\": meshes that follow bodies know of no interactions; choose another method";
+            return Err(Error::refused(refused));
+        }
         check_steady_state(&setup)?;
         let world = session.world();
         let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
@@ -82,10 +86,10 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
 
     fn solve(&mut self, seen: Seen) -> Result<Solution<D>> {
         let centers: Vec<SVector<f64, D>> = self.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        self.solve_at(&Moment { centers: &centers, time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 0.0 }, seen)
+        self.solve_at(&Configuration { centers: &centers, time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 0.0 }, seen)
     }
 
-    fn solve_at(&mut self, moment: &Moment<D>, seen: Seen) -> Result<Solution<D>> {
+    fn solve_at(&mut self, moment: &Configuration<D>, seen: Seen) -> Result<Solution<D>> {
         let (stage, start) = (enter(Stage::SetUp), Instant::now());
         let mesh = self.mesh_at(moment.centers, moment.time)?;
         self.cost.setup = start.elapsed().as_secs_f64();
@@ -160,16 +164,19 @@ impl<const D: usize> FittedFlow<D> {
             _ => spatial(&(-viscosity * flow.force)),
         };
         Ok(Solution {
-            directly_on_walls: [[SVector::zeros(); 2]; D],
             lubrication: None,
             bodies: states.map(|((disk, rigid), load)| state(disk, rigid, load, viscosity)).collect(),
             fluid: sample(&self.session, &self.grid, problem, (flow, found.mean_pressure))?,
             mean_velocity: spatial(&found.mean_velocity),
             pressure_gradient: gradient,
             contact_forces: Vec::new(),
-            walls: Some(std::array::from_fn(|axis| {
-                found.walls.get(axis).copied().unwrap_or_default().map(|force| spatial(&(viscosity * force)))
-            })),
+            pair_stress: None,
+            walls: WallForces {
+                forces: std::array::from_fn(|axis| {
+                    found.walls.get(axis).copied().unwrap_or_default().map(|force| spatial(&(viscosity * force)))
+                }),
+                complete: true,
+            },
         })
     }
 }

@@ -14,7 +14,7 @@ use crate::{
     geometry::Ball,
     grid::{Grid, operators::signed},
     petsc::{Report, Session, Stage, Vector, enter},
-    simulation::{Cost, InclusionState, ScalarSetup, ScalarSolution, dynamics::Seen},
+    simulation::{Cost, InclusionState, ScalarSetup, ScalarSolution, Seen},
 };
 
 /// The scalar problem in 2D on a mesh that fits the inclusions.

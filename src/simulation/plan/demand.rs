@@ -13,7 +13,7 @@ use crate::{
     simulation::{
         Setup, SuspendedBody,
         placement::{self, Asked},
-        setup::suspended,
+        resolve::suspended,
     },
 };
 

@@ -1,11 +1,12 @@
 //! The effects of a scene: what is built for each, and which are off.
 
-use super::memory::distinct_laplacians;
+use super::{Plan, memory::distinct_laplacians};
 use crate::{
     constraint::Method,
     flow::{Drive, InverseMethod},
     grid::Grid,
-    scene::{ContactModel, Motion, Scene, Scheme, Step},
+    interaction::{Interaction, Interactions},
+    scene::{Motion, Scene, Scheme, Step},
     simulation::{Setup, beat::Beat},
 };
 
@@ -82,9 +83,8 @@ fn sliding<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> String {
 }
 
 /// Effects of motion, which a fluid and dry bodies share.
-///
-/// `longest` is the longest step with which contact is stable.
-pub fn in_time(scene: &Scene, longest: f64) -> Vec<Effect> {
+pub fn in_time<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
+    let scene = &plan.scene;
     let motion = scene.time.as_ref().map(|time| {
         let step = match time.step {
             Step::Fixed(step) => format!("steps of {step}"),
@@ -101,37 +101,27 @@ pub fn in_time(scene: &Scene, longest: f64) -> Vec<Effect> {
         });
         format!("to time {} by the {scheme} rule, {step}{until}", time.end)
     });
-    let contact = match scene.contact.model {
-        ContactModel::None => None,
-        ContactModel::Inelastic => Some("inelastic, one quadratic program a step, split into islands".to_owned()),
-        ContactModel::Gluey { gamma_min } => {
-            let least = gamma_min.map_or("without limit".to_owned(), |least| format!("down to {least}"));
-            Some(format!("gluey, one quadratic program a step, split into islands, and a memory for each contact that sticks, {least}"))
-        }
-        ContactModel::Repulsion { stiffness, range } => {
-            Some(format!("repulsion of stiffness {stiffness} within {range} radii, stable with steps up to {longest:.3e}"))
-        }
-    };
     let frames = scene.time.as_ref().map(|_| format!("bodies every {}", scene.frame_interval()));
     let fields = frames.as_ref().filter(|_| scene.output.fields).map(|_| "velocity and pressure of each cell in every frame".to_owned());
     let pairs = scene.output.pairs.then(|| "distribution and neighbours, from the frames once the run has ended".to_owned());
     let picture = scene.output.picture.then(|| "at the end".to_owned());
     let effect = |(name, built)| Effect { name, built };
-    let of_motion = [("motion in time", motion), ("lubrication", lubrication(scene)), ("contact", contact)];
-    of_motion
-        .into_iter()
-        .chain([("frames", frames), ("fields output", fields), ("pair distribution", pairs), ("picture", picture)])
-        .map(effect)
-        .collect()
+    let of_output = [("frames", frames), ("fields output", fields), ("pair distribution", pairs), ("picture", picture)];
+    let motion = std::iter::once(effect(("motion in time", motion)));
+    motion.chain(interactions(plan)).chain(of_output.map(effect)).collect()
 }
 
-fn lubrication(scene: &Scene) -> Option<String> {
-    let roughness = scene.lubrication.roughness()?;
-    let pores = if scene.dimension() == 2 { " and the pores between them" } else { "" };
-    Some(format!(
-        "what modes miss of films between near bodies and walls, pair by pair; no gap below {roughness} radii; \
-         one sparse matrix of the bodies' motions{pores} preconditions it"
-    ))
+/// What bodies do to each other; of the usual effects also those that are off.
+fn interactions<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
+    let longest = plan.longest_step();
+    let stable = |limits: bool| if limits { format!(", stable with steps up to {longest:.3e}") } else { String::new() };
+    let on = |interaction: &dyn Interaction<D>| {
+        Effect::on(interaction.name(), interaction.describe() + &stable(interaction.steepest(1.0) > 0.0))
+    };
+    let built: Vec<Effect> = plan.interactions().into_iter().flat_map(Interactions::iter).map(on).collect();
+    let absent = |name: &&str| built.iter().all(|effect| effect.name != *name);
+    let off: Vec<Effect> = ["lubrication", "contact"].into_iter().filter(absent).map(Effect::off).collect();
+    built.into_iter().chain(off).collect()
 }
 
 /// The weight of free bodies that differ from the fluid in density.

@@ -1,13 +1,13 @@
 //! The plan of a fitted mesh, which is made for it: nothing else tells how many elements gaps take.
 
 use super::{
-    FluidPlan, Plan,
+    Plan,
     effects::{Effect, drive, gravity, in_time},
+    report::{GridPlan, PlanReport},
 };
 use crate::{
     error::Result,
     grid::Grid,
-    scene::Scene,
     simulation::{ScalarSetup, Setup, closure::Closure, fitted},
 };
 
@@ -19,7 +19,7 @@ const FACTOR_BYTES: f64 = 180.0;
 const UNKNOWNS_PER_CELL: f64 = 2.309 * 4.5;
 
 /// The plan of a flow.
-pub fn flow<const D: usize>(scene: &Scene, setup: &Setup<D>, ranks: usize) -> Result<Plan> {
+pub fn flow<const D: usize>(plan: &Plan<D>, setup: &Setup<D>, ranks: usize) -> Result<PlanReport> {
     let (triangles, unknowns) = fitted::flow_size(setup)?;
     let free = setup.bodies.iter().filter(|suspended| suspended.body.free()).count();
     let mut effects = vec![
@@ -29,15 +29,15 @@ pub fn flow<const D: usize>(scene: &Scene, setup: &Setup<D>, ranks: usize) -> Re
         Effect::on("drive", drive(&setup.drive)),
         bodies(setup.bodies.len(), &format!("{free} of them free; ")),
         Effect::off("inertia"),
-        gravity(scene),
+        gravity(&plan.scene),
     ];
-    effects.extend(in_time(scene, f64::INFINITY));
+    effects.extend(in_time(plan));
     let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
-    Ok(plan(effects, &grid, unknowns, Closure::count(&setup.drive, &setup.domain)))
+    Ok(on_mesh(effects, &grid, unknowns, Closure::count(&setup.drive, &setup.domain)))
 }
 
 /// The plan of a scalar.
-pub fn scalar<const D: usize>(setup: &ScalarSetup<D>, ranks: usize) -> Result<Plan> {
+pub fn scalar<const D: usize>(setup: &ScalarSetup<D>, ranks: usize) -> Result<PlanReport> {
     let (triangles, unknowns) = fitted::scalar_size(setup)?;
     let mut effects = vec![
         Effect::on("scalar", mesh(triangles)),
@@ -46,7 +46,7 @@ pub fn scalar<const D: usize>(setup: &ScalarSetup<D>, ranks: usize) -> Result<Pl
     ];
     effects.extend(["pressure", "gravity", "rotation", "motion in time"].map(Effect::off));
     let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
-    Ok(plan(effects, &grid, unknowns, 0))
+    Ok(on_mesh(effects, &grid, unknowns, 0))
 }
 
 fn mesh(triangles: usize) -> String {
@@ -61,15 +61,15 @@ fn bodies(count: usize, more: &str) -> Effect {
 }
 
 /// A mesh, whose flow a grid shows.
-fn plan<const D: usize>(effects: Vec<Effect>, grid: &Grid<D>, unknowns: usize, closure_unknowns: usize) -> Plan {
-    let fluid = FluidPlan {
+fn on_mesh<const D: usize>(effects: Vec<Effect>, grid: &Grid<D>, unknowns: usize, closure_unknowns: usize) -> PlanReport {
+    let fluid = GridPlan {
         cells: grid.cells().to_vec(),
         blocks: grid.partition().ranks().to_vec(),
         grid_unknowns: unknowns - closure_unknowns,
         multiplier_unknowns: 0,
         closure_unknowns,
     };
-    Plan { effects, choice: None, fluid: Some(fluid), bytes: factor_bytes(unknowns as f64) }
+    PlanReport { effects, choice: None, fluid: Some(fluid), bytes: factor_bytes(unknowns as f64) }
 }
 
 fn factor_bytes(unknowns: f64) -> f64 {

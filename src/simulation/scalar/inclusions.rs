@@ -124,7 +124,7 @@ impl<const D: usize> Inclusions<D> {
         let mut system = ScalarSystem { matrix, inverse, blocks, scale, work };
         let (mut x, mut residual) = (rhs.like()?, rhs.like()?);
         let stage = enter(Stage::Orthogonalisation);
-        self.cost.krylov = krylov.solve(&mut system, (&rhs, &mut x), seen)?;
+        self.cost.krylov = krylov.solve(&mut system, &rhs, &mut x, seen)?;
         drop(stage);
         system.apply(&x, &mut residual)?;
         residual.add(-1.0, &rhs)?;

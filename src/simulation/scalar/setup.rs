@@ -10,7 +10,7 @@ use crate::{
     scene::{ConstraintMethod, Drive, MultiplierSolver, Scene, Tolerance},
     simulation::{
         placement::{bodies, domain},
-        setup::suspended_bodies,
+        resolve::suspended_bodies,
     },
     surface::ScalarModes,
 };

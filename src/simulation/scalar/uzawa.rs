@@ -155,7 +155,7 @@ impl UzawaSystem<'_> {
         }
         self.blocks.spread(1.0, &multipliers.local()?, field_out)?;
         let mut system = EmptyBox { matrix: self.matrix, inverse: self.inverse, stages };
-        Ok(krylov.solve(&mut system, (field_out, field_in), &mut |_, _| {})?.iterations)
+        Ok(krylov.solve(&mut system, field_out, field_in, &mut |_, _| {})?.iterations)
     }
 
     /// The scalar on surfaces without its means.

@@ -12,7 +12,7 @@ use crate::{
     output::Progress,
     petsc::Session,
     scene::Scene,
-    simulation::{Plan, Setup, Solution, Suspension},
+    simulation::{FlowSolver, Plan, Setup, Solution, Suspension},
 };
 
 /// Cells per radius of the first grid.
@@ -112,7 +112,7 @@ impl<'a, const D: usize> Ladder<'a, D> {
         let largest = balls.iter().map(|ball| ball.radius).fold(0.0, f64::max);
         let near = near_walls(&setup.domain, &balls, largest);
         let beside_walls = near.iter().any(|pair| pair.gap < balls[pair.body].radius);
-        FEWEST_GRIDS[usize::from(beside_walls || setup.lubrication.is_some())]
+        FEWEST_GRIDS[usize::from(beside_walls || setup.interactions.resist())]
     }
 
     /// Builds the next grid in place of this one.
@@ -122,7 +122,7 @@ impl<'a, const D: usize> Ladder<'a, D> {
             Some(&next) => next,
             None => next::<D>(cells, worst.map_or(1.0, |worst| worst.error / accuracy)),
         };
-        let needed = Plan::of::<D>(&resolved(scene, finer), session.world().size())?.bytes();
+        let needed = Plan::<D>::of(&resolved(scene, finer))?.report(session.world().size())?.bytes();
         drop(suspension);
         if cells >= FINEST[D - 2] || needed > session.world().available_memory_bytes() {
             return Err(unmet(scene, accuracy, (cells, worst), (finer, needed)));

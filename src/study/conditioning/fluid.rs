@@ -75,7 +75,7 @@ fn row<const D: usize>(session: &Session, walls: usize, cells: usize) -> Result<
     let rhs = right_hand_side(&stokes, &grid)?;
     let setup_seconds = inverse.setup_seconds();
     let mut x = stokes.vector()?;
-    let hypre = FluidSystem { stokes: &stokes, inverse: Some(&mut inverse) }.solve((&rhs, &mut x), TOLERANCE, MOST_ITERATIONS)?;
+    let hypre = FluidSystem { stokes: &stokes, inverse: Some(&mut inverse) }.solve(&rhs, &mut x, TOLERANCE, MOST_ITERATIONS)?;
     let plain = match plain_iterations(&stokes, &rhs) {
         Ok(iterations) => Some(iterations),
         Err(Error::Diverged(_)) => None,
@@ -130,7 +130,7 @@ fn plain_iterations<const D: usize>(stokes: &Stokes<D>, rhs: &Vector) -> Result<
     let (mut symmetric_rhs, mut x) = (rhs.like()?, rhs.like()?);
     symmetric_rhs.copy_from(rhs)?;
     negate(&stokes.balanced_fields()[D].0, &mut symmetric_rhs)?;
-    Ok(krylov.solve(&mut system, (&symmetric_rhs, &mut x), &mut |_, _| {})?.iterations)
+    Ok(krylov.solve(&mut system, &symmetric_rhs, &mut x, &mut |_, _| {})?.iterations)
 }
 
 /// Smooth waves and a step: energy at all scales.

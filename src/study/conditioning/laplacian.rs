@@ -125,7 +125,7 @@ impl<const D: usize> Problem<D> {
         krylov.keep_singular_values()?;
         let mut x = self.rhs.like()?;
         let mut system = Watched::new(&self.matrix, inverse);
-        krylov.solve(&mut system, (&self.rhs, &mut x), &mut |_, _| {})?;
+        krylov.solve(&mut system, &self.rhs, &mut x, &mut |_, _| {})?;
         let (largest, smallest) = krylov.extreme_singular_values()?;
         let history = system.history(self.energy_of_error(x)?, self.solution.dot(&self.rhs)?);
         let iterations = reached(&history)?;

@@ -114,7 +114,7 @@ pub fn periodic(disks: &[Ball<2>], motion: Motion<2>, cells: usize, order: usize
         drive: Drive::Shear(1.0),
         bodies: disks.iter().map(|&ball| SuspendedBody { body: Body { ball, motion }, order }).collect(),
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: crate::interaction::Interactions::default(),
         inverse: InverseMethod::Transform,
         tolerance: Tolerance::Auto,
     }

@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use super::facts::Facts;
 use crate::error::{Error, Result};
+pub use crate::linalg::norm;
 
 /// What can be measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -179,11 +180,6 @@ fn number(summary: &Value, place: &str) -> Option<f64> {
 
 fn numbers(value: &Value) -> Option<Vec<f64>> {
     value.as_array()?.iter().map(Value::as_f64).collect()
-}
-
-/// Root of the sum of squares.
-pub fn norm(values: &[f64]) -> f64 {
-    values.iter().map(|value| value * value).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]

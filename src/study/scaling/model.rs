@@ -14,7 +14,10 @@
 use serde::Serialize;
 
 use super::{arrangement::Shares, measurement::Measurement};
-use crate::flow::Transposes;
+use crate::{
+    flow::Transposes,
+    linalg::{line, proportion},
+};
 
 /// What is assumed of the network between ranks.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -88,17 +91,19 @@ impl Model {
         // of what is counted, transforms are known
         let sent = |count: fn(&Sample) -> f64, known: fn(&Shares) -> f64, unit: fn(&Shares) -> f64| {
             let others = |sample: &Sample| (count(sample) - iterations(sample) * known(&sample.shares)).max(0.0);
-            slope(shared.iter().map(|sample| (iterations(sample) * unit(&sample.shares), others(sample))))
+            proportion(shared.iter().map(|sample| (iterations(sample) * unit(&sample.shares), others(sample))))
         };
         let counted = Model {
-            setup: slope(samples.iter().map(|sample| (sample.shares.cells.most, sample.measured.setup))),
-            body: slope(samples.iter().map(|sample| (iterations(sample) * sample.shares.bodies.most, sample.measured.bodies))),
-            contact: slope(samples.iter().map(|sample| (sample.shares.all_bodies(), sample.measured.contacts))),
+            setup: proportion(samples.iter().map(|sample| (sample.shares.cells.most, sample.measured.setup))),
+            body: proportion(samples.iter().map(|sample| (iterations(sample) * sample.shares.bodies.most, sample.measured.bodies))),
+            contact: proportion(samples.iter().map(|sample| (sample.shares.all_bodies(), sample.measured.contacts))),
             rest: samples.iter().map(|sample| sample.measured.rest).sum::<f64>() / samples.len() as f64,
             messages: sent(|sample| sample.measured.parallel.messages.most, |_| 0.0, |shares| shares.neighbours),
             bytes: sent(|sample| sample.measured.parallel.bytes.most, |shares| shares.transposes.bytes, |shares| shares.halo),
             collectives: sent(|sample| sample.measured.parallel.collectives.most, |shares| shares.transposes.count, |_| 1.0),
-            memory: line(all.iter().map(|sample| (sample.shares.cells.most, sample.measured.parallel.memory_bytes.most))),
+            memory: line(
+                &all.iter().map(|sample| (sample.shares.cells.most, sample.measured.parallel.memory_bytes.most)).collect::<Vec<_>>(),
+            ),
             cell: 0.0,
             network,
             misfit: 0.0,
@@ -107,7 +112,7 @@ impl Model {
             let cells = iterations(sample) * sample.shares.cells.most;
             (cells, sample.measured.grid - counted.network_seconds(&sample.shares, iterations(sample)))
         };
-        let model = Model { cell: slope(samples.iter().map(of_cells)).max(0.0), ..counted };
+        let model = Model { cell: proportion(samples.iter().map(of_cells)).max(0.0), ..counted };
         let missed = |sample: &&Sample| {
             let measured = sample.measured.seconds() * sample.measured.steps as f64;
             (model.predict(&sample.shares, iterations(sample)).seconds / measured - 1.0).abs()
@@ -142,23 +147,6 @@ impl Model {
             + (bytes + iterations * (shares.cycle_bytes - kept)) / bandwidth
             + (collectives - iterations * count) * ranks.log2() * latency
     }
-}
-
-/// Least squares of `y = a x`.
-fn slope(points: impl Iterator<Item = (f64, f64)>) -> f64 {
-    let (product, square) = points.fold((0.0, 0.0), |(product, square), (x, y)| (product + x * y, square + x * x));
-    if square > 0.0 { product / square } else { 0.0 }
-}
-
-/// Least squares of `y = a + b x`, if two abscissas differ.
-fn line(points: impl Iterator<Item = (f64, f64)>) -> Option<[f64; 2]> {
-    let points: Vec<(f64, f64)> = points.collect();
-    let count = points.len() as f64;
-    let mean = |value: fn(&(f64, f64)) -> f64| points.iter().map(value).sum::<f64>() / count;
-    let (x, y) = (mean(|point| point.0), mean(|point| point.1));
-    let spread: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
-    let b = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum::<f64>() / spread;
-    (spread > 0.0).then_some([y - b * x, b])
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ use crate::{
     observe::{self, Viscosity},
     petsc::Session,
     scene::{ConstraintMethod, Tolerance},
-    simulation::{Setup, Solution, SuspendedBody, Suspension},
+    simulation::{FlowSolver, Setup, Solution, SuspendedBody, Suspension},
 };
 
 /// Far below the errors that are measured.
@@ -90,7 +90,7 @@ fn setup<const D: usize>(length: f64, axes: [Axis<D>; D], spacing: f64, drive: D
         drive,
         bodies,
         constraint: ConstraintMethod::Sharp,
-        lubrication: None,
+        interactions: crate::interaction::Interactions::default(),
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(TOLERANCE),
     }

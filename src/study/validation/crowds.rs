@@ -8,7 +8,7 @@ use crate::{
     output::say,
     petsc::Session,
     scene::Scene,
-    simulation::{Setup, Suspension},
+    simulation::{FlowSolver, Setup, Suspension},
 };
 
 /// A crowd in a periodic box in shear, bodies of radius 1.

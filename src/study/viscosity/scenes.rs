@@ -84,7 +84,11 @@ mod tests {
                 assert_eq!(scene.end(), setting.strain.unwrap_or(0.0));
             }
             let scene = Scene::parse("scene", Path::new(""), &setting.sheared(2.0).scene().unwrap(), &[]).unwrap();
-            let plan = if dimension == 2 { Plan::of::<2>(&scene, 1) } else { Plan::of::<3>(&scene, 1) };
+            let plan = if dimension == 2 {
+                Plan::<2>::of(&scene).and_then(|plan| plan.report(1))
+            } else {
+                Plan::<3>::of(&scene).and_then(|plan| plan.report(1))
+            };
             assert!(plan.unwrap().to_string().contains("built      contact"));
         }
     }

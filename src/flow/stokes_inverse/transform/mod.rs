@@ -4,7 +4,6 @@
 //! for every wave along the others, and the same way leads back. Where images slide, the axis across the seam comes last: for every
 //! wave along x the displacement of the images is a phase.
 
-mod banded;
 mod channel;
 mod fourier;
 mod lines;
@@ -12,7 +11,6 @@ mod periodic;
 mod seam;
 mod stages;
 mod symbols;
-mod tridiagonal;
 mod wall_to_wall;
 
 use std::{ops::Range, time::Instant};

@@ -15,8 +15,10 @@
 
 use rustfft::num_complex::Complex;
 
-use super::{banded::Banded, tridiagonal::Tridiagonal};
-use crate::grid::stencil::BESIDE_WALL;
+use crate::{
+    grid::stencil::BESIDE_WALL,
+    linalg::{Banded, Tridiagonal},
+};
 
 type Coupled = Banded<3, 7>;
 

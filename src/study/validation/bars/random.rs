@@ -10,7 +10,7 @@ use crate::{
     error::{Error, Result},
     petsc::Session,
     scene::Scene,
-    simulation::{Setup, Suspension},
+    simulation::{FlowSolver, Setup, Suspension},
     study::{Answer, Quantity},
 };
 

@@ -10,6 +10,7 @@ use crate::{
     error::Result,
     flow::{Drive, InverseMethod},
     geometry::{Axis, Domain},
+    interaction::{Interactions, Lubrication},
     petsc::Session,
     scene::Tolerance,
     simulation::Setup,
@@ -84,6 +85,11 @@ impl Ensemble {
         let centers = equilibrium(&domain, &vec![radius; self.bodies], GAP, seed)?;
         let bodies = centers.into_iter().map(|center| suspended(center, radius, free(), self.order)).collect();
         let setup = setup(1.0, [Axis::Periodic; D], radius / self.cells_per_radius, Drive::Shear(1.0), bodies);
-        Ok(Setup { inverse: InverseMethod::Transform, tolerance: Tolerance::Fixed(TOLERANCE), lubrication: Some(ROUGHNESS), ..setup })
+        Ok(Setup {
+            inverse: InverseMethod::Transform,
+            tolerance: Tolerance::Fixed(TOLERANCE),
+            interactions: Interactions::default().with(Lubrication::new(ROUGHNESS)),
+            ..setup
+        })
     }
 }

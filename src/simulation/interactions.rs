@@ -1,4 +1,4 @@
-//! The law of contact of a scene in the units of its run, and the longest step with which it is stable.
+//! The interactions that a scene calls for, in the units of its run, and the longest step with which they are stable.
 //!
 //! The stiffness of a repulsion counts in the force that drives bodies. In a flow that is the largest of: the force on a free
 //! body, `mu rate a^(D-1)` of walls or background in shear, `mu U a^(D-2)` of a mean velocity or of bodies whose motion is given,
@@ -6,13 +6,15 @@
 //! radius `a`. In a dry run it is the energy of the hardest impact to be expected, `m U^2 + |f| L`, over `a`, with the largest
 //! mass, speed at the start and force and the longest edge `L` of the box.
 
+use std::rc::Rc;
+
 use super::{DryBody, Setup};
 use crate::{
     body::{Motion, Twist},
-    contact::{Law, Repulsion},
     error::Result,
     flow::Drive,
     geometry::{Axis, Domain},
+    interaction::{Gluey, Inelastic, Interaction, Interactions, Repulsion, Touch},
     scene::{ContactModel, Scene, Step},
 };
 
@@ -23,19 +25,20 @@ const DRY_STEP: f64 = 0.4;
 /// two-step rule is stable up to the rate `1 / step`; bodies that nearly touch resist several times as much.
 const FLOW_STEP: f64 = 0.2;
 
-/// The law of contact between dry bodies.
-pub fn of_dry<const D: usize>(model: ContactModel, domain: &Domain<D>, bodies: &[DryBody<D>]) -> Law {
-    resolved(model, || {
+/// The interactions of dry bodies.
+pub fn of_dry<const D: usize>(scene: &Scene, domain: &Domain<D>, bodies: &[DryBody<D>]) -> Interactions<D> {
+    let contact = contact(scene.contact.model, || {
         let largest = |number: fn(&DryBody<D>) -> f64| bodies.iter().map(number).filter(|number| number.is_finite()).fold(0.0, f64::max);
         let (mass, speed) = (largest(|body| body.mass), largest(|body| body.twist.velocity.norm()));
         let force = largest(|body| if body.mass.is_finite() { body.mass * body.acceleration.norm() } else { 0.0 });
         (mass * speed * speed + force * domain.size.max()) / largest(|body| body.radius)
-    })
+    });
+    Interactions::new(contact)
 }
 
-/// The law of contact between bodies in a flow.
-pub fn of_flow<const D: usize>(model: ContactModel, setup: &Setup<D>) -> Law {
-    resolved(model, || {
+/// The interaction of a contact model between bodies in a flow.
+pub fn contact_in_flow<const D: usize>(model: ContactModel, setup: &Setup<D>) -> Option<Rc<dyn Interaction<D>>> {
+    contact(model, || {
         let radius = setup.bodies.iter().map(|suspended| suspended.body.ball.radius).fold(0.0, f64::max);
         let (surface, viscosity) = (radius.powi(D as i32 - 1), setup.viscosity);
         let of_body = |motion: Motion<D>| match motion {
@@ -47,12 +50,13 @@ pub fn of_flow<const D: usize>(model: ContactModel, setup: &Setup<D>) -> Law {
     })
 }
 
-fn resolved(model: ContactModel, unit: impl FnOnce() -> f64) -> Law {
+/// The interaction of a contact model whose forces are in a unit.
+fn contact<const D: usize>(model: ContactModel, unit: impl FnOnce() -> f64) -> Option<Rc<dyn Interaction<D>>> {
     match model {
-        ContactModel::None => Law::None,
-        ContactModel::Inelastic => Law::Inelastic,
-        ContactModel::Gluey { gamma_min } => Law::Gluey { least: gamma_min.unwrap_or(f64::NEG_INFINITY) },
-        ContactModel::Repulsion { stiffness, range } => Law::Repulsion(Repulsion { touch: stiffness * unit(), range }),
+        ContactModel::None => None,
+        ContactModel::Inelastic => Some(Rc::new(Inelastic)),
+        ContactModel::Gluey { gamma_min } => Some(Rc::new(Gluey { least: gamma_min.unwrap_or(f64::NEG_INFINITY) })),
+        ContactModel::Repulsion { stiffness, range } => Some(Rc::new(Repulsion { touch: stiffness * unit(), range })),
     }
 }
 
@@ -77,31 +81,35 @@ fn drive<const D: usize>(setup: &Setup<D>, radius: f64) -> f64 {
     }
 }
 
-/// The longest stable step of dry bodies; infinite under a law without such a limit.
-pub fn longest_dry_step<const D: usize>(law: Law, bodies: &[DryBody<D>]) -> f64 {
-    let Law::Repulsion(repulsion) = law else { return f64::INFINITY };
+/// The longest stable step of dry bodies; infinite if no interaction limits it.
+pub fn longest_dry_step<const D: usize>(interactions: &Interactions<D>, bodies: &[DryBody<D>]) -> f64 {
     let [mass, radius] =
         [|body: &DryBody<D>| body.mass, |body: &DryBody<D>| body.radius].map(|of| bodies.iter().map(of).fold(f64::INFINITY, f64::min));
-    DRY_STEP * (mass / repulsion.steepest(radius)).sqrt()
+    limited(interactions.steepest(radius), |steepest| DRY_STEP * (mass / steepest).sqrt())
 }
 
-/// The longest stable step of bodies in a flow, of which each takes a force for a unit velocity; infinite under a law without such a limit.
-pub fn longest_step_in_flow<const D: usize>(law: Law, setup: &Setup<D>) -> f64 {
-    let Law::Repulsion(repulsion) = law else { return f64::INFINITY };
-    let free = setup.bodies.iter().filter(|suspended| suspended.body.free()).map(|suspended| suspended.body.ball.radius);
-    let resistance = free.map(|radius| setup.resistance(radius)).fold(f64::INFINITY, f64::min);
+/// The longest stable step of bodies in a flow, of which each takes a force for a unit velocity; infinite if no interaction limits it.
+pub fn longest_step_in_flow<const D: usize>(setup: &Setup<D>) -> f64 {
+    let free = setup.bodies.iter().filter(|suspended| suspended.body.free());
     let radius = setup.bodies.iter().map(|suspended| suspended.body.ball.radius).fold(f64::INFINITY, f64::min);
-    FLOW_STEP * resistance / repulsion.steepest(radius)
+    limited(setup.interactions.steepest(radius), |steepest| {
+        FLOW_STEP * free.map(|suspended| setup.resistance(&suspended.body.ball)).fold(f64::INFINITY, f64::min) / steepest
+    })
 }
 
-/// Refuses a repulsion without a unit, and a fixed step that is too long for it.
-pub fn check(scene: &Scene, law: Law, longest: f64) -> Result<()> {
-    match (law, scene.time.as_ref().map(|time| time.step)) {
-        (Law::Repulsion(Repulsion { touch: 0.0, .. }), _) => {
+fn limited(steepest: f64, limit: impl FnOnce(f64) -> f64) -> f64 {
+    if steepest > 0.0 { limit(steepest) } else { f64::INFINITY }
+}
+
+/// Refuses a repulsion without a unit, and a fixed step that is too long for the interactions.
+pub fn check<const D: usize>(scene: &Scene, interactions: &Interactions<D>, longest: f64) -> Result<()> {
+    let soft = matches!(interactions.touch(), Some(Touch::Soft { .. }));
+    match scene.time.as_ref().map(|time| time.step) {
+        _ if soft && interactions.steepest(1.0) == 0.0 => {
             let remedy = "has no force to be measured by: nothing drives the bodies; give them gravity, a force, a velocity or a flow";
             Err(scene.refuse("contact.model", "\"repulsion\"", remedy))
         }
-        (_, Some(Step::Fixed(step))) if step > longest => {
+        Some(Step::Fixed(step)) if step > longest => {
             let remedy = format!(
                 "is too long for contact.model = \"repulsion\", which is stable up to {longest:.3e}; shorten it, set it to \"auto\", or lower \
                  contact.stiffness"

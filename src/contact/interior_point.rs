@@ -7,10 +7,8 @@
 //! each other (Friedlander and Orban 2012, doi:10.1007/s12532-012-0035-2). How many iterations it takes hardly depends
 //! on how many constraints there are, nor on how far from the guess they press.
 
-use super::{
-    cholesky::{Cholesky, dot},
-    program::Program,
-};
+use super::{cholesky::Cholesky, program::Program};
+use crate::linalg::dot;
 
 /// Products of slacks and multipliers at the start.
 const START: f64 = 1.0;
@@ -28,7 +26,7 @@ const BAND: [f64; 2] = [0.03, 30.0];
 const SHORTEST: f64 = 1e-5;
 
 /// Where the method stands.
-pub(super) struct Central<'a> {
+pub(super) struct InteriorPoint<'a> {
     program: &'a Program,
     /// The multipliers, all positive.
     pub multipliers: Vec<f64>,
@@ -58,7 +56,7 @@ pub(super) struct Distance {
     pub work: f64,
 }
 
-impl<'a> Central<'a> {
+impl<'a> InteriorPoint<'a> {
     /// Starts near a guess: where the path would be if slacks differed from multipliers by what they do there.
     pub fn new(program: &'a Program, guess: &[f64]) -> Self {
         let at_guess = program.slacks(guess);
@@ -70,10 +68,10 @@ impl<'a> Central<'a> {
         let slacks: Vec<f64> = at_guess.iter().zip(guess).map(slack).collect();
         let multipliers = slacks.iter().map(|slack| START / slack).collect();
         let (unknowns, drift, openings) = (vec![0.0; program.transposed.m], vec![0.0; program.transposed.m], vec![0.0; slacks.len()]);
-        let mut central = Self { program, multipliers, damped: slacks.clone(), slacks, unknowns, openings, drift };
-        program.push(&central.multipliers, &mut central.unknowns);
-        central.measure();
-        central
+        let mut point = Self { program, multipliers, damped: slacks.clone(), slacks, unknowns, openings, drift };
+        program.apply_transpose(&point.multipliers, &mut point.unknowns);
+        point.measure();
+        point
     }
 
     /// How far from the solution this is.
@@ -143,12 +141,12 @@ impl<'a> Central<'a> {
         let push = |row: usize, slack: f64| -(products[row] + self.multipliers[row] * slack) / self.damped[row];
         let mut multipliers: Vec<f64> = slacks.iter().enumerate().map(|(row, &slack)| push(row, slack)).collect();
         let mut unknowns = vec![0.0; self.unknowns.len()];
-        self.program.push(&multipliers, &mut unknowns);
+        self.program.apply_transpose(&multipliers, &mut unknowns);
         if whole {
             unknowns.iter_mut().zip(&self.drift).for_each(|(unknown, drift)| *unknown -= drift);
         }
         factors.solve(&mut unknowns);
-        self.program.open(&unknowns, &mut multipliers);
+        self.program.apply(&unknowns, &mut multipliers);
         for (row, (slack, multiplier)) in slacks.iter_mut().zip(&mut multipliers).enumerate() {
             *slack += *multiplier;
             *multiplier = push(row, *slack);
@@ -185,9 +183,9 @@ impl<'a> Central<'a> {
     }
 
     fn measure(&mut self) {
-        self.program.open(&self.unknowns, &mut self.openings);
+        self.program.apply(&self.unknowns, &mut self.openings);
         self.openings.iter_mut().zip(&self.program.offsets).for_each(|(opening, offset)| *opening += offset);
-        self.program.push(&self.multipliers, &mut self.drift);
+        self.program.apply_transpose(&self.multipliers, &mut self.drift);
         self.drift.iter_mut().zip(&self.unknowns).for_each(|(drift, unknown)| *drift = unknown - *drift);
         let pairs = self.slacks.iter().zip(&self.multipliers);
         self.damped.iter_mut().zip(pairs).for_each(|(damped, (slack, multiplier))| *damped = slack + DAMPING * multiplier);

@@ -1,12 +1,12 @@
-//! Groups of bodies that hang together: disjoint sets, joined one link at a time.
+//! Which bodies hang together: disjoint sets, joined one link at a time.
 
 /// Disjoint sets of bodies.
-pub(super) struct Groups {
+pub(super) struct UnionFind {
     /// A member of the same set, nearer to its representative; the representative names itself.
     parents: Vec<usize>,
 }
 
-impl Groups {
+impl UnionFind {
     /// Each of `count` bodies on its own.
     pub fn new(count: usize) -> Self {
         Self { parents: (0..count).collect() }
@@ -34,11 +34,11 @@ mod tests {
 
     #[test]
     fn a_set_is_represented_by_its_smallest_member() {
-        let mut groups = Groups::new(6);
+        let mut sets = UnionFind::new(6);
         for (one, two) in [(5, 4), (4, 2), (0, 3), (3, 0)] {
-            groups.join(one, two);
+            sets.join(one, two);
         }
-        let roots: Vec<_> = (0..6).map(|body| groups.root(body)).collect();
+        let roots: Vec<_> = (0..6).map(|body| sets.root(body)).collect();
         assert_eq!(roots, [0, 1, 2, 0, 2, 2]);
     }
 }

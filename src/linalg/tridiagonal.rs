@@ -1,4 +1,4 @@
-//! Diffusion along a line between walls, solved directly.
+//! Direct solution of symmetric tridiagonal systems, such as diffusion along a line.
 
 use std::ops::{Add, Mul};
 

@@ -7,8 +7,11 @@
 //!
 //! with `r` the range. The force and its slope are continuous; the slope is steepest, `2 touch / r`, from touch on.
 
-use super::{Contact, ContactForce, candidates};
-use crate::geometry::{Ball, Domain};
+use super::{Arrangement, Interaction, Touch};
+use crate::contact::{Contact, ContactForce};
+
+/// Overlap, in radii, at which it is too soft.
+const SOFT_OVERLAP: f64 = 0.02;
 
 /// A repulsion with its numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,17 +28,30 @@ impl Repulsion {
         let part = gap / (self.range * radius);
         self.touch * if part > 0.0 { (1.0 - part).max(0.0).powi(2) } else { 1.0 - 2.0 * part }
     }
+}
 
-    /// The steepest slope of the force, of bodies of which the smaller has this radius.
-    pub fn steepest(&self, radius: f64) -> f64 {
+impl<const D: usize> Interaction<D> for Repulsion {
+    fn name(&self) -> &'static str {
+        "contact"
+    }
+
+    fn describe(&self) -> String {
+        format!("repulsion of force {:.3e} at touch within {} radii", self.touch, self.range)
+    }
+
+    fn touch(&self) -> Option<Touch> {
+        Some(Touch::Soft { overlap: SOFT_OVERLAP, remedy: "raise contact.stiffness or contact.range" })
+    }
+
+    fn steepest(&self, radius: f64) -> f64 {
         2.0 * self.touch / (self.range * radius)
     }
 
-    /// All forces that act; a body whose weight is infinite feels none.
-    pub fn forces<const D: usize>(&self, domain: &Domain<D>, balls: &[Ball<D>], weights: &[f64]) -> Vec<ContactForce<D>> {
+    fn contact_forces(&self, arrangement: &Arrangement<D>) -> Vec<ContactForce<D>> {
+        let balls = arrangement.balls;
         let reach = self.range * balls.iter().map(|ball| ball.radius).fold(0.0, f64::max);
         let force = |contact: Contact<D>| ContactForce { contact, force: self.force(contact.gap, contact.smaller_radius(balls)) };
-        let mut forces: Vec<_> = candidates(domain, balls, weights, reach).into_iter().map(force).collect();
+        let mut forces: Vec<_> = arrangement.near(reach).into_iter().map(force).collect();
         forces.retain(|force| force.force > 0.0);
         forces
     }
@@ -52,8 +68,8 @@ mod tests {
         assert_eq!([repulsion.force(0.0, radius), repulsion.force(range, radius), repulsion.force(2.0 * range, radius)], [3.0, 0.0, 0.0]);
         let slope = |gap: f64| (repulsion.force(gap + 1e-7, radius) - repulsion.force(gap - 1e-7, radius)) / 2e-7;
         // continuous at touch and at the range; steepest from touch on
-        assert!((slope(0.0) + repulsion.steepest(radius)).abs() < 1e-3 && slope(range).abs() < 1e-3);
-        assert!((slope(-0.03) + repulsion.steepest(radius)).abs() < 1e-5);
-        assert!((slope(0.5 * range) + 0.5 * repulsion.steepest(radius)).abs() < 1e-5);
+        assert!((slope(0.0) + Interaction::<2>::steepest(&repulsion, radius)).abs() < 1e-3 && slope(range).abs() < 1e-3);
+        assert!((slope(-0.03) + Interaction::<2>::steepest(&repulsion, radius)).abs() < 1e-5);
+        assert!((slope(0.5 * range) + 0.5 * Interaction::<2>::steepest(&repulsion, radius)).abs() < 1e-5);
     }
 }

@@ -13,15 +13,24 @@ use super::{
 /// Guesses tried with each regularization.
 const GUESSES: usize = 8;
 /// A guess that differs from the one before in more rows, or in a greater part of all, is not followed: equations are then no way to the solution.
-const ASTRAY: (usize, f64) = (16, 0.01);
-/// What makes the matrix of repeated equations invertible, and how often the regularized solution is corrected:
-/// short steps, which lead to the active set also where many constraints neither press nor gape, and exact equations.
-const STAGES: [(f64, usize); 2] = [(1e-4, 2), (1e-6, 12)];
+const ASTRAY_ROWS: usize = 16;
+const ASTRAY_PART: f64 = 0.01;
+/// Short steps, which lead to the active set also where many constraints neither press nor gape, and exact equations.
+const STAGES: [Stage; 2] = [Stage { softness: 1e-4, corrections: 2 }, Stage { softness: 1e-6, corrections: 12 }];
 /// A residual of this many roundings of the largest multiplier is none.
 const ROUNDINGS: f64 = 8.0;
 
+/// How exactly the equations of an active set are solved.
+#[derive(Clone, Copy)]
+struct Stage {
+    /// What makes the matrix of repeated equations invertible.
+    softness: f64,
+    /// How often the regularized solution is corrected.
+    corrections: usize,
+}
+
 /// Multipliers at least as good as the guess: the best found, none negative.
-pub(super) fn polish(program: &Program, factors: &mut Cholesky, guess: &[f64]) -> Vec<f64> {
+pub(super) fn active_set_refine(program: &Program, factors: &mut Cholesky, guess: &[f64]) -> Vec<f64> {
     let mut best = Best::new(program, guess);
     for stage in STAGES {
         best.improve(program, factors, stage);
@@ -33,7 +42,7 @@ pub(super) fn polish(program: &Program, factors: &mut Cholesky, guess: &[f64]) -
 }
 
 /// Multipliers at least as good as the guess, by exact equations only.
-pub(super) fn sharpen(program: &Program, factors: &mut Cholesky, guess: &[f64]) -> Vec<f64> {
+pub(super) fn active_set_refine_exactly(program: &Program, factors: &mut Cholesky, guess: &[f64]) -> Vec<f64> {
     let mut best = Best::new(program, guess);
     best.improve(program, factors, STAGES[1]);
     best.multipliers
@@ -52,17 +61,17 @@ impl Best {
         Self { residual: program.residual(&multipliers), multipliers }
     }
 
-    fn improve(&mut self, program: &Program, factors: &mut Cholesky, stage: (f64, usize)) {
+    fn improve(&mut self, program: &Program, factors: &mut Cholesky, stage: Stage) {
         let mut trial = self.multipliers.clone();
         let mut earlier: Option<Vec<bool>> = None;
         for _ in 0..GUESSES {
             let slacks = program.slacks(&trial);
             let active: Vec<bool> = trial.iter().zip(&slacks).map(|(multiplier, slack)| multiplier > slack).collect();
             let changes = earlier.map(|earlier| active.iter().zip(&earlier).filter(|(now, before)| now != before).count());
-            if changes.is_some_and(|changes| changes == 0 || changes > ASTRAY.0.max((ASTRAY.1 * trial.len() as f64) as usize)) {
+            if changes.is_some_and(|changes| changes == 0 || changes > ASTRAY_ROWS.max((ASTRAY_PART * trial.len() as f64) as usize)) {
                 return;
             }
-            trial = meet(program, factors, &active, &trial, stage);
+            trial = solve_equations(program, factors, &active, &trial, stage);
             let found = Self::new(program, &trial);
             if found.residual < self.residual {
                 *self = found;
@@ -76,7 +85,8 @@ impl Best {
 }
 
 /// Multipliers, zero outside the active set, with which no active constraint has any slack: corrections by the augmented Lagrangian.
-fn meet(program: &Program, factors: &mut Cholesky, active: &[bool], guess: &[f64], (softness, corrections): (f64, usize)) -> Vec<f64> {
+fn solve_equations(program: &Program, factors: &mut Cholesky, active: &[bool], guess: &[f64], stage: Stage) -> Vec<f64> {
+    let Stage { softness, corrections } = stage;
     let mut multipliers: Vec<f64> = guess.iter().zip(active).map(|(guess, active)| if *active { guess.max(0.0) } else { 0.0 }).collect();
     let weights: Vec<f64> = active.iter().map(|active| if *active { 1.0 / softness } else { 0.0 }).collect();
     factors.factor(&weights);
@@ -90,9 +100,9 @@ fn meet(program: &Program, factors: &mut Cholesky, active: &[bool], guess: &[f64
         }
         earlier = largest;
         changes.iter_mut().zip(slacks.iter().zip(&weights)).for_each(|(change, (slack, weight))| *change = -slack * weight);
-        program.push(&changes, &mut unknowns);
+        program.apply_transpose(&changes, &mut unknowns);
         factors.solve(&mut unknowns);
-        program.open(&unknowns, &mut changes);
+        program.apply(&unknowns, &mut changes);
         for (row, multiplier) in multipliers.iter_mut().enumerate() {
             *multiplier -= (slacks[row] + changes[row]) * weights[row];
         }

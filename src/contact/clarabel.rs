@@ -5,7 +5,7 @@ use clarabel::{
     solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT},
 };
 
-use super::{program::Program, solver::Answer};
+use super::program::{Answer, Program};
 
 /// Relative to the largest gap, which may be far larger than the violations that matter.
 const FEASIBILITY: f64 = 1e-9;
@@ -13,7 +13,7 @@ const FEASIBILITY: f64 = 1e-9;
 const DUALITY_GAP: f64 = 1e-12;
 
 /// Solves a program; `None` if the solver does not accept it.
-pub(super) fn interior_point(program: &Program) -> Option<Answer> {
+pub(super) fn solve_by_clarabel(program: &Program) -> Option<Answer> {
     let unknowns = program.transposed.m;
     let metric = CscMatrix::identity(unknowns);
     let mut matrix = CscMatrix::from(program.transposed.t());

@@ -1,6 +1,6 @@
 //! Cholesky factors of a symmetric positive definite matrix whose rows begin where they have their first entry.
 
-use crate::constraint::dense::dot;
+use super::product::dot;
 
 /// The lower factor, row by row from the first entry of each to its diagonal.
 pub struct Skyline {

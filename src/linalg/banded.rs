@@ -1,4 +1,4 @@
-//! Direct solution of banded and tridiagonal systems, factored once.
+//! Direct solution of banded systems, factored once.
 
 use std::ops::{Mul, SubAssign};
 

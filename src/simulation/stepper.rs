@@ -1,14 +1,12 @@
 //! What moves bodies: the interface behind which a fluid, or inertia alone, drives a [`Simulation`](super::Simulation).
 
-use super::{Cost, FlowSolver, Past, Solution, State, pace::Stride};
+use super::{Cost, FlowSolver, Past, Seen, Solution, State, pace::Stride};
 use crate::{
     body::Twist,
-    contact::{Certificate, ContactForce, gluey::Stuck},
+    contact::{Adhesive, Certificate, ContactForce},
     error::Result,
+    interaction::PairForce,
 };
-
-/// Told of each iteration of a linear solver and its relative residual.
-pub type Seen<'a> = &'a mut dyn FnMut(usize, f64);
 
 /// What happens at one instant.
 pub struct View<const D: usize> {
@@ -16,6 +14,8 @@ pub struct View<const D: usize> {
     pub twists: Vec<Twist<D>>,
     /// Contacts and their forces.
     pub contacts: Vec<ContactForce<D>>,
+    /// Other forces that interactions know from where bodies are.
+    pub pair_forces: Vec<PairForce<D>>,
     /// The flow, if there is one.
     pub solution: Option<Solution<D>>,
     /// The step to take.
@@ -50,7 +50,7 @@ pub struct Travel<const D: usize> {
     /// Contacts and their forces, if they were found on the way.
     pub contacts: Vec<ContactForce<D>>,
     /// Contacts that stick from now on.
-    pub stuck: Vec<Stuck<D>>,
+    pub stuck: Vec<Adhesive<D>>,
     /// How well contacts were kept, if there are any to keep.
     pub certificate: Option<Certificate>,
     /// What it took.

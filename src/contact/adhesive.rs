@@ -1,0 +1,23 @@
+//! Contacts that hold on to what they touch.
+
+use super::{Identity, Partner};
+
+/// A contact that sticks, and its memory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Adhesive<const D: usize> {
+    /// The body.
+    pub body: usize,
+    /// What it sticks to.
+    pub partner: Partner,
+    /// Which image of the partner.
+    pub image: [i32; D],
+    /// Impulse with which it was pressed, as a negative number, over a unit: viscosity, or the reduced mass of the two.
+    pub gamma: f64,
+}
+
+impl<const D: usize> Adhesive<D> {
+    /// What tells its contact from all others.
+    pub fn identity(&self) -> Identity<D> {
+        (self.body, self.partner, self.image)
+    }
+}

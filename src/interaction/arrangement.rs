@@ -1,0 +1,102 @@
+//! What interactions see of the bodies, and the forces that they answer with.
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::{
+    contact::{Contact, ContactForce, candidates},
+    geometry::{Ball, Domain},
+};
+
+/// Bodies where they are.
+#[derive(Debug, Clone, Copy)]
+pub struct Arrangement<'a, const D: usize> {
+    /// The box.
+    pub domain: &'a Domain<D>,
+    /// The bodies; their centres need not lie in the box.
+    pub balls: &'a [Ball<D>],
+    /// Force that gives each body a unit velocity in unbounded fluid, or its mass where there is none; infinite where its motion is given.
+    pub weights: &'a [f64],
+    /// Viscosity of the fluid, if there is one.
+    pub viscosity: Option<f64>,
+}
+
+/// A force and torques on two near bodies, or on a body and a wall.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairForce<const D: usize> {
+    /// Which two, and how they lie.
+    pub contact: Contact<D>,
+    /// Force on the partner; the body has the opposite one.
+    pub force: SVector<f64, D>,
+    /// Torques on the body and on the partner, skew matrices. Together with that of the force they are zero for what has no preferred direction.
+    pub torques: [SMatrix<f64, D, D>; 2],
+}
+
+/// Force and torque on a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wrench<const D: usize> {
+    /// The force.
+    pub force: SVector<f64, D>,
+    /// The torque, a skew matrix.
+    pub torque: SMatrix<f64, D, D>,
+}
+
+impl<const D: usize> Arrangement<'_, D> {
+    /// Pairs of bodies, and bodies and walls, with a gap below `reach`; pairs of which neither can be moved are left out.
+    pub fn near(&self, reach: f64) -> Vec<Contact<D>> {
+        candidates(self.domain, self.balls, self.weights, reach)
+    }
+
+    /// The impulse that a memory of one stands for: viscosity, or where there is none the mass with which a gap resists being opened.
+    pub fn impulse_unit(&self, contact: &Contact<D>) -> f64 {
+        let inverse = |body: usize| 1.0 / self.weights[body];
+        self.viscosity.unwrap_or_else(|| 1.0 / (inverse(contact.body) + contact.other().map_or(0.0, inverse)))
+    }
+}
+
+impl<const D: usize> Wrench<D> {
+    /// None.
+    pub fn zero() -> Wrench<D> {
+        Wrench { force: SVector::zeros(), torque: SMatrix::zeros() }
+    }
+
+    /// The sum on each of so many bodies of contact forces and others.
+    pub fn on_bodies<'a>(
+        bodies: usize,
+        contacts: impl IntoIterator<Item = &'a ContactForce<D>>,
+        others: impl IntoIterator<Item = &'a PairForce<D>>,
+    ) -> Vec<Wrench<D>> {
+        let mut wrenches = vec![Wrench::zero(); bodies];
+        let mut add = |pair: PairForce<D>| {
+            let PairForce { contact, force, torques } = pair;
+            wrenches[contact.body].force -= force;
+            wrenches[contact.body].torque += torques[0];
+            if let Some(other) = contact.other() {
+                wrenches[other].force += force;
+                wrenches[other].torque += torques[1];
+            }
+        };
+        contacts.into_iter().map(PairForce::from).for_each(&mut add);
+        others.into_iter().copied().for_each(add);
+        wrenches
+    }
+}
+
+impl<const D: usize> PairForce<D> {
+    /// What it adds to the stress times volume, a pressure counting as negative: `-F r` for a partner at `r`, the torques being taken for half of it.
+    pub fn stress(&self) -> SMatrix<f64, D, D> {
+        let arm = self.contact.normal * self.contact.separation;
+        let moment = self.force * arm.transpose();
+        (moment + moment.transpose()) * -0.5
+    }
+
+    /// What all of them add, if there are any.
+    pub fn total_stress(forces: &[PairForce<D>]) -> Option<SMatrix<f64, D, D>> {
+        forces.iter().map(PairForce::stress).reduce(|sum, stress| sum + stress)
+    }
+}
+
+impl<const D: usize> From<&ContactForce<D>> for PairForce<D> {
+    fn from(&ContactForce { contact, force }: &ContactForce<D>) -> PairForce<D> {
+        PairForce { contact, force: contact.normal * force, torques: [SMatrix::zeros(); 2] }
+    }
+}

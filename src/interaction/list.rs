@@ -1,0 +1,109 @@
+//! All interactions of a run, asked as one.
+
+use std::{fmt, rc::Rc};
+
+use super::{Arrangement, Interaction, PairForce, Touch};
+use crate::{
+    constraint::{Crowd, Layout, lubrication::Films},
+    contact::{Adhesive, Contact, ContactForce},
+};
+
+/// A list of interactions; clones share them.
+#[derive(Clone, Default)]
+pub struct Interactions<const D: usize>(Vec<Rc<dyn Interaction<D>>>);
+
+impl<const D: usize> Interactions<D> {
+    /// These, and no others.
+    pub fn new(interactions: impl IntoIterator<Item = Rc<dyn Interaction<D>>>) -> Self {
+        Interactions(interactions.into_iter().collect())
+    }
+
+    /// These and another one.
+    pub fn with(mut self, interaction: impl Interaction<D> + 'static) -> Self {
+        self.0.push(Rc::new(interaction));
+        self
+    }
+
+    /// Each of them, to be shared with another list.
+    pub fn shared(&self) -> impl Iterator<Item = Rc<dyn Interaction<D>>> {
+        self.0.iter().cloned()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Each of them.
+    pub fn iter(&self) -> impl Iterator<Item = &dyn Interaction<D>> {
+        self.0.iter().map(Rc::as_ref)
+    }
+
+    /// How bodies notice that they touch: the hardest way of all.
+    pub fn touch(&self) -> Option<Touch> {
+        let hardest = |one, other| if one == Touch::Hard { one } else { other };
+        self.iter().filter_map(Interaction::touch).reduce(hardest)
+    }
+
+    /// Whether velocities are projected on those that keep bodies apart.
+    pub fn projects(&self) -> bool {
+        self.touch() == Some(Touch::Hard)
+    }
+
+    /// Whether any has rows in the coupled system.
+    pub fn resist(&self) -> bool {
+        self.iter().any(Interaction::resists)
+    }
+
+    /// See [`Interaction::contact_forces`].
+    pub fn contact_forces(&self, arrangement: &Arrangement<D>) -> Vec<ContactForce<D>> {
+        self.iter().flat_map(|interaction| interaction.contact_forces(arrangement)).collect()
+    }
+
+    /// See [`Interaction::pair_forces`].
+    pub fn pair_forces(&self, arrangement: &Arrangement<D>) -> Vec<PairForce<D>> {
+        self.iter().flat_map(|interaction| interaction.pair_forces(arrangement)).collect()
+    }
+
+    /// See [`Interaction::steepest`]; slopes add up.
+    pub fn steepest(&self, radius: f64) -> f64 {
+        self.iter().map(|interaction| interaction.steepest(radius)).sum()
+    }
+
+    /// See [`Interaction::lower_bounds`].
+    pub fn lower_bounds(&self, arrangement: &Arrangement<D>, memory: &[Adhesive<D>], step: f64) -> Vec<ContactForce<D>> {
+        self.iter().flat_map(|interaction| interaction.lower_bounds(arrangement, memory, step)).collect()
+    }
+
+    /// See [`Interaction::remember`].
+    pub fn remember(
+        &self,
+        arrangement: &Arrangement<D>,
+        memory: &[Adhesive<D>],
+        forces: &[ContactForce<D>],
+        step: f64,
+    ) -> Vec<Adhesive<D>> {
+        self.iter().flat_map(|interaction| interaction.remember(arrangement, memory, forces, step)).collect()
+    }
+
+    /// See [`Interaction::rows`].
+    pub fn rows(&self, crowd: &Crowd<D>, layout: &Layout) -> Films<D> {
+        self.iter().map(|interaction| interaction.rows(crowd, layout)).fold(Films::default(), Films::with)
+    }
+
+    /// See [`Interaction::resolved_at_walls`].
+    pub fn resolved_at_walls(&self, crowd: &Crowd<D>, layout: &Layout) -> Films<D> {
+        self.iter().map(|interaction| interaction.resolved_at_walls(crowd, layout)).fold(Films::default(), Films::with)
+    }
+
+    /// See [`Interaction::approach_resistance`].
+    pub fn approach_resistance(&self, contact: &Contact<D>, of: &dyn Fn(usize) -> (f64, usize)) -> f64 {
+        self.iter().map(|interaction| interaction.approach_resistance(contact, of)).sum()
+    }
+}
+
+impl<const D: usize> fmt::Debug for Interactions<D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.iter()).finish()
+    }
+}

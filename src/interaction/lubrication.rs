@@ -1,0 +1,62 @@
+//! Lubrication, pair by pair: what the modes of the multipliers miss of the films between near bodies and walls.
+
+use std::fmt;
+
+use super::Interaction;
+use crate::{
+    constraint::{
+        Crowd, Layout,
+        lubrication::{FilmTables, Films, approach, films, walls_seen},
+    },
+    contact::Contact,
+};
+
+/// Films whose resistance is tabulated ([`lubrication`](crate::constraint::lubrication)).
+pub struct Lubrication {
+    /// Gap, in radii of the smaller body, below which none counts as smaller.
+    pub roughness: f64,
+    tables: FilmTables,
+}
+
+impl Lubrication {
+    /// Films between surfaces of this roughness, in radii of the smaller body.
+    pub fn new(roughness: f64) -> Lubrication {
+        Lubrication { roughness, tables: FilmTables::default() }
+    }
+}
+
+impl fmt::Debug for Lubrication {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Lubrication").field("roughness", &self.roughness).finish_non_exhaustive()
+    }
+}
+
+impl<const D: usize> Interaction<D> for Lubrication {
+    fn name(&self) -> &'static str {
+        "lubrication"
+    }
+
+    fn describe(&self) -> String {
+        let (roughness, pores) = (self.roughness, if D == 2 { " and the pores between them" } else { "" });
+        format!(
+            "what modes miss of films between near bodies and walls, pair by pair; no gap below {roughness} radii; \
+             one sparse matrix of the bodies' motions{pores} preconditions it"
+        )
+    }
+
+    fn resists(&self) -> bool {
+        true
+    }
+
+    fn rows(&self, crowd: &Crowd<D>, layout: &Layout) -> Films<D> {
+        films((crowd, layout), &self.tables, self.roughness)
+    }
+
+    fn resolved_at_walls(&self, crowd: &Crowd<D>, layout: &Layout) -> Films<D> {
+        walls_seen((crowd, layout), &self.tables)
+    }
+
+    fn approach_resistance(&self, contact: &Contact<D>, of: &dyn Fn(usize) -> (f64, usize)) -> f64 {
+        approach::<D>(&self.tables, (of(contact.body), contact.other().map(of)), contact.gap, self.roughness).unwrap_or(0.0)
+    }
+}

@@ -1,0 +1,106 @@
+//! Interactions: what bodies do to each other and to walls besides the flow that is resolved.
+//!
+//! Each is one file that implements [`Interaction`]. A step asks every one of a list in turn for what it contributes, and knows none of them by name:
+//! forces that follow from where bodies are, bounds that keep them from overlapping, rows of the coupled system that resist relative motions, what is
+//! to be remembered, and how steep its forces are, which limits explicit steps. What an interaction does not have it leaves at the default, and then
+//! nothing is built for it.
+
+mod arrangement;
+mod gluey;
+mod inelastic;
+mod list;
+mod lubrication;
+mod repulsion;
+
+use std::fmt::Debug;
+
+pub use arrangement::{Arrangement, PairForce, Wrench};
+pub use gluey::Gluey;
+pub use inelastic::Inelastic;
+pub use list::Interactions;
+pub use lubrication::Lubrication;
+pub use repulsion::Repulsion;
+
+use crate::{
+    constraint::{Crowd, Layout, lubrication::Films},
+    contact::{Adhesive, Contact, ContactForce},
+};
+
+/// How bodies notice that they touch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Touch {
+    /// Velocities are projected on those with which nothing overlaps at the end of a step.
+    Hard,
+    /// Forces push bodies apart, which may overlap a little.
+    Soft {
+        /// Overlap, in radii, at which they are too weak.
+        overlap: f64,
+        /// What to do then.
+        remedy: &'static str,
+    },
+}
+
+/// What bodies do to each other and to walls. All numbers are in the units of the scene.
+pub trait Interaction<const D: usize>: Debug {
+    /// Its name among the effects of a plan.
+    fn name(&self) -> &'static str;
+
+    /// What is built for it, for the plan.
+    fn describe(&self) -> String;
+
+    /// How bodies notice contact by it, if they do.
+    fn touch(&self) -> Option<Touch> {
+        None
+    }
+
+    /// Forces along the lines of centres that follow from where bodies are, where they count as contacts.
+    fn contact_forces(&self, _arrangement: &Arrangement<D>) -> Vec<ContactForce<D>> {
+        Vec::new()
+    }
+
+    /// Other forces and torques that follow from where bodies are; the same on every rank.
+    fn pair_forces(&self, _arrangement: &Arrangement<D>) -> Vec<PairForce<D>> {
+        Vec::new()
+    }
+
+    /// The steepest slope of its forces, force over distance, between bodies of which the smallest has this radius: explicit steps are limited by it.
+    fn steepest(&self, _radius: f64) -> f64 {
+        0.0
+    }
+
+    /// Contacts that may pull, each with the least force that it may bear for a step, a negative number; sorted by [`Contact::identity`].
+    fn lower_bounds(&self, _arrangement: &Arrangement<D>, _memory: &[Adhesive<D>], _step: f64) -> Vec<ContactForce<D>> {
+        Vec::new()
+    }
+
+    /// What is remembered after a step with these contact forces.
+    fn remember(
+        &self,
+        _arrangement: &Arrangement<D>,
+        _memory: &[Adhesive<D>],
+        _forces: &[ContactForce<D>],
+        _step: f64,
+    ) -> Vec<Adhesive<D>> {
+        Vec::new()
+    }
+
+    /// Whether it has rows in the coupled system of fluid and bodies.
+    fn resists(&self) -> bool {
+        false
+    }
+
+    /// Relative motions that it resists, of near bodies that have a side on a body of this rank: unknown forces with rows of their own.
+    fn rows(&self, _crowd: &Crowd<D>, _layout: &Layout) -> Films<D> {
+        Films::default()
+    }
+
+    /// What the resolved flow resists already of the same motions between bodies of this rank and walls, for the preconditioner.
+    fn resolved_at_walls(&self, _crowd: &Crowd<D>, _layout: &Layout) -> Films<D> {
+        Films::default()
+    }
+
+    /// What its rows resist the approach of a contact by, force over velocity and viscosity; bodies have these radii and orders of modes.
+    fn approach_resistance(&self, _contact: &Contact<D>, _of: &dyn Fn(usize) -> (f64, usize)) -> f64 {
+        0.0
+    }
+}

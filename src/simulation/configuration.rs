@@ -1,0 +1,22 @@
+//! One configuration of bodies, whose flow is to be found.
+
+use nalgebra::SVector;
+
+use crate::{contact::ContactForce, interaction::Wrench};
+
+/// Where the bodies of a suspension are, and what is known of that instant.
+#[derive(Debug, Clone, Copy)]
+pub struct Configuration<'a, const D: usize> {
+    /// Centres of all bodies.
+    pub centers: &'a [SVector<f64, D>],
+    /// The time, to which the last solution is extrapolated.
+    pub time: f64,
+    /// Contacts that are held: their forces are unknowns, and those given are where the solve starts.
+    pub pressed: &'a [ContactForce<D>],
+    /// The step in which their gaps are to close, and no sooner.
+    pub step: f64,
+    /// Forces and torques on all bodies besides those of the setup; none if empty.
+    pub pushes: &'a [Wrench<D>],
+    /// Relative residual at which the solve ends.
+    pub tolerance: f64,
+}

@@ -1,0 +1,91 @@
+//! The report of a plan: its effects, unknowns and memory.
+
+use super::{
+    Model, Plan,
+    effects::{Effect, flow_effects, gravity, in_time},
+    fitted,
+    memory::{CONTACT_BYTES, bytes, multiplier_counts, scalar_bytes},
+    report::{GridPlan, PlanReport},
+};
+use crate::{
+    error::Result,
+    grid::Grid,
+    scene::ConstraintMethod,
+    simulation::{DrySetup, ScalarSetup, Setup, closure::Closure},
+};
+
+impl<const D: usize> Plan<D> {
+    /// What is built on so many ranks, and what it takes.
+    ///
+    /// # Errors
+    /// Bodies, grid or rank count do not fit.
+    pub fn report(&self, ranks: usize) -> Result<PlanReport> {
+        let on_mesh = self.scene.method.constraint == ConstraintMethod::Fitted;
+        match &self.model {
+            Model::Dry(setup) => Ok(self.of_dry(setup)),
+            Model::Scalar(setup) if on_mesh => fitted::scalar(setup, ranks),
+            Model::Scalar(setup) => of_scalar(setup, ranks),
+            Model::Flow(setup) if on_mesh => fitted::flow(self, setup, ranks),
+            Model::Flow(setup) => self.of_flow(setup, ranks),
+        }
+    }
+
+    fn of_dry(&self, setup: &DrySetup<D>) -> PlanReport {
+        let free = setup.bodies.iter().filter(|body| body.mass.is_finite()).count();
+        let mut effects = vec![
+            Effect::off("flow"),
+            Effect::on("bodies", format!("{}, {free} of them free", setup.bodies.len())),
+            Effect::on("inertia", "masses of the bodies".into()),
+            Effect::off("pressure"),
+            gravity(&self.scene),
+            Effect::on("rotation", "spins of the bodies".into()),
+        ];
+        effects.extend(in_time(self));
+        PlanReport { effects, choice: None, fluid: None, bytes: CONTACT_BYTES * setup.bodies.len() as f64 }
+    }
+
+    fn of_flow(&self, setup: &Setup<D>, ranks: usize) -> Result<PlanReport> {
+        let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
+        let (mut effects, counts) = (flow_effects(setup, &grid), multiplier_counts(setup, &grid));
+        effects.extend([Effect::off("inertia"), gravity(&self.scene)]);
+        effects.extend(in_time(self));
+        let fluid = GridPlan {
+            cells: grid.cells().to_vec(),
+            blocks: grid.partition().ranks().to_vec(),
+            grid_unknowns: grid.fluid_unknowns(),
+            multiplier_unknowns: counts.iter().sum(),
+            closure_unknowns: Closure::count(&setup.drive, &setup.domain),
+        };
+        Ok(PlanReport { effects, choice: None, fluid: Some(fluid), bytes: bytes(setup, (&grid, &counts), self.scene.time.is_some()) })
+    }
+}
+
+fn of_scalar<const D: usize>(setup: &ScalarSetup<D>, ranks: usize) -> Result<PlanReport> {
+    let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
+    let inclusions = match setup.inclusions.len() {
+        0 => Effect::off("inclusions"),
+        count => Effect::on("inclusions", format!("{count}, {}", setup.method)),
+    };
+    let source = format!("{} outside the inclusions", setup.source);
+    let gradient = setup.gradient.map(|gradient| format!("{:?}", gradient.as_slice()));
+    let effects = vec![
+        Effect::on("scalar", "one matrix, one multigrid hierarchy (hypre)".into()),
+        Effect { name: "source", built: (setup.source != 0.0).then_some(source) },
+        Effect { name: "mean gradient", built: gradient },
+        inclusions,
+    ]
+    .into_iter()
+    .chain(["pressure", "gravity", "rotation", "motion in time"].map(Effect::off))
+    .collect();
+    let counts = setup.counts(&grid);
+    let (grid_unknowns, multiplier_unknowns) = (grid.unknowns(D), counts.iter().sum::<usize>());
+    let fluid = GridPlan {
+        cells: grid.cells().to_vec(),
+        blocks: grid.partition().ranks().to_vec(),
+        grid_unknowns,
+        multiplier_unknowns,
+        closure_unknowns: 0,
+    };
+    let blocks: f64 = counts.iter().map(|&count| setup.method.bytes::<D>(count)).sum();
+    Ok(PlanReport { effects, choice: None, fluid: Some(fluid), bytes: scalar_bytes(&grid, multiplier_unknowns) + blocks })
+}

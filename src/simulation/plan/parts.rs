@@ -1,0 +1,122 @@
+//! What a scene calls for: its parts, settled before anything is built. What a plan prints is what is built from it, and nothing else.
+
+use crate::simulation::{DrySetup, FittedFlow, FlowSolver, ScalarSetup, Setup, Simulation, Suspension, beat::Beat, interactions};
+use crate::{
+    error::Result,
+    interaction::{Interaction, Interactions},
+    petsc::Session,
+    scene::{ConstraintMethod, FlowModel, Scene},
+};
+
+/// A scene of dimension `D` resolved: what is solved, and what bodies do to each other besides.
+#[derive(Debug, Clone)]
+pub struct Plan<const D: usize> {
+    /// The scene.
+    pub scene: Scene,
+    /// What is solved.
+    pub model: Model<D>,
+}
+
+/// What is solved, in numbers.
+#[derive(Debug, Clone)]
+pub enum Model<const D: usize> {
+    /// Bodies without a fluid.
+    Dry(DrySetup<D>),
+    /// A scalar around inclusions.
+    Scalar(ScalarSetup<D>),
+    /// Bodies in a flow.
+    Flow(Setup<D>),
+}
+
+impl<const D: usize> Plan<D> {
+    /// The plan of a scene; builds no matrix and solves nothing.
+    ///
+    /// # Errors
+    /// Bodies do not fit, or the scene asks for steps that are too long for its interactions.
+    pub fn of(scene: &Scene) -> Result<Plan<D>> {
+        let model = match scene.flow.model {
+            FlowModel::None => Model::Dry(DrySetup::of(scene)?),
+            FlowModel::Scalar => Model::Scalar(ScalarSetup::of(scene)?),
+            FlowModel::Stokes => Model::Flow(Setup::of(scene)?),
+        };
+        Plan { scene: scene.clone(), model }.checked()
+    }
+
+    /// The same with another interaction between bodies.
+    ///
+    /// # Errors
+    /// Steps are too long for it.
+    ///
+    /// # Panics
+    /// For a scalar problem, whose inclusions do not move.
+    pub fn with(mut self, interaction: impl Interaction<D> + 'static) -> Result<Plan<D>> {
+        let interactions = self.interactions_mut().expect("there are bodies to act on");
+        *interactions = std::mem::take(interactions).with(interaction);
+        self.checked()
+    }
+
+    /// What bodies do to each other, if they can.
+    pub fn interactions(&self) -> Option<&Interactions<D>> {
+        match &self.model {
+            Model::Dry(setup) => Some(&setup.interactions),
+            Model::Scalar(_) => None,
+            Model::Flow(setup) => Some(&setup.interactions),
+        }
+    }
+
+    fn interactions_mut(&mut self) -> Option<&mut Interactions<D>> {
+        match &mut self.model {
+            Model::Dry(setup) => Some(&mut setup.interactions),
+            Model::Scalar(_) => None,
+            Model::Flow(setup) => Some(&mut setup.interactions),
+        }
+    }
+
+    /// The longest step with which interactions are stable; infinite if they limit none.
+    pub fn longest_step(&self) -> f64 {
+        match &self.model {
+            Model::Dry(setup) => setup.longest_step(),
+            Model::Scalar(_) => f64::INFINITY,
+            Model::Flow(setup) => interactions::longest_step_in_flow(setup),
+        }
+    }
+
+    fn checked(self) -> Result<Plan<D>> {
+        if let (Some(interactions), true) = (self.interactions(), self.scene.time.is_some()) {
+            interactions::check(&self.scene, interactions, self.longest_step())?;
+        }
+        Ok(self)
+    }
+
+    /// The simulation in time that is planned. Collective.
+    ///
+    /// # Errors
+    /// Grid or rank count do not fit.
+    ///
+    /// # Panics
+    /// For a scene without a `[time]` section, and for a scalar problem.
+    pub fn simulation(self, session: &Session) -> Result<Simulation<D>> {
+        let time = self.scene.time.expect("the scene has a [time] section");
+        match self.model {
+            Model::Scalar(_) => panic!("a scalar problem has no time"),
+            Model::Dry(setup) => Ok(Simulation::dry(session, setup, time)),
+            Model::Flow(setup) => {
+                let flow = flow_solver(session, setup)?;
+                let beat = Beat::of(&flow.setup().domain, flow.grid());
+                let time = beat.map_or(Ok(time.clone()), |beat| beat.keep(&time))?;
+                Ok(Simulation::flowing(session, flow, time))
+            }
+        }
+    }
+}
+
+/// The solver that a setup's method of imposing rigidity calls for.
+///
+/// # Errors
+/// Bodies, grid or rank count do not fit, or no steady state exists.
+pub fn flow_solver<const D: usize>(session: &Session, setup: Setup<D>) -> Result<Box<dyn FlowSolver<D>>> {
+    match setup.constraint {
+        ConstraintMethod::Fitted => Ok(Box::new(FittedFlow::new(session, setup)?)),
+        _ => Ok(Box::new(Suspension::new(session, setup)?)),
+    }
+}

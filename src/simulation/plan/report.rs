@@ -1,0 +1,73 @@
+//! What a plan says: the effects that are built and those that are not, unknowns, memory.
+
+use std::fmt;
+
+use super::effects::Effect;
+
+/// The effects of a scene with their unknowns and memory.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlanReport {
+    pub(super) effects: Vec<Effect>,
+    /// How the resolution was chosen, or who is to choose it.
+    pub(super) choice: Option<String>,
+    pub(super) fluid: Option<GridPlan>,
+    pub(super) bytes: f64,
+}
+
+/// The grid and its unknowns.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct GridPlan {
+    pub cells: Vec<usize>,
+    pub blocks: Vec<usize>,
+    pub grid_unknowns: usize,
+    pub multiplier_unknowns: usize,
+    pub closure_unknowns: usize,
+}
+
+impl PlanReport {
+    /// The plan with a line that says how its resolution was chosen.
+    pub fn with_choice(self, choice: String) -> PlanReport {
+        PlanReport { choice: Some(choice), ..self }
+    }
+
+    /// The plan without grid, unknowns and memory, which take a resolution that is yet to be chosen in the way that is said.
+    pub fn undecided(self, choice: String) -> PlanReport {
+        PlanReport { fluid: None, bytes: f64::NAN, ..self.with_choice(choice) }
+    }
+
+    /// Unknowns of the grid and multipliers, if there is a grid.
+    pub fn unknowns(&self) -> Option<(usize, usize)> {
+        self.fluid.as_ref().map(|fluid| (fluid.grid_unknowns, fluid.multiplier_unknowns))
+    }
+
+    /// Bytes that it takes on all ranks together.
+    pub fn bytes(&self) -> f64 {
+        self.bytes
+    }
+}
+
+impl fmt::Display for PlanReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for Effect { name, built } in &self.effects {
+            match built {
+                Some(built) => writeln!(f, "built      {name}: {built}")?,
+                None => writeln!(f, "not built  {name}")?,
+            }
+        }
+        if let Some(choice) = &self.choice {
+            writeln!(f, "accuracy   {choice}")?;
+        }
+        if let Some(fluid) = &self.fluid {
+            writeln!(f, "grid       {:?} cells in {:?} blocks", fluid.cells, fluid.blocks)?;
+            writeln!(
+                f,
+                "unknowns   {} on the grid, {} multipliers, {} mean values",
+                fluid.grid_unknowns, fluid.multiplier_unknowns, fluid.closure_unknowns
+            )?;
+        }
+        if self.bytes.is_finite() {
+            writeln!(f, "memory     about {:.0} MB on all ranks", (self.bytes / 1e6).ceil())?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,320 @@
+//! Quasi-static motion: bodies carried by Stokes flow, whose velocities follow from their places, contact forces included.
+//!
+//! Contacts act in the flow: the contact model says who touches and presses, from velocities in unbounded fluid; the
+//! coupled system finds the forces that keep just these from approaching; both are repeated until they agree
+//! ([`QuasiStatic::agree`]). If they should go round in circles, one contact after the other is changed, the first one that is
+//! wrong (the least-index rule of Murty 1974, which ends for any positive definite mobility). Then bodies travel by the
+//! two-step rule `v + dt/(2 dt_last) (v - v_last)`, the midpoint rule or Euler's, and what the rule adds to `v` is
+//! projected once more, so that nothing overlaps whatever the step. The contact forces press on in this projection: else
+//! bodies that landed in the last step would bounce, as the rule looks back at the velocity with which they came.
+//!
+//! Contacts that stick may pull as much as takes their memory back: those that are held are unknowns as above, with forces of any
+//! sign; those that let go in the step pull with a known force, and act as the forces of a repulsion do.
+
+use std::time::Instant;
+
+use nalgebra::SVector;
+
+use super::{
+    Configuration, Dynamics, Effort, FlowSolver, Held, Moving, Past, Seen, Solution, State, Travel, View,
+    contact_step::{ContactStep, identities},
+    pace::{Pace, Stride, Urge},
+    rounds::Rounds,
+};
+use crate::{
+    body::Twist,
+    contact::{Adhesive, Certificate, ContactForce, Partner},
+    error::{Error, Result},
+    geometry::{Ball, Domain, near_pairs, near_walls},
+    interaction::{Arrangement, PairForce, Touch, Wrench},
+    petsc::Session,
+    scene::Scheme,
+};
+
+/// Rounds that flow and contacts are given to agree.
+const MOST_ROUNDS: usize = 60;
+
+/// Difference between the velocities by the flow and by the contact model, over the largest ([`fastest`]), that counts as agreement,
+/// unless the flow is solved to less. Films at roughness resist a million times more than bodies alone, and let velocities be known less well.
+const AGREEMENT: f64 = 1e-5;
+const AGREEMENT_IN_FILMS: f64 = 1e-4;
+
+/// Gap, in radii, up to which a contact of the last step is tried first.
+const MEMORY_REACH: f64 = 0.1;
+
+/// Overlap, in radii, at which a run in which bodies do not notice contact ends.
+const OVERLAP: f64 = 1e-6;
+
+/// Bodies carried by Stokes flow.
+pub struct QuasiStatic<const D: usize> {
+    session: Session,
+    suspension: Box<dyn FlowSolver<D>>,
+    pace: Pace,
+    /// Force that gives each body a unit velocity in unbounded fluid.
+    weights: Vec<f64>,
+}
+
+/// Velocities on which flow and contacts agree.
+struct Agreed<const D: usize> {
+    solution: Solution<D>,
+    twists: Vec<Twist<D>>,
+    contacts: Vec<ContactForce<D>>,
+    pair_forces: Vec<PairForce<D>>,
+    stride: Stride,
+}
+
+/// Bodies of a state in the box of its time.
+struct Placed<'a, const D: usize> {
+    state: &'a State<D>,
+    domain: Domain<D>,
+    balls: Vec<Ball<D>>,
+}
+
+impl<const D: usize> QuasiStatic<D> {
+    /// Bodies of a suspension that move at a pace.
+    pub fn new(session: &Session, mut suspension: Box<dyn FlowSolver<D>>, pace: Pace) -> QuasiStatic<D> {
+        suspension.remember(None);
+        let weights = suspension.resistances();
+        QuasiStatic { session: session.clone(), suspension, pace, weights }
+    }
+
+    fn placed<'a>(&self, state: &'a State<D>) -> Placed<'a, D> {
+        let domain = self.suspension.setup().domain.clone().at(state.time);
+        Placed { state, domain, balls: state.balls(&self.pace.radii) }
+    }
+
+    fn arrangement<'a>(&'a self, placed: &'a Placed<'a, D>) -> Arrangement<'a, D> {
+        let viscosity = Some(self.suspension.setup().viscosity);
+        Arrangement { domain: &placed.domain, balls: &placed.balls, weights: &self.weights, viscosity }
+    }
+
+    /// Contacts over a step from where bodies are.
+    fn contact_step<'a>(&'a self, placed: &'a Placed<'a, D>, step: f64) -> ContactStep<'a, D> {
+        let (arrangement, flow) = (self.arrangement(placed), self.suspension.as_ref());
+        let bounds = flow.setup().interactions.lower_bounds(&arrangement, &placed.state.stuck, step);
+        ContactStep { world: self.session.world(), flow, arrangement, bounds, step }
+    }
+
+    /// Velocities of bodies as their neighbours see them: where images slide, without what all take part in, but with what that does to neighbours.
+    fn deviatoric_velocities(&self, state: &State<D>, twists: &[Twist<D>]) -> Vec<SVector<f64, D>> {
+        let domain = &self.suspension.setup().domain;
+        let strain = domain.shear_rate().abs();
+        let deviatoric = |((body, twist), radius): ((&Moving<D>, &Twist<D>), &f64)| {
+            let own = twist.velocity - domain.carried(&body.center);
+            if strain > 0.0 { SVector::from_fn(|axis, _| if axis == 0 { own.norm() + strain * radius } else { 0.0 }) } else { own }
+        };
+        state.bodies.iter().zip(twists).zip(&self.pace.radii).map(deviatoric).collect()
+    }
+
+    /// The step to take with these motions.
+    fn stride(&self, state: &State<D>, twists: &[Twist<D>]) -> Stride {
+        let motions = self.deviatoric_velocities(state, twists).into_iter();
+        let motions: Vec<Urge<D>> = motions.map(|velocity| Urge { velocity, acceleration: SVector::zeros() }).collect();
+        self.pace.next(&motions, state.time, state.last_step)
+    }
+
+    /// Solves the flow with all forces that interactions know and with contacts that keep gaps open over the step to come.
+    fn agree(&mut self, state: &State<D>, effort: &mut Effort, seen: Seen) -> Result<Agreed<D>> {
+        let (placed, centers) = (self.placed(state), state.centers());
+        let setup = self.suspension.setup();
+        let (interactions, tightest) = (setup.interactions.clone(), setup.tolerance.at_an_instant());
+        let mut tolerance = setup.tolerance.in_a_step(self.travelled(state));
+        let touch = interactions.touch();
+        self.refuse_overlap(&placed, touch)?;
+        let known = interactions.contact_forces(&self.arrangement(&placed));
+        let pair_forces = interactions.pair_forces(&self.arrangement(&placed));
+        let agreement = if interactions.resist() { AGREEMENT_IN_FILMS } else { AGREEMENT };
+        let mut pressed = self.expected(&placed, touch)?;
+        let (mut chosen, mut step, mut difference) = (None, state.last_step, 0.0);
+        let mut rounds = Rounds::new();
+        for _ in 0..MOST_ROUNDS {
+            let loose = self.contact_step(&placed, step).loose(&pressed);
+            let pushes = Wrench::on_bodies(centers.len(), known.iter().chain(&loose), &pair_forces);
+            let moment = Configuration { centers: &centers, time: state.time, pressed: &pressed, step, pushes: &pushes, tolerance };
+            let mut solution = self.suspension.solve_at(&moment, seen)?;
+            effort.add_solve(self.suspension.cost());
+            let mut twists: Vec<Twist<D>> = solution.bodies.iter().map(|body| body.twist).collect();
+            let stride = *chosen.get_or_insert_with(|| self.stride(state, &twists));
+            if touch != Some(Touch::Hard) {
+                return Ok(Agreed { solution, twists, contacts: known, pair_forces, stride });
+            }
+            let start = Instant::now();
+            // not the length, which the end of the run cuts short: a run that ends later must find the same
+            step = if stride.natural > 0.0 { stride.natural } else { state.last_step };
+            pressed.iter_mut().zip(&solution.contact_forces).for_each(|(pressed, force)| pressed.force = *force);
+            let contacts = self.contact_step(&placed, step);
+            let unpressed = contacts.without_contacts(velocities(&twists), pressed.iter().chain(&loose));
+            let projection = contacts.project(&unpressed)?;
+            effort.contact += start.elapsed().as_secs_f64();
+            let scale = fastest(&twists, &unpressed);
+            let apart = largest_difference(&twists, &projection.velocities);
+            difference = apart / scale;
+            if difference <= agreement.max(tolerance) {
+                for ((twist, body), velocity) in twists.iter_mut().zip(&mut solution.bodies).zip(&projection.velocities) {
+                    (twist.velocity, body.twist.velocity) = (*velocity, *velocity);
+                }
+                let contacts = [known, projection.forces].concat();
+                return Ok(Agreed { solution, twists, contacts, pair_forces, stride });
+            }
+            let projected = contacts.closed(projection);
+            if identities(&projected) == identities(&pressed) {
+                // what is left of the residual may be what they differ by
+                tolerance = tightest.max(0.1 * tolerance);
+            }
+            let with_one_changed = |tried| contacts.with_one_changed(tried, &velocities(&twists), scale, AGREEMENT * scale);
+            pressed = rounds.next((apart, pressed), projected, with_one_changed);
+        }
+        Err(Error::Diverged(format!(
+            "at time {} flow and contacts do not agree after {MOST_ROUNDS} rounds (velocities differ by {difference:.1e}); \
+             a shorter time.step or a finer grid may help",
+            state.time
+        )))
+    }
+
+    /// The longest way of the last step, in radii of the body that went it.
+    fn travelled(&self, state: &State<D>) -> f64 {
+        let last: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
+        let velocities = self.deviatoric_velocities(state, &last).into_iter();
+        let ways = velocities.zip(&self.pace.radii).map(|(velocity, radius)| velocity.norm() / radius);
+        state.last_step * ways.fold(0.0, f64::max)
+    }
+
+    /// The contacts that are tried first.
+    fn expected(&self, placed: &Placed<D>, touch: Option<Touch>) -> Result<Vec<ContactForce<D>>> {
+        let state = placed.state;
+        if touch != Some(Touch::Hard) || state.last_step == 0.0 {
+            return Ok(Vec::new());
+        }
+        let reach = MEMORY_REACH * self.pace.radii.iter().copied().fold(f64::INFINITY, f64::min);
+        let velocities = state.bodies.iter().map(|body| body.twist.velocity).collect();
+        self.contact_step(placed, state.last_step).expected(&state.held, velocities, reach)
+    }
+
+    /// The contacts that stick after a step with these forces.
+    fn remembered(&self, placed: &Placed<D>, forces: &[ContactForce<D>], step: f64) -> Vec<Adhesive<D>> {
+        self.suspension.setup().interactions.remember(&self.arrangement(placed), &placed.state.stuck, forces, step)
+    }
+
+    /// Where nothing keeps bodies apart, or too weakly, they may overlap, and a flow has no meaning then.
+    fn refuse_overlap(&self, placed: &Placed<D>, touch: Option<Touch>) -> Result<()> {
+        let (overlap, remedy) = match touch {
+            Some(Touch::Hard) => return Ok(()),
+            Some(Touch::Soft { overlap, remedy }) => (overlap, remedy),
+            None => (OVERLAP, "set contact.model = \"inelastic\" or a shorter time.step"),
+        };
+        let Placed { state, domain, balls } = placed;
+        let pairs = near_pairs(domain, balls, 0.0).into_iter().map(|pair| (pair.first, pair.gap));
+        let walls = near_walls(domain, balls, 0.0).into_iter().map(|pair| (pair.body, pair.gap));
+        match pairs.chain(walls).find(|&(body, gap)| gap < -overlap * balls[body].radius) {
+            Some((body, gap)) => {
+                Err(Error::Diverged(format!("at time {} body {body} overlaps another or a wall by {:.1e}; {remedy}", state.time, -gap)))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// The motions by which bodies travel before contacts are kept.
+    fn rule(&mut self, state: &State<D>, view: &View<D>, effort: &mut Effort, seen: Seen) -> Result<Vec<Twist<D>>> {
+        match self.pace.time.scheme {
+            Scheme::Euler => Ok(view.twists.clone()),
+            Scheme::TwoStep if state.last_step > 0.0 => Ok(two_step(state, view, self.suspension.setup().interactions.projects())),
+            _ => self.midpoint(state, view, effort, seen),
+        }
+    }
+
+    /// Motions half a step ahead.
+    fn midpoint(&mut self, state: &State<D>, view: &View<D>, effort: &mut Effort, seen: Seen) -> Result<Vec<Twist<D>>> {
+        let half = 0.5 * view.stride.length;
+        let mut ahead = state.clone();
+        ahead.advance(&view.twists, half);
+        ahead.held = view.contacts.iter().map(Held::of).collect();
+        ahead.stuck = self.remembered(&self.placed(state), &view.contacts, half);
+        Ok(self.agree(&ahead, effort, seen)?.twists)
+    }
+}
+
+impl<const D: usize> Dynamics<D> for QuasiStatic<D> {
+    fn look(&mut self, state: &State<D>, seen: Seen) -> Result<View<D>> {
+        let mut effort = Effort::default();
+        let Agreed { mut solution, twists, contacts, pair_forces, stride } = self.agree(state, &mut effort, seen)?;
+        solution.pair_stress = PairForce::total_stress(&pair_forces);
+        let domain = self.placed(state).domain;
+        for (body, moving) in solution.bodies.iter_mut().zip(&state.bodies) {
+            // centres of solutions are in the box: so are the motions that go with them
+            body.twist.velocity -= domain.image_velocity(&moving.center);
+        }
+        Ok(View { twists, contacts, pair_forces, solution: Some(solution), stride, effort })
+    }
+
+    fn travel(&mut self, state: &State<D>, view: &View<D>, seen: Seen) -> Result<Travel<D>> {
+        let mut effort = Effort::default();
+        let mut moves = self.rule(state, view, &mut effort, seen)?;
+        let step = self.pace.shortened(&self.deviatoric_velocities(state, &moves), view.stride.length, state.last_step);
+        let (placed, start) = (self.placed(state), Instant::now());
+        let (mut stuck, mut certificate) = (Vec::new(), None);
+        match self.suspension.setup().interactions.touch() {
+            Some(Touch::Hard) => {
+                let contacts = self.contact_step(&placed, step);
+                let projection = contacts.project(&contacts.without_contacts(velocities(&moves), &view.contacts))?;
+                stuck = self.remembered(&placed, &projection.forces, step);
+                moves.iter_mut().zip(projection.velocities).for_each(|(twist, velocity)| twist.velocity = velocity);
+                certificate = Some(projection.certificate);
+            }
+            Some(Touch::Soft { .. }) => certificate = Some(Certificate::of_forces(&view.contacts, &placed.balls)),
+            None => {}
+        }
+        effort.contact += start.elapsed().as_secs_f64();
+        Ok(Travel { step, moves, twists: view.twists.clone(), contacts: view.contacts.clone(), stuck, certificate, effort })
+    }
+
+    fn suspension(&self) -> Option<&dyn FlowSolver<D>> {
+        Some(self.suspension.as_ref())
+    }
+
+    fn remember(&mut self, past: Past<D>) {
+        self.suspension.remember(Some(past));
+    }
+}
+
+/// `v + dt/(2 dt_last) (v - v_last)`; bodies that came into contact or out of it since the last step do not look back, if contact
+/// forces `jump`.
+fn two_step<const D: usize>(state: &State<D>, view: &View<D>, jump: bool) -> Vec<Twist<D>> {
+    let now: Vec<Held<D>> = view.contacts.iter().filter(|pressed| pressed.force != 0.0).map(Held::of).collect();
+    let (before, after) = (contacts_of(&state.held, state.bodies.len()), contacts_of(&now, state.bodies.len()));
+    let factor = 0.5 * view.stride.length / state.last_step;
+    let rule = |(body, (now, last)): (usize, (&Twist<D>, &Twist<D>))| {
+        if jump && before[body] != after[body] {
+            return *now;
+        }
+        Twist { velocity: now.velocity + (now.velocity - last.velocity) * factor, spin: now.spin + (now.spin - last.spin) * factor }
+    };
+    view.twists.iter().zip(state.bodies.iter().map(|body| &body.twist)).enumerate().map(rule).collect()
+}
+
+/// For each body its contacts, seen from it.
+fn contacts_of<const D: usize>(held: &[Held<D>], bodies: usize) -> Vec<Vec<(Partner, [i32; D])>> {
+    let mut of_body = vec![Vec::new(); bodies];
+    for contact in held {
+        of_body[contact.body].push((contact.partner, contact.image));
+        if let Partner::Body(partner) = contact.partner {
+            of_body[partner].push((Partner::Body(contact.body), contact.image.map(|image| -image)));
+        }
+    }
+    of_body.iter_mut().for_each(|contacts| contacts.sort_unstable());
+    of_body
+}
+
+fn velocities<const D: usize>(twists: &[Twist<D>]) -> Vec<SVector<f64, D>> {
+    twists.iter().map(|twist| twist.velocity).collect()
+}
+
+/// Largest velocity, with contact forces or without them: where they hold bodies at rest, only what they resist tells how
+/// small a velocity is.
+fn fastest<const D: usize>(twists: &[Twist<D>], unpressed: &[SVector<f64, D>]) -> f64 {
+    twists.iter().map(|twist| &twist.velocity).chain(unpressed).map(|velocity| velocity.norm()).fold(f64::MIN_POSITIVE, f64::max)
+}
+
+/// Largest difference of velocities.
+fn largest_difference<const D: usize>(twists: &[Twist<D>], velocities: &[SVector<f64, D>]) -> f64 {
+    twists.iter().zip(velocities).map(|(twist, velocity)| (twist.velocity - velocity).norm()).fold(0.0, f64::max)
+}

@@ -1,0 +1,219 @@
+//! Scenes resolved in their dimension: bodies placed, what is left open chosen.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::{
+    DryBody, DrySetup, Setup, SuspendedBody, interactions,
+    placement::{bodies, domain, vector},
+    surroundings::opposite_neighbours,
+};
+use crate::{
+    body::{Body, Motion, Twist, skew},
+    error::Result,
+    flow::{Drive, InverseMethod},
+    geometry::Domain,
+    interaction::{Interactions, Lubrication},
+    scene::{self, ContactModel, Modes, ResolutionSection, Scene, Spacing, StokesSolver},
+    surface::{Shape, highest_order},
+};
+
+/// Fewest cells per radius: closer to the centre the jump functions are too steep for the grid.
+const FEWEST_CELLS_PER_RADIUS: f64 = 3.0;
+
+/// Highest order of modes per cell of radius in 2D and 3D; above it the multipliers see the grid's own noise.
+const HIGHEST_ORDER_PER_CELL: [f64; 2] = [1.4, 1.25];
+
+/// Order of `modes = "most"` per cell of radius in 2D and 3D, a margin below the highest, and its limit.
+const MOST_ORDER_PER_CELL: [f64; 2] = [1.25, 1.0];
+const MOST_ORDER: [usize; 2] = [24, 12];
+
+/// Order of the modes per cell of radius where lubrication knows what they miss, and the least order in 2D and 3D.
+///
+/// Higher modes bend within a cell: a disk 0.1 radii from a wall then resists approach by 6 % too little at five cells a radius, and by
+/// 2.4 % at this order; two disks scatter by 4 % with their places on the grid at one mode a cell. Crowds have their viscosity with
+/// three modes (`examples/crowd.toml`).
+///
+/// Where neighbours are in opposite places the sum over films is wrong, and modes up to the plain order bear what there is, in 3D one more:
+/// flows along an axis have no modes of even order, and a body-centred cubic array at 0.3 lacks 2 % of its drag without the fifth.
+const LUBRICATED_ORDER_PER_CELL: f64 = 0.6;
+const LUBRICATED_ORDER: [usize; 2] = [3, 2];
+
+impl<const D: usize> DrySetup<D> {
+    /// Resolves a dry scene of dimension `D`.
+    ///
+    /// # Errors
+    /// Bodies overlap or lie outside, or do not fit at the asked fraction.
+    pub fn of(scene: &Scene) -> Result<DrySetup<D>> {
+        let domain = domain(scene);
+        let of_group = |(group, body): (usize, crate::body::Body<D>)| {
+            let given = &scene.bodies[group];
+            let start = Twist {
+                velocity: given.velocity.as_deref().map_or(SVector::zeros(), vector::<D>),
+                spin: given.spin.as_deref().map_or(SMatrix::zeros(), skew::<D>),
+            };
+            let mass = given.density * body.ball.volume();
+            let inertia = given.density * body.ball.moment_of_inertia();
+            let (center, radius) = (body.ball.center, body.ball.radius);
+            match body.motion {
+                Motion::Free { force, torque } => {
+                    DryBody { radius, center, twist: start, mass, inertia, acceleration: force / mass, spin_up: torque / inertia }
+                }
+                Motion::Prescribed(twist) => DryBody {
+                    radius,
+                    center,
+                    twist,
+                    mass: f64::INFINITY,
+                    inertia: f64::INFINITY,
+                    acceleration: SVector::zeros(),
+                    spin_up: SMatrix::zeros(),
+                },
+            }
+        };
+        let bodies: Vec<DryBody<D>> = bodies(scene, &domain)?.into_iter().map(of_group).collect();
+        let setup = DrySetup { interactions: interactions::of_dry(scene, &domain, &bodies), domain, bodies };
+        interactions::check(scene, &setup.interactions, setup.longest_step())?;
+        Ok(setup)
+    }
+
+    /// The longest step with which contact is stable; infinite if it limits none.
+    pub fn longest_step(&self) -> f64 {
+        interactions::longest_dry_step(&self.interactions, &self.bodies)
+    }
+}
+
+impl<const D: usize> Setup<D> {
+    /// Resolves a scene of dimension `D`: places its bodies and chooses what it leaves open.
+    ///
+    /// # Errors
+    /// Bodies overlap or lie outside, do not fit at the asked fraction, or are too small for the grid or the modes.
+    pub fn of(scene: &Scene) -> Result<Setup<D>> {
+        let domain = domain(scene);
+        let (spacing, bodies) = suspended_bodies(scene, &domain, bodies(scene, &domain)?)?;
+        Ok(Setup::with_bodies(scene, domain, spacing, bodies))
+    }
+
+    /// The setup of a scene in which these are the bodies.
+    pub(super) fn with_bodies(scene: &Scene, domain: Domain<D>, spacing: f64, bodies: Vec<SuspendedBody<D>>) -> Setup<D> {
+        let inverse = inverse(scene, &domain);
+        let setup = Setup {
+            domain,
+            spacing,
+            viscosity: scene.flow.viscosity,
+            drive: drive(scene),
+            bodies,
+            constraint: scene.method.constraint,
+            interactions: Interactions::default(),
+            inverse,
+            tolerance: scene.method.tolerance,
+        };
+        let setup = match scene.lubrication.roughness() {
+            Some(roughness) => setup.with(Lubrication::new(roughness)),
+            None => setup,
+        };
+        setup.with_contact(scene.contact.model)
+    }
+
+    /// The same with contacts by a model, whose numbers count in the force that drives bodies.
+    pub fn with_contact(self, model: ContactModel) -> Setup<D> {
+        let contact = interactions::contact_in_flow(model, &self);
+        let all: Vec<_> = self.interactions.shared().chain(contact).collect();
+        Setup { interactions: Interactions::new(all), ..self }
+    }
+}
+
+/// The resolution of a scene that is not dry.
+///
+/// # Errors
+/// It is yet to be chosen.
+fn resolution(scene: &Scene) -> Result<&ResolutionSection> {
+    let accuracy = scene.accuracy.unwrap_or_default();
+    let open = || scene.refuse("accuracy", accuracy, "chooses the resolution in turbid run only; give [resolution] instead");
+    scene.resolution.as_ref().ok_or_else(open)
+}
+
+fn drive<const D: usize>(scene: &Scene) -> Drive<D> {
+    match &scene.flow.drive {
+        // refused: fluids have no mean gradient
+        None | Some(scene::Drive::MeanGradient(_)) => Drive::Rest,
+        Some(scene::Drive::MeanVelocity(velocity)) => Drive::MeanVelocity(vector(velocity)),
+        Some(scene::Drive::PressureGradient(gradient)) => Drive::PressureGradient(vector(gradient)),
+        Some(scene::Drive::BodyForce(force)) => Drive::BodyForce(vector(force)),
+        Some(scene::Drive::ShearRate(rate) | scene::Drive::ShearedBox(rate)) => Drive::Shear(*rate),
+    }
+}
+
+fn inverse<const D: usize>(scene: &Scene, domain: &Domain<D>) -> InverseMethod {
+    match scene.method.inverse {
+        StokesSolver::Hypre => InverseMethod::Hypre,
+        StokesSolver::Transform => InverseMethod::Transform,
+        StokesSolver::Auto => InverseMethod::fastest(domain),
+    }
+}
+
+/// The spacing that a scene asks for, and its bodies with the order of their modes.
+///
+/// # Errors
+/// A body is too small for the grid or the modes.
+pub(super) fn suspended_bodies<const D: usize>(
+    scene: &Scene,
+    domain: &Domain<D>,
+    placed: Vec<(usize, Body<D>)>,
+) -> Result<(f64, Vec<SuspendedBody<D>>)> {
+    let radii = placed.iter().map(|(_, body)| body.ball.radius);
+    let spacing = match resolution(scene)?.spacing {
+        Spacing::Length(spacing) => spacing,
+        Spacing::CellsPerRadius(cells) => radii.fold(f64::INFINITY, f64::min) / cells,
+    };
+    let balls: Vec<_> = placed.iter().map(|(_, body)| body.ball).collect();
+    let surrounded = match resolution(scene)?.modes {
+        Modes::Count(_) => vec![false; balls.len()],
+        Modes::Auto | Modes::Most => opposite_neighbours(domain, &balls),
+    };
+    let bodies = placed.iter().zip(surrounded).map(|(&(_, body), surrounded)| suspended(scene, (body, surrounded), spacing));
+    Ok((spacing, bodies.collect::<Result<_>>()?))
+}
+
+/// A body, with neighbours in opposite places or not, with the order of its modes on a grid.
+///
+/// # Errors
+/// It is too small for the grid or the modes.
+pub(super) fn suspended<const D: usize>(scene: &Scene, (body, surrounded): (Body<D>, bool), spacing: f64) -> Result<SuspendedBody<D>> {
+    let cells = body.ball.radius / spacing;
+    if cells < FEWEST_CELLS_PER_RADIUS * (1.0 - 1e-9) {
+        let remedy = format!("leaves {cells:.2} cells per radius {}; at least {FEWEST_CELLS_PER_RADIUS} are needed", body.ball.radius);
+        return Err(match resolution(scene)?.spacing {
+            Spacing::Length(spacing) => scene.refuse("resolution.spacing", spacing, &remedy),
+            Spacing::CellsPerRadius(cells) => scene.refuse("resolution.cells_per_radius", cells, &remedy),
+        });
+    }
+    Ok(SuspendedBody { body, order: order::<D>(scene, cells, surrounded)? })
+}
+
+/// Order of the modes of a body with so many cells per radius, `surrounded` by neighbours in opposite places or not: what is asked for, or what the
+/// grid carries well.
+fn order<const D: usize>(scene: &Scene, cells: f64, surrounded: bool) -> Result<usize> {
+    let highest = ((HIGHEST_ORDER_PER_CELL[D - 2] * cells + 1e-9) as usize).min(highest_order(D));
+    let lubricated = scene.lubrication.roughness().is_some();
+    match resolution(scene)?.modes {
+        Modes::Auto => {
+            let plain = if D == 2 { (cells.round() as usize).clamp(3, 16) } else { (cells.round() as usize - 1).clamp(2, 10) };
+            let by_films = ((LUBRICATED_ORDER_PER_CELL * cells + 1e-9) as usize).max(LUBRICATED_ORDER[D - 2]);
+            let auto = match (surrounded, lubricated) {
+                (true, _) => plain + (D - 2),
+                (false, true) => plain.min(by_films),
+                (false, false) => plain,
+            };
+            Ok(auto.min(highest))
+        }
+        Modes::Most if lubricated && !surrounded => {
+            let by_films = (LUBRICATED_ORDER_PER_CELL * cells - 1e-9).ceil() as usize;
+            Ok(by_films.clamp(LUBRICATED_ORDER[D - 2], MOST_ORDER[D - 2]).min(highest))
+        }
+        Modes::Most => Ok(((MOST_ORDER_PER_CELL[D - 2] * cells + 1e-9) as usize).clamp(2, MOST_ORDER[D - 2]).min(highest)),
+        Modes::Count(modes) if modes > highest => {
+            let remedy = format!("is too many for {cells:.2} cells per radius: at most {highest}; lower it or refine the grid");
+            Err(scene.refuse("resolution.modes", modes, &remedy))
+        }
+        Modes::Count(modes) => Ok(modes),
+    }
+}

@@ -1,0 +1,245 @@
+//! What every interaction and every stepper must keep, whichever it is: a new one is added to the lists here.
+
+use nalgebra::{SMatrix, SVector, Vector2};
+use turbid::{
+    body::{Motion, Twist},
+    constraint::{Crowd, Layout},
+    contact::{Contact, ContactForce},
+    flow::{Drive, InverseMethod},
+    geometry::{Axis, Ball, Domain},
+    grid::Grid,
+    interaction::{Arrangement, Gluey, Inelastic, Interaction, Interactions, Lubrication, PairForce, Repulsion, Wrench},
+    petsc::Session,
+    scene::{ConstraintMethod, Scheme, Step, TimeSection, Tolerance},
+    simulation::{DryBody, DrySetup, FlowSolver, Setup, Simulation, Suspension},
+};
+
+use crate::{Test, suspension::suspended};
+
+/// The tests of this file.
+pub fn tests() -> Vec<Test> {
+    vec![
+        Test::of(every_interaction_conforms),
+        Test::of(steppers_conform),
+        Test::of(a_force_at_a_distance_moves_bodies_in_a_flow_as_its_wrench_does),
+        Test::of(the_stress_of_a_force_at_a_distance_is_that_of_the_same_force_in_contact),
+    ]
+}
+
+/// Springs of rest length zero between near bodies, with a torque that turns both: an interaction from outside.
+#[derive(Debug)]
+struct Springs {
+    stiffness: f64,
+    reach: f64,
+}
+
+impl<const D: usize> Interaction<D> for Springs {
+    fn name(&self) -> &'static str {
+        "springs"
+    }
+
+    fn describe(&self) -> String {
+        format!("of stiffness {} up to gaps of {}", self.stiffness, self.reach)
+    }
+
+    fn steepest(&self, _: f64) -> f64 {
+        self.stiffness
+    }
+
+    fn pair_forces(&self, arrangement: &Arrangement<D>) -> Vec<PairForce<D>> {
+        let force = |contact: Contact<D>| {
+            let force = contact.normal * (-self.stiffness * contact.separation);
+            PairForce { contact, force, torques: [SMatrix::zeros(); 2] }
+        };
+        arrangement.near(self.reach).into_iter().filter(|contact| contact.other().is_some()).map(force).collect()
+    }
+}
+
+const SIZE: [f64; 2] = [9.0, 7.0];
+
+fn domain() -> Domain<2> {
+    Domain { size: SIZE.into(), axes: [Axis::Periodic; 2] }
+}
+
+/// Disks with gaps from 0.02 to 1, of two sizes, moved together.
+fn disks(moved: Vector2<f64>) -> Vec<Ball<2>> {
+    let places = [(1.2, 1.1, 1.0), (3.22, 1.1, 1.0), (5.4, 1.6, 1.0), (2.2, 3.3, 1.2), (4.6, 3.9, 1.2), (7.6, 5.0, 1.0)];
+    places.map(|(x, y, radius)| Ball { center: Vector2::new(x, y) + moved, radius }).to_vec()
+}
+
+fn every_interaction_conforms(session: &Session) {
+    conforms(session, &Inelastic);
+    conforms(session, &Gluey { least: f64::NEG_INFINITY });
+    conforms(session, &Repulsion { touch: 3.0, range: 0.4 });
+    conforms(session, &Lubrication::new(1e-4));
+    conforms(session, &Springs { stiffness: 2.0, reach: 0.5 });
+}
+
+fn conforms(session: &Session, interaction: &dyn Interaction<2>) {
+    assert!(!interaction.name().is_empty() && !interaction.describe().is_empty(), "{interaction:?} says nothing of itself");
+    let (domain, weights) = (domain(), vec![2.0; 6]);
+    let wrenches = |balls: &[Ball<2>]| {
+        let arrangement = Arrangement { domain: &domain, balls, weights: &weights, viscosity: Some(1.5) };
+        Wrench::on_bodies(balls.len(), &interaction.contact_forces(&arrangement), &interaction.pair_forces(&arrangement))
+    };
+    let here = wrenches(&disks(Vector2::zeros()));
+    let scale = here.iter().map(|wrench| wrench.force.norm()).fold(1.0, f64::max);
+    let total: SVector<f64, 2> = here.iter().map(|wrench| wrench.force).sum();
+    assert!(total.norm() < 1e-12 * scale, "{interaction:?} has a net force {total}");
+    // across the periodic boundaries
+    let there = wrenches(&disks(Vector2::new(4.4, -3.3)));
+    for (one, other) in here.iter().zip(&there) {
+        assert!((one.force - other.force).norm() < 1e-12 * scale, "{interaction:?} knows where the box begins");
+    }
+    slope_is_bounded(interaction);
+    memory_is_consistent(interaction);
+    rows_are_balanced(session, interaction);
+}
+
+/// A stiffness that is not said makes explicit steps unstable.
+fn slope_is_bounded(interaction: &dyn Interaction<2>) {
+    let domain = Domain { size: Vector2::new(40.0, 40.0), axes: [Axis::Periodic; 2] };
+    let force = |gap: f64| {
+        let balls = [0.0, 2.0 + gap].map(|x| Ball { center: Vector2::new(10.0 + x, 20.0), radius: 1.0 });
+        let arrangement = Arrangement { domain: &domain, balls: &balls, weights: &[1.0; 2], viscosity: Some(1.0) };
+        Wrench::on_bodies(2, &interaction.contact_forces(&arrangement), &interaction.pair_forces(&arrangement))[1].force[0]
+    };
+    for gap in [-0.01, 0.0, 0.01, 0.1, 0.3] {
+        let slope = (force(gap + 1e-6) - force(gap - 1e-6)).abs() / 2e-6;
+        assert!(slope <= interaction.steepest(1.0) * (1.0 + 1e-4), "{interaction:?} is steeper than it says: {slope} at {gap}");
+    }
+}
+
+/// What is remembered of no force is nothing, and bounds that follow from what is remembered let contacts pull, in order.
+fn memory_is_consistent(interaction: &dyn Interaction<2>) {
+    let (domain, balls, weights) = (domain(), disks(Vector2::zeros()), vec![2.0; 6]);
+    let arrangement = Arrangement { domain: &domain, balls: &balls, weights: &weights, viscosity: Some(1.5) };
+    assert!(interaction.remember(&arrangement, &[], &[], 0.1).is_empty() && interaction.lower_bounds(&arrangement, &[], 0.1).is_empty());
+    let mut pressed: Vec<ContactForce<2>> =
+        arrangement.near(0.5).into_iter().map(|contact| ContactForce { contact, force: 1.0 + contact.gap }).collect();
+    pressed.sort_by_key(|pressed| pressed.contact.identity());
+    let memory = interaction.remember(&arrangement, &[], &pressed, 0.1);
+    let bounds = interaction.lower_bounds(&arrangement, &memory, 0.1);
+    assert_eq!(bounds.len(), memory.len());
+    assert!(bounds.is_sorted_by_key(|bound| bound.contact.identity()));
+    for bound in &bounds {
+        let before = pressed.iter().find(|pressed| pressed.contact.identity() == bound.contact.identity()).unwrap();
+        assert!((bound.force + before.force).abs() < 1e-12, "a step takes back what the one before it pressed: {bound:?}");
+    }
+    // once taken back it is forgotten
+    let back: Vec<_> = pressed.iter().map(|pressed| ContactForce { force: -pressed.force, ..*pressed }).collect();
+    assert!(interaction.remember(&arrangement, &memory, &back, 0.1).is_empty());
+}
+
+/// Rows resist, and neither push nor turn a pair that moves as one.
+fn rows_are_balanced(session: &Session, interaction: &dyn Interaction<2>) {
+    let (domain, balls) = (domain(), disks(Vector2::zeros()));
+    let world = session.world();
+    let grid = Grid::new(&domain, 0.25, world.size(), world.rank()).unwrap();
+    let centers: Vec<_> = balls.iter().map(|ball| ball.center).collect();
+    let layout = Layout::new(&grid, &centers, &[13; 6], world.rank());
+    let crowd = Crowd::new(&domain, balls.clone(), vec![3; 6], Crowd::reach(&balls));
+    let rows = interaction.rows(&crowd, &layout);
+    assert_eq!(world.max(rows.films.len() as f64) > 0.0, interaction.resists(), "{interaction:?}");
+    assert!(rows.imbalance < 1e-12, "{}", rows.imbalance);
+    assert!(rows.films.iter().flat_map(|film| &film.ways).all(|way| way.resistance > 0.0));
+}
+
+fn time(end: f64) -> TimeSection {
+    TimeSection { step: Step::Auto, end, scheme: Scheme::TwoStep, travel: 0.1, until: None }
+}
+
+fn all_interactions() -> Interactions<2> {
+    Interactions::default().with(Springs { stiffness: 0.5, reach: 0.5 }).with(Gluey { least: -1.0 })
+}
+
+fn granular(session: &Session) -> Simulation<2> {
+    let body = |ball: &Ball<2>| DryBody {
+        radius: ball.radius,
+        center: ball.center,
+        twist: Twist { velocity: Vector2::new(0.3 - 0.1 * ball.center[1], 0.0), spin: SMatrix::zeros() },
+        mass: 2.0,
+        inertia: 1.0,
+        acceleration: Vector2::new(0.0, -0.2),
+        spin_up: SMatrix::zeros(),
+    };
+    let bodies = disks(Vector2::zeros()).iter().map(body).collect();
+    Simulation::dry(session, DrySetup { domain: domain(), bodies, interactions: all_interactions() }, time(1.0))
+}
+
+fn setup(interactions: Interactions<2>) -> Setup<2> {
+    let body = |ball: Ball<2>| suspended(ball.center, ball.radius, Motion::Free { force: Vector2::zeros(), torque: SMatrix::zeros() }, 3);
+    Setup {
+        domain: domain(),
+        spacing: 0.25,
+        viscosity: 1.5,
+        drive: Drive::MeanVelocity(Vector2::new(0.3, 0.1)),
+        bodies: disks(Vector2::zeros()).into_iter().map(body).collect(),
+        constraint: ConstraintMethod::Sharp,
+        interactions,
+        inverse: InverseMethod::Transform,
+        tolerance: Tolerance::Fixed(1e-10),
+    }
+}
+
+fn quasi_static(session: &Session) -> Simulation<2> {
+    let suspension = Suspension::new(session, setup(all_interactions())).unwrap();
+    Simulation::flowing(session, Box::new(suspension), time(0.5))
+}
+
+fn steppers_conform(session: &Session) {
+    stepper_conforms(&|| granular(session), 1e-13);
+    stepper_conforms(&|| quasi_static(session), 1e-7);
+}
+
+/// Times grow and end where they should, nothing overlaps, and a state is all that a step depends on.
+fn stepper_conforms(start: &dyn Fn() -> Simulation<2>, tolerance: f64) {
+    let mut simulation = start();
+    let (mut steps, end) = (0, if simulation.suspension().is_some() { 0.5 } else { 1.0 });
+    while !simulation.over() {
+        let before = simulation.state().clone();
+        let view = simulation.look(&mut |_, _| {}).unwrap();
+        let report = simulation.step(&view, &mut |_, _| {}).unwrap();
+        assert!(report.length > 0.0 && (simulation.state().time - before.time - report.length).abs() < 1e-14);
+        assert!(report.certificate.is_some_and(|certificate| certificate.kkt_residual < 1e-7 && certificate.smallest_gap > -1e-9));
+        let mut again = start();
+        again.restore(before, None);
+        let view = again.look(&mut |_, _| {}).unwrap();
+        again.step(&view, &mut |_, _| {}).unwrap();
+        for (one, other) in simulation.state().bodies.iter().zip(&again.state().bodies) {
+            assert!((one.center - other.center).norm() < tolerance, "step {steps}: {} and {}", one.center, other.center);
+        }
+        steps += 1;
+    }
+    assert!(steps > 2 && (simulation.state().time - end).abs() < 1e-12, "{steps} steps to {}", simulation.state().time);
+}
+
+fn a_force_at_a_distance_moves_bodies_in_a_flow_as_its_wrench_does(session: &Session) {
+    let springs = Springs { stiffness: 2.0, reach: 0.5 };
+    let free = setup(Interactions::default());
+    let balls: Vec<Ball<2>> = free.bodies.iter().map(|suspended| suspended.body.ball).collect();
+    let arrangement = Arrangement { domain: &free.domain, balls: &balls, weights: &[1.0; 6], viscosity: None };
+    let wrenches = Wrench::on_bodies(6, [], &springs.pair_forces(&arrangement));
+    let mut given = setup(Interactions::default());
+    for (suspended, wrench) in given.bodies.iter_mut().zip(&wrenches) {
+        suspended.body.motion = Motion::Free { force: wrench.force, torque: wrench.torque };
+    }
+    let twists = |setup: Setup<2>| {
+        let solution = Suspension::new(session, setup).unwrap().solve(&mut |_, _| {}).unwrap();
+        solution.bodies.iter().map(|body| body.twist.velocity).collect::<Vec<_>>()
+    };
+    let (undisturbed, by_spring, by_force) = (twists(free), twists(setup(Interactions::default().with(springs))), twists(given));
+    for ((spring, force), undisturbed) in by_spring.iter().zip(&by_force).zip(&undisturbed) {
+        assert!((spring - force).norm() < 1e-8, "{spring} and {force}");
+        assert!((spring - undisturbed).norm() > 1e-2, "the force moves nothing");
+    }
+}
+
+fn the_stress_of_a_force_at_a_distance_is_that_of_the_same_force_in_contact(_: &Session) {
+    let (domain, balls) = (domain(), disks(Vector2::zeros()));
+    let arrangement = Arrangement { domain: &domain, balls: &balls, weights: &[1.0; 6], viscosity: None };
+    let contact = arrangement.near(0.5)[0];
+    let stress = PairForce::from(&ContactForce { contact, force: 3.0 }).stress();
+    let expected = contact.normal * contact.normal.transpose() * (-3.0 * contact.separation);
+    assert!((stress - expected).norm() < 1e-14, "{stress}");
+}
