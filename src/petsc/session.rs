@@ -48,7 +48,7 @@ impl Session {
 
     fn open(communicator: SimpleCommunicator, universe: Option<mpi::environment::Universe>, options: &[String]) -> Result<Session> {
         let mut running = ffi::PetscBool_PETSC_FALSE;
-        super::petsc!(PetscInitialized(&mut running))?;
+        petsc!(PetscInitialized(&mut running))?;
         if running == ffi::PetscBool_PETSC_TRUE {
             return Err(Error::refused("PETSc is already running in this process; clone its session"));
         }

@@ -48,7 +48,7 @@ mod work;
 use basis::check_steady_state;
 pub use configuration::Configuration;
 pub use cost::{Cost, Seen};
-pub use faster::{Faster, transform_seconds};
+pub use faster::Faster;
 pub use fitted::{FittedFlow, FittedInclusions};
 pub use flow_solver::FlowSolver;
 pub use granular::Dry;

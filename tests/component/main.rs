@@ -30,7 +30,6 @@ mod laws;
 mod laws_flow;
 mod lubrication;
 mod machine;
-mod measure;
 mod methods;
 mod motion;
 mod near;
