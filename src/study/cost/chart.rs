@@ -3,6 +3,7 @@
 use super::{
     findings::{Findings, Point},
     format::percent,
+    sequence::by_grid,
 };
 use crate::output::{Chart, Level, Mark, Notes, Scale, Series};
 
@@ -43,13 +44,7 @@ pub fn svg(findings: &Findings) -> String {
 
 /// Points of settings that differ in the grid alone, joined from the coarsest to the finest, with a gap between such lines.
 fn joined(own: &[&Point], place: impl Fn(&Point) -> Option<(f64, f64)>) -> Vec<(f64, f64)> {
-    let mut lines: Vec<Vec<&Point>> = Vec::new();
-    for &point in own {
-        match lines.iter_mut().find(|line| line[0].setting.differs_in_grid_alone(&point.setting)) {
-            Some(line) => line.push(point),
-            None => lines.push(vec![point]),
-        }
-    }
+    let lines = by_grid(own.iter().copied(), |point| &point.setting);
     let gap = || std::iter::once((f64::NAN, f64::NAN));
     lines.iter().flat_map(|line| line.iter().filter_map(|point| place(point)).chain(gap())).collect()
 }

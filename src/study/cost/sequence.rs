@@ -18,14 +18,10 @@ pub struct RefinementSequence<'a> {
 impl<'a> RefinementSequence<'a> {
     /// The sequences of the settings of a method.
     pub fn all(records: &'a [Record], settings: &[Setting]) -> Vec<RefinementSequence<'a>> {
-        let mut sequences: Vec<RefinementSequence> = Vec::new();
-        let runs = settings.iter().filter_map(|setting| records.iter().find(|record| record.setting == *setting));
-        for (setting, run) in runs.filter_map(|record| Some((&record.setting, record.measured()?))) {
-            match sequences.iter_mut().find(|sequence| sequence.runs[0].0.differs_in_grid_alone(setting)) {
-                Some(sequence) => sequence.runs.push((setting, run)),
-                None => sequences.push(RefinementSequence { runs: vec![(setting, run)] }),
-            }
-        }
+        let records = settings.iter().filter_map(|setting| records.iter().find(|record| record.setting == *setting));
+        let runs = records.filter_map(|record| Some((&record.setting, record.measured()?)));
+        let groups = by_grid(runs, |(setting, _)| setting);
+        let mut sequences: Vec<RefinementSequence> = groups.into_iter().map(|runs| RefinementSequence { runs }).collect();
         for sequence in &mut sequences {
             sequence.runs.sort_by(|one, two| two.1.spacing.total_cmp(&one.1.spacing));
             // two nominal resolutions may round to the same cells
@@ -59,6 +55,18 @@ impl<'a> RefinementSequence<'a> {
     pub fn measured(&self) -> Vec<&'a Measured> {
         self.runs.iter().map(|(_, measured)| *measured).collect()
     }
+}
+
+/// Items sorted into groups whose settings differ in the grid alone.
+pub fn by_grid<T>(items: impl IntoIterator<Item = T>, setting: impl Fn(&T) -> &Setting) -> Vec<Vec<T>> {
+    let mut groups: Vec<Vec<T>> = Vec::new();
+    for item in items {
+        match groups.iter_mut().find(|group| setting(&group[0]).differs_in_grid_alone(setting(&item))) {
+            Some(group) => group.push(item),
+            None => groups.push(vec![item]),
+        }
+    }
+    groups
 }
 
 #[cfg(test)]
