@@ -8,7 +8,7 @@ use super::{
     body::{BodyBlocks, FreeInverse, Plans, WallForces, Walls},
     layout::Layout,
     method::FlowMethod,
-    placed::{Placed, Situation, Surrounded},
+    placed::{Neighbour, Placed, Situation, Surrounded},
     places::{Places, Seen, SeenMut},
 };
 use crate::{
@@ -87,7 +87,7 @@ impl<const D: usize> Assembled<D> {
 }
 
 /// Bodies in their places, each among its neighbours.
-pub fn surrounded<'a, const D: usize>(placed: &'a [Placed<D>], neighbours: &'a [Vec<(usize, Placed<D>)>]) -> Vec<Surrounded<'a, D>> {
+pub fn surrounded<'a, const D: usize>(placed: &'a [Placed<D>], neighbours: &'a [Vec<Neighbour<D>>]) -> Vec<Surrounded<'a, D>> {
     placed.iter().zip(neighbours).enumerate().map(|(body, (placed, neighbours))| Surrounded { body, placed, neighbours }).collect()
 }
 

@@ -41,7 +41,7 @@ pub use layout::Layout;
 pub use method::{FlowMethod, Method, Size};
 pub use methods::{flow_method, inclusion_method};
 pub use near::{Given, NearPairs, PairTables, RigidBlock};
-pub use placed::{Neighbour, Placed, Situation, Surrounded, neighbours};
+pub use placed::{Neighbour, Placed, Surrounded, neighbours};
 pub use pores::{Pores, Share as PoreShare};
 pub use scalar::{InclusionMethod, ScalarBlocks};
 pub use sharp::{FreshlyCleared, freshly_cleared, jump};
