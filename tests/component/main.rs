@@ -101,7 +101,6 @@ fn main() {
         transform::tests(),
         near::tests(),
         outputs::tests(),
-        measure::tests(),
         parts::tests(),
         scalar::tests(),
         inclusions::tests(),
