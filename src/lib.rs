@@ -35,11 +35,12 @@
 //!
 //! | floor | modules | what they hold |
 //! |-|-|-|
-//! | 0 | [`error`], [`parallel`], [`petsc`] | what can go wrong; ranks; matrices and solvers |
+//! | 0 | [`error`], [`linalg`], [`parallel`], [`petsc`] | what can go wrong; small dense and banded systems; ranks; matrices and solvers |
 //! | 1 | [`geometry`], [`grid`] | boxes, balls and near pairs; the staggered grid |
 //! | 2 | [`body`], [`surface`] | rigid motions and places of bodies; modes on their surfaces |
 //! | 3 | [`constraint`], [`contact`], [`flow`] | how a surface enters the flow; bodies that touch; the fluid and its approximate inverses |
-//! | 4 | [`scene`], [`simulation`] | what to simulate; the machinery that does it |
+//! | | [`interaction`] | what bodies do to each other besides the flow: contact laws, lubrication, forces of one's own |
+| 4 | [`scene`], [`simulation`] | what to simulate; the machinery that does it |
 //! | 5 | [`observe`], [`output`], [`study`], [`run`] | stress, viscosity, pairs; files; error against cost; runs from start to end |
 //! | 6 | [`cli`] | the command line |
 
@@ -67,7 +68,8 @@ pub mod simulation;
 // floor 5: look, never touch
 pub mod observe;
 pub mod output;
-pub mod run;
 pub mod study;
+// a run from start to end
+pub mod run;
 // floor 6: words become calls
 pub mod cli;

@@ -17,7 +17,7 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 const SIBLINGS: [&str; 3] = ["constraint", "contact", "flow"];
 
 /// Folders in which circles are left, to be emptied.
-const CIRCLES_LEFT: [&str; 5] = ["cli", "constraint", "simulation", "study", "surface"];
+const CIRCLES_LEFT: [&str; 0] = [];
 
 /// Segments of a path, from the root of the library on.
 type Segments = Vec<String>;

@@ -33,7 +33,7 @@ pub fn tests() -> Vec<Test> {
 fn disks() -> Scene {
     let mut scene = Scene::new("outputs", &[2.0, 2.0]);
     scene.domain.axes[1] = AxisSection::Walls { lower: vec![-1.0, 0.0], upper: vec![1.0, 0.0] };
-    scene.resolution = Some(ResolutionSection::new(Spacing::Length(0.125)));
+    scene.resolution = Some(ResolutionSection::new(Spacing::Length(0.1)));
     scene.bodies = vec![BodyGroup::new(0.3, Placement::Centers(vec![vec![0.5, 0.8], vec![1.5, 1.2]]))];
     scene.output.pairs = true;
     scene.output.probe = Some(4);

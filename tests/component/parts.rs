@@ -184,7 +184,7 @@ fn setup(interactions: Interactions<2>) -> Setup<2> {
 
 fn quasi_static(session: &Session) -> Simulation<2> {
     let suspension = Suspension::new(session, setup(all_interactions())).unwrap();
-    Simulation::flowing(session, Box::new(suspension), time(0.5))
+    Simulation::flowing(session, Box::new(suspension), time(1.5))
 }
 
 fn steppers_conform(session: &Session) {
@@ -195,7 +195,7 @@ fn steppers_conform(session: &Session) {
 /// Times grow and end where they should, nothing overlaps, and a state is all that a step depends on.
 fn stepper_conforms(start: &dyn Fn() -> Simulation<2>, tolerance: f64) {
     let mut simulation = start();
-    let (mut steps, end) = (0, if simulation.suspension().is_some() { 0.5 } else { 1.0 });
+    let (mut steps, end) = (0, if simulation.suspension().is_some() { 1.5 } else { 1.0 });
     while !simulation.over() {
         let before = simulation.state().clone();
         let view = simulation.look(&mut |_, _| {}).unwrap();
@@ -229,10 +229,9 @@ fn a_force_at_a_distance_moves_bodies_in_a_flow_as_its_wrench_does(session: &Ses
         solution.bodies.iter().map(|body| body.twist.velocity).collect::<Vec<_>>()
     };
     let (undisturbed, by_spring, by_force) = (twists(free), twists(setup(Interactions::default().with(springs))), twists(given));
-    for ((spring, force), undisturbed) in by_spring.iter().zip(&by_force).zip(&undisturbed) {
-        assert!((spring - force).norm() < 1e-8, "{spring} and {force}");
-        assert!((spring - undisturbed).norm() > 1e-2, "the force moves nothing");
-    }
+    let largest = |others: &[SVector<f64, 2>]| by_spring.iter().zip(others).map(|(one, other)| (one - other).norm()).fold(0.0, f64::max);
+    assert!(largest(&by_force) < 1e-8, "{by_spring:?} and {by_force:?}");
+    assert!(largest(&undisturbed) > 1e-2, "the force moves nothing");
 }
 
 fn the_stress_of_a_force_at_a_distance_is_that_of_the_same_force_in_contact(_: &Session) {
