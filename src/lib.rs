@@ -40,7 +40,7 @@
 //! | 2 | [`body`], [`surface`] | rigid motions and places of bodies; modes on their surfaces |
 //! | 3 | [`constraint`], [`contact`], [`flow`] | how a surface enters the flow; bodies that touch; the fluid and its approximate inverses |
 //! | | [`interaction`] | what bodies do to each other besides the flow: contact laws, lubrication, forces of one's own |
-| 4 | [`scene`], [`simulation`] | what to simulate; the machinery that does it |
+//! | 4 | [`scene`], [`simulation`] | what to simulate; the machinery that does it |
 //! | 5 | [`observe`], [`output`], [`study`], [`run`] | stress, viscosity, pairs; files; error against cost; runs from start to end |
 //! | 6 | [`cli`] | the command line |
 
