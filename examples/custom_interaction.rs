@@ -55,7 +55,7 @@ fn main() -> Result<()> {
     };
     println!("at time 0: {:.2}", alignment(&simulation));
     while !simulation.over() {
-        let observation = simulation.look(&mut |_, _| {})?;
+        let observation = simulation.evaluate(&mut |_, _| {})?;
         simulation.step(&observation, &mut |_, _| {})?;
     }
     println!("at time {}: {:.2}", simulation.state().time, alignment(&simulation));

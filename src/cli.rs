@@ -77,7 +77,7 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
         Command::Run(arguments) => simulate::run(session, arguments),
         Command::Resume(arguments) => simulate::resume(session, arguments),
         Command::Animate { folder, out, width, seconds } => {
-            let film = animate::Film {
+            let film = animate::AnimationArguments {
                 folder,
                 out: out.clone().unwrap_or_else(|| folder.join("animation.png")),
                 width: *width,

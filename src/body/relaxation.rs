@@ -23,7 +23,7 @@ const STEP_WORK: u64 = 20;
 const SEARCH_WORK: u64 = 20;
 
 /// Balls on their way to a packing: `movable` ones, then obstacles.
-pub(super) struct Crowd<'a, const D: usize> {
+pub(super) struct Packing<'a, const D: usize> {
     /// The box.
     pub domain: &'a Domain<D>,
     /// Centres, not moved into the box.
@@ -42,7 +42,7 @@ pub(super) struct Crowd<'a, const D: usize> {
     pub effort: u64,
 }
 
-impl<const D: usize> Crowd<'_, D> {
+impl<const D: usize> Packing<'_, D> {
     /// Moves the balls until no two overlap.
     ///
     /// Returns whether that succeeded before it stalled or the effort was spent.
@@ -128,7 +128,7 @@ impl<const D: usize> Crowd<'_, D> {
 }
 
 /// Two balls that may come to overlap.
-struct Contact<const D: usize> {
+struct PackingContact<const D: usize> {
     first: usize,
     second: usize,
     /// What the periodic image adds to the difference of the centres.
@@ -140,14 +140,14 @@ struct Contact<const D: usize> {
 }
 
 /// What the overlaps amount to.
-struct State {
+struct PackingState {
     energy: f64,
     satisfied: bool,
 }
 
 /// Pairs near enough to overlap before the balls have moved by half the skin.
 struct Contacts<const D: usize> {
-    list: Vec<Contact<D>>,
+    list: Vec<PackingContact<D>>,
     masses: Vec<f64>,
     /// Centres when the pairs were found.
     origins: Vec<SVector<f64, D>>,
@@ -155,7 +155,7 @@ struct Contacts<const D: usize> {
 }
 
 impl<const D: usize> Contacts<D> {
-    fn new(crowd: &Crowd<D>) -> Self {
+    fn new(crowd: &Packing<D>) -> Self {
         let balls = crowd.balls();
         let mean = balls[..crowd.movable].iter().map(|ball| ball.radius).sum::<f64>() / crowd.movable as f64;
         let skin = SKIN * mean;
@@ -173,7 +173,7 @@ impl<const D: usize> Contacts<D> {
     fn push(&mut self, balls: &[Ball<D>], pair: &Pair<D>, margin: f64) {
         let (first, second) = (&balls[pair.first], &balls[pair.second]);
         let required = first.radius + second.radius;
-        self.list.push(Contact {
+        self.list.push(PackingContact {
             first: pair.first,
             second: pair.second,
             offset: pair.separation - (second.center - first.center),
@@ -192,9 +192,9 @@ impl<const D: usize> Contacts<D> {
     }
 
     /// Fills the forces; returns the energy and whether all pairs are as far apart as required.
-    fn repel(&self, centers: &[SVector<f64, D>], forces: &mut [SVector<f64, D>]) -> State {
+    fn repel(&self, centers: &[SVector<f64, D>], forces: &mut [SVector<f64, D>]) -> PackingState {
         forces.fill(SVector::zeros());
-        let mut state = State { energy: 0.0, satisfied: true };
+        let mut state = PackingState { energy: 0.0, satisfied: true };
         for contact in &self.list {
             let separation = centers[contact.second] - centers[contact.first] + contact.offset;
             let square = separation.norm_squared();

@@ -9,7 +9,7 @@ use nalgebra::SVector;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::relaxation::Crowd;
+use super::relaxation::Packing;
 use crate::geometry::{Ball, Domain, Levels};
 
 /// Pair evaluations spent at most, some seconds, and by few bodies.
@@ -35,7 +35,7 @@ const STIRRING_STEPS: usize = 1500;
 /// The search for a packing.
 pub(super) struct Search<'a, const D: usize> {
     /// The bodies, the obstacles and the effort left.
-    pub crowd: Crowd<'a, D>,
+    pub crowd: Packing<'a, D>,
     random: ChaCha8Rng,
     obstacles: Levels<'a, D>,
     /// Scale of the radii from which they grow.
@@ -61,7 +61,7 @@ impl<'a, const D: usize> Search<'a, D> {
         for (number, (obstacle, &radius)) in obstacles.iter().zip(fixed).enumerate() {
             places.insert(number, &Ball { center: obstacle.center, radius });
         }
-        let crowd = Crowd {
+        let crowd = Packing {
             domain,
             centers: centers.chain(obstacles.iter().map(|ball| ball.center)).collect(),
             radii: swollen,

@@ -11,7 +11,7 @@ use crate::{
 };
 
 /// What to draw.
-pub struct Film<'a> {
+pub struct AnimationArguments<'a> {
     /// Output folder of the run.
     pub folder: &'a Path,
     /// File to write.
@@ -23,7 +23,7 @@ pub struct Film<'a> {
 }
 
 /// Draws the frames of a run; the first rank does.
-pub fn animate(session: &Session, film: &Film) -> Result<()> {
+pub fn animate(session: &Session, film: &AnimationArguments) -> Result<()> {
     let world = session.world();
     let draw = || {
         if !(film.seconds.is_finite() && film.seconds > 0.0) {

@@ -6,10 +6,10 @@ use nalgebra::{DMatrixView, DMatrixViewMut, SMatrix, SVector};
 
 use super::{
     body::{BodyBlocks, FreeInverse, Plans, WallForces, Walls},
-    layout::Layout,
+    layout::MultiplierLayout,
     method::FlowMethod,
     placed::{Neighbour, Placed, Situation, Surrounded},
-    places::{Places, Seen, SeenMut},
+    places::{Entries, EntriesMut, Places},
 };
 use crate::{
     error::Result,
@@ -38,7 +38,7 @@ pub struct Blocks<const D: usize> {
 /// The blocks of this rank's bodies and their numbering.
 pub struct Assembled<const D: usize> {
     /// Who holds which multipliers.
-    pub layout: Layout,
+    pub layout: MultiplierLayout,
     /// The blocks.
     pub blocks: Blocks<D>,
     /// Number of bodies whose blocks are new.
@@ -80,7 +80,7 @@ impl<const D: usize> Assembled<D> {
                 all
             }
         };
-        let layout = Layout::new(grid, &bodies.iter().map(|body| body.placed.center).collect::<Vec<_>>(), &counts, rank);
+        let layout = MultiplierLayout::new(grid, &bodies.iter().map(|body| body.placed.center).collect::<Vec<_>>(), &counts, rank);
         let blocks = Blocks { situations, ..Blocks::new(session, shape, &layout, blocks)? };
         Ok(Assembled { layout, blocks, new: moved.len() })
     }
@@ -93,7 +93,7 @@ pub fn surrounded<'a, const D: usize>(placed: &'a [Placed<D>], neighbours: &'a [
 
 impl<const D: usize> Blocks<D> {
     /// Joins the blocks of this rank's bodies, in the order of the layout; `shape` is any vector of the grid's unknowns.
-    pub fn new(session: &Session, shape: &Vector, layout: &Layout, mut bodies: Vec<Box<dyn BodyBlocks<D>>>) -> Result<Blocks<D>> {
+    pub fn new(session: &Session, shape: &Vector, layout: &MultiplierLayout, mut bodies: Vec<Box<dyn BodyBlocks<D>>>) -> Result<Blocks<D>> {
         let multipliers = Vector::new(session, layout.local_unknowns())?;
         let mut plans = Plans { read: Places::new(shape)?, spread: Places::new(shape)?, multipliers: Places::new(&multipliers)? };
         bodies.iter_mut().for_each(|body| body.plan(layout, &mut plans));
@@ -111,7 +111,7 @@ impl<const D: usize> Blocks<D> {
     pub fn spread(&mut self, factor: f64, c: &[f64], rows: &mut Vector) -> Result<()> {
         {
             let (mut own, mut others, mut scratch) = (rows.local_mut()?, self.spread.places()?, Vec::new());
-            let mut rows = SeenMut { own: &mut own, others: &mut others };
+            let mut rows = EntriesMut { own: &mut own, others: &mut others };
             for (body, range) in self.bodies.iter().zip(&self.ranges) {
                 body.spread(factor, &c[range.clone()], &mut scratch, &mut rows);
             }
@@ -131,7 +131,7 @@ impl<const D: usize> Blocks<D> {
 
     fn interpolate_between(&mut self, walls: Walls, u: &Vector, out: &mut [f64]) -> Result<()> {
         let (others, own) = (self.read.fetch(u)?, u.local()?);
-        let u = Seen { own: &own, others: &others };
+        let u = Entries { own: &own, others: &others };
         let (mut scratch, mut values, mut first) = (Vec::new(), Vec::new(), 0);
         let alike = |body: &Box<dyn BodyBlocks<D>>, next: &Box<dyn BodyBlocks<D>>| {
             body.surface().zip(next.surface()).is_some_and(|(surface, next)| Rc::ptr_eq(surface, next))
@@ -164,7 +164,7 @@ impl<const D: usize> Blocks<D> {
     /// `out += E c`.
     pub fn add_local(&mut self, c: &Vector, out: &mut [f64]) -> Result<()> {
         let (others, own) = (self.multipliers.fetch(c)?, c.local()?);
-        let all = Seen { own: &own, others: &others };
+        let all = Entries { own: &own, others: &others };
         for (body, range) in self.bodies.iter().zip(&self.ranges) {
             body.add_local(&own[range.clone()], all, &mut out[range.clone()]);
         }

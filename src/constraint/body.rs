@@ -5,8 +5,8 @@ use std::rc::Rc;
 use nalgebra::{SMatrix, SVector};
 
 use super::{
-    layout::Layout,
-    places::{Places, Seen, SeenMut},
+    layout::MultiplierLayout,
+    places::{Entries, EntriesMut, Places},
 };
 use crate::surface::SurfaceTable;
 
@@ -16,13 +16,13 @@ pub trait BodyBlocks<const D: usize> {
     fn count(&self) -> usize;
 
     /// Finds the places of all that is touched.
-    fn plan(&mut self, layout: &Layout, plans: &mut Plans);
+    fn plan(&mut self, layout: &MultiplierLayout, plans: &mut Plans);
 
     /// `rows += factor * C c`; `scratch` may hold anything.
-    fn spread(&self, factor: f64, c: &[f64], scratch: &mut Vec<f64>, rows: &mut SeenMut);
+    fn spread(&self, factor: f64, c: &[f64], scratch: &mut Vec<f64>, rows: &mut EntriesMut);
 
     /// Writes `J u`, before it is projected on the modes of a [`surface`](Self::surface); `scratch` may hold anything.
-    fn read(&self, u: Seen, walls: Walls, scratch: &mut Vec<f64>, out: &mut [f64]);
+    fn read(&self, u: Entries, walls: Walls, scratch: &mut Vec<f64>, out: &mut [f64]);
 
     /// The surface on whose modes what is read has to be projected.
     fn surface(&self) -> Option<&Rc<SurfaceTable<D>>> {
@@ -30,7 +30,7 @@ pub trait BodyBlocks<const D: usize> {
     }
 
     /// `out += E c`, with the multipliers of this body and those of all as this rank sees them.
-    fn add_local(&self, _own: &[f64], _all: Seen, _out: &mut [f64]) {}
+    fn add_local(&self, _own: &[f64], _all: Entries, _out: &mut [f64]) {}
 
     /// What the rows make of a velocity, or of a scalar in the place of its first component, known at each offset from the centre.
     fn coefficients(&self, known: &dyn Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Vec<f64>;

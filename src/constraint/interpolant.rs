@@ -3,13 +3,13 @@
 //! Along each axis there are four nodes with their weights; for each component they differ only in whether the lattice
 //! has its points on faces or between them. The nodes around the body are copied, run by run, to a small box without gaps.
 
-use super::places::{Places, Seen};
+use super::places::{Entries, Places};
 
 /// Nodes per axis.
 pub const NODES: usize = 4;
 
-/// Weights of the nodes of one axis.
-pub type Weights = [f64; NODES];
+/// StencilWeights of the nodes of one axis.
+pub type StencilWeights = [f64; NODES];
 
 /// Entries that follow each other in a fluid vector and in the box.
 #[derive(Debug, Clone, Copy)]
@@ -43,7 +43,7 @@ pub struct Interpolant<const D: usize> {
     /// For each component.
     pub boxes: Vec<NodeBox<D>>,
     /// For each point and axis, the weights of nodes on the faces of that axis and of nodes between them.
-    pub weights: Vec<[[Weights; 2]; D]>,
+    pub weights: Vec<[[StencilWeights; 2]; D]>,
     /// What moving walls add to each component of each point; empty if no wall is near.
     pub wall_values: Vec<f64>,
 }
@@ -57,7 +57,7 @@ impl<const D: usize> Interpolant<D> {
     }
 
     /// Writes the values at the points, one number for each component; `scratch` may hold anything.
-    pub fn apply(&self, u: Seen, scratch: &mut Vec<f64>, out: &mut [f64]) {
+    pub fn apply(&self, u: Entries, scratch: &mut Vec<f64>, out: &mut [f64]) {
         for (component, nodes) in self.boxes.iter().enumerate() {
             scratch.clear();
             scratch.resize(nodes.length, 0.0);
@@ -79,14 +79,14 @@ pub fn row_offsets<const D: usize>(strides: [usize; D]) -> [usize; NODES * NODES
     std::array::from_fn(|row| (0..D - 1).map(|axis| (row >> (2 * axis)) % NODES * strides[axis]).sum())
 }
 
-/// Weights of the rows.
+/// StencilWeights of the rows.
 #[inline(always)]
-pub fn row_weights<const D: usize>(weights: [&Weights; D]) -> [f64; NODES * NODES] {
+pub fn row_weights<const D: usize>(weights: [&StencilWeights; D]) -> [f64; NODES * NODES] {
     std::array::from_fn(|row| (0..D - 1).map(|axis| weights[axis][(row >> (2 * axis)) % NODES]).product())
 }
 
 #[inline(always)]
-fn interpolated<const D: usize>(nodes: &[f64], offsets: &[usize; NODES * NODES], weights: [&Weights; D]) -> f64 {
+fn interpolated<const D: usize>(nodes: &[f64], offsets: &[usize; NODES * NODES], weights: [&StencilWeights; D]) -> f64 {
     let mut sums = [0.0; NODES];
     let row_weights = row_weights(weights);
     for (offset, weight) in offsets.iter().zip(row_weights).take(NODES.pow(D as u32 - 1)) {

@@ -6,7 +6,7 @@ use crate::grid::Grid;
 
 /// Numbering of the multipliers: each rank holds those of the bodies whose centres lie in its cells, in body order.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Layout {
+pub struct MultiplierLayout {
     /// This rank's bodies.
     pub local_bodies: Vec<usize>,
     /// For each of all bodies: the index of its first multiplier in the owner's part and on all ranks, their number, and its own.
@@ -24,9 +24,9 @@ struct Place {
     owner: usize,
 }
 
-impl Layout {
+impl MultiplierLayout {
     /// Shares out bodies with the given centres (in the box) and numbers of multipliers, seen from `rank`.
-    pub fn new<const D: usize>(grid: &Grid<D>, centers: &[SVector<f64, D>], counts: &[usize], rank: usize) -> Layout {
+    pub fn new<const D: usize>(grid: &Grid<D>, centers: &[SVector<f64, D>], counts: &[usize], rank: usize) -> MultiplierLayout {
         let owners: Vec<usize> = centers.iter().map(|center| grid.owner(center)).collect();
         let mut places = vec![Place { local: 0, global: 0, count: 0, number: 0, owner: 0 }; centers.len()];
         let (mut unknowns, mut local_unknowns, mut number) = (0, 0, 0);
@@ -41,7 +41,7 @@ impl Layout {
             }
         }
         let local_bodies = (0..centers.len()).filter(|&body| owners[body] == rank).collect();
-        Layout { local_bodies, places, local_unknowns, unknowns }
+        MultiplierLayout { local_bodies, places, local_unknowns, unknowns }
     }
 
     /// Whether this rank holds a body.

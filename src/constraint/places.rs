@@ -15,7 +15,7 @@ pub struct Places {
 
 /// Entries to read.
 #[derive(Clone, Copy)]
-pub struct Seen<'a> {
+pub struct Entries<'a> {
     /// This rank's part.
     pub own: &'a [f64],
     /// Those of other ranks that were asked for.
@@ -23,7 +23,7 @@ pub struct Seen<'a> {
 }
 
 /// Entries to add to.
-pub struct SeenMut<'a> {
+pub struct EntriesMut<'a> {
     /// This rank's part.
     pub own: &'a mut [f64],
     /// Those of other ranks that were asked for.
@@ -57,7 +57,7 @@ impl Places {
     }
 }
 
-impl<'a> Seen<'a> {
+impl<'a> Entries<'a> {
     /// The entries from a place on: in this rank's own part, or among those of others.
     #[inline]
     pub fn from(self, place: u32) -> &'a [f64] {
@@ -66,7 +66,7 @@ impl<'a> Seen<'a> {
     }
 }
 
-impl SeenMut<'_> {
+impl EntriesMut<'_> {
     /// The entry at a place.
     #[inline]
     pub fn at(&mut self, place: u32) -> &mut f64 {

@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{Complex, Vector2};
 
-use super::{Crowd, Layout};
+use super::{MultiplierLayout, Neighbourhood};
 use crate::geometry::{Axis, Ball, Corner, Domain, Edges, delaunay, position};
 
 /// Flow through a wide throat, over that of a unit of `(g/a)^2.5`, and the gap beyond which it does not grow.
@@ -71,7 +71,7 @@ pub struct Pores {
 
 impl Pores {
     /// The pores of a crowd of disks of which this rank holds some; none in 3D, and where no three disks make a triangle.
-    pub fn new<const D: usize>(domain: &Domain<D>, crowd: &Crowd<D>, layout: &Layout) -> Option<Pores> {
+    pub fn new<const D: usize>(domain: &Domain<D>, crowd: &Neighbourhood<D>, layout: &MultiplierLayout) -> Option<Pores> {
         let (domain, balls) = in_plane(domain, crowd)?;
         let mut triangles = triangles(&domain, &balls)?;
         // feet of disks on walls come after all disks
@@ -118,7 +118,7 @@ impl Pores {
 }
 
 /// Flow through the throat between two bodies so far apart, of these numbers and radii; a wall is as flat as a disk without end.
-fn conductance<const D: usize>(crowd: &Crowd<D>, distance: f64, bodies: [(usize, f64); 2]) -> f64 {
+fn conductance<const D: usize>(crowd: &Neighbourhood<D>, distance: f64, bodies: [(usize, f64); 2]) -> f64 {
     let [(_, one), (_, two)] = bodies;
     let effective = if one.min(two) > 0.0 { 2.0 * one * two / (one + two) } else { 2.0 * one.max(two) };
     let order = bodies.iter().filter_map(|&(body, _)| crowd.orders.get(body)).min().map_or(1.0, |&order| order as f64);
@@ -127,7 +127,7 @@ fn conductance<const D: usize>(crowd: &Crowd<D>, distance: f64, bodies: [(usize,
 }
 
 /// The box and the disks, then the feet of near ones on walls as disks without a radius, if the dimension is 2.
-fn in_plane<const D: usize>(domain: &Domain<D>, crowd: &Crowd<D>) -> Option<(Domain<2>, Vec<Ball<2>>)> {
+fn in_plane<const D: usize>(domain: &Domain<D>, crowd: &Neighbourhood<D>) -> Option<(Domain<2>, Vec<Ball<2>>)> {
     if D != 2 {
         return None;
     }

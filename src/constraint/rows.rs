@@ -1,6 +1,6 @@
 //! Rows of C of one body: dense in its multipliers.
 
-use super::places::{Places, SeenMut};
+use super::places::{EntriesMut, Places};
 use crate::linalg::{dot, dots};
 
 /// Rows that are multiplied together.
@@ -29,7 +29,7 @@ impl Rows {
     }
 
     /// Adds `factor * C c` to the rows of this rank and of others, with the multipliers `c` of the body; `scratch` may hold anything.
-    pub fn add(&self, factor: f64, c: &[f64], scratch: &mut Vec<f64>, rows: &mut SeenMut) {
+    pub fn add(&self, factor: f64, c: &[f64], scratch: &mut Vec<f64>, rows: &mut EntriesMut) {
         // products first: the scattered places then wait for memory all at once
         self.multiply(c, scratch);
         for (place, product) in self.places.iter().zip(scratch) {

@@ -4,7 +4,7 @@ use super::{Identity, Partner};
 
 /// A contact that sticks, and its memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Adhesive<const D: usize> {
+pub struct AdhesiveContact<const D: usize> {
     /// The body.
     pub body: usize,
     /// What it sticks to.
@@ -15,7 +15,7 @@ pub struct Adhesive<const D: usize> {
     pub gamma: f64,
 }
 
-impl<const D: usize> Adhesive<D> {
+impl<const D: usize> AdhesiveContact<D> {
     /// What tells its contact from all others.
     pub fn identity(&self) -> Identity<D> {
         (self.body, self.partner, self.image)

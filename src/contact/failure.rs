@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{Certificate, Contact, Partner, Problem, paths::swept_balls, solver::Outcome};
+use super::{Contact, KktReport, Partner, Problem, paths::swept_balls, solver::Outcome};
 use crate::error::{Error, Result};
 
 /// Largest weight over the smallest: beyond it what is between is rounding.
@@ -92,7 +92,7 @@ fn weight_ratio<const D: usize>(problem: &Problem<D>) -> f64 {
 }
 
 /// The error of forces that do not keep bodies apart.
-pub(super) fn unkept<const D: usize>(problem: &Problem<D>, found: &Certificate) -> Error {
+pub(super) fn unkept<const D: usize>(problem: &Problem<D>, found: &KktReport) -> Error {
     let (residual, contacts, ratio) = (found.kkt_residual, found.pairs, weight_ratio(problem));
     let text = format!(
         "the forces found at {contacts} contacts leave a residual of {residual:.1e} radii, between bodies whose weights differ by a factor \

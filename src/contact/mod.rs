@@ -21,13 +21,13 @@
 mod active_set;
 mod adhesive;
 mod candidates;
-mod certificate;
 mod cholesky;
 mod clarabel;
 mod failure;
 mod force;
 mod interior_point;
 mod island;
+mod kkt_report;
 mod memory;
 mod paths;
 mod problem;
@@ -42,10 +42,10 @@ mod union_find;
 #[cfg(test)]
 mod tests;
 
-pub use adhesive::Adhesive;
+pub use adhesive::AdhesiveContact;
 pub use candidates::{Contact, Identity, Partner, candidates};
-pub use certificate::Certificate;
 pub use force::ContactForce;
+pub use kkt_report::KktReport;
 pub use memory::Memory;
 pub use problem::Problem;
 pub use project::{Projection, project, project_from};

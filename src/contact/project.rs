@@ -9,10 +9,10 @@ use std::collections::HashSet;
 use nalgebra::SVector;
 
 use super::{
-    Certificate, Contact, ContactForce, Memory, Partner, Problem, Solver,
-    certificate::certify,
+    Contact, ContactForce, KktReport, Memory, Partner, Problem, Solver,
     failure::{check, endless, failure, unkept},
     island::{free_body, islands},
+    kkt_report::certify,
     paths::{Path, paths},
     share::solve_shared,
     solver::Outcome,
@@ -28,7 +28,7 @@ const NEARNESS: f64 = 0.2;
 const LARGEST_NEARNESS: f64 = 4.0;
 /// Distance from the optimum, in radii, beyond which an answer is none; answers have 1e-7 and less.
 const LARGEST_RESIDUAL: f64 = 1e-4;
-/// Rounds before giving up.
+/// ActiveSetIteration before giving up.
 const ROUNDS: usize = 100;
 
 /// Velocities that let nothing overlap.
@@ -40,7 +40,7 @@ pub struct Projection<const D: usize> {
     /// [`Contact::identity`]. The sum of its contact forces on a body is `w (v - wanted)`, for bodies that give way.
     pub forces: Vec<ContactForce<D>>,
     /// How good the answer is, and what it cost.
-    pub certificate: Certificate,
+    pub kkt_report: KktReport,
 }
 
 /// The velocities next to those wanted, as weighed, that let nothing overlap on the way. Collective: all ranks
@@ -70,7 +70,7 @@ pub(super) fn project_by<const D: usize>(
     solve: impl Fn(&[Contact<D>], &[f64], &[Vec<usize>]) -> Vec<Outcome>,
 ) -> Result<Projection<D>> {
     check(problem)?;
-    let mut state = State::new(problem, memory);
+    let mut state = ProjectionState::new(problem, memory);
     if !problem.floors.is_empty() {
         let changed = state.add(problem.floors.iter().map(|floor| floor.contact).collect());
         let outcomes = solve(&state.contacts, &state.forces, &changed);
@@ -82,7 +82,7 @@ pub(super) fn project_by<const D: usize>(
         let violated = state.violated(&paths, nearness);
         if violated.is_empty() {
             let found = state.finish(&paths, round);
-            return if found.certificate.kkt_residual <= LARGEST_RESIDUAL { Ok(found) } else { Err(unkept(problem, &found.certificate)) };
+            return if found.kkt_report.kkt_residual <= LARGEST_RESIDUAL { Ok(found) } else { Err(unkept(problem, &found.kkt_report)) };
         }
         let changed = state.add(violated);
         let outcomes = solve(&state.contacts, &state.forces, &changed);
@@ -92,7 +92,7 @@ pub(super) fn project_by<const D: usize>(
 }
 
 /// Where the rounds stand.
-struct State<'a, const D: usize> {
+struct ProjectionState<'a, const D: usize> {
     problem: &'a Problem<'a, D>,
     memory: &'a Memory<D>,
     contacts: Vec<Contact<D>>,
@@ -103,7 +103,7 @@ struct State<'a, const D: usize> {
     solver: Solver,
 }
 
-impl<'a, const D: usize> State<'a, D> {
+impl<'a, const D: usize> ProjectionState<'a, D> {
     fn new(problem: &'a Problem<'a, D>, memory: &'a Memory<D>) -> Self {
         let velocities = problem.velocities.to_vec();
         Self {
@@ -170,12 +170,12 @@ impl<'a, const D: usize> State<'a, D> {
         let pairs = self.contacts.into_iter().zip(self.forces);
         let mut forces: Vec<_> = pairs.map(|(contact, force)| ContactForce { contact, force }).collect();
         forces.sort_unstable_by_key(|force| force.contact.identity());
-        let certificate = Certificate {
+        let kkt_report = KktReport {
             iterations: self.iterations,
             solver: self.solver,
             rounds,
             ..certify(self.problem, &self.velocities, &forces, paths)
         };
-        Projection { velocities: self.velocities, forces, certificate }
+        Projection { velocities: self.velocities, forces, kkt_report }
     }
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use super::Slide;
+use super::LeesEdwards;
 
 /// What bounds the box along one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -10,7 +10,7 @@ pub enum Axis<const D: usize> {
     /// The box repeats.
     Periodic,
     /// The box repeats, and its images slide along the first axis. For the second axis only, in a fully periodic box.
-    Sheared(Slide),
+    Sheared(LeesEdwards),
     /// Two walls, each with a velocity (tangential: its component along the axis is zero).
     Walls {
         /// Velocity of the wall at coordinate 0.
@@ -46,7 +46,7 @@ impl<const D: usize> Domain<D> {
     }
 
     /// How images slide, if they do.
-    pub fn slide(&self) -> Option<Slide> {
+    pub fn slide(&self) -> Option<LeesEdwards> {
         match self.axes[1] {
             Axis::Sheared(slide) => Some(slide),
             _ => None,
@@ -174,7 +174,7 @@ mod tests {
     use super::*;
 
     fn sheared(start: f64) -> Domain<3> {
-        let slide = Slide { start, speed: 2.0, time: 0.0 };
+        let slide = LeesEdwards { start, speed: 2.0, time: 0.0 };
         Domain { size: Vector3::new(2.0, 1.0, 1.5), axes: [Axis::Periodic, Axis::Sheared(slide), Axis::Periodic] }
     }
 

@@ -7,7 +7,7 @@ const TOLERANCE: f64 = 1e-9;
 
 /// The reason why a set of balls cannot be where it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Fault {
+pub enum InvalidConfiguration {
     /// Two balls overlap.
     Overlap {
         /// The ball with the smaller index.
@@ -38,11 +38,11 @@ pub enum Fault {
 ///
 /// Centres may lie anywhere in `[0, size]` along periodic axes; balls must lie between walls. Its cost grows as the number of balls, up to
 /// the first fault.
-pub fn first_fault<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<Fault> {
+pub fn first_fault<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<InvalidConfiguration> {
     outside(domain, balls).or_else(|| own_image(domain, balls)).or_else(|| overlap(domain, balls))
 }
 
-fn outside<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<Fault> {
+fn outside<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<InvalidConfiguration> {
     let places = (0..balls.len()).flat_map(|body| (0..D).map(move |axis| (body, axis)));
     let is_outside = |&(body, axis): &(usize, usize)| {
         let ball = &balls[body];
@@ -51,10 +51,10 @@ fn outside<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<Faul
         let allowed = margin - slack..=domain.size[axis] - margin + slack;
         !allowed.contains(&ball.center[axis])
     };
-    places.into_iter().find(is_outside).map(|(body, axis)| Fault::Outside { body, axis })
+    places.into_iter().find(is_outside).map(|(body, axis)| InvalidConfiguration::Outside { body, axis })
 }
 
-fn own_image<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<Fault> {
+fn own_image<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<InvalidConfiguration> {
     let images = (0..D).filter(|&axis| domain.periodic(axis)).map(|axis| {
         let mut next = domain.offset(std::array::from_fn(|other| isize::from(other == axis)));
         if axis == 1 && domain.periodic(0) {
@@ -66,10 +66,10 @@ fn own_image<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<Fa
     let nearest = images.fold(f64::INFINITY, f64::min);
     let gap = |ball: &Ball<D>| nearest - 2.0 * ball.radius;
     let body = balls.iter().position(|ball| gap(ball) < -TOLERANCE * ball.radius)?;
-    Some(Fault::OwnImage { body, gap: gap(&balls[body]) })
+    Some(InvalidConfiguration::OwnImage { body, gap: gap(&balls[body]) })
 }
 
-fn overlap<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<Fault> {
+fn overlap<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<InvalidConfiguration> {
     let mut order: Vec<usize> = (0..balls.len()).collect();
     order.sort_by(|&one, &two| balls[two].radius.total_cmp(&balls[one].radius));
     let mut levels = Levels::new(domain);
@@ -83,7 +83,7 @@ fn overlap<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<Faul
             }
         });
         if let Some((other, gap)) = fault {
-            return Some(Fault::Overlap { first: body.min(other), second: body.max(other), gap });
+            return Some(InvalidConfiguration::Overlap { first: body.min(other), second: body.max(other), gap });
         }
         levels.insert(body, &balls[body]);
     }
@@ -93,7 +93,7 @@ fn overlap<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Option<Faul
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Axis, Slide, near_pairs};
+    use crate::geometry::{Axis, LeesEdwards, near_pairs};
     use nalgebra::SVector;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
@@ -117,7 +117,7 @@ mod tests {
     fn an_overlap_across_the_periodic_side_is_found() {
         let balls = [ball(0.1, 0.5, 0.2), ball(1.0, 0.5, 0.2), ball(1.8, 0.5, 0.2)];
         match first_fault(&channel(), &balls) {
-            Some(Fault::Overlap { first: 0, second: 2, gap }) => assert!((gap + 0.1).abs() < 1e-12),
+            Some(InvalidConfiguration::Overlap { first: 0, second: 2, gap }) => assert!((gap + 0.1).abs() < 1e-12),
             other => panic!("{other:?}"),
         }
     }
@@ -127,13 +127,13 @@ mod tests {
         let mut domain = channel();
         domain.size[0] = 0.7;
         let fault = first_fault(&domain, &[ball(0.1, 0.5, 0.4)]);
-        assert!(matches!(fault, Some(Fault::OwnImage { body: 0, .. })), "{fault:?}");
+        assert!(matches!(fault, Some(InvalidConfiguration::OwnImage { body: 0, .. })), "{fault:?}");
     }
 
     #[test]
     fn a_fault_is_found_where_pairs_overlap_and_nowhere_else() {
         let mut random = ChaCha8Rng::seed_from_u64(1);
-        let sheared = Axis::Sheared(Slide { start: 0.7, speed: 0.0, time: 0.0 });
+        let sheared = Axis::Sheared(LeesEdwards { start: 0.7, speed: 0.0, time: 0.0 });
         let mut found = [0, 0];
         for case in 0..2000 {
             let mut domain = channel();
@@ -152,7 +152,7 @@ mod tests {
     fn crowds_that_cluster_or_coincide_are_told_soon() {
         let domain: Domain<2> = Domain { size: [1e6, 1e6].into(), axes: [Axis::Periodic; 2] };
         let same = vec![ball(1.0, 1.0, 0.5); 100_000];
-        assert_eq!(first_fault(&domain, &same), Some(Fault::Overlap { first: 0, second: 1, gap: -1.0 }));
+        assert_eq!(first_fault(&domain, &same), Some(InvalidConfiguration::Overlap { first: 0, second: 1, gap: -1.0 }));
         let cluster: Vec<Ball<2>> = (0..100_000).map(|body| ball(f64::from(body % 300), f64::from(body / 300), 0.5)).collect();
         assert_eq!(first_fault(&domain, &cluster), None);
     }
@@ -161,7 +161,7 @@ mod tests {
     fn a_ball_in_a_wall_or_a_center_outside_the_box_is_found() {
         let good = ball(1.0, 0.5, 0.2);
         let outside = |bad, axis| {
-            assert_eq!(first_fault(&channel(), &[good, bad]), Some(Fault::Outside { body: 1, axis }));
+            assert_eq!(first_fault(&channel(), &[good, bad]), Some(InvalidConfiguration::Outside { body: 1, axis }));
         };
         outside(ball(0.3, 0.19, 0.2), 1);
         outside(ball(2.1, 0.5, 0.2), 0);

@@ -11,5 +11,5 @@ pub mod stencil;
 
 pub use partition::{Block, Partition};
 pub use pencils::Pencils;
-pub use redistribution::{Exchange, Layout, Redistribution};
+pub use redistribution::{BlockLayout, Exchange, Redistribution};
 pub use staggered::{FEWEST_CELLS, Grid, Index, MOST_UNKNOWNS, Node};

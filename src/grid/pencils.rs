@@ -5,7 +5,7 @@
 
 use super::{
     partition::{Block, factorisations},
-    redistribution::Layout,
+    redistribution::BlockLayout,
 };
 
 /// The stages of a transform along all axes: stage `i` has axis `order[i]` whole.
@@ -18,7 +18,7 @@ pub struct Pencils<const D: usize> {
 
 impl<const D: usize> Pencils<D> {
     /// The stages that move least, starting from a layout of `cells`, with the axis `last` (if any) whole at last.
-    pub fn new(start: &Layout<D>, cells: [usize; D], last: Option<usize>) -> Pencils<D> {
+    pub fn new(start: &BlockLayout<D>, cells: [usize; D], last: Option<usize>) -> Pencils<D> {
         let meshes = factorisations::<D>(start.0.len()).into_iter().filter(|mesh| mesh[D - 1] == 1);
         let candidates = meshes.flat_map(|mesh| orders(last).map(move |order| Pencils { order, mesh }));
         candidates.min_by_key(|pencils| pencils.cost(start, cells)).expect("there is an order and a mesh")
@@ -30,13 +30,13 @@ impl<const D: usize> Pencils<D> {
     }
 
     /// The layout of a stage on a lattice of the given extents; ranks may be left without any index.
-    pub fn layout(&self, stage: usize, extents: [usize; D]) -> Layout<D> {
+    pub fn layout(&self, stage: usize, extents: [usize; D]) -> BlockLayout<D> {
         let mesh = Block { start: [0; D], end: self.mesh };
-        Layout(mesh.indices().map(|place| self.block(stage, extents, place)).collect())
+        BlockLayout(mesh.indices().map(|place| self.block(stage, extents, place)).collect())
     }
 
     /// The layouts of all stages.
-    pub fn layouts(&self, extents: [usize; D]) -> Vec<Layout<D>> {
+    pub fn layouts(&self, extents: [usize; D]) -> Vec<BlockLayout<D>> {
         (0..D).map(|stage| self.layout(stage, extents)).collect()
     }
 
@@ -51,11 +51,11 @@ impl<const D: usize> Pencils<D> {
     }
 
     /// Work and traffic grow with the largest share of a rank, traffic with the number of moves too.
-    fn cost(&self, start: &Layout<D>, cells: [usize; D]) -> usize {
+    fn cost(&self, start: &BlockLayout<D>, cells: [usize; D]) -> usize {
         let mut layouts = vec![start.clone()];
         layouts.extend(self.layouts(cells));
         let moves = layouts.windows(2).filter(|pair| pair[0] != pair[1]).count();
-        layouts.iter().map(Layout::largest).max().unwrap_or(0) * (1 + moves)
+        layouts.iter().map(BlockLayout::largest).max().unwrap_or(0) * (1 + moves)
     }
 }
 
@@ -71,9 +71,9 @@ mod tests {
     use super::*;
     use crate::grid::Partition;
 
-    fn start<const D: usize>(cells: [usize; D], ranks: usize) -> Layout<D> {
+    fn start<const D: usize>(cells: [usize; D], ranks: usize) -> BlockLayout<D> {
         let partition = Partition::new(cells, ranks).unwrap();
-        Layout((0..ranks).map(|rank| partition.block(rank)).collect())
+        BlockLayout((0..ranks).map(|rank| partition.block(rank)).collect())
     }
 
     #[test]

@@ -9,9 +9,9 @@ use crate::parallel::{Shares, World};
 
 /// A block of a lattice for every rank; no index belongs to two.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Layout<const D: usize>(pub Vec<Block<D>>);
+pub struct BlockLayout<const D: usize>(pub Vec<Block<D>>);
 
-impl<const D: usize> Layout<D> {
+impl<const D: usize> BlockLayout<D> {
     /// Most indices that a rank has.
     pub fn largest(&self) -> usize {
         self.0.iter().map(Block::len).max().unwrap_or(0)
@@ -22,12 +22,12 @@ impl<const D: usize> Layout<D> {
 ///
 /// In this rank's part of a layout the fields lie one after the other, each in the order of the block.
 pub struct Redistribution {
-    from: Side,
-    to: Side,
+    from: TransferSide,
+    to: TransferSide,
 }
 
 /// What this rank exchanges of its part of one layout.
-struct Side {
+struct TransferSide {
     fields: usize,
     /// Indices of the block.
     extent: usize,
@@ -45,8 +45,9 @@ pub struct Exchange<T> {
 
 impl Redistribution {
     /// Plans the way of `fields` fields as seen from `rank`; nothing where nothing has to move.
-    pub fn new<const D: usize>(from: &Layout<D>, to: &Layout<D>, rank: usize, fields: usize) -> Option<Redistribution> {
-        (from != to).then(|| Redistribution { from: Side::new(from, to, rank, fields), to: Side::new(to, from, rank, fields) })
+    pub fn new<const D: usize>(from: &BlockLayout<D>, to: &BlockLayout<D>, rank: usize, fields: usize) -> Option<Redistribution> {
+        (from != to)
+            .then(|| Redistribution { from: TransferSide::new(from, to, rank, fields), to: TransferSide::new(to, from, rank, fields) })
     }
 
     /// Moves values from the first layout to the second.
@@ -60,13 +61,13 @@ impl Redistribution {
     }
 }
 
-impl Side {
-    fn new<const D: usize>(own: &Layout<D>, other: &Layout<D>, rank: usize, fields: usize) -> Side {
+impl TransferSide {
+    fn new<const D: usize>(own: &BlockLayout<D>, other: &BlockLayout<D>, rank: usize, fields: usize) -> TransferSide {
         let block = own.0[rank];
         let runs: Vec<Vec<Range<usize>>> = other.0.iter().map(|other| block.runs(block.intersection(other))).collect();
         let count = |runs: &Vec<Range<usize>>| (fields * runs.iter().map(Range::len).sum::<usize>()) as i32;
         let shares = Shares::new(runs.iter().map(count).collect());
-        Side { fields, extent: block.len(), runs, shares }
+        TransferSide { fields, extent: block.len(), runs, shares }
     }
 
     /// The places in this rank's part of what is exchanged, rank by rank, field by field.
@@ -84,7 +85,7 @@ impl<T: Equivalence + Copy> Exchange<T> {
         Exchange { sent: vec![value; size], received: vec![value; size] }
     }
 
-    fn run(&mut self, world: &World, from: &Side, to: &Side, values: &mut [T]) {
+    fn run(&mut self, world: &World, from: &TransferSide, to: &TransferSide, values: &mut [T]) {
         let mut start = 0;
         for place in from.places() {
             let end = start + place.len();

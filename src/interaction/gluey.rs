@@ -14,7 +14,7 @@
 use std::collections::HashMap;
 
 use super::{Arrangement, Interaction, Touch};
-use crate::contact::{Adhesive, Contact, ContactForce};
+use crate::contact::{AdhesiveContact, Contact, ContactForce};
 
 /// Changes of memory below this part of the largest are rounding.
 const ROUNDING: f64 = 1e-12;
@@ -40,8 +40,8 @@ impl<const D: usize> Interaction<D> for Gluey {
         Some(Touch::Hard)
     }
 
-    fn lower_bounds(&self, arrangement: &Arrangement<D>, memory: &[Adhesive<D>], step: f64) -> Vec<ContactForce<D>> {
-        let bound = |adhesive: &Adhesive<D>| {
+    fn lower_bounds(&self, arrangement: &Arrangement<D>, memory: &[AdhesiveContact<D>], step: f64) -> Vec<ContactForce<D>> {
+        let bound = |adhesive: &AdhesiveContact<D>| {
             let contact = Contact::again(arrangement.domain, arrangement.balls, adhesive.identity());
             ContactForce { contact, force: adhesive.gamma * arrangement.impulse_unit(&contact) / step }
         };
@@ -50,7 +50,13 @@ impl<const D: usize> Interaction<D> for Gluey {
         bounds
     }
 
-    fn remember(&self, arrangement: &Arrangement<D>, memory: &[Adhesive<D>], forces: &[ContactForce<D>], step: f64) -> Vec<Adhesive<D>> {
+    fn remember(
+        &self,
+        arrangement: &Arrangement<D>,
+        memory: &[AdhesiveContact<D>],
+        forces: &[ContactForce<D>],
+        step: f64,
+    ) -> Vec<AdhesiveContact<D>> {
         let before: HashMap<_, _> = memory.iter().map(|adhesive| (adhesive.identity(), adhesive.gamma)).collect();
         let change = |force: &ContactForce<D>| -step * force.force / arrangement.impulse_unit(&force.contact);
         let all = forces.iter().map(change).chain(before.values().copied());
@@ -58,7 +64,7 @@ impl<const D: usize> Interaction<D> for Gluey {
         let after = |force: &ContactForce<D>| {
             let (body, partner, image) = force.contact.identity();
             let gamma = before.get(&(body, partner, image)).copied().unwrap_or(0.0) + change(force);
-            (gamma < -rounding).then_some(Adhesive { body, partner, image, gamma: gamma.max(self.least) })
+            (gamma < -rounding).then_some(AdhesiveContact { body, partner, image, gamma: gamma.max(self.least) })
         };
         forces.iter().filter_map(after).collect()
     }

@@ -4,8 +4,8 @@ use std::{fmt, rc::Rc};
 
 use super::{Arrangement, Interaction, PairForce, Touch};
 use crate::{
-    constraint::{Crowd, Layout, lubrication::Films},
-    contact::{Adhesive, Contact, ContactForce},
+    constraint::{MultiplierLayout, Neighbourhood, lubrication::LubricationPairs},
+    contact::{AdhesiveContact, Contact, ContactForce},
 };
 
 /// A list of interactions; clones share them.
@@ -71,7 +71,7 @@ impl<const D: usize> Interactions<D> {
     }
 
     /// See [`Interaction::lower_bounds`].
-    pub fn lower_bounds(&self, arrangement: &Arrangement<D>, memory: &[Adhesive<D>], step: f64) -> Vec<ContactForce<D>> {
+    pub fn lower_bounds(&self, arrangement: &Arrangement<D>, memory: &[AdhesiveContact<D>], step: f64) -> Vec<ContactForce<D>> {
         self.iter().flat_map(|interaction| interaction.lower_bounds(arrangement, memory, step)).collect()
     }
 
@@ -79,21 +79,23 @@ impl<const D: usize> Interactions<D> {
     pub fn remember(
         &self,
         arrangement: &Arrangement<D>,
-        memory: &[Adhesive<D>],
+        memory: &[AdhesiveContact<D>],
         forces: &[ContactForce<D>],
         step: f64,
-    ) -> Vec<Adhesive<D>> {
+    ) -> Vec<AdhesiveContact<D>> {
         self.iter().flat_map(|interaction| interaction.remember(arrangement, memory, forces, step)).collect()
     }
 
     /// See [`Interaction::rows`].
-    pub fn rows(&self, crowd: &Crowd<D>, layout: &Layout) -> Films<D> {
-        self.iter().map(|interaction| interaction.rows(crowd, layout)).fold(Films::default(), Films::with)
+    pub fn rows(&self, crowd: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
+        self.iter().map(|interaction| interaction.rows(crowd, layout)).fold(LubricationPairs::default(), LubricationPairs::with)
     }
 
     /// See [`Interaction::resolved_at_walls`].
-    pub fn resolved_at_walls(&self, crowd: &Crowd<D>, layout: &Layout) -> Films<D> {
-        self.iter().map(|interaction| interaction.resolved_at_walls(crowd, layout)).fold(Films::default(), Films::with)
+    pub fn resolved_at_walls(&self, crowd: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
+        self.iter()
+            .map(|interaction| interaction.resolved_at_walls(crowd, layout))
+            .fold(LubricationPairs::default(), LubricationPairs::with)
     }
 
     /// See [`Interaction::approach_resistance`].

@@ -5,13 +5,13 @@ use std::fmt;
 use super::Interaction;
 use crate::{
     constraint::{
-        Crowd, Layout,
-        lubrication::{FilmTables, Films, approach, films, walls_seen},
+        MultiplierLayout, Neighbourhood,
+        lubrication::{FilmTables, LubricationPairs, approach, films, resolved_at_walls},
     },
     contact::Contact,
 };
 
-/// Films whose resistance is tabulated ([`lubrication`](crate::constraint::lubrication)).
+/// LubricationPairs whose resistance is tabulated ([`lubrication`](crate::constraint::lubrication)).
 pub struct Lubrication {
     /// Gap, in radii of the smaller body, below which none counts as smaller.
     pub roughness: f64,
@@ -19,7 +19,7 @@ pub struct Lubrication {
 }
 
 impl Lubrication {
-    /// Films between surfaces of this roughness, in radii of the smaller body.
+    /// LubricationPairs between surfaces of this roughness, in radii of the smaller body.
     pub fn new(roughness: f64) -> Lubrication {
         Lubrication { roughness, tables: FilmTables::default() }
     }
@@ -48,12 +48,12 @@ impl<const D: usize> Interaction<D> for Lubrication {
         true
     }
 
-    fn rows(&self, crowd: &Crowd<D>, layout: &Layout) -> Films<D> {
+    fn rows(&self, crowd: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
         films((crowd, layout), &self.tables, self.roughness)
     }
 
-    fn resolved_at_walls(&self, crowd: &Crowd<D>, layout: &Layout) -> Films<D> {
-        walls_seen((crowd, layout), &self.tables)
+    fn resolved_at_walls(&self, crowd: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
+        resolved_at_walls((crowd, layout), &self.tables)
     }
 
     fn approach_resistance(&self, contact: &Contact<D>, of: &dyn Fn(usize) -> (f64, usize)) -> f64 {

@@ -22,8 +22,8 @@ pub use lubrication::Lubrication;
 pub use repulsion::Repulsion;
 
 use crate::{
-    constraint::{Crowd, Layout, lubrication::Films},
-    contact::{Adhesive, Contact, ContactForce},
+    constraint::{MultiplierLayout, Neighbourhood, lubrication::LubricationPairs},
+    contact::{AdhesiveContact, Contact, ContactForce},
 };
 
 /// How bodies notice that they touch.
@@ -69,7 +69,7 @@ pub trait Interaction<const D: usize>: Debug {
     }
 
     /// Contacts that may pull, each with the least force that it may bear for a step, a negative number; sorted by [`Contact::identity`].
-    fn lower_bounds(&self, _arrangement: &Arrangement<D>, _memory: &[Adhesive<D>], _step: f64) -> Vec<ContactForce<D>> {
+    fn lower_bounds(&self, _arrangement: &Arrangement<D>, _memory: &[AdhesiveContact<D>], _step: f64) -> Vec<ContactForce<D>> {
         Vec::new()
     }
 
@@ -77,10 +77,10 @@ pub trait Interaction<const D: usize>: Debug {
     fn remember(
         &self,
         _arrangement: &Arrangement<D>,
-        _memory: &[Adhesive<D>],
+        _memory: &[AdhesiveContact<D>],
         _forces: &[ContactForce<D>],
         _step: f64,
-    ) -> Vec<Adhesive<D>> {
+    ) -> Vec<AdhesiveContact<D>> {
         Vec::new()
     }
 
@@ -90,13 +90,13 @@ pub trait Interaction<const D: usize>: Debug {
     }
 
     /// Relative motions that it resists, of near bodies that have a side on a body of this rank: unknown forces with rows of their own.
-    fn rows(&self, _crowd: &Crowd<D>, _layout: &Layout) -> Films<D> {
-        Films::default()
+    fn rows(&self, _crowd: &Neighbourhood<D>, _layout: &MultiplierLayout) -> LubricationPairs<D> {
+        LubricationPairs::default()
     }
 
     /// What the resolved flow resists already of the same motions between bodies of this rank and walls, for the preconditioner.
-    fn resolved_at_walls(&self, _crowd: &Crowd<D>, _layout: &Layout) -> Films<D> {
-        Films::default()
+    fn resolved_at_walls(&self, _crowd: &Neighbourhood<D>, _layout: &MultiplierLayout) -> LubricationPairs<D> {
+        LubricationPairs::default()
     }
 
     /// What its rows resist the approach of a contact by, force over velocity and viscosity; bodies have these radii and orders of modes.

@@ -39,7 +39,7 @@ pub struct Summary {
     pub viscosity: Option<ViscositySummary>,
     /// Error bars, if the scene asks for an accuracy.
     pub accuracy: Option<AccuracySummary>,
-    /// Films, if lubrication acts.
+    /// LubricationPairs, if lubrication acts.
     pub lubrication: Option<LubricationSummary>,
     /// Contacts, if a contact model acts.
     pub contact: Option<ContactSummary>,
@@ -104,7 +104,7 @@ pub struct ViscositySummary {
     pub mean: Option<MeanViscosity>,
 }
 
-/// Films that modes do not see.
+/// LubricationPairs that modes do not see.
 #[derive(Debug, Clone, Serialize)]
 pub struct LubricationSummary {
     /// Their number.

@@ -36,7 +36,7 @@ pub use profile::{Profile, Stage, StageCounts, StageGuard, enter};
 pub use scatter::Scatter;
 pub use session::Session;
 pub use shell::System;
-pub use symmetric::{Symmetric, Way};
+pub use symmetric::{Symmetric, SymmetricSolver};
 pub use traffic::Traffic;
 pub use vector::Vector;
 

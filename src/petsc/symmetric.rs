@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 
 /// How a symmetric matrix is solved with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Way {
+pub enum SymmetricSolver {
     /// By factors of a positive matrix: CHOLMOD's on one rank, or else MUMPS's.
     Positive,
     /// By MUMPS's factors of a matrix that is positive on some unknowns and negative on the others.
@@ -30,9 +30,9 @@ impl Symmetric {
     ///
     /// # Errors
     /// [`Error::Diverged`] when the matrix has no such factors.
-    pub fn new(session: &Session, local: usize, rows: RowBuilder, way: Way) -> Result<Symmetric> {
+    pub fn new(session: &Session, local: usize, rows: RowBuilder, way: SymmetricSolver) -> Result<Symmetric> {
         let matrix = Matrix::from_rows(session, local, rows)?;
-        let kind = if way == Way::Quasidefinite { ffi::MatOption_MAT_SYMMETRIC } else { ffi::MatOption_MAT_SPD };
+        let kind = if way == SymmetricSolver::Quasidefinite { ffi::MatOption_MAT_SYMMETRIC } else { ffi::MatOption_MAT_SPD };
         petsc!(MatSetOption(matrix.raw(), kind, ffi::PetscBool_PETSC_TRUE))?;
         let (mut raw, mut pc) = (null_mut(), null_mut());
         petsc!(KSPCreate(session.communicator(), &mut raw))?;
@@ -40,7 +40,7 @@ impl Symmetric {
         petsc!(KSPSetOptionsPrefix(raw, c"network_".as_ptr()))?;
         petsc!(KSPSetOperators(raw, matrix.raw(), matrix.raw()))?;
         petsc!(KSPGetPC(raw, &mut pc))?;
-        if way == Way::Iterated {
+        if way == SymmetricSolver::Iterated {
             let kept = f64::from(ffi::PETSC_DEFAULT);
             petsc!(KSPSetType(raw, c"cg".as_ptr()))?;
             petsc!(KSPSetTolerances(raw, LOOSE, kept, kept, ffi::PETSC_DEFAULT))?;
@@ -49,7 +49,7 @@ impl Symmetric {
         } else {
             petsc!(KSPSetType(raw, c"preonly".as_ptr()))?;
             petsc!(PCSetType(pc, c"cholesky".as_ptr()))?;
-            if way == Way::Positive && session.world().size() == 1 {
+            if way == SymmetricSolver::Positive && session.world().size() == 1 {
                 petsc!(PCFactorSetMatSolverType(pc, c"cholmod".as_ptr()))?;
             } else {
                 factor_by_mumps(pc)?;

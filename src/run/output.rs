@@ -13,7 +13,7 @@ use crate::{
     parallel::World,
     run::{RunStatistics, ViscosityHistory},
     scene::Scene,
-    simulation::{FlowSolver, Held, Simulation, Solution, State, View},
+    simulation::{ContactHistory, FlowSolver, Observation, Simulation, Solution, State},
 };
 
 /// Writes one thing of a run, at its own pace, and cannot change the run. All functions are collective but [`iterate`](Output::iterate).
@@ -83,7 +83,7 @@ pub struct EvaluatedMotion<'a, const D: usize> {
     /// The simulation.
     pub simulation: &'a Simulation<D>,
     /// What happens at this instant.
-    pub view: &'a View<D>,
+    pub view: &'a Observation<D>,
     /// What the steps until now cost and kept.
     pub statistics: &'a RunStatistics,
     /// Whether the run ends here.
@@ -113,9 +113,9 @@ impl<'a, const D: usize> EvaluatedMotion<'a, D> {
     }
 
     /// Contacts that bear a force: of this instant in a flow, of the last step in a dry run.
-    pub fn held(&self) -> Vec<Held<D>> {
+    pub fn held(&self) -> Vec<ContactHistory<D>> {
         match self.view.solution {
-            Some(_) => self.view.contacts.iter().filter(|pressed| pressed.force != 0.0).map(Held::of).collect(),
+            Some(_) => self.view.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect(),
             None => self.state().held.clone(),
         }
     }

@@ -22,7 +22,7 @@ use crate::{
     parallel::World,
     petsc::{Session, Stage, enter},
     scene::{ContactModel, Scene},
-    simulation::{FlowSolver, Setup, Simulation, Solution, State, View, flow_solver},
+    simulation::{FlowSolver, Observation, Setup, Simulation, Solution, State, flow_solver},
     study::{RefinementSequence, Solved},
 };
 
@@ -53,7 +53,7 @@ enum Machinery<const D: usize> {
     /// A flow at an instant, and its solution once there is one.
     Instant { solver: Box<dyn FlowSolver<D>>, solution: Option<Solution<D>> },
     /// A simulation in time, and what happens in its state once it was evaluated.
-    InTime { simulation: Box<Simulation<D>>, view: Option<View<D>> },
+    InTime { simulation: Box<Simulation<D>>, view: Option<Observation<D>> },
 }
 
 /// Runs a scene of dimension `D` from its start to its end; without a folder it leaves nothing behind. Collective.
@@ -365,7 +365,7 @@ impl<const D: usize> Machinery<D> {
         match self {
             Machinery::Instant { solution: Some(_), .. } => {}
             Machinery::Instant { solver, solution } => *solution = Some(solver.solve(seen)?),
-            Machinery::InTime { simulation, view } => *view = Some(simulation.look(&mut |_, _| {})?),
+            Machinery::InTime { simulation, view } => *view = Some(simulation.evaluate(&mut |_, _| {})?),
         }
         Ok(())
     }

@@ -3,10 +3,10 @@
 use std::{collections::BTreeMap, time::Instant};
 
 use crate::{
-    contact::{Certificate, Solver},
+    contact::{KktReport, Solver},
     error::{Offer, Refusal, Result},
     output::MotionSummary,
-    simulation::{Effort, StepReport, View},
+    simulation::{Effort, Observation, StepReport},
 };
 
 /// The statistics of a run, from its start or from those of the run it goes on with.
@@ -48,7 +48,7 @@ impl RunStatistics {
     }
 
     /// Adds a step and the look before it.
-    pub fn add<const D: usize>(&mut self, view: &View<D>, report: &StepReport) {
+    pub fn add<const D: usize>(&mut self, view: &Observation<D>, report: &StepReport) {
         let (motion, effort) = (&mut self.motion, view.effort + report.effort);
         let [shortest, longest] = motion.steps;
         let before = self.last.map(|last| last.length);
@@ -60,9 +60,9 @@ impl RunStatistics {
         motion.assembly_seconds += effort.assembly;
         motion.solve_seconds += effort.solving;
         motion.contact_seconds += effort.contact;
-        if let Some(certificate) = report.certificate {
-            self.smallest_gap = self.smallest_gap.min(certificate.smallest_gap);
-            self.kkt_residual = self.kkt_residual.max(certificate.kkt_residual);
+        if let Some(kkt_report) = report.kkt_report {
+            self.smallest_gap = self.smallest_gap.min(kkt_report.smallest_gap);
+            self.kkt_residual = self.kkt_residual.max(kkt_report.kkt_residual);
         }
         self.last = Some(*report);
     }
@@ -85,7 +85,7 @@ impl RunStatistics {
     /// How contacts were kept.
     pub fn contacts(&self) -> KeptContacts {
         KeptContacts {
-            pairs: self.last.and_then(|last| last.certificate).map_or(0, |certificate| certificate.pairs),
+            pairs: self.last.and_then(|last| last.kkt_report).map_or(0, |kkt_report| kkt_report.pairs),
             smallest_gap: Some(self.smallest_gap).filter(|gap| gap.is_finite()),
             kkt_residual: self.kkt_residual,
         }
@@ -110,7 +110,7 @@ impl RunStatistics {
         let mut statistics = RunStatistics::new();
         statistics.last = lines.contains_key("last.length").then(|| StepReport {
             length: 0.0,
-            certificate: lines.contains_key("last.pairs").then(|| Certificate::of_forces::<2>(&[], &[])),
+            kkt_report: lines.contains_key("last.pairs").then(|| KktReport::of_forces::<2>(&[], &[])),
             effort: Effort::default(),
         });
         let read = |(name, number): (&str, Number)| {
@@ -146,7 +146,7 @@ impl RunStatistics {
             ("smallest_gap", Real(&mut self.smallest_gap)),
             ("kkt_residual", Real(&mut self.kkt_residual)),
         ];
-        let Some(StepReport { length, certificate, effort }) = &mut self.last else { return numbers };
+        let Some(StepReport { length, kkt_report, effort }) = &mut self.last else { return numbers };
         numbers.extend([
             ("last.length", Real(length)),
             ("last.solves", Count(&mut effort.solves)),
@@ -155,17 +155,17 @@ impl RunStatistics {
             ("last.solving", Real(&mut effort.solving)),
             ("last.contact", Real(&mut effort.contact)),
         ]);
-        let Some(certificate) = certificate else { return numbers };
+        let Some(kkt_report) = kkt_report else { return numbers };
         numbers.extend([
-            ("last.pairs", Count(&mut certificate.pairs)),
-            ("last.active", Count(&mut certificate.active)),
-            ("last.smallest_gap", Real(&mut certificate.smallest_gap)),
-            ("last.kkt_residual", Real(&mut certificate.kkt_residual)),
-            ("last.total_force", Real(&mut certificate.total_force)),
-            ("last.contact_iterations", Count(&mut certificate.iterations)),
-            ("last.contact_solver", Number::Solver(&mut certificate.solver)),
-            ("last.islands", Count(&mut certificate.islands)),
-            ("last.rounds", Count(&mut certificate.rounds)),
+            ("last.pairs", Count(&mut kkt_report.pairs)),
+            ("last.active", Count(&mut kkt_report.active)),
+            ("last.smallest_gap", Real(&mut kkt_report.smallest_gap)),
+            ("last.kkt_residual", Real(&mut kkt_report.kkt_residual)),
+            ("last.total_force", Real(&mut kkt_report.total_force)),
+            ("last.contact_iterations", Count(&mut kkt_report.iterations)),
+            ("last.contact_solver", Number::Solver(&mut kkt_report.solver)),
+            ("last.islands", Count(&mut kkt_report.islands)),
+            ("last.rounds", Count(&mut kkt_report.rounds)),
         ]);
         numbers
     }
@@ -185,10 +185,10 @@ mod tests {
 
     #[test]
     fn statistics_are_read_back_to_the_last_digit() {
-        let mut certificate = Certificate::of_forces::<2>(&[], &[]);
-        (certificate.kkt_residual, certificate.solver) = (0.1 + 0.2, Solver::ALL[1]);
-        for certificate in [None, Some(certificate)] {
-            let last = Some(StepReport { length: 1.0 / 3.0, certificate, effort: Effort { solves: 2, ..Effort::default() } });
+        let mut kkt_report = KktReport::of_forces::<2>(&[], &[]);
+        (kkt_report.kkt_residual, kkt_report.solver) = (0.1 + 0.2, Solver::ALL[1]);
+        for kkt_report in [None, Some(kkt_report)] {
+            let last = Some(StepReport { length: 1.0 / 3.0, kkt_report, effort: Effort { solves: 2, ..Effort::default() } });
             let statistics = RunStatistics { last, ..RunStatistics::new() };
             let again = RunStatistics::read(&statistics.text()).unwrap();
             assert_eq!((again.last, again.smallest_gap), (statistics.last, f64::INFINITY));

@@ -4,9 +4,12 @@ use std::rc::Rc;
 
 use nalgebra::SVector;
 
-use super::{basis::Basis, bodies::Bodies, links::medium, touching::Medium};
+use super::{bodies::Bodies, fixed_operators::FixedOperators, links::medium, pair_constraints::Medium};
 use crate::{
-    constraint::{Assembled, Blocks, Crowd, Layout, NearPairs, Placed, lubrication::Films, neighbours, surrounded},
+    constraint::{
+        Assembled, Blocks, MultiplierLayout, Neighbourhood, PairPreconditioner, Placed, lubrication::LubricationPairs, neighbours,
+        surrounded,
+    },
     error::{Error, Result},
     geometry::Ball,
     parallel::World,
@@ -21,17 +24,17 @@ pub struct Assembly<const D: usize> {
     /// The bodies in the box.
     pub placed: Rc<Vec<Placed<D>>>,
     /// Who is near whom.
-    pub crowd: Rc<Crowd<D>>,
+    pub crowd: Rc<Neighbourhood<D>>,
     /// Who holds which multipliers.
-    pub layout: Layout,
+    pub layout: MultiplierLayout,
     /// The blocks of this rank's bodies.
     pub blocks: Blocks<D>,
     /// Bodies of this rank whose blocks are new.
     pub assembled: usize,
     /// Near pairs, if multipliers are coefficients of surface modes.
-    pub pairs: Option<NearPairs>,
+    pub pairs: Option<PairPreconditioner>,
     /// The films of this rank's bodies.
-    pub films: Films<D>,
+    pub films: LubricationPairs<D>,
     /// What bodies resist besides films and contacts, where near pairs answer to motions.
     pub medium: Option<Medium>,
     /// The velocity of the flow without bodies, tested with the rows of this rank's bodies.
@@ -40,14 +43,14 @@ pub struct Assembly<const D: usize> {
 
 impl<const D: usize> Assembly<D> {
     /// The assembly of bodies with the given centres; of an earlier one all that did not move is used again.
-    pub fn of(basis: &Basis<D>, centers: &[SVector<f64, D>], earlier: Option<Assembly<D>>) -> Result<Assembly<D>> {
+    pub fn of(basis: &FixedOperators<D>, centers: &[SVector<f64, D>], earlier: Option<Assembly<D>>) -> Result<Assembly<D>> {
         match earlier {
             Some(assembly) if assembly.centers == centers => Ok(Assembly { assembled: 0, ..assembly }),
             earlier => Assembly::anew(basis, centers, earlier.map(|earlier| earlier.blocks)),
         }
     }
 
-    fn anew(basis: &Basis<D>, centers: &[SVector<f64, D>], earlier: Option<Blocks<D>>) -> Result<Assembly<D>> {
+    fn anew(basis: &FixedOperators<D>, centers: &[SVector<f64, D>], earlier: Option<Blocks<D>>) -> Result<Assembly<D>> {
         let (session, fluid, method) = (&basis.session, &basis.undisturbed.0, basis.method.as_ref());
         let placed = Rc::new(basis.kinds.place(&basis.setup, centers));
         let crowd = Rc::new(crowd(basis, &placed));
@@ -66,8 +69,8 @@ impl<const D: usize> Assembly<D> {
     }
 }
 
-/// Films whose forces are opposite and without torque on each pair, as they must be.
-fn balanced<const D: usize>(world: &World, films: Films<D>) -> Result<Films<D>> {
+/// LubricationPairs whose forces are opposite and without torque on each pair, as they must be.
+fn balanced<const D: usize>(world: &World, films: LubricationPairs<D>) -> Result<LubricationPairs<D>> {
     let imbalance = world.max(films.imbalance);
     match imbalance < LARGEST_IMBALANCE {
         true => Ok(films),
@@ -76,11 +79,11 @@ fn balanced<const D: usize>(world: &World, films: Films<D>) -> Result<Films<D>> 
 }
 
 /// The bodies with all that any part of the simulation takes for near.
-fn crowd<const D: usize>(basis: &Basis<D>, placed: &[Placed<D>]) -> Crowd<D> {
+fn crowd<const D: usize>(basis: &FixedOperators<D>, placed: &[Placed<D>]) -> Neighbourhood<D> {
     let balls: Vec<Ball<D>> = placed.iter().map(Placed::ball).collect();
     let orders = basis.setup.bodies.iter().map(|suspended| suspended.order).collect();
     let (method, films) = (&basis.method, basis.setup.interactions.resist());
-    let of_bodies = if method.on_surfaces() || films { Crowd::reach(&balls) } else { 0.0 };
+    let of_bodies = if method.on_surfaces() || films { Neighbourhood::reach(&balls) } else { 0.0 };
     let reach = of_bodies.max(method.reach() * basis.grid.spacing().max());
-    Crowd::new(&basis.setup.domain, balls, orders, reach)
+    Neighbourhood::new(&basis.setup.domain, balls, orders, reach)
 }

@@ -6,12 +6,14 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 
 use super::{
     BodyState, Setup,
-    link::Weights,
-    surfaces::{Inverse, Member},
+    pair_constraint::RigidVector,
+    surfaces::{BodyOperator, Inverse},
 };
 use crate::{
     body::{Motion, Twist, components, skew},
-    constraint::{Blocks, Crowd, Given, Layout, NearPairs, PairTables, Placed, Pores, lubrication::Films},
+    constraint::{
+        Blocks, Given, MultiplierLayout, Neighbourhood, PairPreconditioner, PairTables, Placed, Pores, lubrication::LubricationPairs,
+    },
     error::Result,
     geometry::Ball,
     grid::Grid,
@@ -24,10 +26,10 @@ use crate::{
 const FEW: usize = 3;
 
 /// What bodies of equal size share, kept for the whole run.
-pub struct Kind<const D: usize> {
+pub struct BodyType<const D: usize> {
     radius: f64,
     /// Velocities in unbounded fluid that unit multipliers of rigid modes cause.
-    mobilities: Weights,
+    mobilities: RigidVector,
     order: usize,
     surface: Rc<SurfaceTable<D>>,
     /// Inverse of the diagonal block of a free body, and of one with prescribed motion.
@@ -37,7 +39,7 @@ pub struct Kind<const D: usize> {
 /// What a force or a torque on a body stands for.
 pub struct Rigid {
     /// Velocities in unbounded fluid that unit multipliers of rigid modes cause.
-    pub mobilities: Weights,
+    pub mobilities: RigidVector,
     /// Force of a unit translation multiplier.
     pub force: f64,
     /// Velocity of a rotation mode at unit spin.
@@ -45,8 +47,8 @@ pub struct Rigid {
 }
 
 /// The kinds of a setup's bodies, and which kind each body is.
-pub struct Kinds<const D: usize> {
-    kinds: Vec<Kind<D>>,
+pub struct BodyTypes<const D: usize> {
+    kinds: Vec<BodyType<D>>,
     kind_of: Vec<usize>,
     pair_tables: PairTables<D>,
 }
@@ -55,45 +57,45 @@ pub struct Kinds<const D: usize> {
 pub struct Bodies<'a, const D: usize> {
     setup: &'a Setup<D>,
     grid: &'a Grid<D>,
-    kinds: &'a Kinds<D>,
+    kinds: &'a BodyTypes<D>,
     /// Who holds which multipliers.
-    pub layout: Layout,
+    pub layout: MultiplierLayout,
     /// All of them, with their centres in the box.
     pub placed: Rc<Vec<Placed<D>>>,
     /// Who is near whom.
-    crowd: Rc<Crowd<D>>,
+    crowd: Rc<Neighbourhood<D>>,
 }
 
-impl<const D: usize> Kind<D> {
-    fn new(radius: f64, order: usize, setup: &Setup<D>, grid: &Grid<D>) -> Kind<D> {
+impl<const D: usize> BodyType<D> {
+    fn new(radius: f64, order: usize, setup: &Setup<D>, grid: &Grid<D>) -> BodyType<D> {
         let surface = Rc::new(SurfaceTable::new(radius, order, grid.mean_spacing()));
         let mobility = surface.modes.isolated_mobility(setup.reach());
         let rigid = surface.modes.rigid_count();
-        let mobilities = Weights::from_fn(|mode, _| if mode < rigid { mobility[(mode, mode)] } else { 0.0 });
+        let mobilities = RigidVector::from_fn(|mode, _| if mode < rigid { mobility[(mode, mode)] } else { 0.0 });
         let mut given_force = mobility.clone();
         for mode in 0..rigid {
             given_force[(mode, mode)] = radius;
         }
         let invert = |matrix: DMatrix<f64>| Rc::new(matrix.try_inverse().expect("the mobility of a body is positive definite"));
-        Kind { radius, order, surface, mobilities, inverses: [invert(given_force), invert(mobility)] }
+        BodyType { radius, order, surface, mobilities, inverses: [invert(given_force), invert(mobility)] }
     }
 }
 
-impl<const D: usize> Kinds<D> {
+impl<const D: usize> BodyTypes<D> {
     /// The kinds of a setup's bodies.
-    pub fn new(setup: &Setup<D>, grid: &Grid<D>) -> Kinds<D> {
-        let mut kinds: Vec<Kind<D>> = Vec::new();
+    pub fn new(setup: &Setup<D>, grid: &Grid<D>) -> BodyTypes<D> {
+        let mut kinds: Vec<BodyType<D>> = Vec::new();
         let mut kind_of = Vec::new();
         for suspended in &setup.bodies {
             let (radius, order) = (suspended.body.ball.radius, suspended.order);
             let known = kinds.iter().position(|kind| kind.radius == radius && kind.order == order);
             kind_of.push(known.unwrap_or_else(|| {
-                kinds.push(Kind::new(radius, order, setup, grid));
+                kinds.push(BodyType::new(radius, order, setup, grid));
                 kinds.len() - 1
             }));
         }
         let given = if setup.interactions.resist() { Given::Motions } else { Given::Forces };
-        Kinds { kinds, kind_of, pair_tables: PairTables::new(given) }
+        BodyTypes { kinds, kind_of, pair_tables: PairTables::new(given) }
     }
 
     /// Bodies with their centres at the given places.
@@ -105,7 +107,7 @@ impl<const D: usize> Kinds<D> {
         centers.iter().enumerate().map(place).collect()
     }
 
-    fn of(&self, body: usize) -> &Kind<D> {
+    fn of(&self, body: usize) -> &BodyType<D> {
         &self.kinds[self.kind_of[body]]
     }
 
@@ -135,9 +137,9 @@ impl<const D: usize> Kinds<D> {
 impl<'a, const D: usize> Bodies<'a, D> {
     /// The bodies of a setup, shared out as `layout` says.
     pub fn new(
-        (setup, grid, kinds): (&'a Setup<D>, &'a Grid<D>, &'a Kinds<D>),
-        (placed, crowd): (Rc<Vec<Placed<D>>>, Rc<Crowd<D>>),
-        layout: Layout,
+        (setup, grid, kinds): (&'a Setup<D>, &'a Grid<D>, &'a BodyTypes<D>),
+        (placed, crowd): (Rc<Vec<Placed<D>>>, Rc<Neighbourhood<D>>),
+        layout: MultiplierLayout,
     ) -> Self {
         Bodies { setup, grid, kinds, layout, placed, crowd }
     }
@@ -177,12 +179,12 @@ impl<'a, const D: usize> Bodies<'a, D> {
     }
 
     /// The relative motions that interactions resist and that have a side on a body of this rank.
-    pub fn films(&self) -> Films<D> {
+    pub fn films(&self) -> LubricationPairs<D> {
         self.setup.interactions.rows(&self.crowd, &self.layout)
     }
 
     /// What the resolved flow resists already of the same, between bodies of this rank and walls.
-    pub fn walls_seen(&self) -> Films<D> {
+    pub fn resolved_at_walls(&self) -> LubricationPairs<D> {
         self.setup.interactions.resolved_at_walls(&self.crowd, &self.layout)
     }
 
@@ -201,13 +203,13 @@ impl<'a, const D: usize> Bodies<'a, D> {
     }
 
     /// The near pairs of this rank's bodies; collective.
-    pub fn near_pairs(&self, session: &Session) -> Result<NearPairs> {
+    pub fn near_pairs(&self, session: &Session) -> Result<PairPreconditioner> {
         let multipliers = Vector::new(session, self.layout.local_unknowns())?;
-        NearPairs::new((&self.crowd, &self.layout), &self.kinds.pair_tables, &multipliers)
+        PairPreconditioner::new((&self.crowd, &self.layout), &self.kinds.pair_tables, &multipliers)
     }
 
     /// This rank's bodies as members of the coupled system.
-    pub fn members(&self, blocks: &Blocks<D>) -> Vec<Member> {
+    pub fn members(&self, blocks: &Blocks<D>) -> Vec<BodyOperator> {
         let member = |(local, &body): (usize, &usize)| {
             let (kind, free, first) = (self.kinds.of(body), self.setup.bodies[body].body.free(), self.layout.local(body));
             let modes = &kind.surface.modes;
@@ -216,7 +218,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
                 None => Inverse::Dense(dense.clone()),
                 Some(others) => Inverse::Split((0..modes.rigid_count()).map(|mode| dense[(mode, mode)]).collect(), others),
             };
-            Member {
+            BodyOperator {
                 range: first..first + self.layout.count(body),
                 rigid: modes.rigid_count(),
                 free,
@@ -250,16 +252,21 @@ impl<'a, const D: usize> Bodies<'a, D> {
     /// The right-hand sides of this rank's bodies.
     ///
     /// `pushes` are forces and torques on all bodies besides those of the setup, or empty.
-    pub fn wanted_rows(&self, blocks: &Blocks<D>, members: &[Member], (undisturbed, pushes): (&[f64], &[Wrench<D>])) -> Vec<f64> {
+    pub fn wanted_rows(&self, blocks: &Blocks<D>, members: &[BodyOperator], (undisturbed, pushes): (&[f64], &[Wrench<D>])) -> Vec<f64> {
         let rows = members.iter().enumerate();
-        let of = |(local, member): (usize, &Member)| {
+        let of = |(local, member): (usize, &BodyOperator)| {
             let push = pushes.get(self.layout.local_bodies[local]).copied().unwrap_or_else(Wrench::zero);
             self.wanted_rows_of((blocks, local), member, (&undisturbed[member.range.clone()], push))
         };
         rows.flat_map(of).collect()
     }
 
-    fn wanted_rows_of(&self, (blocks, local): (&Blocks<D>, usize), member: &Member, (undisturbed, push): (&[f64], Wrench<D>)) -> Vec<f64> {
+    fn wanted_rows_of(
+        &self,
+        (blocks, local): (&Blocks<D>, usize),
+        member: &BodyOperator,
+        (undisturbed, push): (&[f64], Wrench<D>),
+    ) -> Vec<f64> {
         let body = self.layout.local_bodies[local];
         let surface = self.surface(body);
         match self.setup.bodies[body].body.motion {

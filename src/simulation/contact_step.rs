@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use nalgebra::SVector;
 
-use super::{FlowSolver, Held};
+use super::{ContactHistory, FlowSolver};
 use crate::{
     contact::{self, Contact, ContactForce, Identity, Problem, Projection},
     error::Result,
@@ -40,7 +40,7 @@ impl<const D: usize> ContactStep<'_, D> {
         let problem = Problem { domain, balls, weights, velocities, step: self.step, floors: &floors };
         let mut projection = contact::project(self.world, &problem)?;
         projection.forces.iter_mut().for_each(|pressed| pressed.force /= self.mobile_part(&pressed.contact));
-        projection.certificate.total_force = projection.forces.iter().map(|pressed| pressed.force).sum();
+        projection.kkt_report.total_force = projection.forces.iter().map(|pressed| pressed.force).sum();
         Ok(projection)
     }
 
@@ -63,7 +63,7 @@ impl<const D: usize> ContactStep<'_, D> {
 
     /// Those of the contact forces of the last step that press now if bodies want to go on with these velocities. With films, which slow bodies
     /// down as gaps close, those that pressed then.
-    pub fn expected(&self, held: &[Held<D>], velocities: Vec<SVector<f64, D>>, reach: f64) -> Result<Vec<ContactForce<D>>> {
+    pub fn expected(&self, held: &[ContactHistory<D>], velocities: Vec<SVector<f64, D>>, reach: f64) -> Result<Vec<ContactForce<D>>> {
         let forces: HashMap<_, f64> = held.iter().map(|held| (held.identity(), held.force)).collect();
         let pressed = |contact: Contact<D>| forces.get(&contact.identity()).map(|&force| ContactForce { contact, force });
         let mut held: Vec<ContactForce<D>> = self.arrangement.near(reach).into_iter().filter_map(pressed).collect();

@@ -4,7 +4,7 @@ use super::work::Stages;
 use crate::petsc::Report;
 
 /// Told of each iteration of a linear solver and its relative residual.
-pub type Seen<'a> = &'a mut dyn FnMut(usize, f64);
+pub type ResidualMonitor<'a> = &'a mut dyn FnMut(usize, f64);
 
 /// What a solve cost on this rank, in seconds, and how it converged.
 #[derive(Debug, Clone, Copy, Default)]
@@ -17,9 +17,9 @@ pub struct Cost {
     pub assembled: usize,
     /// The Krylov solver, everything included.
     pub krylov: Report,
-    /// Parts of it.
+    /// SystemParts of it.
     pub stages: Stages,
-    /// Unknowns of the grid on all ranks.
+    /// SolvedUnknowns of the grid on all ranks.
     pub grid_unknowns: usize,
     /// Multipliers of bodies on all ranks.
     pub multiplier_unknowns: usize,

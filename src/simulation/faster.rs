@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::{Cost, basis::Basis};
+use super::{Cost, fixed_operators::FixedOperators};
 use crate::{error::Result, flow::InverseMethod};
 
 /// Applications that are timed, after one that warms up.
@@ -18,7 +18,7 @@ pub struct Faster {
 }
 
 /// What the fastest inverse that the box allows would make of the last solve, if it is not in use: sets it up and times it. Collective.
-pub fn faster<const D: usize>(basis: &Basis<D>, cost: &Cost) -> Result<Option<Faster>> {
+pub fn faster<const D: usize>(basis: &FixedOperators<D>, cost: &Cost) -> Result<Option<Faster>> {
     let inverse = InverseMethod::fastest(&basis.setup.domain);
     if basis.condensed || inverse == basis.setup.inverse || cost.krylov.iterations == 0 {
         return Ok(None);

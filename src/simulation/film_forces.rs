@@ -5,16 +5,16 @@ use nalgebra::{SMatrix, SVector};
 use super::{BodyState, Lubrication};
 use crate::{
     constraint::{
-        Layout,
-        lubrication::{Film, Films, Opposite, Way},
+        MultiplierLayout,
+        lubrication::{LubricationPair, LubricationPairs, Opposite, RelativeMode},
     },
     parallel::World,
 };
 
 /// Adds to the states of all bodies, and to the forces on walls, what films do to them, given the force of each way of the films that belong to this rank. Collective.
 pub fn add_films<const D: usize>(
-    (world, layout): (&World, &Layout),
-    films: &Films<D>,
+    (world, layout): (&World, &MultiplierLayout),
+    films: &LubricationPairs<D>,
     forces: &[f64],
     (states, walls): (&mut [BodyState<D>], &mut [[SVector<f64, D>; 2]; D]),
 ) -> Lubrication<D> {
@@ -55,7 +55,7 @@ impl<const D: usize> Effect<D> {
         Effect { numbers: vec![0.0; Self::BODIES + bodies * Self::OF_BODY] }
     }
 
-    fn add(&mut self, film: &Film<D>, way: &Way<D>, force: f64) {
+    fn add(&mut self, film: &LubricationPair<D>, way: &RelativeMode<D>, force: f64) {
         let other = match film.other {
             Opposite::Body(other, _) => Some(other),
             Opposite::Wall((axis, upper)) => {

@@ -1,6 +1,6 @@
 //! What finds the flow at an instant: the interface behind which grids that ignore bodies and meshes that fit them stand.
 
-use super::{Configuration, Cost, Faster, Past, Seen, Setup, Solution, SuspendedBody};
+use super::{Configuration, Cost, ExtrapolationHistory, Faster, ResidualMonitor, Setup, Solution, SuspendedBody};
 use crate::{contact::Contact, error::Result, grid::Grid, petsc::Vector};
 
 /// Finds the flow and the motions of bodies at an instant. Every function is collective.
@@ -23,17 +23,17 @@ pub trait FlowSolver<const D: usize> {
     /// PETSc has no memory for it.
     fn fluid_vector(&self) -> Result<Vector>;
 
-    /// Solves with the bodies where the setup has them; `seen` is told each iteration and its relative residual.
+    /// Solves with the bodies where the setup has them; `monitor` is told each iteration and its relative residual.
     ///
     /// # Errors
     /// [`Diverged`](crate::error::Error::Diverged) when the solve fails.
-    fn solve(&mut self, seen: Seen) -> Result<Solution<D>>;
+    fn solve(&mut self, monitor: ResidualMonitor) -> Result<Solution<D>>;
 
     /// Solves for a moment, starting from the solves before it if they are remembered.
     ///
     /// # Errors
     /// [`Diverged`](crate::error::Error::Diverged) when the solve fails.
-    fn solve_at(&mut self, moment: &Configuration<D>, seen: Seen) -> Result<Solution<D>>;
+    fn solve_at(&mut self, moment: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>>;
 
     /// Force that gives each body a unit velocity in unbounded fluid; infinite for a body whose motion is given.
     fn resistances(&self) -> Vec<f64> {
@@ -56,7 +56,7 @@ pub trait FlowSolver<const D: usize> {
     }
 
     /// Lets each solve start from the ones before it, beginning with those given, if it can.
-    fn remember(&mut self, _past: Option<Past<D>>) {}
+    fn remember(&mut self, _past: Option<ExtrapolationHistory<D>>) {}
 
     /// Whether further solves start from the fluid of earlier ones.
     fn remembers_fluid(&self) -> bool {
@@ -64,7 +64,7 @@ pub trait FlowSolver<const D: usize> {
     }
 
     /// What further solves start from.
-    fn past(&self) -> Option<&Past<D>> {
+    fn past(&self) -> Option<&ExtrapolationHistory<D>> {
         None
     }
 }

@@ -9,12 +9,12 @@ use std::time::Instant;
 use nalgebra::{SMatrix, SVector};
 
 use super::{
-    DryBody, DrySetup, Dynamics, Effort, Seen, State, Travel, View,
-    pace::{Pace, Urge},
+    Effort, GranularBody, GranularSetup, Observation, ResidualMonitor, State, StepOutcome, Stepper,
+    step_control::{BodyMotion, StepControl},
 };
 use crate::{
     body::Twist,
-    contact::{self, Adhesive, Certificate, ContactForce, Problem, Projection},
+    contact::{self, AdhesiveContact, ContactForce, KktReport, Problem, Projection},
     error::{Error, Result},
     geometry::Ball,
     interaction::{Arrangement, PairForce, Touch, Wrench},
@@ -22,11 +22,11 @@ use crate::{
     scene::Scheme,
 };
 
-/// Dry bodies in motion.
-pub struct Dry<const D: usize> {
+/// Granular bodies in motion.
+pub struct Granular<const D: usize> {
     session: Session,
-    setup: DrySetup<D>,
-    pace: Pace,
+    setup: GranularSetup<D>,
+    step_control: StepControl,
     masses: Vec<f64>,
     /// In the state that was looked at last.
     known: Known<D>,
@@ -45,11 +45,11 @@ struct Acceleration<const D: usize> {
     spin: SMatrix<f64, D, D>,
 }
 
-impl<const D: usize> Dry<D> {
-    /// Dry bodies that move at a pace.
-    pub fn new(session: &Session, setup: DrySetup<D>, pace: Pace) -> Dry<D> {
+impl<const D: usize> Granular<D> {
+    /// Granular bodies that move with a step control.
+    pub fn new(session: &Session, setup: GranularSetup<D>, step_control: StepControl) -> Granular<D> {
         let masses = setup.bodies.iter().map(|body| body.mass).collect();
-        Dry { session: session.clone(), setup, pace, masses, known: Known::default() }
+        Granular { session: session.clone(), setup, step_control, masses, known: Known::default() }
     }
 
     /// Without a contact model bodies notice no walls: a run in which they leave the box has no meaning.
@@ -69,7 +69,7 @@ impl<const D: usize> Dry<D> {
 
     /// Over how long forces act on velocities in a step.
     fn push(&self, last_step: f64, step: f64) -> f64 {
-        match self.pace.time.scheme {
+        match self.step_control.time.scheme {
             Scheme::Euler => step,
             _ => 0.5 * (last_step + step),
         }
@@ -88,7 +88,7 @@ impl<const D: usize> Dry<D> {
     /// Accelerations by all forces but those that a projection finds.
     fn accelerations(&self) -> Vec<Acceleration<D>> {
         let pushes = Wrench::on_bodies(self.setup.bodies.len(), &self.known.contacts, &self.known.others);
-        let of = |(body, push): (&DryBody<D>, Wrench<D>)| Acceleration {
+        let of = |(body, push): (&GranularBody<D>, Wrench<D>)| Acceleration {
             velocity: body.acceleration + push.force / body.mass,
             spin: body.spin_up + push.torque / body.inertia,
         };
@@ -96,7 +96,13 @@ impl<const D: usize> Dry<D> {
     }
 
     /// Velocities that keep contacts, next to those wanted, and what contacts remember then.
-    fn project(&self, state: &State<D>, balls: &[Ball<D>], moves: &[Twist<D>], step: f64) -> Result<(Projection<D>, Vec<Adhesive<D>>)> {
+    fn project(
+        &self,
+        state: &State<D>,
+        balls: &[Ball<D>],
+        moves: &[Twist<D>],
+        step: f64,
+    ) -> Result<(Projection<D>, Vec<AdhesiveContact<D>>)> {
         let (_stage, arrangement, interactions) = (enter(Stage::Contacts), self.arrangement(balls), &self.setup.interactions);
         let weights: Vec<f64> = self.masses.iter().map(|mass| mass / step).collect();
         let velocities: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
@@ -108,44 +114,51 @@ impl<const D: usize> Dry<D> {
     }
 }
 
-impl<const D: usize> Dynamics<D> for Dry<D> {
-    fn look(&mut self, state: &State<D>, _: Seen) -> Result<View<D>> {
+impl<const D: usize> Stepper<D> for Granular<D> {
+    fn evaluate(&mut self, state: &State<D>, _: ResidualMonitor) -> Result<Observation<D>> {
         let twists: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
-        self.known = self.known(&state.balls(&self.pace.radii));
-        let urges: Vec<Urge<D>> = twists
+        self.known = self.known(&state.balls(&self.step_control.radii));
+        let urges: Vec<BodyMotion<D>> = twists
             .iter()
             .zip(self.accelerations())
             // velocities live half a step before places
-            .map(|(twist, acceleration)| Urge {
+            .map(|(twist, acceleration)| BodyMotion {
                 velocity: twist.velocity + acceleration.velocity * (0.5 * state.last_step),
                 acceleration: acceleration.velocity,
             })
             .collect();
-        let stride = self.pace.next(&urges, state.time, state.last_step);
-        Ok(View { twists, contacts: Vec::new(), pair_forces: self.known.others.clone(), solution: None, stride, effort: Effort::default() })
+        let step_size = self.step_control.next(&urges, state.time, state.last_step);
+        Ok(Observation {
+            twists,
+            contacts: Vec::new(),
+            pair_forces: self.known.others.clone(),
+            solution: None,
+            step_size,
+            effort: Effort::default(),
+        })
     }
 
-    fn travel(&mut self, state: &State<D>, view: &View<D>, _: Seen) -> Result<Travel<D>> {
-        let (start, step) = (Instant::now(), view.stride.length);
-        let (push, balls) = (self.push(state.last_step, step), state.balls(&self.pace.radii));
+    fn advance(&mut self, state: &State<D>, view: &Observation<D>, _: ResidualMonitor) -> Result<StepOutcome<D>> {
+        let (start, step) = (Instant::now(), view.step_size.length);
+        let (push, balls) = (self.push(state.last_step, step), state.balls(&self.step_control.radii));
         let pushed = |(twist, acceleration): (&Twist<D>, Acceleration<D>)| Twist {
             velocity: twist.velocity + acceleration.velocity * push,
             spin: twist.spin + acceleration.spin * push,
         };
         let mut moves: Vec<Twist<D>> = view.twists.iter().zip(self.accelerations()).map(pushed).collect();
-        let (mut contacts, mut stuck, mut certificate) = (self.known.contacts.clone(), Vec::new(), None);
+        let (mut contacts, mut stuck, mut kkt_report) = (self.known.contacts.clone(), Vec::new(), None);
         match self.setup.interactions.touch() {
             None => self.refuse_outside(state)?,
-            Some(Touch::Soft { .. }) => certificate = Some(Certificate::of_forces(&contacts, &balls)),
+            Some(Touch::Soft { .. }) => kkt_report = Some(KktReport::of_forces(&contacts, &balls)),
             Some(Touch::Hard) => {
                 let (projection, remembered) = self.project(state, &balls, &moves, step)?;
                 moves.iter_mut().zip(&projection.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
                 stuck = remembered;
                 contacts.extend(projection.forces);
-                certificate = Some(projection.certificate);
+                kkt_report = Some(projection.kkt_report);
             }
         }
         let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };
-        Ok(Travel { step, twists: moves.clone(), moves, contacts, stuck, certificate, effort })
+        Ok(StepOutcome { step, twists: moves.clone(), moves, contacts, stuck, kkt_report, effort })
     }
 }

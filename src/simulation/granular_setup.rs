@@ -7,7 +7,7 @@ use crate::{body::Twist, geometry::Domain, interaction::Interactions};
 
 /// A body without a fluid.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DryBody<const D: usize> {
+pub struct GranularBody<const D: usize> {
     /// Radius.
     pub radius: f64,
     /// Place at the start.
@@ -26,16 +26,16 @@ pub struct DryBody<const D: usize> {
 
 /// A dry scene resolved in its dimension.
 #[derive(Debug, Clone)]
-pub struct DrySetup<const D: usize> {
+pub struct GranularSetup<const D: usize> {
     /// The box.
     pub domain: Domain<D>,
     /// The bodies.
-    pub bodies: Vec<DryBody<D>>,
+    pub bodies: Vec<GranularBody<D>>,
     /// What they do to each other and how they notice walls.
     pub interactions: Interactions<D>,
 }
 
-impl<const D: usize> DrySetup<D> {
+impl<const D: usize> GranularSetup<D> {
     /// The bodies at the start.
     pub fn start(&self) -> State<D> {
         State::start(self.bodies.iter().map(|body| (body.center, body.twist)))

@@ -8,7 +8,7 @@
 
 use std::rc::Rc;
 
-use super::{DryBody, Setup};
+use super::{GranularBody, Setup};
 use crate::{
     body::{Motion, Twist},
     error::Result,
@@ -26,9 +26,10 @@ const DRY_STEP: f64 = 0.4;
 const FLOW_STEP: f64 = 0.2;
 
 /// The interactions of dry bodies.
-pub fn of_dry<const D: usize>(scene: &Scene, domain: &Domain<D>, bodies: &[DryBody<D>]) -> Interactions<D> {
+pub fn of_dry<const D: usize>(scene: &Scene, domain: &Domain<D>, bodies: &[GranularBody<D>]) -> Interactions<D> {
     let contact = contact(scene.contact.model, || {
-        let largest = |number: fn(&DryBody<D>) -> f64| bodies.iter().map(number).filter(|number| number.is_finite()).fold(0.0, f64::max);
+        let largest =
+            |number: fn(&GranularBody<D>) -> f64| bodies.iter().map(number).filter(|number| number.is_finite()).fold(0.0, f64::max);
         let (mass, speed) = (largest(|body| body.mass), largest(|body| body.twist.velocity.norm()));
         let force = largest(|body| if body.mass.is_finite() { body.mass * body.acceleration.norm() } else { 0.0 });
         (mass * speed * speed + force * domain.size.max()) / largest(|body| body.radius)
@@ -82,9 +83,9 @@ fn drive<const D: usize>(setup: &Setup<D>, radius: f64) -> f64 {
 }
 
 /// The longest stable step of dry bodies; infinite if no interaction limits it.
-pub fn longest_dry_step<const D: usize>(interactions: &Interactions<D>, bodies: &[DryBody<D>]) -> f64 {
-    let [mass, radius] =
-        [|body: &DryBody<D>| body.mass, |body: &DryBody<D>| body.radius].map(|of| bodies.iter().map(of).fold(f64::INFINITY, f64::min));
+pub fn longest_dry_step<const D: usize>(interactions: &Interactions<D>, bodies: &[GranularBody<D>]) -> f64 {
+    let [mass, radius] = [|body: &GranularBody<D>| body.mass, |body: &GranularBody<D>| body.radius]
+        .map(|of| bodies.iter().map(of).fold(f64::INFINITY, f64::min));
     limited(interactions.steepest(radius), |steepest| DRY_STEP * (mass / steepest).sqrt())
 }
 

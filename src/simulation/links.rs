@@ -3,18 +3,18 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::{
-    basis::Basis,
     bodies::Bodies,
     configuration::Configuration,
-    link::{End, Link, Weights},
+    fixed_operators::FixedOperators,
     network::Resistances,
-    touching::{Medium, Touching},
+    pair_constraint::{ConstraintSide, PairConstraint, RigidVector},
+    pair_constraints::{Medium, PairConstraints},
 };
 use crate::{
     body::components,
     constraint::{
-        Given, Layout, NearPairs, Pores, RigidBlock,
-        lubrication::{Film, Films, Opposite, Side, Way},
+        Given, MultiplierLayout, PairPreconditioner, Pores, RigidBlock,
+        lubrication::{LubricationPair, LubricationPairs, Opposite, RelativeMode, RigidFunctional},
     },
     contact::{Contact, ContactForce},
     error::Result,
@@ -42,12 +42,12 @@ const ROTATION_AMONG_FEW: f64 = 0.3;
 /// # Errors
 /// They cannot be factored.
 pub fn touching<const D: usize>(
-    basis: &Basis<D>,
+    basis: &FixedOperators<D>,
     bodies: &Bodies<D>,
-    (moment, films): (&Configuration<D>, &Films<D>),
+    (moment, films): (&Configuration<D>, &LubricationPairs<D>),
     (undisturbed, medium): (&[f64], Option<&Medium>),
     places: usize,
-) -> Result<Touching> {
+) -> Result<PairConstraints> {
     let mut builder = Builder::new(basis, moment.centers);
     for pressed in moment.pressed.iter().filter(|pressed| touches(&bodies.layout, pressed)) {
         builder.add_contact(pressed.contact, moment.step, belongs(&bodies.layout, pressed));
@@ -66,61 +66,66 @@ pub fn touching<const D: usize>(
     };
     let stays = |body: usize| !basis.setup.bodies[body].body.free();
     let unit = |body: usize| basis.kinds.rigid(body).force / scale;
-    let mut touching = Touching::new((&basis.session, &bodies.layout), (scale, links), (RIGID[D], medium), (stays, unit), places)?;
+    let mut touching = PairConstraints::new((&basis.session, &bodies.layout), (scale, links), (RIGID[D], medium), (stays, unit), places)?;
     touching.without(undisturbed)?;
     Ok(touching)
 }
 
 /// What bodies with these centres resist besides links, where near pairs answer to motions.
 pub fn medium<const D: usize>(
-    basis: &Basis<D>,
+    basis: &FixedOperators<D>,
     bodies: &Bodies<D>,
     centers: &[SVector<f64, D>],
-    pairs: Option<&NearPairs>,
+    pairs: Option<&PairPreconditioner>,
 ) -> Option<Medium> {
     let pairs = pairs.filter(|pairs| pairs.given() == Given::Motions && bodies.layout.bodies() > 0)?;
     Some(Builder::new(basis, centers).medium(bodies, pairs))
 }
 
 /// Whether a contact is one of this rank's.
-pub fn belongs<const D: usize>(layout: &Layout, pressed: &ContactForce<D>) -> bool {
+pub fn belongs<const D: usize>(layout: &MultiplierLayout, pressed: &ContactForce<D>) -> bool {
     layout.holds(pressed.contact.body)
 }
 
 /// Whether it has a side on a body of this rank.
-fn touches<const D: usize>(layout: &Layout, pressed: &ContactForce<D>) -> bool {
+fn touches<const D: usize>(layout: &MultiplierLayout, pressed: &ContactForce<D>) -> bool {
     layout.holds_any([Some(pressed.contact.body), pressed.contact.other()].into_iter().flatten())
 }
 
 /// Force per unit viscosity that a unit of the unknowns stands for.
-fn scale<const D: usize>(basis: &Basis<D>) -> f64 {
+fn scale<const D: usize>(basis: &FixedOperators<D>) -> f64 {
     basis.setup.bodies.first().map_or(1.0, |suspended| basis.kinds.translation(0).1 / suspended.body.ball.radius)
 }
 
 /// What is linked so far.
 struct Builder<'a, const D: usize> {
-    basis: &'a Basis<D>,
+    basis: &'a FixedOperators<D>,
     centers: &'a [SVector<f64, D>],
     scale: f64,
-    links: Vec<Link>,
+    links: Vec<PairConstraint>,
 }
 
 impl<'a, const D: usize> Builder<'a, D> {
-    fn new(basis: &'a Basis<D>, centers: &'a [SVector<f64, D>]) -> Self {
+    fn new(basis: &'a FixedOperators<D>, centers: &'a [SVector<f64, D>]) -> Self {
         Builder { basis, centers, scale: scale(basis), links: Vec::new() }
     }
 
     fn add_contact(&mut self, contact: Contact<D>, step: f64, owned: bool) {
-        self.links.push(Link { ends: [None; 2], rate: -contact.gap / step - contact.normal.dot(&contact.sliding), compliance: 0.0, owned });
-        let side = |direction| Side { direction, turn: SMatrix::zeros() };
+        self.links.push(PairConstraint {
+            ends: [None; 2],
+            rate: -contact.gap / step - contact.normal.dot(&contact.sliding),
+            compliance: 0.0,
+            owned,
+        });
+        let side = |direction| RigidFunctional { direction, turn: SMatrix::zeros() };
         self.add_end(0, contact.body, &side(-contact.normal));
         if let Some(other) = contact.other() {
             self.add_end(1, other, &side(contact.normal));
         }
     }
 
-    fn add_way(&mut self, film: &Film<D>, way: &Way<D>, owned: bool) {
-        self.links.push(Link { ends: [None; 2], rate: 0.0, compliance: self.scale / way.resistance, owned });
+    fn add_way(&mut self, film: &LubricationPair<D>, way: &RelativeMode<D>, owned: bool) {
+        self.links.push(PairConstraint { ends: [None; 2], rate: 0.0, compliance: self.scale / way.resistance, owned });
         self.add_end(0, film.body, &way.sides[0]);
         let direction = way.sides[1].direction;
         let known = match film.other {
@@ -135,14 +140,14 @@ impl<'a, const D: usize> Builder<'a, D> {
     }
 
     /// Bodies each as if it were alone.
-    fn alone(&self, layout: &Layout) -> Medium {
+    fn alone(&self, layout: &MultiplierLayout) -> Medium {
         let mut resistances = Resistances::default();
         layout.local_bodies.iter().for_each(|&body| resistances.add(layout, [body; 2], &self.of_body(body)));
         Medium { resistances, pores: None, by_pairs: false }
     }
 
     /// See [`medium`].
-    fn medium(&mut self, bodies: &Bodies<D>, pairs: &NearPairs) -> Medium {
+    fn medium(&mut self, bodies: &Bodies<D>, pairs: &PairPreconditioner) -> Medium {
         let (basis, layout) = (self.basis, &bodies.layout);
         let mut resistances = Resistances::default();
         for (ends, blocks) in pairs.resistances::<D>() {
@@ -150,7 +155,7 @@ impl<'a, const D: usize> Builder<'a, D> {
                 resistances.add(layout, [ends[one], ends[two]], &(blocks[one][two] / self.scale));
             }
         }
-        for film in &bodies.walls_seen().films {
+        for film in &bodies.resolved_at_walls().films {
             film.ways.iter().for_each(|way| self.add_way(film, way, true));
         }
         resistances.add_links(layout, self.links.iter(), |link| link.compliance);
@@ -191,24 +196,24 @@ impl<'a, const D: usize> Builder<'a, D> {
     }
 
     /// Makes a body an end of the last link.
-    fn add_end(&mut self, place: usize, body: usize, side: &Side<D>) {
+    fn add_end(&mut self, place: usize, body: usize, side: &RigidFunctional<D>) {
         if let Some(twist) = self.basis.setup.bodies[body].body.given_motion() {
             return self.known(side.rate(&twist));
         }
         let rigid = self.basis.kinds.rigid(body);
         let numbers = side.direction.iter().copied().chain(components(&side.turn).into_iter().map(|turn| turn / rigid.lever));
-        let mut weights = Weights::zeros();
+        let mut weights = RigidVector::zeros();
         weights.iter_mut().zip(numbers).for_each(|(weight, number)| *weight = number);
         if let Some(link) = self.links.last_mut() {
-            link.ends[place] = Some(End { body, weights, multiplier: self.scale / rigid.force, mobilities: rigid.mobilities });
+            link.ends[place] = Some(ConstraintSide { body, weights, multiplier: self.scale / rigid.force, mobilities: rigid.mobilities });
         }
     }
 }
 
 /// Resistances that leave no motion of a body relative to its neighbours without one, and motions of all as one with next to none: a part of
 /// what a disk resists alone would count as much for a wave of any length.
-fn add_springs(layout: &Layout, (pores, few): (&Pores, &[f64]), resistances: &mut Resistances) {
-    let translations = RigidBlock::from_diagonal(&Weights::from_fn(|mode, _| f64::from(mode < 2)));
+fn add_springs(layout: &MultiplierLayout, (pores, few): (&Pores, &[f64]), resistances: &mut Resistances) {
+    let translations = RigidBlock::from_diagonal(&RigidVector::from_fn(|mode, _| f64::from(mode < 2)));
     for throat in &pores.throats {
         let [Some(one), Some(two)] = throat.bodies else { continue };
         // each is listed for both of its pores
@@ -225,7 +230,7 @@ fn add_springs(layout: &Layout, (pores, few): (&Pores, &[f64]), resistances: &mu
     }
 }
 
-fn wall_velocity<const D: usize>(basis: &Basis<D>, axis: usize, upper: bool) -> SVector<f64, D> {
+fn wall_velocity<const D: usize>(basis: &FixedOperators<D>, axis: usize, upper: bool) -> SVector<f64, D> {
     match basis.setup.domain.axes[axis] {
         Axis::Walls { lower, .. } if !upper => lower,
         Axis::Walls { upper, .. } => upper,

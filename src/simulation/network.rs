@@ -10,11 +10,11 @@
 
 use std::collections::BTreeMap;
 
-use super::link::Link;
+use super::pair_constraint::PairConstraint;
 use crate::{
-    constraint::{Layout, PoreShare, Pores, RigidBlock},
+    constraint::{MultiplierLayout, PoreShare, Pores, RigidBlock},
     error::Result,
-    petsc::{RowBuilder, Scatter, Session, Symmetric, Vector, Way},
+    petsc::{RowBuilder, Scatter, Session, Symmetric, SymmetricSolver, Vector},
 };
 
 /// Bodies in 3D beyond which factors of the network take more time than iterations: they grow with the square of the number.
@@ -33,14 +33,19 @@ pub struct Resistances {
 
 impl Resistances {
     /// Adds what one body feels of the motion of another, or of its own.
-    pub fn add(&mut self, layout: &Layout, [one, two]: [usize; 2], block: &RigidBlock) {
+    pub fn add(&mut self, layout: &MultiplierLayout, [one, two]: [usize; 2], block: &RigidBlock) {
         if layout.holds(one) {
             *self.blocks.entry((layout.number(one), layout.number(two))).or_default() += block;
         }
     }
 
     /// Adds what links resist with the given compliances.
-    pub fn add_links<'a>(&mut self, layout: &Layout, links: impl Iterator<Item = &'a Link>, compliance: impl Fn(&Link) -> f64) {
+    pub fn add_links<'a>(
+        &mut self,
+        layout: &MultiplierLayout,
+        links: impl Iterator<Item = &'a PairConstraint>,
+        compliance: impl Fn(&PairConstraint) -> f64,
+    ) {
         for link in links {
             let ends = || link.ends.iter().flatten();
             for (one, two) in ends().flat_map(|one| ends().map(move |two| (one, two))) {
@@ -62,7 +67,7 @@ struct Numbering {
 }
 
 impl Numbering {
-    fn new(session: &Session, layout: &Layout, rigid: usize, pores: Option<&Pores>) -> Numbering {
+    fn new(session: &Session, layout: &MultiplierLayout, rigid: usize, pores: Option<&Pores>) -> Numbering {
         let owners: Vec<usize> = pores.iter().flat_map(|pores| &pores.of_body).map(|&body| layout.owner(body)).collect();
         let (mut of_pore, mut before) = (vec![0; owners.len()], vec![0; session.world().size() + 1]);
         owners.iter().for_each(|&owner| before[owner + 1] += 1);
@@ -80,7 +85,7 @@ impl Numbering {
         Numbering { rigid, of_body, of_pore, pores, first: before[rank] + bodies[rank] }
     }
 
-    fn local(&self, layout: &Layout) -> usize {
+    fn local(&self, layout: &MultiplierLayout) -> usize {
         self.rigid * layout.local_bodies.len() + self.pores.len()
     }
 }
@@ -111,7 +116,7 @@ pub struct Network {
 }
 
 /// What a network is made of.
-pub struct Parts<'a, S: Fn(usize) -> bool, U: Fn(usize) -> f64> {
+pub struct NetworkParts<'a, S: Fn(usize) -> bool, U: Fn(usize) -> f64> {
     /// What bodies and links resist.
     pub resistances: &'a Resistances,
     /// Pores, if they count.
@@ -131,15 +136,19 @@ impl Network {
     ///
     /// # Errors
     /// It cannot be factored.
-    pub fn new(session: &Session, layout: &Layout, parts: Parts<impl Fn(usize) -> bool, impl Fn(usize) -> f64>) -> Result<Network> {
-        let Parts { pores, rigid, .. } = parts;
+    pub fn new(
+        session: &Session,
+        layout: &MultiplierLayout,
+        parts: NetworkParts<impl Fn(usize) -> bool, impl Fn(usize) -> f64>,
+    ) -> Result<Network> {
+        let NetworkParts { pores, rigid, .. } = parts;
         let numbering = Numbering::new(session, layout, rigid, pores);
         let local = numbering.local(layout);
         let rows = rows(layout, &numbering, &parts);
         let way = match pores {
-            Some(_) => Way::Quasidefinite,
-            None if parts.flexible && iterated(rigid, layout.bodies()) => Way::Iterated,
-            None => Way::Positive,
+            Some(_) => SymmetricSolver::Quasidefinite,
+            None if parts.flexible && iterated(rigid, layout.bodies()) => SymmetricSolver::Iterated,
+            None => SymmetricSolver::Positive,
         };
         let solver = Symmetric::new(session, local, rows, way)?;
         let places = layout.local_bodies.iter().map(|&body| layout.local(body)).collect();
@@ -221,8 +230,12 @@ impl Network {
 }
 
 /// This rank's rows of the network.
-fn rows(layout: &Layout, numbering: &Numbering, parts: &Parts<impl Fn(usize) -> bool, impl Fn(usize) -> f64>) -> RowBuilder {
-    let Parts { resistances, pores, rigid, stays, unit, .. } = parts;
+fn rows(
+    layout: &MultiplierLayout,
+    numbering: &Numbering,
+    parts: &NetworkParts<impl Fn(usize) -> bool, impl Fn(usize) -> f64>,
+) -> RowBuilder {
+    let NetworkParts { resistances, pores, rigid, stays, unit, .. } = parts;
     let rigid = *rigid;
     let mut bodies = vec![0; layout.bodies()];
     (0..bodies.len()).for_each(|body| bodies[layout.number(body)] = body);

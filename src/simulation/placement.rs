@@ -6,7 +6,7 @@ use super::room;
 use crate::{
     body::{Body, Motion, Twist, pack, read_centers, skew},
     error::{Error, Result},
-    geometry::{Axis, Ball, Domain, Fault, Slide, first_fault},
+    geometry::{Axis, Ball, Domain, InvalidConfiguration, LeesEdwards, first_fault},
     scene::{self, AxisSection, BodyGroup, FlowModel, Placement, Scene},
 };
 
@@ -22,7 +22,7 @@ pub fn vector<const D: usize>(numbers: &[f64]) -> SVector<f64, D> {
 pub fn domain<const D: usize>(scene: &Scene) -> Domain<D> {
     let axis = |axis: usize| match (&scene.domain.axes[axis], &scene.flow.drive) {
         (AxisSection::Periodic, Some(scene::Drive::ShearedBox(rate))) if axis == 1 => {
-            Axis::Sheared(Slide { start: 0.0, speed: rate * scene.domain.size[1], time: 0.0 })
+            Axis::Sheared(LeesEdwards { start: 0.0, speed: rate * scene.domain.size[1], time: 0.0 })
         }
         (AxisSection::Periodic, _) => Axis::Periodic,
         (AxisSection::Walls { lower, upper }, _) => Axis::Walls { lower: vector(lower), upper: vector(upper) },
@@ -112,11 +112,13 @@ fn check_places<const D: usize>(scene: &Scene, domain: &Domain<D>, balls: &[(usi
     let Some(fault) = first_fault(domain, &only) else { return Ok(()) };
     let at = |body: usize| format!("{:?}", only[body].center.as_slice());
     let (body, remedy) = match fault {
-        Fault::Overlap { first, second, gap } => {
+        InvalidConfiguration::Overlap { first, second, gap } => {
             (second, format!("overlaps body {first} at {} by {:.3e}; move one of them or lower the radius", at(first), -gap))
         }
-        Fault::OwnImage { body, gap } => (body, format!("overlaps its own periodic image by {:.3e}; enlarge domain.size", -gap)),
-        Fault::Outside { body, axis } => {
+        InvalidConfiguration::OwnImage { body, gap } => {
+            (body, format!("overlaps its own periodic image by {:.3e}; enlarge domain.size", -gap))
+        }
+        InvalidConfiguration::Outside { body, axis } => {
             let (size, name) = (domain.size[axis], ["x", "y", "z"][axis]);
             (body, format!("body {body} lies outside the box along {name}, which goes from 0 to {size}; move it inside"))
         }

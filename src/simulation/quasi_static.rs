@@ -16,14 +16,15 @@ use std::time::Instant;
 use nalgebra::SVector;
 
 use super::{
-    Configuration, Dynamics, Effort, FlowSolver, Held, Moving, Past, Seen, Solution, State, Travel, View,
+    Configuration, ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Moving, Observation, ResidualMonitor, Solution, State,
+    StepOutcome, Stepper,
+    active_set_iteration::ActiveSetIteration,
     contact_step::{ContactStep, identities},
-    pace::{Pace, Stride, Urge},
-    rounds::Rounds,
+    step_control::{BodyMotion, StepControl, StepSize},
 };
 use crate::{
     body::Twist,
-    contact::{Adhesive, Certificate, ContactForce, Partner},
+    contact::{AdhesiveContact, ContactForce, KktReport, Partner},
     error::{Error, Result},
     geometry::{Ball, Domain, near_pairs, near_walls},
     interaction::{Arrangement, PairForce, Touch, Wrench},
@@ -31,11 +32,11 @@ use crate::{
     scene::Scheme,
 };
 
-/// Rounds that flow and contacts are given to agree.
+/// ActiveSetIteration that flow and contacts are given to agree.
 const MOST_ROUNDS: usize = 60;
 
 /// Difference between the velocities by the flow and by the contact model, over the largest ([`fastest`]), that counts as agreement,
-/// unless the flow is solved to less. Films at roughness resist a million times more than bodies alone, and let velocities be known less well.
+/// unless the flow is solved to less. LubricationPairs at roughness resist a million times more than bodies alone, and let velocities be known less well.
 const AGREEMENT: f64 = 1e-5;
 const AGREEMENT_IN_FILMS: f64 = 1e-4;
 
@@ -49,7 +50,7 @@ const OVERLAP: f64 = 1e-6;
 pub struct QuasiStatic<const D: usize> {
     session: Session,
     suspension: Box<dyn FlowSolver<D>>,
-    pace: Pace,
+    step_control: StepControl,
     /// Force that gives each body a unit velocity in unbounded fluid.
     weights: Vec<f64>,
 }
@@ -60,7 +61,7 @@ struct Agreed<const D: usize> {
     twists: Vec<Twist<D>>,
     contacts: Vec<ContactForce<D>>,
     pair_forces: Vec<PairForce<D>>,
-    stride: Stride,
+    step_size: StepSize,
 }
 
 /// Bodies of a state in the box of its time.
@@ -71,16 +72,16 @@ struct Placed<'a, const D: usize> {
 }
 
 impl<const D: usize> QuasiStatic<D> {
-    /// Bodies of a suspension that move at a pace.
-    pub fn new(session: &Session, mut suspension: Box<dyn FlowSolver<D>>, pace: Pace) -> QuasiStatic<D> {
+    /// Bodies of a suspension that move with a step control.
+    pub fn new(session: &Session, mut suspension: Box<dyn FlowSolver<D>>, step_control: StepControl) -> QuasiStatic<D> {
         suspension.remember(None);
         let weights = suspension.resistances();
-        QuasiStatic { session: session.clone(), suspension, pace, weights }
+        QuasiStatic { session: session.clone(), suspension, step_control, weights }
     }
 
     fn placed<'a>(&self, state: &'a State<D>) -> Placed<'a, D> {
         let domain = self.suspension.setup().domain.clone().at(state.time);
-        Placed { state, domain, balls: state.balls(&self.pace.radii) }
+        Placed { state, domain, balls: state.balls(&self.step_control.radii) }
     }
 
     fn arrangement<'a>(&'a self, placed: &'a Placed<'a, D>) -> Arrangement<'a, D> {
@@ -103,18 +104,18 @@ impl<const D: usize> QuasiStatic<D> {
             let own = twist.velocity - domain.carried(&body.center);
             if strain > 0.0 { SVector::from_fn(|axis, _| if axis == 0 { own.norm() + strain * radius } else { 0.0 }) } else { own }
         };
-        state.bodies.iter().zip(twists).zip(&self.pace.radii).map(deviatoric).collect()
+        state.bodies.iter().zip(twists).zip(&self.step_control.radii).map(deviatoric).collect()
     }
 
     /// The step to take with these motions.
-    fn stride(&self, state: &State<D>, twists: &[Twist<D>]) -> Stride {
+    fn step_size(&self, state: &State<D>, twists: &[Twist<D>]) -> StepSize {
         let motions = self.deviatoric_velocities(state, twists).into_iter();
-        let motions: Vec<Urge<D>> = motions.map(|velocity| Urge { velocity, acceleration: SVector::zeros() }).collect();
-        self.pace.next(&motions, state.time, state.last_step)
+        let motions: Vec<BodyMotion<D>> = motions.map(|velocity| BodyMotion { velocity, acceleration: SVector::zeros() }).collect();
+        self.step_control.next(&motions, state.time, state.last_step)
     }
 
     /// Solves the flow with all forces that interactions know and with contacts that keep gaps open over the step to come.
-    fn agree(&mut self, state: &State<D>, effort: &mut Effort, seen: Seen) -> Result<Agreed<D>> {
+    fn agree(&mut self, state: &State<D>, effort: &mut Effort, monitor: ResidualMonitor) -> Result<Agreed<D>> {
         let (placed, centers) = (self.placed(state), state.centers());
         let setup = self.suspension.setup();
         let (interactions, tightest) = (setup.interactions.clone(), setup.tolerance.at_an_instant());
@@ -126,21 +127,21 @@ impl<const D: usize> QuasiStatic<D> {
         let agreement = if interactions.resist() { AGREEMENT_IN_FILMS } else { AGREEMENT };
         let mut pressed = self.expected(&placed, touch)?;
         let (mut chosen, mut step, mut difference) = (None, state.last_step, 0.0);
-        let mut rounds = Rounds::new();
+        let mut rounds = ActiveSetIteration::new();
         for _ in 0..MOST_ROUNDS {
             let loose = self.contact_step(&placed, step).loose(&pressed);
             let pushes = Wrench::on_bodies(centers.len(), known.iter().chain(&loose), &pair_forces);
             let moment = Configuration { centers: &centers, time: state.time, pressed: &pressed, step, pushes: &pushes, tolerance };
-            let mut solution = self.suspension.solve_at(&moment, seen)?;
+            let mut solution = self.suspension.solve_at(&moment, monitor)?;
             effort.add_solve(self.suspension.cost());
             let mut twists: Vec<Twist<D>> = solution.bodies.iter().map(|body| body.twist).collect();
-            let stride = *chosen.get_or_insert_with(|| self.stride(state, &twists));
+            let step_size = *chosen.get_or_insert_with(|| self.step_size(state, &twists));
             if touch != Some(Touch::Hard) {
-                return Ok(Agreed { solution, twists, contacts: known, pair_forces, stride });
+                return Ok(Agreed { solution, twists, contacts: known, pair_forces, step_size });
             }
             let start = Instant::now();
             // not the length, which the end of the run cuts short: a run that ends later must find the same
-            step = if stride.natural > 0.0 { stride.natural } else { state.last_step };
+            step = if step_size.natural > 0.0 { step_size.natural } else { state.last_step };
             pressed.iter_mut().zip(&solution.contact_forces).for_each(|(pressed, force)| pressed.force = *force);
             let contacts = self.contact_step(&placed, step);
             let unpressed = contacts.without_contacts(velocities(&twists), pressed.iter().chain(&loose));
@@ -154,7 +155,7 @@ impl<const D: usize> QuasiStatic<D> {
                     (twist.velocity, body.twist.velocity) = (*velocity, *velocity);
                 }
                 let contacts = [known, projection.forces].concat();
-                return Ok(Agreed { solution, twists, contacts, pair_forces, stride });
+                return Ok(Agreed { solution, twists, contacts, pair_forces, step_size });
             }
             let projected = contacts.closed(projection);
             if identities(&projected) == identities(&pressed) {
@@ -175,7 +176,7 @@ impl<const D: usize> QuasiStatic<D> {
     fn travelled(&self, state: &State<D>) -> f64 {
         let last: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
         let velocities = self.deviatoric_velocities(state, &last).into_iter();
-        let ways = velocities.zip(&self.pace.radii).map(|(velocity, radius)| velocity.norm() / radius);
+        let ways = velocities.zip(&self.step_control.radii).map(|(velocity, radius)| velocity.norm() / radius);
         state.last_step * ways.fold(0.0, f64::max)
     }
 
@@ -185,13 +186,13 @@ impl<const D: usize> QuasiStatic<D> {
         if touch != Some(Touch::Hard) || state.last_step == 0.0 {
             return Ok(Vec::new());
         }
-        let reach = MEMORY_REACH * self.pace.radii.iter().copied().fold(f64::INFINITY, f64::min);
+        let reach = MEMORY_REACH * self.step_control.radii.iter().copied().fold(f64::INFINITY, f64::min);
         let velocities = state.bodies.iter().map(|body| body.twist.velocity).collect();
         self.contact_step(placed, state.last_step).expected(&state.held, velocities, reach)
     }
 
     /// The contacts that stick after a step with these forces.
-    fn remembered(&self, placed: &Placed<D>, forces: &[ContactForce<D>], step: f64) -> Vec<Adhesive<D>> {
+    fn remembered(&self, placed: &Placed<D>, forces: &[ContactForce<D>], step: f64) -> Vec<AdhesiveContact<D>> {
         self.suspension.setup().interactions.remember(&self.arrangement(placed), &placed.state.stuck, forces, step)
     }
 
@@ -214,74 +215,80 @@ impl<const D: usize> QuasiStatic<D> {
     }
 
     /// The motions by which bodies travel before contacts are kept.
-    fn rule(&mut self, state: &State<D>, view: &View<D>, effort: &mut Effort, seen: Seen) -> Result<Vec<Twist<D>>> {
-        match self.pace.time.scheme {
+    fn rule(&mut self, state: &State<D>, view: &Observation<D>, effort: &mut Effort, monitor: ResidualMonitor) -> Result<Vec<Twist<D>>> {
+        match self.step_control.time.scheme {
             Scheme::Euler => Ok(view.twists.clone()),
             Scheme::TwoStep if state.last_step > 0.0 => Ok(two_step(state, view, self.suspension.setup().interactions.projects())),
-            _ => self.midpoint(state, view, effort, seen),
+            _ => self.midpoint(state, view, effort, monitor),
         }
     }
 
     /// Motions half a step ahead.
-    fn midpoint(&mut self, state: &State<D>, view: &View<D>, effort: &mut Effort, seen: Seen) -> Result<Vec<Twist<D>>> {
-        let half = 0.5 * view.stride.length;
+    fn midpoint(
+        &mut self,
+        state: &State<D>,
+        view: &Observation<D>,
+        effort: &mut Effort,
+        monitor: ResidualMonitor,
+    ) -> Result<Vec<Twist<D>>> {
+        let half = 0.5 * view.step_size.length;
         let mut ahead = state.clone();
         ahead.advance(&view.twists, half);
-        ahead.held = view.contacts.iter().map(Held::of).collect();
+        ahead.held = view.contacts.iter().map(ContactHistory::of).collect();
         ahead.stuck = self.remembered(&self.placed(state), &view.contacts, half);
-        Ok(self.agree(&ahead, effort, seen)?.twists)
+        Ok(self.agree(&ahead, effort, monitor)?.twists)
     }
 }
 
-impl<const D: usize> Dynamics<D> for QuasiStatic<D> {
-    fn look(&mut self, state: &State<D>, seen: Seen) -> Result<View<D>> {
+impl<const D: usize> Stepper<D> for QuasiStatic<D> {
+    fn evaluate(&mut self, state: &State<D>, monitor: ResidualMonitor) -> Result<Observation<D>> {
         let mut effort = Effort::default();
-        let Agreed { mut solution, twists, contacts, pair_forces, stride } = self.agree(state, &mut effort, seen)?;
+        let Agreed { mut solution, twists, contacts, pair_forces, step_size } = self.agree(state, &mut effort, monitor)?;
         solution.pair_stress = PairForce::total_stress(&pair_forces);
         let domain = self.placed(state).domain;
         for (body, moving) in solution.bodies.iter_mut().zip(&state.bodies) {
             // centres of solutions are in the box: so are the motions that go with them
             body.twist.velocity -= domain.image_velocity(&moving.center);
         }
-        Ok(View { twists, contacts, pair_forces, solution: Some(solution), stride, effort })
+        Ok(Observation { twists, contacts, pair_forces, solution: Some(solution), step_size, effort })
     }
 
-    fn travel(&mut self, state: &State<D>, view: &View<D>, seen: Seen) -> Result<Travel<D>> {
+    fn advance(&mut self, state: &State<D>, view: &Observation<D>, monitor: ResidualMonitor) -> Result<StepOutcome<D>> {
         let mut effort = Effort::default();
-        let mut moves = self.rule(state, view, &mut effort, seen)?;
-        let step = self.pace.shortened(&self.deviatoric_velocities(state, &moves), view.stride.length, state.last_step);
+        let mut moves = self.rule(state, view, &mut effort, monitor)?;
+        let step = self.step_control.shortened(&self.deviatoric_velocities(state, &moves), view.step_size.length, state.last_step);
         let (placed, start) = (self.placed(state), Instant::now());
-        let (mut stuck, mut certificate) = (Vec::new(), None);
+        let (mut stuck, mut kkt_report) = (Vec::new(), None);
         match self.suspension.setup().interactions.touch() {
             Some(Touch::Hard) => {
                 let contacts = self.contact_step(&placed, step);
                 let projection = contacts.project(&contacts.without_contacts(velocities(&moves), &view.contacts))?;
                 stuck = self.remembered(&placed, &projection.forces, step);
                 moves.iter_mut().zip(projection.velocities).for_each(|(twist, velocity)| twist.velocity = velocity);
-                certificate = Some(projection.certificate);
+                kkt_report = Some(projection.kkt_report);
             }
-            Some(Touch::Soft { .. }) => certificate = Some(Certificate::of_forces(&view.contacts, &placed.balls)),
+            Some(Touch::Soft { .. }) => kkt_report = Some(KktReport::of_forces(&view.contacts, &placed.balls)),
             None => {}
         }
         effort.contact += start.elapsed().as_secs_f64();
-        Ok(Travel { step, moves, twists: view.twists.clone(), contacts: view.contacts.clone(), stuck, certificate, effort })
+        Ok(StepOutcome { step, moves, twists: view.twists.clone(), contacts: view.contacts.clone(), stuck, kkt_report, effort })
     }
 
     fn suspension(&self) -> Option<&dyn FlowSolver<D>> {
         Some(self.suspension.as_ref())
     }
 
-    fn remember(&mut self, past: Past<D>) {
+    fn remember(&mut self, past: ExtrapolationHistory<D>) {
         self.suspension.remember(Some(past));
     }
 }
 
 /// `v + dt/(2 dt_last) (v - v_last)`; bodies that came into contact or out of it since the last step do not look back, if contact
 /// forces `jump`.
-fn two_step<const D: usize>(state: &State<D>, view: &View<D>, jump: bool) -> Vec<Twist<D>> {
-    let now: Vec<Held<D>> = view.contacts.iter().filter(|pressed| pressed.force != 0.0).map(Held::of).collect();
+fn two_step<const D: usize>(state: &State<D>, view: &Observation<D>, jump: bool) -> Vec<Twist<D>> {
+    let now: Vec<ContactHistory<D>> = view.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
     let (before, after) = (contacts_of(&state.held, state.bodies.len()), contacts_of(&now, state.bodies.len()));
-    let factor = 0.5 * view.stride.length / state.last_step;
+    let factor = 0.5 * view.step_size.length / state.last_step;
     let rule = |(body, (now, last)): (usize, (&Twist<D>, &Twist<D>))| {
         if jump && before[body] != after[body] {
             return *now;
@@ -292,7 +299,7 @@ fn two_step<const D: usize>(state: &State<D>, view: &View<D>, jump: bool) -> Vec
 }
 
 /// For each body its contacts, seen from it.
-fn contacts_of<const D: usize>(held: &[Held<D>], bodies: usize) -> Vec<Vec<(Partner, [i32; D])>> {
+fn contacts_of<const D: usize>(held: &[ContactHistory<D>], bodies: usize) -> Vec<Vec<(Partner, [i32; D])>> {
     let mut of_body = vec![Vec::new(); bodies];
     for contact in held {
         of_body[contact.body].push((contact.partner, contact.image));

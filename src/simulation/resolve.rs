@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::{
-    DryBody, DrySetup, Setup, SuspendedBody, interactions,
+    GranularBody, GranularSetup, Setup, SuspendedBody, interactions,
     placement::{bodies, domain, vector},
     surroundings::opposite_neighbours,
 };
@@ -38,12 +38,12 @@ const MOST_ORDER: [usize; 2] = [24, 12];
 const LUBRICATED_ORDER_PER_CELL: f64 = 0.6;
 const LUBRICATED_ORDER: [usize; 2] = [3, 2];
 
-impl<const D: usize> DrySetup<D> {
+impl<const D: usize> GranularSetup<D> {
     /// Resolves a dry scene of dimension `D`.
     ///
     /// # Errors
     /// Bodies overlap or lie outside, or do not fit at the asked fraction.
-    pub fn of(scene: &Scene) -> Result<DrySetup<D>> {
+    pub fn of(scene: &Scene) -> Result<GranularSetup<D>> {
         let domain = domain(scene);
         let of_group = |(group, body): (usize, crate::body::Body<D>)| {
             let given = &scene.bodies[group];
@@ -56,9 +56,9 @@ impl<const D: usize> DrySetup<D> {
             let (center, radius) = (body.ball.center, body.ball.radius);
             match body.motion {
                 Motion::Free { force, torque } => {
-                    DryBody { radius, center, twist: start, mass, inertia, acceleration: force / mass, spin_up: torque / inertia }
+                    GranularBody { radius, center, twist: start, mass, inertia, acceleration: force / mass, spin_up: torque / inertia }
                 }
-                Motion::Prescribed(twist) => DryBody {
+                Motion::Prescribed(twist) => GranularBody {
                     radius,
                     center,
                     twist,
@@ -69,8 +69,8 @@ impl<const D: usize> DrySetup<D> {
                 },
             }
         };
-        let bodies: Vec<DryBody<D>> = bodies(scene, &domain)?.into_iter().map(of_group).collect();
-        let setup = DrySetup { interactions: interactions::of_dry(scene, &domain, &bodies), domain, bodies };
+        let bodies: Vec<GranularBody<D>> = bodies(scene, &domain)?.into_iter().map(of_group).collect();
+        let setup = GranularSetup { interactions: interactions::of_dry(scene, &domain, &bodies), domain, bodies };
         interactions::check(scene, &setup.interactions, setup.longest_step())?;
         Ok(setup)
     }

@@ -1,13 +1,13 @@
 //! The time loop: bodies move step by step, driven by a fluid or by inertia alone.
 
 use super::{
-    Dry, DrySetup, Dynamics, Effort, FlowSolver, Held, Past, Plan, QuasiStatic, Seen, State, View,
-    beat::Beat,
-    interactions,
-    pace::{Pace, ROUNDING},
+    ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Granular, GranularSetup, Observation, Plan, QuasiStatic, ResidualMonitor,
+    State, Stepper, interactions,
+    shift_period::ShiftPeriod,
+    step_control::{ROUNDING, StepControl},
 };
 use crate::{
-    contact::Certificate,
+    contact::KktReport,
     error::{Error, Result},
     geometry::Domain,
     petsc::Session,
@@ -20,9 +20,9 @@ const SHORTEST: f64 = 1e-14;
 /// A simulation in time. Every function is collective.
 pub struct Simulation<const D: usize> {
     state: State<D>,
-    dynamics: Box<dyn Dynamics<D>>,
+    stepper: Box<dyn Stepper<D>>,
     domain: Domain<D>,
-    pace: Pace,
+    step_control: StepControl,
     /// Whether the last step was cut short by the end of the run.
     cut_short: bool,
 }
@@ -33,7 +33,7 @@ pub struct StepReport {
     /// Its length.
     pub length: f64,
     /// How well contacts were kept, if there are any to keep.
-    pub certificate: Option<Certificate>,
+    pub kkt_report: Option<KktReport>,
     /// What it cost.
     pub effort: Effort,
 }
@@ -47,27 +47,28 @@ impl<const D: usize> Simulation<D> {
         session.world().agree(Plan::of(scene))?.simulation(session)
     }
 
-    /// Dry bodies in motion.
-    pub fn dry(session: &Session, setup: DrySetup<D>, time: TimeSection) -> Simulation<D> {
+    /// Granular bodies in motion.
+    pub fn dry(session: &Session, setup: GranularSetup<D>, time: TimeSection) -> Simulation<D> {
         let radii = setup.bodies.iter().map(|body| body.radius).collect();
-        let pace = Pace { time, radii, beat: None, longest: setup.longest_step() };
+        let step_control = StepControl { time, radii, shift_period: None, longest: setup.longest_step() };
         let (state, domain) = (setup.start(), setup.domain.clone());
-        let dynamics = Box::new(Dry::new(session, setup, pace.clone()));
-        Simulation { state, dynamics, domain, pace, cut_short: false }
+        let stepper = Box::new(Granular::new(session, setup, step_control.clone()));
+        Simulation { state, stepper, domain, step_control, cut_short: false }
     }
 
     /// Bodies carried by Stokes flow. Where images slide, the step, if it is fixed, and the end slide them by whole cells.
     pub fn flowing(session: &Session, suspension: Box<dyn FlowSolver<D>>, time: TimeSection) -> Simulation<D> {
         let setup = suspension.setup();
         let bodies = &setup.bodies;
-        let beat = Beat::of(&setup.domain, suspension.grid());
+        let shift_period = ShiftPeriod::of(&setup.domain, suspension.grid());
         let longest = interactions::longest_step_in_flow(setup);
-        let pace = Pace { time, radii: bodies.iter().map(|suspended| suspended.body.ball.radius).collect(), beat, longest };
+        let step_control =
+            StepControl { time, radii: bodies.iter().map(|suspended| suspended.body.ball.radius).collect(), shift_period, longest };
         let at_rest = |suspended: &super::SuspendedBody<D>| (suspended.body.ball.center, crate::body::Twist::zero());
         let state = State::start(bodies.iter().map(at_rest));
         let domain = suspension.setup().domain.clone();
-        let dynamics = Box::new(QuasiStatic::new(session, suspension, pace.clone()));
-        Simulation { state, dynamics, domain, pace, cut_short: false }
+        let stepper = Box::new(QuasiStatic::new(session, suspension, step_control.clone()));
+        Simulation { state, stepper, domain, step_control, cut_short: false }
     }
 
     /// Where bodies are.
@@ -76,17 +77,17 @@ impl<const D: usize> Simulation<D> {
     }
 
     /// Goes on from another state, with what earlier solves say about the next one.
-    pub fn restore(&mut self, state: State<D>, past: Option<Past<D>>) {
+    pub fn restore(&mut self, state: State<D>, past: Option<ExtrapolationHistory<D>>) {
         self.state = state;
         self.slide();
         if let Some(past) = past {
-            self.dynamics.remember(past);
+            self.stepper.remember(past);
         }
     }
 
     /// The suspension that is solved, if there is a fluid.
     pub fn suspension(&self) -> Option<&dyn FlowSolver<D>> {
-        self.dynamics.suspension()
+        self.stepper.suspension()
     }
 
     /// The box as it is now.
@@ -96,17 +97,17 @@ impl<const D: usize> Simulation<D> {
 
     /// Radii of the bodies.
     pub fn radii(&self) -> &[f64] {
-        &self.pace.radii
+        &self.step_control.radii
     }
 
     /// Whether the run has reached its end.
     pub fn over(&self) -> bool {
-        self.pace.over(self.state.time)
+        self.step_control.over(self.state.time)
     }
 
     /// Whether the next step may reach the end.
     pub fn may_end(&self) -> bool {
-        self.pace.may_end(self.state.time, self.state.last_step)
+        self.step_control.may_end(self.state.time, self.state.last_step)
     }
 
     /// Whether the state lies on the way of a longer run: its last step was not cut short by the end.
@@ -118,30 +119,30 @@ impl<const D: usize> Simulation<D> {
     ///
     /// # Errors
     /// A solver does not converge.
-    pub fn look(&mut self, seen: Seen) -> Result<View<D>> {
-        self.dynamics.look(&self.state, seen)
+    pub fn evaluate(&mut self, monitor: ResidualMonitor) -> Result<Observation<D>> {
+        self.stepper.evaluate(&self.state, monitor)
     }
 
     /// Moves the bodies by a step.
     ///
     /// # Errors
     /// A solver does not converge, contacts cannot be kept, or a body leaves the box.
-    pub fn step(&mut self, view: &View<D>, seen: Seen) -> Result<StepReport> {
-        let travel = self.dynamics.travel(&self.state, view, seen)?;
+    pub fn step(&mut self, view: &Observation<D>, monitor: ResidualMonitor) -> Result<StepReport> {
+        let travel = self.stepper.advance(&self.state, view, monitor)?;
         self.expect_progress(travel.step)?;
         self.state.bodies.iter_mut().zip(&travel.twists).for_each(|(body, twist)| body.twist = *twist);
-        self.state.held = travel.contacts.iter().filter(|pressed| pressed.force != 0.0).map(Held::of).collect();
+        self.state.held = travel.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
         self.state.stuck = travel.stuck;
         self.state.advance(&travel.moves, travel.step);
         self.slide();
         // whole cells of images that slide may be rounded
-        self.cut_short = view.stride.cut_short() && travel.step >= view.stride.length * (1.0 - ROUNDING);
-        Ok(StepReport { length: travel.step, certificate: travel.certificate, effort: travel.effort })
+        self.cut_short = view.step_size.cut_short() && travel.step >= view.step_size.length * (1.0 - ROUNDING);
+        Ok(StepReport { length: travel.step, kkt_report: travel.kkt_report, effort: travel.effort })
     }
 
     /// Refuses steps so short that the run never ends.
     fn expect_progress(&self, step: f64) -> Result<()> {
-        let (time, end) = (self.state.time, self.pace.time.end);
+        let (time, end) = (self.state.time, self.step_control.time.end);
         if step >= SHORTEST * end {
             return Ok(());
         }

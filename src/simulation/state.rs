@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::{
     body::Twist,
-    contact::{Adhesive, ContactForce, Identity, Memory, Partner},
+    contact::{AdhesiveContact, ContactForce, Identity, Memory, Partner},
     geometry::Ball,
 };
 
@@ -21,7 +21,7 @@ pub struct Moving<const D: usize> {
 
 /// A contact force of the last step: a place to start from.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Held<const D: usize> {
+pub struct ContactHistory<const D: usize> {
     /// The body.
     pub body: usize,
     /// What it touched.
@@ -44,16 +44,16 @@ pub struct State<const D: usize> {
     /// The bodies.
     pub bodies: Vec<Moving<D>>,
     /// Contacts that bore a force.
-    pub held: Vec<Held<D>>,
+    pub held: Vec<ContactHistory<D>>,
     /// Contacts that stick; none unless contacts are gluey.
-    pub stuck: Vec<Adhesive<D>>,
+    pub stuck: Vec<AdhesiveContact<D>>,
 }
 
-impl<const D: usize> Held<D> {
+impl<const D: usize> ContactHistory<D> {
     /// The memory of a contact force.
-    pub fn of(contact: &ContactForce<D>) -> Held<D> {
+    pub fn of(contact: &ContactForce<D>) -> ContactHistory<D> {
         let ContactForce { contact, force } = *contact;
-        Held { body: contact.body, partner: contact.partner, image: contact.image, force }
+        ContactHistory { body: contact.body, partner: contact.partner, image: contact.image, force }
     }
 
     /// What tells its contact from all others.

@@ -1,15 +1,15 @@
 //! What moves bodies: the interface behind which a fluid, or inertia alone, drives a [`Simulation`](super::Simulation).
 
-use super::{Cost, FlowSolver, Past, Seen, Solution, State, pace::Stride};
+use super::{Cost, ExtrapolationHistory, FlowSolver, ResidualMonitor, Solution, State, step_control::StepSize};
 use crate::{
     body::Twist,
-    contact::{Adhesive, Certificate, ContactForce},
+    contact::{AdhesiveContact, ContactForce, KktReport},
     error::Result,
     interaction::PairForce,
 };
 
 /// What happens at one instant.
-pub struct View<const D: usize> {
+pub struct Observation<const D: usize> {
     /// Motions of the bodies.
     pub twists: Vec<Twist<D>>,
     /// Contacts and their forces.
@@ -19,7 +19,7 @@ pub struct View<const D: usize> {
     /// The flow, if there is one.
     pub solution: Option<Solution<D>>,
     /// The step to take.
-    pub stride: Stride,
+    pub step_size: StepSize,
     /// What it took to find out.
     pub effort: Effort,
 }
@@ -40,7 +40,7 @@ pub struct Effort {
 }
 
 /// How bodies move over a step.
-pub struct Travel<const D: usize> {
+pub struct StepOutcome<const D: usize> {
     /// Length of the step.
     pub step: f64,
     /// Motions that carry them.
@@ -50,26 +50,26 @@ pub struct Travel<const D: usize> {
     /// Contacts and their forces, if they were found on the way.
     pub contacts: Vec<ContactForce<D>>,
     /// Contacts that stick from now on.
-    pub stuck: Vec<Adhesive<D>>,
+    pub stuck: Vec<AdhesiveContact<D>>,
     /// How well contacts were kept, if there are any to keep.
-    pub certificate: Option<Certificate>,
+    pub kkt_report: Option<KktReport>,
     /// What it took.
     pub effort: Effort,
 }
 
 /// What moves bodies. Every function is collective.
-pub trait Dynamics<const D: usize> {
+pub trait Stepper<const D: usize> {
     /// What happens in a state; called once for each.
     ///
     /// # Errors
     /// A solver does not converge.
-    fn look(&mut self, state: &State<D>, seen: Seen) -> Result<View<D>>;
+    fn evaluate(&mut self, state: &State<D>, monitor: ResidualMonitor) -> Result<Observation<D>>;
 
     /// The step from a state that was looked at.
     ///
     /// # Errors
     /// A solver does not converge, or contacts cannot be kept.
-    fn travel(&mut self, state: &State<D>, view: &View<D>, seen: Seen) -> Result<Travel<D>>;
+    fn advance(&mut self, state: &State<D>, view: &Observation<D>, monitor: ResidualMonitor) -> Result<StepOutcome<D>>;
 
     /// The suspension that is solved, if there is a fluid.
     fn suspension(&self) -> Option<&dyn FlowSolver<D>> {
@@ -77,7 +77,7 @@ pub trait Dynamics<const D: usize> {
     }
 
     /// Takes what earlier solves say about the next one, if there is a fluid to solve.
-    fn remember(&mut self, _past: Past<D>) {}
+    fn remember(&mut self, _past: ExtrapolationHistory<D>) {}
 }
 
 impl Effort {

@@ -9,22 +9,22 @@
 //!
 //! The approximate inverse gives each body its own mobility in unbounded fluid, and corrects it by its near neighbours, pair by pair.
 
-mod together;
+mod given_motions;
 
 use std::{ops::Range, rc::Rc};
 
 use nalgebra::{DMatrix, DVectorView, DVectorViewMut};
 
-use super::{closure::Closure, link::Weights, touching::Touching};
+use super::{mean_flow_constraint::MeanFlowConstraint, pair_constraint::RigidVector, pair_constraints::PairConstraints};
 use crate::{
-    constraint::{Blocks, FreeInverse, Given, NearPairs},
+    constraint::{Blocks, FreeInverse, Given, PairPreconditioner},
     error::Result,
     parallel::World,
     petsc::Vector,
 };
 
 /// A body of this rank in the linear system.
-pub struct Member {
+pub struct BodyOperator {
     /// Its multipliers in this rank's part of the multipliers.
     pub range: Range<usize>,
     /// Number of its rigid modes; the first `dimension` of them are translations.
@@ -38,10 +38,10 @@ pub struct Member {
     /// Net force of a unit translation multiplier.
     pub area: f64,
     /// Velocities in unbounded fluid that unit multipliers of rigid modes cause.
-    pub mobilities: Weights,
+    pub mobilities: RigidVector,
 }
 
-impl Member {
+impl BodyOperator {
     /// The multipliers of its rigid modes.
     fn rigid_range(&self) -> Range<usize> {
         self.range.start..self.range.start + self.rigid
@@ -85,32 +85,32 @@ impl Inverse {
 }
 
 /// The part of a linear system that lives on surfaces.
-pub struct Surfaces<'a, const D: usize> {
+pub struct SurfaceOperators<'a, const D: usize> {
     /// The ranks.
     pub world: &'a World,
     /// Bodies.
     pub blocks: &'a mut Blocks<D>,
     /// This rank's bodies.
-    pub members: &'a [Member],
+    pub members: &'a [BodyOperator],
     /// Near pairs of bodies, if multipliers are coefficients of surface modes.
-    pub pairs: Option<&'a mut NearPairs>,
-    /// Closure.
-    pub closure: &'a Closure,
+    pub pairs: Option<&'a mut PairPreconditioner>,
+    /// MeanFlowConstraint.
+    pub closure: &'a MeanFlowConstraint,
     /// Contacts.
-    pub touching: &'a mut Touching,
+    pub touching: &'a mut PairConstraints,
     /// Sum over all prescribed bodies of the translation block of their inverses, the closure's own row scale.
     pub prescribed_drag: f64,
 }
 
-impl<const D: usize> Surfaces<'_, D> {
-    /// The rows for a fluid, multipliers `given` and a tail, those of the multipliers in `rows`. Returns the tail's rows,
+impl<const D: usize> SurfaceOperators<'_, D> {
+    /// The rows for a fluid, multipliers `given` and global unknowns, those of the multipliers in `rows`. Returns the rows of the global unknowns,
     /// `unknown = given` for a force of the closure and for places that no contact takes.
-    pub fn rows(&mut self, fluid: &Vector, (given, tail): (&Vector, &[f64]), rows: &mut Vector) -> Result<Vec<f64>> {
-        self.velocity(fluid, (given, tail), rows)?;
-        let rates = self.touching.rows(rows, &tail[self.contacts()])?;
-        self.net_force_rows((given, tail), rows)?;
-        let mut tail_rows = tail.to_vec();
-        if let Closure::MeanVelocity = self.closure {
+    pub fn rows(&mut self, fluid: &Vector, (given, global_unknowns): (&Vector, &[f64]), rows: &mut Vector) -> Result<Vec<f64>> {
+        self.velocity(fluid, (given, global_unknowns), rows)?;
+        let rates = self.touching.rows(rows, &global_unknowns[self.contacts()])?;
+        self.net_force_rows((given, global_unknowns), rows)?;
+        let mut tail_rows = global_unknowns.to_vec();
+        if let MeanFlowConstraint::MeanVelocity = self.closure {
             let force = total_force::<D>(self.members, &given.local()?);
             let force = self.shared_sum(force.iter().map(|force| force / self.prescribed_drag).collect());
             tail_rows[..D].copy_from_slice(&force);
@@ -120,44 +120,44 @@ impl<const D: usize> Surfaces<'_, D> {
     }
 
     /// The velocity of the fluid on the surfaces, tested with all modes.
-    pub fn velocity(&mut self, fluid: &Vector, (given, tail): (&Vector, &[f64]), velocity: &mut Vector) -> Result<()> {
+    pub fn velocity(&mut self, fluid: &Vector, (given, global_unknowns): (&Vector, &[f64]), velocity: &mut Vector) -> Result<()> {
         self.blocks.interpolate(fluid, &mut velocity.local_mut()?)?;
         self.blocks.add_local(given, &mut velocity.local_mut()?)?;
-        if let Closure::MeanVelocity = self.closure {
+        if let MeanFlowConstraint::MeanVelocity = self.closure {
             let mut rows = velocity.local_mut()?;
             for member in self.members {
-                rows[member.range.start..].iter_mut().zip(&tail[..D]).for_each(|(row, mean)| *row += mean);
+                rows[member.range.start..].iter_mut().zip(&global_unknowns[..D]).for_each(|(row, mean)| *row += mean);
             }
         }
         Ok(())
     }
 
-    /// Multipliers and tail for the given rows, when the fluid already moves as `sampled`, which the multipliers replace.
+    /// Multipliers and global unknowns for the given rows, when the fluid already moves as `sampled`, which the multipliers replace.
     pub fn precondition(&mut self, given: &mut Vector, rows: &[f64], sampled: &mut Vector) -> Result<Vec<f64>> {
-        let mut tail = rows.to_vec();
+        let mut global_unknowns = rows.to_vec();
         if self.pairs.as_ref().is_some_and(|pairs| pairs.given() == Given::Motions) {
             let contacts = self.invert_together(given, rows, sampled)?;
-            tail[self.contacts()].copy_from_slice(&contacts);
-            if let Closure::MeanVelocity = self.closure {
+            global_unknowns[self.contacts()].copy_from_slice(&contacts);
+            if let MeanFlowConstraint::MeanVelocity = self.closure {
                 let means = self.correct_net_force(rows, sampled)?;
-                tail[..D].copy_from_slice(&means);
+                global_unknowns[..D].copy_from_slice(&means);
             }
-            return Ok(tail);
+            return Ok(global_unknowns);
         }
         let contacts = self.invert_contacts(given, rows, sampled)?;
-        tail[self.contacts()].copy_from_slice(&contacts);
+        global_unknowns[self.contacts()].copy_from_slice(&contacts);
         self.invert_bodies(given, sampled)?;
-        if let Closure::MeanVelocity = self.closure {
+        if let MeanFlowConstraint::MeanVelocity = self.closure {
             let means = self.correct_net_force(rows, sampled)?;
-            tail[..D].copy_from_slice(&means);
+            global_unknowns[..D].copy_from_slice(&means);
         }
-        self.feel_neighbours(given, sampled)?;
-        Ok(tail)
+        self.add_pair_corrections(given, sampled)?;
+        Ok(global_unknowns)
     }
 
     /// Whether rows are velocities and given forces, and nothing else.
     pub fn velocities_only(&self) -> bool {
-        !self.touching.any() && !matches!(self.closure, Closure::MeanVelocity)
+        !self.touching.any() && !matches!(self.closure, MeanFlowConstraint::MeanVelocity)
     }
 
     /// Multiplies residuals by what turns them into corrections: rows of velocities by `step`, and others so that they hold at once.
@@ -180,7 +180,7 @@ impl<const D: usize> Surfaces<'_, D> {
         Ok(())
     }
 
-    /// Where the contacts are in the tail.
+    /// Where the contacts are in the global unknowns.
     fn contacts(&self) -> Range<usize> {
         let first = self.closure.unknowns::<D>();
         first..first + self.touching.count()
@@ -193,10 +193,10 @@ impl<const D: usize> Surfaces<'_, D> {
         values
     }
 
-    fn net_force_rows(&mut self, (given, tail): (&Vector, &[f64]), rows: &mut Vector) -> Result<()> {
+    fn net_force_rows(&mut self, (given, global_unknowns): (&Vector, &[f64]), rows: &mut Vector) -> Result<()> {
         let mut multipliers = given.like()?;
         multipliers.copy_from(given)?;
-        self.touching.press(-1.0, &tail[self.contacts()], &mut multipliers)?;
+        self.touching.press(-1.0, &global_unknowns[self.contacts()], &mut multipliers)?;
         let (multipliers, mut rows) = (multipliers.local()?, rows.local_mut()?);
         for member in self.members.iter().filter(|member| member.free) {
             let rigid = member.rigid_range();
@@ -258,7 +258,7 @@ impl<const D: usize> Surfaces<'_, D> {
     }
 
     /// Adds to the multipliers of lonely bodies what their near neighbours change.
-    fn feel_neighbours(&mut self, wanted: &mut Vector, multipliers: &mut Vector) -> Result<()> {
+    fn add_pair_corrections(&mut self, wanted: &mut Vector, multipliers: &mut Vector) -> Result<()> {
         if self.pairs.is_none() {
             return Ok(());
         }
@@ -287,7 +287,7 @@ impl<const D: usize> Surfaces<'_, D> {
 }
 
 /// Net force of this rank's bodies on the fluid.
-fn total_force<const D: usize>(members: &[Member], multipliers: &[f64]) -> Vec<f64> {
+fn total_force<const D: usize>(members: &[BodyOperator], multipliers: &[f64]) -> Vec<f64> {
     let of = |axis: usize| members.iter().map(|member| member.area * multipliers[member.range.start + axis]).sum();
     (0..D).map(of).collect()
 }

@@ -6,17 +6,17 @@ use nalgebra::SVector;
 
 use super::{
     FlowSolver, Setup, Solution, WallForces,
+    assembled_system::AssembledSystem,
     assembly::Assembly,
-    basis::Basis,
-    condensed::Condensed,
     configuration::Configuration,
-    cost::{Cost, Seen},
-    engine::Engine,
+    cost::{Cost, ResidualMonitor},
+    extrapolation::{ExtrapolationHistory, Snapshot},
     faster::{Faster, faster},
     film_forces::add_films,
+    fixed_operators::FixedOperators,
+    krylov_workspace::KrylovWorkspace,
     links::belongs,
-    memory::{Past, Snapshot},
-    ready::Ready,
+    schur_complement::SchurComplement,
     spectrum::Conditions,
 };
 use crate::{
@@ -32,12 +32,12 @@ use crate::{
 
 /// A suspension ready to be solved.
 pub struct Suspension<const D: usize> {
-    basis: Basis<D>,
+    basis: FixedOperators<D>,
     inverse: Box<dyn StokesInverse<D>>,
     assembly: Option<Assembly<D>>,
-    engine: Option<Engine>,
+    engine: Option<KrylovWorkspace>,
     remembers: bool,
-    past: Option<Past<D>>,
+    past: Option<ExtrapolationHistory<D>>,
     cost: Cost,
 }
 
@@ -61,7 +61,7 @@ impl<const D: usize> Suspension<D> {
         inverse: impl FnOnce(&Stokes<D>, &Grid<D>) -> Result<Box<dyn StokesInverse<D>>>,
     ) -> Result<Suspension<D>> {
         let (_stage, start) = (enter(Stage::SetUp), Instant::now());
-        let (basis, inverse) = Basis::new(session, setup, inverse)?;
+        let (basis, inverse) = FixedOperators::new(session, setup, inverse)?;
         let cost = Cost { setup: start.elapsed().as_secs_f64(), grid_unknowns: basis.grid.fluid_unknowns(), ..Cost::default() };
         Ok(Suspension { basis, inverse, assembly: None, engine: None, remembers: false, past: None, cost })
     }
@@ -107,10 +107,10 @@ impl<const D: usize> Suspension<D> {
             return Err(Error::refused("condition numbers on the multipliers take an exact inverse of the fluid (transform)"));
         }
         let (centers, basis) = (self.initial_centers(), &self.basis);
-        let mut ready = Ready::new(basis, (None, None), None, &self.at_rest(&centers))?;
+        let mut ready = AssembledSystem::new(basis, (None, None), None, &self.at_rest(&centers))?;
         let shape = ready.engine.x.like()?;
         let (_, parts) = ready.parts(basis, self.inverse.as_mut());
-        Conditions::of(basis.session.world(), &mut Condensed::new(parts), &shape)
+        Conditions::of(basis.session.world(), &mut SchurComplement::new(parts), &shape)
     }
 }
 
@@ -148,7 +148,7 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         self.basis.setup.viscosity * self.basis.setup.interactions.approach_resistance(contact, &of)
     }
 
-    fn remember(&mut self, past: Option<Past<D>>) {
+    fn remember(&mut self, past: Option<ExtrapolationHistory<D>>) {
         (self.remembers, self.past) = (true, past);
     }
 
@@ -160,36 +160,36 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         !self.basis.condensed
     }
 
-    fn past(&self) -> Option<&Past<D>> {
+    fn past(&self) -> Option<&ExtrapolationHistory<D>> {
         self.past.as_ref()
     }
 
-    fn solve(&mut self, seen: Seen) -> Result<Solution<D>> {
+    fn solve(&mut self, monitor: ResidualMonitor) -> Result<Solution<D>> {
         let (centers, weights) = (self.initial_centers(), self.resistances());
         let setup = &self.basis.setup;
         let balls: Vec<Ball<D>> = setup.bodies.iter().map(|suspended| suspended.body.ball).collect();
         let arrangement = Arrangement { domain: &setup.domain, balls: &balls, weights: &weights, viscosity: Some(setup.viscosity) };
         let forces = setup.interactions.pair_forces(&arrangement);
         let pushes = Wrench::on_bodies(balls.len(), [], &forces);
-        let solution = self.solve_at(&Configuration { pushes: &pushes, ..self.at_rest(&centers) }, seen)?;
+        let solution = self.solve_at(&Configuration { pushes: &pushes, ..self.at_rest(&centers) }, monitor)?;
         Ok(Solution { pair_stress: PairForce::total_stress(&forces), ..solution })
     }
 
-    fn solve_at(&mut self, moment: &Configuration<D>, seen: Seen) -> Result<Solution<D>> {
+    fn solve_at(&mut self, moment: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>> {
         let start = Instant::now();
         self.slide_to(moment.time)?;
         let basis = &self.basis;
-        let mut ready = Ready::new(basis, (self.assembly.take(), self.engine.take()), self.past.as_ref(), moment)?;
+        let mut ready = AssembledSystem::new(basis, (self.assembly.take(), self.engine.take()), self.past.as_ref(), moment)?;
         self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();
         (self.cost.assembly, self.cost.assembled) = (start.elapsed().as_secs_f64(), ready.assembly.assembled);
-        let (report, mut found) = ready.solve(basis, self.inverse.as_mut(), seen)?;
-        let Ready { bodies, assembly, mut engine, guess, touching, .. } = ready;
+        let (report, mut found) = ready.solve(basis, self.inverse.as_mut(), monitor)?;
+        let AssembledSystem { bodies, assembly, mut engine, guess, touching, .. } = ready;
         self.cost.krylov = report;
         self.cost.stages = std::mem::take(&mut engine.work.stages);
-        let links = found.tail.split_off(basis.closure.unknowns::<D>());
+        let links = found.global_unknowns.split_off(basis.closure.unknowns::<D>());
         if self.remembers && basis.method.on_surfaces() {
             let last = Snapshot::of(&bodies, &basis.session, moment.centers, (&found, basis.condensed))?;
-            self.past = Some(Past::then(self.past.take(), last, (guess, moment.time)));
+            self.past = Some(ExtrapolationHistory::then(self.past.take(), last, (guess, moment.time)));
         }
         let mut states = bodies.states(&basis.session, &assembly.blocks, (&found.velocities, &found.multipliers));
         let mut walls = assembly.blocks.on_walls(&found.multipliers).map(|pair| pair.map(|force| force * basis.setup.viscosity));
@@ -209,7 +209,7 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         Ok(Solution {
             lubrication,
             walls: WallForces { forces: walls, complete: false },
-            ..basis.solution(states, found.fluid, &found.tail, contact_forces)?
+            ..basis.solution(states, found.fluid, &found.global_unknowns, contact_forces)?
         })
     }
 }

@@ -6,7 +6,7 @@
 
 use std::time::Instant;
 
-use super::{condensed::Condensed, cost::Seen, engine::Stop};
+use super::{cost::ResidualMonitor, krylov_workspace::Stop, schur_complement::SchurComplement};
 use crate::{
     error::{Error, Result},
     petsc::{Report, System, Vector},
@@ -30,10 +30,10 @@ const PART_OF_BOUND: f64 = 0.9;
 /// [`Error::Diverged`] with the bound of the step, and [`Error::Refused`] where rows are no velocities: contacts that press, or mean
 /// velocities that fixed bodies have to find.
 pub fn uzawa<const D: usize>(
-    system: &mut Condensed<D>,
+    system: &mut SchurComplement<D>,
     (rhs, x): (&Vector, &mut Vector),
     (step, Stop { tolerance, rounding }): (Option<f64>, Stop),
-    seen: Seen,
+    monitor: ResidualMonitor,
 ) -> Result<Report> {
     let start = Instant::now();
     if !system.0.surfaces.velocities_only() {
@@ -52,7 +52,7 @@ pub fn uzawa<const D: usize>(
         residual.scale(-1.0)?;
         residual.add(1.0, rhs)?;
         let relative = residual.norm()? / scale;
-        seen(iterations, relative);
+        monitor(iterations, relative);
         if relative <= tolerance {
             return Ok(Report { iterations, residual: relative, seconds: start.elapsed().as_secs_f64() });
         }
@@ -78,7 +78,7 @@ fn diverged(step: f64, bound: f64, iterations: usize) -> Error {
 }
 
 /// Two over the largest eigenvalue of the mobility, estimated by power iterations, from below.
-fn bound<const D: usize>(system: &mut Condensed<D>, shape: &Vector) -> Result<f64> {
+fn bound<const D: usize>(system: &mut SchurComplement<D>, shape: &Vector) -> Result<f64> {
     let (mut vector, mut image) = (shape.like()?, shape.like()?);
     let first = vector.range()?.start;
     // every mode has a part in it, the same on any number of ranks

@@ -38,21 +38,21 @@ impl Watch {
     }
 }
 
-/// What a solver's vector stands for: this rank's parts, and the tail.
-pub struct Unknowns {
+/// What a solver's vector stands for: this rank's parts, and the global unknowns.
+pub struct SolvedUnknowns {
     /// Disturbance of the flow without bodies.
     pub fluid: Vector,
     /// Multipliers.
     pub multipliers: Vec<f64>,
     /// Velocities on the surfaces, tested with all modes.
     pub velocities: Vec<f64>,
-    /// Unknowns of closure and contacts.
-    pub tail: Vec<f64>,
+    /// SolvedUnknowns of closure and contacts.
+    pub global_unknowns: Vec<f64>,
 }
 
-/// Work space. The solver's vectors hold, on each rank, a fluid part (unless the fluid is eliminated), multipliers, and on
+/// WorkVectors space. The solver's vectors hold, on each rank, a fluid part (unless the fluid is eliminated), multipliers, and on
 /// rank 0 the unknowns of the closure, then those of the rank's own links.
-pub struct Work {
+pub struct WorkVectors {
     /// Fluid vectors: unknowns and rows.
     pub fluid_in: Vector,
     /// See `fluid_in`.
@@ -79,11 +79,11 @@ pub struct Sizes {
     pub links: usize,
 }
 
-impl Work {
-    /// Work space of the given sizes.
-    pub fn new<const D: usize>(stokes: &Stokes<D>, sizes: Sizes) -> Result<Work> {
+impl WorkVectors {
+    /// WorkVectors space of the given sizes.
+    pub fn new<const D: usize>(stokes: &Stokes<D>, sizes: Sizes) -> Result<WorkVectors> {
         let vector = || Vector::new(stokes.session(), sizes.multipliers);
-        Ok(Work {
+        Ok(WorkVectors {
             fluid_in: stokes.vector()?,
             fluid_out: stokes.vector()?,
             multipliers_in: vector()?,
@@ -104,16 +104,16 @@ impl Work {
         Vector::new(session, self.sizes.fluid + self.sizes.multipliers + closure + self.sizes.links)
     }
 
-    /// Takes a solver's vector apart into `fluid_in`, `multipliers_in` and the tail: the closure, which all ranks then know, and the links.
+    /// Takes a solver's vector apart into `fluid_in`, `multipliers_in` and the global unknowns: the closure, which all ranks then know, and the links.
     pub fn split(&mut self, world: &World, input: &Vector) -> Result<Vec<f64>> {
         let input = input.local()?;
         let (fluid, rest) = input.split_at(self.sizes.fluid);
-        let (multipliers, tail) = rest.split_at(self.sizes.multipliers);
+        let (multipliers, global_unknowns) = rest.split_at(self.sizes.multipliers);
         if !fluid.is_empty() {
             self.fluid_in.local_mut()?.copy_from_slice(fluid);
         }
         self.multipliers_in.local_mut()?.copy_from_slice(multipliers);
-        let (closure, links) = tail.split_at(tail.len() - self.sizes.links);
+        let (closure, links) = global_unknowns.split_at(global_unknowns.len() - self.sizes.links);
         let mut shared = vec![0.0; self.sizes.closure];
         shared[..closure.len()].copy_from_slice(closure);
         if !shared.is_empty() {
@@ -124,15 +124,15 @@ impl Work {
     }
 
     /// What was split, with the velocities on surfaces in `multipliers_out`.
-    pub fn unknowns(&self, tail: Vec<f64>) -> Result<Unknowns> {
+    pub fn unknowns(&self, global_unknowns: Vec<f64>) -> Result<SolvedUnknowns> {
         let mut fluid = self.fluid_in.like()?;
         fluid.copy_from(&self.fluid_in)?;
         let (multipliers, velocities) = (self.multipliers_in.local()?.to_vec(), self.multipliers_out.local()?.to_vec());
-        Ok(Unknowns { fluid, multipliers, velocities, tail })
+        Ok(SolvedUnknowns { fluid, multipliers, velocities, global_unknowns })
     }
 
-    /// Puts `fluid_out`, `multipliers_out` and a tail together.
-    pub fn join(&self, tail: &[f64], output: &mut Vector) -> Result<()> {
+    /// Puts `fluid_out`, `multipliers_out` and global unknowns together.
+    pub fn join(&self, global_unknowns: &[f64], output: &mut Vector) -> Result<()> {
         let mut output = output.local_mut()?;
         let (fluid, rest) = output.split_at_mut(self.sizes.fluid);
         let (multipliers, own_tail) = rest.split_at_mut(self.sizes.multipliers);
@@ -140,7 +140,7 @@ impl Work {
             fluid.copy_from_slice(&self.fluid_out.local()?);
         }
         multipliers.copy_from_slice(&self.multipliers_out.local()?);
-        own_tail.copy_from_slice(&tail[tail.len() - own_tail.len()..]);
+        own_tail.copy_from_slice(&global_unknowns[global_unknowns.len() - own_tail.len()..]);
         Ok(())
     }
 }

@@ -16,7 +16,7 @@ use std::path::PathBuf;
 use self::{
     enlarge::{copies, write_enlarged},
     measurement::Measurement,
-    model::{Model, Network, Sample},
+    model::{Network, Sample, ScalingModel},
     report::Report,
     table::{RunRow, Table},
     workload::{RankShares, Workload},
@@ -55,10 +55,10 @@ pub struct Scaling {
     /// Cores that the launcher reaches (default: those of this machine); more ranks than these are marked.
     #[arg(long)]
     pub cores: Option<usize>,
-    /// Model: gigabytes a second that a rank sends.
+    /// ScalingModel: gigabytes a second that a rank sends.
     #[arg(long, default_value_t = 5.0, value_parser = positive)]
     pub bandwidth: f64,
-    /// Model: microseconds that a message takes.
+    /// ScalingModel: microseconds that a message takes.
     #[arg(long, default_value_t = 2.0, value_parser = positive)]
     pub latency: f64,
 }
@@ -121,7 +121,7 @@ impl<'a, const D: usize> Measuring<'a, D> {
         let both = strong.iter().chain(weak.iter().flatten());
         let samples: Vec<Sample> = both.filter_map(|(_, sample)| sample.as_ref().ok().cloned()).collect();
         let network = Network { bandwidth: self.options.bandwidth * 1e9, latency: self.options.latency * 1e-6 };
-        let model = Model::fit(&samples, self.cores, network);
+        let model = ScalingModel::fit(&samples, self.cores, network);
         let report = Report {
             scene: self.scene.shown_title().to_owned(),
             steps: self.scene.time.is_some(),
@@ -180,7 +180,7 @@ impl<'a, const D: usize> Measuring<'a, D> {
         self.launcher.measure(&job, Measurement::read, Measurement::seconds)
     }
 
-    fn table(&self, samples: &[(usize, Result<Sample>)], model: Option<&Model>, kind: ScalingKind) -> Table {
+    fn table(&self, samples: &[(usize, Result<Sample>)], model: Option<&ScalingModel>, kind: ScalingKind) -> Table {
         let measured: Vec<RunRow> =
             samples.iter().map(|(ranks, sample)| RunRow::measured(*ranks, *ranks > self.cores, sample.as_ref())).collect();
         let last = samples.iter().rev().find_map(|(_, sample)| sample.as_ref().ok());

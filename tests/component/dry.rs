@@ -10,7 +10,7 @@ use turbid::{
     interaction::{Inelastic, Interactions},
     petsc::Session,
     scene::{Scene, Scheme, Step, TimeSection},
-    simulation::{DryBody, DrySetup, Simulation, StepReport},
+    simulation::{GranularBody, GranularSetup, Simulation, StepReport},
 };
 
 use crate::Test;
@@ -38,9 +38,9 @@ pub fn tests() -> Vec<Test> {
 const GRAVITY: f64 = 9.81;
 const SCHEMES: [Scheme; 2] = [Scheme::TwoStep, Scheme::Euler];
 
-fn dry_body<const D: usize>(center: [f64; D], velocity: [f64; D], acceleration: SVector<f64, D>) -> DryBody<D> {
+fn dry_body<const D: usize>(center: [f64; D], velocity: [f64; D], acceleration: SVector<f64, D>) -> GranularBody<D> {
     let twist = Twist { velocity: velocity.into(), spin: SMatrix::zeros() };
-    DryBody { radius: 0.1, center: center.into(), twist, mass: 1.0, inertia: 0.005, acceleration, spin_up: SMatrix::zeros() }
+    GranularBody { radius: 0.1, center: center.into(), twist, mass: 1.0, inertia: 0.005, acceleration, spin_up: SMatrix::zeros() }
 }
 
 /// A box with walls across the last axis, periodic along the others.
@@ -53,8 +53,8 @@ fn down<const D: usize>() -> SVector<f64, D> {
     SVector::from_fn(|axis, _| if axis + 1 == D { -GRAVITY } else { 0.0 })
 }
 
-fn start<const D: usize>(session: &Session, domain: Domain<D>, bodies: Vec<DryBody<D>>, time: TimeSection) -> Simulation<D> {
-    let setup = DrySetup { domain, bodies, interactions: Interactions::default().with(Inelastic) };
+fn start<const D: usize>(session: &Session, domain: Domain<D>, bodies: Vec<GranularBody<D>>, time: TimeSection) -> Simulation<D> {
+    let setup = GranularSetup { domain, bodies, interactions: Interactions::default().with(Inelastic) };
     Simulation::dry(session, setup, time)
 }
 
@@ -63,7 +63,7 @@ fn fixed(step: f64, end: f64, scheme: Scheme) -> TimeSection {
 }
 
 fn step<const D: usize>(simulation: &mut Simulation<D>) -> StepReport {
-    let view = simulation.look(&mut |_, _| {}).unwrap();
+    let view = simulation.evaluate(&mut |_, _| {}).unwrap();
     simulation.step(&view, &mut |_, _| {}).unwrap()
 }
 
@@ -203,7 +203,7 @@ fn the_impulse_of_the_floor_takes_the_momentum_that_gravity_gave(session: &Sessi
 
 fn the_momentum_of_a_head_on_pair_is_kept(session: &Session) {
     let light = dry_body([0.4, 0.5], [1.0, 0.0], Vector2::zeros());
-    let heavy = DryBody { mass: 3.0, ..dry_body([1.0, 0.5], [-0.7, 0.0], Vector2::zeros()) };
+    let heavy = GranularBody { mass: 3.0, ..dry_body([1.0, 0.5], [-0.7, 0.0], Vector2::zeros()) };
     let mut simulation = start(session, channel([10.0, 1.0]), vec![light, heavy], fixed(0.1, 1.0, Scheme::TwoStep));
     while !simulation.over() {
         step(&mut simulation);
@@ -243,7 +243,7 @@ fn colliding_disks_never_gain_energy_and_never_overlap_however_long_the_step(ses
 }
 
 fn a_body_whose_motion_is_given_pushes_a_free_one(session: &Session) {
-    let pusher = DryBody { mass: f64::INFINITY, inertia: f64::INFINITY, ..dry_body([0.2, 0.5], [0.5, 0.0], Vector2::zeros()) };
+    let pusher = GranularBody { mass: f64::INFINITY, inertia: f64::INFINITY, ..dry_body([0.2, 0.5], [0.5, 0.0], Vector2::zeros()) };
     let pushed = dry_body([0.6, 0.5], [0.0, 0.0], Vector2::zeros());
     let mut simulation = start(session, channel([10.0, 1.0]), vec![pusher, pushed], fixed(0.13, 2.0, Scheme::TwoStep));
     while !simulation.over() {
@@ -286,10 +286,10 @@ fn spin_up<const D: usize>(session: &Session, size: &str, torque: &str, expected
 fn bodies_that_leave_the_box_without_a_contact_model_are_an_error_that_says_so(session: &Session) {
     let time = fixed(0.1, 5.0, Scheme::TwoStep);
     let bodies = vec![dry_body([0.5, 0.5], [1.0, 0.0], Vector2::zeros()), dry_body([0.5, 0.6], [0.0, 1.0], Vector2::zeros())];
-    let setup = DrySetup { domain: channel([1.0, 1.0]), bodies, interactions: Interactions::default() };
+    let setup = GranularSetup { domain: channel([1.0, 1.0]), bodies, interactions: Interactions::default() };
     let mut simulation = Simulation::dry(session, setup, time);
     let error = loop {
-        let view = simulation.look(&mut |_, _| {}).unwrap();
+        let view = simulation.evaluate(&mut |_, _| {}).unwrap();
         assert!(simulation.state().time < 1.0, "nobody noticed");
         if let Err(error) = simulation.step(&view, &mut |_, _| {}) {
             break error;
@@ -300,7 +300,7 @@ fn bodies_that_leave_the_box_without_a_contact_model_are_an_error_that_says_so(s
 }
 
 /// Steps and the distances, in radii, that a body flies in them.
-fn automatic(session: &Session, body: DryBody<2>, scheme: Scheme) -> Vec<(f64, f64)> {
+fn automatic(session: &Session, body: GranularBody<2>, scheme: Scheme) -> Vec<(f64, f64)> {
     let time = TimeSection { step: Step::Auto, end: 2.0, scheme, travel: 0.2, until: None };
     let mut simulation = start(session, channel([100.0, 100.0]), vec![body], time);
     let mut steps = Vec::new();

@@ -115,7 +115,7 @@ fn no_motion_no_memory_of_solves_and_bodies_that_stay_are_solved_for_alike(sessi
     let mut simulation = Simulation::<2>::new(session, &moving).unwrap();
     let mut steps = 0;
     loop {
-        let view = simulation.look(&mut |_, _| {}).unwrap();
+        let view = simulation.evaluate(&mut |_, _| {}).unwrap();
         let found: Vec<f64> =
             view.solution.iter().flat_map(|solution| solution.bodies.iter().flat_map(|body| body.force.data.0[0])).collect();
         let forces: Vec<f64> = [4, 5, 10, 11].map(|place| without.numbers[place]).to_vec();
@@ -140,10 +140,10 @@ fn no_contact_no_certificate_and_bodies_that_do_not_touch_move_alike(session: &S
         let mut simulation = Simulation::<2>::new(session, &scene).unwrap();
         let mut certificates = 0;
         while !simulation.over() {
-            let view = simulation.look(&mut |_, _| {}).unwrap();
+            let view = simulation.evaluate(&mut |_, _| {}).unwrap();
             assert!(view.contacts.is_empty());
             let report = simulation.step(&view, &mut |_, _| {}).unwrap();
-            certificates += usize::from(report.certificate.is_some());
+            certificates += usize::from(report.kkt_report.is_some());
         }
         let centers: Vec<f64> = simulation.state().centers().iter().flat_map(|center| center.data.0[0]).collect();
         (centers, certificates, ObjectCounts::local_now().since(&before))
@@ -229,7 +229,7 @@ fn no_fluid_not_one_object_and_no_pressure(session: &Session) {
     let scene = scene(DRY, &[]);
     let mut simulation = Simulation::<2>::new(session, &scene).unwrap();
     while !simulation.over() {
-        let view = simulation.look(&mut |_, _| {}).unwrap();
+        let view = simulation.evaluate(&mut |_, _| {}).unwrap();
         assert!(view.solution.is_none());
         simulation.step(&view, &mut |_, _| {}).unwrap();
         assert_eq!(ObjectCounts::local_now(), before);

@@ -10,7 +10,7 @@ use turbid::{
     observe,
     petsc::Session,
     scene::{ConstraintMethod, Scheme, Step, TimeSection, Tolerance},
-    simulation::{Configuration, FittedFlow, FlowSolver, Past, Setup, Simulation, Snapshot, Solution, SuspendedBody},
+    simulation::{Configuration, ExtrapolationHistory, FittedFlow, FlowSolver, Setup, Simulation, Snapshot, Solution, SuspendedBody},
 };
 
 use crate::{
@@ -237,7 +237,7 @@ fn a_mesh_that_moves_gives_what_a_new_one_gives(session: &Session) {
     let past = fitted.past().unwrap();
     let last = Snapshot { fluid: None, multipliers: Vec::new(), centers: past.last.centers.clone(), closure: Vec::new() };
     let mut resumed = FittedFlow::new(session, setup()).unwrap();
-    resumed.remember(Some(Past { time: past.time, last, earlier: None }));
+    resumed.remember(Some(ExtrapolationHistory { time: past.time, last, earlier: None }));
     let moment = Configuration { centers: &[Vector2::new(0.4, 0.19)], time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 1e-6 };
     let [one, other] = [&mut fitted, &mut resumed].map(|flow| flow.solve_at(&moment, &mut |_, _| {}).unwrap().bodies[0].twist);
     assert!((one.velocity - other.velocity).norm() < 1e-10 * one.velocity.norm(), "a restart does not make the same mesh");
@@ -251,7 +251,7 @@ fn two_disks_pass_each_other_in_shear(session: &Session) {
         let fitted = FittedFlow::new(session, couette(2.0, 0.2 / edges, 1.0, disks)).unwrap();
         let mut simulation = Simulation::flowing(session, Box::new(fitted), time);
         while !simulation.over() {
-            let view = simulation.look(&mut |_, _| {}).unwrap();
+            let view = simulation.evaluate(&mut |_, _| {}).unwrap();
             simulation.step(&view, &mut |_, _| {}).unwrap();
         }
         simulation.state().centers()

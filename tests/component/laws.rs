@@ -8,7 +8,7 @@ use turbid::{
     interaction::{Gluey, Inelastic, Interaction, Interactions, Repulsion, Touch},
     petsc::Session,
     scene::{Scheme, Step, TimeSection},
-    simulation::{DryBody, DrySetup, Simulation},
+    simulation::{GranularBody, GranularSetup, Simulation},
 };
 
 use crate::Test;
@@ -35,10 +35,10 @@ const REPULSION: Repulsion = Repulsion { touch: 40.0, range: 0.2 };
 const SCHEMES: [Scheme; 2] = [Scheme::TwoStep, Scheme::Euler];
 
 /// A disk of radius 0.5 and mass 1.
-fn disk(center: [f64; 2], velocity: [f64; 2], acceleration: [f64; 2]) -> DryBody<2> {
+fn disk(center: [f64; 2], velocity: [f64; 2], acceleration: [f64; 2]) -> GranularBody<2> {
     let twist = Twist { velocity: velocity.into(), spin: SMatrix::zeros() };
     let acceleration = acceleration.into();
-    DryBody { radius: 0.5, center: center.into(), twist, mass: 1.0, inertia: 0.125, acceleration, spin_up: SMatrix::zeros() }
+    GranularBody { radius: 0.5, center: center.into(), twist, mass: 1.0, inertia: 0.125, acceleration, spin_up: SMatrix::zeros() }
 }
 
 fn channel(size: [f64; 2]) -> Domain<2> {
@@ -54,28 +54,28 @@ fn start(
     session: &Session,
     size: [f64; 2],
     contact: impl Interaction<2> + 'static,
-    bodies: Vec<DryBody<2>>,
+    bodies: Vec<GranularBody<2>>,
     time: TimeSection,
 ) -> Simulation<2> {
-    Simulation::dry(session, DrySetup { domain: channel(size), bodies, interactions: Interactions::default().with(contact) }, time)
+    Simulation::dry(session, GranularSetup { domain: channel(size), bodies, interactions: Interactions::default().with(contact) }, time)
 }
 
 /// The same bodies where they are by now, under other forces.
 fn under(
     session: &Session,
     simulation: &Simulation<2>,
-    bodies: Vec<DryBody<2>>,
+    bodies: Vec<GranularBody<2>>,
     contact: impl Interaction<2> + 'static,
     time: TimeSection,
 ) -> Simulation<2> {
-    let setup = DrySetup { domain: simulation.domain().clone(), bodies, interactions: Interactions::default().with(contact) };
+    let setup = GranularSetup { domain: simulation.domain().clone(), bodies, interactions: Interactions::default().with(contact) };
     let mut other = Simulation::dry(session, setup, time);
     other.restore(simulation.state().clone(), None);
     other
 }
 
 fn step(simulation: &mut Simulation<2>) {
-    let view = simulation.look(&mut |_, _| {}).unwrap();
+    let view = simulation.evaluate(&mut |_, _| {}).unwrap();
     simulation.step(&view, &mut |_, _| {}).unwrap();
 }
 
@@ -137,7 +137,7 @@ fn a_repulsion_gives_back_what_it_takes(session: &Session) {
 }
 
 fn an_automatic_step_is_no_longer_than_a_repulsion_is_stable_with(session: &Session) {
-    let setup = DrySetup {
+    let setup = GranularSetup {
         domain: channel([8.0, 6.0]),
         bodies: vec![disk([2.0, 3.0], [0.1, 0.0], [0.0; 2]), disk([4.0, 3.0], [-0.1, 0.0], [0.0; 2])],
         interactions: Interactions::default().with(REPULSION),

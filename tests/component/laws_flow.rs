@@ -7,7 +7,7 @@ use turbid::{
     geometry::{Axis, Domain},
     petsc::Session,
     scene::{ConstraintMethod, ContactModel, Scheme, Step, TimeSection, Tolerance},
-    simulation::{FlowSolver, Setup, Simulation, Suspension, View},
+    simulation::{FlowSolver, Observation, Setup, Simulation, Suspension},
 };
 
 use crate::Test;
@@ -48,8 +48,8 @@ fn start(session: &Session, setup: Setup<2>, step: Step, contact: ContactModel) 
     Simulation::flowing(session, Box::new(Suspension::new(session, setup.with_contact(contact)).unwrap()), time)
 }
 
-fn step(simulation: &mut Simulation<2>) -> View<2> {
-    let view = simulation.look(&mut |_, _| {}).unwrap();
+fn step(simulation: &mut Simulation<2>) -> Observation<2> {
+    let view = simulation.evaluate(&mut |_, _| {}).unwrap();
     simulation.step(&view, &mut |_, _| {}).unwrap();
     view
 }

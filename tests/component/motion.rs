@@ -8,7 +8,7 @@ use turbid::{
     observe,
     petsc::Session,
     scene::{ConstraintMethod, ContactModel, Scheme, Step, TimeSection, Tolerance},
-    simulation::{Configuration, FlowSolver, Setup, Simulation, SuspendedBody, Suspension, View},
+    simulation::{Configuration, FlowSolver, Observation, Setup, Simulation, SuspendedBody, Suspension},
 };
 
 use crate::Test;
@@ -67,7 +67,7 @@ fn a_warm_start_saves_iterations(session: &Session) {
             let mut simulation = Simulation::flowing(session, Box::new(suspension), time(Step::Auto, 1.0, Scheme::TwoStep));
             let mut iterations = Vec::new();
             for _ in 0..8 {
-                let view = simulation.look(&mut |_, _| {}).unwrap();
+                let view = simulation.evaluate(&mut |_, _| {}).unwrap();
                 iterations.push(view.effort.iterations);
                 simulation.step(&view, &mut |_, _| {}).unwrap();
             }
@@ -103,14 +103,14 @@ fn simulate(session: &Session, setup: Setup<2>, time: TimeSection, contact: Cont
 }
 
 /// Looks and makes a step.
-fn step(simulation: &mut Simulation<2>) -> View<2> {
-    let view = simulation.look(&mut |_, _| {}).unwrap();
+fn step(simulation: &mut Simulation<2>) -> Observation<2> {
+    let view = simulation.evaluate(&mut |_, _| {}).unwrap();
     simulation.step(&view, &mut |_, _| {}).unwrap();
     view
 }
 
 /// Contact force on a body.
-fn contact_force(view: &View<2>, body: usize) -> Vector2<f64> {
+fn contact_force(view: &Observation<2>, body: usize) -> Vector2<f64> {
     let on = |pressed: &turbid::contact::ContactForce<2>| {
         let sign = f64::from(i32::from(pressed.contact.other() == Some(body)) - i32::from(pressed.contact.body == body));
         pressed.contact.normal * (sign * pressed.force)
@@ -124,7 +124,7 @@ fn a_warm_start_finds_the_solution_that_a_cold_one_finds(session: &Session) {
     for _ in 0..5 {
         step(&mut simulation);
     }
-    let warm = simulation.look(&mut |_, _| {}).unwrap();
+    let warm = simulation.evaluate(&mut |_, _| {}).unwrap();
     let centers = simulation.state().centers();
     let mut fresh = Suspension::new(session, setup).unwrap();
     let cold = fresh
@@ -213,7 +213,7 @@ fn a_settling_pair_is_followed_at_the_order_of_the_scheme(session: &Session) {
 const SCHEMES: [Scheme; 3] = [Scheme::TwoStep, Scheme::Midpoint, Scheme::Euler];
 
 /// Steps until a contact bears a force, then some more; gives what was seen after a contact that closed its gap.
-fn meet(simulation: &mut Simulation<2>, rests: usize) -> Vec<View<2>> {
+fn meet(simulation: &mut Simulation<2>, rests: usize) -> Vec<Observation<2>> {
     let mut views = Vec::new();
     while views.len() < rests {
         assert!(simulation.state().steps < 40, "bodies never meet");

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, SVector};
 use turbid::{
     body::skew,
-    constraint::{Crowd, Given, Layout, NearPairs, PairTables},
+    constraint::{Given, MultiplierLayout, Neighbourhood, PairPreconditioner, PairTables},
     geometry::{Axis, Ball, Domain},
     grid::Grid,
     petsc::{Session, Vector},
@@ -65,7 +65,7 @@ fn answer<const D: usize>(session: &Session, balls: &[Ball<D>], (orders, given):
     let grid = Grid::new(&domain, 0.05, world.size(), world.rank()).unwrap();
     let counts: Vec<usize> = orders.iter().map(|&order| mode_count(D, order)).collect();
     let centers: Vec<SVector<f64, D>> = balls.iter().map(|ball| ball.center).collect();
-    let layout = Layout::new(&grid, &centers, &counts, world.rank());
+    let layout = MultiplierLayout::new(&grid, &centers, &counts, world.rank());
     let ranges = |body: usize| {
         let first: usize = counts[..body].iter().sum();
         (layout.local(body)..layout.local(body) + counts[body], first..first + counts[body])
@@ -75,8 +75,8 @@ fn answer<const D: usize>(session: &Session, balls: &[Ball<D>], (orders, given):
         let (local, all) = ranges(body);
         multipliers.local_mut().unwrap()[local].copy_from_slice(&wanted[all]);
     }
-    let crowd = Crowd::new(&domain, balls.to_vec(), orders.to_vec(), Crowd::reach(balls));
-    let mut pairs = NearPairs::new((&crowd, &layout), &PairTables::new(given), &multipliers).unwrap();
+    let crowd = Neighbourhood::new(&domain, balls.to_vec(), orders.to_vec(), Neighbourhood::reach(balls));
+    let mut pairs = PairPreconditioner::new((&crowd, &layout), &PairTables::new(given), &multipliers).unwrap();
     let own = pairs.correction(&multipliers).unwrap();
     let mut found = vec![0.0; wanted.len()];
     for &body in &layout.local_bodies {

@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector, Vector2};
 use turbid::{
     body::{Motion, Twist},
-    constraint::{Crowd, Layout},
+    constraint::{MultiplierLayout, Neighbourhood},
     contact::{Contact, ContactForce},
     flow::{Drive, InverseMethod},
     geometry::{Axis, Ball, Domain},
@@ -11,7 +11,7 @@ use turbid::{
     interaction::{Arrangement, Gluey, Inelastic, Interaction, Interactions, Lubrication, PairForce, Repulsion, Wrench},
     petsc::Session,
     scene::{ConstraintMethod, Scheme, Step, TimeSection, Tolerance},
-    simulation::{DryBody, DrySetup, FlowSolver, Setup, Simulation, Suspension},
+    simulation::{FlowSolver, GranularBody, GranularSetup, Setup, Simulation, Suspension},
 };
 
 use crate::{Test, suspension::suspended};
@@ -137,8 +137,8 @@ fn rows_are_balanced(session: &Session, interaction: &dyn Interaction<2>) {
     let world = session.world();
     let grid = Grid::new(&domain, 0.25, world.size(), world.rank()).unwrap();
     let centers: Vec<_> = balls.iter().map(|ball| ball.center).collect();
-    let layout = Layout::new(&grid, &centers, &[13; 6], world.rank());
-    let crowd = Crowd::new(&domain, balls.clone(), vec![3; 6], Crowd::reach(&balls));
+    let layout = MultiplierLayout::new(&grid, &centers, &[13; 6], world.rank());
+    let crowd = Neighbourhood::new(&domain, balls.clone(), vec![3; 6], Neighbourhood::reach(&balls));
     let rows = interaction.rows(&crowd, &layout);
     assert_eq!(world.max(rows.films.len() as f64) > 0.0, interaction.resists(), "{interaction:?}");
     assert!(rows.imbalance < 1e-12, "{}", rows.imbalance);
@@ -154,7 +154,7 @@ fn all_interactions() -> Interactions<2> {
 }
 
 fn granular(session: &Session) -> Simulation<2> {
-    let body = |ball: &Ball<2>| DryBody {
+    let body = |ball: &Ball<2>| GranularBody {
         radius: ball.radius,
         center: ball.center,
         twist: Twist { velocity: Vector2::new(0.3 - 0.1 * ball.center[1], 0.0), spin: SMatrix::zeros() },
@@ -164,7 +164,7 @@ fn granular(session: &Session) -> Simulation<2> {
         spin_up: SMatrix::zeros(),
     };
     let bodies = disks(Vector2::zeros()).iter().map(body).collect();
-    Simulation::dry(session, DrySetup { domain: domain(), bodies, interactions: all_interactions() }, time(1.0))
+    Simulation::dry(session, GranularSetup { domain: domain(), bodies, interactions: all_interactions() }, time(1.0))
 }
 
 fn setup(interactions: Interactions<2>) -> Setup<2> {
@@ -198,13 +198,13 @@ fn stepper_conforms(start: &dyn Fn() -> Simulation<2>, tolerance: f64) {
     let (mut steps, end) = (0, if simulation.suspension().is_some() { 1.5 } else { 1.0 });
     while !simulation.over() {
         let before = simulation.state().clone();
-        let view = simulation.look(&mut |_, _| {}).unwrap();
+        let view = simulation.evaluate(&mut |_, _| {}).unwrap();
         let report = simulation.step(&view, &mut |_, _| {}).unwrap();
         assert!(report.length > 0.0 && (simulation.state().time - before.time - report.length).abs() < 1e-14);
-        assert!(report.certificate.is_some_and(|certificate| certificate.kkt_residual < 1e-7 && certificate.smallest_gap > -1e-9));
+        assert!(report.kkt_report.is_some_and(|kkt_report| kkt_report.kkt_residual < 1e-7 && kkt_report.smallest_gap > -1e-9));
         let mut again = start();
         again.restore(before, None);
-        let view = again.look(&mut |_, _| {}).unwrap();
+        let view = again.evaluate(&mut |_, _| {}).unwrap();
         again.step(&view, &mut |_, _| {}).unwrap();
         for (one, other) in simulation.state().bodies.iter().zip(&again.state().bodies) {
             assert!((one.center - other.center).norm() < tolerance, "step {steps}: {} and {}", one.center, other.center);

@@ -5,7 +5,7 @@ use turbid::{
     body::pack,
     error::Error,
     flow::{Drive, InverseMethod},
-    geometry::{Axis, Ball, Domain, Slide, near_pairs},
+    geometry::{Axis, Ball, Domain, LeesEdwards, near_pairs},
     grid::Grid,
     observe,
     petsc::Session,
@@ -39,7 +39,7 @@ pub fn tests() -> Vec<Test> {
 /// A box of images displaced by `start`, sheared at unit rate.
 fn sheared<const D: usize>(size: SVector<f64, D>, start: f64) -> Domain<D> {
     let mut domain = Domain { size, axes: [Axis::Periodic; D] };
-    domain.axes[1] = Axis::Sheared(Slide { start, speed: size[1], time: 0.0 });
+    domain.axes[1] = Axis::Sheared(LeesEdwards { start, speed: size[1], time: 0.0 });
     domain
 }
 
@@ -144,7 +144,7 @@ fn simulation(session: &Session, setup: Setup<2>, time: TimeSection, contact: Co
 fn run(mut simulation: Simulation<2>) -> (Vec<(f64, f64)>, State<2>) {
     let mut curve = Vec::new();
     loop {
-        let view = simulation.look(&mut |_, _| {}).unwrap();
+        let view = simulation.evaluate(&mut |_, _| {}).unwrap();
         let (suspension, solution) = (simulation.suspension().unwrap(), view.solution.as_ref().unwrap());
         let found = observe::viscosity(suspension.setup(), suspension.grid(), solution, &view.contacts).unwrap().unwrap();
         curve.push((simulation.state().time, found.relative()));
@@ -197,16 +197,17 @@ fn disks_go_the_same_way_wherever_the_box_is_cut(session: &Session) {
 }
 
 fn midpoint_and_two_step_rules_keep_the_beat(session: &Session) {
-    let beat = 1.0 / 44.0;
+    let shift_period = 1.0 / 44.0;
     for (scheme, together) in [(Scheme::Midpoint, 2.0), (Scheme::TwoStep, 1.0), (Scheme::Euler, 1.0)] {
-        let mut simulation = simulation(session, crowd(6, 44.0, 0.0, [0.0; 2]), time(Step::Auto, 8.0 * beat, scheme), ContactModel::None);
+        let mut simulation =
+            simulation(session, crowd(6, 44.0, 0.0, [0.0; 2]), time(Step::Auto, 8.0 * shift_period, scheme), ContactModel::None);
         while !simulation.over() {
-            let view = simulation.look(&mut |_, _| {}).unwrap();
+            let view = simulation.evaluate(&mut |_, _| {}).unwrap();
             let first = simulation.state().steps == 0 && scheme == Scheme::TwoStep;
-            let units = simulation.step(&view, &mut |_, _| {}).unwrap().length / beat / if first { 2.0 } else { together };
+            let units = simulation.step(&view, &mut |_, _| {}).unwrap().length / shift_period / if first { 2.0 } else { together };
             assert!((units - units.round()).abs() < 1e-9 && units > 0.5, "{scheme:?}: {units}");
         }
-        assert!((simulation.state().time - 8.0 * beat).abs() < 1e-12);
+        assert!((simulation.state().time - 8.0 * shift_period).abs() < 1e-12);
     }
 }
 
@@ -215,7 +216,7 @@ fn disks_that_meet_across_the_seam_do_not_overlap(session: &Session) {
         simulation(session, crowd_at(0.5, 14, 44.0, (0.0, [0.0; 2])), time(Step::Auto, 1.5, Scheme::TwoStep), ContactModel::Inelastic);
     let (mut across, radii) = (0, vec![1.0; 14]);
     while !simulation.over() {
-        let view = simulation.look(&mut |_, _| {}).unwrap();
+        let view = simulation.evaluate(&mut |_, _| {}).unwrap();
         across += view.contacts.iter().filter(|pressed| pressed.force > 0.0 && pressed.contact.image[1] != 0).count();
         simulation.step(&view, &mut |_, _| {}).unwrap();
         let smallest = near_pairs(simulation.domain(), &simulation.state().balls(&radii), 0.5).into_iter().map(|pair| pair.gap);

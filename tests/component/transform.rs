@@ -4,8 +4,8 @@ use nalgebra::SVector;
 use turbid::{
     error::Error,
     flow::{FluidSystem, IteratedInverse, Stokes, StokesInverse, TransformInverse},
-    geometry::{Axis, Domain, Slide},
-    grid::{Exchange, Grid, Layout, Partition, Pencils, Redistribution},
+    geometry::{Axis, Domain, LeesEdwards},
+    grid::{BlockLayout, Exchange, Grid, Partition, Pencils, Redistribution},
     petsc::{Session, System, Vector},
 };
 
@@ -46,7 +46,7 @@ struct Fluid<const D: usize> {
 fn sheared<const D: usize>(cells: [usize; D], aside: isize) -> Domain<D> {
     let mut domain = unequal(cells, None);
     let start = aside as f64 * domain.size[0] / cells[0] as f64;
-    domain.axes[1] = Axis::Sheared(Slide { start, speed: 1.0, time: 0.0 });
+    domain.axes[1] = Axis::Sheared(LeesEdwards { start, speed: 1.0, time: 0.0 });
     domain
 }
 
@@ -68,12 +68,12 @@ fn each_box(session: &Session, flat: fn(Fluid<2>), deep: fn(Fluid<3>)) {
 fn redistributions_bring_every_value_to_its_place_and_back(session: &Session) {
     let (world, cells) = (session.world(), [7, 6, 9]);
     let partition = Partition::new(cells, world.size()).unwrap();
-    let own = Layout((0..world.size()).map(|rank| partition.block(rank)).collect());
+    let own = BlockLayout((0..world.size()).map(|rank| partition.block(rank)).collect());
     // layouts cut along other axes, also with ranks that have nothing
     for pencils in (0..3).map(|last| Pencils::new(&own, cells, Some(last))) {
         for stage in 0..3 {
             let turned = pencils.layout(stage, cells);
-            let values = |layout: &Layout<3>| -> Vec<f64> {
+            let values = |layout: &BlockLayout<3>| -> Vec<f64> {
                 let indices = || layout.0[world.rank()].indices();
                 (0..4).flat_map(|field| indices().map(move |index| noise(field, index))).collect()
             };

@@ -37,7 +37,7 @@ enum Promise {
 }
 
 /// What a scene came to on some number of ranks.
-enum Seen {
+enum ResidualMonitor {
     Ended(Value),
     Refused(i32, String),
 }
@@ -72,41 +72,41 @@ fn promise(line: &str) -> Option<Promise> {
     }
 }
 
-fn outcome(case: &Case, ranks: usize) -> Seen {
+fn outcome(case: &Case, ranks: usize) -> ResidualMonitor {
     let out = folder(&format!("hard-{}-{ranks}", case.name));
     let output = turbid(ranks, &["run", case.path.to_str().unwrap(), "--out", out.to_str().unwrap()]);
     match output.status.code() {
-        Some(0) => Seen::Ended(serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap()),
-        code => Seen::Refused(code.unwrap_or(-1), said(&output)),
+        Some(0) => ResidualMonitor::Ended(serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap()),
+        code => ResidualMonitor::Refused(code.unwrap_or(-1), said(&output)),
     }
 }
 
 impl Promise {
     /// What is promised, and what was seen; fails if they differ.
-    fn keep(&self, name: &str, seen: &Seen, others: &BTreeMap<String, Value>) -> (String, String) {
+    fn keep(&self, name: &str, seen: &ResidualMonitor, others: &BTreeMap<String, Value>) -> (String, String) {
         match (self, seen) {
-            (Promise::Refused(code, text), Seen::Refused(found, said)) => {
+            (Promise::Refused(code, text), ResidualMonitor::Refused(found, said)) => {
                 assert!(code == found && said.contains(text), "{name}: ended with {found} instead of {code}: {said}");
                 (format!("refused: `{text}`"), format!("exit code {found}"))
             }
-            (Promise::Refused(..), Seen::Ended(_)) => panic!("{name} is not refused"),
-            (_, Seen::Refused(code, said)) => panic!("{name}: ended with {code}: {said}"),
-            (Promise::AtLeast(key, bound), Seen::Ended(summary)) => {
+            (Promise::Refused(..), ResidualMonitor::Ended(_)) => panic!("{name} is not refused"),
+            (_, ResidualMonitor::Refused(code, said)) => panic!("{name}: ended with {code}: {said}"),
+            (Promise::AtLeast(key, bound), ResidualMonitor::Ended(summary)) => {
                 let found = number(summary, key);
                 assert!(found >= *bound, "{name}: {key} is {found}, promised at least {bound}");
                 (format!("`{key}` >= {bound:e}"), format!("{found:.3e}"))
             }
-            (Promise::AtMost(key, bound), Seen::Ended(summary)) => {
+            (Promise::AtMost(key, bound), ResidualMonitor::Ended(summary)) => {
                 let found = number(summary, key);
                 assert!(found <= *bound, "{name}: {key} is {found}, promised at most {bound}");
                 (format!("`{key}` <= {bound:e}"), format!("{found:.3e}"))
             }
-            (Promise::Is(key, value, tolerance), Seen::Ended(summary)) => {
+            (Promise::Is(key, value, tolerance), ResidualMonitor::Ended(summary)) => {
                 let found = number(summary, key);
                 assert!((found - value).abs() <= *tolerance, "{name}: {key} is {found}, promised {value} +- {tolerance}");
                 (format!("`{key}` = {value} +- {tolerance:e}"), format!("{found}"))
             }
-            (Promise::SameAs(scene, key, tolerance), Seen::Ended(summary)) => {
+            (Promise::SameAs(scene, key, tolerance), ResidualMonitor::Ended(summary)) => {
                 let (found, other) = (number(summary, key), number(&others[scene.trim_end_matches(".toml")], key));
                 assert!((found / other - 1.0).abs() <= *tolerance, "{name}: {key} is {found}, in {scene} {other}");
                 (format!("`{key}` as in `{scene}` +- {tolerance:e}"), format!("{:.1e}", (found / other - 1.0).abs()))
@@ -121,10 +121,10 @@ fn every_hard_case_keeps_its_promises_on_any_number_of_ranks() {
     assert!(cases.len() >= 20);
     let mut rows = vec![Vec::new(); cases.len()];
     for ranks in [1, 2, 3] {
-        let seen: Vec<Seen> = cases.iter().map(|case| outcome(case, ranks)).collect();
-        let ended = |(case, seen): (&Case, &Seen)| match seen {
-            Seen::Ended(summary) => Some((case.name.clone(), summary.clone())),
-            Seen::Refused(..) => None,
+        let seen: Vec<ResidualMonitor> = cases.iter().map(|case| outcome(case, ranks)).collect();
+        let ended = |(case, seen): (&Case, &ResidualMonitor)| match seen {
+            ResidualMonitor::Ended(summary) => Some((case.name.clone(), summary.clone())),
+            ResidualMonitor::Refused(..) => None,
         };
         let others: BTreeMap<String, Value> = cases.iter().zip(&seen).filter_map(ended).collect();
         for ((case, seen), row) in cases.iter().zip(&seen).zip(&mut rows) {

@@ -4,13 +4,13 @@ use std::rc::Rc;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{equations::Equations, nodes::Nodes};
+use super::{equations::Equations, nodes::AdjointNodes};
 use crate::{
     constraint::{
         body::{BodyBlocks, FreeInverse, Plans, Walls},
-        layout::Layout,
+        layout::MultiplierLayout,
         placed::Placed,
-        places::{Seen, SeenMut},
+        places::{Entries, EntriesMut},
     },
     grid::Grid,
     linalg::SparseRows,
@@ -20,7 +20,7 @@ use crate::{
 /// A body whose multipliers act where its rows look.
 pub struct AdjointBody<const D: usize> {
     /// Lattice points near it.
-    pub nodes: Nodes<D>,
+    pub nodes: AdjointNodes<D>,
     /// Values of the grid over the nodes.
     pub rows: SparseRows,
     /// What moving walls add to the values; empty if no wall is near.
@@ -34,7 +34,13 @@ pub struct AdjointBody<const D: usize> {
 impl<const D: usize> AdjointBody<D> {
     /// One whose multipliers are modes of its surface: rows are the values at the points of it, one a component, and `wall_values` what
     /// moving walls add to them.
-    pub fn on_surface(grid: &Grid<D>, placed: &Placed<D>, nodes: Nodes<D>, rows: SparseRows, wall_values: Vec<f64>) -> AdjointBody<D> {
+    pub fn on_surface(
+        grid: &Grid<D>,
+        placed: &Placed<D>,
+        nodes: AdjointNodes<D>,
+        rows: SparseRows,
+        wall_values: Vec<f64>,
+    ) -> AdjointBody<D> {
         let cell = grid.spacing().product();
         let equations = Equations::Surface { surface: placed.surface.clone(), strength: placed.surface.area() / cell };
         AdjointBody { nodes, rows, wall_values, equations, cell }
@@ -51,15 +57,15 @@ impl<const D: usize> BodyBlocks<D> for AdjointBody<D> {
         self.equations.count()
     }
 
-    fn plan(&mut self, _layout: &Layout, plans: &mut Plans) {
+    fn plan(&mut self, _layout: &MultiplierLayout, plans: &mut Plans) {
         self.nodes.plan(&mut plans.read, &mut plans.spread);
     }
 
-    fn spread(&self, factor: f64, c: &[f64], _scratch: &mut Vec<f64>, rows: &mut SeenMut) {
+    fn spread(&self, factor: f64, c: &[f64], _scratch: &mut Vec<f64>, rows: &mut EntriesMut) {
         self.nodes.add(factor, &self.forces(c), rows);
     }
 
-    fn read(&self, u: Seen, walls: Walls, _scratch: &mut Vec<f64>, out: &mut [f64]) {
+    fn read(&self, u: Entries, walls: Walls, _scratch: &mut Vec<f64>, out: &mut [f64]) {
         let mut values = self.rows.apply(&self.nodes.values(u));
         if walls == Walls::Moving {
             values.iter_mut().zip(&self.wall_values).for_each(|(value, wall)| *value += wall);
@@ -77,7 +83,7 @@ impl<const D: usize> BodyBlocks<D> for AdjointBody<D> {
         }
     }
 
-    fn add_local(&self, own: &[f64], _all: Seen, out: &mut [f64]) {
+    fn add_local(&self, own: &[f64], _all: Entries, out: &mut [f64]) {
         if let Equations::Rows(rows) = &self.equations {
             let others = out[rows.rigid..].iter_mut().zip(&own[rows.rigid..]);
             others.zip(&rows.compliance).for_each(|((out, c), compliance)| *out += compliance * c);

@@ -10,7 +10,7 @@ use super::{
     LATTICE_BYTES,
     body::AdjointBody,
     equations::{Equations, Identity, RowEquations},
-    nodes::{Collector, Nodes, within_walls},
+    nodes::{AdjointNodes, Collector, within_walls},
     rigid::{motions, push_readings},
 };
 use crate::{
@@ -74,7 +74,7 @@ fn assemble<const D: usize>(grid: &Grid<D>, placed: &Placed<D>) -> AdjointBody<D
 }
 
 /// The points inside a ball with a neighbour outside.
-fn layer<const D: usize>(grid: &Grid<D>, ball: &Ball<D>) -> Nodes<D> {
+fn layer<const D: usize>(grid: &Grid<D>, ball: &Ball<D>) -> AdjointNodes<D> {
     let mut collector = Collector::new(grid, Unknowns::Fluid, ball.center);
     for component in 0..D {
         for index in IndexBox::around(grid, component, &ball.center, ball.radius).indices() {

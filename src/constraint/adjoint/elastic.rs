@@ -11,7 +11,7 @@
 //! where both sides vanish on the same stresses and the left one is at most a few times smaller elsewhere. Its sum with the compliance
 //! `k` is inverted by `k^-1 - k^-1 B (2 B^T B + g D^T D + B^T k^-1 B)^-1 B^T k^-1`.
 
-use super::nodes::Nodes;
+use super::nodes::AdjointNodes;
 use crate::linalg::{Skyline, SparseRows};
 
 /// Resistance `g` of the body to changes of volume; 18 iterations at 1e3 as at 1e6, 35 at 10.
@@ -34,7 +34,12 @@ pub struct ElasticInverse {
 
 impl ElasticInverse {
     /// For strains and divergences over the nodes of a body, and the compliance of each strain.
-    pub fn new<const D: usize>(nodes: &Nodes<D>, strains: SparseRows, divergences: &SparseRows, compliances: &[f64]) -> ElasticInverse {
+    pub fn new<const D: usize>(
+        nodes: &AdjointNodes<D>,
+        strains: SparseRows,
+        divergences: &SparseRows,
+        compliances: &[f64],
+    ) -> ElasticInverse {
         let stiffness: Vec<f64> = compliances.iter().map(|compliance| 1.0 / compliance.max(LEAST_COMPLIANCE)).collect();
         let order = order(nodes);
         let weighted = || {
@@ -81,7 +86,7 @@ impl ElasticInverse {
 }
 
 /// The place of each node when they are taken plane by plane, which keeps neighbours close.
-fn order<const D: usize>(nodes: &Nodes<D>) -> Vec<usize> {
+fn order<const D: usize>(nodes: &AdjointNodes<D>) -> Vec<usize> {
     let mut sorted: Vec<usize> = (0..nodes.count()).collect();
     let along = |&node: &usize, axis: usize| nodes.offsets[node][axis];
     sorted.sort_by(|one, other| {

@@ -6,7 +6,7 @@ use nalgebra::SVector;
 
 use crate::{
     constraint::{
-        places::{Places, Seen, SeenMut},
+        places::{Entries, EntriesMut, Places},
         unknowns::Unknowns,
     },
     geometry::Axis,
@@ -14,7 +14,7 @@ use crate::{
 };
 
 /// The values that the rows of a body take.
-pub struct Nodes<const D: usize> {
+pub struct AdjointNodes<const D: usize> {
     /// Indices in vectors.
     unknowns: Vec<u32>,
     /// Once planned, their places when values are taken, and when they are added to.
@@ -32,13 +32,13 @@ pub struct Collector<'a, const D: usize> {
     center: SVector<f64, D>,
     known: HashMap<u32, u32>,
     /// What is collected.
-    pub nodes: Nodes<D>,
+    pub nodes: AdjointNodes<D>,
 }
 
 impl<'a, const D: usize> Collector<'a, D> {
     /// Nothing yet.
     pub fn new(grid: &'a Grid<D>, unknowns: Unknowns, center: SVector<f64, D>) -> Self {
-        let nodes = Nodes { unknowns: Vec::new(), places: Default::default(), components: Vec::new(), offsets: Vec::new() };
+        let nodes = AdjointNodes { unknowns: Vec::new(), places: Default::default(), components: Vec::new(), offsets: Vec::new() };
         Collector { grid, unknowns, center, known: HashMap::new(), nodes }
     }
 
@@ -63,7 +63,7 @@ pub fn within_walls<const D: usize>(grid: &Grid<D>, component: usize, index: Ind
     })
 }
 
-impl<const D: usize> Nodes<D> {
+impl<const D: usize> AdjointNodes<D> {
     /// Number of nodes.
     pub fn count(&self) -> usize {
         self.unknowns.len()
@@ -80,12 +80,12 @@ impl<const D: usize> Nodes<D> {
     }
 
     /// The values at the nodes.
-    pub fn values(&self, u: Seen) -> Vec<f64> {
+    pub fn values(&self, u: Entries) -> Vec<f64> {
         self.places[0].iter().map(|&place| u.from(place)[0]).collect()
     }
 
     /// Adds values at the nodes, times `factor`.
-    pub fn add(&self, factor: f64, values: &[f64], rows: &mut SeenMut) {
+    pub fn add(&self, factor: f64, values: &[f64], rows: &mut EntriesMut) {
         self.places[1].iter().zip(values).for_each(|(&place, value)| *rows.at(place) += factor * value);
     }
 }

@@ -2,12 +2,12 @@
 
 use nalgebra::{DMatrix, SVector};
 
-use super::nodes::Nodes;
+use super::nodes::AdjointNodes;
 use crate::linalg::SparseRows;
 use crate::{body::skew, surface::SurfaceTable};
 
 /// The velocities at nodes of a body's rigid motions of unit coefficient: nodes down, motions across.
-pub fn motions<const D: usize>(surface: &SurfaceTable<D>, nodes: &Nodes<D>) -> DMatrix<f64> {
+pub fn motions<const D: usize>(surface: &SurfaceTable<D>, nodes: &AdjointNodes<D>) -> DMatrix<f64> {
     let (rigid, modes) = (surface.modes.rigid_count(), &surface.modes);
     let lever = modes.torque_factor() / modes.force_factor();
     let turns: Vec<_> = (D..rigid).map(|turn| skew::<D>(&unit(turn - D, rigid - D, 1.0 / lever))).collect();

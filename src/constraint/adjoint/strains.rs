@@ -2,7 +2,7 @@
 
 use std::iter::once;
 
-use super::nodes::{Collector, Nodes, within_walls};
+use super::nodes::{AdjointNodes, Collector, within_walls};
 use crate::{
     constraint::{index_box::IndexBox, unknowns::Unknowns},
     geometry::{Ball, fraction},
@@ -18,7 +18,7 @@ const TRACE: f64 = 1e-4;
 
 /// A strain in one place as a sum over nodes, and the part of its cell that is in the ball.
 pub struct Strain {
-    /// Nodes and weights.
+    /// AdjointNodes and weights.
     pub terms: Vec<(u32, f64)>,
     /// Above 0, at most 1.
     pub theta: f64,
@@ -27,7 +27,7 @@ pub struct Strain {
 /// The strains `D(u)` without trace in cells that meet a ball, in an orthonormal basis.
 pub struct Strains<const D: usize> {
     /// The velocities that they take.
-    pub nodes: Nodes<D>,
+    pub nodes: AdjointNodes<D>,
     /// Normal strains at cell centres, then shear strains at edges.
     pub strains: Vec<Strain>,
     /// The divergence at the same cell centres.

@@ -1,11 +1,11 @@
-//! Films between bodies in their places: which there are, and in which ways they resist.
+//! LubricationPairs between bodies in their places: which there are, and in which ways they resist.
 
 use nalgebra::{SMatrix, SVector};
 
 use super::{FilmTable, FilmTables, Resistance};
 use crate::{
     body::{Twist, components},
-    constraint::{Crowd, Layout},
+    constraint::{MultiplierLayout, Neighbourhood},
     geometry::WallPair,
 };
 
@@ -20,7 +20,7 @@ pub type Wall = (usize, bool);
 
 /// A film between two bodies, or a body and a wall.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Film<const D: usize> {
+pub struct LubricationPair<const D: usize> {
     /// The body; of two the smaller.
     pub body: usize,
     /// What is on the other side.
@@ -30,7 +30,7 @@ pub struct Film<const D: usize> {
     /// Distance of the surfaces, in radii of the body, before roughness.
     pub gap: f64,
     /// In which ways it resists, each apart from the others.
-    pub ways: Vec<Way<D>>,
+    pub ways: Vec<RelativeMode<D>>,
 }
 
 /// What is on the other side of a film.
@@ -45,9 +45,9 @@ pub enum Opposite<const D: usize> {
 /// A relative motion that a film resists. Its rate is the sum over both sides of `direction . velocity + turn : spin`, the latter over the
 /// planes of rotation; and so act its force and torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Way<const D: usize> {
+pub struct RelativeMode<const D: usize> {
     /// What the motions of the body and of the other side count.
-    pub sides: [Side<D>; 2],
+    pub sides: [RigidFunctional<D>; 2],
     /// Force over rate and viscosity that modes do not see, positive.
     pub resistance: f64,
     /// Symmetric traceless first moment of the traction on each side for a unit rate, over viscosity.
@@ -56,7 +56,7 @@ pub struct Way<const D: usize> {
 
 /// A linear function of a rigid motion; read as a wrench, the force and torque that do its work.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Side<const D: usize> {
+pub struct RigidFunctional<const D: usize> {
     /// What a velocity counts.
     pub direction: SVector<f64, D>,
     /// What a spin counts, a skew matrix.
@@ -65,23 +65,23 @@ pub struct Side<const D: usize> {
 
 /// The films of a crowd.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Films<const D: usize> {
+pub struct LubricationPairs<const D: usize> {
     /// The films.
-    pub films: Vec<Film<D>>,
+    pub films: Vec<LubricationPair<D>>,
     /// The largest rate, over the radius, at which any way sees two sides move as one rigid body: forces are opposite and without torque
     /// as well as this is zero.
     pub imbalance: f64,
 }
 
-impl<const D: usize> Films<D> {
+impl<const D: usize> LubricationPairs<D> {
     /// These and others.
-    pub fn with(mut self, others: Films<D>) -> Films<D> {
+    pub fn with(mut self, others: LubricationPairs<D>) -> LubricationPairs<D> {
         self.films.extend(others.films);
-        Films { films: self.films, imbalance: self.imbalance.max(others.imbalance) }
+        LubricationPairs { films: self.films, imbalance: self.imbalance.max(others.imbalance) }
     }
 }
 
-impl<const D: usize> Film<D> {
+impl<const D: usize> LubricationPair<D> {
     /// From the wall, or the centre of the body, to the centre of one side.
     pub fn lever(&self, side: usize) -> SVector<f64, D> {
         match (self.other, side) {
@@ -92,7 +92,7 @@ impl<const D: usize> Film<D> {
     }
 }
 
-impl<const D: usize> Side<D> {
+impl<const D: usize> RigidFunctional<D> {
     /// What a motion counts.
     pub fn rate(&self, twist: &Twist<D>) -> f64 {
         let turning: f64 = components(&self.turn).iter().zip(components(&twist.spin)).map(|(turn, spin)| turn * spin).sum();
@@ -101,8 +101,12 @@ impl<const D: usize> Side<D> {
 }
 
 /// The films of a crowd that have a side on a body of this rank; no gap counts as smaller than `roughness` radii.
-pub fn films<const D: usize>((crowd, layout): (&Crowd<D>, &Layout), tables: &FilmTables, roughness: f64) -> Films<D> {
-    let Crowd { balls, orders, .. } = crowd;
+pub fn films<const D: usize>(
+    (crowd, layout): (&Neighbourhood<D>, &MultiplierLayout),
+    tables: &FilmTables,
+    roughness: f64,
+) -> LubricationPairs<D> {
+    let Neighbourhood { balls, orders, .. } = crowd;
     let mut films = Vec::new();
     for pair in crowd.pairs.iter().filter(|pair| layout.holds_any([pair.first, pair.second])) {
         let (mut ends, mut separation) = ([pair.first, pair.second], pair.separation);
@@ -121,21 +125,24 @@ pub fn films<const D: usize>((crowd, layout): (&Crowd<D>, &Layout), tables: &Fil
     }
     films.extend(of_walls((crowd, layout), tables, FilmTable::missing, roughness));
     let imbalance = films.iter().map(imbalance).fold(0.0, f64::max);
-    Films { films, imbalance }
+    LubricationPairs { films, imbalance }
 }
 
 /// What modes see of the films between bodies of this rank and walls.
-pub fn walls_seen<const D: usize>((crowd, layout): (&Crowd<D>, &Layout), tables: &FilmTables) -> Films<D> {
-    Films { films: of_walls((crowd, layout), tables, FilmTable::truncated, 0.0), imbalance: 0.0 }
+pub fn resolved_at_walls<const D: usize>(
+    (crowd, layout): (&Neighbourhood<D>, &MultiplierLayout),
+    tables: &FilmTables,
+) -> LubricationPairs<D> {
+    LubricationPairs { films: of_walls((crowd, layout), tables, FilmTable::truncated, 0.0), imbalance: 0.0 }
 }
 
-/// Films between bodies of this rank and walls, with a part of their resistance.
+/// LubricationPairs between bodies of this rank and walls, with a part of their resistance.
 fn of_walls<const D: usize>(
-    (crowd, layout): (&Crowd<D>, &Layout),
+    (crowd, layout): (&Neighbourhood<D>, &MultiplierLayout),
     tables: &FilmTables,
     part: fn(&FilmTable, f64) -> Resistance,
     roughness: f64,
-) -> Vec<Film<D>> {
+) -> Vec<LubricationPair<D>> {
     let of_wall = |near: &WallPair<D>| {
         let (radius, order) = (crowd.balls[near.body].radius, crowd.orders[near.body]);
         let mut separation = SVector::<f64, D>::zeros();
@@ -168,7 +175,7 @@ fn film<const D: usize>(
     (other, second): (Opposite<D>, Option<f64>),
     (separation, gap): (SVector<f64, D>, f64),
     roughness: f64,
-) -> Option<Film<D>> {
+) -> Option<LubricationPair<D>> {
     let seen = gap.max(roughness);
     if seen >= table.reach() {
         return None;
@@ -179,26 +186,26 @@ fn film<const D: usize>(
     let levers = [radius * (1.0 + 0.5 * gap), second.map_or(0.0, |second| second + 0.5 * radius * gap)];
     let unit = radius.powi(D as i32 - 2);
     let mut ways = Vec::new();
-    let mut add = |resistance: f64, sides: [Side<D>; 2], stress: [SMatrix<f64, D, D>; 2]| {
+    let mut add = |resistance: f64, sides: [RigidFunctional<D>; 2], stress: [SMatrix<f64, D, D>; 2]| {
         if resistance > NEGLIGIBLE {
-            ways.push(Way { sides, resistance: resistance * unit, stress });
+            ways.push(RelativeMode { sides, resistance: resistance * unit, stress });
         }
     };
     let still = SMatrix::zeros();
     let deviator = (normal * normal.transpose() * D as f64 - SMatrix::identity()) / (D - 1) as f64;
-    let sides = [normal, -normal].map(|direction| Side { direction, turn: still });
+    let sides = [normal, -normal].map(|direction| RigidFunctional { direction, turn: still });
     add(missing.approach, sides, missing.stress[0].map(|moment| deviator * (moment * unit * radius)));
     for across in across(&normal) {
         let plane = across * normal.transpose() - normal * across.transpose();
         let symmetric = across * normal.transpose() + normal * across.transpose();
         for (resistance, [slip, roll]) in principal(missing.slip, missing.cross, missing.roll) {
             let turns = [levers[0] * slip + radius * roll, levers[1] * slip - radius * roll];
-            let side = |sign: f64, turn: f64| Side { direction: across * (sign * slip), turn: plane * turn };
+            let side = |sign: f64, turn: f64| RigidFunctional { direction: across * (sign * slip), turn: plane * turn };
             let moment = |side: usize| symmetric * ((missing.stress[1][side] * slip + missing.stress[2][side] * roll) * unit * radius);
             add(resistance, [side(1.0, turns[0]), side(-1.0, turns[1])], [moment(0), moment(1)]);
         }
     }
-    Some(Film { body, other, separation, gap, ways })
+    Some(LubricationPair { body, other, separation, gap, ways })
 }
 
 /// Unit vectors that complete a normal.
@@ -227,9 +234,9 @@ fn principal(first: f64, cross: f64, second: f64) -> [(f64, [f64; 2]); 2] {
 }
 
 /// The largest rate of any way under rigid motions of both sides with unit velocity at the body's surface.
-fn imbalance<const D: usize>(film: &Film<D>) -> f64 {
+fn imbalance<const D: usize>(film: &LubricationPair<D>) -> f64 {
     let Opposite::Body(..) = film.other else { return 0.0 };
-    let of_way = |way: &Way<D>| {
+    let of_way = |way: &RelativeMode<D>| {
         let force = (way.sides[0].direction + way.sides[1].direction).norm();
         let [first, second] = way.sides;
         let lever = film.separation * second.direction.transpose() - second.direction * film.separation.transpose();

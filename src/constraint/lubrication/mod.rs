@@ -16,14 +16,16 @@
 //! None of them changes when both move as one rigid body, so that forces are opposite and have no net torque. Spin about `n` is left out:
 //! its resistance stays finite.
 
+mod axisymmetric;
 mod exact;
 mod film;
-mod meridian;
 mod pair;
 mod table;
 mod wall;
 
-pub use film::{Film, Films, Opposite, REACH, Side, Wall, Way, approach, films, walls_seen};
+pub use film::{
+    LubricationPair, LubricationPairs, Opposite, REACH, RelativeMode, RigidFunctional, Wall, approach, films, resolved_at_walls,
+};
 pub use table::{FilmTable, FilmTables};
 
 /// What two near bodies, or a body and a wall, resist, for radius 1 of the first body and unit viscosity; linear in the tractions.

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, SVector};
 
 use super::{
     Resistance,
-    meridian::{Channel, Meridian},
+    axisymmetric::{AxisymmetricBody, Channel},
 };
 
 /// Which rigid motion of both goes with a relative one. What modes miss depends little on it.
@@ -17,9 +17,9 @@ pub enum Lift {
 }
 
 /// What two bodies resist, `gap` apart; lengths in radii of the first.
-pub fn resistance<const D: usize>(sides: [&Meridian<D>; 2], gap: f64, lift: Lift) -> Resistance {
+pub fn resistance<const D: usize>(sides: [&AxisymmetricBody<D>; 2], gap: f64, lift: Lift) -> Resistance {
     let levers = sides.map(|side| side.modes.radius() + 0.5 * gap);
-    let (axis, across, spin) = (Meridian::<D>::AXIS, Meridian::<D>::ACROSS, Meridian::<D>::SPIN);
+    let (axis, across, spin) = (AxisymmetricBody::<D>::AXIS, AxisymmetricBody::<D>::ACROSS, AxisymmetricBody::<D>::SPIN);
     let [one, two] = if lift == Lift::Balanced { [0.5, 0.5] } else { [1.0, 0.0] };
     let along = solve(sides, levers, Channel::Along, &[[vec![(axis, one)], vec![(axis, two)]]]);
     let slip = [vec![(across, one)], vec![(across, two)]];
@@ -35,7 +35,7 @@ pub fn resistance<const D: usize>(sides: [&Meridian<D>; 2], gap: f64, lift: Lift
 }
 
 /// Rigid motions of two bodies, each in its own frame: modes and how fast they move.
-type Motion = [Vec<(usize, f64)>; 2];
+type RelativeMotion = [Vec<(usize, f64)>; 2];
 
 /// Work of the tractions of each motion on each, and stress of each.
 struct Answer {
@@ -43,7 +43,7 @@ struct Answer {
     stress: Vec<[f64; 2]>,
 }
 
-fn solve<const D: usize>(sides: [&Meridian<D>; 2], levers: [f64; 2], channel: Channel, motions: &[Motion]) -> Answer {
+fn solve<const D: usize>(sides: [&AxisymmetricBody<D>; 2], levers: [f64; 2], channel: Channel, motions: &[RelativeMotion]) -> Answer {
     let members = sides.map(|side| side.channel(channel));
     let count = members[0].len();
     let size = count + members[1].len();
@@ -80,13 +80,13 @@ fn solve<const D: usize>(sides: [&Meridian<D>; 2], levers: [f64; 2], channel: Ch
 }
 
 /// The velocity that modes of one body cause at the points of the other; their frames differ by half a turn about the second axis (2D: the centre).
-fn velocities<const D: usize>(on: &Meridian<D>, (by, members): (&Meridian<D>, &[usize]), distance: f64) -> DMatrix<f64> {
+fn velocities<const D: usize>(on: &AxisymmetricBody<D>, (by, members): (&AxisymmetricBody<D>, &[usize]), distance: f64) -> DMatrix<f64> {
     let signs = SVector::<f64, D>::from_fn(|i, _| if D == 3 && i == 1 { 1.0 } else { -1.0 });
     let mut values = Vec::new();
     let mut out = DMatrix::zeros(on.points().count() * D, members.len());
     for (point, offset) in on.points().enumerate() {
         let mut from_other = offset;
-        from_other[Meridian::<D>::AXIS] -= distance;
+        from_other[AxisymmetricBody::<D>::AXIS] -= distance;
         let velocity = by.velocity(&from_other.component_mul(&signs), members, &mut values);
         for mode in 0..members.len() {
             (0..D).for_each(|i| out[(point * D + i, mode)] = signs[i] * velocity[(i, mode)]);
@@ -100,7 +100,7 @@ mod tests {
     use super::*;
 
     fn equal<const D: usize>(order: usize, gap: f64) -> Resistance {
-        let side = Meridian::<D>::new(1.0, order);
+        let side = AxisymmetricBody::<D>::new(1.0, order);
         resistance([&side, &side], gap, Lift::Balanced)
     }
 

@@ -4,8 +4,8 @@ use std::{cell::RefCell, collections::BTreeMap, rc::Rc};
 
 use super::{
     Resistance,
+    axisymmetric::AxisymmetricBody,
     exact::Exact,
-    meridian::Meridian,
     pair::{self, Lift},
     wall,
 };
@@ -75,8 +75,8 @@ impl FilmTable {
     /// The table of a body of radius 1 and order `order`, and a second one of another order and radius, or a wall.
     pub fn new<const D: usize>(order: usize, second: Option<(usize, f64)>) -> FilmTable {
         let exact = exact::<D>(second.map(|(_, radius)| radius));
-        let first = Meridian::<D>::new(1.0, order);
-        let other = second.map(|(order, radius)| Meridian::<D>::new(radius, order));
+        let first = AxisymmetricBody::<D>::new(1.0, order);
+        let other = second.map(|(order, radius)| AxisymmetricBody::<D>::new(radius, order));
         let lift = lift(second.map(|(_, radius)| radius));
         let at = |gap: f64| match &other {
             Some(other) => pair::resistance([&first, other], gap, lift),
@@ -157,8 +157,8 @@ fn exact<const D: usize>(second: Option<f64>) -> Exact {
 /// From gaps that the highest order resolves.
 fn resolved<const D: usize>(second: Option<f64>, lift: Lift) -> Exact {
     let order = highest_order(D);
-    let first = Meridian::<D>::new(1.0, order);
-    let other = second.map(|radius| Meridian::<D>::new(radius, order));
+    let first = AxisymmetricBody::<D>::new(1.0, order);
+    let other = second.map(|radius| AxisymmetricBody::<D>::new(radius, order));
     let least = least_resolved(order, second);
     let sample = |number: usize| {
         // denser where the gap is small

@@ -14,15 +14,15 @@ use nalgebra::{DMatrix, SVector};
 
 use super::{
     Resistance,
-    meridian::{Channel, Meridian},
+    axisymmetric::{AxisymmetricBody, Channel},
 };
 
 /// Step of the differences, in radii.
 const STEP: f64 = 2e-3;
 
 /// What a body resists at rest wall `gap` away; lengths in its radii. The wall takes the place of the second body, without stress.
-pub fn resistance<const D: usize>(side: &Meridian<D>, gap: f64) -> Resistance {
-    let (axis, across, spin) = (Meridian::<D>::AXIS, Meridian::<D>::ACROSS, Meridian::<D>::SPIN);
+pub fn resistance<const D: usize>(side: &AxisymmetricBody<D>, gap: f64) -> Resistance {
+    let (axis, across, spin) = (AxisymmetricBody::<D>::AXIS, AxisymmetricBody::<D>::ACROSS, AxisymmetricBody::<D>::SPIN);
     let lever = side.modes.radius() + 0.5 * gap;
     let (approach, moment) = solve(side, gap, Channel::Along, &[vec![(axis, 1.0)]]);
     let (work, moments) = solve(side, gap, Channel::Across, &[vec![(across, 1.0)], vec![(across, -lever), (spin, 1.0)]]);
@@ -35,7 +35,12 @@ pub fn resistance<const D: usize>(side: &Meridian<D>, gap: f64) -> Resistance {
     }
 }
 
-fn solve<const D: usize>(side: &Meridian<D>, gap: f64, channel: Channel, motions: &[Vec<(usize, f64)>]) -> (DMatrix<f64>, Vec<f64>) {
+fn solve<const D: usize>(
+    side: &AxisymmetricBody<D>,
+    gap: f64,
+    channel: Channel,
+    motions: &[Vec<(usize, f64)>],
+) -> (DMatrix<f64>, Vec<f64>) {
     let members = side.channel(channel);
     let block = side.alone(&members) + side.test(&mirrored(side, &members, side.modes.radius() + gap), &members);
     let mut wanted = DMatrix::zeros(members.len(), motions.len());
@@ -51,8 +56,8 @@ fn solve<const D: usize>(side: &Meridian<D>, gap: f64, channel: Channel, motions
 }
 
 /// The mirrored flow of each mode at the points of the body, whose centre is `height` from the wall.
-fn mirrored<const D: usize>(side: &Meridian<D>, members: &[usize], height: f64) -> DMatrix<f64> {
-    let axis = Meridian::<D>::AXIS;
+fn mirrored<const D: usize>(side: &AxisymmetricBody<D>, members: &[usize], height: f64) -> DMatrix<f64> {
+    let axis = AxisymmetricBody::<D>::AXIS;
     let step = STEP * side.modes.radius();
     let mut values = Vec::new();
     // at a point: the mirrored velocity, with its component along the axis, and phi
@@ -97,7 +102,7 @@ mod tests {
     /// `F = 4 pi mu V / (alpha - tanh alpha)` towards the wall, `4 pi mu U / alpha` along it without torque, `T = 4 pi mu a^2 W coth alpha` without force.
     #[test]
     fn a_disk_resists_as_the_closed_forms_say() {
-        let side = Meridian::<2>::new(1.0, 32);
+        let side = AxisymmetricBody::<2>::new(1.0, 32);
         for gap in [0.05, 0.3, 1.0_f64] {
             let alpha = (1.0 + gap).acosh();
             let lever = 1.0 + 0.5 * gap;
@@ -113,7 +118,7 @@ mod tests {
     /// Goldman, Cox and Brenner 1967: `F/(6 pi mu a U)`, `T/(8 pi mu a^2 U)`, `T/(8 pi mu a^3 W)` at h/a = 1.5430806; Brenner 1961 at 1.5.
     #[test]
     fn a_sphere_resists_as_tabulated() {
-        let side = Meridian::<3>::new(1.0, 16);
+        let side = AxisymmetricBody::<3>::new(1.0, 16);
         let near = |found: f64, exact: f64| assert!((found / exact - 1.0).abs() < 1e-6, "{found} {exact}");
         near(resistance(&side, 0.5).approach, 6.0 * PI * 3.2053903153526);
         let (gap, lever) = (0.5430806, 1.0 + 0.5 * 0.5430806);

@@ -14,15 +14,15 @@ const FRAME: [(usize, [f64; 3]); 2] = [(0, [-1.0, -1.0, 1.0]), (2, [-1.0, 1.0, -
 const FAR: f64 = 4.0;
 
 /// A body of a pair.
-pub struct Side<const D: usize> {
+pub struct PairSide<const D: usize> {
     /// Its surface.
     pub surface: SurfaceTable<D>,
 }
 
-impl<const D: usize> Side<D> {
+impl<const D: usize> PairSide<D> {
     /// A body of the given radius, with modes up to `order`.
-    pub fn new(radius: f64, order: usize) -> Side<D> {
-        Side { surface: SurfaceTable::new(radius, order, radius / FINENESS) }
+    pub fn new(radius: f64, order: usize) -> PairSide<D> {
+        PairSide { surface: SurfaceTable::new(radius, order, radius / FINENESS) }
     }
 
     /// Its block when it is alone: the rows of rigid modes are those modes times the radius.
@@ -71,7 +71,7 @@ impl<const D: usize> Side<D> {
     /// The velocity that unit multipliers of `other` cause at this body's points, `D` rows a point; in 2D up to a uniform one.
     ///
     /// Each of the two sees the other along the axis of its own frame: the frames differ by half a turn.
-    pub fn velocity_caused_by(&self, other: &Side<D>, distance: f64) -> DMatrix<f64> {
+    pub fn velocity_caused_by(&self, other: &PairSide<D>, distance: f64) -> DMatrix<f64> {
         let (axis, signs) = FRAME[usize::from(D == 3)];
         let mut center = SVector::<f64, D>::zeros();
         center[axis] = distance;

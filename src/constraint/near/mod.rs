@@ -7,7 +7,7 @@
 //! with `B_i` the block of an isolated body in unbounded fluid and `B_ij` that of two, rigid modes given in both: forces reach
 //! far, and summed over pairs they would count too much. Where motions are given instead, a pair has neither net force nor torque, and the
 //! blocks say what the motion of its bodies relative to each other calls for: of the free modes, and of the forces. In the frame of the
-//! pair the second sum depends on the distance alone, and comes from a table; [`NearPairs`] turns into that frame and back.
+//! pair the second sum depends on the distance alone, and comes from a table; [`PairPreconditioner`] turns into that frame and back.
 
 mod block;
 mod pattern;
@@ -18,7 +18,7 @@ use std::rc::Rc;
 use self::table::Table;
 use nalgebra::{DMatrix, SMatrix, SVector};
 
-use super::{Crowd, Layout};
+use super::{MultiplierLayout, Neighbourhood};
 use crate::{
     body::skew,
     error::Result,
@@ -36,7 +36,7 @@ pub const REACH: f64 = 1.0;
 pub type RigidBlock = SMatrix<f64, 6, 6>;
 
 /// The correction for the near pairs of this rank's bodies.
-pub struct NearPairs {
+pub struct PairPreconditioner {
     given: Given,
     pairs: Vec<NearPair>,
     /// Matrices that turn into the frames of the pairs.
@@ -64,16 +64,20 @@ struct NearPair {
     starts: (usize, usize),
 }
 
-impl NearPairs {
+impl PairPreconditioner {
     /// The near pairs of a crowd shared out as `layout` says, for multipliers shaped like `multipliers`; collective.
     ///
     /// # Errors
     /// PETSc has no memory for the exchange.
-    pub fn new<const D: usize>((crowd, layout): (&Crowd<D>, &Layout), tables: &PairTables<D>, multipliers: &Vector) -> Result<NearPairs> {
+    pub fn new<const D: usize>(
+        (crowd, layout): (&Neighbourhood<D>, &MultiplierLayout),
+        tables: &PairTables<D>,
+        multipliers: &Vector,
+    ) -> Result<PairPreconditioner> {
         let near = near_and_mine(crowd, layout);
         let (fetched, places) = places((crowd, layout), &near);
         let local = layout.local_unknowns();
-        let mut pairs = NearPairs {
+        let mut pairs = PairPreconditioner {
             given: tables.given,
             pairs: Vec::with_capacity(near.len()),
             turns: Vec::new(),
@@ -89,7 +93,7 @@ impl NearPairs {
         Ok(pairs)
     }
 
-    fn add<const D: usize>(&mut self, crowd: &Crowd<D>, tables: &PairTables<D>, pair: &Pair<D>, places: &[usize]) {
+    fn add<const D: usize>(&mut self, crowd: &Neighbourhood<D>, tables: &PairTables<D>, pair: &Pair<D>, places: &[usize]) {
         let order = |body: usize| crowd.orders[body];
         let radius = |body: usize| crowd.balls[body].radius;
         let (mut ends, mut separation) = ([pair.first, pair.second], pair.separation);
@@ -195,12 +199,12 @@ impl NearPair {
 }
 
 /// The near pairs with a body that this rank holds.
-fn near_and_mine<'a, const D: usize>(crowd: &'a Crowd<D>, layout: &Layout) -> Vec<&'a Pair<D>> {
+fn near_and_mine<'a, const D: usize>(crowd: &'a Neighbourhood<D>, layout: &MultiplierLayout) -> Vec<&'a Pair<D>> {
     crowd.pairs.iter().filter(|pair| crowd.near(pair) && layout.holds_any([pair.first, pair.second])).collect()
 }
 
 /// The multipliers to fetch for these pairs, and where each body's stand: this rank's first, then the fetched.
-fn places<const D: usize>((crowd, layout): (&Crowd<D>, &Layout), near: &[&Pair<D>]) -> (Vec<i32>, Vec<usize>) {
+fn places<const D: usize>((crowd, layout): (&Neighbourhood<D>, &MultiplierLayout), near: &[&Pair<D>]) -> (Vec<i32>, Vec<usize>) {
     let mut places = vec![usize::MAX; crowd.balls.len()];
     layout.local_bodies.iter().for_each(|&body| places[body] = layout.local(body));
     let mut fetched = Vec::new();

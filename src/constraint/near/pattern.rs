@@ -7,14 +7,14 @@ use crate::surface::{Degree, Modes};
 
 /// The arrangement of one combination of bodies.
 pub struct Pattern {
-    ends: [End; 2],
+    ends: [PairEnd; 2],
     channels: Vec<Channel>,
     /// Whether the two bodies are equal.
     equal: bool,
     size: usize,
 }
 
-struct End {
+struct PairEnd {
     families: Vec<Placed>,
 }
 
@@ -47,7 +47,7 @@ impl Pattern {
             }
         }
         let [first, second] = families;
-        let ends = [End::new(first, &slots[0], false), End::new(second, &slots[1], true)];
+        let ends = [PairEnd::new(first, &slots[0], false), PairEnd::new(second, &slots[1], true)];
         Pattern { ends, channels, equal, size }
     }
 
@@ -128,16 +128,16 @@ fn members(families: &[Degree], channel: usize) -> Vec<usize> {
     modes.filter(|&(_, &own)| own == channel).map(|(&mode, _)| mode).collect()
 }
 
-impl End {
+impl PairEnd {
     /// The second body looks the other way.
-    fn new(families: Vec<Degree>, slots: &[usize], second: bool) -> End {
+    fn new(families: Vec<Degree>, slots: &[usize], second: bool) -> PairEnd {
         let place = |mut family: Degree| {
             if !second {
                 family.parities.fill(1.0);
             }
             Placed { slots: family.modes.iter().map(|&mode| slots[mode]).collect(), family }
         };
-        End { families: families.into_iter().map(place).collect() }
+        PairEnd { families: families.into_iter().map(place).collect() }
     }
 
     fn turn(&self, turns: &[f32], wanted: &[f64], seen: &mut [f64]) {

@@ -7,7 +7,7 @@ use std::{cell::RefCell, collections::BTreeMap, rc::Rc};
 
 use nalgebra::DMatrix;
 
-use super::{REACH, block::Side, pattern::Pattern};
+use super::{REACH, block::PairSide, pattern::Pattern};
 use crate::linalg::cubic;
 
 /// Nodes of a table.
@@ -67,7 +67,7 @@ impl<const D: usize> PairTables<D> {
 impl Table {
     fn new<const D: usize>(key: Key, given: Given) -> Table {
         let second = (f64::from(key.ratio) / STEPS_PER_OCTAVE).exp2();
-        let sides = [Side::<D>::new(1.0, key.orders[0]), Side::new(second, key.orders[1])];
+        let sides = [PairSide::<D>::new(1.0, key.orders[0]), PairSide::new(second, key.orders[1])];
         let equal = key.ratio == 0 && key.orders[0] == key.orders[1];
         let pattern = Pattern::new(sides.each_ref().map(|side| side.surface.modes.as_ref()), equal);
         let contact = 1.0 + second;
@@ -90,7 +90,7 @@ impl Table {
 }
 
 /// The blocks of the correction at one distance, channel by channel, columns one after the other.
-fn corrections<const D: usize>((sides, given): (&[Side<D>; 2], Given), pattern: &Pattern, distance: f64) -> Vec<f32> {
+fn corrections<const D: usize>((sides, given): (&[PairSide<D>; 2], Given), pattern: &Pattern, distance: f64) -> Vec<f32> {
     let pair = Two::new(sides, pattern.equal(), distance);
     let mut out = Vec::new();
     for modes in pattern.channels() {
@@ -105,14 +105,14 @@ fn corrections<const D: usize>((sides, given): (&[Side<D>; 2], Given), pattern: 
 
 /// Two bodies at a distance.
 struct Two<'a, const D: usize> {
-    sides: &'a [Side<D>; 2],
+    sides: &'a [PairSide<D>; 2],
     distance: f64,
     /// The velocity that each causes on the other; that on the first alone if they are equal.
     caused: Vec<DMatrix<f64>>,
 }
 
 impl<'a, const D: usize> Two<'a, D> {
-    fn new(sides: &'a [Side<D>; 2], equal: bool, distance: f64) -> Self {
+    fn new(sides: &'a [PairSide<D>; 2], equal: bool, distance: f64) -> Self {
         let [first, second] = sides;
         let mut caused = vec![first.velocity_caused_by(second, distance)];
         if !equal {
@@ -154,7 +154,7 @@ impl<'a, const D: usize> Two<'a, D> {
 
     /// `B_ij^{-1} - B_i^{-1} (+) B_j^{-1}`.
     fn given_forces(&self, modes: &[Vec<usize>; 2]) -> Vec<DMatrix<f64>> {
-        let own = self.own(self.sides.each_ref().map(Side::isolated), modes);
+        let own = self.own(self.sides.each_ref().map(PairSide::isolated), modes);
         let mut coupling = self.coupling(modes);
         for (place, block) in coupling.iter_mut().enumerate() {
             let rigid = modes[place].iter().enumerate().filter(|&(_, &mode)| mode < self.rigid());

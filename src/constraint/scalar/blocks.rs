@@ -8,8 +8,8 @@ use super::inclusion::{Inclusion, InclusionBlocks};
 use crate::{
     constraint::{
         blocks::Blocks,
-        layout::Layout,
-        places::{Places, Seen, SeenMut},
+        layout::MultiplierLayout,
+        places::{Entries, EntriesMut, Places},
     },
     error::Result,
     petsc::{Scatter, Session, Vector},
@@ -27,7 +27,12 @@ pub struct ScalarBlocks<const D: usize> {
 
 impl<const D: usize> ScalarBlocks<D> {
     /// Joins the blocks of this rank's inclusions; `field` is any vector of the scalar.
-    pub fn new(session: &Session, field: &Vector, layout: &Layout, inclusions: Vec<InclusionBlocks<D>>) -> Result<ScalarBlocks<D>> {
+    pub fn new(
+        session: &Session,
+        field: &Vector,
+        layout: &MultiplierLayout,
+        inclusions: Vec<InclusionBlocks<D>>,
+    ) -> Result<ScalarBlocks<D>> {
         let (bodies, mut inclusions): (Vec<_>, Vec<_>) = inclusions.into_iter().map(|blocks| (blocks.body, blocks.inclusion)).unzip();
         let bodies = Blocks::new(session, field, layout, bodies)?;
         let mut places = Places::new(field)?;
@@ -40,7 +45,7 @@ impl<const D: usize> ScalarBlocks<D> {
     pub fn confine_source(&mut self, source: f64, rows: &mut Vector) -> Result<()> {
         {
             let (mut own, mut others, mut scratch) = (rows.local_mut()?, self.sources.places()?, Vec::new());
-            let mut rows = SeenMut { own: &mut own, others: &mut others };
+            let mut rows = EntriesMut { own: &mut own, others: &mut others };
             self.inclusions.iter().for_each(|(inclusion, _)| inclusion.source.add(source, &[1.0], &mut scratch, &mut rows));
         }
         self.sources.add_back(rows)
@@ -49,7 +54,7 @@ impl<const D: usize> ScalarBlocks<D> {
     /// For each of this rank's inclusions, the sum of a field over the cells that it changes or touches.
     pub fn sums(&mut self, field: &Vector) -> Result<Vec<f64>> {
         let (others, own) = (self.sources.fetch(field)?, field.local()?);
-        let field = Seen { own: &own, others: &others };
+        let field = Entries { own: &own, others: &others };
         let sum = |(inclusion, _): &(Inclusion, _)| inclusion.source.places.iter().map(|&place| field.from(place)[0]).sum();
         Ok(self.inclusions.iter().map(sum).collect())
     }
@@ -57,7 +62,7 @@ impl<const D: usize> ScalarBlocks<D> {
     /// The sum of a field over the cells of this rank's inclusions, by the parts of them that a unit source is kept out of.
     pub fn confined(&mut self, field: &Vector) -> Result<f64> {
         let (others, own) = (self.sources.fetch(field)?, field.local()?);
-        let field = Seen { own: &own, others: &others };
+        let field = Entries { own: &own, others: &others };
         let cells = self.inclusions.iter().flat_map(|(inclusion, _)| inclusion.source.places.iter().zip(&inclusion.source.values));
         Ok(cells.map(|(&place, value)| -value * field.from(place)[0]).sum())
     }

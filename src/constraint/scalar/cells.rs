@@ -10,8 +10,8 @@ use super::{
 use crate::{
     constraint::{
         body::{BodyBlocks, FreeInverse, Plans, Walls},
-        layout::Layout,
-        places::{Seen, SeenMut},
+        layout::MultiplierLayout,
+        places::{Entries, EntriesMut},
         rows::Rows,
     },
     geometry::Ball,
@@ -73,19 +73,19 @@ impl<const D: usize> BodyBlocks<D> for Cells<D> {
         self.unknowns.len()
     }
 
-    fn plan(&mut self, _layout: &Layout, plans: &mut Plans) {
+    fn plan(&mut self, _layout: &MultiplierLayout, plans: &mut Plans) {
         self.places = [&mut plans.spread, &mut plans.read].map(|places| places.each(&self.unknowns));
     }
 
-    fn spread(&self, factor: f64, c: &[f64], _scratch: &mut Vec<f64>, rows: &mut SeenMut) {
+    fn spread(&self, factor: f64, c: &[f64], _scratch: &mut Vec<f64>, rows: &mut EntriesMut) {
         self.places[0].iter().zip(c).for_each(|(&place, c)| *rows.at(place) += factor * c);
     }
 
-    fn read(&self, u: Seen, _walls: Walls, _scratch: &mut Vec<f64>, out: &mut [f64]) {
+    fn read(&self, u: Entries, _walls: Walls, _scratch: &mut Vec<f64>, out: &mut [f64]) {
         out.iter_mut().zip(&self.places[1]).for_each(|(out, &place)| *out = u.from(place)[0]);
     }
 
-    fn add_local(&self, own: &[f64], _all: Seen, out: &mut [f64]) {
+    fn add_local(&self, own: &[f64], _all: Entries, out: &mut [f64]) {
         if let Some(compliance) = &self.compliance {
             compliance.add_potential(own, out);
         }

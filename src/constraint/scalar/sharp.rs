@@ -12,7 +12,7 @@ use crate::{
         method::{Method, Size},
         placed::{Placed, Surrounded},
         rows::Rows,
-        sharp::{INTERPOLATION_REACH, Nodes, Sharp, SharpBody, Workspace, assemble},
+        sharp::{INTERPOLATION_REACH, JumpNodes, Sharp, SharpBody, Workspace, assemble},
     },
     grid::Grid,
 };
@@ -65,7 +65,7 @@ fn split_source<const D: usize>(body: &mut SharpBody<D>) -> (Vec<f64>, Vec<f64>)
 }
 
 /// What a unit source outside differs from one everywhere, with the corrections of the rows that reach across the surface.
-fn source<const D: usize>(grid: &Grid<D>, nodes: &Nodes<D>, (corrected, values): (&[u32], &[f64])) -> Rows {
+fn source<const D: usize>(grid: &Grid<D>, nodes: &JumpNodes<D>, (corrected, values): (&[u32], &[f64])) -> Rows {
     let (mut unknowns, mut parts) = (Vec::new(), Vec::new());
     let mut across = corrected.iter().zip(values).peekable();
     each_unknown(grid, nodes, |place, unknown| {
@@ -83,7 +83,7 @@ fn source<const D: usize>(grid: &Grid<D>, nodes: &Nodes<D>, (corrected, values):
 /// The sums over rows, and over rows times offsets over the radius, of the missing source inside.
 ///
 /// Then every discrete flux out of a box around the inclusion is that of its multipliers and of the source outside of it.
-fn missing_source<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, nodes: &Nodes<D>) -> [f64; TERMS] {
+fn missing_source<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, nodes: &JumpNodes<D>) -> [f64; TERMS] {
     let ball = placed.ball();
     let mut moments = [0.0; TERMS];
     moments[0] = -ball.volume() / grid.spacing().product();
@@ -97,7 +97,7 @@ fn missing_source<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, nodes: &No
     moments
 }
 
-fn each_unknown<const D: usize>(grid: &Grid<D>, nodes: &Nodes<D>, mut visit: impl FnMut(usize, u32)) {
+fn each_unknown<const D: usize>(grid: &Grid<D>, nodes: &JumpNodes<D>, mut visit: impl FnMut(usize, u32)) {
     let all = |row| row;
     nodes.runs(grid, all, |first, length, unknown| (0..length).for_each(|along| visit(first + along, (unknown + along) as u32)));
 }

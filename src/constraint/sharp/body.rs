@@ -10,8 +10,8 @@ use crate::{
         body::{BodyBlocks, Plans, WallForces, Walls},
         dense::LocalBlock,
         interpolant::Interpolant,
-        layout::Layout,
-        places::{Seen, SeenMut},
+        layout::MultiplierLayout,
+        places::{Entries, EntriesMut},
         rows::Rows,
     },
     linalg::dot,
@@ -39,18 +39,18 @@ impl<const D: usize> BodyBlocks<D> for SharpBody<D> {
         self.surface.modes.count()
     }
 
-    fn plan(&mut self, layout: &Layout, plans: &mut Plans) {
+    fn plan(&mut self, layout: &MultiplierLayout, plans: &mut Plans) {
         self.interpolant.plan(&mut plans.read);
         self.rows.plan(&mut plans.spread);
         let place = |block: &LocalBlock| plans.multipliers.of(layout.global(block.body), block.transposed.nrows());
         self.local_places = self.local.iter().map(place).collect();
     }
 
-    fn spread(&self, factor: f64, c: &[f64], scratch: &mut Vec<f64>, rows: &mut SeenMut) {
+    fn spread(&self, factor: f64, c: &[f64], scratch: &mut Vec<f64>, rows: &mut EntriesMut) {
         self.rows.add(factor, c, scratch, rows);
     }
 
-    fn read(&self, u: Seen, walls: Walls, scratch: &mut Vec<f64>, out: &mut [f64]) {
+    fn read(&self, u: Entries, walls: Walls, scratch: &mut Vec<f64>, out: &mut [f64]) {
         self.interpolant.apply(u, scratch, out);
         if walls == Walls::Moving {
             out.iter_mut().zip(&self.interpolant.wall_values).for_each(|(value, wall)| *value += wall);
@@ -61,7 +61,7 @@ impl<const D: usize> BodyBlocks<D> for SharpBody<D> {
         Some(&self.surface)
     }
 
-    fn add_local(&self, _own: &[f64], all: Seen, out: &mut [f64]) {
+    fn add_local(&self, _own: &[f64], all: Entries, out: &mut [f64]) {
         for (LocalBlock { transposed, .. }, &place) in self.local.iter().zip(&self.local_places) {
             let modes = transposed.nrows();
             let c = &all.from(place)[..modes];

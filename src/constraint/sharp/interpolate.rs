@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DMatrixView, Dyn, SVector};
 
 use super::{
     jumps::Jumps,
-    nodes::{Nodes, reach},
+    nodes::{JumpNodes, reach},
 };
 use crate::{
     constraint::{
@@ -28,7 +28,7 @@ const MOST_NODES: usize = NODES * NODES * NODES;
 pub struct Interpolation<'a, const D: usize> {
     grid: &'a Grid<D>,
     placed: &'a Placed<D>,
-    nodes: &'a [Nodes<D>],
+    nodes: &'a [JumpNodes<D>],
     /// For each component, whether each node is met.
     met: Vec<Vec<bool>>,
     /// The block J.
@@ -46,7 +46,7 @@ pub struct Interpolated {
 
 impl<'a, const D: usize> Interpolation<'a, D> {
     /// Finds the nodes, and asks for the jumps of the body at those outside it.
-    pub fn new(grid: &'a Grid<D>, placed: &'a Placed<D>, nodes: &'a [Nodes<D>], jumps: &mut [Jumps]) -> Self {
+    pub fn new(grid: &'a Grid<D>, placed: &'a Placed<D>, nodes: &'a [JumpNodes<D>], jumps: &mut [Jumps]) -> Self {
         let interpolant = Interpolant { boxes: Vec::new(), weights: Vec::new(), wall_values: Vec::new() };
         let mut found = Interpolation { grid, placed, nodes, met: Vec::new(), interpolant };
         let corners = found.find_corners();
@@ -165,7 +165,7 @@ impl<'a, const D: usize> Interpolation<'a, D> {
     }
 }
 
-fn met<const D: usize>(nodes: &Nodes<D>, corners: &[u32]) -> Vec<bool> {
+fn met<const D: usize>(nodes: &JumpNodes<D>, corners: &[u32]) -> Vec<bool> {
     let offsets = row_offsets(nodes.indices.strides());
     let mut met = vec![false; nodes.indices.len()];
     for &corner in corners {
@@ -177,7 +177,7 @@ fn met<const D: usize>(nodes: &Nodes<D>, corners: &[u32]) -> Vec<bool> {
 }
 
 /// What is to be fetched: in each row of nodes, from the first to the last that is met.
-fn runs<const D: usize>(grid: &Grid<D>, nodes: &Nodes<D>, met: &[bool]) -> Vec<Run> {
+fn runs<const D: usize>(grid: &Grid<D>, nodes: &JumpNodes<D>, met: &[bool]) -> Vec<Run> {
     let narrowed = |row: Range<usize>| {
         let first = row.clone().find(|&place| met[place]).unwrap_or(row.end);
         first..row.rev().find(|&place| met[place]).map_or(first, |last| last + 1)

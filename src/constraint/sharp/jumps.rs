@@ -1,6 +1,6 @@
 //! Jump functions of all modes of a body at chosen nodes.
 
-use super::nodes::Nodes;
+use super::nodes::JumpNodes;
 use crate::{
     constraint::placed::Placed,
     linalg::{add_rows, padded},
@@ -21,7 +21,7 @@ pub struct Jumps {
 
 impl Jumps {
     /// Turns to another body and other nodes, and forgets those asked for.
-    pub fn turn_to<const D: usize>(&mut self, placed: &Placed<D>, nodes: &Nodes<D>) {
+    pub fn turn_to<const D: usize>(&mut self, placed: &Placed<D>, nodes: &JumpNodes<D>) {
         self.stride = padded(placed.surface.modes.jump_count());
         self.chosen.drain(..).for_each(|place| self.rows[place as usize] = EMPTY);
         self.rows.resize(nodes.indices.len(), EMPTY);
@@ -57,7 +57,7 @@ impl Jumps {
     }
 
     /// Evaluates the jump functions of a body; all but pressures are zero within `core` of its centre.
-    pub fn evaluate<const D: usize>(&mut self, nodes: &Nodes<D>, placed: &Placed<D>, core: f64) {
+    pub fn evaluate<const D: usize>(&mut self, nodes: &JumpNodes<D>, placed: &Placed<D>, core: f64) {
         let positions = self.chosen.iter().map(|&place| nodes.position(place as usize) - placed.center);
         let offsets: Vec<f64> = positions.flat_map(|offset| offset.data.0[0]).collect();
         let length = self.chosen.len() * self.stride;

@@ -33,7 +33,7 @@ pub use body::SharpBody;
 pub use cleared::{FreshlyCleared, freshly_cleared, jump};
 use interpolate::{Interpolated, Interpolation};
 use jumps::Jumps;
-pub use nodes::Nodes;
+pub use nodes::JumpNodes;
 use nodes::reach;
 use spread::Spreading;
 
@@ -97,12 +97,12 @@ pub fn assemble<const D: usize>(
     grid: &Grid<D>,
     Surrounded { body, placed, neighbours }: &Surrounded<D>,
     workspace: &mut Workspace,
-    sources: impl Fn(&Nodes<D>) -> Vec<[f64; TERMS]>,
-) -> (SharpBody<D>, Vec<Nodes<D>>) {
+    sources: impl Fn(&JumpNodes<D>) -> Vec<[f64; TERMS]>,
+) -> (SharpBody<D>, Vec<JumpNodes<D>>) {
     let unknowns = Unknowns::of(placed.surface.modes.as_ref());
     let (fields, components) = (unknowns.fields::<D>(), unknowns.components::<D>());
     let reach = placed.surface.modes.radius() + reach(grid);
-    let nodes: Vec<Nodes<D>> = (0..fields).map(|field| Nodes::around(grid, field, placed, reach)).collect();
+    let nodes: Vec<JumpNodes<D>> = (0..fields).map(|field| JumpNodes::around(grid, field, placed, reach)).collect();
     let Workspace { jumps, of_neighbour, interpolated, values } = workspace;
     let (jumps, of_neighbour) = (&mut jumps[..fields], &mut of_neighbour[..components]);
     nodes.iter().zip(&mut *jumps).for_each(|(nodes, jumps)| jumps.turn_to(placed, nodes));

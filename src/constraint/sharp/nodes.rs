@@ -17,7 +17,7 @@ pub fn reach<const D: usize>(grid: &Grid<D>) -> f64 {
 }
 
 /// Lattice points, and points of walls between them, around a body.
-pub struct Nodes<const D: usize> {
+pub struct JumpNodes<const D: usize> {
     unknowns: Unknowns,
     /// The field.
     pub field: usize,
@@ -33,9 +33,9 @@ pub struct Nodes<const D: usize> {
     pub outside: Vec<bool>,
 }
 
-impl<const D: usize> Nodes<D> {
+impl<const D: usize> JumpNodes<D> {
     /// The nodes within `reach` of the centre along each axis.
-    pub fn around(grid: &Grid<D>, field: usize, placed: &Placed<D>, reach: f64) -> Nodes<D> {
+    pub fn around(grid: &Grid<D>, field: usize, placed: &Placed<D>, reach: f64) -> JumpNodes<D> {
         let unknowns = Unknowns::of(placed.surface.modes.as_ref());
         let lattice = unknowns.lattice::<D>(field);
         let indices = match unknowns {
@@ -49,7 +49,7 @@ impl<const D: usize> Nodes<D> {
         let squares = squares(&coordinates, &placed.center);
         let limit = placed.surface.modes.radius().powi(2);
         let outside = squares.iter().map(|&square| square > limit).collect();
-        Nodes { unknowns, field, lattice, indices, coordinates, squares, outside }
+        JumpNodes { unknowns, field, lattice, indices, coordinates, squares, outside }
     }
 
     /// Where the node at a place is.

@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use super::{jumps::Jumps, nodes::Nodes};
+use super::{jumps::Jumps, nodes::JumpNodes};
 use crate::{
     constraint::{
         conservation::{AtOffsets, TERMS, Wanted, conserve_momentum},
@@ -31,7 +31,7 @@ pub struct OnWall {
 pub struct Spreading<'a, const D: usize> {
     grid: &'a Grid<D>,
     placed: &'a Placed<D>,
-    nodes: &'a [Nodes<D>],
+    nodes: &'a [JumpNodes<D>],
     /// Unknown of each row.
     unknowns: Vec<u32>,
     rows: Corrections<D>,
@@ -58,7 +58,7 @@ struct Corrections<const D: usize> {
 
 impl<'a, const D: usize> Spreading<'a, D> {
     /// Finds the rows that reach across the surface and asks for the jumps that they take.
-    pub fn new(grid: &'a Grid<D>, placed: &'a Placed<D>, nodes: &'a [Nodes<D>], jumps: &mut [Jumps]) -> Self {
+    pub fn new(grid: &'a Grid<D>, placed: &'a Placed<D>, nodes: &'a [JumpNodes<D>], jumps: &mut [Jumps]) -> Self {
         let (rows, walls) = (Corrections::default(), Corrections::default());
         let mut spreading = Spreading { grid, placed, nodes, unknowns: Vec::new(), rows, walls, walls_of: Vec::new() };
         for field in 0..nodes.len() {
@@ -187,7 +187,7 @@ impl<'a, const D: usize> Spreading<'a, D> {
 
 impl<const D: usize> Corrections<D> {
     /// Starts terms, all of one field, of a row whose centre lies `outside` or not.
-    fn group<'a>(&'a mut self, nodes: &'a Nodes<D>, jumps: &'a mut Jumps, outside: bool, factor: f64) -> Group<'a, D> {
+    fn group<'a>(&'a mut self, nodes: &'a JumpNodes<D>, jumps: &'a mut Jumps, outside: bool, factor: f64) -> Group<'a, D> {
         Group { before: self.terms.len(), corrections: self, nodes, jumps, outside, factor }
     }
 
@@ -232,7 +232,7 @@ impl<const D: usize> Corrections<D> {
 /// Terms of a row from one field, which end when it is dropped.
 struct Group<'a, const D: usize> {
     corrections: &'a mut Corrections<D>,
-    nodes: &'a Nodes<D>,
+    nodes: &'a JumpNodes<D>,
     jumps: &'a mut Jumps,
     outside: bool,
     factor: f64,

@@ -9,24 +9,24 @@ use crate::contact::{Contact, Partner, candidates};
 fn a_scene_without_contact_has_no_problem() {
     let scene = Scene::new(domain([20.0, 20.0], [true, false]), &[([5.0, 5.0], [1.0, 0.0]), ([9.0, 5.0], [0.5, 0.0])]);
     let projection = scene.solve().unwrap();
-    let certificate = projection.certificate;
-    assert_eq!((certificate.pairs, certificate.rounds, certificate.iterations, certificate.islands), (0, 0, 0, 0));
-    assert_eq!((projection.velocities, certificate.smallest_gap), (scene.velocities, f64::INFINITY));
+    let kkt_report = projection.kkt_report;
+    assert_eq!((kkt_report.pairs, kkt_report.rounds, kkt_report.iterations, kkt_report.islands), (0, 0, 0, 0));
+    assert_eq!((projection.velocities, kkt_report.smallest_gap), (scene.velocities, f64::INFINITY));
 }
 
 #[test]
 fn two_groups_are_two_islands() {
     let group = |x: f64| [([x, 1.0], [0.0, -0.1]), ([x, 3.0], [0.0, -0.1]), ([x, 5.0], [0.0, 0.0])];
     let bodies = [group(5.0), group(12.0)].concat();
-    let certificate = Scene::new(domain([20.0, 20.0], [true, false]), &bodies).solve().unwrap().certificate;
-    assert_eq!((certificate.islands, certificate.pairs, certificate.active), (2, 6, 4));
+    let kkt_report = Scene::new(domain([20.0, 20.0], [true, false]), &bodies).solve().unwrap().kkt_report;
+    assert_eq!((kkt_report.islands, kkt_report.pairs, kkt_report.active), (2, 6, 4));
 }
 
 #[test]
 fn a_body_that_does_not_give_way_connects_nothing() {
     let mut scene = row(5, |body| Vector2::new(2.0 - body as f64, 0.0));
     scene.weights[2] = f64::INFINITY;
-    assert_eq!(scene.solve().unwrap().certificate.islands, 2);
+    assert_eq!(scene.solve().unwrap().kkt_report.islands, 2);
 }
 
 #[test]
@@ -72,11 +72,11 @@ fn bodies_that_would_fly_through_each_other_meet() {
 #[test]
 fn bodies_meet_images_many_boxes_away() {
     let scene = Scene::new(domain([10.0; 3], [true; 3]), &[([2.0, 5.0, 5.0], [0.0; 3]), ([5.0, 7.5, 5.0], [35.0, 0.0, -0.1])]);
-    assert_eq!(scene.solve().unwrap().certificate.pairs, 0);
+    assert_eq!(scene.solve().unwrap().kkt_report.pairs, 0);
     let mut lower = scene.clone();
     lower.balls[1].center[1] = 6.5;
     let projection = lower.solve().unwrap();
-    assert!(projection.certificate.active > 0 && lower.overlap(&projection) < ROUNDING);
+    assert!(projection.kkt_report.active > 0 && lower.overlap(&projection) < ROUNDING);
     let common: Vector3<f64> = projection.velocities.iter().sum();
     assert!((common - Vector3::new(35.0, 0.0, -0.1)).norm() < 1e-11);
 }
@@ -84,8 +84,8 @@ fn bodies_meet_images_many_boxes_away() {
 #[test]
 fn bodies_that_move_alike_do_not_meet_however_fast() {
     let bodies: Vec<_> = (0..20).map(|body| ([2.5 * f64::from(body) + 1.5, 5.0], [1e4, 0.0])).collect();
-    let certificate = Scene::new(domain([50.0, 10.0], [true, false]), &bodies).solve().unwrap().certificate;
-    assert_eq!((certificate.pairs, certificate.rounds), (0, 0));
+    let kkt_report = Scene::new(domain([50.0, 10.0], [true, false]), &bodies).solve().unwrap().kkt_report;
+    assert_eq!((kkt_report.pairs, kkt_report.rounds), (0, 0));
 }
 
 #[test]

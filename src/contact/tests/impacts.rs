@@ -25,8 +25,8 @@ fn the_momentum_of_a_pair_is_kept() {
     let momentum = |velocities: &[Vector2<f64>]| velocities[0] * 0.3 + velocities[1] * 7.0;
     assert!(projection.velocities != scene.velocities);
     assert!((momentum(&projection.velocities) - momentum(&scene.velocities)).norm() < ROUNDING);
-    assert!(projection.certificate.smallest_gap > 0.0);
-    assert_eq!(projection.certificate.iterations, 0);
+    assert!(projection.kkt_report.smallest_gap > 0.0);
+    assert_eq!(projection.kkt_report.iterations, 0);
 }
 
 #[test]
@@ -50,9 +50,9 @@ fn a_falling_ball_stops_on_the_plane() {
     let scene = Scene::new(domain([20.0, 20.0], [true, false]), &[([5.0, 1.3], [0.7, -2.0])]);
     let projection = scene.solve().unwrap();
     assert!((projection.velocities[0] - Vector2::new(0.7, -0.3)).norm() < ROUNDING);
-    assert!(projection.certificate.smallest_gap.abs() < ROUNDING);
+    assert!(projection.kkt_report.smallest_gap.abs() < ROUNDING);
     assert!((projection.forces[0].force - 1.7).abs() < ROUNDING);
-    assert_eq!(projection.certificate.islands, 1);
+    assert_eq!(projection.kkt_report.islands, 1);
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn a_column_with_gaps_closes_them_all_in_a_long_step() {
     for (body, ball) in scene.moved(&projection).iter().enumerate() {
         assert!((ball.center[1] - 1.0 - 2.0 * body as f64).abs() < 10.0 * ROUNDING, "{}", ball.center);
     }
-    assert!(projection.certificate.rounds < 10, "{}", projection.certificate.rounds);
+    assert!(projection.kkt_report.rounds < 10, "{}", projection.kkt_report.rounds);
 }
 
 #[test]
@@ -114,5 +114,5 @@ fn bodies_that_overlap_are_parted_within_the_step() {
 fn bodies_that_part_are_left_alone() {
     let scene = row(3, |body| Vector2::new(body as f64, 0.0));
     let projection = scene.solve().unwrap();
-    assert_eq!((projection.velocities, projection.certificate.pairs), (scene.velocities, 0));
+    assert_eq!((projection.velocities, projection.kkt_report.pairs), (scene.velocities, 0));
 }

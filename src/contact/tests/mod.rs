@@ -13,7 +13,7 @@ use nalgebra::{SVector, Vector2};
 use super::{Memory, Problem, Projection, island::solve_island, project::project_by, share::pick};
 use crate::{
     error::Result,
-    geometry::{Axis, Ball, Domain, Slide},
+    geometry::{Axis, Ball, Domain, LeesEdwards},
 };
 
 /// Gaps that close and sums that vanish are right to this, in radii or in what is summed.

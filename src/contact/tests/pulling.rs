@@ -30,8 +30,8 @@ fn a_contact_that_may_pull_enough_stays_closed() {
     let projection = pulled(3, |body| body as f64 - 1.0, |_| -10.0);
     assert_near(projection.velocities.iter().map(|velocity| velocity[0]), &[0.0; 3]);
     assert_near(projection.forces.iter().map(|force| force.force), &[-1.0; 2]);
-    assert_eq!((projection.certificate.active, projection.certificate.islands), (2, 1));
-    assert!(projection.certificate.kkt_residual < ROUNDING);
+    assert_eq!((projection.kkt_report.active, projection.kkt_report.islands), (2, 1));
+    assert!(projection.kkt_report.kkt_residual < ROUNDING);
 }
 
 #[test]
@@ -42,7 +42,7 @@ fn a_contact_that_may_not_opens_with_the_pull_that_it_has() {
             if count == 2 { (&[-0.75, -0.25], &[-0.25]) } else { (&[-0.75, 0.375, 0.375], &[-0.25, -0.625]) };
         assert_near(projection.velocities.iter().map(|velocity| velocity[0]), velocities);
         assert_near(projection.forces.iter().map(|force| force.force), forces);
-        assert!(projection.certificate.kkt_residual < ROUNDING, "{:?}", projection.certificate);
+        assert!(projection.kkt_report.kkt_residual < ROUNDING, "{:?}", projection.kkt_report);
     }
 }
 

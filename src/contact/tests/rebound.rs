@@ -24,7 +24,7 @@ fn without_rebound_the_ball_that_could_bounce_for_ever_lies_still() {
         assert!(push <= 0.0);
         scene.velocities[0] += Vector2::new(0.0, push * scene.step);
         let projection = scene.solve().unwrap();
-        pressed += usize::from(projection.certificate.active > 0);
+        pressed += usize::from(projection.kkt_report.active > 0);
         scene.balls = scene.moved(&projection);
         scene.velocities = projection.velocities;
         // overlaps of 1e-11 radii are let grow and parted again; the bouncing ball rises to 0.08

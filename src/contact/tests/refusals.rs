@@ -69,7 +69,7 @@ fn weights_however_different_give_an_answer_or_an_error() {
         let mut scene = Scene::new(domain([20.0, 20.0], [true, false]), &[([5.0, 1.2], [0.0, -1.0]), ([5.5, 3.4], [0.0, -3.0])]);
         scene.weights = vec![ratio.sqrt().recip(), ratio.sqrt()];
         match scene.solve() {
-            Ok(projection) => assert!(projection.certificate.smallest_gap > -1e-4, "{ratio:e}: {:?}", projection.certificate),
+            Ok(projection) => assert!(projection.kkt_report.smallest_gap > -1e-4, "{ratio:e}: {:?}", projection.kkt_report),
             Err(error) => {
                 assert!(matches!(error, Error::Contact { .. }), "{ratio:e}: {error}");
                 refused += 1;

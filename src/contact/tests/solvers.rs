@@ -23,8 +23,8 @@ impl<const D: usize> Scene<D> {
 fn difference<const D: usize>(scene: &Scene<D>) -> f64 {
     let [one, two] = [Solver::General, Solver::Sparse].map(|solver| scene.solve_with(solver, &Memory::default()).unwrap());
     for found in [&one, &two] {
-        assert!(scene.overlap(found) < 1e-7, "{:?}", found.certificate);
-        assert!(found.certificate.kkt_residual < 1e-7, "{:?}", found.certificate);
+        assert!(scene.overlap(found) < 1e-7, "{:?}", found.kkt_report);
+        assert!(found.kkt_report.kkt_residual < 1e-7, "{:?}", found.kkt_report);
         assert!(scene.energy(&found.velocities) <= scene.energy(&scene.velocities) * (1.0 + ROUNDING));
     }
     let largest =
@@ -78,8 +78,8 @@ fn a_pile_at_rest_needs_no_iteration_from_its_own_forces() {
     let first = scene.solve_with(Solver::Sparse, &Memory::default()).unwrap();
     let memory = first.forces.iter().map(|force| (force.contact.identity(), force.force)).collect();
     let again = scene.solve_with(Solver::Sparse, &memory).unwrap();
-    assert!(first.certificate.iterations > 0 && again.certificate.iterations == 0, "{:?}", again.certificate);
-    assert_eq!(again.certificate.solver, Solver::Sparse);
+    assert!(first.kkt_report.iterations > 0 && again.kkt_report.iterations == 0, "{:?}", again.kkt_report);
+    assert_eq!(again.kkt_report.solver, Solver::Sparse);
 }
 
 #[test]

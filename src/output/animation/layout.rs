@@ -11,7 +11,7 @@ const TIME: [usize; 2] = [4, 14];
 const TALLEST: f64 = 1.5;
 
 /// The places and the scale of one film.
-pub struct Layout {
+pub struct PageLayout {
     /// Columns and rows of a frame.
     pub page: [usize; 2],
     /// Pixels per unit of length.
@@ -21,7 +21,7 @@ pub struct Layout {
     periodic: [bool; 2],
 }
 
-impl Layout {
+impl PageLayout {
     /// The layout of a film at most `width` pixels wide.
     pub fn new(animation: &Animation, width: usize) -> Self {
         let border = [2 * MARGIN, 2 * MARGIN + TIME[0] + TIME[1]];
@@ -30,7 +30,7 @@ impl Layout {
         let scale = scales[0].min(scales[1]);
         let extent = animation.size.map(|length| (length * scale).round().max(1.0) as usize);
         let page = [extent[0] + border[0], extent[1] + border[1]];
-        Layout { page, scale, corner: [MARGIN; 2], extent, periodic: animation.periodic }
+        PageLayout { page, scale, corner: [MARGIN; 2], extent, periodic: animation.periodic }
     }
 
     /// The pixel of a point of the box.

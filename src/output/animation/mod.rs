@@ -13,7 +13,7 @@ use super::picture::bar::Bar;
 use super::picture::colour;
 use crate::observe::{AnimatedDisk, Animation, AnimationFrame};
 use canvas::Canvas;
-use layout::Layout;
+use layout::PageLayout;
 
 /// The distance of the mark that shows the angle from the center, and its radius, in radii of its disk.
 const MARK: [f64; 2] = [0.58, 0.17];
@@ -32,7 +32,7 @@ impl Animation {
     pub fn apng(&self, width_in_pixels: usize, seconds: f64) -> Vec<u8> {
         assert!(!self.frames.is_empty(), "a film has frames");
         assert!(self.size.iter().all(|length| length.is_finite() && *length > 0.0), "the box has a positive size");
-        let layout = Layout::new(self, width_in_pixels);
+        let layout = PageLayout::new(self, width_in_pixels);
         let top = Bar::new(&self.frames.iter().flat_map(|frame| &frame.disks).map(|disk| disk.speed).collect::<Vec<_>>()).top;
         let stills = self.progress().into_iter().zip(&self.frames).map(|(part, frame)| self.still(&layout, frame, top, part));
         encoding::apng(layout.page, stills, &self.delays(seconds))
@@ -59,7 +59,7 @@ impl Animation {
         between.chain([1000]).collect()
     }
 
-    fn still(&self, layout: &Layout, frame: &AnimationFrame, top: f64, part: f64) -> Canvas {
+    fn still(&self, layout: &PageLayout, frame: &AnimationFrame, top: f64, part: f64) -> Canvas {
         let mut canvas = layout.empty(part);
         for disk in frame.disks.iter().filter(|disk| disk.finite()) {
             self.draw(&mut canvas, layout, disk, frame.shift, palette::shade(disk.speed / top));
@@ -67,7 +67,7 @@ impl Animation {
         canvas
     }
 
-    fn draw(&self, canvas: &mut Canvas, layout: &Layout, disk: &AnimatedDisk, shift: f64, shade: [u8; 3]) {
+    fn draw(&self, canvas: &mut Canvas, layout: &PageLayout, disk: &AnimatedDisk, shift: f64, shade: [u8; 3]) {
         let radius = disk.radius * layout.scale;
         let mark = MARK.map(|part| part * radius);
         for center in (Window { size: self.size, periodic: self.periodic, shift }).images(disk.center, disk.radius) {
@@ -101,8 +101,8 @@ mod tests {
         AnimatedDisk { center: [x, 0.5], radius: 0.2, angle: f64::NAN, speed }
     }
 
-    fn first_still(animation: &Animation) -> (Layout, Canvas) {
-        let layout = Layout::new(animation, 228);
+    fn first_still(animation: &Animation) -> (PageLayout, Canvas) {
+        let layout = PageLayout::new(animation, 228);
         let canvas = animation.still(&layout, &animation.frames[0], 1.0, 0.0);
         (layout, canvas)
     }

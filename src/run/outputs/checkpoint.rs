@@ -10,13 +10,13 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::{
     body::{Twist, components, skew},
-    contact::{Adhesive, Identity, Partner},
+    contact::{AdhesiveContact, Identity, Partner},
     error::{Error, Offer, Refusal, Result},
     grid::Grid,
     output::{CHECKPOINT, Checkpoint, CheckpointWriter},
     petsc::Vector,
     run::{BeforeStep, Output, RunStatistics},
-    simulation::{Held, Moving, Past, Simulation, Snapshot, State},
+    simulation::{ContactHistory, ExtrapolationHistory, Moving, Simulation, Snapshot, State},
 };
 
 /// Names of the arrays of a solution.
@@ -31,14 +31,14 @@ pub struct CheckpointFile {
     /// Texts by name, such as that of the scene.
     texts: Vec<(&'static str, String)>,
     /// Seconds between checkpoints.
-    pace: f64,
+    step_control: f64,
     last: Instant,
 }
 
 impl CheckpointFile {
     /// None yet.
-    pub fn new(folder: &Path, texts: Vec<(&'static str, String)>, pace: f64) -> CheckpointFile {
-        CheckpointFile { path: folder.join(CHECKPOINT), texts, pace, last: Instant::now() }
+    pub fn new(folder: &Path, texts: Vec<(&'static str, String)>, step_control: f64) -> CheckpointFile {
+        CheckpointFile { path: folder.join(CHECKPOINT), texts, step_control, last: Instant::now() }
     }
 
     /// Writes it; if that fails, an older one is untouched.
@@ -58,7 +58,7 @@ impl CheckpointFile {
 
 impl<const D: usize> Output<D> for CheckpointFile {
     fn keep(&mut self, before: &BeforeStep<D>) -> Result<()> {
-        let due = before.due || self.last.elapsed().as_secs_f64() >= self.pace;
+        let due = before.due || self.last.elapsed().as_secs_f64() >= self.step_control;
         let due = before.world.max(f64::from(due)) > 0.0;
         if due && before.simulation.on_the_way() && before.simulation.state().steps > 0 {
             self.store(before)?;
@@ -154,8 +154,8 @@ fn read_state<const D: usize>(checkpoint: &Checkpoint, bodies: usize) -> Result<
         steps: steps as usize,
         last_step,
         bodies: flat.chunks(length).map(moving).collect(),
-        held: held.map(|((body, partner, image), force)| Held { body, partner, image, force }).collect(),
-        stuck: stuck.into_iter().map(|((body, partner, image), gamma)| Adhesive { body, partner, image, gamma }).collect(),
+        held: held.map(|((body, partner, image), force)| ContactHistory { body, partner, image, force }).collect(),
+        stuck: stuck.into_iter().map(|((body, partner, image), gamma)| AdhesiveContact { body, partner, image, gamma }).collect(),
     })
 }
 
@@ -163,7 +163,7 @@ fn misfit(name: &str) -> Error {
     Refusal::from(format!("the checkpoint's {name} do not fit the scene; resume from another checkpoint")).offering(Offer::Anew)
 }
 
-fn store_past<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, past: Option<&Past<D>>) -> Result<()> {
+fn store_past<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, past: Option<&ExtrapolationHistory<D>>) -> Result<()> {
     let interval = past.and_then(|past| past.earlier.as_ref()).map_or(0.0, |(_, interval)| *interval);
     writer.shared("past", &past.map_or(vec![], |past| vec![past.time, interval]))?;
     let Some(past) = past else { return Ok(()) };
@@ -185,11 +185,11 @@ fn store_past<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, pas
     Ok(())
 }
 
-fn read_past<const D: usize>(checkpoint: &Checkpoint, grid: &Grid<D>, shape: Option<&Vector>) -> Result<Option<Past<D>>> {
+fn read_past<const D: usize>(checkpoint: &Checkpoint, grid: &Grid<D>, shape: Option<&Vector>) -> Result<Option<ExtrapolationHistory<D>>> {
     let [time, interval] = checkpoint.shared("past")?[..] else { return Ok(None) };
     let last = read_snapshot(checkpoint, grid, shape, SNAPSHOTS[0])?;
     let earlier = if interval > 0.0 { Some((read_snapshot(checkpoint, grid, shape, SNAPSHOTS[1])?, interval)) } else { None };
-    Ok(Some(Past { time, last, earlier }))
+    Ok(Some(ExtrapolationHistory { time, last, earlier }))
 }
 
 fn read_snapshot<const D: usize>(checkpoint: &Checkpoint, grid: &Grid<D>, shape: Option<&Vector>, name: &str) -> Result<Snapshot<D>> {

@@ -74,7 +74,7 @@ fn cells<const D: usize>(motion: &EvaluatedMotion<D>, contact: ContactModel, vis
         cells.extend(viscosity.from_walls.map(|walls| real("viscosity_from_walls", walls)));
     }
     if contact != ContactModel::None {
-        let kept = last.and_then(|last| last.certificate);
+        let kept = last.and_then(|last| last.kkt_report);
         cells.push(count("contacts", motion.held().len()));
         cells.extend(contact.gluey().then(|| count("stuck", state.stuck.len())));
         cells.push(gap(kept.map_or(f64::INFINITY, |kept| kept.smallest_gap)));

@@ -15,7 +15,9 @@ use crate::{
     geometry::{Ball, Domain},
     grid::Grid,
     petsc::{Direct, Report, Session, Stage, Vector, enter},
-    simulation::{Configuration, Cost, FlowSolver, Past, Seen, Setup, Snapshot, Solution, WallForces, check_steady_state},
+    simulation::{
+        Configuration, Cost, ExtrapolationHistory, FlowSolver, ResidualMonitor, Setup, Snapshot, Solution, WallForces, check_steady_state,
+    },
 };
 
 /// A suspension in 2D whose flow is found on a mesh that fits the bodies.
@@ -28,7 +30,7 @@ pub struct FittedFlow<const D: usize> {
     moving: Option<(MovingMesh, Option<Direct>)>,
     mesh: Option<Mesh>,
     /// Where the last mesh was made, which a restart needs to make it again.
-    past: Option<Past<D>>,
+    past: Option<ExtrapolationHistory<D>>,
     cost: Cost,
 }
 
@@ -76,20 +78,20 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
         Vector::new(&self.session, self.grid.local_fluid_unknowns())
     }
 
-    fn remember(&mut self, past: Option<Past<D>>) {
+    fn remember(&mut self, past: Option<ExtrapolationHistory<D>>) {
         (self.moving, self.past) = (None, past);
     }
 
-    fn past(&self) -> Option<&Past<D>> {
+    fn past(&self) -> Option<&ExtrapolationHistory<D>> {
         self.past.as_ref()
     }
 
-    fn solve(&mut self, seen: Seen) -> Result<Solution<D>> {
+    fn solve(&mut self, monitor: ResidualMonitor) -> Result<Solution<D>> {
         let centers: Vec<SVector<f64, D>> = self.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        self.solve_at(&Configuration { centers: &centers, time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 0.0 }, seen)
+        self.solve_at(&Configuration { centers: &centers, time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 0.0 }, monitor)
     }
 
-    fn solve_at(&mut self, moment: &Configuration<D>, seen: Seen) -> Result<Solution<D>> {
+    fn solve_at(&mut self, moment: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>> {
         let (stage, start) = (enter(Stage::SetUp), Instant::now());
         let mesh = self.mesh_at(moment.centers, moment.time)?;
         self.cost.setup = start.elapsed().as_secs_f64();
@@ -107,7 +109,7 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
         let direct = self.moving.as_mut().map_or(&mut unused, |(_, direct)| direct);
         let (found, residual) = system.solve(&self.session, direct)?;
         drop(stage);
-        seen(1, residual);
+        monitor(1, residual);
         self.cost.stages.inverse = start.elapsed().as_secs_f64();
         self.cost.krylov = Report { iterations: 1, residual, seconds: self.cost.stages.inverse };
         self.cost.grid_unknowns = numbering.unknowns();
@@ -142,7 +144,7 @@ impl<const D: usize> FittedFlow<D> {
         let mesh = generate(&self.domain, &disks, self.setup.spacing).map_err(|error| self.on_the_way(error, time))?;
         self.moving = Some((MovingMesh::new(mesh.clone()), None));
         let last = Snapshot { fluid: None, multipliers: Vec::new(), centers: centers.to_vec(), closure: Vec::new() };
-        self.past = Some(Past { time, last, earlier: None });
+        self.past = Some(ExtrapolationHistory { time, last, earlier: None });
         self.cost.meshes += 1;
         Ok(mesh)
     }

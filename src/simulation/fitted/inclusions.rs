@@ -14,7 +14,7 @@ use crate::{
     geometry::Ball,
     grid::{Grid, operators::signed},
     petsc::{Report, Session, Stage, Vector, enter},
-    simulation::{Cost, InclusionState, ScalarSetup, ScalarSolution, Seen},
+    simulation::{Cost, InclusionState, ResidualMonitor, ScalarSetup, ScalarSolution},
 };
 
 /// The scalar problem in 2D on a mesh that fits the inclusions.
@@ -62,11 +62,11 @@ impl<const D: usize> FittedInclusions<D> {
         &self.mesh
     }
 
-    /// Solves; `seen` is told the relative residual.
+    /// Solves; `monitor` is told the relative residual.
     ///
     /// # Errors
     /// [`Error::Diverged`] when the matrix is singular.
-    pub fn solve(&mut self, seen: Seen) -> Result<ScalarSolution<D>> {
+    pub fn solve(&mut self, monitor: ResidualMonitor) -> Result<ScalarSolution<D>> {
         let (stage, start) = (enter(Stage::Assembly), Instant::now());
         let numbering = ScalarNumbering::new(&self.mesh);
         let mut system = System::new(self.session.world(), numbering.unknowns());
@@ -75,7 +75,7 @@ impl<const D: usize> FittedInclusions<D> {
         drop(stage);
         let (_stage, start) = (enter(Stage::Inverse), Instant::now());
         let (found, residual) = system.solve(&self.session, &mut None)?;
-        seen(1, residual);
+        monitor(1, residual);
         self.cost.stages.inverse = start.elapsed().as_secs_f64();
         self.cost.krylov = Report { iterations: 1, residual, seconds: self.cost.stages.inverse };
         self.cost.grid_unknowns = numbering.unknowns();

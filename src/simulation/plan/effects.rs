@@ -6,7 +6,7 @@ use crate::{
     grid::Grid,
     interaction::{Interaction, Interactions},
     scene::{Motion, Scene, Scheme, Step},
-    simulation::{Setup, beat::Beat},
+    simulation::{Setup, shift_period::ShiftPeriod},
 };
 
 /// An effect of a scene.
@@ -66,9 +66,9 @@ pub fn drive<const D: usize>(drive: &Drive<D>) -> String {
 
 /// How the images of a sheared box go along.
 fn sliding<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> String {
-    let beat = Beat::of(&setup.domain, grid);
-    beat.map_or(String::new(), |beat| {
-        format!("; images slide along, by a cell in {:.4e}: steps and the end are whole numbers of that", beat.0)
+    let shift_period = ShiftPeriod::of(&setup.domain, grid);
+    shift_period.map_or(String::new(), |shift_period| {
+        format!("; images slide along, by a cell in {:.4e}: steps and the end are whole numbers of that", shift_period.0)
     })
 }
 

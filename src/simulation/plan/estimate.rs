@@ -1,7 +1,7 @@
 //! The report of a plan: its effects, unknowns and memory.
 
 use super::{
-    Model, Plan,
+    Plan, PlannedModel,
     effects::{Effect, flow_effects, gravity, in_time},
     fitted,
     memory::{CONTACT_BYTES, bytes, multiplier_counts, scalar_bytes},
@@ -13,7 +13,7 @@ use crate::{
     geometry::Ball,
     grid::Grid,
     scene::ConstraintMethod,
-    simulation::{DrySetup, ScalarSetup, Setup, closure::Closure},
+    simulation::{GranularSetup, ScalarSetup, Setup, mean_flow_constraint::MeanFlowConstraint},
 };
 
 impl<const D: usize> Plan<D> {
@@ -24,15 +24,15 @@ impl<const D: usize> Plan<D> {
     pub fn report(&self, ranks: usize) -> Result<PlanReport> {
         let on_mesh = self.scene.method.constraint == ConstraintMethod::Fitted;
         match &self.model {
-            Model::Dry(setup) => Ok(self.of_dry(setup)),
-            Model::Scalar(setup) if on_mesh => fitted::scalar(setup, ranks),
-            Model::Scalar(setup) => of_scalar(setup, ranks),
-            Model::Flow(setup) if on_mesh => fitted::flow(self, setup, ranks),
-            Model::Flow(setup) => self.of_flow(setup, ranks),
+            PlannedModel::Granular(setup) => Ok(self.of_dry(setup)),
+            PlannedModel::Scalar(setup) if on_mesh => fitted::scalar(setup, ranks),
+            PlannedModel::Scalar(setup) => of_scalar(setup, ranks),
+            PlannedModel::Flow(setup) if on_mesh => fitted::flow(self, setup, ranks),
+            PlannedModel::Flow(setup) => self.of_flow(setup, ranks),
         }
     }
 
-    fn of_dry(&self, setup: &DrySetup<D>) -> PlanReport {
+    fn of_dry(&self, setup: &GranularSetup<D>) -> PlanReport {
         let free = setup.bodies.iter().filter(|body| body.mass.is_finite()).count();
         let mut effects = vec![
             Effect::off("flow"),
@@ -56,7 +56,7 @@ impl<const D: usize> Plan<D> {
             blocks: grid.partition().ranks().to_vec(),
             grid_unknowns: grid.fluid_unknowns(),
             multiplier_unknowns: counts.iter().sum(),
-            closure_unknowns: Closure::count(&setup.drive, &setup.domain),
+            closure_unknowns: MeanFlowConstraint::count(&setup.drive, &setup.domain),
         };
         Ok(PlanReport { effects, choice: None, fluid: Some(fluid), bytes: bytes(setup, (&grid, &counts), self.scene.time.is_some()) })
     }

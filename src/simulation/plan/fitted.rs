@@ -8,13 +8,13 @@ use super::{
 use crate::{
     error::Result,
     grid::Grid,
-    simulation::{ScalarSetup, Setup, closure::Closure, fitted},
+    simulation::{ScalarSetup, Setup, fitted, mean_flow_constraint::MeanFlowConstraint},
 };
 
 /// Bytes that factors of a matrix in 2D take for each unknown, over the binary logarithm of their number.
 const FACTOR_BYTES: f64 = 180.0;
 
-/// Unknowns of an equilateral mesh for each square on one of its edges: `4 / sqrt(3)` triangles, each with two nodes of velocity and half a
+/// SolvedUnknowns of an equilateral mesh for each square on one of its edges: `4 / sqrt(3)` triangles, each with two nodes of velocity and half a
 /// corner of pressure.
 const UNKNOWNS_PER_CELL: f64 = 2.309 * 4.5;
 
@@ -33,7 +33,7 @@ pub fn flow<const D: usize>(plan: &Plan<D>, setup: &Setup<D>, ranks: usize) -> R
     ];
     effects.extend(in_time(plan));
     let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
-    Ok(on_mesh(effects, &grid, unknowns, Closure::count(&setup.drive, &setup.domain)))
+    Ok(on_mesh(effects, &grid, unknowns, MeanFlowConstraint::count(&setup.drive, &setup.domain)))
 }
 
 /// The plan of a scalar.

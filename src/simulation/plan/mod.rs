@@ -9,5 +9,5 @@ mod parts;
 mod report;
 
 pub use demand::demand;
-pub use parts::{Model, Plan, flow_solver};
+pub use parts::{Plan, PlannedModel, flow_solver};
 pub use report::PlanReport;

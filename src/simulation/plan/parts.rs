@@ -1,6 +1,8 @@
 //! What a scene calls for: its parts, settled before anything is built. What a plan prints is what is built from it, and nothing else.
 
-use crate::simulation::{DrySetup, FittedFlow, FlowSolver, ScalarSetup, Setup, Simulation, Suspension, beat::Beat, interactions};
+use crate::simulation::{
+    FittedFlow, FlowSolver, GranularSetup, ScalarSetup, Setup, Simulation, Suspension, interactions, shift_period::ShiftPeriod,
+};
 use crate::{
     error::Result,
     interaction::{Interaction, Interactions},
@@ -14,14 +16,14 @@ pub struct Plan<const D: usize> {
     /// The scene.
     pub scene: Scene,
     /// What is solved.
-    pub model: Model<D>,
+    pub model: PlannedModel<D>,
 }
 
 /// What is solved, in numbers.
 #[derive(Debug, Clone)]
-pub enum Model<const D: usize> {
+pub enum PlannedModel<const D: usize> {
     /// Bodies without a fluid.
-    Dry(DrySetup<D>),
+    Granular(GranularSetup<D>),
     /// A scalar around inclusions.
     Scalar(ScalarSetup<D>),
     /// Bodies in a flow.
@@ -35,9 +37,9 @@ impl<const D: usize> Plan<D> {
     /// Bodies do not fit, or the scene asks for steps that are too long for its interactions.
     pub fn of(scene: &Scene) -> Result<Plan<D>> {
         let model = match scene.flow.model {
-            FlowModel::None => Model::Dry(DrySetup::of(scene)?),
-            FlowModel::Scalar => Model::Scalar(ScalarSetup::of(scene)?),
-            FlowModel::Stokes => Model::Flow(Setup::of(scene)?),
+            FlowModel::None => PlannedModel::Granular(GranularSetup::of(scene)?),
+            FlowModel::Scalar => PlannedModel::Scalar(ScalarSetup::of(scene)?),
+            FlowModel::Stokes => PlannedModel::Flow(Setup::of(scene)?),
         };
         Plan { scene: scene.clone(), model }.checked()
     }
@@ -58,26 +60,26 @@ impl<const D: usize> Plan<D> {
     /// What bodies do to each other, if they can.
     pub fn interactions(&self) -> Option<&Interactions<D>> {
         match &self.model {
-            Model::Dry(setup) => Some(&setup.interactions),
-            Model::Scalar(_) => None,
-            Model::Flow(setup) => Some(&setup.interactions),
+            PlannedModel::Granular(setup) => Some(&setup.interactions),
+            PlannedModel::Scalar(_) => None,
+            PlannedModel::Flow(setup) => Some(&setup.interactions),
         }
     }
 
     fn interactions_mut(&mut self) -> Option<&mut Interactions<D>> {
         match &mut self.model {
-            Model::Dry(setup) => Some(&mut setup.interactions),
-            Model::Scalar(_) => None,
-            Model::Flow(setup) => Some(&mut setup.interactions),
+            PlannedModel::Granular(setup) => Some(&mut setup.interactions),
+            PlannedModel::Scalar(_) => None,
+            PlannedModel::Flow(setup) => Some(&mut setup.interactions),
         }
     }
 
     /// The longest step with which interactions are stable; infinite if they limit none.
     pub fn longest_step(&self) -> f64 {
         match &self.model {
-            Model::Dry(setup) => setup.longest_step(),
-            Model::Scalar(_) => f64::INFINITY,
-            Model::Flow(setup) => interactions::longest_step_in_flow(setup),
+            PlannedModel::Granular(setup) => setup.longest_step(),
+            PlannedModel::Scalar(_) => f64::INFINITY,
+            PlannedModel::Flow(setup) => interactions::longest_step_in_flow(setup),
         }
     }
 
@@ -98,12 +100,12 @@ impl<const D: usize> Plan<D> {
     pub fn simulation(self, session: &Session) -> Result<Simulation<D>> {
         let time = self.scene.time.expect("the scene has a [time] section");
         match self.model {
-            Model::Scalar(_) => panic!("a scalar problem has no time"),
-            Model::Dry(setup) => Ok(Simulation::dry(session, setup, time)),
-            Model::Flow(setup) => {
+            PlannedModel::Scalar(_) => panic!("a scalar problem has no time"),
+            PlannedModel::Granular(setup) => Ok(Simulation::dry(session, setup, time)),
+            PlannedModel::Flow(setup) => {
                 let flow = flow_solver(session, setup)?;
-                let beat = Beat::of(&flow.setup().domain, flow.grid());
-                let time = beat.map_or(Ok(time.clone()), |beat| beat.keep(&time))?;
+                let shift_period = ShiftPeriod::of(&flow.setup().domain, flow.grid());
+                let time = shift_period.map_or(Ok(time.clone()), |shift_period| shift_period.round_down(&time))?;
                 Ok(Simulation::flowing(session, flow, time))
             }
         }

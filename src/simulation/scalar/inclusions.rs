@@ -9,7 +9,7 @@ use super::{
     uzawa::Uzawa,
 };
 use crate::{
-    constraint::Layout,
+    constraint::MultiplierLayout,
     error::{Error, Result},
     grid::{Grid, dirichlet},
     petsc::{Amg, AmgSettings, Krylov, KrylovMethod, KrylovSettings, Session, Stage, System, Vector, enter},
@@ -26,7 +26,7 @@ pub struct Inclusions<const D: usize> {
     pub(super) session: Session,
     pub(super) setup: ScalarSetup<D>,
     pub(super) grid: Grid<D>,
-    pub(super) layout: Layout,
+    pub(super) layout: MultiplierLayout,
     pub(super) system: ScalarSystem<D>,
     cost: Cost,
 }
@@ -79,24 +79,24 @@ impl<const D: usize> Inclusions<D> {
         &self.cost
     }
 
-    /// Solves; `seen` is told each iteration and its relative residual.
+    /// Solves; `monitor` is told each iteration and its relative residual.
     ///
     /// # Errors
     /// [`Error::Diverged`] when the tolerance is not reached.
-    pub fn solve(&mut self, seen: &mut dyn FnMut(usize, f64)) -> Result<ScalarSolution<D>> {
+    pub fn solve(&mut self, monitor: &mut dyn FnMut(usize, f64)) -> Result<ScalarSolution<D>> {
         self.system.stages = Stages::default();
         let known = self.known_values()?;
         self.fill_source()?;
         let uzawa = match self.setup.constraint.solver() {
-            MultiplierSolver::Krylov => self.solve_coupled(&known, seen).map(|()| None),
-            MultiplierSolver::Uzawa(step) => self.solve_by_uzawa(&known, step, seen).map(Some),
+            MultiplierSolver::Krylov => self.solve_coupled(&known, monitor).map(|()| None),
+            MultiplierSolver::Uzawa(step) => self.solve_by_uzawa(&known, step, monitor).map(Some),
         }?;
         self.cost.stages = self.system.stages;
         self.solution(uzawa)
     }
 
     /// Leaves the scalar and the multipliers in the work space, and in `field_out` what the solver leaves of the rows of the scalar.
-    fn solve_coupled(&mut self, known: &[f64], seen: &mut dyn FnMut(usize, f64)) -> Result<()> {
+    fn solve_coupled(&mut self, known: &[f64], monitor: &mut dyn FnMut(usize, f64)) -> Result<()> {
         let cells = self.grid.local_unknowns(D);
         let mut rhs = Vector::new(&self.session, cells + known.len())?;
         self.system.field_out.scale(self.system.scale)?;
@@ -108,7 +108,7 @@ impl<const D: usize> Inclusions<D> {
         let system = &mut self.system;
         let (mut x, mut residual) = (rhs.like()?, rhs.like()?);
         let stage = enter(Stage::Orthogonalisation);
-        self.cost.krylov = krylov.solve(system, &rhs, &mut x, seen)?;
+        self.cost.krylov = krylov.solve(system, &rhs, &mut x, monitor)?;
         drop(stage);
         system.apply(&x, &mut residual)?;
         residual.add(-1.0, &rhs)?;
@@ -117,12 +117,12 @@ impl<const D: usize> Inclusions<D> {
     }
 
     /// As [`solve_coupled`](Self::solve_coupled).
-    fn solve_by_uzawa(&mut self, known: &[f64], step: Option<f64>, seen: &mut dyn FnMut(usize, f64)) -> Result<Uzawa> {
+    fn solve_by_uzawa(&mut self, known: &[f64], step: Option<f64>, monitor: &mut dyn FnMut(usize, f64)) -> Result<Uzawa> {
         let mut source = self.system.field_out.like()?;
         source.copy_from(&self.system.field_out)?;
         let tolerance = self.setup.tolerance.at_an_instant();
         let system = &mut self.system;
-        let (uzawa, report) = system.solve_by_uzawa(&source, known, step, tolerance, seen)?;
+        let (uzawa, report) = system.solve_by_uzawa(&source, known, step, tolerance, monitor)?;
         self.cost.krylov = report;
         system.matrix.multiply(&system.field_in, &mut system.field_out)?;
         system.field_out.add(-1.0, &source)?;

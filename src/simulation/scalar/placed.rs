@@ -6,7 +6,7 @@ use nalgebra::SVector;
 
 use super::ScalarSetup;
 use crate::{
-    constraint::{Layout, Placed, ScalarBlocks, Surrounded, neighbours, surrounded},
+    constraint::{MultiplierLayout, Placed, ScalarBlocks, Surrounded, neighbours, surrounded},
     error::Result,
     geometry::{Ball, near_pairs},
     grid::Grid,
@@ -30,9 +30,9 @@ fn place<const D: usize>(setup: &ScalarSetup<D>, grid: &Grid<D>) -> Vec<Placed<D
 }
 
 /// Who holds the multipliers of which inclusion.
-pub fn layout<const D: usize>(setup: &ScalarSetup<D>, grid: &Grid<D>, rank: usize) -> Layout {
+pub fn layout<const D: usize>(setup: &ScalarSetup<D>, grid: &Grid<D>, rank: usize) -> MultiplierLayout {
     let centers: Vec<SVector<f64, D>> = setup.inclusions.iter().map(|(ball, _)| setup.domain.wrap(ball.center)).collect();
-    Layout::new(grid, &centers, &setup.counts(grid), rank)
+    MultiplierLayout::new(grid, &centers, &setup.counts(grid), rank)
 }
 
 /// The blocks of this rank's inclusions.
@@ -41,7 +41,7 @@ pub fn assemble<const D: usize>(
     field: &Vector,
     grid: &Grid<D>,
     setup: &ScalarSetup<D>,
-    layout: &Layout,
+    layout: &MultiplierLayout,
 ) -> Result<ScalarBlocks<D>> {
     let (placed, method) = (place(setup, grid), setup.method());
     let (balls, reach): (Vec<Ball<D>>, f64) = (placed.iter().map(Placed::ball).collect(), method.reach() * grid.spacing().max());

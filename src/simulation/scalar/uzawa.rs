@@ -77,7 +77,7 @@ impl<const D: usize> ScalarSystem<D> {
         known: &[f64],
         step: Option<f64>,
         tolerance: f64,
-        seen: &mut dyn FnMut(usize, f64),
+        monitor: &mut dyn FnMut(usize, f64),
     ) -> Result<(Uzawa, Report)> {
         let start = Instant::now();
         let bound = 2.0 / self.norm_of_response(tolerance)?;
@@ -93,7 +93,7 @@ impl<const D: usize> ScalarSystem<D> {
             let size = self.size(&values);
             first = if iteration == 0 { size } else { first };
             let residual = if first > 0.0 { size / first } else { 0.0 };
-            seen(iteration, residual);
+            monitor(iteration, residual);
             if residual <= tolerance {
                 return Ok((uzawa, Report { iterations: iteration, residual, seconds: start.elapsed().as_secs_f64() }));
             }

@@ -39,7 +39,7 @@ pub struct Sample {
 
 /// The fitted model.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Model {
+pub struct ScalingModel {
     /// Seconds of set-up for each cell.
     pub setup: f64,
     /// Seconds for each cell and iteration.
@@ -79,9 +79,9 @@ pub struct Prediction {
     pub memory: Option<f64>,
 }
 
-impl Model {
+impl ScalingModel {
     /// Fits measured runs; nothing if none was on more than one rank, or none on as few as there are cores.
-    pub fn fit(all: &[Sample], cores: usize, network: Network) -> Option<Model> {
+    pub fn fit(all: &[Sample], cores: usize, network: Network) -> Option<ScalingModel> {
         let shared: Vec<&Sample> = all.iter().filter(|sample| sample.shares.ranks > 1).collect();
         let samples: Vec<&Sample> = all.iter().filter(|sample| sample.shares.ranks <= cores).collect();
         if shared.is_empty() || samples.is_empty() {
@@ -93,7 +93,7 @@ impl Model {
             let others = |sample: &Sample| (count(sample) - iterations(sample) * known(&sample.shares)).max(0.0);
             proportion(shared.iter().map(|sample| (iterations(sample) * unit(&sample.shares), others(sample))))
         };
-        let counted = Model {
+        let counted = ScalingModel {
             setup: proportion(samples.iter().map(|sample| (sample.shares.cells.most, sample.measured.setup))),
             body: proportion(samples.iter().map(|sample| (iterations(sample) * sample.shares.bodies.most, sample.measured.bodies))),
             contact: proportion(samples.iter().map(|sample| (sample.shares.all_bodies(), sample.measured.contacts))),
@@ -112,10 +112,10 @@ impl Model {
             let cells = iterations(sample) * sample.shares.cells.most;
             (cells, sample.measured.grid - counted.network_seconds(&sample.shares, iterations(sample)))
         };
-        let model = Model { cell: proportion(samples.iter().map(of_cells)).max(0.0), ..counted };
+        let model = ScalingModel { cell: proportion(samples.iter().map(of_cells)).max(0.0), ..counted };
         let missed =
             |sample: &&Sample| (model.predict(&sample.shares, iterations(sample)).seconds / sample.measured.all_seconds() - 1.0).abs();
-        Some(Model { misfit: samples.iter().map(missed).fold(0.0, f64::max), ..model })
+        Some(ScalingModel { misfit: samples.iter().map(missed).fold(0.0, f64::max), ..model })
     }
 
     /// What a run of so many iterations costs.
@@ -153,7 +153,7 @@ mod tests {
     use super::*;
     use crate::output::{ParallelSummary, Spread};
 
-    const LAW: Model = Model {
+    const LAW: ScalingModel = ScalingModel {
         setup: 3e-6,
         cell: 2e-7,
         body: 5e-6,
@@ -223,8 +223,8 @@ mod tests {
             let mut slow = sample(8, 51);
             slow.measured.grid *= 7.0;
             let samples = [sample(1, 50), sample(2, 52), sample(4, 51), slow];
-            let model = Model::fit(&samples, 4, LAW.network).unwrap();
-            let coefficients = |model: &Model| {
+            let model = ScalingModel::fit(&samples, 4, LAW.network).unwrap();
+            let coefficients = |model: &ScalingModel| {
                 [model.setup, model.cell, model.body, model.contact, model.rest, model.messages, model.bytes, model.collectives]
             };
             for (found, true_one) in coefficients(&model).into_iter().zip(coefficients(&LAW)) {
@@ -250,7 +250,7 @@ mod tests {
     fn contacts_grow_with_the_bodies_of_all_ranks() {
         let weak = |ranks: usize| RankShares { bodies: Spread::of([300.0]), cells: Spread::of([1e5]), ..shares(ranks) };
         let contacts = |ranks: usize| {
-            let (all, none) = (weak(ranks), Model { contact: 0.0, ..LAW });
+            let (all, none) = (weak(ranks), ScalingModel { contact: 0.0, ..LAW });
             LAW.predict(&all, 10.0).seconds - none.predict(&all, 10.0).seconds
         };
         assert_near(contacts(64), 64.0 * contacts(1));
@@ -259,7 +259,7 @@ mod tests {
 
     #[test]
     fn one_rank_alone_says_nothing_about_the_network() {
-        assert_eq!(Model::fit(&[sample(1, 50)], 4, LAW.network), None);
-        assert_eq!(Model::fit(&[sample(8, 50)], 4, LAW.network), None);
+        assert_eq!(ScalingModel::fit(&[sample(1, 50)], 4, LAW.network), None);
+        assert_eq!(ScalingModel::fit(&[sample(8, 50)], 4, LAW.network), None);
     }
 }

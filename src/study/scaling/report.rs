@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{
-    model::{Model, Network},
+    model::{Network, ScalingModel},
     table::Table,
 };
 use crate::{
@@ -33,7 +33,7 @@ pub struct Report {
     /// Assumed for the model.
     pub network: Network,
     /// The model, if there were runs to fit it to.
-    pub model: Option<Model>,
+    pub model: Option<ScalingModel>,
 }
 
 impl Report {

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{
     measurement::Measurement,
-    model::{Model, Prediction, Sample},
+    model::{Prediction, Sample, ScalingModel},
     workload::RankShares,
 };
 use crate::{
@@ -76,7 +76,7 @@ impl RunRow {
     }
 
     /// A run that the model predicts, with the steps and iterations of one that was measured.
-    pub fn predicted(ranks: usize, model: &Model, like: &Measurement, shares: std::result::Result<&RankShares, &Error>) -> RunRow {
+    pub fn predicted(ranks: usize, model: &ScalingModel, like: &Measurement, shares: std::result::Result<&RankShares, &Error>) -> RunRow {
         let total = |shares: &RankShares| model.predict(shares, like.iterations as f64);
         let numbers = |shares: &RankShares| Numbers::of(like, &total(shares), &shares.cells, &shares.bodies);
         RunRow { ranks, beyond_cores: false, numbers: shares.ok().map(numbers), remark: shares.err().map(Error::to_string) }

@@ -5,7 +5,7 @@ use rustfft::num_complex::Complex;
 use super::{
     lines::{Lines, TILE},
     symbols::Symbols,
-    wall_to_wall::{Fields, WallToWall, Work},
+    wall_to_wall::{Fields, LineWorkspace, WallToWall},
 };
 use crate::grid::{Block, Grid};
 
@@ -18,7 +18,7 @@ pub struct ChannelLines<const D: usize> {
     solvers: Vec<WallToWall>,
     solver_of: Vec<usize>,
     tile: Vec<Complex<f64>>,
-    work: Work,
+    work: LineWorkspace,
 }
 
 impl<const D: usize> ChannelLines<D> {
@@ -38,7 +38,7 @@ impl<const D: usize> ChannelLines<D> {
             solver_of.push(*solver);
         }
         let tile = vec![Complex::default(); (D + 1) * TILE * points];
-        ChannelLines { lines, walled, symbols, solvers, solver_of, tile, work: Work::new(points) }
+        ChannelLines { lines, walled, symbols, solvers, solver_of, tile, work: LineWorkspace::new(points) }
     }
 
     /// Replaces rows by the solution.

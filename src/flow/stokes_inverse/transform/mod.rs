@@ -30,7 +30,7 @@ use super::{Stokes, StokesInverse};
 use crate::{
     error::{Error, Result},
     geometry::{Axis, Domain},
-    grid::{Block, Exchange, Grid, Layout, Pencils, Redistribution},
+    grid::{Block, BlockLayout, Exchange, Grid, Pencils, Redistribution},
     parallel::World,
     petsc::Vector,
 };
@@ -90,7 +90,7 @@ impl<const D: usize> TransformInverse<D> {
         let start = Redistribution::new(&own, &whole, rank, D + 1);
         let turns: Vec<_> = stages.windows(2).map(|pair| Redistribution::new(&pair[0], &pair[1], rank, D + 1)).collect();
         let lines = |stage: usize| Lines::new(stages[stage].0[rank], order[stage]);
-        let most = |layouts: &[&Layout<D>]| (D + 1) * layouts.iter().map(|layout| layout.0[rank].len()).max().unwrap_or(0);
+        let most = |layouts: &[&BlockLayout<D>]| (D + 1) * layouts.iter().map(|layout| layout.0[rank].len()).max().unwrap_or(0);
         Ok(TransformInverse {
             fields: fields(stokes, grid, own.0[rank]),
             first: RealTransform::new(Lines::new(whole.0[rank], order[0]), lines(0)),

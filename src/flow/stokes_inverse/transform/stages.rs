@@ -1,15 +1,15 @@
 //! Where values and waves lie at each stage of a transform along all axes, and what ranks exchange between stages.
 
-use super::{Axis, Grid, Layout, Pencils};
+use super::{Axis, BlockLayout, Grid, Pencils};
 
 /// The layouts of a transform along all axes.
 pub struct Stages<const D: usize> {
     /// The blocks of the grid.
-    pub own: Layout<D>,
+    pub own: BlockLayout<D>,
     /// Values where the first axis is whole.
-    pub whole: Layout<D>,
+    pub whole: BlockLayout<D>,
     /// Waves where each axis is whole, one after the other.
-    pub waves: Vec<Layout<D>>,
+    pub waves: Vec<BlockLayout<D>>,
     /// The axes in that order.
     pub order: [usize; D],
 }
@@ -17,7 +17,7 @@ pub struct Stages<const D: usize> {
 impl<const D: usize> Stages<D> {
     /// Those that move least from the blocks of a grid.
     pub fn new(grid: &Grid<D>) -> Stages<D> {
-        let own = Layout((0..grid.partition().blocks()).map(|rank| grid.partition().block(rank)).collect());
+        let own = BlockLayout((0..grid.partition().blocks()).map(|rank| grid.partition().block(rank)).collect());
         let special = (0..D).find(|&axis| grid.domain().axes[axis] != Axis::Periodic);
         let pencils = Pencils::new(&own, grid.cells(), special);
         let order = pencils.order();
@@ -42,7 +42,7 @@ impl Transposes {
         let Stages { own, whole, waves, .. } = Stages::new(grid);
         let turns = waves.windows(2).filter(|pair| pair[0] != pair[1]).count();
         let start = usize::from(own != whole);
-        let largest = waves.iter().map(Layout::largest).max().unwrap_or(0);
+        let largest = waves.iter().map(BlockLayout::largest).max().unwrap_or(0);
         let (value, wave) = (size_of::<f64>(), 2 * size_of::<f64>());
         let bytes = start * value * own.largest().max(whole.largest()) + turns * wave * largest;
         Transposes { count: 2.0 * (start + turns) as f64, bytes: 2.0 * ((D + 1) * bytes) as f64 }

@@ -44,16 +44,16 @@ pub struct Fields<'a> {
 }
 
 /// Room for the unknowns of a line.
-pub struct Work {
+pub struct LineWorkspace {
     /// Normal velocity, velocity along the wave and pressure in turn.
     coupled: Vec<Complex<f64>>,
     across: Vec<Complex<f64>>,
 }
 
-impl Work {
+impl LineWorkspace {
     /// For lines of `points` points.
-    pub fn new(points: usize) -> Work {
-        Work { coupled: vec![Complex::default(); 3 * points + Coupled::PADDING], across: vec![Complex::default(); points] }
+    pub fn new(points: usize) -> LineWorkspace {
+        LineWorkspace { coupled: vec![Complex::default(); 3 * points + Coupled::PADDING], across: vec![Complex::default(); points] }
     }
 }
 
@@ -68,7 +68,7 @@ impl WallToWall {
     }
 
     /// Replaces the rows of a wave with the given factors by the solution.
-    pub fn solve<const D: usize>(&self, factors: &[Complex<f64>; D], fields: &mut Fields, work: &mut Work) {
+    pub fn solve<const D: usize>(&self, factors: &[Complex<f64>; D], fields: &mut Fields, work: &mut LineWorkspace) {
         let Some(coupled) = &self.coupled else { return self.solve_mean::<D>(fields) };
         let along = factors.map(|factor| factor / self.number);
         let across = across(&along, fields.walled);
@@ -81,7 +81,7 @@ impl WallToWall {
     }
 
     /// Scales the rows and turns those of tangential velocities.
-    fn take<const D: usize>(&self, along: &[Complex<f64>; D], across: &[Complex<f64>; D], fields: &Fields, work: &mut Work) {
+    fn take<const D: usize>(&self, along: &[Complex<f64>; D], across: &[Complex<f64>; D], fields: &Fields, work: &mut LineWorkspace) {
         let square = self.spacing * self.spacing;
         for (point, (coupled, turned)) in work.coupled.as_chunks_mut::<3>().0.iter_mut().zip(&mut work.across).enumerate() {
             let (mut first, mut second) = (Complex::default(), Complex::default());
@@ -97,7 +97,7 @@ impl WallToWall {
         work.coupled[0] = Complex::default();
     }
 
-    fn put<const D: usize>(&self, along: &[Complex<f64>; D], across: &[Complex<f64>; D], fields: &mut Fields, work: &Work) {
+    fn put<const D: usize>(&self, along: &[Complex<f64>; D], across: &[Complex<f64>; D], fields: &mut Fields, work: &LineWorkspace) {
         for (point, ([normal, first, pressure], second)) in work.coupled.as_chunks::<3>().0.iter().zip(&work.across).enumerate() {
             for axis in 0..D {
                 fields.values[axis * fields.step + point] = along[axis] * first + across[axis] * second;

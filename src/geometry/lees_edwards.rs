@@ -4,7 +4,7 @@
 ///
 /// What is at `(x, y)` is also at `(x + shift, y + size_y)`, and moves there faster by `speed`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Slide {
+pub struct LeesEdwards {
     /// Displacement at time 0.
     pub start: f64,
     /// Speed of the images above the box relative to the box: the shear rate times its height.
@@ -13,7 +13,7 @@ pub struct Slide {
     pub time: f64,
 }
 
-impl Slide {
+impl LeesEdwards {
     /// Displacement of the images above the box, of any number of its lengths.
     pub fn shift(&self) -> f64 {
         self.start + self.speed * self.time

@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use super::beat::Beat;
+use super::shift_period::ShiftPeriod;
 use crate::scene::{Step, TimeSection};
 
 /// Largest growth from one step to the next.
@@ -13,20 +13,20 @@ pub const ROUNDING: f64 = 1e-9;
 
 /// How steps are chosen: none moves a body by more than a part of its radius, none is much longer than the one before.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Pace {
+pub struct StepControl {
     /// As the scene says.
     pub time: TimeSection,
     /// Radii of the bodies.
     pub radii: Vec<f64>,
     /// What steps and the end are whole numbers of, where images slide.
-    pub beat: Option<Beat>,
+    pub shift_period: Option<ShiftPeriod>,
     /// The longest step with which contact is stable; infinite if it limits none.
     pub longest: f64,
 }
 
 /// A body's motion as far as steps depend on it.
 #[derive(Debug, Clone, Copy)]
-pub struct Urge<const D: usize> {
+pub struct BodyMotion<const D: usize> {
     /// Velocity.
     pub velocity: SVector<f64, D>,
     /// Acceleration of a body that is not held.
@@ -35,23 +35,23 @@ pub struct Urge<const D: usize> {
 
 /// The length of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stride {
+pub struct StepSize {
     /// Its length; 0 at the end of the run.
     pub length: f64,
     /// Its length if the run did not end.
     pub natural: f64,
 }
 
-impl Stride {
+impl StepSize {
     /// Whether the end of the run cut it short by more than rounding.
     pub fn cut_short(&self) -> bool {
         self.length < self.natural * (1.0 - ROUNDING)
     }
 }
 
-impl Pace {
+impl StepControl {
     /// The next step for bodies that move so, from a time, after a last step (0 if it is the first).
-    pub fn next<const D: usize>(&self, motion: &[Urge<D>], time: f64, last_step: f64) -> Stride {
+    pub fn next<const D: usize>(&self, motion: &[BodyMotion<D>], time: f64, last_step: f64) -> StepSize {
         let natural = match self.time.step {
             Step::Fixed(step) => step,
             Step::Auto => {
@@ -61,7 +61,7 @@ impl Pace {
             }
         };
         let left = self.time.end - time;
-        Stride { length: if natural > left * (1.0 - ROUNDING) { left } else { natural }, natural }
+        StepSize { length: if natural > left * (1.0 - ROUNDING) { left } else { natural }, natural }
     }
 
     /// A step, after a last one, that would carry bodies too far, made shorter.
@@ -78,12 +78,12 @@ impl Pace {
     /// The longest step after another.
     fn grown(&self, last_step: f64) -> f64 {
         // whole beats would never grow from one to two
-        self.beat.map_or(GROWTH * last_step, |beat| (GROWTH * last_step).max(last_step + beat.0))
+        self.shift_period.map_or(GROWTH * last_step, |shift_period| (GROWTH * last_step).max(last_step + shift_period.0))
     }
 
-    /// A step that keeps the beat, if there is one; never shorter than the shortest that does.
+    /// A step that keeps the shift period, if there is one; never shorter than the shortest that does.
     fn whole(&self, step: f64, last_step: f64) -> f64 {
-        self.beat.map_or(step, |beat| beat.within(step, Beat::together(self.time.scheme, last_step)))
+        self.shift_period.map_or(step, |shift_period| shift_period.within(step, ShiftPeriod::multiple(self.time.scheme, last_step)))
     }
 
     /// Whether the run has ended.
@@ -99,7 +99,7 @@ impl Pace {
 }
 
 /// The time in which a body covers a distance: `v t + a t^2 = distance`.
-fn reach<const D: usize>(urge: &Urge<D>, distance: f64) -> f64 {
+fn reach<const D: usize>(urge: &BodyMotion<D>, distance: f64) -> f64 {
     let (velocity, acceleration) = (urge.velocity.norm(), urge.acceleration.norm());
     2.0 * distance / (velocity + (velocity * velocity + 4.0 * acceleration * distance).sqrt())
 }

@@ -7,22 +7,22 @@ use nalgebra::SVector;
 const SHIFT: f64 = 1e-4;
 
 /// What a link counts of the coefficients of a body's rigid modes, translations first.
-pub type Weights = SVector<f64, 6>;
+pub type RigidVector = SVector<f64, 6>;
 
 /// One free body of a link.
 #[derive(Debug, Clone, Copy)]
-pub struct End {
+pub struct ConstraintSide {
     /// The body.
     pub body: usize,
     /// What its motion counts for the rate, and so how a unit force pushes it.
-    pub weights: Weights,
+    pub weights: RigidVector,
     /// Multiplier of a unit weight that a unit of the unknown stands for.
     pub multiplier: f64,
     /// Velocities in unbounded fluid that unit multipliers of rigid modes cause.
-    pub mobilities: Weights,
+    pub mobilities: RigidVector,
 }
 
-impl End {
+impl ConstraintSide {
     /// Rate that a unit of the unknown causes through the body's own mobility.
     fn mobility(&self) -> f64 {
         self.multiplier * self.weights.component_mul(&self.mobilities).dot(&self.weights)
@@ -31,9 +31,9 @@ impl End {
 
 /// A contact, or a way of a film.
 #[derive(Debug, Clone)]
-pub struct Link {
+pub struct PairConstraint {
     /// Its free bodies.
-    pub ends: [Option<End>; 2],
+    pub ends: [Option<ConstraintSide>; 2],
     /// Rate wanted, without what is known to move.
     pub rate: f64,
     /// Rate that a unit of the unknown gives way by: zero for contacts.
@@ -42,10 +42,10 @@ pub struct Link {
     pub owned: bool,
 }
 
-impl Link {
+impl PairConstraint {
     /// Its compliance in the approximation, which is never zero.
     pub fn stiff_compliance(&self) -> f64 {
-        let mobility: f64 = self.ends.iter().flatten().map(End::mobility).sum();
+        let mobility: f64 = self.ends.iter().flatten().map(ConstraintSide::mobility).sum();
         (self.compliance + SHIFT * mobility).max(f64::MIN_POSITIVE)
     }
 }

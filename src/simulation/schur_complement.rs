@@ -10,26 +10,26 @@
 //! `unknown = 0`, and they are read back from the fluid.
 
 use super::{
-    coupled::{BodiesInFluid, Parts},
-    work::{Unknowns, Watch},
+    coupled::{Operator, SystemParts},
+    work::{SolvedUnknowns, Watch},
 };
 use crate::{
     error::Result,
     petsc::{Stage, System, Vector},
 };
 
-/// The system without the fluid; vectors hold multipliers and the tail. The second part is the tail of the vector to which it was applied last.
-pub struct Condensed<'a, const D: usize>(pub Parts<'a, D>, Vec<f64>);
+/// The system without the fluid; vectors hold multipliers and the global unknowns. The second part is the global unknowns of the vector to which it was applied last.
+pub struct SchurComplement<'a, const D: usize>(pub SystemParts<'a, D>, Vec<f64>);
 
-impl<'a, const D: usize> Condensed<'a, D> {
+impl<'a, const D: usize> SchurComplement<'a, D> {
     /// The system of these parts.
-    pub fn new(parts: Parts<'a, D>) -> Self {
-        Condensed(parts, Vec::new())
+    pub fn new(parts: SystemParts<'a, D>) -> Self {
+        SchurComplement(parts, Vec::new())
     }
 
     /// Puts into `fluid_in` the fluid that `multipliers_in` move; returns the forces of the closure.
     fn move_fluid(&mut self) -> Result<Vec<f64>> {
-        let Parts { stokes, inverse, surfaces, work } = &mut self.0;
+        let SystemParts { stokes, inverse, surfaces, work } = &mut self.0;
         let watch = Watch::start(Stage::Bodies);
         work.fluid_out.fill(0.0)?;
         surfaces.blocks.spread(1.0, &work.multipliers_in.local()?, &mut work.fluid_out)?;
@@ -44,37 +44,37 @@ impl<'a, const D: usize> Condensed<'a, D> {
     }
 }
 
-impl<const D: usize> System for Condensed<'_, D> {
+impl<const D: usize> System for SchurComplement<'_, D> {
     fn apply(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
-        let tail = self.0.work.split(self.0.surfaces.world, input)?;
+        let global_unknowns = self.0.work.split(self.0.surfaces.world, input)?;
         let forces = self.move_fluid()?;
-        let Parts { surfaces, work, .. } = &mut self.0;
+        let SystemParts { surfaces, work, .. } = &mut self.0;
         let watch = Watch::start(Stage::Bodies);
-        let rows = surfaces.rows(&work.fluid_in, (&work.multipliers_in, &tail), &mut work.multipliers_out)?;
+        let rows = surfaces.rows(&work.fluid_in, (&work.multipliers_in, &global_unknowns), &mut work.multipliers_out)?;
         watch.stop(&mut work.stages.bodies);
         work.join(&rows, output)?;
-        self.1 = tail;
+        self.1 = global_unknowns;
         self.1[..forces.len()].copy_from_slice(&forces);
         Ok(())
     }
 
     fn precondition(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
-        let Parts { surfaces, work, .. } = &mut self.0;
+        let SystemParts { surfaces, work, .. } = &mut self.0;
         let rows = work.split(surfaces.world, input)?;
         let watch = Watch::start(Stage::Bodies);
         work.multipliers_out.fill(0.0)?;
-        let tail = surfaces.precondition(&mut work.multipliers_in, &rows, &mut work.multipliers_out)?;
+        let global_unknowns = surfaces.precondition(&mut work.multipliers_in, &rows, &mut work.multipliers_out)?;
         watch.stop(&mut work.stages.bodies);
-        work.join(&tail, output)
+        work.join(&global_unknowns, output)
     }
 }
 
-impl<const D: usize> BodiesInFluid for Condensed<'_, D> {
-    fn unknowns(&mut self, _: &Vector) -> Result<Unknowns> {
+impl<const D: usize> Operator for SchurComplement<'_, D> {
+    fn unknowns(&mut self, _: &Vector) -> Result<SolvedUnknowns> {
         // the fluid that this vector moves is there already
-        let tail = std::mem::take(&mut self.1);
-        let Parts { surfaces, work, .. } = &mut self.0;
-        surfaces.velocity(&work.fluid_in, (&work.multipliers_in, &tail), &mut work.multipliers_out)?;
-        work.unknowns(tail)
+        let global_unknowns = std::mem::take(&mut self.1);
+        let SystemParts { surfaces, work, .. } = &mut self.0;
+        surfaces.velocity(&work.fluid_in, (&work.multipliers_in, &global_unknowns), &mut work.multipliers_out)?;
+        work.unknowns(global_unknowns)
     }
 }

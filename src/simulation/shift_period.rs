@@ -1,4 +1,4 @@
-//! The beat of a sheared box: steps are such that images slide by whole cells, between which there is nothing to interpolate.
+//! The shift period of a sheared box: steps are such that images slide by whole cells, between which there is nothing to interpolate.
 
 use crate::{
     error::{Error, Result},
@@ -7,22 +7,22 @@ use crate::{
     scene::{Scheme, Step, TimeSection},
 };
 
-/// Part of a beat that is rounding.
+/// Part of a shift period that is rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// The time in which the images of a sheared box slide by one cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Beat(pub f64);
+pub struct ShiftPeriod(pub f64);
 
-impl Beat {
-    /// The beat of a box on a grid; none if its images stay.
-    pub fn of<const D: usize>(domain: &Domain<D>, grid: &Grid<D>) -> Option<Beat> {
+impl ShiftPeriod {
+    /// The shift period of a box on a grid; none if its images stay.
+    pub fn of<const D: usize>(domain: &Domain<D>, grid: &Grid<D>) -> Option<ShiftPeriod> {
         let speed = domain.sliding()[0].abs();
-        (speed > 0.0).then(|| Beat(grid.spacing()[0] / speed))
+        (speed > 0.0).then(|| ShiftPeriod(grid.spacing()[0] / speed))
     }
 
     /// Beats in the next step, after a last one (0 if there is none), come in this number: the midpoint of a step is an instant too.
-    pub fn together(scheme: Scheme, last_step: f64) -> f64 {
+    pub fn multiple(scheme: Scheme, last_step: f64) -> f64 {
         match scheme {
             Scheme::Euler => 1.0,
             Scheme::TwoStep if last_step > 0.0 => 1.0,
@@ -36,20 +36,20 @@ impl Beat {
         (time / unit * (1.0 + ROUNDING)).floor().max(1.0) * unit
     }
 
-    /// Rounds a fixed step and the end of a run down to whole beats.
+    /// ActiveSetIteration a fixed step and the end of a run down to whole beats.
     ///
     /// # Errors
     /// One of them is shorter than the shortest step.
-    pub fn keep(self, time: &TimeSection) -> Result<TimeSection> {
-        let together = Beat::together(time.scheme, 0.0);
+    pub fn round_down(self, time: &TimeSection) -> Result<TimeSection> {
+        let together = ShiftPeriod::multiple(time.scheme, 0.0);
         let step = match time.step {
             Step::Auto => Step::Auto,
-            Step::Fixed(step) => Step::Fixed(self.kept("step", step, together)?),
+            Step::Fixed(step) => Step::Fixed(self.rounded("step", step, together)?),
         };
-        Ok(TimeSection { step, end: self.kept("end", time.end, together)?, ..time.clone() })
+        Ok(TimeSection { step, end: self.rounded("end", time.end, together)?, ..time.clone() })
     }
 
-    fn kept(self, key: &str, time: f64, together: f64) -> Result<f64> {
+    fn rounded(self, key: &str, time: f64, together: f64) -> Result<f64> {
         let kept = self.within(time, together);
         if kept > time * (1.0 + ROUNDING) {
             let cells = if together > 1.0 { "two cells, one for each half of a step" } else { "one cell" };
@@ -72,17 +72,17 @@ mod tests {
 
     #[test]
     fn steps_and_ends_are_rounded_down_to_whole_beats() {
-        let kept = Beat(0.25).keep(&time(Step::Fixed(0.6), 1.8, Scheme::Euler)).unwrap();
+        let kept = ShiftPeriod(0.25).round_down(&time(Step::Fixed(0.6), 1.8, Scheme::Euler)).unwrap();
         assert_eq!((kept.step, kept.end), (Step::Fixed(0.5), 1.75));
-        let kept = Beat(0.25).keep(&time(Step::Fixed(0.8), 1.8, Scheme::Midpoint)).unwrap();
+        let kept = ShiftPeriod(0.25).round_down(&time(Step::Fixed(0.8), 1.8, Scheme::Midpoint)).unwrap();
         assert_eq!((kept.step, kept.end), (Step::Fixed(0.5), 1.5));
         // whole already but for rounding
-        assert!((Beat(0.1).within(0.3, 1.0) - 0.3).abs() < 1e-15);
+        assert!((ShiftPeriod(0.1).within(0.3, 1.0) - 0.3).abs() < 1e-15);
     }
 
     #[test]
     fn what_is_shorter_than_a_beat_is_refused_with_the_shortest_that_is_not() {
-        let short = |step, end, scheme| Beat(0.25).keep(&time(step, end, scheme)).unwrap_err().to_string();
+        let short = |step, end, scheme| ShiftPeriod(0.25).round_down(&time(step, end, scheme)).unwrap_err().to_string();
         let message = short(Step::Fixed(0.2), 1.0, Scheme::Euler);
         assert!(message.contains("time.step = 0.2") && message.contains("one cell, which takes 0.25"), "{message}");
         let message = short(Step::Auto, 0.3, Scheme::TwoStep);

@@ -11,7 +11,7 @@ const FINENESS: (usize, usize) = (3, 32);
 const REACH: f64 = 100.0;
 
 /// One body in its own frame, in which the other lies along the axis: the first in 2D, the third in 3D.
-pub struct Meridian<const D: usize> {
+pub struct AxisymmetricBody<const D: usize> {
     /// Modes, for unit viscosity.
     pub modes: Box<dyn Modes>,
     directions: Vec<SVector<f64, D>>,
@@ -28,7 +28,7 @@ pub enum Channel {
     Across,
 }
 
-impl<const D: usize> Meridian<D> {
+impl<const D: usize> AxisymmetricBody<D> {
     /// Component along the axis.
     pub const AXIS: usize = if D == 2 { 0 } else { 2 };
     /// Component across it.

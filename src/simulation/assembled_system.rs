@@ -4,19 +4,19 @@ use std::time::Instant;
 
 use super::{
     assembly::Assembly,
-    basis::Basis,
     bodies::Bodies,
-    condensed::Condensed,
     configuration::Configuration,
-    cost::Seen,
-    coupled::{BodiesInFluid, Coupled, Parts},
-    engine::{Engine, Stop},
+    cost::ResidualMonitor,
+    coupled::{Coupled, Operator, SystemParts},
+    extrapolation::{ExtrapolationHistory, InitialGuess},
+    fixed_operators::FixedOperators,
+    krylov_workspace::{KrylovWorkspace, Stop},
     links::{belongs, touching},
-    memory::{Guess, Past},
-    surfaces::{Member, Surfaces},
-    touching::Touching,
+    pair_constraints::PairConstraints,
+    schur_complement::SchurComplement,
+    surfaces::{BodyOperator, SurfaceOperators},
     uzawa::uzawa,
-    work::{Sizes, Unknowns},
+    work::{Sizes, SolvedUnknowns},
 };
 use crate::{
     error::Result,
@@ -29,23 +29,23 @@ use crate::{
 const ROUNDING: f64 = 1e-13;
 
 /// All that the solve of one moment needs.
-pub(super) struct Ready<'a, const D: usize> {
+pub(super) struct AssembledSystem<'a, const D: usize> {
     pub bodies: Bodies<'a, D>,
-    pub members: Vec<Member>,
+    pub members: Vec<BodyOperator>,
     pub assembly: Assembly<D>,
-    pub touching: Touching,
-    pub engine: Engine,
-    pub guess: Option<Guess<D>>,
+    pub touching: PairConstraints,
+    pub engine: KrylovWorkspace,
+    pub guess: Option<InitialGuess<D>>,
     prescribed_drag: f64,
     stop: Stop,
 }
 
-impl<'a, const D: usize> Ready<'a, D> {
+impl<'a, const D: usize> AssembledSystem<'a, D> {
     /// Puts bodies in their places and fills right-hand side and start; what is at hand is used again where it fits.
     pub fn new(
-        basis: &'a Basis<D>,
-        (assembly, engine): (Option<Assembly<D>>, Option<Engine>),
-        past: Option<&Past<D>>,
+        basis: &'a FixedOperators<D>,
+        (assembly, engine): (Option<Assembly<D>>, Option<KrylovWorkspace>),
+        past: Option<&ExtrapolationHistory<D>>,
         moment: &Configuration<D>,
     ) -> Result<Self> {
         let _stage = enter(Stage::Assembly);
@@ -59,7 +59,7 @@ impl<'a, const D: usize> Ready<'a, D> {
         let touching = touching(basis, &bodies, (moment, &assembly.films), (&assembly.undisturbed, assembly.medium.as_ref()), places)?;
         let fluid = if basis.condensed { 0 } else { basis.grid.local_fluid_unknowns() };
         let sizes = Sizes { fluid, multipliers: assembly.undisturbed.len(), closure, links: touching.places() };
-        let mut engine = Engine::fitting(engine, basis, sizes)?;
+        let mut engine = KrylovWorkspace::fitting(engine, basis, sizes)?;
         engine.krylov.set_tolerance(moment.tolerance);
         let prescribed_drag = prescribed_drag(&basis.session, &members);
         let wanted = bodies.wanted_rows(&assembly.blocks, &members, (&assembly.undisturbed, moment.pushes));
@@ -69,12 +69,16 @@ impl<'a, const D: usize> Ready<'a, D> {
         let pressed = moment.pressed.iter().filter(|pressed| belongs(&bodies.layout, pressed)).map(|pressed| pressed.force / unit);
         engine.start(&bodies, guess.as_ref(), pressed.collect())?;
         let stop = Stop { tolerance: moment.tolerance, rounding };
-        Ok(Ready { bodies, members, assembly, touching, engine, guess, prescribed_drag, stop })
+        Ok(AssembledSystem { bodies, members, assembly, touching, engine, guess, prescribed_drag, stop })
     }
 
     /// The solver with its right-hand side and start, and what the system is made of.
-    pub fn parts<'b>(&'b mut self, basis: &'b Basis<D>, inverse: &'b mut dyn StokesInverse<D>) -> (Solver<'b>, Parts<'b, D>) {
-        let surfaces = Surfaces {
+    pub fn parts<'b>(
+        &'b mut self,
+        basis: &'b FixedOperators<D>,
+        inverse: &'b mut dyn StokesInverse<D>,
+    ) -> (Solver<'b>, SystemParts<'b, D>) {
+        let surfaces = SurfaceOperators {
             world: basis.session.world(),
             blocks: &mut self.assembly.blocks,
             pairs: self.assembly.pairs.as_mut(),
@@ -83,25 +87,31 @@ impl<'a, const D: usize> Ready<'a, D> {
             touching: &mut self.touching,
             prescribed_drag: self.prescribed_drag,
         };
-        let Engine { krylov, work, rhs, x } = &mut self.engine;
-        ((krylov, (rhs, x)), Parts { stokes: &basis.stokes, inverse, surfaces, work })
+        let KrylovWorkspace { krylov, work, rhs, x } = &mut self.engine;
+        ((krylov, (rhs, x)), SystemParts { stokes: &basis.stokes, inverse, surfaces, work })
     }
 
     /// Solves; the velocities that are found include those of the flow without bodies.
-    pub fn solve(&mut self, basis: &Basis<D>, inverse: &mut dyn StokesInverse<D>, seen: Seen) -> Result<(Report, Unknowns)> {
+    pub fn solve(
+        &mut self,
+        basis: &FixedOperators<D>,
+        inverse: &mut dyn StokesInverse<D>,
+        monitor: ResidualMonitor,
+    ) -> Result<(Report, SolvedUnknowns)> {
         let _stage = enter(Stage::Orthogonalisation);
         let stop = self.stop;
         let (solver, parts) = self.parts(basis, inverse);
         let (report, mut found) = match basis.setup.constraint {
             ConstraintMethod::MeanValue(MultiplierSolver::Uzawa(step)) => {
                 let (_, vectors) = solver;
-                let by_uzawa = |system: &mut Condensed<D>, vectors: (&Vector, &mut Vector)| uzawa(system, vectors, (step, stop), seen);
-                solve(vectors, Condensed::new(parts), by_uzawa)
+                let by_uzawa =
+                    |system: &mut SchurComplement<D>, vectors: (&Vector, &mut Vector)| uzawa(system, vectors, (step, stop), monitor);
+                solve(vectors, SchurComplement::new(parts), by_uzawa)
             }
-            _ if basis.condensed => {
-                solve(solver.1, Condensed::new(parts), |system, (rhs, x)| solver.0.solve_above(stop.rounding, system, rhs, x, seen))
-            }
-            _ => solve(solver.1, Coupled(parts), |system, (rhs, x)| solver.0.solve_above(stop.rounding, system, rhs, x, seen)),
+            _ if basis.condensed => solve(solver.1, SchurComplement::new(parts), |system, (rhs, x)| {
+                solver.0.solve_above(stop.rounding, system, rhs, x, monitor)
+            }),
+            _ => solve(solver.1, Coupled(parts), |system, (rhs, x)| solver.0.solve_above(stop.rounding, system, rhs, x, monitor)),
         }?;
         found.velocities.iter_mut().zip(&self.assembly.undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);
         Ok((report, found))
@@ -111,11 +121,11 @@ impl<'a, const D: usize> Ready<'a, D> {
 /// A solver, the right-hand side, and where it starts.
 type Solver<'a> = (&'a mut Krylov, (&'a Vector, &'a mut Vector));
 
-fn solve<S: BodiesInFluid>(
+fn solve<S: Operator>(
     (rhs, x): (&Vector, &mut Vector),
     mut system: S,
     by: impl FnOnce(&mut S, (&Vector, &mut Vector)) -> Result<Report>,
-) -> Result<(Report, Unknowns)> {
+) -> Result<(Report, SolvedUnknowns)> {
     let start = Instant::now();
     let report = by(&mut system, (rhs, &mut *x))?;
     let found = system.unknowns(x)?;
@@ -130,7 +140,7 @@ fn scale(session: &Session, undisturbed: &[f64], rhs: &Vector) -> Result<f64> {
 }
 
 /// Sum over all prescribed bodies of the net force that a unit velocity takes by their preconditioner.
-fn prescribed_drag(session: &Session, members: &[Member]) -> f64 {
+fn prescribed_drag(session: &Session, members: &[BodyOperator]) -> f64 {
     let mut drag = [members.iter().filter(|member| !member.free).map(|member| member.area * member.inverse.diagonal(0)).sum()];
     session.world().sum(&mut drag);
     if drag[0] > 0.0 { drag[0] } else { 1.0 }

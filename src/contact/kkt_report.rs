@@ -1,4 +1,4 @@
-//! The certificate of a projection: how good it is, measured on the answer itself, and what it cost.
+//! The KKT report of a projection: how good it is, measured on the answer itself, and what it cost.
 
 use nalgebra::SVector;
 
@@ -10,7 +10,7 @@ const ROUNDING: f64 = 1e-13;
 
 /// How good a projection is, and what it cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Certificate {
+pub struct KktReport {
     /// Contacts of the problem solved.
     pub pairs: usize,
     /// Contacts with a force that is more than the rounding of the largest.
@@ -33,12 +33,12 @@ pub struct Certificate {
     pub rounds: usize,
 }
 
-impl Certificate {
-    /// The certificate of forces that nobody solved for: how many there are, and the smallest gap where they act.
-    pub fn of_forces<const D: usize>(forces: &[ContactForce<D>], balls: &[Ball<D>]) -> Certificate {
+impl KktReport {
+    /// The KKT report of forces that nobody solved for: how many there are, and the smallest gap where they act.
+    pub fn of_forces<const D: usize>(forces: &[ContactForce<D>], balls: &[Ball<D>]) -> KktReport {
         let gap = |force: &ContactForce<D>| force.contact.gap / force.contact.smaller_radius(balls);
         let (count, smallest_gap) = (forces.len(), forces.iter().map(gap).fold(f64::INFINITY, f64::min));
-        Certificate {
+        KktReport {
             pairs: count,
             active: count,
             smallest_gap,
@@ -52,19 +52,19 @@ impl Certificate {
     }
 }
 
-/// The certificate of an answer, without its cost.
+/// The KKT report of an answer, without its cost.
 pub(super) fn certify<const D: usize>(
     problem: &Problem<D>,
     velocities: &[SVector<f64, D>],
     forces: &[ContactForce<D>],
     paths: &[Path<D>],
-) -> Certificate {
+) -> KktReport {
     let relative = |path: &Path<D>| path.last_gap / path.contact.smaller_radius(problem.balls);
     let contacts: Vec<Contact<D>> = forces.iter().map(|force| force.contact).collect();
     let rounding = ROUNDING * forces.iter().map(|force| force.force.abs()).fold(0.0, f64::max);
     let bears = |force: &ContactForce<D>| force.force.abs() > rounding;
     let acts = |island: &Vec<usize>| island.iter().any(|&place| bears(&forces[place]));
-    Certificate {
+    KktReport {
         pairs: forces.len(),
         active: forces.iter().filter(|force| bears(force)).count(),
         smallest_gap: paths.iter().map(relative).fold(f64::INFINITY, f64::min),

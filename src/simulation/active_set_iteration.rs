@@ -5,21 +5,21 @@
 //! contacts than bodies can bear. So a set that is worse than one before is left, and from the best one contact at a time changes
 //! (Murty 1974, doi:10.1007/BF01580215), which ends.
 
-/// Rounds in which all contacts may change.
+/// ActiveSetIteration in which all contacts may change.
 const AT_ONCE: usize = 4;
 
 /// The rounds of one step, with contacts `C`.
-pub struct Rounds<C> {
+pub struct ActiveSetIteration<C> {
     passed: usize,
     /// The contacts with which flow and projection differed least, and by how much, while all may change.
     best: Option<(f64, Vec<C>)>,
     one_by_one: bool,
 }
 
-impl<C> Rounds<C> {
+impl<C> ActiveSetIteration<C> {
     /// Before the first.
     pub fn new() -> Self {
-        Rounds { passed: 0, best: None, one_by_one: false }
+        ActiveSetIteration { passed: 0, best: None, one_by_one: false }
     }
 
     /// The contacts to hold next after some for which flow and projection differ: those that the projection holds, the best so far, or
@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn a_worse_set_is_left_for_the_best_and_then_one_contact_changes_at_a_time() {
-        let mut rounds = Rounds::new();
+        let mut rounds = ActiveSetIteration::new();
         assert_eq!(rounds.next((0.2, vec![1, 2]), vec![1, 2, 3], with_one_less), [1, 2, 3]);
         assert_eq!(rounds.next((0.1, vec![1, 2, 3]), vec![1, 2, 3, 4, 5], with_one_less), [1, 2, 3, 4, 5]);
         assert_eq!(rounds.next((7.0, vec![1, 2, 3, 4, 5]), vec![9; 20], with_one_less), [1, 2, 3]);
@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn where_no_contact_can_change_the_projection_begins_anew() {
-        let mut rounds = Rounds::new();
+        let mut rounds = ActiveSetIteration::new();
         for round in 0..AT_ONCE {
             assert_eq!(rounds.next((1.0 / (1 + round) as f64, vec![]), vec![7], with_one_less), [7]);
         }

@@ -6,8 +6,8 @@ use nalgebra::SVector;
 
 use super::{
     BodyState, Setup, Solution, WallForces,
-    bodies::Kinds,
-    closure::{Closure, flow_without_bodies},
+    bodies::BodyTypes,
+    mean_flow_constraint::{MeanFlowConstraint, flow_without_bodies},
 };
 use crate::{
     constraint::FlowMethod,
@@ -18,7 +18,7 @@ use crate::{
 };
 
 /// The constant part of a suspension.
-pub struct Basis<const D: usize> {
+pub struct FixedOperators<const D: usize> {
     /// The session.
     pub session: Session,
     /// What is solved.
@@ -28,18 +28,18 @@ pub struct Basis<const D: usize> {
     /// The fluid.
     pub stokes: Stokes<D>,
     /// Mean values that the drive leaves open.
-    pub closure: Closure,
+    pub closure: MeanFlowConstraint,
     /// Flow of walls and drive without bodies, and the forces of the closure in it.
     pub undisturbed: (Vector, Vec<f64>),
     /// What makes bodies rigid.
     pub method: Rc<FlowMethod<D>>,
-    /// Kinds of bodies.
-    pub kinds: Kinds<D>,
+    /// BodyTypes of bodies.
+    pub kinds: BodyTypes<D>,
     /// Whether the fluid is eliminated from the linear system, because its inverse is exact.
     pub condensed: bool,
 }
 
-impl<const D: usize> Basis<D> {
+impl<const D: usize> FixedOperators<D> {
     /// Builds matrices and the flow without bodies.
     ///
     /// # Errors
@@ -48,16 +48,16 @@ impl<const D: usize> Basis<D> {
         session: &Session,
         setup: Setup<D>,
         inverse: impl FnOnce(&Stokes<D>, &Grid<D>) -> Result<Box<dyn StokesInverse<D>>>,
-    ) -> Result<(Basis<D>, Box<dyn StokesInverse<D>>)> {
+    ) -> Result<(FixedOperators<D>, Box<dyn StokesInverse<D>>)> {
         check_steady_state(&setup)?;
         let world = session.world();
         let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
         let stokes = Stokes::new(session, &grid);
         let mut inverse = inverse(&stokes, &grid)?;
-        let closure = Closure::new(&setup.drive, &grid, &stokes, inverse.as_mut())?;
+        let closure = MeanFlowConstraint::new(&setup.drive, &grid, &stokes, inverse.as_mut())?;
         let undisturbed = flow_without_bodies(&setup.drive, &grid, &stokes, inverse.as_mut(), &closure)?;
-        let (method, kinds, condensed) = (setup.method(), Kinds::new(&setup, &grid), inverse.exact());
-        Ok((Basis { session: session.clone(), setup, grid, stokes, closure, undisturbed, method, kinds, condensed }, inverse))
+        let (method, kinds, condensed) = (setup.method(), BodyTypes::new(&setup, &grid), inverse.exact());
+        Ok((FixedOperators { session: session.clone(), setup, grid, stokes, closure, undisturbed, method, kinds, condensed }, inverse))
     }
 
     /// Lets images slide to where they are at a time, and sets up the inverse of the fluid anew; nothing where they are there already.
@@ -103,11 +103,11 @@ impl<const D: usize> Basis<D> {
         let fluid = if self.condensed { 0 } else { self.grid.local_fluid_unknowns() };
         let mut rows = rhs.local_mut()?;
         rows.fill(0.0);
-        let (multipliers, tail) = rows[fluid..].split_at_mut(wanted.len());
+        let (multipliers, global_unknowns) = rows[fluid..].split_at_mut(wanted.len());
         multipliers.copy_from_slice(wanted);
         let closure = if self.session.world().rank() == 0 { self.closure.unknowns::<D>() } else { 0 };
-        let (closure, links) = tail.split_at_mut(closure);
-        if let Closure::MeanVelocity = self.closure {
+        let (closure, links) = global_unknowns.split_at_mut(closure);
+        if let MeanFlowConstraint::MeanVelocity = self.closure {
             let total = -self.setup.drive.uniform_force() * self.setup.domain.volume() / self.setup.viscosity;
             closure.iter_mut().zip(total.iter()).for_each(|(row, force)| *row = force / prescribed_drag);
         }
@@ -116,17 +116,26 @@ impl<const D: usize> Basis<D> {
     }
 
     /// What is found, from the disturbance of the flow without bodies and the unknowns of the closure.
-    pub fn solution(&self, bodies: Vec<BodyState<D>>, mut fluid: Vector, tail: &[f64], contact_forces: Vec<f64>) -> Result<Solution<D>> {
+    pub fn solution(
+        &self,
+        bodies: Vec<BodyState<D>>,
+        mut fluid: Vector,
+        global_unknowns: &[f64],
+        contact_forces: Vec<f64>,
+    ) -> Result<Solution<D>> {
         fluid.add(1.0, &self.undisturbed.0)?;
         if self.setup.domain.fully_periodic() {
-            let offset =
-                if let Closure::MeanVelocity = self.closure { SVector::from_column_slice(tail) } else { self.imposed_mean_velocity() };
+            let offset = if let MeanFlowConstraint::MeanVelocity = self.closure {
+                SVector::from_column_slice(global_unknowns)
+            } else {
+                self.imposed_mean_velocity()
+            };
             let mut values = fluid.local_mut()?;
             for axis in 0..D {
                 values[self.grid.local_range(axis)].iter_mut().for_each(|value| *value += offset[axis]);
             }
         }
-        let pressure_gradient = self.pressure_gradient(&bodies, tail);
+        let pressure_gradient = self.pressure_gradient(&bodies, global_unknowns);
         let mean_velocity = self.mean_velocity(&fluid)?;
         Ok(Solution {
             bodies,
@@ -149,13 +158,13 @@ impl<const D: usize> Basis<D> {
         Ok(mean)
     }
 
-    fn pressure_gradient(&self, bodies: &[BodyState<D>], tail: &[f64]) -> SVector<f64, D> {
+    fn pressure_gradient(&self, bodies: &[BodyState<D>], global_unknowns: &[f64]) -> SVector<f64, D> {
         let mut gradient = SVector::zeros();
         match (&self.closure, self.setup.drive) {
             (_, Drive::PressureGradient(given)) => gradient = given,
             (_, Drive::BodyForce(_)) => {}
-            (Closure::Forces(forces), _) => {
-                for ((force, known), found) in forces.iter().zip(&self.undisturbed.1).zip(tail) {
+            (MeanFlowConstraint::Forces(forces), _) => {
+                for ((force, known), found) in forces.iter().zip(&self.undisturbed.1).zip(global_unknowns) {
                     gradient[force.axis] = -self.setup.viscosity * (known + found);
                 }
             }

@@ -5,7 +5,7 @@ use crate::geometry::{Ball, Domain, Pair, WallPair, near_pairs, near_walls};
 
 /// Bodies in their places, with what is within reach of each.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Crowd<const D: usize> {
+pub struct Neighbourhood<const D: usize> {
     /// The bodies, with their centres in the box.
     pub balls: Vec<Ball<D>>,
     /// Order of the modes of each.
@@ -16,11 +16,11 @@ pub struct Crowd<const D: usize> {
     pub walls: Vec<WallPair<D>>,
 }
 
-impl<const D: usize> Crowd<D> {
+impl<const D: usize> Neighbourhood<D> {
     /// Bodies with their centres in the box; near is what is less than `reach` away.
-    pub fn new(domain: &Domain<D>, balls: Vec<Ball<D>>, orders: Vec<usize>, reach: f64) -> Crowd<D> {
+    pub fn new(domain: &Domain<D>, balls: Vec<Ball<D>>, orders: Vec<usize>, reach: f64) -> Neighbourhood<D> {
         let (pairs, walls) = (near_pairs(domain, &balls, reach), near_walls(domain, &balls, reach));
-        Crowd { balls, orders, pairs, walls }
+        Neighbourhood { balls, orders, pairs, walls }
     }
 
     /// A reach beyond which neither films nor the approximate inverse know of a neighbour.

@@ -7,7 +7,7 @@
 
 use nalgebra::SVector;
 
-use super::{bodies::Bodies, work::Unknowns};
+use super::{bodies::Bodies, work::SolvedUnknowns};
 use crate::{
     constraint::{FreshlyCleared, Placed, freshly_cleared, jump},
     error::Result,
@@ -25,12 +25,12 @@ pub struct Snapshot<const D: usize> {
     pub multipliers: Vec<Vec<f64>>,
     /// Centres of the bodies when it was found, not wrapped into the box.
     pub centers: Vec<SVector<f64, D>>,
-    /// Unknowns of the closure.
+    /// SolvedUnknowns of the closure.
     pub closure: Vec<f64>,
 }
 
 /// The last solution and the one before it.
-pub struct Past<const D: usize> {
+pub struct ExtrapolationHistory<const D: usize> {
     /// Time of the last solution.
     pub time: f64,
     /// The last solution.
@@ -40,7 +40,7 @@ pub struct Past<const D: usize> {
 }
 
 /// The starting point of a solve.
-pub struct Guess<const D: usize> {
+pub struct InitialGuess<const D: usize> {
     /// The extrapolated solution.
     pub extrapolated: Snapshot<D>,
     /// The last solution, its fluid with surfaces in the new places.
@@ -49,10 +49,15 @@ pub struct Guess<const D: usize> {
 
 impl<const D: usize> Snapshot<D> {
     /// A copy of what was found, without the fluid if it is eliminated. Collective.
-    pub fn of(bodies: &Bodies<D>, session: &Session, centers: &[SVector<f64, D>], (found, condensed): (&Unknowns, bool)) -> Result<Self> {
+    pub fn of(
+        bodies: &Bodies<D>,
+        session: &Session,
+        centers: &[SVector<f64, D>],
+        (found, condensed): (&SolvedUnknowns, bool),
+    ) -> Result<Self> {
         let multipliers = bodies.share_multipliers(session, &found.multipliers);
         let fluid = if condensed { None } else { Some(copy(&found.fluid)?) };
-        Ok(Snapshot { fluid, multipliers, centers: centers.to_vec(), closure: found.tail.clone() })
+        Ok(Snapshot { fluid, multipliers, centers: centers.to_vec(), closure: found.global_unknowns.clone() })
     }
 
     /// `self + factor (self - earlier)`.
@@ -87,9 +92,9 @@ fn copy(vector: &Vector) -> Result<Vector> {
     Ok(copy)
 }
 
-impl<const D: usize> Past<D> {
+impl<const D: usize> ExtrapolationHistory<D> {
     /// A starting point for bodies that have come to new `centers` at a `time`; none if they moved too far.
-    pub fn guess(&self, bodies: &Bodies<D>, centers: &[SVector<f64, D>], time: f64) -> Result<Option<Guess<D>>> {
+    pub fn guess(&self, bodies: &Bodies<D>, centers: &[SVector<f64, D>], time: f64) -> Result<Option<InitialGuess<D>>> {
         let longest = centers.iter().zip(&self.last.centers).map(|(center, last)| (center - last).norm()).fold(0.0, f64::max);
         if self.last.fluid.is_some() && longest > LONGEST_MOVE * bodies.grid().spacing().max() {
             return Ok(None);
@@ -102,7 +107,7 @@ impl<const D: usize> Past<D> {
         if let (Some(of_last), Some(of_extrapolated)) = (&mut last.fluid, &mut extrapolated.fluid) {
             self.change_sides(bodies, (centers, time), of_last, of_extrapolated)?;
         }
-        Ok(Some(Guess { extrapolated, last }))
+        Ok(Some(InitialGuess { extrapolated, last }))
     }
 
     /// Changes, at the points that surfaces pass on their way to `centers`, the last fluid and the one extrapolated to `time`.
@@ -144,13 +149,17 @@ impl<const D: usize> Past<D> {
     }
 
     /// What is past once a solve at a `time` has found the snapshot `last`, starting from a guess.
-    pub fn then(past: Option<Past<D>>, last: Snapshot<D>, (guess, time): (Option<Guess<D>>, f64)) -> Past<D> {
+    pub fn then(
+        past: Option<ExtrapolationHistory<D>>,
+        last: Snapshot<D>,
+        (guess, time): (Option<InitialGuess<D>>, f64),
+    ) -> ExtrapolationHistory<D> {
         let earlier = match past {
             // another solve at the same instant takes the place of the last one
             Some(past) if past.time == time => past.earlier,
             Some(past) => guess.map(|guess| (guess.last, time - past.time)),
             None => None,
         };
-        Past { time, last, earlier }
+        ExtrapolationHistory { time, last, earlier }
     }
 }

@@ -1,11 +1,11 @@
 //! The Krylov solver with its vectors, kept from solve to solve.
 
 use super::{
-    basis::Basis,
     bodies::Bodies,
-    memory::{Guess, Snapshot},
+    extrapolation::{InitialGuess, Snapshot},
+    fixed_operators::FixedOperators,
     network::iterated,
-    work::{Sizes, Work},
+    work::{Sizes, WorkVectors},
 };
 use crate::{
     constraint::Given,
@@ -31,25 +31,25 @@ pub struct Stop {
 }
 
 /// What solves of one size share.
-pub(super) struct Engine {
+pub(super) struct KrylovWorkspace {
     pub krylov: Krylov,
-    pub work: Work,
+    pub work: WorkVectors,
     pub rhs: Vector,
     pub x: Vector,
 }
 
-impl Engine {
+impl KrylovWorkspace {
     /// The engine at hand if it has the right sizes on every rank, or else a new one.
-    pub fn fitting<const D: usize>(at_hand: Option<Engine>, basis: &Basis<D>, sizes: Sizes) -> Result<Engine> {
+    pub fn fitting<const D: usize>(at_hand: Option<KrylovWorkspace>, basis: &FixedOperators<D>, sizes: Sizes) -> Result<KrylovWorkspace> {
         let fits = at_hand.as_ref().is_some_and(|engine| engine.work.sizes() == sizes);
         match at_hand.filter(|_| basis.session.world().max(if fits { 0.0 } else { 1.0 }) == 0.0) {
             Some(engine) => Ok(engine),
-            None => Engine::new(basis, sizes),
+            None => KrylovWorkspace::new(basis, sizes),
         }
     }
 
-    fn new<const D: usize>(basis: &Basis<D>, sizes: Sizes) -> Result<Engine> {
-        let work = Work::new(&basis.stokes, sizes)?;
+    fn new<const D: usize>(basis: &FixedOperators<D>, sizes: Sizes) -> Result<KrylovWorkspace> {
+        let work = WorkVectors::new(&basis.stokes, sizes)?;
         let rhs = work.solver_vector(&basis.session)?;
         let mut unknowns = [rhs.local()?.len() as f64];
         basis.session.world().sum(&mut unknowns);
@@ -57,14 +57,14 @@ impl Engine {
         let flexible = basis.kinds.given() == Given::Motions && iterated(D * (D + 1) / 2, bodies);
         let settings = krylov_settings(basis.setup.tolerance.at_an_instant(), unknowns[0] as usize, flexible);
         let krylov = Krylov::new(&basis.session, rhs.local()?.len(), c"coupled_", settings)?;
-        Ok(Engine { krylov, work, x: rhs.like()?, rhs })
+        Ok(KrylovWorkspace { krylov, work, x: rhs.like()?, rhs })
     }
 
     /// Sets the unknowns to a guess, or to zero; `contacts` are those of this rank.
-    pub fn start<const D: usize>(&mut self, bodies: &Bodies<D>, guess: Option<&Guess<D>>, contacts: Vec<f64>) -> Result<()> {
+    pub fn start<const D: usize>(&mut self, bodies: &Bodies<D>, guess: Option<&InitialGuess<D>>, contacts: Vec<f64>) -> Result<()> {
         let mut x = self.x.local_mut()?;
         x.fill(0.0);
-        let Some(Guess { extrapolated: Snapshot { fluid, multipliers, closure, .. }, .. }) = guess else { return Ok(()) };
+        let Some(InitialGuess { extrapolated: Snapshot { fluid, multipliers, closure, .. }, .. }) = guess else { return Ok(()) };
         let (of_fluid, others) = x.split_at_mut(self.work.sizes().fluid);
         if let Some(fluid) = fluid {
             of_fluid.copy_from_slice(&fluid.local()?);

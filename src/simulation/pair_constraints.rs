@@ -14,11 +14,11 @@
 use std::collections::BTreeMap;
 
 use super::{
-    link::{End, Link},
-    network::{Network, Parts, Resistances},
+    network::{Network, NetworkParts, Resistances},
+    pair_constraint::{ConstraintSide, PairConstraint},
 };
 use crate::{
-    constraint::{Layout, Pores},
+    constraint::{MultiplierLayout, Pores},
     error::Result,
     petsc::{Scatter, Session, Vector},
 };
@@ -44,39 +44,39 @@ pub struct Medium {
 }
 
 /// The links of a solve that belong to this rank: contacts and ways of films.
-pub struct Touching {
+pub struct PairConstraints {
     /// Force, per unit viscosity, that a unit of an unknown stands for.
     pub scale: f64,
-    links: Vec<Link>,
+    links: Vec<PairConstraint>,
     rigid: usize,
     places: usize,
     acting: Option<Acting>,
 }
 
-impl Touching {
+impl PairConstraints {
     /// The links that touch this rank's bodies, in a system that has at least so many `places` for those that belong to it; bodies have so
     /// many rigid modes, and those that stay have their motion given. Without a medium there is no link on any rank. Collective.
     ///
     /// # Errors
     /// The approximation cannot be factored.
     pub fn new(
-        (session, layout): (&Session, &Layout),
-        (scale, links): (f64, Vec<Link>),
+        (session, layout): (&Session, &MultiplierLayout),
+        (scale, links): (f64, Vec<PairConstraint>),
         (rigid, medium): (usize, Option<&Medium>),
         (stays, unit): (impl Fn(usize) -> bool, impl Fn(usize) -> f64),
         places: usize,
     ) -> Result<Self> {
-        let owned: Vec<Link> = links.iter().filter(|link| link.owned).cloned().collect();
+        let owned: Vec<PairConstraint> = links.iter().filter(|link| link.owned).cloned().collect();
         let act = |Medium { resistances, pores, by_pairs }: &Medium| {
             let mut resistances = resistances.clone();
-            resistances.add_links(layout, links.iter(), Link::stiff_compliance);
-            let parts = Parts { resistances: &resistances, pores: pores.as_ref(), rigid, flexible: *by_pairs, stays, unit };
+            resistances.add_links(layout, links.iter(), PairConstraint::stiff_compliance);
+            let parts = NetworkParts { resistances: &resistances, pores: pores.as_ref(), rigid, flexible: *by_pairs, stays, unit };
             Acting::new((session, layout), Network::new(session, layout, parts)?, (&owned, rigid))
         };
         let acting = medium.map(act).transpose()?;
         // a few links more or less do not change the size of the system
-        let places = if owned.len() <= places { places } else { roomy(owned.len()) };
-        Ok(Touching { scale, links: owned, rigid, places, acting })
+        let places = if owned.len() <= places { places } else { capacity(owned.len()) };
+        Ok(PairConstraints { scale, links: owned, rigid, places, acting })
     }
 
     /// Takes the rates that are known, those of the given velocities on surfaces, from the rates wanted.
@@ -129,7 +129,7 @@ impl Touching {
     /// for are added to those found. Collective.
     pub fn resist(&mut self, forces: &mut Vector, mut rates: Vec<f64>, modes: Option<(&Vector, &mut Vector)>) -> Result<Vec<f64>> {
         let Some(acting) = &mut self.acting else { return Ok(rates) };
-        let compliances: Vec<f64> = self.links.iter().map(Link::stiff_compliance).collect();
+        let compliances: Vec<f64> = self.links.iter().map(PairConstraint::stiff_compliance).collect();
         rates.iter_mut().zip(&compliances).for_each(|(rate, compliance)| *rate /= compliance);
         acting.push(&self.links, self.rigid, &rates, |_| 1.0)?;
         acting.motions.add(1.0, forces)?;
@@ -142,10 +142,14 @@ impl Touching {
 }
 
 impl Acting {
-    fn new((session, layout): (&Session, &Layout), network: Network, (owned, rigid): (&[Link], usize)) -> Result<Acting> {
+    fn new(
+        (session, layout): (&Session, &MultiplierLayout),
+        network: Network,
+        (owned, rigid): (&[PairConstraint], usize),
+    ) -> Result<Acting> {
         let motions = Vector::new(session, layout.local_unknowns())?;
         let (mut wanted, mut fetched) = (Vec::new(), BTreeMap::new());
-        let mut place = |end: &Option<End>| match end {
+        let mut place = |end: &Option<ConstraintSide>| match end {
             Some(end) if !layout.holds(end.body) => *fetched.entry(end.body).or_insert_with(|| {
                 let first = layout.global(end.body);
                 wanted.extend((first..first + rigid).map(|unknown| unknown as i32));
@@ -159,19 +163,20 @@ impl Acting {
     }
 
     /// Rates of the links for velocities in `motions`.
-    fn rates(&mut self, links: &[Link], rigid: usize) -> Result<Vec<f64>> {
+    fn rates(&mut self, links: &[PairConstraint], rigid: usize) -> Result<Vec<f64>> {
         let fetched = self.others.fetch(&self.motions)?;
         let own = self.motions.local()?;
-        let of_end = |end: &Option<End>, place: usize| {
+        let of_end = |end: &Option<ConstraintSide>, place: usize| {
             let from = if place < own.len() { &own[place..] } else { &fetched[place - own.len()..] };
             end.map_or(0.0, |end| end.weights.iter().zip(&from[..rigid]).map(|(weight, velocity)| weight * velocity).sum())
         };
-        let rate = |(link, places): (&Link, &[usize; 2])| link.ends.iter().zip(places).map(|(end, &place)| of_end(end, place)).sum();
+        let rate =
+            |(link, places): (&PairConstraint, &[usize; 2])| link.ends.iter().zip(places).map(|(end, &place)| of_end(end, place)).sum();
         Ok(links.iter().zip(&self.places).map(rate).collect())
     }
 
     /// Puts into `motions` the pushes of unknowns, each end's times its own factor.
-    fn push(&mut self, links: &[Link], rigid: usize, unknowns: &[f64], factor: impl Fn(&End) -> f64) -> Result<()> {
+    fn push(&mut self, links: &[PairConstraint], rigid: usize, unknowns: &[f64], factor: impl Fn(&ConstraintSide) -> f64) -> Result<()> {
         self.motions.fill(0.0)?;
         let (mut own, mut others) = (self.motions.local_mut()?, self.others.places()?);
         for ((link, places), unknown) in links.iter().zip(&self.places).zip(unknowns) {
@@ -188,7 +193,7 @@ impl Acting {
 }
 
 /// At least so many places, in steps of an eighth.
-fn roomy(count: usize) -> usize {
+fn capacity(count: usize) -> usize {
     let step = (count.next_power_of_two() / 8).max(1);
     count.div_ceil(step) * step
 }

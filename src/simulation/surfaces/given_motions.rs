@@ -1,9 +1,9 @@
 //! The approximate inverse where near pairs answer to motions: bodies, films and contacts at once.
 
-use super::Surfaces;
+use super::SurfaceOperators;
 use crate::{error::Result, petsc::Vector};
 
-impl<const D: usize> Surfaces<'_, D> {
+impl<const D: usize> SurfaceOperators<'_, D> {
     /// Turns the sampled velocities into multipliers, and returns the unknowns of links, by what near pairs and pores answer to motions:
     ///
     /// ```text

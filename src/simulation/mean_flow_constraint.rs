@@ -18,7 +18,7 @@ const EXACT: f64 = 1e-11;
 const MOST_ITERATIONS: usize = 200;
 
 /// What a drive leaves to be found besides the flow and the bodies' motions.
-pub enum Closure {
+pub enum MeanFlowConstraint {
     /// Nothing.
     Closed,
     /// Mean velocities along periodic axes of a walled box are given: the forces per volume along them are unknown.
@@ -41,22 +41,22 @@ pub struct UniformForce {
     pub mean: f64,
 }
 
-impl Closure {
+impl MeanFlowConstraint {
     /// The closure that a drive needs in a box.
     pub fn new<const D: usize>(
         drive: &Drive<D>,
         grid: &Grid<D>,
         stokes: &Stokes<D>,
         inverse: &mut dyn StokesInverse<D>,
-    ) -> Result<Closure> {
+    ) -> Result<MeanFlowConstraint> {
         let domain = grid.domain();
         if drive.leaves_force_open(domain) {
             let forces = periodic_axes(domain).map(|axis| UniformForce::new(axis, grid, stokes, inverse));
-            Ok(Closure::Forces(forces.collect::<Result<_>>()?))
+            Ok(MeanFlowConstraint::Forces(forces.collect::<Result<_>>()?))
         } else if drive.leaves_mean_velocity_open(domain) {
-            Ok(Closure::MeanVelocity)
+            Ok(MeanFlowConstraint::MeanVelocity)
         } else {
-            Ok(Closure::Closed)
+            Ok(MeanFlowConstraint::Closed)
         }
     }
 
@@ -68,16 +68,16 @@ impl Closure {
     /// Number of unknowns it adds; rank 0 holds them.
     pub fn unknowns<const D: usize>(&self) -> usize {
         match self {
-            Closure::Closed => 0,
-            Closure::Forces(forces) => forces.len(),
-            Closure::MeanVelocity => D,
+            MeanFlowConstraint::Closed => 0,
+            MeanFlowConstraint::Forces(forces) => forces.len(),
+            MeanFlowConstraint::MeanVelocity => D,
         }
     }
 
     /// The forces that are to be found.
     pub fn forces(&self) -> &[UniformForce] {
         match self {
-            Closure::Forces(forces) => forces,
+            MeanFlowConstraint::Forces(forces) => forces,
             _ => &[],
         }
     }
@@ -164,7 +164,7 @@ pub fn flow_without_bodies<const D: usize>(
     grid: &Grid<D>,
     stokes: &Stokes<D>,
     inverse: &mut dyn StokesInverse<D>,
-    closure: &Closure,
+    closure: &MeanFlowConstraint,
 ) -> Result<(Vector, Vec<f64>)> {
     let mut flow = stokes.vector()?;
     if grid.domain().fully_periodic() {
