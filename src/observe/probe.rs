@@ -36,7 +36,8 @@ pub fn velocity_probe<const D: usize>(suspension: &dyn FlowSolver<D>, solution: 
 
 /// The scalar of a solution, mean gradient included, on `per_axis^D` points; collective, and the same on every rank.
 pub fn scalar_probe<const D: usize>(
-    (setup, grid): (&ScalarSetup<D>, &Grid<D>),
+    setup: &ScalarSetup<D>,
+    grid: &Grid<D>,
     solution: &ScalarSolution<D>,
     per_axis: usize,
 ) -> Result<Probe<D>> {

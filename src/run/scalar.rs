@@ -54,7 +54,7 @@ fn write<const D: usize>(world: &World, scene: &Scene, folder: Option<RunFolder>
             world.on_first_rank(|| output::write_whole(&path, text.as_bytes()))
         };
         if let Some(points) = scene.output.probe {
-            write("probe.csv", observe::scalar_probe((solved.setup, solved.grid), solved.solution, points)?.csv())?;
+            write("probe.csv", observe::scalar_probe(solved.setup, solved.grid, solved.solution, points)?.csv())?;
         }
         if scene.output.picture {
             write("picture.svg", observe::scalar_picture(scene.shown_title(), solved)?.svg())?;

@@ -44,7 +44,8 @@ impl<'a, const D: usize> AssembledSystem<'a, D> {
     /// Puts bodies in their places and fills right-hand side and start; what is at hand is used again where it fits.
     pub fn new(
         basis: &'a FixedOperators<D>,
-        (assembly, engine): (Option<Assembly<D>>, Option<KrylovWorkspace>),
+        assembly: Option<Assembly<D>>,
+        engine: Option<KrylovWorkspace>,
         past: Option<&ExtrapolationHistory<D>>,
         moment: &Configuration<D>,
     ) -> Result<Self> {
@@ -56,13 +57,13 @@ impl<'a, const D: usize> AssembledSystem<'a, D> {
         let guess = past.map_or(Ok(None), |past| past.guess(&bodies, moment.centers, moment.time))?;
         let closure = basis.closure.unknowns::<D>();
         let places = engine.as_ref().map_or(0, |engine| engine.work.sizes().links);
-        let touching = touching(basis, &bodies, (moment, &assembly.films), (&assembly.undisturbed, assembly.medium.as_ref()), places)?;
+        let touching = touching(basis, &bodies, moment, &assembly.films, &assembly.undisturbed, assembly.medium.as_ref(), places)?;
         let fluid = if basis.condensed { 0 } else { basis.grid.local_fluid_unknowns() };
         let sizes = Sizes { fluid, multipliers: assembly.undisturbed.len(), closure, links: touching.places() };
         let mut engine = KrylovWorkspace::fitting(engine, basis, sizes)?;
         engine.krylov.set_tolerance(moment.tolerance);
         let prescribed_drag = prescribed_drag(&basis.session, &members);
-        let wanted = bodies.wanted_rows(&assembly.blocks, &members, (&assembly.undisturbed, moment.pushes));
+        let wanted = bodies.wanted_rows(&assembly.blocks, &members, &assembly.undisturbed, moment.pushes);
         basis.fill_right_hand_side(&wanted, touching.wanted(), prescribed_drag, &mut engine.rhs)?;
         let rounding = ROUNDING * scale(&basis.session, &assembly.undisturbed, &engine.rhs)?;
         let unit = touching.scale * basis.setup.viscosity;

@@ -205,7 +205,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
     /// The near pairs of this rank's bodies; collective.
     pub fn near_pairs(&self, session: &Session) -> Result<PairPreconditioner> {
         let multipliers = Vector::new(session, self.layout.local_unknowns())?;
-        PairPreconditioner::new((&self.crowd, &self.layout), &self.kinds.pair_tables, &multipliers)
+        PairPreconditioner::new(&self.crowd, &self.layout, &self.kinds.pair_tables, &multipliers)
     }
 
     /// This rank's bodies as members of the coupled system.
@@ -252,21 +252,16 @@ impl<'a, const D: usize> Bodies<'a, D> {
     /// The right-hand sides of this rank's bodies.
     ///
     /// `pushes` are forces and torques on all bodies besides those of the setup, or empty.
-    pub fn wanted_rows(&self, blocks: &Blocks<D>, members: &[BodyOperator], (undisturbed, pushes): (&[f64], &[Wrench<D>])) -> Vec<f64> {
+    pub fn wanted_rows(&self, blocks: &Blocks<D>, members: &[BodyOperator], undisturbed: &[f64], pushes: &[Wrench<D>]) -> Vec<f64> {
         let rows = members.iter().enumerate();
         let of = |(local, member): (usize, &BodyOperator)| {
             let push = pushes.get(self.layout.local_bodies[local]).copied().unwrap_or_else(Wrench::zero);
-            self.wanted_rows_of((blocks, local), member, (&undisturbed[member.range.clone()], push))
+            self.wanted_rows_of(blocks, local, member, &undisturbed[member.range.clone()], push)
         };
         rows.flat_map(of).collect()
     }
 
-    fn wanted_rows_of(
-        &self,
-        (blocks, local): (&Blocks<D>, usize),
-        member: &BodyOperator,
-        (undisturbed, push): (&[f64], Wrench<D>),
-    ) -> Vec<f64> {
+    fn wanted_rows_of(&self, blocks: &Blocks<D>, local: usize, member: &BodyOperator, undisturbed: &[f64], push: Wrench<D>) -> Vec<f64> {
         let body = self.layout.local_bodies[local];
         let surface = self.surface(body);
         match self.setup.bodies[body].body.motion {

@@ -49,12 +49,7 @@ pub struct InitialGuess<const D: usize> {
 
 impl<const D: usize> Snapshot<D> {
     /// A copy of what was found, without the fluid if it is eliminated. Collective.
-    pub fn of(
-        bodies: &Bodies<D>,
-        session: &Session,
-        centers: &[SVector<f64, D>],
-        (found, condensed): (&SolvedUnknowns, bool),
-    ) -> Result<Self> {
+    pub fn of(bodies: &Bodies<D>, session: &Session, centers: &[SVector<f64, D>], found: &SolvedUnknowns, condensed: bool) -> Result<Self> {
         let multipliers = bodies.share_multipliers(session, &found.multipliers);
         let fluid = if condensed { None } else { Some(copy(&found.fluid)?) };
         Ok(Snapshot { fluid, multipliers, centers: centers.to_vec(), closure: found.global_unknowns.clone() })
@@ -105,7 +100,7 @@ impl<const D: usize> ExtrapolationHistory<D> {
             None => self.last.copy()?,
         };
         if let (Some(of_last), Some(of_extrapolated)) = (&mut last.fluid, &mut extrapolated.fluid) {
-            self.change_sides(bodies, (centers, time), of_last, of_extrapolated)?;
+            self.change_sides(bodies, centers, time, of_last, of_extrapolated)?;
         }
         Ok(Some(InitialGuess { extrapolated, last }))
     }
@@ -114,7 +109,8 @@ impl<const D: usize> ExtrapolationHistory<D> {
     fn change_sides(
         &self,
         bodies: &Bodies<D>,
-        (centers, time): (&[SVector<f64, D>], f64),
+        centers: &[SVector<f64, D>],
+        time: f64,
         last: &mut Vector,
         extrapolated: &mut Vector,
     ) -> Result<()> {

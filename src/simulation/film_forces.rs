@@ -13,10 +13,12 @@ use crate::{
 
 /// Adds to the states of all bodies, and to the forces on walls, what films do to them, given the force of each way of the films that belong to this rank. Collective.
 pub fn add_films<const D: usize>(
-    (world, layout): (&World, &MultiplierLayout),
+    world: &World,
+    layout: &MultiplierLayout,
     films: &LubricationPairs<D>,
     forces: &[f64],
-    (states, walls): (&mut [BodyState<D>], &mut [[SVector<f64, D>; 2]; D]),
+    states: &mut [BodyState<D>],
+    walls: &mut [[SVector<f64, D>; 2]; D],
 ) -> Lubrication<D> {
     let mut effect = Effect::<D>::new(states.len());
     let owned = films.films.iter().filter(|film| layout.holds(film.body));

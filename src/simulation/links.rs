@@ -44,8 +44,10 @@ const ROTATION_AMONG_FEW: f64 = 0.3;
 pub fn touching<const D: usize>(
     basis: &FixedOperators<D>,
     bodies: &Bodies<D>,
-    (moment, films): (&Configuration<D>, &LubricationPairs<D>),
-    (undisturbed, medium): (&[f64], Option<&Medium>),
+    moment: &Configuration<D>,
+    films: &LubricationPairs<D>,
+    undisturbed: &[f64],
+    medium: Option<&Medium>,
     places: usize,
 ) -> Result<PairConstraints> {
     let mut builder = Builder::new(basis, moment.centers);
@@ -169,7 +171,7 @@ impl<'a, const D: usize> Builder<'a, D> {
             resistances.add(layout, [body; 2], &(self.of_body(body) * part));
         }
         if let Some(pores) = &pores {
-            add_springs(layout, (pores, &few), &mut resistances);
+            add_springs(layout, pores, &few, &mut resistances);
         }
         Medium { resistances, pores, by_pairs: true }
     }
@@ -212,7 +214,7 @@ impl<'a, const D: usize> Builder<'a, D> {
 
 /// Resistances that leave no motion of a body relative to its neighbours without one, and motions of all as one with next to none: a part of
 /// what a disk resists alone would count as much for a wave of any length.
-fn add_springs(layout: &MultiplierLayout, (pores, few): (&Pores, &[f64]), resistances: &mut Resistances) {
+fn add_springs(layout: &MultiplierLayout, pores: &Pores, few: &[f64], resistances: &mut Resistances) {
     let translations = RigidBlock::from_diagonal(&RigidVector::from_fn(|mode, _| f64::from(mode < 2)));
     for throat in &pores.throats {
         let [Some(one), Some(two)] = throat.bodies else { continue };

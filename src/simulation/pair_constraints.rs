@@ -71,7 +71,7 @@ impl PairConstraints {
             let mut resistances = resistances.clone();
             resistances.add_links(layout, links.iter(), PairConstraint::stiff_compliance);
             let parts = NetworkParts { resistances: &resistances, pores: pores.as_ref(), rigid, flexible: *by_pairs, stays, unit };
-            Acting::new((session, layout), Network::new(session, layout, parts)?, (&owned, rigid))
+            Acting::new(session, layout, Network::new(session, layout, parts)?, &owned, rigid)
         };
         let acting = medium.map(act).transpose()?;
         // a few links more or less do not change the size of the system
@@ -142,11 +142,7 @@ impl PairConstraints {
 }
 
 impl Acting {
-    fn new(
-        (session, layout): (&Session, &MultiplierLayout),
-        network: Network,
-        (owned, rigid): (&[PairConstraint], usize),
-    ) -> Result<Acting> {
+    fn new(session: &Session, layout: &MultiplierLayout, network: Network, owned: &[PairConstraint], rigid: usize) -> Result<Acting> {
         let motions = Vector::new(session, layout.local_unknowns())?;
         let (mut wanted, mut fetched) = (Vec::new(), BTreeMap::new());
         let mut place = |end: &Option<ConstraintSide>| match end {

@@ -108,7 +108,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
     pub fn rows(&mut self, fluid: &Vector, (given, global_unknowns): (&Vector, &[f64]), rows: &mut Vector) -> Result<Vec<f64>> {
         self.velocity(fluid, (given, global_unknowns), rows)?;
         let rates = self.touching.rows(rows, &global_unknowns[self.contacts()])?;
-        self.net_force_rows((given, global_unknowns), rows)?;
+        self.net_force_rows(given, global_unknowns, rows)?;
         let mut tail_rows = global_unknowns.to_vec();
         if let MeanFlowConstraint::MeanVelocity = self.closure {
             let force = total_force::<D>(self.members, &given.local()?);
@@ -193,7 +193,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
         values
     }
 
-    fn net_force_rows(&mut self, (given, global_unknowns): (&Vector, &[f64]), rows: &mut Vector) -> Result<()> {
+    fn net_force_rows(&mut self, given: &Vector, global_unknowns: &[f64], rows: &mut Vector) -> Result<()> {
         let mut multipliers = given.like()?;
         multipliers.copy_from(given)?;
         self.touching.press(-1.0, &global_unknowns[self.contacts()], &mut multipliers)?;

@@ -107,7 +107,7 @@ impl<const D: usize> Suspension<D> {
             return Err(Error::refused("condition numbers on the multipliers take an exact inverse of the fluid (transform)"));
         }
         let (centers, basis) = (self.initial_centers(), &self.basis);
-        let mut ready = AssembledSystem::new(basis, (None, None), None, &self.at_rest(&centers))?;
+        let mut ready = AssembledSystem::new(basis, None, None, None, &self.at_rest(&centers))?;
         let shape = ready.engine.x.like()?;
         let (_, parts) = ready.parts(basis, self.inverse.as_mut());
         Conditions::of(basis.session.world(), &mut SchurComplement::new(parts), &shape)
@@ -179,7 +179,7 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         let start = Instant::now();
         self.slide_to(moment.time)?;
         let basis = &self.basis;
-        let mut ready = AssembledSystem::new(basis, (self.assembly.take(), self.engine.take()), self.past.as_ref(), moment)?;
+        let mut ready = AssembledSystem::new(basis, self.assembly.take(), self.engine.take(), self.past.as_ref(), moment)?;
         self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();
         (self.cost.assembly, self.cost.assembled) = (start.elapsed().as_secs_f64(), ready.assembly.assembled);
         let (report, mut found) = ready.solve(basis, self.inverse.as_mut(), monitor)?;
@@ -188,7 +188,7 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         self.cost.stages = std::mem::take(&mut engine.work.stages);
         let links = found.global_unknowns.split_off(basis.closure.unknowns::<D>());
         if self.remembers && basis.method.on_surfaces() {
-            let last = Snapshot::of(&bodies, &basis.session, moment.centers, (&found, basis.condensed))?;
+            let last = Snapshot::of(&bodies, &basis.session, moment.centers, &found, basis.condensed)?;
             self.past = Some(ExtrapolationHistory::then(self.past.take(), last, (guess, moment.time)));
         }
         let mut states = bodies.states(&basis.session, &assembly.blocks, (&found.velocities, &found.multipliers));
@@ -204,7 +204,7 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         }
         let film_forces: Vec<f64> = forces.collect();
         let lubrication =
-            basis.setup.interactions.resist().then(|| add_films((world, layout), &assembly.films, &film_forces, (&mut states, &mut walls)));
+            basis.setup.interactions.resist().then(|| add_films(world, layout, &assembly.films, &film_forces, &mut states, &mut walls));
         (self.assembly, self.engine) = (Some(assembly), Some(engine));
         Ok(Solution {
             lubrication,

@@ -86,19 +86,19 @@ impl Parts {
                 if let Some(force) = forces[a] {
                     system.load(force, row.known * means);
                 }
-                self.assemble_viscous((i, a), row, system);
-                self.assemble_pressure((i, a), row, system);
+                self.assemble_viscous(i, a, row, system);
+                self.assemble_pressure(i, a, row, system);
             }
         }
     }
 
-    fn assemble_viscous(&self, (i, a): (usize, usize), row: &Component, system: &mut System) {
+    fn assemble_viscous(&self, i: usize, a: usize, row: &Component, system: &mut System) {
         if row.terms().is_empty() {
             return;
         }
         for (j, column) in self.velocities.iter().enumerate() {
             for (b, column) in column.iter().enumerate() {
-                let value: f64 = self.samples.iter().map(|sample| sample.weight * sample.friction((i, a), (j, b))).sum();
+                let value: f64 = self.samples.iter().map(|sample| sample.weight * sample.friction(i, a, j, b)).sum();
                 for (unknown, factor) in row.terms() {
                     system.load(*unknown, -factor * value * column.known);
                     column.terms().iter().for_each(|(other, of_column)| system.add(*unknown, *other, factor * value * of_column));
@@ -108,7 +108,7 @@ impl Parts {
     }
 
     /// The pressure in momentum rows, and continuity.
-    fn assemble_pressure(&self, (i, a): (usize, usize), velocity: &Component, system: &mut System) {
+    fn assemble_pressure(&self, i: usize, a: usize, velocity: &Component, system: &mut System) {
         for (k, pressure) in self.pressures.iter().enumerate() {
             let Some(pressure) = *pressure else { continue };
             let value: f64 = self.samples.iter().map(|sample| -sample.weight * sample.linear[k] * sample.gradients[i][a]).sum();
@@ -123,7 +123,7 @@ impl Parts {
 
 impl Sample {
     /// `2 D(u) : D(v)` of two shape functions along two axes.
-    pub fn friction(&self, (i, a): (usize, usize), (j, b): (usize, usize)) -> f64 {
+    pub fn friction(&self, i: usize, a: usize, j: usize, b: usize) -> f64 {
         let (of_row, of_column) = (&self.gradients[i], &self.gradients[j]);
         of_row[b] * of_column[a] + if a == b { of_row.dot(of_column) } else { 0.0 }
     }

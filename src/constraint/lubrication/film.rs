@@ -123,7 +123,7 @@ pub fn films<const D: usize>(
             films.extend(film((&table, FilmTable::missing), (ends[0], small), (other, Some(large)), (separation, gap), roughness));
         }
     }
-    films.extend(of_walls((crowd, layout), tables, FilmTable::missing, roughness));
+    films.extend(of_walls(crowd, layout, tables, FilmTable::missing, roughness));
     let imbalance = films.iter().map(imbalance).fold(0.0, f64::max);
     LubricationPairs { films, imbalance }
 }
@@ -133,12 +133,13 @@ pub fn resolved_at_walls<const D: usize>(
     (crowd, layout): (&Neighbourhood<D>, &MultiplierLayout),
     tables: &FilmTables,
 ) -> LubricationPairs<D> {
-    LubricationPairs { films: of_walls((crowd, layout), tables, FilmTable::truncated, 0.0), imbalance: 0.0 }
+    LubricationPairs { films: of_walls(crowd, layout, tables, FilmTable::truncated, 0.0), imbalance: 0.0 }
 }
 
 /// LubricationPairs between bodies of this rank and walls, with a part of their resistance.
 fn of_walls<const D: usize>(
-    (crowd, layout): (&Neighbourhood<D>, &MultiplierLayout),
+    crowd: &Neighbourhood<D>,
+    layout: &MultiplierLayout,
     tables: &FilmTables,
     part: fn(&FilmTable, f64) -> Resistance,
     roughness: f64,

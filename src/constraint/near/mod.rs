@@ -70,12 +70,13 @@ impl PairPreconditioner {
     /// # Errors
     /// PETSc has no memory for the exchange.
     pub fn new<const D: usize>(
-        (crowd, layout): (&Neighbourhood<D>, &MultiplierLayout),
+        crowd: &Neighbourhood<D>,
+        layout: &MultiplierLayout,
         tables: &PairTables<D>,
         multipliers: &Vector,
     ) -> Result<PairPreconditioner> {
         let near = near_and_mine(crowd, layout);
-        let (fetched, places) = places((crowd, layout), &near);
+        let (fetched, places) = places(crowd, layout, &near);
         let local = layout.local_unknowns();
         let mut pairs = PairPreconditioner {
             given: tables.given,
@@ -204,7 +205,7 @@ fn near_and_mine<'a, const D: usize>(crowd: &'a Neighbourhood<D>, layout: &Multi
 }
 
 /// The multipliers to fetch for these pairs, and where each body's stand: this rank's first, then the fetched.
-fn places<const D: usize>((crowd, layout): (&Neighbourhood<D>, &MultiplierLayout), near: &[&Pair<D>]) -> (Vec<i32>, Vec<usize>) {
+fn places<const D: usize>(crowd: &Neighbourhood<D>, layout: &MultiplierLayout, near: &[&Pair<D>]) -> (Vec<i32>, Vec<usize>) {
     let mut places = vec![usize::MAX; crowd.balls.len()];
     layout.local_bodies.iter().for_each(|&body| places[body] = layout.local(body));
     let mut fetched = Vec::new();

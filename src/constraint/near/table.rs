@@ -73,7 +73,7 @@ impl Table {
         let contact = 1.0 + second;
         let last = 1.0 / (contact * (1.0 + 0.5 * REACH));
         let step = (1.0 / contact - last) / (NODES - 1) as f64;
-        let nodes = (0..NODES).map(|node| corrections((&sides, given), &pattern, 1.0 / (last + step * node as f64))).collect();
+        let nodes = (0..NODES).map(|node| corrections(&sides, given, &pattern, 1.0 / (last + step * node as f64))).collect();
         Table { pattern, contact, range: [last, step], nodes }
     }
 
@@ -90,7 +90,7 @@ impl Table {
 }
 
 /// The blocks of the correction at one distance, channel by channel, columns one after the other.
-fn corrections<const D: usize>((sides, given): (&[PairSide<D>; 2], Given), pattern: &Pattern, distance: f64) -> Vec<f32> {
+fn corrections<const D: usize>(sides: &[PairSide<D>; 2], given: Given, pattern: &Pattern, distance: f64) -> Vec<f32> {
     let pair = Two::new(sides, pattern.equal(), distance);
     let mut out = Vec::new();
     for modes in pattern.channels() {

@@ -51,11 +51,11 @@ pub fn demand<const D: usize>(scene: &Scene) -> Result<f64> {
         return Ok(fitted::bytes_of_cells(cells));
     }
     let grid = Grid::new(&domain, spacing, 1, 0)?;
-    Ok(if scene.scalar() { scalar_bytes(&grid, 0) } else { of_flow(scene, (&domain, &grid, spacing), &numbers) })
+    Ok(if scene.scalar() { scalar_bytes(&grid, 0) } else { of_flow(scene, &domain, &grid, spacing, &numbers) })
 }
 
 /// Of the grid, and of as many bodies as each group has beside one like its first.
-fn of_flow<const D: usize>(scene: &Scene, (domain, grid, spacing): (&Domain<D>, &Grid<D>, f64), numbers: &[f64]) -> f64 {
+fn of_flow<const D: usize>(scene: &Scene, domain: &Domain<D>, grid: &Grid<D>, spacing: f64, numbers: &[f64]) -> f64 {
     let with = |bodies: Vec<SuspendedBody<D>>| {
         let setup = Setup::with_bodies(scene, domain.clone(), spacing, bodies);
         bytes(&setup, (grid, &multiplier_counts(&setup, grid)), scene.time.is_some())
