@@ -1,7 +1,12 @@
 //! The bodies of all ranks, and which of them are near each other: looked for once, for all that asks.
 
-use super::{lubrication, near};
 use crate::geometry::{Ball, Domain, Pair, WallPair, near_pairs, near_walls};
+
+/// Largest gap at which films are known, in radii of the smaller body.
+pub const LUBRICATION_REACH: f64 = 1.25;
+
+/// Gap, over the mean radius of the two, below which bodies are a near pair in the approximate inverse.
+pub const PAIR_REACH: f64 = 1.0;
 
 /// Bodies in their places, with what is within reach of each.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,11 +30,11 @@ impl<const D: usize> Neighbourhood<D> {
 
     /// A reach beyond which neither films nor the approximate inverse know of a neighbour.
     pub fn reach(balls: &[Ball<D>]) -> f64 {
-        lubrication::REACH.max(near::REACH) * balls.iter().map(|ball| ball.radius).fold(0.0, f64::max)
+        LUBRICATION_REACH.max(PAIR_REACH) * balls.iter().map(|ball| ball.radius).fold(0.0, f64::max)
     }
 
     /// Whether a pair is one whose bodies feel each other in the approximate inverse.
     pub fn near(&self, pair: &Pair<D>) -> bool {
-        pair.gap < near::REACH * 0.5 * (self.balls[pair.first].radius + self.balls[pair.second].radius)
+        pair.gap < PAIR_REACH * 0.5 * (self.balls[pair.first].radius + self.balls[pair.second].radius)
     }
 }

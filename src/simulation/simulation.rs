@@ -1,8 +1,8 @@
 //! The time loop: bodies move step by step, driven by a fluid or by inertia alone.
 
 use super::{
-    ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Granular, GranularSetup, Observation, Plan, QuasiStatic, ResidualMonitor,
-    State, Stepper, interactions,
+    ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Granular, GranularSetup, Observation, QuasiStatic, ResidualMonitor, State,
+    Stepper, interactions,
     shift_period::ShiftPeriod,
     step_control::{ROUNDING, StepControl},
 };
@@ -11,7 +11,7 @@ use crate::{
     error::{Error, Result},
     geometry::Domain,
     petsc::Session,
-    scene::{Scene, TimeSection},
+    scene::TimeSection,
 };
 
 /// Shortest step, as a part of the whole run: after so many steps that one more changes no time.
@@ -39,14 +39,6 @@ pub struct StepReport {
 }
 
 impl<const D: usize> Simulation<D> {
-    /// Builds what a scene with a `[time]` section calls for, and no more.
-    ///
-    /// # Errors
-    /// Bodies, grid or rank count do not fit.
-    pub fn new(session: &Session, scene: &Scene) -> Result<Simulation<D>> {
-        session.world().agree(Plan::of(scene))?.simulation(session)
-    }
-
     /// Granular bodies in motion.
     pub fn dry(session: &Session, setup: GranularSetup<D>, time: TimeSection) -> Simulation<D> {
         let radii = setup.bodies.iter().map(|body| body.radius).collect();

@@ -5,12 +5,9 @@ use nalgebra::{SMatrix, SVector};
 use super::{FilmTable, FilmTables, Resistance};
 use crate::{
     body::{Twist, components},
-    constraint::{MultiplierLayout, Neighbourhood},
+    constraint::{MultiplierLayout, Neighbourhood, neighbourhood::LUBRICATION_REACH},
     geometry::WallPair,
 };
-
-/// Largest reach of any table, in radii of the smaller body.
-pub const REACH: f64 = 1.25;
 
 /// Resistance, over viscosity and radius, of a way that counts as no resistance.
 const NEGLIGIBLE: f64 = 1e-6;
@@ -116,7 +113,7 @@ pub fn films<const D: usize>(
         }
         let [small, large] = ends.map(|body| balls[body].radius);
         let gap = pair.gap / small;
-        if gap < REACH {
+        if gap < LUBRICATION_REACH {
             let table = tables.of::<D>(orders[ends[0]], Some((orders[ends[1]], large / small)));
             let offset = separation - (balls[ends[1]].center - balls[ends[0]].center);
             let other = Opposite::Body(ends[1], offset);
@@ -151,7 +148,7 @@ fn of_walls<const D: usize>(
         let (table, other) = (tables.of::<D>(order, None), Opposite::Wall((near.axis, near.upper)));
         film((&table, part), (near.body, radius), (other, None), (separation, near.gap / radius), roughness)
     };
-    let near = crowd.walls.iter().filter(|near| layout.holds(near.body) && near.gap < REACH * crowd.balls[near.body].radius);
+    let near = crowd.walls.iter().filter(|near| layout.holds(near.body) && near.gap < LUBRICATION_REACH * crowd.balls[near.body].radius);
     near.filter_map(of_wall).collect()
 }
 

@@ -7,8 +7,8 @@ use std::{cell::RefCell, collections::BTreeMap, rc::Rc};
 
 use nalgebra::DMatrix;
 
-use super::{REACH, block::PairSide, pattern::Pattern};
-use crate::linalg::cubic;
+use super::{block::PairSide, pattern::Pattern};
+use crate::{constraint::neighbourhood::PAIR_REACH, linalg::cubic};
 
 /// Nodes of a table.
 const NODES: usize = 24;
@@ -71,7 +71,7 @@ impl Table {
         let equal = key.ratio == 0 && key.orders[0] == key.orders[1];
         let pattern = Pattern::new(sides.each_ref().map(|side| side.surface.modes.as_ref()), equal);
         let contact = 1.0 + second;
-        let last = 1.0 / (contact * (1.0 + 0.5 * REACH));
+        let last = 1.0 / (contact * (1.0 + 0.5 * PAIR_REACH));
         let step = (1.0 / contact - last) / (NODES - 1) as f64;
         let nodes = (0..NODES).map(|node| corrections(&sides, given, &pattern, 1.0 / (last + step * node as f64))).collect();
         Table { pattern, contact, range: [last, step], nodes }

@@ -112,6 +112,16 @@ impl<const D: usize> Plan<D> {
     }
 }
 
+impl<const D: usize> Simulation<D> {
+    /// Builds what a scene with a `[time]` section calls for, and no more.
+    ///
+    /// # Errors
+    /// Bodies, grid or rank count do not fit.
+    pub fn new(session: &Session, scene: &Scene) -> Result<Simulation<D>> {
+        session.world().agree(Plan::of(scene))?.simulation(session)
+    }
+}
+
 /// The solver that a setup's method of imposing rigidity calls for.
 ///
 /// # Errors
