@@ -133,10 +133,9 @@ impl<const D: usize> Blocks<D> {
         let (others, own) = (self.read.fetch(u)?, u.local()?);
         let u = Entries { own: &own, others: &others };
         let (mut scratch, mut values, mut first) = (Vec::new(), Vec::new(), 0);
-        let alike = |body: &Box<dyn BodyBlocks<D>>, next: &Box<dyn BodyBlocks<D>>| {
-            body.surface().zip(next.surface()).is_some_and(|(surface, next)| Rc::ptr_eq(surface, next))
-        };
-        for alike in self.bodies.chunk_by(alike) {
+        for alike in
+            self.bodies.chunk_by(|body, next| body.surface().zip(next.surface()).is_some_and(|(one, other)| Rc::ptr_eq(one, other)))
+        {
             let Some(surface) = alike[0].surface() else {
                 let count = alike[0].count();
                 alike[0].read(u, walls, &mut scratch, &mut out[first..][..count]);

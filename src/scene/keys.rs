@@ -75,7 +75,7 @@ pub(super) fn file_of(keys: &Keys) -> String {
         }
         match key.strip_prefix("centers[") {
             // the list stays open for the next center
-            Some(index) if index == "0]" => tables += &format!("centers = [{value}]\n"),
+            Some("0]") => tables += &format!("centers = [{value}]\n"),
             Some(_) => tables.insert_str(tables.len() - 2, &format!(", {value}")),
             None => tables += &format!("{key} = {value}\n"),
         }

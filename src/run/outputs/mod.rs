@@ -14,6 +14,9 @@ use std::path::Path;
 use crate::{error::Result, output::CurvePoint, parallel::World, run::Output, scene::Scene, simulation::Simulation};
 pub use checkpoint::restore;
 
+/// Outputs of a run, in the order in which they write.
+pub type Outputs<const D: usize> = Vec<Box<dyn Output<D>>>;
+
 /// The outputs that a scene asks for, in the order in which they write, and the viscosity of the run so far (on the first rank).
 ///
 /// `texts` are what checkpoints hold of the scene. A run without a `simulation` is one instant. Collective.
@@ -26,7 +29,7 @@ pub fn outputs<const D: usize>(
     folder: &Path,
     texts: Vec<(&'static str, String)>,
     simulation: Option<&Simulation<D>>,
-) -> Result<(Vec<Box<dyn Output<D>>>, Vec<CurvePoint>)> {
+) -> Result<(Outputs<D>, Vec<CurvePoint>)> {
     let path = || folder.to_owned();
     let probe = scene.output.probe.map(|points| Box::new(probe::ProbeFile { folder: path(), points }) as Box<dyn Output<D>>);
     let picture = scene.output.picture.then(|| Box::new(picture::PictureFile { folder: path() }) as Box<dyn Output<D>>);
@@ -35,7 +38,7 @@ pub fn outputs<const D: usize>(
         return Ok((picture.into_iter().chain(probe).chain(pairs).collect(), Vec::new()));
     };
     let (series, points) = series::SeriesFile::open(world, folder, simulation.state().steps)?;
-    let mut all: Vec<Box<dyn Output<D>>> = vec![
+    let mut all: Outputs<D> = vec![
         Box::new(series),
         Box::new(frames::FrameFiles::open(world, scene, folder, simulation)?),
         Box::new(checkpoint::CheckpointFile::new(folder, texts, scene.output.checkpoint)),
