@@ -75,8 +75,9 @@ fn a_study_refers_judges_and_applies() {
     let summary = run(1, &applied, &here.join("applied"), &[]);
     assert!((number(&summary, "bodies.0.force.0").hypot(number(&summary, "bodies.0.force.1")) - number(chosen, "value")).abs() < 1e-9);
 
-    let knobs: Vec<&str> = findings["turned"][0]["knobs"].as_array().unwrap().iter().map(|knob| knob["name"].as_str().unwrap()).collect();
-    assert_eq!(knobs, ["grid", "modes", "tolerance"]);
+    let parameters: Vec<&str> =
+        findings["turned"][0]["knobs"].as_array().unwrap().iter().map(|parameter| parameter["name"].as_str().unwrap()).collect();
+    assert_eq!(parameters, ["grid", "modes", "tolerance"]);
     for part in ["Cheapest for 5.0 %: sharp", "seconds grow as h^", "As written (sharp, 3 cells per radius", "dominates the error"] {
         assert!(said.contains(part), "no {part:?} in: {said}");
     }
@@ -157,8 +158,8 @@ end = 0.8
         assert_eq!(number(point, "measured.steps"), (0.4 / step).round());
         assert!(number(point, "error") < 0.1, "the disk crosses a side of the box, which makes no difference: {point}");
     }
-    let knobs = list(&findings["turned"][0], "knobs");
-    assert_eq!(knobs.last().unwrap()["name"], "step");
+    let parameters = list(&findings["turned"][0], "knobs");
+    assert_eq!(parameters.last().unwrap()["name"], "step");
     let cheapest = &findings["methods"][0]["cheapest"];
     let chosen = points.iter().find(|point| point["setting"] == cheapest["setting"]).unwrap();
     let whole = number(chosen, "measured.setup_seconds") + 2.0 * number(chosen, "measured.solve_seconds");

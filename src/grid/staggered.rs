@@ -241,7 +241,7 @@ fn whole_shift<const D: usize>(domain: &Domain<D>, cells: usize, spacing: f64) -
     let shift = domain.shift() / spacing;
     if (shift - shift.round()).abs() > PART_OF_CELL * (1.0 + shift.abs()) {
         return Err(Error::refused(format!(
-            "the images of a sheared box lie {shift} cells aside; only whole cells have stencils across the seam: choose times at which they are"
+            "the images of a sheared box lie {shift} cells aside; only whole cells have stencils across the boundary: choose times at which they are"
         )));
     }
     Ok(shift.round().rem_euclid(cells as f64) as usize)

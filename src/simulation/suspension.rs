@@ -76,7 +76,7 @@ impl<const D: usize> Suspension<D> {
         Ok(suspension)
     }
 
-    /// Lets images slide to where they are at a time; what was assembled across the seam is gone.
+    /// Lets images slide to where they are at a time; what was assembled across the boundary is gone.
     fn slide_to(&mut self, time: f64) -> Result<()> {
         if let Some(inverse) = self.basis.slide(time, inverse)? {
             (self.inverse, self.assembly) = (inverse, None);

@@ -83,6 +83,6 @@ fn a_channel_knows_no_seam(session: &Session) {
         ScalarSetup { domain: Domain { axes: [Axis::Periodic, setup.domain.axes[1]], ..setup.domain }, ..setup }
     };
     let [inside, across] = [0.5, 0.01].map(|x| solve(session, channel(x)).1);
-    assert_near("the value across the seam", across.inclusions[0].value, inside.inclusions[0].value, 1e-5);
-    assert_near("the energy across the seam", across.energy, inside.energy, 1e-5);
+    assert_near("the value across the boundary", across.inclusions[0].value, inside.inclusions[0].value, 1e-5);
+    assert_near("the energy across the boundary", across.energy, inside.energy, 1e-5);
 }

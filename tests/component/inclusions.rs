@@ -70,7 +70,7 @@ fn every_method_knows_symmetry_and_no_seam(session: &Session) {
         let value = |length: usize, x: f64| solve(session, ScalarSetup { constraint: method, ..channel(length, x) }).1.inclusions[0].value;
         let once = value(1, 0.51);
         assert_near("the value in two cells", value(2, 0.51), once, 1e-8);
-        assert_near("the value across the seam", value(1, 0.01), once, 1e-8);
+        assert_near("the value across the boundary", value(1, 0.01), once, 1e-8);
     }
 }
 

@@ -272,7 +272,7 @@ fn a_row_pressed_and_pulled_at_its_ends_lets_go_of_them_at_twice_the_time(sessio
             (0..count).map(place).collect::<Vec<_>>()
         };
         let length = 0.02;
-        // across the seam
+        // across the boundary
         let mut simulation = start(session, [9.0, 6.0], GLUEY, row(1.5), fixed(length, Scheme::Euler));
         let (pressed, all) = (50_usize, 150);
         for number in 1..=all {

@@ -55,7 +55,7 @@ fn step(simulation: &mut Simulation<2>) -> Observation<2> {
 }
 
 /// A repulsion lets them rest where it equals what presses: `touch (1 - gap/range)^2 = f`; the others where they touch. The pair lies
-/// in the middle or across the seam.
+/// in the middle or across the boundary.
 fn every_law_keeps_two_disks_pressed_together_at_rest_in_symmetry(session: &Session) {
     let repulsion = ContactModel::Repulsion { stiffness: 4.0, range: 0.2 };
     for (law, rest) in [(ContactModel::Inelastic, 0.0), (GLUEY, 0.0), (repulsion, 0.2 * (1.0 - 0.5))] {

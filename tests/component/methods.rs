@@ -86,7 +86,7 @@ fn errors_fall_with_the_spacing_as_predicted(session: &Session) {
     }
 }
 
-/// The same sums in another place, also across the seam: measured 1e-13 on one rank; on more of them the tolerance of the solver counts.
+/// The same sums in another place, also across the boundary: measured 1e-13 on one rank; on more of them the tolerance of the solver counts.
 fn a_scene_translated_by_whole_cells_has_the_same_drag(session: &Session) {
     for (constraint, _) in METHODS {
         let of = |shift: [f64; 2]| {

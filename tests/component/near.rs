@@ -111,7 +111,7 @@ fn caused<const D: usize>(on: &SurfaceTable<D>, by: &SurfaceTable<D>, separation
     block
 }
 
-/// Disks in a row across the seam and a large one that sees its own image. Free modes alone, weighted by length: reciprocity.
+/// Disks in a row across the boundary and a large one that sees its own image. Free modes alone, weighted by length: reciprocity.
 fn the_correction_of_a_crowd_is_symmetric_on_any_number_of_ranks(session: &Session) {
     let disk = |x, y, steps: f64| Ball { center: SVector::from([x, y]), radius: 0.09 * (steps / 16.0).exp2() };
     let balls = [disk(0.05, 0.2, 0.0), disk(0.3, 0.22, 0.0), disk(0.52, 0.2, 0.0), disk(0.9, 0.15, -13.0), disk(0.5, 0.65, 28.0)];

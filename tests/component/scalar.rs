@@ -184,5 +184,5 @@ fn a_channel_repeats_itself_and_knows_no_seam(session: &Session) {
         assert_near("the value in a channel", state.value, once.inclusions[0].value, 1e-8);
     }
     assert_near("the energy of two cells", twice.energy, 2.0 * once.energy, 1e-8);
-    assert_near("the energy across the seam", across.energy, once.energy, 1e-8);
+    assert_near("the energy across the boundary", across.energy, once.energy, 1e-8);
 }

@@ -79,7 +79,7 @@ fn crowd_at(fraction: f64, count: usize, cells: f64, (aside, moved): (f64, [f64;
 fn a_square_lattice_slid_by_half_its_edge_is_the_centred_lattice(session: &Session) {
     let radius = (0.3 / std::f64::consts::PI).sqrt();
     let disk = |x: f64, y: f64| suspended(Vector2::new(x, y), radius, free(), 6);
-    // one of the disks lies across the seam
+    // one of the disks lies across the boundary
     for (x, y) in [(0.513, 0.47), (0.07, 0.95)] {
         let one = viscosity(session, setup(sheared(Vector2::repeat(1.0), 0.5), 1.0 / 24.0, vec![disk(x, y)]));
         let plain = Domain { size: Vector2::new(1.0, 2.0), axes: [Axis::Periodic; 2] };
@@ -105,7 +105,7 @@ fn a_turn_of_the_box_changes_nothing(session: &Session) {
     }
 }
 
-/// Bodies moved by whole cells see the same grid, and their images across the seam too.
+/// Bodies moved by whole cells see the same grid, and their images across the boundary too.
 fn where_the_box_is_cut_changes_nothing(session: &Session) {
     let methods = [
         ConstraintMethod::Sharp,
@@ -225,5 +225,5 @@ fn disks_that_meet_across_the_seam_do_not_overlap(session: &Session) {
         let total: Vector2<f64> = view.solution.unwrap().bodies.iter().map(|body| body.force).sum();
         assert!(total.norm() < 1e-4, "net force {total}");
     }
-    assert!(across > 0, "none met across the seam");
+    assert!(across > 0, "none met across the boundary");
 }

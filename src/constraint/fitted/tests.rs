@@ -53,7 +53,7 @@ fn meshes_fill_what_disks_leave_of_any_box() {
     }
     let periodic = domain([1.0, 1.0], [true, true]);
     let across = generate(&periodic, &[disk(0.02, 0.99, 0.3)], 0.05).unwrap();
-    assert_sound("across the seam", &across, 0.05);
+    assert_sound("across the boundary", &across, 0.05);
 }
 
 #[test]

@@ -62,8 +62,8 @@ fn parameters(findings: &Findings) -> String {
     let tables = known.map(|sensitivity| {
         let row = |change: &ParameterChange| {
             vec![
-                ("knob", change.name.to_owned()),
-                ("turned to", change.to.clone()),
+                ("parameter", change.name.to_owned()),
+                ("set to", change.to.clone()),
                 ("changes the quantity by", text::change_words(change)),
                 ("and leaves an error of", text::left(change, findings.uncertainty())),
             ]
@@ -71,7 +71,7 @@ fn parameters(findings: &Findings) -> String {
         let table = rows(&sensitivity.parameters.iter().map(row).collect::<Vec<_>>(), |_| "", |_| "");
         let verdict = text::dominating(sensitivity).map_or(String::new(), |verdict| format!("<p>Here {}</p>\n", escaped(&verdict)));
         let (method, words) = (&sensitivity.at.method, escaped(&sensitivity.at.words()));
-        format!("<h2>Knobs of {method}, {words}</h2>\n<div class=\"wide\">{table}</div>\n{verdict}")
+        format!("<h2>Parameters of {method}, {words}</h2>\n<div class=\"wide\">{table}</div>\n{verdict}")
     });
     tables.collect()
 }

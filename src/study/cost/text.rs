@@ -20,9 +20,9 @@ pub fn report(findings: &Findings) -> String {
     }
     for sensitivity in &findings.sensitivities {
         let Sensitivity { at, parameters } = sensitivity;
-        lines.extend([String::new(), format!("Knobs of {}, {}, turned one at a time:", at.method, at.words())]);
+        lines.extend([String::new(), format!("Parameters of {}, {}, changed one at a time:", at.method, at.words())]);
         let line = |[name, to, change, left]: [&str; 4]| format!("  {name:<10} {to:<18} {change:<24} {left}").trim_end().to_owned();
-        lines.push(line(["knob", "turned to", "changes the quantity by", "and leaves an error of"]));
+        lines.push(line(["parameter", "set to", "changes the quantity by", "and leaves an error of"]));
         let uncertainty = findings.uncertainty();
         lines.extend(parameters.iter().map(|change| line([change.name, &change.to, &change_words(change), &left(change, uncertainty)])));
         lines.extend(dominating(sensitivity).map(|text| format!("  {text}")));

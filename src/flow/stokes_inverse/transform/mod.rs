@@ -1,14 +1,14 @@
 //! The exact inverse by Fourier transforms, for boxes periodic along all axes and for channels.
 //!
 //! One axis after the other is made whole on every rank and transformed; the last one, across the walls in a channel, is solved
-//! for every wave along the others, and the same way leads back. Where images slide, the axis across the seam comes last: for every
+//! for every wave along the others, and the same way leads back. Where images slide, the axis across the boundary comes last: for every
 //! wave along x the displacement of the images is a phase.
 
 mod channel;
 mod fourier;
+mod lees_edwards;
 mod lines;
 mod periodic;
-mod seam;
 mod stages;
 mod symbols;
 mod wall_to_wall;

@@ -10,8 +10,8 @@ use rustfft::num_complex::Complex;
 
 use super::{
     fourier::Waves,
+    lees_edwards::Boundary,
     lines::{Lines, TILE},
-    seam::Seam,
     symbols::Symbols,
 };
 use crate::grid::Grid;
@@ -21,8 +21,8 @@ pub struct PeriodicLines<const D: usize> {
     lines: Lines<D>,
     along: usize,
     symbols: Symbols<D>,
-    /// Where the images across the seam lie displaced.
-    seam: Option<Seam>,
+    /// Where the images across the boundary lie displaced.
+    boundary: Option<Boundary>,
     waves: Waves,
     tile: Vec<Complex<f64>>,
 }
@@ -31,8 +31,15 @@ impl<const D: usize> PeriodicLines<D> {
     /// The lines of `block`, already transformed along all other axes than `along`.
     pub fn new(lines: Lines<D>, along: usize, grid: &Grid<D>, symbols: Symbols<D>) -> PeriodicLines<D> {
         let (points, block) = (lines.points(), lines.block());
-        let seam = (grid.shift() > 0).then(|| Seam::new(grid, block.start[0]..block.end[0]));
-        PeriodicLines { waves: Waves::new(points), tile: vec![Complex::default(); (D + 1) * TILE * points], lines, along, symbols, seam }
+        let boundary = (grid.shift() > 0).then(|| Boundary::new(grid, block.start[0]..block.end[0]));
+        PeriodicLines {
+            waves: Waves::new(points),
+            tile: vec![Complex::default(); (D + 1) * TILE * points],
+            lines,
+            along,
+            symbols,
+            boundary,
+        }
     }
 
     /// Replaces rows by the solution.
@@ -43,20 +50,20 @@ impl<const D: usize> PeriodicLines<D> {
             let lines = &mut self.tile[..(D + 1) * size];
             (0..=D).for_each(|field| tile.gather(&values[field * extent..], &mut lines[field * size..]));
             let along_x = |line: usize| tile.line_start(line % tile.lines)[0];
-            if let Some(seam) = &self.seam {
-                lines.chunks_exact_mut(points).enumerate().for_each(|(line, values)| seam.level(along_x(line), values));
+            if let Some(boundary) = &self.boundary {
+                lines.chunks_exact_mut(points).enumerate().for_each(|(line, values)| boundary.remove_phase(along_x(line), values));
             }
             self.waves.forward(lines);
             for line in 0..tile.lines {
                 let mut factors: [&[_]; D] = std::array::from_fn(|axis| self.symbols.gradient(axis));
-                if let Some(seam) = &self.seam {
-                    factors[self.along] = seam.gradient(along_x(line));
+                if let Some(boundary) = &self.boundary {
+                    factors[self.along] = boundary.gradient(along_x(line));
                 }
                 solve_line(factors, self.along, tile.line_start(line), &mut lines[line * points..], size);
             }
             self.waves.backward(lines);
-            if let Some(seam) = &self.seam {
-                lines.chunks_exact_mut(points).enumerate().for_each(|(line, values)| seam.tilt(along_x(line), values));
+            if let Some(boundary) = &self.boundary {
+                lines.chunks_exact_mut(points).enumerate().for_each(|(line, values)| boundary.restore_phase(along_x(line), values));
             }
             (0..=D).for_each(|field| tile.scatter(&lines[field * size..], &mut values[field * extent..]));
         }

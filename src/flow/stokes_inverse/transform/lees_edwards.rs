@@ -1,4 +1,4 @@
-//! The seam of a box whose images above it lie displaced along x by whole cells.
+//! The boundary of a box whose images above it lie displaced along x by whole cells.
 //!
 //! For the wave `exp(2 pi i j k / n_x)` along x a displacement by `s` cells is a phase: what lies one box higher along y is the same times
 //! `exp(-i theta)`, `theta = 2 pi k s / n_x`. Times `exp(i theta j / n_y)` at height `j` the wave is periodic again, and its derivative
@@ -11,24 +11,24 @@ use rustfft::num_complex::Complex;
 use super::symbols::derivative;
 use crate::grid::Grid;
 
-/// What the seam does to the waves along x that this rank solves.
-pub struct Seam {
+/// What the boundary does to the waves along x that this rank solves.
+pub struct Boundary {
     /// The first of these waves.
     first: usize,
     points: usize,
     /// `exp(i theta j / n_y)`, wave after wave.
     phases: Vec<Complex<f64>>,
-    /// Factors by which the gradient along y multiplies levelled waves, wave after wave.
+    /// Factors by which the gradient along y multiplies waves without it, wave after wave.
     gradient: Vec<Complex<f64>>,
 }
 
-impl Seam {
-    /// The seam of a grid for a range of waves along x.
-    pub fn new<const D: usize>(grid: &Grid<D>, waves: Range<usize>) -> Seam {
+impl Boundary {
+    /// The boundary of a grid for a range of waves along x.
+    pub fn new<const D: usize>(grid: &Grid<D>, waves: Range<usize>) -> Boundary {
         let ([columns, points], spacing) = ([grid.cells()[0], grid.cells()[1]], grid.spacing()[1]);
         let tilt = |wave: usize| TAU * ((wave * grid.shift()) % columns) as f64 / (columns * points) as f64;
         let all = || waves.clone().flat_map(|wave| (0..points).map(move |point| (tilt(wave), point as f64)));
-        Seam {
+        Boundary {
             first: waves.start,
             points,
             phases: all().map(|(tilt, height)| Complex::cis(tilt * height)).collect(),
@@ -37,16 +37,16 @@ impl Seam {
     }
 
     /// Makes a line of a wave along x periodic.
-    pub fn level(&self, wave: usize, line: &mut [Complex<f64>]) {
+    pub fn remove_phase(&self, wave: usize, line: &mut [Complex<f64>]) {
         line.iter_mut().zip(self.of(&self.phases, wave)).for_each(|(value, phase)| *value *= phase);
     }
 
-    /// Undoes [`level`](Self::level).
-    pub fn tilt(&self, wave: usize, line: &mut [Complex<f64>]) {
+    /// Undoes [`remove_phase`](Self::remove_phase).
+    pub fn restore_phase(&self, wave: usize, line: &mut [Complex<f64>]) {
         line.iter_mut().zip(self.of(&self.phases, wave)).for_each(|(value, phase)| *value *= phase.conj());
     }
 
-    /// The factors of the gradient along y for the waves of a levelled line.
+    /// The factors of the gradient along y for the waves of a line without it.
     pub fn gradient(&self, wave: usize) -> &[Complex<f64>] {
         self.of(&self.gradient, wave)
     }
