@@ -5,8 +5,8 @@ use nalgebra::SVector;
 
 use super::{
     Contact, Problem, Solver,
+    lower_bounds::solve_above,
     program::{Answer, Program},
-    pulling::solve_above,
     solver::Outcome,
     union_find::UnionFind,
 };

@@ -22,7 +22,7 @@ pub struct Problem<'a, const D: usize> {
     /// Contacts that may pull, each with the least force that it may bear, which is negative; all others only push.
     ///
     /// Sorted by [`Contact::identity`].
-    pub floors: &'a [ContactForce<D>],
+    pub lower_bounds: &'a [ContactForce<D>],
 }
 
 impl<const D: usize> Problem<'_, D> {
@@ -43,8 +43,8 @@ impl<const D: usize> Problem<'_, D> {
 
     /// The least force that a contact may bear.
     pub(super) fn lower_bound(&self, contact: &Contact<D>) -> f64 {
-        let found = self.floors.binary_search_by_key(&contact.identity(), |floor| floor.contact.identity());
-        found.map_or(0.0, |place| self.floors[place].force)
+        let found = self.lower_bounds.binary_search_by_key(&contact.identity(), |floor| floor.contact.identity());
+        found.map_or(0.0, |place| self.lower_bounds[place].force)
     }
 
     /// The wanted velocities, corrected by what contact forces do to them.

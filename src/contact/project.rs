@@ -71,8 +71,8 @@ pub(super) fn project_by<const D: usize>(
 ) -> Result<Projection<D>> {
     check(problem)?;
     let mut state = ProjectionState::new(problem, memory);
-    if !problem.floors.is_empty() {
-        let changed = state.add(problem.floors.iter().map(|floor| floor.contact).collect());
+    if !problem.lower_bounds.is_empty() {
+        let changed = state.add(problem.lower_bounds.iter().map(|floor| floor.contact).collect());
         let outcomes = solve(&state.contacts, &state.forces, &changed);
         state.take(&changed, outcomes)?;
     }

@@ -3,9 +3,8 @@
 use std::fmt::Display;
 
 use crate::error::Result;
-use crate::scene::{
-    AxisSection, ConstraintMethod, ContactModel, Drive, FlowModel, LubricationModel, Motion, Scene, Spacing, StokesSolver, accuracy,
-};
+use crate::flow::InverseMethod;
+use crate::scene::{AxisSection, ConstraintMethod, ContactModel, Drive, FlowModel, LubricationModel, Motion, Scene, Spacing, accuracy};
 
 pub(super) fn check(scene: &Scene) -> Result<()> {
     check_spacing(scene)?;
@@ -78,7 +77,13 @@ fn check_lubrication(scene: &Scene) -> Result<()> {
 
 fn check_inverse(scene: &Scene) -> Result<()> {
     let remedy = "transforms need a box with walls across one axis at most; set method.inverse = \"hypre\" or \"auto\"";
-    expect(scene, scene.method.inverse != StokesSolver::Transform || walled(scene).count() <= 1, "method.inverse", "\"transform\"", remedy)
+    expect(
+        scene,
+        scene.method.inverse != Some(InverseMethod::Transform) || walled(scene).count() <= 1,
+        "method.inverse",
+        "\"transform\"",
+        remedy,
+    )
 }
 
 fn check_dry(scene: &Scene) -> Result<()> {

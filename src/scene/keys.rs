@@ -4,6 +4,7 @@ use std::fmt::Display;
 
 use toml_edit::Value;
 
+use crate::flow::InverseMethod;
 use crate::scene::entry::word_of;
 use crate::scene::{
     AxisSection, BodyGroup, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
@@ -166,7 +167,7 @@ fn of_method(method: &MethodSection, model: FlowModel) -> Keys {
         ConstraintMethod::Sharp | ConstraintMethod::Distributed | ConstraintMethod::Fitted => vec![],
     });
     // a scalar is always solved by multigrid
-    keys.extend((model == FlowModel::Stokes).then(|| word("method.inverse", inverse.word())));
+    keys.extend((model == FlowModel::Stokes).then(|| word("method.inverse", inverse.map_or("auto", InverseMethod::word))));
     keys.push(pair("method.tolerance", tolerance.text()));
     keys
 }

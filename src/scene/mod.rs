@@ -21,8 +21,8 @@ pub use difference::Difference;
 pub use locations::Locations;
 pub use sections::{
     AxisSection, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
-    LubricationSection, MethodSection, Modes, MultiplierSolver, OutputSection, ResolutionSection, Scheme, Spacing, Step, StokesSolver,
-    TimeSection, Tolerance, Until,
+    LubricationSection, MethodSection, Modes, MultiplierSolver, OutputSection, ResolutionSection, Scheme, Spacing, Step, TimeSection,
+    Tolerance, Until,
 };
 
 use crate::error::Error;

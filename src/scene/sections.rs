@@ -14,7 +14,7 @@ pub use domain::{AxisSection, DomainSection};
 pub(super) use flow::DRIVES;
 pub use flow::{Drive, FlowModel, FlowSection};
 pub use lubrication::{LubricationModel, LubricationSection};
-pub use method::{ConstraintMethod, MethodSection, MultiplierSolver, StokesSolver, Tolerance};
+pub use method::{ConstraintMethod, MethodSection, MultiplierSolver, Tolerance};
 pub use output::OutputSection;
 pub(super) use resolution::SPACINGS;
 pub use resolution::{Modes, ResolutionSection, Spacing};

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use nalgebra::SVector;
 
-use super::{bodies::Bodies, fixed_operators::FixedOperators, links::medium, pair_constraints::Medium};
+use super::{bodies::Bodies, fixed_operators::FixedOperators, pair_constraints::Medium, pair_resistance::medium};
 use crate::{
     constraint::{
         Assembled, Blocks, MultiplierLayout, Neighbourhood, PairPreconditioner, Placed, lubrication::LubricationPairs, neighbours,

@@ -35,9 +35,9 @@ impl<const D: usize> ContactStep<'_, D> {
     pub fn project(&self, velocities: &[SVector<f64, D>]) -> Result<Projection<D>> {
         let _stage = enter(Stage::Contacts);
         let scaled = |bound: &ContactForce<D>| ContactForce { force: bound.force * self.mobile_part(&bound.contact), ..*bound };
-        let floors: Vec<ContactForce<D>> = self.bounds.iter().map(scaled).collect();
+        let lower_bounds: Vec<ContactForce<D>> = self.bounds.iter().map(scaled).collect();
         let Arrangement { domain, balls, weights, .. } = self.arrangement;
-        let problem = Problem { domain, balls, weights, velocities, step: self.step, floors: &floors };
+        let problem = Problem { domain, balls, weights, velocities, step: self.step, lower_bounds: &lower_bounds };
         let mut projection = contact::project(self.world, &problem)?;
         projection.forces.iter_mut().for_each(|pressed| pressed.force /= self.mobile_part(&pressed.contact));
         projection.kkt_report.total_force = projection.forces.iter().map(|pressed| pressed.force).sum();

@@ -23,7 +23,7 @@ pub fn add_films<const D: usize>(
     let mut effect = Effect::<D>::new(states.len());
     let owned = films.films.iter().filter(|film| layout.holds(film.body));
     let gap = owned.clone().map(|film| film.gap).fold(f64::INFINITY, f64::min);
-    let ways = owned.clone().flat_map(|film| film.ways.iter().map(move |way| (film, way)));
+    let ways = owned.clone().flat_map(|film| film.relative_modes.iter().map(move |way| (film, way)));
     ways.zip(forces).for_each(|((film, way), force)| effect.add(film, way, *force));
     effect.numbers[0] = owned.count() as f64;
     world.sum(&mut effect.numbers);

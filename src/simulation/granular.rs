@@ -106,8 +106,9 @@ impl<const D: usize> Granular<D> {
         let (_stage, arrangement, interactions) = (enter(Stage::Contacts), self.arrangement(balls), &self.setup.interactions);
         let weights: Vec<f64> = self.masses.iter().map(|mass| mass / step).collect();
         let velocities: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
-        let floors = interactions.lower_bounds(&arrangement, &state.stuck, step);
-        let problem = Problem { domain: arrangement.domain, balls, weights: &weights, velocities: &velocities, step, floors: &floors };
+        let lower_bounds = interactions.lower_bounds(&arrangement, &state.stuck, step);
+        let problem =
+            Problem { domain: arrangement.domain, balls, weights: &weights, velocities: &velocities, step, lower_bounds: &lower_bounds };
         let projection = contact::project_from(self.session.world(), &problem, &state.memory())?;
         let stuck = interactions.remember(&arrangement, &state.stuck, &projection.forces, step);
         Ok((projection, stuck))

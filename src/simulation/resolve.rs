@@ -13,7 +13,7 @@ use crate::{
     flow::{Drive, InverseMethod},
     geometry::Domain,
     interaction::{Interactions, Lubrication},
-    scene::{self, ContactModel, Modes, ResolutionSection, Scene, Spacing, StokesSolver},
+    scene::{self, ContactModel, Modes, ResolutionSection, Scene, Spacing},
     surface::{Shape, highest_order},
 };
 
@@ -94,7 +94,7 @@ impl<const D: usize> Setup<D> {
 
     /// The setup of a scene in which these are the bodies.
     pub(super) fn with_bodies(scene: &Scene, domain: Domain<D>, spacing: f64, bodies: Vec<SuspendedBody<D>>) -> Setup<D> {
-        let inverse = inverse(scene, &domain);
+        let inverse = scene.method.inverse.unwrap_or_else(|| InverseMethod::fastest(&domain));
         let setup = Setup {
             domain,
             spacing,
@@ -139,14 +139,6 @@ fn drive<const D: usize>(scene: &Scene) -> Drive<D> {
         Some(scene::Drive::PressureGradient(gradient)) => Drive::PressureGradient(vector(gradient)),
         Some(scene::Drive::BodyForce(force)) => Drive::BodyForce(vector(force)),
         Some(scene::Drive::ShearRate(rate) | scene::Drive::ShearedBox(rate)) => Drive::Shear(*rate),
-    }
-}
-
-fn inverse<const D: usize>(scene: &Scene, domain: &Domain<D>) -> InverseMethod {
-    match scene.method.inverse {
-        StokesSolver::Hypre => InverseMethod::Hypre,
-        StokesSolver::Transform => InverseMethod::Transform,
-        StokesSolver::Auto => InverseMethod::fastest(domain),
     }
 }
 

@@ -15,7 +15,7 @@ use super::{
     film_forces::add_films,
     fixed_operators::FixedOperators,
     krylov_workspace::KrylovWorkspace,
-    links::belongs,
+    pair_resistance::belongs,
     schur_complement::SchurComplement,
     spectrum::Conditions,
 };

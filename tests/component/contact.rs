@@ -38,7 +38,7 @@ fn channel(size: [f64; 2]) -> Domain<2> {
 
 fn solve(session: &Session, balls: &[Ball<2>], weights: &[f64], velocities: &[Vector2<f64>]) -> Result<Projection<2>> {
     let domain = channel([4.0 * COLUMNS as f64, 40.0]);
-    project(session.world(), &Problem { domain: &domain, balls, weights, velocities, step: 1.0, floors: &[] })
+    project(session.world(), &Problem { domain: &domain, balls, weights, velocities, step: 1.0, lower_bounds: &[] })
 }
 
 fn fall(session: &Session) -> Projection<2> {

@@ -144,7 +144,7 @@ fn rows_are_balanced(session: &Session, interaction: &dyn Interaction<2>) {
     let rows = interaction.rows(&crowd, &layout);
     assert_eq!(world.max(rows.films.len() as f64) > 0.0, interaction.resists(), "{interaction:?}");
     assert!(rows.imbalance < 1e-12, "{}", rows.imbalance);
-    assert!(rows.films.iter().flat_map(|film| &film.ways).all(|way| way.resistance > 0.0));
+    assert!(rows.films.iter().flat_map(|film| &film.relative_modes).all(|way| way.resistance > 0.0));
 }
 
 fn time(end: f64) -> TimeSection {

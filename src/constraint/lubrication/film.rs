@@ -27,7 +27,7 @@ pub struct LubricationPair<const D: usize> {
     /// Distance of the surfaces, in radii of the body, before roughness.
     pub gap: f64,
     /// In which ways it resists, each apart from the others.
-    pub ways: Vec<RelativeMode<D>>,
+    pub relative_modes: Vec<RelativeMode<D>>,
 }
 
 /// What is on the other side of a film.
@@ -183,10 +183,10 @@ fn film<const D: usize>(
     // the middle of the film, so that a rigid motion of both sides has no rate
     let levers = [radius * (1.0 + 0.5 * gap), second.map_or(0.0, |second| second + 0.5 * radius * gap)];
     let unit = radius.powi(D as i32 - 2);
-    let mut ways = Vec::new();
+    let mut relative_modes = Vec::new();
     let mut add = |resistance: f64, sides: [RigidFunctional<D>; 2], stress: [SMatrix<f64, D, D>; 2]| {
         if resistance > NEGLIGIBLE {
-            ways.push(RelativeMode { sides, resistance: resistance * unit, stress });
+            relative_modes.push(RelativeMode { sides, resistance: resistance * unit, stress });
         }
     };
     let still = SMatrix::zeros();
@@ -203,7 +203,7 @@ fn film<const D: usize>(
             add(resistance, [side(1.0, turns[0]), side(-1.0, turns[1])], [moment(0), moment(1)]);
         }
     }
-    Some(LubricationPair { body, other, separation, gap, ways })
+    Some(LubricationPair { body, other, separation, gap, relative_modes })
 }
 
 /// Unit vectors that complete a normal.
@@ -241,5 +241,5 @@ fn imbalance<const D: usize>(film: &LubricationPair<D>) -> f64 {
         let torque = (first.turn + second.turn - lever).norm() / film.separation.norm();
         force.max(torque)
     };
-    film.ways.iter().map(of_way).fold(0.0, f64::max)
+    film.relative_modes.iter().map(of_way).fold(0.0, f64::max)
 }

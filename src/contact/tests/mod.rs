@@ -3,7 +3,7 @@
 mod crowds;
 mod geometry;
 mod impacts;
-mod pulling;
+mod lower_bounds;
 mod rebound;
 mod refusals;
 mod solvers;
@@ -44,7 +44,7 @@ impl<const D: usize> Scene<D> {
             weights: &self.weights,
             velocities: &self.velocities,
             step: self.step,
-            floors: &[],
+            lower_bounds: &[],
         }
     }
 

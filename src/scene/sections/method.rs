@@ -1,8 +1,9 @@
 //! How the equations of a scene are solved.
 
 use crate::error::Result;
+use crate::flow::InverseMethod;
 use crate::scene::FlowModel;
-use crate::scene::entry::{Entry, word_of};
+use crate::scene::entry::Entry;
 use crate::scene::table::Table;
 
 /// How the equations are solved.
@@ -10,8 +11,8 @@ use crate::scene::table::Table;
 pub struct MethodSection {
     /// How bodies act on the grid.
     pub constraint: ConstraintMethod,
-    /// What solves the Stokes problem of the empty box.
-    pub inverse: StokesSolver,
+    /// What solves the Stokes problem of the empty box; nothing for the fastest that the box allows.
+    pub inverse: Option<InverseMethod>,
     /// When a solve ends.
     pub tolerance: Tolerance,
 }
@@ -126,27 +127,9 @@ fn automatic(entry: &Entry, read: impl Fn(&Entry) -> Result<f64>) -> Result<Opti
     if entry.value.as_str().is_some() { entry.choice(&[("auto", None)], &[]) } else { read(entry).map(Some) }
 }
 
-/// What solves the Stokes problem of the empty box.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StokesSolver {
-    /// Multigrid of hypre: any box.
-    Hypre,
-    /// Fourier transforms: boxes with at most one walled axis.
-    Transform,
-    /// Fourier transforms where the box allows them.
-    Auto,
-}
-
-/// Words of the inverses.
-const INVERSES: [(&str, StokesSolver); 3] =
-    [("hypre", StokesSolver::Hypre), ("transform", StokesSolver::Transform), ("auto", StokesSolver::Auto)];
-
-impl StokesSolver {
-    /// The word for it in a scene file.
-    pub fn word(self) -> &'static str {
-        word_of(&INVERSES, &self)
-    }
-}
+/// Words of the inverses of the fluid; automatic is the fastest that the box allows.
+const INVERSES: [(&str, Option<InverseMethod>); 3] =
+    [("hypre", Some(InverseMethod::Hypre)), ("transform", Some(InverseMethod::Transform)), ("auto", None)];
 
 /// What can be asked for: below it residuals are the rounding of what they are computed from.
 const SMALLEST_TOLERANCE: f64 = 1e-13;
@@ -200,7 +183,7 @@ impl Tolerance {
 
 impl Default for MethodSection {
     fn default() -> Self {
-        MethodSection { constraint: ConstraintMethod::Sharp, inverse: StokesSolver::Hypre, tolerance: Tolerance::Auto }
+        MethodSection { constraint: ConstraintMethod::Sharp, inverse: Some(InverseMethod::Hypre), tolerance: Tolerance::Auto }
     }
 }
 

@@ -55,7 +55,7 @@ pub fn touching<const D: usize>(
         builder.add_contact(pressed.contact, moment.step, belongs(&bodies.layout, pressed));
     }
     for film in &films.films {
-        film.ways.iter().for_each(|way| builder.add_way(film, way, bodies.layout.holds(film.body)));
+        film.relative_modes.iter().for_each(|way| builder.add_way(film, way, bodies.layout.holds(film.body)));
     }
     let Builder { links, scale, .. } = builder;
     let alone;
@@ -158,7 +158,7 @@ impl<'a, const D: usize> Builder<'a, D> {
             }
         }
         for film in &bodies.resolved_at_walls().films {
-            film.ways.iter().for_each(|way| self.add_way(film, way, true));
+            film.relative_modes.iter().for_each(|way| self.add_way(film, way, true));
         }
         resistances.add_links(layout, self.links.iter(), |link| link.compliance);
         let (few, pores) = (bodies.few_neighbours(), bodies.pores());

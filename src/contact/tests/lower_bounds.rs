@@ -9,8 +9,8 @@ use crate::contact::{Contact, ContactForce, Partner};
 fn pulled(count: usize, velocity: impl Fn(usize) -> f64, floor: impl Fn(usize) -> f64) -> Projection<2> {
     let scene = row(count, |body| Vector2::new(velocity(body), 0.0));
     let contact = |body: usize| Contact::again(&scene.domain, &scene.balls, (body, Partner::Body(body + 1), [0; 2]));
-    let floors: Vec<_> = (0..count - 1).map(|body| ContactForce { contact: contact(body), force: floor(body) }).collect();
-    let problem = Problem { floors: &floors, ..scene.problem() };
+    let lower_bounds: Vec<_> = (0..count - 1).map(|body| ContactForce { contact: contact(body), force: floor(body) }).collect();
+    let problem = Problem { lower_bounds: &lower_bounds, ..scene.problem() };
     project_by(&problem, &Memory::default(), |contacts, guess, islands| {
         let contacts_of = |island: &Vec<usize>| island.iter().map(|&place| contacts[place]).collect::<Vec<_>>();
         let guess_of = |island: &Vec<usize>| island.iter().map(|&place| guess[place]).collect::<Vec<_>>();
@@ -46,7 +46,7 @@ fn a_contact_that_may_not_opens_with_the_pull_that_it_has() {
     }
 }
 
-/// The forces in the middle are far above what moves a single contact, and the floors far below them.
+/// The forces in the middle are far above what moves a single contact, and the lower bounds far below them.
 #[test]
 fn a_long_row_that_may_pull_for_ever_stays_closed() {
     let projection = pulled(20, |body| 0.01 * (body as f64 - 9.5), |_| -1e6);
