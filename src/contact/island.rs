@@ -54,7 +54,7 @@ pub(super) fn solve_by<const D: usize>(problem: &Problem<D>, contacts: &[Contact
     let in_units = |force: f64, contact: &Contact<D>| force / unit.force(problem, contact);
     let guess: Vec<f64> = contacts.iter().zip(guess).map(|(contact, &force)| in_units(force, contact)).collect();
     let lower_bounds: Vec<f64> = contacts.iter().map(|contact| in_units(problem.lower_bound(contact), contact)).collect();
-    match solve_above(program, (&lower_bounds, &guess), solvers) {
+    match solve_above(program, &lower_bounds, &guess, solvers) {
         Ok((Answer { multipliers, iterations, .. }, solver)) => {
             let forces = contacts.iter().zip(multipliers).map(|(contact, multiplier)| multiplier * unit.force(problem, contact)).collect();
             Outcome::Solved { forces, iterations, solver }

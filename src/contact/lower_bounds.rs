@@ -14,11 +14,7 @@ use super::{
 const LIMIT: f64 = 16.0;
 
 /// Multipliers not below the lower bounds, of which none is positive, from a guess, by the first of several methods that finds them.
-pub(super) fn solve_above(
-    program: Program,
-    (lower_bounds, guess): (&[f64], &[f64]),
-    solvers: &[Solver],
-) -> Result<(Answer, Solver), Outcome> {
+pub(super) fn solve_above(program: Program, lower_bounds: &[f64], guess: &[f64], solvers: &[Solver]) -> Result<(Answer, Solver), Outcome> {
     if lower_bounds.iter().all(|&floor| floor == 0.0) {
         return solve_first(&program, guess, solvers);
     }

@@ -49,11 +49,11 @@ impl<const D: usize> Interaction<D> for Lubrication {
     }
 
     fn rows(&self, crowd: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
-        films((crowd, layout), &self.tables, self.roughness)
+        films(crowd, layout, &self.tables, self.roughness)
     }
 
     fn resolved_at_walls(&self, crowd: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
-        resolved_at_walls((crowd, layout), &self.tables)
+        resolved_at_walls(crowd, layout, &self.tables)
     }
 
     fn approach_resistance(&self, contact: &Contact<D>, of: &dyn Fn(usize) -> (f64, usize)) -> f64 {

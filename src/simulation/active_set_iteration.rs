@@ -24,12 +24,7 @@ impl<C> ActiveSetIteration<C> {
 
     /// The contacts to hold next after some for which flow and projection differ: those that the projection holds, the best so far, or
     /// those that were tried with one of them changed.
-    pub fn next(
-        &mut self,
-        (difference, tried): (f64, Vec<C>),
-        projected: Vec<C>,
-        with_one_changed: impl FnOnce(Vec<C>) -> Vec<C>,
-    ) -> Vec<C> {
+    pub fn next(&mut self, difference: f64, tried: Vec<C>, projected: Vec<C>, with_one_changed: impl FnOnce(Vec<C>) -> Vec<C>) -> Vec<C> {
         self.passed += 1;
         if self.one_by_one || self.passed > AT_ONCE {
             self.one_by_one = true;
@@ -68,20 +63,20 @@ mod tests {
     #[test]
     fn a_worse_set_is_left_for_the_best_and_then_one_contact_changes_at_a_time() {
         let mut rounds = ActiveSetIteration::new();
-        assert_eq!(rounds.next((0.2, vec![1, 2]), vec![1, 2, 3], with_one_less), [1, 2, 3]);
-        assert_eq!(rounds.next((0.1, vec![1, 2, 3]), vec![1, 2, 3, 4, 5], with_one_less), [1, 2, 3, 4, 5]);
-        assert_eq!(rounds.next((7.0, vec![1, 2, 3, 4, 5]), vec![9; 20], with_one_less), [1, 2, 3]);
-        assert_eq!(rounds.next((0.1, vec![1, 2, 3]), vec![9; 20], with_one_less), [1, 2]);
+        assert_eq!(rounds.next(0.2, vec![1, 2], vec![1, 2, 3], with_one_less), [1, 2, 3]);
+        assert_eq!(rounds.next(0.1, vec![1, 2, 3], vec![1, 2, 3, 4, 5], with_one_less), [1, 2, 3, 4, 5]);
+        assert_eq!(rounds.next(7.0, vec![1, 2, 3, 4, 5], vec![9; 20], with_one_less), [1, 2, 3]);
+        assert_eq!(rounds.next(0.1, vec![1, 2, 3], vec![9; 20], with_one_less), [1, 2]);
     }
 
     #[test]
     fn where_no_contact_can_change_the_projection_begins_anew() {
         let mut rounds = ActiveSetIteration::new();
         for round in 0..AT_ONCE {
-            assert_eq!(rounds.next((1.0 / (1 + round) as f64, vec![]), vec![7], with_one_less), [7]);
+            assert_eq!(rounds.next(1.0 / (1 + round) as f64, vec![], vec![7], with_one_less), [7]);
         }
-        assert_eq!(rounds.next((0.1, vec![7]), vec![8], with_one_less), Vec::<u32>::new());
-        assert_eq!(rounds.next((0.1, vec![]), vec![8], with_one_less), [8]);
-        assert_eq!(rounds.next((0.1, vec![8]), vec![9, 10], with_one_less), [9, 10]);
+        assert_eq!(rounds.next(0.1, vec![7], vec![8], with_one_less), Vec::<u32>::new());
+        assert_eq!(rounds.next(0.1, vec![], vec![8], with_one_less), [8]);
+        assert_eq!(rounds.next(0.1, vec![8], vec![9, 10], with_one_less), [9, 10]);
     }
 }

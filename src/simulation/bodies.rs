@@ -286,7 +286,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
     }
 
     /// The states of all bodies, on every rank, from velocities on surfaces and multipliers (this rank's parts); collective.
-    pub fn states(&self, session: &Session, blocks: &Blocks<D>, (velocities, multipliers): (&[f64], &[f64])) -> Vec<BodyState<D>> {
+    pub fn states(&self, session: &Session, blocks: &Blocks<D>, velocities: &[f64], multipliers: &[f64]) -> Vec<BodyState<D>> {
         let mut numbers = Vec::new();
         for (local, &body) in self.layout.local_bodies.iter().enumerate() {
             let range = self.layout.local(body)..self.layout.local(body) + self.layout.count(body);

@@ -52,7 +52,7 @@ impl<const D: usize> System for Coupled<'_, D> {
         surfaces.blocks.spread(-1.0, &work.multipliers_in.local()?, &mut work.fluid_out)?;
         surfaces.closure.add_forces(-1.0, &global_unknowns, &mut work.fluid_out)?;
         stokes.balance(&mut work.fluid_out)?;
-        let mut rows = surfaces.rows(&work.fluid_in, (&work.multipliers_in, &global_unknowns), &mut work.multipliers_out)?;
+        let mut rows = surfaces.rows(&work.fluid_in, &work.multipliers_in, &global_unknowns, &mut work.multipliers_out)?;
         let means = surfaces.closure.mean_velocities(surfaces.world, &work.fluid_in)?;
         rows[..means.len()].copy_from_slice(&means);
         watch.stop(&mut work.stages.bodies);
@@ -79,7 +79,7 @@ impl<const D: usize> Operator for Coupled<'_, D> {
     fn unknowns(&mut self, vector: &Vector) -> Result<SolvedUnknowns> {
         let SystemParts { surfaces, work, .. } = &mut self.0;
         let global_unknowns = work.split(surfaces.world, vector)?;
-        surfaces.velocity(&work.fluid_in, (&work.multipliers_in, &global_unknowns), &mut work.multipliers_out)?;
+        surfaces.velocity(&work.fluid_in, &work.multipliers_in, &global_unknowns, &mut work.multipliers_out)?;
         work.unknowns(global_unknowns)
     }
 }

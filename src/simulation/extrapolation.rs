@@ -148,7 +148,8 @@ impl<const D: usize> ExtrapolationHistory<D> {
     pub fn then(
         past: Option<ExtrapolationHistory<D>>,
         last: Snapshot<D>,
-        (guess, time): (Option<InitialGuess<D>>, f64),
+        guess: Option<InitialGuess<D>>,
+        time: f64,
     ) -> ExtrapolationHistory<D> {
         let earlier = match past {
             // another solve at the same instant takes the place of the last one

@@ -163,7 +163,7 @@ impl<const D: usize> QuasiStatic<D> {
                 tolerance = tightest.max(0.1 * tolerance);
             }
             let with_one_changed = |tried| contacts.with_one_changed(tried, &velocities(&twists), scale, AGREEMENT * scale);
-            pressed = rounds.next((apart, pressed), projected, with_one_changed);
+            pressed = rounds.next(apart, pressed, projected, with_one_changed);
         }
         Err(Error::Diverged(format!(
             "at time {} flow and contacts do not agree after {MOST_ROUNDS} rounds (velocities differ by {difference:.1e}); \

@@ -161,7 +161,7 @@ pub(super) fn suspended_bodies<const D: usize>(
         Modes::Count(_) => vec![false; balls.len()],
         Modes::Auto | Modes::Most => opposite_neighbours(domain, &balls),
     };
-    let bodies = placed.iter().zip(surrounded).map(|(&(_, body), surrounded)| suspended(scene, (body, surrounded), spacing));
+    let bodies = placed.iter().zip(surrounded).map(|(&(_, body), surrounded)| suspended(scene, body, surrounded, spacing));
     Ok((spacing, bodies.collect::<Result<_>>()?))
 }
 
@@ -169,7 +169,7 @@ pub(super) fn suspended_bodies<const D: usize>(
 ///
 /// # Errors
 /// It is too small for the grid or the modes.
-pub(super) fn suspended<const D: usize>(scene: &Scene, (body, surrounded): (Body<D>, bool), spacing: f64) -> Result<SuspendedBody<D>> {
+pub(super) fn suspended<const D: usize>(scene: &Scene, body: Body<D>, surrounded: bool, spacing: f64) -> Result<SuspendedBody<D>> {
     let cells = body.ball.radius / spacing;
     if cells < FEWEST_CELLS_PER_RADIUS * (1.0 - 1e-9) {
         let remedy = format!("leaves {cells:.2} cells per radius {}; at least {FEWEST_CELLS_PER_RADIUS} are needed", body.ball.radius);

@@ -50,7 +50,7 @@ impl<const D: usize> System for SchurComplement<'_, D> {
         let forces = self.move_fluid()?;
         let SystemParts { surfaces, work, .. } = &mut self.0;
         let watch = Watch::start(Stage::Bodies);
-        let rows = surfaces.rows(&work.fluid_in, (&work.multipliers_in, &global_unknowns), &mut work.multipliers_out)?;
+        let rows = surfaces.rows(&work.fluid_in, &work.multipliers_in, &global_unknowns, &mut work.multipliers_out)?;
         watch.stop(&mut work.stages.bodies);
         work.join(&rows, output)?;
         self.1 = global_unknowns;
@@ -74,7 +74,7 @@ impl<const D: usize> Operator for SchurComplement<'_, D> {
         // the fluid that this vector moves is there already
         let global_unknowns = std::mem::take(&mut self.1);
         let SystemParts { surfaces, work, .. } = &mut self.0;
-        surfaces.velocity(&work.fluid_in, (&work.multipliers_in, &global_unknowns), &mut work.multipliers_out)?;
+        surfaces.velocity(&work.fluid_in, &work.multipliers_in, &global_unknowns, &mut work.multipliers_out)?;
         work.unknowns(global_unknowns)
     }
 }

@@ -105,8 +105,8 @@ pub struct SurfaceOperators<'a, const D: usize> {
 impl<const D: usize> SurfaceOperators<'_, D> {
     /// The rows for a fluid, multipliers `given` and global unknowns, those of the multipliers in `rows`. Returns the rows of the global unknowns,
     /// `unknown = given` for a force of the closure and for places that no contact takes.
-    pub fn rows(&mut self, fluid: &Vector, (given, global_unknowns): (&Vector, &[f64]), rows: &mut Vector) -> Result<Vec<f64>> {
-        self.velocity(fluid, (given, global_unknowns), rows)?;
+    pub fn rows(&mut self, fluid: &Vector, given: &Vector, global_unknowns: &[f64], rows: &mut Vector) -> Result<Vec<f64>> {
+        self.velocity(fluid, given, global_unknowns, rows)?;
         let rates = self.touching.rows(rows, &global_unknowns[self.contacts()])?;
         self.net_force_rows(given, global_unknowns, rows)?;
         let mut tail_rows = global_unknowns.to_vec();
@@ -120,7 +120,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
     }
 
     /// The velocity of the fluid on the surfaces, tested with all modes.
-    pub fn velocity(&mut self, fluid: &Vector, (given, global_unknowns): (&Vector, &[f64]), velocity: &mut Vector) -> Result<()> {
+    pub fn velocity(&mut self, fluid: &Vector, given: &Vector, global_unknowns: &[f64], velocity: &mut Vector) -> Result<()> {
         self.blocks.interpolate(fluid, &mut velocity.local_mut()?)?;
         self.blocks.add_local(given, &mut velocity.local_mut()?)?;
         if let MeanFlowConstraint::MeanVelocity = self.closure {

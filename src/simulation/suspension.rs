@@ -189,9 +189,9 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         let links = found.global_unknowns.split_off(basis.closure.unknowns::<D>());
         if self.remembers && basis.method.on_surfaces() {
             let last = Snapshot::of(&bodies, &basis.session, moment.centers, &found, basis.condensed)?;
-            self.past = Some(ExtrapolationHistory::then(self.past.take(), last, (guess, moment.time)));
+            self.past = Some(ExtrapolationHistory::then(self.past.take(), last, guess, moment.time));
         }
-        let mut states = bodies.states(&basis.session, &assembly.blocks, (&found.velocities, &found.multipliers));
+        let mut states = bodies.states(&basis.session, &assembly.blocks, &found.velocities, &found.multipliers);
         let mut walls = assembly.blocks.on_walls(&found.multipliers).map(|pair| pair.map(|force| force * basis.setup.viscosity));
         walls.iter_mut().flatten().for_each(|force| basis.session.world().sum(force.as_mut_slice()));
         let unit = touching.scale * basis.setup.viscosity;

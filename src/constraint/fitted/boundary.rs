@@ -31,7 +31,7 @@ pub fn boundary(domain: &Domain<2>, disks: &[Ball<2>], grading: &Grading) -> Clo
     let mut cloud = Cloud { domain: domain.clone(), disks: disks.to_vec(), points: Vec::new(), places: Vec::new() };
     for axis in (0..2).filter(|&axis| !domain.periodic(axis)) {
         for upper in [false, true] {
-            wall(grading, (axis, upper), &mut disorder, &mut cloud);
+            wall(grading, axis, upper, &mut disorder, &mut cloud);
         }
     }
     for (disk, ball) in disks.iter().enumerate() {
@@ -45,7 +45,7 @@ pub fn boundary(domain: &Domain<2>, disks: &[Ball<2>], grading: &Grading) -> Clo
 }
 
 /// The vertices of a wall; corners belong to the walls across the first axis.
-fn wall(grading: &Grading, (axis, upper): (usize, bool), disorder: &mut dyn FnMut() -> f64, cloud: &mut Cloud) {
+fn wall(grading: &Grading, axis: usize, upper: bool, disorder: &mut dyn FnMut() -> f64, cloud: &mut Cloud) {
     let (size, along, closed) = (cloud.domain.size, 1 - axis, cloud.domain.periodic(1 - axis));
     let point = |place: f64| {
         let mut point = Vector2::zeros();

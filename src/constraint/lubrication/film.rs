@@ -99,7 +99,8 @@ impl<const D: usize> RigidFunctional<D> {
 
 /// The films of a crowd that have a side on a body of this rank; no gap counts as smaller than `roughness` radii.
 pub fn films<const D: usize>(
-    (crowd, layout): (&Neighbourhood<D>, &MultiplierLayout),
+    crowd: &Neighbourhood<D>,
+    layout: &MultiplierLayout,
     tables: &FilmTables,
     roughness: f64,
 ) -> LubricationPairs<D> {
@@ -126,10 +127,7 @@ pub fn films<const D: usize>(
 }
 
 /// What modes see of the films between bodies of this rank and walls.
-pub fn resolved_at_walls<const D: usize>(
-    (crowd, layout): (&Neighbourhood<D>, &MultiplierLayout),
-    tables: &FilmTables,
-) -> LubricationPairs<D> {
+pub fn resolved_at_walls<const D: usize>(crowd: &Neighbourhood<D>, layout: &MultiplierLayout, tables: &FilmTables) -> LubricationPairs<D> {
     LubricationPairs { films: of_walls(crowd, layout, tables, FilmTable::truncated, 0.0), imbalance: 0.0 }
 }
 

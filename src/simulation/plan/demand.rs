@@ -58,14 +58,14 @@ pub fn demand<const D: usize>(scene: &Scene) -> Result<f64> {
 fn of_flow<const D: usize>(scene: &Scene, domain: &Domain<D>, grid: &Grid<D>, spacing: f64, numbers: &[f64]) -> f64 {
     let with = |bodies: Vec<SuspendedBody<D>>| {
         let setup = Setup::with_bodies(scene, domain.clone(), spacing, bodies);
-        bytes(&setup, (grid, &multiplier_counts(&setup, grid)), scene.time.is_some())
+        bytes(&setup, grid, &multiplier_counts(&setup, grid), scene.time.is_some())
     };
     let empty = with(Vec::new());
     let mut all = empty;
     for (group, count) in scene.bodies.iter().zip(numbers) {
         let ball = Ball { center: domain.size / 2.0, radius: group.radius };
         // one that the grid is too coarse for is refused where the bodies are placed
-        let Ok(one) = suspended(scene, (Body { ball, motion: Motion::Prescribed(Twist::zero()) }, false), spacing) else { continue };
+        let Ok(one) = suspended(scene, Body { ball, motion: Motion::Prescribed(Twist::zero()) }, false, spacing) else { continue };
         all += count * (with(vec![one]) - empty);
     }
     all

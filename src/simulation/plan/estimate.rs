@@ -58,7 +58,7 @@ impl<const D: usize> Plan<D> {
             multiplier_unknowns: counts.iter().sum(),
             closure_unknowns: MeanFlowConstraint::count(&setup.drive, &setup.domain),
         };
-        Ok(PlanReport { effects, choice: None, fluid: Some(fluid), bytes: bytes(setup, (&grid, &counts), self.scene.time.is_some()) })
+        Ok(PlanReport { effects, choice: None, fluid: Some(fluid), bytes: bytes(setup, &grid, &counts, self.scene.time.is_some()) })
     }
 }
 

@@ -31,7 +31,7 @@ pub const CONTACT_BYTES: f64 = 4e3;
 const REMEMBERED_VECTORS: f64 = 5.0;
 
 /// Bytes that a flow takes on all ranks together.
-pub fn bytes<const D: usize>(setup: &Setup<D>, (grid, counts): (&Grid<D>, &[usize]), in_time: bool) -> f64 {
+pub fn bytes<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, counts: &[usize], in_time: bool) -> f64 {
     let points = (2 * D + 1) as f64;
     let cells = grid.unknowns(D) as f64;
     let remembered = if in_time { REMEMBERED_VECTORS } else { 0.0 };
