@@ -9,7 +9,7 @@ use std::{
 use super::ffi;
 use crate::error::{Error, Result};
 
-/// Calls a PETSc function and turns its error code into an [`Error`](crate::error::Error) that carries the call's name.
+/// Calls a PETSc function and turns its error code into an [`Error`] that carries the call's name.
 macro_rules! petsc {
     ($function:ident($($argument:expr),* $(,)?)) => {
         $crate::petsc::call::check(stringify!($function), unsafe { $crate::petsc::ffi::$function($($argument),*) })
