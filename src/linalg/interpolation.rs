@@ -4,6 +4,7 @@
 const NODES: usize = 4;
 
 /// The weights of nodes in the value at `x` of the cubic through them.
+#[inline]
 pub fn lagrange(nodes: &[f64; NODES], x: f64) -> [f64; NODES] {
     std::array::from_fn(|node| {
         (0..NODES).filter(|&other| other != node).map(|other| (x - nodes[other]) / (nodes[node] - nodes[other])).product()
@@ -12,6 +13,7 @@ pub fn lagrange(nodes: &[f64; NODES], x: f64) -> [f64; NODES] {
 
 /// The first of the four equally spaced nodes about a place, which counts nodes from 0, and the weights of the four; places beyond the
 /// nodes count as their ends.
+#[inline]
 pub fn cubic(place: f64, nodes: usize) -> (usize, [f64; NODES]) {
     let place = place.clamp(0.0, (nodes - 1) as f64);
     let first = (place.floor() as usize).clamp(1, nodes - 3) - 1;
