@@ -21,7 +21,7 @@ fn a_second_writer_is_refused_and_a_killed_one_is_in_nobodys_way() {
         let here = folder(&format!("locked-{ranks}"));
         let (scene, out) = (write(&here, QUICK), here.join("out"));
         let (scene, path) = (scene.to_str().unwrap(), out.to_str().unwrap());
-        let arguments = ["run", scene, "--out", path, "--set", "time.end=50"];
+        let arguments = ["run", scene, "--out", path, "--set", "time.end=500"];
         let mut running: Child = command(ranks, &arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
         wait_until(&mut running, || out.join("checkpoint.h5").exists() && out.join("frames/000001.h5").exists());
         for second in [&["resume", path][..], &["run", scene, "--out", path, "--force"]] {
