@@ -46,6 +46,7 @@ pub fn scalar<const D: usize>(grid: &Grid<D>, point: &SVector<f64, D>, mut visit
     }
 }
 
+#[inline]
 fn site<const D: usize>(grid: &Grid<D>, field: usize, lines: &[Line; D], choice: [usize; D]) -> Site<D> {
     let index: Index<D> = std::array::from_fn(|axis| lines[axis].index[choice[axis]]);
     for axis in 0..D {

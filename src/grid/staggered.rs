@@ -171,10 +171,12 @@ impl<const D: usize> Grid<D> {
 
     /// As [`fluid_node`](Self::fluid_node), with the number of nodes, it included, that follow each other along the last axis
     /// and in a fluid vector.
+    #[inline]
     pub fn fluid_run(&self, field: usize, index: Index<D>) -> (Node, usize) {
         self.run_from(&self.fluid_starts, field, index)
     }
 
+    #[inline]
     fn run_from(&self, starts: &[Vec<usize>], field: usize, index: Index<D>) -> (Node, usize) {
         match self.unknown_at(field, index) {
             Ok((rank, index)) => {
