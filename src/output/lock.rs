@@ -52,7 +52,7 @@ struct Owner {
 /// What comes of an attempt.
 enum Attempt {
     Taken(File),
-    ContactHistory(Option<Owner>),
+    Held(Option<Owner>),
     /// The file went away under it.
     Again,
 }
@@ -68,8 +68,8 @@ impl FolderLock {
             let attempt = attempt(&path, WATCH, kernel_lock).map_err(|source| Error::File { path: path.clone(), source })?;
             match attempt {
                 Attempt::Taken(file) => return Ok(FolderLock::held(path, file)),
-                Attempt::ContactHistory(owner) if begun.elapsed() >= PATIENCE => return Err(refused(folder, owner)),
-                Attempt::ContactHistory(_) | Attempt::Again => thread::sleep(PAUSE),
+                Attempt::Held(owner) if begun.elapsed() >= PATIENCE => return Err(refused(folder, owner)),
+                Attempt::Held(_) | Attempt::Again => thread::sleep(PAUSE),
             }
         }
     }
@@ -117,13 +117,13 @@ fn attempt(path: &Path, watch: Duration, lock: fn(&File) -> io::Result<Option<bo
     let kernel = lock(&file)?;
     let owner = Owner::read(&mut file)?;
     if kernel == Some(false) {
-        return Ok(Attempt::ContactHistory(owner));
+        return Ok(Attempt::Held(owner));
     }
     if !same(&file, path) {
         return Ok(Attempt::Again);
     }
     match owner {
-        Some(owner) if owner.lives(&file, path, kernel.is_some(), watch) => Ok(Attempt::ContactHistory(Some(owner))),
+        Some(owner) if owner.lives(&file, path, kernel.is_some(), watch) => Ok(Attempt::Held(Some(owner))),
         _ => take_over(file, path, kernel.is_some()),
     }
 }
@@ -149,7 +149,7 @@ fn take_over(mut file: File, path: &Path, locked: bool) -> io::Result<Attempt> {
         thread::sleep(PAUSE);
         let stays = Owner::read(&mut file)?;
         if stays.as_ref() != Some(&own) || !same(&file, path) {
-            return Ok(Attempt::ContactHistory(stays));
+            return Ok(Attempt::Held(stays));
         }
     }
     Ok(Attempt::Taken(file))

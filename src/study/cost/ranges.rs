@@ -122,7 +122,7 @@ fn steps(options: &Cost, scene: &Scene) -> Result<Vec<Option<TimeStep>>> {
     }
     if !options.travels.is_empty() {
         let travels = listed("--travels", &options.travels, "must lie above 0 and not above 1", |travel| travel <= 1.0)?;
-        return Ok(travels.into_iter().map(|travel| travel.map(TimeStep::StepOutcome)).collect());
+        return Ok(travels.into_iter().map(|travel| travel.map(TimeStep::Travel)).collect());
     }
     let longest = if matches!(own, TimeStep::Step(_)) { end } else { 1.0 };
     Ok(STEPS.iter().map(|&factor| own.times(factor)).filter(|step| step.length() <= longest).map(Some).collect())
@@ -176,7 +176,7 @@ mod tests {
         let steps = |options: &Cost| ParameterRanges::of(options, &scene, Some(0.309)).map(|ranges| ranges.steps);
         assert_eq!(steps(&Cost::default()).unwrap(), [Some(TimeStep::Step(0.75)), Some(TimeStep::Step(0.375))]);
         let travels = Cost { travels: vec![0.1], ..Cost::default() };
-        assert_eq!(steps(&travels).unwrap(), [Some(TimeStep::StepOutcome(0.1))]);
+        assert_eq!(steps(&travels).unwrap(), [Some(TimeStep::Travel(0.1))]);
     }
 
     #[test]

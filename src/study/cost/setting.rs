@@ -39,7 +39,7 @@ pub enum TimeStep {
     /// This long.
     Step(f64),
     /// As long as bodies take for this part of their radius.
-    StepOutcome(f64),
+    Travel(f64),
 }
 
 /// Whether a method has surface modes.
@@ -73,7 +73,7 @@ impl Setting {
         overrides.extend(self.tolerance.map(|tolerance| format!("method.tolerance={tolerance:?}")));
         overrides.extend(self.step.map(|step| match step {
             TimeStep::Step(step) => format!("time.step={step:?}"),
-            TimeStep::StepOutcome(travel) => format!("time.travel={travel:?}"),
+            TimeStep::Travel(travel) => format!("time.travel={travel:?}"),
         }));
         overrides
     }
@@ -101,7 +101,7 @@ impl Setting {
         let tolerance = self.tolerance.map(|tolerance| format!("tolerance {tolerance:.0e}"));
         let step = self.step.map(|step| match step {
             TimeStep::Step(step) => format!("step {step}"),
-            TimeStep::StepOutcome(travel) => format!("travel {travel}"),
+            TimeStep::Travel(travel) => format!("travel {travel}"),
         });
         [Some(grid), modes, tolerance, step].into_iter().flatten().collect::<Vec<_>>().join(", ")
     }
@@ -142,7 +142,7 @@ impl TimeStep {
     /// That of a scene; nothing at an instant.
     pub fn of(scene: &Scene) -> Option<TimeStep> {
         scene.time.as_ref().map(|time| match time.step {
-            Step::Auto => TimeStep::StepOutcome(time.travel),
+            Step::Auto => TimeStep::Travel(time.travel),
             Step::Fixed(step) => TimeStep::Step(step),
         })
     }
@@ -150,7 +150,7 @@ impl TimeStep {
     /// The step, or what stands for it in proportion.
     pub fn length(self) -> f64 {
         match self {
-            TimeStep::Step(length) | TimeStep::StepOutcome(length) => length,
+            TimeStep::Step(length) | TimeStep::Travel(length) => length,
         }
     }
 
@@ -158,7 +158,7 @@ impl TimeStep {
     pub fn times(self, factor: f64) -> TimeStep {
         match self {
             TimeStep::Step(step) => TimeStep::Step(step * factor),
-            TimeStep::StepOutcome(travel) => TimeStep::StepOutcome(travel * factor),
+            TimeStep::Travel(travel) => TimeStep::Travel(travel * factor),
         }
     }
 }
@@ -177,17 +177,21 @@ mod tests {
         let scene = Scene::parse("scene", Path::new(""), SCENE, &[]).unwrap();
         let written = Setting::of_scene(&scene);
         assert_eq!((written.grid, written.modes, written.step), (Resolution::Spacing(0.1), Some(9), Some(TimeStep::Step(0.5))));
-        let other = Setting {
-            grid: Resolution::Spacing(0.05),
-            modes: None,
-            tolerance: Some(1e-9),
-            step: Some(TimeStep::StepOutcome(0.2)),
-            ..written
-        };
+        let other =
+            Setting { grid: Resolution::Spacing(0.05), modes: None, tolerance: Some(1e-9), step: Some(TimeStep::Travel(0.2)), ..written };
         let made = Scene::parse("scene", Path::new(""), SCENE, &other.overrides()).unwrap();
         assert_eq!(Setting { tolerance: Some(1e-9), ..Setting::of_scene(&made) }, other);
         assert_eq!(other.tolerance_in(&made), 1e-9);
         assert_eq!(other.words(), "spacing 0.05000, modes auto, tolerance 1e-9, travel 0.2");
+    }
+
+    /// What earlier studies left in `cost.json` is read again.
+    #[test]
+    fn settings_are_kept_by_the_words_of_the_command_line() {
+        let kept = r#"{"method":"sharp","grid":{"cells_per_radius":8.0},"modes":null,"tolerance":null,"step":{"travel":0.2}}"#;
+        let setting: Setting = serde_json::from_str(kept).unwrap();
+        assert_eq!((setting.grid, setting.step), (Resolution::CellsPerRadius(8.0), Some(TimeStep::Travel(0.2))));
+        assert_eq!(serde_json::to_string(&setting).unwrap(), kept);
     }
 
     #[test]
