@@ -86,6 +86,10 @@ fn conform(session: &Session, scene: Scene, count: usize) {
         if world.rank() == 0 {
             let names = |path: PathBuf| path.extension().is_some_and(|ending| ending == "part");
             assert!(!fs::read_dir(&folder).unwrap().any(|entry| names(entry.unwrap().path())), "output {number} leaves half a file");
+            if let Some(head) = fs::read_to_string(folder.join("series.csv")).ok().and_then(|rows| rows.lines().next().map(str::to_owned)) {
+                let contacts = head.split(',').any(|name| name == "contacts");
+                assert_eq!(contacts, scene.contact.model != ContactModel::None, "an effect that is off has a column: {head}");
+            }
             fs::remove_dir_all(&folder).unwrap();
         }
     }

@@ -101,8 +101,6 @@ impl Measured {
     pub fn read(path: &Path, setting: &Setting, metric: &Metric) -> Result<Measured> {
         let summary = RunSummary::read(path)?;
         let values = metric.read(&summary, path.parent().unwrap_or(Path::new("")))?;
-        let faster = summary.get("/solver/faster/inverse");
-        let part = summary.number("/solver/faster/solve_seconds") / summary.number("/solver/solve_seconds");
         Ok(Measured {
             values,
             spacing: spacing(&summary, setting, metric),
@@ -113,7 +111,7 @@ impl Measured {
             solve_seconds: summary.solve_seconds(),
             steps: summary.get("/steps").unwrap_or(0),
             memory_bytes: summary.memory_bytes(),
-            faster: faster.map(|inverse| (inverse, part)),
+            faster: summary.faster(),
             wall_seconds: 0.0,
         })
     }
