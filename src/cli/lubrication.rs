@@ -45,7 +45,7 @@ pub fn lubrication(world: &World, arguments: &LubricationArguments) -> Result<()
     }
     let second = (!wall).then_some((*modes, *ratio));
     let table = if *dimension == 2 { FilmTable::new::<2>(*modes, second) } else { FilmTable::new::<3>(*modes, second) };
-    if world.rank() == 0 { say(text(&table).trim_end()) } else { Ok(()) }
+    world.on_first_rank(|| say(text(&table).trim_end()))
 }
 
 fn text(table: &FilmTable) -> String {

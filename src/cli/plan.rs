@@ -42,7 +42,7 @@ pub fn plan<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> 
     } else {
         String::new()
     };
-    if world.rank() == 0 { say(&format!("{plan}{scarce}time       {time}")) } else { Ok(()) }
+    world.on_first_rank(|| say(&format!("{plan}{scarce}time       {time}")))
 }
 
 /// How a resolution was chosen.

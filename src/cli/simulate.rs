@@ -80,7 +80,7 @@ pub fn output_folder(out: &Option<PathBuf>, scene: &Scene) -> PathBuf {
 
 fn tell(session: &Session, scene: &Scene, finished: Result<Finished>) -> Result<()> {
     let finished = finished.map_err(|error| scene.place(error))?;
-    if session.world().rank() == 0 { say(&finished.text()) } else { Ok(()) }
+    session.world().on_first_rank(|| say(&finished.text()))
 }
 
 /// Does a run, and prints what its stages took if a profile is wanted; collective.
@@ -91,5 +91,5 @@ fn profiled(session: &Session, wanted: bool, run: impl FnOnce() -> Result<()>) -
     let profile = Profile::start()?;
     run()?;
     let table = stage_table(session.world(), &profile.finish()?);
-    if session.world().rank() == 0 { say(&table) } else { Ok(()) }
+    session.world().on_first_rank(|| say(&table))
 }

@@ -55,10 +55,9 @@ impl Study<Session> for Conditioning {
     /// Makes the study, prints its tables part by part and writes them.
     fn run(&self, session: &Session) -> Result<()> {
         let world = session.world();
-        let first = world.rank() == 0;
-        let say = |text: String| world.agree(if first { say(&(text + "\n")) } else { Ok(()) });
+        let say = |text: String| world.on_first_rank(|| say(&(text + "\n")));
         let write = |work: &dyn Fn(&Path) -> Result<()>| match &self.out {
-            Some(folder) => world.agree(if first { work(folder) } else { Ok(()) }),
+            Some(folder) => world.on_first_rank(|| work(folder)),
             None => Ok(()),
         };
         write(&prepare_folder)?;

@@ -31,7 +31,7 @@ pub fn bars(session: &Session, accuracies: &[f64], seeds: Option<Range<u64>>) ->
         None => Box::new(known_scenes().into_iter().map(Ok)),
         Some(seeds) => Box::new(seeds.map(|seed| random_scene(session, seed))),
     };
-    let say = |text: &str| session.world().agree(if session.world().rank() == 0 { say(text) } else { Ok(()) });
+    let say = |text: &str| session.world().on_first_rank(|| say(text));
     say("| scene | accuracy | cells per radius | estimated error | true error | seconds |\n|-|-|-|-|-|-|")?;
     let (mut all, mut honest, mut refused) = (Vec::new(), 0, 0);
     for scene in scenes {

@@ -119,8 +119,7 @@ const MOST_BY_MULTIGRID: usize = 300;
 /// # Errors
 /// A crowd cannot be solved.
 pub fn crowds(session: &Session) -> Result<()> {
-    let first = session.world().rank() == 0;
-    let say = |text: &str| session.world().agree(if first { say(text) } else { Ok(()) });
+    let say = |text: &str| session.world().on_first_rank(|| say(text));
     say("| crowd | cells, modes | viscosity | iterations | seconds: assembly + solve | known |\n|-|-|-|-|-|-|")?;
     for known in &KNOWN {
         for &(cells, modes) in known.resolutions {
