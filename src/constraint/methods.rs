@@ -4,24 +4,19 @@ use std::rc::Rc;
 
 use super::{
     adjoint::{Distributed, MeanValue, Penalty},
-    method::FlowMethod,
-    scalar::InclusionMethod,
+    method::Method,
     sharp::Sharp,
 };
 
-/// The method of a word for bodies in a fluid, with a small parameter if it is given and the method has one; nothing for an unknown word.
-pub fn flow_method<const D: usize>(word: &str, epsilon: Option<f64>) -> Option<Rc<FlowMethod<D>>> {
-    Some(match word {
-        "sharp" => Rc::new(Sharp),
-        "mean-value" => Rc::new(MeanValue),
-        "distributed" => Rc::new(Distributed),
-        "penalty" => Rc::new(Penalty::new(epsilon)),
-        _ => return None,
-    })
-}
-
-/// The method of a word for inclusions in a scalar, as [`flow_method`].
-pub fn inclusion_method<const D: usize>(word: &str, epsilon: Option<f64>) -> Option<Rc<InclusionMethod<D>>> {
+/// The method of a word for a problem whose bodies have blocks `B`, with a small parameter if it is given and the method has one; nothing for an
+/// unknown word.
+pub fn method_of<const D: usize, B>(word: &str, epsilon: Option<f64>) -> Option<Rc<dyn Method<D, B>>>
+where
+    Sharp: Method<D, B>,
+    MeanValue: Method<D, B>,
+    Distributed: Method<D, B>,
+    Penalty: Method<D, B>,
+{
     Some(match word {
         "sharp" => Rc::new(Sharp),
         "mean-value" => Rc::new(MeanValue),

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! A [`Method`] of imposing rigidity fills [`Blocks`]; who solves with them does not know which method it was. The scalar inclusion problem
-//! has the same blocks, with one component and one rigid mode. [`flow_method`] and [`inclusion_method`] list the methods.
+//! has the same blocks, with one component and one rigid mode. [`method_of`] lists the methods.
 
 mod adjoint;
 mod blocks;
@@ -38,10 +38,11 @@ pub use body::{BodyBlocks, FreeInverse};
 pub use index_box::IndexBox;
 pub use layout::MultiplierLayout;
 pub use method::{FlowMethod, Method, Size};
-pub use methods::{flow_method, inclusion_method};
+pub use methods::method_of;
 pub use near::{Given, PairPreconditioner, PairTables, RigidBlock};
 pub use neighbourhood::Neighbourhood;
 pub use placed::{Neighbour, Placed, Surrounded, neighbours};
+pub use places::{Entries, EntriesMut, Places};
 pub use pores::{Pores, Share as PoreShare};
 pub use scalar::{InclusionMethod, ScalarBlocks};
 pub use sharp::{FreshlyCleared, freshly_cleared, jump};

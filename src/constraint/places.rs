@@ -1,6 +1,6 @@
 //! Entries of a distributed vector as one rank sees them: its own, then copies of those of other ranks that it asks for.
 
-use std::ops::Range;
+use std::{collections::BTreeMap, ops::Range};
 
 use crate::{
     error::Result,
@@ -11,6 +11,8 @@ use crate::{
 pub struct Places {
     own: Range<usize>,
     others: Vec<i32>,
+    /// Those that are to be asked for once, by the number of the first.
+    shared: BTreeMap<usize, u32>,
 }
 
 /// Entries to read.
@@ -33,7 +35,7 @@ pub struct EntriesMut<'a> {
 impl Places {
     /// Nothing asked for yet of vectors shaped like `vector`.
     pub fn new(vector: &Vector) -> Result<Places> {
-        Ok(Places { own: vector.range()?, others: Vec::new() })
+        Ok(Places { own: vector.range()?, others: Vec::new(), shared: BTreeMap::new() })
     }
 
     /// The place of the first of `length` entries that follow each other on one rank, from the number of it on all ranks.
@@ -44,6 +46,16 @@ impl Places {
         let place = self.own.len() + self.others.len();
         self.others.extend((first..first + length).map(|entry| entry as i32));
         place as u32
+    }
+
+    /// The same of entries that several ask for in this way: they come once.
+    pub fn of_shared(&mut self, first: usize, length: usize) -> u32 {
+        if let Some(&place) = self.shared.get(&first) {
+            return place;
+        }
+        let place = self.of(first, length);
+        self.shared.insert(first, place);
+        place
     }
 
     /// The places of single entries.
@@ -67,6 +79,12 @@ impl<'a> Entries<'a> {
 }
 
 impl EntriesMut<'_> {
+    /// The entries from a place on: in this rank's own part, or among those of others.
+    pub fn from(&mut self, place: u32) -> &mut [f64] {
+        let place = place as usize;
+        if place < self.own.len() { &mut self.own[place..] } else { &mut self.others[place - self.own.len()..] }
+    }
+
     /// The entry at a place.
     #[inline]
     pub fn at(&mut self, place: u32) -> &mut f64 {

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 use super::pair_constraint::PairConstraint;
 use crate::{
-    constraint::{MultiplierLayout, PoreShare, Pores, RigidBlock},
+    constraint::{Entries, EntriesMut, MultiplierLayout, Places, PoreShare, Pores, RigidBlock},
     error::Result,
     petsc::{RowBuilder, Scatter, Session, Symmetric, SymmetricSolver, Vector},
 };
@@ -63,7 +63,6 @@ struct Numbering {
     of_pore: Vec<usize>,
     /// This rank's pores.
     pores: Vec<usize>,
-    first: usize,
 }
 
 impl Numbering {
@@ -82,7 +81,7 @@ impl Numbering {
         }
         let rank = session.world().rank();
         let pores = (0..owners.len()).filter(|&pore| owners[pore] == rank).collect();
-        Numbering { rigid, of_body, of_pore, pores, first: before[rank] + bodies[rank] }
+        Numbering { rigid, of_body, of_pore, pores }
     }
 
     fn local(&self, layout: &MultiplierLayout) -> usize {
@@ -92,8 +91,8 @@ impl Numbering {
 
 /// A share of a body of this rank in a pore.
 struct Share {
-    /// Where the pore is: among this rank's unknowns, then among those fetched.
-    pore: usize,
+    /// The place of the pore.
+    pore: u32,
     /// Where its multipliers begin.
     first: usize,
     /// Net force of a unit multiplier, over that of a unit of a link's unknown.
@@ -153,18 +152,12 @@ impl Network {
         let solver = Symmetric::new(session, local, rows, way)?;
         let places = layout.local_bodies.iter().map(|&body| layout.local(body)).collect();
         let forces = Vector::new(session, local)?;
-        let (mut fetched, mut found) = (Vec::new(), BTreeMap::new());
-        let share = |share: &PoreShare| {
-            let place = numbering.of_pore[share.pore];
-            let pore = if (numbering.first..numbering.first + local).contains(&place) {
-                place - numbering.first
-            } else {
-                *found.entry(place).or_insert_with(|| {
-                    fetched.push(place as i32);
-                    local + fetched.len() - 1
-                })
-            };
-            Share { pore, first: layout.local(share.body), unit: (parts.unit)(share.body), multipliers: share.multipliers.clone() }
+        let mut wanted = Places::new(&forces)?;
+        let share = |share: &PoreShare| Share {
+            pore: wanted.of_shared(numbering.of_pore[share.pore], 1),
+            first: layout.local(share.body),
+            unit: (parts.unit)(share.body),
+            multipliers: share.multipliers.clone(),
         };
         let own = pores.iter().flat_map(|pores| &pores.shares).filter(|share| layout.holds(share.body));
         let shares = own.map(share).collect();
@@ -174,7 +167,7 @@ impl Network {
             places,
             pores: pores.is_some(),
             shares,
-            others: Scatter::new(&forces, &fetched)?,
+            others: wanted.scatter(&forces)?,
             motions: forces.like()?,
             forces,
         })
@@ -207,21 +200,21 @@ impl Network {
     /// Puts into the rows of pores what flows in as surfaces move as wanted.
     fn press_out(&mut self, wanted: &[f64]) -> Result<()> {
         let (mut own, mut others) = (self.forces.local_mut()?, self.others.places()?);
+        let mut rows = EntriesMut { own: &mut own, others: &mut others };
         for share in &self.shares {
             let velocities = &wanted[share.first..share.first + share.multipliers.len()];
             let flow: f64 = velocities.iter().zip(&share.multipliers).map(|(velocity, multiplier)| velocity * multiplier).sum();
-            let row = if share.pore < own.len() { &mut own[share.pore] } else { &mut others[share.pore - own.len()] };
-            *row -= share.unit * flow;
+            *rows.at(share.pore) -= share.unit * flow;
         }
         Ok(())
     }
 
     /// Adds the multipliers of the pressures found.
     fn press(&mut self, found: &mut [f64]) -> Result<()> {
-        let fetched = self.others.fetch(&self.motions)?;
-        let own = self.motions.local()?;
+        let (others, own) = (self.others.fetch(&self.motions)?, self.motions.local()?);
+        let motions = Entries { own: &own, others: &others };
         for share in &self.shares {
-            let pressure = if share.pore < own.len() { own[share.pore] } else { fetched[share.pore - own.len()] };
+            let pressure = motions.from(share.pore)[0];
             let pressed = &mut found[share.first..share.first + share.multipliers.len()];
             pressed.iter_mut().zip(&share.multipliers).for_each(|(found, multiplier)| *found += pressure * multiplier);
         }

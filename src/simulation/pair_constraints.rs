@@ -11,14 +11,12 @@
 //! rank that holds its first body. With what bodies alone, or near pairs, resist these rows have a sparse approximation, the [`Network`],
 //! factored once a solve.
 
-use std::collections::BTreeMap;
-
 use super::{
     network::{Network, NetworkParts, Resistances},
     pair_constraint::{ConstraintSide, PairConstraint},
 };
 use crate::{
-    constraint::{MultiplierLayout, Pores},
+    constraint::{Entries, EntriesMut, MultiplierLayout, Places, Pores},
     error::Result,
     petsc::{Scatter, Session, Vector},
 };
@@ -27,8 +25,8 @@ use crate::{
 struct Acting {
     network: Network,
     others: Scatter,
-    /// For each end of this rank's links, where its motion begins: among this rank's multipliers, then among those fetched.
-    places: Vec<[usize; 2]>,
+    /// For each end of this rank's links, the place where its motion begins.
+    places: Vec<[u32; 2]>,
     /// Velocities or forces in the places of multipliers.
     motions: Vector,
 }
@@ -144,30 +142,21 @@ impl PairConstraints {
 impl Acting {
     fn new(session: &Session, layout: &MultiplierLayout, network: Network, owned: &[PairConstraint], rigid: usize) -> Result<Acting> {
         let motions = Vector::new(session, layout.local_unknowns())?;
-        let (mut wanted, mut fetched) = (Vec::new(), BTreeMap::new());
-        let mut place = |end: &Option<ConstraintSide>| match end {
-            Some(end) if !layout.holds(end.body) => *fetched.entry(end.body).or_insert_with(|| {
-                let first = layout.global(end.body);
-                wanted.extend((first..first + rigid).map(|unknown| unknown as i32));
-                layout.local_unknowns() + wanted.len() - rigid
-            }),
-            Some(end) => layout.local(end.body),
-            None => 0,
-        };
+        let mut wanted = Places::new(&motions)?;
+        let mut place = |end: &Option<ConstraintSide>| end.map_or(0, |end| wanted.of_shared(layout.global(end.body), rigid));
         let places = owned.iter().map(|link| link.ends.each_ref().map(&mut place)).collect();
-        Ok(Acting { network, others: Scatter::new(&motions, &wanted)?, places, motions })
+        Ok(Acting { network, others: wanted.scatter(&motions)?, places, motions })
     }
 
     /// Rates of the links for velocities in `motions`.
     fn rates(&mut self, links: &[PairConstraint], rigid: usize) -> Result<Vec<f64>> {
-        let fetched = self.others.fetch(&self.motions)?;
-        let own = self.motions.local()?;
-        let of_end = |end: &Option<ConstraintSide>, place: usize| {
-            let from = if place < own.len() { &own[place..] } else { &fetched[place - own.len()..] };
-            end.map_or(0.0, |end| end.weights.iter().zip(&from[..rigid]).map(|(weight, velocity)| weight * velocity).sum())
+        let (others, own) = (self.others.fetch(&self.motions)?, self.motions.local()?);
+        let motions = Entries { own: &own, others: &others };
+        let of_end = |end: &Option<ConstraintSide>, place: u32| {
+            end.map_or(0.0, |end| end.weights.iter().zip(&motions.from(place)[..rigid]).map(|(weight, velocity)| weight * velocity).sum())
         };
         let rate =
-            |(link, places): (&PairConstraint, &[usize; 2])| link.ends.iter().zip(places).map(|(end, &place)| of_end(end, place)).sum();
+            |(link, places): (&PairConstraint, &[u32; 2])| link.ends.iter().zip(places).map(|(end, &place)| of_end(end, place)).sum();
         Ok(links.iter().zip(&self.places).map(rate).collect())
     }
 
@@ -175,12 +164,12 @@ impl Acting {
     fn push(&mut self, links: &[PairConstraint], rigid: usize, unknowns: &[f64], factor: impl Fn(&ConstraintSide) -> f64) -> Result<()> {
         self.motions.fill(0.0)?;
         let (mut own, mut others) = (self.motions.local_mut()?, self.others.places()?);
+        let mut motions = EntriesMut { own: &mut own, others: &mut others };
         for ((link, places), unknown) in links.iter().zip(&self.places).zip(unknowns) {
             for (end, &place) in link.ends.iter().zip(places) {
                 let Some(end) = end else { continue };
-                let pushed = if place < own.len() { &mut own[place..] } else { &mut others[place - own.len()..] };
                 let amount = factor(end) * unknown;
-                pushed[..rigid].iter_mut().zip(end.weights.iter()).for_each(|(push, weight)| *push += amount * weight);
+                motions.from(place)[..rigid].iter_mut().zip(end.weights.iter()).for_each(|(push, weight)| *push += amount * weight);
             }
         }
         drop((own, others));

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use crate::{
     body::Body,
-    constraint::{FlowMethod, flow_method},
+    constraint::{FlowMethod, method_of},
     flow::{Drive, InverseMethod},
     geometry::Domain,
     interaction::{Interaction, Interactions},
@@ -58,7 +58,7 @@ impl<const D: usize> Setup<D> {
     /// # Panics
     /// For a fitted mesh, which has no such blocks.
     pub fn method(&self) -> Rc<FlowMethod<D>> {
-        flow_method(self.constraint.word(), self.constraint.epsilon()).expect("a fitted mesh has no blocks on a grid")
+        method_of(self.constraint.word(), self.constraint.epsilon()).expect("a fitted mesh has no blocks on a grid")
     }
 
     /// Tolerance of the fluid alone, where a method needs each solve of it to be exact and the inverse is not.

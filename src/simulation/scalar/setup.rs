@@ -5,7 +5,7 @@ use std::rc::Rc;
 use nalgebra::SVector;
 
 use crate::{
-    constraint::{InclusionMethod, inclusion_method},
+    constraint::{InclusionMethod, method_of},
     error::Result,
     geometry::{Ball, Domain},
     grid::Grid,
@@ -58,7 +58,7 @@ impl<const D: usize> ScalarSetup<D> {
     /// # Panics
     /// For a fitted mesh, which has no such blocks.
     pub fn method(&self) -> Rc<InclusionMethod<D>> {
-        inclusion_method(self.constraint.word(), self.constraint.epsilon()).expect("a fitted mesh has no blocks on a grid")
+        method_of(self.constraint.word(), self.constraint.epsilon()).expect("a fitted mesh has no blocks on a grid")
     }
 
     /// Number of multipliers of each inclusion.
