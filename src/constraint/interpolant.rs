@@ -8,7 +8,7 @@ use super::places::{Entries, Places};
 /// Nodes per axis.
 pub const NODES: usize = 4;
 
-/// StencilWeights of the nodes of one axis.
+/// Weights of the nodes of one axis.
 pub type StencilWeights = [f64; NODES];
 
 /// Entries that follow each other in a fluid vector and in the box.
@@ -79,7 +79,7 @@ pub fn row_offsets<const D: usize>(strides: [usize; D]) -> [usize; NODES * NODES
     std::array::from_fn(|row| (0..D - 1).map(|axis| (row >> (2 * axis)) % NODES * strides[axis]).sum())
 }
 
-/// StencilWeights of the rows.
+/// Weights of the rows.
 #[inline(always)]
 pub fn row_weights<const D: usize>(weights: [&StencilWeights; D]) -> [f64; NODES * NODES] {
     std::array::from_fn(|row| (0..D - 1).map(|axis| weights[axis][(row >> (2 * axis)) % NODES]).product())

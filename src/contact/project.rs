@@ -28,7 +28,7 @@ const NEARNESS: f64 = 0.2;
 const LARGEST_NEARNESS: f64 = 4.0;
 /// Distance from the optimum, in radii, beyond which an answer is none; answers have 1e-7 and less.
 const LARGEST_RESIDUAL: f64 = 1e-4;
-/// ActiveSetIteration before giving up.
+/// Rounds before giving up.
 const ROUNDS: usize = 100;
 
 /// Velocities that let nothing overlap.

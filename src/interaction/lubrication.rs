@@ -19,7 +19,7 @@ pub struct Lubrication {
 }
 
 impl Lubrication {
-    /// LubricationPairs between surfaces of this roughness, in radii of the smaller body.
+    /// Films between surfaces of this roughness, in radii of the smaller body.
     pub fn new(roughness: f64) -> Lubrication {
         Lubrication { roughness, tables: FilmTables::default() }
     }

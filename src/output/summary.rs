@@ -39,7 +39,7 @@ pub struct Summary {
     pub viscosity: Option<ViscositySummary>,
     /// Error bars, if the scene asks for an accuracy.
     pub accuracy: Option<AccuracySummary>,
-    /// LubricationPairs, if lubrication acts.
+    /// Films, if lubrication acts.
     pub lubrication: Option<LubricationSummary>,
     /// Contacts, if a contact model acts.
     pub contact: Option<ContactSummary>,
@@ -104,7 +104,7 @@ pub struct ViscositySummary {
     pub mean: Option<MeanViscosity>,
 }
 
-/// LubricationPairs that modes do not see.
+/// Films that modes do not see.
 #[derive(Debug, Clone, Serialize)]
 pub struct LubricationSummary {
     /// Their number.
@@ -243,7 +243,7 @@ impl Summary {
     }
 
     /// The numbers of a state of dry bodies; collective.
-    pub fn of_dry<const D: usize>(scene: &Scene, domain: &Domain<D>, state: &State<D>, radii: &[f64], world: &World) -> Summary {
+    pub fn of_granular<const D: usize>(scene: &Scene, domain: &Domain<D>, state: &State<D>, radii: &[f64], world: &World) -> Summary {
         let fraction = state.balls(radii).iter().map(Ball::volume).sum::<f64>() / domain.volume();
         let bodies = state.bodies.iter().zip(radii).map(|(moving, &radius)| BodySummary::of_moving(domain, radius, moving));
         Summary::of_bodies(scene, bodies.collect(), fraction, world.size(), ParallelSummary::new(world, 0, 0))

@@ -83,7 +83,7 @@ pub struct EvaluatedMotion<'a, const D: usize> {
     /// The simulation.
     pub simulation: &'a Simulation<D>,
     /// What happens at this instant.
-    pub view: &'a Observation<D>,
+    pub observation: &'a Observation<D>,
     /// What the steps until now cost and kept.
     pub statistics: &'a RunStatistics,
     /// Whether the run ends here.
@@ -114,8 +114,8 @@ impl<'a, const D: usize> EvaluatedMotion<'a, D> {
 
     /// Contacts that bear a force: of this instant in a flow, of the last step in a dry run.
     pub fn held(&self) -> Vec<ContactHistory<D>> {
-        match self.view.solution {
-            Some(_) => self.view.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect(),
+        match self.observation.solution {
+            Some(_) => self.observation.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect(),
             None => self.state().held.clone(),
         }
     }
@@ -131,12 +131,12 @@ impl<'a, const D: usize> EvaluatedMotion<'a, D> {
             }
         }
         let body = |(number, ball): (usize, &Ball<D>)| {
-            let by_fluid = self.view.solution.as_ref().map(|solution| &solution.bodies[number]);
+            let by_fluid = self.observation.solution.as_ref().map(|solution| &solution.bodies[number]);
             FrameBody {
                 center: ball.center,
                 radius: ball.radius,
-                velocity: self.view.twists[number].velocity,
-                spin: self.view.twists[number].spin,
+                velocity: self.observation.twists[number].velocity,
+                spin: self.observation.twists[number].spin,
                 rotation: self.state().bodies[number].rotation,
                 force: by_fluid.map_or_else(SVector::zeros, |state| state.force),
                 torque: by_fluid.map_or_else(SMatrix::zeros, |state| state.torque),

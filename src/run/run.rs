@@ -53,7 +53,7 @@ enum Machinery<const D: usize> {
     /// A flow at an instant, and its solution once there is one.
     Instant { solver: Box<dyn FlowSolver<D>>, solution: Option<Solution<D>> },
     /// A simulation in time, and what happens in its state once it was evaluated.
-    InTime { simulation: Box<Simulation<D>>, view: Option<Observation<D>> },
+    InTime { simulation: Box<Simulation<D>>, observation: Option<Observation<D>> },
 }
 
 /// Runs a scene of dimension `D` from its start to its end; without a folder it leaves nothing behind. Collective.
@@ -237,11 +237,11 @@ impl<'a, const D: usize> Run<'a, D> {
     }
 
     fn step(&mut self) -> Result<()> {
-        let Machinery::InTime { simulation, view } = &mut self.machinery else { return Ok(()) };
-        let view = view.take().expect("a state is evaluated before its step");
+        let Machinery::InTime { simulation, observation } = &mut self.machinery else { return Ok(()) };
+        let observation = observation.take().expect("a state is evaluated before its step");
         self.evaluated = false;
-        let report = simulation.step(&view, &mut |_, _| {})?;
-        self.statistics.add(&view, &report);
+        let report = simulation.step(&observation, &mut |_, _| {})?;
+        self.statistics.add(&observation, &report);
         let stop = self.signals.as_ref().is_some_and(Signals::stop);
         if self.signals.is_some() && self.world.max(f64::from(stop)) > 0.0 {
             return self.stop();
@@ -284,8 +284,8 @@ impl<'a, const D: usize> Run<'a, D> {
 
     fn seen(&self) -> Evaluated<'_, D> {
         let motion = match &self.machinery {
-            Machinery::InTime { simulation, view: Some(view) } => {
-                Some(EvaluatedMotion { simulation, view, statistics: &self.statistics, last: self.ended() })
+            Machinery::InTime { simulation, observation: Some(observation) } => {
+                Some(EvaluatedMotion { simulation, observation, statistics: &self.statistics, last: self.ended() })
             }
             _ => None,
         };
@@ -351,7 +351,7 @@ impl<const D: usize> Machinery<D> {
         match (&resolved.time, solved) {
             (Some(_), solved) => {
                 drop(solved);
-                Ok(Machinery::InTime { simulation: Box::new(Simulation::new(session, resolved)?), view: None })
+                Ok(Machinery::InTime { simulation: Box::new(Simulation::new(session, resolved)?), observation: None })
             }
             (None, Some((suspension, solution))) => Ok(Machinery::Instant { solver: Box::new(suspension), solution: Some(solution) }),
             (None, None) => {
@@ -365,7 +365,7 @@ impl<const D: usize> Machinery<D> {
         match self {
             Machinery::Instant { solution: Some(_), .. } => {}
             Machinery::Instant { solver, solution } => *solution = Some(solver.solve(seen)?),
-            Machinery::InTime { simulation, view } => *view = Some(simulation.evaluate(&mut |_, _| {})?),
+            Machinery::InTime { simulation, observation } => *observation = Some(simulation.evaluate(&mut |_, _| {})?),
         }
         Ok(())
     }
@@ -380,8 +380,8 @@ impl<const D: usize> Machinery<D> {
     fn flow(&self) -> Option<EvaluatedFlow<'_, D>> {
         match self {
             Machinery::Instant { solver, solution } => Some(EvaluatedFlow { solver: solver.as_ref(), solution: solution.as_ref()? }),
-            Machinery::InTime { simulation, view } => {
-                Some(EvaluatedFlow { solver: simulation.suspension()?, solution: view.as_ref()?.solution.as_ref()? })
+            Machinery::InTime { simulation, observation } => {
+                Some(EvaluatedFlow { solver: simulation.suspension()?, solution: observation.as_ref()?.solution.as_ref()? })
             }
         }
     }
@@ -389,7 +389,7 @@ impl<const D: usize> Machinery<D> {
     fn viscosity(&self) -> Result<Option<Viscosity>> {
         let Some(flow) = self.flow() else { return Ok(None) };
         let contacts = match self {
-            Machinery::InTime { view: Some(view), .. } => &view.contacts[..],
+            Machinery::InTime { observation: Some(observation), .. } => &observation.contacts[..],
             _ => &[],
         };
         observe::viscosity(flow.solver.setup(), flow.solver.grid(), flow.solution, contacts)

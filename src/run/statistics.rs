@@ -48,8 +48,8 @@ impl RunStatistics {
     }
 
     /// Adds a step and the look before it.
-    pub fn add<const D: usize>(&mut self, view: &Observation<D>, report: &StepReport) {
-        let (motion, effort) = (&mut self.motion, view.effort + report.effort);
+    pub fn add<const D: usize>(&mut self, observation: &Observation<D>, report: &StepReport) {
+        let (motion, effort) = (&mut self.motion, observation.effort + report.effort);
         let [shortest, longest] = motion.steps;
         let before = self.last.map(|last| last.length);
         motion.steps = if before.is_none() { [report.length; 2] } else { [shortest.min(report.length), longest.max(report.length)] };

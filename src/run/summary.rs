@@ -14,7 +14,7 @@ use crate::{
 pub fn summary<const D: usize>(seen: &Evaluated<D>) -> Result<Summary> {
     let mut summary = match (&seen.flow, &seen.motion) {
         (Some(flow), _) => Summary::of_flow(seen.scene, flow.solver, flow.solution, seen.viscosity, seen.world)?,
-        (None, Some(motion)) => Summary::of_dry(seen.scene, motion.domain(), motion.state(), motion.simulation.radii(), seen.world),
+        (None, Some(motion)) => Summary::of_granular(seen.scene, motion.domain(), motion.state(), motion.simulation.radii(), seen.world),
         (None, None) => unreachable!("a run evaluates something before it ends"),
     };
     let Some(motion) = &seen.motion else { return Ok(summary) };

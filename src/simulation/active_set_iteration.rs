@@ -5,7 +5,7 @@
 //! contacts than bodies can bear. So a set that is worse than one before is left, and from the best one contact at a time changes
 //! (Murty 1974, doi:10.1007/BF01580215), which ends.
 
-/// ActiveSetIteration in which all contacts may change.
+/// Rounds in which all contacts may change.
 const AT_ONCE: usize = 4;
 
 /// The rounds of one step, with contacts `C`.

@@ -1,4 +1,4 @@
-//! One moment of a suspension, ready to be solved.
+//! One configuration of a suspension, ready to be solved.
 
 use std::time::Instant;
 
@@ -12,7 +12,7 @@ use super::{
     fixed_operators::FixedOperators,
     krylov_workspace::{KrylovWorkspace, Stop},
     pair_constraints::PairConstraints,
-    pair_resistance::{belongs, touching},
+    pair_resistance::{belongs, pair_constraints},
     schur_complement::SchurComplement,
     surfaces::{BodyOperator, SurfaceOperators},
     uzawa::uzawa,
@@ -28,13 +28,13 @@ use crate::{
 /// Part of the velocities of a scene that rounding leaves where they cancel: bodies that the flow carries as they are.
 const ROUNDING: f64 = 1e-13;
 
-/// All that the solve of one moment needs.
+/// All that the solve of one configuration needs.
 pub(super) struct AssembledSystem<'a, const D: usize> {
     pub bodies: Bodies<'a, D>,
-    pub members: Vec<BodyOperator>,
+    pub operators: Vec<BodyOperator>,
     pub assembly: Assembly<D>,
-    pub touching: PairConstraints,
-    pub engine: KrylovWorkspace,
+    pub pair_constraints: PairConstraints,
+    pub workspace: KrylovWorkspace,
     pub guess: Option<InitialGuess<D>>,
     prescribed_drag: f64,
     stop: Stop,
@@ -43,73 +43,74 @@ pub(super) struct AssembledSystem<'a, const D: usize> {
 impl<'a, const D: usize> AssembledSystem<'a, D> {
     /// Puts bodies in their places and fills right-hand side and start; what is at hand is used again where it fits.
     pub fn new(
-        basis: &'a FixedOperators<D>,
+        fixed: &'a FixedOperators<D>,
         assembly: Option<Assembly<D>>,
-        engine: Option<KrylovWorkspace>,
+        workspace: Option<KrylovWorkspace>,
         past: Option<&ExtrapolationHistory<D>>,
-        moment: &Configuration<D>,
+        configuration: &Configuration<D>,
     ) -> Result<Self> {
         let _stage = enter(Stage::Assembly);
-        let assembly = Assembly::of(basis, moment.centers, assembly)?;
+        let assembly = Assembly::of(fixed, configuration.centers, assembly)?;
         let places = (assembly.placed.clone(), assembly.crowd.clone());
-        let bodies = Bodies::new((&basis.setup, &basis.grid, &basis.kinds), places, assembly.layout.clone());
-        let members = bodies.members(&assembly.blocks);
-        let guess = past.map_or(Ok(None), |past| past.guess(&bodies, moment.centers, moment.time))?;
-        let closure = basis.closure.unknowns::<D>();
-        let places = engine.as_ref().map_or(0, |engine| engine.work.sizes().links);
-        let touching = touching(basis, &bodies, moment, &assembly.films, &assembly.undisturbed, assembly.medium.as_ref(), places)?;
-        let fluid = if basis.condensed { 0 } else { basis.grid.local_fluid_unknowns() };
-        let sizes = Sizes { fluid, multipliers: assembly.undisturbed.len(), closure, links: touching.places() };
-        let mut engine = KrylovWorkspace::fitting(engine, basis, sizes)?;
-        engine.krylov.set_tolerance(moment.tolerance);
-        let prescribed_drag = prescribed_drag(&basis.session, &members);
-        let wanted = bodies.wanted_rows(&assembly.blocks, &members, &assembly.undisturbed, moment.pushes);
-        basis.fill_right_hand_side(&wanted, touching.wanted(), prescribed_drag, &mut engine.rhs)?;
-        let rounding = ROUNDING * scale(&basis.session, &assembly.undisturbed, &engine.rhs)?;
-        let unit = touching.scale * basis.setup.viscosity;
-        let pressed = moment.pressed.iter().filter(|pressed| belongs(&bodies.layout, pressed)).map(|pressed| pressed.force / unit);
-        engine.start(&bodies, guess.as_ref(), pressed.collect())?;
-        let stop = Stop { tolerance: moment.tolerance, rounding };
-        Ok(AssembledSystem { bodies, members, assembly, touching, engine, guess, prescribed_drag, stop })
+        let bodies = Bodies::new((&fixed.setup, &fixed.grid, &fixed.kinds), places, assembly.layout.clone());
+        let operators = bodies.operators(&assembly.blocks);
+        let guess = past.map_or(Ok(None), |past| past.guess(&bodies, configuration.centers, configuration.time))?;
+        let mean_flow = fixed.mean_flow.unknowns::<D>();
+        let places = workspace.as_ref().map_or(0, |workspace| workspace.work.sizes().links);
+        let pair_constraints =
+            pair_constraints(fixed, &bodies, configuration, &assembly.films, &assembly.undisturbed, assembly.medium.as_ref(), places)?;
+        let fluid = if fixed.condensed { 0 } else { fixed.grid.local_fluid_unknowns() };
+        let sizes = Sizes { fluid, multipliers: assembly.undisturbed.len(), mean_flow, links: pair_constraints.places() };
+        let mut workspace = KrylovWorkspace::fitting(workspace, fixed, sizes)?;
+        workspace.krylov.set_tolerance(configuration.tolerance);
+        let prescribed_drag = prescribed_drag(&fixed.session, &operators);
+        let wanted = bodies.wanted_rows(&assembly.blocks, &operators, &assembly.undisturbed, configuration.pushes);
+        fixed.fill_right_hand_side(&wanted, pair_constraints.wanted(), prescribed_drag, &mut workspace.rhs)?;
+        let rounding = ROUNDING * scale(&fixed.session, &assembly.undisturbed, &workspace.rhs)?;
+        let unit = pair_constraints.scale * fixed.setup.viscosity;
+        let pressed = configuration.pressed.iter().filter(|pressed| belongs(&bodies.layout, pressed)).map(|pressed| pressed.force / unit);
+        workspace.start(&bodies, guess.as_ref(), pressed.collect())?;
+        let stop = Stop { tolerance: configuration.tolerance, rounding };
+        Ok(AssembledSystem { bodies, operators, assembly, pair_constraints, workspace, guess, prescribed_drag, stop })
     }
 
     /// The solver with its right-hand side and start, and what the system is made of.
     pub fn parts<'b>(
         &'b mut self,
-        basis: &'b FixedOperators<D>,
+        fixed: &'b FixedOperators<D>,
         inverse: &'b mut dyn StokesInverse<D>,
     ) -> (Solver<'b>, SystemParts<'b, D>) {
         let surfaces = SurfaceOperators {
-            world: basis.session.world(),
+            world: fixed.session.world(),
             blocks: &mut self.assembly.blocks,
             pairs: self.assembly.pairs.as_mut(),
-            members: &self.members,
-            closure: &basis.closure,
-            touching: &mut self.touching,
+            operators: &self.operators,
+            mean_flow: &fixed.mean_flow,
+            pair_constraints: &mut self.pair_constraints,
             prescribed_drag: self.prescribed_drag,
         };
-        let KrylovWorkspace { krylov, work, rhs, x } = &mut self.engine;
-        ((krylov, (rhs, x)), SystemParts { stokes: &basis.stokes, inverse, surfaces, work })
+        let KrylovWorkspace { krylov, work, rhs, x } = &mut self.workspace;
+        ((krylov, (rhs, x)), SystemParts { stokes: &fixed.stokes, inverse, surfaces, work })
     }
 
     /// Solves; the velocities that are found include those of the flow without bodies.
     pub fn solve(
         &mut self,
-        basis: &FixedOperators<D>,
+        fixed: &FixedOperators<D>,
         inverse: &mut dyn StokesInverse<D>,
         monitor: ResidualMonitor,
     ) -> Result<(Report, SolvedUnknowns)> {
         let _stage = enter(Stage::Orthogonalisation);
         let stop = self.stop;
-        let (solver, parts) = self.parts(basis, inverse);
-        let (report, mut found) = match basis.setup.constraint {
+        let (solver, parts) = self.parts(fixed, inverse);
+        let (report, mut found) = match fixed.setup.constraint {
             ConstraintMethod::MeanValue(MultiplierSolver::Uzawa(step)) => {
                 let (_, vectors) = solver;
                 let by_uzawa =
                     |system: &mut SchurComplement<D>, vectors: (&Vector, &mut Vector)| uzawa(system, vectors, (step, stop), monitor);
                 solve(vectors, SchurComplement::new(parts), by_uzawa)
             }
-            _ if basis.condensed => solve(solver.1, SchurComplement::new(parts), |system, (rhs, x)| {
+            _ if fixed.condensed => solve(solver.1, SchurComplement::new(parts), |system, (rhs, x)| {
                 solver.0.solve_above(stop.rounding, system, rhs, x, monitor)
             }),
             _ => solve(solver.1, Coupled(parts), |system, (rhs, x)| solver.0.solve_above(stop.rounding, system, rhs, x, monitor)),
@@ -141,8 +142,8 @@ fn scale(session: &Session, undisturbed: &[f64], rhs: &Vector) -> Result<f64> {
 }
 
 /// Sum over all prescribed bodies of the net force that a unit velocity takes by their preconditioner.
-fn prescribed_drag(session: &Session, members: &[BodyOperator]) -> f64 {
-    let mut drag = [members.iter().filter(|member| !member.free).map(|member| member.area * member.inverse.diagonal(0)).sum()];
+fn prescribed_drag(session: &Session, operators: &[BodyOperator]) -> f64 {
+    let mut drag = [operators.iter().filter(|member| !member.free).map(|member| member.area * member.inverse.diagonal(0)).sum()];
     session.world().sum(&mut drag);
     if drag[0] > 0.0 { drag[0] } else { 1.0 }
 }

@@ -43,33 +43,33 @@ pub struct Assembly<const D: usize> {
 
 impl<const D: usize> Assembly<D> {
     /// The assembly of bodies with the given centres; of an earlier one all that did not move is used again.
-    pub fn of(basis: &FixedOperators<D>, centers: &[SVector<f64, D>], earlier: Option<Assembly<D>>) -> Result<Assembly<D>> {
+    pub fn of(fixed: &FixedOperators<D>, centers: &[SVector<f64, D>], earlier: Option<Assembly<D>>) -> Result<Assembly<D>> {
         match earlier {
             Some(assembly) if assembly.centers == centers => Ok(Assembly { assembled: 0, ..assembly }),
-            earlier => Assembly::anew(basis, centers, earlier.map(|earlier| earlier.blocks)),
+            earlier => Assembly::anew(fixed, centers, earlier.map(|earlier| earlier.blocks)),
         }
     }
 
-    fn anew(basis: &FixedOperators<D>, centers: &[SVector<f64, D>], earlier: Option<Blocks<D>>) -> Result<Assembly<D>> {
-        let (session, fluid, method) = (&basis.session, &basis.undisturbed.0, basis.method.as_ref());
-        let placed = Rc::new(basis.kinds.place(&basis.setup, centers));
-        let crowd = Rc::new(crowd(basis, &placed));
-        let neighbours = neighbours(&placed, &crowd.pairs, method.reach() * basis.grid.spacing().max());
+    fn anew(fixed: &FixedOperators<D>, centers: &[SVector<f64, D>], earlier: Option<Blocks<D>>) -> Result<Assembly<D>> {
+        let (session, fluid, method) = (&fixed.session, &fixed.undisturbed.0, fixed.method.as_ref());
+        let placed = Rc::new(fixed.kinds.place(&fixed.setup, centers));
+        let crowd = Rc::new(crowd(fixed, &placed));
+        let neighbours = neighbours(&placed, &crowd.pairs, method.reach() * fixed.grid.spacing().max());
         let Assembled { layout, mut blocks, new: assembled } =
-            Assembled::new(&basis.grid, fluid, method, &surrounded(&placed, &neighbours), earlier)?;
-        let bodies = Bodies::new((&basis.setup, &basis.grid, &basis.kinds), (placed.clone(), crowd.clone()), layout);
+            Assembled::new(&fixed.grid, fluid, method, &surrounded(&placed, &neighbours), earlier)?;
+        let bodies = Bodies::new((&fixed.setup, &fixed.grid, &fixed.kinds), (placed.clone(), crowd.clone()), layout);
         let undisturbed = bodies.undisturbed(&mut blocks, fluid, |body, point| {
             // a body that has left a sheared box goes on as fast as the image of the box in which it is
-            basis.background(point) + basis.setup.domain.image_velocity(&centers[body])
+            fixed.background(point) + fixed.setup.domain.image_velocity(&centers[body])
         })?;
         let pairs = if method.on_surfaces() { Some(bodies.near_pairs(session)?) } else { None };
-        let (films, medium) = (balanced(session.world(), bodies.films())?, medium(basis, &bodies, centers, pairs.as_ref()));
+        let (films, medium) = (balanced(session.world(), bodies.films())?, medium(fixed, &bodies, centers, pairs.as_ref()));
         let (centers, layout) = (centers.to_vec(), bodies.layout);
         Ok(Assembly { centers, placed, crowd, layout, blocks, assembled, pairs, films, medium, undisturbed })
     }
 }
 
-/// LubricationPairs whose forces are opposite and without torque on each pair, as they must be.
+/// Films whose forces are opposite and without torque on each pair, as they must be.
 fn balanced<const D: usize>(world: &World, films: LubricationPairs<D>) -> Result<LubricationPairs<D>> {
     let imbalance = world.max(films.imbalance);
     match imbalance < LARGEST_IMBALANCE {
@@ -79,11 +79,11 @@ fn balanced<const D: usize>(world: &World, films: LubricationPairs<D>) -> Result
 }
 
 /// The bodies with all that any part of the simulation takes for near.
-fn crowd<const D: usize>(basis: &FixedOperators<D>, placed: &[Placed<D>]) -> Neighbourhood<D> {
+fn crowd<const D: usize>(fixed: &FixedOperators<D>, placed: &[Placed<D>]) -> Neighbourhood<D> {
     let balls: Vec<Ball<D>> = placed.iter().map(Placed::ball).collect();
-    let orders = basis.setup.bodies.iter().map(|suspended| suspended.order).collect();
-    let (method, films) = (&basis.method, basis.setup.interactions.resist());
+    let orders = fixed.setup.bodies.iter().map(|suspended| suspended.order).collect();
+    let (method, films) = (&fixed.method, fixed.setup.interactions.resist());
     let of_bodies = if method.on_surfaces() || films { Neighbourhood::reach(&balls) } else { 0.0 };
-    let reach = of_bodies.max(method.reach() * basis.grid.spacing().max());
-    Neighbourhood::new(&basis.setup.domain, balls, orders, reach)
+    let reach = of_bodies.max(method.reach() * fixed.grid.spacing().max());
+    Neighbourhood::new(&fixed.setup.domain, balls, orders, reach)
 }

@@ -208,8 +208,8 @@ impl<'a, const D: usize> Bodies<'a, D> {
         PairPreconditioner::new(&self.crowd, &self.layout, &self.kinds.pair_tables, &multipliers)
     }
 
-    /// This rank's bodies as members of the coupled system.
-    pub fn members(&self, blocks: &Blocks<D>) -> Vec<BodyOperator> {
+    /// This rank's bodies as operators of the coupled system.
+    pub fn operators(&self, blocks: &Blocks<D>) -> Vec<BodyOperator> {
         let member = |(local, &body): (usize, &usize)| {
             let (kind, free, first) = (self.kinds.of(body), self.setup.bodies[body].body.free(), self.layout.local(body));
             let modes = &kind.surface.modes;
@@ -252,8 +252,8 @@ impl<'a, const D: usize> Bodies<'a, D> {
     /// The right-hand sides of this rank's bodies.
     ///
     /// `pushes` are forces and torques on all bodies besides those of the setup, or empty.
-    pub fn wanted_rows(&self, blocks: &Blocks<D>, members: &[BodyOperator], undisturbed: &[f64], pushes: &[Wrench<D>]) -> Vec<f64> {
-        let rows = members.iter().enumerate();
+    pub fn wanted_rows(&self, blocks: &Blocks<D>, operators: &[BodyOperator], undisturbed: &[f64], pushes: &[Wrench<D>]) -> Vec<f64> {
+        let rows = operators.iter().enumerate();
         let of = |(local, member): (usize, &BodyOperator)| {
             let push = pushes.get(self.layout.local_bodies[local]).copied().unwrap_or_else(Wrench::zero);
             self.wanted_rows_of(blocks, local, member, &undisturbed[member.range.clone()], push)

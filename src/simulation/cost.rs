@@ -17,9 +17,9 @@ pub struct Cost {
     pub assembled: usize,
     /// The Krylov solver, everything included.
     pub krylov: Report,
-    /// SystemParts of it.
+    /// Parts of it.
     pub stages: Stages,
-    /// SolvedUnknowns of the grid on all ranks.
+    /// Unknowns of the grid on all ranks.
     pub grid_unknowns: usize,
     /// Multipliers of bodies on all ranks.
     pub multiplier_unknowns: usize,

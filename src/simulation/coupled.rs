@@ -1,9 +1,9 @@
-//! The coupled linear system of fluid, multipliers, closure and contacts, with its block preconditioner.
+//! The coupled linear system of fluid, multipliers, mean-flow constraint and contacts, with its block preconditioner.
 //!
 //! ```text
 //! [ K   -C   -e   .  ] [ u, p ]   [ 0 ]
 //! [ J    E    T  -N' ] [ c    ] = [ v ]      rows of rigid modes of free bodies: the net force, c - N' f = given
-//! [ m    F    .   .  ] [ g    ]   [ 0 ]      g: unknowns of the closure
+//! [ m    F    .   .  ] [ g    ]   [ 0 ]      g: unknowns of the mean-flow constraint
 //! [ N J  N E  N T .  ] [ f    ]   [ r ]      f: forces of contacts, r: rates at which their gaps grow
 //! ```
 //!
@@ -34,7 +34,7 @@ pub struct SystemParts<'a, const D: usize> {
     pub inverse: &'a mut dyn StokesInverse<D>,
     /// All the rest.
     pub surfaces: SurfaceOperators<'a, D>,
-    /// WorkVectors space.
+    /// Work space.
     pub work: &'a mut WorkVectors,
 }
 
@@ -50,10 +50,10 @@ impl<const D: usize> System for Coupled<'_, D> {
         watch.stop(&mut work.stages.matrices);
         let watch = Watch::start(Stage::Bodies);
         surfaces.blocks.spread(-1.0, &work.multipliers_in.local()?, &mut work.fluid_out)?;
-        surfaces.closure.add_forces(-1.0, &global_unknowns, &mut work.fluid_out)?;
+        surfaces.mean_flow.add_forces(-1.0, &global_unknowns, &mut work.fluid_out)?;
         stokes.balance(&mut work.fluid_out)?;
         let mut rows = surfaces.rows(&work.fluid_in, &work.multipliers_in, &global_unknowns, &mut work.multipliers_out)?;
-        let means = surfaces.closure.mean_velocities(surfaces.world, &work.fluid_in)?;
+        let means = surfaces.mean_flow.mean_velocities(surfaces.world, &work.fluid_in)?;
         rows[..means.len()].copy_from_slice(&means);
         watch.stop(&mut work.stages.bodies);
         work.join(&rows, output)
@@ -66,7 +66,7 @@ impl<const D: usize> System for Coupled<'_, D> {
         inverse.precondition(stokes, &work.fluid_in, &mut work.fluid_out)?;
         watch.stop(&mut work.stages.inverse);
         let watch = Watch::start(Stage::Bodies);
-        let forces = surfaces.closure.correct_mean_velocities(surfaces.world, &rows, &mut work.fluid_out)?;
+        let forces = surfaces.mean_flow.correct_mean_velocities(surfaces.world, &rows, &mut work.fluid_out)?;
         surfaces.blocks.interpolate(&work.fluid_out, &mut work.multipliers_out.local_mut()?)?;
         let mut global_unknowns = surfaces.precondition(&mut work.multipliers_in, &rows, &mut work.multipliers_out)?;
         global_unknowns[..forces.len()].copy_from_slice(&forces);

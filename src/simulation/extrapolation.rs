@@ -17,7 +17,7 @@ use crate::{
 /// Jump functions say little about points further than this from a surface, in cells: after longer moves a solve starts anew.
 const LONGEST_MOVE: f64 = 2.0;
 
-/// A solution: the fluid on the grid, the multipliers of all bodies (known to all ranks) and the unknowns of the closure.
+/// A solution: the fluid on the grid, the multipliers of all bodies (known to all ranks) and the unknowns of the mean-flow constraint.
 pub struct Snapshot<const D: usize> {
     /// Disturbance of the flow without bodies, unless the fluid is eliminated.
     pub fluid: Option<Vector>,
@@ -25,8 +25,8 @@ pub struct Snapshot<const D: usize> {
     pub multipliers: Vec<Vec<f64>>,
     /// Centres of the bodies when it was found, not wrapped into the box.
     pub centers: Vec<SVector<f64, D>>,
-    /// SolvedUnknowns of the closure.
-    pub closure: Vec<f64>,
+    /// Unknowns of the mean-flow constraint.
+    pub mean_flow: Vec<f64>,
 }
 
 /// The last solution and the one before it.
@@ -52,7 +52,7 @@ impl<const D: usize> Snapshot<D> {
     pub fn of(bodies: &Bodies<D>, session: &Session, centers: &[SVector<f64, D>], found: &SolvedUnknowns, condensed: bool) -> Result<Self> {
         let multipliers = bodies.share_multipliers(session, &found.multipliers);
         let fluid = if condensed { None } else { Some(copy(&found.fluid)?) };
-        Ok(Snapshot { fluid, multipliers, centers: centers.to_vec(), closure: found.global_unknowns.clone() })
+        Ok(Snapshot { fluid, multipliers, centers: centers.to_vec(), mean_flow: found.global_unknowns.clone() })
     }
 
     /// `self + factor (self - earlier)`.
@@ -65,13 +65,13 @@ impl<const D: usize> Snapshot<D> {
         let line = |(last, earlier): (&mut f64, &f64)| *last += factor * (*last - earlier);
         let bodies = snapshot.multipliers.iter_mut().zip(&earlier.multipliers);
         bodies.for_each(|(last, earlier)| last.iter_mut().zip(earlier).for_each(line));
-        snapshot.closure.iter_mut().zip(&earlier.closure).for_each(line);
+        snapshot.mean_flow.iter_mut().zip(&earlier.mean_flow).for_each(line);
         Ok(snapshot)
     }
 
     fn copy(&self) -> Result<Snapshot<D>> {
-        let (multipliers, centers, closure) = (self.multipliers.clone(), self.centers.clone(), self.closure.clone());
-        Ok(Snapshot { fluid: self.fluid.as_ref().map(copy).transpose()?, multipliers, centers, closure })
+        let (multipliers, centers, mean_flow) = (self.multipliers.clone(), self.centers.clone(), self.mean_flow.clone());
+        Ok(Snapshot { fluid: self.fluid.as_ref().map(copy).transpose()?, multipliers, centers, mean_flow })
     }
 
     /// The jump at a point that a body passes, for this solution and a body that is about to be in the image at `center`.

@@ -18,20 +18,20 @@ pub struct Faster {
 }
 
 /// What the fastest inverse that the box allows would make of the last solve, if it is not in use: sets it up and times it. Collective.
-pub fn faster<const D: usize>(basis: &FixedOperators<D>, cost: &Cost) -> Result<Option<Faster>> {
-    let inverse = InverseMethod::fastest(&basis.setup.domain);
-    if basis.condensed || inverse == basis.setup.inverse || cost.krylov.iterations == 0 {
+pub fn faster<const D: usize>(fixed: &FixedOperators<D>, cost: &Cost) -> Result<Option<Faster>> {
+    let inverse = InverseMethod::fastest(&fixed.setup.domain);
+    if fixed.condensed || inverse == fixed.setup.inverse || cost.krylov.iterations == 0 {
         return Ok(None);
     }
-    let mut other = inverse.set_up(&basis.stokes, &basis.grid)?;
-    let (rows, mut fluid) = (basis.stokes.vector()?, basis.stokes.vector()?);
-    other.precondition(&basis.stokes, &rows, &mut fluid)?;
+    let mut other = inverse.set_up(&fixed.stokes, &fixed.grid)?;
+    let (rows, mut fluid) = (fixed.stokes.vector()?, fixed.stokes.vector()?);
+    other.precondition(&fixed.stokes, &rows, &mut fluid)?;
     let start = Instant::now();
     for _ in 0..APPLICATIONS {
-        other.precondition(&basis.stokes, &rows, &mut fluid)?;
+        other.precondition(&fixed.stokes, &rows, &mut fluid)?;
     }
     let application = start.elapsed().as_secs_f64() / APPLICATIONS as f64;
-    let seconds = basis.session.world().max(cost.stages.bodies + cost.krylov.iterations as f64 * application);
-    let saves = seconds < basis.session.world().max(cost.krylov.seconds);
+    let seconds = fixed.session.world().max(cost.stages.bodies + cost.krylov.iterations as f64 * application);
+    let saves = seconds < fixed.session.world().max(cost.krylov.seconds);
     Ok(saves.then_some(Faster { inverse, solve_seconds: seconds }))
 }

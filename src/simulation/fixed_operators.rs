@@ -28,12 +28,12 @@ pub struct FixedOperators<const D: usize> {
     /// The fluid.
     pub stokes: Stokes<D>,
     /// Mean values that the drive leaves open.
-    pub closure: MeanFlowConstraint,
-    /// Flow of walls and drive without bodies, and the forces of the closure in it.
+    pub mean_flow: MeanFlowConstraint,
+    /// Flow of walls and drive without bodies, and the forces of the mean-flow constraint in it.
     pub undisturbed: (Vector, Vec<f64>),
     /// What makes bodies rigid.
     pub method: Rc<FlowMethod<D>>,
-    /// BodyTypes of bodies.
+    /// Types of bodies.
     pub kinds: BodyTypes<D>,
     /// Whether the fluid is eliminated from the linear system, because its inverse is exact.
     pub condensed: bool,
@@ -54,10 +54,10 @@ impl<const D: usize> FixedOperators<D> {
         let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
         let stokes = Stokes::new(session, &grid);
         let mut inverse = inverse(&stokes, &grid)?;
-        let closure = MeanFlowConstraint::new(&setup.drive, &grid, &stokes, inverse.as_mut())?;
-        let undisturbed = flow_without_bodies(&setup.drive, &grid, &stokes, inverse.as_mut(), &closure)?;
+        let mean_flow = MeanFlowConstraint::new(&setup.drive, &grid, &stokes, inverse.as_mut())?;
+        let undisturbed = flow_without_bodies(&setup.drive, &grid, &stokes, inverse.as_mut(), &mean_flow)?;
         let (method, kinds, condensed) = (setup.method(), BodyTypes::new(&setup, &grid), inverse.exact());
-        Ok((FixedOperators { session: session.clone(), setup, grid, stokes, closure, undisturbed, method, kinds, condensed }, inverse))
+        Ok((FixedOperators { session: session.clone(), setup, grid, stokes, mean_flow, undisturbed, method, kinds, condensed }, inverse))
     }
 
     /// Lets images slide to where they are at a time, and sets up the inverse of the fluid anew; nothing where they are there already.
@@ -92,7 +92,7 @@ impl<const D: usize> FixedOperators<D> {
         }
     }
 
-    /// The right-hand side of the linear system: rows of this rank's bodies, of the closure on rank 0, and of this rank's links.
+    /// The right-hand side of the linear system: rows of this rank's bodies, of the mean-flow constraint on rank 0, and of this rank's links.
     pub fn fill_right_hand_side(
         &self,
         wanted: &[f64],
@@ -105,17 +105,17 @@ impl<const D: usize> FixedOperators<D> {
         rows.fill(0.0);
         let (multipliers, global_unknowns) = rows[fluid..].split_at_mut(wanted.len());
         multipliers.copy_from_slice(wanted);
-        let closure = if self.session.world().rank() == 0 { self.closure.unknowns::<D>() } else { 0 };
-        let (closure, links) = global_unknowns.split_at_mut(closure);
-        if let MeanFlowConstraint::MeanVelocity = self.closure {
+        let mean_flow = if self.session.world().rank() == 0 { self.mean_flow.unknowns::<D>() } else { 0 };
+        let (mean_flow, links) = global_unknowns.split_at_mut(mean_flow);
+        if let MeanFlowConstraint::MeanVelocity = self.mean_flow {
             let total = -self.setup.drive.uniform_force() * self.setup.domain.volume() / self.setup.viscosity;
-            closure.iter_mut().zip(total.iter()).for_each(|(row, force)| *row = force / prescribed_drag);
+            mean_flow.iter_mut().zip(total.iter()).for_each(|(row, force)| *row = force / prescribed_drag);
         }
         links.iter_mut().zip(rates).for_each(|(row, rate)| *row = rate);
         Ok(())
     }
 
-    /// What is found, from the disturbance of the flow without bodies and the unknowns of the closure.
+    /// What is found, from the disturbance of the flow without bodies and the unknowns of the mean-flow constraint.
     pub fn solution(
         &self,
         bodies: Vec<BodyState<D>>,
@@ -125,7 +125,7 @@ impl<const D: usize> FixedOperators<D> {
     ) -> Result<Solution<D>> {
         fluid.add(1.0, &self.undisturbed.0)?;
         if self.setup.domain.fully_periodic() {
-            let offset = if let MeanFlowConstraint::MeanVelocity = self.closure {
+            let offset = if let MeanFlowConstraint::MeanVelocity = self.mean_flow {
                 SVector::from_column_slice(global_unknowns)
             } else {
                 self.imposed_mean_velocity()
@@ -160,7 +160,7 @@ impl<const D: usize> FixedOperators<D> {
 
     fn pressure_gradient(&self, bodies: &[BodyState<D>], global_unknowns: &[f64]) -> SVector<f64, D> {
         let mut gradient = SVector::zeros();
-        match (&self.closure, self.setup.drive) {
+        match (&self.mean_flow, self.setup.drive) {
             (_, Drive::PressureGradient(given)) => gradient = given,
             (_, Drive::BodyForce(_)) => {}
             (MeanFlowConstraint::Forces(forces), _) => {

@@ -29,11 +29,11 @@ pub trait FlowSolver<const D: usize> {
     /// [`Diverged`](crate::error::Error::Diverged) when the solve fails.
     fn solve(&mut self, monitor: ResidualMonitor) -> Result<Solution<D>>;
 
-    /// Solves for a moment, starting from the solves before it if they are remembered.
+    /// Solves for a configuration, starting from the solves before it if they are remembered.
     ///
     /// # Errors
     /// [`Diverged`](crate::error::Error::Diverged) when the solve fails.
-    fn solve_at(&mut self, moment: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>>;
+    fn solve_at(&mut self, configuration: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>>;
 
     /// Force that gives each body a unit velocity in unbounded fluid; infinite for a body whose motion is given.
     fn resistances(&self) -> Vec<f64> {

@@ -119,7 +119,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
     fn evaluate(&mut self, state: &State<D>, _: ResidualMonitor) -> Result<Observation<D>> {
         let twists: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
         self.known = self.known(&state.balls(&self.step_control.radii));
-        let urges: Vec<BodyMotion<D>> = twists
+        let motions: Vec<BodyMotion<D>> = twists
             .iter()
             .zip(self.accelerations())
             // velocities live half a step before places
@@ -128,25 +128,18 @@ impl<const D: usize> Stepper<D> for Granular<D> {
                 acceleration: acceleration.velocity,
             })
             .collect();
-        let step_size = self.step_control.next(&urges, state.time, state.last_step);
-        Ok(Observation {
-            twists,
-            contacts: Vec::new(),
-            pair_forces: self.known.others.clone(),
-            solution: None,
-            step_size,
-            effort: Effort::default(),
-        })
+        let step_size = self.step_control.next(&motions, state.time, state.last_step);
+        Ok(Observation { twists, contacts: Vec::new(), solution: None, step_size, effort: Effort::default() })
     }
 
-    fn advance(&mut self, state: &State<D>, view: &Observation<D>, _: ResidualMonitor) -> Result<StepOutcome<D>> {
-        let (start, step) = (Instant::now(), view.step_size.length);
+    fn advance(&mut self, state: &State<D>, observation: &Observation<D>, _: ResidualMonitor) -> Result<StepOutcome<D>> {
+        let (start, step) = (Instant::now(), observation.step_size.length);
         let (push, balls) = (self.push(state.last_step, step), state.balls(&self.step_control.radii));
         let pushed = |(twist, acceleration): (&Twist<D>, Acceleration<D>)| Twist {
             velocity: twist.velocity + acceleration.velocity * push,
             spin: twist.spin + acceleration.spin * push,
         };
-        let mut moves: Vec<Twist<D>> = view.twists.iter().zip(self.accelerations()).map(pushed).collect();
+        let mut moves: Vec<Twist<D>> = observation.twists.iter().zip(self.accelerations()).map(pushed).collect();
         let (mut contacts, mut stuck, mut kkt_report) = (self.known.contacts.clone(), Vec::new(), None);
         match self.setup.interactions.touch() {
             None => self.refuse_outside(state)?,

@@ -16,7 +16,7 @@ pub struct GranularBody<const D: usize> {
     pub twist: Twist<D>,
     /// Mass, infinite if its motion is given.
     pub mass: f64,
-    /// Configuration of inertia.
+    /// Moment of inertia.
     pub inertia: f64,
     /// Acceleration by the forces on it besides contacts.
     pub acceleration: SVector<f64, D>,

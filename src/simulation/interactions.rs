@@ -14,19 +14,19 @@ use crate::{
     error::Result,
     flow::Drive,
     geometry::{Axis, Domain},
-    interaction::{Gluey, Inelastic, Interaction, Interactions, Repulsion, Touch},
+    interaction::{Gluey, Inelastic, Interaction, Interactions, Repulsion},
     scene::{ContactModel, Scene, Step},
 };
 
 /// Largest step in units of `sqrt(m / k)`: a body between as many others as fit around it vibrates at up to `sqrt(24 k / m)`.
-const DRY_STEP: f64 = 0.4;
+const GRANULAR_STEP: f64 = 0.4;
 
 /// Largest step in units of resistance over `k`: such a body comes to rest at up to the rate `8 k / R` as if the others were far, and the
 /// two-step rule is stable up to the rate `1 / step`; bodies that nearly touch resist several times as much.
 const FLOW_STEP: f64 = 0.2;
 
 /// The interactions of dry bodies.
-pub fn of_dry<const D: usize>(scene: &Scene, domain: &Domain<D>, bodies: &[GranularBody<D>]) -> Interactions<D> {
+pub fn of_granular<const D: usize>(scene: &Scene, domain: &Domain<D>, bodies: &[GranularBody<D>]) -> Interactions<D> {
     let contact = contact(scene.contact.model, || {
         let largest =
             |number: fn(&GranularBody<D>) -> f64| bodies.iter().map(number).filter(|number| number.is_finite()).fold(0.0, f64::max);
@@ -83,10 +83,10 @@ fn drive<const D: usize>(setup: &Setup<D>, radius: f64) -> f64 {
 }
 
 /// The longest stable step of dry bodies; infinite if no interaction limits it.
-pub fn longest_dry_step<const D: usize>(interactions: &Interactions<D>, bodies: &[GranularBody<D>]) -> f64 {
+pub fn longest_granular_step<const D: usize>(interactions: &Interactions<D>, bodies: &[GranularBody<D>]) -> f64 {
     let [mass, radius] = [|body: &GranularBody<D>| body.mass, |body: &GranularBody<D>| body.radius]
         .map(|of| bodies.iter().map(of).fold(f64::INFINITY, f64::min));
-    limited(interactions.steepest(radius), |steepest| DRY_STEP * (mass / steepest).sqrt())
+    limited(interactions.steepest(radius), |steepest| GRANULAR_STEP * (mass / steepest).sqrt())
 }
 
 /// The longest stable step of bodies in a flow, of which each takes a force for a unit velocity; infinite if no interaction limits it.
@@ -104,18 +104,21 @@ fn limited(steepest: f64, limit: impl FnOnce(f64) -> f64) -> f64 {
 
 /// Refuses a repulsion without a unit, and a fixed step that is too long for the interactions.
 pub fn check<const D: usize>(scene: &Scene, interactions: &Interactions<D>, longest: f64) -> Result<()> {
-    let soft = matches!(interactions.touch(), Some(Touch::Soft { .. }));
+    let repulsion = matches!(scene.contact.model, ContactModel::Repulsion { .. });
     match scene.time.as_ref().map(|time| time.step) {
-        _ if soft && interactions.steepest(1.0) == 0.0 => {
+        _ if repulsion && interactions.steepest(1.0) == 0.0 => {
             let remedy = "has no force to be measured by: nothing drives the bodies; give them gravity, a force, a velocity or a flow";
             Err(scene.refuse("contact.model", "\"repulsion\"", remedy))
         }
         Some(Step::Fixed(step)) if step > longest => {
-            let remedy = format!(
-                "is too long for contact.model = \"repulsion\", which is stable up to {longest:.3e}; shorten it, set it to \"auto\", or lower \
-                 contact.stiffness"
-            );
-            Err(scene.refuse("time.step", step, &remedy))
+            let (what, remedy) = if repulsion {
+                ("contact.model = \"repulsion\", which is".into(), "shorten it, set it to \"auto\", or lower contact.stiffness")
+            } else {
+                let steep = interactions.iter().filter(|interaction| interaction.steepest(1.0) > 0.0);
+                let names = steep.map(Interaction::name).collect::<Vec<_>>().join(", ");
+                (format!("the interactions ({names}), which are"), "shorten it or set it to \"auto\"")
+            };
+            Err(scene.refuse("time.step", step, &format!("is too long for {what} stable up to {longest:.3e}; {remedy}")))
         }
         _ => Ok(()),
     }

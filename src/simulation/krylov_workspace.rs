@@ -39,24 +39,24 @@ pub(super) struct KrylovWorkspace {
 }
 
 impl KrylovWorkspace {
-    /// The engine at hand if it has the right sizes on every rank, or else a new one.
-    pub fn fitting<const D: usize>(at_hand: Option<KrylovWorkspace>, basis: &FixedOperators<D>, sizes: Sizes) -> Result<KrylovWorkspace> {
-        let fits = at_hand.as_ref().is_some_and(|engine| engine.work.sizes() == sizes);
-        match at_hand.filter(|_| basis.session.world().max(if fits { 0.0 } else { 1.0 }) == 0.0) {
-            Some(engine) => Ok(engine),
-            None => KrylovWorkspace::new(basis, sizes),
+    /// The workspace at hand if it has the right sizes on every rank, or else a new one.
+    pub fn fitting<const D: usize>(at_hand: Option<KrylovWorkspace>, fixed: &FixedOperators<D>, sizes: Sizes) -> Result<KrylovWorkspace> {
+        let fits = at_hand.as_ref().is_some_and(|workspace| workspace.work.sizes() == sizes);
+        match at_hand.filter(|_| fixed.session.world().max(if fits { 0.0 } else { 1.0 }) == 0.0) {
+            Some(workspace) => Ok(workspace),
+            None => KrylovWorkspace::new(fixed, sizes),
         }
     }
 
-    fn new<const D: usize>(basis: &FixedOperators<D>, sizes: Sizes) -> Result<KrylovWorkspace> {
-        let work = WorkVectors::new(&basis.stokes, sizes)?;
-        let rhs = work.solver_vector(&basis.session)?;
+    fn new<const D: usize>(fixed: &FixedOperators<D>, sizes: Sizes) -> Result<KrylovWorkspace> {
+        let work = WorkVectors::new(&fixed.stokes, sizes)?;
+        let rhs = work.solver_vector(&fixed.session)?;
         let mut unknowns = [rhs.local()?.len() as f64];
-        basis.session.world().sum(&mut unknowns);
-        let bodies = basis.setup.bodies.len();
-        let flexible = basis.kinds.given() == Given::Motions && iterated(D * (D + 1) / 2, bodies);
-        let settings = krylov_settings(basis.setup.tolerance.at_an_instant(), unknowns[0] as usize, flexible);
-        let krylov = Krylov::new(&basis.session, rhs.local()?.len(), c"coupled_", settings)?;
+        fixed.session.world().sum(&mut unknowns);
+        let bodies = fixed.setup.bodies.len();
+        let flexible = fixed.kinds.given() == Given::Motions && iterated(D * (D + 1) / 2, bodies);
+        let settings = krylov_settings(fixed.setup.tolerance.at_an_instant(), unknowns[0] as usize, flexible);
+        let krylov = Krylov::new(&fixed.session, rhs.local()?.len(), c"coupled_", settings)?;
         Ok(KrylovWorkspace { krylov, work, x: rhs.like()?, rhs })
     }
 
@@ -64,14 +64,14 @@ impl KrylovWorkspace {
     pub fn start<const D: usize>(&mut self, bodies: &Bodies<D>, guess: Option<&InitialGuess<D>>, contacts: Vec<f64>) -> Result<()> {
         let mut x = self.x.local_mut()?;
         x.fill(0.0);
-        let Some(InitialGuess { extrapolated: Snapshot { fluid, multipliers, closure, .. }, .. }) = guess else { return Ok(()) };
+        let Some(InitialGuess { extrapolated: Snapshot { fluid, multipliers, mean_flow, .. }, .. }) = guess else { return Ok(()) };
         let (of_fluid, others) = x.split_at_mut(self.work.sizes().fluid);
         if let Some(fluid) = fluid {
             of_fluid.copy_from_slice(&fluid.local()?);
         }
         let (others, links) = others.split_at_mut(others.len() - self.work.sizes().links);
-        let parts = [&bodies.local_multipliers(multipliers), &closure[..]].concat();
-        // only rank 0 holds the closure
+        let parts = [&bodies.local_multipliers(multipliers), &mean_flow[..]].concat();
+        // only rank 0 holds the mean-flow constraint
         others.iter_mut().zip(parts).for_each(|(x, guess)| *x = guess);
         links.iter_mut().zip(contacts).for_each(|(x, guess)| *x = guess);
         Ok(())

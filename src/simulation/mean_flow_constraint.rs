@@ -11,7 +11,7 @@ use crate::{
     petsc::Vector,
 };
 
-/// Tolerance of the flows that a closure is built from, so far below any other that they count as exact.
+/// Tolerance of the flows that a mean-flow constraint is built from, so far below any other that they count as exact.
 const EXACT: f64 = 1e-11;
 
 /// Iterations allowed for them.
@@ -42,7 +42,7 @@ pub struct UniformForce {
 }
 
 impl MeanFlowConstraint {
-    /// The closure that a drive needs in a box.
+    /// The mean-flow constraint that a drive needs in a box.
     pub fn new<const D: usize>(
         drive: &Drive<D>,
         grid: &Grid<D>,
@@ -60,7 +60,7 @@ impl MeanFlowConstraint {
         }
     }
 
-    /// Number of unknowns that the closure of a drive in a box adds.
+    /// Number of unknowns that the mean-flow constraint of a drive in a box adds.
     pub fn count<const D: usize>(drive: &Drive<D>, domain: &Domain<D>) -> usize {
         if drive.leaves_force_open(domain) || drive.leaves_mean_velocity_open(domain) { periodic_axes(domain).count() } else { 0 }
     }
@@ -158,13 +158,13 @@ fn periodic_axes<const D: usize>(domain: &Domain<D>) -> impl Iterator<Item = usi
 
 /// Solves the flow of walls and drive without bodies, if there is any.
 ///
-/// Returns the flow and, for each force of the closure, the force per volume that gives it the wanted mean velocity.
+/// Returns the flow and, for each force of the mean-flow constraint, the force per volume that gives it the wanted mean velocity.
 pub fn flow_without_bodies<const D: usize>(
     drive: &Drive<D>,
     grid: &Grid<D>,
     stokes: &Stokes<D>,
     inverse: &mut dyn StokesInverse<D>,
-    closure: &MeanFlowConstraint,
+    mean_flow: &MeanFlowConstraint,
 ) -> Result<(Vector, Vec<f64>)> {
     let mut flow = stokes.vector()?;
     if grid.domain().fully_periodic() {
@@ -186,9 +186,9 @@ pub fn flow_without_bodies<const D: usize>(
         flow.add(1.0, &dragged)?;
     }
     let wanted: Vec<f64> = match drive {
-        Drive::MeanVelocity(velocity) => closure.forces().iter().map(|force| velocity[force.axis]).collect(),
+        Drive::MeanVelocity(velocity) => mean_flow.forces().iter().map(|force| velocity[force.axis]).collect(),
         _ => Vec::new(),
     };
-    let forces = closure.correct_mean_velocities(stokes.session().world(), &wanted, &mut flow)?;
+    let forces = mean_flow.correct_mean_velocities(stokes.session().world(), &wanted, &mut flow)?;
     Ok((flow, forces))
 }

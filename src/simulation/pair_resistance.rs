@@ -1,4 +1,4 @@
-//! Contacts and films of a moment as rows and unknowns of the coupled system, and what bodies resist besides them.
+//! Contacts and films of a configuration as rows and unknowns of the coupled system, and what bodies resist besides them.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -36,23 +36,23 @@ const SPRING_AMONG_FEW: f64 = 0.1;
 const ROTATION: f64 = 0.02;
 const ROTATION_AMONG_FEW: f64 = 0.3;
 
-/// The links of a moment, for a flow without bodies that has this rank's `undisturbed` velocities on surfaces, in a system with at least
+/// The links of a configuration, for a flow without bodies that has this rank's `undisturbed` velocities on surfaces, in a system with at least
 /// so many `places`. Collective.
 ///
 /// # Errors
 /// They cannot be factored.
-pub fn touching<const D: usize>(
-    basis: &FixedOperators<D>,
+pub fn pair_constraints<const D: usize>(
+    fixed: &FixedOperators<D>,
     bodies: &Bodies<D>,
-    moment: &Configuration<D>,
+    configuration: &Configuration<D>,
     films: &LubricationPairs<D>,
     undisturbed: &[f64],
     medium: Option<&Medium>,
     places: usize,
 ) -> Result<PairConstraints> {
-    let mut builder = Builder::new(basis, moment.centers);
-    for pressed in moment.pressed.iter().filter(|pressed| touches(&bodies.layout, pressed)) {
-        builder.add_contact(pressed.contact, moment.step, belongs(&bodies.layout, pressed));
+    let mut builder = Builder::new(fixed, configuration.centers);
+    for pressed in configuration.pressed.iter().filter(|pressed| touches(&bodies.layout, pressed)) {
+        builder.add_contact(pressed.contact, configuration.step, belongs(&bodies.layout, pressed));
     }
     for film in &films.films {
         film.relative_modes.iter().for_each(|way| builder.add_way(film, way, bodies.layout.holds(film.body)));
@@ -60,28 +60,29 @@ pub fn touching<const D: usize>(
     let Builder { links, scale, .. } = builder;
     let alone;
     let medium = match medium {
-        None if basis.session.world().max(links.len() as f64) > 0.0 => {
-            alone = Builder::new(basis, moment.centers).alone(&bodies.layout);
+        None if fixed.session.world().max(links.len() as f64) > 0.0 => {
+            alone = Builder::new(fixed, configuration.centers).alone(&bodies.layout);
             Some(&alone)
         }
         _ => medium,
     };
-    let stays = |body: usize| !basis.setup.bodies[body].body.free();
-    let unit = |body: usize| basis.kinds.rigid(body).force / scale;
-    let mut touching = PairConstraints::new((&basis.session, &bodies.layout), (scale, links), (RIGID[D], medium), (stays, unit), places)?;
-    touching.without(undisturbed)?;
-    Ok(touching)
+    let stays = |body: usize| !fixed.setup.bodies[body].body.free();
+    let unit = |body: usize| fixed.kinds.rigid(body).force / scale;
+    let mut pair_constraints =
+        PairConstraints::new((&fixed.session, &bodies.layout), (scale, links), (RIGID[D], medium), (stays, unit), places)?;
+    pair_constraints.without(undisturbed)?;
+    Ok(pair_constraints)
 }
 
 /// What bodies with these centres resist besides links, where near pairs answer to motions.
 pub fn medium<const D: usize>(
-    basis: &FixedOperators<D>,
+    fixed: &FixedOperators<D>,
     bodies: &Bodies<D>,
     centers: &[SVector<f64, D>],
     pairs: Option<&PairPreconditioner>,
 ) -> Option<Medium> {
     let pairs = pairs.filter(|pairs| pairs.given() == Given::Motions && bodies.layout.bodies() > 0)?;
-    Some(Builder::new(basis, centers).medium(bodies, pairs))
+    Some(Builder::new(fixed, centers).medium(bodies, pairs))
 }
 
 /// Whether a contact is one of this rank's.
@@ -95,21 +96,21 @@ fn touches<const D: usize>(layout: &MultiplierLayout, pressed: &ContactForce<D>)
 }
 
 /// Force per unit viscosity that a unit of the unknowns stands for.
-fn scale<const D: usize>(basis: &FixedOperators<D>) -> f64 {
-    basis.setup.bodies.first().map_or(1.0, |suspended| basis.kinds.translation(0).1 / suspended.body.ball.radius)
+fn scale<const D: usize>(fixed: &FixedOperators<D>) -> f64 {
+    fixed.setup.bodies.first().map_or(1.0, |suspended| fixed.kinds.translation(0).1 / suspended.body.ball.radius)
 }
 
 /// What is linked so far.
 struct Builder<'a, const D: usize> {
-    basis: &'a FixedOperators<D>,
+    fixed: &'a FixedOperators<D>,
     centers: &'a [SVector<f64, D>],
     scale: f64,
     links: Vec<PairConstraint>,
 }
 
 impl<'a, const D: usize> Builder<'a, D> {
-    fn new(basis: &'a FixedOperators<D>, centers: &'a [SVector<f64, D>]) -> Self {
-        Builder { basis, centers, scale: scale(basis), links: Vec::new() }
+    fn new(fixed: &'a FixedOperators<D>, centers: &'a [SVector<f64, D>]) -> Self {
+        Builder { fixed, centers, scale: scale(fixed), links: Vec::new() }
     }
 
     fn add_contact(&mut self, contact: Contact<D>, step: f64, owned: bool) {
@@ -134,9 +135,9 @@ impl<'a, const D: usize> Builder<'a, D> {
             Opposite::Body(other, offset) => {
                 self.add_end(1, other, &way.sides[1]);
                 // images move with the background
-                direction.dot(&(self.basis.setup.drive.background(&offset) - self.sliding(other)))
+                direction.dot(&(self.fixed.setup.drive.background(&offset) - self.sliding(other)))
             }
-            Opposite::Wall((axis, upper)) => direction.dot(&wall_velocity(self.basis, axis, upper)),
+            Opposite::Wall((axis, upper)) => direction.dot(&wall_velocity(self.fixed, axis, upper)),
         };
         self.known(known - way.sides[0].direction.dot(&self.sliding(film.body)));
     }
@@ -150,7 +151,7 @@ impl<'a, const D: usize> Builder<'a, D> {
 
     /// See [`medium`].
     fn medium(&mut self, bodies: &Bodies<D>, pairs: &PairPreconditioner) -> Medium {
-        let (basis, layout) = (self.basis, &bodies.layout);
+        let (fixed, layout) = (self.fixed, &bodies.layout);
         let mut resistances = Resistances::default();
         for (ends, blocks) in pairs.resistances::<D>() {
             for (one, two) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
@@ -163,7 +164,7 @@ impl<'a, const D: usize> Builder<'a, D> {
         resistances.add_links(layout, self.links.iter(), |link| link.compliance);
         let (few, pores) = (bodies.few_neighbours(), bodies.pores());
         for &body in &layout.local_bodies {
-            let part = match (&pores, basis.setup.bodies[body].body.free()) {
+            let part = match (&pores, fixed.setup.bodies[body].body.free()) {
                 (_, false) => 1.0,
                 (None, true) => AMONG_NEIGHBOURS + AMONG_FEW * few[body],
                 (Some(_), true) => LEAST,
@@ -178,7 +179,7 @@ impl<'a, const D: usize> Builder<'a, D> {
 
     /// What a body resists alone.
     fn of_body(&self, body: usize) -> RigidBlock {
-        let rigid = self.basis.kinds.rigid(body);
+        let rigid = self.fixed.kinds.rigid(body);
         let own = (0..RIGID[D]).map(|mode| rigid.force / (self.scale * rigid.mobilities[mode]));
         let mut block = RigidBlock::zeros();
         own.enumerate().for_each(|(mode, own)| block[(mode, mode)] = own);
@@ -187,7 +188,7 @@ impl<'a, const D: usize> Builder<'a, D> {
 
     /// Velocity of the image of the box in which the centre of a body lies, that of films being in the box.
     fn sliding(&self, body: usize) -> SVector<f64, D> {
-        self.basis.setup.domain.image_velocity(&self.centers[body])
+        self.fixed.setup.domain.image_velocity(&self.centers[body])
     }
 
     /// Takes a rate that is known from the one wanted of the last link.
@@ -199,10 +200,10 @@ impl<'a, const D: usize> Builder<'a, D> {
 
     /// Makes a body an end of the last link.
     fn add_end(&mut self, place: usize, body: usize, side: &RigidFunctional<D>) {
-        if let Some(twist) = self.basis.setup.bodies[body].body.given_motion() {
+        if let Some(twist) = self.fixed.setup.bodies[body].body.given_motion() {
             return self.known(side.rate(&twist));
         }
-        let rigid = self.basis.kinds.rigid(body);
+        let rigid = self.fixed.kinds.rigid(body);
         let numbers = side.direction.iter().copied().chain(components(&side.turn).into_iter().map(|turn| turn / rigid.lever));
         let mut weights = RigidVector::zeros();
         weights.iter_mut().zip(numbers).for_each(|(weight, number)| *weight = number);
@@ -232,8 +233,8 @@ fn add_springs(layout: &MultiplierLayout, pores: &Pores, few: &[f64], resistance
     }
 }
 
-fn wall_velocity<const D: usize>(basis: &FixedOperators<D>, axis: usize, upper: bool) -> SVector<f64, D> {
-    match basis.setup.domain.axes[axis] {
+fn wall_velocity<const D: usize>(fixed: &FixedOperators<D>, axis: usize, upper: bool) -> SVector<f64, D> {
+    match fixed.setup.domain.axes[axis] {
         Axis::Walls { lower, .. } if !upper => lower,
         Axis::Walls { upper, .. } => upper,
         Axis::Periodic | Axis::Sheared(_) => SVector::zeros(),

@@ -32,11 +32,11 @@ use crate::{
     scene::Scheme,
 };
 
-/// ActiveSetIteration that flow and contacts are given to agree.
+/// Rounds that flow and contacts are given to agree.
 const MOST_ROUNDS: usize = 60;
 
 /// Difference between the velocities by the flow and by the contact model, over the largest ([`fastest`]), that counts as agreement,
-/// unless the flow is solved to less. LubricationPairs at roughness resist a million times more than bodies alone, and let velocities be known less well.
+/// unless the flow is solved to less. Films at roughness resist a million times more than bodies alone, and let velocities be known less well.
 const AGREEMENT: f64 = 1e-5;
 const AGREEMENT_IN_FILMS: f64 = 1e-4;
 
@@ -60,7 +60,6 @@ struct Agreed<const D: usize> {
     solution: Solution<D>,
     twists: Vec<Twist<D>>,
     contacts: Vec<ContactForce<D>>,
-    pair_forces: Vec<PairForce<D>>,
     step_size: StepSize,
 }
 
@@ -131,13 +130,14 @@ impl<const D: usize> QuasiStatic<D> {
         for _ in 0..MOST_ROUNDS {
             let loose = self.contact_step(&placed, step).loose(&pressed);
             let pushes = Wrench::on_bodies(centers.len(), known.iter().chain(&loose), &pair_forces);
-            let moment = Configuration { centers: &centers, time: state.time, pressed: &pressed, step, pushes: &pushes, tolerance };
-            let mut solution = self.suspension.solve_at(&moment, monitor)?;
+            let configuration = Configuration { centers: &centers, time: state.time, pressed: &pressed, step, pushes: &pushes, tolerance };
+            let mut solution = self.suspension.solve_at(&configuration, monitor)?;
+            solution.pair_stress = PairForce::total_stress(&pair_forces);
             effort.add_solve(self.suspension.cost());
             let mut twists: Vec<Twist<D>> = solution.bodies.iter().map(|body| body.twist).collect();
             let step_size = *chosen.get_or_insert_with(|| self.step_size(state, &twists));
             if touch != Some(Touch::Hard) {
-                return Ok(Agreed { solution, twists, contacts: known, pair_forces, step_size });
+                return Ok(Agreed { solution, twists, contacts: known, step_size });
             }
             let start = Instant::now();
             // not the length, which the end of the run cuts short: a run that ends later must find the same
@@ -155,7 +155,7 @@ impl<const D: usize> QuasiStatic<D> {
                     (twist.velocity, body.twist.velocity) = (*velocity, *velocity);
                 }
                 let contacts = [known, projection.forces].concat();
-                return Ok(Agreed { solution, twists, contacts, pair_forces, step_size });
+                return Ok(Agreed { solution, twists, contacts, step_size });
             }
             let projected = contacts.closed(projection);
             if identities(&projected) == identities(&pressed) {
@@ -215,11 +215,17 @@ impl<const D: usize> QuasiStatic<D> {
     }
 
     /// The motions by which bodies travel before contacts are kept.
-    fn rule(&mut self, state: &State<D>, view: &Observation<D>, effort: &mut Effort, monitor: ResidualMonitor) -> Result<Vec<Twist<D>>> {
+    fn rule(
+        &mut self,
+        state: &State<D>,
+        observation: &Observation<D>,
+        effort: &mut Effort,
+        monitor: ResidualMonitor,
+    ) -> Result<Vec<Twist<D>>> {
         match self.step_control.time.scheme {
-            Scheme::Euler => Ok(view.twists.clone()),
-            Scheme::TwoStep if state.last_step > 0.0 => Ok(two_step(state, view, self.suspension.setup().interactions.projects())),
-            _ => self.midpoint(state, view, effort, monitor),
+            Scheme::Euler => Ok(observation.twists.clone()),
+            Scheme::TwoStep if state.last_step > 0.0 => Ok(two_step(state, observation, self.suspension.setup().interactions.projects())),
+            _ => self.midpoint(state, observation, effort, monitor),
         }
     }
 
@@ -227,15 +233,15 @@ impl<const D: usize> QuasiStatic<D> {
     fn midpoint(
         &mut self,
         state: &State<D>,
-        view: &Observation<D>,
+        observation: &Observation<D>,
         effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<Vec<Twist<D>>> {
-        let half = 0.5 * view.step_size.length;
+        let half = 0.5 * observation.step_size.length;
         let mut ahead = state.clone();
-        ahead.advance(&view.twists, half);
-        ahead.held = view.contacts.iter().map(ContactHistory::of).collect();
-        ahead.stuck = self.remembered(&self.placed(state), &view.contacts, half);
+        ahead.advance(&observation.twists, half);
+        ahead.held = observation.contacts.iter().map(ContactHistory::of).collect();
+        ahead.stuck = self.remembered(&self.placed(state), &observation.contacts, half);
         Ok(self.agree(&ahead, effort, monitor)?.twists)
     }
 }
@@ -243,35 +249,42 @@ impl<const D: usize> QuasiStatic<D> {
 impl<const D: usize> Stepper<D> for QuasiStatic<D> {
     fn evaluate(&mut self, state: &State<D>, monitor: ResidualMonitor) -> Result<Observation<D>> {
         let mut effort = Effort::default();
-        let Agreed { mut solution, twists, contacts, pair_forces, step_size } = self.agree(state, &mut effort, monitor)?;
-        solution.pair_stress = PairForce::total_stress(&pair_forces);
+        let Agreed { mut solution, twists, contacts, step_size } = self.agree(state, &mut effort, monitor)?;
         let domain = self.placed(state).domain;
         for (body, moving) in solution.bodies.iter_mut().zip(&state.bodies) {
             // centres of solutions are in the box: so are the motions that go with them
             body.twist.velocity -= domain.image_velocity(&moving.center);
         }
-        Ok(Observation { twists, contacts, pair_forces, solution: Some(solution), step_size, effort })
+        Ok(Observation { twists, contacts, solution: Some(solution), step_size, effort })
     }
 
-    fn advance(&mut self, state: &State<D>, view: &Observation<D>, monitor: ResidualMonitor) -> Result<StepOutcome<D>> {
+    fn advance(&mut self, state: &State<D>, observation: &Observation<D>, monitor: ResidualMonitor) -> Result<StepOutcome<D>> {
         let mut effort = Effort::default();
-        let mut moves = self.rule(state, view, &mut effort, monitor)?;
-        let step = self.step_control.shortened(&self.deviatoric_velocities(state, &moves), view.step_size.length, state.last_step);
+        let mut moves = self.rule(state, observation, &mut effort, monitor)?;
+        let step = self.step_control.shortened(&self.deviatoric_velocities(state, &moves), observation.step_size.length, state.last_step);
         let (placed, start) = (self.placed(state), Instant::now());
         let (mut stuck, mut kkt_report) = (Vec::new(), None);
         match self.suspension.setup().interactions.touch() {
             Some(Touch::Hard) => {
                 let contacts = self.contact_step(&placed, step);
-                let projection = contacts.project(&contacts.without_contacts(velocities(&moves), &view.contacts))?;
+                let projection = contacts.project(&contacts.without_contacts(velocities(&moves), &observation.contacts))?;
                 stuck = self.remembered(&placed, &projection.forces, step);
                 moves.iter_mut().zip(projection.velocities).for_each(|(twist, velocity)| twist.velocity = velocity);
                 kkt_report = Some(projection.kkt_report);
             }
-            Some(Touch::Soft { .. }) => kkt_report = Some(KktReport::of_forces(&view.contacts, &placed.balls)),
+            Some(Touch::Soft { .. }) => kkt_report = Some(KktReport::of_forces(&observation.contacts, &placed.balls)),
             None => {}
         }
         effort.contact += start.elapsed().as_secs_f64();
-        Ok(StepOutcome { step, moves, twists: view.twists.clone(), contacts: view.contacts.clone(), stuck, kkt_report, effort })
+        Ok(StepOutcome {
+            step,
+            moves,
+            twists: observation.twists.clone(),
+            contacts: observation.contacts.clone(),
+            stuck,
+            kkt_report,
+            effort,
+        })
     }
 
     fn suspension(&self) -> Option<&dyn FlowSolver<D>> {
@@ -285,17 +298,17 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
 
 /// `v + dt/(2 dt_last) (v - v_last)`; bodies that came into contact or out of it since the last step do not look back, if contact
 /// forces `jump`.
-fn two_step<const D: usize>(state: &State<D>, view: &Observation<D>, jump: bool) -> Vec<Twist<D>> {
-    let now: Vec<ContactHistory<D>> = view.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
+fn two_step<const D: usize>(state: &State<D>, observation: &Observation<D>, jump: bool) -> Vec<Twist<D>> {
+    let now: Vec<ContactHistory<D>> = observation.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
     let (before, after) = (contacts_of(&state.held, state.bodies.len()), contacts_of(&now, state.bodies.len()));
-    let factor = 0.5 * view.step_size.length / state.last_step;
+    let factor = 0.5 * observation.step_size.length / state.last_step;
     let rule = |(body, (now, last)): (usize, (&Twist<D>, &Twist<D>))| {
         if jump && before[body] != after[body] {
             return *now;
         }
         Twist { velocity: now.velocity + (now.velocity - last.velocity) * factor, spin: now.spin + (now.spin - last.spin) * factor }
     };
-    view.twists.iter().zip(state.bodies.iter().map(|body| &body.twist)).enumerate().map(rule).collect()
+    observation.twists.iter().zip(state.bodies.iter().map(|body| &body.twist)).enumerate().map(rule).collect()
 }
 
 /// For each body its contacts, seen from it.

@@ -70,14 +70,12 @@ impl<const D: usize> GranularSetup<D> {
             }
         };
         let bodies: Vec<GranularBody<D>> = bodies(scene, &domain)?.into_iter().map(of_group).collect();
-        let setup = GranularSetup { interactions: interactions::of_dry(scene, &domain, &bodies), domain, bodies };
-        interactions::check(scene, &setup.interactions, setup.longest_step())?;
-        Ok(setup)
+        Ok(GranularSetup { interactions: interactions::of_granular(scene, &domain, &bodies), domain, bodies })
     }
 
     /// The longest step with which contact is stable; infinite if it limits none.
     pub fn longest_step(&self) -> f64 {
-        interactions::longest_dry_step(&self.interactions, &self.bodies)
+        interactions::longest_granular_step(&self.interactions, &self.bodies)
     }
 }
 

@@ -1,12 +1,12 @@
-//! The coupled system with the fluid eliminated: what is left are multipliers, closure and contacts.
+//! The coupled system with the fluid eliminated: what is left are multipliers, mean-flow constraint and contacts.
 //!
 //! With an exact inverse of the fluid, that of the forces that keep given mean velocities included,
 //!
 //! ```text
-//! u = K^-1 C c        J u + E c + T g - N' f = v        and the rows of closure and contacts as they are
+//! u = K^-1 C c        J u + E c + T g - N' f = v        and the rows of mean-flow constraint and contacts as they are
 //! ```
 //!
-//! so that the solver's vectors are as short as the multipliers. Forces of the closure are no unknowns: their rows read
+//! so that the solver's vectors are as short as the multipliers. Forces of the mean-flow constraint are no unknowns: their rows read
 //! `unknown = 0`, and they are read back from the fluid.
 
 use super::{
@@ -18,7 +18,8 @@ use crate::{
     petsc::{Stage, System, Vector},
 };
 
-/// The system without the fluid; vectors hold multipliers and the global unknowns. The second part is the global unknowns of the vector to which it was applied last.
+/// The system without the fluid; vectors hold multipliers and the global unknowns. The second part is the global unknowns of the vector to which
+/// it was applied last.
 pub struct SchurComplement<'a, const D: usize>(pub SystemParts<'a, D>, Vec<f64>);
 
 impl<'a, const D: usize> SchurComplement<'a, D> {
@@ -27,7 +28,7 @@ impl<'a, const D: usize> SchurComplement<'a, D> {
         SchurComplement(parts, Vec::new())
     }
 
-    /// Puts into `fluid_in` the fluid that `multipliers_in` move; returns the forces of the closure.
+    /// Puts into `fluid_in` the fluid that `multipliers_in` move; returns the forces of the mean-flow constraint.
     fn move_fluid(&mut self) -> Result<Vec<f64>> {
         let SystemParts { stokes, inverse, surfaces, work } = &mut self.0;
         let watch = Watch::start(Stage::Bodies);
@@ -37,8 +38,8 @@ impl<'a, const D: usize> SchurComplement<'a, D> {
         let watch = Watch::start(Stage::Inverse);
         stokes.balance(&mut work.fluid_out)?;
         inverse.precondition(stokes, &work.fluid_out, &mut work.fluid_in)?;
-        let still = vec![0.0; surfaces.closure.forces().len()];
-        let forces = surfaces.closure.correct_mean_velocities(surfaces.world, &still, &mut work.fluid_in)?;
+        let still = vec![0.0; surfaces.mean_flow.forces().len()];
+        let forces = surfaces.mean_flow.correct_mean_velocities(surfaces.world, &still, &mut work.fluid_in)?;
         watch.stop(&mut work.stages.inverse);
         Ok(forces)
     }

@@ -21,7 +21,7 @@ impl ShiftPeriod {
         (speed > 0.0).then(|| ShiftPeriod(grid.spacing()[0] / speed))
     }
 
-    /// Beats in the next step, after a last one (0 if there is none), come in this number: the midpoint of a step is an instant too.
+    /// The number of shift periods that the next step, after a last one (0 if there is none), is a multiple of: its midpoint is an instant too.
     pub fn multiple(scheme: Scheme, last_step: f64) -> f64 {
         match scheme {
             Scheme::Euler => 1.0,
@@ -30,29 +30,29 @@ impl ShiftPeriod {
         }
     }
 
-    /// The longest time of whole beats, so many `together`, that is not longer; the shortest if that is longer still.
-    pub fn within(self, time: f64, together: f64) -> f64 {
-        let unit = self.0 * together;
+    /// The longest time that is not longer, a multiple of so many periods; the shortest if that is longer still.
+    pub fn within(self, time: f64, multiple: f64) -> f64 {
+        let unit = self.0 * multiple;
         (time / unit * (1.0 + ROUNDING)).floor().max(1.0) * unit
     }
 
-    /// ActiveSetIteration a fixed step and the end of a run down to whole beats.
+    /// Rounds a fixed step and the end of a run down to whole periods.
     ///
     /// # Errors
     /// One of them is shorter than the shortest step.
     pub fn round_down(self, time: &TimeSection) -> Result<TimeSection> {
-        let together = ShiftPeriod::multiple(time.scheme, 0.0);
+        let multiple = ShiftPeriod::multiple(time.scheme, 0.0);
         let step = match time.step {
             Step::Auto => Step::Auto,
-            Step::Fixed(step) => Step::Fixed(self.rounded("step", step, together)?),
+            Step::Fixed(step) => Step::Fixed(self.rounded("step", step, multiple)?),
         };
-        Ok(TimeSection { step, end: self.rounded("end", time.end, together)?, ..time.clone() })
+        Ok(TimeSection { step, end: self.rounded("end", time.end, multiple)?, ..time.clone() })
     }
 
-    fn rounded(self, key: &str, time: f64, together: f64) -> Result<f64> {
-        let kept = self.within(time, together);
+    fn rounded(self, key: &str, time: f64, multiple: f64) -> Result<f64> {
+        let kept = self.within(time, multiple);
         if kept > time * (1.0 + ROUNDING) {
-            let cells = if together > 1.0 { "two cells, one for each half of a step" } else { "one cell" };
+            let cells = if multiple > 1.0 { "two cells, one for each half of a step" } else { "one cell" };
             return Err(Error::refused(format!(
                 "time.{key} = {time}: the images of the sheared box slide by whole cells in a step, at least {cells}, which takes {kept}; \
                  lengthen it or refine [resolution]"
@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_and_ends_are_rounded_down_to_whole_beats() {
+    fn steps_and_ends_are_rounded_down_to_whole_periods() {
         let kept = ShiftPeriod(0.25).round_down(&time(Step::Fixed(0.6), 1.8, Scheme::Euler)).unwrap();
         assert_eq!((kept.step, kept.end), (Step::Fixed(0.5), 1.75));
         let kept = ShiftPeriod(0.25).round_down(&time(Step::Fixed(0.8), 1.8, Scheme::Midpoint)).unwrap();
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_shorter_than_a_beat_is_refused_with_the_shortest_that_is_not() {
+    fn what_is_shorter_than_a_period_is_refused_with_the_shortest_that_is_not() {
         let short = |step, end, scheme| ShiftPeriod(0.25).round_down(&time(step, end, scheme)).unwrap_err().to_string();
         let message = short(Step::Fixed(0.2), 1.0, Scheme::Euler);
         assert!(message.contains("time.step = 0.2") && message.contains("one cell, which takes 0.25"), "{message}");

@@ -40,7 +40,7 @@ pub struct StepReport {
 
 impl<const D: usize> Simulation<D> {
     /// Granular bodies in motion.
-    pub fn dry(session: &Session, setup: GranularSetup<D>, time: TimeSection) -> Simulation<D> {
+    pub fn granular(session: &Session, setup: GranularSetup<D>, time: TimeSection) -> Simulation<D> {
         let radii = setup.bodies.iter().map(|body| body.radius).collect();
         let step_control = StepControl { time, radii, shift_period: None, longest: setup.longest_step() };
         let (state, domain) = (setup.start(), setup.domain.clone());
@@ -119,8 +119,8 @@ impl<const D: usize> Simulation<D> {
     ///
     /// # Errors
     /// A solver does not converge, contacts cannot be kept, or a body leaves the box.
-    pub fn step(&mut self, view: &Observation<D>, monitor: ResidualMonitor) -> Result<StepReport> {
-        let travel = self.stepper.advance(&self.state, view, monitor)?;
+    pub fn step(&mut self, observation: &Observation<D>, monitor: ResidualMonitor) -> Result<StepReport> {
+        let travel = self.stepper.advance(&self.state, observation, monitor)?;
         self.expect_progress(travel.step)?;
         self.state.bodies.iter_mut().zip(&travel.twists).for_each(|(body, twist)| body.twist = *twist);
         self.state.held = travel.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
@@ -128,7 +128,7 @@ impl<const D: usize> Simulation<D> {
         self.state.advance(&travel.moves, travel.step);
         self.slide();
         // whole cells of images that slide may be rounded
-        self.cut_short = view.step_size.cut_short() && travel.step >= view.step_size.length * (1.0 - ROUNDING);
+        self.cut_short = observation.step_size.cut_short() && travel.step >= observation.step_size.length * (1.0 - ROUNDING);
         Ok(StepReport { length: travel.step, kkt_report: travel.kkt_report, effort: travel.effort })
     }
 

@@ -104,6 +104,6 @@ pub struct Solution<const D: usize> {
     pub contact_forces: Vec<f64>,
     /// What forces at a distance add to the stress times volume, if there are any.
     pub pair_stress: Option<SMatrix<f64, D, D>>,
-    /// LubricationPairs, if lubrication acts; what they do is in the states of the bodies.
+    /// Films, if lubrication acts; what they do is in the states of the bodies.
     pub lubrication: Option<Lubrication<D>>,
 }

@@ -11,7 +11,7 @@ use crate::{
 /// Condition numbers, largest over smallest singular value, of the system on the multipliers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Conditions {
-    /// SolvedUnknowns.
+    /// Unknowns.
     pub unknowns: usize,
     /// As it is.
     pub plain: f64,

@@ -77,7 +77,7 @@ impl StepControl {
 
     /// The longest step after another.
     fn grown(&self, last_step: f64) -> f64 {
-        // whole beats would never grow from one to two
+        // whole shift periods would never grow from one to two
         self.shift_period.map_or(GROWTH * last_step, |shift_period| (GROWTH * last_step).max(last_step + shift_period.0))
     }
 

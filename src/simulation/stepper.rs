@@ -5,7 +5,6 @@ use crate::{
     body::Twist,
     contact::{AdhesiveContact, ContactForce, KktReport},
     error::Result,
-    interaction::PairForce,
 };
 
 /// What happens at one instant.
@@ -14,8 +13,6 @@ pub struct Observation<const D: usize> {
     pub twists: Vec<Twist<D>>,
     /// Contacts and their forces.
     pub contacts: Vec<ContactForce<D>>,
-    /// Other forces that interactions know from where bodies are.
-    pub pair_forces: Vec<PairForce<D>>,
     /// The flow, if there is one.
     pub solution: Option<Solution<D>>,
     /// The step to take.
@@ -69,7 +66,7 @@ pub trait Stepper<const D: usize> {
     ///
     /// # Errors
     /// A solver does not converge, or contacts cannot be kept.
-    fn advance(&mut self, state: &State<D>, view: &Observation<D>, monitor: ResidualMonitor) -> Result<StepOutcome<D>>;
+    fn advance(&mut self, state: &State<D>, observation: &Observation<D>, monitor: ResidualMonitor) -> Result<StepOutcome<D>>;
 
     /// The suspension that is solved, if there is a fluid.
     fn suspension(&self) -> Option<&dyn FlowSolver<D>> {

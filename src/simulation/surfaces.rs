@@ -1,4 +1,4 @@
-//! Rows and unknowns on surfaces, of closure and of contacts: what the coupled system has besides the fluid.
+//! Rows and unknowns on surfaces, of mean-flow constraint and of contacts: what the coupled system has besides the fluid.
 //!
 //! ```text
 //! [ J    E    T  -N' ] [ u ]   [ v ]      rows of rigid modes of free bodies: the net force, c - N' f = given
@@ -91,27 +91,27 @@ pub struct SurfaceOperators<'a, const D: usize> {
     /// Bodies.
     pub blocks: &'a mut Blocks<D>,
     /// This rank's bodies.
-    pub members: &'a [BodyOperator],
+    pub operators: &'a [BodyOperator],
     /// Near pairs of bodies, if multipliers are coefficients of surface modes.
     pub pairs: Option<&'a mut PairPreconditioner>,
-    /// MeanFlowConstraint.
-    pub closure: &'a MeanFlowConstraint,
+    /// What the mean flow is held to.
+    pub mean_flow: &'a MeanFlowConstraint,
     /// Contacts.
-    pub touching: &'a mut PairConstraints,
-    /// Sum over all prescribed bodies of the translation block of their inverses, the closure's own row scale.
+    pub pair_constraints: &'a mut PairConstraints,
+    /// Sum over all prescribed bodies of the translation block of their inverses, the mean-flow constraint's own row scale.
     pub prescribed_drag: f64,
 }
 
 impl<const D: usize> SurfaceOperators<'_, D> {
     /// The rows for a fluid, multipliers `given` and global unknowns, those of the multipliers in `rows`. Returns the rows of the global unknowns,
-    /// `unknown = given` for a force of the closure and for places that no contact takes.
+    /// `unknown = given` for a force of the mean-flow constraint and for places that no contact takes.
     pub fn rows(&mut self, fluid: &Vector, given: &Vector, global_unknowns: &[f64], rows: &mut Vector) -> Result<Vec<f64>> {
         self.velocity(fluid, given, global_unknowns, rows)?;
-        let rates = self.touching.rows(rows, &global_unknowns[self.contacts()])?;
+        let rates = self.pair_constraints.rows(rows, &global_unknowns[self.contacts()])?;
         self.net_force_rows(given, global_unknowns, rows)?;
         let mut tail_rows = global_unknowns.to_vec();
-        if let MeanFlowConstraint::MeanVelocity = self.closure {
-            let force = total_force::<D>(self.members, &given.local()?);
+        if let MeanFlowConstraint::MeanVelocity = self.mean_flow {
+            let force = total_force::<D>(self.operators, &given.local()?);
             let force = self.shared_sum(force.iter().map(|force| force / self.prescribed_drag).collect());
             tail_rows[..D].copy_from_slice(&force);
         }
@@ -123,9 +123,9 @@ impl<const D: usize> SurfaceOperators<'_, D> {
     pub fn velocity(&mut self, fluid: &Vector, given: &Vector, global_unknowns: &[f64], velocity: &mut Vector) -> Result<()> {
         self.blocks.interpolate(fluid, &mut velocity.local_mut()?)?;
         self.blocks.add_local(given, &mut velocity.local_mut()?)?;
-        if let MeanFlowConstraint::MeanVelocity = self.closure {
+        if let MeanFlowConstraint::MeanVelocity = self.mean_flow {
             let mut rows = velocity.local_mut()?;
-            for member in self.members {
+            for member in self.operators {
                 rows[member.range.start..].iter_mut().zip(&global_unknowns[..D]).for_each(|(row, mean)| *row += mean);
             }
         }
@@ -138,7 +138,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
         if self.pairs.as_ref().is_some_and(|pairs| pairs.given() == Given::Motions) {
             let contacts = self.invert_together(given, rows, sampled)?;
             global_unknowns[self.contacts()].copy_from_slice(&contacts);
-            if let MeanFlowConstraint::MeanVelocity = self.closure {
+            if let MeanFlowConstraint::MeanVelocity = self.mean_flow {
                 let means = self.correct_net_force(rows, sampled)?;
                 global_unknowns[..D].copy_from_slice(&means);
             }
@@ -147,7 +147,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
         let contacts = self.invert_contacts(given, rows, sampled)?;
         global_unknowns[self.contacts()].copy_from_slice(&contacts);
         self.invert_bodies(given, sampled)?;
-        if let MeanFlowConstraint::MeanVelocity = self.closure {
+        if let MeanFlowConstraint::MeanVelocity = self.mean_flow {
             let means = self.correct_net_force(rows, sampled)?;
             global_unknowns[..D].copy_from_slice(&means);
         }
@@ -157,13 +157,13 @@ impl<const D: usize> SurfaceOperators<'_, D> {
 
     /// Whether rows are velocities and given forces, and nothing else.
     pub fn velocities_only(&self) -> bool {
-        !self.touching.any() && !matches!(self.closure, MeanFlowConstraint::MeanVelocity)
+        !self.pair_constraints.any() && !matches!(self.mean_flow, MeanFlowConstraint::MeanVelocity)
     }
 
     /// Multiplies residuals by what turns them into corrections: rows of velocities by `step`, and others so that they hold at once.
     pub fn weigh(&self, step: f64, rows: &mut Vector) -> Result<()> {
         let mut rows = rows.local_mut()?;
-        for member in self.members {
+        for member in self.operators {
             for (mode, row) in rows[member.range.clone()].iter_mut().enumerate() {
                 *row *= if member.gives_force(mode) { 1.0 / member.force_scale } else { step };
             }
@@ -174,7 +174,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
     /// Sets the rows of given forces to zero.
     pub fn without_given_forces(&self, rows: &mut Vector) -> Result<()> {
         let mut rows = rows.local_mut()?;
-        for member in self.members.iter().filter(|member| member.free) {
+        for member in self.operators.iter().filter(|member| member.free) {
             rows[member.rigid_range()].fill(0.0);
         }
         Ok(())
@@ -182,8 +182,8 @@ impl<const D: usize> SurfaceOperators<'_, D> {
 
     /// Where the contacts are in the global unknowns.
     fn contacts(&self) -> Range<usize> {
-        let first = self.closure.unknowns::<D>();
-        first..first + self.touching.count()
+        let first = self.mean_flow.unknowns::<D>();
+        first..first + self.pair_constraints.count()
     }
 
     fn shared_sum(&self, mut values: Vec<f64>) -> Vec<f64> {
@@ -196,9 +196,9 @@ impl<const D: usize> SurfaceOperators<'_, D> {
     fn net_force_rows(&mut self, given: &Vector, global_unknowns: &[f64], rows: &mut Vector) -> Result<()> {
         let mut multipliers = given.like()?;
         multipliers.copy_from(given)?;
-        self.touching.press(-1.0, &global_unknowns[self.contacts()], &mut multipliers)?;
+        self.pair_constraints.press(-1.0, &global_unknowns[self.contacts()], &mut multipliers)?;
         let (multipliers, mut rows) = (multipliers.local()?, rows.local_mut()?);
-        for member in self.members.iter().filter(|member| member.free) {
+        for member in self.operators.iter().filter(|member| member.free) {
             let rigid = member.rigid_range();
             rows[rigid.clone()].iter_mut().zip(&multipliers[rigid]).for_each(|(row, c)| *row = member.force_scale * c);
         }
@@ -207,28 +207,28 @@ impl<const D: usize> SurfaceOperators<'_, D> {
 
     /// The contacts' unknowns for the sampled velocities; adds what they press to the given net forces.
     fn invert_contacts(&mut self, given: &mut Vector, rows: &[f64], sampled: &Vector) -> Result<Vec<f64>> {
-        if !self.touching.any() {
+        if !self.pair_constraints.any() {
             return Ok(Vec::new());
         }
         let mut velocities = sampled.like()?;
         velocities.copy_from(sampled)?;
         let (mut moved, known) = (velocities.local_mut()?, given.local()?);
-        for member in self.members.iter().filter(|member| member.free) {
+        for member in self.operators.iter().filter(|member| member.free) {
             for (mode, mobility) in member.rigid_range().zip(member.mobilities.iter()) {
                 moved[mode] += mobility * known[mode] / member.force_scale;
             }
         }
         drop((moved, known));
-        let still = vec![0.0; self.touching.count()];
-        let found = self.touching.rows(&velocities, &still)?;
+        let still = vec![0.0; self.pair_constraints.count()];
+        let found = self.pair_constraints.rows(&velocities, &still)?;
         let missing = rows[self.contacts()].iter().zip(found).map(|(wanted, found)| wanted - found).collect();
         let mut pressed = velocities;
         pressed.fill(0.0)?;
-        let contacts = self.touching.resist(&mut pressed, missing, None)?;
+        let contacts = self.pair_constraints.resist(&mut pressed, missing, None)?;
         pressed.fill(0.0)?;
-        self.touching.press(1.0, &contacts, &mut pressed)?;
+        self.pair_constraints.press(1.0, &contacts, &mut pressed)?;
         let (pressed, mut given) = (pressed.local()?, given.local_mut()?);
-        for member in self.members.iter().filter(|member| member.free) {
+        for member in self.operators.iter().filter(|member| member.free) {
             let rigid = member.rigid_range();
             given[rigid.clone()].iter_mut().zip(&pressed[rigid]).for_each(|(row, c)| *row += member.force_scale * c);
         }
@@ -247,7 +247,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
     fn invert_bodies(&mut self, given: &mut Vector, sampled: &mut Vector) -> Result<()> {
         let mut wanted = given.local_mut()?;
         let mut found = sampled.local_mut()?;
-        for member in self.members {
+        for member in self.operators {
             let (wanted, found) = (&mut wanted[member.range.clone()], &mut found[member.range.clone()]);
             for (mode, (wanted, sampled)) in wanted.iter_mut().zip(&*found).enumerate() {
                 *wanted -= if member.gives_force(mode) { 0.0 } else { *sampled };
@@ -264,7 +264,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
         }
         let mut found = multipliers.local_mut()?;
         let mut rows = wanted.local_mut()?;
-        for member in self.members {
+        for member in self.operators {
             let rigid = member.rigid_range();
             rows[rigid.clone()].iter_mut().zip(&found[rigid]).for_each(|(row, c)| *row = member.force_scale * c);
         }
@@ -275,9 +275,9 @@ impl<const D: usize> SurfaceOperators<'_, D> {
     /// Chooses the mean velocity for which prescribed bodies bear the wanted net force.
     fn correct_net_force(&self, rows: &[f64], multipliers: &mut Vector) -> Result<Vec<f64>> {
         let mut found = multipliers.local_mut()?;
-        let force = self.shared_sum(total_force::<D>(self.members, &found));
+        let force = self.shared_sum(total_force::<D>(self.operators, &found));
         let means: Vec<f64> = force.iter().zip(rows).map(|(force, row)| force / self.prescribed_drag - row).collect();
-        for member in self.members.iter().filter(|member| !member.free) {
+        for member in self.operators.iter().filter(|member| !member.free) {
             for (axis, mean) in means.iter().enumerate() {
                 found[member.range.start + axis] -= member.inverse.diagonal(axis) * mean;
             }
@@ -287,7 +287,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
 }
 
 /// Net force of this rank's bodies on the fluid.
-fn total_force<const D: usize>(members: &[BodyOperator], multipliers: &[f64]) -> Vec<f64> {
-    let of = |axis: usize| members.iter().map(|member| member.area * multipliers[member.range.start + axis]).sum();
+fn total_force<const D: usize>(operators: &[BodyOperator], multipliers: &[f64]) -> Vec<f64> {
+    let of = |axis: usize| operators.iter().map(|member| member.area * multipliers[member.range.start + axis]).sum();
     (0..D).map(of).collect()
 }

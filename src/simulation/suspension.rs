@@ -32,10 +32,10 @@ use crate::{
 
 /// A suspension ready to be solved.
 pub struct Suspension<const D: usize> {
-    basis: FixedOperators<D>,
+    fixed: FixedOperators<D>,
     inverse: Box<dyn StokesInverse<D>>,
     assembly: Option<Assembly<D>>,
-    engine: Option<KrylovWorkspace>,
+    workspace: Option<KrylovWorkspace>,
     remembers: bool,
     past: Option<ExtrapolationHistory<D>>,
     cost: Cost,
@@ -61,9 +61,9 @@ impl<const D: usize> Suspension<D> {
         inverse: impl FnOnce(&Stokes<D>, &Grid<D>) -> Result<Box<dyn StokesInverse<D>>>,
     ) -> Result<Suspension<D>> {
         let (_stage, start) = (enter(Stage::SetUp), Instant::now());
-        let (basis, inverse) = FixedOperators::new(session, setup, inverse)?;
-        let cost = Cost { setup: start.elapsed().as_secs_f64(), grid_unknowns: basis.grid.fluid_unknowns(), ..Cost::default() };
-        Ok(Suspension { basis, inverse, assembly: None, engine: None, remembers: false, past: None, cost })
+        let (fixed, inverse) = FixedOperators::new(session, setup, inverse)?;
+        let cost = Cost { setup: start.elapsed().as_secs_f64(), grid_unknowns: fixed.grid.fluid_unknowns(), ..Cost::default() };
+        Ok(Suspension { fixed, inverse, assembly: None, workspace: None, remembers: false, past: None, cost })
     }
 
     /// As [`new`](Self::new), with a method that makes bodies rigid of one's own, which need not be known to scene files.
@@ -72,13 +72,13 @@ impl<const D: usize> Suspension<D> {
     /// The same.
     pub fn with_method(session: &Session, setup: Setup<D>, method: Rc<FlowMethod<D>>) -> Result<Suspension<D>> {
         let mut suspension = Suspension::new(session, setup)?;
-        suspension.basis.method = method;
+        suspension.fixed.method = method;
         Ok(suspension)
     }
 
     /// Lets images slide to where they are at a time; what was assembled across the boundary is gone.
     fn slide_to(&mut self, time: f64) -> Result<()> {
-        if let Some(inverse) = self.basis.slide(time, inverse)? {
+        if let Some(inverse) = self.fixed.slide(time, inverse)? {
             (self.inverse, self.assembly) = (inverse, None);
             if self.remembers_fluid() {
                 self.past = None;
@@ -88,13 +88,13 @@ impl<const D: usize> Suspension<D> {
     }
 
     fn initial_centers(&self) -> Vec<SVector<f64, D>> {
-        self.basis.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect()
+        self.fixed.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect()
     }
 
-    /// The moment at which bodies are there and none touches.
+    /// The configuration in which bodies are there and none touches.
     fn at_rest<'a>(&self, centers: &'a [SVector<f64, D>]) -> Configuration<'a, D> {
-        let time = self.basis.setup.domain.slide().map_or(0.0, |slide| slide.time);
-        Configuration { centers, time, pressed: &[], step: 0.0, pushes: &[], tolerance: self.basis.setup.tolerance.at_an_instant() }
+        let time = self.fixed.setup.domain.slide().map_or(0.0, |slide| slide.time);
+        Configuration { centers, time, pressed: &[], step: 0.0, pushes: &[], tolerance: self.fixed.setup.tolerance.at_an_instant() }
     }
 
     /// Condition numbers of the system on the multipliers with the bodies where the setup has them; as dear as that many iterations
@@ -103,24 +103,24 @@ impl<const D: usize> Suspension<D> {
     /// # Errors
     /// [`Error::Refused`] when the inverse of the fluid is not exact: the fluid is then no part that can be eliminated.
     pub fn conditions(&mut self) -> Result<Conditions> {
-        if !self.basis.condensed {
+        if !self.fixed.condensed {
             return Err(Error::refused("condition numbers on the multipliers take an exact inverse of the fluid (transform)"));
         }
-        let (centers, basis) = (self.initial_centers(), &self.basis);
-        let mut ready = AssembledSystem::new(basis, None, None, None, &self.at_rest(&centers))?;
-        let shape = ready.engine.x.like()?;
-        let (_, parts) = ready.parts(basis, self.inverse.as_mut());
-        Conditions::of(basis.session.world(), &mut SchurComplement::new(parts), &shape)
+        let (centers, fixed) = (self.initial_centers(), &self.fixed);
+        let mut ready = AssembledSystem::new(fixed, None, None, None, &self.at_rest(&centers))?;
+        let shape = ready.workspace.x.like()?;
+        let (_, parts) = ready.parts(fixed, self.inverse.as_mut());
+        Conditions::of(fixed.session.world(), &mut SchurComplement::new(parts), &shape)
     }
 }
 
 impl<const D: usize> FlowSolver<D> for Suspension<D> {
     fn grid(&self) -> &Grid<D> {
-        &self.basis.grid
+        &self.fixed.grid
     }
 
     fn setup(&self) -> &Setup<D> {
-        &self.basis.setup
+        &self.fixed.setup
     }
 
     fn cost(&self) -> &Cost {
@@ -132,20 +132,20 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
     }
 
     fn faster(&self) -> Result<Option<Faster>> {
-        faster(&self.basis, &self.cost)
+        faster(&self.fixed, &self.cost)
     }
 
     fn resistances(&self) -> Vec<f64> {
         let resistance = |(body, suspended): (usize, &super::SuspendedBody<D>)| {
-            let (mobility, force) = self.basis.kinds.translation(body);
-            if suspended.body.free() { self.basis.setup.viscosity * force / mobility } else { f64::INFINITY }
+            let (mobility, force) = self.fixed.kinds.translation(body);
+            if suspended.body.free() { self.fixed.setup.viscosity * force / mobility } else { f64::INFINITY }
         };
-        self.basis.setup.bodies.iter().enumerate().map(resistance).collect()
+        self.fixed.setup.bodies.iter().enumerate().map(resistance).collect()
     }
 
     fn film_resistance(&self, contact: &Contact<D>) -> f64 {
-        let of = |body: usize| self.basis.kinds.radius_and_order(body);
-        self.basis.setup.viscosity * self.basis.setup.interactions.approach_resistance(contact, &of)
+        let of = |body: usize| self.fixed.kinds.radius_and_order(body);
+        self.fixed.setup.viscosity * self.fixed.setup.interactions.approach_resistance(contact, &of)
     }
 
     fn remember(&mut self, past: Option<ExtrapolationHistory<D>>) {
@@ -153,11 +153,11 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
     }
 
     fn fluid_vector(&self) -> Result<Vector> {
-        self.basis.stokes.vector()
+        self.fixed.stokes.vector()
     }
 
     fn remembers_fluid(&self) -> bool {
-        !self.basis.condensed
+        !self.fixed.condensed
     }
 
     fn past(&self) -> Option<&ExtrapolationHistory<D>> {
@@ -166,7 +166,7 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
 
     fn solve(&mut self, monitor: ResidualMonitor) -> Result<Solution<D>> {
         let (centers, weights) = (self.initial_centers(), self.resistances());
-        let setup = &self.basis.setup;
+        let setup = &self.fixed.setup;
         let balls: Vec<Ball<D>> = setup.bodies.iter().map(|suspended| suspended.body.ball).collect();
         let arrangement = Arrangement { domain: &setup.domain, balls: &balls, weights: &weights, viscosity: Some(setup.viscosity) };
         let forces = setup.interactions.pair_forces(&arrangement);
@@ -175,41 +175,41 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         Ok(Solution { pair_stress: PairForce::total_stress(&forces), ..solution })
     }
 
-    fn solve_at(&mut self, moment: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>> {
+    fn solve_at(&mut self, configuration: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>> {
         let start = Instant::now();
-        self.slide_to(moment.time)?;
-        let basis = &self.basis;
-        let mut ready = AssembledSystem::new(basis, self.assembly.take(), self.engine.take(), self.past.as_ref(), moment)?;
+        self.slide_to(configuration.time)?;
+        let fixed = &self.fixed;
+        let mut ready = AssembledSystem::new(fixed, self.assembly.take(), self.workspace.take(), self.past.as_ref(), configuration)?;
         self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();
         (self.cost.assembly, self.cost.assembled) = (start.elapsed().as_secs_f64(), ready.assembly.assembled);
-        let (report, mut found) = ready.solve(basis, self.inverse.as_mut(), monitor)?;
-        let AssembledSystem { bodies, assembly, mut engine, guess, touching, .. } = ready;
+        let (report, mut found) = ready.solve(fixed, self.inverse.as_mut(), monitor)?;
+        let AssembledSystem { bodies, assembly, mut workspace, guess, pair_constraints, .. } = ready;
         self.cost.krylov = report;
-        self.cost.stages = std::mem::take(&mut engine.work.stages);
-        let links = found.global_unknowns.split_off(basis.closure.unknowns::<D>());
-        if self.remembers && basis.method.on_surfaces() {
-            let last = Snapshot::of(&bodies, &basis.session, moment.centers, &found, basis.condensed)?;
-            self.past = Some(ExtrapolationHistory::then(self.past.take(), last, guess, moment.time));
+        self.cost.stages = std::mem::take(&mut workspace.work.stages);
+        let links = found.global_unknowns.split_off(fixed.mean_flow.unknowns::<D>());
+        if self.remembers && fixed.method.on_surfaces() {
+            let last = Snapshot::of(&bodies, &fixed.session, configuration.centers, &found, fixed.condensed)?;
+            self.past = Some(ExtrapolationHistory::then(self.past.take(), last, guess, configuration.time));
         }
-        let mut states = bodies.states(&basis.session, &assembly.blocks, &found.velocities, &found.multipliers);
-        let mut walls = assembly.blocks.on_walls(&found.multipliers).map(|pair| pair.map(|force| force * basis.setup.viscosity));
-        walls.iter_mut().flatten().for_each(|force| basis.session.world().sum(force.as_mut_slice()));
-        let unit = touching.scale * basis.setup.viscosity;
-        let (world, layout) = (basis.session.world(), &bodies.layout);
-        let mut forces = links[..touching.count()].iter().map(|unknown| unknown * unit);
+        let mut states = bodies.states(&fixed.session, &assembly.blocks, &found.velocities, &found.multipliers);
+        let mut walls = assembly.blocks.on_walls(&found.multipliers).map(|pair| pair.map(|force| force * fixed.setup.viscosity));
+        walls.iter_mut().flatten().for_each(|force| fixed.session.world().sum(force.as_mut_slice()));
+        let unit = pair_constraints.scale * fixed.setup.viscosity;
+        let (world, layout) = (fixed.session.world(), &bodies.layout);
+        let mut forces = links[..pair_constraints.count()].iter().map(|unknown| unknown * unit);
         let of_contact = |pressed| if belongs(layout, pressed) { forces.next().unwrap_or(0.0) } else { 0.0 };
-        let mut contact_forces: Vec<f64> = moment.pressed.iter().map(of_contact).collect();
+        let mut contact_forces: Vec<f64> = configuration.pressed.iter().map(of_contact).collect();
         if !contact_forces.is_empty() {
             world.sum(&mut contact_forces);
         }
         let film_forces: Vec<f64> = forces.collect();
         let lubrication =
-            basis.setup.interactions.resist().then(|| add_films(world, layout, &assembly.films, &film_forces, &mut states, &mut walls));
-        (self.assembly, self.engine) = (Some(assembly), Some(engine));
+            fixed.setup.interactions.resist().then(|| add_films(world, layout, &assembly.films, &film_forces, &mut states, &mut walls));
+        (self.assembly, self.workspace) = (Some(assembly), Some(workspace));
         Ok(Solution {
             lubrication,
             walls: WallForces { forces: walls, complete: false },
-            ..basis.solution(states, found.fluid, &found.global_unknowns, contact_forces)?
+            ..fixed.solution(states, found.fluid, &found.global_unknowns, contact_forces)?
         })
     }
 }

@@ -46,12 +46,12 @@ pub struct SolvedUnknowns {
     pub multipliers: Vec<f64>,
     /// Velocities on the surfaces, tested with all modes.
     pub velocities: Vec<f64>,
-    /// SolvedUnknowns of closure and contacts.
+    /// Unknowns of mean-flow constraint and contacts.
     pub global_unknowns: Vec<f64>,
 }
 
-/// WorkVectors space. The solver's vectors hold, on each rank, a fluid part (unless the fluid is eliminated), multipliers, and on
-/// rank 0 the unknowns of the closure, then those of the rank's own links.
+/// Work space. The solver's vectors hold, on each rank, a fluid part (unless the fluid is eliminated), multipliers, and on
+/// rank 0 the unknowns of the mean-flow constraint, then those of the rank's own links.
 pub struct WorkVectors {
     /// Fluid vectors: unknowns and rows.
     pub fluid_in: Vector,
@@ -73,14 +73,14 @@ pub struct Sizes {
     pub fluid: usize,
     /// On surfaces.
     pub multipliers: usize,
-    /// Of the closure, on all ranks alike, though only rank 0 holds them.
-    pub closure: usize,
+    /// Of the mean-flow constraint, on all ranks alike, though only rank 0 holds them.
+    pub mean_flow: usize,
     /// Places for links that belong to this rank.
     pub links: usize,
 }
 
 impl WorkVectors {
-    /// WorkVectors space of the given sizes.
+    /// Work space of the given sizes.
     pub fn new<const D: usize>(stokes: &Stokes<D>, sizes: Sizes) -> Result<WorkVectors> {
         let vector = || Vector::new(stokes.session(), sizes.multipliers);
         Ok(WorkVectors {
@@ -100,11 +100,12 @@ impl WorkVectors {
 
     /// A vector of zeros for the solver.
     pub fn solver_vector(&self, session: &Session) -> Result<Vector> {
-        let closure = if session.world().rank() == 0 { self.sizes.closure } else { 0 };
-        Vector::new(session, self.sizes.fluid + self.sizes.multipliers + closure + self.sizes.links)
+        let mean_flow = if session.world().rank() == 0 { self.sizes.mean_flow } else { 0 };
+        Vector::new(session, self.sizes.fluid + self.sizes.multipliers + mean_flow + self.sizes.links)
     }
 
-    /// Takes a solver's vector apart into `fluid_in`, `multipliers_in` and the global unknowns: the closure, which all ranks then know, and the links.
+    /// Takes a solver's vector apart into `fluid_in`, `multipliers_in` and the global unknowns: those of the mean-flow constraint, which all ranks
+    /// then know, and those of the links.
     pub fn split(&mut self, world: &World, input: &Vector) -> Result<Vec<f64>> {
         let input = input.local()?;
         let (fluid, rest) = input.split_at(self.sizes.fluid);
@@ -113,9 +114,9 @@ impl WorkVectors {
             self.fluid_in.local_mut()?.copy_from_slice(fluid);
         }
         self.multipliers_in.local_mut()?.copy_from_slice(multipliers);
-        let (closure, links) = global_unknowns.split_at(global_unknowns.len() - self.sizes.links);
-        let mut shared = vec![0.0; self.sizes.closure];
-        shared[..closure.len()].copy_from_slice(closure);
+        let (mean_flow, links) = global_unknowns.split_at(global_unknowns.len() - self.sizes.links);
+        let mut shared = vec![0.0; self.sizes.mean_flow];
+        shared[..mean_flow.len()].copy_from_slice(mean_flow);
         if !shared.is_empty() {
             world.sum(&mut shared);
         }

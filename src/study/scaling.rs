@@ -55,10 +55,10 @@ pub struct Scaling {
     /// Cores that the launcher reaches (default: those of this machine); more ranks than these are marked.
     #[arg(long)]
     pub cores: Option<usize>,
-    /// ScalingModel: gigabytes a second that a rank sends.
+    /// Model: gigabytes a second that a rank sends.
     #[arg(long, default_value_t = 5.0, value_parser = positive)]
     pub bandwidth: f64,
-    /// ScalingModel: microseconds that a message takes.
+    /// Model: microseconds that a message takes.
     #[arg(long, default_value_t = 2.0, value_parser = positive)]
     pub latency: f64,
 }
@@ -152,7 +152,7 @@ impl<'a, const D: usize> Measuring<'a, D> {
         Ok(samples)
     }
 
-    /// RankShares on any number of ranks. Copies of a cell share out evenly, bodies placed anew do not: as unevenly as in a measured run.
+    /// Shares on any number of ranks. Copies of a cell share out evenly, bodies placed anew do not: as unevenly as in a measured run.
     fn expected_shares(&self, kind: ScalingKind, ranks: usize, like: &Measurement) -> Result<RankShares> {
         let mut shares = self.workload(kind, ranks)?.shares(ranks)?;
         if kind == ScalingKind::Weak && ranks > 1 {

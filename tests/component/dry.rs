@@ -55,7 +55,7 @@ fn down<const D: usize>() -> SVector<f64, D> {
 
 fn start<const D: usize>(session: &Session, domain: Domain<D>, bodies: Vec<GranularBody<D>>, time: TimeSection) -> Simulation<D> {
     let setup = GranularSetup { domain, bodies, interactions: Interactions::default().with(Inelastic) };
-    Simulation::dry(session, setup, time)
+    Simulation::granular(session, setup, time)
 }
 
 fn fixed(step: f64, end: f64, scheme: Scheme) -> TimeSection {
@@ -63,8 +63,8 @@ fn fixed(step: f64, end: f64, scheme: Scheme) -> TimeSection {
 }
 
 fn step<const D: usize>(simulation: &mut Simulation<D>) -> StepReport {
-    let view = simulation.evaluate(&mut |_, _| {}).unwrap();
-    simulation.step(&view, &mut |_, _| {}).unwrap()
+    let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+    simulation.step(&observation, &mut |_, _| {}).unwrap()
 }
 
 /// Smallest gap in radii of the smaller body, or infinity if nothing is near.
@@ -287,11 +287,11 @@ fn bodies_that_leave_the_box_without_a_contact_model_are_an_error_that_says_so(s
     let time = fixed(0.1, 5.0, Scheme::TwoStep);
     let bodies = vec![dry_body([0.5, 0.5], [1.0, 0.0], Vector2::zeros()), dry_body([0.5, 0.6], [0.0, 1.0], Vector2::zeros())];
     let setup = GranularSetup { domain: channel([1.0, 1.0]), bodies, interactions: Interactions::default() };
-    let mut simulation = Simulation::dry(session, setup, time);
+    let mut simulation = Simulation::granular(session, setup, time);
     let error = loop {
-        let view = simulation.evaluate(&mut |_, _| {}).unwrap();
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
         assert!(simulation.state().time < 1.0, "nobody noticed");
-        if let Err(error) = simulation.step(&view, &mut |_, _| {}) {
+        if let Err(error) = simulation.step(&observation, &mut |_, _| {}) {
             break error;
         }
     };

@@ -115,15 +115,15 @@ fn no_motion_no_memory_of_solves_and_bodies_that_stay_are_solved_for_alike(sessi
     let mut simulation = Simulation::<2>::new(session, &moving).unwrap();
     let mut steps = 0;
     loop {
-        let view = simulation.evaluate(&mut |_, _| {}).unwrap();
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
         let found: Vec<f64> =
-            view.solution.iter().flat_map(|solution| solution.bodies.iter().flat_map(|body| body.force.data.0[0])).collect();
+            observation.solution.iter().flat_map(|solution| solution.bodies.iter().flat_map(|body| body.force.data.0[0])).collect();
         let forces: Vec<f64> = [4, 5, 10, 11].map(|place| without.numbers[place]).to_vec();
         assert_same("forces", &found, &forces);
         if simulation.over() {
             break;
         }
-        simulation.step(&view, &mut |_, _| {}).unwrap();
+        simulation.step(&observation, &mut |_, _| {}).unwrap();
         steps += 1;
     }
     assert_eq!(steps, 3);
@@ -140,9 +140,9 @@ fn no_contact_no_certificate_and_bodies_that_do_not_touch_move_alike(session: &S
         let mut simulation = Simulation::<2>::new(session, &scene).unwrap();
         let mut certificates = 0;
         while !simulation.over() {
-            let view = simulation.evaluate(&mut |_, _| {}).unwrap();
-            assert!(view.contacts.is_empty());
-            let report = simulation.step(&view, &mut |_, _| {}).unwrap();
+            let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+            assert!(observation.contacts.is_empty());
+            let report = simulation.step(&observation, &mut |_, _| {}).unwrap();
             certificates += usize::from(report.kkt_report.is_some());
         }
         let centers: Vec<f64> = simulation.state().centers().iter().flat_map(|center| center.data.0[0]).collect();
@@ -229,9 +229,9 @@ fn no_fluid_not_one_object_and_no_pressure(session: &Session) {
     let scene = scene(DRY, &[]);
     let mut simulation = Simulation::<2>::new(session, &scene).unwrap();
     while !simulation.over() {
-        let view = simulation.evaluate(&mut |_, _| {}).unwrap();
-        assert!(view.solution.is_none());
-        simulation.step(&view, &mut |_, _| {}).unwrap();
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        assert!(observation.solution.is_none());
+        simulation.step(&observation, &mut |_, _| {}).unwrap();
         assert_eq!(ObjectCounts::local_now(), before);
     }
     assert!(simulation.suspension().is_none());

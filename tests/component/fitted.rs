@@ -235,7 +235,7 @@ fn a_mesh_that_moves_gives_what_a_new_one_gives(session: &Session) {
     let made = fitted.cost().meshes;
     assert!((2..=4).contains(&made), "{made} meshes");
     let past = fitted.past().unwrap();
-    let last = Snapshot { fluid: None, multipliers: Vec::new(), centers: past.last.centers.clone(), closure: Vec::new() };
+    let last = Snapshot { fluid: None, multipliers: Vec::new(), centers: past.last.centers.clone(), mean_flow: Vec::new() };
     let mut resumed = FittedFlow::new(session, setup()).unwrap();
     resumed.remember(Some(ExtrapolationHistory { time: past.time, last, earlier: None }));
     let moment = Configuration { centers: &[Vector2::new(0.4, 0.19)], time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 1e-6 };
@@ -251,8 +251,8 @@ fn two_disks_pass_each_other_in_shear(session: &Session) {
         let fitted = FittedFlow::new(session, couette(2.0, 0.2 / edges, 1.0, disks)).unwrap();
         let mut simulation = Simulation::flowing(session, Box::new(fitted), time);
         while !simulation.over() {
-            let view = simulation.evaluate(&mut |_, _| {}).unwrap();
-            simulation.step(&view, &mut |_, _| {}).unwrap();
+            let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+            simulation.step(&observation, &mut |_, _| {}).unwrap();
         }
         simulation.state().centers()
     });

@@ -57,7 +57,11 @@ fn start(
     bodies: Vec<GranularBody<2>>,
     time: TimeSection,
 ) -> Simulation<2> {
-    Simulation::dry(session, GranularSetup { domain: channel(size), bodies, interactions: Interactions::default().with(contact) }, time)
+    Simulation::granular(
+        session,
+        GranularSetup { domain: channel(size), bodies, interactions: Interactions::default().with(contact) },
+        time,
+    )
 }
 
 /// The same bodies where they are by now, under other forces.
@@ -69,14 +73,14 @@ fn under(
     time: TimeSection,
 ) -> Simulation<2> {
     let setup = GranularSetup { domain: simulation.domain().clone(), bodies, interactions: Interactions::default().with(contact) };
-    let mut other = Simulation::dry(session, setup, time);
+    let mut other = Simulation::granular(session, setup, time);
     other.restore(simulation.state().clone(), None);
     other
 }
 
 fn step(simulation: &mut Simulation<2>) {
-    let view = simulation.evaluate(&mut |_, _| {}).unwrap();
-    simulation.step(&view, &mut |_, _| {}).unwrap();
+    let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+    simulation.step(&observation, &mut |_, _| {}).unwrap();
 }
 
 fn momentum(simulation: &Simulation<2>) -> Vector2<f64> {
@@ -146,7 +150,7 @@ fn an_automatic_step_is_no_longer_than_a_repulsion_is_stable_with(session: &Sess
     let longest = 0.4 * (1.0 / 800.0_f64).sqrt();
     assert!((setup.longest_step() - longest).abs() < 1e-15);
     let time = TimeSection { step: Step::Auto, end: 1.0, scheme: Scheme::TwoStep, travel: 0.1, until: None };
-    let mut simulation = Simulation::dry(session, setup, time);
+    let mut simulation = Simulation::granular(session, setup, time);
     let mut steps = Vec::new();
     while !simulation.over() {
         step(&mut simulation);

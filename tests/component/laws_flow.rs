@@ -49,9 +49,9 @@ fn start(session: &Session, setup: Setup<2>, step: Step, contact: ContactModel) 
 }
 
 fn step(simulation: &mut Simulation<2>) -> Observation<2> {
-    let view = simulation.evaluate(&mut |_, _| {}).unwrap();
-    simulation.step(&view, &mut |_, _| {}).unwrap();
-    view
+    let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+    simulation.step(&observation, &mut |_, _| {}).unwrap();
+    observation
 }
 
 /// A repulsion lets them rest where it equals what presses: `touch (1 - gap/range)^2 = f`; the others where they touch. The pair lies
@@ -64,9 +64,9 @@ fn every_law_keeps_two_disks_pressed_together_at_rest_in_symmetry(session: &Sess
             let length = if law == repulsion { Step::Auto } else { Step::Fixed(0.3) };
             let mut simulation = start(session, channel(&disks), length, law);
             let most = if law == repulsion { 300 } else { 20 };
-            let mut view = step(&mut simulation);
+            let mut observation = step(&mut simulation);
             for _ in 0..most {
-                view = step(&mut simulation);
+                observation = step(&mut simulation);
                 let [one, two] = [0, 1].map(|body| simulation.state().bodies[body].center - Vector2::new(middle, 3.0));
                 // the flow is solved to 1e-9
                 assert!((one + two).norm() < 1e-6, "{law:?}: {one} and {two} have lost their symmetry");
@@ -75,10 +75,10 @@ fn every_law_keeps_two_disks_pressed_together_at_rest_in_symmetry(session: &Sess
             let gap = (two - one).norm() - 2.0;
             let slack = if law == repulsion { 2e-4 } else { 1e-6 };
             assert!((gap - rest).abs() < slack, "{law:?} at {middle}: they rest at a gap of {gap}, not {rest}");
-            let pressed: Vec<_> = view.contacts.iter().filter(|pressed| pressed.force != 0.0).collect();
+            let pressed: Vec<_> = observation.contacts.iter().filter(|pressed| pressed.force != 0.0).collect();
             assert_eq!(pressed.len(), 1);
             assert!((pressed[0].force - 10.0).abs() < 0.05, "{law:?}: {} between them", pressed[0].force);
-            let total = view.solution.as_ref().unwrap().bodies.iter().map(|body| body.force).sum::<Vector2<f64>>();
+            let total = observation.solution.as_ref().unwrap().bodies.iter().map(|body| body.force).sum::<Vector2<f64>>();
             assert!(total.norm() < 1e-5, "{law:?}: forces are equal and opposite, {total}");
         }
     }

@@ -59,7 +59,7 @@ fn free<const D: usize>() -> Motion<D> {
     Motion::Free { force: SVector::zeros(), torque: SMatrix::zeros() }
 }
 
-/// LubricationPairs of a roughness, and no other interaction.
+/// Films of a roughness, and no other interaction.
 fn films<const D: usize>(roughness: f64) -> Interactions<D> {
     Interactions::default().with(Lubrication::new(roughness))
 }
@@ -276,7 +276,7 @@ fn what_a_disk_does_to_a_near_wall_is_what_its_stress_says(session: &Session) {
     }
 }
 
-/// LubricationPairs to both walls, and between bodies, in 2D and 3D.
+/// Films to both walls, and between bodies, in 2D and 3D.
 fn stresslets_and_walls_agree_with_films(session: &Session) {
     let both = sheared::<2>([4.0, 2.4], 6.0, 4, &[[2.0, 1.2]]);
     let crowd = sheared::<2>([6.0, 4.5], 6.0, 3, &[[1.2, 1.03], [3.25, 1.2], [2.3, 3.1], [4.6, 3.45]]);

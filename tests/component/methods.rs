@@ -275,8 +275,8 @@ fn all_methods_move_two_disks_past_each_other(session: &Session) {
         let suspension = Suspension::new(session, setup).unwrap();
         let mut simulation = Simulation::flowing(session, Box::new(suspension), time);
         while !simulation.over() {
-            let view = simulation.evaluate(&mut |_, _| {}).unwrap();
-            simulation.step(&view, &mut |_, _| {}).unwrap();
+            let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+            simulation.step(&observation, &mut |_, _| {}).unwrap();
         }
         (constraint, error, simulation.state().centers()[0])
     });

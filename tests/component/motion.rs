@@ -67,9 +67,9 @@ fn a_warm_start_saves_iterations(session: &Session) {
             let mut simulation = Simulation::flowing(session, Box::new(suspension), time(Step::Auto, 1.0, Scheme::TwoStep));
             let mut iterations = Vec::new();
             for _ in 0..8 {
-                let view = simulation.evaluate(&mut |_, _| {}).unwrap();
-                iterations.push(view.effort.iterations);
-                simulation.step(&view, &mut |_, _| {}).unwrap();
+                let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+                iterations.push(observation.effort.iterations);
+                simulation.step(&observation, &mut |_, _| {}).unwrap();
             }
             let warm = iterations[1..].iter().sum::<usize>() as f64 / 7.0;
             assert!(warm <= part * iterations[0] as f64, "{inverse:?} to {tolerance:?}: {iterations:?}");
@@ -104,18 +104,18 @@ fn simulate(session: &Session, setup: Setup<2>, time: TimeSection, contact: Cont
 
 /// Looks and makes a step.
 fn step(simulation: &mut Simulation<2>) -> Observation<2> {
-    let view = simulation.evaluate(&mut |_, _| {}).unwrap();
-    simulation.step(&view, &mut |_, _| {}).unwrap();
-    view
+    let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+    simulation.step(&observation, &mut |_, _| {}).unwrap();
+    observation
 }
 
 /// Contact force on a body.
-fn contact_force(view: &Observation<2>, body: usize) -> Vector2<f64> {
+fn contact_force(observation: &Observation<2>, body: usize) -> Vector2<f64> {
     let on = |pressed: &turbid::contact::ContactForce<2>| {
         let sign = f64::from(i32::from(pressed.contact.other() == Some(body)) - i32::from(pressed.contact.body == body));
         pressed.contact.normal * (sign * pressed.force)
     };
-    view.contacts.iter().map(on).sum()
+    observation.contacts.iter().map(on).sum()
 }
 
 fn a_warm_start_finds_the_solution_that_a_cold_one_finds(session: &Session) {
@@ -214,17 +214,17 @@ const SCHEMES: [Scheme; 3] = [Scheme::TwoStep, Scheme::Midpoint, Scheme::Euler];
 
 /// Steps until a contact bears a force, then some more; gives what was seen after a contact that closed its gap.
 fn meet(simulation: &mut Simulation<2>, rests: usize) -> Vec<Observation<2>> {
-    let mut views = Vec::new();
-    while views.len() < rests {
+    let mut observations = Vec::new();
+    while observations.len() < rests {
         assert!(simulation.state().steps < 40, "bodies never meet");
         let closed = !simulation.state().held.is_empty();
-        let view = step(simulation);
+        let observation = step(simulation);
         assert!(smallest_gap(simulation) > -1e-6, "{}", smallest_gap(simulation));
         if closed {
-            views.push(view);
+            observations.push(observation);
         }
     }
-    views
+    observations
 }
 
 /// They lie in mirror symmetry on the grid, so that nothing turns the line of their centres out of that of the forces.
@@ -246,13 +246,13 @@ fn two_disks_pressed_together_meet_and_rest(session: &Session) {
     };
     for scheme in SCHEMES {
         let mut simulation = simulate(session, setup.clone(), time(Step::Fixed(0.3), 100.0, scheme), ContactModel::Inelastic);
-        for view in meet(&mut simulation, 4) {
-            let bodies = &view.solution.as_ref().unwrap().bodies;
+        for observation in meet(&mut simulation, 4) {
+            let bodies = &observation.solution.as_ref().unwrap().bodies;
             for body in [0, 1] {
                 // alone in the box, the force would move a disk at about 0.5
-                let speed = view.twists[body].velocity.norm();
+                let speed = observation.twists[body].velocity.norm();
                 assert!(speed < 1e-5, "{scheme:?}: body {body} moves at {speed:e}");
-                let (pressed, held) = (contact_force(&view, body), bodies[body].force);
+                let (pressed, held) = (contact_force(&observation, body), bodies[body].force);
                 assert!((pressed + force(body)).norm() < 1e-4 * 10.0, "{scheme:?}: body {body} is pressed by {pressed}");
                 assert!(held.norm() < 1e-4 * 10.0, "{scheme:?}: the fluid still acts on body {body} with {held}");
             }
@@ -266,11 +266,15 @@ fn a_heavy_disk_comes_to_rest_on_the_floor_that_bears_its_weight(session: &Sessi
     let setup = closed_box([6.0, 4.0], 8.0, vec![suspended(Vector2::new(3.0, 1.2), 1.0, pulled(weight.into()), 8)]);
     for scheme in SCHEMES {
         let mut simulation = simulate(session, setup.clone(), time(Step::Fixed(0.3), 100.0, scheme), ContactModel::Inelastic);
-        for view in meet(&mut simulation, 3) {
-            let held = view.solution.as_ref().unwrap().bodies[0].force;
+        for observation in meet(&mut simulation, 3) {
+            let held = observation.solution.as_ref().unwrap().bodies[0].force;
             // it set out at 0.3
-            assert!(view.twists[0].velocity.norm() < 1e-5, "{scheme:?}: it moves at {}", view.twists[0].velocity);
-            assert!((contact_force(&view, 0) + weight).norm() < 1e-4 * 30.0, "{scheme:?}: the floor bears {}", contact_force(&view, 0));
+            assert!(observation.twists[0].velocity.norm() < 1e-5, "{scheme:?}: it moves at {}", observation.twists[0].velocity);
+            assert!(
+                (contact_force(&observation, 0) + weight).norm() < 1e-4 * 30.0,
+                "{scheme:?}: the floor bears {}",
+                contact_force(&observation, 0)
+            );
             assert!(held.norm() < 1e-4 * 30.0, "{scheme:?}: the fluid still acts with {held}");
         }
         assert!((simulation.state().bodies[0].center[1] - 1.0).abs() < 1e-6, "{}", simulation.state().bodies[0].center);
@@ -285,17 +289,17 @@ fn forces_balance_on_each_body_of_a_sheared_crowd_and_its_stress_reaches_the_wal
     let mut simulation = simulate(session, setup, time(Step::Fixed(0.1), 10.0, Scheme::TwoStep), ContactModel::Inelastic);
     let mut touching = 0;
     for number in 0..15 {
-        let view = step(&mut simulation);
+        let observation = step(&mut simulation);
         assert!(smallest_gap(&simulation) > -1e-6, "step {number}: {}", smallest_gap(&simulation));
-        let solution = view.solution.as_ref().unwrap();
-        let largest = view.contacts.iter().map(|pressed| pressed.force).fold(0.0, f64::max);
+        let solution = observation.solution.as_ref().unwrap();
+        let largest = observation.contacts.iter().map(|pressed| pressed.force).fold(0.0, f64::max);
         for body in 0..count {
-            let imbalance = (contact_force(&view, body) + solution.bodies[body].force).norm();
+            let imbalance = (contact_force(&observation, body) + solution.bodies[body].force).norm();
             // 1e-9: rounding, where there are no contacts
             assert!(imbalance < 1e-4 * largest + 1e-9, "step {number}, body {body}: {imbalance:e} of {largest}");
         }
         let suspension = simulation.suspension().unwrap();
-        let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), solution, &view.contacts).unwrap().unwrap();
+        let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), solution, &observation.contacts).unwrap().unwrap();
         assert_near(&format!("step {number}"), viscosity.relative(), viscosity.from_walls.unwrap(), 1e-3);
         touching += usize::from(viscosity.contact > 1e-2);
     }

@@ -11,8 +11,8 @@ use turbid::{
     grid::Grid,
     interaction::{Arrangement, Gluey, Inelastic, Interaction, Interactions, Lubrication, PairForce, Repulsion, Wrench},
     petsc::{Session, Vector},
-    scene::{ConstraintMethod, Scheme, Step, TimeSection, Tolerance},
-    simulation::{FlowSolver, GranularBody, GranularSetup, Setup, Simulation, Suspension},
+    scene::{BodyGroup, ConstraintMethod, FlowModel, Placement, Scene, Scheme, Step, TimeSection, Tolerance},
+    simulation::{FlowSolver, GranularBody, GranularSetup, Plan, Setup, Simulation, Suspension},
 };
 
 use crate::{Test, suspension::suspended};
@@ -22,6 +22,7 @@ pub fn tests() -> Vec<Test> {
     vec![
         Test::of(every_interaction_conforms),
         Test::of(steppers_conform),
+        Test::of(a_step_that_is_too_long_for_an_interaction_is_refused_by_its_name),
         Test::of(an_inverse_of_ones_own_is_one_implementation),
         Test::of(a_force_at_a_distance_moves_bodies_in_a_flow_as_its_wrench_does),
         Test::of(the_stress_of_a_force_at_a_distance_is_that_of_the_same_force_in_contact),
@@ -75,6 +76,18 @@ fn every_interaction_conforms(session: &Session) {
     conforms(session, &Repulsion { touch: 3.0, range: 0.4 });
     conforms(session, &Lubrication::new(1e-4));
     conforms(session, &Springs { stiffness: 2.0, reach: 0.5 });
+}
+
+fn a_step_that_is_too_long_for_an_interaction_is_refused_by_its_name(_: &Session) {
+    let mut scene = Scene::new("springs", &SIZE);
+    scene.flow.model = FlowModel::None;
+    scene.bodies = vec![BodyGroup::new(1.0, Placement::Centers(vec![vec![2.0, 2.0], vec![4.2, 2.0]]))];
+    scene.time = Some(TimeSection { step: Step::Fixed(0.1), ..TimeSection::to(1.0) });
+    let scene = scene.checked().unwrap();
+    let with = |stiffness: f64| Plan::<2>::of(&scene).unwrap().with(Springs { stiffness, reach: 0.5 });
+    let refusal = with(1e4).unwrap_err().to_string();
+    assert!(refusal.contains("time.step = 0.1: is too long for the interactions (springs)"), "{refusal}");
+    with(1.0).unwrap();
 }
 
 fn conforms(session: &Session, interaction: &dyn Interaction<2>) {
@@ -166,7 +179,7 @@ fn granular(session: &Session) -> Simulation<2> {
         spin_up: SMatrix::zeros(),
     };
     let bodies = disks(Vector2::zeros()).iter().map(body).collect();
-    Simulation::dry(session, GranularSetup { domain: domain(), bodies, interactions: all_interactions() }, time(1.0))
+    Simulation::granular(session, GranularSetup { domain: domain(), bodies, interactions: all_interactions() }, time(1.0))
 }
 
 fn setup(interactions: Interactions<2>) -> Setup<2> {
@@ -200,14 +213,14 @@ fn stepper_conforms(start: &dyn Fn() -> Simulation<2>, tolerance: f64) {
     let (mut steps, end) = (0, if simulation.suspension().is_some() { 1.5 } else { 1.0 });
     while !simulation.over() {
         let before = simulation.state().clone();
-        let view = simulation.evaluate(&mut |_, _| {}).unwrap();
-        let report = simulation.step(&view, &mut |_, _| {}).unwrap();
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        let report = simulation.step(&observation, &mut |_, _| {}).unwrap();
         assert!(report.length > 0.0 && (simulation.state().time - before.time - report.length).abs() < 1e-14);
         assert!(report.kkt_report.is_some_and(|kkt_report| kkt_report.kkt_residual < 1e-7 && kkt_report.smallest_gap > -1e-9));
         let mut again = start();
         again.restore(before, None);
-        let view = again.evaluate(&mut |_, _| {}).unwrap();
-        again.step(&view, &mut |_, _| {}).unwrap();
+        let observation = again.evaluate(&mut |_, _| {}).unwrap();
+        again.step(&observation, &mut |_, _| {}).unwrap();
         for (one, other) in simulation.state().bodies.iter().zip(&again.state().bodies) {
             assert!((one.center - other.center).norm() < tolerance, "step {steps}: {} and {}", one.center, other.center);
         }

@@ -144,14 +144,14 @@ fn simulation(session: &Session, setup: Setup<2>, time: TimeSection, contact: Co
 fn run(mut simulation: Simulation<2>) -> (Vec<(f64, f64)>, State<2>) {
     let mut curve = Vec::new();
     loop {
-        let view = simulation.evaluate(&mut |_, _| {}).unwrap();
-        let (suspension, solution) = (simulation.suspension().unwrap(), view.solution.as_ref().unwrap());
-        let found = observe::viscosity(suspension.setup(), suspension.grid(), solution, &view.contacts).unwrap().unwrap();
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        let (suspension, solution) = (simulation.suspension().unwrap(), observation.solution.as_ref().unwrap());
+        let found = observe::viscosity(suspension.setup(), suspension.grid(), solution, &observation.contacts).unwrap().unwrap();
         curve.push((simulation.state().time, found.relative()));
         if simulation.over() {
             return (curve, simulation.state().clone());
         }
-        simulation.step(&view, &mut |_, _| {}).unwrap();
+        simulation.step(&observation, &mut |_, _| {}).unwrap();
     }
 }
 
@@ -202,9 +202,9 @@ fn midpoint_and_two_step_rules_keep_the_beat(session: &Session) {
         let mut simulation =
             simulation(session, crowd(6, 44.0, 0.0, [0.0; 2]), time(Step::Auto, 8.0 * shift_period, scheme), ContactModel::None);
         while !simulation.over() {
-            let view = simulation.evaluate(&mut |_, _| {}).unwrap();
+            let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
             let first = simulation.state().steps == 0 && scheme == Scheme::TwoStep;
-            let units = simulation.step(&view, &mut |_, _| {}).unwrap().length / shift_period / if first { 2.0 } else { together };
+            let units = simulation.step(&observation, &mut |_, _| {}).unwrap().length / shift_period / if first { 2.0 } else { together };
             assert!((units - units.round()).abs() < 1e-9 && units > 0.5, "{scheme:?}: {units}");
         }
         assert!((simulation.state().time - 8.0 * shift_period).abs() < 1e-12);
@@ -216,13 +216,13 @@ fn disks_that_meet_across_the_seam_do_not_overlap(session: &Session) {
         simulation(session, crowd_at(0.5, 14, 44.0, (0.0, [0.0; 2])), time(Step::Auto, 1.5, Scheme::TwoStep), ContactModel::Inelastic);
     let (mut across, radii) = (0, vec![1.0; 14]);
     while !simulation.over() {
-        let view = simulation.evaluate(&mut |_, _| {}).unwrap();
-        across += view.contacts.iter().filter(|pressed| pressed.force > 0.0 && pressed.contact.image[1] != 0).count();
-        simulation.step(&view, &mut |_, _| {}).unwrap();
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        across += observation.contacts.iter().filter(|pressed| pressed.force > 0.0 && pressed.contact.image[1] != 0).count();
+        simulation.step(&observation, &mut |_, _| {}).unwrap();
         let smallest = near_pairs(simulation.domain(), &simulation.state().balls(&radii), 0.5).into_iter().map(|pair| pair.gap);
         let smallest = smallest.fold(f64::INFINITY, f64::min);
         assert!(smallest > -1e-9, "overlap of {smallest:e} at {}", simulation.state().time);
-        let total: Vector2<f64> = view.solution.unwrap().bodies.iter().map(|body| body.force).sum();
+        let total: Vector2<f64> = observation.solution.unwrap().bodies.iter().map(|body| body.force).sum();
         assert!(total.norm() < 1e-4, "net force {total}");
     }
     assert!(across > 0, "none met across the boundary");

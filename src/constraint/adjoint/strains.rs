@@ -18,7 +18,7 @@ const TRACE: f64 = 1e-4;
 
 /// A strain in one place as a sum over nodes, and the part of its cell that is in the ball.
 pub struct Strain {
-    /// AdjointNodes and weights.
+    /// Nodes and weights.
     pub terms: Vec<(u32, f64)>,
     /// Above 0, at most 1.
     pub theta: f64,

@@ -21,10 +21,10 @@ use crate::{
 /// Narrowest gap, in radii, that a mesh is made for: its elements number about as one over the root of the gap.
 const NARROWEST: f64 = 1e-5;
 
-/// ActiveSetIteration of refinement that are allowed.
+/// Rounds of refinement that are allowed.
 const MOST_ROUNDS: usize = 60;
 
-/// ActiveSetIteration of smoothing.
+/// Rounds of smoothing.
 const SMOOTHING_ROUNDS: usize = 6;
 
 /// Radius of a circumcircle, over the wanted length of edges, above which a triangle is too large; 0.577 would make all edges that long.

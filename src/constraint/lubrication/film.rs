@@ -1,4 +1,4 @@
-//! LubricationPairs between bodies in their places: which there are, and in which ways they resist.
+//! Films between bodies in their places: which there are, and in which ways they resist.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -131,7 +131,7 @@ pub fn resolved_at_walls<const D: usize>(crowd: &Neighbourhood<D>, layout: &Mult
     LubricationPairs { films: of_walls(crowd, layout, tables, FilmTable::truncated, 0.0), imbalance: 0.0 }
 }
 
-/// LubricationPairs between bodies of this rank and walls, with a part of their resistance.
+/// Films between bodies of this rank and walls, with a part of their resistance.
 fn of_walls<const D: usize>(
     crowd: &Neighbourhood<D>,
     layout: &MultiplierLayout,

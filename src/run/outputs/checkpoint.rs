@@ -31,14 +31,14 @@ pub struct CheckpointFile {
     /// Texts by name, such as that of the scene.
     texts: Vec<(&'static str, String)>,
     /// Seconds between checkpoints.
-    step_control: f64,
+    interval: f64,
     last: Instant,
 }
 
 impl CheckpointFile {
     /// None yet.
-    pub fn new(folder: &Path, texts: Vec<(&'static str, String)>, step_control: f64) -> CheckpointFile {
-        CheckpointFile { path: folder.join(CHECKPOINT), texts, step_control, last: Instant::now() }
+    pub fn new(folder: &Path, texts: Vec<(&'static str, String)>, interval: f64) -> CheckpointFile {
+        CheckpointFile { path: folder.join(CHECKPOINT), texts, interval, last: Instant::now() }
     }
 
     /// Writes it; if that fails, an older one is untouched.
@@ -58,7 +58,7 @@ impl CheckpointFile {
 
 impl<const D: usize> Output<D> for CheckpointFile {
     fn keep(&mut self, before: &BeforeStep<D>) -> Result<()> {
-        let due = before.due || self.last.elapsed().as_secs_f64() >= self.step_control;
+        let due = before.due || self.last.elapsed().as_secs_f64() >= self.interval;
         let due = before.world.max(f64::from(due)) > 0.0;
         if due && before.simulation.on_the_way() && before.simulation.state().steps > 0 {
             self.store(before)?;
@@ -180,7 +180,7 @@ fn store_past<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, pas
         writer.shared(&format!("{name}_multipliers"), &snapshot.multipliers.concat())?;
         let centers: Vec<f64> = snapshot.centers.iter().flat_map(|center| center.iter().copied()).collect();
         writer.shared(&format!("{name}_centers"), &centers)?;
-        writer.shared(&format!("{name}_closure"), &snapshot.closure)?;
+        writer.shared(&format!("{name}_closure"), &snapshot.mean_flow)?;
     }
     Ok(())
 }
@@ -209,5 +209,5 @@ fn read_snapshot<const D: usize>(checkpoint: &Checkpoint, grid: &Grid<D>, shape:
     let take = |count: &f64| rest.split_off(..*count as usize).unwrap_or_default().to_vec();
     let multipliers = counts.iter().map(take).collect();
     let centers = checkpoint.shared(&format!("{name}_centers"))?.chunks(D).map(SVector::from_column_slice).collect();
-    Ok(Snapshot { fluid, multipliers, centers, closure: checkpoint.shared(&format!("{name}_closure"))? })
+    Ok(Snapshot { fluid, multipliers, centers, mean_flow: checkpoint.shared(&format!("{name}_closure"))? })
 }

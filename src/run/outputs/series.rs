@@ -86,8 +86,8 @@ fn cells<const D: usize>(motion: &EvaluatedMotion<D>, contact: ContactModel, vis
             cells.push(count("contact_solver", kept.map_or(Solver::Formula, |kept| kept.solver) as usize));
         }
     }
-    if motion.view.solution.is_some() {
-        let effort = motion.view.effort + last.map_or_else(Default::default, |last| last.effort);
+    if motion.observation.solution.is_some() {
+        let effort = motion.observation.effort + last.map_or_else(Default::default, |last| last.effort);
         cells.extend([count("solves", effort.solves), count("iterations", effort.iterations)]);
     }
     cells.push(real("seconds", seconds));

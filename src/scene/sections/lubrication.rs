@@ -1,4 +1,4 @@
-//! LubricationPairs between bodies of a scene that nearly touch.
+//! Films between bodies of a scene that nearly touch.
 
 use crate::error::Result;
 use crate::scene::entry::Entry;
@@ -24,7 +24,7 @@ pub enum LubricationModel {
     None,
     /// The resistance that is missing, pair by pair.
     Pairwise {
-        /// LubricationPairs resist as if gaps were no smaller than so many radii of the smaller body.
+        /// Films resist as if gaps were no smaller than so many radii of the smaller body.
         roughness: f64,
     },
 }

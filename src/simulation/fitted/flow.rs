@@ -91,9 +91,9 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
         self.solve_at(&Configuration { centers: &centers, time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 0.0 }, monitor)
     }
 
-    fn solve_at(&mut self, moment: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>> {
+    fn solve_at(&mut self, configuration: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>> {
         let (stage, start) = (enter(Stage::SetUp), Instant::now());
-        let mesh = self.mesh_at(moment.centers, moment.time)?;
+        let mesh = self.mesh_at(configuration.centers, configuration.time)?;
         self.cost.setup = start.elapsed().as_secs_f64();
         drop(stage);
         let (stage, start) = (enter(Stage::Assembly), Instant::now());
@@ -143,7 +143,7 @@ impl<const D: usize> FittedFlow<D> {
         let disks: Vec<Ball<2>> = centers.iter().zip(radii).map(|(center, radius)| Ball { center: flat(center), radius }).collect();
         let mesh = generate(&self.domain, &disks, self.setup.spacing).map_err(|error| self.on_the_way(error, time))?;
         self.moving = Some((MovingMesh::new(mesh.clone()), None));
-        let last = Snapshot { fluid: None, multipliers: Vec::new(), centers: centers.to_vec(), closure: Vec::new() };
+        let last = Snapshot { fluid: None, multipliers: Vec::new(), centers: centers.to_vec(), mean_flow: Vec::new() };
         self.past = Some(ExtrapolationHistory { time, last, earlier: None });
         self.cost.meshes += 1;
         Ok(mesh)

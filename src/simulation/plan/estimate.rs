@@ -24,7 +24,7 @@ impl<const D: usize> Plan<D> {
     pub fn report(&self, ranks: usize) -> Result<PlanReport> {
         let on_mesh = self.scene.method.constraint == ConstraintMethod::Fitted;
         match &self.model {
-            PlannedModel::Granular(setup) => Ok(self.of_dry(setup)),
+            PlannedModel::Granular(setup) => Ok(self.of_granular(setup)),
             PlannedModel::Scalar(setup) if on_mesh => fitted::scalar(setup, ranks),
             PlannedModel::Scalar(setup) => of_scalar(setup, ranks),
             PlannedModel::Flow(setup) if on_mesh => fitted::flow(self, setup, ranks),
@@ -32,7 +32,7 @@ impl<const D: usize> Plan<D> {
         }
     }
 
-    fn of_dry(&self, setup: &GranularSetup<D>) -> PlanReport {
+    fn of_granular(&self, setup: &GranularSetup<D>) -> PlanReport {
         let free = setup.bodies.iter().filter(|body| body.mass.is_finite()).count();
         let mut effects = vec![
             Effect::off("flow"),

@@ -14,7 +14,7 @@ use crate::{
 /// Bytes that factors of a matrix in 2D take for each unknown, over the binary logarithm of their number.
 const FACTOR_BYTES: f64 = 180.0;
 
-/// SolvedUnknowns of an equilateral mesh for each square on one of its edges: `4 / sqrt(3)` triangles, each with two nodes of velocity and half a
+/// Unknowns of an equilateral mesh for each square on one of its edges: `4 / sqrt(3)` triangles, each with two nodes of velocity and half a
 /// corner of pressure.
 const UNKNOWNS_PER_CELL: f64 = 2.309 * 4.5;
 

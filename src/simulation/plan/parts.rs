@@ -101,7 +101,7 @@ impl<const D: usize> Plan<D> {
         let time = self.scene.time.expect("the scene has a [time] section");
         match self.model {
             PlannedModel::Scalar(_) => panic!("a scalar problem has no time"),
-            PlannedModel::Granular(setup) => Ok(Simulation::dry(session, setup, time)),
+            PlannedModel::Granular(setup) => Ok(Simulation::granular(session, setup, time)),
             PlannedModel::Flow(setup) => {
                 let flow = flow_solver(session, setup)?;
                 let shift_period = ShiftPeriod::of(&flow.setup().domain, flow.grid());

@@ -35,7 +35,7 @@ impl PlanReport {
         PlanReport { fluid: None, bytes: f64::NAN, ..self.with_choice(choice) }
     }
 
-    /// SolvedUnknowns of the grid and multipliers, if there is a grid.
+    /// Unknowns of the grid and multipliers, if there is a grid.
     pub fn unknowns(&self) -> Option<(usize, usize)> {
         self.fluid.as_ref().map(|fluid| (fluid.grid_unknowns, fluid.multiplier_unknowns))
     }

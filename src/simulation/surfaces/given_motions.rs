@@ -13,17 +13,17 @@ impl<const D: usize> SurfaceOperators<'_, D> {
     ///
     /// with `r` the velocities wanted of free modes, and of all modes of bodies whose motion is given. Net forces hold exactly.
     pub(super) fn invert_together(&mut self, given: &Vector, rows: &[f64], sampled: &mut Vector) -> Result<Vec<f64>> {
-        let mut rates = self.touching.rows(sampled, &vec![0.0; self.touching.count()])?;
+        let mut rates = self.pair_constraints.rows(sampled, &vec![0.0; self.pair_constraints.count()])?;
         rates.iter_mut().zip(&rows[self.contacts()]).for_each(|(rate, wanted)| *rate = wanted - *rate);
         let (mut wanted, mut found, mut motions) = (given.like()?, given.like()?, given.like()?);
         self.want(given, sampled, &mut wanted)?;
         self.answer(&wanted, &mut found)?;
         self.miss(given, &found, &mut motions)?;
-        let unknowns = self.touching.resist(&mut motions, rates, Some((&wanted, &mut found)))?;
+        let unknowns = self.pair_constraints.resist(&mut motions, rates, Some((&wanted, &mut found)))?;
         self.leave_given(&mut motions)?;
         self.add_pairs(&motions, &mut found.local_mut()?)?;
         self.hold_forces(given, &mut found)?;
-        self.touching.press(1.0, &unknowns, &mut found)?;
+        self.pair_constraints.press(1.0, &unknowns, &mut found)?;
         sampled.copy_from(&found)?;
         Ok(unknowns)
     }
@@ -31,7 +31,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
     /// Velocities wanted, of all modes whose force is not.
     fn want(&self, given: &Vector, sampled: &Vector, wanted: &mut Vector) -> Result<()> {
         let (given, sampled, mut wanted) = (given.local()?, sampled.local()?, wanted.local_mut()?);
-        for member in self.members {
+        for member in self.operators {
             for (_, place) in member.range.clone().enumerate().filter(|&(mode, _)| !member.gives_force(mode)) {
                 wanted[place] = given[place] - sampled[place];
             }
@@ -42,7 +42,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
     /// What the wanted velocities call for, of bodies alone and near pairs.
     fn answer(&mut self, wanted: &Vector, found: &mut Vector) -> Result<()> {
         let (input, mut output) = (wanted.local()?, found.local_mut()?);
-        for member in self.members {
+        for member in self.operators {
             member.inverse.apply(&input[member.range.clone()], &mut output[member.range.clone()]);
         }
         self.add_pairs(wanted, &mut output)
@@ -51,9 +51,9 @@ impl<const D: usize> SurfaceOperators<'_, D> {
     /// The forces wanted of free bodies beyond those found, over that of a unit of a link's unknown.
     fn miss(&self, given: &Vector, found: &Vector, forces: &mut Vector) -> Result<()> {
         let (given, found, mut forces) = (given.local()?, found.local()?, forces.local_mut()?);
-        for member in self.members.iter().filter(|member| member.free) {
+        for member in self.operators.iter().filter(|member| member.free) {
             for place in member.rigid_range() {
-                forces[place] = (given[place] / member.force_scale - found[place]) * member.area / self.touching.scale;
+                forces[place] = (given[place] / member.force_scale - found[place]) * member.area / self.pair_constraints.scale;
             }
         }
         Ok(())
@@ -62,7 +62,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
     /// Leaves out the motions of bodies whose motion is given: they are among the velocities wanted.
     fn leave_given(&self, motions: &mut Vector) -> Result<()> {
         let mut motions = motions.local_mut()?;
-        for member in self.members {
+        for member in self.operators {
             let kept = if member.free { member.rigid } else { 0 };
             motions[member.range.start + kept..member.range.end].fill(0.0);
         }
@@ -72,7 +72,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
     /// Makes the multipliers of rigid modes of free bodies those of the given forces.
     fn hold_forces(&self, given: &Vector, found: &mut Vector) -> Result<()> {
         let (given, mut found) = (given.local()?, found.local_mut()?);
-        for member in self.members.iter().filter(|member| member.free) {
+        for member in self.operators.iter().filter(|member| member.free) {
             let rigid = member.rigid_range();
             found[rigid.clone()].iter_mut().zip(&given[rigid]).for_each(|(found, given)| *found = given / member.force_scale);
         }

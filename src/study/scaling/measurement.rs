@@ -21,7 +21,7 @@ pub struct Measurement {
     pub steps: usize,
     /// Iterations of all solves.
     pub iterations: usize,
-    /// RankShares of the ranks, and what they sent.
+    /// Shares of the ranks, and what they sent.
     pub parallel: ParallelSummary,
 }
 

@@ -9,7 +9,8 @@
 //! contacts, `c` by least squares, each from the part of the run that it stands for. Messages and bytes per iteration are
 //! proportional to the neighbours and to the halo of a block, collectives to the iterations; the factors are those of the measured
 //! counts. hypre's multigrid, which is not counted, exchanges its halo five times on each level; transforms exchange all values, each
-//! rank with all others, as often as their layouts ask for. Iterations are those measured on the most ranks. Counts are fitted to all runs on several ranks, seconds to those in which each rank had a core.
+//! rank with all others, as often as their layouts ask for. Iterations are those measured on the most ranks. Counts are fitted to all
+//! runs on several ranks, seconds to those in which each rank had a core.
 
 use serde::Serialize;
 
@@ -31,7 +32,7 @@ pub struct Network {
 /// A run and how it was shared out.
 #[derive(Debug, Clone)]
 pub struct Sample {
-    /// RankShares of the ranks.
+    /// Shares of the ranks.
     pub shares: RankShares,
     /// What it cost.
     pub measured: Measurement,

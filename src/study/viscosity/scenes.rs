@@ -14,7 +14,7 @@ use crate::{
 /// Cells per radius of runs in time, in 2D and 3D.
 const SHEARED_CELLS: [f64; 2] = [5.0, 3.0];
 
-/// LubricationPairs thinner than this, in radii, count as so thin.
+/// Films thinner than this, in radii, count as so thin.
 const ROUGHNESS: f64 = 1e-4;
 
 /// Shear between images that slide.
