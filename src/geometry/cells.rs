@@ -15,26 +15,35 @@ pub(super) struct Cells<'a, const D: usize> {
     counts: [usize; D],
     /// Where each cell starts in `members`, and one entry past the end.
     starts: Vec<usize>,
-    /// Indices of the balls, cell after cell.
-    members: Vec<usize>,
-    /// Centres moved into the box along periodic axes.
-    centers: Vec<SVector<f64, D>>,
+    /// The balls, cell after cell: those near each other lie near each other in memory.
+    members: Vec<Member<D>>,
+}
+
+/// A ball in a cell.
+#[derive(Clone, Copy)]
+pub(super) struct Member<const D: usize> {
+    /// Its index.
+    pub body: usize,
+    /// The ball, its centre moved into the box along periodic axes.
+    pub ball: Ball<D>,
 }
 
 impl<'a, const D: usize> Cells<'a, D> {
     /// Sorts `balls` into cells.
     pub fn new(domain: &'a Domain<D>, balls: &[Ball<D>]) -> Self {
-        let centers: Vec<_> = balls.iter().map(|ball| domain.wrap(ball.center)).collect();
-        let mut cells =
-            Self { domain, counts: cell_counts(domain, balls.len()), starts: Vec::new(), members: vec![0; balls.len()], centers };
-        cells.sort();
+        let mut cells = Self { domain, counts: cell_counts(domain, balls.len()), starts: Vec::new(), members: Vec::new() };
+        cells.sort(balls);
         cells
     }
 
-    /// Calls `found(other, image, separation)` for each centre, image included, in the cells within
-    /// `range` of the centre of ball `body`; `image` counts the boxes it was moved by ([`Domain::offset`]).
-    pub fn visit(&self, body: usize, range: f64, mut found: impl FnMut(usize, [isize; D], SVector<f64, D>)) {
-        let center = self.centers[body];
+    /// All balls, cell after cell.
+    pub fn members(&self) -> &[Member<D>] {
+        &self.members
+    }
+
+    /// Calls `found(other, image, separation)` for each ball, image included, with its centre in the cells within
+    /// `range` of a centre in the box; `image` counts the boxes it was moved by ([`Domain::offset`]).
+    pub fn visit(&self, center: SVector<f64, D>, range: f64, mut found: impl FnMut(&Member<D>, [isize; D], SVector<f64, D>)) {
         // rounding must not hide a pair that sits on a cell face
         let range = SVector::repeat(range * (1.0 + 1e-9));
         let (lower, upper, rows) = (center - range, center + range, self.counts[1] as isize);
@@ -48,30 +57,50 @@ impl<'a, const D: usize> Cells<'a, D> {
                 }))
             });
             (first[1], last[1]) = (first[1].max(row * rows), last[1].min((row + 1) * rows - 1));
-            for_each_index(first, last, |cell| {
-                let (flat, image) = self.wrap(cell);
+            self.for_each_run(first, last, |members, image| {
                 let offset = self.domain.offset(image);
-                for &other in &self.members[self.starts[flat]..self.starts[flat + 1]] {
-                    found(other, image, self.centers[other] - center + offset);
+                for other in members {
+                    found(other, image, other.ball.center - center + offset);
                 }
             });
         }
     }
 
-    fn sort(&mut self) {
-        let owners: Vec<usize> = self.centers.iter().map(|&center| self.owner(center)).collect();
-        self.starts = vec![0; self.counts.iter().product::<usize>() + 1];
+    /// Calls `action(members, image)` for each run of cells along the first axis within one image of the box, between two corners.
+    fn for_each_run(&self, first: [isize; D], last: [isize; D], mut action: impl FnMut(&[Member<D>], [isize; D])) {
+        let (columns, mut end) = (self.counts[0] as isize, last);
+        end[0] = first[0];
+        for_each_index(first, end, |mut cell| {
+            while cell[0] <= last[0] {
+                let (flat, image) = self.wrap(cell);
+                let length = (last[0] + 1).min((image[0] + 1) * columns) - cell[0];
+                action(&self.members[self.starts[flat]..self.starts[flat + length as usize]], image);
+                cell[0] += length;
+            }
+        });
+    }
+
+    fn sort(&mut self, balls: &[Ball<D>]) {
+        let members: Vec<Member<D>> = balls
+            .iter()
+            .enumerate()
+            .map(|(body, ball)| Member { body, ball: Ball { center: self.domain.wrap(ball.center), ..*ball } })
+            .collect();
+        let owners: Vec<usize> = members.iter().map(|member| self.owner(member.ball.center)).collect();
+        let mut starts = vec![0; self.counts.iter().product::<usize>() + 1];
         for &owner in &owners {
-            self.starts[owner + 1] += 1;
+            starts[owner + 1] += 1;
         }
-        for cell in 1..self.starts.len() {
-            self.starts[cell] += self.starts[cell - 1];
+        for cell in 1..starts.len() {
+            starts[cell] += starts[cell - 1];
         }
-        let mut next = self.starts.clone();
-        for (body, &owner) in owners.iter().enumerate() {
-            self.members[next[owner]] = body;
+        self.members = members.clone();
+        let mut next = starts.clone();
+        for (member, owner) in members.into_iter().zip(owners) {
+            self.members[next[owner]] = member;
             next[owner] += 1;
         }
+        self.starts = starts;
     }
 
     /// Flat index of the cell that holds a wrapped centre.

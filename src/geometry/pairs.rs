@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use nalgebra::SVector;
 
-use super::cells::Cells;
+use super::cells::{Cells, Member};
 use super::{Ball, Domain};
 
 /// Two balls near each other, or a ball near its own periodic image.
@@ -41,12 +41,12 @@ pub struct WallPair<const D: usize> {
 pub fn near_pairs<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], reach: f64) -> Vec<Pair<D>> {
     let cells = Cells::new(domain, balls);
     let mut pairs = Vec::new();
-    for (body, ball) in balls.iter().enumerate() {
-        let range = 2.0 * ball.radius + reach;
-        cells.visit(body, range, |other, image, separation| {
-            let gap = separation.norm() - ball.radius - balls[other].radius;
-            if gap < reach && belongs(balls, body, other, image) {
-                pairs.push(ordered_pair(body, other, separation, gap));
+    for member in cells.members() {
+        let ball = member.ball;
+        cells.visit(ball.center, 2.0 * ball.radius + reach, |other, image, separation| {
+            let gap = separation.norm() - ball.radius - other.ball.radius;
+            if gap < reach && belongs(member, other, image) {
+                pairs.push(ordered_pair(member.body, other.body, separation, gap));
             }
         });
     }
@@ -72,13 +72,13 @@ pub fn near_walls<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], reach: 
     pairs
 }
 
-/// Whether `body` is the one of the two that reports the pair: the larger, or else the later.
-fn belongs<const D: usize>(balls: &[Ball<D>], body: usize, other: usize, image: [isize; D]) -> bool {
-    if body == other {
+/// Whether the first of two balls is the one that reports the pair: the larger, or else the later.
+fn belongs<const D: usize>(one: &Member<D>, other: &Member<D>, image: [isize; D]) -> bool {
+    if one.body == other.body {
         return image > [0; D];
     }
-    let (radius, other_radius) = (balls[body].radius, balls[other].radius);
-    other_radius < radius || (other_radius == radius && other < body)
+    let (radius, other_radius) = (one.ball.radius, other.ball.radius);
+    other_radius < radius || (other_radius == radius && other.body < one.body)
 }
 
 fn ordered_pair<const D: usize>(body: usize, other: usize, separation: SVector<f64, D>, gap: f64) -> Pair<D> {
