@@ -40,9 +40,14 @@ impl<'a, const D: usize> Levels<'a, D> {
         let exponent = exponent(ball.radius);
         let level = self.levels.entry(exponent).or_insert_with(|| Level::new(self.domain, exponent));
         let center = self.domain.wrap(ball.center);
-        let cell = level.cell(self.domain, &center);
-        let inside = std::array::from_fn(|axis| cell[axis].clamp(0, level.counts[axis] as i64 - 1));
-        level.members.entry(inside).or_default().push((number, center));
+        level.members.entry(level.inside(self.domain, &center)).or_default().push((number, center));
+    }
+
+    /// Takes out a ball that was added with this number.
+    pub fn remove(&mut self, number: usize, ball: &Ball<D>) {
+        let Some(level) = self.levels.get_mut(&exponent(ball.radius)) else { return };
+        let cell = level.inside(self.domain, &self.domain.wrap(ball.center));
+        level.members.entry(cell).or_default().retain(|&(other, _)| other != number);
     }
 
     /// Calls `found(number, distance of the centres)` for each image of a ball near one that is not larger than it.
@@ -51,14 +56,25 @@ impl<'a, const D: usize> Levels<'a, D> {
     pub fn visit(&self, ball: &Ball<D>, mut found: impl FnMut(usize, f64)) {
         let center = self.domain.wrap(ball.center);
         for (_, level) in self.levels.range(exponent(ball.radius)..) {
-            level.visit(self.domain, &center, &mut found);
+            level.visit(self.domain, &center, level.reach, &mut found);
+        }
+    }
+
+    /// Calls `found(number)` for each image of a ball, of any size, whose centre may be nearer to that of a ball than `factor` times the sum of
+    /// their radii.
+    pub fn visit_within(&self, ball: &Ball<D>, factor: f64, mut found: impl FnMut(usize)) {
+        let center = self.domain.wrap(ball.center);
+        for (&exponent, level) in &self.levels {
+            let range = factor * (ball.radius + largest(exponent)) * (1.0 + 1e-9);
+            let reach = std::array::from_fn(|axis| (range * level.counts[axis] / self.domain.size[axis]).ceil() as i64);
+            level.visit(self.domain, &center, reach, &mut |number, _| found(number));
         }
     }
 }
 
 impl<const D: usize> Level<D> {
     fn new(domain: &Domain<D>, exponent: i32) -> Self {
-        let edge = 2.0 * 2.0_f64.powi(exponent);
+        let edge = 2.0 * largest(exponent);
         let counts: [f64; D] = std::array::from_fn(|axis| (domain.size[axis] / edge).floor().clamp(1.0, MOST_CELLS));
         let reach = std::array::from_fn(|axis| (edge * counts[axis] / domain.size[axis] * (1.0 - 1e-9)).ceil().max(1.0) as i64);
         Level { counts, reach, members: HashMap::new() }
@@ -69,15 +85,22 @@ impl<const D: usize> Level<D> {
         std::array::from_fn(|axis| (point[axis] / domain.size[axis] * self.counts[axis]).floor() as i64)
     }
 
-    fn visit(&self, domain: &Domain<D>, center: &SVector<f64, D>, found: &mut impl FnMut(usize, f64)) {
+    /// The cell of the box that holds a point or is next to it.
+    fn inside(&self, domain: &Domain<D>, point: &SVector<f64, D>) -> [i64; D] {
+        let cell = self.cell(domain, point);
+        std::array::from_fn(|axis| cell[axis].clamp(0, self.counts[axis] as i64 - 1))
+    }
+
+    /// Visits the cells so many to each side of a point along each axis.
+    fn visit(&self, domain: &Domain<D>, center: &SVector<f64, D>, reach: [i64; D], found: &mut impl FnMut(usize, f64)) {
         let rows = self.cell(domain, center)[1];
-        for row in rows - self.reach[1]..=rows + self.reach[1] {
+        for row in rows - reach[1]..=rows + reach[1] {
             let (up, row) = turns(domain, 1, row, self.counts[1] as i64);
             // seen from a row of images, the centre lies aside
             let aside = domain.offset(std::array::from_fn(|axis| if axis == 1 { up as isize } else { 0 }))[0];
             let own = self.cell(domain, &SVector::from_fn(|axis, _| if axis == 0 { center[0] - aside } else { center[axis] }));
-            for flat in 0..(0..D).filter(|&axis| axis != 1).map(|axis| 2 * self.reach[axis] + 1).product() {
-                let (place, image) = self.place(domain, own, row, up, flat);
+            for flat in 0..(0..D).filter(|&axis| axis != 1).map(|axis| 2 * reach[axis] + 1).product() {
+                let (place, image) = self.place(domain, own, reach, [row, up], flat);
                 let offset = domain.offset(image.map(|turns| turns as isize));
                 for (number, other) in self.members.get(&place).into_iter().flatten() {
                     found(*number, (other + offset - center).norm());
@@ -87,11 +110,11 @@ impl<const D: usize> Level<D> {
     }
 
     /// One of the cells of a row around a cell, and the image of the box in which it lies.
-    fn place(&self, domain: &Domain<D>, own: [i64; D], row: i64, up: i64, mut flat: i64) -> ([i64; D], [i64; D]) {
+    fn place(&self, domain: &Domain<D>, own: [i64; D], reach: [i64; D], [row, up]: [i64; 2], mut flat: i64) -> ([i64; D], [i64; D]) {
         let (mut place, mut image) = ([row; D], [up; D]);
         for axis in (0..D).filter(|&axis| axis != 1) {
-            let width = 2 * self.reach[axis] + 1;
-            let cell = own[axis] + flat % width - self.reach[axis];
+            let width = 2 * reach[axis] + 1;
+            let cell = own[axis] + flat % width - reach[axis];
             (image[axis], place[axis]) = turns(domain, axis, cell, self.counts[axis] as i64);
             flat /= width;
         }
@@ -102,6 +125,11 @@ impl<const D: usize> Level<D> {
 /// How many boxes away a cell lies along an axis, and its image in the box; along walls it stays where it is.
 fn turns<const D: usize>(domain: &Domain<D>, axis: usize, cell: i64, count: i64) -> (i64, i64) {
     if domain.periodic(axis) { (cell.div_euclid(count), cell.rem_euclid(count)) } else { (0, cell) }
+}
+
+/// The largest radius of a level.
+fn largest(exponent: i32) -> f64 {
+    2.0_f64.powi(exponent)
 }
 
 /// The least power of two that is not below a radius.
