@@ -1,11 +1,11 @@
 //! The bodies of a setup as the linear system sees them: their blocks, their rows, their states.
 
-use std::rc::Rc;
+use std::{collections::HashMap, rc::Rc};
 
 use nalgebra::{DMatrix, SMatrix, SVector};
 
 use super::{
-    BodyState, Setup,
+    BodyState, Setup, SuspendedBody,
     pair_constraint::RigidVector,
     surfaces::{BodyOperator, Inverse},
 };
@@ -84,16 +84,15 @@ impl<const D: usize> BodyType<D> {
 impl<const D: usize> BodyTypes<D> {
     /// The kinds of a setup's bodies.
     pub fn new(setup: &Setup<D>, grid: &Grid<D>) -> BodyTypes<D> {
-        let mut kinds: Vec<BodyType<D>> = Vec::new();
-        let mut kind_of = Vec::new();
-        for suspended in &setup.bodies {
+        let (mut kinds, mut known) = (Vec::new(), HashMap::new());
+        let kind_of = |suspended: &SuspendedBody<D>| {
             let (radius, order) = (suspended.body.ball.radius, suspended.order);
-            let known = kinds.iter().position(|kind| kind.radius == radius && kind.order == order);
-            kind_of.push(known.unwrap_or_else(|| {
+            *known.entry((radius.to_bits(), order)).or_insert_with(|| {
                 kinds.push(BodyType::new(radius, order, setup, grid));
                 kinds.len() - 1
-            }));
-        }
+            })
+        };
+        let kind_of = setup.bodies.iter().map(kind_of).collect();
         let given = if setup.interactions.resist() { Given::Motions } else { Given::Forces };
         BodyTypes { kinds, kind_of, pair_tables: PairTables::new(given) }
     }

@@ -1,6 +1,6 @@
 //! Contacts of bodies in a flow over a step: who presses, as if each body were alone in the fluid but for the films that it has.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use nalgebra::SVector;
 
@@ -83,8 +83,8 @@ impl<const D: usize> ContactStep<'_, D> {
 
     /// The contacts that stick but are not held: they pull as they let go.
     pub fn loose(&self, pressed: &[ContactForce<D>]) -> Vec<ContactForce<D>> {
-        let held = |bound: &&ContactForce<D>| pressed.iter().any(|pressed| pressed.contact.identity() == bound.contact.identity());
-        self.bounds.iter().filter(|bound| !held(bound)).copied().collect()
+        let held: HashSet<Identity<D>> = pressed.iter().map(|pressed| pressed.contact.identity()).collect();
+        self.bounds.iter().filter(|bound| !held.contains(&bound.contact.identity())).copied().collect()
     }
 
     /// The same contacts but for the first that pulls more than it may, which goes, or that is not held and closes too far, which comes; velocities
@@ -96,8 +96,10 @@ impl<const D: usize> ContactStep<'_, D> {
         fastest: f64,
         slack: f64,
     ) -> Vec<ContactForce<D>> {
+        let places: HashMap<Identity<D>, usize> =
+            pressed.iter().enumerate().map(|(place, pressed)| (pressed.contact.identity(), place)).collect();
         for contact in self.arrangement.near(2.0 * fastest * self.step) {
-            match pressed.iter().position(|pressed| pressed.contact.identity() == contact.identity()) {
+            match places.get(&contact.identity()).copied() {
                 Some(place) if pressed[place].force < self.least(&contact) - slack * self.softest(&contact) => {
                     pressed.remove(place);
                     return pressed;
