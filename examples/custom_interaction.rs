@@ -34,6 +34,10 @@ impl Interaction<2> for Dipoles {
         format!("forces of {} / r^4 between dipoles along y, up to gaps of {}", self.strength, self.gap)
     }
 
+    fn reach(&self, _: f64) -> f64 {
+        self.gap
+    }
+
     fn pair_forces(&self, arrangement: &Arrangement<2>) -> Vec<PairForce<2>> {
         let force = |contact: Contact<2>| {
             let (field, normal) = (Vector2::y(), contact.normal);

@@ -13,11 +13,24 @@ use mpi::{
 use crate::error::{Error, Result};
 pub use memory::{free_memory_bytes, peak_memory_bytes};
 
+/// What tells ranks that bodies in contact could not be kept apart, and that a solver did not converge; no exit codes.
+const CONTACT: i32 = -1;
+const DIVERGED: i32 = -2;
+
 /// All ranks of this run.
 pub struct World {
     communicator: SimpleCommunicator,
     /// Told of the bytes that this rank contributes to a collective.
     log: fn(usize),
+}
+
+/// The ranks that share something out among them: all of a run, or this process alone, which needs no MPI.
+#[derive(Clone, Copy)]
+pub enum Peers<'a> {
+    /// This process has it all.
+    Alone,
+    /// Each rank has a part.
+    All(&'a World),
 }
 
 /// How the entries of a buffer are shared out among the ranks, one rank's after the other's.
@@ -108,6 +121,18 @@ impl World {
         self.communicator.all_to_all_varcount_into(&sent, &mut received);
     }
 
+    /// Sends each rank so many of `sent`; gives what comes from all, one rank's after the other's, and how much from each.
+    pub fn send<T: Equivalence + Clone + Default>(&self, sent: &[T], counts: &[usize]) -> (Vec<T>, Vec<usize>) {
+        let counts: Vec<i32> = counts.iter().map(|&count| count as i32).collect();
+        let mut counts_received = vec![0; self.size()];
+        self.count(&counts);
+        self.communicator.all_to_all_into(&counts[..], &mut counts_received[..]);
+        let shares = Shares::new(counts_received);
+        let mut received = vec![T::default(); shares.total()];
+        self.exchange(sent, &Shares::new(counts), &mut received, &shares);
+        (received, shares.counts.iter().map(|&count| count as usize).collect())
+    }
+
     /// The text of rank `root`, on every rank.
     pub fn broadcast(&self, root: usize, text: &str) -> String {
         let process = self.communicator.process_at_rank(root as i32);
@@ -127,6 +152,8 @@ impl World {
         let Some(first) = failed.iter().position(|&failed| failed) else { return outcome };
         let (text, code) = match &outcome {
             Err(Error::Refused(refusal)) => (serde_json::to_string(refusal).expect("a refusal is plain text"), 2),
+            Err(Error::Diverged(text)) => (text.clone(), DIVERGED),
+            Err(Error::Contact { text, island }) => (serde_json::to_string(&[text, island]).expect("texts"), CONTACT),
             Err(error) => (error.to_string(), error.exit_code()),
             Ok(_) => (String::new(), 0),
         };
@@ -136,6 +163,11 @@ impl World {
             Err(error) if self.rank() == first => Err(error),
             // a file of that rank is told as text
             _ if code == 2 => Err(serde_json::from_str(&text).map_or_else(|_| Error::refused(text), Error::Refused)),
+            _ if code == DIVERGED => Err(Error::Diverged(text)),
+            _ if code == CONTACT => {
+                let [text, island] = serde_json::from_str(&text).expect("two texts were sent");
+                Err(Error::Contact { text, island })
+            }
             _ => Err(Error::Elsewhere { rank: first, text }),
         }
     }
@@ -160,6 +192,77 @@ impl World {
     /// Stops all ranks at once.
     pub fn abort(&self, code: i32) -> ! {
         self.communicator.abort(code)
+    }
+}
+
+impl<'a> From<&'a World> for Peers<'a> {
+    fn from(world: &'a World) -> Peers<'a> {
+        if world.size() > 1 { Peers::All(world) } else { Peers::Alone }
+    }
+}
+
+impl Peers<'_> {
+    /// How many.
+    pub fn count(&self) -> usize {
+        self.world().map_or(1, World::size)
+    }
+
+    /// Number of this one, from 0.
+    pub fn rank(&self) -> usize {
+        self.world().map_or(0, World::rank)
+    }
+
+    fn world(&self) -> Option<&World> {
+        match self {
+            Peers::Alone => None,
+            Peers::All(world) => Some(world),
+        }
+    }
+
+    /// Largest value over all.
+    pub fn max(&self, value: f64) -> f64 {
+        self.world().map_or(value, |world| world.max(value))
+    }
+
+    /// Smallest value over all.
+    pub fn min(&self, value: f64) -> f64 {
+        -self.max(-value)
+    }
+
+    /// Whether it is so for any.
+    pub fn any(&self, so: bool) -> bool {
+        self.max(f64::from(so)) > 0.0
+    }
+
+    /// Sums each entry over all.
+    pub fn sum(&self, values: &mut [f64]) {
+        if let Some(world) = self.world() {
+            world.sum(values);
+        }
+    }
+
+    /// The values of all, one after the other.
+    pub fn gather<T: Equivalence + Clone + Default>(&self, local: &[T]) -> Vec<T> {
+        self.world().map_or_else(|| local.to_vec(), |world| world.gather(local))
+    }
+
+    /// See [`World::send`].
+    pub fn send<T: Equivalence + Clone + Default>(&self, sent: &[T], counts: &[usize]) -> (Vec<T>, Vec<usize>) {
+        self.world().map_or_else(|| (sent.to_vec(), counts.to_vec()), |world| world.send(sent, counts))
+    }
+
+    /// Sends each its letter and gives all that came, one after the other.
+    pub fn deliver(&self, letters: &[Vec<f64>]) -> Vec<f64> {
+        let counts: Vec<usize> = letters.iter().map(Vec::len).collect();
+        self.send(&letters.concat(), &counts).0
+    }
+
+    /// See [`World::agree`].
+    pub fn agree<T>(&self, outcome: Result<T>) -> Result<T> {
+        match self {
+            Peers::Alone => outcome,
+            Peers::All(world) => world.agree(outcome),
+        }
     }
 }
 

@@ -3,7 +3,9 @@
 mod centers;
 mod equilibrium;
 mod fire;
+mod halo;
 mod packing;
+mod regions;
 mod relaxation;
 mod search;
 mod twist;
@@ -13,7 +15,9 @@ use nalgebra::{SMatrix, SVector};
 use crate::geometry::Ball;
 pub use centers::{parse_centers, read_centers, read_text, usable};
 pub use equilibrium::equilibrium;
+pub use halo::{Halo, OwnBodies};
 pub use packing::pack;
+pub use regions::Regions;
 pub use twist::{Twist, components, planes, skew};
 
 /// What decides the motion of a body.

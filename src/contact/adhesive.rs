@@ -1,6 +1,6 @@
 //! Contacts that hold on to what they touch.
 
-use super::{Identity, Partner};
+use super::{Identity, Partner, bodies_of};
 
 /// A contact that sticks, and its memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,5 +19,16 @@ impl<const D: usize> AdhesiveContact<D> {
     /// What tells its contact from all others.
     pub fn identity(&self) -> Identity<D> {
         (self.body, self.partner, self.image)
+    }
+
+    /// The bodies that it concerns.
+    pub fn bodies(&self) -> impl Iterator<Item = usize> {
+        bodies_of(self.identity())
+    }
+}
+
+impl<const D: usize> From<(Identity<D>, f64)> for AdhesiveContact<D> {
+    fn from(((body, partner, image), gamma): (Identity<D>, f64)) -> AdhesiveContact<D> {
+        AdhesiveContact { body, partner, image, gamma }
     }
 }

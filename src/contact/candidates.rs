@@ -2,6 +2,7 @@
 
 use nalgebra::SVector;
 
+use super::{Identity, identity::renamed};
 use crate::geometry::{Ball, Domain, near_pairs, near_walls};
 
 /// What a body touches.
@@ -17,9 +18,6 @@ pub enum Partner {
         upper: bool,
     },
 }
-
-/// What tells a contact from all others, from step to step: the body, its partner, and the image of it.
-pub type Identity<const D: usize> = (usize, Partner, [i32; D]);
 
 /// A body and a partner that touch, or may within a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,6 +75,12 @@ impl<const D: usize> Contact<D> {
             Partner::Body(other) => Self::of_image(domain, balls, [body, other], image),
             Partner::Wall { axis, upper } => Self::of_wall(domain, balls, body, axis, upper),
         }
+    }
+
+    /// The same contact of bodies that are called otherwise, in the same order.
+    pub fn renamed(&self, name: impl Fn(usize) -> usize) -> Self {
+        let (body, partner, _) = renamed(self.identity(), name);
+        Self { body, partner, ..*self }
     }
 
     /// The partner, if it is a body.

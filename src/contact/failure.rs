@@ -2,8 +2,15 @@
 
 use serde_json::{Value, json};
 
-use super::{Contact, KktReport, Partner, Problem, paths::swept_balls, solver::Outcome};
-use crate::error::{Error, Result};
+use super::{
+    Contact, KktReport, Partner, Problem,
+    paths::{Motions, common_motion, swept_balls},
+    solver::Outcome,
+};
+use crate::{
+    error::{Error, Result},
+    parallel::Peers,
+};
 
 /// Largest weight over the smallest: beyond it what is between is rounding.
 const LARGEST_RATIO: f64 = 1e12;
@@ -12,50 +19,72 @@ const LARGEST_RATIO: f64 = 1e12;
 const MOST_VISITS: f64 = 1e9;
 
 /// Refuses weights and steps that are not positive, velocities that are not finite, and steps so long that to look who meets takes for ever.
+/// Collective: the same on all ranks.
 ///
 /// # Panics
 /// If lengths differ.
-pub(super) fn check<const D: usize>(problem: &Problem<D>) -> Result<()> {
+pub(super) fn check<const D: usize>(peers: Peers, problem: &Problem<D>) -> Result<()> {
     let count = problem.balls.len();
     assert!(problem.weights.len() == count && problem.velocities.len() == count, "each ball has a weight and a velocity");
+    peers.agree(check_bodies(problem))?;
+    let ratio = weight_ratio(peers, problem);
+    if ratio > LARGEST_RATIO {
+        let text = format!(
+            "bodies weigh {ratio:.1e} times as much as others, and forces are found up to {LARGEST_RATIO:e}; choose nearer densities"
+        );
+        return peers.agree(Err(error(problem, &[], &[], text)));
+    }
+    if visits(peers, problem) > MOST_VISITS {
+        return too_far(peers, problem);
+    }
+    Ok(())
+}
+
+fn check_bodies<const D: usize>(problem: &Problem<D>) -> Result<()> {
     if !(problem.step > 0.0 && problem.step.is_finite()) {
         let text = format!("a step of {} is none; try weaker forces or a fixed time.step", problem.step);
         return Err(error(problem, &[], &[], text));
     }
     // the weight of what no contact can move is infinite
     if let Some(body) = problem.weights.iter().position(|weight| weight.is_nan() || *weight <= 0.0) {
-        let text = format!("body {body} weighs {}; change its density or radius", problem.weights[body]);
+        let text = format!("body {} weighs {}; change its density or radius", problem.number(body), problem.weights[body]);
         return Err(error(problem, &[body], &[], text));
     }
-    let ratio = weight_ratio(problem);
-    if ratio > LARGEST_RATIO {
-        let text = format!(
-            "bodies weigh {ratio:.1e} times as much as others, and forces are found up to {LARGEST_RATIO:e}; choose nearer densities"
-        );
-        return Err(error(problem, &[], &[], text));
-    }
-    let displacement = |body: usize| (problem.velocities[body] * problem.step).norm();
-    if let Some(body) = (0..count).find(|&body| !displacement(body).is_finite()) {
-        return Err(error(problem, &[body], &[], format!("body {body} has a velocity that is not finite; try a smaller time.step")));
-    }
-    if visits(problem) > MOST_VISITS {
-        let fastest = (0..count).max_by(|&one, &two| f64::total_cmp(&displacement(one), &displacement(two))).unwrap_or(0);
-        let radii = displacement(fastest) / problem.balls[fastest].radius;
-        let text = format!("body {fastest} moves by {radii:.3e} of its radius in one step; try a smaller time.step");
-        return Err(error(problem, &[fastest], &[], text));
+    if let Some(body) = (0..problem.balls.len()).find(|&body| !displacement(problem, body).is_finite()) {
+        let text = format!("body {} has a velocity that is not finite; try a smaller time.step", problem.number(body));
+        return Err(error(problem, &[body], &[], text));
     }
     Ok(())
 }
 
+/// How far a body wants to move in the step.
+fn displacement<const D: usize>(problem: &Problem<D>, body: usize) -> f64 {
+    (problem.velocities[body] * problem.step).norm()
+}
+
+/// The error of bodies that move so far that all may meet all, told by the rank of the farthest.
+fn too_far<const D: usize>(peers: Peers, problem: &Problem<D>) -> Result<()> {
+    let farthest = (0..problem.balls.len()).map(|body| displacement(problem, body)).fold(0.0, f64::max);
+    let all = peers.max(farthest);
+    let body = (0..problem.balls.len()).find(|&body| displacement(problem, body) == all);
+    peers.agree(body.map_or(Ok(()), |body| {
+        let radii = all / problem.balls[body].radius;
+        let text = format!("body {} moves by {radii:.3e} of its radius in one step; try a smaller time.step", problem.number(body));
+        Err(error(problem, &[body], &[], text))
+    }))
+}
+
 /// About how many bodies are visited to find all pairs of paths.
-fn visits<const D: usize>(problem: &Problem<D>) -> f64 {
-    let moves: Vec<_> = problem.velocities.iter().map(|velocity| velocity * problem.step).collect();
+fn visits<const D: usize>(peers: Peers, problem: &Problem<D>) -> f64 {
+    let motions = Motions { velocities: problem.velocities, common: common_motion(peers, problem, problem.velocities) };
     let along = |axis: usize, radius: f64| {
         let boxes = 4.0 * radius / problem.domain.size[axis];
         if problem.domain.periodic(axis) { boxes } else { boxes.min(1.0) }
     };
     let share = |radius: f64| (0..D).map(|axis| along(axis, radius)).product::<f64>();
-    swept_balls(problem, &moves, 0.0).iter().map(|ball| share(ball.radius) * moves.len() as f64).sum()
+    let mut sums = [swept_balls(problem, &motions, 0.0).iter().map(|ball| share(ball.radius)).sum(), problem.balls.len() as f64];
+    peers.sum(&mut sums);
+    sums[0] * sums[1]
 }
 
 /// The error of an island that was not solved.
@@ -68,7 +97,7 @@ pub(super) fn failure<const D: usize>(problem: &Problem<D>, contacts: &[Contact<
         Outcome::Infeasible => "bodies are squeezed with no way out",
         _ => "the solver stopped before the forces were found",
     };
-    let named: Vec<String> = bodies.iter().take(5).map(usize::to_string).collect();
+    let named: Vec<String> = bodies.iter().take(5).map(|&body| problem.number(body).to_string()).collect();
     let more = if bodies.len() > named.len() { ", .." } else { "" };
     let (count, pairs) = (bodies.len(), contacts.len());
     let text = format!("contact of {count} bodies ({}{more}) at {pairs} places failed: {what}; try a smaller time.step", named.join(", "));
@@ -82,18 +111,18 @@ pub(super) fn endless<const D: usize>(problem: &Problem<D>, rounds: usize, conta
 }
 
 /// The largest weight of a body that gives way over the smallest.
-fn weight_ratio<const D: usize>(problem: &Problem<D>) -> f64 {
+fn weight_ratio<const D: usize>(peers: Peers, problem: &Problem<D>) -> f64 {
     let (least, most) = problem
         .weights
         .iter()
         .filter(|weight| weight.is_finite())
         .fold((f64::INFINITY, 0.0_f64), |(least, most), &weight| (least.min(weight), most.max(weight)));
-    most / least
+    peers.max(most) / peers.min(least)
 }
 
 /// The error of forces that do not keep bodies apart.
-pub(super) fn unkept<const D: usize>(problem: &Problem<D>, found: &KktReport) -> Error {
-    let (residual, contacts, ratio) = (found.kkt_residual, found.pairs, weight_ratio(problem));
+pub(super) fn unkept<const D: usize>(peers: Peers, problem: &Problem<D>, found: &KktReport) -> Error {
+    let (residual, contacts, ratio) = (found.kkt_residual, found.pairs, weight_ratio(peers, problem));
     let text = format!(
         "the forces found at {contacts} contacts leave a residual of {residual:.1e} radii, between bodies whose weights differ by a factor \
          of {ratio:.1e}; try densities nearer to each other or a smaller time.step"
@@ -106,7 +135,7 @@ fn error<const D: usize>(problem: &Problem<D>, bodies: &[usize], contacts: &[Con
     let body = |&body: &usize| {
         let (ball, velocity) = (&balls[body], velocities[body].as_slice());
         // an infinite weight becomes null
-        json!({ "index": body, "radius": ball.radius, "center": ball.center.as_slice(), "wanted": velocity, "weight": weights[body] })
+        json!({ "index": problem.number(body), "radius": ball.radius, "center": ball.center.as_slice(), "wanted": velocity, "weight": weights[body] })
     };
     let periodic: Vec<bool> = (0..D).map(|axis| domain.periodic(axis)).collect();
     let island = json!({
@@ -115,7 +144,7 @@ fn error<const D: usize>(problem: &Problem<D>, bodies: &[usize], contacts: &[Con
         "shift": domain.slide().map(|slide| slide.shift()),
         "step": step,
         "bodies": bodies.iter().map(body).collect::<Vec<_>>(),
-        "contacts": contacts.iter().map(touch).collect::<Vec<_>>(),
+        "contacts": contacts.iter().map(|contact| touch(&contact.renamed(|body| problem.number(body)))).collect::<Vec<_>>(),
     });
     Error::Contact { text, island: island.to_string() }
 }

@@ -8,27 +8,10 @@ use super::{
     lower_bounds::solve_above,
     program::{Answer, Program},
     solver::Outcome,
-    union_find::UnionFind,
 };
 
 /// Smallest violation, in radii, that the unknowns are scaled by: impossible constraints by rounding are none.
 const SMALLEST_SCALE: f64 = 1e-6;
-
-/// The contacts of each island, as places in `contacts`; bodies that do not give way and walls connect nothing.
-pub(super) fn islands<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>]) -> Vec<Vec<usize>> {
-    let mut bodies = UnionFind::new(problem.balls.len());
-    for contact in contacts {
-        if let Some(other) = contact.other().filter(|&other| problem.gives_way(contact.body) && problem.gives_way(other)) {
-            bodies.join(contact.body, other);
-        }
-    }
-    let mut members = vec![Vec::new(); problem.balls.len()];
-    for (place, contact) in contacts.iter().enumerate() {
-        members[bodies.root(free_body(problem, contact))].push(place);
-    }
-    members.retain(|contacts| !contacts.is_empty());
-    members
-}
 
 /// The body of a contact that gives way, the first if both do.
 pub(super) fn free_body<const D: usize>(problem: &Problem<D>, contact: &Contact<D>) -> usize {

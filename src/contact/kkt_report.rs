@@ -2,8 +2,8 @@
 
 use nalgebra::SVector;
 
-use super::{Contact, ContactForce, Problem, Solver, island::islands, paths::Path};
-use crate::geometry::Ball;
+use super::{Contact, ContactForce, Problem, Solver, View, island::free_body, paths::Path};
+use crate::{geometry::Ball, parallel::Peers};
 
 /// Forces below this part of the largest are rounding.
 const ROUNDING: f64 = 1e-13;
@@ -50,44 +50,71 @@ impl KktReport {
             rounds: 0,
         }
     }
+
+    /// The same of the forces of all ranks, each of which one rank tells. Collective.
+    pub fn over(&self, peers: Peers) -> KktReport {
+        let mut sums = [self.pairs as f64, self.active as f64, self.total_force];
+        peers.sum(&mut sums);
+        KktReport {
+            pairs: sums[0] as usize,
+            active: sums[1] as usize,
+            smallest_gap: peers.min(self.smallest_gap),
+            total_force: sums[2],
+            ..*self
+        }
+    }
 }
 
-/// The KKT report of an answer, without its cost.
+/// The KKT report of an answer of all ranks, without its cost. Collective.
 pub(super) fn certify<const D: usize>(
+    peers: Peers,
+    view: &View<D>,
     problem: &Problem<D>,
-    velocities: &[SVector<f64, D>],
     forces: &[ContactForce<D>],
     paths: &[Path<D>],
 ) -> KktReport {
     let relative = |path: &Path<D>| path.last_gap / path.contact.smaller_radius(problem.balls);
     let contacts: Vec<Contact<D>> = forces.iter().map(|force| force.contact).collect();
-    let rounding = ROUNDING * forces.iter().map(|force| force.force.abs()).fold(0.0, f64::max);
-    let bears = |force: &ContactForce<D>| force.force.abs() > rounding;
-    let acts = |island: &Vec<usize>| island.iter().any(|&place| bears(&forces[place]));
+    let rounding = ROUNDING * peers.max(forces.iter().map(|force| force.force.abs()).fold(0.0, f64::max));
+    let bears = |force: &&ContactForce<D>| force.force.abs() > rounding;
+    let answered = || forces.iter().filter(|force| view.answers(force.contact.identity()));
+    let mut acts = vec![0.0; problem.balls.len()];
+    forces.iter().filter(bears).for_each(|force| acts[free_body(problem, &force.contact)] = -1.0);
+    let islands = acting_islands(peers, view, &contacts, acts);
+    let mut sums =
+        [answered().count() as f64, answered().filter(bears).count() as f64, answered().map(|force| force.force).sum(), islands as f64];
+    peers.sum(&mut sums);
     KktReport {
-        pairs: forces.len(),
-        active: forces.iter().filter(|force| bears(force)).count(),
-        smallest_gap: paths.iter().map(relative).fold(f64::INFINITY, f64::min),
-        kkt_residual: stationarity(problem, velocities, &contacts, forces).max(complementarity(problem, velocities, forces)),
-        total_force: forces.iter().map(|force| force.force).sum(),
+        pairs: sums[0] as usize,
+        active: sums[1] as usize,
+        smallest_gap: peers.min(paths.iter().map(relative).fold(f64::INFINITY, f64::min)),
+        kkt_residual: peers.max(stationarity(view, problem, &contacts, forces).max(complementarity(problem, &view.velocities, forces))),
+        total_force: sums[2],
         iterations: 0,
         solver: Solver::Formula,
-        islands: islands(problem, &contacts).iter().filter(|island| acts(island)).count(),
+        islands: sums[3] as usize,
         rounds: 0,
     }
 }
 
-/// Largest `|v - (wanted + forces / w)| dt` in radii.
-fn stationarity<const D: usize>(
-    problem: &Problem<D>,
-    velocities: &[SVector<f64, D>],
-    contacts: &[Contact<D>],
-    forces: &[ContactForce<D>],
-) -> f64 {
+/// How many islands with a body that acts have their first body on this rank.
+fn acting_islands<const D: usize>(peers: Peers, view: &View<D>, contacts: &[Contact<D>], mut acts: Vec<f64>) -> usize {
+    if !peers.any(acts.contains(&-1.0)) {
+        return 0;
+    }
+    let numbers = view.halo.numbers();
+    let (mut sets, mut firsts) = (view.sets(contacts), numbers.iter().map(|&number| number as f64).collect::<Vec<_>>());
+    view.spread_least(peers, &mut sets, &mut firsts);
+    view.spread_least(peers, &mut sets, &mut acts);
+    view.halo.own().iter().filter(|&&body| acts[body] < 0.0 && firsts[body] as usize == numbers[body]).count()
+}
+
+/// Largest `|v - (wanted + forces / w)| dt` in radii, over the own bodies.
+fn stationarity<const D: usize>(view: &View<D>, problem: &Problem<D>, contacts: &[Contact<D>], forces: &[ContactForce<D>]) -> f64 {
     let forces: Vec<f64> = forces.iter().map(|force| force.force).collect();
     let explained = problem.corrected_velocities(contacts, &forces);
-    let change = |body: usize| (velocities[body] - explained[body]).norm() * problem.step / problem.balls[body].radius;
-    (0..velocities.len()).map(change).fold(0.0, f64::max)
+    let change = |&body: &usize| (view.velocities[body] - explained[body]).norm() * problem.step / problem.balls[body].radius;
+    view.halo.own().iter().map(change).fold(0.0, f64::max)
 }
 
 /// Largest `|min(force - floor, gap)|` in radii, which is nought just if both are non-negative and one is nought.

@@ -2,10 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{Contact, Partner};
-
-/// What tells a contact from all others: body, partner and image.
-type Identity<const D: usize> = (usize, Partner, [i32; D]);
+use super::Identity;
 
 /// Forces by contact.
 #[derive(Debug, Clone, Default)]
@@ -15,8 +12,8 @@ pub struct Memory<const D: usize> {
 
 impl<const D: usize> Memory<D> {
     /// The force of a contact; none if it is new.
-    pub(super) fn force(&self, contact: &Contact<D>) -> f64 {
-        self.forces.get(&contact.identity()).copied().unwrap_or(0.0)
+    pub(super) fn force(&self, identity: &Identity<D>) -> f64 {
+        self.forces.get(identity).copied().unwrap_or(0.0)
     }
 }
 

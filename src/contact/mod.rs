@@ -23,8 +23,10 @@ mod adhesive;
 mod candidates;
 mod cholesky;
 mod clarabel;
+mod distribute;
 mod failure;
 mod force;
+mod identity;
 mod interior_point;
 mod island;
 mod kkt_report;
@@ -38,16 +40,19 @@ mod replay;
 mod share;
 mod solver;
 mod union_find;
+mod view;
 
 #[cfg(test)]
 mod tests;
 
 pub use adhesive::AdhesiveContact;
-pub use candidates::{Contact, Identity, Partner, candidates};
+pub use candidates::{Contact, Partner, candidates};
 pub use force::ContactForce;
+pub use identity::{Identity, bodies_of, pack, packed_length, renamed, unpack};
 pub use kkt_report::KktReport;
 pub use memory::Memory;
 pub use problem::Problem;
-pub use project::{Projection, project, project_from};
+pub use project::{Projection, ProjectionShare, project, project_share};
 pub use replay::Island;
 pub use solver::Solver;
+pub use view::{ProblemShare, View};

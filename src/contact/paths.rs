@@ -7,7 +7,10 @@
 use nalgebra::SVector;
 
 use super::{Contact, Problem};
-use crate::geometry::{Ball, near_pairs, near_walls};
+use crate::{
+    geometry::{Ball, near_pairs, near_walls},
+    parallel::Peers,
+};
 
 /// What becomes of a pair in a step.
 pub(super) struct Path<const D: usize> {
@@ -19,41 +22,56 @@ pub(super) struct Path<const D: usize> {
     pub last_gap: f64,
 }
 
-/// All pairs with a gap below `margin` (in radii) somewhere on the way, and others; pairs of which nobody gives way are left out.
-pub(super) fn paths<const D: usize>(problem: &Problem<D>, velocities: &[SVector<f64, D>], margin: f64) -> Vec<Path<D>> {
-    let moves: Vec<_> = velocities.iter().map(|velocity| velocity * problem.step).collect();
-    let mut paths = body_paths(problem, &moves, margin);
-    paths.extend(wall_paths(problem, &moves, margin));
+/// How bodies move in a step.
+pub(super) struct Motions<'a, const D: usize> {
+    /// Their velocities.
+    pub velocities: &'a [SVector<f64, D>],
+    /// How all of them move together.
+    pub common: SVector<f64, D>,
+}
+
+/// All pairs with a gap below `margin` (in radii) somewhere on the way, and others; pairs of which nobody gives way are left out, and those
+/// that concern no body of which `own` is true.
+pub(super) fn paths<const D: usize>(problem: &Problem<D>, motions: &Motions<D>, margin: f64, own: impl Fn(usize) -> bool) -> Vec<Path<D>> {
+    let mut paths = body_paths(problem, motions, margin, &own);
+    paths.extend(wall_paths(problem, motions, margin).filter(|path| own(path.contact.body)));
     paths
 }
 
-/// Balls that enclose what bodies cover in a step, seen from the common motion, in the places of half the step.
-pub(super) fn swept_balls<const D: usize>(problem: &Problem<D>, moves: &[SVector<f64, D>], margin: f64) -> Vec<Ball<D>> {
-    let Problem { domain, balls, step, .. } = *problem;
-    let own: Vec<_> = balls.iter().zip(moves).map(|(ball, own)| own - domain.carried(&ball.center) * step).collect();
-    let common = common_move(&own);
-    // of two that meet, half the strain moves one centre aside by that part of their distance along y
-    let strain = (domain.shear_rate() * step).abs();
-    let around = |((ball, moved), own): ((&Ball<D>, &SVector<f64, D>), &SVector<f64, D>)| {
-        let swept = (own - common).norm() / 2.0;
-        let radius = ball.radius * (1.0 + margin / 2.0) * (1.0 + strain / 2.0) + swept * (1.0 + strain);
-        Ball { center: ball.center + moved / 2.0, radius }
-    };
-    balls.iter().zip(moves).zip(&own).map(around).collect()
+/// How the bodies of all ranks move together, seen from the images: the median. Collective.
+pub(super) fn common_motion<const D: usize>(peers: Peers, problem: &Problem<D>, velocities: &[SVector<f64, D>]) -> SVector<f64, D> {
+    let own: Vec<_> =
+        problem.balls.iter().zip(velocities).map(|(ball, own)| (own - problem.domain.carried(&ball.center)) * problem.step).collect();
+    SVector::from_fn(|axis, _| median(peers, own.iter().map(|own| own[axis]).collect()))
 }
 
-fn body_paths<const D: usize>(problem: &Problem<D>, moves: &[SVector<f64, D>], margin: f64) -> Vec<Path<D>> {
+/// Balls that enclose what bodies cover in a step, seen from the common motion, in the places of half the step.
+pub(super) fn swept_balls<const D: usize>(problem: &Problem<D>, motions: &Motions<D>, margin: f64) -> Vec<Ball<D>> {
+    let Problem { domain, balls, step, .. } = *problem;
+    // of two that meet, half the strain moves one centre aside by that part of their distance along y
+    let strain = (domain.shear_rate() * step).abs();
+    let around = |(ball, velocity): (&Ball<D>, &SVector<f64, D>)| {
+        let own = (velocity - domain.carried(&ball.center)) * step;
+        let swept = (own - motions.common).norm() / 2.0;
+        let radius = ball.radius * (1.0 + margin / 2.0) * (1.0 + strain / 2.0) + swept * (1.0 + strain);
+        Ball { center: ball.center + velocity * step / 2.0, radius }
+    };
+    balls.iter().zip(motions.velocities).map(around).collect()
+}
+
+fn body_paths<const D: usize>(problem: &Problem<D>, motions: &Motions<D>, margin: f64, own: &impl Fn(usize) -> bool) -> Vec<Path<D>> {
     let Problem { domain, balls, step, .. } = *problem;
     let halfway = domain.after(step / 2.0);
-    let swept = swept_balls(problem, moves, margin);
+    let swept = swept_balls(problem, motions, margin);
+    let moved = |body: usize| motions.velocities[body] * step;
     let mut paths = Vec::new();
     for pair in near_pairs(&halfway, &swept, 0.0) {
         let (first, second) = (pair.first, pair.second);
-        if first == second || !(problem.gives_way(first) || problem.gives_way(second)) {
+        if first == second || !(problem.gives_way(first) || problem.gives_way(second)) || !(own(first) || own(second)) {
             continue;
         }
         let image = halfway.image(pair.separation - (swept[second].center - swept[first].center));
-        let relative = moves[second] - moves[first] + domain.sliding() * (image[1] as f64 * step);
+        let relative = moved(second) - moved(first) + domain.sliding() * (image[1] as f64 * step);
         let contact = Contact::between(domain, balls, [first, second], pair.separation - relative / 2.0);
         let radii = balls[first].radius + balls[second].radius;
         let separation = contact.normal * contact.separation;
@@ -64,18 +82,16 @@ fn body_paths<const D: usize>(problem: &Problem<D>, moves: &[SVector<f64, D>], m
     paths
 }
 
-fn wall_paths<const D: usize>(problem: &Problem<D>, moves: &[SVector<f64, D>], margin: f64) -> Vec<Path<D>> {
-    let Problem { domain, balls, weights, .. } = *problem;
-    let reach = |body: usize| margin * balls[body].radius + moves[body].norm();
+fn wall_paths<const D: usize>(problem: &Problem<D>, motions: &Motions<D>, margin: f64) -> impl Iterator<Item = Path<D>> {
+    let Problem { domain, balls, weights, step, .. } = *problem;
+    let reach = move |body: usize| margin * balls[body].radius + motions.velocities[body].norm() * step;
     let longest = (0..balls.len()).map(reach).fold(0.0, f64::max);
     let near = near_walls(domain, balls, longest).into_iter();
-    near.filter(|pair| weights[pair.body].is_finite() && pair.gap <= reach(pair.body))
-        .map(|pair| {
-            let contact = Contact::of_wall(domain, balls, pair.body, pair.axis, pair.upper);
-            let last_gap = contact.gap + contact.opening(moves);
-            Path { contact, smallest_gap: contact.gap.min(last_gap), last_gap }
-        })
-        .collect()
+    near.filter(move |pair| weights[pair.body].is_finite() && pair.gap <= reach(pair.body)).map(move |pair| {
+        let contact = Contact::of_wall(domain, balls, pair.body, pair.axis, pair.upper);
+        let last_gap = contact.gap + step * contact.opening(motions.velocities);
+        Path { contact, smallest_gap: contact.gap.min(last_gap), last_gap }
+    })
 }
 
 /// Part of the step after which two bodies are nearest.
@@ -84,11 +100,58 @@ fn time_of_approach<const D: usize>(separation: &SVector<f64, D>, relative: &SVe
     if length > 0.0 { (-separation.dot(&(relative / length)) / length).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// The median of the moves, axis by axis: a few fast bodies do not change it.
-fn common_move<const D: usize>(moves: &[SVector<f64, D>]) -> SVector<f64, D> {
-    SVector::from_fn(|axis, _| {
-        let mut components: Vec<f64> = moves.iter().map(|own| own[axis]).collect();
-        let middle = components.len() / 2;
-        if components.is_empty() { 0.0 } else { *components.select_nth_unstable_by(middle, f64::total_cmp).1 }
-    })
+/// The median of the values of all ranks, 0 if there is none; a few that lie far away do not change it. Collective.
+///
+/// Found digit by digit of the numbers' order, so that it takes a few small sums over the ranks however many values there are.
+fn median(peers: Peers, values: Vec<f64>) -> f64 {
+    let total = |count: usize| {
+        let mut sum = [count as f64];
+        peers.sum(&mut sum);
+        sum[0] as usize
+    };
+    let mut rank_in_order = total(values.len()) / 2;
+    if total(values.len()) == 0 {
+        return 0.0;
+    }
+    let mut keys: Vec<u64> = values.into_iter().map(sortable).collect();
+    let mut found = 0;
+    for shift in (0..8).rev().map(|byte| 8 * byte) {
+        let mut counts = [0.0; 256];
+        keys.iter().for_each(|key| counts[(key >> shift) as usize & 255] += 1.0);
+        peers.sum(&mut counts);
+        let mut byte = 0;
+        while counts[byte] as usize <= rank_in_order {
+            rank_in_order -= counts[byte] as usize;
+            byte += 1;
+        }
+        keys.retain(|key| (key >> shift) as usize & 255 == byte);
+        found |= (byte as u64) << shift;
+    }
+    number(found)
+}
+
+/// A key in whose order numbers are sorted.
+fn sortable(number: f64) -> u64 {
+    let bits = number.to_bits();
+    if bits >> 63 == 1 { !bits } else { bits | 1 << 63 }
+}
+
+/// The number of a key.
+fn number(key: u64) -> f64 {
+    f64::from_bits(if key >> 63 == 1 { key & !(1 << 63) } else { !key })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_is_that_of_the_sorted_numbers() {
+        for count in [0, 1, 2, 5, 100, 1001] {
+            let values: Vec<f64> = (0..count).map(|place| f64::from(place * 7919 % 1009 - 500) * 1.7f64.powi(place % 90 - 45)).collect();
+            let mut sorted = values.clone();
+            sorted.sort_by(f64::total_cmp);
+            assert_eq!(median(Peers::Alone, values), sorted.get(count as usize / 2).copied().unwrap_or(0.0));
+        }
+    }
 }

@@ -10,6 +10,8 @@ use crate::geometry::{Ball, Domain};
 pub struct Problem<'a, const D: usize> {
     /// The box.
     pub domain: &'a Domain<D>,
+    /// Numbers of the bodies among all of the run, ascending; without them their places.
+    pub numbers: Option<&'a [usize]>,
     /// The bodies, where they are before the step.
     pub balls: &'a [Ball<D>],
     /// Force per unit of velocity that a body is turned aside by (mass over step in a dry run, a resistance in
@@ -26,6 +28,16 @@ pub struct Problem<'a, const D: usize> {
 }
 
 impl<const D: usize> Problem<'_, D> {
+    /// The number of the body at a place.
+    pub(super) fn number(&self, place: usize) -> usize {
+        self.numbers.map_or(place, |numbers| numbers[place])
+    }
+
+    /// The numbers of all bodies.
+    pub(super) fn all_numbers(&self) -> Vec<usize> {
+        self.numbers.map_or_else(|| (0..self.balls.len()).collect(), <[usize]>::to_vec)
+    }
+
     /// Whether a body can be turned aside.
     pub(super) fn gives_way(&self, body: usize) -> bool {
         self.weights[body].is_finite()

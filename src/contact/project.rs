@@ -9,16 +9,19 @@ use std::collections::HashSet;
 use nalgebra::SVector;
 
 use super::{
-    Contact, ContactForce, KktReport, Memory, Partner, Problem, Solver,
-    failure::{check, endless, failure, unkept},
-    island::{free_body, islands},
+    Contact, ContactForce, Identity, KktReport, Memory, Problem, ProblemShare, Solver, View,
+    distribute::{gathered, own_part},
+    failure::{check, endless, unkept},
+    island::{free_body, solve_island},
     kkt_report::certify,
-    paths::{Path, paths},
-    share::solve_shared,
-    solver::Outcome,
-    union_find::UnionFind,
+    paths::{Motions, Path, common_motion, paths},
+    share::{Solve, solve_shared},
 };
-use crate::{error::Result, parallel::World};
+use crate::{
+    body::Regions,
+    error::Result,
+    parallel::{Peers, World},
+};
 
 /// Overlaps on the way below this many radii are rounding.
 const TOLERANCE: f64 = 1e-11;
@@ -43,6 +46,15 @@ pub struct Projection<const D: usize> {
     pub kkt_report: KktReport,
 }
 
+/// A rank's part of a projection.
+pub struct ProjectionShare<const D: usize> {
+    /// Velocities of its own bodies, and the forces of all contacts of one of them, between bodies by their places in the view; the report is that of
+    /// the whole.
+    pub projection: Projection<D>,
+    /// The bodies that it saw.
+    pub view: View<D>,
+}
+
 /// The velocities next to those wanted, as weighed, that let nothing overlap on the way. Collective: all ranks
 /// give the same problem and get the same answer to the last bit.
 ///
@@ -52,130 +64,139 @@ pub struct Projection<const D: usize> {
 /// [`Error::Contact`](crate::error::Error::Contact) if bodies are squeezed with no way out, a velocity is not
 /// finite, the step is absurdly long, or the solver fails or finds forces that do not keep bodies apart.
 pub fn project<const D: usize>(world: &World, problem: &Problem<D>) -> Result<Projection<D>> {
-    project_from(world, problem, &Memory::default())
+    let peers = Peers::from(world);
+    let regions = Regions::new(problem.domain, peers.count());
+    let own = own_part(peers, problem, &regions);
+    let share = ProblemShare { problem: own.problem(problem), regions: &regions };
+    let found = project_share(peers, &share, &Memory::default())?;
+    Ok(gathered(peers, problem, &own, found))
 }
 
-/// The same projection, found sooner if the forces are like those of an earlier step.
+/// A rank's part of the same projection, found sooner if the forces are like those of an earlier step. Collective: each rank gives its own bodies.
 ///
 /// # Errors
-/// As [`project`].
-pub fn project_from<const D: usize>(world: &World, problem: &Problem<D>, memory: &Memory<D>) -> Result<Projection<D>> {
-    project_by(problem, memory, |contacts, guess, islands| solve_shared(world, problem, contacts, guess, islands))
+/// As [`project`], the same on all ranks.
+pub fn project_share<const D: usize>(peers: Peers, share: &ProblemShare<D>, memory: &Memory<D>) -> Result<ProjectionShare<D>> {
+    project_by(peers, share, memory, &|problem, contacts, guess| solve_island(problem, contacts, guess))
 }
 
 /// The projection, given how to solve islands.
 pub(super) fn project_by<const D: usize>(
-    problem: &Problem<D>,
+    peers: Peers,
+    share: &ProblemShare<D>,
     memory: &Memory<D>,
-    solve: impl Fn(&[Contact<D>], &[f64], &[Vec<usize>]) -> Vec<Outcome>,
-) -> Result<Projection<D>> {
-    check(problem)?;
-    let mut state = ProjectionState::new(problem, memory);
-    if !problem.lower_bounds.is_empty() {
-        let changed = state.add(problem.lower_bounds.iter().map(|floor| floor.contact).collect());
-        let outcomes = solve(&state.contacts, &state.forces, &changed);
-        state.take(&changed, outcomes)?;
+    solve: Solve<D>,
+) -> Result<ProjectionShare<D>> {
+    check(peers, &share.problem)?;
+    let mut state = ProjectionState::new(peers, share, memory);
+    if peers.any(!share.problem.lower_bounds.is_empty()) {
+        let view = state.look(NEARNESS).0;
+        let fresh: Vec<_> = view.lower_bounds.iter().map(|bound| bound.contact).collect();
+        state.add(&view, &fresh, solve)?;
     }
     for round in 0..ROUNDS {
         let nearness = LARGEST_NEARNESS.min(NEARNESS * f64::powi(2.0, round as i32));
-        let paths = paths(problem, &state.velocities, nearness);
-        let violated = state.violated(&paths, nearness);
-        if violated.is_empty() {
-            let found = state.finish(&paths, round);
-            return if found.kkt_report.kkt_residual <= LARGEST_RESIDUAL { Ok(found) } else { Err(unkept(problem, &found.kkt_report)) };
-        }
-        let changed = state.add(violated);
-        let outcomes = solve(&state.contacts, &state.forces, &changed);
-        state.take(&changed, outcomes)?;
+        let (view, common) = state.look(nearness);
+        let problem = view.problem(&share.problem);
+        let paths = paths(&problem, &Motions { velocities: &view.velocities, common }, nearness, |body| view.halo.owns(body));
+        let Some(violated) = state.violated(&view, &paths, nearness) else {
+            return state.finish(view, &paths, round);
+        };
+        state.add(&view, &violated, solve)?;
     }
-    Err(endless(problem, ROUNDS, state.contacts.len()))
+    peers.agree(Err(endless(&share.problem, ROUNDS, state.contacts.len())))
 }
 
-/// Where the rounds stand.
+/// Where the rounds stand on a rank.
 struct ProjectionState<'a, const D: usize> {
-    problem: &'a Problem<'a, D>,
+    peers: Peers<'a>,
+    share: &'a ProblemShare<'a, D>,
     memory: &'a Memory<D>,
+    /// All contacts of own bodies so far, between bodies by number.
     contacts: Vec<Contact<D>>,
-    known: HashSet<(usize, Partner, [i32; D])>,
+    known: HashSet<Identity<D>>,
     forces: Vec<f64>,
+    /// Velocities of the own bodies.
     velocities: Vec<SVector<f64, D>>,
     iterations: usize,
     solver: Solver,
 }
 
 impl<'a, const D: usize> ProjectionState<'a, D> {
-    fn new(problem: &'a Problem<'a, D>, memory: &'a Memory<D>) -> Self {
-        let velocities = problem.velocities.to_vec();
+    fn new(peers: Peers<'a>, share: &'a ProblemShare<'a, D>, memory: &'a Memory<D>) -> Self {
         Self {
-            problem,
+            peers,
+            share,
             memory,
             contacts: Vec::new(),
             known: HashSet::new(),
             forces: Vec::new(),
-            velocities,
+            velocities: share.problem.velocities.to_vec(),
             iterations: 0,
             solver: Solver::Formula,
         }
     }
 
-    /// Pairs that overlap on the way, and pairs near the bodies that they hang together with; empty if none overlap.
-    fn violated(&self, paths: &[Path<D>], nearness: f64) -> Vec<Contact<D>> {
-        let problem = self.problem;
-        let fresh: Vec<&Path<D>> = paths.iter().filter(|path| !self.known.contains(&path.contact.identity())).collect();
+    /// What is seen of bodies with the velocities that they have now, and how all move together.
+    fn look(&self, nearness: f64) -> (View<D>, SVector<f64, D>) {
+        let common = common_motion(self.peers, &self.share.problem, &self.velocities);
+        let motions = Motions { velocities: &self.velocities, common };
+        (View::new(self.peers, self.share, &motions, nearness, &self.contacts), common)
+    }
+
+    /// Pairs that overlap on the way, and pairs near the bodies that they hang together with; nothing if none overlap on any rank.
+    fn violated(&self, view: &View<D>, paths: &[Path<D>], nearness: f64) -> Option<Vec<Contact<D>>> {
+        let problem = view.problem(&self.share.problem);
+        let fresh: Vec<&Path<D>> = paths.iter().filter(|path| !self.known.contains(&view.identity(&path.contact))).collect();
         let overlaps = |path: &Path<D>| path.smallest_gap < -TOLERANCE * path.contact.smaller_radius(problem.balls);
         let is_near = |path: &Path<D>| path.contact.gap < nearness * path.contact.smaller_radius(problem.balls);
-        if !fresh.iter().any(|path| overlaps(path)) {
-            return Vec::new();
+        if !self.peers.any(fresh.iter().any(|path| overlaps(path))) {
+            return None;
         }
-        let mut bodies = UnionFind::new(problem.balls.len());
+        let known: Vec<Contact<D>> = self.contacts.iter().map(|contact| view.placed(contact)).collect();
         let near = fresh.iter().filter(|path| is_near(path) || overlaps(path)).map(|path| &path.contact);
-        for contact in near.chain(&self.contacts) {
-            if let Some(other) = contact.other().filter(|&other| problem.gives_way(contact.body) && problem.gives_way(other)) {
-                bodies.join(contact.body, other);
-            }
-        }
-        let mut concerned = vec![false; problem.balls.len()];
+        let mut bodies = view.sets(near.chain(&known));
+        let mut concerned = vec![0.0; problem.balls.len()];
         for path in fresh.iter().filter(|path| overlaps(path)) {
-            concerned[bodies.root(free_body(problem, &path.contact))] = true;
+            concerned[free_body(&problem, &path.contact)] = -1.0;
         }
-        let mut joins = |path: &Path<D>| overlaps(path) || is_near(path) && concerned[bodies.root(free_body(problem, &path.contact))];
-        fresh.into_iter().filter(|path| joins(path)).map(|path| path.contact).collect()
+        view.spread_least(self.peers, &mut bodies, &mut concerned);
+        let joins = |path: &Path<D>| overlaps(path) || is_near(path) && concerned[free_body(&problem, &path.contact)] < 0.0;
+        Some(fresh.into_iter().filter(|path| joins(path)).map(|path| path.contact).collect())
     }
 
-    /// Adds contacts; returns the islands that they change.
-    fn add(&mut self, fresh: Vec<Contact<D>>) -> Vec<Vec<usize>> {
+    /// Adds contacts of bodies by their places and solves the islands that they change.
+    fn add(&mut self, view: &View<D>, fresh: &[Contact<D>], solve: Solve<D>) -> Result<()> {
         let earlier = self.contacts.len();
-        self.known.extend(fresh.iter().map(Contact::identity));
-        self.forces.extend(fresh.iter().map(|contact| self.memory.force(contact)));
-        self.contacts.extend(fresh);
-        let mut changed = islands(self.problem, &self.contacts);
-        changed.retain(|island| island.iter().any(|&place| place >= earlier));
-        changed
-    }
-
-    fn take(&mut self, islands: &[Vec<usize>], outcomes: Vec<Outcome>) -> Result<()> {
-        for (island, outcome) in islands.iter().zip(outcomes) {
-            let Outcome::Solved { forces, iterations, solver } = outcome else {
-                let contacts: Vec<_> = island.iter().map(|&place| self.contacts[place]).collect();
-                return Err(failure(self.problem, &contacts, &outcome));
-            };
-            island.iter().zip(forces).for_each(|(&place, force)| self.forces[place] = force);
-            (self.iterations, self.solver) = (self.iterations.max(iterations), self.solver.max(solver));
+        for contact in fresh.iter().map(|contact| view.numbered(contact)) {
+            self.known.insert(contact.identity());
+            self.forces.push(self.memory.force(&contact.identity()));
+            self.contacts.push(contact);
         }
-        self.velocities = self.problem.corrected_velocities(&self.contacts, &self.forces);
+        let placed: Vec<Contact<D>> = self.contacts.iter().map(|contact| view.placed(contact)).collect();
+        let found = solve_shared(self.peers, view, &self.share.problem, (&placed, &self.forces, earlier), solve)?;
+        self.forces = found.forces;
+        (self.iterations, self.solver) = (self.iterations.max(found.iterations), self.solver.max(found.solver));
+        let all = view.problem(&self.share.problem).corrected_velocities(&placed, &self.forces);
+        self.velocities = view.halo.own().iter().map(|&place| all[place]).collect();
         Ok(())
     }
 
-    fn finish(self, paths: &[Path<D>], rounds: usize) -> Projection<D> {
-        let pairs = self.contacts.into_iter().zip(self.forces);
-        let mut forces: Vec<_> = pairs.map(|(contact, force)| ContactForce { contact, force }).collect();
+    fn finish(self, view: View<D>, paths: &[Path<D>], rounds: usize) -> Result<ProjectionShare<D>> {
+        let placed = self.contacts.iter().zip(&self.forces);
+        let mut forces: Vec<_> = placed.map(|(contact, &force)| ContactForce { contact: view.placed(contact), force }).collect();
         forces.sort_unstable_by_key(|force| force.contact.identity());
+        let problem = view.problem(&self.share.problem);
+        let last = |solver: Solver| Solver::ALL[self.peers.max(solver as usize as f64) as usize];
         let kkt_report = KktReport {
-            iterations: self.iterations,
-            solver: self.solver,
+            iterations: self.peers.max(self.iterations as f64) as usize,
+            solver: last(self.solver),
             rounds,
-            ..certify(self.problem, &self.velocities, &forces, paths)
+            ..certify(self.peers, &view, &problem, &forces, paths)
         };
-        Projection { velocities: self.velocities, forces, kkt_report }
+        if kkt_report.kkt_residual > LARGEST_RESIDUAL {
+            return self.peers.agree(Err(unkept(self.peers, &self.share.problem, &kkt_report)));
+        }
+        Ok(ProjectionShare { projection: Projection { velocities: self.velocities, forces, kkt_report }, view })
     }
 }

@@ -1,99 +1,262 @@
-//! Islands shared out among the ranks, and their forces gathered again. Everything here is collective.
+//! Islands shared out among the ranks: each is solved where its bodies are, and one that spans ranks on the rank that owns its first body.
+//! Everything here is collective.
 
-use super::{Contact, Problem, Solver, island::solve_island, solver::Outcome};
-use crate::parallel::World;
+use std::collections::{BTreeMap, HashMap};
 
-/// Work to solve an island grows with its contacts to this power.
-const WORK_POWER: f64 = 1.5;
+use nalgebra::SVector;
 
-/// Solves each island on one rank; all ranks get all outcomes, in order.
+use super::{
+    Contact, Identity, Problem, Solver,
+    failure::failure,
+    identity::{pack, packed_length, renamed, unpack},
+    island::free_body,
+    solver::Outcome,
+    view::View,
+};
+use crate::{error::Result, geometry::Ball, parallel::Peers};
+
+/// What solves an island: the forces at its contacts, from a guess.
+pub(super) type Solve<'a, const D: usize> = &'a dyn Fn(&Problem<D>, &[Contact<D>], &[f64]) -> Outcome;
+
+/// The forces of all contacts that a rank sees, and what it took to find them.
+pub(super) struct Shared {
+    pub forces: Vec<f64>,
+    /// Most iterations on an island of this rank.
+    pub iterations: usize,
+    /// The last in the list of those that solved one of them.
+    pub solver: Solver,
+}
+
+/// An island as the rank that solves it sees it.
+struct Gathered<const D: usize> {
+    bodies: BTreeMap<usize, Body<D>>,
+    /// Contacts with the guess and the least force of each.
+    contacts: BTreeMap<Identity<D>, [f64; 2]>,
+}
+
+/// A body as it travels.
+#[derive(Clone, Copy)]
+struct Body<const D: usize> {
+    owner: usize,
+    ball: Ball<D>,
+    weight: f64,
+    wanted: SVector<f64, D>,
+}
+
+/// Where a rank stands in a problem whose contacts, by their places in a view, are known.
+struct Round<'a, const D: usize> {
+    peers: Peers<'a>,
+    view: &'a View<D>,
+    problem: Problem<'a, D>,
+    contacts: &'a [Contact<D>],
+    /// For the free body of each contact: the number of the first body of its island, times the number of ranks, plus the rank that owns it.
+    homes: Vec<u64>,
+    /// Whether an island changed, and whether it spans ranks, by the place of a free body.
+    changed: Vec<bool>,
+    spans: Vec<bool>,
+}
+
+/// Forces of contacts by place, of which those from `earlier` on are new: islands without a new contact keep theirs.
 pub(super) fn solve_shared<const D: usize>(
-    world: &World,
-    problem: &Problem<D>,
-    contacts: &[Contact<D>],
-    guess: &[f64],
-    islands: &[Vec<usize>],
-) -> Vec<Outcome> {
-    let owners = partition(islands, world.size());
-    let mut numbers = Vec::new();
-    for (island, _) in islands.iter().zip(&owners).filter(|&(_, &owner)| owner == world.rank()) {
-        write(&solve_island(problem, &pick(contacts, island), &pick(guess, island)), island.len(), &mut numbers);
+    peers: Peers,
+    view: &View<D>,
+    whole: &Problem<D>,
+    (contacts, guess, earlier): (&[Contact<D>], &[f64], usize),
+    solve: Solve<D>,
+) -> Result<Shared> {
+    if !peers.any(earlier < contacts.len()) {
+        return Ok(Shared { forces: guess.to_vec(), iterations: 0, solver: Solver::Formula });
     }
-    let all = world.gather(&numbers);
-    let mut outcomes = vec![Outcome::NotConverged; islands.len()];
-    let mut rest = &all[..];
-    for rank in 0..world.size() {
-        for place in (0..islands.len()).filter(|&place| owners[place] == rank) {
-            let record;
-            (record, rest) = rest.split_at(islands[place].len() + 2);
-            outcomes[place] = read(record);
+    let round = Round::new(peers, view, view.problem(whole), contacts, earlier);
+    let mut shared = Shared { forces: guess.to_vec(), iterations: 0, solver: Solver::Formula };
+    let inside = round.solve_inside(&mut shared, solve);
+    peers.agree(inside)?;
+    if peers.count() > 1 {
+        let spanning = round.solve_spanning(&mut shared, solve)?;
+        round.tell_across(&mut shared.forces, spanning);
+    }
+    Ok(shared)
+}
+
+impl Shared {
+    fn take(&mut self, iterations: usize, solver: Solver) {
+        (self.iterations, self.solver) = (self.iterations.max(iterations), self.solver.max(solver));
+    }
+}
+
+impl<'a, const D: usize> Round<'a, D> {
+    fn new(peers: Peers<'a>, view: &'a View<D>, problem: Problem<'a, D>, contacts: &'a [Contact<D>], earlier: usize) -> Self {
+        let count = view.halo.len();
+        let free = |contact: &Contact<D>| free_body(&problem, contact);
+        let mut sets = view.sets(contacts);
+        let name = |body: usize| (view.halo.numbers()[body] * peers.count() + view.halo.owner(body)) as f64;
+        let mut homes: Vec<f64> = (0..count).map(name).collect();
+        let mut changed = vec![0.0; count];
+        contacts[earlier..].iter().for_each(|contact| changed[free(contact)] = -1.0);
+        // without other ranks the first of a set is its root
+        view.spread_least(peers, &mut sets, &mut homes);
+        view.spread_least(peers, &mut sets, &mut changed);
+        let mut crossing = vec![false; count];
+        for contact in contacts.iter().filter(|contact| view.across(contact.identity()).is_some()) {
+            if contact.other().is_some_and(|other| problem.gives_way(contact.body) && problem.gives_way(other)) {
+                crossing[sets.root(contact.body)] = true;
+            }
+        }
+        Round {
+            peers,
+            view,
+            problem,
+            contacts,
+            homes: homes.into_iter().map(|home| home as u64).collect(),
+            changed: changed.into_iter().map(|changed| changed < 0.0).collect(),
+            spans: (0..count).map(|body| crossing[sets.root(body)]).collect(),
         }
     }
-    outcomes
+
+    fn free(&self, contact: &Contact<D>) -> usize {
+        free_body(&self.problem, contact)
+    }
+
+    /// Solves the islands that changed of which all bodies that give way are this rank's.
+    fn solve_inside(&self, shared: &mut Shared, solve: Solve<D>) -> Result<()> {
+        let mut islands: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
+        for (place, contact) in self.contacts.iter().enumerate() {
+            let body = self.free(contact);
+            if self.changed[body] && !self.spans[body] && self.view.halo.owns(body) {
+                islands.entry(self.homes[body]).or_default().push(place);
+            }
+        }
+        for island in islands.values() {
+            let (contacts, guess) = (pick(self.contacts, island), pick(&shared.forces, island));
+            match solve(&self.problem, &contacts, &guess) {
+                Outcome::Solved { forces, iterations, solver } => {
+                    island.iter().zip(forces).for_each(|(&place, force)| shared.forces[place] = force);
+                    shared.take(iterations, solver);
+                }
+                outcome => return Err(failure(&self.problem, &contacts, &outcome)),
+            }
+        }
+        Ok(())
+    }
+
+    /// Solves the islands that span ranks, each on one; gives the forces of their contacts that this rank answers for.
+    fn solve_spanning(&self, shared: &mut Shared, solve: Solve<D>) -> Result<Vec<(Identity<D>, f64)>> {
+        let islands = self.gather_spanning(&shared.forces);
+        let mut replies = vec![Vec::new(); self.peers.count()];
+        let outcome = islands.values().try_for_each(|island| {
+            let (iterations, solver) = island.solve(&self.problem, solve, &mut replies)?;
+            shared.take(iterations, solver);
+            Ok(())
+        });
+        self.peers.agree(outcome)?;
+        Ok(self.peers.deliver(&replies).chunks(packed_length::<D>()).map(unpack).collect())
+    }
+
+    /// The islands that span ranks and changed of which this rank owns the first body.
+    fn gather_spanning(&self, guess: &[f64]) -> BTreeMap<u64, Gathered<D>> {
+        let mut letters = vec![Vec::new(); self.peers.count()];
+        for (contact, guess) in self.contacts.iter().zip(guess) {
+            let body = self.free(contact);
+            if !(self.changed[body] && self.spans[body] && self.view.answers(contact.identity())) {
+                continue;
+            }
+            let home = self.homes[body];
+            let letter = &mut letters[(home % self.peers.count() as u64) as usize];
+            letter.push(home as f64);
+            letter.push(self.problem.lower_bound(contact));
+            letter.extend(pack(self.view.identity(contact), *guess));
+            for body in [contact.body, contact.other().unwrap_or(contact.body)] {
+                self.write_body(body, letter);
+            }
+        }
+        let mut islands: BTreeMap<u64, Gathered<D>> = BTreeMap::new();
+        let (contact, body) = (2 + packed_length::<D>(), Body::<D>::LENGTH);
+        for numbers in self.peers.deliver(&letters).chunks(contact + 2 * body) {
+            let island = islands.entry(numbers[0] as u64).or_default();
+            let (identity, guess) = unpack(&numbers[2..contact]);
+            island.contacts.insert(identity, [guess, numbers[1]]);
+            island.bodies.extend(numbers[contact..].chunks(body).map(Body::read));
+        }
+        islands
+    }
+
+    fn write_body(&self, body: usize, numbers: &mut Vec<f64>) {
+        let (ball, view) = (&self.view.balls[body], self.view);
+        numbers.extend([view.halo.numbers()[body] as f64, view.halo.owner(body) as f64, ball.radius, view.weights[body]]);
+        numbers.extend(ball.center.iter());
+        numbers.extend(self.problem.velocities[body].iter());
+    }
+
+    /// Tells the ranks that own the other bodies of contacts what their forces are, and takes the forces that were found elsewhere.
+    fn tell_across(&self, forces: &mut [f64], found: Vec<(Identity<D>, f64)>) {
+        let crosses = |contact: &Contact<D>| self.changed[self.free(contact)] && self.view.across(contact.identity()).is_some();
+        let spanning = |contact: &Contact<D>| self.changed[self.free(contact)] && self.spans[self.free(contact)];
+        let concerned = self.contacts.iter().enumerate().filter(|(_, contact)| crosses(contact) || spanning(contact));
+        let places: HashMap<Identity<D>, usize> = concerned.map(|(place, contact)| (self.view.identity(contact), place)).collect();
+        found.into_iter().for_each(|(identity, force)| forces[places[&identity]] = force);
+        let mut letters = vec![Vec::new(); self.peers.count()];
+        for (contact, force) in
+            self.contacts.iter().zip(forces.iter()).filter(|(contact, _)| crosses(contact) && self.view.answers(contact.identity()))
+        {
+            let rank = self.view.across(contact.identity()).expect("it crosses");
+            letters[rank].extend(pack(self.view.identity(contact), *force));
+        }
+        for (identity, force) in self.peers.deliver(&letters).chunks(packed_length::<D>()).map(unpack) {
+            forces[places[&identity]] = force;
+        }
+    }
+}
+
+impl<const D: usize> Default for Gathered<D> {
+    fn default() -> Self {
+        Gathered { bodies: BTreeMap::new(), contacts: BTreeMap::new() }
+    }
+}
+
+impl<const D: usize> Gathered<D> {
+    /// Solves the island; adds to the replies the force of each contact, for the rank that answers for it.
+    fn solve(&self, whole: &Problem<D>, solve: Solve<D>, replies: &mut [Vec<f64>]) -> Result<(usize, Solver)> {
+        let numbers: Vec<usize> = self.bodies.keys().copied().collect();
+        let (balls, rest): (Vec<Ball<D>>, Vec<(f64, SVector<f64, D>)>) =
+            self.bodies.values().map(|body| (body.ball, (body.weight, body.wanted))).unzip();
+        let (weights, velocities): (Vec<f64>, Vec<SVector<f64, D>>) = rest.into_iter().unzip();
+        let place = |number: usize| numbers.binary_search(&number).expect("both bodies came with a contact");
+        let again = |&identity: &Identity<D>| Contact::again(whole.domain, &balls, renamed(identity, place));
+        let contacts: Vec<Contact<D>> = self.contacts.keys().map(again).collect();
+        let bounds = contacts.iter().zip(self.contacts.values()).filter(|(_, [_, bound])| *bound < 0.0);
+        let lower_bounds: Vec<_> = bounds.map(|(&contact, &[_, force])| super::ContactForce { contact, force }).collect();
+        let problem = Problem {
+            numbers: Some(&numbers),
+            balls: &balls,
+            weights: &weights,
+            velocities: &velocities,
+            lower_bounds: &lower_bounds,
+            ..*whole
+        };
+        let guess: Vec<f64> = self.contacts.values().map(|[guess, _]| *guess).collect();
+        let outcome = solve(&problem, &contacts, &guess);
+        let Outcome::Solved { forces, iterations, solver } = outcome else { return Err(failure(&problem, &contacts, &outcome)) };
+        for ((contact, identity), force) in contacts.iter().zip(self.contacts.keys()).zip(forces) {
+            let owner = self.bodies[&numbers[free_body(&problem, contact)]].owner;
+            replies[owner].extend(pack(*identity, force));
+        }
+        Ok((iterations, solver))
+    }
+}
+
+impl<const D: usize> Body<D> {
+    /// How many numbers a body takes, with its own.
+    const LENGTH: usize = 4 + 2 * D;
+
+    fn read(numbers: &[f64]) -> (usize, Body<D>) {
+        let (center, wanted) = numbers[4..].split_at(D);
+        let ball = Ball { center: SVector::from_column_slice(center), radius: numbers[2] };
+        let body = Body { owner: numbers[1] as usize, ball, weight: numbers[3], wanted: SVector::from_column_slice(wanted) };
+        (numbers[0] as usize, body)
+    }
 }
 
 /// What belongs to the contacts of an island.
 pub(super) fn pick<T: Copy>(of_all: &[T], island: &[usize]) -> Vec<T> {
     island.iter().map(|&place| of_all[place]).collect()
-}
-
-/// The rank that solves each island: the largest first, each to the rank with the least work so far.
-fn partition(islands: &[Vec<usize>], ranks: usize) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..islands.len()).collect();
-    order.sort_by_key(|&place| std::cmp::Reverse(islands[place].len()));
-    let mut work = vec![0.0; ranks];
-    let mut owners = vec![0; islands.len()];
-    for place in order {
-        let idlest = (0..ranks).min_by(|&one, &two| f64::total_cmp(&work[one], &work[two])).unwrap_or(0);
-        work[idlest] += (islands[place].len() as f64).powf(WORK_POWER);
-        owners[place] = idlest;
-    }
-    owners
-}
-
-/// Appends the iterations, or what failed as a negative number, the method, and the forces.
-fn write(outcome: &Outcome, contacts: usize, numbers: &mut Vec<f64>) {
-    match outcome {
-        Outcome::Solved { forces, iterations, solver } => {
-            numbers.extend([*iterations as f64, f64::from(*solver as u8)]);
-            numbers.extend(forces);
-        }
-        Outcome::Infeasible | Outcome::NotConverged => {
-            numbers.push(if *outcome == Outcome::Infeasible { -1.0 } else { -2.0 });
-            numbers.resize(numbers.len() + contacts + 1, 0.0);
-        }
-    }
-}
-
-fn read(record: &[f64]) -> Outcome {
-    match record[0] {
-        -1.0 => Outcome::Infeasible,
-        -2.0 => Outcome::NotConverged,
-        iterations => {
-            let solver = Solver::ALL[record[1] as usize];
-            Outcome::Solved { forces: record[2..].to_vec(), iterations: iterations as usize, solver }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_largest_island_has_a_rank_to_itself() {
-        let islands: Vec<Vec<usize>> = [1, 30, 2, 2, 1].map(|count| (0..count).collect()).to_vec();
-        assert_eq!(partition(&islands, 2), [1, 0, 1, 1, 1]);
-        assert_eq!(partition(&islands, 1), [0; 5]);
-    }
-
-    #[test]
-    fn outcomes_survive_as_numbers() {
-        let solved = Outcome::Solved { forces: vec![0.5, 0.0], iterations: 7, solver: Solver::Sparse };
-        for outcome in [solved, Outcome::Infeasible, Outcome::NotConverged] {
-            let mut numbers = Vec::new();
-            write(&outcome, 2, &mut numbers);
-            assert_eq!((numbers.len(), read(&numbers)), (4, outcome));
-        }
-    }
 }

@@ -18,6 +18,8 @@ pub struct Arrangement<'a, const D: usize> {
     pub weights: &'a [f64],
     /// Viscosity of the fluid, if there is one.
     pub viscosity: Option<f64>,
+    /// Gap up to which all neighbours of the bodies of this rank are among them.
+    pub reach: f64,
 }
 
 /// A force and torques on two near bodies, or on a body and a wall.
@@ -42,7 +44,11 @@ pub struct Wrench<const D: usize> {
 
 impl<const D: usize> Arrangement<'_, D> {
     /// Pairs of bodies, and bodies and walls, with a gap below `reach`; pairs of which neither can be moved are left out.
+    ///
+    /// # Panics
+    /// If that is farther than the interaction said ([`Interaction::reach`](super::Interaction::reach)): this rank may not know all neighbours.
     pub fn near(&self, reach: f64) -> Vec<Contact<D>> {
+        assert!(reach <= self.reach, "an interaction looks for gaps up to {reach}, and its reach is said to be {}", self.reach);
         candidates(self.domain, self.balls, self.weights, reach)
     }
 

@@ -55,6 +55,11 @@ impl<const D: usize> Interactions<D> {
         self.iter().any(Interaction::resists)
     }
 
+    /// The longest [`Interaction::reach`].
+    pub fn reach(&self, largest_radius: f64) -> f64 {
+        self.iter().map(|interaction| interaction.reach(largest_radius)).fold(0.0, f64::max)
+    }
+
     /// See [`Interaction::contact_forces`].
     pub fn contact_forces(&self, arrangement: &Arrangement<D>) -> Vec<ContactForce<D>> {
         self.iter().flat_map(|interaction| interaction.contact_forces(arrangement)).collect()

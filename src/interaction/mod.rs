@@ -53,12 +53,17 @@ pub trait Interaction<const D: usize>: Debug {
         None
     }
 
+    /// The largest gap at which bodies up to this radius act on each other by forces that follow from where they are.
+    fn reach(&self, _largest_radius: f64) -> f64 {
+        0.0
+    }
+
     /// Forces along the lines of centres that follow from where bodies are, where they count as contacts.
     fn contact_forces(&self, _arrangement: &Arrangement<D>) -> Vec<ContactForce<D>> {
         Vec::new()
     }
 
-    /// Other forces and torques that follow from where bodies are; the same on every rank.
+    /// Other forces and torques that follow from where bodies are. A pair is the same on every rank that knows both bodies.
     fn pair_forces(&self, _arrangement: &Arrangement<D>) -> Vec<PairForce<D>> {
         Vec::new()
     }

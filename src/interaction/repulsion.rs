@@ -47,9 +47,13 @@ impl<const D: usize> Interaction<D> for Repulsion {
         2.0 * self.touch / (self.range * radius)
     }
 
+    fn reach(&self, largest_radius: f64) -> f64 {
+        self.range * largest_radius
+    }
+
     fn contact_forces(&self, arrangement: &Arrangement<D>) -> Vec<ContactForce<D>> {
         let balls = arrangement.balls;
-        let reach = self.range * balls.iter().map(|ball| ball.radius).fold(0.0, f64::max);
+        let reach = Interaction::<D>::reach(self, balls.iter().map(|ball| ball.radius).fold(0.0, f64::max));
         let force = |contact: Contact<D>| ContactForce { contact, force: self.force(contact.gap, contact.smaller_radius(balls)) };
         let mut forces: Vec<_> = arrangement.near(reach).into_iter().map(force).collect();
         forces.retain(|force| force.force > 0.0);

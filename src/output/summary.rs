@@ -242,10 +242,10 @@ impl Summary {
         })
     }
 
-    /// The numbers of a state of dry bodies; collective.
-    pub fn of_granular<const D: usize>(scene: &Scene, domain: &Domain<D>, state: &State<D>, radii: &[f64], world: &World) -> Summary {
-        let fraction = state.balls(radii).iter().map(Ball::volume).sum::<f64>() / domain.volume();
-        let bodies = state.bodies.iter().zip(radii).map(|(moving, &radius)| BodySummary::of_moving(domain, radius, moving));
+    /// The numbers of a state of all bodies of a dry run; collective.
+    pub fn of_granular<const D: usize>(scene: &Scene, domain: &Domain<D>, state: &State<D>, balls: &[Ball<D>], world: &World) -> Summary {
+        let fraction = balls.iter().map(Ball::volume).sum::<f64>() / domain.volume();
+        let bodies = state.bodies.iter().zip(balls).map(|(moving, ball)| BodySummary::of_moving(domain, ball.radius, moving));
         Summary::of_bodies(scene, bodies.collect(), fraction, world.size(), ParallelSummary::new(world, 0, 0))
     }
 

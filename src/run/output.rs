@@ -5,7 +5,7 @@ use std::path::Path;
 use nalgebra::{SMatrix, SVector};
 
 use crate::{
-    contact::Partner,
+    contact::bodies_of,
     error::Result,
     geometry::{Ball, Domain},
     observe::{FrameBody, Viscosity},
@@ -13,7 +13,7 @@ use crate::{
     parallel::World,
     run::{RunStatistics, ViscosityHistory},
     scene::Scene,
-    simulation::{ContactHistory, FlowSolver, Observation, Simulation, Solution, State},
+    simulation::{ContactHistory, FlowSolver, Observation, Share, Simulation, Solution, State},
 };
 
 /// Writes one thing of a run, at its own pace, and cannot change the run. All functions are collective but [`iterate`](Output::iterate).
@@ -102,7 +102,7 @@ impl<const D: usize> Evaluated<'_, D> {
 }
 
 impl<'a, const D: usize> EvaluatedMotion<'a, D> {
-    /// Where bodies are.
+    /// Where the bodies of this rank are.
     pub fn state(&self) -> &'a State<D> {
         self.simulation.state()
     }
@@ -112,32 +112,44 @@ impl<'a, const D: usize> EvaluatedMotion<'a, D> {
         self.simulation.domain()
     }
 
-    /// Contacts that bear a force: of this instant in a flow, of the last step in a dry run.
+    /// Contacts that bear a force, of the bodies of all ranks: of this instant in a flow, of the last step in a dry run. Collective.
     pub fn held(&self) -> Vec<ContactHistory<D>> {
         match self.observation.solution {
             Some(_) => self.observation.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect(),
-            None => self.state().held.clone(),
+            None => self.simulation.whole_state().held.clone(),
         }
     }
 
-    /// The bodies as frames hold them.
+    /// How many [`held`](Self::held) are, and how many contacts stick. Collective.
+    pub fn contact_counts(&self, world: &World) -> [usize; 2] {
+        let state = self.state();
+        let held = match self.observation.solution {
+            Some(_) => self.observation.contacts.iter().filter(|pressed| pressed.force != 0.0).count(),
+            None => state.told().count(),
+        };
+        let mut counts = [held as f64, state.told_stuck().count() as f64];
+        if state.share != Share::Whole {
+            world.sum(&mut counts);
+        }
+        counts.map(|count| count as usize)
+    }
+
+    /// The bodies of all ranks as frames hold them. Collective.
     pub fn bodies(&self) -> Vec<FrameBody<D>> {
-        let balls = self.state().balls(self.simulation.radii());
+        let (state, balls) = (self.simulation.whole_state(), self.simulation.whole_balls());
         let mut contacts = vec![0; balls.len()];
         for held in self.held() {
-            contacts[held.body] += 1;
-            if let Partner::Body(partner) = held.partner {
-                contacts[partner] += 1;
-            }
+            bodies_of(held.identity()).for_each(|body| contacts[body] += 1);
         }
         let body = |(number, ball): (usize, &Ball<D>)| {
             let by_fluid = self.observation.solution.as_ref().map(|solution| &solution.bodies[number]);
+            let twist = by_fluid.map_or(state.bodies[number].twist, |_| self.observation.twists[number]);
             FrameBody {
                 center: ball.center,
                 radius: ball.radius,
-                velocity: self.observation.twists[number].velocity,
-                spin: self.observation.twists[number].spin,
-                rotation: self.state().bodies[number].rotation,
+                velocity: twist.velocity,
+                spin: twist.spin,
+                rotation: state.bodies[number].rotation,
                 force: by_fluid.map_or_else(SVector::zeros, |state| state.force),
                 torque: by_fluid.map_or_else(SMatrix::zeros, |state| state.torque),
                 contacts: contacts[number],

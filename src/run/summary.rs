@@ -14,7 +14,10 @@ use crate::{
 pub fn summary<const D: usize>(seen: &Evaluated<D>) -> Result<Summary> {
     let mut summary = match (&seen.flow, &seen.motion) {
         (Some(flow), _) => Summary::of_flow(seen.scene, flow.solver, flow.solution, seen.viscosity, seen.world)?,
-        (None, Some(motion)) => Summary::of_granular(seen.scene, motion.domain(), motion.state(), motion.simulation.radii(), seen.world),
+        (None, Some(motion)) => {
+            let (state, balls) = (motion.simulation.whole_state(), motion.simulation.whole_balls());
+            Summary::of_granular(seen.scene, motion.domain(), &state, &balls, seen.world)
+        }
         (None, None) => unreachable!("a run evaluates something before it ends"),
     };
     let Some(motion) = &seen.motion else { return Ok(summary) };
@@ -32,9 +35,9 @@ pub fn summary<const D: usize>(seen: &Evaluated<D>) -> Result<Summary> {
     Ok(summary)
 }
 
-/// Contacts now, and how well they were kept on the way.
+/// Contacts now, and how well they were kept on the way. Collective.
 fn contacts<const D: usize>(model: ContactModel, motion: &EvaluatedMotion<D>) -> ContactSummary {
-    let (state, held, kept) = (motion.state(), motion.held(), motion.statistics.contacts());
+    let (state, held, kept) = (motion.simulation.whole_state(), motion.held(), motion.statistics.contacts());
     let glue = || GlueSummary { stuck: state.stuck.len(), gamma: state.stuck.iter().map(|stuck| stuck.gamma).fold(0.0, f64::min) };
     ContactSummary {
         model: model.word(),

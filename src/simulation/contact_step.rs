@@ -37,7 +37,7 @@ impl<const D: usize> ContactStep<'_, D> {
         let scaled = |bound: &ContactForce<D>| ContactForce { force: bound.force * self.mobile_part(&bound.contact), ..*bound };
         let lower_bounds: Vec<ContactForce<D>> = self.bounds.iter().map(scaled).collect();
         let Arrangement { domain, balls, weights, .. } = self.arrangement;
-        let problem = Problem { domain, balls, weights, velocities, step: self.step, lower_bounds: &lower_bounds };
+        let problem = Problem { domain, numbers: None, balls, weights, velocities, step: self.step, lower_bounds: &lower_bounds };
         let mut projection = contact::project(self.world, &problem)?;
         projection.forces.iter_mut().for_each(|pressed| pressed.force /= self.mobile_part(&pressed.contact));
         projection.kkt_report.total_force = projection.forces.iter().map(|pressed| pressed.force).sum();

@@ -1,63 +1,94 @@
-//! Bodies without a fluid: inertia, gravity, and contacts (Moreau's time stepping).
-//!
-//! Velocities live half way between places: `v' = P(v + k f/m)`, `x' = x + dt v'`, with the projection `P` of the contact
-//! model and `k` the mean of the last step and this one, which makes free flight exact under a constant force. With the
-//! scheme `euler`, `k = dt`: the scheme of Maury (2006, doi:10.1007/s00211-005-0666-6) as published.
-
 use std::time::Instant;
 
 use nalgebra::{SMatrix, SVector};
 
 use super::{
-    Effort, GranularBody, GranularSetup, Observation, ResidualMonitor, State, StepOutcome, Stepper,
+    Effort, GranularSetup, Observation, ResidualMonitor, State, StepOutcome, Stepper,
+    migration::{self, Constants},
+    neighbours::Neighbours,
     step_control::{BodyMotion, StepControl},
 };
 use crate::{
-    body::Twist,
-    contact::{self, AdhesiveContact, ContactForce, KktReport, Problem, Projection},
+    body::{Regions, Twist},
+    contact::{self, AdhesiveContact, ContactForce, KktReport, Problem, ProblemShare, ProjectionShare},
     error::{Error, Result},
-    geometry::Ball,
-    interaction::{Arrangement, PairForce, Touch, Wrench},
+    geometry::{Ball, Domain},
+    interaction::{Arrangement, Interactions, Touch, Wrench},
+    parallel::Peers,
     petsc::{Session, Stage, enter},
     scene::Scheme,
 };
 
-/// Granular bodies in motion.
+/// Granular bodies in motion, each with the rank in whose part of the box its centre lies.
 pub struct Granular<const D: usize> {
     session: Session,
-    setup: GranularSetup<D>,
+    domain: Domain<D>,
+    regions: Regions<D>,
+    interactions: Interactions<D>,
     step_control: StepControl,
-    masses: Vec<f64>,
+    /// What stays the same of the own bodies.
+    bodies: Vec<Constants<D>>,
+    radii: Vec<f64>,
+    /// How far interactions look, for bodies of any rank.
+    reach: f64,
     /// In the state that was looked at last.
     known: Known<D>,
 }
 
-/// Forces that follow from where bodies are.
+/// What follows from where bodies are.
 #[derive(Default)]
 struct Known<const D: usize> {
+    /// Contact forces on own bodies, which are named by their numbers, and what there is to say of those of all ranks.
     contacts: Vec<ContactForce<D>>,
-    others: Vec<PairForce<D>>,
+    kkt_report: Option<KktReport>,
+    /// Accelerations by all forces but those that a projection finds.
+    accelerations: Vec<Acceleration<D>>,
 }
 
 /// Rates at which a motion changes.
+#[derive(Clone, Copy)]
 struct Acceleration<const D: usize> {
     velocity: SVector<f64, D>,
     spin: SMatrix<f64, D, D>,
 }
 
 impl<const D: usize> Granular<D> {
-    /// Granular bodies that move with a step control.
-    pub fn new(session: &Session, setup: GranularSetup<D>, step_control: StepControl) -> Granular<D> {
-        let masses = setup.bodies.iter().map(|body| body.mass).collect();
-        Granular { session: session.clone(), setup, step_control, masses, known: Known::default() }
+    /// Granular bodies that move with a step control, and the state of this rank at the start. Collective.
+    pub fn start(session: &Session, setup: GranularSetup<D>, step_control: StepControl) -> (Granular<D>, State<D>) {
+        let peers = Peers::from(session.world());
+        let regions = Regions::new(&setup.domain, peers.count());
+        let reach = setup.interactions.reach(setup.bodies.iter().map(|body| body.radius).fold(0.0, f64::max));
+        let (own, state) = migration::own_share(peers, &setup, &regions);
+        let mut granular = Granular {
+            session: session.clone(),
+            domain: setup.domain,
+            regions,
+            interactions: setup.interactions,
+            step_control,
+            radii: Vec::new(),
+            bodies: own,
+            reach,
+            known: Known::default(),
+        };
+        granular.list_radii();
+        (granular, state)
+    }
+
+    fn peers(&self) -> Peers<'_> {
+        Peers::from(self.session.world())
+    }
+
+    fn list_radii(&mut self) {
+        self.radii.clear();
+        self.radii.extend(self.bodies.iter().map(|body| body.radius));
     }
 
     /// Without a contact model bodies notice no walls: a run in which they leave the box has no meaning.
     fn refuse_outside(&self, state: &State<D>) -> Result<()> {
-        for (number, body) in state.bodies.iter().enumerate() {
-            for axis in (0..D).filter(|&axis| !self.setup.domain.periodic(axis)) {
-                if !(0.0..=self.setup.domain.size[axis]).contains(&body.center[axis]) {
-                    let (name, time) = (["x", "y", "z"][axis], state.time);
+        for (place, body) in state.bodies.iter().enumerate() {
+            for axis in (0..D).filter(|&axis| !self.domain.periodic(axis)) {
+                if !(0.0..=self.domain.size[axis]).contains(&body.center[axis]) {
+                    let (name, time, number) = (["x", "y", "z"][axis], state.time, state.number(place));
                     return Err(Error::Diverged(format!(
                         "at time {time} body {number} has left the box along {name}; set contact.model = \"inelastic\" or an earlier time.end"
                     )));
@@ -75,80 +106,114 @@ impl<const D: usize> Granular<D> {
         }
     }
 
-    fn arrangement<'a>(&'a self, balls: &'a [Ball<D>]) -> Arrangement<'a, D> {
-        Arrangement { domain: &self.setup.domain, balls, weights: &self.masses, viscosity: None }
+    fn masses(&self) -> Vec<f64> {
+        self.bodies.iter().map(|body| body.mass).collect()
     }
 
-    /// The forces that interactions know from where bodies are.
-    fn known(&self, balls: &[Ball<D>]) -> Known<D> {
-        let (interactions, arrangement) = (&self.setup.interactions, self.arrangement(balls));
-        Known { contacts: interactions.contact_forces(&arrangement), others: interactions.pair_forces(&arrangement) }
+    /// The own bodies and those that interactions may need with them.
+    fn neighbours(&self, peers: Peers, state: &State<D>) -> Neighbours<D> {
+        Neighbours::new(peers, &self.domain, &self.regions, state, (&self.radii, &self.masses()), self.reach)
     }
 
-    /// Accelerations by all forces but those that a projection finds.
-    fn accelerations(&self) -> Vec<Acceleration<D>> {
-        let pushes = Wrench::on_bodies(self.setup.bodies.len(), &self.known.contacts, &self.known.others);
-        let of = |(body, push): (&GranularBody<D>, Wrench<D>)| Acceleration {
-            velocity: body.acceleration + push.force / body.mass,
-            spin: body.spin_up + push.torque / body.inertia,
-        };
-        self.setup.bodies.iter().zip(pushes).map(of).collect()
+    /// The forces that interactions know from where bodies are, and accelerations by all forces but those that a projection finds.
+    fn known(&self, state: &State<D>) -> Known<D> {
+        // nobody looks beyond the own bodies where nothing acts at a distance
+        let peers = if self.reach > 0.0 { self.peers() } else { Peers::Alone };
+        let near = self.neighbours(peers, state);
+        let arrangement = near.arrangement(&self.domain, self.reach);
+        let (contacts, others) = (self.interactions.contact_forces(&arrangement), self.interactions.pair_forces(&arrangement));
+        let pushes = Wrench::on_bodies(near.halo.len(), &contacts, &others);
+        let accelerations = self.bodies.iter().zip(near.halo.own()).map(|(body, &place)| accelerated(body, &pushes[place])).collect();
+        let told: Vec<ContactForce<D>> = contacts.iter().filter(|force| near.halo.owns(force.contact.body)).copied().collect();
+        let kkt_report = Some(KktReport::of_forces(&told, arrangement.balls).over(self.peers()));
+        Known { contacts: near.own_contacts(contacts), kkt_report, accelerations }
     }
 
     /// Velocities that keep contacts, next to those wanted, and what contacts remember then.
-    fn project(
-        &self,
-        state: &State<D>,
-        balls: &[Ball<D>],
-        moves: &[Twist<D>],
-        step: f64,
-    ) -> Result<(Projection<D>, Vec<AdhesiveContact<D>>)> {
-        let (_stage, arrangement, interactions) = (enter(Stage::Contacts), self.arrangement(balls), &self.setup.interactions);
-        let weights: Vec<f64> = self.masses.iter().map(|mass| mass / step).collect();
+    fn project(&self, state: &State<D>, moves: &[Twist<D>], step: f64) -> Result<(ProjectionShare<D>, Vec<AdhesiveContact<D>>)> {
+        let (_stage, peers) = (enter(Stage::Contacts), self.peers());
+        let balls: Vec<Ball<D>> = state.balls(&self.radii);
+        let weights: Vec<f64> = self.bodies.iter().map(|body| body.mass / step).collect();
         let velocities: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
-        let lower_bounds = interactions.lower_bounds(&arrangement, &state.stuck, step);
-        let problem =
-            Problem { domain: arrangement.domain, balls, weights: &weights, velocities: &velocities, step, lower_bounds: &lower_bounds };
-        let projection = contact::project_from(self.session.world(), &problem, &state.memory())?;
-        let stuck = interactions.remember(&arrangement, &state.stuck, &projection.forces, step);
-        Ok((projection, stuck))
+        let lower_bounds = self.lower_bounds(state, step);
+        let numbers = state.numbers();
+        let problem = Problem {
+            domain: &self.domain,
+            numbers: Some(&numbers),
+            balls: &balls,
+            weights: &weights,
+            velocities: &velocities,
+            step,
+            lower_bounds: &lower_bounds,
+        };
+        let found = contact::project_share(peers, &ProblemShare { problem, regions: &self.regions }, &state.memory())?;
+        let masses: Vec<f64> = found.view.weights.iter().map(|weight| weight * step).collect();
+        let arrangement = Arrangement { domain: &self.domain, balls: &found.view.balls, weights: &masses, viscosity: None, reach: 0.0 };
+        let remember = |stuck: &[_], forces: &[_]| self.interactions.remember(&arrangement, stuck, forces, step);
+        let remembered = migration::remembered(peers, &found, &state.stuck, remember);
+        Ok((found, remembered))
+    }
+
+    /// Contacts of own bodies that may pull, each with the least force that it may bear; bodies are named by their numbers.
+    fn lower_bounds(&self, state: &State<D>, step: f64) -> Vec<ContactForce<D>> {
+        if !self.peers().any(!state.stuck.is_empty()) {
+            return Vec::new();
+        }
+        let near = self.neighbours(self.peers(), state);
+        let bounds = self.interactions.lower_bounds(&near.arrangement(&self.domain, self.reach), &near.stuck, step);
+        near.own_contacts(bounds)
     }
 }
 
+fn accelerated<const D: usize>(body: &Constants<D>, push: &Wrench<D>) -> Acceleration<D> {
+    Acceleration { velocity: body.acceleration + push.force / body.mass, spin: body.spin_up + push.torque / body.inertia }
+}
+
 impl<const D: usize> Stepper<D> for Granular<D> {
+    fn radii(&self) -> &[f64] {
+        &self.radii
+    }
+
+    fn migrate(&mut self, state: &mut State<D>, domain: &Domain<D>) {
+        let peers = Peers::from(self.session.world());
+        migration::migrate(peers, domain, &self.regions, state, &mut self.bodies);
+        self.list_radii();
+    }
+
     fn evaluate(&mut self, state: &State<D>, _: ResidualMonitor) -> Result<Observation<D>> {
         let twists: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
-        self.known = self.known(&state.balls(&self.step_control.radii));
-        let motions: Vec<BodyMotion<D>> = twists
-            .iter()
-            .zip(self.accelerations())
+        self.known = self.known(state);
+        let moving = twists.iter().zip(&self.known.accelerations).zip(&self.radii);
+        let motions: Vec<BodyMotion<D>> = moving
             // velocities live half a step before places
-            .map(|(twist, acceleration)| BodyMotion {
+            .map(|((twist, acceleration), &radius)| BodyMotion {
+                radius,
                 velocity: twist.velocity + acceleration.velocity * (0.5 * state.last_step),
                 acceleration: acceleration.velocity,
             })
             .collect();
-        let step_size = self.step_control.next(&motions, state.time, state.last_step);
+        let step_size = self.step_control.next(self.peers(), &motions, state.time, state.last_step);
         Ok(Observation { twists, contacts: Vec::new(), solution: None, step_size, effort: Effort::default() })
     }
 
     fn advance(&mut self, state: &State<D>, observation: &Observation<D>, _: ResidualMonitor) -> Result<StepOutcome<D>> {
         let (start, step) = (Instant::now(), observation.step_size.length);
-        let (push, balls) = (self.push(state.last_step, step), state.balls(&self.step_control.radii));
-        let pushed = |(twist, acceleration): (&Twist<D>, Acceleration<D>)| Twist {
+        let push = self.push(state.last_step, step);
+        let pushed = |(twist, acceleration): (&Twist<D>, &Acceleration<D>)| Twist {
             velocity: twist.velocity + acceleration.velocity * push,
             spin: twist.spin + acceleration.spin * push,
         };
-        let mut moves: Vec<Twist<D>> = observation.twists.iter().zip(self.accelerations()).map(pushed).collect();
+        let mut moves: Vec<Twist<D>> = observation.twists.iter().zip(&self.known.accelerations).map(pushed).collect();
         let (mut contacts, mut stuck, mut kkt_report) = (self.known.contacts.clone(), Vec::new(), None);
-        match self.setup.interactions.touch() {
-            None => self.refuse_outside(state)?,
-            Some(Touch::Soft { .. }) => kkt_report = Some(KktReport::of_forces(&contacts, &balls)),
+        match self.interactions.touch() {
+            None => self.peers().agree(self.refuse_outside(state))?,
+            Some(Touch::Soft { .. }) => kkt_report = self.known.kkt_report,
             Some(Touch::Hard) => {
-                let (projection, remembered) = self.project(state, &balls, &moves, step)?;
+                let (found, remembered) = self.project(state, &moves, step)?;
+                let ProjectionShare { projection, view } = found;
                 moves.iter_mut().zip(&projection.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
                 stuck = remembered;
-                contacts.extend(projection.forces);
+                contacts.extend(projection.forces.iter().map(|force| ContactForce { contact: view.numbered(&force.contact), ..*force }));
                 kkt_report = Some(projection.kkt_report);
             }
         }

@@ -28,6 +28,7 @@ use crate::{
     error::{Error, Result},
     geometry::{Ball, Domain, near_pairs, near_walls},
     interaction::{Arrangement, PairForce, Touch, Wrench},
+    parallel::Peers,
     petsc::Session,
     scene::Scheme,
 };
@@ -51,6 +52,7 @@ pub struct QuasiStatic<const D: usize> {
     session: Session,
     suspension: Box<dyn FlowSolver<D>>,
     step_control: StepControl,
+    radii: Vec<f64>,
     /// Force that gives each body a unit velocity in unbounded fluid.
     weights: Vec<f64>,
 }
@@ -75,17 +77,18 @@ impl<const D: usize> QuasiStatic<D> {
     pub fn new(session: &Session, mut suspension: Box<dyn FlowSolver<D>>, step_control: StepControl) -> QuasiStatic<D> {
         suspension.remember(None);
         let weights = suspension.resistances();
-        QuasiStatic { session: session.clone(), suspension, step_control, weights }
+        let radii = suspension.setup().bodies.iter().map(|suspended| suspended.body.ball.radius).collect();
+        QuasiStatic { session: session.clone(), suspension, step_control, radii, weights }
     }
 
     fn placed<'a>(&self, state: &'a State<D>) -> Placed<'a, D> {
         let domain = self.suspension.setup().domain.clone().at(state.time);
-        Placed { state, domain, balls: state.balls(&self.step_control.radii) }
+        Placed { state, domain, balls: state.balls(&self.radii) }
     }
 
     fn arrangement<'a>(&'a self, placed: &'a Placed<'a, D>) -> Arrangement<'a, D> {
         let viscosity = Some(self.suspension.setup().viscosity);
-        Arrangement { domain: &placed.domain, balls: &placed.balls, weights: &self.weights, viscosity }
+        Arrangement { domain: &placed.domain, balls: &placed.balls, weights: &self.weights, viscosity, reach: f64::INFINITY }
     }
 
     /// Contacts over a step from where bodies are.
@@ -103,14 +106,15 @@ impl<const D: usize> QuasiStatic<D> {
             let own = twist.velocity - domain.carried(&body.center);
             if strain > 0.0 { SVector::from_fn(|axis, _| if axis == 0 { own.norm() + strain * radius } else { 0.0 }) } else { own }
         };
-        state.bodies.iter().zip(twists).zip(&self.step_control.radii).map(deviatoric).collect()
+        state.bodies.iter().zip(twists).zip(&self.radii).map(deviatoric).collect()
     }
 
     /// The step to take with these motions.
     fn step_size(&self, state: &State<D>, twists: &[Twist<D>]) -> StepSize {
         let motions = self.deviatoric_velocities(state, twists).into_iter();
-        let motions: Vec<BodyMotion<D>> = motions.map(|velocity| BodyMotion { velocity, acceleration: SVector::zeros() }).collect();
-        self.step_control.next(&motions, state.time, state.last_step)
+        let motion = |(velocity, &radius): (SVector<f64, D>, &f64)| BodyMotion { radius, velocity, acceleration: SVector::zeros() };
+        let motions: Vec<BodyMotion<D>> = motions.zip(&self.radii).map(motion).collect();
+        self.step_control.next(Peers::Alone, &motions, state.time, state.last_step)
     }
 
     /// Solves the flow with all forces that interactions know and with contacts that keep gaps open over the step to come.
@@ -176,7 +180,7 @@ impl<const D: usize> QuasiStatic<D> {
     fn travelled(&self, state: &State<D>) -> f64 {
         let last: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
         let velocities = self.deviatoric_velocities(state, &last).into_iter();
-        let ways = velocities.zip(&self.step_control.radii).map(|(velocity, radius)| velocity.norm() / radius);
+        let ways = velocities.zip(&self.radii).map(|(velocity, radius)| velocity.norm() / radius);
         state.last_step * ways.fold(0.0, f64::max)
     }
 
@@ -186,7 +190,7 @@ impl<const D: usize> QuasiStatic<D> {
         if touch != Some(Touch::Hard) || state.last_step == 0.0 {
             return Ok(Vec::new());
         }
-        let reach = MEMORY_REACH * self.step_control.radii.iter().copied().fold(f64::INFINITY, f64::min);
+        let reach = MEMORY_REACH * self.radii.iter().copied().fold(f64::INFINITY, f64::min);
         let velocities = state.bodies.iter().map(|body| body.twist.velocity).collect();
         self.contact_step(placed, state.last_step).expected(&state.held, velocities, reach)
     }
@@ -247,6 +251,10 @@ impl<const D: usize> QuasiStatic<D> {
 }
 
 impl<const D: usize> Stepper<D> for QuasiStatic<D> {
+    fn radii(&self) -> &[f64] {
+        &self.radii
+    }
+
     fn evaluate(&mut self, state: &State<D>, monitor: ResidualMonitor) -> Result<Observation<D>> {
         let mut effort = Effort::default();
         let Agreed { mut solution, twists, contacts, step_size } = self.agree(state, &mut effort, monitor)?;
@@ -261,7 +269,12 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
     fn advance(&mut self, state: &State<D>, observation: &Observation<D>, monitor: ResidualMonitor) -> Result<StepOutcome<D>> {
         let mut effort = Effort::default();
         let mut moves = self.rule(state, observation, &mut effort, monitor)?;
-        let step = self.step_control.shortened(&self.deviatoric_velocities(state, &moves), observation.step_size.length, state.last_step);
+        let step = self.step_control.shortened(
+            &self.deviatoric_velocities(state, &moves),
+            &self.radii,
+            observation.step_size.length,
+            state.last_step,
+        );
         let (placed, start) = (self.placed(state), Instant::now());
         let (mut stuck, mut kkt_report) = (Vec::new(), None);
         match self.suspension.setup().interactions.touch() {

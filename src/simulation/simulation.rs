@@ -1,15 +1,20 @@
 //! The time loop: bodies move step by step, driven by a fluid or by inertia alone.
 
+use std::borrow::Cow;
+
+use nalgebra::SVector;
+
 use super::{
-    ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Granular, GranularSetup, Observation, QuasiStatic, ResidualMonitor, State,
-    Stepper, interactions,
+    ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Granular, GranularSetup, Observation, QuasiStatic, ResidualMonitor, Share,
+    State, Stepper, interactions,
+    migration::own_part,
     shift_period::ShiftPeriod,
     step_control::{ROUNDING, StepControl},
 };
 use crate::{
     contact::KktReport,
     error::{Error, Result},
-    geometry::Domain,
+    geometry::{Ball, Domain},
     petsc::Session,
     scene::TimeSection,
 };
@@ -19,6 +24,7 @@ const SHORTEST: f64 = 1e-14;
 
 /// A simulation in time. Every function is collective.
 pub struct Simulation<const D: usize> {
+    session: Session,
     state: State<D>,
     stepper: Box<dyn Stepper<D>>,
     domain: Domain<D>,
@@ -41,11 +47,10 @@ pub struct StepReport {
 impl<const D: usize> Simulation<D> {
     /// Granular bodies in motion.
     pub fn granular(session: &Session, setup: GranularSetup<D>, time: TimeSection) -> Simulation<D> {
-        let radii = setup.bodies.iter().map(|body| body.radius).collect();
-        let step_control = StepControl { time, radii, shift_period: None, longest: setup.longest_step() };
-        let (state, domain) = (setup.start(), setup.domain.clone());
-        let stepper = Box::new(Granular::new(session, setup, step_control.clone()));
-        Simulation { state, stepper, domain, step_control, cut_short: false }
+        let step_control = StepControl { time, shift_period: None, longest: setup.longest_step() };
+        let domain = setup.domain.clone();
+        let (stepper, state) = Granular::start(session, setup, step_control.clone());
+        Simulation { session: session.clone(), state, stepper: Box::new(stepper), domain, step_control, cut_short: false }
     }
 
     /// Bodies carried by Stokes flow. Where images slide, the step, if it is fixed, and the end slide them by whole cells.
@@ -54,24 +59,32 @@ impl<const D: usize> Simulation<D> {
         let bodies = &setup.bodies;
         let shift_period = ShiftPeriod::of(&setup.domain, suspension.grid());
         let longest = interactions::longest_step_in_flow(setup);
-        let step_control =
-            StepControl { time, radii: bodies.iter().map(|suspended| suspended.body.ball.radius).collect(), shift_period, longest };
+        let step_control = StepControl { time, shift_period, longest };
         let at_rest = |suspended: &super::SuspendedBody<D>| (suspended.body.ball.center, crate::body::Twist::zero());
         let state = State::start(bodies.iter().map(at_rest));
         let domain = suspension.setup().domain.clone();
         let stepper = Box::new(QuasiStatic::new(session, suspension, step_control.clone()));
-        Simulation { state, stepper, domain, step_control, cut_short: false }
+        Simulation { session: session.clone(), state, stepper, domain, step_control, cut_short: false }
     }
 
-    /// Where bodies are.
+    /// Where the bodies of this rank are.
     pub fn state(&self) -> &State<D> {
         &self.state
     }
 
-    /// Goes on from another state, with what earlier solves say about the next one.
+    /// Where all bodies are, on every rank; for few bodies, and for what is done once.
+    pub fn whole_state(&self) -> Cow<'_, State<D>> {
+        self.state.gathered(self.session.world())
+    }
+
+    /// Goes on from another state of all bodies, with what earlier solves say about the next one.
+    ///
+    /// # Panics
+    /// If it is the state of a share.
     pub fn restore(&mut self, state: State<D>, past: Option<ExtrapolationHistory<D>>) {
-        self.state = state;
+        self.state = own_part(&self.state.share, state);
         self.slide();
+        self.stepper.migrate(&mut self.state, &self.domain);
         if let Some(past) = past {
             self.stepper.remember(past);
         }
@@ -87,9 +100,21 @@ impl<const D: usize> Simulation<D> {
         &self.domain
     }
 
-    /// Radii of the bodies.
+    /// Radii of the bodies of this rank.
     pub fn radii(&self) -> &[f64] {
-        &self.step_control.radii
+        self.stepper.radii()
+    }
+
+    /// All bodies as balls, on every rank; as [`whole_state`](Self::whole_state).
+    pub fn whole_balls(&self) -> Vec<Ball<D>> {
+        let Share::Own { numbers, count } = &self.state.share else { return self.state.balls(self.radii()) };
+        let own = numbers.iter().zip(self.state.balls(self.radii()));
+        let rows: Vec<f64> = own.flat_map(|(&number, ball)| [&[number as f64, ball.radius], ball.center.as_slice()].concat()).collect();
+        let mut balls = vec![Ball { center: SVector::zeros(), radius: 0.0 }; *count];
+        for row in self.session.world().gather(&rows).chunks(2 + D) {
+            balls[row[0] as usize] = Ball { center: SVector::from_column_slice(&row[2..]), radius: row[1] };
+        }
+        balls
     }
 
     /// Whether the run has reached its end.
@@ -127,6 +152,7 @@ impl<const D: usize> Simulation<D> {
         self.state.stuck = travel.stuck;
         self.state.advance(&travel.moves, travel.step);
         self.slide();
+        self.stepper.migrate(&mut self.state, &self.domain);
         // whole cells of images that slide may be rounded
         self.cut_short = observation.step_size.cut_short() && travel.step >= observation.step_size.length * (1.0 - ROUNDING);
         Ok(StepReport { length: travel.step, kkt_report: travel.kkt_report, effort: travel.effort })

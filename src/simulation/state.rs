@@ -1,11 +1,14 @@
 //! What a restart needs: where bodies are and how they move. A value; machinery is rebuilt.
 
+use std::borrow::Cow;
+
 use nalgebra::{SMatrix, SVector};
 
 use crate::{
-    body::Twist,
-    contact::{AdhesiveContact, ContactForce, Identity, Memory, Partner},
+    body::{Twist, components, skew},
+    contact::{AdhesiveContact, ContactForce, Identity, Memory, Partner, pack, packed_length, unpack},
     geometry::Ball,
+    parallel::World,
 };
 
 /// A body on its way.
@@ -32,7 +35,21 @@ pub struct ContactHistory<const D: usize> {
     pub force: f64,
 }
 
-/// The bodies at a time.
+/// Which bodies a rank's part of a state holds.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Share {
+    /// All of them, the same on every rank.
+    Whole,
+    /// Those that the rank owns.
+    Own {
+        /// Their numbers among all, ascending.
+        numbers: Vec<usize>,
+        /// How many all are.
+        count: usize,
+    },
+}
+
+/// The bodies at a time, or those of them that a rank owns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State<const D: usize> {
     /// The time.
@@ -41,12 +58,43 @@ pub struct State<const D: usize> {
     pub steps: usize,
     /// Length of the last step, 0 before the first.
     pub last_step: f64,
+    /// Which bodies these are.
+    pub share: Share,
     /// The bodies.
     pub bodies: Vec<Moving<D>>,
-    /// Contacts that bore a force.
+    /// Contacts of these bodies that bore a force; bodies are named by their numbers.
     pub held: Vec<ContactHistory<D>>,
-    /// Contacts that stick; none unless contacts are gluey.
+    /// Contacts of these bodies that stick; none unless contacts are gluey.
     pub stuck: Vec<AdhesiveContact<D>>,
+}
+
+impl<const D: usize> Moving<D> {
+    /// How many numbers [`pack`](Self::pack) makes.
+    pub const LENGTH: usize = 2 * D + D * D + D * (D - 1) / 2;
+
+    fn at_rest() -> Moving<D> {
+        Moving { center: SVector::zeros(), rotation: SMatrix::identity(), twist: Twist::zero() }
+    }
+
+    /// The body as numbers.
+    pub fn pack(&self) -> Vec<f64> {
+        let Moving { center, rotation, twist } = self;
+        [center.as_slice(), rotation.as_slice(), twist.velocity.as_slice(), &components(&twist.spin)].concat()
+    }
+
+    /// What [`pack`](Self::pack) was given.
+    pub fn unpack(numbers: &[f64]) -> Moving<D> {
+        let (center, rest) = numbers.split_at(D);
+        let (rotation, motion) = rest.split_at(D * D);
+        let twist = Twist { velocity: SVector::from_column_slice(&motion[..D]), spin: skew(&motion[D..]) };
+        Moving { center: SVector::from_column_slice(center), rotation: SMatrix::from_column_slice(rotation), twist }
+    }
+}
+
+impl<const D: usize> From<(Identity<D>, f64)> for ContactHistory<D> {
+    fn from(((body, partner, image), force): (Identity<D>, f64)) -> ContactHistory<D> {
+        ContactHistory { body, partner, image, force }
+    }
 }
 
 impl<const D: usize> ContactHistory<D> {
@@ -66,7 +114,75 @@ impl<const D: usize> State<D> {
     /// Bodies at the start.
     pub fn start(bodies: impl Iterator<Item = (SVector<f64, D>, Twist<D>)>) -> State<D> {
         let moving = |(center, twist)| Moving { center, rotation: SMatrix::identity(), twist };
-        State { time: 0.0, steps: 0, last_step: 0.0, bodies: bodies.map(moving).collect(), held: Vec::new(), stuck: Vec::new() }
+        let bodies = bodies.map(moving).collect();
+        State { time: 0.0, steps: 0, last_step: 0.0, share: Share::Whole, bodies, held: Vec::new(), stuck: Vec::new() }
+    }
+
+    /// How many bodies all ranks have.
+    pub fn count(&self) -> usize {
+        match &self.share {
+            Share::Whole => self.bodies.len(),
+            Share::Own { count, .. } => *count,
+        }
+    }
+
+    /// The numbers of these bodies, ascending.
+    pub fn numbers(&self) -> Cow<'_, [usize]> {
+        match &self.share {
+            Share::Whole => Cow::Owned((0..self.bodies.len()).collect()),
+            Share::Own { numbers, .. } => Cow::Borrowed(numbers),
+        }
+    }
+
+    /// The number of the body at a place.
+    pub fn number(&self, place: usize) -> usize {
+        match &self.share {
+            Share::Whole => place,
+            Share::Own { numbers, .. } => numbers[place],
+        }
+    }
+
+    /// Whether a contact of a body is this rank's to tell: of two ranks that know it, that of the first body.
+    pub fn tells(&self, body: usize) -> bool {
+        match &self.share {
+            Share::Whole => true,
+            Share::Own { numbers, .. } => numbers.binary_search(&body).is_ok(),
+        }
+    }
+
+    /// The contacts that bore a force and that this rank tells of.
+    pub fn told(&self) -> impl Iterator<Item = &ContactHistory<D>> {
+        self.held.iter().filter(|held| self.tells(held.body))
+    }
+
+    /// The contacts that stick and that this rank tells of.
+    pub fn told_stuck(&self) -> impl Iterator<Item = &AdhesiveContact<D>> {
+        self.stuck.iter().filter(|stuck| self.tells(stuck.body))
+    }
+
+    /// The same state of the bodies of all ranks, on every rank. Collective.
+    pub(super) fn gathered(&self, world: &World) -> Cow<'_, State<D>> {
+        let Share::Own { numbers, count } = &self.share else { return Cow::Borrowed(self) };
+        let rows: Vec<f64> =
+            numbers.iter().zip(&self.bodies).flat_map(|(&number, body)| [&[number as f64], &body.pack()[..]].concat()).collect();
+        let mut bodies = vec![Moving::at_rest(); *count];
+        for row in world.gather(&rows).chunks(1 + Moving::<D>::LENGTH) {
+            bodies[row[0] as usize] = Moving::unpack(&row[1..]);
+        }
+        let gather = |told: Vec<Vec<f64>>| {
+            let mut all: Vec<(Identity<D>, f64)> = world.gather(&told.concat()).chunks(packed_length::<D>()).map(unpack).collect();
+            all.sort_unstable_by_key(|(identity, _)| *identity);
+            all.into_iter()
+        };
+        let held = gather(self.told().map(|held| pack(held.identity(), held.force)).collect());
+        let stuck = gather(self.told_stuck().map(|stuck| pack(stuck.identity(), stuck.gamma)).collect());
+        Cow::Owned(State {
+            share: Share::Whole,
+            bodies,
+            held: held.map(ContactHistory::from).collect(),
+            stuck: stuck.map(AdhesiveContact::from).collect(),
+            ..*self
+        })
     }
 
     /// Their centres, not moved back into the box.

@@ -3,7 +3,10 @@
 use nalgebra::SVector;
 
 use super::shift_period::ShiftPeriod;
-use crate::scene::{Step, TimeSection};
+use crate::{
+    parallel::Peers,
+    scene::{Step, TimeSection},
+};
 
 /// Largest growth from one step to the next.
 const GROWTH: f64 = 1.25;
@@ -16,8 +19,6 @@ pub const ROUNDING: f64 = 1e-9;
 pub struct StepControl {
     /// As the scene says.
     pub time: TimeSection,
-    /// Radii of the bodies.
-    pub radii: Vec<f64>,
     /// What steps and the end are whole numbers of, where images slide.
     pub shift_period: Option<ShiftPeriod>,
     /// The longest step with which contact is stable; infinite if it limits none.
@@ -27,6 +28,8 @@ pub struct StepControl {
 /// A body's motion as far as steps depend on it.
 #[derive(Debug, Clone, Copy)]
 pub struct BodyMotion<const D: usize> {
+    /// Its radius.
+    pub radius: f64,
     /// Velocity.
     pub velocity: SVector<f64, D>,
     /// Acceleration of a body that is not held.
@@ -50,14 +53,14 @@ impl StepSize {
 }
 
 impl StepControl {
-    /// The next step for bodies that move so, from a time, after a last step (0 if it is the first).
-    pub fn next<const D: usize>(&self, motion: &[BodyMotion<D>], time: f64, last_step: f64) -> StepSize {
+    /// The next step for bodies that move so, each rank its own, from a time, after a last step (0 if it is the first). Collective.
+    pub fn next<const D: usize>(&self, peers: Peers, motions: &[BodyMotion<D>], time: f64, last_step: f64) -> StepSize {
         let natural = match self.time.step {
             Step::Fixed(step) => step,
             Step::Auto => {
                 let longest = self.longest.min(if last_step > 0.0 { self.grown(last_step) } else { self.time.end });
-                let limits = motion.iter().zip(&self.radii).map(|(urge, radius)| reach(urge, self.time.travel * radius));
-                self.whole(limits.fold(longest, f64::min), last_step)
+                let limits = motions.iter().map(|motion| reach(motion, self.time.travel * motion.radius));
+                self.whole(peers.min(limits.fold(longest, f64::min)), last_step)
             }
         };
         let left = self.time.end - time;
@@ -65,12 +68,12 @@ impl StepControl {
     }
 
     /// A step, after a last one, that would carry bodies too far, made shorter.
-    pub fn shortened<const D: usize>(&self, moves: &[SVector<f64, D>], step: f64, last_step: f64) -> f64 {
+    pub fn shortened<const D: usize>(&self, moves: &[SVector<f64, D>], radii: &[f64], step: f64, last_step: f64) -> f64 {
         match self.time.step {
             Step::Fixed(_) => step,
             Step::Auto => {
                 let limit = |(velocity, radius): (&SVector<f64, D>, &f64)| self.time.travel * radius / velocity.norm();
-                step.min(self.whole(moves.iter().zip(&self.radii).map(limit).fold(step, f64::min), last_step))
+                step.min(self.whole(moves.iter().zip(radii).map(limit).fold(step, f64::min), last_step))
             }
         }
     }
@@ -99,7 +102,7 @@ impl StepControl {
 }
 
 /// The time in which a body covers a distance: `v t + a t^2 = distance`.
-fn reach<const D: usize>(urge: &BodyMotion<D>, distance: f64) -> f64 {
-    let (velocity, acceleration) = (urge.velocity.norm(), urge.acceleration.norm());
+fn reach<const D: usize>(motion: &BodyMotion<D>, distance: f64) -> f64 {
+    let (velocity, acceleration) = (motion.velocity.norm(), motion.acceleration.norm());
     2.0 * distance / (velocity + (velocity * velocity + 4.0 * acceleration * distance).sqrt())
 }

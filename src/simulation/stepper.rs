@@ -5,9 +5,10 @@ use crate::{
     body::Twist,
     contact::{AdhesiveContact, ContactForce, KktReport},
     error::Result,
+    geometry::Domain,
 };
 
-/// What happens at one instant.
+/// What happens at one instant, of the bodies that the state of this rank holds.
 pub struct Observation<const D: usize> {
     /// Motions of the bodies.
     pub twists: Vec<Twist<D>>,
@@ -36,7 +37,7 @@ pub struct Effort {
     pub contact: f64,
 }
 
-/// How bodies move over a step.
+/// How the bodies that the state of this rank holds move over a step.
 pub struct StepOutcome<const D: usize> {
     /// Length of the step.
     pub step: f64,
@@ -44,7 +45,7 @@ pub struct StepOutcome<const D: usize> {
     pub moves: Vec<Twist<D>>,
     /// Motions that they have after it, as far as they are known before the next instant is solved.
     pub twists: Vec<Twist<D>>,
-    /// Contacts and their forces, if they were found on the way.
+    /// Contacts of these bodies and their forces, if they were found on the way; bodies are named by their numbers.
     pub contacts: Vec<ContactForce<D>>,
     /// Contacts that stick from now on.
     pub stuck: Vec<AdhesiveContact<D>>,
@@ -67,6 +68,12 @@ pub trait Stepper<const D: usize> {
     /// # Errors
     /// A solver does not converge, or contacts cannot be kept.
     fn advance(&mut self, state: &State<D>, observation: &Observation<D>, monitor: ResidualMonitor) -> Result<StepOutcome<D>>;
+
+    /// Radii of the bodies that the state of this rank holds.
+    fn radii(&self) -> &[f64];
+
+    /// Gives bodies to the ranks that own the places where they are now, in a box of that time.
+    fn migrate(&mut self, _state: &mut State<D>, _domain: &Domain<D>) {}
 
     /// The suspension that is solved, if there is a fluid.
     fn suspension(&self) -> Option<&dyn FlowSolver<D>> {

@@ -1,10 +1,14 @@
 //! Contact: the projection of velocities, shared by the ranks.
 
 use nalgebra::{SVector, Vector2};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use turbid::{
-    contact::{Problem, Projection, project},
+    body::Regions,
+    contact::{Memory, Problem, ProblemShare, Projection, project, project_share},
     error::{Error, Result},
-    geometry::{Axis, Ball, Domain},
+    geometry::{Axis, Ball, Domain, LeesEdwards},
+    parallel::Peers,
     petsc::Session,
 };
 
@@ -17,6 +21,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(columns_stand_on_any_number_of_ranks),
         Test::of(a_row_shares_an_impact_on_any_number_of_ranks),
         Test::of(a_squeeze_is_the_same_error_on_all_ranks),
+        Test::of(crowds_move_alike_on_any_number_of_ranks),
     ]
 }
 
@@ -38,7 +43,7 @@ fn channel(size: [f64; 2]) -> Domain<2> {
 
 fn solve(session: &Session, balls: &[Ball<2>], weights: &[f64], velocities: &[Vector2<f64>]) -> Result<Projection<2>> {
     let domain = channel([4.0 * COLUMNS as f64, 40.0]);
-    project(session.world(), &Problem { domain: &domain, balls, weights, velocities, step: 1.0, lower_bounds: &[] })
+    project(session.world(), &Problem { domain: &domain, numbers: None, balls, weights, velocities, step: 1.0, lower_bounds: &[] })
 }
 
 fn fall(session: &Session) -> Projection<2> {
@@ -87,4 +92,57 @@ fn a_squeeze_is_the_same_error_on_all_ranks(session: &Session) {
     assert!(text.starts_with("contact of 2 bodies (1, 2) at 2 places failed: bodies are squeezed"), "{text}");
     let bytes = island.as_bytes();
     assert!(session.world().gather(bytes).chunks(bytes.len()).all(|other| other == bytes));
+}
+
+/// Disks of several sizes that do not overlap, some of them held, with random velocities.
+fn crowd(domain: &Domain<2>, tries: usize, speed: f64, seed: u64) -> (Vec<Ball<2>>, Vec<f64>, Vec<Vector2<f64>>) {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut balls: Vec<Ball<2>> = Vec::new();
+    for _ in 0..tries {
+        let radius = 0.3 + 0.5 * random.random::<f64>();
+        let place = |axis: usize, part: f64| match domain.periodic(axis) {
+            true => part * domain.size[axis],
+            false => radius + part * (domain.size[axis] - 2.0 * radius),
+        };
+        let center = Vector2::new(place(0, random.random()), place(1, random.random()));
+        if balls.iter().all(|ball| domain.nearest_image(ball.center - center).norm() >= ball.radius + radius) {
+            balls.push(Ball { center, radius });
+        }
+    }
+    let velocities = balls.iter().map(|_| Vector2::new(random.random::<f64>() - 0.5, random.random::<f64>() - 0.5) * speed).collect();
+    let weights = balls.iter().enumerate().map(|(body, ball)| if body % 11 == 3 { f64::INFINITY } else { ball.volume() }).collect();
+    (balls, weights, velocities)
+}
+
+/// Islands that lie on one rank, that span some, and that span all; pairs across seams and across images that slide; bodies that give no way.
+fn crowds_move_alike_on_any_number_of_ranks(session: &Session) {
+    let slide = |start| Axis::Sheared(LeesEdwards { start, speed: 3.0, time: 0.25 });
+    let periodic = |size: [f64; 2]| Domain { size: size.into(), axes: [Axis::Periodic; 2] };
+    let sheared = |start| Domain { size: [20.0, 14.0].into(), axes: [Axis::Periodic, slide(start)] };
+    let domains = [channel([20.0, 14.0]), channel([10.0, 30.0]), periodic([20.0, 14.0]), sheared(0.7), sheared(13.0)];
+    for (seed, domain) in domains.iter().enumerate() {
+        for speed in [0.3, 4.0] {
+            let (balls, weights, mut velocities) = crowd(domain, 400, speed, seed as u64);
+            // a body that no contact moves must not press others against one like it
+            velocities.iter_mut().zip(&weights).filter(|(_, weight)| weight.is_infinite()).for_each(|(velocity, _)| *velocity *= 0.01);
+            let problem =
+                Problem { domain, numbers: None, balls: &balls, weights: &weights, velocities: &velocities, step: 1.0, lower_bounds: &[] };
+            let regions = Regions::new(domain, 1);
+            let alone = project_share(Peers::Alone, &ProblemShare { problem, regions: &regions }, &Memory::default()).unwrap().projection;
+            let shared = project(session.world(), &problem).unwrap();
+            assert!(alone.kkt_report.active > 3, "{:?}", alone.kkt_report);
+            for (one, other) in alone.velocities.iter().zip(&shared.velocities) {
+                assert!((one - other).norm() < 1e-9, "seed {seed}, speed {speed}: {one} and {other}");
+            }
+            let [one, other] = [&alone, &shared].map(|found| found.kkt_report);
+            assert_eq!((one.pairs, one.active, one.islands, one.rounds), (other.pairs, other.active, other.islands, other.rounds));
+            assert!(
+                (one.smallest_gap - other.smallest_gap).abs() < 1e-9
+                    && (one.total_force - other.total_force).abs() < 1e-7 * one.total_force
+            );
+            assert!(
+                alone.forces.iter().map(|force| force.contact.identity()).eq(shared.forces.iter().map(|force| force.contact.identity()))
+            );
+        }
+    }
 }

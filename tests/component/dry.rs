@@ -69,10 +69,11 @@ fn step<const D: usize>(simulation: &mut Simulation<D>) -> StepReport {
 
 /// Smallest gap in radii of the smaller body, or infinity if nothing is near.
 pub fn smallest_gap<const D: usize>(simulation: &Simulation<D>) -> f64 {
-    let radii = simulation.radii();
-    let balls: Vec<Ball<D>> = simulation.state().balls(radii);
-    let pairs = near_pairs(simulation.domain(), &balls, 0.0).into_iter().map(|pair| pair.gap / radii[pair.first].min(radii[pair.second]));
-    let walls = near_walls(simulation.domain(), &balls, 0.0).into_iter().map(|pair| pair.gap / radii[pair.body]);
+    let balls = simulation.whole_balls();
+    let pairs = near_pairs(simulation.domain(), &balls, 0.0)
+        .into_iter()
+        .map(|pair| pair.gap / balls[pair.first].radius.min(balls[pair.second].radius));
+    let walls = near_walls(simulation.domain(), &balls, 0.0).into_iter().map(|pair| pair.gap / balls[pair.body].radius);
     pairs.chain(walls).fold(f64::INFINITY, f64::min)
 }
 
@@ -88,8 +89,8 @@ fn column<const D: usize>(session: &Session, size: [f64; D], scheme: Scheme) {
     while !simulation.over() {
         step(&mut simulation);
         assert!(smallest_gap(&simulation) > -1e-9, "{}", smallest_gap(&simulation));
-        let time = simulation.state().time;
-        for (ball, body) in (1..).zip(&simulation.state().bodies) {
+        let time = simulation.whole_state().time;
+        for (ball, body) in (1..).zip(simulation.whole_state().bodies.iter()) {
             // above it, a ball has not arrived; below, it has passed through
             if (body.center[D - 1] - rest(ball)).abs() < 1e-9 {
                 stopped[ball - 1] = stopped[ball - 1].min(time);
@@ -101,7 +102,7 @@ fn column<const D: usize>(session: &Session, size: [f64; D], scheme: Scheme) {
         // within the step in which it lands; Euler's fall is ahead by half a step
         assert!((found - exact).abs() <= dt, "{scheme:?}: {stopped:?}");
     }
-    for (ball, body) in (1..).zip(&simulation.state().bodies) {
+    for (ball, body) in (1..).zip(simulation.whole_state().bodies.iter()) {
         assert!((body.center[D - 1] - rest(ball)).abs() < 1e-9, "{scheme:?}: ball {ball} rests at {}", body.center[D - 1]);
     }
 }
@@ -121,9 +122,9 @@ fn flight_error(session: &Session, step_length: f64, scheme: Scheme) -> f64 {
     while !simulation.over() {
         step(&mut simulation);
     }
-    let time = simulation.state().time;
+    let time = simulation.whole_state().time;
     let exact = ball.center + ball.twist.velocity * time + ball.acceleration * (0.5 * time * time);
-    (simulation.state().bodies[0].center - exact).norm()
+    (simulation.whole_state().bodies[0].center - exact).norm()
 }
 
 fn free_flight_under_a_constant_force_is_exact(session: &Session) {
@@ -151,7 +152,7 @@ fn an_impact_on_a_touching_row_is_shared_by_all(session: &Session) {
         let mut simulation = start(session, channel([10.0, 2.0]), bodies, fixed(0.5, 2.0, Scheme::TwoStep));
         for _ in 0..2 {
             step(&mut simulation);
-            for body in &simulation.state().bodies {
+            for body in simulation.whole_state().bodies.iter() {
                 let error = (body.twist.velocity - Vector2::new(1.0 / count as f64, 0.0)).norm();
                 assert!(error < 1e-12, "row of {count}: off by {error:e}");
             }
@@ -169,15 +170,15 @@ fn a_ball_touches_the_floor_in_the_first_step_that_would_pass_it_and_stays(sessi
         let mut simulation = falling(session, 0.013, scheme);
         let mut touched = false;
         while !simulation.over() {
-            let (state, length) = (simulation.state().clone(), 0.013_f64.min(0.3 - simulation.state().time));
+            let (state, length) = (simulation.whole_state().into_owned(), 0.013_f64.min(0.3 - simulation.whole_state().time));
             let push = if scheme == Scheme::Euler { length } else { 0.5 * (state.last_step + length) };
             let free = state.bodies[0].center[1] + length * (state.bodies[0].twist.velocity[1] - GRAVITY * push);
             step(&mut simulation);
-            let gap = simulation.state().bodies[0].center[1] - 0.1;
+            let gap = simulation.whole_state().bodies[0].center[1] - 0.1;
             touched |= free < 0.1;
             let expected = if touched { 0.0 } else { free - 0.1 };
             // 1e-10 radii
-            assert!((gap - expected).abs() < 1e-11, "{scheme:?} at {}: gap {gap:e} instead of {expected:e}", simulation.state().time);
+            assert!((gap - expected).abs() < 1e-11, "{scheme:?} at {}: gap {gap:e} instead of {expected:e}", simulation.whole_state().time);
         }
         assert!(touched);
     }
@@ -192,7 +193,7 @@ fn the_impulse_of_the_floor_takes_the_momentum_that_gravity_gave(session: &Sessi
         let mut impulse = 0.0;
         for _ in 0..steps {
             step(&mut simulation);
-            impulse += simulation.state().held.iter().map(|held| held.force * length).sum::<f64>();
+            impulse += simulation.whole_state().held.iter().map(|held| held.force * length).sum::<f64>();
         }
         let pushed = length * f64::from(steps) - if scheme == Scheme::Euler { 0.0 } else { 0.5 * length };
         let expected = 0.4 + GRAVITY * pushed;
@@ -207,13 +208,13 @@ fn the_momentum_of_a_head_on_pair_is_kept(session: &Session) {
     let mut simulation = start(session, channel([10.0, 1.0]), vec![light, heavy], fixed(0.1, 1.0, Scheme::TwoStep));
     while !simulation.over() {
         step(&mut simulation);
-        let bodies = &simulation.state().bodies;
+        let bodies = &simulation.whole_state().bodies;
         let momentum = bodies[0].twist.velocity + bodies[1].twist.velocity * 3.0;
         // rounding of what is exchanged, 1.3
         assert!((momentum - Vector2::new(-1.1, 0.0)).norm() < 1e-14, "{momentum}");
     }
     // inelastic: they go on together
-    for body in &simulation.state().bodies {
+    for body in simulation.whole_state().bodies.iter() {
         assert!((body.twist.velocity[0] + 1.1 / 4.0).abs() < 1e-12, "{}", body.twist.velocity);
     }
 }
@@ -231,7 +232,8 @@ fn colliding_disks_never_gain_energy_and_never_overlap_however_long_the_step(ses
         .zip(centers)
         .map(|(number, center): (u32, Vector2<f64>)| dry_body(center.into(), velocity(2.399 * f64::from(number)), Vector2::zeros()));
     let mut simulation = start(session, domain, bodies.collect(), fixed(0.8, 16.0, Scheme::TwoStep));
-    let energy = |simulation: &Simulation<2>| simulation.state().bodies.iter().map(|body| body.twist.velocity.norm_squared()).sum::<f64>();
+    let energy =
+        |simulation: &Simulation<2>| simulation.whole_state().bodies.iter().map(|body| body.twist.velocity.norm_squared()).sum::<f64>();
     let at_start = energy(&simulation);
     while !simulation.over() {
         let before = energy(&simulation);
@@ -248,12 +250,12 @@ fn a_body_whose_motion_is_given_pushes_a_free_one(session: &Session) {
     let mut simulation = start(session, channel([10.0, 1.0]), vec![pusher, pushed], fixed(0.13, 2.0, Scheme::TwoStep));
     while !simulation.over() {
         step(&mut simulation);
-        let [pusher, pushed] = [0, 1].map(|body| simulation.state().bodies[body].center[0]);
-        assert!((pusher - 0.2 - 0.5 * simulation.state().time).abs() < 1e-13, "{pusher}");
+        let [pusher, pushed] = [0, 1].map(|body| simulation.whole_state().bodies[body].center[0]);
+        assert!((pusher - 0.2 - 0.5 * simulation.whole_state().time).abs() < 1e-13, "{pusher}");
         // at rest until it is reached, from then on in touch
         assert!((pushed - (pusher + 0.2).max(0.6)).abs() < 1e-10, "{pushed} pushed by {pusher}");
     }
-    assert!((simulation.state().bodies[1].twist.velocity - Vector2::new(0.5, 0.0)).norm() < 1e-10);
+    assert!((simulation.whole_state().bodies[1].twist.velocity - Vector2::new(0.5, 0.0)).norm() < 1e-10);
 }
 
 /// The inertia of a homogeneous disk is `m r^2 / 2`, that of a sphere `2/5 m r^2`.
@@ -277,8 +279,8 @@ fn spin_up<const D: usize>(session: &Session, size: &str, torque: &str, expected
         step(&mut simulation);
     }
     // velocities live half a step before places
-    let lived = simulation.state().time - 0.005;
-    for (found, expected) in components(&simulation.state().bodies[0].twist.spin).into_iter().zip(expected) {
+    let lived = simulation.whole_state().time - 0.005;
+    for (found, expected) in components(&simulation.whole_state().bodies[0].twist.spin).into_iter().zip(expected) {
         assert!((found - expected * lived).abs() <= 1e-12 * expected.abs(), "{found} instead of {}", expected * lived);
     }
 }
@@ -290,7 +292,7 @@ fn bodies_that_leave_the_box_without_a_contact_model_are_an_error_that_says_so(s
     let mut simulation = Simulation::granular(session, setup, time);
     let error = loop {
         let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
-        assert!(simulation.state().time < 1.0, "nobody noticed");
+        assert!(simulation.whole_state().time < 1.0, "nobody noticed");
         if let Err(error) = simulation.step(&observation, &mut |_, _| {}) {
             break error;
         }
@@ -305,9 +307,9 @@ fn automatic(session: &Session, body: GranularBody<2>, scheme: Scheme) -> Vec<(f
     let mut simulation = start(session, channel([100.0, 100.0]), vec![body], time);
     let mut steps = Vec::new();
     while !simulation.over() {
-        let before = simulation.state().bodies[0].center;
+        let before = simulation.whole_state().bodies[0].center;
         let length = step(&mut simulation).length;
-        steps.push((length, (simulation.state().bodies[0].center - before).norm() / body.radius));
+        steps.push((length, (simulation.whole_state().bodies[0].center - before).norm() / body.radius));
     }
     steps
 }

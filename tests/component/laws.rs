@@ -74,7 +74,7 @@ fn under(
 ) -> Simulation<2> {
     let setup = GranularSetup { domain: simulation.domain().clone(), bodies, interactions: Interactions::default().with(contact) };
     let mut other = Simulation::granular(session, setup, time);
-    other.restore(simulation.state().clone(), None);
+    other.restore(simulation.whole_state().into_owned(), None);
     other
 }
 
@@ -84,7 +84,7 @@ fn step(simulation: &mut Simulation<2>) {
 }
 
 fn momentum(simulation: &Simulation<2>) -> Vector2<f64> {
-    simulation.state().bodies.iter().map(|body| body.twist.velocity).sum()
+    simulation.whole_state().bodies.iter().map(|body| body.twist.velocity).sum()
 }
 
 /// Two disks that meet, with their middle at a place that may lie on the seam: centres relative to it after the impact.
@@ -93,14 +93,14 @@ fn head_on<Law: Interaction<2> + Copy + 'static>(session: &Session, law: Law, mi
     let towards = -offset.normalize();
     let bodies = [1.0, -1.0].map(|side| disk((middle + offset * side).into(), (towards * side).into(), [0.0; 2]));
     let mut simulation = start(session, [8.0, 6.0], law, bodies.to_vec(), fixed(0.01, Scheme::TwoStep));
-    while simulation.state().time < 1.0 {
+    while simulation.whole_state().time < 1.0 {
         step(&mut simulation);
         assert!(momentum(&simulation).norm() < 1e-12, "{law:?}: {}", momentum(&simulation));
-        let [one, two] = [0, 1].map(|body| simulation.state().bodies[body].center - middle);
+        let [one, two] = [0, 1].map(|body| simulation.whole_state().bodies[body].center - middle);
         assert!((one + two).norm() < 1e-12, "{law:?}: {one} and {two} have lost their symmetry");
         assert!(one.perp(&offset).abs() < 1e-12, "{law:?}: {one} has left the line of centres");
     }
-    simulation.state().bodies.iter().map(|body| body.center - middle).collect()
+    simulation.whole_state().bodies.iter().map(|body| body.center - middle).collect()
 }
 
 fn every_law_keeps_the_momentum_and_the_symmetry_of_a_head_on_pair_wherever_it_is(session: &Session) {
@@ -129,12 +129,12 @@ fn a_repulsion_gives_back_what_it_takes(session: &Session) {
     let loss = |step_length: f64| {
         let bodies = vec![disk([2.0, 3.0], [1.0, 0.0], [0.0; 2]), disk([4.0, 3.0], [-1.0, 0.0], [0.0; 2])];
         let mut simulation = start(session, [8.0, 6.0], REPULSION, bodies, fixed(step_length, Scheme::TwoStep));
-        while simulation.state().time < 1.5 {
+        while simulation.whole_state().time < 1.5 {
             step(&mut simulation);
         }
         // bounced and apart
-        assert!(simulation.state().bodies[0].twist.velocity[0] < 0.0 && smallest_gap(&simulation) > 0.1);
-        (simulation.state().bodies[0].twist.velocity[0] + 1.0).abs()
+        assert!(simulation.whole_state().bodies[0].twist.velocity[0] < 0.0 && smallest_gap(&simulation) > 0.1);
+        (simulation.whole_state().bodies[0].twist.velocity[0] + 1.0).abs()
     };
     let losses = [0.01, 0.005, 0.0025].map(loss);
     assert!(losses[0] < 2e-2 && losses[2] < losses[0] / 4.0, "{losses:?}");
@@ -154,7 +154,7 @@ fn an_automatic_step_is_no_longer_than_a_repulsion_is_stable_with(session: &Sess
     let mut steps = Vec::new();
     while !simulation.over() {
         step(&mut simulation);
-        steps.push(simulation.state().last_step);
+        steps.push(simulation.whole_state().last_step);
     }
     let (last, others) = steps.split_last().unwrap();
     assert!(*last <= longest * (1.0 + 1e-12) && others.iter().all(|step| (step / longest - 1.0).abs() < 1e-12), "{steps:?}");
@@ -162,9 +162,9 @@ fn an_automatic_step_is_no_longer_than_a_repulsion_is_stable_with(session: &Sess
 
 /// Height of the gap and memory of the contact of a ball above a floor.
 fn above_the_floor(simulation: &Simulation<2>) -> (f64, f64) {
-    let stuck = &simulation.state().stuck;
+    let stuck = &simulation.whole_state().stuck;
     assert!(stuck.len() <= 1 && stuck.iter().all(|stuck| stuck.partner == Partner::Wall { axis: 1, upper: false }), "{stuck:?}");
-    (simulation.state().bodies[0].center[1] - 0.5, stuck.first().map_or(0.0, |stuck| stuck.gamma))
+    (simulation.whole_state().bodies[0].center[1] - 0.5, stuck.first().map_or(0.0, |stuck| stuck.gamma))
 }
 
 /// G2: a force of -2 until the time 2, then of 1; the gap is 1 at rest. All gaps and memories in steps of a given length.
@@ -179,7 +179,7 @@ fn pressed_and_pulled(session: &Session, length: f64, scheme: Scheme) -> Vec<(f6
         }
         step(&mut simulation);
         let (gap, gamma) = above_the_floor(&simulation);
-        seen.push((simulation.state().time, gap, gamma));
+        seen.push((simulation.whole_state().time, gap, gamma));
     }
     seen
 }
@@ -247,9 +247,9 @@ fn a_ball_that_lands_without_a_force_stays_for_ever(session: &Session) {
     for length in [0.03, 0.25] {
         let mut simulation =
             start(session, [2.0, 10.0], GLUEY, vec![disk([1.0, 1.5], [0.0, -1.0], [0.0; 2])], fixed(length, Scheme::TwoStep));
-        while simulation.state().time < 3.0 {
+        while simulation.whole_state().time < 3.0 {
             step(&mut simulation);
-            let (time, (gap, gamma)) = (simulation.state().time, above_the_floor(&simulation));
+            let (time, (gap, gamma)) = (simulation.whole_state().time, above_the_floor(&simulation));
             assert!((gap - (1.0 - time).max(0.0)).abs() < 1e-12, "{gap} at {time}");
             // the step in which it lands takes part of its speed, the next one the rest
             let landed = time > 1.0 + 1.5 * length;
@@ -281,7 +281,7 @@ fn a_row_pressed_and_pulled_at_its_ends_lets_go_of_them_at_twice_the_time(sessio
         let (pressed, all) = (50_usize, 150);
         for number in 1..=all {
             step(&mut simulation);
-            let state = simulation.state();
+            let state = simulation.whole_state();
             assert!(momentum(&simulation).norm() < 1e-12, "{}", momentum(&simulation));
             let middle = 0.5 * (state.bodies[0].center[0] + state.bodies[count - 1].center[0]);
             for body in 0..count {
@@ -305,7 +305,7 @@ fn a_row_pressed_and_pulled_at_its_ends_lets_go_of_them_at_twice_the_time(sessio
                 simulation = under(session, &simulation, row(-1.5), GLUEY, fixed(length, Scheme::Euler));
             }
         }
-        assert!(simulation.state().stuck.is_empty());
+        assert!(simulation.whole_state().stuck.is_empty());
     }
 }
 
@@ -316,7 +316,7 @@ fn an_impact_on_a_gluey_row_is_remembered_by_each_contact(session: &Session) {
     let mut simulation = start(session, [20.0, 6.0], GLUEY, disks.collect(), fixed(0.1, Scheme::TwoStep));
     for _ in 0..5 {
         step(&mut simulation);
-        let state = simulation.state();
+        let state = simulation.whole_state();
         assert!(state.bodies.iter().all(|body| (body.twist.velocity - Vector2::new(0.25, 0.0)).norm() < 1e-12));
         for (number, stuck) in (1..count).zip(&state.stuck) {
             let passed = 0.25 * (count - number) as f64;
@@ -363,7 +363,7 @@ fn a_cluster_with_more_contacts_than_it_needs_turns_as_one(session: &Session) {
     let mut simulation = start(session, [20.0, 20.0], GLUEY, bodies, fixed(0.05, Scheme::TwoStep));
     for number in 0..60 {
         step(&mut simulation);
-        let state = simulation.state();
+        let state = simulation.whole_state();
         assert!(momentum(&simulation).norm() < 1e-11, "{}", momentum(&simulation));
         assert!(smallest_gap(&simulation) > -1e-9, "{}", smallest_gap(&simulation));
         for body in &state.bodies[1..] {
@@ -372,8 +372,8 @@ fn a_cluster_with_more_contacts_than_it_needs_turns_as_one(session: &Session) {
             assert!(distance < 1.0 + 3e-4, "step {number}: {distance}");
         }
     }
-    let turned = simulation.state().bodies[1].center - simulation.state().bodies[0].center;
+    let turned = simulation.whole_state().bodies[1].center - simulation.whole_state().bodies[0].center;
     let angle = turned[1].atan2(turned[0]);
     assert!((angle - 0.9).abs() < 0.05, "it has turned by {angle}");
-    assert!(simulation.state().stuck.len() >= 6, "{} stick", simulation.state().stuck.len());
+    assert!(simulation.whole_state().stuck.len() >= 6, "{} stick", simulation.whole_state().stuck.len());
 }

@@ -49,6 +49,10 @@ impl<const D: usize> Interaction<D> for Springs {
         self.stiffness
     }
 
+    fn reach(&self, _: f64) -> f64 {
+        self.reach
+    }
+
     fn pair_forces(&self, arrangement: &Arrangement<D>) -> Vec<PairForce<D>> {
         let force = |contact: Contact<D>| {
             let force = contact.normal * (-self.stiffness * contact.separation);
@@ -94,7 +98,7 @@ fn conforms(session: &Session, interaction: &dyn Interaction<2>) {
     assert!(!interaction.name().is_empty() && !interaction.describe().is_empty(), "{interaction:?} says nothing of itself");
     let (domain, weights) = (domain(), vec![2.0; 6]);
     let wrenches = |balls: &[Ball<2>]| {
-        let arrangement = Arrangement { domain: &domain, balls, weights: &weights, viscosity: Some(1.5) };
+        let arrangement = Arrangement { domain: &domain, balls, weights: &weights, viscosity: Some(1.5), reach: f64::INFINITY };
         Wrench::on_bodies(balls.len(), &interaction.contact_forces(&arrangement), &interaction.pair_forces(&arrangement))
     };
     let here = wrenches(&disks(Vector2::zeros()));
@@ -116,7 +120,7 @@ fn slope_is_bounded(interaction: &dyn Interaction<2>) {
     let domain = Domain { size: Vector2::new(40.0, 40.0), axes: [Axis::Periodic; 2] };
     let force = |gap: f64| {
         let balls = [0.0, 2.0 + gap].map(|x| Ball { center: Vector2::new(10.0 + x, 20.0), radius: 1.0 });
-        let arrangement = Arrangement { domain: &domain, balls: &balls, weights: &[1.0; 2], viscosity: Some(1.0) };
+        let arrangement = Arrangement { domain: &domain, balls: &balls, weights: &[1.0; 2], viscosity: Some(1.0), reach: f64::INFINITY };
         Wrench::on_bodies(2, &interaction.contact_forces(&arrangement), &interaction.pair_forces(&arrangement))[1].force[0]
     };
     for gap in [-0.01, 0.0, 0.01, 0.1, 0.3] {
@@ -128,7 +132,7 @@ fn slope_is_bounded(interaction: &dyn Interaction<2>) {
 /// What is remembered of no force is nothing, and bounds that follow from what is remembered let contacts pull, in order.
 fn memory_is_consistent(interaction: &dyn Interaction<2>) {
     let (domain, balls, weights) = (domain(), disks(Vector2::zeros()), vec![2.0; 6]);
-    let arrangement = Arrangement { domain: &domain, balls: &balls, weights: &weights, viscosity: Some(1.5) };
+    let arrangement = Arrangement { domain: &domain, balls: &balls, weights: &weights, viscosity: Some(1.5), reach: f64::INFINITY };
     assert!(interaction.remember(&arrangement, &[], &[], 0.1).is_empty() && interaction.lower_bounds(&arrangement, &[], 0.1).is_empty());
     let mut pressed: Vec<ContactForce<2>> =
         arrangement.near(0.5).into_iter().map(|contact| ContactForce { contact, force: 1.0 + contact.gap }).collect();
@@ -212,7 +216,7 @@ fn stepper_conforms(start: &dyn Fn() -> Simulation<2>, tolerance: f64) {
     let mut simulation = start();
     let (mut steps, end) = (0, if simulation.suspension().is_some() { 1.5 } else { 1.0 });
     while !simulation.over() {
-        let before = simulation.state().clone();
+        let before = simulation.whole_state().into_owned();
         let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
         let report = simulation.step(&observation, &mut |_, _| {}).unwrap();
         assert!(report.length > 0.0 && (simulation.state().time - before.time - report.length).abs() < 1e-14);
@@ -221,7 +225,7 @@ fn stepper_conforms(start: &dyn Fn() -> Simulation<2>, tolerance: f64) {
         again.restore(before, None);
         let observation = again.evaluate(&mut |_, _| {}).unwrap();
         again.step(&observation, &mut |_, _| {}).unwrap();
-        for (one, other) in simulation.state().bodies.iter().zip(&again.state().bodies) {
+        for (one, other) in simulation.whole_state().bodies.iter().zip(&again.whole_state().bodies) {
             assert!((one.center - other.center).norm() < tolerance, "step {steps}: {} and {}", one.center, other.center);
         }
         steps += 1;
@@ -233,7 +237,7 @@ fn a_force_at_a_distance_moves_bodies_in_a_flow_as_its_wrench_does(session: &Ses
     let springs = Springs { stiffness: 2.0, reach: 0.5 };
     let free = setup(Interactions::default());
     let balls: Vec<Ball<2>> = free.bodies.iter().map(|suspended| suspended.body.ball).collect();
-    let arrangement = Arrangement { domain: &free.domain, balls: &balls, weights: &[1.0; 6], viscosity: None };
+    let arrangement = Arrangement { domain: &free.domain, balls: &balls, weights: &[1.0; 6], viscosity: None, reach: f64::INFINITY };
     let wrenches = Wrench::on_bodies(6, [], &springs.pair_forces(&arrangement));
     let mut given = setup(Interactions::default());
     for (suspended, wrench) in given.bodies.iter_mut().zip(&wrenches) {
@@ -251,7 +255,7 @@ fn a_force_at_a_distance_moves_bodies_in_a_flow_as_its_wrench_does(session: &Ses
 
 fn the_stress_of_a_force_at_a_distance_is_that_of_the_same_force_in_contact(_: &Session) {
     let (domain, balls) = (domain(), disks(Vector2::zeros()));
-    let arrangement = Arrangement { domain: &domain, balls: &balls, weights: &[1.0; 6], viscosity: None };
+    let arrangement = Arrangement { domain: &domain, balls: &balls, weights: &[1.0; 6], viscosity: None, reach: f64::INFINITY };
     let contact = arrangement.near(0.5)[0];
     let stress = PairForce::from(&ContactForce { contact, force: 3.0 }).stress();
     let expected = contact.normal * contact.normal.transpose() * (-3.0 * contact.separation);

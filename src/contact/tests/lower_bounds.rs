@@ -11,12 +11,7 @@ fn pulled(count: usize, velocity: impl Fn(usize) -> f64, floor: impl Fn(usize) -
     let contact = |body: usize| Contact::again(&scene.domain, &scene.balls, (body, Partner::Body(body + 1), [0; 2]));
     let lower_bounds: Vec<_> = (0..count - 1).map(|body| ContactForce { contact: contact(body), force: floor(body) }).collect();
     let problem = Problem { lower_bounds: &lower_bounds, ..scene.problem() };
-    project_by(&problem, &Memory::default(), |contacts, guess, islands| {
-        let contacts_of = |island: &Vec<usize>| island.iter().map(|&place| contacts[place]).collect::<Vec<_>>();
-        let guess_of = |island: &Vec<usize>| island.iter().map(|&place| guess[place]).collect::<Vec<_>>();
-        islands.iter().map(|island| solve_island(&problem, &contacts_of(island), &guess_of(island))).collect()
-    })
-    .unwrap()
+    alone(&problem, &Memory::default(), &|problem, contacts, guess| solve_island(problem, contacts, guess)).unwrap()
 }
 
 fn assert_near(found: impl Iterator<Item = f64>, expected: &[f64]) {

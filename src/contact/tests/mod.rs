@@ -10,10 +10,12 @@ mod solvers;
 
 use nalgebra::{SVector, Vector2};
 
-use super::{Memory, Problem, Projection, island::solve_island, project::project_by, share::pick};
+use super::{Memory, Problem, ProblemShare, Projection, island::solve_island, project::project_by, share::Solve};
 use crate::{
+    body::Regions,
     error::Result,
     geometry::{Axis, Ball, Domain, LeesEdwards},
+    parallel::Peers,
 };
 
 /// Gaps that close and sums that vanish are right to this, in radii or in what is summed.
@@ -40,6 +42,7 @@ impl<const D: usize> Scene<D> {
     fn problem(&self) -> Problem<'_, D> {
         Problem {
             domain: &self.domain,
+            numbers: None,
             balls: &self.balls,
             weights: &self.weights,
             velocities: &self.velocities,
@@ -49,10 +52,7 @@ impl<const D: usize> Scene<D> {
     }
 
     fn solve(&self) -> Result<Projection<D>> {
-        let problem = self.problem();
-        project_by(&problem, &Memory::default(), |contacts, guess, islands| {
-            islands.iter().map(|island| solve_island(&problem, &pick(contacts, island), &pick(guess, island))).collect()
-        })
+        alone(&self.problem(), &Memory::default(), &|problem, contacts, guess| solve_island(problem, contacts, guess))
     }
 
     fn moved(&self, projection: &Projection<D>) -> Vec<Ball<D>> {
@@ -83,6 +83,12 @@ impl<const D: usize> Scene<D> {
         let free = self.weights.iter().zip(velocities).filter(|(weight, _)| weight.is_finite());
         free.map(|(weight, velocity)| weight * velocity.norm_squared() / 2.0).sum()
     }
+}
+
+/// The projection without other ranks.
+fn alone<const D: usize>(problem: &Problem<D>, memory: &Memory<D>, solve: Solve<D>) -> Result<Projection<D>> {
+    let regions = Regions::new(problem.domain, 1);
+    Ok(project_by(Peers::Alone, &ProblemShare { problem: *problem, regions: &regions }, memory, solve)?.projection)
 }
 
 /// A box with walls along all axes but those that are periodic.

@@ -6,16 +6,12 @@ use super::{
     crowds::{crowd, crystal},
     *,
 };
-use crate::contact::{Contact, Memory, Partner, Solver, island::solve_by, solver::Outcome};
+use crate::contact::{Memory, Partner, Solver, island::solve_by};
 
 impl<const D: usize> Scene<D> {
     /// The projection by one method alone.
     fn solve_with(&self, solver: Solver, memory: &Memory<D>) -> Result<Projection<D>> {
-        let problem = self.problem();
-        let all = |contacts: &[Contact<D>], guess: &[f64], islands: &[Vec<usize>]| -> Vec<Outcome> {
-            islands.iter().map(|island| solve_by(&problem, &pick(contacts, island), &pick(guess, island), &[solver])).collect()
-        };
-        project_by(&problem, memory, all)
+        alone(&self.problem(), memory, &|problem, contacts, guess| solve_by(problem, contacts, guess, &[solver]))
     }
 }
 

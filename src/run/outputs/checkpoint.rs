@@ -6,17 +6,16 @@ use std::{
     time::Instant,
 };
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
 use crate::{
-    body::{Twist, components, skew},
-    contact::{AdhesiveContact, Identity, Partner},
+    contact::{AdhesiveContact, Identity, pack, packed_length, unpack},
     error::{Error, Offer, Refusal, Result},
     grid::Grid,
     output::{CHECKPOINT, Checkpoint, CheckpointWriter},
     petsc::Vector,
     run::{BeforeStep, Output, RunStatistics},
-    simulation::{ContactHistory, ExtrapolationHistory, Moving, Simulation, Snapshot, State},
+    simulation::{ContactHistory, ExtrapolationHistory, Moving, Share, Simulation, Snapshot, State},
 };
 
 /// Names of the arrays of a solution.
@@ -48,7 +47,7 @@ impl CheckpointFile {
         self.texts.iter().try_for_each(|(name, text)| writer.text(name, text))?;
         // seconds differ from rank to rank
         writer.text(STATISTICS, &world.broadcast(0, &before.statistics.text()))?;
-        store_state(&mut writer, simulation.state())?;
+        store_state(&mut writer, &simulation.whole_state())?;
         if let Some(suspension) = simulation.suspension() {
             store_past(&mut writer, suspension.grid(), suspension.past())?;
         }
@@ -74,7 +73,7 @@ impl<const D: usize> Output<D> for CheckpointFile {
 /// [`Error::Refused`] when the checkpoint cannot be used.
 pub fn restore<const D: usize>(checkpoint: &Checkpoint, simulation: &mut Simulation<D>) -> Result<RunStatistics> {
     let statistics = RunStatistics::read(&checkpoint.text(STATISTICS)?)?;
-    let state = read_state(checkpoint, simulation.radii().len())?;
+    let state = read_state(checkpoint, simulation.state().count())?;
     let past = match simulation.suspension() {
         Some(suspension) => {
             let shape = suspension.remembers_fluid().then(|| suspension.fluid_vector()).transpose()?;
@@ -91,43 +90,23 @@ fn store_state<const D: usize>(writer: &mut CheckpointWriter, state: &State<D>) 
     if !state.stuck.is_empty() {
         // how many, so that a list that is lost is missed
         numbers.push(state.stuck.len() as f64);
-        let stuck = state.stuck.iter().flat_map(|stuck| numbers_of(stuck.identity(), stuck.gamma));
+        let stuck = state.stuck.iter().flat_map(|stuck| pack(stuck.identity(), stuck.gamma));
         writer.shared("stuck", &stuck.collect::<Vec<f64>>())?;
     }
     writer.shared("time", &numbers)?;
-    let bodies = state.bodies.iter().flat_map(|body| {
-        let twist = &body.twist;
-        [body.center.as_slice(), body.rotation.as_slice(), twist.velocity.as_slice(), &components(&twist.spin)].concat()
-    });
+    let bodies = state.bodies.iter().flat_map(Moving::pack);
     writer.shared("bodies", &bodies.collect::<Vec<f64>>())?;
-    let held = state.held.iter().flat_map(|held| numbers_of(held.identity(), held.force));
+    let held = state.held.iter().flat_map(|held| pack(held.identity(), held.force));
     writer.shared("contacts", &held.collect::<Vec<f64>>())
-}
-
-/// A contact and a number of it, as [`contact_of`] reads them.
-fn numbers_of<const D: usize>((body, partner, image): Identity<D>, number: f64) -> Vec<f64> {
-    let partner = match partner {
-        Partner::Body(body) => [body as f64, -1.0],
-        Partner::Wall { axis, upper } => [axis as f64, f64::from(upper)],
-    };
-    [&[body as f64][..], &partner, &image.map(f64::from), &[number]].concat()
-}
-
-fn contact_of<const D: usize>(numbers: &[f64]) -> (Identity<D>, f64) {
-    let partner = match numbers[2] {
-        -1.0 => Partner::Body(numbers[1] as usize),
-        upper => Partner::Wall { axis: numbers[1] as usize, upper: upper == 1.0 },
-    };
-    ((numbers[0] as usize, partner, std::array::from_fn(|axis| numbers[3 + axis] as i32)), numbers[3 + D])
 }
 
 /// The contacts of this name, each with a number.
 fn read_contacts<const D: usize>(checkpoint: &Checkpoint, name: &str) -> Result<Vec<(Identity<D>, f64)>> {
     let numbers = checkpoint.shared(name)?;
-    if numbers.len() % (D + 4) != 0 {
+    if numbers.len() % packed_length::<D>() != 0 {
         return Err(misfit(name));
     }
-    Ok(numbers.chunks(D + 4).map(contact_of).collect())
+    Ok(numbers.chunks(packed_length::<D>()).map(unpack).collect())
 }
 
 fn read_state<const D: usize>(checkpoint: &Checkpoint, bodies: usize) -> Result<State<D>> {
@@ -137,25 +116,19 @@ fn read_state<const D: usize>(checkpoint: &Checkpoint, bodies: usize) -> Result<
     if sticking != &[stuck.len() as f64][..sticking.len().min(1)] {
         return Err(misfit("stuck"));
     }
-    let length = 2 * D + D * D + D * (D - 1) / 2;
     let flat = checkpoint.shared("bodies")?;
-    if flat.len() != length * bodies {
+    if flat.len() != Moving::<D>::LENGTH * bodies {
         return Err(misfit("bodies"));
     }
-    let moving = |body: &[f64]| {
-        let (center, rest) = body.split_at(D);
-        let (rotation, motion) = rest.split_at(D * D);
-        let twist = Twist { velocity: SVector::from_column_slice(&motion[..D]), spin: skew(&motion[D..]) };
-        Moving { center: SVector::from_column_slice(center), rotation: SMatrix::from_column_slice(rotation), twist }
-    };
     let held = read_contacts(checkpoint, "contacts")?.into_iter();
     Ok(State {
         time,
         steps: steps as usize,
         last_step,
-        bodies: flat.chunks(length).map(moving).collect(),
-        held: held.map(|((body, partner, image), force)| ContactHistory { body, partner, image, force }).collect(),
-        stuck: stuck.into_iter().map(|((body, partner, image), gamma)| AdhesiveContact { body, partner, image, gamma }).collect(),
+        share: Share::Whole,
+        bodies: flat.chunks(Moving::<D>::LENGTH).map(Moving::unpack).collect(),
+        held: held.map(ContactHistory::from).collect(),
+        stuck: stuck.into_iter().map(AdhesiveContact::from).collect(),
     })
 }
 

@@ -113,10 +113,10 @@ impl<const D: usize> Output<D> for FrameFiles<D> {
     }
 }
 
-/// Contacts that bear a force or stick, as frames hold them.
+/// Contacts that bear a force or stick, as frames hold them. Collective.
 fn network<const D: usize>(motion: &EvaluatedMotion<D>, gluey: bool) -> Vec<FrameContact<D>> {
-    let (state, domain) = (motion.state(), motion.domain());
-    let balls = state.balls(motion.simulation.radii());
+    let (state, domain) = (motion.simulation.whole_state(), motion.domain());
+    let balls = motion.simulation.whole_balls();
     let mut all: BTreeMap<Identity<D>, (f64, f64)> = motion.held().iter().map(|held| (held.identity(), (held.force, 0.0))).collect();
     state.stuck.iter().for_each(|stuck| all.entry(stuck.identity()).or_default().1 = stuck.gamma);
     let contact = |(identity, (force, gamma)): (Identity<D>, (f64, f64))| {

@@ -32,7 +32,8 @@ impl<const D: usize> Output<D> for PairFiles {
         let shear = setup.and_then(|setup| Shear::of(&setup.domain, &setup.drive));
         let distribution = match (&seen.motion, setup) {
             (Some(motion), _) => {
-                let bodies = Bodies { domain: motion.domain(), radii: motion.simulation.radii().to_vec(), shear };
+                let radii = motion.simulation.whole_balls().iter().map(|ball| ball.radius).collect();
+                let bodies = Bodies { domain: motion.domain(), radii, shear };
                 seen.world.on_first_rank(|| bodies.over_frames(&self.folder, motion.state().time, seen.history.mean()))?
             }
             (None, Some(setup)) => {

@@ -54,7 +54,8 @@ impl<const D: usize> Output<D> for SeriesFile {
     fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
         let Some(motion) = &seen.motion else { return Ok(()) };
         let seconds = std::mem::replace(&mut self.last_row, Instant::now()).elapsed().as_secs_f64();
-        let row = cells(motion, seen.scene.contact.model, seen.viscosity, seconds);
+        let counts = motion.contact_counts(seen.world);
+        let row = cells(motion, (seen.scene.contact.model, counts), seen.viscosity, seconds);
         seen.world.agree(self.rows.as_mut().map_or(Ok(()), |rows| rows.write(&row)))
     }
 
@@ -65,7 +66,12 @@ impl<const D: usize> Output<D> for SeriesFile {
 }
 
 /// The cells of the row of an instant and of the step that led there, `seconds` of wall-clock time after the last one.
-fn cells<const D: usize>(motion: &EvaluatedMotion<D>, contact: ContactModel, viscosity: Option<Viscosity>, seconds: f64) -> Vec<Cell> {
+fn cells<const D: usize>(
+    motion: &EvaluatedMotion<D>,
+    (contact, [held, stuck]): (ContactModel, [usize; 2]),
+    viscosity: Option<Viscosity>,
+    seconds: f64,
+) -> Vec<Cell> {
     let (state, last) = (motion.state(), motion.statistics.last());
     let mut cells = vec![count("step", state.steps), real("time", state.time), real("last_step", state.last_step)];
     if let Some(viscosity) = viscosity {
@@ -75,8 +81,8 @@ fn cells<const D: usize>(motion: &EvaluatedMotion<D>, contact: ContactModel, vis
     }
     if contact != ContactModel::None {
         let kept = last.and_then(|last| last.kkt_report);
-        cells.push(count("contacts", motion.held().len()));
-        cells.extend(contact.gluey().then(|| count("stuck", state.stuck.len())));
+        cells.push(count("contacts", held));
+        cells.extend(contact.gluey().then(|| count("stuck", stuck)));
         cells.push(gap(kept.map_or(f64::INFINITY, |kept| kept.smallest_gap)));
         if matches!(contact, ContactModel::Inelastic | ContactModel::Gluey { .. }) {
             cells.push(real("kkt_residual", kept.map_or(0.0, |kept| kept.kkt_residual)));

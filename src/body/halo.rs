@@ -1,0 +1,279 @@
+//! The bodies that a rank sees: its own, and copies of those of other ranks that may be near them.
+//!
+//! Bodies are listed by their numbers among all of the run, so that any two of them stand in the same order on every rank, and what is
+//! computed of a pair is the same to the last bit wherever it is computed.
+
+use mpi::datatype::Equivalence;
+use nalgebra::SVector;
+
+use super::Regions;
+use crate::{
+    geometry::{Ball, Domain},
+    parallel::Peers,
+};
+
+/// Part of a length that is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// A rank's own bodies and its copies of others, in the order of their numbers.
+#[derive(Debug, Clone)]
+pub struct Halo {
+    numbers: Vec<usize>,
+    /// The rank that owns each.
+    owners: Vec<usize>,
+    rank: usize,
+    /// Places of the own bodies.
+    own: Vec<usize>,
+    /// Places of the bodies of which other ranks have copies, one rank's after the other's, and how many each has.
+    sent: Vec<usize>,
+    sent_counts: Vec<usize>,
+    /// Places of the copies, in the order in which their values come.
+    copies: Vec<usize>,
+}
+
+/// A box along the axes.
+#[derive(Clone, Copy)]
+struct Bounds<const D: usize> {
+    lower: SVector<f64, D>,
+    upper: SVector<f64, D>,
+}
+
+/// The bodies of a rank in space.
+pub struct OwnBodies<'a, const D: usize> {
+    /// The box at the time at which places hold.
+    pub domain: &'a Domain<D>,
+    /// Which rank owns what part of it.
+    pub regions: &'a Regions<D>,
+    /// Numbers among all bodies, ascending.
+    pub numbers: &'a [usize],
+    /// A ball around each; a copy goes to every rank with a ball that may meet it.
+    pub around: &'a [Ball<D>],
+}
+
+impl Halo {
+    /// The halo of the bodies of this rank, in which those with the numbers that are `required` are seen wherever they are. Collective.
+    pub fn new<const D: usize>(peers: Peers, bodies: &OwnBodies<D>, required: impl Iterator<Item = usize>) -> Halo {
+        let mut targets: Vec<Vec<usize>> = vec![Vec::new(); peers.count()];
+        if peers.count() == 1 {
+            return Halo::of_copies(peers, bodies.numbers, &targets);
+        }
+        let own = bodies.bounds(peers.rank());
+        let all = peers.gather(&Bounds::around(&own).numbers());
+        for (rank, numbers) in all.chunks(2 * D).enumerate().filter(|&(rank, _)| rank != peers.rank()) {
+            let theirs = Bounds::<D>::read(numbers);
+            targets[rank] = (0..own.len()).filter(|&body| own[body].meets(&theirs, bodies.domain)).collect();
+        }
+        let halo = Halo::of_copies(peers, bodies.numbers, &targets);
+        let missing = required.filter(|&number| halo.place(number).is_none());
+        let missing = peers.gather(&missing.flat_map(|number| [number as u64, peers.rank() as u64]).collect::<Vec<u64>>());
+        if missing.is_empty() {
+            return halo;
+        }
+        for request in missing.chunks(2) {
+            if let Ok(body) = bodies.numbers.binary_search(&(request[0] as usize)) {
+                targets[request[1] as usize].push(body);
+            }
+        }
+        targets.iter_mut().for_each(|bodies| {
+            bodies.sort_unstable();
+            bodies.dedup();
+        });
+        Halo::of_copies(peers, bodies.numbers, &targets)
+    }
+
+    /// The halo in which each rank gets copies of these of the own bodies. Collective.
+    fn of_copies(peers: Peers, own_numbers: &[usize], targets: &[Vec<usize>]) -> Halo {
+        let sent_counts: Vec<usize> = targets.iter().map(Vec::len).collect();
+        let sent: Vec<usize> = targets.concat();
+        let sent_numbers: Vec<u64> = sent.iter().map(|&body| own_numbers[body] as u64).collect();
+        let (received, counts) = peers.send(&sent_numbers, &sent_counts);
+        let from = counts.iter().enumerate().flat_map(|(rank, &count)| std::iter::repeat_n(rank, count));
+        let copies = received.iter().zip(from).enumerate().map(|(copy, (&number, rank))| (number as usize, rank, Some(copy)));
+        let mine = own_numbers.iter().map(|&number| (number, peers.rank(), None));
+        let mut seen: Vec<(usize, usize, Option<usize>)> = mine.chain(copies).collect();
+        seen.sort_unstable();
+        let mut places = vec![0; received.len()];
+        let mut own = Vec::with_capacity(own_numbers.len());
+        for (place, &(_, _, copy)) in seen.iter().enumerate() {
+            match copy {
+                Some(copy) => places[copy] = place,
+                None => own.push(place),
+            }
+        }
+        Halo {
+            numbers: seen.iter().map(|&(number, ..)| number).collect(),
+            owners: seen.iter().map(|&(_, owner, _)| owner).collect(),
+            rank: peers.rank(),
+            sent: sent.into_iter().map(|body| own[body]).collect(),
+            own,
+            sent_counts,
+            copies: places,
+        }
+    }
+
+    /// How many bodies this rank sees.
+    pub fn len(&self) -> usize {
+        self.numbers.len()
+    }
+
+    /// Whether it sees none.
+    pub fn is_empty(&self) -> bool {
+        self.numbers.is_empty()
+    }
+
+    /// Numbers of the bodies among all, ascending.
+    pub fn numbers(&self) -> &[usize] {
+        &self.numbers
+    }
+
+    /// Places of the own bodies among those seen, ascending.
+    pub fn own(&self) -> &[usize] {
+        &self.own
+    }
+
+    /// Whether the body at a place is this rank's own.
+    pub fn owns(&self, place: usize) -> bool {
+        self.owners[place] == self.rank
+    }
+
+    /// The rank that owns the body at a place.
+    pub fn owner(&self, place: usize) -> usize {
+        self.owners[place]
+    }
+
+    /// The place of a body, if it is seen.
+    pub fn place(&self, number: usize) -> Option<usize> {
+        // without other ranks numbers are places
+        if self.numbers.get(number) == Some(&number) { Some(number) } else { self.numbers.binary_search(&number).ok() }
+    }
+
+    /// Values of all bodies that are seen, from those of the own ones. Collective.
+    pub fn spread<T: Equivalence + Copy + Default>(&self, peers: Peers, own: &[T]) -> Vec<T> {
+        let mut values = vec![T::default(); self.len()];
+        self.own.iter().zip(own).for_each(|(&place, value)| values[place] = *value);
+        self.update(peers, &mut values);
+        values
+    }
+
+    /// Gives copies the values that their owners have. Collective.
+    pub fn update<T: Equivalence + Copy + Default>(&self, peers: Peers, values: &mut [T]) {
+        let sent: Vec<T> = self.sent.iter().map(|&place| values[place]).collect();
+        let (received, _) = peers.send(&sent, &self.sent_counts);
+        self.copies.iter().zip(received).for_each(|(&place, value)| values[place] = value);
+    }
+
+    /// Vectors of all bodies that are seen, from those of the own ones. Collective.
+    pub fn spread_vectors<const D: usize>(&self, peers: Peers, own: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
+        let mut values = vec![SVector::zeros(); self.len()];
+        self.own.iter().zip(own).for_each(|(&place, value)| values[place] = *value);
+        let sent: Vec<f64> = self.sent.iter().flat_map(|&place| Into::<[f64; D]>::into(values[place])).collect();
+        let counts: Vec<usize> = self.sent_counts.iter().map(|count| count * D).collect();
+        let (received, _) = peers.send(&sent, &counts);
+        for (&place, value) in self.copies.iter().zip(received.chunks(D)) {
+            values[place] = SVector::from_column_slice(value);
+        }
+        values
+    }
+}
+
+impl<const D: usize> OwnBodies<'_, D> {
+    /// Boxes around the own balls, each in the image next to the block of this rank.
+    fn bounds(&self, rank: usize) -> Vec<Bounds<D>> {
+        let middle = self.regions.middle(rank);
+        let bounds = |ball: &Ball<D>| {
+            let center = middle + self.domain.nearest_image(ball.center - middle);
+            let radius = SVector::repeat(ball.radius);
+            Bounds { lower: center - radius, upper: center + radius }
+        };
+        self.around.iter().map(bounds).collect()
+    }
+}
+
+impl<const D: usize> Bounds<D> {
+    /// The smallest box around others, or one that meets nothing.
+    fn around(all: &[Bounds<D>]) -> Bounds<D> {
+        let nothing = Bounds { lower: SVector::repeat(f64::INFINITY), upper: SVector::repeat(f64::NEG_INFINITY) };
+        all.iter().fold(nothing, |sum, one| Bounds { lower: sum.lower.inf(&one.lower), upper: sum.upper.sup(&one.upper) })
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        [self.lower.as_slice(), self.upper.as_slice()].concat()
+    }
+
+    fn read(numbers: &[f64]) -> Bounds<D> {
+        Bounds { lower: SVector::from_column_slice(&numbers[..D]), upper: SVector::from_column_slice(&numbers[D..]) }
+    }
+
+    /// Whether an image of this box meets another one.
+    fn meets(&self, other: &Bounds<D>, domain: &Domain<D>) -> bool {
+        if other.lower > other.upper {
+            return false;
+        }
+        let slack = domain.size.max() * ROUNDING;
+        // the least number of boxes by which an image lies above the lower end of the other
+        let least = |axis: usize, aside: f64| ((other.lower[axis] - slack - self.upper[axis] - aside) / domain.size[axis]).ceil();
+        let below = |axis: usize, moved: f64| self.lower[axis] + moved <= other.upper[axis] + slack;
+        let along = |axis: usize, aside: f64| match domain.periodic(axis) {
+            true => below(axis, aside + least(axis, aside) * domain.size[axis]),
+            false => below(axis, 0.0) && self.upper[axis] >= other.lower[axis] - slack,
+        };
+        if (2..D).any(|axis| !along(axis, 0.0)) {
+            return false;
+        }
+        if !domain.periodic(1) {
+            return along(0, 0.0) && along(1, 0.0);
+        }
+        let mut row = least(1, 0.0);
+        while below(1, row * domain.size[1]) {
+            if along(0, row * domain.shift()) {
+                return true;
+            }
+            row += 1.0;
+        }
+        false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Axis, LeesEdwards};
+
+    fn bounds(x: [f64; 2], y: [f64; 2]) -> Bounds<2> {
+        Bounds { lower: SVector::from([x[0], y[0]]), upper: SVector::from([x[1], y[1]]) }
+    }
+
+    #[test]
+    fn boxes_meet_those_whose_images_they_touch() {
+        let wall = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
+        let slide = |start| Axis::Sheared(LeesEdwards { start, speed: 0.0, time: 0.0 });
+        let domain = |axes| Domain { size: SVector::from([10.0, 4.0]), axes };
+        let (low, high) = (bounds([0.0, 1.0], [0.0, 1.0]), bounds([9.5, 10.5], [3.5, 4.5]));
+        assert!(high.meets(&low, &domain([Axis::Periodic; 2])) && low.meets(&high, &domain([Axis::Periodic; 2])));
+        assert!(!high.meets(&low, &domain([Axis::Periodic, wall])));
+        assert!(!high.meets(&low, &domain([wall, Axis::Periodic])));
+        // the image below lies to the left by the shift
+        for (start, expected) in [(0.0, true), (5.0, false), (9.9, true), (-0.4, true), (2.0, false)] {
+            assert_eq!(high.meets(&low, &domain([Axis::Periodic, slide(start)])), expected, "{start}");
+            assert_eq!(low.meets(&high, &domain([Axis::Periodic, slide(start)])), expected, "{start}");
+        }
+        assert!(!low.meets(&Bounds::around(&[]), &domain([Axis::Periodic; 2])));
+        let wide = bounds([-30.0, 30.0], [-9.0, 9.0]);
+        assert!(wide.meets(&low, &domain([Axis::Periodic, slide(3.0)])));
+    }
+
+    #[test]
+    fn without_other_ranks_all_that_is_seen_is_own() {
+        let domain = Domain { size: SVector::from([10.0, 4.0]), axes: [Axis::Periodic; 2] };
+        let regions = Regions::new(&domain, 1);
+        let around = [Ball { center: SVector::from([1.0, 1.0]), radius: 0.5 }; 3];
+        let halo = Halo::new(
+            Peers::Alone,
+            &OwnBodies { domain: &domain, regions: &regions, numbers: &[2, 5, 7], around: &around },
+            std::iter::empty(),
+        );
+        assert_eq!((halo.numbers(), halo.own()), (&[2, 5, 7][..], &[0, 1, 2][..]));
+        assert_eq!((halo.place(5), halo.place(0)), (Some(1), None));
+        assert_eq!(halo.spread(Peers::Alone, &[1.0, 2.0, 3.0]), [1.0, 2.0, 3.0]);
+    }
+}

@@ -1,0 +1,58 @@
+//! The bodies of a rank with those near them, as interactions see them.
+
+use super::State;
+use crate::{
+    body::{Halo, OwnBodies, Regions},
+    contact::{AdhesiveContact, ContactForce, renamed},
+    geometry::{Ball, Domain},
+    interaction::Arrangement,
+    parallel::Peers,
+};
+
+/// The own bodies of a rank and all others within reach, by their places in a halo.
+pub struct Neighbours<const D: usize> {
+    /// Whose they are.
+    pub halo: Halo,
+    /// Contacts that stick.
+    pub stuck: Vec<AdhesiveContact<D>>,
+    balls: Vec<Ball<D>>,
+    masses: Vec<f64>,
+}
+
+impl<const D: usize> Neighbours<D> {
+    /// Those with a gap up to `reach` to an own body, and those that stick to one; radii and masses are of the own bodies. Collective.
+    pub fn new(
+        peers: Peers,
+        domain: &Domain<D>,
+        regions: &Regions<D>,
+        state: &State<D>,
+        (radii, masses): (&[f64], &[f64]),
+        reach: f64,
+    ) -> Neighbours<D> {
+        let balls = state.balls(radii);
+        let around: Vec<Ball<D>> = balls.iter().map(|ball| Ball { radius: ball.radius + 0.5 * reach, ..*ball }).collect();
+        let numbers = state.numbers();
+        let required = state.stuck.iter().flat_map(|stuck| stuck.bodies());
+        let halo = Halo::new(peers, &OwnBodies { domain, regions, numbers: &numbers, around: &around }, required);
+        let place = |number: usize| halo.place(number).expect("bodies that stick are seen");
+        let stuck = state.stuck.iter().map(|stuck| (renamed(stuck.identity(), place), stuck.gamma).into()).collect();
+        let (centers, radii) = (halo.spread_vectors(peers, &state.centers()), halo.spread(peers, radii));
+        let balls = centers.into_iter().zip(radii).map(|(center, radius)| Ball { center, radius }).collect();
+        Neighbours { balls, masses: halo.spread(peers, masses), stuck, halo }
+    }
+
+    /// They as interactions see them.
+    pub fn arrangement<'a>(&'a self, domain: &'a Domain<D>, reach: f64) -> Arrangement<'a, D> {
+        Arrangement { domain, balls: &self.balls, weights: &self.masses, viscosity: None, reach }
+    }
+
+    /// Those of the contacts that concern an own body; bodies are named by their numbers.
+    pub fn own_contacts(&self, contacts: Vec<ContactForce<D>>) -> Vec<ContactForce<D>> {
+        let own = |force: &ContactForce<D>| {
+            self.halo.owns(force.contact.body) || force.contact.other().is_some_and(|other| self.halo.owns(other))
+        };
+        let numbered =
+            |force: ContactForce<D>| ContactForce { contact: force.contact.renamed(|place| self.halo.numbers()[place]), ..force };
+        contacts.into_iter().filter(own).map(numbered).collect()
+    }
+}
