@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::{AccuracySummary, DragSummary, MeanViscosity, PairSummary, ParallelSummary, ScalarSummary};
 use crate::{
     body::components,
-    error::Result,
+    flow::InverseMethod,
     geometry::{Ball, Domain},
     observe::Viscosity,
     parallel::{World, peak_memory_bytes},
@@ -174,7 +174,7 @@ pub struct SolverSummary {
     /// What inverts the fluid: `hypre` or `transform`.
     pub inverse: &'static str,
     /// A faster inverse that the box allows.
-    pub faster: Option<FasterSummary>,
+    pub faster: Option<&'static str>,
     /// Unknowns of the grid.
     pub grid_unknowns: usize,
     /// Multipliers of bodies.
@@ -203,43 +203,30 @@ pub struct SolverSummary {
     pub peak_memory_bytes: f64,
 }
 
-/// What another inverse would save.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub struct FasterSummary {
-    /// The inverse.
-    pub inverse: &'static str,
-    /// Estimated seconds of the last solve with it.
-    pub solve_seconds: f64,
-}
-
 impl Summary {
     /// The numbers of an instant of a suspension in flow; collective.
-    ///
-    /// # Errors
-    /// A faster inverse cannot be tried out.
     pub fn of_flow<const D: usize>(
         scene: &Scene,
         suspension: &dyn FlowSolver<D>,
         solution: &Solution<D>,
         viscosity: Option<Viscosity>,
         world: &World,
-    ) -> Result<Summary> {
+    ) -> Summary {
         let (setup, grid) = (suspension.setup(), suspension.grid());
         let held = solution.bodies.iter().filter(|body| grid.owner(&setup.domain.wrap(body.center)) == world.rank()).count();
         let bodies = setup.bodies.iter().zip(&solution.bodies);
         let bodies = bodies.map(|(suspended, state)| BodySummary::of_state(suspended.body.ball.radius, state)).collect();
-        // what this run took, before another inverse is tried out
         let parallel = ParallelSummary::new(world, held, grid.local_unknowns(D));
-        Ok(Summary {
+        Summary {
             flow: Some(FlowSummary {
                 mean_velocity: solution.mean_velocity.as_slice().to_vec(),
                 pressure_gradient: solution.pressure_gradient.as_slice().to_vec(),
             }),
             viscosity: viscosity.map(ViscositySummary::new),
             lubrication: solution.lubrication.as_ref().map(LubricationSummary::new),
-            solver: Some(SolverSummary::new(suspension, world)?),
+            solver: Some(SolverSummary::new(suspension, world)),
             ..Summary::of_bodies(scene, bodies, setup.fraction(), world.size(), parallel)
-        })
+        }
     }
 
     /// The numbers of a state of all bodies of a dry run; collective.
@@ -348,11 +335,9 @@ impl ViscositySummary {
 }
 
 impl SolverSummary {
-    fn new<const D: usize>(suspension: &dyn FlowSolver<D>, world: &World) -> Result<SolverSummary> {
-        let cost = SolverSummary::of_cost(suspension.inverse(), suspension.cost(), world);
-        let faster = suspension.faster()?;
-        let faster = faster.map(|faster| FasterSummary { inverse: faster.inverse.word(), solve_seconds: faster.solve_seconds });
-        Ok(SolverSummary { faster, ..cost })
+    fn new<const D: usize>(suspension: &dyn FlowSolver<D>, world: &World) -> SolverSummary {
+        let faster = suspension.faster().map(InverseMethod::word);
+        SolverSummary { faster, ..SolverSummary::of_cost(suspension.inverse(), suspension.cost(), world) }
     }
 
     /// What a solve with this inverse cost; collective.

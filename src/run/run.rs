@@ -301,7 +301,7 @@ impl<'a, const D: usize> Run<'a, D> {
         if !self.evaluated {
             self.evaluate()?;
         }
-        let mut summary = summary(&self.seen())?;
+        let mut summary = summary(&self.seen());
         if let (Some(calibrated), Some(flow)) = (&self.calibrated, self.machinery.flow()) {
             calibrated.attach(&mut summary, flow.solver, flow.solution)?;
         }

@@ -2,25 +2,21 @@
 
 use super::output::{Evaluated, EvaluatedMotion};
 use crate::{
-    error::Result,
     output::{ContactSummary, GlueSummary, Summary},
     scene::ContactModel,
 };
 
 /// The numbers of what is seen, without those of the run as a whole; collective.
-///
-/// # Errors
-/// PETSc fails.
-pub fn summary<const D: usize>(seen: &Evaluated<D>) -> Result<Summary> {
+pub fn summary<const D: usize>(seen: &Evaluated<D>) -> Summary {
     let mut summary = match (&seen.flow, &seen.motion) {
-        (Some(flow), _) => Summary::of_flow(seen.scene, flow.solver, flow.solution, seen.viscosity, seen.world)?,
+        (Some(flow), _) => Summary::of_flow(seen.scene, flow.solver, flow.solution, seen.viscosity, seen.world),
         (None, Some(motion)) => {
             let (state, balls) = (motion.simulation.whole_state(), motion.simulation.whole_balls());
             Summary::of_granular(seen.scene, motion.domain(), &state, &balls, seen.world)
         }
         (None, None) => unreachable!("a run evaluates something before it ends"),
     };
-    let Some(motion) = &seen.motion else { return Ok(summary) };
+    let Some(motion) = &seen.motion else { return summary };
     (summary.time, summary.steps) = (motion.state().time, motion.state().steps);
     if seen.scene.contact.model != ContactModel::None {
         summary.contact = Some(contacts(seen.scene.contact.model, motion));
@@ -32,7 +28,7 @@ pub fn summary<const D: usize>(seen: &Evaluated<D>) -> Result<Summary> {
     if let Some(parts) = &mut summary.viscosity {
         parts.mean = seen.history.mean().copied();
     }
-    Ok(summary)
+    summary
 }
 
 /// Contacts now, and how well they were kept on the way. Collective.

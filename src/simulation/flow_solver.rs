@@ -1,7 +1,7 @@
 //! What finds the flow at an instant: the interface behind which grids that ignore bodies and meshes that fit them stand.
 
-use super::{Configuration, Cost, ExtrapolationHistory, Faster, ResidualMonitor, Setup, Solution, SuspendedBody};
-use crate::{contact::Contact, error::Result, grid::Grid, petsc::Vector};
+use super::{Configuration, Cost, ExtrapolationHistory, ResidualMonitor, Setup, Solution, SuspendedBody};
+use crate::{contact::Contact, error::Result, flow::InverseMethod, grid::Grid, petsc::Vector};
 
 /// Finds the flow and the motions of bodies at an instant. Every function is collective.
 pub trait FlowSolver<const D: usize> {
@@ -48,11 +48,8 @@ pub trait FlowSolver<const D: usize> {
     }
 
     /// A faster inverse that the box allows, if there is one.
-    ///
-    /// # Errors
-    /// PETSc has no memory for it.
-    fn faster(&self) -> Result<Option<Faster>> {
-        Ok(None)
+    fn faster(&self) -> Option<InverseMethod> {
+        None
     }
 
     /// Lets each solve start from the ones before it, beginning with those given, if it can.

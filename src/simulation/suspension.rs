@@ -11,7 +11,6 @@ use super::{
     configuration::Configuration,
     cost::{Cost, ResidualMonitor},
     extrapolation::{ExtrapolationHistory, Snapshot},
-    faster::{Faster, faster},
     film_forces::add_films,
     fixed_operators::FixedOperators,
     krylov_workspace::KrylovWorkspace,
@@ -131,8 +130,9 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         self.setup().inverse.word()
     }
 
-    fn faster(&self) -> Result<Option<Faster>> {
-        faster(&self.fixed, &self.cost)
+    fn faster(&self) -> Option<InverseMethod> {
+        let fastest = InverseMethod::fastest(&self.setup().domain);
+        (!self.fixed.condensed && fastest != self.setup().inverse).then_some(fastest)
     }
 
     fn resistances(&self) -> Vec<f64> {

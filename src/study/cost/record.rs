@@ -2,7 +2,7 @@
 
 use std::{fmt, path::Path};
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{format::seconds, metric::Metric, setting::Setting};
 use crate::{
@@ -50,8 +50,9 @@ pub struct Measured {
     pub steps: usize,
     /// Bytes of all ranks at their peak.
     pub memory_bytes: f64,
-    /// A faster inverse of the fluid, and the seconds of the last solve with it over those it took.
-    pub faster: Option<(String, f64)>,
+    /// A faster inverse of the fluid that the run could have taken.
+    #[serde(deserialize_with = "inverse_alone")]
+    pub faster: Option<String>,
     /// Seconds by the clock, start of the program and repetitions included.
     pub wall_seconds: f64,
 }
@@ -77,6 +78,19 @@ impl Recorded for Record {
     fn lasting(&self) -> bool {
         self.measured().is_some()
     }
+}
+
+/// The name of an inverse, of which earlier studies tell the seconds too.
+fn inverse_alone<'de, S: Deserializer<'de>>(source: S) -> std::result::Result<Option<String>, S::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Told {
+        Name(String),
+        WithSeconds(String, f64),
+    }
+    Ok(Option::deserialize(source)?.map(|told| match told {
+        Told::Name(name) | Told::WithSeconds(name, _) => name,
+    }))
 }
 
 /// What a run came to, in a line.
