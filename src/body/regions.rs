@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use crate::geometry::Domain;
+use crate::{geometry::Domain, grid::factorisations};
 
 /// The blocks of the box, one a rank. A body belongs to the rank in whose block its centre lies.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,24 +43,6 @@ impl<const D: usize> Regions<D> {
         }
         middle
     }
-}
-
-/// All ways to write a number as a product of `D` ordered factors.
-fn factorisations<const D: usize>(number: usize) -> Vec<[usize; D]> {
-    let mut found = vec![([1; D], number)];
-    for axis in 0..D {
-        let last = axis + 1 == D;
-        let grow = |(factors, rest): ([usize; D], usize)| {
-            let fits = move |&factor: &usize| if last { factor == rest } else { rest % factor == 0 };
-            (1..=rest).filter(fits).map(move |factor| {
-                let mut factors = factors;
-                factors[axis] = factor;
-                (factors, rest / factor)
-            })
-        };
-        found = found.into_iter().flat_map(grow).collect();
-    }
-    found.into_iter().map(|(factors, _)| factors).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
-//! The bodies of all ranks, and which of them are near each other: looked for once, for all that asks.
+//! The bodies of all ranks, and which of them are near those of this rank: looked for once, for all that asks.
 
-use crate::geometry::{Ball, Domain, Pair, WallPair, near_pairs, near_walls};
+use nalgebra::SVector;
+
+use crate::geometry::{Ball, Bounds, Domain, Pair, WallPair, near_pairs, near_walls};
 
 /// Largest gap at which films are known, in radii of the smaller body.
 pub const LUBRICATION_REACH: f64 = 1.25;
@@ -15,17 +17,33 @@ pub struct Neighbourhood<const D: usize> {
     pub balls: Vec<Ball<D>>,
     /// Order of the modes of each.
     pub orders: Vec<usize>,
-    /// Pairs of bodies within reach.
+    /// Pairs of bodies within reach, all of those with a body of this rank among them.
     pub pairs: Vec<Pair<D>>,
     /// Bodies within reach of a wall.
     pub walls: Vec<WallPair<D>>,
 }
 
 impl<const D: usize> Neighbourhood<D> {
-    /// Bodies with their centres in the box; near is what is less than `reach` away.
-    pub fn new(domain: &Domain<D>, balls: Vec<Ball<D>>, orders: Vec<usize>, reach: f64) -> Neighbourhood<D> {
-        let (pairs, walls) = (near_pairs(domain, &balls, reach), near_walls(domain, &balls, reach));
+    /// Bodies with their centres in the box, of which some, around a middle, are this rank's; near is what is less than `reach` away.
+    pub fn new(
+        domain: &Domain<D>,
+        balls: Vec<Ball<D>>,
+        orders: Vec<usize>,
+        reach: f64,
+        (own, middle): (&[usize], &SVector<f64, D>),
+    ) -> Neighbourhood<D> {
+        let seen = seen(domain, &balls, reach, own, middle);
+        let few: Vec<Ball<D>> = seen.iter().map(|&body| balls[body]).collect();
+        let mut pairs = near_pairs(domain, &few, reach);
+        pairs.iter_mut().for_each(|pair| (pair.first, pair.second) = (seen[pair.first], seen[pair.second]));
+        let walls = near_walls(domain, &balls, reach);
         Neighbourhood { balls, orders, pairs, walls }
+    }
+
+    /// Bodies of one rank.
+    pub fn alone(domain: &Domain<D>, balls: Vec<Ball<D>>, orders: Vec<usize>, reach: f64) -> Neighbourhood<D> {
+        let all: Vec<usize> = (0..balls.len()).collect();
+        Neighbourhood::new(domain, balls, orders, reach, (&all, &(domain.size * 0.5)))
     }
 
     /// A reach beyond which neither films nor the approximate inverse know of a neighbour.
@@ -37,4 +55,14 @@ impl<const D: usize> Neighbourhood<D> {
     pub fn near(&self, pair: &Pair<D>) -> bool {
         pair.gap < PAIR_REACH * 0.5 * (self.balls[pair.first].radius + self.balls[pair.second].radius)
     }
+}
+
+/// Bodies that may be less than `reach` away from an own one, ascending.
+fn seen<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], reach: f64, own: &[usize], middle: &SVector<f64, D>) -> Vec<usize> {
+    if own.len() == balls.len() {
+        return own.to_vec();
+    }
+    let bounds = |body: usize| Bounds::of(domain, &Ball { radius: balls[body].radius + 0.5 * reach, ..balls[body] }, middle);
+    let around = Bounds::around(&own.iter().map(|&body| bounds(body)).collect::<Vec<_>>());
+    (0..balls.len()).filter(|&body| bounds(body).meets(&around, domain)).collect()
 }

@@ -1,6 +1,7 @@
 //! Where things are: the box and its images, balls, what boxes they fill and who is near whom. It knows no fluid and no forces.
 
 mod ball;
+mod bounds;
 mod cells;
 mod delaunay;
 mod domain;
@@ -11,6 +12,7 @@ mod overlap;
 mod pairs;
 
 pub use ball::Ball;
+pub use bounds::Bounds;
 pub use delaunay::{Corner, Edges, delaunay, position};
 pub use domain::{Axis, Domain};
 pub use fractions::{fraction, touches};

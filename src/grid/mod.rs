@@ -9,7 +9,7 @@ mod redistribution;
 mod staggered;
 pub mod stencil;
 
-pub use partition::{Block, Partition};
+pub use partition::{Block, Partition, factorisations};
 pub use pencils::Pencils;
 pub use redistribution::{BlockLayout, Exchange, Redistribution};
 pub use staggered::{FEWEST_CELLS, Grid, Index, MOST_UNKNOWNS, Node};

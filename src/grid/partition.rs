@@ -131,7 +131,7 @@ impl<const D: usize> Partition<D> {
 }
 
 /// All ways of writing a number as an ordered product of `D` factors.
-pub(super) fn factorisations<const D: usize>(ranks: usize) -> Vec<[usize; D]> {
+pub fn factorisations<const D: usize>(ranks: usize) -> Vec<[usize; D]> {
     let mut all = vec![([1; D], ranks)];
     for axis in 0..D - 1 {
         all = all

@@ -149,6 +149,12 @@ impl<const D: usize> Grid<D> {
         SVector::from_fn(|axis, _| (index[axis] as f64 + self.stagger(field, axis)) * self.spacing[axis])
     }
 
+    /// The middle of this rank's cells.
+    pub fn middle(&self) -> SVector<f64, D> {
+        let Block { start, end } = self.partition.block(self.rank);
+        SVector::from_fn(|axis, _| 0.5 * (start[axis] + end[axis]) as f64 * self.spacing[axis])
+    }
+
     /// Offset of a field's lattice from the lower corners of the cells, in cells.
     pub fn stagger(&self, field: usize, axis: usize) -> f64 {
         if field == axis { 0.0 } else { 0.5 }

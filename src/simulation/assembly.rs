@@ -85,5 +85,7 @@ fn crowd<const D: usize>(fixed: &FixedOperators<D>, placed: &[Placed<D>]) -> Nei
     let (method, films) = (&fixed.method, fixed.setup.interactions.resist());
     let of_bodies = if method.on_surfaces() || films { Neighbourhood::reach(&balls) } else { 0.0 };
     let reach = of_bodies.max(method.reach() * fixed.grid.spacing().max());
-    Neighbourhood::new(&fixed.setup.domain, balls, orders, reach)
+    let (grid, rank) = (&fixed.grid, fixed.session.world().rank());
+    let own: Vec<usize> = (0..balls.len()).filter(|&body| grid.owner(&balls[body].center) == rank).collect();
+    Neighbourhood::new(&fixed.setup.domain, balls, orders, reach, (&own, &grid.middle()))
 }

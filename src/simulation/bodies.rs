@@ -187,13 +187,16 @@ impl<'a, const D: usize> Bodies<'a, D> {
         self.setup.interactions.resolved_at_walls(&self.crowd, &self.layout)
     }
 
-    /// How many of [`FEW`] near neighbours each body lacks, as a part; a wall counts for all.
-    pub fn few_neighbours(&self) -> Vec<f64> {
+    /// How many of [`FEW`] near neighbours each body lacks, as a part; a wall counts for all. Collective: only its own rank knows all of a body.
+    pub fn few_neighbours(&self, session: &Session) -> Vec<f64> {
         let mut found = vec![0; self.placed.len()];
         let near = self.crowd.pairs.iter().filter(|pair| self.crowd.near(pair));
         near.flat_map(|pair| [pair.first, pair.second]).for_each(|body| found[body] += 1);
         self.crowd.walls.iter().for_each(|near| found[near.body] = FEW);
-        found.into_iter().map(|count: usize| FEW.saturating_sub(count) as f64 / FEW as f64).collect()
+        let mut few = vec![0.0; found.len()];
+        self.layout.local_bodies.iter().for_each(|&body| few[body] = FEW.saturating_sub(found[body]) as f64 / FEW as f64);
+        session.world().sum(&mut few);
+        few
     }
 
     /// The pores between bodies, in 2D.

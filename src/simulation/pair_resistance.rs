@@ -162,7 +162,7 @@ impl<'a, const D: usize> Builder<'a, D> {
             film.relative_modes.iter().for_each(|way| self.add_way(film, way, true));
         }
         resistances.add_links(layout, self.links.iter(), |link| link.compliance);
-        let (few, pores) = (bodies.few_neighbours(), bodies.pores());
+        let (few, pores) = (bodies.few_neighbours(&fixed.session), bodies.pores());
         for &body in &layout.local_bodies {
             let part = match (&pores, fixed.setup.bodies[body].body.free()) {
                 (_, false) => 1.0,

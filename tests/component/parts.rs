@@ -157,7 +157,7 @@ fn rows_are_balanced(session: &Session, interaction: &dyn Interaction<2>) {
     let grid = Grid::new(&domain, 0.25, world.size(), world.rank()).unwrap();
     let centers: Vec<_> = balls.iter().map(|ball| ball.center).collect();
     let layout = MultiplierLayout::new(&grid, &centers, &[13; 6], world.rank());
-    let crowd = Neighbourhood::new(&domain, balls.clone(), vec![3; 6], Neighbourhood::reach(&balls));
+    let crowd = Neighbourhood::alone(&domain, balls.clone(), vec![3; 6], Neighbourhood::reach(&balls));
     let rows = interaction.rows(&crowd, &layout);
     assert_eq!(world.max(rows.films.len() as f64) > 0.0, interaction.resists(), "{interaction:?}");
     assert!(rows.imbalance < 1e-12, "{}", rows.imbalance);

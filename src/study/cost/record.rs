@@ -86,10 +86,10 @@ fn inverse_alone<'de, S: Deserializer<'de>>(source: S) -> std::result::Result<Op
     #[serde(untagged)]
     enum Told {
         Name(String),
-        WithSeconds(String, f64),
+        WithSeconds((String, f64)),
     }
     Ok(Option::deserialize(source)?.map(|told| match told {
-        Told::Name(name) | Told::WithSeconds(name, _) => name,
+        Told::Name(name) | Told::WithSeconds((name, _)) => name,
     }))
 }
 
