@@ -34,6 +34,7 @@ mod methods;
 mod motion;
 mod near;
 mod outputs;
+mod ownership;
 mod parts;
 mod scalar;
 mod sheared;
@@ -101,6 +102,7 @@ fn main() {
         transform::tests(),
         near::tests(),
         outputs::tests(),
+        ownership::tests(),
         parts::tests(),
         scalar::tests(),
         inclusions::tests(),
