@@ -5,14 +5,16 @@
 
 use nalgebra::SVector;
 
+use super::share::Share;
+
 /// Longest time step; the stiffest mode is stable up to 1.4.
 const LONGEST_STEP: f64 = 0.9;
 
 /// State of the fast inertial relaxation engine.
 pub(super) struct Fire<const D: usize> {
-    /// Force on each ball.
+    /// Force on each ball of this rank.
     pub forces: Vec<SVector<f64, D>>,
-    /// Velocity of each ball.
+    /// Velocity of each of them.
     pub velocities: Vec<SVector<f64, D>>,
     /// Time step, adapted.
     dt: f64,
@@ -34,27 +36,25 @@ impl<const D: usize> Fire<D> {
         }
     }
 
-    /// Moves the centres by one step.
-    pub fn advance(&mut self, centers: &mut [SVector<f64, D>], masses: &[f64]) {
-        let power: f64 = self.forces.iter().zip(&self.velocities).map(|(f, v)| f.dot(v)).sum();
+    /// Moves the centres of this rank's balls by one step; collective.
+    pub fn advance(&mut self, centers: &mut [SVector<f64, D>], masses: &[f64], share: &Share) {
+        let [power] = share.sum(|ball| [self.forces[ball].dot(&self.velocities[ball])]);
         if power >= 0.0 {
             self.hasten();
         } else {
             self.turn_back(centers);
         }
-        let mut speed_square = 0.0;
-        let mut force_square = 0.0;
-        for (body, &mass) in masses.iter().enumerate() {
-            self.velocities[body] += self.forces[body] * (self.dt / mass);
-            speed_square += mass * self.velocities[body].norm_squared();
-            force_square += self.forces[body].norm_squared() / mass;
+        for (ball, &mass) in masses.iter().enumerate() {
+            self.velocities[ball] += self.forces[ball] * (self.dt / mass);
         }
+        let [speed_square, force_square] =
+            share.sum(|ball| [masses[ball] * self.velocities[ball].norm_squared(), self.forces[ball].norm_squared() / masses[ball]]);
         let ratio = if force_square > 0.0 { (speed_square / force_square).sqrt() } else { 0.0 };
-        for (body, &mass) in masses.iter().enumerate() {
-            let along = self.forces[body] * (ratio / mass);
-            let turn = (along - self.velocities[body]) * self.steering;
-            self.velocities[body] += turn;
-            centers[body] += self.velocities[body] * self.dt;
+        for (ball, &mass) in masses.iter().enumerate() {
+            let along = self.forces[ball] * (ratio / mass);
+            let turn = (along - self.velocities[ball]) * self.steering;
+            self.velocities[ball] += turn;
+            centers[ball] += self.velocities[ball] * self.dt;
         }
     }
 

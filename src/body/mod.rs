@@ -8,6 +8,7 @@ mod packing;
 mod regions;
 mod relaxation;
 mod search;
+mod share;
 mod twist;
 
 use nalgebra::{SMatrix, SVector};
@@ -16,7 +17,7 @@ use crate::geometry::Ball;
 pub use centers::{parse_centers, read_centers, read_text, usable};
 pub use equilibrium::equilibrium;
 pub use halo::{Halo, OwnBodies};
-pub use packing::pack;
+pub use packing::{pack, pack_on};
 pub use regions::Regions;
 pub use twist::{Twist, components, planes, skew};
 

@@ -7,7 +7,10 @@
 
 use nalgebra::SVector;
 
-use super::fire::Fire;
+use super::{
+    fire::Fire,
+    share::{BLOCK, Halo, Share},
+};
 use crate::geometry::{Ball, Domain, Pair, near_pairs};
 
 /// Time step of the collisions while stirring.
@@ -21,11 +24,15 @@ const SKIN: f64 = 0.4;
 /// Work of a step besides its pairs, and work to find a pair, in evaluations of one pair.
 const STEP_WORK: u64 = 20;
 const SEARCH_WORK: u64 = 20;
+/// Part of a distance that is rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// Balls on their way to a packing: `movable` ones, then obstacles.
 pub(super) struct Packing<'a, const D: usize> {
     /// The box.
     pub domain: &'a Domain<D>,
+    /// Which of the balls this rank moves.
+    pub share: Share<'a>,
     /// Centres, not moved into the box.
     pub centers: Vec<SVector<f64, D>>,
     /// Radii with half the gap required between balls.
@@ -43,17 +50,24 @@ pub(super) struct Packing<'a, const D: usize> {
 }
 
 impl<const D: usize> Packing<'_, D> {
-    /// Moves the balls until no two overlap.
+    /// Moves the balls until no two overlap; collective.
     ///
     /// Returns whether that succeeded before it stalled or the effort was spent.
     pub fn relax(&mut self) -> bool {
-        let mut fire = Fire::new(self.movable);
+        let relaxed = self.descend();
+        self.share.gather(&mut self.centers);
+        relaxed
+    }
+
+    fn descend(&mut self) -> bool {
+        let mut fire = Fire::new(self.share.own.len());
         self.confine(&mut fire.velocities, 0.0);
+        self.share.gather(&mut self.centers);
         let mut contacts = Contacts::new(self);
         let mut earlier_energy = f64::INFINITY;
         let mut step = 0;
-        while self.spend(contacts.work()) {
-            let state = contacts.repel(&self.centers, &mut fire.forces);
+        while self.spend(contacts.work) {
+            let state = contacts.repel(&self.centers, &mut fire.forces, &self.share);
             if state.satisfied {
                 return true;
             }
@@ -63,7 +77,7 @@ impl<const D: usize> Packing<'_, D> {
                 }
                 earlier_energy = state.energy;
             }
-            fire.advance(&mut self.centers, &contacts.masses);
+            fire.advance(&mut self.centers[self.share.own.clone()], &contacts.masses, &self.share);
             self.confine(&mut fire.velocities, 0.0);
             self.refresh(&mut contacts);
             step += 1;
@@ -71,22 +85,24 @@ impl<const D: usize> Packing<'_, D> {
         false
     }
 
-    /// Lets the balls fly and collide for some steps, without loss of energy.
+    /// Lets the balls fly and collide for some steps, without loss of energy, from velocities of this rank's balls; collective.
     pub fn stir(&mut self, mut velocities: Vec<SVector<f64, D>>, steps: usize) {
-        let mut forces = vec![SVector::zeros(); self.movable];
+        let mut forces = vec![SVector::zeros(); self.share.own.len()];
         let mut contacts = Contacts::new(self);
         for _ in 0..steps {
-            if !self.spend(contacts.work()) {
-                return;
+            if !self.spend(contacts.work) {
+                break;
             }
-            contacts.repel(&self.centers, &mut forces);
-            for (body, &mass) in contacts.masses.iter().enumerate() {
-                velocities[body] += forces[body] * (STIRRING_STEP / mass);
-                self.centers[body] += velocities[body] * STIRRING_STEP;
+            contacts.repel(&self.centers, &mut forces, &self.share);
+            let own = self.centers[self.share.own.clone()].iter_mut().zip(&mut velocities);
+            for ((center, velocity), (force, &mass)) in own.zip(forces.iter().zip(&contacts.masses)) {
+                *velocity += force * (STIRRING_STEP / mass);
+                *center += *velocity * STIRRING_STEP;
             }
             self.confine(&mut velocities, 1.0);
             self.refresh(&mut contacts);
         }
+        self.share.gather(&mut self.centers);
     }
 
     /// Takes work from the effort left; returns whether any is left.
@@ -95,11 +111,11 @@ impl<const D: usize> Packing<'_, D> {
         self.effort > 0
     }
 
-    /// Moves balls that reach into a wall out of it; they leave it with `bounce` times their speed.
+    /// Moves balls of this rank that reach into a wall out of it; they leave it with `bounce` times their speed.
     fn confine(&mut self, velocities: &mut [SVector<f64, D>], bounce: f64) {
         for axis in (0..D).filter(|&axis| !self.domain.periodic(axis)) {
             let size = self.domain.size[axis];
-            for (body, velocity) in velocities.iter_mut().enumerate() {
+            for (body, velocity) in self.share.own.clone().zip(velocities.iter_mut()) {
                 let nearest = (self.scale * self.wall_radii[body]).min(size / 2.0);
                 let position = self.centers[body][axis];
                 let allowed = position.clamp(nearest, size - nearest);
@@ -111,19 +127,38 @@ impl<const D: usize> Packing<'_, D> {
         }
     }
 
-    /// Finds the pairs anew if balls have moved too far for the old ones.
+    /// Makes the centres of other ranks' balls known, and finds the pairs anew if balls have moved too far for the old ones.
     fn refresh(&mut self, contacts: &mut Contacts<D>) {
-        if contacts.outdated(&self.centers) {
-            self.spend(SEARCH_WORK * contacts.work());
+        if contacts.outdated(&self.centers, &self.share) {
+            self.spend(SEARCH_WORK * contacts.work);
+            self.share.gather(&mut self.centers);
             *contacts = Contacts::new(self);
+        } else {
+            contacts.halo.update(&self.share, &mut self.centers);
         }
     }
 
-    /// The balls with the radii they must keep clear now.
-    fn balls(&self) -> Vec<Ball<D>> {
-        let ball =
-            |body| Ball { center: self.centers[body], radius: self.radii[body] * if body < self.movable { self.scale } else { 1.0 } };
-        (0..self.centers.len()).map(ball).collect()
+    /// A ball with the radius that it must keep clear now.
+    fn ball(&self, body: usize) -> Ball<D> {
+        Ball { center: self.centers[body], radius: self.radii[body] * if body < self.movable { self.scale } else { 1.0 } }
+    }
+
+    /// The balls of this rank and all that may be within reach of one of them, by their numbers, in order.
+    fn near_own(&self, reach: f64) -> Vec<usize> {
+        let axis = D - 1;
+        let (mut lower, mut upper) = (f64::INFINITY, f64::NEG_INFINITY);
+        for ball in self.share.own.clone().map(|body| self.ball(body)) {
+            lower = lower.min(ball.center[axis] - ball.radius);
+            upper = upper.max(ball.center[axis] + ball.radius);
+        }
+        let near = |&body: &usize| {
+            let ball = self.ball(body);
+            let range = (1.0 + ROUNDING) * (ball.radius + reach);
+            let above = ball.center[axis] - (lower - range);
+            let above = if self.domain.periodic(axis) { above.rem_euclid(self.domain.size[axis]) } else { above };
+            self.share.own.contains(&body) || (0.0..=upper - lower + 2.0 * range).contains(&above)
+        };
+        (0..self.centers.len()).filter(near).collect()
     }
 }
 
@@ -139,62 +174,78 @@ struct PackingContact<const D: usize> {
     target: f64,
 }
 
+impl<const D: usize> PackingContact<D> {
+    /// A pair of some balls whose numbers are `bodies`.
+    fn new(bodies: &[usize], balls: &[Ball<D>], pair: &Pair<D>, margin: f64) -> Self {
+        let (first, second) = (&balls[pair.first], &balls[pair.second]);
+        let required = first.radius + second.radius;
+        Self {
+            first: bodies[pair.first],
+            second: bodies[pair.second],
+            offset: pair.separation - (second.center - first.center),
+            required,
+            target: required * (1.0 + margin),
+        }
+    }
+}
+
 /// What the overlaps amount to.
 struct PackingState {
     energy: f64,
     satisfied: bool,
 }
 
-/// Pairs near enough to overlap before the balls have moved by half the skin.
+/// Pairs with a ball of this rank near enough to overlap before the balls have moved by half the skin.
 struct Contacts<const D: usize> {
     list: Vec<PackingContact<D>>,
+    /// Masses of this rank's balls.
     masses: Vec<f64>,
-    /// Centres when the pairs were found.
+    /// Centres of this rank's balls when the pairs were found.
     origins: Vec<SVector<f64, D>>,
     skin: f64,
+    /// Work of one step of all ranks, in pair evaluations.
+    work: u64,
+    halo: Halo,
 }
 
 impl<const D: usize> Contacts<D> {
+    /// Collective; the centres of all balls must be known.
     fn new(crowd: &Packing<D>) -> Self {
-        let balls = crowd.balls();
-        let mean = balls[..crowd.movable].iter().map(|ball| ball.radius).sum::<f64>() / crowd.movable as f64;
+        let share = &crowd.share;
+        let radius = |body: usize| crowd.ball(body).radius;
+        let mean = (0..crowd.movable).map(radius).sum::<f64>() / crowd.movable as f64;
         let skin = SKIN * mean;
-        let mut contacts =
-            Self { list: Vec::new(), masses: vec![1.0; crowd.movable], origins: crowd.centers[..crowd.movable].to_vec(), skin };
-        let largest = balls.iter().map(|ball| ball.radius).fold(0.0, f64::max);
-        for pair in near_pairs(crowd.domain, &balls, skin + 2.0 * crowd.margin * largest) {
-            if pair.first != pair.second && pair.first < crowd.movable {
-                contacts.push(&balls, &pair, crowd.margin);
-            }
+        let largest = (0..crowd.centers.len()).map(radius).fold(0.0, f64::max);
+        let reach = skin + 2.0 * crowd.margin * largest;
+        let bodies = crowd.near_own(reach);
+        let balls: Vec<Ball<D>> = bodies.iter().map(|&body| crowd.ball(body)).collect();
+        let own = |body: usize| share.own.contains(&bodies[body]);
+        let mut pairs = near_pairs(crowd.domain, &balls, reach);
+        pairs.retain(|pair| pair.first != pair.second && (own(pair.first) || own(pair.second)));
+        let mut list = Vec::with_capacity(pairs.len());
+        list.extend(pairs.iter().map(|pair| PackingContact::new(&bodies, &balls, pair, crowd.margin)));
+        let mut masses = vec![1.0; share.own.len()];
+        let ends = || list.iter().flat_map(|contact: &PackingContact<D>| [contact.first, contact.second]);
+        ends().filter_map(|body| share.place(body)).for_each(|place| masses[place] += 1.0);
+        let mut needed: Vec<usize> = ends().filter(|&body| body < crowd.movable && share.place(body).is_none()).collect();
+        needed.sort_unstable();
+        needed.dedup();
+        let count = share.count(list.iter().filter(|contact| share.own.contains(&contact.first)).count());
+        Self {
+            masses,
+            origins: crowd.centers[share.own.clone()].to_vec(),
+            skin,
+            work: (count + crowd.movable) as u64 + STEP_WORK,
+            halo: Halo::new(share, needed),
+            list,
         }
-        contacts
     }
 
-    fn push(&mut self, balls: &[Ball<D>], pair: &Pair<D>, margin: f64) {
-        let (first, second) = (&balls[pair.first], &balls[pair.second]);
-        let required = first.radius + second.radius;
-        self.list.push(PackingContact {
-            first: pair.first,
-            second: pair.second,
-            offset: pair.separation - (second.center - first.center),
-            required,
-            target: required * (1.0 + margin),
-        });
-        self.masses[pair.first] += 1.0;
-        if let Some(mass) = self.masses.get_mut(pair.second) {
-            *mass += 1.0;
-        }
-    }
-
-    /// Work of one step, in pair evaluations.
-    fn work(&self) -> u64 {
-        (self.list.len() + self.masses.len()) as u64 + STEP_WORK
-    }
-
-    /// Fills the forces; returns the energy and whether all pairs are as far apart as required.
-    fn repel(&self, centers: &[SVector<f64, D>], forces: &mut [SVector<f64, D>]) -> PackingState {
+    /// Fills the forces on this rank's balls; returns the energy and whether all pairs are as far apart as required. Collective.
+    fn repel(&self, centers: &[SVector<f64, D>], forces: &mut [SVector<f64, D>], share: &Share) -> PackingState {
         forces.fill(SVector::zeros());
-        let mut state = PackingState { energy: 0.0, satisfied: true };
+        // energy and overlaps of each block
+        let mut sums = vec![[0.0; 2]; share.blocks()];
         for contact in &self.list {
             let separation = centers[contact.second] - centers[contact.first] + contact.offset;
             let square = separation.norm_squared();
@@ -203,24 +254,29 @@ impl<const D: usize> Contacts<D> {
             }
             let distance = square.sqrt();
             let overlap = contact.target - distance;
-            state.energy += 0.5 * overlap * overlap;
-            state.satisfied &= distance >= contact.required;
             let push = if distance > 0.0 {
                 separation * (overlap / distance)
             } else {
                 SVector::from_fn(|axis, _| if axis == 0 { overlap } else { 0.0 })
             };
-            forces[contact.first] -= push;
-            if let Some(force) = forces.get_mut(contact.second) {
-                *force += push;
+            if let Some(first) = share.place(contact.first) {
+                let [energy, overlaps] = &mut sums[first / BLOCK];
+                *energy += 0.5 * overlap * overlap;
+                *overlaps += f64::from(distance < contact.required);
+                forces[first] -= push;
+            }
+            if let Some(second) = share.place(contact.second) {
+                forces[second] += push;
             }
         }
-        state
+        let [energy, overlaps] = share.sum_of_blocks(&sums);
+        PackingState { energy, satisfied: overlaps == 0.0 }
     }
 
-    fn outdated(&self, centers: &[SVector<f64, D>]) -> bool {
+    /// Whether a ball of any rank has moved too far; collective.
+    fn outdated(&self, centers: &[SVector<f64, D>], share: &Share) -> bool {
         let farthest = 0.25 * self.skin * self.skin;
-        let mut moves = self.origins.iter().zip(centers).map(|(origin, center)| center - origin);
-        moves.any(|moved| moved.norm_squared() > farthest)
+        let mut moves = self.origins.iter().zip(&centers[share.own.clone()]).map(|(origin, center)| center - origin);
+        share.count(usize::from(moves.any(|moved| moved.norm_squared() > farthest))) > 0
     }
 }

@@ -1,6 +1,6 @@
 //! Cell list: balls sorted into a grid of cells, to find neighbours at linear cost.
 //!
-//! The grid has about one cell per ball. Each ball looks only for balls not larger than itself, in
+//! The grid has about one cell per ball, and more where balls fill a part of the box only. Each ball looks only for balls not larger than itself, in
 //! the cells its search range covers, so that the cost is the number of balls times their volume
 //! fraction even when radii differ widely. Periodic images are cells beyond the box.
 
@@ -8,13 +8,19 @@ use nalgebra::SVector;
 
 use super::{Ball, Domain};
 
+/// Balls of a coarse cell where they are spread evenly.
+const COARSE: usize = 8;
+/// Cells at most, per ball and in all.
+const MOST_CELLS_PER_BALL: f64 = 32.0;
+const MOST_CELLS: f64 = 1e9;
+
 /// Balls sorted into cells.
 pub(super) struct Cells<'a, const D: usize> {
     domain: &'a Domain<D>,
     /// Number of cells along each axis.
     counts: [usize; D],
     /// Where each cell starts in `members`, and one entry past the end.
-    starts: Vec<usize>,
+    starts: Vec<u32>,
     /// The balls, cell after cell: those near each other lie near each other in memory.
     members: Vec<Member<D>>,
 }
@@ -31,8 +37,11 @@ pub(super) struct Member<const D: usize> {
 impl<'a, const D: usize> Cells<'a, D> {
     /// Sorts `balls` into cells.
     pub fn new(domain: &'a Domain<D>, balls: &[Ball<D>]) -> Self {
-        let mut cells = Self { domain, counts: cell_counts(domain, balls.len()), starts: Vec::new(), members: Vec::new() };
-        cells.sort(balls);
+        let in_box = |ball: &Ball<D>| Ball { center: domain.wrap(ball.center), ..*ball };
+        let members = balls.iter().enumerate().map(|(body, ball)| Member { body, ball: in_box(ball) }).collect();
+        let mut cells = Self { domain, counts: cell_counts(domain, balls.len() / COARSE), starts: Vec::new(), members };
+        cells.counts = cell_counts(domain, cells.enough());
+        cells.sort();
         cells
     }
 
@@ -74,33 +83,35 @@ impl<'a, const D: usize> Cells<'a, D> {
             while cell[0] <= last[0] {
                 let (flat, image) = self.wrap(cell);
                 let length = (last[0] + 1).min((image[0] + 1) * columns) - cell[0];
-                action(&self.members[self.starts[flat]..self.starts[flat + length as usize]], image);
+                let [start, end] = [flat, flat + length as usize].map(|cell| self.starts[cell] as usize);
+                action(&self.members[start..end], image);
                 cell[0] += length;
             }
         });
     }
 
-    fn sort(&mut self, balls: &[Ball<D>]) {
-        let members: Vec<Member<D>> = balls
-            .iter()
-            .enumerate()
-            .map(|(body, ball)| Member { body, ball: Ball { center: self.domain.wrap(ball.center), ..*ball } })
-            .collect();
-        let owners: Vec<usize> = members.iter().map(|member| self.owner(member.ball.center)).collect();
-        let mut starts = vec![0; self.counts.iter().product::<usize>() + 1];
-        for &owner in &owners {
-            starts[owner + 1] += 1;
+    /// How many cells the box needs for one per ball in the part of it that balls fill, which is known from its present, coarse cells.
+    fn enough(&self) -> usize {
+        let (all, balls) = (self.counts.iter().product::<usize>(), self.members.len());
+        let mut filled = vec![false; all];
+        self.members.iter().for_each(|member| filled[self.owner(member.ball.center)] = true);
+        let filled = filled.into_iter().filter(|&filled| filled).count().max(1);
+        (balls as f64 * (all as f64 / filled as f64).min(MOST_CELLS_PER_BALL)).min(MOST_CELLS) as usize
+    }
+
+    fn sort(&mut self) {
+        let owners: Vec<u32> = self.members.iter().map(|member| self.owner(member.ball.center) as u32).collect();
+        let mut next = vec![0; self.counts.iter().product::<usize>()];
+        owners.iter().for_each(|&owner| next[owner as usize] += 1);
+        let mut sum = 0;
+        next.iter_mut().for_each(|count| sum += std::mem::replace(count, sum));
+        self.starts = next.iter().copied().chain([sum]).collect();
+        let unsorted = self.members.clone();
+        for (member, owner) in unsorted.into_iter().zip(owners) {
+            let place = &mut next[owner as usize];
+            self.members[*place as usize] = member;
+            *place += 1;
         }
-        for cell in 1..starts.len() {
-            starts[cell] += starts[cell - 1];
-        }
-        self.members = members.clone();
-        let mut next = starts.clone();
-        for (member, owner) in members.into_iter().zip(owners) {
-            self.members[next[owner]] = member;
-            next[owner] += 1;
-        }
-        self.starts = starts;
     }
 
     /// Flat index of the cell that holds a wrapped centre.
@@ -156,6 +167,7 @@ fn for_each_index<const D: usize>(lower: [isize; D], upper: [isize; D], mut acti
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Axis;
 
     #[test]
     fn every_index_of_a_block_comes_once() {
@@ -170,5 +182,24 @@ mod tests {
     #[test]
     fn an_empty_block_has_no_index() {
         for_each_index([0, 1], [3, 0], |_| panic!("the block is empty"));
+    }
+
+    /// How many centres are looked at for each of the disks of a square lattice in a corner of a box.
+    fn looks_a_ball(side: usize, box_over_corner: f64) -> f64 {
+        let wall = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
+        let domain = Domain { size: SVector::repeat(side as f64 * box_over_corner), axes: [Axis::Periodic, wall] };
+        let place = |flat: usize| SVector::from([(flat % side) as f64 + 0.5, (flat / side) as f64 + 0.5]);
+        let balls: Vec<Ball<2>> = (0..side * side).map(|flat| Ball { center: place(flat), radius: 0.5 }).collect();
+        let (cells, mut looks) = (Cells::new(&domain, &balls), 0);
+        cells.members().iter().for_each(|member| cells.visit(member.ball.center, 1.1, |_, _, _| looks += 1));
+        looks as f64 / balls.len() as f64
+    }
+
+    #[test]
+    fn looks_a_ball_grow_neither_with_their_number_nor_where_they_leave_most_of_the_box_empty() {
+        for (side, box_over_corner) in [(20, 1.0), (80, 1.0), (300, 1.0), (80, 2.0), (80, 5.0), (300, 5.0)] {
+            let looks = looks_a_ball(side, box_over_corner);
+            assert!(looks > 8.0 && looks < 25.0, "{looks} of {side}^2 in a box {box_over_corner} times as wide");
+        }
     }
 }

@@ -25,9 +25,24 @@ struct Level<const D: usize> {
     counts: [f64; D],
     /// Cells along each axis within which a ball of this level is touched.
     reach: [i64; D],
-    /// Numbers and centres, moved into the box, of the balls in a cell.
-    members: HashMap<[i64; D], Vec<(usize, SVector<f64, D>)>>,
+    /// The place among the members of the last that came into each cell.
+    last: HashMap<[i64; D], u32>,
+    members: Vec<Member<D>>,
+    /// Places of members that were taken out.
+    free: Vec<u32>,
 }
+
+/// A ball in a cell.
+struct Member<const D: usize> {
+    number: usize,
+    /// Its centre, moved into the box.
+    center: SVector<f64, D>,
+    /// The place of the one that came into the cell before it, or [`NONE`].
+    before: u32,
+}
+
+/// No place.
+const NONE: u32 = u32::MAX;
 
 impl<'a, const D: usize> Levels<'a, D> {
     /// No balls yet.
@@ -39,15 +54,14 @@ impl<'a, const D: usize> Levels<'a, D> {
     pub fn insert(&mut self, number: usize, ball: &Ball<D>) {
         let exponent = exponent(ball.radius);
         let level = self.levels.entry(exponent).or_insert_with(|| Level::new(self.domain, exponent));
-        let center = self.domain.wrap(ball.center);
-        level.members.entry(level.inside(self.domain, &center)).or_default().push((number, center));
+        level.insert(self.domain, number, self.domain.wrap(ball.center));
     }
 
     /// Takes out a ball that was added with this number.
     pub fn remove(&mut self, number: usize, ball: &Ball<D>) {
-        let Some(level) = self.levels.get_mut(&exponent(ball.radius)) else { return };
-        let cell = level.inside(self.domain, &self.domain.wrap(ball.center));
-        level.members.entry(cell).or_default().retain(|&(other, _)| other != number);
+        if let Some(level) = self.levels.get_mut(&exponent(ball.radius)) {
+            level.remove(self.domain, number, &self.domain.wrap(ball.center));
+        }
     }
 
     /// Calls `found(number, distance of the centres)` for each image of a ball near one that is not larger than it.
@@ -77,18 +91,55 @@ impl<const D: usize> Level<D> {
         let edge = 2.0 * largest(exponent);
         let counts: [f64; D] = std::array::from_fn(|axis| (domain.size[axis] / edge).floor().clamp(1.0, MOST_CELLS));
         let reach = std::array::from_fn(|axis| (edge * counts[axis] / domain.size[axis] * (1.0 - 1e-9)).ceil().max(1.0) as i64);
-        Level { counts, reach, members: HashMap::new() }
+        Level { counts, reach, last: HashMap::new(), members: Vec::new(), free: Vec::new() }
+    }
+
+    fn insert(&mut self, domain: &Domain<D>, number: usize, center: SVector<f64, D>) {
+        let last = self.last.entry(inside(self.cell(domain, &center), &self.counts)).or_insert(NONE);
+        let member = Member { number, center, before: *last };
+        match self.free.pop() {
+            Some(place) => {
+                *last = place;
+                self.members[place as usize] = member;
+            }
+            None => {
+                *last = self.members.len() as u32;
+                self.members.push(member);
+            }
+        }
+    }
+
+    fn remove(&mut self, domain: &Domain<D>, number: usize, center: &SVector<f64, D>) {
+        let cell = inside(self.cell(domain, center), &self.counts);
+        let Some(last) = self.last.get_mut(&cell) else { return };
+        let (mut place, mut after) = (*last, NONE);
+        while place != NONE && self.members[place as usize].number != number {
+            (after, place) = (place, self.members[place as usize].before);
+        }
+        if place == NONE {
+            return;
+        }
+        let before = self.members[place as usize].before;
+        match after {
+            NONE => *last = before,
+            _ => self.members[after as usize].before = before,
+        }
+        self.free.push(place);
+    }
+
+    /// Calls `found` for the members of a cell.
+    fn visit_cell(&self, cell: &[i64; D], mut found: impl FnMut(&Member<D>)) {
+        let mut place = self.last.get(cell).copied().unwrap_or(NONE);
+        while place != NONE {
+            let member = &self.members[place as usize];
+            found(member);
+            place = member.before;
+        }
     }
 
     /// The cell of a point, which lies beyond the box if the point does.
     fn cell(&self, domain: &Domain<D>, point: &SVector<f64, D>) -> [i64; D] {
         std::array::from_fn(|axis| (point[axis] / domain.size[axis] * self.counts[axis]).floor() as i64)
-    }
-
-    /// The cell of the box that holds a point or is next to it.
-    fn inside(&self, domain: &Domain<D>, point: &SVector<f64, D>) -> [i64; D] {
-        let cell = self.cell(domain, point);
-        std::array::from_fn(|axis| cell[axis].clamp(0, self.counts[axis] as i64 - 1))
     }
 
     /// Visits the cells so many to each side of a point along each axis.
@@ -102,9 +153,7 @@ impl<const D: usize> Level<D> {
             for flat in 0..(0..D).filter(|&axis| axis != 1).map(|axis| 2 * reach[axis] + 1).product() {
                 let (place, image) = self.place(domain, own, reach, [row, up], flat);
                 let offset = domain.offset(image.map(|turns| turns as isize));
-                for (number, other) in self.members.get(&place).into_iter().flatten() {
-                    found(*number, (other + offset - center).norm());
-                }
+                self.visit_cell(&place, |member| found(member.number, (member.center + offset - center).norm()));
             }
         }
     }
@@ -120,6 +169,11 @@ impl<const D: usize> Level<D> {
         }
         (place, image)
     }
+}
+
+/// A cell, or the one of the box next to it.
+fn inside<const D: usize>(cell: [i64; D], counts: &[f64; D]) -> [i64; D] {
+    std::array::from_fn(|axis| cell[axis].clamp(0, counts[axis] as i64 - 1))
 }
 
 /// How many boxes away a cell lies along an axis, and its image in the box; along walls it stays where it is.

@@ -44,9 +44,9 @@ pub fn near_pairs<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], reach: 
     for member in cells.members() {
         let ball = member.ball;
         cells.visit(ball.center, 2.0 * ball.radius + reach, |other, image, separation| {
-            let gap = separation.norm() - ball.radius - other.ball.radius;
-            if gap < reach && belongs(member, other, image) {
-                pairs.push(ordered_pair(member.body, other.body, separation, gap));
+            if belongs(member, other, image) {
+                let gap = separation.norm() - ball.radius - other.ball.radius;
+                pairs.extend((gap < reach).then(|| ordered_pair(member.body, other.body, separation, gap)));
             }
         });
     }

@@ -35,6 +35,7 @@ mod motion;
 mod near;
 mod outputs;
 mod ownership;
+mod packing;
 mod parts;
 mod scalar;
 mod sheared;
@@ -103,6 +104,7 @@ fn main() {
         near::tests(),
         outputs::tests(),
         ownership::tests(),
+        packing::tests(),
         parts::tests(),
         scalar::tests(),
         inclusions::tests(),

@@ -1,0 +1,54 @@
+//! Packings of many bodies, which ranks share: the same whatever their number.
+
+use nalgebra::SVector;
+use turbid::{
+    body::{pack, pack_on},
+    geometry::{Axis, Ball, Domain, LeesEdwards, first_fault},
+    petsc::Session,
+};
+
+use crate::Test;
+
+pub fn tests() -> Vec<Test> {
+    vec![
+        Test::of(ranks_pack_disks_of_two_sizes_between_walls_as_one_does_alone),
+        Test::of(ranks_pack_disks_whose_images_slide_as_one_does_alone),
+        Test::of(ranks_pack_spheres_around_an_obstacle_as_one_does_alone),
+    ]
+}
+
+const WALL: fn() -> Axis<2> = || Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
+
+/// The box of this shape that the radii fill to a fraction.
+fn filled<const D: usize>(shape: [f64; D], axes: [Axis<D>; D], radii: &[f64], fraction: f64) -> Domain<D> {
+    let volume: f64 = radii.iter().map(|&radius| Ball::<D> { center: SVector::zeros(), radius }.volume()).sum();
+    let shape = SVector::from(shape);
+    Domain { size: shape * (volume / fraction / shape.product()).powf(1.0 / D as f64), axes }
+}
+
+fn assert_alike<const D: usize>(session: &Session, domain: &Domain<D>, obstacles: &[Ball<D>], radii: &[f64]) {
+    let together = pack_on(Some(session.world()), domain, obstacles, radii, 0.02, 1).unwrap();
+    assert_eq!(together, pack(domain, obstacles, radii, 0.02, 1).unwrap());
+    let balls = together.iter().zip(radii).map(|(&center, &radius)| Ball { center, radius });
+    assert_eq!(first_fault(domain, &balls.chain(obstacles.iter().copied()).collect::<Vec<_>>()), None);
+}
+
+fn ranks_pack_disks_of_two_sizes_between_walls_as_one_does_alone(session: &Session) {
+    let radii: Vec<f64> = (0..50_000).map(|body| if body < 20_000 { 1.0 } else { 0.6 }).collect();
+    let domain = filled([2.0, 1.0], [WALL(), WALL()], &radii, 0.6);
+    assert_alike(session, &domain, &[], &radii);
+}
+
+fn ranks_pack_disks_whose_images_slide_as_one_does_alone(session: &Session) {
+    let radii = vec![0.5; 40_000];
+    let slide = |start| Axis::Sheared(LeesEdwards { start, speed: 0.0, time: 0.0 });
+    assert_alike(session, &filled([1.0, 1.0], [Axis::Periodic, slide(31.0)], &radii, 0.5), &[], &radii);
+}
+
+fn ranks_pack_spheres_around_an_obstacle_as_one_does_alone(session: &Session) {
+    let radii = vec![0.5; 35_000];
+    let domain = filled([1.0, 1.0, 1.0], [Axis::Periodic; 3], &radii, 0.35);
+    // across the sides of the box, where the shares of the first and the last rank meet
+    let obstacle = Ball { center: SVector::from([0.0, 5.0, 0.0]), radius: 3.0 };
+    assert_alike(session, &domain, &[obstacle], &radii);
+}
