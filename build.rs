@@ -1,15 +1,25 @@
 //! Binds the part of PETSc that `src/petsc` uses, and what the C library tells of its heap, from the headers that the system's package provides.
 
-use std::{env, path::PathBuf};
+use std::{env, fs, path::PathBuf};
 
 const FUNCTIONS: &str = "Petsc(Initialize|Finalize|Initialized|ErrorMessage|PushErrorHandler|IgnoreErrorHandler|ReturnErrorHandler|\
     Options(SetValue|InsertString|GetReal|LeftGet|LeftRestore)|MallocGetMaximumUsage|MemoryGetCurrentUsage|ObjectReference|OptionsHasName|\
     LogStage(Register|Push|Pop)|LogGetStageLog)|\
     Vec.*|Mat.*|KSP.*|PC.*|IS.*|mallinfo2";
 
+/// The variable of the environment that chooses between the builds of PETSc.
+const INDEX_BITS: &str = "TURBID_INDEX_BITS";
+
+/// A build of PETSc: the width of its indices, its name for pkg-config, and its Debian package.
+type Build = (&'static str, &'static str, &'static str);
+
+const BUILDS: [Build; 2] = [("32", "PETSc", "libpetsc-real-dev"), ("64", "PETSc64", "libpetsc64-real-dev")];
+
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
-    let petsc = probe("PETSc", "libpetsc-real-dev");
+    println!("cargo:rerun-if-env-changed={INDEX_BITS}");
+    let petsc = petsc();
+    check_solvers(&petsc);
     let mpi = probe("ompi-c", "libopenmpi-dev");
     let includes = petsc.include_paths.iter().chain(&mpi.include_paths).map(|path| format!("-I{}", path.display()));
     for path in petsc.link_paths {
@@ -30,6 +40,28 @@ fn main() {
         .expect("bindgen reads petsc.h")
         .write_to_file(PathBuf::from(env::var("OUT_DIR").expect("cargo sets OUT_DIR")).join("petsc.rs"))
         .expect("OUT_DIR is writable");
+}
+
+/// The build of PETSc that the environment asks for, or else the first that is installed.
+fn petsc() -> pkg_config::Library {
+    let Some(wanted) = env::var(INDEX_BITS).ok().filter(|bits| !bits.is_empty()) else {
+        let installed = |(_, library, _): &&Build| pkg_config::Config::new().cargo_metadata(false).probe(library).is_ok();
+        let (_, library, package) = BUILDS.iter().find(installed).unwrap_or(&BUILDS[0]);
+        return probe(library, package);
+    };
+    let build = BUILDS.iter().find(|(bits, ..)| *bits == wanted);
+    let (_, library, package) = build.unwrap_or_else(|| panic!("{INDEX_BITS} = {wanted:?} must be 32 or 64"));
+    probe(library, package)
+}
+
+/// Refuses a build of PETSc that lacks a solver.
+fn check_solvers(petsc: &pkg_config::Library) {
+    let settings = petsc.include_paths.iter().find_map(|path| fs::read_to_string(path.join("petscconf.h")).ok());
+    let settings = settings.expect("PETSc's headers say how it was built");
+    for solver in ["HYPRE", "MUMPS", "SUITESPARSE"] {
+        let built = settings.lines().any(|line| line.trim_end() == format!("#define PETSC_HAVE_{solver} 1"));
+        assert!(built, "this PETSc was built without {solver}; use Debian's, or configure it with --download-{}", solver.to_lowercase());
+    }
 }
 
 fn probe(library: &str, package: &str) -> pkg_config::Library {

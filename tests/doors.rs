@@ -14,6 +14,7 @@ use std::{
 };
 
 use common::{PROGRAM, folder, said, settle, turbid, write};
+use turbid::petsc::INDEX_BITS;
 
 /// Address space of a refusal in kilobytes: what MPI and PETSc take when they start, and 200 MB.
 const KILOBYTES: usize = 900_000;
@@ -56,6 +57,21 @@ fn refused() -> Vec<(&'static str, String, &'static str)> {
             "finer",
             EMPTY.replace("= 6", "= 1e30") + &bodies("count = 2"),
             "scene.toml:4: resolution.cells_per_radius = 1000000000000000000000000000000: asks for",
+        ),
+        (
+            "beyond-indices",
+            EMPTY.replace("= 6", "= 4000") + &bodies("count = 2"),
+            if INDEX_BITS == 32 {
+                "resolution.cells_per_radius = 4000: asks for 1.024e9 cells, more than 32-bit indices number; coarsen it, raise the radii, \
+                 shrink domain.size, or build with 64-bit indices (package libpetsc64-real-dev, TURBID_INDEX_BITS=64)"
+            } else {
+                "use 3 ranks or more"
+            },
+        ),
+        (
+            "beyond-a-rank",
+            EMPTY.replace("8.0, 8.0", "8.0, 8.0, 8.0").replace("= 6", "= 82.5") + &bodies("count = 2"),
+            "use 2 ranks or more",
         ),
         ("coarse", EMPTY.replace("cells_per_radius = 6", "spacing = 3.0"), "scene.toml:4: resolution.spacing = 3: leaves 3 cells along x"),
         ("thick", EMPTY.replace("6", "6\n[flow]\nviscosity = 1e307"), "scene.toml:6: flow.viscosity = 1e307: must be 0 or from 1e-60"),

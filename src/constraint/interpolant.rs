@@ -19,7 +19,7 @@ pub struct Run {
     /// Number of them.
     pub length: u32,
     /// First of them in fluid vectors.
-    pub unknown: u32,
+    pub unknown: usize,
     /// Once planned, its place.
     pub place: u32,
 }
@@ -52,7 +52,7 @@ impl<const D: usize> Interpolant<D> {
     /// Finds the places of the runs.
     pub fn plan(&mut self, places: &mut Places) {
         for run in self.boxes.iter_mut().flat_map(|nodes| &mut nodes.runs) {
-            run.place = places.of(run.unknown as usize, run.length as usize);
+            run.place = places.of(run.unknown, run.length as usize);
         }
     }
 

@@ -10,7 +10,7 @@ use crate::{
 /// Collects the entries that this rank asks for: its own keep their place in its part, others come behind it.
 pub struct Places {
     own: Range<usize>,
-    others: Vec<i32>,
+    others: Vec<usize>,
     /// Those that are to be asked for once, by the number of the first.
     shared: BTreeMap<usize, u32>,
 }
@@ -44,7 +44,7 @@ impl Places {
             return (first - self.own.start) as u32;
         }
         let place = self.own.len() + self.others.len();
-        self.others.extend((first..first + length).map(|entry| entry as i32));
+        self.others.extend(first..first + length);
         place as u32
     }
 
@@ -59,8 +59,8 @@ impl Places {
     }
 
     /// The places of single entries.
-    pub fn each(&mut self, unknowns: &[u32]) -> Vec<u32> {
-        unknowns.iter().map(|&unknown| self.of(unknown as usize, 1)).collect()
+    pub fn each(&mut self, unknowns: &[usize]) -> Vec<u32> {
+        unknowns.iter().map(|&unknown| self.of(unknown, 1)).collect()
     }
 
     /// What brings the entries of other ranks.

@@ -10,7 +10,7 @@ const TOGETHER: usize = 4;
 #[derive(Default)]
 pub struct Rows {
     /// Indices in fluid vectors.
-    pub unknowns: Vec<u32>,
+    pub unknowns: Vec<usize>,
     /// Once planned, their places.
     pub places: Vec<u32>,
     /// Values, multipliers running fastest.
@@ -19,7 +19,7 @@ pub struct Rows {
 
 impl Rows {
     /// Rows of the given unknowns.
-    pub fn new(unknowns: Vec<u32>, values: Vec<f64>) -> Rows {
+    pub fn new(unknowns: Vec<usize>, values: Vec<f64>) -> Rows {
         Rows { unknowns, places: Vec::new(), values }
     }
 

@@ -12,4 +12,4 @@ pub mod stencil;
 pub use partition::{Block, Partition, factorisations};
 pub use pencils::Pencils;
 pub use redistribution::{BlockLayout, Exchange, Redistribution};
-pub use staggered::{FEWEST_CELLS, Grid, Index, MOST_UNKNOWNS, Node};
+pub use staggered::{FEWEST_CELLS, Grid, Index, MOST_INDEX, MOST_UNKNOWNS, Node, WIDER_INDICES};

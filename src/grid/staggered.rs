@@ -6,6 +6,7 @@ use super::partition::{Block, Partition};
 use crate::{
     error::{Error, Result},
     geometry::Domain,
+    petsc::INDEX_BITS,
 };
 
 /// A lattice index before wrapping: it may lie outside the box along periodic axes.
@@ -14,8 +15,18 @@ pub type Index<const D: usize> = [isize; D];
 /// Fewest cells along an axis: cubic interpolation takes four nodes.
 pub const FEWEST_CELLS: usize = 4;
 
-/// Most unknowns, pressure included, that 32-bit indices number.
-pub const MOST_UNKNOWNS: f64 = 0.9 * i32::MAX as f64;
+/// Most unknowns, pressure included, that PETSc's indices number, with some left for those of bodies.
+pub const MOST_UNKNOWNS: f64 = 0.9 * MOST_INDEX;
+
+/// The last number of PETSc's indices.
+pub const MOST_INDEX: f64 = (u64::MAX >> (64 - INDEX_BITS + 1)) as f64;
+
+/// Most entries of a matrix on one rank: MPI and hypre count what a rank holds with 32 bits, whatever the width of PETSc's indices.
+const MOST_ENTRIES: f64 = 0.9 * i32::MAX as f64;
+
+/// What helps besides fewer unknowns where they are too many for PETSc's indices.
+pub const WIDER_INDICES: &str =
+    if INDEX_BITS < 64 { ", or build with 64-bit indices (package libpetsc64-real-dev, TURBID_INDEX_BITS=64)" } else { "" };
 
 /// Part of a displacement, in cells, that is rounding.
 const PART_OF_CELL: f64 = 1e-9;
@@ -55,12 +66,13 @@ impl<const D: usize> Grid<D> {
     /// The grid with cells as near to `spacing` as whole numbers of cells allow, cut into blocks for `ranks` ranks, seen from `rank`.
     ///
     /// # Errors
-    /// Fewer than four cells along an axis, more unknowns than 32-bit indices can number, a rank count that does not fit, or images
-    /// displaced by a part of a cell.
+    /// Fewer than four cells along an axis, more unknowns than PETSc's indices can number, more of them on a rank than it can count, a rank
+    /// count that does not fit, or images displaced by a part of a cell.
     pub fn new(domain: &Domain<D>, spacing: f64, ranks: usize, rank: usize) -> Result<Grid<D>> {
         let cells: [usize; D] = std::array::from_fn(|axis| (domain.size[axis] / spacing).round() as usize);
         check_size(cells, spacing)?;
         let partition = Partition::new(cells, ranks)?;
+        check_shares(&partition)?;
         let blocks: Vec<Vec<Block<D>>> =
             (0..ranks).map(|rank| (0..=D).map(|field| field_block(domain, partition.block(rank), field)).collect()).collect();
         let (field_starts, fluid_starts) = starts(&blocks);
@@ -239,9 +251,26 @@ fn check_size<const D: usize>(cells: [usize; D], spacing: f64) -> Result<()> {
     }
     let unknowns = cells.iter().map(|&cells| cells as f64).product::<f64>() * (D + 1) as f64;
     if unknowns > MOST_UNKNOWNS {
-        return Err(Error::refused(format!("a grid of {cells:?} cells has more unknowns than can be numbered; coarsen [resolution]")));
+        return Err(Error::refused(format!(
+            "a grid of {cells:?} cells has more unknowns than {INDEX_BITS}-bit indices number; coarsen [resolution]{WIDER_INDICES}"
+        )));
     }
     Ok(())
+}
+
+/// Refuses blocks whose matrices have more entries than a rank can count: those of the Laplacian have most.
+fn check_shares<const D: usize>(partition: &Partition<D>) -> Result<()> {
+    let ranks = partition.blocks();
+    let largest = (0..ranks).map(|rank| partition.block(rank).len()).max().unwrap_or(0);
+    let entries = (2 * D + 1) as f64 * largest as f64;
+    if entries <= MOST_ENTRIES {
+        return Ok(());
+    }
+    let enough = (ranks as f64 * entries / MOST_ENTRIES).ceil();
+    Err(Error::refused(format!(
+        "a block of {largest} cells on one rank has matrices of {entries:.3e} entries, more than 32 bits count; use {enough} ranks or more, or \
+         coarsen [resolution]"
+    )))
 }
 
 /// The cells of a displacement, which must be whole; whole turns of the box are left out.
@@ -278,4 +307,31 @@ fn starts<const D: usize>(blocks: &[Vec<Block<D>>]) -> (Vec<Vec<usize>>, Vec<Vec
         fluid_starts.push(starts);
     }
     (field_starts, fluid_starts)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::geometry::Axis;
+
+    #[test]
+    fn what_one_rank_cannot_count_two_can() {
+        let domain = Domain { size: SVector::from([660.0; 3]), axes: [Axis::Periodic; 3] };
+        let error = Grid::new(&domain, 1.0, 1, 0).unwrap_err().to_string();
+        assert!(error.contains("2.012e9 entries") && error.contains("use 2 ranks or more"), "{error}");
+        assert_eq!(Grid::new(&domain, 1.0, 2, 0).unwrap().unknowns(3), 660 * 660 * 660);
+    }
+
+    #[test]
+    fn unknowns_beyond_the_indices_of_this_build_are_refused() {
+        // with three fields, above what 32-bit indices number and below what 64-bit ones do
+        let domain = Domain { size: SVector::from([32_000.0; 2]), axes: [Axis::Periodic; 2] };
+        let grid = Grid::new(&domain, 1.0, 4, 0);
+        if INDEX_BITS == 64 {
+            return assert_eq!(grid.unwrap().fluid_unknowns(), 3 * 32_000 * 32_000);
+        }
+        let error = grid.unwrap_err().to_string();
+        assert!(error.contains("32-bit indices") && error.contains("TURBID_INDEX_BITS=64"), "{error}");
+    }
 }

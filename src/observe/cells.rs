@@ -26,7 +26,7 @@ impl<const D: usize> CellCenters<D> {
                 let lower = signed(cell);
                 places.push([lower, moved(lower, component, 1)].map(|face| match grid.fluid_node(component, face) {
                     Node::Unknown(unknown) => {
-                        wanted.push(unknown as i32);
+                        wanted.push(unknown);
                         Some(wanted.len() - 1)
                     }
                     Node::Wall(_) => None,

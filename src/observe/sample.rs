@@ -46,7 +46,7 @@ fn mine<'a, const D: usize>(
 struct Samples {
     /// What is known of each.
     values: Vec<f64>,
-    wanted: Vec<i32>,
+    wanted: Vec<usize>,
     /// Place and weight of each wanted entry.
     terms: Vec<(usize, f64)>,
 }
@@ -59,7 +59,7 @@ impl Samples {
     /// Adds an entry to a sample; on walls that carry no unknown the value is zero.
     fn add(&mut self, place: usize, node: Node, weight: f64) {
         if let Node::Unknown(unknown) = node {
-            self.wanted.push(unknown as i32);
+            self.wanted.push(unknown);
             self.terms.push((place, weight));
         }
     }

@@ -17,9 +17,18 @@ macro_rules! petsc {
 }
 pub(super) use petsc;
 
-/// PETSc's index type is 32-bit: sizes beyond it are refused where they arise, when the grid is made.
+/// Width of PETSc's indices, as the build found them.
+pub const INDEX_BITS: u32 = ffi::PetscInt::BITS;
+
+/// Lets PETSc find a size that follows from others.
+pub(super) const DETERMINE: ffi::PetscInt = ffi::PETSC_DETERMINE as ffi::PetscInt;
+
+/// Lets PETSc choose a number.
+pub(super) const DEFAULT: ffi::PetscInt = ffi::PETSC_DEFAULT as ffi::PetscInt;
+
+/// A size as PETSc's index, which is narrower in most builds: what is beyond it is refused before a grid is made.
 pub(super) fn index(size: usize) -> ffi::PetscInt {
-    ffi::PetscInt::try_from(size).expect("sizes are checked against 32-bit indices when the grid is made")
+    ffi::PetscInt::try_from(size).expect("sizes are checked against PETSc's indices before a grid is made")
 }
 
 thread_local! {

@@ -6,10 +6,10 @@ use super::{Matrix, RowBuilder, Vector, ffi, owned::Owned, petsc};
 use crate::error::{Error, Result};
 
 /// Per cent of extra work space that MUMPS sets aside: pivots that come late make fronts grow beyond its estimate.
-const SPARE_WORK_SPACE: i32 = 80;
+const SPARE_WORK_SPACE: ffi::PetscInt = 80;
 
 /// MUMPS's number for that parameter.
-const SPARE_WORK_SPACE_PARAMETER: i32 = 14;
+const SPARE_WORK_SPACE_PARAMETER: ffi::PetscInt = 14;
 
 /// Has MUMPS factor the matrix of a preconditioner, with room for pivots that come late.
 pub(super) fn factor_by_mumps(pc: ffi::PC) -> Result<()> {

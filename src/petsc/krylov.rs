@@ -8,7 +8,7 @@ use std::{
 };
 
 use super::{
-    Session, System, Vector,
+    DEFAULT, Session, System, Vector,
     call::guard,
     ffi, index,
     options::number,
@@ -204,7 +204,7 @@ impl Krylov {
         let [relative, absolute] = self.by_option;
         let absolute = if absolute { kept } else { rounding };
         let relative = if relative { kept } else { self.settings.tolerance };
-        petsc!(KSPSetTolerances(self.solver.raw(), relative, absolute, kept, ffi::PETSC_DEFAULT))
+        petsc!(KSPSetTolerances(self.solver.raw(), relative, absolute, kept, DEFAULT))
     }
 
     fn reason(&self) -> Result<ffi::KSPConvergedReason> {
@@ -289,7 +289,7 @@ fn true_residual(system: &mut dyn System, rhs: &Vector, x: &Vector, residual: &m
     residual.norm()
 }
 
-extern "C" fn monitor(_: ffi::KSP, iteration: i32, residual: f64, context: *mut c_void) -> ffi::PetscErrorCode {
+extern "C" fn monitor(_: ffi::KSP, iteration: ffi::PetscInt, residual: f64, context: *mut c_void) -> ffi::PetscErrorCode {
     guard(|| {
         let watch = unsafe { &*context.cast::<Cell<*mut c_void>>() }.get().cast::<Watch>();
         if let Some(watch) = unsafe { watch.as_mut() } {

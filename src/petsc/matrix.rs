@@ -2,7 +2,7 @@
 
 use std::ptr::{null, null_mut};
 
-use super::{Session, Vector, ffi, index, owned::Owned, petsc};
+use super::{DETERMINE, Session, Vector, ffi, index, owned::Owned, petsc};
 use crate::error::Result;
 
 /// A sparse matrix whose rows are spread over the ranks, or a nest of such matrices.
@@ -13,10 +13,10 @@ pub struct Matrix {
 /// Collects this rank's rows, in order, as (global column, value) entries; entries of equal column add up.
 #[derive(Default)]
 pub struct RowBuilder {
-    starts: Vec<i32>,
-    columns: Vec<i32>,
+    starts: Vec<ffi::PetscInt>,
+    columns: Vec<ffi::PetscInt>,
     values: Vec<f64>,
-    row: Vec<(i32, f64)>,
+    row: Vec<(ffi::PetscInt, f64)>,
 }
 
 impl RowBuilder {
@@ -54,8 +54,7 @@ impl Matrix {
         let mut raw = null_mut();
         petsc!(MatCreate(session.communicator(), &mut raw))?;
         let matrix = Matrix { owned: Owned::new(session, raw) };
-        let any = ffi::PETSC_DETERMINE;
-        petsc!(MatSetSizes(raw, local_rows, index(local_columns), any, any))?;
+        petsc!(MatSetSizes(raw, local_rows, index(local_columns), DETERMINE, DETERMINE))?;
         petsc!(MatSetType(raw, c"aij".as_ptr()))?;
         let (starts, columns, values) = (rows.starts.as_ptr(), rows.columns.as_ptr(), rows.values.as_ptr());
         petsc!(MatSeqAIJSetPreallocationCSR(raw, starts, columns, values))?;

@@ -13,9 +13,10 @@ pub struct Scatter {
 
 impl Scatter {
     /// Plans the exchange of the entries `wanted` (global indices, any rank's) of vectors shaped like `vector`.
-    pub fn new(vector: &Vector, wanted: &[i32]) -> Result<Scatter> {
+    pub fn new(vector: &Vector, wanted: &[usize]) -> Result<Scatter> {
         let session = vector.session();
         let place = Vector::new_local(session, wanted.len())?;
+        let wanted: Vec<ffi::PetscInt> = wanted.iter().map(|&entry| index(entry)).collect();
         let mut set = null_mut();
         let copy = ffi::PetscCopyMode_PETSC_COPY_VALUES;
         petsc!(ISCreateGeneral(session.communicator(), index(wanted.len()), wanted.as_ptr(), copy, &mut set))?;

@@ -2,7 +2,7 @@
 
 use std::{ffi::c_void, ptr::null_mut};
 
-use super::{Session, Vector, call::guard, ffi, owned::Owned, petsc};
+use super::{DETERMINE, Session, Vector, call::guard, ffi, owned::Owned, petsc};
 use crate::error::Result;
 
 /// A linear system as a Krylov solver sees it.
@@ -34,10 +34,9 @@ impl Context<'_> {
 }
 
 /// A shell matrix of `local` rows and columns on this rank, for operators given at each solve.
-pub(super) fn shell_matrix(session: &Session, local: i32) -> Result<Owned<ffi::Mat>> {
+pub(super) fn shell_matrix(session: &Session, local: ffi::PetscInt) -> Result<Owned<ffi::Mat>> {
     let mut raw = null_mut();
-    let all = ffi::PETSC_DETERMINE;
-    petsc!(MatCreateShell(session.communicator(), local, local, all, all, null_mut(), &mut raw))?;
+    petsc!(MatCreateShell(session.communicator(), local, local, DETERMINE, DETERMINE, null_mut(), &mut raw))?;
     let owned = Owned::new(session, raw);
     type Erased = unsafe extern "C" fn();
     let multiply: extern "C" fn(ffi::Mat, ffi::Vec, ffi::Vec) -> ffi::PetscErrorCode = apply_matrix;

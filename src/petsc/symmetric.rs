@@ -2,7 +2,9 @@
 
 use std::ptr::null_mut;
 
-use super::{Matrix, RowBuilder, Session, Vector, direct::factor_by_mumps, ffi, options::insert_unless_given, owned::Owned, petsc};
+use super::{
+    DEFAULT, Matrix, RowBuilder, Session, Vector, direct::factor_by_mumps, ffi, options::insert_unless_given, owned::Owned, petsc,
+};
 use crate::error::{Error, Result};
 
 /// How a symmetric matrix is solved with.
@@ -43,7 +45,7 @@ impl Symmetric {
         if way == SymmetricSolver::Iterated {
             let kept = f64::from(ffi::PETSC_DEFAULT);
             petsc!(KSPSetType(raw, c"cg".as_ptr()))?;
-            petsc!(KSPSetTolerances(raw, LOOSE, kept, kept, ffi::PETSC_DEFAULT))?;
+            petsc!(KSPSetTolerances(raw, LOOSE, kept, kept, DEFAULT))?;
             petsc!(PCSetType(pc, c"bjacobi".as_ptr()))?;
             insert_unless_given("-network_sub_pc_type", "icc")?;
         } else {

@@ -5,7 +5,7 @@ use std::{
     ptr::null_mut,
 };
 
-use super::{Session, ffi, index, owned::Owned, petsc};
+use super::{DETERMINE, Session, ffi, index, owned::Owned, petsc};
 use crate::error::Result;
 
 /// A vector whose entries are spread over the ranks, each with a contiguous part.
@@ -17,7 +17,7 @@ impl Vector {
     /// A vector of zeros with `local` entries on this rank.
     pub fn new(session: &Session, local: usize) -> Result<Vector> {
         let mut raw = null_mut();
-        petsc!(VecCreateMPI(session.communicator(), index(local), ffi::PETSC_DETERMINE, &mut raw))?;
+        petsc!(VecCreateMPI(session.communicator(), index(local), DETERMINE, &mut raw))?;
         let vector = Vector { owned: Owned::new(session, raw) };
         petsc!(VecSet(raw, 0.0))?;
         Ok(vector)
@@ -116,7 +116,7 @@ impl Vector {
         let (mut sum, mut size) = (0.0, 0);
         petsc!(VecGetSize(self.raw(), &mut size))?;
         petsc!(VecSum(self.raw(), &mut sum))?;
-        Ok(sum / f64::from(size.max(1)))
+        Ok(sum / size.max(1) as f64)
     }
 
     /// Subtracts the mean from every entry.

@@ -14,7 +14,7 @@ use crate::{
 /// [`Error::Refused`], also for what cannot be placed.
 pub fn check_memory(world: &World, scene: &Scene) -> Result<()> {
     let free = world.available_memory_bytes();
-    let bytes = world.agree(bytes(scene))?;
+    let bytes = world.agree(bytes(scene, world.size()))?;
     if bytes <= free { Ok(()) } else { Err(refusal(scene, bytes, free)) }
 }
 
@@ -23,14 +23,14 @@ pub fn check_memory(world: &World, scene: &Scene) -> Result<()> {
 /// # Errors
 /// As [`check_memory`].
 pub fn check_memory_of_plan(world: &World, scene: &Scene) -> Result<()> {
-    let bytes = world.agree(bytes(scene))?;
+    let bytes = world.agree(bytes(scene, world.size()))?;
     if bytes.is_infinite() || scene.method.constraint == ConstraintMethod::Fitted { check_memory(world, scene) } else { Ok(()) }
 }
 
-/// About as many bytes as a scene takes.
-fn bytes(scene: &Scene) -> Result<f64> {
+/// About as many bytes as a scene takes on all of so many ranks together.
+fn bytes(scene: &Scene, ranks: usize) -> Result<f64> {
     let resolved = if scene.accuracy.is_some() { coarsest(scene) } else { scene.clone() };
-    if scene.dimension() == 2 { demand::<2>(&resolved) } else { demand::<3>(&resolved) }
+    if scene.dimension() == 2 { demand::<2>(&resolved, ranks) } else { demand::<3>(&resolved, ranks) }
 }
 
 fn refusal(scene: &Scene, bytes: f64, free: f64) -> Error {

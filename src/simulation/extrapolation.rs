@@ -116,7 +116,7 @@ impl<const D: usize> ExtrapolationHistory<D> {
     ) -> Result<()> {
         let points: Vec<(usize, SVector<f64, D>, FreshlyCleared<D>)> =
             bodies.layout.local_bodies.iter().flat_map(|&body| self.freshly_cleared(bodies, body, &centers[body])).collect();
-        let places: Vec<i32> = points.iter().map(|(_, _, point)| point.place).collect();
+        let places: Vec<usize> = points.iter().map(|(_, _, point)| point.place).collect();
         let mut scatter = Scatter::new(last, &places)?;
         let of_last: Vec<f64> =
             points.iter().map(|(body, shift, point)| point.side * self.last.jump(bodies, *body, shift, point)).collect();

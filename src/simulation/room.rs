@@ -5,9 +5,10 @@ use nalgebra::SVector;
 use crate::{
     error::{Error, Result},
     geometry::{Ball, Domain},
-    grid::{FEWEST_CELLS, MOST_UNKNOWNS},
+    grid::{FEWEST_CELLS, MOST_INDEX, MOST_UNKNOWNS, WIDER_INDICES},
     parallel::free_memory_bytes,
-    scene::{Placement, Scene, Spacing},
+    petsc::INDEX_BITS,
+    scene::{Placement, ResolutionSection, Scene, Spacing},
 };
 
 /// Bytes that placing a body takes.
@@ -91,9 +92,10 @@ fn check_filling<const D: usize>(scene: &Scene, domain: &Domain<D>, given: &[(us
 /// Refuses a grid with too few cells along an axis, or with more unknowns than can be numbered.
 fn check_grid<const D: usize>(scene: &Scene, domain: &Domain<D>, smallest: f64) -> Result<()> {
     let Some(resolution) = &scene.resolution else { return Ok(()) };
-    let (key, value, spacing) = match resolution.spacing {
-        Spacing::Length(spacing) => ("resolution.spacing", spacing, spacing),
-        Spacing::CellsPerRadius(cells) => ("resolution.cells_per_radius", cells, smallest / cells),
+    let (key, value) = key(resolution);
+    let spacing = match resolution.spacing {
+        Spacing::Length(spacing) => spacing,
+        Spacing::CellsPerRadius(cells) => smallest / cells,
     };
     let cells: [f64; D] = std::array::from_fn(|axis| (domain.size[axis] / spacing).round());
     if let Some(axis) = (0..D).find(|&axis| cells[axis] < FEWEST_CELLS as f64) {
@@ -106,10 +108,37 @@ fn check_grid<const D: usize>(scene: &Scene, domain: &Domain<D>, smallest: f64) 
     }
     let all: f64 = cells.iter().product();
     if all * (D + 1) as f64 > MOST_UNKNOWNS {
-        let remedy = format!("asks for {all:.3e} cells, more than can be numbered; coarsen it, raise the radii or shrink domain.size");
-        return Err(scene.refuse(key, value, &remedy));
+        return Err(refuse_grid(scene, resolution, &format!("{all:.3e} cells")));
     }
     Ok(())
+}
+
+/// Refuses a grid and bodies that together have more unknowns than can be numbered.
+///
+/// # Errors
+/// [`Error::Refused`], naming the key.
+pub fn check_unknowns(scene: &Scene, unknowns: f64) -> Result<()> {
+    match &scene.resolution {
+        Some(resolution) if unknowns > MOST_INDEX => Err(refuse_grid(scene, resolution, &format!("{unknowns:.3e} unknowns"))),
+        _ => Ok(()),
+    }
+}
+
+/// The refusal of a resolution that asks for more than can be numbered.
+fn refuse_grid(scene: &Scene, resolution: &ResolutionSection, asked: &str) -> Error {
+    let (key, value) = key(resolution);
+    let remedy = format!(
+        "asks for {asked}, more than {INDEX_BITS}-bit indices number; coarsen it, raise the radii, shrink domain.size{WIDER_INDICES}"
+    );
+    scene.refuse(key, value, &remedy)
+}
+
+/// The key of a resolution, and its value.
+fn key(resolution: &ResolutionSection) -> (&'static str, f64) {
+    match resolution.spacing {
+        Spacing::Length(spacing) => ("resolution.spacing", spacing),
+        Spacing::CellsPerRadius(cells) => ("resolution.cells_per_radius", cells),
+    }
 }
 
 /// The place of the largest number.

@@ -130,7 +130,7 @@ fn interpolation_takes_values_of_any_rank(session: &Session) {
                 interpolation::velocity(&grid, component, point, |term| match value_or_number(&grid, term.site) {
                     Ok(value) => sum += term.weight * value,
                     Err(number) => {
-                        wanted.push(number as i32);
+                        wanted.push(number);
                         weights.push((known.len(), term.weight));
                     }
                 });

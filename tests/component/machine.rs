@@ -170,10 +170,10 @@ fn a_scatter_fetches_entries_of_any_rank_in_the_order_asked_for(session: &Sessio
     let vector = filled(session, 12, |index| 100.0 + index as f64);
     let wanted = wanted(session);
     let mut scatter = Scatter::new(&vector, &wanted).unwrap();
-    let expected: Vec<f64> = wanted.iter().map(|&index| 100.0 + f64::from(index)).collect();
+    let expected: Vec<f64> = wanted.iter().map(|&index| 100.0 + index as f64).collect();
     assert_eq!(*scatter.fetch(&vector).unwrap(), expected);
     let squares = filled(session, 12, |index| (index * index) as f64);
-    let expected: Vec<f64> = wanted.iter().map(|&index| f64::from(index * index)).collect();
+    let expected: Vec<f64> = wanted.iter().map(|&index| (index * index) as f64).collect();
     assert_eq!(*scatter.fetch(&squares).unwrap(), expected);
 }
 
@@ -185,7 +185,7 @@ fn places_added_back_add_up(session: &Session) {
     scatter.places().unwrap().fill(1.0);
     scatter.add_back(&mut vector).unwrap();
     let asked = session.world().gather(&wanted(session));
-    let times = |index: i32| asked.iter().filter(|&&other| other == index).count() as f64;
+    let times = |index: usize| asked.iter().filter(|&&other| other == index).count() as f64;
     assert_eq!(entries(&vector), (0..12).map(|index| 0.5 + times(index)).collect::<Vec<_>>());
 }
 
@@ -199,11 +199,11 @@ fn a_petsc_error_names_the_call_and_says_why(session: &Session) {
 }
 
 /// Entries of all parts of a vector of 12, repeated, in no order.
-fn wanted(session: &Session) -> Vec<i32> {
+fn wanted(session: &Session) -> Vec<usize> {
     match place(session).0 {
         0 => vec![11, 0, 5, 11, 6],
         1 => vec![],
-        rank => vec![rank as i32, 0, 0],
+        rank => vec![rank, 0, 0],
     }
 }
 

@@ -200,7 +200,7 @@ fn door(text: &str) -> (&'static str, Result<()>) {
 }
 
 fn plan<const D: usize>(scene: &Scene) -> Result<bool> {
-    if scene.accuracy.is_some() || demand::<D>(scene).is_ok_and(|bytes| bytes > LARGE) {
+    if scene.accuracy.is_some() || demand::<D>(scene, 1).is_ok_and(|bytes| bytes > LARGE) {
         return Ok(false);
     }
     Plan::<D>::of(scene)?.report(1).map(|_| true)
@@ -245,7 +245,7 @@ fn no_mutated_scene_ends_well_with_numbers_that_are_none() {
         let text = input(*seed);
         let scene = Scene::parse("mutant", Path::new("folder"), &text, &[]).ok();
         let small =
-            |scene: &Scene| (if scene.dimension() == 2 { demand::<2>(scene) } else { demand::<3>(scene) }).is_ok_and(|bytes| bytes < LARGE);
+            |scene: &Scene| (if scene.dimension() == 2 { demand::<2>(scene, 1) } else { demand::<3>(scene, 1) }).is_ok_and(|bytes| bytes < LARGE);
         scene.is_some_and(|scene| scene.time.is_none() && scene.accuracy.is_none() && small(&scene))
     };
     for seed in (2 * INPUTS..).filter(instant).take(RUN as usize) {

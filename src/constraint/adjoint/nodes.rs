@@ -16,7 +16,7 @@ use crate::{
 /// The values that the rows of a body take.
 pub struct AdjointNodes<const D: usize> {
     /// Indices in vectors.
-    unknowns: Vec<u32>,
+    unknowns: Vec<usize>,
     /// Once planned, their places when values are taken, and when they are added to.
     places: [Vec<u32>; 2],
     /// Their components.
@@ -30,7 +30,7 @@ pub struct Collector<'a, const D: usize> {
     grid: &'a Grid<D>,
     unknowns: Unknowns,
     center: SVector<f64, D>,
-    known: HashMap<u32, u32>,
+    known: HashMap<usize, u32>,
     /// What is collected.
     pub nodes: AdjointNodes<D>,
 }
@@ -46,8 +46,8 @@ impl<'a, const D: usize> Collector<'a, D> {
     pub fn node(&mut self, component: usize, index: Index<D>) -> Option<u32> {
         let (unknown, lattice) = (self.unknowns.at(self.grid, component, index)?, self.unknowns.lattice::<D>(component));
         let nodes = &mut self.nodes;
-        Some(*self.known.entry(unknown as u32).or_insert_with(|| {
-            nodes.unknowns.push(unknown as u32);
+        Some(*self.known.entry(unknown).or_insert_with(|| {
+            nodes.unknowns.push(unknown);
             nodes.components.push(component as u8);
             nodes.offsets.push(self.grid.position(lattice, index) - self.center);
             nodes.unknowns.len() as u32 - 1
@@ -70,7 +70,7 @@ impl<const D: usize> AdjointNodes<D> {
     }
 
     /// Their indices in vectors.
-    pub fn unknowns(&self) -> &[u32] {
+    pub fn unknowns(&self) -> &[usize] {
         &self.unknowns
     }
 

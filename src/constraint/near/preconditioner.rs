@@ -187,7 +187,7 @@ fn near_and_mine<'a, const D: usize>(crowd: &'a Neighbourhood<D>, layout: &Multi
 }
 
 /// The multipliers to fetch for these pairs, and where each body's stand: this rank's first, then the fetched.
-fn places<const D: usize>(crowd: &Neighbourhood<D>, layout: &MultiplierLayout, near: &[&Pair<D>]) -> (Vec<i32>, Vec<usize>) {
+fn places<const D: usize>(crowd: &Neighbourhood<D>, layout: &MultiplierLayout, near: &[&Pair<D>]) -> (Vec<usize>, Vec<usize>) {
     let mut places = vec![usize::MAX; crowd.balls.len()];
     layout.local_bodies.iter().for_each(|&body| places[body] = layout.local(body));
     let mut fetched = Vec::new();
@@ -195,7 +195,7 @@ fn places<const D: usize>(crowd: &Neighbourhood<D>, layout: &MultiplierLayout, n
         if places[body] == usize::MAX {
             places[body] = layout.local_unknowns() + fetched.len();
             let first = layout.global(body);
-            fetched.extend((first..first + mode_count(D, crowd.orders[body])).map(|unknown| unknown as i32));
+            fetched.extend(first..first + mode_count(D, crowd.orders[body]));
         }
     }
     (fetched, places)

@@ -21,7 +21,7 @@ use crate::{
 /// Sources in cells.
 struct Cells<const D: usize> {
     /// The cells, as unknowns.
-    unknowns: Vec<u32>,
+    unknowns: Vec<usize>,
     /// Their centres, from that of the inclusion.
     offsets: Vec<SVector<f64, D>>,
     volume: f64,

@@ -20,7 +20,7 @@ pub struct Link {
 /// Cells that belong to an inclusion, with the links between them.
 pub struct LinkedCells<const D: usize> {
     /// Their unknowns.
-    pub unknowns: Vec<u32>,
+    pub unknowns: Vec<usize>,
     /// Their centres, from that of the inclusion.
     pub offsets: Vec<SVector<f64, D>>,
     /// Links, with the weights of the Laplacian.
@@ -60,7 +60,7 @@ impl<const D: usize> LinkedCells<D> {
 
     fn add(&mut self, grid: &Grid<D>, ball: &Ball<D>, index: Index<D>) -> usize {
         let Node::Unknown(unknown) = grid.node(D, index) else { unreachable!("every cell has an unknown") };
-        self.unknowns.push(unknown as u32);
+        self.unknowns.push(unknown);
         self.offsets.push(grid.position(D, index) - ball.center);
         self.unknowns.len() - 1
     }
@@ -71,11 +71,11 @@ fn middle<const D: usize>(grid: &Grid<D>, [one, two]: [Index<D>; 2]) -> SVector<
 }
 
 /// Cells of which a ball fills a part, with minus that part: what confines a unit source to the outside.
-pub fn filled_parts<const D: usize>(grid: &Grid<D>, ball: &Ball<D>) -> (Vec<u32>, Vec<f64>) {
+pub fn filled_parts<const D: usize>(grid: &Grid<D>, ball: &Ball<D>) -> (Vec<usize>, Vec<f64>) {
     let indices = IndexBox::around(grid, D, &ball.center, ball.radius + grid.spacing().max());
     let cells = indices.indices().filter(|&index| dirichlet::within(grid, index));
     let part = |index: Index<D>| match grid.node(D, index) {
-        Node::Unknown(unknown) => Some((unknown as u32, -fraction(ball, &grid.position(D, index), &grid.spacing()))),
+        Node::Unknown(unknown) => Some((unknown, -fraction(ball, &grid.position(D, index), &grid.spacing()))),
         Node::Wall(_) => None,
     };
     cells.filter_map(part).filter(|(_, part)| *part < 0.0).unzip()

@@ -41,9 +41,9 @@ impl<const D: usize> Method<D, InclusionBlocks<D>> for MeanValue {
 }
 
 /// Minus the parts of cells in the inclusion, and nothing for the other cells to which its multipliers are spread.
-fn source<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, spread: &[u32]) -> Rows {
+fn source<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, spread: &[usize]) -> Rows {
     let (mut unknowns, mut parts) = filled_parts(grid, &placed.ball());
-    let inside: BTreeSet<u32> = unknowns.iter().copied().collect();
+    let inside: BTreeSet<usize> = unknowns.iter().copied().collect();
     unknowns.extend(spread.iter().filter(|unknown| !inside.contains(unknown)));
     parts.resize(unknowns.len(), 0.0);
     Rows::new(unknowns, parts)

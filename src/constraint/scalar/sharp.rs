@@ -65,7 +65,7 @@ fn split_source<const D: usize>(body: &mut SharpBody<D>) -> (Vec<f64>, Vec<f64>)
 }
 
 /// What a unit source outside differs from one everywhere, with the corrections of the rows that reach across the surface.
-fn source<const D: usize>(grid: &Grid<D>, nodes: &JumpNodes<D>, (corrected, values): (&[u32], &[f64])) -> Rows {
+fn source<const D: usize>(grid: &Grid<D>, nodes: &JumpNodes<D>, (corrected, values): (&[usize], &[f64])) -> Rows {
     let (mut unknowns, mut parts) = (Vec::new(), Vec::new());
     let mut across = corrected.iter().zip(values).peekable();
     each_unknown(grid, nodes, |place, unknown| {
@@ -97,7 +97,7 @@ fn missing_source<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, nodes: &Ju
     moments
 }
 
-fn each_unknown<const D: usize>(grid: &Grid<D>, nodes: &JumpNodes<D>, mut visit: impl FnMut(usize, u32)) {
+fn each_unknown<const D: usize>(grid: &Grid<D>, nodes: &JumpNodes<D>, mut visit: impl FnMut(usize, usize)) {
     let all = |row| row;
-    nodes.runs(grid, all, |first, length, unknown| (0..length).for_each(|along| visit(first + along, (unknown + along) as u32)));
+    nodes.runs(grid, all, |first, length, unknown| (0..length).for_each(|along| visit(first + along, unknown + along)));
 }

@@ -14,7 +14,7 @@ const CORE: f64 = 0.5;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreshlyCleared<const D: usize> {
     /// Its place in fluid vectors.
-    pub place: i32,
+    pub place: usize,
     /// The field: a component of the velocity, or `D` for the pressure.
     pub field: usize,
     /// Where it is, not wrapped into the box.
@@ -33,7 +33,7 @@ pub fn freshly_cleared<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, cente
             let position = grid.position(field, index);
             let (before, after) = (placed.outside(&position), moved.outside(&position));
             if let (true, Node::Unknown(place)) = (before != after, grid.fluid_node(field, index)) {
-                found.push(FreshlyCleared { place: place as i32, field, position, side: if after { 1.0 } else { -1.0 } });
+                found.push(FreshlyCleared { place, field, position, side: if after { 1.0 } else { -1.0 } });
             }
         }
     }

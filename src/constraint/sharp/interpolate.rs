@@ -184,7 +184,7 @@ fn runs<const D: usize>(grid: &Grid<D>, nodes: &JumpNodes<D>, met: &[bool]) -> V
     };
     let mut runs = Vec::new();
     nodes.runs(grid, narrowed, |start, length, unknown| {
-        runs.push(Run { start: start as u32, length: length as u32, unknown: unknown as u32, place: 0 });
+        runs.push(Run { start: start as u32, length: length as u32, unknown, place: 0 });
     });
     runs
 }

@@ -33,7 +33,7 @@ pub struct Spreading<'a, const D: usize> {
     placed: &'a Placed<D>,
     nodes: &'a [JumpNodes<D>],
     /// Unknown of each row.
-    unknowns: Vec<u32>,
+    unknowns: Vec<usize>,
     rows: Corrections<D>,
     /// What passes to points of walls.
     walls: Corrections<D>,
@@ -82,7 +82,7 @@ impl<'a, const D: usize> Spreading<'a, D> {
                 for along in (0..length).filter(|along| near.contains(&nodes.squares[first + along])) {
                     self.find_row(field, first + along, jumps);
                     if self.rows.end_row(|| nodes.position(first + along) - self.placed.center) {
-                        self.unknowns.push((unknown + along) as u32);
+                        self.unknowns.push(unknown + along);
                     }
                 }
             },

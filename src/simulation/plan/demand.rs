@@ -14,6 +14,7 @@ use crate::{
         Setup, SuspendedBody,
         placement::{self, Asked},
         resolve::suspended,
+        room,
     },
 };
 
@@ -23,8 +24,8 @@ const MOST_ALONG: f64 = 1e7;
 /// About as many bytes as a scene takes on all ranks together; infinite where already its grid has too many layers to be planned.
 ///
 /// # Errors
-/// What the scene asks for cannot be: bodies overlap or do not fit, or the grid does not.
-pub fn demand<const D: usize>(scene: &Scene) -> Result<f64> {
+/// What the scene asks for cannot be: bodies overlap or do not fit, the grid does not, or unknowns cannot be numbered.
+pub fn demand<const D: usize>(scene: &Scene, ranks: usize) -> Result<f64> {
     let stream = |group: &BodyGroup| matches!(&group.placement, Placement::File(path) if !path.is_file());
     if scene.bodies.iter().any(stream) {
         // what is no file can be read but once
@@ -50,15 +51,22 @@ pub fn demand<const D: usize>(scene: &Scene) -> Result<f64> {
     if scene.method.constraint == ConstraintMethod::Fitted {
         return Ok(fitted::bytes_of_cells(cells));
     }
-    let grid = Grid::new(&domain, spacing, 1, 0)?;
-    Ok(if scene.scalar() { scalar_bytes(&grid, 0) } else { of_flow(scene, &domain, &grid, spacing, &numbers) })
+    let grid = Grid::new(&domain, spacing, ranks, 0)?;
+    if scene.scalar() {
+        return Ok(scalar_bytes(&grid, 0));
+    }
+    let [bytes, unknowns] = of_flow(scene, &domain, &grid, spacing, &numbers);
+    room::check_unknowns(scene, unknowns)?;
+    Ok(bytes)
 }
 
-/// Of the grid, and of as many bodies as each group has beside one like its first.
-fn of_flow<const D: usize>(scene: &Scene, domain: &Domain<D>, grid: &Grid<D>, spacing: f64, numbers: &[f64]) -> f64 {
+/// Bytes and unknowns: of the grid, and of as many bodies as each group has beside one like its first.
+fn of_flow<const D: usize>(scene: &Scene, domain: &Domain<D>, grid: &Grid<D>, spacing: f64, numbers: &[f64]) -> [f64; 2] {
     let with = |bodies: Vec<SuspendedBody<D>>| {
         let setup = Setup::with_bodies(scene, domain.clone(), spacing, bodies);
-        bytes(&setup, grid, &multiplier_counts(&setup, grid), scene.time.is_some())
+        let counts = multiplier_counts(&setup, grid);
+        let unknowns = (grid.fluid_unknowns() + counts.iter().sum::<usize>()) as f64;
+        [bytes(&setup, grid, &counts, scene.time.is_some()), unknowns]
     };
     let empty = with(Vec::new());
     let mut all = empty;
@@ -66,7 +74,8 @@ fn of_flow<const D: usize>(scene: &Scene, domain: &Domain<D>, grid: &Grid<D>, sp
         let ball = Ball { center: domain.size / 2.0, radius: group.radius };
         // one that the grid is too coarse for is refused where the bodies are placed
         let Ok(one) = suspended(scene, Body { ball, motion: Motion::Prescribed(Twist::zero()) }, false, spacing) else { continue };
-        all += count * (with(vec![one]) - empty);
+        let one = with(vec![one]);
+        (0..2).for_each(|part| all[part] += count * (one[part] - empty[part]));
     }
     all
 }
