@@ -6,6 +6,8 @@ use mpi::{
     collective::SystemOperation,
     datatype::{Equivalence, Partition, PartitionMut},
     ffi::MPI_Comm,
+    point_to_point::{Destination, Source},
+    request,
     topology::SimpleCommunicator,
     traits::{AsRaw, Communicator, CommunicatorCollectives, Root},
 };
@@ -20,8 +22,16 @@ const DIVERGED: i32 = -2;
 /// All ranks of this run.
 pub struct World {
     communicator: SimpleCommunicator,
-    /// Told of the bytes that this rank contributes to a collective.
-    log: fn(usize),
+    log: TrafficLog,
+}
+
+/// What is told of the traffic of this rank.
+#[derive(Clone, Copy)]
+pub(crate) struct TrafficLog {
+    /// The bytes that it contributes to a collective.
+    pub collective: fn(usize),
+    /// Number and bytes of the messages that it sends to single ranks.
+    pub messages: fn(usize, usize),
 }
 
 /// The ranks that share something out among them: all of a run, or this process alone, which needs no MPI.
@@ -53,7 +63,7 @@ impl Shares {
 }
 
 impl World {
-    pub(crate) fn new(communicator: SimpleCommunicator, log: fn(usize)) -> World {
+    pub(crate) fn new(communicator: SimpleCommunicator, log: TrafficLog) -> World {
         World { communicator, log }
     }
 
@@ -90,7 +100,7 @@ impl World {
     /// Logs a collective to which this rank contributes values.
     fn count<T>(&self, values: &[T]) {
         if self.size() > 1 {
-            (self.log)(size_of_val(values));
+            (self.log.collective)(size_of_val(values));
         }
     }
 
@@ -131,6 +141,21 @@ impl World {
         let mut received = vec![T::default(); shares.total()];
         self.exchange(sent, &Shares::new(counts), &mut received, &shares);
         (received, shares.counts.iter().map(|&count| count as usize).collect())
+    }
+
+    /// Sends to some ranks a part each, and receives a part from each of some; nothing to or from itself.
+    pub fn transfer<T: Equivalence>(&self, sent: &[(usize, &[T])], received: Vec<(usize, &mut [T])>) {
+        (self.log.messages)(sent.len(), sent.iter().map(|(_, part)| size_of_val(*part)).sum());
+        let process = |rank: usize| self.communicator.process_at_rank(rank as i32);
+        request::multiple_scope(sent.len() + received.len(), |scope, requests| {
+            for (rank, part) in received {
+                requests.add(process(rank).immediate_receive_into(scope, part));
+            }
+            for &(rank, part) in sent {
+                requests.add(process(rank).immediate_send(scope, part));
+            }
+            requests.wait_all(&mut Vec::new());
+        });
     }
 
     /// The text of rank `root`, on every rank.

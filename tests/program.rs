@@ -189,7 +189,7 @@ fn bad_scenes() -> Vec<(&'static str, String, &'static str, &'static [usize])> {
             all,
         ),
         ("missing_centers", with("[[bodies]]\nradius = 1.0\nfile = \"absent.csv\""), "scene.toml:7: bodies[0].file = ", all),
-        ("ranks", "[domain]\nsize = [1.0, 1.0]\n[resolution]\nspacing = 0.25\n".into(), "3 ranks do not fit", &[3]),
+        ("ranks", "[domain]\nsize = [1.0, 1.0]\n[resolution]\nspacing = 0.25\n".into(), "5 ranks do not fit", &[5]),
     ]
 }
 

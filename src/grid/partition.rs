@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use crate::error::{Error, Result};
 
-/// Fewest cells along an axis of a block, so that a stencil reaches no further than the next block.
-const FEWEST_CELLS: usize = 2;
+/// Fewest cells along an axis of a block.
+const FEWEST_CELLS: usize = 1;
 
 /// A half-open box of lattice indices.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,7 +89,7 @@ impl<const D: usize> Partition<D> {
     /// Cuts `cells` into `ranks` blocks with the least surface.
     ///
     /// # Errors
-    /// No way of cutting leaves at least two cells along every axis of every block.
+    /// No way of cutting leaves a cell to every block.
     pub fn new(cells: [usize; D], ranks: usize) -> Result<Partition<D>> {
         let best = factorisations::<D>(ranks)
             .into_iter()
@@ -97,8 +97,8 @@ impl<const D: usize> Partition<D> {
             .min_by(|a, b| surface(cells, *a).total_cmp(&surface(cells, *b)));
         let ranks = best.ok_or_else(|| {
             Error::refused(format!(
-                "{ranks} ranks do not fit a grid of {cells:?} cells: every rank needs at least {FEWEST_CELLS} cells along each axis; \
-                 use fewer ranks or more cells"
+                "{ranks} ranks do not fit a grid of {cells:?} cells: they cannot be cut into so many blocks; use \
+                 fewer ranks, a number of them with small factors, or more cells"
             ))
         })?;
         // the last part whose start part * cells / parts is not beyond the cell

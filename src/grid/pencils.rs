@@ -8,6 +8,9 @@ use super::{
     redistribution::BlockLayout,
 };
 
+/// Indices that take as long to send as a message to start: some microseconds at some gigabytes a second, for four fields.
+const MESSAGE: usize = 256;
+
 /// The stages of a transform along all axes: stage `i` has axis `order[i]` whole.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pencils<const D: usize> {
@@ -50,12 +53,13 @@ impl<const D: usize> Pencils<D> {
         block
     }
 
-    /// Work and traffic grow with the largest share of a rank, traffic with the number of moves too.
+    /// Work and traffic grow with the largest share of a rank, traffic with the number of moves and of messages too.
     fn cost(&self, start: &BlockLayout<D>, cells: [usize; D]) -> usize {
         let mut layouts = vec![start.clone()];
         layouts.extend(self.layouts(cells));
-        let moves = layouts.windows(2).filter(|pair| pair[0] != pair[1]).count();
-        layouts.iter().map(BlockLayout::largest).max().unwrap_or(0) * (1 + moves)
+        let moves = layouts.windows(2).filter(|pair| pair[0] != pair[1]);
+        let (moves, messages) = moves.fold((0, 0), |(moves, messages), pair| (moves + 1, messages + pair[0].sent_to(&pair[1]).0));
+        layouts.iter().map(BlockLayout::largest).max().unwrap_or(0) * (1 + moves) + MESSAGE * messages
     }
 }
 
@@ -104,7 +108,18 @@ mod tests {
             let start = start([20, 20, 20], 2);
             Pencils::new(&start, [20; 3], Some(1)).cost(&start, [20; 3])
         }];
-        assert_eq!((square, cube), (2 * 800, 2 * 4000));
+        assert_eq!((square, cube), (2 * 800 + MESSAGE, 2 * 4000 + MESSAGE));
+    }
+
+    #[test]
+    fn many_ranks_with_thin_slabs_send_less_messages_in_a_mesh() {
+        let cells = [64, 64, 64];
+        let start = start(cells, 64);
+        let pencils = Pencils::new(&start, cells, None);
+        let layouts = pencils.layouts(cells);
+        let messages = layouts.windows(2).map(|pair| pair[0].sent_to(&pair[1]).0);
+        // slabs would take one move of 63 messages, a mesh of 8 x 8 ranks takes two of seven
+        assert_eq!(messages.collect::<Vec<_>>(), [7, 7]);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::ops::Range;
 use mpi::traits::Equivalence;
 
 use super::partition::Block;
-use crate::parallel::{Shares, World};
+use crate::parallel::World;
 
 /// A block of a lattice for every rank; no index belongs to two.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +15,14 @@ impl<const D: usize> BlockLayout<D> {
     /// Most indices that a rank has.
     pub fn largest(&self) -> usize {
         self.0.iter().map(Block::len).max().unwrap_or(0)
+    }
+
+    /// Messages to other ranks, and indices in all of them, on the way to another layout: those of the rank that has most.
+    pub fn sent_to(&self, other: &BlockLayout<D>) -> (usize, usize) {
+        let busiest = (0..self.0.len()).max_by_key(|&rank| self.0[rank].len()).unwrap_or(0);
+        let others = (0..other.0.len()).filter(|&rank| rank != busiest);
+        let common = others.map(|rank| self.0[busiest].intersection(&other.0[rank]).len()).filter(|&common| common > 0);
+        common.fold((0, 0), |(messages, indices), common| (messages + 1, indices + common))
     }
 }
 
@@ -31,9 +39,18 @@ struct TransferSide {
     fields: usize,
     /// Indices of the block.
     extent: usize,
-    /// For each rank the places in the block of what is exchanged with it.
-    runs: Vec<Vec<Range<usize>>>,
-    shares: Shares,
+    rank: usize,
+    /// With each rank that has a part of it in the other layout, this one included.
+    shares: Vec<Share>,
+}
+
+/// What is exchanged with one rank.
+struct Share {
+    rank: usize,
+    /// Its places in the block.
+    runs: Vec<Range<usize>>,
+    /// Its place in buffers.
+    buffer: Range<usize>,
 }
 
 /// What is under way between ranks.
@@ -64,40 +81,79 @@ impl Redistribution {
 impl TransferSide {
     fn new<const D: usize>(own: &BlockLayout<D>, other: &BlockLayout<D>, rank: usize, fields: usize) -> TransferSide {
         let block = own.0[rank];
-        let runs: Vec<Vec<Range<usize>>> = other.0.iter().map(|other| block.runs(block.intersection(other))).collect();
-        let count = |runs: &Vec<Range<usize>>| (fields * runs.iter().map(Range::len).sum::<usize>()) as i32;
-        let shares = Shares::new(runs.iter().map(count).collect());
-        TransferSide { fields, extent: block.len(), runs, shares }
+        let mut shares = Vec::new();
+        let mut start = 0;
+        for (other, its) in other.0.iter().enumerate() {
+            let runs = block.runs(block.intersection(its));
+            let end = start + fields * runs.iter().map(Range::len).sum::<usize>();
+            if end > start {
+                shares.push(Share { rank: other, runs, buffer: start..end });
+            }
+            start = end;
+        }
+        TransferSide { fields, extent: block.len(), rank, shares }
     }
 
-    /// The places in this rank's part of what is exchanged, rank by rank, field by field.
-    fn places(&self) -> impl Iterator<Item = Range<usize>> + '_ {
-        let place = |field: usize, run: &Range<usize>| field * self.extent + run.start..field * self.extent + run.end;
-        self.runs.iter().flat_map(move |runs| (0..self.fields).flat_map(move |field| runs.iter().map(move |run| place(field, run))))
+    /// Values exchanged.
+    fn total(&self) -> usize {
+        self.shares.last().map_or(0, |share| share.buffer.end)
+    }
+
+    /// The places of a share in this rank's part, field by field.
+    fn places<'a>(&'a self, share: &'a Share) -> impl Iterator<Item = Range<usize>> + 'a {
+        (0..self.fields)
+            .flat_map(move |field| share.runs.iter().map(move |run| field * self.extent + run.start..field * self.extent + run.end))
+    }
+
+    /// What is sent to other ranks out of a buffer.
+    fn outgoing<'a, T>(&self, buffer: &'a [T]) -> Vec<(usize, &'a [T])> {
+        let others = self.shares.iter().filter(|share| share.rank != self.rank);
+        others.map(|share| (share.rank, &buffer[share.buffer.clone()])).collect()
+    }
+
+    /// Where in a buffer goes what comes from other ranks.
+    fn incoming<'a, T>(&self, mut buffer: &'a mut [T]) -> Vec<(usize, &'a mut [T])> {
+        let mut places = Vec::new();
+        for share in &self.shares {
+            let (place, rest) = buffer.split_at_mut(share.buffer.len());
+            buffer = rest;
+            if share.rank != self.rank {
+                places.push((share.rank, place));
+            }
+        }
+        places
+    }
+
+    /// What this rank keeps, in a buffer.
+    fn kept<'a, T>(&self, buffer: &'a [T]) -> &'a [T] {
+        let kept = self.shares.iter().find(|share| share.rank == self.rank);
+        kept.map_or(&[], |share| &buffer[share.buffer.clone()])
     }
 }
 
 impl<T: Equivalence + Copy> Exchange<T> {
     /// Buffers for the plans given, to be filled with `value` first.
     pub fn new<'a>(plans: impl IntoIterator<Item = &'a Redistribution>, value: T) -> Exchange<T> {
-        let most = |plan: &Redistribution| plan.from.shares.total().max(plan.to.shares.total());
+        let most = |plan: &Redistribution| plan.from.total().max(plan.to.total());
         let size = plans.into_iter().map(most).max().unwrap_or(0);
         Exchange { sent: vec![value; size], received: vec![value; size] }
     }
 
     fn run(&mut self, world: &World, from: &TransferSide, to: &TransferSide, values: &mut [T]) {
         let mut start = 0;
-        for place in from.places() {
+        for place in from.shares.iter().flat_map(|share| from.places(share)) {
             let end = start + place.len();
             self.sent[start..end].copy_from_slice(&values[place]);
             start = end;
         }
-        world.exchange(&self.sent, &from.shares, &mut self.received, &to.shares);
-        start = 0;
-        for place in to.places() {
-            let end = start + place.len();
-            values[place.clone()].copy_from_slice(&self.received[start..end]);
-            start = end;
+        world.transfer(&from.outgoing(&self.sent), to.incoming(&mut self.received));
+        for share in &to.shares {
+            let mut come = if share.rank == to.rank { from.kept(&self.sent) } else { &self.received[share.buffer.clone()] };
+            for place in to.places(share) {
+                let (here, rest) = come.split_at(place.len());
+                values[place].copy_from_slice(here);
+                come = rest;
+            }
         }
     }
 }

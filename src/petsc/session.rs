@@ -8,7 +8,7 @@ use std::{
 
 use mpi::{topology::SimpleCommunicator, traits::Communicator};
 
-use super::{call::remember, ffi, petsc, traffic::count_collective};
+use super::{call::remember, ffi, petsc, traffic::TRAFFIC_LOG};
 use crate::{
     error::{Error, Result},
     parallel::World,
@@ -62,7 +62,7 @@ impl Session {
         let arguments = Box::leak(arguments.into_boxed_slice());
         let count = Box::leak(Box::new(arguments.len() as c_int - 1));
         let list = Box::leak(Box::new(arguments.as_mut_ptr()));
-        let inner = Inner { world: World::new(communicator, count_collective), _universe: universe };
+        let inner = Inner { world: World::new(communicator, TRAFFIC_LOG), _universe: universe };
         // the ranks that PETSc takes for all there are; it reads this as it starts
         unsafe { ffi::PETSC_COMM_WORLD = inner.world.raw() };
         petsc!(PetscInitialize(count, list, null_mut(), null_mut()))?;

@@ -1,8 +1,9 @@
 //! What PETSc's log counts of the traffic between ranks.
 
 use super::ffi;
+use crate::parallel::TrafficLog;
 
-/// What this rank has sent since PETSc started: by PETSc itself, and by the collectives of [`World`](crate::parallel::World).
+/// What this rank has sent since PETSc started: by PETSc itself, and by [`World`](crate::parallel::World).
 ///
 /// What hypre and the HDF5 library send is not in it: they call MPI without PETSc's counters.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -28,12 +29,26 @@ impl Traffic {
     }
 }
 
+/// Adds what [`World`](crate::parallel::World) sends to PETSc's counts.
+pub(super) const TRAFFIC_LOG: TrafficLog = TrafficLog { collective: count_collective, messages: count_messages };
+
 /// Adds a collective to which this rank contributes some bytes.
-pub(super) fn count_collective(bytes: usize) {
+fn count_collective(bytes: usize) {
     unsafe {
         ffi::petsc_allreduce_ct += 1.0;
         // stages know only the sum of both
         ffi::petsc_send_len += bytes as f64;
         ffi::petsc_recv_len += bytes as f64;
+    }
+}
+
+/// Adds messages to single ranks; as many come from others.
+fn count_messages(count: usize, bytes: usize) {
+    unsafe {
+        ffi::petsc_isend_ct += count as f64;
+        ffi::petsc_isend_len += bytes as f64;
+        // stages know only the sum of both
+        ffi::petsc_irecv_ct += count as f64;
+        ffi::petsc_irecv_len += bytes as f64;
     }
 }

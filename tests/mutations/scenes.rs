@@ -244,8 +244,9 @@ fn no_mutated_scene_ends_well_with_numbers_that_are_none() {
     let instant = |seed: &u64| {
         let text = input(*seed);
         let scene = Scene::parse("mutant", Path::new("folder"), &text, &[]).ok();
-        let small =
-            |scene: &Scene| (if scene.dimension() == 2 { demand::<2>(scene, 1) } else { demand::<3>(scene, 1) }).is_ok_and(|bytes| bytes < LARGE);
+        let small = |scene: &Scene| {
+            (if scene.dimension() == 2 { demand::<2>(scene, 1) } else { demand::<3>(scene, 1) }).is_ok_and(|bytes| bytes < LARGE)
+        };
         scene.is_some_and(|scene| scene.time.is_none() && scene.accuracy.is_none() && small(&scene))
     };
     for seed in (2 * INPUTS..).filter(instant).take(RUN as usize) {

@@ -2,14 +2,14 @@
 //!
 //! ```text
 //! T(P) = s cells + iterations (g cells + b bodies) + c all bodies + rest + network
-//! network = messages latency + bytes / bandwidth + collectives log2(P) latency + transposes (P - 1) latency
+//! network = messages latency + bytes / bandwidth + collectives log2(P) latency
 //! ```
 //!
 //! with the cells and bodies of the busiest rank, counted in the real partition at P ranks, and seconds `s`, `g`, `b` and, for
 //! contacts, `c` by least squares, each from the part of the run that it stands for. Messages and bytes per iteration are
 //! proportional to the neighbours and to the halo of a block, collectives to the iterations; the factors are those of the measured
-//! counts. hypre's multigrid, which is not counted, exchanges its halo five times on each level; transforms exchange all values, each
-//! rank with all others, as often as their layouts ask for. Iterations are those measured on the most ranks. Counts are fitted to all
+//! counts. hypre's multigrid, which is not counted, exchanges its halo five times on each level; transforms send all values but those that a
+//! rank keeps, as often as their layouts ask for, and a message to each rank whose share meets its own. Iterations are those measured on the most ranks. Counts are fitted to all
 //! runs on several ranks, seconds to those in which each rank had a core.
 
 use serde::Serialize;
@@ -99,9 +99,13 @@ impl ScalingModel {
             body: proportion(samples.iter().map(|sample| (iterations(sample) * sample.shares.bodies.most, sample.measured.bodies))),
             contact: proportion(samples.iter().map(|sample| (sample.shares.all_bodies(), sample.measured.contacts))),
             rest: samples.iter().map(|sample| sample.measured.rest).sum::<f64>() / samples.len() as f64,
-            messages: sent(|sample| sample.measured.parallel.messages.most, |_| 0.0, |shares| shares.neighbours),
+            messages: sent(
+                |sample| sample.measured.parallel.messages.most,
+                |shares| shares.transposes.messages,
+                |shares| shares.neighbours,
+            ),
             bytes: sent(|sample| sample.measured.parallel.bytes.most, |shares| shares.transposes.bytes, |shares| shares.halo),
-            collectives: sent(|sample| sample.measured.parallel.collectives.most, |shares| shares.transposes.count, |_| 1.0),
+            collectives: sent(|sample| sample.measured.parallel.collectives.most, |_| 0.0, |_| 1.0),
             memory: line(
                 &all.iter().map(|sample| (sample.shares.cells.most, sample.measured.parallel.memory_bytes.most)).collect::<Vec<_>>(),
             ),
@@ -132,19 +136,16 @@ impl ScalingModel {
     /// Messages, bytes and collectives that are counted.
     fn sent(&self, shares: &RankShares, iterations: f64) -> [f64; 3] {
         let collectives = if shares.ranks > 1 { self.collectives } else { 0.0 };
-        let Transposes { count, bytes } = shares.transposes;
-        [self.messages * shares.neighbours, self.bytes * shares.halo + bytes, collectives + count].map(|each| each * iterations)
+        let Transposes { messages, bytes } = shares.transposes;
+        [self.messages * shares.neighbours + messages, self.bytes * shares.halo + bytes, collectives].map(|each| each * iterations)
     }
 
     fn network_seconds(&self, shares: &RankShares, iterations: f64) -> f64 {
         let [messages, bytes, collectives] = self.sent(shares, iterations);
         let Network { bandwidth, latency } = self.network;
-        let (ranks, Transposes { count, bytes: transposed }) = (shares.ranks as f64, shares.transposes);
-        // each rank keeps its own share, and a transpose is a message to each of the others
-        let (kept, to_others) = (transposed / ranks, count * (ranks - 1.0));
-        (messages + iterations * (shares.cycle_messages + to_others)) * latency
-            + (bytes + iterations * (shares.cycle_bytes - kept)) / bandwidth
-            + (collectives - iterations * count) * ranks.log2() * latency
+        (messages + iterations * shares.cycle_messages) * latency
+            + (bytes + iterations * shares.cycle_bytes) / bandwidth
+            + collectives * (shares.ranks as f64).log2() * latency
     }
 }
 
@@ -184,7 +185,7 @@ mod tests {
 
     /// Those of a solve by transforms.
     fn transformed(ranks: usize) -> RankShares {
-        let transposes = Transposes { count: 4.0, bytes: 1e7 / ranks as f64 };
+        let transposes = Transposes { messages: 4.0 * (ranks as f64 - 1.0), bytes: 1e7 / ranks as f64 };
         let transposes = if ranks == 1 { Transposes::default() } else { transposes };
         RankShares { cycle_messages: 0.0, cycle_bytes: 0.0, transposes, ..shares(ranks) }
     }
@@ -241,10 +242,10 @@ mod tests {
     }
 
     #[test]
-    fn transposes_cost_a_message_to_each_other_rank_and_all_bytes_but_ones_own() {
+    fn transposes_cost_their_messages_and_bytes_in_each_iteration() {
         let [with, without] = [transformed(64), RankShares { transposes: Transposes::default(), ..transformed(64) }];
         let more = LAW.predict(&with, 10.0).seconds - LAW.predict(&without, 10.0).seconds;
-        assert_near(more, 10.0 * (4.0 * 63.0 * LAW.network.latency + with.transposes.bytes * 63.0 / 64.0 / LAW.network.bandwidth));
+        assert_near(more, 10.0 * (4.0 * 63.0 * LAW.network.latency + with.transposes.bytes / LAW.network.bandwidth));
     }
 
     #[test]

@@ -66,8 +66,8 @@ impl Report {
             Some(model) => format!(
                 "Rows \"model\" are a model, not a measurement: seconds per cell, body and iteration fitted to the measured rows, shares \
                  counted in the partition at that many ranks, iterations as on the most ranks measured, messages of {:.2} microseconds \
-                 and {:.1} GB/s a rank (--latency, --bandwidth), five exchanges on each multigrid level or all values from each rank to all \
-                 others in each transpose of a transform, and contacts in proportion to all bodies. \
+                 and {:.1} GB/s a rank (--latency, --bandwidth), five exchanges on each multigrid level or all values but its own \
+                 from each rank in each transpose of a transform, and contacts in proportion to all bodies. \
                  It misses the seconds that it was fitted to by up to {:.0} %.",
                 latency * 1e6,
                 bandwidth / 1e9,

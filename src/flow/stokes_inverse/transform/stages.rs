@@ -1,5 +1,7 @@
 //! Where values and waves lie at each stage of a transform along all axes, and what ranks exchange between stages.
 
+use rustfft::num_complex::Complex;
+
 use super::{Axis, BlockLayout, Grid, Pencils};
 
 /// The layouts of a transform along all axes.
@@ -27,12 +29,12 @@ impl<const D: usize> Stages<D> {
     }
 }
 
-/// What ranks exchange, each with all others, in one solve by transforms: all values, there and back.
+/// What the busiest rank sends in one solve by transforms: all values but those that it keeps, there and back.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Transposes {
-    /// Number of exchanges.
-    pub count: f64,
-    /// Bytes that the busiest rank hands over in all of them, its own share included.
+    /// Messages to other ranks.
+    pub messages: f64,
+    /// Bytes of them.
     pub bytes: f64,
 }
 
@@ -40,12 +42,16 @@ impl Transposes {
     /// Of a solve on a grid.
     pub fn of<const D: usize>(grid: &Grid<D>) -> Transposes {
         let Stages { own, whole, waves, .. } = Stages::new(grid);
-        let turns = waves.windows(2).filter(|pair| pair[0] != pair[1]).count();
-        let start = usize::from(own != whole);
-        let largest = waves.iter().map(BlockLayout::largest).max().unwrap_or(0);
-        let (value, wave) = (size_of::<f64>(), 2 * size_of::<f64>());
-        let bytes = start * value * own.largest().max(whole.largest()) + turns * wave * largest;
-        Transposes { count: 2.0 * (start + turns) as f64, bytes: 2.0 * ((D + 1) * bytes) as f64 }
+        let moves = std::iter::once((&own, &whole, size_of::<f64>()));
+        let moves = moves.chain(waves.windows(2).map(|pair| (&pair[0], &pair[1], size_of::<Complex<f64>>())));
+        let mut all = Transposes::default();
+        for (from, to, size) in moves {
+            for (messages, indices) in [from.sent_to(to), to.sent_to(from)] {
+                all.messages += messages as f64;
+                all.bytes += ((D + 1) * indices * size) as f64;
+            }
+        }
+        all
     }
 }
 
@@ -58,14 +64,19 @@ mod tests {
     use crate::geometry::Domain;
 
     #[test]
-    fn one_rank_exchanges_nothing_and_many_hand_over_all_values() {
+    fn one_rank_sends_nothing_and_many_all_values_but_their_own() {
         let domain = Domain { size: SVector::from([8.0, 8.0]), axes: [Axis::Periodic; 2] };
         let of = |ranks| Transposes::of(&Grid::<2>::new(&domain, 0.125, ranks, 0).unwrap());
         assert_eq!(of(1), Transposes::default());
-        let (four, sixteen) = (of(4), of(16));
-        // values of three fields, 64^2 points shared by four: to whole lines and on to the other axis, there and back
-        let values = 3.0 * 64.0 * 64.0 * 8.0 / 4.0;
-        assert!(four.count == 4.0 && four.bytes > 2.0 * values && four.bytes < 5.0 * values, "{four:?}");
-        assert!(sixteen.count == 4.0 && (four.bytes / sixteen.bytes - 4.0).abs() < 1.0, "{sixteen:?}");
+        // values of three fields, 64^2 points shared by four: half of them to whole lines of the other rank beside it, three quarters of the
+        // waves on to the other axis, where one rank has nine of 33, there and back
+        let (values, waves) = (3.0 * 32.0 * 16.0 * 8.0, 3.0 * 16.0 * 33.0 * 16.0);
+        let four = of(4);
+        assert_eq!(four.messages, 2.0 * (1.0 + 3.0));
+        assert!((four.bytes / (2.0 * (values + 0.75 * waves)) - 1.0).abs() < 0.05, "{four:?}");
+        // sixteen blocks of 16^2: each rank's lines lie in four of them, and one rank has three of 33 waves
+        let sixteen = of(16);
+        assert_eq!(sixteen.messages, 2.0 * (3.0 + 15.0));
+        assert!((sixteen.bytes / (2.0 * (1.5 * values + 15.0 / 16.0 * waves) / 4.0) - 1.0).abs() < 0.15, "{sixteen:?}");
     }
 }
