@@ -1,39 +1,65 @@
 //! What is known of all frames: `run.h5` with links to them, and the companions for ParaView.
 
 use std::{
-    fs,
+    fs, io,
     path::{Path, PathBuf},
 };
 
 use super::{
     entry::{Entry, FOLDER, path_in_run},
-    xdmf,
+    listing::{Format, Listing},
+    xdmf::{self, Companion},
 };
 use crate::{
     error::{Error, Result},
-    output::{
-        file::{remove_file, temporary, write_whole},
-        parallel_file::{cause, reserve},
-    },
+    output::parallel_file::{cause, reserve},
 };
 
 const RUN: &str = "run.h5";
-const BODIES: &str = "bodies.xdmf";
-const FIELDS: &str = "fields.xdmf";
-const CONTACTS: &str = "contacts.xdmf";
 
-/// Room that `run.h5` takes, and each frame in it, in bytes; both need less than half of it.
+/// Room that a new `run.h5` takes, and each frame in it, in bytes; both need less than half of it.
 const ROOM: u64 = 1 << 14;
 const ROOM_OF_ENTRY: u64 = 1 << 9;
 
-/// Writes `run.h5` and the companions; one that would list nothing is not there, since readers take an empty one for a broken one.
-pub(super) fn write(folder: &Path, entries: &[Entry]) -> Result<()> {
-    write_run(&folder.join(RUN), entries)?;
-    let companions = [(BODIES, xdmf::bodies(entries)), (CONTACTS, xdmf::contacts(entries)), (FIELDS, xdmf::fields(entries))];
-    companions.into_iter().try_for_each(|(name, text)| match text {
-        Some(text) => write_whole(&folder.join(name), text.as_bytes()),
-        None => remove_file(&folder.join(name)),
-    })
+/// Most that the names of further frames make `run.h5` grow by at once, in bytes: a block of HDF5's heap.
+const LARGEST_BLOCK: u64 = 1 << 16;
+
+/// Times and steps that are stored together, as readers find them.
+const CHUNK: usize = 512;
+
+/// All that lists the frames of a run.
+pub(super) struct Index {
+    run: Listing<RunFile>,
+    companions: [Listing<Companion>; 3],
+}
+
+impl Index {
+    /// The index of a run's folder with these frames, in place of what is there; what a run that was killed left beside it goes.
+    pub fn begin(folder: &Path, entries: &[Entry]) -> Result<Index> {
+        let companion = |companion: Companion| Listing::new(folder.join(companion.name), companion);
+        let [bodies, contacts, fields] = xdmf::COMPANIONS.map(companion);
+        let mut index = Index { run: Listing::new(folder.join(RUN), RunFile)?, companions: [bodies?, contacts?, fields?] };
+        index.rewrite(entries)?;
+        Ok(index)
+    }
+
+    /// Writes all of it anew.
+    pub fn rewrite(&mut self, entries: &[Entry]) -> Result<()> {
+        self.run.rewrite(entries)?;
+        self.companions.iter_mut().try_for_each(|companion| companion.rewrite(entries))
+    }
+
+    /// Leaves nothing beside the files.
+    pub fn settle(&mut self) -> Result<()> {
+        self.run.settle()?;
+        self.companions.iter_mut().try_for_each(Listing::settle)
+    }
+
+    /// Adds the frames that are new.
+    pub fn update(&mut self, entries: &[Entry]) -> Result<()> {
+        self.run.update(entries)?;
+        self.companions.iter_mut().try_for_each(|companion| companion.update(entries))
+    }
 }
 
 /// Numbers and times of the frames that `run.h5` lists, or what is wrong with it.
@@ -71,32 +97,153 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>> {
     list().map_err(|source| Error::File { path: folder.to_owned(), source })
 }
 
-fn write_run(path: &Path, entries: &[Entry]) -> Result<()> {
-    let temporary = temporary(path);
-    // a file that HDF5 cannot close on a full disk brings the program down at its end
-    let room = ROOM + ROOM_OF_ENTRY * entries.len() as u64;
-    let written = fs::File::create(&temporary).and_then(|file| reserve(&file, 0, room));
-    let written = written.and_then(|()| link_frames(&temporary, entries).map_err(|error| cause(&error)));
-    let renamed = written.and_then(|()| fs::File::open(&temporary)?.sync_all()).and_then(|()| fs::rename(&temporary, path));
-    renamed.map_err(|source| {
-        // the error that matters is the first one
-        let _ = fs::remove_file(&temporary);
-        Error::File { path: path.to_owned(), source }
-    })
+/// `run.h5`: a link to each frame, and their times and steps.
+struct RunFile;
+
+impl Format for RunFile {
+    fn empty(&self) -> bool {
+        true
+    }
+
+    fn lists(&self, _: &Entry) -> bool {
+        true
+    }
+
+    fn create(&self, path: &Path, entries: &[&Entry]) -> io::Result<()> {
+        // a file that HDF5 cannot close on a full disk brings the program down at its end
+        reserve(&fs::File::create(path)?, 0, ROOM + ROOM_OF_ENTRY * entries.len() as u64)?;
+        create_run(path, entries).map_err(|error| cause(&error))
+    }
+
+    fn append(&self, path: &Path, entries: &[&Entry]) -> io::Result<()> {
+        let file = fs::File::options().write(true).open(path)?;
+        let length = file.metadata()?.len();
+        reserve(&file, length, ROOM + ROOM_OF_ENTRY * entries.len() as u64 + length.min(LARGEST_BLOCK))?;
+        append_to_run(path, entries).map_err(|error| cause(&error))
+    }
 }
 
-fn link_frames(path: &Path, entries: &[Entry]) -> hdf5::Result<()> {
-    let file = hdf5::File::create(path)?;
-    let frames = file.create_group(FOLDER)?;
+fn create_run(path: &Path, entries: &[&Entry]) -> hdf5::Result<()> {
+    // the newer file format has checksums in its metadata, and lists that grow without being copied
+    let file = hdf5::File::with_options().with_fapl(|access| access.libver_v110()).create(path)?;
+    file.create_group(FOLDER)?;
+    file.new_dataset::<f64>().chunk(CHUNK).shape(0..).create("times")?;
+    file.new_dataset::<u64>().chunk(CHUNK).shape(0..).create("steps")?;
+    list(&file, entries)?;
+    file.close()
+}
+
+fn append_to_run(path: &Path, entries: &[&Entry]) -> hdf5::Result<()> {
+    let file = hdf5::File::with_options().with_fapl(|access| access.libver_v110()).open_rw(path)?;
+    list(&file, entries)?;
+    file.close()
+}
+
+fn list(file: &hdf5::File, entries: &[&Entry]) -> hdf5::Result<()> {
+    let frames = file.group(FOLDER)?;
     for entry in entries {
         frames.link_external(&path_in_run(entry.number), "/", &format!("{:06}", entry.number))?;
     }
-    let times = file.new_dataset::<f64>().shape(entries.len()).create("times")?;
-    let steps = file.new_dataset::<u64>().shape(entries.len()).create("steps")?;
-    if !entries.is_empty() {
-        times.write_raw(&entries.iter().map(|entry| entry.time).collect::<Vec<_>>())?;
-        steps.write_raw(&entries.iter().map(|entry| entry.step as u64).collect::<Vec<_>>())?;
+    add(&file.dataset("times")?, entries.iter().map(|entry| entry.time).collect())?;
+    add(&file.dataset("steps")?, entries.iter().map(|entry| entry.step as u64).collect())
+}
+
+/// Makes a list longer.
+fn add<T: hdf5::H5Type>(list: &hdf5::Dataset, values: Vec<T>) -> hdf5::Result<()> {
+    let (start, count) = (list.size(), values.len());
+    if count == 0 {
+        return Ok(());
     }
-    drop((frames, times, steps));
-    file.close()
+    list.resize(start + count)?;
+    list.write_slice(&values, start..start + count)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::output::frames::entry::{Mesh, Network};
+
+    fn entries(count: usize) -> Vec<Entry> {
+        let mesh = Mesh { cells: vec![8, 6], spacing: vec![0.25, 0.5] };
+        let entry = |number: usize| Entry {
+            number,
+            time: number as f64 / 8.0,
+            step: 2 * number,
+            bodies: 4,
+            contacts: Some(Network { count: number % 3, gluey: false }),
+            mesh: Some(mesh.clone()),
+            offset: None,
+        };
+        (0..count).map(entry).collect()
+    }
+
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("turbid-index-{name}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).unwrap();
+        folder
+    }
+
+    /// What the files say, and their names.
+    fn contents(folder: &Path) -> (Vec<(usize, f64)>, Vec<u64>, Vec<(String, String)>) {
+        let steps = hdf5::File::open(folder.join(RUN)).unwrap().dataset("steps").unwrap().read_raw().unwrap();
+        let name = |path: &Path| path.file_name().unwrap().to_string_lossy().into_owned();
+        let mut texts: Vec<(String, String)> =
+            files(folder).unwrap().iter().map(|path| (name(path), fs::read_to_string(path).unwrap_or_default())).collect();
+        texts.sort();
+        (listed(folder).unwrap(), steps, texts)
+    }
+
+    #[test]
+    fn frames_that_come_one_by_one_are_listed_as_those_that_come_at_once() {
+        let (grown, whole) = (folder("grown"), folder("whole"));
+        let all = entries(40);
+        let mut index = Index::begin(&grown, &[]).unwrap();
+        for count in 1..=all.len() {
+            // another hand changes what lies beside, and a reader has a list open
+            if count == 7 {
+                fs::write(grown.join("run.h5.part"), b"garbage").unwrap();
+                fs::write(grown.join("bodies.xdmf.part"), b"garbage").unwrap();
+            }
+            let _reader = (count % 5 == 0).then(|| hdf5::File::open(grown.join(RUN)).unwrap());
+            index.update(&all[..count]).unwrap();
+            assert_eq!(listed(&grown).unwrap().len(), count);
+            let shown = |name: &str| fs::read_to_string(grown.join(name)).map_or(0, |text| text.matches("<Time").count());
+            assert_eq!(xdmf::COMPANIONS.map(|companion| shown(companion.name)), [count, count - count.div_ceil(3), count]);
+        }
+        index.settle().unwrap();
+        Index::begin(&whole, &all).unwrap();
+        assert_eq!(contents(&grown), contents(&whole));
+        [grown, whole].iter().for_each(|folder| fs::remove_dir_all(folder).unwrap());
+    }
+
+    /// Bytes that this thread has read and written so far.
+    fn traffic() -> [u64; 2] {
+        let text = fs::read_to_string("/proc/thread-self/io").unwrap();
+        let number = |name: &str| text.lines().find_map(|line| line.strip_prefix(name)).unwrap().trim().parse().unwrap();
+        ["rchar:", "wchar:"].map(number)
+    }
+
+    #[test]
+    fn a_frame_costs_the_same_however_many_were_before() {
+        let folder = folder("cost");
+        // a block of HDF5's heap, read and written; the bytes of all entries are far more
+        let most = LARGEST_BLOCK + (1 << 14);
+        for before in [10, 1000, 20_000] {
+            let all = entries(before + 6);
+            let mut index = Index::begin(&folder, &all[..before]).unwrap();
+            // the first one makes the version beside
+            index.update(&all[..before + 1]).unwrap();
+            for count in before + 2..=all.len() {
+                let start = traffic();
+                index.update(&all[..count]).unwrap();
+                let [read, written] = [0, 1].map(|way| traffic()[way] - start[way]);
+                assert!(read < most && written < most, "frame {count} reads {read} bytes and writes {written}");
+            }
+        }
+        let whole: u64 = xdmf::COMPANIONS.iter().map(|companion| fs::metadata(folder.join(companion.name)).unwrap().len()).sum();
+        assert!(whole > 100 * most);
+        fs::remove_dir_all(&folder).unwrap();
+    }
 }

@@ -2,13 +2,15 @@
 //!
 //! `run.h5` links to all frames; `bodies.xdmf`, `fields.xdmf` and `contacts.xdmf` show them to ParaView, each once it has something to show.
 //! Where the images of the box slide, a frame holds by how much: `offset` along x, which `offset_rate` makes grow (what is at `(x, y)` is
-//! also at `(x + offset, y + size_y)` and moves there faster by `offset_rate`). Every file is written aside and renamed, so that a reader never meets half of one and the end of the program at any moment loses at most the frame under way.
+//! also at `(x + offset, y + size_y)` and moves there faster by `offset_rate`). Every file is written aside and renamed, so that a reader never
+//! meets half of one and the end of the program at any moment loses at most the frame under way. The companions grow: a frame adds its own entry.
 
 mod body;
 mod contact;
 mod entry;
 mod frame;
 mod index;
+mod listing;
 mod read;
 mod recovery;
 mod store;
@@ -24,6 +26,7 @@ pub use read::{StoredFrame, read_frames};
 use super::parallel_file::ParallelFile;
 use crate::{error::Result, parallel::World};
 use entry::{Entry, path_in_run};
+use index::Index;
 use recovery::Kept;
 
 /// The frames of a run. All functions are collective.
@@ -33,6 +36,8 @@ pub struct Frames {
     next: usize,
     /// The frames so far, known to the first rank only.
     entries: Vec<Entry>,
+    /// On the first rank.
+    index: Option<Index>,
 }
 
 impl Frames {
@@ -51,9 +56,9 @@ impl Frames {
     }
 
     fn keep(world: &World, folder: &Path, time: f64) -> Result<(Frames, Vec<String>)> {
-        let Kept { entries, next, notes } = world.on_first_rank(|| recovery::keep_until(folder, time))?;
+        let Kept { entries, index, next, notes } = world.on_first_rank(|| recovery::keep_until(folder, time))?;
         let next = world.gather(&[next as u64])[0] as usize;
-        Ok((Frames { folder: folder.to_owned(), next, entries }, notes))
+        Ok((Frames { folder: folder.to_owned(), next, entries, index }, notes))
     }
 
     /// Adds a frame.
@@ -66,12 +71,13 @@ impl Frames {
         self.next += 1;
         world.on_first_rank(|| {
             self.entries.push(Entry::of(number, frame));
-            index::write(&self.folder, &self.entries)
+            self.index.as_mut().map_or(Ok(()), |index| index.update(&self.entries))
         })
     }
 
     /// Lists no more frames that have gone since they were written, and says which (on the first rank).
     pub fn finish(&mut self, world: &World) -> Result<Option<String>> {
-        world.on_first_rank(|| recovery::forget_lost(&self.folder, &mut self.entries))
+        let Some(index) = &mut self.index else { return world.agree(Ok(None)) };
+        world.agree(recovery::forget_lost(&self.folder, &mut self.entries, index))
     }
 }

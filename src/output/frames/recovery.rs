@@ -11,7 +11,8 @@ use std::{
 
 use super::{
     entry::{Entry, FOLDER, path_in_run},
-    index, read,
+    index::{self, Index},
+    read,
 };
 use crate::error::{Error, Result};
 
@@ -20,6 +21,8 @@ use crate::error::{Error, Result};
 pub(super) struct Kept {
     /// In the order of time.
     pub entries: Vec<Entry>,
+    /// Which lists them.
+    pub index: Option<Index>,
     /// Number of the next frame; that of a lost one is not given again.
     pub next: usize,
     /// What is missing, a sentence each.
@@ -59,18 +62,19 @@ pub(super) fn keep_until(folder: &Path, time: f64) -> Result<Kept> {
     let expected = listed.iter().filter(|(_, listed)| *listed <= time).map(|(number, _)| *number);
     kept.next = expected.chain(there.iter().copied()).max().map_or(0, |last| last + 1);
     kept.notes.extend(missing(folder, (0..kept.next).filter(|number| !there.contains(number))));
-    index::write(folder, &kept.entries)?;
+    kept.index = Some(Index::begin(folder, &kept.entries)?);
     Ok(kept)
 }
 
 /// Takes frames that are no longer there off the list, and says which.
-pub(super) fn forget_lost(folder: &Path, entries: &mut Vec<Entry>) -> Result<Option<String>> {
+pub(super) fn forget_lost(folder: &Path, entries: &mut Vec<Entry>, index: &mut Index) -> Result<Option<String>> {
     let there = |number: usize| folder.join(path_in_run(number)).exists();
     let lost: Vec<usize> = entries.iter().map(|entry| entry.number).filter(|&number| !there(number)).collect();
     if !lost.is_empty() {
         entries.retain(|entry| !lost.contains(&entry.number));
-        index::write(folder, entries)?;
+        index.rewrite(entries)?;
     }
+    index.settle()?;
     Ok(missing(folder, lost.into_iter()))
 }
 

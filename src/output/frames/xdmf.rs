@@ -1,35 +1,74 @@
 //! XDMF 3: how ParaView finds its way through the frames. Orders of axes are slowest first, as in the files.
 
+use std::{
+    fs,
+    io::{self, Seek, SeekFrom, Write},
+    path::Path,
+};
+
 use super::{
     body::{COLUMNS, COUNTS},
     contact,
     entry::{Entry, Mesh, path_in_run},
+    listing::Format,
     store::FIELDS,
 };
 
-/// The bodies as points that move; nothing without any, here and below.
-pub(super) fn bodies(entries: &[Entry]) -> Option<String> {
-    collection("bodies", entries.iter().filter(|entry| entry.bodies > 0).map(cloud))
+/// What ends every companion.
+const END: &str = "</Grid>\n</Domain>\n</Xdmf>\n";
+
+/// A file that shows one kind of thing, frame after frame.
+pub(super) struct Companion {
+    /// Name of the file.
+    pub name: &'static str,
+    /// Name of what it shows.
+    title: &'static str,
+    /// Whether a frame has any of it.
+    shown: fn(&Entry) -> bool,
+    /// What it shows of a frame.
+    grid: fn(&Entry) -> String,
 }
 
-/// The contacts as points, with their normals and forces.
-pub(super) fn contacts(entries: &[Entry]) -> Option<String> {
-    let listed = entries.iter().filter(|entry| entry.contacts.is_some_and(|network| network.count > 0));
-    collection("contacts", listed.map(network))
+/// The bodies as points that move; the contacts as points, with their normals and forces; the fields on the cells.
+pub(super) const COMPANIONS: [Companion; 3] = [
+    Companion { name: "bodies.xdmf", title: "bodies", shown: |entry| entry.bodies > 0, grid: cloud },
+    Companion {
+        name: "contacts.xdmf",
+        title: "contacts",
+        shown: |entry| entry.contacts.is_some_and(|network| network.count > 0),
+        grid: network,
+    },
+    Companion { name: "fields.xdmf", title: "fields", shown: |entry| entry.mesh.is_some(), grid: lattice },
+];
+
+impl Companion {
+    fn grids(&self, entries: &[&Entry]) -> String {
+        entries.iter().map(|entry| (self.grid)(entry)).collect::<String>() + END
+    }
 }
 
-/// The fields on the cells.
-pub(super) fn fields(entries: &[Entry]) -> Option<String> {
-    collection("fields", entries.iter().filter_map(|entry| Some(lattice(entry, entry.mesh.as_ref()?))))
-}
+impl Format for Companion {
+    fn empty(&self) -> bool {
+        false
+    }
 
-fn collection(name: &str, grids: impl Iterator<Item = String>) -> Option<String> {
-    let grids: String = grids.collect();
-    let text = format!(
-        "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n<Grid Name=\"{name}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n\
-         {grids}</Grid>\n</Domain>\n</Xdmf>\n"
-    );
-    (!grids.is_empty()).then_some(text)
+    fn lists(&self, entry: &Entry) -> bool {
+        (self.shown)(entry)
+    }
+
+    fn create(&self, path: &Path, entries: &[&Entry]) -> io::Result<()> {
+        let begin = format!(
+            "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n<Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n",
+            self.title
+        );
+        fs::write(path, begin + &self.grids(entries))
+    }
+
+    fn append(&self, path: &Path, entries: &[&Entry]) -> io::Result<()> {
+        let mut file = fs::File::options().write(true).open(path)?;
+        file.seek(SeekFrom::End(-(END.len() as i64)))?;
+        file.write_all(self.grids(entries).as_bytes())
+    }
 }
 
 fn cloud(entry: &Entry) -> String {
@@ -56,7 +95,8 @@ fn points(entry: &Entry, group: &str, count: usize, place: &str, columns: impl I
     grid(entry, &format!("{topology}{geometry}{attributes}"))
 }
 
-fn lattice(entry: &Entry, mesh: &Mesh) -> String {
+fn lattice(entry: &Entry) -> String {
+    let Some(mesh) = &entry.mesh else { return String::new() };
     let (cells, origin, spacing) = in_space(mesh);
     let topology = format!("<Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"{}\"/>\n", words(cells.map(|cells| cells + 1)));
     let numbers = |numbers: [f64; 3]| {
