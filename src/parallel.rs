@@ -2,6 +2,8 @@
 
 mod memory;
 
+use std::ops::Range;
+
 use mpi::{
     collective::SystemOperation,
     datatype::{Equivalence, Partition, PartitionMut},
@@ -62,6 +64,11 @@ impl Shares {
     }
 }
 
+/// The share of a rank, one of so many, in things that are numbered: all ranks together have each of them once.
+pub fn share(count: usize, rank: usize, ranks: usize) -> Range<usize> {
+    rank * count / ranks..(rank + 1) * count / ranks
+}
+
 impl World {
     pub(crate) fn new(communicator: SimpleCommunicator, log: TrafficLog) -> World {
         World { communicator, log }
@@ -83,6 +90,11 @@ impl World {
     /// Number of ranks.
     pub fn size(&self) -> usize {
         self.communicator.size() as usize
+    }
+
+    /// The share of this rank in so many things that are numbered.
+    pub fn share(&self, count: usize) -> Range<usize> {
+        share(count, self.rank(), self.size())
     }
 
     /// Sums each entry over the ranks.

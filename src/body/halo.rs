@@ -53,14 +53,27 @@ impl Halo {
             let theirs = Bounds::<D>::read(numbers);
             targets[rank] = (0..own.len()).filter(|&body| own[body].meets(&theirs, bodies.domain)).collect();
         }
-        let halo = Halo::of_copies(peers, bodies.numbers, &targets);
+        Halo::with(peers, bodies.numbers, targets, required)
+    }
+
+    /// The halo in which no bodies are seen but the own ones of these numbers and those that are `required`. Collective.
+    pub fn of_numbers(peers: Peers, numbers: &[usize], required: impl Iterator<Item = usize>) -> Halo {
+        Halo::with(peers, numbers, vec![Vec::new(); peers.count()], required)
+    }
+
+    /// The halo in which each rank gets copies of these of the own bodies, and of those that it requires.
+    fn with(peers: Peers, numbers: &[usize], mut targets: Vec<Vec<usize>>, required: impl Iterator<Item = usize>) -> Halo {
+        let halo = Halo::of_copies(peers, numbers, &targets);
+        if peers.count() == 1 {
+            return halo;
+        }
         let missing = required.filter(|&number| halo.place(number).is_none());
         let missing = peers.gather(&missing.flat_map(|number| [number as u64, peers.rank() as u64]).collect::<Vec<u64>>());
         if missing.is_empty() {
             return halo;
         }
         for request in missing.chunks(2) {
-            if let Ok(body) = bodies.numbers.binary_search(&(request[0] as usize)) {
+            if let Ok(body) = numbers.binary_search(&(request[0] as usize)) {
                 targets[request[1] as usize].push(body);
             }
         }
@@ -68,7 +81,7 @@ impl Halo {
             bodies.sort_unstable();
             bodies.dedup();
         });
-        Halo::of_copies(peers, bodies.numbers, &targets)
+        Halo::of_copies(peers, numbers, &targets)
     }
 
     /// The halo in which each rank gets copies of these of the own bodies. Collective.

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::{
     error::{Error, Result},
-    observe::{AnimationFrame, Plane},
-    output::{read_frames, say, write_whole},
+    observe::Plane,
+    output::{FrameFile, say, write_whole_with},
     petsc::Session,
     scene::Scene,
 };
@@ -31,11 +31,10 @@ pub fn animate(session: &Session, film: &AnimationArguments) -> Result<()> {
         }
         refuse_ending(&film.out)?;
         let scene = Scene::read(&film.folder.join("scene.toml"), &[])?;
-        let frames = if scene.dimension() == 2 { frames::<2>(&scene, film.folder)? } else { frames::<3>(&scene, film.folder)? };
-        if frames.is_empty() {
-            return Err(Error::refused(format!("{}: holds no frames; only runs with a [time] section write them", film.folder.display())));
+        match scene.dimension() {
+            2 => draw_frames::<2>(&scene, film)?,
+            _ => draw_frames::<3>(&scene, film)?,
         }
-        write_whole(&film.out, &Plane::of(&scene).film(&scene, frames).apng(film.width as usize, film.seconds))?;
         say(&film.out.display().to_string())
     };
     world.on_first_rank(draw)
@@ -51,7 +50,20 @@ fn refuse_ending(out: &Path) -> Result<()> {
     Err(Error::refused(format!("--out {}: an animation is an animated PNG; name it {}", out.display(), better.display())))
 }
 
-fn frames<const D: usize>(scene: &Scene, folder: &Path) -> Result<Vec<AnimationFrame>> {
-    let plane = Plane::of(scene);
-    Ok(read_frames::<D>(folder)?.into_iter().map(|stored| plane.frame(stored.time, stored.bodies)).collect())
+/// Reads the frames twice, one at a time: for what their colours depend on, and to draw them.
+fn draw_frames<const D: usize>(scene: &Scene, arguments: &AnimationArguments) -> Result<()> {
+    let (plane, files) = (Plane::of(scene), FrameFile::of_run(arguments.folder)?);
+    if files.is_empty() {
+        let folder = arguments.folder.display();
+        return Err(Error::refused(format!("{folder}: holds no frames; only runs with a [time] section write them")));
+    }
+    let read = |file: &FrameFile| file.read::<D>().map(|stored| plane.frame(stored.time, stored.bodies));
+    let mut film = plane.film(scene);
+    for file in &files {
+        film.add(&read(file)?);
+    }
+    let mut broken = None;
+    let frames = files.iter().map_while(|file| read(file).map_err(|error| broken = Some(error)).ok());
+    let written = write_whole_with(&arguments.out, |out| film.write(out, arguments.width as usize, arguments.seconds, frames));
+    broken.map_or(written, Err)
 }

@@ -19,4 +19,4 @@ pub use fractions::{fraction, touches};
 pub use lees_edwards::LeesEdwards;
 pub use levels::Levels;
 pub use overlap::{InvalidConfiguration, first_fault};
-pub use pairs::{Pair, WallPair, near_pairs, near_walls};
+pub use pairs::{Pair, WallPair, near_pairs, near_walls, visit_near_pairs};

@@ -39,19 +39,26 @@ pub struct WallPair<const D: usize> {
 /// each two opposite images: the one whose first nonzero component of the separation is positive.
 /// Sorted by `first`, `second` and separation.
 pub fn near_pairs<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], reach: f64) -> Vec<Pair<D>> {
-    let cells = Cells::new(domain, balls);
     let mut pairs = Vec::new();
+    visit_near_pairs(domain, balls, reach, |pair| pairs.push(pair));
+    pairs.sort_unstable_by(order);
+    pairs
+}
+
+/// Shows each of [`near_pairs`] once, in no order and without keeping them.
+pub fn visit_near_pairs<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], reach: f64, mut visit: impl FnMut(Pair<D>)) {
+    let cells = Cells::new(domain, balls);
     for member in cells.members() {
         let ball = member.ball;
         cells.visit(ball.center, 2.0 * ball.radius + reach, |other, image, separation| {
             if belongs(member, other, image) {
                 let gap = separation.norm() - ball.radius - other.ball.radius;
-                pairs.extend((gap < reach).then(|| ordered_pair(member.body, other.body, separation, gap)));
+                if gap < reach {
+                    visit(ordered_pair(member.body, other.body, separation, gap));
+                }
             }
         });
     }
-    pairs.sort_unstable_by(order);
-    pairs
 }
 
 /// All balls with a gap below `reach` to a wall, sorted by body and axis, lower wall first.

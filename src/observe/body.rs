@@ -5,6 +5,8 @@ use nalgebra::{SMatrix, SVector};
 /// A body at one time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameBody<const D: usize> {
+    /// Its number among all bodies, from 0.
+    pub number: usize,
     /// Centre; a periodic image of it in the box is stored.
     pub center: SVector<f64, D>,
     /// Radius.

@@ -3,15 +3,49 @@
 use super::FrameBody;
 use crate::scene::{AxisSection, Drive, Scene};
 
-/// A film of disks in a box, ready to be drawn.
+/// What must be known of a film before its first frame is drawn.
 #[derive(Clone, Debug)]
-pub struct Animation {
+pub struct Film {
     /// Width and height of the box, whose lower left corner is the origin; `y` points up.
     pub size: [f64; 2],
     /// Which directions are periodic; the others end at solid walls.
     pub periodic: [bool; 2],
-    /// The frames in the order of time.
-    pub frames: Vec<AnimationFrame>,
+    /// Time of each frame.
+    pub times: Vec<f64>,
+    /// Speeds of the disks of all frames in turn, or every second, fourth, .. of them, so that there are never more than [`MOST_SPEEDS`].
+    pub speeds: Vec<f64>,
+    /// Speeds so far, and of how many one is kept.
+    seen: usize,
+    stride: usize,
+}
+
+/// Most speeds from which the colours of a film are found.
+pub const MOST_SPEEDS: usize = 1 << 22;
+
+impl Film {
+    /// No frame yet of a box with this size, periodic in some directions.
+    pub fn new(size: [f64; 2], periodic: [bool; 2]) -> Film {
+        Film { size, periodic, times: Vec::new(), speeds: Vec::new(), seen: 0, stride: 1 }
+    }
+
+    /// Takes note of the next frame.
+    pub fn add(&mut self, frame: &AnimationFrame) {
+        self.times.push(frame.time);
+        frame.disks.iter().for_each(|disk| self.add_speed(disk.speed, MOST_SPEEDS));
+    }
+
+    fn add_speed(&mut self, speed: f64, most: usize) {
+        if self.seen.is_multiple_of(self.stride) {
+            if self.speeds.len() == most {
+                self.speeds = self.speeds.iter().step_by(2).copied().collect();
+                self.stride *= 2;
+            }
+            if self.seen.is_multiple_of(self.stride) {
+                self.speeds.push(speed);
+            }
+        }
+        self.seen += 1;
+    }
 }
 
 /// What is seen at one time.
@@ -75,10 +109,25 @@ impl Plane {
         AnimationFrame { time, shift: self.sliding * time, disks: bodies.iter().map(disk).collect() }
     }
 
-    /// Frames of a scene's box as a film.
-    pub fn film(self, scene: &Scene, frames: Vec<AnimationFrame>) -> Animation {
+    /// A film of a scene's box without frames.
+    pub fn film(self, scene: &Scene) -> Film {
         let axes = [self.across, self.up];
-        let periodic = axes.map(|axis| scene.domain.axes[axis] == AxisSection::Periodic);
-        Animation { size: axes.map(|axis| scene.domain.size[axis]), periodic, frames }
+        Film::new(axes.map(|axis| scene.domain.size[axis]), axes.map(|axis| scene.domain.axes[axis] == AxisSection::Periodic))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_film_keeps_evenly_spread_speeds_and_never_more_than_the_most() {
+        let mut film = Film::new([1.0; 2], [true; 2]);
+        for speed in 0..100 {
+            film.add_speed(f64::from(speed), 8);
+            assert!(film.speeds.len() <= 8);
+        }
+        let expected: Vec<f64> = (0..100).step_by(16).map(f64::from).collect();
+        assert_eq!(film.speeds, expected);
     }
 }

@@ -16,7 +16,7 @@ mod viscosity;
 
 pub use body::FrameBody;
 pub use cells::{CellCenters, inside};
-pub use film::{AnimatedDisk, Animation, AnimationFrame, Plane};
+pub use film::{AnimatedDisk, AnimationFrame, Film, Plane};
 pub use pairs::{NEAR, PairCounts, PairDistribution};
 pub use picture::picture;
 pub use plane::{Disk, Picture};

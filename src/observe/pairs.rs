@@ -5,12 +5,15 @@
 //! with density `prod over walled axes (1 - r |n_k| / L_k) / (prod of all lengths)`, with `L_k` the length that centres can reach, so walls
 //! alone do not make the distribution differ from 1. Where images slide, each configuration has those of its own time. Pairs of a body and a wall, or of a body and its own image, are not counted.
 
-use std::{collections::BTreeMap, f64::consts::PI};
+use std::f64::consts::PI;
 
 use serde::Serialize;
 
 use super::Shear;
-use crate::geometry::{Ball, Domain, Pair, near_pairs};
+use crate::{
+    geometry::{Ball, Domain, Pair, visit_near_pairs},
+    parallel::World,
+};
 
 /// Gap in mean radii of the pair up to which two bodies are neighbours.
 pub const NEAR: f64 = 0.1;
@@ -59,19 +62,34 @@ impl<'a, const D: usize> PairCounts<'a, D> {
     pub fn add(&mut self, time: f64, balls: &[Ball<D>]) {
         let largest = self.radii.iter().copied().fold(0.0, f64::max);
         let far = WIDTH * self.radial.len() as f64;
-        let pairs = near_pairs(&self.domain.clone().at(time), balls, 2.0 * largest * far.max(0.5 * NEAR));
-        for pair in pairs.iter().filter(|pair| pair.first != pair.second) {
-            let sum = self.radii[pair.first] + self.radii[pair.second];
-            if let Some(count) = self.radial.get_mut((pair.gap.max(0.0) / sum / WIDTH) as usize) {
-                *count += 1;
-            }
-            if pair.gap < 0.5 * NEAR * sum {
-                self.neighbours += 1;
-                let direction = self.direction(pair);
-                self.directions[direction] += 1;
-            }
-        }
+        let reach = 2.0 * largest * far.max(0.5 * NEAR);
+        visit_near_pairs(&self.domain.clone().at(time), balls, reach, |pair| self.count(&pair));
         self.configurations += 1;
+    }
+
+    fn count(&mut self, pair: &Pair<D>) {
+        if pair.first == pair.second {
+            return;
+        }
+        let sum = self.radii[pair.first] + self.radii[pair.second];
+        if let Some(count) = self.radial.get_mut((pair.gap.max(0.0) / sum / WIDTH) as usize) {
+            *count += 1;
+        }
+        if pair.gap < 0.5 * NEAR * sum {
+            self.neighbours += 1;
+            let direction = self.direction(pair);
+            self.directions[direction] += 1;
+        }
+    }
+
+    /// Adds up the configurations of all ranks. Collective.
+    pub fn sum(&mut self, world: &World) {
+        let single = [&mut self.neighbours, &mut self.configurations];
+        let counts: Vec<&mut usize> = self.radial.iter_mut().chain(&mut self.directions).chain(single).collect();
+        // whole numbers, of which floating-point ones lose nothing
+        let mut sums: Vec<f64> = counts.iter().map(|count| **count as f64).collect();
+        world.sum(&mut sums);
+        counts.into_iter().zip(sums).for_each(|(count, sum)| *count = sum as usize);
     }
 
     /// The means; nothing without a configuration or a pair of bodies.
@@ -165,22 +183,19 @@ fn directions<const D: usize>(axes: usize) -> f64 {
     }
 }
 
+/// By the sums of powers of the radii: the binomial formula over all ordered pairs, less those of a body with itself.
 fn sums_of_powers<const D: usize>(radii: &[f64]) -> Vec<f64> {
-    let mut kinds: BTreeMap<u64, f64> = BTreeMap::new();
-    for radius in radii {
-        *kinds.entry(radius.to_bits()).or_default() += 1.0;
-    }
-    let sum = |power: i32| {
-        let mut sum = 0.0;
-        for (&one, count) in &kinds {
-            for (&two, other) in &kinds {
-                let pairs = if one == two { 0.5 * count * (count - 1.0) } else { 0.5 * count * other };
-                sum += pairs * (f64::from_bits(one) + f64::from_bits(two)).powi(power);
-            }
+    let moments: Vec<f64> = (0..=2 * D as i32).map(|power| radii.iter().map(|radius| radius.powi(power)).sum()).collect();
+    let sum = |power: usize| {
+        let mut binomial = 1.0;
+        let mut ordered = 0.0;
+        for k in 0..=power {
+            ordered += binomial * moments[k] * moments[power - k];
+            binomial *= (power - k) as f64 / (k + 1) as f64;
         }
-        sum
+        0.5 * (ordered - 2_f64.powi(power as i32) * moments[power])
     };
-    (0..=D).map(|axes| sum((D + axes) as i32)).collect()
+    (0..=D).map(|axes| sum(D + axes)).collect()
 }
 
 #[cfg(test)]
@@ -233,6 +248,16 @@ mod tests {
         }
         for walled in [[false, false, false], [false, true, false], [false, true, true], [true, true, true]] {
             assert_ideal(&of_an_ideal_gas([7.0, 6.0, 8.0], walled, &radii), 0.2);
+        }
+    }
+
+    #[test]
+    fn sums_over_pairs_are_those_of_all_pairs_one_by_one() {
+        let radii = [0.3, 0.7, 0.7, 1.1, 0.5];
+        let pairs = || (0..radii.len()).flat_map(|one| (0..one).map(move |two| radii[one] + radii[two]));
+        for (axes, sum) in sums_of_powers::<3>(&radii).into_iter().enumerate() {
+            let expected: f64 = pairs().map(|sum| sum.powi(3 + axes as i32)).sum();
+            assert!((sum / expected - 1.0).abs() < 1e-14, "{sum} instead of {expected}");
         }
     }
 

@@ -5,7 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{parallel_file::ParallelFile, slab};
+use super::{parallel_file::ParallelFile, rows::Rows, slab};
 use crate::{
     error::{Error, Offer, Refusal, Result},
     grid::Grid,
@@ -41,8 +41,25 @@ impl<'a> CheckpointWriter<'a> {
 
     /// Stores numbers that are the same on all ranks.
     pub fn shared(&mut self, name: &str, values: &[f64]) -> Result<()> {
-        let sum = checksum(values.iter().map(|value| value.to_bits()).enumerate());
-        self.alike(name, values, sum)
+        self.alike(name, values, numbers_checksum(0, values))
+    }
+
+    /// Stores rows of numbers, `width` for each of so many bodies, one after the other in the order of the bodies. A rank gives the rows of some
+    /// of them in that order, each with the number of its body before it; each body is on one rank.
+    pub fn rows(&mut self, name: &str, bodies: usize, width: usize, rows: Vec<f64>) -> Result<()> {
+        let world = self.file.world();
+        let rows = Rows::in_order(world, bodies, width + 1, rows);
+        let values = rows.columns(1..width + 1, |value| value);
+        let start = rows.places().start * width;
+        let sum = sum_of_all(world, numbers_checksum(start, &values));
+        self.file.make_room(rows.total() * width * size_of::<f64>())?;
+        let dataset = self.file.step(|root| {
+            let dataset = root.new_dataset::<f64>().shape(rows.total() * width).create(name)?;
+            slab::set(&dataset, "checksum", sum)?;
+            Ok(dataset)
+        })?;
+        let range = start..start + values.len();
+        self.file.step(|_| if range.is_empty() { Ok(()) } else { slab::write(&dataset, &[range], &values) })
     }
 
     /// Stores a field, of which each rank gives the values in its block.
@@ -111,6 +128,28 @@ impl<'a> Checkpoint<'a> {
     /// The numbers of this name.
     pub fn shared(&self, name: &str) -> Result<Vec<f64>> {
         self.alike::<f64>(name, |value| value.to_bits())
+    }
+
+    /// This rank's [share](World::share) of the rows of this name, one for each of so many bodies; nothing where there are not so many.
+    pub fn rows(&self, name: &str, bodies: usize, width: usize) -> Result<Option<Vec<f64>>> {
+        let dataset = self.world.agree(self.dataset(name))?;
+        if dataset.shape() != [bodies * width] {
+            return Ok(None);
+        }
+        let range = self.world.share(bodies);
+        let range = range.start * width..range.end * width;
+        let read = || {
+            // an empty selection cannot be read, and the size is believed only if the file is large enough for it
+            let values = match range.is_empty() {
+                true => Vec::new(),
+                false if dataset.size().saturating_mul(size_of::<f64>()) as u64 > self.file.size() => return Err(self.corrupt(name)),
+                false => slab::read(&dataset, std::slice::from_ref(&range)).map_err(|_| self.corrupt(name))?,
+            };
+            Ok((values, self.stored_checksum(name, &dataset)?))
+        };
+        let (values, stored) = self.world.agree(read())?;
+        let sum = sum_of_all(self.world, numbers_checksum(range.start, &values));
+        if sum == stored { Ok(Some(values)) } else { Err(self.corrupt(name)) }
     }
 
     /// This rank's block of the field of this name.
@@ -197,8 +236,16 @@ fn refused(path: &Path, what: &str) -> Error {
 fn lattice_checksum<const D: usize>(world: &World, grid: &Grid<D>, field: usize, values: &[f64]) -> u64 {
     let whole = grid.lattice(field);
     let places = grid.block(field).indices().map(|index| whole.offset(index));
-    let local = checksum(places.zip(values.iter().map(|value| value.to_bits())));
-    world.gather(&[local]).into_iter().fold(0, u64::wrapping_add)
+    sum_of_all(world, checksum(places.zip(values.iter().map(|value| value.to_bits()))))
+}
+
+/// The checksum of numbers of which those from a place on are given.
+fn numbers_checksum(start: usize, values: &[f64]) -> u64 {
+    checksum((start..).zip(values.iter().map(|value| value.to_bits())))
+}
+
+fn sum_of_all(world: &World, sum: u64) -> u64 {
+    world.gather(&[sum]).into_iter().fold(0, u64::wrapping_add)
 }
 
 /// A number that differs, but for one case in 1e19, for texts that differ; the same on every machine.

@@ -2,7 +2,7 @@
 
 use std::{
     fs,
-    io::Write,
+    io::{self, BufWriter, Write},
     path::{Path, PathBuf},
 };
 
@@ -24,14 +24,19 @@ pub fn prepare_folder(folder: &Path) -> Result<()> {
 
 /// Writes a file under its name only once all of it is on disk. A device or a pipe of that name is refused, since it would be replaced.
 pub fn write_whole(path: &Path, contents: &[u8]) -> Result<()> {
+    write_whole_with(path, |file| file.write_all(contents))
+}
+
+/// As [`write_whole`], of contents that are made while they are written.
+pub fn write_whole_with(path: &Path, contents: impl FnOnce(&mut BufWriter<fs::File>) -> io::Result<()>) -> Result<()> {
     let temporary = temporary(path);
     let write = || {
         if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
-            return Err(std::io::Error::other("is no regular file; name one"));
+            return Err(io::Error::other("is no regular file; name one"));
         }
-        let mut file = fs::File::create(&temporary)?;
-        file.write_all(contents)?;
-        file.sync_all()?;
+        let mut file = BufWriter::new(fs::File::create(&temporary)?);
+        contents(&mut file)?;
+        file.into_inner()?.sync_all()?;
         fs::rename(&temporary, path)
     };
     write().map_err(|source| {
@@ -47,7 +52,7 @@ pub fn write_whole(path: &Path, contents: &[u8]) -> Result<()> {
 /// [`Error::File`].
 pub fn remove_file(path: &Path) -> Result<()> {
     match fs::remove_file(path) {
-        Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(Error::File { path: path.to_owned(), source }),
+        Err(source) if source.kind() != io::ErrorKind::NotFound => Err(Error::File { path: path.to_owned(), source }),
         _ => Ok(()),
     }
 }

@@ -16,7 +16,7 @@ pub(super) fn ranges<const D: usize>(block: Block<D>, whole: Block<D>) -> Vec<Ra
 }
 
 /// Writes the values at the given ranges of a data set, the last running fastest.
-pub(super) fn write(dataset: &Dataset, ranges: &[Range<usize>], values: &[f64]) -> Result<()> {
+pub(super) fn write<T: H5Type>(dataset: &Dataset, ranges: &[Range<usize>], values: &[T]) -> Result<()> {
     let shape: Vec<usize> = ranges.iter().map(ExactSizeIterator::len).collect();
     let view = ArrayViewD::from_shape(IxDyn(&shape), values).map_err(|error| error.to_string())?;
     dataset.write_slice(view, slab(ranges))

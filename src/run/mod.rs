@@ -23,7 +23,7 @@ pub use finished::Finished;
 pub use folder::{NewRun, RunFolder};
 pub use memory::{check_memory, check_memory_of_plan};
 pub use options::Options;
-pub use output::{BeforeStep, Evaluated, EvaluatedFlow, EvaluatedMotion, Output};
+pub use output::{BeforeStep, ContactTotals, Evaluated, EvaluatedFlow, EvaluatedMotion, Output};
 pub use outputs::outputs;
 pub use run::{Run, complete};
 pub use statistics::{KeptContacts, RunStatistics};

@@ -1,13 +1,13 @@
 //! What is written of a run: the interface behind which frames, series, checkpoints, pictures and the progress line stand.
 
-use std::path::Path;
+use std::{borrow::Cow, ops::Range, path::Path};
 
 use nalgebra::{SMatrix, SVector};
 
 use crate::{
     contact::bodies_of,
     error::Result,
-    geometry::{Ball, Domain},
+    geometry::Domain,
     observe::{FrameBody, Viscosity},
     output::{Summary, write_whole},
     parallel::World,
@@ -77,6 +77,19 @@ pub struct EvaluatedFlow<'a, const D: usize> {
     pub solution: &'a Solution<D>,
 }
 
+/// The contacts of all bodies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactTotals {
+    /// How many bear a force.
+    pub held: usize,
+    /// The sum of these forces.
+    pub force: f64,
+    /// How many stick.
+    pub stuck: usize,
+    /// The least of their memories, 0 if none sticks.
+    pub gamma: f64,
+}
+
 /// Bodies on their way.
 #[derive(Clone, Copy)]
 pub struct EvaluatedMotion<'a, const D: usize> {
@@ -112,49 +125,58 @@ impl<'a, const D: usize> EvaluatedMotion<'a, D> {
         self.simulation.domain()
     }
 
-    /// Contacts that bear a force, of the bodies of all ranks: of this instant in a flow, of the last step in a dry run. Collective.
-    pub fn held(&self) -> Vec<ContactHistory<D>> {
+    /// Contacts that bear a force, of the bodies of this rank: of this instant in a flow, of the last step in a dry run.
+    pub fn held(&self) -> Cow<'a, [ContactHistory<D>]> {
         match self.observation.solution {
             Some(_) => self.observation.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect(),
-            None => self.simulation.whole_state().held.clone(),
+            None => Cow::Borrowed(&self.state().held),
         }
     }
 
-    /// How many [`held`](Self::held) are, and how many contacts stick. Collective.
-    pub fn contact_counts(&self, world: &World) -> [usize; 2] {
+    /// How many contacts bear a force and what these sum up to, how many stick, and their least memory: of all ranks. Collective.
+    pub fn contact_totals(&self, world: &World) -> ContactTotals {
         let state = self.state();
-        let held = match self.observation.solution {
-            Some(_) => self.observation.contacts.iter().filter(|pressed| pressed.force != 0.0).count(),
-            None => state.told().count(),
-        };
-        let mut counts = [held as f64, state.told_stuck().count() as f64];
+        let held: Vec<f64> = self.held().iter().filter(|held| state.tells(held.body)).map(|held| held.force).collect();
+        let mut sums = [held.len() as f64, held.iter().sum(), state.told_stuck().count() as f64];
+        let mut gamma = state.stuck.iter().map(|stuck| stuck.gamma).fold(0.0, f64::min);
         if state.share != Share::Whole {
-            world.sum(&mut counts);
+            world.sum(&mut sums);
+            gamma = -world.max(-gamma);
         }
-        counts.map(|count| count as usize)
+        ContactTotals { held: sums[0] as usize, force: sums[1], stuck: sums[2] as usize, gamma }
     }
 
-    /// The bodies of all ranks as frames hold them. Collective.
-    pub fn bodies(&self) -> Vec<FrameBody<D>> {
-        let (state, balls) = (self.simulation.whole_state(), self.simulation.whole_balls());
-        let mut contacts = vec![0; balls.len()];
-        for held in self.held() {
-            bodies_of(held.identity()).for_each(|body| contacts[body] += 1);
+    /// Places in the state of the bodies that this rank writes of: all ranks together write of each body once.
+    pub fn written(&self, world: &World) -> Range<usize> {
+        let count = self.state().bodies.len();
+        if self.state().share == Share::Whole { world.share(count) } else { 0..count }
+    }
+
+    /// Bodies at some places in the state, as frames hold them.
+    pub fn bodies(&self, places: Range<usize>) -> Vec<FrameBody<D>> {
+        let (state, radii) = (self.state(), self.simulation.radii());
+        let mut contacts = vec![0; places.len()];
+        for body in self.held().iter().flat_map(|held| bodies_of(held.identity())) {
+            let place = state.place(body).and_then(|place| place.checked_sub(places.start));
+            if let Some(count) = place.and_then(|place| contacts.get_mut(place)) {
+                *count += 1;
+            }
         }
-        let body = |(number, ball): (usize, &Ball<D>)| {
-            let by_fluid = self.observation.solution.as_ref().map(|solution| &solution.bodies[number]);
-            let twist = by_fluid.map_or(state.bodies[number].twist, |_| self.observation.twists[number]);
+        let body = |(place, contacts): (usize, usize)| {
+            let (moving, twist) = (&state.bodies[place], &self.observation.twists[place]);
+            let by_fluid = self.observation.solution.as_ref().map(|solution| &solution.bodies[place]);
             FrameBody {
-                center: ball.center,
-                radius: ball.radius,
+                number: state.number(place),
+                center: moving.center,
+                radius: radii[place],
                 velocity: twist.velocity,
                 spin: twist.spin,
-                rotation: state.bodies[number].rotation,
+                rotation: moving.rotation,
                 force: by_fluid.map_or_else(SVector::zeros, |state| state.force),
                 torque: by_fluid.map_or_else(SMatrix::zeros, |state| state.torque),
-                contacts: contacts[number],
+                contacts,
             }
         };
-        balls.iter().enumerate().map(body).collect()
+        places.zip(contacts).map(body).collect()
     }
 }

@@ -114,7 +114,7 @@ impl<'a, const D: usize> Run<'a, D> {
         let mut machinery = Machinery::new(session, &resolved, solved)?;
         let statistics = match (checkpoint, &mut machinery) {
             (Some(checkpoint), Machinery::InTime { simulation, .. }) => {
-                let statistics = outputs::restore(checkpoint, simulation)?;
+                let statistics = outputs::restore(world, checkpoint, simulation)?;
                 refuse_the_past(scene, simulation.state().time)?;
                 statistics
             }

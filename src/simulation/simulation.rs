@@ -12,9 +12,11 @@ use super::{
     step_control::{ROUNDING, StepControl},
 };
 use crate::{
+    body::Halo,
     contact::KktReport,
     error::{Error, Result},
     geometry::{Ball, Domain},
+    parallel::Peers,
     petsc::Session,
     scene::TimeSection,
 };
@@ -115,6 +117,19 @@ impl<const D: usize> Simulation<D> {
             balls[row[0] as usize] = Ball { center: SVector::from_column_slice(&row[2..]), radius: row[1] };
         }
         balls
+    }
+
+    /// The bodies of this rank and those of these numbers, as balls by their places in a halo.
+    pub fn seen(&self, required: impl Iterator<Item = usize>) -> (Halo, Vec<Ball<D>>) {
+        let balls = self.state.balls(self.radii());
+        if self.state.share == Share::Whole {
+            return (Halo::of_numbers(Peers::Alone, &self.state.numbers(), required), balls);
+        }
+        let peers = Peers::from(self.session.world());
+        let halo = Halo::of_numbers(peers, &self.state.numbers(), required);
+        let (centers, radii) = (halo.spread_vectors(peers, &self.state.centers()), halo.spread(peers, self.radii()));
+        let seen = centers.into_iter().zip(radii).map(|(center, radius)| Ball { center, radius }).collect();
+        (halo, seen)
     }
 
     /// Whether the run has reached its end.

@@ -142,12 +142,17 @@ impl<const D: usize> State<D> {
         }
     }
 
+    /// The place of a body, if the state holds it.
+    pub fn place(&self, number: usize) -> Option<usize> {
+        match &self.share {
+            Share::Whole => Some(number),
+            Share::Own { numbers, .. } => numbers.binary_search(&number).ok(),
+        }
+    }
+
     /// Whether a contact of a body is this rank's to tell: of two ranks that know it, that of the first body.
     pub fn tells(&self, body: usize) -> bool {
-        match &self.share {
-            Share::Whole => true,
-            Share::Own { numbers, .. } => numbers.binary_search(&body).is_ok(),
-        }
+        self.place(body).is_some()
     }
 
     /// The contacts that bore a force and that this rank tells of.

@@ -29,6 +29,7 @@ const PATIENCE: Duration = Duration::from_secs(120);
 pub fn tests() -> Vec<Test> {
     vec![
         Test::of(a_checkpoint_gives_back_what_it_was_given),
+        Test::of(rows_are_stored_in_the_order_of_the_bodies_whoever_had_them),
         Test::of(a_lattice_is_stored_in_its_natural_order_whoever_wrote_it),
         Test::of(a_checkpoint_that_was_not_finished_is_absent),
         Test::of(checkpoints_that_cannot_be_used_are_refused),
@@ -89,6 +90,27 @@ fn a_lattice_is_stored_in_its_natural_order_whoever_wrote_it(session: &Session) 
     }
     boxes_2d().for_each(|domain| proof(session, &domain));
     boxes_3d().for_each(|domain| proof(session, &domain));
+}
+
+/// Reads with HDF5 alone, and what is not there is told from what is corrupt.
+fn rows_are_stored_in_the_order_of_the_bodies_whoever_had_them(session: &Session) {
+    let path = folder(session).join("state.h5");
+    write_checkpoint(session, &grid(session, &domain(BOXES_2D[0]), 8), &path);
+    let stored = hdf5::File::open(&path).unwrap().dataset("rows").unwrap().read_raw::<f64>().unwrap();
+    assert_eq!(stored, (0..BODIES).flat_map(|body| [0.5 * body as f64, -1.0]).collect::<Vec<_>>());
+    let read = Checkpoint::open(session.world(), &path).unwrap();
+    assert_eq!(read.rows("rows", BODIES + 1, 2).unwrap(), None);
+    assert!(read.rows("other", BODIES, 2).unwrap_err().to_string().contains("holds no other"));
+    drop(read);
+    // fewer bodies than ranks, and none
+    for bodies in [0, 1] {
+        let mut writer = CheckpointWriter::create(session.world(), &path).unwrap();
+        let rows = own(session, &vec![[0.0, 4.0]; bodies], |_| 0).concat();
+        writer.rows("rows", bodies, 1, rows).unwrap();
+        writer.finish().unwrap();
+        let rows = Checkpoint::open(session.world(), &path).unwrap().rows("rows", bodies, 1).unwrap().unwrap();
+        assert_eq!(session.world().gather(&rows), vec![4.0; bodies]);
+    }
 }
 
 fn a_checkpoint_that_was_not_finished_is_absent(session: &Session) {
@@ -187,7 +209,17 @@ fn frames_give_back_their_bodies(session: &Session) {
             // the first frame has no bodies
             let bodies = bodies(domain, step, 5 * step);
             frames
-                .write(session.world(), &Frame { time: 0.1 * step as f64, step, domain, bodies: &bodies, contacts: None, fields: None })
+                .write(
+                    session.world(),
+                    &Frame {
+                        time: 0.1 * step as f64,
+                        step,
+                        domain,
+                        bodies: &own(session, &bodies, |body| body.number),
+                        contacts: None,
+                        fields: None,
+                    },
+                )
                 .unwrap();
             let read = read_frames::<D>(&folder).unwrap();
             assert_eq!((read.len(), read[step].step, read[step].time), (step + 1, step, 0.1 * step as f64));
@@ -246,7 +278,19 @@ fn frames_give_back_their_contacts(session: &Session) {
         for (step, (count, gluey)) in [(0, true), (3, true), (2, false)].into_iter().enumerate() {
             let contacts: Vec<_> = partners.into_iter().enumerate().take(count).map(|partner| contact(partner, gluey)).collect();
             let time = step as f64;
-            frames.write(session.world(), &Frame { time, step, domain, bodies: &bodies, contacts: Some(&contacts), fields: None }).unwrap();
+            frames
+                .write(
+                    session.world(),
+                    &Frame {
+                        time,
+                        step,
+                        domain,
+                        bodies: &own(session, &bodies, |body| body.number),
+                        contacts: Some(&own(session, &contacts, |contact| contact.body)),
+                        fields: None,
+                    },
+                )
+                .unwrap();
             assert_eq!(read_frames::<D>(&folder).unwrap()[step].contacts.as_ref(), Some(&contacts));
         }
         let listed = fs::read_to_string(folder.join("contacts.xdmf")).unwrap();
@@ -254,7 +298,12 @@ fn frames_give_back_their_contacts(session: &Session) {
         session.world().barrier();
         // without a law of contact there is nothing of it, and nothing of an earlier run is left
         let mut frames = Frames::create(session.world(), &folder).unwrap();
-        frames.write(session.world(), &Frame { time: 0.0, step: 0, domain, bodies: &bodies, contacts: None, fields: None }).unwrap();
+        frames
+            .write(
+                session.world(),
+                &Frame { time: 0.0, step: 0, domain, bodies: &own(session, &bodies, |body| body.number), contacts: None, fields: None },
+            )
+            .unwrap();
         assert_eq!(read_frames::<D>(&folder).unwrap()[0].contacts, None);
         assert!(!folder.join("contacts.xdmf").exists());
         session.world().barrier();
@@ -295,7 +344,12 @@ fn a_resumed_run_forgets_later_frames_and_a_new_one_all(session: &Session) {
     let domain = domain(BOXES_2D[0]);
     let write = |frames: &mut Frames, time: f64| {
         let bodies = bodies(&domain, 0, 2);
-        frames.write(session.world(), &Frame { time, step: 0, domain: &domain, bodies: &bodies, contacts: None, fields: None }).unwrap();
+        frames
+            .write(
+                session.world(),
+                &Frame { time, step: 0, domain: &domain, bodies: &own(session, &bodies, |body| body.number), contacts: None, fields: None },
+            )
+            .unwrap();
     };
     let times = || {
         session.world().barrier();
@@ -344,7 +398,17 @@ fn frames_for_an_independent_reader(session: &Session) {
         for step in 0..3 {
             let (time, bodies) = (0.25 * step as f64, bodies(domain, step, 7));
             frames
-                .write(session.world(), &Frame { time, step, domain, bodies: &bodies, contacts: None, fields: Some(fields(&grid, time)) })
+                .write(
+                    session.world(),
+                    &Frame {
+                        time,
+                        step,
+                        domain,
+                        bodies: &own(session, &bodies, |body| body.number),
+                        contacts: None,
+                        fields: Some(fields(&grid, time)),
+                    },
+                )
                 .unwrap();
             let start = Instant::now();
             while !folder.join(format!("read-{step}")).exists() {
@@ -373,12 +437,19 @@ fn fields<const D: usize>(grid: &Grid<D>, time: f64) -> FrameFields<'_, D> {
     }
 }
 
+/// What this rank hands in: what belongs to bodies that it holds, which follow each other on no rank.
+fn own<T: Clone>(session: &Session, all: &[T], body: impl Fn(&T) -> usize) -> Vec<T> {
+    let world = session.world();
+    all.iter().filter(|entry| (body(entry) + 1) % world.size() == world.rank()).cloned().collect()
+}
+
 /// Bodies whose numbers are simple functions of their place in the list; centres leave the box along periodic axes.
 fn bodies<const D: usize>(domain: &Domain<D>, step: usize, count: usize) -> Vec<FrameBody<D>> {
     let body = |body: usize| {
         let number = body as f64 + 0.125 * step as f64;
         let turn = |scale: f64| skew(&[number * scale, number + scale, scale][..D * (D - 1) / 2]);
         FrameBody {
+            number: body,
             center: SVector::from_fn(|axis, _| if domain.periodic(axis) { 0.3 * number } else { 0.1 * number } + 0.01 * axis as f64),
             radius: 0.1 + 0.01 * body as f64,
             velocity: SVector::from_fn(|axis, _| number + 100.0 * axis as f64),
@@ -396,11 +467,16 @@ fn write_checkpoint<const D: usize>(session: &Session, grid: &Grid<D>, path: &Pa
     let mut writer = CheckpointWriter::create(session.world(), path).unwrap();
     writer.text("scene", "title = \"one\"").unwrap();
     writer.shared("numbers", &[1.0, 2.0, 3.0]).unwrap();
+    let rows = (0..BODIES).map(|body| [body as f64, 0.5 * body as f64, -1.0]).collect::<Vec<_>>();
+    writer.rows("rows", BODIES, 2, own(session, &rows, |row| row[0] as usize).concat()).unwrap();
     for (field, values) in expected_checkpoint(grid).2.iter().enumerate() {
         writer.lattice(&format!("field {field}"), grid, field, values).unwrap();
     }
     writer.finish().unwrap();
 }
+
+/// Bodies of a checkpoint, some ranks having one more than others.
+const BODIES: usize = 7;
 
 type Contents = (String, Vec<f64>, Vec<Vec<f64>>);
 
@@ -412,6 +488,9 @@ fn expected_checkpoint<const D: usize>(grid: &Grid<D>) -> Contents {
 fn read_checkpoint<const D: usize>(session: &Session, grid: &Grid<D>, path: &Path) -> Result<Contents, Error> {
     let read = Checkpoint::open(session.world(), path)?;
     let fields = (0..=D).map(|field| read.lattice(&format!("field {field}"), grid, field)).collect::<Result<_, _>>()?;
+    let rows = read.rows("rows", BODIES, 2)?.ok_or_else(|| Error::refused("other rows"))?;
+    let expected: Vec<f64> = session.world().share(BODIES).flat_map(|body| [0.5 * body as f64, -1.0]).collect();
+    assert_eq!(rows, expected);
     Ok((read.text("scene")?, read.shared("numbers")?, fields))
 }
 

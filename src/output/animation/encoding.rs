@@ -1,18 +1,14 @@
 //! Frames packed as an animated PNG with one palette.
 
+use std::io::{self, Write};
+
 use super::canvas::Canvas;
 use super::palette::Palette;
 
-/// The bytes of the file: the frames in turn, each for its delay in milliseconds, repeated for ever.
-pub fn apng(size: [usize; 2], stills: impl Iterator<Item = Canvas>, delays: &[u16]) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    write(&mut bytes, size, stills, delays).expect("a vector takes any bytes and the sizes match");
-    bytes
-}
-
-fn write(bytes: &mut Vec<u8>, size: [usize; 2], stills: impl Iterator<Item = Canvas>, delays: &[u16]) -> Result<(), png::EncodingError> {
+/// Writes the frames in turn, each for its delay in milliseconds, repeated for ever.
+pub fn write(out: impl Write, size: [usize; 2], stills: impl Iterator<Item = Canvas>, delays: &[u16]) -> io::Result<()> {
     let mut palette = Palette::new();
-    let mut encoder = png::Encoder::new(bytes, size[0] as u32, size[1] as u32);
+    let mut encoder = png::Encoder::new(out, size[0] as u32, size[1] as u32);
     encoder.set_color(png::ColorType::Indexed);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::High);
@@ -24,5 +20,5 @@ fn write(bytes: &mut Vec<u8>, size: [usize; 2], stills: impl Iterator<Item = Can
         writer.set_frame_delay(delay, 1000)?;
         writer.write_image_data(&palette.indices(&still.pixels))?;
     }
-    writer.finish()
+    Ok(writer.finish()?)
 }

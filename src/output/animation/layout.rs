@@ -1,7 +1,7 @@
 //! Where things lie on a frame, in whole pixels from its upper left corner: the box, its walls and the bar of time.
 
 use super::{canvas::Canvas, palette};
-use crate::observe::Animation;
+use crate::observe::Film;
 
 const MARGIN: usize = 14;
 const WALL: usize = 5;
@@ -23,14 +23,14 @@ pub struct PageLayout {
 
 impl PageLayout {
     /// The layout of a film at most `width` pixels wide.
-    pub fn new(animation: &Animation, width: usize) -> Self {
+    pub fn new(film: &Film, width: usize) -> Self {
         let border = [2 * MARGIN, 2 * MARGIN + TIME[0] + TIME[1]];
         let most = [width as f64, TALLEST * width as f64];
-        let scales = [0, 1].map(|axis| (most[axis] - border[axis] as f64).max(1.0) / animation.size[axis]);
+        let scales = [0, 1].map(|axis| (most[axis] - border[axis] as f64).max(1.0) / film.size[axis]);
         let scale = scales[0].min(scales[1]);
-        let extent = animation.size.map(|length| (length * scale).round().max(1.0) as usize);
+        let extent = film.size.map(|length| (length * scale).round().max(1.0) as usize);
         let page = [extent[0] + border[0], extent[1] + border[1]];
-        PageLayout { page, scale, corner: [MARGIN; 2], extent, periodic: animation.periodic }
+        PageLayout { page, scale, corner: [MARGIN; 2], extent, periodic: film.periodic }
     }
 
     /// The pixel of a point of the box.

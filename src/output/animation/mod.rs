@@ -1,6 +1,6 @@
 //! The film of a suspension: disks coloured by their speed, frame after frame, as one animated PNG.
 //!
-//! A pure function of an [`Animation`], as a picture is: no file, no mesh, no simulation is known. There is no text in it; a bar below
+//! A pure function of a [`Film`] and its frames, as a picture is: no file, no mesh, no simulation is known. There is no text in it; a bar below
 //! the box fills up as time passes. Source of the format: W3C, 2025, PNG third edition, <https://www.w3.org/TR/png-3>.
 
 mod canvas;
@@ -8,10 +8,12 @@ mod encoding;
 mod layout;
 mod palette;
 
+use std::io::{self, Write};
+
 use super::images::Window;
 use super::picture::bar::Bar;
 use super::picture::colour;
-use crate::observe::{AnimatedDisk, Animation, AnimationFrame};
+use crate::observe::{AnimatedDisk, AnimationFrame, Film};
 use canvas::Canvas;
 use layout::PageLayout;
 
@@ -22,25 +24,43 @@ const MARKED: f64 = 4.0;
 /// Width in pixels of the light ring that sets a disk off from those it covers.
 const RING: f64 = 0.9;
 
-impl Animation {
-    /// The film as an animated PNG that repeats for ever, at most `width_in_pixels` wide and one and a half times as high.
+impl Film {
+    /// Writes the film as an animated PNG that repeats for ever, at most `width_in_pixels` wide and one and a half times as high, of the frames
+    /// that were noted, in the same order. No more than one of them is drawn at a time.
     ///
     /// It runs for `seconds`, shared among the frames as their times are, and holds the last one for a second more. The first frame is
     /// what a viewer without animation shows. Disks whose center or radius is not finite are left out.
     ///
     /// Panics if there is no frame or the box has no size.
-    pub fn apng(&self, width_in_pixels: usize, seconds: f64) -> Vec<u8> {
-        assert!(!self.frames.is_empty(), "a film has frames");
+    ///
+    /// # Errors
+    /// It cannot be written, or there are fewer frames than were noted.
+    pub fn write(
+        &self,
+        out: impl Write,
+        width_in_pixels: usize,
+        seconds: f64,
+        frames: impl Iterator<Item = AnimationFrame>,
+    ) -> io::Result<()> {
+        assert!(!self.times.is_empty(), "a film has frames");
         assert!(self.size.iter().all(|length| length.is_finite() && *length > 0.0), "the box has a positive size");
         let layout = PageLayout::new(self, width_in_pixels);
-        let top = Bar::new(&self.frames.iter().flat_map(|frame| &frame.disks).map(|disk| disk.speed).collect::<Vec<_>>()).top;
-        let stills = self.progress().into_iter().zip(&self.frames).map(|(part, frame)| self.still(&layout, frame, top, part));
-        encoding::apng(layout.page, stills, &self.delays(seconds))
+        let top = Bar::new(&self.speeds).top;
+        let stills = self.progress().into_iter().zip(frames).map(|(part, frame)| self.still(&layout, &frame, top, part));
+        encoding::write(out, layout.page, stills, &self.delays(seconds))
+    }
+
+    /// The bytes of a film of these frames alone.
+    pub fn apng(mut self, width_in_pixels: usize, seconds: f64, frames: Vec<AnimationFrame>) -> Vec<u8> {
+        frames.iter().for_each(|frame| self.add(frame));
+        let mut bytes = Vec::new();
+        self.write(&mut bytes, width_in_pixels, seconds, frames.into_iter()).expect("a vector takes any bytes and the sizes match");
+        bytes
     }
 
     /// The part of the film that is over at each frame, from zero to one: by time if it runs forward, else by number.
     fn progress(&self) -> Vec<f64> {
-        let times: Vec<f64> = self.frames.iter().map(|frame| frame.time).collect();
+        let times = &self.times;
         let [first, last] = [times[0], times[times.len() - 1]];
         let forward = times.windows(2).all(|pair| pair[0] < pair[1]) && (last - first).is_finite();
         let count = times.len().max(2) - 1;
@@ -72,7 +92,10 @@ impl Animation {
         let mark = MARK.map(|part| part * radius);
         for center in (Window { size: self.size, periodic: self.periodic, shift }).images(disk.center, disk.radius) {
             let [x, y] = layout.place(center);
-            canvas.fill_disk([x, y], radius + RING, palette::PAPER);
+            // rings of disks smaller than a pixel would hide all of them
+            if radius > RING {
+                canvas.fill_disk([x, y], radius + RING, palette::PAPER);
+            }
             canvas.fill_disk([x, y], radius, shade);
             if radius > MARKED && disk.angle.is_finite() {
                 canvas.fill_disk([x + mark[0] * disk.angle.cos(), y - mark[0] * disk.angle.sin()], mark[1], palette::PAPER);
@@ -92,30 +115,33 @@ impl AnimatedDisk {
 mod tests {
     use super::*;
 
-    fn film(disks: Vec<AnimatedDisk>) -> Animation {
-        let frames = [0.0, 1.0, 3.0].map(|time| AnimationFrame { time, shift: 0.0, disks: disks.clone() });
-        Animation { size: [2.0, 1.0], periodic: [true, false], frames: frames.into() }
+    fn film() -> Film {
+        Film::new([2.0, 1.0], [true, false])
+    }
+
+    fn frames(disks: Vec<AnimatedDisk>) -> Vec<AnimationFrame> {
+        [0.0, 1.0, 3.0].map(|time| AnimationFrame { time, shift: 0.0, disks: disks.clone() }).into()
     }
 
     fn disk(x: f64, speed: f64) -> AnimatedDisk {
         AnimatedDisk { center: [x, 0.5], radius: 0.2, angle: f64::NAN, speed }
     }
 
-    fn first_still(animation: &Animation) -> (PageLayout, Canvas) {
-        let layout = PageLayout::new(animation, 228);
-        let canvas = animation.still(&layout, &animation.frames[0], 1.0, 0.0);
+    fn first_still(frames: &[AnimationFrame]) -> (PageLayout, Canvas) {
+        let layout = PageLayout::new(&film(), 228);
+        let canvas = film().still(&layout, &frames[0], 1.0, 0.0);
         (layout, canvas)
     }
 
-    fn colour_at(animation: &Animation, x: [f64; 2]) -> [u8; 3] {
-        let (layout, canvas) = first_still(animation);
+    fn colour_at(frames: &[AnimationFrame], x: [f64; 2]) -> [u8; 3] {
+        let (layout, canvas) = first_still(frames);
         let [column, row] = layout.place(x).map(|place| place as usize);
         canvas.pixels[row * canvas.size[0] + column]
     }
 
     #[test]
     fn the_file_decodes_to_all_frames_and_repeats_for_ever() {
-        let bytes = film(vec![disk(1.0, 1.0)]).apng(228, 3.0);
+        let bytes = film().apng(228, 3.0, frames(vec![disk(1.0, 1.0)]));
         let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
         let control = *reader.info().animation_control().unwrap();
         assert_eq!((control.num_frames, control.num_plays), (3, 0));
@@ -130,45 +156,56 @@ mod tests {
 
     #[test]
     fn a_disk_across_the_seam_is_seen_on_both_sides() {
-        let film = film(vec![disk(2.05, 1.0)]);
+        let frames = frames(vec![disk(2.05, 1.0)]);
         for (x, seen) in [(0.1, true), (1.9, true), (1.0, false)] {
-            assert_eq!(colour_at(&film, [x, 0.5]) == palette::shade(1.0), seen, "at {x}");
+            assert_eq!(colour_at(&frames, [x, 0.5]) == palette::shade(1.0), seen, "at {x}");
         }
     }
 
     #[test]
     fn the_second_coordinate_points_up() {
-        let mut film = film(vec![disk(1.0, 1.0)]);
-        film.frames[0].disks[0].center[1] = 0.8;
-        assert_eq!(colour_at(&film, [1.0, 0.8]), palette::shade(1.0));
-        let (layout, _) = first_still(&film);
+        let mut frames = frames(vec![disk(1.0, 1.0)]);
+        frames[0].disks[0].center[1] = 0.8;
+        assert_eq!(colour_at(&frames, [1.0, 0.8]), palette::shade(1.0));
+        let (layout, _) = first_still(&frames);
         assert!(layout.place([0.0, 1.0])[1] < layout.place([0.0, 0.0])[1]);
     }
 
     #[test]
     fn the_mark_points_where_the_angle_does() {
-        let film = film(vec![AnimatedDisk { angle: std::f64::consts::FRAC_PI_2, ..disk(1.0, 1.0) }]);
-        assert_eq!(colour_at(&film, [1.0, 0.5 + 0.2 * MARK[0]]), palette::PAPER);
-        assert_eq!(colour_at(&film, [1.0, 0.5 - 0.2 * MARK[0]]), palette::shade(1.0));
+        let frames = frames(vec![AnimatedDisk { angle: std::f64::consts::FRAC_PI_2, ..disk(1.0, 1.0) }]);
+        assert_eq!(colour_at(&frames, [1.0, 0.5 + 0.2 * MARK[0]]), palette::PAPER);
+        assert_eq!(colour_at(&frames, [1.0, 0.5 - 0.2 * MARK[0]]), palette::shade(1.0));
     }
 
     #[test]
     fn the_same_film_has_the_same_bytes() {
-        let film = film(vec![disk(0.3, 0.1), disk(1.0, 1.0), disk(1.2, 0.5)]);
-        assert_eq!(film.apng(120, 2.0), film.apng(120, 2.0));
+        let bytes = || film().apng(120, 2.0, frames(vec![disk(0.3, 0.1), disk(1.0, 1.0), disk(1.2, 0.5)]));
+        assert_eq!(bytes(), bytes());
     }
 
     #[test]
     fn values_that_are_not_finite_can_be_drawn() {
-        let mut film = film(vec![disk(f64::NAN, 1.0), disk(1.0, f64::NAN), AnimatedDisk { radius: f64::INFINITY, ..disk(1.0, 1.0) }]);
-        film.frames[1].time = f64::NAN;
-        assert!(!film.apng(100, f64::NAN).is_empty());
+        let mut frames = frames(vec![disk(f64::NAN, 1.0), disk(1.0, f64::NAN), AnimatedDisk { radius: f64::INFINITY, ..disk(1.0, 1.0) }]);
+        frames[1].time = f64::NAN;
+        assert!(!film().apng(100, f64::NAN, frames).is_empty());
+    }
+
+    #[test]
+    fn a_film_that_ends_too_early_is_no_film() {
+        let mut film = film();
+        frames(Vec::new()).iter().for_each(|frame| film.add(frame));
+        assert!(film.write(Vec::new(), 100, 1.0, frames(Vec::new()).into_iter().take(2)).is_err());
+    }
+
+    #[test]
+    fn disks_smaller_than_a_pixel_are_seen() {
+        let crowd = (0..4000).map(|k| AnimatedDisk { radius: 2e-3, ..disk(5e-4 * f64::from(k), 1.0) });
+        assert_ne!(colour_at(&frames(crowd.collect()), [1.0, 0.5]), palette::PAPER);
     }
 
     #[test]
     fn one_frame_without_disks_is_a_film() {
-        let mut film = film(Vec::new());
-        film.frames.truncate(1);
-        assert!(!film.apng(1, 0.0).is_empty());
+        assert!(!film().apng(1, 0.0, frames(Vec::new()).split_off(2)).is_empty());
     }
 }

@@ -1,9 +1,9 @@
 //! The columns of the file that hold the bodies of a frame.
 
-use nalgebra::{Matrix3, SMatrix, SVector};
+use nalgebra::{SMatrix, SVector};
 
 use crate::{
-    body::{components, skew},
+    body::{planes, skew},
     observe::FrameBody,
 };
 
@@ -14,24 +14,28 @@ pub(super) const COLUMNS: [(&str, usize); 7] =
 /// Named whole numbers of each body.
 pub(super) const COUNTS: [&str; 2] = ["id", "contacts"];
 
+/// Numbers of a row: that of the body, the entries of [`COLUMNS`], and the number of contacts.
+pub(super) const WIDTH: usize = 27;
+
 impl<const D: usize> FrameBody<D> {
-    /// The entries of [`COLUMNS`].
-    pub(super) fn columns(&self) -> [Vec<f64>; COLUMNS.len()] {
-        [
-            in_space(&self.center),
-            vec![self.radius],
-            in_space(&self.velocity),
-            axial(&self.spin),
-            turn_in_space(&self.rotation),
-            in_space(&self.force),
-            axial(&self.torque),
-        ]
+    /// Adds the body's row.
+    pub(super) fn add_row(&self, rows: &mut Vec<f64>) {
+        rows.push(self.number as f64);
+        rows.extend(in_space(&self.center));
+        rows.push(self.radius);
+        rows.extend(in_space(&self.velocity));
+        rows.extend(axial(&self.spin));
+        rows.extend(turn_in_space(&self.rotation));
+        rows.extend(in_space(&self.force));
+        rows.extend(axial(&self.torque));
+        rows.push(self.contacts as f64);
     }
 
-    /// The body with these entries of [`COLUMNS`].
-    pub(super) fn from_columns(columns: [&[f64]; COLUMNS.len()], contacts: usize) -> FrameBody<D> {
+    /// The body of this number with these entries of [`COLUMNS`].
+    pub(super) fn from_columns(number: usize, columns: [&[f64]; COLUMNS.len()], contacts: usize) -> FrameBody<D> {
         let [center, radius, velocity, spin, rotation, force, torque] = columns;
         FrameBody {
+            number,
             center: SVector::from_column_slice(&center[..D]),
             radius: radius[0],
             velocity: SVector::from_column_slice(&velocity[..D]),
@@ -45,16 +49,16 @@ impl<const D: usize> FrameBody<D> {
 }
 
 /// A vector with three components.
-pub(super) fn in_space<const D: usize>(vector: &SVector<f64, D>) -> Vec<f64> {
-    let mut components = vector.as_slice().to_vec();
-    components.resize(3, 0.0);
-    components
+pub(super) fn in_space<const D: usize>(vector: &SVector<f64, D>) -> [f64; 3] {
+    std::array::from_fn(|axis| if axis < D { vector[axis] } else { 0.0 })
 }
 
 /// The vector along the axis of a skew matrix; normal to the plane in 2D.
-fn axial<const D: usize>(skew: &SMatrix<f64, D, D>) -> Vec<f64> {
-    let own = components(skew);
-    [&[0.0; 2][..3 - own.len()], &own].concat()
+fn axial<const D: usize>(skew: &SMatrix<f64, D, D>) -> [f64; 3] {
+    let mut axial = [0.0; 3];
+    let planes = planes::<D>();
+    axial[3 - planes.len()..].iter_mut().zip(planes).for_each(|(component, &plane)| *component = skew[plane]);
+    axial
 }
 
 fn skew_from<const D: usize>(axial: &[f64]) -> SMatrix<f64, D, D> {
@@ -62,26 +66,36 @@ fn skew_from<const D: usize>(axial: &[f64]) -> SMatrix<f64, D, D> {
 }
 
 /// A rotation in space, row by row; about the normal of the plane in 2D.
-fn turn_in_space<const D: usize>(rotation: &SMatrix<f64, D, D>) -> Vec<f64> {
-    let mut whole = Matrix3::identity();
-    whole.view_mut((0, 0), (D, D)).copy_from(rotation);
-    whole.transpose().as_slice().to_vec()
+fn turn_in_space<const D: usize>(rotation: &SMatrix<f64, D, D>) -> [f64; 9] {
+    let entry = |row: usize, column: usize| if row.max(column) < D { rotation[(row, column)] } else { f64::from(row == column) };
+    std::array::from_fn(|place| entry(place / 3, place % 3))
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use nalgebra::{Rotation2, Rotation3, Vector2, Vector3};
 
     use super::*;
 
+    fn row<const D: usize>(body: &FrameBody<D>) -> Vec<f64> {
+        let mut row = Vec::new();
+        body.add_row(&mut row);
+        row
+    }
+
     fn there_and_back<const D: usize>(body: &FrameBody<D>) -> FrameBody<D> {
-        let columns = body.columns();
-        FrameBody::from_columns(columns.each_ref().map(Vec::as_slice), body.contacts)
+        let row = row(body);
+        assert_eq!((row.len(), row[0], row[WIDTH - 1]), (WIDTH, body.number as f64, body.contacts as f64));
+        let mut rest = &row[1..];
+        let columns = COLUMNS.map(|(_, width)| rest.split_off(..width).unwrap());
+        FrameBody::from_columns(body.number, columns, body.contacts)
     }
 
     #[test]
     fn a_body_comes_back_from_its_columns() {
         let flat = FrameBody::<2> {
+            number: 5,
             center: Vector2::new(1.0, 2.0),
             radius: 0.5,
             velocity: Vector2::new(-1.0, 3.0),
@@ -91,10 +105,11 @@ mod tests {
             torque: skew(&[-0.2]),
             contacts: 3,
         };
-        assert_eq!(flat.columns()[3], [0.0, 0.0, 0.7]);
-        assert_eq!(flat.columns()[4][8], 1.0);
+        assert_eq!(row(&flat)[8..11], [0.0, 0.0, 0.7]);
+        assert_eq!(row(&flat)[19], 1.0);
         assert_eq!(there_and_back(&flat), flat);
         let solid = FrameBody::<3> {
+            number: 0,
             center: Vector3::new(1.0, 2.0, 3.0),
             radius: 0.5,
             velocity: Vector3::new(-1.0, 3.0, 7.0),
@@ -104,7 +119,7 @@ mod tests {
             torque: skew(&[-0.2, 0.3, 0.8]),
             contacts: 0,
         };
-        assert_eq!(solid.columns()[3], [0.7, 0.1, -0.3]);
+        assert_eq!(row(&solid)[8..11], [0.7, 0.1, -0.3]);
         assert_eq!(there_and_back(&solid), solid);
     }
 }

@@ -32,6 +32,8 @@ pub(super) const COLUMNS: [(&str, usize); 4] = [("point", 3), ("normal", 3), ("g
 pub(super) const GAMMA: &str = "gamma";
 /// Named whole numbers of each contact. A wall is the partner -1, -2, .. (lower x, upper x, lower y, ..).
 pub(super) const COUNTS: [(&str, usize); 3] = [("body", 1), ("partner", 1), ("image", 3)];
+/// Numbers of a row.
+pub(super) const WIDTH: usize = 14;
 
 impl<const D: usize> FrameContact<D> {
     /// The entry of a contact between bodies where they are.
@@ -41,20 +43,17 @@ impl<const D: usize> FrameContact<D> {
         FrameContact { body, partner, image, point, normal, gap, force, gamma }
     }
 
-    /// The entries of [`COLUMNS`].
-    pub(super) fn columns(&self) -> [Vec<f64>; COLUMNS.len()] {
-        [in_space(&self.point), in_space(&self.normal), vec![self.gap], vec![self.force]]
-    }
-
-    /// The entries of [`COUNTS`].
-    pub(super) fn counts(&self) -> [Vec<i32>; COUNTS.len()] {
+    /// Adds the contact's row: the entries of [`COUNTS`] and of [`COLUMNS`], and the memory.
+    pub(super) fn add_row(&self, rows: &mut Vec<f64>) {
         let partner = match self.partner {
-            Partner::Body(other) => other as i32,
-            Partner::Wall { axis, upper } => -1 - 2 * axis as i32 - i32::from(upper),
+            Partner::Body(other) => other as f64,
+            Partner::Wall { axis, upper } => -1.0 - 2.0 * axis as f64 - f64::from(upper),
         };
-        let mut image = self.image.to_vec();
-        image.resize(3, 0);
-        [vec![self.body as i32], vec![partner], image]
+        rows.extend([self.body as f64, partner]);
+        rows.extend((0..3).map(|axis| self.image.get(axis).map_or(0.0, |&boxes| f64::from(boxes))));
+        rows.extend(in_space(&self.point));
+        rows.extend(in_space(&self.normal));
+        rows.extend([self.gap, self.force, self.gamma.unwrap_or(0.0)]);
     }
 
     /// The contact with these entries.
@@ -87,10 +86,14 @@ mod tests {
         for (partner, number) in partners.into_iter().zip([7, -1, -4]) {
             let (point, normal) = (SVector::from([0.5, 0.25]), SVector::from([0.6, -0.8]));
             let contact = FrameContact { body: 3, partner, image: [-1, 2], point, normal, gap: 0.125, force: -2.0, gamma: Some(-0.5) };
-            let (columns, counts) = (contact.columns(), contact.counts());
-            assert_eq!(counts, [vec![3], vec![number], vec![-1, 2, 0]]);
-            let back =
-                FrameContact::from_columns(columns.each_ref().map(Vec::as_slice), counts.each_ref().map(Vec::as_slice), contact.gamma);
+            let mut row = Vec::new();
+            contact.add_row(&mut row);
+            assert_eq!(row.len(), WIDTH);
+            let (counts, rest) = row.split_at(5);
+            assert_eq!(counts, [3.0, f64::from(number), -1.0, 2.0, 0.0]);
+            let counts: Vec<i32> = counts.iter().map(|&count| count as i32).collect();
+            let (columns, gamma) = ([&rest[..3], &rest[3..6], &rest[6..7], &rest[7..8]], contact.gamma.map(|_| rest[8]));
+            let back = FrameContact::from_columns(columns, [&counts[..1], &counts[1..2], &counts[2..]], gamma);
             assert_eq!(back, contact);
         }
     }

@@ -1,6 +1,6 @@
 //! What all frames together know of one.
 
-use super::{contact::FrameContact, frame::Frame};
+use super::frame::{Frame, FrameRows};
 use crate::grid::Grid;
 
 /// The folder of the frames in the run's folder.
@@ -35,14 +35,12 @@ pub(super) struct Entry {
 }
 
 impl Entry {
-    /// The entry of a frame.
-    pub fn of<const D: usize>(number: usize, frame: &Frame<D>) -> Entry {
+    /// The entry of a frame with these rows.
+    pub fn of<const D: usize>(number: usize, frame: &Frame<D>, rows: &FrameRows) -> Entry {
         let mesh = |grid: &Grid<D>| Mesh { cells: grid.cells().to_vec(), spacing: grid.spacing().as_slice().to_vec() };
         let mesh = frame.fields.as_ref().map(|fields| mesh(fields.grid));
-        let network =
-            |contacts: &[FrameContact<D>]| Network { count: contacts.len(), gluey: contacts.iter().any(|contact| contact.gamma.is_some()) };
-        let contacts = frame.contacts.map(network);
-        Entry { number, time: frame.time, step: frame.step, bodies: frame.bodies.len(), contacts, mesh, offset: frame.offset() }
+        let contacts = rows.contacts.as_ref().map(|(contacts, gluey)| Network { count: contacts.total(), gluey: *gluey });
+        Entry { number, time: frame.time, step: frame.step, bodies: rows.bodies.total(), contacts, mesh, offset: frame.offset() }
     }
 }
 

@@ -6,7 +6,14 @@ use super::{
     body,
     contact::{self, FrameContact},
 };
-use crate::{error::Result, geometry::Domain, grid::Grid, observe::FrameBody, output::not_finite};
+use crate::{
+    error::Result,
+    geometry::Domain,
+    grid::Grid,
+    observe::FrameBody,
+    output::{not_finite, rows::Rows},
+    parallel::World,
+};
 
 /// The fluid of one rank at one time: a value for each cell of its block of the pressure, in the block's order.
 pub struct FrameFields<'a, const D: usize> {
@@ -28,22 +35,55 @@ pub struct Frame<'a, const D: usize> {
     pub step: usize,
     /// The box.
     pub domain: &'a Domain<D>,
-    /// All bodies, the same on all ranks.
+    /// The bodies of this rank in the order of their numbers; each body is on one rank.
     pub bodies: &'a [FrameBody<D>],
-    /// All contacts that bear a force or stick, the same on all ranks; nothing without a law of contact.
+    /// The contacts that bear a force or stick, those of a body on one rank, in the order of the bodies; nothing without a law of contact.
     pub contacts: Option<&'a [FrameContact<D>]>,
     /// The fluid, on all ranks or on none.
     pub fields: Option<FrameFields<'a, D>>,
 }
 
 impl<const D: usize> Frame<'_, D> {
-    /// Refuses numbers that are not finite.
-    pub(super) fn check(&self) -> Result<()> {
-        let columns = self.bodies.iter().flat_map(|body| body::COLUMNS.iter().zip(body.columns()));
-        let contacts = self.contacts.into_iter().flatten().flat_map(|held| contact::COLUMNS.iter().zip(held.columns()));
-        for ((name, _), numbers) in columns.chain(contacts) {
-            check_all(name, numbers)?;
+    /// The rows of all ranks in the order of the bodies. Collective.
+    ///
+    /// # Errors
+    /// A number of the frame is not finite.
+    pub(super) fn rows(&self, world: &World) -> Result<FrameRows> {
+        let (bodies, contacts) = (self.body_rows(), self.contact_rows());
+        world.agree(self.check(&bodies, &contacts))?;
+        let mut counts = [self.bodies.len() as f64];
+        world.sum(&mut counts);
+        let [count] = counts.map(|count| count as usize);
+        let bodies = Rows::in_order(world, count, body::WIDTH, bodies);
+        let gluey = self.contacts.is_some_and(|contacts| contacts.iter().any(|contact| contact.gamma.is_some()));
+        let gluey = world.max(f64::from(gluey)) > 0.0;
+        let contacts = self.contacts.map(|_| (Rows::in_order(world, count, contact::WIDTH, contacts), gluey));
+        Ok(FrameRows { bodies, contacts })
+    }
+
+    /// Rows of the bodies, with centres in the box.
+    fn body_rows(&self) -> Vec<f64> {
+        let mut rows = Vec::with_capacity(body::WIDTH * self.bodies.len());
+        for body in self.bodies {
+            let velocity = body.velocity - self.domain.image_velocity(&body.center);
+            FrameBody { center: self.domain.wrap(body.center), velocity, ..body.clone() }.add_row(&mut rows);
         }
+        rows
+    }
+
+    fn contact_rows(&self) -> Vec<f64> {
+        let contacts = self.contacts.unwrap_or_default();
+        let mut rows = Vec::with_capacity(contact::WIDTH * contacts.len());
+        for contact in contacts {
+            FrameContact { point: self.domain.wrap(contact.point), ..*contact }.add_row(&mut rows);
+        }
+        rows
+    }
+
+    fn check(&self, bodies: &[f64], contacts: &[f64]) -> Result<()> {
+        check_rows(bodies, body::WIDTH, 1, &body::COLUMNS)?;
+        let counts = contact::COUNTS.iter().map(|(_, width)| width).sum();
+        check_rows(contacts, contact::WIDTH, counts, &contact::COLUMNS)?;
         let Some(fields) = &self.fields else { return Ok(()) };
         check_all("velocity", fields.velocity.iter().flat_map(|velocity| velocity.iter().copied()))?;
         check_all("pressure", fields.pressure.iter().copied())
@@ -55,6 +95,21 @@ impl<const D: usize> Frame<'_, D> {
         // rem_euclid of a tiny negative number rounds up to the length itself
         self.domain.slide().map(|slide| slide.shift().rem_euclid(length)).map(|offset| if offset < length { offset } else { 0.0 })
     }
+}
+
+/// The rows of a frame that this rank writes.
+pub(super) struct FrameRows {
+    pub bodies: Rows,
+    /// Contacts, and whether they have a memory.
+    pub contacts: Option<(Rows, bool)>,
+}
+
+/// Refuses rows of which a number is not finite in columns from `start` on.
+fn check_rows(rows: &[f64], width: usize, start: usize, columns: &[(&str, usize)]) -> Result<()> {
+    let broken = |row: &[f64]| row.iter().position(|number| !number.is_finite()).map(|place| (place, row[place]));
+    let Some((place, number)) = rows.chunks_exact(width).find_map(broken) else { return Ok(()) };
+    let mut names = columns.iter().flat_map(|&(name, width)| std::iter::repeat_n(name, width));
+    Err(not_finite("a frame", names.nth(place.saturating_sub(start)).unwrap_or("gamma"), number))
 }
 
 fn check_all(name: &str, numbers: impl IntoIterator<Item = f64>) -> Result<()> {

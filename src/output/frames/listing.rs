@@ -78,7 +78,8 @@ impl<F: Format> Listing<F> {
     /// Lists what is new since the last time; `entries` are those of then with some more.
     pub fn update(&mut self, entries: &[Entry]) -> Result<()> {
         let known = self.seen.as_ref().map_or(0, |version| version.frames);
-        if !entries[known..].iter().any(|entry| self.format.lists(entry)) && !(self.seen.is_none() && self.format.empty()) {
+        let first = self.seen.is_none() && self.format.empty();
+        if !first && !entries[known..].iter().any(|entry| self.format.lists(entry)) {
             return Ok(());
         }
         self.bring_up_to_date(entries).map_err(|source| {

@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 pub use contact::FrameContact;
 pub(super) use entry::FOLDER as FRAMES;
 pub use frame::{Frame, FrameFields};
-pub use read::{StoredFrame, read_frames};
+pub use read::{FrameFile, StoredFrame, read_frames};
 
 use super::parallel_file::ParallelFile;
 use crate::{error::Result, parallel::World};
@@ -63,14 +63,14 @@ impl Frames {
 
     /// Adds a frame.
     pub fn write<const D: usize>(&mut self, world: &World, frame: &Frame<D>) -> Result<()> {
-        world.agree(frame.check())?;
+        let rows = frame.rows(world)?;
         let mut file = ParallelFile::create(world, &self.folder.join(path_in_run(self.next)))?;
-        store::store(&mut file, frame)?;
+        store::store(&mut file, frame, &rows)?;
         file.finish()?;
         let number = self.next;
         self.next += 1;
         world.on_first_rank(|| {
-            self.entries.push(Entry::of(number, frame));
+            self.entries.push(Entry::of(number, frame, &rows));
             self.index.as_mut().map_or(Ok(()), |index| index.update(&self.entries))
         })
     }

@@ -1,6 +1,6 @@
 //! Frames read back: their bodies, for animations, and what a run needs to go on.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use hdf5::{File, H5Type};
 use nalgebra::SVector;
@@ -35,13 +35,44 @@ pub struct StoredFrame<const D: usize> {
     pub contacts: Option<Vec<FrameContact<D>>>,
 }
 
-/// The bodies of all frames in the folder of a run, in the order of time; local to this rank.
+/// A frame of a run that can be read; local to this rank.
+pub struct FrameFile {
+    path: PathBuf,
+}
+
+impl FrameFile {
+    /// The frames in the folder of a run, in the order of time.
+    ///
+    /// # Errors
+    /// The folder cannot be read.
+    pub fn of_run(folder: &Path) -> Result<Vec<FrameFile>> {
+        Ok(frame_files(folder)?.into_iter().map(|(_, path)| FrameFile { path }).collect())
+    }
+
+    /// Its time.
+    ///
+    /// # Errors
+    /// [`Error::Refused`], here and below, when the frame cannot be read.
+    pub fn time(&self) -> Result<f64> {
+        read_with(&self.path, |file| slab::get(file, "time")).map_err(refused)
+    }
+
+    /// All of it but the fields, which must have this dimension.
+    pub fn read<const D: usize>(&self) -> Result<StoredFrame<D>> {
+        read_with(&self.path, bodies).map_err(refused)
+    }
+}
+
+/// The bodies of all frames in the folder of a run at once, in the order of time; local to this rank.
 ///
 /// # Errors
 /// [`Error::Refused`] when a frame cannot be read or has another dimension.
 pub fn read_frames<const D: usize>(folder: &Path) -> Result<Vec<StoredFrame<D>>> {
-    let refused = |reason| Error::refused(format!("{reason}; move it out of the folder to go on without it"));
-    frame_files(folder)?.into_iter().map(|(_, path)| read_with(&path, bodies).map_err(refused)).collect()
+    FrameFile::of_run(folder)?.iter().map(FrameFile::read).collect()
+}
+
+fn refused(reason: String) -> Error {
+    Error::refused(format!("{reason}; move it out of the folder to go on without it"))
 }
 
 /// What the other frames need to know of a frame, or what is wrong with it.
@@ -83,7 +114,7 @@ fn bodies<const D: usize>(file: &File) -> hdf5::Result<StoredFrame<D>> {
     let group = Columns { file, group: "bodies", count };
     let columns = group.all::<f64, _>(&COLUMNS)?;
     let [contacts] = group.all::<i32, 1>(&[("contacts", 1)])?;
-    let body = |body: usize| FrameBody::from_columns(entry_of(&columns, &COLUMNS, body), contacts[body] as usize);
+    let body = |body: usize| FrameBody::from_columns(body, entry_of(&columns, &COLUMNS, body), contacts[body] as usize);
     let (time, step) = (slab::get(file, "time")?, slab::get::<u64>(file, "step")? as usize);
     let contacts = file.link_exists("contacts").then(|| network(file)).transpose()?;
     let (size, offset, bodies) = (SVector::from_column_slice(&size), offset(file)?, (0..count).map(body).collect());

@@ -1,20 +1,22 @@
 //! The contents of a frame's file.
 //!
-//! Bodies stand in columns. Fields have the shape `z, y, x[, component]`, slowest first as XDMF wants it, over all cells of
+//! Bodies stand in columns, in the order of their numbers, whichever rank had them. Fields have the shape `z, y, x[, component]`, slowest first as XDMF wants it, over all cells of
 //! the box, whichever rank owned them; 2D is one layer of cells.
+
+use std::{iter, ops::Range};
 
 use hdf5::{Dataset, Group};
 
 use super::{
-    Frame, FrameContact, FrameFields,
-    body::{COLUMNS, COUNTS, in_space},
+    Frame, FrameFields,
+    body::{self, in_space},
     contact,
+    frame::FrameRows,
 };
 use crate::{
     error::Result,
     grid::{Block, Grid},
-    observe::FrameBody,
-    output::{parallel_file::ParallelFile, slab},
+    output::{parallel_file::ParallelFile, rows::Rows, slab},
 };
 
 /// Name of the file format.
@@ -26,41 +28,40 @@ pub(super) const OFFSET: &str = "offset";
 /// Named numbers and vectors of each cell.
 pub(super) const FIELDS: [(&str, usize); 3] = [("velocity", 3), ("pressure", 1), ("inside", 1)];
 
-/// Writes a frame.
-pub(super) fn store<const D: usize>(file: &mut ParallelFile, frame: &Frame<D>) -> Result<()> {
-    make_room(file, frame)?;
-    file.step(|root| describe(root, frame))?;
-    store_bodies(file, frame)?;
-    store_contacts(file, frame)?;
+/// Writes a frame with these rows.
+pub(super) fn store<const D: usize>(file: &mut ParallelFile, frame: &Frame<D>, rows: &FrameRows) -> Result<()> {
+    make_room(file, frame, rows)?;
+    file.step(|root| describe(root, frame, rows))?;
+    store_group(file, "bodies", &rows.bodies, &body_columns())?;
+    if let Some((contacts, gluey)) = &rows.contacts {
+        store_group(file, "contacts", contacts, &contact_columns(*gluey && contacts.total() > 0))?;
+    }
     frame.fields.as_ref().map_or(Ok(()), |fields| store_fields(file, fields))
 }
 
-fn make_room<const D: usize>(file: &mut ParallelFile, frame: &Frame<D>) -> Result<()> {
+fn make_room<const D: usize>(file: &mut ParallelFile, frame: &Frame<D>, rows: &FrameRows) -> Result<()> {
     let cells = frame.fields.as_ref().map_or(0, |fields| fields.grid.unknowns(D));
-    let columns = COLUMNS.iter().map(|(_, width)| frame.bodies.len() * width * size_of::<f64>());
-    let counts = COUNTS.iter().map(|_| frame.bodies.len() * size_of::<i32>());
-    let fields = FIELDS.iter().map(|(_, width)| cells * width * size_of::<f64>());
-    let contact = contact::COLUMNS.iter().chain(&[(contact::GAMMA, 1)]).map(|(_, width)| width * size_of::<f64>()).sum::<usize>()
-        + contact::COUNTS.iter().map(|(_, width)| width * size_of::<i32>()).sum::<usize>();
-    let contacts = frame.contacts.map_or(0, <[_]>::len) * contact;
-    file.make_room(columns.chain(counts).chain(fields).sum::<usize>() + contacts)
+    let fields = FIELDS.iter().map(|(_, width)| cells * width * size_of::<f64>()).sum::<usize>();
+    let bodies = rows.bodies.total() * body::WIDTH * size_of::<f64>();
+    let contacts = rows.contacts.as_ref().map_or(0, |(contacts, _)| contacts.total() * contact::WIDTH * size_of::<f64>());
+    file.make_room(bodies + contacts + fields)
 }
 
-fn describe<const D: usize>(root: &Group, frame: &Frame<D>) -> hdf5::Result<()> {
+fn describe<const D: usize>(root: &Group, frame: &Frame<D>, rows: &FrameRows) -> hdf5::Result<()> {
     slab::set_text(root, "format", FORMAT)?;
     slab::set(root, "version", VERSION)?;
     slab::set_text(root, "units", "those of the scene; none are converted")?;
     slab::set(root, "time", frame.time)?;
     slab::set(root, "step", frame.step as u64)?;
-    slab::set(root, "body_count", frame.bodies.len() as u64)?;
+    slab::set(root, "body_count", rows.bodies.total() as u64)?;
     slab::set_all(root, "size", frame.domain.size.as_slice())?;
     slab::set_all(root, "periodic", &std::array::from_fn::<u8, D, _>(|axis| u8::from(frame.domain.periodic(axis))))?;
     if let (Some(offset), Some(slide)) = (frame.offset(), frame.domain.slide()) {
         slab::set(root, OFFSET, offset)?;
         slab::set(root, "offset_rate", slide.speed)?;
     }
-    if let Some(contacts) = frame.contacts {
-        slab::set(root, "contact_count", contacts.len() as u64)?;
+    if let Some((contacts, _)) = &rows.contacts {
+        slab::set(root, "contact_count", contacts.total() as u64)?;
     }
     if let Some(fields) = &frame.fields {
         slab::set_all(root, "cells", &fields.grid.cells().map(|cells| cells as u64))?;
@@ -69,54 +70,66 @@ fn describe<const D: usize>(root: &Group, frame: &Frame<D>) -> hdf5::Result<()> 
     Ok(())
 }
 
-/// A column of a group: its name, the numbers of each entry, and the numbers of all entries.
-type Column<T> = (&'static str, usize, Vec<T>);
-
-fn store_bodies<const D: usize>(file: &ParallelFile, frame: &Frame<D>) -> Result<()> {
-    let in_box = frame.bodies.iter().map(|body| {
-        let velocity = body.velocity - frame.domain.image_velocity(&body.center);
-        FrameBody { center: frame.domain.wrap(body.center), velocity, ..body.clone() }.columns()
-    });
-    let contacts = frame.bodies.iter().map(|body| body.contacts as i32).collect();
-    let counts = COUNTS.into_iter().zip([(0..frame.bodies.len() as i32).collect(), contacts]).map(|(name, values)| (name, 1, values));
-    store_group(file, "bodies", frame.bodies.len(), &columns(&COLUMNS, in_box), &counts.collect::<Vec<_>>())
+/// A column of a group.
+struct Column {
+    name: &'static str,
+    /// Where its numbers are in a row.
+    place: Range<usize>,
+    /// Whether they are whole.
+    whole: bool,
 }
 
-fn store_contacts<const D: usize>(file: &ParallelFile, frame: &Frame<D>) -> Result<()> {
-    let Some(contacts) = frame.contacts else { return Ok(()) };
-    let in_box = contacts.iter().map(|contact| FrameContact { point: frame.domain.wrap(contact.point), ..*contact }.columns());
-    let mut numbers = columns(&contact::COLUMNS, in_box);
-    let gamma: Vec<f64> = contacts.iter().filter_map(|contact| contact.gamma).collect();
-    numbers.extend((!gamma.is_empty()).then_some((contact::GAMMA, 1, gamma)));
-    let counts = columns(&contact::COUNTS, contacts.iter().map(FrameContact::counts));
-    store_group(file, "contacts", contacts.len(), &numbers, &counts)
+fn column(name: &'static str, place: usize, width: usize, whole: bool) -> Column {
+    Column { name, place: place..place + width, whole }
 }
 
-/// The columns of entries that give their numbers column by column.
-fn columns<T, const C: usize>(names: &[(&'static str, usize); C], entries: impl Iterator<Item = [Vec<T>; C]>) -> Vec<Column<T>> {
-    let mut columns: Vec<Column<T>> = names.iter().map(|&(name, width)| (name, width, Vec::new())).collect();
-    entries.for_each(|entry| columns.iter_mut().zip(entry).for_each(|((.., values), numbers)| values.extend(numbers)));
-    columns
+/// Columns of a row from a place on, one after the other.
+fn columns(names: &[(&'static str, usize)], start: usize, whole: bool) -> Vec<Column> {
+    let place = |place: &mut usize, &(name, width): &(&'static str, usize)| {
+        Some(column(name, std::mem::replace(place, *place + width), width, whole))
+    };
+    names.iter().scan(start, place).collect()
 }
 
-/// Stores a group of columns, which the first rank writes.
-fn store_group(file: &ParallelFile, name: &str, count: usize, numbers: &[Column<f64>], counts: &[Column<i32>]) -> Result<()> {
-    fn make<T: hdf5::H5Type>(group: &Group, count: usize, columns: &[Column<T>]) -> hdf5::Result<Vec<Dataset>> {
-        let shape = |width: usize| if width == 1 { vec![count] } else { vec![count, width] };
-        columns.iter().map(|&(name, width, _)| group.new_dataset::<T>().shape(shape(width)).create(name)).collect()
-    }
-    fn write<T: hdf5::H5Type>(datasets: &[Dataset], columns: &[Column<T>]) -> hdf5::Result<()> {
-        datasets.iter().zip(columns).try_for_each(|(dataset, (.., values))| dataset.write_raw(values))
-    }
-    let (of_numbers, of_counts) = file.step(|root| {
+fn body_columns() -> Vec<Column> {
+    let counts = body::COUNTS.into_iter().zip([0, body::WIDTH - 1]).map(|(name, place)| column(name, place, 1, true));
+    columns(&body::COLUMNS, 1, false).into_iter().chain(counts).collect()
+}
+
+fn contact_columns(gluey: bool) -> Vec<Column> {
+    let counts = columns(&contact::COUNTS, 0, true);
+    let start = counts.last().map_or(0, |count| count.place.end);
+    let memory = gluey.then(|| column(contact::GAMMA, contact::WIDTH - 1, 1, false));
+    columns(&contact::COLUMNS, start, false).into_iter().chain(memory).chain(counts).collect()
+}
+
+/// Stores a group of columns, of which each rank writes its rows.
+fn store_group(file: &ParallelFile, name: &str, rows: &Rows, columns: &[Column]) -> Result<()> {
+    let create = |group: &Group, column: &Column| {
+        let width = column.place.len();
+        let shape = if width == 1 { vec![rows.total()] } else { vec![rows.total(), width] };
+        match column.whole {
+            true => group.new_dataset::<i32>().shape(shape).create(column.name),
+            false => group.new_dataset::<f64>().shape(shape).create(column.name),
+        }
+    };
+    let datasets = file.step(|root| {
         let group = root.create_group(name)?;
-        Ok((make(&group, count, numbers)?, make(&group, count, counts)?))
+        columns.iter().map(|column| create(&group, column)).collect::<hdf5::Result<Vec<Dataset>>>()
     })?;
-    if count == 0 {
-        return Ok(());
+    if rows.places().is_empty() {
+        return file.step(|_| Ok(()));
     }
-    let first = file.world().rank() == 0;
-    file.step(|_| if first { write(&of_numbers, numbers).and_then(|()| write(&of_counts, counts)) } else { Ok(()) })
+    file.step(|_| datasets.iter().zip(columns).try_for_each(|(dataset, column)| write_column(dataset, rows, column)))
+}
+
+fn write_column(dataset: &Dataset, rows: &Rows, column: &Column) -> hdf5::Result<()> {
+    let width = column.place.len();
+    let ranges: Vec<Range<usize>> = iter::once(rows.places()).chain((width > 1).then_some(0..width)).collect();
+    match column.whole {
+        true => slab::write(dataset, &ranges, &rows.columns(column.place.clone(), |number| number as i32)),
+        false => slab::write(dataset, &ranges, &rows.columns(column.place.clone(), |number| number)),
+    }
 }
 
 fn store_fields<const D: usize>(file: &ParallelFile, fields: &FrameFields<D>) -> Result<()> {

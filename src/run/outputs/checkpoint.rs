@@ -13,6 +13,7 @@ use crate::{
     error::{Error, Offer, Refusal, Result},
     grid::Grid,
     output::{CHECKPOINT, Checkpoint, CheckpointWriter},
+    parallel::World,
     petsc::Vector,
     run::{BeforeStep, Output, RunStatistics},
     simulation::{ContactHistory, ExtrapolationHistory, Moving, Share, Simulation, Snapshot, State},
@@ -47,7 +48,7 @@ impl CheckpointFile {
         self.texts.iter().try_for_each(|(name, text)| writer.text(name, text))?;
         // seconds differ from rank to rank
         writer.text(STATISTICS, &world.broadcast(0, &before.statistics.text()))?;
-        store_state(&mut writer, &simulation.whole_state())?;
+        store_state(&mut writer, world, simulation)?;
         if let Some(suspension) = simulation.suspension() {
             store_past(&mut writer, suspension.grid(), suspension.past())?;
         }
@@ -71,9 +72,9 @@ impl<const D: usize> Output<D> for CheckpointFile {
 ///
 /// # Errors
 /// [`Error::Refused`] when the checkpoint cannot be used.
-pub fn restore<const D: usize>(checkpoint: &Checkpoint, simulation: &mut Simulation<D>) -> Result<RunStatistics> {
+pub fn restore<const D: usize>(world: &World, checkpoint: &Checkpoint, simulation: &mut Simulation<D>) -> Result<RunStatistics> {
     let statistics = RunStatistics::read(&checkpoint.text(STATISTICS)?)?;
-    let state = read_state(checkpoint, simulation.state().count())?;
+    let state = read_state(world, checkpoint, simulation.state().count())?;
     let past = match simulation.suspension() {
         Some(suspension) => {
             let shape = suspension.remembers_fluid().then(|| suspension.fluid_vector()).transpose()?;
@@ -85,19 +86,31 @@ pub fn restore<const D: usize>(checkpoint: &Checkpoint, simulation: &mut Simulat
     Ok(statistics)
 }
 
-fn store_state<const D: usize>(writer: &mut CheckpointWriter, state: &State<D>) -> Result<()> {
+fn store_state<const D: usize>(writer: &mut CheckpointWriter, world: &World, simulation: &Simulation<D>) -> Result<()> {
+    let state = simulation.state();
+    let (count, owned) = (state.bodies.len(), state.share != Share::Whole);
+    let written = if owned { 0..count } else { world.share(count) };
+    // of contacts, which are few, each rank has all that the others tell
+    let contacts = |told: &mut dyn Iterator<Item = (Identity<D>, f64)>| {
+        let told: Vec<f64> = told.flat_map(|(identity, number)| pack(identity, number)).collect();
+        if !owned {
+            return told;
+        }
+        let mut all: Vec<(Identity<D>, f64)> = world.gather(&told).chunks(packed_length::<D>()).map(unpack).collect();
+        all.sort_unstable_by_key(|(identity, _)| *identity);
+        all.into_iter().flat_map(|(identity, number)| pack(identity, number)).collect()
+    };
+    let stuck = contacts(&mut state.told_stuck().map(|stuck| (stuck.identity(), stuck.gamma)));
     let mut numbers = vec![state.time, state.steps as f64, state.last_step];
-    if !state.stuck.is_empty() {
+    if !stuck.is_empty() {
         // how many, so that a list that is lost is missed
-        numbers.push(state.stuck.len() as f64);
-        let stuck = state.stuck.iter().flat_map(|stuck| pack(stuck.identity(), stuck.gamma));
-        writer.shared("stuck", &stuck.collect::<Vec<f64>>())?;
+        numbers.push((stuck.len() / packed_length::<D>()) as f64);
+        writer.shared("stuck", &stuck)?;
     }
     writer.shared("time", &numbers)?;
-    let bodies = state.bodies.iter().flat_map(Moving::pack);
-    writer.shared("bodies", &bodies.collect::<Vec<f64>>())?;
-    let held = state.held.iter().flat_map(|held| pack(held.identity(), held.force));
-    writer.shared("contacts", &held.collect::<Vec<f64>>())
+    let rows = written.flat_map(|place| [&[state.number(place) as f64], &state.bodies[place].pack()[..]].concat());
+    writer.rows("bodies", state.count(), Moving::<D>::LENGTH, rows.collect())?;
+    writer.shared("contacts", &contacts(&mut state.told().map(|held| (held.identity(), held.force))))
 }
 
 /// The contacts of this name, each with a number.
@@ -109,17 +122,14 @@ fn read_contacts<const D: usize>(checkpoint: &Checkpoint, name: &str) -> Result<
     Ok(numbers.chunks(packed_length::<D>()).map(unpack).collect())
 }
 
-fn read_state<const D: usize>(checkpoint: &Checkpoint, bodies: usize) -> Result<State<D>> {
+fn read_state<const D: usize>(world: &World, checkpoint: &Checkpoint, bodies: usize) -> Result<State<D>> {
     let numbers = checkpoint.shared("time")?;
     let (&[time, steps, last_step], sticking) = numbers.split_first_chunk().ok_or_else(|| misfit("time"))?;
     let stuck = if sticking.is_empty() { Vec::new() } else { read_contacts(checkpoint, "stuck")? };
     if sticking != &[stuck.len() as f64][..sticking.len().min(1)] {
         return Err(misfit("stuck"));
     }
-    let flat = checkpoint.shared("bodies")?;
-    if flat.len() != Moving::<D>::LENGTH * bodies {
-        return Err(misfit("bodies"));
-    }
+    let flat = world.gather(&checkpoint.rows("bodies", bodies, Moving::<D>::LENGTH)?.ok_or_else(|| misfit("bodies"))?);
     let held = read_contacts(checkpoint, "contacts")?.into_iter();
     Ok(State {
         time,

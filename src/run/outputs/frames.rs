@@ -1,12 +1,12 @@
 //! Frames of a run in time: the first instant, the last one, and the first one after each multiple of the time between frames.
 
 use std::{
-    collections::BTreeMap,
+    ops::Range,
     path::{Path, PathBuf},
 };
 
 use crate::{
-    contact::{Contact, Identity},
+    contact::{Contact, Identity, bodies_of, renamed},
     error::Result,
     grid::operators::signed,
     observe::{CellCenters, inside},
@@ -99,8 +99,10 @@ impl<const D: usize> Output<D> for FrameFiles<D> {
         if !self.due(&motion) {
             return Ok(());
         }
-        let (state, bodies) = (motion.state(), motion.bodies());
-        let contacts = (self.contact != ContactModel::None).then(|| network(&motion, self.contact.gluey()));
+        let state = motion.state();
+        let written = motion.written(seen.world);
+        let contacts = (self.contact != ContactModel::None).then(|| network(&motion, self.contact.gluey(), &written));
+        let bodies = motion.bodies(written);
         let fields = self.fields(seen, &motion)?;
         let contacts = contacts.as_deref();
         self.frames
@@ -113,14 +115,28 @@ impl<const D: usize> Output<D> for FrameFiles<D> {
     }
 }
 
-/// Contacts that bear a force or stick, as frames hold them. Collective.
-fn network<const D: usize>(motion: &EvaluatedMotion<D>, gluey: bool) -> Vec<FrameContact<D>> {
-    let (state, domain) = (motion.simulation.whole_state(), motion.domain());
-    let balls = motion.simulation.whole_balls();
-    let mut all: BTreeMap<Identity<D>, (f64, f64)> = motion.held().iter().map(|held| (held.identity(), (held.force, 0.0))).collect();
-    state.stuck.iter().for_each(|stuck| all.entry(stuck.identity()).or_default().1 = stuck.gamma);
-    let contact = |(identity, (force, gamma)): (Identity<D>, (f64, f64))| {
-        FrameContact::of(&Contact::again(domain, &balls, identity), &balls, force, gluey.then_some(gamma))
+/// Contacts that bear a force or stick, of those that this rank writes of, as frames hold them. Collective.
+fn network<const D: usize>(motion: &EvaluatedMotion<D>, gluey: bool, written: &Range<usize>) -> Vec<FrameContact<D>> {
+    let (state, domain, held) = (motion.state(), motion.domain(), motion.held());
+    let held = held.iter().map(|held| (held.identity(), held.force, 0.0));
+    let stuck = state.stuck.iter().map(|stuck| (stuck.identity(), 0.0, stuck.gamma));
+    let writes = |body: usize| state.place(body).is_some_and(|place| written.contains(&place));
+    let mut all: Vec<(Identity<D>, f64, f64)> = held.chain(stuck).filter(|((body, ..), ..)| writes(*body)).collect();
+    all.sort_by_key(|&(identity, ..)| identity);
+    // a contact that bears a force and sticks
+    all.dedup_by(|(again, force, gamma), (identity, of_both, memory)| {
+        let same = again == identity;
+        if same {
+            (*of_both, *memory) = (*of_both + *force, *memory + *gamma);
+        }
+        same
+    });
+    let (halo, balls) = motion.simulation.seen(all.iter().flat_map(|(identity, ..)| bodies_of(*identity)));
+    let place = |number: usize| halo.place(number).expect("bodies of contacts are seen");
+    let contact = |(identity, force, gamma): (Identity<D>, f64, f64)| {
+        let placed = Contact::again(domain, &balls, renamed(identity, place));
+        let (body, partner, _) = identity;
+        FrameContact { body, partner, ..FrameContact::of(&placed, &balls, force, gluey.then_some(gamma)) }
     };
     all.into_iter().map(contact).collect()
 }

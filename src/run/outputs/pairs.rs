@@ -6,7 +6,8 @@ use crate::{
     error::Result,
     geometry::{Ball, Domain},
     observe::{FrameBody, PairCounts, PairDistribution, Shear},
-    output::{MeanViscosity, PairSummary, Summary, pair_files, read_frames},
+    output::{FrameFile, MeanViscosity, PairSummary, Summary, pair_files},
+    parallel::World,
     run::{Evaluated, Output},
 };
 
@@ -34,7 +35,7 @@ impl<const D: usize> Output<D> for PairFiles {
             (Some(motion), _) => {
                 let radii = motion.simulation.whole_balls().iter().map(|ball| ball.radius).collect();
                 let bodies = Bodies { domain: motion.domain(), radii, shear };
-                seen.world.on_first_rank(|| bodies.over_frames(&self.folder, motion.state().time, seen.history.mean()))?
+                bodies.over_frames(seen.world, &self.folder, motion.state().time, seen.history.mean())?
             }
             (None, Some(setup)) => {
                 let balls: Vec<Ball<D>> = setup.bodies.iter().map(|suspended| suspended.body.ball).collect();
@@ -64,17 +65,33 @@ impl<const D: usize> Bodies<'_, D> {
     }
 
     /// Over the frames of a run until `end`: those of the steady part of its viscosity, or else of its second half; and the time of the first.
-    fn over_frames(&self, folder: &Path, end: f64, mean: Option<&MeanViscosity>) -> Result<Option<(PairDistribution, f64)>> {
+    /// Ranks read frames in turn, one at a time. Collective.
+    fn over_frames(&self, world: &World, folder: &Path, end: f64, mean: Option<&MeanViscosity>) -> Result<Option<(PairDistribution, f64)>> {
         let begin = match (&self.shear, mean) {
             (Some(shear), Some(mean)) => mean.strains[0] / shear.rate.abs(),
             _ => START_UP * end,
         };
-        let (mut counts, mut first) = (self.counts(), None);
-        for frame in read_frames::<D>(folder)?.into_iter().filter(|frame| frame.time >= begin) {
+        // the mean is known to the first rank only
+        let begin = world.gather(&[begin])[0];
+        let mut counts = self.counts();
+        let first = world.agree(self.count_own(world, folder, begin, &mut counts))?;
+        counts.sum(world);
+        let first = -world.max(first.map_or(f64::NEG_INFINITY, |first| -first));
+        Ok(counts.distribution().map(|distribution| (distribution, first)))
+    }
+
+    /// Counts the frames of this rank from a time on, and gives the first such time.
+    fn count_own(&self, world: &World, folder: &Path, begin: f64, counts: &mut PairCounts<D>) -> Result<Option<f64>> {
+        let mut first = None;
+        for file in FrameFile::of_run(folder)?.iter().skip(world.rank()).step_by(world.size()) {
+            if file.time()? < begin {
+                continue;
+            }
+            let frame = file.read::<D>()?;
             let ball = |(body, &radius): (&FrameBody<D>, &f64)| Ball { center: body.center, radius };
             counts.add(frame.time, &frame.bodies.iter().zip(&self.radii).map(ball).collect::<Vec<_>>());
             first.get_or_insert(frame.time);
         }
-        Ok(counts.distribution().zip(first))
+        Ok(first)
     }
 }

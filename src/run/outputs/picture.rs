@@ -24,8 +24,8 @@ impl<const D: usize> Output<D> for PictureFile {
             (Some(flow), _) => ("picture.svg", picture(seen.scene.shown_title(), flow.solver, flow.solution)?.svg().into_bytes()),
             (None, Some(motion)) => {
                 let plane = Plane::of(seen.scene);
-                let still = plane.frame(motion.state().time, motion.bodies());
-                ("picture.png", plane.film(seen.scene, vec![still]).apng(WIDTH, 1.0))
+                let still = plane.frame(motion.state().time, motion.bodies(0..motion.state().bodies.len()));
+                ("picture.png", plane.film(seen.scene).apng(WIDTH, 1.0, vec![still]))
             }
             (None, None) => return Ok(Vec::new()),
         };

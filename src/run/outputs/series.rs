@@ -14,7 +14,7 @@ use crate::{
     observe::Viscosity,
     output::{CurvePoint, Summary, not_finite, note, write_whole},
     parallel::World,
-    run::{Evaluated, EvaluatedMotion, Output},
+    run::{ContactTotals, Evaluated, EvaluatedMotion, Output},
     scene::ContactModel,
 };
 
@@ -54,8 +54,8 @@ impl<const D: usize> Output<D> for SeriesFile {
     fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
         let Some(motion) = &seen.motion else { return Ok(()) };
         let seconds = std::mem::replace(&mut self.last_row, Instant::now()).elapsed().as_secs_f64();
-        let counts = motion.contact_counts(seen.world);
-        let row = cells(motion, (seen.scene.contact.model, counts), seen.viscosity, seconds);
+        let totals = motion.contact_totals(seen.world);
+        let row = cells(motion, (seen.scene.contact.model, totals), seen.viscosity, seconds);
         seen.world.agree(self.rows.as_mut().map_or(Ok(()), |rows| rows.write(&row)))
     }
 
@@ -68,7 +68,7 @@ impl<const D: usize> Output<D> for SeriesFile {
 /// The cells of the row of an instant and of the step that led there, `seconds` of wall-clock time after the last one.
 fn cells<const D: usize>(
     motion: &EvaluatedMotion<D>,
-    (contact, [held, stuck]): (ContactModel, [usize; 2]),
+    (contact, totals): (ContactModel, ContactTotals),
     viscosity: Option<Viscosity>,
     seconds: f64,
 ) -> Vec<Cell> {
@@ -81,8 +81,8 @@ fn cells<const D: usize>(
     }
     if contact != ContactModel::None {
         let kept = last.and_then(|last| last.kkt_report);
-        cells.push(count("contacts", held));
-        cells.extend(contact.gluey().then(|| count("stuck", stuck)));
+        cells.push(count("contacts", totals.held));
+        cells.extend(contact.gluey().then(|| count("stuck", totals.stuck)));
         cells.push(gap(kept.map_or(f64::INFINITY, |kept| kept.smallest_gap)));
         if matches!(contact, ContactModel::Inelastic | ContactModel::Gluey { .. }) {
             cells.push(real("kkt_residual", kept.map_or(0.0, |kept| kept.kkt_residual)));
