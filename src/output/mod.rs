@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod animation;
+mod body_summary;
 mod chart;
 mod checkpoint;
 mod curve;
@@ -27,6 +28,7 @@ mod summary;
 mod traces;
 
 pub use accuracy::{AccuracySummary, DragSummary, EstimatedErrors};
+pub use body_summary::{BODY_TABLE, BodySummary, MOST_LISTED, write_bodies};
 pub use chart::{Bar, Chart, Level, Mark, Notes, Scale, Series};
 pub use checkpoint::{Checkpoint, CheckpointWriter, checksum_of};
 pub use curve::{CurvePoint, MeanViscosity};

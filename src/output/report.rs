@@ -17,7 +17,7 @@ const WIDTH: usize = 60;
 pub fn report(summary: &Summary) -> String {
     let bodies = match &summary.scalar {
         Some(scalar) => counted(scalar.inclusions.len(), "inclusion", "inclusions"),
-        None => counted(summary.bodies.len(), "body", "bodies"),
+        None => counted(summary.body_count(), "body", "bodies"),
     };
     let mut lines = vec![format!("{bodies}, fraction {:.4}, on {}", summary.fraction, counted(summary.ranks, "rank", "ranks"))];
     if let Some(motion) = &summary.motion {

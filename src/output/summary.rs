@@ -1,17 +1,16 @@
 //! `summary.json`: the numbers of a run.
 
-use nalgebra::{SMatrix, SVector};
 use serde::Serialize;
 
+use super::body_summary::{BodySummary, ListedBodies, MOST_LISTED, OtherBodies};
 use super::{AccuracySummary, DragSummary, MeanViscosity, PairSummary, ParallelSummary, ScalarSummary};
 use crate::{
-    body::components,
     flow::InverseMethod,
-    geometry::{Ball, Domain},
+    geometry::Ball,
     observe::Viscosity,
     parallel::{World, peak_memory_bytes},
     scene::Scene,
-    simulation::{BodyState, Cost, FlowSolver, Lubrication, Moving, Solution, SolvedScalar, State},
+    simulation::{Cost, FlowSolver, Lubrication, Share, Simulation, Solution, SolvedScalar},
 };
 
 /// Everything that `summary.json` holds; an effect that the scene does not call for is `null`.
@@ -29,8 +28,10 @@ pub struct Summary {
     pub steps: usize,
     /// Part of the box that bodies fill.
     pub fraction: f64,
-    /// The bodies.
+    /// The bodies; if there are more than [`MOST_LISTED`](super::MOST_LISTED), the first of them.
     pub bodies: Vec<BodySummary>,
+    /// The others, if there are any.
+    pub other_bodies: Option<OtherBodies>,
     /// The flow.
     pub flow: Option<FlowSummary>,
     /// The scalar around inclusions, where it takes the place of the flow.
@@ -53,20 +54,6 @@ pub struct Summary {
     pub ranks: usize,
     /// How evenly they shared the work, and what they sent.
     pub parallel: ParallelSummary,
-}
-
-/// One body.
-#[derive(Debug, Clone, Serialize)]
-pub struct BodySummary {
-    center: Vec<f64>,
-    radius: f64,
-    velocity: Vec<f64>,
-    spin: Vec<f64>,
-    /// By the fluid on the body.
-    force: Vec<f64>,
-    torque: Vec<f64>,
-    /// Row by row.
-    stresslet: Vec<Vec<f64>>,
 }
 
 /// The flow as a whole.
@@ -214,8 +201,7 @@ impl Summary {
     ) -> Summary {
         let (setup, grid) = (suspension.setup(), suspension.grid());
         let held = solution.bodies.iter().filter(|body| grid.owner(&setup.domain.wrap(body.center)) == world.rank()).count();
-        let bodies = setup.bodies.iter().zip(&solution.bodies);
-        let bodies = bodies.map(|(suspended, state)| BodySummary::of_state(suspended.body.ball.radius, state)).collect();
+        let bodies = ListedBodies::new(BodySummary::of_flow(setup, solution), solution.bodies.len());
         let parallel = ParallelSummary::new(world, held, grid.local_unknowns(D));
         Summary {
             flow: Some(FlowSummary {
@@ -229,14 +215,25 @@ impl Summary {
         }
     }
 
-    /// The numbers of a state of all bodies of a dry run; collective.
-    pub fn of_granular<const D: usize>(scene: &Scene, domain: &Domain<D>, state: &State<D>, balls: &[Ball<D>], world: &World) -> Summary {
-        let fraction = balls.iter().map(Ball::volume).sum::<f64>() / domain.volume();
-        let bodies = state.bodies.iter().zip(balls).map(|(moving, ball)| BodySummary::of_moving(domain, ball.radius, moving));
-        Summary::of_bodies(scene, bodies.collect(), fraction, world.size(), ParallelSummary::new(world, 0, 0))
+    /// The numbers of a dry run; collective.
+    pub fn of_granular<const D: usize>(scene: &Scene, simulation: &Simulation<D>, world: &World) -> Summary {
+        let (state, domain) = (simulation.state(), simulation.domain());
+        let volume = |ball: Ball<D>| ball.volume();
+        let mut filled = [state.balls(simulation.radii()).into_iter().map(volume).sum::<f64>()];
+        if state.share != Share::Whole {
+            world.sum(&mut filled);
+        }
+        let listed = simulation.whole_part(0..state.count().min(MOST_LISTED));
+        let bodies = ListedBodies::new(BodySummary::of_granular(domain, listed), state.count());
+        Summary::of_bodies(scene, bodies, filled[0] / domain.volume(), world.size(), ParallelSummary::new(world, state.bodies.len(), 0))
     }
 
-    pub(super) fn of_bodies(scene: &Scene, bodies: Vec<BodySummary>, fraction: f64, ranks: usize, parallel: ParallelSummary) -> Summary {
+    /// Number of bodies.
+    pub fn body_count(&self) -> usize {
+        self.bodies.len() + self.other_bodies.as_ref().map_or(0, |others| others.count)
+    }
+
+    pub(super) fn of_bodies(scene: &Scene, bodies: ListedBodies, fraction: f64, ranks: usize, parallel: ParallelSummary) -> Summary {
         Summary {
             scene: scene.name.clone(),
             title: scene.title.clone(),
@@ -244,7 +241,8 @@ impl Summary {
             time: 0.0,
             steps: 0,
             fraction,
-            bodies,
+            bodies: bodies.listed,
+            other_bodies: bodies.others,
             flow: None,
             scalar: None,
             viscosity: None,
@@ -268,7 +266,7 @@ impl Summary {
             solver: Some(SolverSummary::of_cost(inverse, cost, world)),
             ..Summary::of_bodies(
                 scene,
-                Vec::new(),
+                ListedBodies::new(std::iter::empty(), 0),
                 setup.fraction(),
                 world.size(),
                 ParallelSummary::new(world, held, grid.local_unknowns(D)),
@@ -285,27 +283,6 @@ impl Summary {
         let summary = |(root_mean_square, error)| DragSummary { root_mean_square, bar: root_mean_square * error };
         let drag = drag.zip(accuracy.estimated.drag).map(summary);
         self.accuracy = Some(AccuracySummary { drag, ..accuracy });
-    }
-}
-
-impl BodySummary {
-    fn of_state<const D: usize>(radius: f64, state: &BodyState<D>) -> BodySummary {
-        BodySummary {
-            center: state.center.as_slice().to_vec(),
-            radius,
-            velocity: state.twist.velocity.as_slice().to_vec(),
-            spin: components(&state.twist.spin),
-            force: state.force.as_slice().to_vec(),
-            torque: components(&state.torque),
-            stresslet: state.stresslet.row_iter().map(|row| row.iter().copied().collect()).collect(),
-        }
-    }
-
-    /// A dry body: no fluid acts on it.
-    fn of_moving<const D: usize>(domain: &Domain<D>, radius: f64, moving: &Moving<D>) -> BodySummary {
-        let (force, nothing) = (SVector::zeros(), SMatrix::zeros());
-        let center = domain.wrap(moving.center);
-        BodySummary::of_state(radius, &BodyState { center, twist: moving.twist, force, torque: nothing, stresslet: nothing })
     }
 }
 

@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::frames::FRAMES;
+use super::{body_summary::BODY_TABLE, frames::FRAMES};
 use crate::error::{Error, Result};
 
 /// The last file of a run: a folder that has it is complete.
@@ -15,11 +15,12 @@ pub const SUMMARY: &str = "summary.json";
 pub const CHECKPOINT: &str = "checkpoint.h5";
 
 /// The files that a run may leave, the first one first to go; not the text of its scene, nor its calibration, which says what it is of.
-const FILES: [&str; 16] = [
+const FILES: [&str; 17] = [
     SUMMARY,
     CHECKPOINT,
     "series.csv",
     "run.h5",
+    BODY_TABLE,
     "bodies.xdmf",
     "contacts.xdmf",
     "fields.xdmf",

@@ -10,10 +10,10 @@ use crate::{
     geometry::Domain,
     observe::{FrameBody, Viscosity},
     output::{Summary, write_whole},
-    parallel::World,
+    parallel::{Peers, World},
     run::{RunStatistics, ViscosityHistory},
     scene::Scene,
-    simulation::{ContactHistory, FlowSolver, Observation, Share, Simulation, Solution, State},
+    simulation::{ContactHistory, FlowSolver, Moving, Observation, Share, Simulation, Solution, State},
 };
 
 /// Writes one thing of a run, at its own pace, and cannot change the run. All functions are collective but [`iterate`](Output::iterate).
@@ -178,5 +178,35 @@ impl<'a, const D: usize> EvaluatedMotion<'a, D> {
             }
         };
         places.zip(contacts).map(body).collect()
+    }
+
+    /// All bodies in the order of their numbers, as frames hold them, on the first rank; none elsewhere. Collective.
+    pub fn bodies_on_first_rank(&self, world: &World) -> Vec<FrameBody<D>> {
+        let own = self.bodies(0..self.state().bodies.len());
+        if self.state().share == Share::Whole {
+            return own;
+        }
+        let (state, mut letters) = (self.state(), vec![Vec::new(); world.size()]);
+        for (moving, body) in state.bodies.iter().zip(&own) {
+            letters[0].extend([body.number as f64, body.radius, body.contacts as f64]);
+            letters[0].extend(moving.pack());
+        }
+        let read = |row: &[f64]| {
+            let moving = Moving::<D>::unpack(&row[3..]);
+            FrameBody {
+                number: row[0] as usize,
+                center: moving.center,
+                radius: row[1],
+                velocity: moving.twist.velocity,
+                spin: moving.twist.spin,
+                rotation: moving.rotation,
+                force: SVector::zeros(),
+                torque: SMatrix::zeros(),
+                contacts: row[2] as usize,
+            }
+        };
+        let mut all: Vec<FrameBody<D>> = Peers::All(world).deliver(&letters).chunks(3 + Moving::<D>::LENGTH).map(read).collect();
+        all.sort_unstable_by_key(|body| body.number);
+        all
     }
 }

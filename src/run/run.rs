@@ -12,7 +12,7 @@ use super::{
     scalar,
     signals::Signals,
     statistics::RunStatistics,
-    summary::summary,
+    summary::{summary, table_of_bodies},
     viscosity::ViscosityHistory,
 };
 use crate::{
@@ -324,6 +324,9 @@ impl<'a, const D: usize> Run<'a, D> {
             files.extend(output.finish(seen, &mut summary)?);
             Ok(())
         })?;
+        if let Some(folder) = &self.folder {
+            files.extend(table_of_bodies(&self.seen(), &summary, folder.path())?);
+        }
         summary.motion = self.scene.time.as_ref().map(|_| self.statistics.motion());
         if let Some(folder) = &self.folder {
             files.push(folder.complete(&summary)?);

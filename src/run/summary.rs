@@ -1,8 +1,12 @@
 //! The summary of what a run has come to.
 
+use std::path::Path;
+
 use super::output::{Evaluated, EvaluatedMotion};
 use crate::{
-    output::{ContactSummary, GlueSummary, Summary},
+    error::Result,
+    output::{BODY_TABLE, BodySummary, ContactSummary, GlueSummary, Summary, write_bodies},
+    parallel::World,
     scene::ContactModel,
 };
 
@@ -10,16 +14,13 @@ use crate::{
 pub fn summary<const D: usize>(seen: &Evaluated<D>) -> Summary {
     let mut summary = match (&seen.flow, &seen.motion) {
         (Some(flow), _) => Summary::of_flow(seen.scene, flow.solver, flow.solution, seen.viscosity, seen.world),
-        (None, Some(motion)) => {
-            let (state, balls) = (motion.simulation.whole_state(), motion.simulation.whole_balls());
-            Summary::of_granular(seen.scene, motion.domain(), &state, &balls, seen.world)
-        }
+        (None, Some(motion)) => Summary::of_granular(seen.scene, motion.simulation, seen.world),
         (None, None) => unreachable!("a run evaluates something before it ends"),
     };
     let Some(motion) = &seen.motion else { return summary };
     (summary.time, summary.steps) = (motion.state().time, motion.state().steps);
     if seen.scene.contact.model != ContactModel::None {
-        summary.contact = Some(contacts(seen.scene.contact.model, motion));
+        summary.contact = Some(contacts(seen.world, seen.scene.contact.model, motion));
         if let (Some(parts), Some(viscosity)) = (&mut summary.viscosity, seen.viscosity) {
             parts.contact = Some(viscosity.contact);
             parts.particle_pressure_contact = Some(viscosity.normal.contact_pressure);
@@ -31,17 +32,44 @@ pub fn summary<const D: usize>(seen: &Evaluated<D>) -> Summary {
     summary
 }
 
+/// Bodies of a dry run that are written to the table at once.
+const AT_ONCE: usize = 100_000;
+
+/// Writes the table of all bodies if the summary lists only some, and gives its name; collective.
+///
+/// # Errors
+/// It cannot be written.
+pub fn table_of_bodies<const D: usize>(seen: &Evaluated<D>, summary: &Summary, folder: &Path) -> Result<Option<String>> {
+    if summary.other_bodies.is_none() {
+        return Ok(None);
+    }
+    let path = folder.join(BODY_TABLE);
+    match (&seen.flow, &seen.motion) {
+        (Some(flow), _) => seen.world.on_first_rank(|| write_bodies(&path, D, BodySummary::of_flow(flow.solver.setup(), flow.solution)))?,
+        (None, Some(motion)) => {
+            let (simulation, count) = (motion.simulation, motion.state().count());
+            let part = |first: usize| simulation.whole_part(first..(first + AT_ONCE).min(count));
+            let mut bodies = (0..count).step_by(AT_ONCE).flat_map(|first| BodySummary::of_granular(motion.domain(), part(first)));
+            let written = if seen.world.rank() == 0 { write_bodies(&path, D, &mut bodies) } else { Ok(()) };
+            // each part comes from all ranks, whether it can be written or not
+            bodies.for_each(drop);
+            seen.world.agree(written)?;
+        }
+        (None, None) => {}
+    }
+    Ok(Some(BODY_TABLE.to_owned()))
+}
+
 /// Contacts now, and how well they were kept on the way. Collective.
-fn contacts<const D: usize>(model: ContactModel, motion: &EvaluatedMotion<D>) -> ContactSummary {
-    let (state, held, kept) = (motion.simulation.whole_state(), motion.held(), motion.statistics.contacts());
-    let glue = || GlueSummary { stuck: state.stuck.len(), gamma: state.stuck.iter().map(|stuck| stuck.gamma).fold(0.0, f64::min) };
+fn contacts<const D: usize>(world: &World, model: ContactModel, motion: &EvaluatedMotion<D>) -> ContactSummary {
+    let (totals, kept) = (motion.contact_totals(world), motion.statistics.contacts());
     ContactSummary {
         model: model.word(),
         pairs: kept.pairs,
-        active: held.len(),
+        active: totals.held,
         smallest_gap: kept.smallest_gap,
         kkt_residual: (!matches!(model, ContactModel::Repulsion { .. })).then_some(kept.kkt_residual),
-        total_force: held.iter().map(|held| held.force).sum(),
-        glue: model.gluey().then(glue),
+        total_force: totals.force,
+        glue: model.gluey().then_some(GlueSummary { stuck: totals.stuck, gamma: totals.gamma }),
     }
 }

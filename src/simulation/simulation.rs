@@ -1,12 +1,12 @@
 //! The time loop: bodies move step by step, driven by a fluid or by inertia alone.
 
-use std::borrow::Cow;
+use std::{borrow::Cow, ops::Range};
 
 use nalgebra::SVector;
 
 use super::{
-    ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Granular, GranularSetup, Observation, QuasiStatic, ResidualMonitor, Share,
-    State, Stepper, interactions,
+    ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Granular, GranularSetup, Moving, Observation, QuasiStatic, ResidualMonitor,
+    Share, State, Stepper, interactions,
     migration::own_part,
     shift_period::ShiftPeriod,
     step_control::{ROUNDING, StepControl},
@@ -117,6 +117,21 @@ impl<const D: usize> Simulation<D> {
             balls[row[0] as usize] = Ball { center: SVector::from_column_slice(&row[2..]), radius: row[1] };
         }
         balls
+    }
+
+    /// The bodies with these numbers and their radii, on every rank.
+    pub fn whole_part(&self, numbers: Range<usize>) -> Vec<(Moving<D>, f64)> {
+        let own =
+            self.state.bodies.iter().zip(self.radii()).enumerate().map(|(place, (body, radius))| (self.state.number(place), body, radius));
+        let part = own.filter(|(number, ..)| numbers.contains(number));
+        if self.state.share == Share::Whole {
+            return part.map(|(_, body, &radius)| (*body, radius)).collect();
+        }
+        let rows: Vec<f64> = part.flat_map(|(number, body, &radius)| [&[number as f64, radius], &body.pack()[..]].concat()).collect();
+        let all = self.session.world().gather(&rows);
+        let mut found: Vec<&[f64]> = all.chunks(2 + Moving::<D>::LENGTH).collect();
+        found.sort_unstable_by(|one, two| one[0].total_cmp(&two[0]));
+        found.into_iter().map(|row| (Moving::unpack(&row[2..]), row[1])).collect()
     }
 
     /// The bodies of this rank and those of these numbers, as balls by their places in a halo.

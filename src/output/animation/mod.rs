@@ -3,7 +3,7 @@
 //! A pure function of a [`Film`] and its frames, as a picture is: no file, no mesh, no simulation is known. There is no text in it; a bar below
 //! the box fills up as time passes. Source of the format: W3C, 2025, PNG third edition, <https://www.w3.org/TR/png-3>.
 
-mod canvas;
+pub(super) mod canvas;
 mod encoding;
 mod layout;
 mod palette;

@@ -4,6 +4,10 @@
 //! indices into a palette of 256 colours.
 
 use super::{Picture, colour};
+use crate::output::animation::canvas::Canvas;
+
+/// Red, green and blue of bodies, as [`INK`](super::INK) has them.
+const BODY: [u8; 3] = [0x14, 0x17, 0x1f];
 
 const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
@@ -12,7 +16,24 @@ pub fn data_uri(picture: &Picture, [width, height]: [usize; 2], top: f64) -> Str
     let speeds = resampled(picture, [width, height]);
     let level = |speed: &f64| (speed / top * 255.0).clamp(0.0, 255.0).round() as u8;
     let levels: Vec<u8> = speeds.iter().map(level).collect();
-    format!("data:image/png;base64,{}", base64(&png(&levels, [width as u32, height as u32])))
+    let palette = (0..=255).flat_map(|level| colour::shade(f64::from(level) / 255.0)).collect();
+    uri(&png(&levels, [width, height], palette, None))
+}
+
+/// Disks on an image that is clear between them, as [`data_uri`]; centers and radii are in pixels from the upper left corner.
+pub fn disks_uri(disks: impl Iterator<Item = ([f64; 2], f64)>, size: [usize; 2]) -> String {
+    uri(&png(&covered(disks, size), size, BODY.repeat(256), Some((0..=255).collect())))
+}
+
+/// How much of each pixel disks cover, from 0 to 255.
+fn covered(disks: impl Iterator<Item = ([f64; 2], f64)>, size: [usize; 2]) -> Vec<u8> {
+    let mut canvas = Canvas::new(size, [0; 3], [0; 2], size);
+    disks.for_each(|(center, radius)| canvas.fill_disk(center, radius, [255; 3]));
+    canvas.pixels.iter().map(|pixel| pixel[0]).collect()
+}
+
+fn uri(png: &[u8]) -> String {
+    format!("data:image/png;base64,{}", base64(png))
 }
 
 /// The field at the pixel centres, top row first.
@@ -57,13 +78,17 @@ fn finite(value: f64) -> f64 {
     if value.is_finite() { value } else { 0.0 }
 }
 
-fn png(levels: &[u8], [width, height]: [u32; 2]) -> Vec<u8> {
+/// An image of indices into a palette, whose colours may be more or less opaque.
+fn png(levels: &[u8], [width, height]: [usize; 2], palette: Vec<u8>, opacity: Option<Vec<u8>>) -> Vec<u8> {
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
     encoder.set_color(png::ColorType::Indexed);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::High);
-    encoder.set_palette((0..=255).flat_map(|level| colour::shade(f64::from(level) / 255.0)).collect::<Vec<u8>>());
+    encoder.set_palette(palette);
+    if let Some(opacity) = opacity {
+        encoder.set_trns(opacity);
+    }
     let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(levels));
     written.expect("a vector takes any bytes and the size matches");
     bytes
@@ -110,9 +135,15 @@ mod tests {
     }
 
     #[test]
+    fn pixels_are_covered_where_disks_are() {
+        let covered = covered([([10.0, 5.0], 3.0), ([10.5, 5.0], 3.0)].into_iter(), [20, 10]);
+        assert_eq!((covered[5 * 20 + 10], covered[5 * 20 + 1], covered[0]), (255, 0, 0));
+    }
+
+    #[test]
     fn the_image_decodes_to_its_palette_indices() {
         let levels = [0, 255, 128, 7, 9, 11];
-        let bytes = png(&levels, [3, 2]);
+        let bytes = png(&levels, [3, 2], vec![7; 768], None);
         let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
         let mut decoded = vec![0; reader.output_buffer_size().unwrap()];
         reader.next_frame(&mut decoded).unwrap();

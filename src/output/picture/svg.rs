@@ -139,13 +139,31 @@ fn arrow(before: Point, tip: Point, length: f64) -> String {
     format!("M{}L{} {} {}Z", point(0.6, 0.0), point(-0.4, 0.38), point(-0.2, 0.0), point(-0.4, -0.38))
 }
 
+/// Most bodies that are drawn as circles; more of them become an image of a pixel a pixel.
+const MOST_CIRCLES: usize = 10_000;
+
 fn bodies(picture: &Picture, frame: &Frame) -> String {
     let disks = picture.disks();
+    if disks.len() > MOST_CIRCLES { crowd(&disks, frame) } else { circles(&disks, frame) }
+}
+
+/// Bodies too many to be told apart.
+fn crowd(disks: &[Disk], frame: &Frame) -> String {
+    let pixels = frame.size.map(|length| length.round().max(1.0) as usize);
+    let place = |disk: &Disk| {
+        let [x, y] = frame.place(disk.center);
+        ([x - frame.left, y - frame.top], disk.radius * frame.scale)
+    };
+    let image = raster::disks_uri(disks.iter().map(place), pixels);
+    format!("<image {} preserveAspectRatio=\"none\" href=\"{image}\"/>\n", frame.rectangle())
+}
+
+fn circles(disks: &[Disk], frame: &Frame) -> String {
     let largest = disks.iter().map(|disk| disk.radius * frame.scale).fold(0.0, f64::max);
     let outline = (0.08 * largest).clamp(0.25, 1.2);
     let fastest = disks.iter().map(speed).filter(|speed| speed.is_finite()).fold(0.0, f64::max);
     let mut text = format!("<g fill=\"{INK}\" stroke=\"#ffffff\" stroke-opacity=\"0.85\" stroke-width=\"{outline:.2}\">\n");
-    for disk in &disks {
+    for disk in disks {
         let [x, y] = frame.place(disk.center);
         let _ = writeln!(text, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{:.1}\"/>", disk.radius * frame.scale);
     }
@@ -258,6 +276,18 @@ mod tests {
             assert_sound(&Picture { size, ..uniform_flow([1e-5, 1e-5]) });
         }
         assert_sound(&Picture { samples: [1, 1], velocity: vec![[1.0, 0.0]], coloured: vec![1.0], ..uniform_flow([0.0, 0.0]) });
+    }
+
+    #[test]
+    fn a_crowd_is_an_image_of_bounded_size() {
+        let mut picture = uniform_flow([1.0, 0.2]);
+        let row = |k: usize| disk([2.0 * k as f64 / MOST_CIRCLES as f64, 0.25], 0.01);
+        picture.bodies = (0..MOST_CIRCLES / 2).map(row).collect();
+        assert!(picture.svg().contains("<circle"));
+        let few = Picture { bodies: vec![disk([0.5, 0.5], 0.1)], ..picture.clone() }.svg().len();
+        picture.bodies = (0..10 * MOST_CIRCLES).map(row).collect();
+        let svg = picture.svg();
+        assert!(!svg.contains("<circle") && svg.matches("<image").count() == 2 && svg.len() < few + 20_000, "{}", svg.len());
     }
 
     #[test]

@@ -24,7 +24,7 @@ impl<const D: usize> Output<D> for PictureFile {
             (Some(flow), _) => ("picture.svg", picture(seen.scene.shown_title(), flow.solver, flow.solution)?.svg().into_bytes()),
             (None, Some(motion)) => {
                 let plane = Plane::of(seen.scene);
-                let still = plane.frame(motion.state().time, motion.bodies(0..motion.state().bodies.len()));
+                let still = plane.frame(motion.state().time, motion.bodies_on_first_rank(seen.world));
                 ("picture.png", plane.film(seen.scene).apng(WIDTH, 1.0, vec![still]))
             }
             (None, None) => return Ok(Vec::new()),
