@@ -2,7 +2,10 @@
 
 use std::ops::Range;
 
-use crate::parallel::{Shares, World};
+use crate::parallel::{Peers, World};
+
+/// Parts in which rows go from rank to rank, so that they are not in memory twice.
+const PARTS: usize = 16;
 
 /// A block of rows.
 pub(super) struct Rows {
@@ -16,9 +19,9 @@ pub(super) struct Rows {
 
 impl Rows {
     /// Rows of `width` numbers, the first of which is that of the body, one of so many. A rank hands in its rows in the order of these numbers,
-    /// and all rows of a body are on one rank. Collective; takes as much memory again as the rows of a rank.
+    /// and all rows of a body are on one rank, in an order of their own that stays. Collective.
     pub fn in_order(world: &World, bodies: usize, width: usize, values: Vec<f64>) -> Rows {
-        let values = if world.size() == 1 { values } else { sorted(width, exchanged(world, bodies, width, &values)) };
+        let values = if world.size() == 1 { values } else { sorted(width, exchanged(world, bodies, width, values)) };
         let counts: Vec<u64> = world.gather(&[(values.len() / width) as u64]);
         let sum = |counts: &[u64]| counts.iter().sum::<u64>() as usize;
         Rows { width, total: sum(&counts), start: sum(&counts[..world.rank()]), values }
@@ -42,16 +45,21 @@ impl Rows {
     }
 }
 
-/// The rows of the bodies of which this rank gets the block, one rank's after the other's.
-fn exchanged(world: &World, bodies: usize, width: usize, values: &[f64]) -> Vec<f64> {
-    let mut sent = vec![0; world.size()];
-    values.chunks_exact(width).for_each(|row| sent[owner(row[0] as usize, bodies, world.size())] += width as i32);
-    let mut received = vec![0; world.size()];
-    let one_each = || Shares::new(vec![1; world.size()]);
-    world.exchange(&sent, &one_each(), &mut received, &one_each());
-    let (sent, received) = (Shares::new(sent), Shares::new(received));
-    let mut gathered = vec![0.0; received.total()];
-    world.exchange(values, &sent, &mut gathered, &received);
+/// The rows of the bodies of which this rank gets the block. They go in parts, the last first, and leave as they go.
+fn exchanged(world: &World, bodies: usize, width: usize, mut values: Vec<f64>) -> Vec<f64> {
+    let (peers, mut gathered) = (Peers::All(world), Vec::new());
+    for part in (0..PARTS).rev() {
+        let mut first = values.len() / width * part / (part + 1) * width;
+        // rows of a body go together, so that they come in their order
+        while first > 0 && first < values.len() && values[first] == values[first - width] {
+            first -= width;
+        }
+        let mut letters = vec![0; world.size()];
+        values[first..].chunks_exact(width).for_each(|row| letters[owner(row[0] as usize, bodies, world.size())] += width);
+        gathered.extend(peers.send(&values[first..], &letters).0);
+        values.truncate(first);
+        values.shrink_to_fit();
+    }
     gathered
 }
 
@@ -61,13 +69,24 @@ fn owner(body: usize, bodies: usize, ranks: usize) -> usize {
 }
 
 /// Rows by the numbers of their bodies; those of a body stay as they are.
-fn sorted(width: usize, values: Vec<f64>) -> Vec<f64> {
+fn sorted(width: usize, mut values: Vec<f64>) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len() / width).collect();
-    if order.is_sorted_by_key(|&row| values[row * width] as usize) {
-        return values;
-    }
     order.sort_by_key(|&row| values[row * width] as usize);
-    order.into_iter().flat_map(|row| values[row * width..][..width].iter().copied()).collect()
+    // from cycle to cycle, without a second copy of all
+    for start in 0..order.len() {
+        let first = values[start * width..(start + 1) * width].to_vec();
+        let mut place = start;
+        while order[place] != place {
+            let from = std::mem::replace(&mut order[place], place);
+            if from == start {
+                values[place * width..(place + 1) * width].copy_from_slice(&first);
+            } else {
+                values.copy_within(from * width..(from + 1) * width, place * width);
+                place = from;
+            }
+        }
+    }
+    values
 }
 
 #[cfg(test)]
@@ -89,5 +108,9 @@ mod tests {
     fn rows_of_a_body_keep_their_order() {
         let values = vec![3.0, 1.0, 1.0, 2.0, 3.0, 0.0, 0.0, 9.0];
         assert_eq!(sorted(2, values), [0.0, 9.0, 1.0, 2.0, 3.0, 1.0, 3.0, 0.0]);
+        let rows: Vec<[f64; 2]> = (0..200).map(|row| [f64::from(row * 37 % 61), f64::from(row)]).collect();
+        let mut expected = rows.clone();
+        expected.sort_by(|one, two| one[0].total_cmp(&two[0]));
+        assert_eq!(sorted(2, rows.into_flattened()), expected.into_flattened());
     }
 }
