@@ -6,7 +6,7 @@ use super::canvas::Canvas;
 use super::palette::Palette;
 
 /// Writes the frames in turn, each for its delay in milliseconds, repeated for ever.
-pub fn write(out: impl Write, size: [usize; 2], stills: impl Iterator<Item = Canvas>, delays: &[u16]) -> io::Result<()> {
+pub fn write(out: impl Write, size: [usize; 2], mut stills: impl Iterator<Item = Canvas>, delays: &[u16]) -> io::Result<()> {
     let mut palette = Palette::new();
     let mut encoder = png::Encoder::new(out, size[0] as u32, size[1] as u32);
     encoder.set_color(png::ColorType::Indexed);
@@ -16,7 +16,8 @@ pub fn write(out: impl Write, size: [usize; 2], stills: impl Iterator<Item = Can
     encoder.set_palette(palette.bytes());
     encoder.set_animated(delays.len() as u32, 0)?;
     let mut writer = encoder.write_header()?;
-    for (still, &delay) in stills.zip(delays) {
+    for &delay in delays {
+        let still = stills.next().ok_or_else(|| io::Error::other("a frame of the film is missing"))?;
         writer.set_frame_delay(delay, 1000)?;
         writer.write_image_data(&palette.indices(&still.pixels))?;
     }
