@@ -110,16 +110,16 @@ impl<const D: usize> Granular<D> {
         self.bodies.iter().map(|body| body.mass).collect()
     }
 
-    /// The own bodies and those that interactions may need with them.
-    fn neighbours(&self, peers: Peers, state: &State<D>) -> Neighbours<D> {
-        Neighbours::new(peers, &self.domain, &self.regions, state, (&self.radii, &self.masses()), self.reach)
+    /// The own bodies, those within reach of interactions, and those of contacts that stick.
+    fn neighbours(&self, peers: Peers, state: &State<D>, stuck: &[AdhesiveContact<D>]) -> Neighbours<D> {
+        Neighbours::new(peers, (&self.domain, &self.regions), state, (&self.radii, &self.masses()), stuck, self.reach)
     }
 
     /// The forces that interactions know from where bodies are, and accelerations by all forces but those that a projection finds.
     fn known(&self, state: &State<D>) -> Known<D> {
         // nobody looks beyond the own bodies where nothing acts at a distance
         let peers = if self.reach > 0.0 { self.peers() } else { Peers::Alone };
-        let near = self.neighbours(peers, state);
+        let near = self.neighbours(peers, state, &[]);
         let arrangement = near.arrangement(&self.domain, self.reach);
         let (contacts, others) = (self.interactions.contact_forces(&arrangement), self.interactions.pair_forces(&arrangement));
         let pushes = Wrench::on_bodies(near.halo.len(), &contacts, &others);
@@ -159,7 +159,7 @@ impl<const D: usize> Granular<D> {
         if !self.peers().any(!state.stuck.is_empty()) {
             return Vec::new();
         }
-        let near = self.neighbours(self.peers(), state);
+        let near = self.neighbours(self.peers(), state, &state.stuck);
         let bounds = self.interactions.lower_bounds(&near.arrangement(&self.domain, self.reach), &near.stuck, step);
         near.own_contacts(bounds)
     }

@@ -13,29 +13,29 @@ use crate::{
 pub struct Neighbours<const D: usize> {
     /// Whose they are.
     pub halo: Halo,
-    /// Contacts that stick.
+    /// The contacts that stick.
     pub stuck: Vec<AdhesiveContact<D>>,
     balls: Vec<Ball<D>>,
     masses: Vec<f64>,
 }
 
 impl<const D: usize> Neighbours<D> {
-    /// Those with a gap up to `reach` to an own body, and those that stick to one; radii and masses are of the own bodies. Collective.
+    /// Those with a gap up to `reach` to an own body, and those that stick to one of the own bodies; radii and masses are of these. Collective.
     pub fn new(
         peers: Peers,
-        domain: &Domain<D>,
-        regions: &Regions<D>,
+        (domain, regions): (&Domain<D>, &Regions<D>),
         state: &State<D>,
         (radii, masses): (&[f64], &[f64]),
+        stuck: &[AdhesiveContact<D>],
         reach: f64,
     ) -> Neighbours<D> {
         let balls = state.balls(radii);
         let around: Vec<Ball<D>> = balls.iter().map(|ball| Ball { radius: ball.radius + 0.5 * reach, ..*ball }).collect();
         let numbers = state.numbers();
-        let required = state.stuck.iter().flat_map(|stuck| stuck.bodies());
+        let required = stuck.iter().flat_map(|stuck| stuck.bodies());
         let halo = Halo::new(peers, &OwnBodies { domain, regions, numbers: &numbers, around: &around }, required);
         let place = |number: usize| halo.place(number).expect("bodies that stick are seen");
-        let stuck = state.stuck.iter().map(|stuck| (renamed(stuck.identity(), place), stuck.gamma).into()).collect();
+        let stuck = stuck.iter().map(|stuck| (renamed(stuck.identity(), place), stuck.gamma).into()).collect();
         let (centers, radii) = (halo.spread_vectors(peers, &state.centers()), halo.spread(peers, radii));
         let balls = centers.into_iter().zip(radii).map(|(center, radius)| Ball { center, radius }).collect();
         Neighbours { balls, masses: halo.spread(peers, masses), stuck, halo }
