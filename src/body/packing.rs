@@ -15,8 +15,7 @@ const TOLERANCE: f64 = 1e-9;
 /// Random centres of balls of the given radii that overlap neither each other nor walls nor obstacles.
 ///
 /// `gap` is the smallest distance between surfaces: times the mean radius of the two for a pair, times
-/// the radius to a wall. Obstacles stay where they are. Centres lie in `[0, size)`. Many bodies of equal
-/// radius lie near those numbered before and after them. The same arguments give the same centres
+/// the radius to a wall. Obstacles stay where they are. Centres lie in `[0, size)`. The same arguments give the same centres
 /// everywhere. Returns [`Error::Refused`] if a radius or the gap
 /// is no usable number, if a body does not fit, or if no packing is found with bounded effort.
 pub fn pack<const D: usize>(domain: &Domain<D>, obstacles: &[Ball<D>], radii: &[f64], gap: f64, seed: u64) -> Result<Vec<SVector<f64, D>>> {
@@ -102,6 +101,19 @@ mod tests {
     fn cube<const D: usize>(walled: bool) -> Domain<D> {
         let wall = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
         Domain { size: SVector::repeat(1.0), axes: [if walled { wall } else { Axis::Periodic }; D] }
+    }
+
+    /// Bodies of two groups may differ in more than their radius.
+    #[test]
+    fn numbers_say_nothing_about_places_among_many_bodies() {
+        let radii = equal::<2>(20_000, 0.3);
+        let centers = pack(&cube(false), &[], &radii, 0.02, 1).unwrap();
+        let (first, second) = centers.split_at(10_000);
+        for axis in 0..2 {
+            let mean = |centers: &[SVector<f64, 2>]| centers.iter().map(|center| center[axis]).sum::<f64>() / centers.len() as f64;
+            // by chance they differ by 0.29 sqrt(2 / 10,000)
+            assert!((mean(first) - mean(second)).abs() < 0.02, "{} and {}", mean(first), mean(second));
+        }
     }
 
     /// Equal radii that fill the fraction of the unit box.

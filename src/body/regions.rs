@@ -19,8 +19,9 @@ impl<const D: usize> Regions<D> {
             let cuts = |axis: usize| if domain.periodic(axis) && counts[axis] > 1 { counts[axis] } else { counts[axis] - 1 };
             (0..D).map(|axis| cuts(axis) as f64 / domain.size[axis]).sum::<f64>()
         };
-        let all = factorisations::<D>(ranks);
-        let counts = all.into_iter().min_by(|one, two| f64::total_cmp(&surface(one), &surface(two))).expect("a number has factors");
+        // of equals the one that is cut across x: weight acts along other axes more often, and bodies pile up along it
+        let order = |one: &[usize; D], two: &[usize; D]| f64::total_cmp(&surface(one), &surface(two)).then_with(|| two.cmp(one));
+        let counts = factorisations::<D>(ranks).into_iter().min_by(order).expect("a number has factors");
         Regions { size: domain.size, counts }
     }
 
@@ -56,6 +57,8 @@ mod tests {
         assert_eq!(Regions::new(&domain, 2).counts, [2, 1]);
         assert_eq!(Regions::new(&domain, 8).counts, [4, 2]);
         assert_eq!(Regions::new(&domain, 1).counts, [1, 1]);
+        let square = Domain { size: SVector::from([4.0, 4.0]), ..domain };
+        assert_eq!(Regions::new(&square, 2).counts, [2, 1]);
         let cube = Domain { size: SVector::from([3.0; 3]), axes: [Axis::Periodic; 3] };
         for ranks in [1, 2, 3, 4, 6, 7, 8, 12] {
             let regions = Regions::new(&cube, ranks);

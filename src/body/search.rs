@@ -5,8 +5,6 @@
 //! effort is counted in pairs looked at, not in seconds, so that every machine and every rank gets
 //! the same packing.
 
-use std::collections::HashMap;
-
 use nalgebra::SVector;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -122,13 +120,14 @@ impl<'a, const D: usize> Search<'a, D> {
 
     /// Puts every body at a random place, outside obstacles if that is easy.
     fn scatter(&mut self) {
-        let mut bodies: Vec<_> = (0..self.crowd.movable).map(|body| (self.random_place(), self.radii[body])).collect();
+        let mut bodies: Vec<_> = (0..self.crowd.movable).map(|number| (self.random_place(), number)).collect();
         if bodies.len() > BLOCK {
             let rows = Rows::new(self.crowd.domain, bodies.len());
             bodies.sort_by_cached_key(|(place, _)| rows.key(place));
-            self.numbers = numbers(&bodies, self.radii);
         }
-        for (body, (place, radius)) in bodies.into_iter().enumerate() {
+        self.numbers = bodies.iter().map(|&(_, number)| number).collect();
+        for (body, (place, number)) in bodies.into_iter().enumerate() {
+            let radius = self.radii[number];
             self.crowd.centers[body] = place;
             self.crowd.radii[body] = radius * (1.0 + self.gap / 2.0);
             self.crowd.wall_radii[body] = radius * (1.0 + self.gap);
@@ -191,17 +190,6 @@ fn buried<const D: usize>(obstacles: &Levels<D>, radii: &[f64], point: SVector<f
     let mut buried = false;
     obstacles.visit(&Ball { center: point, radius: 0.0 }, |obstacle, distance| buried |= distance < radii[obstacle]);
     buried
-}
-
-/// Numbers of sorted bodies: those of equal radius have theirs in the same order.
-fn numbers<const D: usize>(bodies: &[(SVector<f64, D>, f64)], radii: &[f64]) -> Vec<usize> {
-    let mut equal: HashMap<u64, Vec<usize>> = HashMap::new();
-    for (number, radius) in radii.iter().enumerate().rev() {
-        equal.entry(radius.to_bits()).or_default().push(number);
-    }
-    let number =
-        |(_, radius): &(SVector<f64, D>, f64)| equal.get_mut(&radius.to_bits()).and_then(Vec::pop).expect("each body has one of the radii");
-    bodies.iter().map(number).collect()
 }
 
 /// Rows of the box along the first axis: bodies in their order lie near those before and after them.

@@ -71,12 +71,12 @@ every = 0.16
 picture = false
 "#;
 
-/// Disks that fall into a heap.
+/// Disks that fall into a heap, from rank to rank: a box that is higher than wide is cut across its height.
 pub const DRY: &str = r#"
 seed = 4
 gravity = [0.0, -1.0]
 [domain]
-size = [8.0, 8.0]
+size = [8.0, 8.5]
 x = "walls"
 y = "walls"
 [flow]
