@@ -12,7 +12,7 @@ pub struct Film {
     pub periodic: [bool; 2],
     /// Time of each frame.
     pub times: Vec<f64>,
-    /// Speeds of the disks of all frames in turn, or every second, fourth, .. of them, so that there are never more than [`MOST_SPEEDS`].
+    /// Speeds of the disks of all frames in turn, or every second, fourth, .. of them, so that there are never more than 2^22.
     pub speeds: Vec<f64>,
     /// Speeds so far, and of how many one is kept.
     seen: usize,

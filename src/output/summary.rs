@@ -28,7 +28,7 @@ pub struct Summary {
     pub steps: usize,
     /// Part of the box that bodies fill.
     pub fraction: f64,
-    /// The bodies; if there are more than [`MOST_LISTED`](super::MOST_LISTED), the first of them.
+    /// The bodies; if there are more than [`MOST_LISTED`], the first of them.
     pub bodies: Vec<BodySummary>,
     /// The others, if there are any.
     pub other_bodies: Option<OtherBodies>,
