@@ -19,8 +19,11 @@ impl<const D: usize> Regions<D> {
             let cuts = |axis: usize| if domain.periodic(axis) && counts[axis] > 1 { counts[axis] } else { counts[axis] - 1 };
             (0..D).map(|axis| cuts(axis) as f64 / domain.size[axis]).sum::<f64>()
         };
-        // of equals the one that is cut across x: weight acts along other axes more often, and bodies pile up along it
-        let order = |one: &[usize; D], two: &[usize; D]| f64::total_cmp(&surface(one), &surface(two)).then_with(|| two.cmp(one));
+        // of equals the one with the stoutest blocks, and of these that which is cut across x: bodies pile up along other axes
+        let order = |one: &[usize; D], two: &[usize; D]| {
+            let thinnest = one.iter().max().cmp(&two.iter().max());
+            f64::total_cmp(&surface(one), &surface(two)).then(thinnest).then_with(|| two.cmp(one))
+        };
         let counts = factorisations::<D>(ranks).into_iter().min_by(order).expect("a number has factors");
         Regions { size: domain.size, counts }
     }
