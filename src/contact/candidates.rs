@@ -2,22 +2,8 @@
 
 use nalgebra::SVector;
 
-use super::{Identity, identity::renamed};
+use super::{Identity, Partner, identity::renamed};
 use crate::geometry::{Ball, Domain, near_pairs, near_walls};
-
-/// What a body touches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Partner {
-    /// Another body.
-    Body(usize),
-    /// A wall of the box.
-    Wall {
-        /// Axis the wall is normal to.
-        axis: usize,
-        /// Whether the wall is the one at coordinate `size` rather than 0.
-        upper: bool,
-    },
-}
 
 /// A body and a partner that touch, or may within a step.
 #[derive(Debug, Clone, Copy, PartialEq)]

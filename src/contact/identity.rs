@@ -1,6 +1,18 @@
 //! What tells a contact from all others, and how that is written as numbers.
 
-use super::Partner;
+/// What a body touches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Partner {
+    /// Another body.
+    Body(usize),
+    /// A wall of the box.
+    Wall {
+        /// Axis the wall is normal to.
+        axis: usize,
+        /// Whether the wall is the one at coordinate `size` rather than 0.
+        upper: bool,
+    },
+}
 
 /// What tells a contact from all others, from step to step: the body, its partner, and the image of it.
 pub type Identity<const D: usize> = (usize, Partner, [i32; D]);

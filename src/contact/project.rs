@@ -9,7 +9,7 @@ use std::collections::HashSet;
 use nalgebra::SVector;
 
 use super::{
-    Contact, ContactForce, Identity, KktReport, Memory, Problem, ProblemShare, Solver, View,
+    Contact, ContactForce, Identity, KktReport, Memory, Problem, ProblemShare, Projection, ProjectionShare, Solver, View,
     distribute::{gathered, own_part},
     failure::{check, endless, unkept},
     island::{free_body, solve_island},
@@ -33,27 +33,6 @@ const LARGEST_NEARNESS: f64 = 4.0;
 const LARGEST_RESIDUAL: f64 = 1e-4;
 /// Rounds before giving up.
 const ROUNDS: usize = 100;
-
-/// Velocities that let nothing overlap.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Projection<const D: usize> {
-    /// Velocities of the bodies.
-    pub velocities: Vec<SVector<f64, D>>,
-    /// All contacts of the problem solved, with their forces, of which many may be zero; sorted by
-    /// [`Contact::identity`]. The sum of its contact forces on a body is `w (v - wanted)`, for bodies that give way.
-    pub forces: Vec<ContactForce<D>>,
-    /// How good the answer is, and what it cost.
-    pub kkt_report: KktReport,
-}
-
-/// A rank's part of a projection.
-pub struct ProjectionShare<const D: usize> {
-    /// Velocities of its own bodies, and the forces of all contacts of one of them, between bodies by their places in the view; the report is that of
-    /// the whole.
-    pub projection: Projection<D>,
-    /// The bodies that it saw.
-    pub view: View<D>,
-}
 
 /// The velocities next to those wanted, as weighed, that let nothing overlap on the way. Collective: all ranks
 /// give the same problem and get the same answer to the last bit.
