@@ -10,7 +10,7 @@ pub struct Projection<const D: usize> {
     /// Velocities of the bodies.
     pub velocities: Vec<SVector<f64, D>>,
     /// All contacts of the problem solved, with their forces, of which many may be zero; sorted by
-    /// [`Contact::identity`]. The sum of its contact forces on a body is `w (v - wanted)`, for bodies that give way.
+    /// [`Contact::identity`](super::Contact::identity). The sum of its contact forces on a body is `w (v - wanted)`, for bodies that give way.
     pub forces: Vec<ContactForce<D>>,
     /// How good the answer is, and what it cost.
     pub kkt_report: KktReport,
