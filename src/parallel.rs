@@ -17,9 +17,8 @@ use mpi::{
 use crate::error::{Error, Result};
 pub use memory::{free_memory_bytes, peak_memory_bytes};
 
-/// What tells ranks that bodies in contact could not be kept apart, and that a solver did not converge; no exit codes.
+/// What tells ranks that bodies in contact could not be kept apart; no exit code.
 const CONTACT: i32 = -1;
-const DIVERGED: i32 = -2;
 
 /// All ranks of this run.
 pub struct World {
@@ -189,7 +188,6 @@ impl World {
         let Some(first) = failed.iter().position(|&failed| failed) else { return outcome };
         let (text, code) = match &outcome {
             Err(Error::Refused(refusal)) => (serde_json::to_string(refusal).expect("a refusal is plain text"), 2),
-            Err(Error::Diverged(text)) => (text.clone(), DIVERGED),
             Err(Error::Contact { text, island }) => (serde_json::to_string(&[text, island]).expect("texts"), CONTACT),
             Err(error) => (error.to_string(), error.exit_code()),
             Ok(_) => (String::new(), 0),
@@ -200,7 +198,6 @@ impl World {
             Err(error) if self.rank() == first => Err(error),
             // a file of that rank is told as text
             _ if code == 2 => Err(serde_json::from_str(&text).map_or_else(|_| Error::refused(text), Error::Refused)),
-            _ if code == DIVERGED => Err(Error::Diverged(text)),
             _ if code == CONTACT => {
                 let [text, island] = serde_json::from_str(&text).expect("two texts were sent");
                 Err(Error::Contact { text, island })

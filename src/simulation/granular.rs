@@ -83,19 +83,21 @@ impl<const D: usize> Granular<D> {
         self.radii.extend(self.bodies.iter().map(|body| body.radius));
     }
 
-    /// Without a contact model bodies notice no walls: a run in which they leave the box has no meaning.
+    /// Without a contact model bodies notice no walls: a run in which they leave the box has no meaning. Collective: the same on all ranks.
     fn refuse_outside(&self, state: &State<D>) -> Result<()> {
-        for (place, body) in state.bodies.iter().enumerate() {
-            for axis in (0..D).filter(|&axis| !self.domain.periodic(axis)) {
-                if !(0.0..=self.domain.size[axis]).contains(&body.center[axis]) {
-                    let (name, time, number) = (["x", "y", "z"][axis], state.time, state.number(place));
-                    return Err(Error::Diverged(format!(
-                        "at time {time} body {number} has left the box along {name}; set contact.model = \"inelastic\" or an earlier time.end"
-                    )));
-                }
-            }
+        let outside = |place: usize, axis: usize| {
+            !self.domain.periodic(axis) && !(0.0..=self.domain.size[axis]).contains(&state.bodies[place].center[axis])
+        };
+        let mut places = (0..state.bodies.len()).flat_map(|place| (0..D).map(move |axis| (place, axis)));
+        let found = places.find(|&(place, axis)| outside(place, axis)).map(|(place, axis)| (state.number(place) * D + axis) as f64);
+        let first = self.peers().min(found.unwrap_or(f64::INFINITY));
+        if first.is_infinite() {
+            return Ok(());
         }
-        Ok(())
+        let (number, name, time) = (first as usize / D, ["x", "y", "z"][first as usize % D], state.time);
+        Err(Error::Diverged(format!(
+            "at time {time} body {number} has left the box along {name}; set contact.model = \"inelastic\" or an earlier time.end"
+        )))
     }
 
     /// Over how long forces act on velocities in a step.
@@ -206,7 +208,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         let mut moves: Vec<Twist<D>> = observation.twists.iter().zip(&self.known.accelerations).map(pushed).collect();
         let (mut contacts, mut stuck, mut kkt_report) = (self.known.contacts.clone(), Vec::new(), None);
         match self.interactions.touch() {
-            None => self.peers().agree(self.refuse_outside(state))?,
+            None => self.refuse_outside(state)?,
             Some(Touch::Soft { .. }) => kkt_report = self.known.kkt_report,
             Some(Touch::Hard) => {
                 let (found, remembered) = self.project(state, &moves, step)?;
