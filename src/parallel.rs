@@ -1,6 +1,7 @@
 //! The ranks: sums, extremes, gathering, broadcasting and agreeing. Everything here is collective.
 
 mod memory;
+mod routes;
 
 use std::ops::Range;
 
@@ -16,6 +17,7 @@ use mpi::{
 
 use crate::error::{Error, Result};
 pub use memory::{free_memory_bytes, peak_memory_bytes};
+pub use routes::Routes;
 
 /// What tells ranks that bodies in contact could not be kept apart; no exit code.
 const CONTACT: i32 = -1;
@@ -45,20 +47,20 @@ pub enum Peers<'a> {
 }
 
 /// How the entries of a buffer are shared out among the ranks, one rank's after the other's.
-pub struct Shares {
+struct Shares {
     counts: Vec<i32>,
     starts: Vec<i32>,
 }
 
 impl Shares {
     /// Shares of `counts` entries, one count a rank.
-    pub fn new(counts: Vec<i32>) -> Shares {
+    fn new(counts: Vec<i32>) -> Shares {
         let starts = counts.iter().scan(0, |sum, &count| Some(std::mem::replace(sum, *sum + count))).collect();
         Shares { counts, starts }
     }
 
     /// Entries of all ranks.
-    pub fn total(&self) -> usize {
+    fn total(&self) -> usize {
         self.counts.iter().sum::<i32>() as usize
     }
 }
@@ -135,7 +137,7 @@ impl World {
     }
 
     /// Sends each rank its share of `sent` and fills `received` with the shares that come from each.
-    pub fn exchange<T: Equivalence>(&self, sent: &[T], shares_sent: &Shares, received: &mut [T], shares_received: &Shares) {
+    fn exchange<T: Equivalence>(&self, sent: &[T], shares_sent: &Shares, received: &mut [T], shares_received: &Shares) {
         self.count(sent);
         let sent = Partition::new(sent, &shares_sent.counts[..], &shares_sent.starts[..]);
         let mut received = PartitionMut::new(received, &shares_received.counts[..], &shares_received.starts[..]);

@@ -3,13 +3,12 @@
 //! Bodies are listed by their numbers among all of the run, so that any two of them stand in the same order on every rank, and what is
 //! computed of a pair is the same to the last bit wherever it is computed.
 
-use mpi::datatype::Equivalence;
 use nalgebra::SVector;
 
 use super::Regions;
 use crate::{
     geometry::{Ball, Bounds, Domain},
-    parallel::Peers,
+    parallel::{Peers, Routes},
 };
 
 /// A rank's own bodies and its copies of others, in the order of their numbers.
@@ -21,10 +20,9 @@ pub struct Halo {
     rank: usize,
     /// Places of the own bodies.
     own: Vec<usize>,
-    /// Places of the bodies of which other ranks have copies, one rank's after the other's, and how many each has.
-    sent: Vec<usize>,
-    sent_counts: Vec<usize>,
-    /// Places of the copies, in the order in which their values come.
+    /// Who has copies of the own bodies, and who of theirs this rank.
+    routes: Routes,
+    /// Places of the copies, in the order in which they come.
     copies: Vec<usize>,
 }
 
@@ -86,16 +84,13 @@ impl Halo {
 
     /// The halo in which each rank gets copies of these of the own bodies. Collective.
     fn of_copies(peers: Peers, own_numbers: &[usize], targets: &[Vec<usize>]) -> Halo {
-        let sent_counts: Vec<usize> = targets.iter().map(Vec::len).collect();
-        let sent: Vec<usize> = targets.concat();
-        let sent_numbers: Vec<u64> = sent.iter().map(|&body| own_numbers[body] as u64).collect();
-        let (received, counts) = peers.send(&sent_numbers, &sent_counts);
-        let from = counts.iter().enumerate().flat_map(|(rank, &count)| std::iter::repeat_n(rank, count));
-        let copies = received.iter().zip(from).enumerate().map(|(copy, (&number, rank))| (number as usize, rank, Some(copy)));
+        let routes = Routes::new(peers, targets);
+        let numbers = routes.copies(peers, |body| [own_numbers[body] as f64]);
+        let copies = numbers.iter().zip(routes.sources()).enumerate().map(|(copy, ([number], rank))| (*number as usize, rank, Some(copy)));
         let mine = own_numbers.iter().map(|&number| (number, peers.rank(), None));
         let mut seen: Vec<(usize, usize, Option<usize>)> = mine.chain(copies).collect();
         seen.sort_unstable();
-        let mut places = vec![0; received.len()];
+        let mut places = vec![0; numbers.len()];
         let mut own = Vec::with_capacity(own_numbers.len());
         for (place, &(_, _, copy)) in seen.iter().enumerate() {
             match copy {
@@ -107,9 +102,8 @@ impl Halo {
             numbers: seen.iter().map(|&(number, ..)| number).collect(),
             owners: seen.iter().map(|&(_, owner, _)| owner).collect(),
             rank: peers.rank(),
-            sent: sent.into_iter().map(|body| own[body]).collect(),
             own,
-            sent_counts,
+            routes,
             copies: places,
         }
     }
@@ -150,32 +144,35 @@ impl Halo {
         if self.numbers.get(number) == Some(&number) { Some(number) } else { self.numbers.binary_search(&number).ok() }
     }
 
-    /// Values of all bodies that are seen, from those of the own ones. Collective.
-    pub fn spread<T: Equivalence + Copy + Default>(&self, peers: Peers, own: &[T]) -> Vec<T> {
-        let mut values = vec![T::default(); self.len()];
-        self.own.iter().zip(own).for_each(|(&place, value)| values[place] = *value);
-        self.update(peers, &mut values);
-        values
-    }
-
-    /// Gives copies the values that their owners have. Collective.
-    pub fn update<T: Equivalence + Copy + Default>(&self, peers: Peers, values: &mut [T]) {
-        let sent: Vec<T> = self.sent.iter().map(|&place| values[place]).collect();
-        let (received, _) = peers.send(&sent, &self.sent_counts);
-        self.copies.iter().zip(received).for_each(|(&place, value)| values[place] = value);
+    /// Numbers of all bodies that are seen, from those of the own ones. Collective.
+    pub fn spread(&self, peers: Peers, own: &[f64]) -> Vec<f64> {
+        self.spread_rows(peers, |body| [own[body]]).into_iter().map(|[value]| value).collect()
     }
 
     /// Vectors of all bodies that are seen, from those of the own ones. Collective.
     pub fn spread_vectors<const D: usize>(&self, peers: Peers, own: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
-        let mut values = vec![SVector::zeros(); self.len()];
-        self.own.iter().zip(own).for_each(|(&place, value)| values[place] = *value);
-        let sent: Vec<f64> = self.sent.iter().flat_map(|&place| Into::<[f64; D]>::into(values[place])).collect();
-        let counts: Vec<usize> = self.sent_counts.iter().map(|count| count * D).collect();
-        let (received, _) = peers.send(&sent, &counts);
-        for (&place, value) in self.copies.iter().zip(received.chunks(D)) {
-            values[place] = SVector::from_column_slice(value);
-        }
+        self.spread_rows::<D>(peers, |body| own[body].into()).into_iter().map(SVector::from).collect()
+    }
+
+    /// All bodies that are seen as balls, from the own ones. Collective.
+    pub fn spread_balls<const D: usize>(&self, peers: Peers, own: &[Ball<D>]) -> Vec<Ball<D>> {
+        let centers: Vec<SVector<f64, D>> = own.iter().map(|ball| ball.center).collect();
+        let radii: Vec<f64> = own.iter().map(|ball| ball.radius).collect();
+        let seen = self.spread_vectors(peers, &centers).into_iter().zip(self.spread(peers, &radii));
+        seen.map(|(center, radius)| Ball { center, radius }).collect()
+    }
+
+    fn spread_rows<const W: usize>(&self, peers: Peers, own: impl Fn(usize) -> [f64; W]) -> Vec<[f64; W]> {
+        let mut values = vec![[0.0; W]; self.len()];
+        self.own.iter().enumerate().for_each(|(body, &place)| values[place] = own(body));
+        self.copies.iter().zip(self.routes.copies(peers, own)).for_each(|(&place, value)| values[place] = value);
         values
+    }
+
+    /// Gives copies the numbers that their owners have. Collective.
+    pub fn update(&self, peers: Peers, values: &mut [f64]) {
+        let copies = self.routes.copies(peers, |body| [values[self.own[body]]]);
+        self.copies.iter().zip(copies).for_each(|(&place, [value])| values[place] = value);
     }
 }
 

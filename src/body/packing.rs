@@ -7,7 +7,7 @@ use nalgebra::SVector;
 use super::search::{Search, fraction, power};
 use crate::error::{Error, Result};
 use crate::geometry::{Ball, Domain};
-use crate::parallel::World;
+use crate::parallel::Peers;
 
 /// Excess of a width over the box that is rounding.
 const TOLERANCE: f64 = 1e-9;
@@ -19,12 +19,12 @@ const TOLERANCE: f64 = 1e-9;
 /// everywhere. Returns [`Error::Refused`] if a radius or the gap
 /// is no usable number, if a body does not fit, or if no packing is found with bounded effort.
 pub fn pack<const D: usize>(domain: &Domain<D>, obstacles: &[Ball<D>], radii: &[f64], gap: f64, seed: u64) -> Result<Vec<SVector<f64, D>>> {
-    pack_on(None, domain, obstacles, radii, gap, seed)
+    pack_on(Peers::Alone, domain, obstacles, radii, gap, seed)
 }
 
 /// The same by several ranks, which share many bodies; collective. All arguments and what comes out are the same on every rank.
 pub fn pack_on<const D: usize>(
-    world: Option<&World>,
+    peers: Peers,
     domain: &Domain<D>,
     obstacles: &[Ball<D>],
     radii: &[f64],
@@ -38,7 +38,7 @@ pub fn pack_on<const D: usize>(
     for (body, &radius) in radii.iter().enumerate() {
         check_fit(domain, body, radius, gap)?;
     }
-    let search = Search::new(world, domain, obstacles, (radii, gap), seed);
+    let search = Search::new(peers, domain, obstacles, (radii, gap), seed);
     search.run().map_err(|scale| refusal(domain, radii, gap, scale))
 }
 
@@ -197,7 +197,7 @@ mod tests {
     #[test]
     fn a_crowd_too_dense_is_refused_with_what_was_reached() {
         let (domain, radii) = (cube::<2>(false), equal::<2>(50, 0.95));
-        let mut search = Search::new(None, &domain, &[], (&radii, 0.01), 1);
+        let mut search = Search::new(Peers::Alone, &domain, &[], (&radii, 0.01), 1);
         search.crowd.effort = 10_000_000;
         let message = refusal(&domain, &radii, 0.01, search.run().unwrap_err()).to_string();
         assert!(message.starts_with("50 bodies that fill a fraction of 0.950 (0.960 with"), "{message}");

@@ -9,7 +9,7 @@ use nalgebra::SVector;
 
 use super::{
     fire::Fire,
-    share::{BLOCK, Halo, Share},
+    share::{BLOCK, NeededCenters, Share},
 };
 use crate::geometry::{Ball, Domain, Pair, near_pairs};
 
@@ -134,7 +134,7 @@ impl<const D: usize> Packing<'_, D> {
             self.share.gather(&mut self.centers);
             *contacts = Contacts::new(self);
         } else {
-            contacts.halo.update(&self.share, &mut self.centers);
+            contacts.needed.update(&self.share, &mut self.centers);
         }
     }
 
@@ -205,7 +205,7 @@ struct Contacts<const D: usize> {
     skin: f64,
     /// Work of one step of all ranks, in pair evaluations.
     work: u64,
-    halo: Halo,
+    needed: NeededCenters,
 }
 
 impl<const D: usize> Contacts<D> {
@@ -236,7 +236,7 @@ impl<const D: usize> Contacts<D> {
             origins: crowd.centers[share.own.clone()].to_vec(),
             skin,
             work: (count + crowd.movable) as u64 + STEP_WORK,
-            halo: Halo::new(share, needed),
+            needed: NeededCenters::new(share, needed),
             list,
         }
     }

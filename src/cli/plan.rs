@@ -15,7 +15,7 @@ use crate::{
 /// Prints the plan of a scene of dimension `D` whose runs write into `folder`.
 pub fn plan<const D: usize>(session: &Session, scene: &Scene, folder: &Path) -> Result<()> {
     let world = session.world();
-    let of = |scene: &Scene| world.agree(Plan::<D>::on(Some(world), scene).and_then(|plan| plan.report(world.size())));
+    let of = |scene: &Scene| world.agree(Plan::<D>::on(world.into(), scene).and_then(|plan| plan.report(world.size())));
     let (plan, time) = match scene.accuracy {
         None => {
             let plan = of(scene)?;

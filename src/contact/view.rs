@@ -48,11 +48,8 @@ impl<const D: usize> View<D> {
         let bounded = problem.lower_bounds.iter().map(|bound| &bound.contact);
         let required = known.iter().chain(bounded).flat_map(|contact| bodies_of(contact.identity()));
         let halo = Halo::new(peers, &bodies, required);
-        let radii: Vec<f64> = problem.balls.iter().map(|ball| ball.radius).collect();
-        let centers: Vec<_> = problem.balls.iter().map(|ball| ball.center).collect();
-        let (centers, radii) = (halo.spread_vectors(peers, &centers), halo.spread(peers, &radii));
         let mut view = View {
-            balls: centers.into_iter().zip(radii).map(|(center, radius)| Ball { center, radius }).collect(),
+            balls: halo.spread_balls(peers, problem.balls),
             weights: halo.spread(peers, problem.weights),
             wanted: halo.spread_vectors(peers, problem.velocities),
             velocities: halo.spread_vectors(peers, motions.velocities),

@@ -358,7 +358,7 @@ impl<const D: usize> Machinery<D> {
             }
             (None, Some((suspension, solution))) => Ok(Machinery::Instant { solver: Box::new(suspension), solution: Some(solution) }),
             (None, None) => {
-                let setup = session.world().agree(Setup::<D>::on(Some(session.world()), resolved))?;
+                let setup = session.world().agree(Setup::<D>::on(session.world().into(), resolved))?;
                 Ok(Machinery::Instant { solver: flow_solver(session, setup)?, solution: None })
             }
         }

@@ -17,7 +17,7 @@ use crate::{
 /// The scene does not fit, the solve fails, or a file cannot be written.
 pub fn run<const D: usize>(session: &Session, scene: &Scene, mut folder: Option<RunFolder>, options: Options) -> Result<Finished> {
     let world = session.world();
-    let setup = world.agree(ScalarSetup::<D>::on(Some(world), scene))?;
+    let setup = world.agree(ScalarSetup::<D>::on(world.into(), scene))?;
     let progress = options.progress.then(|| Progress::new(world.rank(), scene.method.tolerance.at_an_instant()));
     let mut seen = |iteration, residual| progress.iter().for_each(|line| line.show(iteration, residual));
     let mut claim = || folder.as_mut().map_or(Ok(()), |folder| folder.claim(scene));

@@ -36,9 +36,7 @@ impl<const D: usize> Neighbours<D> {
         let halo = Halo::new(peers, &OwnBodies { domain, regions, numbers: &numbers, around: &around }, required);
         let place = |number: usize| halo.place(number).expect("bodies that stick are seen");
         let stuck = stuck.iter().map(|stuck| (renamed(stuck.identity(), place), stuck.gamma).into()).collect();
-        let (centers, radii) = (halo.spread_vectors(peers, &state.centers()), halo.spread(peers, radii));
-        let balls = centers.into_iter().zip(radii).map(|(center, radius)| Ball { center, radius }).collect();
-        Neighbours { balls, masses: halo.spread(peers, masses), stuck, halo }
+        Neighbours { balls: halo.spread_balls(peers, &balls), masses: halo.spread(peers, masses), stuck, halo }
     }
 
     /// They as interactions see them.

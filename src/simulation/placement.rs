@@ -7,7 +7,7 @@ use crate::{
     body::{Body, Motion, Twist, pack_on, read_centers, skew},
     error::{Error, Result},
     geometry::{Axis, Ball, Domain, InvalidConfiguration, LeesEdwards, first_fault},
-    parallel::World,
+    parallel::Peers,
     scene::{self, AxisSection, BodyGroup, FlowModel, Placement, Scene},
 };
 
@@ -35,8 +35,8 @@ pub fn domain<const D: usize>(scene: &Scene) -> Domain<D> {
 ///
 /// # Errors
 /// Bodies overlap or lie outside, or do not fit at the asked fraction.
-pub fn bodies<const D: usize>(world: Option<&World>, scene: &Scene, domain: &Domain<D>) -> Result<Vec<(usize, Body<D>)>> {
-    let balls = place(world, scene, domain)?;
+pub fn bodies<const D: usize>(peers: Peers, scene: &Scene, domain: &Domain<D>) -> Result<Vec<(usize, Body<D>)>> {
+    let balls = place(peers, scene, domain)?;
     check_places(scene, domain, &balls)?;
     check_spans(scene, domain, &balls)?;
     Ok(balls.into_iter().map(|(group, ball)| (group, Body { ball, motion: motion(scene, group, &ball) })).collect())
@@ -68,13 +68,9 @@ pub fn asked<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Asked<
 }
 
 /// The balls of all groups with their groups: given centers first, then random ones, which avoid them.
-fn place<const D: usize>(world: Option<&World>, scene: &Scene, domain: &Domain<D>) -> Result<Vec<(usize, Ball<D>)>> {
-    let found = asked(scene, domain);
+fn place<const D: usize>(peers: Peers, scene: &Scene, domain: &Domain<D>) -> Result<Vec<(usize, Ball<D>)>> {
     // no rank may wait for one that has refused
-    let Asked { given: mut balls, counts } = match world {
-        Some(world) => world.agree(found)?,
-        None => found?,
-    };
+    let Asked { given: mut balls, counts } = peers.agree(asked(scene, domain))?;
     let obstacles: Vec<Ball<D>> = balls.iter().map(|&(_, ball)| ball).collect();
     let (mut random, mut gap) = (Vec::new(), 0.0_f64);
     for (group, (bodies, &count)) in scene.bodies.iter().zip(&counts).enumerate() {
@@ -83,7 +79,7 @@ fn place<const D: usize>(world: Option<&World>, scene: &Scene, domain: &Domain<D
     }
     let radii: Vec<f64> = random.iter().map(|&(_, radius)| radius).collect();
     let refuse = |error: Error| room::refuse_number(scene, random[0].0, &error.to_string());
-    let centers = pack_on(world, domain, &obstacles, &radii, gap, scene.seed).map_err(refuse)?;
+    let centers = pack_on(peers, domain, &obstacles, &radii, gap, scene.seed).map_err(refuse)?;
     balls.extend(random.into_iter().zip(centers).map(|((group, radius), center)| (group, Ball { center, radius })));
     Ok(balls)
 }

@@ -13,7 +13,7 @@ use crate::{
     flow::{Drive, InverseMethod},
     geometry::Domain,
     interaction::{Interactions, Lubrication},
-    parallel::World,
+    parallel::Peers,
     scene::{self, ContactModel, Modes, ResolutionSection, Scene, Spacing},
     surface::{Shape, highest_order},
 };
@@ -45,14 +45,14 @@ impl<const D: usize> GranularSetup<D> {
     /// # Errors
     /// Bodies overlap or lie outside, or do not fit at the asked fraction.
     pub fn of(scene: &Scene) -> Result<GranularSetup<D>> {
-        Self::on(None, scene)
+        Self::on(Peers::Alone, scene)
     }
 
     /// The same by ranks that place many bodies together; collective.
     ///
     /// # Errors
     /// The same.
-    pub fn on(world: Option<&World>, scene: &Scene) -> Result<GranularSetup<D>> {
+    pub fn on(peers: Peers, scene: &Scene) -> Result<GranularSetup<D>> {
         let domain = domain(scene);
         let of_group = |(group, body): (usize, crate::body::Body<D>)| {
             let given = &scene.bodies[group];
@@ -78,7 +78,7 @@ impl<const D: usize> GranularSetup<D> {
                 },
             }
         };
-        let bodies: Vec<GranularBody<D>> = bodies(world, scene, &domain)?.into_iter().map(of_group).collect();
+        let bodies: Vec<GranularBody<D>> = bodies(peers, scene, &domain)?.into_iter().map(of_group).collect();
         Ok(GranularSetup { interactions: interactions::of_granular(scene, &domain, &bodies), domain, bodies })
     }
 
@@ -94,16 +94,16 @@ impl<const D: usize> Setup<D> {
     /// # Errors
     /// Bodies overlap or lie outside, do not fit at the asked fraction, or are too small for the grid or the modes.
     pub fn of(scene: &Scene) -> Result<Setup<D>> {
-        Self::on(None, scene)
+        Self::on(Peers::Alone, scene)
     }
 
     /// The same by ranks that place many bodies together; collective.
     ///
     /// # Errors
     /// The same.
-    pub fn on(world: Option<&World>, scene: &Scene) -> Result<Setup<D>> {
+    pub fn on(peers: Peers, scene: &Scene) -> Result<Setup<D>> {
         let domain = domain(scene);
-        let (spacing, bodies) = suspended_bodies(scene, &domain, bodies(world, scene, &domain)?)?;
+        let (spacing, bodies) = suspended_bodies(scene, &domain, bodies(peers, scene, &domain)?)?;
         Ok(Setup::with_bodies(scene, domain, spacing, bodies))
     }
 

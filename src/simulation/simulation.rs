@@ -142,8 +142,7 @@ impl<const D: usize> Simulation<D> {
         }
         let peers = Peers::from(self.session.world());
         let halo = Halo::of_numbers(peers, &self.state.numbers(), required);
-        let (centers, radii) = (halo.spread_vectors(peers, &self.state.centers()), halo.spread(peers, self.radii()));
-        let seen = centers.into_iter().zip(radii).map(|(center, radius)| Ball { center, radius }).collect();
+        let seen = halo.spread_balls(peers, &balls);
         (halo, seen)
     }
 

@@ -25,7 +25,7 @@ fn filled<const D: usize>(shape: [f64; D], axes: [Axis<D>; D], radii: &[f64], fr
 }
 
 fn assert_alike<const D: usize>(session: &Session, domain: &Domain<D>, obstacles: &[Ball<D>], radii: &[f64]) {
-    let together = pack_on(Some(session.world()), domain, obstacles, radii, 0.02, 1).unwrap();
+    let together = pack_on(session.world().into(), domain, obstacles, radii, 0.02, 1).unwrap();
     assert_eq!(together, pack(domain, obstacles, radii, 0.02, 1).unwrap());
     let balls = together.iter().zip(radii).map(|(&center, &radius)| Ball { center, radius });
     assert_eq!(first_fault(domain, &balls.chain(obstacles.iter().copied()).collect::<Vec<_>>()), None);

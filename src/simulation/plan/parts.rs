@@ -6,7 +6,7 @@ use crate::simulation::{
 use crate::{
     error::Result,
     interaction::{Interaction, Interactions},
-    parallel::World,
+    parallel::Peers,
     petsc::Session,
     scene::{ConstraintMethod, FlowModel, Scene},
 };
@@ -37,18 +37,18 @@ impl<const D: usize> Plan<D> {
     /// # Errors
     /// Bodies do not fit, or the scene asks for steps that are too long for its interactions.
     pub fn of(scene: &Scene) -> Result<Plan<D>> {
-        Self::on(None, scene)
+        Self::on(Peers::Alone, scene)
     }
 
     /// The same by ranks that place many bodies together; collective.
     ///
     /// # Errors
     /// The same.
-    pub fn on(world: Option<&World>, scene: &Scene) -> Result<Plan<D>> {
+    pub fn on(peers: Peers, scene: &Scene) -> Result<Plan<D>> {
         let model = match scene.flow.model {
-            FlowModel::None => PlannedModel::Granular(GranularSetup::on(world, scene)?),
-            FlowModel::Scalar => PlannedModel::Scalar(ScalarSetup::on(world, scene)?),
-            FlowModel::Stokes => PlannedModel::Flow(Setup::on(world, scene)?),
+            FlowModel::None => PlannedModel::Granular(GranularSetup::on(peers, scene)?),
+            FlowModel::Scalar => PlannedModel::Scalar(ScalarSetup::on(peers, scene)?),
+            FlowModel::Stokes => PlannedModel::Flow(Setup::on(peers, scene)?),
         };
         Plan { scene: scene.clone(), model }.checked()
     }
@@ -127,7 +127,7 @@ impl<const D: usize> Simulation<D> {
     /// # Errors
     /// Bodies, grid or rank count do not fit.
     pub fn new(session: &Session, scene: &Scene) -> Result<Simulation<D>> {
-        session.world().agree(Plan::on(Some(session.world()), scene))?.simulation(session)
+        session.world().agree(Plan::on(session.world().into(), scene))?.simulation(session)
     }
 }
 

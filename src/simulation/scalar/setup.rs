@@ -9,7 +9,7 @@ use crate::{
     error::Result,
     geometry::{Ball, Domain},
     grid::Grid,
-    parallel::World,
+    parallel::Peers,
     scene::{ConstraintMethod, Drive, Scene, Tolerance},
     simulation::{
         placement::{bodies, domain},
@@ -43,16 +43,16 @@ impl<const D: usize> ScalarSetup<D> {
     /// # Errors
     /// Inclusions overlap or lie outside, do not fit at the asked fraction, or are too small for the grid or the modes.
     pub fn of(scene: &Scene) -> Result<ScalarSetup<D>> {
-        Self::on(None, scene)
+        Self::on(Peers::Alone, scene)
     }
 
     /// The same by ranks that place many bodies together; collective.
     ///
     /// # Errors
     /// The same.
-    pub fn on(world: Option<&World>, scene: &Scene) -> Result<ScalarSetup<D>> {
+    pub fn on(peers: Peers, scene: &Scene) -> Result<ScalarSetup<D>> {
         let domain = domain(scene);
-        let (spacing, placed) = suspended_bodies(scene, &domain, bodies(world, scene, &domain)?)?;
+        let (spacing, placed) = suspended_bodies(scene, &domain, bodies(peers, scene, &domain)?)?;
         let inclusions = placed.iter().map(|suspended| (suspended.body.ball, suspended.order)).collect();
         let gradient = match &scene.flow.drive {
             Some(Drive::MeanGradient(gradient)) => Some(SVector::from_column_slice(gradient)),
