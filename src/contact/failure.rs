@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::{
     Contact, KktReport, Partner, Problem,
-    paths::{Motions, common_motion, swept_balls},
+    paths::{Motions, swept_balls},
     solver::Outcome,
 };
 use crate::{
@@ -19,11 +19,11 @@ const LARGEST_RATIO: f64 = 1e12;
 const MOST_VISITS: f64 = 1e9;
 
 /// Refuses weights and steps that are not positive, velocities that are not finite, and steps so long that to look who meets takes for ever.
-/// Collective: the same on all ranks.
+/// Collective: the same on all ranks. `motions` are the velocities wanted.
 ///
 /// # Panics
 /// If lengths differ.
-pub(super) fn check<const D: usize>(peers: Peers, problem: &Problem<D>) -> Result<()> {
+pub(super) fn check<const D: usize>(peers: Peers, problem: &Problem<D>, motions: &Motions<D>) -> Result<()> {
     let count = problem.balls.len();
     assert!(problem.weights.len() == count && problem.velocities.len() == count, "each ball has a weight and a velocity");
     peers.agree(check_bodies(problem))?;
@@ -34,7 +34,7 @@ pub(super) fn check<const D: usize>(peers: Peers, problem: &Problem<D>) -> Resul
         );
         return peers.agree(Err(error(problem, &[], &[], text)));
     }
-    if visits(peers, problem) > MOST_VISITS {
+    if visits(peers, problem, motions) > MOST_VISITS {
         return too_far(peers, problem);
     }
     Ok(())
@@ -75,14 +75,13 @@ fn too_far<const D: usize>(peers: Peers, problem: &Problem<D>) -> Result<()> {
 }
 
 /// About how many bodies are visited to find all pairs of paths.
-fn visits<const D: usize>(peers: Peers, problem: &Problem<D>) -> f64 {
-    let motions = Motions { velocities: problem.velocities, common: common_motion(peers, problem, problem.velocities) };
+fn visits<const D: usize>(peers: Peers, problem: &Problem<D>, motions: &Motions<D>) -> f64 {
     let along = |axis: usize, radius: f64| {
         let boxes = 4.0 * radius / problem.domain.size[axis];
         if problem.domain.periodic(axis) { boxes } else { boxes.min(1.0) }
     };
     let share = |radius: f64| (0..D).map(|axis| along(axis, radius)).product::<f64>();
-    let mut sums = [swept_balls(problem, &motions, 0.0).iter().map(|ball| share(ball.radius)).sum(), problem.balls.len() as f64];
+    let mut sums = [swept_balls(problem, motions, 0.0).iter().map(|ball| share(ball.radius)).sum(), problem.balls.len() as f64];
     peers.sum(&mut sums);
     sums[0] * sums[1]
 }

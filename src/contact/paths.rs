@@ -104,15 +104,12 @@ fn time_of_approach<const D: usize>(separation: &SVector<f64, D>, relative: &SVe
 ///
 /// Found digit by digit of the numbers' order, so that it takes a few small sums over the ranks however many values there are.
 fn median(peers: Peers, values: Vec<f64>) -> f64 {
-    let total = |count: usize| {
-        let mut sum = [count as f64];
-        peers.sum(&mut sum);
-        sum[0] as usize
-    };
-    let mut rank_in_order = total(values.len()) / 2;
-    if total(values.len()) == 0 {
+    let mut total = [values.len() as f64];
+    peers.sum(&mut total);
+    if total[0] == 0.0 {
         return 0.0;
     }
+    let mut rank_in_order = total[0] as usize / 2;
     let mut keys: Vec<u64> = values.into_iter().map(sortable).collect();
     let mut found = 0;
     for shift in (0..8).rev().map(|byte| 8 * byte) {

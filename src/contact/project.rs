@@ -66,18 +66,18 @@ pub(super) fn project_by<const D: usize>(
     memory: &Memory<D>,
     solve: Solve<D>,
 ) -> Result<ProjectionShare<D>> {
-    check(peers, &share.problem)?;
     let mut state = ProjectionState::new(peers, share, memory);
+    check(peers, &share.problem, &state.motions())?;
     if peers.any(!share.problem.lower_bounds.is_empty()) {
-        let view = state.look(NEARNESS).0;
+        let view = state.look(NEARNESS);
         let fresh: Vec<_> = view.lower_bounds.iter().map(|bound| bound.contact).collect();
         state.add(&view, &fresh, solve)?;
     }
     for round in 0..ROUNDS {
         let nearness = LARGEST_NEARNESS.min(NEARNESS * f64::powi(2.0, round as i32));
-        let (view, common) = state.look(nearness);
+        let view = state.look(nearness);
         let problem = view.problem(&share.problem);
-        let paths = paths(&problem, &Motions { velocities: &view.velocities, common }, nearness, |body| view.halo.owns(body));
+        let paths = paths(&problem, &Motions { velocities: &view.velocities, common: state.common }, nearness, |body| view.halo.owns(body));
         let Some(violated) = state.violated(&view, &paths, nearness) else {
             return state.finish(view, &paths, round);
         };
@@ -97,6 +97,8 @@ struct ProjectionState<'a, const D: usize> {
     forces: Vec<f64>,
     /// Velocities of the own bodies.
     velocities: Vec<SVector<f64, D>>,
+    /// How all bodies move together with these.
+    common: SVector<f64, D>,
     iterations: usize,
     solver: Solver,
 }
@@ -111,16 +113,20 @@ impl<'a, const D: usize> ProjectionState<'a, D> {
             known: HashSet::new(),
             forces: Vec::new(),
             velocities: share.problem.velocities.to_vec(),
+            common: common_motion(peers, &share.problem, share.problem.velocities),
             iterations: 0,
             solver: Solver::Formula,
         }
     }
 
-    /// What is seen of bodies with the velocities that they have now, and how all move together.
-    fn look(&self, nearness: f64) -> (View<D>, SVector<f64, D>) {
-        let common = common_motion(self.peers, &self.share.problem, &self.velocities);
-        let motions = Motions { velocities: &self.velocities, common };
-        (View::new(self.peers, self.share, &motions, nearness, &self.contacts), common)
+    /// How the own bodies move so far.
+    fn motions(&self) -> Motions<'_, D> {
+        Motions { velocities: &self.velocities, common: self.common }
+    }
+
+    /// What is seen of bodies with the velocities that they have now.
+    fn look(&self, nearness: f64) -> View<D> {
+        View::new(self.peers, self.share, &self.motions(), nearness, &self.contacts)
     }
 
     /// Pairs that overlap on the way, and pairs near the bodies that they hang together with; nothing if none overlap on any rank.
@@ -158,6 +164,7 @@ impl<'a, const D: usize> ProjectionState<'a, D> {
         (self.iterations, self.solver) = (self.iterations.max(found.iterations), self.solver.max(found.solver));
         let all = view.problem(&self.share.problem).corrected_velocities(&placed, &self.forces);
         self.velocities = view.halo.own().iter().map(|&place| all[place]).collect();
+        self.common = common_motion(self.peers, &self.share.problem, &self.velocities);
         Ok(())
     }
 

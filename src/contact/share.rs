@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, HashMap};
 use nalgebra::SVector;
 
 use super::{
-    Contact, Identity, Problem, Solver,
+    Contact, ContactForce, Identity, Problem, Solver,
     failure::failure,
     identity::{pack, packed_length, renamed, unpack},
     island::free_body,
@@ -93,7 +93,6 @@ impl<'a, const D: usize> Round<'a, D> {
         let mut homes: Vec<f64> = (0..count).map(name).collect();
         let mut changed = vec![0.0; count];
         contacts[earlier..].iter().for_each(|contact| changed[free(contact)] = -1.0);
-        // without other ranks the first of a set is its root
         view.spread_least(peers, &mut sets, &mut homes);
         view.spread_least(peers, &mut sets, &mut changed);
         let mut crossing = vec![false; count];
@@ -224,7 +223,7 @@ impl<const D: usize> Gathered<D> {
         let again = |&identity: &Identity<D>| Contact::again(whole.domain, &balls, renamed(identity, place));
         let contacts: Vec<Contact<D>> = self.contacts.keys().map(again).collect();
         let bounds = contacts.iter().zip(self.contacts.values()).filter(|(_, [_, bound])| *bound < 0.0);
-        let lower_bounds: Vec<_> = bounds.map(|(&contact, &[_, force])| super::ContactForce { contact, force }).collect();
+        let lower_bounds: Vec<_> = bounds.map(|(&contact, &[_, force])| ContactForce { contact, force }).collect();
         let problem = Problem {
             numbers: Some(&numbers),
             balls: &balls,

@@ -10,7 +10,7 @@ use crate::{
     observe::Viscosity,
     parallel::{World, peak_memory_bytes},
     scene::Scene,
-    simulation::{Cost, FlowSolver, Lubrication, Share, Simulation, Solution, SolvedScalar},
+    simulation::{Cost, FlowSolver, Lubrication, Simulation, Solution, SolvedScalar},
 };
 
 /// Everything that `summary.json` holds; an effect that the scene does not call for is `null`.
@@ -220,9 +220,7 @@ impl Summary {
         let (state, domain) = (simulation.state(), simulation.domain());
         let volume = |ball: Ball<D>| ball.volume();
         let mut filled = [state.balls(simulation.radii()).into_iter().map(volume).sum::<f64>()];
-        if state.share != Share::Whole {
-            world.sum(&mut filled);
-        }
+        state.peers(world).sum(&mut filled);
         let listed = simulation.whole_part(0..state.count().min(MOST_LISTED));
         let bodies = ListedBodies::new(BodySummary::of_granular(domain, listed), state.count());
         Summary::of_bodies(scene, bodies, filled[0] / domain.volume(), world.size(), ParallelSummary::new(world, state.bodies.len(), 0))

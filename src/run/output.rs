@@ -138,18 +138,10 @@ impl<'a, const D: usize> EvaluatedMotion<'a, D> {
         let state = self.state();
         let held: Vec<f64> = self.held().iter().filter(|held| state.tells(held.body)).map(|held| held.force).collect();
         let mut sums = [held.len() as f64, held.iter().sum(), state.told_stuck().count() as f64];
-        let mut gamma = state.stuck.iter().map(|stuck| stuck.gamma).fold(0.0, f64::min);
-        if state.share != Share::Whole {
-            world.sum(&mut sums);
-            gamma = -world.max(-gamma);
-        }
-        ContactTotals { held: sums[0] as usize, force: sums[1], stuck: sums[2] as usize, gamma }
-    }
-
-    /// Places in the state of the bodies that this rank writes of: all ranks together write of each body once.
-    pub fn written(&self, world: &World) -> Range<usize> {
-        let count = self.state().bodies.len();
-        if self.state().share == Share::Whole { world.share(count) } else { 0..count }
+        let gamma = state.stuck.iter().map(|stuck| stuck.gamma).fold(0.0, f64::min);
+        let peers = state.peers(world);
+        peers.sum(&mut sums);
+        ContactTotals { held: sums[0] as usize, force: sums[1], stuck: sums[2] as usize, gamma: peers.min(gamma) }
     }
 
     /// Bodies at some places in the state, as frames hold them.

@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{GranularBody, GranularSetup, Moving, Share, State};
+use super::{ContactHistory, GranularBody, GranularSetup, Moving, Share, State};
 use crate::{
     body::{Regions, components, skew},
     contact::{AdhesiveContact, ContactForce, Identity, ProjectionShare, bodies_of, pack, packed_length, renamed, unpack},
@@ -84,42 +84,61 @@ pub fn migrate<const D: usize>(
     state: &mut State<D>,
     constants: &mut Vec<Constants<D>>,
 ) {
-    let Share::Own { numbers, .. } = &state.share else { return };
+    let Share::Own { numbers, count } = &state.share else { return };
     let owners: Vec<usize> = state.bodies.iter().map(|body| regions.owner(domain, &body.center)).collect();
-    let leaves = |place: usize| owners[place] != peers.rank();
-    if !peers.any((0..owners.len()).any(leaves)) {
+    if !peers.any(owners.iter().any(|&owner| owner != peers.rank())) {
         return;
     }
-    let (mut travellers, mut contacts) = (vec![Vec::new(); peers.count()], vec![[Vec::new(), Vec::new()]; peers.count()]);
-    for place in (0..owners.len()).filter(|&place| leaves(place)) {
-        let letter = &mut travellers[owners[place]];
-        letter.push(numbers[place] as f64);
-        letter.extend(state.bodies[place].pack());
-        letter.extend(constants[place].pack());
+    let mut bodies = Vec::with_capacity(owners.len());
+    let mut letters = vec![Vec::new(); peers.count()];
+    for (place, &owner) in owners.iter().enumerate() {
+        let (number, body, constants) = (numbers[place], state.bodies[place], constants[place]);
+        if owner == peers.rank() {
+            bodies.push((number, body, constants));
+        } else {
+            letters[owner].push(number as f64);
+            letters[owner].extend(body.pack());
+            letters[owner].extend(constants.pack());
+        }
     }
-    let owner_of = |number: usize| numbers.binary_search(&number).ok().map(|place| owners[place]);
-    let mut tell = |kind: usize, identity: Identity<D>, number: f64| {
-        let mut ranks: Vec<usize> = bodies_of(identity).filter_map(owner_of).filter(|&rank| rank != peers.rank()).collect();
-        ranks.dedup();
-        ranks.into_iter().for_each(|rank| contacts[rank][kind].extend(pack(identity, number)));
-    };
-    state.held.iter().for_each(|held| tell(0, held.identity(), held.force));
-    state.stuck.iter().for_each(|stuck| tell(1, stuck.identity(), stuck.gamma));
-
-    let stays = numbers.iter().zip(&state.bodies).zip(constants.iter()).enumerate().filter(|(place, _)| !leaves(*place));
-    let mut all: Vec<(usize, Moving<D>, Constants<D>)> =
-        stays.map(|(_, ((&number, &body), &constants))| (number, body, constants)).collect();
-    for record in peers.deliver(&travellers).chunks(1 + Moving::<D>::LENGTH + Constants::<D>::LENGTH) {
+    for record in peers.deliver(&letters).chunks(1 + Moving::<D>::LENGTH + Constants::<D>::LENGTH) {
         let (body, constants) = record[1..].split_at(Moving::<D>::LENGTH);
-        all.push((record[0] as usize, Moving::unpack(body), Constants::unpack(constants)));
+        bodies.push((record[0] as usize, Moving::unpack(body), Constants::unpack(constants)));
     }
-    all.sort_unstable_by_key(|&(number, ..)| number);
-    let [held, stuck] = [0, 1].map(|kind| peers.deliver(&contacts.iter().map(|kinds| kinds[kind].clone()).collect::<Vec<_>>()));
-    state.share = Share::Own { numbers: all.iter().map(|&(number, ..)| number).collect(), count: state.count() };
-    state.bodies = all.iter().map(|(_, body, _)| *body).collect();
-    *constants = all.into_iter().map(|(.., constants)| constants).collect();
-    state.held = merged(&state.share, state.held.iter().map(|held| (held.identity(), held.force)), &held);
-    state.stuck = merged(&state.share, state.stuck.iter().map(|stuck| (stuck.identity(), stuck.gamma)), &stuck);
+    bodies.sort_unstable_by_key(|&(number, ..)| number);
+
+    let now: Vec<usize> = bodies.iter().map(|&(number, ..)| number).collect();
+    let owner_of = |number: usize| numbers.binary_search(&number).ok().map(|place| owners[place]);
+    let held = state.held.iter().map(|held| (held.identity(), held.force));
+    let held = contacts_of(peers, &now, held.collect(), owner_of);
+    let stuck = state.stuck.iter().map(|stuck| (stuck.identity(), stuck.gamma));
+    let stuck = contacts_of(peers, &now, stuck.collect(), owner_of);
+    (state.held, state.stuck) =
+        (held.into_iter().map(ContactHistory::from).collect(), stuck.into_iter().map(AdhesiveContact::from).collect());
+    state.share = Share::Own { numbers: now, count: *count };
+    (state.bodies, *constants) = bodies.into_iter().map(|(_, body, constants)| (body, constants)).unzip();
+}
+
+/// The contacts of the bodies that a rank has now, of those that it and others knew, each once. Collective.
+///
+/// `owner_of` tells the rank that has a body of which this one knew the contacts.
+fn contacts_of<const D: usize>(
+    peers: Peers,
+    now: &[usize],
+    mut known: Vec<(Identity<D>, f64)>,
+    owner_of: impl Fn(usize) -> Option<usize>,
+) -> Vec<(Identity<D>, f64)> {
+    let mut letters = vec![Vec::new(); peers.count()];
+    for &(identity, number) in &known {
+        for rank in bodies_of(identity).filter_map(&owner_of).filter(|&rank| rank != peers.rank()) {
+            letters[rank].extend(pack(identity, number));
+        }
+    }
+    known.extend(peers.deliver(&letters).chunks(packed_length::<D>()).map(unpack));
+    known.retain(|(identity, _)| bodies_of(*identity).any(|body| now.binary_search(&body).is_ok()));
+    known.sort_unstable_by_key(|(identity, _)| *identity);
+    known.dedup_by_key(|(identity, _)| *identity);
+    known
 }
 
 /// What contacts remember after a step, of all contacts of own bodies, named by their numbers: as the rank says that answers for each. Collective.
@@ -148,18 +167,4 @@ pub fn remembered<const D: usize>(
     own.extend(peers.deliver(&letters).chunks(packed_length::<D>()).map(|numbers| AdhesiveContact::from(unpack(numbers))));
     own.sort_unstable_by_key(AdhesiveContact::identity);
     own
-}
-
-/// Contacts that a rank keeps and that others tell it of, each once: those that concern a body of the share.
-fn merged<const D: usize, T: From<(Identity<D>, f64)>>(
-    share: &Share,
-    kept: impl Iterator<Item = (Identity<D>, f64)>,
-    told: &[f64],
-) -> Vec<T> {
-    let Share::Own { numbers, .. } = share else { unreachable!("only owned bodies travel") };
-    let own = |(identity, _): &(Identity<D>, f64)| bodies_of(*identity).any(|body| numbers.binary_search(&body).is_ok());
-    let mut all: Vec<(Identity<D>, f64)> = kept.chain(told.chunks(packed_length::<D>()).map(unpack)).filter(own).collect();
-    all.sort_unstable_by_key(|(identity, _)| *identity);
-    all.dedup_by_key(|(identity, _)| *identity);
-    all.into_iter().map(T::from).collect()
 }

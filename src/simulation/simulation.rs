@@ -2,8 +2,6 @@
 
 use std::{borrow::Cow, ops::Range};
 
-use nalgebra::SVector;
-
 use super::{
     ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Granular, GranularSetup, Moving, Observation, QuasiStatic, ResidualMonitor,
     Share, State, Stepper, interactions,
@@ -13,10 +11,9 @@ use super::{
 };
 use crate::{
     body::Halo,
-    contact::KktReport,
+    contact::{AdhesiveContact, KktReport},
     error::{Error, Result},
     geometry::{Ball, Domain},
-    parallel::Peers,
     petsc::Session,
     scene::TimeSection,
 };
@@ -76,7 +73,17 @@ impl<const D: usize> Simulation<D> {
 
     /// Where all bodies are, on every rank; for few bodies, and for what is done once.
     pub fn whole_state(&self) -> Cow<'_, State<D>> {
-        self.state.gathered(self.session.world())
+        let (state, world) = (&self.state, self.session.world());
+        if state.share == Share::Whole {
+            return Cow::Borrowed(state);
+        }
+        Cow::Owned(State {
+            share: Share::Whole,
+            bodies: self.whole_part(0..state.count()).into_iter().map(|(body, _)| body).collect(),
+            held: state.all_held(world).into_iter().map(ContactHistory::from).collect(),
+            stuck: state.all_stuck(world).into_iter().map(AdhesiveContact::from).collect(),
+            ..*state
+        })
     }
 
     /// Goes on from another state of all bodies, with what earlier solves say about the next one.
@@ -109,14 +116,8 @@ impl<const D: usize> Simulation<D> {
 
     /// All bodies as balls, on every rank; as [`whole_state`](Self::whole_state).
     pub fn whole_balls(&self) -> Vec<Ball<D>> {
-        let Share::Own { numbers, count } = &self.state.share else { return self.state.balls(self.radii()) };
-        let own = numbers.iter().zip(self.state.balls(self.radii()));
-        let rows: Vec<f64> = own.flat_map(|(&number, ball)| [&[number as f64, ball.radius], ball.center.as_slice()].concat()).collect();
-        let mut balls = vec![Ball { center: SVector::zeros(), radius: 0.0 }; *count];
-        for row in self.session.world().gather(&rows).chunks(2 + D) {
-            balls[row[0] as usize] = Ball { center: SVector::from_column_slice(&row[2..]), radius: row[1] };
-        }
-        balls
+        let ball = |(body, radius): (Moving<D>, f64)| Ball { center: body.center, radius };
+        self.whole_part(0..self.state.count()).into_iter().map(ball).collect()
     }
 
     /// The bodies with these numbers and their radii, on every rank.
@@ -136,14 +137,10 @@ impl<const D: usize> Simulation<D> {
 
     /// The bodies of this rank and those of these numbers, as balls by their places in a halo.
     pub fn seen(&self, required: impl Iterator<Item = usize>) -> (Halo, Vec<Ball<D>>) {
-        let balls = self.state.balls(self.radii());
-        if self.state.share == Share::Whole {
-            return (Halo::of_numbers(Peers::Alone, &self.state.numbers(), required), balls);
-        }
-        let peers = Peers::from(self.session.world());
+        let peers = self.state.peers(self.session.world());
         let halo = Halo::of_numbers(peers, &self.state.numbers(), required);
-        let seen = halo.spread_balls(peers, &balls);
-        (halo, seen)
+        let balls = halo.spread_balls(peers, &self.state.balls(self.radii()));
+        (halo, balls)
     }
 
     /// Whether the run has reached its end.

@@ -1,6 +1,6 @@
 //! What a restart needs: where bodies are and how they move. A value; machinery is rebuilt.
 
-use std::borrow::Cow;
+use std::{borrow::Cow, ops::Range};
 
 use nalgebra::{SMatrix, SVector};
 
@@ -8,7 +8,7 @@ use crate::{
     body::{Twist, components, skew},
     contact::{AdhesiveContact, ContactForce, Identity, Memory, Partner, pack, packed_length, unpack},
     geometry::Ball,
-    parallel::World,
+    parallel::{Peers, World},
 };
 
 /// A body on its way.
@@ -71,10 +71,6 @@ pub struct State<const D: usize> {
 impl<const D: usize> Moving<D> {
     /// How many numbers [`pack`](Self::pack) makes.
     pub const LENGTH: usize = 2 * D + D * D + D * (D - 1) / 2;
-
-    fn at_rest() -> Moving<D> {
-        Moving { center: SVector::zeros(), rotation: SMatrix::identity(), twist: Twist::zero() }
-    }
 
     /// The body as numbers.
     pub fn pack(&self) -> Vec<f64> {
@@ -165,29 +161,35 @@ impl<const D: usize> State<D> {
         self.stuck.iter().filter(|stuck| self.tells(stuck.body))
     }
 
-    /// The same state of the bodies of all ranks, on every rank. Collective.
-    pub(super) fn gathered(&self, world: &World) -> Cow<'_, State<D>> {
-        let Share::Own { numbers, count } = &self.share else { return Cow::Borrowed(self) };
-        let rows: Vec<f64> =
-            numbers.iter().zip(&self.bodies).flat_map(|(&number, body)| [&[number as f64], &body.pack()[..]].concat()).collect();
-        let mut bodies = vec![Moving::at_rest(); *count];
-        for row in world.gather(&rows).chunks(1 + Moving::<D>::LENGTH) {
-            bodies[row[0] as usize] = Moving::unpack(&row[1..]);
+    /// The ranks that have parts of this state: none but this one where each has all of it.
+    pub fn peers<'w>(&self, world: &'w World) -> Peers<'w> {
+        if self.share == Share::Whole { Peers::Alone } else { world.into() }
+    }
+
+    /// Places of the bodies that this rank writes of: all ranks together write of each body once.
+    pub fn written(&self, world: &World) -> Range<usize> {
+        let count = self.bodies.len();
+        if self.share == Share::Whole { world.share(count) } else { 0..count }
+    }
+
+    /// The contacts of all ranks that bore a force, on every rank. Collective.
+    pub fn all_held(&self, world: &World) -> Vec<(Identity<D>, f64)> {
+        self.all_told(world, self.told().map(|held| (held.identity(), held.force)))
+    }
+
+    /// The contacts of all ranks that stick, each with its memory, on every rank. Collective.
+    pub fn all_stuck(&self, world: &World) -> Vec<(Identity<D>, f64)> {
+        self.all_told(world, self.told_stuck().map(|stuck| (stuck.identity(), stuck.gamma)))
+    }
+
+    fn all_told(&self, world: &World, told: impl Iterator<Item = (Identity<D>, f64)>) -> Vec<(Identity<D>, f64)> {
+        if self.share == Share::Whole {
+            return told.collect();
         }
-        let gather = |told: Vec<Vec<f64>>| {
-            let mut all: Vec<(Identity<D>, f64)> = world.gather(&told.concat()).chunks(packed_length::<D>()).map(unpack).collect();
-            all.sort_unstable_by_key(|(identity, _)| *identity);
-            all.into_iter()
-        };
-        let held = gather(self.told().map(|held| pack(held.identity(), held.force)).collect());
-        let stuck = gather(self.told_stuck().map(|stuck| pack(stuck.identity(), stuck.gamma)).collect());
-        Cow::Owned(State {
-            share: Share::Whole,
-            bodies,
-            held: held.map(ContactHistory::from).collect(),
-            stuck: stuck.map(AdhesiveContact::from).collect(),
-            ..*self
-        })
+        let numbers: Vec<f64> = told.flat_map(|(identity, number)| pack(identity, number)).collect();
+        let mut all: Vec<(Identity<D>, f64)> = world.gather(&numbers).chunks(packed_length::<D>()).map(unpack).collect();
+        all.sort_unstable_by_key(|(identity, _)| *identity);
+        all
     }
 
     /// Their centres, not moved back into the box.

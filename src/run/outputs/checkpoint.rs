@@ -88,29 +88,20 @@ pub fn restore<const D: usize>(world: &World, checkpoint: &Checkpoint, simulatio
 
 fn store_state<const D: usize>(writer: &mut CheckpointWriter, world: &World, simulation: &Simulation<D>) -> Result<()> {
     let state = simulation.state();
-    let (count, owned) = (state.bodies.len(), state.share != Share::Whole);
-    let written = if owned { 0..count } else { world.share(count) };
-    // of contacts, which are few, each rank has all that the others tell
-    let contacts = |told: &mut dyn Iterator<Item = (Identity<D>, f64)>| {
-        let told: Vec<f64> = told.flat_map(|(identity, number)| pack(identity, number)).collect();
-        if !owned {
-            return told;
-        }
-        let mut all: Vec<(Identity<D>, f64)> = world.gather(&told).chunks(packed_length::<D>()).map(unpack).collect();
-        all.sort_unstable_by_key(|(identity, _)| *identity);
-        all.into_iter().flat_map(|(identity, number)| pack(identity, number)).collect()
-    };
-    let stuck = contacts(&mut state.told_stuck().map(|stuck| (stuck.identity(), stuck.gamma)));
+    // of contacts, which are few, each rank has all
+    let contacts =
+        |all: Vec<(Identity<D>, f64)>| all.into_iter().flat_map(|(identity, number)| pack(identity, number)).collect::<Vec<f64>>();
+    let stuck = state.all_stuck(world);
     let mut numbers = vec![state.time, state.steps as f64, state.last_step];
     if !stuck.is_empty() {
         // how many, so that a list that is lost is missed
-        numbers.push((stuck.len() / packed_length::<D>()) as f64);
-        writer.shared("stuck", &stuck)?;
+        numbers.push(stuck.len() as f64);
+        writer.shared("stuck", &contacts(stuck))?;
     }
     writer.shared("time", &numbers)?;
-    let rows = written.flat_map(|place| [&[state.number(place) as f64], &state.bodies[place].pack()[..]].concat());
+    let rows = state.written(world).flat_map(|place| [&[state.number(place) as f64], &state.bodies[place].pack()[..]].concat());
     writer.rows("bodies", state.count(), Moving::<D>::LENGTH, rows.collect())?;
-    writer.shared("contacts", &contacts(&mut state.told().map(|held| (held.identity(), held.force))))
+    writer.shared("contacts", &contacts(state.all_held(world)))
 }
 
 /// The contacts of this name, each with a number.

@@ -100,7 +100,7 @@ impl<const D: usize> Output<D> for FrameFiles<D> {
             return Ok(());
         }
         let state = motion.state();
-        let written = motion.written(seen.world);
+        let written = state.written(seen.world);
         let contacts = (self.contact != ContactModel::None).then(|| network(&motion, self.contact.gluey(), &written));
         let bodies = motion.bodies(written);
         let fields = self.fields(seen, &motion)?;
