@@ -4,9 +4,6 @@ use std::ops::Range;
 
 use crate::error::{Error, Result};
 
-/// Fewest cells along an axis of a block.
-const FEWEST_CELLS: usize = 1;
-
 /// A half-open box of lattice indices.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Block<const D: usize> {
@@ -93,7 +90,7 @@ impl<const D: usize> Partition<D> {
     pub fn new(cells: [usize; D], ranks: usize) -> Result<Partition<D>> {
         let best = factorisations::<D>(ranks)
             .into_iter()
-            .filter(|factors| (0..D).all(|axis| cells[axis] / factors[axis] >= FEWEST_CELLS))
+            .filter(|factors| (0..D).all(|axis| factors[axis] <= cells[axis]))
             .min_by(|a, b| surface(cells, *a).total_cmp(&surface(cells, *b)));
         let ranks = best.ok_or_else(|| {
             Error::refused(format!(
