@@ -170,6 +170,25 @@ impl<const D: usize> Blocks<D> {
         Ok(())
     }
 
+    /// `rows += factor *` what known spin-ups of all bodies, by their numbers, add to them; `local_bodies` are those of the layout.
+    pub fn spread_spin_up(&mut self, factor: f64, spin_ups: &[Vec<f64>], local_bodies: &[usize], rows: &mut Vector) -> Result<()> {
+        {
+            let (mut own, mut others) = (rows.local_mut()?, self.spread.places()?);
+            let mut rows = EntriesMut { own: &mut own, others: &mut others };
+            for (body, &number) in self.bodies.iter().zip(local_bodies) {
+                body.spread_spin_up(factor, &spin_ups[number], &mut rows);
+            }
+        }
+        self.spread.add_back(rows)
+    }
+
+    /// `out +=` what known spin-ups of all bodies add to the velocities on surfaces.
+    pub fn add_spin_up(&self, spin_ups: &[Vec<f64>], out: &mut [f64]) {
+        for (body, range) in self.bodies.iter().zip(&self.ranges) {
+            body.add_spin_up(spin_ups, &mut out[range.clone()]);
+        }
+    }
+
     /// What the rows of one of the bodies make of a velocity known at each offset from its centre.
     pub fn coefficients(&self, local: usize, known: impl Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Vec<f64> {
         self.bodies[local].coefficients(&known)

@@ -32,6 +32,12 @@ pub trait BodyBlocks<const D: usize> {
     /// `out += E c`, with the multipliers of this body and those of all as this rank sees them.
     fn add_local(&self, _own: &[f64], _all: Entries, _out: &mut [f64]) {}
 
+    /// `rows += factor *` what the known spin-ups of this body add to them, `rho w' / mu` for each plane; none without inertia.
+    fn spread_spin_up(&self, _factor: f64, _spin_up: &[f64], _rows: &mut EntriesMut) {}
+
+    /// `out +=` what known spin-ups of bodies, by their numbers, add to the velocities on the surface.
+    fn add_spin_up(&self, _spin_ups: &[Vec<f64>], _out: &mut [f64]) {}
+
     /// What the rows make of a velocity, or of a scalar in the place of its first component, known at each offset from the centre.
     fn coefficients(&self, known: &dyn Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Vec<f64>;
 

@@ -45,5 +45,5 @@ pub use placed::{Neighbour, Placed, Surrounded, neighbours};
 pub use places::{Entries, EntriesMut, Places};
 pub use pores::{Pores, Share as PoreShare};
 pub use scalar::{InclusionMethod, ScalarBlocks};
-pub use sharp::{FreshlyCleared, freshly_cleared, jump};
+pub use sharp::{FreshlyCleared, SharpWithInertia, freshly_cleared, jump};
 pub use unknowns::Unknowns;

@@ -1,12 +1,14 @@
-//! The fluid without bodies: operators, drives, and the approximate inverse that preconditions everything.
+//! The fluid without bodies: operators, convection, drives, and the approximate inverse that preconditions everything.
 //!
 //! All quantities are per unit viscosity: velocities as they are, pressures and forces divided by `mu`. The Stokes
 //! equations are linear in `mu`, so units cannot matter.
 
+mod convection;
 mod drive;
 mod stokes;
 mod stokes_inverse;
 
+pub use convection::{Convection, convection};
 pub use drive::Drive;
 pub use stokes::Stokes;
 pub use stokes_inverse::{FluidSystem, HypreInverse, InverseMethod, IteratedInverse, StokesInverse, TransformInverse, Transposes};

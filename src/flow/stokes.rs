@@ -1,4 +1,5 @@
-//! The Stokes operator of the box, `K (u, p) = (-Lap u + grad p, div u)`, on the staggered grid.
+//! The Stokes operator of the box, `K (u, p) = (s u - Lap u + grad p, div u)`, on the staggered grid; the shift `s` is 0 but where the flow has
+//! inertia.
 
 use std::{cell::OnceCell, ops::Range};
 
@@ -18,13 +19,14 @@ use crate::{
 pub struct Stokes<const D: usize> {
     session: Session,
     grid: Grid<D>,
+    shift: f64,
     matrices: OnceCell<Matrices>,
     balance: Balance,
 }
 
 /// The operator's parts.
 struct Matrices {
-    /// Minus the Laplacians that differ, and which one each field has.
+    /// Minus the Laplacians that differ, shifted for velocities, and which one each field has.
     laplacians: Vec<Matrix>,
     laplacian_of: Vec<usize>,
     gradient: Vec<Matrix>,
@@ -51,9 +53,20 @@ struct FieldRows {
 }
 
 impl<const D: usize> Stokes<D> {
-    /// The operator of a box.
+    /// The operator of a box without inertia.
     pub fn new(session: &Session, grid: &Grid<D>) -> Stokes<D> {
-        Stokes { session: session.clone(), grid: grid.clone(), matrices: OnceCell::new(), balance: Balance::new(grid) }
+        Stokes::shifted(session, grid, 0.0)
+    }
+
+    /// The operator of a step of a flow with inertia: `shift` is the density times what the new velocity weighs in its rate of change (one over
+    /// time), over the viscosity.
+    pub fn shifted(session: &Session, grid: &Grid<D>, shift: f64) -> Stokes<D> {
+        Stokes { session: session.clone(), grid: grid.clone(), shift, matrices: OnceCell::new(), balance: Balance::new(grid) }
+    }
+
+    /// What is added to minus the Laplacians of velocities, one over the square of a length.
+    pub fn shift(&self) -> f64 {
+        self.shift
     }
 
     /// The session it lives in.
@@ -61,7 +74,7 @@ impl<const D: usize> Stokes<D> {
         &self.session
     }
 
-    /// Minus the Laplacians that differ, and which one each field has.
+    /// Minus the Laplacians that differ, shifted for velocities, and which one each field has.
     pub fn laplacians(&self) -> Result<(&[Matrix], &[usize])> {
         let matrices = self.matrices()?;
         Ok((&matrices.laplacians, &matrices.laplacian_of))
@@ -86,7 +99,7 @@ impl<const D: usize> Stokes<D> {
         match self.matrices.get() {
             Some(matrices) => Ok(matrices),
             None => {
-                let matrices = Matrices::new(&self.session, &self.grid)?;
+                let matrices = Matrices::new(&self.session, &self.grid, self.shift)?;
                 Ok(self.matrices.get_or_init(|| matrices))
             }
         }
@@ -120,13 +133,14 @@ impl<const D: usize> Stokes<D> {
 }
 
 impl Matrices {
-    fn new<const D: usize>(session: &Session, grid: &Grid<D>) -> Result<Matrices> {
+    fn new<const D: usize>(session: &Session, grid: &Grid<D>, shift: f64) -> Result<Matrices> {
         let mut laplacians: Vec<(usize, Matrix)> = Vec::new();
         let mut laplacian_of = Vec::new();
+        let shift_of = |field: usize| if field < D { shift } else { 0.0 };
         for field in 0..=D {
-            let shared = laplacians.iter().position(|&(other, _)| grid.same_laplacian(field, other));
+            let shared = laplacians.iter().position(|&(other, _)| grid.same_laplacian(field, other) && shift_of(field) == shift_of(other));
             if shared.is_none() {
-                laplacians.push((field, operators::minus_laplacian(session, grid, field)?));
+                laplacians.push((field, operators::shifted_laplacian(session, grid, field, shift_of(field))?));
             }
             laplacian_of.push(shared.unwrap_or(laplacians.len() - 1));
         }

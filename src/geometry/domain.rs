@@ -20,6 +20,16 @@ pub enum Axis<const D: usize> {
     },
 }
 
+impl<const D: usize> Axis<D> {
+    /// The largest speed of its walls; 0 without walls.
+    pub fn fastest_wall(&self) -> f64 {
+        match self {
+            Axis::Walls { lower, upper } => lower.norm().max(upper.norm()),
+            _ => 0.0,
+        }
+    }
+}
+
 /// The box `[0, size_0) x .. x [0, size_{D-1})`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Domain<const D: usize> {

@@ -11,10 +11,15 @@ use crate::{
 
 /// Minus the Laplacian of a field (homogeneous wall values; symmetric, positive semi-definite).
 pub fn minus_laplacian<const D: usize>(session: &Session, grid: &Grid<D>, field: usize) -> Result<Matrix> {
+    shifted_laplacian(session, grid, field, 0.0)
+}
+
+/// A shift minus the Laplacian of a field.
+pub fn shifted_laplacian<const D: usize>(session: &Session, grid: &Grid<D>, field: usize, shift: f64) -> Result<Matrix> {
     let mut rows = RowBuilder::default();
     for index in grid.block(field).indices() {
         let index = signed(index);
-        let mut centre = 0.0;
+        let mut centre = shift;
         stencil::laplacian(grid, field, index, |term| {
             centre += term.weight;
             push(grid, &mut rows, Term { weight: -term.weight, ..term });

@@ -119,6 +119,11 @@ impl<const D: usize> Grid<D> {
         &self.partition
     }
 
+    /// The rank from which it is seen.
+    pub fn rank(&self) -> usize {
+        self.rank
+    }
+
     /// This rank's lattice indices of a field.
     pub fn block(&self, field: usize) -> Block<D> {
         self.blocks[self.rank][field]

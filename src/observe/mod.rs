@@ -3,6 +3,7 @@
 mod body;
 mod cells;
 mod film;
+mod inertia;
 mod pairs;
 mod picture;
 mod plane;
@@ -17,6 +18,7 @@ mod viscosity;
 pub use body::FrameBody;
 pub use cells::{CellCenters, inside};
 pub use film::{AnimatedDisk, AnimationFrame, Film, Plane};
+pub use inertia::InertialNumbers;
 pub use pairs::{NEAR, PairCounts, PairDistribution};
 pub use picture::picture;
 pub use plane::{Disk, Picture};

@@ -12,7 +12,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{cells::visit_inside, shear::Shear};
+use super::{cells::visit_inside, inertia::reynolds_stress, shear::Shear};
 use crate::{
     contact::ContactForce,
     error::Result,
@@ -34,6 +34,8 @@ pub struct Stress<const D: usize> {
     pub lubrication: Option<SMatrix<f64, D, D>>,
     /// Of forces at a distance, if there are any.
     pub interaction: Option<SMatrix<f64, D, D>>,
+    /// Of what fluctuations carry along, if there is inertia.
+    pub reynolds: Option<SMatrix<f64, D, D>>,
     /// Of contacts.
     pub contact: SMatrix<f64, D, D>,
     /// Whether the trace of the hydrodynamic part is known.
@@ -80,6 +82,7 @@ impl<const D: usize> Stress<D> {
             hydrodynamic: shear.doubled_strain() + resolved / unit - trace,
             lubrication: films.map(|stress| stress / unit),
             interaction: solution.pair_stress.map(|stress| stress / unit),
+            reynolds: reynolds_stress(setup, grid, solution, shear)?.map(|stress| stress / unit),
             contact: -moments / unit,
             with_trace: pressure.is_some(),
         })
@@ -87,7 +90,10 @@ impl<const D: usize> Stress<D> {
 
     /// The sum of all parts.
     pub fn total(&self) -> SMatrix<f64, D, D> {
-        [self.lubrication, self.interaction].into_iter().flatten().fold(self.hydrodynamic + self.contact, |sum, part| sum + part)
+        [self.lubrication, self.interaction, self.reynolds]
+            .into_iter()
+            .flatten()
+            .fold(self.hydrodynamic + self.contact, |sum, part| sum + part)
     }
 
     /// Its normal stresses in a shear.

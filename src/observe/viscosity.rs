@@ -28,6 +28,8 @@ pub struct Viscosity {
     pub lubrication: Option<f64>,
     /// Of forces at a distance, if there are any.
     pub interaction: Option<f64>,
+    /// Of fluctuations that fluid and bodies carry along, if they have inertia: `-mean of rho v_x v_y / (mu rate)`.
+    pub reynolds: Option<f64>,
     /// Of the contact forces `f`, between centres a distance `r n` apart: `-sum f r n n / (mu rate V)`.
     pub contact: f64,
     /// Normal stresses.
@@ -39,7 +41,8 @@ pub struct Viscosity {
 impl Viscosity {
     /// The sum of all parts.
     pub fn relative(&self) -> f64 {
-        self.hydrodynamic + self.lubrication.unwrap_or(0.0) + self.interaction.unwrap_or(0.0) + self.contact
+        let parts = [self.lubrication, self.interaction, self.reynolds];
+        parts.into_iter().flatten().fold(self.hydrodynamic, |sum, part| sum + part) + self.contact
     }
 }
 
@@ -64,6 +67,7 @@ pub fn viscosity<const D: usize>(
         hydrodynamic: shear.of_stress(&stress.hydrodynamic),
         lubrication: stress.lubrication.map(|lubrication| shear.of_stress(&lubrication)),
         interaction: stress.interaction.map(|interaction| shear.of_stress(&interaction)),
+        reynolds: stress.reynolds.map(|reynolds| shear.of_stress(&reynolds)),
         contact: shear.of_stress(&stress.contact),
         normal: stress.normal(&shear),
         from_walls,

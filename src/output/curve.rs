@@ -16,6 +16,10 @@ pub struct CurvePoint {
     pub hydrodynamic: f64,
     /// From lubrication beyond it, if there is a model of it.
     pub lubrication: Option<f64>,
+    /// From forces at a distance, if there are any.
+    pub interaction: Option<f64>,
+    /// From fluctuations that are carried along, if there is inertia.
+    pub reynolds: Option<f64>,
     /// From contacts, if a contact model acts.
     pub contact: Option<f64>,
     /// First normal stress difference.
@@ -35,6 +39,10 @@ pub struct MeanViscosity {
     pub hydrodynamic: f64,
     /// From lubrication beyond it, if there is a model of it.
     pub lubrication: Option<f64>,
+    /// From forces at a distance, if there are any.
+    pub interaction: Option<f64>,
+    /// From fluctuations that are carried along, if there is inertia.
+    pub reynolds: Option<f64>,
     /// From contacts, if a contact model acts.
     pub contact: Option<f64>,
     /// First normal stress difference over viscosity and rate.
@@ -58,6 +66,8 @@ impl CurvePoint {
             strain: viscosity.rate * time,
             hydrodynamic: viscosity.hydrodynamic,
             lubrication: viscosity.lubrication,
+            interaction: viscosity.interaction,
+            reynolds: viscosity.reynolds,
             contact: contact.then_some(viscosity.contact),
             first_normal_difference: viscosity.normal.first,
             second_normal_difference: viscosity.normal.second,
@@ -67,7 +77,10 @@ impl CurvePoint {
 
     /// The total.
     pub fn relative(&self) -> f64 {
-        self.hydrodynamic + self.lubrication.unwrap_or(0.0) + self.contact.unwrap_or(0.0)
+        [self.lubrication, self.interaction, self.reynolds, self.contact]
+            .into_iter()
+            .flatten()
+            .fold(self.hydrodynamic, |sum, part| sum + part)
     }
 
     /// Names of columns and numbers; what is not there has no column.
@@ -77,6 +90,8 @@ impl CurvePoint {
             ("viscosity", Some(self.relative())),
             ("viscosity_hydrodynamic", Some(self.hydrodynamic)),
             ("viscosity_lubrication", self.lubrication),
+            ("viscosity_interaction", self.interaction),
+            ("viscosity_reynolds", self.reynolds),
             ("viscosity_contact", self.contact),
             ("first_normal_difference", Some(self.first_normal_difference)),
             ("second_normal_difference", self.second_normal_difference),
@@ -100,6 +115,8 @@ impl CurvePoint {
             strain: number(&line, "strain").unwrap_or(f64::NAN),
             hydrodynamic: number(&line, "viscosity_hydrodynamic").unwrap_or(f64::NAN),
             lubrication: number(&line, "viscosity_lubrication"),
+            interaction: number(&line, "viscosity_interaction"),
+            reynolds: number(&line, "viscosity_reynolds"),
             contact: number(&line, "viscosity_contact"),
             first_normal_difference: number(&line, "first_normal_difference").unwrap_or(f64::NAN),
             second_normal_difference: number(&line, "second_normal_difference"),
@@ -123,6 +140,8 @@ impl MeanViscosity {
             relative: mean,
             hydrodynamic: over(&|point| point.hydrodynamic),
             lubrication: over_known(|point| point.lubrication),
+            interaction: over_known(|point| point.interaction),
+            reynolds: over_known(|point| point.reynolds),
             contact: over_known(|point| point.contact),
             first_normal_difference: over(&|point| point.first_normal_difference),
             second_normal_difference: over_known(|point| point.second_normal_difference),
@@ -152,6 +171,8 @@ mod tests {
                 strain: -strain,
                 hydrodynamic: 2.0 + strain.sin(),
                 lubrication: None,
+                interaction: None,
+                reynolds: None,
                 contact: Some(0.5 + 0.1 * (3.0 * strain).cos()),
                 first_normal_difference: -0.5,
                 second_normal_difference: None,

@@ -73,11 +73,15 @@ pub struct ViscositySummary {
     pub hydrodynamic: f64,
     /// From lubrication beyond the resolved flow.
     pub lubrication: Option<f64>,
+    /// From forces at a distance.
+    pub interaction: Option<f64>,
+    /// From fluctuations that fluid and bodies with inertia carry along.
+    pub reynolds: Option<f64>,
     /// From contacts.
     pub contact: Option<f64>,
     /// Where the value for a grid without end lies, lowest and highest, if the scene asks for an accuracy.
     pub interval: Option<[f64; 2]>,
-    /// From the shear stress on the walls: must agree with `relative`.
+    /// From the shear stress on the walls: must agree with `relative`, with inertia in a steady state.
     pub from_walls: Option<f64>,
     /// First normal stress difference over viscosity and rate: along the flow less along the gradient, tension positive.
     pub first_normal_difference: f64,
@@ -297,6 +301,8 @@ impl ViscositySummary {
             relative: viscosity.relative(),
             hydrodynamic: viscosity.hydrodynamic,
             lubrication: viscosity.lubrication,
+            interaction: viscosity.interaction,
+            reynolds: viscosity.reynolds,
             contact: None,
             interval: None,
             from_walls: viscosity.from_walls,

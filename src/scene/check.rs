@@ -4,7 +4,9 @@ use std::fmt::Display;
 
 use crate::error::Result;
 use crate::flow::InverseMethod;
-use crate::scene::{AxisSection, ConstraintMethod, ContactModel, Drive, FlowModel, LubricationModel, Motion, Scene, Spacing, accuracy};
+use crate::scene::{
+    AxisSection, ConstraintMethod, ContactModel, Drive, FlowModel, LubricationModel, Motion, Scene, Scheme, Spacing, accuracy,
+};
 
 pub(super) fn check(scene: &Scene) -> Result<()> {
     check_spacing(scene)?;
@@ -20,6 +22,9 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
         return check_scalar(scene);
     }
     check_inverse(scene)?;
+    if scene.flow.model == FlowModel::NavierStokes {
+        check_inertia(scene)?;
+    }
     match &scene.flow.drive {
         Some(Drive::ShearRate(rate)) => check_shear(scene, *rate),
         Some(Drive::ShearedBox(rate)) => check_sheared_box(scene, *rate),
@@ -90,7 +95,7 @@ fn check_dry(scene: &Scene) -> Result<()> {
     let expect = |right, remedy| expect(scene, right, "flow.model", "\"none\"", remedy);
     expect(!scene.bodies.is_empty(), "no fluid and no bodies leave nothing to simulate; add [[bodies]]")?;
     expect(scene.time.is_some(), "a dry scene has no instantaneous solve; add [time]")?;
-    check_masses(scene)?;
+    check_masses(scene, "of a dry scene")?;
     check_still_walls(scene, "without fluid and friction no body feels a wall move")
 }
 
@@ -119,10 +124,40 @@ fn check_scalar(scene: &Scene) -> Result<()> {
     }
 }
 
-fn check_masses(scene: &Scene) -> Result<()> {
+fn check_masses(scene: &Scene, what: &str) -> Result<()> {
     let massless = scene.bodies.iter().position(|bodies| bodies.motion == Motion::Free && bodies.density == 0.0);
     let key = format!("bodies[{}].density", massless.unwrap_or(0));
-    expect(scene, massless.is_none(), &key, 0, "must be positive: free bodies of a dry scene need mass")
+    expect(scene, massless.is_none(), &key, 0, &format!("must be positive: free bodies {what} need mass"))
+}
+
+/// What a flow with inertia needs, and what it does not have yet.
+fn check_inertia(scene: &Scene) -> Result<()> {
+    let model = |right, remedy: &str| expect(scene, right, "flow.model", "\"navier-stokes\"", remedy);
+    model(scene.time.is_some(), "has no solution at an instant; add [time], or set flow.model = \"stokes\"")?;
+    let remedy = "must be positive with flow.model = \"navier-stokes\": give the mass of the fluid per volume";
+    expect(scene, scene.flow.density > 0.0, "flow.density", scene.flow.density, remedy)?;
+    check_masses(scene, "in a flow with inertia")?;
+    let (constraint, remedy) =
+        (scene.method.constraint, "is for Stokes flow only; set method.constraint = \"sharp\" or flow.model = \"stokes\"");
+    expect(scene, constraint == ConstraintMethod::Sharp, "method.constraint", format!("{:?}", constraint.word()), remedy)?;
+    let remedy = "is for Stokes flow only; set lubrication.model = \"none\" or flow.model = \"stokes\"";
+    expect(scene, scene.lubrication.model == LubricationModel::None, "lubrication.model", "\"pairwise\"", remedy)?;
+    if let Some(time) = scene.time.as_ref().filter(|time| time.scheme != Scheme::TwoStep) {
+        let word = Scheme::WORDS.iter().find(|(_, scheme)| *scheme == time.scheme).map_or("", |(word, _)| word);
+        return Err(scene.refuse("time.scheme", format!("{word:?}"), "is for Stokes flow and dry scenes; remove it"));
+    }
+    let refuse = |key: &str, drive: String| {
+        let remedy = "cannot drive a fully periodic box of fluid with inertia; put up walls, or give flow.drive.mean_velocity";
+        Err(scene.refuse(key, drive, remedy))
+    };
+    match &scene.flow.drive {
+        Some(Drive::ShearRate(rate) | Drive::ShearedBox(rate)) => refuse("flow.drive.shear_rate", rate.to_string()),
+        Some(Drive::PressureGradient(vector)) if walled(scene).next().is_none() => {
+            refuse("flow.drive.pressure_gradient", format!("{vector:?}"))
+        }
+        Some(Drive::BodyForce(vector)) if walled(scene).next().is_none() => refuse("flow.drive.body_force", format!("{vector:?}")),
+        _ => Ok(()),
+    }
 }
 
 /// Walls move along themselves, so only a fluid or friction would feel it.

@@ -128,7 +128,9 @@ fn of_flow(flow: &FlowSection) -> Keys {
     match model {
         FlowModel::None => {}
         FlowModel::Scalar => keys.push(number("flow.source", *source)),
-        FlowModel::Stokes => keys.extend([number("flow.viscosity", *viscosity), number("flow.density", *density)]),
+        FlowModel::Stokes | FlowModel::NavierStokes => {
+            keys.extend([number("flow.viscosity", *viscosity), number("flow.density", *density)]);
+        }
     }
     keys.extend(matches!(drive, Some(Drive::ShearedBox(_))).then(|| word("flow.drive.periodic", "sheared")));
     keys.extend(drive.as_ref().map(|drive| match drive {
@@ -167,7 +169,7 @@ fn of_method(method: &MethodSection, model: FlowModel) -> Keys {
         ConstraintMethod::Sharp | ConstraintMethod::Distributed | ConstraintMethod::Fitted => vec![],
     });
     // a scalar is always solved by multigrid
-    keys.extend((model == FlowModel::Stokes).then(|| word("method.inverse", inverse.map_or("auto", InverseMethod::word))));
+    keys.extend(model.fluid().then(|| word("method.inverse", inverse.map_or("auto", InverseMethod::word))));
     keys.push(pair("method.tolerance", tolerance.text()));
     keys
 }

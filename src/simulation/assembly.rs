@@ -37,8 +37,6 @@ pub struct Assembly<const D: usize> {
     pub films: LubricationPairs<D>,
     /// What bodies resist besides films and contacts, where near pairs answer to motions.
     pub medium: Option<Medium>,
-    /// The velocity of the flow without bodies, tested with the rows of this rank's bodies.
-    pub undisturbed: Vec<f64>,
 }
 
 impl<const D: usize> Assembly<D> {
@@ -55,17 +53,28 @@ impl<const D: usize> Assembly<D> {
         let placed = Rc::new(fixed.kinds.place(&fixed.setup, centers));
         let crowd = Rc::new(crowd(fixed, &placed));
         let neighbours = neighbours(&placed, &crowd.pairs, method.reach() * fixed.grid.spacing().max());
-        let Assembled { layout, mut blocks, new: assembled } =
+        let Assembled { layout, blocks, new: assembled } =
             Assembled::new(&fixed.grid, fluid, method, &surrounded(&placed, &neighbours), earlier)?;
         let bodies = Bodies::new((&fixed.setup, &fixed.grid, &fixed.kinds), (placed.clone(), crowd.clone()), layout);
-        let undisturbed = bodies.undisturbed(&mut blocks, fluid, |body, point| {
-            // a body that has left a sheared box goes on as fast as the image of the box in which it is
-            fixed.background(point) + fixed.setup.domain.image_velocity(&centers[body])
-        })?;
-        let pairs = if method.on_surfaces() { Some(bodies.near_pairs(session)?) } else { None };
+        let pairs = if method.on_surfaces() && fixed.setup.inertia.is_none() { Some(bodies.near_pairs(session)?) } else { None };
         let (films, medium) = (balanced(session.world(), bodies.films())?, medium(fixed, &bodies, centers, pairs.as_ref()));
         let (centers, layout) = (centers.to_vec(), bodies.layout);
-        Ok(Assembly { centers, placed, crowd, layout, blocks, assembled, pairs, films, medium, undisturbed })
+        Ok(Assembly { centers, placed, crowd, layout, blocks, assembled, pairs, films, medium })
+    }
+}
+
+impl<const D: usize> Assembly<D> {
+    /// The velocity of the flow without bodies, and of known spin-ups, tested with the rows of this rank's bodies.
+    pub fn undisturbed(&mut self, fixed: &FixedOperators<D>, bodies: &Bodies<D>, centers: &[SVector<f64, D>]) -> Result<Vec<f64>> {
+        let known = |body: usize, point: &SVector<f64, D>| {
+            // a body that has left a sheared box goes on as fast as the image of the box in which it is
+            fixed.background(point) + fixed.setup.domain.image_velocity(&centers[body])
+        };
+        let mut velocities = bodies.undisturbed(&mut self.blocks, &fixed.undisturbed.0, known)?;
+        if !fixed.spin_ups.is_empty() {
+            self.blocks.add_spin_up(&fixed.spin_ups, &mut velocities);
+        }
+        Ok(velocities)
     }
 }
 

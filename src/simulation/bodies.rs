@@ -5,7 +5,7 @@ use std::{collections::HashMap, rc::Rc};
 use nalgebra::{DMatrix, SMatrix, SVector};
 
 use super::{
-    BodyState, Setup, SuspendedBody,
+    BodyState, Inertia, Setup, SuspendedBody,
     pair_constraint::RigidVector,
     surfaces::{BodyOperator, Inverse},
 };
@@ -19,7 +19,7 @@ use crate::{
     grid::Grid,
     interaction::Wrench,
     petsc::{Session, Vector},
-    surface::SurfaceTable,
+    surface::{Shape, SurfaceTable},
 };
 
 /// Near neighbours that are not few.
@@ -31,7 +31,13 @@ pub struct BodyType<const D: usize> {
     /// Velocities in unbounded fluid that unit multipliers of rigid modes cause.
     mobilities: RigidVector,
     order: usize,
+    /// Mass per volume; 0 where nothing has inertia.
+    density: f64,
     surface: Rc<SurfaceTable<D>>,
+    /// What takes the tangential part of a traction; nothing without inertia.
+    tangential: DMatrix<f64>,
+    /// What a velocity of each rigid mode adds to the row of its force.
+    inertia: RigidVector,
     /// Inverse of the diagonal block of a free body, and of one with prescribed motion.
     inverses: [Rc<DMatrix<f64>>; 2],
 }
@@ -67,17 +73,47 @@ pub struct Bodies<'a, const D: usize> {
 }
 
 impl<const D: usize> BodyType<D> {
-    fn new(radius: f64, order: usize, setup: &Setup<D>, grid: &Grid<D>) -> BodyType<D> {
-        let surface = Rc::new(SurfaceTable::new(radius, order, grid.mean_spacing()));
-        let mobility = surface.modes.isolated_mobility(setup.reach());
-        let rigid = surface.modes.rigid_count();
-        let mobilities = RigidVector::from_fn(|mode, _| if mode < rigid { mobility[(mode, mode)] } else { 0.0 });
+    fn new((radius, order, density): (f64, usize, f64), setup: &Setup<D>, grid: &Grid<D>) -> BodyType<D> {
+        let surface = match setup.inertia {
+            Some(_) => SurfaceTable::with_spin_up(radius, order, grid.mean_spacing()),
+            None => SurfaceTable::new(radius, order, grid.mean_spacing()),
+        };
+        let empty = Rc::new(DMatrix::zeros(0, 0));
+        let (surface, inverses) = (Rc::new(surface), [empty.clone(), empty]);
+        let tangential = if setup.inertia.is_some() { surface.tangential() } else { DMatrix::zeros(0, 0) };
+        let (mobilities, inertia) = (RigidVector::zeros(), RigidVector::zeros());
+        let mut kind = BodyType { radius, order, density, surface, tangential, mobilities, inertia, inverses };
+        kind.answer_to(setup, 0.0);
+        kind
+    }
+
+    /// Turns to the operator with a shift.
+    fn answer_to(&mut self, setup: &Setup<D>, shift: f64) {
+        let (modes, reach) = (&self.surface.modes, setup.reach());
+        let mobility = if shift > 0.0 { modes.unsteady_mobility(shift, reach) } else { modes.isolated_mobility(reach) };
+        let rigid = modes.rigid_count();
+        self.inertia = self.inertia(setup, shift);
+        let invert = |matrix: DMatrix<f64>| Rc::new(matrix.try_inverse().expect("the mobility of a body is positive definite"));
+        let resistance = invert(mobility.clone());
+        // a force moves a body that is rigid, and has to be accelerated
+        let answer = |mode: usize| 1.0 / (resistance[(mode, mode)] + self.inertia[mode] / self.radius);
+        self.mobilities = RigidVector::from_fn(|mode, _| if mode < rigid { answer(mode) } else { 0.0 });
         let mut given_force = mobility.clone();
         for mode in 0..rigid {
-            given_force[(mode, mode)] = radius;
+            given_force.row_mut(mode).scale_mut(self.inertia[mode]);
+            given_force[(mode, mode)] += self.radius;
         }
-        let invert = |matrix: DMatrix<f64>| Rc::new(matrix.try_inverse().expect("the mobility of a body is positive definite"));
-        BodyType { radius, order, surface, mobilities, inverses: [invert(given_force), invert(mobility)] }
+        self.inverses = [invert(given_force), resistance];
+    }
+
+    /// Mass in excess of the fluid's and the whole moment of inertia, in units of the rows of forces: fluid inside moves along.
+    fn inertia(&self, setup: &Setup<D>, shift: f64) -> RigidVector {
+        let Some(Inertia { fluid, .. }) = &setup.inertia else { return RigidVector::zeros() };
+        let (modes, ball) = (&self.surface.modes, Ball { center: SVector::<f64, D>::zeros(), radius: self.radius });
+        let excess = (self.density / fluid - 1.0) * ball.volume() / modes.force_factor();
+        let lever = modes.torque_factor() / modes.force_factor();
+        let turning = self.density / fluid * ball.moment_of_inertia() / (modes.torque_factor() * lever);
+        RigidVector::from_fn(|mode, _| self.radius * shift * if mode < D { excess } else { turning })
     }
 }
 
@@ -85,16 +121,32 @@ impl<const D: usize> BodyTypes<D> {
     /// The kinds of a setup's bodies.
     pub fn new(setup: &Setup<D>, grid: &Grid<D>) -> BodyTypes<D> {
         let (mut kinds, mut known) = (Vec::new(), HashMap::new());
-        let kind_of = |suspended: &SuspendedBody<D>| {
+        let kind_of = |(body, suspended): (usize, &SuspendedBody<D>)| {
             let (radius, order) = (suspended.body.ball.radius, suspended.order);
-            *known.entry((radius.to_bits(), order)).or_insert_with(|| {
-                kinds.push(BodyType::new(radius, order, setup, grid));
+            let density = setup.inertia.as_ref().map_or(0.0, |inertia| inertia.bodies[body]);
+            *known.entry((radius.to_bits(), order, density.to_bits())).or_insert_with(|| {
+                kinds.push(BodyType::new((radius, order, density), setup, grid));
                 kinds.len() - 1
             })
         };
-        let kind_of = setup.bodies.iter().map(kind_of).collect();
+        let kind_of = setup.bodies.iter().enumerate().map(kind_of).collect();
         let given = if setup.interactions.resist() { Given::Motions } else { Given::Forces };
         BodyTypes { kinds, kind_of, pair_tables: PairTables::new(given) }
+    }
+
+    /// Turns to the operator with a shift.
+    pub fn answer_to(&mut self, setup: &Setup<D>, shift: f64) {
+        self.kinds.iter_mut().for_each(|kind| kind.answer_to(setup, shift));
+    }
+
+    /// The surface of a body.
+    pub fn surface(&self, body: usize) -> &Rc<SurfaceTable<D>> {
+        &self.of(body).surface
+    }
+
+    /// What takes the tangential part of a traction of a body, where there is inertia.
+    pub fn tangential(&self, body: usize) -> &DMatrix<f64> {
+        &self.of(body).tangential
     }
 
     /// Bodies with their centres at the given places.
@@ -228,6 +280,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
                 force_scale: kind.radius,
                 area: modes.force_factor(),
                 mobilities: kind.mobilities,
+                inertia: kind.inertia,
             }
         };
         self.layout.local_bodies.iter().enumerate().map(member).collect()
@@ -277,6 +330,9 @@ impl<'a, const D: usize> Bodies<'a, D> {
                 rows[..D].copy_from_slice((net * (scale / surface.modes.force_factor())).as_slice());
                 let turn = scale / surface.modes.torque_factor();
                 rows[D..member.rigid].iter_mut().zip(components(&(torque + push.torque))).for_each(|(row, torque)| *row = turn * torque);
+                for ((row, inertia), known) in rows[..member.rigid].iter_mut().zip(member.inertia.iter()).zip(undisturbed) {
+                    *row -= inertia * known;
+                }
                 rows
             }
         }

@@ -12,7 +12,7 @@ use super::{
 use crate::{
     constraint::FlowMethod,
     error::{Error, Result},
-    flow::{Drive, Stokes, StokesInverse},
+    flow::{Drive, InverseMethod, Stokes, StokesInverse},
     grid::Grid,
     petsc::{Session, Vector},
 };
@@ -37,6 +37,10 @@ pub struct FixedOperators<const D: usize> {
     pub kinds: BodyTypes<D>,
     /// Whether the fluid is eliminated from the linear system, because its inverse is exact.
     pub condensed: bool,
+    /// Known spin-ups `rho w' / mu` of all bodies; none without inertia.
+    pub spin_ups: Vec<Vec<f64>>,
+    /// Balanced rows of the fluid, where they are not in the flow without bodies: with inertia, unless the fluid is eliminated.
+    pub fluid_rows: Option<Vector>,
 }
 
 impl<const D: usize> FixedOperators<D> {
@@ -55,9 +59,51 @@ impl<const D: usize> FixedOperators<D> {
         let stokes = Stokes::new(session, &grid);
         let mut inverse = inverse(&stokes, &grid)?;
         let mean_flow = MeanFlowConstraint::new(&setup.drive, &grid, &stokes, inverse.as_mut())?;
-        let undisturbed = flow_without_bodies(&setup.drive, &grid, &stokes, inverse.as_mut(), &mean_flow)?;
+        let uniform_force = setup.drive.uniform_force() / setup.viscosity;
+        let undisturbed = flow_without_bodies((&setup.drive, uniform_force), &grid, &stokes, inverse.as_mut(), &mean_flow)?;
         let (method, kinds, condensed) = (setup.method(), BodyTypes::new(&setup, &grid), inverse.exact());
-        Ok((FixedOperators { session: session.clone(), setup, grid, stokes, mean_flow, undisturbed, method, kinds, condensed }, inverse))
+        let fixed = FixedOperators {
+            session: session.clone(),
+            setup,
+            grid,
+            stokes,
+            mean_flow,
+            undisturbed,
+            method,
+            kinds,
+            condensed,
+            spin_ups: Vec::new(),
+            fluid_rows: None,
+        };
+        Ok((fixed, inverse))
+    }
+
+    /// What is known of a flow with inertia before its first step: no operator has a shift yet.
+    ///
+    /// # Errors
+    /// The grid or the rank count does not fit.
+    pub fn at_rest(session: &Session, setup: Setup<D>) -> Result<FixedOperators<D>> {
+        let world = session.world();
+        let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
+        let stokes = Stokes::new(session, &grid);
+        let undisturbed = (stokes.vector()?, Vec::new());
+        let (method, kinds) = (setup.method(), BodyTypes::new(&setup, &grid));
+        let condensed = setup.inverse == InverseMethod::Transform;
+        let (session, mean_flow) = (session.clone(), MeanFlowConstraint::Closed);
+        let (spin_ups, fluid_rows) = (Vec::new(), None);
+        Ok(FixedOperators { session, setup, grid, stokes, mean_flow, undisturbed, method, kinds, condensed, spin_ups, fluid_rows })
+    }
+
+    /// Turns to the operator with a shift, and sets up its inverse.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    pub fn shift_to(&mut self, shift: f64) -> Result<Box<dyn StokesInverse<D>>> {
+        self.stokes = Stokes::shifted(&self.session, &self.grid, shift);
+        self.kinds.answer_to(&self.setup, shift);
+        let mut inverse = self.setup.inverse.set_up(&self.stokes, &self.grid)?;
+        self.mean_flow = MeanFlowConstraint::new(&self.setup.drive, &self.grid, &self.stokes, inverse.as_mut())?;
+        Ok(inverse)
     }
 
     /// Lets images slide to where they are at a time, and sets up the inverse of the fluid anew; nothing where they are there already.
@@ -85,7 +131,7 @@ impl<const D: usize> FixedOperators<D> {
     }
 
     /// The mean velocity that a fully periodic box is given; elsewhere the flow without bodies has it.
-    fn imposed_mean_velocity(&self) -> SVector<f64, D> {
+    pub fn imposed_mean_velocity(&self) -> SVector<f64, D> {
         match self.setup.drive {
             Drive::MeanVelocity(velocity) if self.setup.domain.fully_periodic() => velocity,
             _ => SVector::zeros(),
@@ -103,6 +149,9 @@ impl<const D: usize> FixedOperators<D> {
         let fluid = if self.condensed { 0 } else { self.grid.local_fluid_unknowns() };
         let mut rows = rhs.local_mut()?;
         rows.fill(0.0);
+        if let Some(of_fluid) = &self.fluid_rows {
+            rows[..fluid].copy_from_slice(&of_fluid.local()?);
+        }
         let (multipliers, global_unknowns) = rows[fluid..].split_at_mut(wanted.len());
         multipliers.copy_from_slice(wanted);
         let mean_flow = if self.session.world().rank() == 0 { self.mean_flow.unknowns::<D>() } else { 0 };
@@ -110,6 +159,9 @@ impl<const D: usize> FixedOperators<D> {
         if let MeanFlowConstraint::MeanVelocity = self.mean_flow {
             let total = -self.setup.drive.uniform_force() * self.setup.domain.volume() / self.setup.viscosity;
             mean_flow.iter_mut().zip(total.iter()).for_each(|(row, force)| *row = force / prescribed_drag);
+        }
+        if self.fluid_rows.is_some() {
+            mean_flow.iter_mut().zip(self.mean_flow.wanted(&self.setup.drive)).for_each(|(row, wanted)| *row = wanted);
         }
         links.iter_mut().zip(rates).for_each(|(row, rate)| *row = rate);
         Ok(())

@@ -1,6 +1,6 @@
 //! What finds the flow at an instant: the interface behind which grids that ignore bodies and meshes that fit them stand.
 
-use super::{Configuration, Cost, ExtrapolationHistory, ResidualMonitor, Setup, Solution, SuspendedBody};
+use super::{Configuration, Cost, ExtrapolationHistory, Level, ResidualMonitor, Setup, Solution, SuspendedBody};
 use crate::{contact::Contact, error::Result, flow::InverseMethod, grid::Grid, petsc::Vector};
 
 /// Finds the flow and the motions of bodies at an instant. Every function is collective.
@@ -45,6 +45,37 @@ pub trait FlowSolver<const D: usize> {
     /// What interactions resist the approach of a contact by, force over speed, besides the flow that is resolved.
     fn film_resistance(&self, _contact: &Contact<D>) -> f64 {
         0.0
+    }
+
+    /// Whether the flow has inertia: a solve is a step from the one before.
+    fn evolves(&self) -> bool {
+        false
+    }
+
+    /// The longest step from the last solution that the flow allows; infinite if it limits none.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    fn longest_step(&self) -> Result<f64> {
+        Ok(f64::INFINITY)
+    }
+
+    /// The solutions from which the next step starts, the last one first; none without inertia.
+    fn levels(&self) -> Vec<&Level<D>> {
+        Vec::new()
+    }
+
+    /// Number of multipliers of each body, where solutions are kept.
+    fn multiplier_counts(&self) -> Vec<usize> {
+        Vec::new()
+    }
+
+    /// Goes on from such solutions.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    fn restore_levels(&mut self, _levels: Vec<Level<D>>) -> Result<()> {
+        Ok(())
     }
 
     /// A faster inverse that the box allows, if there is one.

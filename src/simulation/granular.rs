@@ -194,7 +194,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
                 acceleration: acceleration.velocity,
             })
             .collect();
-        let step_size = self.step_control.next(self.peers(), &motions, state.time, state.last_step);
+        let step_size = self.step_control.next(self.peers(), &motions, (state.time, state.last_step), f64::INFINITY);
         Ok(Observation { twists, contacts: Vec::new(), solution: None, step_size, effort: Effort::default() })
     }
 

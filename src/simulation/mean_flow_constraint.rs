@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use nalgebra::SVector;
+
 use crate::{
     error::Result,
     flow::{Drive, FluidSystem, Stokes, StokesInverse},
@@ -82,6 +84,14 @@ impl MeanFlowConstraint {
         }
     }
 
+    /// The mean velocities that a drive wants along the axes of the forces.
+    pub fn wanted<const D: usize>(&self, drive: &Drive<D>) -> Vec<f64> {
+        match drive {
+            Drive::MeanVelocity(velocity) => self.forces().iter().map(|force| velocity[force.axis]).collect(),
+            _ => Vec::new(),
+        }
+    }
+
     /// Adds forces of the given amounts, times `factor`, to momentum rows that are not balanced.
     pub fn add_forces(&self, factor: f64, amounts: &[f64], rows: &mut Vector) -> Result<()> {
         let mut rows = rows.local_mut()?;
@@ -158,9 +168,9 @@ fn periodic_axes<const D: usize>(domain: &Domain<D>) -> impl Iterator<Item = usi
 
 /// Solves the flow of walls and drive without bodies, if there is any.
 ///
-/// Returns the flow and, for each force of the mean-flow constraint, the force per volume that gives it the wanted mean velocity.
+/// `uniform_force` is that of the drive over the viscosity. Returns the flow and, for each force of the mean-flow constraint, the force per volume that gives it the wanted mean velocity.
 pub fn flow_without_bodies<const D: usize>(
-    drive: &Drive<D>,
+    (drive, uniform_force): (&Drive<D>, SVector<f64, D>),
     grid: &Grid<D>,
     stokes: &Stokes<D>,
     inverse: &mut dyn StokesInverse<D>,
@@ -173,7 +183,7 @@ pub fn flow_without_bodies<const D: usize>(
     let (mut rhs, dragged) = (stokes.vector()?, dragged_by_walls(grid, stokes)?);
     for axis in 0..D {
         let rows = &mut rhs.local_mut()?[grid.local_range(axis)];
-        operators::add_uniform_force(grid, axis, drive.uniform_force()[axis], rows);
+        operators::add_uniform_force(grid, axis, uniform_force[axis], rows);
         if dragged.is_none() {
             operators::add_wall_laplacian(grid, axis, rows);
         }
@@ -185,10 +195,16 @@ pub fn flow_without_bodies<const D: usize>(
     if let Some(dragged) = dragged {
         flow.add(1.0, &dragged)?;
     }
-    let wanted: Vec<f64> = match drive {
-        Drive::MeanVelocity(velocity) => mean_flow.forces().iter().map(|force| velocity[force.axis]).collect(),
-        _ => Vec::new(),
-    };
-    let forces = mean_flow.correct_mean_velocities(stokes.session().world(), &wanted, &mut flow)?;
+    let forces = mean_flow.correct_mean_velocities(stokes.session().world(), &mean_flow.wanted(drive), &mut flow)?;
     Ok((flow, forces))
+}
+
+/// Adds to momentum rows that are not balanced what walls and the drive, as a uniform force over the viscosity, add to them.
+pub fn add_walls_and_drive<const D: usize>(grid: &Grid<D>, uniform_force: &SVector<f64, D>, rows: &mut Vector) -> Result<()> {
+    for axis in 0..D {
+        let rows = &mut rows.local_mut()?[grid.local_range(axis)];
+        operators::add_uniform_force(grid, axis, uniform_force[axis], rows);
+        operators::add_wall_laplacian(grid, axis, rows);
+    }
+    Ok(())
 }

@@ -8,7 +8,7 @@ use crate::{
     error::{Error, Result},
     geometry::{Axis, Ball, Domain, InvalidConfiguration, LeesEdwards, first_fault},
     parallel::Peers,
-    scene::{self, AxisSection, BodyGroup, FlowModel, Placement, Scene},
+    scene::{self, AxisSection, BodyGroup, Placement, Scene},
 };
 
 /// Part of a length that is rounding.
@@ -135,7 +135,7 @@ fn check_places<const D: usize>(scene: &Scene, domain: &Domain<D>, balls: &[(usi
 
 /// Refuses a body that touches both walls of an axis in a flow: what it would take to move them past it has no bound.
 fn check_spans<const D: usize>(scene: &Scene, domain: &Domain<D>, balls: &[(usize, Ball<D>)]) -> Result<()> {
-    if scene.flow.model != FlowModel::Stokes {
+    if !scene.flow.model.fluid() {
         return Ok(());
     }
     for axis in (0..D).filter(|&axis| !domain.periodic(axis)) {

@@ -16,7 +16,7 @@ use std::time::Instant;
 use nalgebra::SVector;
 
 use super::{
-    Configuration, ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Moving, Observation, ResidualMonitor, Solution, State,
+    Configuration, ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Level, Moving, Observation, ResidualMonitor, Solution, State,
     StepOutcome, Stepper,
     active_set_iteration::ActiveSetIteration,
     contact_step::{ContactStep, identities},
@@ -110,15 +110,18 @@ impl<const D: usize> QuasiStatic<D> {
     }
 
     /// The step to take with these motions.
-    fn step_size(&self, state: &State<D>, twists: &[Twist<D>]) -> StepSize {
+    fn step_size(&self, state: &State<D>, twists: &[Twist<D>]) -> Result<StepSize> {
         let motions = self.deviatoric_velocities(state, twists).into_iter();
         let motion = |(velocity, &radius): (SVector<f64, D>, &f64)| BodyMotion { radius, velocity, acceleration: SVector::zeros() };
         let motions: Vec<BodyMotion<D>> = motions.zip(&self.radii).map(motion).collect();
-        self.step_control.next(Peers::Alone, &motions, state.time, state.last_step)
+        Ok(self.step_control.next(Peers::Alone, &motions, (state.time, state.last_step), self.suspension.longest_step()?))
     }
 
     /// Solves the flow with all forces that interactions know and with contacts that keep gaps open over the step to come.
     fn agree(&mut self, state: &State<D>, effort: &mut Effort, monitor: ResidualMonitor) -> Result<Agreed<D>> {
+        if self.suspension.evolves() {
+            self.weights = self.suspension.resistances();
+        }
         let (placed, centers) = (self.placed(state), state.centers());
         let setup = self.suspension.setup();
         let (interactions, tightest) = (setup.interactions.clone(), setup.tolerance.at_an_instant());
@@ -139,7 +142,10 @@ impl<const D: usize> QuasiStatic<D> {
             solution.pair_stress = PairForce::total_stress(&pair_forces);
             effort.add_solve(self.suspension.cost());
             let mut twists: Vec<Twist<D>> = solution.bodies.iter().map(|body| body.twist).collect();
-            let step_size = *chosen.get_or_insert_with(|| self.step_size(state, &twists));
+            let step_size = match chosen {
+                Some(step_size) => step_size,
+                None => *chosen.insert(self.step_size(state, &twists)?),
+            };
             if touch != Some(Touch::Hard) {
                 return Ok(Agreed { solution, twists, contacts: known, step_size });
             }
@@ -228,6 +234,7 @@ impl<const D: usize> QuasiStatic<D> {
     ) -> Result<Vec<Twist<D>>> {
         match self.step_control.time.scheme {
             Scheme::Euler => Ok(observation.twists.clone()),
+            _ if self.suspension.evolves() && state.last_step == 0.0 => Ok(observation.twists.clone()),
             Scheme::TwoStep if state.last_step > 0.0 => Ok(two_step(state, observation, self.suspension.setup().interactions.projects())),
             _ => self.midpoint(state, observation, effort, monitor),
         }
@@ -306,6 +313,10 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
 
     fn remember(&mut self, past: ExtrapolationHistory<D>) {
         self.suspension.remember(Some(past));
+    }
+
+    fn restore_levels(&mut self, levels: Vec<Level<D>>) -> Result<()> {
+        self.suspension.restore_levels(levels)
     }
 }
 

@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::{
-    GranularBody, GranularSetup, Setup, SuspendedBody, interactions,
+    GranularBody, GranularSetup, Inertia, Setup, SuspendedBody, interactions,
     placement::{bodies, domain, vector},
     surroundings::opposite_neighbours,
 };
@@ -14,7 +14,7 @@ use crate::{
     geometry::Domain,
     interaction::{Interactions, Lubrication},
     parallel::Peers,
-    scene::{self, ContactModel, Modes, ResolutionSection, Scene, Spacing},
+    scene::{self, ContactModel, FlowModel, Modes, ResolutionSection, Scene, Spacing},
     surface::{Shape, highest_order},
 };
 
@@ -103,8 +103,11 @@ impl<const D: usize> Setup<D> {
     /// The same.
     pub fn on(peers: Peers, scene: &Scene) -> Result<Setup<D>> {
         let domain = domain(scene);
-        let (spacing, bodies) = suspended_bodies(scene, &domain, bodies(peers, scene, &domain)?)?;
-        Ok(Setup::with_bodies(scene, domain, spacing, bodies))
+        let placed = bodies(peers, scene, &domain)?;
+        let inertia = (scene.flow.model == FlowModel::NavierStokes)
+            .then(|| Inertia { fluid: scene.flow.density, bodies: placed.iter().map(|&(group, _)| scene.bodies[group].density).collect() });
+        let (spacing, bodies) = suspended_bodies(scene, &domain, placed)?;
+        Ok(Setup { inertia, ..Setup::with_bodies(scene, domain, spacing, bodies) })
     }
 
     /// The setup of a scene in which these are the bodies.
@@ -116,6 +119,7 @@ impl<const D: usize> Setup<D> {
             viscosity: scene.flow.viscosity,
             drive: drive(scene),
             bodies,
+            inertia: None,
             constraint: scene.method.constraint,
             interactions: Interactions::default(),
             inverse,

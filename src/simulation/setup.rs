@@ -24,6 +24,15 @@ pub struct SuspendedBody<const D: usize> {
     pub order: usize,
 }
 
+/// Masses per volume, all positive.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inertia {
+    /// Of the fluid.
+    pub fluid: f64,
+    /// Of each body.
+    pub bodies: Vec<f64>,
+}
+
 /// What to solve.
 #[derive(Debug, Clone)]
 pub struct Setup<const D: usize> {
@@ -37,6 +46,8 @@ pub struct Setup<const D: usize> {
     pub drive: Drive<D>,
     /// The bodies.
     pub bodies: Vec<SuspendedBody<D>>,
+    /// What fluid and bodies weigh, if they have inertia.
+    pub inertia: Option<Inertia>,
     /// What makes bodies rigid.
     pub constraint: ConstraintMethod,
     /// What bodies do to each other besides the flow.

@@ -3,8 +3,8 @@
 use std::{borrow::Cow, ops::Range};
 
 use super::{
-    ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Granular, GranularSetup, Moving, Observation, QuasiStatic, ResidualMonitor,
-    Share, State, Stepper, interactions,
+    ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Granular, GranularSetup, Level, Moving, Observation, QuasiStatic,
+    ResidualMonitor, Share, State, Stepper, interactions,
     migration::own_part,
     shift_period::ShiftPeriod,
     step_control::{ROUNDING, StepControl},
@@ -46,7 +46,7 @@ pub struct StepReport {
 impl<const D: usize> Simulation<D> {
     /// Granular bodies in motion.
     pub fn granular(session: &Session, setup: GranularSetup<D>, time: TimeSection) -> Simulation<D> {
-        let step_control = StepControl { time, shift_period: None, longest: setup.longest_step() };
+        let step_control = StepControl { time, shift_period: None, longest: setup.longest_step(), by_twos: false };
         let domain = setup.domain.clone();
         let (stepper, state) = Granular::start(session, setup, step_control.clone());
         Simulation { session: session.clone(), state, stepper: Box::new(stepper), domain, step_control, cut_short: false }
@@ -58,7 +58,7 @@ impl<const D: usize> Simulation<D> {
         let bodies = &setup.bodies;
         let shift_period = ShiftPeriod::of(&setup.domain, suspension.grid());
         let longest = interactions::longest_step_in_flow(setup);
-        let step_control = StepControl { time, shift_period, longest };
+        let step_control = StepControl { time, shift_period, longest, by_twos: suspension.evolves() };
         let at_rest = |suspended: &super::SuspendedBody<D>| (suspended.body.ball.center, crate::body::Twist::zero());
         let state = State::start(bodies.iter().map(at_rest));
         let domain = suspension.setup().domain.clone();
@@ -97,6 +97,14 @@ impl<const D: usize> Simulation<D> {
         if let Some(past) = past {
             self.stepper.remember(past);
         }
+    }
+
+    /// Goes on from earlier solutions of a flow with inertia, the last one first.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    pub fn restore_levels(&mut self, levels: Vec<Level<D>>) -> Result<()> {
+        self.stepper.restore_levels(levels)
     }
 
     /// The suspension that is solved, if there is a fluid.

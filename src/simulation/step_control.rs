@@ -23,6 +23,8 @@ pub struct StepControl {
     pub shift_period: Option<ShiftPeriod>,
     /// The longest step with which contact is stable; infinite if it limits none.
     pub longest: f64,
+    /// Whether automatic steps change by factors of two only: where another one takes other operators.
+    pub by_twos: bool,
 }
 
 /// A body's motion as far as steps depend on it.
@@ -53,12 +55,13 @@ impl StepSize {
 }
 
 impl StepControl {
-    /// The next step for bodies that move so, each rank its own, from a time, after a last step (0 if it is the first). Collective.
-    pub fn next<const D: usize>(&self, peers: Peers, motions: &[BodyMotion<D>], time: f64, last_step: f64) -> StepSize {
+    /// The next step for bodies that move so, each rank its own, from a time, after a last step (0 if it is the first), where none may be longer than
+    /// `longest`. Collective.
+    pub fn next<const D: usize>(&self, peers: Peers, motions: &[BodyMotion<D>], (time, last_step): (f64, f64), longest: f64) -> StepSize {
         let natural = match self.time.step {
             Step::Fixed(step) => step,
             Step::Auto => {
-                let longest = self.longest.min(if last_step > 0.0 { self.grown(last_step) } else { self.time.end });
+                let longest = self.longest.min(longest).min(if last_step > 0.0 { self.grown(last_step) } else { self.time.end });
                 let limits = motions.iter().map(|motion| reach(motion, self.time.travel * motion.radius));
                 self.whole(peers.min(limits.fold(longest, f64::min)), last_step)
             }
@@ -73,19 +76,26 @@ impl StepControl {
             Step::Fixed(_) => step,
             Step::Auto => {
                 let limit = |(velocity, radius): (&SVector<f64, D>, &f64)| self.time.travel * radius / velocity.norm();
-                step.min(self.whole(moves.iter().zip(radii).map(limit).fold(step, f64::min), last_step))
+                let limited = moves.iter().zip(radii).map(limit).fold(step, f64::min);
+                if limited < step || !self.by_twos { step.min(self.whole(limited, last_step)) } else { step }
             }
         }
     }
 
     /// The longest step after another.
     fn grown(&self, last_step: f64) -> f64 {
+        if self.by_twos {
+            return 2.0 * last_step;
+        }
         // whole shift periods would never grow from one to two
         self.shift_period.map_or(GROWTH * last_step, |shift_period| (GROWTH * last_step).max(last_step + shift_period.0))
     }
 
     /// A step that keeps the shift period, if there is one; never shorter than the shortest that does.
     fn whole(&self, step: f64, last_step: f64) -> f64 {
+        if self.by_twos && last_step > 0.0 {
+            return last_step * (step / last_step * (1.0 + ROUNDING)).log2().floor().exp2();
+        }
         self.shift_period.map_or(step, |shift_period| shift_period.within(step, ShiftPeriod::multiple(self.time.scheme, last_step)))
     }
 

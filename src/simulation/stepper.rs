@@ -1,6 +1,6 @@
 //! What moves bodies: the interface behind which a fluid, or inertia alone, drives a [`Simulation`](super::Simulation).
 
-use super::{Cost, ExtrapolationHistory, FlowSolver, ResidualMonitor, Solution, State, step_control::StepSize};
+use super::{Cost, ExtrapolationHistory, FlowSolver, Level, ResidualMonitor, Solution, State, step_control::StepSize};
 use crate::{
     body::Twist,
     contact::{AdhesiveContact, ContactForce, KktReport},
@@ -78,6 +78,14 @@ pub trait Stepper<const D: usize> {
     /// The suspension that is solved, if there is a fluid.
     fn suspension(&self) -> Option<&dyn FlowSolver<D>> {
         None
+    }
+
+    /// Goes on from earlier solutions of a flow with inertia, the last one first.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    fn restore_levels(&mut self, _levels: Vec<Level<D>>) -> Result<()> {
+        Ok(())
     }
 
     /// Takes what earlier solves say about the next one, if there is a fluid to solve.

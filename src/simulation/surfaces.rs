@@ -39,6 +39,8 @@ pub struct BodyOperator {
     pub area: f64,
     /// Velocities in unbounded fluid that unit multipliers of rigid modes cause.
     pub mobilities: RigidVector,
+    /// What the velocities of rigid modes add to the rows of their forces: mass over time; 0 without inertia.
+    pub inertia: RigidVector,
 }
 
 impl BodyOperator {
@@ -200,7 +202,9 @@ impl<const D: usize> SurfaceOperators<'_, D> {
         let (multipliers, mut rows) = (multipliers.local()?, rows.local_mut()?);
         for member in self.operators.iter().filter(|member| member.free) {
             let rigid = member.rigid_range();
-            rows[rigid.clone()].iter_mut().zip(&multipliers[rigid]).for_each(|(row, c)| *row = member.force_scale * c);
+            for ((row, c), inertia) in rows[rigid.clone()].iter_mut().zip(&multipliers[rigid]).zip(member.inertia.iter()) {
+                *row = member.force_scale * c + inertia * *row;
+            }
         }
         Ok(())
     }
@@ -250,7 +254,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
         for member in self.operators {
             let (wanted, found) = (&mut wanted[member.range.clone()], &mut found[member.range.clone()]);
             for (mode, (wanted, sampled)) in wanted.iter_mut().zip(&*found).enumerate() {
-                *wanted -= if member.gives_force(mode) { 0.0 } else { *sampled };
+                *wanted -= if member.gives_force(mode) { member.inertia[mode] * *sampled } else { *sampled };
             }
             member.inverse.apply(wanted, found);
         }

@@ -4,6 +4,7 @@ mod bars;
 mod case;
 mod cases;
 mod crowds;
+mod inertia;
 mod solve;
 
 use std::time::Instant;
@@ -35,6 +36,9 @@ pub struct Validation {
     /// Solve crowds with many films instead, known ones and such as show how the cost grows with number, fraction and gap.
     #[arg(long, conflicts_with = "bars")]
     pub crowds: bool,
+    /// Follow bodies in flows with inertia instead: settling and sheared disks, settling spheres.
+    #[arg(long, conflicts_with_all = ["bars", "crowds"])]
+    pub inertia: bool,
 }
 
 impl Study<Session> for Validation {
@@ -42,6 +46,9 @@ impl Study<Session> for Validation {
     const ABOUT: &'static str = "Solve cases with known answers and print a table of errors and seconds";
 
     fn run(&self, session: &Session) -> Result<()> {
+        if self.inertia {
+            return inertia::inertia(session);
+        }
         let seeds = self.random.map(|count| self.seed..self.seed + count);
         let (kept, broken) = match (self.crowds, self.bars.is_empty()) {
             (true, _) => return crowds::crowds(session),

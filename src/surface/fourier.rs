@@ -15,6 +15,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::{
     Degree, Modes,
     simd::{LANES, Simd, each, in_batches},
+    unsteady,
 };
 
 /// Largest wavenumber `K` of [`Fourier`].
@@ -145,6 +146,30 @@ impl Modes for Fourier {
         let free = self.free.iter().flat_map(|harmonic| [scale * harmonic.inverse.abs(); 2]);
         let diagonal = rigid.into_iter().chain(free);
         DMatrix::from_diagonal(&DVector::from_iterator(self.count(), diagonal))
+    }
+
+    /// Waves `k` and `-k` are coupled: normal and tangential tractions answer apart, as `(cos, sin)` for `f = 1` and `(-sin, cos)` for `f = i`.
+    fn unsteady_mobility(&self, shift: f64, reach: f64) -> DMatrix<f64> {
+        let (a, x) = (self.radius, self.radius * shift.sqrt());
+        let mut mobility = self.isolated_mobility(reach.min(1.0 / shift.sqrt()));
+        if x < unsteady::STEADY {
+            return mobility;
+        }
+        mobility[(2, 2)] = a * unsteady::circle_rotation(x);
+        let places = |k: i32| if k == -1 { 0 } else { RIGID + 2 * self.free.iter().position(|other| other.power == k + 1).unwrap_or(0) };
+        for q in 1..=self.order as i32 {
+            let answer = unsteady::circle(q as usize, x);
+            // tractions of the waves q and -q
+            let tractions = [nalgebra::Vector2::new(1.0, 1.0), nalgebra::Vector2::new(1.0, -1.0)];
+            for (row, test) in [q, -q].into_iter().zip(&tractions) {
+                for (column, traction) in [q, -q].into_iter().zip(&tractions) {
+                    let mean = 0.5 * a * test.dot(&(answer * traction));
+                    mobility[(places(row), places(column))] = mean;
+                    mobility[(places(row) + 1, places(column) + 1)] = if row == column { mean } else { -mean };
+                }
+            }
+        }
+        mobility
     }
 
     fn exterior_velocity(&self, offset: &[f64], reach: f64, out: &mut [f64]) {

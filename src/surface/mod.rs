@@ -22,9 +22,11 @@ mod shape;
 mod simd;
 mod solid_harmonics;
 pub mod spherical;
+mod spin_up;
 mod table;
 #[cfg(test)]
 mod tests;
+mod unsteady;
 
 pub use fourier::Fourier;
 pub use modes::{Modes, area, lever};
@@ -34,4 +36,5 @@ pub use rotation::{Degree, rotations};
 pub use scalar::ScalarModes;
 pub use shape::Shape;
 pub use spherical::Spherical;
+pub use spin_up::{WithSpinUp, unit_rotation};
 pub use table::SurfaceTable;

@@ -55,6 +55,12 @@ pub trait Modes {
     /// `ln(reach/a)`, at least 0.5.
     fn isolated_mobility(&self, reach: f64) -> DMatrix<f64>;
 
+    /// The same in a flow with inertia, the fluid inside included, where the operator is `shift - Lap`; as in steady flow where a viscous wave is much
+    /// longer than the ball.
+    fn unsteady_mobility(&self, _shift: f64, reach: f64) -> DMatrix<f64> {
+        self.isolated_mobility(reach)
+    }
+
     /// Writes in `out[mode * D + i]` the velocity that unit coefficients cause in unbounded fluid at `offset`, outside the ball.
     ///
     /// Its mean over `gamma` with the tractions is [`isolated_mobility`](Self::isolated_mobility); `reach` as there. Zero where near pairs

@@ -22,6 +22,7 @@ use super::{
     radial::Poloidal,
     simd::{LANES, Simd, each, in_batches},
     solid_harmonics::{MAXIMUM_DEGREE, SolidHarmonics},
+    unsteady,
 };
 
 /// Largest degree `L` of [`Spherical`].
@@ -154,6 +155,27 @@ impl Modes for Spherical {
                 for (row, test) in places.iter().zip(&degree.poloidal) {
                     for (column, mode) in places.iter().zip(&degree.poloidal) {
                         mobility[(*row, *column)] = scale * test.mean_with(mode.velocity(l), l);
+                    }
+                }
+            }
+        }
+        mobility
+    }
+
+    fn unsteady_mobility(&self, shift: f64, reach: f64) -> DMatrix<f64> {
+        let (a, x) = (self.radius, self.radius * shift.sqrt());
+        let mut mobility = self.isolated_mobility(reach);
+        if x < unsteady::STEADY {
+            return mobility;
+        }
+        for (l, degree) in (1..).zip(&self.degrees) {
+            let (answer, around) = (unsteady::sphere(l, x), a * unsteady::sphere_rotation(l, x));
+            for places in &degree.places {
+                mobility[(places[2], places[2])] = around;
+                for (row, test) in places.iter().zip(&degree.poloidal) {
+                    for (column, mode) in places.iter().zip(&degree.poloidal) {
+                        let velocity = answer * nalgebra::Vector2::new(mode.normal, mode.tangential);
+                        mobility[(*row, *column)] = a * test.mean_with(velocity.into(), l);
                     }
                 }
             }

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, SMatrix, SVector};
 
-use super::{Modes, Quadrature, ScalarModes, modes, quadrature};
+use super::{Modes, Quadrature, ScalarModes, WithSpinUp, modes, quadrature};
 
 /// The surface of a ball: modes, quadrature points, and the tractions of the modes there.
 ///
@@ -21,6 +21,11 @@ impl<const D: usize> SurfaceTable<D> {
     /// The surface of a ball of the given radius with modes up to `order`, sampled about as finely as the grid.
     pub fn new(radius: f64, order: usize, spacing: f64) -> SurfaceTable<D> {
         SurfaceTable::of(modes(D, radius, order), order, spacing)
+    }
+
+    /// As [`new`](Self::new), with the jumps of a body that spins up.
+    pub fn with_spin_up(radius: f64, order: usize, spacing: f64) -> SurfaceTable<D> {
+        SurfaceTable::of(Box::new(WithSpinUp(modes(D, radius, order))), order, spacing)
     }
 
     /// As [`new`](Self::new), with the modes of a scalar.
@@ -89,6 +94,22 @@ impl<const D: usize> SurfaceTable<D> {
         self.first_moments.iter().zip(coefficients).map(|(moment, coefficient)| moment * *coefficient).sum()
     }
 
+    /// The matrix that takes the tangential part of a traction, in coefficients of the modes.
+    pub fn tangential(&self) -> DMatrix<f64> {
+        let mut along = DMatrix::zeros(self.projector.ncols(), self.modes.count());
+        let mut tractions = vec![0.0; self.modes.count() * D];
+        for (point, direction) in self.quadrature.directions.chunks(D).enumerate() {
+            self.modes.traction(direction, &mut tractions);
+            let normal = SVector::<f64, D>::from_column_slice(direction);
+            for (mode, traction) in tractions.chunks_exact(D).enumerate() {
+                let traction = SVector::<f64, D>::from_column_slice(traction);
+                let part = traction - normal * traction.dot(&normal);
+                (0..D).for_each(|axis| along[(point * D + axis, mode)] = part[axis]);
+            }
+        }
+        &self.projector * along
+    }
+
     /// First moment of the traction of each mode.
     pub fn first_moments(&self) -> &[SMatrix<f64, D, D>] {
         &self.first_moments
@@ -121,6 +142,16 @@ mod tests {
             assert!((coefficients[3 + axis] - lever * spin[axis]).abs() < 1e-14);
         }
         assert!(coefficients[6..].iter().all(|coefficient| coefficient.abs() < 1e-14));
+    }
+
+    #[test]
+    fn the_tangential_part_of_a_traction_is_a_projection() {
+        for part in [SurfaceTable::<2>::new(0.7, 5, 0.1).tangential(), SurfaceTable::<3>::new(0.7, 3, 0.1).tangential()] {
+            assert!((&part * &part - &part).amax() < 1e-10);
+            assert!((&part - part.transpose()).amax() < 1e-10);
+            let rank = part.trace();
+            assert!((rank - rank.round()).abs() < 1e-9 && rank > 1.0);
+        }
     }
 
     #[test]

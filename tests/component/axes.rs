@@ -33,6 +33,7 @@ fn forces(session: &Session, constraint: ConstraintMethod, names: [usize; 3]) ->
         viscosity: 1.0,
         drive: Drive::MeanVelocity(renamed([1.0, 0.0, 0.0])),
         bodies: vec![sphere([1.3, 2.1, 2.2]), sphere([4.1, 4.9, 5.7])],
+        inertia: None,
         constraint,
         interactions: Default::default(),
         inverse: InverseMethod::Transform,

@@ -101,6 +101,7 @@ fn units_do_not_matter(session: &Session) {
             viscosity,
             drive: Drive::Rest,
             bodies: disks.to_vec(),
+            inertia: None,
             constraint: ConstraintMethod::Sharp,
             interactions: Default::default(),
             inverse: InverseMethod::Hypre,

@@ -36,6 +36,7 @@ fn channel(disks: &[([f64; 2], [f64; 2])]) -> Setup<2> {
         viscosity: 2.0,
         drive: Drive::Rest,
         bodies: disks.iter().map(body).collect(),
+        inertia: None,
         constraint: ConstraintMethod::Sharp,
         interactions: Default::default(),
         inverse: InverseMethod::Transform,

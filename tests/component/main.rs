@@ -23,6 +23,7 @@ mod fluid;
 mod grid;
 mod hard;
 mod inclusions;
+mod inertia;
 mod interpolation;
 mod inverses;
 mod lasting;
@@ -108,6 +109,7 @@ fn main() {
         parts::tests(),
         scalar::tests(),
         inclusions::tests(),
+        inertia::tests(),
         suspension::tests(),
         stress::tests(),
         fitted::tests(),

@@ -194,6 +194,7 @@ fn setup(interactions: Interactions<2>) -> Setup<2> {
         viscosity: 1.5,
         drive: Drive::MeanVelocity(Vector2::new(0.3, 0.1)),
         bodies: disks(Vector2::zeros()).into_iter().map(body).collect(),
+        inertia: None,
         constraint: ConstraintMethod::Sharp,
         interactions,
         inverse: InverseMethod::Transform,

@@ -50,6 +50,7 @@ fn setup<const D: usize>(domain: Domain<D>, spacing: f64, bodies: Vec<SuspendedB
         viscosity: 1.0,
         drive: Drive::Shear(1.0),
         bodies,
+        inertia: None,
         constraint: ConstraintMethod::Sharp,
         interactions: Default::default(),
         inverse: InverseMethod::Transform,

@@ -50,6 +50,7 @@ pub fn periodic_cube<const D: usize>(spacing: f64, drive: Drive<D>, bodies: Vec<
         viscosity: 1.0,
         drive,
         bodies,
+        inertia: None,
         constraint: ConstraintMethod::Sharp,
         interactions: Default::default(),
         inverse: InverseMethod::Hypre,
@@ -67,6 +68,7 @@ pub fn couette(length: f64, spacing: f64, rate: f64, bodies: Vec<SuspendedBody<2
         viscosity: 1.0,
         drive: Drive::Rest,
         bodies,
+        inertia: None,
         constraint: ConstraintMethod::Sharp,
         interactions: Default::default(),
         inverse: InverseMethod::Hypre,
@@ -163,6 +165,7 @@ fn a_channel_driven_by_each_drive(session: &Session) {
         viscosity: 1.0,
         drive,
         bodies: vec![suspended(Vector2::new(0.513, 0.5), 0.125, motion, 8)],
+        inertia: None,
         constraint: ConstraintMethod::Sharp,
         interactions: Default::default(),
         inverse: InverseMethod::Hypre,
@@ -175,6 +178,9 @@ fn a_channel_driven_by_each_drive(session: &Session) {
     let (_, by_mean) = solve(session, channel(Drive::MeanVelocity(by_gradient.mean_velocity), fixed()));
     assert_near("the gradient that gives this flux", by_mean.pressure_gradient[0], -1.0, 1e-6);
     assert_near("the force at this flux", by_mean.bodies[0].force[0], by_gradient.bodies[0].force[0], 1e-6);
+    let (_, viscous) = solve(session, Setup { viscosity: 4.0, ..channel(gradient(1.0), fixed()) });
+    assert_near("flux of a fluid four times as viscous", 4.0 * viscous.mean_velocity[0], by_gradient.mean_velocity[0], 1e-6);
+    assert_near("the force of a fluid four times as viscous", viscous.bodies[0].force[0], by_gradient.bodies[0].force[0], 1e-6);
     let (_, freely) = solve(session, channel(gradient(8.0), free()));
     assert_near("speed of a free disk", freely.bodies[0].twist.velocity[0], 0.965019025, 2e-3);
     let pulled = Motion::Prescribed(Twist { velocity: Vector2::x(), spin: SMatrix::zeros() });
@@ -219,6 +225,7 @@ fn a_disk_in_a_closed_box(session: &Session) {
         viscosity: 2.0,
         drive: Drive::Rest,
         bodies: vec![suspended(Vector2::new(0.5, 0.5), 0.2, Motion::Prescribed(twist), 8)],
+        inertia: None,
         constraint: ConstraintMethod::Sharp,
         interactions: Default::default(),
         inverse: InverseMethod::Hypre,

@@ -43,7 +43,7 @@ pub fn bytes<const D: usize>(size: &Size<D>) -> f64 {
 
 fn blocks<const D: usize>(grid: &Grid<D>, surrounded: &Surrounded<D>, workspace: &mut Workspace) -> InclusionBlocks<D> {
     let placed = surrounded.placed;
-    let (mut body, nodes) = assemble(grid, surrounded, workspace, |nodes| vec![missing_source(grid, placed, nodes)]);
+    let (mut body, nodes) = assemble(grid, surrounded, workspace, |nodes| vec![vec![missing_source(grid, placed, &nodes[0])]]);
     let (by_source, values) = split_source(&mut body);
     let source = source(grid, &nodes[0], (&body.rows.unknowns, &values));
     InclusionBlocks { body: Box::new(body), inclusion: Inclusion::on_surface(placed, source, by_source) }

@@ -46,7 +46,7 @@ pub fn jump<const D: usize>(placed: &Placed<D>, multipliers: &[f64], point: &Fre
     if offset.norm() < CORE * placed.surface.modes.radius() {
         return 0.0;
     }
-    let mut modes = vec![0.0; multipliers.len()];
+    let mut modes = vec![0.0; placed.surface.modes.jump_count()];
     placed.surface.modes.jumps(offset.as_slice(), point.field, &mut modes);
     modes.iter().zip(multipliers).map(|(mode, c)| mode * c).sum()
 }

@@ -18,6 +18,7 @@ mod cleared;
 mod interpolate;
 mod jumps;
 mod nodes;
+mod spinning;
 mod spread;
 
 use super::{
@@ -35,6 +36,7 @@ use interpolate::{Interpolated, Interpolation};
 use jumps::Jumps;
 pub use nodes::JumpNodes;
 use nodes::reach;
+pub use spinning::SharpWithInertia;
 use spread::Spreading;
 
 /// Jump functions are singular at the centre; closer than this (in spacings) they are taken as zero.
@@ -69,7 +71,8 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for Sharp {
 
     fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], memory: Vec<Vec<f64>>) -> Vec<Box<dyn BodyBlocks<D>>> {
         let mut workspace = Workspace { values: memory, ..Workspace::default() };
-        let of = |body: &Surrounded<D>| -> Box<dyn BodyBlocks<D>> { Box::new(assemble(grid, body, &mut workspace, |_| Vec::new()).0) };
+        let of =
+            |body: &Surrounded<D>| -> Box<dyn BodyBlocks<D>> { Box::new(assemble(grid, body, &mut workspace, |_| vec![Vec::new(); D]).0) };
         bodies.iter().map(of).collect()
     }
 
@@ -92,12 +95,13 @@ pub fn bytes<const D: usize>(grid: &Grid<D>, Size { ball, order, count }: &Size<
         + 5.0 * BYTES_PER_ENTRY * count * count
 }
 
-/// The blocks of one body, with values of sources behind those of the modes that have the moments of `sources`, and the nodes of each field.
+/// The blocks of one body, with values of sources behind those of the modes that have the moments of `sources` in each component, and the nodes
+/// of each field.
 pub fn assemble<const D: usize>(
     grid: &Grid<D>,
     Surrounded { body, placed, neighbours }: &Surrounded<D>,
     workspace: &mut Workspace,
-    sources: impl Fn(&JumpNodes<D>) -> Vec<[f64; TERMS]>,
+    sources: impl Fn(&[JumpNodes<D>]) -> Vec<Vec<[f64; TERMS]>>,
 ) -> (SharpBody<D>, Vec<JumpNodes<D>>) {
     let unknowns = Unknowns::of(placed.surface.modes.as_ref());
     let (fields, components) = (unknowns.fields::<D>(), unknowns.components::<D>());
@@ -116,7 +120,7 @@ pub fn assemble<const D: usize>(
         Some((*other, block))
     });
     let local = own.into_iter().chain(others);
-    let (rows, on_walls) = spreading.rows(jumps, &sources(&nodes[0]), values.pop().unwrap_or_default());
+    let (rows, on_walls) = spreading.rows(jumps, &sources(&nodes), values.pop().unwrap_or_default());
     let body = SharpBody {
         surface: placed.surface.clone(),
         rows,

@@ -149,8 +149,8 @@ impl<'a, const D: usize> Spreading<'a, D> {
     }
 
     /// All rows, from evaluated jumps, and what passes to walls; `values` is memory to use again. Behind the modes are values of sources,
-    /// which have these moments.
-    pub fn rows(self, jumps: &[Jumps], sources: &[[f64; TERMS]], mut values: Vec<f64>) -> (Rows, Vec<OnWall>) {
+    /// which have these moments in each component.
+    pub fn rows(self, jumps: &[Jumps], sources: &[Vec<[f64; TERMS]>], mut values: Vec<f64>) -> (Rows, Vec<OnWall>) {
         let (count, components) = (self.placed.surface.modes.jump_count(), self.placed.surface.modes.components());
         let cell_volume = self.grid.spacing().product();
         self.rows.evaluate(jumps, count, &mut values);
@@ -162,7 +162,8 @@ impl<'a, const D: usize> Spreading<'a, D> {
                 AtOffsets { offsets: &self.walls.offsets[walls.clone()], values: &to_walls[walls.start * count..walls.end * count] };
             let corrected =
                 AtOffsets { offsets: &self.rows.offsets[rows.clone()], values: &mut values[rows.start * count..rows.end * count] };
-            conserve_momentum(&Wanted { surface: &self.placed.surface, component, sources, cell_volume }, passed, corrected);
+            let wanted = Wanted { surface: &self.placed.surface, component, sources: &sources[component], cell_volume };
+            conserve_momentum(&wanted, passed, corrected);
         }
         to_walls.iter_mut().for_each(|value| *value *= cell_volume);
         let on_walls = self.sum_on_walls(&to_walls, count);

@@ -22,14 +22,14 @@ pub struct CrossSection {
 }
 
 impl CrossSection {
-    /// The cross-section of a box normal to an axis; nothing if no wall holds the flow along it.
-    pub fn new<const D: usize>(grid: &Grid<D>, axis: usize) -> Option<CrossSection> {
+    /// The cross-section of a box normal to an axis, for minus the Laplacian and a shift; nothing if no wall holds the flow along it.
+    pub fn new<const D: usize>(grid: &Grid<D>, axis: usize, shift: f64) -> Option<CrossSection> {
         if (0..D).all(|across| across == axis || grid.domain().periodic(across)) {
             return None;
         }
         let points: usize = (0..D).filter(|&across| across != axis).map(|across| grid.cells()[across]).product();
         let mut minus_laplacian = SparseRows::default();
-        let load: Vec<f64> = (0..points).map(|point| push_row(grid, axis, point, &mut minus_laplacian)).collect();
+        let load: Vec<f64> = (0..points).map(|point| push_row((grid, axis, shift), point, &mut minus_laplacian)).collect();
         let (flow, weights) = (solve(&minus_laplacian, &load), solve(&minus_laplacian, &vec![1.0; points]));
         let permeability = mean(&flow);
         Some(CrossSection { profile: flow.iter().map(|velocity| velocity / permeability).collect(), permeability, weights })
@@ -47,7 +47,7 @@ impl CrossSection {
 }
 
 /// Adds the row of a point; returns what a unit gradient of the pressure is there.
-fn push_row<const D: usize>(grid: &Grid<D>, axis: usize, mut point: usize, rows: &mut SparseRows) -> f64 {
+fn push_row<const D: usize>((grid, axis, shift): (&Grid<D>, usize, f64), mut point: usize, rows: &mut SparseRows) -> f64 {
     let own = point;
     // no wall across the axis is near face 1
     let mut index = [1; D];
@@ -55,7 +55,7 @@ fn push_row<const D: usize>(grid: &Grid<D>, axis: usize, mut point: usize, rows:
         index[across] = (point % grid.cells()[across]) as isize;
         point /= grid.cells()[across];
     }
-    let (mut row, mut centre) = (Vec::new(), 0.0);
+    let (mut row, mut centre) = (Vec::new(), shift);
     laplacian(grid, axis, index, |term| match term.site {
         Site::Lattice { index: neighbour, .. } if neighbour[axis] != index[axis] => {}
         Site::Lattice { index: neighbour, .. } => {
@@ -101,7 +101,7 @@ mod tests {
     fn section<const D: usize>(size: [f64; D], walls: [bool; D]) -> Option<CrossSection> {
         let wall = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
         let domain = Domain { size: size.into(), axes: walls.map(|walled| if walled { wall } else { Axis::Periodic }) };
-        CrossSection::new(&Grid::new(&domain, 1.0 / 16.0, 1, 0).unwrap(), 0)
+        CrossSection::new(&Grid::new(&domain, 1.0 / 16.0, 1, 0).unwrap(), 0, 0.0)
     }
 
     #[test]

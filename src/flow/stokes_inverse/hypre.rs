@@ -1,9 +1,9 @@
 //! The projection form of the Stokes inverse with one BoomerAMG V-cycle for each scalar inverse.
 //!
-//! With `A^` and `L^` the cycles for `-Lap` of a velocity component and for `-div grad`,
+//! With `A^` and `L^` the cycles for `s - Lap` of a velocity component and for `-div grad`,
 //!
 //! ```text
-//! u* = A^ r_u,   d = div u* - r_p,   u = u* + grad L^ d,   p = -d
+//! u* = A^ r_u,   d = div u* - r_p,   u = u* + grad L^ d,   p = -d - s L^ d
 //! ```
 //!
 //! which is exact in a periodic box when the cycles are. Fields with the same Laplacian share one set-up.
@@ -25,6 +25,8 @@ pub struct HypreInverse {
     /// Work vectors, one a field.
     given: Vec<Vector>,
     found: Vec<Vector>,
+    shift: f64,
+    fully_periodic: bool,
     setup_seconds: f64,
 }
 
@@ -34,7 +36,8 @@ impl HypreInverse {
         let start = Instant::now();
         let settings = AmgSettings::laplacian(D);
         let (laplacians, cycle_of) = stokes.laplacians()?;
-        let singular = |index: usize| cycle_of[D] == index || grid.domain().fully_periodic();
+        let fully_periodic = grid.domain().fully_periodic();
+        let singular = |index: usize| cycle_of[D] == index || (fully_periodic && stokes.shift() == 0.0);
         let cycles = laplacians.iter().enumerate().map(|(index, matrix)| Amg::new(matrix, singular(index), &settings));
         Ok(HypreInverse {
             cycles: cycles.collect::<Result<_>>()?,
@@ -42,6 +45,8 @@ impl HypreInverse {
             fields: stokes.balanced_fields(),
             given: (0..=D).map(|field| stokes.field_vector(field)).collect::<Result<_>>()?,
             found: (0..=D).map(|field| stokes.field_vector(field)).collect::<Result<_>>()?,
+            shift: stokes.shift(),
+            fully_periodic,
             setup_seconds: start.elapsed().as_secs_f64(),
         })
     }
@@ -87,9 +92,12 @@ impl<const D: usize> StokesInverse<D> for HypreInverse {
         for (axis, velocity) in velocities.iter_mut().enumerate() {
             stokes.gradient(axis)?.multiply_add(&pressure[0], velocity)?;
         }
-        pressure[0].copy_from(&self.given[D])?;
-        pressure[0].scale(-1.0)?;
+        pressure[0].scale(-self.shift)?;
+        pressure[0].add(-1.0, &self.given[D])?;
         pressure[0].remove_mean()?;
+        if self.fully_periodic && self.shift > 0.0 {
+            velocities.iter_mut().try_for_each(Vector::remove_mean)?;
+        }
         self.put(output)
     }
 }

@@ -71,7 +71,7 @@ impl FlowAlong {
     pub fn of<const D: usize>(stokes: &Stokes<D>, grid: &Grid<D>) -> Option<FlowAlong> {
         let axis = grid.domain().size.imax();
         let periodic = grid.domain().periodic(axis);
-        let section = CrossSection::new(grid, axis)?;
+        let section = CrossSection::new(grid, axis, stokes.shift())?;
         let waves = if periodic { 2.0 } else { 1.0 };
         let wave_number = waves * std::f64::consts::PI / grid.domain().size[axis];
         let places = |field: usize| Places::new(stokes, grid, field, axis);

@@ -9,6 +9,7 @@ use std::{
 use nalgebra::SVector;
 
 use crate::{
+    body::{Twist, components, planes, skew},
     contact::{AdhesiveContact, Identity, pack, packed_length, unpack},
     error::{Error, Offer, Refusal, Result},
     grid::Grid,
@@ -16,11 +17,14 @@ use crate::{
     parallel::World,
     petsc::Vector,
     run::{BeforeStep, Output, RunStatistics},
-    simulation::{ContactHistory, ExtrapolationHistory, Moving, Share, Simulation, Snapshot, State},
+    simulation::{ContactHistory, ExtrapolationHistory, FlowSolver, Level, Moving, Share, Simulation, Snapshot, State},
 };
 
 /// Names of the arrays of a solution.
 const SNAPSHOTS: [&str; 2] = ["last", "earlier"];
+
+/// Names of the solutions from which a step of a flow with inertia starts.
+const LEVELS: [&str; 2] = ["level", "level_before"];
 
 /// The name of the statistics.
 const STATISTICS: &str = "statistics";
@@ -51,6 +55,9 @@ impl CheckpointFile {
         store_state(&mut writer, world, simulation)?;
         if let Some(suspension) = simulation.suspension() {
             store_past(&mut writer, suspension.grid(), suspension.past())?;
+            for (name, level) in LEVELS.into_iter().zip(suspension.levels()) {
+                store_level(&mut writer, suspension.grid(), name, level)?;
+            }
         }
         writer.finish()
     }
@@ -82,8 +89,73 @@ pub fn restore<const D: usize>(world: &World, checkpoint: &Checkpoint, simulatio
         }
         None => None,
     };
+    let levels = match simulation.suspension().filter(|suspension| suspension.evolves()) {
+        Some(suspension) => {
+            let levels = LEVELS[..state.steps.min(LEVELS.len())].iter();
+            levels.map(|name| read_level(checkpoint, suspension, name)).collect::<Result<_>>()?
+        }
+        None => Vec::new(),
+    };
     simulation.restore(state, past);
+    simulation.restore_levels(levels)?;
     Ok(statistics)
+}
+
+fn store_level<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, name: &str, level: &Level<D>) -> Result<()> {
+    store_fluid(writer, grid, name, &level.fluid)?;
+    writer.shared(&format!("{name}_time"), &[level.time])?;
+    writer.shared(&format!("{name}_multipliers"), &level.multipliers.concat())?;
+    writer.shared(&format!("{name}_centers"), &flat(&level.centers))?;
+    let twists: Vec<f64> = level.twists.iter().flat_map(|twist| [twist.velocity.as_slice(), &components(&twist.spin)].concat()).collect();
+    writer.shared(&format!("{name}_twists"), &twists)?;
+    writer.shared(&format!("{name}_spin_ups"), &level.spin_ups.concat())
+}
+
+fn read_level<const D: usize>(checkpoint: &Checkpoint, suspension: &dyn FlowSolver<D>, name: &str) -> Result<Level<D>> {
+    let mut fluid = suspension.fluid_vector()?;
+    read_fluid(checkpoint, suspension.grid(), name, &mut fluid)?;
+    let bodies = suspension.setup().bodies.len();
+    let numbers = |what: &str, width: usize| {
+        let found = checkpoint.shared(&format!("{name}_{what}"))?;
+        if found.len() == bodies * width { Ok(found) } else { Err(misfit(what)) }
+    };
+    let (planes, counts) = (planes::<D>().len(), suspension.multiplier_counts());
+    let mut flat = &checkpoint.shared(&format!("{name}_multipliers"))?[..];
+    if flat.len() != counts.iter().sum::<usize>() {
+        return Err(misfit("multipliers"));
+    }
+    let mut multipliers = Vec::new();
+    for count in counts {
+        let (own, rest) = flat.split_at(count);
+        multipliers.push(own.to_vec());
+        flat = rest;
+    }
+    let twist = |numbers: &[f64]| Twist { velocity: SVector::from_column_slice(&numbers[..D]), spin: skew(&numbers[D..]) };
+    let &[time] = &checkpoint.shared(&format!("{name}_time"))?[..] else { return Err(misfit("time")) };
+    Ok(Level {
+        time,
+        fluid,
+        multipliers,
+        centers: numbers("centers", D)?.chunks(D).map(SVector::from_column_slice).collect(),
+        twists: numbers("twists", D + planes)?.chunks(D + planes).map(twist).collect(),
+        spin_ups: numbers("spin_ups", planes)?.chunks(planes).map(<[f64]>::to_vec).collect(),
+    })
+}
+
+fn flat<const D: usize>(points: &[SVector<f64, D>]) -> Vec<f64> {
+    points.iter().flat_map(|point| point.iter().copied()).collect()
+}
+
+fn store_fluid<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, name: &str, fluid: &Vector) -> Result<()> {
+    (0..=D).try_for_each(|field| writer.lattice(&format!("{name}_{field}"), grid, field, &fluid.local()?[grid.local_range(field)]))
+}
+
+fn read_fluid<const D: usize>(checkpoint: &Checkpoint, grid: &Grid<D>, name: &str, fluid: &mut Vector) -> Result<()> {
+    for field in 0..=D {
+        let values = checkpoint.lattice(&format!("{name}_{field}"), grid, field)?;
+        fluid.local_mut()?[grid.local_range(field)].copy_from_slice(&values);
+    }
+    Ok(())
 }
 
 fn store_state<const D: usize>(writer: &mut CheckpointWriter, world: &World, simulation: &Simulation<D>) -> Result<()> {
@@ -145,15 +217,12 @@ fn store_past<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, pas
     for (name, snapshot) in SNAPSHOTS.into_iter().zip(snapshots) {
         let Some(snapshot) = snapshot else { continue };
         if let Some(fluid) = &snapshot.fluid {
-            for field in 0..=D {
-                writer.lattice(&format!("{name}_{field}"), grid, field, &fluid.local()?[grid.local_range(field)])?;
-            }
+            store_fluid(writer, grid, name, fluid)?;
         }
         let counts: Vec<f64> = snapshot.multipliers.iter().map(|multipliers| multipliers.len() as f64).collect();
         writer.shared(&format!("{name}_modes"), &counts)?;
         writer.shared(&format!("{name}_multipliers"), &snapshot.multipliers.concat())?;
-        let centers: Vec<f64> = snapshot.centers.iter().flat_map(|center| center.iter().copied()).collect();
-        writer.shared(&format!("{name}_centers"), &centers)?;
+        writer.shared(&format!("{name}_centers"), &flat(&snapshot.centers))?;
         writer.shared(&format!("{name}_closure"), &snapshot.mean_flow)?;
     }
     Ok(())
@@ -169,10 +238,7 @@ fn read_past<const D: usize>(checkpoint: &Checkpoint, grid: &Grid<D>, shape: Opt
 fn read_snapshot<const D: usize>(checkpoint: &Checkpoint, grid: &Grid<D>, shape: Option<&Vector>, name: &str) -> Result<Snapshot<D>> {
     let mut fluid = shape.map(Vector::like).transpose()?;
     if let Some(fluid) = &mut fluid {
-        for field in 0..=D {
-            let values = checkpoint.lattice(&format!("{name}_{field}"), grid, field)?;
-            fluid.local_mut()?[grid.local_range(field)].copy_from_slice(&values);
-        }
+        read_fluid(checkpoint, grid, name, fluid)?;
     }
     let counts = checkpoint.shared(&format!("{name}_modes"))?;
     let flat = checkpoint.shared(&format!("{name}_multipliers"))?;

@@ -11,10 +11,10 @@ use std::{
 use crate::{
     contact::Solver,
     error::{Error, Offer, Refusal, Result},
-    observe::Viscosity,
+    observe::{InertialNumbers, Viscosity},
     output::{CurvePoint, Summary, not_finite, note, write_whole},
     parallel::World,
-    run::{ContactTotals, Evaluated, EvaluatedMotion, Output},
+    run::{ContactTotals, Evaluated, EvaluatedFlow, EvaluatedMotion, Output},
     scene::ContactModel,
 };
 
@@ -55,7 +55,9 @@ impl<const D: usize> Output<D> for SeriesFile {
         let Some(motion) = &seen.motion else { return Ok(()) };
         let seconds = std::mem::replace(&mut self.last_row, Instant::now()).elapsed().as_secs_f64();
         let totals = motion.contact_totals(seen.world);
-        let row = cells(motion, (seen.scene.contact.model, totals), seen.viscosity, seconds);
+        let mut row = cells(motion, (seen.scene.contact.model, totals), seen.viscosity);
+        row.extend(seen.flow.map_or(Ok(Vec::new()), |flow| of_inertia(&flow, motion.state().last_step))?);
+        row.push(real("seconds", seconds));
         seen.world.agree(self.rows.as_mut().map_or(Ok(()), |rows| rows.write(&row)))
     }
 
@@ -65,12 +67,24 @@ impl<const D: usize> Output<D> for SeriesFile {
     }
 }
 
-/// The cells of the row of an instant and of the step that led there, `seconds` of wall-clock time after the last one.
+/// The cells of a flow with inertia after a step; none without inertia. Collective.
+fn of_inertia<const D: usize>(flow: &EvaluatedFlow<D>, step: f64) -> Result<Vec<Cell>> {
+    let (setup, grid) = (flow.solver.setup(), flow.solver.grid());
+    let cells = |numbers: InertialNumbers| {
+        vec![
+            real("kinetic_energy", numbers.kinetic_energy),
+            real("reynolds", numbers.reynolds),
+            real("courant", numbers.courant(grid, step)),
+        ]
+    };
+    Ok(InertialNumbers::of(setup, grid, flow.solution)?.map(cells).unwrap_or_default())
+}
+
+/// The cells of the row of an instant and of the step that led there.
 fn cells<const D: usize>(
     motion: &EvaluatedMotion<D>,
     (contact, totals): (ContactModel, ContactTotals),
     viscosity: Option<Viscosity>,
-    seconds: f64,
 ) -> Vec<Cell> {
     let (state, last) = (motion.state(), motion.statistics.last());
     let mut cells = vec![count("step", state.steps), real("time", state.time), real("last_step", state.last_step)];
@@ -96,7 +110,6 @@ fn cells<const D: usize>(
         let effort = motion.observation.effort + last.map_or_else(Default::default, |last| last.effort);
         cells.extend([count("solves", effort.solves), count("iterations", effort.iterations)]);
     }
-    cells.push(real("seconds", seconds));
     cells
 }
 
@@ -193,8 +206,16 @@ mod tests {
 
     fn point(step: usize) -> CurvePoint {
         let normal = NormalStresses { first: -0.5, second: None, pressure: Some(0.25), contact_pressure: 0.125 };
-        let viscosity =
-            Viscosity { rate: 1.0, hydrodynamic: 1.5, lubrication: None, interaction: None, contact: 0.25, normal, from_walls: None };
+        let viscosity = Viscosity {
+            rate: 1.0,
+            hydrodynamic: 1.5,
+            lubrication: None,
+            interaction: None,
+            reynolds: None,
+            contact: 0.25,
+            normal,
+            from_walls: None,
+        };
         CurvePoint::of(&viscosity, 0.1 * step as f64, false)
     }
 

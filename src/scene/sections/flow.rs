@@ -14,7 +14,7 @@ pub struct FlowSection {
     pub model: FlowModel,
     /// Dynamic viscosity, positive.
     pub viscosity: f64,
-    /// Mass of the fluid per volume, not negative; in Stokes flow it gives buoyancy only.
+    /// Mass of the fluid per volume, not negative; in Stokes flow it gives buoyancy only, with inertia it is positive.
     pub density: f64,
     /// What moves the fluid besides walls and bodies.
     pub drive: Option<Drive>,
@@ -31,6 +31,8 @@ pub enum FlowModel {
     Scalar,
     /// Viscous flow without inertia.
     Stokes,
+    /// Viscous flow with inertia, of the fluid and of bodies.
+    NavierStokes,
 }
 
 /// What moves the fluid besides walls and bodies.
@@ -60,7 +62,7 @@ impl FlowSection {
     pub(in crate::scene) fn read(root: &Table, dimension: usize) -> Result<Self> {
         let table = root.section("flow", &["model", "viscosity", "density", "drive", "source"])?;
         let default = FlowSection::default();
-        let model = |entry: Entry| entry.choice(&FlowModel::WORDS, &["navier-stokes"]);
+        let model = |entry: Entry| entry.choice(&FlowModel::WORDS, &[]);
         let model = table.get("model").map_or(Ok(default.model), model)?;
         for name in ["viscosity", "density", "drive", "source"] {
             model.allow(table.get(name))?;
@@ -86,8 +88,17 @@ fn read_source(entry: &Entry, model: FlowModel) -> Result<f64> {
 
 impl FlowModel {
     /// Words of the models.
-    pub(in crate::scene) const WORDS: [(&str, FlowModel); 3] =
-        [("none", FlowModel::None), ("scalar", FlowModel::Scalar), ("stokes", FlowModel::Stokes)];
+    pub(in crate::scene) const WORDS: [(&str, FlowModel); 4] = [
+        ("none", FlowModel::None),
+        ("scalar", FlowModel::Scalar),
+        ("stokes", FlowModel::Stokes),
+        ("navier-stokes", FlowModel::NavierStokes),
+    ];
+
+    /// Whether a fluid flows.
+    pub fn fluid(self) -> bool {
+        matches!(self, FlowModel::Stokes | FlowModel::NavierStokes)
+    }
 
     /// Refuses an entry that means nothing without a fluid.
     pub(in crate::scene) fn allow(self, entry: Option<Entry>) -> Result<()> {

@@ -35,9 +35,10 @@ pub fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Eff
     let hierarchies = distinct_laplacians(grid);
     let free = setup.bodies.iter().filter(|suspended| suspended.body.free()).count();
     let spins = (free > 0).then(|| format!("spins of {free} bodies, which follow from the flow"));
-    vec![
+    let model = if setup.inertia.is_some() { "navier-stokes flow" } else { "stokes flow" };
+    let mut effects = vec![
         Effect::on(
-            "stokes flow",
+            model,
             match setup.inverse {
                 InverseMethod::Hypre => format!("one matrix a component, {hierarchies} multigrid hierarchies (hypre)"),
                 InverseMethod::Transform => "no matrices: exact inverse by Fourier transforms".into(),
@@ -50,7 +51,12 @@ pub fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Eff
             0 => Effect::off("bodies"),
             count => Effect::on("bodies", format!("{count}, {free} of them free; {}", setup.method().description())),
         },
-    ]
+    ];
+    effects.extend(setup.inertia.as_ref().map(|inertia| {
+        let built = "convection and the flow of two earlier times; one operator for each length of step, all else implicit";
+        Effect::on("inertia", format!("fluid of density {}: {built}", inertia.fluid))
+    }));
+    effects
 }
 
 /// What drives a flow.

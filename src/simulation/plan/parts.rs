@@ -1,7 +1,8 @@
 //! What a scene calls for: its parts, settled before anything is built. What a plan prints is what is built from it, and nothing else.
 
 use crate::simulation::{
-    FittedFlow, FlowSolver, GranularSetup, ScalarSetup, Setup, Simulation, Suspension, interactions, shift_period::ShiftPeriod,
+    FittedFlow, FlowSolver, GranularSetup, ScalarSetup, Setup, Simulation, Suspension, UnsteadySuspension, interactions,
+    shift_period::ShiftPeriod,
 };
 use crate::{
     error::Result,
@@ -48,7 +49,7 @@ impl<const D: usize> Plan<D> {
         let model = match scene.flow.model {
             FlowModel::None => PlannedModel::Granular(GranularSetup::on(peers, scene)?),
             FlowModel::Scalar => PlannedModel::Scalar(ScalarSetup::on(peers, scene)?),
-            FlowModel::Stokes => PlannedModel::Flow(Setup::on(peers, scene)?),
+            FlowModel::Stokes | FlowModel::NavierStokes => PlannedModel::Flow(Setup::on(peers, scene)?),
         };
         Plan { scene: scene.clone(), model }.checked()
     }
@@ -136,6 +137,9 @@ impl<const D: usize> Simulation<D> {
 /// # Errors
 /// Bodies, grid or rank count do not fit, or no steady state exists.
 pub fn flow_solver<const D: usize>(session: &Session, setup: Setup<D>) -> Result<Box<dyn FlowSolver<D>>> {
+    if setup.inertia.is_some() {
+        return Ok(Box::new(UnsteadySuspension::new(session, setup)?));
+    }
     match setup.constraint {
         ConstraintMethod::Fitted => Ok(Box::new(FittedFlow::new(session, setup)?)),
         _ => Ok(Box::new(Suspension::new(session, setup)?)),

@@ -113,6 +113,7 @@ pub fn periodic(disks: &[Ball<2>], motion: Motion<2>, cells: usize, order: usize
         viscosity: 1.0,
         drive: Drive::Shear(1.0),
         bodies: disks.iter().map(|&ball| SuspendedBody { body: Body { ball, motion }, order }).collect(),
+        inertia: None,
         constraint: ConstraintMethod::Sharp,
         interactions: crate::interaction::Interactions::default(),
         inverse: InverseMethod::Transform,

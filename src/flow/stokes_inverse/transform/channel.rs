@@ -23,7 +23,7 @@ pub struct ChannelLines<const D: usize> {
 
 impl<const D: usize> ChannelLines<D> {
     /// The lines of a block between the walls of the axis `walled`, already transformed along all other axes.
-    pub fn new(lines: Lines<D>, walled: usize, grid: &Grid<D>, symbols: Symbols<D>) -> ChannelLines<D> {
+    pub fn new(lines: Lines<D>, walled: usize, (grid, shift): (&Grid<D>, f64), symbols: Symbols<D>) -> ChannelLines<D> {
         let (points, spacing) = (lines.points(), grid.spacing()[walled]);
         let (mut solvers, mut solver_of) = (Vec::new(), Vec::new());
         // waves that run in opposite directions have the same solver
@@ -32,7 +32,7 @@ impl<const D: usize> ChannelLines<D> {
         for wave in lines.block().flattened(walled).indices() {
             let wave = std::array::from_fn(|axis| wave[axis].min(grid.cells()[axis] - wave[axis]));
             let solver = known[folded.offset(wave)].get_or_insert_with(|| {
-                solvers.push(WallToWall::new(points, spacing, number(&factors(&symbols, walled, wave))));
+                solvers.push(WallToWall::new((points, spacing), number(&factors(&symbols, walled, wave)), shift));
                 solvers.len() - 1
             });
             solver_of.push(*solver);

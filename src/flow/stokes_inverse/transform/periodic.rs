@@ -1,9 +1,9 @@
 //! Box periodic along every axis, its images displaced along x or not: every wave by itself.
 //!
-//! With the factors `g` of the discrete gradient the equations for one wave are `|g|^2 u + g p = r_u`, `-conj(g) . u = r_p`, hence
+//! With the factors `g` of the discrete gradient the equations for one wave are `(s + |g|^2) u + g p = r_u`, `-conj(g) . u = r_p`, hence
 //!
 //! ```text
-//! p = conj(g) . r_u / |g|^2 + r_p,   u = (r_u - g p) / |g|^2
+//! p = conj(g) . r_u / |g|^2 + (1 + s / |g|^2) r_p,   u = (r_u - g p) / (s + |g|^2)
 //! ```
 
 use rustfft::num_complex::Complex;
@@ -21,6 +21,7 @@ pub struct PeriodicLines<const D: usize> {
     lines: Lines<D>,
     along: usize,
     symbols: Symbols<D>,
+    shift: f64,
     /// Where the images across the boundary lie displaced.
     boundary: Option<Boundary>,
     waves: Waves,
@@ -29,7 +30,7 @@ pub struct PeriodicLines<const D: usize> {
 
 impl<const D: usize> PeriodicLines<D> {
     /// The lines of `block`, already transformed along all other axes than `along`.
-    pub fn new(lines: Lines<D>, along: usize, grid: &Grid<D>, symbols: Symbols<D>) -> PeriodicLines<D> {
+    pub fn new(lines: Lines<D>, along: usize, (grid, shift): (&Grid<D>, f64), symbols: Symbols<D>) -> PeriodicLines<D> {
         let (points, block) = (lines.points(), lines.block());
         let boundary = (grid.shift() > 0).then(|| Boundary::new(grid, block.start[0]..block.end[0]));
         PeriodicLines {
@@ -38,6 +39,7 @@ impl<const D: usize> PeriodicLines<D> {
             lines,
             along,
             symbols,
+            shift,
             boundary,
         }
     }
@@ -59,7 +61,7 @@ impl<const D: usize> PeriodicLines<D> {
                 if let Some(boundary) = &self.boundary {
                     factors[self.along] = boundary.gradient(along_x(line));
                 }
-                solve_line(factors, self.along, tile.line_start(line), &mut lines[line * points..], size);
+                solve_line((factors, self.shift), self.along, tile.line_start(line), &mut lines[line * points..], size);
             }
             self.waves.backward(lines);
             if let Some(boundary) = &self.boundary {
@@ -71,22 +73,29 @@ impl<const D: usize> PeriodicLines<D> {
 }
 
 /// Solves for the waves of one line; the values of the fields are `step` apart.
-fn solve_line<const D: usize>(gradient: [&[Complex<f64>]; D], along: usize, wave: [usize; D], line: &mut [Complex<f64>], step: usize) {
+fn solve_line<const D: usize>(
+    (gradient, shift): ([&[Complex<f64>]; D], f64),
+    along: usize,
+    wave: [usize; D],
+    line: &mut [Complex<f64>],
+    step: usize,
+) {
     let mut factors: [Complex<f64>; D] = std::array::from_fn(|axis| gradient[axis][wave[axis]]);
     factors[along] = Complex::default();
     let others: f64 = factors.iter().map(Complex::norm_sqr).sum();
     for (point, &factor) in gradient[along].iter().enumerate() {
         factors[along] = factor;
-        let inverse = 1.0 / (others + factor.norm_sqr());
+        let square = others + factor.norm_sqr();
+        let (inverse, decay) = (1.0 / square, 1.0 / (shift + square));
         let mut source = Complex::default();
         for axis in 0..D {
             source += factors[axis].conj() * line[axis * step + point];
         }
-        let pressure = source * inverse + line[D * step + point];
+        let pressure = source * inverse + line[D * step + point] * (1.0 + shift * inverse);
         line[D * step + point] = pressure;
         for axis in 0..D {
             let row = &mut line[axis * step + point];
-            *row = (*row - factors[axis] * pressure) * inverse;
+            *row = (*row - factors[axis] * pressure) * decay;
         }
     }
     if others == 0.0 {

@@ -6,10 +6,10 @@
 //! velocity `v` and the pressure solve the real system
 //!
 //! ```text
-//! (A + k^2) u + k b p = r_u,   (N + k^2) v + d p = r_v,   -k u + d' v = r_p
+//! (A + k^2 + s) u + k b p = r_u,   (N + k^2 + s) v + d p = r_v,   -k u + d' v = r_p
 //! ```
 //!
-//! with `b` what is left of the pressure's gradient beside walls (see [`gradient`](crate::grid::stencil::gradient)), 1 elsewhere;
+//! with the shift `s` of a flow with inertia, `b` what is left of the pressure's gradient beside walls (see [`gradient`](crate::grid::stencil::gradient)), 1 elsewhere;
 //! and the part of the tangential velocity across `g` diffuses by itself. Momentum rows are multiplied by the square of the spacing
 //! `s`, continuity rows by `s`, so that all entries are of the order of one; the unknown that goes with them is `s p`.
 
@@ -27,6 +27,7 @@ pub struct WallToWall {
     /// Of the points.
     spacing: f64,
     number: f64,
+    shift: f64,
     /// Velocity along the wave, normal velocity and pressure; nothing without a wave, where all three are sums.
     coupled: Option<Coupled>,
     /// Tangential velocity across the wave; any one without a wave.
@@ -58,13 +59,14 @@ impl LineWorkspace {
 }
 
 impl WallToWall {
-    /// Solver for waves of a `number` on lines of `points` cells.
-    pub fn new(points: usize, spacing: f64, number: f64) -> WallToWall {
+    /// Solver for waves of a `number` on lines of `points` cells with a `spacing`.
+    pub fn new((points, spacing): (usize, f64), number: f64, shift: f64) -> WallToWall {
         let (scaled, edge) = (spacing * number, |point: usize| point == 0 || point == points - 1);
-        let diagonal = |point: usize| scaled * scaled + if edge(point) { 3.0 } else { 2.0 };
-        let coupled = (number > 0.0).then(|| Coupled::new(3 * points, |row, column| entry(scaled, edge, row, column)));
+        let decay = scaled * scaled + shift * spacing * spacing;
+        let diagonal = |point: usize| decay + if edge(point) { 3.0 } else { 2.0 };
+        let coupled = (number > 0.0).then(|| Coupled::new(3 * points, |row, column| entry((scaled, decay), edge, row, column)));
         let diffusion = Tridiagonal::new((0..points).map(diagonal));
-        WallToWall { spacing, number, coupled, diffusion }
+        WallToWall { spacing, number, shift, coupled, diffusion }
     }
 
     /// Replaces the rows of a wave with the given factors by the solution.
@@ -131,7 +133,8 @@ impl WallToWall {
             let after = velocity + *source * self.spacing;
             // on the wall there is no row
             if point > 0 {
-                pressure += *value * self.spacing - (velocity * 2.0 - before - after) / self.spacing;
+                let drag = (velocity * 2.0 - before - after) / self.spacing + velocity * self.shift * self.spacing;
+                pressure += *value * self.spacing - drag;
             }
             *value = velocity;
             *source = pressure;
@@ -155,15 +158,16 @@ fn remove_mean(values: &mut [Complex<f64>]) {
     values.iter_mut().for_each(|value| *value -= mean);
 }
 
-/// An entry of the coupled matrix; rows and columns are normal velocity, velocity along the wave and pressure of a cell in turn.
-fn entry(number: f64, edge: impl Fn(usize) -> bool, row: usize, column: usize) -> f64 {
+/// An entry of the coupled matrix; rows and columns are normal velocity, velocity along the wave and pressure of a cell in turn. `decay` is what a
+/// wave of this number and the shift add to the diagonal.
+fn entry((number, decay): (f64, f64), edge: impl Fn(usize) -> bool, row: usize, column: usize) -> f64 {
     // the normal velocity on the lower wall is no unknown
     if row == 0 || column == 0 {
         return if row == column { 1.0 } else { 0.0 };
     }
     match (row % 3, column % 3, (column / 3) as isize - (row / 3) as isize) {
-        (0, 0, 0) => 2.0 + number * number,
-        (1, 1, 0) => number * number + if edge(row / 3) { 3.0 } else { 2.0 },
+        (0, 0, 0) => 2.0 + decay,
+        (1, 1, 0) => decay + if edge(row / 3) { 3.0 } else { 2.0 },
         (0, 0, -1 | 1) | (1, 1, -1 | 1) | (0, 2, -1) | (2, 0, 0) => -1.0,
         (0, 2, 0) | (2, 0, 1) => 1.0,
         (1, 2, 0) => number * if edge(row / 3) { BESIDE_WALL } else { 1.0 },

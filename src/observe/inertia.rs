@@ -1,0 +1,97 @@
+//! What inertia amounts to: kinetic energy, the stress of fluctuations, and the numbers that compare it with viscosity and steps.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::{cells::CellCenters, shear::Shear};
+use crate::{
+    error::Result,
+    geometry::{Axis, Ball},
+    grid::{Grid, operators::signed},
+    petsc::Vector,
+    simulation::{Inertia, Setup, Solution},
+    surface::Shape,
+};
+
+/// Inertia at an instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InertialNumbers {
+    /// Kinetic energy of fluid and bodies.
+    pub kinetic_energy: f64,
+    /// Largest Reynolds number of a body, by its speed, its diameter and the fluid.
+    pub reynolds: f64,
+    /// Largest speed of the flow along an axis.
+    pub fastest: f64,
+}
+
+impl InertialNumbers {
+    /// Those of a solution; nothing without inertia. Collective.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    pub fn of<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, solution: &Solution<D>) -> Result<Option<InertialNumbers>> {
+        let Some(inertia) = &setup.inertia else { return Ok(None) };
+        let (square, fastest) = of_field(grid, &solution.fluid)?;
+        let volume = grid.spacing().product();
+        let bodies = setup.bodies.iter().zip(&solution.bodies);
+        let reynolds = bodies
+            .map(|(suspended, state)| 2.0 * suspended.body.ball.radius * state.twist.velocity.norm() * inertia.fluid / setup.viscosity);
+        Ok(Some(InertialNumbers {
+            kinetic_energy: 0.5 * inertia.fluid * volume * square + excess_energy(setup, inertia, solution),
+            reynolds: reynolds.fold(0.0, f64::max),
+            fastest,
+        }))
+    }
+
+    /// Cells that the flow passes along an axis in a step, at most.
+    pub fn courant<const D: usize>(&self, grid: &Grid<D>, step: f64) -> f64 {
+        self.fastest * step / grid.spacing().min()
+    }
+}
+
+/// Sum of the squares of all velocities of the grid, and the largest of them.
+fn of_field<const D: usize>(grid: &Grid<D>, fluid: &Vector) -> Result<(f64, f64)> {
+    let values = fluid.local()?;
+    let own = (0..D).flat_map(|axis| &values[grid.local_range(axis)]);
+    let (square, fastest) = own.fold((0.0, 0.0_f64), |(sum, most), value| (sum + value * value, most.max(value.abs())));
+    let (world, mut sum) = (fluid.session().world(), [square]);
+    world.sum(&mut sum);
+    Ok((sum[0], world.max(fastest)))
+}
+
+/// What bodies have beyond the fluid that moves in their places.
+fn excess_energy<const D: usize>(setup: &Setup<D>, inertia: &Inertia, solution: &Solution<D>) -> f64 {
+    let of_body = |(body, state): (usize, &crate::simulation::BodyState<D>)| {
+        let (ball, excess): (Ball<D>, f64) = (setup.bodies[body].body.ball, inertia.bodies[body] - inertia.fluid);
+        // a skew matrix has each component of the spin twice
+        let turning = 0.5 * state.twist.spin.norm_squared() * ball.moment_of_inertia();
+        0.5 * excess * (ball.volume() * state.twist.velocity.norm_squared() + turning)
+    };
+    solution.bodies.iter().enumerate().map(of_body).sum()
+}
+
+/// The stress of Reynolds times volume, `-integral of rho v v` with the velocity `v` relative to a shear between walls; nothing without inertia.
+/// Collective.
+///
+/// Of a suspension in a statistically steady state, it and the other parts of the stress add up to that of the walls.
+///
+/// # Errors
+/// PETSc fails.
+pub fn reynolds_stress<const D: usize>(
+    setup: &Setup<D>,
+    grid: &Grid<D>,
+    solution: &Solution<D>,
+    shear: &Shear<D>,
+) -> Result<Option<SMatrix<f64, D, D>>> {
+    let (Some(inertia), Axis::Walls { lower, .. }) = (&setup.inertia, setup.domain.axes[shear.gradient]) else { return Ok(None) };
+    let background = |point: &SVector<f64, D>| lower + shear.flow * (shear.rate * point[shear.gradient]);
+    let velocities = CellCenters::new(grid, &solution.fluid)?.velocity(&solution.fluid)?;
+    let cells = grid.block(D).indices().zip(velocities).map(|(cell, velocity)| velocity - background(&grid.position(D, signed(cell))));
+    let mut fluid: SMatrix<f64, D, D> = cells.map(|relative| relative * relative.transpose()).sum();
+    solution.fluid.session().world().sum(fluid.as_mut_slice());
+    let excess = solution.bodies.iter().enumerate().map(|(body, state)| {
+        let relative = state.twist.velocity - background(&state.center);
+        relative * relative.transpose() * ((inertia.bodies[body] - inertia.fluid) * setup.bodies[body].body.ball.volume())
+    });
+    let excess: SMatrix<f64, D, D> = excess.sum();
+    Ok(Some(-(fluid * (inertia.fluid * grid.spacing().product()) + excess)))
+}

@@ -1,0 +1,121 @@
+//! What is known of a flow at one time, and what the next steps take of it.
+//!
+//! The field on the grid is the flow outside bodies and the motion inside. Where a surface will have passed a point, the point takes part in what
+//! lies outside: so the flow is extended into bodies by its jump functions, `u + D`, as deep as steps and stencils reach. In convection only
+//! the tangential traction counts: the pressure of a step comes from its convection, and would come back into the next one larger.
+
+use nalgebra::{DVector, SVector};
+
+use crate::{
+    body::Twist,
+    constraint::IndexBox,
+    error::Result,
+    flow::Convection,
+    grid::{Grid, Node},
+    linalg::dot,
+    petsc::{Scatter, Vector},
+    simulation::bodies::BodyTypes,
+};
+
+/// How deep the flow is extended into bodies, in cells.
+const DEPTH: f64 = 3.5;
+
+/// Jump functions this close to the centre, in radii, say nothing.
+const CORE: f64 = 0.2;
+
+/// The flow and the bodies at one time.
+pub struct Level<const D: usize> {
+    /// The time.
+    pub time: f64,
+    /// Velocity and pressure over viscosity.
+    pub fluid: Vector,
+    /// Multipliers, body by body.
+    pub multipliers: Vec<Vec<f64>>,
+    /// Centres of the bodies, not wrapped into the box.
+    pub centers: Vec<SVector<f64, D>>,
+    /// Their motions.
+    pub twists: Vec<Twist<D>>,
+    /// Their spin-ups, density of the fluid over viscosity times rate of change of the spin.
+    pub spin_ups: Vec<Vec<f64>>,
+}
+
+/// What a step takes of a level.
+pub struct Extended {
+    /// The velocity, that outside bodies extended into them.
+    pub velocity: Vector,
+    /// Its convection.
+    pub convection: Vector,
+}
+
+/// Unknowns inside bodies of this rank, near their surfaces, and the jumps there.
+#[derive(Default)]
+struct Band {
+    places: Vec<usize>,
+    /// By the whole traction.
+    whole: Vec<f64>,
+    /// By its tangential part.
+    tangential: Vec<f64>,
+}
+
+impl<const D: usize> Level<D> {
+    /// The jump of the velocity, outside minus inside, at an offset from the centre of a body; zero in its core.
+    pub fn jump(&self, kinds: &BodyTypes<D>, body: usize, offset: &SVector<f64, D>, component: usize) -> f64 {
+        let surface = kinds.surface(body);
+        if offset.norm() < CORE * surface.modes.radius() {
+            return 0.0;
+        }
+        let mut jumps = vec![0.0; surface.modes.jump_count()];
+        surface.modes.velocity_jumps(offset.as_slice(), component, &mut jumps);
+        dot(&jumps, &self.coefficients(body, &self.multipliers[body]))
+    }
+
+    /// The flow extended into bodies, and its convection. Collective.
+    pub fn extended(&self, grid: &Grid<D>, kinds: &BodyTypes<D>, convection: &mut Convection<D>) -> Result<Extended> {
+        let mut band = Band::default();
+        (0..self.centers.len()).for_each(|body| self.extend(grid, kinds, body, &mut band));
+        let mut scatter = Scatter::new(&self.fluid, &band.places)?;
+        let mut extended = |jumps: &[f64]| -> Result<Vector> {
+            let mut extended = self.fluid.like()?;
+            extended.copy_from(&self.fluid)?;
+            scatter.places()?.copy_from_slice(jumps);
+            scatter.add_back(&mut extended)?;
+            Ok(extended)
+        };
+        let (velocity, carried) = (extended(&band.whole)?, extended(&band.tangential)?);
+        let mut rows = carried.like()?;
+        convection.evaluate(&carried, &mut rows)?;
+        Ok(Extended { velocity, convection: rows })
+    }
+
+    /// Adds the points inside a body, if it is this rank's.
+    fn extend(&self, grid: &Grid<D>, kinds: &BodyTypes<D>, body: usize, band: &mut Band) {
+        let center = grid.domain().wrap(self.centers[body]);
+        if grid.owner(&center) != grid.rank() {
+            return;
+        }
+        let (surface, multipliers) = (kinds.surface(body), DVector::from_column_slice(&self.multipliers[body]));
+        let (radius, count) = (surface.modes.radius(), surface.modes.jump_count());
+        let whole = self.coefficients(body, &self.multipliers[body]);
+        let tangential = self.coefficients(body, (kinds.tangential(body) * multipliers).as_slice());
+        let depths = (radius - DEPTH * grid.spacing().max()).max(CORE * radius)..=radius;
+        for component in 0..D {
+            let mut offsets = Vec::new();
+            for index in IndexBox::around(grid, component, &center, radius).indices() {
+                let offset = grid.position(component, index) - center;
+                if let (true, Node::Unknown(place)) = (depths.contains(&offset.norm()), grid.fluid_node(component, index)) {
+                    band.places.push(place);
+                    offsets.extend_from_slice(offset.as_slice());
+                }
+            }
+            let mut jumps = vec![0.0; offsets.len() / D * count];
+            surface.modes.velocity_jumps(&offsets, component, &mut jumps);
+            band.whole.extend(jumps.chunks_exact(count).map(|jumps| dot(jumps, &whole)));
+            band.tangential.extend(jumps.chunks_exact(count).map(|jumps| dot(jumps, &tangential)));
+        }
+    }
+
+    /// Coefficients of the jump functions of a body, for these of its modes.
+    fn coefficients(&self, body: usize, modes: &[f64]) -> Vec<f64> {
+        modes.iter().chain(&self.spin_ups[body]).copied().collect()
+    }
+}

@@ -1,0 +1,449 @@
+//! A suspension in a flow with inertia, step by step: fluid, bodies and what holds them together in one linear system.
+//!
+//! A solve at a time after the last one is a step. Convection and history are extrapolated (second-order backward differentiation); the Stokes part, the
+//! multipliers and the momentum of the bodies are implicit, so that neither viscosity nor added mass limits a step. Solves at the time of the
+//! last one, as contacts need them, are that step again.
+
+mod level;
+mod rows;
+mod scheme;
+
+use std::{rc::Rc, time::Instant};
+
+use nalgebra::{SMatrix, SVector};
+
+pub use self::level::Level;
+use self::{
+    level::Extended,
+    rows::{Past, kept},
+    scheme::StepWeights,
+};
+use super::{
+    BodyState, FlowSolver, Inertia, Setup, Solution, WallForces,
+    assembled_system::AssembledSystem,
+    assembly::Assembly,
+    bodies::Bodies,
+    configuration::Configuration,
+    cost::{Cost, ResidualMonitor},
+    extrapolation::{ExtrapolationHistory, Snapshot},
+    fixed_operators::FixedOperators,
+    krylov_workspace::KrylovWorkspace,
+    mean_flow_constraint::add_walls_and_drive,
+    pair_resistance::belongs,
+};
+use crate::{
+    body::{Motion, Twist, components, planes},
+    constraint::SharpWithInertia,
+    error::{Error, Result},
+    flow::{Convection, FluidSystem, StokesInverse},
+    geometry::Ball,
+    grid::Grid,
+    interaction::Wrench,
+    petsc::{Session, Stage, Vector, enter},
+    surface::Shape,
+};
+
+/// Change of the shift, as a part, that is rounding of time steps.
+const ROUNDING: f64 = 1e-7;
+
+/// Cells that the flow passes in a step at most.
+const COURANT: f64 = 0.5;
+
+/// Cells that the flow passes in a step beyond which what is extrapolated means nothing: a run is unstable long before.
+const LARGEST_COURANT: f64 = 3.0;
+
+/// Square of the way of viscosity in a step, in cells, below which a light body is not followed: jumps of steady flow then say more of the mobility of a
+/// surface than the grid, and make it larger than the fluid that the body takes the place of allows.
+const SHORTEST_DIFFUSION: f64 = 0.03;
+
+/// Length of the first step, which is of first order, over that in which forces from rest move something as far.
+const FIRST: f64 = 0.25;
+
+/// A suspension in a flow with inertia.
+pub struct UnsteadySuspension<const D: usize> {
+    fixed: FixedOperators<D>,
+    /// Of the operator with the shift of the last step; none before the first.
+    inverse: Option<Box<dyn StokesInverse<D>>>,
+    convection: Convection<D>,
+    /// The last solution.
+    current: Option<Level<D>>,
+    /// The solutions before it, from which its step started.
+    past: Vec<(Level<D>, Extended)>,
+    assembly: Option<Assembly<D>>,
+    workspace: Option<KrylovWorkspace>,
+    guess: Option<ExtrapolationHistory<D>>,
+    cost: Cost,
+}
+
+/// What bodies bring into a step, over time: for each, the rate of change of velocity and spin is `rate * new + these`.
+struct Momentum<const D: usize> {
+    rate: f64,
+    history: Vec<Twist<D>>,
+}
+
+impl<const D: usize> UnsteadySuspension<D> {
+    /// Bodies and fluid at rest, unless walls and prescribed motions move them.
+    ///
+    /// # Errors
+    /// The grid or the rank count does not fit.
+    ///
+    /// # Panics
+    /// For a setup without inertia.
+    pub fn new(session: &Session, setup: Setup<D>) -> Result<UnsteadySuspension<D>> {
+        let (_stage, start) = (enter(Stage::SetUp), Instant::now());
+        let mut fixed = FixedOperators::at_rest(session, setup)?;
+        let spin_up_of = (0..fixed.setup.bodies.len()).map(|body| spin_up_of_rotation(&fixed, body)).collect();
+        fixed.method = Rc::new(SharpWithInertia { spin_up_of });
+        let convection = Convection::new(&fixed.grid, &fixed.undisturbed.0)?;
+        let cost = Cost { setup: start.elapsed().as_secs_f64(), grid_unknowns: fixed.grid.fluid_unknowns(), ..Cost::default() };
+        let (past, assembly) = (Vec::new(), None);
+        Ok(UnsteadySuspension { fixed, inverse: None, convection, current: None, past, assembly, workspace: None, guess: None, cost })
+    }
+
+    fn inertia(&self) -> &Inertia {
+        inertia(&self.fixed.setup)
+    }
+
+    /// Mass per volume over viscosity.
+    fn inverse_diffusivity(&self) -> f64 {
+        self.inertia().fluid / self.fixed.setup.viscosity
+    }
+
+    /// Makes the last solution a past one, if time has gone on.
+    fn settle(&mut self, time: f64) -> Result<()> {
+        if let Some(level) = self.current.take_if(|level| level.time < time) {
+            self.remember_level(level, 0)?;
+        }
+        Ok(())
+    }
+
+    fn remember_level(&mut self, level: Level<D>, place: usize) -> Result<()> {
+        let extended = level.extended(&self.fixed.grid, &self.fixed.kinds, &mut self.convection)?;
+        self.past.insert(place, (level, extended));
+        self.past.truncate(2);
+        Ok(())
+    }
+
+    /// What there is before the first step.
+    fn at_rest(&mut self, configuration: &Configuration<D>) -> Result<Solution<D>> {
+        let mut fluid = self.fixed.stokes.vector()?;
+        let mean_velocity = self.fixed.imposed_mean_velocity();
+        let mut values = fluid.local_mut()?;
+        for axis in 0..D {
+            values[self.fixed.grid.local_range(axis)].fill(mean_velocity[axis]);
+        }
+        drop(values);
+        let bodies = &self.fixed.setup.bodies;
+        let twists: Vec<Twist<D>> = bodies.iter().map(|suspended| suspended.body.given_motion().unwrap_or_else(Twist::zero)).collect();
+        let multipliers = self.multiplier_counts().into_iter().map(|count| vec![0.0; count]).collect();
+        let state = |(center, twist): (&SVector<f64, D>, &Twist<D>)| BodyState {
+            center: self.fixed.setup.domain.wrap(*center),
+            twist: *twist,
+            force: SVector::zeros(),
+            torque: SMatrix::zeros(),
+            stresslet: SMatrix::zeros(),
+        };
+        let states = configuration.centers.iter().zip(&twists).map(state).collect();
+        let spin_ups = vec![vec![0.0; planes::<D>().len()]; bodies.len()];
+        self.current = Some(Level {
+            time: configuration.time,
+            fluid: copy(&fluid)?,
+            multipliers,
+            centers: configuration.centers.to_vec(),
+            twists,
+            spin_ups,
+        });
+        Ok(Solution {
+            bodies: states,
+            fluid,
+            mean_velocity,
+            pressure_gradient: SVector::zeros(),
+            walls: WallForces::none(),
+            contact_forces: vec![0.0; configuration.pressed.len()],
+            pair_stress: None,
+            lubrication: None,
+        })
+    }
+
+    /// The rates of change of motions at a time, and turns operators to the step that leads there.
+    fn begin(&mut self, time: f64) -> Result<StepWeights> {
+        let (last, earlier) = (self.past[0].0.time, self.past.get(1).map(|(level, _)| level.time));
+        let weights = StepWeights::new(time - last, earlier.map(|earlier| last - earlier));
+        let shift = self.inverse_diffusivity() * weights.rate[0];
+        if self.inverse.is_none() || (shift / self.fixed.stokes.shift() - 1.0).abs() > ROUNDING {
+            // the old one gives its memory back first
+            self.inverse = None;
+            self.inverse = Some(self.fixed.shift_to(shift)?);
+        }
+        Ok(weights)
+    }
+
+    fn momentum(&self, weights: &StepWeights) -> Momentum<D> {
+        let of_body = |body: usize| {
+            let levels = self.past.iter().zip(&weights.rate[1..]);
+            levels.fold(Twist::zero(), |sum: Twist<D>, ((level, _), weight)| Twist {
+                velocity: sum.velocity + level.twists[body].velocity * *weight,
+                spin: sum.spin + level.twists[body].spin * *weight,
+            })
+        };
+        Momentum { rate: weights.rate[0], history: (0..self.fixed.setup.bodies.len()).map(of_body).collect() }
+    }
+
+    /// Puts what earlier times, walls, drive and known spin-ups bring into the flow without bodies, or into rows of its own.
+    fn fill_undisturbed(&mut self, weights: StepWeights, assembly: &mut Assembly<D>, centers: &[SVector<f64, D>]) -> Result<()> {
+        let (inverse_diffusivity, setup) = (self.inverse_diffusivity(), &self.fixed.setup);
+        let fastest = self.convection.fastest(&self.past[0].0.fluid)?;
+        let kept = kept(&self.fixed.grid, weights.step, inverse_diffusivity, fastest);
+        let levels: Vec<(&Level<D>, &Extended)> = self.past.iter().map(|(level, extended)| (level, extended)).collect();
+        let past = Past { levels: &levels, weights, inverse_diffusivity, kept };
+        let mut rows = past.rows(&self.fixed.grid, &self.fixed.kinds, centers)?;
+        add_walls_and_drive(&self.fixed.grid, &(setup.drive.uniform_force() / setup.viscosity), &mut rows)?;
+        assembly.blocks.spread_spin_up(1.0, &self.fixed.spin_ups, &assembly.layout.local_bodies, &mut rows)?;
+        self.fixed.stokes.balance(&mut rows)?;
+        let inverse = self.inverse.as_deref_mut().expect("a step has begun");
+        if !self.fixed.condensed {
+            self.fixed.fluid_rows = Some(rows);
+            self.fixed.undisturbed.1 = vec![0.0; self.fixed.mean_flow.forces().len()];
+            return Ok(());
+        }
+        FluidSystem { stokes: &self.fixed.stokes, inverse: Some(inverse) }.solve(&rows, &mut self.fixed.undisturbed.0, 0.0, 0)?;
+        let wanted = self.fixed.mean_flow.wanted(&self.fixed.setup.drive);
+        self.fixed.undisturbed.1 =
+            self.fixed.mean_flow.correct_mean_velocities(self.fixed.session.world(), &wanted, &mut self.fixed.undisturbed.0)?;
+        Ok(())
+    }
+
+    /// Ends a run whose steps are too long for what the flow carries along.
+    fn refuse_unstable(&self, fluid: &Vector, time: f64, step: f64) -> Result<()> {
+        let (size, spacing) = (fluid.norm()?, self.fixed.grid.spacing().min());
+        let courant = self.convection.fastest(fluid)? * step / spacing;
+        if size.is_finite() && courant < LARGEST_COURANT {
+            return Ok(());
+        }
+        let viscous = step / (self.inverse_diffusivity() * spacing * spacing);
+        let light = self.inertia().bodies.iter().any(|density| *density < self.inertia().fluid);
+        let remedy = match light && viscous < SHORTEST_DIFFUSION {
+            true => {
+                "a body lighter than the fluid needs steps in which viscosity reaches part of a cell: refine [resolution], or choose a longer time.step"
+            }
+            false => "choose a shorter time.step, or \"auto\"",
+        };
+        Err(Error::Diverged(format!(
+            "at time {time} the flow passes {courant:.1} cells in a step of {step:.3e}, more than it can follow; {remedy}"
+        )))
+    }
+
+    /// The level that a solution is, whose forces on bodies then have what accelerates the fluid inside.
+    fn level(
+        &self,
+        configuration: &Configuration<D>,
+        solution: &mut Solution<D>,
+        multipliers: Vec<Vec<f64>>,
+        momentum: &Momentum<D>,
+    ) -> Result<Level<D>> {
+        let (density, viscosity) = (self.inertia().fluid, self.fixed.setup.viscosity);
+        let mut spin_ups = Vec::new();
+        for (body, state) in solution.bodies.iter_mut().enumerate() {
+            let history = &momentum.history[body];
+            let (acceleration, spin_up) =
+                (state.twist.velocity * momentum.rate + history.velocity, state.twist.spin * momentum.rate + history.spin);
+            state.force += acceleration * (density * self.ball(body).volume());
+            spin_ups.push(components(&spin_up).iter().map(|rate| density / viscosity * rate).collect());
+        }
+        let twists = solution.bodies.iter().map(|state| state.twist).collect();
+        let (time, centers) = (configuration.time, configuration.centers.to_vec());
+        Ok(Level { time, fluid: copy(&solution.fluid)?, multipliers, centers, twists, spin_ups })
+    }
+
+    fn ball(&self, body: usize) -> Ball<D> {
+        self.fixed.setup.bodies[body].body.ball
+    }
+
+    /// Known forces and torques, with what the motions of earlier times bring into the momentum of bodies.
+    fn pushes(&self, configuration: &Configuration<D>, momentum: &Momentum<D>) -> Vec<Wrench<D>> {
+        let of_body = |body: usize| {
+            let (ball, excess) = (self.ball(body), self.inertia().bodies[body] - self.inertia().fluid);
+            let push = configuration.pushes.get(body).copied().unwrap_or_else(Wrench::zero);
+            let Twist { velocity, spin } = momentum.history[body];
+            let turning = self.inertia().bodies[body] * ball.moment_of_inertia();
+            Wrench { force: push.force - velocity * (excess * ball.volume()), torque: push.torque - spin * turning }
+        };
+        (0..self.fixed.setup.bodies.len()).map(of_body).collect()
+    }
+
+    /// Spin-ups that are known: by torques on free bodies, by prescribed motions.
+    fn known_spin_ups(&self, configuration: &Configuration<D>, momentum: &Momentum<D>) -> Vec<Vec<f64>> {
+        let of_body = |body: usize| {
+            let spin_up = match self.fixed.setup.bodies[body].body.motion {
+                Motion::Prescribed(twist) => twist.spin * momentum.rate + momentum.history[body].spin,
+                Motion::Free { torque, .. } => {
+                    let push = configuration.pushes.get(body).map_or(SMatrix::zeros(), |push| push.torque);
+                    (torque + push) / (self.inertia().bodies[body] * self.ball(body).moment_of_inertia())
+                }
+            };
+            components(&spin_up).iter().map(|rate| rate * self.inverse_diffusivity()).collect()
+        };
+        (0..self.fixed.setup.bodies.len()).map(of_body).collect()
+    }
+}
+
+fn inertia<const D: usize>(setup: &Setup<D>) -> &Inertia {
+    setup.inertia.as_ref().expect("a flow with inertia has masses")
+}
+
+/// The spin-up of a body by a unit multiplier of rotation: the torque on it over its moment of inertia.
+fn spin_up_of_rotation<const D: usize>(fixed: &FixedOperators<D>, body: usize) -> f64 {
+    let Inertia { fluid, bodies } = inertia(&fixed.setup);
+    let (suspended, modes) = (&fixed.setup.bodies[body].body, &fixed.kinds.surface(body).modes);
+    if suspended.free() { -fluid * modes.torque_factor() / (bodies[body] * suspended.ball.moment_of_inertia()) } else { 0.0 }
+}
+
+fn copy(vector: &Vector) -> Result<Vector> {
+    let mut copy = vector.like()?;
+    copy.copy_from(vector)?;
+    Ok(copy)
+}
+
+impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
+    fn grid(&self) -> &Grid<D> {
+        &self.fixed.grid
+    }
+
+    fn setup(&self) -> &Setup<D> {
+        &self.fixed.setup
+    }
+
+    fn cost(&self) -> &Cost {
+        &self.cost
+    }
+
+    fn inverse(&self) -> &'static str {
+        self.setup().inverse.word()
+    }
+
+    fn evolves(&self) -> bool {
+        true
+    }
+
+    /// Before the first step, until forces, walls and prescribed motions move something across as many cells as later ones may.
+    fn longest_step(&self) -> Result<f64> {
+        let way = COURANT * self.fixed.grid.spacing().min();
+        let fastest = self.current.as_ref().map_or(Ok(0.0), |level| self.convection.fastest(&level.fluid))?;
+        let setup = &self.fixed.setup;
+        let of_body = |(body, suspended): (usize, &super::SuspendedBody<D>)| match suspended.body.motion {
+            Motion::Prescribed(twist) => way / (twist.velocity.norm() + twist.spin.norm() * suspended.body.ball.radius),
+            Motion::Free { force, .. } => {
+                let mass = (self.inertia().bodies[body] + self.inertia().fluid) * suspended.body.ball.volume();
+                (2.0 * way * mass / force.norm()).sqrt()
+            }
+        };
+        let by_bodies = setup.bodies.iter().enumerate().map(of_body).fold(f64::INFINITY, f64::min);
+        let walls = setup.domain.axes.iter().map(|axis| way / axis.fastest_wall()).fold(f64::INFINITY, f64::min);
+        let drive = (2.0 * way * self.inertia().fluid / setup.drive.uniform_force().norm()).sqrt();
+        Ok(if fastest > 0.0 { (way / fastest).min(walls) } else { FIRST * by_bodies.min(walls).min(drive) })
+    }
+
+    fn resistances(&self) -> Vec<f64> {
+        let resistance = |(body, suspended): (usize, &super::SuspendedBody<D>)| {
+            let (mobility, force) = self.fixed.kinds.translation(body);
+            if suspended.body.free() { self.fixed.setup.viscosity * force / mobility } else { f64::INFINITY }
+        };
+        self.fixed.setup.bodies.iter().enumerate().map(resistance).collect()
+    }
+
+    fn remember(&mut self, past: Option<ExtrapolationHistory<D>>) {
+        self.guess = past;
+    }
+
+    fn fluid_vector(&self) -> Result<Vector> {
+        self.fixed.stokes.vector()
+    }
+
+    fn remembers_fluid(&self) -> bool {
+        !self.fixed.condensed
+    }
+
+    fn past(&self) -> Option<&ExtrapolationHistory<D>> {
+        self.guess.as_ref()
+    }
+
+    fn levels(&self) -> Vec<&Level<D>> {
+        self.current.iter().chain(self.past.first().map(|(level, _)| level)).collect()
+    }
+
+    fn multiplier_counts(&self) -> Vec<usize> {
+        (0..self.fixed.setup.bodies.len()).map(|body| self.fixed.kinds.surface(body).modes.count()).collect()
+    }
+
+    fn restore_levels(&mut self, levels: Vec<Level<D>>) -> Result<()> {
+        let mut levels = levels.into_iter();
+        (self.current, self.past) = (levels.next(), Vec::new());
+        levels.try_for_each(|level| self.remember_level(level, self.past.len()))
+    }
+
+    fn solve(&mut self, _: ResidualMonitor) -> Result<Solution<D>> {
+        Err(Error::refused("a flow with inertia has no solution at an instant: give the scene a [time] section"))
+    }
+
+    fn solve_at(&mut self, configuration: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>> {
+        let start = Instant::now();
+        self.settle(configuration.time)?;
+        if self.past.is_empty() {
+            return self.at_rest(configuration);
+        }
+        let weights = self.begin(configuration.time)?;
+        let momentum = self.momentum(&weights);
+        self.fixed.spin_ups = self.known_spin_ups(configuration, &momentum);
+        let mut assembly = Assembly::of(&self.fixed, configuration.centers, self.assembly.take())?;
+        self.fill_undisturbed(weights, &mut assembly, configuration.centers)?;
+        let pushes = self.pushes(configuration, &momentum);
+        let configuration = Configuration { pushes: &pushes, ..*configuration };
+        let fixed = &self.fixed;
+        let mut ready = AssembledSystem::new(fixed, Some(assembly), self.workspace.take(), self.guess.as_ref(), &configuration)?;
+        self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();
+        (self.cost.assembly, self.cost.assembled) = (start.elapsed().as_secs_f64(), ready.assembly.assembled);
+        let inverse = self.inverse.as_deref_mut().expect("a step has begun");
+        let (report, mut found) = ready.solve(fixed, inverse, monitor)?;
+        let AssembledSystem { bodies, assembly, mut workspace, guess, pair_constraints, .. } = ready;
+        self.cost.krylov = report;
+        self.cost.stages = std::mem::take(&mut workspace.work.stages);
+        let links = found.global_unknowns.split_off(fixed.mean_flow.unknowns::<D>());
+        let last = Snapshot::of(&bodies, &fixed.session, configuration.centers, &found, fixed.condensed)?;
+        let multipliers = last.multipliers.clone();
+        self.guess = Some(ExtrapolationHistory::then(self.guess.take(), last, guess, configuration.time));
+        let states = bodies.states(&fixed.session, &assembly.blocks, &found.velocities, &found.multipliers);
+        let walls = forces_on_walls(fixed, &assembly, &found.multipliers);
+        let unit = pair_constraints.scale * fixed.setup.viscosity;
+        let forces = links[..pair_constraints.count()].iter().map(|unknown| unknown * unit);
+        let contact_forces = contact_forces(fixed, &bodies, &configuration, forces);
+        let solution = fixed.solution(states, found.fluid, &found.global_unknowns, contact_forces)?;
+        let mut solution = Solution { walls: WallForces { forces: walls, complete: false }, ..solution };
+        drop(bodies);
+        self.refuse_unstable(&solution.fluid, configuration.time, weights.step)?;
+        (self.assembly, self.workspace) = (Some(assembly), Some(workspace));
+        self.current = Some(self.level(&configuration, &mut solution, multipliers, &momentum)?);
+        Ok(solution)
+    }
+}
+
+/// Forces of bodies within a cell of a wall on it.
+fn forces_on_walls<const D: usize>(fixed: &FixedOperators<D>, assembly: &Assembly<D>, multipliers: &[f64]) -> [[SVector<f64, D>; 2]; D] {
+    let mut walls = assembly.blocks.on_walls(multipliers).map(|pair| pair.map(|force| force * fixed.setup.viscosity));
+    walls.iter_mut().flatten().for_each(|force| fixed.session.world().sum(force.as_mut_slice()));
+    walls
+}
+
+/// Forces of all contacts that are held, from those of this rank.
+fn contact_forces<const D: usize>(
+    fixed: &FixedOperators<D>,
+    bodies: &Bodies<D>,
+    configuration: &Configuration<D>,
+    mut own: impl Iterator<Item = f64>,
+) -> Vec<f64> {
+    let of_contact = |pressed| if belongs(&bodies.layout, pressed) { own.next().unwrap_or(0.0) } else { 0.0 };
+    let mut forces: Vec<f64> = configuration.pressed.iter().map(of_contact).collect();
+    if !forces.is_empty() {
+        fixed.session.world().sum(&mut forces);
+    }
+    forces
+}

@@ -1,0 +1,196 @@
+//! Flows with inertia whose answers are known: by a converged fitted mesh, or from experiments.
+
+use std::{path::Path, time::Instant};
+
+use nalgebra::SVector;
+
+use crate::{
+    error::Result,
+    observe,
+    output::say,
+    petsc::Session,
+    scene::Scene,
+    simulation::{Observation, Simulation},
+};
+
+/// Times and downward speeds of the settling disk of Glowinski et al. (2001), by a mesh that fits it, converged to 1e-5 from t = 0.2 on.
+const SETTLING: [(f64, f64); 13] = [
+    (0.05, 2.679),
+    (0.1, 4.0547),
+    (0.15, 4.7963),
+    (0.2, 5.16745),
+    (0.25, 5.35376),
+    (0.3, 5.45223),
+    (0.35, 5.50722),
+    (0.4, 5.53923),
+    (0.45, 5.55838),
+    (0.5, 5.57000),
+    (0.55, 5.57692),
+    (0.6, 5.57966),
+    (0.65, 5.57094),
+];
+
+/// Its largest Reynolds number, by the density of the disk.
+const LARGEST_REYNOLDS: f64 = 17.436;
+
+/// Reynolds number, spin over rate and stress of the walls of a free disk of radius 0.125 in a Couette cell of side 1.
+const COUETTE: [(f64, f64, f64); 3] = [(1.0, 0.4632696, 1.1076296), (2.0, 0.4322244, 1.1133937), (5.0, 0.3787468, 1.1252957)];
+
+/// Case, density, viscosity and largest speed of the sphere of ten Cate et al. (2002), Physics of Fluids 14, and an end after it.
+const SPHERE: [(&str, f64, f64, f64, f64); 4] = [
+    ("E1", 970.0, 0.373, 0.0363, 2.0),
+    ("E2", 965.0, 0.212, 0.0571, 1.5),
+    ("E3", 962.0, 0.113, 0.0869, 1.25),
+    ("E4", 960.0, 0.058, 0.1226, 1.05),
+];
+
+/// A comparison with a known value.
+struct Row {
+    case: String,
+    resolution: String,
+    reference: f64,
+    found: f64,
+    source: &'static str,
+}
+
+/// Runs all cases and prints a table in Markdown. Collective.
+///
+/// # Errors
+/// A run fails.
+pub fn inertia(session: &Session) -> Result<()> {
+    let say = |text: &str| session.world().on_first_rank(|| say(text));
+    say("| case | resolution | reference | turbid | error | steps | seconds | source |\n|-|-|-|-|-|-|-|-|")?;
+    let print = |start: Instant, steps: usize, rows: Vec<Row>| {
+        let seconds = session.world().max(start.elapsed().as_secs_f64());
+        rows.into_iter().try_for_each(|row| {
+            let error = 100.0 * (row.found / row.reference - 1.0);
+            let Row { case, resolution, reference, found, source } = row;
+            say(&format!("| {case} | {resolution} | {reference:.6} | {found:.6} | {error:+.3} % | {steps} | {seconds:.1} | {source} |"))
+        })
+    };
+    for cells in [4, 6, 8] {
+        let start = Instant::now();
+        let (steps, rows) = settling(session, cells)?;
+        print(start, steps, rows)?;
+    }
+    for (reynolds, spin, stress) in COUETTE {
+        for cells in [4, 6, 8] {
+            let start = Instant::now();
+            let (steps, rows) = couette(session, cells, reynolds, [spin, stress])?;
+            print(start, steps, rows)?;
+        }
+    }
+    for case in SPHERE {
+        let start = Instant::now();
+        let (steps, rows) = sphere(session, case)?;
+        print(start, steps, rows)?;
+    }
+    Ok(())
+}
+
+/// Runs a scene to its end and shows each instant.
+fn follow<const D: usize>(
+    session: &Session,
+    text: &str,
+    mut see: impl FnMut(&Simulation<D>, &Observation<D>) -> Result<()>,
+) -> Result<usize> {
+    let scene = session.world().agree(Scene::parse("validation", Path::new("."), text, &[]))?;
+    let mut simulation = Simulation::<D>::new(session, &scene)?;
+    loop {
+        let observation = simulation.evaluate(&mut |_, _| {})?;
+        see(&simulation, &observation)?;
+        if simulation.over() {
+            return Ok(simulation.state().steps);
+        }
+        simulation.step(&observation, &mut |_, _| {})?;
+    }
+}
+
+fn settling(session: &Session, cells: usize) -> Result<(usize, Vec<Row>)> {
+    let step = 0.4 / (8.0 * cells as f64) / 5.6;
+    let text = format!(
+        "gravity = [0.0, -980.0]\ndomain = {{ size = [2.0, 6.0], x = \"walls\", y = \"walls\" }}\n\
+         flow = {{ model = \"navier-stokes\", viscosity = 0.1, density = 1.0 }}\n\
+         resolution = {{ cells_per_radius = {cells}, modes = {cells} }}\n\
+         bodies = [{{ radius = 0.125, centers = [[1.0, 4.0]], density = 1.25 }}]\ntime = {{ end = 0.66, step = {step:.6} }}\n"
+    );
+    let mut curve = Vec::new();
+    let steps = follow::<2>(session, &text, |simulation, observation| {
+        curve.push((simulation.state().time, -observation.twists[0].velocity[1]));
+        Ok(())
+    })?;
+    let largest = curve.iter().map(|(_, speed)| *speed).fold(0.0, f64::max);
+    let worst = SETTLING.iter().map(|&(time, speed)| (speed, interpolated(&curve, time)));
+    let worst = worst.max_by(|one, other| (one.1 / one.0 - 1.0).abs().total_cmp(&(other.1 / other.0 - 1.0).abs()));
+    let (reference, found) = worst.unwrap_or_default();
+    let resolution = format!("{cells} cells a radius, {cells} modes");
+    let source = "mesh that fits the disk, converged; Glowinski et al. (2001) find 17.27";
+    let row = |case: &str, reference, found| Row { case: case.into(), resolution: resolution.clone(), reference, found, source };
+    Ok((
+        steps,
+        vec![
+            row("settling disk: largest Reynolds number", LARGEST_REYNOLDS, 1.25 * 0.25 / 0.1 * largest),
+            row("settling disk: the speed that is furthest off, of 13 times", reference, found),
+        ],
+    ))
+}
+
+/// The cubic through the four points around a time.
+fn interpolated(curve: &[(f64, f64)], time: f64) -> f64 {
+    let after = curve.partition_point(|(at, _)| *at < time);
+    let first = after.saturating_sub(2).min(curve.len() - 4);
+    let points = &curve[first..first + 4];
+    let weights = crate::linalg::lagrange(&[points[0].0, points[1].0, points[2].0, points[3].0], time);
+    weights.iter().zip(points).map(|(weight, (_, value))| weight * value).sum()
+}
+
+fn couette(session: &Session, cells: usize, reynolds: f64, known: [f64; 2]) -> Result<(usize, Vec<Row>)> {
+    let viscosity = 0.125 * 0.125 / reynolds;
+    let text = format!(
+        "domain = {{ size = [1.0, 1.0], y = {{ lower = [-0.5, 0.0], upper = [0.5, 0.0] }} }}\n\
+         flow = {{ model = \"navier-stokes\", viscosity = {viscosity}, density = 1.0 }}\n\
+         resolution = {{ cells_per_radius = {cells}, modes = {cells} }}\nmethod = {{ inverse = \"transform\" }}\n\
+         bodies = [{{ radius = 0.125, centers = [[0.5, 0.5]], density = 1.0 }}]\ntime = {{ end = 120.0, step = {} }}\n",
+        0.16 / cells as f64
+    );
+    let mut last = [0.0; 2];
+    let steps = follow::<2>(session, &text, |simulation, observation| {
+        if let (true, Some(flow), Some(solution)) = (simulation.over(), simulation.suspension(), &observation.solution) {
+            let viscosity = observe::viscosity(flow.setup(), flow.grid(), solution, &[])?;
+            last = [observation.twists[0].spin[(0, 1)], viscosity.and_then(|viscosity| viscosity.from_walls).unwrap_or(f64::NAN)];
+        }
+        Ok(())
+    })?;
+    let row = |(place, case): (usize, &str)| Row {
+        case: format!("free disk in a Couette cell, Re {reynolds}: {case}"),
+        resolution: format!("{cells} cells a radius, {cells} modes"),
+        reference: known[place],
+        found: last[place],
+        source: "mesh that fits the disk, 7 digits",
+    };
+    Ok((steps, ["spin over rate", "stress of the walls"].into_iter().enumerate().map(row).collect()))
+}
+
+fn sphere(session: &Session, (name, density, viscosity, speed, end): (&str, f64, f64, f64, f64)) -> Result<(usize, Vec<Row>)> {
+    let text = format!(
+        "gravity = [0.0, 0.0, -9.81]\ndomain = {{ size = [0.1, 0.1, 0.16], x = \"walls\", y = \"walls\", z = \"walls\" }}\n\
+         flow = {{ model = \"navier-stokes\", viscosity = {viscosity}, density = {density} }}\n\
+         resolution = {{ cells_per_radius = 4, modes = 3 }}\n\
+         bodies = [{{ radius = 0.0075, centers = [[0.05, 0.05, 0.1275]], density = 1120.0 }}]\ntime = {{ end = {end} }}\n"
+    );
+    let mut largest = 0.0_f64;
+    let steps = follow::<3>(session, &text, |_, observation| {
+        largest = largest.max(SVector::norm(&observation.twists[0].velocity));
+        Ok(())
+    })?;
+    Ok((
+        steps,
+        vec![Row {
+            case: format!("settling sphere, {name}: largest speed"),
+            resolution: "4 cells a radius, 3 modes".into(),
+            reference: speed,
+            found: largest,
+            source: "experiment, +- 1 %: ten Cate et al. (2002)",
+        }],
+    ))
+}

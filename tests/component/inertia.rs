@@ -1,0 +1,320 @@
+//! Flows with inertia: the shifted operator, convection, and bodies with mass.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{SMatrix, SVector, Vector2};
+use turbid::{
+    body::{Body, Motion, Twist},
+    flow::{Drive, FluidSystem, InverseMethod, Stokes, convection},
+    geometry::{Axis, Ball, Domain},
+    grid::{Grid, operators::signed},
+    petsc::{Session, Vector},
+    scene::{ConstraintMethod, ContactModel, Scheme, Step, TimeSection, Tolerance},
+    simulation::{Configuration, FlowSolver, Inertia, Level, Setup, Simulation, SuspendedBody, UnsteadySuspension},
+};
+
+use crate::{
+    Test,
+    fields::{boxes_2d, boxes_3d, grid, noise},
+};
+
+pub fn tests() -> Vec<Test> {
+    vec![
+        Test::of(shifted_operators_are_inverted_exactly_by_transforms),
+        Test::of(iterations_with_hypre_stay_flat_from_short_steps_to_none),
+        Test::of(convection_neither_makes_nor_takes_energy_and_momentum),
+        Test::of(a_vortex_that_is_carried_along_is_followed_at_second_order),
+        Test::of(a_disk_falls_as_the_reference_says_with_either_inverse),
+        Test::of(disks_of_any_density_start_as_fast_as_those_of_an_independent_program),
+        Test::of(a_free_disk_in_shear_spins_as_slowly_as_inertia_makes_it),
+        Test::of(a_step_from_remembered_levels_is_the_step_of_the_whole_run),
+        Test::of(a_disk_that_lands_rests_on_the_floor),
+        Test::of(a_sphere_falls_straight_and_alike_with_either_inverse),
+    ]
+}
+
+fn shifted_operators_are_inverted_exactly_by_transforms(session: &Session) {
+    fn proof<const D: usize>(session: &Session, domain: &Domain<D>, shift: f64) {
+        let grid = grid(session, domain, 12);
+        let stokes = Stokes::shifted(session, &grid, shift);
+        let mut inverse = InverseMethod::Transform.set_up(&stokes, &grid).unwrap();
+        let (mut x, mut rows) = (stokes.vector().unwrap(), stokes.vector().unwrap());
+        let mut rhs = noisy(&grid, &stokes);
+        stokes.balance(&mut rhs).unwrap();
+        inverse.precondition(&stokes, &rhs, &mut x).unwrap();
+        stokes.multiply(&x, &mut rows).unwrap();
+        stokes.balance(&mut rows).unwrap();
+        rows.add(-1.0, &rhs).unwrap();
+        let error = rows.norm().unwrap() / rhs.norm().unwrap();
+        assert!(error < 1e-11, "shift {shift} in {domain:?}: {error:e}");
+    }
+    for shift in [0.0, 1.0, 1e3, 1e6] {
+        boxes_2d().take(2).for_each(|domain| proof(session, &domain, shift));
+        boxes_3d().take(2).for_each(|domain| proof(session, &domain, shift));
+    }
+}
+
+fn noisy<const D: usize>(grid: &Grid<D>, stokes: &Stokes<D>) -> Vector {
+    let mut vector = stokes.vector().unwrap();
+    let mut values = vector.local_mut().unwrap();
+    for field in 0..=D {
+        for (value, index) in values[grid.local_range(field)].iter_mut().zip(grid.block(field).indices()) {
+            *value = noise(field, index);
+        }
+    }
+    drop(values);
+    vector
+}
+
+/// From steady flow to steps in which viscosity passes a thirtieth of a cell.
+fn iterations_with_hypre_stay_flat_from_short_steps_to_none(session: &Session) {
+    fn proof<const D: usize>(session: &Session, domain: &Domain<D>, cells: usize) {
+        let iterations = |shift: f64| {
+            let grid = grid(session, domain, cells);
+            let stokes = Stokes::shifted(session, &grid, shift * grid.mean_spacing().powi(-2));
+            let mut inverse = InverseMethod::Hypre.set_up(&stokes, &grid).unwrap();
+            let mut rhs = noisy(&grid, &stokes);
+            stokes.balance(&mut rhs).unwrap();
+            let mut x = stokes.vector().unwrap();
+            FluidSystem { stokes: &stokes, inverse: Some(inverse.as_mut()) }.solve(&rhs, &mut x, 1e-8, 200).unwrap().iterations
+        };
+        let steady = iterations(0.0);
+        for shift in [1e-3, 0.1, 1.0, 30.0, 1e3] {
+            let found = iterations(shift);
+            assert!(4 * found <= 5 * steady, "{found} iterations at shift {shift}, {steady} without, in {domain:?}");
+        }
+    }
+    boxes_2d().for_each(|domain| proof(session, &domain, 31));
+    boxes_3d().for_each(|domain| proof(session, &domain, 15));
+}
+
+/// The velocity of a stream function at points of the grid: without divergence in every cell, and through no wall.
+fn stream<const D: usize>(grid: &Grid<D>, shape: &Vector, function: impl Fn(&SVector<f64, D>) -> f64) -> Vector {
+    let mut fluid = shape.like().unwrap();
+    let mut values = fluid.local_mut().unwrap();
+    for (component, across, sign) in [(0, 1, 1.0), (1, 0, -1.0)] {
+        let half = 0.5 * grid.spacing()[across];
+        for (value, index) in values[grid.local_range(component)].iter_mut().zip(grid.block(component).indices()) {
+            let (mut above, mut below) = (grid.position(component, signed(index)), grid.position(component, signed(index)));
+            (above[across] += half, below[across] -= half);
+            *value = sign * (function(&above) - function(&below)) / (2.0 * half);
+        }
+    }
+    drop(values);
+    fluid
+}
+
+fn convection_neither_makes_nor_takes_energy_and_momentum(session: &Session) {
+    fn proof<const D: usize>(session: &Session, domain: &Domain<D>) {
+        let grid = grid(session, domain, 14);
+        let shape = Stokes::new(session, &grid).vector().unwrap();
+        // zero on walls, of waves along periodic axes, different in every layer
+        let function = |x: &SVector<f64, D>| {
+            let wave = |axis: usize, number: f64, phase: f64| {
+                let way = x[axis] / domain.size[axis];
+                if domain.periodic(axis) { (TAU * number * way + phase).sin() } else { (0.5 * TAU * number * way).sin() }
+            };
+            let layers = if D == 3 { 1.0 + 0.4 * wave(2, 1.0, 0.3) } else { 1.0 };
+            layers * (wave(0, 1.0, 0.2) * wave(1, 2.0, 0.9) + 0.7 * wave(0, 2.0, 1.3) * wave(1, 1.0, 0.4))
+        };
+        let velocity = stream(&grid, &shape, function);
+        let rows = convection(&grid, &velocity).unwrap();
+        let power = velocity.dot(&rows).unwrap();
+        let scale = velocity.norm().unwrap() * rows.norm().unwrap();
+        assert!(scale > 0.0 && power.abs() < 1e-12 * scale, "{power:e} of {scale:e} in {domain:?}");
+        for axis in (0..D).filter(|_| domain.fully_periodic()) {
+            let mut sum = [rows.local().unwrap()[grid.local_range(axis)].iter().sum::<f64>()];
+            session.world().sum(&mut sum);
+            assert!(sum[0].abs() < 1e-9 * scale, "momentum {:e}", sum[0]);
+        }
+    }
+    boxes_2d().for_each(|domain| proof(session, &domain));
+    boxes_3d().for_each(|domain| proof(session, &domain));
+}
+
+fn setup<const D: usize>(domain: Domain<D>, spacing: f64, viscosity: f64, bodies: Vec<(SuspendedBody<D>, f64)>) -> Setup<D> {
+    let (bodies, densities) = bodies.into_iter().unzip();
+    let inverse = InverseMethod::fastest(&domain);
+    Setup {
+        domain,
+        spacing,
+        viscosity,
+        drive: Drive::Rest,
+        bodies,
+        inertia: Some(Inertia { fluid: 1.0, bodies: densities }),
+        constraint: ConstraintMethod::Sharp,
+        interactions: Default::default(),
+        inverse,
+        tolerance: Tolerance::Fixed(1e-8),
+    }
+}
+
+fn configuration<const D: usize>(centers: &[SVector<f64, D>], time: f64) -> Configuration<'_, D> {
+    Configuration { centers, time, pressed: &[], step: 0.0, pushes: &[], tolerance: 1e-8 }
+}
+
+/// Vortices in a square carried along: `u = U + v(x - U t) exp(-2 k^2 nu t)` with `v = (sin kx cos ky, -cos kx sin ky)` is exact.
+fn a_vortex_that_is_carried_along_is_followed_at_second_order(session: &Session) {
+    let (viscosity, wind, end, wave) = (0.02, Vector2::new(0.7, -0.4), 0.4, TAU);
+    let error = |cells: usize| {
+        let domain = Domain { size: Vector2::new(1.0, 1.0), axes: [Axis::Periodic; 2] };
+        let setup = Setup { drive: Drive::MeanVelocity(wind), ..setup(domain, 1.0 / cells as f64, viscosity, Vec::new()) };
+        let mut flow = UnsteadySuspension::new(session, setup).unwrap();
+        let exact = |time: f64| {
+            let decay = (-2.0 * wave * wave * viscosity * time).exp();
+            let at = |x: &Vector2<f64>| x - wind * time;
+            // the discrete flow of the stream function, made as strong as the exact one
+            let mut fluid = stream(flow.grid(), &flow.fluid_vector().unwrap(), |x| {
+                let x = at(x);
+                (wave * x[0]).sin() * (wave * x[1]).sin() / wave * decay
+            });
+            let mut values = fluid.local_mut().unwrap();
+            (0..2).for_each(|axis| values[flow.grid().local_range(axis)].iter_mut().for_each(|value| *value += wind[axis]));
+            drop(values);
+            fluid
+        };
+        let start =
+            Level { time: 0.0, fluid: exact(0.0), multipliers: Vec::new(), centers: Vec::new(), twists: Vec::new(), spin_ups: Vec::new() };
+        let (last, steps) = (exact(end), cells);
+        flow.restore_levels(vec![start]).unwrap();
+        let mut found = None;
+        for step in 1..=steps {
+            found = Some(flow.solve_at(&configuration(&[], end * step as f64 / steps as f64), &mut |_, _| {}).unwrap().fluid);
+        }
+        let mut difference = found.unwrap();
+        difference.add(-1.0, &last).unwrap();
+        let values = difference.local().unwrap();
+        let square = |axis: usize| values[flow.grid().local_range(axis)].iter().map(|value| value * value).sum::<f64>();
+        let mut sum = [square(0) + square(1)];
+        session.world().sum(&mut sum);
+        sum[0].sqrt() / cells as f64
+    };
+    let (coarse, fine) = (error(24), error(48));
+    let order = (coarse / fine).log2();
+    assert!(order > 1.85 && fine < 0.02, "errors {coarse:e} and {fine:e}, order {order}");
+}
+
+fn free<const D: usize>(center: [f64; D], radius: f64, order: usize, force: SVector<f64, D>) -> SuspendedBody<D> {
+    let motion = Motion::Free { force, torque: SMatrix::zeros() };
+    SuspendedBody { body: Body { ball: Ball { center: center.into(), radius }, motion }, order }
+}
+
+fn closed<const D: usize>(size: [f64; D]) -> Domain<D> {
+    Domain { size: size.into(), axes: [Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() }; D] }
+}
+
+fn run<const D: usize>(session: &Session, setup: Setup<D>, step: f64, end: f64) -> Simulation<D> {
+    let time = TimeSection { step: Step::Fixed(step), end, scheme: Scheme::TwoStep, travel: 0.1, until: None };
+    let flow = UnsteadySuspension::new(session, setup.with_contact(ContactModel::Inelastic)).unwrap();
+    let mut simulation = Simulation::flowing(session, Box::new(flow), time);
+    while !simulation.over() {
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        simulation.step(&observation, &mut |_, _| {}).unwrap();
+    }
+    simulation
+}
+
+/// The motion of the first body at the time that a run has reached.
+fn motion<const D: usize>(simulation: &mut Simulation<D>) -> Twist<D> {
+    simulation.evaluate(&mut |_, _| {}).unwrap().twists[0]
+}
+
+/// The settling disk of Glowinski et al. (2001): speed at t = 0.05 by a converged fitted mesh, 2.679 (`turbid validation` has its whole way).
+fn a_disk_falls_as_the_reference_says_with_either_inverse(session: &Session) {
+    let disk = (free([1.0, 4.0], 0.125, 4, Vector2::new(0.0, -245.0 * 0.125 * 0.125 * TAU / 2.0)), 1.25);
+    let mut simulation = run(session, setup(closed([2.0, 6.0]), 0.125 / 4.0, 0.1, vec![disk]), 0.0025, 0.05);
+    let speed = -motion(&mut simulation).velocity[1];
+    assert!((speed / 2.679 - 1.0).abs() < 0.01, "{speed}");
+    // in a channel of the same width, both inverses
+    let channel = |inverse| {
+        let axes = [Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() }, Axis::Periodic];
+        let channel = setup(Domain { size: Vector2::new(2.0, 3.0), axes }, 0.125 / 4.0, 0.1, vec![disk_at(1.0, 2.0)]);
+        motion(&mut run(session, Setup { inverse, ..channel }, 0.0025, 0.025)).velocity
+    };
+    let (one, other) = (channel(InverseMethod::Hypre), channel(InverseMethod::Transform));
+    assert!((one - other).norm() < 1e-5 * one.norm(), "{one} {other}");
+}
+
+fn disk_at(x: f64, y: f64) -> (SuspendedBody<2>, f64) {
+    (free([x, y], 0.125, 4, Vector2::new(0.3, -245.0 * 0.125 * 0.125 * TAU / 2.0)), 1.25)
+}
+
+/// Speeds at t = 0.02 of disks whose acceleration without viscosity would be 108.889: an independent implementation in Python of the same method on the same
+/// grid. Half the step changes none by a hundredth.
+fn disks_of_any_density_start_as_fast_as_those_of_an_independent_program(session: &Session) {
+    let volume = 0.125 * 0.125 * TAU / 2.0;
+    for (density, known) in [(10.0, 1.9447), (1.25, 1.3543), (0.5, 1.1307), (0.1, 0.9544), (0.01, 0.9064)] {
+        let speed = |step: f64| {
+            let force = 108.889 * (density + 1.0) * volume;
+            let disk = (free([1.0, 1.0], 0.125, 4, Vector2::new(0.0, -force)), density);
+            -motion(&mut run(session, setup(closed([2.0, 2.0]), 0.125 / 4.0, 0.1, vec![disk]), step, 0.02)).velocity[1]
+        };
+        let (coarse, fine) = (speed(2e-3), speed(1e-3));
+        assert!((fine / known - 1.0).abs() < 0.012, "density {density}: {fine}, not {known}");
+        assert!((coarse / fine - 1.0).abs() < 0.01, "density {density}: {coarse} and {fine} with half the step");
+    }
+    // much heavier than the fluid: it hardly notices it
+    let disk = (free([1.0, 1.0], 0.125, 4, Vector2::new(0.0, -100.0 * 100.0 * volume)), 100.0);
+    let heavy = -motion(&mut run(session, setup(closed([2.0, 2.0]), 0.125 / 4.0, 0.01, vec![disk]), 5e-4, 0.01)).velocity[1];
+    assert!((0.98..1.0).contains(&heavy), "{heavy}");
+}
+
+/// A free disk in a Couette cell at Re = 1 (radius 0.125, cell 1 x 1): spin 0.4632696 of the rate (0.4855642 without inertia).
+fn a_free_disk_in_shear_spins_as_slowly_as_inertia_makes_it(session: &Session) {
+    let walls = Axis::Walls { lower: Vector2::new(-0.5, 0.0), upper: Vector2::new(0.5, 0.0) };
+    let domain = Domain { size: Vector2::new(1.0, 1.0), axes: [Axis::Periodic, walls] };
+    let disk = (free([0.5, 0.5], 0.125, 4, Vector2::zeros()), 1.0);
+    let mut simulation = run(session, setup(domain, 0.125 / 4.0, 0.015625, vec![disk]), 0.05, 25.0);
+    let spin = motion(&mut simulation).spin[(0, 1)];
+    assert!((spin / 0.4632696 - 1.0).abs() < 0.015, "{spin}");
+}
+
+fn a_step_from_remembered_levels_is_the_step_of_the_whole_run(session: &Session) {
+    let flow = || {
+        let disks = vec![disk_at(0.7, 2.0), disk_at(1.2, 2.3)];
+        UnsteadySuspension::new(session, setup(closed([2.0, 3.0]), 0.125 / 4.0, 0.1, disks)).unwrap()
+    };
+    let centers = |step: usize| [Vector2::new(0.7, 2.0 - 0.003 * step as f64), Vector2::new(1.2, 2.3 - 0.004 * step as f64)];
+    let solve = |flow: &mut UnsteadySuspension<2>, step: usize| {
+        flow.solve_at(&configuration(&centers(step), 0.002 * step as f64), &mut |_, _| {}).unwrap()
+    };
+    let mut whole = flow();
+    (0..4).for_each(|step| drop(solve(&mut whole, step)));
+    let copies = whole.levels().into_iter().map(|level| {
+        let mut fluid = level.fluid.like().unwrap();
+        fluid.copy_from(&level.fluid).unwrap();
+        let Level { time, multipliers, centers, twists, spin_ups, .. } = level;
+        let (multipliers, centers, twists) = (multipliers.clone(), centers.clone(), twists.clone());
+        Level { time: *time, fluid, multipliers, centers, twists, spin_ups: spin_ups.clone() }
+    });
+    let mut resumed = flow();
+    resumed.restore_levels(copies.collect()).unwrap();
+    let (one, other) = (solve(&mut whole, 4), solve(&mut resumed, 4));
+    for (one, other) in one.bodies.iter().zip(&other.bodies) {
+        assert!((one.twist.velocity - other.twist.velocity).norm() < 1e-6 * one.twist.velocity.norm());
+    }
+    // again at the same time, as contacts ask for, is the same step
+    let again = solve(&mut whole, 4);
+    assert!((again.bodies[0].twist.velocity - one.bodies[0].twist.velocity).norm() < 1e-6 * one.bodies[0].twist.velocity.norm());
+}
+
+fn a_disk_that_lands_rests_on_the_floor(session: &Session) {
+    let disk = (free([0.5, 0.19], 0.125, 4, Vector2::new(0.0, -10.0)), 5.0);
+    let mut simulation = run(session, setup(closed([1.0, 1.0]), 0.125 / 4.0, 0.1, vec![disk]), 0.005, 0.4);
+    let (height, speed) = (simulation.state().bodies[0].center[1], motion(&mut simulation).velocity.norm());
+    assert!((0.125 - 1e-9..0.125 + 1e-3).contains(&height), "{height}");
+    assert!(speed < 1e-3, "{speed}");
+}
+
+fn a_sphere_falls_straight_and_alike_with_either_inverse(session: &Session) {
+    let wall = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
+    let speed = |inverse| {
+        let domain = Domain { size: SVector::from([4.0, 4.0, 4.0]), axes: [Axis::Periodic, wall, Axis::Periodic] };
+        let sphere = (free([2.03, 1.96, 2.11], 0.5, 2, SVector::from([0.0, 0.0, -3.0])), 2.0);
+        let setup = Setup { inverse, ..setup(domain, 0.5 / 3.0, 0.1, vec![sphere]) };
+        motion(&mut run(session, setup, 0.05, 0.25)).velocity
+    };
+    let (one, other) = (speed(InverseMethod::Hypre), speed(InverseMethod::Transform));
+    assert!((one - other).norm() < 1e-5 * one.norm(), "{one} {other}");
+    assert!(one[2] < 0.0 && one[0].abs() + one[1].abs() < 0.01 * one.norm(), "{one}");
+}
