@@ -54,14 +54,17 @@ const LOOSEST: f64 = 0.1;
 /// What may help where a solve does not converge.
 const REMEDY: &str = "fewer modes, a finer grid or a looser method.tolerance may help";
 
-/// The true residual over the tolerance that a solve may end with: the solver's own estimate of it is off by rounding.
+/// The true residual over the solver's estimate of it up to which the two differ by no more than rounding.
 const SLACK: f64 = 2.0;
 
-/// Times that a solve begins anew from where it ended, if its residual is not what it took it for.
+/// Times that a solve goes on from its true residual, if that is above the tolerance.
 const MOST_RESTARTS: usize = 3;
 
-/// Part of its residual that such a solve has to take away to be worth another.
-const WORTH_ANOTHER: f64 = 0.5;
+/// Part of the tolerance that a solve aims at when it goes on, so that what led it astray does not leave it above again.
+const AIM: f64 = 0.5;
+
+/// Part of the true residual above which such a solve has left it where it was.
+const STAGNATION: f64 = 0.9;
 
 /// What a solve cost and reached.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -76,8 +79,9 @@ pub struct Report {
 
 /// A Krylov solver for vectors of one shape; its work vectors are kept from solve to solve.
 ///
-/// A solve has converged once its true residual, not the solver's estimate, is within the tolerance: a Krylov space that is
-/// exhausted, or an option of PETSc's, does not make an answer of what is none.
+/// A solve has converged once its true residual, not the solver's estimate, is within the tolerance: rounding that leads the estimate
+/// astray, a Krylov space that is exhausted, or an option of PETSc's does not make an answer of what is none. A solve that ends above
+/// it goes on from the true residual of what it has found.
 pub struct Krylov {
     solver: Owned<ffi::KSP>,
     matrix: Owned<ffi::Mat>,
@@ -137,7 +141,8 @@ impl Krylov {
     /// Solves `A x = rhs` starting from `x`; `seen` is told each iteration and its relative residual. The system is applied to `x` last.
     ///
     /// # Errors
-    /// [`Error::Diverged`] when the tolerance is not reached, with the iterations made and the residual reached.
+    /// [`Error::Diverged`] when the true residual does not reach the tolerance, with the iterations made, the residual reached and,
+    /// where going on from it did not lower it, that it stagnates.
     pub fn solve(&mut self, system: &mut dyn System, rhs: &Vector, x: &mut Vector, seen: &mut dyn FnMut(usize, f64)) -> Result<Report> {
         self.solve_above(0.0, system, rhs, x, seen)
     }
@@ -163,24 +168,24 @@ impl Krylov {
             system.apply(x, &mut residual)?;
             return Ok(Report { residual: if norm > 0.0 { norm / size } else { 0.0 }, ..Report::default() });
         }
-        self.set_stopping_rule(rounding)?;
         let (mut report, mut last) = (Report::default(), f64::INFINITY);
-        for _ in 0..=MOST_RESTARTS {
+        for pass in 0..=MOST_RESTARTS {
+            self.set_stopping_rule(rounding, if pass == 0 { 1.0 } else { AIM })?;
             self.call(system, rhs, x, Watch { scale: 1.0 / size, before: report.iterations, seen })?;
             let truth = true_residual(system, rhs, x, &mut residual)? / size;
             report = self.outcome(report.iterations, size, truth, start)?;
             let reason = self.reason()?;
-            if truth <= SLACK * self.settings.tolerance && reason != ffi::KSPConvergedReason_KSP_DIVERGED_ITS {
+            if truth <= self.settings.tolerance && reason != ffi::KSPConvergedReason_KSP_DIVERGED_ITS {
                 return Ok(report);
             }
             // a space that is exhausted, or a recurrence that rounding has led astray, may serve again from here
             let over = reason < 0 && reason != ffi::KSPConvergedReason_KSP_DIVERGED_BREAKDOWN;
-            if over || truth.is_nan() || truth > WORTH_ANOTHER * last {
+            if over || truth.is_nan() || truth > STAGNATION * last {
                 break;
             }
             last = truth;
         }
-        Err(self.diverged(report)?)
+        Err(self.diverged(report, last)?)
     }
 
     fn call(&self, system: &mut dyn System, rhs: &Vector, x: &mut Vector, watch: Watch) -> Result<()> {
@@ -199,12 +204,11 @@ impl Krylov {
         outcome
     }
 
-    fn set_stopping_rule(&self, rounding: f64) -> Result<()> {
+    /// Makes the next call end at this part of the tolerance, or of the norm that is rounding.
+    fn set_stopping_rule(&self, rounding: f64, part: f64) -> Result<()> {
         let kept = f64::from(ffi::PETSC_DEFAULT);
-        let [relative, absolute] = self.by_option;
-        let absolute = if absolute { kept } else { rounding };
-        let relative = if relative { kept } else { self.settings.tolerance };
-        petsc!(KSPSetTolerances(self.solver.raw(), relative, absolute, kept, DEFAULT))
+        let absolute = if self.by_option[1] { kept } else { part * rounding };
+        petsc!(KSPSetTolerances(self.solver.raw(), part * self.settings.tolerance, absolute, kept, DEFAULT))
     }
 
     fn reason(&self) -> Result<ffi::KSPConvergedReason> {
@@ -223,11 +227,16 @@ impl Krylov {
         Ok(Report { iterations: before + iterations as usize, residual, seconds: start.elapsed().as_secs_f64() })
     }
 
-    fn diverged(&self, report: Report) -> Result<Error> {
+    /// The error of a solve that came to this, after going on from a true residual of `last` (infinite if it did not go on).
+    fn diverged(&self, report: Report, last: f64) -> Result<Error> {
         let mut text = std::ptr::null();
         petsc!(KSPGetConvergedReasonString(self.solver.raw(), &mut text))?;
         let reason = unsafe { CStr::from_ptr(text) }.to_string_lossy();
-        let account = if self.reason()? > 0 { " by its own account" } else { "" };
+        let account = match self.reason()? > 0 {
+            true if last.is_finite() => format!(" by its own account, and stagnates: it went on from a true residual of {last:.1e}"),
+            true => " by its own account".to_owned(),
+            false => String::new(),
+        };
         Ok(Error::Diverged(format!(
             "the linear solver stopped after {} iterations at a relative residual of {:.1e}, tolerance {:.1e} ({reason}{account}); {}",
             report.iterations, report.residual, self.settings.tolerance, self.remedy

@@ -26,6 +26,8 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_zero_right_hand_side_has_a_zero_solution),
         Test::of(what_is_rounding_beside_the_scene_is_zero),
         Test::of(an_exhausted_space_makes_no_solution),
+        Test::of(a_solve_goes_on_from_its_true_residual),
+        Test::of(a_true_residual_that_stagnates_is_an_error),
         Test::of(singular_values_come_out_of_a_solve),
         Test::of(an_error_in_a_callback_ends_the_solve_with_that_very_error),
         Test::of(a_solver_serves_again_after_an_error),
@@ -110,6 +112,36 @@ fn an_exhausted_space_makes_no_solution(session: &Session) {
         let error = solve(session, GMRES, &mut system, &rhs, &mut rhs.like().unwrap()).unwrap_err();
         assert!(matches!(&error, Error::Diverged(text) if text.contains("tolerance")), "load {load:e}: {error}");
     }
+}
+
+/// A preconditioner that is not quite linear leads the solver's estimate astray, the farther the more it wavers.
+fn a_solve_goes_on_from_its_true_residual(session: &Session) {
+    let (rhs, mut again) = (filled(session, N, |index| (index as f64).cos()), 0);
+    for step in 0..24 {
+        let part = if step > 0 { 1e-11 * 1.5f64.powi(step) } else { 0.0 };
+        let mut system = Wavering { preconditioner: part, ..Wavering::new(session) };
+        let mut x = rhs.like().unwrap();
+        let report = solve(session, GMRES, &mut system, &rhs, &mut x).unwrap();
+        let mut residual = rhs.like().unwrap();
+        system.chain.apply(&x, &mut residual).unwrap();
+        residual.add(-1.0, &rhs).unwrap();
+        assert!(residual.norm().unwrap() <= TOLERANCE * rhs.norm().unwrap(), "step {step}");
+        assert!(report.residual <= TOLERANCE, "step {step}: {report:?}");
+        // each iteration takes one application, and so does the true residual; a solve that goes on takes two more
+        let more = system.applied - report.iterations - 1;
+        assert!(step > 0 || more == 0, "a solve that has converged goes on: {} applications, {report:?}", system.applied);
+        again += usize::from(more > 0);
+    }
+    assert!(again > 0, "no estimate was wrong");
+}
+
+fn a_true_residual_that_stagnates_is_an_error(session: &Session) {
+    let rhs = filled(session, N, |index| (index as f64).cos());
+    let mut system = Wavering { operator: 1e-9, ..Wavering::new(session) };
+    let error = solve(session, GMRES, &mut system, &rhs, &mut rhs.like().unwrap()).unwrap_err();
+    assert!(matches!(&error, Error::Diverged(text) if text.contains("stagnates")), "{error}");
+    // a residual that falls, but too slowly, is given up as well
+    assert!(system.applied < 4 * 30, "{} applications", system.applied);
 }
 
 fn singular_values_come_out_of_a_solve(session: &Session) {
@@ -242,6 +274,43 @@ impl System for Diagonal {
         output.copy_from(input)?;
         output.local_mut()?.iter_mut().zip(&self.0).for_each(|(value, entry)| *value *= entry);
         Ok(())
+    }
+}
+
+/// A chain whose maps differ from call to call by these parts of themselves, as rounding would have it.
+struct Wavering {
+    chain: Chain,
+    preconditioner: f64,
+    operator: f64,
+    applied: usize,
+    preconditioned: usize,
+}
+
+impl Wavering {
+    fn new(session: &Session) -> Wavering {
+        Wavering { chain: Chain::new(session, 0.0), preconditioner: 0.0, operator: 0.0, applied: 0, preconditioned: 0 }
+    }
+}
+
+/// Scales entries by factors that differ from one by up to `part`, differently for every `call`.
+fn waver(part: f64, call: usize, vector: &mut Vector) -> Result<()> {
+    let range = share(vector.session(), N);
+    let factor = |row: usize| 1.0 + part * ((1 + row * row + 7 * call * row) as f64).sin();
+    vector.local_mut()?.iter_mut().zip(range).for_each(|(value, row)| *value *= factor(row));
+    Ok(())
+}
+
+impl System for Wavering {
+    fn apply(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
+        self.applied += 1;
+        self.chain.apply(input, output)?;
+        waver(self.operator, self.applied, output)
+    }
+
+    fn precondition(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
+        self.preconditioned += 1;
+        self.chain.precondition(input, output)?;
+        waver(self.preconditioner, self.preconditioned, output)
     }
 }
 
