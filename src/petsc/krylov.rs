@@ -54,7 +54,8 @@ const LOOSEST: f64 = 0.1;
 /// What may help where a solve does not converge.
 const REMEDY: &str = "fewer modes, a finer grid or a looser method.tolerance may help";
 
-/// The true residual over the solver's estimate of it up to which the two differ by no more than rounding.
+/// The true residual over the tolerance that a solve may end with where rounding leaves no less, and over the solver's estimate up to which
+/// the two differ by no more than rounding.
 const SLACK: f64 = 2.0;
 
 /// Times that a solve goes on from its true residual, if that is above the tolerance.
@@ -81,7 +82,7 @@ pub struct Report {
 ///
 /// A solve has converged once its true residual, not the solver's estimate, is within the tolerance: rounding that leads the estimate
 /// astray, a Krylov space that is exhausted, or an option of PETSc's does not make an answer of what is none. A solve that ends above
-/// it goes on from the true residual of what it has found.
+/// it goes on from the true residual of what it has found; where that does not fall, rounding leaves no less, and up to twice the tolerance will do.
 pub struct Krylov {
     solver: Owned<ffi::KSP>,
     matrix: Owned<ffi::Mat>,
@@ -168,24 +169,24 @@ impl Krylov {
             system.apply(x, &mut residual)?;
             return Ok(Report { residual: if norm > 0.0 { norm / size } else { 0.0 }, ..Report::default() });
         }
-        let (mut report, mut last) = (Report::default(), f64::INFINITY);
-        for pass in 0..=MOST_RESTARTS {
-            self.set_stopping_rule(rounding, if pass == 0 { 1.0 } else { AIM })?;
+        let (mut report, mut last, mut restarts) = (Report::default(), f64::INFINITY, 0);
+        loop {
+            self.set_stopping_rule(rounding, if restarts == 0 { 1.0 } else { AIM })?;
             self.call(system, rhs, x, Watch { scale: 1.0 / size, before: report.iterations, seen })?;
             let truth = true_residual(system, rhs, x, &mut residual)? / size;
             report = self.outcome(report.iterations, size, truth, start)?;
             let reason = self.reason()?;
-            if truth <= self.settings.tolerance && reason != ffi::KSPConvergedReason_KSP_DIVERGED_ITS {
-                return Ok(report);
-            }
             // a space that is exhausted, or a recurrence that rounding has led astray, may serve again from here
-            let over = reason < 0 && reason != ffi::KSPConvergedReason_KSP_DIVERGED_BREAKDOWN;
-            if over || truth.is_nan() || truth > STAGNATION * last {
-                break;
+            let over = truth.is_nan() || reason < 0 && reason != ffi::KSPConvergedReason_KSP_DIVERGED_BREAKDOWN;
+            let over = over || restarts == MOST_RESTARTS || truth > STAGNATION * last;
+            let enough = if over { SLACK } else { 1.0 } * self.settings.tolerance;
+            if truth <= enough && reason != ffi::KSPConvergedReason_KSP_DIVERGED_ITS {
+                return Ok(report);
+            } else if over {
+                return Err(self.diverged(report, last)?);
             }
-            last = truth;
+            (last, restarts) = (truth, restarts + 1);
         }
-        Err(self.diverged(report, last)?)
     }
 
     fn call(&self, system: &mut dyn System, rhs: &Vector, x: &mut Vector, watch: Watch) -> Result<()> {
@@ -217,13 +218,14 @@ impl Krylov {
         Ok(reason)
     }
 
-    /// What a call came to, after so many iterations before it: the residual is the solver's, unless that is not the true one.
+    /// What a call came to, after so many iterations before it: the residual is the solver's, unless that is not the true one or the true one is
+    /// above the tolerance.
     fn outcome(&self, before: usize, size: f64, truth: f64, start: Instant) -> Result<Report> {
         let (mut iterations, mut residual) = (0, 0.0);
         petsc!(KSPGetIterationNumber(self.solver.raw(), &mut iterations))?;
         petsc!(KSPGetResidualNorm(self.solver.raw(), &mut residual))?;
         let estimate = residual / size;
-        let residual = if truth <= SLACK * estimate { estimate } else { truth };
+        let residual = if truth <= self.settings.tolerance.min(SLACK * estimate) { estimate } else { truth };
         Ok(Report { iterations: before + iterations as usize, residual, seconds: start.elapsed().as_secs_f64() })
     }
 
