@@ -44,8 +44,8 @@ impl<'a> CheckpointWriter<'a> {
         self.alike(name, values, numbers_checksum(0, values))
     }
 
-    /// Stores rows of numbers, `width` for each of so many bodies, one after the other in the order of the bodies. A rank gives the rows of some
-    /// of them in that order, each with the number of its body before it; each body is on one rank.
+    /// Stores rows of `width` numbers that belong to so many bodies, one after the other in the order of the bodies. A rank gives the rows of some
+    /// of them in that order, each with the number of its body before it; all rows of a body are on one rank.
     pub fn rows(&mut self, name: &str, bodies: usize, width: usize, rows: Vec<f64>) -> Result<()> {
         let world = self.file.world();
         let rows = Rows::in_order(world, bodies, width + 1, rows);

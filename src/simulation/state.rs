@@ -182,6 +182,24 @@ impl<const D: usize> State<D> {
         self.all_told(world, self.told_stuck().map(|stuck| (stuck.identity(), stuck.gamma)))
     }
 
+    /// The contacts that bore a force, of the bodies that this rank writes of, in order: all ranks together write of each contact once.
+    pub fn written_held(&self, world: &World) -> Vec<(Identity<D>, f64)> {
+        self.written_contacts(world, self.held.iter().map(|held| (held.identity(), held.force)))
+    }
+
+    /// The contacts that stick, each with its memory, in the same way.
+    pub fn written_stuck(&self, world: &World) -> Vec<(Identity<D>, f64)> {
+        self.written_contacts(world, self.stuck.iter().map(|stuck| (stuck.identity(), stuck.gamma)))
+    }
+
+    fn written_contacts(&self, world: &World, contacts: impl Iterator<Item = (Identity<D>, f64)>) -> Vec<(Identity<D>, f64)> {
+        let written = self.written(world);
+        let ours = |&((body, ..), _): &(Identity<D>, f64)| self.place(body).is_some_and(|place| written.contains(&place));
+        let mut ours: Vec<_> = contacts.filter(ours).collect();
+        ours.sort_unstable_by_key(|(identity, _)| *identity);
+        ours
+    }
+
     fn all_told(&self, world: &World, told: impl Iterator<Item = (Identity<D>, f64)>) -> Vec<(Identity<D>, f64)> {
         if self.share == Share::Whole {
             return told.collect();

@@ -148,3 +148,33 @@ fn files(folder: &Path) -> Vec<std::path::PathBuf> {
     let paths = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     paths.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
 }
+
+/// What it holds by name, and the bits of the numbers; seconds are in its statistics.
+fn contents(checkpoint: &Path) -> Vec<(String, Vec<u64>)> {
+    let file = hdf5::File::open(checkpoint).unwrap();
+    let names = file.member_names().unwrap().into_iter().filter(|name| name != "statistics" && name != "scene");
+    names
+        .map(|name| (name.clone(), file.dataset(&name).unwrap().read_raw::<f64>().unwrap().into_iter().map(f64::to_bits).collect()))
+        .collect()
+}
+
+/// Contacts that press, contacts that stick and bodies are written by those who have them, and are the same.
+#[test]
+fn a_checkpoint_is_the_same_from_any_number_of_ranks() {
+    for (name, text, stuck) in [("dry", DRY, false), ("gluey", GLUEY, true)] {
+        let here = folder(&format!("checkpoint-{name}"));
+        let scene = write(&here, text);
+        let half = format!("time.end={}", 0.5 * toml_end(text));
+        let of = |ranks: usize| {
+            let out = here.join(format!("on-{ranks}"));
+            run(ranks, &scene, &out, &[&half]);
+            contents(&out.join("checkpoint.h5"))
+        };
+        let alone = of(1);
+        let length = |wanted: &str| alone.iter().find(|(name, _)| name == wanted).map_or(0, |(_, numbers)| numbers.len());
+        assert!(length("contacts") > 0 && (length("stuck") > 0) == stuck, "{name}: nothing touches");
+        for ranks in [2, 3] {
+            assert!(of(ranks) == alone, "{name}: {ranks} ranks write something else than one");
+        }
+    }
+}

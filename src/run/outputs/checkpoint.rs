@@ -160,20 +160,30 @@ fn read_fluid<const D: usize>(checkpoint: &Checkpoint, grid: &Grid<D>, name: &st
 
 fn store_state<const D: usize>(writer: &mut CheckpointWriter, world: &World, simulation: &Simulation<D>) -> Result<()> {
     let state = simulation.state();
-    // of contacts, which are few, each rank has all
-    let contacts =
-        |all: Vec<(Identity<D>, f64)>| all.into_iter().flat_map(|(identity, number)| pack(identity, number)).collect::<Vec<f64>>();
-    let stuck = state.all_stuck(world);
+    let (held, stuck) = (state.written_held(world), state.written_stuck(world));
+    let mut sticking = [stuck.len() as f64];
+    world.sum(&mut sticking);
     let mut numbers = vec![state.time, state.steps as f64, state.last_step];
-    if !stuck.is_empty() {
+    if sticking[0] > 0.0 {
         // how many, so that a list that is lost is missed
-        numbers.push(stuck.len() as f64);
-        writer.shared("stuck", &contacts(stuck))?;
+        numbers.extend(sticking);
+        store_contacts(writer, state.count(), "stuck", stuck)?;
     }
     writer.shared("time", &numbers)?;
     let rows = state.written(world).flat_map(|place| [&[state.number(place) as f64], &state.bodies[place].pack()[..]].concat());
     writer.rows("bodies", state.count(), Moving::<D>::LENGTH, rows.collect())?;
-    writer.shared("contacts", &contacts(state.all_held(world)))
+    store_contacts(writer, state.count(), "contacts", held)
+}
+
+/// Stores contacts of so many bodies, each with a number, as rows of their first bodies.
+fn store_contacts<const D: usize>(
+    writer: &mut CheckpointWriter,
+    bodies: usize,
+    name: &str,
+    contacts: Vec<(Identity<D>, f64)>,
+) -> Result<()> {
+    let rows = contacts.into_iter().flat_map(|(identity, number)| [&[identity.0 as f64], &pack(identity, number)[..]].concat());
+    writer.rows(name, bodies, packed_length::<D>(), rows.collect())
 }
 
 /// The contacts of this name, each with a number.
