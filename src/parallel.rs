@@ -33,6 +33,10 @@ pub struct World {
 pub(crate) struct TrafficLog {
     /// The bytes that it contributes to a collective.
     pub collective: fn(usize),
+    /// Of collectives: those in which each rank has a part for each other one.
+    pub all_to_all: fn(),
+    /// The bytes that come to it in a gathering.
+    pub gathered: fn(usize),
     /// Number and bytes of the messages that it sends to single ranks.
     pub messages: fn(usize, usize),
 }
@@ -117,6 +121,14 @@ impl World {
         }
     }
 
+    /// The same of a collective in which this rank has a part for each other one.
+    fn count_all_to_all<T>(&self, values: &[T]) {
+        self.count(values);
+        if self.size() > 1 {
+            (self.log.all_to_all)();
+        }
+    }
+
     fn reduce(&self, values: &mut [f64], operation: SystemOperation) {
         let local = values.to_vec();
         self.count(values);
@@ -132,13 +144,14 @@ impl World {
         let shares = Shares::new(counts);
         let mut all = vec![T::default(); shares.total()];
         self.count(local);
+        (self.log.gathered)(size_of_val(&all[..]) - size_of_val(local));
         self.communicator.all_gather_varcount_into(local, &mut PartitionMut::new(&mut all[..], shares.counts, shares.starts));
         all
     }
 
     /// Sends each rank its share of `sent` and fills `received` with the shares that come from each.
     fn exchange<T: Equivalence>(&self, sent: &[T], shares_sent: &Shares, received: &mut [T], shares_received: &Shares) {
-        self.count(sent);
+        self.count_all_to_all(sent);
         let sent = Partition::new(sent, &shares_sent.counts[..], &shares_sent.starts[..]);
         let mut received = PartitionMut::new(received, &shares_received.counts[..], &shares_received.starts[..]);
         self.communicator.all_to_all_varcount_into(&sent, &mut received);
@@ -148,7 +161,7 @@ impl World {
     pub fn send<T: Equivalence + Clone + Default>(&self, sent: &[T], counts: &[usize]) -> (Vec<T>, Vec<usize>) {
         let counts: Vec<i32> = counts.iter().map(|&count| count as i32).collect();
         let mut counts_received = vec![0; self.size()];
-        self.count(&counts);
+        self.count_all_to_all(&counts);
         self.communicator.all_to_all_into(&counts[..], &mut counts_received[..]);
         let shares = Shares::new(counts_received);
         let mut received = vec![T::default(); shares.total()];

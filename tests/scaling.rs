@@ -30,6 +30,24 @@ y = "walls"
 spacing = 0.125
 "#;
 
+const DRY: &str = r#"
+gravity = [0.0, -1.0]
+[domain]
+size = [24.0, 12.0]
+y = "walls"
+[flow]
+model = "none"
+[[bodies]]
+radius = 0.5
+count = 120
+gap = 0.05
+[contact]
+model = "inelastic"
+[time]
+end = 2.0
+step = 0.1
+"#;
+
 /// The report of a study, and what it printed.
 fn study(scene: &Path, out: &Path, arguments: &[&str]) -> (Value, String) {
     let base = ["scaling", scene.to_str().unwrap(), "--out", out.to_str().unwrap(), "--repeat", "1"];
@@ -56,7 +74,7 @@ fn a_study_measures_strong_and_weak_scaling_and_models_more_ranks() {
     for (row, summary) in [&alone, &both].into_iter().enumerate() {
         assert_eq!(measured(&report, "strong", row, "iterations"), number(summary, "solver.iterations"));
     }
-    for name in ["messages", "bytes", "collectives"] {
+    for name in ["messages", "bytes", "collectives", "all_to_alls"] {
         assert_eq!(measured(&report, "strong", 0, name), 0.0, "{name} on one rank");
         assert_eq!(measured(&report, "strong", 1, name), number(&both, &format!("parallel.{name}.most")));
     }
@@ -66,10 +84,38 @@ fn a_study_measures_strong_and_weak_scaling_and_models_more_ranks() {
     let model = report["strong"]["model"].as_array().unwrap();
     assert_eq!((model.len(), &model[10]["numbers"], model[9]["numbers"].is_null()), (11, &Value::Null, false));
     assert!(number(&report, "strong.model.9.numbers.seconds") > 0.0);
+    // each of strong on one and two ranks and weak on two; on one rank both are the same run
+    let checks = report["checks"].as_array().unwrap();
+    let names: Vec<(&str, u64)> = checks.iter().map(|check| (check["kind"].as_str().unwrap(), check["ranks"].as_u64().unwrap())).collect();
+    assert_eq!(names, [("strong", 1), ("strong", 2), ("weak", 2)]);
+    for (check, row) in checks.iter().zip(["strong.measured.0", "strong.measured.1", "weak.measured.1"]) {
+        assert!((number(check, "measured") / number(&report, &format!("{row}.numbers.seconds")) - 1.0).abs() < 1e-12);
+        assert!(number(check, "predicted") > 0.0);
+    }
     assert_eq!(measured(&report, "weak", 0, "iterations"), number(&alone, "solver.iterations"));
     for part in ["| model |", "1024 ranks do not fit", "2.00 microseconds", "hypre's are not counted"] {
         assert!(said.contains(part), "no {part:?} in: {said}");
     }
+}
+
+#[test]
+fn a_dry_scene_is_studied_with_its_contacts_and_its_all_to_alls() {
+    let here = folder("scaling-dry");
+    let scene = write(&here, DRY);
+    let (report, said) = study(&scene, &here.join("out"), &["--ranks", "1,2", "--cores", "2"]);
+    let both = run(2, &scene, &here.join("both"), &[]);
+    let steps = number(&both, "steps");
+    for name in ["messages", "collectives", "all_to_alls"] {
+        assert_eq!(measured(&report, "strong", 1, name), number(&both, &format!("parallel.{name}.most")) / steps, "{name}");
+    }
+    assert!(measured(&report, "strong", 1, "all_to_alls") > 0.0 && number(&report, "model.all_to_alls") > 0.0);
+    assert!(number(&both, "motion.contacts") >= number(&both, "motion.island_contacts") && number(&both, "motion.island_contacts") > 0.0);
+    assert_eq!((measured(&report, "strong", 1, "iterations"), number(&report, "model.cell")), (0.0, 0.0));
+    for kind in ["strong", "weak"] {
+        assert_eq!(report[kind]["model"].as_array().unwrap().len(), 13, "to 4096 ranks");
+    }
+    assert_eq!(report["checks"].as_array().unwrap().len(), 3);
+    assert!(said.contains("Each measured row") && said.contains("| weak, 2 |"), "{said}");
 }
 
 #[test]
@@ -112,14 +158,14 @@ fn a_study_that_cannot_be_made_is_refused() {
     let here = folder("scaling-refused");
     let scene = write(&here, SUSPENSION);
     let (path, out) = (scene.to_str().unwrap(), here.join("out"));
-    let dry = root().join("examples/avalanche.toml");
+    let scalar = root().join("examples/scalar.toml");
     let cases: [(usize, &[&str], &str, i32); 8] = [
         (1, &[path, "--ranks", "0"], "--ranks: must be numbers from 1 up", 2),
         (1, &[path, "--ranks", "two"], "invalid value 'two'", 2),
         (1, &[path, "--launcher", "mpirun -n 2"], "where the number of ranks goes", 2),
         (1, &[path, "--launcher", "no-such-starter {ranks}"], "no-such-starter cannot be started", 2),
         (1, &[path, "--latency", "-1"], "", 2),
-        (1, &[dry.to_str().unwrap()], "flow.model = \"none\"", 2),
+        (1, &[scalar.to_str().unwrap()], "flow.model = \"scalar\"", 2),
         (2, &[path], "this study starts its own ranks", 2),
         (1, &[path, "--ranks", "1", "--", "-coupled_ksp_max_it", "2"], "stopped after 2 iterations", 1),
     ];

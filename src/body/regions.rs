@@ -28,6 +28,11 @@ impl<const D: usize> Regions<D> {
         Regions { size: domain.size, counts }
     }
 
+    /// How many blocks there are along each axis.
+    pub fn counts(&self) -> [usize; D] {
+        self.counts
+    }
+
     /// The rank that owns a centre, which need not lie in the box.
     pub fn owner(&self, domain: &Domain<D>, center: &SVector<f64, D>) -> usize {
         let inside = domain.wrap(*center);

@@ -31,6 +31,8 @@ pub struct KktReport {
     pub islands: usize,
     /// Times that contacts were added.
     pub rounds: usize,
+    /// Most contacts of an island that one rank solved.
+    pub largest_island: usize,
 }
 
 impl KktReport {
@@ -48,6 +50,7 @@ impl KktReport {
             solver: Solver::Formula,
             islands: 0,
             rounds: 0,
+            largest_island: 0,
         }
     }
 
@@ -94,6 +97,7 @@ pub(super) fn certify<const D: usize>(
         solver: Solver::Formula,
         islands: sums[3] as usize,
         rounds: 0,
+        largest_island: 0,
     }
 }
 

@@ -101,6 +101,7 @@ struct ProjectionState<'a, const D: usize> {
     common: SVector<f64, D>,
     iterations: usize,
     solver: Solver,
+    largest_island: usize,
 }
 
 impl<'a, const D: usize> ProjectionState<'a, D> {
@@ -116,6 +117,7 @@ impl<'a, const D: usize> ProjectionState<'a, D> {
             common: common_motion(peers, &share.problem, share.problem.velocities),
             iterations: 0,
             solver: Solver::Formula,
+            largest_island: 0,
         }
     }
 
@@ -162,6 +164,7 @@ impl<'a, const D: usize> ProjectionState<'a, D> {
         let found = solve_shared(self.peers, view, &self.share.problem, (&placed, &self.forces, earlier), solve)?;
         self.forces = found.forces;
         (self.iterations, self.solver) = (self.iterations.max(found.iterations), self.solver.max(found.solver));
+        self.largest_island = self.largest_island.max(found.largest_island);
         let all = view.problem(&self.share.problem).corrected_velocities(&placed, &self.forces);
         self.velocities = view.halo.own().iter().map(|&place| all[place]).collect();
         self.common = common_motion(self.peers, &self.share.problem, &self.velocities);
@@ -178,6 +181,7 @@ impl<'a, const D: usize> ProjectionState<'a, D> {
             iterations: self.peers.max(self.iterations as f64) as usize,
             solver: last(self.solver),
             rounds,
+            largest_island: self.peers.max(self.largest_island as f64) as usize,
             ..certify(self.peers, &view, &problem, &forces, paths)
         };
         if kkt_report.kkt_residual > LARGEST_RESIDUAL {

@@ -25,6 +25,8 @@ pub(super) struct Shared {
     pub iterations: usize,
     /// The last in the list of those that solved one of them.
     pub solver: Solver,
+    /// Most contacts of one of them.
+    pub largest_island: usize,
 }
 
 /// An island as the rank that solves it sees it.
@@ -65,10 +67,10 @@ pub(super) fn solve_shared<const D: usize>(
     solve: Solve<D>,
 ) -> Result<Shared> {
     if !peers.any(earlier < contacts.len()) {
-        return Ok(Shared { forces: guess.to_vec(), iterations: 0, solver: Solver::Formula });
+        return Ok(Shared::of(guess));
     }
     let round = Round::new(peers, view, view.problem(whole), contacts, earlier);
-    let mut shared = Shared { forces: guess.to_vec(), iterations: 0, solver: Solver::Formula };
+    let mut shared = Shared::of(guess);
     let inside = round.solve_inside(&mut shared, solve);
     peers.agree(inside)?;
     if peers.count() > 1 {
@@ -79,8 +81,15 @@ pub(super) fn solve_shared<const D: usize>(
 }
 
 impl Shared {
-    fn take(&mut self, iterations: usize, solver: Solver) {
+    /// Forces that nobody has solved for yet.
+    fn of(forces: &[f64]) -> Shared {
+        Shared { forces: forces.to_vec(), iterations: 0, solver: Solver::Formula, largest_island: 0 }
+    }
+
+    /// Takes note of how an island of so many contacts was solved.
+    fn take(&mut self, contacts: usize, iterations: usize, solver: Solver) {
         (self.iterations, self.solver) = (self.iterations.max(iterations), self.solver.max(solver));
+        self.largest_island = self.largest_island.max(contacts);
     }
 }
 
@@ -130,7 +139,7 @@ impl<'a, const D: usize> Round<'a, D> {
             match solve(&self.problem, &contacts, &guess) {
                 Outcome::Solved { forces, iterations, solver } => {
                     island.iter().zip(forces).for_each(|(&place, force)| shared.forces[place] = force);
-                    shared.take(iterations, solver);
+                    shared.take(contacts.len(), iterations, solver);
                 }
                 outcome => return Err(failure(&self.problem, &contacts, &outcome)),
             }
@@ -144,7 +153,7 @@ impl<'a, const D: usize> Round<'a, D> {
         let mut replies = vec![Vec::new(); self.peers.count()];
         let outcome = islands.values().try_for_each(|island| {
             let (iterations, solver) = island.solve(&self.problem, solve, &mut replies)?;
-            shared.take(iterations, solver);
+            shared.take(island.contacts.len(), iterations, solver);
             Ok(())
         });
         self.peers.agree(outcome)?;

@@ -16,6 +16,24 @@ pub fn proportion(points: impl Iterator<Item = (f64, f64)>) -> f64 {
     if square > 0.0 { product / square } else { 0.0 }
 }
 
+/// The `a` and `b`, neither negative, of `y = a x1 + b x2` next to points; of abscissas that are in proportion the first one counts.
+pub fn proportions(points: &[([f64; 2], f64)]) -> [f64; 2] {
+    let product = |one: fn(&([f64; 2], f64)) -> f64, other: fn(&([f64; 2], f64)) -> f64| {
+        points.iter().map(|point| one(point) * other(point)).sum::<f64>()
+    };
+    let [first, second, y]: [fn(&([f64; 2], f64)) -> f64; 3] = [|point| point.0[0], |point| point.0[1], |point| point.1];
+    let (aa, ab, bb) = (product(first, first), product(first, second), product(second, second));
+    let (ay, by, determinant) = (product(first, y), product(second, y), aa * bb - ab * ab);
+    let both = [(ay * bb - by * ab) / determinant, (by * aa - ay * ab) / determinant];
+    if determinant > 1e-9 * aa * bb && both.iter().all(|part| *part >= 0.0) {
+        return both;
+    }
+    // what a proportion explains of the sum of squares
+    let explained = |square: f64, product: f64| if square > 0.0 { product * product.max(0.0) / square } else { 0.0 };
+    let one = |square: f64, product: f64| if square > 0.0 { (product / square).max(0.0) } else { 0.0 };
+    if explained(aa, ay) * (1.0 + 1e-6) >= explained(bb, by) { [one(aa, ay), 0.0] } else { [0.0, one(bb, by)] }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -27,6 +45,13 @@ mod tests {
         assert!((a - 3.0).abs() < 1e-14 && (b + 0.5).abs() < 1e-14);
         assert_eq!(line(&points[..1]), None);
         assert_eq!(line(&[]), None);
+        let points = [[1.0, 3.0], [2.0, 1.0], [4.0, 4.0]];
+        let found = proportions(&points.map(|x| (x, 2.0 * x[0] + 0.5 * x[1])));
+        assert!((found[0] - 2.0).abs() < 1e-13 && (found[1] - 0.5).abs() < 1e-13, "{found:?}");
+        let [none, b] = proportions(&points.map(|x| (x, 2.0 * x[1] - 0.1 * x[0])));
+        assert!(none == 0.0 && b > 1.8, "{b}");
+        assert_eq!(proportions(&points.map(|[x, _]| ([x, 2.0 * x], 3.0 * x))), [3.0, 0.0]);
+        assert_eq!(proportions(&[]), [0.0; 2]);
         assert_eq!([proportion([(2.0, 1.0), (4.0, 2.0)].into_iter()), proportion([].into_iter())], [0.5, 0.0]);
     }
 }

@@ -11,7 +11,7 @@ mod sparse;
 mod tridiagonal;
 
 pub use banded::Banded;
-pub use fit::{line, proportion};
+pub use fit::{line, proportion, proportions};
 pub use gauss::gauss_legendre;
 pub use interpolation::{cubic, lagrange};
 pub use product::{add_rows, dot, dots, norm, padded};

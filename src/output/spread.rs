@@ -21,7 +21,7 @@ pub struct Spread {
 /// The ranks of a run; traffic is that of the whole run until the summary was made.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ParallelSummary {
-    /// Bodies whose centres lie in the cells of a rank; zero without a fluid.
+    /// Bodies whose centres lie in the part of the box that is a rank's.
     pub bodies: Spread,
     /// Cells of the grid; zero without a fluid.
     pub cells: Spread,
@@ -31,6 +31,10 @@ pub struct ParallelSummary {
     pub bytes: Spread,
     /// Reductions, gatherings and broadcasts; hypre's are not counted.
     pub collectives: Spread,
+    /// Collectives in which each rank has a part for each other one.
+    pub all_to_alls: Spread,
+    /// Bytes that came in gatherings.
+    pub gathered: Spread,
     /// Peak memory.
     pub memory_bytes: Spread,
 }
@@ -56,12 +60,12 @@ impl Spread {
 impl ParallelSummary {
     /// Of ranks that hold so many bodies and cells, this one's given; collective.
     pub(super) fn new(world: &World, bodies: usize, cells: usize) -> ParallelSummary {
-        let Traffic { messages, bytes, collectives } = Traffic::local_so_far();
-        let local = [bodies as f64, cells as f64, messages, bytes, collectives, peak_memory_bytes()];
+        let Traffic { messages, bytes, collectives, all_to_alls, gathered } = Traffic::local_so_far();
+        let local = [bodies as f64, cells as f64, messages, bytes, collectives, all_to_alls, gathered, peak_memory_bytes()];
         let all = world.gather(&local);
-        let [bodies, cells, messages, bytes, collectives, memory_bytes] =
+        let [bodies, cells, messages, bytes, collectives, all_to_alls, gathered, memory_bytes] =
             std::array::from_fn(|column| Spread::of(all.chunks(local.len()).map(|rank| rank[column])));
-        ParallelSummary { bodies, cells, messages, bytes, collectives, memory_bytes }
+        ParallelSummary { bodies, cells, messages, bytes, collectives, all_to_alls, gathered, memory_bytes }
     }
 }
 

@@ -157,6 +157,10 @@ pub struct MotionSummary {
     pub contact_seconds: f64,
     /// Of these: files.
     pub output_seconds: f64,
+    /// Contacts that were solved for, summed over the steps.
+    pub contacts: usize,
+    /// Contacts of the largest island that one rank solved, summed over the steps.
+    pub island_contacts: usize,
 }
 
 /// Cost and convergence.

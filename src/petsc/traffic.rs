@@ -1,5 +1,7 @@
 //! What PETSc's log counts of the traffic between ranks.
 
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
 use super::ffi;
 use crate::parallel::TrafficLog;
 
@@ -14,23 +16,43 @@ pub struct Traffic {
     pub bytes: f64,
     /// Reductions, gatherings and broadcasts.
     pub collectives: f64,
+    /// Collectives in which each rank has a part for each other one.
+    pub all_to_alls: f64,
+    /// Bytes that came in gatherings, which each rank passes on to the next.
+    pub gathered: f64,
 }
+
+/// What PETSc has no counters for.
+static ALL_TO_ALLS: AtomicU64 = AtomicU64::new(0);
+static GATHERED: AtomicU64 = AtomicU64::new(0);
 
 impl Traffic {
     /// Until now.
     pub fn local_so_far() -> Traffic {
+        let [all_to_alls, gathered] = [&ALL_TO_ALLS, &GATHERED].map(|count| count.load(Relaxed) as f64);
         unsafe {
             Traffic {
                 messages: ffi::petsc_isend_ct + ffi::petsc_send_ct,
                 bytes: ffi::petsc_isend_len + ffi::petsc_send_len,
-                collectives: ffi::petsc_allreduce_ct + ffi::petsc_gather_ct + ffi::petsc_scatter_ct,
+                collectives: ffi::petsc_allreduce_ct + ffi::petsc_gather_ct + ffi::petsc_scatter_ct - all_to_alls,
+                all_to_alls,
+                gathered,
             }
         }
     }
 }
 
 /// Adds what [`World`](crate::parallel::World) sends to PETSc's counts.
-pub(super) const TRAFFIC_LOG: TrafficLog = TrafficLog { collective: count_collective, messages: count_messages };
+pub(super) const TRAFFIC_LOG: TrafficLog = TrafficLog {
+    collective: count_collective,
+    all_to_all: || {
+        ALL_TO_ALLS.fetch_add(1, Relaxed);
+    },
+    gathered: |bytes| {
+        GATHERED.fetch_add(bytes as u64, Relaxed);
+    },
+    messages: count_messages,
+};
 
 /// Adds a collective to which this rank contributes some bytes.
 fn count_collective(bytes: usize) {

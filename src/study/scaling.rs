@@ -4,6 +4,7 @@
 //! timed by the step, over as many as it has. *Strong*: the same scene on more ranks. *Weak*: as many times the bodies in
 //! as many times the volume as there are ranks, along the periodic axes of the box.
 
+mod check;
 mod enlarge;
 mod measurement;
 mod model;
@@ -14,6 +15,7 @@ mod workload;
 use std::path::PathBuf;
 
 use self::{
+    check::checks,
     enlarge::{copies, write_enlarged},
     measurement::Measurement,
     model::{Network, Sample, ScalingModel},
@@ -70,12 +72,9 @@ impl Study<PetscOptions> for Scaling {
 
     fn run(&self, petsc: &PetscOptions) -> Result<()> {
         let scene = Scene::read(&self.scene.scene, &self.scene.overrides)?;
-        if scene.dry() {
-            let remedy = "scaling measures the solver of the fluid, and a dry scene has none; choose a scene with a flow";
-            return Err(scene.refuse("flow.model", "\"none\"", remedy));
-        }
         if scene.scalar() {
-            return Err(scene.refuse("flow.model", "\"scalar\"", "scaling measures the solver of the fluid; choose a scene with a flow"));
+            let remedy = "scaling measures flows and dry runs; choose a scene with \"stokes\" or \"none\"";
+            return Err(scene.refuse("flow.model", "\"scalar\"", remedy));
         }
         match scene.dimension() {
             2 => Measuring::<2>::new(self, petsc, scene)?.report(),
@@ -96,10 +95,20 @@ struct Measuring<'a, const D: usize> {
 }
 
 /// Whether the scene grows with the ranks.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
 enum ScalingKind {
     Strong,
     Weak,
+}
+
+impl ScalingKind {
+    fn name(self) -> &'static str {
+        match self {
+            ScalingKind::Strong => "strong",
+            ScalingKind::Weak => "weak",
+        }
+    }
 }
 
 impl<'a, const D: usize> Measuring<'a, D> {
@@ -113,15 +122,18 @@ impl<'a, const D: usize> Measuring<'a, D> {
     }
 
     fn report(&self) -> Result<()> {
-        let strong = self.measure(ScalingKind::Strong)?;
+        let strong = self.measure(ScalingKind::Strong, &[])?;
         let (weak, weak_refusal) = match copies::<D>(&self.scene, 2) {
-            Ok(_) => (Some(self.measure(ScalingKind::Weak)?), None),
+            Ok(_) => (Some(self.measure(ScalingKind::Weak, &strong)?), None),
             Err(reason) => (None, Some(reason.to_string())),
         };
-        let both = strong.iter().chain(weak.iter().flatten());
-        let samples: Vec<Sample> = both.filter_map(|(_, sample)| sample.as_ref().ok().cloned()).collect();
+        // on one rank both are the same run
+        let grown = weak.iter().flatten().filter(|(ranks, _)| *ranks > 1).map(|run| (ScalingKind::Weak, run));
+        let both = strong.iter().map(|run| (ScalingKind::Strong, run)).chain(grown);
+        let runs: Vec<(ScalingKind, &Sample)> = both.filter_map(|(kind, (_, sample))| Some((kind, sample.as_ref().ok()?))).collect();
         let network = Network { bandwidth: self.options.bandwidth * 1e9, latency: self.options.latency * 1e-6 };
-        let model = ScalingModel::fit(&samples, self.cores, network);
+        let model = ScalingModel::fit(runs.iter().map(|(_, sample)| *sample), self.cores, network);
+        let checks = checks(&runs, self.cores, network);
         let report = Report {
             scene: self.scene.shown_title().to_owned(),
             steps: self.scene.time.is_some(),
@@ -133,15 +145,20 @@ impl<'a, const D: usize> Measuring<'a, D> {
             weak_refusal,
             network,
             model,
+            checks,
         };
         self.folder.write(&report.files())?;
         say(&format!("{}\n\nfiles: {}: scaling.json, scaling.csv, scaling.svg", report.markdown(), self.folder.path.display()))
     }
 
-    /// A run for each rank count, or why there is none.
-    fn measure(&self, kind: ScalingKind) -> Result<Vec<(usize, Result<Sample>)>> {
+    /// A run for each rank count, or why there is none; that on one rank may be `known`.
+    fn measure(&self, kind: ScalingKind, known: &[(usize, Result<Sample>)]) -> Result<Vec<(usize, Result<Sample>)>> {
         let mut samples = Vec::new();
         for &ranks in &self.ranks {
+            if let (1, Some((1, Ok(sample)))) = (ranks, known.first()) {
+                samples.push((ranks, Ok(sample.clone())));
+                continue;
+            }
             let shares = self.workload(kind, ranks).and_then(|workload| workload.shares(ranks));
             let sample = match shares {
                 Ok(shares) => Ok(Sample { shares, measured: self.run(kind, ranks)? }),
@@ -153,10 +170,10 @@ impl<'a, const D: usize> Measuring<'a, D> {
     }
 
     /// Shares on any number of ranks. Copies of a cell share out evenly, bodies placed anew do not: as unevenly as in a measured run.
-    fn expected_shares(&self, kind: ScalingKind, ranks: usize, like: &Measurement) -> Result<RankShares> {
+    fn expected_shares(&self, kind: ScalingKind, ranks: usize, like: &Sample) -> Result<RankShares> {
         let mut shares = self.workload(kind, ranks)?.shares(ranks)?;
         if kind == ScalingKind::Weak && ranks > 1 {
-            shares.bodies.most = shares.bodies.most.max(shares.bodies.mean * like.parallel.bodies.imbalance());
+            shares.bodies.most = shares.bodies.most.max(shares.bodies.mean * like.measured.parallel.bodies.imbalance());
         }
         Ok(shares)
     }
@@ -186,8 +203,7 @@ impl<'a, const D: usize> Measuring<'a, D> {
         let last = samples.iter().rev().find_map(|(_, sample)| sample.as_ref().ok());
         let model = model.zip(last).map_or(Vec::new(), |(model, last)| {
             let powers = (0..).map(|power| 1 << power).take_while(|&ranks| ranks <= MOST_RANKS);
-            let shares = |ranks| self.expected_shares(kind, ranks, &last.measured);
-            let rows = powers.map(|ranks| RunRow::predicted(ranks, model, &last.measured, shares(ranks).as_ref()));
+            let rows = powers.map(|ranks| RunRow::predicted(ranks, model, last, self.expected_shares(kind, ranks, last).as_ref()));
             up_to_the_first(rows, RunRow::absent)
         });
         Table::new(measured, model, kind == ScalingKind::Weak)

@@ -11,16 +11,20 @@ pub struct Measurement {
     pub setup: f64,
     /// Seconds for the grid: of the coupled solver, without the blocks of the bodies.
     pub grid: f64,
-    /// Seconds for the bodies: their jump corrections, and their blocks in the coupled solver.
+    /// Seconds for the bodies: their jump corrections and their blocks in the coupled solver, or all of a dry step but contacts.
     pub bodies: f64,
-    /// Seconds for contacts, which grow with the bodies of all ranks.
+    /// Seconds for contacts.
     pub contacts: f64,
     /// Further seconds, which no rank shares: files.
     pub rest: f64,
     /// Steps; 1 of an instant.
     pub steps: usize,
-    /// Iterations of all solves.
+    /// Iterations of all solves; none in a dry run.
     pub iterations: usize,
+    /// Contacts that were solved for in all steps.
+    pub pressed: f64,
+    /// Contacts of the largest island that one rank solved, in all steps.
+    pub island: f64,
     /// Shares of the ranks, and what they sent.
     pub parallel: ParallelSummary,
 }
@@ -38,14 +42,29 @@ impl Measurement {
         let section = if summary.in_time() { "motion" } else { "solver" };
         let number = |name: &str| summary.number(&format!("/{section}/{name}"));
         let (assembly, solve) = (number("assembly_seconds"), number("solve_seconds"));
-        let (grid, bodies, contacts) = (solve * (1.0 - part), assembly + solve * part, number("contact_seconds"));
-        let (setup, rest) = match summary.in_time() {
-            true => (0.0, (number("seconds") - grid - bodies - contacts).max(0.0)),
+        let (grid, contacts) = (solve * (1.0 - part), number("contact_seconds"));
+        let (setup, others) = match summary.in_time() {
+            true => (0.0, (number("seconds") - assembly - solve - contacts).max(0.0)),
             false => (number("setup_seconds"), 0.0),
         };
-        let steps = summary.get::<usize>("/steps").map_or(1, |steps| steps.max(1));
-        let parallel = summary.get("/parallel").unwrap_or_default();
-        Ok(Measurement { setup, grid, bodies, contacts, rest, steps, iterations: number("iterations") as usize, parallel })
+        let rest = if solve > 0.0 { others } else { others.min(number("output_seconds")) };
+        Ok(Measurement {
+            setup,
+            grid,
+            bodies: assembly + solve * part + others - rest,
+            contacts,
+            rest,
+            steps: summary.get::<usize>("/steps").map_or(1, |steps| steps.max(1)),
+            iterations: number("iterations") as usize,
+            pressed: number("contacts"),
+            island: number("island_contacts"),
+            parallel: summary.get("/parallel").unwrap_or_default(),
+        })
+    }
+
+    /// How often ranks exchange what they have: in each iteration, or in each step of a run without any.
+    pub fn exchanges(&self) -> f64 {
+        (if self.iterations > 0 { self.iterations } else { self.steps }) as f64
     }
 
     /// Seconds of the instant, or of all steps.

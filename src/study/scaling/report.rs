@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::{
+    check::{self, Check},
     model::{Network, ScalingModel},
     table::Table,
 };
@@ -34,6 +35,8 @@ pub struct Report {
     pub network: Network,
     /// The model, if there were runs to fit it to.
     pub model: Option<ScalingModel>,
+    /// What it says of each measured run if fitted to the others.
+    pub checks: Vec<Check>,
 }
 
 impl Report {
@@ -46,6 +49,12 @@ impl Report {
         if let Some(reason) = &self.weak_refusal {
             text += &format!("Weak scaling: none: {reason}.\n\n");
         }
+        if !self.checks.is_empty() {
+            text += &format!(
+                "Each measured row beside what the model says of it if fitted to the others.\n\n{}\n\n",
+                check::table(&self.checks)
+            );
+        }
         text + &self.notes()
     }
 
@@ -54,24 +63,26 @@ impl Report {
         let (Network { bandwidth, latency }, repeat) = (self.network, self.repeat);
         let mut notes = vec![
             format!("Seconds of {what}; the fastest of {repeat}. Efficiency: speed per rank over that of the first row."),
-            "Messages, MB sent, collectives and memory: of the busiest rank, as PETSc counts them, with this program's own collectives; \
+            "Messages, MB sent, collectives, all-to-alls and memory: of the busiest rank, as PETSc counts them, with this program's own collectives; \
              hypre's are not counted."
                 .to_owned(),
         ];
         let cores = self.cores;
         if self.strong.beyond_cores() {
-            notes.push(format!("* More ranks than the {cores} cores: they take turns, and the model is not fitted to their seconds."));
+            notes.push(format!(
+                "* More ranks than the {cores} cores (oversubscribed): they take turns, and the model is not fitted to their seconds, which tell of \
+                 the scheduler too, but to their counts."
+            ));
         }
         notes.push(match self.model {
-            Some(model) => format!(
-                "Rows \"model\" are a model, not a measurement: seconds per cell, body and iteration fitted to the measured rows, shares \
-                 counted in the partition at that many ranks, iterations as on the most ranks measured, messages of {:.2} microseconds \
+            Some(_) => format!(
+                "Rows \"model\" are a model, not a measurement: seconds per cell, body, contact and iteration fitted to the measured rows, shares \
+                 counted in the partition at that many ranks, iterations and contacts as on the most ranks measured, messages of {:.2} microseconds \
                  and {:.1} GB/s a rank (--latency, --bandwidth), five exchanges on each multigrid level or all values but its own \
-                 from each rank in each transpose of a transform, and contacts in proportion to all bodies. \
-                 It misses the seconds that it was fitted to by up to {:.0} %.",
+                 from each rank in each transpose of a transform, log2 of the ranks messages in a collective and one to each rank in an all-to-all, and \
+                 contacts of the busiest rank: its share, or the largest island that one rank solves.",
                 latency * 1e6,
                 bandwidth / 1e9,
-                100.0 * model.misfit
             ),
             None => format!("No model: it takes a run on more than one rank, and one on no more than the {cores} cores."),
         });

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{
     measurement::Measurement,
-    model::{Prediction, Sample, ScalingModel},
+    model::{Prediction, Sample, ScalingModel, Work},
     workload::RankShares,
 };
 use crate::{
@@ -42,6 +42,7 @@ struct Numbers {
     messages: f64,
     bytes: f64,
     collectives: f64,
+    all_to_alls: f64,
     memory_bytes: Option<f64>,
 }
 
@@ -58,6 +59,7 @@ impl Numbers {
             messages: total.messages / steps,
             bytes: total.bytes / steps,
             collectives: total.collectives / steps,
+            all_to_alls: total.all_to_alls / steps,
             memory_bytes: total.memory,
         }
     }
@@ -67,18 +69,19 @@ impl RunRow {
     /// A measured run, or why there is none.
     pub fn measured(ranks: usize, beyond_cores: bool, sample: std::result::Result<&Sample, &Error>) -> RunRow {
         let numbers = |Sample { measured, .. }: &Sample| {
-            let ParallelSummary { cells, bodies, messages, bytes, collectives, memory_bytes } = measured.parallel;
-            let (messages, bytes, collectives) = (messages.most, bytes.most, collectives.most);
-            let total = Prediction { seconds: measured.all_seconds(), messages, bytes, collectives, memory: Some(memory_bytes.most) };
+            let ParallelSummary { cells, bodies, messages, bytes, collectives, all_to_alls, memory_bytes, .. } = measured.parallel;
+            let [messages, bytes, collectives, all_to_alls] = [messages, bytes, collectives, all_to_alls].map(|spread| spread.most);
+            let (seconds, memory) = (measured.all_seconds(), Some(memory_bytes.most));
+            let total = Prediction { seconds, messages, bytes, collectives, all_to_alls, memory };
             Numbers::of(measured, &total, &cells, &bodies)
         };
         RunRow { ranks, beyond_cores, numbers: sample.ok().map(numbers), remark: sample.err().map(Error::to_string) }
     }
 
-    /// A run that the model predicts, with the steps and iterations of one that was measured.
-    pub fn predicted(ranks: usize, model: &ScalingModel, like: &Measurement, shares: std::result::Result<&RankShares, &Error>) -> RunRow {
-        let total = |shares: &RankShares| model.predict(shares, like.iterations as f64);
-        let numbers = |shares: &RankShares| Numbers::of(like, &total(shares), &shares.cells, &shares.bodies);
+    /// A run that the model predicts, with the steps, iterations and contacts of one that was measured.
+    pub fn predicted(ranks: usize, model: &ScalingModel, like: &Sample, shares: std::result::Result<&RankShares, &Error>) -> RunRow {
+        let total = |shares: &RankShares| model.predict(shares, &Work::like(like, shares), 1.0);
+        let numbers = |shares: &RankShares| Numbers::of(&like.measured, &total(shares), &shares.cells, &shares.bodies);
         RunRow { ranks, beyond_cores: false, numbers: shares.ok().map(numbers), remark: shares.err().map(Error::to_string) }
     }
 
@@ -100,6 +103,7 @@ impl RunRow {
             ("messages", of(&|run| format!("{:.0}", run.messages))),
             ("MB sent", of(&|run| format!("{:.2}", run.bytes / 1e6))),
             ("collectives", of(&|run| format!("{:.0}", run.collectives))),
+            ("all-to-alls", of(&|run| format!("{:.0}", run.all_to_alls))),
             ("memory MB", of(&|run| run.memory_bytes.map_or("-".into(), |bytes| format!("{:.0}", bytes / 1e6)))),
             ("", if self.absent() { format!("{source}: {remark}") } else { source.to_owned() }),
         ]
@@ -121,6 +125,7 @@ impl RunRow {
             ("messages", of(|run| Some(run.messages))),
             ("bytes", of(|run| Some(run.bytes))),
             ("collectives", of(|run| Some(run.collectives))),
+            ("all_to_alls", of(|run| Some(run.all_to_alls))),
             ("memory_bytes", of(|run| run.memory_bytes)),
             ("remark", quoted(self.remark.as_deref().unwrap_or_default())),
         ]

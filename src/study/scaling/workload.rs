@@ -3,13 +3,14 @@
 use nalgebra::SVector;
 
 use crate::{
+    body::Regions,
     error::Result,
     flow::{InverseMethod, Transposes},
     geometry::Domain,
     grid::{Block, Grid},
     output::Spread,
     scene::Scene,
-    simulation::Setup,
+    simulation::{GranularSetup, Setup},
 };
 
 /// Exchanges of a multigrid cycle on each level: two relaxations, residual, restriction, interpolation.
@@ -21,10 +22,20 @@ const VALUE: f64 = 8.0;
 /// The grid and the bodies of a scene.
 #[derive(Debug, Clone)]
 pub struct Workload<const D: usize> {
+    /// The box of all copies.
     domain: Domain<D>,
+    /// Where there is a fluid.
+    fluid: Option<Fluid>,
+    /// Of one copy.
+    centers: Vec<SVector<f64, D>>,
+    copies: [usize; D],
+}
+
+/// How a fluid is solved.
+#[derive(Debug, Clone, Copy)]
+struct Fluid {
     spacing: f64,
     inverse: InverseMethod,
-    centers: Vec<SVector<f64, D>>,
 }
 
 /// What falls to the ranks.
@@ -32,11 +43,11 @@ pub struct Workload<const D: usize> {
 pub struct RankShares {
     /// Number of ranks.
     pub ranks: usize,
-    /// Cells of each.
+    /// Cells of each; zero of a dry scene.
     pub cells: Spread,
     /// Bodies of each.
     pub bodies: Spread,
-    /// Most faces of cells between a rank and others.
+    /// Most faces of cells between a rank and others; of a dry scene most bodies next to the faces of a block.
     pub halo: f64,
     /// Most ranks that touch one.
     pub neighbours: f64,
@@ -53,6 +64,21 @@ impl RankShares {
     pub fn all_bodies(&self) -> f64 {
         self.bodies.mean * self.ranks as f64
     }
+
+    /// Bodies among which the busiest rank looks for contacts: in a flow all of them, whose motions every rank knows.
+    pub fn looked_at(&self) -> f64 {
+        if self.dry() { self.bodies.most } else { self.all_bodies() }
+    }
+
+    /// What memory grows with.
+    pub fn size(&self) -> f64 {
+        if self.dry() { self.bodies.most } else { self.cells.most }
+    }
+
+    /// Whether there is no fluid.
+    pub fn dry(&self) -> bool {
+        self.cells.most == 0.0
+    }
 }
 
 impl<const D: usize> Workload<D> {
@@ -61,19 +87,22 @@ impl<const D: usize> Workload<D> {
     /// # Errors
     /// Its bodies cannot be placed.
     pub fn of(scene: &Scene) -> Result<Workload<D>> {
+        let copies = [1; D];
+        if scene.dry() {
+            let GranularSetup { domain, bodies, .. } = GranularSetup::<D>::of(scene)?;
+            return Ok(Workload { domain, fluid: None, centers: bodies.iter().map(|body| body.center).collect(), copies });
+        }
         let setup = Setup::<D>::of(scene)?;
         let centers = setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        Ok(Workload { domain: setup.domain, spacing: setup.spacing, inverse: setup.inverse, centers })
+        Ok(Workload { domain: setup.domain, fluid: Some(Fluid { spacing: setup.spacing, inverse: setup.inverse }), centers, copies })
     }
 
     /// So many copies of it along each axis.
     pub fn repeated(&self, copies: [usize; D]) -> Workload<D> {
-        let mut domain = self.domain.clone();
-        domain.size.iter_mut().zip(copies).for_each(|(size, copies)| *size *= copies as f64);
-        let shift = |place: [usize; D]| SVector::from_fn(|axis, _| place[axis] as f64 * self.domain.size[axis]);
-        let all = Block { start: [0; D], end: copies };
-        let centers = all.indices().flat_map(|place| self.centers.iter().map(move |center| center + shift(place))).collect();
-        Workload { domain, centers, spacing: self.spacing, inverse: self.inverse }
+        let mut all = self.clone();
+        all.domain.size.iter_mut().zip(copies).for_each(|(size, copies)| *size *= copies as f64);
+        all.copies = copies;
+        all
     }
 
     /// What falls to each of so many ranks.
@@ -81,24 +110,28 @@ impl<const D: usize> Workload<D> {
     /// # Errors
     /// The grid cannot be cut into so many blocks, or numbered.
     pub fn shares(&self, ranks: usize) -> Result<RankShares> {
-        let grid = Grid::new(&self.domain, self.spacing, ranks, 0)?;
-        let partition = grid.partition();
-        let mut bodies = vec![0.0; ranks];
-        for center in &self.centers {
-            bodies[grid.owner(&self.domain.wrap(*center))] += 1.0;
+        match self.fluid {
+            Some(fluid) => self.fluid_shares(fluid, ranks),
+            None => Ok(self.dry_shares(ranks)),
         }
+    }
+
+    fn fluid_shares(&self, fluid: Fluid, ranks: usize) -> Result<RankShares> {
+        let grid = Grid::new(&self.domain, fluid.spacing, ranks, 0)?;
+        let partition = grid.partition();
         let blocks: Vec<Block<D>> = (0..ranks).map(|rank| partition.block(rank)).collect();
-        let halo = blocks.iter().map(|block| self.halo(block, partition.ranks())).fold(0.0, f64::max);
-        let neighbours = partition.ranks().iter().map(|&parts| parts.min(3)).product::<usize>() as f64 - 1.0;
+        let sides = |block: &Block<D>| SVector::from_fn(|axis, _| (block.end[axis] - block.start[axis]) as f64);
+        let halo = blocks.iter().map(|block| self.surface(sides(block), partition.ranks())).fold(0.0, f64::max);
+        let neighbours = neighbours(partition.ranks());
         let levels = (grid.unknowns(D) as f64).log2() / D as f64;
-        let (finest, transposes) = match self.inverse {
+        let (finest, transposes) = match fluid.inverse {
             InverseMethod::Hypre => ((D + 1) as f64 * EXCHANGES, Transposes::default()),
             InverseMethod::Transform => (0.0, Transposes::of(&grid)),
         };
         Ok(RankShares {
             ranks,
             cells: Spread::of(blocks.iter().map(|block| block.len() as f64)),
-            bodies: Spread::of(bodies),
+            bodies: self.bodies(ranks, |center| grid.owner(&self.domain.wrap(center))),
             halo,
             neighbours,
             cycle_messages: finest * levels.ceil() * neighbours,
@@ -108,14 +141,39 @@ impl<const D: usize> Workload<D> {
         })
     }
 
-    /// Faces between a block and others, on axes that are cut into so many parts.
-    fn halo(&self, block: &Block<D>, parts: [usize; D]) -> f64 {
+    fn dry_shares(&self, ranks: usize) -> RankShares {
+        let regions = Regions::new(&self.domain, ranks);
+        let bodies = self.bodies(ranks, |center| regions.owner(&self.domain, &center));
+        // lengths in mean distances between bodies
+        let distance = (self.domain.volume() / (bodies.mean * ranks as f64)).powf(1.0 / D as f64);
+        let block = SVector::from_fn(|axis, _| self.domain.size[axis] / (regions.counts()[axis] as f64 * distance));
+        let halo = if bodies.mean > 0.0 { self.surface(block, regions.counts()) } else { 0.0 };
+        RankShares { ranks, bodies, halo, neighbours: neighbours(regions.counts()), ..RankShares::default() }
+    }
+
+    /// Bodies of all copies by their owners.
+    fn bodies(&self, ranks: usize, owner: impl Fn(SVector<f64, D>) -> usize) -> Spread {
+        let mut bodies = vec![0.0; ranks];
+        for place in (Block { start: [0; D], end: self.copies }).indices() {
+            let shift = SVector::from_fn(|axis, _| (place[axis] as f64 * self.domain.size[axis]) / self.copies[axis] as f64);
+            self.centers.iter().for_each(|center| bodies[owner(center + shift)] += 1.0);
+        }
+        Spread::of(bodies)
+    }
+
+    /// Faces between a block with these sides and others, on axes that are cut into so many parts.
+    fn surface(&self, block: SVector<f64, D>, parts: [usize; D]) -> f64 {
         let side = |axis: usize| {
             let sides = if self.domain.periodic(axis) && parts[axis] > 1 { 2 } else { (parts[axis] - 1).min(2) };
-            sides as f64 * block.len() as f64 / (block.end[axis] - block.start[axis]) as f64
+            sides as f64 * block.product() / block[axis]
         };
         (0..D).map(side).sum()
     }
+}
+
+/// Most blocks that touch one, on axes that are cut into so many parts.
+fn neighbours<const D: usize>(parts: [usize; D]) -> f64 {
+    parts.iter().map(|&parts| parts.min(3)).product::<usize>() as f64 - 1.0
 }
 
 #[cfg(test)]
@@ -127,13 +185,13 @@ mod tests {
     fn workload() -> Workload<2> {
         let walls = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
         let domain = Domain { size: SVector::from([8.0, 4.0]), axes: [Axis::Periodic, walls] };
-        let inverse = InverseMethod::Hypre;
-        Workload {
-            domain,
-            spacing: 0.5,
-            inverse,
-            centers: vec![SVector::from([1.0, 1.0]), SVector::from([3.0, 1.0]), SVector::from([7.0, 3.0])],
-        }
+        let fluid = Some(Fluid { spacing: 0.5, inverse: InverseMethod::Hypre });
+        let centers = [[1.0, 1.0], [3.0, 1.0], [7.0, 3.0]].map(SVector::from).to_vec();
+        Workload { domain, fluid, centers, copies: [1; 2] }
+    }
+
+    fn transformed() -> Workload<2> {
+        Workload { fluid: Some(Fluid { spacing: 0.5, inverse: InverseMethod::Transform }), ..workload() }
     }
 
     #[test]
@@ -151,17 +209,28 @@ mod tests {
     fn multigrid_has_cycles_and_transforms_have_transposes() {
         let hypre = workload().shares(4).unwrap();
         assert!(hypre.cycle_messages > 0.0 && hypre.cycle_bytes > 0.0 && hypre.transposes == Transposes::default());
-        let transform = Workload { inverse: InverseMethod::Transform, ..workload() }.shares(4).unwrap();
+        let transform = transformed().shares(4).unwrap();
         assert!(transform.cycle_messages == 0.0 && transform.cycle_bytes == 0.0);
         assert!(transform.transposes.messages >= 2.0 && transform.transposes.bytes > 0.0);
-        assert_eq!(Workload { inverse: InverseMethod::Transform, ..workload() }.shares(1).unwrap().transposes, Transposes::default());
+        assert_eq!(transformed().shares(1).unwrap().transposes, Transposes::default());
     }
 
     #[test]
     fn copies_share_out_as_one_does() {
         let four = workload().repeated([4, 1]);
-        assert_eq!(four.centers.len(), 12);
         let shares = four.shares(4).unwrap();
-        assert_eq!((shares.cells.most, shares.bodies.most, shares.bodies.least), (128.0, 3.0, 3.0));
+        assert_eq!((shares.all_bodies(), shares.cells.most, shares.bodies.most, shares.bodies.least), (12.0, 128.0, 3.0, 3.0));
+    }
+
+    #[test]
+    fn dry_bodies_are_shared_out_in_equal_blocks() {
+        let dry = Workload { fluid: None, ..workload() };
+        let one = dry.shares(1).unwrap();
+        assert_eq!((one.cells.most, one.bodies.most, one.halo, one.neighbours, one.looked_at()), (0.0, 3.0, 0.0, 0.0, 3.0));
+        // two faces of four, in bodies of 32 / 3 each
+        let two = dry.shares(2).unwrap();
+        assert_eq!((two.bodies.most, two.neighbours, two.looked_at()), (2.0, 1.0, 2.0));
+        assert!((two.halo - 8.0 * (3.0_f64 / 32.0).sqrt()).abs() < 1e-14, "{}", two.halo);
+        assert_eq!(workload().shares(2).unwrap().looked_at(), 3.0);
     }
 }
