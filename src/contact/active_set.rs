@@ -6,14 +6,14 @@
 //! by iterations on a slightly regularised matrix.
 
 use super::{
-    cholesky::Cholesky,
+    factors::Factors,
     program::{Program, clip},
 };
 
 /// Guesses tried with each regularization.
 const GUESSES: usize = 8;
 /// A guess that differs from the one before in more rows, or in a greater part of all, is not followed: equations are then no way to the solution.
-const ASTRAY_ROWS: usize = 16;
+const ASTRAY_ROWS: f64 = 16.0;
 const ASTRAY_PART: f64 = 0.01;
 /// Short steps, which lead to the active set also where many constraints neither press nor gape, and exact equations.
 const STAGES: [Stage; 2] = [Stage { softness: 1e-4, corrections: 2 }, Stage { softness: 1e-6, corrections: 12 }];
@@ -30,11 +30,11 @@ struct Stage {
 }
 
 /// Multipliers at least as good as the guess: the best found, none negative.
-pub(super) fn active_set_refine(program: &Program, factors: &mut Cholesky, guess: &[f64]) -> Vec<f64> {
+pub(super) fn active_set_refine(program: &Program, factors: &mut Factors, guess: &[f64]) -> Vec<f64> {
     let mut best = Best::new(program, guess);
     for stage in STAGES {
         best.improve(program, factors, stage);
-        if best.residual <= rounding(&best.multipliers) {
+        if best.residual <= rounding(program, &best.multipliers) {
             break;
         }
     }
@@ -42,7 +42,7 @@ pub(super) fn active_set_refine(program: &Program, factors: &mut Cholesky, guess
 }
 
 /// Multipliers at least as good as the guess, by exact equations only.
-pub(super) fn active_set_refine_exactly(program: &Program, factors: &mut Cholesky, guess: &[f64]) -> Vec<f64> {
+pub(super) fn active_set_refine_exactly(program: &Program, factors: &mut Factors, guess: &[f64]) -> Vec<f64> {
     let mut best = Best::new(program, guess);
     best.improve(program, factors, STAGES[1]);
     best.multipliers
@@ -61,14 +61,14 @@ impl Best {
         Self { residual: program.residual(&multipliers), multipliers }
     }
 
-    fn improve(&mut self, program: &Program, factors: &mut Cholesky, stage: Stage) {
+    fn improve(&mut self, program: &Program, factors: &mut Factors, stage: Stage) {
         let mut trial = self.multipliers.clone();
         let mut earlier: Option<Vec<bool>> = None;
         for _ in 0..GUESSES {
             let slacks = program.slacks(&trial);
             let active: Vec<bool> = trial.iter().zip(&slacks).map(|(multiplier, slack)| multiplier > slack).collect();
-            let changes = earlier.map(|earlier| active.iter().zip(&earlier).filter(|(now, before)| now != before).count());
-            if changes.is_some_and(|changes| changes == 0 || changes > ASTRAY_ROWS.max((ASTRAY_PART * trial.len() as f64) as usize)) {
+            let changes = earlier.map(|earlier| program.sum(active.iter().zip(&earlier).map(|(now, before)| f64::from(now != before))));
+            if changes.is_some_and(|changes| changes == 0.0 || changes > ASTRAY_ROWS.max((ASTRAY_PART * program.count()).floor())) {
                 return;
             }
             trial = solve_equations(program, factors, &active, &trial, stage);
@@ -76,7 +76,7 @@ impl Best {
             if found.residual < self.residual {
                 *self = found;
             }
-            if self.residual <= rounding(&self.multipliers) {
+            if self.residual <= rounding(program, &self.multipliers) {
                 return;
             }
             earlier = Some(active);
@@ -85,7 +85,7 @@ impl Best {
 }
 
 /// Multipliers, zero outside the active set, with which no active constraint has any slack: corrections by the augmented Lagrangian.
-fn solve_equations(program: &Program, factors: &mut Cholesky, active: &[bool], guess: &[f64], stage: Stage) -> Vec<f64> {
+fn solve_equations(program: &Program, factors: &mut Factors, active: &[bool], guess: &[f64], stage: Stage) -> Vec<f64> {
     let Stage { softness, corrections } = stage;
     let mut multipliers: Vec<f64> = guess.iter().zip(active).map(|(guess, active)| if *active { guess.max(0.0) } else { 0.0 }).collect();
     let weights: Vec<f64> = active.iter().map(|active| if *active { 1.0 / softness } else { 0.0 }).collect();
@@ -94,8 +94,9 @@ fn solve_equations(program: &Program, factors: &mut Cholesky, active: &[bool], g
     let mut earlier = f64::INFINITY;
     for _ in 0..corrections {
         let slacks = program.slacks(&multipliers);
-        let largest = slacks.iter().zip(active).filter(|(_, active)| **active).map(|(slack, _)| slack.abs()).fold(0.0, f64::max);
-        if largest <= rounding(&multipliers) || largest > 0.5 * earlier {
+        let pressing = slacks.iter().zip(active).filter(|(_, active)| **active);
+        let largest = program.max(pressing.map(|(slack, _)| slack.abs()).fold(0.0, f64::max));
+        if largest <= rounding(program, &multipliers) || largest > 0.5 * earlier {
             break;
         }
         earlier = largest;
@@ -110,6 +111,6 @@ fn solve_equations(program: &Program, factors: &mut Cholesky, active: &[bool], g
     multipliers
 }
 
-fn rounding(multipliers: &[f64]) -> f64 {
-    ROUNDINGS * f64::EPSILON * multipliers.iter().fold(1.0, |largest: f64, multiplier| largest.max(multiplier.abs()))
+fn rounding(program: &Program, multipliers: &[f64]) -> f64 {
+    ROUNDINGS * f64::EPSILON * program.max(multipliers.iter().fold(1.0, |largest: f64, multiplier| largest.max(multiplier.abs())))
 }

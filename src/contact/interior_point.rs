@@ -5,10 +5,9 @@
 //! others (Gondzio 1996, doi:10.1007/BF00249643). An iteration factors `I + A^T Z / (S + d Z) A` once and solves with it two to four
 //! times. The damping `d`, which is gone when multipliers no longer change, bounds the weights and lets constraints repeat
 //! each other (Friedlander and Orban 2012, doi:10.1007/s12532-012-0035-2). How many iterations it takes hardly depends
-//! on how many constraints there are, nor on how far from the guess they press.
+//! on how many constraints there are, nor on how far from the guess they press. Ranks that share a program share its factors.
 
-use super::{cholesky::Cholesky, program::Program};
-use crate::linalg::dot;
+use super::{factors::Factors, program::Program};
 
 /// Products of slacks and multipliers at the start.
 const START: f64 = 1.0;
@@ -27,7 +26,7 @@ const SHORTEST: f64 = 1e-5;
 
 /// Where the method stands.
 pub(super) struct InteriorPoint<'a> {
-    program: &'a Program,
+    program: &'a Program<'a>,
     /// The multipliers, all positive.
     pub multipliers: Vec<f64>,
     slacks: Vec<f64>,
@@ -58,7 +57,7 @@ pub(super) struct Distance {
 
 impl<'a> InteriorPoint<'a> {
     /// Starts near a guess: where the path would be if slacks differed from multipliers by what they do there.
-    pub fn new(program: &'a Program, guess: &[f64]) -> Self {
+    pub fn new(program: &'a Program<'a>, guess: &[f64]) -> Self {
         let at_guess = program.slacks(guess);
         let slack = |(slack, multiplier): (&f64, &f64)| {
             let half = 0.5 * (slack - multiplier);
@@ -77,13 +76,14 @@ impl<'a> InteriorPoint<'a> {
     /// How far from the solution this is.
     pub fn distance(&self) -> Distance {
         let least = self.openings.iter().fold(0.0, |least: f64, opening| least.min(*opening));
-        let work = -dot(&self.program.offsets, &self.multipliers);
-        Distance { violation: -least, work: dot(&self.openings, &self.multipliers).abs() / work.max(1.0) }
+        let work = -self.program.dot(&self.program.offsets, &self.multipliers);
+        let idle = self.program.dot(&self.openings, &self.multipliers).abs();
+        Distance { violation: self.program.max(-least), work: idle / work.max(1.0) }
     }
 
     /// The mean product of a slack and a multiplier.
     fn mean(&self) -> f64 {
-        dot(&self.slacks, &self.multipliers) / self.slacks.len() as f64
+        self.program.dot(&self.slacks, &self.multipliers) / self.program.count()
     }
 
     /// The multipliers without those that are less than their slacks.
@@ -93,7 +93,7 @@ impl<'a> InteriorPoint<'a> {
     }
 
     /// One iteration; whether it led anywhere.
-    pub fn step(&mut self, factors: &mut Cholesky) -> bool {
+    pub fn step(&mut self, factors: &mut Factors) -> bool {
         let weights: Vec<f64> = self.multipliers.iter().zip(&self.damped).map(|(multiplier, damped)| multiplier / damped).collect();
         factors.factor(&weights);
         let mean = self.mean();
@@ -107,11 +107,12 @@ impl<'a> InteriorPoint<'a> {
         let length = (PART * room).min(1.0);
         self.walk(&direction, length);
         self.measure();
-        length > SHORTEST && self.multipliers.iter().chain(&self.slacks).all(|value| value.is_finite())
+        let lost = self.multipliers.iter().chain(&self.slacks).any(|value| !value.is_finite());
+        !self.program.any(lost) && length > SHORTEST
     }
 
     /// The same direction or a longer one, and how far it leads at most.
-    fn corrected(&self, factors: &Cholesky, first: Direction, aim: f64) -> (Direction, f64) {
+    fn corrected(&self, factors: &mut Factors, first: Direction, aim: f64) -> (Direction, f64) {
         let mut room = self.room(&first);
         let mut best = first;
         for _ in 0..CORRECTIONS {
@@ -132,7 +133,7 @@ impl<'a> InteriorPoint<'a> {
     }
 
     /// The change that takes products away from the products of slacks and multipliers, and, if asked, what is wrong with slacks and unknowns.
-    fn direction(&self, factors: &Cholesky, products: &[f64], whole: bool) -> Direction {
+    fn direction(&self, factors: &mut Factors, products: &[f64], whole: bool) -> Direction {
         let mut slacks: Vec<f64> = if whole {
             self.openings.iter().zip(&self.slacks).map(|(opening, slack)| opening - slack).collect()
         } else {
@@ -161,7 +162,8 @@ impl<'a> InteriorPoint<'a> {
             let falling = values.iter().zip(changes).filter(|(_, change)| **change < 0.0);
             falling.map(|(value, change)| -value / change).fold(f64::INFINITY, f64::min)
         };
-        room(&self.slacks, &direction.slacks).min(room(&self.multipliers, &direction.multipliers))
+        let both = room(&self.slacks, &direction.slacks).min(room(&self.multipliers, &direction.multipliers));
+        -self.program.max(-both)
     }
 
     fn products_after(&self, direction: &Direction, length: f64) -> impl Iterator<Item = f64> {
@@ -171,7 +173,7 @@ impl<'a> InteriorPoint<'a> {
     }
 
     fn mean_after(&self, direction: &Direction, length: f64) -> f64 {
-        self.products_after(direction, length).sum::<f64>() / self.slacks.len() as f64
+        self.program.sum(self.products_after(direction, length)) / self.program.count()
     }
 
     fn walk(&mut self, direction: &Direction, length: f64) {

@@ -4,11 +4,13 @@ use clarabel::algebra::CscMatrix;
 use nalgebra::SVector;
 
 use super::{
-    Contact, Problem, Solver,
+    Contact, Problem, Solver, View,
     lower_bounds::solve_above,
     program::{Answer, Program},
+    sharing::Sharing,
     solver::Outcome,
 };
+use crate::{parallel::Peers, petsc::Session};
 
 /// Smallest violation, in radii, that the unknowns are scaled by: impossible constraints by rounding are none.
 const SMALLEST_SCALE: f64 = 1e-6;
@@ -33,7 +35,37 @@ pub(super) fn solve_by<const D: usize>(problem: &Problem<D>, contacts: &[Contact
         let force = -problem.gap_after(contact, problem.velocities) / (problem.mobility(contact) * problem.step);
         return Outcome::Solved { forces: vec![force.max(problem.lower_bound(contact))], iterations: 0, solver: Solver::Formula };
     }
-    let program = program(problem, contacts, &unit);
+    let bodies = free_bodies(problem, contacts);
+    solve_program(problem, contacts, guess, (&unit, program(problem, contacts, &bodies, &unit)), solvers)
+}
+
+/// The forces at the contacts of an island that all ranks solve together, from a guess. Collective: each rank gives the contacts of
+/// its own bodies that give way, with the same guess as others for those that it shares with them.
+pub(super) fn solve_together<const D: usize>(
+    session: &Session,
+    view: &View<D>,
+    problem: &Problem<D>,
+    contacts: &[Contact<D>],
+    guess: &[f64],
+) -> Outcome {
+    let unit = Unit::new(problem, contacts).over(session.world().into());
+    if unit.violation <= 0.0 {
+        return Outcome::Solved { forces: vec![0.0; contacts.len()], iterations: 0, solver: Solver::Formula };
+    }
+    let bodies = free_bodies(problem, contacts);
+    let answered = contacts.iter().map(|contact| view.answers(contact.identity())).collect();
+    let sharing = Sharing::new(session, &view.halo, &bodies, answered);
+    let program = Program { sharing: Some(&sharing), ..program(problem, contacts, &bodies, &unit) };
+    solve_program(problem, contacts, guess, (&unit, program), &[Solver::Distributed])
+}
+
+fn solve_program<const D: usize>(
+    problem: &Problem<D>,
+    contacts: &[Contact<D>],
+    guess: &[f64],
+    (unit, program): (&Unit, Program),
+    solvers: &[Solver],
+) -> Outcome {
     let in_units = |force: f64, contact: &Contact<D>| force / unit.force(problem, contact);
     let guess: Vec<f64> = contacts.iter().zip(guess).map(|(contact, &force)| in_units(force, contact)).collect();
     let lower_bounds: Vec<f64> = contacts.iter().map(|contact| in_units(problem.lower_bound(contact), contact)).collect();
@@ -66,6 +98,11 @@ impl Unit {
         Self { violation, scale: scale.max(violation) }
     }
 
+    /// The unit of the contacts of all ranks.
+    fn over(self, peers: Peers) -> Self {
+        Self { violation: peers.max(self.violation), scale: peers.max(self.scale) }
+    }
+
     /// The force of a multiplier of one.
     fn force<const D: usize>(&self, problem: &Problem<D>, contact: &Contact<D>) -> f64 {
         self.scale / (problem.mobility(contact).sqrt() * problem.step)
@@ -73,8 +110,7 @@ impl Unit {
 }
 
 /// The program whose unknowns are the changes of `velocity dt sqrt(weight)`.
-fn program<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>], unit: &Unit) -> Program {
-    let bodies = free_bodies(problem, contacts);
+fn program<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>], bodies: &[usize], unit: &Unit) -> Program<'static> {
     let (mut starts, mut rows, mut values, mut offsets) = (vec![0], Vec::new(), Vec::new(), Vec::new());
     for contact in contacts {
         let root = problem.mobility(contact).sqrt();
@@ -92,7 +128,7 @@ fn program<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>], unit: 
         starts.push(rows.len());
         offsets.push(problem.gap_after(contact, problem.velocities) / (root * unit.scale));
     }
-    Program { transposed: CscMatrix::new(bodies.len() * D, contacts.len(), starts, rows, values), width: D, offsets }
+    Program { transposed: CscMatrix::new(bodies.len() * D, contacts.len(), starts, rows, values), width: D, offsets, sharing: None }
 }
 
 /// Bodies of contacts that give way, in order.

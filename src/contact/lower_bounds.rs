@@ -15,7 +15,7 @@ const LIMIT: f64 = 16.0;
 
 /// Multipliers not below the lower bounds, of which none is positive, from a guess, by the first of several methods that finds them.
 pub(super) fn solve_above(program: Program, lower_bounds: &[f64], guess: &[f64], solvers: &[Solver]) -> Result<(Answer, Solver), Outcome> {
-    if lower_bounds.iter().all(|&floor| floor == 0.0) {
+    if !program.any(lower_bounds.iter().any(|&floor| floor != 0.0)) {
         return solve_first(&program, guess, solvers);
     }
     let (mut limit, mut total) = (LIMIT, 0);
@@ -26,7 +26,7 @@ pub(super) fn solve_above(program: Program, lower_bounds: &[f64], guess: &[f64],
         let (above, solver) = solve_first(&moved, &raised, solvers)?;
         total += above.iterations;
         let rests = |place: usize| above.multipliers[place] == 0.0 && limited[place] > lower_bounds[place];
-        if !(0..lower_bounds.len()).any(rests) {
+        if !program.any((0..lower_bounds.len()).any(rests)) {
             let multipliers = above.multipliers.iter().zip(limited).map(|(above, floor)| above + floor).collect();
             return Ok((Answer { multipliers, iterations: total, ..above }, solver));
         }

@@ -5,19 +5,23 @@
 
 use clarabel::algebra::CscMatrix;
 
+use super::sharing::Sharing;
 use crate::linalg::dot;
 
-/// A program whose unknowns are the multipliers.
-pub(super) struct Program {
+/// A program whose unknowns are the multipliers. Ranks may share one: each then has the constraints of its own bodies, of which it knows all
+/// unknowns, and everything below is collective.
+pub(super) struct Program<'a> {
     /// `A^T`: one column for each constraint.
     pub transposed: CscMatrix<f64>,
     /// Unknowns of a body, which follow each other; a constraint has entries in all of those of one or two bodies.
     pub width: usize,
     /// `c`.
     pub offsets: Vec<f64>,
+    /// With whom it is shared, if it is.
+    pub sharing: Option<&'a Sharing<'a>>,
 }
 
-impl Program {
+impl Program<'_> {
     /// The entries of `A` in the row of a constraint: places and values.
     pub fn row(&self, constraint: usize) -> impl Iterator<Item = (usize, f64)> {
         let CscMatrix { colptr, rowval, nzval, .. } = &self.transposed;
@@ -41,6 +45,9 @@ impl Program {
         for (constraint, multiplier) in multipliers.iter().enumerate() {
             self.row(constraint).for_each(|(place, value)| unknowns[place] += value * multiplier);
         }
+        if let Some(sharing) = self.sharing {
+            sharing.update(unknowns, self.width);
+        }
     }
 
     /// `A x`.
@@ -63,13 +70,43 @@ impl Program {
     /// Whether multipliers, none negative, leave no slack below `-tolerance`, and do no more work than that part on slacks.
     pub fn solved(&self, multipliers: &[f64], tolerance: f64) -> bool {
         let slacks = self.slacks(multipliers);
-        let work = -dot(&self.offsets, multipliers);
-        slacks.iter().all(|slack| *slack >= -tolerance) && dot(&slacks, multipliers).abs() <= tolerance * work.max(1.0)
+        let work = -self.dot(&self.offsets, multipliers);
+        let idle = self.dot(&slacks, multipliers).abs();
+        !self.any(slacks.iter().any(|slack| slack.is_nan() || *slack < -tolerance)) && idle <= tolerance * work.max(1.0)
     }
 
     /// Distance from the solution: the largest `|min(z, s)|`.
     pub fn residual(&self, multipliers: &[f64]) -> f64 {
-        self.slacks(multipliers).iter().zip(multipliers).map(|(slack, multiplier)| slack.min(*multiplier).abs()).fold(0.0, f64::max)
+        let slacks = self.slacks(multipliers);
+        self.max(slacks.iter().zip(multipliers).map(|(slack, multiplier)| slack.min(*multiplier).abs()).fold(0.0, f64::max))
+    }
+
+    /// The number of constraints.
+    pub fn count(&self) -> f64 {
+        self.sharing.map_or(self.offsets.len() as f64, Sharing::count)
+    }
+
+    /// The sum of products, one for each constraint.
+    pub fn dot(&self, one: &[f64], other: &[f64]) -> f64 {
+        if self.sharing.is_some() { self.sum(one.iter().zip(other).map(|(one, other)| one * other)) } else { dot(one, other) }
+    }
+
+    /// The sum of numbers, one for each constraint.
+    pub fn sum(&self, numbers: impl Iterator<Item = f64>) -> f64 {
+        match self.sharing {
+            Some(sharing) => sharing.sum(numbers),
+            None => numbers.sum(),
+        }
+    }
+
+    /// The largest of the numbers of all ranks.
+    pub fn max(&self, number: f64) -> f64 {
+        self.sharing.map_or(number, |sharing| sharing.peers().max(number))
+    }
+
+    /// Whether it is so on any rank.
+    pub fn any(&self, so: bool) -> bool {
+        self.max(f64::from(so)) > 0.0
     }
 }
 

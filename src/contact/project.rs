@@ -9,7 +9,7 @@ use std::collections::HashSet;
 use nalgebra::SVector;
 
 use super::{
-    Contact, ContactForce, Identity, KktReport, Memory, Problem, ProblemShare, Projection, ProjectionShare, Solver, View,
+    Contact, ContactForce, Identity, KktReport, Memory, Problem, ProblemShare, Projection, ProjectionShare, Solver, Spanning, View,
     distribute::{gathered, own_part},
     failure::{check, endless, unkept},
     island::{free_body, solve_island},
@@ -42,11 +42,11 @@ const ROUNDS: usize = 100;
 /// # Errors
 /// [`Error::Contact`](crate::error::Error::Contact) if bodies are squeezed with no way out, a velocity is not
 /// finite, the step is absurdly long, or the solver fails or finds forces that do not keep bodies apart.
-pub fn project<const D: usize>(world: &World, problem: &Problem<D>) -> Result<Projection<D>> {
+pub fn project<const D: usize>(world: &World, problem: &Problem<D>, spanning: Spanning) -> Result<Projection<D>> {
     let peers = Peers::from(world);
     let regions = Regions::new(problem.domain, peers.count());
     let own = own_part(peers, problem, &regions);
-    let share = ProblemShare { problem: own.problem(problem), regions: &regions };
+    let share = ProblemShare { problem: own.problem(problem), regions: &regions, spanning };
     let found = project_share(peers, &share, &Memory::default())?;
     Ok(gathered(peers, problem, &own, found))
 }
@@ -161,7 +161,7 @@ impl<'a, const D: usize> ProjectionState<'a, D> {
             self.contacts.push(contact);
         }
         let placed: Vec<Contact<D>> = self.contacts.iter().map(|contact| view.placed(contact)).collect();
-        let found = solve_shared(self.peers, view, &self.share.problem, (&placed, &self.forces, earlier), solve)?;
+        let found = solve_shared(self.peers, view, self.share, (&placed, &self.forces, earlier), solve)?;
         self.forces = found.forces;
         (self.iterations, self.solver) = (self.iterations.max(found.iterations), self.solver.max(found.solver));
         self.largest_island = self.largest_island.max(found.largest_island);

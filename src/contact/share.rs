@@ -1,22 +1,45 @@
 //! Islands shared out among the ranks: each is solved where its bodies are, and one that spans ranks on the rank that owns its first body.
 //! Everything here is collective.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use nalgebra::SVector;
 
 use super::{
-    Contact, ContactForce, Identity, Problem, Solver,
+    Contact, ContactForce, Identity, Problem, ProblemShare, Solver,
     failure::failure,
     identity::{pack, packed_length, renamed, unpack},
-    island::free_body,
+    island::{free_body, solve_together},
     solver::Outcome,
     view::View,
 };
-use crate::{error::Result, geometry::Ball, parallel::Peers};
+use crate::{error::Result, geometry::Ball, parallel::Peers, petsc::Session};
 
 /// What solves an island: the forces at its contacts, from a guess.
 pub(super) type Solve<'a, const D: usize> = &'a dyn Fn(&Problem<D>, &[Contact<D>], &[f64]) -> Outcome;
+
+/// Most contacts of an island that is gathered to one rank.
+const MOST_GATHERED: usize = 1_000;
+
+/// How islands that span ranks are solved.
+#[derive(Clone, Copy)]
+pub enum Spanning<'a> {
+    /// By one rank each.
+    Gathered,
+    /// Those of more contacts than this by all ranks together.
+    Together {
+        /// The ranks.
+        session: &'a Session,
+        /// Most contacts of an island that one rank solves.
+        most_gathered: usize,
+    },
+}
+
+impl<'a> From<&'a Session> for Spanning<'a> {
+    fn from(session: &'a Session) -> Spanning<'a> {
+        Spanning::Together { session, most_gathered: MOST_GATHERED }
+    }
+}
 
 /// The forces of all contacts that a rank sees, and what it took to find them.
 pub(super) struct Shared {
@@ -62,19 +85,20 @@ struct Round<'a, const D: usize> {
 pub(super) fn solve_shared<const D: usize>(
     peers: Peers,
     view: &View<D>,
-    whole: &Problem<D>,
+    share: &ProblemShare<D>,
     (contacts, guess, earlier): (&[Contact<D>], &[f64], usize),
     solve: Solve<D>,
 ) -> Result<Shared> {
     if !peers.any(earlier < contacts.len()) {
         return Ok(Shared::of(guess));
     }
-    let round = Round::new(peers, view, view.problem(whole), contacts, earlier);
+    let round = Round::new(peers, view, view.problem(&share.problem), contacts, earlier);
     let mut shared = Shared::of(guess);
     let inside = round.solve_inside(&mut shared, solve);
     peers.agree(inside)?;
     if peers.count() > 1 {
-        let spanning = round.solve_spanning(&mut shared, solve)?;
+        let together = round.solve_together(&mut shared, share.spanning);
+        let spanning = round.solve_spanning(&mut shared, &together, solve)?;
         round.tell_across(&mut shared.forces, spanning);
     }
     Ok(shared)
@@ -147,9 +171,48 @@ impl<'a, const D: usize> Round<'a, D> {
         Ok(())
     }
 
-    /// Solves the islands that span ranks, each on one; gives the forces of their contacts that this rank answers for.
-    fn solve_spanning(&self, shared: &mut Shared, solve: Solve<D>) -> Result<Vec<(Identity<D>, f64)>> {
-        let islands = self.gather_spanning(&shared.forces);
+    /// Whether an island that spans ranks is to be solved to which a contact belongs.
+    fn spanning(&self, contact: &Contact<D>) -> bool {
+        let body = self.free(contact);
+        self.changed[body] && self.spans[body]
+    }
+
+    /// Solves the islands of many contacts that span ranks by all of them together; gives those that it has solved.
+    fn solve_together(&self, shared: &mut Shared, spanning: Spanning) -> BTreeSet<u64> {
+        let Spanning::Together { session, most_gathered } = spanning else { return BTreeSet::new() };
+        let solves = |&home: &u64| {
+            let own = |body: usize| self.view.halo.owns(body) && self.problem.gives_way(body) && self.homes[body] == home;
+            let seen = |contact: &Contact<D>| self.spanning(contact) && (own(contact.body) || contact.other().is_some_and(own));
+            let places: Vec<usize> = (0..self.contacts.len()).filter(|&place| seen(&self.contacts[place])).collect();
+            let (contacts, guess) = (pick(self.contacts, &places), pick(&shared.forces, &places));
+            let Outcome::Solved { forces, iterations, solver } = solve_together(session, self.view, &self.problem, &contacts, &guess)
+            else {
+                return false;
+            };
+            places.iter().zip(forces).for_each(|(&place, force)| shared.forces[place] = force);
+            shared.take(0, iterations, solver);
+            true
+        };
+        self.large_islands(most_gathered).into_iter().filter(solves).collect()
+    }
+
+    /// The islands that span ranks and have more contacts than this, by their homes.
+    fn large_islands(&self, most: usize) -> Vec<u64> {
+        let mut counts: BTreeMap<u64, usize> = BTreeMap::new();
+        for contact in self.contacts.iter().filter(|contact| self.spanning(contact) && self.view.answers(contact.identity())) {
+            *counts.entry(self.homes[self.free(contact)]).or_default() += 1;
+        }
+        // on some rank such an island has more than the mean
+        let likely: Vec<u64> = counts.iter().filter(|(_, count)| *count * self.peers.count() > most).map(|(home, _)| *home).collect();
+        let homes: Vec<u64> = BTreeSet::from_iter(self.peers.gather(&likely)).into_iter().collect();
+        let mut sums: Vec<f64> = homes.iter().map(|home| counts.get(home).map_or(0.0, |&count| count as f64)).collect();
+        self.peers.sum(&mut sums);
+        homes.into_iter().zip(sums).filter(|(_, sum)| *sum > most as f64).map(|(home, _)| home).collect()
+    }
+
+    /// Solves the other islands that span ranks, each on one; gives the forces of their contacts that this rank answers for.
+    fn solve_spanning(&self, shared: &mut Shared, together: &BTreeSet<u64>, solve: Solve<D>) -> Result<Vec<(Identity<D>, f64)>> {
+        let islands = self.gather_spanning(&shared.forces, together);
         let mut replies = vec![Vec::new(); self.peers.count()];
         let outcome = islands.values().try_for_each(|island| {
             let (iterations, solver) = island.solve(&self.problem, solve, &mut replies)?;
@@ -160,15 +223,14 @@ impl<'a, const D: usize> Round<'a, D> {
         Ok(self.peers.deliver(&replies).chunks(packed_length::<D>()).map(unpack).collect())
     }
 
-    /// The islands that span ranks and changed of which this rank owns the first body.
-    fn gather_spanning(&self, guess: &[f64]) -> BTreeMap<u64, Gathered<D>> {
+    /// The islands that span ranks and changed of which this rank owns the first body, without those that are solved `together`.
+    fn gather_spanning(&self, guess: &[f64], together: &BTreeSet<u64>) -> BTreeMap<u64, Gathered<D>> {
         let mut letters = vec![Vec::new(); self.peers.count()];
         for (contact, guess) in self.contacts.iter().zip(guess) {
-            let body = self.free(contact);
-            if !(self.changed[body] && self.spans[body] && self.view.answers(contact.identity())) {
+            let home = self.homes[self.free(contact)];
+            if !(self.spanning(contact) && self.view.answers(contact.identity())) || together.contains(&home) {
                 continue;
             }
-            let home = self.homes[body];
             let letter = &mut letters[(home % self.peers.count() as u64) as usize];
             letter.push(home as f64);
             letter.push(self.problem.lower_bound(contact));
@@ -198,8 +260,7 @@ impl<'a, const D: usize> Round<'a, D> {
     /// Tells the ranks that own the other bodies of contacts what their forces are, and takes the forces that were found elsewhere.
     fn tell_across(&self, forces: &mut [f64], found: Vec<(Identity<D>, f64)>) {
         let crosses = |contact: &Contact<D>| self.changed[self.free(contact)] && self.view.across(contact.identity()).is_some();
-        let spanning = |contact: &Contact<D>| self.changed[self.free(contact)] && self.spans[self.free(contact)];
-        let concerned = self.contacts.iter().enumerate().filter(|(_, contact)| crosses(contact) || spanning(contact));
+        let concerned = self.contacts.iter().enumerate().filter(|(_, contact)| crosses(contact) || self.spanning(contact));
         let places: HashMap<Identity<D>, usize> = concerned.map(|(place, contact)| (self.view.identity(contact), place)).collect();
         found.into_iter().for_each(|(identity, force)| forces[places[&identity]] = force);
         let mut letters = vec![Vec::new(); self.peers.count()];

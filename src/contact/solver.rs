@@ -4,8 +4,8 @@
 
 use super::{
     active_set::{active_set_refine, active_set_refine_exactly},
-    cholesky::Cholesky,
     clarabel::solve_by_clarabel,
+    factors::Factors,
     interior_point::{Distance, InteriorPoint},
     program::{Answer, Program, clip},
 };
@@ -37,11 +37,13 @@ pub enum Solver {
     Sparse,
     /// By an interior point for any cone (Clarabel), and an active set: the surest.
     General,
+    /// As `Sparse`, by all ranks together, which share the factors (MUMPS).
+    Distributed,
 }
 
 impl Solver {
     /// All of them, in order.
-    pub const ALL: [Solver; 3] = [Solver::Formula, Solver::Sparse, Solver::General];
+    pub const ALL: [Solver; 4] = [Solver::Formula, Solver::Sparse, Solver::General, Solver::Distributed];
 }
 
 /// How an island was solved.
@@ -79,12 +81,12 @@ pub(super) fn solve_first(program: &Program, guess: &[f64], solvers: &[Solver]) 
 
 /// The multipliers of a program by a method, if it accepts it; whether they solve it the caller must see.
 fn solve(program: &Program, guess: &[f64], solver: Solver) -> Option<Answer> {
-    if solver == Solver::Sparse {
+    if solver != Solver::General {
         let (multipliers, iterations) = along_the_path(program, guess);
         return Some(Answer { multipliers, iterations, infeasible: false });
     }
     let Answer { multipliers, iterations, infeasible } = solve_by_clarabel(program)?;
-    Some(Answer { multipliers: active_set_refine(program, &mut Cholesky::new(program), &multipliers), iterations, infeasible })
+    Some(Answer { multipliers: active_set_refine(program, &mut Factors::new(program), &multipliers), iterations, infeasible })
 }
 
 /// The multipliers, and how many iterations they took.
@@ -95,8 +97,8 @@ fn along_the_path(program: &Program, guess: &[f64]) -> (Vec<f64>, usize) {
     if program.solved(&guess, EXACT) {
         return (guess, 0);
     }
-    let mut factors = Cholesky::new(program);
-    if guess.iter().any(|&multiplier| multiplier > 0.0) {
+    let mut factors = Factors::new(program);
+    if program.any(guess.iter().any(|&multiplier| multiplier > 0.0)) {
         let exact = active_set_refine_exactly(program, &mut factors, &guess);
         if program.solved(&exact, STILL) {
             return (exact, 1);
@@ -107,7 +109,7 @@ fn along_the_path(program: &Program, guess: &[f64]) -> (Vec<f64>, usize) {
 }
 
 /// Goes along the path from near a guess: the multipliers that press at its end, or exact ones found on the way, and how many iterations it took.
-fn follow(program: &Program, factors: &mut Cholesky, guess: &[f64]) -> (Vec<f64>, usize) {
+fn follow(program: &Program, factors: &mut Factors, guess: &[f64]) -> (Vec<f64>, usize) {
     let mut point = InteriorPoint::new(program, guess);
     let (mut earlier, mut tried) = (point.distance().work, f64::INFINITY);
     for iteration in 1..=ITERATIONS {

@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 use super::{
-    Contact, ContactForce, Identity, Problem, bodies_of,
+    Contact, ContactForce, Identity, Problem, Spanning, bodies_of,
     paths::{Motions, swept_balls},
     union_find::UnionFind,
 };
@@ -20,6 +20,8 @@ pub struct ProblemShare<'a, const D: usize> {
     pub problem: Problem<'a, D>,
     /// Who owns what.
     pub regions: &'a Regions<D>,
+    /// How islands that span ranks are solved.
+    pub spanning: Spanning<'a>,
 }
 
 /// The bodies that a rank sees, by their places in a halo.

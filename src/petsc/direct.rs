@@ -1,6 +1,6 @@
 //! Direct solves by MUMPS: factors that all ranks share.
 
-use std::ptr::null_mut;
+use std::{ffi::CStr, ptr::null_mut};
 
 use super::{Matrix, RowBuilder, Vector, ffi, owned::Owned, petsc};
 use crate::error::{Error, Result};
@@ -20,18 +20,31 @@ pub(super) fn factor_by_mumps(pc: ffi::PC) -> Result<()> {
     petsc!(MatMumpsSetIcntl(factors, SPARE_WORK_SPACE_PARAMETER, SPARE_WORK_SPACE))
 }
 
-/// The LU factors of a square matrix, computed at the first solve and anew after its values change.
+/// The factors of a square matrix, computed at the first solve and anew after its values change.
 pub struct Direct {
     solver: Owned<ffi::KSP>,
     matrix: Matrix,
 }
 
 impl Direct {
-    /// A solver for a square matrix; PETSc options with the prefix `direct_` adjust it.
+    /// A solver for a square matrix by its LU factors; PETSc options with the prefix `direct_` adjust it.
     ///
     /// # Errors
     /// PETSc lacks MUMPS.
     pub fn new(matrix: Matrix) -> Result<Direct> {
+        Direct::of(matrix, c"lu")
+    }
+
+    /// The same by the Cholesky factors of a symmetric positive matrix.
+    ///
+    /// # Errors
+    /// PETSc lacks MUMPS.
+    pub fn positive(matrix: Matrix) -> Result<Direct> {
+        petsc!(MatSetOption(matrix.raw(), ffi::MatOption_MAT_SPD, ffi::PetscBool_PETSC_TRUE))?;
+        Direct::of(matrix, c"cholesky")
+    }
+
+    fn of(matrix: Matrix, factors: &CStr) -> Result<Direct> {
         let session = matrix.session();
         let (mut raw, mut pc) = (null_mut(), null_mut());
         petsc!(KSPCreate(session.communicator(), &mut raw))?;
@@ -40,7 +53,7 @@ impl Direct {
         petsc!(KSPSetOperators(raw, matrix.raw(), matrix.raw()))?;
         petsc!(KSPSetType(raw, c"preonly".as_ptr()))?;
         petsc!(KSPGetPC(raw, &mut pc))?;
-        petsc!(PCSetType(pc, c"lu".as_ptr()))?;
+        petsc!(PCSetType(pc, factors.as_ptr()))?;
         factor_by_mumps(pc)?;
         petsc!(KSPSetFromOptions(raw))?;
         Ok(Direct { solver, matrix })

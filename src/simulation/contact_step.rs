@@ -9,8 +9,7 @@ use crate::{
     contact::{self, Contact, ContactForce, Identity, Problem, Projection},
     error::Result,
     interaction::Arrangement,
-    parallel::World,
-    petsc::{Stage, enter},
+    petsc::{Session, Stage, enter},
 };
 
 /// Part of a force that is rounding.
@@ -19,7 +18,7 @@ const ROUNDING: f64 = 1e-12;
 /// Bodies that may touch on their way over a step.
 pub struct ContactStep<'a, const D: usize> {
     /// The ranks that share the problem.
-    pub world: &'a World,
+    pub session: &'a Session,
     /// The flow that knows what films resist.
     pub flow: &'a dyn FlowSolver<D>,
     /// Where the bodies are.
@@ -38,7 +37,7 @@ impl<const D: usize> ContactStep<'_, D> {
         let lower_bounds: Vec<ContactForce<D>> = self.bounds.iter().map(scaled).collect();
         let Arrangement { domain, balls, weights, .. } = self.arrangement;
         let problem = Problem { domain, numbers: None, balls, weights, velocities, step: self.step, lower_bounds: &lower_bounds };
-        let mut projection = contact::project(self.world, &problem)?;
+        let mut projection = contact::project(self.session.world(), &problem, self.session.into())?;
         projection.forces.iter_mut().for_each(|pressed| pressed.force /= self.mobile_part(&pressed.contact));
         projection.kkt_report.total_force = projection.forces.iter().map(|pressed| pressed.force).sum();
         Ok(projection)

@@ -148,7 +148,11 @@ impl<const D: usize> Granular<D> {
             step,
             lower_bounds: &lower_bounds,
         };
-        let found = contact::project_share(peers, &ProblemShare { problem, regions: &self.regions }, &state.memory())?;
+        let found = contact::project_share(
+            peers,
+            &ProblemShare { problem, regions: &self.regions, spanning: (&self.session).into() },
+            &state.memory(),
+        )?;
         let masses: Vec<f64> = found.view.weights.iter().map(|weight| weight * step).collect();
         let arrangement = Arrangement { domain: &self.domain, balls: &found.view.balls, weights: &masses, viscosity: None, reach: 0.0 };
         let remember = |stuck: &[_], forces: &[_]| self.interactions.remember(&arrangement, stuck, forces, step);

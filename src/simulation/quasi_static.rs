@@ -95,7 +95,7 @@ impl<const D: usize> QuasiStatic<D> {
     fn contact_step<'a>(&'a self, placed: &'a Placed<'a, D>, step: f64) -> ContactStep<'a, D> {
         let (arrangement, flow) = (self.arrangement(placed), self.suspension.as_ref());
         let bounds = flow.setup().interactions.lower_bounds(&arrangement, &placed.state.stuck, step);
-        ContactStep { world: self.session.world(), flow, arrangement, bounds, step }
+        ContactStep { session: &self.session, flow, arrangement, bounds, step }
     }
 
     /// Velocities of bodies as their neighbours see them: where images slide, without what all take part in, but with what that does to neighbours.

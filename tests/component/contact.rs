@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use turbid::{
     body::Regions,
-    contact::{Memory, Problem, ProblemShare, Projection, project, project_share},
+    contact::{Memory, Problem, ProblemShare, Projection, Solver, Spanning, project, project_share},
     error::{Error, Result},
     geometry::{Axis, Ball, Domain, LeesEdwards},
     parallel::Peers,
@@ -43,7 +43,8 @@ fn channel(size: [f64; 2]) -> Domain<2> {
 
 fn solve(session: &Session, balls: &[Ball<2>], weights: &[f64], velocities: &[Vector2<f64>]) -> Result<Projection<2>> {
     let domain = channel([4.0 * COLUMNS as f64, 40.0]);
-    project(session.world(), &Problem { domain: &domain, numbers: None, balls, weights, velocities, step: 1.0, lower_bounds: &[] })
+    let problem = Problem { domain: &domain, numbers: None, balls, weights, velocities, step: 1.0, lower_bounds: &[] };
+    project(session.world(), &problem, session.into())
 }
 
 fn fall(session: &Session) -> Projection<2> {
@@ -94,23 +95,29 @@ fn a_squeeze_is_the_same_error_on_all_ranks(session: &Session) {
     assert!(session.world().gather(bytes).chunks(bytes.len()).all(|other| other == bytes));
 }
 
-/// Disks of several sizes that do not overlap, some of them held, with random velocities.
-fn crowd(domain: &Domain<2>, tries: usize, speed: f64, seed: u64) -> (Vec<Ball<2>>, Vec<f64>, Vec<Vector2<f64>>) {
+/// Bodies with their weights and the velocities that they want.
+type Crowd<const D: usize> = (Vec<Ball<D>>, Vec<f64>, Vec<SVector<f64, D>>);
+
+/// Balls of several sizes that do not overlap, some of them held, with random velocities.
+fn crowd<const D: usize>(domain: &Domain<D>, tries: usize, speed: f64, seed: u64) -> Crowd<D> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut balls: Vec<Ball<2>> = Vec::new();
+    let mut balls: Vec<Ball<D>> = Vec::new();
     for _ in 0..tries {
         let radius = 0.3 + 0.5 * random.random::<f64>();
         let place = |axis: usize, part: f64| match domain.periodic(axis) {
             true => part * domain.size[axis],
             false => radius + part * (domain.size[axis] - 2.0 * radius),
         };
-        let center = Vector2::new(place(0, random.random()), place(1, random.random()));
+        let center = SVector::from_fn(|axis, _| place(axis, random.random()));
         if balls.iter().all(|ball| domain.nearest_image(ball.center - center).norm() >= ball.radius + radius) {
             balls.push(Ball { center, radius });
         }
     }
-    let velocities = balls.iter().map(|_| Vector2::new(random.random::<f64>() - 0.5, random.random::<f64>() - 0.5) * speed).collect();
-    let weights = balls.iter().enumerate().map(|(body, ball)| if body % 11 == 3 { f64::INFINITY } else { ball.volume() }).collect();
+    let weights: Vec<f64> =
+        balls.iter().enumerate().map(|(body, ball)| if body % 11 == 3 { f64::INFINITY } else { ball.volume() }).collect();
+    // a body that no contact moves must not press others against one like it
+    let speed = |weight: &f64| if weight.is_infinite() { 0.01 * speed } else { speed };
+    let velocities = weights.iter().map(|weight| SVector::from_fn(|_, _| random.random::<f64>() - 0.5) * speed(weight)).collect();
     (balls, weights, velocities)
 }
 
@@ -120,29 +127,38 @@ fn crowds_move_alike_on_any_number_of_ranks(session: &Session) {
     let periodic = |size: [f64; 2]| Domain { size: size.into(), axes: [Axis::Periodic; 2] };
     let sheared = |start| Domain { size: [20.0, 14.0].into(), axes: [Axis::Periodic, slide(start)] };
     let domains = [channel([20.0, 14.0]), channel([10.0, 30.0]), periodic([20.0, 14.0]), sheared(0.7), sheared(13.0)];
+    let mut together = false;
     for (seed, domain) in domains.iter().enumerate() {
         for speed in [0.3, 4.0] {
-            let (balls, weights, mut velocities) = crowd(domain, 400, speed, seed as u64);
-            // a body that no contact moves must not press others against one like it
-            velocities.iter_mut().zip(&weights).filter(|(_, weight)| weight.is_infinite()).for_each(|(velocity, _)| *velocity *= 0.01);
-            let problem =
-                Problem { domain, numbers: None, balls: &balls, weights: &weights, velocities: &velocities, step: 1.0, lower_bounds: &[] };
-            let regions = Regions::new(domain, 1);
-            let alone = project_share(Peers::Alone, &ProblemShare { problem, regions: &regions }, &Memory::default()).unwrap().projection;
-            let shared = project(session.world(), &problem).unwrap();
-            assert!(alone.kkt_report.active > 3, "{:?}", alone.kkt_report);
-            for (one, other) in alone.velocities.iter().zip(&shared.velocities) {
-                assert!((one - other).norm() < 1e-9, "seed {seed}, speed {speed}: {one} and {other}");
-            }
-            let [one, other] = [&alone, &shared].map(|found| found.kkt_report);
-            assert_eq!((one.pairs, one.active, one.islands, one.rounds), (other.pairs, other.active, other.islands, other.rounds));
-            assert!(
-                (one.smallest_gap - other.smallest_gap).abs() < 1e-9
-                    && (one.total_force - other.total_force).abs() < 1e-7 * one.total_force
-            );
-            assert!(
-                alone.forces.iter().map(|force| force.contact.identity()).eq(shared.forces.iter().map(|force| force.contact.identity()))
-            );
+            together |= assert_moves_alike(session, domain, &crowd(domain, 400, speed, seed as u64));
         }
     }
+    let wall = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
+    let room = Domain { size: [7.0, 6.0, 5.0].into(), axes: [Axis::Periodic, Axis::Periodic, wall] };
+    together |= assert_moves_alike(session, &room, &crowd(&room, 400, 2.0, 9));
+    assert_eq!(together, session.world().size() > 1);
+}
+
+/// However islands that span ranks are solved, the answer is that of one rank; tells whether ranks solved one together.
+fn assert_moves_alike<const D: usize>(session: &Session, domain: &Domain<D>, (balls, weights, velocities): &Crowd<D>) -> bool {
+    let problem = Problem { domain, numbers: None, balls, weights, velocities, step: 1.0, lower_bounds: &[] };
+    let share = ProblemShare { problem, regions: &Regions::new(domain, 1), spanning: Spanning::Gathered };
+    let alone = project_share(Peers::Alone, &share, &Memory::default()).unwrap().projection;
+    assert!(alone.kkt_report.active > 3, "{:?}", alone.kkt_report);
+    let mut together = false;
+    for most_gathered in [0, 8, usize::MAX] {
+        let shared = project(session.world(), &problem, Spanning::Together { session, most_gathered }).unwrap();
+        for (one, other) in alone.velocities.iter().zip(&shared.velocities) {
+            assert!((one - other).norm() < 1e-9, "{most_gathered}: {one} and {other}");
+        }
+        let [one, other] = [&alone, &shared].map(|found| found.kkt_report);
+        assert_eq!((one.pairs, one.active, one.islands, one.rounds), (other.pairs, other.active, other.islands, other.rounds));
+        assert!(
+            (one.smallest_gap - other.smallest_gap).abs() < 1e-9 && (one.total_force - other.total_force).abs() < 1e-7 * one.total_force
+        );
+        assert!(alone.forces.iter().map(|force| force.contact.identity()).eq(shared.forces.iter().map(|force| force.contact.identity())));
+        assert!(other.solver != Solver::Distributed || most_gathered < usize::MAX);
+        together |= other.solver == Solver::Distributed;
+    }
+    together
 }

@@ -19,7 +19,7 @@ use crate::linalg::dot;
 
 /// The factors, and where they go.
 pub(super) struct Cholesky<'a> {
-    program: &'a Program,
+    program: &'a Program<'a>,
     /// Bodies in the order of elimination.
     order: Vec<usize>,
     fronts: Vec<Front>,
@@ -31,7 +31,7 @@ pub(super) struct Cholesky<'a> {
 
 impl<'a> Cholesky<'a> {
     /// Analyses a program; nothing is factored yet.
-    pub fn new(program: &'a Program) -> Self {
+    pub fn new(program: &'a Program<'a>) -> Self {
         let touches: Vec<[usize; 2]> = (0..program.offsets.len()).map(|constraint| program.bodies(constraint)).collect();
         let order = Order::new(program.transposed.m / program.width, &touches);
         let fronts = fronts(&order, &touches, program.width);
@@ -185,7 +185,7 @@ mod tests {
     use super::*;
 
     /// Constraints of one body or two, some of them twice, on a random graph.
-    fn program(bodies: usize, width: usize, seed: u64) -> Program {
+    fn program(bodies: usize, width: usize, seed: u64) -> Program<'static> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
         for _ in 0..3 * bodies {
@@ -199,7 +199,7 @@ mod tests {
             starts.push(rows.len());
         }
         let count = starts.len() - 1;
-        Program { transposed: CscMatrix::new(bodies * width, count, starts, rows, values), width, offsets: vec![0.0; count] }
+        Program { transposed: CscMatrix::new(bodies * width, count, starts, rows, values), width, offsets: vec![0.0; count], sharing: None }
     }
 
     #[test]

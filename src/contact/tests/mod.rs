@@ -88,7 +88,8 @@ impl<const D: usize> Scene<D> {
 /// The projection without other ranks.
 fn alone<const D: usize>(problem: &Problem<D>, memory: &Memory<D>, solve: Solve<D>) -> Result<Projection<D>> {
     let regions = Regions::new(problem.domain, 1);
-    Ok(project_by(Peers::Alone, &ProblemShare { problem: *problem, regions: &regions }, memory, solve)?.projection)
+    Ok(project_by(Peers::Alone, &ProblemShare { problem: *problem, regions: &regions, spanning: Spanning::Gathered }, memory, solve)?
+        .projection)
 }
 
 /// A box with walls along all axes but those that are periodic.
