@@ -18,12 +18,11 @@ pub fn proportion(points: impl Iterator<Item = (f64, f64)>) -> f64 {
 
 /// The `a` and `b`, neither negative, of `y = a x1 + b x2` next to points; of abscissas that are in proportion the first one counts.
 pub fn proportions(points: &[([f64; 2], f64)]) -> [f64; 2] {
-    let product = |one: fn(&([f64; 2], f64)) -> f64, other: fn(&([f64; 2], f64)) -> f64| {
-        points.iter().map(|point| one(point) * other(point)).sum::<f64>()
-    };
-    let [first, second, y]: [fn(&([f64; 2], f64)) -> f64; 3] = [|point| point.0[0], |point| point.0[1], |point| point.1];
-    let (aa, ab, bb) = (product(first, first), product(first, second), product(second, second));
-    let (ay, by, determinant) = (product(first, y), product(second, y), aa * bb - ab * ab);
+    let [mut aa, mut ab, mut bb, mut ay, mut by] = [0.0; 5];
+    for &([a, b], y) in points {
+        (aa, ab, bb, ay, by) = (aa + a * a, ab + a * b, bb + b * b, ay + a * y, by + b * y);
+    }
+    let determinant = aa * bb - ab * ab;
     let both = [(ay * bb - by * ab) / determinant, (by * aa - ay * ab) / determinant];
     if determinant > 1e-9 * aa * bb && both.iter().all(|part| *part >= 0.0) {
         return both;

@@ -10,7 +10,7 @@ mod solvers;
 
 use nalgebra::{SVector, Vector2};
 
-use super::{Memory, Problem, ProblemShare, Projection, island::solve_island, project::project_by, share::Solve};
+use super::{Memory, Problem, ProblemShare, Projection, Spanning, island::solve_island, project::project_by, share::Solve};
 use crate::{
     body::Regions,
     error::Result,
