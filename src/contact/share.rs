@@ -19,7 +19,7 @@ use crate::{error::Result, geometry::Ball, parallel::Peers, petsc::Session};
 pub(super) type Solve<'a, const D: usize> = &'a dyn Fn(&Problem<D>, &[Contact<D>], &[f64]) -> Outcome;
 
 /// Most contacts of an island that is gathered to one rank, where it takes about 4 kB a contact: 4 GB. On two ranks it is solved faster there than by
-/// both together, whose factorisations and sums wait for each other: ten times as fast with 1,300 contacts (docs/scaling.md). What needs all ranks
+/// both together, whose factorisations and sums wait for each other: about ten times as fast with 4,000 and with 25,000 contacts (docs/scaling.md). What needs all ranks
 /// is the memory of more.
 const MOST_GATHERED: usize = 1_000_000;
 
