@@ -1,6 +1,6 @@
 //! The factors of `I + A^T W A` for any weights of the constraints of a program: one rank's, or those that all ranks share.
 
-use super::{cholesky::Cholesky, program::Program, sharing::SharedFactors};
+use super::{cholesky::Cholesky, program::Program, shared_factors::SharedFactors};
 
 /// The factors.
 pub(super) enum Factors<'a> {

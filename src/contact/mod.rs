@@ -40,8 +40,10 @@ mod project;
 mod projection;
 mod replay;
 mod share;
+mod shared_factors;
 mod sharing;
 mod solver;
+mod spanning;
 mod union_find;
 mod view;
 
@@ -58,6 +60,6 @@ pub use problem::Problem;
 pub use project::{project, project_share};
 pub use projection::{Projection, ProjectionShare};
 pub use replay::Island;
-pub use share::Spanning;
 pub use solver::Solver;
+pub use spanning::Spanning;
 pub use view::{ProblemShare, View};

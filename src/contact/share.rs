@@ -6,42 +6,17 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use nalgebra::SVector;
 
 use super::{
-    Contact, ContactForce, Identity, Problem, ProblemShare, Solver,
+    Contact, ContactForce, Identity, Problem, ProblemShare, Solver, Spanning,
     failure::failure,
     identity::{pack, packed_length, renamed, unpack},
     island::{free_body, solve_together},
     solver::Outcome,
     view::View,
 };
-use crate::{error::Result, geometry::Ball, parallel::Peers, petsc::Session};
+use crate::{error::Result, geometry::Ball, parallel::Peers};
 
 /// What solves an island: the forces at its contacts, from a guess.
 pub(super) type Solve<'a, const D: usize> = &'a dyn Fn(&Problem<D>, &[Contact<D>], &[f64]) -> Outcome;
-
-/// Most contacts of an island that is gathered to one rank, where it takes about 4 kB a contact: 4 GB. On two ranks it is solved faster there than by
-/// both together, whose factorisations and sums wait for each other: about ten times as fast with 4,000 and with 25,000 contacts (docs/scaling.md). What needs all ranks
-/// is the memory of more.
-const MOST_GATHERED: usize = 1_000_000;
-
-/// How islands that span ranks are solved.
-#[derive(Clone, Copy)]
-pub enum Spanning<'a> {
-    /// By one rank each.
-    Gathered,
-    /// Those of more contacts than this by all ranks together.
-    Together {
-        /// The ranks.
-        session: &'a Session,
-        /// Most contacts of an island that one rank solves.
-        most_gathered: usize,
-    },
-}
-
-impl<'a> From<&'a Session> for Spanning<'a> {
-    fn from(session: &'a Session) -> Spanning<'a> {
-        Spanning::Together { session, most_gathered: MOST_GATHERED }
-    }
-}
 
 /// The forces of all contacts that a rank sees, and what it took to find them.
 pub(super) struct Shared {

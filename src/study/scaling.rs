@@ -6,6 +6,7 @@
 
 mod check;
 mod enlarge;
+mod kind;
 mod measurement;
 mod model;
 mod report;
@@ -17,6 +18,7 @@ use std::path::PathBuf;
 use self::{
     check::checks,
     enlarge::{copies, write_enlarged},
+    kind::ScalingKind,
     measurement::Measurement,
     model::{Network, Sample, ScalingModel},
     report::Report,
@@ -92,23 +94,6 @@ struct Measuring<'a, const D: usize> {
     launcher: Launcher,
     workload: Workload<D>,
     folder: StudyFolder,
-}
-
-/// Whether the scene grows with the ranks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-enum ScalingKind {
-    Strong,
-    Weak,
-}
-
-impl ScalingKind {
-    fn name(self) -> &'static str {
-        match self {
-            ScalingKind::Strong => "strong",
-            ScalingKind::Weak => "weak",
-        }
-    }
 }
 
 impl<'a, const D: usize> Measuring<'a, D> {

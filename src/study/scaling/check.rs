@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{
-    ScalingKind,
+    kind::ScalingKind,
     model::{Network, Sample, ScalingModel, Work},
 };
 use crate::study::table::{Row, markdown};
