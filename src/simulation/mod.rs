@@ -27,6 +27,7 @@ mod pair_resistance;
 mod placement;
 mod plan;
 mod quasi_static;
+mod readback;
 mod resolve;
 mod room;
 mod scalar;

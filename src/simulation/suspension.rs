@@ -14,7 +14,7 @@ use super::{
     film_forces::add_films,
     fixed_operators::FixedOperators,
     krylov_workspace::KrylovWorkspace,
-    pair_resistance::belongs,
+    readback::{contact_forces, forces_on_walls},
     schur_complement::SchurComplement,
     spectrum::Conditions,
 };
@@ -193,16 +193,11 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
             self.past = Some(ExtrapolationHistory::then(self.past.take(), last, guess, configuration.time));
         }
         let mut states = bodies.states(&fixed.session, &assembly.blocks, &found.velocities, &found.multipliers);
-        let mut walls = assembly.blocks.on_walls(&found.multipliers).map(|pair| pair.map(|force| force * fixed.setup.viscosity));
-        walls.iter_mut().flatten().for_each(|force| fixed.session.world().sum(force.as_mut_slice()));
+        let mut walls = forces_on_walls(fixed, &assembly, &found.multipliers);
         let unit = pair_constraints.scale * fixed.setup.viscosity;
         let (world, layout) = (fixed.session.world(), &bodies.layout);
         let mut forces = links[..pair_constraints.count()].iter().map(|unknown| unknown * unit);
-        let of_contact = |pressed| if belongs(layout, pressed) { forces.next().unwrap_or(0.0) } else { 0.0 };
-        let mut contact_forces: Vec<f64> = configuration.pressed.iter().map(of_contact).collect();
-        if !contact_forces.is_empty() {
-            world.sum(&mut contact_forces);
-        }
+        let contact_forces = contact_forces(fixed, &bodies, configuration, &mut forces);
         let film_forces: Vec<f64> = forces.collect();
         let lubrication =
             fixed.setup.interactions.resist().then(|| add_films(world, layout, &assembly.films, &film_forces, &mut states, &mut walls));

@@ -37,6 +37,12 @@ pub fn unit_rotation(plane: usize, offset: &[f64], component: usize) -> f64 {
     }
 }
 
+/// The rows of so many points.
+fn rows(points: usize, out: &mut [f64]) -> impl Iterator<Item = &mut [f64]> {
+    let stride = out.len().checked_div(points).unwrap_or(0).max(1);
+    out.chunks_exact_mut(stride).take(points)
+}
+
 impl Modes for WithSpinUp {
     fn dimension(&self) -> usize {
         self.0.dimension()
@@ -57,26 +63,16 @@ impl Modes for WithSpinUp {
     fn velocity_jumps(&self, offsets: &[f64], component: usize, out: &mut [f64]) {
         self.0.velocity_jumps(offsets, component, out);
         let (count, dimension) = (self.count(), self.dimension());
-        let points = offsets.len() / dimension;
-        if points == 0 {
-            return;
-        }
-        let stride = out.len() / points;
-        for (offset, row) in offsets.chunks_exact(dimension).zip(out.chunks_exact_mut(stride)) {
+        for (offset, row) in offsets.chunks_exact(dimension).zip(rows(offsets.len() / dimension, out)) {
             let factor = self.factor(offset.iter().map(|x| x * x).sum());
-            for plane in 0..self.jump_count() - count {
-                row[count + plane] = factor * unit_rotation(plane, offset, component);
-            }
+            let spin_ups = row[count..self.jump_count()].iter_mut().enumerate();
+            spin_ups.for_each(|(plane, jump)| *jump = factor * unit_rotation(plane, offset, component));
         }
     }
 
     fn pressure_jumps(&self, offsets: &[f64], out: &mut [f64]) {
         self.0.pressure_jumps(offsets, out);
-        let (count, end, points) = (self.count(), self.jump_count(), offsets.len() / self.dimension());
-        if points > 0 {
-            let stride = out.len() / points;
-            out.chunks_exact_mut(stride).for_each(|row| row[count..end].fill(0.0));
-        }
+        rows(offsets.len() / self.dimension(), out).for_each(|row| row[self.count()..self.jump_count()].fill(0.0));
     }
 
     fn jump_count(&self) -> usize {

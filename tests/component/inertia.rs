@@ -96,7 +96,8 @@ fn stream<const D: usize>(grid: &Grid<D>, shape: &Vector, function: impl Fn(&SVe
         let half = 0.5 * grid.spacing()[across];
         for (value, index) in values[grid.local_range(component)].iter_mut().zip(grid.block(component).indices()) {
             let (mut above, mut below) = (grid.position(component, signed(index)), grid.position(component, signed(index)));
-            (above[across] += half, below[across] -= half);
+            above[across] += half;
+            below[across] -= half;
             *value = sign * (function(&above) - function(&below)) / (2.0 * half);
         }
     }

@@ -156,13 +156,13 @@ impl<'a, const D: usize> Spreading<'a, D> {
         self.rows.evaluate(jumps, count, &mut values);
         let mut to_walls = Vec::new();
         self.walls.evaluate(jumps, count, &mut to_walls);
-        for component in 0..components {
+        for (component, sources) in sources.iter().enumerate().take(components) {
             let (rows, walls) = (self.rows.field(component), self.walls.field(component));
             let passed =
                 AtOffsets { offsets: &self.walls.offsets[walls.clone()], values: &to_walls[walls.start * count..walls.end * count] };
             let corrected =
                 AtOffsets { offsets: &self.rows.offsets[rows.clone()], values: &mut values[rows.start * count..rows.end * count] };
-            let wanted = Wanted { surface: &self.placed.surface, component, sources: &sources[component], cell_volume };
+            let wanted = Wanted { surface: &self.placed.surface, component, sources, cell_volume };
             conserve_momentum(&wanted, passed, corrected);
         }
         to_walls.iter_mut().for_each(|value| *value *= cell_volume);

@@ -5,6 +5,7 @@
 //! last one, as contacts need them, are that step again.
 
 mod level;
+mod momentum;
 mod rows;
 mod scheme;
 
@@ -15,6 +16,7 @@ use nalgebra::{SMatrix, SVector};
 pub use self::level::Level;
 use self::{
     level::Extended,
+    momentum::{Momentum, inertia, spin_ups_of_rotations},
     rows::{Past, kept},
     scheme::StepWeights,
 };
@@ -22,25 +24,21 @@ use super::{
     BodyState, FlowSolver, Inertia, Setup, Solution, WallForces,
     assembled_system::AssembledSystem,
     assembly::Assembly,
-    bodies::Bodies,
     configuration::Configuration,
     cost::{Cost, ResidualMonitor},
     extrapolation::{ExtrapolationHistory, Snapshot},
     fixed_operators::FixedOperators,
     krylov_workspace::KrylovWorkspace,
     mean_flow_constraint::add_walls_and_drive,
-    pair_resistance::belongs,
+    readback::{contact_forces, forces_on_walls},
 };
 use crate::{
-    body::{Motion, Twist, components, planes},
+    body::{Motion, Twist, planes},
     constraint::SharpWithInertia,
     error::{Error, Result},
     flow::{Convection, FluidSystem, StokesInverse},
-    geometry::Ball,
     grid::Grid,
-    interaction::Wrench,
     petsc::{Session, Stage, Vector, enter},
-    surface::Shape,
 };
 
 /// Change of the shift, as a part, that is rounding of time steps.
@@ -75,12 +73,6 @@ pub struct UnsteadySuspension<const D: usize> {
     cost: Cost,
 }
 
-/// What bodies bring into a step, over time: for each, the rate of change of velocity and spin is `rate * new + these`.
-struct Momentum<const D: usize> {
-    rate: f64,
-    history: Vec<Twist<D>>,
-}
-
 impl<const D: usize> UnsteadySuspension<D> {
     /// Bodies and fluid at rest, unless walls and prescribed motions move them.
     ///
@@ -92,7 +84,7 @@ impl<const D: usize> UnsteadySuspension<D> {
     pub fn new(session: &Session, setup: Setup<D>) -> Result<UnsteadySuspension<D>> {
         let (_stage, start) = (enter(Stage::SetUp), Instant::now());
         let mut fixed = FixedOperators::at_rest(session, setup)?;
-        let spin_up_of = (0..fixed.setup.bodies.len()).map(|body| spin_up_of_rotation(&fixed, body)).collect();
+        let spin_up_of = spin_ups_of_rotations(&fixed.setup, &fixed.kinds);
         fixed.method = Rc::new(SharpWithInertia { spin_up_of });
         let convection = Convection::new(&fixed.grid, &fixed.undisturbed.0)?;
         let cost = Cost { setup: start.elapsed().as_secs_f64(), grid_unknowns: fixed.grid.fluid_unknowns(), ..Cost::default() };
@@ -178,17 +170,6 @@ impl<const D: usize> UnsteadySuspension<D> {
         Ok(weights)
     }
 
-    fn momentum(&self, weights: &StepWeights) -> Momentum<D> {
-        let of_body = |body: usize| {
-            let levels = self.past.iter().zip(&weights.rate[1..]);
-            levels.fold(Twist::zero(), |sum: Twist<D>, ((level, _), weight)| Twist {
-                velocity: sum.velocity + level.twists[body].velocity * *weight,
-                spin: sum.spin + level.twists[body].spin * *weight,
-            })
-        };
-        Momentum { rate: weights.rate[0], history: (0..self.fixed.setup.bodies.len()).map(of_body).collect() }
-    }
-
     /// Puts what earlier times, walls, drive and known spin-ups bring into the flow without bodies, or into rows of its own.
     fn fill_undisturbed(&mut self, weights: StepWeights, assembly: &mut Assembly<D>, centers: &[SVector<f64, D>]) -> Result<()> {
         let (inverse_diffusivity, setup) = (self.inverse_diffusivity(), &self.fixed.setup);
@@ -232,70 +213,6 @@ impl<const D: usize> UnsteadySuspension<D> {
             "at time {time} the flow passes {courant:.1} cells in a step of {step:.3e}, more than it can follow; {remedy}"
         )))
     }
-
-    /// The level that a solution is, whose forces on bodies then have what accelerates the fluid inside.
-    fn level(
-        &self,
-        configuration: &Configuration<D>,
-        solution: &mut Solution<D>,
-        multipliers: Vec<Vec<f64>>,
-        momentum: &Momentum<D>,
-    ) -> Result<Level<D>> {
-        let (density, viscosity) = (self.inertia().fluid, self.fixed.setup.viscosity);
-        let mut spin_ups = Vec::new();
-        for (body, state) in solution.bodies.iter_mut().enumerate() {
-            let history = &momentum.history[body];
-            let (acceleration, spin_up) =
-                (state.twist.velocity * momentum.rate + history.velocity, state.twist.spin * momentum.rate + history.spin);
-            state.force += acceleration * (density * self.ball(body).volume());
-            spin_ups.push(components(&spin_up).iter().map(|rate| density / viscosity * rate).collect());
-        }
-        let twists = solution.bodies.iter().map(|state| state.twist).collect();
-        let (time, centers) = (configuration.time, configuration.centers.to_vec());
-        Ok(Level { time, fluid: copy(&solution.fluid)?, multipliers, centers, twists, spin_ups })
-    }
-
-    fn ball(&self, body: usize) -> Ball<D> {
-        self.fixed.setup.bodies[body].body.ball
-    }
-
-    /// Known forces and torques, with what the motions of earlier times bring into the momentum of bodies.
-    fn pushes(&self, configuration: &Configuration<D>, momentum: &Momentum<D>) -> Vec<Wrench<D>> {
-        let of_body = |body: usize| {
-            let (ball, excess) = (self.ball(body), self.inertia().bodies[body] - self.inertia().fluid);
-            let push = configuration.pushes.get(body).copied().unwrap_or_else(Wrench::zero);
-            let Twist { velocity, spin } = momentum.history[body];
-            let turning = self.inertia().bodies[body] * ball.moment_of_inertia();
-            Wrench { force: push.force - velocity * (excess * ball.volume()), torque: push.torque - spin * turning }
-        };
-        (0..self.fixed.setup.bodies.len()).map(of_body).collect()
-    }
-
-    /// Spin-ups that are known: by torques on free bodies, by prescribed motions.
-    fn known_spin_ups(&self, configuration: &Configuration<D>, momentum: &Momentum<D>) -> Vec<Vec<f64>> {
-        let of_body = |body: usize| {
-            let spin_up = match self.fixed.setup.bodies[body].body.motion {
-                Motion::Prescribed(twist) => twist.spin * momentum.rate + momentum.history[body].spin,
-                Motion::Free { torque, .. } => {
-                    let push = configuration.pushes.get(body).map_or(SMatrix::zeros(), |push| push.torque);
-                    (torque + push) / (self.inertia().bodies[body] * self.ball(body).moment_of_inertia())
-                }
-            };
-            components(&spin_up).iter().map(|rate| rate * self.inverse_diffusivity()).collect()
-        };
-        (0..self.fixed.setup.bodies.len()).map(of_body).collect()
-    }
-}
-
-fn inertia<const D: usize>(setup: &Setup<D>) -> &Inertia {
-    setup.inertia.as_ref().expect("a flow with inertia has masses")
-}
-
-/// The spin-up of a body by a unit multiplier of rotation: the torque on it over its moment of inertia.
-fn spin_up_of_rotation<const D: usize>(fixed: &FixedOperators<D>, body: usize) -> f64 {
-    let Inertia { fluid, bodies } = inertia(&fixed.setup);
-    let (suspended, modes) = (&fixed.setup.bodies[body].body, &fixed.kinds.surface(body).modes);
-    if suspended.free() { -fluid * modes.torque_factor() / (bodies[body] * suspended.ball.moment_of_inertia()) } else { 0.0 }
 }
 
 fn copy(vector: &Vector) -> Result<Vector> {
@@ -392,11 +309,11 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
             return self.at_rest(configuration);
         }
         let weights = self.begin(configuration.time)?;
-        let momentum = self.momentum(&weights);
-        self.fixed.spin_ups = self.known_spin_ups(configuration, &momentum);
+        let momentum = Momentum::new(&self.fixed.setup, &weights, self.past.iter().map(|(level, _)| level));
+        let pushes = momentum.pushes(configuration.pushes);
+        self.fixed.spin_ups = momentum.known_spin_ups(configuration.pushes);
         let mut assembly = Assembly::of(&self.fixed, configuration.centers, self.assembly.take())?;
         self.fill_undisturbed(weights, &mut assembly, configuration.centers)?;
-        let pushes = self.pushes(configuration, &momentum);
         let configuration = Configuration { pushes: &pushes, ..*configuration };
         let fixed = &self.fixed;
         let mut ready = AssembledSystem::new(fixed, Some(assembly), self.workspace.take(), self.guess.as_ref(), &configuration)?;
@@ -414,36 +331,18 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         let states = bodies.states(&fixed.session, &assembly.blocks, &found.velocities, &found.multipliers);
         let walls = forces_on_walls(fixed, &assembly, &found.multipliers);
         let unit = pair_constraints.scale * fixed.setup.viscosity;
-        let forces = links[..pair_constraints.count()].iter().map(|unknown| unknown * unit);
-        let contact_forces = contact_forces(fixed, &bodies, &configuration, forces);
+        let mut forces = links[..pair_constraints.count()].iter().map(|unknown| unknown * unit);
+        let contact_forces = contact_forces(fixed, &bodies, &configuration, &mut forces);
         let solution = fixed.solution(states, found.fluid, &found.global_unknowns, contact_forces)?;
         let mut solution = Solution { walls: WallForces { forces: walls, complete: false }, ..solution };
         drop(bodies);
         self.refuse_unstable(&solution.fluid, configuration.time, weights.step)?;
         (self.assembly, self.workspace) = (Some(assembly), Some(workspace));
-        self.current = Some(self.level(&configuration, &mut solution, multipliers, &momentum)?);
+        let momentum = Momentum::new(&self.fixed.setup, &weights, self.past.iter().map(|(level, _)| level));
+        let spin_ups = momentum.complete(&mut solution.bodies);
+        let twists = solution.bodies.iter().map(|state| state.twist).collect();
+        let (time, centers) = (configuration.time, configuration.centers.to_vec());
+        self.current = Some(Level { time, fluid: copy(&solution.fluid)?, multipliers, centers, twists, spin_ups });
         Ok(solution)
     }
-}
-
-/// Forces of bodies within a cell of a wall on it.
-fn forces_on_walls<const D: usize>(fixed: &FixedOperators<D>, assembly: &Assembly<D>, multipliers: &[f64]) -> [[SVector<f64, D>; 2]; D] {
-    let mut walls = assembly.blocks.on_walls(multipliers).map(|pair| pair.map(|force| force * fixed.setup.viscosity));
-    walls.iter_mut().flatten().for_each(|force| fixed.session.world().sum(force.as_mut_slice()));
-    walls
-}
-
-/// Forces of all contacts that are held, from those of this rank.
-fn contact_forces<const D: usize>(
-    fixed: &FixedOperators<D>,
-    bodies: &Bodies<D>,
-    configuration: &Configuration<D>,
-    mut own: impl Iterator<Item = f64>,
-) -> Vec<f64> {
-    let of_contact = |pressed| if belongs(&bodies.layout, pressed) { own.next().unwrap_or(0.0) } else { 0.0 };
-    let mut forces: Vec<f64> = configuration.pressed.iter().map(of_contact).collect();
-    if !forces.is_empty() {
-        fixed.session.world().sum(&mut forces);
-    }
-    forces
 }
