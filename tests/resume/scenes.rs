@@ -47,6 +47,37 @@ every = 0.0625
 picture = false
 "#;
 
+/// Disks lighter and heavier than the fluid between walls, all of which have inertia.
+pub const INERTIA: &str = r#"
+gravity = [0.0, -20.0]
+[domain]
+size = [6.0, 6.0]
+y = { lower = [-1.0, 0.0], upper = [1.0, 0.0] }
+[flow]
+model = "navier-stokes"
+viscosity = 0.5
+density = 1.0
+[resolution]
+cells_per_radius = 3
+[method]
+tolerance = 1e-8
+[[bodies]]
+radius = 1.0
+centers = [[1.5, 1.4], [4.3, 3.4]]
+density = 3.0
+[[bodies]]
+radius = 0.8
+centers = [[3.6, 1.6]]
+density = 0.5
+[contact]
+model = "inelastic"
+[time]
+end = 0.64
+[output]
+every = 0.08
+picture = false
+"#;
+
 /// Spheres in a background shear.
 pub const SPHERES: &str = r#"
 seed = 1
