@@ -7,7 +7,7 @@ use crate::{
     output::say,
     petsc::Session,
     run,
-    scene::Scene,
+    scene::{FlowModel, Scene},
     simulation::{Plan, PlanReport},
     study::{Calibration, Estimate, Forecast, coarsest},
 };
@@ -61,6 +61,9 @@ fn time<const D: usize>(session: &Session, scene: &Scene, plan: &PlanReport) -> 
     let Some((grid, multipliers)) = plan.unknowns().filter(|_| !scene.scalar()) else {
         return Ok("not predicted: no flow is solved".into());
     };
+    if scene.flow.model == FlowModel::NavierStokes {
+        return Ok("not predicted: a flow with inertia has no sample at an instant".into());
+    }
     let Some(forecast) = Forecast::of::<D>(session, scene, grid, multipliers)? else {
         return Ok("not predicted: no sample of the scene can be solved".into());
     };

@@ -170,6 +170,7 @@ impl Krylov {
             return Ok(Report { residual: if norm > 0.0 { norm / size } else { 0.0 }, ..Report::default() });
         }
         let (mut report, mut last, mut restarts) = (Report::default(), f64::INFINITY, 0);
+        let mut passable: Option<(Vector, f64)> = None;
         loop {
             self.set_stopping_rule(rounding, if restarts == 0 { 1.0 } else { AIM })?;
             self.call(system, rhs, x, Watch { scale: 1.0 / size, before: report.iterations, seen })?;
@@ -182,8 +183,19 @@ impl Krylov {
             let enough = if over { SLACK } else { 1.0 } * self.settings.tolerance;
             if truth <= enough && reason != ffi::KSPConvergedReason_KSP_DIVERGED_ITS {
                 return Ok(report);
+            }
+            if over && let Some((kept, _)) = passable {
+                // going on made it worse
+                x.copy_from(&kept)?;
+                let residual = true_residual(system, rhs, x, &mut residual)? / size;
+                return Ok(Report { residual, ..report });
             } else if over {
                 return Err(self.diverged(report, last)?);
+            }
+            if truth <= SLACK * self.settings.tolerance && passable.as_ref().is_none_or(|(_, kept)| truth < *kept) {
+                let mut kept = x.like()?;
+                kept.copy_from(x)?;
+                passable = Some((kept, truth));
             }
             (last, restarts) = (truth, restarts + 1);
         }

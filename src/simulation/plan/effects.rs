@@ -36,7 +36,7 @@ pub fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Eff
     let free = setup.bodies.iter().filter(|suspended| suspended.body.free()).count();
     let spins = (free > 0).then(|| format!("spins of {free} bodies, which follow from the flow"));
     let model = if setup.inertia.is_some() { "navier-stokes flow" } else { "stokes flow" };
-    let mut effects = vec![
+    vec![
         Effect::on(
             model,
             match setup.inverse {
@@ -51,12 +51,16 @@ pub fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Eff
             0 => Effect::off("bodies"),
             count => Effect::on("bodies", format!("{count}, {free} of them free; {}", setup.method().description())),
         },
-    ];
-    effects.extend(setup.inertia.as_ref().map(|inertia| {
+    ]
+}
+
+/// Inertia of fluid and bodies.
+pub fn inertia<const D: usize>(setup: &Setup<D>) -> Effect {
+    let built = setup.inertia.as_ref().map(|inertia| {
         let built = "convection and the flow of two earlier times; one operator for each length of step, all else implicit";
-        Effect::on("inertia", format!("fluid of density {}: {built}", inertia.fluid))
-    }));
-    effects
+        format!("fluid of density {}: {built}", inertia.fluid)
+    });
+    Effect { name: "inertia", built }
 }
 
 /// What drives a flow.

@@ -2,7 +2,7 @@
 
 use super::{
     Plan, PlannedModel,
-    effects::{Effect, flow_effects, gravity, in_time},
+    effects::{Effect, flow_effects, gravity, in_time, inertia},
     fitted,
     memory::{CONTACT_BYTES, bytes, multiplier_counts, scalar_bytes},
     report::{GridPlan, PlanReport},
@@ -49,7 +49,7 @@ impl<const D: usize> Plan<D> {
     fn of_flow(&self, setup: &Setup<D>, ranks: usize) -> Result<PlanReport> {
         let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
         let (mut effects, counts) = (flow_effects(setup, &grid), multiplier_counts(setup, &grid));
-        effects.extend([Effect::off("inertia"), gravity(&self.scene)]);
+        effects.extend([inertia(setup), gravity(&self.scene)]);
         effects.extend(in_time(self));
         let fluid = GridPlan {
             cells: grid.cells().to_vec(),

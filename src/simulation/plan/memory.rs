@@ -30,6 +30,9 @@ pub const CONTACT_BYTES: f64 = 4e3;
 /// Fluid vectors that a run in time keeps to start further solves from.
 const REMEMBERED_VECTORS: f64 = 5.0;
 
+/// Fluid vectors of a flow with inertia: three solutions, of two of them the extended flow and its convection, the rows of a step and what they are made of.
+const INERTIA_VECTORS: f64 = 11.0;
+
 /// Bytes that a flow takes on all ranks together.
 pub fn bytes<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, counts: &[usize], in_time: bool) -> f64 {
     let points = (2 * D + 1) as f64;
@@ -40,7 +43,9 @@ pub fn bytes<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, counts: &[usize],
     let method = setup.method();
     let size = |(suspended, &count): (&SuspendedBody<D>, &usize)| Size { ball: suspended.body.ball, order: suspended.order, count };
     let bodies: f64 = setup.bodies.iter().zip(counts).map(|body| method.bytes(grid, &size(body))).sum();
+    let levels = if setup.inertia.is_some() { INERTIA_VECTORS * fluid_vector } else { 0.0 };
     bodies
+        + levels
         + match setup.inverse {
             InverseMethod::Hypre => {
                 let nonzeros = cells * (distinct_laplacians(grid) as f64 * points * HIERARCHY_FACTOR + 4.0 * D as f64);
