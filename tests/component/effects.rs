@@ -24,7 +24,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(no_torque_and_a_torque_of_zero_are_alike),
         Test::of(no_drive_no_mean_values_and_a_drive_of_zero_is_alike),
         Test::of(no_fluid_not_one_object_and_no_pressure),
-        Test::of(effects_to_come_are_refused_and_nothing_of_them_is_planned),
+        Test::of(inertia_is_planned_where_a_scene_has_it_and_only_there),
     ]
 }
 
@@ -244,12 +244,13 @@ fn no_fluid_not_one_object_and_no_pressure(session: &Session) {
     }
 }
 
-fn effects_to_come_are_refused_and_nothing_of_them_is_planned(session: &Session) {
-    let change = "flow.model=navier-stokes".to_owned();
-    let refusal = Scene::parse("effect", Path::new("."), SHEARED, &[change]).unwrap_err().to_string();
-    assert!(refusal.contains("flow.model") && refusal.contains("is not available yet"), "{refusal}");
+fn inertia_is_planned_where_a_scene_has_it_and_only_there(session: &Session) {
     let said = plan(session, &scene(SHEARED, &["time.end=1.0"]));
     for effect in ["inertia", "lubrication", "contact", "gravity"] {
         assert!(said.contains(&format!("not built  {effect}\n")), "{effect} in {said}");
     }
+    let heavy = ["time.end=1.0", "flow.model=navier-stokes", "flow.density=2.0", "bodies.0.density=3.0"];
+    let said = plan(session, &scene(SHEARED, &heavy));
+    assert!(said.contains("built      inertia: fluid of density 2") && said.contains("built      navier-stokes flow:"), "{said}");
+    assert!(!said.contains("not built  inertia"), "{said}");
 }
