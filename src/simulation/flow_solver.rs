@@ -52,6 +52,14 @@ pub trait FlowSolver<const D: usize> {
         false
     }
 
+    /// Makes ready for solves at a time, so that [`resistances`](Self::resistances) are those of the step that leads there.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    fn prepare(&mut self, _time: f64) -> Result<()> {
+        Ok(())
+    }
+
     /// The longest step from the last solution that the flow allows; infinite if it limits none.
     ///
     /// # Errors

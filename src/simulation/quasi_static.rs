@@ -120,6 +120,7 @@ impl<const D: usize> QuasiStatic<D> {
     /// Solves the flow with all forces that interactions know and with contacts that keep gaps open over the step to come.
     fn agree(&mut self, state: &State<D>, effort: &mut Effort, monitor: ResidualMonitor) -> Result<Agreed<D>> {
         if self.suspension.evolves() {
+            self.suspension.prepare(state.time)?;
             self.weights = self.suspension.resistances();
         }
         let (placed, centers) = (self.placed(state), state.centers());

@@ -242,6 +242,11 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         true
     }
 
+    fn prepare(&mut self, time: f64) -> Result<()> {
+        self.settle(time)?;
+        if self.past.is_empty() { Ok(()) } else { self.begin(time).map(drop) }
+    }
+
     /// Before the first step, until forces, walls and prescribed motions move something across as many cells as later ones may.
     fn longest_step(&self) -> Result<f64> {
         let way = COURANT * self.fixed.grid.spacing().min();
