@@ -80,16 +80,6 @@ impl<const D: usize> Convection<D> {
         Ok(())
     }
 
-    /// Largest speed of a velocity on all ranks.
-    ///
-    /// # Errors
-    /// PETSc fails.
-    pub fn fastest(&self, velocity: &Vector) -> Result<f64> {
-        let values = velocity.local()?;
-        let largest = |axis: usize| values[self.grid.local_range(axis)].iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-        Ok(velocity.session().world().max((0..D).map(largest).fold(0.0, f64::max)))
-    }
-
     fn fetch(&mut self, velocity: &Vector) -> Result<()> {
         let (others, own) = (self.fetched.fetch(velocity)?, velocity.local()?);
         for (places, values) in self.places.iter().zip(&mut self.values) {
@@ -127,12 +117,12 @@ impl<const D: usize> Convection<D> {
     }
 }
 
-/// The convection of a velocity, by itself.
+/// Largest speed along an axis of a velocity, on all ranks.
 ///
 /// # Errors
-/// PETSc has no memory for it.
-pub fn convection<const D: usize>(grid: &Grid<D>, velocity: &Vector) -> Result<Vector> {
-    let mut rows = velocity.like()?;
-    Convection::new(grid, velocity)?.evaluate(velocity, &mut rows)?;
-    Ok(rows)
+/// PETSc fails.
+pub fn fastest<const D: usize>(grid: &Grid<D>, velocity: &Vector) -> Result<f64> {
+    let values = velocity.local()?;
+    let largest = |axis: usize| values[grid.local_range(axis)].iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    Ok(velocity.session().world().max((0..D).map(largest).fold(0.0, f64::max)))
 }

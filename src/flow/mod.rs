@@ -8,7 +8,7 @@ mod drive;
 mod stokes;
 mod stokes_inverse;
 
-pub use convection::{Convection, convection};
+pub use convection::{Convection, fastest};
 pub use drive::Drive;
 pub use stokes::Stokes;
 pub use stokes_inverse::{FluidSystem, HypreInverse, InverseMethod, IteratedInverse, StokesInverse, TransformInverse, Transposes};

@@ -5,6 +5,7 @@ use nalgebra::{SMatrix, SVector};
 use super::{cells::CellCenters, shear::Shear};
 use crate::{
     error::Result,
+    flow::fastest,
     geometry::{Axis, Ball},
     grid::{Grid, operators::signed},
     petsc::Vector,
@@ -30,15 +31,14 @@ impl InertialNumbers {
     /// PETSc fails.
     pub fn of<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, solution: &Solution<D>) -> Result<Option<InertialNumbers>> {
         let Some(inertia) = &setup.inertia else { return Ok(None) };
-        let (square, fastest) = of_field(grid, &solution.fluid)?;
         let volume = grid.spacing().product();
         let bodies = setup.bodies.iter().zip(&solution.bodies);
         let reynolds = bodies
             .map(|(suspended, state)| 2.0 * suspended.body.ball.radius * state.twist.velocity.norm() * inertia.fluid / setup.viscosity);
         Ok(Some(InertialNumbers {
-            kinetic_energy: 0.5 * inertia.fluid * volume * square + excess_energy(setup, inertia, solution),
+            kinetic_energy: 0.5 * inertia.fluid * volume * square(grid, &solution.fluid)? + excess_energy(setup, inertia, solution),
             reynolds: reynolds.fold(0.0, f64::max),
-            fastest,
+            fastest: fastest(grid, &solution.fluid)?,
         }))
     }
 
@@ -48,14 +48,12 @@ impl InertialNumbers {
     }
 }
 
-/// Sum of the squares of all velocities of the grid, and the largest of them.
-fn of_field<const D: usize>(grid: &Grid<D>, fluid: &Vector) -> Result<(f64, f64)> {
+/// Sum of the squares of all velocities of the grid.
+fn square<const D: usize>(grid: &Grid<D>, fluid: &Vector) -> Result<f64> {
     let values = fluid.local()?;
-    let own = (0..D).flat_map(|axis| &values[grid.local_range(axis)]);
-    let (square, fastest) = own.fold((0.0, 0.0_f64), |(sum, most), value| (sum + value * value, most.max(value.abs())));
-    let (world, mut sum) = (fluid.session().world(), [square]);
-    world.sum(&mut sum);
-    Ok((sum[0], world.max(fastest)))
+    let mut sum = [(0..D).flat_map(|axis| &values[grid.local_range(axis)]).map(|value| value * value).sum()];
+    fluid.session().world().sum(&mut sum);
+    Ok(sum[0])
 }
 
 /// What bodies have beyond the fluid that moves in their places.

@@ -193,8 +193,7 @@ impl Krylov {
                 return Err(self.diverged(report, last)?);
             }
             if truth <= SLACK * self.settings.tolerance && passable.as_ref().is_none_or(|(_, kept)| truth < *kept) {
-                let mut kept = x.like()?;
-                kept.copy_from(x)?;
+                let kept = x.copied()?;
                 passable = Some((kept, truth));
             }
             (last, restarts) = (truth, restarts + 1);

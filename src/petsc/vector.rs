@@ -54,6 +54,15 @@ impl Vector {
         Ok(vector)
     }
 
+    /// A copy.
+    pub fn copied(&self) -> Result<Vector> {
+        let mut raw = null_mut();
+        petsc!(VecDuplicate(self.raw(), &mut raw))?;
+        let copy = Vector { owned: Owned::new(self.session(), raw) };
+        petsc!(VecCopy(self.raw(), raw))?;
+        Ok(copy)
+    }
+
     /// This rank's entries, to read.
     pub fn local(&self) -> Result<LocalRead<'_>> {
         let (mut array, mut length) = (std::ptr::null(), 0);

@@ -36,8 +36,6 @@ pub(super) struct AssembledSystem<'a, const D: usize> {
     pub pair_constraints: PairConstraints,
     pub workspace: KrylovWorkspace,
     pub guess: Option<InitialGuess<D>>,
-    /// The velocity of the flow without bodies, tested with the rows of this rank's bodies.
-    undisturbed: Vec<f64>,
     prescribed_drag: f64,
     stop: Stop,
 }
@@ -52,29 +50,28 @@ impl<'a, const D: usize> AssembledSystem<'a, D> {
         configuration: &Configuration<D>,
     ) -> Result<Self> {
         let _stage = enter(Stage::Assembly);
-        let mut assembly = Assembly::of(fixed, configuration.centers, assembly)?;
+        let assembly = Assembly::of(fixed, configuration.centers, assembly)?;
         let places = (assembly.placed.clone(), assembly.crowd.clone());
         let bodies = Bodies::new((&fixed.setup, &fixed.grid, &fixed.kinds), places, assembly.layout.clone());
         let operators = bodies.operators(&assembly.blocks);
-        let undisturbed = assembly.undisturbed(fixed, &bodies, configuration.centers)?;
         let guess = past.map_or(Ok(None), |past| past.guess(&bodies, configuration.centers, configuration.time))?;
         let mean_flow = fixed.mean_flow.unknowns::<D>();
         let places = workspace.as_ref().map_or(0, |workspace| workspace.work.sizes().links);
         let pair_constraints =
-            pair_constraints(fixed, &bodies, configuration, &assembly.films, &undisturbed, assembly.medium.as_ref(), places)?;
+            pair_constraints(fixed, &bodies, configuration, &assembly.films, &assembly.undisturbed, assembly.medium.as_ref(), places)?;
         let fluid = if fixed.condensed { 0 } else { fixed.grid.local_fluid_unknowns() };
-        let sizes = Sizes { fluid, multipliers: undisturbed.len(), mean_flow, links: pair_constraints.places() };
+        let sizes = Sizes { fluid, multipliers: assembly.undisturbed.len(), mean_flow, links: pair_constraints.places() };
         let mut workspace = KrylovWorkspace::fitting(workspace, fixed, sizes)?;
         workspace.krylov.set_tolerance(configuration.tolerance);
         let prescribed_drag = prescribed_drag(&fixed.session, &operators);
-        let wanted = bodies.wanted_rows(&assembly.blocks, &operators, &undisturbed, configuration.pushes);
+        let wanted = bodies.wanted_rows(&assembly.blocks, &operators, &assembly.undisturbed, configuration.pushes);
         fixed.fill_right_hand_side(&wanted, pair_constraints.wanted(), prescribed_drag, &mut workspace.rhs)?;
-        let rounding = ROUNDING * scale(&fixed.session, &undisturbed, &workspace.rhs)?;
+        let rounding = ROUNDING * scale(&fixed.session, &assembly.undisturbed, &workspace.rhs)?;
         let unit = pair_constraints.scale * fixed.setup.viscosity;
         let pressed = configuration.pressed.iter().filter(|pressed| belongs(&bodies.layout, pressed)).map(|pressed| pressed.force / unit);
         workspace.start(&bodies, guess.as_ref(), pressed.collect())?;
         let stop = Stop { tolerance: configuration.tolerance, rounding };
-        Ok(AssembledSystem { bodies, operators, assembly, pair_constraints, workspace, guess, undisturbed, prescribed_drag, stop })
+        Ok(AssembledSystem { bodies, operators, assembly, pair_constraints, workspace, guess, prescribed_drag, stop })
     }
 
     /// The solver with its right-hand side and start, and what the system is made of.
@@ -118,7 +115,7 @@ impl<'a, const D: usize> AssembledSystem<'a, D> {
             }),
             _ => solve(solver.1, Coupled(parts), |system, (rhs, x)| solver.0.solve_above(stop.rounding, system, rhs, x, monitor)),
         }?;
-        found.velocities.iter_mut().zip(&self.undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);
+        found.velocities.iter_mut().zip(&self.assembly.undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);
         Ok((report, found))
     }
 }

@@ -37,6 +37,8 @@ pub struct Assembly<const D: usize> {
     pub films: LubricationPairs<D>,
     /// What bodies resist besides films and contacts, where near pairs answer to motions.
     pub medium: Option<Medium>,
+    /// The velocity of the flow without bodies, and of known spin-ups, tested with the rows of this rank's bodies.
+    pub undisturbed: Vec<f64>,
 }
 
 impl<const D: usize> Assembly<D> {
@@ -59,22 +61,26 @@ impl<const D: usize> Assembly<D> {
         let pairs = if method.on_surfaces() && fixed.setup.inertia.is_none() { Some(bodies.near_pairs(session)?) } else { None };
         let (films, medium) = (balanced(session.world(), bodies.films())?, medium(fixed, &bodies, centers, pairs.as_ref()));
         let (centers, layout) = (centers.to_vec(), bodies.layout);
-        Ok(Assembly { centers, placed, crowd, layout, blocks, assembled, pairs, films, medium })
+        let undisturbed = Vec::new();
+        let mut assembly = Assembly { centers, placed, crowd, layout, blocks, assembled, pairs, films, medium, undisturbed };
+        // with inertia that flow is another one in every step
+        if fixed.setup.inertia.is_none() {
+            assembly.meet_flow(fixed)?;
+        }
+        Ok(assembly)
     }
-}
 
-impl<const D: usize> Assembly<D> {
-    /// The velocity of the flow without bodies, and of known spin-ups, tested with the rows of this rank's bodies.
-    pub fn undisturbed(&mut self, fixed: &FixedOperators<D>, bodies: &Bodies<D>, centers: &[SVector<f64, D>]) -> Result<Vec<f64>> {
+    /// Reads the flow without bodies on the surfaces.
+    pub fn meet_flow(&mut self, fixed: &FixedOperators<D>) -> Result<()> {
+        let (places, layout) = ((self.placed.clone(), self.crowd.clone()), self.layout.clone());
+        let bodies = Bodies::new((&fixed.setup, &fixed.grid, &fixed.kinds), places, layout);
         let known = |body: usize, point: &SVector<f64, D>| {
             // a body that has left a sheared box goes on as fast as the image of the box in which it is
-            fixed.background(point) + fixed.setup.domain.image_velocity(&centers[body])
+            fixed.background(point) + fixed.setup.domain.image_velocity(&self.centers[body])
         };
-        let mut velocities = bodies.undisturbed(&mut self.blocks, &fixed.undisturbed.0, known)?;
-        if !fixed.spin_ups.is_empty() {
-            self.blocks.add_spin_up(&fixed.spin_ups, &mut velocities);
-        }
-        Ok(velocities)
+        self.undisturbed = bodies.undisturbed(&mut self.blocks, &fixed.undisturbed.0, known)?;
+        self.blocks.add_spin_up(&fixed.spin_ups, &mut self.undisturbed);
+        Ok(())
     }
 }
 

@@ -51,7 +51,7 @@ impl<const D: usize> Snapshot<D> {
     /// A copy of what was found, without the fluid if it is eliminated. Collective.
     pub fn of(bodies: &Bodies<D>, session: &Session, centers: &[SVector<f64, D>], found: &SolvedUnknowns, condensed: bool) -> Result<Self> {
         let multipliers = bodies.share_multipliers(session, &found.multipliers);
-        let fluid = if condensed { None } else { Some(copy(&found.fluid)?) };
+        let fluid = if condensed { None } else { Some(found.fluid.copied()?) };
         Ok(Snapshot { fluid, multipliers, centers: centers.to_vec(), mean_flow: found.global_unknowns.clone() })
     }
 
@@ -71,7 +71,7 @@ impl<const D: usize> Snapshot<D> {
 
     fn copy(&self) -> Result<Snapshot<D>> {
         let (multipliers, centers, mean_flow) = (self.multipliers.clone(), self.centers.clone(), self.mean_flow.clone());
-        Ok(Snapshot { fluid: self.fluid.as_ref().map(copy).transpose()?, multipliers, centers, mean_flow })
+        Ok(Snapshot { fluid: self.fluid.as_ref().map(Vector::copied).transpose()?, multipliers, centers, mean_flow })
     }
 
     /// The jump at a point that a body passes, for this solution and a body that is about to be in the image at `center`.
@@ -79,12 +79,6 @@ impl<const D: usize> Snapshot<D> {
         let placed = Placed { center: self.centers[body] + shift, surface: bodies.placed[body].surface.clone() };
         jump(&placed, &self.multipliers[body], point)
     }
-}
-
-fn copy(vector: &Vector) -> Result<Vector> {
-    let mut copy = vector.like()?;
-    copy.copy_from(vector)?;
-    Ok(copy)
 }
 
 impl<const D: usize> ExtrapolationHistory<D> {

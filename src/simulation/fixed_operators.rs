@@ -5,7 +5,7 @@ use std::rc::Rc;
 use nalgebra::SVector;
 
 use super::{
-    BodyState, Setup, Solution, WallForces,
+    BodyState, Setup, Solution, SuspendedBody, WallForces,
     bodies::BodyTypes,
     mean_flow_constraint::{MeanFlowConstraint, flow_without_bodies},
 };
@@ -59,8 +59,7 @@ impl<const D: usize> FixedOperators<D> {
         let stokes = Stokes::new(session, &grid);
         let mut inverse = inverse(&stokes, &grid)?;
         let mean_flow = MeanFlowConstraint::new(&setup.drive, &grid, &stokes, inverse.as_mut())?;
-        let uniform_force = setup.drive.uniform_force() / setup.viscosity;
-        let undisturbed = flow_without_bodies((&setup.drive, uniform_force), &grid, &stokes, inverse.as_mut(), &mean_flow)?;
+        let undisturbed = flow_without_bodies(&setup.drive, setup.viscosity, &grid, &stokes, inverse.as_mut(), &mean_flow)?;
         let (method, kinds, condensed) = (setup.method(), BodyTypes::new(&setup, &grid), inverse.exact());
         let fixed = FixedOperators {
             session: session.clone(),
@@ -123,6 +122,15 @@ impl<const D: usize> FixedOperators<D> {
         self.stokes = Stokes::new(&self.session, &self.grid);
         self.setup.domain = domain;
         inverse(&self.setup, &self.stokes, &self.grid).map(Some)
+    }
+
+    /// Force that gives each body a unit velocity in unbounded fluid; infinite for a body whose motion is given.
+    pub fn resistances(&self) -> Vec<f64> {
+        let resistance = |(body, suspended): (usize, &SuspendedBody<D>)| {
+            let (mobility, force) = self.kinds.translation(body);
+            if suspended.body.free() { self.setup.viscosity * force / mobility } else { f64::INFINITY }
+        };
+        self.setup.bodies.iter().enumerate().map(resistance).collect()
     }
 
     /// The velocity that the flow without bodies has besides its fluid vector.

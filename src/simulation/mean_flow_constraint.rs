@@ -2,8 +2,6 @@
 
 use std::ops::Range;
 
-use nalgebra::SVector;
-
 use crate::{
     error::Result,
     flow::{Drive, FluidSystem, Stokes, StokesInverse},
@@ -168,9 +166,10 @@ fn periodic_axes<const D: usize>(domain: &Domain<D>) -> impl Iterator<Item = usi
 
 /// Solves the flow of walls and drive without bodies, if there is any.
 ///
-/// `uniform_force` is that of the drive over the viscosity. Returns the flow and, for each force of the mean-flow constraint, the force per volume that gives it the wanted mean velocity.
+/// Returns the flow and, for each force of the mean-flow constraint, the force per volume over the viscosity that gives it the wanted mean velocity.
 pub fn flow_without_bodies<const D: usize>(
-    (drive, uniform_force): (&Drive<D>, SVector<f64, D>),
+    drive: &Drive<D>,
+    viscosity: f64,
     grid: &Grid<D>,
     stokes: &Stokes<D>,
     inverse: &mut dyn StokesInverse<D>,
@@ -181,12 +180,9 @@ pub fn flow_without_bodies<const D: usize>(
         return Ok((flow, Vec::new()));
     }
     let (mut rhs, dragged) = (stokes.vector()?, dragged_by_walls(grid, stokes)?);
-    for axis in 0..D {
-        let rows = &mut rhs.local_mut()?[grid.local_range(axis)];
-        operators::add_uniform_force(grid, axis, uniform_force[axis], rows);
-        if dragged.is_none() {
-            operators::add_wall_laplacian(grid, axis, rows);
-        }
+    add_drive(grid, drive, viscosity, &mut rhs)?;
+    if dragged.is_none() {
+        add_walls(grid, &mut rhs)?;
     }
     stokes.balance(&mut rhs)?;
     if rhs.norm()? > 0.0 {
@@ -199,12 +195,16 @@ pub fn flow_without_bodies<const D: usize>(
     Ok((flow, forces))
 }
 
-/// Adds to momentum rows that are not balanced what walls and the drive, as a uniform force over the viscosity, add to them.
-pub fn add_walls_and_drive<const D: usize>(grid: &Grid<D>, uniform_force: &SVector<f64, D>, rows: &mut Vector) -> Result<()> {
-    for axis in 0..D {
-        let rows = &mut rows.local_mut()?[grid.local_range(axis)];
-        operators::add_uniform_force(grid, axis, uniform_force[axis], rows);
-        operators::add_wall_laplacian(grid, axis, rows);
-    }
+/// Adds the uniform force of a drive to momentum rows that are not balanced.
+pub fn add_drive<const D: usize>(grid: &Grid<D>, drive: &Drive<D>, viscosity: f64, rows: &mut Vector) -> Result<()> {
+    let (force, mut rows) = (drive.uniform_force() / viscosity, rows.local_mut()?);
+    (0..D).for_each(|axis| operators::add_uniform_force(grid, axis, force[axis], &mut rows[grid.local_range(axis)]));
+    Ok(())
+}
+
+/// Adds what walls drag along to momentum rows that are not balanced.
+pub fn add_walls<const D: usize>(grid: &Grid<D>, rows: &mut Vector) -> Result<()> {
+    let mut rows = rows.local_mut()?;
+    (0..D).for_each(|axis| operators::add_wall_laplacian(grid, axis, &mut rows[grid.local_range(axis)]));
     Ok(())
 }

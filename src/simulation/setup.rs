@@ -4,12 +4,12 @@ use std::rc::Rc;
 
 use crate::{
     body::Body,
-    constraint::{FlowMethod, method_of},
+    constraint::{FlowMethod, SharpWithInertia, method_of},
     flow::{Drive, InverseMethod},
     geometry::Domain,
     interaction::{Interaction, Interactions},
     scene::{ConstraintMethod, MultiplierSolver, Tolerance},
-    surface::Shape,
+    surface::{Shape, area, lever},
 };
 
 /// Tolerance of the fluid alone over that of the whole.
@@ -69,7 +69,20 @@ impl<const D: usize> Setup<D> {
     /// # Panics
     /// For a fitted mesh, which has no such blocks.
     pub fn method(&self) -> Rc<FlowMethod<D>> {
+        if let Some(inertia) = &self.inertia {
+            return Rc::new(SharpWithInertia { spin_up_of: self.spin_ups_of_rotations(inertia) });
+        }
         method_of(self.constraint.word(), self.constraint.epsilon()).expect("a fitted mesh has no blocks on a grid")
+    }
+
+    /// The spin-up of each body by a unit multiplier of rotation: the torque on it over its moment of inertia; 0 for prescribed motion.
+    fn spin_ups_of_rotations(&self, inertia: &Inertia) -> Vec<f64> {
+        let of_body = |(suspended, density): (&SuspendedBody<D>, &f64)| {
+            let Body { ball, .. } = suspended.body;
+            let torque = area(D, ball.radius) * lever(D, ball.radius);
+            if suspended.body.free() { -inertia.fluid * torque / (density * ball.moment_of_inertia()) } else { 0.0 }
+        };
+        self.bodies.iter().zip(&inertia.bodies).map(of_body).collect()
     }
 
     /// Tolerance of the fluid alone, where a method needs each solve of it to be exact and the inverse is not.

@@ -196,8 +196,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
     }
 
     fn net_force_rows(&mut self, given: &Vector, global_unknowns: &[f64], rows: &mut Vector) -> Result<()> {
-        let mut multipliers = given.like()?;
-        multipliers.copy_from(given)?;
+        let mut multipliers = given.copied()?;
         self.pair_constraints.press(-1.0, &global_unknowns[self.contacts()], &mut multipliers)?;
         let (multipliers, mut rows) = (multipliers.local()?, rows.local_mut()?);
         for member in self.operators.iter().filter(|member| member.free) {
@@ -214,8 +213,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
         if !self.pair_constraints.any() {
             return Ok(Vec::new());
         }
-        let mut velocities = sampled.like()?;
-        velocities.copy_from(sampled)?;
+        let mut velocities = sampled.copied()?;
         let (mut moved, known) = (velocities.local_mut()?, given.local()?);
         for member in self.operators.iter().filter(|member| member.free) {
             for (mode, mobility) in member.rigid_range().zip(member.mobilities.iter()) {

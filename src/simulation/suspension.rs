@@ -136,11 +136,7 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
     }
 
     fn resistances(&self) -> Vec<f64> {
-        let resistance = |(body, suspended): (usize, &super::SuspendedBody<D>)| {
-            let (mobility, force) = self.fixed.kinds.translation(body);
-            if suspended.body.free() { self.fixed.setup.viscosity * force / mobility } else { f64::INFINITY }
-        };
-        self.fixed.setup.bodies.iter().enumerate().map(resistance).collect()
+        self.fixed.resistances()
     }
 
     fn film_resistance(&self, contact: &Contact<D>) -> f64 {

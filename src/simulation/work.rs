@@ -126,8 +126,7 @@ impl WorkVectors {
 
     /// What was split, with the velocities on surfaces in `multipliers_out`.
     pub fn unknowns(&self, global_unknowns: Vec<f64>) -> Result<SolvedUnknowns> {
-        let mut fluid = self.fluid_in.like()?;
-        fluid.copy_from(&self.fluid_in)?;
+        let fluid = self.fluid_in.copied()?;
         let (multipliers, velocities) = (self.multipliers_in.local()?.to_vec(), self.multipliers_out.local()?.to_vec());
         Ok(SolvedUnknowns { fluid, multipliers, velocities, global_unknowns })
     }

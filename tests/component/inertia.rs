@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::{SMatrix, SVector, Vector2};
 use turbid::{
     body::{Body, Motion, Twist},
-    flow::{Drive, FluidSystem, InverseMethod, Stokes, convection},
+    flow::{Convection, Drive, FluidSystem, InverseMethod, Stokes},
     geometry::{Axis, Ball, Domain},
     grid::{Grid, operators::signed},
     petsc::{Session, Vector},
@@ -119,7 +119,8 @@ fn convection_neither_makes_nor_takes_energy_and_momentum(session: &Session) {
             layers * (wave(0, 1.0, 0.2) * wave(1, 2.0, 0.9) + 0.7 * wave(0, 2.0, 1.3) * wave(1, 1.0, 0.4))
         };
         let velocity = stream(&grid, &shape, function);
-        let rows = convection(&grid, &velocity).unwrap();
+        let mut rows = shape.like().unwrap();
+        Convection::new(&grid, &shape).unwrap().evaluate(&velocity, &mut rows).unwrap();
         let power = velocity.dot(&rows).unwrap();
         let scale = velocity.norm().unwrap() * rows.norm().unwrap();
         assert!(scale > 0.0 && power.abs() < 1e-12 * scale, "{power:e} of {scale:e} in {domain:?}");

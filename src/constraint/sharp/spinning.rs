@@ -3,10 +3,13 @@
 //! What rotates rigidly ever faster needs the force `rho w' x r` inside, which no pressure bears, and the Laplacian of the velocity jumps by it across
 //! the surface. The torque on a free body says how fast it spins up, `I w' = -(torque on the fluid)`: so both go with its rotation modes.
 
-use nalgebra::DMatrix;
+use std::rc::Rc;
+
+use nalgebra::{DMatrix, SMatrix, SVector};
 
 use super::{INTERPOLATION_REACH, JumpNodes, SharpBody, Workspace, assemble, bytes};
 use crate::{
+    body::planes,
     constraint::{
         body::{BodyBlocks, Plans, WallForces, Walls},
         conservation::TERMS,
@@ -16,10 +19,9 @@ use crate::{
         places::{Entries, EntriesMut, Places},
     },
     grid::Grid,
+    linalg::dot,
     surface::{SurfaceTable, unit_rotation},
 };
-use nalgebra::{SMatrix, SVector};
-use std::rc::Rc;
 
 /// The method; surfaces need the jumps of spin-ups ([`SurfaceTable::with_spin_up`]).
 #[derive(Debug, Clone)]
@@ -67,7 +69,7 @@ impl Interior {
             each_inside(grid, nodes, |place, unknown| {
                 let offset = nodes.position(place) - placed.center;
                 interior.unknowns.push(unknown);
-                interior.velocities.extend((0..planes::<D>()).map(|plane| unit_rotation(plane, offset.as_slice(), component)));
+                interior.velocities.extend((0..planes::<D>().len()).map(|plane| unit_rotation(plane, offset.as_slice(), component)));
             });
         }
         interior
@@ -82,7 +84,7 @@ impl Interior {
             return;
         }
         for (place, velocity) in self.places.iter().zip(self.velocities.chunks_exact(spin_up.len())) {
-            *rows.at(*place) += factor * velocity.iter().zip(spin_up).map(|(velocity, spin_up)| velocity * spin_up).sum::<f64>();
+            *rows.at(*place) += factor * dot(velocity, spin_up);
         }
     }
 }
@@ -102,7 +104,7 @@ struct SpinningBody<const D: usize> {
 impl<const D: usize> SpinningBody<D> {
     /// Takes the columns of spin-ups out of the blocks of a body, and adds them to those of rotations.
     fn new(mut blocks: SharpBody<D>, interior: Interior, body: usize, spin_up_of: &[f64]) -> Self {
-        let (planes, count, factor) = (planes::<D>(), blocks.surface.modes.count(), spin_up_of[body]);
+        let (planes, count, factor) = (planes::<D>().len(), blocks.surface.modes.count(), spin_up_of[body]);
         let (mut values, mut rows) = (Vec::with_capacity(blocks.rows.values.len()), Vec::new());
         for row in blocks.rows.values.chunks_exact(count + planes) {
             let (of_modes, of_spin_ups) = row.split_at(count);
@@ -138,7 +140,7 @@ impl<const D: usize> BodyBlocks<D> for SpinningBody<D> {
 
     fn spread(&self, factor: f64, c: &[f64], scratch: &mut Vec<f64>, rows: &mut EntriesMut) {
         self.blocks.spread(factor, c, scratch, rows);
-        self.interior.add(factor * self.factor, &c[D..D + planes::<D>()], rows);
+        self.interior.add(factor * self.factor, &c[D..D + planes::<D>().len()], rows);
     }
 
     fn read(&self, u: Entries, walls: Walls, scratch: &mut Vec<f64>, out: &mut [f64]) {
@@ -156,7 +158,7 @@ impl<const D: usize> BodyBlocks<D> for SpinningBody<D> {
     fn spread_spin_up(&self, factor: f64, spin_up: &[f64], rows: &mut EntriesMut) {
         if spin_up.iter().any(|spin_up| *spin_up != 0.0) {
             for (place, values) in self.blocks.rows.places.iter().zip(self.rows.chunks_exact(spin_up.len())) {
-                *rows.at(*place) += factor * values.iter().zip(spin_up).map(|(value, spin_up)| value * spin_up).sum::<f64>();
+                *rows.at(*place) += factor * dot(values, spin_up);
             }
             self.interior.add(factor, spin_up, rows);
         }
@@ -187,10 +189,6 @@ impl<const D: usize> BodyBlocks<D> for SpinningBody<D> {
     }
 }
 
-const fn planes<const D: usize>() -> usize {
-    D * (D - 1) / 2
-}
-
 /// Moments of the rows of unit spin-ups in each component: with the force inside they add up to those of the force in the whole body.
 fn moments<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, nodes: &[JumpNodes<D>]) -> Vec<Vec<[f64; TERMS]>> {
     let ball = placed.ball();
@@ -211,7 +209,7 @@ fn moments<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, nodes: &[JumpNode
             });
             moments
         };
-        (0..planes::<D>()).map(of_plane).collect()
+        (0..planes::<D>().len()).map(of_plane).collect()
     };
     (0..D).map(of).collect()
 }

@@ -24,8 +24,7 @@ impl<const D: usize> IteratedInverse<D> {
 impl<const D: usize> StokesInverse<D> for IteratedInverse<D> {
     fn precondition(&mut self, stokes: &Stokes<D>, rows: &Vector, output: &mut Vector) -> Result<()> {
         // rows that are all rounding noise have a mean as large as themselves, which no solution can meet
-        let mut projected = rows.like()?;
-        projected.copy_from(rows)?;
+        let mut projected = rows.copied()?;
         stokes.project(&mut projected)?;
         output.fill(0.0)?;
         FluidSystem { stokes, inverse: Some(self.cycle.as_mut()) }.solve(&projected, output, self.tolerance, MOST_ITERATIONS)?;

@@ -118,8 +118,7 @@ impl<const D: usize> Inclusions<D> {
 
     /// As [`solve_coupled`](Self::solve_coupled).
     fn solve_by_uzawa(&mut self, known: &[f64], step: Option<f64>, monitor: &mut dyn FnMut(usize, f64)) -> Result<Uzawa> {
-        let mut source = self.system.field_out.like()?;
-        source.copy_from(&self.system.field_out)?;
+        let source = self.system.field_out.copied()?;
         let tolerance = self.setup.tolerance.at_an_instant();
         let system = &mut self.system;
         let (uzawa, report) = system.solve_by_uzawa(&source, known, step, tolerance, monitor)?;

@@ -9,8 +9,7 @@ impl<const D: usize> Inclusions<D> {
     /// The solution from what a solver leaves in the work space.
     pub(super) fn solution(&mut self, uzawa: Option<Uzawa>) -> Result<ScalarSolution<D>> {
         let inclusions = self.states()?;
-        let mut field = self.system.field_in.like()?;
-        field.copy_from(&self.system.field_in)?;
+        let field = self.system.field_in.copied()?;
         let mean_flux = self.mean_flux()?;
         let energy = match (self.setup.gradient, mean_flux) {
             (Some(gradient), Some(flux)) => 0.5 * self.setup.domain.volume() * gradient.dot(&flux),

@@ -75,8 +75,7 @@ impl<const D: usize> Level<D> {
         (0..self.centers.len()).for_each(|body| self.extend(grid, kinds, body, &mut band));
         let mut scatter = Scatter::new(&self.fluid, &band.places)?;
         let mut extended = |jumps: &[f64]| -> Result<Vector> {
-            let mut extended = self.fluid.like()?;
-            extended.copy_from(&self.fluid)?;
+            let mut extended = self.fluid.copied()?;
             scatter.places()?.copy_from_slice(jumps);
             scatter.add_back(&mut extended)?;
             Ok(extended)
@@ -87,28 +86,23 @@ impl<const D: usize> Level<D> {
         Ok(Extended { velocity, convection: rows })
     }
 
-    /// Adds the points inside a body, if it is this rank's.
+    /// Adds the points inside a body near its surface, if it is this rank's.
     fn extend(&self, grid: &Grid<D>, kinds: &BodyTypes<D>, body: usize, band: &mut Band) {
-        let center = grid.domain().wrap(self.centers[body]);
-        if grid.owner(&center) != grid.rank() {
-            return;
-        }
         let (surface, multipliers) = (kinds.surface(body), DVector::from_column_slice(&self.multipliers[body]));
         let (radius, count) = (surface.modes.radius(), surface.modes.jump_count());
         let whole = self.coefficients(body, &self.multipliers[body]);
         let tangential = self.coefficients(body, (kinds.tangential(body) * multipliers).as_slice());
-        let depths = (radius - DEPTH * grid.spacing().max()).max(CORE * radius)..=radius;
-        for component in 0..D {
-            let mut offsets = Vec::new();
-            for index in IndexBox::around(grid, component, &center, radius).indices() {
-                let offset = grid.position(component, index) - center;
-                if let (true, Node::Unknown(place)) = (depths.contains(&offset.norm()), grid.fluid_node(component, index)) {
-                    band.places.push(place);
-                    offsets.extend_from_slice(offset.as_slice());
-                }
+        let deepest = (radius - DEPTH * grid.spacing().max()).max(CORE * radius);
+        let mut offsets = vec![Vec::new(); D];
+        each_inside(grid, &self.centers[body], radius, |component, place, offset| {
+            if offset.norm() >= deepest {
+                band.places.push(place);
+                offsets[component].extend_from_slice(offset.as_slice());
             }
+        });
+        for (component, offsets) in offsets.iter().enumerate() {
             let mut jumps = vec![0.0; offsets.len() / D * count];
-            surface.modes.velocity_jumps(&offsets, component, &mut jumps);
+            surface.modes.velocity_jumps(offsets, component, &mut jumps);
             band.whole.extend(jumps.chunks_exact(count).map(|jumps| dot(jumps, &whole)));
             band.tangential.extend(jumps.chunks_exact(count).map(|jumps| dot(jumps, &tangential)));
         }
@@ -117,5 +111,26 @@ impl<const D: usize> Level<D> {
     /// Coefficients of the jump functions of a body, for these of its modes.
     fn coefficients(&self, body: usize, modes: &[f64]) -> Vec<f64> {
         modes.iter().chain(&self.spin_ups[body]).copied().collect()
+    }
+}
+
+/// Visits the velocities inside a ball whose centre lies in this rank's block: component, place in fluid vectors and offset from the centre.
+pub fn each_inside<const D: usize>(
+    grid: &Grid<D>,
+    center: &SVector<f64, D>,
+    radius: f64,
+    mut visit: impl FnMut(usize, usize, SVector<f64, D>),
+) {
+    let center = grid.domain().wrap(*center);
+    if grid.owner(&center) != grid.rank() {
+        return;
+    }
+    for component in 0..D {
+        for index in IndexBox::around(grid, component, &center, radius).indices() {
+            let offset = grid.position(component, index) - center;
+            if let (true, Node::Unknown(place)) = (offset.norm() <= radius, grid.fluid_node(component, index)) {
+                visit(component, place, offset);
+            }
+        }
     }
 }

@@ -9,14 +9,14 @@ mod momentum;
 mod rows;
 mod scheme;
 
-use std::{rc::Rc, time::Instant};
+use std::time::Instant;
 
 use nalgebra::{SMatrix, SVector};
 
 pub use self::level::Level;
 use self::{
     level::Extended,
-    momentum::{Momentum, inertia, spin_ups_of_rotations},
+    momentum::{Momentum, inertia},
     rows::{Past, kept},
     scheme::StepWeights,
 };
@@ -29,14 +29,13 @@ use super::{
     extrapolation::{ExtrapolationHistory, Snapshot},
     fixed_operators::FixedOperators,
     krylov_workspace::KrylovWorkspace,
-    mean_flow_constraint::add_walls_and_drive,
+    mean_flow_constraint::{add_drive, add_walls},
     readback::{contact_forces, forces_on_walls},
 };
 use crate::{
     body::{Motion, Twist, planes},
-    constraint::SharpWithInertia,
     error::{Error, Result},
-    flow::{Convection, FluidSystem, StokesInverse},
+    flow::{Convection, FluidSystem, StokesInverse, fastest},
     grid::Grid,
     petsc::{Session, Stage, Vector, enter},
 };
@@ -83,9 +82,7 @@ impl<const D: usize> UnsteadySuspension<D> {
     /// For a setup without inertia.
     pub fn new(session: &Session, setup: Setup<D>) -> Result<UnsteadySuspension<D>> {
         let (_stage, start) = (enter(Stage::SetUp), Instant::now());
-        let mut fixed = FixedOperators::at_rest(session, setup)?;
-        let spin_up_of = spin_ups_of_rotations(&fixed.setup, &fixed.kinds);
-        fixed.method = Rc::new(SharpWithInertia { spin_up_of });
+        let fixed = FixedOperators::at_rest(session, setup)?;
         let convection = Convection::new(&fixed.grid, &fixed.undisturbed.0)?;
         let cost = Cost { setup: start.elapsed().as_secs_f64(), grid_unknowns: fixed.grid.fluid_unknowns(), ..Cost::default() };
         let (past, assembly) = (Vec::new(), None);
@@ -139,7 +136,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         let spin_ups = vec![vec![0.0; planes::<D>().len()]; bodies.len()];
         self.current = Some(Level {
             time: configuration.time,
-            fluid: copy(&fluid)?,
+            fluid: fluid.copied()?,
             multipliers,
             centers: configuration.centers.to_vec(),
             twists,
@@ -173,12 +170,13 @@ impl<const D: usize> UnsteadySuspension<D> {
     /// Puts what earlier times, walls, drive and known spin-ups bring into the flow without bodies, or into rows of its own.
     fn fill_undisturbed(&mut self, weights: StepWeights, assembly: &mut Assembly<D>, centers: &[SVector<f64, D>]) -> Result<()> {
         let (inverse_diffusivity, setup) = (self.inverse_diffusivity(), &self.fixed.setup);
-        let fastest = self.convection.fastest(&self.past[0].0.fluid)?;
+        let fastest = fastest(&self.fixed.grid, &self.past[0].0.fluid)?;
         let kept = kept(&self.fixed.grid, weights.step, inverse_diffusivity, fastest);
         let levels: Vec<(&Level<D>, &Extended)> = self.past.iter().map(|(level, extended)| (level, extended)).collect();
         let past = Past { levels: &levels, weights, inverse_diffusivity, kept };
         let mut rows = past.rows(&self.fixed.grid, &self.fixed.kinds, centers)?;
-        add_walls_and_drive(&self.fixed.grid, &(setup.drive.uniform_force() / setup.viscosity), &mut rows)?;
+        add_drive(&self.fixed.grid, &setup.drive, setup.viscosity, &mut rows)?;
+        add_walls(&self.fixed.grid, &mut rows)?;
         assembly.blocks.spread_spin_up(1.0, &self.fixed.spin_ups, &assembly.layout.local_bodies, &mut rows)?;
         self.fixed.stokes.balance(&mut rows)?;
         let inverse = self.inverse.as_deref_mut().expect("a step has begun");
@@ -197,7 +195,7 @@ impl<const D: usize> UnsteadySuspension<D> {
     /// Ends a run whose steps are too long for what the flow carries along.
     fn refuse_unstable(&self, fluid: &Vector, time: f64, step: f64) -> Result<()> {
         let (size, spacing) = (fluid.norm()?, self.fixed.grid.spacing().min());
-        let courant = self.convection.fastest(fluid)? * step / spacing;
+        let courant = fastest(&self.fixed.grid, fluid)? * step / spacing;
         if size.is_finite() && courant < LARGEST_COURANT {
             return Ok(());
         }
@@ -213,12 +211,6 @@ impl<const D: usize> UnsteadySuspension<D> {
             "at time {time} the flow passes {courant:.1} cells in a step of {step:.3e}, more than it can follow; {remedy}"
         )))
     }
-}
-
-fn copy(vector: &Vector) -> Result<Vector> {
-    let mut copy = vector.like()?;
-    copy.copy_from(vector)?;
-    Ok(copy)
 }
 
 impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
@@ -250,7 +242,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
     /// Before the first step, until forces, walls and prescribed motions move something across as many cells as later ones may.
     fn longest_step(&self) -> Result<f64> {
         let way = COURANT * self.fixed.grid.spacing().min();
-        let fastest = self.current.as_ref().map_or(Ok(0.0), |level| self.convection.fastest(&level.fluid))?;
+        let fastest = self.current.as_ref().map_or(Ok(0.0), |level| fastest(&self.fixed.grid, &level.fluid))?;
         let setup = &self.fixed.setup;
         let of_body = |(body, suspended): (usize, &super::SuspendedBody<D>)| match suspended.body.motion {
             Motion::Prescribed(twist) => way / (twist.velocity.norm() + twist.spin.norm() * suspended.body.ball.radius),
@@ -266,11 +258,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
     }
 
     fn resistances(&self) -> Vec<f64> {
-        let resistance = |(body, suspended): (usize, &super::SuspendedBody<D>)| {
-            let (mobility, force) = self.fixed.kinds.translation(body);
-            if suspended.body.free() { self.fixed.setup.viscosity * force / mobility } else { f64::INFINITY }
-        };
-        self.fixed.setup.bodies.iter().enumerate().map(resistance).collect()
+        self.fixed.resistances()
     }
 
     fn remember(&mut self, past: Option<ExtrapolationHistory<D>>) {
@@ -319,6 +307,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         self.fixed.spin_ups = momentum.known_spin_ups(configuration.pushes);
         let mut assembly = Assembly::of(&self.fixed, configuration.centers, self.assembly.take())?;
         self.fill_undisturbed(weights, &mut assembly, configuration.centers)?;
+        assembly.meet_flow(&self.fixed)?;
         let configuration = Configuration { pushes: &pushes, ..*configuration };
         let fixed = &self.fixed;
         let mut ready = AssembledSystem::new(fixed, Some(assembly), self.workspace.take(), self.guess.as_ref(), &configuration)?;
@@ -347,7 +336,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         let spin_ups = momentum.complete(&mut solution.bodies);
         let twists = solution.bodies.iter().map(|state| state.twist).collect();
         let (time, centers) = (configuration.time, configuration.centers.to_vec());
-        self.current = Some(Level { time, fluid: copy(&solution.fluid)?, multipliers, centers, twists, spin_ups });
+        self.current = Some(Level { time, fluid: solution.fluid.copied()?, multipliers, centers, twists, spin_ups });
         Ok(solution)
     }
 }

@@ -10,7 +10,7 @@ use crate::{
     body::{Motion, Twist, components},
     geometry::Ball,
     interaction::Wrench,
-    simulation::{BodyState, Inertia, Setup, bodies::BodyTypes},
+    simulation::{BodyState, Inertia, Setup},
     surface::Shape,
 };
 
@@ -87,14 +87,4 @@ impl<'a, const D: usize> Momentum<'a, D> {
 /// What fluid and bodies of a flow with inertia weigh.
 pub fn inertia<const D: usize>(setup: &Setup<D>) -> &Inertia {
     setup.inertia.as_ref().expect("a flow with inertia has masses")
-}
-
-/// The spin-up of each body by a unit multiplier of rotation: the torque on it over its moment of inertia; 0 for prescribed motion.
-pub fn spin_ups_of_rotations<const D: usize>(setup: &Setup<D>, kinds: &BodyTypes<D>) -> Vec<f64> {
-    let Inertia { fluid, bodies } = inertia(setup);
-    let of_body = |body: usize| {
-        let (suspended, modes) = (&setup.bodies[body].body, &kinds.surface(body).modes);
-        if suspended.free() { -fluid * modes.torque_factor() / (bodies[body] * suspended.ball.moment_of_inertia()) } else { 0.0 }
-    };
-    (0..bodies.len()).map(of_body).collect()
 }

@@ -11,13 +11,12 @@
 use nalgebra::SVector;
 
 use super::{
-    level::{Extended, Level},
+    level::{Extended, Level, each_inside},
     scheme::StepWeights,
 };
 use crate::{
-    constraint::IndexBox,
     error::Result,
-    grid::{Grid, Node},
+    grid::Grid,
     petsc::{Scatter, Vector},
     simulation::bodies::BodyTypes,
 };
@@ -114,19 +113,8 @@ struct Inside<const D: usize> {
 fn inside<const D: usize>(grid: &Grid<D>, kinds: &BodyTypes<D>, centers: &[SVector<f64, D>]) -> Vec<Inside<D>> {
     let mut points = Vec::new();
     for (body, &center) in centers.iter().enumerate() {
-        let wrapped = grid.domain().wrap(center);
-        if grid.owner(&wrapped) != grid.rank() {
-            continue;
-        }
         let radius = kinds.surface(body).modes.radius();
-        for component in 0..D {
-            for index in IndexBox::around(grid, component, &wrapped, radius).indices() {
-                let offset = grid.position(component, index) - wrapped;
-                if let (true, Node::Unknown(place)) = (offset.norm() <= radius, grid.fluid_node(component, index)) {
-                    points.push(Inside { place, body, component, center, offset });
-                }
-            }
-        }
+        each_inside(grid, &center, radius, |component, place, offset| points.push(Inside { place, body, component, center, offset }));
     }
     points
 }
