@@ -9,6 +9,7 @@ mod regions;
 mod relaxation;
 mod search;
 mod share;
+mod trajectory;
 mod twist;
 
 use nalgebra::{SMatrix, SVector};
@@ -19,6 +20,7 @@ pub use equilibrium::equilibrium;
 pub use halo::{Halo, OwnBodies};
 pub use packing::{pack, pack_on};
 pub use regions::Regions;
+pub use trajectory::{Path, Trajectories, Trajectory};
 pub use twist::{Twist, components, planes, skew};
 
 /// What decides the motion of a body.
@@ -31,7 +33,7 @@ pub enum Motion<const D: usize> {
         /// Net torque on the body, as a skew matrix.
         torque: SMatrix<f64, D, D>,
     },
-    /// Its motion is given.
+    /// Its motion is given; one that changes with time is that of the time which is looked at.
     Prescribed(Twist<D>),
 }
 

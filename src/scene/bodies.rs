@@ -72,6 +72,19 @@ pub enum Motion {
         /// Turning rate: one number in 2D, three in 3D.
         spin: Vec<f64>,
     },
+    /// To and fro about where the body starts: `amplitude (sin(2 pi frequency t + phase) - sin(phase))`.
+    Oscillating {
+        /// Of the displacement.
+        amplitude: Vec<f64>,
+        /// Of the angle in radians: one number in 2D, three in 3D.
+        rotation: Vec<f64>,
+        /// Periods over time, positive.
+        frequency: f64,
+        /// In radians.
+        phase: f64,
+    },
+    /// Along the cubic spline through places, from rest to rest: each a time and the displacement from where the body starts, the first one all zeros.
+    Path(Vec<Vec<f64>>),
 }
 
 pub(super) fn read(root: &Table, folder: &Path, dimension: usize, model: FlowModel) -> Result<Vec<BodyGroup>> {
@@ -164,9 +177,31 @@ fn read_path(entry: &Entry, folder: &Path) -> Result<PathBuf> {
     Ok(folder.join(path))
 }
 
+/// The places of a path: a time and a displacement each.
+fn read_places(entry: &Entry, dimension: usize) -> Result<Vec<Vec<f64>>> {
+    let rows = entry.list()?;
+    entry.expect((), rows.len() >= 2, "must hold two places at least, each a time and a displacement")?;
+    let mut places: Vec<Vec<f64>> = Vec::new();
+    for row in &rows {
+        let numbers: Vec<f64> = row.list()?.iter().map(Entry::number).collect::<Result<_>>()?;
+        row.expect((), numbers.len() == dimension + 1, &format!("must be a time and {dimension} numbers, the displacement then"))?;
+        match places.last() {
+            None => row.expect((), numbers.iter().all(|&number| number == 0.0), "must be all zeros: a body starts at time 0 where it is placed")?,
+            Some(last) => row.expect((), numbers[0] > last[0], "must be later than the place before it")?,
+        }
+        places.push(numbers);
+    }
+    Ok(places)
+}
+
 impl Motion {
+    /// Whether it is given and changes with time.
+    pub fn changes(&self) -> bool {
+        matches!(self, Motion::Oscillating { .. } | Motion::Path(_))
+    }
+
     fn read(entry: &Entry, dimension: usize) -> Result<Self> {
-        const CHOICES: &str = "\"free\", \"fixed\" or { velocity = [..], spin = .. }";
+        const CHOICES: &str = "\"free\", \"fixed\", { velocity = [..], spin = .. }, { amplitude = [..], frequency = .. } or { path = [[..], ..] }";
         if let Ok(word) = entry.text() {
             return match word {
                 "free" => Ok(Motion::Free),
@@ -177,9 +212,23 @@ impl Motion {
         if !entry.value.is_inline_table() {
             return Err(entry.mistyped(CHOICES));
         }
-        let table = Table::of(entry, &["velocity", "spin"])?;
         let rotations = if dimension == 2 { 1 } else { 3 };
         let still = |length| Ok(vec![0.0; length]);
+        let any = Table::of(entry, &["velocity", "spin", "amplitude", "rotation", "frequency", "phase", "path"])?;
+        if let Some(path) = any.get("path") {
+            Table::of(entry, &["path"])?;
+            return read_places(&path, dimension).map(Motion::Path);
+        }
+        if any.get("amplitude").or_else(|| any.get("rotation")).is_some() {
+            let table = Table::of(entry, &["amplitude", "rotation", "frequency", "phase"])?;
+            return Ok(Motion::Oscillating {
+                amplitude: table.get("amplitude").map_or(still(dimension), |entry| entry.vector(dimension))?,
+                rotation: table.get("rotation").map_or(still(rotations), |entry| entry.rotation(dimension))?,
+                frequency: table.require("frequency", "1.0")?.positive()?,
+                phase: table.get("phase").map_or(Ok(0.0), |entry| entry.number())?,
+            });
+        }
+        let table = Table::of(entry, &["velocity", "spin"])?;
         Ok(Motion::Prescribed {
             velocity: table.get("velocity").map_or(still(dimension), |entry| entry.vector(dimension))?,
             spin: table.get("spin").map_or(still(rotations), |entry| entry.rotation(dimension))?,

@@ -208,6 +208,13 @@ fn of_motion(motion: &Motion) -> Keys {
             let spin = if let [rate] = spin[..] { number("motion.spin", rate) } else { list("motion.spin", spin) };
             vec![list("motion.velocity", velocity), spin]
         }
+        Motion::Oscillating { amplitude, rotation, frequency, phase } => {
+            let rotation = if let [angle] = rotation[..] { number("motion.rotation", angle) } else { list("motion.rotation", rotation) };
+            vec![list("motion.amplitude", amplitude), rotation, number("motion.frequency", *frequency), number("motion.phase", *phase)]
+        }
+        Motion::Path(places) => {
+            (0..).zip(places).map(|(index, place)| list(&format!("motion.path[{index}]"), place)).collect()
+        }
     }
 }
 

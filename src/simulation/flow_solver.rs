@@ -52,6 +52,9 @@ pub trait FlowSolver<const D: usize> {
         false
     }
 
+    /// Turns motions that are given to those of a time.
+    fn prescribe(&mut self, time: f64);
+
     /// Makes ready for solves at a time, so that [`resistances`](Self::resistances) are those of the step that leads there.
     ///
     /// # Errors

@@ -9,7 +9,7 @@ use super::{
     step_control::{BodyMotion, StepControl},
 };
 use crate::{
-    body::{Regions, Twist},
+    body::{Regions, Trajectories, Twist},
     contact::{self, AdhesiveContact, ContactForce, KktReport, Problem, ProblemShare, ProjectionShare},
     error::{Error, Result},
     geometry::{Ball, Domain},
@@ -26,6 +26,7 @@ pub struct Granular<const D: usize> {
     regions: Regions<D>,
     interactions: Interactions<D>,
     step_control: StepControl,
+    trajectories: Trajectories<D>,
     /// What stays the same of the own bodies.
     bodies: Vec<Constants<D>>,
     radii: Vec<f64>,
@@ -65,6 +66,7 @@ impl<const D: usize> Granular<D> {
             regions,
             interactions: setup.interactions,
             step_control,
+            trajectories: setup.trajectories,
             radii: Vec::new(),
             bodies: own,
             reach,
@@ -198,7 +200,8 @@ impl<const D: usize> Stepper<D> for Granular<D> {
                 acceleration: acceleration.velocity,
             })
             .collect();
-        let step_size = self.step_control.next(self.peers(), &motions, (state.time, state.last_step), f64::INFINITY);
+        let longest = self.trajectories.longest_step();
+        let step_size = self.step_control.next(self.peers(), &motions, (state.time, state.last_step), longest);
         Ok(Observation { twists, contacts: Vec::new(), solution: None, step_size, effort: Effort::default() })
     }
 
@@ -210,6 +213,8 @@ impl<const D: usize> Stepper<D> for Granular<D> {
             spin: twist.spin + acceleration.spin * push,
         };
         let mut moves: Vec<Twist<D>> = observation.twists.iter().zip(&self.known.accelerations).map(pushed).collect();
+        let given = self.trajectories.mean_twists(state.time, step);
+        given.for_each(|(body, twist)| state.place(body).into_iter().for_each(|place| moves[place] = twist));
         let (mut contacts, mut stuck, mut kkt_report) = (self.known.contacts.clone(), Vec::new(), None);
         match self.interactions.touch() {
             None => self.refuse_outside(state)?,

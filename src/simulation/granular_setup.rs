@@ -3,7 +3,11 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::State;
-use crate::{body::Twist, geometry::Domain, interaction::Interactions};
+use crate::{
+    body::{Trajectories, Twist},
+    geometry::Domain,
+    interaction::Interactions,
+};
 
 /// A body without a fluid.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,6 +35,8 @@ pub struct GranularSetup<const D: usize> {
     pub domain: Domain<D>,
     /// The bodies.
     pub bodies: Vec<GranularBody<D>>,
+    /// How those move whose given motion changes with time.
+    pub trajectories: Trajectories<D>,
     /// What they do to each other and how they notice walls.
     pub interactions: Interactions<D>,
 }

@@ -46,7 +46,7 @@ pub fn contact_in_flow<const D: usize>(model: ContactModel, setup: &Setup<D>) ->
             Motion::Free { force, torque } => force.norm() + torque.norm() / radius,
             Motion::Prescribed(Twist { velocity, spin }) => viscosity * (velocity.norm() / radius + spin.norm()) * surface,
         };
-        let bodies = setup.bodies.iter().map(|suspended| of_body(suspended.body.motion)).fold(0.0, f64::max);
+        let bodies = setup.fastest_motions().into_iter().map(of_body).fold(0.0, f64::max);
         bodies.max(surface * walls(setup)).max(surface * drive(setup, radius))
     })
 }

@@ -1,10 +1,12 @@
 //! The bodies of a scene in their places, and the box around them.
 
+use std::rc::Rc;
+
 use nalgebra::{SMatrix, SVector};
 
 use super::room;
 use crate::{
-    body::{Body, Motion, Twist, pack_on, read_centers, skew},
+    body::{Body, Motion, Path, Trajectories, Trajectory, Twist, pack_on, read_centers, skew},
     error::{Error, Result},
     geometry::{Axis, Ball, Domain, InvalidConfiguration, LeesEdwards, first_fault},
     parallel::Peers,
@@ -148,10 +150,35 @@ fn check_spans<const D: usize>(scene: &Scene, domain: &Domain<D>, balls: &[(usiz
     Ok(())
 }
 
+/// The trajectories of bodies, each with its group, that have one.
+pub fn trajectories<const D: usize>(scene: &Scene, bodies: &[(usize, Body<D>)]) -> Trajectories<D> {
+    let of_groups: Vec<Option<Rc<Trajectory<D>>>> = scene.bodies.iter().map(|group| trajectory(&group.motion).map(Rc::new)).collect();
+    bodies.iter().enumerate().filter_map(|(body, &(group, _))| Some((body, of_groups[group].clone()?))).collect()
+}
+
+fn trajectory<const D: usize>(motion: &scene::Motion) -> Option<Trajectory<D>> {
+    match motion {
+        scene::Motion::Oscillating { amplitude, rotation, frequency, phase } => Some(Trajectory::Oscillation {
+            displacement: vector(amplitude),
+            rotation: skew(rotation),
+            frequency: *frequency,
+            phase: *phase,
+        }),
+        scene::Motion::Path(places) => {
+            let places: Vec<_> = places.iter().map(|place| (place[0], vector(&place[1..]))).collect();
+            Some(Trajectory::Path(Path::new(&places)))
+        }
+        scene::Motion::Free | scene::Motion::Fixed | scene::Motion::Prescribed { .. } => None,
+    }
+}
+
 fn motion<const D: usize>(scene: &Scene, group: usize, ball: &Ball<D>) -> Motion<D> {
     let bodies = &scene.bodies[group];
     match &bodies.motion {
         scene::Motion::Fixed => Motion::Prescribed(Twist::zero()),
+        scene::Motion::Oscillating { .. } | scene::Motion::Path(_) => {
+            Motion::Prescribed(trajectory(&bodies.motion).map_or(Twist::zero(), |trajectory| trajectory.twist(0.0)))
+        }
         scene::Motion::Prescribed { velocity, spin } => Motion::Prescribed(Twist { velocity: vector(velocity), spin: skew(spin) }),
         scene::Motion::Free => {
             let weight =

@@ -114,11 +114,13 @@ impl<const D: usize> QuasiStatic<D> {
         let motions = self.deviatoric_velocities(state, twists).into_iter();
         let motion = |(velocity, &radius): (SVector<f64, D>, &f64)| BodyMotion { radius, velocity, acceleration: SVector::zeros() };
         let motions: Vec<BodyMotion<D>> = motions.zip(&self.radii).map(motion).collect();
-        Ok(self.step_control.next(Peers::Alone, &motions, (state.time, state.last_step), self.suspension.longest_step()?))
+        let longest = self.suspension.longest_step()?.min(self.suspension.setup().trajectories.longest_step());
+        Ok(self.step_control.next(Peers::Alone, &motions, (state.time, state.last_step), longest))
     }
 
     /// Solves the flow with all forces that interactions know and with contacts that keep gaps open over the step to come.
     fn agree(&mut self, state: &State<D>, effort: &mut Effort, monitor: ResidualMonitor) -> Result<Agreed<D>> {
+        self.suspension.prescribe(state.time);
         if self.suspension.evolves() {
             self.suspension.prepare(state.time)?;
             self.weights = self.suspension.resistances();
@@ -283,6 +285,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
             observation.step_size.length,
             state.last_step,
         );
+        self.suspension.setup().trajectories.mean_twists(state.time, step).for_each(|(body, twist)| moves[body] = twist);
         let (placed, start) = (self.placed(state), Instant::now());
         let (mut stuck, mut kkt_report) = (Vec::new(), None);
         match self.suspension.setup().interactions.touch() {

@@ -4,11 +4,11 @@ use nalgebra::{SMatrix, SVector};
 
 use super::{
     GranularBody, GranularSetup, Inertia, Setup, SuspendedBody, interactions,
-    placement::{bodies, domain, vector},
+    placement::{bodies, domain, trajectories, vector},
     surroundings::opposite_neighbours,
 };
 use crate::{
-    body::{Body, Motion, Twist, skew},
+    body::{Body, Motion, Trajectories, Twist, skew},
     error::Result,
     flow::{Drive, InverseMethod},
     geometry::Domain,
@@ -78,8 +78,10 @@ impl<const D: usize> GranularSetup<D> {
                 },
             }
         };
-        let bodies: Vec<GranularBody<D>> = bodies(peers, scene, &domain)?.into_iter().map(of_group).collect();
-        Ok(GranularSetup { interactions: interactions::of_granular(scene, &domain, &bodies), domain, bodies })
+        let placed = bodies(peers, scene, &domain)?;
+        let trajectories = trajectories(scene, &placed);
+        let bodies: Vec<GranularBody<D>> = placed.into_iter().map(of_group).collect();
+        Ok(GranularSetup { interactions: interactions::of_granular(scene, &domain, &bodies), domain, bodies, trajectories })
     }
 
     /// The longest step with which contact is stable; infinite if it limits none.
@@ -106,8 +108,9 @@ impl<const D: usize> Setup<D> {
         let placed = bodies(peers, scene, &domain)?;
         let inertia = (scene.flow.model == FlowModel::NavierStokes)
             .then(|| Inertia { fluid: scene.flow.density, bodies: placed.iter().map(|&(group, _)| scene.bodies[group].density).collect() });
+        let trajectories = trajectories(scene, &placed);
         let (spacing, bodies) = suspended_bodies(scene, &domain, placed)?;
-        Ok(Setup { inertia, ..Setup::with_bodies(scene, domain, spacing, bodies) })
+        Ok(Setup { inertia, trajectories, ..Setup::with_bodies(scene, domain, spacing, bodies) })
     }
 
     /// The setup of a scene in which these are the bodies.
@@ -120,6 +123,7 @@ impl<const D: usize> Setup<D> {
             drive: drive(scene),
             bodies,
             inertia: None,
+            trajectories: Trajectories::default(),
             constraint: scene.method.constraint,
             interactions: Interactions::default(),
             inverse,

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use crate::{
-    body::Body,
+    body::{Body, Motion, Trajectories},
     constraint::{FlowMethod, SharpWithInertia, method_of},
     flow::{Drive, InverseMethod},
     geometry::Domain,
@@ -46,6 +46,8 @@ pub struct Setup<const D: usize> {
     pub drive: Drive<D>,
     /// The bodies.
     pub bodies: Vec<SuspendedBody<D>>,
+    /// How those move whose given motion changes with time.
+    pub trajectories: Trajectories<D>,
     /// What fluid and bodies weigh, if they have inertia.
     pub inertia: Option<Inertia>,
     /// What makes bodies rigid.
@@ -62,6 +64,18 @@ impl<const D: usize> Setup<D> {
     /// The same with another interaction.
     pub fn with(self, interaction: impl Interaction<D> + 'static) -> Setup<D> {
         Setup { interactions: self.interactions.with(interaction), ..self }
+    }
+
+    /// Turns motions that are given to those of a time.
+    pub fn prescribe(&mut self, time: f64) {
+        self.trajectories.twists(time).for_each(|(body, twist)| self.bodies[body].body.motion = Motion::Prescribed(twist));
+    }
+
+    /// The motions of all bodies, the fastest of those that change with time.
+    pub fn fastest_motions(&self) -> Vec<Motion<D>> {
+        let mut motions: Vec<Motion<D>> = self.bodies.iter().map(|suspended| suspended.body.motion).collect();
+        self.trajectories.fastest().for_each(|(body, twist)| motions[body] = Motion::Prescribed(twist));
+        motions
     }
 
     /// What fills the blocks of the bodies.

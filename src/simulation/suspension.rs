@@ -126,6 +126,10 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         &self.cost
     }
 
+    fn prescribe(&mut self, time: f64) {
+        self.fixed.setup.prescribe(time);
+    }
+
     fn inverse(&self) -> &'static str {
         self.setup().inverse.word()
     }

@@ -5,6 +5,7 @@ mod case;
 mod cases;
 mod crowds;
 mod inertia;
+mod oscillation;
 mod solve;
 
 use std::time::Instant;
@@ -36,9 +37,10 @@ pub struct Validation {
     /// Solve crowds with many films instead, known ones and such as show how the cost grows with number, fraction and gap.
     #[arg(long, conflicts_with = "bars")]
     pub crowds: bool,
-    /// Follow bodies in flows with inertia instead: settling and sheared disks, settling spheres.
-    #[arg(long, conflicts_with_all = ["bars", "crowds"])]
-    pub inertia: bool,
+    /// Follow bodies in flows with inertia instead: all cases, or those that are named.
+    #[arg(long, value_enum, value_delimiter = ',', num_args = 0.., default_missing_values = inertia::NAMES, value_name = "CASES")]
+    #[arg(conflicts_with_all = ["bars", "crowds"])]
+    pub inertia: Vec<inertia::Family>,
 }
 
 impl Study<Session> for Validation {
@@ -46,8 +48,8 @@ impl Study<Session> for Validation {
     const ABOUT: &'static str = "Solve cases with known answers and print a table of errors and seconds";
 
     fn run(&self, session: &Session) -> Result<()> {
-        if self.inertia {
-            return inertia::inertia(session);
+        if !self.inertia.is_empty() {
+            return inertia::inertia(session, &self.inertia);
         }
         let seeds = self.random.map(|count| self.seed..self.seed + count);
         let (kept, broken) = match (self.crowds, self.bars.is_empty()) {

@@ -34,6 +34,7 @@ fn forces(session: &Session, constraint: ConstraintMethod, names: [usize; 3]) ->
         drive: Drive::MeanVelocity(renamed([1.0, 0.0, 0.0])),
         bodies: vec![sphere([1.3, 2.1, 2.2]), sphere([4.1, 4.9, 5.7])],
         inertia: None,
+        trajectories: Default::default(),
         constraint,
         interactions: Default::default(),
         inverse: InverseMethod::Transform,

@@ -102,6 +102,7 @@ fn units_do_not_matter(session: &Session) {
             drive: Drive::Rest,
             bodies: disks.to_vec(),
             inertia: None,
+            trajectories: Default::default(),
             constraint: ConstraintMethod::Sharp,
             interactions: Default::default(),
             inverse: InverseMethod::Hypre,

@@ -1,6 +1,6 @@
 //! Flows with inertia: the shifted operator, convection, and bodies with mass.
 
-use std::f64::consts::TAU;
+use std::{f64::consts::TAU, path::Path};
 
 use nalgebra::{SMatrix, SVector, Vector2};
 use turbid::{
@@ -9,7 +9,7 @@ use turbid::{
     geometry::{Axis, Ball, Domain},
     grid::{Grid, operators::signed},
     petsc::{Session, Vector},
-    scene::{ConstraintMethod, ContactModel, Scheme, Step, TimeSection, Tolerance},
+    scene::{ConstraintMethod, ContactModel, Scene, Scheme, Step, TimeSection, Tolerance},
     simulation::{Configuration, FlowSolver, Inertia, Level, Setup, Simulation, SuspendedBody, UnsteadySuspension},
 };
 
@@ -27,6 +27,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_disk_falls_as_the_reference_says_with_either_inverse),
         Test::of(disks_of_any_density_start_as_fast_as_those_of_an_independent_program),
         Test::of(a_free_disk_in_shear_spins_as_slowly_as_inertia_makes_it),
+        Test::of(a_disk_that_oscillates_bears_the_exact_force_and_torque),
         Test::of(a_step_from_remembered_levels_is_the_step_of_the_whole_run),
         Test::of(a_disk_that_lands_rests_on_the_floor),
         Test::of(a_sphere_falls_straight_and_alike_with_either_inverse),
@@ -144,6 +145,7 @@ fn setup<const D: usize>(domain: Domain<D>, spacing: f64, viscosity: f64, bodies
         drive: Drive::Rest,
         bodies,
         inertia: Some(Inertia { fluid: 1.0, bodies: densities }),
+        trajectories: Default::default(),
         constraint: ConstraintMethod::Sharp,
         interactions: Default::default(),
         inverse,
@@ -269,6 +271,45 @@ fn a_free_disk_in_shear_spins_as_slowly_as_inertia_makes_it(session: &Session) {
     let mut simulation = run(session, setup(domain, 0.125 / 4.0, 0.015625, vec![disk]), 0.05, 25.0);
     let spin = motion(&mut simulation).spin[(0, 1)];
     assert!((spin / 0.4632696 - 1.0).abs() < 0.015, "{spin}");
+}
+
+/// In a periodic box of six radii, a layer of 0.28 radii around the disk: amplitudes over viscosity and speed, and phases before the velocity, in degrees
+/// (`turbid validation --inertia=oscillating-disk` derives and refines them).
+fn a_disk_that_oscillates_bears_the_exact_force_and_torque(session: &Session) {
+    let (viscosity, steps) = (0.5 * 0.28 * 0.28, 48);
+    for (motion, axis, exact, phase) in [("amplitude = [1e-4, 0.0]", 0, 162.390565, 66.589), ("rotation = 1e-4", 1, 40.184, 37.38)] {
+        let text = format!(
+            "domain = {{ size = [6.0, 6.0] }}\nflow = {{ model = \"navier-stokes\", viscosity = {viscosity}, density = 1.0 }}\n\
+             resolution = {{ cells_per_radius = 4, modes = 4 }}\n\
+             bodies = [{{ radius = 1.0, centers = [[3.1, 2.9]], motion = {{ {motion}, frequency = {}, phase = {} }} }}]\n\
+             time = {{ end = {}, step = {} }}\n",
+            1.0 / TAU,
+            0.25 * TAU,
+            1.5 * TAU,
+            TAU / steps as f64
+        );
+        let scene = Scene::parse("oscillation", Path::new("."), &text, &[]).unwrap();
+        let mut simulation = Simulation::<2>::new(session, &scene).unwrap();
+        let mut found = [0.0; 2];
+        loop {
+            let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+            let (state, body) = (simulation.state(), &observation.solution.as_ref().unwrap().bodies[0]);
+            let load = [body.force[0], body.torque[(1, 0)]][axis] / (viscosity * 1e-4);
+            if state.steps > steps / 2 {
+                found[0] += load * state.time.sin() * 2.0 / steps as f64;
+                found[1] += load * state.time.cos() * 2.0 / steps as f64;
+            }
+            if simulation.over() {
+                let way = 1e-4 * (state.time.cos() - 1.0);
+                assert!(axis == 1 || (state.bodies[0].center[0] - 3.1 - way).abs() < 1e-12);
+                break;
+            }
+            simulation.step(&observation, &mut |_, _| {}).unwrap();
+        }
+        // the velocity is -sin t, the load what resists it
+        let (size, lead) = (found[0].hypot(found[1]), found[1].atan2(found[0]).to_degrees());
+        assert!((size / exact - 1.0).abs() < 0.025 && (lead - phase).abs() < 1.5, "{motion}: {size} at {lead} degrees");
+    }
 }
 
 fn a_step_from_remembered_levels_is_the_step_of_the_whole_run(session: &Session) {

@@ -59,7 +59,7 @@ fn start(
 ) -> Simulation<2> {
     Simulation::granular(
         session,
-        GranularSetup { domain: channel(size), bodies, interactions: Interactions::default().with(contact) },
+        GranularSetup { domain: channel(size), bodies, trajectories: Default::default(), interactions: Interactions::default().with(contact) },
         time,
     )
 }
@@ -72,7 +72,7 @@ fn under(
     contact: impl Interaction<2> + 'static,
     time: TimeSection,
 ) -> Simulation<2> {
-    let setup = GranularSetup { domain: simulation.domain().clone(), bodies, interactions: Interactions::default().with(contact) };
+    let setup = GranularSetup { domain: simulation.domain().clone(), bodies, trajectories: Default::default(), interactions: Interactions::default().with(contact) };
     let mut other = Simulation::granular(session, setup, time);
     other.restore(simulation.whole_state().into_owned(), None);
     other
@@ -144,6 +144,7 @@ fn an_automatic_step_is_no_longer_than_a_repulsion_is_stable_with(session: &Sess
     let setup = GranularSetup {
         domain: channel([8.0, 6.0]),
         bodies: vec![disk([2.0, 3.0], [0.1, 0.0], [0.0; 2]), disk([4.0, 3.0], [-0.1, 0.0], [0.0; 2])],
+        trajectories: Default::default(),
         interactions: Interactions::default().with(REPULSION),
     };
     // 0.4 sqrt(m / k), with k = 2 touch / (range radius)

@@ -37,6 +37,7 @@ fn channel(disks: &[([f64; 2], [f64; 2])]) -> Setup<2> {
         drive: Drive::Rest,
         bodies: disks.iter().map(body).collect(),
         inertia: None,
+        trajectories: Default::default(),
         constraint: ConstraintMethod::Sharp,
         interactions: Default::default(),
         inverse: InverseMethod::Transform,

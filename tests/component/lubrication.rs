@@ -73,6 +73,7 @@ fn setup<const D: usize>(domain: Domain<D>, cells: f64, order: usize, bodies: Ve
         drive,
         bodies: bodies.into_iter().map(|(ball, motion)| SuspendedBody { body: Body { ball, motion }, order }).collect(),
         inertia: None,
+        trajectories: Default::default(),
         constraint: ConstraintMethod::Sharp,
         interactions: films(1e-6),
         inverse: InverseMethod::Transform,

@@ -1,5 +1,7 @@
 //! Bodies that move: order in time, warm starts, contacts with the flow, dry bodies.
 
+use std::{f64::consts::PI, path::Path};
+
 use nalgebra::{DVector, SMatrix, SVector, Vector2};
 use turbid::{
     body::{Motion, pack},
@@ -7,7 +9,7 @@ use turbid::{
     geometry::{Axis, Ball, Domain},
     observe,
     petsc::Session,
-    scene::{ConstraintMethod, ContactModel, Scheme, Step, TimeSection, Tolerance},
+    scene::{ConstraintMethod, ContactModel, Scene, Scheme, Step, TimeSection, Tolerance},
     simulation::{Configuration, FlowSolver, Observation, Setup, Simulation, SuspendedBody, Suspension},
 };
 
@@ -18,6 +20,7 @@ use crate::suspension::{assert_near, free, suspended};
 pub fn tests() -> Vec<Test> {
     vec![
         Test::only_on(1, a_warm_start_saves_iterations),
+        Test::of(bodies_on_trajectories_are_where_these_lead_with_fluid_and_without),
         Test::of(a_warm_start_finds_the_solution_that_a_cold_one_finds),
         Test::of(a_neutrally_buoyant_disk_on_the_centre_line_moves_straight_at_its_speed),
         Test::only_on(1, a_heavy_disk_in_a_box_is_followed_at_the_order_of_the_scheme),
@@ -48,6 +51,7 @@ fn between_sliding_walls(count: usize, fraction: f64, aspect: f64, gap: f64) -> 
         drive: Drive::Rest,
         bodies,
         inertia: None,
+        trajectories: Default::default(),
         constraint: ConstraintMethod::Sharp,
         interactions: Default::default(),
         inverse: InverseMethod::Hypre,
@@ -93,6 +97,7 @@ fn closed_box(size: [f64; 2], cells_per_radius: f64, bodies: Vec<SuspendedBody<2
         drive: Drive::Rest,
         bodies,
         inertia: None,
+        trajectories: Default::default(),
         constraint: ConstraintMethod::Sharp,
         interactions: Default::default(),
         inverse: InverseMethod::Hypre,
@@ -153,6 +158,7 @@ fn a_neutrally_buoyant_disk_on_the_centre_line_moves_straight_at_its_speed(sessi
         drive,
         bodies: disk(),
         inertia: None,
+        trajectories: Default::default(),
         constraint: ConstraintMethod::Sharp,
         interactions: Default::default(),
         inverse: InverseMethod::Hypre,
@@ -243,6 +249,7 @@ fn two_disks_pressed_together_meet_and_rest(session: &Session) {
         drive: Drive::Rest,
         bodies,
         inertia: None,
+        trajectories: Default::default(),
         constraint: ConstraintMethod::Sharp,
         interactions: Default::default(),
         inverse: InverseMethod::Hypre,
@@ -319,6 +326,7 @@ fn only_bodies_that_moved_are_assembled_anew(session: &Session) {
         drive: Drive::Shear(1.0),
         bodies: [[1.5 + way, 1.5], [4.5, 1.5], [1.5, 4.5], [4.5, 4.5]].map(|center| suspended(center.into(), 1.0, free(), 5)).to_vec(),
         inertia: None,
+        trajectories: Default::default(),
         constraint: ConstraintMethod::Sharp,
         interactions: Default::default(),
         inverse: InverseMethod::Transform,
@@ -335,5 +343,34 @@ fn only_bodies_that_moved_are_assembled_anew(session: &Session) {
         assert_eq!(assembled, [expected], "on a way of {way}");
         let fresh = Suspension::new(session, setup(way)).unwrap().solve(&mut |_, _| {}).unwrap();
         assert!(solution.bodies.iter().zip(&fresh.bodies).all(|(kept, fresh)| kept.twist == fresh.twist), "on a way of {way}");
+    }
+}
+
+/// An oscillation and a path, in steps that do not know of them; in Stokes flow the force follows the velocity.
+fn bodies_on_trajectories_are_where_these_lead_with_fluid_and_without(session: &Session) {
+    for model in ["stokes", "none"] {
+        let text = format!(
+            "domain = {{ size = [8.0, 6.0], y = \"walls\" }}\nflow.model = \"{model}\"\n{}contact.model = \"inelastic\"\n\
+             time = {{ end = 0.8, step = \"auto\" }}\n\
+             [[bodies]]\nradius = 0.5\ncenters = [[2.0, 3.0]]\nmotion = {{ amplitude = [0.2, -0.1], rotation = 0.3, frequency = 0.5, phase = 0.4 }}\n\
+             [[bodies]]\nradius = 0.5\ncenters = [[6.0, 3.0]]\nmotion = {{ path = [[0, 0, 0], [0.3, 0.1, 0.2], [0.5, 0, 0.1]] }}\n",
+            if model == "stokes" { "resolution = { cells_per_radius = 4, modes = 4 }\n" } else { "" }
+        );
+        let scene = Scene::parse("trajectories", Path::new("."), &text, &[]).unwrap();
+        let mut simulation = Simulation::<2>::new(session, &scene).unwrap();
+        while !simulation.over() {
+            let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+            if let Some(solution) = &observation.solution {
+                let velocity = PI * (PI * simulation.state().time + 0.4).cos() * Vector2::new(0.2, -0.1);
+                assert!((solution.bodies[0].twist.velocity - velocity).norm() < 1e-12);
+                assert!(solution.bodies[0].force.dot(&velocity) < 0.0);
+            }
+            simulation.step(&observation, &mut |_, _| {}).unwrap();
+        }
+        let state = simulation.whole_state();
+        let part = (PI * state.time + 0.4_f64).sin() - 0.4_f64.sin();
+        for (body, place) in [(0, Vector2::new(2.0, 3.0) + Vector2::new(0.2, -0.1) * part), (1, Vector2::new(6.0, 3.1))] {
+            assert!((state.bodies[body].center - place).norm() < 1e-12, "{model}: {}", state.bodies[body].center);
+        }
     }
 }

@@ -183,7 +183,7 @@ fn granular(session: &Session) -> Simulation<2> {
         spin_up: SMatrix::zeros(),
     };
     let bodies = disks(Vector2::zeros()).iter().map(body).collect();
-    Simulation::granular(session, GranularSetup { domain: domain(), bodies, interactions: all_interactions() }, time(1.0))
+    Simulation::granular(session, GranularSetup { domain: domain(), bodies, trajectories: Default::default(), interactions: all_interactions() }, time(1.0))
 }
 
 fn setup(interactions: Interactions<2>) -> Setup<2> {
@@ -195,6 +195,7 @@ fn setup(interactions: Interactions<2>) -> Setup<2> {
         drive: Drive::MeanVelocity(Vector2::new(0.3, 0.1)),
         bodies: disks(Vector2::zeros()).into_iter().map(body).collect(),
         inertia: None,
+        trajectories: Default::default(),
         constraint: ConstraintMethod::Sharp,
         interactions,
         inverse: InverseMethod::Transform,

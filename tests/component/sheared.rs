@@ -51,6 +51,7 @@ fn setup<const D: usize>(domain: Domain<D>, spacing: f64, bodies: Vec<SuspendedB
         drive: Drive::Shear(1.0),
         bodies,
         inertia: None,
+        trajectories: Default::default(),
         constraint: ConstraintMethod::Sharp,
         interactions: Default::default(),
         inverse: InverseMethod::Transform,

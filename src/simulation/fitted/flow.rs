@@ -70,6 +70,10 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
         &self.cost
     }
 
+    fn prescribe(&mut self, time: f64) {
+        self.setup.prescribe(time);
+    }
+
     fn inverse(&self) -> &'static str {
         "direct"
     }

@@ -226,6 +226,10 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         &self.cost
     }
 
+    fn prescribe(&mut self, time: f64) {
+        self.fixed.setup.prescribe(time);
+    }
+
     fn inverse(&self) -> &'static str {
         self.setup().inverse.word()
     }
@@ -244,14 +248,17 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         let way = COURANT * self.fixed.grid.spacing().min();
         let fastest = self.current.as_ref().map_or(Ok(0.0), |level| fastest(&self.fixed.grid, &level.fluid))?;
         let setup = &self.fixed.setup;
-        let of_body = |(body, suspended): (usize, &super::SuspendedBody<D>)| match suspended.body.motion {
-            Motion::Prescribed(twist) => way / (twist.velocity.norm() + twist.spin.norm() * suspended.body.ball.radius),
-            Motion::Free { force, .. } => {
-                let mass = (self.inertia().bodies[body] + self.inertia().fluid) * suspended.body.ball.volume();
-                (2.0 * way * mass / force.norm()).sqrt()
+        let of_body = |(body, motion): (usize, Motion<D>)| {
+            let ball = setup.bodies[body].body.ball;
+            match motion {
+                Motion::Prescribed(twist) => way / (twist.velocity.norm() + twist.spin.norm() * ball.radius),
+                Motion::Free { force, .. } => {
+                    let mass = (self.inertia().bodies[body] + self.inertia().fluid) * ball.volume();
+                    (2.0 * way * mass / force.norm()).sqrt()
+                }
             }
         };
-        let by_bodies = setup.bodies.iter().enumerate().map(of_body).fold(f64::INFINITY, f64::min);
+        let by_bodies = setup.fastest_motions().into_iter().enumerate().map(of_body).fold(f64::INFINITY, f64::min);
         let walls = setup.domain.axes.iter().map(|axis| way / axis.fastest_wall()).fold(f64::INFINITY, f64::min);
         let drive = (2.0 * way * self.inertia().fluid / setup.drive.uniform_force().norm()).sqrt();
         Ok(if fastest > 0.0 { (way / fastest).min(walls) } else { FIRST * by_bodies.min(walls).min(drive) })

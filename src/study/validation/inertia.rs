@@ -4,6 +4,7 @@ use std::{path::Path, time::Instant};
 
 use nalgebra::SVector;
 
+use super::oscillation::{Oscillation, oscillating};
 use crate::{
     error::Result,
     observe,
@@ -44,52 +45,88 @@ const SPHERE: [(&str, f64, f64, f64, f64); 4] = [
     ("E4", 960.0, 0.058, 0.1226, 1.05),
 ];
 
-/// A comparison with a known value.
-struct Row {
-    case: String,
-    resolution: String,
-    reference: f64,
-    found: f64,
-    source: &'static str,
+/// Cases that are alike.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Family {
+    /// A disk that settles in a closed box.
+    Settling,
+    /// A free disk between sliding walls.
+    Couette,
+    /// Disks that move or turn to and fro.
+    OscillatingDisk,
+    /// The same of spheres.
+    OscillatingSphere,
+    /// A sphere that settles in a closed box.
+    Spheres,
 }
 
-/// Runs all cases and prints a table in Markdown. Collective.
+/// The names of all of them.
+pub const NAMES: [&str; 5] = ["settling", "couette", "oscillating-disk", "oscillating-sphere", "spheres"];
+
+/// A comparison with a known value.
+pub struct Row {
+    /// What is compared.
+    pub case: String,
+    /// Cells and modes.
+    pub resolution: String,
+    /// The known value.
+    pub reference: f64,
+    /// What comes out.
+    pub found: f64,
+    /// Where the known value is from.
+    pub source: &'static str,
+}
+
+/// A case: its steps, and what it is compared with.
+type Run = Box<dyn Fn(&Session) -> Result<(usize, Vec<Row>)>>;
+
+fn run(run: impl Fn(&Session) -> Result<(usize, Vec<Row>)> + 'static) -> Run {
+    Box::new(run)
+}
+
+fn oscillations<const D: usize>() -> Vec<Run> {
+    let of_kind = |kind| [4, 6, 8].map(|cells| run(move |session| oscillating::<D>(session, cells, kind)));
+    [Oscillation::Translation, Oscillation::Rotation].into_iter().flat_map(of_kind).collect()
+}
+
+impl Family {
+    fn runs(self) -> Vec<Run> {
+        match self {
+            Family::Settling => [4, 6, 8].map(|cells| run(move |session| settling(session, cells))).into(),
+            Family::Couette => COUETTE
+                .iter()
+                .flat_map(|&(reynolds, spin, stress)| {
+                    [4, 6, 8].map(|cells| run(move |session| couette(session, cells, reynolds, [spin, stress])))
+                })
+                .collect(),
+            Family::OscillatingDisk => oscillations::<2>(),
+            Family::OscillatingSphere => oscillations::<3>(),
+            Family::Spheres => SPHERE.map(|case| run(move |session| sphere(session, case))).into(),
+        }
+    }
+}
+
+/// Runs cases and prints a table in Markdown. Collective.
 ///
 /// # Errors
 /// A run fails.
-pub fn inertia(session: &Session) -> Result<()> {
+pub fn inertia(session: &Session, families: &[Family]) -> Result<()> {
     let say = |text: &str| session.world().on_first_rank(|| say(text));
     say("| case | resolution | reference | turbid | error | steps | seconds | source |\n|-|-|-|-|-|-|-|-|")?;
-    let print = |start: Instant, steps: usize, rows: Vec<Row>| {
+    for run in families.iter().flat_map(|family| family.runs()) {
+        let start = Instant::now();
+        let (steps, rows) = run(session)?;
         let seconds = session.world().max(start.elapsed().as_secs_f64());
-        rows.into_iter().try_for_each(|row| {
-            let error = 100.0 * (row.found / row.reference - 1.0);
-            let Row { case, resolution, reference, found, source } = row;
-            say(&format!("| {case} | {resolution} | {reference:.6} | {found:.6} | {error:+.3} % | {steps} | {seconds:.1} | {source} |"))
-        })
-    };
-    for cells in [4, 6, 8] {
-        let start = Instant::now();
-        let (steps, rows) = settling(session, cells)?;
-        print(start, steps, rows)?;
-    }
-    for (reynolds, spin, stress) in COUETTE {
-        for cells in [4, 6, 8] {
-            let start = Instant::now();
-            let (steps, rows) = couette(session, cells, reynolds, [spin, stress])?;
-            print(start, steps, rows)?;
+        for Row { case, resolution, reference, found, source } in rows {
+            let error = 100.0 * (found / reference - 1.0);
+            say(&format!("| {case} | {resolution} | {reference:.6} | {found:.6} | {error:+.3} % | {steps} | {seconds:.1} | {source} |"))?;
         }
-    }
-    for case in SPHERE {
-        let start = Instant::now();
-        let (steps, rows) = sphere(session, case)?;
-        print(start, steps, rows)?;
     }
     Ok(())
 }
 
 /// Runs a scene to its end and shows each instant.
-fn follow<const D: usize>(
+pub fn follow<const D: usize>(
     session: &Session,
     text: &str,
     mut see: impl FnMut(&Simulation<D>, &Observation<D>) -> Result<()>,
