@@ -1,13 +1,15 @@
 //! Convection on the staggered grid, `N = div (u u)`, in the form that conserves momentum and kinetic energy.
 //!
 //! Fluxes of a velocity component pass through the faces of the cells around its points, with means of two neighbours for both factors (Harlow and
-//! Welch 1965, doi:10.1063/1.1761178): for a velocity without divergence `sum u . N = 0` to rounding. Nothing is convected through a wall.
+//! Welch 1965, doi:10.1063/1.1761178): for a velocity without divergence `sum u . N = 0` to rounding. Nothing is convected through a wall; through open ends what
+//! flows in and out is.
 
 use nalgebra::SVector;
 
+use super::OpenEnds;
 use crate::{
     error::Result,
-    grid::{Block, Grid, Node},
+    grid::{Block, Grid, Index, Node},
     petsc::{Scatter, Vector},
 };
 
@@ -22,8 +24,21 @@ pub struct Convection<const D: usize> {
     /// For each component, where the value at each index of these cells is: among the own ones, or behind them among those fetched.
     places: Vec<Vec<u32>>,
     fetched: Scatter,
+    /// Values on open ends and beyond them.
+    ends: Vec<EndValue<D>>,
     /// Values of the components on these cells.
     values: Vec<Vec<f64>>,
+}
+
+/// A value on an open end, or one beyond it that makes the mean of two that of the end.
+struct EndValue<const D: usize> {
+    component: usize,
+    /// Among the values of the component.
+    place: usize,
+    index: Index<D>,
+    upper: bool,
+    /// The place of the value on the other side.
+    mirrored: Option<usize>,
 }
 
 impl<const D: usize> Convection<D> {
@@ -36,14 +51,25 @@ impl<const D: usize> Convection<D> {
         let cells = grid.partition().block(grid.rank());
         let extent: [usize; D] = std::array::from_fn(|axis| cells.end[axis] - cells.start[axis] + 2);
         let around = Block { start: [0; D], end: extent };
-        let (mut wanted, mut places) = (Vec::new(), Vec::new());
+        let (mut wanted, mut places, mut ends) = (Vec::new(), Vec::new(), Vec::new());
+        let open = OpenEnds::undisturbed(grid);
+        let stride = |axis: usize| -> usize { extent[axis + 1..].iter().product() };
         for component in 0..D {
-            let place = |index: [usize; D]| {
+            let place = |(place, index): (usize, [usize; D])| {
                 let index: [isize; D] = std::array::from_fn(|axis| (cells.start[axis] + index[axis]) as isize - 1);
                 let beyond = |axis: usize| {
                     let last = grid.cells()[axis] as isize - isize::from(axis != component);
                     !grid.domain().periodic(axis) && !(0..=last).contains(&index[axis])
                 };
+                if let Some(open) = &open
+                    && let Some(upper) = open.end(grid, component, &index)
+                    && (0..D).all(|axis| axis == open.axis() || !beyond(axis))
+                {
+                    let step = stride(open.axis());
+                    let mirrored = (component != open.axis()).then(|| if upper { place - step } else { place + step });
+                    ends.push(EndValue { component, place, index, upper, mirrored });
+                    return ZERO;
+                }
                 if (0..D).any(beyond) {
                     return ZERO;
                 }
@@ -56,18 +82,21 @@ impl<const D: usize> Convection<D> {
                     }
                 }
             };
-            places.push(around.indices().map(place).collect::<Vec<u32>>());
+            places.push(around.indices().enumerate().map(place).collect::<Vec<u32>>());
         }
         let values = vec![vec![0.0; around.len()]; D];
-        Ok(Convection { grid: grid.clone(), extent, places, fetched: Scatter::new(shape, &wanted)?, values })
+        Ok(Convection { grid: grid.clone(), extent, places, fetched: Scatter::new(shape, &wanted)?, ends, values })
     }
 
-    /// Writes the convection of a velocity into the momentum rows of `out`; those of continuity are zero.
+    /// Writes the convection of a velocity into the momentum rows of `out`; those of continuity are zero. Collective.
     ///
     /// # Errors
     /// PETSc fails.
     pub fn evaluate(&mut self, velocity: &Vector, out: &mut Vector) -> Result<()> {
         self.fetch(velocity)?;
+        if let Some(ends) = OpenEnds::of(&self.grid, velocity)? {
+            self.fill_ends(&ends);
+        }
         out.fill(0.0)?;
         let mut rows = out.local_mut()?;
         for component in 0..D {
@@ -92,6 +121,13 @@ impl<const D: usize> Convection<D> {
             }
         }
         Ok(())
+    }
+
+    fn fill_ends(&mut self, ends: &OpenEnds<D>) {
+        for EndValue { component, place, index, upper, mirrored } in &self.ends {
+            let (at, values) = (ends.at(&self.grid, *upper, *component, *index), &mut self.values[*component]);
+            values[*place] = mirrored.map_or(at, |mirrored| 2.0 * at - values[mirrored]);
+        }
     }
 
     /// What flows out of the cell around a point, over its volume.

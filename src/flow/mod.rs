@@ -5,10 +5,12 @@
 
 mod convection;
 mod drive;
+mod open_ends;
 mod stokes;
 mod stokes_inverse;
 
 pub use convection::{Convection, fastest};
 pub use drive::Drive;
+pub use open_ends::OpenEnds;
 pub use stokes::Stokes;
 pub use stokes_inverse::{FluidSystem, HypreInverse, InverseMethod, IteratedInverse, StokesInverse, TransformInverse, Transposes};

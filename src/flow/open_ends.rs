@@ -4,12 +4,10 @@
 //! `u_t + U u_x = 0`, from one step to the next; what that brings too much or too little is evened out in the shape of the inflow, so that as much
 //! leaves as comes. In Stokes flow the outflow is as the inflow.
 
-use nalgebra::SVector;
-
 use crate::{
     error::Result,
     geometry::Inflow,
-    grid::{Grid, Index, Node, operators::signed},
+    grid::{Block, Grid, Index, operators::signed, stencil::moved},
     petsc::Vector,
 };
 
@@ -27,7 +25,7 @@ impl<const D: usize> OpenEnds<D> {
     pub fn undisturbed(grid: &Grid<D>) -> Option<OpenEnds<D>> {
         let (axis, inflow) = grid.domain().open()?;
         let mut ends = OpenEnds { inflow, axis, outflow: vec![vec![0.0; cross_section(grid, axis)]; D] };
-        for index in across(grid, axis, axis) {
+        for index in across(grid, axis) {
             let place = place(grid, axis, &index);
             ends.outflow[axis][place] = ends.at_inflow(grid, axis, index);
         }
@@ -124,8 +122,11 @@ impl<const D: usize> OpenEnds<D> {
                     }
                 } else if component == axis && index[axis] == last {
                     let weight = (1.0 - passed) * grid.spacing()[axis] / grid.spacing()[source];
-                    add(signed(index), weight);
-                    add(grid.wrapped(crate::grid::stencil::moved(signed(index), source, -1)).map(|index| index as isize), -weight);
+                    let above = signed(index);
+                    add(above, weight);
+                    // the other of the two cells whose side this face is
+                    let below = moved(signed(index), source, -1);
+                    add(signed(grid.wrapped(below)), -weight);
                 }
             }
         }
@@ -136,14 +137,34 @@ impl<const D: usize> OpenEnds<D> {
     /// Lets as much leave as comes.
     fn even_out(&mut self, grid: &Grid<D>) {
         let (mut missing, mut comes) = (0.0, 0.0);
-        for index in across(grid, self.axis, self.axis) {
+        for index in across(grid, self.axis) {
             let inflow = self.at_inflow(grid, self.axis, index);
             missing += inflow - self.outflow[self.axis][place(grid, self.axis, &index)];
             comes += inflow;
         }
-        for index in across(grid, self.axis, self.axis) {
+        for index in across(grid, self.axis) {
             let inflow = self.at_inflow(grid, self.axis, index);
             self.outflow[self.axis][place(grid, self.axis, &index)] += missing / comes * inflow;
         }
     }
+}
+
+/// Places of values across an axis: one more than cells along each other one.
+fn cross_section<const D: usize>(grid: &Grid<D>, axis: usize) -> usize {
+    (0..D).filter(|&across| across != axis).map(|across| grid.cells()[across] + 1).product()
+}
+
+/// The place of an index across an axis.
+fn place<const D: usize>(grid: &Grid<D>, axis: usize, index: &Index<D>) -> usize {
+    let along = |across: usize| {
+        let (index, cells) = (index[across], grid.cells()[across] as isize);
+        (if grid.domain().periodic(across) { index.rem_euclid(cells) } else { index }) as usize
+    };
+    (0..D).filter(|&across| across != axis).fold(0, |place, across| place * (grid.cells()[across] + 1) + along(across))
+}
+
+/// The indices across an axis of the component along it.
+fn across<const D: usize>(grid: &Grid<D>, axis: usize) -> impl Iterator<Item = Index<D>> {
+    let end = std::array::from_fn(|across| if across == axis { 1 } else { grid.cells()[across] });
+    Block { start: [0; D], end }.indices().map(signed)
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use super::LeesEdwards;
+use super::{Inflow, LeesEdwards};
 
 /// What bounds the box along one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,14 +18,26 @@ pub enum Axis<const D: usize> {
         /// Velocity of the wall at coordinate `size`.
         upper: SVector<f64, D>,
     },
+    /// Fluid flows in at coordinate 0 and out at coordinate `size`; one axis at most. Bodies keep away from both.
+    Open(Inflow),
 }
 
 impl<const D: usize> Axis<D> {
-    /// The largest speed of its walls; 0 without walls.
+    /// The velocities along the boundaries at its lower and its upper end, if it has ends.
+    pub fn walls(&self) -> Option<[SVector<f64, D>; 2]> {
+        match self {
+            Axis::Periodic | Axis::Sheared(_) => None,
+            Axis::Walls { lower, upper } => Some([*lower, *upper]),
+            Axis::Open(_) => Some([SVector::zeros(); 2]),
+        }
+    }
+
+    /// The largest speed of its walls or of its inflow; 0 without.
     pub fn fastest_wall(&self) -> f64 {
         match self {
+            Axis::Periodic | Axis::Sheared(_) => 0.0,
             Axis::Walls { lower, upper } => lower.norm().max(upper.norm()),
-            _ => 0.0,
+            Axis::Open(inflow) => inflow.speed.abs(),
         }
     }
 }
@@ -42,12 +54,17 @@ pub struct Domain<const D: usize> {
 impl<const D: usize> Domain<D> {
     /// Whether the box repeats along `axis`.
     pub fn periodic(&self, axis: usize) -> bool {
-        !matches!(self.axes[axis], Axis::Walls { .. })
+        matches!(self.axes[axis], Axis::Periodic | Axis::Sheared(_))
     }
 
     /// Whether the box repeats along every axis.
     pub fn fully_periodic(&self) -> bool {
         (0..D).all(|axis| self.periodic(axis))
+    }
+
+    /// The axis that is open, and what flows into it.
+    pub fn open(&self) -> Option<(usize, Inflow)> {
+        self.axes.iter().enumerate().find_map(|(axis, bound)| if let Axis::Open(inflow) = bound { Some((axis, *inflow)) } else { None })
     }
 
     /// Volume of the box (area in 2D).

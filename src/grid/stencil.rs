@@ -3,7 +3,6 @@
 use nalgebra::SVector;
 
 use super::staggered::{Grid, Index};
-use crate::geometry::Axis;
 
 /// Where the value of a term is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -145,7 +144,7 @@ pub fn moved<const D: usize>(mut index: Index<D>, axis: usize, steps: isize) -> 
 
 /// The wall between the lattice and a neighbour that would lie beyond it: its coordinate and velocity.
 fn wall_between<const D: usize>(grid: &Grid<D>, field: usize, axis: usize, neighbour: Index<D>) -> Option<(f64, SVector<f64, D>)> {
-    let Axis::Walls { lower, upper } = grid.domain().axes[axis] else { return None };
+    let [lower, upper] = grid.domain().axes[axis].walls()?;
     let cells = grid.cells()[axis] as isize;
     if field == axis {
         return None;

@@ -5,6 +5,7 @@ use nalgebra::SVector;
 use crate::{
     constraint::IndexBox,
     error::Result,
+    flow::OpenEnds,
     geometry::Ball,
     grid::{Grid, Node, operators::signed, stencil::moved},
     petsc::{Scatter, Vector},
@@ -12,8 +13,9 @@ use crate::{
 
 /// Brings velocities from the faces of this rank's cells to their centres; made once for a grid.
 pub struct CellCenters<const D: usize> {
+    grid: Grid<D>,
     faces: Scatter,
-    /// For each cell and component, the places of its two faces; none for a face on a wall, where the velocity is zero.
+    /// For each cell and component, the places of its two faces; none for a face on a wall, where the velocity is zero, or on an open end.
     places: Vec<[Option<usize>; 2]>,
 }
 
@@ -33,14 +35,24 @@ impl<const D: usize> CellCenters<D> {
                 }));
             }
         }
-        Ok(CellCenters { faces: Scatter::new(fluid, &wanted)?, places })
+        Ok(CellCenters { grid: grid.clone(), faces: Scatter::new(fluid, &wanted)?, places })
     }
 
     /// The velocity of a fluid vector at the centres of this rank's cells, in the order of its block.
     pub fn velocity(&mut self, fluid: &Vector) -> Result<Vec<SVector<f64, D>>> {
         let faces = self.faces.fetch(fluid)?;
         let mean = |sides: &[Option<usize>; 2]| 0.5 * sides.iter().flatten().map(|&place| faces[place]).sum::<f64>();
-        Ok(self.places.chunks(D).map(|cell| SVector::from_fn(|component, _| mean(&cell[component]))).collect())
+        let mut velocities: Vec<SVector<f64, D>> =
+            self.places.chunks(D).map(|cell| SVector::from_fn(|component, _| mean(&cell[component]))).collect();
+        if let Some(ends) = OpenEnds::of(&self.grid, fluid)? {
+            let axis = ends.axis();
+            for (velocity, cell) in velocities.iter_mut().zip(self.grid.block(D).indices()) {
+                for face in [signed(cell), moved(signed(cell), axis, 1)] {
+                    velocity[axis] += ends.end(&self.grid, axis, &face).map_or(0.0, |upper| 0.5 * ends.at(&self.grid, upper, axis, face));
+                }
+            }
+        }
+        Ok(velocities)
     }
 }
 

@@ -4,6 +4,7 @@ use nalgebra::SVector;
 
 use crate::{
     error::Result,
+    flow::OpenEnds,
     grid::{Grid, Node, interpolation, stencil::Site},
     petsc::{Scatter, Vector},
 };
@@ -11,12 +12,17 @@ use crate::{
 /// The velocity in a fluid vector at points of the box, on every rank (cubic interpolation; walls count with their own velocity).
 pub fn velocities<const D: usize>(grid: &Grid<D>, fluid: &Vector, points: &[SVector<f64, D>]) -> Result<Vec<SVector<f64, D>>> {
     let mut samples = Samples::new(points.len() * D);
+    let ends = OpenEnds::of(grid, fluid)?;
+    let on_end = |component, index| ends.as_ref().and_then(|ends| Some(ends.at(grid, ends.end(grid, component, &index)?, component, index)));
     for (number, point) in mine(grid, fluid, points) {
         for component in 0..D {
             let place = number * D + component;
-            interpolation::velocity(grid, component, point, |term| match term.site {
-                Site::Wall { value, .. } => samples.values[place] += term.weight * value,
-                Site::Lattice { index, .. } => samples.add(place, grid.fluid_node(component, index), term.weight),
+            interpolation::velocity(grid, component, point, |term| {
+                let (Site::Lattice { index, .. } | Site::Wall { index, .. }) = term.site;
+                match (on_end(component, index), term.site) {
+                    (Some(value), _) | (None, Site::Wall { value, .. }) => samples.values[place] += term.weight * value,
+                    (None, Site::Lattice { .. }) => samples.add(place, grid.fluid_node(component, index), term.weight),
+                }
             });
         }
     }

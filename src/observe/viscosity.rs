@@ -59,7 +59,7 @@ pub fn viscosity<const D: usize>(
     }
     let stress = Stress::of(setup, grid, solution, contacts, &shear)?;
     let from_walls = match setup.domain.axes[shear.gradient] {
-        Axis::Periodic | Axis::Sheared(_) => None,
+        Axis::Periodic | Axis::Sheared(_) | Axis::Open(_) => None,
         Axis::Walls { lower, upper } => Some(wall_shear(grid, setup.viscosity, solution, &shear, [lower, upper])? / shear.rate),
     };
     Ok(Some(Viscosity {

@@ -9,6 +9,7 @@ use crate::scene::{
 };
 
 pub(super) fn check(scene: &Scene) -> Result<()> {
+    check_open(scene)?;
     check_spacing(scene)?;
     check_contact(scene)?;
     check_constraint(scene)?;
@@ -41,6 +42,20 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
 /// Refuses a key's value unless it is right.
 fn expect(scene: &Scene, right: bool, key: &str, value: impl Display, remedy: &str) -> Result<()> {
     if right { Ok(()) } else { Err(scene.refuse(key, value, remedy)) }
+}
+
+/// Refuses what an inflow and an outflow do not go with.
+fn check_open(scene: &Scene) -> Result<()> {
+    let mut open = scene.domain.axes.iter().enumerate().filter_map(|(axis, section)| match section {
+        AxisSection::Open { inflow, .. } => Some((format!("domain.{}.inflow", name(axis)), inflow)),
+        _ => None,
+    });
+    let Some((key, inflow)) = open.next() else { return Ok(()) };
+    let expect = |right, remedy| expect(scene, right, &key, inflow, remedy);
+    expect(open.next().is_none(), "only one axis may be open; make the others periodic or walls")?;
+    expect(scene.flow.model.fluid(), "needs a fluid; set flow.model = \"stokes\" or \"navier-stokes\", or another boundary")?;
+    expect(scene.method.constraint != ConstraintMethod::Fitted, "is for grids; set method.constraint = \"sharp\"")?;
+    expect(scene.flow.drive.is_none(), "drives the flow already; remove flow.drive")
 }
 
 fn check_spacing(scene: &Scene) -> Result<()> {

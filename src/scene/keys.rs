@@ -6,6 +6,7 @@ use toml_edit::Value;
 
 use crate::flow::InverseMethod;
 use crate::scene::entry::word_of;
+use crate::scene::sections::PROFILES;
 use crate::scene::{
     AxisSection, BodyGroup, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
     MethodSection, Modes, Motion, MultiplierSolver, OutputSection, Placement, ResolutionSection, Scene, Scheme, Shape, Spacing, Step,
@@ -116,6 +117,10 @@ fn of_domain(domain: &DomainSection) -> Keys {
             AxisSection::Walls { lower, upper } => {
                 keys.push(list(&format!("domain.{name}.lower"), lower));
                 keys.push(list(&format!("domain.{name}.upper"), upper));
+            }
+            AxisSection::Open { inflow, parabolic } => {
+                keys.push(number(&format!("domain.{name}.inflow"), *inflow));
+                keys.push(word(&format!("domain.{name}.profile"), word_of(&PROFILES, parabolic)));
             }
         }
     }

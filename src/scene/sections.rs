@@ -10,6 +10,7 @@ mod resolution;
 mod time;
 
 pub use contact::{ContactModel, ContactSection};
+pub(in crate::scene) use domain::PROFILES;
 pub use domain::{AxisSection, DomainSection};
 pub(super) use flow::DRIVES;
 pub use flow::{Drive, FlowModel, FlowSection};

@@ -18,6 +18,9 @@ use crate::{
 /// Net force or torque of a film on a pair, over its force, that is rounding.
 const LARGEST_IMBALANCE: f64 = 1e-9;
 
+/// Cells between bodies and open ends at least.
+const ROOM_AT_ENDS: f64 = 5.0;
+
 /// Bodies in their places.
 pub struct Assembly<const D: usize> {
     centers: Vec<SVector<f64, D>>,
@@ -51,6 +54,7 @@ impl<const D: usize> Assembly<D> {
     }
 
     fn anew(fixed: &FixedOperators<D>, centers: &[SVector<f64, D>], earlier: Option<Blocks<D>>) -> Result<Assembly<D>> {
+        refuse_open_ends(fixed, centers)?;
         let (session, fluid, method) = (&fixed.session, &fixed.undisturbed.0, fixed.method.as_ref());
         let placed = Rc::new(fixed.kinds.place(&fixed.setup, centers));
         let crowd = Rc::new(crowd(fixed, &placed));
@@ -81,6 +85,20 @@ impl<const D: usize> Assembly<D> {
         self.undisturbed = bodies.undisturbed(&mut self.blocks, &fixed.undisturbed.0, known)?;
         self.blocks.add_spin_up(&fixed.spin_ups, &mut self.undisturbed);
         Ok(())
+    }
+}
+
+/// Refuses bodies at an inflow or an outflow, whose velocity is given whatever they do.
+fn refuse_open_ends<const D: usize>(fixed: &FixedOperators<D>, centers: &[SVector<f64, D>]) -> Result<()> {
+    let (grid, bodies) = (&fixed.grid, &fixed.setup.bodies);
+    let Some((axis, _)) = grid.domain().open() else { return Ok(()) };
+    let room = |body: usize| bodies[body].body.ball.radius + ROOM_AT_ENDS * grid.spacing()[axis];
+    let near = |body: usize| centers[body][axis] < room(body) || centers[body][axis] > grid.domain().size[axis] - room(body);
+    match (0..centers.len()).find(|&body| near(body)) {
+        Some(body) => Err(Error::refused(format!(
+            "domain.size: body {body} comes within {ROOM_AT_ENDS} cells of where fluid flows in or out; lengthen the box, or end the run before"
+        ))),
+        None => Ok(()),
     }
 }
 

@@ -215,6 +215,10 @@ impl<const D: usize> FixedOperators<D> {
         // faces on walls carry no normal velocity: counting them changes nothing
         let mut mean = SVector::<f64, D>::from_fn(|axis, _| values[self.grid.local_range(axis)].iter().sum::<f64>() / cells);
         self.session.world().sum(mean.as_mut_slice());
+        if let Some((axis, inflow)) = self.setup.domain.open() {
+            // half a face at either end
+            mean[axis] += inflow.mean(&self.setup.domain, axis) / self.grid.cells()[axis] as f64;
+        }
         Ok(mean)
     }
 

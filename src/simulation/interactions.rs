@@ -66,6 +66,7 @@ fn walls<const D: usize>(setup: &Setup<D>) -> f64 {
     let rate = |axis: usize| match setup.domain.axes[axis] {
         Axis::Periodic | Axis::Sheared(_) => 0.0,
         Axis::Walls { lower, upper } => (upper - lower).norm() / setup.domain.size[axis],
+        Axis::Open(inflow) => inflow.speed.abs() / setup.domain.size.min(),
     };
     setup.viscosity * (0..D).map(rate).fold(0.0, f64::max)
 }

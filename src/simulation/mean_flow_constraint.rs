@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::{
     error::Result,
-    flow::{Drive, FluidSystem, Stokes, StokesInverse},
+    flow::{Drive, FluidSystem, OpenEnds, Stokes, StokesInverse},
     geometry::{Axis, Domain},
     grid::{Grid, operators},
     parallel::World,
@@ -143,6 +143,9 @@ impl UniformForce {
 /// proportion to the way. A solver would find it but for its tolerance, and fluid between walls that move alike would not go with them.
 fn dragged_by_walls<const D: usize>(grid: &Grid<D>, stokes: &Stokes<D>) -> Result<Option<Vector>> {
     let domain = grid.domain();
+    if domain.open().is_some() {
+        return Ok(None);
+    }
     let mut walled = (0..D).filter_map(|axis| match domain.axes[axis] {
         Axis::Walls { lower, upper } => Some((axis, lower, upper)),
         _ => None,
@@ -183,6 +186,9 @@ pub fn flow_without_bodies<const D: usize>(
     add_drive(grid, drive, viscosity, &mut rhs)?;
     if dragged.is_none() {
         add_walls(grid, &mut rhs)?;
+    }
+    if let Some(ends) = OpenEnds::undisturbed(grid) {
+        ends.add_rows(grid, &mut rhs)?;
     }
     stokes.balance(&mut rhs)?;
     if rhs.norm()? > 0.0 {

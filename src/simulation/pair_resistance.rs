@@ -18,7 +18,6 @@ use crate::{
     },
     contact::{Contact, ContactForce},
     error::Result,
-    geometry::Axis,
 };
 
 /// Numbers of rigid modes, by dimension.
@@ -234,9 +233,5 @@ fn add_springs(layout: &MultiplierLayout, pores: &Pores, few: &[f64], resistance
 }
 
 fn wall_velocity<const D: usize>(fixed: &FixedOperators<D>, axis: usize, upper: bool) -> SVector<f64, D> {
-    match fixed.setup.domain.axes[axis] {
-        Axis::Walls { lower, .. } if !upper => lower,
-        Axis::Walls { upper, .. } => upper,
-        Axis::Periodic | Axis::Sheared(_) => SVector::zeros(),
-    }
+    fixed.setup.domain.axes[axis].walls().map_or(SVector::zeros(), |walls| walls[usize::from(upper)])
 }

@@ -8,7 +8,7 @@ use super::room;
 use crate::{
     body::{Body, Motion, Path, Trajectories, Trajectory, Twist, pack_on, read_centers, skew},
     error::{Error, Result},
-    geometry::{Axis, Ball, Domain, InvalidConfiguration, LeesEdwards, first_fault},
+    geometry::{Axis, Ball, Domain, Inflow, InvalidConfiguration, LeesEdwards, first_fault},
     parallel::Peers,
     scene::{self, AxisSection, BodyGroup, Placement, Scene},
 };
@@ -28,6 +28,7 @@ pub fn domain<const D: usize>(scene: &Scene) -> Domain<D> {
             Axis::Sheared(LeesEdwards { start: 0.0, speed: rate * scene.domain.size[1], time: 0.0 })
         }
         (AxisSection::Periodic, _) => Axis::Periodic,
+        (AxisSection::Open { inflow, parabolic }, _) => Axis::Open(Inflow { speed: *inflow, parabolic: *parabolic }),
         (AxisSection::Walls { lower, upper }, _) => Axis::Walls { lower: vector(lower), upper: vector(upper) },
     };
     Domain { size: vector(&scene.domain.size), axes: std::array::from_fn(axis) }

@@ -95,6 +95,7 @@ pub fn couette<const D: usize>(domain: &Domain<D>, component: usize, x: &SVector
     let between = |axis: usize| match domain.axes[axis] {
         Axis::Periodic | Axis::Sheared(_) => 0.0,
         Axis::Walls { lower, upper } => lower[component] + (upper[component] - lower[component]) * x[axis] / domain.size[axis],
+        Axis::Open(_) => 0.0,
     };
     (0..D).map(between).sum()
 }

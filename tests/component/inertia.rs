@@ -6,11 +6,11 @@ use nalgebra::{SMatrix, SVector, Vector2};
 use turbid::{
     body::{Body, Motion, Twist},
     flow::{Convection, Drive, FluidSystem, InverseMethod, Stokes},
-    geometry::{Axis, Ball, Domain},
+    geometry::{Axis, Ball, Domain, Inflow},
     grid::{Grid, operators::signed},
     petsc::{Session, Vector},
     scene::{ConstraintMethod, ContactModel, Scene, Scheme, Step, TimeSection, Tolerance},
-    simulation::{Configuration, FlowSolver, Inertia, Level, Setup, Simulation, SuspendedBody, UnsteadySuspension},
+    simulation::{Configuration, FlowSolver, Inertia, Level, Setup, Simulation, SuspendedBody, Suspension, UnsteadySuspension},
 };
 
 use crate::{
@@ -28,6 +28,8 @@ pub fn tests() -> Vec<Test> {
         Test::of(disks_of_any_density_start_as_fast_as_those_of_an_independent_program),
         Test::of(a_free_disk_in_shear_spins_as_slowly_as_inertia_makes_it),
         Test::of(a_disk_that_oscillates_bears_the_exact_force_and_torque),
+        Test::of(what_flows_in_flows_on_and_out),
+        Test::of(a_disk_in_an_open_channel_is_dragged_as_in_a_periodic_one),
         Test::of(a_step_from_remembered_levels_is_the_step_of_the_whole_run),
         Test::of(a_disk_that_lands_rests_on_the_floor),
         Test::of(a_sphere_falls_straight_and_alike_with_either_inverse),
@@ -310,6 +312,48 @@ fn a_disk_that_oscillates_bears_the_exact_force_and_torque(session: &Session) {
         let (size, lead) = (found[0].hypot(found[1]), found[1].atan2(found[0]).to_degrees());
         assert!((size / exact - 1.0).abs() < 0.025 && (lead - phase).abs() < 1.5, "{motion}: {size} at {lead} degrees");
     }
+}
+
+/// Nothing in the way: the profile goes through unchanged, over a uniform and a parabolic inflow and with either inverse, in 2D and 3D.
+fn what_flows_in_flows_on_and_out(session: &Session) {
+    fn proof<const D: usize>(session: &Session, axes: [Axis<D>; D], inverse: InverseMethod) {
+        let domain = Domain { size: SVector::from_fn(|axis, _| if axis == 0 { 2.0 } else { 1.0 }), axes };
+        let (open, inflow) = domain.open().unwrap();
+        let mut flow =
+            UnsteadySuspension::new(session, Setup { inverse, ..setup(domain.clone(), 1.0 / 12.0, 0.02, Vec::new()) }).unwrap();
+        let mut solution = flow.solve_at(&configuration(&[], 0.0), &mut |_, _| {}).unwrap();
+        for step in 1..=6 {
+            solution = flow.solve_at(&configuration(&[], 0.02 * f64::from(step)), &mut |_, _| {}).unwrap();
+        }
+        let grid = flow.grid();
+        let values = solution.fluid.local().unwrap();
+        for (value, index) in values[grid.local_range(open)].iter().zip(grid.block(open).indices()) {
+            let profile = inflow.velocity(&domain, open, &grid.position(open, signed(index)));
+            assert!((value - profile).abs() < 0.01 * inflow.speed, "{value}, not {profile}");
+        }
+        let mean = inflow.mean(&domain, open);
+        assert!((solution.mean_velocity[open] / mean - 1.0).abs() < 0.01, "{} of {mean}", solution.mean_velocity);
+    }
+    let still = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
+    let open = |parabolic| Inflow { speed: 0.5, parabolic };
+    proof::<2>(session, [Axis::Open(open(false)), Axis::Periodic], InverseMethod::Transform);
+    proof::<2>(session, [Axis::Open(open(true)), still], InverseMethod::Hypre);
+    proof::<3>(session, [Axis::Open(open(false)), Axis::Periodic, Axis::Periodic], InverseMethod::Transform);
+}
+
+fn a_disk_in_an_open_channel_is_dragged_as_in_a_periodic_one(session: &Session) {
+    let drag = |x: &str, drive: &str| {
+        let text = format!(
+            "domain = {{ size = [3.0, 1.0], x = {x}, y = \"walls\" }}\n{drive}resolution = {{ cells_per_radius = 4, modes = 4 }}\n\
+             bodies = [{{ radius = 0.125, centers = [[1.5, 0.45]], motion = \"fixed\" }}]\n"
+        );
+        let scene = Scene::parse("channel", Path::new("."), &text, &[]).unwrap();
+        let solution = Suspension::<2>::new(session, Setup::of(&scene).unwrap()).unwrap().solve(&mut |_, _| {}).unwrap();
+        assert!((solution.mean_velocity[0] - 1.0).abs() < 2e-3, "{}", solution.mean_velocity);
+        solution.bodies[0].force[0]
+    };
+    let (open, periodic) = (drag("{ inflow = 1.5 }", ""), drag("\"periodic\"", "flow.drive = { mean_velocity = [1.0, 0.0] }\n"));
+    assert!((open / periodic - 1.0).abs() < 5e-3, "{open} and {periodic}");
 }
 
 fn a_step_from_remembered_levels_is_the_step_of_the_whole_run(session: &Session) {

@@ -12,7 +12,6 @@ use crate::{
         sharp,
         unknowns::Unknowns,
     },
-    geometry::Axis,
     grid::{
         Grid, Index,
         interpolation::{Pair, linear},
@@ -72,9 +71,8 @@ pub fn assemble<const D: usize>(grid: &Grid<D>, placed: &Placed<D>) -> AdjointBo
 
 /// The velocity of the wall that a corner of the interpolation lies on, if that is between lattice points.
 fn wall_velocity<const D: usize>(grid: &Grid<D>, component: usize, pairs: &[Pair; D], side: impl Fn(usize) -> usize) -> Option<f64> {
-    (0..D).find_map(|axis| match grid.domain().axes[axis] {
-        Axis::Walls { lower, .. } if pairs[axis].wall == Some((side(axis), false)) => Some(lower[component]),
-        Axis::Walls { upper, .. } if pairs[axis].wall == Some((side(axis), true)) => Some(upper[component]),
-        _ => None,
+    (0..D).find_map(|axis| {
+        let (walls, (_, upper)) = (grid.domain().axes[axis].walls()?, pairs[axis].wall.filter(|(place, _)| *place == side(axis))?);
+        Some(walls[usize::from(upper)][component])
     })
 }

@@ -9,7 +9,6 @@ use crate::{
         places::{Entries, EntriesMut, Places},
         unknowns::Unknowns,
     },
-    geometry::Axis,
     grid::{Grid, Index},
 };
 
@@ -57,10 +56,8 @@ impl<'a, const D: usize> Collector<'a, D> {
 
 /// Whether an index of a component's lattice lies between the walls or on them.
 pub fn within_walls<const D: usize>(grid: &Grid<D>, component: usize, index: Index<D>) -> bool {
-    (0..D).all(|axis| match grid.domain().axes[axis] {
-        Axis::Periodic | Axis::Sheared(_) => true,
-        Axis::Walls { .. } => (0..grid.cells()[axis] as isize + isize::from(component == axis)).contains(&index[axis]),
-    })
+    let between = |axis: usize| (0..grid.cells()[axis] as isize + isize::from(component == axis)).contains(&index[axis]);
+    (0..D).all(|axis| grid.domain().periodic(axis) || between(axis))
 }
 
 impl<const D: usize> AdjointNodes<D> {

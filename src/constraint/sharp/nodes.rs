@@ -4,7 +4,6 @@ use nalgebra::SVector;
 
 use crate::{
     constraint::{index_box::IndexBox, placed::Placed, unknowns::Unknowns},
-    geometry::Axis,
     grid::{Grid, Index},
 };
 
@@ -114,9 +113,9 @@ impl<const D: usize> JumpNodes<D> {
 
 /// Coordinate of an index along an axis: that of the wall if it lies beyond a lattice that has no points on it.
 fn coordinate<const D: usize>(grid: &Grid<D>, lattice: usize, axis: usize, index: isize) -> f64 {
-    match grid.domain().axes[axis] {
-        Axis::Walls { .. } if index < 0 => 0.0,
-        Axis::Walls { .. } if lattice != axis && index == grid.cells()[axis] as isize => grid.domain().size[axis],
+    match grid.domain().periodic(axis) {
+        false if index < 0 => 0.0,
+        false if lattice != axis && index == grid.cells()[axis] as isize => grid.domain().size[axis],
         _ => (index as f64 + grid.stagger(lattice, axis)) * grid.spacing()[axis],
     }
 }

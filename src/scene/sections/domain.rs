@@ -25,6 +25,13 @@ pub enum AxisSection {
         /// Velocity of the wall at coordinate `size`.
         upper: Vec<f64>,
     },
+    /// Fluid flows in at coordinate 0 and out at coordinate `size`.
+    Open {
+        /// Its largest velocity, positive.
+        inflow: f64,
+        /// Whether it falls to zero at walls of other axes as a parabola; else it is uniform.
+        parabolic: bool,
+    },
 }
 
 impl DomainSection {
@@ -44,9 +51,12 @@ impl DomainSection {
     }
 }
 
+/// Words of the profiles of an inflow, and whether they are parabolic.
+pub(in crate::scene) const PROFILES: [(&str, bool); 2] = [("parabolic", true), ("uniform", false)];
+
 impl AxisSection {
     fn read(entry: &Entry, axis: usize, dimension: usize) -> Result<Self> {
-        const CHOICES: &str = "\"periodic\", \"walls\" or { lower = [..], upper = [..] }";
+        const CHOICES: &str = "\"periodic\", \"walls\", { lower = [..], upper = [..] } or { inflow = .. }";
         if let Ok(word) = entry.text() {
             return match word {
                 "periodic" => Ok(AxisSection::Periodic),
@@ -56,6 +66,12 @@ impl AxisSection {
         }
         if !entry.value.is_inline_table() {
             return Err(entry.mistyped(CHOICES));
+        }
+        let any = Table::of(entry, &["lower", "upper", "inflow", "profile"])?;
+        if let Some(inflow) = any.get("inflow") {
+            let table = Table::of(entry, &["inflow", "profile"])?;
+            let profile = |entry: Entry| entry.choice(&PROFILES, &[]);
+            return Ok(AxisSection::Open { inflow: inflow.positive()?, parabolic: table.get("profile").map_or(Ok(true), profile)? });
         }
         let table = Table::of(entry, &["lower", "upper"])?;
         let wall = |name| read_wall(&table.require(name, &format!("{:?}", vec![0.0; dimension]))?, axis, dimension);

@@ -35,8 +35,8 @@ use super::{
 use crate::{
     body::{Motion, Twist, planes},
     error::{Error, Result},
-    flow::{Convection, FluidSystem, StokesInverse, fastest},
-    grid::Grid,
+    flow::{Convection, FluidSystem, OpenEnds, StokesInverse, fastest},
+    grid::{Grid, operators::signed},
     petsc::{Session, Stage, Vector, enter},
 };
 
@@ -73,7 +73,7 @@ pub struct UnsteadySuspension<const D: usize> {
 }
 
 impl<const D: usize> UnsteadySuspension<D> {
-    /// Bodies and fluid at rest, unless walls and prescribed motions move them.
+    /// Bodies and fluid at rest, unless walls and prescribed motions move them; through a box with an inflow it flows everywhere.
     ///
     /// # Errors
     /// The grid or the rank count does not fit.
@@ -120,6 +120,12 @@ impl<const D: usize> UnsteadySuspension<D> {
         let mut values = fluid.local_mut()?;
         for axis in 0..D {
             values[self.fixed.grid.local_range(axis)].fill(mean_velocity[axis]);
+        }
+        if let Some((axis, inflow)) = self.fixed.grid.domain().open() {
+            let grid = &self.fixed.grid;
+            for (value, index) in values[grid.local_range(axis)].iter_mut().zip(grid.block(axis).indices()) {
+                *value = inflow.velocity(grid.domain(), axis, &grid.position(axis, signed(index)));
+            }
         }
         drop(values);
         let bodies = &self.fixed.setup.bodies;
@@ -177,6 +183,9 @@ impl<const D: usize> UnsteadySuspension<D> {
         let mut rows = past.rows(&self.fixed.grid, &self.fixed.kinds, centers)?;
         add_drive(&self.fixed.grid, &setup.drive, setup.viscosity, &mut rows)?;
         add_walls(&self.fixed.grid, &mut rows)?;
+        if let Some(ends) = OpenEnds::after(&self.fixed.grid, &self.past[0].0.fluid, weights.step)? {
+            ends.add_rows(&self.fixed.grid, &mut rows)?;
+        }
         assembly.blocks.spread_spin_up(1.0, &self.fixed.spin_ups, &assembly.layout.local_bodies, &mut rows)?;
         self.fixed.stokes.balance(&mut rows)?;
         let inverse = self.inverse.as_deref_mut().expect("a step has begun");
