@@ -54,7 +54,13 @@ impl<'a, const D: usize> AssembledSystem<'a, D> {
         let places = (assembly.placed.clone(), assembly.crowd.clone());
         let bodies = Bodies::new((&fixed.setup, &fixed.grid, &fixed.kinds), places, assembly.layout.clone());
         let operators = bodies.operators(&assembly.blocks);
-        let guess = past.map_or(Ok(None), |past| past.guess(&bodies, configuration.centers, configuration.time))?;
+        let mut guess = past.map_or(Ok(None), |past| past.guess(&bodies, configuration.centers, configuration.time))?;
+        if let Some(fluid) = guess.as_mut().and_then(|guess| guess.extrapolated.fluid.as_mut())
+            && fixed.stokes.shift() > 0.0
+        {
+            // no row of a fully periodic box sees a mean velocity, which bodies with inertia do not follow
+            fixed.stokes.project(fluid)?;
+        }
         let mean_flow = fixed.mean_flow.unknowns::<D>();
         let places = workspace.as_ref().map_or(0, |workspace| workspace.work.sizes().links);
         let pair_constraints =
