@@ -66,6 +66,7 @@ def expected_fields(points, time):
         "velocity": in_space(velocity),
         "pressure": base + 10.0 * dimension,
         "inside": (points[:, 0] < points[:, 1]).astype(float),
+        "vorticity": base + 30.0 if dimension == 2 else base[:, None] + 10.0 * numpy.arange(4, 7),
     }
 
 

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use crate::{
     error::{Error, Result},
-    observe::Plane,
+    observe::{AnimationFrame, Plane},
     output::{FrameFile, say, write_whole_with},
     petsc::Session,
-    scene::Scene,
+    scene::{Colour, Scene},
 };
 
 /// What to draw.
@@ -57,10 +57,19 @@ fn draw_frames<const D: usize>(scene: &Scene, arguments: &AnimationArguments) ->
         let folder = arguments.folder.display();
         return Err(Error::refused(format!("{folder}: holds no frames; only runs with a [time] section write them")));
     }
-    let read = |file: &FrameFile| file.read::<D>().map(|stored| plane.frame(stored.time, stored.bodies));
+    let read = |file: &FrameFile| -> Result<AnimationFrame> {
+        let stored = file.read::<D>()?;
+        let flow = if scene.output.colour == Colour::Vorticity { file.vorticity::<D>(plane)? } else { None };
+        Ok(plane.frame(stored.time, stored.bodies, flow))
+    };
     let mut film = plane.film(scene);
     for file in &files {
         film.add(&read(file)?);
+    }
+    if film.colour == Colour::Vorticity && film.coloured.is_empty() {
+        let remedy =
+            "no frame of the run holds the flow: run it again with output.fields = true, or set output.colour = \"speed\" in scene.toml";
+        return Err(scene.refuse("output.colour", "\"vorticity\"", remedy));
     }
     let mut broken = None;
     let frames = files.iter().map_while(|file| read(file).map_err(|error| broken = Some(error)).ok());

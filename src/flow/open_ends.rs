@@ -7,7 +7,7 @@
 use crate::{
     error::Result,
     geometry::Inflow,
-    grid::{Block, Grid, Index, operators::signed, stencil::moved},
+    grid::{Block, Grid, Index, operators::signed, stencil::{Site, moved}},
     petsc::Vector,
 };
 
@@ -71,6 +71,12 @@ impl<const D: usize> OpenEnds<D> {
             upper if upper == grid.cells()[self.axis] as isize => Some(true),
             _ => None,
         }
+    }
+
+    /// The velocity at a site on an end; nothing elsewhere.
+    pub fn at_site(&self, grid: &Grid<D>, site: &Site<D>) -> Option<f64> {
+        let (Site::Lattice { field, index } | Site::Wall { field, index, .. }) = site;
+        Some(self.at(grid, self.end(grid, *field, index)?, *field, *index))
     }
 
     /// Adds what flows in and out to rows of momentum and continuity that are not balanced.

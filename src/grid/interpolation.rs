@@ -54,7 +54,7 @@ fn site<const D: usize>(grid: &Grid<D>, field: usize, lines: &[Line; D], choice:
             && node == choice[axis]
         {
             let position = SVector::from_fn(|axis, _| lines[axis].coordinate[choice[axis]]);
-            return Site::Wall { position, index, value: if upper_wall { upper[field] } else { lower[field] } };
+            return Site::Wall { field, position, index, value: if upper_wall { upper[field] } else { lower[field] } };
         }
     }
     Site::Lattice { field, index }

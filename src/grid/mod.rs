@@ -1,5 +1,6 @@
 //! The staggered grid of the box: numbering, stencils, matrices, interpolation. It knows walls, but no bodies.
 
+pub mod curl;
 pub mod dirichlet;
 pub mod interpolation;
 pub mod operators;

@@ -16,6 +16,8 @@ pub enum Site<const D: usize> {
     },
     /// On a wall between lattice points.
     Wall {
+        /// The field.
+        field: usize,
         /// The point.
         position: SVector<f64, D>,
         /// The index, beyond the lattice, that stands for it.
@@ -53,7 +55,7 @@ pub fn laplacian<const D: usize>(grid: &Grid<D>, field: usize, index: Index<D>, 
                 Some((plane, velocity)) => {
                     let mut position = grid.position(field, index);
                     position[axis] = plane;
-                    visit(Term { site: Site::Wall { position, index: neighbour, value: velocity[field] }, weight: 2.0 * weight });
+                    visit(Term { site: Site::Wall { field, position, index: neighbour, value: velocity[field] }, weight: 2.0 * weight });
                 }
             }
         }
@@ -143,7 +145,12 @@ pub fn moved<const D: usize>(mut index: Index<D>, axis: usize, steps: isize) -> 
 }
 
 /// The wall between the lattice and a neighbour that would lie beyond it: its coordinate and velocity.
-fn wall_between<const D: usize>(grid: &Grid<D>, field: usize, axis: usize, neighbour: Index<D>) -> Option<(f64, SVector<f64, D>)> {
+pub(super) fn wall_between<const D: usize>(
+    grid: &Grid<D>,
+    field: usize,
+    axis: usize,
+    neighbour: Index<D>,
+) -> Option<(f64, SVector<f64, D>)> {
     let [lower, upper] = grid.domain().axes[axis].walls()?;
     let cells = grid.cells()[axis] as isize;
     if field == axis {

@@ -1,7 +1,10 @@
-//! Bodies as disks on a picture plane: frames of an animation, or a still.
+//! Bodies as disks on a picture plane, and the vorticity behind them: frames of an animation, or a still.
 
 use super::FrameBody;
-use crate::scene::{AxisSection, Drive, Scene};
+use crate::{
+    body::planes,
+    scene::{AxisSection, Colour, Drive, Scene},
+};
 
 /// What must be known of a film before its first frame is drawn.
 #[derive(Clone, Debug)]
@@ -10,38 +13,43 @@ pub struct Film {
     pub size: [f64; 2],
     /// Which directions are periodic; the others end at solid walls.
     pub periodic: [bool; 2],
+    /// What is coloured: the disks by their speed, or the flow behind them by its vorticity.
+    pub colour: Colour,
     /// Time of each frame.
     pub times: Vec<f64>,
-    /// Speeds of the disks of all frames in turn, or every second, fourth, .. of them, so that there are never more than 2^22.
-    pub speeds: Vec<f64>,
-    /// Speeds so far, and of how many one is kept.
+    /// What is coloured of all frames in turn, or every second, fourth, .. value of it, so that there are never more than 2^22.
+    pub coloured: Vec<f64>,
+    /// Values so far, and of how many one is kept.
     seen: usize,
     stride: usize,
 }
 
-/// Most speeds from which the colours of a film are found.
-pub const MOST_SPEEDS: usize = 1 << 22;
+/// Most values from which the colours of a film are found.
+pub const MOST_VALUES: usize = 1 << 22;
 
 impl Film {
     /// No frame yet of a box with this size, periodic in some directions.
-    pub fn new(size: [f64; 2], periodic: [bool; 2]) -> Film {
-        Film { size, periodic, times: Vec::new(), speeds: Vec::new(), seen: 0, stride: 1 }
+    pub fn new(size: [f64; 2], periodic: [bool; 2], colour: Colour) -> Film {
+        Film { size, periodic, colour, times: Vec::new(), coloured: Vec::new(), seen: 0, stride: 1 }
     }
 
     /// Takes note of the next frame.
     pub fn add(&mut self, frame: &AnimationFrame) {
         self.times.push(frame.time);
-        frame.disks.iter().for_each(|disk| self.add_speed(disk.speed, MOST_SPEEDS));
+        match self.colour {
+            Colour::Speed => frame.disks.iter().for_each(|disk| self.add_value(disk.speed, MOST_VALUES)),
+            Colour::Vorticity => frame.vorticity.iter().flat_map(|cut| &cut.values).for_each(|&value| self.add_value(value, MOST_VALUES)),
+        }
     }
 
-    fn add_speed(&mut self, speed: f64, most: usize) {
+    fn add_value(&mut self, value: f64, most: usize) {
         if self.seen.is_multiple_of(self.stride) {
-            if self.speeds.len() == most {
-                self.speeds = self.speeds.iter().step_by(2).copied().collect();
+            if self.coloured.len() == most {
+                self.coloured = self.coloured.iter().step_by(2).copied().collect();
                 self.stride *= 2;
             }
             if self.seen.is_multiple_of(self.stride) {
-                self.speeds.push(speed);
+                self.coloured.push(value);
             }
         }
         self.seen += 1;
@@ -57,6 +65,17 @@ pub struct AnimationFrame {
     pub shift: f64,
     /// The disks; each covers those before it.
     pub disks: Vec<AnimatedDisk>,
+    /// The vorticity behind them.
+    pub vorticity: Option<FlowCut>,
+}
+
+/// A number for each cell that a plane cuts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlowCut {
+    /// Cells to the right and up.
+    pub cells: [usize; 2],
+    /// Row by row from the bottom, as many numbers as there are cells.
+    pub values: Vec<f64>,
 }
 
 /// One body at one time.
@@ -68,7 +87,7 @@ pub struct AnimatedDisk {
     pub radius: f64,
     /// Angle of the mark that shows rotation, counterclockwise from `x`; not a number for a disk without mark.
     pub angle: f64,
-    /// Speed to colour by, from zero to the 99.5th percentile of the whole film.
+    /// Speed to colour by, from zero to the 99.5th percentile of the whole film, unless the flow is coloured.
     pub speed: f64,
 }
 
@@ -94,8 +113,20 @@ impl Plane {
         Plane { across: 0, up, sliding }
     }
 
-    /// Bodies at a time, seen from the front: spheres further back come first.
-    pub fn frame<const D: usize>(self, time: f64, mut bodies: Vec<FrameBody<D>>) -> AnimationFrame {
+    /// The axes that point right and up.
+    pub fn axes(self) -> [usize; 2] {
+        [self.across, self.up]
+    }
+
+    /// Which component of the vorticity is that in the plane, and the sign with which it is counterclockwise as seen.
+    pub fn vorticity<const D: usize>(self) -> (usize, f64) {
+        let place = |plane: (usize, usize)| planes::<D>().iter().position(|own| *own == plane);
+        let counterclockwise = place((self.up, self.across)).map(|component| (component, 1.0));
+        counterclockwise.or_else(|| place((self.across, self.up)).map(|component| (component, -1.0))).expect("two axes span a plane")
+    }
+
+    /// Bodies at a time before the flow that the plane cuts, seen from the front: spheres further back come first.
+    pub fn frame<const D: usize>(self, time: f64, mut bodies: Vec<FrameBody<D>>, vorticity: Option<FlowCut>) -> AnimationFrame {
         if let Some(depth) = (0..D).find(|&axis| axis != self.across && axis != self.up) {
             bodies.sort_by(|one, two| two.center[depth].total_cmp(&one.center[depth]));
         }
@@ -106,13 +137,13 @@ impl Plane {
             angle: if D == 2 { body.rotation[(1, 0)].atan2(body.rotation[(0, 0)]) } else { f64::NAN },
             speed: body.velocity.norm(),
         };
-        AnimationFrame { time, shift: self.sliding * time, disks: bodies.iter().map(disk).collect() }
+        AnimationFrame { time, shift: self.sliding * time, disks: bodies.iter().map(disk).collect(), vorticity }
     }
 
     /// A film of a scene's box without frames.
     pub fn film(self, scene: &Scene) -> Film {
-        let axes = [self.across, self.up];
-        Film::new(axes.map(|axis| scene.domain.size[axis]), axes.map(|axis| scene.domain.axes[axis] == AxisSection::Periodic))
+        let periodic = self.axes().map(|axis| scene.domain.axes[axis] == AxisSection::Periodic);
+        Film::new(self.axes().map(|axis| scene.domain.size[axis]), periodic, scene.output.colour)
     }
 }
 
@@ -121,13 +152,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_film_keeps_evenly_spread_speeds_and_never_more_than_the_most() {
-        let mut film = Film::new([1.0; 2], [true; 2]);
+    fn a_film_keeps_evenly_spread_values_and_never_more_than_the_most() {
+        let mut film = Film::new([1.0; 2], [true; 2], Colour::Speed);
         for speed in 0..100 {
-            film.add_speed(f64::from(speed), 8);
-            assert!(film.speeds.len() <= 8);
+            film.add_value(f64::from(speed), 8);
+            assert!(film.coloured.len() <= 8);
         }
         let expected: Vec<f64> = (0..100).step_by(16).map(f64::from).collect();
-        assert_eq!(film.speeds, expected);
+        assert_eq!(film.coloured, expected);
+    }
+
+    #[test]
+    fn vorticity_is_counterclockwise_as_seen() {
+        let with = |up| Plane { across: 0, up, sliding: 0.0 };
+        assert_eq!(with(1).vorticity::<2>(), (0, 1.0));
+        assert_eq!(with(1).vorticity::<3>(), (2, 1.0));
+        // seen along y, the component about y is clockwise
+        assert_eq!(with(2).vorticity::<3>(), (1, -1.0));
     }
 }

@@ -2,6 +2,7 @@
 
 mod body;
 mod cells;
+mod drag;
 mod film;
 mod inertia;
 mod pairs;
@@ -14,10 +15,12 @@ mod shear;
 pub mod statistics;
 mod stress;
 mod viscosity;
+mod vorticity;
 
 pub use body::FrameBody;
 pub use cells::{CellCenters, inside};
-pub use film::{AnimatedDisk, AnimationFrame, Film, Plane};
+pub use drag::{ForceCoefficients, Stream};
+pub use film::{AnimatedDisk, AnimationFrame, Film, FlowCut, Plane};
 pub use inertia::InertialNumbers;
 pub use pairs::{NEAR, PairCounts, PairDistribution};
 pub use picture::picture;
@@ -28,3 +31,4 @@ pub use scalar_picture::scalar_picture;
 pub use shear::Shear;
 pub use stress::{NormalStresses, Stress};
 pub use viscosity::{Viscosity, viscosity};
+pub use vorticity::{CellVorticity, vorticity_at};

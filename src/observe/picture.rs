@@ -2,21 +2,29 @@
 
 use nalgebra::SVector;
 
-use super::{Disk, Picture, plane::CutPlane, velocities};
+use super::{Disk, Picture, plane::CutPlane, velocities, vorticity_at};
 use crate::{
     error::Result,
     geometry::Ball,
+    scene::Colour,
     simulation::{FlowSolver, Solution},
 };
 
 /// Cuts a solution; collective, and the same on every rank.
-pub fn picture<const D: usize>(title: &str, suspension: &dyn FlowSolver<D>, solution: &Solution<D>) -> Result<Picture> {
+///
+/// # Errors
+/// PETSc fails.
+pub fn picture<const D: usize>(title: &str, suspension: &dyn FlowSolver<D>, solution: &Solution<D>, colour: Colour) -> Result<Picture> {
     let setup = suspension.setup();
     let plane = CutPlane::of(&setup.domain, suspension.grid());
     let points = plane.points();
     let disturbance = velocities(suspension.grid(), &solution.fluid, &points)?;
     let total: Vec<SVector<f64, D>> =
         points.iter().zip(disturbance).map(|(point, velocity)| velocity + setup.drive.background(point)).collect();
+    let (quantity, coloured) = match colour {
+        Colour::Speed => ("speed", total.iter().map(|velocity| velocity.norm()).collect()),
+        Colour::Vorticity => ("vorticity", vorticity_at(suspension.grid(), &solution.fluid, &setup.drive, &points, (1, 0))?),
+    };
     Ok(Picture {
         title: title.to_owned(),
         size: plane.size,
@@ -25,8 +33,9 @@ pub fn picture<const D: usize>(title: &str, suspension: &dyn FlowSolver<D>, solu
         bodies: disks(&plane, suspension, solution),
         samples: plane.samples,
         velocity: total.iter().map(|velocity| [velocity[0], velocity[1]]).collect(),
-        quantity: "speed",
-        coloured: total.iter().map(|velocity| velocity.norm()).collect(),
+        quantity,
+        coloured,
+        signed: colour == Colour::Vorticity,
     })
 }
 

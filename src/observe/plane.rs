@@ -74,10 +74,12 @@ pub struct Picture {
     pub samples: [usize; 2],
     /// Velocity at the sample centres `((i + 0.5) / samples * size)`, at index `j * samples[0] + i`.
     pub velocity: Vec<[f64; 2]>,
-    /// What to colour by at the same points, not negative: the speed, which may include the component out of the plane, or a scalar.
+    /// What to colour by at the same points: the speed, which may include the component out of the plane, a scalar, or the vorticity.
     pub coloured: Vec<f64>,
     /// The name of it.
     pub quantity: &'static str,
+    /// Whether it has either sign, so that colours part at zero; else it is not negative.
+    pub signed: bool,
 }
 
 /// The cut of one body: a filled circle.

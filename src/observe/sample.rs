@@ -1,11 +1,16 @@
-//! The velocity of the fluid, or the scalar in its place, at points of the box.
+//! The velocity of the fluid and its curl, or the scalar in its place, at points of the box.
 
 use nalgebra::SVector;
 
 use crate::{
     error::Result,
     flow::OpenEnds,
-    grid::{Grid, Node, interpolation, stencil::Site},
+    grid::{
+        Grid, Node,
+        curl::curl_at,
+        interpolation,
+        stencil::{Site, Term},
+    },
     petsc::{Scatter, Vector},
 };
 
@@ -13,20 +18,22 @@ use crate::{
 pub fn velocities<const D: usize>(grid: &Grid<D>, fluid: &Vector, points: &[SVector<f64, D>]) -> Result<Vec<SVector<f64, D>>> {
     let mut samples = Samples::new(points.len() * D);
     let ends = OpenEnds::of(grid, fluid)?;
-    let on_end = |component, index| ends.as_ref().and_then(|ends| Some(ends.at(grid, ends.end(grid, component, &index)?, component, index)));
     for (number, point) in mine(grid, fluid, points) {
         for component in 0..D {
-            let place = number * D + component;
-            interpolation::velocity(grid, component, point, |term| {
-                let (Site::Lattice { index, .. } | Site::Wall { index, .. }) = term.site;
-                match (on_end(component, index), term.site) {
-                    (Some(value), _) | (None, Site::Wall { value, .. }) => samples.values[place] += term.weight * value,
-                    (None, Site::Lattice { .. }) => samples.add(place, grid.fluid_node(component, index), term.weight),
-                }
-            });
+            interpolation::velocity(grid, component, point, |term| samples.add_velocity(number * D + component, (grid, ends.as_ref()), term));
         }
     }
     Ok(samples.fetch(fluid)?.chunks(D).map(SVector::from_column_slice).collect())
+}
+
+/// The vorticity in the plane of two axes ([`curl`](crate::grid::curl)) in a fluid vector at points of the box, on every rank.
+pub fn vorticities<const D: usize>(grid: &Grid<D>, fluid: &Vector, points: &[SVector<f64, D>], plane: (usize, usize)) -> Result<Vec<f64>> {
+    let ends = OpenEnds::of(grid, fluid)?;
+    let mut samples = Samples::new(points.len());
+    for (number, point) in mine(grid, fluid, points) {
+        curl_at(grid, plane, point, |term| samples.add_velocity(number, (grid, ends.as_ref()), term));
+    }
+    samples.fetch(fluid)
 }
 
 /// A scalar that is zero on walls at points of the box, on every rank (cubic interpolation).
@@ -60,6 +67,14 @@ struct Samples {
 impl Samples {
     fn new(count: usize) -> Samples {
         Samples { values: vec![0.0; count], wanted: Vec::new(), terms: Vec::new() }
+    }
+
+    /// Adds a term of velocities to a sample; walls count with their own velocity, open ends with that of the flow.
+    fn add_velocity<const D: usize>(&mut self, place: usize, (grid, ends): (&Grid<D>, Option<&OpenEnds<D>>), term: Term<D>) {
+        match (ends.and_then(|ends| ends.at_site(grid, &term.site)), term.site) {
+            (Some(value), _) | (None, Site::Wall { value, .. }) => self.values[place] += term.weight * value,
+            (None, Site::Lattice { field, index }) => self.add(place, grid.fluid_node(field, index), term.weight),
+        }
     }
 
     /// Adds an entry to a sample; on walls that carry no unknown the value is zero.

@@ -30,6 +30,7 @@ pub fn scalar_picture<const D: usize>(title: &str, solved: &SolvedScalar<D>) -> 
         velocity: flux,
         quantity,
         coloured,
+        signed: false,
     })
 }
 

@@ -16,6 +16,7 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     check_lubrication(scene)?;
     accuracy::check(scene)?;
     check_until(scene)?;
+    check_reference(scene)?;
     if scene.dry() {
         return check_dry(scene);
     }
@@ -213,6 +214,17 @@ fn check_until(scene: &Scene) -> Result<()> {
     let known = scene.flow.model == FlowModel::Stokes && free && sheared(scene);
     let remedy = "is that of a sheared suspension of free bodies in Stokes flow; remove it, or let walls across one axis slide and others be periodic";
     expect(scene, known, "time.until.viscosity_interval", until.viscosity_interval, remedy)
+}
+
+/// Coefficients of drag and lift are forces on bodies whose motion is given, over time, over those of the stream's inertia.
+fn check_reference(scene: &Scene) -> Result<()> {
+    let Some(velocity) = &scene.output.reference_velocity else { return Ok(()) };
+    let expect = |right, remedy| expect(scene, right, "output.reference_velocity", format!("{velocity:?}"), remedy);
+    expect(scene.flow.model.fluid(), "is that of a flow past bodies, and nothing flows; remove it")?;
+    expect(scene.time.is_some(), "coefficients of drag and lift are told over time; add [time] or remove it")?;
+    expect(scene.flow.density > 0.0, "coefficients of drag and lift are forces over those of inertia; give flow.density or remove it")?;
+    let held = scene.bodies.iter().any(|bodies| bodies.motion != Motion::Free);
+    expect(held, "coefficients are told of bodies whose motion is given, and there are none; set bodies.motion or remove it")
 }
 
 /// Whether a background shear or sliding walls across the only axis that has walls shear the box.

@@ -168,7 +168,7 @@ fn read(file: &str, folder: &Path, content: &Value, locations: Locations) -> Res
         contact: ContactSection::read(&root)?,
         lubrication: LubricationSection::read(&root)?,
         time: TimeSection::read(&root)?,
-        output: OutputSection::read(&root, model)?,
+        output: OutputSection::read(&root, dimension, model)?,
         locations,
         text: String::new(),
     })
@@ -333,13 +333,13 @@ scheme = "midpoint"
     fn time_and_its_output_are_read_with_their_defaults() {
         let scene = parse(&format!("{FLAT}[time]\nend = 3"));
         assert_eq!(scene.time, Some(TimeSection { step: Step::Auto, end: 3.0, scheme: Scheme::TwoStep, travel: 0.1, until: None }));
-        assert_eq!(scene.output, OutputSection { picture: false, every: None, fields: true, checkpoint: 600.0, probe: None, pairs: false });
+        assert_eq!(scene.output, OutputSection { picture: false, ..OutputSection::default() });
         let text = format!("{FLAT}every = 5\nfields = false\ncheckpoint = 0\nprobe = 16\n[time]\nend = 3\nstep = 3\nscheme = \"euler\"");
         let scene = parse(&text);
         assert_eq!(scene.time.map(|time| (time.step, time.scheme)), Some((Step::Fixed(3.0), Scheme::Euler)));
         assert_eq!(
             scene.output,
-            OutputSection { picture: false, every: Some(5.0), fields: false, checkpoint: 0.0, probe: Some(16), pairs: false }
+            OutputSection { picture: false, every: Some(5.0), fields: false, checkpoint: 0.0, probe: Some(16), ..OutputSection::default() }
         );
         assert_eq!(parse(FLAT).time, None);
     }

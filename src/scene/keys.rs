@@ -8,9 +8,9 @@ use crate::flow::InverseMethod;
 use crate::scene::entry::word_of;
 use crate::scene::sections::PROFILES;
 use crate::scene::{
-    AxisSection, BodyGroup, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
-    MethodSection, Modes, Motion, MultiplierSolver, OutputSection, Placement, ResolutionSection, Scene, Scheme, Shape, Spacing, Step,
-    TimeSection, Until,
+    AxisSection, BodyGroup, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection,
+    LubricationModel, MethodSection, Modes, Motion, MultiplierSolver, OutputSection, Placement, ResolutionSection, Scene, Scheme, Shape,
+    Spacing, Step, TimeSection, Until,
 };
 
 /// Keys with their values, in the order of a scene file.
@@ -59,7 +59,7 @@ pub(super) fn keys(scene: &Scene) -> Keys {
         });
     }
     keys.extend(time.iter().flat_map(of_time));
-    keys.extend(of_output(output, time.is_some(), scene.dry()));
+    keys.extend(of_output(output, time.is_some(), flow.model));
     keys
 }
 
@@ -247,15 +247,18 @@ fn of_time(time: &TimeSection) -> Keys {
     keys
 }
 
-fn of_output(output: &OutputSection, in_time: bool, dry: bool) -> Keys {
-    let OutputSection { picture, every, fields, checkpoint, probe, pairs } = output;
+fn of_output(output: &OutputSection, in_time: bool, model: FlowModel) -> Keys {
+    let OutputSection { picture, colour, every, fields, vorticity, checkpoint, probe, pairs, reference_velocity } = output;
     let mut keys = vec![pair("output.picture", picture), pair("output.pairs", pairs)];
     keys.extend(every.map(|every| number("output.every", every)));
     keys.extend(probe.map(|points| pair("output.probe", points)));
     if in_time {
         keys.push(number("output.checkpoint", *checkpoint));
-        keys.extend((!dry).then(|| pair("output.fields", fields)));
+        keys.extend((model != FlowModel::None).then(|| pair("output.fields", fields)));
+        keys.extend(model.fluid().then(|| pair("output.vorticity", vorticity)));
     }
+    keys.extend(model.fluid().then(|| word("output.colour", word_of(&Colour::WORDS, colour))));
+    keys.extend(reference_velocity.as_deref().map(|velocity| list("output.reference_velocity", velocity)));
     keys
 }
 

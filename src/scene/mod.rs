@@ -20,9 +20,9 @@ pub use bodies::{BodyGroup, Motion, Placement, Shape};
 pub use difference::Difference;
 pub use locations::Locations;
 pub use sections::{
-    AxisSection, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
-    LubricationSection, MethodSection, Modes, MultiplierSolver, OutputSection, ResolutionSection, Scheme, Spacing, Step, TimeSection,
-    Tolerance, Until,
+    AxisSection, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
+    LubricationSection, MOST_WITH_FORCES, MethodSection, Modes, MultiplierSolver, OutputSection, ResolutionSection, Scheme, Spacing, Step,
+    TimeSection, Tolerance, Until,
 };
 
 use crate::error::Error;

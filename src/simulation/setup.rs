@@ -118,6 +118,11 @@ impl<const D: usize> Setup<D> {
         self.viscosity * modes.force_factor() / modes.isolated_mobility(self.reach())[(0, 0)]
     }
 
+    /// Numbers of the bodies whose motion is given.
+    pub fn given_motions(&self) -> Vec<usize> {
+        (0..self.bodies.len()).filter(|&body| !self.bodies[body].body.free()).collect()
+    }
+
     /// Part of the box that bodies fill.
     pub fn fraction(&self) -> f64 {
         self.bodies.iter().map(|suspended| suspended.body.ball.volume()).sum::<f64>() / self.domain.volume()

@@ -8,7 +8,7 @@ use std::{
 
 use nalgebra::{SMatrix, SVector};
 use turbid::{
-    body::skew,
+    body::{planes, skew},
     contact::Partner,
     error::Error,
     geometry::{Axis, Domain, LeesEdwards},
@@ -306,12 +306,16 @@ fn fields_are_stored_slowest_axis_first_whoever_wrote_them(session: &Session) {
         assert_eq!(stored.shape(), extents);
         let values = stored.read_raw::<f64>().unwrap();
         let velocity = file.dataset("frames/000000/fields/velocity").unwrap().read_raw::<f64>().unwrap();
+        let vorticity = file.dataset("frames/000000/fields/vorticity").unwrap().read_raw::<f64>().unwrap();
         for index in grid.lattice(D).indices() {
             let place = (0..D).rev().fold(0, |place, axis| place * grid.cells()[axis] + index[axis]);
             let x = grid.position(D, signed(index));
             assert_eq!(values[place], field_at(D, &x, 0.0));
             let expected: Vec<f64> = (0..3).map(|axis| if axis < D { field_at(axis, &x, 0.0) } else { 0.0 }).collect();
             assert_eq!(velocity[3 * place..][..3], expected);
+            let count = planes::<D>().len();
+            let expected: Vec<f64> = (0..count).map(|component| field_at(D + 1 + component, &x, 0.0)).collect();
+            assert_eq!(vorticity[count * place..][..count], expected);
         }
     }
     boxes_2d().for_each(|domain| proof(session, &domain));
@@ -400,6 +404,9 @@ fn fields<const D: usize>(grid: &Grid<D>, time: f64) -> FrameFields<'_, D> {
         velocity: points.iter().map(|x| SVector::from_fn(|axis, _| field_at(axis, x, time))).collect(),
         pressure: points.iter().map(|x| field_at(D, x, time)).collect(),
         inside: points.iter().map(|x| f64::from(u8::from(x[0] < x[1]))).collect(),
+        vorticity: Some(
+            points.iter().flat_map(|x| (0..planes::<D>().len()).map(|component| field_at(D + 1 + component, x, time))).collect(),
+        ),
     }
 }
 

@@ -44,6 +44,7 @@ mod solvers;
 mod stress;
 mod suspension;
 mod transform;
+mod vorticity;
 
 use std::time::Instant;
 
@@ -123,6 +124,7 @@ fn main() {
         lasting::tests(),
         motion::tests(),
         sheared::tests(),
+        vorticity::tests(),
         contact::tests(),
         dry::tests(),
         laws::tests(),

@@ -5,9 +5,14 @@ use std::io::{self, Write};
 use super::canvas::Canvas;
 use super::palette::Palette;
 
-/// Writes the frames in turn, each for its delay in milliseconds, repeated for ever.
-pub fn write(out: impl Write, size: [usize; 2], mut stills: impl Iterator<Item = Canvas>, delays: &[u16]) -> io::Result<()> {
-    let mut palette = Palette::new();
+/// Writes the frames in turn in the colours of a palette, each for its delay in milliseconds, repeated for ever.
+pub fn write(
+    out: impl Write,
+    size: [usize; 2],
+    mut stills: impl Iterator<Item = Canvas>,
+    delays: &[u16],
+    mut palette: Palette,
+) -> io::Result<()> {
     let mut encoder = png::Encoder::new(out, size[0] as u32, size[1] as u32);
     encoder.set_color(png::ColorType::Indexed);
     encoder.set_depth(png::BitDepth::Eight);

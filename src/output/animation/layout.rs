@@ -51,6 +51,16 @@ impl PageLayout {
         canvas
     }
 
+    /// Paints the box, each pixel as the colour at its place says, in parts of the box from its lower left corner.
+    pub fn fill_box(&self, canvas: &mut Canvas, colour: impl Fn([f64; 2]) -> [u8; 3]) {
+        for row in 0..self.extent[1] {
+            for column in 0..self.extent[0] {
+                let parts = [(column as f64 + 0.5) / self.extent[0] as f64, 1.0 - (row as f64 + 0.5) / self.extent[1] as f64];
+                canvas.fill_rectangle([self.corner[0] + column, self.corner[1] + row], [1, 1], colour(parts));
+            }
+        }
+    }
+
     /// Thick lines outside the box that meet where both directions have walls.
     fn fill_walls(&self, canvas: &mut Canvas) {
         let [across, along] = self.periodic.map(|periodic| if periodic { 0 } else { WALL });

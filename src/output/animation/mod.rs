@@ -1,4 +1,4 @@
-//! The film of a suspension: disks coloured by their speed, frame after frame, as one animated PNG.
+//! The film of a suspension: disks coloured by their speed, or dark before the vorticity of the flow, frame after frame, as one animated PNG.
 //!
 //! A pure function of a [`Film`] and its frames, as a picture is: no file, no mesh, no simulation is known. There is no text in it; a bar below
 //! the box fills up as time passes. Source of the format: W3C, 2025, PNG third edition, <https://www.w3.org/TR/png-3>.
@@ -13,9 +13,13 @@ use std::io::{self, Write};
 use super::images::Window;
 use super::picture::bar::Bar;
 use super::picture::colour;
-use crate::observe::{AnimatedDisk, AnimationFrame, Film};
+use crate::{
+    observe::{AnimatedDisk, AnimationFrame, Film, FlowCut},
+    scene::Colour,
+};
 use canvas::Canvas;
 use layout::PageLayout;
+use palette::Palette;
 
 /// The distance of the mark that shows the angle from the center, and its radius, in radii of its disk.
 const MARK: [f64; 2] = [0.58, 0.17];
@@ -45,9 +49,17 @@ impl Film {
         assert!(!self.times.is_empty(), "a film has frames");
         assert!(self.size.iter().all(|length| length.is_finite() && *length > 0.0), "the box has a positive size");
         let layout = PageLayout::new(self, width_in_pixels);
-        let top = Bar::new(&self.speeds).top;
-        let stills = self.progress().into_iter().zip(frames).map(|(part, frame)| self.still(&layout, &frame, top, part));
-        encoding::write(out, layout.page, stills, &self.delays(seconds))
+        let bar = self.bar();
+        let stills = self.progress().into_iter().zip(frames).map(|(part, frame)| self.still(&layout, &frame, &bar, part));
+        encoding::write(out, layout.page, stills, &self.delays(seconds), Palette::new(self.colour))
+    }
+
+    /// What colours stand for.
+    fn bar(&self) -> Bar {
+        match self.colour {
+            Colour::Speed => Bar::new(&self.coloured),
+            Colour::Vorticity => Bar::signed(&self.coloured),
+        }
     }
 
     /// The bytes of a film of these frames alone.
@@ -79,10 +91,17 @@ impl Film {
         between.chain([1000]).collect()
     }
 
-    fn still(&self, layout: &PageLayout, frame: &AnimationFrame, top: f64, part: f64) -> Canvas {
+    fn still(&self, layout: &PageLayout, frame: &AnimationFrame, bar: &Bar, part: f64) -> Canvas {
         let mut canvas = layout.empty(part);
+        if let Some(cut) = &frame.vorticity {
+            layout.fill_box(&mut canvas, |parts| palette::tone(bar.part(cut.at(parts))));
+        }
         for disk in frame.disks.iter().filter(|disk| disk.finite()) {
-            self.draw(&mut canvas, layout, disk, frame.shift, palette::shade(disk.speed / top));
+            let shade = match self.colour {
+                Colour::Speed => palette::shade(bar.part(disk.speed)),
+                Colour::Vorticity => palette::INK,
+            };
+            self.draw(&mut canvas, layout, disk, frame.shift, shade);
         }
         canvas
     }
@@ -104,6 +123,24 @@ impl Film {
     }
 }
 
+impl FlowCut {
+    /// The value at a place, in parts of the plane from its lower left corner: linear between the middles of cells, and as there nearer to the edges.
+    fn at(&self, parts: [f64; 2]) -> f64 {
+        let line = |axis: usize| {
+            let last = self.cells[axis] - 1;
+            let place = (parts[axis] * self.cells[axis] as f64 - 0.5).clamp(0.0, last as f64);
+            let first = place as usize;
+            (first, (first + 1).min(last), place - first as f64)
+        };
+        let ((left, right, across), (below, above, up)) = (line(0), line(1));
+        let row = |row: usize| {
+            let value = |column: usize| self.values[row * self.cells[0] + column];
+            (1.0 - across) * value(left) + across * value(right)
+        };
+        (1.0 - up) * row(below) + up * row(above)
+    }
+}
+
 impl AnimatedDisk {
     fn finite(&self) -> bool {
         self.center.iter().all(|x| x.is_finite()) && self.radius.is_finite() && self.radius > 0.0
@@ -116,11 +153,11 @@ mod tests {
     use super::*;
 
     fn film() -> Film {
-        Film::new([2.0, 1.0], [true, false])
+        Film::new([2.0, 1.0], [true, false], Colour::Speed)
     }
 
     fn frames(disks: Vec<AnimatedDisk>) -> Vec<AnimationFrame> {
-        [0.0, 1.0, 3.0].map(|time| AnimationFrame { time, shift: 0.0, disks: disks.clone() }).into()
+        [0.0, 1.0, 3.0].map(|time| AnimationFrame { time, shift: 0.0, disks: disks.clone(), vorticity: None }).into()
     }
 
     fn disk(x: f64, speed: f64) -> AnimatedDisk {
@@ -129,7 +166,7 @@ mod tests {
 
     fn first_still(frames: &[AnimationFrame]) -> (PageLayout, Canvas) {
         let layout = PageLayout::new(&film(), 228);
-        let canvas = film().still(&layout, &frames[0], 1.0, 0.0);
+        let canvas = film().still(&layout, &frames[0], &Bar::new(&[1.0]), 0.0);
         (layout, canvas)
     }
 
@@ -202,6 +239,24 @@ mod tests {
     fn disks_smaller_than_a_pixel_are_seen() {
         let crowd = (0..4000).map(|k| AnimatedDisk { radius: 2e-3, ..disk(5e-4 * f64::from(k), 1.0) });
         assert_ne!(colour_at(&frames(crowd.collect()), [1.0, 0.5]), palette::PAPER);
+    }
+
+    #[test]
+    fn vorticity_lies_behind_dark_disks_with_its_sign() {
+        let film = Film::new([2.0, 1.0], [true, false], Colour::Vorticity);
+        let cut = FlowCut { cells: [2, 1], values: vec![-1.0, 1.0] };
+        assert_eq!([[0.1, 0.5], [0.5, 0.5], [0.625, 0.2], [1.0, 0.9]].map(|parts| cut.at(parts)), [-1.0, 0.0, 0.5, 1.0]);
+        let frames = [0.0, 1.0].map(|time| AnimationFrame { time, shift: 0.0, disks: vec![disk(1.0, 9.0)], vorticity: Some(cut.clone()) });
+        let (layout, mut of_all) = (PageLayout::new(&film, 228), film.clone());
+        frames.iter().for_each(|frame| of_all.add(frame));
+        assert_eq!(of_all.coloured, [-1.0, 1.0, -1.0, 1.0]);
+        let canvas = film.still(&layout, &frames[0], &of_all.bar(), 0.0);
+        let colour = |x: [f64; 2]| {
+            let [column, row] = layout.place(x).map(|place| place as usize);
+            canvas.pixels[row * canvas.size[0] + column]
+        };
+        assert_eq!([[0.1, 0.5], [1.0, 0.5], [1.9, 0.5]].map(colour), [palette::tone(0.0), palette::INK, palette::tone(1.0)]);
+        assert!(!film.apng(228, 1.0, frames.to_vec()).is_empty());
     }
 
     #[test]

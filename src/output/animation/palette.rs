@@ -1,4 +1,4 @@
-//! The colours of a film: shades of speed, some thinned with the paper in equal steps for smooth edges, and a few for the rest.
+//! The colours of a film: shades of speed, some thinned with the paper in equal steps for smooth edges, or tones of vorticity; and a few for the rest.
 //!
 //! Disks are set off by rings of paper, so that nearly all pixels mix one shade with the paper. Every pixel takes the nearest colour;
 //! that the thinned ones are few is not seen, and makes files smaller by a quarter.
@@ -6,7 +6,8 @@
 use std::collections::HashMap;
 
 use super::canvas::mix;
-use super::colour;
+use super::colour::{DIVERGING, SEQUENTIAL};
+use crate::scene::Colour;
 
 /// The page around the box.
 pub const PAGE: [u8; 3] = [255, 255, 255];
@@ -22,14 +23,23 @@ const STEPS: usize = 4;
 /// One shade out of so many is thinned.
 const STRIDE: usize = 4;
 
+/// Tones of vorticity, zero in the middle.
+const TONES: usize = 41;
+
 /// The colour of a speed in parts of the top speed, one of the shades of the palette.
 pub fn shade(value: f64) -> [u8; 3] {
     tint((value.clamp(0.0, 1.0) * (SHADES - 1) as f64).round() as usize, 0)
 }
 
+/// The colour of a vorticity, from zero at the bottom of its range to one at the top, one of the tones of the palette.
+pub fn tone(value: f64) -> [u8; 3] {
+    let last = (TONES - 1) as f64;
+    DIVERGING.shade((value * last).round() / last)
+}
+
 /// A shade, thinned with the paper by some of the steps.
 fn tint(level: usize, step: usize) -> [u8; 3] {
-    mix(colour::shade(level as f64 / (SHADES - 1) as f64), PAPER, step as f64 / STEPS as f64)
+    mix(SEQUENTIAL.shade(level as f64 / (SHADES - 1) as f64), PAPER, step as f64 / STEPS as f64)
 }
 
 /// The colours, and where those asked for so far were found.
@@ -39,12 +49,19 @@ pub struct Palette {
 }
 
 impl Palette {
-    /// The palette of every film.
-    pub fn new() -> Self {
-        let whole = (0..SHADES).map(|level| tint(level, 0));
-        let tints = (0..SHADES).step_by(STRIDE).flat_map(|level| (1..STEPS).map(move |step| tint(level, step)));
-        let colours = [PAGE, PAPER, SEAM, INK].into_iter().chain(whole).chain(tints).collect();
-        Palette { colours, found: HashMap::new() }
+    /// The palette of films in which this is coloured.
+    pub fn new(colour: Colour) -> Self {
+        let own: Vec<[u8; 3]> = match colour {
+            Colour::Speed => {
+                let tints = (0..SHADES).step_by(STRIDE).flat_map(|level| (1..STEPS).map(move |step| tint(level, step)));
+                (0..SHADES).map(|level| tint(level, 0)).chain(tints).collect()
+            }
+            Colour::Vorticity => {
+                let tones = (0..TONES).map(|level| tone(level as f64 / (TONES - 1) as f64));
+                tones.chain((1..STEPS).map(|step| mix(INK, PAPER, step as f64 / STEPS as f64))).collect()
+            }
+        };
+        Palette { colours: [PAGE, PAPER, SEAM, INK].into_iter().chain(own).collect(), found: HashMap::new() }
     }
 
     /// Red, green and blue of every colour.
@@ -74,11 +91,13 @@ mod tests {
 
     #[test]
     fn the_palette_holds_its_own_colours_and_has_room_in_a_byte() {
-        let mut palette = Palette::new();
-        let colours = palette.colours.clone();
-        assert!(colours.len() <= 256);
-        let indices = palette.indices(&colours);
-        assert!(indices.iter().zip(&colours).all(|(&index, colour)| colours[usize::from(index)] == *colour));
+        for colour in [Colour::Speed, Colour::Vorticity] {
+            let mut palette = Palette::new(colour);
+            let colours = palette.colours.clone();
+            assert!(colours.len() <= 256);
+            let indices = palette.indices(&colours);
+            assert!(indices.iter().zip(&colours).all(|(&index, colour)| colours[usize::from(index)] == *colour));
+        }
     }
 
     #[test]

@@ -1,7 +1,6 @@
 //! What all frames together know of one.
 
-use super::frame::{Frame, FrameRows};
-use crate::grid::Grid;
+use super::frame::{Frame, FrameFields, FrameRows};
 
 /// The folder of the frames in the run's folder.
 pub(in crate::output) const FOLDER: &str = "frames";
@@ -11,6 +10,8 @@ pub(in crate::output) const FOLDER: &str = "frames";
 pub(super) struct Mesh {
     pub cells: Vec<usize>,
     pub spacing: Vec<f64>,
+    /// Whether they hold the vorticity.
+    pub vorticity: bool,
 }
 
 /// The contacts of a frame under a law of contact.
@@ -37,8 +38,12 @@ pub(super) struct Entry {
 impl Entry {
     /// The entry of a frame with these rows.
     pub fn of<const D: usize>(number: usize, frame: &Frame<D>, rows: &FrameRows) -> Entry {
-        let mesh = |grid: &Grid<D>| Mesh { cells: grid.cells().to_vec(), spacing: grid.spacing().as_slice().to_vec() };
-        let mesh = frame.fields.as_ref().map(|fields| mesh(fields.grid));
+        let mesh = |fields: &FrameFields<D>| Mesh {
+            cells: fields.grid.cells().to_vec(),
+            spacing: fields.grid.spacing().as_slice().to_vec(),
+            vorticity: fields.vorticity.is_some(),
+        };
+        let mesh = frame.fields.as_ref().map(mesh);
         let contacts = rows.contacts.as_ref().map(|(contacts, gluey)| Network { count: contacts.total(), gluey: *gluey });
         Entry { number, time: frame.time, step: frame.step, bodies: rows.bodies.total(), contacts, mesh, offset: frame.offset() }
     }

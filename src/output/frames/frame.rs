@@ -25,6 +25,8 @@ pub struct FrameFields<'a, const D: usize> {
     pub pressure: Vec<f64>,
     /// Part of the cell that lies in bodies.
     pub inside: Vec<f64>,
+    /// Vorticity: one number a cell in 2D, the components along the axes in 3D; on all ranks or on none.
+    pub vorticity: Option<Vec<f64>>,
 }
 
 /// What is to be shown of one time.
@@ -86,7 +88,8 @@ impl<const D: usize> Frame<'_, D> {
         check_rows(contacts, contact::WIDTH, counts, &contact::COLUMNS)?;
         let Some(fields) = &self.fields else { return Ok(()) };
         check_all("velocity", fields.velocity.iter().flat_map(|velocity| velocity.iter().copied()))?;
-        check_all("pressure", fields.pressure.iter().copied())
+        check_all("pressure", fields.pressure.iter().copied())?;
+        check_all("vorticity", fields.vorticity.iter().flatten().copied())
     }
 
     /// Displacement of the images above the box along x, within a length of the box; nothing where images do not slide.

@@ -165,7 +165,7 @@ mod tests {
     use crate::output::frames::entry::{Mesh, Network};
 
     fn entries(count: usize) -> Vec<Entry> {
-        let mesh = Mesh { cells: vec![8, 6], spacing: vec![0.25, 0.5] };
+        let mesh = Mesh { cells: vec![8, 6], spacing: vec![0.25, 0.5], vorticity: true };
         let entry = |number: usize| Entry {
             number,
             time: number as f64 / 8.0,

@@ -1,8 +1,8 @@
-//! Frames read back: their bodies, for animations, and what a run needs to go on.
+//! Frames read back: their bodies and vorticity, for animations, and what a run needs to go on.
 
 use std::path::{Path, PathBuf};
 
-use hdf5::{File, H5Type};
+use hdf5::{Dataset, File, H5Type};
 use nalgebra::SVector;
 
 use super::{
@@ -10,11 +10,11 @@ use super::{
     contact::{self, FrameContact},
     entry::{Entry, Mesh, Network},
     index::frame_files,
-    store::{FORMAT, OFFSET, VERSION},
+    store::{FORMAT, OFFSET, VERSION, VORTICITY},
 };
 use crate::{
     error::{Error, Result},
-    observe::FrameBody,
+    observe::{FlowCut, FrameBody, Plane},
     output::slab,
 };
 
@@ -61,6 +61,11 @@ impl FrameFile {
     pub fn read<const D: usize>(&self) -> Result<StoredFrame<D>> {
         read_with(&self.path, bodies).map_err(refused)
     }
+
+    /// The vorticity in a plane through the middle of the box, counterclockwise positive as it is seen; nothing if the frame does not hold it.
+    pub fn vorticity<const D: usize>(&self, plane: Plane) -> Result<Option<FlowCut>> {
+        read_with(&self.path, |file| vorticity_of(file)?.map(|dataset| cut::<D>(&dataset, plane)).transpose()).map_err(refused)
+    }
 }
 
 /// The bodies of all frames in the folder of a run at once, in the order of time; local to this rank.
@@ -87,7 +92,9 @@ pub(super) fn entry(number: usize, path: &Path) -> std::result::Result<Entry, St
         };
         let contacts = file.link_exists("contacts").then(|| network(file)).transpose()?;
         let cells = || Ok::<_, hdf5::Error>(list::<u64>(file, "cells")?.into_iter().map(|cells| cells as usize).collect());
-        let mesh = if with_fields { Some(Mesh { cells: cells()?, spacing: list(file, "spacing")? }) } else { None };
+        let mesh =
+            || Ok::<_, hdf5::Error>(Mesh { cells: cells()?, spacing: list(file, "spacing")?, vorticity: vorticity_of(file)?.is_some() });
+        let mesh = with_fields.then(mesh).transpose()?;
         Ok(Entry { number, time: slab::get(file, "time")?, step, bodies, contacts, mesh, offset: offset(file)? })
     })
 }
@@ -119,6 +126,24 @@ fn bodies<const D: usize>(file: &File) -> hdf5::Result<StoredFrame<D>> {
     let contacts = file.link_exists("contacts").then(|| network(file)).transpose()?;
     let (size, offset, bodies) = (SVector::from_column_slice(&size), offset(file)?, (0..count).map(body).collect());
     Ok(StoredFrame { time, step, size, offset, bodies, contacts })
+}
+
+/// Where the vorticity is, if it is there.
+fn vorticity_of(file: &File) -> hdf5::Result<Option<Dataset>> {
+    let there = file.link_exists("fields") && file.group("fields")?.link_exists(VORTICITY);
+    there.then(|| file.dataset(&format!("fields/{VORTICITY}"))).transpose()
+}
+
+/// The layer of cells in the middle of the box that lies in a plane.
+fn cut<const D: usize>(dataset: &Dataset, plane: Plane) -> hdf5::Result<FlowCut> {
+    let (shape, [across, up]) = (dataset.shape(), plane.axes());
+    // slowest first, z, y, x, and components last
+    let cells = |axis: usize| shape[2 - axis];
+    let (component, sign) = plane.vorticity::<D>();
+    let range = |axis: usize| if axis == across || axis == up { 0..cells(axis) } else { cells(axis) / 2..cells(axis) / 2 + 1 };
+    let ranges: Vec<_> = (0..3).rev().map(range).chain((D == 3).then_some(component..component + 1)).collect();
+    let values = slab::read(dataset, &ranges)?.into_iter().map(|value| sign * value).collect();
+    Ok(FlowCut { cells: [cells(across), cells(up)], values })
 }
 
 fn network<const D: usize>(file: &File) -> hdf5::Result<Vec<FrameContact<D>>> {

@@ -25,8 +25,14 @@ pub(super) const FORMAT: &str = "turbid frame";
 pub(super) const VERSION: u32 = 1;
 /// Displacement along x of the images above the box, where images slide; `offset_rate` is its rate of change.
 pub(super) const OFFSET: &str = "offset";
-/// Named numbers and vectors of each cell.
-pub(super) const FIELDS: [(&str, usize); 3] = [("velocity", 3), ("pressure", 1), ("inside", 1)];
+/// The vorticity of each cell, where frames hold it.
+pub(super) const VORTICITY: &str = "vorticity";
+
+/// Named numbers and vectors of each cell in a dimension.
+pub(super) fn field_columns(dimension: usize, vorticity: bool) -> Vec<(&'static str, usize)> {
+    let of_flow = [("velocity", 3), ("pressure", 1), ("inside", 1)];
+    of_flow.into_iter().chain(vorticity.then_some((VORTICITY, dimension * (dimension - 1) / 2))).collect()
+}
 
 /// Writes a frame with these rows.
 pub(super) fn store<const D: usize>(file: &mut ParallelFile, frame: &Frame<D>, rows: &FrameRows) -> Result<()> {
@@ -40,8 +46,10 @@ pub(super) fn store<const D: usize>(file: &mut ParallelFile, frame: &Frame<D>, r
 }
 
 fn make_room<const D: usize>(file: &mut ParallelFile, frame: &Frame<D>, rows: &FrameRows) -> Result<()> {
-    let cells = frame.fields.as_ref().map_or(0, |fields| fields.grid.unknowns(D));
-    let fields = FIELDS.iter().map(|(_, width)| cells * width * size_of::<f64>()).sum::<usize>();
+    let fields = frame.fields.as_ref().map_or(0, |fields| {
+        let columns = field_columns(D, fields.vorticity.is_some());
+        columns.iter().map(|(_, width)| fields.grid.unknowns(D) * width * size_of::<f64>()).sum::<usize>()
+    });
     let bodies = rows.bodies.total() * body::WIDTH * size_of::<f64>();
     let contacts = rows.contacts.as_ref().map_or(0, |(contacts, _)| contacts.total() * contact::WIDTH * size_of::<f64>());
     file.make_room(bodies + contacts + fields)
@@ -133,21 +141,21 @@ fn write_column(dataset: &Dataset, rows: &Rows, column: &Column) -> hdf5::Result
 }
 
 fn store_fields<const D: usize>(file: &ParallelFile, fields: &FrameFields<D>) -> Result<()> {
-    let grid = fields.grid;
+    let (grid, columns) = (fields.grid, field_columns(D, fields.vorticity.is_some()));
     let datasets = file.step(|root| {
         let group = root.create_group("fields")?;
         let shape = |width: usize| {
             let layer = (D == 2).then_some(1);
             layer.into_iter().chain(grid.cells().into_iter().rev()).chain((width > 1).then_some(width)).collect::<Vec<_>>()
         };
-        let datasets = FIELDS.iter().map(|&(name, width)| group.new_dataset::<f64>().shape(shape(width)).create(name));
+        let datasets = columns.iter().map(|&(name, width)| group.new_dataset::<f64>().shape(shape(width)).create(name));
         datasets.collect::<hdf5::Result<Vec<Dataset>>>()
     })?;
     let velocity: Vec<f64> = fields.velocity.iter().flat_map(in_space).collect();
     file.step(|_| {
-        let values = [&velocity, &fields.pressure, &fields.inside];
-        let mut all = datasets.iter().zip(FIELDS).zip(values);
-        all.try_for_each(|((dataset, (_, width)), values)| write_field(dataset, grid, width, values))
+        let values = [&velocity, &fields.pressure, &fields.inside].into_iter().chain(&fields.vorticity);
+        let mut all = datasets.iter().zip(&columns).zip(values);
+        all.try_for_each(|((dataset, (_, width)), values)| write_field(dataset, grid, *width, values))
     })
 }
 

@@ -11,7 +11,7 @@ use super::{
     contact,
     entry::{Entry, Mesh, path_in_run},
     listing::Format,
-    store::FIELDS,
+    store::field_columns,
 };
 
 /// What ends every companion.
@@ -103,7 +103,7 @@ fn lattice(entry: &Entry) -> String {
         format!("<DataItem Format=\"XML\" NumberType=\"Float\" Precision=\"8\" Dimensions=\"3\">{}</DataItem>", words(numbers))
     };
     let geometry = format!("<Geometry GeometryType=\"ORIGIN_DXDYDZ\">{}{}</Geometry>\n", numbers(origin), numbers(spacing));
-    let attributes = FIELDS.iter().map(|&(name, width)| {
+    let attributes = field_columns(mesh.cells.len(), mesh.vorticity).into_iter().map(|(name, width)| {
         let shape: Vec<usize> = cells.into_iter().chain((width > 1).then_some(width)).collect();
         attribute(name, width, "Cell", &data_item(entry, &format!("fields/{name}"), &shape, true))
     });

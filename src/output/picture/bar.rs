@@ -1,11 +1,19 @@
 //! The ticks of the colour bar: its range, the round values on it and their labels.
 
-/// The range and the labels of a colour bar that starts at zero.
+use super::colour::{ColourMap, DIVERGING, SEQUENTIAL};
+
+/// Parts of the values that a colour bar shows; the rest takes the colours at its ends. Vorticity is largest in thin layers on walls and bodies.
+const SHOWN: f64 = 0.995;
+const SHOWN_OF_SIGNED: f64 = 0.98;
+
+/// The range and the labels of a colour bar.
 #[derive(Clone, Debug)]
 pub struct Bar {
+    /// The value at the bottom: zero, or minus that at the top.
+    pub bottom: f64,
     /// The value at the top, positive.
     pub top: f64,
-    /// Round values from zero up, about five.
+    /// Round values, about five.
     pub ticks: Vec<f64>,
     /// Power of ten the labels are to be multiplied by.
     pub exponent: i32,
@@ -13,14 +21,34 @@ pub struct Bar {
 }
 
 impl Bar {
-    /// The bar for some values: it ends at their 99.5th percentile, or at one if they all vanish.
+    /// The bar for values that are not negative: it goes from zero to their 99.5th percentile, or to one if they all vanish.
     pub fn new(values: &[f64]) -> Self {
-        let top = robust_maximum(values);
-        let step = round_step(top);
-        let ticks = (0..=(top / step * (1.0 + 1e-9)) as usize).map(|k| k as f64 * step).collect();
+        let top = robust_maximum(values.to_vec(), SHOWN);
+        Bar::between(0.0, top, round_step(top))
+    }
+
+    /// The bar for values of either sign: it goes as far below zero as above, to the 98th percentile of their magnitudes.
+    pub fn signed(values: &[f64]) -> Self {
+        let top = robust_maximum(values.iter().map(|value| value.abs()).collect(), SHOWN_OF_SIGNED);
+        Bar::between(-top, top, 2.0 * round_step(top))
+    }
+
+    fn between(bottom: f64, top: f64, step: f64) -> Self {
+        let whole = |value: f64| (value / step * (1.0 + 1e-9)) as i64;
+        let ticks = (whole(bottom)..=whole(top)).map(|k| k as f64 * step).collect();
         let exponent = decade(top);
         let exponent = if (-3..4).contains(&exponent) { 0 } else { exponent };
-        Bar { top, ticks, exponent, decimals: (exponent - decade(step)).max(0) as usize }
+        Bar { bottom, top, ticks, exponent, decimals: (exponent - decade(step)).max(0) as usize }
+    }
+
+    /// Where a value lies on the bar, from zero at the bottom to one at the top.
+    pub fn part(&self, value: f64) -> f64 {
+        ((value - self.bottom) / (self.top - self.bottom)).clamp(0.0, 1.0)
+    }
+
+    /// Its colours.
+    pub fn colours(&self) -> &'static ColourMap {
+        if self.bottom < 0.0 { &DIVERGING } else { &SEQUENTIAL }
     }
 
     /// The label of a tick, in units of the power of ten.
@@ -29,11 +57,12 @@ impl Bar {
     }
 }
 
-fn robust_maximum(values: &[f64]) -> f64 {
-    let mut values: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+/// A value that is not exceeded by a part of them.
+fn robust_maximum(mut values: Vec<f64>, part: f64) -> f64 {
+    values.retain(|value| value.is_finite());
     values.sort_by(f64::total_cmp);
     let last = values.len().saturating_sub(1);
-    let percentile = values.get((0.995 * last as f64).ceil() as usize).copied();
+    let percentile = values.get((part * last as f64).ceil() as usize).copied();
     let maximum = values.last().copied();
     [percentile, maximum].into_iter().flatten().find(|&value| value > 1e-300).unwrap_or(1.0)
 }
@@ -67,6 +96,17 @@ mod tests {
         assert_eq!(labels(3.1e-7), ["0", "1", "2", "3"]);
         for top in [1e-9, 0.13, 0.77, 1.5, 1.99, 6.0, 7.9, 9.9, 350.0, 8.8e12] {
             assert!((3..=7).contains(&labels(top).len()), "{top}: {:?}", labels(top));
+        }
+    }
+
+    #[test]
+    fn a_signed_bar_reaches_as_far_below_zero_as_above() {
+        let bar = Bar::signed(&[-3.0, 0.5, 1.0]);
+        assert_eq!((bar.bottom, bar.top, bar.ticks.as_slice()), (-3.0, 3.0, &[-2.0, 0.0, 2.0][..]));
+        assert_eq!([-3.0, 0.0, 1.5, 9.0].map(|value| bar.part(value)), [0.0, 0.5, 0.75, 1.0]);
+        for top in [1e-9, 0.13, 0.77, 1.5, 1.99, 6.0, 7.9, 9.9, 350.0, 8.8e12] {
+            let ticks = Bar::signed(&[top]).ticks.len();
+            assert!((3..=9).contains(&ticks), "{top}: {ticks}");
         }
     }
 

@@ -1,4 +1,4 @@
-//! The picture of a suspension: speed or a scalar as colour, streamlines in white, bodies in black, as one SVG text.
+//! The picture of a suspension: speed, vorticity or a scalar as colour, streamlines, bodies in black, as one SVG text.
 //!
 //! A [`Picture`] is a plane cut sampled on a regular grid. Everything here is a pure function of it: no file,
 //! no mesh, no simulation is known. Lengths and speeds are in the units of the simulation, `y` points up.
@@ -67,6 +67,7 @@ mod tests {
             velocity: vec![velocity; 512],
             coloured: vec![velocity[0].hypot(velocity[1]); 512],
             quantity: "speed",
+            signed: false,
         }
     }
 

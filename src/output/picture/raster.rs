@@ -1,9 +1,9 @@
-//! The speed field as an image: resampled, coloured, packed as PNG and written as a data URI.
+//! A field as an image: resampled, coloured, packed as PNG and written as a data URI.
 //!
 //! The pixels are Catmull-Rom interpolations of the samples (averages where there are more samples than pixels), stored as
 //! indices into a palette of 256 colours.
 
-use super::{Picture, colour};
+use super::{Picture, bar::Bar};
 use crate::output::animation::canvas::Canvas;
 
 /// Red, green and blue of bodies, as [`INK`](super::INK) has them.
@@ -11,12 +11,11 @@ const BODY: [u8; 3] = [0x14, 0x17, 0x1f];
 
 const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
-/// The speed field as `data:image/png;base64,...` of `width` by `height` pixels, coloured from zero to `top`.
-pub fn data_uri(picture: &Picture, [width, height]: [usize; 2], top: f64) -> String {
-    let speeds = resampled(picture, [width, height]);
-    let level = |speed: &f64| (speed / top * 255.0).clamp(0.0, 255.0).round() as u8;
-    let levels: Vec<u8> = speeds.iter().map(level).collect();
-    let palette = (0..=255).flat_map(|level| colour::shade(f64::from(level) / 255.0)).collect();
+/// The field as `data:image/png;base64,...` of `width` by `height` pixels, coloured as the bar is.
+pub fn data_uri(picture: &Picture, [width, height]: [usize; 2], bar: &Bar) -> String {
+    let values = resampled(picture, [width, height]);
+    let levels: Vec<u8> = values.iter().map(|&value| (bar.part(value) * 255.0).round() as u8).collect();
+    let palette = (0..=255).flat_map(|level| bar.colours().shade(f64::from(level) / 255.0)).collect();
     uri(&png(&levels, [width, height], palette, None))
 }
 

@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use super::bar::Bar;
 use super::streamlines::{Point, pieces, separation, streamlines};
-use super::{Disk, Picture, colour, raster};
+use super::{Disk, Picture, raster};
 
 const LARGEST: [f64; 2] = [900.0, 1400.0];
 const SIDE: f64 = 22.0;
@@ -19,13 +19,13 @@ pub const INK: &str = "#14171f";
 /// The whole document.
 pub fn drawing(picture: &Picture) -> String {
     let frame = Frame::new(picture);
-    let bar = Bar::new(&picture.coloured);
+    let bar = if picture.signed { Bar::signed(&picture.coloured) } else { Bar::new(&picture.coloured) };
     let [width, height] = frame.page;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" \
          font-family=\"Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif\" fill=\"{INK}\">\n"
     );
-    svg += &definitions(&frame);
+    svg += &definitions(&frame, &bar);
     let _ = writeln!(svg, "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>");
     svg += &title(picture, &frame);
     svg += "<g clip-path=\"url(#box)\">\n";
@@ -66,12 +66,13 @@ impl Frame {
     }
 }
 
-fn definitions(frame: &Frame) -> String {
-    let stop = |k: u32| format!("<stop offset=\"{}\" stop-color=\"{}\"/>", f64::from(k) / 16.0, colour::hexadecimal(f64::from(k) / 16.0));
+fn definitions(frame: &Frame, bar: &Bar) -> String {
+    let colour = |part: f64| format!("<stop offset=\"{part}\" stop-color=\"{}\"/>", bar.colours().hexadecimal(part));
+    let stop = |k: u32| colour(f64::from(k) / 16.0);
     let stops: String = (0..=16).map(stop).collect();
     format!(
         "<defs><clipPath id=\"box\"><rect {}/></clipPath>\n\
-         <linearGradient id=\"speed\" x1=\"0\" y1=\"1\" x2=\"0\" y2=\"0\">{stops}</linearGradient></defs>\n",
+         <linearGradient id=\"colours\" x1=\"0\" y1=\"1\" x2=\"0\" y2=\"0\">{stops}</linearGradient></defs>\n",
         frame.rectangle()
     )
 }
@@ -95,7 +96,7 @@ pub fn escaped(text: &str) -> String {
 fn field(picture: &Picture, frame: &Frame, bar: &Bar) -> String {
     let density = RASTER_WIDTH / (LARGEST[0] - SIDE - BAR_ROOM);
     let pixels = frame.size.map(|length| (length * density).round().max(1.0) as usize);
-    let image = raster::data_uri(picture, pixels, bar.top);
+    let image = raster::data_uri(picture, pixels, bar);
     format!("<image {} preserveAspectRatio=\"none\" href=\"{image}\"/>\n", frame.rectangle())
 }
 
@@ -103,9 +104,11 @@ fn lines(picture: &Picture, frame: &Frame) -> String {
     let lines = streamlines(picture);
     let strokes: String = lines.iter().flat_map(|line| pieces(picture, line)).map(|piece| path(&piece, frame)).collect();
     let heads: String = lines.iter().flat_map(|line| arrows(picture, frame, line)).collect();
+    // colours that part at zero are light there
+    let (stroke, opacity) = if picture.signed { (INK, 0.45) } else { ("#ffffff", 0.8) };
     format!(
-        "<g opacity=\"0.8\"><path d=\"{strokes}\" fill=\"none\" stroke=\"#ffffff\" stroke-width=\"1.1\" stroke-linejoin=\"round\" \
-         stroke-linecap=\"round\"/>\n<path d=\"{heads}\" fill=\"#ffffff\"/></g>\n"
+        "<g opacity=\"{opacity}\"><path d=\"{strokes}\" fill=\"none\" stroke=\"{stroke}\" stroke-width=\"1.1\" stroke-linejoin=\"round\" \
+         stroke-linecap=\"round\"/>\n<path d=\"{heads}\" fill=\"{stroke}\"/></g>\n"
     )
 }
 
@@ -209,11 +212,11 @@ fn colour_bar(quantity: &str, frame: &Frame, bar: &Bar) -> String {
     let [x, y] = [frame.left + frame.size[0] + 24.0, frame.top];
     let height = frame.size[1];
     let mut text = format!(
-        "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"14\" height=\"{height:.1}\" fill=\"url(#speed)\" stroke=\"{INK}\" \
+        "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"14\" height=\"{height:.1}\" fill=\"url(#colours)\" stroke=\"{INK}\" \
          stroke-opacity=\"0.55\" stroke-width=\"0.8\"/>\n<g font-size=\"13\">\n"
     );
     for &tick in &bar.ticks {
-        let level = y + height * (1.0 - tick / bar.top);
+        let level = y + height * (1.0 - bar.part(tick));
         let _ = writeln!(text, "<path d=\"M{:.1} {level:.1}h5\" stroke=\"{INK}\" stroke-width=\"0.8\"/>", x + 14.0);
         let _ = writeln!(text, "<text x=\"{:.1}\" y=\"{:.1}\">{}</text>", x + 23.0, level + 4.6, bar.label(tick));
     }
@@ -268,6 +271,15 @@ mod tests {
         let mut picture = uniform_flow([f64::NAN, f64::INFINITY]);
         picture.bodies = vec![disk([0.5, 0.5], f64::NAN), Disk { velocity: [f64::NAN, 0.0], ..disk([0.5, 0.5], 0.1) }];
         assert_sound(&picture);
+    }
+
+    #[test]
+    fn what_has_either_sign_is_drawn_from_below_zero_on() {
+        let signed =
+            Picture { coloured: (0..512).map(|place| f64::from(place % 3 - 1)).collect(), signed: true, ..uniform_flow([1.0, 0.2]) };
+        assert_sound(&signed);
+        let text = text(&signed);
+        assert!(text.contains(">-0.8</text>") && text.contains(">0.8</text>"), "{text}");
     }
 
     #[test]

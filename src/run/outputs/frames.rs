@@ -9,7 +9,7 @@ use crate::{
     contact::{Contact, Identity, bodies_of, renamed},
     error::Result,
     grid::operators::signed,
-    observe::{CellCenters, inside},
+    observe::{CellCenters, CellVorticity, inside},
     output::{Frame, FrameContact, FrameFields, Frames, Summary, note},
     parallel::World,
     run::{Evaluated, EvaluatedMotion, Output},
@@ -32,6 +32,8 @@ pub struct FrameFiles<const D: usize> {
     eager: bool,
     /// Present if frames hold fields; made anew where images slide.
     centers: Option<CellCenters<D>>,
+    /// Present if they hold the vorticity too.
+    vorticity: Option<CellVorticity<D>>,
     contact: ContactModel,
 }
 
@@ -49,12 +51,14 @@ impl<const D: usize> FrameFiles<D> {
                 frames
             }
         };
-        let centers = match simulation.suspension() {
-            Some(suspension) if scene.output.fields => Some(CellCenters::new(suspension.grid(), &suspension.fluid_vector()?)?),
-            _ => None,
-        };
-        let eager = scene.output.every.is_some() && world.rank() == 0;
-        Ok(FrameFiles { folder: folder.to_owned(), frames, every: scene.frame_interval(), eager, centers, contact: scene.contact.model })
+        let (mut centers, mut vorticity) = (None, None);
+        if let Some(suspension) = simulation.suspension().filter(|_| scene.output.fields) {
+            let (grid, fluid) = (suspension.grid(), suspension.fluid_vector()?);
+            centers = Some(CellCenters::new(grid, &fluid)?);
+            vorticity = scene.output.stores_vorticity().then(|| CellVorticity::new(grid, &fluid)).transpose()?;
+        }
+        let (folder, eager) = (folder.to_owned(), scene.output.every.is_some() && world.rank() == 0);
+        Ok(FrameFiles { folder, frames, every: scene.frame_interval(), eager, centers, vorticity, contact: scene.contact.model })
     }
 
     fn due(&self, motion: &EvaluatedMotion<D>) -> bool {
@@ -82,13 +86,18 @@ impl<const D: usize> FrameFiles<D> {
         let (grid, setup, fluid) = (flow.solver.grid(), flow.solver.setup(), &flow.solution.fluid);
         if motion.domain().slide().is_some() {
             *centers = CellCenters::new(grid, fluid)?;
+            if let Some(vorticity) = &mut self.vorticity {
+                *vorticity = CellVorticity::new(grid, fluid)?;
+            }
         }
         let mut velocity = centers.velocity(fluid)?;
         for (index, velocity) in grid.block(D).indices().zip(&mut velocity) {
             *velocity += setup.drive.background(&grid.position(D, signed(index)));
         }
         let pressure = fluid.local()?[grid.local_range(D)].iter().map(|pressure| pressure * setup.viscosity).collect();
-        Ok(Some(FrameFields { grid, velocity, pressure, inside: inside(grid, &motion.state().balls(motion.simulation.radii())) }))
+        let vorticity = self.vorticity.as_mut().map(|vorticity| vorticity.evaluate(grid, fluid, &setup.drive)).transpose()?;
+        let inside = inside(grid, &motion.state().balls(motion.simulation.radii()));
+        Ok(Some(FrameFields { grid, velocity, pressure, inside, vorticity }))
     }
 }
 

@@ -21,10 +21,13 @@ pub struct PictureFile {
 impl<const D: usize> Output<D> for PictureFile {
     fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
         let (name, bytes) = match (&seen.flow, &seen.motion) {
-            (Some(flow), _) => ("picture.svg", picture(seen.scene.shown_title(), flow.solver, flow.solution)?.svg().into_bytes()),
+            (Some(flow), _) => {
+                let cut = picture(seen.scene.shown_title(), flow.solver, flow.solution, seen.scene.output.colour)?;
+                ("picture.svg", cut.svg().into_bytes())
+            }
             (None, Some(motion)) => {
                 let plane = Plane::of(seen.scene);
-                let still = plane.frame(motion.state().time, motion.bodies_on_first_rank(seen.world));
+                let still = plane.frame(motion.state().time, motion.bodies_on_first_rank(seen.world), None);
                 ("picture.png", plane.film(seen.scene).apng(WIDTH, 1.0, vec![still]))
             }
             (None, None) => return Ok(Vec::new()),

@@ -5,7 +5,7 @@ use crate::{
     flow::{Drive, InverseMethod},
     grid::Grid,
     interaction::{Interaction, Interactions},
-    scene::{Motion, Scene, Scheme, Step},
+    scene::{MOST_WITH_FORCES, Motion, Scene, Scheme, Step},
     simulation::{Setup, shift_period::ShiftPeriod},
 };
 
@@ -102,11 +102,18 @@ pub fn in_time<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
         format!("to time {} by the {scheme} rule, {step}{until}", time.end)
     });
     let frames = scene.time.as_ref().map(|_| format!("bodies every {}", scene.frame_interval()));
-    let fields = frames.as_ref().filter(|_| scene.output.fields).map(|_| "velocity and pressure of each cell in every frame".to_owned());
+    let held = if scene.output.stores_vorticity() { "velocity, pressure and vorticity" } else { "velocity and pressure" };
+    let fields = frames.as_ref().filter(|_| scene.output.fields).map(|_| format!("{held} of each cell in every frame"));
+    let given = plan.setup().map_or(0, |setup| setup.given_motions().len());
+    let forces = (scene.time.is_some() && (1..=MOST_WITH_FORCES).contains(&given)).then(|| {
+        let coefficients = if scene.output.reference_velocity.is_some() { ", with coefficients of drag and lift" } else { "" };
+        format!("of the fluid on {given} bodies whose motion is given, after every step{coefficients}")
+    });
     let pairs = scene.output.pairs.then(|| "distribution and neighbours, from the frames once the run has ended".to_owned());
     let picture = scene.output.picture.then(|| "at the end".to_owned());
     let effect = |(name, built)| Effect { name, built };
-    let of_output = [("frames", frames), ("fields output", fields), ("pair distribution", pairs), ("picture", picture)];
+    let of_output =
+        [("frames", frames), ("fields output", fields), ("forces output", forces), ("pair distribution", pairs), ("picture", picture)];
     let motion = std::iter::once(effect(("motion in time", motion)));
     motion.chain(interactions(plan)).chain(of_output.map(effect)).collect()
 }

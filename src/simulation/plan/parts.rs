@@ -76,6 +76,14 @@ impl<const D: usize> Plan<D> {
         }
     }
 
+    /// The setup of a flow.
+    pub fn setup(&self) -> Option<&Setup<D>> {
+        match &self.model {
+            PlannedModel::Flow(setup) => Some(setup),
+            _ => None,
+        }
+    }
+
     fn interactions_mut(&mut self) -> Option<&mut Interactions<D>> {
         match &mut self.model {
             PlannedModel::Granular(setup) => Some(&mut setup.interactions),
