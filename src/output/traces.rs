@@ -15,10 +15,11 @@ pub const SUMMARY: &str = "summary.json";
 pub const CHECKPOINT: &str = "checkpoint.h5";
 
 /// The files that a run may leave, the first one first to go; not the text of its scene, nor its calibration, which says what it is of.
-const FILES: [&str; 17] = [
+const FILES: [&str; 18] = [
     SUMMARY,
     CHECKPOINT,
     "series.csv",
+    "forces.csv",
     "run.h5",
     BODY_TABLE,
     "bodies.xdmf",

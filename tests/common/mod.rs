@@ -135,7 +135,12 @@ pub struct Series {
 impl Series {
     /// Reads a series that must be whole.
     pub fn read(out: &Path) -> Series {
-        let text = fs::read_to_string(out.join("series.csv")).unwrap();
+        Series::read_table(&out.join("series.csv"))
+    }
+
+    /// Reads a table of a row a step that must be whole.
+    pub fn read_table(path: &Path) -> Series {
+        let text = fs::read_to_string(path).unwrap();
         assert!(text.is_empty() || text.ends_with('\n'), "half a row: {text:?}");
         let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
         let columns: Vec<String> = lines.next().unwrap_or_default().into_iter().map(str::to_owned).collect();

@@ -2,12 +2,14 @@
 
 mod charts;
 mod checkpoint;
+mod forces;
 mod frames;
 mod pairs;
 mod picture;
 mod probe;
 mod progress;
 mod series;
+mod step_table;
 
 use std::path::Path;
 
@@ -44,6 +46,9 @@ pub fn outputs<const D: usize>(
         Box::new(checkpoint::CheckpointFile::new(folder, texts, scene.output.checkpoint)),
         Box::new(charts::ViscosityChart { folder: path() }),
     ];
+    if let Some(forces) = forces::ForcesFile::open(world, scene, folder, simulation)? {
+        all.push(Box::new(forces));
+    }
     all.extend(probe);
     if scene.output.picture {
         all.push(Box::new(charts::EffortChart { folder: path() }));
