@@ -7,7 +7,7 @@ use crate::{
     output::say,
     petsc::Session,
     run,
-    scene::{FlowModel, Scene},
+    scene::Scene,
     simulation::{Plan, PlanReport},
     study::{Calibration, Estimate, Forecast, coarsest},
 };
@@ -61,16 +61,19 @@ fn time<const D: usize>(session: &Session, scene: &Scene, plan: &PlanReport) -> 
     let Some((grid, multipliers)) = plan.unknowns().filter(|_| !scene.scalar()) else {
         return Ok("not predicted: no flow is solved".into());
     };
-    if scene.flow.model == FlowModel::NavierStokes {
-        return Ok("not predicted: a flow with inertia has no sample at an instant".into());
-    }
     let Some(forecast) = Forecast::of::<D>(session, scene, grid, multipliers)? else {
         return Ok("not predicted: no sample of the scene can be solved".into());
     };
     let (seconds, solve, iterations) = (forecast.seconds(), forecast.solve, forecast.iterations);
-    Ok(match forecast.solves {
-        None => format!("about {seconds:.1} s, from a sample: {:.1} s of set-up, a solve of about {iterations} iterations", forecast.setup),
-        Some(solves) => format!(
+    Ok(match (forecast.solves, forecast.sampled) {
+        (None, _) => {
+            format!("about {seconds:.1} s, from a sample: {:.1} s of set-up, a solve of about {iterations} iterations", forecast.setup)
+        }
+        (Some(solves), Some(sampled)) => format!(
+            "about {seconds:.0} s, from the first {sampled} steps of a sample: {solves:.0} steps at the speeds to which these come, of {solve:.2} s \
+             each, which take about {iterations} iterations"
+        ),
+        (Some(solves), None) => format!(
             "about {seconds:.0} s, from a sample: {solves:.0} solves at the speeds of the start, of {solve:.1} s for the first, which takes about \
              {iterations} iterations"
         ),

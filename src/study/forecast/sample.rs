@@ -1,0 +1,84 @@
+//! A part of a scene that is solved soon.
+
+use nalgebra::SVector;
+
+use crate::{
+    body::pack,
+    geometry::Domain,
+    simulation::{Inertia, Setup, SuspendedBody},
+};
+
+/// Bodies of a sample.
+pub const SAMPLE: usize = 40;
+
+/// Cells per radius of a sample that has all bodies.
+const COARSE: f64 = 4.0;
+
+/// Most cells of a sample, and the most times that its longest side is as long as its shortest.
+const MOST_CELLS: f64 = 1e5;
+const SLENDER: f64 = 16.0;
+
+/// Least side of a sample that was cut, in diameters of its largest body.
+const ROOM: f64 = 1.5;
+
+/// Gap between the bodies of a sample, in radii.
+const GAP: f64 = 0.02;
+
+/// By how much the box of a sample grows when its bodies do not fit, and how often.
+const WIDER: f64 = 1.1;
+const TRIES: usize = 12;
+
+/// A part of a setup that is solved soon; nothing if its bodies find no room or still take too many cells.
+pub fn sample<const D: usize>(setup: &Setup<D>) -> Option<Setup<D>> {
+    let all = setup.bodies.len();
+    if all <= SAMPLE && small(setup.domain.size, coarse(setup).spacing) {
+        return Some(coarse(setup));
+    }
+    let part = (SAMPLE as f64 / all as f64).min(1.0).powf(1.0 / D as f64);
+    let given = Setup { domain: Domain { size: setup.domain.size * part, ..setup.domain.clone() }, ..setup.clone() };
+    let part = if small(given.domain.size, given.spacing) { given } else { coarse(&given) };
+    let size = shrunk(&part)?;
+    let kept = (all as f64 * size.product() / setup.domain.volume()).round().clamp(all.min(1) as f64, SAMPLE as f64) as usize;
+    let places: Vec<usize> = (0..kept).map(|place| place * all / kept).collect();
+    let chosen: Vec<SuspendedBody<D>> = places.iter().map(|&place| part.bodies[place]).collect();
+    let dense = |inertia: &Inertia| Inertia { bodies: places.iter().map(|&place| inertia.bodies[place]).collect(), ..*inertia };
+    let inertia = part.inertia.as_ref().map(dense);
+    let radii: Vec<f64> = chosen.iter().map(|suspended| suspended.body.ball.radius).collect();
+    (0..TRIES).find_map(|wider| {
+        let domain = Domain { size: size * WIDER.powi(wider as i32), axes: setup.domain.axes };
+        let centers = pack(&domain, &[], &radii, GAP, 1).ok()?;
+        let mut bodies = chosen.clone();
+        bodies.iter_mut().zip(centers).for_each(|(suspended, center)| suspended.body.ball.center = center);
+        Some(Setup { domain, bodies, inertia: inertia.clone(), ..part.clone() })
+    })
+}
+
+/// Whether a box has few cells, and not many more along one axis than along another.
+fn small<const D: usize>(size: SVector<f64, D>, spacing: f64) -> bool {
+    (size / spacing).product() <= MOST_CELLS && size.max() <= SLENDER * size.min()
+}
+
+/// The size of a box with its longest sides cut until it is small; nothing if its largest body then has no room.
+fn shrunk<const D: usize>(setup: &Setup<D>) -> Option<SVector<f64, D>> {
+    let widest = setup.bodies.iter().map(|suspended| 2.0 * suspended.body.ball.radius).fold(0.0, f64::max);
+    let mut size = setup.domain.size;
+    while !small(size, setup.spacing) {
+        let longest = size.imax();
+        size[longest] *= 0.5;
+        if size[longest] < ROOM * widest {
+            return None;
+        }
+    }
+    Some(size)
+}
+
+/// The setup on a grid that is coarse for its smallest body.
+fn coarse<const D: usize>(setup: &Setup<D>) -> Setup<D> {
+    let smallest = setup.bodies.iter().map(|suspended| suspended.body.ball.radius).fold(f64::INFINITY, f64::min);
+    let spacing = if smallest.is_finite() { setup.spacing.max(smallest / COARSE) } else { setup.spacing };
+    let carried = |suspended: &SuspendedBody<D>| {
+        let order = suspended.order.min((suspended.body.ball.radius / spacing) as usize);
+        SuspendedBody { order, ..*suspended }
+    };
+    Setup { spacing, bodies: setup.bodies.iter().map(carried).collect(), ..setup.clone() }
+}
