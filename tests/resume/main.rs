@@ -9,6 +9,7 @@ mod folders;
 mod halves;
 mod kills;
 mod lost;
+mod obstacle;
 mod promises;
 mod refusals;
 mod scenes;

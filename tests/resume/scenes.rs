@@ -78,6 +78,40 @@ every = 0.08
 picture = false
 "#;
 
+/// A stream with inertia past a disk that stays and one that is moved, between walls; its frames hold the vorticity.
+pub const OBSTACLE: &str = r#"
+[domain]
+size = [6.0, 4.0]
+y = "walls"
+[flow]
+model = "navier-stokes"
+viscosity = 0.1
+density = 2.0
+drive = { mean_velocity = [1.0, 0.0] }
+[resolution]
+cells_per_radius = 4
+[method]
+inverse = "transform"
+tolerance = 1e-8
+[[bodies]]
+radius = 0.5
+centers = [[1.5, 2.2]]
+motion = "fixed"
+[[bodies]]
+radius = 0.4
+centers = [[4.0, 3.2]]
+[[bodies]]
+radius = 0.5
+centers = [[4.5, 1.2]]
+motion = { velocity = [0.0, 0.5], spin = 1.0 }
+[time]
+end = 0.32
+[output]
+every = 0.08
+colour = "vorticity"
+reference_velocity = [2.0, 0.0]
+"#;
+
 /// Spheres in a background shear.
 pub const SPHERES: &str = r#"
 seed = 1

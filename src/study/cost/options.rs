@@ -34,7 +34,7 @@ pub struct Cost {
     /// Relative residuals at which solves end (default: the scene's).
     #[arg(long, value_delimiter = ',')]
     pub tolerances: Vec<f64>,
-    /// Time steps (default: the scene's step or travel, twice and half of it).
+    /// Time steps (default: the scene's step or travel, twice and half of it; automatic ones of a flow with inertia follow the grid).
     #[arg(long, value_delimiter = ',', conflicts_with = "travels")]
     pub steps: Vec<f64>,
     /// Automatic steps: parts of its radius that a body moves in one.

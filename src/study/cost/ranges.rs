@@ -16,7 +16,7 @@ const CELLS_PER_RADIUS: [&[f64]; 2] = [&[3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 3
 const SPACINGS: [f64; 15] =
     [16.0, 32.0 / 3.0, 8.0, 16.0 / 3.0, 4.0, 8.0 / 3.0, 2.0, 4.0 / 3.0, 1.0, 2.0 / 3.0, 0.5, 1.0 / 3.0, 0.25, 1.0 / 6.0, 0.125];
 
-/// Steps of scenes in time, over theirs.
+/// Steps of scenes in time, over theirs, unless they follow the grid.
 const STEPS: [f64; 3] = [2.0, 1.0, 0.5];
 
 /// What is swept; every method goes through all combinations.
@@ -124,6 +124,9 @@ fn steps(options: &Cost, scene: &Scene) -> Result<Vec<Option<TimeStep>>> {
         let travels = listed("--travels", &options.travels, "must lie above 0 and not above 1", |travel| travel <= 1.0)?;
         return Ok(travels.into_iter().map(|travel| travel.map(TimeStep::Travel)).collect());
     }
+    if own.follows_grid(scene) {
+        return Ok(vec![Some(own)]);
+    }
     let longest = if matches!(own, TimeStep::Step(_)) { end } else { 1.0 };
     Ok(STEPS.iter().map(|&factor| own.times(factor)).filter(|step| step.length() <= longest).map(Some).collect())
 }
@@ -177,6 +180,16 @@ mod tests {
         assert_eq!(steps(&Cost::default()).unwrap(), [Some(TimeStep::Step(0.75)), Some(TimeStep::Step(0.375))]);
         let travels = Cost { travels: vec![0.1], ..Cost::default() };
         assert_eq!(steps(&travels).unwrap(), [Some(TimeStep::Travel(0.1))]);
+    }
+
+    #[test]
+    fn automatic_steps_of_a_flow_with_inertia_follow_the_grid_and_are_not_swept() {
+        let with = |time: &str| {
+            let text = format!("flow = {{ model = \"navier-stokes\", density = 1 }}\n{ARRAY}[time]\nend = 1\n{time}");
+            ParameterRanges::of(&Cost::default(), &scene(&text), Some(0.309)).unwrap().steps
+        };
+        assert_eq!(with(""), [Some(TimeStep::Travel(0.1))]);
+        assert_eq!(with("step = 0.25\n"), [0.5, 0.25, 0.125].map(|step| Some(TimeStep::Step(step))));
     }
 
     #[test]

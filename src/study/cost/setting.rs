@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::scene::{Modes, Scene, Spacing, Step, Tolerance};
+use crate::scene::{FlowModel, Modes, Scene, Spacing, Step, Tolerance};
 
 /// Methods with surface modes.
 const WITH_MODES: [&str; 2] = ["sharp", "mean-value"];
@@ -145,6 +145,11 @@ impl TimeStep {
             Step::Auto => TimeStep::Travel(time.travel),
             Step::Fixed(step) => TimeStep::Step(step),
         })
+    }
+
+    /// Whether steps are shorter on finer grids whatever stands here: automatic ones of a flow with inertia, in which it passes half a cell at most.
+    pub fn follows_grid(self, scene: &Scene) -> bool {
+        matches!(self, TimeStep::Travel(_)) && scene.flow.model == FlowModel::NavierStokes
     }
 
     /// The step, or what stands for it in proportion.
