@@ -28,7 +28,7 @@ impl SeriesFile {
     /// Opens it for the rows from `step` on, and gives the viscosity of those before it. Collective.
     ///
     /// # Errors
-    /// [`Error::File`] when the file cannot be read or written; [`Error::Refused`] when it is not one of ours.
+    /// As [`StepTable::open`].
     pub fn open(world: &World, folder: &Path, step: usize) -> Result<(SeriesFile, Vec<CurvePoint>)> {
         let (rows, kept) = StepTable::open(world, &folder.join("series.csv"), step)?;
         Ok((SeriesFile { folder: folder.to_owned(), rows, last_row: Instant::now() }, CurvePoint::read(&kept)))

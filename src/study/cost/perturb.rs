@@ -5,7 +5,7 @@ use super::{
     properties::SceneProperties,
     record::{Measured, Outcome},
     sensitivity::{ParameterChange, Sensitivity},
-    setting::{Setting, TimeStep, has_modes},
+    setting::{Setting, has_modes},
     sweep::Sweep,
 };
 use crate::{
@@ -37,8 +37,7 @@ impl Sweep<'_> {
         let to = format!("tolerance {:.0e}", tighter.tolerance.unwrap_or(0.0));
         parameters.push(self.parameter("tolerance", to, &base, Some(tighter))?);
         if let Some(step) = setting.step {
-            let mean = || TimeStep::Step(self.scene.end() / base.steps.max(1) as f64);
-            let step = if step.follows_grid(self.scene) { mean() } else { step };
+            let step = if step.follows_grid(self.scene) { base.mean_step(self.scene.end()) } else { step };
             let shorter = Setting { step: Some(step.times(0.5)), ..setting.clone() };
             parameters.push(self.parameter("step", "half the step".into(), &base, Some(shorter))?);
         }

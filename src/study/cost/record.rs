@@ -4,7 +4,11 @@ use std::{fmt, path::Path};
 
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::{format::seconds, metric::Metric, setting::Setting};
+use super::{
+    format::seconds,
+    metric::Metric,
+    setting::{Setting, TimeStep},
+};
 use crate::{
     error::Result,
     study::{store::Recorded, summary::RunSummary},
@@ -133,6 +137,11 @@ impl Measured {
     /// The quantity, where it is one number.
     pub fn value(&self) -> Option<f64> {
         if let [value] = self.values[..] { Some(value) } else { None }
+    }
+
+    /// The mean of its steps to a time.
+    pub fn mean_step(&self, end: f64) -> TimeStep {
+        TimeStep::Step(end / self.steps.max(1) as f64)
     }
 
     /// Seconds of everything.

@@ -7,7 +7,7 @@ use super::{
     options::Cost,
     properties::SceneProperties,
     record::{Measured, Outcome, Record},
-    setting::{Setting, has_modes},
+    setting::{Setting, TimeStep, has_modes},
 };
 use crate::{
     error::{Error, Result},
@@ -84,14 +84,27 @@ impl Sweep<'_> {
     pub fn predicted(&self, setting: &Setting) -> Option<f64> {
         let properties = &self.metric.properties;
         let work = |setting: &Setting| setting.work(properties.dimension, properties.unit());
-        let own = || self.runs().filter(|(other, _)| other.method == setting.method);
-        let (heaviest, run) = own().max_by(|one, two| work(one.0).total_cmp(&work(two.0)))?;
-        let points: Vec<(f64, f64)> =
-            own().filter(|(other, _)| other.differs_in_grid_alone(heaviest)).map(|(other, run)| (work(other), run.seconds())).collect();
+        let own: Vec<(Setting, &Measured)> = self
+            .runs()
+            .filter(|(other, _)| other.method == setting.method)
+            .map(|(other, run)| (self.comparable(other, run, setting), run))
+            .collect();
+        let (heaviest, run) = own.iter().max_by(|one, two| work(&one.0).total_cmp(&work(&two.0)))?;
+        let alike = own.iter().filter(|(other, _)| other.differs_in_grid_alone(heaviest));
+        let points: Vec<(f64, f64)> = alike.map(|(other, run)| (work(other), run.seconds())).collect();
         let fitted = Power::fit(&points).map_or(1.0, |power| power.exponent);
         let [least, most] = GROWTH.map(|growth| 1.0 + growth / properties.dimension as f64);
         let growth = (work(setting) / work(heaviest)).powf(fitted.clamp(least, most));
         Some(run.wall_seconds * growth)
+    }
+
+    /// The setting of a run with steps that compare with those of another: with the mean of those that followed the grid, where the other's have a length.
+    fn comparable(&self, setting: &Setting, run: &Measured, other: &Setting) -> Setting {
+        let step = match (setting.step, other.step) {
+            (Some(step), Some(TimeStep::Step(_))) if step.follows_grid(self.scene) => Some(run.mean_step(self.scene.end())),
+            (step, _) => step,
+        };
+        Setting { step, ..setting.clone() }
     }
 
     /// Whether a run beside the sequences costs neither more than the budget nor more than the sequences did.
