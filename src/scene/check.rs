@@ -155,7 +155,8 @@ fn check_inertia(scene: &Scene) -> Result<()> {
     check_masses(scene, "in a flow with inertia")?;
     let (constraint, remedy) =
         (scene.method.constraint, "is for Stokes flow only; set method.constraint = \"sharp\" or flow.model = \"stokes\"");
-    expect(scene, constraint == ConstraintMethod::Sharp, "method.constraint", format!("{:?}", constraint.word()), remedy)?;
+    let known = matches!(constraint, ConstraintMethod::Sharp | ConstraintMethod::Fitted);
+    expect(scene, known, "method.constraint", format!("{:?}", constraint.word()), remedy)?;
     let remedy = "is for Stokes flow only; set lubrication.model = \"none\" or flow.model = \"stokes\"";
     expect(scene, scene.lubrication.model == LubricationModel::None, "lubrication.model", "\"pairwise\"", remedy)?;
     if let Some(time) = scene.time.as_ref().filter(|time| time.scheme != Scheme::TwoStep) {

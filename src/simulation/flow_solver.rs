@@ -1,6 +1,6 @@
 //! What finds the flow at an instant: the interface behind which grids that ignore bodies and meshes that fit them stand.
 
-use super::{Configuration, Cost, ExtrapolationHistory, Level, ResidualMonitor, Setup, Solution, SuspendedBody};
+use super::{Configuration, Cost, ExtrapolationHistory, Level, MeshLevel, ResidualMonitor, Setup, Solution, SuspendedBody};
 use crate::{contact::Contact, error::Result, flow::InverseMethod, grid::Grid, petsc::Vector};
 
 /// Finds the flow and the motions of bodies at an instant. Every function is collective.
@@ -88,6 +88,14 @@ pub trait FlowSolver<const D: usize> {
     fn restore_levels(&mut self, _levels: Vec<Level<D>>) -> Result<()> {
         Ok(())
     }
+
+    /// The same of a flow on a mesh that moves.
+    fn mesh_levels(&self) -> Vec<&MeshLevel> {
+        Vec::new()
+    }
+
+    /// Goes on from such solutions, on the mesh of the [`past`](Self::past).
+    fn restore_mesh_levels(&mut self, _levels: Vec<MeshLevel>) {}
 
     /// A faster inverse that the box allows, if there is one.
     fn faster(&self) -> Option<InverseMethod> {

@@ -51,7 +51,7 @@ mod work;
 pub use configuration::Configuration;
 pub use cost::{Cost, ResidualMonitor};
 pub use extrapolation::{ExtrapolationHistory, Snapshot};
-pub use fitted::{FittedFlow, FittedInclusions};
+pub use fitted::{FittedFlow, FittedInclusions, MeshLevel};
 use fixed_operators::check_steady_state;
 pub use flow_solver::FlowSolver;
 pub use granular::Granular;

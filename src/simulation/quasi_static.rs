@@ -16,7 +16,7 @@ use std::time::Instant;
 use nalgebra::SVector;
 
 use super::{
-    Configuration, ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Level, Moving, Observation, ResidualMonitor, Solution, State,
+    Configuration, ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Level, MeshLevel, Moving, Observation, ResidualMonitor, Solution, State,
     StepOutcome, Stepper,
     active_set_iteration::ActiveSetIteration,
     contact_step::{ContactStep, identities},
@@ -321,6 +321,10 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
 
     fn restore_levels(&mut self, levels: Vec<Level<D>>) -> Result<()> {
         self.suspension.restore_levels(levels)
+    }
+
+    fn restore_mesh_levels(&mut self, levels: Vec<MeshLevel>) {
+        self.suspension.restore_mesh_levels(levels);
     }
 }
 

@@ -3,7 +3,7 @@
 use std::{borrow::Cow, ops::Range};
 
 use super::{
-    ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Granular, GranularSetup, Level, Moving, Observation, QuasiStatic,
+    ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Granular, GranularSetup, Level, MeshLevel, Moving, Observation, QuasiStatic,
     ResidualMonitor, Share, State, Stepper, interactions,
     migration::own_part,
     shift_period::ShiftPeriod,
@@ -105,6 +105,11 @@ impl<const D: usize> Simulation<D> {
     /// PETSc fails.
     pub fn restore_levels(&mut self, levels: Vec<Level<D>>) -> Result<()> {
         self.stepper.restore_levels(levels)
+    }
+
+    /// The same for a flow on a mesh that moves.
+    pub fn restore_mesh_levels(&mut self, levels: Vec<MeshLevel>) {
+        self.stepper.restore_mesh_levels(levels);
     }
 
     /// The suspension that is solved, if there is a fluid.

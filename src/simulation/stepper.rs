@@ -1,6 +1,6 @@
 //! What moves bodies: the interface behind which a fluid, or inertia alone, drives a [`Simulation`](super::Simulation).
 
-use super::{Cost, ExtrapolationHistory, FlowSolver, Level, ResidualMonitor, Solution, State, step_control::StepSize};
+use super::{Cost, ExtrapolationHistory, FlowSolver, Level, MeshLevel, ResidualMonitor, Solution, State, step_control::StepSize};
 use crate::{
     body::Twist,
     contact::{AdhesiveContact, ContactForce, KktReport},
@@ -87,6 +87,9 @@ pub trait Stepper<const D: usize> {
     fn restore_levels(&mut self, _levels: Vec<Level<D>>) -> Result<()> {
         Ok(())
     }
+
+    /// The same for a flow on a mesh that moves.
+    fn restore_mesh_levels(&mut self, _levels: Vec<MeshLevel>) {}
 
     /// Takes what earlier solves say about the next one, if there is a fluid to solve.
     fn remember(&mut self, _past: ExtrapolationHistory<D>) {}

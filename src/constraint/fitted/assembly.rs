@@ -1,6 +1,6 @@
-//! The linear system of Stokes flow on a mesh.
+//! The linear system of Stokes flow on a mesh, or of a step of a flow with inertia.
 
-use super::{DiskMotion, Sample, StokesNumbering, StokesProblem, System, Triangle, numbering::Component};
+use super::{Acceleration, DiskMotion, MeshInertia, Rigid, Sample, StokesNumbering, StokesProblem, System, Triangle, numbering::Component};
 use crate::error::Result;
 
 impl StokesNumbering {
@@ -24,7 +24,22 @@ impl StokesNumbering {
             [force.x, force.y, *torque].into_iter().enumerate().for_each(|(row, load)| system.load(first + row, load));
         }
         self.assemble_means(problem, &areas, system);
+        if let Some(inertia) = problem.inertia {
+            self.assemble_momentum(inertia, system);
+        }
         Ok(())
+    }
+
+    /// The momentum of free disks.
+    fn assemble_momentum(&self, inertia: &MeshInertia, system: &mut System) {
+        for (first, disk) in self.disks.iter().zip(&inertia.disks) {
+            let (Some(first), Rigid { velocity, spin }) = (*first, disk.history) else { continue };
+            let masses = [disk.mass, disk.mass, disk.moment];
+            for (row, (mass, known)) in (first..).zip(masses.into_iter().zip([velocity.x, velocity.y, spin])) {
+                system.add(row, row, mass * inertia.rate);
+                system.load(row, -mass * known);
+            }
+        }
     }
 
     /// What disks have to do with mean velocities and the forces that they take.
@@ -56,14 +71,18 @@ struct Parts {
     velocities: [[Component; 2]; 6],
     pressures: [Option<usize>; 3],
     samples: Vec<Sample>,
+    /// At the samples.
+    accelerations: Vec<Acceleration>,
 }
 
 impl Parts {
     fn of(numbering: &StokesNumbering, problem: &StokesProblem, triangle: &Triangle) -> Result<Parts> {
+        let samples = problem.mesh.shape(triangle).samples()?;
         Ok(Parts {
             velocities: triangle.nodes.map(|node| numbering.velocity(problem, node)),
             pressures: [0, 1, 2].map(|vertex| numbering.pressure(triangle.nodes[vertex])),
-            samples: problem.mesh.shape(triangle).samples()?,
+            accelerations: samples.iter().map(|sample| problem.acceleration(triangle, sample)).collect(),
+            samples,
         })
     }
 
@@ -72,12 +91,18 @@ impl Parts {
         velocities.chain(self.pressures.iter().flatten().copied())
     }
 
+    /// A sum over the quadrature points.
+    fn integral(&self, value: impl Fn(&Sample, &Acceleration) -> f64) -> f64 {
+        self.samples.iter().zip(&self.accelerations).map(|(sample, acceleration)| sample.weight * value(sample, acceleration)).sum()
+    }
+
     fn assemble(&self, problem: &StokesProblem, forces: [Option<usize>; 2], system: &mut System) {
         for (i, row) in self.velocities.iter().enumerate() {
             for (a, row) in row.iter().enumerate() {
-                let means = self.samples.iter().map(|sample| sample.weight * sample.values[i]).sum::<f64>();
+                let means = self.integral(|sample, _| sample.values[i]);
+                let history = self.integral(|sample, acceleration| sample.values[i] * acceleration.known[a]);
                 for (unknown, factor) in row.terms() {
-                    system.load(*unknown, factor * problem.on_fluid[a] * means);
+                    system.load(*unknown, factor * (problem.on_fluid[a] * means - history));
                     if let Some(force) = forces[a] {
                         system.add(*unknown, force, -factor * means);
                         system.add(force, *unknown, -factor * means);
@@ -86,19 +111,23 @@ impl Parts {
                 if let Some(force) = forces[a] {
                     system.load(force, row.known * means);
                 }
-                self.assemble_viscous(i, a, row, system);
+                self.assemble_momentum(i, a, row, system);
                 self.assemble_pressure(i, a, row, system);
             }
         }
     }
 
-    fn assemble_viscous(&self, i: usize, a: usize, row: &Component, system: &mut System) {
+    /// Friction and rates of change of momentum.
+    fn assemble_momentum(&self, i: usize, a: usize, row: &Component, system: &mut System) {
         if row.terms().is_empty() {
             return;
         }
         for (j, column) in self.velocities.iter().enumerate() {
             for (b, column) in column.iter().enumerate() {
-                let value: f64 = self.samples.iter().map(|sample| sample.weight * sample.friction(i, a, j, b)).sum();
+                let along = if a == b { 1.0 } else { 0.0 };
+                let value = self.integral(|sample, acceleration| {
+                    sample.friction(i, a, j, b) + along * sample.values[i] * acceleration.weights[j]
+                });
                 for (unknown, factor) in row.terms() {
                     system.load(*unknown, -factor * value * column.known);
                     column.terms().iter().for_each(|(other, of_column)| system.add(*unknown, *other, factor * value * of_column));

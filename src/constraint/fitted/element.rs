@@ -62,6 +62,13 @@ fn quadrature() -> [(f64, Vector3<f64>); POINTS] {
     std::array::from_fn(|point| turned(kinds[point / 3], point % 3))
 }
 
+impl Sample {
+    /// A field given at all nodes, of which a triangle has these.
+    pub fn interpolate(&self, nodes: &[usize; 6], field: impl Fn(usize) -> Vector2<f64>) -> Vector2<f64> {
+        nodes.iter().zip(self.values).map(|(&node, value)| field(node) * value).sum()
+    }
+}
+
 impl Shape {
     /// The triangle with these nodes.
     pub fn new(points: [Vector2<f64>; 6]) -> Shape {

@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use super::{
     boundary::{DISORDER, boundary, whole_number},
     cloud::{Cloud, Place},
-    grading::Grading,
+    grading::{EdgeLengths, Grading},
     mesh::Mesh,
 };
 use crate::{
@@ -42,16 +42,16 @@ const LATTICE_DISTANCE: f64 = 0.7;
 /// Diameter of the circumcircles that are met on the way, over the longest edge.
 const REACH: f64 = 4.0;
 
-/// Makes a mesh of the fluid around disks, with edges no longer than `longest`; the same on every rank.
+/// Makes a mesh of the fluid around disks; the same on every rank.
 ///
 /// # Errors
 /// [`Error::Refused`] when the box is too small for such edges, or disks touch.
-pub fn generate(domain: &Domain<2>, disks: &[Ball<2>], longest: f64) -> Result<Mesh> {
+pub fn generate(domain: &Domain<2>, disks: &[Ball<2>], lengths: impl Into<EdgeLengths>) -> Result<Mesh> {
     check_gaps(domain, disks)?;
-    let grading = Grading::new(domain, disks, longest);
+    let grading = Grading::new(domain, disks, lengths.into());
     let mut cloud = boundary(domain, disks, &grading);
     add_lattice(&mut cloud, &grading);
-    let reach = REACH * longest + disks.iter().map(|disk| 2.0 * disk.radius).fold(0.0, f64::max);
+    let reach = REACH * grading.longest() + disks.iter().map(|disk| 2.0 * disk.radius).fold(0.0, f64::max);
     let mut triangles = refine(&mut cloud, &grading, reach)?;
     for _ in 0..SMOOTHING_ROUNDS {
         smooth(&mut cloud, &triangles, &grading);

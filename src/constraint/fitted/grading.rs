@@ -1,4 +1,4 @@
-//! How long the edges of a mesh should be: small where surfaces are near each other.
+//! How long the edges of a mesh should be: small where surfaces are near each other, and, if it is wanted, near disks.
 
 use nalgebra::Vector2;
 
@@ -6,6 +6,26 @@ use crate::geometry::{Ball, Domain};
 
 /// Elements that stand side by side in the narrowest part of a gap, at least.
 const ELEMENTS_IN_GAP: f64 = 3.0;
+
+/// Growth of edges with the distance from disks.
+const GROWTH: f64 = 0.15;
+
+/// Longest edges over those at disks, where edges grow.
+const MOST_GROWN: f64 = 8.0;
+
+/// Fewest edges along a side of the box, where edges grow.
+const FEWEST_ALONG: f64 = 8.0;
+
+/// Lengths of edges where no gap makes them shorter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EdgeLengths {
+    /// At the surfaces of disks.
+    pub at_disks: f64,
+    /// Growth with the distance from the nearest disk.
+    pub growth: f64,
+    /// Far from all disks.
+    pub longest: f64,
+}
 
 /// A surface that bounds the fluid.
 #[derive(Debug, Clone, Copy)]
@@ -18,14 +38,32 @@ enum Surface {
 
 /// The wanted length of edges at every point of the box.
 ///
-/// It is the length asked for, or the part of the local gap that lets three elements stand in it. The gap at a point is the
+/// It is the length asked for at that distance from disks, or the part of the local gap that lets three elements stand in it. The gap at a point is the
 /// sum of its distances from the two nearest surfaces.
 pub struct Grading {
     domain: Domain<2>,
-    longest: f64,
+    lengths: EdgeLengths,
     cells: [usize; 2],
     /// For each cell of a coarse lattice, the surfaces of which two are the nearest at any of its points.
     near: Vec<Vec<Surface>>,
+}
+
+impl From<f64> for EdgeLengths {
+    /// The same everywhere.
+    fn from(length: f64) -> EdgeLengths {
+        EdgeLengths { at_disks: length, growth: 0.0, longest: length }
+    }
+}
+
+impl EdgeLengths {
+    /// Edges that grow with the distance from the disks of a box.
+    pub fn growing(at_disks: f64, domain: &Domain<2>, disks: &[Ball<2>]) -> EdgeLengths {
+        if disks.is_empty() {
+            return at_disks.into();
+        }
+        let longest = (MOST_GROWN * at_disks).min(domain.size.min() / FEWEST_ALONG).max(at_disks);
+        EdgeLengths { at_disks, growth: GROWTH, longest }
+    }
 }
 
 impl Surface {
@@ -36,6 +74,10 @@ impl Surface {
         }
     }
 
+    fn is_disk(&self) -> bool {
+        matches!(self, Surface::Disk(_))
+    }
+
     /// Whether it is a wall across this axis.
     fn across(&self, along: usize) -> bool {
         matches!(self, Surface::Wall { axis, .. } if *axis == along)
@@ -43,9 +85,10 @@ impl Surface {
 }
 
 impl Grading {
-    /// The grading around disks, with edges no longer than `longest`.
-    pub fn new(domain: &Domain<2>, disks: &[Ball<2>], longest: f64) -> Grading {
-        let all = surfaces(domain, disks);
+    /// The grading around disks.
+    pub fn new(domain: &Domain<2>, disks: &[Ball<2>], lengths: EdgeLengths) -> Grading {
+        let (all, EdgeLengths { at_disks, growth, longest }) = (surfaces(domain, disks), lengths);
+        let grown = if growth > 0.0 { (longest - at_disks) / growth } else { 0.0 };
         // about four surfaces a cell
         let per_cell = (domain.volume() / (1.0 + disks.len() as f64)).sqrt();
         let cells = [0, 1].map(|axis| ((2.0 * domain.size[axis] / per_cell).ceil() as usize).clamp(1, 1000));
@@ -55,26 +98,37 @@ impl Grading {
             // the two nearest disks may lie beyond two walls that meet in a corner
             let disks = all.iter().filter(|surface| !surface.across(0) && !surface.across(1));
             let farther = two_smallest(disks.map(|surface| surface.distance(&center)))[1];
-            let reach = farther.min(3.0 * longest) + edges.norm();
+            let reach = farther.min(grown.max(3.0 * longest)) + edges.norm();
             all.iter().copied().filter(|surface| surface.distance(&center) <= reach).collect()
         });
-        Grading { domain: domain.clone(), longest, cells, near: near.collect() }
+        Grading { domain: domain.clone(), lengths, cells, near: near.collect() }
     }
 
-    /// The length asked for.
+    /// The longest edges.
     pub fn longest(&self) -> f64 {
-        self.longest
+        self.lengths.longest
     }
 
     /// The wanted length of edges at a point, which need not lie in the box.
     pub fn length(&self, point: &Vector2<f64>) -> f64 {
-        (self.gap(point) / ELEMENTS_IN_GAP).min(self.longest)
+        (self.gap(point) / ELEMENTS_IN_GAP).min(self.grown(point))
     }
 
     /// The distance from the nearest surface, negative in a disk.
     pub fn distance(&self, point: &Vector2<f64>) -> f64 {
         let (point, near) = self.near(point);
         near.iter().map(|surface| surface.distance(&point)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The length asked for at a point's distance from disks.
+    fn grown(&self, point: &Vector2<f64>) -> f64 {
+        let EdgeLengths { at_disks, growth, longest } = self.lengths;
+        if growth == 0.0 {
+            return longest;
+        }
+        let (point, near) = self.near(point);
+        let distances = near.iter().filter(|surface| surface.is_disk()).map(|surface| surface.distance(&point).max(0.0));
+        (at_disks + growth * distances.fold(f64::INFINITY, f64::min)).min(longest)
     }
 
     /// The sum of the distances from the two nearest surfaces; walls that meet in a corner leave no gap between them.

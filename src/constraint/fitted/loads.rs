@@ -89,8 +89,7 @@ struct Sums {
 impl Sums {
     fn add(&mut self, mesh: &Mesh, flow: &StokesFlow, triangle: &Triangle) -> Result<()> {
         for sample in mesh.shape(triangle).samples()? {
-            let values = triangle.nodes.iter().zip(sample.values);
-            self.velocity += sample.weight * values.map(|(&node, value)| value * flow.velocities[node]).sum::<Vector2<f64>>();
+            self.velocity += sample.weight * sample.interpolate(&triangle.nodes, |node| flow.velocities[node]);
             self.pressure += sample.weight * (0..3).map(|k| sample.linear[k] * flow.pressures[triangle.nodes[k]]).sum::<f64>();
             self.area += sample.weight;
         }
@@ -104,10 +103,13 @@ fn add_forces(problem: &StokesProblem, flow: &StokesFlow, triangle: &Triangle, f
         let gradient: Matrix2<f64> =
             triangle.nodes.iter().zip(sample.gradients).map(|(&node, slope)| flow.velocities[node] * slope.transpose()).sum();
         let pressure: f64 = (0..3).map(|k| sample.linear[k] * flow.pressures[triangle.nodes[k]]).sum();
+        let acceleration = problem.acceleration(triangle, &sample);
+        let carried = triangle.nodes.iter().zip(acceleration.weights).map(|(&node, weight)| flow.velocities[node] * weight);
+        let momentum = carried.sum::<Vector2<f64>>() + acceleration.known;
         let stress = gradient + gradient.transpose() - Matrix2::identity() * pressure;
         for (i, &node) in triangle.nodes.iter().enumerate() {
-            let uniform = (problem.on_fluid + flow.force) * sample.values[i];
-            forces[node] -= sample.weight * (stress * sample.gradients[i] - uniform);
+            let known = (problem.on_fluid + flow.force - momentum) * sample.values[i];
+            forces[node] -= sample.weight * (stress * sample.gradients[i] - known);
         }
     }
     Ok(())

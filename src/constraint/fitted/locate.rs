@@ -1,5 +1,7 @@
 //! Which triangle holds a point, and what a field on the mesh is there.
 
+use std::{iter::Sum, ops::Mul};
+
 use nalgebra::{Vector2, Vector3};
 
 use super::{Mesh, Place, Triangle, element::values};
@@ -55,7 +57,10 @@ impl<'a> Locator<'a> {
         for (number, image) in &self.near[place(0) * self.cells[1] + place(1)] {
             let triangle = &self.mesh.triangles[*number];
             let Some(disk) = self.disk_at(triangle, &point) else {
-                let Some(found) = self.mesh.shape(triangle).locate(&(point + image)) else { continue };
+                let (shape, point) = (self.mesh.shape(triangle), point + image);
+                let [lower, upper] = shape.bounds();
+                let near = (0..2).all(|axis| (lower[axis]..=upper[axis]).contains(&point[axis]));
+                let Some(found) = near.then(|| shape.locate(&point)).flatten() else { continue };
                 if best.is_none_or(|(_, l)| found.min() > l.min()) {
                     best = Some((triangle, found));
                 }
@@ -88,7 +93,10 @@ impl<'a> Locator<'a> {
 }
 
 /// A field given at all nodes, at a place in a triangle.
-pub fn second_order(triangle: &Triangle, l: &Vector3<f64>, field: impl Fn(usize) -> f64) -> f64 {
+pub fn second_order<T: Sum>(triangle: &Triangle, l: &Vector3<f64>, field: impl Fn(usize) -> T) -> T
+where
+    f64: Mul<T, Output = T>,
+{
     triangle.nodes.iter().zip(values(l)).map(|(&node, value)| value * field(node)).sum()
 }
 

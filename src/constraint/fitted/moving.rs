@@ -14,9 +14,12 @@ const SMALLEST_ANGLE: f64 = 12.0;
 
 /// A mesh as it was made, from which all later positions are reached.
 ///
-/// What a mesh is at an instant depends on where it was made and where disks are, not on their way there.
+/// What a mesh is at an instant depends on where it was made and where disks are, not on their way there. Centres are not wrapped into the box: nodes move
+/// without jumps.
 pub struct MovingMesh {
     made: Mesh,
+    /// Centres of the disks where it was made.
+    centers: Vec<Vector2<f64>>,
     /// For each vertex in the fluid, its unknown.
     numbers: Vec<Option<usize>>,
     unknowns: usize,
@@ -24,8 +27,8 @@ pub struct MovingMesh {
 }
 
 impl MovingMesh {
-    /// A mesh that is to move.
-    pub fn new(made: Mesh) -> MovingMesh {
+    /// A mesh that is to move, made with its disks at these centres.
+    pub fn new(made: Mesh, centers: Vec<Vector2<f64>>) -> MovingMesh {
         let mut unknowns = 0;
         let mut number = |place: &Place| {
             let free = *place == Place::Fluid;
@@ -33,7 +36,12 @@ impl MovingMesh {
             free.then(|| unknowns - 1)
         };
         let numbers = made.places[..made.vertices].iter().map(&mut number).collect();
-        MovingMesh { made, numbers, unknowns, direct: None }
+        MovingMesh { made, centers, numbers, unknowns, direct: None }
+    }
+
+    /// The mesh as it was made.
+    pub fn into_made(self) -> Mesh {
+        self.made
     }
 
     /// The mesh with the centres of its disks elsewhere, or nothing if it would be too distorted.
@@ -41,9 +49,17 @@ impl MovingMesh {
     /// # Errors
     /// PETSc fails.
     pub fn moved(&mut self, session: &Session, centers: &[Vector2<f64>]) -> Result<Option<Mesh>> {
-        let domain = &self.made.domain;
-        let ways: Vec<Vector2<f64>> =
-            centers.iter().zip(&self.made.disks).map(|(center, disk)| domain.nearest_image(center - disk.center)).collect();
+        let mesh = self.at(session, centers)?;
+        let good = mesh.smallest_angle().to_degrees() > SMALLEST_ANGLE && mesh.regular();
+        Ok(good.then_some(mesh))
+    }
+
+    /// The mesh with the centres of its disks elsewhere, however distorted.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    pub fn at(&mut self, session: &Session, centers: &[Vector2<f64>]) -> Result<Mesh> {
+        let ways: Vec<Vector2<f64>> = centers.iter().zip(&self.centers).map(|(center, made)| center - made).collect();
         let mut mesh = self.made.clone();
         for axis in 0..2 {
             let along: Vec<f64> = ways.iter().map(|way| way[axis]).collect();
@@ -56,8 +72,7 @@ impl MovingMesh {
             *disk = Ball { center: mesh.domain.wrap(*center), ..*disk };
         }
         mesh.place_middles();
-        let good = mesh.smallest_angle().to_degrees() > SMALLEST_ANGLE && mesh.regular();
-        Ok(good.then_some(mesh))
+        Ok(mesh)
     }
 
     /// How far each vertex moves along an axis when disks move so far; small triangles are the stiffer.

@@ -1,17 +1,8 @@
-//! What is solved in Stokes flow on a mesh, and what is found; everything is per unit viscosity.
+//! What is solved in Stokes flow on a mesh or in a step of a flow with inertia, and what is found; everything is per unit viscosity.
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::Mesh;
-
-/// A rigid motion of a disk: velocity and spin.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rigid {
-    /// Velocity of the centre.
-    pub velocity: Vector2<f64>,
-    /// Counter-clockwise.
-    pub spin: f64,
-}
+use super::{Acceleration, Mesh, MeshInertia, Rigid, Sample, Triangle};
 
 /// What decides the motion of a disk.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,6 +32,15 @@ pub struct StokesProblem<'a> {
     pub on_disks: Vector2<f64>,
     /// For each axis, the mean velocity over the whole box, disks included, if it is given: the uniform force that it takes is an unknown.
     pub mean_velocity: [Option<f64>; 2],
+    /// What inertia brings into a step, if there is any.
+    pub inertia: Option<&'a MeshInertia>,
+}
+
+impl StokesProblem<'_> {
+    /// Rate of change of momentum at a point of a triangle.
+    pub(super) fn acceleration(&self, triangle: &Triangle, sample: &Sample) -> Acceleration {
+        self.inertia.map_or_else(Acceleration::default, |inertia| inertia.at(triangle, sample))
+    }
 }
 
 /// Stokes flow on a mesh, per unit viscosity.
@@ -54,11 +54,4 @@ pub struct StokesFlow {
     pub motions: Vec<Rigid>,
     /// The uniform force per area that mean velocities take.
     pub force: Vector2<f64>,
-}
-
-impl Rigid {
-    /// The velocity at an arm from the centre.
-    pub fn at(&self, arm: &Vector2<f64>) -> Vector2<f64> {
-        self.velocity + self.spin * Vector2::new(-arm.y, arm.x)
-    }
 }

@@ -6,10 +6,11 @@ use std::{
     time::Instant,
 };
 
-use nalgebra::SVector;
+use nalgebra::{SVector, Vector2};
 
 use crate::{
     body::{Twist, components, planes, skew},
+    constraint::fitted::Rigid,
     contact::{AdhesiveContact, Identity, pack, packed_length, unpack},
     error::{Error, Offer, Refusal, Result},
     grid::Grid,
@@ -17,7 +18,8 @@ use crate::{
     parallel::World,
     petsc::Vector,
     run::{BeforeStep, Output, RunStatistics},
-    simulation::{ContactHistory, ExtrapolationHistory, FlowSolver, Level, Moving, Share, Simulation, Snapshot, State},
+    scene::ConstraintMethod,
+    simulation::{ContactHistory, ExtrapolationHistory, FlowSolver, Level, MeshLevel, Moving, Share, Simulation, Snapshot, State},
 };
 
 /// Names of the arrays of a solution.
@@ -58,6 +60,7 @@ impl CheckpointFile {
             for (name, level) in LEVELS.into_iter().zip(suspension.levels()) {
                 store_level(&mut writer, suspension.grid(), name, level)?;
             }
+            LEVELS.into_iter().zip(suspension.mesh_levels()).try_for_each(|(name, level)| store_mesh_level(&mut writer, name, level))?;
         }
         writer.finish()
     }
@@ -89,16 +92,42 @@ pub fn restore<const D: usize>(world: &World, checkpoint: &Checkpoint, simulatio
         }
         None => None,
     };
-    let levels = match simulation.suspension().filter(|suspension| suspension.evolves()) {
-        Some(suspension) => {
-            let levels = LEVELS[..state.steps.min(LEVELS.len())].iter();
-            levels.map(|name| read_level(checkpoint, suspension, name)).collect::<Result<_>>()?
+    let names = LEVELS[..state.steps.min(LEVELS.len())].iter();
+    let (mut levels, mut mesh_levels) = (Vec::new(), Vec::new());
+    match simulation.suspension().filter(|suspension| suspension.evolves()) {
+        Some(suspension) if suspension.setup().constraint == ConstraintMethod::Fitted => {
+            let bodies = suspension.setup().bodies.len();
+            mesh_levels = names.map(|name| read_mesh_level(checkpoint, bodies, name)).collect::<Result<_>>()?;
         }
-        None => Vec::new(),
-    };
+        Some(suspension) => levels = names.map(|name| read_level(checkpoint, suspension, name)).collect::<Result<_>>()?,
+        None => {}
+    }
     simulation.restore(state, past);
     simulation.restore_levels(levels)?;
+    simulation.restore_mesh_levels(mesh_levels);
     Ok(statistics)
+}
+
+fn store_mesh_level(writer: &mut CheckpointWriter, name: &str, level: &MeshLevel) -> Result<()> {
+    let MeshLevel { time, centers, motions, nodes, velocities } = level;
+    let motions: Vec<f64> = motions.iter().flat_map(|rigid| [rigid.velocity.x, rigid.velocity.y, rigid.spin]).collect();
+    writer.shared(&format!("{name}_time"), &[*time])?;
+    writer.shared(&format!("{name}_centers"), &flat(centers))?;
+    writer.shared(&format!("{name}_motions"), &motions)?;
+    writer.shared(&format!("{name}_nodes"), &flat(nodes))?;
+    writer.shared(&format!("{name}_velocities"), &flat(velocities))
+}
+
+fn read_mesh_level(checkpoint: &Checkpoint, bodies: usize, name: &str) -> Result<MeshLevel> {
+    let vectors = |what: &str| -> Result<Vec<Vector2<f64>>> {
+        Ok(checkpoint.shared(&format!("{name}_{what}"))?.chunks_exact(2).map(Vector2::from_column_slice).collect())
+    };
+    let motion = |numbers: &[f64]| Rigid { velocity: Vector2::new(numbers[0], numbers[1]), spin: numbers[2] };
+    let motions: Vec<Rigid> = checkpoint.shared(&format!("{name}_motions"))?.chunks_exact(3).map(motion).collect();
+    let &[time] = &checkpoint.shared(&format!("{name}_time"))?[..] else { return Err(misfit("time")) };
+    let level = MeshLevel { time, centers: vectors("centers")?, motions, nodes: vectors("nodes")?, velocities: vectors("velocities")? };
+    let fits = level.centers.len() == bodies && level.motions.len() == bodies && level.velocities.len() == level.nodes.len();
+    if fits { Ok(level) } else { Err(misfit("velocities")) }
 }
 
 fn store_level<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, name: &str, level: &Level<D>) -> Result<()> {

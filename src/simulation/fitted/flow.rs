@@ -1,15 +1,19 @@
-//! A suspension on a fitted mesh.
+//! A suspension on a fitted mesh: at an instant, or with inertia step by step.
+//!
+//! With inertia, a solve at a time after the last one is a step by second-order backward differentiation on the mesh as it then is; fluid and disks
+//! are one linear system, whose convected velocity is implicit.
 
 use std::time::Instant;
 
 use nalgebra::{SVector, Vector2};
 
 use super::{
+    history::{MeshHistory, MeshLevel},
     interpolation::interpolate,
-    plane::{flat, motions, plane, problem, spatial, state},
+    plane::{edge_lengths, flat, motions, plane, problem, spatial, state},
 };
 use crate::{
-    constraint::fitted::{Mesh, MovingMesh, StokesFlow, StokesNumbering, StokesProblem, System, generate, loads},
+    constraint::fitted::{Load, Loads, Mesh, MovingMesh, Place, StokesFlow, StokesNumbering, StokesProblem, System, generate, loads},
     error::{Error, Result},
     flow::Drive,
     geometry::{Ball, Domain},
@@ -17,6 +21,7 @@ use crate::{
     petsc::{Direct, Report, Session, Stage, Vector, enter},
     simulation::{
         Configuration, Cost, ExtrapolationHistory, FlowSolver, ResidualMonitor, Setup, Snapshot, Solution, WallForces, check_steady_state,
+        unsteady::longest_step,
     },
 };
 
@@ -31,6 +36,8 @@ pub struct FittedFlow<const D: usize> {
     mesh: Option<Mesh>,
     /// Where the last mesh was made, which a restart needs to make it again.
     past: Option<ExtrapolationHistory<D>>,
+    /// The flow of earlier times, with inertia.
+    history: Option<MeshHistory>,
     cost: Cost,
 }
 
@@ -44,11 +51,15 @@ impl<const D: usize> FittedFlow<D> {
             let refused = "method.constraint = \"fitted\": meshes that follow bodies know of no interactions; choose another method";
             return Err(Error::refused(refused));
         }
-        check_steady_state(&setup)?;
+        let history = setup.inertia.is_some().then(MeshHistory::default);
+        if history.is_none() {
+            check_steady_state(&setup)?;
+        }
         let world = session.world();
         let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
         let domain = plane(&setup.domain);
-        Ok(FittedFlow { session: session.clone(), setup, grid, domain, moving: None, mesh: None, past: None, cost: Cost::default() })
+        let (session, cost) = (session.clone(), Cost::default());
+        Ok(FittedFlow { session, setup, grid, domain, moving: None, mesh: None, past: None, history, cost })
     }
 
     /// The mesh of the last solve.
@@ -90,6 +101,24 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
         self.past.as_ref()
     }
 
+    fn evolves(&self) -> bool {
+        self.history.is_some()
+    }
+
+    fn longest_step(&self) -> Result<f64> {
+        let of_history = |history: &MeshHistory| longest_step(&self.setup, self.setup.spacing, history.fastest());
+        Ok(self.history.as_ref().map_or(f64::INFINITY, of_history))
+    }
+
+    fn mesh_levels(&self) -> Vec<&MeshLevel> {
+        self.history.iter().flat_map(|history| history.current.iter().chain(history.past.first())).collect()
+    }
+
+    fn restore_mesh_levels(&mut self, levels: Vec<MeshLevel>) {
+        let mut levels = levels.into_iter();
+        self.history = Some(MeshHistory { current: levels.next(), past: levels.collect() });
+    }
+
     fn solve(&mut self, monitor: ResidualMonitor) -> Result<Solution<D>> {
         let centers: Vec<SVector<f64, D>> = self.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
         self.solve_at(&Configuration { centers: &centers, time: 0.0, pressed: &[], step: 0.0, pushes: &[], tolerance: 0.0 }, monitor)
@@ -97,13 +126,24 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
 
     fn solve_at(&mut self, configuration: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>> {
         let (stage, start) = (enter(Stage::SetUp), Instant::now());
+        if let Some(history) = &mut self.history {
+            history.settle(configuration.time);
+        }
         let mesh = self.mesh_at(configuration.centers, configuration.time)?;
         self.cost.setup = start.elapsed().as_secs_f64();
         drop(stage);
         let (stage, start) = (enter(Stage::Assembly), Instant::now());
         let motions = motions(&self.setup);
-        let problem = problem(&self.setup, &mesh, &motions);
+        let inertia = self.history.as_ref().and_then(|history| history.inertia(&self.setup, &mesh, configuration.time));
+        let problem = problem(&self.setup, &mesh, &motions, inertia.as_ref());
         let numbering = StokesNumbering::new(&problem);
+        if self.evolves() && inertia.is_none() {
+            let flow = at_rest(&problem, &numbering);
+            let disks = vec![Load::default(); motions.len()];
+            let solution = self.solution(&problem, &flow, Loads { disks, ..Loads::default() })?;
+            self.keep(configuration, &mesh, &flow);
+            return Ok(Solution { walls: WallForces::none(), ..solution });
+        }
         let mut system = System::new(self.session.world(), numbering.unknowns()).in_units(numbering.units(&mesh));
         numbering.assemble(&problem, &mut system)?;
         self.cost.assembly = start.elapsed().as_secs_f64();
@@ -118,10 +158,22 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
         self.cost.krylov = Report { iterations: 1, residual, seconds: self.cost.stages.inverse };
         self.cost.grid_unknowns = numbering.unknowns();
         let flow = numbering.flow(&problem, &found);
-        let solution = self.solution(&problem, &flow);
+        let solution = self.solution(&problem, &flow, loads(&problem, &flow)?)?;
+        self.keep(configuration, &mesh, &flow);
         self.mesh = Some(mesh);
-        solution
+        Ok(solution)
     }
+}
+
+/// What there is before the first step: nothing moves but walls, disks whose motion is given, and a fluid without walls whose mean velocity is given.
+fn at_rest(problem: &StokesProblem, numbering: &StokesNumbering) -> StokesFlow {
+    let mut flow = numbering.flow(problem, &vec![0.0; numbering.unknowns()]);
+    if problem.mesh.domain.fully_periodic() {
+        let mean = Vector2::from(problem.mean_velocity.map(Option::unwrap_or_default));
+        let places = flow.velocities.iter_mut().zip(&problem.mesh.places);
+        places.filter(|(_, place)| **place == Place::Fluid).for_each(|(velocity, _)| *velocity = mean);
+    }
+    flow
 }
 
 impl<const D: usize> FittedFlow<D> {
@@ -136,7 +188,12 @@ impl<const D: usize> FittedFlow<D> {
                 return Ok(mesh);
             }
         }
-        self.make(centers, time)
+        let old = self.moving.take().map(|(moving, _)| moving.into_made());
+        let mesh = self.make(centers, time)?;
+        if let (Some(history), Some(old), Some((moving, _))) = (&mut self.history, old, &mut self.moving) {
+            history.change_mesh(&old, moving, &self.session)?;
+        }
+        Ok(mesh)
     }
 
     /// A new mesh.
@@ -145,8 +202,9 @@ impl<const D: usize> FittedFlow<D> {
         self.moving = None;
         let radii = self.setup.bodies.iter().map(|suspended| suspended.body.ball.radius);
         let disks: Vec<Ball<2>> = centers.iter().zip(radii).map(|(center, radius)| Ball { center: flat(center), radius }).collect();
-        let mesh = generate(&self.domain, &disks, self.setup.spacing).map_err(|error| self.on_the_way(error, time))?;
-        self.moving = Some((MovingMesh::new(mesh.clone()), None));
+        let lengths = edge_lengths(&self.setup, &self.domain, &disks);
+        let mesh = generate(&self.domain, &disks, lengths).map_err(|error| self.on_the_way(error, time))?;
+        self.moving = Some((MovingMesh::new(mesh.clone(), centers.iter().map(flat).collect()), None));
         let last = Snapshot { fluid: None, multipliers: Vec::new(), centers: centers.to_vec(), mean_flow: Vec::new() };
         self.past = Some(ExtrapolationHistory { time, last, earlier: None });
         self.cost.meshes += 1;
@@ -161,8 +219,15 @@ impl<const D: usize> FittedFlow<D> {
         }
     }
 
-    fn solution(&self, problem: &StokesProblem, flow: &StokesFlow) -> Result<Solution<D>> {
-        let found = loads(problem, flow)?;
+    /// Keeps what was found for the steps to come, with inertia.
+    fn keep(&mut self, configuration: &Configuration<D>, mesh: &Mesh, flow: &StokesFlow) {
+        if let Some(history) = &mut self.history {
+            let centers = configuration.centers.iter().map(flat).collect();
+            history.current = Some(MeshLevel::of(configuration.time, centers, mesh, flow));
+        }
+    }
+
+    fn solution(&self, problem: &StokesProblem, flow: &StokesFlow, found: Loads) -> Result<Solution<D>> {
         let viscosity = self.setup.viscosity;
         let states = problem.mesh.disks.iter().zip(&flow.motions).zip(&found.disks);
         let gradient = match self.setup.drive {

@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use crate::{
-    constraint::fitted::{Locator, Spot, StokesFlow, StokesProblem, first_order, second_order},
+    constraint::fitted::{Locator, Rigid, Spot, StokesFlow, StokesProblem, first_order, second_order},
     error::{Error, Result},
     grid::{Grid, operators::signed},
     petsc::{Session, Vector},
@@ -37,6 +37,14 @@ pub fn interpolate<const D: usize>(
     }
     drop(local);
     Ok(fluid)
+}
+
+/// A velocity given at the nodes of a mesh and by the motions of its disks, at a point.
+pub fn velocity(locator: &Locator, velocities: &[Vector2<f64>], motions: &[Rigid], point: &Vector2<f64>) -> Result<Vector2<f64>> {
+    Ok(match spot(locator, point)? {
+        Spot::Fluid(triangle, l) => second_order(triangle, &l, |node| velocities[node]),
+        Spot::Disk(disk, arm) => motions[disk].at(&arm),
+    })
 }
 
 /// Where a point lies.

@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 use crate::{
     body::{Motion, Twist, components, skew},
-    constraint::fitted::{DiskMotion, Load, Mesh, Rigid, StokesNumbering, StokesProblem, generate},
+    constraint::fitted::{DiskMotion, EdgeLengths, Load, Mesh, MeshInertia, Rigid, StokesNumbering, StokesProblem, generate},
     error::Result,
     flow::Drive,
     geometry::{Axis, Ball, Domain},
@@ -17,8 +17,14 @@ use crate::{
 /// No mesh fits.
 pub fn size<const D: usize>(setup: &Setup<D>) -> Result<(usize, usize)> {
     let disks: Vec<Ball<2>> = setup.bodies.iter().map(|suspended| flat_disk(&suspended.body.ball)).collect();
-    let (mesh, motions) = (generate(&plane(&setup.domain), &disks, setup.spacing)?, motions(setup));
-    Ok((mesh.triangles.len(), StokesNumbering::new(&problem(setup, &mesh, &motions)).unknowns()))
+    let (domain, motions) = (plane(&setup.domain), motions(setup));
+    let mesh = generate(&domain, &disks, edge_lengths(setup, &domain, &disks))?;
+    Ok((mesh.triangles.len(), StokesNumbering::new(&problem(setup, &mesh, &motions, None)).unknowns()))
+}
+
+/// The edges of a setup's mesh: far from disks, vortices of a flow with inertia are wider than what disks do to Stokes flow near them.
+pub fn edge_lengths<const D: usize>(setup: &Setup<D>, domain: &Domain<2>, disks: &[Ball<2>]) -> EdgeLengths {
+    if setup.inertia.is_some() { EdgeLengths::growing(setup.spacing, domain, disks) } else { setup.spacing.into() }
 }
 
 /// A ball in two dimensions.
@@ -26,8 +32,13 @@ pub fn flat_disk<const D: usize>(ball: &Ball<D>) -> Ball<2> {
     Ball { center: flat(&ball.center), radius: ball.radius }
 }
 
-/// What a setup is on a mesh.
-pub fn problem<'a, const D: usize>(setup: &Setup<D>, mesh: &'a Mesh, motions: &'a [DiskMotion]) -> StokesProblem<'a> {
+/// What a setup is on a mesh, in a step with this inertia.
+pub fn problem<'a, const D: usize>(
+    setup: &Setup<D>,
+    mesh: &'a Mesh,
+    motions: &'a [DiskMotion],
+    inertia: Option<&'a MeshInertia>,
+) -> StokesProblem<'a> {
     let (drive, domain, viscosity) = (&setup.drive, &setup.domain, setup.viscosity);
     let background = match drive {
         Drive::Shear(rate) => Matrix2::new(0.0, *rate, 0.0, 0.0),
@@ -46,6 +57,7 @@ pub fn problem<'a, const D: usize>(setup: &Setup<D>, mesh: &'a Mesh, motions: &'
         on_fluid: flat(&uniform) / viscosity,
         on_disks: flat(&(uniform - drive.force_on_fluid_alone())) / viscosity,
         mean_velocity,
+        inertia,
     }
 }
 

@@ -35,10 +35,9 @@ pub fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Eff
     let hierarchies = distinct_laplacians(grid);
     let free = setup.bodies.iter().filter(|suspended| suspended.body.free()).count();
     let spins = (free > 0).then(|| format!("spins of {free} bodies, which follow from the flow"));
-    let model = if setup.inertia.is_some() { "navier-stokes flow" } else { "stokes flow" };
     vec![
         Effect::on(
-            model,
+            flow_name(setup),
             match setup.inverse {
                 InverseMethod::Hypre => format!("one matrix a component, {hierarchies} multigrid hierarchies (hypre)"),
                 InverseMethod::Transform => "no matrices: exact inverse by Fourier transforms".into(),
@@ -52,6 +51,11 @@ pub fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Eff
             count => Effect::on("bodies", format!("{count}, {free} of them free; {}", setup.method().description())),
         },
     ]
+}
+
+/// The name of a flow.
+pub fn flow_name<const D: usize>(setup: &Setup<D>) -> &'static str {
+    if setup.inertia.is_some() { "navier-stokes flow" } else { "stokes flow" }
 }
 
 /// Inertia of fluid and bodies.

@@ -2,7 +2,7 @@
 
 use super::{
     Plan,
-    effects::{Effect, drive, gravity, in_time},
+    effects::{Effect, drive, flow_name, gravity, in_time},
     report::{GridPlan, PlanReport},
 };
 use crate::{
@@ -23,17 +23,26 @@ pub fn flow<const D: usize>(plan: &Plan<D>, setup: &Setup<D>, ranks: usize) -> R
     let (triangles, unknowns) = fitted::flow_size(setup)?;
     let free = setup.bodies.iter().filter(|suspended| suspended.body.free()).count();
     let mut effects = vec![
-        Effect::on("stokes flow", mesh(triangles)),
+        Effect::on(flow_name(setup), mesh(triangles)),
         Effect::on("pressure", "one unknown for each corner of a triangle".into()),
         Effect { name: "rotation", built: (free > 0).then(|| format!("spins of {free} bodies, which are unknowns")) },
         Effect::on("drive", drive(&setup.drive)),
         bodies(setup.bodies.len(), &format!("{free} of them free; ")),
-        Effect::off("inertia"),
+        inertia(setup),
         gravity(&plan.scene),
     ];
     effects.extend(in_time(plan));
     let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
     Ok(on_mesh(effects, &grid, unknowns, MeanFlowConstraint::count(&setup.drive, &setup.domain)))
+}
+
+/// Inertia of fluid and bodies.
+fn inertia<const D: usize>(setup: &Setup<D>) -> Effect {
+    let built = setup.inertia.as_ref().map(|inertia| {
+        let built = "the flow of two earlier times at nodes that move along, convection in the matrix, whose factors are new in each step";
+        format!("fluid of density {}: {built}", inertia.fluid)
+    });
+    Effect { name: "inertia", built }
 }
 
 /// The plan of a scalar.

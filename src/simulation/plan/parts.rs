@@ -145,11 +145,9 @@ impl<const D: usize> Simulation<D> {
 /// # Errors
 /// Bodies, grid or rank count do not fit, or no steady state exists.
 pub fn flow_solver<const D: usize>(session: &Session, setup: Setup<D>) -> Result<Box<dyn FlowSolver<D>>> {
-    if setup.inertia.is_some() {
-        return Ok(Box::new(UnsteadySuspension::new(session, setup)?));
-    }
     match setup.constraint {
         ConstraintMethod::Fitted => Ok(Box::new(FittedFlow::new(session, setup)?)),
+        _ if setup.inertia.is_some() => Ok(Box::new(UnsteadySuspension::new(session, setup)?)),
         _ => Ok(Box::new(Suspension::new(session, setup)?)),
     }
 }

@@ -5,6 +5,7 @@
 //! last one, as contacts need them, are that step again.
 
 mod level;
+mod longest;
 mod momentum;
 mod rows;
 mod scheme;
@@ -14,11 +15,11 @@ use std::time::Instant;
 use nalgebra::{SMatrix, SVector};
 
 pub use self::level::Level;
+pub(super) use self::{longest::longest_step, momentum::inertia, scheme::StepWeights};
 use self::{
     level::Extended,
-    momentum::{Momentum, inertia},
+    momentum::Momentum,
     rows::{Past, kept},
-    scheme::StepWeights,
 };
 use super::{
     BodyState, FlowSolver, Inertia, Setup, Solution, WallForces,
@@ -33,7 +34,7 @@ use super::{
     readback::{contact_forces, forces_on_walls},
 };
 use crate::{
-    body::{Motion, Twist, planes},
+    body::{Twist, planes},
     error::{Error, Result},
     flow::{Convection, FluidSystem, OpenEnds, StokesInverse, fastest},
     grid::{Grid, operators::signed},
@@ -43,18 +44,12 @@ use crate::{
 /// Change of the shift, as a part, that is rounding of time steps.
 const ROUNDING: f64 = 1e-7;
 
-/// Cells that the flow passes in a step at most.
-const COURANT: f64 = 0.5;
-
 /// Cells that the flow passes in a step beyond which what is extrapolated means nothing: a run is unstable long before.
 const LARGEST_COURANT: f64 = 3.0;
 
 /// Square of the way of viscosity in a step, in cells, below which a light body is not followed: jumps of steady flow then say more of the mobility of a
 /// surface than the grid, and make it larger than the fluid that the body takes the place of allows.
 const SHORTEST_DIFFUSION: f64 = 0.03;
-
-/// Length of the first step, which is of first order, over that in which forces from rest move something as far.
-const FIRST: f64 = 0.25;
 
 /// A suspension in a flow with inertia.
 pub struct UnsteadySuspension<const D: usize> {
@@ -252,25 +247,9 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         if self.past.is_empty() { Ok(()) } else { self.begin(time).map(drop) }
     }
 
-    /// Before the first step, until forces, walls and prescribed motions move something across as many cells as later ones may.
     fn longest_step(&self) -> Result<f64> {
-        let way = COURANT * self.fixed.grid.spacing().min();
         let fastest = self.current.as_ref().map_or(Ok(0.0), |level| fastest(&self.fixed.grid, &level.fluid))?;
-        let setup = &self.fixed.setup;
-        let of_body = |(body, motion): (usize, Motion<D>)| {
-            let ball = setup.bodies[body].body.ball;
-            match motion {
-                Motion::Prescribed(twist) => way / (twist.velocity.norm() + twist.spin.norm() * ball.radius),
-                Motion::Free { force, .. } => {
-                    let mass = (self.inertia().bodies[body] + self.inertia().fluid) * ball.volume();
-                    (2.0 * way * mass / force.norm()).sqrt()
-                }
-            }
-        };
-        let by_bodies = setup.fastest_motions().into_iter().enumerate().map(of_body).fold(f64::INFINITY, f64::min);
-        let walls = setup.domain.axes.iter().map(|axis| way / axis.fastest_wall()).fold(f64::INFINITY, f64::min);
-        let drive = (2.0 * way * self.inertia().fluid / setup.drive.uniform_force().norm()).sqrt();
-        Ok(if fastest > 0.0 { (way / fastest).min(walls) } else { FIRST * by_bodies.min(walls).min(drive) })
+        Ok(longest_step(&self.fixed.setup, self.fixed.grid.spacing().min(), fastest))
     }
 
     fn resistances(&self) -> Vec<f64> {

@@ -1,0 +1,114 @@
+//! What a flow with inertia brings from earlier times: velocities at the nodes of a mesh, which move along with it.
+
+use nalgebra::Vector2;
+
+use super::interpolation::velocity;
+use crate::{
+    constraint::fitted::{DiskInertia, Locator, Mesh, MeshInertia, MovingMesh, Place, Rigid, StokesFlow},
+    error::Result,
+    petsc::Session,
+    simulation::{
+        Setup, SuspendedBody,
+        unsteady::{StepWeights, inertia},
+    },
+    surface::Shape,
+};
+
+/// A flow on a mesh at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshLevel {
+    /// The time.
+    pub time: f64,
+    /// Centres of the disks, not wrapped into the box.
+    pub centers: Vec<Vector2<f64>>,
+    /// Motions of the disks.
+    pub motions: Vec<Rigid>,
+    /// Where the nodes of the mesh are.
+    pub nodes: Vec<Vector2<f64>>,
+    /// Velocities there.
+    pub velocities: Vec<Vector2<f64>>,
+}
+
+/// The last solution and those from which its step started, all at the nodes of one mesh.
+#[derive(Debug, Default)]
+pub struct MeshHistory {
+    /// The last solution.
+    pub current: Option<MeshLevel>,
+    /// Those before it, the last one first.
+    pub past: Vec<MeshLevel>,
+}
+
+impl MeshLevel {
+    /// A flow that was found on a mesh whose disks, not wrapped into the box, have these centres.
+    pub fn of(time: f64, centers: Vec<Vector2<f64>>, mesh: &Mesh, flow: &StokesFlow) -> MeshLevel {
+        MeshLevel { time, centers, motions: flow.motions.clone(), nodes: mesh.nodes.clone(), velocities: flow.velocities.clone() }
+    }
+
+    /// The same flow on another mesh: where that has its nodes at this time.
+    fn on(&self, old: &Mesh, new: &mut MovingMesh, session: &Session) -> Result<MeshLevel> {
+        let mesh = new.at(session, &self.centers)?;
+        let disks = mesh.disks.clone();
+        let here = Mesh { nodes: self.nodes.clone(), disks, ..old.clone() };
+        let locator = Locator::new(&here);
+        let at = |(node, place): (&Vector2<f64>, &Place)| match *place {
+            Place::Fluid => velocity(&locator, &self.velocities, &self.motions, node),
+            Place::Surface(disk) => Ok(self.motions[disk].at(&mesh.arm(disk, node))),
+            Place::Wall(walls) => Ok(mesh.wall_velocity(walls)),
+        };
+        let velocities = mesh.nodes.iter().zip(&mesh.places).map(at).collect::<Result<_>>()?;
+        Ok(MeshLevel { nodes: mesh.nodes, velocities, centers: self.centers.clone(), motions: self.motions.clone(), ..*self })
+    }
+}
+
+impl MeshHistory {
+    /// Makes the last solution a past one, if time has gone on.
+    pub fn settle(&mut self, time: f64) {
+        if let Some(level) = self.current.take_if(|level| level.time < time) {
+            self.past.insert(0, level);
+            self.past.truncate(2);
+        }
+    }
+
+    /// Goes over from one mesh to another.
+    ///
+    /// # Errors
+    /// The meshes do not lie in the same box, or PETSc fails.
+    pub fn change_mesh(&mut self, old: &Mesh, new: &mut MovingMesh, session: &Session) -> Result<()> {
+        self.past.iter_mut().try_for_each(|level| {
+            *level = level.on(old, new, session)?;
+            Ok(())
+        })
+    }
+
+    /// The largest component of the last velocity.
+    pub fn fastest(&self) -> f64 {
+        self.current.iter().flat_map(|level| &level.velocities).map(|velocity| velocity.amax()).fold(0.0, f64::max)
+    }
+
+    /// What a step to a mesh at a time takes of the past; nothing before the first one.
+    pub fn inertia<const D: usize>(&self, setup: &Setup<D>, mesh: &Mesh, time: f64) -> Option<MeshInertia> {
+        let last = self.past.first()?.time;
+        let weights = StepWeights::new(time - last, self.past.get(1).map(|level| last - level.time));
+        let ([rate, past @ ..], masses) = (weights.rate, inertia(setup));
+        let sum = |weights: &[f64; 2], of: &dyn Fn(&MeshLevel) -> Vector2<f64>| -> Vector2<f64> {
+            self.past.iter().zip(weights).map(|(level, weight)| of(level) * *weight).sum()
+        };
+        let carrying = |node: usize| {
+            let of_mesh = rate * mesh.nodes[node] + sum(&past, &|level| level.nodes[node]);
+            sum(&weights.extrapolation, &|level| level.velocities[node]) - of_mesh
+        };
+        let disk = |(disk, suspended): (usize, &SuspendedBody<D>)| {
+            let (ball, density) = (&suspended.body.ball, masses.bodies[disk] / setup.viscosity);
+            let velocity = sum(&past, &|level| level.motions[disk].velocity);
+            let spin = self.past.iter().zip(past).map(|(level, weight)| level.motions[disk].spin * weight).sum();
+            DiskInertia { mass: density * ball.volume(), moment: density * ball.moment_of_inertia(), history: Rigid { velocity, spin } }
+        };
+        Some(MeshInertia {
+            density: masses.fluid / setup.viscosity,
+            rate,
+            history: (0..mesh.nodes.len()).map(|node| sum(&past, &|level| level.velocities[node])).collect(),
+            carrying: (0..mesh.nodes.len()).map(carrying).collect(),
+            disks: setup.bodies.iter().enumerate().map(disk).collect(),
+        })
+    }
+}

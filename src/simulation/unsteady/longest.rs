@@ -1,0 +1,31 @@
+//! How long a step may be for what a flow carries along.
+
+use super::momentum::inertia;
+use crate::{body::Motion, simulation::Setup};
+
+/// Cells that the flow passes in a step at most.
+const COURANT: f64 = 0.5;
+
+/// Length of the first step, which is of first order, over that in which forces from rest move something as far.
+const FIRST: f64 = 0.25;
+
+/// The longest step of a flow with a largest speed along an axis, on cells of a size.
+///
+/// At rest, before the first step, until forces, walls and prescribed motions move something across as many cells as later ones may.
+pub fn longest_step<const D: usize>(setup: &Setup<D>, spacing: f64, fastest: f64) -> f64 {
+    let (way, inertia) = (COURANT * spacing, inertia(setup));
+    let of_body = |(body, motion): (usize, Motion<D>)| {
+        let ball = setup.bodies[body].body.ball;
+        match motion {
+            Motion::Prescribed(twist) => way / (twist.velocity.norm() + twist.spin.norm() * ball.radius),
+            Motion::Free { force, .. } => {
+                let mass = (inertia.bodies[body] + inertia.fluid) * ball.volume();
+                (2.0 * way * mass / force.norm()).sqrt()
+            }
+        }
+    };
+    let by_bodies = setup.fastest_motions().into_iter().enumerate().map(of_body).fold(f64::INFINITY, f64::min);
+    let walls = setup.domain.axes.iter().map(|axis| way / axis.fastest_wall()).fold(f64::INFINITY, f64::min);
+    let drive = (2.0 * way * inertia.fluid / setup.drive.uniform_force().norm()).sqrt();
+    if fastest > 0.0 { (way / fastest).min(walls) } else { FIRST * by_bodies.min(walls).min(drive) }
+}
