@@ -7,7 +7,11 @@
 use crate::{
     error::Result,
     geometry::Inflow,
-    grid::{Block, Grid, Index, operators::signed, stencil::{Site, moved}},
+    grid::{
+        Block, Grid, Index,
+        operators::signed,
+        stencil::{Site, moved},
+    },
     petsc::Vector,
 };
 

@@ -20,7 +20,9 @@ pub fn velocities<const D: usize>(grid: &Grid<D>, fluid: &Vector, points: &[SVec
     let ends = OpenEnds::of(grid, fluid)?;
     for (number, point) in mine(grid, fluid, points) {
         for component in 0..D {
-            interpolation::velocity(grid, component, point, |term| samples.add_velocity(number * D + component, (grid, ends.as_ref()), term));
+            interpolation::velocity(grid, component, point, |term| {
+                samples.add_velocity(number * D + component, (grid, ends.as_ref()), term)
+            });
         }
     }
     Ok(samples.fetch(fluid)?.chunks(D).map(SVector::from_column_slice).collect())

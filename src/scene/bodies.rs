@@ -186,7 +186,11 @@ fn read_places(entry: &Entry, dimension: usize) -> Result<Vec<Vec<f64>>> {
         let numbers: Vec<f64> = row.list()?.iter().map(Entry::number).collect::<Result<_>>()?;
         row.expect((), numbers.len() == dimension + 1, &format!("must be a time and {dimension} numbers, the displacement then"))?;
         match places.last() {
-            None => row.expect((), numbers.iter().all(|&number| number == 0.0), "must be all zeros: a body starts at time 0 where it is placed")?,
+            None => row.expect(
+                (),
+                numbers.iter().all(|&number| number == 0.0),
+                "must be all zeros: a body starts at time 0 where it is placed",
+            )?,
             Some(last) => row.expect((), numbers[0] > last[0], "must be later than the place before it")?,
         }
         places.push(numbers);
@@ -201,7 +205,8 @@ impl Motion {
     }
 
     fn read(entry: &Entry, dimension: usize) -> Result<Self> {
-        const CHOICES: &str = "\"free\", \"fixed\", { velocity = [..], spin = .. }, { amplitude = [..], frequency = .. } or { path = [[..], ..] }";
+        const CHOICES: &str =
+            "\"free\", \"fixed\", { velocity = [..], spin = .. }, { amplitude = [..], frequency = .. } or { path = [[..], ..] }";
         if let Ok(word) = entry.text() {
             return match word {
                 "free" => Ok(Motion::Free),

@@ -217,9 +217,7 @@ fn of_motion(motion: &Motion) -> Keys {
             let rotation = if let [angle] = rotation[..] { number("motion.rotation", angle) } else { list("motion.rotation", rotation) };
             vec![list("motion.amplitude", amplitude), rotation, number("motion.frequency", *frequency), number("motion.phase", *phase)]
         }
-        Motion::Path(places) => {
-            (0..).zip(places).map(|(index, place)| list(&format!("motion.path[{index}]"), place)).collect()
-        }
+        Motion::Path(places) => (0..).zip(places).map(|(index, place)| list(&format!("motion.path[{index}]"), place)).collect(),
     }
 }
 

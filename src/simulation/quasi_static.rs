@@ -16,8 +16,8 @@ use std::time::Instant;
 use nalgebra::SVector;
 
 use super::{
-    Configuration, ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Level, MeshLevel, Moving, Observation, ResidualMonitor, Solution, State,
-    StepOutcome, Stepper,
+    Configuration, ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Level, MeshLevel, Moving, Observation, ResidualMonitor,
+    Solution, State, StepOutcome, Stepper,
     active_set_iteration::ActiveSetIteration,
     contact_step::{ContactStep, identities},
     step_control::{BodyMotion, StepControl, StepSize},

@@ -3,6 +3,7 @@
 mod bars;
 mod case;
 mod cases;
+mod channel;
 mod crowds;
 mod inertia;
 mod oscillation;

@@ -288,7 +288,8 @@ fn spin_up<const D: usize>(session: &Session, size: &str, torque: &str, expected
 fn bodies_that_leave_the_box_without_a_contact_model_are_an_error_that_says_so(session: &Session) {
     let time = fixed(0.1, 5.0, Scheme::TwoStep);
     let bodies = vec![dry_body([0.5, 0.5], [1.0, 0.0], Vector2::zeros()), dry_body([0.5, 0.6], [0.0, 1.0], Vector2::zeros())];
-    let setup = GranularSetup { domain: channel([1.0, 1.0]), bodies, trajectories: Default::default(), interactions: Interactions::default() };
+    let setup =
+        GranularSetup { domain: channel([1.0, 1.0]), bodies, trajectories: Default::default(), interactions: Interactions::default() };
     let mut simulation = Simulation::granular(session, setup, time);
     let error = loop {
         let observation = simulation.evaluate(&mut |_, _| {}).unwrap();

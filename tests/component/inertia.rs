@@ -5,12 +5,16 @@ use std::{f64::consts::TAU, path::Path};
 use nalgebra::{SMatrix, SVector, Vector2};
 use turbid::{
     body::{Body, Motion, Twist},
+    constraint::fitted::{Mesh, Triangle},
     flow::{Convection, Drive, FluidSystem, InverseMethod, Stokes},
     geometry::{Axis, Ball, Domain, Inflow},
     grid::{Grid, operators::signed},
     petsc::{Session, Vector},
     scene::{ConstraintMethod, ContactModel, Scene, Scheme, Step, TimeSection, Tolerance},
-    simulation::{Configuration, FlowSolver, Inertia, Level, Setup, Simulation, SuspendedBody, Suspension, UnsteadySuspension},
+    simulation::{
+        Configuration, ExtrapolationHistory, FittedFlow, FlowSolver, Inertia, Level, MeshLevel, Setup, Simulation, Snapshot, SuspendedBody,
+        Suspension, UnsteadySuspension,
+    },
 };
 
 use crate::{
@@ -33,6 +37,8 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_disk_in_an_open_channel_is_dragged_as_in_a_periodic_one),
         Test::of(a_step_from_remembered_levels_is_the_step_of_the_whole_run),
         Test::of(a_disk_that_lands_rests_on_the_floor),
+        Test::of(a_fitted_mesh_follows_a_falling_disk_at_second_order),
+        Test::of(a_new_mesh_has_the_momentum_of_the_old_one),
         Test::of(a_sphere_falls_straight_and_alike_with_either_inverse),
     ]
 }
@@ -332,8 +338,7 @@ fn what_flows_in_flows_on_and_out(session: &Session) {
     fn proof<const D: usize>(session: &Session, axes: [Axis<D>; D], inverse: InverseMethod) {
         let domain = Domain { size: SVector::from_fn(|axis, _| if axis == 0 { 2.0 } else { 1.0 }), axes };
         let (open, inflow) = domain.open().unwrap();
-        let mut flow =
-            UnsteadySuspension::new(session, Setup { inverse, ..setup(domain.clone(), 1.0 / 12.0, 0.02, Vec::new()) }).unwrap();
+        let mut flow = UnsteadySuspension::new(session, Setup { inverse, ..setup(domain.clone(), 1.0 / 12.0, 0.02, Vec::new()) }).unwrap();
         let mut solution = flow.solve_at(&configuration(&[], 0.0), &mut |_, _| {}).unwrap();
         for step in 1..=6 {
             solution = flow.solve_at(&configuration(&[], 0.02 * f64::from(step)), &mut |_, _| {}).unwrap();
@@ -404,6 +409,70 @@ fn a_disk_that_lands_rests_on_the_floor(session: &Session) {
     let (height, speed) = (simulation.state().bodies[0].center[1], motion(&mut simulation).velocity.norm());
     assert!((0.125 - 1e-9..0.125 + 1e-3).contains(&height), "{height}");
     assert!(speed < 1e-3, "{speed}");
+}
+
+fn fitted(setup: Setup<2>) -> Setup<2> {
+    Setup { constraint: ConstraintMethod::Fitted, ..setup }
+}
+
+/// The settling disk again, on a mesh as coarse as any; in a smaller box, halved steps change the speed by a fourth.
+fn a_fitted_mesh_follows_a_falling_disk_at_second_order(session: &Session) {
+    let speed = |setup: Setup<2>, step: f64, end: f64| {
+        let time = TimeSection { step: Step::Fixed(step), end, scheme: Scheme::TwoStep, travel: 0.1, until: None };
+        let mut simulation = Simulation::flowing(session, Box::new(FittedFlow::new(session, fitted(setup)).unwrap()), time);
+        while !simulation.over() {
+            let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+            simulation.step(&observation, &mut |_, _| {}).unwrap();
+        }
+        -motion(&mut simulation).velocity[1]
+    };
+    let disk = |x: f64, y: f64| (free([x, y], 0.125, 3, Vector2::new(0.0, -245.0 * 0.125 * 0.125 * TAU / 2.0)), 1.25);
+    let found = speed(setup(closed([2.0, 6.0]), 0.125 / 3.0, 0.1, vec![disk(1.0, 4.0)]), 0.005, 0.05);
+    assert!((found / 2.679 - 1.0).abs() < 0.005, "{found}");
+    let [one, two, four] =
+        [1.0, 2.0, 4.0].map(|parts| speed(setup(closed([0.8, 0.8]), 0.125 / 3.0, 0.1, vec![disk(0.4, 0.5)]), 0.008 / parts, 0.04));
+    let order = ((one - two) / (two - four)).log2();
+    assert!((1.8..2.5).contains(&order), "order {order}: {one} {two} {four}");
+}
+
+/// Momentum of the fluid on a mesh with its nodes elsewhere, over density.
+fn momentum(mesh: &Mesh, level: &MeshLevel) -> Vector2<f64> {
+    let mesh = Mesh { nodes: level.nodes.clone(), ..mesh.clone() };
+    let of_triangle = |triangle: &Triangle| {
+        let samples = mesh.shape(triangle).samples().unwrap().into_iter();
+        samples.map(|sample| sample.interpolate(&triangle.nodes, |node| level.velocities[node]) * sample.weight).sum::<Vector2<f64>>()
+    };
+    mesh.triangles.iter().map(of_triangle).sum()
+}
+
+/// A disk is led down in a closed box until a new mesh is made; a flow that goes on from the levels makes the same step.
+fn a_new_mesh_has_the_momentum_of_the_old_one(session: &Session) {
+    let flow = || {
+        let disk = (free([0.4, 0.6], 0.1, 3, Vector2::new(0.0, -1.0)), 2.0);
+        FittedFlow::new(session, fitted(setup(closed([0.8, 0.8]), 0.1 / 3.0, 0.1, vec![disk]))).unwrap()
+    };
+    let solve = |flow: &mut FittedFlow<2>, step: usize| {
+        let centers = [Vector2::new(0.4, 0.6 - 0.02 * step as f64)];
+        flow.solve_at(&configuration(&centers, 0.1 * step as f64), &mut |_, _| {}).unwrap().bodies[0].twist
+    };
+    let (mut whole, mut before, mut step) = (flow(), Vector2::zeros(), 0);
+    while whole.cost().meshes < 2 {
+        if let (Some(mesh), Some(level)) = (whole.mesh(), whole.mesh_levels().first()) {
+            before = momentum(mesh, level);
+        }
+        solve(&mut whole, step);
+        step += 1;
+    }
+    let after = momentum(whole.mesh().unwrap(), whole.mesh_levels()[1]);
+    assert!((3..20).contains(&step) && before[1] > 0.0, "{step} steps, momentum {before}");
+    assert!((after - before).norm() < 1e-3 * before.norm(), "{before} and {after}");
+    let mut resumed = flow();
+    let past = whole.past().unwrap();
+    let last = Snapshot { fluid: None, multipliers: Vec::new(), centers: past.last.centers.clone(), mean_flow: Vec::new() };
+    resumed.remember(Some(ExtrapolationHistory { time: past.time, last, earlier: None }));
+    resumed.restore_mesh_levels(whole.mesh_levels().into_iter().cloned().collect());
+    let (one, other) = (solve(&mut whole, step), solve(&mut resumed, step));
+    assert!((one.velocity - other.velocity).norm() < 1e-10 * one.velocity.norm(), "{one:?} and {other:?}");
 }
 
 fn a_sphere_falls_straight_and_alike_with_either_inverse(session: &Session) {

@@ -59,7 +59,12 @@ fn start(
 ) -> Simulation<2> {
     Simulation::granular(
         session,
-        GranularSetup { domain: channel(size), bodies, trajectories: Default::default(), interactions: Interactions::default().with(contact) },
+        GranularSetup {
+            domain: channel(size),
+            bodies,
+            trajectories: Default::default(),
+            interactions: Interactions::default().with(contact),
+        },
         time,
     )
 }
@@ -72,7 +77,12 @@ fn under(
     contact: impl Interaction<2> + 'static,
     time: TimeSection,
 ) -> Simulation<2> {
-    let setup = GranularSetup { domain: simulation.domain().clone(), bodies, trajectories: Default::default(), interactions: Interactions::default().with(contact) };
+    let setup = GranularSetup {
+        domain: simulation.domain().clone(),
+        bodies,
+        trajectories: Default::default(),
+        interactions: Interactions::default().with(contact),
+    };
     let mut other = Simulation::granular(session, setup, time);
     other.restore(simulation.whole_state().into_owned(), None);
     other

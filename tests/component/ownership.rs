@@ -39,7 +39,11 @@ fn gas(session: &Session, contact: impl Interaction<2> + 'static, step: f64) -> 
     };
     let bodies = centers.into_iter().zip(radii).map(body).collect();
     let time = TimeSection { step: Step::Fixed(step), end: 40.0 * step, scheme: Scheme::TwoStep, travel: 0.1, until: None };
-    Simulation::granular(session, GranularSetup { domain, bodies, trajectories: Default::default(), interactions: Interactions::default().with(contact) }, time)
+    Simulation::granular(
+        session,
+        GranularSetup { domain, bodies, trajectories: Default::default(), interactions: Interactions::default().with(contact) },
+        time,
+    )
 }
 
 fn step(simulation: &mut Simulation<2>) {

@@ -183,7 +183,11 @@ fn granular(session: &Session) -> Simulation<2> {
         spin_up: SMatrix::zeros(),
     };
     let bodies = disks(Vector2::zeros()).iter().map(body).collect();
-    Simulation::granular(session, GranularSetup { domain: domain(), bodies, trajectories: Default::default(), interactions: all_interactions() }, time(1.0))
+    Simulation::granular(
+        session,
+        GranularSetup { domain: domain(), bodies, trajectories: Default::default(), interactions: all_interactions() },
+        time(1.0),
+    )
 }
 
 fn setup(interactions: Interactions<2>) -> Setup<2> {

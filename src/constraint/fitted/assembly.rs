@@ -125,9 +125,8 @@ impl Parts {
         for (j, column) in self.velocities.iter().enumerate() {
             for (b, column) in column.iter().enumerate() {
                 let along = if a == b { 1.0 } else { 0.0 };
-                let value = self.integral(|sample, acceleration| {
-                    sample.friction(i, a, j, b) + along * sample.values[i] * acceleration.weights[j]
-                });
+                let value =
+                    self.integral(|sample, acceleration| sample.friction(i, a, j, b) + along * sample.values[i] * acceleration.weights[j]);
                 for (unknown, factor) in row.terms() {
                     system.load(*unknown, -factor * value * column.known);
                     column.terms().iter().for_each(|(other, of_column)| system.add(*unknown, *other, factor * value * of_column));

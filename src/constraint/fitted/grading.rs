@@ -1,5 +1,7 @@
 //! How long the edges of a mesh should be: small where surfaces are near each other, and, if it is wanted, near disks.
 
+use std::f64::consts::TAU;
+
 use nalgebra::Vector2;
 
 use crate::geometry::{Ball, Domain};
@@ -56,13 +58,23 @@ impl From<f64> for EdgeLengths {
 }
 
 impl EdgeLengths {
-    /// Edges that grow with the distance from the disks of a box.
-    pub fn growing(at_disks: f64, domain: &Domain<2>, disks: &[Ball<2>]) -> EdgeLengths {
-        if disks.is_empty() {
-            return at_disks.into();
-        }
-        let longest = (MOST_GROWN * at_disks).min(domain.size.min() / FEWEST_ALONG).max(at_disks);
+    /// Edges that grow with the distance from disks in a box of this size.
+    pub fn growing(at_disks: f64, size: &Vector2<f64>) -> EdgeLengths {
+        let longest = (MOST_GROWN * at_disks).min(size.min() / FEWEST_ALONG).max(at_disks);
         EdgeLengths { at_disks, growth: GROWTH, longest }
+    }
+
+    /// About how many squares on edges cover a box of this area, with disks given as radii and how many have them.
+    pub fn squares(&self, area: f64, disks: impl Iterator<Item = (f64, f64)>) -> f64 {
+        let EdgeLengths { at_disks, growth, longest } = *self;
+        let grown = longest / at_disks;
+        // the integral of 1 / length^2 around a disk, to where edges are the longest
+        let around = |(radius, count): (f64, f64)| {
+            let straight = radius / at_disks * (1.0 - 1.0 / grown) / growth;
+            count * TAU * (straight + (grown.ln() - 1.0 + 1.0 / grown) / (growth * growth))
+        };
+        let near = if growth > 0.0 { disks.map(around).sum() } else { 0.0 };
+        (area / (longest * longest) + near).min(area / (at_disks * at_disks))
     }
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{SVector, Vector2};
 
-use super::{Mesh, Place, generate};
+use super::{EdgeLengths, Mesh, Place, generate};
 use crate::{
     body::pack,
     geometry::{Axis, Ball, Domain},
@@ -66,6 +66,23 @@ fn crowds_and_narrow_gaps_have_meshes_too() {
             let mesh = generate(&domain, &disks, radius / 4.0).unwrap();
             assert_sound(&format!("{count} disks in {periodic:?}"), &mesh, radius / 4.0);
         }
+    }
+}
+
+#[test]
+fn edges_that_grow_make_few_triangles_and_as_many_as_told() {
+    for periodic in [[true, true], [true, false], [false, false]] {
+        let domain = domain([2.0, 3.0], periodic);
+        let disks = [disk(0.7, 1.0, 0.125), disk(1.3, 2.0, 0.125)];
+        let lengths = EdgeLengths::growing(0.03, &domain.size);
+        let mesh = generate(&domain, &disks, lengths).unwrap();
+        assert_sound(&format!("growing in {periodic:?}"), &mesh, 0.03);
+        let squares = lengths.squares(domain.volume(), disks.iter().map(|disk| (disk.radius, 1.0)));
+        let triangles = mesh.triangles.len() as f64;
+        assert!(triangles < 0.3 * 2.309 * domain.volume() / 0.03_f64.powi(2), "{triangles} triangles");
+        assert!((0.7..1.4).contains(&(triangles / (2.309 * squares))), "{triangles} triangles, {squares} squares");
+        let on_disks = mesh.places[..mesh.vertices].iter().filter(|place| matches!(place, Place::Surface(_))).count() as f64;
+        assert!(on_disks >= 2.0 * 2.0 * PI * 0.125 / 0.03, "{on_disks} vertices on disks");
     }
 }
 

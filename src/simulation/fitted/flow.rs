@@ -180,7 +180,11 @@ impl<const D: usize> FittedFlow<D> {
     /// The mesh around bodies at these centres: the last one that was made, moved there, or a new one where that would be too distorted.
     fn mesh_at(&mut self, centers: &[SVector<f64, D>], time: f64) -> Result<Mesh> {
         if let Some(past) = self.past.take_if(|_| self.moving.is_none()) {
-            self.make(&past.last.centers, past.time)?;
+            let nodes = self.make(&past.last.centers, past.time)?.nodes.len();
+            if self.mesh_levels().iter().any(|level| level.nodes.len() != nodes) {
+                let remedy = "resume with the size and the resolution of the first run";
+                return Err(Error::refused(format!("the flow of the checkpoint lies on another mesh than that of the scene; {remedy}")));
+            }
         }
         if let Some((moving, _)) = &mut self.moving {
             let flat_centers: Vec<Vector2<f64>> = centers.iter().map(flat).collect();
@@ -202,8 +206,7 @@ impl<const D: usize> FittedFlow<D> {
         self.moving = None;
         let radii = self.setup.bodies.iter().map(|suspended| suspended.body.ball.radius);
         let disks: Vec<Ball<2>> = centers.iter().zip(radii).map(|(center, radius)| Ball { center: flat(center), radius }).collect();
-        let lengths = edge_lengths(&self.setup, &self.domain, &disks);
-        let mesh = generate(&self.domain, &disks, lengths).map_err(|error| self.on_the_way(error, time))?;
+        let mesh = generate(&self.domain, &disks, edge_lengths(&self.setup)).map_err(|error| self.on_the_way(error, time))?;
         self.moving = Some((MovingMesh::new(mesh.clone(), centers.iter().map(flat).collect()), None));
         let last = Snapshot { fluid: None, multipliers: Vec::new(), centers: centers.to_vec(), mean_flow: Vec::new() };
         self.past = Some(ExtrapolationHistory { time, last, earlier: None });

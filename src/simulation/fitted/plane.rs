@@ -18,13 +18,14 @@ use crate::{
 pub fn size<const D: usize>(setup: &Setup<D>) -> Result<(usize, usize)> {
     let disks: Vec<Ball<2>> = setup.bodies.iter().map(|suspended| flat_disk(&suspended.body.ball)).collect();
     let (domain, motions) = (plane(&setup.domain), motions(setup));
-    let mesh = generate(&domain, &disks, edge_lengths(setup, &domain, &disks))?;
+    let mesh = generate(&domain, &disks, edge_lengths(setup))?;
     Ok((mesh.triangles.len(), StokesNumbering::new(&problem(setup, &mesh, &motions, None)).unknowns()))
 }
 
-/// The edges of a setup's mesh: far from disks, vortices of a flow with inertia are wider than what disks do to Stokes flow near them.
-pub fn edge_lengths<const D: usize>(setup: &Setup<D>, domain: &Domain<2>, disks: &[Ball<2>]) -> EdgeLengths {
-    if setup.inertia.is_some() { EdgeLengths::growing(setup.spacing, domain, disks) } else { setup.spacing.into() }
+/// The edges of a setup's mesh: with inertia, every step takes new factors, and edges grow where no disk is near.
+pub fn edge_lengths<const D: usize>(setup: &Setup<D>) -> EdgeLengths {
+    let growing = setup.inertia.is_some() && !setup.bodies.is_empty();
+    if growing { EdgeLengths::growing(setup.spacing, &flat(&setup.domain.size)) } else { setup.spacing.into() }
 }
 
 /// A ball in two dimensions.

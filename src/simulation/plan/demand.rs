@@ -1,15 +1,18 @@
 //! Memory that a scene takes, told before its bodies are placed: what is too much for the machine is refused before it is begun.
 
+use nalgebra::Vector2;
+
 use super::{
     fitted,
     memory::{CONTACT_BYTES, bytes, multiplier_counts, scalar_bytes},
 };
 use crate::{
     body::{Body, Motion, Twist},
+    constraint::fitted::EdgeLengths,
     error::Result,
     geometry::{Ball, Domain},
     grid::Grid,
-    scene::{BodyGroup, ConstraintMethod, Placement, Scene, Spacing},
+    scene::{BodyGroup, ConstraintMethod, FlowModel, Placement, Scene, Spacing},
     simulation::{
         Setup, SuspendedBody,
         placement::{self, Asked},
@@ -47,9 +50,8 @@ pub fn demand<const D: usize>(scene: &Scene, ranks: usize) -> Result<f64> {
     if domain.size.sum() / spacing > MOST_ALONG {
         return Ok(f64::INFINITY);
     }
-    let cells = (domain.size / spacing).product();
     if scene.method.constraint == ConstraintMethod::Fitted {
-        return Ok(fitted::bytes_of_cells(cells));
+        return Ok(fitted::bytes_of_cells(squares(scene, &domain, spacing, &numbers)));
     }
     let grid = Grid::new(&domain, spacing, ranks, 0)?;
     if scene.scalar() {
@@ -58,6 +60,14 @@ pub fn demand<const D: usize>(scene: &Scene, ranks: usize) -> Result<f64> {
     let [bytes, unknowns] = of_flow(scene, &domain, &grid, spacing, &numbers);
     room::check_unknowns(scene, unknowns)?;
     Ok(bytes)
+}
+
+/// About how many squares on the edges of a fitted mesh cover the box.
+fn squares<const D: usize>(scene: &Scene, domain: &Domain<D>, spacing: f64, numbers: &[f64]) -> f64 {
+    let growing = scene.flow.model == FlowModel::NavierStokes && !scene.bodies.is_empty();
+    let size = Vector2::new(domain.size[0], domain.size[1]);
+    let lengths = if growing { EdgeLengths::growing(spacing, &size) } else { spacing.into() };
+    lengths.squares(size.product(), scene.bodies.iter().map(|group| group.radius).zip(numbers.iter().copied()))
 }
 
 /// Bytes and unknowns: of the grid, and of as many bodies as each group has beside one like its first.

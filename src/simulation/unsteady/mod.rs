@@ -15,12 +15,12 @@ use std::time::Instant;
 use nalgebra::{SMatrix, SVector};
 
 pub use self::level::Level;
-pub(super) use self::{longest::longest_step, momentum::inertia, scheme::StepWeights};
 use self::{
     level::Extended,
     momentum::Momentum,
     rows::{Past, kept},
 };
+pub(super) use self::{longest::longest_step, momentum::inertia, scheme::StepWeights};
 use super::{
     BodyState, FlowSolver, Inertia, Setup, Solution, WallForces,
     assembled_system::AssembledSystem,

@@ -4,6 +4,7 @@ use std::{path::Path, time::Instant};
 
 use nalgebra::SVector;
 
+use super::channel::{cylinder, vortices};
 use super::oscillation::{Oscillation, oscillating};
 use crate::{
     error::Result,
@@ -11,8 +12,7 @@ use crate::{
     output::say,
     petsc::Session,
     scene::Scene,
-    simulation::{FlowSolver, Observation, Simulation},
-    surface::Shape,
+    simulation::{Observation, Simulation},
 };
 
 /// Times and downward speeds of the settling disk of Glowinski et al. (2001), by a mesh that fits it, converged to 1e-5 from t = 0.2 on.
@@ -65,6 +65,36 @@ pub enum Family {
     Spheres,
 }
 
+/// How a disk is resolved.
+#[derive(Debug, Clone, Copy)]
+enum Discretisation {
+    /// So many cells a radius, and as many modes.
+    Sharp(usize),
+    /// A mesh that fits the disk, so many edges a radius.
+    Fitted(usize),
+}
+
+impl Discretisation {
+    fn name(self) -> String {
+        match self {
+            Discretisation::Sharp(cells) => format!("{cells} cells a radius, {cells} modes"),
+            Discretisation::Fitted(edges) => format!("fitted mesh, {edges} edges a radius"),
+        }
+    }
+
+    /// The sections of a scene, where an inverse is chosen for grids.
+    fn sections(self, inverse: &str) -> String {
+        match self {
+            Discretisation::Sharp(cells) => {
+                format!("resolution = {{ cells_per_radius = {cells}, modes = {cells} }}\nmethod = {{ inverse = \"{inverse}\" }}\n")
+            }
+            Discretisation::Fitted(edges) => {
+                format!("resolution = {{ cells_per_radius = {edges} }}\nmethod = {{ constraint = \"fitted\" }}\n")
+            }
+        }
+    }
+}
+
 /// The names of all of them.
 pub const NAMES: [&str; 7] = ["settling", "couette", "oscillating-disk", "oscillating-sphere", "cylinder", "vortices", "spheres"];
 
@@ -97,11 +127,15 @@ fn oscillations<const D: usize>() -> Vec<Run> {
 impl Family {
     fn runs(self) -> Vec<Run> {
         match self {
-            Family::Settling => [4, 6, 8].map(|cells| run(move |session| settling(session, cells))).into(),
+            Family::Settling => {
+                let ways = [Discretisation::Sharp(4), Discretisation::Sharp(6), Discretisation::Sharp(8), Discretisation::Fitted(4)];
+                ways.map(|way| run(move |session| settling(session, way))).into()
+            }
             Family::Couette => COUETTE
                 .iter()
                 .flat_map(|&(reynolds, spin, stress)| {
-                    [4, 6, 8].map(|cells| run(move |session| couette(session, cells, reynolds, [spin, stress])))
+                    let ways = [Discretisation::Sharp(4), Discretisation::Sharp(6), Discretisation::Sharp(8), Discretisation::Fitted(6)];
+                    ways.map(|way| run(move |session| couette(session, way, reynolds, [spin, stress])))
                 })
                 .collect(),
             Family::OscillatingDisk => oscillations::<2>(),
@@ -150,12 +184,16 @@ pub fn follow<const D: usize>(
     }
 }
 
-fn settling(session: &Session, cells: usize) -> Result<(usize, Vec<Row>)> {
-    let step = 0.4 / (8.0 * cells as f64) / 5.6;
+fn settling(session: &Session, way: Discretisation) -> Result<(usize, Vec<Row>)> {
+    let step = match way {
+        Discretisation::Sharp(cells) => 0.4 / (8.0 * cells as f64) / 5.6,
+        Discretisation::Fitted(_) => 0.0025,
+    };
+    let sections = way.sections("hypre");
     let text = format!(
         "gravity = [0.0, -980.0]\ndomain = {{ size = [2.0, 6.0], x = \"walls\", y = \"walls\" }}\n\
          flow = {{ model = \"navier-stokes\", viscosity = 0.1, density = 1.0 }}\n\
-         resolution = {{ cells_per_radius = {cells}, modes = {cells} }}\n\
+         {sections}\
          bodies = [{{ radius = 0.125, centers = [[1.0, 4.0]], density = 1.25 }}]\ntime = {{ end = 0.66, step = {step:.6} }}\n"
     );
     let mut curve = Vec::new();
@@ -167,7 +205,7 @@ fn settling(session: &Session, cells: usize) -> Result<(usize, Vec<Row>)> {
     let worst = SETTLING.iter().map(|&(time, speed)| (speed, interpolated(&curve, time)));
     let worst = worst.max_by(|one, other| (one.1 / one.0 - 1.0).abs().total_cmp(&(other.1 / other.0 - 1.0).abs()));
     let (reference, found) = worst.unwrap_or_default();
-    let resolution = format!("{cells} cells a radius, {cells} modes");
+    let resolution = way.name();
     let source = "mesh that fits the disk, converged; Glowinski et al. (2001) find 17.27";
     let row = |case: &str, reference, found| Row { case: case.into(), resolution: resolution.clone(), reference, found, source };
     Ok((
@@ -188,14 +226,17 @@ fn interpolated(curve: &[(f64, f64)], time: f64) -> f64 {
     weights.iter().zip(points).map(|(weight, (_, value))| weight * value).sum()
 }
 
-fn couette(session: &Session, cells: usize, reynolds: f64, known: [f64; 2]) -> Result<(usize, Vec<Row>)> {
-    let viscosity = 0.125 * 0.125 / reynolds;
+fn couette(session: &Session, way: Discretisation, reynolds: f64, known: [f64; 2]) -> Result<(usize, Vec<Row>)> {
+    let (viscosity, sections) = (0.125 * 0.125 / reynolds, way.sections("transform"));
+    let step = match way {
+        Discretisation::Sharp(cells) => 0.16 / cells as f64,
+        Discretisation::Fitted(_) => 0.5,
+    };
     let text = format!(
         "domain = {{ size = [1.0, 1.0], y = {{ lower = [-0.5, 0.0], upper = [0.5, 0.0] }} }}\n\
          flow = {{ model = \"navier-stokes\", viscosity = {viscosity}, density = 1.0 }}\n\
-         resolution = {{ cells_per_radius = {cells}, modes = {cells} }}\nmethod = {{ inverse = \"transform\" }}\n\
-         bodies = [{{ radius = 0.125, centers = [[0.5, 0.5]], density = 1.0 }}]\ntime = {{ end = 120.0, step = {} }}\n",
-        0.16 / cells as f64
+         {sections}\
+         bodies = [{{ radius = 0.125, centers = [[0.5, 0.5]], density = 1.0 }}]\ntime = {{ end = 120.0, step = {step} }}\n"
     );
     let mut last = [0.0; 2];
     let steps = follow::<2>(session, &text, |simulation, observation| {
@@ -207,7 +248,7 @@ fn couette(session: &Session, cells: usize, reynolds: f64, known: [f64; 2]) -> R
     })?;
     let row = |(place, case): (usize, &str)| Row {
         case: format!("free disk in a Couette cell, Re {reynolds}: {case}"),
-        resolution: format!("{cells} cells a radius, {cells} modes"),
+        resolution: way.name(),
         reference: known[place],
         found: last[place],
         source: "mesh that fits the disk, 7 digits",
@@ -236,83 +277,5 @@ fn sphere(session: &Session, (name, density, viscosity, speed, end): (&str, f64,
             found: largest,
             source: "experiment, +- 1 %: ten Cate et al. (2002)",
         }],
-    ))
-}
-
-/// The channel of Schaefer and Turek (1996) with its disk.
-fn channel(cells: usize, speed: f64, time: &str) -> String {
-    format!(
-        "domain = {{ size = [2.2, 0.41], x = {{ inflow = {speed} }}, y = \"walls\" }}\n\
-         flow = {{ model = \"navier-stokes\", viscosity = 1e-3, density = 1.0 }}\n\
-         resolution = {{ cells_per_radius = {cells}, modes = {cells} }}\n\
-         bodies = [{{ radius = 0.05, centers = [[0.2, 0.2]], motion = \"fixed\" }}]\ntime = {{ {time} }}\n"
-    )
-}
-
-const CHANNEL: &str = "spectral elements: DFG benchmark, Schaefer and Turek (1996)";
-
-fn cylinder(session: &Session, cells: usize) -> Result<(usize, Vec<Row>)> {
-    let text = channel(cells, 0.3, &format!("end = 10.0, step = {}", 0.06 / cells as f64));
-    let mut last = [0.0; 2];
-    let steps = follow::<2>(session, &text, |simulation, observation| {
-        if let (true, Some(flow), Some(solution)) = (simulation.over(), simulation.suspension(), &observation.solution) {
-            last = [solution.bodies[0].force[0] / (0.5 * 0.2 * 0.2 * 0.1), pressure_drop(flow)];
-        }
-        Ok(())
-    })?;
-    let row = |case: &str, reference, found| Row {
-        case: format!("fixed disk in a channel, Re 20: {case}"),
-        resolution: format!("{cells} cells a radius, {cells} modes"),
-        reference,
-        found,
-        source: CHANNEL,
-    };
-    Ok((steps, vec![row("drag coefficient", 5.579_535, last[0]), row("pressure drop", 0.117_520_2, last[1])]))
-}
-
-/// From the front of the first body to its back: inside the pressure is uniform, and jumps by the normal traction.
-fn pressure_drop(flow: &dyn FlowSolver<2>) -> f64 {
-    let body = &flow.setup().bodies[0];
-    let modes = body.body.ball.modes(body.order);
-    let multipliers = &flow.levels()[0].multipliers[0];
-    let outside = |normal: [f64; 2]| {
-        let mut tractions = vec![0.0; modes.count() * 2];
-        modes.traction(&normal, &mut tractions);
-        let along = tractions.chunks(2).map(|traction| traction[0] * normal[0] + traction[1] * normal[1]);
-        along.zip(multipliers).map(|(traction, multiplier)| traction * multiplier).sum::<f64>()
-    };
-    flow.setup().viscosity * (outside([-1.0, 0.0]) - outside([1.0, 0.0]))
-}
-
-/// Vortices: largest drag and lift and the Strouhal number over the last periods.
-fn vortices(session: &Session, cells: usize) -> Result<(usize, Vec<Row>)> {
-    let text = channel(cells, 1.5, &format!("end = 6.0, step = {}", 0.0096 / cells as f64));
-    let mut series: Vec<[f64; 3]> = Vec::new();
-    let steps = follow::<2>(session, &text, |simulation, observation| {
-        if let (true, Some(solution)) = (simulation.state().time > 4.5, &observation.solution) {
-            let force = solution.bodies[0].force / (0.5 * 0.1);
-            series.push([simulation.state().time, force[0], force[1]]);
-        }
-        Ok(())
-    })?;
-    let largest = |place: usize| series.iter().map(|row| row[place]).fold(f64::NEG_INFINITY, f64::max);
-    let rises = series.windows(2).filter(|pair| pair[0][2] < 0.0 && pair[1][2] >= 0.0);
-    let crossings: Vec<f64> = rises.map(|pair| pair[0][0] - pair[0][2] * (pair[1][0] - pair[0][0]) / (pair[1][2] - pair[0][2])).collect();
-    let periods = crossings.len().saturating_sub(1) as f64;
-    let frequency = crossings.first().zip(crossings.last()).map_or(f64::NAN, |(first, last)| periods / (last - first));
-    let row = |case: &str, reference, found| Row {
-        case: format!("fixed disk in a channel, Re 100: {case}"),
-        resolution: format!("{cells} cells a radius, {cells} modes"),
-        reference,
-        found,
-        source: CHANNEL,
-    };
-    Ok((
-        steps,
-        vec![
-            row("Strouhal number", 0.3019, frequency * 0.1),
-            row("largest drag coefficient", 3.2275, largest(1)),
-            row("largest lift coefficient", 0.9864, largest(2)),
-        ],
     ))
 }

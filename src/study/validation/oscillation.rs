@@ -38,7 +38,9 @@ pub fn oscillating<const D: usize>(session: &Session, cells: usize, oscillation:
     let modes = if D == 2 { cells } else { cells.min(4) };
     let (size, center) = (format!("{:?}", [SIDE[D - 2]; D]), format!("{:?}", [0.5 * SIDE[D - 2]; D]));
     let motion = match (oscillation, D) {
-        (Oscillation::Translation, _) => format!("amplitude = {:?}", std::array::from_fn::<f64, D, _>(|axis| if axis == 0 { AMPLITUDE } else { 0.0 })),
+        (Oscillation::Translation, _) => {
+            format!("amplitude = {:?}", std::array::from_fn::<f64, D, _>(|axis| if axis == 0 { AMPLITUDE } else { 0.0 }))
+        }
         (Oscillation::Rotation, 2) => format!("rotation = {AMPLITUDE}"),
         (Oscillation::Rotation, _) => format!("rotation = [0.0, 0.0, {AMPLITUDE}]"),
     };
@@ -67,7 +69,8 @@ pub fn oscillating<const D: usize>(session: &Session, cells: usize, oscillation:
     })?;
     // the way is AMPLITUDE cos t, or the angle: a velocity of i AMPLITUDE
     let exact = load::<D>(oscillation, viscosity) * Complex::new(0.0, AMPLITUDE);
-    let name = format!("{} that {}", if D == 2 { "disk" } else { "sphere" }, if oscillation == Oscillation::Rotation { "turns" } else { "moves" });
+    let name =
+        format!("{} that {}", if D == 2 { "disk" } else { "sphere" }, if oscillation == Oscillation::Rotation { "turns" } else { "moves" });
     let unit = viscosity * AMPLITUDE;
     let row = |what: &str, reference: f64, found: f64| Row {
         case: format!("{name} to and fro: {what}"),
