@@ -30,7 +30,7 @@ use crate::{
     interaction::{Arrangement, PairForce, Touch, Wrench},
     parallel::Peers,
     petsc::Session,
-    scene::Scheme,
+    scene::{ConstraintMethod, Scheme},
 };
 
 /// Rounds that flow and contacts are given to agree.
@@ -46,6 +46,10 @@ const MEMORY_REACH: f64 = 0.1;
 
 /// Overlap, in radii, at which a run in which bodies do not notice contact ends.
 const OVERLAP: f64 = 1e-6;
+
+/// What to do where bodies on a fitted mesh overlap, which knows of no contact.
+const FITTED_REMEDY: &str =
+    "no mesh fits between bodies that touch: set a shorter time.step, or method.constraint = \"sharp\" with contact.model = \"inelastic\"";
 
 /// Bodies carried by Stokes flow.
 pub struct QuasiStatic<const D: usize> {
@@ -214,6 +218,7 @@ impl<const D: usize> QuasiStatic<D> {
         let (overlap, remedy) = match touch {
             Some(Touch::Hard) => return Ok(()),
             Some(Touch::Soft { overlap, remedy }) => (overlap, remedy),
+            None if self.suspension.setup().constraint == ConstraintMethod::Fitted => (OVERLAP, FITTED_REMEDY),
             None => (OVERLAP, "set contact.model = \"inelastic\" or a shorter time.step"),
         };
         let Placed { state, domain, balls } = placed;
