@@ -6,7 +6,6 @@
 
 use crate::{
     error::Result,
-    geometry::Inflow,
     grid::{
         Block, Grid, Index,
         operators::signed,
@@ -18,7 +17,6 @@ use crate::{
 /// Velocities at both ends, on the lattices of their components, on every rank.
 #[derive(Debug, Clone)]
 pub struct OpenEnds<const D: usize> {
-    inflow: Inflow,
     axis: usize,
     /// At the outflow: for each component, its values across the axis.
     outflow: Vec<Vec<f64>>,
@@ -27,8 +25,8 @@ pub struct OpenEnds<const D: usize> {
 impl<const D: usize> OpenEnds<D> {
     /// The ends of a box with an outflow as the inflow; nothing if none is open.
     pub fn undisturbed(grid: &Grid<D>) -> Option<OpenEnds<D>> {
-        let (axis, inflow) = grid.domain().open()?;
-        let mut ends = OpenEnds { inflow, axis, outflow: vec![vec![0.0; cross_section(grid, axis)]; D] };
+        let (axis, _) = grid.domain().open()?;
+        let mut ends = OpenEnds { axis, outflow: vec![vec![0.0; cross_section(grid, axis)]; D] };
         for index in across(grid, axis) {
             let place = place(grid, axis, &index);
             ends.outflow[axis][place] = ends.at_inflow(grid, axis, index);
@@ -49,9 +47,9 @@ impl<const D: usize> OpenEnds<D> {
     /// # Errors
     /// PETSc fails.
     pub fn after(grid: &Grid<D>, fluid: &Vector, step: f64) -> Result<Option<OpenEnds<D>>> {
-        let Some((axis, inflow)) = grid.domain().open() else { return Ok(None) };
-        let mut ends = OpenEnds { inflow, axis, outflow: Vec::new() };
-        let passed = inflow.mean(grid.domain(), axis) * step / grid.spacing()[axis];
+        let Some((axis, _)) = grid.domain().open() else { return Ok(None) };
+        let mut ends = OpenEnds { axis, outflow: Vec::new() };
+        let passed = grid.domain().mean_inflow() * step / grid.spacing()[axis];
         ends.outflow = (0..D).map(|component| ends.carried(grid, fluid, component, passed)).collect::<Result<_>>()?;
         ends.even_out(grid);
         Ok(Some(ends))
@@ -107,7 +105,7 @@ impl<const D: usize> OpenEnds<D> {
     }
 
     fn at_inflow(&self, grid: &Grid<D>, component: usize, index: Index<D>) -> f64 {
-        if component == self.axis { self.inflow.velocity(grid.domain(), self.axis, &grid.position(component, index)) } else { 0.0 }
+        if component == self.axis { grid.domain().inflow_at(&grid.position(component, index)) } else { 0.0 }
     }
 
     /// A component at the upper end when the flow has passed a part of a cell.

@@ -67,6 +67,25 @@ impl<const D: usize> Domain<D> {
         self.axes.iter().enumerate().find_map(|(axis, bound)| if let Axis::Open(inflow) = bound { Some((axis, *inflow)) } else { None })
     }
 
+    /// The velocity along the open axis with which fluid flows in at a point across it; 0 in a box that is not open.
+    pub fn inflow_at(&self, point: &SVector<f64, D>) -> f64 {
+        let part = |across: usize| {
+            let way = point[across] / self.size[across];
+            4.0 * way * (1.0 - way)
+        };
+        self.open().map_or(0.0, |(_, inflow)| self.across_inflow(inflow).map(part).product::<f64>() * inflow.speed)
+    }
+
+    /// The mean of that velocity.
+    pub fn mean_inflow(&self) -> f64 {
+        self.open().map_or(0.0, |(_, inflow)| inflow.speed * (2.0 / 3.0_f64).powi(self.across_inflow(inflow).count() as i32))
+    }
+
+    /// Axes between whose walls an inflow is a parabola.
+    fn across_inflow(&self, inflow: Inflow) -> impl Iterator<Item = usize> {
+        (0..D).filter(move |&axis| inflow.parabolic && matches!(self.axes[axis], Axis::Walls { .. }))
+    }
+
     /// Volume of the box (area in 2D).
     pub fn volume(&self) -> f64 {
         self.size.product()
@@ -239,5 +258,16 @@ mod tests {
         assert_eq!(domain.clone().at(0.0), sheared(0.1));
         let point = Vector3::new(0.3, 4.2, 0.1);
         assert!((domain.clone().at(1.25).wrap(point) - domain.wrap(point)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn the_mean_of_an_inflow_is_that_of_its_profile() {
+        let wall = Axis::Walls { lower: Vector3::zeros(), upper: Vector3::zeros() };
+        let inflow = Inflow { speed: 0.45, parabolic: true };
+        let domain = Domain { size: Vector3::new(2.0, 0.4, 0.8), axes: [Axis::Open(inflow), wall, wall] };
+        let points = (0..200).flat_map(|i| (0..200).map(move |j| Vector3::new(0.0, (i as f64 + 0.5) * 0.002, (j as f64 + 0.5) * 0.004)));
+        let mean = points.map(|point| domain.inflow_at(&point)).sum::<f64>() / 4e4;
+        assert!((mean / domain.mean_inflow() - 1.0).abs() < 1e-4);
+        assert_eq!(domain.inflow_at(&Vector3::new(0.0, 0.2, 0.4)), 0.45);
     }
 }

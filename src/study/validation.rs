@@ -5,6 +5,7 @@ mod case;
 mod cases;
 mod channel;
 mod crowds;
+mod follow;
 mod inertia;
 mod oscillation;
 mod solve;

@@ -116,10 +116,10 @@ impl<const D: usize> UnsteadySuspension<D> {
         for axis in 0..D {
             values[self.fixed.grid.local_range(axis)].fill(mean_velocity[axis]);
         }
-        if let Some((axis, inflow)) = self.fixed.grid.domain().open() {
+        if let Some((axis, _)) = self.fixed.grid.domain().open() {
             let grid = &self.fixed.grid;
             for (value, index) in values[grid.local_range(axis)].iter_mut().zip(grid.block(axis).indices()) {
-                *value = inflow.velocity(grid.domain(), axis, &grid.position(axis, signed(index)));
+                *value = grid.domain().inflow_at(&grid.position(axis, signed(index)));
             }
         }
         drop(values);

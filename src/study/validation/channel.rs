@@ -1,6 +1,6 @@
 //! A fixed disk in a channel with inflow and outflow: the benchmark of Schaefer and Turek (1996).
 
-use super::inertia::{Row, follow};
+use super::follow::{Row, follow};
 use crate::{error::Result, petsc::Session, simulation::FlowSolver, surface::Shape};
 
 /// The channel of Schaefer and Turek (1996) with its disk.

@@ -1,19 +1,13 @@
 //! Flows with inertia whose answers are known: by a converged fitted mesh, or from experiments.
 
-use std::{path::Path, time::Instant};
+use std::time::Instant;
 
 use nalgebra::SVector;
 
 use super::channel::{cylinder, vortices};
+use super::follow::{Row, follow};
 use super::oscillation::{Oscillation, oscillating};
-use crate::{
-    error::Result,
-    observe,
-    output::say,
-    petsc::Session,
-    scene::Scene,
-    simulation::{Observation, Simulation},
-};
+use crate::{error::Result, observe, output::say, petsc::Session};
 
 /// Times and downward speeds of the settling disk of Glowinski et al. (2001), by a mesh that fits it, converged to 1e-5 from t = 0.2 on.
 const SETTLING: [(f64, f64); 13] = [
@@ -98,20 +92,6 @@ impl Discretisation {
 /// The names of all of them.
 pub const NAMES: [&str; 7] = ["settling", "couette", "oscillating-disk", "oscillating-sphere", "cylinder", "vortices", "spheres"];
 
-/// A comparison with a known value.
-pub struct Row {
-    /// What is compared.
-    pub case: String,
-    /// Cells and modes.
-    pub resolution: String,
-    /// The known value.
-    pub reference: f64,
-    /// What comes out.
-    pub found: f64,
-    /// Where the known value is from.
-    pub source: &'static str,
-}
-
 /// A case: its steps, and what it is compared with.
 type Run = Box<dyn Fn(&Session) -> Result<(usize, Vec<Row>)>>;
 
@@ -164,24 +144,6 @@ pub fn inertia(session: &Session, families: &[Family]) -> Result<()> {
         }
     }
     Ok(())
-}
-
-/// Runs a scene to its end and shows each instant.
-pub fn follow<const D: usize>(
-    session: &Session,
-    text: &str,
-    mut see: impl FnMut(&Simulation<D>, &Observation<D>) -> Result<()>,
-) -> Result<usize> {
-    let scene = session.world().agree(Scene::parse("validation", Path::new("."), text, &[]))?;
-    let mut simulation = Simulation::<D>::new(session, &scene)?;
-    loop {
-        let observation = simulation.evaluate(&mut |_, _| {})?;
-        see(&simulation, &observation)?;
-        if simulation.over() {
-            return Ok(simulation.state().steps);
-        }
-        simulation.step(&observation, &mut |_, _| {})?;
-    }
 }
 
 fn settling(session: &Session, way: Discretisation) -> Result<(usize, Vec<Row>)> {

@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use rustfft::num_complex::Complex;
 
-use super::inertia::{Row, follow};
+use super::follow::{Row, follow};
 use crate::{error::Result, petsc::Session};
 
 /// Length of decay from the surface, in radii.
