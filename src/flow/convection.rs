@@ -63,7 +63,6 @@ impl<const D: usize> Convection<D> {
                 };
                 if let Some(open) = &open
                     && let Some(upper) = open.end(grid, component, &index)
-                    && (0..D).all(|axis| axis == open.axis() || !beyond(axis))
                 {
                     let step = stride(open.axis());
                     let mirrored = (component != open.axis()).then(|| if upper { place - step } else { place + step });

@@ -9,6 +9,7 @@ use turbid::{
     flow::{Convection, Drive, FluidSystem, InverseMethod, Stokes},
     geometry::{Axis, Ball, Domain, Inflow},
     grid::{Grid, operators::signed},
+    observe,
     petsc::{Session, Vector},
     scene::{ConstraintMethod, ContactModel, Scene, Scheme, Step, TimeSection, Tolerance},
     simulation::{
@@ -348,6 +349,13 @@ fn what_flows_in_flows_on_and_out(session: &Session) {
         for (value, index) in values[grid.local_range(open)].iter().zip(grid.block(open).indices()) {
             let profile = domain.inflow_at(&grid.position(open, signed(index)));
             assert!((value - profile).abs() < 0.01 * inflow.speed, "{value}, not {profile}");
+        }
+        // read off at the ends and in corners
+        let points: Vec<SVector<f64, D>> = [[0.0, 0.5], [2.0, 0.5], [1.999, 0.001], [0.001, 0.999]]
+            .map(|[x, y]| SVector::from_fn(|axis, _| if axis == 0 { x } else { y }))
+            .into();
+        for (point, velocity) in points.iter().zip(observe::velocities(grid, &solution.fluid, &points).unwrap()) {
+            assert!((velocity[open] - domain.inflow_at(point)).abs() < 0.02 * inflow.speed, "{velocity} at {point}");
         }
         let mean = domain.mean_inflow();
         assert!((solution.mean_velocity[open] / mean - 1.0).abs() < 0.01, "{} of {mean}", solution.mean_velocity);
