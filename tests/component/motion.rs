@@ -354,7 +354,7 @@ fn bodies_on_trajectories_are_where_these_lead_with_fluid_and_without(session: &
              time = {{ end = 0.8, step = \"auto\" }}\n\
              [[bodies]]\nradius = 0.5\ncenters = [[2.0, 3.0]]\nmotion = {{ amplitude = [0.2, -0.1], rotation = 0.3, frequency = 0.5, phase = 0.4 }}\n\
              [[bodies]]\nradius = 0.5\ncenters = [[6.0, 3.0]]\nmotion = {{ path = [[0, 0, 0], [0.3, 0.1, 0.2], [0.5, 0, 0.1]] }}\n",
-            if model == "stokes" { "resolution = { cells_per_radius = 4, modes = 4 }\n" } else { "" }
+            if model == "stokes" { "resolution = { cells_per_radius = 4, modes = 4 }\nmethod.tolerance = 1e-9\n" } else { "" }
         );
         let scene = Scene::parse("trajectories", Path::new("."), &text, &[]).unwrap();
         let mut simulation = Simulation::<2>::new(session, &scene).unwrap();
@@ -362,8 +362,13 @@ fn bodies_on_trajectories_are_where_these_lead_with_fluid_and_without(session: &
             let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
             if let Some(solution) = &observation.solution {
                 let velocity = PI * (PI * simulation.state().time + 0.4).cos() * Vector2::new(0.2, -0.1);
-                assert!((solution.bodies[0].twist.velocity - velocity).norm() < 1e-12);
-                assert!(solution.bodies[0].force.dot(&velocity) < 0.0);
+                let difference = (solution.bodies[0].twist.velocity - velocity).norm();
+                assert!(difference < 1e-7, "the solver leaves {difference:e} of {velocity}");
+                // the other one is at rest then
+                assert!(
+                    simulation.state().steps > 0
+                        || solution.bodies[0].force.dot(&velocity) < -0.9 * solution.bodies[0].force.norm() * velocity.norm()
+                );
             }
             simulation.step(&observation, &mut |_, _| {}).unwrap();
         }
