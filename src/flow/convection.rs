@@ -57,10 +57,6 @@ impl<const D: usize> Convection<D> {
         for component in 0..D {
             let place = |(place, index): (usize, [usize; D])| {
                 let index: [isize; D] = std::array::from_fn(|axis| (cells.start[axis] + index[axis]) as isize - 1);
-                let beyond = |axis: usize| {
-                    let last = grid.cells()[axis] as isize - isize::from(axis != component);
-                    !grid.domain().periodic(axis) && !(0..=last).contains(&index[axis])
-                };
                 if let Some(open) = &open
                     && let Some(upper) = open.end(grid, component, &index)
                 {
@@ -69,7 +65,7 @@ impl<const D: usize> Convection<D> {
                     ends.push(EndValue { component, place, index, upper, mirrored });
                     return ZERO;
                 }
-                if (0..D).any(beyond) {
+                if !(0..D).all(|axis| grid.between_walls(component, axis, index[axis])) {
                     return ZERO;
                 }
                 match grid.fluid_node(component, index) {

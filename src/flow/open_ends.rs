@@ -67,8 +67,7 @@ impl<const D: usize> OpenEnds<D> {
 
     /// The end on which an index of a component lies, or for which it stands: whether that is the upper one. None beyond walls of other axes.
     pub fn end(&self, grid: &Grid<D>, component: usize, index: &Index<D>) -> Option<bool> {
-        let between = |axis: usize| (0..grid.cells()[axis] as isize + isize::from(axis == component)).contains(&index[axis]);
-        if !(0..D).all(|axis| axis == self.axis || grid.domain().periodic(axis) || between(axis)) {
+        if !(0..D).all(|axis| axis == self.axis || grid.between_walls(component, axis, index[axis])) {
             return None;
         }
         let beyond = isize::from(component != self.axis);

@@ -235,6 +235,11 @@ impl<const D: usize> Grid<D> {
         })
     }
 
+    /// Whether an index of a field along an axis lies between the walls or on them; along a periodic axis every one does.
+    pub fn between_walls(&self, field: usize, axis: usize, index: isize) -> bool {
+        self.domain.periodic(axis) || (0..self.cells[axis] as isize + isize::from(field == axis)).contains(&index)
+    }
+
     /// Whether two fields have the same lattice and the same boundary conditions, hence the same Laplacian.
     pub fn same_laplacian(&self, first: usize, second: usize) -> bool {
         (0..D).all(|axis| self.domain.periodic(axis) || (first != D && second != D && (first == axis) == (second == axis)))

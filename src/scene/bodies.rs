@@ -199,11 +199,6 @@ fn read_places(entry: &Entry, dimension: usize) -> Result<Vec<Vec<f64>>> {
 }
 
 impl Motion {
-    /// Whether it is given and changes with time.
-    pub fn changes(&self) -> bool {
-        matches!(self, Motion::Oscillating { .. } | Motion::Path(_))
-    }
-
     fn read(entry: &Entry, dimension: usize) -> Result<Self> {
         const CHOICES: &str =
             "\"free\", \"fixed\", { velocity = [..], spin = .. }, { amplitude = [..], frequency = .. } or { path = [[..], ..] }";

@@ -56,8 +56,7 @@ impl<'a, const D: usize> Collector<'a, D> {
 
 /// Whether an index of a component's lattice lies between the walls or on them.
 pub fn within_walls<const D: usize>(grid: &Grid<D>, component: usize, index: Index<D>) -> bool {
-    let between = |axis: usize| (0..grid.cells()[axis] as isize + isize::from(component == axis)).contains(&index[axis]);
-    (0..D).all(|axis| grid.domain().periodic(axis) || between(axis))
+    (0..D).all(|axis| grid.between_walls(component, axis, index[axis]))
 }
 
 impl<const D: usize> AdjointNodes<D> {
