@@ -110,11 +110,16 @@ impl<const D: usize> Setup<D> {
             .then(|| Inertia { fluid: scene.flow.density, bodies: placed.iter().map(|&(group, _)| scene.bodies[group].density).collect() });
         let trajectories = trajectories(scene, &placed);
         let (spacing, bodies) = suspended_bodies(scene, &domain, placed)?;
-        Ok(Setup { inertia, trajectories, ..Setup::with_bodies(scene, domain, spacing, bodies) })
+        Ok(Setup { inertia, ..Setup::with_bodies(scene, domain, spacing, (bodies, trajectories)) })
     }
 
-    /// The setup of a scene in which these are the bodies.
-    pub(super) fn with_bodies(scene: &Scene, domain: Domain<D>, spacing: f64, bodies: Vec<SuspendedBody<D>>) -> Setup<D> {
+    /// The setup of a scene in which these are the bodies, some of them on trajectories.
+    pub(super) fn with_bodies(
+        scene: &Scene,
+        domain: Domain<D>,
+        spacing: f64,
+        (bodies, trajectories): (Vec<SuspendedBody<D>>, Trajectories<D>),
+    ) -> Setup<D> {
         let inverse = scene.method.inverse.unwrap_or_else(|| InverseMethod::fastest(&domain));
         let setup = Setup {
             domain,
@@ -123,7 +128,7 @@ impl<const D: usize> Setup<D> {
             drive: drive(scene),
             bodies,
             inertia: None,
-            trajectories: Trajectories::default(),
+            trajectories,
             constraint: scene.method.constraint,
             interactions: Interactions::default(),
             inverse,
