@@ -12,6 +12,7 @@ use super::{
     places::{Entries, EntriesMut, Places},
 };
 use crate::{
+    body::planes,
     error::Result,
     grid::Grid,
     petsc::{Scatter, Session, Vector},
@@ -91,6 +92,11 @@ pub fn surrounded<'a, const D: usize>(placed: &'a [Placed<D>], neighbours: &'a [
     placed.iter().zip(neighbours).enumerate().map(|(body, (placed, neighbours))| Surrounded { body, placed, neighbours }).collect()
 }
 
+/// Where the multipliers of rotations are among those of a body.
+pub fn rotations<const D: usize>() -> Range<usize> {
+    D..D + planes::<D>().len()
+}
+
 impl<const D: usize> Blocks<D> {
     /// Joins the blocks of this rank's bodies, in the order of the layout; `shape` is any vector of the grid's unknowns.
     pub fn new(session: &Session, shape: &Vector, layout: &MultiplierLayout, mut bodies: Vec<Box<dyn BodyBlocks<D>>>) -> Result<Blocks<D>> {
@@ -154,6 +160,7 @@ impl<const D: usize> Blocks<D> {
                     &DMatrixView::from_slice(&values, rows, bodies.len()),
                     0.0,
                 );
+                bodies.iter().zip(out[first..].chunks_exact_mut(count)).for_each(|(body, out)| body.read_inside(u, out));
                 first += bodies.len() * count;
             }
         }
@@ -170,23 +177,34 @@ impl<const D: usize> Blocks<D> {
         Ok(())
     }
 
-    /// `rows += factor *` what known spin-ups of all bodies, by their numbers, add to them; `local_bodies` are those of the layout.
-    pub fn spread_spin_up(&mut self, factor: f64, spin_ups: &[Vec<f64>], local_bodies: &[usize], rows: &mut Vector) -> Result<()> {
+    /// Turns multipliers of rotations into the spin-ups that they give; others are as they were.
+    pub fn spin_up(&self, multipliers: &mut [f64]) {
+        for (body, range) in self.bodies.iter().zip(&self.ranges) {
+            let of_rotation = body.spin_up_of_rotation();
+            multipliers[range.clone()][rotations::<D>()].iter_mut().for_each(|value| *value *= of_rotation);
+        }
+    }
+
+    /// `rows += factor *` what spin-ups of bodies, in the places of multipliers of rotations, add to them.
+    pub fn spread_spin_up(&mut self, factor: f64, spin_ups: &[f64], rows: &mut Vector) -> Result<()> {
         {
             let (mut own, mut others) = (rows.local_mut()?, self.spread.places()?);
             let mut rows = EntriesMut { own: &mut own, others: &mut others };
-            for (body, &number) in self.bodies.iter().zip(local_bodies) {
-                body.spread_spin_up(factor, &spin_ups[number], &mut rows);
+            for (body, range) in self.bodies.iter().zip(&self.ranges) {
+                body.spread_spin_up(factor, &spin_ups[range.clone()][rotations::<D>()], &mut rows);
             }
         }
         self.spread.add_back(rows)
     }
 
-    /// `out +=` what known spin-ups of all bodies add to the velocities on surfaces.
-    pub fn add_spin_up(&self, spin_ups: &[Vec<f64>], out: &mut [f64]) {
+    /// `out +=` what spin-ups of bodies, in the places of multipliers of rotations, add to the velocities on surfaces.
+    pub fn add_spin_up(&mut self, spin_ups: &Vector, out: &mut [f64]) -> Result<()> {
+        let (others, own) = (self.multipliers.fetch(spin_ups)?, spin_ups.local()?);
+        let all = Entries { own: &own, others: &others };
         for (body, range) in self.bodies.iter().zip(&self.ranges) {
-            body.add_spin_up(spin_ups, &mut out[range.clone()]);
+            body.add_spin_up(all, &mut out[range.clone()]);
         }
+        Ok(())
     }
 
     /// What the rows of one of the bodies make of a velocity known at each offset from its centre.

@@ -24,6 +24,9 @@ pub trait BodyBlocks<const D: usize> {
     /// Writes `J u`, before it is projected on the modes of a [`surface`](Self::surface); `scratch` may hold anything.
     fn read(&self, u: Entries, walls: Walls, scratch: &mut Vec<f64>, out: &mut [f64]);
 
+    /// Replaces in `out` the rows whose velocities are not those of the surface, if there are such.
+    fn read_inside(&self, _u: Entries, _out: &mut [f64]) {}
+
     /// The surface on whose modes what is read has to be projected.
     fn surface(&self) -> Option<&Rc<SurfaceTable<D>>> {
         None
@@ -32,11 +35,16 @@ pub trait BodyBlocks<const D: usize> {
     /// `out += E c`, with the multipliers of this body and those of all as this rank sees them.
     fn add_local(&self, _own: &[f64], _all: Entries, _out: &mut [f64]) {}
 
-    /// `rows += factor *` what the known spin-ups of this body add to them, `rho w' / mu` for each plane; none without inertia.
+    /// Spin-up `rho w' / mu` that a unit multiplier of rotation gives the body; none without inertia and for motion that is given.
+    fn spin_up_of_rotation(&self) -> f64 {
+        0.0
+    }
+
+    /// `rows += factor *` what the spin-up of this body, one number a plane, adds to them; none without inertia.
     fn spread_spin_up(&self, _factor: f64, _spin_up: &[f64], _rows: &mut EntriesMut) {}
 
-    /// `out +=` what known spin-ups of bodies, by their numbers, add to the velocities on the surface.
-    fn add_spin_up(&self, _spin_ups: &[Vec<f64>], _out: &mut [f64]) {}
+    /// `out +=` what spin-ups of bodies, in the places of multipliers of rotations, add to the velocities on the surface.
+    fn add_spin_up(&self, _spin_ups: Entries, _out: &mut [f64]) {}
 
     /// What the rows make of a velocity, or of a scalar in the place of its first component, known at each offset from the centre.
     fn coefficients(&self, known: &dyn Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Vec<f64>;

@@ -33,7 +33,7 @@ mod sharp;
 mod unknowns;
 
 pub use adjoint::{AdjointBody, Collector};
-pub use blocks::{Assembled, Blocks, surrounded};
+pub use blocks::{Assembled, Blocks, rotations, surrounded};
 pub use body::{BodyBlocks, FreeInverse};
 pub use index_box::IndexBox;
 pub use layout::MultiplierLayout;

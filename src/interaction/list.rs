@@ -2,7 +2,7 @@
 
 use std::{fmt, rc::Rc};
 
-use super::{Arrangement, Interaction, PairForce, Touch};
+use super::{Arrangement, Interaction, PairForce, Spring, Touch};
 use crate::{
     constraint::{MultiplierLayout, Neighbourhood, lubrication::LubricationPairs},
     contact::{AdhesiveContact, Contact, ContactForce},
@@ -89,6 +89,11 @@ impl<const D: usize> Interactions<D> {
         step: f64,
     ) -> Vec<AdhesiveContact<D>> {
         self.iter().flat_map(|interaction| interaction.remember(arrangement, memory, forces, step)).collect()
+    }
+
+    /// See [`Interaction::springs`].
+    pub fn springs(&self, arrangement: &Arrangement<D>) -> Vec<Spring<D>> {
+        self.iter().flat_map(|interaction| interaction.springs(arrangement)).collect()
     }
 
     /// See [`Interaction::rows`].

@@ -6,20 +6,24 @@
 //! nothing is built for it.
 
 mod arrangement;
+mod bonds;
 mod gluey;
 mod inelastic;
 mod list;
 mod lubrication;
 mod repulsion;
+mod spring;
 
 use std::fmt::Debug;
 
 pub use arrangement::{Arrangement, PairForce, Wrench};
+pub use bonds::{Bend, Bonds, Stretch};
 pub use gluey::Gluey;
 pub use inelastic::Inelastic;
 pub use list::Interactions;
 pub use lubrication::Lubrication;
 pub use repulsion::Repulsion;
+pub use spring::{MOST_ENDS, Spring};
 
 use crate::{
     constraint::{MultiplierLayout, Neighbourhood, lubrication::LubricationPairs},
@@ -86,6 +90,12 @@ pub trait Interaction<const D: usize>: Debug {
         _forces: &[ContactForce<D>],
         _step: f64,
     ) -> Vec<AdhesiveContact<D>> {
+        Vec::new()
+    }
+
+    /// Coordinates of a few bodies that forces oppose in proportion, to be followed implicitly, always in the same order; centres are those of one
+    /// image of each body, however far from the box.
+    fn springs(&self, _arrangement: &Arrangement<D>) -> Vec<Spring<D>> {
         Vec::new()
     }
 

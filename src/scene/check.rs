@@ -157,8 +157,6 @@ fn check_inertia(scene: &Scene) -> Result<()> {
         (scene.method.constraint, "is for Stokes flow only; set method.constraint = \"sharp\" or flow.model = \"stokes\"");
     let known = matches!(constraint, ConstraintMethod::Sharp | ConstraintMethod::Fitted);
     expect(scene, known, "method.constraint", format!("{:?}", constraint.word()), remedy)?;
-    let remedy = "is for Stokes flow only; set lubrication.model = \"none\" or flow.model = \"stokes\"";
-    expect(scene, scene.lubrication.model == LubricationModel::None, "lubrication.model", "\"pairwise\"", remedy)?;
     if let Some(time) = scene.time.as_ref().filter(|time| time.scheme != Scheme::TwoStep) {
         let word = Scheme::WORDS.iter().find(|(_, scheme)| *scheme == time.scheme).map_or("", |(word, _)| word);
         return Err(scene.refuse("time.scheme", format!("{word:?}"), "is for Stokes flow and dry scenes; remove it"));

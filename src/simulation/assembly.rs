@@ -8,11 +8,12 @@ use super::{bodies::Bodies, fixed_operators::FixedOperators, pair_constraints::M
 use crate::{
     constraint::{
         Assembled, Blocks, MultiplierLayout, Neighbourhood, PairPreconditioner, Placed, lubrication::LubricationPairs, neighbours,
-        surrounded,
+        rotations, surrounded,
     },
     error::{Error, Result},
     geometry::Ball,
     parallel::World,
+    petsc::Vector,
 };
 
 /// Net force or torque of a film on a pair, over its force, that is rounding.
@@ -83,8 +84,21 @@ impl<const D: usize> Assembly<D> {
             fixed.background(point) + fixed.setup.domain.image_velocity(&self.centers[body])
         };
         self.undisturbed = bodies.undisturbed(&mut self.blocks, &fixed.undisturbed.0, known)?;
-        self.blocks.add_spin_up(&fixed.spin_ups, &mut self.undisturbed);
+        if !fixed.spin_ups.is_empty() {
+            self.blocks.add_spin_up(&self.known_spin_ups(fixed)?, &mut self.undisturbed)?;
+        }
         Ok(())
+    }
+
+    /// Spin-ups that are known, in the places of multipliers of rotations.
+    pub fn known_spin_ups(&self, fixed: &FixedOperators<D>) -> Result<Vector> {
+        let mut spin_ups = Vector::new(&fixed.session, self.layout.local_unknowns())?;
+        let mut places = spin_ups.local_mut()?;
+        for &body in &self.layout.local_bodies {
+            places[self.layout.local(body)..][rotations::<D>()].copy_from_slice(&fixed.spin_ups[body]);
+        }
+        drop(places);
+        Ok(spin_ups)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use nalgebra::SVector;
 
+use super::implicit_springs::SpringRow;
 use crate::{contact::ContactForce, interaction::Wrench};
 
 /// Where the bodies of a suspension are, and what is known of that instant.
@@ -13,7 +14,9 @@ pub struct Configuration<'a, const D: usize> {
     pub time: f64,
     /// Contacts that are held: their forces are unknowns, and those given are where the solve starts.
     pub pressed: &'a [ContactForce<D>],
-    /// The step in which their gaps are to close, and no sooner.
+    /// Springs: their forces are unknowns.
+    pub springs: &'a [SpringRow<D>],
+    /// The step in which gaps of contacts are to close, and no sooner.
     pub step: f64,
     /// Forces and torques on all bodies besides those of the setup; none if empty.
     pub pushes: &'a [Wrench<D>],

@@ -49,7 +49,7 @@ impl<const D: usize> System for Coupled<'_, D> {
         stokes.multiply(&work.fluid_in, &mut work.fluid_out)?;
         watch.stop(&mut work.stages.matrices);
         let watch = Watch::start(Stage::Bodies);
-        surfaces.blocks.spread(-1.0, &work.multipliers_in.local()?, &mut work.fluid_out)?;
+        surfaces.spread(-1.0, &work.multipliers_in, &global_unknowns, &mut work.fluid_out)?;
         surfaces.mean_flow.add_forces(-1.0, &global_unknowns, &mut work.fluid_out)?;
         stokes.balance(&mut work.fluid_out)?;
         let mut rows = surfaces.rows(&work.fluid_in, &work.multipliers_in, &global_unknowns, &mut work.multipliers_out)?;

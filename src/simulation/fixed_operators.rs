@@ -11,6 +11,7 @@ use super::{
 };
 use crate::{
     constraint::FlowMethod,
+    contact::Contact,
     error::{Error, Result},
     flow::{Drive, InverseMethod, Stokes, StokesInverse},
     grid::Grid,
@@ -133,6 +134,12 @@ impl<const D: usize> FixedOperators<D> {
         self.setup.bodies.iter().enumerate().map(resistance).collect()
     }
 
+    /// What films resist the approach of a contact by, force over speed.
+    pub fn film_resistance(&self, contact: &Contact<D>) -> f64 {
+        let of = |body: usize| self.kinds.radius_and_order(body);
+        self.setup.viscosity * self.setup.interactions.approach_resistance(contact, &of)
+    }
+
     /// The velocity that the flow without bodies has besides its fluid vector.
     pub fn background(&self, point: &SVector<f64, D>) -> SVector<f64, D> {
         self.imposed_mean_velocity() + self.setup.drive.background(point)
@@ -205,6 +212,7 @@ impl<const D: usize> FixedOperators<D> {
             walls: WallForces::none(),
             contact_forces,
             pair_stress: None,
+            spring_forces: Vec::new(),
             lubrication: None,
         })
     }

@@ -1,6 +1,8 @@
-//! A relative motion of two bodies, or of a body and a wall, that is constrained or resisted.
+//! A relative motion of a few bodies, or of a body and a wall, that is constrained or resisted.
 
 use nalgebra::SVector;
+
+use crate::interaction::MOST_ENDS;
 
 /// Compliance that a contact has in the approximation, over the mobility of its ends: redundant contacts then do no harm. Its inverse
 /// magnifies rounding.
@@ -29,11 +31,11 @@ impl ConstraintSide {
     }
 }
 
-/// A contact, or a way of a film.
+/// A contact, a spring, or a way of a film.
 #[derive(Debug, Clone)]
 pub struct PairConstraint {
     /// Its free bodies.
-    pub ends: [Option<ConstraintSide>; 2],
+    pub ends: [Option<ConstraintSide>; MOST_ENDS],
     /// Rate wanted, without what is known to move.
     pub rate: f64,
     /// Rate that a unit of the unknown gives way by: zero for contacts.

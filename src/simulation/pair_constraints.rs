@@ -18,6 +18,7 @@ use super::{
 use crate::{
     constraint::{Entries, EntriesMut, MultiplierLayout, Places, Pores},
     error::Result,
+    interaction::MOST_ENDS,
     petsc::{Scatter, Session, Vector},
 };
 
@@ -26,7 +27,7 @@ struct Acting {
     network: Network,
     others: Scatter,
     /// For each end of this rank's links, the place where its motion begins.
-    places: Vec<[u32; 2]>,
+    places: Vec<[u32; MOST_ENDS]>,
     /// Velocities or forces in the places of multipliers.
     motions: Vector,
 }
@@ -156,7 +157,7 @@ impl Acting {
             end.map_or(0.0, |end| end.weights.iter().zip(&motions.from(place)[..rigid]).map(|(weight, velocity)| weight * velocity).sum())
         };
         let rate =
-            |(link, places): (&PairConstraint, &[u32; 2])| link.ends.iter().zip(places).map(|(end, &place)| of_end(end, place)).sum();
+            |(link, places): (&PairConstraint, &[u32; MOST_ENDS])| link.ends.iter().zip(places).map(|(end, &place)| of_end(end, place)).sum();
         Ok(links.iter().zip(&self.places).map(rate).collect())
     }
 

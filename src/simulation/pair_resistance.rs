@@ -6,6 +6,7 @@ use super::{
     bodies::Bodies,
     configuration::Configuration,
     fixed_operators::FixedOperators,
+    implicit_springs::SpringRow,
     network::Resistances,
     pair_constraint::{ConstraintSide, PairConstraint, RigidVector},
     pair_constraints::{Medium, PairConstraints},
@@ -18,6 +19,7 @@ use crate::{
     },
     contact::{Contact, ContactForce},
     error::Result,
+    interaction::MOST_ENDS,
 };
 
 /// Numbers of rigid modes, by dimension.
@@ -52,6 +54,9 @@ pub fn pair_constraints<const D: usize>(
     let mut builder = Builder::new(fixed, configuration.centers);
     for pressed in configuration.pressed.iter().filter(|pressed| touches(&bodies.layout, pressed)) {
         builder.add_contact(pressed.contact, configuration.step, belongs(&bodies.layout, pressed));
+    }
+    for spring in configuration.springs.iter().filter(|spring| bodies.layout.holds_any(spring_bodies(spring))) {
+        builder.add_spring(spring, spring_belongs(&bodies.layout, spring));
     }
     for film in &films.films {
         film.relative_modes.iter().for_each(|way| builder.add_way(film, way, bodies.layout.holds(film.body)));
@@ -89,6 +94,15 @@ pub fn belongs<const D: usize>(layout: &MultiplierLayout, pressed: &ContactForce
     layout.holds(pressed.contact.body)
 }
 
+/// Whether a spring is one of this rank's: its first body is.
+pub fn spring_belongs<const D: usize>(layout: &MultiplierLayout, spring: &SpringRow<D>) -> bool {
+    spring_bodies(spring).next().is_some_and(|body| layout.holds(body))
+}
+
+fn spring_bodies<const D: usize>(spring: &SpringRow<D>) -> impl Iterator<Item = usize> {
+    spring.ends.iter().flatten().map(|(body, _)| *body)
+}
+
 /// Whether it has a side on a body of this rank.
 fn touches<const D: usize>(layout: &MultiplierLayout, pressed: &ContactForce<D>) -> bool {
     layout.holds_any([Some(pressed.contact.body), pressed.contact.other()].into_iter().flatten())
@@ -114,7 +128,7 @@ impl<'a, const D: usize> Builder<'a, D> {
 
     fn add_contact(&mut self, contact: Contact<D>, step: f64, owned: bool) {
         self.links.push(PairConstraint {
-            ends: [None; 2],
+            ends: [None; MOST_ENDS],
             rate: -contact.gap / step - contact.normal.dot(&contact.sliding),
             compliance: 0.0,
             owned,
@@ -126,8 +140,18 @@ impl<'a, const D: usize> Builder<'a, D> {
         }
     }
 
+    fn add_spring(&mut self, spring: &SpringRow<D>, owned: bool) {
+        let compliance = spring.compliance * self.scale * self.fixed.setup.viscosity;
+        self.links.push(PairConstraint { ends: [None; MOST_ENDS], rate: spring.rate, compliance, owned });
+        for (place, end) in spring.ends.iter().enumerate() {
+            if let Some((body, direction)) = *end {
+                self.add_end(place, body, &RigidFunctional { direction, turn: SMatrix::zeros() });
+            }
+        }
+    }
+
     fn add_way(&mut self, film: &LubricationPair<D>, way: &RelativeMode<D>, owned: bool) {
-        self.links.push(PairConstraint { ends: [None; 2], rate: 0.0, compliance: self.scale / way.resistance, owned });
+        self.links.push(PairConstraint { ends: [None; MOST_ENDS], rate: 0.0, compliance: self.scale / way.resistance, owned });
         self.add_end(0, film.body, &way.sides[0]);
         let direction = way.sides[1].direction;
         let known = match film.other {

@@ -13,13 +13,14 @@
 
 use std::time::Instant;
 
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 use super::{
     Configuration, ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Level, MeshLevel, Moving, Observation, ResidualMonitor,
     Solution, State, StepOutcome, Stepper,
     active_set_iteration::ActiveSetIteration,
     contact_step::{ContactStep, identities},
+    implicit_springs::{SpringRow, StepAhead},
     step_control::{BodyMotion, StepControl, StepSize},
 };
 use crate::{
@@ -27,7 +28,7 @@ use crate::{
     contact::{AdhesiveContact, ContactForce, KktReport, Partner},
     error::{Error, Result},
     geometry::{Ball, Domain, near_pairs, near_walls},
-    interaction::{Arrangement, PairForce, Touch, Wrench},
+    interaction::{Arrangement, PairForce, Spring, Touch, Wrench},
     parallel::Peers,
     petsc::Session,
     scene::{ConstraintMethod, Scheme},
@@ -138,21 +139,30 @@ impl<const D: usize> QuasiStatic<D> {
         let known = interactions.contact_forces(&self.arrangement(&placed));
         let pair_forces = interactions.pair_forces(&self.arrangement(&placed));
         let agreement = if interactions.resist() { AGREEMENT_IN_FILMS } else { AGREEMENT };
+        let springs = interactions.springs(&self.arrangement(&placed));
         let mut pressed = self.expected(&placed, touch)?;
         let (mut chosen, mut step, mut difference) = (None, state.last_step, 0.0);
         let mut rounds = ActiveSetIteration::new();
         for _ in 0..MOST_ROUNDS {
             let loose = self.contact_step(&placed, step).loose(&pressed);
             let pushes = Wrench::on_bodies(centers.len(), known.iter().chain(&loose), &pair_forces);
-            let configuration = Configuration { centers: &centers, time: state.time, pressed: &pressed, step, pushes: &pushes, tolerance };
+            let rows = self.spring_rows(state, &springs, step);
+            let configuration =
+                Configuration { centers: &centers, time: state.time, pressed: &pressed, springs: &rows, step, pushes: &pushes, tolerance };
             let mut solution = self.suspension.solve_at(&configuration, monitor)?;
-            solution.pair_stress = PairForce::total_stress(&pair_forces);
+            solution.pair_stress = stress(&pair_forces, &springs, &solution.spring_forces, &centers);
             effort.add_solve(self.suspension.cost());
             let mut twists: Vec<Twist<D>> = solution.bodies.iter().map(|body| body.twist).collect();
+            let begins = step == 0.0 && !springs.is_empty();
             let step_size = match chosen {
                 Some(step_size) => step_size,
                 None => *chosen.insert(self.step_size(state, &twists)?),
             };
+            if begins && step_size.natural > 0.0 {
+                // of springs the step is a part
+                step = step_size.natural;
+                continue;
+            }
             if touch != Some(Touch::Hard) {
                 return Ok(Agreed { solution, twists, contacts: known, step_size });
             }
@@ -187,6 +197,12 @@ impl<const D: usize> QuasiStatic<D> {
              a shorter time.step or a finer grid may help",
             state.time
         )))
+    }
+
+    /// The rows of springs in a step of this length from a state, 0 if it is not known yet.
+    fn spring_rows(&self, state: &State<D>, springs: &[Spring<D>], length: f64) -> Vec<SpringRow<D>> {
+        let velocities: Vec<SVector<f64, D>> = state.bodies.iter().map(|body| body.twist.velocity).collect();
+        StepAhead { length, last: state.last_step, velocities: &velocities, resistances: &self.weights }.rows(springs)
     }
 
     /// The longest way of the last step, in radii of the body that went it.
@@ -359,6 +375,17 @@ fn contacts_of<const D: usize>(held: &[ContactHistory<D>], bodies: usize) -> Vec
     }
     of_body.iter_mut().for_each(|contacts| contacts.sort_unstable());
     of_body
+}
+
+/// What pair forces and springs add to the stress times volume, if there are any.
+fn stress<const D: usize>(
+    pairs: &[PairForce<D>],
+    springs: &[Spring<D>],
+    forces: &[f64],
+    centers: &[SVector<f64, D>],
+) -> Option<SMatrix<f64, D, D>> {
+    let of_springs = springs.iter().zip(forces).map(|(spring, &force)| spring.stress(force, centers));
+    PairForce::total_stress(pairs).into_iter().chain(of_springs).reduce(|sum, stress| sum + stress)
 }
 
 fn velocities<const D: usize>(twists: &[Twist<D>]) -> Vec<SVector<f64, D>> {

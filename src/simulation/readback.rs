@@ -1,11 +1,42 @@
-//! Forces read back from the unknowns of a solve.
+//! What is read back from the unknowns of a solve.
 
 use nalgebra::SVector;
 
-use super::{Configuration, assembly::Assembly, bodies::Bodies, fixed_operators::FixedOperators, pair_resistance::belongs};
+use super::{
+    Configuration, Solution, WallForces, assembly::Assembly, bodies::Bodies, film_forces::add_films, fixed_operators::FixedOperators,
+    pair_constraints::PairConstraints,
+    pair_resistance::{belongs, spring_belongs}, work::SolvedUnknowns,
+};
+use crate::error::Result;
+
+/// The solution, with the unknowns of this rank's contacts and films. Collective.
+pub fn solution<const D: usize>(
+    fixed: &FixedOperators<D>,
+    (bodies, assembly): (&Bodies<D>, &Assembly<D>),
+    (pair_constraints, unknowns): (&PairConstraints, &[f64]),
+    found: SolvedUnknowns,
+    configuration: &Configuration<D>,
+) -> Result<Solution<D>> {
+    let mut states = bodies.states(&fixed.session, &assembly.blocks, &found.velocities, &found.multipliers);
+    let mut walls = forces_on_walls(fixed, assembly, &found.multipliers);
+    let unit = pair_constraints.scale * fixed.setup.viscosity;
+    let mut forces = unknowns[..pair_constraints.count()].iter().map(|unknown| unknown * unit);
+    let contact_forces = shared(fixed, configuration.pressed, |pressed| belongs(&bodies.layout, pressed), &mut forces);
+    let spring_forces = shared(fixed, configuration.springs, |spring| spring_belongs(&bodies.layout, spring), &mut forces);
+    let film_forces: Vec<f64> = forces.collect();
+    let (world, layout) = (fixed.session.world(), &bodies.layout);
+    let lubrication =
+        fixed.setup.interactions.resist().then(|| add_films(world, layout, &assembly.films, &film_forces, &mut states, &mut walls));
+    Ok(Solution {
+        lubrication,
+        spring_forces,
+        walls: WallForces { forces: walls, complete: false },
+        ..fixed.solution(states, found.fluid, &found.global_unknowns, contact_forces)?
+    })
+}
 
 /// Forces of bodies within a cell of a wall on it.
-pub fn forces_on_walls<const D: usize>(
+fn forces_on_walls<const D: usize>(
     fixed: &FixedOperators<D>,
     assembly: &Assembly<D>,
     multipliers: &[f64],
@@ -15,15 +46,14 @@ pub fn forces_on_walls<const D: usize>(
     walls
 }
 
-/// Forces of all contacts that are held, from those of this rank.
-pub fn contact_forces<const D: usize>(
+/// Forces of all links of a kind, from those of this rank's own.
+fn shared<const D: usize, L>(
     fixed: &FixedOperators<D>,
-    bodies: &Bodies<D>,
-    configuration: &Configuration<D>,
+    links: &[L],
+    belongs: impl Fn(&L) -> bool,
     own: &mut impl Iterator<Item = f64>,
 ) -> Vec<f64> {
-    let of_contact = |pressed| if belongs(&bodies.layout, pressed) { own.next().unwrap_or(0.0) } else { 0.0 };
-    let mut forces: Vec<f64> = configuration.pressed.iter().map(of_contact).collect();
+    let mut forces: Vec<f64> = links.iter().map(|link| if belongs(link) { own.next().unwrap_or(0.0) } else { 0.0 }).collect();
     if !forces.is_empty() {
         fixed.session.world().sum(&mut forces);
     }

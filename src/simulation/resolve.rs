@@ -213,7 +213,8 @@ pub(super) fn suspended<const D: usize>(scene: &Scene, body: Body<D>, surrounded
 /// grid carries well.
 fn order<const D: usize>(scene: &Scene, cells: f64, surrounded: bool) -> Result<usize> {
     let highest = ((HIGHEST_ORDER_PER_CELL[D - 2] * cells + 1e-9) as usize).min(highest_order(D));
-    let lubricated = scene.lubrication.roughness().is_some();
+    // boundary layers of a flow with inertia need modes that films do not stand for
+    let lubricated = scene.lubrication.roughness().is_some() && scene.flow.model == FlowModel::Stokes;
     match resolution(scene)?.modes {
         Modes::Auto => {
             let plain = if D == 2 { (cells.round() as usize).clamp(3, 16) } else { (cells.round() as usize - 1).clamp(2, 10) };

@@ -28,12 +28,12 @@ impl<'a, const D: usize> SchurComplement<'a, D> {
         SchurComplement(parts, Vec::new())
     }
 
-    /// Puts into `fluid_in` the fluid that `multipliers_in` move; returns the forces of the mean-flow constraint.
-    fn move_fluid(&mut self) -> Result<Vec<f64>> {
+    /// Puts into `fluid_in` the fluid that `multipliers_in` and global unknowns move; returns the forces of the mean-flow constraint.
+    fn move_fluid(&mut self, global_unknowns: &[f64]) -> Result<Vec<f64>> {
         let SystemParts { stokes, inverse, surfaces, work } = &mut self.0;
         let watch = Watch::start(Stage::Bodies);
         work.fluid_out.fill(0.0)?;
-        surfaces.blocks.spread(1.0, &work.multipliers_in.local()?, &mut work.fluid_out)?;
+        surfaces.spread(1.0, &work.multipliers_in, global_unknowns, &mut work.fluid_out)?;
         watch.stop(&mut work.stages.bodies);
         let watch = Watch::start(Stage::Inverse);
         stokes.balance(&mut work.fluid_out)?;
@@ -48,7 +48,7 @@ impl<'a, const D: usize> SchurComplement<'a, D> {
 impl<const D: usize> System for SchurComplement<'_, D> {
     fn apply(&mut self, input: &Vector, output: &mut Vector) -> Result<()> {
         let global_unknowns = self.0.work.split(self.0.surfaces.world, input)?;
-        let forces = self.move_fluid()?;
+        let forces = self.move_fluid(&global_unknowns)?;
         let SystemParts { surfaces, work, .. } = &mut self.0;
         let watch = Watch::start(Stage::Bodies);
         let rows = surfaces.rows(&work.fluid_in, &work.multipliers_in, &global_unknowns, &mut work.multipliers_out)?;

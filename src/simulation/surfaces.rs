@@ -98,8 +98,10 @@ pub struct SurfaceOperators<'a, const D: usize> {
     pub pairs: Option<&'a mut PairPreconditioner>,
     /// What the mean flow is held to.
     pub mean_flow: &'a MeanFlowConstraint,
-    /// Contacts.
+    /// Contacts and films.
     pub pair_constraints: &'a mut PairConstraints,
+    /// Whether links exert torques on bodies that have inertia.
+    pub links_spin_up: bool,
     /// Sum over all prescribed bodies of the translation block of their inverses, the mean-flow constraint's own row scale.
     pub prescribed_drag: f64,
 }
@@ -121,10 +123,33 @@ impl<const D: usize> SurfaceOperators<'_, D> {
         Ok(tail_rows)
     }
 
+    /// `fluid += factor *` what multipliers and links do to the rows of the fluid.
+    pub fn spread(&mut self, factor: f64, given: &Vector, global_unknowns: &[f64], fluid: &mut Vector) -> Result<()> {
+        self.blocks.spread(factor, &given.local()?, fluid)?;
+        match self.spin_ups_of_links(given, global_unknowns)? {
+            Some(spin_ups) => self.blocks.spread_spin_up(factor, &spin_ups.local()?, fluid),
+            None => Ok(()),
+        }
+    }
+
+    /// With inertia, how torques of links spin bodies up, in the places of multipliers of rotations: multipliers alone are taken for all torque.
+    fn spin_ups_of_links(&mut self, shape: &Vector, global_unknowns: &[f64]) -> Result<Option<Vector>> {
+        if !self.links_spin_up {
+            return Ok(None);
+        }
+        let mut spin_ups = shape.like()?;
+        self.pair_constraints.press(-1.0, &global_unknowns[self.contacts()], &mut spin_ups)?;
+        self.blocks.spin_up(&mut spin_ups.local_mut()?);
+        Ok(Some(spin_ups))
+    }
+
     /// The velocity of the fluid on the surfaces, tested with all modes.
     pub fn velocity(&mut self, fluid: &Vector, given: &Vector, global_unknowns: &[f64], velocity: &mut Vector) -> Result<()> {
         self.blocks.interpolate(fluid, &mut velocity.local_mut()?)?;
         self.blocks.add_local(given, &mut velocity.local_mut()?)?;
+        if let Some(spin_ups) = self.spin_ups_of_links(given, global_unknowns)? {
+            self.blocks.add_spin_up(&spin_ups, &mut velocity.local_mut()?)?;
+        }
         if let MeanFlowConstraint::MeanVelocity = self.mean_flow {
             let mut rows = velocity.local_mut()?;
             for member in self.operators {

@@ -5,16 +5,15 @@ use std::{rc::Rc, time::Instant};
 use nalgebra::SVector;
 
 use super::{
-    FlowSolver, Setup, Solution, WallForces,
+    FlowSolver, Setup, Solution,
     assembled_system::AssembledSystem,
     assembly::Assembly,
     configuration::Configuration,
     cost::{Cost, ResidualMonitor},
     extrapolation::{ExtrapolationHistory, Snapshot},
-    film_forces::add_films,
     fixed_operators::FixedOperators,
     krylov_workspace::KrylovWorkspace,
-    readback::{contact_forces, forces_on_walls},
+    readback,
     schur_complement::SchurComplement,
     spectrum::Conditions,
 };
@@ -93,7 +92,7 @@ impl<const D: usize> Suspension<D> {
     /// The configuration in which bodies are there and none touches.
     fn at_rest<'a>(&self, centers: &'a [SVector<f64, D>]) -> Configuration<'a, D> {
         let time = self.fixed.setup.domain.slide().map_or(0.0, |slide| slide.time);
-        Configuration { centers, time, pressed: &[], step: 0.0, pushes: &[], tolerance: self.fixed.setup.tolerance.at_an_instant() }
+        Configuration { centers, time, pressed: &[], springs: &[], step: 0.0, pushes: &[], tolerance: self.fixed.setup.tolerance.at_an_instant() }
     }
 
     /// Condition numbers of the system on the multipliers with the bodies where the setup has them; as dear as that many iterations
@@ -144,8 +143,7 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
     }
 
     fn film_resistance(&self, contact: &Contact<D>) -> f64 {
-        let of = |body: usize| self.fixed.kinds.radius_and_order(body);
-        self.fixed.setup.viscosity * self.fixed.setup.interactions.approach_resistance(contact, &of)
+        self.fixed.film_resistance(contact)
     }
 
     fn remember(&mut self, past: Option<ExtrapolationHistory<D>>) {
@@ -192,21 +190,9 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
             let last = Snapshot::of(&bodies, &fixed.session, configuration.centers, &found, fixed.condensed)?;
             self.past = Some(ExtrapolationHistory::then(self.past.take(), last, guess, configuration.time));
         }
-        let mut states = bodies.states(&fixed.session, &assembly.blocks, &found.velocities, &found.multipliers);
-        let mut walls = forces_on_walls(fixed, &assembly, &found.multipliers);
-        let unit = pair_constraints.scale * fixed.setup.viscosity;
-        let (world, layout) = (fixed.session.world(), &bodies.layout);
-        let mut forces = links[..pair_constraints.count()].iter().map(|unknown| unknown * unit);
-        let contact_forces = contact_forces(fixed, &bodies, configuration, &mut forces);
-        let film_forces: Vec<f64> = forces.collect();
-        let lubrication =
-            fixed.setup.interactions.resist().then(|| add_films(world, layout, &assembly.films, &film_forces, &mut states, &mut walls));
+        let solution = readback::solution(fixed, (&bodies, &assembly), (&pair_constraints, &links), found, configuration)?;
         (self.assembly, self.workspace) = (Some(assembly), Some(workspace));
-        Ok(Solution {
-            lubrication,
-            walls: WallForces { forces: walls, complete: false },
-            ..fixed.solution(states, found.fluid, &found.global_unknowns, contact_forces)?
-        })
+        Ok(solution)
     }
 }
 

@@ -2,6 +2,10 @@
 //!
 //! What rotates rigidly ever faster needs the force `rho w' x r` inside, which no pressure bears, and the Laplacian of the velocity jumps by it across
 //! the surface. The torque on a free body says how fast it spins up, `I w' = -(torque on the fluid)`: so both go with its rotation modes.
+//!
+//! A body lighter than the fluid moves as the fluid inside does. Its excess mass is negative, and in steps too short for viscosity to reach across a cell
+//! the jumps of steady flow make its surface more mobile than any fluid that has mass: its momentum would have the wrong sign. It spins as its surface
+//! does: nothing else would hold the inside to the surface.
 
 use std::rc::Rc;
 
@@ -11,6 +15,7 @@ use super::{INTERPOLATION_REACH, JumpNodes, SharpBody, Workspace, assemble, byte
 use crate::{
     body::planes,
     constraint::{
+        blocks::rotations,
         body::{BodyBlocks, Plans, WallForces, Walls},
         conservation::TERMS,
         layout::MultiplierLayout,
@@ -28,6 +33,8 @@ use crate::{
 pub struct SharpWithInertia {
     /// For each body, the spin-up `rho w' / mu` that a unit multiplier of rotation gives it; zero for prescribed motion.
     pub spin_up_of: Vec<f64>,
+    /// For each body, whether it is free and lighter than the fluid.
+    pub light: Vec<bool>,
 }
 
 impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for SharpWithInertia {
@@ -40,7 +47,8 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for SharpWithInertia {
         let of = |body: &Surrounded<D>| -> Box<dyn BodyBlocks<D>> {
             let (blocks, nodes) = assemble(grid, body, &mut workspace, |nodes| moments(grid, body.placed, nodes));
             let interior = Interior::new(grid, body.placed, &nodes[..D]);
-            Box::new(SpinningBody::new(blocks, interior, body.body, &self.spin_up_of))
+            let mean_motion = self.light[body.body].then(|| MeanMotion::new(&interior));
+            Box::new(SpinningBody::new((blocks, interior), mean_motion, body.body, &self.spin_up_of))
         };
         bodies.iter().map(of).collect()
     }
@@ -56,6 +64,8 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for SharpWithInertia {
 
 /// Unknowns inside a body, each with the velocity there of unit spins.
 struct Interior {
+    /// Number of unknowns of each component, which follow each other.
+    counts: Vec<usize>,
     unknowns: Vec<usize>,
     places: Vec<u32>,
     /// One a plane for each unknown.
@@ -64,13 +74,14 @@ struct Interior {
 
 impl Interior {
     fn new<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, nodes: &[JumpNodes<D>]) -> Interior {
-        let mut interior = Interior { unknowns: Vec::new(), places: Vec::new(), velocities: Vec::new() };
+        let mut interior = Interior { counts: Vec::new(), unknowns: Vec::new(), places: Vec::new(), velocities: Vec::new() };
         for (component, nodes) in nodes.iter().enumerate() {
             each_inside(grid, nodes, |place, unknown| {
                 let offset = nodes.position(place) - placed.center;
                 interior.unknowns.push(unknown);
                 interior.velocities.extend((0..planes::<D>().len()).map(|plane| unit_rotation(plane, offset.as_slice(), component)));
             });
+            interior.counts.push(interior.unknowns.len() - interior.counts.iter().sum::<usize>());
         }
         interior
     }
@@ -89,21 +100,59 @@ impl Interior {
     }
 }
 
+/// The translation of the rigid motion that is nearest to the flow inside a body.
+struct MeanMotion {
+    /// Of each component of the translation (down), over the unknowns inside.
+    weights: DMatrix<f64>,
+    places: Vec<u32>,
+}
+
+impl MeanMotion {
+    fn new(interior: &Interior) -> MeanMotion {
+        let (dimension, count) = (interior.counts.len(), interior.unknowns.len());
+        let rotations = interior.velocities.len() / count;
+        let mut motions = DMatrix::zeros(count, dimension + rotations);
+        let mut first = 0;
+        for (component, &nodes) in interior.counts.iter().enumerate() {
+            motions.view_mut((first, component), (nodes, 1)).fill(1.0);
+            first += nodes;
+        }
+        motions.columns_mut(dimension, rotations).copy_from(&DMatrix::from_row_slice(count, rotations, &interior.velocities));
+        let squares = motions.tr_mul(&motions).cholesky().expect("rigid motions differ at the points inside a body");
+        MeanMotion { weights: squares.solve(&motions.transpose()).rows(0, dimension).into_owned(), places: Vec::new() }
+    }
+
+    fn read(&self, u: Entries, out: &mut [f64]) {
+        out[..self.weights.nrows()].fill(0.0);
+        for (weights, &place) in self.weights.column_iter().zip(&self.places) {
+            let velocity = u.from(place)[0];
+            out.iter_mut().zip(weights.iter()).for_each(|(out, weight)| *out += weight * velocity);
+        }
+    }
+}
+
 /// What one body adds.
 struct SpinningBody<const D: usize> {
     blocks: SharpBody<D>,
     interior: Interior,
+    /// If the body is light: its translation is that of the flow inside.
+    mean_motion: Option<MeanMotion>,
     /// Spin-up of a unit multiplier of rotation.
     factor: f64,
     /// For each row, what unit spin-ups add to it.
     rows: Vec<f64>,
-    /// For each block of E, the body that spins up and what its unit spin-ups (down) add to the rows of the modes (across).
-    local: Vec<(usize, DMatrix<f64>)>,
+    /// For each block of E, what unit spin-ups (down) of its body add to the rows of the modes (across).
+    local: Vec<DMatrix<f64>>,
 }
 
 impl<const D: usize> SpinningBody<D> {
     /// Takes the columns of spin-ups out of the blocks of a body, and adds them to those of rotations.
-    fn new(mut blocks: SharpBody<D>, interior: Interior, body: usize, spin_up_of: &[f64]) -> Self {
+    fn new(
+        (mut blocks, interior): (SharpBody<D>, Interior),
+        mean_motion: Option<MeanMotion>,
+        body: usize,
+        spin_up_of: &[f64],
+    ) -> Self {
         let (planes, count, factor) = (planes::<D>().len(), blocks.surface.modes.count(), spin_up_of[body]);
         let (mut values, mut rows) = (Vec::with_capacity(blocks.rows.values.len()), Vec::new());
         for row in blocks.rows.values.chunks_exact(count + planes) {
@@ -117,14 +166,18 @@ impl<const D: usize> SpinningBody<D> {
         let mut local = Vec::new();
         for block in &mut blocks.local {
             let of_modes = block.transposed.nrows() - planes;
-            let of_spin_ups = block.transposed.rows(of_modes, planes).into_owned();
+            let mut of_spin_ups = block.transposed.rows(of_modes, planes).into_owned();
             let mut kept = block.transposed.rows(0, of_modes).into_owned();
             let mut rotations = kept.rows_mut(D, planes);
             rotations += &of_spin_ups * spin_up_of[block.body];
+            if mean_motion.is_some() {
+                // no jump is met inside
+                [&mut kept, &mut of_spin_ups].into_iter().for_each(|block| block.columns_mut(0, D).fill(0.0));
+            }
             block.transposed = kept;
-            local.push((block.body, of_spin_ups));
+            local.push(of_spin_ups);
         }
-        SpinningBody { blocks, interior, factor, rows, local }
+        SpinningBody { blocks, interior, mean_motion, factor, rows, local }
     }
 }
 
@@ -136,15 +189,24 @@ impl<const D: usize> BodyBlocks<D> for SpinningBody<D> {
     fn plan(&mut self, layout: &MultiplierLayout, plans: &mut Plans) {
         self.blocks.plan(layout, plans);
         self.interior.plan(&mut plans.spread);
+        if let Some(mean_motion) = &mut self.mean_motion {
+            mean_motion.places = plans.read.each(&self.interior.unknowns);
+        }
     }
 
     fn spread(&self, factor: f64, c: &[f64], scratch: &mut Vec<f64>, rows: &mut EntriesMut) {
         self.blocks.spread(factor, c, scratch, rows);
-        self.interior.add(factor * self.factor, &c[D..D + planes::<D>().len()], rows);
+        self.interior.add(factor * self.factor, &c[rotations::<D>()], rows);
     }
 
     fn read(&self, u: Entries, walls: Walls, scratch: &mut Vec<f64>, out: &mut [f64]) {
         self.blocks.read(u, walls, scratch, out);
+    }
+
+    fn read_inside(&self, u: Entries, out: &mut [f64]) {
+        if let Some(mean_motion) = &self.mean_motion {
+            mean_motion.read(u, out);
+        }
     }
 
     fn surface(&self) -> Option<&Rc<SurfaceTable<D>>> {
@@ -164,11 +226,14 @@ impl<const D: usize> BodyBlocks<D> for SpinningBody<D> {
         }
     }
 
-    fn add_spin_up(&self, spin_ups: &[Vec<f64>], out: &mut [f64]) {
-        for (body, block) in &self.local {
-            for (out, column) in out.iter_mut().zip(block.column_iter()) {
-                *out += column.iter().zip(&spin_ups[*body]).map(|(value, spin_up)| value * spin_up).sum::<f64>();
-            }
+    fn spin_up_of_rotation(&self) -> f64 {
+        self.factor
+    }
+
+    fn add_spin_up(&self, spin_ups: Entries, out: &mut [f64]) {
+        for (block, &place) in self.local.iter().zip(&self.blocks.local_places) {
+            let spin_ups = &spin_ups.from(place)[rotations::<D>()];
+            out.iter_mut().zip(block.column_iter()).for_each(|(out, column)| *out += dot(column.as_slice(), spin_ups));
         }
     }
 

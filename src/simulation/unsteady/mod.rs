@@ -22,19 +22,21 @@ use self::{
 };
 pub(super) use self::{longest::longest_step, momentum::inertia, scheme::StepWeights};
 use super::{
-    BodyState, FlowSolver, Inertia, Setup, Solution, WallForces,
+    BodyState, FlowSolver, Inertia, Lubrication, Setup, Solution, WallForces,
     assembled_system::AssembledSystem,
     assembly::Assembly,
     configuration::Configuration,
     cost::{Cost, ResidualMonitor},
     extrapolation::{ExtrapolationHistory, Snapshot},
+    film_forces::add_films,
     fixed_operators::FixedOperators,
     krylov_workspace::KrylovWorkspace,
     mean_flow_constraint::{add_drive, add_walls},
-    readback::{contact_forces, forces_on_walls},
+    readback,
 };
 use crate::{
     body::{Twist, planes},
+    contact::Contact,
     error::{Error, Result},
     flow::{Convection, FluidSystem, OpenEnds, StokesInverse, fastest},
     grid::{Grid, operators::signed},
@@ -151,8 +153,21 @@ impl<const D: usize> UnsteadySuspension<D> {
             walls: WallForces::none(),
             contact_forces: vec![0.0; configuration.pressed.len()],
             pair_stress: None,
-            lubrication: None,
+            spring_forces: Vec::new(),
+            lubrication: self.films_at_rest(configuration.centers)?,
         })
+    }
+
+    /// Films, if lubrication acts, before anything moves.
+    fn films_at_rest(&mut self, centers: &[SVector<f64, D>]) -> Result<Option<Lubrication<D>>> {
+        if !self.fixed.setup.interactions.resist() {
+            return Ok(None);
+        }
+        let assembly = Assembly::of(&self.fixed, centers, self.assembly.take())?;
+        let (world, mut walls) = (self.fixed.session.world(), WallForces::none().forces);
+        let films = add_films(world, &assembly.layout, &assembly.films, &[], &mut [], &mut walls);
+        self.assembly = Some(assembly);
+        Ok(Some(films))
     }
 
     /// The rates of change of motions at a time, and turns operators to the step that leads there.
@@ -181,7 +196,8 @@ impl<const D: usize> UnsteadySuspension<D> {
         if let Some(ends) = OpenEnds::after(&self.fixed.grid, &self.past[0].0.fluid, weights.step)? {
             ends.add_rows(&self.fixed.grid, &mut rows)?;
         }
-        assembly.blocks.spread_spin_up(1.0, &self.fixed.spin_ups, &assembly.layout.local_bodies, &mut rows)?;
+        let known = assembly.known_spin_ups(&self.fixed)?;
+        assembly.blocks.spread_spin_up(1.0, &known.local()?, &mut rows)?;
         self.fixed.stokes.balance(&mut rows)?;
         let inverse = self.inverse.as_deref_mut().expect("a step has begun");
         if !self.fixed.condensed {
@@ -256,6 +272,10 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         self.fixed.resistances()
     }
 
+    fn film_resistance(&self, contact: &Contact<D>) -> f64 {
+        self.fixed.film_resistance(contact)
+    }
+
     fn remember(&mut self, past: Option<ExtrapolationHistory<D>>) {
         self.guess = past;
     }
@@ -317,13 +337,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         let last = Snapshot::of(&bodies, &fixed.session, configuration.centers, &found, fixed.condensed)?;
         let multipliers = last.multipliers.clone();
         self.guess = Some(ExtrapolationHistory::then(self.guess.take(), last, guess, configuration.time));
-        let states = bodies.states(&fixed.session, &assembly.blocks, &found.velocities, &found.multipliers);
-        let walls = forces_on_walls(fixed, &assembly, &found.multipliers);
-        let unit = pair_constraints.scale * fixed.setup.viscosity;
-        let mut forces = links[..pair_constraints.count()].iter().map(|unknown| unknown * unit);
-        let contact_forces = contact_forces(fixed, &bodies, &configuration, &mut forces);
-        let solution = fixed.solution(states, found.fluid, &found.global_unknowns, contact_forces)?;
-        let mut solution = Solution { walls: WallForces { forces: walls, complete: false }, ..solution };
+        let mut solution = readback::solution(fixed, (&bodies, &assembly), (&pair_constraints, &links), found, &configuration)?;
         drop(bodies);
         self.refuse_unstable(&solution.fluid, configuration.time, weights.step)?;
         (self.assembly, self.workspace) = (Some(assembly), Some(workspace));

@@ -1,0 +1,181 @@
+//! Bonds of chains: springs between the centres of neighbours, and stiffness against bending.
+//!
+//! ```text
+//! V = k/2 sum (|q_j - q_i| - l)^2  +  b/2 sum e_i . e_k        e_i, e_k: from a body to its two neighbours
+//! ```
+//!
+//! With unit vectors `e_i . e_k = |e_i + e_k|^2 / 2 - 1`, so that both parts are squares of coordinates, zero at rest: lengths, and the curvature
+//! `|e_i + e_k|`. A natural angle turns `e_k` back by it first (in 2D). Both coordinates stay as they are when bodies move as one, so that neither part
+//! exerts a net force or torque.
+
+use std::rc::Rc;
+
+use nalgebra::{SMatrix, SVector};
+
+use super::{Arrangement, Interaction, Spring};
+
+/// Curvature that has no direction: any across the chain will do.
+const STRAIGHT: f64 = 1e-12;
+
+/// A spring between the centres of two bodies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stretch {
+    /// The bodies.
+    pub bodies: [usize; 2],
+    /// Distance of their centres at rest.
+    pub length: f64,
+    /// Force over change of that distance; infinite for a rod.
+    pub stiffness: f64,
+}
+
+/// Stiffness of a body's two bonds against bending.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bend {
+    /// A neighbour, the body, and the other neighbour.
+    pub bodies: [usize; 3],
+    /// Energy: torque over angle for small angles is half of it.
+    pub stiffness: f64,
+    /// Angle in radians by which the second bond turns from the first at rest, counterclockwise; 0 for a straight chain, and in 3D.
+    pub angle: f64,
+}
+
+/// The bonds of all chains.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bonds {
+    /// Along bonds.
+    pub stretches: Rc<Vec<Stretch>>,
+    /// Between them.
+    pub bends: Rc<Vec<Bend>>,
+}
+
+impl<const D: usize> Interaction<D> for Bonds {
+    fn name(&self) -> &'static str {
+        "bonds"
+    }
+
+    fn describe(&self) -> String {
+        let (stretches, bends) = (self.stretches.len(), self.bends.iter().filter(|bend| bend.stiffness > 0.0).count());
+        format!("{stretches} springs and {bends} angles of chains, implicit: a row of the coupled system each")
+    }
+
+    fn springs(&self, arrangement: &Arrangement<D>) -> Vec<Spring<D>> {
+        let center = |body: usize| arrangement.balls[body].center;
+        let stretches = self.stretches.iter().map(|stretch| stretch.spring(&center));
+        let bends = self.bends.iter().filter(|bend| bend.stiffness > 0.0).map(|bend| bend.spring(&center));
+        stretches.chain(bends).collect()
+    }
+}
+
+impl Stretch {
+    fn spring<const D: usize>(&self, center: &impl Fn(usize) -> SVector<f64, D>) -> Spring<D> {
+        let [one, two] = self.bodies;
+        let separation = center(two) - center(one);
+        let direction = separation.normalize();
+        Spring {
+            ends: [Some((one, -direction)), Some((two, direction)), None],
+            value: separation.norm() - self.length,
+            stiffness: self.stiffness,
+        }
+    }
+}
+
+impl Bend {
+    fn spring<const D: usize>(&self, center: &impl Fn(usize) -> SVector<f64, D>) -> Spring<D> {
+        let [one, middle, other] = self.bodies;
+        let (first, second) = (center(one) - center(middle), center(other) - center(middle));
+        let back = turn::<D>(-self.angle);
+        let (toward, onward) = (first.normalize(), second.normalize());
+        let curvature = toward + back * onward;
+        let value = curvature.norm();
+        let direction = if value > STRAIGHT { curvature / value } else { across(&toward) };
+        let of_unit = |separation: &SVector<f64, D>, unit: &SVector<f64, D>, direction: SVector<f64, D>| {
+            (direction - unit * unit.dot(&direction)) / separation.norm()
+        };
+        let gradients = [of_unit(&first, &toward, direction), of_unit(&second, &onward, back.transpose() * direction)];
+        Spring {
+            ends: [Some((one, gradients[0])), Some((middle, -gradients[0] - gradients[1])), Some((other, gradients[1]))],
+            value,
+            stiffness: 0.5 * self.stiffness,
+        }
+    }
+}
+
+/// A rotation by an angle in the plane of the first two axes.
+fn turn<const D: usize>(angle: f64) -> SMatrix<f64, D, D> {
+    let mut turn = SMatrix::identity();
+    (turn[(0, 0)], turn[(1, 1)]) = (angle.cos(), angle.cos());
+    (turn[(0, 1)], turn[(1, 0)]) = (-angle.sin(), angle.sin());
+    turn
+}
+
+/// A direction across another.
+fn across<const D: usize>(direction: &SVector<f64, D>) -> SVector<f64, D> {
+    let mut other = SVector::zeros();
+    other[direction.iamin()] = 1.0;
+    (other - direction * direction.dot(&other)).normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Vector2, Vector3};
+
+    use super::*;
+    use crate::geometry::{Axis, Ball, Domain};
+
+    fn springs<const D: usize>(centers: &[SVector<f64, D>], bonds: &Bonds) -> Vec<Spring<D>> {
+        let balls: Vec<Ball<D>> = centers.iter().map(|&center| Ball { center, radius: 0.5 }).collect();
+        let domain = Domain { size: SVector::repeat(20.0), axes: std::array::from_fn(|_| Axis::Periodic) };
+        let weights = vec![1.0; balls.len()];
+        bonds.springs(&Arrangement { domain: &domain, balls: &balls, weights: &weights, viscosity: Some(1.0), reach: f64::INFINITY })
+    }
+
+    fn bonds(angle: f64) -> Bonds {
+        let stretch = |one: usize| Stretch { bodies: [one, one + 1], length: 1.1, stiffness: 7.0 };
+        let bend = |one: usize| Bend { bodies: [one, one + 1, one + 2], stiffness: 3.0, angle };
+        Bonds { stretches: Rc::new((0..3).map(stretch).collect()), bends: Rc::new((0..2).map(bend).collect()) }
+    }
+
+    /// `k/2 (|q_j - q_i| - l)^2` and `b/2 (e . e' + 1)`, the second bond turned back by the natural angle.
+    fn energy<const D: usize>(centers: &[SVector<f64, D>], angle: f64) -> f64 {
+        let stretch = |pair: &[SVector<f64, D>]| 3.5 * ((pair[1] - pair[0]).norm() - 1.1).powi(2);
+        let bend = |three: &[SVector<f64, D>]| {
+            let unit = |to: usize| (three[to] - three[1]).normalize();
+            1.5 * (unit(0).dot(&(turn::<D>(-angle) * unit(2))) + 1.0)
+        };
+        centers.windows(2).map(stretch).sum::<f64>() + centers.windows(3).map(bend).sum::<f64>()
+    }
+
+    fn proof<const D: usize>(centers: Vec<SVector<f64, D>>, angle: f64) {
+        let springs = springs(&centers, &bonds(angle));
+        let (stored, exact) = (springs.iter().map(Spring::energy).sum::<f64>(), energy(&centers, angle));
+        assert!((stored - exact).abs() < 1e-13, "{stored} {exact}");
+        let mut forces = vec![SVector::<f64, D>::zeros(); centers.len()];
+        for spring in &springs {
+            spring.each().for_each(|(body, gradient)| forces[*body] -= gradient * (spring.stiffness * spring.value));
+        }
+        for (body, axis) in (0..centers.len()).flat_map(|body| (0..D).map(move |axis| (body, axis))) {
+            let moved = |by: f64| {
+                let mut centers = centers.clone();
+                centers[body][axis] += by;
+                energy(&centers, angle)
+            };
+            let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+            assert!((forces[body][axis] + slope).abs() < 1e-7, "{} {slope}", forces[body][axis]);
+        }
+        let moment: SMatrix<f64, D, D> = forces.iter().zip(&centers).map(|(force, center)| force * center.transpose()).sum();
+        assert!(forces.iter().sum::<SVector<f64, D>>().norm() < 1e-13 && (moment - moment.transpose()).norm() < 1e-13);
+    }
+
+    #[test]
+    fn forces_are_slopes_of_the_potential_without_a_net_force_or_torque() {
+        let plane = [[0.1, 0.0], [1.0, 0.4], [2.1, 0.2], [2.5, 1.4]].map(Vector2::from);
+        [0.0, 0.7, -1.9].into_iter().for_each(|angle| proof(plane.to_vec(), angle));
+        proof([[0.1, 0.0, 0.2], [1.0, 0.4, -0.3], [2.1, 0.2, 0.1], [2.5, 1.4, 0.7]].map(Vector3::from).to_vec(), 0.0);
+    }
+
+    #[test]
+    fn a_straight_chain_is_at_rest() {
+        let centers: Vec<Vector3<f64>> = (0..4).map(|bead| Vector3::new(1.1, 0.0, 0.0) * f64::from(bead)).collect();
+        assert!(springs(&centers, &bonds(0.0)).iter().all(|spring| spring.value.abs() < 1e-14 && spring.each().all(|end| end.1.norm() < 3.0)));
+    }
+}

@@ -1,0 +1,111 @@
+//! Springs as rows of the coupled system, implicit over the step to come, so that none limits it.
+//!
+//! Bodies travel by the two-step rule, which takes a coordinate `x` of theirs to
+//!
+//! ```text
+//! x+ = x + dt (a x' - (a - 1) x'_last)        a = 1 + dt / (2 dt_last), or 1 where there is no last step
+//! ```
+//!
+//! The force is that at a place between: `f = -k ((1 - p) x + p x+)`. A spring that is resolved, `z = k M dt << 1` with the mobility `M`, takes it where it
+//! is, and keeps the order of the rule; a stiff one where it will be, and comes to rest in one step without passing it: `p = z^2 / (z^2 + 1/10)`. With
+//! `p = 1` and no compliance it is a rod.
+
+use nalgebra::SVector;
+
+use crate::interaction::{MOST_ENDS, Spring};
+
+/// Square of `z` at which a spring is half stiff: energies of free springs then fall in every step (tests).
+const HALF_STIFF: f64 = 0.1;
+
+/// Least part of the force that is implicit, so that rows have a scale.
+const LEAST: f64 = 1e-3;
+
+/// A row `rate of the coordinate + compliance force = wanted rate`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpringRow<const D: usize> {
+    /// The bodies, with the gradient of the coordinate by the centre of each.
+    pub ends: [Option<(usize, SVector<f64, D>)>; MOST_ENDS],
+    /// The rate wanted.
+    pub rate: f64,
+    /// Rate over force; zero for a rod.
+    pub compliance: f64,
+}
+
+/// The step for which rows are made.
+#[derive(Debug, Clone, Copy)]
+pub struct StepAhead<'a, const D: usize> {
+    /// Its length; 0 if it is not known yet: then the shortest in which a spring would come to rest, or, with rods alone, any.
+    pub length: f64,
+    /// That of the step before; 0 if there was none.
+    pub last: f64,
+    /// Velocities of all bodies in the step before.
+    pub velocities: &'a [SVector<f64, D>],
+    /// Force that gives each body a unit velocity.
+    pub resistances: &'a [f64],
+}
+
+impl<const D: usize> StepAhead<'_, D> {
+    /// The rows of springs.
+    pub fn rows(&self, springs: &[Spring<D>]) -> Vec<SpringRow<D>> {
+        let rest = |spring: &Spring<D>| 1.0 / (spring.stiffness * spring.mobility(self.resistances));
+        let length = match self.length > 0.0 {
+            true => self.length,
+            false => springs.iter().filter(|spring| spring.stiffness.is_finite()).map(rest).fold(f64::INFINITY, f64::min),
+        };
+        springs.iter().map(|spring| self.row(length, spring)).collect()
+    }
+
+    fn row(&self, length: f64, spring: &Spring<D>) -> SpringRow<D> {
+        let ahead = if self.last > 0.0 { 1.0 + 0.5 * length / self.last } else { 1.0 };
+        let last = if self.last > 0.0 { spring.rate(self.velocities) } else { 0.0 };
+        let part = implicit_part(spring.stiffness * spring.mobility(self.resistances) * length);
+        let compliance = if spring.stiffness.is_finite() { 1.0 / (spring.stiffness * part * ahead * length) } else { 0.0 };
+        SpringRow { ends: spring.ends, rate: -spring.value / (part * ahead * length) + (1.0 - 1.0 / ahead) * last, compliance }
+    }
+}
+
+/// The part of a force that is taken at the end of a step of `stiffness mobility step`.
+fn implicit_part(stiffness: f64) -> f64 {
+    if stiffness.is_finite() { (stiffness * stiffness / (stiffness * stiffness + HALF_STIFF)).max(LEAST) } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector2;
+
+    use super::*;
+
+    /// Two bodies of unit resistance on a spring, from a unit stretch: lengths step by step.
+    fn relax(stiffness: f64, step: f64, steps: usize) -> Vec<f64> {
+        let along = Vector2::new(1.0, 0.0);
+        let (mut stretch, mut last, mut velocity) = (vec![1.0], 0.0, 0.0);
+        for _ in 0..steps {
+            let spring = Spring { ends: [Some((0, -along)), Some((1, along)), None], value: stretch[stretch.len() - 1], stiffness };
+            let velocities = [along * (-0.5 * velocity), along * (0.5 * velocity)];
+            let row = StepAhead { length: step, last, velocities: &velocities, resistances: &[1.0; 2] }.rows(&[spring])[0];
+            // rate = mobility force, and the row
+            let rate = 2.0 * row.rate / (2.0 + row.compliance);
+            let factor = if last > 0.0 { 0.5 * step / last } else { 0.0 };
+            stretch.push(spring.value + step * (rate + factor * (rate - velocity)));
+            (last, velocity) = (step, rate);
+        }
+        stretch
+    }
+
+    #[test]
+    fn springs_relax_at_second_order_and_never_gain_energy_however_long_the_step() {
+        let error = |steps: usize| relax(0.5, 1.0 / steps as f64, steps)[steps] - (-1.0_f64).exp();
+        let order = (error(64) / error(128)).abs().log2();
+        assert!(order > 1.8, "order {order}: {:e} {:e}", error(64), error(128));
+        for exponent in -8..=40 {
+            let lengths = relax(2.0_f64.powf(0.5 * f64::from(exponent)), 0.5, 40);
+            assert!(lengths.windows(2).all(|pair| pair[1].abs() <= pair[0].abs() + 1e-12), "{exponent}: {lengths:?}");
+        }
+    }
+
+    #[test]
+    fn a_rod_has_its_length_after_a_step() {
+        let lengths = relax(f64::INFINITY, 0.3, 3);
+        assert!(lengths[1..].iter().all(|length| length.abs() < 1e-14), "{lengths:?}");
+    }
+}
