@@ -1,6 +1,7 @@
 //! Bodies: where they are, how they move or what moves them. This module knows no fluid and no grid.
 
 mod centers;
+mod chains;
 mod equilibrium;
 mod fire;
 mod halo;
@@ -16,6 +17,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::geometry::Ball;
 pub use centers::{parse_centers, read_centers, read_text, usable};
+pub use chains::{ChainForm, place_chains};
 pub use equilibrium::equilibrium;
 pub use halo::{Halo, OwnBodies};
 pub use packing::{pack, pack_on};

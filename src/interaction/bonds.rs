@@ -8,7 +8,7 @@
 //! `|e_i + e_k|`. A natural angle turns `e_k` back by it first (in 2D). Both coordinates stay as they are when bodies move as one, so that neither part
 //! exerts a net force or torque.
 
-use std::rc::Rc;
+use std::{ops::Range, rc::Rc};
 
 use nalgebra::{SMatrix, SVector};
 
@@ -46,6 +46,8 @@ pub struct Bonds {
     pub stretches: Rc<Vec<Stretch>>,
     /// Between them.
     pub bends: Rc<Vec<Bend>>,
+    /// The bodies of each chain.
+    pub chains: Rc<Vec<Range<usize>>>,
 }
 
 impl<const D: usize> Interaction<D> for Bonds {
@@ -63,6 +65,10 @@ impl<const D: usize> Interaction<D> for Bonds {
         let stretches = self.stretches.iter().map(|stretch| stretch.spring(&center));
         let bends = self.bends.iter().filter(|bend| bend.stiffness > 0.0).map(|bend| bend.spring(&center));
         stretches.chain(bends).collect()
+    }
+
+    fn chains(&self) -> Vec<Range<usize>> {
+        self.chains.to_vec()
     }
 }
 
@@ -132,7 +138,7 @@ mod tests {
     fn bonds(angle: f64) -> Bonds {
         let stretch = |one: usize| Stretch { bodies: [one, one + 1], length: 1.1, stiffness: 7.0 };
         let bend = |one: usize| Bend { bodies: [one, one + 1, one + 2], stiffness: 3.0, angle };
-        Bonds { stretches: Rc::new((0..3).map(stretch).collect()), bends: Rc::new((0..2).map(bend).collect()) }
+        Bonds { stretches: Rc::new((0..3).map(stretch).collect()), bends: Rc::new((0..2).map(bend).collect()), chains: Rc::new(Vec::new()) }
     }
 
     /// `k/2 (|q_j - q_i| - l)^2` and `b/2 (e . e' + 1)`, the second bond turned back by the natural angle.
@@ -176,6 +182,8 @@ mod tests {
     #[test]
     fn a_straight_chain_is_at_rest() {
         let centers: Vec<Vector3<f64>> = (0..4).map(|bead| Vector3::new(1.1, 0.0, 0.0) * f64::from(bead)).collect();
-        assert!(springs(&centers, &bonds(0.0)).iter().all(|spring| spring.value.abs() < 1e-14 && spring.each().all(|end| end.1.norm() < 3.0)));
+        assert!(
+            springs(&centers, &bonds(0.0)).iter().all(|spring| spring.value.abs() < 1e-14 && spring.each().all(|end| end.1.norm() < 3.0))
+        );
     }
 }

@@ -1,6 +1,6 @@
 //! All interactions of a run, asked as one.
 
-use std::{fmt, rc::Rc};
+use std::{fmt, ops::Range, rc::Rc};
 
 use super::{Arrangement, Interaction, PairForce, Spring, Touch};
 use crate::{
@@ -94,6 +94,11 @@ impl<const D: usize> Interactions<D> {
     /// See [`Interaction::springs`].
     pub fn springs(&self, arrangement: &Arrangement<D>) -> Vec<Spring<D>> {
         self.iter().flat_map(|interaction| interaction.springs(arrangement)).collect()
+    }
+
+    /// See [`Interaction::chains`].
+    pub fn chains(&self) -> Vec<Range<usize>> {
+        self.iter().flat_map(Interaction::chains).collect()
     }
 
     /// See [`Interaction::rows`].

@@ -14,7 +14,7 @@ mod lubrication;
 mod repulsion;
 mod spring;
 
-use std::fmt::Debug;
+use std::{fmt::Debug, ops::Range};
 
 pub use arrangement::{Arrangement, PairForce, Wrench};
 pub use bonds::{Bend, Bonds, Stretch};
@@ -96,6 +96,11 @@ pub trait Interaction<const D: usize>: Debug {
     /// Coordinates of a few bodies that forces oppose in proportion, to be followed implicitly, always in the same order; centres are those of one
     /// image of each body, however far from the box.
     fn springs(&self, _arrangement: &Arrangement<D>) -> Vec<Spring<D>> {
+        Vec::new()
+    }
+
+    /// Bodies that it ties together, chain by chain.
+    fn chains(&self) -> Vec<Range<usize>> {
         Vec::new()
     }
 

@@ -2,6 +2,7 @@
 
 mod body;
 mod cells;
+mod chains;
 mod drag;
 mod film;
 mod inertia;
@@ -19,6 +20,7 @@ mod vorticity;
 
 pub use body::FrameBody;
 pub use cells::{CellCenters, inside};
+pub use chains::ChainNumbers;
 pub use drag::{ForceCoefficients, Stream};
 pub use film::{AnimatedDisk, AnimationFrame, Film, FlowCut, Plane};
 pub use inertia::InertialNumbers;

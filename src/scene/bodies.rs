@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::Result;
-use crate::scene::FlowModel;
 use crate::scene::entry::Entry;
 use crate::scene::table::Table;
+use crate::scene::{Chain, FlowModel};
 
 /// Keys of `[[bodies]]` that exclude each other.
 pub(super) const PLACEMENTS: [&str; 4] = ["fraction", "count", "centers", "file"];
@@ -13,7 +13,7 @@ pub(super) const PLACEMENTS: [&str; 4] = ["fraction", "count", "centers", "file"
 const KEYS: [&str; 13] =
     ["shape", "radius", "fraction", "count", "centers", "file", "gap", "density", "motion", "force", "torque", "velocity", "spin"];
 
-/// Bodies that are alike: one `[[bodies]]` of the file.
+/// Bodies that are alike: one `[[bodies]]` or one `[[chains]]` of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyGroup {
     /// The shape of each body.
@@ -36,6 +36,8 @@ pub struct BodyGroup {
     pub velocity: Option<Vec<f64>>,
     /// Initial turning rate, one number in 2D and three in 3D; only free bodies of a dry scene have one.
     pub spin: Option<Vec<f64>>,
+    /// How they are tied to each other, if they are beads of chains; numbers of bodies are then those of chains.
+    pub chain: Option<Chain>,
 }
 
 /// The shape of a body.
@@ -96,7 +98,7 @@ impl BodyGroup {
     /// Balls of this radius, free and as dense as a fluid of density 1.
     pub fn new(radius: f64, placement: Placement) -> Self {
         let (shape, gap, density, motion) = (Shape::Ball, 0.05, 1.0, Motion::Free);
-        BodyGroup { shape, radius, placement, gap, density, motion, force: None, torque: None, velocity: None, spin: None }
+        BodyGroup { shape, radius, placement, gap, density, motion, force: None, torque: None, velocity: None, spin: None, chain: None }
     }
 
     fn read(entry: &Entry, folder: &Path, dimension: usize, model: FlowModel) -> Result<Self> {
@@ -149,7 +151,7 @@ fn read_gap(table: &Table, default: &BodyGroup) -> Result<f64> {
 }
 
 impl Placement {
-    fn read(table: &Table, folder: &Path, dimension: usize) -> Result<Self> {
+    pub(super) fn read(table: &Table, folder: &Path, dimension: usize) -> Result<Self> {
         let (name, entry) = table.exactly_one(&PLACEMENTS, "fraction = 0.3")?;
         Ok(match name {
             "fraction" => Placement::Fraction(read_fraction(&entry)?),

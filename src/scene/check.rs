@@ -10,6 +10,7 @@ use crate::scene::{
 
 pub(super) fn check(scene: &Scene) -> Result<()> {
     check_open(scene)?;
+    check_chains(scene)?;
     check_spacing(scene)?;
     check_contact(scene)?;
     check_constraint(scene)?;
@@ -57,6 +58,16 @@ fn check_open(scene: &Scene) -> Result<()> {
     expect(scene.flow.model.fluid(), "needs a fluid; set flow.model = \"stokes\" or \"navier-stokes\", or another boundary")?;
     expect(scene.method.constraint != ConstraintMethod::Fitted, "is for grids; set method.constraint = \"sharp\"")?;
     expect(scene.flow.drive.is_none(), "drives the flow already; remove flow.drive")
+}
+
+/// Refuses chains where their bonds are not followed.
+fn check_chains(scene: &Scene) -> Result<()> {
+    let Some(group) = scene.bodies.iter().position(|bodies| bodies.chain.is_some()) else { return Ok(()) };
+    let beads = scene.bodies[group].chain.map_or(0, |chain| chain.beads);
+    let expect = |right, remedy| expect(scene, right, &format!("{}.beads", scene.group_key(group)), beads, remedy);
+    expect(scene.flow.model.fluid(), "are beads in a fluid; set flow.model = \"stokes\" or \"navier-stokes\"")?;
+    expect(scene.method.constraint == ConstraintMethod::Sharp, "need method.constraint = \"sharp\"")?;
+    expect(scene.time.is_some(), "move over a time step; add [time]")
 }
 
 fn check_spacing(scene: &Scene) -> Result<()> {
@@ -142,7 +153,7 @@ fn check_scalar(scene: &Scene) -> Result<()> {
 
 fn check_masses(scene: &Scene, what: &str) -> Result<()> {
     let massless = scene.bodies.iter().position(|bodies| bodies.motion == Motion::Free && bodies.density == 0.0);
-    let key = format!("bodies[{}].density", massless.unwrap_or(0));
+    let key = format!("{}.density", scene.group_key(massless.unwrap_or(0)));
     expect(scene, massless.is_none(), &key, 0, &format!("must be positive: free bodies {what} need mass"))
 }
 

@@ -53,7 +53,7 @@ impl Scene {
         let mut deciding = keys(self);
         deciding.retain(|(key, _)| !FREE.iter().any(|free| key == free || free.ends_with('.') && key.starts_with(free)));
         for (group, bodies) in self.bodies.iter().enumerate() {
-            let key = format!("bodies[{group}].file");
+            let key = format!("{}.file", self.group_key(group));
             if let Placement::File(path) = &bodies.placement
                 && let Some((_, value)) = deciding.iter_mut().find(|(name, _)| *name == key)
             {

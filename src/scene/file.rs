@@ -10,10 +10,10 @@ use crate::scene::locations::{Lines, Locations};
 use crate::scene::table::Table;
 use crate::scene::{
     BodyGroup, ContactSection, DomainSection, FlowModel, FlowSection, LubricationSection, MethodSection, OutputSection, Placement,
-    ResolutionSection, Scene, TimeSection, accuracy, bodies, check, keys, overrides, scalar,
+    ResolutionSection, Scene, TimeSection, accuracy, bodies, chains, check, keys, overrides, scalar,
 };
 
-const KEYS: [&str; 13] = [
+const KEYS: [&str; 14] = [
     "title",
     "seed",
     "gravity",
@@ -23,6 +23,7 @@ const KEYS: [&str; 13] = [
     "resolution",
     "method",
     "bodies",
+    "chains",
     "contact",
     "lubrication",
     "time",
@@ -85,11 +86,17 @@ impl Scene {
         self.bodies.iter().enumerate().filter_map(file).collect()
     }
 
+    /// The name of a group in keys: `bodies[0]`, or `chains[0]` for the first group of chains.
+    pub fn group_key(&self, group: usize) -> String {
+        let bodies = self.bodies.iter().filter(|bodies| bodies.chain.is_none()).count();
+        if group < bodies { format!("bodies[{group}]") } else { format!("chains[{}]", group - bodies) }
+    }
+
     /// The refusal of a file that cannot be read, at the line that names it; other errors stay.
     pub fn unreadable(&self, group: usize, error: Error) -> Error {
         let Error::File { path, source } = error else { return error };
         let remedy = format!("cannot be read ({source}); paths start from the folder of the scene");
-        self.refuse(&format!("bodies[{group}].file"), format!("{:?}", path.to_string_lossy()), &remedy)
+        self.refuse(&format!("{}.file", self.group_key(group)), format!("{:?}", path.to_string_lossy()), &remedy)
     }
 
     /// The text of a scene that names copies of its files beside it.
@@ -98,7 +105,7 @@ impl Scene {
     /// The scene cannot be written so.
     pub fn copied_text(&self) -> Result<String> {
         let groups = self.bodies.iter().enumerate().filter(|(_, bodies)| matches!(bodies.placement, Placement::File(_)));
-        let copies: Vec<String> = groups.map(|(group, _)| format!("bodies.{group}.file={:?}", copied(group))).collect();
+        let copies: Vec<String> = groups.map(|(group, _)| format!("{}.file={:?}", self.group_key(group), copied(group))).collect();
         Ok(Scene::parse(&self.name, Path::new("."), &self.text, &copies)?.text)
     }
 
@@ -113,7 +120,7 @@ impl Scene {
         });
         let absolute = files.map(|(group, path)| {
             let path = path.canonicalize().map_err(|source| Error::File { path: path.clone(), source })?;
-            Ok(format!("bodies.{group}.file={:?}", path.to_string_lossy()))
+            Ok(format!("{}.file={:?}", self.group_key(group), path.to_string_lossy()))
         });
         Ok(Scene::parse(&self.name, Path::new("."), &self.text, &absolute.collect::<Result<Vec<_>>>()?)?.text)
     }
@@ -164,7 +171,7 @@ fn read(file: &str, folder: &Path, content: &Value, locations: Locations) -> Res
         accuracy,
         resolution: if accuracy.is_some() { None } else { ResolutionSection::read(&root, model)? },
         method: MethodSection::read(&root, model)?,
-        bodies: bodies::read(&root, folder, dimension, model)?,
+        bodies: [bodies::read(&root, folder, dimension, model)?, chains::read(&root, folder, dimension)?].concat(),
         contact: ContactSection::read(&root)?,
         lubrication: LubricationSection::read(&root)?,
         time: TimeSection::read(&root)?,

@@ -5,10 +5,11 @@ use std::fmt::Display;
 use toml_edit::Value;
 
 use crate::flow::InverseMethod;
+use crate::scene::chains::word as shape_word;
 use crate::scene::entry::word_of;
 use crate::scene::sections::PROFILES;
 use crate::scene::{
-    AxisSection, BodyGroup, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection,
+    AxisSection, BodyGroup, Chain, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection,
     LubricationModel, MethodSection, Modes, Motion, MultiplierSolver, OutputSection, Placement, ResolutionSection, Scene, Scheme, Shape,
     Spacing, Step, TimeSection, Until,
 };
@@ -47,7 +48,8 @@ pub(super) fn keys(scene: &Scene) -> Keys {
         keys.extend(of_method(method, flow.model));
     }
     for (group, bodies) in bodies.iter().enumerate() {
-        keys.extend(of_bodies(bodies, flow.model).into_iter().map(|(key, value)| (format!("bodies[{group}].{key}"), value)));
+        let name = scene.group_key(group);
+        keys.extend(of_bodies(bodies, flow.model).into_iter().map(|(key, value)| (format!("{name}.{key}"), value)));
     }
     if !scene.scalar() {
         keys.extend(of_contact(contact));
@@ -67,13 +69,14 @@ pub(super) fn keys(scene: &Scene) -> Keys {
 pub(super) fn file_of(keys: &Keys) -> String {
     let (mut file, mut tables, mut group) = (String::new(), String::new(), None);
     for (key, value) in keys {
-        let Some((number, key)) = key.strip_prefix("bodies[").and_then(|rest| rest.split_once("].")) else {
+        let of_group = |name: &'static str| Some((name, key.strip_prefix(name)?.strip_prefix('[')?.split_once("].")?));
+        let Some((name, (number, key))) = of_group("bodies").or_else(|| of_group("chains")) else {
             file += &format!("{key} = {value}\n");
             continue;
         };
-        if group != Some(number) {
-            tables += "\n[[bodies]]\n";
-            group = Some(number);
+        if group != Some((name, number)) {
+            tables += &format!("\n[[{name}]]\n");
+            group = Some((name, number));
         }
         match key.strip_prefix("centers[") {
             // the list stays open for the next center
@@ -184,8 +187,9 @@ fn automatic(key: &str, value: Option<f64>) -> (String, String) {
 }
 
 fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
-    let BodyGroup { shape: Shape::Ball, radius, placement, gap, density, motion, force, torque, velocity, spin } = bodies;
-    let mut keys = vec![word("shape", "ball"), number("radius", *radius)];
+    let BodyGroup { shape: Shape::Ball, radius, placement, gap, density, motion, force, torque, velocity, spin, chain } = bodies;
+    let mut keys = chain.as_ref().map_or_else(|| vec![word("shape", "ball")], of_chain);
+    keys.push(number("radius", *radius));
     keys.extend(match placement {
         Placement::Fraction(fraction) => vec![number("fraction", *fraction), number("gap", *gap)],
         Placement::Count(count) => vec![pair("count", count), number("gap", *gap)],
@@ -195,13 +199,23 @@ fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
     });
     if model != FlowModel::Scalar {
         keys.push(number("density", *density));
-        keys.extend(of_motion(motion));
+        keys.extend(if chain.is_none() { of_motion(motion) } else { Vec::new() });
     }
     let lists = [("force", force), ("torque", torque), ("velocity", velocity), ("spin", spin)];
     keys.extend(lists.into_iter().filter_map(|(key, numbers)| Some((key, numbers.as_deref()?))).map(|(key, numbers)| match numbers {
         [rate] => number(key, *rate),
         numbers => list(key, numbers),
     }));
+    keys
+}
+
+fn of_chain(chain: &Chain) -> Keys {
+    let Chain { beads, spacing, stretch, bend, angle, shape } = chain;
+    let stretch = stretch.map_or_else(|| word("stretch", "rigid"), |stretch| number("stretch", stretch));
+    let mut keys = vec![pair("beads", beads), number("spacing", *spacing), stretch, number("bend", *bend)];
+    // a ring has a natural angle of its own
+    keys.extend((*angle != 0.0 && *bend > 0.0).then(|| number("angle", *angle)));
+    keys.push(word("shape", shape_word(*shape)));
     keys
 }
 

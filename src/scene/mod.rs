@@ -5,6 +5,7 @@
 
 mod accuracy;
 mod bodies;
+mod chains;
 mod check;
 mod difference;
 mod entry;
@@ -17,6 +18,7 @@ mod sections;
 mod table;
 
 pub use bodies::{BodyGroup, Motion, Placement, Shape};
+pub use chains::{Chain, ChainShape};
 pub use difference::Difference;
 pub use locations::Locations;
 pub use sections::{

@@ -34,7 +34,7 @@ pub struct SpringRow<const D: usize> {
 /// The step for which rows are made.
 #[derive(Debug, Clone, Copy)]
 pub struct StepAhead<'a, const D: usize> {
-    /// Its length; 0 if it is not known yet: then the shortest in which a spring would come to rest, or, with rods alone, any.
+    /// Its length; 0 if it is not known yet: then one in which no spring moves a body farther than the room it has, or any.
     pub length: f64,
     /// That of the step before; 0 if there was none.
     pub last: f64,
@@ -42,17 +42,25 @@ pub struct StepAhead<'a, const D: usize> {
     pub velocities: &'a [SVector<f64, D>],
     /// Force that gives each body a unit velocity.
     pub resistances: &'a [f64],
+    /// How far a body may go in a step.
+    pub room: f64,
 }
 
 impl<const D: usize> StepAhead<'_, D> {
     /// The rows of springs.
     pub fn rows(&self, springs: &[Spring<D>]) -> Vec<SpringRow<D>> {
-        let rest = |spring: &Spring<D>| 1.0 / (spring.stiffness * spring.mobility(self.resistances));
         let length = match self.length > 0.0 {
             true => self.length,
-            false => springs.iter().filter(|spring| spring.stiffness.is_finite()).map(rest).fold(f64::INFINITY, f64::min),
+            false => springs.iter().map(|spring| self.room / self.fastest(spring)).fold(f64::INFINITY, f64::min),
         };
         springs.iter().map(|spring| self.row(length, spring)).collect()
+    }
+
+    /// The largest speed that a spring alone gives a body; zero for a rod.
+    fn fastest(&self, spring: &Spring<D>) -> f64 {
+        let speed = |(body, gradient): &(usize, SVector<f64, D>)| gradient.norm() / self.resistances[*body];
+        let force = if spring.stiffness.is_finite() { spring.stiffness * spring.value.abs() } else { 0.0 };
+        force * spring.each().map(speed).fold(0.0, f64::max)
     }
 
     fn row(&self, length: f64, spring: &Spring<D>) -> SpringRow<D> {
@@ -82,7 +90,7 @@ mod tests {
         for _ in 0..steps {
             let spring = Spring { ends: [Some((0, -along)), Some((1, along)), None], value: stretch[stretch.len() - 1], stiffness };
             let velocities = [along * (-0.5 * velocity), along * (0.5 * velocity)];
-            let row = StepAhead { length: step, last, velocities: &velocities, resistances: &[1.0; 2] }.rows(&[spring])[0];
+            let row = StepAhead { length: step, last, velocities: &velocities, resistances: &[1.0; 2], room: 1.0 }.rows(&[spring])[0];
             // rate = mobility force, and the row
             let rate = 2.0 * row.rate / (2.0 + row.compliance);
             let factor = if last > 0.0 { 0.5 * step / last } else { 0.0 };

@@ -10,12 +10,12 @@ use std::rc::Rc;
 
 use super::{GranularBody, Setup};
 use crate::{
-    body::{Motion, Twist},
+    body::{Body, Motion, Twist},
     error::Result,
     flow::Drive,
     geometry::{Axis, Domain},
-    interaction::{Gluey, Inelastic, Interaction, Interactions, Repulsion},
-    scene::{ContactModel, Scene, Step},
+    interaction::{Bend, Bonds, Gluey, Inelastic, Interaction, Interactions, Repulsion, Stretch},
+    scene::{ChainShape, ContactModel, Scene, Step},
 };
 
 /// Largest step in units of `sqrt(m / k)`: a body between as many others as fit around it vibrates at up to `sqrt(24 k / m)`.
@@ -35,6 +35,28 @@ pub fn of_granular<const D: usize>(scene: &Scene, domain: &Domain<D>, bodies: &[
         (mass * speed * speed + force * domain.size.max()) / largest(|body| body.radius)
     });
     Interactions::new(contact)
+}
+
+/// The bonds of the chains of a scene, whose bodies are these, each with its group; none without chains.
+pub fn bonds<const D: usize>(scene: &Scene, bodies: &[(usize, Body<D>)]) -> Option<Bonds> {
+    let (mut stretches, mut bends, mut chains, mut first) = (Vec::new(), Vec::new(), Vec::new(), 0);
+    for group in bodies.chunk_by(|one, next| one.0 == next.0) {
+        let bodies = &scene.bodies[group[0].0];
+        for (chain, number) in bodies.chain.iter().flat_map(|chain| (0..group.len() / chain.beads).map(move |number| (chain, number))) {
+            let start = first + number * chain.beads;
+            chains.push(start..start + chain.beads);
+            let bead = |number: usize| start + number % chain.beads;
+            let ring = chain.shape == ChainShape::Ring;
+            let bonds = if ring { chain.beads } else { chain.beads - 1 };
+            let (length, stiffness) = (2.0 * bodies.radius * chain.spacing, chain.stretch.unwrap_or(f64::INFINITY));
+            stretches.extend((0..bonds).map(|bond| Stretch { bodies: [bead(bond), bead(bond + 1)], length, stiffness }));
+            let turns = if ring { bonds } else { bonds - 1 };
+            let bend = |bond| Bend { bodies: [bead(bond), bead(bond + 1), bead(bond + 2)], stiffness: chain.bend, angle: chain.angle };
+            bends.extend((0..turns).map(bend));
+        }
+        first += group.len();
+    }
+    (!stretches.is_empty()).then(|| Bonds { stretches: Rc::new(stretches), bends: Rc::new(bends), chains: Rc::new(chains) })
 }
 
 /// The interaction of a contact model between bodies in a flow.

@@ -156,8 +156,9 @@ impl Acting {
         let of_end = |end: &Option<ConstraintSide>, place: u32| {
             end.map_or(0.0, |end| end.weights.iter().zip(&motions.from(place)[..rigid]).map(|(weight, velocity)| weight * velocity).sum())
         };
-        let rate =
-            |(link, places): (&PairConstraint, &[u32; MOST_ENDS])| link.ends.iter().zip(places).map(|(end, &place)| of_end(end, place)).sum();
+        let rate = |(link, places): (&PairConstraint, &[u32; MOST_ENDS])| {
+            link.ends.iter().zip(places).map(|(end, &place)| of_end(end, place)).sum()
+        };
         Ok(links.iter().zip(&self.places).map(rate).collect())
     }
 

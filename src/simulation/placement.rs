@@ -6,11 +6,11 @@ use nalgebra::{SMatrix, SVector};
 
 use super::room;
 use crate::{
-    body::{Body, Motion, Path, Trajectories, Trajectory, Twist, pack_on, read_centers, skew},
+    body::{Body, ChainForm, Motion, Path, Trajectories, Trajectory, Twist, pack_on, place_chains, read_centers, skew},
     error::{Error, Result},
     geometry::{Axis, Ball, Domain, Inflow, InvalidConfiguration, LeesEdwards, first_fault},
     parallel::Peers,
-    scene::{self, AxisSection, BodyGroup, Placement, Scene},
+    scene::{self, AxisSection, BodyGroup, Chain, ChainShape, Placement, Scene},
 };
 
 /// Part of a length that is rounding.
@@ -60,7 +60,19 @@ pub struct Asked<const D: usize> {
 pub fn asked<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Asked<D>> {
     let mut given = Vec::new();
     for (group, bodies) in scene.bodies.iter().enumerate() {
-        let balls = given_balls(bodies).map_err(|error| scene.unreadable(group, error))?;
+        let balls = match (bodies.chain, &bodies.placement) {
+            (Some(chain), Placement::Count(count)) => {
+                let obstacles: Vec<Ball<D>> = given.iter().map(|&(_, ball)| ball).collect();
+                let placed = place_chains(domain, &obstacles, (form(bodies.radius, &chain), *count), bodies.gap, scene.seed);
+                let centers =
+                    placed.map_err(|error| scene.refuse(&format!("{}.count", scene.group_key(group)), count, &error.to_string()))?;
+                centers.into_iter().map(|center| Ball { center, radius: bodies.radius }).collect()
+            }
+            (chain, _) => {
+                let balls = given_balls(bodies).map_err(|error| scene.unreadable(group, error))?;
+                chain.map_or(Ok(balls.clone()), |chain| joined(scene, domain, group, (chain.beads, balls)))?
+            }
+        };
         given.extend(balls.into_iter().map(|ball| (group, ball)));
     }
     let groups = scene.bodies.iter().enumerate();
@@ -74,7 +86,7 @@ pub fn asked<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Asked<
 fn place<const D: usize>(peers: Peers, scene: &Scene, domain: &Domain<D>) -> Result<Vec<(usize, Ball<D>)>> {
     // no rank may wait for one that has refused
     let Asked { given: mut balls, counts } = peers.agree(asked(scene, domain))?;
-    let obstacles: Vec<Ball<D>> = balls.iter().map(|&(_, ball)| ball).collect();
+    let obstacles: Vec<Ball<D>> = balls.iter().map(|&(group, ball)| in_box(scene, domain, group, ball)).collect();
     let (mut random, mut gap) = (Vec::new(), 0.0_f64);
     for (group, (bodies, &count)) in scene.bodies.iter().zip(&counts).enumerate() {
         random.extend(std::iter::repeat_n((group, bodies.radius), count as usize));
@@ -98,9 +110,35 @@ fn given_balls<const D: usize>(group: &BodyGroup) -> Result<Vec<Ball<D>>> {
     }
 }
 
+/// The form in which a chain is placed.
+fn form(radius: f64, chain: &Chain) -> ChainForm {
+    ChainForm { beads: chain.beads, radius, length: 2.0 * radius * chain.spacing, ring: chain.shape == ChainShape::Ring }
+}
+
+/// Beads of given chains, each beside the one before it though the box may end between them.
+fn joined<const D: usize>(
+    scene: &Scene,
+    domain: &Domain<D>,
+    group: usize,
+    (beads, mut balls): (usize, Vec<Ball<D>>),
+) -> Result<Vec<Ball<D>>> {
+    if balls.len() % beads != 0 {
+        let remedy = format!("is not the number of beads of whole chains; its table has {} centers", balls.len());
+        return Err(scene.refuse(&format!("{}.beads", scene.group_key(group)), beads, &remedy));
+    }
+    for chain in balls.chunks_mut(beads) {
+        for bead in 1..beads {
+            chain[bead].center = chain[bead - 1].center + domain.nearest_image(chain[bead].center - chain[bead - 1].center);
+        }
+    }
+    Ok(balls)
+}
+
 /// How many bodies a group places at random.
 fn random_count<const D: usize>(scene: &Scene, group: usize, bodies: &BodyGroup, domain: &Domain<D>) -> Result<f64> {
     match bodies.placement {
+        // chains are placed before, one after the other
+        Placement::Count(_) if bodies.chain.is_some() => Ok(0.0),
         Placement::Count(count) => Ok(count as f64),
         Placement::Fraction(fraction) => {
             let one = Ball { center: SVector::<f64, D>::zeros(), radius: bodies.radius }.volume();
@@ -112,8 +150,13 @@ fn random_count<const D: usize>(scene: &Scene, group: usize, bodies: &BodyGroup,
     }
 }
 
+/// A ball, a bead moved into the box: chains may lie across its ends.
+fn in_box<const D: usize>(scene: &Scene, domain: &Domain<D>, group: usize, ball: Ball<D>) -> Ball<D> {
+    if scene.bodies[group].chain.is_some() { Ball { center: domain.wrap(ball.center), ..ball } } else { ball }
+}
+
 fn check_places<const D: usize>(scene: &Scene, domain: &Domain<D>, balls: &[(usize, Ball<D>)]) -> Result<()> {
-    let only: Vec<Ball<D>> = balls.iter().map(|&(_, ball)| ball).collect();
+    let only: Vec<Ball<D>> = balls.iter().map(|&(group, ball)| in_box(scene, domain, group, ball)).collect();
     let Some(fault) = first_fault(domain, &only) else { return Ok(()) };
     let at = |body: usize| format!("{:?}", only[body].center.as_slice());
     let (body, remedy) = match fault {
@@ -130,8 +173,8 @@ fn check_places<const D: usize>(scene: &Scene, domain: &Domain<D>, balls: &[(usi
     };
     let group = balls[body].0;
     let key = match scene.bodies[group].placement {
-        Placement::File(_) => format!("bodies[{group}].file"),
-        _ => format!("bodies[{group}].centers"),
+        Placement::File(_) => format!("{}.file", scene.group_key(group)),
+        _ => format!("{}.centers", scene.group_key(group)),
     };
     Err(scene.refuse(&key, at(body), &remedy))
 }
@@ -145,7 +188,7 @@ fn check_spans<const D: usize>(scene: &Scene, domain: &Domain<D>, balls: &[(usiz
         let (size, name) = (domain.size[axis], ["x", "y", "z"][axis]);
         if let Some((group, ball)) = balls.iter().find(|(_, ball)| 2.0 * ball.radius >= size * (1.0 - ROUNDING)) {
             let remedy = format!("touches both walls along {name}, which are {size} apart; lower it or enlarge domain.size");
-            return Err(scene.refuse(&format!("bodies[{group}].radius"), ball.radius, &remedy));
+            return Err(scene.refuse(&format!("{}.radius", scene.group_key(*group)), ball.radius, &remedy));
         }
     }
     Ok(())

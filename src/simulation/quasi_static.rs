@@ -202,7 +202,8 @@ impl<const D: usize> QuasiStatic<D> {
     /// The rows of springs in a step of this length from a state, 0 if it is not known yet.
     fn spring_rows(&self, state: &State<D>, springs: &[Spring<D>], length: f64) -> Vec<SpringRow<D>> {
         let velocities: Vec<SVector<f64, D>> = state.bodies.iter().map(|body| body.twist.velocity).collect();
-        StepAhead { length, last: state.last_step, velocities: &velocities, resistances: &self.weights }.rows(springs)
+        let room = self.step_control.time.travel * self.radii.iter().copied().fold(f64::INFINITY, f64::min);
+        StepAhead { length, last: state.last_step, velocities: &velocities, resistances: &self.weights, room }.rows(springs)
     }
 
     /// The longest way of the last step, in radii of the body that went it.

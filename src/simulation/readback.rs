@@ -3,9 +3,14 @@
 use nalgebra::SVector;
 
 use super::{
-    Configuration, Solution, WallForces, assembly::Assembly, bodies::Bodies, film_forces::add_films, fixed_operators::FixedOperators,
+    Configuration, Solution, WallForces,
+    assembly::Assembly,
+    bodies::Bodies,
+    film_forces::add_films,
+    fixed_operators::FixedOperators,
     pair_constraints::PairConstraints,
-    pair_resistance::{belongs, spring_belongs}, work::SolvedUnknowns,
+    pair_resistance::{belongs, spring_belongs},
+    work::SolvedUnknowns,
 };
 use crate::error::Result;
 
@@ -36,11 +41,7 @@ pub fn solution<const D: usize>(
 }
 
 /// Forces of bodies within a cell of a wall on it.
-fn forces_on_walls<const D: usize>(
-    fixed: &FixedOperators<D>,
-    assembly: &Assembly<D>,
-    multipliers: &[f64],
-) -> [[SVector<f64, D>; 2]; D] {
+fn forces_on_walls<const D: usize>(fixed: &FixedOperators<D>, assembly: &Assembly<D>, multipliers: &[f64]) -> [[SVector<f64, D>; 2]; D] {
     let mut walls = assembly.blocks.on_walls(multipliers).map(|pair| pair.map(|force| force * fixed.setup.viscosity));
     walls.iter_mut().flatten().for_each(|force| fixed.session.world().sum(force.as_mut_slice()));
     walls

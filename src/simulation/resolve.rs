@@ -109,8 +109,13 @@ impl<const D: usize> Setup<D> {
         let inertia = (scene.flow.model == FlowModel::NavierStokes)
             .then(|| Inertia { fluid: scene.flow.density, bodies: placed.iter().map(|&(group, _)| scene.bodies[group].density).collect() });
         let trajectories = trajectories(scene, &placed);
+        let bonds = interactions::bonds(scene, &placed);
         let (spacing, bodies) = suspended_bodies(scene, &domain, placed)?;
-        Ok(Setup { inertia, ..Setup::with_bodies(scene, domain, spacing, (bodies, trajectories)) })
+        let setup = Setup { inertia, ..Setup::with_bodies(scene, domain, spacing, (bodies, trajectories)) };
+        Ok(match bonds {
+            Some(bonds) => setup.with(bonds),
+            None => setup,
+        })
     }
 
     /// The setup of a scene in which these are the bodies, some of them on trajectories.

@@ -38,8 +38,8 @@ pub fn check<const D: usize>(scene: &Scene, domain: &Domain<D>, given: &[(usize,
 /// The refusal of the number of a random group's bodies.
 pub fn refuse_number(scene: &Scene, group: usize, remedy: &str) -> Error {
     match scene.bodies[group].placement {
-        Placement::Fraction(fraction) => scene.refuse(&format!("bodies[{group}].fraction"), fraction, remedy),
-        Placement::Count(count) => scene.refuse(&format!("bodies[{group}].count"), count, remedy),
+        Placement::Fraction(fraction) => scene.refuse(&format!("{}.fraction", scene.group_key(group)), fraction, remedy),
+        Placement::Count(count) => scene.refuse(&format!("{}.count", scene.group_key(group)), count, remedy),
         _ => unreachable!("only random groups are numbers"),
     }
 }

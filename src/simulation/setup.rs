@@ -84,7 +84,8 @@ impl<const D: usize> Setup<D> {
     /// For a fitted mesh, which has no such blocks.
     pub fn method(&self) -> Rc<FlowMethod<D>> {
         if let Some(inertia) = &self.inertia {
-            let light = self.bodies.iter().zip(&inertia.bodies).map(|(suspended, density)| suspended.body.free() && *density < inertia.fluid);
+            let light =
+                self.bodies.iter().zip(&inertia.bodies).map(|(suspended, density)| suspended.body.free() && *density < inertia.fluid);
             return Rc::new(SharpWithInertia { spin_up_of: self.spin_ups_of_rotations(inertia), light: light.collect() });
         }
         method_of(self.constraint.word(), self.constraint.epsilon()).expect("a fitted mesh has no blocks on a grid")

@@ -11,6 +11,7 @@
 
 mod accuracy;
 mod axes;
+mod chains;
 mod contact;
 mod convergence;
 mod crowds;
@@ -119,6 +120,7 @@ fn main() {
         effects::tests(),
         accuracy::tests(),
         axes::tests(),
+        chains::tests(),
         lubrication::tests(),
         hard::tests(),
         lasting::tests(),

@@ -253,8 +253,15 @@ fn bodies_that_move_are_assembled_anew(session: &Session) {
         let mut moved = setup;
         moved.bodies[1].body.ball.center += Vector2::new(0.013, 0.007);
         let centers: Vec<_> = moved.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        let moment =
-            turbid::simulation::Configuration { centers: &centers, time: 0.0, pressed: &[], springs: &[], step: 0.0, pushes: &[], tolerance: 1e-9 };
+        let moment = turbid::simulation::Configuration {
+            centers: &centers,
+            time: 0.0,
+            pressed: &[],
+            springs: &[],
+            step: 0.0,
+            pushes: &[],
+            tolerance: 1e-9,
+        };
         let kept = suspension.solve_at(&moment, &mut |_, _| {}).unwrap();
         let mut assembled = [suspension.cost().assembled as f64];
         session.world().sum(&mut assembled);

@@ -135,7 +135,10 @@ fn a_warm_start_finds_the_solution_that_a_cold_one_finds(session: &Session) {
     let centers = simulation.state().centers();
     let mut fresh = Suspension::new(session, setup).unwrap();
     let cold = fresh
-        .solve_at(&Configuration { centers: &centers, time: 0.0, pressed: &[], springs: &[], step: 0.0, pushes: &[], tolerance: 1e-8 }, &mut |_, _| {})
+        .solve_at(
+            &Configuration { centers: &centers, time: 0.0, pressed: &[], springs: &[], step: 0.0, pushes: &[], tolerance: 1e-8 },
+            &mut |_, _| {},
+        )
         .unwrap();
     assert!(warm.effort.iterations < fresh.cost().krylov.iterations, "the start was not warm");
     let fastest = cold.bodies.iter().map(|body| body.twist.velocity.norm()).fold(0.0, f64::max);

@@ -4,7 +4,7 @@ use std::{fs, path::Path, process::Command};
 
 use super::{
     common::{Series, bodies, difference, folder, number, resume, run, run_again, write},
-    scenes::{DRY, GLUEY, INERTIA, SHEARED, SLIDING, SPHERES},
+    scenes::{CHAINS, DRY, GLUEY, INERTIA, SHEARED, SLIDING, SPHERES},
 };
 
 /// The same arithmetic on the same ranks; what is left is the order of sums after a matrix of another size.
@@ -70,8 +70,14 @@ fn a_sheared_suspension_in_two_halves_is_the_run_in_one() {
 #[test]
 fn a_flow_with_inertia_in_two_halves_is_the_run_in_one() {
     let fitted = ["method.constraint=fitted", "contact.model=none", "gravity=[0.0,-2.0]"];
-    let ways: [&[&str]; 4] = [&[], &["method.inverse=transform"], &["time.step=0.04"], &fitted];
+    let films: &[&str] = &["method.inverse=transform", "lubrication.model=pairwise"];
+    let ways: [&[&str]; 4] = [&[], films, &["time.step=0.04"], &fitted];
     halves_agree("inertia", INERTIA, &ways, &[2]);
+}
+
+#[test]
+fn chains_in_two_halves_are_the_run_in_one() {
+    halves_agree("chains", CHAINS, &[&["method.inverse=transform"], &["time.step=0.04"]], &[2]);
 }
 
 #[test]
@@ -117,8 +123,8 @@ fn a_run_stopped_on_two_ranks_goes_on_with_one_or_three() {
 
 #[test]
 fn a_run_in_time_is_the_same_on_any_number_of_ranks() {
-    for (name, text, tolerance) in [("sheared", SHEARED, 1000.0 * TOLERANCE), ("inertia", INERTIA, 1000.0 * TOLERANCE), ("dry", DRY, SAME)]
-    {
+    let solved = [("sheared", SHEARED), ("inertia", INERTIA), ("chains", CHAINS)].map(|(name, text)| (name, text, 1000.0 * TOLERANCE));
+    for (name, text, tolerance) in solved.into_iter().chain([("dry", DRY, SAME)]) {
         let here = folder(&format!("ranks-in-time-{name}"));
         let scene = write(&here, text);
         let all = [1, 2, 3].map(|ranks| {

@@ -23,6 +23,40 @@ every = 0.08
 picture = false
 "#;
 
+/// A chain of rods and a ring of springs between walls in shear, with films and contacts; the chain lies across an end of the box.
+pub const CHAINS: &str = r#"
+[domain]
+size = [8.0, 6.0]
+y = { lower = [-3.0, 0.0], upper = [3.0, 0.0] }
+[resolution]
+cells_per_radius = 3
+[method]
+tolerance = 1e-8
+[lubrication]
+model = "pairwise"
+[[chains]]
+centers = [[7.2, 1.2], [0.0, 1.5], [0.8, 1.8], [1.6, 2.1]]
+beads = 4
+radius = 0.4
+stretch = "rigid"
+bend = 5.0
+[[chains]]
+centers = [[3.5, 3.5], [4.5, 3.4], [4.1, 4.4]]
+beads = 3
+radius = 0.4
+spacing = 1.3
+stretch = 40.0
+bend = 5.0
+shape = "ring"
+[contact]
+model = "inelastic"
+[time]
+end = 0.32
+[output]
+every = 0.08
+picture = false
+"#;
+
 /// Disks in a box whose images slide.
 pub const SLIDING: &str = r#"
 seed = 2

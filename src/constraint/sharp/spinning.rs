@@ -147,12 +147,7 @@ struct SpinningBody<const D: usize> {
 
 impl<const D: usize> SpinningBody<D> {
     /// Takes the columns of spin-ups out of the blocks of a body, and adds them to those of rotations.
-    fn new(
-        (mut blocks, interior): (SharpBody<D>, Interior),
-        mean_motion: Option<MeanMotion>,
-        body: usize,
-        spin_up_of: &[f64],
-    ) -> Self {
+    fn new((mut blocks, interior): (SharpBody<D>, Interior), mean_motion: Option<MeanMotion>, body: usize, spin_up_of: &[f64]) -> Self {
         let (planes, count, factor) = (planes::<D>().len(), blocks.surface.modes.count(), spin_up_of[body]);
         let (mut values, mut rows) = (Vec::with_capacity(blocks.rows.values.len()), Vec::new());
         for row in blocks.rows.values.chunks_exact(count + planes) {

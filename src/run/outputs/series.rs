@@ -5,15 +5,18 @@ use std::{
     time::Instant,
 };
 
+use nalgebra::SVector;
+
 use super::step_table::{Cell, StepTable, absent, count, real};
 use crate::{
     contact::Solver,
     error::Result,
-    observe::{InertialNumbers, Viscosity},
+    observe::{ChainNumbers, InertialNumbers, Viscosity},
     output::{CurvePoint, Summary},
     parallel::World,
     run::{ContactTotals, Evaluated, EvaluatedFlow, EvaluatedMotion, Output},
     scene::ContactModel,
+    simulation::Setup,
 };
 
 /// The series of a run.
@@ -42,6 +45,7 @@ impl<const D: usize> Output<D> for SeriesFile {
         let totals = motion.contact_totals(seen.world);
         let mut row = cells(motion, (seen.scene.contact.model, totals), seen.viscosity);
         row.extend(seen.flow.map_or(Ok(Vec::new()), |flow| of_inertia(&flow, motion.state().last_step))?);
+        row.extend(seen.flow.map_or(Vec::new(), |flow| of_chains(flow.solver.setup(), &motion.state().centers())));
         row.push(real("seconds", seconds));
         seen.world.agree(self.rows.as_mut().map_or(Ok(()), |rows| rows.write(&row)))
     }
@@ -63,6 +67,14 @@ fn of_inertia<const D: usize>(flow: &EvaluatedFlow<D>, step: f64) -> Result<Vec<
         ]
     };
     Ok(InertialNumbers::of(setup, grid, flow.solution)?.map(cells).unwrap_or_default())
+}
+
+/// The cells of chains; none without chains.
+fn of_chains<const D: usize>(setup: &Setup<D>, centers: &[SVector<f64, D>]) -> Vec<Cell> {
+    let cells = |numbers: ChainNumbers| {
+        vec![real("bond_energy", numbers.bond_energy), real("end_to_end", numbers.end_to_end), real("gyration", numbers.gyration)]
+    };
+    ChainNumbers::of(setup, centers).map(cells).unwrap_or_default()
 }
 
 /// The cells of the row of an instant and of the step that led there.

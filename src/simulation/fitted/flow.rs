@@ -121,7 +121,10 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
 
     fn solve(&mut self, monitor: ResidualMonitor) -> Result<Solution<D>> {
         let centers: Vec<SVector<f64, D>> = self.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        self.solve_at(&Configuration { centers: &centers, time: 0.0, pressed: &[], springs: &[], step: 0.0, pushes: &[], tolerance: 0.0 }, monitor)
+        self.solve_at(
+            &Configuration { centers: &centers, time: 0.0, pressed: &[], springs: &[], step: 0.0, pushes: &[], tolerance: 0.0 },
+            monitor,
+        )
     }
 
     fn solve_at(&mut self, configuration: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>> {

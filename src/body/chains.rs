@@ -1,0 +1,178 @@
+//! Random places for chains: straight lines and circles of beads, one after the other, where nothing is in the way.
+
+use std::{collections::HashMap, f64::consts::PI};
+
+use nalgebra::SVector;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::{
+    error::{Error, Result},
+    geometry::{Ball, Domain},
+};
+
+/// Places that are tried for a chain.
+const TRIALS: usize = 20_000;
+
+/// The form of a chain as it is placed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChainForm {
+    /// Number of beads.
+    pub beads: usize,
+    /// Radius of each.
+    pub radius: f64,
+    /// Distance of the centres of neighbours.
+    pub length: f64,
+    /// Whether it is a circle; else a line.
+    pub ring: bool,
+}
+
+/// Centres of the beads of `count` chains, chain by chain; neighbours are beside each other though the box may end between them. `gap` is the smallest
+/// distance between surfaces of different chains, of obstacles and of walls, in radii of a bead. The same arguments give the same centres everywhere.
+///
+/// # Errors
+/// [`Error::Refused`] if no place is found for one of them.
+pub fn place_chains<const D: usize>(
+    domain: &Domain<D>,
+    obstacles: &[Ball<D>],
+    (form, count): (ChainForm, usize),
+    gap: f64,
+    seed: u64,
+) -> Result<Vec<SVector<f64, D>>> {
+    let widest = obstacles.iter().map(|ball| ball.radius).fold(form.radius, f64::max);
+    let mut taken = Taken::new(domain, widest + form.radius * (1.0 + gap));
+    obstacles.iter().for_each(|ball| taken.add(*ball));
+    let (mut random, mut centers) = (ChaCha8Rng::seed_from_u64(seed), Vec::with_capacity(count * form.beads));
+    for chain in 0..count {
+        let found = (0..TRIALS).map(|_| form.anywhere(domain, &mut random)).find(|beads| taken.free(beads, form.radius, gap));
+        let beads = found.ok_or_else(|| {
+            Error::refused(format!(
+                "leaves no place for chain {chain} among those before it; lower it, shorten the chains or enlarge domain.size"
+            ))
+        })?;
+        beads.iter().for_each(|&center| taken.add(Ball { center, radius: form.radius }));
+        centers.extend(beads);
+    }
+    Ok(centers)
+}
+
+impl ChainForm {
+    /// Centres of the beads somewhere, in some direction.
+    fn anywhere<const D: usize>(&self, domain: &Domain<D>, random: &mut ChaCha8Rng) -> Vec<SVector<f64, D>> {
+        let middle = SVector::<f64, D>::from_fn(|axis, _| random.random::<f64>() * domain.size[axis]);
+        let mut direction = || loop {
+            let vector = SVector::<f64, D>::from_fn(|_, _| 2.0 * random.random::<f64>() - 1.0);
+            if (0.01..1.0).contains(&vector.norm()) {
+                return vector.normalize();
+            }
+        };
+        let one = direction();
+        let other = loop {
+            let other = direction();
+            let across = other - one * one.dot(&other);
+            if across.norm() > 0.1 {
+                break across.normalize();
+            }
+        };
+        let place = |bead: usize| {
+            if self.ring {
+                let angle = 2.0 * PI * bead as f64 / self.beads as f64;
+                middle + (one * angle.cos() + other * angle.sin()) * (0.5 * self.length / (PI / self.beads as f64).sin())
+            } else {
+                middle + one * (self.length * (bead as f64 - 0.5 * (self.beads - 1) as f64))
+            }
+        };
+        (0..self.beads).map(place).collect()
+    }
+}
+
+/// Balls in cells as wide as the largest distance of two that touch.
+struct Taken<'a, const D: usize> {
+    domain: &'a Domain<D>,
+    counts: [i64; D],
+    cells: HashMap<[i64; D], Vec<Ball<D>>>,
+}
+
+impl<'a, const D: usize> Taken<'a, D> {
+    fn new(domain: &'a Domain<D>, width: f64) -> Self {
+        let counts = std::array::from_fn(|axis| ((domain.size[axis] / width) as i64).max(1));
+        Taken { domain, counts, cells: HashMap::new() }
+    }
+
+    fn cell(&self, center: &SVector<f64, D>) -> [i64; D] {
+        let center = self.domain.wrap(*center);
+        std::array::from_fn(|axis| {
+            ((center[axis] / self.domain.size[axis] * self.counts[axis] as f64) as i64).clamp(0, self.counts[axis] - 1)
+        })
+    }
+
+    fn add(&mut self, ball: Ball<D>) {
+        self.cells.entry(self.cell(&ball.center)).or_default().push(ball);
+    }
+
+    /// Whether beads keep the gap to all that is there, to walls, and to images of their own chain.
+    fn free(&self, beads: &[SVector<f64, D>], radius: f64, gap: f64) -> bool {
+        beads.iter().all(|center| self.inside(center, radius * (1.0 + gap)) && self.alone(center, radius, gap))
+            && (0..beads.len()).all(|one| (0..one).all(|other| self.same_image(&beads[one], &beads[other], radius * (2.0 + gap))))
+    }
+
+    fn inside(&self, center: &SVector<f64, D>, least: f64) -> bool {
+        (0..D).all(|axis| self.domain.periodic(axis) || (least..=self.domain.size[axis] - least).contains(&center[axis]))
+    }
+
+    fn alone(&self, center: &SVector<f64, D>, radius: f64, gap: f64) -> bool {
+        let near = |ball: &Ball<D>| {
+            let separation = self.domain.nearest_image(ball.center - center);
+            separation.norm() < ball.radius + radius * (1.0 + gap)
+        };
+        let home = self.cell(center);
+        // three cells along each axis, counted in base three
+        !(0..3_usize.pow(D as u32)).any(|number| {
+            let cell =
+                std::array::from_fn(|axis| (home[axis] + (number / 3_usize.pow(axis as u32) % 3) as i64 - 1).rem_euclid(self.counts[axis]));
+            self.cells.get(&cell).is_some_and(|balls| balls.iter().any(near))
+        })
+    }
+
+    /// Whether two beads of a chain are not nearer to each other's image than they may.
+    fn same_image(&self, one: &SVector<f64, D>, other: &SVector<f64, D>, least: f64) -> bool {
+        let (separation, nearest) = (one - other, self.domain.nearest_image(one - other));
+        (separation - nearest).norm() < 1e-9 * separation.norm() || nearest.norm() >= least
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Axis, first_fault};
+
+    fn proof<const D: usize>(axes: [Axis<D>; D], ring: bool) {
+        let domain = Domain { size: SVector::repeat(12.0), axes };
+        let form = ChainForm { beads: 6, radius: 0.5, length: 1.05, ring };
+        let obstacle = [Ball { center: SVector::repeat(6.0), radius: 1.0 }];
+        let centers = place_chains(&domain, &obstacle, (form, 6), 0.1, 3).unwrap();
+        assert_eq!(centers, place_chains(&domain, &obstacle, (form, 6), 0.1, 3).unwrap());
+        let balls: Vec<Ball<D>> = centers.iter().map(|&center| Ball { center: domain.wrap(center), radius: 0.5 }).chain(obstacle).collect();
+        assert!(first_fault(&domain, &balls).is_none());
+        for chain in centers.chunks(6) {
+            assert!(chain.windows(2).all(|pair| ((pair[1] - pair[0]).norm() - 1.05).abs() < 1e-12));
+            assert!(!ring || ((chain[5] - chain[0]).norm() - 1.05).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn chains_keep_clear_of_each_other_of_walls_and_of_obstacles() {
+        let walls = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
+        [false, true].into_iter().for_each(|ring| proof([Axis::Periodic, walls], ring));
+        let walls = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
+        [false, true].into_iter().for_each(|ring| proof([Axis::Periodic, Axis::Periodic, walls], ring));
+    }
+
+    #[test]
+    fn a_full_box_is_refused() {
+        let domain = Domain { size: SVector::<f64, 2>::repeat(4.0), axes: [Axis::Periodic, Axis::Periodic] };
+        let form = ChainForm { beads: 4, radius: 0.5, length: 1.05, ring: false };
+        assert!(place_chains(&domain, &[], (form, 20), 0.1, 3).is_err());
+    }
+}

@@ -1,0 +1,105 @@
+//! Groups of chains that are alike: beads in a row, each tied to the next.
+
+use std::path::Path;
+
+use crate::error::Result;
+use crate::scene::bodies::{BodyGroup, Placement};
+use crate::scene::entry::Entry;
+use crate::scene::table::Table;
+
+/// Keys of `[[chains]]` that exclude each other.
+const PLACEMENTS: [&str; 3] = ["count", "centers", "file"];
+
+const KEYS: [&str; 14] =
+    ["count", "centers", "file", "beads", "radius", "spacing", "stretch", "bend", "angle", "shape", "gap", "density", "force", "torque"];
+
+/// How the beads of chains are tied to each other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Chain {
+    /// Beads of each chain.
+    pub beads: usize,
+    /// Distance of the centres of neighbours at rest, in diameters, above 1.
+    pub spacing: f64,
+    /// Force over the change of that distance; nothing for rods, whose length is constant.
+    pub stretch: Option<f64>,
+    /// Energy of bending, not negative: `bend/2 (1 - cos t)` for a turn by `t` from one bond to the next.
+    pub bend: f64,
+    /// The turn from one bond to the next at rest, in radians, counterclockwise; 0 in 3D but for rings.
+    pub angle: f64,
+    /// Whether its ends are free or tied to each other.
+    pub shape: ChainShape,
+}
+
+/// The shape of a chain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ChainShape {
+    /// Two free ends.
+    Line,
+    /// None.
+    Ring,
+}
+
+impl ChainShape {
+    /// Their words.
+    pub(super) const WORDS: [(&'static str, ChainShape); 2] = [("line", ChainShape::Line), ("ring", ChainShape::Ring)];
+}
+
+/// The bodies of all chains.
+pub(super) fn read(root: &Table, folder: &Path, dimension: usize) -> Result<Vec<BodyGroup>> {
+    let groups = root.get("chains").map_or(Ok(Vec::new()), |entry| entry.list())?;
+    groups.iter().map(|entry| read_group(entry, folder, dimension)).collect()
+}
+
+fn read_group(entry: &Entry, folder: &Path, dimension: usize) -> Result<BodyGroup> {
+    let table = Table::of(entry, &KEYS)?;
+    table.exactly_one(&PLACEMENTS, "count = 10")?;
+    let placement = Placement::read(&table, folder, dimension)?;
+    let chain = read_chain(&table, dimension)?;
+    if let (Placement::Centers(centers), Some(given)) = (&placement, table.get("centers")) {
+        let remedy = format!("must hold all centers of each chain, {} a chain", chain.beads);
+        given.expect((), centers.len() % chain.beads == 0, &remedy)?;
+    }
+    let default = BodyGroup::new(table.require("radius", "0.5")?.positive()?, placement);
+    Ok(BodyGroup {
+        gap: table.get("gap").map_or(Ok(default.gap), |entry| entry.not_negative())?,
+        density: table.get("density").map_or(Ok(default.density), |entry| entry.not_negative())?,
+        force: table.get("force").map(|entry| entry.vector(dimension)).transpose()?,
+        torque: table.get("torque").map(|entry| entry.rotation(dimension)).transpose()?,
+        chain: Some(chain),
+        ..default
+    })
+}
+
+fn read_chain(table: &Table, dimension: usize) -> Result<Chain> {
+    let shape = table.get("shape").map_or(Ok(ChainShape::Line), |entry| entry.choice(&ChainShape::WORDS, &[]))?;
+    let (entry, least) = (table.require("beads", "10")?, if shape == ChainShape::Ring { 3 } else { 2 });
+    let beads = entry.count()?;
+    entry.expect((), beads >= least, &format!("must be at least {least} in a {}", word(shape)))?;
+    let spacing = table.get("spacing").map_or(Ok(1.05), |entry| {
+        let spacing = entry.positive()?;
+        entry.expect(spacing, spacing > 1.0, "is in diameters of a bead; at 1 and below beads overlap")
+    })?;
+    let bend = table.get("bend").map_or(Ok(0.0), |entry| entry.not_negative())?;
+    let natural = if shape == ChainShape::Ring && dimension == 2 { std::f64::consts::TAU / beads as f64 } else { 0.0 };
+    let angle = table.get("angle").map_or(Ok(natural), |entry| {
+        let angle = entry.number()?;
+        entry.expect((), dimension == 2, "is for two dimensions: in three a bond has no side to turn to; remove it")?;
+        entry.expect((), bend > 0.0, "is what bend draws chains to; give bend")?;
+        entry.expect(angle, angle.abs() < std::f64::consts::PI, "must lie between -pi and pi")
+    })?;
+    Ok(Chain { beads, spacing, stretch: read_stretch(table)?, bend, angle, shape })
+}
+
+fn read_stretch(table: &Table) -> Result<Option<f64>> {
+    let entry = table.require("stretch", "\"rigid\"")?;
+    match entry.text() {
+        Ok("rigid") => Ok(None),
+        Ok(_) => Err(entry.refuse("must be \"rigid\" or a force over a length")),
+        Err(_) => entry.positive().map(Some),
+    }
+}
+
+/// The word for a shape.
+pub(super) fn word(shape: ChainShape) -> &'static str {
+    ChainShape::WORDS.iter().find(|(_, known)| *known == shape).map_or("", |(word, _)| word)
+}

@@ -1,0 +1,125 @@
+//! Chains: beads tied by springs and rods, stiff against bending.
+
+use std::path::Path;
+
+use nalgebra::{SVector, Vector2};
+use turbid::{petsc::Session, scene::Scene, simulation::Simulation};
+
+use crate::Test;
+
+pub fn tests() -> Vec<Test> {
+    vec![
+        Test::of(beads_on_a_spring_relax_at_second_order_in_steps_of_any_length),
+        Test::of(a_stiff_chain_of_rods_moves_as_one_body),
+        Test::of(a_bent_chain_becomes_straight_and_a_ring_round_without_moving_off),
+        Test::of(chains_with_inertia_come_to_rest_at_their_length),
+    ]
+}
+
+fn scene(text: &str) -> Scene {
+    Scene::parse("chains", Path::new("."), text, &[]).unwrap()
+}
+
+/// Centres of all bodies at the end of a run.
+fn run<const D: usize>(session: &Session, text: &str) -> Vec<SVector<f64, D>> {
+    let mut simulation = Simulation::<D>::new(session, &scene(text)).unwrap();
+    while !simulation.over() {
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        simulation.step(&observation, &mut |_, _| {}).unwrap();
+    }
+    simulation.state().centers()
+}
+
+/// A pair in a periodic box, pulled apart by a spring of this strength.
+fn pair(stretch: f64, step: f64, end: f64) -> String {
+    format!(
+        "domain = {{ size = [8.0, 8.0] }}\nflow = {{ model = \"stokes\", viscosity = 1.0 }}\nresolution = {{ cells_per_radius = 4 }}\n\
+         method = {{ inverse = \"transform\", tolerance = 1e-7 }}\n\
+         chains = [{{ centers = [[2.9, 4.0], [5.1, 4.2]], beads = 2, radius = 0.75, spacing = 2.0, stretch = {stretch} }}]\n\
+         time = {{ end = {end}, step = {step} }}\n"
+    )
+}
+
+/// Distances of two beads whose spring is 0.79 too short: in steps of up to a hundred times what explicit ones are stable with, they come to rest at
+/// the same distance.
+fn beads_on_a_spring_relax_at_second_order_in_steps_of_any_length(session: &Session) {
+    let distance = |stretch: f64, step: f64, end: f64| {
+        let centers = run::<2>(session, &pair(stretch, step, end));
+        (centers[1] - centers[0]).norm()
+    };
+    let [one, two, four] = [0.2, 0.1, 0.05].map(|step| distance(4.0, step, 0.8));
+    let order = ((one - two) / (two - four)).abs().log2();
+    assert!(order > 1.6 && (2.3..2.9).contains(&four), "order {order}: {one} {two} {four}");
+    for stretch in [1e2, 1e5, 1e9] {
+        let at_rest = distance(stretch, 0.5, 5.0);
+        assert!((at_rest - 3.0).abs() < 2e-3, "{at_rest} with {stretch}");
+    }
+}
+
+/// Between sliding walls: velocities of the beads are those of a rigid motion, and lengths stay.
+fn a_stiff_chain_of_rods_moves_as_one_body(session: &Session) {
+    let text = "domain = { size = [9.0, 6.0], y = { lower = [-1.0, 0.0], upper = [1.0, 0.0] } }\n\
+                flow = { model = \"stokes\", viscosity = 1.0 }\nresolution = { cells_per_radius = 3 }\n\
+                method = { inverse = \"transform\", tolerance = 1e-6 }\n\
+                chains = [{ centers = [[3.0, 2.4], [4.0, 2.7], [5.0, 3.0], [6.0, 3.3]], beads = 4, radius = 0.4, spacing = 1.305037, \
+                stretch = \"rigid\", bend = 1e6 }]\n\
+                time = { end = 0.4, step = 0.1 }\n";
+    let mut simulation = Simulation::<2>::new(session, &scene(text)).unwrap();
+    let length = 0.8 * 1.305037;
+    loop {
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        let (bodies, twists) = (&simulation.state().bodies, &observation.twists);
+        let across = |bead: usize| {
+            let way = (bodies[bead].center - bodies[0].center).normalize();
+            let velocity = twists[bead].velocity - twists[0].velocity;
+            [way.dot(&velocity), (way.x * velocity.y - way.y * velocity.x) / (bead as f64 * length)]
+        };
+        let ([_, spin], fastest) = (across(3), twists.iter().map(|twist| twist.velocity.norm()).fold(0.0, f64::max));
+        for bead in 1..4 {
+            let [along, turn] = across(bead);
+            assert!(along.abs() < 1e-3 * fastest && (turn - spin).abs() < 2e-3 * spin.abs(), "{bead}: {along} {turn} {spin}");
+        }
+        assert!(spin < -0.01, "{spin}");
+        if simulation.over() {
+            break;
+        }
+        simulation.step(&observation, &mut |_, _| {}).unwrap();
+    }
+    let centers = simulation.state().centers();
+    let lengths: Vec<f64> = centers.windows(2).map(|pair| (pair[1] - pair[0]).norm()).collect();
+    assert!(lengths.iter().all(|found| (found / length - 1.0).abs() < 1e-3), "{lengths:?}");
+}
+
+fn a_bent_chain_becomes_straight_and_a_ring_round_without_moving_off(session: &Session) {
+    let head = "domain = { size = [8.0, 8.0] }\nflow = { model = \"stokes\", viscosity = 1.0 }\nresolution = { cells_per_radius = 3 }\n\
+                method = { inverse = \"transform\" }\ntime = { end = 40.0, step = 2.0 }\n";
+    let bent = "chains = [{ centers = [[3.0, 3.0], [4.1, 3.5], [4.6, 4.6]], beads = 3, radius = 0.4, spacing = 1.5, stretch = 50.0, bend = 20.0 }]\n";
+    let centers = run::<2>(session, &format!("{head}{bent}"));
+    let [one, two] = [centers[0] - centers[1], centers[2] - centers[1]];
+    assert!((one.normalize().dot(&two.normalize()) + 1.0).abs() < 1e-6, "{centers:?}");
+    assert!((one.norm() - 1.2).abs() < 1e-4 && (two.norm() - 1.2).abs() < 1e-4, "{one} {two}");
+    let middle: Vector2<f64> = centers.iter().sum::<Vector2<f64>>() / 3.0;
+    assert!((middle - Vector2::new(11.7 / 3.0, 11.1 / 3.0)).norm() < 0.05, "{middle}");
+    let ring = "chains = [{ centers = [[5.3, 4.0], [4.0, 4.9], [2.7, 4.0], [4.0, 3.1]], beads = 4, radius = 0.4, spacing = 1.9, stretch = \"rigid\", \
+                bend = 20.0, shape = \"ring\" }]\n";
+    let centers = run::<2>(session, &format!("{head}{ring}"));
+    let diagonals = [(centers[2] - centers[0]).norm(), (centers[3] - centers[1]).norm()];
+    assert!(diagonals.iter().all(|found| (found / (1.52 * 2.0_f64.sqrt()) - 1.0).abs() < 1e-3), "{diagonals:?}");
+}
+
+/// A heavy pair on a spring: it swings and is damped, whatever the step; a rod keeps its length.
+fn chains_with_inertia_come_to_rest_at_their_length(session: &Session) {
+    let text = |stretch: &str| {
+        format!(
+            "domain = {{ size = [8.0, 6.0], y = \"walls\" }}\nflow = {{ model = \"navier-stokes\", viscosity = 1.0, density = 1.0 }}\n\
+             resolution = {{ cells_per_radius = 4 }}\nmethod = {{ inverse = \"transform\" }}\n\
+             chains = [{{ centers = [[2.9, 3.0], [5.1, 3.0]], beads = 2, radius = 0.75, spacing = 1.6, stretch = {stretch}, density = 2.0 }}]\n\
+             time = {{ end = 3.0, step = 0.1 }}\n"
+        )
+    };
+    for stretch in ["200.0", "1e7", "\"rigid\""] {
+        let centers = run::<2>(session, &text(stretch));
+        let found = (centers[1] - centers[0]).norm();
+        assert!((found - 2.4).abs() < 5e-3, "{found} with {stretch}");
+    }
+}
