@@ -32,9 +32,9 @@ pub struct BodyGroup {
     pub force: Option<Vec<f64>>,
     /// External torque on each body, one number in 2D and three in 3D; only free bodies have one.
     pub torque: Option<Vec<f64>>,
-    /// Initial velocity of each body; only free bodies of a dry scene have one.
+    /// Initial velocity of each body; only free bodies with inertia have one.
     pub velocity: Option<Vec<f64>>,
-    /// Initial turning rate, one number in 2D and three in 3D; only free bodies of a dry scene have one.
+    /// Initial turning rate, one number in 2D and three in 3D; only free bodies with inertia have one.
     pub spin: Option<Vec<f64>>,
     /// How they are tied to each other, if they are beads of chains; numbers of bodies are then those of chains.
     pub chain: Option<Chain>,
@@ -137,8 +137,9 @@ fn refuse_start(table: &Table, motion: &Motion, model: FlowModel) -> Result<()> 
     };
     let remedy = "only bodies with motion = \"free\" start with a velocity; write motion = { velocity = [..], spin = .. } for moved ones";
     start.expect((), *motion == Motion::Free, remedy)?;
-    let remedy = "bodies in Stokes flow have no inertia: their velocity follows from forces; remove it";
-    start.expect((), model == FlowModel::None, remedy)
+    let remedy =
+        "bodies in Stokes flow have no inertia: their velocity follows from forces; remove it, or write flow.model = \"navier-stokes\"";
+    start.expect((), matches!(model, FlowModel::None | FlowModel::NavierStokes), remedy)
 }
 
 fn read_gap(table: &Table, default: &BodyGroup) -> Result<f64> {

@@ -14,7 +14,7 @@ use crate::{
     geometry::Domain,
     interaction::{Interactions, Lubrication},
     parallel::Peers,
-    scene::{self, ContactModel, FlowModel, Modes, ResolutionSection, Scene, Spacing},
+    scene::{self, BodyGroup, ContactModel, FlowModel, Modes, ResolutionSection, Scene, Spacing},
     surface::{Shape, highest_order},
 };
 
@@ -56,10 +56,7 @@ impl<const D: usize> GranularSetup<D> {
         let domain = domain(scene);
         let of_group = |(group, body): (usize, crate::body::Body<D>)| {
             let given = &scene.bodies[group];
-            let start = Twist {
-                velocity: given.velocity.as_deref().map_or(SVector::zeros(), vector::<D>),
-                spin: given.spin.as_deref().map_or(SMatrix::zeros(), skew::<D>),
-            };
+            let start = start(given);
             let mass = given.density * body.ball.volume();
             let inertia = given.density * body.ball.moment_of_inertia();
             let (center, radius) = (body.ball.center, body.ball.radius);
@@ -106,8 +103,12 @@ impl<const D: usize> Setup<D> {
     pub fn on(peers: Peers, scene: &Scene) -> Result<Setup<D>> {
         let domain = domain(scene);
         let placed = bodies(peers, scene, &domain)?;
-        let inertia = (scene.flow.model == FlowModel::NavierStokes)
-            .then(|| Inertia { fluid: scene.flow.density, bodies: placed.iter().map(|&(group, _)| scene.bodies[group].density).collect() });
+        let groups = || placed.iter().map(|&(group, _)| &scene.bodies[group]);
+        let inertia = (scene.flow.model == FlowModel::NavierStokes).then(|| Inertia {
+            fluid: scene.flow.density,
+            bodies: groups().map(|group| group.density).collect(),
+            starts: groups().map(start).collect(),
+        });
         let trajectories = trajectories(scene, &placed);
         let bonds = interactions::bonds(scene, &placed);
         let (spacing, bodies) = suspended_bodies(scene, &domain, placed)?;
@@ -162,6 +163,14 @@ fn resolution(scene: &Scene) -> Result<&ResolutionSection> {
     let accuracy = scene.accuracy.unwrap_or_default();
     let open = || scene.refuse("accuracy", accuracy, "chooses the resolution in turbid run only; give [resolution] instead");
     scene.resolution.as_ref().ok_or_else(open)
+}
+
+/// How the free bodies of a group move at the start.
+fn start<const D: usize>(group: &BodyGroup) -> Twist<D> {
+    Twist {
+        velocity: group.velocity.as_deref().map_or(SVector::zeros(), vector::<D>),
+        spin: group.spin.as_deref().map_or(SMatrix::zeros(), skew::<D>),
+    }
 }
 
 fn drive<const D: usize>(scene: &Scene) -> Drive<D> {

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use crate::{
-    body::{Body, Motion, Trajectories},
+    body::{Body, Motion, Trajectories, Twist},
     constraint::{FlowMethod, SharpWithInertia, method_of},
     flow::{Drive, InverseMethod},
     geometry::Domain,
@@ -24,13 +24,15 @@ pub struct SuspendedBody<const D: usize> {
     pub order: usize,
 }
 
-/// Masses per volume, all positive.
+/// Masses per volume, all positive, and motions at the start.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Inertia {
-    /// Of the fluid.
+pub struct Inertia<const D: usize> {
+    /// Mass per volume of the fluid.
     pub fluid: f64,
-    /// Of each body.
+    /// Mass per volume of each body.
     pub bodies: Vec<f64>,
+    /// How each body, if it is free, moves at the start.
+    pub starts: Vec<Twist<D>>,
 }
 
 /// What to solve.
@@ -49,7 +51,7 @@ pub struct Setup<const D: usize> {
     /// How those move whose given motion changes with time.
     pub trajectories: Trajectories<D>,
     /// What fluid and bodies weigh, if they have inertia.
-    pub inertia: Option<Inertia>,
+    pub inertia: Option<Inertia<D>>,
     /// What makes bodies rigid.
     pub constraint: ConstraintMethod,
     /// What bodies do to each other besides the flow.
@@ -92,7 +94,7 @@ impl<const D: usize> Setup<D> {
     }
 
     /// The spin-up of each body by a unit multiplier of rotation: the torque on it over its moment of inertia; 0 for prescribed motion.
-    fn spin_ups_of_rotations(&self, inertia: &Inertia) -> Vec<f64> {
+    fn spin_ups_of_rotations(&self, inertia: &Inertia<D>) -> Vec<f64> {
         let of_body = |(suspended, density): (&SuspendedBody<D>, &f64)| {
             let Body { ball, .. } = suspended.body;
             let torque = area(D, ball.radius) * lever(D, ball.radius);

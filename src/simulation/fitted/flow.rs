@@ -10,7 +10,7 @@ use nalgebra::{SVector, Vector2};
 use super::{
     history::{MeshHistory, MeshLevel},
     interpolation::interpolate,
-    plane::{edge_lengths, flat, motions, plane, problem, spatial, state},
+    plane::{edge_lengths, flat, motions, plane, problem, rigid, spatial, state},
 };
 use crate::{
     constraint::fitted::{Load, Loads, Mesh, MovingMesh, Place, StokesFlow, StokesNumbering, StokesProblem, System, generate, loads},
@@ -21,7 +21,7 @@ use crate::{
     petsc::{Direct, Report, Session, Stage, Vector, enter},
     simulation::{
         Configuration, Cost, ExtrapolationHistory, FlowSolver, ResidualMonitor, Setup, Snapshot, Solution, WallForces, check_steady_state,
-        unsteady::longest_step,
+        unsteady::{inertia, longest_step},
     },
 };
 
@@ -141,7 +141,7 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
         let problem = problem(&self.setup, &mesh, &motions, inertia.as_ref());
         let numbering = StokesNumbering::new(&problem);
         if self.evolves() && inertia.is_none() {
-            let flow = at_rest(&problem, &numbering);
+            let flow = self.at_rest(&problem, &numbering);
             let disks = vec![Load::default(); motions.len()];
             let solution = self.solution(&problem, &flow, Loads { disks, ..Loads::default() })?;
             self.keep(configuration, &mesh, &flow);
@@ -168,18 +168,22 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
     }
 }
 
-/// What there is before the first step: nothing moves but walls, disks whose motion is given, and a fluid without walls whose mean velocity is given.
-fn at_rest(problem: &StokesProblem, numbering: &StokesNumbering) -> StokesFlow {
-    let mut flow = numbering.flow(problem, &vec![0.0; numbering.unknowns()]);
-    if problem.mesh.domain.fully_periodic() {
-        let mean = Vector2::from(problem.mean_velocity.map(Option::unwrap_or_default));
-        let places = flow.velocities.iter_mut().zip(&problem.mesh.places);
-        places.filter(|(_, place)| **place == Place::Fluid).for_each(|(velocity, _)| *velocity = mean);
-    }
-    flow
-}
-
 impl<const D: usize> FittedFlow<D> {
+    /// What there is before the first step: nothing moves but walls, disks, and a fluid without walls whose mean velocity is given.
+    ///
+    /// The fluid at free disks is at rest: moved along, it would add to what they weigh.
+    fn at_rest(&self, problem: &StokesProblem, numbering: &StokesNumbering) -> StokesFlow {
+        let mut flow = numbering.flow(problem, &vec![0.0; numbering.unknowns()]);
+        let free = flow.motions.iter_mut().zip(&self.setup.bodies).zip(&inertia(&self.setup).starts);
+        free.filter(|((_, suspended), _)| suspended.body.free()).for_each(|((motion, _), start)| *motion = rigid(start));
+        if problem.mesh.domain.fully_periodic() {
+            let mean = Vector2::from(problem.mean_velocity.map(Option::unwrap_or_default));
+            let places = flow.velocities.iter_mut().zip(&problem.mesh.places);
+            places.filter(|(_, place)| **place == Place::Fluid).for_each(|(velocity, _)| *velocity = mean);
+        }
+        flow
+    }
+
     /// The mesh around bodies at these centres: the last one that was made, moved there, or a new one where that would be too distorted.
     fn mesh_at(&mut self, centers: &[SVector<f64, D>], time: f64) -> Result<Mesh> {
         if let Some(past) = self.past.take_if(|_| self.moving.is_none()) {

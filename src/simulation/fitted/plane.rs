@@ -91,8 +91,13 @@ pub fn plane<const D: usize>(domain: &Domain<D>) -> Domain<2> {
 fn disk_motion<const D: usize>(motion: &Motion<D>, viscosity: f64) -> DiskMotion {
     match motion {
         Motion::Free { force, torque } => DiskMotion::Free { force: flat(force) / viscosity, torque: components(torque)[0] / viscosity },
-        Motion::Prescribed(twist) => DiskMotion::Given(Rigid { velocity: flat(&twist.velocity), spin: components(&twist.spin)[0] }),
+        Motion::Prescribed(twist) => DiskMotion::Given(rigid(twist)),
     }
+}
+
+/// A motion in two dimensions.
+pub fn rigid<const D: usize>(twist: &Twist<D>) -> Rigid {
+    Rigid { velocity: flat(&twist.velocity), spin: components(&twist.spin)[0] }
 }
 
 /// What is found for a body.

@@ -16,7 +16,7 @@ use nalgebra::{SMatrix, SVector};
 
 pub use self::level::Level;
 use self::{
-    level::Extended,
+    level::{Extended, each_inside},
     momentum::Momentum,
     rows::{Past, kept},
 };
@@ -40,7 +40,7 @@ use crate::{
     error::{Error, Result},
     flow::{Convection, FluidSystem, OpenEnds, StokesInverse, fastest},
     grid::{Grid, operators::signed},
-    petsc::{Session, Stage, Vector, enter},
+    petsc::{Scatter, Session, Stage, Vector, enter},
 };
 
 /// Change of the shift, as a part, that is rounding of time steps.
@@ -70,7 +70,7 @@ pub struct UnsteadySuspension<const D: usize> {
 }
 
 impl<const D: usize> UnsteadySuspension<D> {
-    /// Bodies and fluid at rest, unless walls and prescribed motions move them; through a box with an inflow it flows everywhere.
+    /// Fluid at rest, unless walls move it, and bodies as they start; through a box with an inflow it flows everywhere.
     ///
     /// # Errors
     /// The grid or the rank count does not fit.
@@ -86,7 +86,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         Ok(UnsteadySuspension { fixed, inverse: None, convection, current: None, past, assembly, workspace: None, guess: None, cost })
     }
 
-    fn inertia(&self) -> &Inertia {
+    fn inertia(&self) -> &Inertia<D> {
         inertia(&self.fixed.setup)
     }
 
@@ -125,8 +125,9 @@ impl<const D: usize> UnsteadySuspension<D> {
             }
         }
         drop(values);
+        self.start_free_bodies(configuration.centers, &mut fluid)?;
         let bodies = &self.fixed.setup.bodies;
-        let twists: Vec<Twist<D>> = bodies.iter().map(|suspended| suspended.body.given_motion().unwrap_or_else(Twist::zero)).collect();
+        let twists = self.starting_motions();
         let multipliers = self.multiplier_counts().into_iter().map(|count| vec![0.0; count]).collect();
         let state = |(center, twist): (&SVector<f64, D>, &Twist<D>)| BodyState {
             center: self.fixed.setup.domain.wrap(*center),
@@ -168,6 +169,31 @@ impl<const D: usize> UnsteadySuspension<D> {
         let films = add_films(world, &assembly.layout, &assembly.films, &[], &mut [], &mut walls);
         self.assembly = Some(assembly);
         Ok(Some(films))
+    }
+
+    /// How bodies move before the first step.
+    fn starting_motions(&self) -> Vec<Twist<D>> {
+        let starts = self.fixed.setup.bodies.iter().zip(&self.inertia().starts);
+        starts.map(|(suspended, start)| suspended.body.given_motion().unwrap_or(*start)).collect()
+    }
+
+    /// Lets what lies inside free bodies move as they do.
+    fn start_free_bodies(&self, centers: &[SVector<f64, D>], fluid: &mut Vector) -> Result<()> {
+        let (grid, starts) = (&self.fixed.grid, &self.inertia().starts);
+        let (mut places, mut changes) = (Vec::new(), Vec::new());
+        for (suspended, (center, start)) in self.fixed.setup.bodies.iter().zip(centers.iter().zip(starts)) {
+            if suspended.body.free() && *start != Twist::zero() {
+                each_inside(grid, center, suspended.body.ball.radius, |component, place, offset| {
+                    places.push(place);
+                    changes.push(start.at(&offset)[component]);
+                });
+            }
+        }
+        let mut scatter = Scatter::new(fluid, &places)?;
+        let rest = scatter.fetch(fluid)?.to_vec();
+        changes.iter_mut().zip(rest).for_each(|(change, rest)| *change -= rest);
+        scatter.places()?.copy_from_slice(&changes);
+        scatter.add_back(fluid)
     }
 
     /// The rates of change of motions at a time, and turns operators to the step that leads there.

@@ -17,7 +17,7 @@ use crate::{
 /// The bodies of a setup in a step: rates of change of their motions are `rate` times the new one and a history, over time.
 pub struct Momentum<'a, const D: usize> {
     setup: &'a Setup<D>,
-    inertia: &'a Inertia,
+    inertia: &'a Inertia<D>,
     rate: f64,
     history: Vec<Twist<D>>,
 }
@@ -85,6 +85,6 @@ impl<'a, const D: usize> Momentum<'a, D> {
 }
 
 /// What fluid and bodies of a flow with inertia weigh.
-pub fn inertia<const D: usize>(setup: &Setup<D>) -> &Inertia {
+pub fn inertia<const D: usize>(setup: &Setup<D>) -> &Inertia<D> {
     setup.inertia.as_ref().expect("a flow with inertia has masses")
 }

@@ -41,7 +41,11 @@ pub fn sample<const D: usize>(setup: &Setup<D>) -> Option<Setup<D>> {
     let kept = (all as f64 * size.product() / setup.domain.volume()).round().clamp(all.min(1) as f64, SAMPLE as f64) as usize;
     let places: Vec<usize> = (0..kept).map(|place| place * all / kept).collect();
     let chosen: Vec<SuspendedBody<D>> = places.iter().map(|&place| part.bodies[place]).collect();
-    let dense = |inertia: &Inertia| Inertia { bodies: places.iter().map(|&place| inertia.bodies[place]).collect(), ..*inertia };
+    let dense = |inertia: &Inertia<D>| Inertia {
+        fluid: inertia.fluid,
+        bodies: places.iter().map(|&place| inertia.bodies[place]).collect(),
+        starts: places.iter().map(|&place| inertia.starts[place]).collect(),
+    };
     let inertia = part.inertia.as_ref().map(dense);
     let radii: Vec<f64> = chosen.iter().map(|suspended| suspended.body.ball.radius).collect();
     (0..TRIES).find_map(|wider| {
