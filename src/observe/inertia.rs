@@ -13,6 +13,10 @@ use crate::{
     surface::Shape,
 };
 
+/// The time in which a sphere follows the fluid, `(2/9) density radius^2 / viscosity`, over that in which it moves by its radius, is the ninth part of its
+/// Reynolds number by the diameter times the ratio of the densities. Disks have the same number.
+const STOKES_OVER_REYNOLDS: f64 = 9.0;
+
 /// Inertia at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InertialNumbers {
@@ -20,6 +24,8 @@ pub struct InertialNumbers {
     pub kinetic_energy: f64,
     /// Largest Reynolds number of a body, by its speed, its diameter and the fluid.
     pub reynolds: f64,
+    /// Largest Stokes number of a free body, a ninth of its Reynolds number times its density over that of the fluid; 0 without free bodies.
+    pub stokes: f64,
     /// Largest speed of the flow along an axis.
     pub fastest: f64,
 }
@@ -32,12 +38,15 @@ impl InertialNumbers {
     pub fn of<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, solution: &Solution<D>) -> Result<Option<InertialNumbers>> {
         let Some(inertia) = &setup.inertia else { return Ok(None) };
         let volume = grid.spacing().product();
-        let bodies = setup.bodies.iter().zip(&solution.bodies);
-        let reynolds = bodies
-            .map(|(suspended, state)| 2.0 * suspended.body.ball.radius * state.twist.velocity.norm() * inertia.fluid / setup.viscosity);
+        let reynolds = |body: usize| {
+            2.0 * setup.bodies[body].body.ball.radius * solution.bodies[body].twist.velocity.norm() * inertia.fluid / setup.viscosity
+        };
+        let free = (0..setup.bodies.len()).filter(|&body| setup.bodies[body].body.free());
+        let stokes = free.map(|body| reynolds(body) * inertia.bodies[body] / (STOKES_OVER_REYNOLDS * inertia.fluid));
         Ok(Some(InertialNumbers {
             kinetic_energy: 0.5 * inertia.fluid * volume * square(grid, &solution.fluid)? + excess_energy(setup, inertia, solution),
-            reynolds: reynolds.fold(0.0, f64::max),
+            reynolds: (0..setup.bodies.len()).map(reynolds).fold(0.0, f64::max),
+            stokes: stokes.fold(0.0, f64::max),
             fastest: fastest(grid, &solution.fluid)?,
         }))
     }
@@ -57,7 +66,7 @@ fn square<const D: usize>(grid: &Grid<D>, fluid: &Vector) -> Result<f64> {
 }
 
 /// What bodies have beyond the fluid that moves in their places.
-fn excess_energy<const D: usize>(setup: &Setup<D>, inertia: &Inertia, solution: &Solution<D>) -> f64 {
+fn excess_energy<const D: usize>(setup: &Setup<D>, inertia: &Inertia<D>, solution: &Solution<D>) -> f64 {
     let of_body = |(body, state): (usize, &crate::simulation::BodyState<D>)| {
         let (ball, excess): (Ball<D>, f64) = (setup.bodies[body].body.ball, inertia.bodies[body] - inertia.fluid);
         // a skew matrix has each component of the spin twice

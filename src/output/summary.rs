@@ -7,7 +7,7 @@ use super::{AccuracySummary, DragSummary, MeanViscosity, PairSummary, ParallelSu
 use crate::{
     flow::InverseMethod,
     geometry::Ball,
-    observe::Viscosity,
+    observe::{InertialNumbers, Viscosity},
     parallel::{World, peak_memory_bytes},
     scene::Scene,
     simulation::{Cost, FlowSolver, Lubrication, Simulation, Solution, SolvedScalar},
@@ -38,6 +38,8 @@ pub struct Summary {
     pub scalar: Option<ScalarSummary>,
     /// Apparent viscosity over that of the fluid, in a sheared suspension of free bodies.
     pub viscosity: Option<ViscositySummary>,
+    /// What inertia amounts to, in a run of a flow that has it.
+    pub inertia: Option<InertiaSummary>,
     /// Error bars, if the scene asks for an accuracy.
     pub accuracy: Option<AccuracySummary>,
     /// Films, if lubrication acts.
@@ -93,6 +95,14 @@ pub struct ViscositySummary {
     pub particle_pressure_contact: Option<f64>,
     /// Means over the steady part of a run in time; nothing while it has none.
     pub mean: Option<MeanViscosity>,
+}
+
+/// Inertia of fluid and bodies.
+#[derive(Debug, Clone, Serialize)]
+pub struct InertiaSummary {
+    kinetic_energy: f64,
+    reynolds: f64,
+    stokes: f64,
 }
 
 /// Films that modes do not see.
@@ -252,6 +262,7 @@ impl Summary {
             flow: None,
             scalar: None,
             viscosity: None,
+            inertia: None,
             accuracy: None,
             lubrication: None,
             contact: None,
@@ -296,6 +307,13 @@ impl LubricationSummary {
     fn new<const D: usize>(lubrication: &Lubrication<D>) -> LubricationSummary {
         let Lubrication { films, smallest_gap, imbalance, .. } = *lubrication;
         LubricationSummary { films, smallest_gap: (films > 0).then_some(smallest_gap), imbalance }
+    }
+}
+
+impl From<InertialNumbers> for InertiaSummary {
+    fn from(numbers: InertialNumbers) -> InertiaSummary {
+        let InertialNumbers { kinetic_energy, reynolds, stokes, .. } = numbers;
+        InertiaSummary { kinetic_energy, reynolds, stokes }
     }
 }
 

@@ -50,7 +50,10 @@ impl<const D: usize> Output<D> for SeriesFile {
         seen.world.agree(self.rows.as_mut().map_or(Ok(()), |rows| rows.write(&row)))
     }
 
-    fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
+    fn finish(&mut self, seen: &Evaluated<D>, summary: &mut Summary) -> Result<Vec<String>> {
+        if let Some(flow) = &seen.flow {
+            summary.inertia = InertialNumbers::of(flow.solver.setup(), flow.solver.grid(), flow.solution)?.map(Into::into);
+        }
         seen.world.agree(self.rows.as_ref().map_or(Ok(()), StepTable::refuse_change))?;
         Ok(vec!["series.csv".to_owned()].into_iter().filter(|name| self.folder.join(name).exists()).collect())
     }
@@ -63,6 +66,7 @@ fn of_inertia<const D: usize>(flow: &EvaluatedFlow<D>, step: f64) -> Result<Vec<
         vec![
             real("kinetic_energy", numbers.kinetic_energy),
             real("reynolds", numbers.reynolds),
+            real("stokes", numbers.stokes),
             real("courant", numbers.courant(grid, step)),
         ]
     };
