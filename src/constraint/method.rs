@@ -24,6 +24,11 @@ pub trait Method<const D: usize, B> {
         true
     }
 
+    /// Whether jump functions of the multipliers extend the flow outside a body smoothly into it.
+    fn jumps(&self) -> bool {
+        false
+    }
+
     /// The gap, in spacings, below which a neighbour has a part in the blocks of a body.
     fn reach(&self) -> f64 {
         0.0

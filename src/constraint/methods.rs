@@ -3,9 +3,9 @@
 use std::rc::Rc;
 
 use super::{
-    adjoint::{Distributed, MeanValue, Penalty},
-    method::Method,
-    sharp::Sharp,
+    adjoint::{AdjointWithInertia, Distributed, MeanValue, Penalty},
+    method::{FlowMethod, Method},
+    sharp::{Sharp, SharpWithInertia},
 };
 
 /// The method of a word for a problem whose bodies have blocks `B`, with a small parameter if it is given and the method has one; nothing for an
@@ -20,8 +20,26 @@ where
     Some(match word {
         "sharp" => Rc::new(Sharp),
         "mean-value" => Rc::new(MeanValue),
-        "distributed" => Rc::new(Distributed),
-        "penalty" => Rc::new(Penalty::new(epsilon)),
+        "distributed" => Rc::new(Distributed::default()),
+        "penalty" => Rc::new(Penalty::new(epsilon, 0.0)),
+        _ => return None,
+    })
+}
+
+/// The method of a word for bodies in a flow with inertia whose operator has a shift, with a small parameter as in [`method_of`]; `spin_up_of` are the
+/// spin-ups `rho w' / mu` that a unit multiplier of rotation gives each body, zero for prescribed motion, and `light` is whether each is free and lighter than
+/// the fluid.
+pub fn method_with_inertia<const D: usize>(
+    word: &str,
+    epsilon: Option<f64>,
+    shift: f64,
+    (spin_up_of, light): (Vec<f64>, Vec<bool>),
+) -> Option<Rc<FlowMethod<D>>> {
+    Some(match word {
+        "sharp" => Rc::new(SharpWithInertia { spin_up_of, light }),
+        "mean-value" => Rc::new(AdjointWithInertia { method: MeanValue, spin_up_of }),
+        "distributed" => Rc::new(AdjointWithInertia { method: Distributed { shift }, spin_up_of }),
+        "penalty" => Rc::new(AdjointWithInertia { method: Penalty::new(epsilon, shift), spin_up_of }),
         _ => return None,
     })
 }

@@ -5,7 +5,8 @@ use std::fmt::Display;
 use crate::error::Result;
 use crate::flow::InverseMethod;
 use crate::scene::{
-    AxisSection, ConstraintMethod, ContactModel, Drive, FlowModel, LubricationModel, Motion, Scene, Scheme, Spacing, accuracy,
+    AxisSection, ConstraintMethod, ContactModel, Drive, FlowModel, LubricationModel, Motion, MultiplierSolver, Scene, Scheme, Spacing,
+    accuracy,
 };
 
 pub(super) fn check(scene: &Scene) -> Result<()> {
@@ -164,10 +165,9 @@ fn check_inertia(scene: &Scene) -> Result<()> {
     let remedy = "must be positive with flow.model = \"navier-stokes\": give the mass of the fluid per volume";
     expect(scene, scene.flow.density > 0.0, "flow.density", scene.flow.density, remedy)?;
     check_masses(scene, "in a flow with inertia")?;
-    let (constraint, remedy) =
-        (scene.method.constraint, "is for Stokes flow only; set method.constraint = \"sharp\" or flow.model = \"stokes\"");
-    let known = matches!(constraint, ConstraintMethod::Sharp | ConstraintMethod::Fitted);
-    expect(scene, known, "method.constraint", format!("{:?}", constraint.word()), remedy)?;
+    let krylov = scene.method.constraint.solver() == MultiplierSolver::Krylov;
+    let remedy = "is for Stokes flow only; set method.solver = \"krylov\" or flow.model = \"stokes\"";
+    expect(scene, krylov, "method.solver", "\"uzawa\"", remedy)?;
     if let Some(time) = scene.time.as_ref().filter(|time| time.scheme != Scheme::TwoStep) {
         let word = Scheme::WORDS.iter().find(|(_, scheme)| *scheme == time.scheme).map_or("", |(word, _)| word);
         return Err(scene.refuse("time.scheme", format!("{word:?}"), "is for Stokes flow and dry scenes; remove it"));

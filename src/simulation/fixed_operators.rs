@@ -13,7 +13,7 @@ use crate::{
     constraint::FlowMethod,
     contact::Contact,
     error::{Error, Result},
-    flow::{Drive, InverseMethod, Stokes, StokesInverse},
+    flow::{Drive, Stokes, StokesInverse},
     grid::Grid,
     petsc::{Session, Vector},
 };
@@ -61,7 +61,7 @@ impl<const D: usize> FixedOperators<D> {
         let mut inverse = inverse(&stokes, &grid)?;
         let mean_flow = MeanFlowConstraint::new(&setup.drive, &grid, &stokes, inverse.as_mut())?;
         let undisturbed = flow_without_bodies(&setup.drive, setup.viscosity, &grid, &stokes, inverse.as_mut(), &mean_flow)?;
-        let (method, kinds, condensed) = (setup.method(), BodyTypes::new(&setup, &grid), inverse.exact());
+        let (method, kinds, condensed) = (setup.method(0.0), BodyTypes::new(&setup, &grid), inverse.exact());
         let fixed = FixedOperators {
             session: session.clone(),
             setup,
@@ -87,8 +87,7 @@ impl<const D: usize> FixedOperators<D> {
         let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
         let stokes = Stokes::new(session, &grid);
         let undisturbed = (stokes.vector()?, Vec::new());
-        let (method, kinds) = (setup.method(), BodyTypes::new(&setup, &grid));
-        let condensed = setup.inverse == InverseMethod::Transform;
+        let (method, kinds, condensed) = (setup.method(0.0), BodyTypes::new(&setup, &grid), setup.inverts_exactly());
         let (session, mean_flow) = (session.clone(), MeanFlowConstraint::Closed);
         let (spin_ups, fluid_rows) = (Vec::new(), None);
         Ok(FixedOperators { session, setup, grid, stokes, mean_flow, undisturbed, method, kinds, condensed, spin_ups, fluid_rows })
@@ -101,7 +100,8 @@ impl<const D: usize> FixedOperators<D> {
     pub fn shift_to(&mut self, shift: f64) -> Result<Box<dyn StokesInverse<D>>> {
         self.stokes = Stokes::shifted(&self.session, &self.grid, shift);
         self.kinds.answer_to(&self.setup, shift);
-        let mut inverse = self.setup.inverse.set_up(&self.stokes, &self.grid)?;
+        self.method = self.setup.method(shift);
+        let mut inverse = self.setup.inverse_of(&self.stokes, &self.grid)?;
         self.mean_flow = MeanFlowConstraint::new(&self.setup.drive, &self.grid, &self.stokes, inverse.as_mut())?;
         Ok(inverse)
     }

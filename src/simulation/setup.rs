@@ -4,9 +4,11 @@ use std::rc::Rc;
 
 use crate::{
     body::{Body, Motion, Trajectories, Twist},
-    constraint::{FlowMethod, SharpWithInertia, method_of},
-    flow::{Drive, InverseMethod},
+    constraint::{FlowMethod, method_of, method_with_inertia},
+    error::Result,
+    flow::{Drive, InverseMethod, IteratedInverse, Stokes, StokesInverse},
     geometry::Domain,
+    grid::Grid,
     interaction::{Interaction, Interactions},
     scene::{ConstraintMethod, MultiplierSolver, Tolerance},
     surface::{Shape, area, lever},
@@ -80,17 +82,38 @@ impl<const D: usize> Setup<D> {
         motions
     }
 
-    /// What fills the blocks of the bodies.
+    /// What fills the blocks of the bodies, where the operator of the fluid has a shift.
     ///
     /// # Panics
     /// For a fitted mesh, which has no such blocks.
-    pub fn method(&self) -> Rc<FlowMethod<D>> {
-        if let Some(inertia) = &self.inertia {
-            let light =
-                self.bodies.iter().zip(&inertia.bodies).map(|(suspended, density)| suspended.body.free() && *density < inertia.fluid);
-            return Rc::new(SharpWithInertia { spin_up_of: self.spin_ups_of_rotations(inertia), light: light.collect() });
+    pub fn method(&self, shift: f64) -> Rc<FlowMethod<D>> {
+        let (word, epsilon) = (self.constraint.word(), self.constraint.epsilon());
+        let method = match &self.inertia {
+            Some(inertia) => method_with_inertia(word, epsilon, shift, (self.spin_ups_of_rotations(inertia), self.light(inertia))),
+            None => method_of(word, epsilon),
+        };
+        method.expect("a fitted mesh has no blocks on a grid")
+    }
+
+    /// The inverse of the fluid that is called for.
+    ///
+    /// # Errors
+    /// The box does not allow it, or PETSc has no memory for it.
+    pub fn inverse_of(&self, stokes: &Stokes<D>, grid: &Grid<D>) -> Result<Box<dyn StokesInverse<D>>> {
+        match (self.inverse, self.inner_tolerance()) {
+            (InverseMethod::Hypre, Some(tolerance)) => Ok(Box::new(IteratedInverse::new(stokes, grid, tolerance)?)),
+            (method, _) => method.set_up(stokes, grid),
         }
-        method_of(self.constraint.word(), self.constraint.epsilon()).expect("a fitted mesh has no blocks on a grid")
+    }
+
+    /// Whether that is exact.
+    pub fn inverts_exactly(&self) -> bool {
+        self.inverse == InverseMethod::Transform || self.inner_tolerance().is_some()
+    }
+
+    /// Whether each body is free and lighter than the fluid.
+    fn light(&self, inertia: &Inertia<D>) -> Vec<bool> {
+        self.bodies.iter().zip(&inertia.bodies).map(|(suspended, density)| suspended.body.free() && *density < inertia.fluid).collect()
     }
 
     /// The spin-up of each body by a unit multiplier of rotation: the torque on it over its moment of inertia; 0 for prescribed motion.

@@ -21,7 +21,7 @@ use crate::{
     constraint::FlowMethod,
     contact::Contact,
     error::{Error, Result},
-    flow::{InverseMethod, IteratedInverse, Stokes, StokesInverse},
+    flow::{InverseMethod, Stokes, StokesInverse},
     geometry::Ball,
     grid::Grid,
     interaction::{Arrangement, PairForce, Wrench},
@@ -46,7 +46,7 @@ impl<const D: usize> Suspension<D> {
     /// The grid or the rank count does not fit, or no steady state exists.
     pub fn new(session: &Session, setup: Setup<D>) -> Result<Suspension<D>> {
         let chosen = setup.clone();
-        Self::with_inverse(session, setup, |stokes, grid| inverse(&chosen, stokes, grid))
+        Self::with_inverse(session, setup, |stokes, grid| chosen.inverse_of(stokes, grid))
     }
 
     /// As [`new`](Self::new), with another approximate inverse of the fluid until images slide.
@@ -76,7 +76,7 @@ impl<const D: usize> Suspension<D> {
 
     /// Lets images slide to where they are at a time; what was assembled across the boundary is gone.
     fn slide_to(&mut self, time: f64) -> Result<()> {
-        if let Some(inverse) = self.fixed.slide(time, inverse)? {
+        if let Some(inverse) = self.fixed.slide(time, Setup::inverse_of)? {
             (self.inverse, self.assembly) = (inverse, None);
             if self.remembers_fluid() {
                 self.past = None;
@@ -201,13 +201,5 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         let solution = readback::solution(fixed, (&bodies, &assembly), (&pair_constraints, &links), found, configuration)?;
         (self.assembly, self.workspace) = (Some(assembly), Some(workspace));
         Ok(solution)
-    }
-}
-
-/// The inverse of the fluid that a setup calls for.
-fn inverse<const D: usize>(setup: &Setup<D>, stokes: &Stokes<D>, grid: &Grid<D>) -> Result<Box<dyn StokesInverse<D>>> {
-    match (setup.inverse, setup.inner_tolerance()) {
-        (InverseMethod::Hypre, Some(tolerance)) => Ok(Box::new(IteratedInverse::new(stokes, grid, tolerance)?)),
-        (method, _) => method.set_up(stokes, grid),
     }
 }

@@ -81,6 +81,17 @@ fn chains_in_two_halves_are_the_run_in_one() {
 }
 
 #[test]
+fn a_flow_with_inertia_by_methods_of_first_order_in_two_halves_is_the_run_in_one() {
+    let transform = "method.inverse=transform";
+    let ways: [&[&str]; 3] = [
+        &[transform, "method.constraint=mean-value"],
+        &[transform, "method.constraint=distributed"],
+        &[transform, "method.constraint=penalty"],
+    ];
+    halves_agree("inertia-first-order", INERTIA, &ways, &[2]);
+}
+
+#[test]
 fn spheres_in_two_halves_are_the_run_in_one() {
     halves_agree("spheres", SPHERES, &[&[], &["method.inverse=transform"]], &[1, 2]);
 }
@@ -123,8 +134,10 @@ fn a_run_stopped_on_two_ranks_goes_on_with_one_or_three() {
 
 #[test]
 fn a_run_in_time_is_the_same_on_any_number_of_ranks() {
-    let solved = [("sheared", SHEARED), ("inertia", INERTIA), ("chains", CHAINS)].map(|(name, text)| (name, text, 1000.0 * TOLERANCE));
-    for (name, text, tolerance) in solved.into_iter().chain([("dry", DRY, SAME)]) {
+    let distributed = INERTIA.replace("[method]\n", "[method]\nconstraint = \"distributed\"\ninverse = \"transform\"\n");
+    let penalty = distributed.replace("distributed", "penalty");
+    let wet = [("sheared", SHEARED), ("inertia", INERTIA), ("distributed", &distributed), ("penalty", &penalty), ("chains", CHAINS)];
+    for (name, text, tolerance) in wet.map(|(name, text)| (name, text, 1000.0 * TOLERANCE)).into_iter().chain([("dry", DRY, SAME)]) {
         let here = folder(&format!("ranks-in-time-{name}"));
         let scene = write(&here, text);
         let all = [1, 2, 3].map(|ranks| {

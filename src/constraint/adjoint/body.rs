@@ -8,6 +8,7 @@ use super::{equations::Equations, nodes::AdjointNodes};
 use crate::{
     constraint::{
         body::{BodyBlocks, FreeInverse, Plans, Walls},
+        interior::InteriorForce,
         layout::MultiplierLayout,
         placed::Placed,
         places::{Entries, EntriesMut},
@@ -29,6 +30,8 @@ pub struct AdjointBody<const D: usize> {
     pub equations: Equations<D>,
     /// Volume that belongs to a node.
     pub cell: f64,
+    /// The force inside, if there is inertia.
+    pub interior: Option<InteriorForce>,
 }
 
 impl<const D: usize> AdjointBody<D> {
@@ -43,7 +46,7 @@ impl<const D: usize> AdjointBody<D> {
     ) -> AdjointBody<D> {
         let cell = grid.spacing().product();
         let equations = Equations::Surface { surface: placed.surface.clone(), strength: placed.surface.area() / cell };
-        AdjointBody { nodes, rows, wall_values, equations, cell }
+        AdjointBody { nodes, rows, wall_values, equations, cell, interior: None }
     }
 
     /// Forces per volume at the nodes.
@@ -59,10 +62,16 @@ impl<const D: usize> BodyBlocks<D> for AdjointBody<D> {
 
     fn plan(&mut self, _layout: &MultiplierLayout, plans: &mut Plans) {
         self.nodes.plan(&mut plans.read, &mut plans.spread);
+        if let Some(interior) = &mut self.interior {
+            interior.plan(&mut plans.spread);
+        }
     }
 
     fn spread(&self, factor: f64, c: &[f64], _scratch: &mut Vec<f64>, rows: &mut EntriesMut) {
         self.nodes.add(factor, &self.forces(c), rows);
+        if let Some(interior) = &self.interior {
+            interior.add_of_rotations::<D>(factor, c, rows);
+        }
     }
 
     fn read(&self, u: Entries, walls: Walls, _scratch: &mut Vec<f64>, out: &mut [f64]) {
@@ -87,6 +96,16 @@ impl<const D: usize> BodyBlocks<D> for AdjointBody<D> {
         if let Equations::Rows(rows) = &self.equations {
             let others = out[rows.rigid..].iter_mut().zip(&own[rows.rigid..]);
             others.zip(&rows.compliance).for_each(|((out, c), compliance)| *out += compliance * c);
+        }
+    }
+
+    fn spin_up_of_rotation(&self) -> f64 {
+        self.interior.as_ref().map_or(0.0, InteriorForce::factor)
+    }
+
+    fn spread_spin_up(&self, factor: f64, spin_up: &[f64], rows: &mut EntriesMut) {
+        if let Some(interior) = &self.interior {
+            interior.add(factor, spin_up, rows);
         }
     }
 

@@ -2,7 +2,8 @@
 //!
 //! It is enough to say so on the outermost layer, the points inside with a neighbour outside: between rigid values on the
 //! layer the discrete Stokes equations without forces have one solution, and the rigid motion is it. So multipliers grow with
-//! the surface, not the volume, and the answer is the same to the last digit.
+//! the surface, not the volume, and the answer is the same to the last digit; with inertia too, as the force inside is that of the
+//! rigid motion.
 
 use std::rc::Rc;
 
@@ -10,6 +11,7 @@ use super::{
     LATTICE_BYTES,
     body::AdjointBody,
     equations::{Equations, Identity, RowEquations},
+    inertia::AdjointMethod,
     nodes::{AdjointNodes, Collector, within_walls},
     rigid::{motions, push_readings},
 };
@@ -27,8 +29,11 @@ use crate::{
 };
 
 /// The method.
-#[derive(Debug, Clone, Copy)]
-pub struct Distributed;
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Distributed {
+    /// Of the operator of the fluid; 0 without inertia.
+    pub shift: f64,
+}
 
 impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for Distributed {
     fn description(&self) -> String {
@@ -36,7 +41,7 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for Distributed {
     }
 
     fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], _memory: Vec<Vec<f64>>) -> Vec<Box<dyn BodyBlocks<D>>> {
-        bodies.iter().map(|body| Box::new(assemble(grid, body.placed)) as Box<_>).collect()
+        bodies.iter().map(|body| Box::new(self.body(grid, body.placed)) as Box<_>).collect()
     }
 
     fn bytes(&self, _grid: &Grid<D>, size: &Size<D>) -> f64 {
@@ -52,8 +57,14 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for Distributed {
     }
 }
 
+impl<const D: usize> AdjointMethod<D> for Distributed {
+    fn body(&self, grid: &Grid<D>, placed: &Placed<D>) -> AdjointBody<D> {
+        assemble(grid, placed, self.shift)
+    }
+}
+
 /// The blocks of one body.
-fn assemble<const D: usize>(grid: &Grid<D>, placed: &Placed<D>) -> AdjointBody<D> {
+fn assemble<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, shift: f64) -> AdjointBody<D> {
     let (nodes, surface) = (layer(grid, &placed.ball()), &placed.surface);
     let (motions, cell, spacing) = (motions(surface, &nodes), grid.spacing().product(), grid.mean_spacing());
     let mut rows = SparseRows::default();
@@ -64,13 +75,13 @@ fn assemble<const D: usize>(grid: &Grid<D>, placed: &Placed<D>) -> AdjointBody<D
     let equations = RowEquations {
         rigid: motions.ncols(),
         motions: motions * weight,
-        // a force at one point moves it by about a third of the square of the spacing
-        strengths: [surface.modes.force_factor() / cell, 2.0 / (weight * spacing).powi(2)],
+        // a force at one point moves it by about a third of the square of the spacing, with inertia by less than one over the shift
+        strengths: [surface.modes.force_factor() / cell, (2.0 / spacing.powi(2) + shift) / weight.powi(2)],
         compliance: Vec::new(),
         others: nodes.count(),
         inverse: Rc::new(Identity),
     };
-    AdjointBody { nodes, rows, wall_values: Vec::new(), equations: Equations::Rows(equations), cell }
+    AdjointBody { nodes, rows, wall_values: Vec::new(), equations: Equations::Rows(equations), cell, interior: None }
 }
 
 /// The points inside a ball with a neighbour outside.

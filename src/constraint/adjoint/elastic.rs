@@ -8,7 +8,8 @@
 //! B K^-1 B^T  ~  B (2 B^T B + g D^T D)^+ B^T         D: divergence, g large
 //! ```
 //!
-//! where both sides vanish on the same stresses and the left one is at most a few times smaller elsewhere. Its sum with the compliance
+//! where both sides vanish on the same stresses and the left one is at most a few times smaller elsewhere; a shift of the fluid's operator
+//! is added to `2 B^T B`, as masses of the nodes. Its sum with the compliance
 //! `k` is inverted by `k^-1 - k^-1 B (2 B^T B + g D^T D + B^T k^-1 B)^-1 B^T k^-1`.
 
 use super::nodes::AdjointNodes;
@@ -33,12 +34,13 @@ pub struct ElasticInverse {
 }
 
 impl ElasticInverse {
-    /// For strains and divergences over the nodes of a body, and the compliance of each strain.
+    /// For strains and divergences over the nodes of a body, the compliance of each strain, and the shift of the fluid's operator.
     pub fn new<const D: usize>(
         nodes: &AdjointNodes<D>,
         strains: SparseRows,
         divergences: &SparseRows,
         compliances: &[f64],
+        shift: f64,
     ) -> ElasticInverse {
         let stiffness: Vec<f64> = compliances.iter().map(|compliance| 1.0 / compliance.max(LEAST_COMPLIANCE)).collect();
         let order = order(nodes);
@@ -67,7 +69,7 @@ impl ElasticInverse {
                     .for_each(|(other, of_other)| matrix.add(place, *other, factor * weight * of_other));
             }
         }
-        (0..nodes.count()).for_each(|place| matrix.add(place, place, HOLD * largest));
+        (0..nodes.count()).for_each(|place| matrix.add(place, place, HOLD * largest + shift));
         ElasticInverse { strains, stiffness, factor: matrix.factor(), order }
     }
 

@@ -3,7 +3,7 @@
 //! The velocity on `gamma` has to be its own mean, in the sense of rigid motions: `u = m(u)`, tested with the surface modes.
 //! Stencils are not corrected for the jumps that the multipliers cause, which costs an order of accuracy.
 
-use super::{body::AdjointBody, nodes::Collector};
+use super::{body::AdjointBody, inertia::AdjointMethod, nodes::Collector};
 use crate::{
     constraint::{
         body::BodyBlocks,
@@ -34,6 +34,12 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for MeanValue {
 
     fn bytes(&self, grid: &Grid<D>, size: &Size<D>) -> f64 {
         sharp::bytes(grid, size)
+    }
+}
+
+impl<const D: usize> AdjointMethod<D> for MeanValue {
+    fn body(&self, grid: &Grid<D>, placed: &Placed<D>) -> AdjointBody<D> {
+        assemble(grid, placed)
     }
 }
 

@@ -8,6 +8,7 @@ mod body;
 mod distributed;
 mod elastic;
 mod equations;
+mod inertia;
 pub mod mean_value;
 mod nodes;
 mod penalty;
@@ -16,6 +17,7 @@ mod strains;
 
 pub use body::AdjointBody;
 pub use distributed::Distributed;
+pub use inertia::AdjointWithInertia;
 pub use mean_value::MeanValue;
 pub use nodes::Collector;
 pub use penalty::Penalty;

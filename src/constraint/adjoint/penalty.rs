@@ -22,6 +22,7 @@ use super::{
     body::AdjointBody,
     elastic::ElasticInverse,
     equations::{Equations, RowEquations, ScaledElastic},
+    inertia::AdjointMethod,
     rigid::{motions, push_readings},
     strains::{Strain, Strains},
 };
@@ -48,12 +49,14 @@ const EPSILON: f64 = 1e-6;
 pub struct Penalty {
     /// Viscosity of the fluid over that inside, or one over the conductivity inside.
     pub epsilon: f64,
+    /// Of the operator of the fluid; 0 without inertia.
+    pub shift: f64,
 }
 
 impl Penalty {
-    /// With its own choice of epsilon unless one is given.
-    pub fn new(epsilon: Option<f64>) -> Penalty {
-        Penalty { epsilon: epsilon.unwrap_or(EPSILON) }
+    /// With its own choice of epsilon unless one is given, for an operator with a shift.
+    pub fn new(epsilon: Option<f64>, shift: f64) -> Penalty {
+        Penalty { epsilon: epsilon.unwrap_or(EPSILON), shift }
     }
 }
 
@@ -63,7 +66,7 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for Penalty {
     }
 
     fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], _memory: Vec<Vec<f64>>) -> Vec<Box<dyn BodyBlocks<D>>> {
-        bodies.iter().map(|body| Box::new(assemble(grid, body.placed, self.epsilon)) as Box<_>).collect()
+        bodies.iter().map(|body| Box::new(self.body(grid, body.placed)) as Box<_>).collect()
     }
 
     /// Rows of strains, and the factors of an elastic body, of which a row spans a slice.
@@ -80,8 +83,14 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for Penalty {
     }
 }
 
+impl<const D: usize> AdjointMethod<D> for Penalty {
+    fn body(&self, grid: &Grid<D>, placed: &Placed<D>) -> AdjointBody<D> {
+        assemble(grid, placed, *self)
+    }
+}
+
 /// The blocks of one body.
-fn assemble<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, epsilon: f64) -> AdjointBody<D> {
+fn assemble<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, Penalty { epsilon, shift }: Penalty) -> AdjointBody<D> {
     let ball = placed.ball();
     let Strains { nodes, strains, divergences } = Strains::of(grid, &ball);
     let filled = |offset| fraction(&ball, &(placed.center + offset), &grid.spacing());
@@ -107,10 +116,10 @@ fn assemble<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, epsilon: f64) ->
         others: compliances.len(),
         compliance: compliances.iter().zip(&balances).map(|(compliance, balance)| 2.0 * compliance * balance * balance).collect(),
         inverse: Rc::new(ScaledElastic {
-            inverse: ElasticInverse::new(&nodes, plain, &divergences, &compliances),
+            inverse: ElasticInverse::new(&nodes, plain, &divergences, &compliances, shift),
             scales: balances.iter().map(|balance| std::f64::consts::SQRT_2 * balance).collect(),
         }),
     };
     let cell = grid.spacing().product();
-    AdjointBody { nodes, rows, wall_values: Vec::new(), equations: Equations::Rows(equations), cell }
+    AdjointBody { nodes, rows, wall_values: Vec::new(), equations: Equations::Rows(equations), cell, interior: None }
 }

@@ -83,6 +83,10 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for Sharp {
     fn reach(&self) -> f64 {
         INTERPOLATION_REACH
     }
+
+    fn jumps(&self) -> bool {
+        true
+    }
 }
 
 /// Values of the spread rows, interpolation terms, and the dense blocks of a body and about four neighbours.

@@ -1,7 +1,6 @@
 //! The `sharp` method for bodies with inertia: the fluid inside spins up with them.
 //!
-//! What rotates rigidly ever faster needs the force `rho w' x r` inside, which no pressure bears, and the Laplacian of the velocity jumps by it across
-//! the surface. The torque on a free body says how fast it spins up, `I w' = -(torque on the fluid)`: so both go with its rotation modes.
+//! That takes an [`InteriorForce`], and the Laplacian of the velocity jumps by it across the surface: both go with the rotation modes of a free body.
 //!
 //! A body lighter than the fluid moves as the fluid inside does. Its excess mass is negative, and in steps too short for viscosity to reach across a cell
 //! the jumps of steady flow make its surface more mobile than any fluid that has mass: its momentum would have the wrong sign. It spins as its surface
@@ -18,10 +17,11 @@ use crate::{
         blocks::rotations,
         body::{BodyBlocks, Plans, WallForces, Walls},
         conservation::TERMS,
+        interior::InteriorForce,
         layout::MultiplierLayout,
         method::{Method, Size},
         placed::{Placed, Surrounded},
-        places::{Entries, EntriesMut, Places},
+        places::{Entries, EntriesMut},
     },
     grid::Grid,
     linalg::dot,
@@ -46,9 +46,9 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for SharpWithInertia {
         let mut workspace = Workspace { values: memory, ..Workspace::default() };
         let of = |body: &Surrounded<D>| -> Box<dyn BodyBlocks<D>> {
             let (blocks, nodes) = assemble(grid, body, &mut workspace, |nodes| moments(grid, body.placed, nodes));
-            let interior = Interior::new(grid, body.placed, &nodes[..D]);
-            let mean_motion = self.light[body.body].then(|| MeanMotion::new(&interior));
-            Box::new(SpinningBody::new((blocks, interior), mean_motion, body.body, &self.spin_up_of))
+            let interior = interior_force(grid, body.placed, &nodes[..D], self.spin_up_of[body.body]);
+            let mean_motion = self.light[body.body].then(|| MeanMotion::new(grid, body.placed, &nodes[..D]));
+            Box::new(SpinningBody::new((blocks, interior), mean_motion, &self.spin_up_of))
         };
         bodies.iter().map(of).collect()
     }
@@ -60,66 +60,44 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for SharpWithInertia {
     fn reach(&self) -> f64 {
         INTERPOLATION_REACH
     }
+
+    fn jumps(&self) -> bool {
+        true
+    }
 }
 
-/// Unknowns inside a body, each with the velocity there of unit spins.
-struct Interior {
-    /// Number of unknowns of each component, which follow each other.
-    counts: Vec<usize>,
-    unknowns: Vec<usize>,
-    places: Vec<u32>,
-    /// One a plane for each unknown.
-    velocities: Vec<f64>,
-}
-
-impl Interior {
-    fn new<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, nodes: &[JumpNodes<D>]) -> Interior {
-        let mut interior = Interior { counts: Vec::new(), unknowns: Vec::new(), places: Vec::new(), velocities: Vec::new() };
-        for (component, nodes) in nodes.iter().enumerate() {
-            each_inside(grid, nodes, |place, unknown| {
-                let offset = nodes.position(place) - placed.center;
-                interior.unknowns.push(unknown);
-                interior.velocities.extend((0..planes::<D>().len()).map(|plane| unit_rotation(plane, offset.as_slice(), component)));
-            });
-            interior.counts.push(interior.unknowns.len() - interior.counts.iter().sum::<usize>());
-        }
-        interior
+/// The force inside a body, whole at every unknown inside.
+fn interior_force<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, nodes: &[JumpNodes<D>], factor: f64) -> InteriorForce {
+    let mut force = InteriorForce::new(factor);
+    for (component, nodes) in nodes.iter().enumerate() {
+        each_inside(grid, nodes, |place, unknown| force.push(unknown, component, &(nodes.position(place) - placed.center), 1.0));
     }
-
-    fn plan(&mut self, places: &mut Places) {
-        self.places = places.each(&self.unknowns);
-    }
-
-    fn add(&self, factor: f64, spin_up: &[f64], rows: &mut EntriesMut) {
-        if spin_up.iter().all(|spin_up| *spin_up == 0.0) {
-            return;
-        }
-        for (place, velocity) in self.places.iter().zip(self.velocities.chunks_exact(spin_up.len())) {
-            *rows.at(*place) += factor * dot(velocity, spin_up);
-        }
-    }
+    force
 }
 
 /// The translation of the rigid motion that is nearest to the flow inside a body.
 struct MeanMotion {
+    unknowns: Vec<usize>,
+    places: Vec<u32>,
     /// Of each component of the translation (down), over the unknowns inside.
     weights: DMatrix<f64>,
-    places: Vec<u32>,
 }
 
 impl MeanMotion {
-    fn new(interior: &Interior) -> MeanMotion {
-        let (dimension, count) = (interior.counts.len(), interior.unknowns.len());
-        let rotations = interior.velocities.len() / count;
-        let mut motions = DMatrix::zeros(count, dimension + rotations);
-        let mut first = 0;
-        for (component, &nodes) in interior.counts.iter().enumerate() {
-            motions.view_mut((first, component), (nodes, 1)).fill(1.0);
-            first += nodes;
+    fn new<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, nodes: &[JumpNodes<D>]) -> MeanMotion {
+        let (mut unknowns, mut motions) = (Vec::new(), Vec::new());
+        for (component, nodes) in nodes.iter().enumerate() {
+            each_inside(grid, nodes, |place, unknown| {
+                let offset = nodes.position(place) - placed.center;
+                unknowns.push(unknown);
+                motions.extend((0..D).map(|axis| f64::from(axis == component)));
+                motions.extend((0..planes::<D>().len()).map(|plane| unit_rotation(plane, offset.as_slice(), component)));
+            });
         }
-        motions.columns_mut(dimension, rotations).copy_from(&DMatrix::from_row_slice(count, rotations, &interior.velocities));
+        let motions = DMatrix::from_row_slice(unknowns.len(), D + planes::<D>().len(), &motions);
         let squares = motions.tr_mul(&motions).cholesky().expect("rigid motions differ at the points inside a body");
-        MeanMotion { weights: squares.solve(&motions.transpose()).rows(0, dimension).into_owned(), places: Vec::new() }
+        let weights = squares.solve(&motions.transpose()).rows(0, D).into_owned();
+        MeanMotion { unknowns, places: Vec::new(), weights }
     }
 
     fn read(&self, u: Entries, out: &mut [f64]) {
@@ -134,11 +112,9 @@ impl MeanMotion {
 /// What one body adds.
 struct SpinningBody<const D: usize> {
     blocks: SharpBody<D>,
-    interior: Interior,
+    interior: InteriorForce,
     /// If the body is light: its translation is that of the flow inside.
     mean_motion: Option<MeanMotion>,
-    /// Spin-up of a unit multiplier of rotation.
-    factor: f64,
     /// For each row, what unit spin-ups add to it.
     rows: Vec<f64>,
     /// For each block of E, what unit spin-ups (down) of its body add to the rows of the modes (across).
@@ -147,8 +123,8 @@ struct SpinningBody<const D: usize> {
 
 impl<const D: usize> SpinningBody<D> {
     /// Takes the columns of spin-ups out of the blocks of a body, and adds them to those of rotations.
-    fn new((mut blocks, interior): (SharpBody<D>, Interior), mean_motion: Option<MeanMotion>, body: usize, spin_up_of: &[f64]) -> Self {
-        let (planes, count, factor) = (planes::<D>().len(), blocks.surface.modes.count(), spin_up_of[body]);
+    fn new((mut blocks, interior): (SharpBody<D>, InteriorForce), mean_motion: Option<MeanMotion>, spin_up_of: &[f64]) -> Self {
+        let (planes, count, factor) = (planes::<D>().len(), blocks.surface.modes.count(), interior.factor());
         let (mut values, mut rows) = (Vec::with_capacity(blocks.rows.values.len()), Vec::new());
         for row in blocks.rows.values.chunks_exact(count + planes) {
             let (of_modes, of_spin_ups) = row.split_at(count);
@@ -172,7 +148,7 @@ impl<const D: usize> SpinningBody<D> {
             block.transposed = kept;
             local.push(of_spin_ups);
         }
-        SpinningBody { blocks, interior, mean_motion, factor, rows, local }
+        SpinningBody { blocks, interior, mean_motion, rows, local }
     }
 }
 
@@ -185,13 +161,13 @@ impl<const D: usize> BodyBlocks<D> for SpinningBody<D> {
         self.blocks.plan(layout, plans);
         self.interior.plan(&mut plans.spread);
         if let Some(mean_motion) = &mut self.mean_motion {
-            mean_motion.places = plans.read.each(&self.interior.unknowns);
+            mean_motion.places = plans.read.each(&mean_motion.unknowns);
         }
     }
 
     fn spread(&self, factor: f64, c: &[f64], scratch: &mut Vec<f64>, rows: &mut EntriesMut) {
         self.blocks.spread(factor, c, scratch, rows);
-        self.interior.add(factor * self.factor, &c[rotations::<D>()], rows);
+        self.interior.add_of_rotations::<D>(factor, c, rows);
     }
 
     fn read(&self, u: Entries, walls: Walls, scratch: &mut Vec<f64>, out: &mut [f64]) {
@@ -222,7 +198,7 @@ impl<const D: usize> BodyBlocks<D> for SpinningBody<D> {
     }
 
     fn spin_up_of_rotation(&self) -> f64 {
-        self.factor
+        self.interior.factor()
     }
 
     fn add_spin_up(&self, spin_ups: Entries, out: &mut [f64]) {

@@ -48,7 +48,7 @@ pub fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Eff
         Effect::on("drive", drive(&setup.drive) + &sliding(setup, grid)),
         match setup.bodies.len() {
             0 => Effect::off("bodies"),
-            count => Effect::on("bodies", format!("{count}, {free} of them free; {}", setup.method().description())),
+            count => Effect::on("bodies", format!("{count}, {free} of them free; {}", setup.method(0.0).description())),
         },
     ]
 }

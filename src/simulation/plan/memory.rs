@@ -40,7 +40,7 @@ pub fn bytes<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, counts: &[usize],
     let remembered = if in_time { REMEMBERED_VECTORS } else { 0.0 };
     let fluid_vector = grid.fluid_unknowns() as f64 * 8.0;
     let multipliers = counts.iter().sum::<usize>() as f64 * 8.0;
-    let method = setup.method();
+    let method = setup.method(0.0);
     let size = |(suspended, &count): (&SuspendedBody<D>, &usize)| Size { ball: suspended.body.ball, order: suspended.order, count };
     let bodies: f64 = setup.bodies.iter().zip(counts).map(|body| method.bytes(grid, &size(body))).sum();
     let levels = if setup.inertia.is_some() { INERTIA_VECTORS * fluid_vector } else { 0.0 };
@@ -67,7 +67,7 @@ pub fn scalar_bytes<const D: usize>(grid: &Grid<D>, multipliers: usize) -> f64 {
 
 /// Multipliers of each body.
 pub fn multiplier_counts<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<usize> {
-    let method = setup.method();
+    let method = setup.method(0.0);
     let count = |suspended: &SuspendedBody<D>| {
         let ball = Ball { center: setup.domain.wrap(suspended.body.ball.center), ..suspended.body.ball };
         method.count(grid, &ball, mode_count(D, suspended.order))

@@ -2,7 +2,8 @@
 //!
 //! The field on the grid is the flow outside bodies and the motion inside. Where a surface will have passed a point, the point takes part in what
 //! lies outside: so the flow is extended into bodies by its jump functions, `u + D`, as deep as steps and stencils reach. In convection only
-//! the tangential traction counts: the pressure of a step comes from its convection, and would come back into the next one larger.
+//! the tangential traction counts: the pressure of a step comes from its convection, and would come back into the next one larger. Methods without
+//! jump functions take the field on the grid as it is.
 
 use nalgebra::{DVector, SVector};
 
@@ -29,7 +30,7 @@ pub struct Level<const D: usize> {
     pub time: f64,
     /// Velocity and pressure over viscosity.
     pub fluid: Vector,
-    /// Multipliers, body by body.
+    /// Multipliers, body by body; none where the method has no jump functions.
     pub multipliers: Vec<Vec<f64>>,
     /// Centres of the bodies, not wrapped into the box.
     pub centers: Vec<SVector<f64, D>>,
@@ -69,10 +70,12 @@ impl<const D: usize> Level<D> {
         dot(&jumps, &self.coefficients(body, &self.multipliers[body]))
     }
 
-    /// The flow extended into bodies, and its convection. Collective.
-    pub fn extended(&self, grid: &Grid<D>, kinds: &BodyTypes<D>, convection: &mut Convection<D>) -> Result<Extended> {
+    /// The flow extended into bodies, where there are `kinds` with jump functions, and its convection. Collective.
+    pub fn extended(&self, grid: &Grid<D>, kinds: Option<&BodyTypes<D>>, convection: &mut Convection<D>) -> Result<Extended> {
         let mut band = Band::default();
-        (0..self.centers.len()).for_each(|body| self.extend(grid, kinds, body, &mut band));
+        if let Some(kinds) = kinds {
+            (0..self.centers.len()).for_each(|body| self.extend(grid, kinds, body, &mut band));
+        }
         let mut scatter = Scatter::new(&self.fluid, &band.places)?;
         let mut extended = |jumps: &[f64]| -> Result<Vector> {
             let mut extended = self.fluid.copied()?;

@@ -104,7 +104,8 @@ impl<const D: usize> UnsteadySuspension<D> {
     }
 
     fn remember_level(&mut self, level: Level<D>, place: usize) -> Result<()> {
-        let extended = level.extended(&self.fixed.grid, &self.fixed.kinds, &mut self.convection)?;
+        let kinds = self.fixed.method.jumps().then_some(&self.fixed.kinds);
+        let extended = level.extended(&self.fixed.grid, kinds, &mut self.convection)?;
         self.past.insert(place, (level, extended));
         self.past.truncate(2);
         Ok(())
@@ -204,6 +205,8 @@ impl<const D: usize> UnsteadySuspension<D> {
         if self.inverse.is_none() || (shift / self.fixed.stokes.shift() - 1.0).abs() > ROUNDING {
             // the old one gives its memory back first
             self.inverse = None;
+            // blocks of bodies may know the shift
+            self.assembly = None;
             self.inverse = Some(self.fixed.shift_to(shift)?);
         }
         Ok(weights)
@@ -216,7 +219,8 @@ impl<const D: usize> UnsteadySuspension<D> {
         let kept = kept(&self.fixed.grid, weights.step, inverse_diffusivity, fastest);
         let levels: Vec<(&Level<D>, &Extended)> = self.past.iter().map(|(level, extended)| (level, extended)).collect();
         let past = Past { levels: &levels, weights, inverse_diffusivity, kept };
-        let mut rows = past.rows(&self.fixed.grid, &self.fixed.kinds, centers)?;
+        let kinds = self.fixed.method.jumps().then_some(&self.fixed.kinds);
+        let mut rows = past.rows(&self.fixed.grid, kinds, centers)?;
         add_drive(&self.fixed.grid, &setup.drive, setup.viscosity, &mut rows)?;
         add_walls(&self.fixed.grid, &mut rows)?;
         if let Some(ends) = OpenEnds::after(&self.fixed.grid, &self.past[0].0.fluid, weights.step)? {
@@ -246,7 +250,7 @@ impl<const D: usize> UnsteadySuspension<D> {
             return Ok(());
         }
         let viscous = step / (self.inverse_diffusivity() * spacing * spacing);
-        let light = self.inertia().bodies.iter().any(|density| *density < self.inertia().fluid);
+        let light = self.fixed.method.jumps() && self.inertia().bodies.iter().any(|density| *density < self.inertia().fluid);
         let remedy = match light && viscous < SHORTEST_DIFFUSION {
             true => {
                 "a body lighter than the fluid needs steps in which viscosity reaches part of a cell: refine [resolution], or choose a longer time.step"
@@ -323,7 +327,8 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
     }
 
     fn multiplier_counts(&self) -> Vec<usize> {
-        (0..self.fixed.setup.bodies.len()).map(|body| self.fixed.kinds.surface(body).modes.count()).collect()
+        let count = |body| if self.fixed.method.jumps() { self.fixed.kinds.surface(body).modes.count() } else { 0 };
+        (0..self.fixed.setup.bodies.len()).map(count).collect()
     }
 
     fn restore_levels(&mut self, levels: Vec<Level<D>>) -> Result<()> {
@@ -360,9 +365,14 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         self.cost.krylov = report;
         self.cost.stages = std::mem::take(&mut workspace.work.stages);
         let links = found.global_unknowns.split_off(fixed.mean_flow.unknowns::<D>());
-        let last = Snapshot::of(&bodies, &fixed.session, configuration.centers, &found, fixed.condensed)?;
-        let multipliers = last.multipliers.clone();
-        self.guess = Some(ExtrapolationHistory::then(self.guess.take(), last, guess, configuration.time));
+        let mut multipliers = vec![Vec::new(); configuration.centers.len()];
+        if fixed.method.on_surfaces() {
+            let last = Snapshot::of(&bodies, &fixed.session, configuration.centers, &found, fixed.condensed)?;
+            if fixed.method.jumps() {
+                multipliers.clone_from(&last.multipliers);
+            }
+            self.guess = Some(ExtrapolationHistory::then(self.guess.take(), last, guess, configuration.time));
+        }
         let mut solution = readback::solution(fixed, (&bodies, &assembly), (&pair_constraints, &links), found, &configuration)?;
         drop(bodies);
         self.refuse_unstable(&solution.fluid, configuration.time, weights.step)?;

@@ -43,8 +43,9 @@ pub fn kept<const D: usize>(grid: &Grid<D>, step: f64, inverse_diffusivity: f64,
 }
 
 impl<const D: usize> Past<'_, D> {
-    /// The momentum rows, not balanced, for bodies that have come to new centres. Collective.
-    pub fn rows(&self, grid: &Grid<D>, kinds: &BodyTypes<D>, centers: &[SVector<f64, D>]) -> Result<Vector> {
+    /// The momentum rows, not balanced, for bodies that have come to new centres; inside those of `kinds` with jump functions they are those of
+    /// rigid motions. Collective.
+    pub fn rows(&self, grid: &Grid<D>, kinds: Option<&BodyTypes<D>>, centers: &[SVector<f64, D>]) -> Result<Vector> {
         let mut rows = self.levels[0].1.velocity.like()?;
         for (place, (_, extended)) in self.levels.iter().enumerate() {
             let [history, convection] = self.factors(place);
@@ -52,7 +53,9 @@ impl<const D: usize> Past<'_, D> {
             rows.add(convection, &extended.convection)?;
         }
         rows.local_mut()?[grid.local_range(D)].fill(0.0);
-        self.replace_inside(grid, kinds, centers, &mut rows)?;
+        if let Some(kinds) = kinds {
+            self.replace_inside(grid, kinds, centers, &mut rows)?;
+        }
         Ok(rows)
     }
 

@@ -29,6 +29,10 @@ const SETTLING: [(f64, f64); 13] = [
 /// Its largest Reynolds number, by the density of the disk.
 const LARGEST_REYNOLDS: f64 = 17.436;
 
+/// The same in a channel without ends, as long as the box is high and without a mean flow: a mesh that fits the disk, four edges a radius, which misses
+/// the number of the closed box by 0.004 %.
+const CHANNEL_REYNOLDS: f64 = 17.452;
+
 /// Reynolds number, spin over rate and stress of the walls of a free disk of radius 0.125 in a Couette cell of side 1.
 const COUETTE: [(f64, f64, f64); 3] = [(1.0, 0.4632696, 1.1076296), (2.0, 0.4322244, 1.1133937), (5.0, 0.3787468, 1.1252957)];
 
@@ -45,6 +49,8 @@ const SPHERE: [(&str, f64, f64, f64, f64); 4] = [
 pub enum Family {
     /// A disk that settles in a closed box.
     Settling,
+    /// A disk that settles in a channel, and one between sliding walls, by methods of first order.
+    Adjoint,
     /// A free disk between sliding walls.
     Couette,
     /// Disks that move or turn to and fro.
@@ -64,6 +70,8 @@ pub enum Family {
 enum Discretisation {
     /// So many cells a radius, and as many modes.
     Sharp(usize),
+    /// A method of first order by its word, so many cells a radius.
+    Adjoint(&'static str, usize),
     /// A mesh that fits the disk, so many edges a radius.
     Fitted(usize),
 }
@@ -72,6 +80,7 @@ impl Discretisation {
     fn name(self) -> String {
         match self {
             Discretisation::Sharp(cells) => format!("{cells} cells a radius, {cells} modes"),
+            Discretisation::Adjoint(word, cells) => format!("`{word}`, {cells} cells a radius"),
             Discretisation::Fitted(edges) => format!("fitted mesh, {edges} edges a radius"),
         }
     }
@@ -82,6 +91,9 @@ impl Discretisation {
             Discretisation::Sharp(cells) => {
                 format!("resolution = {{ cells_per_radius = {cells}, modes = {cells} }}\nmethod = {{ inverse = \"{inverse}\" }}\n")
             }
+            Discretisation::Adjoint(word, cells) => {
+                format!("resolution = {{ cells_per_radius = {cells} }}\nmethod = {{ constraint = \"{word}\", inverse = \"{inverse}\" }}\n")
+            }
             Discretisation::Fitted(edges) => {
                 format!("resolution = {{ cells_per_radius = {edges} }}\nmethod = {{ constraint = \"fitted\" }}\n")
             }
@@ -90,7 +102,8 @@ impl Discretisation {
 }
 
 /// The names of all of them.
-pub const NAMES: [&str; 7] = ["settling", "couette", "oscillating-disk", "oscillating-sphere", "cylinder", "vortices", "spheres"];
+pub const NAMES: [&str; 8] =
+    ["settling", "adjoint", "couette", "oscillating-disk", "oscillating-sphere", "cylinder", "vortices", "spheres"];
 
 /// A case: its steps, and what it is compared with.
 type Run = Box<dyn Fn(&Session) -> Result<(usize, Vec<Row>)>>;
@@ -104,6 +117,13 @@ fn oscillations<const D: usize>() -> Vec<Run> {
     [Oscillation::Translation, Oscillation::Rotation].into_iter().flat_map(of_kind).collect()
 }
 
+fn of_first_order(word: &'static str) -> Vec<Run> {
+    let (reynolds, spin, stress) = COUETTE[0];
+    let falls = [6, 8, 12].map(|cells| run(move |session| settling_in_a_channel(session, Discretisation::Adjoint(word, cells))));
+    let sheared = [6, 8].map(|cells| run(move |session| couette(session, Discretisation::Adjoint(word, cells), reynolds, [spin, stress])));
+    falls.into_iter().chain(sheared).collect()
+}
+
 impl Family {
     fn runs(self) -> Vec<Run> {
         match self {
@@ -111,6 +131,7 @@ impl Family {
                 let ways = [Discretisation::Sharp(4), Discretisation::Sharp(6), Discretisation::Sharp(8), Discretisation::Fitted(4)];
                 ways.map(|way| run(move |session| settling(session, way))).into()
             }
+            Family::Adjoint => ["mean-value", "distributed", "penalty"].into_iter().flat_map(of_first_order).collect(),
             Family::Couette => COUETTE
                 .iter()
                 .flat_map(|&(reynolds, spin, stress)| {
@@ -146,15 +167,16 @@ pub fn inertia(session: &Session, families: &[Family]) -> Result<()> {
     Ok(())
 }
 
-fn settling(session: &Session, way: Discretisation) -> Result<(usize, Vec<Row>)> {
+/// Steps, times and downward speeds of the settling disk in a box with this section of its long axis and this entry of its flow.
+fn fall(session: &Session, way: Discretisation, [axis, drive, inverse]: [&str; 3]) -> Result<(usize, Vec<(f64, f64)>)> {
     let step = match way {
-        Discretisation::Sharp(cells) => 0.4 / (8.0 * cells as f64) / 5.6,
+        Discretisation::Sharp(cells) | Discretisation::Adjoint(_, cells) => 0.4 / (8.0 * cells as f64) / 5.6,
         Discretisation::Fitted(_) => 0.0025,
     };
-    let sections = way.sections("hypre");
+    let sections = way.sections(inverse);
     let text = format!(
-        "gravity = [0.0, -980.0]\ndomain = {{ size = [2.0, 6.0], x = \"walls\", y = \"walls\" }}\n\
-         flow = {{ model = \"navier-stokes\", viscosity = 0.1, density = 1.0 }}\n\
+        "gravity = [0.0, -980.0]\ndomain = {{ size = [2.0, 6.0], x = \"walls\", y = \"{axis}\" }}\n\
+         flow = {{ model = \"navier-stokes\", viscosity = 0.1, density = 1.0{drive} }}\n\
          {sections}\
          bodies = [{{ radius = 0.125, centers = [[1.0, 4.0]], density = 1.25 }}]\ntime = {{ end = 0.66, step = {step:.6} }}\n"
     );
@@ -163,7 +185,29 @@ fn settling(session: &Session, way: Discretisation) -> Result<(usize, Vec<Row>)>
         curve.push((simulation.state().time, -observation.twists[0].velocity[1]));
         Ok(())
     })?;
-    let largest = curve.iter().map(|(_, speed)| *speed).fold(0.0, f64::max);
+    Ok((steps, curve))
+}
+
+/// The largest Reynolds number of the settling disk.
+fn largest_reynolds(curve: &[(f64, f64)]) -> f64 {
+    1.25 * 0.25 / 0.1 * curve.iter().map(|(_, speed)| *speed).fold(0.0, f64::max)
+}
+
+/// Without floor and lid, which transforms do not know: the disk falls as in the closed box but for a thousandth.
+fn settling_in_a_channel(session: &Session, way: Discretisation) -> Result<(usize, Vec<Row>)> {
+    let (steps, curve) = fall(session, way, ["periodic", ", drive = { mean_velocity = [0.0, 0.0] }", "transform"])?;
+    let row = Row {
+        case: "settling disk, channel without ends: largest Reynolds number".into(),
+        resolution: way.name(),
+        reference: CHANNEL_REYNOLDS,
+        found: largest_reynolds(&curve),
+        source: "mesh that fits the disk, four edges a radius",
+    };
+    Ok((steps, vec![row]))
+}
+
+fn settling(session: &Session, way: Discretisation) -> Result<(usize, Vec<Row>)> {
+    let (steps, curve) = fall(session, way, ["walls", "", "hypre"])?;
     let worst = SETTLING.iter().map(|&(time, speed)| (speed, interpolated(&curve, time)));
     let worst = worst.max_by(|one, other| (one.1 / one.0 - 1.0).abs().total_cmp(&(other.1 / other.0 - 1.0).abs()));
     let (reference, found) = worst.unwrap_or_default();
@@ -173,7 +217,7 @@ fn settling(session: &Session, way: Discretisation) -> Result<(usize, Vec<Row>)>
     Ok((
         steps,
         vec![
-            row("settling disk: largest Reynolds number", LARGEST_REYNOLDS, 1.25 * 0.25 / 0.1 * largest),
+            row("settling disk: largest Reynolds number", LARGEST_REYNOLDS, largest_reynolds(&curve)),
             row("settling disk: the speed that is furthest off, of 13 times", reference, found),
         ],
     ))
@@ -191,7 +235,7 @@ fn interpolated(curve: &[(f64, f64)], time: f64) -> f64 {
 fn couette(session: &Session, way: Discretisation, reynolds: f64, known: [f64; 2]) -> Result<(usize, Vec<Row>)> {
     let (viscosity, sections) = (0.125 * 0.125 / reynolds, way.sections("transform"));
     let step = match way {
-        Discretisation::Sharp(cells) => 0.16 / cells as f64,
+        Discretisation::Sharp(cells) | Discretisation::Adjoint(_, cells) => 0.16 / cells as f64,
         Discretisation::Fitted(_) => 0.5,
     };
     let text = format!(
