@@ -3,15 +3,22 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::Result;
+use crate::scene::FlowModel;
+use crate::scene::chains::{self, Chain};
 use crate::scene::entry::Entry;
 use crate::scene::table::Table;
-use crate::scene::{Chain, FlowModel};
 
 /// Keys of `[[bodies]]` that exclude each other.
 pub(super) const PLACEMENTS: [&str; 4] = ["fraction", "count", "centers", "file"];
 
 const KEYS: [&str; 13] =
     ["shape", "radius", "fraction", "count", "centers", "file", "gap", "density", "motion", "force", "torque", "velocity", "spin"];
+
+/// Keys of `[[chains]]` that exclude each other.
+const CHAIN_PLACEMENTS: [&str; 3] = ["count", "centers", "file"];
+
+const CHAIN_KEYS: [&str; 14] =
+    ["count", "centers", "file", "beads", "radius", "spacing", "stretch", "bend", "angle", "shape", "gap", "density", "force", "torque"];
 
 /// Bodies that are alike: one `[[bodies]]` or one `[[chains]]` of the file.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,6 +101,12 @@ pub(super) fn read(root: &Table, folder: &Path, dimension: usize, model: FlowMod
     groups.iter().map(|entry| BodyGroup::read(entry, folder, dimension, model)).collect()
 }
 
+/// The beads of all chains.
+pub(super) fn read_chains(root: &Table, folder: &Path, dimension: usize) -> Result<Vec<BodyGroup>> {
+    let groups = root.get("chains").map_or(Ok(Vec::new()), |entry| entry.list())?;
+    groups.iter().map(|entry| BodyGroup::read_chains(entry, folder, dimension)).collect()
+}
+
 impl BodyGroup {
     /// Balls of this radius, free and as dense as a fluid of density 1.
     pub fn new(radius: f64, placement: Placement) -> Self {
@@ -118,6 +131,26 @@ impl BodyGroup {
             torque: table.get("torque").map(|entry| entry.rotation(dimension)).transpose()?,
             velocity: table.get("velocity").map(|entry| entry.vector(dimension)).transpose()?,
             spin: table.get("spin").map(|entry| entry.rotation(dimension)).transpose()?,
+            ..default
+        })
+    }
+
+    fn read_chains(entry: &Entry, folder: &Path, dimension: usize) -> Result<Self> {
+        let table = Table::of(entry, &CHAIN_KEYS)?;
+        table.exactly_one(&CHAIN_PLACEMENTS, "count = 10")?;
+        let placement = Placement::read(&table, folder, dimension)?;
+        let chain = chains::read(&table, dimension)?;
+        if let (Placement::Centers(centers), Some(given)) = (&placement, table.get("centers")) {
+            let remedy = format!("must hold all centers of each chain, {} a chain", chain.beads);
+            given.expect((), centers.len() % chain.beads == 0, &remedy)?;
+        }
+        let default = BodyGroup::new(table.require("radius", "0.5")?.positive()?, placement);
+        Ok(BodyGroup {
+            gap: table.get("gap").map_or(Ok(default.gap), |entry| entry.not_negative())?,
+            density: table.get("density").map_or(Ok(default.density), |entry| entry.not_negative())?,
+            force: table.get("force").map(|entry| entry.vector(dimension)).transpose()?,
+            torque: table.get("torque").map(|entry| entry.rotation(dimension)).transpose()?,
+            chain: Some(chain),
             ..default
         })
     }

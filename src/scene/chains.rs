@@ -1,17 +1,7 @@
-//! Groups of chains that are alike: beads in a row, each tied to the next.
-
-use std::path::Path;
+//! How beads of chains are tied to each other.
 
 use crate::error::Result;
-use crate::scene::bodies::{BodyGroup, Placement};
-use crate::scene::entry::Entry;
 use crate::scene::table::Table;
-
-/// Keys of `[[chains]]` that exclude each other.
-const PLACEMENTS: [&str; 3] = ["count", "centers", "file"];
-
-const KEYS: [&str; 14] =
-    ["count", "centers", "file", "beads", "radius", "spacing", "stretch", "bend", "angle", "shape", "gap", "density", "force", "torque"];
 
 /// How the beads of chains are tied to each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,33 +34,7 @@ impl ChainShape {
     pub(super) const WORDS: [(&'static str, ChainShape); 2] = [("line", ChainShape::Line), ("ring", ChainShape::Ring)];
 }
 
-/// The bodies of all chains.
-pub(super) fn read(root: &Table, folder: &Path, dimension: usize) -> Result<Vec<BodyGroup>> {
-    let groups = root.get("chains").map_or(Ok(Vec::new()), |entry| entry.list())?;
-    groups.iter().map(|entry| read_group(entry, folder, dimension)).collect()
-}
-
-fn read_group(entry: &Entry, folder: &Path, dimension: usize) -> Result<BodyGroup> {
-    let table = Table::of(entry, &KEYS)?;
-    table.exactly_one(&PLACEMENTS, "count = 10")?;
-    let placement = Placement::read(&table, folder, dimension)?;
-    let chain = read_chain(&table, dimension)?;
-    if let (Placement::Centers(centers), Some(given)) = (&placement, table.get("centers")) {
-        let remedy = format!("must hold all centers of each chain, {} a chain", chain.beads);
-        given.expect((), centers.len() % chain.beads == 0, &remedy)?;
-    }
-    let default = BodyGroup::new(table.require("radius", "0.5")?.positive()?, placement);
-    Ok(BodyGroup {
-        gap: table.get("gap").map_or(Ok(default.gap), |entry| entry.not_negative())?,
-        density: table.get("density").map_or(Ok(default.density), |entry| entry.not_negative())?,
-        force: table.get("force").map(|entry| entry.vector(dimension)).transpose()?,
-        torque: table.get("torque").map(|entry| entry.rotation(dimension)).transpose()?,
-        chain: Some(chain),
-        ..default
-    })
-}
-
-fn read_chain(table: &Table, dimension: usize) -> Result<Chain> {
+pub(super) fn read(table: &Table, dimension: usize) -> Result<Chain> {
     let shape = table.get("shape").map_or(Ok(ChainShape::Line), |entry| entry.choice(&ChainShape::WORDS, &[]))?;
     let (entry, least) = (table.require("beads", "10")?, if shape == ChainShape::Ring { 3 } else { 2 });
     let beads = entry.count()?;

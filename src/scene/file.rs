@@ -10,7 +10,7 @@ use crate::scene::locations::{Lines, Locations};
 use crate::scene::table::Table;
 use crate::scene::{
     BodyGroup, ContactSection, DomainSection, FlowModel, FlowSection, LubricationSection, MethodSection, OutputSection, Placement,
-    ResolutionSection, Scene, TimeSection, accuracy, bodies, chains, check, keys, overrides, scalar,
+    ResolutionSection, Scene, TimeSection, accuracy, bodies, check, keys, overrides, scalar,
 };
 
 const KEYS: [&str; 14] = [
@@ -171,7 +171,7 @@ fn read(file: &str, folder: &Path, content: &Value, locations: Locations) -> Res
         accuracy,
         resolution: if accuracy.is_some() { None } else { ResolutionSection::read(&root, model)? },
         method: MethodSection::read(&root, model)?,
-        bodies: [bodies::read(&root, folder, dimension, model)?, chains::read(&root, folder, dimension)?].concat(),
+        bodies: [bodies::read(&root, folder, dimension, model)?, bodies::read_chains(&root, folder, dimension)?].concat(),
         contact: ContactSection::read(&root)?,
         lubrication: LubricationSection::read(&root)?,
         time: TimeSection::read(&root)?,
