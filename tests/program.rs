@@ -9,7 +9,12 @@ use std::{fs, path::Path};
 use common::{Series, bodies, difference, folder, number, resume, root, run, run_again, said, turbid, write};
 use serde_json::Value;
 
-/// The promises of an example: lines `#= path value tolerance`.
+/// What the run of an example in this test changes to be done soon: lines `#+ key=value`.
+fn settings(text: &str) -> Vec<&str> {
+    text.lines().filter_map(|line| line.strip_prefix("#+ ")).collect()
+}
+
+/// The promises of an example, so changed: lines `#= path value tolerance`.
 fn promises(text: &str) -> Vec<(String, f64, f64)> {
     let lines = text.lines().filter_map(|line| line.strip_prefix("#= "));
     lines
@@ -43,10 +48,11 @@ fn every_example_gives_the_numbers_of_its_header() {
             continue;
         }
         let name = path.file_stem().unwrap().to_str().unwrap();
-        let promised = promises(&fs::read_to_string(&path).unwrap());
+        let text = fs::read_to_string(&path).unwrap();
+        let promised = promises(&text);
         assert!(!promised.is_empty(), "{name} promises no number");
         let out = folder(&format!("example-{name}"));
-        let summary = run(2, &path, &out, &[]);
+        let summary = run(2, &path, &out, &settings(&text));
         for (key, value, tolerance) in promised {
             let found = promised_number(&out, &summary, &key);
             assert!((found - value).abs() <= tolerance, "{name}: {key} is {found}, promised {value} +- {tolerance}");
