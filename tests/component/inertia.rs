@@ -583,8 +583,7 @@ fn methods_of_first_order_move_bodies_about_as_sharp_does(session: &Session) {
     let of_disks: [(f64, Bounds); 2] =
         [(1.25, [[0.105, 0.22], [0.1, 0.195], [0.021, 0.006]]), (0.1, [[0.145, 0.29], [0.155, 0.36], [0.035, 0.029]])];
     for (density, bounds) in of_disks {
-        let channel =
-            setup(Domain { size: Vector2::new(2.0, 2.0), axes: axes.clone() }, 0.125 / 4.0, 0.1, vec![turned(disk_at(1.0, 1.2), density)]);
+        let channel = setup(Domain { size: Vector2::new(2.0, 2.0), axes }, 0.125 / 4.0, 0.1, vec![turned(disk_at(1.0, 1.2), density)]);
         proof(session, &channel, 0.0025, bounds);
     }
     let mut sphere = free([1.53, 1.46, 1.61], 0.5, 2, SVector::from([0.0, 0.0, -3.0]));
@@ -615,8 +614,7 @@ fn light_disks_of_first_order_start_in_steps_of_any_length(session: &Session) {
     let (volume, step) = (0.125 * 0.125 * TAU / 2.0, 2e-5);
     for constraint in FIRST_ORDER {
         let disk = (free([0.5, 0.5], 0.125, 4, Vector2::new(0.0, -100.0 * volume)), 0.01);
-        let channel =
-            Setup { constraint, ..setup(Domain { size: Vector2::new(1.0, 1.0), axes: axes.clone() }, 0.125 / 4.0, 0.1, vec![disk]) };
+        let channel = Setup { constraint, ..setup(Domain { size: Vector2::new(1.0, 1.0), axes }, 0.125 / 4.0, 0.1, vec![disk]) };
         let speed = -motion(&mut run(session, channel, step, 20.0 * step)).velocity[1];
         let part = speed / (100.0 / 1.01 * 20.0 * step);
         assert!((0.65..1.1).contains(&part), "{}: {part} of the speed without viscosity", constraint.word());
