@@ -27,16 +27,16 @@ where
 }
 
 /// The method of a word for bodies in a flow with inertia whose operator has a shift, with a small parameter as in [`method_of`]; `spin_up_of` are the
-/// spin-ups `rho w' / mu` that a unit multiplier of rotation gives each body, zero for prescribed motion, and `light` is whether each is free and lighter than
-/// the fluid.
+/// spin-ups `rho w' / mu` that a unit multiplier of rotation gives each body, zero for prescribed motion, and `inside` is whether each moves
+/// as the fluid inside it does.
 pub fn method_with_inertia<const D: usize>(
     word: &str,
     epsilon: Option<f64>,
     shift: f64,
-    (spin_up_of, light): (Vec<f64>, Vec<bool>),
+    (spin_up_of, inside): (Vec<f64>, Vec<bool>),
 ) -> Option<Rc<FlowMethod<D>>> {
     Some(match word {
-        "sharp" => Rc::new(SharpWithInertia { spin_up_of, light }),
+        "sharp" => Rc::new(SharpWithInertia { spin_up_of, inside }),
         "mean-value" => Rc::new(AdjointWithInertia { method: MeanValue, spin_up_of }),
         "distributed" => Rc::new(AdjointWithInertia { method: Distributed { shift }, spin_up_of }),
         "penalty" => Rc::new(AdjointWithInertia { method: Penalty::new(epsilon, shift), spin_up_of }),

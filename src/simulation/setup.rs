@@ -14,6 +14,10 @@ use crate::{
     surface::{Shape, area, lever},
 };
 
+/// Shift of the operator times the square of the spacing beyond which the velocity of a light body is read inside it. That is less exact, but the jumps of
+/// steady flow say more of how mobile a surface is than the grid does there.
+const LARGEST_SHIFT: f64 = 30.0;
+
 /// Tolerance of the fluid alone over that of the whole.
 const INNER: f64 = 0.01;
 
@@ -89,7 +93,7 @@ impl<const D: usize> Setup<D> {
     pub fn method(&self, shift: f64) -> Rc<FlowMethod<D>> {
         let (word, epsilon) = (self.constraint.word(), self.constraint.epsilon());
         let method = match &self.inertia {
-            Some(inertia) => method_with_inertia(word, epsilon, shift, (self.spin_ups_of_rotations(inertia), self.light(inertia))),
+            Some(inertia) => method_with_inertia(word, epsilon, shift, (self.spin_ups_of_rotations(inertia), self.inside(inertia, shift))),
             None => method_of(word, epsilon),
         };
         method.expect("a fitted mesh has no blocks on a grid")
@@ -111,9 +115,11 @@ impl<const D: usize> Setup<D> {
         self.inverse == InverseMethod::Transform || self.inner_tolerance().is_some()
     }
 
-    /// Whether each body is free and lighter than the fluid.
-    fn light(&self, inertia: &Inertia<D>) -> Vec<bool> {
-        self.bodies.iter().zip(&inertia.bodies).map(|(suspended, density)| suspended.body.free() && *density < inertia.fluid).collect()
+    /// Whether each body moves as the fluid inside it does: if it is free and lighter than the fluid, in short steps.
+    fn inside(&self, inertia: &Inertia<D>, shift: f64) -> Vec<bool> {
+        let short = shift * self.spacing * self.spacing > LARGEST_SHIFT;
+        let light = |(suspended, density): (&SuspendedBody<D>, &f64)| short && suspended.body.free() && *density < inertia.fluid;
+        self.bodies.iter().zip(&inertia.bodies).map(light).collect()
     }
 
     /// The spin-up of each body by a unit multiplier of rotation: the torque on it over its moment of inertia; 0 for prescribed motion.

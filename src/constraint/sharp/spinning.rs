@@ -2,7 +2,7 @@
 //!
 //! That takes an [`InteriorForce`], and the Laplacian of the velocity jumps by it across the surface: both go with the rotation modes of a free body.
 //!
-//! A body lighter than the fluid moves as the fluid inside does. Its excess mass is negative, and in steps too short for viscosity to reach across a cell
+//! A body lighter than the fluid may move as the fluid inside does. Its excess mass is negative, and in steps too short for viscosity to reach across a cell
 //! the jumps of steady flow make its surface more mobile than any fluid that has mass: its momentum would have the wrong sign. It spins as its surface
 //! does: nothing else would hold the inside to the surface.
 
@@ -33,8 +33,8 @@ use crate::{
 pub struct SharpWithInertia {
     /// For each body, the spin-up `rho w' / mu` that a unit multiplier of rotation gives it; zero for prescribed motion.
     pub spin_up_of: Vec<f64>,
-    /// For each body, whether it is free and lighter than the fluid.
-    pub light: Vec<bool>,
+    /// For each body, whether it moves as the fluid inside it does.
+    pub inside: Vec<bool>,
 }
 
 impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for SharpWithInertia {
@@ -47,7 +47,7 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for SharpWithInertia {
         let of = |body: &Surrounded<D>| -> Box<dyn BodyBlocks<D>> {
             let (blocks, nodes) = assemble(grid, body, &mut workspace, |nodes| moments(grid, body.placed, nodes));
             let interior = interior_force(grid, body.placed, &nodes[..D], self.spin_up_of[body.body]);
-            let mean_motion = self.light[body.body].then(|| MeanMotion::new(grid, body.placed, &nodes[..D]));
+            let mean_motion = self.inside[body.body].then(|| MeanMotion::new(grid, body.placed, &nodes[..D]));
             Box::new(SpinningBody::new((blocks, interior), mean_motion, &self.spin_up_of))
         };
         bodies.iter().map(of).collect()
@@ -113,7 +113,7 @@ impl MeanMotion {
 struct SpinningBody<const D: usize> {
     blocks: SharpBody<D>,
     interior: InteriorForce,
-    /// If the body is light: its translation is that of the flow inside.
+    /// If the translation of the body is that of the flow inside.
     mean_motion: Option<MeanMotion>,
     /// For each row, what unit spin-ups add to it.
     rows: Vec<f64>,
