@@ -177,6 +177,12 @@ impl Krylov {
             let truth = true_residual(system, rhs, x, &mut residual)? / size;
             report = self.outcome(report.iterations, size, truth, start)?;
             let reason = self.reason()?;
+            if restarts == 0 && reason == ffi::KSPConvergedReason_KSP_DIVERGED_DTOL {
+                // where all comes to rest, what is extrapolated is a worse start than none
+                x.fill(0.0)?;
+                restarts += 1;
+                continue;
+            }
             // a space that is exhausted, or a recurrence that rounding has led astray, may serve again from here
             let over = truth.is_nan() || reason < 0 && reason != ffi::KSPConvergedReason_KSP_DIVERGED_BREAKDOWN;
             let over = over || restarts == MOST_RESTARTS || truth > STAGNATION * last;
