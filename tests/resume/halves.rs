@@ -136,8 +136,11 @@ fn a_run_stopped_on_two_ranks_goes_on_with_one_or_three() {
 fn a_run_in_time_is_the_same_on_any_number_of_ranks() {
     let distributed = INERTIA.replace("[method]\n", "[method]\nconstraint = \"distributed\"\ninverse = \"transform\"\n");
     let penalty = distributed.replace("distributed", "penalty");
-    let wet = [("sheared", SHEARED), ("inertia", INERTIA), ("distributed", &distributed), ("penalty", &penalty), ("chains", CHAINS)];
-    for (name, text, tolerance) in wet.map(|(name, text)| (name, text, 1000.0 * TOLERANCE)).into_iter().chain([("dry", DRY, SAME)]) {
+    let wet = [("sheared", SHEARED), ("inertia", INERTIA), ("distributed", &distributed), ("penalty", &penalty)];
+    let wet = wet.map(|(name, text)| (name, text, 1000.0 * TOLERANCE));
+    // forces of rods hold lengths that differ by a tolerance over a step
+    let others = [("chains", CHAINS, 30_000.0 * TOLERANCE), ("dry", DRY, SAME)];
+    for (name, text, tolerance) in wet.into_iter().chain(others) {
         let here = folder(&format!("ranks-in-time-{name}"));
         let scene = write(&here, text);
         let all = [1, 2, 3].map(|ranks| {
