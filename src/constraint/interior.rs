@@ -5,7 +5,10 @@
 
 use nalgebra::SVector;
 
-use super::places::{EntriesMut, Places};
+use super::{
+    blocks::rotations,
+    places::{EntriesMut, Places},
+};
 use crate::{body::planes, linalg::dot, surface::unit_rotation};
 
 /// The force inside one body: unknowns, each with the force of unit spin-ups there.
@@ -52,6 +55,6 @@ impl InteriorForce {
 
     /// `rows += factor *` the force that goes with the rotation modes among the multipliers of the body.
     pub fn add_of_rotations<const D: usize>(&self, factor: f64, c: &[f64], rows: &mut EntriesMut) {
-        self.add(factor * self.factor, &c[D..D + planes::<D>().len()], rows);
+        self.add(factor * self.factor, &c[rotations::<D>()], rows);
     }
 }

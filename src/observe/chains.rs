@@ -3,9 +3,8 @@
 use nalgebra::SVector;
 
 use crate::{
-    geometry::Ball,
     interaction::{Arrangement, Spring},
-    simulation::Setup,
+    simulation::{Setup, State},
 };
 
 /// Chains at an instant; means are over all of them.
@@ -20,14 +19,14 @@ pub struct ChainNumbers {
 }
 
 impl ChainNumbers {
-    /// Those of bodies at centres that are not moved back into the box; nothing without chains.
-    pub fn of<const D: usize>(setup: &Setup<D>, centers: &[SVector<f64, D>]) -> Option<ChainNumbers> {
+    /// Those of a state that holds all bodies; nothing without chains.
+    pub fn of<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Option<ChainNumbers> {
         let chains = setup.interactions.chains();
         if chains.is_empty() {
             return None;
         }
-        let ball = |(suspended, &center): (&crate::simulation::SuspendedBody<D>, &SVector<f64, D>)| Ball { center, ..suspended.body.ball };
-        let balls: Vec<Ball<D>> = setup.bodies.iter().zip(centers).map(ball).collect();
+        let radii: Vec<f64> = setup.bodies.iter().map(|suspended| suspended.body.ball.radius).collect();
+        let (centers, balls) = (state.centers(), state.balls(&radii));
         let arrangement =
             Arrangement { domain: &setup.domain, balls: &balls, weights: &[], viscosity: Some(setup.viscosity), reach: f64::INFINITY };
         let mean = |of: &dyn Fn(&[SVector<f64, D>]) -> f64| {

@@ -70,7 +70,10 @@ pub fn asked<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Asked<
             }
             (chain, _) => {
                 let balls = given_balls(bodies).map_err(|error| scene.unreadable(group, error))?;
-                chain.map_or(Ok(balls.clone()), |chain| joined(scene, domain, group, (chain.beads, balls)))?
+                match chain {
+                    Some(chain) => joined(scene, domain, group, (chain.beads, balls))?,
+                    None => balls,
+                }
             }
         };
         given.extend(balls.into_iter().map(|ball| (group, ball)));

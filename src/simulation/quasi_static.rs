@@ -201,6 +201,9 @@ impl<const D: usize> QuasiStatic<D> {
 
     /// The rows of springs in a step of this length from a state, 0 if it is not known yet.
     fn spring_rows(&self, state: &State<D>, springs: &[Spring<D>], length: f64) -> Vec<SpringRow<D>> {
+        if springs.is_empty() {
+            return Vec::new();
+        }
         let velocities: Vec<SVector<f64, D>> = state.bodies.iter().map(|body| body.twist.velocity).collect();
         let room = self.step_control.time.travel * self.radii.iter().copied().fold(f64::INFINITY, f64::min);
         StepAhead { length, last: state.last_step, velocities: &velocities, resistances: &self.weights, room }.rows(springs)

@@ -5,8 +5,6 @@ use std::{
     time::Instant,
 };
 
-use nalgebra::SVector;
-
 use super::step_table::{Cell, StepTable, absent, count, real};
 use crate::{
     contact::Solver,
@@ -16,7 +14,7 @@ use crate::{
     parallel::World,
     run::{ContactTotals, Evaluated, EvaluatedFlow, EvaluatedMotion, Output},
     scene::ContactModel,
-    simulation::Setup,
+    simulation::{Setup, State},
 };
 
 /// The series of a run.
@@ -45,7 +43,7 @@ impl<const D: usize> Output<D> for SeriesFile {
         let totals = motion.contact_totals(seen.world);
         let mut row = cells(motion, (seen.scene.contact.model, totals), seen.viscosity);
         row.extend(seen.flow.map_or(Ok(Vec::new()), |flow| of_inertia(&flow, motion.state().last_step))?);
-        row.extend(seen.flow.map_or(Vec::new(), |flow| of_chains(flow.solver.setup(), &motion.state().centers())));
+        row.extend(seen.flow.map_or(Vec::new(), |flow| of_chains(flow.solver.setup(), motion.state())));
         row.push(real("seconds", seconds));
         seen.world.agree(self.rows.as_mut().map_or(Ok(()), |rows| rows.write(&row)))
     }
@@ -74,11 +72,11 @@ fn of_inertia<const D: usize>(flow: &EvaluatedFlow<D>, step: f64) -> Result<Vec<
 }
 
 /// The cells of chains; none without chains.
-fn of_chains<const D: usize>(setup: &Setup<D>, centers: &[SVector<f64, D>]) -> Vec<Cell> {
+fn of_chains<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<Cell> {
     let cells = |numbers: ChainNumbers| {
         vec![real("bond_energy", numbers.bond_energy), real("end_to_end", numbers.end_to_end), real("gyration", numbers.gyration)]
     };
-    ChainNumbers::of(setup, centers).map(cells).unwrap_or_default()
+    ChainNumbers::of(setup, state).map(cells).unwrap_or_default()
 }
 
 /// The cells of the row of an instant and of the step that led there.
