@@ -11,7 +11,7 @@ use crate::{
 
 /// The Stokes operator and its parts.
 ///
-/// It acts on fluid vectors. Residuals and right-hand sides have *balanced rows*: momentum rows times `h^2` and continuity rows
+/// It acts on fluid vectors. Residuals and right-hand sides have *balanced rows*: momentum rows times `h^2 / (1 + s h^2 / 2D)` and continuity rows
 /// times `h`, so that every row is a velocity and one residual norm weighs all; the components in its null space
 /// (mean divergence; in a fully periodic box also mean momentum) are projected out.
 ///
@@ -61,7 +61,7 @@ impl<const D: usize> Stokes<D> {
     /// The operator of a step of a flow with inertia: `shift` is the density times what the new velocity weighs in its rate of change (one over
     /// time), over the viscosity.
     pub fn shifted(session: &Session, grid: &Grid<D>, shift: f64) -> Stokes<D> {
-        Stokes { session: session.clone(), grid: grid.clone(), shift, matrices: OnceCell::new(), balance: Balance::new(grid) }
+        Stokes { session: session.clone(), grid: grid.clone(), shift, matrices: OnceCell::new(), balance: Balance::new(grid, shift) }
     }
 
     /// What is added to minus the Laplacians of velocities, one over the square of a length.
@@ -169,11 +169,12 @@ fn nest<'a>(
 }
 
 impl Balance {
-    fn new<const D: usize>(grid: &Grid<D>) -> Balance {
+    fn new<const D: usize>(grid: &Grid<D>, shift: f64) -> Balance {
         let h = grid.mean_spacing();
+        let momentum = h * h / (1.0 + shift * h * h / (2.0 * D as f64));
         let rows = |field: usize| FieldRows {
             range: grid.local_range(field),
-            factor: if field == D { h } else { h * h },
+            factor: if field == D { h } else { momentum },
             unknowns: grid.unknowns(field),
             projected: field == D || grid.domain().fully_periodic(),
         };

@@ -14,12 +14,18 @@ pub struct ActiveSetIteration<C> {
     /// The contacts with which flow and projection differed least, and by how much, while all may change.
     best: Option<(f64, Vec<C>)>,
     one_by_one: bool,
+    holds: bool,
 }
 
 impl<C> ActiveSetIteration<C> {
     /// Before the first.
     pub fn new() -> Self {
-        ActiveSetIteration { passed: 0, best: None, one_by_one: false }
+        ActiveSetIteration { passed: 0, best: None, one_by_one: false, holds: false }
+    }
+
+    /// Whether the projection is to hold what the flow holds: else one may hold for ever what the other lets go.
+    pub fn holds(&self) -> bool {
+        self.holds
     }
 
     /// The contacts to hold next after some for which flow and projection differ: those that the projection holds, the best so far, or
@@ -34,7 +40,7 @@ impl<C> ActiveSetIteration<C> {
                 return changed;
             }
             // nothing to change at the start of the step: what differs lies along the way, which the projection alone looks at
-            *self = Self::new();
+            *self = ActiveSetIteration { holds: true, ..Self::new() };
             return projected;
         }
         match self.best.take() {

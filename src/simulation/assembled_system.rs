@@ -53,7 +53,7 @@ impl<'a, const D: usize> AssembledSystem<'a, D> {
         let assembly = Assembly::of(fixed, configuration.centers, assembly)?;
         let places = (assembly.placed.clone(), assembly.crowd.clone());
         let bodies = Bodies::new((&fixed.setup, &fixed.grid, &fixed.kinds), places, assembly.layout.clone());
-        let operators = bodies.operators(&assembly.blocks);
+        let operators = bodies.operators(&assembly.blocks, &assembly.damping);
         let mut guess = past.map_or(Ok(None), |past| past.guess(&bodies, configuration.centers, configuration.time))?;
         if let Some(fluid) = guess.as_mut().and_then(|guess| guess.extrapolated.fluid.as_mut())
             && fixed.stokes.shift() > 0.0

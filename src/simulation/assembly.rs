@@ -43,6 +43,8 @@ pub struct Assembly<const D: usize> {
     pub medium: Option<Medium>,
     /// The velocity of the flow without bodies, and of known spin-ups, tested with the rows of this rank's bodies.
     pub undisturbed: Vec<f64>,
+    /// Damping of this rank's bodies; nothing where none is damped.
+    pub damping: Vec<f64>,
 }
 
 impl<const D: usize> Assembly<D> {
@@ -66,8 +68,8 @@ impl<const D: usize> Assembly<D> {
         let pairs = if method.on_surfaces() && fixed.setup.inertia.is_none() { Some(bodies.near_pairs(session)?) } else { None };
         let (films, medium) = (balanced(session.world(), bodies.films())?, medium(fixed, &bodies, centers, pairs.as_ref()));
         let (centers, layout) = (centers.to_vec(), bodies.layout);
-        let undisturbed = Vec::new();
-        let mut assembly = Assembly { centers, placed, crowd, layout, blocks, assembled, pairs, films, medium, undisturbed };
+        let (undisturbed, damping) = (Vec::new(), Vec::new());
+        let mut assembly = Assembly { centers, placed, crowd, layout, blocks, assembled, pairs, films, medium, undisturbed, damping };
         // with inertia that flow is another one in every step
         if fixed.setup.inertia.is_none() {
             assembly.meet_flow(fixed)?;

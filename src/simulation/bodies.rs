@@ -38,6 +38,8 @@ pub struct BodyType<const D: usize> {
     tangential: DMatrix<f64>,
     /// What a velocity of each rigid mode adds to the row of its force.
     inertia: RigidVector,
+    /// Factor of the multiplier in that row: the row is a velocity, however large the force that accelerates the body.
+    force_scale: RigidVector,
     /// Inverse of the diagonal block of a free body, and of one with prescribed motion.
     inverses: [Rc<DMatrix<f64>>; 2],
 }
@@ -81,8 +83,8 @@ impl<const D: usize> BodyType<D> {
         let empty = Rc::new(DMatrix::zeros(0, 0));
         let (surface, inverses) = (Rc::new(surface), [empty.clone(), empty]);
         let tangential = if setup.inertia.is_some() { surface.tangential() } else { DMatrix::zeros(0, 0) };
-        let (mobilities, inertia) = (RigidVector::zeros(), RigidVector::zeros());
-        let mut kind = BodyType { radius, order, density, surface, tangential, mobilities, inertia, inverses };
+        let (mobilities, inertia, force_scale) = (RigidVector::zeros(), RigidVector::zeros(), RigidVector::zeros());
+        let mut kind = BodyType { radius, order, density, surface, tangential, mobilities, inertia, force_scale, inverses };
         kind.answer_to(setup, 0.0);
         kind
     }
@@ -92,21 +94,23 @@ impl<const D: usize> BodyType<D> {
         let (modes, reach) = (&self.surface.modes, setup.reach());
         let mobility = if shift > 0.0 { modes.unsteady_mobility(shift, reach) } else { modes.isolated_mobility(reach) };
         let rigid = modes.rigid_count();
-        self.inertia = self.inertia(setup, shift);
+        let inertia = self.inertia(setup, shift);
+        let share = inertia.map(|inertia| 1.0 / (1.0 + inertia.abs()));
+        (self.inertia, self.force_scale) = (inertia.component_mul(&share), share * self.radius);
         let invert = |matrix: DMatrix<f64>| Rc::new(matrix.try_inverse().expect("the mobility of a body is positive definite"));
         let resistance = invert(mobility.clone());
         // a force moves a body that is rigid, and has to be accelerated
-        let answer = |mode: usize| 1.0 / (resistance[(mode, mode)] + self.inertia[mode] / self.radius);
+        let answer = |mode: usize| 1.0 / (resistance[(mode, mode)] + inertia[mode] / self.radius);
         self.mobilities = RigidVector::from_fn(|mode, _| if mode < rigid { answer(mode) } else { 0.0 });
         let mut given_force = mobility.clone();
         for mode in 0..rigid {
             given_force.row_mut(mode).scale_mut(self.inertia[mode]);
-            given_force[(mode, mode)] += self.radius;
+            given_force[(mode, mode)] += self.force_scale[mode];
         }
         self.inverses = [invert(given_force), resistance];
     }
 
-    /// Mass in excess of the fluid's and the whole moment of inertia, in units of the rows of forces: fluid inside moves along.
+    /// Mass in excess of the fluid's and the whole moment of inertia, over time, radius and force of a unit multiplier: fluid inside moves along.
     fn inertia(&self, setup: &Setup<D>, shift: f64) -> RigidVector {
         let Some(Inertia { fluid, .. }) = &setup.inertia else { return RigidVector::zeros() };
         let (modes, ball) = (&self.surface.modes, Ball { center: SVector::<f64, D>::zeros(), radius: self.radius });
@@ -262,8 +266,8 @@ impl<'a, const D: usize> Bodies<'a, D> {
         PairPreconditioner::new(&self.crowd, &self.layout, &self.kinds.pair_tables, &multipliers)
     }
 
-    /// This rank's bodies as operators of the coupled system.
-    pub fn operators(&self, blocks: &Blocks<D>) -> Vec<BodyOperator> {
+    /// This rank's bodies as operators of the coupled system, each with its damping, if there is any.
+    pub fn operators(&self, blocks: &Blocks<D>, damping: &[f64]) -> Vec<BodyOperator> {
         let member = |(local, &body): (usize, &usize)| {
             let (kind, free, first) = (self.kinds.of(body), self.setup.bodies[body].body.free(), self.layout.local(body));
             let modes = &kind.surface.modes;
@@ -277,10 +281,11 @@ impl<'a, const D: usize> Bodies<'a, D> {
                 rigid: modes.rigid_count(),
                 free,
                 inverse,
-                force_scale: kind.radius,
+                force_scale: kind.force_scale,
                 area: modes.force_factor(),
                 mobilities: kind.mobilities,
                 inertia: kind.inertia,
+                damping: damping.get(local).copied().unwrap_or(0.0),
             }
         };
         self.layout.local_bodies.iter().enumerate().map(member).collect()
@@ -325,13 +330,10 @@ impl<'a, const D: usize> Bodies<'a, D> {
             }
             Motion::Free { force, torque } => {
                 let mut rows: Vec<f64> = undisturbed.iter().map(|known| -known).collect();
-                let scale = member.force_scale / self.setup.viscosity;
-                let net = force + push.force - self.force_on_fluid_inside(body);
-                rows[..D].copy_from_slice((net * (scale / surface.modes.force_factor())).as_slice());
-                let turn = scale / surface.modes.torque_factor();
-                rows[D..member.rigid].iter_mut().zip(components(&(torque + push.torque))).for_each(|(row, torque)| *row = turn * torque);
-                for ((row, inertia), known) in rows[..member.rigid].iter_mut().zip(member.inertia.iter()).zip(undisturbed) {
-                    *row -= inertia * known;
+                let net = (force + push.force - self.force_on_fluid_inside(body)) / surface.modes.force_factor();
+                let turn = components(&(torque + push.torque)).into_iter().map(|torque| torque / surface.modes.torque_factor());
+                for (mode, wanted) in net.iter().copied().chain(turn).enumerate() {
+                    rows[mode] = member.force_scale[mode] * wanted / self.setup.viscosity - member.inertia[mode] * undisturbed[mode];
                 }
                 rows
             }

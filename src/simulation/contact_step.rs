@@ -30,11 +30,16 @@ pub struct ContactStep<'a, const D: usize> {
 }
 
 impl<const D: usize> ContactStep<'_, D> {
-    /// The projection of velocities, with the forces that cause it between bodies with these films.
-    pub fn project(&self, velocities: &[SVector<f64, D>]) -> Result<Projection<D>> {
+    /// The projection of velocities, with the forces that cause it between bodies with these films. Contacts that are `held` do not close, though on their
+    /// curved way bodies might miss each other.
+    pub fn project(&self, velocities: &[SVector<f64, D>], held: &[ContactForce<D>]) -> Result<Projection<D>> {
         let _stage = enter(Stage::Contacts);
         let scaled = |bound: &ContactForce<D>| ContactForce { force: bound.force * self.mobile_part(&bound.contact), ..*bound };
-        let lower_bounds: Vec<ContactForce<D>> = self.bounds.iter().map(scaled).collect();
+        let mut lower_bounds: Vec<ContactForce<D>> = self.bounds.iter().map(scaled).collect();
+        let bound = |held: &ContactForce<D>| ContactForce { force: self.least(&held.contact) * self.mobile_part(&held.contact), ..*held };
+        lower_bounds.extend(held.iter().map(bound));
+        lower_bounds.sort_by_key(|bound| bound.contact.identity());
+        lower_bounds.dedup_by_key(|bound| bound.contact.identity());
         let Arrangement { domain, balls, weights, .. } = self.arrangement;
         let problem = Problem { domain, numbers: None, balls, weights, velocities, step: self.step, lower_bounds: &lower_bounds };
         let mut projection = contact::project(self.session.world(), &problem, self.session.into())?;
@@ -71,7 +76,7 @@ impl<const D: usize> ContactStep<'_, D> {
             return Ok(held);
         }
         let unpressed = self.without_contacts(velocities, &held);
-        Ok(self.closed(self.project(&unpressed)?))
+        Ok(self.closed(self.project(&unpressed, &[])?))
     }
 
     /// The contacts of a projection that are held closed: they bear more than the least force that they may.

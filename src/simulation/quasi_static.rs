@@ -42,6 +42,9 @@ const MOST_ROUNDS: usize = 60;
 const AGREEMENT: f64 = 1e-5;
 const AGREEMENT_IN_FILMS: f64 = 1e-4;
 
+/// Part of the tolerance of a solve at an instant down to which the flow is solved where nothing else is left to agree on.
+const TIGHTEST: f64 = 1e-3;
+
 /// Gap, in radii, up to which a contact of the last step is tried first.
 const MEMORY_REACH: f64 = 0.1;
 
@@ -172,7 +175,7 @@ impl<const D: usize> QuasiStatic<D> {
             pressed.iter_mut().zip(&solution.contact_forces).for_each(|(pressed, force)| pressed.force = *force);
             let contacts = self.contact_step(&placed, step);
             let unpressed = contacts.without_contacts(velocities(&twists), pressed.iter().chain(&loose));
-            let projection = contacts.project(&unpressed)?;
+            let projection = contacts.project(&unpressed, if rounds.holds() { &pressed } else { &[] })?;
             effort.contact += start.elapsed().as_secs_f64();
             let scale = fastest(&twists, &unpressed);
             let apart = largest_difference(&twists, &projection.velocities);
@@ -187,7 +190,7 @@ impl<const D: usize> QuasiStatic<D> {
             let projected = contacts.closed(projection);
             if identities(&projected) == identities(&pressed) {
                 // what is left of the residual may be what they differ by
-                tolerance = tightest.max(0.1 * tolerance);
+                tolerance = (TIGHTEST * tightest).max(0.1 * tolerance);
             }
             let with_one_changed = |tried| contacts.with_one_changed(tried, &velocities(&twists), scale, AGREEMENT * scale);
             pressed = rounds.next(apart, pressed, projected, with_one_changed);
@@ -316,7 +319,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
         match self.suspension.setup().interactions.touch() {
             Some(Touch::Hard) => {
                 let contacts = self.contact_step(&placed, step);
-                let projection = contacts.project(&contacts.without_contacts(velocities(&moves), &observation.contacts))?;
+                let projection = contacts.project(&contacts.without_contacts(velocities(&moves), &observation.contacts), &[])?;
                 stuck = self.remembered(&placed, &projection.forces, step);
                 moves.iter_mut().zip(projection.velocities).for_each(|(twist, velocity)| twist.velocity = velocity);
                 kkt_report = Some(projection.kkt_report);

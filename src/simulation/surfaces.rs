@@ -33,14 +33,16 @@ pub struct BodyOperator {
     pub free: bool,
     /// Approximate inverse of its diagonal block.
     pub inverse: Inverse,
-    /// Factor of the rows that give the net force, which makes them velocities.
-    pub force_scale: f64,
+    /// Factors of the rows that give the net force and torque, which make them velocities.
+    pub force_scale: RigidVector,
     /// Net force of a unit translation multiplier.
     pub area: f64,
     /// Velocities in unbounded fluid that unit multipliers of rigid modes cause.
     pub mobilities: RigidVector,
     /// What the velocities of rigid modes add to the rows of their forces: mass over time; 0 without inertia.
     pub inertia: RigidVector,
+    /// Velocity by which its surface gives way to a unit of a multiplier of each of its other modes; 0 unless it is damped.
+    pub damping: f64,
 }
 
 impl BodyOperator {
@@ -147,6 +149,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
     pub fn velocity(&mut self, fluid: &Vector, given: &Vector, global_unknowns: &[f64], velocity: &mut Vector) -> Result<()> {
         self.blocks.interpolate(fluid, &mut velocity.local_mut()?)?;
         self.blocks.add_local(given, &mut velocity.local_mut()?)?;
+        self.add_damping(given, velocity)?;
         if let Some(spin_ups) = self.spin_ups_of_links(given, global_unknowns)? {
             self.blocks.add_spin_up(&spin_ups, &mut velocity.local_mut()?)?;
         }
@@ -155,6 +158,15 @@ impl<const D: usize> SurfaceOperators<'_, D> {
             for member in self.operators {
                 rows[member.range.start..].iter_mut().zip(&global_unknowns[..D]).for_each(|(row, mean)| *row += mean);
             }
+        }
+        Ok(())
+    }
+
+    fn add_damping(&self, given: &Vector, velocity: &mut Vector) -> Result<()> {
+        let (given, mut velocity) = (given.local()?, velocity.local_mut()?);
+        for member in self.operators.iter().filter(|member| member.damping > 0.0) {
+            let damped = member.range.start + member.rigid..member.range.end;
+            velocity[damped.clone()].iter_mut().zip(&given[damped]).for_each(|(velocity, c)| *velocity += member.damping * c);
         }
         Ok(())
     }
@@ -192,7 +204,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
         let mut rows = rows.local_mut()?;
         for member in self.operators {
             for (mode, row) in rows[member.range.clone()].iter_mut().enumerate() {
-                *row *= if member.gives_force(mode) { 1.0 / member.force_scale } else { step };
+                *row *= if member.gives_force(mode) { 1.0 / member.force_scale[mode] } else { step };
             }
         }
         Ok(())
@@ -226,8 +238,8 @@ impl<const D: usize> SurfaceOperators<'_, D> {
         let (multipliers, mut rows) = (multipliers.local()?, rows.local_mut()?);
         for member in self.operators.iter().filter(|member| member.free) {
             let rigid = member.rigid_range();
-            for ((row, c), inertia) in rows[rigid.clone()].iter_mut().zip(&multipliers[rigid]).zip(member.inertia.iter()) {
-                *row = member.force_scale * c + inertia * *row;
+            for (mode, (row, c)) in rows[rigid.clone()].iter_mut().zip(&multipliers[rigid]).enumerate() {
+                *row = member.force_scale[mode] * c + member.inertia[mode] * *row;
             }
         }
         Ok(())
@@ -241,8 +253,8 @@ impl<const D: usize> SurfaceOperators<'_, D> {
         let mut velocities = sampled.copied()?;
         let (mut moved, known) = (velocities.local_mut()?, given.local()?);
         for member in self.operators.iter().filter(|member| member.free) {
-            for (mode, mobility) in member.rigid_range().zip(member.mobilities.iter()) {
-                moved[mode] += mobility * known[mode] / member.force_scale;
+            for (mode, place) in member.rigid_range().enumerate() {
+                moved[place] += member.mobilities[mode] * known[place] / member.force_scale[mode];
             }
         }
         drop((moved, known));
@@ -257,7 +269,8 @@ impl<const D: usize> SurfaceOperators<'_, D> {
         let (pressed, mut given) = (pressed.local()?, given.local_mut()?);
         for member in self.operators.iter().filter(|member| member.free) {
             let rigid = member.rigid_range();
-            given[rigid.clone()].iter_mut().zip(&pressed[rigid]).for_each(|(row, c)| *row += member.force_scale * c);
+            let scales = member.force_scale.iter();
+            given[rigid.clone()].iter_mut().zip(&pressed[rigid]).zip(scales).for_each(|((row, c), scale)| *row += scale * c);
         }
         Ok(contacts)
     }
@@ -293,7 +306,8 @@ impl<const D: usize> SurfaceOperators<'_, D> {
         let mut rows = wanted.local_mut()?;
         for member in self.operators {
             let rigid = member.rigid_range();
-            rows[rigid.clone()].iter_mut().zip(&found[rigid]).for_each(|(row, c)| *row = member.force_scale * c);
+            let scales = member.force_scale.iter();
+            rows[rigid.clone()].iter_mut().zip(&found[rigid]).zip(scales).for_each(|((row, c), scale)| *row = scale * c);
         }
         drop(rows);
         self.add_pairs(wanted, &mut found)

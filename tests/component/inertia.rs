@@ -40,6 +40,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_step_from_remembered_levels_is_the_step_of_the_whole_run),
         Test::of(a_disk_that_lands_rests_on_the_floor),
         Test::of(disks_across_a_thin_gap_move_as_a_mesh_that_resolves_it_says),
+        Test::of(a_disk_half_a_cell_from_a_wall_falls_alike_in_steps_however_short),
         Test::of(a_fitted_mesh_follows_a_falling_disk_at_second_order),
         Test::of(a_new_mesh_has_the_momentum_of_the_old_one),
         Test::of(a_sphere_falls_straight_and_alike_with_either_inverse),
@@ -192,8 +193,15 @@ fn a_vortex_that_is_carried_along_is_followed_at_second_order(session: &Session)
             drop(values);
             fluid
         };
-        let start =
-            Level { time: 0.0, fluid: exact(0.0), multipliers: Vec::new(), centers: Vec::new(), twists: Vec::new(), spin_ups: Vec::new() };
+        let start = Level {
+            time: 0.0,
+            fluid: exact(0.0),
+            multipliers: Vec::new(),
+            slow: Vec::new(),
+            centers: Vec::new(),
+            twists: Vec::new(),
+            spin_ups: Vec::new(),
+        };
         let (last, steps) = (exact(end), cells);
         flow.restore_levels(vec![start]).unwrap();
         let mut found = None;
@@ -433,9 +441,9 @@ fn a_step_from_remembered_levels_is_the_step_of_the_whole_run(session: &Session)
     let copies = whole.levels().into_iter().map(|level| {
         let mut fluid = level.fluid.like().unwrap();
         fluid.copy_from(&level.fluid).unwrap();
-        let Level { time, multipliers, centers, twists, spin_ups, .. } = level;
+        let Level { time, multipliers, slow, centers, twists, spin_ups, .. } = level;
         let (multipliers, centers, twists) = (multipliers.clone(), centers.clone(), twists.clone());
-        Level { time: *time, fluid, multipliers, centers, twists, spin_ups: spin_ups.clone() }
+        Level { time: *time, fluid, multipliers, slow: slow.clone(), centers, twists, spin_ups: spin_ups.clone() }
     });
     let mut resumed = flow();
     resumed.restore_levels(copies.collect()).unwrap();
@@ -476,6 +484,31 @@ fn disks_across_a_thin_gap_move_as_a_mesh_that_resolves_it_says(session: &Sessio
         assert!((twist.velocity - Vector2::from(velocity)).norm() < 0.005 * Vector2::from(velocity).norm(), "{}", twist.velocity);
         assert!((twist.spin[(1, 0)] / spin - 1.0).abs() < 0.03, "{}, not {spin}", twist.spin);
     }
+}
+
+/// From steps in which viscosity passes an eighth of a square cell to those of a two hundredth; a fitted mesh resolves the gap.
+fn a_disk_half_a_cell_from_a_wall_falls_alike_in_steps_however_short(session: &Session) {
+    let speed = |constraint: &str, step: f64| {
+        let text = format!(
+            "domain = {{ size = [8.0, 6.0], y = \"walls\" }}\ngravity = [0.0, -1e-3]\n\
+             flow = {{ model = \"navier-stokes\", viscosity = 1.0, density = 1.0 }}\n\
+             resolution = {{ cells_per_radius = 5 }}\nmethod = {{ constraint = \"{constraint}\" }}\n\
+             bodies = [{{ radius = 1.0, centers = [[4.03, 1.1]], density = 1.5 }}]\n\
+             lubrication = {{ model = \"{}\" }}\ntime = {{ end = 0.04, step = {step} }}\n",
+            if constraint == "sharp" { "pairwise" } else { "none" }
+        );
+        let scene = Scene::parse("gap", Path::new("."), &text, &[]).unwrap();
+        let mut simulation = Simulation::<2>::new(session, &scene).unwrap();
+        while !simulation.over() {
+            let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+            simulation.step(&observation, &mut |_, _| {}).unwrap();
+        }
+        -motion(&mut simulation).velocity[1]
+    };
+    let resolved = speed("fitted", 0.005);
+    let [long, short, shortest] = [0.005, 0.001, 0.0002].map(|step| speed("sharp", step));
+    assert!((long / short - 1.0).abs() < 0.01 && (shortest / short - 1.0).abs() < 0.003, "{long:e} {short:e} {shortest:e}");
+    assert!((shortest / resolved - 1.0).abs() < 0.1, "{shortest:e} {resolved:e}");
 }
 
 fn fitted(setup: Setup<2>) -> Setup<2> {

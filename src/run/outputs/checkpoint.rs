@@ -134,6 +134,7 @@ fn store_level<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, na
     store_fluid(writer, grid, name, &level.fluid)?;
     writer.shared(&format!("{name}_time"), &[level.time])?;
     writer.shared(&format!("{name}_multipliers"), &level.multipliers.concat())?;
+    writer.shared(&format!("{name}_slow"), &level.slow.concat())?;
     writer.shared(&format!("{name}_centers"), &flat(&level.centers))?;
     let twists: Vec<f64> = level.twists.iter().flat_map(|twist| [twist.velocity.as_slice(), &components(&twist.spin)].concat()).collect();
     writer.shared(&format!("{name}_twists"), &twists)?;
@@ -149,22 +150,19 @@ fn read_level<const D: usize>(checkpoint: &Checkpoint, suspension: &dyn FlowSolv
         if found.len() == bodies * width { Ok(found) } else { Err(misfit(what)) }
     };
     let (planes, counts) = (planes::<D>().len(), suspension.multiplier_counts());
-    let mut flat = &checkpoint.shared(&format!("{name}_multipliers"))?[..];
-    if flat.len() != counts.iter().sum::<usize>() {
-        return Err(misfit("multipliers"));
-    }
-    let mut multipliers = Vec::new();
-    for count in counts {
-        let (own, rest) = flat.split_at(count);
-        multipliers.push(own.to_vec());
-        flat = rest;
-    }
+    let by_body = |what: &str| {
+        let flat = checkpoint.shared(&format!("{name}_{what}"))?;
+        let mut rest = &flat[..];
+        let own = counts.iter().map(|&count| rest.split_off(..count).map(<[f64]>::to_vec)).collect::<Option<Vec<_>>>();
+        own.filter(|_| rest.is_empty()).ok_or_else(|| misfit(what))
+    };
     let twist = |numbers: &[f64]| Twist { velocity: SVector::from_column_slice(&numbers[..D]), spin: skew(&numbers[D..]) };
     let &[time] = &checkpoint.shared(&format!("{name}_time"))?[..] else { return Err(misfit("time")) };
     Ok(Level {
         time,
         fluid,
-        multipliers,
+        multipliers: by_body("multipliers")?,
+        slow: by_body("slow")?,
         centers: numbers("centers", D)?.chunks(D).map(SVector::from_column_slice).collect(),
         twists: numbers("twists", D + planes)?.chunks(D + planes).map(twist).collect(),
         spin_ups: numbers("spin_ups", planes)?.chunks(planes).map(<[f64]>::to_vec).collect(),

@@ -52,8 +52,8 @@ impl<const D: usize> SurfaceOperators<'_, D> {
     fn miss(&self, given: &Vector, found: &Vector, forces: &mut Vector) -> Result<()> {
         let (given, found, mut forces) = (given.local()?, found.local()?, forces.local_mut()?);
         for member in self.operators.iter().filter(|member| member.free) {
-            for place in member.rigid_range() {
-                forces[place] = (given[place] / member.force_scale - found[place]) * member.area / self.pair_constraints.scale;
+            for (mode, place) in member.rigid_range().enumerate() {
+                forces[place] = (given[place] / member.force_scale[mode] - found[place]) * member.area / self.pair_constraints.scale;
             }
         }
         Ok(())
@@ -74,7 +74,8 @@ impl<const D: usize> SurfaceOperators<'_, D> {
         let (given, mut found) = (given.local()?, found.local_mut()?);
         for member in self.operators.iter().filter(|member| member.free) {
             let rigid = member.rigid_range();
-            found[rigid.clone()].iter_mut().zip(&given[rigid]).for_each(|(found, given)| *found = given / member.force_scale);
+            let scales = member.force_scale.iter();
+            found[rigid.clone()].iter_mut().zip(&given[rigid]).zip(scales).for_each(|((found, given), scale)| *found = given / scale);
         }
         Ok(())
     }

@@ -32,6 +32,8 @@ pub struct Level<const D: usize> {
     pub fluid: Vector,
     /// Multipliers, body by body; none where the method has no jump functions.
     pub multipliers: Vec<Vec<f64>>,
+    /// Their means over the time in which viscosity passes part of a cell.
+    pub slow: Vec<Vec<f64>>,
     /// Centres of the bodies, not wrapped into the box.
     pub centers: Vec<SVector<f64, D>>,
     /// Their motions.

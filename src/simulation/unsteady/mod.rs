@@ -4,6 +4,7 @@
 //! multipliers and the momentum of the bodies are implicit, so that neither viscosity nor added mass limits a step. Solves at the time of the
 //! last one, as contacts need them, are that step again.
 
+mod damping;
 mod level;
 mod longest;
 mod momentum;
@@ -16,6 +17,7 @@ use nalgebra::{SMatrix, SVector};
 
 pub use self::level::Level;
 use self::{
+    damping::{damp, forgotten, slowed},
     level::{Extended, each_inside},
     momentum::Momentum,
     rows::{Past, kept},
@@ -129,7 +131,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         self.start_free_bodies(configuration.centers, &mut fluid)?;
         let bodies = &self.fixed.setup.bodies;
         let twists = self.starting_motions();
-        let multipliers = self.multiplier_counts().into_iter().map(|count| vec![0.0; count]).collect();
+        let multipliers: Vec<_> = self.multiplier_counts().into_iter().map(|count| vec![0.0; count]).collect();
         let state = |(center, twist): (&SVector<f64, D>, &Twist<D>)| BodyState {
             center: self.fixed.setup.domain.wrap(*center),
             twist: *twist,
@@ -142,6 +144,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         self.current = Some(Level {
             time: configuration.time,
             fluid: fluid.copied()?,
+            slow: multipliers.clone(),
             multipliers,
             centers: configuration.centers.to_vec(),
             twists,
@@ -354,6 +357,10 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         let mut assembly = Assembly::of(&self.fixed, configuration.centers, self.assembly.take())?;
         self.fill_undisturbed(weights, &mut assembly, configuration.centers)?;
         assembly.meet_flow(&self.fixed)?;
+        let forgotten = forgotten(weights.step / (self.inverse_diffusivity() * self.fixed.grid.spacing().max().powi(2)));
+        if self.fixed.method.jumps() {
+            damp(&self.fixed, &mut assembly, &self.past[0].0.slow, forgotten);
+        }
         let configuration = Configuration { pushes: &pushes, ..*configuration };
         let fixed = &self.fixed;
         let mut ready = AssembledSystem::new(fixed, Some(assembly), self.workspace.take(), self.guess.as_ref(), &configuration)?;
@@ -381,7 +388,8 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         let spin_ups = momentum.complete(&mut solution.bodies);
         let twists = solution.bodies.iter().map(|state| state.twist).collect();
         let (time, centers) = (configuration.time, configuration.centers.to_vec());
-        self.current = Some(Level { time, fluid: solution.fluid.copied()?, multipliers, centers, twists, spin_ups });
+        let slow = slowed(&self.past[0].0.slow, &multipliers, forgotten);
+        self.current = Some(Level { time, fluid: solution.fluid.copied()?, multipliers, slow, centers, twists, spin_ups });
         Ok(solution)
     }
 }
