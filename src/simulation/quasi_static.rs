@@ -175,7 +175,8 @@ impl<const D: usize> QuasiStatic<D> {
             pressed.iter_mut().zip(&solution.contact_forces).for_each(|(pressed, force)| pressed.force = *force);
             let contacts = self.contact_step(&placed, step);
             let unpressed = contacts.without_contacts(velocities(&twists), pressed.iter().chain(&loose));
-            let projection = contacts.project(&unpressed, if rounds.holds() { &pressed } else { &[] })?;
+            let held = if rounds.holds() { self.near(&pressed) } else { Vec::new() };
+            let projection = contacts.project(&unpressed, &held)?;
             effort.contact += start.elapsed().as_secs_f64();
             let scale = fastest(&twists, &unpressed);
             let apart = largest_difference(&twists, &projection.velocities);
@@ -218,6 +219,11 @@ impl<const D: usize> QuasiStatic<D> {
         let velocities = self.deviatoric_velocities(state, &last).into_iter();
         let ways = velocities.zip(&self.radii).map(|(velocity, radius)| velocity.norm() / radius);
         state.last_step * ways.fold(0.0, f64::max)
+    }
+
+    /// The contacts of these whose bodies are near each other before the step.
+    fn near(&self, pressed: &[ContactForce<D>]) -> Vec<ContactForce<D>> {
+        pressed.iter().filter(|pressed| pressed.contact.gap < MEMORY_REACH * self.radii[pressed.contact.body]).copied().collect()
     }
 
     /// The contacts that are tried first.
