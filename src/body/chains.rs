@@ -2,10 +2,11 @@
 
 use std::{collections::HashMap, f64::consts::PI};
 
-use nalgebra::SVector;
+use nalgebra::{Rotation2, SVector, Vector2};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use super::outline::biconcave;
 use crate::{
     error::{Error, Result},
     geometry::{Ball, Domain},
@@ -15,16 +16,12 @@ use crate::{
 const TRIALS: usize = 20_000;
 
 /// The form of a chain as it is placed.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ChainForm {
-    /// Number of beads.
-    pub beads: usize,
-    /// Radius of each.
+    /// Radius of each bead.
     pub radius: f64,
-    /// Distance of the centres of neighbours.
-    pub length: f64,
-    /// Whether it is a circle; else a line.
-    pub ring: bool,
+    /// Places of the beads about its middle, in a plane.
+    pub places: Vec<Vector2<f64>>,
 }
 
 /// Centres of the beads of `count` chains, chain by chain; neighbours are beside each other though the box may end between them. `gap` is the smallest
@@ -35,14 +32,14 @@ pub struct ChainForm {
 pub fn place_chains<const D: usize>(
     domain: &Domain<D>,
     obstacles: &[Ball<D>],
-    (form, count): (ChainForm, usize),
+    (form, count): (&ChainForm, usize),
     gap: f64,
     seed: u64,
 ) -> Result<Vec<SVector<f64, D>>> {
     let widest = obstacles.iter().map(|ball| ball.radius).fold(form.radius, f64::max);
     let mut taken = Taken::new(domain, widest + form.radius * (1.0 + gap));
     obstacles.iter().for_each(|ball| taken.add(*ball));
-    let (mut random, mut centers) = (ChaCha8Rng::seed_from_u64(seed), Vec::with_capacity(count * form.beads));
+    let (mut random, mut centers) = (ChaCha8Rng::seed_from_u64(seed), Vec::with_capacity(count * form.places.len()));
     for chain in 0..count {
         let found = (0..TRIALS).map(|_| form.anywhere(domain, &mut random)).find(|beads| taken.free(beads, form.radius, gap));
         let beads = found.ok_or_else(|| {
@@ -57,6 +54,33 @@ pub fn place_chains<const D: usize>(
 }
 
 impl ChainForm {
+    /// A straight line of beads, each a `link` away from the next.
+    pub fn line(radius: f64, beads: usize, link: f64) -> ChainForm {
+        let place = |bead: usize| Vector2::new(link * (bead as f64 - 0.5 * (beads - 1) as f64), 0.0);
+        ChainForm { radius, places: (0..beads).map(place).collect() }
+    }
+
+    /// A circle of beads.
+    pub fn circle(radius: f64, beads: usize, link: f64) -> ChainForm {
+        let around = 0.5 * link / (PI / beads as f64).sin();
+        let place = |bead: usize| {
+            let (sin, cos) = f64::sin_cos(2.0 * PI * bead as f64 / beads as f64);
+            Vector2::new(cos, sin) * around
+        };
+        ChainForm { radius, places: (0..beads).map(place).collect() }
+    }
+
+    /// The outline of a red cell, its long axis along the first.
+    pub fn cell(radius: f64, beads: usize, link: f64) -> ChainForm {
+        ChainForm { radius, places: biconcave(beads, link) }
+    }
+
+    /// Centres of the beads about a middle in 2D, turned counterclockwise by an angle; in 3D in the plane of the first two axes.
+    pub fn at<const D: usize>(&self, middle: &SVector<f64, D>, angle: f64) -> Vec<SVector<f64, D>> {
+        let turn = Rotation2::new(angle);
+        self.places.iter().map(|place| middle + in_first_plane(&(turn * place))).collect()
+    }
+
     /// Centres of the beads somewhere, in some direction.
     fn anywhere<const D: usize>(&self, domain: &Domain<D>, random: &mut ChaCha8Rng) -> Vec<SVector<f64, D>> {
         let middle = SVector::<f64, D>::from_fn(|axis, _| random.random::<f64>() * domain.size[axis]);
@@ -74,16 +98,12 @@ impl ChainForm {
                 break across.normalize();
             }
         };
-        let place = |bead: usize| {
-            if self.ring {
-                let angle = 2.0 * PI * bead as f64 / self.beads as f64;
-                middle + (one * angle.cos() + other * angle.sin()) * (0.5 * self.length / (PI / self.beads as f64).sin())
-            } else {
-                middle + one * (self.length * (bead as f64 - 0.5 * (self.beads - 1) as f64))
-            }
-        };
-        (0..self.beads).map(place).collect()
+        self.places.iter().map(|place| middle + one * place.x + other * place.y).collect()
     }
+}
+
+fn in_first_plane<const D: usize>(place: &Vector2<f64>) -> SVector<f64, D> {
+    SVector::from_fn(|axis, _| if axis < 2 { place[axis] } else { 0.0 })
 }
 
 /// Balls in cells as wide as the largest distance of two that touch.
@@ -149,10 +169,10 @@ mod tests {
 
     fn proof<const D: usize>(axes: [Axis<D>; D], ring: bool) {
         let domain = Domain { size: SVector::repeat(12.0), axes };
-        let form = ChainForm { beads: 6, radius: 0.5, length: 1.05, ring };
+        let form = if ring { ChainForm::circle(0.5, 6, 1.05) } else { ChainForm::line(0.5, 6, 1.05) };
         let obstacle = [Ball { center: SVector::repeat(6.0), radius: 1.0 }];
-        let centers = place_chains(&domain, &obstacle, (form, 6), 0.1, 3).unwrap();
-        assert_eq!(centers, place_chains(&domain, &obstacle, (form, 6), 0.1, 3).unwrap());
+        let centers = place_chains(&domain, &obstacle, (&form, 6), 0.1, 3).unwrap();
+        assert_eq!(centers, place_chains(&domain, &obstacle, (&form, 6), 0.1, 3).unwrap());
         let balls: Vec<Ball<D>> = centers.iter().map(|&center| Ball { center: domain.wrap(center), radius: 0.5 }).chain(obstacle).collect();
         assert!(first_fault(&domain, &balls).is_none());
         for chain in centers.chunks(6) {
@@ -172,7 +192,7 @@ mod tests {
     #[test]
     fn a_full_box_is_refused() {
         let domain = Domain { size: SVector::<f64, 2>::repeat(4.0), axes: [Axis::Periodic, Axis::Periodic] };
-        let form = ChainForm { beads: 4, radius: 0.5, length: 1.05, ring: false };
-        assert!(place_chains(&domain, &[], (form, 20), 0.1, 3).is_err());
+        let form = ChainForm::line(0.5, 4, 1.05);
+        assert!(place_chains(&domain, &[], (&form, 20), 0.1, 3).is_err());
     }
 }

@@ -10,7 +10,7 @@
 
 use std::{ops::Range, rc::Rc};
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{SMatrix, SVector, Vector2};
 
 use super::{Arrangement, Interaction, Spring};
 
@@ -39,6 +39,15 @@ pub struct Bend {
     pub angle: f64,
 }
 
+/// The area that a ring of bodies encloses, which stays as it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Area {
+    /// The bodies, counterclockwise.
+    pub bodies: Range<usize>,
+    /// The area.
+    pub area: f64,
+}
+
 /// The bonds of all chains.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bonds {
@@ -46,6 +55,8 @@ pub struct Bonds {
     pub stretches: Rc<Vec<Stretch>>,
     /// Between them.
     pub bends: Rc<Vec<Bend>>,
+    /// Of cells.
+    pub areas: Rc<Vec<Area>>,
     /// The bodies of each chain.
     pub chains: Rc<Vec<Range<usize>>>,
 }
@@ -57,19 +68,45 @@ impl<const D: usize> Interaction<D> for Bonds {
 
     fn describe(&self) -> String {
         let (stretches, bends) = (self.stretches.len(), self.bends.iter().filter(|bend| bend.stiffness > 0.0).count());
-        format!("{stretches} springs and {bends} angles of chains, implicit: a row of the coupled system each")
+        let areas = if self.areas.is_empty() { String::new() } else { format!(", {} areas of cells", self.areas.len()) };
+        format!("{stretches} springs and {bends} angles of chains{areas}, implicit: a row of the coupled system each")
     }
 
     fn springs(&self, arrangement: &Arrangement<D>) -> Vec<Spring<D>> {
         let center = |body: usize| arrangement.balls[body].center;
         let stretches = self.stretches.iter().map(|stretch| stretch.spring(&center));
         let bends = self.bends.iter().filter(|bend| bend.stiffness > 0.0).map(|bend| bend.spring(&center));
-        stretches.chain(bends).collect()
+        stretches.chain(bends).chain(self.areas.iter().map(|area| area.spring(&center))).collect()
     }
 
     fn chains(&self) -> Vec<Range<usize>> {
         self.chains.to_vec()
     }
+
+    fn areas(&self) -> Vec<Area> {
+        self.areas.to_vec()
+    }
+}
+
+impl Area {
+    /// What the area differs from that at rest by, for bodies with these centres.
+    pub fn spring<const D: usize>(&self, center: &impl Fn(usize) -> SVector<f64, D>) -> Spring<D> {
+        let (first, count) = (self.bodies.start, self.bodies.len());
+        let ring: Vec<Vector2<f64>> = self.bodies.clone().map(|body| center(body).fixed_rows::<2>(0).into_owned()).collect();
+        let gradient = |bead: usize| {
+            let across = (ring[(bead + 1) % count] - ring[(bead + count - 1) % count]) * 0.5;
+            SVector::from_fn(|axis, _| if axis == 0 { across.y } else { -across.x })
+        };
+        let ends = (0..count).map(|bead| (first + bead, gradient(bead))).collect();
+        Spring { ends, value: enclosed(&ring) - self.area, stiffness: f64::INFINITY, smooth: true }
+    }
+}
+
+/// The area that a closed polygon encloses, positive if its corners go around counterclockwise.
+pub fn enclosed(corners: &[Vector2<f64>]) -> f64 {
+    let count = corners.len();
+    let part = |corner: usize| (corners[corner] - corners[0]).perp(&(corners[(corner + 1) % count] - corners[0]));
+    0.5 * (0..count).map(part).sum::<f64>()
 }
 
 impl Stretch {
@@ -78,9 +115,10 @@ impl Stretch {
         let separation = center(two) - center(one);
         let direction = separation.normalize();
         Spring {
-            ends: [Some((one, -direction)), Some((two, direction)), None],
+            ends: vec![(one, -direction), (two, direction)],
             value: separation.norm() - self.length,
             stiffness: self.stiffness,
+            smooth: true,
         }
     }
 }
@@ -99,9 +137,10 @@ impl Bend {
         };
         let gradients = [of_unit(&first, &toward, direction), of_unit(&second, &onward, back.transpose() * direction)];
         Spring {
-            ends: [Some((one, gradients[0])), Some((middle, -gradients[0] - gradients[1])), Some((other, gradients[1]))],
+            ends: vec![(one, gradients[0]), (middle, -gradients[0] - gradients[1]), (other, gradients[1])],
             value,
             stiffness: 0.5 * self.stiffness,
+            smooth: false,
         }
     }
 }
@@ -138,7 +177,12 @@ mod tests {
     fn bonds(angle: f64) -> Bonds {
         let stretch = |one: usize| Stretch { bodies: [one, one + 1], length: 1.1, stiffness: 7.0 };
         let bend = |one: usize| Bend { bodies: [one, one + 1, one + 2], stiffness: 3.0, angle };
-        Bonds { stretches: Rc::new((0..3).map(stretch).collect()), bends: Rc::new((0..2).map(bend).collect()), chains: Rc::new(Vec::new()) }
+        Bonds {
+            stretches: Rc::new((0..3).map(stretch).collect()),
+            bends: Rc::new((0..2).map(bend).collect()),
+            areas: Rc::default(),
+            chains: Rc::default(),
+        }
     }
 
     /// `k/2 (|q_j - q_i| - l)^2` and `b/2 (e . e' + 1)`, the second bond turned back by the natural angle.
@@ -157,7 +201,7 @@ mod tests {
         assert!((stored - exact).abs() < 1e-13, "{stored} {exact}");
         let mut forces = vec![SVector::<f64, D>::zeros(); centers.len()];
         for spring in &springs {
-            spring.each().for_each(|(body, gradient)| forces[*body] -= gradient * (spring.stiffness * spring.value));
+            spring.ends.iter().for_each(|(body, gradient)| forces[*body] -= gradient * (spring.stiffness * spring.value));
         }
         for (body, axis) in (0..centers.len()).flat_map(|body| (0..D).map(move |axis| (body, axis))) {
             let moved = |by: f64| {
@@ -183,7 +227,9 @@ mod tests {
     fn a_straight_chain_is_at_rest() {
         let centers: Vec<Vector3<f64>> = (0..4).map(|bead| Vector3::new(1.1, 0.0, 0.0) * f64::from(bead)).collect();
         assert!(
-            springs(&centers, &bonds(0.0)).iter().all(|spring| spring.value.abs() < 1e-14 && spring.each().all(|end| end.1.norm() < 3.0))
+            springs(&centers, &bonds(0.0))
+                .iter()
+                .all(|spring| spring.value.abs() < 1e-14 && spring.ends.iter().all(|end| end.1.norm() < 3.0))
         );
     }
 }

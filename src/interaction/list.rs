@@ -2,7 +2,7 @@
 
 use std::{fmt, ops::Range, rc::Rc};
 
-use super::{Arrangement, Interaction, PairForce, Spring, Touch};
+use super::{Area, Arrangement, Interaction, PairForce, Spring, Touch};
 use crate::{
     constraint::{MultiplierLayout, Neighbourhood, lubrication::LubricationPairs},
     contact::{AdhesiveContact, Contact, ContactForce},
@@ -99,6 +99,11 @@ impl<const D: usize> Interactions<D> {
     /// See [`Interaction::chains`].
     pub fn chains(&self) -> Vec<Range<usize>> {
         self.iter().flat_map(Interaction::chains).collect()
+    }
+
+    /// See [`Interaction::areas`].
+    pub fn areas(&self) -> Vec<Area> {
+        self.iter().flat_map(Interaction::areas).collect()
     }
 
     /// See [`Interaction::rows`].

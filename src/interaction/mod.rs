@@ -17,13 +17,13 @@ mod spring;
 use std::{fmt::Debug, ops::Range};
 
 pub use arrangement::{Arrangement, PairForce, Wrench};
-pub use bonds::{Bend, Bonds, Stretch};
+pub use bonds::{Area, Bend, Bonds, Stretch, enclosed};
 pub use gluey::Gluey;
 pub use inelastic::Inelastic;
 pub use list::Interactions;
 pub use lubrication::Lubrication;
 pub use repulsion::Repulsion;
-pub use spring::{MOST_ENDS, Spring};
+pub use spring::Spring;
 
 use crate::{
     constraint::{MultiplierLayout, Neighbourhood, lubrication::LubricationPairs},
@@ -101,6 +101,11 @@ pub trait Interaction<const D: usize>: Debug {
 
     /// Bodies that it ties together, chain by chain.
     fn chains(&self) -> Vec<Range<usize>> {
+        Vec::new()
+    }
+
+    /// Areas that rings of bodies enclose and that stay as they are, cell by cell.
+    fn areas(&self) -> Vec<Area> {
         Vec::new()
     }
 

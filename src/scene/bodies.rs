@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::Result;
 use crate::scene::FlowModel;
-use crate::scene::chains::{self, Chain};
+use crate::scene::chains::{self, Chain, ChainShape};
 use crate::scene::entry::Entry;
 use crate::scene::table::Table;
 
@@ -20,7 +20,10 @@ const CHAIN_PLACEMENTS: [&str; 3] = ["count", "centers", "file"];
 const CHAIN_KEYS: [&str; 14] =
     ["count", "centers", "file", "beads", "radius", "spacing", "stretch", "bend", "angle", "shape", "gap", "density", "force", "torque"];
 
-/// Bodies that are alike: one `[[bodies]]` or one `[[chains]]` of the file.
+const CELL_KEYS: [&str; 13] =
+    ["count", "centers", "file", "rotation", "beads", "radius", "spacing", "stretch", "bend", "gap", "density", "force", "torque"];
+
+/// Bodies that are alike: one `[[bodies]]`, one `[[chains]]` or one `[[cells]]` of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyGroup {
     /// The shape of each body.
@@ -43,7 +46,7 @@ pub struct BodyGroup {
     pub velocity: Option<Vec<f64>>,
     /// Initial turning rate, one number in 2D and three in 3D; only free bodies with inertia have one.
     pub spin: Option<Vec<f64>>,
-    /// How they are tied to each other, if they are beads of chains; numbers of bodies are then those of chains.
+    /// How they are tied to each other, if they are beads of chains or of cells; numbers of bodies are then those of chains, and centers those of cells.
     pub chain: Option<Chain>,
 }
 
@@ -107,11 +110,30 @@ pub(super) fn read_chains(root: &Table, folder: &Path, dimension: usize) -> Resu
     groups.iter().map(|entry| BodyGroup::read_chains(entry, folder, dimension)).collect()
 }
 
+/// The beads of all cells.
+pub(super) fn read_cells(root: &Table, folder: &Path, dimension: usize) -> Result<Vec<BodyGroup>> {
+    let groups = root.get("cells").map_or(Ok(Vec::new()), |entry| entry.list())?;
+    let read = |entry: &Entry| {
+        let table = Table::of(entry, &CELL_KEYS)?;
+        BodyGroup::tied(&table, folder, dimension, chains::read_cells(&table, dimension)?)
+    };
+    groups.iter().map(read).collect()
+}
+
 impl BodyGroup {
     /// Balls of this radius, free and as dense as a fluid of density 1.
     pub fn new(radius: f64, placement: Placement) -> Self {
         let (shape, gap, density, motion) = (Shape::Ball, 0.05, 1.0, Motion::Free);
         BodyGroup { shape, radius, placement, gap, density, motion, force: None, torque: None, velocity: None, spin: None, chain: None }
+    }
+
+    /// The name of the list of the file that it is from.
+    pub fn section(&self) -> &'static str {
+        match self.chain.map(|chain| chain.shape) {
+            None => "bodies",
+            Some(ChainShape::Line | ChainShape::Ring) => "chains",
+            Some(ChainShape::Cell) => "cells",
+        }
     }
 
     fn read(entry: &Entry, folder: &Path, dimension: usize, model: FlowModel) -> Result<Self> {
@@ -137,13 +159,19 @@ impl BodyGroup {
 
     fn read_chains(entry: &Entry, folder: &Path, dimension: usize) -> Result<Self> {
         let table = Table::of(entry, &CHAIN_KEYS)?;
-        table.exactly_one(&CHAIN_PLACEMENTS, "count = 10")?;
-        let placement = Placement::read(&table, folder, dimension)?;
         let chain = chains::read(&table, dimension)?;
-        if let (Placement::Centers(centers), Some(given)) = (&placement, table.get("centers")) {
+        let group = BodyGroup::tied(&table, folder, dimension, chain)?;
+        if let (Placement::Centers(centers), Some(given)) = (&group.placement, table.get("centers")) {
             let remedy = format!("must hold all centers of each chain, {} a chain", chain.beads);
             given.expect((), centers.len() % chain.beads == 0, &remedy)?;
         }
+        Ok(group)
+    }
+
+    /// Bodies that are tied to each other so.
+    fn tied(table: &Table, folder: &Path, dimension: usize, chain: Chain) -> Result<Self> {
+        table.exactly_one(&CHAIN_PLACEMENTS, "count = 10")?;
+        let placement = Placement::read(table, folder, dimension)?;
         let default = BodyGroup::new(table.require("radius", "0.5")?.positive()?, placement);
         Ok(BodyGroup {
             gap: table.get("gap").map_or(Ok(default.gap), |entry| entry.not_negative())?,

@@ -3,6 +3,9 @@
 use crate::error::Result;
 use crate::scene::table::Table;
 
+/// Beads times spacing of the shortest outline of a cell, whose beads would meet between its dimples.
+const SHORTEST_OUTLINE: f64 = 24.0;
+
 /// How the beads of chains are tied to each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chain {
@@ -14,10 +17,12 @@ pub struct Chain {
     pub stretch: Option<f64>,
     /// Energy of bending, not negative: `bend/2 (1 - cos t)` for a turn by `t` from one bond to the next.
     pub bend: f64,
-    /// The turn from one bond to the next at rest, in radians, counterclockwise; 0 in 3D but for rings.
+    /// The turn from one bond to the next at rest, in radians, counterclockwise; 0 in 3D but for rings, and for cells, whose outline has turns of its own.
     pub angle: f64,
     /// Whether its ends are free or tied to each other.
     pub shape: ChainShape,
+    /// Angle in radians by which given cells are turned at the start, counterclockwise, from lying along x; 0 for others.
+    pub rotation: f64,
 }
 
 /// The shape of a chain.
@@ -27,11 +32,18 @@ pub enum ChainShape {
     Line,
     /// None.
     Ring,
+    /// None: the membrane of a red cell, which keeps its area.
+    Cell,
 }
 
 impl ChainShape {
-    /// Their words.
+    /// Words of the shapes that chains may have.
     pub(super) const WORDS: [(&'static str, ChainShape); 2] = [("line", ChainShape::Line), ("ring", ChainShape::Ring)];
+
+    /// Whether the last bead is tied to the first.
+    pub fn closed(self) -> bool {
+        self != ChainShape::Line
+    }
 }
 
 pub(super) fn read(table: &Table, dimension: usize) -> Result<Chain> {
@@ -39,10 +51,7 @@ pub(super) fn read(table: &Table, dimension: usize) -> Result<Chain> {
     let (entry, least) = (table.require("beads", "10")?, if shape == ChainShape::Ring { 3 } else { 2 });
     let beads = entry.count()?;
     entry.expect((), beads >= least, &format!("must be at least {least} in a {}", word(shape)))?;
-    let spacing = table.get("spacing").map_or(Ok(1.05), |entry| {
-        let spacing = entry.positive()?;
-        entry.expect(spacing, spacing > 1.0, "is in diameters of a bead; at 1 and below beads overlap")
-    })?;
+    let spacing = read_spacing(table)?;
     let bend = table.get("bend").map_or(Ok(0.0), |entry| entry.not_negative())?;
     let natural = if shape == ChainShape::Ring && dimension == 2 { std::f64::consts::TAU / beads as f64 } else { 0.0 };
     let angle = table.get("angle").map_or(Ok(natural), |entry| {
@@ -51,7 +60,32 @@ pub(super) fn read(table: &Table, dimension: usize) -> Result<Chain> {
         entry.expect((), bend > 0.0, "is what bend draws chains to; give bend")?;
         entry.expect(angle, angle.abs() < std::f64::consts::PI, "must lie between -pi and pi")
     })?;
-    Ok(Chain { beads, spacing, stretch: read_stretch(table)?, bend, angle, shape })
+    Ok(Chain { beads, spacing, stretch: read_stretch(table)?, bend, angle, shape, rotation: 0.0 })
+}
+
+/// The membranes of cells.
+pub(super) fn read_cells(table: &Table, dimension: usize) -> Result<Chain> {
+    let entry = table.require("beads", "24")?;
+    let beads = entry.count()?;
+    entry.expect((), dimension == 2, "cells are rings of disks, in two dimensions only; give domain.size two numbers")?;
+    let (spacing, stretch) = (read_spacing(table)?, read_stretch(table)?);
+    let fewest = (SHORTEST_OUTLINE / spacing).ceil();
+    entry.expect((), beads as f64 >= fewest, &format!("must be at least {fewest}: beads of a shorter outline meet between its dimples"))?;
+    let entry = table.require("bend", "1.0")?;
+    let bend = entry.positive()?;
+    let rotation = table.get("rotation").map_or(Ok(0.0), |entry| {
+        let given = table.get("centers").or_else(|| table.get("file"));
+        entry.expect((), given.is_some(), "turns cells whose centers are given; those placed by count lie at random; remove it")?;
+        entry.number()
+    })?;
+    Ok(Chain { beads, spacing, stretch, bend, angle: 0.0, shape: ChainShape::Cell, rotation })
+}
+
+fn read_spacing(table: &Table) -> Result<f64> {
+    table.get("spacing").map_or(Ok(1.05), |entry| {
+        let spacing = entry.positive()?;
+        entry.expect(spacing, spacing > 1.0, "is in diameters of a bead; at 1 and below beads overlap")
+    })
 }
 
 fn read_stretch(table: &Table) -> Result<Option<f64>> {

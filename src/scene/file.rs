@@ -13,7 +13,7 @@ use crate::scene::{
     ResolutionSection, Scene, TimeSection, accuracy, bodies, check, keys, overrides, scalar,
 };
 
-const KEYS: [&str; 14] = [
+const KEYS: [&str; 15] = [
     "title",
     "seed",
     "gravity",
@@ -24,6 +24,7 @@ const KEYS: [&str; 14] = [
     "method",
     "bodies",
     "chains",
+    "cells",
     "contact",
     "lubrication",
     "time",
@@ -88,8 +89,9 @@ impl Scene {
 
     /// The name of a group in keys: `bodies[0]`, or `chains[0]` for the first group of chains.
     pub fn group_key(&self, group: usize) -> String {
-        let bodies = self.bodies.iter().filter(|bodies| bodies.chain.is_none()).count();
-        if group < bodies { format!("bodies[{group}]") } else { format!("chains[{}]", group - bodies) }
+        let section = self.bodies[group].section();
+        let before = self.bodies[..group].iter().filter(|bodies| bodies.section() == section).count();
+        format!("{section}[{before}]")
     }
 
     /// The refusal of a file that cannot be read, at the line that names it; other errors stay.
@@ -171,7 +173,12 @@ fn read(file: &str, folder: &Path, content: &Value, locations: Locations) -> Res
         accuracy,
         resolution: if accuracy.is_some() { None } else { ResolutionSection::read(&root, model)? },
         method: MethodSection::read(&root, model)?,
-        bodies: [bodies::read(&root, folder, dimension, model)?, bodies::read_chains(&root, folder, dimension)?].concat(),
+        bodies: [
+            bodies::read(&root, folder, dimension, model)?,
+            bodies::read_chains(&root, folder, dimension)?,
+            bodies::read_cells(&root, folder, dimension)?,
+        ]
+        .concat(),
         contact: ContactSection::read(&root)?,
         lubrication: LubricationSection::read(&root)?,
         time: TimeSection::read(&root)?,

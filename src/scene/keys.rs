@@ -9,9 +9,9 @@ use crate::scene::chains::word as shape_word;
 use crate::scene::entry::word_of;
 use crate::scene::sections::PROFILES;
 use crate::scene::{
-    AxisSection, BodyGroup, Chain, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection,
-    LubricationModel, MethodSection, Modes, Motion, MultiplierSolver, OutputSection, Placement, ResolutionSection, Scene, Scheme, Shape,
-    Spacing, Step, TimeSection, Until,
+    AxisSection, BodyGroup, Chain, ChainShape, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel,
+    FlowSection, LubricationModel, MethodSection, Modes, Motion, MultiplierSolver, OutputSection, Placement, ResolutionSection, Scene,
+    Scheme, Shape, Spacing, Step, TimeSection, Until,
 };
 
 /// Keys with their values, in the order of a scene file.
@@ -70,7 +70,7 @@ pub(super) fn file_of(keys: &Keys) -> String {
     let (mut file, mut tables, mut group) = (String::new(), String::new(), None);
     for (key, value) in keys {
         let of_group = |name: &'static str| Some((name, key.strip_prefix(name)?.strip_prefix('[')?.split_once("].")?));
-        let Some((name, (number, key))) = of_group("bodies").or_else(|| of_group("chains")) else {
+        let Some((name, (number, key))) = ["bodies", "chains", "cells"].into_iter().find_map(of_group) else {
             file += &format!("{key} = {value}\n");
             continue;
         };
@@ -210,12 +210,15 @@ fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
 }
 
 fn of_chain(chain: &Chain) -> Keys {
-    let Chain { beads, spacing, stretch, bend, angle, shape } = chain;
+    let Chain { beads, spacing, stretch, bend, angle, shape, rotation } = chain;
     let stretch = stretch.map_or_else(|| word("stretch", "rigid"), |stretch| number("stretch", stretch));
     let mut keys = vec![pair("beads", beads), number("spacing", *spacing), stretch, number("bend", *bend)];
     // a ring has a natural angle of its own
     keys.extend((*angle != 0.0 && *bend > 0.0).then(|| number("angle", *angle)));
-    keys.push(word("shape", shape_word(*shape)));
+    match shape {
+        ChainShape::Cell => keys.extend((*rotation != 0.0).then(|| number("rotation", *rotation))),
+        ChainShape::Line | ChainShape::Ring => keys.push(word("shape", shape_word(*shape))),
+    }
     keys
 }
 

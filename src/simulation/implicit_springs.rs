@@ -3,16 +3,16 @@
 //! Bodies travel by the two-step rule, which takes a coordinate `x` of theirs to
 //!
 //! ```text
-//! x+ = x + dt (a x' - (a - 1) x'_last)        a = 1 + dt / (2 dt_last), or 1 where there is no last step
+//! x+ = x + dt (a x' - (a - 1) x'_last) + b        a = 1 + dt / (2 dt_last), or 1 where there is no last step
 //! ```
 //!
-//! The force is that at a place between: `f = -k ((1 - p) x + p x+)`. A spring that is resolved, `z = k M dt << 1` with the mobility `M`, takes it where it
+//! with `b` what a length or an area changes by besides: lengths that turn would grow. It is taken from the velocities of the last step. The force is that at a place between: `f = -k ((1 - p) x + p x+)`. A spring that is resolved, `z = k M dt << 1` with the mobility `M`, takes it where it
 //! is, and keeps the order of the rule; a stiff one where it will be, and comes to rest in one step without passing it: `p = z^2 / (z^2 + 1/10)`. With
 //! `p = 1` and no compliance it is a rod.
 
 use nalgebra::SVector;
 
-use crate::interaction::{MOST_ENDS, Spring};
+use crate::interaction::Spring;
 
 /// Square of `z` at which a spring is half stiff: energies of free springs then fall in every step (tests).
 const HALF_STIFF: f64 = 0.1;
@@ -21,10 +21,10 @@ const HALF_STIFF: f64 = 0.1;
 const LEAST: f64 = 1e-3;
 
 /// A row `rate of the coordinate + compliance force = wanted rate`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SpringRow<const D: usize> {
     /// The bodies, with the gradient of the coordinate by the centre of each.
-    pub ends: [Option<(usize, SVector<f64, D>)>; MOST_ENDS],
+    pub ends: Vec<(usize, SVector<f64, D>)>,
     /// The rate wanted.
     pub rate: f64,
     /// Rate over force; zero for a rod.
@@ -47,28 +47,34 @@ pub struct StepAhead<'a, const D: usize> {
 }
 
 impl<const D: usize> StepAhead<'_, D> {
-    /// The rows of springs.
-    pub fn rows(&self, springs: &[Spring<D>]) -> Vec<SpringRow<D>> {
+    /// The rows of springs, of which `ahead` are as they will be if bodies go on with the velocities of the last step.
+    pub fn rows(&self, springs: &[Spring<D>], ahead: &[Spring<D>]) -> Vec<SpringRow<D>> {
         let length = match self.length > 0.0 {
             true => self.length,
             false => springs.iter().map(|spring| self.room / self.fastest(spring)).fold(f64::INFINITY, f64::min),
         };
-        springs.iter().map(|spring| self.row(length, spring)).collect()
+        let bent = |(spring, ahead): (&Spring<D>, &Spring<D>)| {
+            if spring.smooth { ahead.value - spring.value - self.length * spring.rate(self.velocities) } else { 0.0 }
+        };
+        let row = |(spring, ahead): (&Spring<D>, &Spring<D>)| self.row(length, spring, bent((spring, ahead)));
+        springs.iter().zip(ahead).map(row).collect()
     }
 
     /// The largest speed that a spring alone gives a body; zero for a rod.
     fn fastest(&self, spring: &Spring<D>) -> f64 {
         let speed = |(body, gradient): &(usize, SVector<f64, D>)| gradient.norm() / self.resistances[*body];
         let force = if spring.stiffness.is_finite() { spring.stiffness * spring.value.abs() } else { 0.0 };
-        force * spring.each().map(speed).fold(0.0, f64::max)
+        force * spring.ends.iter().map(speed).fold(0.0, f64::max)
     }
 
-    fn row(&self, length: f64, spring: &Spring<D>) -> SpringRow<D> {
+    /// The row of a spring whose coordinate will have changed by `bent` besides what its rate makes of it.
+    fn row(&self, length: f64, spring: &Spring<D>, bent: f64) -> SpringRow<D> {
         let ahead = if self.last > 0.0 { 1.0 + 0.5 * length / self.last } else { 1.0 };
         let last = if self.last > 0.0 { spring.rate(self.velocities) } else { 0.0 };
         let part = implicit_part(spring.stiffness * spring.mobility(self.resistances) * length);
         let compliance = if spring.stiffness.is_finite() { 1.0 / (spring.stiffness * part * ahead * length) } else { 0.0 };
-        SpringRow { ends: spring.ends, rate: -spring.value / (part * ahead * length) + (1.0 - 1.0 / ahead) * last, compliance }
+        let rate = -(spring.value / part + bent) / (ahead * length) + (1.0 - 1.0 / ahead) * last;
+        SpringRow { ends: spring.ends.clone(), rate, compliance }
     }
 }
 
@@ -88,9 +94,11 @@ mod tests {
         let along = Vector2::new(1.0, 0.0);
         let (mut stretch, mut last, mut velocity) = (vec![1.0], 0.0, 0.0);
         for _ in 0..steps {
-            let spring = Spring { ends: [Some((0, -along)), Some((1, along)), None], value: stretch[stretch.len() - 1], stiffness };
+            let spring = Spring { ends: vec![(0, -along), (1, along)], value: stretch[stretch.len() - 1], stiffness, smooth: false };
             let velocities = [along * (-0.5 * velocity), along * (0.5 * velocity)];
-            let row = StepAhead { length: step, last, velocities: &velocities, resistances: &[1.0; 2], room: 1.0 }.rows(&[spring])[0];
+            let row = StepAhead { length: step, last, velocities: &velocities, resistances: &[1.0; 2], room: 1.0 }
+                .rows(std::slice::from_ref(&spring), std::slice::from_ref(&spring))
+                .remove(0);
             // rate = mobility force, and the row
             let rate = 2.0 * row.rate / (2.0 + row.compliance);
             let factor = if last > 0.0 { 0.5 * step / last } else { 0.0 };

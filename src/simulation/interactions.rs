@@ -10,12 +10,12 @@ use std::rc::Rc;
 
 use super::{GranularBody, Setup};
 use crate::{
-    body::{Body, Motion, Twist},
+    body::{Body, Motion, Twist, biconcave, turns},
     error::Result,
     flow::Drive,
     geometry::{Axis, Domain},
-    interaction::{Bend, Bonds, Gluey, Inelastic, Interaction, Interactions, Repulsion, Stretch},
-    scene::{ChainShape, ContactModel, Scene, Step},
+    interaction::{Area, Bend, Bonds, Gluey, Inelastic, Interaction, Interactions, Repulsion, Stretch, enclosed},
+    scene::{Chain, ChainShape, ContactModel, Scene, Step},
 };
 
 /// Largest step in units of `sqrt(m / k)`: a body between as many others as fit around it vibrates at up to `sqrt(24 k / m)`.
@@ -39,24 +39,44 @@ pub fn of_granular<const D: usize>(scene: &Scene, domain: &Domain<D>, bodies: &[
 
 /// The bonds of the chains of a scene, whose bodies are these, each with its group; none without chains.
 pub fn bonds<const D: usize>(scene: &Scene, bodies: &[(usize, Body<D>)]) -> Option<Bonds> {
-    let (mut stretches, mut bends, mut chains, mut first) = (Vec::new(), Vec::new(), Vec::new(), 0);
+    let (mut stretches, mut bends, mut areas, mut chains, mut first) = (Vec::new(), Vec::new(), Vec::new(), Vec::new(), 0);
     for group in bodies.chunk_by(|one, next| one.0 == next.0) {
         let bodies = &scene.bodies[group[0].0];
         for (chain, number) in bodies.chain.iter().flat_map(|chain| (0..group.len() / chain.beads).map(move |number| (chain, number))) {
             let start = first + number * chain.beads;
             chains.push(start..start + chain.beads);
             let bead = |number: usize| start + number % chain.beads;
-            let ring = chain.shape == ChainShape::Ring;
+            let ring = chain.shape.closed();
             let bonds = if ring { chain.beads } else { chain.beads - 1 };
             let (length, stiffness) = (2.0 * bodies.radius * chain.spacing, chain.stretch.unwrap_or(f64::INFINITY));
             stretches.extend((0..bonds).map(|bond| Stretch { bodies: [bead(bond), bead(bond + 1)], length, stiffness }));
             let turns = if ring { bonds } else { bonds - 1 };
-            let bend = |bond| Bend { bodies: [bead(bond), bead(bond + 1), bead(bond + 2)], stiffness: chain.bend, angle: chain.angle };
+            let angles = angles(chain, length);
+            let bend = |bond: usize| {
+                let bodies = [bead(bond), bead(bond + 1), bead(bond + 2)];
+                Bend { bodies, stiffness: chain.bend, angle: angles[(bond + 1) % chain.beads] }
+            };
             bends.extend((0..turns).map(bend));
+            if chain.shape == ChainShape::Cell {
+                areas.push(Area { bodies: start..start + chain.beads, area: enclosed(&biconcave(chain.beads, length)) });
+            }
         }
         first += group.len();
     }
-    (!stretches.is_empty()).then(|| Bonds { stretches: Rc::new(stretches), bends: Rc::new(bends), chains: Rc::new(chains) })
+    (!stretches.is_empty()).then(|| Bonds {
+        stretches: Rc::new(stretches),
+        bends: Rc::new(bends),
+        areas: Rc::new(areas),
+        chains: Rc::new(chains),
+    })
+}
+
+/// The turns of a chain at its beads at rest.
+fn angles(chain: &Chain, link: f64) -> Vec<f64> {
+    match chain.shape {
+        ChainShape::Cell => turns(&biconcave(chain.beads, link)),
+        ChainShape::Line | ChainShape::Ring => vec![chain.angle; chain.beads],
+    }
 }
 
 /// The interaction of a contact model between bodies in a flow.

@@ -47,8 +47,7 @@ impl Resistances {
         compliance: impl Fn(&PairConstraint) -> f64,
     ) {
         for link in links {
-            let ends = || link.ends.iter().flatten();
-            for (one, two) in ends().flat_map(|one| ends().map(move |two| (one, two))) {
+            for (one, two) in link.sides().flat_map(|one| link.sides().map(move |two| (one, two))) {
                 self.add(layout, [one.body, two.body], &(one.weights * two.weights.transpose() / compliance(link)));
             }
         }

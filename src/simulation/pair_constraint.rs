@@ -2,8 +2,6 @@
 
 use nalgebra::SVector;
 
-use crate::interaction::MOST_ENDS;
-
 /// Compliance that a contact has in the approximation, over the mobility of its ends: redundant contacts then do no harm. Its inverse
 /// magnifies rounding.
 const SHIFT: f64 = 1e-4;
@@ -34,20 +32,52 @@ impl ConstraintSide {
 /// A contact, a spring, or a way of a film.
 #[derive(Debug, Clone)]
 pub struct PairConstraint {
-    /// Its free bodies.
-    pub ends: [Option<ConstraintSide>; MOST_ENDS],
+    /// Its free bodies, the first two of them.
+    pub ends: [Option<ConstraintSide>; 2],
+    /// The others: of a spring that takes more than two.
+    pub others: Vec<ConstraintSide>,
     /// Rate wanted, without what is known to move.
     pub rate: f64,
     /// Rate that a unit of the unknown gives way by: zero for contacts.
     pub compliance: f64,
+    /// Factor of its row in the linear system.
+    pub weight: f64,
     /// Whether it belongs to this rank.
     pub owned: bool,
 }
 
 impl PairConstraint {
+    /// A link that no body is an end of yet.
+    pub fn new(rate: f64, compliance: f64, owned: bool) -> PairConstraint {
+        PairConstraint { ends: [None; 2], others: Vec::new(), rate, compliance, weight: 1.0, owned }
+    }
+
+    /// Makes a body one of its ends.
+    pub fn add(&mut self, side: ConstraintSide) {
+        match self.ends.iter_mut().find(|end| end.is_none()) {
+            Some(end) => *end = Some(side),
+            None => self.others.push(side),
+        }
+    }
+
+    /// Its free bodies.
+    pub fn sides(&self) -> impl Iterator<Item = &ConstraintSide> {
+        self.ends.iter().flatten().chain(&self.others)
+    }
+
+    /// Makes its row one of velocities, however large the rates that a soft spring would give way by.
+    pub fn balance(&mut self) {
+        let mobility = self.mobility();
+        self.weight = if mobility > 0.0 { mobility / (mobility + self.compliance) } else { 1.0 };
+    }
+
+    /// Rate that a unit of the unknown causes through its bodies' own mobilities.
+    fn mobility(&self) -> f64 {
+        self.sides().map(ConstraintSide::mobility).sum()
+    }
+
     /// Its compliance in the approximation, which is never zero.
     pub fn stiff_compliance(&self) -> f64 {
-        let mobility: f64 = self.ends.iter().flatten().map(ConstraintSide::mobility).sum();
-        (self.compliance + SHIFT * mobility).max(f64::MIN_POSITIVE)
+        (self.compliance + SHIFT * self.mobility()).max(f64::MIN_POSITIVE)
     }
 }

@@ -18,7 +18,6 @@ use super::{
 use crate::{
     constraint::{Entries, EntriesMut, MultiplierLayout, Places, Pores},
     error::Result,
-    interaction::MOST_ENDS,
     petsc::{Scatter, Session, Vector},
 };
 
@@ -26,8 +25,8 @@ use crate::{
 struct Acting {
     network: Network,
     others: Scatter,
-    /// For each end of this rank's links, the place where its motion begins.
-    places: Vec<[u32; MOST_ENDS]>,
+    /// For each side of this rank's links, one after the other, the place where its motion begins.
+    places: Vec<u32>,
     /// Velocities or forces in the places of multipliers.
     motions: Vector,
 }
@@ -102,9 +101,9 @@ impl PairConstraints {
         self.acting.is_some()
     }
 
-    /// Rates wanted.
+    /// Rates wanted, as rows of the links have them.
     pub fn wanted(&self) -> impl Iterator<Item = f64> {
-        self.links.iter().map(|link| link.rate)
+        self.links.iter().map(|link| link.weight * link.rate)
     }
 
     /// What the rows of the links give for velocities in the order of the multipliers. Collective.
@@ -112,7 +111,8 @@ impl PairConstraints {
         let Some(acting) = &mut self.acting else { return Ok(Vec::new()) };
         acting.motions.copy_from(velocities)?;
         let mut rates = acting.rates(&self.links, self.rigid)?;
-        rates.iter_mut().zip(&self.links).zip(unknowns).for_each(|((rate, link), unknown)| *rate += link.compliance * unknown);
+        let rows = rates.iter_mut().zip(&self.links).zip(unknowns);
+        rows.for_each(|((rate, link), unknown)| *rate = link.weight * (*rate + link.compliance * unknown));
         Ok(rates)
     }
 
@@ -123,12 +123,13 @@ impl PairConstraints {
         multipliers.add(1.0, &acting.motions)
     }
 
-    /// The unknowns for which links give the wanted rates where `forces`, in the places of multipliers and per unit of an unknown, act too;
+    /// The unknowns for which rows of links are as wanted where `forces`, in the places of multipliers and per unit of an unknown, act too;
     /// they are replaced by the motions of the bodies. With pores, all modes are to move as wanted besides, and the multipliers that pores stand
     /// for are added to those found. Collective.
     pub fn resist(&mut self, forces: &mut Vector, mut rates: Vec<f64>, modes: Option<(&Vector, &mut Vector)>) -> Result<Vec<f64>> {
         let Some(acting) = &mut self.acting else { return Ok(rates) };
         let compliances: Vec<f64> = self.links.iter().map(PairConstraint::stiff_compliance).collect();
+        rates.iter_mut().zip(&self.links).for_each(|(rate, link)| *rate /= link.weight);
         rates.iter_mut().zip(&compliances).for_each(|(rate, compliance)| *rate /= compliance);
         acting.push(&self.links, self.rigid, &rates, |_| 1.0)?;
         acting.motions.add(1.0, forces)?;
@@ -144,8 +145,8 @@ impl Acting {
     fn new(session: &Session, layout: &MultiplierLayout, network: Network, owned: &[PairConstraint], rigid: usize) -> Result<Acting> {
         let motions = Vector::new(session, layout.local_unknowns())?;
         let mut wanted = Places::new(&motions)?;
-        let mut place = |end: &Option<ConstraintSide>| end.map_or(0, |end| wanted.of_shared(layout.global(end.body), rigid));
-        let places = owned.iter().map(|link| link.ends.each_ref().map(&mut place)).collect();
+        let mut place = |side: &ConstraintSide| wanted.of_shared(layout.global(side.body), rigid);
+        let places = owned.iter().flat_map(PairConstraint::sides).map(&mut place).collect();
         Ok(Acting { network, others: wanted.scatter(&motions)?, places, motions })
     }
 
@@ -153,13 +154,11 @@ impl Acting {
     fn rates(&mut self, links: &[PairConstraint], rigid: usize) -> Result<Vec<f64>> {
         let (others, own) = (self.others.fetch(&self.motions)?, self.motions.local()?);
         let motions = Entries { own: &own, others: &others };
-        let of_end = |end: &Option<ConstraintSide>, place: u32| {
-            end.map_or(0.0, |end| end.weights.iter().zip(&motions.from(place)[..rigid]).map(|(weight, velocity)| weight * velocity).sum())
+        let of_side = |(side, place): (&ConstraintSide, u32)| -> f64 {
+            side.weights.iter().zip(&motions.from(place)[..rigid]).map(|(weight, velocity)| weight * velocity).sum()
         };
-        let rate = |(link, places): (&PairConstraint, &[u32; MOST_ENDS])| {
-            link.ends.iter().zip(places).map(|(end, &place)| of_end(end, place)).sum()
-        };
-        Ok(links.iter().zip(&self.places).map(rate).collect())
+        let mut places = self.places.iter().copied();
+        Ok(links.iter().map(|link| link.sides().zip(places.by_ref()).map(of_side).sum()).collect())
     }
 
     /// Puts into `motions` the pushes of unknowns, each end's times its own factor.
@@ -167,11 +166,11 @@ impl Acting {
         self.motions.fill(0.0)?;
         let (mut own, mut others) = (self.motions.local_mut()?, self.others.places()?);
         let mut motions = EntriesMut { own: &mut own, others: &mut others };
-        for ((link, places), unknown) in links.iter().zip(&self.places).zip(unknowns) {
-            for (end, &place) in link.ends.iter().zip(places) {
-                let Some(end) = end else { continue };
-                let amount = factor(end) * unknown;
-                motions.from(place)[..rigid].iter_mut().zip(end.weights.iter()).for_each(|(push, weight)| *push += amount * weight);
+        let mut places = self.places.iter().copied();
+        for (link, unknown) in links.iter().zip(unknowns) {
+            for (side, place) in link.sides().zip(places.by_ref()) {
+                let amount = factor(side) * unknown;
+                motions.from(place)[..rigid].iter_mut().zip(side.weights.iter()).for_each(|(push, weight)| *push += amount * weight);
             }
         }
         drop((own, others));

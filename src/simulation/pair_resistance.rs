@@ -19,7 +19,6 @@ use crate::{
     },
     contact::{Contact, ContactForce},
     error::Result,
-    interaction::MOST_ENDS,
 };
 
 /// Numbers of rigid modes, by dimension.
@@ -100,7 +99,7 @@ pub fn spring_belongs<const D: usize>(layout: &MultiplierLayout, spring: &Spring
 }
 
 fn spring_bodies<const D: usize>(spring: &SpringRow<D>) -> impl Iterator<Item = usize> {
-    spring.ends.iter().flatten().map(|(body, _)| *body)
+    spring.ends.iter().map(|(body, _)| *body)
 }
 
 /// Whether it has a side on a body of this rank.
@@ -127,36 +126,31 @@ impl<'a, const D: usize> Builder<'a, D> {
     }
 
     fn add_contact(&mut self, contact: Contact<D>, step: f64, owned: bool) {
-        self.links.push(PairConstraint {
-            ends: [None; MOST_ENDS],
-            rate: -contact.gap / step - contact.normal.dot(&contact.sliding),
-            compliance: 0.0,
-            owned,
-        });
+        let rate = -contact.gap / step - contact.normal.dot(&contact.sliding);
+        self.links.push(PairConstraint::new(rate, 0.0, owned));
         let side = |direction| RigidFunctional { direction, turn: SMatrix::zeros() };
-        self.add_end(0, contact.body, &side(-contact.normal));
+        self.add_end(contact.body, &side(-contact.normal));
         if let Some(other) = contact.other() {
-            self.add_end(1, other, &side(contact.normal));
+            self.add_end(other, &side(contact.normal));
         }
     }
 
     fn add_spring(&mut self, spring: &SpringRow<D>, owned: bool) {
         let compliance = spring.compliance * self.scale * self.fixed.setup.viscosity;
-        self.links.push(PairConstraint { ends: [None; MOST_ENDS], rate: spring.rate, compliance, owned });
-        for (place, end) in spring.ends.iter().enumerate() {
-            if let Some((body, direction)) = *end {
-                self.add_end(place, body, &RigidFunctional { direction, turn: SMatrix::zeros() });
-            }
+        self.links.push(PairConstraint::new(spring.rate, compliance, owned));
+        for &(body, direction) in &spring.ends {
+            self.add_end(body, &RigidFunctional { direction, turn: SMatrix::zeros() });
         }
+        self.links.last_mut().expect("a spring is a link").balance();
     }
 
     fn add_way(&mut self, film: &LubricationPair<D>, way: &RelativeMode<D>, owned: bool) {
-        self.links.push(PairConstraint { ends: [None; MOST_ENDS], rate: 0.0, compliance: self.scale / way.resistance, owned });
-        self.add_end(0, film.body, &way.sides[0]);
+        self.links.push(PairConstraint::new(0.0, self.scale / way.resistance, owned));
+        self.add_end(film.body, &way.sides[0]);
         let direction = way.sides[1].direction;
         let known = match film.other {
             Opposite::Body(other, offset) => {
-                self.add_end(1, other, &way.sides[1]);
+                self.add_end(other, &way.sides[1]);
                 // images move with the background
                 direction.dot(&(self.fixed.setup.drive.background(&offset) - self.sliding(other)))
             }
@@ -222,7 +216,7 @@ impl<'a, const D: usize> Builder<'a, D> {
     }
 
     /// Makes a body an end of the last link.
-    fn add_end(&mut self, place: usize, body: usize, side: &RigidFunctional<D>) {
+    fn add_end(&mut self, body: usize, side: &RigidFunctional<D>) {
         if let Some(twist) = self.fixed.setup.bodies[body].body.given_motion() {
             return self.known(side.rate(&twist));
         }
@@ -231,7 +225,7 @@ impl<'a, const D: usize> Builder<'a, D> {
         let mut weights = RigidVector::zeros();
         weights.iter_mut().zip(numbers).for_each(|(weight, number)| *weight = number);
         if let Some(link) = self.links.last_mut() {
-            link.ends[place] = Some(ConstraintSide { body, weights, multiplier: self.scale / rigid.force, mobilities: rigid.mobilities });
+            link.add(ConstraintSide { body, weights, multiplier: self.scale / rigid.force, mobilities: rigid.mobilities });
         }
     }
 }

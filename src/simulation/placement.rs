@@ -63,7 +63,7 @@ pub fn asked<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Asked<
         let balls = match (bodies.chain, &bodies.placement) {
             (Some(chain), Placement::Count(count)) => {
                 let obstacles: Vec<Ball<D>> = given.iter().map(|&(_, ball)| ball).collect();
-                let placed = place_chains(domain, &obstacles, (form(bodies.radius, &chain), *count), bodies.gap, scene.seed);
+                let placed = place_chains(domain, &obstacles, (&form(bodies.radius, &chain), *count), bodies.gap, scene.seed);
                 let centers =
                     placed.map_err(|error| scene.refuse(&format!("{}.count", scene.group_key(group)), count, &error.to_string()))?;
                 centers.into_iter().map(|center| Ball { center, radius: bodies.radius }).collect()
@@ -71,6 +71,7 @@ pub fn asked<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Asked<
             (chain, _) => {
                 let balls = given_balls(bodies).map_err(|error| scene.unreadable(group, error))?;
                 match chain {
+                    Some(chain) if chain.shape == ChainShape::Cell => outlined(bodies.radius, &chain, &balls),
                     Some(chain) => joined(scene, domain, group, (chain.beads, balls))?,
                     None => balls,
                 }
@@ -115,7 +116,18 @@ fn given_balls<const D: usize>(group: &BodyGroup) -> Result<Vec<Ball<D>>> {
 
 /// The form in which a chain is placed.
 fn form(radius: f64, chain: &Chain) -> ChainForm {
-    ChainForm { beads: chain.beads, radius, length: 2.0 * radius * chain.spacing, ring: chain.shape == ChainShape::Ring }
+    let link = 2.0 * radius * chain.spacing;
+    match chain.shape {
+        ChainShape::Line => ChainForm::line(radius, chain.beads, link),
+        ChainShape::Ring => ChainForm::circle(radius, chain.beads, link),
+        ChainShape::Cell => ChainForm::cell(radius, chain.beads, link),
+    }
+}
+
+/// Beads of cells with these middles.
+fn outlined<const D: usize>(radius: f64, chain: &Chain, middles: &[Ball<D>]) -> Vec<Ball<D>> {
+    let form = form(radius, chain);
+    middles.iter().flat_map(|middle| form.at(&middle.center, chain.rotation)).map(|center| Ball { center, radius }).collect()
 }
 
 /// Beads of given chains, each beside the one before it though the box may end between them.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use nalgebra::{SVector, Vector2};
-use turbid::{petsc::Session, scene::Scene, simulation::Simulation};
+use turbid::{observe::MembraneNumbers, petsc::Session, scene::Scene, simulation::Simulation};
 
 use crate::Test;
 
@@ -13,6 +13,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_stiff_chain_of_rods_moves_as_one_body),
         Test::of(a_bent_chain_becomes_straight_and_a_ring_round_without_moving_off),
         Test::of(chains_with_inertia_come_to_rest_at_their_length),
+        Test::of(cells_keep_their_area_and_tread_or_tumble),
     ]
 }
 
@@ -122,4 +123,43 @@ fn chains_with_inertia_come_to_rest_at_their_length(session: &Session) {
         let found = (centers[1] - centers[0]).norm();
         assert!((found - 2.4).abs() < 5e-3, "{found} with {stretch}");
     }
+}
+
+/// A cell in shear, whose membrane gives way or does not.
+fn sheared_cell(bend: f64, step: f64, end: f64) -> String {
+    format!(
+        "domain = {{ size = [6.0, 5.0], y = {{ lower = [-2.5, 0.0], upper = [2.5, 0.0] }} }}\nflow = {{ model = \"stokes\", viscosity = 1.0 }}\n\
+         resolution = {{ cells_per_radius = 3 }}\nmethod = {{ inverse = \"transform\", tolerance = 1e-3 }}\n\
+         cells = [{{ centers = [[3.0, 2.5]], rotation = 0.3, beads = 24, radius = 0.14, stretch = \"rigid\", bend = {bend} }}]\n\
+         time = {{ end = {end}, step = {step} }}\ncontact = {{ model = \"inelastic\" }}\n"
+    )
+}
+
+/// The membrane of a soft cell goes around while the cell keeps its inclination; a stiff cell turns over as a whole.
+fn cells_keep_their_area_and_tread_or_tumble(session: &Session) {
+    let way = |bend: f64| {
+        let mut simulation = Simulation::<2>::new(session, &scene(&sheared_cell(bend, 0.1, 8.0))).unwrap();
+        let mut seen = Vec::new();
+        loop {
+            let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+            seen.push(MembraneNumbers::of(simulation.suspension().unwrap().setup(), simulation.state()).unwrap());
+            if simulation.over() {
+                break seen;
+            }
+            simulation.step(&observation, &mut |_, _| {}).unwrap();
+        }
+    };
+    let turned = |seen: &[MembraneNumbers], of: &dyn Fn(&MembraneNumbers) -> f64, period: f64| -> f64 {
+        seen.windows(2).map(|pair| (of(&pair[1]) - of(&pair[0]) + 0.5 * period).rem_euclid(period) - 0.5 * period).sum()
+    };
+    let (soft, stiff) = (way(0.03), way(20.0));
+    for seen in [&soft, &stiff] {
+        let error = seen.iter().map(|numbers| numbers.area_error).fold(0.0, f64::max);
+        assert!(error < 1e-6, "area {error:e}");
+    }
+    let pi = std::f64::consts::PI;
+    let treads = [&soft, &stiff].map(|seen| turned(seen, &|numbers| numbers.tread, pi));
+    let turns = [&soft, &stiff].map(|seen| turned(seen, &|numbers| numbers.inclination, pi));
+    assert!(treads[0] < -0.4 && treads[1].abs() < 0.3, "membranes went around by {treads:?}");
+    assert!(turns[0].abs() < 0.5 && turns[1] < -1.5, "cells turned by {turns:?}");
 }

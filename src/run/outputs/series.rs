@@ -9,7 +9,7 @@ use super::step_table::{Cell, StepTable, absent, count, real};
 use crate::{
     contact::Solver,
     error::Result,
-    observe::{ChainNumbers, InertialNumbers, Viscosity},
+    observe::{ChainNumbers, InertialNumbers, MembraneNumbers, Viscosity},
     output::{CurvePoint, Summary},
     parallel::World,
     run::{ContactTotals, Evaluated, EvaluatedFlow, EvaluatedMotion, Output},
@@ -44,6 +44,7 @@ impl<const D: usize> Output<D> for SeriesFile {
         let mut row = cells(motion, (seen.scene.contact.model, totals), seen.viscosity);
         row.extend(seen.flow.map_or(Ok(Vec::new()), |flow| of_inertia(&flow, motion.state().last_step))?);
         row.extend(seen.flow.map_or(Vec::new(), |flow| of_chains(flow.solver.setup(), motion.state())));
+        row.extend(seen.flow.map_or(Vec::new(), |flow| of_membranes(flow.solver.setup(), motion.state())));
         row.push(real("seconds", seconds));
         seen.world.agree(self.rows.as_mut().map_or(Ok(()), |rows| rows.write(&row)))
     }
@@ -77,6 +78,19 @@ fn of_chains<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<Cell> {
         vec![real("bond_energy", numbers.bond_energy), real("end_to_end", numbers.end_to_end), real("gyration", numbers.gyration)]
     };
     ChainNumbers::of(setup, state).map(cells).unwrap_or_default()
+}
+
+/// Those of red cells; none without any.
+fn of_membranes<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<Cell> {
+    let cells = |numbers: MembraneNumbers| {
+        vec![
+            real("enclosed_area", numbers.enclosed_area),
+            real("area_error", numbers.area_error),
+            real("inclination", numbers.inclination),
+            real("tread", numbers.tread),
+        ]
+    };
+    MembraneNumbers::of(setup, state).map(cells).unwrap_or_default()
 }
 
 /// The cells of the row of an instant and of the step that led there.
