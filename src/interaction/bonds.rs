@@ -10,9 +10,9 @@
 
 use std::{ops::Range, rc::Rc};
 
-use nalgebra::{SMatrix, SVector, Vector2};
+use nalgebra::{SMatrix, SVector};
 
-use super::{Arrangement, Interaction, Spring};
+use super::{Area, Arrangement, Interaction, Spring};
 
 /// Curvature that has no direction: any across the chain will do.
 const STRAIGHT: f64 = 1e-12;
@@ -37,15 +37,6 @@ pub struct Bend {
     pub stiffness: f64,
     /// Angle in radians by which the second bond turns from the first at rest, counterclockwise; 0 for a straight chain, and in 3D.
     pub angle: f64,
-}
-
-/// The area that a ring of bodies encloses, which stays as it is.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Area {
-    /// The bodies, counterclockwise.
-    pub bodies: Range<usize>,
-    /// The area.
-    pub area: f64,
 }
 
 /// The bonds of all chains.
@@ -83,30 +74,13 @@ impl<const D: usize> Interaction<D> for Bonds {
         self.chains.to_vec()
     }
 
+    fn bonds(&self) -> Vec<[usize; 2]> {
+        self.stretches.iter().map(|stretch| stretch.bodies).collect()
+    }
+
     fn areas(&self) -> Vec<Area> {
         self.areas.to_vec()
     }
-}
-
-impl Area {
-    /// What the area differs from that at rest by, for bodies with these centres.
-    pub fn spring<const D: usize>(&self, center: &impl Fn(usize) -> SVector<f64, D>) -> Spring<D> {
-        let (first, count) = (self.bodies.start, self.bodies.len());
-        let ring: Vec<Vector2<f64>> = self.bodies.clone().map(|body| center(body).fixed_rows::<2>(0).into_owned()).collect();
-        let gradient = |bead: usize| {
-            let across = (ring[(bead + 1) % count] - ring[(bead + count - 1) % count]) * 0.5;
-            SVector::from_fn(|axis, _| if axis == 0 { across.y } else { -across.x })
-        };
-        let ends = (0..count).map(|bead| (first + bead, gradient(bead))).collect();
-        Spring { ends, value: enclosed(&ring) - self.area, stiffness: f64::INFINITY, smooth: true }
-    }
-}
-
-/// The area that a closed polygon encloses, positive if its corners go around counterclockwise.
-pub fn enclosed(corners: &[Vector2<f64>]) -> f64 {
-    let count = corners.len();
-    let part = |corner: usize| (corners[corner] - corners[0]).perp(&(corners[(corner + 1) % count] - corners[0]));
-    0.5 * (0..count).map(part).sum::<f64>()
 }
 
 impl Stretch {

@@ -101,6 +101,11 @@ impl<const D: usize> Interactions<D> {
         self.iter().flat_map(Interaction::chains).collect()
     }
 
+    /// See [`Interaction::bonds`].
+    pub fn bonds(&self) -> Vec<[usize; 2]> {
+        self.iter().flat_map(Interaction::bonds).collect()
+    }
+
     /// See [`Interaction::areas`].
     pub fn areas(&self) -> Vec<Area> {
         self.iter().flat_map(Interaction::areas).collect()

@@ -5,6 +5,7 @@
 //! to be remembered, and how steep its forces are, which limits explicit steps. What an interaction does not have it leaves at the default, and then
 //! nothing is built for it.
 
+mod area;
 mod arrangement;
 mod bonds;
 mod gluey;
@@ -16,14 +17,15 @@ mod spring;
 
 use std::{fmt::Debug, ops::Range};
 
+pub use area::{Area, enclosed};
 pub use arrangement::{Arrangement, PairForce, Wrench};
-pub use bonds::{Area, Bend, Bonds, Stretch, enclosed};
+pub use bonds::{Bend, Bonds, Stretch};
 pub use gluey::Gluey;
 pub use inelastic::Inelastic;
 pub use list::Interactions;
 pub use lubrication::Lubrication;
 pub use repulsion::Repulsion;
-pub use spring::Spring;
+pub use spring::{Spring, total_stress};
 
 use crate::{
     constraint::{MultiplierLayout, Neighbourhood, lubrication::LubricationPairs},
@@ -101,6 +103,11 @@ pub trait Interaction<const D: usize>: Debug {
 
     /// Bodies that it ties together, chain by chain.
     fn chains(&self) -> Vec<Range<usize>> {
+        Vec::new()
+    }
+
+    /// Pairs of bodies that it ties, to be seen in pictures.
+    fn bonds(&self) -> Vec<[usize; 2]> {
         Vec::new()
     }
 

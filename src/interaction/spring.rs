@@ -38,3 +38,8 @@ impl<const D: usize> Spring<D> {
         -moment
     }
 }
+
+/// What springs with these forces add to the stress, times volume; nothing without springs.
+pub fn total_stress<const D: usize>(springs: &[Spring<D>], forces: &[f64], centers: &[SVector<f64, D>]) -> Option<SMatrix<f64, D, D>> {
+    springs.iter().zip(forces).map(|(spring, &force)| spring.stress(force, centers)).reduce(|sum, stress| sum + stress)
+}

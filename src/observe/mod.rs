@@ -28,7 +28,7 @@ pub use inertia::InertialNumbers;
 pub use membranes::MembraneNumbers;
 pub use pairs::{NEAR, PairCounts, PairDistribution};
 pub use picture::picture;
-pub use plane::{Disk, Picture};
+pub use plane::{Bond, Disk, Picture};
 pub use probe::{Probe, scalar_probe, velocity_probe};
 pub use sample::{scalars, velocities};
 pub use scalar_picture::scalar_picture;

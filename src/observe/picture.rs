@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use super::{Disk, Picture, plane::CutPlane, velocities, vorticity_at};
+use super::{Bond, Disk, Picture, plane::CutPlane, velocities, vorticity_at};
 use crate::{
     error::Result,
     geometry::Ball,
@@ -31,12 +31,28 @@ pub fn picture<const D: usize>(title: &str, suspension: &dyn FlowSolver<D>, solu
         periodic: plane.periodic,
         shift: plane.shift,
         bodies: disks(&plane, suspension, solution),
+        bonds: bonds(&plane, suspension, solution),
         samples: plane.samples,
         velocity: total.iter().map(|velocity| [velocity[0], velocity[1]]).collect(),
         quantity,
         coloured,
         signed: colour == Colour::Vorticity,
     })
+}
+
+/// Width of a bond in radii of the thinner cut.
+const BOND: f64 = 0.7;
+
+/// The bonds between bodies that the plane cuts.
+fn bonds<const D: usize>(plane: &CutPlane<D>, suspension: &dyn FlowSolver<D>, solution: &Solution<D>) -> Vec<Bond> {
+    let setup = suspension.setup();
+    let ball = |body: usize| Ball { center: solution.bodies[body].center, ..setup.bodies[body].body.ball };
+    let cut = |[one, two]: [usize; 2]| {
+        let ((from, radius), (_, other)) = (plane.cut(&ball(one))?, plane.cut(&ball(two))?);
+        let way = setup.domain.nearest_image(ball(two).center - ball(one).center);
+        Some(Bond { from, way: [way[0], way[1]], width: BOND * radius.min(other) })
+    };
+    setup.interactions.bonds().into_iter().filter_map(cut).collect()
 }
 
 /// The cuts of the bodies through the plane.

@@ -70,6 +70,8 @@ pub struct Picture {
     pub shift: f64,
     /// The bodies cut by the plane.
     pub bodies: Vec<Disk>,
+    /// What ties bodies that the plane cuts.
+    pub bonds: Vec<Bond>,
     /// Number of samples along each direction.
     pub samples: [usize; 2],
     /// Velocity at the sample centres `((i + 0.5) / samples * size)`, at index `j * samples[0] + i`.
@@ -80,6 +82,17 @@ pub struct Picture {
     pub quantity: &'static str,
     /// Whether it has either sign, so that colours part at zero; else it is not negative.
     pub signed: bool,
+}
+
+/// A bond of two bodies: a thick line between their centers.
+#[derive(Clone, Copy, Debug)]
+pub struct Bond {
+    /// Center of the first body, in or out of the box.
+    pub from: [f64; 2],
+    /// From it to the center of the other.
+    pub way: [f64; 2],
+    /// Width.
+    pub width: f64,
 }
 
 /// The cut of one body: a filled circle.

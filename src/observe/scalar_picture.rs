@@ -26,6 +26,7 @@ pub fn scalar_picture<const D: usize>(title: &str, solved: &SolvedScalar<D>) -> 
         periodic: plane.periodic,
         shift: plane.shift,
         bodies: bodies.collect(),
+        bonds: Vec::new(),
         samples: plane.samples,
         velocity: flux,
         quantity,

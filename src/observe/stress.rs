@@ -34,6 +34,8 @@ pub struct Stress<const D: usize> {
     pub lubrication: Option<SMatrix<f64, D, D>>,
     /// Of forces at a distance, if there are any.
     pub interaction: Option<SMatrix<f64, D, D>>,
+    /// Of bonds.
+    pub bonds: Option<SMatrix<f64, D, D>>,
     /// Of what fluctuations carry along, if there is inertia.
     pub reynolds: Option<SMatrix<f64, D, D>>,
     /// Of contacts.
@@ -82,6 +84,7 @@ impl<const D: usize> Stress<D> {
             hydrodynamic: shear.doubled_strain() + resolved / unit - trace,
             lubrication: films.map(|stress| stress / unit),
             interaction: solution.pair_stress.map(|stress| stress / unit),
+            bonds: solution.spring_stress.map(|stress| stress / unit),
             reynolds: reynolds_stress(setup, grid, solution, shear)?.map(|stress| stress / unit),
             contact: -moments / unit,
             with_trace: pressure.is_some(),
@@ -90,7 +93,7 @@ impl<const D: usize> Stress<D> {
 
     /// The sum of all parts.
     pub fn total(&self) -> SMatrix<f64, D, D> {
-        [self.lubrication, self.interaction, self.reynolds]
+        [self.lubrication, self.interaction, self.bonds, self.reynolds]
             .into_iter()
             .flatten()
             .fold(self.hydrodynamic + self.contact, |sum, part| sum + part)

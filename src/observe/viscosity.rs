@@ -28,6 +28,8 @@ pub struct Viscosity {
     pub lubrication: Option<f64>,
     /// Of forces at a distance, if there are any.
     pub interaction: Option<f64>,
+    /// Of bonds of chains and membranes, if there are any.
+    pub bonds: Option<f64>,
     /// Of fluctuations that fluid and bodies carry along, if they have inertia: `-mean of rho v_x v_y / (mu rate)`.
     pub reynolds: Option<f64>,
     /// Of the contact forces `f`, between centres a distance `r n` apart: `-sum f r n n / (mu rate V)`.
@@ -41,7 +43,7 @@ pub struct Viscosity {
 impl Viscosity {
     /// The sum of all parts.
     pub fn relative(&self) -> f64 {
-        let parts = [self.lubrication, self.interaction, self.reynolds];
+        let parts = [self.lubrication, self.interaction, self.bonds, self.reynolds];
         parts.into_iter().flatten().fold(self.hydrodynamic, |sum, part| sum + part) + self.contact
     }
 }
@@ -67,6 +69,7 @@ pub fn viscosity<const D: usize>(
         hydrodynamic: shear.of_stress(&stress.hydrodynamic),
         lubrication: stress.lubrication.map(|lubrication| shear.of_stress(&lubrication)),
         interaction: stress.interaction.map(|interaction| shear.of_stress(&interaction)),
+        bonds: stress.bonds.map(|bonds| shear.of_stress(&bonds)),
         reynolds: stress.reynolds.map(|reynolds| shear.of_stress(&reynolds)),
         contact: shear.of_stress(&stress.contact),
         normal: stress.normal(&shear),

@@ -18,6 +18,8 @@ pub struct CurvePoint {
     pub lubrication: Option<f64>,
     /// From forces at a distance, if there are any.
     pub interaction: Option<f64>,
+    /// From bonds of chains and membranes, if there are any.
+    pub bonds: Option<f64>,
     /// From fluctuations that are carried along, if there is inertia.
     pub reynolds: Option<f64>,
     /// From contacts, if a contact model acts.
@@ -41,6 +43,8 @@ pub struct MeanViscosity {
     pub lubrication: Option<f64>,
     /// From forces at a distance, if there are any.
     pub interaction: Option<f64>,
+    /// From bonds of chains and membranes, if there are any.
+    pub bonds: Option<f64>,
     /// From fluctuations that are carried along, if there is inertia.
     pub reynolds: Option<f64>,
     /// From contacts, if a contact model acts.
@@ -67,6 +71,7 @@ impl CurvePoint {
             hydrodynamic: viscosity.hydrodynamic,
             lubrication: viscosity.lubrication,
             interaction: viscosity.interaction,
+            bonds: viscosity.bonds,
             reynolds: viscosity.reynolds,
             contact: contact.then_some(viscosity.contact),
             first_normal_difference: viscosity.normal.first,
@@ -77,7 +82,7 @@ impl CurvePoint {
 
     /// The total.
     pub fn relative(&self) -> f64 {
-        [self.lubrication, self.interaction, self.reynolds, self.contact]
+        [self.lubrication, self.interaction, self.bonds, self.reynolds, self.contact]
             .into_iter()
             .flatten()
             .fold(self.hydrodynamic, |sum, part| sum + part)
@@ -91,6 +96,7 @@ impl CurvePoint {
             ("viscosity_hydrodynamic", Some(self.hydrodynamic)),
             ("viscosity_lubrication", self.lubrication),
             ("viscosity_interaction", self.interaction),
+            ("viscosity_bonds", self.bonds),
             ("viscosity_reynolds", self.reynolds),
             ("viscosity_contact", self.contact),
             ("first_normal_difference", Some(self.first_normal_difference)),
@@ -116,6 +122,7 @@ impl CurvePoint {
             hydrodynamic: number(&line, "viscosity_hydrodynamic").unwrap_or(f64::NAN),
             lubrication: number(&line, "viscosity_lubrication"),
             interaction: number(&line, "viscosity_interaction"),
+            bonds: number(&line, "viscosity_bonds"),
             reynolds: number(&line, "viscosity_reynolds"),
             contact: number(&line, "viscosity_contact"),
             first_normal_difference: number(&line, "first_normal_difference").unwrap_or(f64::NAN),
@@ -141,6 +148,7 @@ impl MeanViscosity {
             hydrodynamic: over(&|point| point.hydrodynamic),
             lubrication: over_known(|point| point.lubrication),
             interaction: over_known(|point| point.interaction),
+            bonds: over_known(|point| point.bonds),
             reynolds: over_known(|point| point.reynolds),
             contact: over_known(|point| point.contact),
             first_normal_difference: over(&|point| point.first_normal_difference),
@@ -172,6 +180,7 @@ mod tests {
                 hydrodynamic: 2.0 + strain.sin(),
                 lubrication: None,
                 interaction: None,
+                bonds: None,
                 reynolds: None,
                 contact: Some(0.5 + 0.1 * (3.0 * strain).cos()),
                 first_normal_difference: -0.5,

@@ -77,6 +77,8 @@ pub struct ViscositySummary {
     pub lubrication: Option<f64>,
     /// From forces at a distance.
     pub interaction: Option<f64>,
+    /// From bonds of chains and membranes.
+    pub bonds: Option<f64>,
     /// From fluctuations that fluid and bodies with inertia carry along.
     pub reynolds: Option<f64>,
     /// From contacts.
@@ -324,6 +326,7 @@ impl ViscositySummary {
             hydrodynamic: viscosity.hydrodynamic,
             lubrication: viscosity.lubrication,
             interaction: viscosity.interaction,
+            bonds: viscosity.bonds,
             reynolds: viscosity.reynolds,
             contact: None,
             interval: None,

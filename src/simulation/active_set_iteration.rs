@@ -82,7 +82,9 @@ mod tests {
             assert_eq!(rounds.next(1.0 / (1 + round) as f64, vec![], vec![7], with_one_less), [7]);
         }
         assert_eq!(rounds.next(0.1, vec![7], vec![8], with_one_less), Vec::<u32>::new());
+        assert!(!rounds.holds());
         assert_eq!(rounds.next(0.1, vec![], vec![8], with_one_less), [8]);
+        assert!(rounds.holds());
         assert_eq!(rounds.next(0.1, vec![8], vec![9, 10], with_one_less), [9, 10]);
     }
 }

@@ -212,6 +212,7 @@ impl<const D: usize> FixedOperators<D> {
             walls: WallForces::none(),
             contact_forces,
             pair_stress: None,
+            spring_stress: None,
             spring_forces: Vec::new(),
             lubrication: None,
         })

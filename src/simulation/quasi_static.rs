@@ -13,14 +13,14 @@
 
 use std::time::Instant;
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
 use super::{
     Configuration, ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Level, MeshLevel, Moving, Observation, ResidualMonitor,
     Solution, State, StepOutcome, Stepper,
     active_set_iteration::ActiveSetIteration,
     contact_step::{ContactStep, identities},
-    implicit_springs::{SpringRow, StepAhead},
+    implicit_springs::{SpringRow, StepAhead, keep_areas},
     step_control::{BodyMotion, StepControl, StepSize},
 };
 use crate::{
@@ -28,7 +28,7 @@ use crate::{
     contact::{AdhesiveContact, ContactForce, KktReport, Partner},
     error::{Error, Result},
     geometry::{Ball, Domain, near_pairs, near_walls},
-    interaction::{Area, Arrangement, PairForce, Spring, Touch, Wrench},
+    interaction::{Arrangement, PairForce, Spring, Touch, Wrench, total_stress},
     parallel::Peers,
     petsc::Session,
     scene::{ConstraintMethod, Scheme},
@@ -44,9 +44,6 @@ const AGREEMENT_IN_FILMS: f64 = 1e-4;
 
 /// Part of the tolerance of a solve at an instant down to which the flow is solved where nothing else is left to agree on.
 const TIGHTEST: f64 = 1e-3;
-
-/// Newton's iterations on an area, which is quadratic in places.
-const NEWTON: usize = 2;
 
 /// Gap, in radii, up to which a contact of the last step is tried first.
 const MEMORY_REACH: f64 = 0.1;
@@ -156,7 +153,8 @@ impl<const D: usize> QuasiStatic<D> {
             let configuration =
                 Configuration { centers: &centers, time: state.time, pressed: &pressed, springs: &rows, step, pushes: &pushes, tolerance };
             let mut solution = self.suspension.solve_at(&configuration, monitor)?;
-            solution.pair_stress = stress(&pair_forces, &springs, &solution.spring_forces, &centers);
+            solution.pair_stress = PairForce::total_stress(&pair_forces);
+            solution.spring_stress = total_stress(&springs, &solution.spring_forces, &centers);
             effort.add_solve(self.suspension.cost());
             let mut twists: Vec<Twist<D>> = solution.bodies.iter().map(|body| body.twist).collect();
             let begins = step == 0.0 && !springs.is_empty();
@@ -386,17 +384,6 @@ fn two_step<const D: usize>(state: &State<D>, observation: &Observation<D>, jump
     observation.twists.iter().zip(state.bodies.iter().map(|body| &body.twist)).enumerate().map(rule).collect()
 }
 
-/// Takes from motions the part of an area by which rows of its rate miss it over a step: of the third order in the step.
-fn keep_areas<const D: usize>(areas: &[Area], centers: &[SVector<f64, D>], moves: &mut [Twist<D>], step: f64) {
-    for area in areas {
-        for _ in 0..NEWTON {
-            let after = area.spring(&|body: usize| centers[body] + moves[body].velocity * step);
-            let square: f64 = after.ends.iter().map(|(_, gradient)| gradient.norm_squared()).sum();
-            after.ends.iter().for_each(|(body, gradient)| moves[*body].velocity -= gradient * (after.value / (square * step)));
-        }
-    }
-}
-
 /// For each body its contacts, seen from it.
 fn contacts_of<const D: usize>(held: &[ContactHistory<D>], bodies: usize) -> Vec<Vec<(Partner, [i32; D])>> {
     let mut of_body = vec![Vec::new(); bodies];
@@ -408,17 +395,6 @@ fn contacts_of<const D: usize>(held: &[ContactHistory<D>], bodies: usize) -> Vec
     }
     of_body.iter_mut().for_each(|contacts| contacts.sort_unstable());
     of_body
-}
-
-/// What pair forces and springs add to the stress times volume, if there are any.
-fn stress<const D: usize>(
-    pairs: &[PairForce<D>],
-    springs: &[Spring<D>],
-    forces: &[f64],
-    centers: &[SVector<f64, D>],
-) -> Option<SMatrix<f64, D, D>> {
-    let of_springs = springs.iter().zip(forces).map(|(spring, &force)| spring.stress(force, centers));
-    PairForce::total_stress(pairs).into_iter().chain(of_springs).reduce(|sum, stress| sum + stress)
 }
 
 fn velocities<const D: usize>(twists: &[Twist<D>]) -> Vec<SVector<f64, D>> {

@@ -10,7 +10,7 @@ mod streamlines;
 mod svg;
 
 use super::images::Window;
-use crate::observe::{Disk, Picture};
+use crate::observe::{Bond, Disk, Picture};
 pub use svg::{INK, escaped};
 
 impl Picture {
@@ -28,6 +28,19 @@ impl Picture {
     /// Every image of every body that reaches into the box.
     fn disks(&self) -> Vec<Disk> {
         self.bodies.iter().filter(|body| body.finite()).flat_map(|body| self.images(body)).collect()
+    }
+
+    /// Every image of every bond that reaches into the box, as its two ends.
+    fn ties(&self) -> Vec<([[f64; 2]; 2], f64)> {
+        let finite = |bond: &&Bond| bond.from.iter().chain(&bond.way).all(|x| x.is_finite());
+        let images = |bond: &Bond| {
+            let middle = [0, 1].map(|axis| bond.from[axis] + 0.5 * bond.way[axis]);
+            let half = bond.way.map(|way| 0.5 * way);
+            let images = self.window().images(middle, half[0].hypot(half[1]) + bond.width);
+            let ends = move |middle: [f64; 2]| [-1.0, 1.0].map(|sign| [0, 1].map(|axis| middle[axis] + sign * half[axis]));
+            images.into_iter().map(ends).map(|ends| (ends, bond.width)).collect::<Vec<_>>()
+        };
+        self.bonds.iter().filter(finite).flat_map(images).collect()
     }
 
     fn images(&self, body: &Disk) -> Vec<Disk> {
@@ -63,6 +76,7 @@ mod tests {
             periodic: [true, false],
             shift: 0.0,
             bodies: Vec::new(),
+            bonds: Vec::new(),
             samples: [32, 16],
             velocity: vec![velocity; 512],
             coloured: vec![velocity[0].hypot(velocity[1]); 512],
@@ -82,6 +96,15 @@ mod tests {
         let centers: Vec<f64> = picture.disks().iter().map(|disk| disk.center[0]).collect();
         assert_eq!(centers.len(), 3);
         assert!((centers[0] - 0.05).abs() < 1e-12 && (centers[1] - 2.05).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_bond_across_the_seam_has_two_images() {
+        let bond = Bond { from: [1.9, 0.5], way: [0.2, 0.1], width: 0.05 };
+        let picture = Picture { bonds: vec![bond], ..uniform_flow([1.0, 0.0]) };
+        let ties = picture.ties();
+        assert_eq!(ties.len(), 2);
+        assert!((ties[0].0[0][0] + 0.1).abs() < 1e-12 && (ties[1].0[1][0] - 2.1).abs() < 1e-12 && (ties[1].0[1][1] - 0.6).abs() < 1e-12);
     }
 
     #[test]

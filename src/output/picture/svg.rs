@@ -31,6 +31,7 @@ pub fn drawing(picture: &Picture) -> String {
     svg += "<g clip-path=\"url(#box)\">\n";
     svg += &field(picture, &frame, &bar);
     svg += &lines(picture, &frame);
+    svg += &ties(picture, &frame);
     svg += &bodies(picture, &frame);
     svg += "</g>\n";
     svg += &edges(picture, &frame);
@@ -140,6 +141,15 @@ fn arrow(before: Point, tip: Point, length: f64) -> String {
     let along = step.map(|component| component / step[0].hypot(step[1]).max(1e-12) * length);
     let point = |a: f64, b: f64| format!("{:.1} {:.1}", tip[0] + a * along[0] - b * along[1], tip[1] + a * along[1] + b * along[0]);
     format!("M{}L{} {} {}Z", point(0.6, 0.0), point(-0.4, 0.38), point(-0.2, 0.0), point(-0.4, -0.38))
+}
+
+fn ties(picture: &Picture, frame: &Frame) -> String {
+    let line = |(ends, width): ([Point; 2], f64)| {
+        let width = (width * frame.scale).max(0.5);
+        format!("<path d=\"{}\" stroke-width=\"{width:.1}\"/>\n", path(&ends, frame))
+    };
+    let lines: String = picture.ties().into_iter().map(line).collect();
+    if lines.is_empty() { lines } else { format!("<g fill=\"none\" stroke=\"{INK}\">\n{lines}</g>\n") }
 }
 
 /// Most bodies that are drawn as circles; more of them become an image of a pixel a pixel.

@@ -144,6 +144,7 @@ mod tests {
             hydrodynamic: 1.5,
             lubrication: None,
             interaction: None,
+            bonds: None,
             reynolds: None,
             contact: 0.25,
             normal,

@@ -252,6 +252,7 @@ impl<const D: usize> FittedFlow<D> {
             pressure_gradient: gradient,
             contact_forces: Vec::new(),
             pair_stress: None,
+            spring_stress: None,
             spring_forces: Vec::new(),
             walls: WallForces {
                 forces: std::array::from_fn(|axis| {

@@ -16,19 +16,19 @@ const REACH: f64 = 1.5;
 /// Time over which slow multipliers are means, over that in which viscosity passes a cell.
 const MEMORY: f64 = 0.25;
 
-/// The part of a change of multipliers that is forgotten over a step in which viscosity passes `cells` squared.
-pub fn forgotten(cells: f64) -> f64 {
+/// The part of a change of multipliers that slow ones do not follow in a step in which viscosity passes so many `cells`, squared.
+pub fn lag(cells: f64) -> f64 {
     (-cells / MEMORY).exp()
 }
 
-/// Damps bodies in thin gaps, with their slow multipliers before the step and the part that these forget of a change in it.
-pub fn damp<const D: usize>(fixed: &FixedOperators<D>, assembly: &mut Assembly<D>, slow: &[Vec<f64>], forgotten: f64) {
+/// Damps bodies in thin gaps, with their slow multipliers before the step and the part of a change that these do not follow in it.
+pub fn damp<const D: usize>(fixed: &FixedOperators<D>, assembly: &mut Assembly<D>, slow: &[Vec<f64>], lag: f64) {
     let spacing = fixed.grid.spacing().max();
     let mut gaps = vec![f64::INFINITY; assembly.placed.len()];
     let pairs = assembly.crowd.pairs.iter().flat_map(|pair| [(pair.first, pair.gap), (pair.second, pair.gap)]);
     let walls = assembly.crowd.walls.iter().map(|near| (near.body, near.gap));
     pairs.chain(walls).for_each(|(body, gap)| gaps[body] = gaps[body].min(gap));
-    let damping = |body: &usize| DAMPING * spacing * forgotten * (1.0 - gaps[*body] / (REACH * spacing)).clamp(0.0, 1.0);
+    let damping = |body: &usize| DAMPING * spacing * lag * (1.0 - gaps[*body] / (REACH * spacing)).clamp(0.0, 1.0);
     assembly.damping = assembly.layout.local_bodies.iter().map(damping).collect();
     for (&body, damping) in assembly.layout.local_bodies.iter().zip(&assembly.damping).filter(|(_, damping)| **damping > 0.0) {
         let (first, rigid) = (assembly.layout.local(body), fixed.kinds.surface(body).modes.rigid_count());
@@ -38,7 +38,7 @@ pub fn damp<const D: usize>(fixed: &FixedOperators<D>, assembly: &mut Assembly<D
 }
 
 /// Slow multipliers after a step.
-pub fn slowed(slow: &[Vec<f64>], multipliers: &[Vec<f64>], forgotten: f64) -> Vec<Vec<f64>> {
-    let mean = |(slow, now): (&f64, &f64)| now + forgotten * (slow - now);
+pub fn slowed(slow: &[Vec<f64>], multipliers: &[Vec<f64>], lag: f64) -> Vec<Vec<f64>> {
+    let mean = |(slow, now): (&f64, &f64)| now + lag * (slow - now);
     slow.iter().zip(multipliers).map(|(slow, now)| slow.iter().zip(now).map(mean).collect()).collect()
 }

@@ -17,7 +17,7 @@ use nalgebra::{SMatrix, SVector};
 
 pub use self::level::Level;
 use self::{
-    damping::{damp, forgotten, slowed},
+    damping::{damp, lag, slowed},
     level::{Extended, each_inside},
     momentum::Momentum,
     rows::{Past, kept},
@@ -158,6 +158,7 @@ impl<const D: usize> UnsteadySuspension<D> {
             walls: WallForces::none(),
             contact_forces: vec![0.0; configuration.pressed.len()],
             pair_stress: None,
+            spring_stress: None,
             spring_forces: Vec::new(),
             lubrication: self.films_at_rest(configuration.centers)?,
         })
@@ -357,9 +358,9 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         let mut assembly = Assembly::of(&self.fixed, configuration.centers, self.assembly.take())?;
         self.fill_undisturbed(weights, &mut assembly, configuration.centers)?;
         assembly.meet_flow(&self.fixed)?;
-        let forgotten = forgotten(weights.step / (self.inverse_diffusivity() * self.fixed.grid.spacing().max().powi(2)));
+        let lag = lag(weights.step / (self.inverse_diffusivity() * self.fixed.grid.spacing().max().powi(2)));
         if self.fixed.method.jumps() {
-            damp(&self.fixed, &mut assembly, &self.past[0].0.slow, forgotten);
+            damp(&self.fixed, &mut assembly, &self.past[0].0.slow, lag);
         }
         let configuration = Configuration { pushes: &pushes, ..*configuration };
         let fixed = &self.fixed;
@@ -388,7 +389,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         let spin_ups = momentum.complete(&mut solution.bodies);
         let twists = solution.bodies.iter().map(|state| state.twist).collect();
         let (time, centers) = (configuration.time, configuration.centers.to_vec());
-        let slow = slowed(&self.past[0].0.slow, &multipliers, forgotten);
+        let slow = slowed(&self.past[0].0.slow, &multipliers, lag);
         self.current = Some(Level { time, fluid: solution.fluid.copied()?, multipliers, slow, centers, twists, spin_ups });
         Ok(solution)
     }
