@@ -44,7 +44,7 @@ pub fn place_chains<const D: usize>(
         let found = (0..TRIALS).map(|_| form.anywhere(domain, &mut random)).find(|beads| taken.free(beads, form.radius, gap));
         let beads = found.ok_or_else(|| {
             Error::refused(format!(
-                "leaves no place for chain {chain} among those before it; lower it, shorten the chains or enlarge domain.size"
+                "leaves no place for number {chain} among those before it; lower it, make them smaller or enlarge domain.size"
             ))
         })?;
         beads.iter().for_each(|&center| taken.add(Ball { center, radius: form.radius }));
@@ -95,7 +95,8 @@ impl ChainForm {
             let other = direction();
             let across = other - one * one.dot(&other);
             if across.norm() > 0.1 {
-                break across.normalize();
+                // in a plane what turns counterclockwise must not be mirrored
+                break across.normalize() * if D == 2 { (one[0] * across[1] - one[1] * across[0]).signum() } else { 1.0 };
             }
         };
         self.places.iter().map(|place| middle + one * place.x + other * place.y).collect()
@@ -187,6 +188,16 @@ mod tests {
         [false, true].into_iter().for_each(|ring| proof([Axis::Periodic, walls], ring));
         let walls = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
         [false, true].into_iter().for_each(|ring| proof([Axis::Periodic, Axis::Periodic, walls], ring));
+    }
+
+    #[test]
+    fn cells_lie_in_any_direction_but_are_not_mirrored() {
+        let domain = Domain { size: Vector2::repeat(30.0), axes: [Axis::Periodic, Axis::Periodic] };
+        let centers = place_chains(&domain, &[], (&ChainForm::cell(0.15, 24, 0.315), 12), 0.1, 5).unwrap();
+        for cell in centers.chunks(24) {
+            let around: f64 = (0..24).map(|bead| (cell[bead] - cell[0]).perp(&(cell[(bead + 1) % 24] - cell[0]))).sum();
+            assert!(around > 0.0, "{around}");
+        }
     }
 
     #[test]

@@ -59,7 +59,7 @@ impl<const D: usize> Interaction<D> for Bonds {
 
     fn describe(&self) -> String {
         let (stretches, bends) = (self.stretches.len(), self.bends.iter().filter(|bend| bend.stiffness > 0.0).count());
-        let areas = if self.areas.is_empty() { String::new() } else { format!(", {} areas of cells", self.areas.len()) };
+        let areas = if self.areas.is_empty() { String::new() } else { format!(", the areas of {} cells", self.areas.len()) };
         format!("{stretches} springs and {bends} angles of chains{areas}, implicit: a row of the coupled system each")
     }
 

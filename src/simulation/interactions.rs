@@ -6,7 +6,9 @@
 //! radius `a`. In a dry run it is the energy of the hardest impact to be expected, `m U^2 + |f| L`, over `a`, with the largest
 //! mass, speed at the start and force and the longest edge `L` of the box.
 
-use std::rc::Rc;
+use std::{f64::consts::TAU, rc::Rc};
+
+use nalgebra::Vector2;
 
 use super::{GranularBody, Setup};
 use crate::{
@@ -51,7 +53,7 @@ pub fn bonds<const D: usize>(scene: &Scene, bodies: &[(usize, Body<D>)]) -> Opti
             let (length, stiffness) = (2.0 * bodies.radius * chain.spacing, chain.stretch.unwrap_or(f64::INFINITY));
             stretches.extend((0..bonds).map(|bond| Stretch { bodies: [bead(bond), bead(bond + 1)], length, stiffness }));
             let turns = if ring { bonds } else { bonds - 1 };
-            let angles = angles(chain, length);
+            let angles = angles(chain, length, &group[number * chain.beads..][..chain.beads]);
             let bend = |bond: usize| {
                 let bodies = [bead(bond), bead(bond + 1), bead(bond + 2)];
                 Bend { bodies, stiffness: chain.bend, angle: angles[(bond + 1) % chain.beads] }
@@ -71,10 +73,14 @@ pub fn bonds<const D: usize>(scene: &Scene, bodies: &[(usize, Body<D>)]) -> Opti
     })
 }
 
-/// The turns of a chain at its beads at rest.
-fn angles(chain: &Chain, link: f64) -> Vec<f64> {
+/// The turns of a chain of these beads at rest: a ring that is given clockwise turns that way.
+fn angles<const D: usize>(chain: &Chain, link: f64, beads: &[(usize, Body<D>)]) -> Vec<f64> {
+    let ring = |beads: &[(usize, Body<D>)]| -> Vec<Vector2<f64>> {
+        beads.iter().map(|(_, bead)| bead.ball.center.fixed_rows::<2>(0).into_owned()).collect()
+    };
     match chain.shape {
         ChainShape::Cell => turns(&biconcave(chain.beads, link)),
+        ChainShape::Ring if chain.angle == TAU / chain.beads as f64 => vec![chain.angle.copysign(enclosed(&ring(beads))); chain.beads],
         ChainShape::Line | ChainShape::Ring => vec![chain.angle; chain.beads],
     }
 }
