@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::{SVector, Vector2};
 
-use super::spring::Spring;
+use super::spring::{Spring, beyond_rounding};
 
 /// The area that a ring of bodies encloses, which stays as it is.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,7 +25,7 @@ impl Area {
             SVector::from_fn(|axis, _| if axis == 0 { across.y } else { -across.x })
         };
         let ends = (0..count).map(|bead| (first + bead, gradient(bead))).collect();
-        Spring { ends, value: enclosed(&ring) - self.area, stiffness: f64::INFINITY, smooth: true }
+        Spring { ends, value: beyond_rounding(enclosed(&ring) - self.area, self.area), stiffness: f64::INFINITY, smooth: true }
     }
 }
 

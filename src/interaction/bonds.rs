@@ -12,7 +12,7 @@ use std::{ops::Range, rc::Rc};
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{Area, Arrangement, Interaction, Spring};
+use super::{Area, Arrangement, Interaction, Spring, spring::beyond_rounding};
 
 /// Curvature that has no direction: any across the chain will do.
 const STRAIGHT: f64 = 1e-12;
@@ -90,7 +90,7 @@ impl Stretch {
         let direction = separation.normalize();
         Spring {
             ends: vec![(one, -direction), (two, direction)],
-            value: separation.norm() - self.length,
+            value: beyond_rounding(separation.norm() - self.length, self.length),
             stiffness: self.stiffness,
             smooth: true,
         }
@@ -112,7 +112,7 @@ impl Bend {
         let gradients = [of_unit(&first, &toward, direction), of_unit(&second, &onward, back.transpose() * direction)];
         Spring {
             ends: vec![(one, gradients[0]), (middle, -gradients[0] - gradients[1]), (other, gradients[1])],
-            value,
+            value: beyond_rounding(value, 1.0),
             stiffness: 0.5 * self.stiffness,
             smooth: false,
         }

@@ -2,6 +2,14 @@
 
 use nalgebra::{SMatrix, SVector};
 
+/// Part of a length, an area or an angle that is rounding of places.
+const ROUNDING: f64 = 1e-13;
+
+/// What a coordinate differs from that at rest by, both in units of `unit`: nothing where that is rounding, so that what is at rest stays so.
+pub fn beyond_rounding(value: f64, unit: f64) -> f64 {
+    if value.abs() > ROUNDING * unit { value } else { 0.0 }
+}
+
 /// A coordinate of the centres of a few bodies, and the potential `stiffness coordinate^2 / 2`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spring<const D: usize> {
