@@ -2,7 +2,7 @@
 
 use std::{collections::HashMap, f64::consts::PI};
 
-use nalgebra::{Rotation2, SVector, Vector2};
+use nalgebra::{Rotation3, SVector, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -20,8 +20,8 @@ const TRIALS: usize = 20_000;
 pub struct ChainForm {
     /// Radius of each bead.
     pub radius: f64,
-    /// Places of the beads about its middle, in a plane.
-    pub places: Vec<Vector2<f64>>,
+    /// Places of the beads about its middle; in 2D without a third component.
+    pub places: Vec<Vector3<f64>>,
 }
 
 /// Centres of the beads of `count` chains, chain by chain; neighbours are beside each other though the box may end between them. `gap` is the smallest
@@ -56,7 +56,7 @@ pub fn place_chains<const D: usize>(
 impl ChainForm {
     /// A straight line of beads, each a `link` away from the next.
     pub fn line(radius: f64, beads: usize, link: f64) -> ChainForm {
-        let place = |bead: usize| Vector2::new(link * (bead as f64 - 0.5 * (beads - 1) as f64), 0.0);
+        let place = |bead: usize| Vector3::new(link * (bead as f64 - 0.5 * (beads - 1) as f64), 0.0, 0.0);
         ChainForm { radius, places: (0..beads).map(place).collect() }
     }
 
@@ -65,20 +65,30 @@ impl ChainForm {
         let around = 0.5 * link / (PI / beads as f64).sin();
         let place = |bead: usize| {
             let (sin, cos) = f64::sin_cos(2.0 * PI * bead as f64 / beads as f64);
-            Vector2::new(cos, sin) * around
+            Vector3::new(cos, sin, 0.0) * around
         };
         ChainForm { radius, places: (0..beads).map(place).collect() }
     }
 
     /// The outline of a red cell, its long axis along the first.
     pub fn cell(radius: f64, beads: usize, link: f64) -> ChainForm {
-        ChainForm { radius, places: biconcave(beads, link) }
+        ChainForm { radius, places: biconcave(beads, link).iter().map(|place| Vector3::new(place.x, place.y, 0.0)).collect() }
     }
 
-    /// Centres of the beads about a middle in 2D, turned counterclockwise by an angle; in 3D in the plane of the first two axes.
-    pub fn at<const D: usize>(&self, middle: &SVector<f64, D>, angle: f64) -> Vec<SVector<f64, D>> {
-        let turn = Rotation2::new(angle);
-        self.places.iter().map(|place| middle + in_first_plane(&(turn * place))).collect()
+    /// Centres of the beads about a middle, turned about an axis, in 2D the third one, by its length.
+    pub fn at<const D: usize>(&self, middle: &SVector<f64, D>, rotation: &Vector3<f64>) -> Vec<SVector<f64, D>> {
+        let turn = Rotation3::new(*rotation);
+        let place = |place: &Vector3<f64>| {
+            let turned = turn * place;
+            middle + SVector::from_fn(|axis, _| turned[axis])
+        };
+        self.places.iter().map(place).collect()
+    }
+
+    /// Its largest extent.
+    pub fn length(&self) -> f64 {
+        let pairs = self.places.iter().flat_map(|one| self.places.iter().map(move |other| (one - other).norm()));
+        2.0 * self.radius + pairs.fold(0.0, f64::max)
     }
 
     /// Centres of the beads somewhere, in some direction.
@@ -99,12 +109,9 @@ impl ChainForm {
                 break across.normalize() * if D == 2 { (one[0] * across[1] - one[1] * across[0]).signum() } else { 1.0 };
             }
         };
-        self.places.iter().map(|place| middle + one * place.x + other * place.y).collect()
+        let last = SVector::from_fn(|axis, _| if D == 3 { Vector3::from_fn(|row, _| one[row]).cross(&Vector3::from_fn(|row, _| other[row]))[axis] } else { 0.0 });
+        self.places.iter().map(|place| middle + one * place.x + other * place.y + last * place.z).collect()
     }
-}
-
-fn in_first_plane<const D: usize>(place: &Vector2<f64>) -> SVector<f64, D> {
-    SVector::from_fn(|axis, _| if axis < 2 { place[axis] } else { 0.0 })
 }
 
 /// Balls in cells as wide as the largest distance of two that touch.
@@ -165,6 +172,8 @@ impl<'a, const D: usize> Taken<'a, D> {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use nalgebra::Vector2;
+
     use super::*;
     use crate::geometry::{Axis, first_fault};
 

@@ -77,6 +77,14 @@ impl<const D: usize> Contact<D> {
         }
     }
 
+    /// Whether it is of two balls of one cluster, neither of them an image, when each body that a number is given for is in the cluster of that number
+    /// (0: in none).
+    pub fn within_cluster(&self, cluster_of: &[usize], number: impl Fn(usize) -> usize) -> bool {
+        let Some(other) = self.other().filter(|_| !cluster_of.is_empty() && self.image == [0; D]) else { return false };
+        let cluster = cluster_of[number(self.body)];
+        cluster > 0 && cluster == cluster_of[number(other)]
+    }
+
     /// What tells this contact from all others, from step to step.
     pub fn identity(&self) -> Identity<D> {
         (self.body, self.partner, self.image)

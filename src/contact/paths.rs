@@ -73,6 +73,9 @@ fn body_paths<const D: usize>(problem: &Problem<D>, motions: &Motions<D>, margin
         let image = halfway.image(pair.separation - (swept[second].center - swept[first].center));
         let relative = moved(second) - moved(first) + domain.sliding() * (image[1] as f64 * step);
         let contact = Contact::between(domain, balls, [first, second], pair.separation - relative / 2.0);
+        if problem.within_cluster(&contact) {
+            continue;
+        }
         let radii = balls[first].radius + balls[second].radius;
         let separation = contact.normal * contact.separation;
         let nearest = (separation + relative * time_of_approach(&separation, &relative)).norm() - radii;

@@ -25,6 +25,8 @@ pub struct Problem<'a, const D: usize> {
     ///
     /// Sorted by [`Contact::identity`].
     pub lower_bounds: &'a [ContactForce<D>],
+    /// For each body of the run the number of the rigid cluster that it is in, from 1 on, or 0; empty without clusters. Balls of a cluster have no contacts.
+    pub cluster_of: &'a [usize],
 }
 
 impl<const D: usize> Problem<'_, D> {
@@ -36,6 +38,11 @@ impl<const D: usize> Problem<'_, D> {
     /// The numbers of all bodies.
     pub(super) fn all_numbers(&self) -> Vec<usize> {
         self.numbers.map_or_else(|| (0..self.balls.len()).collect(), <[usize]>::to_vec)
+    }
+
+    /// Whether a contact is of two balls of one cluster.
+    pub(super) fn within_cluster(&self, contact: &Contact<D>) -> bool {
+        contact.within_cluster(self.cluster_of, |place| self.number(place))
     }
 
     /// Whether a body can be turned aside.

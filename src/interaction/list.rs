@@ -2,11 +2,16 @@
 
 use std::{fmt, ops::Range, rc::Rc};
 
-use super::{Area, Arrangement, Interaction, PairForce, Spring, Touch};
+use nalgebra::SVector;
+
+use super::{Area, Arrangement, BondRow, Cluster, Interaction, PairForce, Spring, Touch};
 use crate::{
-    constraint::{MultiplierLayout, Neighbourhood, lubrication::LubricationPairs},
+    constraint::{MultiplierLayout, Neighbourhood, lubrication::{LubricationPair, LubricationPairs, Opposite}},
     contact::{AdhesiveContact, Contact, ContactForce},
 };
+
+/// Part of a distance that is rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// A list of interactions; clones share them.
 #[derive(Clone, Default)]
@@ -55,6 +60,11 @@ impl<const D: usize> Interactions<D> {
         self.iter().any(Interaction::resists)
     }
 
+    /// Whether any has rows that turn bodies.
+    pub fn turn(&self) -> bool {
+        self.resist() || !self.cluster_of().is_empty()
+    }
+
     /// The longest [`Interaction::reach`].
     pub fn reach(&self, largest_radius: f64) -> f64 {
         self.iter().map(|interaction| interaction.reach(largest_radius)).fold(0.0, f64::max)
@@ -62,12 +72,14 @@ impl<const D: usize> Interactions<D> {
 
     /// See [`Interaction::contact_forces`].
     pub fn contact_forces(&self, arrangement: &Arrangement<D>) -> Vec<ContactForce<D>> {
-        self.iter().flat_map(|interaction| interaction.contact_forces(arrangement)).collect()
+        let forces = self.iter().flat_map(|interaction| interaction.contact_forces(arrangement));
+        forces.filter(|pressed| self.between_clusters(&pressed.contact)).collect()
     }
 
     /// See [`Interaction::pair_forces`].
     pub fn pair_forces(&self, arrangement: &Arrangement<D>) -> Vec<PairForce<D>> {
-        self.iter().flat_map(|interaction| interaction.pair_forces(arrangement)).collect()
+        let forces = self.iter().flat_map(|interaction| interaction.pair_forces(arrangement));
+        forces.filter(|force| self.between_clusters(&force.contact)).collect()
     }
 
     /// See [`Interaction::steepest`]; slopes add up.
@@ -106,6 +118,33 @@ impl<const D: usize> Interactions<D> {
         self.iter().flat_map(Interaction::bonds).collect()
     }
 
+    /// See [`Interaction::welds`].
+    pub fn welds(&self, centers: &[SVector<f64, D>]) -> Vec<BondRow<D>> {
+        self.iter().flat_map(|interaction| interaction.welds(centers)).collect()
+    }
+
+    /// See [`Interaction::clusters`].
+    pub fn clusters(&self) -> impl Iterator<Item = &Cluster<D>> {
+        self.iter().flat_map(Interaction::clusters)
+    }
+
+    /// See [`Interaction::cluster_of`].
+    pub fn cluster_of(&self) -> &[usize] {
+        self.iter().map(Interaction::cluster_of).find(|of| !of.is_empty()).unwrap_or(&[])
+    }
+
+    /// Whether a film is between balls that move as one; one of them and an image of the other do not.
+    fn within_cluster(&self, film: &LubricationPair<D>) -> bool {
+        let Opposite::Body(other, _) = film.other else { return false };
+        let distance = self.clusters().find_map(|cluster| cluster.distance([film.body, other]));
+        distance.is_some_and(|distance| (film.separation.norm() - distance).abs() < ROUNDING * distance)
+    }
+
+    /// Whether a contact is between balls of different clusters, or with an image.
+    fn between_clusters(&self, contact: &Contact<D>) -> bool {
+        !contact.within_cluster(self.cluster_of(), |body| body)
+    }
+
     /// See [`Interaction::areas`].
     pub fn areas(&self) -> Vec<Area> {
         self.iter().flat_map(Interaction::areas).collect()
@@ -113,7 +152,11 @@ impl<const D: usize> Interactions<D> {
 
     /// See [`Interaction::rows`].
     pub fn rows(&self, crowd: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
-        self.iter().map(|interaction| interaction.rows(crowd, layout)).fold(LubricationPairs::default(), LubricationPairs::with)
+        let mut rows = self.iter().map(|interaction| interaction.rows(crowd, layout)).fold(LubricationPairs::default(), LubricationPairs::with);
+        if !self.cluster_of().is_empty() {
+            rows.films.retain(|film| !self.within_cluster(film));
+        }
+        rows
     }
 
     /// See [`Interaction::resolved_at_walls`].

@@ -7,6 +7,7 @@
 
 mod area;
 mod arrangement;
+mod bond_row;
 mod bonds;
 mod gluey;
 mod inelastic;
@@ -14,18 +15,23 @@ mod list;
 mod lubrication;
 mod repulsion;
 mod spring;
+mod welds;
 
 use std::{fmt::Debug, ops::Range};
 
 pub use area::{Area, enclosed};
 pub use arrangement::{Arrangement, PairForce, Wrench};
+pub use bond_row::BondRow;
 pub use bonds::{Bend, Bonds, Stretch};
 pub use gluey::Gluey;
 pub use inelastic::Inelastic;
 pub use list::Interactions;
 pub use lubrication::Lubrication;
 pub use repulsion::Repulsion;
-pub use spring::{Spring, total_stress};
+pub use spring::Spring;
+pub use welds::{Cluster, Welds};
+
+use nalgebra::SVector;
 
 use crate::{
     constraint::{MultiplierLayout, Neighbourhood, lubrication::LubricationPairs},
@@ -109,6 +115,21 @@ pub trait Interaction<const D: usize>: Debug {
     /// Pairs of bodies that it ties, to be seen in pictures.
     fn bonds(&self) -> Vec<[usize; 2]> {
         Vec::new()
+    }
+
+    /// Rows by which it makes bodies with these centres move as one.
+    fn welds(&self, _centers: &[SVector<f64, D>]) -> Vec<BondRow<D>> {
+        Vec::new()
+    }
+
+    /// Bodies that it makes move as one.
+    fn clusters(&self) -> &[Cluster<D>] {
+        &[]
+    }
+
+    /// For each body the number of the cluster that it is in, from 1 on, or 0; nothing without clusters.
+    fn cluster_of(&self) -> &[usize] {
+        &[]
     }
 
     /// Areas that rings of bodies enclose and that stay as they are, cell by cell.

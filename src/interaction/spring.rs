@@ -1,6 +1,6 @@
 //! Coordinates of a few bodies that a force opposes in proportion: of what potentials of bonds are made.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
 /// Part of a length, an area or an angle that is rounding of places.
 const ROUNDING: f64 = 1e-13;
@@ -39,15 +39,4 @@ impl<const D: usize> Spring<D> {
     pub fn energy(&self) -> f64 {
         if self.stiffness.is_finite() { 0.5 * self.stiffness * self.value * self.value } else { 0.0 }
     }
-
-    /// What a generalised force along the coordinate adds to the stress, times volume: minus the first moment of the forces on bodies.
-    pub fn stress(&self, force: f64, centers: &[SVector<f64, D>]) -> SMatrix<f64, D, D> {
-        let moment: SMatrix<f64, D, D> = self.ends.iter().map(|(body, gradient)| gradient * force * centers[*body].transpose()).sum();
-        -moment
-    }
-}
-
-/// What springs with these forces add to the stress, times volume; nothing without springs.
-pub fn total_stress<const D: usize>(springs: &[Spring<D>], forces: &[f64], centers: &[SVector<f64, D>]) -> Option<SMatrix<f64, D, D>> {
-    springs.iter().zip(forces).map(|(spring, &force)| spring.stress(force, centers)).reduce(|sum, stress| sum + stress)
 }

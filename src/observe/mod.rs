@@ -3,6 +3,7 @@
 mod body;
 mod cells;
 mod chains;
+mod clusters;
 mod drag;
 mod film;
 mod inertia;
@@ -22,6 +23,7 @@ mod vorticity;
 pub use body::FrameBody;
 pub use cells::{CellCenters, inside};
 pub use chains::ChainNumbers;
+pub use clusters::mean_orientation;
 pub use drag::{ForceCoefficients, Stream};
 pub use film::{AnimatedDisk, AnimationFrame, Film, FlowCut, Plane};
 pub use inertia::InertialNumbers;

@@ -84,7 +84,7 @@ impl<const D: usize> Stress<D> {
             hydrodynamic: shear.doubled_strain() + resolved / unit - trace,
             lubrication: films.map(|stress| stress / unit),
             interaction: solution.pair_stress.map(|stress| stress / unit),
-            bonds: solution.spring_stress.map(|stress| stress / unit),
+            bonds: solution.bond_stress.map(|stress| stress / unit),
             reynolds: reynolds_stress(setup, grid, solution, shear)?.map(|stress| stress / unit),
             contact: -moments / unit,
             with_trace: pressure.is_some(),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::error::Result;
 use crate::scene::FlowModel;
 use crate::scene::chains::{self, Chain, ChainShape};
+use crate::scene::clusters::{self, Cluster};
 use crate::scene::entry::Entry;
 use crate::scene::table::Table;
 
@@ -23,7 +24,10 @@ const CHAIN_KEYS: [&str; 14] =
 const CELL_KEYS: [&str; 13] =
     ["count", "centers", "file", "rotation", "beads", "radius", "spacing", "stretch", "bend", "gap", "density", "force", "torque"];
 
-/// Bodies that are alike: one `[[bodies]]`, one `[[chains]]` or one `[[cells]]` of the file.
+const CLUSTER_KEYS: [&str; 13] =
+    ["count", "centers", "file", "rotation", "shape", "beads", "offsets", "radius", "spacing", "gap", "density", "force", "torque"];
+
+/// Bodies that are alike: one `[[bodies]]`, one `[[chains]]`, one `[[cells]]` or one `[[clusters]]` of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyGroup {
     /// The shape of each body.
@@ -48,6 +52,8 @@ pub struct BodyGroup {
     pub spin: Option<Vec<f64>>,
     /// How they are tied to each other, if they are beads of chains or of cells; numbers of bodies are then those of chains, and centers those of cells.
     pub chain: Option<Chain>,
+    /// Which rigid clusters they are the balls of, if they are; numbers of bodies, centers, forces and torques are then those of clusters.
+    pub cluster: Option<Cluster>,
 }
 
 /// The shape of a body.
@@ -120,20 +126,39 @@ pub(super) fn read_cells(root: &Table, folder: &Path, dimension: usize) -> Resul
     groups.iter().map(read).collect()
 }
 
+/// The balls of all rigid clusters.
+pub(super) fn read_clusters(root: &Table, folder: &Path, dimension: usize) -> Result<Vec<BodyGroup>> {
+    let groups = root.get("clusters").map_or(Ok(Vec::new()), |entry| entry.list())?;
+    let read = |entry: &Entry| {
+        let table = Table::of(entry, &CLUSTER_KEYS)?;
+        let group = BodyGroup::several(&table, folder, dimension)?;
+        let cluster = clusters::read(&table, dimension, group.radius)?;
+        Ok(BodyGroup { cluster: Some(cluster), ..group })
+    };
+    groups.iter().map(read).collect()
+}
+
 impl BodyGroup {
     /// Balls of this radius, free and as dense as a fluid of density 1.
     pub fn new(radius: f64, placement: Placement) -> Self {
         let (shape, gap, density, motion) = (Shape::Ball, 0.05, 1.0, Motion::Free);
-        BodyGroup { shape, radius, placement, gap, density, motion, force: None, torque: None, velocity: None, spin: None, chain: None }
+        let (force, torque, velocity, spin) = (None, None, None, None);
+        BodyGroup { shape, radius, placement, gap, density, motion, force, torque, velocity, spin, chain: None, cluster: None }
     }
 
     /// The name of the list of the file that it is from.
     pub fn section(&self) -> &'static str {
         match self.chain.map(|chain| chain.shape) {
+            None if self.cluster.is_some() => "clusters",
             None => "bodies",
             Some(ChainShape::Line | ChainShape::Ring) => "chains",
             Some(ChainShape::Cell) => "cells",
         }
+    }
+
+    /// Whether centers, numbers and forces are those of several bodies that are placed together.
+    pub fn together(&self) -> bool {
+        self.chain.is_some() || self.cluster.is_some()
     }
 
     fn read(entry: &Entry, folder: &Path, dimension: usize, model: FlowModel) -> Result<Self> {
@@ -170,6 +195,11 @@ impl BodyGroup {
 
     /// Bodies that are tied to each other so.
     fn tied(table: &Table, folder: &Path, dimension: usize, chain: Chain) -> Result<Self> {
+        Ok(BodyGroup { chain: Some(chain), ..BodyGroup::several(table, folder, dimension)? })
+    }
+
+    /// Bodies that are placed several at a time.
+    fn several(table: &Table, folder: &Path, dimension: usize) -> Result<Self> {
         table.exactly_one(&CHAIN_PLACEMENTS, "count = 10")?;
         let placement = Placement::read(table, folder, dimension)?;
         let default = BodyGroup::new(table.require("radius", "0.5")?.positive()?, placement);
@@ -178,7 +208,6 @@ impl BodyGroup {
             density: table.get("density").map_or(Ok(default.density), |entry| entry.not_negative())?,
             force: table.get("force").map(|entry| entry.vector(dimension)).transpose()?,
             torque: table.get("torque").map(|entry| entry.rotation(dimension)).transpose()?,
-            chain: Some(chain),
             ..default
         })
     }

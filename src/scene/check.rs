@@ -12,6 +12,7 @@ use crate::scene::{
 pub(super) fn check(scene: &Scene) -> Result<()> {
     check_open(scene)?;
     check_chains(scene)?;
+    check_clusters(scene)?;
     check_spacing(scene)?;
     check_contact(scene)?;
     check_constraint(scene)?;
@@ -69,6 +70,14 @@ fn check_chains(scene: &Scene) -> Result<()> {
     expect(scene.flow.model.fluid(), "are beads in a fluid; set flow.model = \"stokes\" or \"navier-stokes\"")?;
     expect(scene.method.constraint == ConstraintMethod::Sharp, "need method.constraint = \"sharp\"")?;
     expect(scene.time.is_some(), "move over a time step; add [time]")
+}
+
+/// Refuses rigid clusters where nothing holds them together.
+fn check_clusters(scene: &Scene) -> Result<()> {
+    let Some(group) = scene.bodies.iter().position(|bodies| bodies.cluster.is_some()) else { return Ok(()) };
+    let expect = |right, remedy| expect(scene, right, &format!("{}.radius", scene.group_key(group)), scene.bodies[group].radius, remedy);
+    expect(scene.flow.model.fluid(), "is of clusters, which are in a fluid; set flow.model = \"stokes\" or \"navier-stokes\"")?;
+    expect(scene.method.constraint == ConstraintMethod::Sharp, "is of clusters, which need method.constraint = \"sharp\"")
 }
 
 fn check_spacing(scene: &Scene) -> Result<()> {

@@ -13,7 +13,7 @@ use crate::scene::{
     ResolutionSection, Scene, TimeSection, accuracy, bodies, check, keys, overrides, scalar,
 };
 
-const KEYS: [&str; 15] = [
+const KEYS: [&str; 16] = [
     "title",
     "seed",
     "gravity",
@@ -25,6 +25,7 @@ const KEYS: [&str; 15] = [
     "bodies",
     "chains",
     "cells",
+    "clusters",
     "contact",
     "lubrication",
     "time",
@@ -177,6 +178,7 @@ fn read(file: &str, folder: &Path, content: &Value, locations: Locations) -> Res
             bodies::read(&root, folder, dimension, model)?,
             bodies::read_chains(&root, folder, dimension)?,
             bodies::read_cells(&root, folder, dimension)?,
+            bodies::read_clusters(&root, folder, dimension)?,
         ]
         .concat(),
         contact: ContactSection::read(&root)?,

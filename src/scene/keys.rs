@@ -9,6 +9,7 @@ use crate::scene::chains::word as shape_word;
 use crate::scene::entry::word_of;
 use crate::scene::sections::PROFILES;
 use crate::scene::{
+    Cluster, ClusterForm,
     AxisSection, BodyGroup, Chain, ChainShape, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel,
     FlowSection, LubricationModel, MethodSection, Modes, Motion, MultiplierSolver, OutputSection, Placement, ResolutionSection, Scene,
     Scheme, Shape, Spacing, Step, TimeSection, Until,
@@ -70,7 +71,7 @@ pub(super) fn file_of(keys: &Keys) -> String {
     let (mut file, mut tables, mut group) = (String::new(), String::new(), None);
     for (key, value) in keys {
         let of_group = |name: &'static str| Some((name, key.strip_prefix(name)?.strip_prefix('[')?.split_once("].")?));
-        let Some((name, (number, key))) = ["bodies", "chains", "cells"].into_iter().find_map(of_group) else {
+        let Some((name, (number, key))) = ["bodies", "chains", "cells", "clusters"].into_iter().find_map(of_group) else {
             file += &format!("{key} = {value}\n");
             continue;
         };
@@ -78,9 +79,9 @@ pub(super) fn file_of(keys: &Keys) -> String {
             tables += &format!("\n[[{name}]]\n");
             group = Some((name, number));
         }
-        match key.strip_prefix("centers[") {
-            // the list stays open for the next center
-            Some("0]") => tables += &format!("centers = [{value}]\n"),
+        match key.split_once('[') {
+            // the list stays open for the next place
+            Some((list, "0]")) => tables += &format!("{list} = [{value}]\n"),
             Some(_) => tables.insert_str(tables.len() - 2, &format!(", {value}")),
             None => tables += &format!("{key} = {value}\n"),
         }
@@ -187,8 +188,12 @@ fn automatic(key: &str, value: Option<f64>) -> (String, String) {
 }
 
 fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
-    let BodyGroup { shape: Shape::Ball, radius, placement, gap, density, motion, force, torque, velocity, spin, chain } = bodies;
-    let mut keys = chain.as_ref().map_or_else(|| vec![word("shape", "ball")], of_chain);
+    let BodyGroup { shape: Shape::Ball, radius, placement, gap, density, motion, force, torque, velocity, spin, chain, cluster } = bodies;
+    let mut keys = match (chain, cluster) {
+        (Some(chain), _) => of_chain(chain),
+        (None, Some(cluster)) => of_cluster(cluster),
+        (None, None) => vec![word("shape", "ball")],
+    };
     keys.push(number("radius", *radius));
     keys.extend(match placement {
         Placement::Fraction(fraction) => vec![number("fraction", *fraction), number("gap", *gap)],
@@ -199,7 +204,7 @@ fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
     });
     if model != FlowModel::Scalar {
         keys.push(number("density", *density));
-        keys.extend(if chain.is_none() { of_motion(motion) } else { Vec::new() });
+        keys.extend(if bodies.together() { Vec::new() } else { of_motion(motion) });
     }
     let lists = [("force", force), ("torque", torque), ("velocity", velocity), ("spin", spin)];
     keys.extend(lists.into_iter().filter_map(|(key, numbers)| Some((key, numbers.as_deref()?))).map(|(key, numbers)| match numbers {
@@ -218,6 +223,23 @@ fn of_chain(chain: &Chain) -> Keys {
     match shape {
         ChainShape::Cell => keys.extend((*rotation != 0.0).then(|| number("rotation", *rotation))),
         ChainShape::Line | ChainShape::Ring => keys.push(word("shape", shape_word(*shape))),
+    }
+    keys
+}
+
+fn of_cluster(cluster: &Cluster) -> Keys {
+    let Cluster { form, spacing, rotation } = cluster;
+    let mut keys: Keys = form.word().map(|shape| word("shape", shape)).into_iter().collect();
+    match form {
+        ClusterForm::Rod(beads) => keys.push(pair("beads", beads)),
+        ClusterForm::Offsets(offsets) => keys.extend((0..).zip(offsets).map(|(place, offset)| list(&format!("offsets[{place}]"), offset))),
+        ClusterForm::Cross | ClusterForm::Triangle | ClusterForm::Tetrahedron => {}
+    }
+    keys.extend(form.word().map(|_| number("spacing", *spacing)));
+    match rotation[..] {
+        _ if rotation.iter().all(|&component| component == 0.0) => {}
+        [angle] => keys.push(number("rotation", angle)),
+        _ => keys.push(list("rotation", rotation)),
     }
     keys
 }

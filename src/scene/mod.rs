@@ -6,6 +6,7 @@
 mod accuracy;
 mod bodies;
 mod chains;
+mod clusters;
 mod check;
 mod difference;
 mod entry;
@@ -19,6 +20,7 @@ mod table;
 
 pub use bodies::{BodyGroup, Motion, Placement, Shape};
 pub use chains::{Chain, ChainShape};
+pub use clusters::{Cluster, ClusterForm};
 pub use difference::Difference;
 pub use locations::Locations;
 pub use sections::{

@@ -134,7 +134,7 @@ impl<const D: usize> BodyTypes<D> {
             })
         };
         let kind_of = setup.bodies.iter().enumerate().map(kind_of).collect();
-        let given = if setup.interactions.resist() { Given::Motions } else { Given::Forces };
+        let given = if setup.interactions.turn() { Given::Motions } else { Given::Forces };
         BodyTypes { kinds, kind_of, pair_tables: PairTables::new(given) }
     }
 

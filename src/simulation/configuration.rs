@@ -2,8 +2,7 @@
 
 use nalgebra::SVector;
 
-use super::implicit_springs::SpringRow;
-use crate::{contact::ContactForce, interaction::Wrench};
+use crate::{contact::ContactForce, interaction::{BondRow, Wrench}};
 
 /// Where the bodies of a suspension are, and what is known of that instant.
 #[derive(Debug, Clone, Copy)]
@@ -14,8 +13,8 @@ pub struct Configuration<'a, const D: usize> {
     pub time: f64,
     /// Contacts that are held: their forces are unknowns, and those given are where the solve starts.
     pub pressed: &'a [ContactForce<D>],
-    /// Springs: their forces are unknowns.
-    pub springs: &'a [SpringRow<D>],
+    /// Springs and welds: their forces are unknowns.
+    pub bonds: &'a [BondRow<D>],
     /// The step in which gaps of contacts are to close, and no sooner.
     pub step: f64,
     /// Forces and torques on all bodies besides those of the setup; none if empty.

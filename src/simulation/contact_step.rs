@@ -41,7 +41,8 @@ impl<const D: usize> ContactStep<'_, D> {
         lower_bounds.sort_by_key(|bound| bound.contact.identity());
         lower_bounds.dedup_by_key(|bound| bound.contact.identity());
         let Arrangement { domain, balls, weights, .. } = self.arrangement;
-        let problem = Problem { domain, numbers: None, balls, weights, velocities, step: self.step, lower_bounds: &lower_bounds };
+        let cluster_of = self.flow.setup().interactions.cluster_of();
+        let problem = Problem { domain, numbers: None, balls, weights, velocities, step: self.step, lower_bounds: &lower_bounds, cluster_of };
         let mut projection = contact::project(self.session.world(), &problem, self.session.into())?;
         projection.forces.iter_mut().for_each(|pressed| pressed.force /= self.mobile_part(&pressed.contact));
         projection.kkt_report.total_force = projection.forces.iter().map(|pressed| pressed.force).sum();
@@ -102,7 +103,8 @@ impl<const D: usize> ContactStep<'_, D> {
     ) -> Vec<ContactForce<D>> {
         let places: HashMap<Identity<D>, usize> =
             pressed.iter().enumerate().map(|(place, pressed)| (pressed.contact.identity(), place)).collect();
-        for contact in self.arrangement.near(2.0 * fastest * self.step) {
+        let cluster_of = self.flow.setup().interactions.cluster_of();
+        for contact in self.arrangement.near(2.0 * fastest * self.step).into_iter().filter(|contact| !contact.within_cluster(cluster_of, |body| body)) {
             match places.get(&contact.identity()).copied() {
                 Some(place) if pressed[place].force < self.least(&contact) - slack * self.softest(&contact) => {
                     pressed.remove(place);

@@ -212,8 +212,8 @@ impl<const D: usize> FixedOperators<D> {
             walls: WallForces::none(),
             contact_forces,
             pair_stress: None,
-            spring_stress: None,
-            spring_forces: Vec::new(),
+            bond_stress: None,
+            bond_forces: Vec::new(),
             lubrication: None,
         })
     }

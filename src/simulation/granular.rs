@@ -149,6 +149,7 @@ impl<const D: usize> Granular<D> {
             velocities: &velocities,
             step,
             lower_bounds: &lower_bounds,
+            cluster_of: &[],
         };
         let found = contact::project_share(
             peers,

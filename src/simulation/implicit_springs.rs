@@ -10,11 +10,12 @@
 //! is, and keeps the order of the rule; a stiff one where it will be, and comes to rest in one step without passing it: `p = z^2 / (z^2 + 1/10)`. With
 //! `p = 1` and no compliance it is a rod.
 
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 use crate::{
     body::Twist,
-    interaction::{Area, Spring},
+    constraint::lubrication::RigidFunctional,
+    interaction::{Area, BondRow, Spring},
 };
 
 /// Square of `z` at which a spring is half stiff: energies of free springs then fall in every step (tests).
@@ -25,17 +26,6 @@ const LEAST: f64 = 1e-3;
 
 /// Newton's iterations on an area, which is quadratic in places.
 const NEWTON: usize = 2;
-
-/// A row `rate of the coordinate + compliance force = wanted rate`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SpringRow<const D: usize> {
-    /// The bodies, with the gradient of the coordinate by the centre of each.
-    pub ends: Vec<(usize, SVector<f64, D>)>,
-    /// The rate wanted.
-    pub rate: f64,
-    /// Rate over force; zero for a rod.
-    pub compliance: f64,
-}
 
 /// The step for which rows are made.
 #[derive(Debug, Clone, Copy)]
@@ -54,7 +44,7 @@ pub struct StepAhead<'a, const D: usize> {
 
 impl<const D: usize> StepAhead<'_, D> {
     /// The rows of springs, of which `ahead` are as they will be if bodies go on with the velocities of the last step.
-    pub fn rows(&self, springs: &[Spring<D>], ahead: &[Spring<D>]) -> Vec<SpringRow<D>> {
+    pub fn rows(&self, springs: &[Spring<D>], ahead: &[Spring<D>]) -> Vec<BondRow<D>> {
         let length = match self.length > 0.0 {
             true => self.length,
             false => springs.iter().map(|spring| self.room / self.fastest(spring)).fold(f64::INFINITY, f64::min),
@@ -74,13 +64,14 @@ impl<const D: usize> StepAhead<'_, D> {
     }
 
     /// The row of a spring whose coordinate will have changed by `bent` besides what its rate makes of it.
-    fn row(&self, length: f64, spring: &Spring<D>, bent: f64) -> SpringRow<D> {
+    fn row(&self, length: f64, spring: &Spring<D>, bent: f64) -> BondRow<D> {
         let ahead = if self.last > 0.0 { 1.0 + 0.5 * length / self.last } else { 1.0 };
         let last = if self.last > 0.0 { spring.rate(self.velocities) } else { 0.0 };
         let part = implicit_part(spring.stiffness * spring.mobility(self.resistances) * length);
         let compliance = if spring.stiffness.is_finite() { 1.0 / (spring.stiffness * part * ahead * length) } else { 0.0 };
         let rate = -(spring.value / part + bent) / (ahead * length) + (1.0 - 1.0 / ahead) * last;
-        SpringRow { ends: spring.ends.clone(), rate, compliance }
+        let end = |&(body, direction): &(usize, SVector<f64, D>)| (body, RigidFunctional { direction, turn: SMatrix::zeros() });
+        BondRow { ends: spring.ends.iter().map(end).collect(), rate, compliance }
     }
 }
 

@@ -15,8 +15,8 @@ use crate::{
     body::{Body, Motion, Twist, biconcave, turns},
     error::Result,
     flow::Drive,
-    geometry::{Axis, Domain},
-    interaction::{Area, Bend, Bonds, Gluey, Inelastic, Interaction, Interactions, Repulsion, Stretch, enclosed},
+    geometry::{Axis, Ball, Domain},
+    interaction::{Area, Bend, Bonds, Cluster, Gluey, Inelastic, Interaction, Interactions, Repulsion, Stretch, Welds, enclosed},
     scene::{Chain, ChainShape, ContactModel, Scene, Step},
 };
 
@@ -71,6 +71,21 @@ pub fn bonds<const D: usize>(scene: &Scene, bodies: &[(usize, Body<D>)]) -> Opti
         areas: Rc::new(areas),
         chains: Rc::new(chains),
     })
+}
+
+/// The welds of the rigid clusters of a scene, whose bodies are these, each with its group; none without clusters.
+pub fn welds<const D: usize>(scene: &Scene, bodies: &[(usize, Body<D>)]) -> Option<Welds<D>> {
+    let (mut clusters, mut first) = (Vec::new(), 0);
+    for group in bodies.chunk_by(|one, next| one.0 == next.0) {
+        if let Some(cluster) = &scene.bodies[group[0].0].cluster {
+            for (number, balls) in group.chunks(cluster.balls()).enumerate() {
+                let balls: Vec<Ball<D>> = balls.iter().map(|(_, body)| body.ball).collect();
+                clusters.push(Cluster::new(first + number * cluster.balls(), &balls));
+            }
+        }
+        first += group.len();
+    }
+    (!clusters.is_empty()).then(|| Welds::new(clusters, bodies.len()))
 }
 
 /// The turns of a chain of these beads at rest: a ring that is given clockwise turns that way.

@@ -6,7 +6,6 @@ use super::{
     bodies::Bodies,
     configuration::Configuration,
     fixed_operators::FixedOperators,
-    implicit_springs::SpringRow,
     network::Resistances,
     pair_constraint::{ConstraintSide, PairConstraint, RigidVector},
     pair_constraints::{Medium, PairConstraints},
@@ -19,6 +18,7 @@ use crate::{
     },
     contact::{Contact, ContactForce},
     error::Result,
+    interaction::BondRow,
 };
 
 /// Numbers of rigid modes, by dimension.
@@ -54,8 +54,8 @@ pub fn pair_constraints<const D: usize>(
     for pressed in configuration.pressed.iter().filter(|pressed| touches(&bodies.layout, pressed)) {
         builder.add_contact(pressed.contact, configuration.step, belongs(&bodies.layout, pressed));
     }
-    for spring in configuration.springs.iter().filter(|spring| bodies.layout.holds_any(spring_bodies(spring))) {
-        builder.add_spring(spring, spring_belongs(&bodies.layout, spring));
+    for bond in configuration.bonds.iter().filter(|bond| bodies.layout.holds_any(bond_bodies(bond))) {
+        builder.add_bond(bond, bond_belongs(&bodies.layout, bond));
     }
     for film in &films.films {
         film.relative_modes.iter().for_each(|way| builder.add_way(film, way, bodies.layout.holds(film.body)));
@@ -93,13 +93,13 @@ pub fn belongs<const D: usize>(layout: &MultiplierLayout, pressed: &ContactForce
     layout.holds(pressed.contact.body)
 }
 
-/// Whether a spring is one of this rank's: its first body is.
-pub fn spring_belongs<const D: usize>(layout: &MultiplierLayout, spring: &SpringRow<D>) -> bool {
-    spring_bodies(spring).next().is_some_and(|body| layout.holds(body))
+/// Whether a bond is one of this rank's: its first body is.
+pub fn bond_belongs<const D: usize>(layout: &MultiplierLayout, bond: &BondRow<D>) -> bool {
+    bond_bodies(bond).next().is_some_and(|body| layout.holds(body))
 }
 
-fn spring_bodies<const D: usize>(spring: &SpringRow<D>) -> impl Iterator<Item = usize> {
-    spring.ends.iter().map(|(body, _)| *body)
+fn bond_bodies<const D: usize>(bond: &BondRow<D>) -> impl Iterator<Item = usize> {
+    bond.ends.iter().map(|(body, _)| *body)
 }
 
 /// Whether it has a side on a body of this rank.
@@ -135,13 +135,11 @@ impl<'a, const D: usize> Builder<'a, D> {
         }
     }
 
-    fn add_spring(&mut self, spring: &SpringRow<D>, owned: bool) {
-        let compliance = spring.compliance * self.scale * self.fixed.setup.viscosity;
-        self.links.push(PairConstraint::new(spring.rate, compliance, owned));
-        for &(body, direction) in &spring.ends {
-            self.add_end(body, &RigidFunctional { direction, turn: SMatrix::zeros() });
-        }
-        self.links.last_mut().expect("a spring is a link").balance();
+    fn add_bond(&mut self, bond: &BondRow<D>, owned: bool) {
+        let compliance = bond.compliance * self.scale * self.fixed.setup.viscosity;
+        self.links.push(PairConstraint::new(bond.rate, compliance, owned));
+        bond.ends.iter().for_each(|(body, side)| self.add_end(*body, side));
+        self.links.last_mut().expect("a bond is a link").balance();
     }
 
     fn add_way(&mut self, film: &LubricationPair<D>, way: &RelativeMode<D>, owned: bool) {

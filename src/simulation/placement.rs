@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::room;
 use crate::{
@@ -10,7 +10,7 @@ use crate::{
     error::{Error, Result},
     geometry::{Axis, Ball, Domain, Inflow, InvalidConfiguration, LeesEdwards, first_fault},
     parallel::Peers,
-    scene::{self, AxisSection, BodyGroup, Chain, ChainShape, Placement, Scene},
+    scene::{self, AxisSection, BodyGroup, ChainShape, Placement, Scene},
 };
 
 /// Part of a length that is rounding.
@@ -60,20 +60,21 @@ pub struct Asked<const D: usize> {
 pub fn asked<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Asked<D>> {
     let mut given = Vec::new();
     for (group, bodies) in scene.bodies.iter().enumerate() {
-        let balls = match (bodies.chain, &bodies.placement) {
-            (Some(chain), Placement::Count(count)) => {
+        let form = form(scene, group, domain)?;
+        let balls = match (&form, &bodies.placement) {
+            (Some(form), Placement::Count(count)) => {
                 let obstacles: Vec<Ball<D>> = given.iter().map(|&(_, ball)| ball).collect();
-                let placed = place_chains(domain, &obstacles, (&form(bodies.radius, &chain), *count), bodies.gap, scene.seed);
+                let placed = place_chains(domain, &obstacles, (form, *count), bodies.gap, scene.seed);
                 let centers =
                     placed.map_err(|error| scene.refuse(&format!("{}.count", scene.group_key(group)), count, &error.to_string()))?;
                 centers.into_iter().map(|center| Ball { center, radius: bodies.radius }).collect()
             }
-            (chain, _) => {
+            (form, _) => {
                 let balls = given_balls(bodies).map_err(|error| scene.unreadable(group, error))?;
-                match chain {
-                    Some(chain) if chain.shape == ChainShape::Cell => outlined(bodies.radius, &chain, &balls),
-                    Some(chain) => joined(scene, domain, group, (chain.beads, balls))?,
-                    None => balls,
+                match (form, bodies.chain) {
+                    (Some(_), Some(chain)) if chain.shape != ChainShape::Cell => joined(scene, domain, group, (chain.beads, balls))?,
+                    (Some(form), _) => about(form, &rotation(bodies), &balls),
+                    (None, _) => balls,
                 }
             }
         };
@@ -114,20 +115,39 @@ fn given_balls<const D: usize>(group: &BodyGroup) -> Result<Vec<Ball<D>>> {
     }
 }
 
-/// The form in which a chain is placed.
-fn form(radius: f64, chain: &Chain) -> ChainForm {
-    let link = 2.0 * radius * chain.spacing;
-    match chain.shape {
-        ChainShape::Line => ChainForm::line(radius, chain.beads, link),
-        ChainShape::Ring => ChainForm::circle(radius, chain.beads, link),
-        ChainShape::Cell => ChainForm::cell(radius, chain.beads, link),
+/// The form in which the chains or clusters of a group are placed; nothing for bodies of their own.
+fn form<const D: usize>(scene: &Scene, group: usize, domain: &Domain<D>) -> Result<Option<ChainForm>> {
+    let bodies = &scene.bodies[group];
+    let radius = bodies.radius;
+    if let Some(cluster) = &bodies.cluster {
+        let form = ChainForm { radius, places: cluster.places(radius).into_iter().map(Vector3::from).collect() };
+        let (length, longest) = (form.length(), domain.size.max());
+        let remedy = format!("is of clusters {length} long, and domain.size is {longest} at most; lower it or enlarge domain.size");
+        return if length > longest { Err(scene.refuse(&format!("{}.radius", scene.group_key(group)), radius, &remedy)) } else { Ok(Some(form)) };
+    }
+    Ok(bodies.chain.map(|chain| {
+        let link = 2.0 * radius * chain.spacing;
+        match chain.shape {
+            ChainShape::Line => ChainForm::line(radius, chain.beads, link),
+            ChainShape::Ring => ChainForm::circle(radius, chain.beads, link),
+            ChainShape::Cell => ChainForm::cell(radius, chain.beads, link),
+        }
+    }))
+}
+
+/// How given cells and clusters are turned: about an axis by its length.
+fn rotation(bodies: &BodyGroup) -> Vector3<f64> {
+    match (&bodies.chain, &bodies.cluster) {
+        (Some(chain), _) => Vector3::z() * chain.rotation,
+        (None, Some(cluster)) if cluster.rotation.len() == 3 => vector(&cluster.rotation),
+        (None, Some(cluster)) => Vector3::z() * cluster.rotation[0],
+        (None, None) => Vector3::zeros(),
     }
 }
 
-/// Beads of cells with these middles.
-fn outlined<const D: usize>(radius: f64, chain: &Chain, middles: &[Ball<D>]) -> Vec<Ball<D>> {
-    let form = form(radius, chain);
-    middles.iter().flat_map(|middle| form.at(&middle.center, chain.rotation)).map(|center| Ball { center, radius }).collect()
+/// Balls in a form about these middles.
+fn about<const D: usize>(form: &ChainForm, rotation: &Vector3<f64>, middles: &[Ball<D>]) -> Vec<Ball<D>> {
+    middles.iter().flat_map(|middle| form.at(&middle.center, rotation)).map(|center| Ball { center, radius: form.radius }).collect()
 }
 
 /// Beads of given chains, each beside the one before it though the box may end between them.
@@ -152,8 +172,8 @@ fn joined<const D: usize>(
 /// How many bodies a group places at random.
 fn random_count<const D: usize>(scene: &Scene, group: usize, bodies: &BodyGroup, domain: &Domain<D>) -> Result<f64> {
     match bodies.placement {
-        // chains are placed before, one after the other
-        Placement::Count(_) if bodies.chain.is_some() => Ok(0.0),
+        // chains and clusters are placed before, one after the other
+        Placement::Count(_) if bodies.together() => Ok(0.0),
         Placement::Count(count) => Ok(count as f64),
         Placement::Fraction(fraction) => {
             let one = Ball { center: SVector::<f64, D>::zeros(), radius: bodies.radius }.volume();
@@ -165,9 +185,9 @@ fn random_count<const D: usize>(scene: &Scene, group: usize, bodies: &BodyGroup,
     }
 }
 
-/// A ball, a bead moved into the box: chains may lie across its ends.
+/// A ball, that of a chain or a cluster moved into the box: they may lie across its ends.
 fn in_box<const D: usize>(scene: &Scene, domain: &Domain<D>, group: usize, ball: Ball<D>) -> Ball<D> {
-    if scene.bodies[group].chain.is_some() { Ball { center: domain.wrap(ball.center), ..ball } } else { ball }
+    if scene.bodies[group].together() { Ball { center: domain.wrap(ball.center), ..ball } } else { ball }
 }
 
 fn check_places<const D: usize>(scene: &Scene, domain: &Domain<D>, balls: &[(usize, Ball<D>)]) -> Result<()> {
@@ -242,8 +262,10 @@ fn motion<const D: usize>(scene: &Scene, group: usize, ball: &Ball<D>) -> Motion
         scene::Motion::Free => {
             let weight =
                 scene.gravity.as_deref().map_or(SVector::zeros(), vector::<D>) * (bodies.density - scene.flow.density) * ball.volume();
-            let force = bodies.force.as_deref().map_or(SVector::zeros(), vector::<D>);
-            let torque = bodies.torque.as_deref().map_or(SMatrix::zeros(), skew::<D>);
+            // those of a cluster are shared by its balls
+            let share = bodies.cluster.as_ref().map_or(1.0, |cluster| 1.0 / cluster.balls() as f64);
+            let force = bodies.force.as_deref().map_or(SVector::zeros(), vector::<D>) * share;
+            let torque = bodies.torque.as_deref().map_or(SMatrix::zeros(), skew::<D>) * share;
             Motion::Free { force: force + weight, torque }
         }
     }

@@ -19,16 +19,17 @@ use super::{
     Configuration, ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Level, MeshLevel, Moving, Observation, ResidualMonitor,
     Solution, State, StepOutcome, Stepper,
     active_set_iteration::ActiveSetIteration,
+    clusters::move_as_one,
     contact_step::{ContactStep, identities},
-    implicit_springs::{SpringRow, StepAhead, keep_areas},
+    implicit_springs::{StepAhead, keep_areas},
     step_control::{BodyMotion, StepControl, StepSize},
 };
 use crate::{
     body::Twist,
-    contact::{AdhesiveContact, ContactForce, KktReport, Partner},
+    contact::{AdhesiveContact, ContactForce, KktReport, Partner, Projection},
     error::{Error, Result},
     geometry::{Ball, Domain, near_pairs, near_walls},
-    interaction::{Arrangement, PairForce, Spring, Touch, Wrench, total_stress},
+    interaction::{Arrangement, BondRow, Interactions, PairForce, Spring, Touch, Wrench},
     parallel::Peers,
     petsc::Session,
     scene::{ConstraintMethod, Scheme},
@@ -44,6 +45,9 @@ const AGREEMENT_IN_FILMS: f64 = 1e-4;
 
 /// Part of the tolerance of a solve at an instant down to which the flow is solved where nothing else is left to agree on.
 const TIGHTEST: f64 = 1e-3;
+
+/// Overlap, in radii, up to which clusters are kept apart in a step; the next step does the rest.
+const APART: f64 = 1e-6;
 
 /// Gap, in radii, up to which a contact of the last step is tried first.
 const MEMORY_REACH: f64 = 0.1;
@@ -149,12 +153,11 @@ impl<const D: usize> QuasiStatic<D> {
         for _ in 0..MOST_ROUNDS {
             let loose = self.contact_step(&placed, step).loose(&pressed);
             let pushes = Wrench::on_bodies(centers.len(), known.iter().chain(&loose), &pair_forces);
-            let rows = self.spring_rows(&placed, &springs, step);
+            let rows = [self.spring_rows(&placed, &springs, step), interactions.welds(&centers)].concat();
             let configuration =
-                Configuration { centers: &centers, time: state.time, pressed: &pressed, springs: &rows, step, pushes: &pushes, tolerance };
+                Configuration { centers: &centers, time: state.time, pressed: &pressed, bonds: &rows, step, pushes: &pushes, tolerance };
             let mut solution = self.suspension.solve_at(&configuration, monitor)?;
             solution.pair_stress = PairForce::total_stress(&pair_forces);
-            solution.spring_stress = total_stress(&springs, &solution.spring_forces, &centers);
             effort.add_solve(self.suspension.cost());
             let mut twists: Vec<Twist<D>> = solution.bodies.iter().map(|body| body.twist).collect();
             let begins = step == 0.0 && !springs.is_empty();
@@ -204,8 +207,38 @@ impl<const D: usize> QuasiStatic<D> {
         )))
     }
 
+    /// Keeps bodies apart that want to move so without contact forces, and gives what presses. What clusters cannot do as one is left out and bodies kept
+    /// apart again, until both hold: alternating projections.
+    fn keep_apart(
+        &self,
+        contacts: &ContactStep<D>,
+        wanted: &[SVector<f64, D>],
+        state: &State<D>,
+        moves: &mut [Twist<D>],
+    ) -> Result<Projection<D>> {
+        let set = |moves: &mut [Twist<D>], velocities: &[SVector<f64, D>]| {
+            moves.iter_mut().zip(velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
+        };
+        let pressed = contacts.project(wanted, &[])?;
+        set(moves, &pressed.velocities);
+        let interactions = &self.suspension.setup().interactions;
+        if interactions.cluster_of().is_empty() {
+            return Ok(pressed);
+        }
+        let smallest = self.radii.iter().copied().fold(f64::INFINITY, f64::min);
+        for _ in 0..MOST_ROUNDS {
+            move_as_one(interactions.clusters(), state, moves, contacts.step);
+            let apart = contacts.project(&velocities(moves), &[])?;
+            if largest_difference(moves, &apart.velocities) * contacts.step < APART * smallest {
+                break;
+            }
+            set(moves, &apart.velocities);
+        }
+        Ok(pressed)
+    }
+
     /// The rows of springs in a step of this length from a state, 0 if it is not known yet.
-    fn spring_rows(&self, placed: &Placed<D>, springs: &[Spring<D>], length: f64) -> Vec<SpringRow<D>> {
+    fn spring_rows(&self, placed: &Placed<D>, springs: &[Spring<D>], length: f64) -> Vec<BondRow<D>> {
         if springs.is_empty() {
             return Vec::new();
         }
@@ -278,7 +311,7 @@ impl<const D: usize> QuasiStatic<D> {
         match self.step_control.time.scheme {
             Scheme::Euler => Ok(observation.twists.clone()),
             _ if self.suspension.evolves() && state.last_step == 0.0 => Ok(observation.twists.clone()),
-            Scheme::TwoStep if state.last_step > 0.0 => Ok(two_step(state, observation, self.suspension.setup().interactions.projects())),
+            Scheme::TwoStep if state.last_step > 0.0 => Ok(two_step(state, observation, &self.suspension.setup().interactions)),
             _ => self.midpoint(state, observation, effort, monitor),
         }
     }
@@ -331,15 +364,16 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
         match self.suspension.setup().interactions.touch() {
             Some(Touch::Hard) => {
                 let contacts = self.contact_step(&placed, step);
-                let projection = contacts.project(&contacts.without_contacts(velocities(&moves), &observation.contacts), &[])?;
+                let unpressed = contacts.without_contacts(velocities(&moves), &observation.contacts);
+                let projection = self.keep_apart(&contacts, &unpressed, state, &mut moves)?;
                 stuck = self.remembered(&placed, &projection.forces, step);
-                moves.iter_mut().zip(projection.velocities).for_each(|(twist, velocity)| twist.velocity = velocity);
                 kkt_report = Some(projection.kkt_report);
             }
             Some(Touch::Soft { .. }) => kkt_report = Some(KktReport::of_forces(&observation.contacts, &placed.balls)),
             None => {}
         }
         effort.contact += start.elapsed().as_secs_f64();
+        move_as_one(self.suspension.setup().interactions.clusters(), state, &mut moves, step);
         keep_areas(&self.suspension.setup().interactions.areas(), &state.centers(), &mut moves, step);
         Ok(StepOutcome {
             step,
@@ -370,13 +404,18 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
 }
 
 /// `v + dt/(2 dt_last) (v - v_last)`; bodies that came into contact or out of it since the last step do not look back, if contact
-/// forces `jump`.
-fn two_step<const D: usize>(state: &State<D>, observation: &Observation<D>, jump: bool) -> Vec<Twist<D>> {
+/// forces jump.
+fn two_step<const D: usize>(state: &State<D>, observation: &Observation<D>, interactions: &Interactions<D>) -> Vec<Twist<D>> {
     let now: Vec<ContactHistory<D>> = observation.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
     let (before, after) = (contacts_of(&state.held, state.bodies.len()), contacts_of(&now, state.bodies.len()));
+    let mut jumps: Vec<bool> = before.iter().zip(&after).map(|(before, after)| interactions.projects() && before != after).collect();
+    for cluster in interactions.clusters() {
+        let any = jumps[cluster.bodies.clone()].contains(&true);
+        jumps[cluster.bodies.clone()].fill(any);
+    }
     let factor = 0.5 * observation.step_size.length / state.last_step;
     let rule = |(body, (now, last)): (usize, (&Twist<D>, &Twist<D>))| {
-        if jump && before[body] != after[body] {
+        if jumps[body] {
             return *now;
         }
         Twist { velocity: now.velocity + (now.velocity - last.velocity) * factor, spin: now.spin + (now.spin - last.spin) * factor }

@@ -9,10 +9,10 @@ use super::{
     film_forces::add_films,
     fixed_operators::FixedOperators,
     pair_constraints::PairConstraints,
-    pair_resistance::{belongs, spring_belongs},
+    pair_resistance::{belongs, bond_belongs},
     work::SolvedUnknowns,
 };
-use crate::error::Result;
+use crate::{error::Result, interaction::BondRow};
 
 /// The solution, with the unknowns of this rank's contacts and films. Collective.
 pub fn solution<const D: usize>(
@@ -27,14 +27,15 @@ pub fn solution<const D: usize>(
     let unit = pair_constraints.scale * fixed.setup.viscosity;
     let mut forces = unknowns[..pair_constraints.count()].iter().map(|unknown| unknown * unit);
     let contact_forces = shared(fixed, configuration.pressed, |pressed| belongs(&bodies.layout, pressed), &mut forces);
-    let spring_forces = shared(fixed, configuration.springs, |spring| spring_belongs(&bodies.layout, spring), &mut forces);
+    let bond_forces = shared(fixed, configuration.bonds, |bond| bond_belongs(&bodies.layout, bond), &mut forces);
     let film_forces: Vec<f64> = forces.collect();
     let (world, layout) = (fixed.session.world(), &bodies.layout);
     let lubrication =
         fixed.setup.interactions.resist().then(|| add_films(world, layout, &assembly.films, &film_forces, &mut states, &mut walls));
     Ok(Solution {
         lubrication,
-        spring_forces,
+        bond_stress: BondRow::total_stress(configuration.bonds, &bond_forces, configuration.centers),
+        bond_forces,
         walls: WallForces { forces: walls, complete: false },
         ..fixed.solution(states, found.fluid, &found.global_unknowns, contact_forces)?
     })

@@ -110,11 +110,15 @@ impl<const D: usize> Setup<D> {
             starts: groups().map(start).collect(),
         });
         let trajectories = trajectories(scene, &placed);
-        let bonds = interactions::bonds(scene, &placed);
+        let (bonds, welds) = (interactions::bonds(scene, &placed), interactions::welds(scene, &placed));
         let (spacing, bodies) = suspended_bodies(scene, &domain, placed)?;
         let setup = Setup { inertia, ..Setup::with_bodies(scene, domain, spacing, (bodies, trajectories)) };
-        Ok(match bonds {
+        let setup = match bonds {
             Some(bonds) => setup.with(bonds),
+            None => setup,
+        };
+        Ok(match welds {
+            Some(welds) => setup.with(welds),
             None => setup,
         })
     }

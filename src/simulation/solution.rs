@@ -104,10 +104,10 @@ pub struct Solution<const D: usize> {
     pub contact_forces: Vec<f64>,
     /// What forces at a distance add to the stress times volume, if there are any.
     pub pair_stress: Option<SMatrix<f64, D, D>>,
-    /// What springs add to the stress times volume, if there are any.
-    pub spring_stress: Option<SMatrix<f64, D, D>>,
-    /// Generalised forces of springs, along the coordinates of the configuration.
-    pub spring_forces: Vec<f64>,
+    /// What springs and clusters add to the stress times volume, if there are any.
+    pub bond_stress: Option<SMatrix<f64, D, D>>,
+    /// Forces of springs and clusters, along the coordinates of the configuration.
+    pub bond_forces: Vec<f64>,
     /// Films, if lubrication acts; what they do is in the states of the bodies.
     pub lubrication: Option<Lubrication<D>>,
 }

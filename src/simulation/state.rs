@@ -238,7 +238,7 @@ impl<const D: usize> State<D> {
 }
 
 /// The rotation by a spin over a step (Cayley's formula: orthogonal whatever the step, second order in it).
-fn turn<const D: usize>(spin: &SMatrix<f64, D, D>, step: f64) -> SMatrix<f64, D, D> {
+pub(super) fn turn<const D: usize>(spin: &SMatrix<f64, D, D>, step: f64) -> SMatrix<f64, D, D> {
     let half = nalgebra::DMatrix::from_fn(D, D, |row, column| spin[(row, column)] * 0.5 * step);
     let one = nalgebra::DMatrix::identity(D, D);
     let turned = (&one - &half).lu().solve(&(&one + &half)).expect("one minus a skew matrix is regular");

@@ -24,7 +24,7 @@ use crate::{
     flow::{InverseMethod, Stokes, StokesInverse},
     geometry::Ball,
     grid::Grid,
-    interaction::{Arrangement, PairForce, Wrench},
+    interaction::{Arrangement, BondRow, PairForce, Wrench},
     petsc::{Session, Stage, Vector, enter},
 };
 
@@ -90,13 +90,13 @@ impl<const D: usize> Suspension<D> {
     }
 
     /// The configuration in which bodies are there and none touches.
-    fn at_rest<'a>(&self, centers: &'a [SVector<f64, D>]) -> Configuration<'a, D> {
+    fn at_rest<'a>(&self, centers: &'a [SVector<f64, D>], bonds: &'a [BondRow<D>]) -> Configuration<'a, D> {
         let time = self.fixed.setup.domain.slide().map_or(0.0, |slide| slide.time);
         Configuration {
             centers,
             time,
             pressed: &[],
-            springs: &[],
+            bonds,
             step: 0.0,
             pushes: &[],
             tolerance: self.fixed.setup.tolerance.at_an_instant(),
@@ -113,7 +113,8 @@ impl<const D: usize> Suspension<D> {
             return Err(Error::refused("condition numbers on the multipliers take an exact inverse of the fluid (transform)"));
         }
         let (centers, fixed) = (self.initial_centers(), &self.fixed);
-        let mut ready = AssembledSystem::new(fixed, None, None, None, &self.at_rest(&centers))?;
+        let welds = fixed.setup.interactions.welds(&centers);
+        let mut ready = AssembledSystem::new(fixed, None, None, None, &self.at_rest(&centers, &welds))?;
         let shape = ready.workspace.x.like()?;
         let (_, parts) = ready.parts(fixed, self.inverse.as_mut());
         Conditions::of(fixed.session.world(), &mut SchurComplement::new(parts), &shape)
@@ -178,7 +179,8 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         let arrangement = Arrangement { domain: &setup.domain, balls: &balls, weights: &weights, viscosity, reach: f64::INFINITY };
         let forces = setup.interactions.pair_forces(&arrangement);
         let pushes = Wrench::on_bodies(balls.len(), [], &forces);
-        let solution = self.solve_at(&Configuration { pushes: &pushes, ..self.at_rest(&centers) }, monitor)?;
+        let welds = setup.interactions.welds(&centers);
+        let solution = self.solve_at(&Configuration { pushes: &pushes, ..self.at_rest(&centers, &welds) }, monitor)?;
         Ok(Solution { pair_stress: PairForce::total_stress(&forces), ..solution })
     }
 

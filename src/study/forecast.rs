@@ -129,7 +129,8 @@ fn elsewhere<const D: usize>(suspension: &mut dyn FlowSolver<D>) -> Result<Solut
         setup.bodies.iter().map(|suspended| suspended.body.ball.center + SVector::repeat(DISPLACEMENT * setup.spacing)).collect();
     let time = setup.domain.slide().map_or(0.0, |slide| slide.time);
     let tolerance = setup.tolerance.at_an_instant();
-    let moment = Configuration { centers: &centers, time, pressed: &[], springs: &[], step: 0.0, pushes: &[], tolerance };
+    let welds = setup.interactions.welds(&centers);
+    let moment = Configuration { centers: &centers, time, pressed: &[], bonds: &welds, step: 0.0, pushes: &[], tolerance };
     suspension.solve_at(&moment, &mut |_, _| {})
 }
 

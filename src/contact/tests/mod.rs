@@ -48,6 +48,7 @@ impl<const D: usize> Scene<D> {
             velocities: &self.velocities,
             step: self.step,
             lower_bounds: &[],
+            cluster_of: &[],
         }
     }
 

@@ -9,7 +9,7 @@ use super::step_table::{Cell, StepTable, absent, count, real};
 use crate::{
     contact::Solver,
     error::Result,
-    observe::{ChainNumbers, InertialNumbers, MembraneNumbers, Viscosity},
+    observe::{ChainNumbers, InertialNumbers, MembraneNumbers, Viscosity, mean_orientation},
     output::{CurvePoint, Summary},
     parallel::World,
     run::{ContactTotals, Evaluated, EvaluatedFlow, EvaluatedMotion, Output},
@@ -45,6 +45,7 @@ impl<const D: usize> Output<D> for SeriesFile {
         row.extend(seen.flow.map_or(Ok(Vec::new()), |flow| of_inertia(&flow, motion.state().last_step))?);
         row.extend(seen.flow.map_or(Vec::new(), |flow| of_chains(flow.solver.setup(), motion.state())));
         row.extend(seen.flow.map_or(Vec::new(), |flow| of_membranes(flow.solver.setup(), motion.state())));
+        row.extend(seen.flow.map_or(Vec::new(), |flow| of_clusters(flow.solver.setup(), motion.state())));
         row.push(real("seconds", seconds));
         seen.world.agree(self.rows.as_mut().map_or(Ok(()), |rows| rows.write(&row)))
     }
@@ -91,6 +92,17 @@ fn of_membranes<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<Cell>
         ]
     };
     MembraneNumbers::of(setup, state).map(cells).unwrap_or_default()
+}
+
+/// The upper triangle of the mean orientation of rigid clusters; none without any.
+fn of_clusters<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<Cell> {
+    const NAMES: [[&str; 3]; 3] = [
+        ["orientation_xx", "orientation_xy", "orientation_xz"],
+        ["", "orientation_yy", "orientation_yz"],
+        ["", "", "orientation_zz"],
+    ];
+    let pairs = || (0..D).flat_map(|row| (row..D).map(move |column| (row, column)));
+    mean_orientation(setup, state).map_or(Vec::new(), |mean| pairs().map(|at| real(NAMES[at.0][at.1], mean[at])).collect())
 }
 
 /// The cells of the row of an instant and of the step that led there.

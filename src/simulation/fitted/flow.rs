@@ -122,7 +122,7 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
     fn solve(&mut self, monitor: ResidualMonitor) -> Result<Solution<D>> {
         let centers: Vec<SVector<f64, D>> = self.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
         self.solve_at(
-            &Configuration { centers: &centers, time: 0.0, pressed: &[], springs: &[], step: 0.0, pushes: &[], tolerance: 0.0 },
+            &Configuration { centers: &centers, time: 0.0, pressed: &[], bonds: &[], step: 0.0, pushes: &[], tolerance: 0.0 },
             monitor,
         )
     }
@@ -252,8 +252,8 @@ impl<const D: usize> FittedFlow<D> {
             pressure_gradient: gradient,
             contact_forces: Vec::new(),
             pair_stress: None,
-            spring_stress: None,
-            spring_forces: Vec::new(),
+            bond_stress: None,
+            bond_forces: Vec::new(),
             walls: WallForces {
                 forces: std::array::from_fn(|axis| {
                     found.walls.get(axis).copied().unwrap_or_default().map(|force| spatial(&(viscosity * force)))

@@ -158,8 +158,8 @@ impl<const D: usize> UnsteadySuspension<D> {
             walls: WallForces::none(),
             contact_forces: vec![0.0; configuration.pressed.len()],
             pair_stress: None,
-            spring_stress: None,
-            spring_forces: Vec::new(),
+            bond_stress: None,
+            bond_forces: Vec::new(),
             lubrication: self.films_at_rest(configuration.centers)?,
         })
     }
