@@ -8,27 +8,73 @@ use crate::{
     interaction::Cluster,
 };
 
-/// Square of the lever, in radii, at which a force turns a ball in unbounded fluid as its torque does: `8 pi a^3` over `6 pi a`.
+/// In radii squared: `8 pi a^3` over `6 pi a`.
 const OWN_TURN: f64 = 4.0 / 3.0;
 
-/// Replaces what the balls of clusters are to do in a step by the rigid motion nearest to it: their velocities are those that take them from where they
-/// are to where that motion puts them.
-pub fn move_as_one<'a, const D: usize>(clusters: impl Iterator<Item = &'a Cluster<D>>, state: &State<D>, moves: &mut [Twist<D>], step: f64) {
-    for cluster in clusters {
-        let bodies = cluster.bodies.clone();
-        let middle = bodies.clone().map(|body| state.bodies[body].center).sum::<SVector<f64, D>>() / bodies.len() as f64;
-        let arms: Vec<SVector<f64, D>> = bodies.clone().map(|body| state.bodies[body].center - middle).collect();
-        let twist = nearest_rigid(&arms, &moves[bodies.clone()], cluster.radius);
-        let turned = turn(&twist.spin, step) * state.bodies[bodies.start].rotation;
-        for ((body, offset), arm) in bodies.zip(&cluster.offsets).zip(arms) {
-            moves[body] = Twist { velocity: twist.velocity + (turned * offset - arm) / step, spin: twist.spin };
+/// Rigid motions of the clusters of a state over a step; balls of their own move as they do.
+pub struct ClusterMotions<'a, const D: usize> {
+    clusters: Vec<&'a Cluster<D>>,
+    state: &'a State<D>,
+    step: f64,
+    twists: Vec<Twist<D>>,
+}
+
+impl<'a, const D: usize> ClusterMotions<'a, D> {
+    /// Those nearest to what all balls are to do.
+    pub fn nearest(clusters: impl Iterator<Item = &'a Cluster<D>>, state: &'a State<D>, step: f64, moves: &[Twist<D>]) -> Self {
+        let clusters: Vec<&Cluster<D>> = clusters.collect();
+        let twists = clusters.iter().map(|cluster| nearest_rigid(&arms(cluster, state), &moves[cluster.bodies.clone()], cluster.radius)).collect();
+        ClusterMotions { clusters, state, step, twists }
+    }
+
+    /// Replaces what balls of clusters are to do: their velocities take them from where they are to where the motion of their cluster puts them.
+    pub fn carry(&self, moves: &mut [Twist<D>]) {
+        for (cluster, twist) in self.clusters.iter().zip(&self.twists) {
+            let turned = turn(&twist.spin, self.step) * self.state.bodies[cluster.bodies.start].rotation;
+            for ((body, offset), arm) in cluster.bodies.clone().zip(&cluster.offsets).zip(arms(cluster, self.state)) {
+                moves[body] = Twist { velocity: twist.velocity + (turned * offset - arm) / self.step, spin: twist.spin };
+            }
         }
     }
+
+    /// Adds what brings balls nearer to velocities that differ from what they do by `pushes`: what rigid motions can do of these, as much longer as
+    /// these are than that (extrapolated projection, Pierra 1984).
+    pub fn follow(&mut self, pushes: &[SVector<f64, D>], moves: &mut [Twist<D>]) {
+        let pushed: Vec<Twist<D>> = pushes.iter().map(|push| Twist { velocity: *push, spin: SMatrix::zeros() }).collect();
+        let mut possible = pushed.clone();
+        let change = ClusterMotions::nearest(self.clusters.iter().copied(), self.state, self.step, &pushed);
+        let mut square = 0.0;
+        for (cluster, twist) in self.clusters.iter().zip(&change.twists) {
+            for (body, arm) in cluster.bodies.clone().zip(arms(cluster, self.state)) {
+                possible[body].velocity = twist.at(&arm);
+                square += own_turn(cluster.radius) * components(&twist.spin).iter().map(|spin| spin * spin).sum::<f64>();
+            }
+        }
+        square += possible.iter().map(|twist| twist.velocity.norm_squared()).sum::<f64>();
+        let length = pushes.iter().map(|push| push.norm_squared()).sum::<f64>() / square.max(f64::MIN_POSITIVE);
+        for (twist, change) in self.twists.iter_mut().zip(&change.twists) {
+            *twist = Twist { velocity: twist.velocity + change.velocity * length, spin: twist.spin + change.spin * length };
+        }
+        moves.iter_mut().zip(&possible).for_each(|(twist, push)| twist.velocity += push.velocity * length);
+        self.carry(moves);
+    }
+}
+
+/// Where the balls of a cluster are, from their mean.
+fn arms<const D: usize>(cluster: &Cluster<D>, state: &State<D>) -> Vec<SVector<f64, D>> {
+    let bodies = &state.bodies[cluster.bodies.clone()];
+    let middle = bodies.iter().map(|body| body.center).sum::<SVector<f64, D>>() / bodies.len() as f64;
+    bodies.iter().map(|body| body.center - middle).collect()
+}
+
+/// Square of the lever at which a force turns a ball in unbounded fluid as its torque does.
+fn own_turn(radius: f64) -> f64 {
+    OWN_TURN * radius * radius
 }
 
 /// The rigid motion about the mean of places `arms` away from it that is nearest to the motions of balls there, as the fluid resists them.
 fn nearest_rigid<const D: usize>(arms: &[SVector<f64, D>], moves: &[Twist<D>], radius: f64) -> Twist<D> {
-    let own = OWN_TURN * radius * radius;
+    let own = own_turn(radius);
     let units: Vec<SMatrix<f64, D, D>> = (0..planes::<D>().len()).map(unit).collect();
     let resistance = DMatrix::from_fn(units.len(), units.len(), |row, column| {
         let turned = |arm: &SVector<f64, D>| (units[row] * arm).dot(&(units[column] * arm));
@@ -67,7 +113,7 @@ mod tests {
             let middle = state.centers().iter().sum::<Vector3<f64>>() / 4.0;
             let mut moves: Vec<Twist<3>> =
                 state.bodies.iter().map(|body| Twist { velocity: velocity + spin * (body.center - middle), spin }).collect();
-            move_as_one(std::iter::once(&cluster), &state, &mut moves, 0.1);
+            ClusterMotions::nearest(std::iter::once(&cluster), &state, 0.1, &moves).carry(&mut moves);
             assert!((moves[0].spin - spin).norm() < 1e-13);
             state.advance(&moves, 0.1);
         }

@@ -6,11 +6,16 @@ use nalgebra::SVector;
 
 use super::{ContactHistory, FlowSolver};
 use crate::{
+    body::Twist,
     contact::{self, Contact, ContactForce, Identity, Problem, Projection},
     error::Result,
+    geometry::Ball,
     interaction::Arrangement,
     petsc::{Session, Stage, enter},
 };
+
+/// Gap, in radii of the largest body, up to which bodies are near each other.
+const NEAR: f64 = 0.1;
 
 /// Part of a force that is rounding.
 const ROUNDING: f64 = 1e-12;
@@ -47,6 +52,17 @@ impl<const D: usize> ContactStep<'_, D> {
         projection.forces.iter_mut().for_each(|pressed| pressed.force /= self.mobile_part(&pressed.contact));
         projection.kkt_report.total_force = projection.forces.iter().map(|pressed| pressed.force).sum();
         Ok(projection)
+    }
+
+    /// The smallest gap, in radii of the smaller body, after bodies have moved so; infinite if none are near each other.
+    pub fn smallest_gap_after(&self, moves: &[Twist<D>]) -> f64 {
+        let Arrangement { domain, balls, weights, .. } = self.arrangement;
+        let moved: Vec<Ball<D>> =
+            balls.iter().zip(moves).map(|(ball, twist)| Ball { center: ball.center + twist.velocity * self.step, ..*ball }).collect();
+        let (reach, cluster_of) = (NEAR * moved.iter().map(|ball| ball.radius).fold(0.0, f64::max), self.flow.setup().interactions.cluster_of());
+        let near = contact::candidates(&domain.after(self.step), &moved, weights, reach).into_iter();
+        let near = near.filter(|contact| !contact.within_cluster(cluster_of, |body| body));
+        near.map(|contact| contact.gap / contact.smaller_radius(&moved)).fold(f64::INFINITY, f64::min)
     }
 
     /// The velocities that bodies would have without contact forces, if each were alone but for the film that bears most of a force.

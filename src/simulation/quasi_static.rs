@@ -19,7 +19,7 @@ use super::{
     Configuration, ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Level, MeshLevel, Moving, Observation, ResidualMonitor,
     Solution, State, StepOutcome, Stepper,
     active_set_iteration::ActiveSetIteration,
-    clusters::move_as_one,
+    clusters::ClusterMotions,
     contact_step::{ContactStep, identities},
     implicit_springs::{StepAhead, keep_areas},
     step_control::{BodyMotion, StepControl, StepSize},
@@ -46,8 +46,8 @@ const AGREEMENT_IN_FILMS: f64 = 1e-4;
 /// Part of the tolerance of a solve at an instant down to which the flow is solved where nothing else is left to agree on.
 const TIGHTEST: f64 = 1e-3;
 
-/// Overlap, in radii, up to which clusters are kept apart in a step; the next step does the rest.
-const APART: f64 = 1e-6;
+/// Overlap, in radii, up to which clusters are kept apart in a step; the next one does the rest.
+const APART: f64 = 1e-8;
 
 /// Gap, in radii, up to which a contact of the last step is tried first.
 const MEMORY_REACH: f64 = 0.1;
@@ -207,8 +207,8 @@ impl<const D: usize> QuasiStatic<D> {
         )))
     }
 
-    /// Keeps bodies apart that want to move so without contact forces, and gives what presses. What clusters cannot do as one is left out and bodies kept
-    /// apart again, until both hold: alternating projections.
+    /// Keeps bodies apart that want to move so without contact forces, and gives what presses. Where clusters cannot follow as one, what they can do is
+    /// kept apart again, until both hold (alternating projections).
     fn keep_apart(
         &self,
         contacts: &ContactStep<D>,
@@ -216,24 +216,24 @@ impl<const D: usize> QuasiStatic<D> {
         state: &State<D>,
         moves: &mut [Twist<D>],
     ) -> Result<Projection<D>> {
-        let set = |moves: &mut [Twist<D>], velocities: &[SVector<f64, D>]| {
-            moves.iter_mut().zip(velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
-        };
-        let pressed = contacts.project(wanted, &[])?;
-        set(moves, &pressed.velocities);
+        let mut pressed = contacts.project(wanted, &[])?;
+        moves.iter_mut().zip(&pressed.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
         let interactions = &self.suspension.setup().interactions;
         if interactions.cluster_of().is_empty() {
             return Ok(pressed);
         }
         let smallest = self.radii.iter().copied().fold(f64::INFINITY, f64::min);
+        let mut clusters = ClusterMotions::nearest(interactions.clusters(), state, contacts.step, moves);
+        clusters.carry(moves);
         for _ in 0..MOST_ROUNDS {
-            move_as_one(interactions.clusters(), state, moves, contacts.step);
             let apart = contacts.project(&velocities(moves), &[])?;
             if largest_difference(moves, &apart.velocities) * contacts.step < APART * smallest {
                 break;
             }
-            set(moves, &apart.velocities);
+            let pushes: Vec<SVector<f64, D>> = apart.velocities.iter().zip(&*moves).map(|(apart, twist)| apart - twist.velocity).collect();
+            clusters.follow(&pushes, moves);
         }
+        pressed.kkt_report.smallest_gap = contacts.smallest_gap_after(moves);
         Ok(pressed)
     }
 
@@ -372,8 +372,10 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
             Some(Touch::Soft { .. }) => kkt_report = Some(KktReport::of_forces(&observation.contacts, &placed.balls)),
             None => {}
         }
+        if self.suspension.setup().interactions.touch() != Some(Touch::Hard) {
+            ClusterMotions::nearest(self.suspension.setup().interactions.clusters(), state, step, &moves).carry(&mut moves);
+        }
         effort.contact += start.elapsed().as_secs_f64();
-        move_as_one(self.suspension.setup().interactions.clusters(), state, &mut moves, step);
         keep_areas(&self.suspension.setup().interactions.areas(), &state.centers(), &mut moves, step);
         Ok(StepOutcome {
             step,

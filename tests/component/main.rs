@@ -12,6 +12,7 @@
 mod accuracy;
 mod axes;
 mod chains;
+mod clusters;
 mod contact;
 mod convergence;
 mod crowds;
@@ -121,6 +122,7 @@ fn main() {
         accuracy::tests(),
         axes::tests(),
         chains::tests(),
+        clusters::tests(),
         lubrication::tests(),
         hard::tests(),
         lasting::tests(),

@@ -257,7 +257,7 @@ fn bodies_that_move_are_assembled_anew(session: &Session) {
             centers: &centers,
             time: 0.0,
             pressed: &[],
-            springs: &[],
+            bonds: &[],
             step: 0.0,
             pushes: &[],
             tolerance: 1e-9,
