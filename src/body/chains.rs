@@ -109,7 +109,9 @@ impl ChainForm {
                 break across.normalize() * if D == 2 { (one[0] * across[1] - one[1] * across[0]).signum() } else { 1.0 };
             }
         };
-        let last = SVector::from_fn(|axis, _| if D == 3 { Vector3::from_fn(|row, _| one[row]).cross(&Vector3::from_fn(|row, _| other[row]))[axis] } else { 0.0 });
+        let last = SVector::from_fn(|axis, _| {
+            if D == 3 { Vector3::from_fn(|row, _| one[row]).cross(&Vector3::from_fn(|row, _| other[row]))[axis] } else { 0.0 }
+        });
         self.places.iter().map(|place| middle + one * place.x + other * place.y + last * place.z).collect()
     }
 }

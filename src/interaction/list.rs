@@ -6,7 +6,10 @@ use nalgebra::SVector;
 
 use super::{Area, Arrangement, BondRow, Cluster, Interaction, PairForce, Spring, Touch};
 use crate::{
-    constraint::{MultiplierLayout, Neighbourhood, lubrication::{LubricationPair, LubricationPairs, Opposite}},
+    constraint::{
+        MultiplierLayout, Neighbourhood,
+        lubrication::{LubricationPair, LubricationPairs, Opposite},
+    },
     contact::{AdhesiveContact, Contact, ContactForce},
 };
 
@@ -152,7 +155,8 @@ impl<const D: usize> Interactions<D> {
 
     /// See [`Interaction::rows`].
     pub fn rows(&self, crowd: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
-        let mut rows = self.iter().map(|interaction| interaction.rows(crowd, layout)).fold(LubricationPairs::default(), LubricationPairs::with);
+        let mut rows =
+            self.iter().map(|interaction| interaction.rows(crowd, layout)).fold(LubricationPairs::default(), LubricationPairs::with);
         if !self.cluster_of().is_empty() {
             rows.films.retain(|film| !self.within_cluster(film));
         }

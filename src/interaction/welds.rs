@@ -59,7 +59,11 @@ impl<const D: usize> Cluster<D> {
     /// The rows of a ball that is tied to another.
     fn rows(&self, [ball, to]: [usize; 2], centers: &[SVector<f64, D>]) -> Vec<BondRow<D>> {
         let arm = centers[ball] - centers[to];
-        let row = |own: RigidFunctional<D>, other: RigidFunctional<D>| BondRow { ends: vec![(to, other), (ball, own)], rate: 0.0, compliance: 0.0 };
+        let row = |own: RigidFunctional<D>, other: RigidFunctional<D>| BondRow {
+            ends: vec![(to, other), (ball, own)],
+            rate: 0.0,
+            compliance: 0.0,
+        };
         let along = |axis: usize| {
             let direction: SVector<f64, D> = SVector::from_fn(|other, _| f64::from(other == axis));
             let turn = direction * arm.transpose() - arm * direction.transpose();
@@ -104,7 +108,11 @@ impl<const D: usize> Interaction<D> for Welds<D> {
 
     fn describe(&self) -> String {
         let rows: usize = self.clusters.iter().map(|cluster| (cluster.bodies.len() - 1) * (D + planes::<D>().len())).sum();
-        format!("{} rigid clusters of {} balls: {rows} rows of the coupled system", self.clusters.len(), self.cluster_of.iter().filter(|&&of| of > 0).count())
+        format!(
+            "{} rigid clusters of {} balls: {rows} rows of the coupled system",
+            self.clusters.len(),
+            self.cluster_of.iter().filter(|&&of| of > 0).count()
+        )
     }
 
     fn welds(&self, centers: &[SVector<f64, D>]) -> Vec<BondRow<D>> {

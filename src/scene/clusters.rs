@@ -109,8 +109,14 @@ pub(super) fn read(table: &Table, dimension: usize, radius: f64) -> Result<Clust
 fn read_shape(table: &Table, entry: &Entry, dimension: usize) -> Result<ClusterForm> {
     let form = entry.choice(&WORDS, &[])?(0);
     if form != ClusterForm::Rod(0) {
-        table.get("beads").map_or(Ok(()), |beads| beads.expect((), false, "is for rods; other shapes have a number of their own; remove it"))?;
-        entry.expect((), form != ClusterForm::Tetrahedron || dimension == 3, "is a shape in three dimensions; give domain.size three numbers")?;
+        table
+            .get("beads")
+            .map_or(Ok(()), |beads| beads.expect((), false, "is for rods; other shapes have a number of their own; remove it"))?;
+        entry.expect(
+            (),
+            form != ClusterForm::Tetrahedron || dimension == 3,
+            "is a shape in three dimensions; give domain.size three numbers",
+        )?;
         return Ok(form);
     }
     let beads = table.require("beads", "5")?;
@@ -124,7 +130,8 @@ fn read_offsets(entry: &Entry, dimension: usize, radius: f64) -> Result<ClusterF
     for (second, other) in offsets.iter().enumerate() {
         for (first, one) in offsets[..second].iter().enumerate() {
             let distance = one.iter().zip(other).map(|(one, other)| (one - other).powi(2)).sum::<f64>().sqrt();
-            let remedy = format!("balls {first} and {second} are {distance} apart and overlap; they must be at least {} apart", 2.0 * radius);
+            let remedy =
+                format!("balls {first} and {second} are {distance} apart and overlap; they must be at least {} apart", 2.0 * radius);
             entry.expect((), distance >= 2.0 * radius * (1.0 - ROUNDING), &remedy)?;
         }
     }

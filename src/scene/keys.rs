@@ -9,10 +9,9 @@ use crate::scene::chains::word as shape_word;
 use crate::scene::entry::word_of;
 use crate::scene::sections::PROFILES;
 use crate::scene::{
-    Cluster, ClusterForm,
-    AxisSection, BodyGroup, Chain, ChainShape, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel,
-    FlowSection, LubricationModel, MethodSection, Modes, Motion, MultiplierSolver, OutputSection, Placement, ResolutionSection, Scene,
-    Scheme, Shape, Spacing, Step, TimeSection, Until,
+    AxisSection, BodyGroup, Chain, ChainShape, Cluster, ClusterForm, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection,
+    Drive, FlowModel, FlowSection, LubricationModel, MethodSection, Modes, Motion, MultiplierSolver, OutputSection, Placement,
+    ResolutionSection, Scene, Scheme, Shape, Spacing, Step, TimeSection, Until,
 };
 
 /// Keys with their values, in the order of a scene file.

@@ -6,8 +6,8 @@
 mod accuracy;
 mod bodies;
 mod chains;
-mod clusters;
 mod check;
+mod clusters;
 mod difference;
 mod entry;
 mod file;

@@ -23,7 +23,8 @@ impl<'a, const D: usize> ClusterMotions<'a, D> {
     /// Those nearest to what all balls are to do.
     pub fn nearest(clusters: impl Iterator<Item = &'a Cluster<D>>, state: &'a State<D>, step: f64, moves: &[Twist<D>]) -> Self {
         let clusters: Vec<&Cluster<D>> = clusters.collect();
-        let twists = clusters.iter().map(|cluster| nearest_rigid(&arms(cluster, state), &moves[cluster.bodies.clone()], cluster.radius)).collect();
+        let twists =
+            clusters.iter().map(|cluster| nearest_rigid(&arms(cluster, state), &moves[cluster.bodies.clone()], cluster.radius)).collect();
         ClusterMotions { clusters, state, step, twists }
     }
 

@@ -2,7 +2,10 @@
 
 use nalgebra::SVector;
 
-use crate::{contact::ContactForce, interaction::{BondRow, Wrench}};
+use crate::{
+    contact::ContactForce,
+    interaction::{BondRow, Wrench},
+};
 
 /// Where the bodies of a suspension are, and what is known of that instant.
 #[derive(Debug, Clone, Copy)]

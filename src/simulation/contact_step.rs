@@ -47,7 +47,8 @@ impl<const D: usize> ContactStep<'_, D> {
         lower_bounds.dedup_by_key(|bound| bound.contact.identity());
         let Arrangement { domain, balls, weights, .. } = self.arrangement;
         let cluster_of = self.flow.setup().interactions.cluster_of();
-        let problem = Problem { domain, numbers: None, balls, weights, velocities, step: self.step, lower_bounds: &lower_bounds, cluster_of };
+        let problem =
+            Problem { domain, numbers: None, balls, weights, velocities, step: self.step, lower_bounds: &lower_bounds, cluster_of };
         let mut projection = contact::project(self.session.world(), &problem, self.session.into())?;
         projection.forces.iter_mut().for_each(|pressed| pressed.force /= self.mobile_part(&pressed.contact));
         projection.kkt_report.total_force = projection.forces.iter().map(|pressed| pressed.force).sum();
@@ -59,7 +60,8 @@ impl<const D: usize> ContactStep<'_, D> {
         let Arrangement { domain, balls, weights, .. } = self.arrangement;
         let moved: Vec<Ball<D>> =
             balls.iter().zip(moves).map(|(ball, twist)| Ball { center: ball.center + twist.velocity * self.step, ..*ball }).collect();
-        let (reach, cluster_of) = (NEAR * moved.iter().map(|ball| ball.radius).fold(0.0, f64::max), self.flow.setup().interactions.cluster_of());
+        let (reach, cluster_of) =
+            (NEAR * moved.iter().map(|ball| ball.radius).fold(0.0, f64::max), self.flow.setup().interactions.cluster_of());
         let near = contact::candidates(&domain.after(self.step), &moved, weights, reach).into_iter();
         let near = near.filter(|contact| !contact.within_cluster(cluster_of, |body| body));
         near.map(|contact| contact.gap / contact.smaller_radius(&moved)).fold(f64::INFINITY, f64::min)
@@ -120,7 +122,9 @@ impl<const D: usize> ContactStep<'_, D> {
         let places: HashMap<Identity<D>, usize> =
             pressed.iter().enumerate().map(|(place, pressed)| (pressed.contact.identity(), place)).collect();
         let cluster_of = self.flow.setup().interactions.cluster_of();
-        for contact in self.arrangement.near(2.0 * fastest * self.step).into_iter().filter(|contact| !contact.within_cluster(cluster_of, |body| body)) {
+        for contact in
+            self.arrangement.near(2.0 * fastest * self.step).into_iter().filter(|contact| !contact.within_cluster(cluster_of, |body| body))
+        {
             match places.get(&contact.identity()).copied() {
                 Some(place) if pressed[place].force < self.least(&contact) - slack * self.softest(&contact) => {
                     pressed.remove(place);

@@ -123,7 +123,11 @@ fn form<const D: usize>(scene: &Scene, group: usize, domain: &Domain<D>) -> Resu
         let form = ChainForm { radius, places: cluster.places(radius).into_iter().map(Vector3::from).collect() };
         let (length, longest) = (form.length(), domain.size.max());
         let remedy = format!("is of clusters {length} long, and domain.size is {longest} at most; lower it or enlarge domain.size");
-        return if length > longest { Err(scene.refuse(&format!("{}.radius", scene.group_key(group)), radius, &remedy)) } else { Ok(Some(form)) };
+        return if length > longest {
+            Err(scene.refuse(&format!("{}.radius", scene.group_key(group)), radius, &remedy))
+        } else {
+            Ok(Some(form))
+        };
     }
     Ok(bodies.chain.map(|chain| {
         let link = 2.0 * radius * chain.spacing;

@@ -92,15 +92,7 @@ impl<const D: usize> Suspension<D> {
     /// The configuration in which bodies are there and none touches.
     fn at_rest<'a>(&self, centers: &'a [SVector<f64, D>], bonds: &'a [BondRow<D>]) -> Configuration<'a, D> {
         let time = self.fixed.setup.domain.slide().map_or(0.0, |slide| slide.time);
-        Configuration {
-            centers,
-            time,
-            pressed: &[],
-            bonds,
-            step: 0.0,
-            pushes: &[],
-            tolerance: self.fixed.setup.tolerance.at_an_instant(),
-        }
+        Configuration { centers, time, pressed: &[], bonds, step: 0.0, pushes: &[], tolerance: self.fixed.setup.tolerance.at_an_instant() }
     }
 
     /// Condition numbers of the system on the multipliers with the bodies where the setup has them; as dear as that many iterations

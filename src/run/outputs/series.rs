@@ -96,11 +96,8 @@ fn of_membranes<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<Cell>
 
 /// The upper triangle of the mean orientation of rigid clusters; none without any.
 fn of_clusters<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<Cell> {
-    const NAMES: [[&str; 3]; 3] = [
-        ["orientation_xx", "orientation_xy", "orientation_xz"],
-        ["", "orientation_yy", "orientation_yz"],
-        ["", "", "orientation_zz"],
-    ];
+    const NAMES: [[&str; 3]; 3] =
+        [["orientation_xx", "orientation_xy", "orientation_xz"], ["", "orientation_yy", "orientation_yz"], ["", "", "orientation_zz"]];
     let pairs = || (0..D).flat_map(|row| (row..D).map(move |column| (row, column)));
     mean_orientation(setup, state).map_or(Vec::new(), |mean| pairs().map(|at| real(NAMES[at.0][at.1], mean[at])).collect())
 }
