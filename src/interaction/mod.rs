@@ -9,6 +9,7 @@ mod area;
 mod arrangement;
 mod bond_row;
 mod bonds;
+mod cluster;
 mod gluey;
 mod inelastic;
 mod list;
@@ -23,13 +24,14 @@ pub use area::{Area, enclosed};
 pub use arrangement::{Arrangement, PairForce, Wrench};
 pub use bond_row::BondRow;
 pub use bonds::{Bend, Bonds, Stretch};
+pub use cluster::Cluster;
 pub use gluey::Gluey;
 pub use inelastic::Inelastic;
 pub use list::Interactions;
 pub use lubrication::Lubrication;
 pub use repulsion::Repulsion;
 pub use spring::Spring;
-pub use welds::{Cluster, Welds};
+pub use welds::Welds;
 
 use nalgebra::SVector;
 

@@ -9,80 +9,15 @@
 //! Their forces and torques are the internal ones of the cluster, unknowns of the coupled system. Balls of a cluster neither touch nor lubricate each
 //! other, as nothing between them moves.
 
-use std::{ops::Range, rc::Rc};
+use std::rc::Rc;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{BondRow, Interaction};
+use super::{BondRow, Cluster, Interaction};
 use crate::{
     body::{planes, skew},
     constraint::lubrication::RigidFunctional,
-    geometry::Ball,
 };
-
-/// Balls that share one motion.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Cluster<const D: usize> {
-    /// The balls, all of one radius.
-    pub bodies: Range<usize>,
-    /// Their centres at the start, from their mean.
-    pub offsets: Vec<SVector<f64, D>>,
-    /// Which ball of those before it each is tied to; the first one to itself. Counted from the first.
-    tied_to: Vec<usize>,
-    /// Radius of its balls.
-    pub radius: f64,
-}
-
-impl<const D: usize> Cluster<D> {
-    /// The cluster of balls numbered from `first`, where they are at the start.
-    ///
-    /// # Panics
-    /// If there is none.
-    pub fn new(first: usize, balls: &[Ball<D>]) -> Cluster<D> {
-        let middle = balls.iter().map(|ball| ball.center).sum::<SVector<f64, D>>() / balls.len() as f64;
-        let offsets: Vec<SVector<f64, D>> = balls.iter().map(|ball| ball.center - middle).collect();
-        let tied_to = (0..offsets.len()).map(|ball| nearest(&offsets[..ball], &offsets[ball])).collect();
-        Cluster { bodies: first..first + balls.len(), offsets, tied_to, radius: balls[0].radius }
-    }
-
-    /// Distance of two of its balls; nothing if one is none of them.
-    pub fn distance(&self, balls: [usize; 2]) -> Option<f64> {
-        let offset = |ball: usize| self.bodies.contains(&ball).then(|| self.offsets[ball - self.bodies.start]);
-        Some((offset(balls[0])? - offset(balls[1])?).norm())
-    }
-
-    /// The balls that each ball but the first is tied to.
-    fn pairs(&self) -> impl Iterator<Item = [usize; 2]> {
-        self.bodies.clone().zip(&self.tied_to).skip(1).map(|(ball, to)| [ball, self.bodies.start + to])
-    }
-
-    /// The rows of a ball that is tied to another.
-    fn rows(&self, [ball, to]: [usize; 2], centers: &[SVector<f64, D>]) -> Vec<BondRow<D>> {
-        let arm = centers[ball] - centers[to];
-        let row = |own: RigidFunctional<D>, other: RigidFunctional<D>| BondRow {
-            ends: vec![(to, other), (ball, own)],
-            rate: 0.0,
-            compliance: 0.0,
-        };
-        let along = |axis: usize| {
-            let direction: SVector<f64, D> = SVector::from_fn(|other, _| f64::from(other == axis));
-            let turn = direction * arm.transpose() - arm * direction.transpose();
-            row(RigidFunctional { direction, turn: SMatrix::zeros() }, RigidFunctional { direction: -direction, turn: -turn })
-        };
-        let about = |plane: usize| {
-            let unit: Vec<f64> = (0..planes::<D>().len()).map(|other| if other == plane { self.radius } else { 0.0 }).collect();
-            let [own, other] = [1.0, -1.0].map(|sign| RigidFunctional { direction: SVector::zeros(), turn: skew(&unit) * sign });
-            row(own, other)
-        };
-        (0..D).map(along).chain((0..planes::<D>().len()).map(about)).collect()
-    }
-}
-
-/// The place of the nearest of some; 0 if there are none.
-fn nearest<const D: usize>(places: &[SVector<f64, D>], to: &SVector<f64, D>) -> usize {
-    let distance = |&place: &usize| (places[place] - to).norm();
-    (0..places.len()).min_by(|one, other| distance(one).total_cmp(&distance(other))).unwrap_or(0)
-}
 
 /// All clusters.
 #[derive(Debug, Clone, PartialEq)]
@@ -116,7 +51,7 @@ impl<const D: usize> Interaction<D> for Welds<D> {
     }
 
     fn welds(&self, centers: &[SVector<f64, D>]) -> Vec<BondRow<D>> {
-        self.clusters.iter().flat_map(|cluster| cluster.pairs().flat_map(|pair| cluster.rows(pair, centers))).collect()
+        self.clusters.iter().flat_map(|cluster| cluster.pairs().flat_map(|pair| rows(pair, cluster.radius, centers))).collect()
     }
 
     fn clusters(&self) -> &[Cluster<D>] {
@@ -132,12 +67,30 @@ impl<const D: usize> Interaction<D> for Welds<D> {
     }
 }
 
+/// The rows of a ball that is tied to another, the first radius being such.
+fn rows<const D: usize>([ball, to]: [usize; 2], radius: f64, centers: &[SVector<f64, D>]) -> Vec<BondRow<D>> {
+    let arm = centers[ball] - centers[to];
+    let row =
+        |own: RigidFunctional<D>, other: RigidFunctional<D>| BondRow { ends: vec![(to, other), (ball, own)], rate: 0.0, compliance: 0.0 };
+    let along = |axis: usize| {
+        let direction: SVector<f64, D> = SVector::from_fn(|other, _| f64::from(other == axis));
+        let turn = direction * arm.transpose() - arm * direction.transpose();
+        row(RigidFunctional { direction, turn: SMatrix::zeros() }, RigidFunctional { direction: -direction, turn: -turn })
+    };
+    let about = |plane: usize| {
+        let unit: Vec<f64> = (0..planes::<D>().len()).map(|other| if other == plane { radius } else { 0.0 }).collect();
+        let [own, other] = [1.0, -1.0].map(|sign| RigidFunctional { direction: SVector::zeros(), turn: skew(&unit) * sign });
+        row(own, other)
+    };
+    (0..D).map(along).chain((0..planes::<D>().len()).map(about)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::body::Twist;
+    use crate::{body::Twist, geometry::Ball};
 
     /// Rows vanish for rigid motions and for no others, and their forces have neither a net force nor a net torque.
     #[test]

@@ -33,8 +33,11 @@ pub enum ClusterForm {
     Offsets(Vec<Vec<f64>>),
 }
 
-/// Words of the forms; a rod has balls to be counted.
-const WORDS: [(&str, fn(usize) -> ClusterForm); 4] = [
+/// A word of a scene file, and the form that it names, of so many balls if it is a rod.
+type Word = (&'static str, fn(usize) -> ClusterForm);
+
+/// Words of the forms.
+const WORDS: [Word; 4] = [
     ("rod", ClusterForm::Rod),
     ("cross", |_| ClusterForm::Cross),
     ("triangle", |_| ClusterForm::Triangle),

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use nalgebra::{Matrix2, SVector, Vector2};
 use turbid::{
+    error::Error,
     observe,
     petsc::Session,
     scene::Scene,
@@ -19,6 +20,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_cluster_moves_as_a_stiff_chain_does),
         Test::of(a_dense_cluster_is_as_hard_to_turn_as_its_moment_of_inertia),
         Test::of(clusters_pressed_into_a_corner_do_not_overlap),
+        Test::of(clusters_without_room_are_refused),
     ]
 }
 
@@ -152,4 +154,18 @@ fn clusters_pressed_into_a_corner_do_not_overlap(session: &Session) {
         assert!(centers.iter().all(|center| center.iter().all(|place| *place > 0.4 - 1e-6)));
     }
     assert!(most >= 2, "{most}");
+}
+
+fn clusters_without_room_are_refused(_: &Session) {
+    let told = |cluster: &str| {
+        let text = format!(
+            "domain = {{ size = [8.0, 8.0] }}\n{FLOW}resolution = {{ cells_per_radius = 3 }}\nclusters = [{{ radius = 0.5, {cluster} }}]\n"
+        );
+        let Err(Error::Refused(refusal)) = Setup::<2>::of(&scene(&text)) else { panic!("{cluster} is not refused") };
+        (refusal.key.clone().unwrap(), refusal.remedy.clone())
+    };
+    let (key, remedy) = told("shape = \"triangle\", count = 90");
+    assert!(key == "clusters[0].count" && remedy.starts_with("leaves no place for number "), "{key} {remedy}");
+    let (key, remedy) = told("shape = \"rod\", beads = 9, count = 1");
+    assert!(key == "clusters[0].radius" && remedy.starts_with("is of clusters 9 long, and domain.size is 8 at most"), "{key} {remedy}");
 }

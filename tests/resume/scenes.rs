@@ -57,6 +57,39 @@ every = 0.08
 picture = false
 "#;
 
+/// Rigid clusters, two of which touch, among single disks.
+pub const CLUSTERS: &str = r#"
+[domain]
+size = [8.0, 6.0]
+y = { lower = [-3.0, 0.0], upper = [3.0, 0.0] }
+[resolution]
+cells_per_radius = 3
+[method]
+tolerance = 1e-8
+[lubrication]
+model = "pairwise"
+[[clusters]]
+shape = "rod"
+beads = 4
+radius = 0.4
+centers = [[0.2, 1.5]]
+rotation = 0.4
+[[clusters]]
+offsets = [[0.0, 0.0], [0.9, 0.1], [0.5, -0.8]]
+radius = 0.4
+centers = [[3.5, 3.0], [3.4, 4.9]]
+[[bodies]]
+radius = 0.4
+centers = [[5.5, 1.5], [5.9, 4.0]]
+[contact]
+model = "inelastic"
+[time]
+end = 0.32
+[output]
+every = 0.08
+picture = false
+"#;
+
 /// Disks in a box whose images slide.
 pub const SLIDING: &str = r#"
 seed = 2
