@@ -163,6 +163,7 @@ def check_run(folder):
             frames = dict(zip(times, (run["frames"][name] for name in names)))
             check_network(folder, {time: frame["contacts"] for time, frame in frames.items()})
             check_offsets(folder, frames)
+            check_bonds(folder, frames)
             check_pairs(folder, frames)
         for companion in folder.glob("*.xdmf"):
             assert "<Time" in companion.read_text(), f"{companion} lists nothing"
@@ -185,6 +186,31 @@ def nearest(frame, between):
         shorter = None if best is None else (image**2).sum(-1, keepdims=True) < (best**2).sum(-1, keepdims=True)
         best = image if best is None else numpy.where(shorter, image, best)
     return best
+
+
+def check_bonds(folder, frames):
+    """Ends of bonds are the centres of their bodies, or images of them, bonds of a run are the same in all frames, and VTK sees them as lines."""
+    assert (folder / "bonds.xdmf").exists() == all("bonds" in frame for frame in frames.values())
+    if not (folder / "bonds.xdmf").exists():
+        return
+    first = next(iter(frames.values()))["bonds"]
+    lines = {}
+    for time, frame in frames.items():
+        bonds, centers = frame["bonds"], numpy.asarray(frame["bodies/center"])
+        body, point = numpy.asarray(bonds["body"]), numpy.asarray(bonds["point"])
+        assert len(body) == 2 * frame.attrs["bond_count"] > 0 and (body.reshape(-1, 2)[:, 0] != body.reshape(-1, 2)[:, 1]).all()
+        same(body, first["body"], "bonded bodies")
+        same(bonds["chain"], first["chain"], "chains")
+        same(nearest(frame, point - centers[body]), 0.0 * point, "ends of bonds")
+        lengths = numpy.linalg.norm(point[1::2] - point[::2], axis=1)
+        assert (lengths < 4.0 * numpy.asarray(frame["bodies/radius"]).max()).all(), f"bonds across the box at {time}"
+        lines[time] = point
+    for time, data in vtk_frames(folder / "bonds.xdmf"):
+        assert data.GetNumberOfCells() == len(lines[time]) // 2
+        same(vtk_to_numpy(data.GetPoints().GetData()), lines[time], "ends in VTK")
+        cell = [data.GetCell(0).GetPointId(end) for end in (0, 1)]
+        assert cell == [0, 1] and data.GetCell(data.GetNumberOfCells() - 1).GetPointId(1) == len(lines[time]) - 1
+        same(arrays(data.GetPointData())["chain"], first["chain"], "chains in VTK")
 
 
 def check_offsets(folder, frames):

@@ -46,7 +46,9 @@ fn h5py_and_vtk_read_frames_while_more_are_written() {
 
 #[test]
 fn h5py_reads_runs_of_the_program_under_way_and_finished() {
-    for (name, text) in [("flow", scenes::SHEARED), ("dry", scenes::DRY), ("gluey", scenes::GLUEY), ("sliding", scenes::SLIDING)] {
+    let bonded = [("chains", scenes::CHAINS), ("clusters", scenes::CLUSTERS)];
+    let others = [("flow", scenes::SHEARED), ("dry", scenes::DRY), ("gluey", scenes::GLUEY), ("sliding", scenes::SLIDING)];
+    for (name, text) in others.into_iter().chain(bonded) {
         let here = common::folder(&format!("independent-reader-{name}"));
         let (scene, out) = (common::write(&here, text), here.join("out"));
         let mut command = common::command(2, &["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap()]);

@@ -15,7 +15,7 @@ pub const SUMMARY: &str = "summary.json";
 pub const CHECKPOINT: &str = "checkpoint.h5";
 
 /// The files that a run may leave, the first one first to go; not the text of its scene, nor its calibration, which says what it is of.
-const FILES: [&str; 18] = [
+const FILES: [&str; 19] = [
     SUMMARY,
     CHECKPOINT,
     "series.csv",
@@ -23,6 +23,7 @@ const FILES: [&str; 18] = [
     "run.h5",
     BODY_TABLE,
     "bodies.xdmf",
+    "bonds.xdmf",
     "contacts.xdmf",
     "fields.xdmf",
     "picture.svg",

@@ -30,6 +30,7 @@ pub(super) struct Entry {
     pub step: usize,
     pub bodies: usize,
     pub contacts: Option<Network>,
+    pub bonds: usize,
     pub mesh: Option<Mesh>,
     /// Displacement of the images above the box, where images slide.
     pub offset: Option<f64>,
@@ -45,7 +46,8 @@ impl Entry {
         };
         let mesh = frame.fields.as_ref().map(mesh);
         let contacts = rows.contacts.as_ref().map(|(contacts, gluey)| Network { count: contacts.total(), gluey: *gluey });
-        Entry { number, time: frame.time, step: frame.step, bodies: rows.bodies.total(), contacts, mesh, offset: frame.offset() }
+        let bonds = rows.bonds.as_ref().map_or(0, |ends| ends.total() / 2);
+        Entry { number, time: frame.time, step: frame.step, bodies: rows.bodies.total(), contacts, bonds, mesh, offset: frame.offset() }
     }
 }
 

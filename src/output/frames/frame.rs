@@ -4,6 +4,7 @@ use nalgebra::SVector;
 
 use super::{
     body,
+    bond::{self, FrameBond},
     contact::{self, FrameContact},
 };
 use crate::{
@@ -41,6 +42,8 @@ pub struct Frame<'a, const D: usize> {
     pub bodies: &'a [FrameBody<D>],
     /// The contacts that bear a force or stick, those of a body on one rank, in the order of the bodies; nothing without a law of contact.
     pub contacts: Option<&'a [FrameContact<D>]>,
+    /// The bonds of chains, cells and clusters, those with the same first body on one rank, in the order of these; nothing without any.
+    pub bonds: Option<&'a [FrameBond<D>]>,
     /// The fluid, on all ranks or on none.
     pub fields: Option<FrameFields<'a, D>>,
 }
@@ -51,8 +54,8 @@ impl<const D: usize> Frame<'_, D> {
     /// # Errors
     /// A number of the frame is not finite.
     pub(super) fn rows(&self, world: &World) -> Result<FrameRows> {
-        let (bodies, contacts) = (self.body_rows(), self.contact_rows());
-        world.agree(self.check(&bodies, &contacts))?;
+        let (bodies, contacts, bonds) = (self.body_rows(), self.contact_rows(), self.bond_rows());
+        world.agree(self.check(&bodies, &contacts).and_then(|()| check_rows(&bonds, bond::WIDTH, 3, &bond::COLUMNS)))?;
         let mut counts = [self.bodies.len() as f64];
         world.sum(&mut counts);
         let [count] = counts.map(|count| count as usize);
@@ -60,7 +63,8 @@ impl<const D: usize> Frame<'_, D> {
         let gluey = self.contacts.is_some_and(|contacts| contacts.iter().any(|contact| contact.gamma.is_some()));
         let gluey = world.max(f64::from(gluey)) > 0.0;
         let contacts = self.contacts.map(|_| (Rows::in_order(world, count, contact::WIDTH, contacts), gluey));
-        Ok(FrameRows { bodies, contacts })
+        let bonds = self.bonds.map(|_| Rows::in_order(world, count, bond::WIDTH, bonds));
+        Ok(FrameRows { bodies, contacts, bonds })
     }
 
     /// Rows of the bodies, with centres in the box.
@@ -79,6 +83,13 @@ impl<const D: usize> Frame<'_, D> {
         for contact in contacts {
             FrameContact { point: self.domain.wrap(contact.point), ..*contact }.add_row(&mut rows);
         }
+        rows
+    }
+
+    fn bond_rows(&self) -> Vec<f64> {
+        let bonds = self.bonds.unwrap_or_default();
+        let mut rows = Vec::with_capacity(2 * bond::WIDTH * bonds.len());
+        bonds.iter().for_each(|bond| FrameBond { from: self.domain.wrap(bond.from), ..*bond }.add_rows(&mut rows));
         rows
     }
 
@@ -105,6 +116,8 @@ pub(super) struct FrameRows {
     pub bodies: Rows,
     /// Contacts, and whether they have a memory.
     pub contacts: Option<(Rows, bool)>,
+    /// Ends of bonds.
+    pub bonds: Option<Rows>,
 }
 
 /// Refuses rows of which a number is not finite in columns from `start` on.

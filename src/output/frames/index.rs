@@ -30,15 +30,15 @@ const CHUNK: usize = 512;
 /// All that lists the frames of a run.
 pub(super) struct Index {
     run: Listing<RunFile>,
-    companions: [Listing<Companion>; 3],
+    companions: [Listing<Companion>; 4],
 }
 
 impl Index {
     /// The index of a run's folder with these frames, in place of what is there; what a run that was killed left beside it goes.
     pub fn begin(folder: &Path, entries: &[Entry]) -> Result<Index> {
         let companion = |companion: Companion| Listing::new(folder.join(companion.name), companion);
-        let [bodies, contacts, fields] = xdmf::COMPANIONS.map(companion);
-        let mut index = Index { run: Listing::new(folder.join(RUN), RunFile)?, companions: [bodies?, contacts?, fields?] };
+        let [bodies, contacts, bonds, fields] = xdmf::COMPANIONS.map(companion);
+        let mut index = Index { run: Listing::new(folder.join(RUN), RunFile)?, companions: [bodies?, contacts?, bonds?, fields?] };
         index.rewrite(entries)?;
         Ok(index)
     }
@@ -172,6 +172,7 @@ mod tests {
             step: 2 * number,
             bodies: 4,
             contacts: Some(Network { count: number % 3, gluey: false }),
+            bonds: number,
             mesh: Some(mesh.clone()),
             offset: None,
         };
@@ -213,7 +214,7 @@ mod tests {
             index.update(&all[..count]).unwrap();
             assert_eq!(listed(&grown).unwrap().len(), count);
             let shown = |name: &str| fs::read_to_string(grown.join(name)).map_or(0, |text| text.matches("<Time").count());
-            assert_eq!(xdmf::COMPANIONS.map(|companion| shown(companion.name)), [count, count - count.div_ceil(3), count]);
+            assert_eq!(xdmf::COMPANIONS.map(|companion| shown(companion.name)), [count, count - count.div_ceil(3), count - 1, count]);
         }
         index.settle().unwrap();
         Index::begin(&whole, &all).unwrap();

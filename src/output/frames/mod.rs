@@ -1,11 +1,12 @@
 //! Frames: one HDF5 file an output time, `frames/000012.h5`, and companions that show them as one run.
 //!
-//! `run.h5` links to all frames; `bodies.xdmf`, `fields.xdmf` and `contacts.xdmf` show them to ParaView, each once it has something to show.
+//! `run.h5` links to all frames; `bodies.xdmf`, `fields.xdmf`, `contacts.xdmf` and `bonds.xdmf` show them to ParaView, each once it has something to show.
 //! Where the images of the box slide, a frame holds by how much: `offset` along x, which `offset_rate` makes grow (what is at `(x, y)` is
 //! also at `(x + offset, y + size_y)` and moves there faster by `offset_rate`). Every file is written aside and renamed, so that a reader never
 //! meets half of one and the end of the program at any moment loses at most the frame under way. The companions grow: a frame adds its own entry.
 
 mod body;
+mod bond;
 mod contact;
 mod entry;
 mod frame;
@@ -18,6 +19,7 @@ mod xdmf;
 
 use std::path::{Path, PathBuf};
 
+pub use bond::FrameBond;
 pub use contact::FrameContact;
 pub(super) use entry::FOLDER as FRAMES;
 pub use frame::{Frame, FrameFields};

@@ -95,7 +95,8 @@ pub(super) fn entry(number: usize, path: &Path) -> std::result::Result<Entry, St
         let mesh =
             || Ok::<_, hdf5::Error>(Mesh { cells: cells()?, spacing: list(file, "spacing")?, vorticity: vorticity_of(file)?.is_some() });
         let mesh = with_fields.then(mesh).transpose()?;
-        Ok(Entry { number, time: slab::get(file, "time")?, step, bodies, contacts, mesh, offset: offset(file)? })
+        let bonds = if file.link_exists("bonds") { slab::get::<u64>(file, "bond_count")? as usize } else { 0 };
+        Ok(Entry { number, time: slab::get(file, "time")?, step, bodies, contacts, bonds, mesh, offset: offset(file)? })
     })
 }
 

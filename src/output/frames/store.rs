@@ -10,7 +10,7 @@ use hdf5::{Dataset, Group};
 use super::{
     Frame, FrameFields,
     body::{self, in_space},
-    contact,
+    bond, contact,
     frame::FrameRows,
 };
 use crate::{
@@ -42,6 +42,9 @@ pub(super) fn store<const D: usize>(file: &mut ParallelFile, frame: &Frame<D>, r
     if let Some((contacts, gluey)) = &rows.contacts {
         store_group(file, "contacts", contacts, &contact_columns(*gluey && contacts.total() > 0))?;
     }
+    if let Some(ends) = &rows.bonds {
+        store_group(file, "bonds", ends, &bond_columns())?;
+    }
     frame.fields.as_ref().map_or(Ok(()), |fields| store_fields(file, fields))
 }
 
@@ -52,7 +55,8 @@ fn make_room<const D: usize>(file: &mut ParallelFile, frame: &Frame<D>, rows: &F
     });
     let bodies = rows.bodies.total() * body::WIDTH * size_of::<f64>();
     let contacts = rows.contacts.as_ref().map_or(0, |(contacts, _)| contacts.total() * contact::WIDTH * size_of::<f64>());
-    file.make_room(bodies + contacts + fields)
+    let bonds = rows.bonds.as_ref().map_or(0, |ends| ends.total() * (bond::WIDTH + 1) * size_of::<f64>());
+    file.make_room(bodies + contacts + bonds + fields)
 }
 
 fn describe<const D: usize>(root: &Group, frame: &Frame<D>, rows: &FrameRows) -> hdf5::Result<()> {
@@ -71,6 +75,9 @@ fn describe<const D: usize>(root: &Group, frame: &Frame<D>, rows: &FrameRows) ->
     if let Some((contacts, _)) = &rows.contacts {
         slab::set(root, "contact_count", contacts.total() as u64)?;
     }
+    if let Some(ends) = &rows.bonds {
+        slab::set(root, "bond_count", (ends.total() / 2) as u64)?;
+    }
     if let Some(fields) = &frame.fields {
         slab::set_all(root, "cells", &fields.grid.cells().map(|cells| cells as u64))?;
         slab::set_all(root, "spacing", fields.grid.spacing().as_slice())?;
@@ -81,7 +88,7 @@ fn describe<const D: usize>(root: &Group, frame: &Frame<D>, rows: &FrameRows) ->
 /// A column of a group.
 struct Column {
     name: &'static str,
-    /// Where its numbers are in a row.
+    /// Where its numbers are in a row; empty for the place of the row itself among all.
     place: Range<usize>,
     /// Whether they are whole.
     whole: bool,
@@ -111,11 +118,18 @@ fn contact_columns(gluey: bool) -> Vec<Column> {
     columns(&contact::COLUMNS, start, false).into_iter().chain(memory).chain(counts).collect()
 }
 
+fn bond_columns() -> Vec<Column> {
+    let counts = columns(&bond::COUNTS, 1, true);
+    let start = counts.last().map_or(0, |count| count.place.end);
+    let number = column(bond::NODE, 0, 0, true);
+    columns(&bond::COLUMNS, start, false).into_iter().chain(counts).chain([number]).collect()
+}
+
 /// Stores a group of columns, of which each rank writes its rows.
 fn store_group(file: &ParallelFile, name: &str, rows: &Rows, columns: &[Column]) -> Result<()> {
     let create = |group: &Group, column: &Column| {
         let width = column.place.len();
-        let shape = if width == 1 { vec![rows.total()] } else { vec![rows.total(), width] };
+        let shape = if width <= 1 { vec![rows.total()] } else { vec![rows.total(), width] };
         match column.whole {
             true => group.new_dataset::<i32>().shape(shape).create(column.name),
             false => group.new_dataset::<f64>().shape(shape).create(column.name),
@@ -135,6 +149,7 @@ fn write_column(dataset: &Dataset, rows: &Rows, column: &Column) -> hdf5::Result
     let width = column.place.len();
     let ranges: Vec<Range<usize>> = iter::once(rows.places()).chain((width > 1).then_some(0..width)).collect();
     match column.whole {
+        true if width == 0 => slab::write(dataset, &ranges, &rows.places().map(|place| place as i32).collect::<Vec<_>>()),
         true => slab::write(dataset, &ranges, &rows.columns(column.place.clone(), |number| number as i32)),
         false => slab::write(dataset, &ranges, &rows.columns(column.place.clone(), |number| number)),
     }

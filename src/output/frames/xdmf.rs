@@ -8,7 +8,7 @@ use std::{
 
 use super::{
     body::{COLUMNS, COUNTS},
-    contact,
+    bond, contact,
     entry::{Entry, Mesh, path_in_run},
     listing::Format,
     store::field_columns,
@@ -29,8 +29,8 @@ pub(super) struct Companion {
     grid: fn(&Entry) -> String,
 }
 
-/// The bodies as points that move; the contacts as points, with their normals and forces; the fields on the cells.
-pub(super) const COMPANIONS: [Companion; 3] = [
+/// The bodies as points that move; the contacts as points, with their normals and forces; bonds as lines; the fields on the cells.
+pub(super) const COMPANIONS: [Companion; 4] = [
     Companion { name: "bodies.xdmf", title: "bodies", shown: |entry| entry.bodies > 0, grid: cloud },
     Companion {
         name: "contacts.xdmf",
@@ -38,6 +38,7 @@ pub(super) const COMPANIONS: [Companion; 3] = [
         shown: |entry| entry.contacts.is_some_and(|network| network.count > 0),
         grid: network,
     },
+    Companion { name: "bonds.xdmf", title: "bonds", shown: |entry| entry.bonds > 0, grid: lines },
     Companion { name: "fields.xdmf", title: "fields", shown: |entry| entry.mesh.is_some(), grid: lattice },
 ];
 
@@ -92,6 +93,17 @@ fn points(entry: &Entry, group: &str, count: usize, place: &str, columns: impl I
     let attributes: String = columns.map(|(name, width, real)| attribute(name, width, "Node", &item(name, width, real))).collect();
     let topology = format!("<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{count}\" NodesPerElement=\"1\"/>\n");
     let geometry = format!("<Geometry GeometryType=\"XYZ\">{}</Geometry>\n", item(place, 3, true));
+    grid(entry, &format!("{topology}{geometry}{attributes}"))
+}
+
+fn lines(entry: &Entry) -> String {
+    let (bonds, ends) = (entry.bonds, 2 * entry.bonds);
+    let item = |name: &str, shape: &[usize], real: bool| data_item(entry, &format!("bonds/{name}"), shape, real);
+    let nodes = item(bond::NODE, &[ends], false);
+    let topology = format!("<Topology TopologyType=\"Polyline\" NumberOfElements=\"{bonds}\" NodesPerElement=\"2\">{nodes}</Topology>\n");
+    let geometry = format!("<Geometry GeometryType=\"XYZ\">{}</Geometry>\n", item("point", &[ends, 3], true));
+    let attributes: String =
+        bond::COUNTS.iter().map(|(name, width)| attribute(name, *width, "Node", &item(name, &[ends], false))).collect();
     grid(entry, &format!("{topology}{geometry}{attributes}"))
 }
 

@@ -10,7 +10,7 @@ use crate::{
     error::Result,
     grid::operators::signed,
     observe::{CellCenters, CellVorticity, inside},
-    output::{Frame, FrameContact, FrameFields, Frames, Summary, note},
+    output::{Frame, FrameBond, FrameContact, FrameFields, Frames, Summary, note},
     parallel::World,
     run::{Evaluated, EvaluatedMotion, Output},
     scene::{ContactModel, Scene},
@@ -21,7 +21,7 @@ use crate::{
 const ROUNDING: f64 = 1e-9;
 
 /// Files that show the frames.
-const INDICES: [&str; 4] = ["run.h5", "bodies.xdmf", "contacts.xdmf", "fields.xdmf"];
+const INDICES: [&str; 5] = ["run.h5", "bodies.xdmf", "contacts.xdmf", "bonds.xdmf", "fields.xdmf"];
 
 /// The frames of a run.
 pub struct FrameFiles<const D: usize> {
@@ -111,11 +111,12 @@ impl<const D: usize> Output<D> for FrameFiles<D> {
         let state = motion.state();
         let written = state.written(seen.world);
         let contacts = (self.contact != ContactModel::None).then(|| network(&motion, self.contact.gluey(), &written));
+        let bonds = bonds(&motion, &written);
         let bodies = motion.bodies(written);
         let fields = self.fields(seen, &motion)?;
         let contacts = contacts.as_deref();
-        self.frames
-            .write(seen.world, &Frame { time: state.time, step: state.steps, domain: motion.domain(), bodies: &bodies, contacts, fields })
+        let (time, step, domain, bonds) = (state.time, state.steps, motion.domain(), bonds.as_deref());
+        self.frames.write(seen.world, &Frame { time, step, domain, bodies: &bodies, contacts, bonds, fields })
     }
 
     fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
@@ -148,4 +149,28 @@ fn network<const D: usize>(motion: &EvaluatedMotion<D>, gluey: bool, written: &R
         FrameContact { body, partner, ..FrameContact::of(&placed, &balls, force, gluey.then_some(gamma)) }
     };
     all.into_iter().map(contact).collect()
+}
+
+/// Bonds of chains, cells and clusters of which this rank writes the first body; nothing without any.
+fn bonds<const D: usize>(motion: &EvaluatedMotion<D>, written: &Range<usize>) -> Option<Vec<FrameBond<D>>> {
+    let interactions = &motion.simulation.suspension()?.setup().interactions;
+    let mut pairs = interactions.bonds();
+    if pairs.is_empty() {
+        return None;
+    }
+    let groups: Vec<Range<usize>> =
+        interactions.chains().into_iter().chain(interactions.clusters().map(|cluster| cluster.bodies.clone())).collect();
+    let mut chain_of = vec![0; motion.state().bodies.len()];
+    groups.into_iter().enumerate().for_each(|(chain, bodies)| chain_of[bodies].fill(chain));
+    let state = motion.state();
+    pairs.retain(|[one, _]| state.place(*one).is_some_and(|place| written.contains(&place)));
+    pairs.sort_unstable();
+    let center = |body: usize| state.bodies[body].center;
+    let bond = |bodies: [usize; 2]| FrameBond {
+        bodies,
+        chain: chain_of[bodies[0]],
+        from: center(bodies[0]),
+        way: motion.domain().nearest_image(center(bodies[1]) - center(bodies[0])),
+    };
+    Some(pairs.into_iter().map(bond).collect())
 }

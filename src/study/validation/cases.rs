@@ -1,5 +1,6 @@
 //! The cases: scenes with known answers on grids with known errors.
 
+mod chains;
 mod clusters;
 mod random;
 mod scalar;
@@ -101,6 +102,7 @@ pub fn cases() -> Vec<Case> {
     all.extend(random::cases());
     all.extend(scalar::cases());
     all.extend(clusters::cases());
+    all.extend(chains::cases());
     all
 }
 
