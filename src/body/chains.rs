@@ -6,7 +6,7 @@ use nalgebra::{Rotation3, SVector, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::outline::biconcave;
+use super::{membrane::Membrane, outline::biconcave};
 use crate::{
     error::{Error, Result},
     geometry::{Ball, Domain},
@@ -73,6 +73,11 @@ impl ChainForm {
     /// The outline of a red cell, its long axis along the first.
     pub fn cell(radius: f64, beads: usize, link: f64) -> ChainForm {
         ChainForm { radius, places: biconcave(beads, link).iter().map(|place| Vector3::new(place.x, place.y, 0.0)).collect() }
+    }
+
+    /// The membrane of a red cell in space, its axis along the second; nothing if none has so many beads.
+    pub fn membrane(radius: f64, beads: usize, link: f64) -> ChainForm {
+        ChainForm { radius, places: Membrane::biconcave(beads, link).map_or(Vec::new(), |membrane| membrane.places) }
     }
 
     /// Centres of the beads about a middle, turned about an axis, in 2D the third one, by its length.

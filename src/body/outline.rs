@@ -7,6 +7,11 @@ use nalgebra::Vector2;
 /// Half the thickness over the radius, `sin t (a + b cos^2 t + c cos^4 t)` at `cos t` radii from the axis (doi:10.1016/0026-2862(72)90069-6).
 const PROFILE: [f64; 3] = [0.1036, 1.0013, -0.5614];
 
+/// Half the thickness of a red cell of radius 1 where `square` is the square of the distance from its axis, and `rise` the root of what that lacks of 1.
+pub fn half_thickness(rise: f64, square: f64) -> f64 {
+    rise * (PROFILE[0] + square * (PROFILE[1] + square * PROFILE[2]))
+}
+
 /// Rounds of evening out the links; each leaves a small part of what they differ by.
 const ROUNDS: usize = 200;
 
@@ -43,7 +48,7 @@ fn along(steps: &[f64]) -> Vec<Vector2<f64>> {
         let (sin, cos) = f64::sin_cos(parameter);
         parameter += step;
         let square = cos * cos;
-        Vector2::new(cos, sin * (PROFILE[0] + square * (PROFILE[1] + square * PROFILE[2])))
+        Vector2::new(cos, half_thickness(sin, square))
     };
     steps.iter().map(point).collect()
 }

@@ -12,7 +12,7 @@ use std::{ops::Range, rc::Rc};
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{Area, Arrangement, Interaction, Spring, spring::beyond_rounding};
+use super::{Arrangement, Conserved, Hinge, Interaction, Spring, spring::beyond_rounding};
 
 /// Curvature that has no direction: any across the chain will do.
 const STRAIGHT: f64 = 1e-12;
@@ -46,8 +46,10 @@ pub struct Bonds {
     pub stretches: Rc<Vec<Stretch>>,
     /// Between them.
     pub bends: Rc<Vec<Bend>>,
-    /// Of cells.
-    pub areas: Rc<Vec<Area>>,
+    /// Between triangles of membranes.
+    pub hinges: Rc<Vec<Hinge>>,
+    /// What membranes keep.
+    pub conserved: Rc<Vec<Conserved>>,
     /// The bodies of each chain.
     pub chains: Rc<Vec<Range<usize>>>,
 }
@@ -59,15 +61,17 @@ impl<const D: usize> Interaction<D> for Bonds {
 
     fn describe(&self) -> String {
         let (stretches, bends) = (self.stretches.len(), self.bends.iter().filter(|bend| bend.stiffness > 0.0).count());
-        let areas = if self.areas.is_empty() { String::new() } else { format!(", the areas of {} cells", self.areas.len()) };
-        format!("{stretches} springs and {bends} angles of chains{areas}, implicit: a row of the coupled system each")
+        let (bends, kept) = (bends + self.hinges.len(), self.conserved.len());
+        let kept = if kept == 0 { String::new() } else { format!(", {kept} areas and volumes of cells") };
+        format!("{stretches} springs and {bends} angles of chains and cells{kept}, implicit: a row of the coupled system each")
     }
 
     fn springs(&self, arrangement: &Arrangement<D>) -> Vec<Spring<D>> {
         let center = |body: usize| arrangement.balls[body].center;
         let stretches = self.stretches.iter().map(|stretch| stretch.spring(&center));
         let bends = self.bends.iter().filter(|bend| bend.stiffness > 0.0).map(|bend| bend.spring(&center));
-        stretches.chain(bends).chain(self.areas.iter().map(|area| area.spring(&center))).collect()
+        let membranes = self.hinges.iter().map(|hinge| hinge.spring(&center));
+        stretches.chain(bends).chain(membranes).chain(self.conserved.iter().map(|conserved| conserved.spring(&center))).collect()
     }
 
     fn chains(&self) -> Vec<Range<usize>> {
@@ -78,8 +82,8 @@ impl<const D: usize> Interaction<D> for Bonds {
         self.stretches.iter().map(|stretch| stretch.bodies).collect()
     }
 
-    fn areas(&self) -> Vec<Area> {
-        self.areas.to_vec()
+    fn conserved(&self) -> Vec<Conserved> {
+        self.conserved.to_vec()
     }
 }
 
@@ -154,7 +158,8 @@ mod tests {
         Bonds {
             stretches: Rc::new((0..3).map(stretch).collect()),
             bends: Rc::new((0..2).map(bend).collect()),
-            areas: Rc::default(),
+            hinges: Rc::default(),
+            conserved: Rc::default(),
             chains: Rc::default(),
         }
     }

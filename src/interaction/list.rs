@@ -4,7 +4,7 @@ use std::{fmt, ops::Range, rc::Rc};
 
 use nalgebra::SVector;
 
-use super::{Area, Arrangement, BondRow, Cluster, Interaction, PairForce, Spring, Touch};
+use super::{Arrangement, BondRow, Cluster, Conserved, Interaction, PairForce, Spring, Touch};
 use crate::{
     constraint::{
         MultiplierLayout, Neighbourhood,
@@ -148,9 +148,9 @@ impl<const D: usize> Interactions<D> {
         !contact.within_cluster(self.cluster_of(), |body| body)
     }
 
-    /// See [`Interaction::areas`].
-    pub fn areas(&self) -> Vec<Area> {
-        self.iter().flat_map(Interaction::areas).collect()
+    /// See [`Interaction::conserved`].
+    pub fn conserved(&self) -> Vec<Conserved> {
+        self.iter().flat_map(Interaction::conserved).collect()
     }
 
     /// See [`Interaction::rows`].

@@ -5,12 +5,13 @@
 //! to be remembered, and how steep its forces are, which limits explicit steps. What an interaction does not have it leaves at the default, and then
 //! nothing is built for it.
 
-mod area;
 mod arrangement;
 mod bond_row;
 mod bonds;
 mod cluster;
+mod conserved;
 mod gluey;
+mod hinge;
 mod inelastic;
 mod list;
 mod lubrication;
@@ -20,12 +21,13 @@ mod welds;
 
 use std::{fmt::Debug, ops::Range};
 
-pub use area::{Area, enclosed};
 pub use arrangement::{Arrangement, PairForce, Wrench};
 pub use bond_row::BondRow;
 pub use bonds::{Bend, Bonds, Stretch};
 pub use cluster::Cluster;
+pub use conserved::{Conserved, Measure, enclosed};
 pub use gluey::Gluey;
+pub use hinge::Hinge;
 pub use inelastic::Inelastic;
 pub use list::Interactions;
 pub use lubrication::Lubrication;
@@ -134,8 +136,8 @@ pub trait Interaction<const D: usize>: Debug {
         &[]
     }
 
-    /// Areas that rings of bodies enclose and that stay as they are, cell by cell.
-    fn areas(&self) -> Vec<Area> {
+    /// What its membranes keep, cell by cell.
+    fn conserved(&self) -> Vec<Conserved> {
         Vec::new()
     }
 

@@ -3,18 +3,17 @@
 use nalgebra::{SVector, Vector2};
 
 use crate::{
-    interaction::{Area, enclosed},
+    interaction::Conserved,
     simulation::{Setup, State},
 };
 
 /// Cells at an instant.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct MembraneNumbers {
-    /// Mean area that a membrane encloses, through the centres of its beads.
-    pub enclosed_area: f64,
-    /// Largest part by which one differs from that at rest.
-    pub area_error: f64,
-    /// Angle from x of the long axis of cells in radians, from `-pi/2` to `pi/2`, of the mean of their orientations.
+    /// Of each measure that membranes keep: its name, its mean, and the largest part by which one differs from that at rest. In 2D the area that
+    /// beads' centres enclose, in 3D volume and surface.
+    pub kept: Vec<(&'static str, f64, f64)>,
+    /// Angle from x of the long axis of cells, as the first two axes of space see them, in radians, from `-pi/2` to `pi/2`, of the mean of their orientations.
     pub inclination: f64,
     /// Angle from the long axis of the first cell to its first bead, in radians, from `-pi` to `pi` (an axis has two ends, so that it jumps by `pi` where
     /// the inclination does): it turns as the membrane does, like the tread of a tank.
@@ -24,26 +23,36 @@ pub struct MembraneNumbers {
 impl MembraneNumbers {
     /// Those of a state that holds all bodies; nothing without cells.
     pub fn of<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Option<MembraneNumbers> {
-        let areas = setup.interactions.areas();
-        let rings: Vec<Vec<Vector2<f64>>> = areas.iter().map(|area| ring(state, area)).collect();
-        let first = rings.first()?;
-        let found: Vec<f64> = rings.iter().map(|ring| enclosed(ring)).collect();
-        let errors = found.iter().zip(&areas).map(|(found, area)| (found / area.area - 1.0).abs());
-        let mean: Vector2<f64> = rings.iter().map(|ring| orientation(ring).normalize()).sum();
+        let conserved = setup.interactions.conserved();
+        let membranes: Vec<&[Conserved]> = conserved.chunk_by(|one, other| one.bodies == other.bodies).collect();
+        let outlines: Vec<Vec<Vector2<f64>>> = membranes.iter().map(|membrane| outline(state, &membrane[0])).collect();
+        let first = outlines.first()?;
+        let mean: Vector2<f64> = outlines.iter().map(|outline| orientation(outline).normalize()).sum();
         let to_first = first[0] - middle(first);
         let turned = to_first.y.atan2(to_first.x) - axis(&orientation(first));
         Some(MembraneNumbers {
-            enclosed_area: found.iter().sum::<f64>() / found.len() as f64,
-            area_error: errors.fold(0.0, f64::max),
+            kept: (0..membranes[0].len()).map(|measure| kept(state, membranes.iter().map(|membrane| &membrane[measure]))).collect(),
             inclination: axis(&mean),
             tread: turned.sin().atan2(turned.cos()),
         })
     }
 }
 
-fn ring<const D: usize>(state: &State<D>, area: &Area) -> Vec<Vector2<f64>> {
+/// Mean and largest error of a measure of all membranes.
+fn kept<'a, const D: usize>(state: &State<D>, all: impl Iterator<Item = &'a Conserved>) -> (&'static str, f64, f64) {
+    let (mut name, mut sum, mut count, mut worst) = ("", 0.0, 0.0, 0.0_f64);
+    for conserved in all {
+        let found = conserved.measured(&|body: usize| state.bodies[body].center);
+        (name, sum, count) = (conserved.measure.name(), sum + found, count + 1.0);
+        worst = worst.max((found / conserved.value - 1.0).abs());
+    }
+    (name, sum / count, worst)
+}
+
+/// The beads of a membrane as the first two axes of space see them.
+fn outline<const D: usize>(state: &State<D>, conserved: &Conserved) -> Vec<Vector2<f64>> {
     let flat = |center: &SVector<f64, D>| center.fixed_rows::<2>(0).into_owned();
-    state.bodies[area.bodies.clone()].iter().map(|body| flat(&body.center)).collect()
+    state.bodies[conserved.bodies.clone()].iter().map(|body| flat(&body.center)).collect()
 }
 
 fn middle(ring: &[Vector2<f64>]) -> Vector2<f64> {

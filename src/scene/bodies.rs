@@ -36,6 +36,9 @@ pub struct BodyGroup {
     pub radius: f64,
     /// Where the bodies start.
     pub placement: Placement,
+    /// How cells and clusters with given centers are turned at the start: in 2D an angle in radians, counterclockwise; in 3D a vector about which, by its
+    /// length.
+    pub rotation: Option<Vec<f64>>,
     /// Smallest initial gap between bodies placed at random, in radii.
     pub gap: f64,
     /// Mass per volume, not negative.
@@ -142,8 +145,8 @@ impl BodyGroup {
     /// Balls of this radius, free and as dense as a fluid of density 1.
     pub fn new(radius: f64, placement: Placement) -> Self {
         let (shape, gap, density, motion) = (Shape::Ball, 0.05, 1.0, Motion::Free);
-        let (force, torque, velocity, spin) = (None, None, None, None);
-        BodyGroup { shape, radius, placement, gap, density, motion, force, torque, velocity, spin, chain: None, cluster: None }
+        let (rotation, force, torque, velocity, spin) = (None, None, None, None, None);
+        BodyGroup { shape, radius, placement, rotation, gap, density, motion, force, torque, velocity, spin, chain: None, cluster: None }
     }
 
     /// The name of the list of the file that it is from.
@@ -203,7 +206,13 @@ impl BodyGroup {
         table.exactly_one(&CHAIN_PLACEMENTS, "count = 10")?;
         let placement = Placement::read(table, folder, dimension)?;
         let default = BodyGroup::new(table.require("radius", "0.5")?.positive()?, placement);
+        let given = table.get("centers").or_else(|| table.get("file")).is_some();
+        let rotation = |entry: Entry| {
+            entry.expect((), given, "turns those whose centers are given; those placed by count lie at random; remove it")?;
+            entry.rotation(dimension)
+        };
         Ok(BodyGroup {
+            rotation: table.get("rotation").map(rotation).transpose()?,
             gap: table.get("gap").map_or(Ok(default.gap), |entry| entry.not_negative())?,
             density: table.get("density").map_or(Ok(default.density), |entry| entry.not_negative())?,
             force: table.get("force").map(|entry| entry.vector(dimension)).transpose()?,

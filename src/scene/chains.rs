@@ -1,5 +1,6 @@
 //! How beads of chains are tied to each other.
 
+use crate::body::parts;
 use crate::error::Result;
 use crate::scene::table::Table;
 
@@ -21,8 +22,6 @@ pub struct Chain {
     pub angle: f64,
     /// Whether its ends are free or tied to each other.
     pub shape: ChainShape,
-    /// Angle in radians by which given cells are turned at the start, counterclockwise, from lying along x; 0 for others.
-    pub rotation: f64,
 }
 
 /// The shape of a chain.
@@ -60,25 +59,29 @@ pub(super) fn read(table: &Table, dimension: usize) -> Result<Chain> {
         entry.expect((), bend > 0.0, "is what bend draws chains to; give bend")?;
         entry.expect(angle, angle.abs() < std::f64::consts::PI, "must lie between -pi and pi")
     })?;
-    Ok(Chain { beads, spacing, stretch: read_stretch(table)?, bend, angle, shape, rotation: 0.0 })
+    Ok(Chain { beads, spacing, stretch: read_stretch(table)?, bend, angle, shape })
 }
 
 /// The membranes of cells.
 pub(super) fn read_cells(table: &Table, dimension: usize) -> Result<Chain> {
-    let entry = table.require("beads", "24")?;
+    let entry = table.require("beads", if dimension == 2 { "24" } else { "162" })?;
     let beads = entry.count()?;
-    entry.expect((), dimension == 2, "cells are rings of disks, in two dimensions only; give domain.size two numbers")?;
     let (spacing, stretch) = (read_spacing(table)?, read_stretch(table)?);
-    let fewest = (SHORTEST_OUTLINE / spacing).ceil();
-    entry.expect((), beads as f64 >= fewest, &format!("must be at least {fewest}: beads of a shorter outline meet between its dimples"))?;
+    if dimension == 2 {
+        let fewest = (SHORTEST_OUTLINE / spacing).ceil();
+        entry.expect(
+            (),
+            beads as f64 >= fewest,
+            &format!("must be at least {fewest}: beads of a shorter outline meet between its dimples"),
+        )?;
+    } else {
+        entry.expect((), parts(beads).is_some(), "must be 42, 92, 162, 252, or another 10 n n + 2: corners of a divided icosahedron")?;
+        let entry = table.require("stretch", "1.0")?;
+        entry.expect((), stretch.is_some(), "leaves a membrane in space no way to bend; give a force over a length")?;
+    }
     let entry = table.require("bend", "1.0")?;
     let bend = entry.positive()?;
-    let rotation = table.get("rotation").map_or(Ok(0.0), |entry| {
-        let given = table.get("centers").or_else(|| table.get("file"));
-        entry.expect((), given.is_some(), "turns cells whose centers are given; those placed by count lie at random; remove it")?;
-        entry.number()
-    })?;
-    Ok(Chain { beads, spacing, stretch, bend, angle: 0.0, shape: ChainShape::Cell, rotation })
+    Ok(Chain { beads, spacing, stretch, bend, angle: 0.0, shape: ChainShape::Cell })
 }
 
 fn read_spacing(table: &Table) -> Result<f64> {

@@ -14,8 +14,6 @@ pub struct Cluster {
     pub form: ClusterForm,
     /// Distance of the centres of neighbours in diameters, at least 1.
     pub spacing: f64,
-    /// How given clusters are turned at the start: in 2D an angle in radians, counterclockwise; in 3D a vector about which, by its length.
-    pub rotation: Vec<f64>,
 }
 
 /// How the balls of a cluster lie.
@@ -96,17 +94,9 @@ pub(super) fn read(table: &Table, dimension: usize, radius: f64) -> Result<Clust
         entry.expect((), table.get("offsets").is_none(), "is of shapes; offsets are lengths; remove it")?;
         entry.expect(spacing, spacing >= 1.0, "is in diameters of a ball; below 1 balls overlap")
     })?;
-    let given = table.get("centers").or_else(|| table.get("file"));
-    let rotation = table.get("rotation").map_or_else(
-        || Ok(vec![0.0; if dimension == 2 { 1 } else { 3 }]),
-        |entry| {
-            entry.expect((), given.is_some(), "turns clusters whose centers are given; those placed by count lie at random; remove it")?;
-            entry.rotation(dimension)
-        },
-    )?;
     let (name, entry) = table.exactly_one(&["shape", "offsets"], "shape = \"rod\"")?;
     let form = if name == "offsets" { read_offsets(&entry, dimension, radius)? } else { read_shape(table, &entry, dimension)? };
-    Ok(Cluster { form, spacing, rotation })
+    Ok(Cluster { form, spacing })
 }
 
 fn read_shape(table: &Table, entry: &Entry, dimension: usize) -> Result<ClusterForm> {
@@ -148,7 +138,7 @@ mod tests {
     #[test]
     fn neighbours_of_every_shape_touch_and_none_overlap() {
         for form in [ClusterForm::Rod(4), ClusterForm::Cross, ClusterForm::Triangle, ClusterForm::Tetrahedron] {
-            let cluster = Cluster { form, spacing: 1.0, rotation: vec![0.0] };
+            let cluster = Cluster { form, spacing: 1.0 };
             let places = cluster.places(0.5);
             let distance = |one: &[f64; 3], other: &[f64; 3]| (0..3).map(|axis| (one[axis] - other[axis]).powi(2)).sum::<f64>().sqrt();
             for (second, other) in places.iter().enumerate().skip(1) {

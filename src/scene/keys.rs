@@ -187,7 +187,8 @@ fn automatic(key: &str, value: Option<f64>) -> (String, String) {
 }
 
 fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
-    let BodyGroup { shape: Shape::Ball, radius, placement, gap, density, motion, force, torque, velocity, spin, chain, cluster } = bodies;
+    let BodyGroup { shape: Shape::Ball, radius, placement, rotation, gap, density, motion, force, torque, velocity, spin, chain, cluster } =
+        bodies;
     let mut keys = match (chain, cluster) {
         (Some(chain), _) => of_chain(chain),
         (None, Some(cluster)) => of_cluster(cluster),
@@ -205,7 +206,7 @@ fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
         keys.push(number("density", *density));
         keys.extend(if bodies.together() { Vec::new() } else { of_motion(motion) });
     }
-    let lists = [("force", force), ("torque", torque), ("velocity", velocity), ("spin", spin)];
+    let lists = [("rotation", rotation), ("force", force), ("torque", torque), ("velocity", velocity), ("spin", spin)];
     keys.extend(lists.into_iter().filter_map(|(key, numbers)| Some((key, numbers.as_deref()?))).map(|(key, numbers)| match numbers {
         [rate] => number(key, *rate),
         numbers => list(key, numbers),
@@ -214,20 +215,17 @@ fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
 }
 
 fn of_chain(chain: &Chain) -> Keys {
-    let Chain { beads, spacing, stretch, bend, angle, shape, rotation } = chain;
+    let Chain { beads, spacing, stretch, bend, angle, shape } = chain;
     let stretch = stretch.map_or_else(|| word("stretch", "rigid"), |stretch| number("stretch", stretch));
     let mut keys = vec![pair("beads", beads), number("spacing", *spacing), stretch, number("bend", *bend)];
     // a ring has a natural angle of its own
     keys.extend((*angle != 0.0 && *bend > 0.0).then(|| number("angle", *angle)));
-    match shape {
-        ChainShape::Cell => keys.extend((*rotation != 0.0).then(|| number("rotation", *rotation))),
-        ChainShape::Line | ChainShape::Ring => keys.push(word("shape", shape_word(*shape))),
-    }
+    keys.extend((*shape != ChainShape::Cell).then(|| word("shape", shape_word(*shape))));
     keys
 }
 
 fn of_cluster(cluster: &Cluster) -> Keys {
-    let Cluster { form, spacing, rotation } = cluster;
+    let Cluster { form, spacing } = cluster;
     let mut keys: Keys = form.word().map(|shape| word("shape", shape)).into_iter().collect();
     match form {
         ClusterForm::Rod(beads) => keys.push(pair("beads", beads)),
@@ -235,11 +233,6 @@ fn of_cluster(cluster: &Cluster) -> Keys {
         ClusterForm::Cross | ClusterForm::Triangle | ClusterForm::Tetrahedron => {}
     }
     keys.extend(form.word().map(|_| number("spacing", *spacing)));
-    match rotation[..] {
-        _ if rotation.iter().all(|&component| component == 0.0) => {}
-        [angle] => keys.push(number("rotation", angle)),
-        _ => keys.push(list("rotation", rotation)),
-    }
     keys
 }
 

@@ -15,7 +15,7 @@ use nalgebra::{SMatrix, SVector};
 use crate::{
     body::Twist,
     constraint::lubrication::RigidFunctional,
-    interaction::{Area, BondRow, Spring},
+    interaction::{BondRow, Conserved, Spring},
 };
 
 /// Square of `z` at which a spring is half stiff: energies of free springs then fall in every step (tests).
@@ -24,8 +24,10 @@ const HALF_STIFF: f64 = 0.1;
 /// Least part of the force that is implicit, so that rows have a scale.
 const LEAST: f64 = 1e-3;
 
-/// Newton's iterations on an area, which is quadratic in places.
-const NEWTON: usize = 2;
+/// Newton's iterations on what membranes keep, one measure after the other.
+const NEWTON: usize = 50;
+/// Part of a measure that is rounding.
+const KEPT: f64 = 1e-14;
 
 /// The step for which rows are made.
 #[derive(Debug, Clone, Copy)]
@@ -80,13 +82,20 @@ fn implicit_part(stiffness: f64) -> f64 {
     if stiffness.is_finite() { (stiffness * stiffness / (stiffness * stiffness + HALF_STIFF)).max(LEAST) } else { 1.0 }
 }
 
-/// Takes from motions the part of an area by which rows of its rate miss it over a step: of the third order in the step.
-pub fn keep_areas<const D: usize>(areas: &[Area], centers: &[SVector<f64, D>], moves: &mut [Twist<D>], step: f64) {
-    for area in areas {
+/// Takes from motions the part of what membranes keep by which rows of its rate miss it over a step: of the third order in the step.
+pub fn keep<const D: usize>(kept: &[Conserved], centers: &[SVector<f64, D>], moves: &mut [Twist<D>], step: f64) {
+    for membrane in kept.chunk_by(|one, other| one.bodies == other.bodies) {
         for _ in 0..NEWTON {
-            let after = area.spring(&|body: usize| centers[body] + moves[body].velocity * step);
-            let square: f64 = after.ends.iter().map(|(_, gradient)| gradient.norm_squared()).sum();
-            after.ends.iter().for_each(|(body, gradient)| moves[*body].velocity -= gradient * (after.value / (square * step)));
+            let mut missed = 0.0_f64;
+            for conserved in membrane {
+                let after = conserved.spring(&|body: usize| centers[body] + moves[body].velocity * step);
+                let square: f64 = after.ends.iter().map(|(_, gradient)| gradient.norm_squared()).sum();
+                after.ends.iter().for_each(|(body, gradient)| moves[*body].velocity -= gradient * (after.value / (square * step)));
+                missed = missed.max(after.value.abs() / conserved.value);
+            }
+            if missed <= KEPT {
+                break;
+            }
         }
     }
 }

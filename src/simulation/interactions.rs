@@ -6,18 +6,16 @@
 //! radius `a`. In a dry run it is the energy of the hardest impact to be expected, `m U^2 + |f| L`, over `a`, with the largest
 //! mass, speed at the start and force and the longest edge `L` of the box.
 
-use std::{f64::consts::TAU, rc::Rc};
-
-use nalgebra::Vector2;
+use std::rc::Rc;
 
 use super::{GranularBody, Setup};
 use crate::{
-    body::{Body, Motion, Twist, biconcave, turns},
+    body::{Body, Motion, Twist},
     error::Result,
     flow::Drive,
     geometry::{Axis, Ball, Domain},
-    interaction::{Area, Bend, Bonds, Cluster, Gluey, Inelastic, Interaction, Interactions, Repulsion, Stretch, Welds, enclosed},
-    scene::{Chain, ChainShape, ContactModel, Scene, Step},
+    interaction::{Cluster, Gluey, Inelastic, Interaction, Interactions, Repulsion, Welds},
+    scene::{ContactModel, Scene, Step},
 };
 
 /// Largest step in units of `sqrt(m / k)`: a body between as many others as fit around it vibrates at up to `sqrt(24 k / m)`.
@@ -39,40 +37,6 @@ pub fn of_granular<const D: usize>(scene: &Scene, domain: &Domain<D>, bodies: &[
     Interactions::new(contact)
 }
 
-/// The bonds of the chains of a scene, whose bodies are these, each with its group; none without chains.
-pub fn bonds<const D: usize>(scene: &Scene, bodies: &[(usize, Body<D>)]) -> Option<Bonds> {
-    let (mut stretches, mut bends, mut areas, mut chains, mut first) = (Vec::new(), Vec::new(), Vec::new(), Vec::new(), 0);
-    for group in bodies.chunk_by(|one, next| one.0 == next.0) {
-        let bodies = &scene.bodies[group[0].0];
-        for (chain, number) in bodies.chain.iter().flat_map(|chain| (0..group.len() / chain.beads).map(move |number| (chain, number))) {
-            let start = first + number * chain.beads;
-            chains.push(start..start + chain.beads);
-            let bead = |number: usize| start + number % chain.beads;
-            let ring = chain.shape.closed();
-            let bonds = if ring { chain.beads } else { chain.beads - 1 };
-            let (length, stiffness) = (2.0 * bodies.radius * chain.spacing, chain.stretch.unwrap_or(f64::INFINITY));
-            stretches.extend((0..bonds).map(|bond| Stretch { bodies: [bead(bond), bead(bond + 1)], length, stiffness }));
-            let turns = if ring { bonds } else { bonds - 1 };
-            let angles = angles(chain, length, &group[number * chain.beads..][..chain.beads]);
-            let bend = |bond: usize| {
-                let bodies = [bead(bond), bead(bond + 1), bead(bond + 2)];
-                Bend { bodies, stiffness: chain.bend, angle: angles[(bond + 1) % chain.beads] }
-            };
-            bends.extend((0..turns).map(bend));
-            if chain.shape == ChainShape::Cell {
-                areas.push(Area { bodies: start..start + chain.beads, area: enclosed(&biconcave(chain.beads, length)) });
-            }
-        }
-        first += group.len();
-    }
-    (!stretches.is_empty()).then(|| Bonds {
-        stretches: Rc::new(stretches),
-        bends: Rc::new(bends),
-        areas: Rc::new(areas),
-        chains: Rc::new(chains),
-    })
-}
-
 /// The welds of the rigid clusters of a scene, whose bodies are these, each with its group; none without clusters.
 pub fn welds<const D: usize>(scene: &Scene, bodies: &[(usize, Body<D>)]) -> Option<Welds<D>> {
     let (mut clusters, mut first) = (Vec::new(), 0);
@@ -86,18 +50,6 @@ pub fn welds<const D: usize>(scene: &Scene, bodies: &[(usize, Body<D>)]) -> Opti
         first += group.len();
     }
     (!clusters.is_empty()).then(|| Welds::new(clusters, bodies.len()))
-}
-
-/// The turns of a chain of these beads at rest: a ring that is given clockwise turns that way.
-fn angles<const D: usize>(chain: &Chain, link: f64, beads: &[(usize, Body<D>)]) -> Vec<f64> {
-    let ring = |beads: &[(usize, Body<D>)]| -> Vec<Vector2<f64>> {
-        beads.iter().map(|(_, bead)| bead.ball.center.fixed_rows::<2>(0).into_owned()).collect()
-    };
-    match chain.shape {
-        ChainShape::Cell => turns(&biconcave(chain.beads, link)),
-        ChainShape::Ring if chain.angle == TAU / chain.beads as f64 => vec![chain.angle.copysign(enclosed(&ring(beads))); chain.beads],
-        ChainShape::Line | ChainShape::Ring => vec![chain.angle; chain.beads],
-    }
 }
 
 /// The interaction of a contact model between bodies in a flow.

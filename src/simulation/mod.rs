@@ -4,6 +4,7 @@ mod active_set_iteration;
 mod assembled_system;
 mod assembly;
 mod bodies;
+mod chains;
 mod clusters;
 mod configuration;
 mod contact_step;

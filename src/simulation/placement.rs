@@ -134,18 +134,18 @@ fn form<const D: usize>(scene: &Scene, group: usize, domain: &Domain<D>) -> Resu
         match chain.shape {
             ChainShape::Line => ChainForm::line(radius, chain.beads, link),
             ChainShape::Ring => ChainForm::circle(radius, chain.beads, link),
-            ChainShape::Cell => ChainForm::cell(radius, chain.beads, link),
+            ChainShape::Cell if D == 2 => ChainForm::cell(radius, chain.beads, link),
+            ChainShape::Cell => ChainForm::membrane(radius, chain.beads, link),
         }
     }))
 }
 
 /// How given cells and clusters are turned: about an axis by its length.
 fn rotation(bodies: &BodyGroup) -> Vector3<f64> {
-    match (&bodies.chain, &bodies.cluster) {
-        (Some(chain), _) => Vector3::z() * chain.rotation,
-        (None, Some(cluster)) if cluster.rotation.len() == 3 => vector(&cluster.rotation),
-        (None, Some(cluster)) => Vector3::z() * cluster.rotation[0],
-        (None, None) => Vector3::zeros(),
+    match bodies.rotation.as_deref() {
+        Some(&[angle]) => Vector3::z() * angle,
+        Some(turn) => vector(turn),
+        None => Vector3::zeros(),
     }
 }
 

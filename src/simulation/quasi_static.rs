@@ -21,7 +21,7 @@ use super::{
     active_set_iteration::ActiveSetIteration,
     clusters::ClusterMotions,
     contact_step::{ContactStep, identities},
-    implicit_springs::{StepAhead, keep_areas},
+    implicit_springs::{StepAhead, keep},
     step_control::{BodyMotion, StepControl, StepSize},
 };
 use crate::{
@@ -376,7 +376,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
             ClusterMotions::nearest(self.suspension.setup().interactions.clusters(), state, step, &moves).carry(&mut moves);
         }
         effort.contact += start.elapsed().as_secs_f64();
-        keep_areas(&self.suspension.setup().interactions.areas(), &state.centers(), &mut moves, step);
+        keep(&self.suspension.setup().interactions.conserved(), &state.centers(), &mut moves, step);
         Ok(StepOutcome {
             step,
             moves,

@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::{
-    GranularBody, GranularSetup, Inertia, Setup, SuspendedBody, interactions,
+    GranularBody, GranularSetup, Inertia, Setup, SuspendedBody, chains, interactions,
     placement::{bodies, domain, trajectories, vector},
     surroundings::opposite_neighbours,
 };
@@ -110,7 +110,7 @@ impl<const D: usize> Setup<D> {
             starts: groups().map(start).collect(),
         });
         let trajectories = trajectories(scene, &placed);
-        let (bonds, welds) = (interactions::bonds(scene, &placed), interactions::welds(scene, &placed));
+        let (bonds, welds) = (chains::bonds(scene, &placed), interactions::welds(scene, &placed));
         let (spacing, bodies) = suspended_bodies(scene, &domain, placed)?;
         let setup = Setup { inertia, ..Setup::with_bodies(scene, domain, spacing, (bodies, trajectories)) };
         let setup = match bonds {

@@ -2,8 +2,13 @@
 
 use std::path::Path;
 
-use nalgebra::{SVector, Vector2};
-use turbid::{observe::MembraneNumbers, petsc::Session, scene::Scene, simulation::Simulation};
+use nalgebra::{SVector, Vector2, Vector3};
+use turbid::{
+    observe::{ChainNumbers, MembraneNumbers},
+    petsc::Session,
+    scene::Scene,
+    simulation::Simulation,
+};
 
 use crate::Test;
 
@@ -14,6 +19,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_bent_chain_becomes_straight_and_a_ring_round_without_moving_off),
         Test::of(chains_with_inertia_come_to_rest_at_their_length),
         Test::of(cells_keep_their_area_and_tread_or_tumble),
+        Test::of(a_cell_in_space_comes_back_to_its_shape),
     ]
 }
 
@@ -157,7 +163,7 @@ fn cells_keep_their_area_and_tread_or_tumble(session: &Session) {
     };
     let (soft, stiff) = (way(0.03), way(20.0));
     for seen in [&soft, &stiff] {
-        let error = seen.iter().map(|numbers| numbers.area_error).fold(0.0, f64::max);
+        let error = seen.iter().map(|numbers| numbers.kept[0].2).fold(0.0, f64::max);
         assert!(error < 1e-6, "area {error:e}");
     }
     let pi = std::f64::consts::PI;
@@ -165,4 +171,33 @@ fn cells_keep_their_area_and_tread_or_tumble(session: &Session) {
     let turns = [&soft, &stiff].map(|seen| turned(seen, &|numbers| numbers.inclination, pi));
     assert!(treads[0] < -0.4 && treads[1].abs() < 0.3, "membranes went around by {treads:?}");
     assert!(turns[0].abs() < 0.5 && turns[1] < -1.5, "cells turned by {turns:?}");
+}
+
+/// A cell in space that was drawn out comes back to its shape, and keeps what it encloses and its surface on the way.
+fn a_cell_in_space_comes_back_to_its_shape(session: &Session) {
+    let text = "domain = { size = [7.0, 5.0, 7.0] }\nflow = { model = \"stokes\", viscosity = 1.0 }\nresolution = { cells_per_radius = 3 }\n\
+                method = { inverse = \"transform\" }\ncells = [{ centers = [[3.5, 2.5, 3.5]], beads = 42, radius = 0.25, stretch = 40.0, bend = 10.0 }]\n\
+                contact = { model = \"inelastic\" }\ntime = { end = 2.4, step = 0.3 }\n";
+    let mut simulation = Simulation::<3>::new(session, &scene(text)).unwrap();
+    let mut state = simulation.state().clone();
+    let middle = Vector3::new(3.5, 2.5, 3.5);
+    for body in &mut state.bodies {
+        let drawn = (body.center - middle).component_mul(&Vector3::new(1.1, 1.0, 1.0 / 1.1));
+        body.center = middle + drawn;
+    }
+    simulation.restore(state, None);
+    let (mut energies, mut errors) = (Vec::new(), Vec::new());
+    loop {
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        let (setup, state) = (simulation.suspension().unwrap().setup(), simulation.state());
+        energies.push(ChainNumbers::of(setup, state).unwrap().bond_energy);
+        errors.push(MembraneNumbers::of(setup, state).unwrap().kept.iter().map(|kept| kept.2).fold(0.0, f64::max));
+        if simulation.over() {
+            break;
+        }
+        simulation.step(&observation, &mut |_, _| {}).unwrap();
+    }
+    assert!(energies.windows(2).all(|pair| pair[1] < pair[0]), "{energies:?}");
+    assert!(energies[energies.len() - 1] < 1e-3 * energies[0], "{energies:?}");
+    assert!(errors[1..].iter().all(|&error| error < 1e-12), "{errors:?}");
 }

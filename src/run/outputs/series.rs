@@ -84,12 +84,13 @@ fn of_chains<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<Cell> {
 /// Those of red cells; none without any.
 fn of_membranes<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<Cell> {
     let cells = |numbers: MembraneNumbers| {
-        vec![
-            real("enclosed_area", numbers.enclosed_area),
-            real("area_error", numbers.area_error),
-            real("inclination", numbers.inclination),
-            real("tread", numbers.tread),
-        ]
+        let error = |name: &str| match name {
+            "enclosed_volume" => "volume_error",
+            "surface" => "surface_error",
+            _ => "area_error",
+        };
+        let kept = numbers.kept.iter().flat_map(|&(name, mean, worst)| [real(name, mean), real(error(name), worst)]);
+        kept.chain([real("inclination", numbers.inclination), real("tread", numbers.tread)]).collect::<Vec<_>>()
     };
     MembraneNumbers::of(setup, state).map(cells).unwrap_or_default()
 }
