@@ -11,7 +11,7 @@ use crate::{
 
 /// Cases of chains of spheres of radius 1 in a fluid of viscosity 1.
 pub fn cases() -> Vec<Case> {
-    let settling = Settling { chain: BeadModel { beads: 6, link: 3.0 }, size: Vector3::new(36.0, 24.0, 24.0), bend: 40.0 };
+    let settling = Settling { chain: BeadModel { beads: 6, link: 3.0 }, size: Vector3::new(36.0, 24.0, 24.0), bend: 80.0 };
     let sheared = BeadModel { beads: 12, link: 2.2 };
     let model = "bead model: Rotne, Prager, Yamakawa 1970";
     vec![
