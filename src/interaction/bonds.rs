@@ -67,11 +67,17 @@ impl<const D: usize> Interaction<D> for Bonds {
     }
 
     fn springs(&self, arrangement: &Arrangement<D>) -> Vec<Spring<D>> {
-        let center = |body: usize| arrangement.balls[body].center;
-        let stretches = self.stretches.iter().map(|stretch| stretch.spring(&center));
-        let bends = self.bends.iter().filter(|bend| bend.stiffness > 0.0).map(|bend| bend.spring(&center));
-        let membranes = self.hinges.iter().map(|hinge| hinge.spring(&center));
-        stretches.chain(bends).chain(membranes).chain(self.conserved.iter().map(|conserved| conserved.spring(&center))).collect()
+        self.springs_of(&(0..usize::MAX), &|body: usize| arrangement.balls[body].center)
+    }
+
+    fn springs_of(&self, chain: &Range<usize>, center: &dyn Fn(usize) -> SVector<f64, D>) -> Vec<Spring<D>> {
+        let center = |body: usize| center(body);
+        let stretches = of_chain(&self.stretches, chain, |stretch| stretch.bodies[0]).iter().map(|stretch| stretch.spring(&center));
+        let bends = of_chain(&self.bends, chain, |bend| bend.bodies[1]).iter();
+        let bends = bends.filter(|bend| bend.stiffness > 0.0).map(|bend| bend.spring(&center));
+        let hinges = of_chain(&self.hinges, chain, |hinge| hinge.ends[0]).iter().map(|hinge| hinge.spring(&center));
+        let conserved = of_chain(&self.conserved, chain, |conserved| conserved.bodies.start).iter();
+        stretches.chain(bends).chain(hinges).chain(conserved.map(|conserved| conserved.spring(&center))).collect()
     }
 
     fn chains(&self) -> Vec<Range<usize>> {
@@ -85,6 +91,13 @@ impl<const D: usize> Interaction<D> for Bonds {
     fn conserved(&self) -> Vec<Conserved> {
         self.conserved.to_vec()
     }
+}
+
+/// The part of a list, chain after chain, that belongs to these bodies.
+fn of_chain<'a, T>(list: &'a [T], chain: &Range<usize>, body: impl Fn(&T) -> usize) -> &'a [T] {
+    let start = list.partition_point(|item| body(item) < chain.start);
+    let count = list[start..].partition_point(|item| body(item) < chain.end);
+    &list[start..start + count]
 }
 
 impl Stretch {

@@ -111,6 +111,11 @@ impl<const D: usize> Interactions<D> {
         self.iter().flat_map(|interaction| interaction.springs(arrangement)).collect()
     }
 
+    /// See [`Interaction::springs_of`].
+    pub fn springs_of(&self, chain: &Range<usize>, center: &dyn Fn(usize) -> SVector<f64, D>) -> Vec<Spring<D>> {
+        self.iter().flat_map(|interaction| interaction.springs_of(chain, center)).collect()
+    }
+
     /// See [`Interaction::chains`].
     pub fn chains(&self) -> Vec<Range<usize>> {
         self.iter().flat_map(Interaction::chains).collect()
@@ -127,8 +132,8 @@ impl<const D: usize> Interactions<D> {
     }
 
     /// See [`Interaction::clusters`].
-    pub fn clusters(&self) -> impl Iterator<Item = &Cluster<D>> {
-        self.iter().flat_map(Interaction::clusters)
+    pub fn clusters(&self) -> &[Cluster<D>] {
+        self.iter().map(Interaction::clusters).find(|clusters| !clusters.is_empty()).unwrap_or(&[])
     }
 
     /// See [`Interaction::cluster_of`].
@@ -139,8 +144,11 @@ impl<const D: usize> Interactions<D> {
     /// Whether a film is between balls that move as one; one of them and an image of the other do not.
     fn within_cluster(&self, film: &LubricationPair<D>) -> bool {
         let Opposite::Body(other, _) = film.other else { return false };
-        let distance = self.clusters().find_map(|cluster| cluster.distance([film.body, other]));
-        distance.is_some_and(|distance| (film.separation.norm() - distance).abs() < ROUNDING * distance)
+        let number = self.cluster_of().get(film.body).copied().unwrap_or(0);
+        let cluster = number.checked_sub(1).map(|number| &self.clusters()[number]);
+        cluster
+            .and_then(|cluster| cluster.distance([film.body, other]))
+            .is_some_and(|distance| (film.separation.norm() - distance).abs() < ROUNDING * distance)
     }
 
     /// Whether a contact is between balls of different clusters, or with an image.

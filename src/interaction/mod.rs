@@ -111,6 +111,11 @@ pub trait Interaction<const D: usize>: Debug {
         Vec::new()
     }
 
+    /// The same of one of its chains alone, whose bodies have these centres.
+    fn springs_of(&self, _chain: &Range<usize>, _center: &dyn Fn(usize) -> SVector<f64, D>) -> Vec<Spring<D>> {
+        Vec::new()
+    }
+
     /// Bodies that it ties together, chain by chain.
     fn chains(&self) -> Vec<Range<usize>> {
         Vec::new()

@@ -1,11 +1,10 @@
 //! How chains lie: their length from end to end, how far they are spread, and the energy in their bonds.
 
+use std::ops::Range;
+
 use nalgebra::SVector;
 
-use crate::{
-    interaction::{Arrangement, Spring},
-    simulation::{Setup, State},
-};
+use crate::interaction::{Interactions, Spring};
 
 /// Chains at an instant; means are over all of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,21 +18,19 @@ pub struct ChainNumbers {
 }
 
 impl ChainNumbers {
-    /// Those of a state that holds all bodies; nothing without chains.
-    pub fn of<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Option<ChainNumbers> {
-        let chains = setup.interactions.chains();
+    /// Those of all bodies with these centres; nothing without chains.
+    pub fn of<const D: usize>(interactions: &Interactions<D>, centers: &[SVector<f64, D>]) -> Option<ChainNumbers> {
+        let chains = interactions.chains();
         if chains.is_empty() {
             return None;
         }
-        let radii: Vec<f64> = setup.bodies.iter().map(|suspended| suspended.body.ball.radius).collect();
-        let (centers, balls) = (state.centers(), state.balls(&radii));
-        let arrangement =
-            Arrangement { domain: &setup.domain, balls: &balls, weights: &[], viscosity: Some(setup.viscosity), reach: f64::INFINITY };
+        let center = |body: usize| centers[body];
+        let energy = |chain: &Range<usize>| interactions.springs_of(chain, &center).iter().map(Spring::energy).sum::<f64>();
         let mean = |of: &dyn Fn(&[SVector<f64, D>]) -> f64| {
             chains.iter().map(|chain| of(&centers[chain.clone()])).sum::<f64>() / chains.len() as f64
         };
         Some(ChainNumbers {
-            bond_energy: setup.interactions.springs(&arrangement).iter().map(Spring::energy).sum(),
+            bond_energy: chains.iter().map(energy).sum(),
             end_to_end: mean(&|beads| (beads[beads.len() - 1] - beads[0]).norm()),
             gyration: mean(&gyration),
         })

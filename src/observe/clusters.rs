@@ -13,6 +13,7 @@ pub fn mean_orientation<const D: usize>(setup: &Setup<D>, state: &State<D>) -> O
     let squares: Vec<SMatrix<f64, D, D>> = setup
         .interactions
         .clusters()
+        .iter()
         .map(|cluster| {
             let axis = state.bodies[cluster.bodies.start].rotation * longest_axis(cluster);
             axis * axis.transpose()

@@ -5,8 +5,8 @@ use std::fmt::Display;
 use crate::error::Result;
 use crate::flow::InverseMethod;
 use crate::scene::{
-    AxisSection, ConstraintMethod, ContactModel, Drive, FlowModel, LubricationModel, Motion, MultiplierSolver, Scene, Scheme, Spacing,
-    accuracy,
+    AxisSection, ChainShape, ConstraintMethod, ContactModel, Drive, FlowModel, LubricationModel, Motion, MultiplierSolver, Scene, Scheme,
+    Spacing, accuracy,
 };
 
 pub(super) fn check(scene: &Scene) -> Result<()> {
@@ -67,8 +67,10 @@ fn check_chains(scene: &Scene) -> Result<()> {
     let Some(group) = scene.bodies.iter().position(|bodies| bodies.chain.is_some()) else { return Ok(()) };
     let beads = scene.bodies[group].chain.map_or(0, |chain| chain.beads);
     let expect = |right, remedy| expect(scene, right, &format!("{}.beads", scene.group_key(group)), beads, remedy);
-    expect(scene.flow.model.fluid(), "are beads in a fluid; set flow.model = \"stokes\" or \"navier-stokes\"")?;
-    expect(scene.method.constraint == ConstraintMethod::Sharp, "need method.constraint = \"sharp\"")?;
+    let dry = scene.flow.model == FlowModel::None;
+    let cells = scene.bodies.iter().any(|bodies| bodies.chain.is_some_and(|chain| chain.shape == ChainShape::Cell));
+    expect(scene.flow.model.fluid() || dry && !cells, "are beads in a fluid; set flow.model = \"stokes\" or \"navier-stokes\"")?;
+    expect(dry || scene.method.constraint == ConstraintMethod::Sharp, "need method.constraint = \"sharp\"")?;
     expect(scene.time.is_some(), "move over a time step; add [time]")
 }
 

@@ -1,16 +1,17 @@
-use std::time::Instant;
+use std::{ops::Range, time::Instant};
 
 use nalgebra::{SMatrix, SVector};
 
 use super::{
     Effort, GranularSetup, Observation, ResidualMonitor, State, StepOutcome, Stepper,
+    granular_chains::{Accelerated, GranularChains, GranularStep},
     migration::{self, Constants},
     neighbours::Neighbours,
     step_control::{BodyMotion, StepControl},
 };
 use crate::{
-    body::{Regions, Trajectories, Twist},
-    contact::{self, AdhesiveContact, ContactForce, KktReport, Problem, ProblemShare, ProjectionShare},
+    body::{Halo, Regions, Trajectories, Twist},
+    contact::{self, AdhesiveContact, Contact, ContactForce, KktReport, Problem, ProblemShare, ProjectionShare, bodies_of, renamed},
     error::{Error, Result},
     geometry::{Ball, Domain},
     interaction::{Arrangement, Interactions, Touch, Wrench},
@@ -19,12 +20,20 @@ use crate::{
     scene::Scheme,
 };
 
+/// Rounds that bonds and contacts are given to agree.
+const MOST_ROUNDS: usize = 2000;
+
+/// Difference between the places that bonds and contacts want after a step, in radii of the smallest body, that counts as agreement.
+const AGREEMENT: f64 = 1e-7;
+
 /// Granular bodies in motion, each with the rank in whose part of the box its centre lies.
 pub struct Granular<const D: usize> {
     session: Session,
     domain: Domain<D>,
     regions: Regions<D>,
     interactions: Interactions<D>,
+    /// Bodies of each chain.
+    chains: Vec<Range<usize>>,
     step_control: StepControl,
     trajectories: Trajectories<D>,
     /// What stays the same of the own bodies.
@@ -64,6 +73,7 @@ impl<const D: usize> Granular<D> {
             session: session.clone(),
             domain: setup.domain,
             regions,
+            chains: setup.interactions.chains(),
             interactions: setup.interactions,
             step_control,
             trajectories: setup.trajectories,
@@ -163,6 +173,72 @@ impl<const D: usize> Granular<D> {
         Ok((found, remembered))
     }
 
+    /// The bonds of a step; nothing without chains.
+    fn chains_in(&self, state: &State<D>, step: GranularStep) -> Option<GranularChains<D>> {
+        (!self.chains.is_empty())
+            .then(|| GranularChains::new(self.peers(), &self.interactions, &self.chains, (state, &self.masses()), step))
+    }
+
+    /// Lets bonds act on motions.
+    fn hold(&self, chains: &Option<GranularChains<D>>, moves: &mut [Twist<D>]) {
+        if let Some(chains) = chains {
+            let held = chains.hold(self.peers(), &velocities(moves));
+            moves.iter_mut().zip(held).for_each(|(twist, velocity)| twist.velocity = velocity);
+        }
+    }
+
+    /// Velocities that keep contacts, next to those wanted, and what contacts remember then; bonds hold, too.
+    fn keep_apart(
+        &self,
+        state: &State<D>,
+        chains: &Option<GranularChains<D>>,
+        moves: &[Twist<D>],
+        step: f64,
+    ) -> Result<(ProjectionShare<D>, Vec<AdhesiveContact<D>>)> {
+        let Some(chains) = chains else { return self.project(state, moves, step) };
+        let (wanted, mut target) = (velocities(moves), moves.to_vec());
+        let smallest = self.peers().min(self.radii.iter().copied().fold(f64::INFINITY, f64::min));
+        let (mut contacts, mut apart) = (Accelerated::new(self.by_last_contacts(state, step)), f64::INFINITY);
+        for _ in 0..MOST_ROUNDS {
+            let free: Vec<SVector<f64, D>> = wanted.iter().zip(&contacts.ahead).map(|(wanted, change)| wanted + change).collect();
+            let bonded = chains.hold(self.peers(), &free);
+            for (body, twist) in target.iter_mut().enumerate() {
+                twist.velocity = wanted[body] + bonded[body] - free[body];
+            }
+            let (found, remembered) = self.project(state, &target, step)?;
+            let kept = &found.projection.velocities;
+            let difference = kept.iter().zip(&bonded).map(|(kept, bonded)| (kept - bonded).norm()).fold(0.0, f64::max);
+            apart = -self.peers().min(-difference) * step;
+            if apart <= AGREEMENT * smallest {
+                return Ok((found, remembered));
+            }
+            contacts.advance(self.peers(), kept.iter().zip(&target).map(|(kept, target)| kept - target.velocity).collect(), &self.masses());
+        }
+        Err(Error::Diverged(format!(
+            "at time {} bonds and contacts do not agree after {MOST_ROUNDS} rounds (places differ by {apart:.1e}); a shorter time.step or softer \
+             chains may help",
+            state.time
+        )))
+    }
+
+    /// What the contact forces of the last step would change velocities by. Collective.
+    fn by_last_contacts(&self, state: &State<D>, step: f64) -> Vec<SVector<f64, D>> {
+        let (peers, numbers) = (self.peers(), state.numbers());
+        let halo = Halo::of_numbers(peers, &numbers, state.held.iter().flat_map(|held| bodies_of(held.identity())));
+        let balls = halo.spread_balls(peers, &state.balls(&self.radii));
+        let mut changes = vec![SVector::zeros(); halo.len()];
+        for held in &state.held {
+            let identity = renamed(held.identity(), |number| halo.place(number).expect("bodies of contacts are seen"));
+            let contact = Contact::again(&self.domain, &balls, identity);
+            let push = contact.normal * (held.force * step);
+            changes[contact.body] -= push;
+            if let Some(other) = contact.other() {
+                changes[other] += push;
+            }
+        }
+        halo.own().iter().zip(&self.bodies).map(|(&place, body)| changes[place] / body.mass).collect()
+    }
+
     /// Contacts of own bodies that may pull, each with the least force that it may bear; bodies are named by their numbers.
     fn lower_bounds(&self, state: &State<D>, step: f64) -> Vec<ContactForce<D>> {
         if !self.peers().any(!state.stuck.is_empty()) {
@@ -174,6 +250,10 @@ impl<const D: usize> Granular<D> {
     }
 }
 
+fn velocities<const D: usize>(moves: &[Twist<D>]) -> Vec<SVector<f64, D>> {
+    moves.iter().map(|twist| twist.velocity).collect()
+}
+
 fn accelerated<const D: usize>(body: &Constants<D>, push: &Wrench<D>) -> Acceleration<D> {
     Acceleration { velocity: body.acceleration + push.force / body.mass, spin: body.spin_up + push.torque / body.inertia }
 }
@@ -181,6 +261,10 @@ fn accelerated<const D: usize>(body: &Constants<D>, push: &Wrench<D>) -> Acceler
 impl<const D: usize> Stepper<D> for Granular<D> {
     fn radii(&self) -> &[f64] {
         &self.radii
+    }
+
+    fn interactions(&self) -> &Interactions<D> {
+        &self.interactions
     }
 
     fn migrate(&mut self, state: &mut State<D>, domain: &Domain<D>) {
@@ -216,12 +300,19 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         let mut moves: Vec<Twist<D>> = observation.twists.iter().zip(&self.known.accelerations).map(pushed).collect();
         let given = self.trajectories.mean_twists(state.time, step);
         given.for_each(|(body, twist)| state.place(body).into_iter().for_each(|place| moves[place] = twist));
+        let chains = self.chains_in(state, GranularStep { length: step, push });
         let (mut contacts, mut stuck, mut kkt_report) = (self.known.contacts.clone(), Vec::new(), None);
         match self.interactions.touch() {
-            None => self.refuse_outside(state)?,
-            Some(Touch::Soft { .. }) => kkt_report = self.known.kkt_report,
+            None => {
+                self.hold(&chains, &mut moves);
+                self.refuse_outside(state)?;
+            }
+            Some(Touch::Soft { .. }) => {
+                self.hold(&chains, &mut moves);
+                kkt_report = self.known.kkt_report;
+            }
             Some(Touch::Hard) => {
-                let (found, remembered) = self.project(state, &moves, step)?;
+                let (found, remembered) = self.keep_apart(state, &chains, &moves, step)?;
                 let ProjectionShare { projection, view } = found;
                 moves.iter_mut().zip(&projection.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
                 stuck = remembered;

@@ -21,8 +21,8 @@ use crate::{
 /// Square of `z` at which a spring is half stiff: energies of free springs then fall in every step (tests).
 const HALF_STIFF: f64 = 0.1;
 
-/// Least part of the force that is implicit, so that rows have a scale.
-const LEAST: f64 = 1e-3;
+/// Least part of the force that is implicit in rows of the coupled system, so that these have a scale.
+pub const LEAST: f64 = 1e-3;
 
 /// Newton's iterations on what membranes keep, one measure after the other.
 const NEWTON: usize = 50;
@@ -42,6 +42,8 @@ pub struct StepAhead<'a, const D: usize> {
     pub resistances: &'a [f64],
     /// How far a body may go in a step.
     pub room: f64,
+    /// Least part of a force that is implicit.
+    pub least: f64,
 }
 
 impl<const D: usize> StepAhead<'_, D> {
@@ -69,7 +71,7 @@ impl<const D: usize> StepAhead<'_, D> {
     fn row(&self, length: f64, spring: &Spring<D>, bent: f64) -> BondRow<D> {
         let ahead = if self.last > 0.0 { 1.0 + 0.5 * length / self.last } else { 1.0 };
         let last = if self.last > 0.0 { spring.rate(self.velocities) } else { 0.0 };
-        let part = implicit_part(spring.stiffness * spring.mobility(self.resistances) * length);
+        let part = implicit_part(spring.stiffness * spring.mobility(self.resistances) * length, self.least);
         let compliance = if spring.stiffness.is_finite() { 1.0 / (spring.stiffness * part * ahead * length) } else { 0.0 };
         let rate = -(spring.value / part + bent) / (ahead * length) + (1.0 - 1.0 / ahead) * last;
         let end = |&(body, direction): &(usize, SVector<f64, D>)| (body, RigidFunctional { direction, turn: SMatrix::zeros() });
@@ -78,8 +80,8 @@ impl<const D: usize> StepAhead<'_, D> {
 }
 
 /// The part of a force that is taken at the end of a step of `stiffness mobility step`.
-fn implicit_part(stiffness: f64) -> f64 {
-    if stiffness.is_finite() { (stiffness * stiffness / (stiffness * stiffness + HALF_STIFF)).max(LEAST) } else { 1.0 }
+fn implicit_part(stiffness: f64, least: f64) -> f64 {
+    if stiffness.is_finite() { (stiffness * stiffness / (stiffness * stiffness + HALF_STIFF)).max(least) } else { 1.0 }
 }
 
 /// Takes from motions the part of what membranes keep by which rows of its rate miss it over a step: of the third order in the step.
@@ -113,7 +115,7 @@ mod tests {
         for _ in 0..steps {
             let spring = Spring { ends: vec![(0, -along), (1, along)], value: stretch[stretch.len() - 1], stiffness, smooth: false };
             let velocities = [along * (-0.5 * velocity), along * (0.5 * velocity)];
-            let row = StepAhead { length: step, last, velocities: &velocities, resistances: &[1.0; 2], room: 1.0 }
+            let row = StepAhead { length: step, last, velocities: &velocities, resistances: &[1.0; 2], room: 1.0, least: LEAST }
                 .rows(std::slice::from_ref(&spring), std::slice::from_ref(&spring))
                 .remove(0);
             // rate = mobility force, and the row

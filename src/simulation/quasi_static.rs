@@ -21,7 +21,7 @@ use super::{
     active_set_iteration::ActiveSetIteration,
     clusters::ClusterMotions,
     contact_step::{ContactStep, identities},
-    implicit_springs::{StepAhead, keep},
+    implicit_springs::{LEAST, StepAhead, keep},
     step_control::{BodyMotion, StepControl, StepSize},
 };
 use crate::{
@@ -223,7 +223,7 @@ impl<const D: usize> QuasiStatic<D> {
             return Ok(pressed);
         }
         let smallest = self.radii.iter().copied().fold(f64::INFINITY, f64::min);
-        let mut clusters = ClusterMotions::nearest(interactions.clusters(), state, contacts.step, moves);
+        let mut clusters = ClusterMotions::nearest(interactions.clusters().iter(), state, contacts.step, moves);
         clusters.carry(moves);
         for _ in 0..MOST_ROUNDS {
             let apart = contacts.project(&velocities(moves), &[])?;
@@ -248,7 +248,7 @@ impl<const D: usize> QuasiStatic<D> {
         balls.iter_mut().zip(&velocities).for_each(|(ball, velocity)| ball.center += velocity * length);
         let ahead = self.suspension.setup().interactions.springs(&Arrangement { balls: &balls, ..self.arrangement(placed) });
         let room = self.step_control.time.travel * self.radii.iter().copied().fold(f64::INFINITY, f64::min);
-        let step = StepAhead { length, last: state.last_step, velocities: &velocities, resistances: &self.weights, room };
+        let step = StepAhead { length, last: state.last_step, velocities: &velocities, resistances: &self.weights, room, least: LEAST };
         step.rows(springs, &ahead)
     }
 
@@ -338,6 +338,10 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
         &self.radii
     }
 
+    fn interactions(&self) -> &Interactions<D> {
+        &self.suspension.setup().interactions
+    }
+
     fn evaluate(&mut self, state: &State<D>, monitor: ResidualMonitor) -> Result<Observation<D>> {
         let mut effort = Effort::default();
         let Agreed { mut solution, twists, contacts, step_size } = self.agree(state, &mut effort, monitor)?;
@@ -373,7 +377,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
             None => {}
         }
         if self.suspension.setup().interactions.touch() != Some(Touch::Hard) {
-            ClusterMotions::nearest(self.suspension.setup().interactions.clusters(), state, step, &moves).carry(&mut moves);
+            ClusterMotions::nearest(self.suspension.setup().interactions.clusters().iter(), state, step, &moves).carry(&mut moves);
         }
         effort.contact += start.elapsed().as_secs_f64();
         keep(&self.suspension.setup().interactions.conserved(), &state.centers(), &mut moves, step);

@@ -77,8 +77,11 @@ impl<const D: usize> GranularSetup<D> {
         };
         let placed = bodies(peers, scene, &domain)?;
         let trajectories = trajectories(scene, &placed);
+        let bonds = chains::bonds(scene, &placed);
         let bodies: Vec<GranularBody<D>> = placed.into_iter().map(of_group).collect();
-        Ok(GranularSetup { interactions: interactions::of_granular(scene, &domain, &bodies), domain, bodies, trajectories })
+        let interactions = interactions::of_granular(scene, &domain, &bodies);
+        let interactions = if let Some(bonds) = bonds { interactions.with(bonds) } else { interactions };
+        Ok(GranularSetup { interactions, domain, bodies, trajectories })
     }
 
     /// The longest step with which contact is stable; infinite if it limits none.

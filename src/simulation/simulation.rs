@@ -14,6 +14,7 @@ use crate::{
     contact::{AdhesiveContact, KktReport},
     error::{Error, Result},
     geometry::{Ball, Domain},
+    interaction::Interactions,
     petsc::Session,
     scene::TimeSection,
 };
@@ -125,6 +126,11 @@ impl<const D: usize> Simulation<D> {
     /// Radii of the bodies of this rank.
     pub fn radii(&self) -> &[f64] {
         self.stepper.radii()
+    }
+
+    /// What bodies do to each other.
+    pub fn interactions(&self) -> &Interactions<D> {
+        self.stepper.interactions()
     }
 
     /// All bodies as balls, on every rank; as [`whole_state`](Self::whole_state).

@@ -6,6 +6,7 @@ use crate::{
     contact::{AdhesiveContact, ContactForce, KktReport},
     error::Result,
     geometry::Domain,
+    interaction::Interactions,
 };
 
 /// What happens at one instant, of the bodies that the state of this rank holds.
@@ -71,6 +72,9 @@ pub trait Stepper<const D: usize> {
 
     /// Radii of the bodies that the state of this rank holds.
     fn radii(&self) -> &[f64];
+
+    /// What bodies do to each other.
+    fn interactions(&self) -> &Interactions<D>;
 
     /// Gives bodies to the ranks that own the places where they are now, in a box of that time.
     fn migrate(&mut self, _state: &mut State<D>, _domain: &Domain<D>) {}

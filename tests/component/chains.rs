@@ -20,6 +20,8 @@ pub fn tests() -> Vec<Test> {
         Test::of(chains_with_inertia_come_to_rest_at_their_length),
         Test::of(cells_keep_their_area_and_tread_or_tumble),
         Test::of(a_cell_in_space_comes_back_to_its_shape),
+        Test::of(dry_beads_on_a_spring_swing_at_second_order_and_stiff_ones_come_to_rest),
+        Test::of(a_dry_chain_of_rods_lies_down_on_the_floor),
     ]
 }
 
@@ -34,7 +36,7 @@ fn run<const D: usize>(session: &Session, text: &str) -> Vec<SVector<f64, D>> {
         let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
         simulation.step(&observation, &mut |_, _| {}).unwrap();
     }
-    simulation.state().centers()
+    simulation.whole_state().centers()
 }
 
 /// A pair in a periodic box, pulled apart by a spring of this strength.
@@ -190,7 +192,7 @@ fn a_cell_in_space_comes_back_to_its_shape(session: &Session) {
     loop {
         let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
         let (setup, state) = (simulation.suspension().unwrap().setup(), simulation.state());
-        energies.push(ChainNumbers::of(setup, state).unwrap().bond_energy);
+        energies.push(ChainNumbers::of(&setup.interactions, &state.centers()).unwrap().bond_energy);
         errors.push(MembraneNumbers::of(setup, state).unwrap().kept.iter().map(|kept| kept.2).fold(0.0, f64::max));
         if simulation.over() {
             break;
@@ -200,4 +202,36 @@ fn a_cell_in_space_comes_back_to_its_shape(session: &Session) {
     assert!(energies.windows(2).all(|pair| pair[1] < pair[0]), "{energies:?}");
     assert!(energies[energies.len() - 1] < 1e-3 * energies[0], "{energies:?}");
     assert!(errors[1..].iter().all(|&error| error < 1e-12), "{errors:?}");
+}
+
+/// Two beads of mass `pi a^2` on a spring that is 0.1 too long swing as `cos(w t)`, `w^2 = 2 k / m`; a spring that no step resolves is at rest at once.
+fn dry_beads_on_a_spring_swing_at_second_order_and_stiff_ones_come_to_rest(session: &Session) {
+    let distance = |stretch: f64, step: f64| {
+        let text = format!(
+            "domain = {{ size = [8.0, 8.0] }}\nflow = {{ model = \"none\" }}\n\
+             chains = [{{ centers = [[7.0, 4.0], [0.3, 4.0]], beads = 2, radius = 0.5, spacing = 1.2, stretch = {stretch:?} }}]\n\
+             contact = {{ model = \"none\" }}\ntime = {{ end = 2.0, step = {step} }}\n"
+        );
+        let centers = run::<2>(session, &text);
+        (centers[1] - centers[0]).norm()
+    };
+    let frequency = (2.0 / (0.25 * std::f64::consts::PI)).sqrt();
+    let exact = 1.2 + 0.1 * (2.0 * frequency).cos();
+    let errors = [0.02, 0.01, 0.005].map(|step| (distance(1.0, step) - exact).abs());
+    assert!(errors[2] < 1e-5 && errors[0] > 3.0 * errors[1] && errors[1] > 3.0 * errors[2], "{errors:?}");
+    for stretch in [1e6, 1e12] {
+        assert!((distance(stretch, 0.02) - 1.2).abs() < 1e-6, "{}", distance(stretch, 0.02));
+    }
+}
+
+/// Rods keep their length and beads do not overlap while a chain falls, strikes the floor and comes to rest on it.
+fn a_dry_chain_of_rods_lies_down_on_the_floor(session: &Session) {
+    let text = "domain = { size = [8.0, 8.0], y = \"walls\" }\nflow = { model = \"none\" }\ngravity = [0.0, -1.0]\n\
+                chains = [{ centers = [[2.0, 2.0], [2.9, 2.6], [3.8, 3.2], [4.7, 3.8], [5.6, 3.2]], beads = 5, radius = 0.5, spacing = 1.0816654, stretch = \"rigid\" }]\n\
+                contact = { model = \"inelastic\" }\ntime = { end = 20.0, step = 0.02 }\n";
+    let centers = run::<2>(session, text);
+    for pair in centers.windows(2) {
+        assert!(((pair[1] - pair[0]).norm() - 1.0816654).abs() < 1e-6, "{centers:?}");
+    }
+    assert!(centers.iter().all(|center| (center[1] - 0.5).abs() < 1e-6), "{centers:?}");
 }

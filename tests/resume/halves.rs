@@ -4,7 +4,7 @@ use std::{fs, path::Path, process::Command};
 
 use super::{
     common::{Series, bodies, difference, folder, number, resume, run, run_again, write},
-    scenes::{CHAINS, CLUSTERS, DRY, GLUEY, INERTIA, SHEARED, SLIDING, SPHERES},
+    scenes::{CHAINS, CLUSTERS, DRY, DRY_CHAINS, GLUEY, INERTIA, SHEARED, SLIDING, SPHERES},
 };
 
 /// The same arithmetic on the same ranks; what is left is the order of sums after a matrix of another size.
@@ -104,6 +104,11 @@ fn spheres_in_two_halves_are_the_run_in_one() {
 #[test]
 fn dry_disks_in_two_halves_are_the_run_in_one() {
     halves_agree("dry", DRY, &[&[], &["time.step=0.1"], &["time.scheme=euler"]], &[1, 2]);
+}
+
+#[test]
+fn dry_chains_in_two_halves_are_the_run_in_one() {
+    halves_agree("dry-chains", DRY_CHAINS, &[&[]], &[1, 2]);
 }
 
 #[test]

@@ -57,6 +57,36 @@ every = 0.08
 picture = false
 "#;
 
+/// Dry chains that fall on each other.
+pub const DRY_CHAINS: &str = r#"
+seed = 1
+gravity = [0.0, -1.0]
+[domain]
+size = [6.0, 9.0]
+y = "walls"
+[flow]
+model = "none"
+[[chains]]
+count = 4
+beads = 6
+radius = 0.3
+stretch = "rigid"
+bend = 0.2
+[[chains]]
+count = 2
+beads = 5
+radius = 0.3
+stretch = 20.0
+shape = "ring"
+[contact]
+model = "inelastic"
+[time]
+end = 4.0
+[output]
+every = 0.5
+picture = false
+"#;
+
 /// Rigid clusters, two of which touch, among single disks.
 pub const CLUSTERS: &str = r#"
 [domain]

@@ -151,21 +151,22 @@ fn network<const D: usize>(motion: &EvaluatedMotion<D>, gluey: bool, written: &R
     all.into_iter().map(contact).collect()
 }
 
-/// Bonds of chains, cells and clusters of which this rank writes the first body; nothing without any.
+/// Bonds of chains, cells and clusters of which this rank writes the first body; nothing without any. Collective.
 fn bonds<const D: usize>(motion: &EvaluatedMotion<D>, written: &Range<usize>) -> Option<Vec<FrameBond<D>>> {
-    let interactions = &motion.simulation.suspension()?.setup().interactions;
+    let interactions = motion.simulation.interactions();
     let mut pairs = interactions.bonds();
     if pairs.is_empty() {
         return None;
     }
     let groups: Vec<Range<usize>> =
-        interactions.chains().into_iter().chain(interactions.clusters().map(|cluster| cluster.bodies.clone())).collect();
-    let mut chain_of = vec![0; motion.state().bodies.len()];
+        interactions.chains().into_iter().chain(interactions.clusters().iter().map(|cluster| cluster.bodies.clone())).collect();
+    let whole = motion.simulation.whole_state();
+    let mut chain_of = vec![0; whole.bodies.len()];
     groups.into_iter().enumerate().for_each(|(chain, bodies)| chain_of[bodies].fill(chain));
     let state = motion.state();
     pairs.retain(|[one, _]| state.place(*one).is_some_and(|place| written.contains(&place)));
     pairs.sort_unstable();
-    let center = |body: usize| state.bodies[body].center;
+    let center = |body: usize| whole.bodies[body].center;
     let bond = |bodies: [usize; 2]| FrameBond {
         bodies,
         chain: chain_of[bodies[0]],

@@ -14,7 +14,7 @@ use crate::{
     parallel::World,
     run::{ContactTotals, Evaluated, EvaluatedFlow, EvaluatedMotion, Output},
     scene::ContactModel,
-    simulation::{Setup, State},
+    simulation::{Setup, Simulation, State},
 };
 
 /// The series of a run.
@@ -43,7 +43,7 @@ impl<const D: usize> Output<D> for SeriesFile {
         let totals = motion.contact_totals(seen.world);
         let mut row = cells(motion, (seen.scene.contact.model, totals), seen.viscosity);
         row.extend(seen.flow.map_or(Ok(Vec::new()), |flow| of_inertia(&flow, motion.state().last_step))?);
-        row.extend(seen.flow.map_or(Vec::new(), |flow| of_chains(flow.solver.setup(), motion.state())));
+        row.extend(of_chains(motion.simulation));
         row.extend(seen.flow.map_or(Vec::new(), |flow| of_membranes(flow.solver.setup(), motion.state())));
         row.extend(seen.flow.map_or(Vec::new(), |flow| of_clusters(flow.solver.setup(), motion.state())));
         row.push(real("seconds", seconds));
@@ -73,12 +73,15 @@ fn of_inertia<const D: usize>(flow: &EvaluatedFlow<D>, step: f64) -> Result<Vec<
     Ok(InertialNumbers::of(setup, grid, flow.solution)?.map(cells).unwrap_or_default())
 }
 
-/// The cells of chains; none without chains.
-fn of_chains<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<Cell> {
+/// The cells of chains; none without chains. Collective.
+fn of_chains<const D: usize>(simulation: &Simulation<D>) -> Vec<Cell> {
+    if simulation.interactions().chains().is_empty() {
+        return Vec::new();
+    }
     let cells = |numbers: ChainNumbers| {
         vec![real("bond_energy", numbers.bond_energy), real("end_to_end", numbers.end_to_end), real("gyration", numbers.gyration)]
     };
-    ChainNumbers::of(setup, state).map(cells).unwrap_or_default()
+    ChainNumbers::of(simulation.interactions(), &simulation.whole_state().centers()).map(cells).unwrap_or_default()
 }
 
 /// Those of red cells; none without any.

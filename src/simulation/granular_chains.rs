@@ -1,0 +1,147 @@
+//! Chains of dry bodies: the velocities nearest to wanted ones, weighed by masses, with which springs are implicit over a step and rods keep their length.
+//!
+//! Each chain is solved by the ranks that own one of its beads: its rows form a matrix with a narrow envelope, factored once a step. Bodies that also
+//! touch are held by both in turn (Dykstra's projections, of which each knows what the other changed), until both agree. That is a proximal gradient
+//! method on the changes by contacts, accelerated as by Beck and Teboulle (2009), from anew where it turns back (O'Donoghue and Candes 2015).
+
+use std::ops::Range;
+
+use nalgebra::SVector;
+
+use super::{State, envelope::Envelope, implicit_springs::StepAhead};
+use crate::{
+    body::Halo,
+    interaction::{BondRow, Interactions, Spring},
+    parallel::Peers,
+};
+
+/// Least part of a force that is implicit: second order in time where springs are resolved.
+const LEAST_IMPLICIT: f64 = 1e-9;
+
+/// The chains with beads of this rank, in a step.
+pub struct GranularChains<const D: usize> {
+    halo: Halo,
+    /// Force that gives a body a unit velocity over the step.
+    resistances: Vec<f64>,
+    chains: Vec<GranularChain<D>>,
+}
+
+/// The step that is made.
+#[derive(Debug, Clone, Copy)]
+pub struct GranularStep {
+    /// Its length.
+    pub length: f64,
+    /// Over how long forces act on velocities.
+    pub push: f64,
+}
+
+/// The rows of a chain, whose ends are places in the halo.
+struct GranularChain<const D: usize> {
+    rows: Vec<BondRow<D>>,
+    factor: Envelope,
+}
+
+impl<const D: usize> GranularChains<D> {
+    /// Those of these chains, bodies having these masses. Collective.
+    pub fn new(
+        peers: Peers,
+        interactions: &Interactions<D>,
+        chains: &[Range<usize>],
+        (state, masses): (&State<D>, &[f64]),
+        step: GranularStep,
+    ) -> Self {
+        let numbers = state.numbers();
+        let owns = |chain: &&Range<usize>| {
+            numbers.get(numbers.partition_point(|&number| number < chain.start)).is_some_and(|&next| next < chain.end)
+        };
+        let seen: Vec<&Range<usize>> = chains.iter().filter(owns).collect();
+        let halo = Halo::of_numbers(peers, &numbers, seen.iter().flat_map(|chain| (*chain).clone()));
+        let place = |body: usize| halo.place(body).unwrap_or_default();
+        let spread = |of: fn(&super::Moving<D>) -> SVector<f64, D>| {
+            halo.spread_vectors(peers, &state.bodies.iter().map(of).collect::<Vec<SVector<f64, D>>>())
+        };
+        let (centers, velocities) = (spread(|body| body.center), spread(|body| body.twist.velocity));
+        let resistances: Vec<f64> = halo.spread(peers, masses).into_iter().map(|mass| mass / step.push).collect();
+        let springs = |chain: &Range<usize>, ahead: f64| -> Vec<Spring<D>> {
+            let center = |body: usize| centers[place(body)] + velocities[place(body)] * ahead;
+            let mut springs = interactions.springs_of(chain, &center);
+            springs.iter_mut().flat_map(|spring| &mut spring.ends).for_each(|(body, _)| *body = place(*body));
+            springs
+        };
+        let rule = StepAhead {
+            length: step.length,
+            last: 0.0,
+            velocities: &velocities,
+            resistances: &resistances,
+            room: 0.0,
+            least: LEAST_IMPLICIT,
+        };
+        let solved =
+            |chain: &&Range<usize>| GranularChain::new(rule.rows(&springs(chain, 0.0), &springs(chain, step.length)), &resistances);
+        let chains = seen.iter().map(solved).collect();
+        GranularChains { chains, halo, resistances }
+    }
+
+    /// The velocities of the own bodies by bonds alone, next to wanted ones. Collective.
+    pub fn hold(&self, peers: Peers, wanted: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
+        let mut velocities = self.halo.spread_vectors(peers, wanted);
+        self.chains.iter().for_each(|chain| chain.hold(&mut velocities, &self.resistances));
+        self.halo.own().iter().map(|&place| velocities[place]).collect()
+    }
+}
+
+impl<const D: usize> GranularChain<D> {
+    fn new(mut rows: Vec<BondRow<D>>, resistances: &[f64]) -> Self {
+        // in the order of the last bead of each, so that rows of neighbours are beside each other
+        rows.sort_by_key(|row| row.ends.iter().map(|(body, _)| *body).max());
+        let entry = |one: usize, other: usize| {
+            let of_body = |(body, side): &(usize, crate::constraint::lubrication::RigidFunctional<D>)| {
+                let others = rows[other].ends.iter().filter(|(with, _)| with == body);
+                others.map(|(_, with)| side.direction.dot(&with.direction) / resistances[*body]).sum::<f64>()
+            };
+            rows[one].ends.iter().map(of_body).sum::<f64>() + if one == other { rows[one].compliance } else { 0.0 }
+        };
+        let shares =
+            |one: usize, other: usize| rows[one].ends.iter().any(|(body, _)| rows[other].ends.iter().any(|(with, _)| with == body));
+        let factor = Envelope::factored(rows.len(), |row| (0..row).find(|&other| shares(row, other)).unwrap_or(row), entry);
+        GranularChain { rows, factor }
+    }
+
+    fn hold(&self, velocities: &mut [SVector<f64, D>], resistances: &[f64]) {
+        let missing = |row: &BondRow<D>| row.rate - row.ends.iter().map(|(body, side)| side.direction.dot(&velocities[*body])).sum::<f64>();
+        let mut forces: Vec<f64> = self.rows.iter().map(missing).collect();
+        self.factor.solve(&mut forces);
+        for (row, force) in self.rows.iter().zip(forces) {
+            row.ends.iter().for_each(|(body, side)| velocities[*body] += side.direction * (force / resistances[*body]));
+        }
+    }
+}
+
+/// What contacts change velocities by, round after round, and the guess from which the next round starts.
+pub struct Accelerated<const D: usize> {
+    last: Vec<SVector<f64, D>>,
+    /// The guess.
+    pub ahead: Vec<SVector<f64, D>>,
+    momentum: f64,
+}
+
+impl<const D: usize> Accelerated<D> {
+    /// Begins with a guess.
+    pub fn new(guess: Vec<SVector<f64, D>>) -> Self {
+        Accelerated { last: guess.clone(), ahead: guess, momentum: 1.0 }
+    }
+
+    /// Takes the changes that a round found, weighed by masses. Collective.
+    pub fn advance(&mut self, peers: Peers, found: Vec<SVector<f64, D>>, masses: &[f64]) {
+        let bodies = found.iter().zip(&self.last).zip(&self.ahead).zip(masses);
+        let finite = bodies.filter(|(_, mass)| mass.is_finite());
+        let turned: f64 = finite.map(|(((found, last), ahead), mass)| (ahead - found).dot(&(found - last)) * mass).sum();
+        if peers.gather(&[turned]).iter().sum::<f64>() > 0.0 {
+            self.momentum = 1.0;
+        }
+        let next = 0.5 * (1.0 + (1.0 + 4.0 * self.momentum * self.momentum).sqrt());
+        let weight = (self.momentum - 1.0) / next;
+        self.ahead = found.iter().zip(&self.last).map(|(found, last)| found + (found - last) * weight).collect();
+        (self.last, self.momentum) = (found, next);
+    }
+}
