@@ -8,15 +8,20 @@ use std::ops::Range;
 
 use nalgebra::SVector;
 
-use super::{State, envelope::Envelope, implicit_springs::StepAhead};
+use super::{State, implicit_springs::StepAhead};
 use crate::{
     body::Halo,
+    constraint::lubrication::RigidFunctional,
     interaction::{BondRow, Interactions, Spring},
+    linalg::Skyline,
     parallel::Peers,
 };
 
 /// Least part of a force that is implicit: second order in time where springs are resolved.
 const LEAST_IMPLICIT: f64 = 1e-9;
+
+/// Part by which diagonal entries are larger, so that rods that depend on others have a factor.
+const DEPENDENT: f64 = 1e-12;
 
 /// The chains with beads of this rank, in a step.
 pub struct GranularChains<const D: usize> {
@@ -38,7 +43,7 @@ pub struct GranularStep {
 /// The rows of a chain, whose ends are places in the halo.
 struct GranularChain<const D: usize> {
     rows: Vec<BondRow<D>>,
-    factor: Envelope,
+    factor: Skyline,
 }
 
 impl<const D: usize> GranularChains<D> {
@@ -95,15 +100,21 @@ impl<const D: usize> GranularChain<D> {
         // in the order of the last bead of each, so that rows of neighbours are beside each other
         rows.sort_by_key(|row| row.ends.iter().map(|(body, _)| *body).max());
         let entry = |one: usize, other: usize| {
-            let of_body = |(body, side): &(usize, crate::constraint::lubrication::RigidFunctional<D>)| {
+            let of_body = |(body, side): &(usize, RigidFunctional<D>)| {
                 let others = rows[other].ends.iter().filter(|(with, _)| with == body);
                 others.map(|(_, with)| side.direction.dot(&with.direction) / resistances[*body]).sum::<f64>()
             };
-            rows[one].ends.iter().map(of_body).sum::<f64>() + if one == other { rows[one].compliance } else { 0.0 }
+            rows[one].ends.iter().map(of_body).sum::<f64>()
         };
         let shares =
             |one: usize, other: usize| rows[one].ends.iter().any(|(body, _)| rows[other].ends.iter().any(|(with, _)| with == body));
-        let factor = Envelope::factored(rows.len(), |row| (0..row).find(|&other| shares(row, other)).unwrap_or(row), entry);
+        let firsts: Vec<usize> = (0..rows.len()).map(|row| (0..row).find(|&other| shares(row, other)).unwrap_or(row)).collect();
+        let mut matrix = Skyline::new(firsts.clone());
+        for (row, first) in firsts.into_iter().enumerate() {
+            (first..row).for_each(|column| matrix.add(row, column, entry(row, column)));
+            matrix.add(row, row, entry(row, row) * (1.0 + DEPENDENT) + rows[row].compliance);
+        }
+        let factor = matrix.factor();
         GranularChain { rows, factor }
     }
 

@@ -10,7 +10,6 @@ mod configuration;
 mod contact_step;
 mod cost;
 mod coupled;
-mod envelope;
 mod extrapolation;
 mod film_forces;
 mod fitted;
