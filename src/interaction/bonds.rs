@@ -5,7 +5,7 @@
 //! ```
 //!
 //! With unit vectors `e_i . e_k = |e_i + e_k|^2 / 2 - 1`, so that both parts are squares of coordinates, zero at rest: lengths, and the curvature
-//! `|e_i + e_k|`. A natural angle turns `e_k` back by it first (in 2D). Both coordinates stay as they are when bodies move as one, so that neither part
+//! `|e_i + e_k|`. A natural angle `t` turns `e_k` back by it first in 2D; in 3D it is the curvature `2 sin(t/2)` at rest. Both coordinates stay as they are when bodies move as one, so that neither part
 //! exerts a net force or torque.
 
 use std::{ops::Range, rc::Rc};
@@ -35,7 +35,7 @@ pub struct Bend {
     pub bodies: [usize; 3],
     /// Energy: torque over angle for small angles is half of it.
     pub stiffness: f64,
-    /// Angle in radians by which the second bond turns from the first at rest, counterclockwise; 0 for a straight chain, and in 3D.
+    /// Angle in radians by which the second bond turns from the first at rest, counterclockwise; in 3D to any side. 0 for a straight chain.
     pub angle: f64,
 }
 
@@ -118,7 +118,8 @@ impl Bend {
     fn spring<const D: usize>(&self, center: &impl Fn(usize) -> SVector<f64, D>) -> Spring<D> {
         let [one, middle, other] = self.bodies;
         let (first, second) = (center(one) - center(middle), center(other) - center(middle));
-        let back = turn::<D>(-self.angle);
+        // in space a turn has no side: only how much is turned counts
+        let (back, rest) = if D == 2 { (turn::<D>(-self.angle), 0.0) } else { (SMatrix::identity(), 2.0 * (0.5 * self.angle).sin().abs()) };
         let (toward, onward) = (first.normalize(), second.normalize());
         let curvature = toward + back * onward;
         let value = curvature.norm();
@@ -129,7 +130,7 @@ impl Bend {
         let gradients = [of_unit(&first, &toward, direction), of_unit(&second, &onward, back.transpose() * direction)];
         Spring {
             ends: vec![(one, gradients[0]), (middle, -gradients[0] - gradients[1]), (other, gradients[1])],
-            value: beyond_rounding(value, 1.0),
+            value: beyond_rounding(value - rest, 1.0),
             stiffness: 0.5 * self.stiffness,
             smooth: false,
         }
@@ -177,12 +178,15 @@ mod tests {
         }
     }
 
-    /// `k/2 (|q_j - q_i| - l)^2` and `b/2 (e . e' + 1)`, the second bond turned back by the natural angle.
+    /// `k/2 (|q_j - q_i| - l)^2` and `b/2 (e . e' + 1)`, the second bond turned back by the natural angle; in 3D `b/4 (|e + e'| - 2 sin(t/2))^2`.
     fn energy<const D: usize>(centers: &[SVector<f64, D>], angle: f64) -> f64 {
         let stretch = |pair: &[SVector<f64, D>]| 3.5 * ((pair[1] - pair[0]).norm() - 1.1).powi(2);
         let bend = |three: &[SVector<f64, D>]| {
             let unit = |to: usize| (three[to] - three[1]).normalize();
-            1.5 * (unit(0).dot(&(turn::<D>(-angle) * unit(2))) + 1.0)
+            match D {
+                2 => 1.5 * (unit(0).dot(&(turn::<D>(-angle) * unit(2))) + 1.0),
+                _ => 0.75 * ((unit(0) + unit(2)).norm() - 2.0 * (0.5 * angle).sin()).powi(2),
+            }
         };
         centers.windows(2).map(stretch).sum::<f64>() + centers.windows(3).map(bend).sum::<f64>()
     }
@@ -212,7 +216,8 @@ mod tests {
     fn forces_are_slopes_of_the_potential_without_a_net_force_or_torque() {
         let plane = [[0.1, 0.0], [1.0, 0.4], [2.1, 0.2], [2.5, 1.4]].map(Vector2::from);
         [0.0, 0.7, -1.9].into_iter().for_each(|angle| proof(plane.to_vec(), angle));
-        proof([[0.1, 0.0, 0.2], [1.0, 0.4, -0.3], [2.1, 0.2, 0.1], [2.5, 1.4, 0.7]].map(Vector3::from).to_vec(), 0.0);
+        let space = [[0.1, 0.0, 0.2], [1.0, 0.4, -0.3], [2.1, 0.2, 0.1], [2.5, 1.4, 0.7]].map(Vector3::from);
+        [0.0, 0.7].into_iter().for_each(|angle| proof(space.to_vec(), angle));
     }
 
     #[test]

@@ -18,7 +18,7 @@ pub struct Chain {
     pub stretch: Option<f64>,
     /// Energy of bending, not negative: `bend/2 (1 - cos t)` for a turn by `t` from one bond to the next.
     pub bend: f64,
-    /// The turn from one bond to the next at rest, in radians, counterclockwise; 0 in 3D but for rings, and for cells, whose outline has turns of its own.
+    /// The turn from one bond to the next at rest, in radians, counterclockwise, in 3D to any side; 0 for cells, whose outline has turns of its own.
     pub angle: f64,
     /// Whether its ends are free or tied to each other.
     pub shape: ChainShape,
@@ -52,10 +52,10 @@ pub(super) fn read(table: &Table, dimension: usize) -> Result<Chain> {
     entry.expect((), beads >= least, &format!("must be at least {least} in a {}", word(shape)))?;
     let spacing = read_spacing(table)?;
     let bend = table.get("bend").map_or(Ok(0.0), |entry| entry.not_negative())?;
-    let natural = if shape == ChainShape::Ring && dimension == 2 { std::f64::consts::TAU / beads as f64 } else { 0.0 };
+    let natural = if shape == ChainShape::Ring { std::f64::consts::TAU / beads as f64 } else { 0.0 };
     let angle = table.get("angle").map_or(Ok(natural), |entry| {
         let angle = entry.number()?;
-        entry.expect((), dimension == 2, "is for two dimensions: in three a bond has no side to turn to; remove it")?;
+        entry.expect((), dimension == 2 || angle >= 0.0, "must not be negative: in three dimensions a bond has no side to turn to")?;
         entry.expect((), bend > 0.0, "is what bend draws chains to; give bend")?;
         entry.expect(angle, angle.abs() < std::f64::consts::PI, "must lie between -pi and pi")
     })?;

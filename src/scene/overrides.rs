@@ -10,6 +10,9 @@ use crate::scene::bodies::PLACEMENTS;
 use crate::scene::locations::{Locations, dotted, written};
 use crate::scene::sections::{DRIVES, SPACINGS};
 
+/// Lists of sections whose bodies are placed at random, at given centres or from a file.
+const GROUPS: [&str; 4] = ["bodies", "chains", "cells", "clusters"];
+
 /// The deepest key an override may name; scene files need five.
 const DEEPEST: usize = 8;
 
@@ -57,9 +60,10 @@ impl<'a> Change<'a> {
             ["accuracy"] => (0, vec!["resolution"]),
             ["flow", "drive", key, ..] if DRIVES.contains(key) => (2, DRIVES.to_vec()),
             ["method", "constraint"] => (1, self.foreign_to_the_method()),
-            // a gap belongs to bodies placed at random only
-            ["bodies", _, "centers" | "file", ..] => (2, [&PLACEMENTS[..], &["gap"]].concat()),
-            ["bodies", _, key, ..] if PLACEMENTS.contains(key) => (2, PLACEMENTS.to_vec()),
+            // a gap belongs to bodies placed at random only, a rotation to cells and clusters whose centers are given
+            [group, _, "centers" | "file", ..] if GROUPS.contains(group) => (2, [&PLACEMENTS[..], &["gap"]].concat()),
+            ["cells" | "clusters", _, "count", ..] => (2, [&PLACEMENTS[..], &["rotation"]].concat()),
+            [group, _, key, ..] if GROUPS.contains(group) && PLACEMENTS.contains(key) => (2, PLACEMENTS.to_vec()),
             // a travel belongs to automatic steps only
             ["time", "step"] if !self.value.is_str() => (1, vec!["travel"]),
             ["time", "travel"] => (1, vec!["step"]),
@@ -217,6 +221,17 @@ fraction = 0.1
         assert_eq!(scene.bodies[1].placement, Placement::Count(3));
         let scene = with(&["flow.drive.shear_rate=2"]).unwrap();
         assert_eq!(scene.flow.drive, Some(Drive::ShearRate(2.0)));
+    }
+
+    #[test]
+    fn chains_and_clusters_given_one_by_one_can_be_placed_at_random_and_back() {
+        let text = SCENE.to_owned()
+            + "[time]\nend = 1.0\n[[chains]]\ncount = 2\ngap = 0.1\nbeads = 2\nradius = 0.1\nstretch = 1.0\n"
+            + "[[clusters]]\ncenters = [[1.0, 1.0]]\nrotation = 0.5\nshape = \"rod\"\nbeads = 3\nradius = 0.1\n";
+        let overrides = ["chains.0.centers=[[1, 1], [1.21, 1]]", "clusters.0.count=3"].map(str::to_owned);
+        let scene = Scene::parse("scene", Path::new(""), &text, &overrides).unwrap();
+        assert_eq!(scene.bodies[2].placement, Placement::Centers(vec![vec![1.0, 1.0], vec![1.21, 1.0]]));
+        assert_eq!(scene.bodies[3].placement, Placement::Count(3));
     }
 
     #[test]

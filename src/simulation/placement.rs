@@ -10,7 +10,7 @@ use crate::{
     error::{Error, Result},
     geometry::{Axis, Ball, Domain, Inflow, InvalidConfiguration, LeesEdwards, first_fault},
     parallel::Peers,
-    scene::{self, AxisSection, BodyGroup, ChainShape, Placement, Scene},
+    scene::{self, AxisSection, BodyGroup, Chain, ChainShape, Placement, Scene},
 };
 
 /// Part of a length that is rounding.
@@ -118,26 +118,32 @@ fn given_balls<const D: usize>(group: &BodyGroup) -> Result<Vec<Ball<D>>> {
 /// The form in which the chains or clusters of a group are placed; nothing for bodies of their own.
 fn form<const D: usize>(scene: &Scene, group: usize, domain: &Domain<D>) -> Result<Option<ChainForm>> {
     let bodies = &scene.bodies[group];
-    let radius = bodies.radius;
-    if let Some(cluster) = &bodies.cluster {
-        let form = ChainForm { radius, places: cluster.places(radius).into_iter().map(Vector3::from).collect() };
-        let (length, longest) = (form.length(), domain.size.max());
-        let remedy = format!("is of clusters {length} long, and domain.size is {longest} at most; lower it or enlarge domain.size");
-        return if length > longest {
-            Err(scene.refuse(&format!("{}.radius", scene.group_key(group)), radius, &remedy))
-        } else {
-            Ok(Some(form))
-        };
-    }
-    Ok(bodies.chain.map(|chain| {
-        let link = 2.0 * radius * chain.spacing;
-        match chain.shape {
-            ChainShape::Line => ChainForm::line(radius, chain.beads, link),
-            ChainShape::Ring => ChainForm::circle(radius, chain.beads, link),
-            ChainShape::Cell if D == 2 => ChainForm::cell(radius, chain.beads, link),
-            ChainShape::Cell => ChainForm::membrane(radius, chain.beads, link),
+    let form = match (&bodies.cluster, &bodies.chain) {
+        (Some(cluster), _) => {
+            ChainForm { radius: bodies.radius, places: cluster.places(bodies.radius).into_iter().map(Vector3::from).collect() }
         }
-    }))
+        (None, Some(chain)) => chain_form::<D>(bodies.radius, chain),
+        (None, None) => return Ok(None),
+    };
+    // chains whose beads are given may be folded
+    let given = bodies.chain.is_some_and(|chain| chain.shape != ChainShape::Cell) && !matches!(bodies.placement, Placement::Count(_));
+    let (length, longest) = (form.length(), domain.size.max());
+    if !given && length > longest {
+        let (key, section) = (format!("{}.radius", scene.group_key(group)), bodies.section());
+        let remedy = format!("is of {section} {length} long, and domain.size is {longest} at most; lower it or enlarge domain.size");
+        return Err(scene.refuse(&key, bodies.radius, &remedy));
+    }
+    Ok(Some(form))
+}
+
+fn chain_form<const D: usize>(radius: f64, chain: &Chain) -> ChainForm {
+    let link = 2.0 * radius * chain.spacing;
+    match chain.shape {
+        ChainShape::Line => ChainForm::line(radius, chain.beads, link),
+        ChainShape::Ring => ChainForm::circle(radius, chain.beads, link),
+        ChainShape::Cell if D == 2 => ChainForm::cell(radius, chain.beads, link),
+        ChainShape::Cell => ChainForm::membrane(radius, chain.beads, link),
+    }
 }
 
 /// How given cells and clusters are turned: about an axis by its length.

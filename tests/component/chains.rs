@@ -4,10 +4,11 @@ use std::path::Path;
 
 use nalgebra::{SVector, Vector2, Vector3};
 use turbid::{
+    error::Error,
     observe::{ChainNumbers, MembraneNumbers},
     petsc::Session,
     scene::Scene,
-    simulation::Simulation,
+    simulation::{Setup, Simulation},
 };
 
 use crate::Test;
@@ -17,6 +18,8 @@ pub fn tests() -> Vec<Test> {
         Test::of(beads_on_a_spring_relax_at_second_order_in_steps_of_any_length),
         Test::of(a_stiff_chain_of_rods_moves_as_one_body),
         Test::of(a_bent_chain_becomes_straight_and_a_ring_round_without_moving_off),
+        Test::of(a_chain_in_space_turns_by_its_natural_angle),
+        Test::of(chains_longer_than_the_box_are_refused),
         Test::of(chains_with_inertia_come_to_rest_at_their_length),
         Test::of(cells_keep_their_area_and_tread_or_tumble),
         Test::of(a_cell_in_space_comes_back_to_its_shape),
@@ -116,6 +119,27 @@ fn a_bent_chain_becomes_straight_and_a_ring_round_without_moving_off(session: &S
         let centers = run::<2>(session, &format!("{head}{ring}"));
         let diagonals = [(centers[2] - centers[0]).norm(), (centers[3] - centers[1]).norm()];
         assert!(diagonals.iter().all(|found| (found / (1.52 * 2.0_f64.sqrt()) - 1.0).abs() < 1e-3), "{corners}: {diagonals:?}");
+    }
+}
+
+fn a_chain_in_space_turns_by_its_natural_angle(session: &Session) {
+    let text = "domain = { size = [10.0, 8.0, 8.0] }\nflow = { model = \"stokes\", viscosity = 1.0 }\n\
+                resolution = { cells_per_radius = 3 }\nmethod = { inverse = \"transform\", tolerance = 1e-7 }\ntime = { end = 60.0, step = 3.0 }\n\
+                chains = [{ centers = [[3.0, 4.0, 4.0], [5.2, 4.1, 4.0], [7.4, 4.0, 4.2]], beads = 3, radius = 1.0, spacing = 1.1, \
+                stretch = \"rigid\", bend = 50.0, angle = 0.4 }]\n";
+    let centers = run::<3>(session, text);
+    let angle = (centers[1] - centers[0]).angle(&(centers[2] - centers[1]));
+    assert!((angle - 0.4).abs() < 1e-5, "{angle}");
+}
+
+fn chains_longer_than_the_box_are_refused(_: &Session) {
+    let head = "domain = { size = [8.0, 8.0, 8.0] }\nflow = { model = \"stokes\", viscosity = 1.0 }\nresolution = { cells_per_radius = 3 }\n\
+                time = { end = 1.0 }\n";
+    for (section, rest) in [("chains", "beads = 10"), ("cells", "beads = 42, bend = 1.0")] {
+        let text = format!("{head}{section} = [{{ count = 1, radius = 0.5, stretch = 1.0, {rest} }}]\n");
+        let Err(Error::Refused(refusal)) = Setup::<3>::of(&scene(&text)) else { panic!("{section} are not refused") };
+        assert_eq!(refusal.key, Some(format!("{section}[0].radius")));
+        assert!(refusal.remedy.starts_with(&format!("is of {section} ")) && refusal.remedy.contains(" long, and domain.size is 8 at most"));
     }
 }
 

@@ -5,6 +5,8 @@ use std::{
     time::Instant,
 };
 
+use nalgebra::SMatrix;
+
 use super::step_table::{Cell, StepTable, absent, count, real};
 use crate::{
     contact::Solver,
@@ -78,8 +80,24 @@ fn of_chains<const D: usize>(simulation: &Simulation<D>) -> Vec<Cell> {
     if simulation.interactions().chains().is_empty() {
         return Vec::new();
     }
-    let cells = |numbers: ChainNumbers| {
-        vec![real("bond_energy", numbers.bond_energy), real("end_to_end", numbers.end_to_end), real("gyration", numbers.gyration)]
+    const NAMES: [&str; 6] = [
+        "chain_orientation_xx",
+        "chain_orientation_xy",
+        "chain_orientation_xz",
+        "chain_orientation_yy",
+        "chain_orientation_yz",
+        "chain_orientation_zz",
+    ];
+    let cells = |numbers: ChainNumbers<D>| {
+        let own = [
+            ("bond_energy", numbers.bond_energy),
+            ("end_to_end", numbers.end_to_end),
+            ("gyration", numbers.gyration),
+            ("curvature", numbers.curvature),
+        ];
+        // chains without a bead between two others have no curvature
+        let columns = own.into_iter().filter(|(_, value)| value.is_finite()).chain(upper_triangle(&NAMES, &numbers.orientation));
+        columns.map(|(name, value)| real(name, value)).collect::<Vec<_>>()
     };
     ChainNumbers::of(simulation.interactions(), &simulation.whole_state().centers()).map(cells).unwrap_or_default()
 }
@@ -100,10 +118,15 @@ fn of_membranes<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<Cell>
 
 /// The upper triangle of the mean orientation of rigid clusters; none without any.
 fn of_clusters<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<Cell> {
-    const NAMES: [[&str; 3]; 3] =
-        [["orientation_xx", "orientation_xy", "orientation_xz"], ["", "orientation_yy", "orientation_yz"], ["", "", "orientation_zz"]];
-    let pairs = || (0..D).flat_map(|row| (row..D).map(move |column| (row, column)));
-    mean_orientation(setup, state).map_or(Vec::new(), |mean| pairs().map(|at| real(NAMES[at.0][at.1], mean[at])).collect())
+    const NAMES: [&str; 6] = ["orientation_xx", "orientation_xy", "orientation_xz", "orientation_yy", "orientation_yz", "orientation_zz"];
+    let cells = |mean| upper_triangle(&NAMES, &mean).map(|(name, value)| real(name, value)).collect();
+    mean_orientation(setup, state).map_or(Vec::new(), cells)
+}
+
+/// The entries of a symmetric matrix with the names of those in space.
+fn upper_triangle<const D: usize>(names: &[&'static str; 6], matrix: &SMatrix<f64, D, D>) -> impl Iterator<Item = (&'static str, f64)> {
+    let places = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().zip(*names).filter(|((_, column), _)| *column < D);
+    places.map(|(place, name)| (name, matrix[place]))
 }
 
 /// The cells of the row of an instant and of the step that led there.
