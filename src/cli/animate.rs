@@ -60,7 +60,8 @@ fn draw_frames<const D: usize>(scene: &Scene, arguments: &AnimationArguments) ->
     let read = |file: &FrameFile| -> Result<AnimationFrame> {
         let stored = file.read::<D>()?;
         let flow = if scene.output.colour == Colour::Vorticity { file.vorticity::<D>(plane)? } else { None };
-        Ok(plane.frame(stored.time, stored.bodies, flow))
+        let chains = if scene.output.colour == Colour::Chain { file.chains()? } else { Vec::new() };
+        Ok(plane.frame(stored.time, stored.bodies, &chains, flow))
     };
     let mut film = plane.film(scene);
     for file in &files {

@@ -126,6 +126,15 @@ impl<const D: usize> Interactions<D> {
         self.iter().flat_map(Interaction::bonds).collect()
     }
 
+    /// Of each body up to the last that is tied the number of its chain, cell or cluster, if it has one: chains and cells are counted first.
+    pub fn group_of(&self) -> Vec<Option<usize>> {
+        let groups: Vec<Range<usize>> =
+            self.chains().into_iter().chain(self.clusters().iter().map(|cluster| cluster.bodies.clone())).collect();
+        let mut group_of = vec![None; groups.iter().map(|bodies| bodies.end).max().unwrap_or(0)];
+        groups.into_iter().enumerate().for_each(|(number, bodies)| group_of[bodies].fill(Some(number)));
+        group_of
+    }
+
     /// See [`Interaction::welds`].
     pub fn welds(&self, centers: &[SVector<f64, D>]) -> Vec<BondRow<D>> {
         self.iter().flat_map(|interaction| interaction.welds(centers)).collect()

@@ -13,7 +13,7 @@ pub struct Film {
     pub size: [f64; 2],
     /// Which directions are periodic; the others end at solid walls.
     pub periodic: [bool; 2],
-    /// What is coloured: the disks by their speed, or the flow behind them by its vorticity.
+    /// What is coloured: the disks by their speed or by the chain they belong to, or the flow behind them by its vorticity.
     pub colour: Colour,
     /// Time of each frame.
     pub times: Vec<f64>,
@@ -38,6 +38,7 @@ impl Film {
         self.times.push(frame.time);
         match self.colour {
             Colour::Speed => frame.disks.iter().for_each(|disk| self.add_value(disk.speed, MOST_VALUES)),
+            Colour::Chain => (),
             Colour::Vorticity => frame.vorticity.iter().flat_map(|cut| &cut.values).for_each(|&value| self.add_value(value, MOST_VALUES)),
         }
     }
@@ -87,8 +88,10 @@ pub struct AnimatedDisk {
     pub radius: f64,
     /// Angle of the mark that shows rotation, counterclockwise from `x`; not a number for a disk without mark.
     pub angle: f64,
-    /// Speed to colour by, from zero to the 99.5th percentile of the whole film, unless the flow is coloured.
+    /// Speed to colour by, from zero to the 99.5th percentile of the whole film, unless the flow or chains are coloured.
     pub speed: f64,
+    /// Number of its chain, cell or cluster, to colour by that.
+    pub chain: Option<usize>,
 }
 
 /// The axes that point right and up.
@@ -125,8 +128,15 @@ impl Plane {
         counterclockwise.or_else(|| place((self.across, self.up)).map(|component| (component, -1.0))).expect("two axes span a plane")
     }
 
-    /// Bodies at a time before the flow that the plane cuts, seen from the front: spheres further back come first.
-    pub fn frame<const D: usize>(self, time: f64, mut bodies: Vec<FrameBody<D>>, vorticity: Option<FlowCut>) -> AnimationFrame {
+    /// Bodies at a time before the flow that the plane cuts, seen from the front: spheres further back come first. Of each body by its number the number
+    /// of its chain, where there are chains.
+    pub fn frame<const D: usize>(
+        self,
+        time: f64,
+        mut bodies: Vec<FrameBody<D>>,
+        chains: &[Option<usize>],
+        vorticity: Option<FlowCut>,
+    ) -> AnimationFrame {
         if let Some(depth) = (0..D).find(|&axis| axis != self.across && axis != self.up) {
             bodies.sort_by(|one, two| two.center[depth].total_cmp(&one.center[depth]));
         }
@@ -136,6 +146,7 @@ impl Plane {
             // a turning mark is drawn on disks only
             angle: if D == 2 { body.rotation[(1, 0)].atan2(body.rotation[(0, 0)]) } else { f64::NAN },
             speed: body.velocity.norm(),
+            chain: chains.get(body.number).copied().flatten(),
         };
         AnimationFrame { time, shift: self.sliding * time, disks: bodies.iter().map(disk).collect(), vorticity }
     }

@@ -22,7 +22,7 @@ pub fn picture<const D: usize>(title: &str, suspension: &dyn FlowSolver<D>, solu
     let total: Vec<SVector<f64, D>> =
         points.iter().zip(disturbance).map(|(point, velocity)| velocity + setup.drive.background(point)).collect();
     let (quantity, coloured) = match colour {
-        Colour::Speed => ("speed", total.iter().map(|velocity| velocity.norm()).collect()),
+        Colour::Speed | Colour::Chain => ("speed", total.iter().map(|velocity| velocity.norm()).collect()),
         Colour::Vorticity => ("vorticity", vorticity_at(suspension.grid(), &solution.fluid, &setup.drive, &points, (1, 0))?),
     };
     Ok(Picture {
@@ -30,7 +30,7 @@ pub fn picture<const D: usize>(title: &str, suspension: &dyn FlowSolver<D>, solu
         size: plane.size,
         periodic: plane.periodic,
         shift: plane.shift,
-        bodies: disks(&plane, suspension, solution),
+        bodies: disks(&plane, suspension, solution, colour),
         bonds: bonds(&plane, suspension, solution),
         samples: plane.samples,
         velocity: total.iter().map(|velocity| [velocity[0], velocity[1]]).collect(),
@@ -56,11 +56,13 @@ fn bonds<const D: usize>(plane: &CutPlane<D>, suspension: &dyn FlowSolver<D>, so
 }
 
 /// The cuts of the bodies through the plane.
-fn disks<const D: usize>(plane: &CutPlane<D>, suspension: &dyn FlowSolver<D>, solution: &Solution<D>) -> Vec<Disk> {
-    let bodies = suspension.setup().bodies.iter().zip(&solution.bodies);
-    let cut = bodies.filter_map(|(suspended, state)| {
+fn disks<const D: usize>(plane: &CutPlane<D>, suspension: &dyn FlowSolver<D>, solution: &Solution<D>, colour: Colour) -> Vec<Disk> {
+    let setup = suspension.setup();
+    let chains = if colour == Colour::Chain { setup.interactions.group_of() } else { Vec::new() };
+    let bodies = setup.bodies.iter().zip(&solution.bodies).zip(chains.into_iter().chain(std::iter::repeat(None)));
+    let cut = bodies.filter_map(|((suspended, state), chain)| {
         let (center, radius) = plane.cut(&Ball { center: state.center, ..suspended.body.ball })?;
-        Some(Disk { center, radius, velocity: [state.twist.velocity[0], state.twist.velocity[1]] })
+        Some(Disk { center, radius, velocity: [state.twist.velocity[0], state.twist.velocity[1]], chain })
     });
     cut.collect()
 }

@@ -104,4 +104,6 @@ pub struct Disk {
     pub radius: f64,
     /// Velocity of the center, drawn as a tick in the disk; none is drawn for a body at rest.
     pub velocity: [f64; 2],
+    /// Number of the chain, cell or cluster by which it is coloured; else it is dark.
+    pub chain: Option<usize>,
 }

@@ -18,7 +18,7 @@ pub fn scalar_picture<const D: usize>(title: &str, solved: &SolvedScalar<D>) -> 
     };
     let bodies = solution.inclusions.iter().zip(&setup.inclusions).filter_map(|(state, &(ball, _))| {
         let (center, radius) = plane.cut(&Ball { center: state.center, ..ball })?;
-        Some(Disk { center, radius, velocity: [0.0; 2] })
+        Some(Disk { center, radius, velocity: [0.0; 2], chain: None })
     });
     Ok(Picture {
         title: title.to_owned(),

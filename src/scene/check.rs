@@ -5,14 +5,15 @@ use std::fmt::Display;
 use crate::error::Result;
 use crate::flow::InverseMethod;
 use crate::scene::{
-    AxisSection, ChainShape, ConstraintMethod, ContactModel, Drive, FlowModel, LubricationModel, Motion, MultiplierSolver, Scene, Scheme,
-    Spacing, accuracy,
+    AxisSection, BodyGroup, ChainShape, Colour, ConstraintMethod, ContactModel, Drive, FlowModel, LubricationModel, Motion,
+    MultiplierSolver, Scene, Scheme, Spacing, accuracy,
 };
 
 pub(super) fn check(scene: &Scene) -> Result<()> {
     check_open(scene)?;
     check_chains(scene)?;
     check_clusters(scene)?;
+    check_colour(scene)?;
     check_spacing(scene)?;
     check_contact(scene)?;
     check_constraint(scene)?;
@@ -80,6 +81,12 @@ fn check_clusters(scene: &Scene) -> Result<()> {
     let expect = |right, remedy| expect(scene, right, &format!("{}.radius", scene.group_key(group)), scene.bodies[group].radius, remedy);
     expect(scene.flow.model.fluid(), "is of clusters, which are in a fluid; set flow.model = \"stokes\" or \"navier-stokes\"")?;
     expect(scene.method.constraint == ConstraintMethod::Sharp, "is of clusters, which need method.constraint = \"sharp\"")
+}
+
+fn check_colour(scene: &Scene) -> Result<()> {
+    let tied = scene.bodies.iter().any(BodyGroup::together);
+    let remedy = "tells chains, cells and clusters apart, and there are none; remove it";
+    expect(scene, tied || scene.output.colour != Colour::Chain, "output.colour", "\"chain\"", remedy)
 }
 
 fn check_spacing(scene: &Scene) -> Result<()> {

@@ -286,7 +286,7 @@ fn of_output(output: &OutputSection, in_time: bool, model: FlowModel) -> Keys {
         keys.extend((model != FlowModel::None).then(|| pair("output.fields", fields)));
         keys.extend(model.fluid().then(|| pair("output.vorticity", vorticity)));
     }
-    keys.extend(model.fluid().then(|| word("output.colour", word_of(&Colour::WORDS, colour))));
+    keys.extend((model.fluid() || *colour == Colour::Chain).then(|| word("output.colour", word_of(&Colour::WORDS, colour))));
     keys.extend(reference_velocity.as_deref().map(|velocity| list("output.reference_velocity", velocity)));
     keys
 }

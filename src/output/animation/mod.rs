@@ -57,7 +57,7 @@ impl Film {
     /// What colours stand for.
     fn bar(&self) -> Bar {
         match self.colour {
-            Colour::Speed => Bar::new(&self.coloured),
+            Colour::Speed | Colour::Chain => Bar::new(&self.coloured),
             Colour::Vorticity => Bar::signed(&self.coloured),
         }
     }
@@ -99,6 +99,7 @@ impl Film {
         for disk in frame.disks.iter().filter(|disk| disk.finite()) {
             let shade = match self.colour {
                 Colour::Speed => palette::shade(bar.part(disk.speed)),
+                Colour::Chain => disk.chain.map_or(palette::INK, colour::distinct),
                 Colour::Vorticity => palette::INK,
             };
             self.draw(&mut canvas, layout, disk, frame.shift, shade);
@@ -161,7 +162,7 @@ mod tests {
     }
 
     fn disk(x: f64, speed: f64) -> AnimatedDisk {
-        AnimatedDisk { center: [x, 0.5], radius: 0.2, angle: f64::NAN, speed }
+        AnimatedDisk { center: [x, 0.5], radius: 0.2, angle: f64::NAN, speed, chain: None }
     }
 
     fn first_still(frames: &[AnimationFrame]) -> (PageLayout, Canvas) {

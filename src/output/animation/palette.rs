@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 
 use super::canvas::mix;
-use super::colour::{DIVERGING, SEQUENTIAL};
+use super::colour::{DISTINCT_COUNT, DIVERGING, SEQUENTIAL, distinct};
 use crate::scene::Colour;
 
 /// The page around the box.
@@ -56,6 +56,10 @@ impl Palette {
                 let tints = (0..SHADES).step_by(STRIDE).flat_map(|level| (1..STEPS).map(move |step| tint(level, step)));
                 (0..SHADES).map(|level| tint(level, 0)).chain(tints).collect()
             }
+            Colour::Chain => {
+                let full = (0..DISTINCT_COUNT).map(distinct).chain([INK]);
+                full.flat_map(|colour| (0..STEPS).map(move |step| mix(colour, PAPER, step as f64 / STEPS as f64))).collect()
+            }
             Colour::Vorticity => {
                 let tones = (0..TONES).map(|level| tone(level as f64 / (TONES - 1) as f64));
                 tones.chain((1..STEPS).map(|step| mix(INK, PAPER, step as f64 / STEPS as f64))).collect()
@@ -91,7 +95,7 @@ mod tests {
 
     #[test]
     fn the_palette_holds_its_own_colours_and_has_room_in_a_byte() {
-        for colour in [Colour::Speed, Colour::Vorticity] {
+        for colour in [Colour::Speed, Colour::Vorticity, Colour::Chain] {
             let mut palette = Palette::new(colour);
             let colours = palette.colours.clone();
             assert!(colours.len() <= 256);

@@ -7,6 +7,7 @@ use nalgebra::SVector;
 
 use super::{
     body::COLUMNS,
+    bond,
     contact::{self, FrameContact},
     entry::{Entry, Mesh, Network},
     index::frame_files,
@@ -60,6 +61,11 @@ impl FrameFile {
     /// All of it but the fields, which must have this dimension.
     pub fn read<const D: usize>(&self) -> Result<StoredFrame<D>> {
         read_with(&self.path, bodies).map_err(refused)
+    }
+
+    /// Of each body the number of its chain, cell or cluster, if it has one.
+    pub fn chains(&self) -> Result<Vec<Option<usize>>> {
+        read_with(&self.path, chains).map_err(refused)
     }
 
     /// The vorticity in a plane through the middle of the box, counterclockwise positive as it is seen; nothing if the frame does not hold it.
@@ -127,6 +133,19 @@ fn bodies<const D: usize>(file: &File) -> hdf5::Result<StoredFrame<D>> {
     let contacts = file.link_exists("contacts").then(|| network(file)).transpose()?;
     let (size, offset, bodies) = (SVector::from_column_slice(&size), offset(file)?, (0..count).map(body).collect());
     Ok(StoredFrame { time, step, size, offset, bodies, contacts })
+}
+
+fn chains(file: &File) -> hdf5::Result<Vec<Option<usize>>> {
+    let mut chains = vec![None; slab::get::<u64>(file, "body_count")? as usize];
+    if file.link_exists("bonds") {
+        let group = Columns { file, group: "bonds", count: 2 * slab::get::<u64>(file, "bond_count")? as usize };
+        let [bodies, of] = group.all::<i32, _>(&bond::COUNTS)?;
+        for (body, chain) in bodies.into_iter().zip(of) {
+            let place = chains.get_mut(body as usize).ok_or("its bonds name a body that is not there")?;
+            *place = Some(chain as usize);
+        }
+    }
+    Ok(chains)
 }
 
 /// Where the vorticity is, if it is there.

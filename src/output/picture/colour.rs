@@ -27,6 +27,19 @@ pub const SEQUENTIAL: ColourMap = ColourMap([
     [236, 199, 74],
 ]);
 
+/// Colours of things without an order, which most eyes tell apart; more things than these take them in turn.
+///
+/// Source: M. Okabe and K. Ito, 2008, Color universal design, <https://jfly.uni-koeln.de/color/>.
+const DISTINCT: [[u8; 3]; 7] = [[230, 159, 0], [86, 180, 233], [0, 158, 115], [240, 228, 66], [0, 114, 178], [213, 94, 0], [204, 121, 167]];
+
+/// The colour of the thing of this number.
+pub fn distinct(number: usize) -> [u8; 3] {
+    DISTINCT[number % DISTINCT.len()]
+}
+
+/// How many colours there are for things without an order.
+pub const DISTINCT_COUNT: usize = DISTINCT.len();
+
 /// That of what has either sign: blue below zero, nearly white there, red above. Lightness falls from 0.975 to 0.43 on both sides.
 pub const DIVERGING: ColourMap = ColourMap([
     [22, 79, 148],

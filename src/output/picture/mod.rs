@@ -86,7 +86,7 @@ mod tests {
     }
 
     pub fn disk(center: [f64; 2], radius: f64) -> Disk {
-        Disk { center, radius, velocity: [0.3, -0.1] }
+        Disk { center, radius, velocity: [0.3, -0.1], chain: None }
     }
 
     #[test]

@@ -5,6 +5,7 @@
 use std::fmt::Write;
 
 use super::bar::Bar;
+use super::colour::distinct;
 use super::streamlines::{Point, pieces, separation, streamlines};
 use super::{Disk, Picture, raster};
 
@@ -178,7 +179,11 @@ fn circles(disks: &[Disk], frame: &Frame) -> String {
     let mut text = format!("<g fill=\"{INK}\" stroke=\"#ffffff\" stroke-opacity=\"0.85\" stroke-width=\"{outline:.2}\">\n");
     for disk in disks {
         let [x, y] = frame.place(disk.center);
-        let _ = writeln!(text, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{:.1}\"/>", disk.radius * frame.scale);
+        let fill = disk.chain.map_or(String::new(), |chain| {
+            let [red, green, blue] = distinct(chain);
+            format!(" fill=\"#{red:02x}{green:02x}{blue:02x}\"")
+        });
+        let _ = writeln!(text, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{:.1}\"{fill}/>", disk.radius * frame.scale);
     }
     let ticks: String = disks.iter().filter_map(|disk| tick(disk, frame, fastest)).collect();
     let width = (0.1 * largest).clamp(0.6, 2.2);
@@ -310,6 +315,17 @@ mod tests {
         picture.bodies = (0..10 * MOST_CIRCLES).map(row).collect();
         let svg = picture.svg();
         assert!(!svg.contains("<circle") && svg.matches("<image").count() == 2 && svg.len() < few + 20_000, "{}", svg.len());
+    }
+
+    #[test]
+    fn bodies_of_one_chain_have_one_colour_and_others_are_dark() {
+        let mut picture = uniform_flow([1.0, 0.2]);
+        let chained = |x: f64, chain: usize| Disk { chain: Some(chain), ..disk([x, 0.5], 0.1) };
+        picture.bodies = vec![chained(0.3, 0), chained(0.6, 0), chained(1.2, 1), disk([1.6, 0.5], 0.1)];
+        let text = text(&picture);
+        let fills: Vec<&str> =
+            text.lines().filter(|line| line.starts_with("<circle")).map(|line| line.split(' ').nth(4).unwrap_or("")).collect();
+        assert_eq!(fills, ["fill=\"#e69f00\"/>", "fill=\"#e69f00\"/>", "fill=\"#56b4e9\"/>", ""]);
     }
 
     #[test]

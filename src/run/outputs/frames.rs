@@ -158,18 +158,15 @@ fn bonds<const D: usize>(motion: &EvaluatedMotion<D>, written: &Range<usize>) ->
     if pairs.is_empty() {
         return None;
     }
-    let groups: Vec<Range<usize>> =
-        interactions.chains().into_iter().chain(interactions.clusters().iter().map(|cluster| cluster.bodies.clone())).collect();
     let whole = motion.simulation.whole_state();
-    let mut chain_of = vec![0; whole.bodies.len()];
-    groups.into_iter().enumerate().for_each(|(chain, bodies)| chain_of[bodies].fill(chain));
+    let chain_of = interactions.group_of();
     let state = motion.state();
     pairs.retain(|[one, _]| state.place(*one).is_some_and(|place| written.contains(&place)));
     pairs.sort_unstable();
     let center = |body: usize| whole.bodies[body].center;
     let bond = |bodies: [usize; 2]| FrameBond {
         bodies,
-        chain: chain_of[bodies[0]],
+        chain: chain_of[bodies[0]].expect("what is tied belongs to a chain"),
         from: center(bodies[0]),
         way: motion.domain().nearest_image(center(bodies[1]) - center(bodies[0])),
     };

@@ -27,7 +27,8 @@ impl<const D: usize> Output<D> for PictureFile {
             }
             (None, Some(motion)) => {
                 let plane = Plane::of(seen.scene);
-                let still = plane.frame(motion.state().time, motion.bodies_on_first_rank(seen.world), None);
+                let chains = motion.simulation.interactions().group_of();
+                let still = plane.frame(motion.state().time, motion.bodies_on_first_rank(seen.world), &chains, None);
                 ("picture.png", plane.film(seen.scene).apng(WIDTH, 1.0, vec![still]))
             }
             (None, None) => return Ok(Vec::new()),

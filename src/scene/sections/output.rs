@@ -44,6 +44,8 @@ pub enum Colour {
     Speed,
     /// The vorticity in the plane that is shown, counterclockwise positive.
     Vorticity,
+    /// The speed of the fluid, and bodies by the chain, cell or cluster that they belong to.
+    Chain,
 }
 
 impl Default for OutputSection {
@@ -111,12 +113,13 @@ fn read_fields(entry: &Entry, model: FlowModel) -> Result<bool> {
 
 impl Colour {
     /// Their words.
-    pub(in crate::scene) const WORDS: [(&str, Colour); 2] = [("speed", Colour::Speed), ("vorticity", Colour::Vorticity)];
+    pub(in crate::scene) const WORDS: [(&str, Colour); 3] =
+        [("speed", Colour::Speed), ("vorticity", Colour::Vorticity), ("chain", Colour::Chain)];
 }
 
 fn read_colour(entry: &Entry, model: FlowModel) -> Result<Colour> {
     let colour = entry.choice(&Colour::WORDS, &[])?;
-    entry.expect(colour, model.fluid(), "only a flow is coloured so; remove it")
+    entry.expect(colour, model.fluid() || colour == Colour::Chain, "only a flow is coloured so; remove it")
 }
 
 fn read_vorticity(entry: &Entry, model: FlowModel) -> Result<bool> {
