@@ -4,6 +4,7 @@ mod chains;
 mod clusters;
 mod random;
 mod scalar;
+mod spring;
 
 use std::f64::consts::PI;
 
@@ -103,6 +104,7 @@ pub fn cases() -> Vec<Case> {
     all.extend(scalar::cases());
     all.extend(clusters::cases());
     all.extend(chains::cases());
+    all.push(spring::case());
     all
 }
 
