@@ -5,8 +5,8 @@
 //! ```
 //!
 //! With unit vectors `e_i . e_k = |e_i + e_k|^2 / 2 - 1`, so that both parts are squares of coordinates, zero at rest: lengths, and the curvature
-//! `|e_i + e_k|`. A natural angle `t` turns `e_k` back by it first in 2D; in 3D it is the curvature `2 sin(t/2)` at rest. Both coordinates stay as they are when bodies move as one, so that neither part
-//! exerts a net force or torque.
+//! `|e_i + e_k|`. A natural angle `t` turns `e_k` back by it first in 2D; in 3D it is the curvature `2 sin(t/2)` at rest. Both coordinates stay
+//! as they are when bodies move as one, so that neither part exerts a net force or torque.
 
 use std::{ops::Range, rc::Rc};
 

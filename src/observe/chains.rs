@@ -31,15 +31,15 @@ impl<const D: usize> ChainNumbers<D> {
         }
         let center = |body: usize| centers[body];
         let energy = |chain: &Range<usize>| interactions.springs_of(chain, &center).iter().map(Spring::energy).sum::<f64>();
-        let mean = |of: &dyn Fn(&[SVector<f64, D>]) -> f64| {
-            chains.iter().map(|chain| of(&centers[chain.clone()])).sum::<f64>() / chains.len() as f64
-        };
+        let count = chains.len() as f64;
+        let length = |chain: &Range<usize>| (centers[chain.end - 1] - centers[chain.start]).norm();
+        let spreads: Vec<SMatrix<f64, D, D>> = chains.iter().map(|chain| gyration_tensor(&centers[chain.clone()])).collect();
         Some(ChainNumbers {
             bond_energy: chains.iter().map(energy).sum(),
-            end_to_end: mean(&|beads| (beads[beads.len() - 1] - beads[0]).norm()),
-            gyration: mean(&gyration),
+            end_to_end: chains.iter().map(length).sum::<f64>() / count,
+            gyration: spreads.iter().map(|spread| spread.trace().sqrt()).sum::<f64>() / count,
             curvature: curvature(interactions, centers),
-            orientation: chains.iter().map(|chain| orientation(&centers[chain.clone()])).sum::<SMatrix<f64, D, D>>() / chains.len() as f64,
+            orientation: spreads.iter().map(orientation).sum::<SMatrix<f64, D, D>>() / count,
         })
     }
 }
@@ -62,19 +62,18 @@ fn curvature<const D: usize>(interactions: &Interactions<D>, centers: &[SVector<
     (squares / f64::from(count)).sqrt()
 }
 
-/// `p p` of one chain.
-fn orientation<const D: usize>(beads: &[SVector<f64, D>]) -> SMatrix<f64, D, D> {
+/// The mean of `x x` over all beads of a chain, `x` being their places from its middle.
+fn gyration_tensor<const D: usize>(beads: &[SVector<f64, D>]) -> SMatrix<f64, D, D> {
     let middle = beads.iter().sum::<SVector<f64, D>>() / beads.len() as f64;
-    let spread: SMatrix<f64, D, D> = beads.iter().map(|bead| (bead - middle) * (bead - middle).transpose()).sum();
+    beads.iter().map(|bead| (bead - middle) * (bead - middle).transpose()).sum::<SMatrix<f64, D, D>>() / beads.len() as f64
+}
+
+/// `p p` for the direction `p` in which beads are spread most.
+fn orientation<const D: usize>(spread: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
     let in_space = Matrix3::from_fn(|row, column| if row.max(column) < D { spread[(row, column)] } else { 0.0 });
     let eigen = in_space.symmetric_eigen();
     let axis = eigen.eigenvectors.column(eigen.eigenvalues.imax()).into_owned();
     SMatrix::from_fn(|row, column| axis[row] * axis[column])
-}
-
-fn gyration<const D: usize>(beads: &[SVector<f64, D>]) -> f64 {
-    let middle = beads.iter().sum::<SVector<f64, D>>() / beads.len() as f64;
-    (beads.iter().map(|bead| (bead - middle).norm_squared()).sum::<f64>() / beads.len() as f64).sqrt()
 }
 
 #[cfg(test)]
@@ -86,6 +85,6 @@ mod tests {
     #[test]
     fn beads_along_a_line_lie_along_it() {
         let beads: Vec<Vector2<f64>> = (0..5).map(|bead| Vector2::new(3.0, 4.0) * f64::from(bead)).collect();
-        assert!((orientation(&beads) - Matrix2::new(0.36, 0.48, 0.48, 0.64)).norm() < 1e-12);
+        assert!((orientation(&gyration_tensor(&beads)) - Matrix2::new(0.36, 0.48, 0.48, 0.64)).norm() < 1e-12);
     }
 }

@@ -127,13 +127,19 @@ fn form<const D: usize>(scene: &Scene, group: usize, domain: &Domain<D>) -> Resu
     };
     // chains whose beads are given may be folded
     let given = bodies.chain.is_some_and(|chain| chain.shape != ChainShape::Cell) && !matches!(bodies.placement, Placement::Count(_));
-    let (length, longest) = (form.length(), domain.size.max());
-    if !given && length > longest {
-        let (key, section) = (format!("{}.radius", scene.group_key(group)), bodies.section());
-        let remedy = format!("is of {section} {length} long, and domain.size is {longest} at most; lower it or enlarge domain.size");
-        return Err(scene.refuse(&key, bodies.radius, &remedy));
+    if !given {
+        check_length(scene, group, &form, domain)?;
     }
     Ok(Some(form))
+}
+
+fn check_length<const D: usize>(scene: &Scene, group: usize, form: &ChainForm, domain: &Domain<D>) -> Result<()> {
+    let (length, longest, section) = (form.length(), domain.size.max(), scene.bodies[group].section());
+    if length <= longest {
+        return Ok(());
+    }
+    let remedy = format!("is of {section} {length} long, and domain.size is {longest} at most; lower it or enlarge domain.size");
+    Err(scene.refuse(&format!("{}.radius", scene.group_key(group)), scene.bodies[group].radius, &remedy))
 }
 
 fn chain_form<const D: usize>(radius: f64, chain: &Chain) -> ChainForm {

@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 
 use super::canvas::mix;
-use super::colour::{DISTINCT_COUNT, DIVERGING, SEQUENTIAL, distinct};
+use super::colour::{DISTINCT, DIVERGING, SEQUENTIAL};
 use crate::scene::Colour;
 
 /// The page around the box.
@@ -57,7 +57,7 @@ impl Palette {
                 (0..SHADES).map(|level| tint(level, 0)).chain(tints).collect()
             }
             Colour::Chain => {
-                let full = (0..DISTINCT_COUNT).map(distinct).chain([INK]);
+                let full = DISTINCT.into_iter().chain([INK]);
                 full.flat_map(|colour| (0..STEPS).map(move |step| mix(colour, PAPER, step as f64 / STEPS as f64))).collect()
             }
             Colour::Vorticity => {

@@ -30,15 +30,13 @@ pub const SEQUENTIAL: ColourMap = ColourMap([
 /// Colours of things without an order, which most eyes tell apart; more things than these take them in turn.
 ///
 /// Source: M. Okabe and K. Ito, 2008, Color universal design, <https://jfly.uni-koeln.de/color/>.
-const DISTINCT: [[u8; 3]; 7] = [[230, 159, 0], [86, 180, 233], [0, 158, 115], [240, 228, 66], [0, 114, 178], [213, 94, 0], [204, 121, 167]];
+pub const DISTINCT: [[u8; 3]; 7] =
+    [[230, 159, 0], [86, 180, 233], [0, 158, 115], [240, 228, 66], [0, 114, 178], [213, 94, 0], [204, 121, 167]];
 
 /// The colour of the thing of this number.
 pub fn distinct(number: usize) -> [u8; 3] {
     DISTINCT[number % DISTINCT.len()]
 }
-
-/// How many colours there are for things without an order.
-pub const DISTINCT_COUNT: usize = DISTINCT.len();
 
 /// That of what has either sign: blue below zero, nearly white there, red above. Lightness falls from 0.975 to 0.43 on both sides.
 pub const DIVERGING: ColourMap = ColourMap([
@@ -73,9 +71,13 @@ impl ColourMap {
 
     /// The colour of a value between zero and one, as SVG writes it.
     pub fn hexadecimal(&self, value: f64) -> String {
-        let [red, green, blue] = self.shade(value);
-        format!("#{red:02x}{green:02x}{blue:02x}")
+        hexadecimal(self.shade(value))
     }
+}
+
+/// A colour as SVG writes it.
+pub fn hexadecimal([red, green, blue]: [u8; 3]) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
 #[cfg(test)]

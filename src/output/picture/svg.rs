@@ -5,7 +5,7 @@
 use std::fmt::Write;
 
 use super::bar::Bar;
-use super::colour::distinct;
+use super::colour::{distinct, hexadecimal};
 use super::streamlines::{Point, pieces, separation, streamlines};
 use super::{Disk, Picture, raster};
 
@@ -179,10 +179,7 @@ fn circles(disks: &[Disk], frame: &Frame) -> String {
     let mut text = format!("<g fill=\"{INK}\" stroke=\"#ffffff\" stroke-opacity=\"0.85\" stroke-width=\"{outline:.2}\">\n");
     for disk in disks {
         let [x, y] = frame.place(disk.center);
-        let fill = disk.chain.map_or(String::new(), |chain| {
-            let [red, green, blue] = distinct(chain);
-            format!(" fill=\"#{red:02x}{green:02x}{blue:02x}\"")
-        });
+        let fill = disk.chain.map_or(String::new(), |chain| format!(" fill=\"{}\"", hexadecimal(distinct(chain))));
         let _ = writeln!(text, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{:.1}\"{fill}/>", disk.radius * frame.scale);
     }
     let ticks: String = disks.iter().filter_map(|disk| tick(disk, frame, fastest)).collect();
