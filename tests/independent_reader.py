@@ -164,6 +164,7 @@ def check_run(folder):
             check_network(folder, {time: frame["contacts"] for time, frame in frames.items()})
             check_offsets(folder, frames)
             check_bonds(folder, frames)
+            check_membranes(folder, frames)
             check_pairs(folder, frames)
         for companion in folder.glob("*.xdmf"):
             assert "<Time" in companion.read_text(), f"{companion} lists nothing"
@@ -211,6 +212,32 @@ def check_bonds(folder, frames):
         cell = [data.GetCell(0).GetPointId(end) for end in (0, 1)]
         assert cell == [0, 1] and data.GetCell(data.GetNumberOfCells() - 1).GetPointId(1) == len(lines[time]) - 1
         same(arrays(data.GetPointData())["chain"], first["chain"], "chains in VTK")
+
+
+def check_membranes(folder, frames):
+    """Corners of membranes are the centres of their bodies, or images of them, polygons keep their areas, and VTK sees them."""
+    assert (folder / "membranes.xdmf").exists() == all("membranes" in frame for frame in frames.values())
+    if not (folder / "membranes.xdmf").exists():
+        return
+    first = next(iter(frames.values()))["membranes"]
+    points, areas = {}, None
+    for time, frame in frames.items():
+        membranes, centers = frame["membranes"], numpy.asarray(frame["bodies/center"])
+        points[time] = numpy.asarray(membranes["point"])
+        same(membranes["body"], first["body"], "bodies of membranes")
+        same(nearest(frame, points[time] - centers[numpy.asarray(membranes["body"])]), 0.0 * points[time], "corners of membranes")
+    for time, data in vtk_frames(folder / "membranes.xdmf"):
+        assert data.GetNumberOfCells() == frames[time].attrs["face_count"] > 0
+        same(vtk_to_numpy(data.GetPoints().GetData()), points[time], "corners in VTK")
+        corners = [[data.GetCell(face).GetPointId(corner) for corner in range(data.GetCell(face).GetNumberOfPoints())]
+                   for face in range(data.GetNumberOfCells())]
+        assert sorted(sum(corners, [])) == list(range(len(points[time]))), "corners of polygons"
+        chain = arrays(data.GetPointData())["chain"]
+        assert [set(chain[face]) for face in corners] == [{number} for number in range(len(corners))], "cells of polygons"
+        x, y = zip(*[points[time][face, :2].T for face in corners])
+        found = [((x * numpy.roll(y, -1) - y * numpy.roll(x, -1)).sum() / 2) for x, y in zip(x, y)]
+        areas = areas or found
+        assert max(abs(numpy.array(found) / areas - 1)) < 1e-9, f"areas {areas} became {found} at {time}"
 
 
 def check_offsets(folder, frames):

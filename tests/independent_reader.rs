@@ -46,7 +46,7 @@ fn h5py_and_vtk_read_frames_while_more_are_written() {
 
 #[test]
 fn h5py_reads_runs_of_the_program_under_way_and_finished() {
-    let bonded = [("chains", scenes::CHAINS), ("clusters", scenes::CLUSTERS)];
+    let bonded = [("chains", scenes::CHAINS), ("clusters", scenes::CLUSTERS), ("cells", scenes::CELLS)];
     let others = [("flow", scenes::SHEARED), ("dry", scenes::DRY), ("gluey", scenes::GLUEY), ("sliding", scenes::SLIDING)];
     // of disks of three cells a radius the cells inside fill their area to a twentieth by chance only
     let (finer, as_given): (&[&str], &[&str]) = (&["--set", "resolution.cells_per_radius=4"], &[]);

@@ -37,6 +37,14 @@ impl Measure {
             Measure::Surface(_) => "surface",
         }
     }
+
+    /// The faces of a membrane of so many bodies, counted from its first: one polygon in 2D, its triangles in 3D.
+    pub fn faces(&self, bodies: usize) -> Vec<Vec<usize>> {
+        match self {
+            Measure::EnclosedArea => vec![(0..bodies).collect()],
+            Measure::Volume(triangles) | Measure::Surface(triangles) => triangles.iter().map(|triangle| triangle.to_vec()).collect(),
+        }
+    }
 }
 
 impl Conserved {

@@ -35,7 +35,9 @@ pub use curve::{CurvePoint, MeanViscosity};
 pub use effort::effort_chart;
 pub use file::{prepare_folder, remove_file, write_whole, write_whole_with};
 pub use finite::{check_finite, not_finite};
-pub use frames::{Frame, FrameBond, FrameContact, FrameFields, FrameFile, Frames, StoredFrame, read_frames};
+pub use frames::{
+    Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameFields, FrameFile, FrameMembranes, Frames, StoredFrame, read_frames,
+};
 pub use lock::FolderLock;
 pub use pairs::{PairSummary, pair_files};
 pub use picture::escaped;

@@ -15,7 +15,7 @@ pub const SUMMARY: &str = "summary.json";
 pub const CHECKPOINT: &str = "checkpoint.h5";
 
 /// The files that a run may leave, the first one first to go; not the text of its scene, nor its calibration, which says what it is of.
-const FILES: [&str; 19] = [
+const FILES: [&str; 20] = [
     SUMMARY,
     CHECKPOINT,
     "series.csv",
@@ -26,6 +26,7 @@ const FILES: [&str; 19] = [
     "bonds.xdmf",
     "contacts.xdmf",
     "fields.xdmf",
+    "membranes.xdmf",
     "picture.svg",
     "picture.png",
     "animation.png",

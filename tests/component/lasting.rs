@@ -211,7 +211,16 @@ fn frames_give_back_their_bodies(session: &Session) {
             write_frame(
                 session,
                 &mut frames,
-                Frame { time: 0.1 * step as f64, step, domain, bodies: &bodies, contacts: None, bonds: None, fields: None },
+                Frame {
+                    time: 0.1 * step as f64,
+                    step,
+                    domain,
+                    bodies: &bodies,
+                    contacts: None,
+                    bonds: None,
+                    membranes: None,
+                    fields: None,
+                },
             );
             let read = read_frames::<D>(&folder).unwrap();
             assert_eq!((read.len(), read[step].step, read[step].time), (step + 1, step, 0.1 * step as f64));
@@ -239,7 +248,7 @@ fn frames_give_back_their_bodies(session: &Session) {
     write_frame(
         session,
         &mut frames,
-        Frame { time: 0.0, step: 0, domain: &domain(BOXES_2D[0]), bodies: &[], contacts: None, bonds: None, fields: None },
+        Frame { time: 0.0, step: 0, domain: &domain(BOXES_2D[0]), bodies: &[], contacts: None, bonds: None, membranes: None, fields: None },
     );
     let error = read_frames::<3>(&folder).unwrap_err().to_string();
     assert!(error.contains("000000.h5") && error.contains("2 dimensions, not 3"), "{error}");
@@ -275,7 +284,7 @@ fn frames_give_back_their_contacts(session: &Session) {
             write_frame(
                 session,
                 &mut frames,
-                Frame { time, step, domain, bodies: &bodies, contacts: Some(&contacts), bonds: None, fields: None },
+                Frame { time, step, domain, bodies: &bodies, contacts: Some(&contacts), bonds: None, membranes: None, fields: None },
             );
             assert_eq!(read_frames::<D>(&folder).unwrap()[step].contacts.as_ref(), Some(&contacts));
         }
@@ -284,7 +293,11 @@ fn frames_give_back_their_contacts(session: &Session) {
         session.world().barrier();
         // without a law of contact there is nothing of it, and nothing of an earlier run is left
         let mut frames = Frames::create(session.world(), &folder).unwrap();
-        write_frame(session, &mut frames, Frame { time: 0.0, step: 0, domain, bodies: &bodies, contacts: None, bonds: None, fields: None });
+        write_frame(
+            session,
+            &mut frames,
+            Frame { time: 0.0, step: 0, domain, bodies: &bodies, contacts: None, bonds: None, membranes: None, fields: None },
+        );
         assert_eq!(read_frames::<D>(&folder).unwrap()[0].contacts, None);
         assert!(!folder.join("contacts.xdmf").exists());
         session.world().barrier();
@@ -301,7 +314,16 @@ fn fields_are_stored_slowest_axis_first_whoever_wrote_them(session: &Session) {
         write_frame(
             session,
             &mut frames,
-            Frame { time: 0.0, step: 0, domain, bodies: &[], contacts: None, bonds: None, fields: Some(fields(&grid, 0.0)) },
+            Frame {
+                time: 0.0,
+                step: 0,
+                domain,
+                bodies: &[],
+                contacts: None,
+                bonds: None,
+                membranes: None,
+                fields: Some(fields(&grid, 0.0)),
+            },
         );
         let file = hdf5::File::open(folder.join("run.h5")).unwrap();
         let stored = file.dataset("frames/000000/fields/pressure").unwrap();
@@ -331,7 +353,11 @@ fn a_resumed_run_forgets_later_frames_and_a_new_one_all(session: &Session) {
     let domain = domain(BOXES_2D[0]);
     let write = |frames: &mut Frames, time: f64| {
         let bodies = bodies(&domain, 0, 2);
-        write_frame(session, frames, Frame { time, step: 0, domain: &domain, bodies: &bodies, contacts: None, bonds: None, fields: None });
+        write_frame(
+            session,
+            frames,
+            Frame { time, step: 0, domain: &domain, bodies: &bodies, contacts: None, bonds: None, membranes: None, fields: None },
+        );
     };
     let times = || {
         session.world().barrier();
@@ -382,7 +408,16 @@ fn frames_for_an_independent_reader(session: &Session) {
             write_frame(
                 session,
                 &mut frames,
-                Frame { time, step, domain, bodies: &bodies, contacts: None, bonds: None, fields: Some(fields(&grid, time)) },
+                Frame {
+                    time,
+                    step,
+                    domain,
+                    bodies: &bodies,
+                    contacts: None,
+                    bonds: None,
+                    membranes: None,
+                    fields: Some(fields(&grid, time)),
+                },
             );
             let start = Instant::now();
             while !folder.join(format!("read-{step}")).exists() {

@@ -4,7 +4,7 @@ use std::{fs, path::Path, process::Command};
 
 use super::{
     common::{Series, bodies, difference, folder, number, resume, run, run_again, write},
-    scenes::{CHAINS, CLUSTERS, DRY, DRY_CHAINS, GLUEY, INERTIA, SHEARED, SLIDING, SPHERES},
+    scenes::{CELLS, CHAINS, CLUSTERS, DRY, DRY_CHAINS, GLUEY, INERTIA, SHEARED, SLIDING, SPHERES},
 };
 
 /// The same arithmetic on the same ranks; what is left is the order of sums after a matrix of another size.
@@ -81,6 +81,11 @@ fn chains_in_two_halves_are_the_run_in_one() {
 }
 
 #[test]
+fn red_cells_in_two_halves_are_the_run_in_one() {
+    halves_agree("cells", CELLS, &[&["method.inverse=transform"]], &[2]);
+}
+
+#[test]
 fn rigid_clusters_in_two_halves_are_the_run_in_one() {
     halves_agree("clusters", CLUSTERS, &[&["method.inverse=transform"], &["time.step=0.04"]], &[2]);
 }
@@ -144,12 +149,14 @@ fn a_run_stopped_on_two_ranks_goes_on_with_one_or_three() {
 
 #[test]
 fn a_run_in_time_is_the_same_on_any_number_of_ranks() {
-    let distributed = INERTIA.replace("[method]\n", "[method]\nconstraint = \"distributed\"\ninverse = \"transform\"\n");
+    let transform = |scene: &str| scene.replace("[method]\n", "[method]\ninverse = \"transform\"\n");
+    let distributed = transform(INERTIA).replace("[method]\n", "[method]\nconstraint = \"distributed\"\n");
     let penalty = distributed.replace("distributed", "penalty");
     let wet = [("sheared", SHEARED), ("inertia", INERTIA), ("distributed", &distributed), ("penalty", &penalty)];
     let wet = wet.map(|(name, text)| (name, text, 1000.0 * TOLERANCE));
     // forces of rods hold lengths that differ by a tolerance over a step
-    let others = [("chains", CHAINS, 1000.0 * TOLERANCE), ("clusters", CLUSTERS, 1000.0 * TOLERANCE), ("dry", DRY, SAME)];
+    let others = [("chains", CHAINS), ("clusters", CLUSTERS), ("cells", &transform(CELLS))];
+    let others = others.map(|(name, text)| (name, text, 1000.0 * TOLERANCE)).into_iter().chain([("dry", DRY, SAME)]);
     for (name, text, tolerance) in wet.into_iter().chain(others) {
         let here = folder(&format!("ranks-in-time-{name}"));
         let scene = write(&here, text);

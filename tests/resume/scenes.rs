@@ -87,6 +87,38 @@ every = 0.5
 picture = false
 "#;
 
+/// Red cells of 24 and of 30 beads between walls in shear; the first lies across an end of the box.
+pub const CELLS: &str = r#"
+[domain]
+size = [8.0, 6.0]
+y = { lower = [-3.0, 0.0], upper = [3.0, 0.0] }
+[resolution]
+cells_per_radius = 3
+[method]
+tolerance = 1e-8
+[[cells]]
+centers = [[7.0, 1.5]]
+rotation = 0.1
+beads = 24
+radius = 0.2
+stretch = "rigid"
+bend = 1.0
+[[cells]]
+centers = [[3.0, 4.2]]
+rotation = -0.1
+beads = 30
+radius = 0.2
+stretch = 100.0
+bend = 1.0
+[contact]
+model = "inelastic"
+[time]
+end = 0.32
+[output]
+every = 0.08
+picture = false
+"#;
+
 /// Rigid clusters, two of which touch, among single disks.
 pub const CLUSTERS: &str = r#"
 [domain]

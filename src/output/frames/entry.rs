@@ -22,6 +22,15 @@ pub(super) struct Network {
     pub gluey: bool,
 }
 
+/// The membranes of a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Membranes {
+    pub corners: usize,
+    pub faces: usize,
+    /// Entries of the list of faces.
+    pub topology: usize,
+}
+
 /// A frame as the others see it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Entry {
@@ -31,6 +40,7 @@ pub(super) struct Entry {
     pub bodies: usize,
     pub contacts: Option<Network>,
     pub bonds: usize,
+    pub membranes: Option<Membranes>,
     pub mesh: Option<Mesh>,
     /// Displacement of the images above the box, where images slide.
     pub offset: Option<f64>,
@@ -47,7 +57,13 @@ impl Entry {
         let mesh = frame.fields.as_ref().map(mesh);
         let contacts = rows.contacts.as_ref().map(|(contacts, gluey)| Network { count: contacts.total(), gluey: *gluey });
         let bonds = rows.bonds.as_ref().map_or(0, |ends| ends.total() / 2);
-        Entry { number, time: frame.time, step: frame.step, bodies: rows.bodies.total(), contacts, bonds, mesh, offset: frame.offset() }
+        let membranes = rows.membranes.as_ref().map(|rows| Membranes {
+            corners: rows.corners.total(),
+            faces: rows.faces,
+            topology: rows.topology.total(),
+        });
+        let (bodies, offset) = (rows.bodies.total(), frame.offset());
+        Entry { number, time: frame.time, step: frame.step, bodies, contacts, bonds, membranes, mesh, offset }
     }
 }
 

@@ -6,6 +6,7 @@ use super::{
     body,
     bond::{self, FrameBond},
     contact::{self, FrameContact},
+    membrane::{self, FrameMembranes},
 };
 use crate::{
     error::Result,
@@ -44,6 +45,8 @@ pub struct Frame<'a, const D: usize> {
     pub contacts: Option<&'a [FrameContact<D>]>,
     /// The bonds of chains, cells and clusters, those with the same first body on one rank, in the order of these; nothing without any.
     pub bonds: Option<&'a [FrameBond<D>]>,
+    /// The membranes of cells, on all ranks or on none.
+    pub membranes: Option<&'a FrameMembranes<D>>,
     /// The fluid, on all ranks or on none.
     pub fields: Option<FrameFields<'a, D>>,
 }
@@ -55,16 +58,24 @@ impl<const D: usize> Frame<'_, D> {
     /// A number of the frame is not finite.
     pub(super) fn rows(&self, world: &World) -> Result<FrameRows> {
         let (bodies, contacts, bonds) = (self.body_rows(), self.contact_rows(), self.bond_rows());
-        world.agree(self.check(&bodies, &contacts).and_then(|()| check_rows(&bonds, bond::WIDTH, 3, &bond::COLUMNS)))?;
-        let mut counts = [self.bodies.len() as f64];
+        let corners = self.membranes.map(FrameMembranes::corner_rows);
+        let tied = || check_rows(&bonds, bond::WIDTH, 3, &bond::COLUMNS);
+        let bent = || check_rows(corners.as_deref().unwrap_or_default(), membrane::WIDTH, 2, &membrane::COLUMNS);
+        world.agree(self.check(&bodies, &contacts).and_then(|()| tied()).and_then(|()| bent()))?;
+        let mut counts = [self.bodies.len() as f64, self.membranes.map_or(0.0, |membranes| membranes.faces.len() as f64)];
         world.sum(&mut counts);
-        let [count] = counts.map(|count| count as usize);
+        let [count, faces] = counts.map(|count| count as usize);
         let bodies = Rows::in_order(world, count, body::WIDTH, bodies);
         let gluey = self.contacts.is_some_and(|contacts| contacts.iter().any(|contact| contact.gamma.is_some()));
         let gluey = world.max(f64::from(gluey)) > 0.0;
         let contacts = self.contacts.map(|_| (Rows::in_order(world, count, contact::WIDTH, contacts), gluey));
         let bonds = self.bonds.map(|_| Rows::in_order(world, count, bond::WIDTH, bonds));
-        Ok(FrameRows { bodies, contacts, bonds })
+        let membranes = self.membranes.zip(corners).map(|(membranes, corners)| MembraneRows {
+            corners: Rows::in_order(world, count, membrane::WIDTH, corners),
+            topology: Rows::in_order(world, count, membrane::FACE_WIDTH, membranes.face_rows()),
+            faces,
+        });
+        Ok(FrameRows { bodies, contacts, bonds, membranes })
     }
 
     /// Rows of the bodies, with centres in the box.
@@ -118,6 +129,16 @@ pub(super) struct FrameRows {
     pub contacts: Option<(Rows, bool)>,
     /// Ends of bonds.
     pub bonds: Option<Rows>,
+    pub membranes: Option<MembraneRows>,
+}
+
+/// The rows of membranes.
+pub(super) struct MembraneRows {
+    pub corners: Rows,
+    /// Entries of their faces.
+    pub topology: Rows,
+    /// Faces of all ranks.
+    pub faces: usize,
 }
 
 /// Refuses rows of which a number is not finite in columns from `start` on.

@@ -30,15 +30,15 @@ const CHUNK: usize = 512;
 /// All that lists the frames of a run.
 pub(super) struct Index {
     run: Listing<RunFile>,
-    companions: [Listing<Companion>; 4],
+    companions: Vec<Listing<Companion>>,
 }
 
 impl Index {
     /// The index of a run's folder with these frames, in place of what is there; what a run that was killed left beside it goes.
     pub fn begin(folder: &Path, entries: &[Entry]) -> Result<Index> {
         let companion = |companion: Companion| Listing::new(folder.join(companion.name), companion);
-        let [bodies, contacts, bonds, fields] = xdmf::COMPANIONS.map(companion);
-        let mut index = Index { run: Listing::new(folder.join(RUN), RunFile)?, companions: [bodies?, contacts?, bonds?, fields?] };
+        let companions = xdmf::COMPANIONS.into_iter().map(companion).collect::<Result<_>>()?;
+        let mut index = Index { run: Listing::new(folder.join(RUN), RunFile)?, companions };
         index.rewrite(entries)?;
         Ok(index)
     }
@@ -162,7 +162,7 @@ fn add<T: hdf5::H5Type>(list: &hdf5::Dataset, values: Vec<T>) -> hdf5::Result<()
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::output::frames::entry::{Mesh, Network};
+    use crate::output::frames::entry::{Membranes, Mesh, Network};
 
     fn entries(count: usize) -> Vec<Entry> {
         let mesh = Mesh { cells: vec![8, 6], spacing: vec![0.25, 0.5], vorticity: true };
@@ -173,6 +173,7 @@ mod tests {
             bodies: 4,
             contacts: Some(Network { count: number % 3, gluey: false }),
             bonds: number,
+            membranes: Some(Membranes { corners: 4, faces: 1, topology: 6 }),
             mesh: Some(mesh.clone()),
             offset: None,
         };
@@ -214,7 +215,10 @@ mod tests {
             index.update(&all[..count]).unwrap();
             assert_eq!(listed(&grown).unwrap().len(), count);
             let shown = |name: &str| fs::read_to_string(grown.join(name)).map_or(0, |text| text.matches("<Time").count());
-            assert_eq!(xdmf::COMPANIONS.map(|companion| shown(companion.name)), [count, count - count.div_ceil(3), count - 1, count]);
+            assert_eq!(
+                xdmf::COMPANIONS.map(|companion| shown(companion.name)),
+                [count, count - count.div_ceil(3), count - 1, count, count]
+            );
         }
         index.settle().unwrap();
         Index::begin(&whole, &all).unwrap();

@@ -1,6 +1,7 @@
 //! Frames: one HDF5 file an output time, `frames/000012.h5`, and companions that show them as one run.
 //!
-//! `run.h5` links to all frames; `bodies.xdmf`, `fields.xdmf`, `contacts.xdmf` and `bonds.xdmf` show them to ParaView, each once it has something to show.
+//! `run.h5` links to all frames; `bodies.xdmf`, `fields.xdmf`, `contacts.xdmf`, `bonds.xdmf` and `membranes.xdmf` show them to ParaView, each once it has
+//! something to show.
 //! Where the images of the box slide, a frame holds by how much: `offset` along x, which `offset_rate` makes grow (what is at `(x, y)` is
 //! also at `(x + offset, y + size_y)` and moves there faster by `offset_rate`). Every file is written aside and renamed, so that a reader never
 //! meets half of one and the end of the program at any moment loses at most the frame under way. The companions grow: a frame adds its own entry.
@@ -12,6 +13,7 @@ mod entry;
 mod frame;
 mod index;
 mod listing;
+mod membrane;
 mod read;
 mod recovery;
 mod store;
@@ -23,6 +25,7 @@ pub use bond::FrameBond;
 pub use contact::FrameContact;
 pub(super) use entry::FOLDER as FRAMES;
 pub use frame::{Frame, FrameFields};
+pub use membrane::{FrameCorner, FrameFace, FrameMembranes};
 pub use read::{FrameFile, StoredFrame, read_frames};
 
 use super::parallel_file::ParallelFile;

@@ -9,8 +9,9 @@ use super::{
     body::COLUMNS,
     bond,
     contact::{self, FrameContact},
-    entry::{Entry, Mesh, Network},
+    entry::{Entry, Membranes, Mesh, Network},
     index::frame_files,
+    membrane,
     store::{FORMAT, OFFSET, VERSION, VORTICITY},
 };
 use crate::{
@@ -102,7 +103,8 @@ pub(super) fn entry(number: usize, path: &Path) -> std::result::Result<Entry, St
             || Ok::<_, hdf5::Error>(Mesh { cells: cells()?, spacing: list(file, "spacing")?, vorticity: vorticity_of(file)?.is_some() });
         let mesh = with_fields.then(mesh).transpose()?;
         let bonds = if file.link_exists("bonds") { slab::get::<u64>(file, "bond_count")? as usize } else { 0 };
-        Ok(Entry { number, time: slab::get(file, "time")?, step, bodies, contacts, bonds, mesh, offset: offset(file)? })
+        let membranes = file.link_exists("membranes").then(|| membranes(file)).transpose()?;
+        Ok(Entry { number, time: slab::get(file, "time")?, step, bodies, contacts, bonds, membranes, mesh, offset: offset(file)? })
     })
 }
 
@@ -176,6 +178,12 @@ fn network<const D: usize>(file: &File) -> hdf5::Result<Vec<FrameContact<D>>> {
         FrameContact::from_columns(entry_of(&columns, &contact::COLUMNS, place), entry_of(&counts, &contact::COUNTS, place), gamma)
     };
     Ok((0..group.count).map(contact).collect())
+}
+
+fn membranes(file: &File) -> hdf5::Result<Membranes> {
+    let length = |path: &str| Ok::<_, hdf5::Error>(file.dataset(path)?.shape()[0]);
+    let topology = length(&format!("faces/{}", membrane::TOPOLOGY))?;
+    Ok(Membranes { corners: length("membranes/point")?, faces: slab::get::<u64>(file, "face_count")? as usize, topology })
 }
 
 /// A group of columns of so many entries.

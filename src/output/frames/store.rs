@@ -12,6 +12,7 @@ use super::{
     body::{self, in_space},
     bond, contact,
     frame::FrameRows,
+    membrane,
 };
 use crate::{
     error::Result,
@@ -45,6 +46,10 @@ pub(super) fn store<const D: usize>(file: &mut ParallelFile, frame: &Frame<D>, r
     if let Some(ends) = &rows.bonds {
         store_group(file, "bonds", ends, &bond_columns())?;
     }
+    if let Some(membranes) = &rows.membranes {
+        store_group(file, "membranes", &membranes.corners, &membrane_columns())?;
+        store_group(file, "faces", &membranes.topology, &columns(&[(membrane::TOPOLOGY, 1)], 1, true))?;
+    }
     frame.fields.as_ref().map_or(Ok(()), |fields| store_fields(file, fields))
 }
 
@@ -56,7 +61,11 @@ fn make_room<const D: usize>(file: &mut ParallelFile, frame: &Frame<D>, rows: &F
     let bodies = rows.bodies.total() * body::WIDTH * size_of::<f64>();
     let contacts = rows.contacts.as_ref().map_or(0, |(contacts, _)| contacts.total() * contact::WIDTH * size_of::<f64>());
     let bonds = rows.bonds.as_ref().map_or(0, |ends| ends.total() * (bond::WIDTH + 1) * size_of::<f64>());
-    file.make_room(bodies + contacts + bonds + fields)
+    let membranes = rows
+        .membranes
+        .as_ref()
+        .map_or(0, |membranes| (membranes.corners.total() * membrane::WIDTH + membranes.topology.total()) * size_of::<f64>());
+    file.make_room(bodies + contacts + bonds + membranes + fields)
 }
 
 fn describe<const D: usize>(root: &Group, frame: &Frame<D>, rows: &FrameRows) -> hdf5::Result<()> {
@@ -77,6 +86,9 @@ fn describe<const D: usize>(root: &Group, frame: &Frame<D>, rows: &FrameRows) ->
     }
     if let Some(ends) = &rows.bonds {
         slab::set(root, "bond_count", (ends.total() / 2) as u64)?;
+    }
+    if let Some(membranes) = &rows.membranes {
+        slab::set(root, "face_count", membranes.faces as u64)?;
     }
     if let Some(fields) = &frame.fields {
         slab::set_all(root, "cells", &fields.grid.cells().map(|cells| cells as u64))?;
@@ -123,6 +135,12 @@ fn bond_columns() -> Vec<Column> {
     let start = counts.last().map_or(0, |count| count.place.end);
     let number = column(bond::NODE, 0, 0, true);
     columns(&bond::COLUMNS, start, false).into_iter().chain(counts).chain([number]).collect()
+}
+
+fn membrane_columns() -> Vec<Column> {
+    let counts = columns(&membrane::COUNTS, 0, true);
+    let start = counts.last().map_or(0, |count| count.place.end);
+    counts.into_iter().chain(columns(&membrane::COLUMNS, start, false)).collect()
 }
 
 /// Stores a group of columns, of which each rank writes its rows.

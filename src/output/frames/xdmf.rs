@@ -11,6 +11,7 @@ use super::{
     bond, contact,
     entry::{Entry, Mesh, path_in_run},
     listing::Format,
+    membrane,
     store::field_columns,
 };
 
@@ -29,8 +30,8 @@ pub(super) struct Companion {
     grid: fn(&Entry) -> String,
 }
 
-/// The bodies as points that move; the contacts as points, with their normals and forces; bonds as lines; the fields on the cells.
-pub(super) const COMPANIONS: [Companion; 4] = [
+/// The bodies as points that move; the contacts as points, with their normals and forces; bonds as lines; membranes as surfaces; the fields on the cells.
+pub(super) const COMPANIONS: [Companion; 5] = [
     Companion { name: "bodies.xdmf", title: "bodies", shown: |entry| entry.bodies > 0, grid: cloud },
     Companion {
         name: "contacts.xdmf",
@@ -39,6 +40,7 @@ pub(super) const COMPANIONS: [Companion; 4] = [
         grid: network,
     },
     Companion { name: "bonds.xdmf", title: "bonds", shown: |entry| entry.bonds > 0, grid: lines },
+    Companion { name: "membranes.xdmf", title: "membranes", shown: |entry| entry.membranes.is_some(), grid: surfaces },
     Companion { name: "fields.xdmf", title: "fields", shown: |entry| entry.mesh.is_some(), grid: lattice },
 ];
 
@@ -105,6 +107,16 @@ fn lines(entry: &Entry) -> String {
     let attributes: String =
         bond::COUNTS.iter().map(|(name, width)| attribute(name, *width, "Node", &item(name, &[ends], false))).collect();
     grid(entry, &format!("{topology}{geometry}{attributes}"))
+}
+
+fn surfaces(entry: &Entry) -> String {
+    let Some(membranes) = &entry.membranes else { return String::new() };
+    let item = |name: &str, shape: &[usize], real: bool| data_item(entry, &format!("membranes/{name}"), shape, real);
+    let faces = data_item(entry, &format!("faces/{}", membrane::TOPOLOGY), &[membranes.topology], false);
+    let topology = format!("<Topology TopologyType=\"Mixed\" NumberOfElements=\"{}\">{faces}</Topology>\n", membranes.faces);
+    let geometry = format!("<Geometry GeometryType=\"XYZ\">{}</Geometry>\n", item("point", &[membranes.corners, 3], true));
+    let numbers = membrane::COUNTS.iter().map(|(name, width)| attribute(name, *width, "Node", &item(name, &[membranes.corners], false)));
+    grid(entry, &format!("{topology}{geometry}{}", numbers.collect::<String>()))
 }
 
 fn lattice(entry: &Entry) -> String {

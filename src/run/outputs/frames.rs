@@ -10,7 +10,7 @@ use crate::{
     error::Result,
     grid::operators::signed,
     observe::{CellCenters, CellVorticity, inside},
-    output::{Frame, FrameBond, FrameContact, FrameFields, Frames, Summary, note},
+    output::{Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameFields, FrameMembranes, Frames, Summary, note},
     parallel::World,
     run::{Evaluated, EvaluatedMotion, Output},
     scene::{ContactModel, Scene},
@@ -21,7 +21,7 @@ use crate::{
 const ROUNDING: f64 = 1e-9;
 
 /// Files that show the frames.
-const INDICES: [&str; 5] = ["run.h5", "bodies.xdmf", "contacts.xdmf", "bonds.xdmf", "fields.xdmf"];
+const INDICES: [&str; 6] = ["run.h5", "bodies.xdmf", "contacts.xdmf", "bonds.xdmf", "membranes.xdmf", "fields.xdmf"];
 
 /// The frames of a run.
 pub struct FrameFiles<const D: usize> {
@@ -111,12 +111,12 @@ impl<const D: usize> Output<D> for FrameFiles<D> {
         let state = motion.state();
         let written = state.written(seen.world);
         let contacts = (self.contact != ContactModel::None).then(|| network(&motion, self.contact.gluey(), &written));
-        let bonds = bonds(&motion, &written);
+        let (bonds, membranes) = (bonds(&motion, &written), membranes(&motion, &written));
         let bodies = motion.bodies(written);
         let fields = self.fields(seen, &motion)?;
         let contacts = contacts.as_deref();
-        let (time, step, domain, bonds) = (state.time, state.steps, motion.domain(), bonds.as_deref());
-        self.frames.write(seen.world, &Frame { time, step, domain, bodies: &bodies, contacts, bonds, fields })
+        let (time, step, domain, bonds, membranes) = (state.time, state.steps, motion.domain(), bonds.as_deref(), membranes.as_ref());
+        self.frames.write(seen.world, &Frame { time, step, domain, bodies: &bodies, contacts, bonds, membranes, fields })
     }
 
     fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
@@ -171,4 +171,36 @@ fn bonds<const D: usize>(motion: &EvaluatedMotion<D>, written: &Range<usize>) ->
         way: motion.domain().nearest_image(center(bodies[1]) - center(bodies[0])),
     };
     Some(pairs.into_iter().map(bond).collect())
+}
+
+/// Membranes of cells, of which this rank writes the bodies that it writes and the faces of cells whose first body it writes; nothing without any.
+/// Collective.
+fn membranes<const D: usize>(motion: &EvaluatedMotion<D>, written: &Range<usize>) -> Option<FrameMembranes<D>> {
+    let interactions = motion.simulation.interactions();
+    let mut cells = interactions.conserved();
+    // of a cell in space volume and surface have the same triangles
+    cells.dedup_by(|one, other| one.bodies == other.bodies);
+    if cells.is_empty() {
+        return None;
+    }
+    let (whole, chain_of, state) = (motion.simulation.whole_state(), interactions.group_of(), motion.state());
+    let writes = |body: usize| state.place(body).is_some_and(|place| written.contains(&place));
+    let (mut membranes, mut place) = (FrameMembranes { corners: Vec::new(), faces: Vec::new() }, 0);
+    for cell in cells {
+        let center = |body: usize| whole.bodies[body].center;
+        let first = cell.bodies.start;
+        let into_box = motion.domain().wrap(center(first)) - center(first);
+        let corner = |body: usize| FrameCorner {
+            body,
+            chain: chain_of[body].expect("what a membrane ties belongs to a chain"),
+            point: center(body) + into_box,
+        };
+        membranes.corners.extend(cell.bodies.clone().filter(|body| writes(*body)).map(corner));
+        if writes(first) {
+            let face = |face: Vec<usize>| FrameFace { first, corners: face.into_iter().map(|corner| place + corner).collect() };
+            membranes.faces.extend(cell.measure.faces(cell.bodies.len()).into_iter().map(face));
+        }
+        place += cell.bodies.len();
+    }
+    Some(membranes)
 }
