@@ -41,7 +41,7 @@ pub use layout::MultiplierLayout;
 pub use method::{FlowMethod, Method, Size};
 pub use methods::{method_of, method_with_inertia};
 pub use near::{Given, PairPreconditioner, PairTables, RigidBlock};
-pub use neighbourhood::Neighbourhood;
+pub use neighbourhood::{Neighbourhood, PAIR_REACH};
 pub use placed::{Neighbour, Placed, Surrounded, neighbours};
 pub use places::{Entries, EntriesMut, Places};
 pub use pores::{Pores, Share as PoreShare};

@@ -12,7 +12,8 @@ use super::{
 use crate::{
     body::{Motion, Twist, components, skew},
     constraint::{
-        Blocks, Given, MultiplierLayout, Neighbourhood, PairPreconditioner, PairTables, Placed, Pores, lubrication::LubricationPairs,
+        Blocks, Given, MultiplierLayout, Neighbourhood, PAIR_REACH, PairPreconditioner, PairTables, Placed, Pores,
+        lubrication::LubricationPairs,
     },
     error::Result,
     geometry::Ball,
@@ -134,7 +135,7 @@ impl<const D: usize> BodyTypes<D> {
             })
         };
         let kind_of = setup.bodies.iter().enumerate().map(kind_of).collect();
-        let given = if setup.interactions.turn() { Given::Motions } else { Given::Forces };
+        let given = if setup.interactions.turn() || ties_near(setup) { Given::Motions } else { Given::Forces };
         BodyTypes { kinds, kind_of, pair_tables: PairTables::new(given) }
     }
 
@@ -187,6 +188,16 @@ impl<const D: usize> BodyTypes<D> {
     pub fn translation(&self, body: usize) -> (f64, f64) {
         (self.of(body).mobilities[0], self.of(body).surface.modes.force_factor())
     }
+}
+
+/// Whether bonds tie bodies that are near each other at the start.
+fn ties_near<const D: usize>(setup: &Setup<D>) -> bool {
+    let near = |ends: &[usize; 2]| {
+        let [one, other] = ends.map(|body| setup.bodies[body].body.ball);
+        let gap = setup.domain.nearest_image(other.center - one.center).norm() - one.radius - other.radius;
+        gap < PAIR_REACH * 0.5 * (one.radius + other.radius)
+    };
+    setup.interactions.bonds().iter().any(near)
 }
 
 impl<'a, const D: usize> Bodies<'a, D> {

@@ -10,6 +10,8 @@
 //! is, and keeps the order of the rule; a stiff one where it will be, and comes to rest in one step without passing it: `p = z^2 / (z^2 + 1/10)`. With
 //! `p = 1` and no compliance it is a rod.
 
+use std::collections::HashSet;
+
 use nalgebra::{SMatrix, SVector};
 
 use crate::{
@@ -23,6 +25,9 @@ const HALF_STIFF: f64 = 0.1;
 
 /// Least part of the force that is implicit in rows of the coupled system, so that these have a scale.
 pub const LEAST: f64 = 1e-3;
+
+/// `z` from which on a spring keeps its two bodies apart by itself: what would close the gap in a step shortens it by a hundredth of that.
+const STIFF: f64 = 100.0;
 
 /// Newton's iterations on what membranes keep, one measure after the other.
 const NEWTON: usize = 50;
@@ -82,6 +87,18 @@ impl<const D: usize> StepAhead<'_, D> {
 /// The part of a force that is taken at the end of a step of `stiffness mobility step`.
 fn implicit_part(stiffness: f64, least: f64) -> f64 {
     if stiffness.is_finite() { (stiffness * stiffness / (stiffness * stiffness + HALF_STIFF)).max(least) } else { 1.0 }
+}
+
+/// Pairs of bodies that springs keep at their distance over a step of this length, bodies having these resistances. A contact of theirs would be a second
+/// row for the same rate.
+pub fn kept_apart<const D: usize>(springs: &[Spring<D>], resistances: &[f64], step: f64) -> HashSet<[usize; 2]> {
+    let stiff = |spring: &&Spring<D>| spring.ends.len() == 2 && spring.stiffness * spring.mobility(resistances) * step > STIFF;
+    springs.iter().filter(stiff).map(|spring| pair(spring.ends[0].0, spring.ends[1].0)).collect()
+}
+
+/// Two bodies in the order of their numbers.
+pub fn pair(one: usize, other: usize) -> [usize; 2] {
+    [one.min(other), one.max(other)]
 }
 
 /// Takes from motions the part of what membranes keep by which rows of its rate miss it over a step: of the third order in the step.

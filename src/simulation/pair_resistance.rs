@@ -177,7 +177,9 @@ impl<'a, const D: usize> Builder<'a, D> {
             film.relative_modes.iter().for_each(|way| self.add_way(film, way, true));
         }
         resistances.add_links(layout, self.links.iter(), |link| link.compliance);
-        let (few, pores) = (bodies.few_neighbours(&fixed.session), bodies.pores());
+        let few = bodies.few_neighbours(&fixed.session);
+        // beside an approximate inverse, which misses as much of the pressure, they cost iterations (docs/crowds.md)
+        let pores = if fixed.condensed { bodies.pores() } else { None };
         for &body in &layout.local_bodies {
             let part = match (&pores, fixed.setup.bodies[body].body.free()) {
                 (_, false) => 1.0,

@@ -21,7 +21,7 @@ use super::{
     active_set_iteration::ActiveSetIteration,
     clusters::ClusterMotions,
     contact_step::{ContactStep, identities},
-    implicit_springs::{LEAST, StepAhead, keep},
+    implicit_springs::{LEAST, StepAhead, keep, kept_apart, pair},
     step_control::{BodyMotion, StepControl, StepSize},
 };
 use crate::{
@@ -151,6 +151,8 @@ impl<const D: usize> QuasiStatic<D> {
         let (mut chosen, mut step, mut difference) = (None, state.last_step, 0.0);
         let mut rounds = ActiveSetIteration::new();
         for _ in 0..MOST_ROUNDS {
+            let tied = kept_apart(&springs, &self.weights, step);
+            pressed.retain(|pressed| pressed.contact.other().is_none_or(|other| !tied.contains(&pair(pressed.contact.body, other))));
             let loose = self.contact_step(&placed, step).loose(&pressed);
             let pushes = Wrench::on_bodies(centers.len(), known.iter().chain(&loose), &pair_forces);
             let rows = [self.spring_rows(&placed, &springs, step), interactions.welds(&centers)].concat();
