@@ -208,20 +208,7 @@ fn frames_give_back_their_bodies(session: &Session) {
         for step in 0..3 {
             // the first frame has no bodies
             let bodies = bodies(domain, step, 5 * step);
-            write_frame(
-                session,
-                &mut frames,
-                Frame {
-                    time: 0.1 * step as f64,
-                    step,
-                    domain,
-                    bodies: &bodies,
-                    contacts: None,
-                    bonds: None,
-                    membranes: None,
-                    fields: None,
-                },
-            );
+            write_frame(session, &mut frames, bare(0.1 * step as f64, step, domain, &bodies));
             let read = read_frames::<D>(&folder).unwrap();
             assert_eq!((read.len(), read[step].step, read[step].time), (step + 1, step, 0.1 * step as f64));
             assert_eq!(
@@ -245,11 +232,7 @@ fn frames_give_back_their_bodies(session: &Session) {
     [0.0, 0.4, 1.7].into_iter().for_each(|time| proof(session, &sliding(time)));
     let folder = folder(session);
     let mut frames = Frames::create(session.world(), &folder).unwrap();
-    write_frame(
-        session,
-        &mut frames,
-        Frame { time: 0.0, step: 0, domain: &domain(BOXES_2D[0]), bodies: &[], contacts: None, bonds: None, membranes: None, fields: None },
-    );
+    write_frame(session, &mut frames, bare(0.0, 0, &domain(BOXES_2D[0]), &[]));
     let error = read_frames::<3>(&folder).unwrap_err().to_string();
     assert!(error.contains("000000.h5") && error.contains("2 dimensions, not 3"), "{error}");
 }
@@ -281,11 +264,7 @@ fn frames_give_back_their_contacts(session: &Session) {
         for (step, (count, gluey)) in [(0, true), (3, true), (2, false)].into_iter().enumerate() {
             let contacts: Vec<_> = partners.into_iter().enumerate().take(count).map(|partner| contact(partner, gluey)).collect();
             let time = step as f64;
-            write_frame(
-                session,
-                &mut frames,
-                Frame { time, step, domain, bodies: &bodies, contacts: Some(&contacts), bonds: None, membranes: None, fields: None },
-            );
+            write_frame(session, &mut frames, Frame { contacts: Some(&contacts), ..bare(time, step, domain, &bodies) });
             assert_eq!(read_frames::<D>(&folder).unwrap()[step].contacts.as_ref(), Some(&contacts));
         }
         let listed = fs::read_to_string(folder.join("contacts.xdmf")).unwrap();
@@ -293,11 +272,7 @@ fn frames_give_back_their_contacts(session: &Session) {
         session.world().barrier();
         // without a law of contact there is nothing of it, and nothing of an earlier run is left
         let mut frames = Frames::create(session.world(), &folder).unwrap();
-        write_frame(
-            session,
-            &mut frames,
-            Frame { time: 0.0, step: 0, domain, bodies: &bodies, contacts: None, bonds: None, membranes: None, fields: None },
-        );
+        write_frame(session, &mut frames, bare(0.0, 0, domain, &bodies));
         assert_eq!(read_frames::<D>(&folder).unwrap()[0].contacts, None);
         assert!(!folder.join("contacts.xdmf").exists());
         session.world().barrier();
@@ -311,20 +286,7 @@ fn fields_are_stored_slowest_axis_first_whoever_wrote_them(session: &Session) {
         let folder = folder(session);
         let grid = grid(session, domain, 8);
         let mut frames = Frames::create(session.world(), &folder).unwrap();
-        write_frame(
-            session,
-            &mut frames,
-            Frame {
-                time: 0.0,
-                step: 0,
-                domain,
-                bodies: &[],
-                contacts: None,
-                bonds: None,
-                membranes: None,
-                fields: Some(fields(&grid, 0.0)),
-            },
-        );
+        write_frame(session, &mut frames, Frame { fields: Some(fields(&grid, 0.0)), ..bare(0.0, 0, domain, &[]) });
         let file = hdf5::File::open(folder.join("run.h5")).unwrap();
         let stored = file.dataset("frames/000000/fields/pressure").unwrap();
         let mut extents = [grid.cells().to_vec(), vec![1; 3 - D]].concat();
@@ -353,11 +315,7 @@ fn a_resumed_run_forgets_later_frames_and_a_new_one_all(session: &Session) {
     let domain = domain(BOXES_2D[0]);
     let write = |frames: &mut Frames, time: f64| {
         let bodies = bodies(&domain, 0, 2);
-        write_frame(
-            session,
-            frames,
-            Frame { time, step: 0, domain: &domain, bodies: &bodies, contacts: None, bonds: None, membranes: None, fields: None },
-        );
+        write_frame(session, frames, bare(time, 0, &domain, &bodies));
     };
     let times = || {
         session.world().barrier();
@@ -405,20 +363,7 @@ fn frames_for_an_independent_reader(session: &Session) {
         let mut frames = Frames::create(session.world(), folder).unwrap();
         for step in 0..3 {
             let (time, bodies) = (0.25 * step as f64, bodies(domain, step, 7));
-            write_frame(
-                session,
-                &mut frames,
-                Frame {
-                    time,
-                    step,
-                    domain,
-                    bodies: &bodies,
-                    contacts: None,
-                    bonds: None,
-                    membranes: None,
-                    fields: Some(fields(&grid, time)),
-                },
-            );
+            write_frame(session, &mut frames, Frame { fields: Some(fields(&grid, time)), ..bare(time, step, domain, &bodies) });
             let start = Instant::now();
             while !folder.join(format!("read-{step}")).exists() {
                 assert!(start.elapsed() < PATIENCE, "nobody reads");
@@ -453,6 +398,11 @@ fn fields<const D: usize>(grid: &Grid<D>, time: f64) -> FrameFields<'_, D> {
 fn own<T: Clone>(session: &Session, all: &[T], body: impl Fn(&T) -> usize) -> Vec<T> {
     let world = session.world();
     all.iter().filter(|entry| (body(entry) + 1) % world.size() == world.rank()).cloned().collect()
+}
+
+/// A frame of bodies alone.
+fn bare<'a, const D: usize>(time: f64, step: usize, domain: &'a Domain<D>, bodies: &'a [FrameBody<D>]) -> Frame<'a, D> {
+    Frame { time, step, domain, bodies, contacts: None, bonds: None, membranes: None, fields: None }
 }
 
 /// Writes a frame of which each rank hands in its share.

@@ -1,9 +1,12 @@
 //! Frames of a run in time: the first instant, the last one, and the first one after each multiple of the time between frames.
 
 use std::{
+    borrow::Cow,
     ops::Range,
     path::{Path, PathBuf},
 };
+
+use nalgebra::SVector;
 
 use crate::{
     contact::{Contact, Identity, bodies_of, renamed},
@@ -111,8 +114,9 @@ impl<const D: usize> Output<D> for FrameFiles<D> {
         let state = motion.state();
         let written = state.written(seen.world);
         let contacts = (self.contact != ContactModel::None).then(|| network(&motion, self.contact.gluey(), &written));
-        let (bonds, membranes) = (bonds(&motion, &written), membranes(&motion, &written));
-        let bodies = motion.bodies(written);
+        let ties = Ties::of(&motion, &written);
+        let (bonds, membranes) = (ties.as_ref().map(Ties::bonds), ties.as_ref().and_then(Ties::membranes));
+        let bodies = motion.bodies(written.clone());
         let fields = self.fields(seen, &motion)?;
         let contacts = contacts.as_deref();
         let (time, step, domain, bonds, membranes) = (state.time, state.steps, motion.domain(), bonds.as_deref(), membranes.as_ref());
@@ -130,8 +134,7 @@ fn network<const D: usize>(motion: &EvaluatedMotion<D>, gluey: bool, written: &R
     let (state, domain, held) = (motion.state(), motion.domain(), motion.held());
     let held = held.iter().map(|held| (held.identity(), held.force, 0.0));
     let stuck = state.stuck.iter().map(|stuck| (stuck.identity(), 0.0, stuck.gamma));
-    let writes = |body: usize| state.place(body).is_some_and(|place| written.contains(&place));
-    let mut all: Vec<(Identity<D>, f64, f64)> = held.chain(stuck).filter(|((body, ..), ..)| writes(*body)).collect();
+    let mut all: Vec<(Identity<D>, f64, f64)> = held.chain(stuck).filter(|((body, ..), ..)| writes(motion, written, *body)).collect();
     all.sort_by_key(|&(identity, ..)| identity);
     // a contact that bears a force and sticks
     all.dedup_by(|(again, force, gamma), (identity, of_both, memory)| {
@@ -151,56 +154,68 @@ fn network<const D: usize>(motion: &EvaluatedMotion<D>, gluey: bool, written: &R
     all.into_iter().map(contact).collect()
 }
 
-/// Bonds of chains, cells and clusters of which this rank writes the first body; nothing without any. Collective.
-fn bonds<const D: usize>(motion: &EvaluatedMotion<D>, written: &Range<usize>) -> Option<Vec<FrameBond<D>>> {
-    let interactions = motion.simulation.interactions();
-    let mut pairs = interactions.bonds();
-    if pairs.is_empty() {
-        return None;
-    }
-    let whole = motion.simulation.whole_state();
-    let chain_of = interactions.group_of();
-    let state = motion.state();
-    pairs.retain(|[one, _]| state.place(*one).is_some_and(|place| written.contains(&place)));
-    pairs.sort_unstable();
-    let center = |body: usize| whole.bodies[body].center;
-    let bond = |bodies: [usize; 2]| FrameBond {
-        bodies,
-        chain: chain_of[bodies[0]].expect("what is tied belongs to a chain"),
-        from: center(bodies[0]),
-        way: motion.domain().nearest_image(center(bodies[1]) - center(bodies[0])),
-    };
-    Some(pairs.into_iter().map(bond).collect())
+/// What ties bodies, with the places of all of them.
+struct Ties<'a, const D: usize> {
+    motion: &'a EvaluatedMotion<'a, D>,
+    written: &'a Range<usize>,
+    whole: Cow<'a, State<D>>,
+    /// Of each body the number of its chain, cell or cluster.
+    chain_of: Vec<Option<usize>>,
 }
 
-/// Membranes of cells, of which this rank writes the bodies that it writes and the faces of cells whose first body it writes; nothing without any.
-/// Collective.
-fn membranes<const D: usize>(motion: &EvaluatedMotion<D>, written: &Range<usize>) -> Option<FrameMembranes<D>> {
-    let interactions = motion.simulation.interactions();
-    let mut cells = interactions.conserved();
-    // of a cell in space volume and surface have the same triangles
-    cells.dedup_by(|one, other| one.bodies == other.bodies);
-    if cells.is_empty() {
-        return None;
+impl<'a, const D: usize> Ties<'a, D> {
+    /// Nothing without any. Collective.
+    fn of(motion: &'a EvaluatedMotion<'a, D>, written: &'a Range<usize>) -> Option<Ties<'a, D>> {
+        let interactions = motion.simulation.interactions();
+        let tied = !interactions.bonds().is_empty();
+        tied.then(|| Ties { motion, written, whole: motion.simulation.whole_state(), chain_of: interactions.group_of() })
     }
-    let (whole, chain_of, state) = (motion.simulation.whole_state(), interactions.group_of(), motion.state());
-    let writes = |body: usize| state.place(body).is_some_and(|place| written.contains(&place));
-    let (mut membranes, mut place) = (FrameMembranes { corners: Vec::new(), faces: Vec::new() }, 0);
-    for cell in cells {
-        let center = |body: usize| whole.bodies[body].center;
-        let first = cell.bodies.start;
-        let into_box = motion.domain().wrap(center(first)) - center(first);
-        let corner = |body: usize| FrameCorner {
-            body,
-            chain: chain_of[body].expect("what a membrane ties belongs to a chain"),
-            point: center(body) + into_box,
+
+    fn center(&self, body: usize) -> SVector<f64, D> {
+        self.whole.bodies[body].center
+    }
+
+    fn chain(&self, body: usize) -> usize {
+        self.chain_of[body].expect("what is tied belongs to a chain")
+    }
+
+    /// Bonds of chains, cells and clusters of which this rank writes the first body.
+    fn bonds(&self) -> Vec<FrameBond<D>> {
+        let mut pairs = self.motion.simulation.interactions().bonds();
+        pairs.retain(|[one, _]| writes(self.motion, self.written, *one));
+        pairs.sort_unstable();
+        let bond = |bodies: [usize; 2]| FrameBond {
+            bodies,
+            chain: self.chain(bodies[0]),
+            from: self.center(bodies[0]),
+            way: self.motion.domain().nearest_image(self.center(bodies[1]) - self.center(bodies[0])),
         };
-        membranes.corners.extend(cell.bodies.clone().filter(|body| writes(*body)).map(corner));
-        if writes(first) {
-            let face = |face: Vec<usize>| FrameFace { first, corners: face.into_iter().map(|corner| place + corner).collect() };
-            membranes.faces.extend(cell.measure.faces(cell.bodies.len()).into_iter().map(face));
-        }
-        place += cell.bodies.len();
+        pairs.into_iter().map(bond).collect()
     }
-    Some(membranes)
+
+    /// Membranes of cells, of which this rank writes the bodies that it writes and the faces of cells whose first body it writes; nothing
+    /// without any.
+    fn membranes(&self) -> Option<FrameMembranes<D>> {
+        let mut cells = self.motion.simulation.interactions().conserved();
+        // of a cell in space volume and surface have the same triangles
+        cells.dedup_by(|one, other| one.bodies == other.bodies);
+        let (mut corners, mut faces, mut place) = (Vec::new(), Vec::new(), 0);
+        for cell in &cells {
+            let first = cell.bodies.start;
+            let into_box = self.motion.domain().wrap(self.center(first)) - self.center(first);
+            let corner = |body: usize| FrameCorner { body, chain: self.chain(body), point: self.center(body) + into_box };
+            corners.extend(cell.bodies.clone().filter(|body| writes(self.motion, self.written, *body)).map(corner));
+            if writes(self.motion, self.written, first) {
+                let face = |face: Vec<usize>| FrameFace { first, corners: face.into_iter().map(|corner| place + corner).collect() };
+                faces.extend(cell.measure.faces(cell.bodies.len()).into_iter().map(face));
+            }
+            place += cell.bodies.len();
+        }
+        (!cells.is_empty()).then_some(FrameMembranes { corners, faces })
+    }
+}
+
+/// Whether this rank writes a body.
+fn writes<const D: usize>(motion: &EvaluatedMotion<D>, written: &Range<usize>, body: usize) -> bool {
+    motion.state().place(body).is_some_and(|place| written.contains(&place))
 }
