@@ -329,6 +329,7 @@ impl<const D: usize> QuasiStatic<D> {
         let half = 0.5 * observation.step_size.length;
         let mut ahead = state.clone();
         ahead.advance(&observation.twists, half);
+        ahead.bodies.iter_mut().zip(&observation.twists).for_each(|(body, twist)| body.twist = *twist);
         ahead.held = observation.contacts.iter().map(ContactHistory::of).collect();
         ahead.stuck = self.remembered(&self.placed(state), &observation.contacts, half);
         Ok(self.agree(&ahead, effort, monitor)?.twists)
