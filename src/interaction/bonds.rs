@@ -74,7 +74,7 @@ impl<const D: usize> Interaction<D> for Bonds {
         let center = |body: usize| center(body);
         let stretches = of_chain(&self.stretches, chain, |stretch| stretch.bodies[0]).iter().map(|stretch| stretch.spring(&center));
         let bends = of_chain(&self.bends, chain, |bend| bend.bodies[1]).iter();
-        let bends = bends.filter(|bend| bend.stiffness > 0.0).map(|bend| bend.spring(&center));
+        let bends = bends.filter(|bend| bend.stiffness > 0.0).flat_map(|bend| bend.springs(&center));
         let hinges = of_chain(&self.hinges, chain, |hinge| hinge.ends[0]).iter().map(|hinge| hinge.spring(&center));
         let conserved = of_chain(&self.conserved, chain, |conserved| conserved.bodies.start).iter();
         stretches.chain(bends).chain(hinges).chain(conserved.map(|conserved| conserved.spring(&center))).collect()
@@ -115,7 +115,8 @@ impl Stretch {
 }
 
 impl Bend {
-    fn spring<const D: usize>(&self, center: &impl Fn(usize) -> SVector<f64, D>) -> Spring<D> {
+    /// The curvature; in space, where it is zero at rest, also that to the other side, so that a straight chain does not give way to any.
+    fn springs<const D: usize>(&self, center: &impl Fn(usize) -> SVector<f64, D>) -> Vec<Spring<D>> {
         let [one, middle, other] = self.bodies;
         let (first, second) = (center(one) - center(middle), center(other) - center(middle));
         // in space a turn has no side: only how much is turned counts
@@ -127,13 +128,17 @@ impl Bend {
         let of_unit = |separation: &SVector<f64, D>, unit: &SVector<f64, D>, direction: SVector<f64, D>| {
             (direction - unit * unit.dot(&direction)) / separation.norm()
         };
-        let gradients = [of_unit(&first, &toward, direction), of_unit(&second, &onward, back.transpose() * direction)];
-        Spring {
-            ends: vec![(one, gradients[0]), (middle, -gradients[0] - gradients[1]), (other, gradients[1])],
-            value: beyond_rounding(value - rest, 1.0),
-            stiffness: 0.5 * self.stiffness,
-            smooth: false,
+        let spring = |direction: SVector<f64, D>, value: f64| {
+            let gradients = [of_unit(&first, &toward, direction), of_unit(&second, &onward, back.transpose() * direction)];
+            let ends = vec![(one, gradients[0]), (middle, -gradients[0] - gradients[1]), (other, gradients[1])];
+            Spring { ends, value: beyond_rounding(value, 1.0), stiffness: 0.5 * self.stiffness, smooth: false }
+        };
+        let mut springs = vec![spring(direction, value - rest)];
+        if D == 3 && rest == 0.0 {
+            let side = (onward - toward).cross(&direction);
+            springs.push(spring(side.normalize(), 0.0));
         }
+        springs
     }
 }
 

@@ -65,7 +65,7 @@ impl<const D: usize> Interactions<D> {
 
     /// Whether any has rows that turn bodies.
     pub fn turn(&self) -> bool {
-        self.resist() || !self.cluster_of().is_empty()
+        self.resist() || self.iter().any(Interaction::turns)
     }
 
     /// The longest [`Interaction::reach`].

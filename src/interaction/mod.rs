@@ -13,6 +13,7 @@ mod conserved;
 mod gluey;
 mod hinge;
 mod inelastic;
+mod joints;
 mod list;
 mod lubrication;
 mod repulsion;
@@ -29,6 +30,7 @@ pub use conserved::{Conserved, Measure, enclosed};
 pub use gluey::Gluey;
 pub use hinge::Hinge;
 pub use inelastic::Inelastic;
+pub use joints::{JointedChain, Joints};
 pub use list::Interactions;
 pub use lubrication::Lubrication;
 pub use repulsion::Repulsion;
@@ -126,9 +128,14 @@ pub trait Interaction<const D: usize>: Debug {
         Vec::new()
     }
 
-    /// Rows by which it makes bodies with these centres move as one.
+    /// Rows by which it makes bodies with these centres move or turn as one.
     fn welds(&self, _centers: &[SVector<f64, D>]) -> Vec<BondRow<D>> {
         Vec::new()
+    }
+
+    /// Whether these rows turn bodies.
+    fn turns(&self) -> bool {
+        false
     }
 
     /// Bodies that it makes move as one.

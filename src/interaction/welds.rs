@@ -54,6 +54,10 @@ impl<const D: usize> Interaction<D> for Welds<D> {
         self.clusters.iter().flat_map(|cluster| cluster.pairs().flat_map(|pair| rows(pair, cluster.radius, centers))).collect()
     }
 
+    fn turns(&self) -> bool {
+        true
+    }
+
     fn clusters(&self) -> &[Cluster<D>] {
         &self.clusters
     }

@@ -18,8 +18,10 @@ const KEYS: [&str; 13] =
 /// Keys of `[[chains]]` that exclude each other.
 const CHAIN_PLACEMENTS: [&str; 3] = ["count", "centers", "file"];
 
-const CHAIN_KEYS: [&str; 14] =
-    ["count", "centers", "file", "beads", "radius", "spacing", "stretch", "bend", "angle", "shape", "gap", "density", "force", "torque"];
+const CHAIN_KEYS: [&str; 15] = [
+    "count", "centers", "file", "beads", "radius", "spacing", "stretch", "bend", "angle", "shape", "joints", "gap", "density", "force",
+    "torque",
+];
 
 const CELL_KEYS: [&str; 13] =
     ["count", "centers", "file", "rotation", "beads", "radius", "spacing", "stretch", "bend", "gap", "density", "force", "torque"];

@@ -22,6 +22,26 @@ pub struct Chain {
     pub angle: f64,
     /// Whether its ends are free or tied to each other.
     pub shape: ChainShape,
+    /// Whether beads turn with it.
+    pub joints: Joint,
+}
+
+/// How a bead sits in its chain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Joint {
+    /// It turns about its centre on its own.
+    Free,
+    /// It turns as the line through its neighbours does.
+    Fixed,
+}
+
+impl Joint {
+    pub(super) const WORDS: [(&'static str, Joint); 2] = [("free", Joint::Free), ("fixed", Joint::Fixed)];
+
+    /// The word for it.
+    pub(super) fn word(self) -> &'static str {
+        Joint::WORDS.iter().find(|(_, known)| *known == self).map_or("", |(word, _)| word)
+    }
 }
 
 /// The shape of a chain.
@@ -59,7 +79,12 @@ pub(super) fn read(table: &Table, dimension: usize) -> Result<Chain> {
         entry.expect((), bend > 0.0, "is what bend draws chains to; give bend")?;
         entry.expect(angle, angle.abs() < std::f64::consts::PI, "must lie between -pi and pi")
     })?;
-    Ok(Chain { beads, spacing, stretch: read_stretch(table)?, bend, angle, shape })
+    let joints = table.get("joints").map_or(Ok(Joint::Free), |entry| {
+        let joints = entry.choice(&Joint::WORDS, &[])?;
+        let twists = dimension == 3 && shape == ChainShape::Ring && joints == Joint::Fixed;
+        entry.expect(joints, !twists, "lets no ring in space bend out of its plane; set \"free\"")
+    })?;
+    Ok(Chain { beads, spacing, stretch: read_stretch(table)?, bend, angle, shape, joints })
 }
 
 /// The membranes of cells.
@@ -81,7 +106,7 @@ pub(super) fn read_cells(table: &Table, dimension: usize) -> Result<Chain> {
     }
     let entry = table.require("bend", "1.0")?;
     let bend = entry.positive()?;
-    Ok(Chain { beads, spacing, stretch, bend, angle: 0.0, shape: ChainShape::Cell })
+    Ok(Chain { beads, spacing, stretch, bend, angle: 0.0, shape: ChainShape::Cell, joints: Joint::Free })
 }
 
 fn read_spacing(table: &Table) -> Result<f64> {

@@ -5,7 +5,7 @@ use std::fmt::Display;
 use crate::error::Result;
 use crate::flow::InverseMethod;
 use crate::scene::{
-    AxisSection, BodyGroup, ChainShape, Colour, ConstraintMethod, ContactModel, Drive, FlowModel, LubricationModel, Motion,
+    AxisSection, BodyGroup, ChainShape, Colour, ConstraintMethod, ContactModel, Drive, FlowModel, Joint, LubricationModel, Motion,
     MultiplierSolver, Scene, Scheme, Spacing, accuracy,
 };
 
@@ -72,7 +72,15 @@ fn check_chains(scene: &Scene) -> Result<()> {
     let cells = scene.bodies.iter().any(|bodies| bodies.chain.is_some_and(|chain| chain.shape == ChainShape::Cell));
     expect(scene.flow.model.fluid() || dry && !cells, "are beads in a fluid; set flow.model = \"stokes\" or \"navier-stokes\"")?;
     expect(dry || scene.method.constraint == ConstraintMethod::Sharp, "need method.constraint = \"sharp\"")?;
-    expect(scene.time.is_some(), "move over a time step; add [time]")
+    expect(scene.time.is_some(), "move over a time step; add [time]")?;
+    let fixed = scene.bodies.iter().position(|bodies| bodies.chain.is_some_and(|chain| chain.joints == Joint::Fixed));
+    match fixed.filter(|_| dry) {
+        Some(group) => {
+            let remedy = "turns beads that a fluid turns, and there is none; remove it";
+            Err(scene.refuse(&format!("{}.joints", scene.group_key(group)), "\"fixed\"", remedy))
+        }
+        None => Ok(()),
+    }
 }
 
 /// Refuses rigid clusters where nothing holds them together.

@@ -215,12 +215,14 @@ fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
 }
 
 fn of_chain(chain: &Chain) -> Keys {
-    let Chain { beads, spacing, stretch, bend, angle, shape } = chain;
+    let Chain { beads, spacing, stretch, bend, angle, shape, joints } = chain;
     let stretch = stretch.map_or_else(|| word("stretch", "rigid"), |stretch| number("stretch", stretch));
     let mut keys = vec![pair("beads", beads), number("spacing", *spacing), stretch, number("bend", *bend)];
     // a ring has a natural angle of its own
     keys.extend((*angle != 0.0 && *bend > 0.0).then(|| number("angle", *angle)));
-    keys.extend((*shape != ChainShape::Cell).then(|| word("shape", shape_word(*shape))));
+    if *shape != ChainShape::Cell {
+        keys.extend([word("shape", shape_word(*shape)), word("joints", joints.word())]);
+    }
     keys
 }
 

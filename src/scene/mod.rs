@@ -19,7 +19,7 @@ mod sections;
 mod table;
 
 pub use bodies::{BodyGroup, Motion, Placement, Shape};
-pub use chains::{Chain, ChainShape};
+pub use chains::{Chain, ChainShape, Joint};
 pub use clusters::{Cluster, ClusterForm};
 pub use difference::Difference;
 pub use locations::Locations;

@@ -6,8 +6,8 @@ use nalgebra::{Vector2, Vector3};
 
 use crate::{
     body::{Body, Membrane, biconcave, turns},
-    interaction::{Bend, Bonds, Conserved, Hinge, Measure, Stretch, enclosed},
-    scene::{Chain, ChainShape, Scene},
+    interaction::{Bend, Bonds, Conserved, Hinge, JointedChain, Joints, Measure, Stretch, enclosed},
+    scene::{Chain, ChainShape, Joint, Scene},
 };
 
 /// What bonds are made of.
@@ -22,22 +22,18 @@ struct Parts {
 
 /// The bonds of the chains and cells of a scene, whose bodies are these, each with its group; none without any.
 pub fn bonds<const D: usize>(scene: &Scene, bodies: &[(usize, Body<D>)]) -> Option<Bonds> {
-    let (mut parts, mut first) = (Parts::default(), 0);
-    for group in bodies.chunk_by(|one, next| one.0 == next.0) {
-        let section = &scene.bodies[group[0].0];
-        if let Some(chain) = &section.chain {
-            let link = 2.0 * section.radius * chain.spacing;
-            let membrane = if D == 3 && chain.shape == ChainShape::Cell { Membrane::biconcave(chain.beads, link) } else { None };
-            for (number, beads) in group.chunks(chain.beads).enumerate() {
-                let start = first + number * chain.beads;
-                parts.chains.push(start..start + chain.beads);
-                match &membrane {
-                    Some(membrane) => parts.add_membrane(chain, membrane, start),
-                    None => parts.add_chain(chain, link, beads, start),
-                }
+    let mut parts = Parts::default();
+    for Beads { chain, radius, first, beads: group } in chained(scene, bodies) {
+        let link = 2.0 * radius * chain.spacing;
+        let membrane = if D == 3 && chain.shape == ChainShape::Cell { Membrane::biconcave(chain.beads, link) } else { None };
+        for (number, beads) in group.chunks(chain.beads).enumerate() {
+            let start = first + number * chain.beads;
+            parts.chains.push(start..start + chain.beads);
+            match &membrane {
+                Some(membrane) => parts.add_membrane(chain, membrane, start),
+                None => parts.add_chain(chain, link, beads, start),
             }
         }
-        first += group.len();
     }
     let Parts { stretches, bends, hinges, conserved, chains } = parts;
     (!stretches.is_empty()).then(|| Bonds {
@@ -47,6 +43,37 @@ pub fn bonds<const D: usize>(scene: &Scene, bodies: &[(usize, Body<D>)]) -> Opti
         conserved: Rc::new(conserved),
         chains: Rc::new(chains),
     })
+}
+
+/// The joints of the chains of a scene whose beads turn with them; none without any.
+pub fn joints<const D: usize>(scene: &Scene, bodies: &[(usize, Body<D>)]) -> Option<Joints> {
+    let fixed = chained(scene, bodies).into_iter().filter(|group| group.chain.joints == Joint::Fixed);
+    let of_group = |group: Beads<D>| {
+        let (beads, ring) = (group.chain.beads, group.chain.shape.closed());
+        (group.first..group.first + group.beads.len()).step_by(beads).map(move |start| JointedChain { beads: start..start + beads, ring })
+    };
+    let chains: Vec<JointedChain> = fixed.flat_map(of_group).collect();
+    (!chains.is_empty()).then(|| Joints { chains: Rc::new(chains) })
+}
+
+/// The beads of all chains of a group.
+struct Beads<'a, const D: usize> {
+    chain: &'a Chain,
+    radius: f64,
+    /// The number of the first.
+    first: usize,
+    beads: &'a [(usize, Body<D>)],
+}
+
+/// The groups of chains and cells of a scene, whose bodies are these, each with its group.
+fn chained<'a, const D: usize>(scene: &'a Scene, bodies: &'a [(usize, Body<D>)]) -> Vec<Beads<'a, D>> {
+    let (mut found, mut first) = (Vec::new(), 0);
+    for beads in bodies.chunk_by(|one, next| one.0 == next.0) {
+        let section = &scene.bodies[beads[0].0];
+        found.extend(section.chain.as_ref().map(|chain| Beads { chain, radius: section.radius, first, beads }));
+        first += beads.len();
+    }
+    found
 }
 
 impl Parts {

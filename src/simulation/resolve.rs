@@ -113,11 +113,16 @@ impl<const D: usize> Setup<D> {
             starts: groups().map(start).collect(),
         });
         let trajectories = trajectories(scene, &placed);
-        let (bonds, welds) = (chains::bonds(scene, &placed), interactions::welds(scene, &placed));
+        let (bonds, joints) = (chains::bonds(scene, &placed), chains::joints(scene, &placed));
+        let welds = interactions::welds(scene, &placed);
         let (spacing, bodies) = suspended_bodies(scene, &domain, placed)?;
         let setup = Setup { inertia, ..Setup::with_bodies(scene, domain, spacing, (bodies, trajectories)) };
         let setup = match bonds {
             Some(bonds) => setup.with(bonds),
+            None => setup,
+        };
+        let setup = match joints {
+            Some(joints) => setup.with(joints),
             None => setup,
         };
         Ok(match welds {
