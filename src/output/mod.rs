@@ -26,6 +26,7 @@ mod spread;
 mod stages;
 mod summary;
 mod traces;
+mod view;
 
 pub use accuracy::{AccuracySummary, DragSummary, EstimatedErrors};
 pub use body_summary::{BODY_TABLE, BodySummary, MOST_LISTED, write_bodies};
@@ -36,7 +37,8 @@ pub use effort::effort_chart;
 pub use file::{prepare_folder, remove_file, write_whole, write_whole_with};
 pub use finite::{check_finite, not_finite};
 pub use frames::{
-    Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameFields, FrameFile, FrameMembranes, Frames, StoredFrame, read_frames,
+    FlowLayer, Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameFields, FrameFile, FrameMembranes, FrameSurroundings, Frames,
+    StoredFrame, read_frames,
 };
 pub use lock::FolderLock;
 pub use pairs::{PairSummary, pair_files};
@@ -49,3 +51,4 @@ pub use spread::{ParallelSummary, Spread};
 pub use stages::stage_table;
 pub use summary::{ContactSummary, GlueSummary, MotionSummary, Summary};
 pub use traces::{CHECKPOINT, SUMMARY, Traces};
+pub use view::{RunView, serve};

@@ -15,7 +15,7 @@ pub const SUMMARY: &str = "summary.json";
 pub const CHECKPOINT: &str = "checkpoint.h5";
 
 /// The files that a run may leave, the first one first to go; not the text of its scene, nor its calibration, which says what it is of.
-const FILES: [&str; 20] = [
+const FILES: [&str; 21] = [
     SUMMARY,
     CHECKPOINT,
     "series.csv",
@@ -30,6 +30,7 @@ const FILES: [&str; 20] = [
     "picture.svg",
     "picture.png",
     "animation.png",
+    "view.html",
     "viscosity.svg",
     "effort.svg",
     "probe.csv",
