@@ -59,7 +59,7 @@ void main() {
     c = mix(mix(c, vec3(1.0), 0.12), 0.45 * c, smoothstep(inner - max(0.05 * radius, fwidth(rim)), inner, rim));
   } else {
     vec3 own = abs(turned(rotation, transpose(mat3(view)) * n));
-    float spot = smoothstep(0.955, 0.965, max(own.x, max(own.y, own.z))) * step(7.0, radius / -middle.z * pixels);
+    float spot = smoothstep(0.968, 0.976, max(own.x, max(own.y, own.z))) * step(7.0, radius / -middle.z * pixels);
     c = mix(c, 0.6 * c, marks * spot);
     float key = 0.5 + 0.5 * dot(n, normalize(vec3(-0.35, 0.75, 0.6))), front = max(n.z, 0.0);
     float shine = pow(max(dot(n, normalize(vec3(-0.3, 0.65, 1.1))), 0.0), 40.0);
@@ -105,7 +105,8 @@ function drawBodies(frame, matrices) {
   gl.uniform1f(uniforms.pixels, dimension === 2 ? camera.pixels : camera.window[1] / 2 / opening);
   gl.uniform2f(uniforms.box, size[0], size[1]);
   gl.uniform2f(uniforms.depths, camera.distance - 0.5 * diagonal, camera.distance + 0.6 * diagonal);
-  if (dimension === 3) gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
+  // coverage makes edges smooth: blending would show what lies behind the bodies that are drawn later
+  if (dimension === 3) [gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE), gl.disable(gl.BLEND)];
   const draw = (shift, fade, cut) => {
     gl.uniform3f(uniforms.shift, ...shift);
     gl.uniform1f(uniforms.fade, fade);
@@ -116,4 +117,5 @@ function drawBodies(frame, matrices) {
   if (state.images === "around" || seams) imageShifts(frame).forEach((shift) => draw(shift, seams ? 0 : 0.55, seams));
   draw([0, 0, 0], 0, seams);
   gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
+  gl.enable(gl.BLEND);
 }

@@ -12,7 +12,7 @@ const camera = {
   window: [1, 1],
 };
 const opening = Math.tan((14 * Math.PI) / 180);
-const margins = { left: 58, right: 112, top: 26, bottom: 46 };
+const margins = { left: 64, right: 116, top: 44, bottom: 46 };
 
 const diagonal = Math.hypot(...size);
 const unit = (axis) => [0, 1, 2].map((other) => (other === axis ? 1 : 0));
@@ -31,7 +31,7 @@ function fitCamera(times = 1) {
     camera.target[0] += (margins.right - margins.left) / 2 / camera.pixels;
     camera.target[1] += (margins.top - margins.bottom) / 2 / camera.pixels;
   } else {
-    camera.distance = ((0.53 * diagonal) / opening / Math.min(1, (width - margins.right) / height)) * times;
+    camera.distance = ((0.49 * diagonal) / opening / Math.min(1, (width - margins.right) / height)) * times;
   }
 }
 

@@ -9,6 +9,9 @@ const state = {
 function change(changes) {
   Object.assign(state, changes);
   if ("body" in changes) follow(state.body).catch(complain);
+  // the sheet of the flow is seen where spheres are cut
+  const hidden = dimension === 3 && state.clip.axis === "none" && !("clip" in changes);
+  if (hidden && (changes.streams || (changes.flow ?? "none") !== "none")) state.clip = { axis: axisNames[normal], part: samples[0].flow?.depth ?? 0.5 };
   if ("images" in changes && !camera.moved) fitCamera(state.images === "around" ? 1.8 : 1);
   showControls();
   requestDraw();
@@ -74,6 +77,7 @@ function writeAbout() {
   if (numbers.length < total) paragraphs.push(`This page holds ${numbers.length} of the ${total} frames, evenly spread. For all: turbid view --frames ${total}, or --serve.`);
   if (!index.finished) paragraphs.push(`The run had not finished when this page was ${served ? "loaded" : "written"}.`);
   if (series?.stride > 1) paragraphs.push(`The series shows every ${series.stride}th step.`);
+  if (shear) paragraphs.push("γ̇ is the shear rate, a the mean radius, η the viscosity of the fluid.");
   const keys = [["space", "play"], ["← →", "step"], ["[ ]", "speed"], ["C", "colour"], ["F", "flow"], ["T", "streamlines"], ["N", "contacts"], ["I", "images"], ["S", "save"], ["P", "panel"], ["R", "view"]];
   const about = document.getElementById("about");
   about.replaceChildren(...paragraphs.map((text) => element("p", { textContent: text })));

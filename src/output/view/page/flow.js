@@ -43,7 +43,9 @@ const sheetTexture = gl && gl.createTexture();
 // The sheet lies a little behind its plane, so that cut spheres stand out.
 function sheetOrigin(frame, away) {
   const origin = [0, 0, 0];
-  if (dimension === 3) origin[normal] = frame.flow.depth * size[normal] - Math.sign(cameraAxes()[2][normal]) * away * size[normal];
+  const { axis, part } = state.clip;
+  const cut = axis === axisNames[normal] && Math.abs(part - frame.flow.depth) < 0.02;
+  if (dimension === 3) origin[normal] = (cut ? part : frame.flow.depth) * size[normal] - Math.sign(cameraAxes()[2][normal]) * away * size[normal];
   return origin;
 }
 

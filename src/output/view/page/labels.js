@@ -59,8 +59,8 @@ function drawAxes(matrices) {
     stroke([[side - 3, at], [side - 8, at]], faint);
     label(number(y), side - 11, at, { align: "right", base: "middle" });
   }
-  label("x", Math.min(to.x, width - margins.right + 20), foot + 26, { align: "right", base: "top", colour: faint });
-  label("y", side - 11, Math.max(to.y, margins.top - 12) - 10, { align: "right", base: "middle", colour: faint });
+  label("x", (Math.max(from.x, 0) + Math.min(to.x, width - margins.right + 20)) / 2, foot + 26, { align: "center", base: "top", colour: faint });
+  label("y", side - 46, (Math.max(to.y, 0) + foot) / 2, { base: "middle", colour: faint });
 }
 
 // Directions of the axes and a length, at the middle of the scene.
@@ -158,7 +158,10 @@ function drawBars(frame, shown) {
   const height = camera.window[1];
   const bars = shown.filter(({ quantity }) => quantity.kind !== "none");
   if (state.contacts && frame.contact_body) bars.push({ contacts: true });
-  const room = (height - 40) / Math.max(bars.length, 1);
+  const room = Math.min((height - 40) / Math.max(bars.length, 1), 310);
+  if (bars.length === 0) return;
+  pen.fillStyle = "rgba(255,255,255,0.82)";
+  pen.fillRect(camera.window[0] - 106, 6, 106, 18 + bars.length * room);
   bars.forEach((bar, k) => {
     const top = 24 + k * room;
     if (bar.contacts) drawForceKey(frame, top);
@@ -212,7 +215,7 @@ function drawForceKey(frame, top) {
   const pixels = project(camera.target).pixels;
   [0.25, 0.5, 1].forEach((part, k) => {
     const y = top + 36 + 20 * k;
-    stroke([[left, y], [left + 24, y]], written([140, 30, 24], 0.35 + 0.6 * part), Math.min(Math.max(0.75 * radiusScale.mean * part * pixels, 0.8), 16));
+    stroke([[left, y], [left + 24, y]], written([140, 30, 24], 0.5 + 0.45 * part), Math.min(Math.max(0.75 * radiusScale.mean * part * pixels, 0.8), 16));
     label(number(part * contactScale.force, 3), left + 31, y, { base: "middle" });
   });
   label(ofScene, camera.window[0] - 8, top + 98, { font: "11px", colour: faint, align: "right" });

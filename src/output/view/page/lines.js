@@ -12,8 +12,8 @@ void main() {
   vec4 p = mix(pa, pb, part);
   float scale = solid ? pixels / p.w : pixels;
   float wide = max(mix(widths.x, widths.y, part) * scale, mix(widths.z, widths.w, part));
-  // round lines meet without gaps
-  vec2 reach = corner.x * normalize(way + vec2(1e-6, 0.0)) * min(0.25 * wide, 2.0);
+  // opaque lines that follow each other meet without gaps
+  vec2 reach = corner.x * normalize(way + vec2(1e-6, 0.0)) * min(0.25 * wide, 2.0) * step(0.999, paint.a);
   p.xy += (corner.y * side * 0.5 * wide + reach) * 2.0 / window * p.w;
   tint = paint; place = mix(from, to, part) + shift; seen = mix(a, b, part).xyz;
   gl_Position = p;
@@ -95,12 +95,13 @@ function fillContacts(frame) {
     const to = along3(from, axisNames.map((axis) => reach * frame[`contact_${axis}`][k]));
     const part = Math.min(Math.abs(frame.contact_force[k]) / contactScale.force, 1.5);
     const wide = 0.75 * radiusScale.mean * part;
-    lines.push(...line(from, to, [wide, wide], [0.8, 0.8], frame.contact_force[k] < 0 ? [0, 114, 178] : [140, 30, 24], 0.35 + 0.6 * Math.min(part, 1)));
+    lines.push(...line(from, to, [wide, wide], [0.8, 0.8], frame.contact_force[k] < 0 ? [0, 114, 178] : [140, 30, 24], 0.5 + 0.45 * Math.min(part, 1)));
   }
   lineSets.contacts.fill(new Float32Array(lines));
 }
 
+// The force whose line is three quarters of a radius wide: large ones of a frame in the middle of the run.
 function learnForces(frames) {
-  const forces = frames.flatMap((frame) => [...thinned(frame.contact_force ?? [], 50000)].map(Math.abs));
-  contactScale.force = robustMaximum(forces, 0.98) || 1;
+  const tops = frames.filter((frame) => frame.contact_force?.length).map((frame) => robustMaximum(thinned(frame.contact_force, 50000).map(Math.abs), 0.95));
+  contactScale.force = tops.sort((one, other) => one - other)[Math.floor(tops.length / 2)] || 1;
 }

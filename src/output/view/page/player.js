@@ -5,6 +5,7 @@ const quantities = { bodies: [], flow: [] };
 let samples = [];
 let current = null;
 let drawing = false;
+let again = false;
 
 function complain(error) {
   message.textContent = error.message ?? String(error);
@@ -26,13 +27,17 @@ function rangeNow(part, quantity, frame) {
 const chosen = (part, key) => quantities[part].find((quantity) => quantity.key === key) ?? quantities[part][0];
 
 function requestDraw() {
-  if (drawing) return;
+  if (drawing) return void (again = true);
   drawing = true;
-  requestAnimationFrame(() => draw().catch(complain).finally(() => (drawing = false)));
+  requestAnimationFrame(() => draw().catch(complain).finally(() => {
+    drawing = false;
+    if (again) requestDraw();
+  }));
 }
 
 async function draw() {
   let place;
+  again = false;
   do {
     place = state.place;
     current = await frameAt(place);
@@ -52,6 +57,7 @@ function fill(frame) {
   ].filter(({ quantity }) => quantity);
   fillBodies(frame, body, frame.shown[0].range);
   fillBonds(frame);
+  learnForces(state.range === "frame" ? [frame] : samples);
   fillContacts(frame);
   fillPath();
   if (frame.flow) {
@@ -66,12 +72,12 @@ function show(frame, saving = false) {
   const flow = chosen("flow", state.flow);
   const images = state.images === "none" || (dimension === 3 && state.images === "seams") ? [] : imageShifts(frame);
   const shifts = [...images, [0, 0, 0]];
-  const cut = dimension === 2 && state.images === "seams";
+  const [cut, fade] = [dimension === 2 && state.images === "seams", state.images === "around" ? 0.55 : 0];
   if (flow) drawFlow(frame, flow, matrices);
   if (state.streams && frame.flow) drawLines("streams", matrices, [[0, 0, 0]], { clipped: false });
   drawBodies(frame, matrices);
-  drawLines("bonds", matrices, shifts, { cut, fade: 0.55 });
-  drawLines("contacts", matrices, shifts, { cut, fade: 0.55 });
+  drawLines("bonds", matrices, shifts, { cut, fade });
+  drawLines("contacts", matrices, shifts, { cut, fade });
   drawLines("box", matrices, [[0, 0, 0]], { clipped: false });
   drawLines("path", matrices, [[0, 0, 0]]);
   drawLabels(frame, frame.shown, saving);
@@ -84,7 +90,7 @@ function showWords(frame) {
   if (shear) words.append("   strain γ = ", element("b", { textContent: number(rate * frame.time) }));
   document.getElementById("counter").textContent = `${index.frames.numbers[state.place]} / ${index.frames.total - 1}`;
   document.getElementById("scrub").value = state.place;
-  document.getElementById("play").textContent = state.playing ? "❚❚" : "▶";
+  document.getElementById("play").classList.toggle("playing", state.playing);
   document.getElementById("speed").value = state.speed;
   showBody(frame);
   drawSeries(frame);
@@ -172,7 +178,7 @@ function listen() {
     requestDraw();
     rememberAddress();
   }, { passive: false });
-  new ResizeObserver(requestDraw).observe(document.getElementById("stage"));
+  new ResizeObserver(() => current?.shown && show(current)).observe(document.getElementById("stage"));
   const scrub = document.getElementById("scrub");
   scrub.max = frameCount - 1;
   scrub.oninput = () => { play(false); goTo(Number(scrub.value)); };
@@ -189,7 +195,7 @@ function chooseStart() {
   if (index.coloured === "vorticity" && has("flow", "vorticity")) Object.assign(state, { colour: "plain", flow: "vorticity" });
   else if (has("bodies", "chain")) state.colour = "chain";
   if (dimension === 3) state.images = "none";
-  state.speed = speeds.find((speed) => speed >= frameCount / 12) ?? 50;
+  state.speed = speeds.find((speed) => speed >= frameCount / 7) ?? 50;
   Object.assign(initial, state);
 }
 
@@ -199,7 +205,6 @@ async function start() {
   if (!window.DecompressionStream) throw new Error("This browser cannot inflate the frames (DecompressionStream); take a newer one.");
   samples = await sampleFrames(dimension === 2 ? 16 : 8);
   learnRadii(samples[0]);
-  learnForces(samples);
   quantities.bodies = bodyQuantities.filter(({ where }) => !where || where(samples));
   quantities.flow = samples.some((frame) => frame.flow) ? flowQuantities.filter(({ where }) => !where || where(samples)) : [];
   samples = samples.filter((frame) => frame.flow || quantities.flow.length === 0);
