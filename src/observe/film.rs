@@ -38,7 +38,7 @@ impl Film {
         self.times.push(frame.time);
         match self.colour {
             Colour::Speed => frame.disks.iter().for_each(|disk| self.add_value(disk.speed, MOST_VALUES)),
-            Colour::Chain => (),
+            Colour::Chain | Colour::Species => (),
             Colour::Vorticity => frame.vorticity.iter().flat_map(|cut| &cut.values).for_each(|&value| self.add_value(value, MOST_VALUES)),
         }
     }
@@ -90,8 +90,8 @@ pub struct AnimatedDisk {
     pub angle: f64,
     /// Speed to colour by, from zero to the 99.5th percentile of the whole film, unless the flow or chains are coloured.
     pub speed: f64,
-    /// Number of its chain, cell or cluster, to colour by that.
-    pub chain: Option<usize>,
+    /// Number of its chain, cell, cluster or species, to colour by that.
+    pub group: Option<usize>,
 }
 
 /// The axes that point right and up.
@@ -104,16 +104,14 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The plane of a scene: gravity, if there is any, pulls down.
+    /// The plane of a scene's pictures.
     pub fn of(scene: &Scene) -> Plane {
-        let gravity = scene.gravity.as_deref().unwrap_or_default();
-        let strongest = (1..gravity.len()).max_by(|&one, &two| gravity[one].abs().total_cmp(&gravity[two].abs()));
-        let up = strongest.filter(|&axis| gravity[axis] != 0.0).unwrap_or(1);
+        let [across, up] = scene.plane_of_pictures();
         let sliding = match scene.flow.drive {
-            Some(Drive::ShearedBox(rate)) if up == 1 => rate * scene.domain.size[1],
+            Some(Drive::ShearedBox(rate)) if [across, up] == [0, 1] => rate * scene.domain.size[1],
             _ => 0.0,
         };
-        Plane { across: 0, up, sliding }
+        Plane { across, up, sliding }
     }
 
     /// The axes that point right and up.
@@ -129,12 +127,12 @@ impl Plane {
     }
 
     /// Bodies at a time before the flow that the plane cuts, seen from the front: spheres further back come first. Of each body by its number the number
-    /// of its chain, where there are chains.
+    /// of its group, where groups are coloured.
     pub fn frame<const D: usize>(
         self,
         time: f64,
         mut bodies: Vec<FrameBody<D>>,
-        chains: &[Option<usize>],
+        groups: &[Option<usize>],
         vorticity: Option<FlowCut>,
     ) -> AnimationFrame {
         if let Some(depth) = (0..D).find(|&axis| axis != self.across && axis != self.up) {
@@ -146,7 +144,7 @@ impl Plane {
             // a turning mark is drawn on disks only
             angle: if D == 2 { body.rotation[(1, 0)].atan2(body.rotation[(0, 0)]) } else { f64::NAN },
             speed: body.velocity.norm(),
-            chain: chains.get(body.number).copied().flatten(),
+            group: groups.get(body.number).copied().flatten(),
         };
         AnimationFrame { time, shift: self.sliding * time, disks: bodies.iter().map(disk).collect(), vorticity }
     }

@@ -9,6 +9,7 @@ mod notes;
 use std::fmt::Write;
 
 use self::frame::{Frame, PAGE, SIDE, finite};
+pub(super) use self::axis::Axis;
 pub use self::{
     frame::Scale,
     notes::{Bar, Level, Mark, Notes},

@@ -160,10 +160,21 @@ impl MeanViscosity {
         })
     }
 
+    /// What the total is the sum of.
+    pub fn parts(&self) -> Vec<(&'static str, f64)> {
+        parts_of([Some(self.hydrodynamic), self.lubrication, self.interaction, self.bonds, self.reynolds, self.contact])
+    }
+
     /// Half the width of the interval.
     pub fn half_width(&self) -> f64 {
         0.5 * (self.interval[1] - self.interval[0])
     }
+}
+
+/// Names of the parts of a viscosity that are there.
+pub(super) fn parts_of(parts: [Option<f64>; 6]) -> Vec<(&'static str, f64)> {
+    const NAMES: [&str; 6] = ["flow", "lubrication", "forces at a distance", "bonds", "inertia", "contacts"];
+    NAMES.into_iter().zip(parts).filter_map(|(name, part)| Some((name, part?))).collect()
 }
 
 #[cfg(test)]

@@ -57,7 +57,7 @@ fn write<const D: usize>(world: &World, scene: &Scene, folder: Option<RunFolder>
             write("probe.csv", observe::scalar_probe(solved.setup, solved.grid, solved.solution, points)?.csv())?;
         }
         if scene.output.picture {
-            write("picture.svg", observe::scalar_picture(scene.shown_title(), solved)?.svg())?;
+            write("picture.svg", observe::scalar_picture(scene, solved)?.svg())?;
         }
         files.push(folder.complete(&summary)?);
     }

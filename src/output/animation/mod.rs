@@ -57,8 +57,8 @@ impl Film {
     /// What colours stand for.
     fn bar(&self) -> Bar {
         match self.colour {
-            Colour::Speed | Colour::Chain => Bar::new(&self.coloured),
-            Colour::Vorticity => Bar::signed(&self.coloured),
+            Colour::Speed | Colour::Chain | Colour::Species => Bar::new(&self.coloured, 0.0),
+            Colour::Vorticity => Bar::signed(&self.coloured, 0.0),
         }
     }
 
@@ -99,7 +99,7 @@ impl Film {
         for disk in frame.disks.iter().filter(|disk| disk.finite()) {
             let shade = match self.colour {
                 Colour::Speed => palette::shade(bar.part(disk.speed)),
-                Colour::Chain => disk.chain.map_or(palette::INK, colour::distinct),
+                Colour::Chain | Colour::Species => disk.group.map_or(palette::INK, colour::distinct),
                 Colour::Vorticity => palette::INK,
             };
             self.draw(&mut canvas, layout, disk, frame.shift, shade);
@@ -162,12 +162,12 @@ mod tests {
     }
 
     fn disk(x: f64, speed: f64) -> AnimatedDisk {
-        AnimatedDisk { center: [x, 0.5], radius: 0.2, angle: f64::NAN, speed, chain: None }
+        AnimatedDisk { center: [x, 0.5], radius: 0.2, angle: f64::NAN, speed, group: None }
     }
 
     fn first_still(frames: &[AnimationFrame]) -> (PageLayout, Canvas) {
         let layout = PageLayout::new(&film(), 228);
-        let canvas = film().still(&layout, &frames[0], &Bar::new(&[1.0]), 0.0);
+        let canvas = film().still(&layout, &frames[0], &Bar::new(&[1.0], 0.0), 0.0);
         (layout, canvas)
     }
 

@@ -56,7 +56,7 @@ impl Palette {
                 let tints = (0..SHADES).step_by(STRIDE).flat_map(|level| (1..STEPS).map(move |step| tint(level, step)));
                 (0..SHADES).map(|level| tint(level, 0)).chain(tints).collect()
             }
-            Colour::Chain => {
+            Colour::Chain | Colour::Species => {
                 let full = DISTINCT.into_iter().chain([INK]);
                 full.flat_map(|colour| (0..STEPS).map(move |step| mix(colour, PAPER, step as f64 / STEPS as f64))).collect()
             }

@@ -8,12 +8,11 @@ use std::{
 
 use nalgebra::SVector;
 
+use super::fields::FlowFields;
 use crate::{
     contact::{Contact, Identity, bodies_of, renamed},
     error::Result,
-    grid::operators::signed,
-    observe::{CellCenters, CellVorticity, inside},
-    output::{Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameFields, FrameMembranes, Frames, Summary, note},
+    output::{Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameMembranes, Frames, Summary, note},
     parallel::World,
     run::{Evaluated, EvaluatedMotion, Output},
     scene::{ContactModel, Scene},
@@ -24,7 +23,7 @@ use crate::{
 const ROUNDING: f64 = 1e-9;
 
 /// Files that show the frames.
-const INDICES: [&str; 6] = ["run.h5", "bodies.xdmf", "contacts.xdmf", "bonds.xdmf", "membranes.xdmf", "fields.xdmf"];
+pub const INDICES: [&str; 6] = ["run.h5", "bodies.xdmf", "contacts.xdmf", "bonds.xdmf", "membranes.xdmf", "fields.xdmf"];
 
 /// The frames of a run.
 pub struct FrameFiles<const D: usize> {
@@ -33,10 +32,8 @@ pub struct FrameFiles<const D: usize> {
     every: f64,
     /// Whether the scene asks for frames more often than steps come, and nobody was told yet.
     eager: bool,
-    /// Present if frames hold fields; made anew where images slide.
-    centers: Option<CellCenters<D>>,
-    /// Present if they hold the vorticity too.
-    vorticity: Option<CellVorticity<D>>,
+    /// Present if frames hold fields.
+    fields: Option<FlowFields<D>>,
     contact: ContactModel,
 }
 
@@ -54,14 +51,10 @@ impl<const D: usize> FrameFiles<D> {
                 frames
             }
         };
-        let (mut centers, mut vorticity) = (None, None);
-        if let Some(suspension) = simulation.suspension().filter(|_| scene.output.fields) {
-            let (grid, fluid) = (suspension.grid(), suspension.fluid_vector()?);
-            centers = Some(CellCenters::new(grid, &fluid)?);
-            vorticity = scene.output.stores_vorticity().then(|| CellVorticity::new(grid, &fluid)).transpose()?;
-        }
+        let suspension = simulation.suspension().filter(|_| scene.output.fields);
+        let fields = suspension.map(|flow| FlowFields::new(scene, flow.grid(), &flow.fluid_vector()?)).transpose()?;
         let (folder, eager) = (folder.to_owned(), scene.output.every.is_some() && world.rank() == 0);
-        Ok(FrameFiles { folder, frames, every: scene.frame_interval(), eager, centers, vorticity, contact: scene.contact.model })
+        Ok(FrameFiles { folder, frames, every: scene.frame_interval(), eager, fields, contact: scene.contact.model })
     }
 
     fn due(&self, motion: &EvaluatedMotion<D>) -> bool {
@@ -82,26 +75,6 @@ impl<const D: usize> FrameFiles<D> {
             ));
         }
     }
-
-    /// The fluid of this rank, if frames hold it; collective.
-    fn fields<'a>(&mut self, seen: &Evaluated<'a, D>, motion: &EvaluatedMotion<D>) -> Result<Option<FrameFields<'a, D>>> {
-        let (Some(centers), Some(flow)) = (&mut self.centers, seen.flow) else { return Ok(None) };
-        let (grid, setup, fluid) = (flow.solver.grid(), flow.solver.setup(), &flow.solution.fluid);
-        if motion.domain().slide().is_some() {
-            *centers = CellCenters::new(grid, fluid)?;
-            if let Some(vorticity) = &mut self.vorticity {
-                *vorticity = CellVorticity::new(grid, fluid)?;
-            }
-        }
-        let mut velocity = centers.velocity(fluid)?;
-        for (index, velocity) in grid.block(D).indices().zip(&mut velocity) {
-            *velocity += setup.drive.background(&grid.position(D, signed(index)));
-        }
-        let pressure = fluid.local()?[grid.local_range(D)].iter().map(|pressure| pressure * setup.viscosity).collect();
-        let vorticity = self.vorticity.as_mut().map(|vorticity| vorticity.evaluate(grid, fluid, &setup.drive)).transpose()?;
-        let inside = inside(grid, &motion.state().balls(motion.simulation.radii()));
-        Ok(Some(FrameFields { grid, velocity, pressure, inside, vorticity }))
-    }
 }
 
 impl<const D: usize> Output<D> for FrameFiles<D> {
@@ -117,7 +90,11 @@ impl<const D: usize> Output<D> for FrameFiles<D> {
         let ties = Ties::of(&motion, &written);
         let (bonds, membranes) = (ties.as_ref().map(Ties::bonds), ties.as_ref().and_then(Ties::membranes));
         let bodies = motion.bodies(written.clone());
-        let fields = self.fields(seen, &motion)?;
+        let balls = || state.balls(motion.simulation.radii());
+        let fields = match (&mut self.fields, seen.flow) {
+            (Some(fields), Some(flow)) => Some(fields.of(flow, motion.domain(), &balls())?),
+            _ => None,
+        };
         let contacts = contacts.as_deref();
         let (time, step, domain, bonds, membranes) = (state.time, state.steps, motion.domain(), bonds.as_deref(), membranes.as_ref());
         self.frames.write(seen.world, &Frame { time, step, domain, bodies: &bodies, contacts, bonds, membranes, fields })

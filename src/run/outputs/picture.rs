@@ -22,7 +22,9 @@ impl<const D: usize> Output<D> for PictureFile {
     fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
         let (name, bytes) = match (&seen.flow, &seen.motion) {
             (Some(flow), _) => {
-                let cut = picture(seen.scene.shown_title(), flow.solver, flow.solution, seen.scene.output.colour)?;
+                let lines = seen.motion.as_ref().map_or(Vec::new(), |motion| motion.force_lines());
+                let time = seen.motion.as_ref().map(|motion| motion.state().time);
+                let cut = picture(seen.scene, flow.solver, flow.solution, time, &lines)?;
                 ("picture.svg", cut.svg().into_bytes())
             }
             (None, Some(motion)) => {
