@@ -1,6 +1,6 @@
 //! Bodies as disks on a picture plane, and the vorticity behind them: frames of an animation, or a still.
 
-use super::FrameBody;
+use super::{Bond, FrameBody, SpeedScale};
 use crate::{
     body::planes,
     scene::{AxisSection, Colour, Drive, Scene},
@@ -15,6 +15,20 @@ pub struct Film {
     pub periodic: [bool; 2],
     /// What is coloured: the disks by their speed or by the chain they belong to, or the flow behind them by its vorticity.
     pub colour: Colour,
+    /// What is written above the box.
+    pub title: String,
+    /// Names of the axes to the right and up.
+    pub axes: [&'static str; 2],
+    /// What colours stand for, with its unit.
+    pub quantity: String,
+    /// By what coloured values are divided before they are shown.
+    pub unit: f64,
+    /// What colours show at least, in that unit: smaller values are those of a system at rest.
+    pub least: f64,
+    /// Rate of the shear, where there is one: strain is told beside time.
+    pub rate: Option<f64>,
+    /// Whether bodies are shown as balls.
+    pub balls: bool,
     /// Time of each frame.
     pub times: Vec<f64>,
     /// What is coloured of all frames in turn, or every second, fourth, .. value of it, so that there are never more than 2^22.
@@ -30,7 +44,9 @@ pub const MOST_VALUES: usize = 1 << 22;
 impl Film {
     /// No frame yet of a box with this size, periodic in some directions.
     pub fn new(size: [f64; 2], periodic: [bool; 2], colour: Colour) -> Film {
-        Film { size, periodic, colour, times: Vec::new(), coloured: Vec::new(), seen: 0, stride: 1 }
+        let (title, quantity) = (String::new(), String::new());
+        let plain = Film { size, periodic, colour, title, quantity, axes: ["x", "y"], unit: 1.0, least: 0.0, rate: None, balls: false, times: Vec::new(), coloured: Vec::new(), seen: 0, stride: 1 };
+        plain
     }
 
     /// Takes note of the next frame.
@@ -43,7 +59,19 @@ impl Film {
         }
     }
 
+    /// Whether colours are those of a number.
+    pub fn has_bar(&self) -> bool {
+        !self.colour.of_bodies()
+    }
+
+    /// Time and strain in words.
+    pub fn told_of(&self, time: f64) -> String {
+        let strain = self.rate.map_or(String::new(), |rate| format!(", strain {:.3}", rate.abs() * time));
+        format!("time {time:.3}{strain}")
+    }
+
     fn add_value(&mut self, value: f64, most: usize) {
+        let value = value / self.unit;
         if self.seen.is_multiple_of(self.stride) {
             if self.coloured.len() == most {
                 self.coloured = self.coloured.iter().step_by(2).copied().collect();
@@ -66,6 +94,8 @@ pub struct AnimationFrame {
     pub shift: f64,
     /// The disks; each covers those before it.
     pub disks: Vec<AnimatedDisk>,
+    /// Contact forces before them, as lines.
+    pub contacts: Vec<Bond>,
     /// The vorticity behind them.
     pub vorticity: Option<FlowCut>,
 }
@@ -146,13 +176,27 @@ impl Plane {
             speed: body.velocity.norm(),
             group: groups.get(body.number).copied().flatten(),
         };
-        AnimationFrame { time, shift: self.sliding * time, disks: bodies.iter().map(disk).collect(), vorticity }
+        AnimationFrame { time, shift: self.sliding * time, disks: bodies.iter().map(disk).collect(), contacts: Vec::new(), vorticity }
     }
 
     /// A film of a scene's box without frames.
     pub fn film(self, scene: &Scene) -> Film {
         let periodic = self.axes().map(|axis| scene.domain.axes[axis] == AxisSection::Periodic);
-        Film::new(self.axes().map(|axis| scene.domain.size[axis]), periodic, scene.output.colour)
+        let (scale, colour) = (SpeedScale::of(scene), scene.output.colour);
+        let (quantity, unit, least) = match colour {
+            Colour::Vorticity => (SpeedScale::name("vorticity", scale.rate.1), scale.rate.0, 0.0),
+            _ => (SpeedScale::name("speed", scale.words), scale.unit, scale.least),
+        };
+        Film {
+            title: scene.shown_title().to_owned(),
+            axes: self.axes().map(|axis| ["x", "y", "z"][axis]),
+            quantity,
+            unit,
+            least,
+            rate: scene.shear_rate(),
+            balls: scene.dimension() == 3,
+            ..Film::new(self.axes().map(|axis| scene.domain.size[axis]), periodic, colour)
+        }
     }
 }
 

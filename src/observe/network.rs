@@ -17,6 +17,23 @@ pub struct ForceLine<const D: usize> {
     pub force: f64,
 }
 
+impl<const D: usize> ForceLine<D> {
+    /// How many numbers [`pack`](Self::pack) makes.
+    pub const LENGTH: usize = 2 * D + 2;
+
+    /// Flat numbers, to send to other ranks.
+    pub fn pack(&self) -> Vec<f64> {
+        [self.from.as_slice(), self.way.as_slice(), &[self.radius, self.force]].concat()
+    }
+
+    /// The inverse of [`pack`](Self::pack).
+    pub fn unpack(numbers: &[f64]) -> Self {
+        let (from, rest) = numbers.split_at(D);
+        let vector = SVector::from_column_slice;
+        ForceLine { from: vector(from), way: vector(&rest[..D]), radius: rest[D], force: rest[D + 1] }
+    }
+}
+
 /// Width of the largest force, in radii.
 const WIDEST: f64 = 0.55;
 /// Lines thinner than this part of the widest are left out.
@@ -43,6 +60,7 @@ mod tests {
         let contact = |force| ForceLine { from: Vector3::new(1.0, 2.0, 3.0), way: Vector3::x(), radius: 0.5, force };
         let (lines, largest) = force_lines(&[contact(4.0), contact(-2.0), contact(1e-9)], |vector| [vector[0], vector[2]]);
         assert_eq!((lines.len(), largest, lines[0].from), (2, 4.0, [1.0, 3.0]));
+        assert_eq!(ForceLine::unpack(&contact(4.0).pack()), contact(4.0));
         assert!((lines[0].width - 2.0 * lines[1].width).abs() < 1e-15);
     }
 }

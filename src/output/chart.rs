@@ -12,7 +12,7 @@ use self::frame::{Frame, PAGE, SIDE, finite};
 pub(super) use self::axis::Axis;
 pub use self::{
     frame::Scale,
-    notes::{Bar, Level, Mark, Notes},
+    notes::{Band, Bar, Level, Mark, Notes},
 };
 use super::picture::{INK, colour, escaped};
 
@@ -59,6 +59,7 @@ impl Chart {
              <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n"
         );
         svg += &self.words(&frame);
+        svg += &notes.shades(&frame);
         svg += &frame.grid();
         svg += &notes.levels(&frame);
         for k in (0..self.series.len()).rev() {

@@ -35,7 +35,7 @@ mod traces;
 pub use accuracy::{AccuracySummary, DragSummary, EstimatedErrors};
 pub use answer::{Answer, answers, vector};
 pub use body_summary::{BODY_TABLE, BodySummary, MOST_LISTED, write_bodies};
-pub use chart::{Bar, Chart, Level, Mark, Notes, Scale, Series};
+pub use chart::{Band, Bar, Chart, Level, Mark, Notes, Scale, Series};
 pub use checkpoint::{Checkpoint, CheckpointWriter, checksum_of};
 pub use clock::{date, duration};
 pub use curve::{CurvePoint, MeanViscosity};

@@ -8,7 +8,7 @@ use crate::{
     contact::{Contact, Partner, bodies_of, renamed},
     error::{Error, Result},
     geometry::Domain,
-    observe::{ForceLine, FrameBody, Viscosity},
+    observe::{Bond, ForceLine, FrameBody, Viscosity, force_lines},
     output::{Summary, write_whole},
     parallel::{Peers, World},
     run::{RunStatistics, ViscosityHistory},
@@ -161,6 +161,20 @@ impl<'a, const D: usize> EvaluatedMotion<'a, D> {
             ForceLine { from: ball.center, way, radius: thinner, force: held.force }
         };
         held.iter().filter(|held| self.state().tells(held.body)).map(line).collect()
+    }
+
+    /// The contact forces of all bodies as lines in the plane of two axes, on the first rank; none elsewhere. Collective.
+    pub fn lines_on_first_rank(&self, world: &World, axes: [usize; 2]) -> Vec<Bond> {
+        let own = self.force_lines();
+        let all = match self.state().share {
+            Share::Whole => own,
+            Share::Own { .. } => {
+                let mut letters = vec![Vec::new(); world.size()];
+                letters[0] = own.iter().flat_map(ForceLine::pack).collect();
+                Peers::All(world).deliver(&letters).chunks(ForceLine::<D>::LENGTH).map(ForceLine::unpack).collect()
+            }
+        };
+        force_lines(&all, |vector| axes.map(|axis| vector[axis])).0
     }
 
     /// Bodies at some places in the state, as frames hold them.

@@ -1,6 +1,6 @@
 //! The plane of pictures.
 
-use crate::scene::{AxisSection, Scene};
+use crate::scene::{AxisSection, Drive, Scene};
 
 impl Scene {
     /// The axes that point right and up in pictures: as the scene says, or else such that gravity pulls down, or else such that walls shear what is
@@ -14,6 +14,20 @@ impl Scene {
     pub fn depth_of_pictures(&self) -> Option<usize> {
         let plane = self.plane_of_pictures();
         (0..self.dimension()).find(|axis| !plane.contains(axis))
+    }
+
+    /// The rate of the shear that walls or the drive impose, if they impose one.
+    pub fn shear_rate(&self) -> Option<f64> {
+        if let Some(Drive::ShearRate(rate) | Drive::ShearedBox(rate)) = self.flow.drive {
+            return Some(rate);
+        }
+        let rate = |(section, size): (&AxisSection, &f64)| match section {
+            AxisSection::Walls { lower, upper } if lower != upper => {
+                Some(lower.iter().zip(upper).map(|(one, other)| (one - other).powi(2)).sum::<f64>().sqrt() / size)
+            }
+            _ => None,
+        };
+        self.domain.axes.iter().zip(&self.domain.size).find_map(rate)
     }
 
     fn axis_of_gravity(&self) -> Option<usize> {

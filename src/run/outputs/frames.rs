@@ -30,7 +30,7 @@ pub struct FrameFiles<const D: usize> {
     folder: PathBuf,
     frames: Frames,
     every: f64,
-    /// Whether the scene asks for frames more often than steps come, and nobody was told yet.
+    /// Whether the scene asks for frames at certain times, and nobody was told yet that they come later.
     eager: bool,
     /// Present if frames hold fields.
     fields: Option<FlowFields<D>>,
@@ -63,26 +63,32 @@ impl<const D: usize> FrameFiles<D> {
         state.steps == 0 || motion.last || number(state.time) > number(state.time - state.last_step)
     }
 
-    /// Says once that frames cannot come as often as the scene asks for.
-    fn tell_of_long_steps(&mut self, state: &State<D>) {
-        let (every, step) = (self.every, state.last_step);
-        if self.eager && step > every * (1.0 + ROUNDING) {
-            self.eager = false;
-            note(&format!(
-                "turbid: output.every = {every}: the step to time {} is {step} long, and frames come no more often than steps; \
-                 shorten them by time.step or time.travel for more",
-                state.time
-            ));
+    /// Says once that frames come later than the scene asks for: with the first step that reaches a multiple of its time between frames.
+    fn tell_of_steps(&mut self, state: &State<D>, sheared: bool) {
+        let (every, time) = (self.every, state.time);
+        let late = time - (time / every + ROUNDING).floor() * every;
+        if !self.eager || state.steps == 0 || late <= ROUNDING.max(1e-6) * every {
+            return;
         }
+        self.eager = false;
+        let why = if sheared { "; steps of a sheared box are whole numbers of the time in which its images slide by a cell" } else { "" };
+        let often = if state.last_step > every * (1.0 + ROUNDING) { " and no more often than steps" } else { "" };
+        note(&format!(
+            "turbid: output.every = {every}: frames come with the first step at or after each multiple of it{often}, this one at time {time} instead of \
+             {}{why}; a time.step that divides output.every keeps it exactly, shorter steps more nearly",
+            time - late
+        ));
     }
 }
 
 impl<const D: usize> Output<D> for FrameFiles<D> {
     fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
         let Some(motion) = seen.motion else { return Ok(()) };
-        self.tell_of_long_steps(motion.state());
         if !self.due(&motion) {
             return Ok(());
+        }
+        if !motion.last {
+            self.tell_of_steps(motion.state(), motion.domain().slide().is_some());
         }
         let state = motion.state();
         let written = state.written(seen.world);

@@ -50,6 +50,12 @@ impl RunLog {
         Ok(log)
     }
 
+    /// Says that the run has ended.
+    pub fn end(&mut self, told: &str) {
+        let since = if self.times[0] > 0.0 { "went on" } else { "started" };
+        self.line(&format!("{told}, {} after it {since}", duration(self.seconds())));
+    }
+
     /// Adds a line with the date; a log that cannot be written is given up.
     fn line(&mut self, text: &str) {
         let Some(file) = &mut self.file else { return };
@@ -95,7 +101,7 @@ impl<const D: usize> Output<D> for RunLog {
             Some(_) => format!("ended at time {} after {} steps", summary.time, summary.steps),
             None => "ended".to_owned(),
         };
-        self.line(&format!("{told}, {} after it {}", duration(self.seconds()), if self.times[0] > 0.0 { "went on" } else { "started" }));
+        self.end(&told);
         Ok(vec![LOG.to_owned()])
     }
 }

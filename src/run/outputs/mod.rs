@@ -6,7 +6,7 @@ mod forces;
 mod fields;
 mod frames;
 mod instant;
-mod log;
+pub mod log;
 mod pairs;
 mod picture;
 mod probe;
