@@ -11,8 +11,10 @@ use crate::{
 pub struct Film {
     /// Width and height of the box, whose lower left corner is the origin; `y` points up.
     pub size: [f64; 2],
-    /// Which directions are periodic; the others end at solid walls.
+    /// Which directions are periodic.
     pub periodic: [bool; 2],
+    /// Which directions end at solid walls.
+    pub walls: [bool; 2],
     /// What is coloured: the disks by their speed or by the chain they belong to, or the flow behind them by its vorticity.
     pub colour: Colour,
     /// What is written above the box.
@@ -45,7 +47,23 @@ impl Film {
     /// No frame yet of a box with this size, periodic in some directions.
     pub fn new(size: [f64; 2], periodic: [bool; 2], colour: Colour) -> Film {
         let (title, quantity) = (String::new(), String::new());
-        let plain = Film { size, periodic, colour, title, quantity, axes: ["x", "y"], unit: 1.0, least: 0.0, rate: None, balls: false, times: Vec::new(), coloured: Vec::new(), seen: 0, stride: 1 };
+        let plain = Film {
+            size,
+            periodic,
+            walls: periodic.map(|periodic| !periodic),
+            colour,
+            title,
+            quantity,
+            axes: ["x", "y"],
+            unit: 1.0,
+            least: 0.0,
+            rate: None,
+            balls: false,
+            times: Vec::new(),
+            coloured: Vec::new(),
+            seen: 0,
+            stride: 1,
+        };
         plain
     }
 
@@ -188,6 +206,7 @@ impl Plane {
             _ => (SpeedScale::name("speed", scale.words), scale.unit, scale.least),
         };
         Film {
+            walls: self.axes().map(|axis| matches!(scene.domain.axes[axis], AxisSection::Walls { .. })),
             title: scene.shown_title().to_owned(),
             axes: self.axes().map(|axis| ["x", "y", "z"][axis]),
             quantity,

@@ -42,7 +42,7 @@ pub fn picture<const D: usize>(
     let contacts: Vec<ForceLine<D>> = contacts.iter().filter(cut).copied().collect();
     let (lines, largest) = force_lines(&contacts, |vector| plane.within(vector));
     let strain = Shear::of(&setup.domain, &setup.drive).zip(time).map(|(shear, time)| format!("strain {:.4}", shear.rate.abs() * time));
-    let forces = (!lines.is_empty()).then(|| format!("contact forces as widths of lines, the widest {largest:.3e}"));
+    let forces = (!lines.is_empty()).then(|| format!("contact forces as widths of lines, the widest {largest:.4}"));
     let told = [time.map(|time| format!("time {time:.4}")), strain, plane.place(), forces];
     Ok(Picture {
         title: scene.shown_title().to_owned(),
@@ -50,6 +50,7 @@ pub fn picture<const D: usize>(
         axes: plane.names(),
         size: plane.size,
         periodic: plane.periodic,
+        walls: plane.walls,
         shift: plane.shift,
         bodies: disks(&plane, suspension, solution, &groups),
         bonds: bonds(&plane, suspension, solution),

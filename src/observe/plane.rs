@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 use crate::{
-    geometry::{Ball, Domain},
+    geometry::{Axis, Ball, Domain},
     grid::Grid,
     scene::Scene,
 };
@@ -30,6 +30,8 @@ pub struct CutPlane<const D: usize> {
     pub samples: [usize; 2],
     /// Which of them repeat.
     pub periodic: [bool; 2],
+    /// Which of them end at solid walls.
+    pub walls: [bool; 2],
     /// How far to the right the box above lies.
     pub shift: f64,
 }
@@ -45,8 +47,9 @@ impl<const D: usize> CutPlane<D> {
         let density = (SAMPLES / size[0].max(size[1])).min(SAMPLES_PER_CELL / grid.spacing().min());
         let samples = size.map(|length| (density * length).ceil().max(8.0) as usize);
         let periodic = axes.map(|axis| domain.periodic(axis));
+        let walls = axes.map(|axis| matches!(domain.axes[axis], Axis::Walls { .. }));
         let shift = if axes == [0, 1] { domain.shift() } else { 0.0 };
-        CutPlane { axes, through, size, samples, periodic, shift, domain: domain.clone() }
+        CutPlane { axes, through, size, samples, periodic, walls, shift, domain: domain.clone() }
     }
 
     /// Where it cuts the axis across it, in words; nothing in two dimensions.
@@ -98,8 +101,10 @@ pub struct Picture {
     pub axes: [&'static str; 2],
     /// Width and height of the box, whose lower left corner is the origin.
     pub size: [f64; 2],
-    /// Which directions are periodic; the others end at solid walls.
+    /// Which directions are periodic.
     pub periodic: [bool; 2],
+    /// Which directions end at solid walls.
+    pub walls: [bool; 2],
     /// How far to the right the box above lies, if it repeats.
     pub shift: f64,
     /// The bodies cut by the plane.

@@ -31,6 +31,7 @@ pub fn scalar_picture<const D: usize>(scene: &Scene, solved: &SolvedScalar<D>) -
         axes: plane.names(),
         size: plane.size,
         periodic: plane.periodic,
+        walls: plane.walls,
         shift: plane.shift,
         bodies: bodies.collect(),
         bonds: Vec::new(),

@@ -1,6 +1,6 @@
 //! What a run answers, in a few lines: the numbers that its scene is about. The terminal and the report show the same ones.
 
-use super::{MeanViscosity, Summary, summary::ViscositySummary};
+use super::{MeanSpeed, MeanViscosity, SettlingSummary, Summary, summary::ViscositySummary};
 
 /// One line of an answer.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,7 +25,13 @@ pub fn answers(summary: &Summary) -> Vec<Answer> {
     let viscosity = summary.viscosity.iter().flat_map(of_viscosity);
     let drag = summary.accuracy.as_ref().and_then(|accuracy| accuracy.drag);
     let of_accuracy = drag.map(|drag| Answer::new("drag", format!("{:.6} ± {}", drag.root_mean_square, bar(drag.bar))));
-    viscosity.chain(of_accuracy).chain(of_forces(summary)).chain(of_velocities(summary)).chain(of_flow(summary)).chain(of_scalar(summary)).collect()
+    viscosity
+        .chain(of_accuracy)
+        .chain(of_forces(summary))
+        .chain(of_velocities(summary))
+        .chain(of_flow(summary))
+        .chain(of_scalar(summary))
+        .collect()
 }
 
 fn of_viscosity(viscosity: &ViscositySummary) -> Vec<Answer> {
@@ -86,30 +92,47 @@ fn of_forces(summary: &Summary) -> Vec<Answer> {
     };
     let mut lines = vec![Answer::new(name, format!("{}   ({of})", vector(&forces.mean)))];
     lines.extend(forces.drag_ratio.map(|ratio| match forces.mean.len() {
-        2 => Answer::new("drag coefficient", format!("{ratio:.5} = F / (μ U), U past the body in the mean over the box")),
-        _ => Answer::new("drag ratio", format!("{ratio:.5} times Stokes' drag 6π μ a U, U past the body in the mean over the box")),
+        2 => Answer::new("drag coefficient", format!("{} = F / (μ U), U past the body in the mean over the box", number(ratio, 6))),
+        _ => {
+            Answer::new("drag ratio", format!("{} times Stokes' drag 6π μ a U, U past the body in the mean over the box", number(ratio, 6)))
+        }
     }));
     lines
 }
 
 fn of_velocities(summary: &Summary) -> Vec<Answer> {
-    let Some(velocities) = &summary.velocities else { return Vec::new() };
-    let mut lines = Vec::new();
-    if let Some(settling) = &velocities.settling {
-        let ratio = settling.stokes_ratio.map_or(String::new(), |ratio| format!(", {ratio:.5} of Stokes' velocity of one body alone"));
-        lines.push(Answer::new("settling speed", format!("{:.6} along gravity{ratio}", settling.speed)));
-    }
+    // bodies in a shear go with it: their mean says nothing
+    let Some(velocities) = summary.velocities.as_ref().filter(|_| summary.viscosity.is_none()) else { return Vec::new() };
+    let mut lines = velocities.settling.as_ref().map_or(Vec::new(), of_settling);
     let (name, spread) = match velocities.bodies {
         1 => ("body velocity", String::new()),
-        count => ("mean body velocity", format!("   (of {count} free bodies, which fluctuate by {:.3e})", velocities.fluctuation)),
+        count => ("mean body velocity", format!("   (of {count} free bodies, which fluctuate by {})", number(velocities.fluctuation, 4))),
     };
     lines.push(Answer::new(name, vector(&velocities.mean) + &spread));
     lines
 }
 
+fn of_settling(settling: &SettlingSummary) -> Vec<Answer> {
+    let ratio =
+        settling.stokes_ratio.map_or(String::new(), |ratio| format!(", {} of Stokes' velocity of one body alone", number(ratio, 5)));
+    let mut lines = Vec::new();
+    match (&settling.mean, &settling.too_short) {
+        (Some(MeanSpeed { mean, interval: [low, high], times: [from, to] }), _) => {
+            let half = bar(0.5 * (high - low));
+            lines.push(Answer::new("mean settling speed", format!("{mean:.6} ± {half} (95 %) from time {from:.4} to {to:.4}")));
+        }
+        (None, Some(short)) => lines.push(Answer::new("mean settling speed", short.text())),
+        (None, None) => {}
+    }
+    let when = if lines.is_empty() { "" } else { " at the end" };
+    lines.push(Answer::new("settling speed", format!("{} along gravity{when}{ratio}", number(settling.speed, 6))));
+    lines
+}
+
 fn of_flow(summary: &Summary) -> Vec<Answer> {
     let Some(flow) = &summary.flow else { return Vec::new() };
-    let velocity = || vec![Answer::new("mean flow velocity", vector(&flow.mean_velocity)), Answer::new("flow rate", vector(&flow.flow_rate))];
+    let velocity =
+        || vec![Answer::new("mean flow velocity", vector(&flow.mean_velocity)), Answer::new("flow rate", vector(&flow.flow_rate))];
     let gradient = || vec![Answer::new("pressure gradient", vector(&flow.pressure_gradient))];
     match flow.drive {
         "mean-velocity" => [gradient(), velocity()].concat(),
@@ -121,7 +144,10 @@ fn of_flow(summary: &Summary) -> Vec<Answer> {
 fn of_scalar(summary: &Summary) -> Vec<Answer> {
     let Some(scalar) = &summary.scalar else { return Vec::new() };
     let conduction = scalar.conduction.as_ref().map(|conduction| {
-        Answer::new("conductivity", format!("{:.6} of what is around the inclusions, mean flux {}", conduction.conductivity, vector(&conduction.mean_flux)))
+        Answer::new(
+            "conductivity",
+            format!("{:.6} of what is around the inclusions, mean flux {}", conduction.conductivity, vector(&conduction.mean_flux)),
+        )
     });
     conduction.into_iter().chain([Answer::new("energy", format!("{:.6}", scalar.energy))]).collect()
 }
@@ -135,12 +161,19 @@ pub(super) fn bar(half: f64) -> String {
 /// Components in six digits; those that are rounding beside the largest are 0.
 pub fn vector(components: &[f64]) -> String {
     let largest = components.iter().fold(0.0_f64, |largest, component| largest.max(component.abs()));
-    let number = |&component: &f64| match component.abs() {
-        size if size <= 1e-12 * largest => "0".to_owned(),
-        size if (1e-3..1e6).contains(&size) => format!("{component:.*}", (5 - size.log10().floor() as i32).clamp(0, 8) as usize),
-        _ => format!("{component:.5e}"),
+    let told = |&component: &f64| if component.abs() <= 1e-12 * largest { "0".to_owned() } else { number(component, 6) };
+    format!("({})", components.iter().map(told).collect::<Vec<_>>().join(", "))
+}
+
+/// A number in so many digits, with a power of ten if it is very large or small.
+pub fn number(value: f64, digits: usize) -> String {
+    let size = value.abs();
+    let text = match (1e-3..1e6).contains(&size) {
+        _ if value == 0.0 => "0".to_owned(),
+        true => format!("{value:.*}", (digits as i32 - 1 - size.log10().floor() as i32).max(0) as usize),
+        false => format!("{value:.*e}", digits - 1),
     };
-    format!("({})", components.iter().map(number).collect::<Vec<_>>().join(", ")).replace('-', "\u{2212}")
+    text.replace('-', "\u{2212}")
 }
 
 #[cfg(test)]

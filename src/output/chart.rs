@@ -8,8 +8,8 @@ mod notes;
 
 use std::fmt::Write;
 
-use self::frame::{Frame, PAGE, SIDE, finite};
 pub(super) use self::axis::Axis;
+use self::frame::{Frame, PAGE, SIDE, finite};
 pub use self::{
     frame::Scale,
     notes::{Band, Bar, Level, Mark, Notes},

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::TooShort;
 use crate::observe::{
     Viscosity,
     statistics::{Interval, Steady, mean_from, steady},
@@ -131,6 +132,11 @@ impl CurvePoint {
         };
         lines.map(point).collect()
     }
+}
+
+/// Why a viscosity over the strain has no mean.
+pub fn viscosity_too_short(curve: &[CurvePoint]) -> TooShort {
+    TooShort::of("strain", &curve.iter().map(|point| (point.strain.abs(), point.relative())).collect::<Vec<_>>())
 }
 
 impl MeanViscosity {

@@ -38,7 +38,7 @@ pub use body_summary::{BODY_TABLE, BodySummary, MOST_LISTED, write_bodies};
 pub use chart::{Band, Bar, Chart, Level, Mark, Notes, Scale, Series};
 pub use checkpoint::{Checkpoint, CheckpointWriter, checksum_of};
 pub use clock::{date, duration};
-pub use curve::{CurvePoint, MeanViscosity};
+pub use curve::{CurvePoint, MeanViscosity, viscosity_too_short};
 pub use effort::effort_chart;
 pub use file::{prepare_folder, remove_file, write_whole, write_whole_with};
 pub use finite::{check_finite, not_finite};
@@ -46,7 +46,7 @@ pub use frames::{
     Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameFields, FrameFile, FrameMembranes, Frames, StoredFrame, read_frames,
 };
 pub use lock::FolderLock;
-pub use motions::{ForceSummary, SettlingSummary, VelocitySummary};
+pub use motions::{ForceSummary, MeanSpeed, SettlingSummary, VelocitySummary};
 pub use pairs::{PairSummary, pair_files};
 pub use picture::escaped;
 pub use progress::{Progress, TimeProgress};

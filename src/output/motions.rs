@@ -3,9 +3,13 @@
 use nalgebra::SVector;
 use serde::Serialize;
 
+use super::TooShort;
 use crate::{
     body::{Body, Motion},
-    observe::Shear,
+    observe::{
+        Shear,
+        statistics::{Interval, Steady, steady},
+    },
     scene::Scene,
     simulation::{BodyState, Setup, Simulation, Solution},
 };
@@ -41,13 +45,40 @@ pub struct VelocitySummary {
 }
 
 /// How bodies sink.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SettlingSummary {
     /// Mean velocity along gravity.
     pub speed: f64,
-    /// The same over that of a single body in an unbounded fluid, `F / (6 pi mu a)`; nothing in two dimensions, where there is none, nor for bodies
+    /// Mean of that speed over the steady part of a run in time; nothing while it has none.
+    pub mean: Option<MeanSpeed>,
+    /// Why a run in time has none.
+    pub too_short: Option<TooShort>,
+    /// The speed at the end over that of a single body in an unbounded fluid, `F / (6 pi mu a)`; nothing in two dimensions, where there is none, nor for bodies
     /// that differ in weight or radius.
     pub stokes_ratio: Option<f64>,
+}
+
+/// A mean over the steady part of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MeanSpeed {
+    /// The mean.
+    pub mean: f64,
+    /// Lowest and highest value that 95 % confidence leaves.
+    pub interval: [f64; 2],
+    /// Times where the steady part begins and ends.
+    pub times: [f64; 2],
+}
+
+impl SettlingSummary {
+    /// Adds the mean of a speed over time.
+    pub fn attach(&mut self, curve: &[(f64, f64)]) {
+        match steady(curve) {
+            Some(Steady { from, to, interval: Interval { mean, half_width, .. } }) => {
+                self.mean = Some(MeanSpeed { mean, interval: [mean - half_width, mean + half_width], times: [from, to] });
+            }
+            None => self.too_short = Some(TooShort::of("time", curve)),
+        }
+    }
 }
 
 impl ForceSummary {
@@ -58,9 +89,8 @@ impl ForceSummary {
         let (first, _) = given().next()?;
         let mean = given().map(|(_, state)| state.force).sum::<SVector<f64, D>>() / count as f64;
         let square = given().map(|(_, state)| state.force.norm_squared()).sum::<f64>() / count as f64;
-        let alike = given().all(|(one, state)| {
-            same(one.body.ball.radius, first.body.ball.radius) && (state.twist.velocity - velocity(&first.body)).norm() == 0.0
-        });
+        let alike =
+            given().all(|(one, _)| same(one.body.ball.radius, first.body.ball.radius) && velocity(&one.body) == velocity(&first.body));
         let past = solution.mean_velocity - velocity(&first.body);
         let sheared = Shear::of(&setup.domain, &setup.drive).is_some();
         let unit = setup.viscosity * past.norm() * if D == 3 { 6.0 * std::f64::consts::PI * first.body.ball.radius } else { 1.0 };
@@ -87,7 +117,7 @@ impl VelocitySummary {
         summary.settling = down.filter(|_| drawn).map(|gravity| {
             let speed = SVector::<f64, D>::from_column_slice(&summary.mean).dot(&gravity) / gravity.norm();
             let stokes = (D == 3 && alike).then(|| speed / alone(&first.body));
-            SettlingSummary { speed, stokes_ratio: stokes.filter(|ratio| ratio.is_finite()) }
+            SettlingSummary { speed, mean: None, too_short: None, stokes_ratio: stokes.filter(|ratio| ratio.is_finite()) }
         });
         Some(summary)
     }

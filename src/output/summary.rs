@@ -2,9 +2,11 @@
 
 use serde::Serialize;
 
-use super::curve::parts_of;
 use super::body_summary::{BodySummary, ListedBodies, MOST_LISTED, OtherBodies};
-use super::{AccuracySummary, DragSummary, ForceSummary, MeanViscosity, PairSummary, ParallelSummary, ScalarSummary, TooShort, VelocitySummary};
+use super::curve::parts_of;
+use super::{
+    AccuracySummary, DragSummary, ForceSummary, MeanViscosity, PairSummary, ParallelSummary, ScalarSummary, TooShort, VelocitySummary,
+};
 use crate::{
     flow::{Drive, InverseMethod},
     geometry::Ball,
@@ -343,6 +345,21 @@ impl LubricationSummary {
     fn new<const D: usize>(lubrication: &Lubrication<D>) -> LubricationSummary {
         let Lubrication { films, smallest_gap, imbalance, .. } = *lubrication;
         LubricationSummary { films, smallest_gap: (films > 0).then_some(smallest_gap), imbalance }
+    }
+}
+
+impl LubricationSummary {
+    /// In words.
+    pub fn text(&self) -> String {
+        let gap = self.smallest_gap.map_or(String::new(), |gap| format!(", smallest gap {gap:.2e} radii"));
+        format!("{}{gap}", self.films)
+    }
+}
+
+impl InertiaSummary {
+    /// In words.
+    pub fn text(&self) -> String {
+        format!("Reynolds number {:.4}, Stokes number {:.4}, kinetic energy {:.4e}", self.reynolds, self.stokes, self.kinetic_energy)
     }
 }
 

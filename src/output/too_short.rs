@@ -1,8 +1,7 @@
-//! Why a run has no mean viscosity.
+//! Why a run has no mean.
 
 use serde::Serialize;
 
-use super::CurvePoint;
 use crate::observe::statistics::Shortage;
 
 /// Why a run is too short for a mean.
@@ -10,26 +9,28 @@ use crate::observe::statistics::Shortage;
 pub struct TooShort {
     /// The reason.
     pub reason: &'static str,
-    /// About how much more strain it takes, at least, if that can be told.
-    pub further_strain: Option<f64>,
+    /// About how much further it must go, at least, if that can be told.
+    pub further: Option<f64>,
+    /// What that is measured in: `strain` or `time`.
+    pub unit: &'static str,
 }
 
 impl TooShort {
-    /// Of a viscosity over the strain that has no steady mean.
-    pub fn of(curve: &[CurvePoint]) -> TooShort {
-        let points: Vec<(f64, f64)> = curve.iter().map(|point| (point.strain.abs(), point.relative())).collect();
-        let shortage = Shortage::of(&points);
+    /// Of a curve over strain or time that has no steady mean.
+    pub fn of(unit: &'static str, curve: &[(f64, f64)]) -> TooShort {
+        let shortage = Shortage::of(curve);
         let reason = match shortage {
-            Shortage::FewSamples(..) => "it has too few steps",
+            Shortage::FewSamples(_) => "it has too few steps",
             Shortage::Drift(_) => "it still drifts",
             Shortage::Memory(_) => "its fluctuations last too long",
         };
-        TooShort { reason, further_strain: shortage.further() }
+        TooShort { reason, further: shortage.further(), unit }
     }
 
     /// In words.
     pub fn text(&self) -> String {
-        let further = self.further_strain.map_or(String::new(), |strain| format!("; about {} more strain is needed, at least", digits(strain)));
+        let further =
+            self.further.map_or(String::new(), |further| format!("; about {} more {} is needed, at least", digits(further), self.unit));
         format!("none yet: the run is too short, {}{further}", self.reason)
     }
 }
@@ -38,4 +39,17 @@ impl TooShort {
 fn digits(number: f64) -> String {
     let places = (1.0 - number.log10().floor()).clamp(0.0, 12.0) as usize;
     format!("{number:.places$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_that_drifts_needs_as_much_again() {
+        let curve: Vec<(f64, f64)> = (0..=200).map(|step| 0.01 * f64::from(step)).map(|time| (time, time)).collect();
+        let told = TooShort::of("time", &curve).text();
+        assert_eq!(told, "none yet: the run is too short, it still drifts; about 2.0 more time is needed, at least");
+        assert_eq!(TooShort::of("strain", &[]).text(), "none yet: the run is too short, it has too few steps");
+    }
 }

@@ -17,11 +17,9 @@ mod tests {
 
     #[test]
     fn words_that_a_shell_would_change_are_quoted() {
-        assert_eq!(["a/b.toml", "time.end=3", "output.colour=\"speed\"", "it's"].map(quoted), [
-            "a/b.toml",
-            "time.end=3",
-            "'output.colour=\"speed\"'",
-            "'it'\\''s'"
-        ]);
+        assert_eq!(
+            ["a/b.toml", "time.end=3", "output.colour=\"speed\"", "it's"].map(quoted),
+            ["a/b.toml", "time.end=3", "'output.colour=\"speed\"'", "'it'\\''s'"]
+        );
     }
 }

@@ -8,7 +8,9 @@ use std::{
 
 use super::command::command;
 use crate::{
-    output::{Answer, Facts, Image, KNOWN_FILES, LOG, MeanViscosity, Page, Parts, Standing, Summary, Table, answers, bodies_table, date, duration},
+    output::{
+        Answer, Facts, Image, KNOWN_FILES, LOG, MeanViscosity, Page, Parts, Standing, Summary, Table, answers, bodies_table, date, duration,
+    },
     parallel::Machine,
     scene::Scene,
 };
@@ -19,7 +21,7 @@ const TABLES: [&str; 3] = ["series.csv", "forces.csv", "pairs.csv"];
 const IMAGES: [&str; 2] = ["picture.svg", "picture.png"];
 /// Lines of the log that are shown.
 const LINES: usize = 25;
-/// Largest image that is shown, in bytes.
+/// Largest image that is shown, in bytes; others are named.
 const LARGEST: usize = 8 << 20;
 
 /// What is known of a run from its start on; on the first rank.
@@ -72,9 +74,12 @@ impl PageOfRun {
             Some(_) => format!("at time {} after {} steps, {}", summary.time, summary.steps, date(SystemTime::now())),
             None => date(SystemTime::now()),
         };
-        let image = |&name: &&'static str| Some(Image { name, bytes: fs::read(self.folder.join(name)).ok()? });
+        let image = |&name: &&'static str| {
+            let bytes = fs::read(self.folder.join(name)).ok()?;
+            Some(Image { name, bytes: if bytes.len() > LARGEST { Vec::new() } else { bytes } })
+        };
         Page {
-            images: IMAGES.iter().filter_map(image).filter(|image| image.bytes.len() <= LARGEST).collect(),
+            images: IMAGES.iter().filter_map(image).collect(),
             parts: parts(summary, mean.as_ref()),
             bodies: bodies_table(summary),
             facts: self.facts(Some(summary)),
@@ -124,7 +129,8 @@ impl PageOfRun {
 }
 
 fn scene_facts(summary: &Summary) -> Facts {
-    let mut facts = vec![("bodies", summary.body_count().max(summary.scalar.as_ref().map_or(0, |scalar| scalar.inclusions.len())).to_string())];
+    let mut facts =
+        vec![("bodies", summary.body_count().max(summary.scalar.as_ref().map_or(0, |scalar| scalar.inclusions.len())).to_string())];
     facts.push(("fraction of the box", format!("{:.4}", summary.fraction)));
     if let Some(motion) = &summary.motion {
         let [shortest, longest] = motion.steps;
@@ -135,6 +141,8 @@ fn scene_facts(summary: &Summary) -> Facts {
         facts.push(("accuracy asked for", accuracy.asked.to_string()));
         facts.push(("cells per radius", accuracy.cells_per_radius.to_string()));
     }
+    facts.extend(summary.lubrication.as_ref().map(|lubrication| ("films between bodies", lubrication.text())));
+    facts.extend(summary.inertia.as_ref().map(|inertia| ("inertia", inertia.text())));
     facts.extend(summary.pairs.map(|pairs| ("coordination", format!("{:.3} neighbours of a body", pairs.coordination))));
     Facts { title: "Suspension", facts }
 }

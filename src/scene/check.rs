@@ -58,7 +58,13 @@ fn check_plane(scene: &Scene) -> Result<()> {
     let Some(place) = scene.output.plane_at else { return Ok(()) };
     let depth = scene.depth_of_pictures().unwrap_or(0);
     let size = scene.domain.size[depth];
-    expect(scene, (0.0..=size).contains(&place), "output.plane_at", place, &format!("must lie in the box, from 0 to {size} along {}", name(depth)))
+    expect(
+        scene,
+        (0.0..=size).contains(&place),
+        "output.plane_at",
+        place,
+        &format!("must lie in the box, from 0 to {size} along {}", name(depth)),
+    )
 }
 
 /// Refuses what an inflow and an outflow do not go with.

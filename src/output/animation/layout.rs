@@ -25,7 +25,7 @@ pub struct PageLayout {
     pub scale: f64,
     corner: [usize; 2],
     extent: [usize; 2],
-    periodic: [bool; 2],
+    walls: [bool; 2],
     /// Whether there are words.
     words: bool,
 }
@@ -41,7 +41,7 @@ impl PageLayout {
         let scale = scales[0].min(scales[1]);
         let extent = film.size.map(|length| (length * scale).round().max(1.0) as usize);
         let page = [extent[0] + border[0], extent[1] + border[1]];
-        PageLayout { page, scale, corner: [MARGIN, MARGIN + line], extent, periodic: film.periodic, words }
+        PageLayout { page, scale, corner: [MARGIN, MARGIN + line], extent, walls: film.walls, words }
     }
 
     /// The pixel of a point of the box.
@@ -129,7 +129,7 @@ impl PageLayout {
 
     /// Thick lines outside the box that meet where both directions have walls.
     fn fill_walls(&self, canvas: &mut Canvas) {
-        let [across, along] = self.periodic.map(|periodic| if periodic { 0 } else { WALL });
+        let [across, along] = self.walls.map(|wall| if wall { WALL } else { 0 });
         if across + along > 0 {
             self.fill_grown(canvas, [across, along], palette::INK);
         }

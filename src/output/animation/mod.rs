@@ -268,7 +268,13 @@ mod tests {
         let film = Film::new([2.0, 1.0], [true, false], Colour::Vorticity);
         let cut = FlowCut { cells: [2, 1], values: vec![-1.0, 1.0] };
         assert_eq!([[0.1, 0.5], [0.5, 0.5], [0.625, 0.2], [1.0, 0.9]].map(|parts| cut.at(parts)), [-1.0, 0.0, 0.5, 1.0]);
-        let frames = [0.0, 1.0].map(|time| AnimationFrame { time, shift: 0.0, disks: vec![disk(1.0, 9.0)], contacts: Vec::new(), vorticity: Some(cut.clone()) });
+        let frames = [0.0, 1.0].map(|time| AnimationFrame {
+            time,
+            shift: 0.0,
+            disks: vec![disk(1.0, 9.0)],
+            contacts: Vec::new(),
+            vorticity: Some(cut.clone()),
+        });
         let (layout, mut of_all) = (PageLayout::new(&film, 228), film.clone());
         frames.iter().for_each(|frame| of_all.add(frame));
         assert_eq!(of_all.coloured, [-1.0, 1.0, -1.0, 1.0]);

@@ -5,8 +5,8 @@
 
 use std::collections::HashMap;
 
-use super::canvas::mix;
 use super::super::picture::bar::Bar;
+use super::canvas::mix;
 use super::colour::{DISTINCT, DIVERGING, SEQUENTIAL};
 use crate::scene::Colour;
 
@@ -111,7 +111,10 @@ impl Palette {
             (Colour::Chain | Colour::Species, true) => DISTINCT.into_iter().chain([DARK]).flat_map(on_balls).collect(),
             (Colour::Vorticity, balls) => {
                 let tones = (0..TONES).map(|level| tone(level as f64 / (TONES - 1) as f64));
-                tones.chain((1..STEPS).map(|step| mix(INK, PAPER, step as f64 / STEPS as f64))).chain(on_balls(DARK).take(if balls { LIGHTS } else { 0 })).collect()
+                tones
+                    .chain((1..STEPS).map(|step| mix(INK, PAPER, step as f64 / STEPS as f64)))
+                    .chain(on_balls(DARK).take(if balls { LIGHTS } else { 0 }))
+                    .collect()
             }
         };
         let greys = (1..GREYS).map(|step| mix(INK, PAGE, step as f64 / GREYS as f64));

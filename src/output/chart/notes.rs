@@ -95,7 +95,9 @@ impl Notes {
         let [left, top, foot] = [frame.left, frame.top, frame.foot];
         let [name, left_out] = [&band.name, &band.left_out].map(|text| escaped(text));
         let told = match from - left > 7.0 * band.left_out.chars().count() as f64 {
-            true => format!("<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"11\" fill-opacity=\"0.7\">{left_out}</text>\n", left + 5.0, foot - 7.0),
+            true => {
+                format!("<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"11\" fill-opacity=\"0.7\">{left_out}</text>\n", left + 5.0, foot - 7.0)
+            }
             false => String::new(),
         };
         format!(

@@ -17,7 +17,8 @@ pub fn axes(names: [&str; 2], size: [f64; 2], frame: &Frame) -> String {
     for tick in across.ticks() {
         let x = frame.left + across.part(tick) * frame.size[0];
         let _ = write!(ticks, "M{x:.1} {foot:.1}v{TICK}");
-        let _ = writeln!(words, "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>", foot + NUMBER + 11.0, across.label(tick));
+        let _ =
+            writeln!(words, "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>", foot + NUMBER + 11.0, across.label(tick));
     }
     let left = frame.left - frame.wall;
     for tick in up.ticks() {

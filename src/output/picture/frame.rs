@@ -35,7 +35,7 @@ impl Frame {
         let scale = (room[0] / picture.size[0]).min(room[1] / picture.size[1]);
         let size = picture.size.map(|length| (length * scale).max(1.0));
         let page = [(size[0] + AXIS[0] + BAR_ROOM).max(LEAST_WIDTH), size[1] + top + AXIS[1]].map(f64::ceil);
-        let wall = if picture.periodic == [true, true] { 0.0 } else { WALL };
+        let wall = if picture.walls == [false, false] { 0.0 } else { WALL };
         Frame { page, left: AXIS[0], top, size, wall, scale }
     }
 
@@ -48,4 +48,3 @@ impl Frame {
         format!("x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"", self.left, self.top, self.size[0], self.size[1])
     }
 }
-

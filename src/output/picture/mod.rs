@@ -80,6 +80,7 @@ mod tests {
             axes: ["x", "y"],
             size: [2.0, 1.0],
             periodic: [true, false],
+            walls: [false, true],
             shift: 0.0,
             bodies: Vec::new(),
             bonds: Vec::new(),

@@ -207,16 +207,16 @@ fn speed(disk: &Disk) -> f64 {
 fn edges(picture: &Picture, frame: &Frame) -> String {
     let [width, height] = frame.size;
     let mut text = format!("<rect {} fill=\"none\" stroke=\"{INK}\" stroke-opacity=\"0.55\" stroke-width=\"0.8\"/>\n", frame.rectangle());
-    let reach = picture.periodic.map(|periodic| if periodic { 0.4 } else { WALL });
+    let reach = picture.walls.map(|wall| if wall { WALL } else { 0.4 });
     let mut wall = |x: f64, y: f64, size: Point| {
         let [x, y] = [frame.left + x, frame.top + y];
         let _ = writeln!(text, "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{:.1}\"/>", size[0], size[1]);
     };
-    if !picture.periodic[0] {
+    if picture.walls[0] {
         let size = [WALL, height + 2.0 * reach[1]];
         [-WALL, width].into_iter().for_each(|x| wall(x, -reach[1], size));
     }
-    if !picture.periodic[1] {
+    if picture.walls[1] {
         let size = [width + 2.0 * reach[0], WALL];
         [-WALL, height].into_iter().for_each(|y| wall(-reach[0], y, size));
     }
@@ -240,7 +240,10 @@ fn colour_bar(quantity: &str, frame: &Frame, bar: &Bar) -> String {
     let unit = power(bar.exponent);
     let font = (1.8 * frame.page[1] / quantity.chars().count() as f64).clamp(7.0, 13.5);
     let quantity = escaped(quantity);
-    let _ = writeln!(text, "<text transform=\"translate({x:.1} {y:.1}) rotate(-90)\" text-anchor=\"middle\" font-size=\"{font:.1}\">{quantity}{unit}</text>\n</g>");
+    let _ = writeln!(
+        text,
+        "<text transform=\"translate({x:.1} {y:.1}) rotate(-90)\" text-anchor=\"middle\" font-size=\"{font:.1}\">{quantity}{unit}</text>\n</g>"
+    );
     text
 }
 
@@ -346,7 +349,12 @@ mod tests {
     #[test]
     fn walls_lie_along_the_edges_that_do_not_repeat() {
         let count = |periodic| {
-            edges(&Picture { periodic, ..uniform_flow([1.0, 0.0]) }, &Frame::new(&uniform_flow([1.0, 0.0]))).matches("<rect").count()
+            edges(
+                &Picture { walls: periodic.map(|periodic| !periodic), ..uniform_flow([1.0, 0.0]) },
+                &Frame::new(&uniform_flow([1.0, 0.0])),
+            )
+            .matches("<rect")
+            .count()
         };
         assert_eq!([[true, true], [true, false], [false, false]].map(count), [1, 3, 5]);
     }

@@ -21,7 +21,8 @@ pub fn bodies_table(summary: &Summary) -> Option<(Vec<String>, Vec<Vec<String>>)
         Value::Number(number) => number.to_string(),
         _ => String::new(),
     };
-    let row = |(number, body): (usize, &Value)| [number.to_string()].into_iter().chain(COLUMNS.iter().map(|name| text(&body[name]))).collect();
+    let row =
+        |(number, body): (usize, &Value)| [number.to_string()].into_iter().chain(COLUMNS.iter().map(|name| text(&body[name]))).collect();
     let bodies = serde_json::to_value(&summary.bodies).ok()?;
     let header = ["body"].iter().chain(&COLUMNS).map(|&name| name.to_owned()).collect();
     Some((header, bodies.as_array()?.iter().enumerate().map(row).collect()))

@@ -45,7 +45,8 @@ const fn group(title: &'static str, beginnings: &'static [&'static str]) -> Grou
 }
 
 /// Charts in the order of the page; a column is in the first that takes it.
-const GROUPS: [Group; 20] = [
+const GROUPS: [Group; 22] = [
+    group("Parts of the relative viscosity", &["viscosity_"]),
     group("Relative viscosity", &["viscosity"]),
     group("Normal stresses over viscosity and rate", &["first_normal", "second_normal", "particle_pressure"]),
     group("Stress", &["stress"]),
@@ -64,12 +65,13 @@ const GROUPS: [Group; 20] = [
     group("Sum of contact forces", &["contact_force"]),
     group("Smallest gap in radii", &["smallest_gap"]),
     group("Length of steps", &["last_step"]),
-    group("Solver: solves, iterations and seconds of a step", &["iterations", "solves", "seconds", "contact_iterations"]),
+    group("Solves and iterations of a step", &["iterations", "solves", "contact_iterations"]),
+    group("Seconds of wall time of a step", &["seconds"]),
     Group { title: "Residual of contacts", beginnings: &["kkt_residual"], logarithmic: true },
 ];
 
-/// Columns that are no ordinates.
-const ABSCISSAS: [&str; 4] = ["step", "time", "strain", "separation"];
+/// Columns that are shown only if they are chosen.
+const HIDDEN: [&str; 5] = ["step", "time", "strain", "separation", "contact_solver"];
 
 /// The charts of tables, those of the first table first.
 pub fn charts(tables: &[Table], mean: Option<&MeanViscosity>) -> Vec<ChartOfTable> {
@@ -83,12 +85,12 @@ fn of_table(number: usize, table: &Table, mean: Option<&MeanViscosity>) -> Vec<C
         return vec![ChartOfTable { title: "Pair distribution g(r)", table: number, x: "separation", y, logarithmic: false, band: None }];
     }
     let group_of = |column: &str| GROUPS.iter().position(|group| group.beginnings.iter().any(|beginning| column.starts_with(beginning)));
-    let ordinates = || table.columns.iter().filter(|column| !ABSCISSAS.contains(&column.as_str()));
+    let ordinates = || table.columns.iter().filter(|column| !HIDDEN.contains(&column.as_str()));
     let chart = |place: Option<usize>| {
         let y: Vec<String> = ordinates().filter(|column| group_of(column) == place).cloned().collect();
         let title = place.map_or("Other columns", |place| GROUPS[place].title);
-        let strained = place.is_some_and(|place| place < 3) && has("strain");
-        let band = mean.filter(|_| place == Some(0) && strained).map(|mean| Band {
+        let strained = place.is_some_and(|place| place < 4) && has("strain");
+        let band = mean.filter(|_| place == Some(1) && strained).map(|mean| Band {
             from_to: mean.strains,
             mean: mean.relative,
             interval: mean.interval,
@@ -96,7 +98,8 @@ fn of_table(number: usize, table: &Table, mean: Option<&MeanViscosity>) -> Vec<C
         let logarithmic = place.is_some_and(|place| GROUPS[place].logarithmic);
         (!y.is_empty()).then_some(ChartOfTable { title, table: number, x: if strained { "strain" } else { "time" }, y, logarithmic, band })
     };
-    (0..GROUPS.len()).map(Some).chain([None]).filter_map(chart).collect()
+    // the whole before its parts
+    [1, 0].into_iter().chain(2..GROUPS.len()).map(Some).chain([None]).filter_map(chart).collect()
 }
 
 #[cfg(test)]
@@ -117,7 +120,8 @@ mod tests {
         let charts = charts(&tables, None);
         let told: Vec<(&str, &str, usize)> = charts.iter().map(|chart| (chart.title, chart.x, chart.y.len())).collect();
         let expected = [
-            ("Relative viscosity", "strain", 2),
+            ("Relative viscosity", "strain", 1),
+            ("Parts of the relative viscosity", "strain", 1),
             ("Contacts", "time", 1),
             ("Sum of contact forces", "time", 1),
             ("Other columns", "time", 1),

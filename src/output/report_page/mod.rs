@@ -50,7 +50,7 @@ pub struct Facts {
 pub struct Image {
     /// Name of its file, which ends with `.svg` or `.png`.
     pub name: &'static str,
-    /// Its contents.
+    /// Its contents; nothing if they are too large for a page.
     pub bytes: Vec<u8>,
 }
 
@@ -111,7 +111,8 @@ mod tests {
     use super::*;
 
     fn page() -> Page {
-        let table = |name: &str| Table { name: name.into(), columns: vec!["time".into()], values: vec![vec![Some(0.5)]], rows: 9, stretch: 1 };
+        let table =
+            |name: &str| Table { name: name.into(), columns: vec!["time".into()], values: vec![vec![Some(0.5)]], rows: 9, stretch: 1 };
         Page {
             title: "A < B & C".into(),
             standing: Standing::Ended,

@@ -26,7 +26,9 @@ pub fn body(page: &Page) -> String {
 fn heading(page: &Page) -> String {
     let (class, word, told) = match &page.standing {
         Standing::Ended => ("state", "ended", String::new()),
-        Standing::UnderWay => ("state open", "has not ended", "the run is under way, or was killed; this page is renewed while it runs".into()),
+        Standing::UnderWay => {
+            ("state open", "has not ended", "the run is under way, or was killed; this page is renewed while it runs".into())
+        }
         Standing::Broken(reason) => ("state open", "has not ended", reason.clone()),
     };
     let answers = page.answers.iter().map(|answer| item(answer.name, &answer.value)).collect::<String>();
@@ -45,6 +47,9 @@ fn item(name: &str, value: &str) -> String {
 
 fn image(image: &Image) -> String {
     let name = image.name;
+    if image.bytes.is_empty() {
+        return format!("<p class=\"soft\"><a href=\"{name}\">{name}</a> is too large to be shown on this page.</p>\n");
+    }
     let shown = match std::str::from_utf8(&image.bytes) {
         Ok(text) if name.ends_with(".svg") => text.to_owned(),
         _ => format!("<img alt=\"{name}\" src=\"data:image/png;base64,{}\">\n", base64(&image.bytes)),
@@ -83,13 +88,10 @@ fn parts(Parts { title, parts, decimals }: &Parts) -> String {
         let share = if total == 0.0 { String::new() } else { format!("{:.1} %", 100.0 * value / total) };
         format!("<tr{class}><td>{name}</td><td>{value:.decimals$}</td><td>{share}</td></tr>\n")
     };
-    let rows = coloured().map(|((name, value), colour)| row("", format!("<i style=\"background: {colour}\"></i>{}", escaped(name)), *value));
+    let rows =
+        coloured().map(|((name, value), colour)| row("", format!("<i style=\"background: {colour}\"></i>{}", escaped(name)), *value));
     let sum = row(" class=\"total\"", "sum".into(), total);
-    format!(
-        "<h2>{title}</h2>\n<div class=\"bar\">{}</div>\n<table>\n{}{sum}</table>\n",
-        bar.collect::<String>(),
-        rows.collect::<String>()
-    )
+    format!("<h2>{title}</h2>\n<div class=\"bar\">{}</div>\n<table>\n{}{sum}</table>\n", bar.collect::<String>(), rows.collect::<String>())
 }
 
 fn bodies(page: &Page) -> String {

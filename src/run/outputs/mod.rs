@@ -2,8 +2,8 @@
 
 mod charts;
 mod checkpoint;
-mod forces;
 mod fields;
+mod forces;
 mod frames;
 mod instant;
 pub mod log;
@@ -13,6 +13,7 @@ mod probe;
 mod progress;
 mod report;
 mod series;
+mod settling;
 mod step_table;
 
 use std::path::Path;
@@ -62,6 +63,9 @@ pub fn outputs<const D: usize>(
     all.extend(probe);
     if scene.output.picture {
         all.push(Box::new(charts::EffortChart { folder: path() }));
+    }
+    if scene.gravity.is_some() {
+        all.push(Box::new(settling::MeanSettling { folder: path() }));
     }
     all.extend(picture.into_iter().chain(pairs).chain([log]).chain(report));
     Ok((all, points))

@@ -7,7 +7,7 @@ use std::{
 
 use crate::{
     error::{Error, Result},
-    output::{Answer, MeanViscosity, REPORT, Standing, Summary, TooShort, date, duration, note, write_whole},
+    output::{Answer, MeanViscosity, REPORT, Standing, Summary, date, duration, note, viscosity_too_short, write_whole},
     parallel::World,
     run::{Evaluated, Output, page::PageOfRun},
     scene::Scene,
@@ -24,36 +24,29 @@ pub struct ReportFile {
     page: Option<PageOfRun>,
     folder: PathBuf,
     written: Option<(Instant, f64)>,
-    /// How far the run is, and what it answers so far.
-    so_far: (String, Vec<Answer>, Option<MeanViscosity>),
+    /// How far the run is.
+    reached: String,
+    /// What it answers so far.
+    answers: (Vec<Answer>, Option<MeanViscosity>),
 }
 
 impl ReportFile {
     /// For a scene's run in a folder.
     pub fn new(world: &World, scene: &Scene, folder: &Path) -> ReportFile {
         let page = (world.rank() == 0).then(|| PageOfRun::new(scene, folder, world.size()));
-        ReportFile { page, folder: folder.to_owned(), written: None, so_far: (String::new(), Vec::new(), None) }
+        ReportFile { page, folder: folder.to_owned(), written: None, reached: String::new(), answers: (Vec::new(), None) }
     }
 
     fn due(&self) -> bool {
         self.written.is_none_or(|(when, took)| when.elapsed().as_secs_f64() > MINUTE.max(PATIENCE * took))
     }
 
-    /// Takes note of where the run is.
-    fn look<const D: usize>(&mut self, seen: &Evaluated<D>) {
-        let Some(motion) = &seen.motion else { return };
-        let (state, end) = (motion.state(), seen.scene.end());
-        let so_far = format!("time {:.6} of {end}, step {}, after {}", state.time, state.steps, duration(motion.statistics.motion().seconds));
-        let mean = seen.history.mean().copied();
-        self.so_far = (so_far, answers_so_far(seen, mean.as_ref()), mean);
-    }
-
     /// Writes the page of a run that has not ended; one that cannot be written stops no run.
     fn renew(&mut self, standing: Standing) {
         let Some(page) = &self.page else { return };
         let start = Instant::now();
-        let (so_far, answers, mean) = self.so_far.clone();
-        let written = format!("{so_far}{}written {}", if so_far.is_empty() { "" } else { "; " }, date(SystemTime::now()));
+        let (answers, mean) = self.answers.clone();
+        let written = format!("{}; written {}", self.reached, date(SystemTime::now()));
         let html = page.unfinished(standing, written, answers, mean).html();
         if let Err(error) = write_whole(&self.folder.join(REPORT), html.as_bytes()) {
             note(&format!("turbid: {error}; the run goes on"));
@@ -67,7 +60,7 @@ fn answers_so_far<const D: usize>(seen: &Evaluated<D>, mean: Option<&MeanViscosi
     let Some(viscosity) = &seen.viscosity else { return Vec::new() };
     let value = match mean {
         Some(mean) => format!("{:.4} ± {:.1e} so far", mean.relative, mean.half_width()),
-        None => TooShort::of(seen.history.points()).text(),
+        None => viscosity_too_short(seen.history.points()).text(),
     };
     vec![
         Answer { name: "mean viscosity", value },
@@ -77,12 +70,14 @@ fn answers_so_far<const D: usize>(seen: &Evaluated<D>, mean: Option<&MeanViscosi
 
 impl<const D: usize> Output<D> for ReportFile {
     fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
-        let last = seen.motion.is_none_or(|motion| motion.last);
-        if self.page.is_some() && !last {
-            if self.due() {
-                self.look(seen);
-                self.renew(Standing::UnderWay);
-            }
+        let Some(motion) = seen.motion.filter(|_| self.page.is_some()) else { return Ok(()) };
+        let (state, end) = (motion.state(), seen.scene.end());
+        self.reached =
+            format!("time {:.6} of {end}, step {}, after {}", state.time, state.steps, duration(motion.statistics.motion().seconds));
+        if !motion.last && self.due() {
+            let mean = seen.history.mean().copied();
+            self.answers = (answers_so_far(seen, mean.as_ref()), mean);
+            self.renew(Standing::UnderWay);
         }
         Ok(())
     }

@@ -9,8 +9,20 @@ use crate::scene::table::Table;
 const FEWEST_POINTS: u64 = 2;
 const MOST_POINTS: usize = 1000;
 
-const KEYS: [&str; 12] =
-    ["picture", "report", "plane", "plane_at", "colour", "every", "fields", "vorticity", "checkpoint", "probe", "pairs", "reference_velocity"];
+const KEYS: [&str; 12] = [
+    "picture",
+    "report",
+    "plane",
+    "plane_at",
+    "colour",
+    "every",
+    "fields",
+    "vorticity",
+    "checkpoint",
+    "probe",
+    "pairs",
+    "reference_velocity",
+];
 
 /// Most bodies whose motion is given for the forces on them to have a table.
 pub const MOST_WITH_FORCES: usize = 16;
@@ -110,7 +122,7 @@ fn refuse_frames(table: &Table, model: FlowModel) -> Result<()> {
     if let Some(entry) = ["every", "checkpoint"].into_iter().find_map(|name| table.get(name)) {
         return Err(entry.refuse("an instantaneous solve writes one frame at most and no checkpoints; add [time] or remove it"));
     }
-    match ["fields", "vorticity"].into_iter().find_map(|name| table.get(name)).filter(|_| model == FlowModel::Scalar) {
+    match table.get("fields").filter(|_| model == FlowModel::Scalar) {
         Some(entry) => Err(entry.refuse("a scalar around inclusions has no frame; remove it, and read picture and probe instead")),
         None => Ok(()),
     }
