@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::{
     error::{Error, Result},
-    observe::{AnimationFrame, Plane},
+    observe::{AnimationFrame, Plane, species_of},
     output::{FrameFile, say, write_whole_with},
     petsc::Session,
     scene::{Colour, Scene},
@@ -60,8 +60,12 @@ fn draw_frames<const D: usize>(scene: &Scene, arguments: &AnimationArguments) ->
     let read = |file: &FrameFile| -> Result<AnimationFrame> {
         let stored = file.read::<D>()?;
         let flow = if scene.output.colour == Colour::Vorticity { file.vorticity::<D>(plane)? } else { None };
-        let chains = if scene.output.colour == Colour::Chain { file.chains()? } else { Vec::new() };
-        Ok(plane.frame(stored.time, stored.bodies, &chains, flow))
+        let groups = match scene.output.colour {
+            Colour::Chain => file.chains()?,
+            Colour::Species => species_of(&stored.bodies.iter().map(|body| body.radius).collect::<Vec<_>>()),
+            Colour::Speed | Colour::Vorticity => Vec::new(),
+        };
+        Ok(plane.frame(stored.time, stored.bodies, &groups, flow))
     };
     let mut film = plane.film(scene);
     for file in &files {

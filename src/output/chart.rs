@@ -8,10 +8,11 @@ mod notes;
 
 use std::fmt::Write;
 
+pub(super) use self::axis::Axis;
 use self::frame::{Frame, PAGE, SIDE, finite};
 pub use self::{
     frame::Scale,
-    notes::{Bar, Level, Mark, Notes},
+    notes::{Band, Bar, Level, Mark, Notes},
 };
 use super::picture::{INK, colour, escaped};
 
@@ -58,6 +59,7 @@ impl Chart {
              <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n"
         );
         svg += &self.words(&frame);
+        svg += &notes.shades(&frame);
         svg += &frame.grid();
         svg += &notes.levels(&frame);
         for k in (0..self.series.len()).rev() {

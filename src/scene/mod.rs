@@ -14,6 +14,7 @@ mod file;
 mod keys;
 mod locations;
 mod overrides;
+mod plane;
 mod scalar;
 mod sections;
 mod table;

@@ -16,6 +16,7 @@ pub(super) use flow::DRIVES;
 pub use flow::{Drive, FlowModel, FlowSection};
 pub use lubrication::{LubricationModel, LubricationSection};
 pub use method::{ConstraintMethod, MethodSection, MultiplierSolver, Tolerance};
+pub(in crate::scene) use output::PLANES;
 pub use output::{Colour, MOST_WITH_FORCES, OutputSection};
 pub(super) use resolution::SPACINGS;
 pub use resolution::{Modes, ResolutionSection, Spacing};

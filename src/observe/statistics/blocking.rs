@@ -49,7 +49,7 @@ pub fn interval(samples: &[f64]) -> Option<Interval> {
 }
 
 /// Means of the last so many blocks of a length.
-fn block_means(samples: &[f64], blocks: usize, length: usize) -> Vec<f64> {
+pub(super) fn block_means(samples: &[f64], blocks: usize, length: usize) -> Vec<f64> {
     samples[samples.len() - blocks * length..].chunks(length).map(mean).collect()
 }
 
@@ -61,7 +61,7 @@ fn half_width(samples: &[f64]) -> f64 {
 }
 
 /// Correlation of neighbours; 0 for samples that are all the same.
-fn correlation(samples: &[f64]) -> f64 {
+pub(super) fn correlation(samples: &[f64]) -> f64 {
     let mean = mean(samples);
     let squares: f64 = samples.iter().map(|sample| (sample - mean).powi(2)).sum();
     let products: f64 = samples.windows(2).map(|pair| (pair[0] - mean) * (pair[1] - mean)).sum();

@@ -49,7 +49,8 @@ impl<const D: usize> Output<D> for PairFiles {
         if seen.world.max(f64::from(distribution.is_some())) == 0.0 {
             return Ok(Vec::new());
         }
-        let files = distribution.as_ref().map_or([("pairs.csv", vec![]), ("pairs.json", vec![])], |(found, _)| pair_files(found));
+        let nothing = || ["pairs.csv", "pairs.json", "pairs.svg"].map(|name| (name, Vec::new()));
+        let files = distribution.as_ref().map_or_else(nothing, |(found, _)| pair_files(seen.scene.shown_title(), found));
         summary.pairs = distribution.map(|(found, from_time)| PairSummary {
             coordination: found.coordination,
             configurations: found.configurations,

@@ -9,7 +9,20 @@ use crate::scene::table::Table;
 const FEWEST_POINTS: u64 = 2;
 const MOST_POINTS: usize = 1000;
 
-const KEYS: [&str; 9] = ["picture", "colour", "every", "fields", "vorticity", "checkpoint", "probe", "pairs", "reference_velocity"];
+const KEYS: [&str; 12] = [
+    "picture",
+    "report",
+    "plane",
+    "plane_at",
+    "colour",
+    "every",
+    "fields",
+    "vorticity",
+    "checkpoint",
+    "probe",
+    "pairs",
+    "reference_velocity",
+];
 
 /// Most bodies whose motion is given for the forces on them to have a table.
 pub const MOST_WITH_FORCES: usize = 16;
@@ -19,6 +32,12 @@ pub const MOST_WITH_FORCES: usize = 16;
 pub struct OutputSection {
     /// Whether a picture of the flow is written.
     pub picture: bool,
+    /// Whether a page of the run is written, and renewed while it runs.
+    pub report: bool,
+    /// The axes that point right and up in pictures of a scene in three dimensions; absent means such that they show gravity, or else the shear.
+    pub plane: Option<[usize; 2]>,
+    /// Where that plane cuts the axis across it; absent means in the middle of the box.
+    pub plane_at: Option<f64>,
     /// What colours the flow in the picture and in an animation.
     pub colour: Colour,
     /// Time between frames, positive; absent means a hundredth of `time.end`.
@@ -46,12 +65,17 @@ pub enum Colour {
     Vorticity,
     /// The speed of the fluid, and bodies by the chain, cell or cluster that they belong to.
     Chain,
+    /// The speed of the fluid, and bodies by their species: those of one radius are of one.
+    Species,
 }
 
 impl Default for OutputSection {
     fn default() -> Self {
         OutputSection {
             picture: true,
+            report: true,
+            plane: None,
+            plane_at: None,
             colour: Colour::Speed,
             every: None,
             fields: true,
@@ -73,12 +97,15 @@ impl OutputSection {
     pub(in crate::scene) fn read(root: &Table, dimension: usize, model: FlowModel) -> Result<Self> {
         let table = root.section("output", &KEYS)?;
         if root.get("time").is_none() {
-            refuse_frames(&table)?;
+            refuse_frames(&table, model)?;
         }
-        let default = OutputSection::default();
+        let default = OutputSection { fields: root.get("time").is_some(), ..OutputSection::default() };
         let fields = table.get("fields").map(|entry| read_fields(&entry, model)).transpose()?;
         Ok(OutputSection {
             picture: table.get("picture").map_or(Ok(default.picture), |entry| entry.flag())?,
+            report: table.get("report").map_or(Ok(default.report), |entry| entry.flag())?,
+            plane: table.get("plane").map(|entry| read_plane(&entry, dimension)).transpose()?,
+            plane_at: table.get("plane_at").map(|entry| read_plane_at(&entry, dimension)).transpose()?,
             colour: table.get("colour").map_or(Ok(default.colour), |entry| read_colour(&entry, model))?,
             every: table.get("every").map(|entry| entry.positive()).transpose()?,
             fields: fields.unwrap_or(default.fields && model != FlowModel::None),
@@ -91,11 +118,27 @@ impl OutputSection {
     }
 }
 
-fn refuse_frames(table: &Table) -> Result<()> {
-    match ["every", "fields", "vorticity", "checkpoint"].into_iter().find_map(|name| table.get(name)) {
-        Some(entry) => Err(entry.refuse("an instantaneous solve writes no frames and no checkpoints; add [time] or remove it")),
+fn refuse_frames(table: &Table, model: FlowModel) -> Result<()> {
+    if let Some(entry) = ["every", "checkpoint"].into_iter().find_map(|name| table.get(name)) {
+        return Err(entry.refuse("an instantaneous solve writes one frame at most and no checkpoints; add [time] or remove it"));
+    }
+    match table.get("fields").filter(|_| model == FlowModel::Scalar) {
+        Some(entry) => Err(entry.refuse("a scalar around inclusions has no frame; remove it, and read picture and probe instead")),
         None => Ok(()),
     }
+}
+
+/// Planes of pictures by their words.
+pub(in crate::scene) const PLANES: [(&str, [usize; 2]); 3] = [("xy", [0, 1]), ("xz", [0, 2]), ("yz", [1, 2])];
+
+fn read_plane(entry: &Entry, dimension: usize) -> Result<[usize; 2]> {
+    let plane = entry.choice(&PLANES, &[])?;
+    entry.expect(plane, dimension == 3, "a scene in two dimensions has one plane; remove it")
+}
+
+fn read_plane_at(entry: &Entry, dimension: usize) -> Result<f64> {
+    let place = entry.number()?;
+    entry.expect(place, dimension == 3, "a scene in two dimensions has one plane; remove it")
 }
 
 fn read_probe(entry: &Entry, model: FlowModel) -> Result<usize> {
@@ -113,13 +156,18 @@ fn read_fields(entry: &Entry, model: FlowModel) -> Result<bool> {
 
 impl Colour {
     /// Their words.
-    pub(in crate::scene) const WORDS: [(&str, Colour); 3] =
-        [("speed", Colour::Speed), ("vorticity", Colour::Vorticity), ("chain", Colour::Chain)];
+    pub(in crate::scene) const WORDS: [(&str, Colour); 4] =
+        [("speed", Colour::Speed), ("vorticity", Colour::Vorticity), ("chain", Colour::Chain), ("species", Colour::Species)];
+
+    /// Whether bodies have colours of their own, flow or not.
+    pub fn of_bodies(self) -> bool {
+        matches!(self, Colour::Chain | Colour::Species)
+    }
 }
 
 fn read_colour(entry: &Entry, model: FlowModel) -> Result<Colour> {
     let colour = entry.choice(&Colour::WORDS, &[])?;
-    entry.expect(colour, model.fluid() || colour == Colour::Chain, "only a flow is coloured so; remove it")
+    entry.expect(colour, model.fluid() || colour.of_bodies(), "only a flow is coloured so; remove it")
 }
 
 fn read_vorticity(entry: &Entry, model: FlowModel) -> Result<bool> {
