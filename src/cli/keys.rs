@@ -11,7 +11,7 @@ const HEAD: &str = "# Scene reference
 
 A scene is a TOML file. This page lists every key that it may hold; it is made by `turbid keys --markdown` from the tables by which scenes are read, and
 `turbid keys SECTION` or `turbid keys SECTION.KEY` prints a part of it. Units: a scene may use any consistent set of units, and the column says of which kind a
-number is. Numbers are 0 or from 1e-60 to 1e60 in size. In the column \"needs\" stand overrides without which a key is refused, as one would write them after `--set`.
+number is. Numbers are 0 or from 1e-60 to 1e60 in size. What a key needs is said by overrides without which it is refused, as one would write them after `--set`.
 ";
 
 /// The words after `turbid keys`.
@@ -76,20 +76,14 @@ fn labelled(label: &str, words: &str) -> String {
 /// A section of the page of Markdown.
 fn page(section: &KeySection) -> String {
     let row = |key: &Key| {
-        let range = labelled(", ", key.range);
+        let (range, needs) = (labelled(", ", key.range), labelled(" Needs ", &code(key.needs)));
         let default = if key.default_is_a_value() { code(key.default) } else { key.default.to_owned() };
-        format!(
-            "| `{}` | {} | {}{range} | {} | {default} | {} | {} |\n",
-            key.name,
-            key.meaning,
-            key.kind,
-            key.unit,
-            code(&format!("{} = {}", key.name, key.example)),
-            code(key.needs)
-        )
+        let example = code(&format!("{} = {}", key.name, key.example));
+        format!("| `{}` | {}{needs} | {}{range} | {} | {default} | {example} |\n", key.name, key.meaning, key.kind, key.unit)
     };
-    let head = "| key | meaning | value | unit | default | example | needs |\n|-|-|-|-|-|-|-|\n";
-    format!("\n## `{}`\n\n{}\n\n{head}{}", section.written, section.about, section.keys.iter().map(row).collect::<String>())
+    let head = "| key | meaning | value | unit | default | example |\n|-|-|-|-|-|-|\n";
+    let name = if section.name == "top" { "The top of the file".to_owned() } else { code(section.written) };
+    format!("\n## {name}\n\n{}\n\n{head}{}", section.about, section.keys.iter().map(row).collect::<String>())
 }
 
 fn code(words: &str) -> String {
