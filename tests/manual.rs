@@ -72,15 +72,26 @@ fn words(line: &str) -> Vec<String> {
     words.into_iter().filter(|word| !word.is_empty()).collect()
 }
 
-/// Commands of a page, in blocks and between backquotes.
+/// Commands of a page: in lines of code, and between backquotes.
 fn commands(text: &str) -> Vec<String> {
-    let starts = text.match_indices("turbid ").filter(|(place, _)| {
-        let line = text[..*place].rsplit('\n').next().unwrap();
-        let launcher = line.trim_start_matches('`').trim();
-        line.ends_with('`') || launcher.is_empty() || (launcher.starts_with("mpirun -n ") || launcher == "srun") && line.starts_with("    ")
-    });
-    let shown = |line: &&str| !line.contains("..") && !line.contains('[') && !line.starts_with("turbid help");
-    starts.map(|(place, _)| text[place..].lines().next().unwrap()).filter(shown).map(str::to_owned).collect()
+    let (mut found, mut fenced) = (Vec::new(), false);
+    for line in text.lines() {
+        fenced ^= line.starts_with("```");
+        let code = fenced || line.starts_with("    ");
+        let starts = line.match_indices("turbid ").map(|(place, _)| line.split_at(place)).filter(|(before, _)| {
+            let launched = ["mpirun -n ", "srun "].iter().any(|launcher| before.trim().starts_with(launcher));
+            before.ends_with('`') || code && (before.trim().is_empty() || launched && !before.contains("  turbid"))
+        });
+        found.extend(starts.map(|(_, command)| command.to_owned()));
+    }
+    let shown = |line: &String| !line.contains("..") && !line.contains('[') && !line.starts_with("turbid help");
+    found.into_iter().filter(shown).collect()
+}
+
+/// The words of a command as the program takes them; of a command that is only named, those that ask for its help.
+fn arguments(command: &str) -> Vec<String> {
+    let words: Vec<String> = words(command).into_iter().map(|word| if word == "SHELL" { "bash".to_owned() } else { word }).collect();
+    if words.len() == 2 && !words[1].starts_with('-') { [words, vec!["--help".to_owned()]].concat() } else { words }
 }
 
 fn folder(name: &str) -> PathBuf {
@@ -119,7 +130,7 @@ fn commands_are_those_of_the_program() {
     for (path, text) in pages() {
         for command in commands(&text) {
             count += 1;
-            match Arguments::try_parse_from(words(&command)).map_err(|error| error.kind()) {
+            match Arguments::try_parse_from(arguments(&command)).map_err(|error| error.kind()) {
                 Ok(_) | Err(ErrorKind::DisplayVersion | ErrorKind::DisplayHelp) => {}
                 Err(kind) => wrong.push(format!("{}: {command}: {kind}", path.display())),
             }
@@ -172,9 +183,9 @@ const RUNS: [&str; 6] = [
      output.vorticity = true\n[[bodies]]\nradius = 1.0\ncount = 2\n[[chains]]\ncount = 1\nbeads = 3\nradius = 0.3\nstretch = \"rigid\"\n",
     "domain = { size = [8.0, 8.0], y = { lower = [-1.0, 0.0], upper = [1.0, 0.0] } }\ncontact.model = \"repulsion\"\n[[cells]]\ncount = 1\nbeads = 24\n\
      radius = 0.15\nstretch = \"rigid\"\nbend = 0.1\n[[clusters]]\ncount = 1\nshape = \"rod\"\nbeads = 2\nradius = 0.4\n",
-    "domain = { size = [12.0, 12.0, 12.0] }\nflow.drive = { shear_rate = 1.0, periodic = \"sheared\" }\ncontact.model = \"inelastic\"\n[[bodies]]\nradius = 1.0\n\
-     count = 1\n[[chains]]\ncount = 1\nbeads = 2\nradius = 0.8\nstretch = 10.0\n[[clusters]]\ncount = 1\nshape = \"rod\"\nbeads = 2\nradius = 1.0\n",
-    "domain = { size = [20.0, 16.0, 20.0] }\nflow.drive = { shear_rate = 1.0, periodic = \"sheared\" }\n[[cells]]\ncount = 1\nbeads = 42\nradius = 0.5\n\
+    "domain = { size = [9.0, 9.0, 9.0] }\nflow.drive = { shear_rate = 1.0, periodic = \"sheared\" }\ncontact.model = \"inelastic\"\n[[bodies]]\nradius = 0.8\n\
+     count = 1\n[[chains]]\ncount = 1\nbeads = 2\nradius = 0.8\nstretch = 10.0\n[[clusters]]\ncount = 1\nshape = \"rod\"\nbeads = 2\nradius = 0.8\n",
+    "domain = { size = [24.0, 12.0, 24.0] }\nflow.drive = { shear_rate = 1.0, periodic = \"sheared\" }\n[[cells]]\ncenters = [[12.0, 6.0, 12.0]]\nbeads = 42\nradius = 1.0\n\
      stretch = 20.0\nbend = 50.0\n",
     "domain = { size = [8.0, 8.0], y = { lower = [-1.0, 0.0], upper = [1.0, 0.0] } }\nflow = { model = \"navier-stokes\", density = 1.0 }\n[[bodies]]\n\
      radius = 1.0\ncenters = [[2.0, 4.0]]\n[[bodies]]\nradius = 1.0\ncenters = [[6.0, 4.0]]\nmotion = \"fixed\"\n",
@@ -188,7 +199,7 @@ fn the_reference_of_outputs_has_every_file_column_and_dataset() {
     let (mut missing, mut seen) = (BTreeSet::new(), BTreeSet::new());
     for (number, text) in RUNS.iter().enumerate() {
         let folder = folder(&format!("columns-{number}"));
-        let scene = format!("seed = 3\nresolution.cells_per_radius = 2\nmethod.inverse = \"auto\"\n{text}[time]\nend = 0.1\nstep = 0.1\n");
+        let scene = format!("seed = 3\nresolution.cells_per_radius = 3\nmethod.inverse = \"auto\"\n{text}[time]\nend = 0.1\nstep = 0.1\n");
         fs::write(folder.join("scene.toml"), scene).unwrap();
         let run = Command::new(PROGRAM).args(["run", "scene.toml", "--out", "out"]).current_dir(&folder).output().unwrap();
         assert!(run.status.success(), "{text}{}", String::from_utf8_lossy(&run.stderr));
