@@ -76,13 +76,13 @@ impl<const D: usize> Interactions<D> {
     /// See [`Interaction::contact_forces`].
     pub fn contact_forces(&self, arrangement: &Arrangement<D>) -> Vec<ContactForce<D>> {
         let forces = self.iter().flat_map(|interaction| interaction.contact_forces(arrangement));
-        forces.filter(|pressed| self.between_clusters(&pressed.contact)).collect()
+        forces.filter(|pressed| self.between_clusters(&pressed.contact, arrangement)).collect()
     }
 
     /// See [`Interaction::pair_forces`].
     pub fn pair_forces(&self, arrangement: &Arrangement<D>) -> Vec<PairForce<D>> {
         let forces = self.iter().flat_map(|interaction| interaction.pair_forces(arrangement));
-        forces.filter(|force| self.between_clusters(&force.contact)).collect()
+        forces.filter(|force| self.between_clusters(&force.contact, arrangement)).collect()
     }
 
     /// See [`Interaction::steepest`]; slopes add up.
@@ -161,8 +161,8 @@ impl<const D: usize> Interactions<D> {
     }
 
     /// Whether a contact is between balls of different clusters, or with an image.
-    fn between_clusters(&self, contact: &Contact<D>) -> bool {
-        !contact.within_cluster(self.cluster_of(), |body| body)
+    fn between_clusters(&self, contact: &Contact<D>, arrangement: &Arrangement<D>) -> bool {
+        !contact.within_cluster(self.cluster_of(), |place| arrangement.number(place))
     }
 
     /// See [`Interaction::conserved`].

@@ -47,7 +47,7 @@ impl<const D: usize> Output<D> for SeriesFile {
         row.extend(seen.flow.map_or(Ok(Vec::new()), |flow| of_inertia(&flow, motion.state().last_step))?);
         row.extend(of_chains(motion.simulation));
         row.extend(seen.flow.map_or(Vec::new(), |flow| of_membranes(flow.solver.setup(), motion.state())));
-        row.extend(seen.flow.map_or(Vec::new(), |flow| of_clusters(flow.solver.setup(), motion.state())));
+        row.extend(of_clusters(seen.world, motion.simulation));
         row.push(real("seconds", seconds));
         seen.world.agree(self.rows.as_mut().map_or(Ok(()), |rows| rows.write(&row)))
     }
@@ -116,11 +116,11 @@ fn of_membranes<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<Cell>
     MembraneNumbers::of(setup, state).map(cells).unwrap_or_default()
 }
 
-/// The upper triangle of the mean orientation of rigid clusters; none without any.
-fn of_clusters<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<Cell> {
+/// The upper triangle of the mean orientation of rigid clusters; none without any. Collective.
+fn of_clusters<const D: usize>(world: &World, simulation: &Simulation<D>) -> Vec<Cell> {
     const NAMES: [&str; 6] = ["orientation_xx", "orientation_xy", "orientation_xz", "orientation_yy", "orientation_yz", "orientation_zz"];
     let cells = |mean| upper_triangle(&NAMES, &mean).map(|(name, value)| real(name, value)).collect();
-    mean_orientation(setup, state).map_or(Vec::new(), cells)
+    mean_orientation(world, simulation.interactions(), simulation.state()).map_or(Vec::new(), cells)
 }
 
 /// The entries of a symmetric matrix with the names of those in space.
