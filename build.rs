@@ -67,10 +67,10 @@ fn check_solvers(petsc: &pkg_config::Library) {
 
 /// Says to the program which versions it is built with, and how.
 fn tell_versions(petsc: &pkg_config::Library, mpi: &pkg_config::Library) {
-    let installed = |library: &&str| pkg_config::Config::new().cargo_metadata(false).probe(library).ok();
+    let installed = |library: &str| pkg_config::Config::new().cargo_metadata(false).probe(library).ok();
     let hdf5 = ["hdf5-openmpi", "hdf5"]
         .iter()
-        .find_map(|library| installed(&library))
+        .find_map(|library| installed(library))
         .map_or("(unknown version)".to_owned(), |found| found.version);
     // Debian keeps hypre's headers beside PETSc's, an own PETSc among them
     let folders = petsc.include_paths.iter().cloned().chain([PathBuf::from("/usr/include/hypre")]);
