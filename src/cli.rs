@@ -1,18 +1,22 @@
 //! The command line: words become calls.
 
 mod animate;
+mod keys;
 mod lubrication;
 mod petsc_options;
 mod plan;
+mod shell;
 mod simulate;
 mod words;
 
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
+use clap_complete::Shell;
 
 use crate::{
     error::Result,
+    parallel::first_of_launched,
     petsc::Session,
     run::check_memory_of_plan,
     study::{SceneArguments, SelectedStudy},
@@ -22,7 +26,7 @@ pub use words::told;
 
 /// Particles in viscous flow, particle by particle. Run it as it is, or under `mpirun -n N`.
 #[derive(Debug, Parser)]
-#[command(name = "turbid", version, about)]
+#[command(name = "turbid", version, long_version = shell::VERSION, about)]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
@@ -62,13 +66,35 @@ enum Command {
     },
     /// What two near bodies, or a body and a wall, resist, what modes see of it, and what lubrication adds.
     Lubrication(lubrication::LubricationArguments),
+    /// List the keys of a scene file, with type, unit, default, range and example.
+    Keys(keys::KeysArguments),
+    /// Print a script that completes the words of this command line, for example `turbid completions bash`.
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
+    /// Print the manual page of the program or of a command.
+    #[command(hide = true)]
+    Man {
+        /// The command.
+        command: Option<String>,
+    },
     #[command(flatten)]
     Study(SelectedStudy),
 }
 
-/// Carries out a command that starts ranks of its own and must not be one of them; nothing if it is another command.
+/// Carries out a command that starts ranks of its own and must not be one of them, or that needs none; nothing if it is another command.
 pub fn execute_alone(arguments: &Arguments) -> Option<Result<()>> {
-    if let Command::Study(study) = &arguments.command { study.run_alone(&arguments.petsc) } else { None }
+    if let Command::Study(study) = &arguments.command {
+        return study.run_alone(&arguments.petsc);
+    }
+    let answer: Box<dyn Fn() -> Result<()>> = match &arguments.command {
+        Command::Keys(arguments) => Box::new(|| keys::keys(arguments)),
+        Command::Completions { shell } => Box::new(|| shell::completions(*shell)),
+        Command::Man { command } => Box::new(|| shell::manual(command.as_deref())),
+        _ => return None,
+    };
+    Some(if first_of_launched() { answer() } else { Ok(()) })
 }
 
 /// Carries out a command on all ranks.
@@ -97,6 +123,7 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
         }
         Command::Lubrication(arguments) => session.world().agree(lubrication::lubrication(session.world(), arguments)),
         Command::Study(study) => study.run_on_ranks(session),
+        Command::Keys(_) | Command::Completions { .. } | Command::Man { .. } => Ok(()),
     }
 }
 

@@ -1,4 +1,4 @@
-//! Suspensions against published and independently computed values (sources: README, validation table).
+//! Suspensions against published and independently computed values (sources: docs/validation.md).
 
 use std::f64::consts::PI;
 

@@ -3,25 +3,85 @@
 use crate::error::Result;
 use crate::scene::FlowModel;
 use crate::scene::entry::Entry;
+use crate::scene::key::Key;
 use crate::scene::table::Table;
 
 /// Points along each axis of a lattice of probes.
 const FEWEST_POINTS: u64 = 2;
 const MOST_POINTS: usize = 1000;
 
-const KEYS: [&str; 12] = [
-    "picture",
-    "report",
-    "plane",
-    "plane_at",
-    "colour",
-    "every",
-    "fields",
-    "vorticity",
-    "checkpoint",
-    "probe",
-    "pairs",
-    "reference_velocity",
+/// Keys of `[output]`.
+pub(in crate::scene) const KEYS: [Key; 12] = [
+    Key::new("picture", "true or false", "false", "Whether a picture of the end is drawn.").default("true"),
+    Key::new("report", "true or false", "false", "Whether a page of the run, report.html, is written and renewed while it runs.")
+        .default("true"),
+    Key::new(
+        "plane",
+        "\"xy\", \"xz\" or \"yz\"",
+        "\"xz\"",
+        "The axes that point right and up in pictures of a scene in three dimensions.",
+    )
+    .default("the plane that shows gravity, or else the shear")
+    .needs("domain.size = [8.0, 8.0, 8.0]"),
+    Key::new("plane_at", "number", "2.0", "Where that plane cuts the axis across it.")
+        .unit("length")
+        .default("the middle of the box")
+        .needs("domain.size = [8.0, 8.0, 8.0]"),
+    Key::new(
+        "colour",
+        "\"speed\", \"vorticity\", \"chain\" or \"species\"",
+        "\"vorticity\"",
+        "What colours the picture and animations: the speed, the \
+        vorticity of the fluid (bodies dark), or bodies by the chain, cell or cluster that they belong to, or by their radius (species).",
+    )
+    .default("\"speed\""),
+    Key::new("every", "number", "0.01", "Time between frames.")
+        .unit("time")
+        .default("a hundredth of time.end")
+        .range("above 0")
+        .needs("time.end = 1.0"),
+    Key::new(
+        "fields",
+        "true or false",
+        "false",
+        "Whether frames hold the flow on the grid: velocity, pressure and what is inside of bodies.",
+    )
+    .default("true")
+    .needs("time.end = 1.0"),
+    Key::new("vorticity", "true or false", "true", "Whether frames that hold the flow hold its vorticity too.")
+        .default("false")
+        .needs("time.end = 1.0"),
+    Key::new("checkpoint", "number", "60", "Seconds of wall time between checkpoints; 0 writes one after every step.")
+        .unit("seconds")
+        .default("600")
+        .range("at least 0")
+        .needs("time.end = 1.0"),
+    Key::new(
+        "probe",
+        "whole number",
+        "32",
+        "Points along each axis of a lattice on which the flow, or the scalar, of the end is written to \
+        probe.csv.",
+    )
+    .range("2 to 1000"),
+    Key::new(
+        "pairs",
+        "true or false",
+        "true",
+        "Whether the pair distribution, its direction at contact and the coordination number are \
+        measured.",
+    )
+    .default("false"),
+    Key::new(
+        "reference_velocity",
+        "list of numbers",
+        "[1.0, 0.0]",
+        "Velocity of the stream to which forces on bodies of given motion are \
+        referred: forces.csv then has coefficients of drag and lift.",
+    )
+    .unit("length/time")
+    .range("not zero")
+    .needs("time.end = 1.0; flow.density = 1.0; bodies.0.motion = \"fixed\""),
 ];
 
 /// Most bodies whose motion is given for the forces on them to have a table.
