@@ -38,11 +38,11 @@ enum Command {
     Run(simulate::RunArguments),
     /// Go on with a run in time from its last checkpoint.
     Resume(simulate::ResumeArguments),
-    /// Draw the frames of a run in time as an animation (APNG).
+    /// Draw the frames of a run in time as an animation (APNG or GIF; MP4 or WebM where ffmpeg is installed).
     Animate {
         /// Output folder of the run.
         folder: PathBuf,
-        /// File to write (default: animation.png in the folder).
+        /// File to write, whose ending tells the format: .png, .gif, .mp4, .webm (default: animation.png in the folder).
         #[arg(long)]
         out: Option<PathBuf>,
         /// Width of the picture in pixels.

@@ -8,7 +8,7 @@ mod resampling;
 mod steady;
 mod transient;
 
-pub use blocking::{FEWEST_BLOCKS, Interval, interval};
+pub use blocking::{FEWEST_BLOCKS, Interval, interval, student};
 pub use resampling::{mean_from, resampled};
 pub use steady::{Steady, steady};
 pub use transient::transient;

@@ -64,12 +64,6 @@ impl<const D: usize> FrameFiles<D> {
         Ok(FrameFiles { folder, frames, every: scene.frame_interval(), eager, centers, vorticity, contact: scene.contact.model })
     }
 
-    fn due(&self, motion: &EvaluatedMotion<D>) -> bool {
-        let state = motion.state();
-        let number = |time: f64| (time / self.every + ROUNDING).floor();
-        state.steps == 0 || motion.last || number(state.time) > number(state.time - state.last_step)
-    }
-
     /// Says once that frames cannot come as often as the scene asks for.
     fn tell_of_long_steps(&mut self, state: &State<D>) {
         let (every, step) = (self.every, state.last_step);
@@ -104,11 +98,18 @@ impl<const D: usize> FrameFiles<D> {
     }
 }
 
+/// Whether a frame is due, of frames that are so far apart.
+pub fn frame_due<const D: usize>(motion: &EvaluatedMotion<D>, every: f64) -> bool {
+    let state = motion.state();
+    let number = |time: f64| (time / every + ROUNDING).floor();
+    state.steps == 0 || motion.last || number(state.time) > number(state.time - state.last_step)
+}
+
 impl<const D: usize> Output<D> for FrameFiles<D> {
     fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
         let Some(motion) = seen.motion else { return Ok(()) };
         self.tell_of_long_steps(motion.state());
-        if !self.due(&motion) {
+        if !frame_due(&motion, self.every) {
             return Ok(());
         }
         let state = motion.state();

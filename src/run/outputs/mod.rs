@@ -4,9 +4,11 @@ mod charts;
 mod checkpoint;
 mod forces;
 mod frames;
+mod means;
 mod pairs;
 mod picture;
 mod probe;
+mod profiles;
 mod progress;
 mod series;
 mod step_table;
@@ -36,8 +38,13 @@ pub fn outputs<const D: usize>(
     let probe = scene.output.probe.map(|points| Box::new(probe::ProbeFile { folder: path(), points }) as Box<dyn Output<D>>);
     let picture = scene.output.picture.then(|| Box::new(picture::PictureFile { folder: path() }) as Box<dyn Output<D>>);
     let pairs = scene.output.pairs.then(|| Box::new(pairs::PairFiles { folder: path() }) as Box<dyn Output<D>>);
+    let time = simulation.map_or(0.0, |simulation| simulation.state().time);
+    let profiles = match scene.output.profiles.is_empty() {
+        true => None,
+        false => Some(Box::new(profiles::ProfileFiles::open(world, scene, folder, time)?) as Box<dyn Output<D>>),
+    };
     let Some(simulation) = simulation else {
-        return Ok((picture.into_iter().chain(probe).chain(pairs).collect(), Vec::new()));
+        return Ok((picture.into_iter().chain(probe).chain(pairs).chain(profiles).collect(), Vec::new()));
     };
     let (series, points) = series::SeriesFile::open(world, folder, simulation.state().steps)?;
     let mut all: Outputs<D> = vec![
@@ -53,6 +60,6 @@ pub fn outputs<const D: usize>(
     if scene.output.picture {
         all.push(Box::new(charts::EffortChart { folder: path() }));
     }
-    all.extend(picture.into_iter().chain(pairs));
+    all.extend(picture.into_iter().chain(pairs).chain(profiles));
     Ok((all, points))
 }

@@ -9,7 +9,8 @@ use crate::scene::table::Table;
 const FEWEST_POINTS: u64 = 2;
 const MOST_POINTS: usize = 1000;
 
-const KEYS: [&str; 9] = ["picture", "colour", "every", "fields", "vorticity", "checkpoint", "probe", "pairs", "reference_velocity"];
+const KEYS: [&str; 10] =
+    ["picture", "colour", "every", "fields", "vorticity", "checkpoint", "probe", "pairs", "profiles", "reference_velocity"];
 
 /// Most bodies whose motion is given for the forces on them to have a table.
 pub const MOST_WITH_FORCES: usize = 16;
@@ -33,6 +34,8 @@ pub struct OutputSection {
     pub probe: Option<usize>,
     /// Whether the distribution of pairs is measured.
     pub pairs: bool,
+    /// Axes across which profiles are measured, each once.
+    pub profiles: Vec<usize>,
     /// Velocity of the stream to which forces on bodies whose motion is given are referred, not zero; absent means no coefficients of drag and lift.
     pub reference_velocity: Option<Vec<f64>>,
 }
@@ -59,6 +62,7 @@ impl Default for OutputSection {
             checkpoint: 600.0,
             probe: None,
             pairs: false,
+            profiles: Vec::new(),
             reference_velocity: None,
         }
     }
@@ -86,6 +90,7 @@ impl OutputSection {
             checkpoint: table.get("checkpoint").map_or(Ok(default.checkpoint), |entry| entry.not_negative())?,
             probe: table.get("probe").map(|entry| read_probe(&entry, model)).transpose()?,
             pairs: table.get("pairs").map_or(Ok(default.pairs), |entry| read_pairs(&entry, model))?,
+            profiles: table.get("profiles").map_or(Ok(Vec::new()), |entry| read_profiles(&entry, dimension, model))?,
             reference_velocity: table.get("reference_velocity").map(|entry| read_reference(&entry, dimension)).transpose()?,
         })
     }
@@ -131,6 +136,19 @@ fn read_reference(entry: &Entry, dimension: usize) -> Result<Vec<f64>> {
     let velocity = entry.vector(dimension)?;
     let moves = velocity.iter().any(|&component| component != 0.0);
     entry.expect(velocity, moves, "must not be 0: drag is the force along it")
+}
+
+fn read_profiles(entry: &Entry, dimension: usize, model: FlowModel) -> Result<Vec<usize>> {
+    let words = &[("x", 0), ("y", 1), ("z", 2)][..dimension];
+    let axes = match entry.value.as_array() {
+        Some(_) => entry.list()?.iter().map(|axis| axis.choice(words, &[])).collect::<Result<Vec<_>>>()?,
+        None => vec![entry.choice(words, &[])?],
+    };
+    let once = (1..axes.len()).all(|place| !axes[..place].contains(&axes[place]));
+    let axes = entry.expect(axes, once, "names an axis twice")?;
+    let axes = entry.expect(axes.clone(), !axes.is_empty(), "must be an axis, as \"y\", or a list of axes")?;
+    let remedy = "inclusions of a scalar (flow.model = \"scalar\") have no profiles; remove it";
+    entry.expect(axes, model != FlowModel::Scalar, remedy)
 }
 
 fn read_pairs(entry: &Entry, model: FlowModel) -> Result<bool> {
