@@ -1,6 +1,8 @@
 //! The command line: words become calls.
 
 mod animate;
+mod examples;
+mod lists;
 mod lubrication;
 mod petsc_options;
 mod plan;
@@ -17,6 +19,7 @@ use crate::{
     run::check_memory_of_plan,
     study::{SceneArguments, SelectedStudy},
 };
+pub use lists::join_lists;
 pub use petsc_options::check_options;
 pub use words::told;
 
@@ -59,16 +62,28 @@ enum Command {
         /// Output folder of the run, where a calibrated resolution is kept (default: out/NAME of the scene).
         #[arg(long)]
         out: Option<PathBuf>,
+        /// Ranks that the run is to have, which are not started (default: those of this program).
+        #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+        ranks: Option<u32>,
     },
     /// What two near bodies, or a body and a wall, resist, what modes see of it, and what lubrication adds.
     Lubrication(lubrication::LubricationArguments),
+    /// List the example scenes, or copy one of them here.
+    Examples(examples::ExampleArguments),
+    /// Write a scene with comments to begin with.
+    New(examples::NewArguments),
     #[command(flatten)]
     Study(SelectedStudy),
 }
 
 /// Carries out a command that starts ranks of its own and must not be one of them; nothing if it is another command.
 pub fn execute_alone(arguments: &Arguments) -> Option<Result<()>> {
-    if let Command::Study(study) = &arguments.command { study.run_alone(&arguments.petsc) } else { None }
+    match &arguments.command {
+        Command::Study(study) => study.run_alone(&arguments.petsc),
+        Command::Examples(arguments) => Some(examples::examples(arguments)),
+        Command::New(arguments) => Some(examples::new_scene(arguments)),
+        _ => None,
+    }
 }
 
 /// Carries out a command on all ranks.
@@ -85,17 +100,20 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
             };
             animate::animate(session, &film)
         }
-        Command::Plan { scene, out } => {
+        Command::Plan { scene, out, ranks } => {
             let scene = scene.read(session)?;
             check_memory_of_plan(session.world(), &scene)?;
+            let ranks = ranks.map(|ranks| ranks as usize);
             let folder = simulate::output_folder(out, &scene);
             let outcome = match scene.dimension() {
-                2 => plan::plan::<2>(session, &scene, &folder),
-                _ => plan::plan::<3>(session, &scene, &folder),
+                2 => plan::plan::<2>(session, &scene, &folder, ranks),
+                _ => plan::plan::<3>(session, &scene, &folder, ranks),
             };
             outcome.map_err(|error| scene.place(error))
         }
         Command::Lubrication(arguments) => session.world().agree(lubrication::lubrication(session.world(), arguments)),
+        Command::Examples(arguments) => session.world().on_first_rank(|| examples::examples(arguments)),
+        Command::New(arguments) => session.world().on_first_rank(|| examples::new_scene(arguments)),
         Command::Study(study) => study.run_on_ranks(session),
     }
 }

@@ -61,7 +61,10 @@ fn a_sweep_has_means_and_intervals_over_seeds_and_tells_of_failures() {
     assert_eq!(points.len(), 4, "{told}");
     let one = run(1, &scene, &here.join("one"), &["bodies.0.gap=0.05", "seed=4"]);
     let record = &found["records"][1];
-    assert_eq!((record["setting"]["seed"].as_u64(), number(record, "outcome.measured.value")), (Some(4), number(&one, "viscosity.relative")));
+    assert_eq!(
+        (record["setting"]["seed"].as_u64(), number(record, "outcome.measured.value")),
+        (Some(4), number(&one, "viscosity.relative"))
+    );
     for point in points.iter().filter(|point| point["failed"] == 0) {
         let (mean, error) = (number(point, "mean"), number(point, "standard_error"));
         let half = 0.5 * (number(point, "interval.1") - number(point, "interval.0"));
@@ -142,5 +145,9 @@ fn a_sweep_that_cannot_be_made_is_refused() {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
     }
     let output = turbid(1, &words(&given, &out, &["--vary", "flow.viscosity=1,2", "--seeds", "3"]));
-    assert!(said(&output).contains("--seeds 3: the places of all bodies are given") && output.status.code() == Some(2), "{}", said(&output));
+    assert!(
+        said(&output).contains("--seeds 3: the places of all bodies are given") && output.status.code() == Some(2),
+        "{}",
+        said(&output)
+    );
 }

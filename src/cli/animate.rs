@@ -74,7 +74,8 @@ fn write<const D: usize>(scene: &Scene, film: &AnimationArguments, target: Targe
         Target::Animation(format) => draw_frames::<D>(scene, film, format, &film.out),
         Target::Video(format) => {
             let stills = film.out.with_extension(format!("{}.png", std::process::id()));
-            let made = draw_frames::<D>(scene, film, AnimationFormat::Png, &stills).and_then(|()| convert_to_video(&stills, format, &film.out));
+            let made =
+                draw_frames::<D>(scene, film, AnimationFormat::Png, &stills).and_then(|()| convert_to_video(&stills, format, &film.out));
             // what cannot be removed now is only in the way
             let _ = std::fs::remove_file(&stills);
             made

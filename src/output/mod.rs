@@ -29,8 +29,8 @@ mod summary;
 mod traces;
 mod video;
 
-pub use animation::AnimationFormat;
 pub use accuracy::{AccuracySummary, DragSummary, EstimatedErrors};
+pub use animation::AnimationFormat;
 pub use body_summary::{BODY_TABLE, BodySummary, MOST_LISTED, write_bodies};
 pub use chart::{Bar, Chart, Level, Mark, Notes, Scale, Series};
 pub use checkpoint::{Checkpoint, CheckpointWriter, checksum_of};

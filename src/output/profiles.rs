@@ -39,7 +39,10 @@ impl ProfileFrames {
         let slices = 0..self.places.len();
         let column = |name: String, value: &dyn Fn(&SliceSample) -> f64, weight: &dyn Fn(&SliceSample) -> f64| Column {
             name,
-            means: slices.clone().map(|slice| Mean::of(self.frames.iter().map(|frame| (value(&frame[slice]), weight(&frame[slice]))))).collect(),
+            means: slices
+                .clone()
+                .map(|slice| Mean::of(self.frames.iter().map(|frame| (value(&frame[slice]), weight(&frame[slice])))))
+                .collect(),
         };
         let same = |_: &SliceSample| 1.0;
         let mut columns = vec![column("fraction".into(), &|sample| sample.fraction, &same)];
@@ -109,7 +112,11 @@ impl ProfileFrames {
         for (number, column) in columns.iter().enumerate() {
             let points = || self.places.iter().zip(&column.means);
             series.push(Series { name: column.words(), points: points().map(|(place, mean)| (*place, mean.value)).collect() });
-            let bar = |(x, Mean { value, half_width }): (&f64, &Mean)| Bar { series: number, x: *x, ends: [value - half_width, value + half_width] };
+            let bar = |(x, Mean { value, half_width }): (&f64, &Mean)| Bar {
+                series: number,
+                x: *x,
+                ends: [value - half_width, value + half_width],
+            };
             notes.bars.extend(points().map(bar));
         }
         let x = format!("{}, across the box", AXES[self.axis]);
@@ -168,7 +175,10 @@ mod tests {
         assert_eq!(of("particle_stress_xy").map(|mean| mean.value), Some(3.0));
         assert!(of("fluid_velocity_y").is_none(), "{}", columns.len());
         let few = ProfileFrames::csv(&[frames(4)]);
-        assert!(few.starts_with("axis,position,fraction,fraction_half_width,") && few.lines().nth(1).is_some_and(|row| row.starts_with("y,0.5,0.2,,")));
+        assert!(
+            few.starts_with("axis,position,fraction,fraction_half_width,")
+                && few.lines().nth(1).is_some_and(|row| row.starts_with("y,0.5,0.2,,"))
+        );
         let chart = ProfileFrames::svg("disks", &[frames(16), frames(4)]);
         assert!(!chart.contains("NaN") && chart.matches("<svg ").count() == 7, "{chart}");
     }

@@ -279,7 +279,7 @@ fn of_time(time: &TimeSection) -> Keys {
 }
 
 fn of_output(output: &OutputSection, in_time: bool, model: FlowModel) -> Keys {
-    let OutputSection { picture, colour, every, fields, vorticity, checkpoint, probe, pairs, reference_velocity } = output;
+    let OutputSection { picture, colour, every, fields, vorticity, checkpoint, probe, pairs, profiles, reference_velocity } = output;
     let mut keys = vec![pair("output.picture", picture), pair("output.pairs", pairs)];
     keys.extend(every.map(|every| number("output.every", every)));
     keys.extend(probe.map(|points| pair("output.probe", points)));
@@ -289,6 +289,8 @@ fn of_output(output: &OutputSection, in_time: bool, model: FlowModel) -> Keys {
         keys.extend(model.fluid().then(|| pair("output.vorticity", vorticity)));
     }
     keys.extend((model.fluid() || *colour == Colour::Chain).then(|| word("output.colour", word_of(&Colour::WORDS, colour))));
+    let axes: Vec<&str> = profiles.iter().map(|&axis| ["x", "y", "z"][axis]).collect();
+    keys.extend((!axes.is_empty()).then(|| pair("output.profiles", format!("{axes:?}"))));
     keys.extend(reference_velocity.as_deref().map(|velocity| list("output.reference_velocity", velocity)));
     keys
 }

@@ -113,9 +113,8 @@ impl ParameterSweep {
         if self.seeds > 1 && seed_varies {
             return refuse("the seed is one of the keys that are varied; leave one of both out");
         }
-        let random = |scene: &Scene| {
-            scene.bodies.iter().any(|group| matches!(group.placement, Placement::Fraction(_) | Placement::Count(_)))
-        };
+        let random =
+            |scene: &Scene| scene.bodies.iter().any(|group| matches!(group.placement, Placement::Fraction(_) | Placement::Count(_)));
         let points = vary::points(keys);
         let setting = |point: &Vec<_>, seed| Setting { point: point.clone(), seed };
         if self.seeds > 1 && !points.iter().any(|point| self.scene_of(&setting(point, None)).is_ok_and(|scene| random(&scene))) {

@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::{
-    common::{folder, run, said, turbid, write},
+    common::{command, folder, run, said, turbid, write},
     scenes::DRY,
 };
 

@@ -5,8 +5,6 @@ use std::{
     time::Instant,
 };
 
-use nalgebra::SMatrix;
-
 use super::{
     means::{mean_motion, of_stress, upper_triangle},
     step_table::{Cell, StepTable, absent, count, real},
@@ -169,6 +167,8 @@ fn gap(value: f64) -> Cell {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use nalgebra::SMatrix;
+
     use super::*;
     use crate::observe::NormalStresses;
 

@@ -81,7 +81,9 @@ impl Quantity {
                 Some(_) if scene.time.is_none() => refuse("an instant has no series; choose a key of summary.json"),
                 Some(column) => Ok(Quantity::Column(column.to_owned())),
                 None if word.contains('.') => Ok(Quantity::Entry(word.to_owned())),
-                None => refuse("must be viscosity, drag, settling, a column as series.kinetic_energy, or a key of summary.json as flow.mean_velocity.0"),
+                None => refuse(
+                    "must be viscosity, drag, settling, a column as series.kinetic_energy, or a key of summary.json as flow.mean_velocity.0",
+                ),
             },
         }
     }
@@ -103,7 +105,9 @@ impl Quantity {
             Quantity::Viscosity => "relative viscosity".into(),
             Quantity::Drag if in_time => "magnitude of the mean force on held bodies at the end".into(),
             Quantity::Drag => "magnitude of the mean force on held bodies".into(),
-            Quantity::Settling(_) if in_time => "mean velocity of the bodies along the force on them, over the second half of each run".into(),
+            Quantity::Settling(_) if in_time => {
+                "mean velocity of the bodies along the force on them, over the second half of each run".into()
+            }
             Quantity::Settling(_) => "mean velocity of the bodies along the force on them".into(),
             Quantity::Column(name) => format!("{name} of series.csv, its mean over the second half of each run"),
             Quantity::Entry(name) => format!("{name} of summary.json"),

@@ -61,7 +61,8 @@ impl Report {
     /// The table and what is to be said about it.
     pub fn markdown(&self) -> String {
         let table = markdown(&self.points.iter().map(|point| self.shown(point)).collect::<Vec<_>>());
-        let remarks = self.points.iter().flat_map(|point| point.remarks.iter().map(|remark| format!("\n{}: {remark}", words(&point.point))));
+        let remarks =
+            self.points.iter().flat_map(|point| point.remarks.iter().map(|remark| format!("\n{}: {remark}", words(&point.point))));
         let remarks: String = remarks.collect();
         if remarks.is_empty() { table } else { format!("{table}\n{remarks}") }
     }
@@ -108,7 +109,11 @@ impl Report {
         };
         let x = match numeric {
             true => first.key.clone(),
-            false => format!("{}: {}", first.key, (1..).zip(&first.values).map(|(n, value)| format!("{n} {value}")).collect::<Vec<_>>().join(", ")),
+            false => format!(
+                "{}: {}",
+                first.key,
+                (1..).zip(&first.values).map(|(n, value)| format!("{n} {value}")).collect::<Vec<_>>().join(", ")
+            ),
         };
         let mut lines: Vec<(&[Assignment], Vec<&Point>)> = Vec::new();
         for point in &self.points {
