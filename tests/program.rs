@@ -253,7 +253,7 @@ fn options_after_two_dashes_reach_petsc() {
 #[test]
 fn options_that_switch_convergence_off_make_no_result() {
     let here = folder("petsc-convergence");
-    let scene = write(&here, SMALL_SUSPENSION);
+    let scene = write(&here, &SMALL_SUSPENSION.replace("[method]\n", "[method]\ninverse = \"hypre\"\n"));
     let run = |name: &str, options: &[&str]| {
         let out = here.join(name);
         (turbid(1, &[&["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap(), "--"], options].concat()), out)
@@ -476,20 +476,23 @@ fn profiles_have_the_shear_the_fraction_and_the_stress_of_the_box() {
     let (summary, found) = profiles("3d", SMALL_SUSPENSION_3D, &["y"]);
     assert!((mean(&found[0], "fraction") - number(&summary, "fraction")).abs() < 1e-9);
     for row in &found[0] {
-        assert!((row["fluid_velocity_x"] - row["position"]).abs() < 0.4, "the background is y along x: {row:?}");
-        assert!(row["particle_velocity_x"].is_nan() || (row["particle_velocity_x"] - row["position"]).abs() < 0.4, "{row:?}");
+        assert!((row["fluid_velocity_x"] - row["position"]).abs() < 0.6, "the background is y along x: {row:?}");
+        assert!(row["particle_velocity_x"].is_nan() || (row["particle_velocity_x"] - row["position"]).abs() < 0.8, "{row:?}");
     }
 }
 
 #[test]
 fn profiles_of_a_dry_pile_hold_up_its_weight() {
-    let pile = "gravity = [0.0, -1.0]\n[domain]\nsize = [4.0, 8.0]\ny = \"walls\"\n[flow]\nmodel = \"none\"\n[contact]\nmodel = \"inelastic\"\n\
-                [[bodies]]\nradius = 0.5\ncount = 16\n[time]\nend = 8.0\nstep = 0.02\n";
+    let centers: Vec<[f64; 2]> = (0..12).map(|disk| [f64::from(1 + 2 * (disk / 3)), 0.6 + 1.1 * f64::from(disk % 3)]).collect();
+    let pile = &format!(
+        "gravity = [0.0, -1.0]\n[domain]\nsize = [8.0, 6.0]\ny = \"walls\"\n[flow]\nmodel = \"none\"\n[contact]\nmodel = \"inelastic\"\n\
+         [[bodies]]\nradius = 0.5\ncenters = {centers:?}\n[time]\nend = 4.0\nstep = 0.02\n"
+    );
     let (summary, found) = profiles("dry", pile, &["y"]);
     let rows = &found[0];
     assert!(!rows[0].keys().any(|name| name.starts_with("fluid")) && summary["flow"].is_null());
-    let weight = 16.0 * std::f64::consts::PI * 0.25;
-    let width = 4.0;
+    let weight = 12.0 * std::f64::consts::PI * 0.25;
+    let width = 8.0;
     let floor = rows[0]["particle_stress_yy"];
     assert!((floor + weight / width).abs() < 0.1 * weight / width, "the floor bears {weight} on {width}: {floor}");
     assert!(rows.last().unwrap()["fraction"] == 0.0 && rows[0]["fraction_half_width"] < 0.05);

@@ -88,6 +88,10 @@ fn time<const D: usize>(session: &Session, scene: &Scene, plan: &PlanReport, ran
         (None, _) => {
             format!("about {seconds:.1} s{if_shared}, from a sample: {setup:.1} s of set-up, a solve of about {iterations} iterations")
         }
+        (Some(solves), Some(sampled)) if !forecast.even() => format!(
+            "about {seconds:.0} s{if_shared}, from a sample and its first {sampled} steps: {solves:.0} solves, of {solve:.1} s for the first, which takes \
+             about {iterations} iterations"
+        ),
         (Some(solves), Some(sampled)) => format!(
             "about {seconds:.0} s{if_shared}, from the first {sampled} steps of a sample: {solves:.0} steps at the speeds to which these come, of {solve:.2} s \
              each, which take about {iterations} iterations"
