@@ -65,6 +65,9 @@ fn forces_and_vorticity_are_the_same_on_any_number_of_ranks_and_are_drawn() {
     let output = turbid(1, &["animate", out.to_str().unwrap(), "--width", "300"]);
     assert!(output.status.success(), "{}", said(&output));
     assert!(out.join("animation.png").exists());
+    let film = here.join("film.gif");
+    let output = turbid(1, &["animate", out.to_str().unwrap(), "--width", "200", "--out", film.to_str().unwrap()]);
+    assert!(output.status.success() && fs::read(&film).unwrap().starts_with(b"GIF89a"), "{}", said(&output));
 }
 
 #[test]

@@ -226,7 +226,7 @@ impl Tolerance {
 
 impl Default for MethodSection {
     fn default() -> Self {
-        MethodSection { constraint: ConstraintMethod::Sharp, inverse: Some(InverseMethod::Hypre), tolerance: Tolerance::Auto }
+        MethodSection { constraint: ConstraintMethod::Sharp, inverse: None, tolerance: Tolerance::Auto }
     }
 }
 

@@ -11,7 +11,7 @@ const FEWEST_POINTS: u64 = 2;
 const MOST_POINTS: usize = 1000;
 
 /// Keys of `[output]`.
-pub(in crate::scene) const KEYS: [Key; 12] = [
+pub(in crate::scene) const KEYS: [Key; 13] = [
     Key::new("picture", "true or false", "false", "Whether a picture of the end is drawn.").default("true"),
     Key::new("report", "true or false", "false", "Whether a page of the run, report.html, is written and renewed while it runs.")
         .default("true"),
@@ -73,6 +73,13 @@ pub(in crate::scene) const KEYS: [Key; 12] = [
     )
     .default("false"),
     Key::new(
+        "profiles",
+        "\"x\", \"y\", \"z\", or a list of them",
+        "\"y\"",
+        "Axes across which profiles are measured: velocity, solid fraction and stress, \
+        with intervals.",
+    ),
+    Key::new(
         "reference_velocity",
         "list of numbers",
         "[1.0, 0.0]",
@@ -112,6 +119,8 @@ pub struct OutputSection {
     pub probe: Option<usize>,
     /// Whether the distribution of pairs is measured.
     pub pairs: bool,
+    /// Axes across which profiles are measured, each once.
+    pub profiles: Vec<usize>,
     /// Velocity of the stream to which forces on bodies whose motion is given are referred, not zero; absent means no coefficients of drag and lift.
     pub reference_velocity: Option<Vec<f64>>,
 }
@@ -143,6 +152,7 @@ impl Default for OutputSection {
             checkpoint: 600.0,
             probe: None,
             pairs: false,
+            profiles: Vec::new(),
             reference_velocity: None,
         }
     }
@@ -173,6 +183,7 @@ impl OutputSection {
             checkpoint: table.get("checkpoint").map_or(Ok(default.checkpoint), |entry| entry.not_negative())?,
             probe: table.get("probe").map(|entry| read_probe(&entry, model)).transpose()?,
             pairs: table.get("pairs").map_or(Ok(default.pairs), |entry| read_pairs(&entry, model))?,
+            profiles: table.get("profiles").map_or(Ok(Vec::new()), |entry| read_profiles(&entry, dimension, model))?,
             reference_velocity: table.get("reference_velocity").map(|entry| read_reference(&entry, dimension)).transpose()?,
         })
     }
@@ -239,6 +250,19 @@ fn read_reference(entry: &Entry, dimension: usize) -> Result<Vec<f64>> {
     let velocity = entry.vector(dimension)?;
     let moves = velocity.iter().any(|&component| component != 0.0);
     entry.expect(velocity, moves, "must not be 0: drag is the force along it")
+}
+
+fn read_profiles(entry: &Entry, dimension: usize, model: FlowModel) -> Result<Vec<usize>> {
+    let words = &[("x", 0), ("y", 1), ("z", 2)][..dimension];
+    let axes = match entry.value.as_array() {
+        Some(_) => entry.list()?.iter().map(|axis| axis.choice(words, &[])).collect::<Result<Vec<_>>>()?,
+        None => vec![entry.choice(words, &[])?],
+    };
+    let once = (1..axes.len()).all(|place| !axes[..place].contains(&axes[place]));
+    let axes = entry.expect(axes, once, "names an axis twice")?;
+    let axes = entry.expect(axes.clone(), !axes.is_empty(), "must be an axis, as \"y\", or a list of axes")?;
+    let remedy = "inclusions of a scalar (flow.model = \"scalar\") have no profiles; remove it";
+    entry.expect(axes, model != FlowModel::Scalar, remedy)
 }
 
 fn read_pairs(entry: &Entry, model: FlowModel) -> Result<bool> {
