@@ -9,6 +9,7 @@ mod petsc_options;
 mod plan;
 mod shell;
 mod simulate;
+mod view;
 mod words;
 
 use std::path::PathBuf;
@@ -59,6 +60,8 @@ enum Command {
         #[arg(long, default_value_t = 6.0)]
         seconds: f64,
     },
+    /// Make a page that plays the frames of a run in a browser: colours, contacts, flow, histories of bodies (view.html).
+    View(view::ViewArguments),
     /// Say what a run would build, with unknowns, memory and seconds; solve no more than a sample.
     Plan {
         #[command(flatten)]
@@ -123,6 +126,7 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
             };
             animate::animate(session, &film)
         }
+        Command::View(arguments) => view::view(session, arguments),
         Command::Plan { scene, out, ranks } => {
             let scene = scene.read(session)?;
             check_memory_of_plan(session.world(), &scene)?;
@@ -176,7 +180,7 @@ mod tests {
             let outcome = execute_alone(&parsed(&format!("turbid {words}"))).unwrap_or_else(|| panic!("{words} takes a session"));
             assert!(matches!(outcome, Err(Error::File { .. })), "{words}: {outcome:?}");
         }
-        let on_ranks = ["run a.toml", "resume o", "animate o", "plan a.toml", "lubrication", "validation", "conditioning"];
+        let on_ranks = ["run a.toml", "resume o", "animate o", "view o", "plan a.toml", "lubrication", "validation", "conditioning"];
         for words in on_ranks {
             assert!(execute_alone(&parsed(&format!("turbid {words}"))).is_none(), "{words} takes no session");
         }
@@ -192,6 +196,9 @@ mod tests {
             "turbid run a.toml --colour",
             "turbid resume",
             "turbid animate o --width 1",
+            "turbid view o --frames 0",
+            "turbid view o --serve 70000",
+            "turbid view o --serve 1 --out a.html",
             "turbid lubrication --dimension 4",
             "turbid validation --random 3",
             "turbid validation --crowds --bars 1e-2",

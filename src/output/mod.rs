@@ -33,6 +33,7 @@ mod summary;
 mod too_short;
 mod traces;
 mod video;
+mod view;
 
 pub use accuracy::{AccuracySummary, DragSummary, EstimatedErrors};
 pub use animation::AnimationFormat;
@@ -46,7 +47,8 @@ pub use effort::effort_chart;
 pub use file::{prepare_folder, remove_file, write_whole, write_whole_with};
 pub use finite::{check_finite, not_finite};
 pub use frames::{
-    Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameFields, FrameFile, FrameMembranes, Frames, StoredFrame, read_frames,
+    FlowLayer, Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameFields, FrameFile, FrameMembranes, FrameSurroundings, Frames,
+    StoredFrame, read_frames,
 };
 pub use lock::FolderLock;
 pub use motions::{ForceSummary, MeanSpeed, SettlingSummary, VelocitySummary};
@@ -64,3 +66,4 @@ pub use summary::{ContactSummary, GlueSummary, MotionSummary, Summary};
 pub use too_short::TooShort;
 pub use traces::{CHECKPOINT, KNOWN_FILES, LOG, REPORT, SUMMARY, Traces};
 pub use video::{convert_to_video, ffmpeg_present};
+pub use view::{RunView, serve};

@@ -20,7 +20,7 @@ pub const LOG: &str = "run.log";
 pub const REPORT: &str = "report.html";
 
 /// The files that a run may leave, the first one first to go; not the text of its scene, nor its calibration, which says what it is of.
-const FILES: [&str; 23] = [
+const FILES: [&str; 24] = [
     SUMMARY,
     CHECKPOINT,
     "series.csv",
@@ -35,6 +35,7 @@ const FILES: [&str; 23] = [
     "picture.svg",
     "picture.png",
     "animation.png",
+    "view.html",
     "viscosity.svg",
     "effort.svg",
     "probe.csv",

@@ -37,7 +37,7 @@ pub(in crate::scene) const KEYS: [Key; 6] = [
         "What solves for the fluid of the empty box: algebraic multigrid for \
         any box, transforms where walls lie across one axis at most, or the faster one that fits.",
     )
-    .default("\"hypre\""),
+    .default("\"auto\""),
     Key::new(
         "tolerance",
         "\"auto\" or a number",
