@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import io
+import csv
 import json
+import math
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -50,8 +51,21 @@ def read_table(path: Path) -> pd.DataFrame:
     """A table of a run by its steps, indexed by time; a last row that is half written is left out."""
     text = path.read_text(encoding="utf-8")
     whole = text[: text.rfind("\n") + 1]
-    table = pd.read_csv(io.StringIO(whole or "step,time\n"), float_precision="round_trip")
-    return table.set_index("time")
+    return numbers(whole or "step,time\n").set_index("time")
+
+
+def numbers(text: str) -> pd.DataFrame:
+    """A table of numbers as CSV, to the last digit, which some versions of pandas round; empty cells are ``nan``."""
+    header, *rows = csv.reader(text.splitlines())
+
+    def column(cells: tuple[str, ...]) -> list[int] | list[float]:
+        try:
+            return [int(cell) for cell in cells]
+        except ValueError:
+            return [float(cell) if cell.strip() else math.nan for cell in cells]
+
+    columns = map(column, zip(*rows, strict=True)) if rows else [[] for _ in header]
+    return pd.DataFrame(dict(zip(header, columns)), columns=header)
 
 
 def last_row(path: Path) -> dict[str, float] | None:
@@ -77,7 +91,8 @@ def read_hdf5(path: Path, read: Callable[[h5py.File], T]) -> T:
     """What a function finds in an HDF5 file, which is open no longer than it takes and locked for nobody."""
     for left in reversed(range(_TRIES)):
         try:
-            with h5py.File(path, "r", locking=False) as file:
+            # who has it open in this process may have locked it
+            with h5py.File(path, "r", locking=None if left % 2 == 0 else False) as file:
                 return read(file)
         except (OSError, KeyError, RuntimeError):
             if left == 0 or not path.exists():

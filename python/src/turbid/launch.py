@@ -195,7 +195,7 @@ class _Started:
         if code == _REFUSED:
             # who has given a dict has not written that file
             if self.written is not None:
-                message = re.sub(re.escape(str(self.written)) + r"(:\d+)?: ", "", message)
+                message = re.sub(rf"(\S*/)?{re.escape(self.written.name)}(:\d+)?: ", "", message)
             raise Refused(message, printed)
         raise Failed(message, code, printed)
 

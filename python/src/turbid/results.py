@@ -16,7 +16,7 @@ from .animation import Animation
 from .box import Floats
 from .errors import Missing
 from .executable import PathLike
-from .files import Cached, read_json, read_table
+from .files import Cached, numbers, read_json, read_table
 from .frames import Frames, list_frames
 from .pairs import PairDistribution
 from .profiles import Profile
@@ -114,7 +114,7 @@ class Run:
         Columns as in :attr:`Frame.bodies`, and ``stresslet_x_x``, .. in a flow."""
         table = self.folder / "summary-bodies.csv"
         if self.finished and table.exists():
-            whole = pd.read_csv(table, float_precision="round_trip").rename_axis("body")
+            whole = numbers(table.read_text(encoding="utf-8")).rename_axis("body")
             return whole.rename(columns={f"center_{axis}": axis for axis in "xyz"})
         if not self.finished:
             return self.frames[-1].bodies
@@ -124,8 +124,8 @@ class Run:
     @property
     def frames(self) -> Frames:
         """The frames, empty where there are none."""
-        numbers, times = self._frames.get() or (np.zeros(0, dtype=np.int64), np.zeros(0))
-        return Frames(self, numbers, times)
+        found, times = self._frames.get() or (np.zeros(0, dtype=np.int64), np.zeros(0))
+        return Frames(self, found, times)
 
     @property
     def viscosity(self) -> Viscosity:

@@ -10,10 +10,10 @@ import numpy.typing as npt
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.colors import Colormap, Normalize
 
-from ..box import Floats
+from ..box import Floats, Integers
 from ..errors import Missing
 from .charts import norm_of
-from .style import AROUND_ZERO, BODY, BOND, EDGE, FORCE, GROWING, WALL, label
+from .style import AROUND_ZERO, BODY, BOND, DARK, EDGE, FORCE, GROWING, WALL, label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -59,16 +59,17 @@ class Picture:
         field = self._field(name) if flow and self._shows_flow() else None
         if name in _OF_FIELDS and field is None:
             raise Missing(f"{frame.path} holds no {name} to colour a plane of; in 3D give cut=")
-        shown = [numbers for numbers in (values, None if field is None else field.ravel()) if numbers is not None]
+        fluid = None if field is None else field[self._slice(frame.fields["inside"]) < 0.5]
+        shown = [numbers for numbers in (values, fluid) if numbers is not None]
         norm = norm_of(np.concatenate(shown), name in _SIGNED) if shown else Normalize()
         colours = plt.get_cmap(AROUND_ZERO if name in _SIGNED else GROWING)
         if name == "chain" and values is not None:
             colours, norm = plt.get_cmap("tab20"), Normalize(0, 20)
             values = np.where(values >= 0, values % 20, np.nan)
         mappable = self._draw_field(field, colours, norm)
-        bodies = self._draw_bodies(values, colours, norm, name in _OF_FIELDS)
+        bodies = self._draw_bodies(values, colours, norm, name)
         if streamlines and self._shows_flow():
-            self._draw_streamlines()
+            self._draw_streamlines("black" if name in _SIGNED else "white")
         if bonds and self.cut is None:
             self._draw_bonds()
         if contacts and self.cut is None:
@@ -76,7 +77,8 @@ class Picture:
         self._finish()
         bar = bodies if values is not None else mappable
         if bar is not None and name != "chain":
-            self.axes.figure.colorbar(bar, ax=self.axes, label=_label(name), shrink=0.8, pad=0.02)
+            beyond = "both" if name in _SIGNED and len(shown) and np.abs(np.concatenate(shown)).max(initial=0.0) > norm.vmax else "neither"
+            self.axes.figure.colorbar(bar, ax=self.axes, label=_label(name), shrink=0.8, pad=0.02, extend=beyond)
         return self.axes
 
     def _shows_flow(self) -> bool:
@@ -84,14 +86,13 @@ class Picture:
 
     def _slice(self, field: Floats) -> Floats:
         """A field in the plane, rows upwards."""
-        names, vectors = list(self.frame.fields.dimensions), field.ndim - self.frame.dimension
+        names = list(self.frame.fields.dimensions)
         if self.depth is not None and self.cut is not None:
             axis = "xyz"[self.depth]
             place = int(np.clip(self.cut / self.frame.fields.spacing[self.depth], 0, field.shape[names.index(axis)] - 1))
             field = np.take(field, place, axis=names.index(axis))
             names.remove(axis)
-        flat = field if names == [self.view[1], self.view[0]] else np.swapaxes(field, 0, 1)
-        return flat if not vectors else flat[..., :]
+        return field if names == [self.view[1], self.view[0]] else np.swapaxes(field, 0, 1)
 
     def _field(self, name: str | None) -> Floats | None:
         fields = self.frame.fields
@@ -109,7 +110,7 @@ class Picture:
         size = self.frame.box.size[self.plane]
         return self.axes.imshow(field, origin="lower", extent=(0, size[0], 0, size[1]), cmap=colours, norm=norm, interpolation="bilinear", zorder=0)
 
-    def _draw_bodies(self, values: Floats | None, colours: Colormap, norm: Normalize, dark: bool) -> Any:
+    def _draw_bodies(self, values: Floats | None, colours: Colormap, norm: Normalize, name: str | None) -> Any:
         frame = self.frame
         numbers, places = frame.box.images(frame.centres, float(frame.radii.max(initial=0.0)))
         radii = frame.radii[numbers]
@@ -125,24 +126,35 @@ class Picture:
             numbers, places, radii = numbers[order], places[order], radii[order]
         width = 2 * radii
         drawn = EllipseCollection(width, width, 0 * width, units="xy", offsets=places[:, self.plane], offset_transform=self.axes.transData, zorder=2)
-        drawn.set_edgecolor(EDGE)
-        drawn.set_linewidth(0.6 if len(frame) < 1000 else 0.2)
+        # dark on dark is not seen
+        drawn.set_edgecolor("white" if self.axes.images and name not in _SIGNED else EDGE)
+        drawn.set_linewidth(0.9 if len(frame) < 1000 else 0.2)
         if values is None:
-            drawn.set_facecolor("#4a4f55" if dark else BODY)
+            drawn.set_facecolor(DARK if name in _OF_FIELDS else BODY)
         else:
             colours = colours.with_extremes(bad=BODY)
             drawn.set(cmap=colours, norm=norm)
-            drawn.set_array(np.ma.masked_invalid(values[numbers]))
+            drawn.set_array(np.ma.masked_invalid(self._of_images(values, name, numbers, places)))
+
         self.axes.add_collection(drawn)
         return drawn
 
-    def _draw_streamlines(self) -> None:
+    def _of_images(self, values: Floats, name: str | None, numbers: Integers, places: Floats) -> Floats:
+        """A number for each image: where images slide, those above move faster."""
+        frame = self.frame
+        if not frame.box.offset_rate or name not in ("speed", "velocity_x"):
+            return values[numbers]
+        rows = np.round((places[:, 1] - frame.centres[numbers, 1]) / frame.box.size[1])
+        velocities = frame.velocities[numbers]
+        velocities[:, 0] += rows * frame.box.offset_rate
+        return np.linalg.norm(velocities, axis=1) if name == "speed" else velocities[:, 0]
+
+    def _draw_streamlines(self, colour: str) -> None:
         fields = self.frame.fields
         velocity = self._slice(fields["velocity"])
         across, up = (fields.coordinates[axis] for axis in self.view)
-        lines = self.axes.streamplot(across, up, velocity[..., self.plane[0]], velocity[..., self.plane[1]], color="white", linewidth=0.6, density=1.2, arrowsize=0.6)
+        lines = self.axes.streamplot(across, up, velocity[..., self.plane[0]], velocity[..., self.plane[1]], color=colour, linewidth=0.6, density=1.2, arrowsize=0.6, zorder=1)
         lines.lines.set_alpha(0.7)
-        lines.lines.set_zorder(1)
 
     def _draw_bonds(self) -> None:
         points = self.frame.bonds.points
@@ -160,7 +172,7 @@ class Picture:
         partner = found.partner[bearing]
         reach = np.where(partner >= 0, radius + found.gap[bearing] + frame.radii[np.maximum(partner, 0)], radius + found.gap[bearing])
         lines = self._with_images(np.stack([start, start + reach[:, None] * found.normal[bearing]], axis=1))
-        widths = np.tile(_WIDEST_LINE * found.force[bearing] / found.force.max(), len(lines) // int(bearing.sum()))
+        widths = np.tile(_WIDEST_LINE * np.minimum(found.force[bearing] / np.quantile(found.force[bearing], 0.95), 1.5), len(lines) // int(bearing.sum()))
         self.axes.add_collection(LineCollection(list(lines), colors=FORCE, linewidths=np.maximum(widths, 0.3), zorder=4, capstyle="round"))
 
     def _with_images(self, lines: Floats) -> Floats:
@@ -176,7 +188,7 @@ class Picture:
     def _finish(self) -> None:
         frame, axes = self.frame, self.axes
         size = frame.box.size[self.plane]
-        axes.set(xlim=(0, size[0]), ylim=(0, size[1]), aspect="equal", xlabel=f"{self.view[0]} [units of the scene]", ylabel=self.view[1])
+        axes.set(xlim=(0, size[0]), ylim=(0, size[1]), aspect="equal", xlabel=f"{self.view[0]} [units of the scene]", ylabel=f"{self.view[1]} [units of the scene]")
         for side, along in zip((("left", "right"), ("bottom", "top")), self.plane):
             periodic = frame.box.periodic[along]
             for name in side:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.colors import Normalize
 
+from ..box import Floats
 from ..pairs import PairDistribution
 from ..profiles import Profile
 from ..viscosity import Viscosity
@@ -26,7 +27,8 @@ def viscosity_chart(series: pd.DataFrame, found: Viscosity, axes: Axes | None, p
     axes.plot(strain, series["viscosity"], color=COLOURS[0], label="viscosity")
     if parts:
         names = [name for name in found.parts if f"viscosity_{name}" in series and series[f"viscosity_{name}"].abs().max() > 0]
-        for name, colour in zip(names, COLOURS[2:]):
+        # a single part is the whole
+        for name, colour in zip(names if len(names) > 1 else [], COLOURS[2:]):
             axes.plot(strain, series[f"viscosity_{name}"], color=colour, linewidth=1.0, label=f"part: {name}")
     if found.mean is not None and found.interval is not None and found.strains is not None:
         start, end = np.abs(found.strains)
@@ -97,12 +99,15 @@ def profile_chart(found: Profile, axes: Axes | None, components: Sequence[str] |
     return axes
 
 
-def norm_of(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]], around_zero: bool) -> Normalize:
-    """From the smallest to the largest of numbers; of numbers that are all the same, none is made to look large."""
+def norm_of(values: Floats, around_zero: bool) -> Normalize:
+    """From the smallest to the largest of numbers; of numbers that are all the same, none is made to look large.
+
+    Of numbers of both signs, those beyond 99 % of all are left to the end of the scale: a few cells in gaps have most of the pressure.
+    """
     known = values[np.isfinite(values)]
     low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
     if around_zero:
-        most = max(abs(low), abs(high)) or 1.0
+        most = (float(np.quantile(np.abs(known), 0.99)) if len(known) else 0.0) or max(abs(low), abs(high)) or 1.0
         return Normalize(-most, most)
     scale = max(abs(low), abs(high)) or 1.0
     return Normalize(low, high) if high - low > 1e-9 * scale else Normalize(low - 0.5 * scale, high + 0.5 * scale)
