@@ -188,3 +188,14 @@ def test_an_animation_is_a_picture_that_a_notebook_shows(dry):
     assert made._repr_html_().startswith("<img src='data:image/png;base64,")
     with pytest.raises((turbid.Refused, turbid.Failed)):
         dry.animate(out=dry.folder / "no" / "where.png")
+
+
+def test_notes_are_passed_on_and_errors_are_told_once(tmp_path, capsys, scalar):
+    program = tmp_path / "noting"
+    program.write_text(f"#!/bin/sh\necho 'turbid: a note' >&2\necho 'mpirun: chatter' >&2\nmkdir -p {tmp_path}/o\ncp {scalar.folder}/summary.json {tmp_path}/o\n")
+    program.chmod(0o755)
+    turbid.run(SCALAR, out=tmp_path / "o", ranks=1, executable=program)
+    assert capsys.readouterr().err == "turbid: a note\n"
+    with pytest.raises(turbid.Refused):
+        turbid.run(SCALAR, set={"seed": -1}, out=tmp_path / "p", ranks=2)
+    assert capsys.readouterr().err == ""

@@ -169,7 +169,7 @@ class Frame:
         if not found:
             none = np.zeros(0, dtype=np.int32)
             return Membranes(none, np.zeros((0, self.dimension)), none, [])
-        return Membranes(found["body"], found["point"][:, : self.dimension], found["chain"], faces_of(found["topology"]))
+        return Membranes(found["body"], found["point"][:, : self.dimension], found["chain"], faces_of(self._group("faces")["topology"]))
 
     @property
     def has_fields(self) -> bool:

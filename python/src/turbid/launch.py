@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -27,6 +28,8 @@ ShownProgress = bool | Callable[[Progress], object]
 
 _REFUSED = 2
 _PAUSE = 0.25
+# a note that is an error is followed by the end of the program within this time, and is told by an exception
+_HELD_BACK = 3.0
 _TABLES = ("bodies", "chains", "cells", "clusters")
 
 
@@ -136,15 +139,11 @@ class _Started:
         self.process = subprocess.Popen(
             words, env=variables, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace", process_group=0
         )
-        self.lines: list[str] = []
-        self.printed: list[str] = []
+        #: Lines with the times at which they came.
+        self.noted: list[tuple[float, str]] = []
+        self.printed: list[tuple[float, str]] = []
         assert self.process.stdout is not None and self.process.stderr is not None
-        self.readers = [self._reader(self.process.stdout, self.printed), self._reader(self.process.stderr, self.lines)]
-
-    def _reader(self, stream: IO[str], into: list[str]) -> threading.Thread:
-        thread = threading.Thread(target=lambda: into.extend(iter(stream.readline, "")), daemon=True)
-        thread.start()
-        return thread
+        self.readers = [_reader(self.process.stdout, self.printed), _reader(self.process.stderr, self.noted)]
 
     def watch(self, watcher: Watcher | None, progress: ShownProgress) -> str:
         """Waits for the end and gives what was printed; passes on what the program notes meanwhile."""
@@ -158,7 +157,7 @@ class _Started:
                     seen = watcher.look() if watcher and progress else None
                     if seen:
                         display.show(seen)
-                    passed = self._pass_on(passed, bool(progress))
+                    passed = self._pass_on(passed, time.monotonic() - _HELD_BACK, bool(progress))
         except BaseException:
             self._stop()
             raise
@@ -167,15 +166,16 @@ class _Started:
         for reader in self.readers:
             reader.join()
         self._judge()
-        self._pass_on(passed, bool(progress))
-        return "".join(self.printed)
+        self._pass_on(passed, time.monotonic(), bool(progress))
+        return _text(self.printed)
 
-    def _pass_on(self, passed: int, wanted: bool) -> int:
-        """Prints what the program has noted since, such as warnings; what mpirun says of its own is none of it."""
-        notes = [line for line in self.lines[passed:] if line.startswith("turbid: ")] if wanted else []
-        for note in notes:
-            print(note, end="", file=sys.stderr, flush=True)
-        return len(self.lines)
+    def _pass_on(self, passed: int, until: float, wanted: bool) -> int:
+        """Prints what the program has noted since, such as warnings, until a time; what mpirun says of its own is none of it."""
+        lines = [line for moment, line in self.noted[passed:] if moment <= until]
+        for line in lines if wanted else []:
+            if line.startswith("turbid: "):
+                print(line, end="", file=sys.stderr, flush=True)
+        return passed + len(lines)
 
     def _stop(self) -> None:
         """Asks for a checkpoint and an end."""
@@ -187,10 +187,10 @@ class _Started:
                 self.process.kill()
 
     def _judge(self) -> None:
-        code, noted = self.process.returncode, "".join(self.lines)
+        code, noted = self.process.returncode, _text(self.noted)
         if code == 0:
             return
-        printed = "".join(self.printed) + noted
+        printed = _text(self.printed) + noted
         message = _message(noted) or f"turbid ended with code {code}: {printed.strip() or 'it printed nothing'}"
         if code == _REFUSED:
             # who has given a dict has not written that file
@@ -198,6 +198,20 @@ class _Started:
                 message = re.sub(rf"(\S*/)?{re.escape(self.written.name)}(:\d+)?: ", "", message)
             raise Refused(message, printed)
         raise Failed(message, code, printed)
+
+
+def _reader(stream: IO[str], into: list[tuple[float, str]]) -> threading.Thread:
+    def read() -> None:
+        for line in iter(stream.readline, ""):
+            into.append((time.monotonic(), line))
+
+    thread = threading.Thread(target=read, daemon=True)
+    thread.start()
+    return thread
+
+
+def _text(lines: list[tuple[float, str]]) -> str:
+    return "".join(line for _, line in lines)
 
 
 def _message(noted: str) -> str | None:
@@ -247,6 +261,6 @@ def _end_of(path: Path, overrides: Overrides) -> float:
         scene = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return 0.0
-    time = scene.get("time")
-    end = (overrides or {}).get("time.end", time.get("end") if isinstance(time, dict) else None)
+    section = scene.get("time")
+    end = (overrides or {}).get("time.end", section.get("end") if isinstance(section, dict) else None)
     return float(end) if isinstance(end, (int, float)) else 0.0

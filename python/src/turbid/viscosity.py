@@ -13,7 +13,7 @@ from .statistics import Mean, steady_mean
 _PARTS = ("hydrodynamic", "lubrication", "interaction", "bonds", "reynolds", "contact")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Viscosity:
     """The apparent viscosity of the suspension over that of the fluid.
 
@@ -53,6 +53,10 @@ class Viscosity:
         if self.half_width is not None:
             return f"{self.value:.5g} ± {self.half_width:.2g}"
         return f"{self.value:.5g}" + (f" at the end; {self.reason}" if self.reason else "")
+
+    def __repr__(self) -> str:
+        parts = " + ".join(f"{name} {value:.4g}" for name, value in (self.mean_parts or self.parts).items() if value)
+        return f"<viscosity {self}: {parts}>"
 
     @staticmethod
     def of_summary(found: dict[str, Any], in_time: bool) -> Viscosity:
@@ -96,7 +100,8 @@ _TOO_SHORT = "the run is too short for a mean, or has not become steady"
 
 
 def _parts(found: dict[str, Any]) -> dict[str, float]:
-    return {part: found[part] for part in _PARTS if found.get(part) is not None}
+    # -0.0 + 0.0 is 0.0
+    return {part: found[part] + 0.0 for part in _PARTS if found.get(part) is not None}
 
 
 def _mean_over(series: pd.DataFrame, column: str, mean: Mean) -> float:

@@ -202,7 +202,7 @@ class Picture:
 
 
 def _new_axes(width: float, height: float) -> Axes:
-    across = float(np.clip(4.6 * width / height, 3.5, 8.0))
+    across = float(np.clip(4.4 * width / height, 3.5, 6.6))
     _, axes = plt.subplots(figsize=(across + 1.2, float(np.clip(across * height / width, 2.0, 8.0)) + 0.8), layout="constrained")
     return axes
 

@@ -60,7 +60,7 @@ def pairs_chart(found: PairDistribution, axes: Axes | None) -> Axes:
     axes = axes_of(axes)
     separation, density = found.radial.index.to_numpy(), found.radial["distribution"].to_numpy()
     half = 0.5 * (separation[1] - separation[0]) if len(separation) > 1 else 0.0
-    axes.stairs(density, np.append(separation - half, separation[-1:] + half), color=COLOURS[0], linewidth=1.4)
+    axes.stairs(density, np.append(separation - half, separation[-1:] + half), baseline=None, color=COLOURS[0], linewidth=1.4)
     axes.axhline(1.0, color="0.4", linewidth=0.8, linestyle="--")
     frames = "1 frame" if found.configurations == 1 else f"{found.configurations} frames"
     axes.set(xlabel="separation of centres / sum of the radii", ylabel="pair distribution g(r)", ylim=(0, None))
