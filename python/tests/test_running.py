@@ -15,7 +15,7 @@ import pytest
 import turbid
 from conftest import DRY, SCALAR, WALLS
 from turbid.errors import Refused
-from turbid.launch import _message
+from turbid.process import message_in
 from turbid.toml import document, inline
 
 
@@ -42,8 +42,8 @@ def test_a_refusal_has_its_parts(message, parts):
 def test_what_mpirun_adds_is_left_out():
     rule = "-" * 74
     noted = f"turbid: warning: slow\nturbid: a.toml:1: x = 2: no\n{rule}\nPrimary job terminated\n{rule}\n"
-    assert _message(noted) == "a.toml:1: x = 2: no"
-    assert _message("nothing of ours\n") is None
+    assert message_in(noted) == "a.toml:1: x = 2: no"
+    assert message_in("nothing of ours\n") is None
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
@@ -199,3 +199,16 @@ def test_notes_are_passed_on_and_errors_are_told_once(tmp_path, capsys, scalar):
     with pytest.raises(turbid.Refused):
         turbid.run(SCALAR, set={"seed": -1}, out=tmp_path / "p", ranks=2)
     assert capsys.readouterr().err == ""
+
+
+def test_a_run_is_read_while_it_goes_on(tmp_path):
+    seen = []
+
+    def look(progress):
+        run = turbid.open(tmp_path / "live")
+        frames = run.frames
+        seen.append((len(frames), run.viscosity.relative, len(run.series), len(frames[-1].centres) if len(frames) else 0))
+
+    done = turbid.run({**WALLS, "time": {"end": 0.8}}, out=tmp_path / "live", ranks=2, progress=look)
+    assert len(seen) > 1 and seen[-1][0] > 1, seen
+    assert done.finished and len(done.frames) >= seen[-1][0]

@@ -15,7 +15,8 @@ from .contacts import Bonds, Contacts, Membranes
 from .errors import Failed, Missing, Refused, TurbidError
 from .executable import find_executable
 from .fields import Fields
-from .frames import Frame, Frames
+from .frame import Frame
+from .frames import Frames
 from .launch import Plan, plan, resume, run
 from .neighbours import near_pairs
 from .pairs import PairDistribution, pair_distribution

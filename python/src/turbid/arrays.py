@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     import xarray
 
     from .fields import Fields
-    from .frames import Frame, Frames
+    from .frame import Frame
+    from .frames import Frames
     from .results import Run
 
 try:

@@ -19,7 +19,7 @@ from .box import Box, Floats
 from .neighbours import near_pairs
 
 if TYPE_CHECKING:
-    from .frames import Frame
+    from .frame import Frame
 
 #: Gap in mean radii of the pair up to which two bodies are neighbours.
 NEAR = 0.1

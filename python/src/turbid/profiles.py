@@ -14,7 +14,7 @@ from .errors import Missing
 from .statistics import standard_error
 
 if TYPE_CHECKING:
-    from .frames import Frame
+    from .frame import Frame
 
 #: What can be averaged: ``velocity`` of fluid and bodies together, ``fraction`` of the volume that bodies take, ``body_velocity`` and ``spin`` of what is
 #: inside bodies, and ``pressure``, ``vorticity`` and ``inside`` of the fields.

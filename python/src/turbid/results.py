@@ -13,6 +13,7 @@ import pandas as pd
 from . import pairs as counting
 from . import profiles as averaging
 from .animation import Animation
+from .bodies import table_of
 from .box import Floats
 from .errors import Missing
 from .executable import PathLike
@@ -118,8 +119,7 @@ class Run:
             return whole.rename(columns={f"center_{axis}": axis for axis in "xyz"})
         if not self.finished:
             return self.frames[-1].bodies
-        rows = [{name: part for key, value in body.items() for name, part in _flat(key, value)} for body in self.summary["bodies"]]
-        return pd.DataFrame(rows, index=pd.RangeIndex(len(rows), name="body"))
+        return table_of(self.summary["bodies"])
 
     @property
     def frames(self) -> Frames:
@@ -242,20 +242,6 @@ class Run:
         if found is None:
             raise Missing(f"{self.folder} has no {what}")
         return found
-
-
-def _flat(key: str, value: Any) -> list[tuple[str, float]]:
-    """Columns of an entry of a body in a summary."""
-    if not isinstance(value, list):
-        return [(key, value)]
-    if key == "center":
-        return list(zip("xyz", value))
-    if key == "stresslet":
-        axes = "xyz"[: len(value)]
-        return [(f"{key}_{one}_{two}", value[row][column]) for row, one in enumerate(axes) for column, two in enumerate(axes)]
-    if len(value) == 1:
-        return [(key, value[0])]
-    return [(f"{key}_{axis}", part) for axis, part in zip("xyz", value)]
 
 
 def open_run(folder: PathLike) -> Run:

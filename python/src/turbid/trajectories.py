@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from .box import Floats
-from .frames import Frame
+from .frame import Frame
 
 
 def followed(frames: Iterable[Frame]) -> Iterator[tuple[Floats, Frame]]:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy.typing as npt
 
 from ..errors import Missing
-from ..frames import Frame, Frames
+from ..frame import Frame
+from ..frames import Frames
 from .bodies import COLOUR_CHOICES, Picture
 from .charts import directions_chart, pairs_chart, profile_chart, series_chart, viscosity_chart
 from .style import COLOURS

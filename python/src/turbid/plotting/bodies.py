@@ -18,7 +18,7 @@ from .style import AROUND_ZERO, BODY, BOND, DARK, EDGE, FORCE, GROWING, WALL, la
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ..frames import Frame
+    from ..frame import Frame
 
 #: What bodies and fields can be coloured by.
 COLOUR_CHOICES = ("speed", "velocity_x", "velocity_y", "velocity_z", "spin", "contacts", "radius", "chain", "pressure", "vorticity", None)
