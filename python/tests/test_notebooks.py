@@ -48,14 +48,12 @@ def test_the_page_of_the_manual_runs(tmp_path, monkeypatch):
         exec(compile(block, f"docs/python.md: {block.splitlines()[0]}", "exec"), names)
 
 
-def test_the_page_names_what_there_is():
-    page = PAGE.read_text(encoding="utf-8")
-    for name in re.findall(r"`turbid\.(\w+)", page):
-        assert hasattr(turbid, name), name
-    for name in re.findall(r"`run\.(\w+)", page):
-        assert hasattr(turbid.Run, name), name
-    for name in re.findall(r"`frame\.(\w+)", page):
-        assert hasattr(turbid.Frame, name), name
+@pytest.mark.parametrize("path", [PAGE, PACKAGE / "README.md"], ids=lambda path: path.stem)
+def test_pages_name_what_there_is(path):
+    page = path.read_text(encoding="utf-8")
+    for pattern, owner in ((r"\bturbid\.(\w+)", turbid), (r"\brun\.(\w+)", turbid.Run), (r"\bframe\.(\w+)", turbid.Frame)):
+        for name in set(re.findall(pattern, page)) - {"git", "com"}:
+            assert hasattr(owner, name) or name == "folder", f"{path.name} names {name}"
 
 
 def test_the_version_is_one():

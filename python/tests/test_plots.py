@@ -28,9 +28,9 @@ def test_charts_are_labelled_and_hold_the_data(walls):
 
 
 def test_the_band_of_a_mean_is_where_the_mean_is():
-    from turbid.plotting.charts import viscosity_chart
-
     import pandas as pd
+
+    from turbid.plotting.charts import viscosity_chart
 
     series = pd.DataFrame({"strain": np.linspace(0, 2, 50), "viscosity": 2.0, "viscosity_hydrodynamic": 1.5, "viscosity_contact": 0.5})
     found = turbid.Viscosity(2.0, {"hydrodynamic": 1.5, "contact": 0.5}, mean=2.0, interval=(1.9, 2.1), strains=(0.5, 2.0), blocks=9)

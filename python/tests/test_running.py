@@ -11,23 +11,30 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import DRY, SCALAR, WALLS
 
 import turbid
-from conftest import DRY, SCALAR, WALLS
 from turbid.errors import Refused
 from turbid.process import message_in
+from turbid.progress import Line
 from turbid.toml import document, inline
 
 
 @pytest.mark.parametrize(
     ("message", "parts"),
     [
-        ("a b/s.toml:37: bodies[0].fraction = 1.3: must lie between 0 and 1", ("bodies[0].fraction", "1.3", "must lie between 0 and 1", "a b/s.toml", 37, False)),
+        (
+            "a b/s.toml:37: bodies[0].fraction = 1.3: must lie between 0 and 1",
+            ("bodies[0].fraction", "1.3", "must lie between 0 and 1", "a b/s.toml", 37, False),
+        ),
         ("--set: bodies[0].radius = -1: must be positive", ("bodies[0].radius", "-1", "must be positive", None, None, True)),
         ("--set: unknown key flux; known keys: flow", ("flux", None, "unknown key flux; known keys: flow", None, None, True)),
         ('--set "bo=\\"gus: x": must be key=value', (None, None, "must be key=value", None, None, True)),
         ("s.toml:3: missing key domain.size; for example", ("domain.size", None, "missing key domain.size; for example", "s.toml", 3, False)),
-        ("resolution needs one of spacing, cells_per_radius; x", ("resolution", None, "resolution needs one of spacing, cells_per_radius; x", None, None, False)),
+        (
+            "resolution needs one of spacing, cells_per_radius; x",
+            ("resolution", None, "resolution needs one of spacing, cells_per_radius; x", None, None, False),
+        ),
         ('s.toml:4: title = "a: b": is odd', ("title", '"a: b"', "is odd", "s.toml", 4, False)),
         ("out/a.toml: No such file", (None, None, "No such file", "out/a.toml", None, False)),
         ("accuracy = 0.01: is more than 2.5 can do: no", ("accuracy", "0.01", "is more than 2.5 can do: no", None, None, False)),
@@ -155,13 +162,23 @@ def test_progress_is_told_while_it_runs(tmp_path, capsys):
     assert re.search(r"^time 0\.\d+ of 0.6, step", capsys.readouterr().err, re.MULTILINE)
 
 
+def test_a_terminal_shows_one_line_that_goes_away(capsys):
+    line = Line()
+    for part in (0.25, 0.5):
+        line.show(turbid.Progress(part, 1.0, int(100 * part), 2.5, 1.0, 1.0 / part - 1.0))
+    line.end()
+    shown = capsys.readouterr().err.split("\r")
+    assert shown[2].startswith("█" * 15 + "░" * 15 + " time 0.5 of 1, step 50, viscosity 2.5000, 1 s left")
+    assert shown[-2].strip() == shown[-1] == "" and "\n" not in "".join(shown)
+
+
 def test_an_interrupt_leaves_a_checkpoint_to_go_on_from(tmp_path):
     out = tmp_path / "long"
 
     def interrupt():
         while not (out / "series.csv").exists() or len((out / "series.csv").read_text().splitlines()) < 4:
             time.sleep(0.05)
-        signal.raise_signal(signal.SIGINT) if threading.current_thread() is threading.main_thread() else os.kill(os.getpid(), signal.SIGINT)
+        os.kill(os.getpid(), signal.SIGINT)
 
     threading.Thread(target=interrupt, daemon=True).start()
     with pytest.raises(KeyboardInterrupt):
@@ -192,7 +209,9 @@ def test_an_animation_is_a_picture_that_a_notebook_shows(dry):
 
 def test_notes_are_passed_on_and_errors_are_told_once(tmp_path, capsys, scalar):
     program = tmp_path / "noting"
-    program.write_text(f"#!/bin/sh\necho 'turbid: a note' >&2\necho 'mpirun: chatter' >&2\nmkdir -p {tmp_path}/o\ncp {scalar.folder}/summary.json {tmp_path}/o\n")
+    program.write_text(
+        f"#!/bin/sh\necho 'turbid: a note' >&2\necho 'mpirun: chatter' >&2\nmkdir -p {tmp_path}/o\ncp {scalar.folder}/summary.json {tmp_path}/o\n"
+    )
     program.chmod(0o755)
     turbid.run(SCALAR, out=tmp_path / "o", ranks=1, executable=program)
     assert capsys.readouterr().err == "turbid: a note\n"

@@ -37,7 +37,14 @@ class Program:
         self.written = written
         # a group of its own: the terminal's interrupt would end it without a checkpoint
         self.process = subprocess.Popen(
-            words, env=variables, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace", process_group=0
+            words,
+            env=variables,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            errors="replace",
+            process_group=0,
         )
         #: Lines with the times at which they came.
         self.noted: list[tuple[float, str]] = []

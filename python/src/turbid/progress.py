@@ -190,4 +190,4 @@ def in_notebook() -> bool:
     from IPython import get_ipython
 
     shell = get_ipython()
-    return shell is not None and type(shell).__name__ == "ZMQInteractiveShell"
+    return hasattr(shell, "kernel")

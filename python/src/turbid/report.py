@@ -15,7 +15,13 @@ _MOST_BODIES = 4
 def html_of(run: Run) -> str:
     """The answer first, then what it is the answer to."""
     title = run.scene.get("title", run.name) if (run.folder / "scene.toml").exists() else run.name
-    rows = [("state", run.state), *_viscosity(run), *(_answers(run.summary) if run.finished else []), ("frames", str(len(run.frames))), ("folder", str(run.folder))]
+    rows = [
+        ("state", run.state),
+        *_viscosity(run),
+        *(_answers(run.summary) if run.finished else []),
+        ("frames", str(len(run.frames))),
+        ("folder", str(run.folder)),
+    ]
     cells = "".join(f"<tr><th style='text-align:left'>{escape(name)}</th><td style='text-align:left'>{escape(text)}</td></tr>" for name, text in rows)
     return f"<table><caption style='text-align:left'><b>{escape(str(title))}</b></caption>{cells}</table>"
 

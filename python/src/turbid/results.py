@@ -91,7 +91,9 @@ class Run:
         """
         found = self._summary.get()
         if found is None:
-            raise Missing(f"{self.folder} has no summary.json: the run has not finished; turbid.resume({str(self.folder)!r}) goes on with one that was stopped")
+            raise Missing(
+                f"{self.folder} has no summary.json: the run has not finished; turbid.resume({str(self.folder)!r}) goes on with one that was stopped"
+            )
         return found
 
     @property
@@ -111,7 +113,7 @@ class Run:
 
     @property
     def bodies(self) -> pd.DataFrame:
-        """The bodies of the last instant, a row each; of more than 10,000 all are in it too. 
+        """The bodies of the last instant, a row each; of more than 10,000 all are in it too.
         Columns as in :attr:`Frame.bodies`, and ``stresslet_x_x``, .. in a flow."""
         table = self.folder / "summary-bodies.csv"
         if self.finished and table.exists():
@@ -144,7 +146,9 @@ class Run:
     @property
     def pairs(self) -> PairDistribution:
         """The pair distribution that the program has measured, where ``output.pairs = true``."""
-        return self._needed(self._pairs.get(), "pairs.json: the scene has no output.pairs = true; run.pair_distribution() counts the pairs of the frames")
+        return self._needed(
+            self._pairs.get(), "pairs.json: the scene has no output.pairs = true; run.pair_distribution() counts the pairs of the frames"
+        )
 
     def pair_distribution(self, frames: Frames | None = None, width: float = 0.025, farthest: float | None = None) -> PairDistribution:
         """The pair distribution over frames, without them those of :meth:`steady_frames`; bins of ``width`` sums of radii up to ``farthest``."""

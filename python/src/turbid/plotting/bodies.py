@@ -153,7 +153,9 @@ class Picture:
         fields = self.frame.fields
         velocity = self._slice(fields["velocity"])
         across, up = (fields.coordinates[axis] for axis in self.view)
-        lines = self.axes.streamplot(across, up, velocity[..., self.plane[0]], velocity[..., self.plane[1]], color=colour, linewidth=0.6, density=1.2, arrowsize=0.6, zorder=1)
+        lines = self.axes.streamplot(
+            across, up, velocity[..., self.plane[0]], velocity[..., self.plane[1]], color=colour, linewidth=0.6, density=1.2, arrowsize=0.6, zorder=1
+        )
         lines.lines.set_alpha(0.7)
 
     def _draw_bonds(self) -> None:
@@ -172,7 +174,9 @@ class Picture:
         partner = found.partner[bearing]
         reach = np.where(partner >= 0, radius + found.gap[bearing] + frame.radii[np.maximum(partner, 0)], radius + found.gap[bearing])
         lines = self._with_images(np.stack([start, start + reach[:, None] * found.normal[bearing]], axis=1))
-        widths = np.tile(_WIDEST_LINE * np.minimum(found.force[bearing] / np.quantile(found.force[bearing], 0.95), 1.5), len(lines) // int(bearing.sum()))
+        widths = np.tile(
+            _WIDEST_LINE * np.minimum(found.force[bearing] / np.quantile(found.force[bearing], 0.95), 1.5), len(lines) // int(bearing.sum())
+        )
         self.axes.add_collection(LineCollection(list(lines), colors=FORCE, linewidths=np.maximum(widths, 0.3), zorder=4, capstyle="round"))
 
     def _with_images(self, lines: Floats) -> Floats:
@@ -188,7 +192,13 @@ class Picture:
     def _finish(self) -> None:
         frame, axes = self.frame, self.axes
         size = frame.box.size[self.plane]
-        axes.set(xlim=(0, size[0]), ylim=(0, size[1]), aspect="equal", xlabel=f"{self.view[0]} [units of the scene]", ylabel=f"{self.view[1]} [units of the scene]")
+        axes.set(
+            xlim=(0, size[0]),
+            ylim=(0, size[1]),
+            aspect="equal",
+            xlabel=f"{self.view[0]} [units of the scene]",
+            ylabel=f"{self.view[1]} [units of the scene]",
+        )
         for side, along in zip((("left", "right"), ("bottom", "top")), self.plane):
             periodic = frame.box.periodic[along]
             for name in side:

@@ -48,7 +48,14 @@ def series_chart(table: pd.DataFrame, columns: Sequence[str], axes: Axes | None,
     # a run of a few steps shows each of them
     marker = "." if len(table) <= 30 else ""
     for place, column in enumerate(columns):
-        axes.plot(across, table[column], marker=marker, color=COLOURS[place % len(COLOURS)], linestyle=["-", "--", ":"][place // len(COLOURS) % 3], label=label(column))
+        axes.plot(
+            across,
+            table[column],
+            marker=marker,
+            color=COLOURS[place % len(COLOURS)],
+            linestyle=["-", "--", ":"][place // len(COLOURS) % 3],
+            label=label(column),
+        )
     axes.set(xlabel=label(against), ylabel=label(columns[0]) if len(columns) == 1 else "")
     if len(columns) > 1:
         axes.legend(frameon=False)
