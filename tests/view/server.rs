@@ -54,7 +54,9 @@ fn a_server_gives_the_page_and_the_same_frames_to_this_machine_alone() {
         assert_eq!(status, "HTTP/1.1 200 OK");
         assert_eq!(frame, bytes_of(element(&page, &format!("frame-{number}")).unwrap()));
     }
-    for (path, host) in [("/frame/5", address), ("/frame/-1", address), ("/../scene.toml", address), ("/", "elsewhere.example"), ("", address)] {
+    for (path, host) in
+        [("/frame/5", address), ("/frame/-1", address), ("/../scene.toml", address), ("/", "elsewhere.example"), ("", address)]
+    {
         assert_eq!(ask(address, path, host).0, "HTTP/1.1 404 Not Found", "{path} {host}");
     }
 }
