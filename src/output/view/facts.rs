@@ -34,6 +34,7 @@ pub fn facts(scene: &Scene, folder: &Path) -> Value {
         Colour::Speed => "speed",
         Colour::Vorticity => "vorticity",
         Colour::Chain => "chain",
+        Colour::Species => "species",
     };
     json!({
         "title": scene.shown_title(),
