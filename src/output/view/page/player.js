@@ -192,6 +192,7 @@ function listen() {
 function chooseStart() {
   const has = (part, key) => quantities[part].some((quantity) => quantity.key === key);
   if (index.coloured === "vorticity" && has("flow", "vorticity")) Object.assign(state, { colour: "plain", flow: "vorticity" });
+  else if (index.coloured === "species" && has("bodies", "species")) state.colour = "species";
   else if (has("bodies", "chain")) state.colour = "chain";
   if (dimension === 3) state.images = "none";
   state.speed = speeds.find((speed) => speed >= frameCount / 7) ?? 50;
