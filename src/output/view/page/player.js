@@ -95,6 +95,18 @@ function show(frame, saving = false) {
   document.body.dataset.insets = [left, top, window.innerWidth - right, window.innerHeight - bottom].join(",");
 }
 
+function showWords(frame) {
+  const words = document.getElementById("clock");
+  words.replaceChildren("t = ", element("b", { textContent: number(frame.time) }));
+  if (shear) words.append("   strain γ = ", element("b", { textContent: number(rate * frame.time) }));
+  document.getElementById("counter").textContent = `${index.frames.numbers[state.place]} / ${index.frames.total - 1}`;
+  document.getElementById("scrub").value = state.place;
+  document.getElementById("play").classList.toggle("playing", state.playing);
+  document.getElementById("speed").value = state.speed;
+  showBody(frame);
+  drawSeries(frame);
+}
+
 function goTo(place) {
   state.place = Math.min(Math.max(place, 0), frameCount - 1);
   requestDraw();
