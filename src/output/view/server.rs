@@ -4,6 +4,8 @@ use std::{
     io::{self, BufRead, BufReader, Read, Write},
     net::{Ipv4Addr, TcpListener, TcpStream},
     path::Path,
+    sync::mpsc::{self, Receiver},
+    thread,
     time::Duration,
 };
 
@@ -17,6 +19,9 @@ use crate::{
 const LONGEST: u64 = 1 << 14;
 const PATIENCE: Duration = Duration::from_secs(2);
 
+/// The type and the bytes of what was asked for.
+type Response = (&'static str, Vec<u8>);
+
 /// Serves the run in a folder on a port of 127.0.0.1 until the program is stopped; port 0 is any that is free. A page that is loaded again shows the frames that
 /// have come since.
 ///
@@ -29,25 +34,41 @@ pub fn serve(folder: &Path, port: u16) -> Result<()> {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(refuse)?;
     let address = listener.local_addr().map_err(refuse)?;
     say(&format!("{} frames at http://{address}/ (Ctrl-C ends)", view.count()))?;
-    for stream in listener.incoming().flatten() {
+    for (stream, path) in requests(listener) {
         // a browser that has gone away wants no answer
-        let _ = answer(stream, folder, &mut view, &mut first);
+        let _ = answer(stream, path.map(|path| respond(&path, folder, &mut view, &mut first)));
     }
     Ok(())
 }
 
-fn answer(mut stream: TcpStream, folder: &Path, view: &mut RunView, first: &mut Chunk) -> io::Result<()> {
+/// What browsers ask for, as it comes; nothing where they are not to be answered. Each is read on a thread of its own: they open connections before they need them.
+fn requests(listener: TcpListener) -> Receiver<(TcpStream, Option<String>)> {
+    let (sender, receiver) = mpsc::channel();
+    thread::spawn(move || {
+        for stream in listener.incoming().flatten() {
+            let sender = sender.clone();
+            thread::spawn(move || read(&stream).map(|path| sender.send((stream, path))));
+        }
+    });
+    receiver
+}
+
+/// The path that a request asks for, if it comes from a page of this machine.
+fn read(stream: &TcpStream) -> io::Result<Option<String>> {
     stream.set_read_timeout(Some(PATIENCE))?;
     stream.set_write_timeout(Some(PATIENCE))?;
-    let mut lines = BufReader::new(Read::take(&stream, LONGEST)).lines();
-    let request = lines.next().transpose()?.unwrap_or_default();
+    let mut lines = BufReader::new(Read::take(stream, LONGEST)).lines();
+    let request = lines.next().transpose()?.ok_or(io::ErrorKind::UnexpectedEof)?;
     let mut known = false;
     while let Some(line) = lines.next().transpose()?.filter(|line| !line.is_empty()) {
         known |= line.split_once(':').is_some_and(|(name, host)| name.eq_ignore_ascii_case("host") && is_here(host.trim()));
     }
-    drop(lines);
     let path = request.strip_prefix("GET ").and_then(|rest| rest.split(' ').next()).filter(|_| known);
-    let (status, kind, body) = match path.map(|path| respond(path, folder, view, first)) {
+    Ok(path.map(str::to_owned))
+}
+
+fn answer(mut stream: TcpStream, response: Option<Result<Option<Response>>>) -> io::Result<()> {
+    let (status, kind, body) = match response {
         Some(Ok(Some((kind, body)))) => ("200 OK", kind, body),
         Some(Err(error)) => ("500 Internal Server Error", "text/plain", error.to_string().into_bytes()),
         _ => ("404 Not Found", "text/plain", b"not found".to_vec()),
@@ -63,7 +84,7 @@ fn is_here(host: &str) -> bool {
     name == "localhost" || name == "127.0.0.1"
 }
 
-fn respond(path: &str, folder: &Path, view: &mut RunView, first: &mut Chunk) -> Result<Option<(&'static str, Vec<u8>)>> {
+fn respond(path: &str, folder: &Path, view: &mut RunView, first: &mut Chunk) -> Result<Option<Response>> {
     if path == "/" {
         *view = RunView::open(folder)?;
         *first = view.chunk(0)?;
