@@ -279,8 +279,21 @@ fn of_time(time: &TimeSection) -> Keys {
 }
 
 fn of_output(output: &OutputSection, in_time: bool, model: FlowModel) -> Keys {
-    let OutputSection { picture, report, plane, plane_at, colour, every, fields, vorticity, checkpoint, probe, pairs, profiles, reference_velocity } =
-        output;
+    let OutputSection {
+        picture,
+        report,
+        plane,
+        plane_at,
+        colour,
+        every,
+        fields,
+        vorticity,
+        checkpoint,
+        probe,
+        pairs,
+        profiles,
+        reference_velocity,
+    } = output;
     let mut keys = vec![pair("output.picture", picture), pair("output.pairs", pairs), pair("output.report", report)];
     keys.extend(plane.as_ref().map(|plane| word("output.plane", word_of(&PLANES, plane))));
     keys.extend(plane_at.map(|place| number("output.plane_at", place)));

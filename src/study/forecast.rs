@@ -57,7 +57,7 @@ impl Forecast {
         let setup = session.world().agree(Setup::<D>::of(scene))?;
         let Some(sample) = sample(&setup) else { return Ok(None) };
         let forecast = match (&setup.inertia, &scene.time) {
-            (Some(_), Some(time)) => Forecast::of_steps(session, &setup, sample, time, (grid, multipliers)),
+            (Some(_), Some(time)) => Forecast::of_steps(session, &setup, sample.clone(), time, (grid, multipliers)),
             _ => Forecast::of_an_instant(session, &setup, sample.clone(), scene.time.as_ref(), (grid, multipliers)),
         };
         let all = sample.bodies.len() == setup.bodies.len() && setup.inertia.is_none();

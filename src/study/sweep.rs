@@ -117,7 +117,9 @@ impl ParameterSweep {
             |scene: &Scene| scene.bodies.iter().any(|group| matches!(group.placement, Placement::Fraction(_) | Placement::Count(_)));
         let points = vary::points(keys);
         let setting = |point: &Vec<_>, seed| Setting { point: point.clone(), seed };
-        if self.seeds > 1 && !points.iter().any(|point| self.scene_of(&setting(point, None)).is_ok_and(|scene| random(&scene))) {
+        // what is wrong with a scene is told when all of them are read
+        let differs = |point: &Vec<_>| self.scene_of(&setting(point, None)).map_or(true, |scene| random(&scene));
+        if self.seeds > 1 && !points.iter().any(differs) {
             return refuse("the places of all bodies are given, so that runs with other seeds are the same; leave the flag out");
         }
         let seeds = || if seed_varies { vec![None] } else { (0..self.seeds as u64).map(|more| Some(scene.seed + more)).collect() };

@@ -185,7 +185,7 @@ mod tests {
     }
 
     fn frames(disks: Vec<AnimatedDisk>) -> Vec<AnimationFrame> {
-        [0.0, 1.0, 3.0].map(|time| AnimationFrame { time, shift: 0.0, disks: disks.clone(), vorticity: None }).into()
+        [0.0, 1.0, 3.0].map(|time| AnimationFrame { time, shift: 0.0, disks: disks.clone(), contacts: Vec::new(), vorticity: None }).into()
     }
 
     fn disk(x: f64, speed: f64) -> AnimatedDisk {

@@ -71,7 +71,8 @@ fn faces(file: &File) -> hdf5::Result<Vec<Vec<usize>>> {
     let broken = || hdf5::Error::from("its list of faces is broken");
     let (mut rest, mut faces) = (topology.as_slice(), Vec::new());
     while let Some((&kind, after)) = rest.split_first() {
-        let (count, places) = if kind as usize == membrane::TRIANGLE { (3, after) } else { after.split_first().map(|(n, p)| (*n, p)).ok_or_else(broken)? };
+        let (count, places) =
+            if kind as usize == membrane::TRIANGLE { (3, after) } else { after.split_first().map(|(n, p)| (*n, p)).ok_or_else(broken)? };
         let count = usize::try_from(count).ok().filter(|count| *count <= places.len()).ok_or_else(broken)?;
         let body = |place: &i32| corners.get(*place as usize).ok_or_else(broken).and_then(|body| body_of(file, *body));
         faces.push(places[..count].iter().map(body).collect::<hdf5::Result<_>>()?);

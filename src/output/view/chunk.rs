@@ -44,7 +44,13 @@ impl Chunk {
             return Err(Error::refused(format!("a frame holds numbers ({name}) that are not finite; run the scene again")));
         }
         let range = if high > low { high - low } else { 0.0 };
-        let width = if range == 0.0 { 0 } else if range / f64::from(u16::MAX) <= resolution { 2 } else { 4 };
+        let width = if range == 0.0 {
+            0
+        } else if range / f64::from(u16::MAX) <= resolution {
+            2
+        } else {
+            4
+        };
         let step = range / if width == 4 { f64::from(u32::MAX) } else { f64::from(u16::MAX) };
         self.add(name, values, width, if values.is_empty() { 0.0 } else { low }, step);
         Ok(())

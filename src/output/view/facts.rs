@@ -25,12 +25,16 @@ pub fn facts(scene: &Scene, folder: &Path) -> Value {
         AxisSection::Open { .. } => "open",
     };
     let ties = |section: &str| scene.bodies.iter().any(|group| group.together() && group.section() == section);
-    let tied: Vec<&str> =
-        [("chains", "chain"), ("cells", "cell"), ("clusters", "cluster")].iter().filter(|(section, _)| ties(section)).map(|(_, word)| *word).collect();
+    let tied: Vec<&str> = [("chains", "chain"), ("cells", "cell"), ("clusters", "cluster")]
+        .iter()
+        .filter(|(section, _)| ties(section))
+        .map(|(_, word)| *word)
+        .collect();
     let coloured = match scene.output.colour {
         Colour::Speed => "speed",
         Colour::Vorticity => "vorticity",
         Colour::Chain => "chain",
+        Colour::Species => "species",
     };
     json!({
         "title": scene.shown_title(),

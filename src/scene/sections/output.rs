@@ -15,14 +15,9 @@ pub(in crate::scene) const KEYS: [Key; 13] = [
     Key::new("picture", "true or false", "false", "Whether a picture of the end is drawn.").default("true"),
     Key::new("report", "true or false", "false", "Whether a page of the run, report.html, is written and renewed while it runs.")
         .default("true"),
-    Key::new(
-        "plane",
-        "\"xy\", \"xz\" or \"yz\"",
-        "\"xz\"",
-        "The axes that point right and up in pictures of a scene in three dimensions.",
-    )
-    .default("the plane that shows gravity, or else the shear")
-    .needs("domain.size = [8.0, 8.0, 8.0]"),
+    Key::new("plane", "\"xy\", \"xz\" or \"yz\"", "\"xz\"", "The axes that point right and up in pictures of a scene in three dimensions.")
+        .default("the plane that shows gravity, or else the shear")
+        .needs("domain.size = [8.0, 8.0, 8.0]"),
     Key::new("plane_at", "number", "2.0", "Where that plane cuts the axis across it.")
         .unit("length")
         .default("the middle of the box")
