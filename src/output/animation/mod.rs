@@ -135,7 +135,7 @@ impl Film {
                 canvas.fill_disk([x, y], radius + RING, palette::PAPER);
             }
             match self.balls {
-                true => canvas.fill_ball([x, y], radius, |place| palette::lit(place, shade)),
+                true => canvas.fill_ball([x, y], radius, |place, pixel| palette::lit(place, pixel, shade)),
                 false => canvas.fill_disk([x, y], radius, shade),
             }
             if radius > MARKED && disk.angle.is_finite() {
@@ -179,7 +179,7 @@ mod tests {
     }
 
     fn frames(disks: Vec<AnimatedDisk>) -> Vec<AnimationFrame> {
-        [0.0, 1.0, 3.0].map(|time| AnimationFrame { time, shift: 0.0, disks: disks.clone(), vorticity: None }).into()
+        [0.0, 1.0, 3.0].map(|time| AnimationFrame { time, shift: 0.0, disks: disks.clone(), contacts: Vec::new(), vorticity: None }).into()
     }
 
     fn disk(x: f64, speed: f64) -> AnimatedDisk {

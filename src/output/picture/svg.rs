@@ -348,7 +348,7 @@ mod tests {
 
     #[test]
     fn walls_lie_along_the_edges_that_do_not_repeat() {
-        let count = |periodic| {
+        let count = |periodic: [bool; 2]| {
             edges(
                 &Picture { walls: periodic.map(|periodic| !periodic), ..uniform_flow([1.0, 0.0]) },
                 &Frame::new(&uniform_flow([1.0, 0.0])),
