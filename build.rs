@@ -21,6 +21,7 @@ fn main() {
     let petsc = petsc();
     check_solvers(&petsc);
     let mpi = probe("ompi-c", "libopenmpi-dev");
+    tell_versions(&petsc, &mpi);
     let includes = petsc.include_paths.iter().chain(&mpi.include_paths).map(|path| format!("-I{}", path.display()));
     for path in petsc.link_paths {
         println!("cargo:rustc-link-arg=-Wl,-rpath,{}", path.display());
@@ -62,6 +63,27 @@ fn check_solvers(petsc: &pkg_config::Library) {
         let built = settings.lines().any(|line| line.trim_end() == format!("#define PETSC_HAVE_{solver} 1"));
         assert!(built, "this PETSc was built without {solver}; use Debian's, or configure it with --download-{}", solver.to_lowercase());
     }
+}
+
+/// Says to the program which versions it is built with, and how.
+fn tell_versions(petsc: &pkg_config::Library, mpi: &pkg_config::Library) {
+    let installed = |library: &str| pkg_config::Config::new().cargo_metadata(false).probe(library).ok();
+    let hdf5 = ["hdf5-openmpi", "hdf5"]
+        .iter()
+        .find_map(|library| installed(library))
+        .map_or("(unknown version)".to_owned(), |found| found.version);
+    // Debian keeps hypre's headers beside PETSc's, an own PETSc among them
+    let folders = petsc.include_paths.iter().cloned().chain([PathBuf::from("/usr/include/hypre")]);
+    let header = folders.into_iter().find_map(|path| fs::read_to_string(path.join("HYPRE_config.h")).ok()).unwrap_or_default();
+    let release = header.lines().find_map(|line| line.strip_prefix("#define HYPRE_RELEASE_VERSION "));
+    let hypre = release.map_or("(unknown version)", |version| version.trim().trim_matches('"'));
+    println!("cargo:rustc-env=TURBID_LIBRARIES=PETSc {}, hypre {hypre}, Open MPI {}, HDF5 {hdf5}", petsc.version, mpi.version);
+    let wide = petsc
+        .include_paths
+        .iter()
+        .any(|path| fs::read_to_string(path.join("petscconf.h")).is_ok_and(|text| text.contains("PETSC_USE_64BIT_INDICES 1")));
+    let (bits, profile) = (if wide { 64 } else { 32 }, env::var("PROFILE").expect("cargo sets PROFILE"));
+    println!("cargo:rustc-env=TURBID_BUILD={bits}-bit indices, {profile} build");
 }
 
 fn probe(library: &str, package: &str) -> pkg_config::Library {

@@ -1,6 +1,6 @@
 //! Particles in viscous flow, particle by particle, on grids that ignore them.
 //!
-//! Rigid bodies move in Stokes flow, or dry, in two and three dimensions and on any number of MPI ranks. The fluid is solved on a staggered
+//! Rigid bodies move in Stokes or Navier-Stokes flow, or dry, in two and three dimensions and on any number of MPI ranks. The fluid is solved on a staggered
 //! Cartesian grid through which the bodies pass: multipliers on their surfaces make them rigid, and films and contacts that the grid
 //! does not see enter the same equations. A [`Scene`](scene::Scene) says what to simulate, read from a TOML file or built in Rust; a
 //! [`Run`](run::Run) does it; the program `turbid` is the [command line](cli) of both.
@@ -28,6 +28,16 @@
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! # Units, ranks and errors
+//!
+//! Numbers have the units of the scene, whichever they are, as long as they are consistent; angles are in radians, and in two dimensions masses, forces and
+//! torques are those of a unit length. Functions that talk to MPI are collective: all ranks call them, unless their name says `local`. What can fail for a reason
+//! outside of this crate returns an [`Error`](error::Error) that says what to change; a panic is an error of this crate, or of a caller that mixes sizes. A program that
+//! already runs MPI joins it with [`Session::join`](petsc::Session::join).
+//!
+//! Physics beyond the scene file is an [`Interaction`](interaction::Interaction), added to a [`Plan`](simulation::Plan); the manual in `docs` has the theory, and
+//! says how to add methods, outputs and studies.
 //!
 //! # Modules
 //!

@@ -12,6 +12,8 @@ use crate::{
 pub struct Arrangement<'a, const D: usize> {
     /// The box.
     pub domain: &'a Domain<D>,
+    /// Numbers of the bodies among all of the run, ascending; without them their places.
+    pub numbers: Option<&'a [usize]>,
     /// The bodies; their centres need not lie in the box.
     pub balls: &'a [Ball<D>],
     /// Force that gives each body a unit velocity in unbounded fluid, or its mass where there is none; infinite where its motion is given.
@@ -43,6 +45,11 @@ pub struct Wrench<const D: usize> {
 }
 
 impl<const D: usize> Arrangement<'_, D> {
+    /// The number of the body at a place.
+    pub(super) fn number(&self, place: usize) -> usize {
+        self.numbers.map_or(place, |numbers| numbers[place])
+    }
+
     /// Pairs of bodies, and bodies and walls, with a gap below `reach`; pairs of which neither can be moved are left out.
     ///
     /// # Panics

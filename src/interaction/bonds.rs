@@ -168,7 +168,14 @@ mod tests {
         let balls: Vec<Ball<D>> = centers.iter().map(|&center| Ball { center, radius: 0.5 }).collect();
         let domain = Domain { size: SVector::repeat(20.0), axes: std::array::from_fn(|_| Axis::Periodic) };
         let weights = vec![1.0; balls.len()];
-        bonds.springs(&Arrangement { domain: &domain, balls: &balls, weights: &weights, viscosity: Some(1.0), reach: f64::INFINITY })
+        bonds.springs(&Arrangement {
+            domain: &domain,
+            numbers: None,
+            balls: &balls,
+            weights: &weights,
+            viscosity: Some(1.0),
+            reach: f64::INFINITY,
+        })
     }
 
     fn bonds(angle: f64) -> Bonds {

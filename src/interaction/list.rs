@@ -32,6 +32,14 @@ impl<const D: usize> Interactions<D> {
         self
     }
 
+    /// Those that tie no bodies to each other, and so go with any bodies.
+    pub fn untied(&self) -> Self {
+        let ties = |interaction: &dyn Interaction<D>| {
+            !(interaction.chains().is_empty() && interaction.bonds().is_empty() && interaction.clusters().is_empty())
+        };
+        Interactions::new(self.shared().filter(|interaction| !ties(interaction.as_ref())))
+    }
+
     /// Each of them, to be shared with another list.
     pub fn shared(&self) -> impl Iterator<Item = Rc<dyn Interaction<D>>> {
         self.0.iter().cloned()
@@ -76,13 +84,13 @@ impl<const D: usize> Interactions<D> {
     /// See [`Interaction::contact_forces`].
     pub fn contact_forces(&self, arrangement: &Arrangement<D>) -> Vec<ContactForce<D>> {
         let forces = self.iter().flat_map(|interaction| interaction.contact_forces(arrangement));
-        forces.filter(|pressed| self.between_clusters(&pressed.contact)).collect()
+        forces.filter(|pressed| self.between_clusters(&pressed.contact, arrangement)).collect()
     }
 
     /// See [`Interaction::pair_forces`].
     pub fn pair_forces(&self, arrangement: &Arrangement<D>) -> Vec<PairForce<D>> {
         let forces = self.iter().flat_map(|interaction| interaction.pair_forces(arrangement));
-        forces.filter(|force| self.between_clusters(&force.contact)).collect()
+        forces.filter(|force| self.between_clusters(&force.contact, arrangement)).collect()
     }
 
     /// See [`Interaction::steepest`]; slopes add up.
@@ -161,8 +169,8 @@ impl<const D: usize> Interactions<D> {
     }
 
     /// Whether a contact is between balls of different clusters, or with an image.
-    fn between_clusters(&self, contact: &Contact<D>) -> bool {
-        !contact.within_cluster(self.cluster_of(), |body| body)
+    fn between_clusters(&self, contact: &Contact<D>, arrangement: &Arrangement<D>) -> bool {
+        !contact.within_cluster(self.cluster_of(), |place| arrangement.number(place))
     }
 
     /// See [`Interaction::conserved`].

@@ -44,7 +44,7 @@ impl<const D: usize> Interaction<D> for Welds<D> {
     fn describe(&self) -> String {
         let rows: usize = self.clusters.iter().map(|cluster| (cluster.bodies.len() - 1) * (D + planes::<D>().len())).sum();
         format!(
-            "{} rigid clusters of {} balls: {rows} rows of the coupled system",
+            "{} rigid clusters of {} balls, each with one motion (in a fluid {rows} rows of the coupled system)",
             self.clusters.len(),
             self.cluster_of.iter().filter(|&&of| of > 0).count()
         )

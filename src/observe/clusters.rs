@@ -3,23 +3,22 @@
 use nalgebra::{SMatrix, SVector};
 
 use crate::{
-    interaction::Cluster,
-    simulation::{Setup, State},
+    interaction::{Cluster, Interactions},
+    parallel::World,
+    simulation::State,
 };
 
 /// The mean of `p p` over all clusters, `p` being the unit vector along the longest axis of each; of one cluster it is the orientation itself. Nothing
-/// without clusters. The state must hold all bodies.
-pub fn mean_orientation<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Option<SMatrix<f64, D, D>> {
-    let squares: Vec<SMatrix<f64, D, D>> = setup
-        .interactions
-        .clusters()
-        .iter()
-        .map(|cluster| {
-            let axis = state.bodies[cluster.bodies.start].rotation * longest_axis(cluster);
-            axis * axis.transpose()
-        })
-        .collect();
-    (!squares.is_empty()).then(|| squares.iter().sum::<SMatrix<f64, D, D>>() / squares.len() as f64)
+/// without clusters. Collective.
+pub fn mean_orientation<const D: usize>(world: &World, interactions: &Interactions<D>, state: &State<D>) -> Option<SMatrix<f64, D, D>> {
+    let clusters = interactions.clusters();
+    let square = |cluster: &Cluster<D>| {
+        let axis = state.bodies[state.place(cluster.bodies.start)?].rotation * longest_axis(cluster);
+        Some(axis * axis.transpose())
+    };
+    let mut sum: SMatrix<f64, D, D> = clusters.iter().filter_map(square).sum();
+    state.peers(world).sum(sum.as_mut_slice());
+    (!clusters.is_empty()).then(|| sum / clusters.len() as f64)
 }
 
 /// The direction from its first ball to the farthest from that, at the start.

@@ -106,10 +106,9 @@ impl Chart {
         )
     }
 
-    /// Ink for the first line, then the map of the speed without its palest end.
+    /// Ink for the first line, then colours that most eyes tell apart.
     fn colour(&self, k: usize) -> String {
-        let parts = self.series.len().max(3) - 2;
-        if k == 0 { INK.into() } else { colour::SEQUENTIAL.hexadecimal(0.2 + 0.65 * (k - 1) as f64 / parts as f64) }
+        if k == 0 { INK.into() } else { colour::hexadecimal(colour::LINES[(k - 1) % colour::LINES.len()]) }
     }
 
     /// The names at the heights where their lines end, moved apart where they would touch.

@@ -19,6 +19,7 @@ mod pairs;
 mod parallel_file;
 mod picture;
 mod probe;
+mod profiles;
 mod progress;
 mod report;
 mod report_page;
@@ -31,8 +32,11 @@ mod stages;
 mod summary;
 mod too_short;
 mod traces;
+mod video;
+mod view;
 
 pub use accuracy::{AccuracySummary, DragSummary, EstimatedErrors};
+pub use animation::AnimationFormat;
 pub use answer::{Answer, answers, vector};
 pub use body_summary::{BODY_TABLE, BodySummary, MOST_LISTED, write_bodies};
 pub use chart::{Band, Bar, Chart, Level, Mark, Notes, Scale, Series};
@@ -43,12 +47,14 @@ pub use effort::effort_chart;
 pub use file::{prepare_folder, remove_file, write_whole, write_whole_with};
 pub use finite::{check_finite, not_finite};
 pub use frames::{
-    Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameFields, FrameFile, FrameMembranes, Frames, StoredFrame, read_frames,
+    FlowLayer, Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameFields, FrameFile, FrameMembranes, FrameSurroundings, Frames,
+    StoredFrame, read_frames,
 };
 pub use lock::FolderLock;
 pub use motions::{ForceSummary, MeanSpeed, SettlingSummary, VelocitySummary};
 pub use pairs::{PairSummary, pair_files};
 pub use picture::escaped;
+pub use profiles::ProfileFrames;
 pub use progress::{Progress, TimeProgress};
 pub use report::{report, sparkline};
 pub use report_page::{Facts, Image, Page, Parts, Standing, Table, bodies_table};
@@ -59,3 +65,5 @@ pub use stages::stage_table;
 pub use summary::{ContactSummary, GlueSummary, MotionSummary, Summary};
 pub use too_short::TooShort;
 pub use traces::{CHECKPOINT, KNOWN_FILES, LOG, REPORT, SUMMARY, Traces};
+pub use video::{convert_to_video, ffmpeg_present};
+pub use view::{RunView, serve};

@@ -20,7 +20,7 @@ pub const LOG: &str = "run.log";
 pub const REPORT: &str = "report.html";
 
 /// The files that a run may leave, the first one first to go; not the text of its scene, nor its calibration, which says what it is of.
-const FILES: [&str; 23] = [
+const FILES: [&str; 26] = [
     SUMMARY,
     CHECKPOINT,
     "series.csv",
@@ -35,19 +35,22 @@ const FILES: [&str; 23] = [
     "picture.svg",
     "picture.png",
     "animation.png",
+    "view.html",
     "viscosity.svg",
     "effort.svg",
     "probe.csv",
     "pairs.csv",
     "pairs.json",
     "pairs.svg",
+    "profiles.csv",
+    "profiles.svg",
     "contact-island.json",
     REPORT,
     LOG,
 ];
 
 /// Files of a run for people, and what they are.
-pub const KNOWN_FILES: [(&str, &str); 22] = [
+pub const KNOWN_FILES: [(&str, &str); 25] = [
     (SUMMARY, "the numbers of the run"),
     ("series.csv", "a row for each step"),
     ("forces.csv", "forces on bodies whose motion is given, a row for each step"),
@@ -60,6 +63,9 @@ pub const KNOWN_FILES: [(&str, &str); 22] = [
     ("pairs.svg", "the pair distribution"),
     ("pairs.csv", "the pair distribution as numbers"),
     ("pairs.json", "the pair distribution with its angles"),
+    ("profiles.svg", "profiles across the box"),
+    ("profiles.csv", "profiles across the box as numbers"),
+    ("view.html", "a page that plays the frames"),
     ("probe.csv", "the flow on a lattice of points"),
     ("run.h5", "all frames as one HDF5 file"),
     ("bodies.xdmf", "bodies of all frames, for ParaView"),

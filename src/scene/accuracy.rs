@@ -2,14 +2,12 @@
 
 use crate::error::Result;
 use crate::scene::entry::Entry;
+use crate::scene::sections::RESOLUTION_KEYS;
 use crate::scene::table::Table;
 use crate::scene::{ConstraintMethod, FlowModel, Scene, Tolerance};
 
 /// The accuracies that can be asked for: the tightest and the loosest.
 const RANGE: [f64; 2] = [1e-5, 0.5];
-
-/// Keys of `[resolution]`.
-const RESOLUTION: [&str; 3] = ["spacing", "cells_per_radius", "modes"];
 
 /// How far below the accuracy a given tolerance of the linear solver must be.
 const ACCURACY_PER_TOLERANCE: f64 = 100.0;
@@ -24,8 +22,8 @@ pub(super) fn read(entry: &Entry, root: &Table, model: FlowModel) -> Result<f64>
         model == FlowModel::Stokes,
         "is that of drag and viscosity, which only a flow (flow.model = \"stokes\") has; remove it",
     )?;
-    let resolution = root.section("resolution", &RESOLUTION)?;
-    match RESOLUTION.iter().find_map(|name| resolution.get(name)) {
+    let resolution = root.section("resolution", &RESOLUTION_KEYS)?;
+    match RESOLUTION_KEYS.iter().find_map(|key| resolution.get(key.name)) {
         Some(chosen) => Err(chosen.refuse("excludes accuracy, which chooses it; remove one of them")),
         None => Ok(accuracy),
     }

@@ -7,27 +7,14 @@ use crate::scene::FlowModel;
 use crate::scene::chains::{self, Chain, ChainShape};
 use crate::scene::clusters::{self, Cluster};
 use crate::scene::entry::Entry;
+use crate::scene::group_keys::{BODY_KEYS, CELL_KEYS, CHAIN_KEYS, CLUSTER_KEYS, MOTION_KEYS, OSCILLATING, PATH};
 use crate::scene::table::Table;
 
 /// Keys of `[[bodies]]` that exclude each other.
 pub(super) const PLACEMENTS: [&str; 4] = ["fraction", "count", "centers", "file"];
 
-const KEYS: [&str; 13] =
-    ["shape", "radius", "fraction", "count", "centers", "file", "gap", "density", "motion", "force", "torque", "velocity", "spin"];
-
 /// Keys of `[[chains]]` that exclude each other.
 const CHAIN_PLACEMENTS: [&str; 3] = ["count", "centers", "file"];
-
-const CHAIN_KEYS: [&str; 15] = [
-    "count", "centers", "file", "beads", "radius", "spacing", "stretch", "bend", "angle", "shape", "joints", "gap", "density", "force",
-    "torque",
-];
-
-const CELL_KEYS: [&str; 13] =
-    ["count", "centers", "file", "rotation", "beads", "radius", "spacing", "stretch", "bend", "gap", "density", "force", "torque"];
-
-const CLUSTER_KEYS: [&str; 13] =
-    ["count", "centers", "file", "rotation", "shape", "beads", "offsets", "radius", "spacing", "gap", "density", "force", "torque"];
 
 /// Bodies that are alike: one `[[bodies]]`, one `[[chains]]`, one `[[cells]]` or one `[[clusters]]` of the file.
 #[derive(Debug, Clone, PartialEq)]
@@ -167,7 +154,7 @@ impl BodyGroup {
     }
 
     fn read(entry: &Entry, folder: &Path, dimension: usize, model: FlowModel) -> Result<Self> {
-        let table = Table::of(entry, &KEYS)?;
+        let table = Table::of(entry, &BODY_KEYS)?;
         let motion = table.get("motion").map_or(Ok(Motion::Free), |entry| Motion::read(&entry, dimension))?;
         refuse_load(&table, &motion)?;
         refuse_start(&table, &motion, model)?;
@@ -318,13 +305,13 @@ impl Motion {
         }
         let rotations = if dimension == 2 { 1 } else { 3 };
         let still = |length| Ok(vec![0.0; length]);
-        let any = Table::of(entry, &["velocity", "spin", "amplitude", "rotation", "frequency", "phase", "path"])?;
+        let any = Table::of(entry, &MOTION_KEYS)?;
         if let Some(path) = any.get("path") {
-            Table::of(entry, &["path"])?;
+            Table::of(entry, &MOTION_KEYS[PATH..])?;
             return read_places(&path, dimension).map(Motion::Path);
         }
         if any.get("amplitude").or_else(|| any.get("rotation")).is_some() {
-            let table = Table::of(entry, &["amplitude", "rotation", "frequency", "phase"])?;
+            let table = Table::of(entry, &MOTION_KEYS[OSCILLATING..PATH])?;
             return Ok(Motion::Oscillating {
                 amplitude: table.get("amplitude").map_or(still(dimension), |entry| entry.vector(dimension))?,
                 rotation: table.get("rotation").map_or(still(rotations), |entry| entry.rotation(dimension))?,
@@ -332,7 +319,7 @@ impl Motion {
                 phase: table.get("phase").map_or(Ok(0.0), |entry| entry.number())?,
             });
         }
-        let table = Table::of(entry, &["velocity", "spin"])?;
+        let table = Table::of(entry, &MOTION_KEYS[..OSCILLATING])?;
         Ok(Motion::Prescribed {
             velocity: table.get("velocity").map_or(still(dimension), |entry| entry.vector(dimension))?,
             spin: table.get("spin").map_or(still(rotations), |entry| entry.rotation(dimension))?,

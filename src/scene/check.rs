@@ -105,8 +105,11 @@ fn check_chains(scene: &Scene) -> Result<()> {
 fn check_clusters(scene: &Scene) -> Result<()> {
     let Some(group) = scene.bodies.iter().position(|bodies| bodies.cluster.is_some()) else { return Ok(()) };
     let expect = |right, remedy| expect(scene, right, &format!("{}.radius", scene.group_key(group)), scene.bodies[group].radius, remedy);
-    expect(scene.flow.model.fluid(), "is of clusters, which are in a fluid; set flow.model = \"stokes\" or \"navier-stokes\"")?;
-    expect(scene.method.constraint == ConstraintMethod::Sharp, "is of clusters, which need method.constraint = \"sharp\"")
+    expect(
+        scene.dry() || scene.flow.model.fluid(),
+        "is of clusters, which move; set flow.model = \"stokes\", \"navier-stokes\" or \"none\"",
+    )?;
+    expect(scene.dry() || scene.method.constraint == ConstraintMethod::Sharp, "is of clusters, which need method.constraint = \"sharp\"")
 }
 
 fn check_colour(scene: &Scene) -> Result<()> {

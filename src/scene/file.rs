@@ -6,6 +6,7 @@ use toml_edit::{Document, Item, TomlError, Value};
 
 use crate::body::read_text;
 use crate::error::{Error, Refusal, Result};
+use crate::scene::key::Key;
 use crate::scene::locations::{Lines, Locations};
 use crate::scene::table::Table;
 use crate::scene::{
@@ -13,23 +14,57 @@ use crate::scene::{
     ResolutionSection, Scene, TimeSection, accuracy, bodies, check, keys, overrides, scalar,
 };
 
-const KEYS: [&str; 16] = [
-    "title",
-    "seed",
-    "gravity",
-    "accuracy",
-    "domain",
-    "flow",
-    "resolution",
-    "method",
-    "bodies",
-    "chains",
-    "cells",
-    "clusters",
-    "contact",
-    "lubrication",
-    "time",
-    "output",
+/// Keys at the top of a scene file.
+pub(super) const KEYS: [Key; 16] = [
+    Key::new("title", "text", "\"Disks in shear\"", "One line for people.").default("\"\""),
+    Key::new("seed", "whole number", "7", "Seed of all random numbers: the same seed gives the same packing.")
+        .default("1")
+        .range("at least 0"),
+    Key::new("gravity", "list of numbers", "[0.0, -9.81]", "Acceleration of bodies and fluid.").unit("length/time^2"),
+    Key::new(
+        "accuracy",
+        "number",
+        "1e-2",
+        "Relative error that drag and viscosity may have: the run chooses grid and modes itself, and attaches \
+        error bars. It takes the place of [resolution].",
+    )
+    .unit("ratio")
+    .range("1e-5 to 0.5")
+    .needs("flow.model = \"stokes\""),
+    Key::new("domain", "table", "{ size = [8.0, 8.0], y = \"walls\" }", "The box.").default("required"),
+    Key::new("flow", "table", "{ viscosity = 2.0 }", "The fluid and what drives it.").default("Stokes flow of viscosity 1"),
+    Key::new("resolution", "table", "{ cells_per_radius = 6 }", "How fine the grid and the multipliers are.")
+        .default("required with a fluid or a scalar, unless accuracy is given"),
+    Key::new("method", "table", "{ inverse = \"auto\" }", "How the equations are solved.").default("all its defaults"),
+    Key::new("bodies", "list of tables", "[{ radius = 0.5, count = 3 }]", "Groups of disks or spheres that are alike."),
+    Key::new(
+        "chains",
+        "list of tables",
+        "[{ count = 1, beads = 4, radius = 0.4, stretch = \"rigid\" }]",
+        "Groups of chains or rings of beads.",
+    )
+    .needs("time.end = 1.0"),
+    Key::new(
+        "cells",
+        "list of tables",
+        "[{ count = 1, beads = 24, radius = 0.15, stretch = \"rigid\", bend = 0.1 }]",
+        "Groups of red cells.",
+    )
+    .needs("time.end = 1.0"),
+    Key::new(
+        "clusters",
+        "list of tables",
+        "[{ count = 1, shape = \"rod\", beads = 3, radius = 0.4 }]",
+        "Groups of rigid bodies that are made of \
+        several balls.",
+    ),
+    Key::new("contact", "table", "{ model = \"inelastic\" }", "What happens between bodies that touch.")
+        .default("nothing")
+        .needs("time.end = 1.0"),
+    Key::new("lubrication", "table", "{ model = \"pairwise\" }", "What happens between bodies that nearly touch.")
+        .default("nothing is added"),
+    Key::new("time", "table", "{ end = 10.0 }", "How far the run goes.").default("one instantaneous solve"),
+    Key::new("output", "table", "{ picture = false }", "What the run writes.").default("all its defaults"),
 ];
 
 /// Most bytes of a scene file, which takes fifty times as many to read.
@@ -73,7 +108,7 @@ impl Scene {
 
     /// An error with the place of the key that it begins with, if it is a refusal of what no reader of the file could know.
     pub fn place(&self, error: Error) -> Error {
-        self.locations.place(error, &KEYS)
+        self.locations.place(error, &KEYS.map(|key| key.name))
     }
 
     /// The texts of the files that the scene names, with the names that copies of them have beside the scene.

@@ -11,10 +11,13 @@ mod clusters;
 mod difference;
 mod entry;
 mod file;
+mod group_keys;
+mod key;
 mod keys;
 mod locations;
 mod overrides;
 mod plane;
+mod reference;
 mod scalar;
 mod sections;
 mod table;
@@ -23,7 +26,9 @@ pub use bodies::{BodyGroup, Motion, Placement, Shape};
 pub use chains::{Chain, ChainShape, Joint};
 pub use clusters::{Cluster, ClusterForm};
 pub use difference::Difference;
+pub use key::Key;
 pub use locations::Locations;
+pub use reference::{KeySection, SECTIONS};
 pub use sections::{
     AxisSection, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
     LubricationSection, MOST_WITH_FORCES, MethodSection, Modes, MultiplierSolver, OutputSection, ResolutionSection, Scheme, Spacing, Step,

@@ -4,6 +4,7 @@ use toml_edit::{InlineTable, Value};
 
 use crate::error::{Error, Result};
 use crate::scene::entry::Entry;
+use crate::scene::key::Key;
 use crate::scene::locations::{Locations, join, written};
 
 /// A table of entries; one that the file leaves out is empty.
@@ -14,12 +15,12 @@ pub(super) struct Table<'a> {
 }
 
 impl<'a> Table<'a> {
-    pub(super) fn root(value: &'a Value, locations: &'a Locations, known: &[&str]) -> Result<Self> {
+    pub(super) fn root(value: &'a Value, locations: &'a Locations, known: &[Key]) -> Result<Self> {
         Table::of(&Entry { value, key: String::new(), locations }, known)
     }
 
     /// The table of an entry, which holds nothing but known keys.
-    pub(super) fn of(entry: &Entry<'a>, known: &[&str]) -> Result<Self> {
+    pub(super) fn of(entry: &Entry<'a>, known: &[Key]) -> Result<Self> {
         let items = entry.value.as_inline_table().ok_or_else(|| entry.mistyped("a table"))?;
         Table { items: Some(items), key: entry.key.clone(), locations: entry.locations }.knowing(known)
     }
@@ -38,7 +39,7 @@ impl<'a> Table<'a> {
         self.get(name).ok_or_else(|| self.locations.complain(&key, missing))
     }
 
-    pub(super) fn section(&self, name: &str, known: &[&str]) -> Result<Table<'a>> {
+    pub(super) fn section(&self, name: &str, known: &[Key]) -> Result<Table<'a>> {
         match self.get(name) {
             Some(entry) => Table::of(&entry, known),
             None => Ok(Table { items: None, key: join(&self.key, name), locations: self.locations }),
@@ -59,10 +60,11 @@ impl<'a> Table<'a> {
         }
     }
 
-    fn knowing(self, known: &[&str]) -> Result<Self> {
+    fn knowing(self, known: &[Key]) -> Result<Self> {
+        let known: Vec<&str> = known.iter().map(|key| key.name).collect();
         let mut names = self.items.into_iter().flat_map(InlineTable::iter).map(|(name, _)| name);
         match names.find(|name| !known.contains(name)) {
-            Some(stranger) => Err(self.unknown(stranger, known)),
+            Some(stranger) => Err(self.unknown(stranger, &known)),
             None => Ok(self),
         }
     }

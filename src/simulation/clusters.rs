@@ -76,18 +76,26 @@ fn own_turn(radius: f64) -> f64 {
 /// The rigid motion about the mean of places `arms` away from it that is nearest to the motions of balls there, as the fluid resists them.
 fn nearest_rigid<const D: usize>(arms: &[SVector<f64, D>], moves: &[Twist<D>], radius: f64) -> Twist<D> {
     let own = own_turn(radius);
+    let velocities: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
+    let spins: SMatrix<f64, D, D> = moves.iter().map(|twist| twist.spin).sum();
+    let spin = spin_of(arms, own, &(moment(arms, &velocities) + spins * own));
+    Twist { velocity: velocities.iter().sum::<SVector<f64, D>>() / moves.len() as f64, spin }
+}
+
+/// The angular momentum about their mean of unit masses at `arms` with these velocities, a skew matrix.
+pub(super) fn moment<const D: usize>(arms: &[SVector<f64, D>], velocities: &[SVector<f64, D>]) -> SMatrix<f64, D, D> {
+    arms.iter().zip(velocities).map(|(arm, velocity)| velocity * arm.transpose() - arm * velocity.transpose()).sum()
+}
+
+/// The spin at which balls of unit mass and moment of inertia `own`, at `arms` from their mean, have an angular momentum together.
+pub(super) fn spin_of<const D: usize>(arms: &[SVector<f64, D>], own: f64, momentum: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
     let units: Vec<SMatrix<f64, D, D>> = (0..planes::<D>().len()).map(unit).collect();
-    let resistance = DMatrix::from_fn(units.len(), units.len(), |row, column| {
+    let inertia = DMatrix::from_fn(units.len(), units.len(), |row, column| {
         let turned = |arm: &SVector<f64, D>| (units[row] * arm).dot(&(units[column] * arm));
         arms.iter().map(turned).sum::<f64>() + if row == column { own * arms.len() as f64 } else { 0.0 }
     });
-    let torque = DVector::from_fn(units.len(), |row, _| {
-        let of = |(arm, twist): (&SVector<f64, D>, &Twist<D>)| (units[row] * arm).dot(&twist.velocity) + own * components(&twist.spin)[row];
-        arms.iter().zip(moves).map(of).sum()
-    });
-    let spin = resistance.cholesky().expect("the resistance to turning is positive definite").solve(&torque);
-    let velocity = moves.iter().map(|twist| twist.velocity).sum::<SVector<f64, D>>() / moves.len() as f64;
-    Twist { velocity, spin: skew(spin.as_slice()) }
+    let momentum = DVector::from_vec(components(momentum));
+    skew(inertia.cholesky().expect("an inertia is positive definite").solve(&momentum).as_slice())
 }
 
 /// A unit rotation about an axis.

@@ -1,10 +1,11 @@
-use std::{ops::Range, time::Instant};
+use std::time::Instant;
 
 use nalgebra::{SMatrix, SVector};
 
 use super::{
-    Effort, GranularSetup, Observation, ResidualMonitor, State, StepOutcome, Stepper,
-    granular_chains::{Accelerated, GranularChains, GranularStep},
+    Effort, GranularSetup, Moving, Observation, ResidualMonitor, State, StepOutcome, Stepper,
+    granular_chains::Accelerated,
+    granular_ties::{GranularStep, Ties},
     migration::{self, Constants},
     neighbours::Neighbours,
     step_control::{BodyMotion, StepControl},
@@ -32,8 +33,6 @@ pub struct Granular<const D: usize> {
     domain: Domain<D>,
     regions: Regions<D>,
     interactions: Interactions<D>,
-    /// Bodies of each chain.
-    chains: Vec<Range<usize>>,
     step_control: StepControl,
     trajectories: Trajectories<D>,
     /// What stays the same of the own bodies.
@@ -55,6 +54,15 @@ struct Known<const D: usize> {
     accelerations: Vec<Acceleration<D>>,
 }
 
+/// Velocities that keep contacts and ties.
+struct Kept<const D: usize> {
+    projection: ProjectionShare<D>,
+    /// What contacts remember then.
+    stuck: Vec<AdhesiveContact<D>>,
+    /// The velocities that ties are next to: those wanted, with what contacts change them by.
+    free: Vec<SVector<f64, D>>,
+}
+
 /// Rates at which a motion changes.
 #[derive(Clone, Copy)]
 struct Acceleration<const D: usize> {
@@ -73,7 +81,6 @@ impl<const D: usize> Granular<D> {
             session: session.clone(),
             domain: setup.domain,
             regions,
-            chains: setup.interactions.chains(),
             interactions: setup.interactions,
             step_control,
             trajectories: setup.trajectories,
@@ -159,7 +166,7 @@ impl<const D: usize> Granular<D> {
             velocities: &velocities,
             step,
             lower_bounds: &lower_bounds,
-            cluster_of: &[],
+            cluster_of: self.interactions.cluster_of(),
         };
         let found = contact::project_share(
             peers,
@@ -167,56 +174,41 @@ impl<const D: usize> Granular<D> {
             &state.memory(),
         )?;
         let masses: Vec<f64> = found.view.weights.iter().map(|weight| weight * step).collect();
-        let arrangement = Arrangement { domain: &self.domain, balls: &found.view.balls, weights: &masses, viscosity: None, reach: 0.0 };
+        let (domain, numbers) = (&self.domain, Some(found.view.halo.numbers()));
+        let arrangement = Arrangement { domain, numbers, balls: &found.view.balls, weights: &masses, viscosity: None, reach: 0.0 };
         let remember = |stuck: &[_], forces: &[_]| self.interactions.remember(&arrangement, stuck, forces, step);
         let remembered = migration::remembered(peers, &found, &state.stuck, remember);
         Ok((found, remembered))
     }
 
-    /// The bonds of a step; nothing without chains.
-    fn chains_in(&self, state: &State<D>, step: GranularStep) -> Option<GranularChains<D>> {
-        (!self.chains.is_empty())
-            .then(|| GranularChains::new(self.peers(), &self.interactions, &self.chains, (state, &self.masses()), step))
-    }
-
-    /// Lets bonds act on motions.
-    fn hold(&self, chains: &Option<GranularChains<D>>, moves: &mut [Twist<D>]) {
-        if let Some(chains) = chains {
-            let held = chains.hold(self.peers(), &velocities(moves));
-            moves.iter_mut().zip(held).for_each(|(twist, velocity)| twist.velocity = velocity);
-        }
-    }
-
-    /// Velocities that keep contacts, next to those wanted, and what contacts remember then; bonds hold, too.
-    fn keep_apart(
-        &self,
-        state: &State<D>,
-        chains: &Option<GranularChains<D>>,
-        moves: &[Twist<D>],
-        step: f64,
-    ) -> Result<(ProjectionShare<D>, Vec<AdhesiveContact<D>>)> {
-        let Some(chains) = chains else { return self.project(state, moves, step) };
-        let (wanted, mut target) = (velocities(moves), moves.to_vec());
-        let smallest = self.peers().min(self.radii.iter().copied().fold(f64::INFINITY, f64::min));
+    /// Velocities that keep contacts and ties, next to those wanted.
+    fn keep_apart(&self, state: &State<D>, ties: Option<&Ties<D>>, moves: &[Twist<D>], step: f64) -> Result<Kept<D>> {
+        let wanted = velocities(moves);
+        let Some(ties) = ties else {
+            let (projection, stuck) = self.project(state, moves, step)?;
+            return Ok(Kept { projection, stuck, free: wanted });
+        };
+        let (peers, mut target) = (self.peers(), moves.to_vec());
+        let smallest = peers.min(self.radii.iter().copied().fold(f64::INFINITY, f64::min));
         let (mut contacts, mut apart) = (Accelerated::new(self.by_last_contacts(state, step)), f64::INFINITY);
         for _ in 0..MOST_ROUNDS {
             let free: Vec<SVector<f64, D>> = wanted.iter().zip(&contacts.ahead).map(|(wanted, change)| wanted + change).collect();
-            let bonded = chains.hold(self.peers(), &free);
+            let tied = ties.hold(peers, &free);
             for (body, twist) in target.iter_mut().enumerate() {
-                twist.velocity = wanted[body] + bonded[body] - free[body];
+                twist.velocity = wanted[body] + tied[body] - free[body];
             }
-            let (found, remembered) = self.project(state, &target, step)?;
-            let kept = &found.projection.velocities;
-            let difference = kept.iter().zip(&bonded).map(|(kept, bonded)| (kept - bonded).norm()).fold(0.0, f64::max);
-            apart = -self.peers().min(-difference) * step;
+            let (projection, stuck) = self.project(state, &target, step)?;
+            let kept = &projection.projection.velocities;
+            let difference = kept.iter().zip(&tied).map(|(kept, tied)| (kept - tied).norm()).fold(0.0, f64::max);
+            apart = -peers.min(-difference) * step;
             if apart <= AGREEMENT * smallest {
-                return Ok((found, remembered));
+                return Ok(Kept { projection, stuck, free });
             }
-            contacts.advance(self.peers(), kept.iter().zip(&target).map(|(kept, target)| kept - target.velocity).collect(), &self.masses());
+            contacts.advance(peers, kept.iter().zip(&target).map(|(kept, target)| kept - target.velocity).collect(), &self.masses());
         }
         Err(Error::Diverged(format!(
-            "at time {} bonds and contacts do not agree after {MOST_ROUNDS} rounds (places differ by {apart:.1e}); a shorter time.step or softer \
-             chains may help",
+            "at time {} contacts do not agree with bonds and rigid clusters after {MOST_ROUNDS} rounds (places differ by {apart:.1e}); a shorter \
+             time.step or softer chains may help",
             state.time
         )))
     }
@@ -263,6 +255,20 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         &self.radii
     }
 
+    fn free(&self) -> Vec<bool> {
+        self.bodies.iter().map(|body| body.mass.is_finite()).collect()
+    }
+
+    fn kinetic_energy(&self, state: &State<D>) -> Option<f64> {
+        let of_body = |(own, moving): (&Constants<D>, &Moving<D>)| {
+            // a skew matrix has each component of the spin twice
+            let turning = 0.5 * own.inertia * moving.twist.spin.norm_squared();
+            0.5 * (own.mass * moving.twist.velocity.norm_squared() + turning)
+        };
+        let free = self.bodies.iter().zip(&state.bodies).filter(|(own, _)| own.mass.is_finite());
+        Some(free.map(of_body).sum())
+    }
+
     fn interactions(&self) -> &Interactions<D> {
         &self.interactions
     }
@@ -300,27 +306,29 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         let mut moves: Vec<Twist<D>> = observation.twists.iter().zip(&self.known.accelerations).map(pushed).collect();
         let given = self.trajectories.mean_twists(state.time, step);
         given.for_each(|(body, twist)| state.place(body).into_iter().for_each(|place| moves[place] = twist));
-        let chains = self.chains_in(state, GranularStep { length: step, push });
+        let ties = Ties::new(self.peers(), &self.interactions, (state, &self.bodies), &moves, GranularStep { length: step, push });
         let (mut contacts, mut stuck, mut kkt_report) = (self.known.contacts.clone(), Vec::new(), None);
-        match self.interactions.touch() {
-            None => {
-                self.hold(&chains, &mut moves);
-                self.refuse_outside(state)?;
-            }
-            Some(Touch::Soft { .. }) => {
-                self.hold(&chains, &mut moves);
-                kkt_report = self.known.kkt_report;
-            }
-            Some(Touch::Hard) => {
-                let (found, remembered) = self.keep_apart(state, &chains, &moves, step)?;
-                let ProjectionShare { projection, view } = found;
-                moves.iter_mut().zip(&projection.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
-                stuck = remembered;
-                contacts.extend(projection.forces.iter().map(|force| ContactForce { contact: view.numbered(&force.contact), ..*force }));
-                kkt_report = Some(projection.kkt_report);
-            }
+        let mut free = velocities(&moves);
+        let touch = self.interactions.touch();
+        if touch == Some(Touch::Hard) {
+            let kept = self.keep_apart(state, ties.as_ref(), &moves, step)?;
+            let ProjectionShare { projection, view } = kept.projection;
+            moves.iter_mut().zip(&projection.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
+            contacts.extend(projection.forces.iter().map(|force| ContactForce { contact: view.numbered(&force.contact), ..*force }));
+            (stuck, free, kkt_report) = (kept.stuck, kept.free, Some(projection.kkt_report));
+        } else if let Some(ties) = &ties {
+            moves.iter_mut().zip(ties.hold(self.peers(), &free)).for_each(|(twist, velocity)| twist.velocity = velocity);
+        }
+        match touch {
+            None => self.refuse_outside(state)?,
+            Some(Touch::Soft { .. }) => kkt_report = self.known.kkt_report,
+            Some(Touch::Hard) => {}
+        }
+        let mut twists = moves.clone();
+        if let Some(ties) = ties {
+            ties.turn(self.peers(), &free, &mut moves, &mut twists);
         }
         let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };
-        Ok(StepOutcome { step, twists: moves.clone(), moves, contacts, stuck, kkt_report, effort })
+        Ok(StepOutcome { step, twists, moves, contacts, stuck, kkt_report, effort })
     }
 }

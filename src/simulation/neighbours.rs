@@ -41,7 +41,7 @@ impl<const D: usize> Neighbours<D> {
 
     /// They as interactions see them.
     pub fn arrangement<'a>(&'a self, domain: &'a Domain<D>, reach: f64) -> Arrangement<'a, D> {
-        Arrangement { domain, balls: &self.balls, weights: &self.masses, viscosity: None, reach }
+        Arrangement { domain, numbers: Some(self.halo.numbers()), balls: &self.balls, weights: &self.masses, viscosity: None, reach }
     }
 
     /// Those of the contacts that concern an own body; bodies are named by their numbers.

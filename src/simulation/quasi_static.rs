@@ -100,7 +100,7 @@ impl<const D: usize> QuasiStatic<D> {
 
     fn arrangement<'a>(&'a self, placed: &'a Placed<'a, D>) -> Arrangement<'a, D> {
         let viscosity = Some(self.suspension.setup().viscosity);
-        Arrangement { domain: &placed.domain, balls: &placed.balls, weights: &self.weights, viscosity, reach: f64::INFINITY }
+        Arrangement { domain: &placed.domain, numbers: None, balls: &placed.balls, weights: &self.weights, viscosity, reach: f64::INFINITY }
     }
 
     /// Contacts over a step from where bodies are.

@@ -77,10 +77,11 @@ impl<const D: usize> GranularSetup<D> {
         };
         let placed = bodies(peers, scene, &domain)?;
         let trajectories = trajectories(scene, &placed);
-        let bonds = chains::bonds(scene, &placed);
+        let (bonds, welds) = (chains::bonds(scene, &placed), interactions::welds(scene, &placed));
         let bodies: Vec<GranularBody<D>> = placed.into_iter().map(of_group).collect();
         let interactions = interactions::of_granular(scene, &domain, &bodies);
         let interactions = if let Some(bonds) = bonds { interactions.with(bonds) } else { interactions };
+        let interactions = if let Some(welds) = welds { interactions.with(welds) } else { interactions };
         Ok(GranularSetup { interactions, domain, bodies, trajectories })
     }
 

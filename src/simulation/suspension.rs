@@ -168,7 +168,8 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         let setup = &self.fixed.setup;
         let balls: Vec<Ball<D>> = setup.bodies.iter().map(|suspended| suspended.body.ball).collect();
         let viscosity = Some(setup.viscosity);
-        let arrangement = Arrangement { domain: &setup.domain, balls: &balls, weights: &weights, viscosity, reach: f64::INFINITY };
+        let arrangement =
+            Arrangement { domain: &setup.domain, numbers: None, balls: &balls, weights: &weights, viscosity, reach: f64::INFINITY };
         let forces = setup.interactions.pair_forces(&arrangement);
         let pushes = Wrench::on_bodies(balls.len(), [], &forces);
         let welds = setup.interactions.welds(&centers);

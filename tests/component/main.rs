@@ -17,6 +17,7 @@ mod contact;
 mod convergence;
 mod crowds;
 mod dry;
+mod dry_clusters;
 mod effects;
 mod fields;
 mod fitted;
@@ -131,6 +132,7 @@ fn main() {
         vorticity::tests(),
         contact::tests(),
         dry::tests(),
+        dry_clusters::tests(),
         laws::tests(),
         laws_flow::tests(),
     ];

@@ -98,7 +98,8 @@ fn conforms(session: &Session, interaction: &dyn Interaction<2>) {
     assert!(!interaction.name().is_empty() && !interaction.describe().is_empty(), "{interaction:?} says nothing of itself");
     let (domain, weights) = (domain(), vec![2.0; 6]);
     let wrenches = |balls: &[Ball<2>]| {
-        let arrangement = Arrangement { domain: &domain, balls, weights: &weights, viscosity: Some(1.5), reach: f64::INFINITY };
+        let arrangement =
+            Arrangement { domain: &domain, numbers: None, balls, weights: &weights, viscosity: Some(1.5), reach: f64::INFINITY };
         Wrench::on_bodies(balls.len(), &interaction.contact_forces(&arrangement), &interaction.pair_forces(&arrangement))
     };
     let here = wrenches(&disks(Vector2::zeros()));
@@ -120,7 +121,8 @@ fn slope_is_bounded(interaction: &dyn Interaction<2>) {
     let domain = Domain { size: Vector2::new(40.0, 40.0), axes: [Axis::Periodic; 2] };
     let force = |gap: f64| {
         let balls = [0.0, 2.0 + gap].map(|x| Ball { center: Vector2::new(10.0 + x, 20.0), radius: 1.0 });
-        let arrangement = Arrangement { domain: &domain, balls: &balls, weights: &[1.0; 2], viscosity: Some(1.0), reach: f64::INFINITY };
+        let arrangement =
+            Arrangement { domain: &domain, numbers: None, balls: &balls, weights: &[1.0; 2], viscosity: Some(1.0), reach: f64::INFINITY };
         Wrench::on_bodies(2, &interaction.contact_forces(&arrangement), &interaction.pair_forces(&arrangement))[1].force[0]
     };
     for gap in [-0.01, 0.0, 0.01, 0.1, 0.3] {
@@ -132,7 +134,8 @@ fn slope_is_bounded(interaction: &dyn Interaction<2>) {
 /// What is remembered of no force is nothing, and bounds that follow from what is remembered let contacts pull, in order.
 fn memory_is_consistent(interaction: &dyn Interaction<2>) {
     let (domain, balls, weights) = (domain(), disks(Vector2::zeros()), vec![2.0; 6]);
-    let arrangement = Arrangement { domain: &domain, balls: &balls, weights: &weights, viscosity: Some(1.5), reach: f64::INFINITY };
+    let arrangement =
+        Arrangement { domain: &domain, numbers: None, balls: &balls, weights: &weights, viscosity: Some(1.5), reach: f64::INFINITY };
     assert!(interaction.remember(&arrangement, &[], &[], 0.1).is_empty() && interaction.lower_bounds(&arrangement, &[], 0.1).is_empty());
     let mut pressed: Vec<ContactForce<2>> =
         arrangement.near(0.5).into_iter().map(|contact| ContactForce { contact, force: 1.0 + contact.gap }).collect();
@@ -243,7 +246,8 @@ fn a_force_at_a_distance_moves_bodies_in_a_flow_as_its_wrench_does(session: &Ses
     let springs = Springs { stiffness: 2.0, reach: 0.5 };
     let free = setup(Interactions::default());
     let balls: Vec<Ball<2>> = free.bodies.iter().map(|suspended| suspended.body.ball).collect();
-    let arrangement = Arrangement { domain: &free.domain, balls: &balls, weights: &[1.0; 6], viscosity: None, reach: f64::INFINITY };
+    let arrangement =
+        Arrangement { domain: &free.domain, numbers: None, balls: &balls, weights: &[1.0; 6], viscosity: None, reach: f64::INFINITY };
     let wrenches = Wrench::on_bodies(6, [], &springs.pair_forces(&arrangement));
     let mut given = setup(Interactions::default());
     for (suspended, wrench) in given.bodies.iter_mut().zip(&wrenches) {
@@ -261,7 +265,8 @@ fn a_force_at_a_distance_moves_bodies_in_a_flow_as_its_wrench_does(session: &Ses
 
 fn the_stress_of_a_force_at_a_distance_is_that_of_the_same_force_in_contact(_: &Session) {
     let (domain, balls) = (domain(), disks(Vector2::zeros()));
-    let arrangement = Arrangement { domain: &domain, balls: &balls, weights: &[1.0; 6], viscosity: None, reach: f64::INFINITY };
+    let arrangement =
+        Arrangement { domain: &domain, numbers: None, balls: &balls, weights: &[1.0; 6], viscosity: None, reach: f64::INFINITY };
     let contact = arrangement.near(0.5)[0];
     let stress = PairForce::from(&ContactForce { contact, force: 3.0 }).stress();
     let expected = contact.normal * contact.normal.transpose() * (-3.0 * contact.separation);

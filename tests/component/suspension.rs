@@ -1,4 +1,4 @@
-//! Suspensions against published and independently computed values (sources: README, validation table).
+//! Suspensions against published and independently computed values (sources: docs/validation.md).
 
 use std::f64::consts::PI;
 
@@ -102,10 +102,12 @@ fn square_array(session: &Session, fraction: f64, cells: usize, order: usize, ce
 
 const CENTER: [f64; 2] = [0.513, 0.527];
 
-/// Published and exactly computable values (`turbid validation` prints them); means over many random configurations on one rank alone.
+/// Published and exactly computable values (`turbid validation` prints them); means over many random configurations on one rank alone, and not the
+/// longest rod, which takes as long as all others.
 fn known_answers_are_met(session: &Session) {
     let alone = session.world().size() == 1;
-    for case in cases().into_iter().filter(|case| alone || !case.name.contains("random")) {
+    let quick = |name: &str| (alone || !name.contains("random")) && !name.contains("rod of 10");
+    for case in cases().into_iter().filter(|case| quick(case.name)) {
         let value = (case.solve)(session).unwrap();
         assert_near(&format!("{}, {}", case.name, case.resolution), value, case.reference, case.tolerance);
     }

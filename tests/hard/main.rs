@@ -141,16 +141,16 @@ fn every_hard_case_keeps_its_promises_on_any_number_of_ranks() {
 
 /// The cases with what was promised and what was seen on one, two and three ranks.
 fn table(cases: &[Case], rows: &[Vec<Vec<(String, String)>>]) -> String {
-    let mut text = fs::read_to_string(root().join("docs/hard-head.md")).unwrap();
+    let mut text = fs::read_to_string(root().join("docs/parts/hard-head.md")).unwrap();
     text += "\n| case | promised | seen on 1, 2, 3 ranks |\n|-|-|-|\n";
     for (case, row) in cases.iter().zip(rows) {
         for place in 0..case.promises.len() {
-            let about = if place == 0 { format!("{} ([scene](../tests/hard/{}.toml))", case.about, case.name) } else { String::new() };
+            let about = if place == 0 { format!("{} (`tests/hard/{}.toml`)", case.about, case.name) } else { String::new() };
             let seen: Vec<&str> = row.iter().map(|kept| kept[place].1.as_str()).collect();
             let same = seen.iter().all(|value| *value == seen[0]);
             let seen = if same { seen[0].to_owned() } else { seen.join(", ") };
             writeln!(text, "| {about} | {} | {seen} |", row[0][place].0).unwrap();
         }
     }
-    text + &fs::read_to_string(root().join("docs/hard-fuzz.md")).unwrap()
+    text + &fs::read_to_string(root().join("docs/parts/hard-fuzz.md")).unwrap()
 }

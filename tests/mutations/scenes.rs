@@ -1,7 +1,7 @@
 //! Ten thousand scenes whose numbers and letters were exchanged at random: none makes the door panic, every refusal comes soon and with
 //! exit code 2. A part of them goes through the program itself, within limits of time and memory.
 //!
-//! With `TURBID_FUZZ_SUMMARY=docs/hard-fuzz.md` what became of them is written there.
+//! With `TURBID_FUZZ_SUMMARY=docs/parts/hard-fuzz.md` what became of them is written there.
 
 use std::{
     collections::BTreeMap,

@@ -4,7 +4,7 @@ use std::{fs, path::Path, process::Command};
 
 use super::{
     common::{Series, bodies, difference, folder, number, resume, run, run_again, write},
-    scenes::{CELLS, CHAINS, CLUSTERS, DRY, DRY_CHAINS, GLUEY, INERTIA, SHEARED, SLIDING, SPHERES},
+    scenes::{CELLS, CHAINS, CLUSTERS, DRY, DRY_CHAINS, DRY_CLUSTERS, GLUEY, INERTIA, SHEARED, SLIDING, SPHERES},
 };
 
 /// The same arithmetic on the same ranks; what is left is the order of sums after a matrix of another size.
@@ -118,6 +118,11 @@ fn dry_chains_in_two_halves_are_the_run_in_one() {
 }
 
 #[test]
+fn dry_clusters_in_two_halves_are_the_run_in_one() {
+    halves_agree("dry-clusters", DRY_CLUSTERS, &[&[]], &[1, 2]);
+}
+
+#[test]
 fn gluey_disks_in_two_halves_are_the_run_in_one_memories_included() {
     halves_agree("gluey", GLUEY, &[&[], &["time.step=0.1"], &["time.scheme=euler", "contact.gamma_min=-0.2"]], &[1, 2]);
     let out = folder("halves-gluey-memories");
@@ -157,7 +162,10 @@ fn a_run_in_time_is_the_same_on_any_number_of_ranks() {
     let wet = wet.map(|(name, text)| (name, text, 1000.0 * TOLERANCE));
     // forces of rods hold lengths that differ by a tolerance over a step
     let others = [("chains", CHAINS), ("clusters", CLUSTERS), ("cells", &transform(CELLS))];
-    let others = others.map(|(name, text)| (name, text, 1000.0 * TOLERANCE)).into_iter().chain([("dry", DRY, SAME)]);
+    let others = others
+        .map(|(name, text)| (name, text, 1000.0 * TOLERANCE))
+        .into_iter()
+        .chain([("dry", DRY, SAME), ("dry-clusters", DRY_CLUSTERS, SAME)]);
     for (name, text, tolerance) in wet.into_iter().chain(others) {
         let here = folder(&format!("ranks-in-time-{name}"));
         let scene = write(&here, text);

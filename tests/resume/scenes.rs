@@ -87,6 +87,36 @@ every = 0.5
 picture = false
 "#;
 
+/// Dry rigid clusters that fall on each other and on a disk.
+pub const DRY_CLUSTERS: &str = r#"
+seed = 1
+gravity = [0.0, -1.0]
+[domain]
+size = [6.0, 9.0]
+y = "walls"
+[flow]
+model = "none"
+[[clusters]]
+count = 4
+shape = "rod"
+beads = 4
+radius = 0.3
+[[clusters]]
+count = 3
+offsets = [[0.0, 0.0], [0.6, 0.1], [0.9, -0.5]]
+radius = 0.3
+[[bodies]]
+count = 1
+radius = 0.4
+[contact]
+model = "inelastic"
+[time]
+end = 4.0
+[output]
+every = 0.5
+picture = false
+"#;
+
 /// Red cells of 24 and of 30 beads between walls in shear; the first lies across an end of the box.
 pub const CELLS: &str = r#"
 [domain]

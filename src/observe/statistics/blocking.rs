@@ -72,8 +72,14 @@ fn mean(samples: &[f64]) -> f64 {
     samples.iter().sum::<f64>() / samples.len() as f64
 }
 
-/// The 97.5 % quantile of Student's distribution, to three digits from six degrees of freedom on (Abramowitz & Stegun 26.7.5).
-pub(super) fn student(freedom: f64) -> f64 {
+/// The 97.5 % quantile of Student's distribution for one to five degrees of freedom.
+const FEW: [f64; 5] = [12.706_205, 4.302_653, 3.182_446, 2.776_445, 2.570_582];
+
+/// The 97.5 % quantile of Student's distribution with a whole number of degrees of freedom, to three digits (Abramowitz & Stegun 26.7.5).
+pub fn student(freedom: f64) -> f64 {
+    if let Some(quantile) = FEW.get((freedom as usize).wrapping_sub(1)) {
+        return *quantile;
+    }
     let z = 1.959_963_984_540_054_f64;
     let terms = [
         (z.powi(3) + z) / 4.0,

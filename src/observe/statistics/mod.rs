@@ -9,7 +9,7 @@ mod shortage;
 mod steady;
 mod transient;
 
-pub use blocking::{FEWEST_BLOCKS, Interval, interval};
+pub use blocking::{FEWEST_BLOCKS, Interval, interval, student};
 pub use resampling::{mean_from, resampled};
 pub use shortage::Shortage;
 pub use steady::{Steady, steady};

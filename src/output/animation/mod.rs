@@ -1,4 +1,4 @@
-//! The film of a suspension: disks coloured by their speed, or dark before the vorticity of the flow, frame after frame, as one animated PNG.
+//! The film of a suspension: disks coloured by their speed, or dark before the vorticity of the flow, frame after frame, as one animated PNG or GIF.
 //!
 //! A pure function of a [`Film`] and its frames, as a picture is: no file, no mesh, no simulation is known. Time, a length and
 //! what colours stand for are written where there is room, and a bar below the box fills up as time passes. Source of the format: W3C, 2025, PNG third edition, <https://www.w3.org/TR/png-3>.
@@ -19,6 +19,7 @@ use crate::{
     scene::Colour,
 };
 use canvas::Canvas;
+pub use encoding::AnimationFormat;
 use layout::PageLayout;
 use palette::Palette;
 
@@ -30,7 +31,7 @@ const MARKED: f64 = 4.0;
 const RING: f64 = 0.9;
 
 impl Film {
-    /// Writes the film as an animated PNG that repeats for ever, at most `width_in_pixels` wide and one and a half times as high, of the frames
+    /// Writes the film as an animated PNG or GIF that repeats for ever, at most `width_in_pixels` wide and one and a half times as high, of the frames
     /// that were noted, in the same order. No more than one of them is drawn at a time.
     ///
     /// It runs for `seconds`, shared among the frames as their times are, and holds the last one for a second more. The first frame is
@@ -42,6 +43,7 @@ impl Film {
     /// It cannot be written, or there are fewer frames than were noted.
     pub fn write(
         &self,
+        format: AnimationFormat,
         out: impl Write,
         width_in_pixels: usize,
         seconds: f64,
@@ -52,7 +54,7 @@ impl Film {
         let layout = PageLayout::new(self, width_in_pixels);
         let bar = self.bar();
         let stills = self.progress().into_iter().zip(frames).map(|(part, frame)| self.still(&layout, &frame, &bar, part));
-        encoding::write(out, layout.page, stills, &self.delays(seconds), Palette::new(self.colour, self.balls))
+        encoding::write(format, out, layout.page, stills, &self.delays(seconds), Palette::new(self.colour, self.balls))
     }
 
     /// What colours stand for.
@@ -63,11 +65,15 @@ impl Film {
         }
     }
 
-    /// The bytes of a film of these frames alone.
-    pub fn apng(mut self, width_in_pixels: usize, seconds: f64, frames: Vec<AnimationFrame>) -> Vec<u8> {
+    /// The bytes of an animated PNG of these frames alone.
+    pub fn apng(self, width_in_pixels: usize, seconds: f64, frames: Vec<AnimationFrame>) -> Vec<u8> {
+        self.bytes(AnimationFormat::Png, width_in_pixels, seconds, frames)
+    }
+
+    fn bytes(mut self, format: AnimationFormat, width_in_pixels: usize, seconds: f64, frames: Vec<AnimationFrame>) -> Vec<u8> {
         frames.iter().for_each(|frame| self.add(frame));
         let mut bytes = Vec::new();
-        self.write(&mut bytes, width_in_pixels, seconds, frames.into_iter()).expect("a vector takes any bytes and the sizes match");
+        self.write(format, &mut bytes, width_in_pixels, seconds, frames.into_iter()).expect("a vector takes any bytes and the sizes match");
         bytes
     }
 
@@ -214,6 +220,22 @@ mod tests {
     }
 
     #[test]
+    fn a_gif_has_the_same_frames_for_as_long_and_repeats_for_ever() {
+        let bytes = film().bytes(AnimationFormat::Gif, 228, 3.0, frames(vec![disk(1.0, 1.0)]));
+        let mut options = gif::DecodeOptions::new();
+        options.set_color_output(gif::ColorOutput::RGBA);
+        let mut decoder = options.read_info(&bytes[..]).unwrap();
+        assert_eq!((decoder.width(), decoder.height(), decoder.repeat()), (228, 146, gif::Repeat::Infinite));
+        let mut delays = Vec::new();
+        while let Some(frame) = decoder.read_next_frame().unwrap() {
+            let middle = 4 * (frame.buffer.len() / 8 + usize::from(frame.width) / 2);
+            assert_ne!(frame.buffer[middle..middle + 3], palette::PAGE);
+            delays.push(frame.delay);
+        }
+        assert_eq!(delays, [100, 200, 100]);
+    }
+
+    #[test]
     fn a_disk_across_the_seam_is_seen_on_both_sides() {
         let frames = frames(vec![disk(2.05, 1.0)]);
         for (x, seen) in [(0.1, true), (1.9, true), (1.0, false)] {
@@ -254,7 +276,7 @@ mod tests {
     fn a_film_that_ends_too_early_is_no_film() {
         let mut film = film();
         frames(Vec::new()).iter().for_each(|frame| film.add(frame));
-        assert!(film.write(Vec::new(), 100, 1.0, frames(Vec::new()).into_iter().take(2)).is_err());
+        assert!(film.write(AnimationFormat::Png, Vec::new(), 100, 1.0, frames(Vec::new()).into_iter().take(2)).is_err());
     }
 
     #[test]

@@ -57,12 +57,6 @@ impl<const D: usize> FrameFiles<D> {
         Ok(FrameFiles { folder, frames, every: scene.frame_interval(), eager, fields, contact: scene.contact.model })
     }
 
-    fn due(&self, motion: &EvaluatedMotion<D>) -> bool {
-        let state = motion.state();
-        let number = |time: f64| (time / self.every + ROUNDING).floor();
-        state.steps == 0 || motion.last || number(state.time) > number(state.time - state.last_step)
-    }
-
     /// Says once that frames come later than the scene asks for: with the first step that reaches a multiple of its time between frames.
     fn tell_of_steps(&mut self, state: &State<D>, sheared: bool) {
         let (every, time) = (self.every, state.time);
@@ -81,10 +75,17 @@ impl<const D: usize> FrameFiles<D> {
     }
 }
 
+/// Whether a frame is due, of frames that are so far apart.
+pub fn frame_due<const D: usize>(motion: &EvaluatedMotion<D>, every: f64) -> bool {
+    let state = motion.state();
+    let number = |time: f64| (time / every + ROUNDING).floor();
+    state.steps == 0 || motion.last || number(state.time) > number(state.time - state.last_step)
+}
+
 impl<const D: usize> Output<D> for FrameFiles<D> {
     fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
         let Some(motion) = seen.motion else { return Ok(()) };
-        if !self.due(&motion) {
+        if !frame_due(&motion, self.every) {
             return Ok(());
         }
         if !motion.last {

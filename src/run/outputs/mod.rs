@@ -7,9 +7,11 @@ mod forces;
 mod frames;
 mod instant;
 pub mod log;
+mod means;
 mod pairs;
 mod picture;
 mod probe;
+mod profiles;
 mod progress;
 mod report;
 mod series;
@@ -43,11 +45,16 @@ pub fn outputs<const D: usize>(
     let probe = scene.output.probe.map(|points| Box::new(probe::ProbeFile { folder: path(), points }) as Box<dyn Output<D>>);
     let picture = scene.output.picture.then(|| Box::new(picture::PictureFile { folder: path() }) as Box<dyn Output<D>>);
     let pairs = scene.output.pairs.then(|| Box::new(pairs::PairFiles { folder: path() }) as Box<dyn Output<D>>);
+    let time = simulation.map_or(0.0, |simulation| simulation.state().time);
+    let profiles = match scene.output.profiles.is_empty() {
+        true => None,
+        false => Some(Box::new(profiles::ProfileFiles::open(world, scene, folder, time)?) as Box<dyn Output<D>>),
+    };
     // last, since it shows what the others have written
     let report = scene.output.report.then(|| Box::new(report::ReportFile::new(world, scene, folder)) as Box<dyn Output<D>>);
     let Some(simulation) = simulation else {
         let frame = scene.output.fields.then(|| Box::new(instant::InstantFrame { folder: path() }) as Box<dyn Output<D>>);
-        let all = picture.into_iter().chain(frame).chain(probe).chain(pairs).chain([log]).chain(report);
+        let all = picture.into_iter().chain(frame).chain(probe).chain(pairs).chain(profiles).chain([log]).chain(report);
         return Ok((all.collect(), Vec::new()));
     };
     let (series, points) = series::SeriesFile::open(world, folder, simulation.state().steps)?;
@@ -67,6 +74,6 @@ pub fn outputs<const D: usize>(
     if scene.gravity.is_some() {
         all.push(Box::new(settling::MeanSettling { folder: path() }));
     }
-    all.extend(picture.into_iter().chain(pairs).chain([log]).chain(report));
+    all.extend(picture.into_iter().chain(pairs).chain(profiles).chain([log]).chain(report));
     Ok((all, points))
 }

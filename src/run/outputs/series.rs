@@ -5,9 +5,10 @@ use std::{
     time::Instant,
 };
 
-use nalgebra::SMatrix;
-
-use super::step_table::{Cell, StepTable, absent, count, real};
+use super::{
+    means::{mean_motion, of_stress, upper_triangle},
+    step_table::{Cell, StepTable, absent, count, real},
+};
 use crate::{
     contact::Solver,
     error::Result,
@@ -47,7 +48,9 @@ impl<const D: usize> Output<D> for SeriesFile {
         row.extend(seen.flow.map_or(Ok(Vec::new()), |flow| of_inertia(&flow, motion.state().last_step))?);
         row.extend(of_chains(motion.simulation));
         row.extend(seen.flow.map_or(Vec::new(), |flow| of_membranes(flow.solver.setup(), motion.state())));
-        row.extend(seen.flow.map_or(Vec::new(), |flow| of_clusters(flow.solver.setup(), motion.state())));
+        row.extend(of_clusters(seen.world, motion.simulation));
+        row.extend(mean_motion(seen, motion));
+        row.extend(seen.viscosity.map_or(Vec::new(), |viscosity| of_stress::<D>(&viscosity)));
         row.push(real("seconds", seconds));
         seen.world.agree(self.rows.as_mut().map_or(Ok(()), |rows| rows.write(&row)))
     }
@@ -116,17 +119,11 @@ fn of_membranes<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<Cell>
     MembraneNumbers::of(setup, state).map(cells).unwrap_or_default()
 }
 
-/// The upper triangle of the mean orientation of rigid clusters; none without any.
-fn of_clusters<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<Cell> {
+/// The upper triangle of the mean orientation of rigid clusters; none without any. Collective.
+fn of_clusters<const D: usize>(world: &World, simulation: &Simulation<D>) -> Vec<Cell> {
     const NAMES: [&str; 6] = ["orientation_xx", "orientation_xy", "orientation_xz", "orientation_yy", "orientation_yz", "orientation_zz"];
     let cells = |mean| upper_triangle(&NAMES, &mean).map(|(name, value)| real(name, value)).collect();
-    mean_orientation(setup, state).map_or(Vec::new(), cells)
-}
-
-/// The entries of a symmetric matrix with the names of those in space.
-fn upper_triangle<const D: usize>(names: &[&'static str; 6], matrix: &SMatrix<f64, D, D>) -> impl Iterator<Item = (&'static str, f64)> {
-    let places = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().zip(*names).filter(|((_, column), _)| *column < D);
-    places.map(|(place, name)| (name, matrix[place]))
+    mean_orientation(world, simulation.interactions(), simulation.state()).map_or(Vec::new(), cells)
 }
 
 /// The cells of the row of an instant and of the step that led there.
@@ -170,6 +167,8 @@ fn gap(value: f64) -> Cell {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use nalgebra::SMatrix;
+
     use super::*;
     use crate::observe::NormalStresses;
 
@@ -183,6 +182,7 @@ mod tests {
             bonds: None,
             reynolds: None,
             contact: 0.25,
+            stress: SMatrix::zeros(),
             normal,
             from_walls: None,
         };

@@ -2,7 +2,43 @@
 
 use crate::error::Result;
 use crate::scene::entry::Entry;
+use crate::scene::key::Key;
 use crate::scene::table::Table;
+
+/// Keys of `[contact]`.
+pub(in crate::scene) const KEYS: [Key; 4] = [
+    Key::new(
+        "model",
+        "\"none\", \"inelastic\", \"repulsion\" or \"gluey\"",
+        "\"inelastic\"",
+        "The law of contact. Inelastic: nothing overlaps, \
+        nothing rebounds, no friction. Repulsion: a smooth force before touch. Gluey: what was pressed together sticks until it was pulled \
+        apart as much.",
+    )
+    .default("\"none\"")
+    .needs("time.end = 1.0"),
+    Key::new(
+        "stiffness",
+        "number",
+        "50",
+        "Force of the repulsion at touch, over the largest force that drives a body (dry: over the energy of \
+        the hardest impact per radius).",
+    )
+    .unit("ratio")
+    .default("100")
+    .range("above 0")
+    .needs("time.end = 1.0; contact.model = \"repulsion\""),
+    Key::new("range", "number", "0.05", "Largest gap at which bodies repel each other.")
+        .unit("radii of the smaller")
+        .default("0.1")
+        .range("above 0")
+        .needs("time.end = 1.0; contact.model = \"repulsion\""),
+    Key::new("gamma_min", "number", "-0.5", "Least memory of a contact, beyond which it remembers no more.")
+        .unit("impulse over viscosity; dry: velocity")
+        .default("no bound")
+        .range("at most 0")
+        .needs("time.end = 1.0; contact.model = \"gluey\""),
+];
 
 /// What happens between bodies that touch.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,7 +70,7 @@ pub enum ContactModel {
 }
 
 /// Keys that only one law of contact has.
-const KEYS: [(&str, &str); 3] = [("stiffness", "repulsion"), ("range", "repulsion"), ("gamma_min", "gluey")];
+const OF_ONE_LAW: [(&str, &str); 3] = [("stiffness", "repulsion"), ("range", "repulsion"), ("gamma_min", "gluey")];
 
 /// Stiffness and range of a repulsion that says nothing of them.
 const REPULSION: [f64; 2] = [100.0, 0.1];
@@ -47,7 +83,7 @@ impl Default for ContactSection {
 
 impl ContactSection {
     pub(in crate::scene) fn read(root: &Table) -> Result<Self> {
-        let table = root.section("contact", &["model", "stiffness", "range", "gamma_min"])?;
+        let table = root.section("contact", &KEYS)?;
         let positive = |name: &str, default: f64| table.get(name).map_or(Ok(default), |entry| entry.positive());
         let [stiffness, range] = REPULSION;
         let repulsion = ContactModel::Repulsion { stiffness: positive("stiffness", stiffness)?, range: positive("range", range)? };
@@ -59,7 +95,7 @@ impl ContactSection {
             ("gluey", ContactModel::Gluey { gamma_min }),
         ];
         let model = table.get("model").map_or(Ok(ContactSection::default().model), |entry| entry.choice(&models, &[]))?;
-        for (key, law) in KEYS.into_iter().filter(|(_, law)| *law != model.word()) {
+        for (key, law) in OF_ONE_LAW.into_iter().filter(|(_, law)| *law != model.word()) {
             if let Some(entry) = table.get(key) {
                 return Err(entry.refuse(&format!("only contact.model = {law:?} has it; remove it")));
             }

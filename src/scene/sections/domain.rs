@@ -2,7 +2,56 @@
 
 use crate::error::Result;
 use crate::scene::entry::Entry;
+use crate::scene::key::Key;
 use crate::scene::table::Table;
+
+/// Keys of `[domain]`.
+pub(in crate::scene) const KEYS: [Key; 4] = [
+    Key::new(
+        "size",
+        "list of 2 or 3 numbers",
+        "[8.0, 8.0]",
+        "Edge lengths of the box; two make the scene two-dimensional, three \
+        three-dimensional. The box starts at the origin.",
+    )
+    .unit("length")
+    .default("required")
+    .range("each above 0"),
+    Key::new("x", AXIS, "{ inflow = 1.0 }", "What bounds the first axis.").default("\"periodic\""),
+    Key::new("y", AXIS, "{ lower = [-1.0, 0.0], upper = [1.0, 0.0] }", "What bounds the second axis.").default("\"periodic\""),
+    Key::new("z", AXIS, "\"walls\"", "What bounds the third axis.").default("\"periodic\"").needs("domain.size = [8.0, 8.0, 8.0]"),
+];
+
+const AXIS: &str = "\"periodic\", \"walls\" (at rest) or a table";
+
+/// Keys of an axis of `[domain]`: two walls, or an inflow and an outflow.
+pub(in crate::scene) const AXIS_KEYS: [Key; 4] = [
+    Key::new("lower", "list of numbers", "[-1.0, 0.0]", "Velocity of the wall at coordinate 0.")
+        .unit("length/time")
+        .default("required with upper")
+        .range("0 along the axis itself")
+        .needs("domain.y.upper = [1.0, 0.0]"),
+    Key::new("upper", "list of numbers", "[1.0, 0.0]", "Velocity of the wall at the other end.")
+        .unit("length/time")
+        .default("required with lower")
+        .range("0 along the axis itself")
+        .needs("domain.y.lower = [-1.0, 0.0]"),
+    Key::new("inflow", "number", "1.0", "Largest velocity of the fluid that enters at coordinate 0 and leaves at the other end.")
+        .unit("length/time")
+        .range("above 0")
+        .needs("domain.y = { inflow = 1.0 }; domain.x = \"walls\""),
+    Key::new(
+        "profile",
+        "\"parabolic\" or \"uniform\"",
+        "\"uniform\"",
+        "How the inflow is distributed: parabolic, 0 at walls of other axes, or \
+        uniform.",
+    )
+    .default("\"parabolic\"")
+    .needs("domain.y = { inflow = 1.0 }; domain.x = \"walls\""),
+];
+
+const WALLS: usize = 2;
 
 /// The box: its size and what bounds it.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +85,7 @@ pub enum AxisSection {
 
 impl DomainSection {
     pub(in crate::scene) fn read(root: &Table) -> Result<Self> {
-        let table = root.section("domain", &["size", "x", "y", "z"])?;
+        let table = root.section("domain", &KEYS)?;
         let size = read_size(&table.require("size", "[8.0, 4.0]")?)?;
         let dimension = size.len();
         if let Some(z) = table.get("z").filter(|_| dimension == 2) {
@@ -67,13 +116,13 @@ impl AxisSection {
         if !entry.value.is_inline_table() {
             return Err(entry.mistyped(CHOICES));
         }
-        let any = Table::of(entry, &["lower", "upper", "inflow", "profile"])?;
+        let any = Table::of(entry, &AXIS_KEYS)?;
         if let Some(inflow) = any.get("inflow") {
-            let table = Table::of(entry, &["inflow", "profile"])?;
+            let table = Table::of(entry, &AXIS_KEYS[WALLS..])?;
             let profile = |entry: Entry| entry.choice(&PROFILES, &[]);
             return Ok(AxisSection::Open { inflow: inflow.positive()?, parabolic: table.get("profile").map_or(Ok(true), profile)? });
         }
-        let table = Table::of(entry, &["lower", "upper"])?;
+        let table = Table::of(entry, &AXIS_KEYS[..WALLS])?;
         let wall = |name| read_wall(&table.require(name, &format!("{:?}", vec![0.0; dimension]))?, axis, dimension);
         Ok(AxisSection::Walls { lower: wall("lower")?, upper: wall("upper")? })
     }

@@ -2,10 +2,65 @@
 
 use crate::error::Result;
 use crate::scene::entry::Entry;
+use crate::scene::key::Key;
 use crate::scene::table::Table;
 
 /// Keys of `flow.drive`, which exclude each other.
 pub(in crate::scene) const DRIVES: [&str; 5] = ["mean_velocity", "pressure_gradient", "body_force", "shear_rate", "mean_gradient"];
+
+/// Keys of `[flow]`.
+pub(in crate::scene) const KEYS: [Key; 5] = [
+    Key::new(
+        "model",
+        "\"stokes\", \"navier-stokes\", \"none\" or \"scalar\"",
+        "\"stokes\"",
+        "The equations: viscous flow without inertia, with \
+        inertia of fluid and bodies, no fluid (dry bodies with inertia), or a scalar around inclusions in which it is constant.",
+    )
+    .default("\"stokes\""),
+    Key::new("viscosity", "number", "2.0", "Dynamic viscosity of the fluid.")
+        .unit("mass/(length time); 2D: mass/time")
+        .default("1.0")
+        .range("above 0"),
+    Key::new("density", "number", "1.0", "Density of the fluid. In Stokes flow it gives buoyancy only.")
+        .unit("mass/volume; 2D: mass/area")
+        .default("0.0")
+        .range("at least 0; above 0 with \"navier-stokes\""),
+    Key::new("drive", "table", "{ mean_velocity = [1.0, 0.0] }", "What moves the fluid besides walls and bodies."),
+    Key::new("source", "number", "2.0", "Source of the scalar per volume outside of inclusions.")
+        .default("1.0; 0 with a mean_gradient")
+        .needs(SCALAR),
+];
+
+/// What makes a scene of the reference one of a scalar.
+const SCALAR: &str = "domain.x = \"walls\"; flow.model = \"scalar\"";
+
+/// Keys of `flow.drive`.
+pub(in crate::scene) const DRIVE_KEYS: [Key; 6] = [
+    Key::new("mean_velocity", "list of numbers", "[1.0, 0.0]", "Mean velocity over the whole box, bodies included.")
+        .unit("length/time")
+        .range("0 along walled axes"),
+    Key::new("pressure_gradient", "list of numbers", "[-1.0, 0.0]", "Mean pressure gradient; it acts on bodies too.")
+        .unit("pressure/length")
+        .range("0 along walled axes"),
+    Key::new("body_force", "list of numbers", "[1.0, 0.0]", "Force per volume on the fluid alone.").unit("force/volume"),
+    Key::new("shear_rate", "number", "1.0", "Rate of the background shear (rate y, 0, 0) of a box that is periodic along all axes.")
+        .unit("1/time")
+        .needs("domain.y = \"periodic\""),
+    Key::new("mean_gradient", "list of numbers", "[1.0, 0.0]", "Mean gradient of a scalar in a box that is periodic along all axes.")
+        .unit("1/length")
+        .range("not zero")
+        .needs("domain.y = \"periodic\"; flow.model = \"scalar\""),
+    Key::new(
+        "periodic",
+        "\"fixed\" or \"sheared\"",
+        "\"sheared\"",
+        "How the images of a sheared box lie: at rest (one instant), or sliding along \
+        x with the shear (Lees and Edwards; runs in time).",
+    )
+    .default("\"fixed\", that is at rest")
+    .needs("domain.y = \"periodic\"; flow.drive.shear_rate = 1.0; time.end = 1.0"),
+];
 
 /// The fluid and what drives it; in a dry scene nothing but the model has a meaning, in a scalar one the source besides.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,7 +115,7 @@ impl Default for FlowSection {
 
 impl FlowSection {
     pub(in crate::scene) fn read(root: &Table, dimension: usize) -> Result<Self> {
-        let table = root.section("flow", &["model", "viscosity", "density", "drive", "source"])?;
+        let table = root.section("flow", &KEYS)?;
         let default = FlowSection::default();
         let model = |entry: Entry| entry.choice(&FlowModel::WORDS, &[]);
         let model = table.get("model").map_or(Ok(default.model), model)?;
@@ -111,7 +166,7 @@ impl FlowModel {
 
 impl Drive {
     fn read(entry: &Entry, dimension: usize) -> Result<Self> {
-        let table = Table::of(entry, &[&DRIVES[..], &["periodic"]].concat())?;
+        let table = Table::of(entry, &DRIVE_KEYS)?;
         let (name, entry) = table.exactly_one(&DRIVES, "{ shear_rate = 1.0 }")?;
         let sheared = table.get("periodic").map_or(Ok(false), |entry| {
             entry.expect((), name == "shear_rate", "belongs to shear_rate; remove it")?;

@@ -2,6 +2,7 @@
 
 use crate::error::Result;
 use crate::scene::entry::Entry;
+use crate::scene::key::Key;
 use crate::scene::table::Table;
 
 /// Gap, in radii, below which no film gets thinner unless the scene says otherwise.
@@ -9,6 +10,23 @@ const ROUGHNESS: f64 = 1e-4;
 
 /// Largest roughness, in radii.
 const LARGEST_ROUGHNESS: f64 = 0.1;
+
+/// Keys of `[lubrication]`.
+pub(in crate::scene) const KEYS: [Key; 2] = [
+    Key::new(
+        "model",
+        "\"none\" or \"pairwise\"",
+        "\"pairwise\"",
+        "Whether the resistance of films that the multipliers do not see is added, \
+        pair by pair, with its stress.",
+    )
+    .default("\"none\""),
+    Key::new("roughness", "number", "1e-3", "Films resist as if no gap were smaller than this.")
+        .unit("radii")
+        .default("1e-4")
+        .range("above 0, at most 0.1")
+        .needs("lubrication.model = \"pairwise\""),
+];
 
 /// What happens between bodies that nearly touch.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,7 +63,7 @@ impl LubricationSection {
     }
 
     pub(in crate::scene) fn read(root: &Table) -> Result<Self> {
-        let table = root.section("lubrication", &["model", "roughness"])?;
+        let table = root.section("lubrication", &KEYS)?;
         let pairwise = table.get("model").map_or(Ok(false), |entry| entry.choice(&[("none", false), ("pairwise", true)], &[]))?;
         let roughness = table.get("roughness").map(|entry| read_roughness(&entry, pairwise)).transpose()?;
         let model =

@@ -4,7 +4,50 @@ use crate::error::Result;
 use crate::flow::InverseMethod;
 use crate::scene::FlowModel;
 use crate::scene::entry::Entry;
+use crate::scene::key::Key;
 use crate::scene::table::Table;
+
+/// Keys of `[method]`.
+pub(in crate::scene) const KEYS: [Key; 6] = [
+    Key::new(
+        "constraint",
+        "\"sharp\", \"mean-value\", \"distributed\", \"penalty\" or \"fitted\"",
+        "\"penalty\"",
+        "How bodies act on the grid. \
+        Sharp: multipliers on surfaces with jump corrections. Mean-value: the same without corrections. Distributed: multipliers in the \
+        volume. Penalty: bodies are very viscous fluid. Fitted: a mesh that fits the bodies (2D).",
+    )
+    .default("\"sharp\""),
+    Key::new("epsilon", "\"auto\" or a number", "1e-6", "Viscosity of the fluid over that in bodies.")
+        .unit("ratio")
+        .default("\"auto\"")
+        .range("at least 1e-12, below 1")
+        .needs("method.constraint = \"penalty\""),
+    Key::new("solver", "\"krylov\" or \"uzawa\"", "\"uzawa\"", "What solves for the multipliers.")
+        .default("\"krylov\"")
+        .needs("method.constraint = \"mean-value\""),
+    Key::new("uzawa_step", "\"auto\" or a number", "0.5", "Step of Uzawa's iteration; automatic: the best one is estimated first.")
+        .default("\"auto\"")
+        .range("above 0")
+        .needs("method.constraint = \"mean-value\"; method.solver = \"uzawa\""),
+    Key::new(
+        "inverse",
+        "\"hypre\", \"transform\" or \"auto\"",
+        "\"auto\"",
+        "What solves for the fluid of the empty box: algebraic multigrid for \
+        any box, transforms where walls lie across one axis at most, or the faster one that fits.",
+    )
+    .default("\"auto\""),
+    Key::new(
+        "tolerance",
+        "\"auto\" or a number",
+        "1e-8",
+        "Relative residual at which a solve ends. Automatic: 1e-6 at an instant; in time looser, \
+        with an error well below that of the step.",
+    )
+    .default("\"auto\"")
+    .range("1e-13 to 0.1"),
+];
 
 /// How the equations are solved.
 #[derive(Debug, Clone, PartialEq)]
@@ -183,14 +226,14 @@ impl Tolerance {
 
 impl Default for MethodSection {
     fn default() -> Self {
-        MethodSection { constraint: ConstraintMethod::Sharp, inverse: Some(InverseMethod::Hypre), tolerance: Tolerance::Auto }
+        MethodSection { constraint: ConstraintMethod::Sharp, inverse: None, tolerance: Tolerance::Auto }
     }
 }
 
 impl MethodSection {
     pub(in crate::scene) fn read(root: &Table, model: FlowModel) -> Result<Self> {
         model.allow(root.get("method"))?;
-        let table = root.section("method", &["constraint", "epsilon", "solver", "uzawa_step", "inverse", "tolerance"])?;
+        let table = root.section("method", &KEYS)?;
         let (default, inverse) = (MethodSection::default(), |entry: Entry| entry.choice(&INVERSES, &[]));
         Ok(MethodSection {
             constraint: ConstraintMethod::read(&table)?,

@@ -3,25 +3,87 @@
 use crate::error::Result;
 use crate::scene::FlowModel;
 use crate::scene::entry::Entry;
+use crate::scene::key::Key;
 use crate::scene::table::Table;
 
 /// Points along each axis of a lattice of probes.
 const FEWEST_POINTS: u64 = 2;
 const MOST_POINTS: usize = 1000;
 
-const KEYS: [&str; 12] = [
-    "picture",
-    "report",
-    "plane",
-    "plane_at",
-    "colour",
-    "every",
-    "fields",
-    "vorticity",
-    "checkpoint",
-    "probe",
-    "pairs",
-    "reference_velocity",
+/// Keys of `[output]`.
+pub(in crate::scene) const KEYS: [Key; 13] = [
+    Key::new("picture", "true or false", "false", "Whether a picture of the end is drawn.").default("true"),
+    Key::new("report", "true or false", "false", "Whether a page of the run, report.html, is written and renewed while it runs.")
+        .default("true"),
+    Key::new("plane", "\"xy\", \"xz\" or \"yz\"", "\"xz\"", "The axes that point right and up in pictures of a scene in three dimensions.")
+        .default("the plane that shows gravity, or else the shear")
+        .needs("domain.size = [8.0, 8.0, 8.0]"),
+    Key::new("plane_at", "number", "2.0", "Where that plane cuts the axis across it.")
+        .unit("length")
+        .default("the middle of the box")
+        .needs("domain.size = [8.0, 8.0, 8.0]"),
+    Key::new(
+        "colour",
+        "\"speed\", \"vorticity\", \"chain\" or \"species\"",
+        "\"vorticity\"",
+        "What colours the picture and animations: the speed, the \
+        vorticity of the fluid (bodies dark), or bodies by the chain, cell or cluster that they belong to, or by their radius (species).",
+    )
+    .default("\"speed\""),
+    Key::new("every", "number", "0.01", "Time between frames.")
+        .unit("time")
+        .default("a hundredth of time.end")
+        .range("above 0")
+        .needs("time.end = 1.0"),
+    Key::new(
+        "fields",
+        "true or false",
+        "false",
+        "Whether frames hold the flow on the grid: velocity, pressure and what is inside of bodies.",
+    )
+    .default("true")
+    .needs("time.end = 1.0"),
+    Key::new("vorticity", "true or false", "true", "Whether frames that hold the flow hold its vorticity too.")
+        .default("false")
+        .needs("time.end = 1.0"),
+    Key::new("checkpoint", "number", "60", "Seconds of wall time between checkpoints; 0 writes one after every step.")
+        .unit("seconds")
+        .default("600")
+        .range("at least 0")
+        .needs("time.end = 1.0"),
+    Key::new(
+        "probe",
+        "whole number",
+        "32",
+        "Points along each axis of a lattice on which the flow, or the scalar, of the end is written to \
+        probe.csv.",
+    )
+    .range("2 to 1000"),
+    Key::new(
+        "pairs",
+        "true or false",
+        "true",
+        "Whether the pair distribution, its direction at contact and the coordination number are \
+        measured.",
+    )
+    .default("false"),
+    Key::new(
+        "profiles",
+        "\"x\", \"y\", \"z\", or a list of them",
+        "\"y\"",
+        "Axes across which profiles are measured: velocity, solid fraction and stress, \
+        with intervals.",
+    ),
+    Key::new(
+        "reference_velocity",
+        "list of numbers",
+        "[1.0, 0.0]",
+        "Velocity of the stream to which forces on bodies of given motion are \
+        referred: forces.csv then has coefficients of drag and lift.",
+    )
+    .unit("length/time")
+    .range("not zero")
+    .needs("time.end = 1.0; flow.density = 1.0; bodies.0.motion = \"fixed\""),
 ];
 
 /// Most bodies whose motion is given for the forces on them to have a table.
@@ -52,6 +114,8 @@ pub struct OutputSection {
     pub probe: Option<usize>,
     /// Whether the distribution of pairs is measured.
     pub pairs: bool,
+    /// Axes across which profiles are measured, each once.
+    pub profiles: Vec<usize>,
     /// Velocity of the stream to which forces on bodies whose motion is given are referred, not zero; absent means no coefficients of drag and lift.
     pub reference_velocity: Option<Vec<f64>>,
 }
@@ -83,6 +147,7 @@ impl Default for OutputSection {
             checkpoint: 600.0,
             probe: None,
             pairs: false,
+            profiles: Vec::new(),
             reference_velocity: None,
         }
     }
@@ -113,6 +178,7 @@ impl OutputSection {
             checkpoint: table.get("checkpoint").map_or(Ok(default.checkpoint), |entry| entry.not_negative())?,
             probe: table.get("probe").map(|entry| read_probe(&entry, model)).transpose()?,
             pairs: table.get("pairs").map_or(Ok(default.pairs), |entry| read_pairs(&entry, model))?,
+            profiles: table.get("profiles").map_or(Ok(Vec::new()), |entry| read_profiles(&entry, dimension, model))?,
             reference_velocity: table.get("reference_velocity").map(|entry| read_reference(&entry, dimension)).transpose()?,
         })
     }
@@ -179,6 +245,19 @@ fn read_reference(entry: &Entry, dimension: usize) -> Result<Vec<f64>> {
     let velocity = entry.vector(dimension)?;
     let moves = velocity.iter().any(|&component| component != 0.0);
     entry.expect(velocity, moves, "must not be 0: drag is the force along it")
+}
+
+fn read_profiles(entry: &Entry, dimension: usize, model: FlowModel) -> Result<Vec<usize>> {
+    let words = &[("x", 0), ("y", 1), ("z", 2)][..dimension];
+    let axes = match entry.value.as_array() {
+        Some(_) => entry.list()?.iter().map(|axis| axis.choice(words, &[])).collect::<Result<Vec<_>>>()?,
+        None => vec![entry.choice(words, &[])?],
+    };
+    let once = (1..axes.len()).all(|place| !axes[..place].contains(&axes[place]));
+    let axes = entry.expect(axes, once, "names an axis twice")?;
+    let axes = entry.expect(axes.clone(), !axes.is_empty(), "must be an axis, as \"y\", or a list of axes")?;
+    let remedy = "inclusions of a scalar (flow.model = \"scalar\") have no profiles; remove it";
+    entry.expect(axes, model != FlowModel::Scalar, remedy)
 }
 
 fn read_pairs(entry: &Entry, model: FlowModel) -> Result<bool> {

@@ -3,10 +3,22 @@
 use crate::error::Result;
 use crate::scene::FlowModel;
 use crate::scene::entry::Entry;
+use crate::scene::key::Key;
 use crate::scene::table::Table;
 
 /// Keys of `[resolution]` that exclude each other.
 pub(in crate::scene) const SPACINGS: [&str; 2] = ["cells_per_radius", "spacing"];
+
+/// Keys of `[resolution]`.
+pub(in crate::scene) const KEYS: [Key; 3] = [
+    Key::new("cells_per_radius", "number", "6", "Grid cells across the radius of the smallest body.").unit("cells")
+        .default("this or spacing is required").range("above 0"),
+    Key::new("spacing", "number", "0.1", "Edge of a grid cell; each axis is divided into a whole number of cells that are nearly as long.")
+        .unit("length").default("this or cells_per_radius is required").range("above 0"),
+    Key::new("modes", "\"auto\", \"most\" or a whole number", "8", "Highest order of the multipliers of each body: Fourier modes in 2D, degrees of \
+        vector spherical harmonics in 3D. Automatic: about one a cell of the radius, 0.6 with lubrication; most: as many as the grid carries.")
+        .default("\"auto\"").range("at least 1"),
+];
 
 /// How fine the grid and the multipliers are.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +60,7 @@ impl ResolutionSection {
         if model == FlowModel::None {
             return Ok(None);
         }
-        let table = root.section("resolution", &[&SPACINGS[..], &["modes"]].concat())?;
+        let table = root.section("resolution", &KEYS)?;
         let (name, entry) = table.exactly_one(&SPACINGS, "cells_per_radius = 6")?;
         let spacing = match name {
             "spacing" => Spacing::Length(entry.positive()?),

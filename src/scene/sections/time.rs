@@ -4,10 +4,57 @@ use toml_edit::Value;
 
 use crate::error::Result;
 use crate::scene::entry::Entry;
+use crate::scene::key::Key;
 use crate::scene::table::Table;
 
 /// Strain that a mean viscosity is taken over at least, if nobody says.
 const STRAIN: f64 = 2.0;
+
+/// Keys of `[time]`.
+pub(in crate::scene) const KEYS: [Key; 5] = [
+    Key::new("step", "\"auto\" or a number", "0.01", "The time step; automatic: as long as travel lets it.")
+        .unit("time")
+        .default("\"auto\"")
+        .range("above 0, at most end")
+        .needs(IN_TIME),
+    Key::new("end", "number", "10.0", "Time at which the run ends; it starts at 0.").unit("time").default("required").range("above 0"),
+    Key::new(
+        "scheme",
+        "\"two-step\", \"midpoint\" or \"euler\"",
+        "\"midpoint\"",
+        "How a step is taken: second order with one solve, second \
+        order with two solves, or first order.",
+    )
+    .default("\"two-step\"")
+    .needs(IN_TIME),
+    Key::new("travel", "number", "0.05", "Largest part of its radius that a body moves in an automatic step.")
+        .unit("radii")
+        .default("0.1")
+        .range("above 0, at most 1")
+        .needs(IN_TIME),
+    Key::new("until", "table", "{ viscosity_interval = 0.02 }", "What ends the run before end.")
+        .default("none: the run goes on to end")
+        .needs(SHEARED),
+];
+
+/// Keys of `time.until`.
+pub(in crate::scene) const UNTIL_KEYS: [Key; 2] = [
+    Key::new("viscosity_interval", "number", "0.02", "Half the width of the 95 % interval of the mean viscosity over that mean.")
+        .unit("ratio")
+        .default("required")
+        .range("above 0, below 1")
+        .needs(SHEARED),
+    Key::new("strain", "number", "3.0", "Least strain over which the mean is taken.")
+        .default("2.0")
+        .range("above 0")
+        .needs("time.end = 1.0; domain.y = { lower = [-1.0, 0.0], upper = [1.0, 0.0] }; time.until.viscosity_interval = 0.02"),
+];
+
+/// What makes a scene of the reference one in time.
+const IN_TIME: &str = "time.end = 1.0";
+
+/// What makes it one that has a viscosity.
+const SHEARED: &str = "time.end = 1.0; domain.y = { lower = [-1.0, 0.0], upper = [1.0, 0.0] }";
 
 /// How far bodies go; a scene without it is one instantaneous solve.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,7 +108,7 @@ impl TimeSection {
 
     pub(in crate::scene) fn read(root: &Table) -> Result<Option<Self>> {
         let Some(entry) = root.get("time") else { return Ok(None) };
-        let table = Table::of(&entry, &["step", "end", "scheme", "travel", "until"])?;
+        let table = Table::of(&entry, &KEYS)?;
         let end = table.require("end", "10.0")?.positive()?;
         let step = table.get("step").map_or(Ok(Step::Auto), |entry| Step::read(&entry, end))?;
         let default = TimeSection::to(end);
@@ -83,7 +130,7 @@ impl Scheme {
 
 impl Until {
     fn read(entry: &Entry) -> Result<Self> {
-        let table = Table::of(entry, &["viscosity_interval", "strain"])?;
+        let table = Table::of(entry, &UNTIL_KEYS)?;
         let interval = table.require("viscosity_interval", "0.02")?;
         let viscosity_interval = interval.positive()?;
         interval.expect((), viscosity_interval < 1.0, "must be below 1: it is a part of the mean viscosity")?;

@@ -35,6 +35,7 @@ pub fn cases() -> Vec<Case> {
         period(2, 15.62, (16.0, 4.0), 1e-2, ["period times rate, two touching spheres in shear", "Wakiya 1971, Nir & Acrivos 1973"]),
         period(3, rod(3), (16.0, 4.0), 3e-2, ["period times rate, rod of 3 spheres in shear", FIT]),
         period(5, rod(5), (24.0, 4.0), 3e-2, ["period times rate, rod of 5 spheres in shear", FIT]),
+        period(10, rod(10), (40.0, 3.0), 5e-2, ["period times rate, rod of 10 spheres in shear", FIT]),
         drag("drag of two touching spheres over twice Stokes', along", "Stimson & Jeffery 1926", 0.0, 0.645),
         drag("drag of two touching spheres over twice Stokes', across", "Goldman, Cox & Brenner 1966", FRAC_PI_2, 0.724),
     ]

@@ -1,0 +1,186 @@
+//! Keys of groups of bodies: `[[bodies]]`, `[[chains]]`, `[[cells]]` and `[[clusters]]`.
+
+use crate::scene::key::Key;
+
+const PLACED: &str = "one of the keys that place a group is required";
+const FREE: &str = "bodies.0.motion = \"free\"";
+const INERTIA: &str = "flow.model = \"navier-stokes\"; flow.density = 1.0; resolution.spacing = 0.1; time.end = 1.0";
+const CENTRES_OF_CELLS: &str = "cells.0.centers = [[4.0, 4.0]]";
+const CENTRES_OF_CLUSTERS: &str = "clusters.0.centers = [[4.0, 4.0]]";
+
+const COUNT: Key = Key::new("count", "whole number", "2", "How many are placed at random.").default(PLACED).range("at least 1");
+const FILE: Key = Key::new(
+    "file",
+    "text",
+    "\"centers.csv\"",
+    "Table with the columns x, y, (3D: z) and, if wanted, radius, a row a body; the \
+    path starts from the folder of the scene.",
+)
+.default(PLACED);
+const RADIUS: Key = Key::new("radius", "number", "0.1", "Radius of each ball.").unit("length").default("required").range("above 0");
+const GAP: Key = Key::new("gap", "number", "0.1", "Smallest gap between bodies that are placed at random.")
+    .unit("radii")
+    .default("0.05")
+    .range("at least 0");
+const DENSITY: Key = Key::new("density", "number", "2.0", "Density of each ball.")
+    .unit("mass/volume; 2D: mass/area")
+    .default("1.0")
+    .range("at least 0; above 0 where bodies have inertia");
+const FORCE: Key = Key::new("force", "list of numbers", "[0.0, -1.0]", "External force on each of them.").unit("force; 2D: force/length");
+const TORQUE: Key = Key::new("torque", "number; 3D: list of 3", "0.5", "External torque on each of them, counterclockwise positive.")
+    .unit("torque; 2D: torque/length");
+const STRETCH: Key =
+    Key::new("stretch", "\"rigid\" or a number", "50.0", "Force of a bond over the change of its length; rigid bonds keep it.")
+        .unit("force/length")
+        .default("required")
+        .range("above 0");
+const SPACING: Key = Key::new("spacing", "number", "1.1", "Distance of the centres of neighbours at rest.")
+    .unit("diameters of a bead")
+    .default("1.05")
+    .range("above 1");
+const ROTATION: Key = Key::new(
+    "rotation",
+    "number; 3D: list of 3",
+    "0.5",
+    "How those whose centres are given are turned at the start: an angle; 3D: \
+    a vector about which, by its length.",
+)
+.unit("radians");
+
+/// Keys of `[[bodies]]`.
+pub(super) const BODY_KEYS: [Key; 13] = [
+    Key::new("shape", "\"ball\"", "\"ball\"", "A disk in 2D, a sphere in 3D.").default("\"ball\""),
+    RADIUS,
+    Key::new("fraction", "number", "0.1", "Part of the box that the group fills, placed at random.")
+        .unit("ratio")
+        .default(PLACED)
+        .range("above 0, below 1"),
+    COUNT,
+    Key::new("centers", "list of lists", "[[2.0, 2.0], [4.0, 2.0]]", "Centres.").unit("length").default(PLACED),
+    FILE,
+    GAP,
+    DENSITY,
+    Key::new("motion", "\"free\", \"fixed\" or a table", "\"fixed\"", "How the bodies move: as forces have it, not at all, or as told.")
+        .default("\"free\""),
+    FORCE.needs(FREE),
+    TORQUE.needs(FREE),
+    Key::new("velocity", "list of numbers", "[1.0, 0.0]", "Velocity at the start of free bodies with inertia.")
+        .unit("length/time")
+        .needs(INERTIA),
+    Key::new("spin", "number; 3D: list of 3", "0.5", "Turning rate at the start of free bodies with inertia, counterclockwise positive.")
+        .unit("radians/time")
+        .needs(INERTIA),
+];
+
+/// Keys of `motion` of a group of bodies: of a steady, of an oscillating and of any other motion.
+pub(super) const MOTION_KEYS: [Key; 7] = [
+    Key::new("velocity", "list of numbers", "[1.0, 0.0]", "Constant velocity.").unit("length/time").default("zero"),
+    Key::new("spin", "number; 3D: list of 3", "0.5", "Constant turning rate.").unit("radians/time").default("zero"),
+    Key::new("amplitude", "list of numbers", "[0.1, 0.0]", "Displacement a in a (sin(2 pi f t + p) - sin p).")
+        .unit("length")
+        .default("zero")
+        .needs(TO_AND_FRO),
+    Key::new("rotation", "number; 3D: list of 3", "0.2", "Angle that takes the place of a in the same law.")
+        .unit("radians")
+        .default("zero")
+        .needs(TO_AND_FRO),
+    Key::new("frequency", "number", "2.0", "Frequency f.").unit("1/time").default("required").range("above 0").needs(TO_AND_FRO),
+    Key::new("phase", "number", "1.57", "Phase p.").unit("radians").default("0.0").needs(TO_AND_FRO),
+    Key::new(
+        "path",
+        "list of lists",
+        "[[0, 0, 0], [0.5, 0.1, 0.0], [1.0, 0.2, 0.1]]",
+        "Times, each with the displacement then; a cubic spline \
+        goes through them, from rest to rest.",
+    )
+    .unit("time, length")
+    .range("first row zeros, times increasing")
+    .needs("time.end = 1.0"),
+];
+
+const TO_AND_FRO: &str = "time.end = 1.0; bodies.0.motion.amplitude = [0.1, 0.0]; bodies.0.motion.frequency = 1.0";
+
+/// Where the keys of an oscillating motion begin, and where those of a path.
+pub(super) const OSCILLATING: usize = 2;
+pub(super) const PATH: usize = 6;
+
+/// Keys of `[[chains]]`.
+pub(super) const CHAIN_KEYS: [Key; 15] = [
+    COUNT,
+    Key::new("centers", "list of lists", "[[2.0, 2.0], [2.9, 2.0], [3.8, 2.0], [4.7, 2.0]]", "Centres of the beads, chain by chain.")
+        .unit("length")
+        .default(PLACED)
+        .needs("chains.0.radius = 0.4"),
+    FILE,
+    Key::new("beads", "whole number", "4", "Beads of each chain.").default("required").range("at least 2; in a ring at least 3"),
+    RADIUS,
+    SPACING,
+    STRETCH,
+    Key::new("bend", "number", "20.0", "Bending energy b in b/2 (1 - cos t) for a turn by t from one bond to the next.")
+        .unit("energy; 2D: energy/length")
+        .default("0.0")
+        .range("at least 0"),
+    Key::new("angle", "number", "0.2", "That turn at rest.")
+        .unit("radians")
+        .default("0; in a ring 2 pi / beads")
+        .range("above -pi, below pi; 3D: at least 0")
+        .needs("chains.0.bend = 1.0"),
+    Key::new("shape", "\"line\" or \"ring\"", "\"ring\"", "Whether the ends are free or tied to each other.").default("\"line\""),
+    Key::new("joints", "\"free\" or \"fixed\"", "\"fixed\"", "Whether beads turn on their own or with the chain.").default("\"free\""),
+    GAP,
+    DENSITY,
+    FORCE,
+    TORQUE,
+];
+
+/// Keys of `[[cells]]`.
+pub(super) const CELL_KEYS: [Key; 13] = [
+    COUNT,
+    Key::new("centers", "list of lists", "[[4.0, 4.0]]", "Centres of the cells.").unit("length").default(PLACED),
+    FILE,
+    ROTATION.needs(CENTRES_OF_CELLS),
+    Key::new("beads", "whole number", "30", "Beads of each membrane.")
+        .default("required")
+        .range("2D: beads times spacing at least 24; 3D: 42, 92, 162, 252, ..: 10 n n + 2"),
+    RADIUS,
+    SPACING,
+    STRETCH,
+    Key::new("bend", "number", "0.1", "Bending energy of the membrane, as of chains.")
+        .unit("energy; 2D: energy/length")
+        .default("required")
+        .range("above 0"),
+    GAP,
+    DENSITY,
+    FORCE,
+    TORQUE,
+];
+
+/// Keys of `[[clusters]]`.
+pub(super) const CLUSTER_KEYS: [Key; 13] = [
+    COUNT,
+    Key::new("centers", "list of lists", "[[4.0, 4.0]]", "Centres of the clusters.").unit("length").default(PLACED),
+    FILE,
+    ROTATION.needs(CENTRES_OF_CLUSTERS),
+    Key::new("shape", "\"rod\", \"cross\", \"triangle\" or \"tetrahedron\"", "\"cross\"", "How the balls lie.")
+        .default("this or offsets is required")
+        .needs("clusters.0 = { count = 1, shape = \"cross\", radius = 0.4 }"),
+    Key::new("beads", "whole number", "5", "Balls of a rod.").default("required for a rod").range("at least 2"),
+    Key::new(
+        "offsets",
+        "list of lists",
+        "[[0.0, 0.0], [0.9, 0.0]]",
+        "Places of the balls from the centre of the cluster; it is moved to their mean.",
+    )
+    .unit("length")
+    .default("this or shape is required")
+    .needs("clusters.0 = { count = 1, radius = 0.4 }"),
+    RADIUS,
+    Key::new("spacing", "number", "1.2", "Distance of the centres of neighbours in a shape.")
+        .unit("diameters of a ball")
+        .default("1.0")
+        .range("at least 1"),
+    GAP,
+    DENSITY,
+    FORCE,
+    TORQUE,
+];
