@@ -1,12 +1,15 @@
 //! The command line: words become calls.
 
 mod animate;
+mod examples;
 mod keys;
+mod lists;
 mod lubrication;
 mod petsc_options;
 mod plan;
 mod shell;
 mod simulate;
+mod view;
 mod words;
 
 use std::path::PathBuf;
@@ -21,6 +24,7 @@ use crate::{
     run::check_memory_of_plan,
     study::{SceneArguments, SelectedStudy},
 };
+pub use lists::join_lists;
 pub use petsc_options::check_options;
 pub use words::told;
 
@@ -42,11 +46,11 @@ enum Command {
     Run(simulate::RunArguments),
     /// Go on with a run in time from its last checkpoint.
     Resume(simulate::ResumeArguments),
-    /// Draw the frames of a run in time as an animation (APNG).
+    /// Draw the frames of a run in time as an animation (APNG or GIF; MP4 or WebM where ffmpeg is installed).
     Animate {
         /// Output folder of the run.
         folder: PathBuf,
-        /// File to write (default: animation.png in the folder).
+        /// File to write, whose ending tells the format: .png, .gif, .mp4, .webm (default: animation.png in the folder).
         #[arg(long)]
         out: Option<PathBuf>,
         /// Width of the picture in pixels.
@@ -56,6 +60,8 @@ enum Command {
         #[arg(long, default_value_t = 6.0)]
         seconds: f64,
     },
+    /// Make a page that plays the frames of a run in a browser: colours, contacts, flow, histories of bodies (view.html).
+    View(view::ViewArguments),
     /// Say what a run would build, with unknowns, memory and seconds; solve no more than a sample.
     Plan {
         #[command(flatten)]
@@ -63,6 +69,9 @@ enum Command {
         /// Output folder of the run, where a calibrated resolution is kept (default: out/NAME of the scene).
         #[arg(long)]
         out: Option<PathBuf>,
+        /// Ranks that the run is to have, which are not started (default: those of this program).
+        #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+        ranks: Option<u32>,
     },
     /// What two near bodies, or a body and a wall, resist, what modes see of it, and what lubrication adds.
     Lubrication(lubrication::LubricationArguments),
@@ -79,6 +88,10 @@ enum Command {
         /// The command.
         command: Option<String>,
     },
+    /// List the example scenes, or copy one of them here.
+    Examples(examples::ExampleArguments),
+    /// Write a scene with comments to begin with.
+    New(examples::NewArguments),
     #[command(flatten)]
     Study(SelectedStudy),
 }
@@ -92,6 +105,8 @@ pub fn execute_alone(arguments: &Arguments) -> Option<Result<()>> {
         Command::Keys(arguments) => Box::new(|| keys::keys(arguments)),
         Command::Completions { shell } => Box::new(|| shell::completions(Arguments::command(), *shell)),
         Command::Man { command } => Box::new(|| shell::manual(Arguments::command(), command.as_deref())),
+        Command::Examples(arguments) => Box::new(|| examples::examples(arguments)),
+        Command::New(arguments) => Box::new(|| examples::new_scene(arguments)),
         _ => return None,
     };
     Some(if first_of_launched() { answer() } else { Ok(()) })
@@ -111,19 +126,21 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
             };
             animate::animate(session, &film)
         }
-        Command::Plan { scene, out } => {
+        Command::View(arguments) => view::view(session, arguments),
+        Command::Plan { scene, out, ranks } => {
             let scene = scene.read(session)?;
             check_memory_of_plan(session.world(), &scene)?;
+            let ranks = ranks.map(|ranks| ranks as usize);
             let folder = simulate::output_folder(out, &scene);
             let outcome = match scene.dimension() {
-                2 => plan::plan::<2>(session, &scene, &folder),
-                _ => plan::plan::<3>(session, &scene, &folder),
+                2 => plan::plan::<2>(session, &scene, &folder, ranks),
+                _ => plan::plan::<3>(session, &scene, &folder, ranks),
             };
             outcome.map_err(|error| scene.place(error))
         }
         Command::Lubrication(arguments) => session.world().agree(lubrication::lubrication(session.world(), arguments)),
         Command::Study(study) => study.run_on_ranks(session),
-        Command::Keys(_) | Command::Completions { .. } | Command::Man { .. } => Ok(()),
+        Command::Keys(_) | Command::Completions { .. } | Command::Man { .. } | Command::Examples(_) | Command::New(_) => Ok(()),
     }
 }
 
@@ -166,7 +183,7 @@ mod tests {
         for words in ["keys", "completions bash", "man"] {
             assert!(matches!(execute_alone(&parsed(&format!("turbid {words}"))), Some(Ok(()))), "{words}");
         }
-        let on_ranks = ["run a.toml", "resume o", "animate o", "plan a.toml", "lubrication", "validation", "conditioning"];
+        let on_ranks = ["run a.toml", "resume o", "animate o", "view o", "plan a.toml", "lubrication", "validation", "conditioning"];
         for words in on_ranks {
             assert!(execute_alone(&parsed(&format!("turbid {words}"))).is_none(), "{words} takes no session");
         }
@@ -182,6 +199,9 @@ mod tests {
             "turbid run a.toml --colour",
             "turbid resume",
             "turbid animate o --width 1",
+            "turbid view o --frames 0",
+            "turbid view o --serve 70000",
+            "turbid view o --serve 1 --out a.html",
             "turbid lubrication --dimension 4",
             "turbid validation --random 3",
             "turbid validation --crowds --bars 1e-2",

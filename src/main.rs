@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 
 use clap::{CommandFactory, Parser};
 use turbid::{
-    cli::{Arguments, check_options, execute, execute_alone, told},
+    cli::{Arguments, check_options, execute, execute_alone, join_lists, told},
     error::{Error, Result},
     output::note,
     parallel::{abort_on_panic, end_together, first_of_launched},
@@ -12,7 +12,7 @@ use turbid::{
 };
 
 fn main() {
-    let arguments = Arguments::try_parse().unwrap_or_else(|error| end_together(misused(&error)));
+    let arguments = Arguments::try_parse_from(join_lists(std::env::args_os())).unwrap_or_else(|error| end_together(misused(&error)));
     let alone = check_options(&arguments.petsc).map_or_else(|error| Some(Err(error)), |()| execute_alone(&arguments));
     match alone {
         Some(outcome) => end_together(finish_alone(outcome)),

@@ -1,5 +1,6 @@
 //! The ranks: sums, extremes, gathering, broadcasting and agreeing. Everything here is collective.
 
+mod machine;
 mod memory;
 mod routes;
 
@@ -16,6 +17,7 @@ use mpi::{
 };
 
 use crate::error::{Error, Result};
+pub use machine::Machine;
 pub use memory::{free_memory_bytes, peak_memory_bytes};
 pub use routes::Routes;
 

@@ -4,7 +4,7 @@
 
 mod common;
 
-use std::{fs, path::Path};
+use std::{collections::BTreeMap, fs, path::Path};
 
 use common::{Series, bodies, difference, folder, number, resume, root, run, run_again, said, turbid, write};
 use serde_json::Value;
@@ -253,7 +253,7 @@ fn options_after_two_dashes_reach_petsc() {
 #[test]
 fn options_that_switch_convergence_off_make_no_result() {
     let here = folder("petsc-convergence");
-    let scene = write(&here, SMALL_SUSPENSION);
+    let scene = write(&here, &SMALL_SUSPENSION.replace("[method]\n", "[method]\ninverse = \"hypre\"\n"));
     let run = |name: &str, options: &[&str]| {
         let out = here.join(name);
         (turbid(1, &[&["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap(), "--"], options].concat()), out)
@@ -426,4 +426,142 @@ fn fields_that_are_off_are_no_datasets_and_change_nothing() {
     assert!(with.1.difference(&without.1, &["seconds"]).0 < 1e-12);
     // no contact model, no columns of contacts
     assert!(!without.1.columns.iter().any(|column| column.contains("contact") || column.contains("gap")));
+}
+
+/// The rows of `profiles.csv` that belong to an axis, by the names of columns; empty cells are not numbers.
+fn profile(out: &Path, axis: &str) -> Vec<BTreeMap<String, f64>> {
+    let text = fs::read_to_string(out.join("profiles.csv")).unwrap();
+    let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let heads = lines.next().unwrap();
+    let row = |cells: Vec<&str>| {
+        heads.iter().zip(cells).skip(1).map(|(head, cell)| ((*head).to_owned(), cell.parse().unwrap_or(f64::NAN))).collect()
+    };
+    lines.filter(|cells| cells[0] == axis).map(row).collect()
+}
+
+/// Profiles of a scene on one to three ranks, which are the same.
+fn profiles(name: &str, text: &str, axes: &[&str]) -> (Value, Vec<Vec<BTreeMap<String, f64>>>) {
+    let here = folder(&format!("profiles-{name}"));
+    let scene = write(&here, &format!("{text}\n[output]\npicture = false\nprofiles = {axes:?}\n"));
+    let out = |ranks: usize| here.join(ranks.to_string());
+    let summaries: Vec<Value> = (1..=3).map(|ranks| run(ranks, &scene, &out(ranks), &[])).collect();
+    for (axis, ranks) in axes.iter().flat_map(|axis| [2, 3].map(|ranks| (axis, ranks))) {
+        for (one, other) in profile(&out(1), axis).iter().zip(&profile(&out(ranks), axis)) {
+            for (column, value) in one {
+                let difference = (value - other[column]).abs();
+                assert!(
+                    difference < 1e-5 || value.is_nan() && other[column].is_nan(),
+                    "{name}, {column} on {ranks} ranks: {one:?} {other:?}"
+                );
+            }
+        }
+    }
+    assert!(fs::read_to_string(out(1).join("profiles.svg")).unwrap().ends_with("</svg>\n"));
+    (summaries[0].clone(), axes.iter().map(|axis| profile(&out(1), axis)).collect())
+}
+
+#[test]
+fn profiles_have_the_shear_the_fraction_and_the_stress_of_the_box() {
+    let (summary, found) = profiles("2d", SMALL_SUSPENSION, &["y", "x"]);
+    let mean = |rows: &[BTreeMap<String, f64>], column: &str| rows.iter().map(|row| row[column]).sum::<f64>() / rows.len() as f64;
+    for rows in &found {
+        assert!((mean(rows, "fraction") - number(&summary, "fraction")).abs() < 1e-9);
+        // what bodies add to a viscosity of 1 at a rate of 1
+        let added = number(&summary, "viscosity.relative") - 1.0;
+        assert!((mean(rows, "particle_stress_xy") / added - 1.0).abs() < 1e-6, "{added}");
+    }
+    let y = &found[0];
+    let (bottom, top) = (y[0]["fluid_velocity_x"], y[y.len() - 1]["fluid_velocity_x"]);
+    assert!(bottom < -3.0 && bottom > -4.0 && (top + bottom).abs() < 0.3, "{bottom} {top}");
+    let (summary, found) = profiles("3d", SMALL_SUSPENSION_3D, &["y"]);
+    assert!((mean(&found[0], "fraction") - number(&summary, "fraction")).abs() < 1e-9);
+    for row in &found[0] {
+        assert!((row["fluid_velocity_x"] - row["position"]).abs() < 0.6, "the background is y along x: {row:?}");
+        assert!(row["particle_velocity_x"].is_nan() || (row["particle_velocity_x"] - row["position"]).abs() < 0.8, "{row:?}");
+    }
+}
+
+#[test]
+fn profiles_of_a_dry_pile_hold_up_its_weight() {
+    let centers: Vec<[f64; 2]> = (0..12).map(|disk| [f64::from(1 + 2 * (disk / 3)), 0.6 + 1.1 * f64::from(disk % 3)]).collect();
+    let pile = &format!(
+        "gravity = [0.0, -1.0]\n[domain]\nsize = [8.0, 6.0]\ny = \"walls\"\n[flow]\nmodel = \"none\"\n[contact]\nmodel = \"inelastic\"\n\
+         [[bodies]]\nradius = 0.5\ncenters = {centers:?}\n[time]\nend = 4.0\nstep = 0.02\n"
+    );
+    let (summary, found) = profiles("dry", pile, &["y"]);
+    let rows = &found[0];
+    assert!(!rows[0].keys().any(|name| name.starts_with("fluid")) && summary["flow"].is_null());
+    let weight = 12.0 * std::f64::consts::PI * 0.25;
+    let width = 8.0;
+    let floor = rows[0]["particle_stress_yy"];
+    assert!((floor + weight / width).abs() < 0.1 * weight / width, "the floor bears {weight} on {width}: {floor}");
+    assert!(rows.last().unwrap()["fraction"] == 0.0 && rows[0]["fraction_half_width"] < 0.05);
+}
+
+#[test]
+fn a_series_has_the_mean_motion_the_energy_and_the_stress() {
+    let here = folder("series-means");
+    let sheared = write(&here, &format!("{SMALL_SUSPENSION}[time]\nend = 0.02\nstep = 0.01\n"));
+    let summary = run(2, &sheared, &here.join("sheared"), &[]);
+    let series = Series::read(&here.join("sheared"));
+    let last = series.rows.len() - 1;
+    assert!((series.at(last, "stress_xy") / series.at(last, "viscosity") - 1.0).abs() < 1e-9);
+    assert!((series.at(last, "stress_xx") - series.at(last, "stress_yy") - series.at(last, "first_normal_difference")).abs() < 1e-9);
+    assert!((series.at(last, "mean_velocity_x") - number(&summary, "flow.mean_velocity.0")).abs() < 1e-12);
+    assert!((series.at(last, "flow_rate_x") - 8.0 * series.at(last, "mean_velocity_x")).abs() < 1e-12);
+    assert!(!series.columns.iter().any(|name| ["mean_velocity_y", "kinetic_energy"].contains(&name.as_str())), "{:?}", series.columns);
+    let bodies = number(&summary, "bodies.*.velocity.0");
+    assert!((series.at(last, "body_velocity_x") - bodies).abs() < 1e-12);
+    let falling = write(
+        &here,
+        "gravity = [0.0, -2.0]\n[domain]\nsize = [8.0, 8.0]\n[flow]\nmodel = \"none\"\n[[bodies]]\nradius = 0.5\ndensity = 3.0\n\
+         centers = [[1.0, 1.0], [5.0, 4.0], [6.0, 7.0]]\n[[bodies]]\nradius = 0.5\ncenters = [[3.0, 3.0]]\nmotion = \"fixed\"\n[time]\nend = 0.4\nstep = 0.1\n",
+    );
+    run(2, &falling, &here.join("falling"), &[]);
+    let series = Series::read(&here.join("falling"));
+    let last = series.rows.len() - 1;
+    let (speed, mass) = (series.at(last, "body_velocity_y"), 3.0 * 3.0 * std::f64::consts::PI * 0.25);
+    assert!((speed + 0.8).abs() < 0.11, "{speed}");
+    assert!((series.at(last, "kinetic_energy") - 0.5 * mass * speed * speed).abs() < 1e-9, "{:?}", series.rows[last]);
+}
+
+#[test]
+fn a_plan_for_other_ranks_tells_their_memory_and_seconds_without_them() {
+    let here = folder("plan-ranks");
+    let scene = write(&here, SMALL_SUSPENSION);
+    let plan = |arguments: &[&str]| {
+        let output = turbid(1, &[&["plan", scene.to_str().unwrap()], arguments].concat());
+        assert!(output.status.success(), "{}", said(&output));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let said = plan(&["--ranks", "4"]);
+    for part in ["cells in [2, 2] blocks", "on the fullest of 4 ranks", " s on 4 ranks, if each has a core"] {
+        assert!(said.contains(part), "no {part:?} in: {said}");
+    }
+    assert!(!plan(&[]).contains("fullest"));
+}
+
+#[test]
+fn examples_are_listed_and_copied_and_a_new_scene_is_written_but_nothing_is_overwritten() {
+    let here = folder("examples");
+    let there = |arguments: &[&str]| common::command(1, arguments).current_dir(&here).output().unwrap();
+    let listed = String::from_utf8(there(&["examples"]).stdout).unwrap();
+    assert!(listed.contains("shear3d      Shear of a suspension of free spheres"), "{listed}");
+    let copied = there(&["examples", "random"]);
+    assert!(copied.status.success(), "{}", said(&copied));
+    assert_eq!(fs::read(here.join("random30.csv")).unwrap(), fs::read(root().join("examples/random30.csv")).unwrap());
+    assert!(fs::read_to_string(here.join("random.toml")).unwrap().contains("turbid run random.toml"));
+    fs::remove_file(here.join("random.toml")).unwrap();
+    let again = there(&["examples", "random.toml"]);
+    assert!(again.status.code() == Some(2) && said(&again).contains("random30.csv: is there already"), "{}", said(&again));
+    assert!(!here.join("random.toml").exists(), "half of an example is copied");
+    let wrong = there(&["examples", "rando"]);
+    assert!(wrong.status.code() == Some(2) && said(&wrong).contains("must be one of array, avalanche"), "{}", said(&wrong));
+
+    assert!(there(&["new"]).status.success() && there(&["new", "mine.toml"]).status.success());
+    let again = there(&["new"]);
+    assert!(again.status.code() == Some(2) && said(&again).contains("scene.toml: is there already"), "{}", said(&again));
+    assert!(fs::read_to_string(here.join("mine.toml")).unwrap().contains("turbid run mine.toml"));
+    let plan = there(&["plan", "mine.toml"]);
+    assert!(plan.status.success() && String::from_utf8_lossy(&plan.stdout).contains("built      lubrication"), "{}", said(&plan));
 }

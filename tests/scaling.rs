@@ -15,6 +15,8 @@ size = [8.0, 6.0]
 y = { lower = [-3.0, 0.0], upper = [3.0, 0.0] }
 [resolution]
 cells_per_radius = 4
+[method]
+inverse = "hypre"
 [[bodies]]
 radius = 1.0
 count = 4

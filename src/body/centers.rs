@@ -32,8 +32,8 @@ pub fn read_text(path: &Path) -> Result<String> {
 
 /// Parses the text of a file of centres, one body a line.
 ///
-/// The columns are `x,y[,z][,radius]`, in any order if the first line names them. Blank lines and
-/// lines that start with `#` are skipped. Refusals begin with `name` and the line number.
+/// The columns are `x,y[,z][,radius]`, in any order if the first line names them. Commas part them, or semicolons, or else tabs and spaces; spaces
+/// around commas and semicolons mean nothing. Blank lines and lines that start with `#` are skipped. Refusals begin with `name` and the line number.
 pub fn parse_centers<const D: usize>(name: &str, text: &str) -> Result<Vec<(SVector<f64, D>, Option<f64>)>> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut lines = (1..).zip(text.lines().map(str::trim)).filter(|(_, line)| !line.is_empty() && !line.starts_with('#')).peekable();
@@ -41,15 +41,18 @@ pub fn parse_centers<const D: usize>(name: &str, text: &str) -> Result<Vec<(SVec
     let Some(&(number, first)) = lines.peek() else {
         return Err(Error::refused(format!("{name}: no centres found; expected lines of {}", choices::<D>().join(","))));
     };
-    let columns = if is_header(first) {
+    let separator = Separator::of(first).map_err(|reason| refuse(number, reason))?;
+    let names = separator.fields(first);
+    let columns = if is_header(&names) {
         lines.next();
-        header_columns::<D>(first)
+        header_columns::<D>(&names)
     } else {
-        default_columns::<D>(first)
+        default_columns::<D>(names.len())
     }
     .map_err(|reason| refuse(number, reason))?;
-    let entries: Vec<_> =
-        lines.map(|(number, line)| entry(&columns, line).map_err(|reason| refuse(number, reason))).collect::<Result<_>>()?;
+    let entries: Vec<_> = lines
+        .map(|(number, line)| entry(&columns, &separator.fields(line)).map_err(|reason| refuse(number, reason)))
+        .collect::<Result<_>>()?;
     match entries.is_empty() {
         true => Err(refuse(number, "a header but no centres below it".into())),
         false => Ok(entries),
@@ -62,15 +65,43 @@ fn choices<const D: usize>() -> Vec<&'static str> {
     coordinates.into_iter().take(D).chain(["radius"]).collect()
 }
 
-fn is_header(line: &str) -> bool {
-    line.split(',').all(|field| !field.trim().is_empty() && field.trim().parse::<f64>().is_err())
+/// What parts the columns of a file.
+#[derive(Clone, Copy)]
+enum Separator {
+    Sign(char),
+    Blanks,
+}
+
+impl Separator {
+    /// That of a line: the others have the same.
+    fn of(line: &str) -> std::result::Result<Separator, String> {
+        match (line.contains(','), line.contains(';')) {
+            (true, true) => {
+                Err("has both commas and semicolons; write numbers with decimal points, and one of both between columns".into())
+            }
+            (true, false) => Ok(Separator::Sign(',')),
+            (false, true) => Ok(Separator::Sign(';')),
+            (false, false) => Ok(Separator::Blanks),
+        }
+    }
+
+    fn fields(self, line: &str) -> Vec<&str> {
+        match self {
+            Separator::Sign(sign) => line.split(sign).map(str::trim).collect(),
+            Separator::Blanks => line.split_whitespace().collect(),
+        }
+    }
+}
+
+fn is_header(fields: &[&str]) -> bool {
+    fields.iter().all(|field| !field.is_empty() && field.parse::<f64>().is_err())
 }
 
 /// For each column of the file its place among the choices, from the names in the header.
-fn header_columns<const D: usize>(line: &str) -> std::result::Result<Vec<usize>, String> {
+fn header_columns<const D: usize>(fields: &[&str]) -> std::result::Result<Vec<usize>, String> {
     let choices = choices::<D>();
     let mut columns = Vec::new();
-    for field in line.split(',').map(str::trim) {
+    for field in fields {
         let column = choices.iter().position(|choice| field.eq_ignore_ascii_case(choice));
         let column = column.ok_or_else(|| format!("unknown column {}; expected {}", quoted(field), choices.join(", ")))?;
         if columns.contains(&column) {
@@ -85,8 +116,7 @@ fn header_columns<const D: usize>(line: &str) -> std::result::Result<Vec<usize>,
 }
 
 /// Columns in the usual order, with a radius if the first line has one number more than coordinates.
-fn default_columns<const D: usize>(line: &str) -> std::result::Result<Vec<usize>, String> {
-    let count = line.split(',').count();
+fn default_columns<const D: usize>(count: usize) -> std::result::Result<Vec<usize>, String> {
     if count == D || count == D + 1 {
         return Ok((0..count).collect());
     }
@@ -94,14 +124,14 @@ fn default_columns<const D: usize>(line: &str) -> std::result::Result<Vec<usize>
 }
 
 /// The centre and radius on one line.
-fn entry<const D: usize>(columns: &[usize], line: &str) -> std::result::Result<Entry<D>, String> {
-    let count = line.split(',').count();
+fn entry<const D: usize>(columns: &[usize], fields: &[&str]) -> std::result::Result<Entry<D>, String> {
+    let count = fields.len();
     if count != columns.len() {
         return Err(format!("found {count} columns, expected {} as in the first line", columns.len()));
     }
     let mut center = SVector::zeros();
     let mut radius = None;
-    for (field, &column) in line.split(',').map(str::trim).zip(columns) {
+    for (field, &column) in fields.iter().zip(columns) {
         let number = finite(field)?;
         if column < D {
             center[column] = number;
@@ -162,6 +192,21 @@ mod tests {
     fn a_last_column_without_header_is_the_radius() {
         let centers = parse_centers::<3>("c.csv", "\u{feff}1,2,3,0.5\r\n4,5,6,0.5\r\n").unwrap();
         assert_eq!(centers[1], ([4.0, 5.0, 6.0].into(), Some(0.5)));
+    }
+
+    #[test]
+    fn columns_may_be_parted_by_spaced_commas_semicolons_tabs_and_spaces() {
+        let expected: [Entry<2>; 2] = [([1.0, 2.5].into(), Some(0.5)), ([-3.0, 4.0].into(), Some(0.25))];
+        let texts = [
+            " x , y, radius\n 1 , 2.5 ,0.5 \n-3,  4, 0.25",
+            "x;y;radius\n1; 2.5;0.5\n-3;4;0.25",
+            "x\ty\tradius\n1\t2.5\t0.5\n-3\t4\t0.25",
+            "1 2.5   0.5\n-3 4 0.25",
+        ];
+        for text in texts {
+            assert_eq!(parse_centers::<2>("c.csv", text).unwrap(), expected, "{text}");
+        }
+        assert!(refusal::<2>("1,5;2,5").contains("write numbers with decimal points"), "{}", refusal::<2>("1,5;2,5"));
     }
 
     #[test]

@@ -144,6 +144,15 @@ impl<const D: usize> FromIterator<(usize, Rc<Trajectory<D>>)> for Trajectories<D
 }
 
 impl<const D: usize> Trajectories<D> {
+    /// Those of some of the bodies, which are then called by their places among these.
+    pub fn of_bodies(&self, bodies: &[usize]) -> Self {
+        let of = |(place, number): (usize, &usize)| {
+            let own = self.0.iter().find(|(body, _)| body == number);
+            own.map(|(_, trajectory)| (place, Rc::clone(trajectory)))
+        };
+        bodies.iter().enumerate().filter_map(of).collect()
+    }
+
     /// The motions at a time.
     pub fn twists(&self, time: f64) -> impl Iterator<Item = (usize, Twist<D>)> {
         self.0.iter().map(move |(body, trajectory)| (*body, trajectory.twist(time)))

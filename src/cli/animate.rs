@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::{
     error::{Error, Result},
-    observe::{AnimationFrame, Plane},
-    output::{FrameFile, say, write_whole_with},
+    observe::{AnimationFrame, Plane, species_of},
+    output::{AnimationFormat, FrameFile, convert_to_video, ffmpeg_present, say, write_whole_with},
     petsc::Session,
     scene::{Colour, Scene},
 };
@@ -29,29 +29,62 @@ pub fn animate(session: &Session, film: &AnimationArguments) -> Result<()> {
         if !(film.seconds.is_finite() && film.seconds > 0.0) {
             return Err(Error::refused(format!("--seconds {}: must be positive", film.seconds)));
         }
-        refuse_ending(&film.out)?;
+        let target = target(&film.out)?;
         let scene = Scene::read(&film.folder.join("scene.toml"), &[])?;
         match scene.dimension() {
-            2 => draw_frames::<2>(&scene, film)?,
-            _ => draw_frames::<3>(&scene, film)?,
+            2 => write::<2>(&scene, film, target)?,
+            _ => write::<3>(&scene, film, target)?,
         }
         say(&film.out.display().to_string())
     };
     world.on_first_rank(draw)
 }
 
-/// Programs tell formats by their endings, and only one is written.
-fn refuse_ending(out: &Path) -> Result<()> {
+/// What is written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Target {
+    Animation(AnimationFormat),
+    /// In this format, by another program.
+    Video(&'static str),
+}
+
+/// The format that the ending of a file tells.
+fn target(out: &Path) -> Result<Target> {
+    let refuse = |reason: &str| Err(Error::refused(format!("--out {}: {reason}", out.display())));
     let ending = out.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-    if matches!(ending.as_deref(), Some("png" | "apng")) {
-        return Ok(());
+    let video = |format| match ffmpeg_present() {
+        true => Ok(Target::Video(format)),
+        false => {
+            let others = ["gif", "png"].map(|ending| out.with_extension(ending).display().to_string()).join(" or ");
+            refuse(&format!("takes ffmpeg, which is not installed; install it, or name the animation {others}"))
+        }
+    };
+    match ending.as_deref() {
+        Some("png" | "apng") => Ok(Target::Animation(AnimationFormat::Png)),
+        Some("gif") => Ok(Target::Animation(AnimationFormat::Gif)),
+        Some("mp4") => video("mp4"),
+        Some("webm") => video("webm"),
+        _ => refuse("must end with .png (animated PNG), .gif, or with ffmpeg installed .mp4 or .webm"),
     }
-    let better = out.with_extension("png");
-    Err(Error::refused(format!("--out {}: an animation is an animated PNG; name it {}", out.display(), better.display())))
+}
+
+/// Writes the animation; a video by way of an animated PNG beside it.
+fn write<const D: usize>(scene: &Scene, film: &AnimationArguments, target: Target) -> Result<()> {
+    match target {
+        Target::Animation(format) => draw_frames::<D>(scene, film, format, &film.out),
+        Target::Video(format) => {
+            let stills = film.out.with_extension(format!("{}.png", std::process::id()));
+            let made =
+                draw_frames::<D>(scene, film, AnimationFormat::Png, &stills).and_then(|()| convert_to_video(&stills, format, &film.out));
+            // what cannot be removed now is only in the way
+            let _ = std::fs::remove_file(&stills);
+            made
+        }
+    }
 }
 
 /// Reads the frames twice, one at a time: for what their colours depend on, and to draw them.
-fn draw_frames<const D: usize>(scene: &Scene, arguments: &AnimationArguments) -> Result<()> {
+fn draw_frames<const D: usize>(scene: &Scene, arguments: &AnimationArguments, format: AnimationFormat, out: &Path) -> Result<()> {
     let (plane, files) = (Plane::of(scene), FrameFile::of_run(arguments.folder)?);
     if files.is_empty() {
         let folder = arguments.folder.display();
@@ -60,8 +93,12 @@ fn draw_frames<const D: usize>(scene: &Scene, arguments: &AnimationArguments) ->
     let read = |file: &FrameFile| -> Result<AnimationFrame> {
         let stored = file.read::<D>()?;
         let flow = if scene.output.colour == Colour::Vorticity { file.vorticity::<D>(plane)? } else { None };
-        let chains = if scene.output.colour == Colour::Chain { file.chains()? } else { Vec::new() };
-        Ok(plane.frame(stored.time, stored.bodies, &chains, flow))
+        let groups = match scene.output.colour {
+            Colour::Chain => file.chains()?,
+            Colour::Species => species_of(&stored.bodies.iter().map(|body| body.radius).collect::<Vec<_>>()),
+            Colour::Speed | Colour::Vorticity => Vec::new(),
+        };
+        Ok(plane.frame(stored.time, stored.bodies, &groups, flow))
     };
     let mut film = plane.film(scene);
     for file in &files {
@@ -74,6 +111,6 @@ fn draw_frames<const D: usize>(scene: &Scene, arguments: &AnimationArguments) ->
     }
     let mut broken = None;
     let frames = files.iter().map_while(|file| read(file).map_err(|error| broken = Some(error)).ok());
-    let written = write_whole_with(&arguments.out, |out| film.write(out, arguments.width as usize, arguments.seconds, frames));
+    let written = write_whole_with(out, |out| film.write(format, out, arguments.width as usize, arguments.seconds, frames));
     broken.map_or(written, Err)
 }

@@ -32,6 +32,14 @@ impl<const D: usize> Interactions<D> {
         self
     }
 
+    /// Those that tie no bodies to each other, and so go with any bodies.
+    pub fn untied(&self) -> Self {
+        let ties = |interaction: &dyn Interaction<D>| {
+            !(interaction.chains().is_empty() && interaction.bonds().is_empty() && interaction.clusters().is_empty())
+        };
+        Interactions::new(self.shared().filter(|interaction| !ties(interaction.as_ref())))
+    }
+
     /// Each of them, to be shared with another list.
     pub fn shared(&self) -> impl Iterator<Item = Rc<dyn Interaction<D>>> {
         self.0.iter().cloned()

@@ -1,6 +1,6 @@
 //! Bodies as disks on a picture plane, and the vorticity behind them: frames of an animation, or a still.
 
-use super::FrameBody;
+use super::{Bond, FrameBody, SpeedScale};
 use crate::{
     body::planes,
     scene::{AxisSection, Colour, Drive, Scene},
@@ -11,10 +11,26 @@ use crate::{
 pub struct Film {
     /// Width and height of the box, whose lower left corner is the origin; `y` points up.
     pub size: [f64; 2],
-    /// Which directions are periodic; the others end at solid walls.
+    /// Which directions are periodic.
     pub periodic: [bool; 2],
+    /// Which directions end at solid walls.
+    pub walls: [bool; 2],
     /// What is coloured: the disks by their speed or by the chain they belong to, or the flow behind them by its vorticity.
     pub colour: Colour,
+    /// What is written above the box.
+    pub title: String,
+    /// Names of the axes to the right and up.
+    pub axes: [&'static str; 2],
+    /// What colours stand for, with its unit.
+    pub quantity: String,
+    /// By what coloured values are divided before they are shown.
+    pub unit: f64,
+    /// What colours show at least, in that unit: smaller values are those of a system at rest.
+    pub least: f64,
+    /// Rate of the shear, where there is one: strain is told beside time.
+    pub rate: Option<f64>,
+    /// Whether bodies are shown as balls.
+    pub balls: bool,
     /// Time of each frame.
     pub times: Vec<f64>,
     /// What is coloured of all frames in turn, or every second, fourth, .. value of it, so that there are never more than 2^22.
@@ -30,7 +46,25 @@ pub const MOST_VALUES: usize = 1 << 22;
 impl Film {
     /// No frame yet of a box with this size, periodic in some directions.
     pub fn new(size: [f64; 2], periodic: [bool; 2], colour: Colour) -> Film {
-        Film { size, periodic, colour, times: Vec::new(), coloured: Vec::new(), seen: 0, stride: 1 }
+        let (title, quantity) = (String::new(), String::new());
+        let plain = Film {
+            size,
+            periodic,
+            walls: periodic.map(|periodic| !periodic),
+            colour,
+            title,
+            quantity,
+            axes: ["x", "y"],
+            unit: 1.0,
+            least: 0.0,
+            rate: None,
+            balls: false,
+            times: Vec::new(),
+            coloured: Vec::new(),
+            seen: 0,
+            stride: 1,
+        };
+        plain
     }
 
     /// Takes note of the next frame.
@@ -38,12 +72,24 @@ impl Film {
         self.times.push(frame.time);
         match self.colour {
             Colour::Speed => frame.disks.iter().for_each(|disk| self.add_value(disk.speed, MOST_VALUES)),
-            Colour::Chain => (),
+            Colour::Chain | Colour::Species => (),
             Colour::Vorticity => frame.vorticity.iter().flat_map(|cut| &cut.values).for_each(|&value| self.add_value(value, MOST_VALUES)),
         }
     }
 
+    /// Whether colours are those of a number.
+    pub fn has_bar(&self) -> bool {
+        !self.colour.of_bodies()
+    }
+
+    /// Time and strain in words.
+    pub fn told_of(&self, time: f64) -> String {
+        let strain = self.rate.map_or(String::new(), |rate| format!(", strain {:.3}", rate.abs() * time));
+        format!("time {time:.3}{strain}")
+    }
+
     fn add_value(&mut self, value: f64, most: usize) {
+        let value = value / self.unit;
         if self.seen.is_multiple_of(self.stride) {
             if self.coloured.len() == most {
                 self.coloured = self.coloured.iter().step_by(2).copied().collect();
@@ -66,6 +112,8 @@ pub struct AnimationFrame {
     pub shift: f64,
     /// The disks; each covers those before it.
     pub disks: Vec<AnimatedDisk>,
+    /// Contact forces before them, as lines.
+    pub contacts: Vec<Bond>,
     /// The vorticity behind them.
     pub vorticity: Option<FlowCut>,
 }
@@ -90,8 +138,8 @@ pub struct AnimatedDisk {
     pub angle: f64,
     /// Speed to colour by, from zero to the 99.5th percentile of the whole film, unless the flow or chains are coloured.
     pub speed: f64,
-    /// Number of its chain, cell or cluster, to colour by that.
-    pub chain: Option<usize>,
+    /// Number of its chain, cell, cluster or species, to colour by that.
+    pub group: Option<usize>,
 }
 
 /// The axes that point right and up.
@@ -104,16 +152,14 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The plane of a scene: gravity, if there is any, pulls down.
+    /// The plane of a scene's pictures.
     pub fn of(scene: &Scene) -> Plane {
-        let gravity = scene.gravity.as_deref().unwrap_or_default();
-        let strongest = (1..gravity.len()).max_by(|&one, &two| gravity[one].abs().total_cmp(&gravity[two].abs()));
-        let up = strongest.filter(|&axis| gravity[axis] != 0.0).unwrap_or(1);
+        let [across, up] = scene.plane_of_pictures();
         let sliding = match scene.flow.drive {
-            Some(Drive::ShearedBox(rate)) if up == 1 => rate * scene.domain.size[1],
+            Some(Drive::ShearedBox(rate)) if [across, up] == [0, 1] => rate * scene.domain.size[1],
             _ => 0.0,
         };
-        Plane { across: 0, up, sliding }
+        Plane { across, up, sliding }
     }
 
     /// The axes that point right and up.
@@ -129,12 +175,12 @@ impl Plane {
     }
 
     /// Bodies at a time before the flow that the plane cuts, seen from the front: spheres further back come first. Of each body by its number the number
-    /// of its chain, where there are chains.
+    /// of its group, where groups are coloured.
     pub fn frame<const D: usize>(
         self,
         time: f64,
         mut bodies: Vec<FrameBody<D>>,
-        chains: &[Option<usize>],
+        groups: &[Option<usize>],
         vorticity: Option<FlowCut>,
     ) -> AnimationFrame {
         if let Some(depth) = (0..D).find(|&axis| axis != self.across && axis != self.up) {
@@ -146,15 +192,30 @@ impl Plane {
             // a turning mark is drawn on disks only
             angle: if D == 2 { body.rotation[(1, 0)].atan2(body.rotation[(0, 0)]) } else { f64::NAN },
             speed: body.velocity.norm(),
-            chain: chains.get(body.number).copied().flatten(),
+            group: groups.get(body.number).copied().flatten(),
         };
-        AnimationFrame { time, shift: self.sliding * time, disks: bodies.iter().map(disk).collect(), vorticity }
+        AnimationFrame { time, shift: self.sliding * time, disks: bodies.iter().map(disk).collect(), contacts: Vec::new(), vorticity }
     }
 
     /// A film of a scene's box without frames.
     pub fn film(self, scene: &Scene) -> Film {
         let periodic = self.axes().map(|axis| scene.domain.axes[axis] == AxisSection::Periodic);
-        Film::new(self.axes().map(|axis| scene.domain.size[axis]), periodic, scene.output.colour)
+        let (scale, colour) = (SpeedScale::of(scene), scene.output.colour);
+        let (quantity, unit, least) = match colour {
+            Colour::Vorticity => (SpeedScale::name("vorticity", scale.rate.1), scale.rate.0, 0.0),
+            _ => (SpeedScale::name("speed", scale.words), scale.unit, scale.least),
+        };
+        Film {
+            walls: self.axes().map(|axis| matches!(scene.domain.axes[axis], AxisSection::Walls { .. })),
+            title: scene.shown_title().to_owned(),
+            axes: self.axes().map(|axis| ["x", "y", "z"][axis]),
+            quantity,
+            unit,
+            least,
+            rate: scene.shear_rate(),
+            balls: scene.dimension() == 3,
+            ..Film::new(self.axes().map(|axis| scene.domain.size[axis]), periodic, colour)
+        }
     }
 }
 

@@ -1,43 +1,86 @@
-//! The picture of a solution: the flow in the plane of the first two axes, through the middle of the box.
+//! The picture of a solution: the flow in a plane.
 
 use nalgebra::SVector;
 
-use super::{Bond, Disk, Picture, plane::CutPlane, velocities, vorticity_at};
+use super::{
+    Bond, Disk, ForceLine, Picture, Shear, SpeedScale, force_lines, plane::CutPlane, species, species_of, velocities, vorticity_at,
+};
 use crate::{
     error::Result,
     geometry::Ball,
-    scene::Colour,
-    simulation::{FlowSolver, Solution},
+    scene::{Colour, Scene},
+    simulation::{FlowSolver, Setup, Solution},
 };
 
-/// Cuts a solution; collective, and the same on every rank.
+/// Cuts a solution at an instant with these contacts; collective, and the same on every rank.
 ///
 /// # Errors
 /// PETSc fails.
-pub fn picture<const D: usize>(title: &str, suspension: &dyn FlowSolver<D>, solution: &Solution<D>, colour: Colour) -> Result<Picture> {
-    let setup = suspension.setup();
-    let plane = CutPlane::of(&setup.domain, suspension.grid());
+pub fn picture<const D: usize>(
+    scene: &Scene,
+    suspension: &dyn FlowSolver<D>,
+    solution: &Solution<D>,
+    time: Option<f64>,
+    contacts: &[ForceLine<D>],
+) -> Result<Picture> {
+    let (setup, colour, scale) = (suspension.setup(), scene.output.colour, SpeedScale::of(scene));
+    let plane = CutPlane::of(scene, &setup.domain, suspension.grid());
     let points = plane.points();
     let disturbance = velocities(suspension.grid(), &solution.fluid, &points)?;
     let total: Vec<SVector<f64, D>> =
         points.iter().zip(disturbance).map(|(point, velocity)| velocity + setup.drive.background(point)).collect();
+    let [across, up] = plane.axes;
     let (quantity, coloured) = match colour {
-        Colour::Speed | Colour::Chain => ("speed", total.iter().map(|velocity| velocity.norm()).collect()),
-        Colour::Vorticity => ("vorticity", vorticity_at(suspension.grid(), &solution.fluid, &setup.drive, &points, (1, 0))?),
+        Colour::Vorticity => {
+            let values = vorticity_at(suspension.grid(), &solution.fluid, &setup.drive, &points, (up, across))?;
+            (SpeedScale::name("vorticity \u{3c9}", scale.rate.1), values.into_iter().map(|value| value / scale.rate.0).collect())
+        }
+        _ => (SpeedScale::name("speed |u|", scale.words), total.iter().map(|velocity| velocity.norm() / scale.unit).collect::<Vec<f64>>()),
     };
+    let groups = groups(setup, colour);
+    let cut = |line: &&ForceLine<D>| plane.cut(&Ball { center: line.from, radius: line.radius }).is_some();
+    let contacts: Vec<ForceLine<D>> = contacts.iter().filter(cut).copied().collect();
+    let (lines, largest) = force_lines(&contacts, |vector| plane.within(vector));
+    let strain = Shear::of(&setup.domain, &setup.drive).zip(time).map(|(shear, time)| format!("strain {:.4}", shear.rate.abs() * time));
+    let forces = (!lines.is_empty()).then(|| format!("contact forces as widths of lines, the widest {largest:.4}"));
+    let told = [time.map(|time| format!("time {time:.4}")), strain, plane.place(), forces];
     Ok(Picture {
-        title: title.to_owned(),
+        title: scene.shown_title().to_owned(),
+        subtitle: told.into_iter().flatten().collect::<Vec<_>>().join(", "),
+        axes: plane.names(),
         size: plane.size,
         periodic: plane.periodic,
+        walls: plane.walls,
         shift: plane.shift,
-        bodies: disks(&plane, suspension, solution, colour),
+        bodies: disks(&plane, suspension, solution, &groups),
         bonds: bonds(&plane, suspension, solution),
+        contacts: lines,
+        legend: if colour == Colour::Species { legend(setup) } else { Vec::new() },
         samples: plane.samples,
-        velocity: total.iter().map(|velocity| [velocity[0], velocity[1]]).collect(),
+        velocity: total.iter().map(|velocity| plane.within(velocity)).collect(),
         quantity,
         coloured,
+        least: if colour == Colour::Vorticity { 0.0 } else { scale.least },
+        least_speed: scale.least * scale.unit,
         signed: colour == Colour::Vorticity,
     })
+}
+
+fn radii<const D: usize>(setup: &Setup<D>) -> Vec<f64> {
+    setup.bodies.iter().map(|suspended| suspended.body.ball.radius).collect()
+}
+
+/// Of each body the number of its group, if groups are coloured.
+fn groups<const D: usize>(setup: &Setup<D>, colour: Colour) -> Vec<Option<usize>> {
+    match colour {
+        Colour::Chain => setup.interactions.group_of(),
+        Colour::Species => species_of(&radii(setup)),
+        Colour::Speed | Colour::Vorticity => Vec::new(),
+    }
+}
+
+fn legend<const D: usize>(setup: &Setup<D>) -> Vec<(usize, String)> {
+    species(&radii(setup)).into_iter().enumerate().map(|(number, radius)| (number, format!("radius {radius:.4}"))).collect()
 }
 
 /// Width of a bond in radii of the thinner cut.
@@ -50,19 +93,23 @@ fn bonds<const D: usize>(plane: &CutPlane<D>, suspension: &dyn FlowSolver<D>, so
     let cut = |[one, two]: [usize; 2]| {
         let ((from, radius), (_, other)) = (plane.cut(&ball(one))?, plane.cut(&ball(two))?);
         let way = setup.domain.nearest_image(ball(two).center - ball(one).center);
-        Some(Bond { from, way: [way[0], way[1]], width: BOND * radius.min(other) })
+        Some(Bond { from, way: plane.within(&way), width: BOND * radius.min(other) })
     };
     setup.interactions.bonds().into_iter().filter_map(cut).collect()
 }
 
-/// The cuts of the bodies through the plane.
-fn disks<const D: usize>(plane: &CutPlane<D>, suspension: &dyn FlowSolver<D>, solution: &Solution<D>, colour: Colour) -> Vec<Disk> {
-    let setup = suspension.setup();
-    let chains = if colour == Colour::Chain { setup.interactions.group_of() } else { Vec::new() };
-    let bodies = setup.bodies.iter().zip(&solution.bodies).zip(chains.into_iter().chain(std::iter::repeat(None)));
-    let cut = bodies.filter_map(|((suspended, state), chain)| {
+/// The cuts of the bodies through the plane, each with its group.
+fn disks<const D: usize>(
+    plane: &CutPlane<D>,
+    suspension: &dyn FlowSolver<D>,
+    solution: &Solution<D>,
+    groups: &[Option<usize>],
+) -> Vec<Disk> {
+    let bodies = suspension.setup().bodies.iter().zip(&solution.bodies).enumerate();
+    let cut = bodies.filter_map(|(number, (suspended, state))| {
         let (center, radius) = plane.cut(&Ball { center: state.center, ..suspended.body.ball })?;
-        Some(Disk { center, radius, velocity: [state.twist.velocity[0], state.twist.velocity[1]], chain })
+        let group = groups.get(number).copied().flatten();
+        Some(Disk { center, radius, velocity: plane.within(&state.twist.velocity), group })
     });
     cut.collect()
 }

@@ -3,33 +3,45 @@
 use nalgebra::SVector;
 
 use super::{Disk, Picture, plane::CutPlane, sample::scalars};
-use crate::{error::Result, geometry::Ball, simulation::SolvedScalar};
+use crate::{error::Result, geometry::Ball, scene::Scene, simulation::SolvedScalar};
 
 /// Cuts a solution; collective, and the same on every rank.
-pub fn scalar_picture<const D: usize>(title: &str, solved: &SolvedScalar<D>) -> Result<Picture> {
+pub fn scalar_picture<const D: usize>(scene: &Scene, solved: &SolvedScalar<D>) -> Result<Picture> {
     let SolvedScalar { setup, grid, solution, .. } = *solved;
-    let plane = CutPlane::of(&setup.domain, grid);
+    let plane = CutPlane::of(scene, &setup.domain, grid);
     let values = scalars(grid, &solution.field, &plane.points())?;
     let flux = fluxes(&plane, &values, setup.gradient.unwrap_or_else(SVector::zeros));
     let sign = if setup.source < 0.0 { -1.0 } else { 1.0 };
     let (quantity, coloured) = match setup.gradient {
-        Some(_) => ("flux", flux.iter().map(|flux| flux[0].hypot(flux[1])).collect()),
-        None => (if sign < 0.0 { "minus the scalar" } else { "scalar" }, values.iter().map(|value| sign * value).collect()),
+        Some(gradient) => {
+            ("flux |q| / mean gradient", flux.iter().map(|flux| flux[0].hypot(flux[1]) / gradient.norm()).collect::<Vec<f64>>())
+        }
+        None => {
+            let name = if sign < 0.0 { "minus the scalar u (units of the scene)" } else { "scalar u (units of the scene)" };
+            (name, values.iter().map(|value| sign * value).collect())
+        }
     };
     let bodies = solution.inclusions.iter().zip(&setup.inclusions).filter_map(|(state, &(ball, _))| {
         let (center, radius) = plane.cut(&Ball { center: state.center, ..ball })?;
-        Some(Disk { center, radius, velocity: [0.0; 2], chain: None })
+        Some(Disk { center, radius, velocity: [0.0; 2], group: None })
     });
     Ok(Picture {
-        title: title.to_owned(),
+        title: scene.shown_title().to_owned(),
+        subtitle: plane.place().unwrap_or_default(),
+        axes: plane.names(),
         size: plane.size,
         periodic: plane.periodic,
+        walls: plane.walls,
         shift: plane.shift,
         bodies: bodies.collect(),
         bonds: Vec::new(),
+        contacts: Vec::new(),
+        legend: Vec::new(),
         samples: plane.samples,
         velocity: flux,
-        quantity,
+        quantity: quantity.to_owned(),
+        least: 0.0,
+        least_speed: 0.0,
         coloured,
         signed: false,
     })
@@ -52,7 +64,7 @@ fn fluxes<const D: usize>(plane: &CutPlane<D>, values: &[f64], gradient: SVector
             false if here + 1 == count => (here - 1, here, 1.0),
             false => (here - 1, here + 1, 2.0),
         };
-        -gradient[axis] - (at(after) - at(before)) / (steps * step)
+        -gradient[plane.axes[axis]] - (at(after) - at(before)) / (steps * step)
     };
     (0..columns * rows).map(|place| [0, 1].map(|axis| slope([place % columns, place / columns], axis))).collect()
 }

@@ -1,6 +1,6 @@
 //! Apparent viscosity of a sheared suspension.
 
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 use super::{
     shear::Shear,
@@ -34,6 +34,9 @@ pub struct Viscosity {
     pub reynolds: Option<f64>,
     /// Of the contact forces `f`, between centres a distance `r n` apart: `-sum f r n n / (mu rate V)`.
     pub contact: f64,
+    /// The mean stress of all parts over viscosity and rate, without the pressure of the fluid, tension positive; in two dimensions the rest is zero. Its
+    /// trace is that of contacts alone where the pressure that bodies bear is not known.
+    pub stress: SMatrix<f64, 3, 3>,
     /// Normal stresses.
     pub normal: NormalStresses,
     /// From the shear stress on the walls, mean of both, where there are walls.
@@ -46,6 +49,10 @@ impl Viscosity {
         let parts = [self.lubrication, self.interaction, self.bonds, self.reynolds];
         parts.into_iter().flatten().fold(self.hydrodynamic, |sum, part| sum + part) + self.contact
     }
+}
+
+fn in_space<const D: usize>(stress: &SMatrix<f64, D, D>) -> SMatrix<f64, 3, 3> {
+    SMatrix::from_fn(|row, column| if row < D && column < D { stress[(row, column)] } else { 0.0 })
 }
 
 /// The apparent viscosity of a suspension of free bodies in simple shear, with the contacts between them; nothing in any other flow.
@@ -72,6 +79,7 @@ pub fn viscosity<const D: usize>(
         bonds: stress.bonds.map(|bonds| shear.of_stress(&bonds)),
         reynolds: stress.reynolds.map(|reynolds| shear.of_stress(&reynolds)),
         contact: shear.of_stress(&stress.contact),
+        stress: in_space(&stress.total()),
         normal: stress.normal(&shear),
         from_walls,
     }))

@@ -8,10 +8,11 @@ mod notes;
 
 use std::fmt::Write;
 
+pub(super) use self::axis::Axis;
 use self::frame::{Frame, PAGE, SIDE, finite};
 pub use self::{
     frame::Scale,
-    notes::{Bar, Level, Mark, Notes},
+    notes::{Band, Bar, Level, Mark, Notes},
 };
 use super::picture::{INK, colour, escaped};
 
@@ -58,6 +59,7 @@ impl Chart {
              <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n"
         );
         svg += &self.words(&frame);
+        svg += &notes.shades(&frame);
         svg += &frame.grid();
         svg += &notes.levels(&frame);
         for k in (0..self.series.len()).rev() {
@@ -104,10 +106,9 @@ impl Chart {
         )
     }
 
-    /// Ink for the first line, then the map of the speed without its palest end.
+    /// Ink for the first line, then colours that most eyes tell apart.
     fn colour(&self, k: usize) -> String {
-        let parts = self.series.len().max(3) - 2;
-        if k == 0 { INK.into() } else { colour::SEQUENTIAL.hexadecimal(0.2 + 0.65 * (k - 1) as f64 / parts as f64) }
+        if k == 0 { INK.into() } else { colour::hexadecimal(colour::LINES[(k - 1) % colour::LINES.len()]) }
     }
 
     /// The names at the heights where their lines end, moved apart where they would touch.

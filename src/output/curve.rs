@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::TooShort;
 use crate::observe::{
     Viscosity,
     statistics::{Interval, Steady, mean_from, steady},
@@ -133,6 +134,11 @@ impl CurvePoint {
     }
 }
 
+/// Why a viscosity over the strain has no mean.
+pub fn viscosity_too_short(curve: &[CurvePoint]) -> TooShort {
+    TooShort::of("strain", &curve.iter().map(|point| (point.strain.abs(), point.relative())).collect::<Vec<_>>())
+}
+
 impl MeanViscosity {
     /// Over the steady part of a curve; nothing while it is too short or has not become steady.
     pub fn of(curve: &[CurvePoint]) -> Option<MeanViscosity> {
@@ -160,10 +166,21 @@ impl MeanViscosity {
         })
     }
 
+    /// What the total is the sum of.
+    pub fn parts(&self) -> Vec<(&'static str, f64)> {
+        parts_of([Some(self.hydrodynamic), self.lubrication, self.interaction, self.bonds, self.reynolds, self.contact])
+    }
+
     /// Half the width of the interval.
     pub fn half_width(&self) -> f64 {
         0.5 * (self.interval[1] - self.interval[0])
     }
+}
+
+/// Names of the parts of a viscosity that are there.
+pub(super) fn parts_of(parts: [Option<f64>; 6]) -> Vec<(&'static str, f64)> {
+    const NAMES: [&str; 6] = ["flow", "lubrication", "forces at a distance", "bonds", "inertia", "contacts"];
+    NAMES.into_iter().zip(parts).filter_map(|(name, part)| Some((name, part?))).collect()
 }
 
 #[cfg(test)]

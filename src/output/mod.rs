@@ -2,9 +2,11 @@
 
 mod accuracy;
 mod animation;
+mod answer;
 mod body_summary;
 mod chart;
 mod checkpoint;
+mod clock;
 mod curve;
 mod effort;
 mod file;
@@ -12,12 +14,15 @@ mod finite;
 mod frames;
 mod images;
 mod lock;
+mod motions;
 mod pairs;
 mod parallel_file;
 mod picture;
 mod probe;
+mod profiles;
 mod progress;
 mod report;
+mod report_page;
 mod rows;
 mod say;
 mod scalar;
@@ -25,27 +30,40 @@ mod slab;
 mod spread;
 mod stages;
 mod summary;
+mod too_short;
 mod traces;
+mod video;
+mod view;
 
 pub use accuracy::{AccuracySummary, DragSummary, EstimatedErrors};
+pub use animation::AnimationFormat;
+pub use answer::{Answer, answers, vector};
 pub use body_summary::{BODY_TABLE, BodySummary, MOST_LISTED, write_bodies};
-pub use chart::{Bar, Chart, Level, Mark, Notes, Scale, Series};
+pub use chart::{Band, Bar, Chart, Level, Mark, Notes, Scale, Series};
 pub use checkpoint::{Checkpoint, CheckpointWriter, checksum_of};
-pub use curve::{CurvePoint, MeanViscosity};
+pub use clock::{date, duration};
+pub use curve::{CurvePoint, MeanViscosity, viscosity_too_short};
 pub use effort::effort_chart;
 pub use file::{prepare_folder, remove_file, write_whole, write_whole_with};
 pub use finite::{check_finite, not_finite};
 pub use frames::{
-    Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameFields, FrameFile, FrameMembranes, Frames, StoredFrame, read_frames,
+    FlowLayer, Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameFields, FrameFile, FrameMembranes, FrameSurroundings, Frames,
+    StoredFrame, read_frames,
 };
 pub use lock::FolderLock;
+pub use motions::{ForceSummary, MeanSpeed, SettlingSummary, VelocitySummary};
 pub use pairs::{PairSummary, pair_files};
 pub use picture::escaped;
+pub use profiles::ProfileFrames;
 pub use progress::{Progress, TimeProgress};
 pub use report::{report, sparkline};
+pub use report_page::{Facts, Image, Page, Parts, Standing, Table, bodies_table};
 pub use say::{note, say};
 pub use scalar::{InclusionSummary, ScalarSummary};
 pub use spread::{ParallelSummary, Spread};
 pub use stages::stage_table;
 pub use summary::{ContactSummary, GlueSummary, MotionSummary, Summary};
-pub use traces::{CHECKPOINT, SUMMARY, Traces};
+pub use too_short::TooShort;
+pub use traces::{CHECKPOINT, KNOWN_FILES, LOG, REPORT, SUMMARY, Traces};
+pub use video::{convert_to_video, ffmpeg_present};
+pub use view::{RunView, serve};

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::{Chart, Level, Notes, Scale, Series};
 use crate::observe::PairDistribution;
 
 /// What a summary says of pairs.
@@ -15,10 +16,18 @@ pub struct PairSummary {
     pub from_time: f64,
 }
 
+/// The pair distribution over the separation, with the level of bodies that do not know of each other.
+fn chart(title: &str, distribution: &PairDistribution) -> String {
+    let series = vec![Series { name: "g(r)".into(), points: distribution.radial.clone() }];
+    let (x, y) = ("separation of centers over the sum of the radii, r", "pair distribution g(r)");
+    let levels = vec![Level { y: 1.0, name: "at random".into() }];
+    Chart { title: title.into(), x: x.into(), y: y.into(), scale: Scale::Linear, series }.annotated(&Notes { levels, ..Notes::default() })
+}
+
 /// The files by name.
-pub fn pair_files(distribution: &PairDistribution) -> [(&'static str, Vec<u8>); 2] {
+pub fn pair_files(title: &str, distribution: &PairDistribution) -> [(&'static str, Vec<u8>); 3] {
     let rows = distribution.radial.iter().map(|(separation, density)| format!("{separation:?},{density:?}\n"));
     let csv: String = std::iter::once("separation,distribution\n".to_owned()).chain(rows).collect();
     let json = serde_json::to_string_pretty(distribution).expect("a distribution is plain numbers");
-    [("pairs.csv", csv.into_bytes()), ("pairs.json", (json + "\n").into_bytes())]
+    [("pairs.csv", csv.into_bytes()), ("pairs.json", (json + "\n").into_bytes()), ("pairs.svg", chart(title, distribution).into_bytes())]
 }

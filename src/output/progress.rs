@@ -7,7 +7,7 @@ use std::{
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{MeanViscosity, report::bar};
+use super::{MeanViscosity, answer::bar};
 
 /// A progress line; silent when the standard error is no terminal, and on every rank but the first.
 pub struct Progress {

@@ -1,7 +1,7 @@
 //! The result of a run in a few lines for people.
 
 use super::{
-    AccuracySummary, MeanViscosity, ScalarSummary, Summary,
+    AccuracySummary, Answer, ScalarSummary, Summary, answers,
     summary::{ContactSummary, MotionSummary, SolverSummary},
 };
 
@@ -20,17 +20,12 @@ pub fn report(summary: &Summary) -> String {
         None => counted(summary.body_count(), "body", "bodies"),
     };
     let mut lines = vec![format!("{bodies}, fraction {:.4}, on {}", summary.fraction, counted(summary.ranks, "rank", "ranks"))];
+    lines.extend(answers(summary).into_iter().map(|Answer { name, value }| format!("{name:<20} {value}")));
+    lines.extend(summary.accuracy.as_ref().map(accuracy_line));
+    lines.extend(summary.scalar.iter().flat_map(scalar_lines));
     if let Some(motion) = &summary.motion {
         lines.extend(motion_lines(summary, motion));
     }
-    if let Some(viscosity) = &summary.viscosity {
-        let walls = viscosity.from_walls.map_or(String::new(), |walls| format!("   (from the force on the walls: {walls:.4})"));
-        let bar = viscosity.interval.map_or(String::new(), |[low, high]| format!(" ± {}", bar(0.5 * (high - low))));
-        lines.push(format!("relative viscosity   {:.4}{bar}{walls}", viscosity.relative));
-        lines.extend(viscosity.mean.as_ref().map(mean_line));
-    }
-    lines.extend(summary.accuracy.iter().flat_map(accuracy_lines));
-    lines.extend(summary.scalar.iter().flat_map(scalar_lines));
     lines.extend(summary.contact.as_ref().map(contact_line));
     lines.extend(
         summary.pairs.as_ref().map(|pairs| format!("coordination         {:.3} neighbours within {NEAR} radii", pairs.coordination)),
@@ -56,37 +51,20 @@ fn motion_lines(summary: &Summary, motion: &MotionSummary) -> Vec<String> {
     lines
 }
 
-fn mean_line(mean: &MeanViscosity) -> String {
-    let ([from, to], half) = (mean.strains, bar(mean.half_width()));
-    let parts = mean.contact.map_or(String::new(), |contact| format!(", {:.4} flow and {contact:.4} contacts", mean.hydrodynamic));
-    format!("mean viscosity       {:.4} ± {half} from strain {from:.2} to {to:.2}{parts}", mean.relative)
-}
-
-/// Drag with its bar, and how the setting was found.
-fn accuracy_lines(accuracy: &AccuracySummary) -> Vec<String> {
+/// How the setting was found.
+fn accuracy_line(accuracy: &AccuracySummary) -> String {
     let grids = accuracy.calibrated_on.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
     let found = match accuracy.calibration_seconds {
         Some(seconds) => format!("found on grids of {grids} ({seconds:.2} s before the last)"),
         None => format!("found earlier on grids of {grids}"),
     };
     let (asked, cells) = (accuracy.asked, accuracy.cells_per_radius);
-    let setting = format!("accuracy             {asked} asked for, met with {cells} cells per radius, {found}");
-    let drag = accuracy.drag.map(|drag| format!("drag                 {:.6} ± {}", drag.root_mean_square, bar(drag.bar)));
-    drag.into_iter().chain([setting]).collect()
-}
-
-/// Half the width of a bar, in two digits.
-pub(super) fn bar(half: f64) -> String {
-    let places = if half > 0.0 { (1.0 - half.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 };
-    format!("{half:.places$}")
+    format!("accuracy             {asked} asked for, met with {cells} cells per radius, {found}")
 }
 
 fn scalar_lines(scalar: &ScalarSummary) -> Vec<String> {
     let inclusions = &scalar.inclusions;
-    let mut lines = vec![format!("energy               {:.6}", scalar.energy)];
-    if let Some(conduction) = &scalar.conduction {
-        lines.push(format!("conductivity         {:.6}, mean flux {:.6?}", conduction.conductivity, conduction.mean_flux));
-    }
+    let mut lines = Vec::new();
     if let Some(uzawa) = &scalar.uzawa {
         lines.push(format!("Uzawa's step         {:.3e}, diverges above about {:.3e}", uzawa.step, uzawa.bound));
     }
@@ -150,18 +128,14 @@ pub fn sparkline(values: impl Iterator<Item = f64>) -> Option<String> {
     Some(format!("{line}   {lowest:.4} to {highest:.4}"))
 }
 
-fn counted(count: usize, one: &str, many: &str) -> String {
+/// A number and what it counts.
+pub(super) fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_bar_is_written_in_two_digits() {
-        assert_eq!([0.01234, 1.2, 123.4, 0.0].map(bar), ["0.012", "1.2", "123", "0"]);
-    }
 
     #[test]
     fn a_sparkline_shows_the_range_and_needs_two_values() {

@@ -3,14 +3,17 @@
 use serde::Serialize;
 
 use super::body_summary::{BodySummary, ListedBodies, MOST_LISTED, OtherBodies};
-use super::{AccuracySummary, DragSummary, MeanViscosity, PairSummary, ParallelSummary, ScalarSummary};
+use super::curve::parts_of;
+use super::{
+    AccuracySummary, DragSummary, ForceSummary, MeanViscosity, PairSummary, ParallelSummary, ScalarSummary, TooShort, VelocitySummary,
+};
 use crate::{
-    flow::InverseMethod,
+    flow::{Drive, InverseMethod},
     geometry::Ball,
     observe::{InertialNumbers, Viscosity},
     parallel::{World, peak_memory_bytes},
     scene::Scene,
-    simulation::{Cost, FlowSolver, Lubrication, Simulation, Solution, SolvedScalar},
+    simulation::{Cost, FlowSolver, Lubrication, Setup, Simulation, Solution, SolvedScalar},
 };
 
 /// Everything that `summary.json` holds; an effect that the scene does not call for is `null`.
@@ -32,6 +35,10 @@ pub struct Summary {
     pub bodies: Vec<BodySummary>,
     /// The others, if there are any.
     pub other_bodies: Option<OtherBodies>,
+    /// Force of the fluid on bodies whose motion is given.
+    pub forces: Option<ForceSummary>,
+    /// Velocities of free bodies.
+    pub velocities: Option<VelocitySummary>,
     /// The flow.
     pub flow: Option<FlowSummary>,
     /// The scalar around inclusions, where it takes the place of the flow.
@@ -61,9 +68,14 @@ pub struct Summary {
 /// The flow as a whole.
 #[derive(Debug, Clone, Serialize)]
 pub struct FlowSummary {
+    /// What drives it: `none`, `mean-velocity`, `pressure-gradient`, `body-force` or `shear`.
+    pub drive: &'static str,
     /// Over the whole box, bodies included, without a background shear.
-    mean_velocity: Vec<f64>,
-    pressure_gradient: Vec<f64>,
+    pub mean_velocity: Vec<f64>,
+    /// Mean velocity along each axis times the area of the box across it (the length in two dimensions).
+    pub flow_rate: Vec<f64>,
+    /// The mean one.
+    pub pressure_gradient: Vec<f64>,
 }
 
 /// Apparent viscosity and its parts.
@@ -97,6 +109,8 @@ pub struct ViscositySummary {
     pub particle_pressure_contact: Option<f64>,
     /// Means over the steady part of a run in time; nothing while it has none.
     pub mean: Option<MeanViscosity>,
+    /// Why a run in time has none.
+    pub too_short: Option<TooShort>,
 }
 
 /// Inertia of fluid and bodies.
@@ -224,10 +238,9 @@ impl Summary {
         let bodies = ListedBodies::new(BodySummary::of_flow(setup, solution), solution.bodies.len());
         let parallel = ParallelSummary::new(world, held, grid.local_unknowns(D));
         Summary {
-            flow: Some(FlowSummary {
-                mean_velocity: solution.mean_velocity.as_slice().to_vec(),
-                pressure_gradient: solution.pressure_gradient.as_slice().to_vec(),
-            }),
+            flow: Some(FlowSummary::new(setup, solution)),
+            forces: ForceSummary::of(setup, solution),
+            velocities: VelocitySummary::of_flow(scene, setup, solution),
             viscosity: viscosity.map(ViscositySummary::new),
             lubrication: solution.lubrication.as_ref().map(LubricationSummary::new),
             solver: Some(SolverSummary::new(suspension, world)),
@@ -243,7 +256,9 @@ impl Summary {
         state.peers(world).sum(&mut filled);
         let listed = simulation.whole_part(0..state.count().min(MOST_LISTED));
         let bodies = ListedBodies::new(BodySummary::of_granular(domain, listed), state.count());
-        Summary::of_bodies(scene, bodies, filled[0] / domain.volume(), world.size(), ParallelSummary::new(world, state.bodies.len(), 0))
+        let parallel = ParallelSummary::new(world, state.bodies.len(), 0);
+        let velocities = VelocitySummary::of_dry(simulation, world);
+        Summary { velocities, ..Summary::of_bodies(scene, bodies, filled[0] / domain.volume(), world.size(), parallel) }
     }
 
     /// Number of bodies.
@@ -261,6 +276,8 @@ impl Summary {
             fraction,
             bodies: bodies.listed,
             other_bodies: bodies.others,
+            forces: None,
+            velocities: None,
             flow: None,
             scalar: None,
             viscosity: None,
@@ -305,10 +322,44 @@ impl Summary {
     }
 }
 
+impl FlowSummary {
+    fn new<const D: usize>(setup: &Setup<D>, solution: &Solution<D>) -> FlowSummary {
+        let drive = match setup.drive {
+            Drive::Rest => "none",
+            Drive::MeanVelocity(_) => "mean-velocity",
+            Drive::PressureGradient(_) => "pressure-gradient",
+            Drive::BodyForce(_) => "body-force",
+            Drive::Shear(_) => "shear",
+        };
+        let (size, volume) = (setup.domain.size, setup.domain.volume());
+        FlowSummary {
+            drive,
+            mean_velocity: solution.mean_velocity.as_slice().to_vec(),
+            flow_rate: (0..D).map(|axis| solution.mean_velocity[axis] * volume / size[axis]).collect(),
+            pressure_gradient: solution.pressure_gradient.as_slice().to_vec(),
+        }
+    }
+}
+
 impl LubricationSummary {
     fn new<const D: usize>(lubrication: &Lubrication<D>) -> LubricationSummary {
         let Lubrication { films, smallest_gap, imbalance, .. } = *lubrication;
         LubricationSummary { films, smallest_gap: (films > 0).then_some(smallest_gap), imbalance }
+    }
+}
+
+impl LubricationSummary {
+    /// In words.
+    pub fn text(&self) -> String {
+        let gap = self.smallest_gap.map_or(String::new(), |gap| format!(", smallest gap {gap:.2e} radii"));
+        format!("{}{gap}", self.films)
+    }
+}
+
+impl InertiaSummary {
+    /// In words.
+    pub fn text(&self) -> String {
+        format!("Reynolds number {:.4}, Stokes number {:.4}, kinetic energy {:.4e}", self.reynolds, self.stokes, self.kinetic_energy)
     }
 }
 
@@ -336,7 +387,13 @@ impl ViscositySummary {
             particle_pressure: viscosity.normal.pressure,
             particle_pressure_contact: None,
             mean: None,
+            too_short: None,
         }
+    }
+
+    /// What it is the sum of.
+    pub fn parts(&self) -> Vec<(&'static str, f64)> {
+        parts_of([Some(self.hydrodynamic), self.lubrication, self.interaction, self.bonds, self.reynolds, self.contact])
     }
 }
 

@@ -14,8 +14,13 @@ pub const SUMMARY: &str = "summary.json";
 /// The newest checkpoint.
 pub const CHECKPOINT: &str = "checkpoint.h5";
 
+/// The progress of the run.
+pub const LOG: &str = "run.log";
+/// The page of the run.
+pub const REPORT: &str = "report.html";
+
 /// The files that a run may leave, the first one first to go; not the text of its scene, nor its calibration, which says what it is of.
-const FILES: [&str; 20] = [
+const FILES: [&str; 26] = [
     SUMMARY,
     CHECKPOINT,
     "series.csv",
@@ -30,12 +35,47 @@ const FILES: [&str; 20] = [
     "picture.svg",
     "picture.png",
     "animation.png",
+    "view.html",
     "viscosity.svg",
     "effort.svg",
     "probe.csv",
     "pairs.csv",
     "pairs.json",
+    "pairs.svg",
+    "profiles.csv",
+    "profiles.svg",
     "contact-island.json",
+    REPORT,
+    LOG,
+];
+
+/// Files of a run for people, and what they are.
+pub const KNOWN_FILES: [(&str, &str); 25] = [
+    (SUMMARY, "the numbers of the run"),
+    ("series.csv", "a row for each step"),
+    ("forces.csv", "forces on bodies whose motion is given, a row for each step"),
+    (BODY_TABLE, "all bodies at the end"),
+    ("picture.svg", "the end of the run"),
+    ("picture.png", "the end of the run"),
+    ("animation.png", "the run as an animated picture"),
+    ("viscosity.svg", "the viscosity over the strain"),
+    ("effort.svg", "what the steps cost"),
+    ("pairs.svg", "the pair distribution"),
+    ("pairs.csv", "the pair distribution as numbers"),
+    ("pairs.json", "the pair distribution with its angles"),
+    ("profiles.svg", "profiles across the box"),
+    ("profiles.csv", "profiles across the box as numbers"),
+    ("view.html", "a page that plays the frames"),
+    ("probe.csv", "the flow on a lattice of points"),
+    ("run.h5", "all frames as one HDF5 file"),
+    ("bodies.xdmf", "bodies of all frames, for ParaView"),
+    ("fields.xdmf", "the flow of all frames, for ParaView"),
+    ("contacts.xdmf", "contacts of all frames, for ParaView"),
+    ("bonds.xdmf", "bonds of all frames, for ParaView"),
+    ("membranes.xdmf", "membranes of all frames, for ParaView"),
+    (CHECKPOINT, "from where the run can go on"),
+    ("scene.toml", "the scene"),
+    (LOG, "when the run was how far"),
 ];
 
 /// What runs have left in a folder.

@@ -36,7 +36,7 @@ fn left_by_limit() -> f64 {
 }
 
 /// The number that follows a name in a text of the system.
-fn field(path: &str, name: &str) -> Option<f64> {
+pub(super) fn field(path: &str, name: &str) -> Option<f64> {
     let text = fs::read_to_string(path).ok()?;
     text.lines().find_map(|line| line.strip_prefix(name))?.split_whitespace().next()?.parse().ok()
 }

@@ -3,6 +3,7 @@
 //! A [`Run`] knows the order of things and no file; each [`Output`] writes one thing at its own pace and cannot change the run.
 
 mod calibration;
+mod command;
 mod finished;
 mod folder;
 mod memory;
@@ -10,6 +11,7 @@ mod options;
 mod origin;
 mod output;
 mod outputs;
+mod page;
 #[expect(clippy::module_inception, reason = "the run is what the module is named after")]
 mod run;
 mod scalar;
@@ -19,6 +21,7 @@ mod summary;
 mod viscosity;
 
 pub use calibration::cached;
+pub use command::command;
 pub use finished::Finished;
 pub use folder::{NewRun, RunFolder};
 pub use memory::{check_memory, check_memory_of_plan};

@@ -5,10 +5,10 @@ use std::{borrow::Cow, ops::Range, path::Path};
 use nalgebra::{SMatrix, SVector};
 
 use crate::{
-    contact::bodies_of,
-    error::Result,
+    contact::{Contact, Partner, bodies_of, renamed},
+    error::{Error, Result},
     geometry::Domain,
-    observe::{FrameBody, Viscosity},
+    observe::{Bond, ForceLine, FrameBody, Viscosity, force_lines},
     output::{Summary, write_whole},
     parallel::{Peers, World},
     run::{RunStatistics, ViscosityHistory},
@@ -33,6 +33,9 @@ pub trait Output<const D: usize> {
     fn write(&mut self, _seen: &Evaluated<D>) -> Result<()> {
         Ok(())
     }
+
+    /// Is told, on each rank by itself, that the run ends here because of an error or a signal.
+    fn interrupted(&mut self, _error: &Error) {}
 
     /// Writes what is due at the end, adds to the summary what it found, and gives the names of its files.
     fn finish(&mut self, _seen: &Evaluated<D>, _summary: &mut Summary) -> Result<Vec<String>> {
@@ -142,6 +145,36 @@ impl<'a, const D: usize> EvaluatedMotion<'a, D> {
         let peers = state.peers(world);
         peers.sum(&mut sums);
         ContactTotals { held: sums[0] as usize, force: sums[1], stuck: sums[2] as usize, gamma: peers.min(gamma) }
+    }
+
+    /// Contacts that bear a force, of the bodies of this rank, as lines between centers or from a center to a wall. Collective.
+    pub fn force_lines(&self) -> Vec<ForceLine<D>> {
+        let held = self.held();
+        let (halo, balls) = self.simulation.seen(held.iter().flat_map(|held| bodies_of(held.identity())));
+        let place = |number: usize| halo.place(number).expect("bodies of contacts are seen");
+        let line = |held: &ContactHistory<D>| {
+            let contact = Contact::again(self.domain(), &balls, renamed(held.identity(), place));
+            let (ball, other) = (balls[contact.body], contact.partner);
+            let radius = if let Partner::Body(other) = other { balls[other].radius } else { 0.0 };
+            let way = contact.normal * (ball.radius + contact.gap + radius);
+            let thinner = if radius > 0.0 { ball.radius.min(radius) } else { ball.radius };
+            ForceLine { from: ball.center, way, radius: thinner, force: held.force }
+        };
+        held.iter().filter(|held| self.state().tells(held.body)).map(line).collect()
+    }
+
+    /// The contact forces of all bodies as lines in the plane of two axes, on the first rank; none elsewhere. Collective.
+    pub fn lines_on_first_rank(&self, world: &World, axes: [usize; 2]) -> Vec<Bond> {
+        let own = self.force_lines();
+        let all = match self.state().share {
+            Share::Whole => own,
+            Share::Own { .. } => {
+                let mut letters = vec![Vec::new(); world.size()];
+                letters[0] = own.iter().flat_map(ForceLine::pack).collect();
+                Peers::All(world).deliver(&letters).chunks(ForceLine::<D>::LENGTH).map(ForceLine::unpack).collect()
+            }
+        };
+        force_lines(&all, |vector| axes.map(|axis| vector[axis])).0
     }
 
     /// Bodies at some places in the state, as frames hold them.

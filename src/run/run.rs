@@ -167,7 +167,11 @@ impl<'a, const D: usize> Run<'a, D> {
     /// A solver does not converge, contacts cannot be kept, a file cannot be written, or a signal came ([`Error::Stopped`]).
     pub fn advance(&mut self) -> Result<bool> {
         let outcome = self.step_on();
-        self.keep_island(outcome)
+        let outcome = self.keep_island(outcome);
+        if let Err(error) = &outcome {
+            self.outputs.iter_mut().for_each(|output| output.interrupted(error));
+        }
+        outcome
     }
 
     fn step_on(&mut self) -> Result<bool> {
@@ -320,6 +324,7 @@ impl<'a, const D: usize> Run<'a, D> {
             files.push("scene.toml".to_owned());
             files.extend(self.calibrated.as_ref().map(|_| calibration::FILE.to_owned()));
         }
+        summary.motion = self.scene.time.as_ref().map(|_| self.statistics.motion());
         self.tell(|output, seen| {
             files.extend(output.finish(seen, &mut summary)?);
             Ok(())
@@ -327,6 +332,7 @@ impl<'a, const D: usize> Run<'a, D> {
         if let Some(folder) = &self.folder {
             files.extend(table_of_bodies(&self.seen(), &summary, folder.path())?);
         }
+        // with the seconds of what was written since
         summary.motion = self.scene.time.as_ref().map(|_| self.statistics.motion());
         if let Some(folder) = &self.folder {
             files.push(folder.complete(&summary)?);

@@ -1,10 +1,10 @@
 //! A scalar around inclusions: solve, write, report.
 
-use super::{finished::Finished, folder::RunFolder, options::Options};
+use super::{finished::Finished, folder::RunFolder, options::Options, outputs::log::RunLog, page::PageOfRun};
 use crate::{
     error::Result,
     observe,
-    output::{self, Progress, Summary},
+    output::{self, LOG, Progress, REPORT, Summary},
     parallel::World,
     petsc::{Session, Stage, enter},
     scene::{ConstraintMethod, Scene},
@@ -20,33 +20,50 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, mut folder: Option<
     let setup = world.agree(ScalarSetup::<D>::on(world.into(), scene))?;
     let progress = options.progress.then(|| Progress::new(world.rank(), scene.method.tolerance.at_an_instant()));
     let mut seen = |iteration, residual| progress.iter().for_each(|line| line.show(iteration, residual));
-    let mut claim = || folder.as_mut().map_or(Ok(()), |folder| folder.claim(scene));
+    let mut claim = || folder.as_mut().map(|folder| begin(world, scene, folder)).transpose();
     match scene.method.constraint {
         ConstraintMethod::Fitted => {
             let mut inclusions = FittedInclusions::new(session, setup)?;
-            claim()?;
+            let notes = claim()?;
             let solution = &inclusions.solve(&mut seen)?;
             drop(progress);
             let (setup, grid, cost) = (inclusions.setup(), inclusions.grid(), inclusions.cost());
-            write(world, scene, folder, &SolvedScalar { setup, grid, solution, inverse: "direct", cost })
+            write(world, (scene, notes), folder, &SolvedScalar { setup, grid, solution, inverse: "direct", cost })
         }
         _ => {
             let mut inclusions = Inclusions::new(session, setup)?;
-            claim()?;
+            let notes = claim()?;
             let solution = &inclusions.solve(&mut seen)?;
             drop(progress);
             let (setup, grid, cost) = (inclusions.setup(), inclusions.grid(), inclusions.cost());
-            write(world, scene, folder, &SolvedScalar { setup, grid, solution, inverse: "hypre", cost })
+            write(world, (scene, notes), folder, &SolvedScalar { setup, grid, solution, inverse: "hypre", cost })
         }
     }
 }
 
+/// What is noted of a run with a folder from its start on: its log, and its page on the first rank.
+struct Notes {
+    log: RunLog,
+    page: Option<PageOfRun>,
+}
+
+fn begin(world: &World, scene: &Scene, folder: &mut RunFolder) -> Result<Notes> {
+    folder.claim(scene)?;
+    let page = (world.rank() == 0 && scene.output.report).then(|| PageOfRun::new(scene, folder.path(), world.size()));
+    Ok(Notes { log: RunLog::open(world, folder.path(), None, 0.0)?, page })
+}
+
 /// Writes what was solved.
-fn write<const D: usize>(world: &World, scene: &Scene, folder: Option<RunFolder>, solved: &SolvedScalar<D>) -> Result<Finished> {
+fn write<const D: usize>(
+    world: &World,
+    (scene, notes): (&Scene, Option<Notes>),
+    folder: Option<RunFolder>,
+    solved: &SolvedScalar<D>,
+) -> Result<Finished> {
     let summary = Summary::of_scalar(scene, solved, world);
     let _stage = enter(Stage::Output);
     let mut files = Vec::new();
-    if let Some(folder) = &folder {
+    if let (Some(folder), Some(mut notes)) = (&folder, notes) {
         files.push("scene.toml".to_owned());
         let mut write = |name: &str, text: String| {
             files.push(name.to_owned());
@@ -57,7 +74,14 @@ fn write<const D: usize>(world: &World, scene: &Scene, folder: Option<RunFolder>
             write("probe.csv", observe::scalar_probe(solved.setup, solved.grid, solved.solution, points)?.csv())?;
         }
         if scene.output.picture {
-            write("picture.svg", observe::scalar_picture(scene.shown_title(), solved)?.svg())?;
+            write("picture.svg", observe::scalar_picture(scene, solved)?.svg())?;
+        }
+        notes.log.end("ended");
+        files.push(LOG.to_owned());
+        if scene.output.report {
+            let html = notes.page.map_or(String::new(), |page| page.ended(&summary, None).html());
+            world.on_first_rank(|| output::write_whole(&folder.path().join(REPORT), html.as_bytes()))?;
+            files.push(REPORT.to_owned());
         }
         files.push(folder.complete(&summary)?);
     }

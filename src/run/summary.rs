@@ -5,7 +5,7 @@ use std::path::Path;
 use super::output::{Evaluated, EvaluatedMotion};
 use crate::{
     error::Result,
-    output::{BODY_TABLE, BodySummary, ContactSummary, GlueSummary, Summary, write_bodies},
+    output::{BODY_TABLE, BodySummary, ContactSummary, GlueSummary, Summary, viscosity_too_short, write_bodies},
     parallel::World,
     scene::ContactModel,
 };
@@ -28,6 +28,7 @@ pub fn summary<const D: usize>(seen: &Evaluated<D>) -> Summary {
     }
     if let Some(parts) = &mut summary.viscosity {
         parts.mean = seen.history.mean().copied();
+        parts.too_short = parts.mean.is_none().then(|| viscosity_too_short(seen.history.points()));
     }
     summary
 }

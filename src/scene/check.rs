@@ -14,6 +14,7 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     check_chains(scene)?;
     check_clusters(scene)?;
     check_colour(scene)?;
+    check_plane(scene)?;
     check_spacing(scene)?;
     check_contact(scene)?;
     check_constraint(scene)?;
@@ -47,6 +48,23 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
 /// Refuses a key's value unless it is right.
 fn expect(scene: &Scene, right: bool, key: &str, value: impl Display, remedy: &str) -> Result<()> {
     if right { Ok(()) } else { Err(scene.refuse(key, value, remedy)) }
+}
+
+/// Refuses a plane of pictures through which images slide, or beside the box.
+fn check_plane(scene: &Scene) -> Result<()> {
+    let (plane, drive) = (scene.output.plane, &scene.flow.drive);
+    let slides = plane == Some([1, 2]) && matches!(drive, Some(Drive::ShearedBox(_)));
+    expect(scene, !slides, "output.plane", "\"yz\"", "images of a sheared box slide through this plane; choose \"xy\" or \"xz\"")?;
+    let Some(place) = scene.output.plane_at else { return Ok(()) };
+    let depth = scene.depth_of_pictures().unwrap_or(0);
+    let size = scene.domain.size[depth];
+    expect(
+        scene,
+        (0.0..=size).contains(&place),
+        "output.plane_at",
+        place,
+        &format!("must lie in the box, from 0 to {size} along {}", name(depth)),
+    )
 }
 
 /// Refuses what an inflow and an outflow do not go with.

@@ -7,7 +7,7 @@ use toml_edit::Value;
 use crate::flow::InverseMethod;
 use crate::scene::chains::word as shape_word;
 use crate::scene::entry::word_of;
-use crate::scene::sections::PROFILES;
+use crate::scene::sections::{PLANES, PROFILES};
 use crate::scene::{
     AxisSection, BodyGroup, Chain, ChainShape, Cluster, ClusterForm, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection,
     Drive, FlowModel, FlowSection, LubricationModel, MethodSection, Modes, Motion, MultiplierSolver, OutputSection, Placement,
@@ -279,16 +279,34 @@ fn of_time(time: &TimeSection) -> Keys {
 }
 
 fn of_output(output: &OutputSection, in_time: bool, model: FlowModel) -> Keys {
-    let OutputSection { picture, colour, every, fields, vorticity, checkpoint, probe, pairs, reference_velocity } = output;
-    let mut keys = vec![pair("output.picture", picture), pair("output.pairs", pairs)];
+    let OutputSection {
+        picture,
+        report,
+        plane,
+        plane_at,
+        colour,
+        every,
+        fields,
+        vorticity,
+        checkpoint,
+        probe,
+        pairs,
+        profiles,
+        reference_velocity,
+    } = output;
+    let mut keys = vec![pair("output.picture", picture), pair("output.pairs", pairs), pair("output.report", report)];
+    keys.extend(plane.as_ref().map(|plane| word("output.plane", word_of(&PLANES, plane))));
+    keys.extend(plane_at.map(|place| number("output.plane_at", place)));
     keys.extend(every.map(|every| number("output.every", every)));
     keys.extend(probe.map(|points| pair("output.probe", points)));
     if in_time {
         keys.push(number("output.checkpoint", *checkpoint));
-        keys.extend((model != FlowModel::None).then(|| pair("output.fields", fields)));
-        keys.extend(model.fluid().then(|| pair("output.vorticity", vorticity)));
     }
-    keys.extend((model.fluid() || *colour == Colour::Chain).then(|| word("output.colour", word_of(&Colour::WORDS, colour))));
+    keys.extend((model.fluid() || in_time && model != FlowModel::None).then(|| pair("output.fields", fields)));
+    keys.extend(model.fluid().then(|| pair("output.vorticity", vorticity)));
+    keys.extend((model.fluid() || colour.of_bodies()).then(|| word("output.colour", word_of(&Colour::WORDS, colour))));
+    let axes: Vec<&str> = profiles.iter().map(|&axis| ["x", "y", "z"][axis]).collect();
+    keys.extend((!axes.is_empty()).then(|| pair("output.profiles", format!("{axes:?}"))));
     keys.extend(reference_velocity.as_deref().map(|velocity| list("output.reference_velocity", velocity)));
     keys
 }

@@ -16,6 +16,7 @@ mod key;
 mod keys;
 mod locations;
 mod overrides;
+mod plane;
 mod reference;
 mod scalar;
 mod sections;

@@ -20,6 +20,7 @@ pub use lubrication::{LubricationModel, LubricationSection};
 pub(super) use method::KEYS as METHOD_KEYS;
 pub use method::{ConstraintMethod, MethodSection, MultiplierSolver, Tolerance};
 pub(super) use output::KEYS as OUTPUT_KEYS;
+pub(in crate::scene) use output::PLANES;
 pub use output::{Colour, MOST_WITH_FORCES, OutputSection};
 pub(super) use resolution::{KEYS as RESOLUTION_KEYS, SPACINGS};
 pub use resolution::{Modes, ResolutionSection, Spacing};

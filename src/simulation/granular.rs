@@ -3,7 +3,7 @@ use std::time::Instant;
 use nalgebra::{SMatrix, SVector};
 
 use super::{
-    Effort, GranularSetup, Observation, ResidualMonitor, State, StepOutcome, Stepper,
+    Effort, GranularSetup, Moving, Observation, ResidualMonitor, State, StepOutcome, Stepper,
     granular_chains::Accelerated,
     granular_ties::{GranularStep, Ties},
     migration::{self, Constants},
@@ -253,6 +253,20 @@ fn accelerated<const D: usize>(body: &Constants<D>, push: &Wrench<D>) -> Acceler
 impl<const D: usize> Stepper<D> for Granular<D> {
     fn radii(&self) -> &[f64] {
         &self.radii
+    }
+
+    fn free(&self) -> Vec<bool> {
+        self.bodies.iter().map(|body| body.mass.is_finite()).collect()
+    }
+
+    fn kinetic_energy(&self, state: &State<D>) -> Option<f64> {
+        let of_body = |(own, moving): (&Constants<D>, &Moving<D>)| {
+            // a skew matrix has each component of the spin twice
+            let turning = 0.5 * own.inertia * moving.twist.spin.norm_squared();
+            0.5 * (own.mass * moving.twist.velocity.norm_squared() + turning)
+        };
+        let free = self.bodies.iter().zip(&state.bodies).filter(|(own, _)| own.mass.is_finite());
+        Some(free.map(of_body).sum())
     }
 
     fn interactions(&self) -> &Interactions<D> {

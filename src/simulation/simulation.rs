@@ -128,6 +128,16 @@ impl<const D: usize> Simulation<D> {
         self.stepper.radii()
     }
 
+    /// Whether forces decide the motion of each body of this rank.
+    pub fn free(&self) -> Vec<bool> {
+        self.stepper.free()
+    }
+
+    /// Kinetic energy of the bodies of this rank, where they alone have inertia.
+    pub fn kinetic_energy(&self) -> Option<f64> {
+        self.stepper.kinetic_energy(&self.state)
+    }
+
     /// What bodies do to each other.
     pub fn interactions(&self) -> &Interactions<D> {
         self.stepper.interactions()

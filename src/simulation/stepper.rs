@@ -73,6 +73,16 @@ pub trait Stepper<const D: usize> {
     /// Radii of the bodies that the state of this rank holds.
     fn radii(&self) -> &[f64];
 
+    /// Whether forces decide the motion of each body that the state of this rank holds.
+    fn free(&self) -> Vec<bool> {
+        self.suspension().map_or(Vec::new(), |suspension| suspension.setup().bodies.iter().map(|own| own.body.free()).collect())
+    }
+
+    /// Kinetic energy of the bodies that the state of this rank holds, where they alone have inertia; those whose motion is given have none.
+    fn kinetic_energy(&self, _state: &State<D>) -> Option<f64> {
+        None
+    }
+
     /// What bodies do to each other.
     fn interactions(&self) -> &Interactions<D>;
 

@@ -28,6 +28,7 @@ mod table;
 mod text;
 
 pub use self::options::Cost;
+pub use self::properties::SceneProperties;
 use self::{analysis::Analysis, identity::identity_of, metric::Metric, ranges::ParameterRanges, sweep::Sweep};
 use super::{
     command::{PetscOptions, SceneArguments, Study},

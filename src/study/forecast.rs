@@ -4,7 +4,8 @@
 //! the bodies or would have many cells; a box that is still too large or too long is cut. Set-up and what an iteration does on the grid take
 //! seconds in proportion to its unknowns (Fourier transforms also by the lengths of the axes, some of which suit them badly), what it does on
 //! surfaces in proportion to multipliers; the number of iterations grows little with that of bodies. It does not know how a run ends: steps are
-//! counted at the speeds of the sample, with inertia at those to which its first steps come.
+//! counted at the speeds of the sample; with inertia, or if the sample has all bodies, its first steps are taken, and further ones counted at the speeds
+//! to which these come.
 
 mod growth;
 mod sample;
@@ -43,7 +44,7 @@ pub struct Forecast {
     pub solves: Option<f64>,
     /// Seconds of each solve but the first over those of the first.
     further: f64,
-    /// Steps that a sample with inertia took.
+    /// Steps that a sample took, if it took any.
     pub sampled: Option<usize>,
 }
 
@@ -56,8 +57,13 @@ impl Forecast {
         let setup = session.world().agree(Setup::<D>::of(scene))?;
         let Some(sample) = sample(&setup) else { return Ok(None) };
         let forecast = match (&setup.inertia, &scene.time) {
-            (Some(_), Some(time)) => Forecast::of_steps(session, &setup, sample, time, (grid, multipliers)),
-            _ => Forecast::of_an_instant(session, &setup, sample, scene.time.as_ref(), (grid, multipliers)),
+            (Some(_), Some(time)) => Forecast::of_steps(session, &setup, sample.clone(), time, (grid, multipliers)),
+            _ => Forecast::of_an_instant(session, &setup, sample.clone(), scene.time.as_ref(), (grid, multipliers)),
+        };
+        let all = sample.bodies.len() == setup.bodies.len() && setup.inertia.is_none();
+        let forecast = match (forecast, &scene.time) {
+            (Ok(forecast), Some(time)) if all && time.step == Step::Auto => forecast.stepped(session, sample, time),
+            (forecast, _) => forecast,
         };
         match forecast {
             // a sample need not have the flow that the scene has
@@ -93,6 +99,23 @@ impl Forecast {
             further: WARM,
             sampled: None,
         })
+    }
+
+    /// With the solves to which the first steps of a sample of all bodies come; as it is if they cannot be taken. Collective.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    fn stepped<const D: usize>(self, session: &Session, sample: Setup<D>, time: &TimeSection) -> Result<Forecast> {
+        match sampled_steps(session, sample, time, 1.0) {
+            Ok(SampledSteps { taken, steps, .. }) => Ok(Forecast { solves: Some(solves_of(time, steps)), sampled: Some(taken), ..self }),
+            Err(Error::Refused(_) | Error::Diverged(_)) => Ok(self),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Whether all solves are like the first.
+    pub fn even(&self) -> bool {
+        self.further == 1.0
     }
 
     /// From the first steps of a sample with inertia.
@@ -148,6 +171,11 @@ fn solves(time: &TimeSection, speed: f64, radius: f64) -> f64 {
         Step::Fixed(step) => time.end / step,
         Step::Auto => time.end * speed / (time.travel * radius),
     };
+    solves_of(time, steps)
+}
+
+/// Solves of so many steps of a flow without inertia.
+fn solves_of(time: &TimeSection, steps: f64) -> f64 {
     let solves = if time.scheme == Scheme::Midpoint { 2.0 } else { 1.0 };
     solves * steps.ceil() + 1.0
 }

@@ -8,18 +8,20 @@ use super::{
     cost::Cost,
     inverses::Inverses,
     scaling::Scaling,
+    sweep::ParameterSweep,
     validation::Validation,
     viscosity::ViscosityStudy,
 };
 use crate::{error::Result, petsc::Session};
 
 /// All of them; a new study is its file and a line here.
-pub fn studies() -> [StudyCommand; 6] {
+pub fn studies() -> [StudyCommand; 7] {
     [
         StudyCommand::alone::<Scaling>(),
         StudyCommand::alone::<Cost>(),
         StudyCommand::alone::<Inverses>(),
         StudyCommand::alone::<ViscosityStudy>(),
+        StudyCommand::alone::<ParameterSweep>(),
         StudyCommand::on_ranks::<Validation>(),
         StudyCommand::on_ranks::<Conditioning>(),
     ]

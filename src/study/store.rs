@@ -2,6 +2,7 @@
 
 use std::{
     fs,
+    hash::{DefaultHasher, Hash, Hasher},
     path::{Path, PathBuf},
 };
 
@@ -11,6 +12,7 @@ use serde_json::Value;
 use crate::{
     error::{Error, Result},
     output::write_whole,
+    scene::{Placement, Scene},
 };
 
 /// A run of a study, with the setting that decides what comes out.
@@ -33,6 +35,20 @@ pub struct Identity {
     pub json: Value,
     /// Places in it that must not differ, and what they are called.
     pub places: &'static [(&'static str, &'static str)],
+}
+
+/// A number that stands for the contents of the files that a scene names.
+///
+/// # Errors
+/// One cannot be read.
+pub fn files_of(scene: &Scene) -> Result<u64> {
+    let mut hasher = DefaultHasher::new();
+    for bodies in &scene.bodies {
+        if let Placement::File(path) = &bodies.placement {
+            fs::read(path).map_err(|source| Error::File { path: path.clone(), source })?.hash(&mut hasher);
+        }
+    }
+    Ok(hasher.finish())
 }
 
 #[derive(Serialize)]

@@ -118,7 +118,7 @@ fn a_slanting_rod_that_lands_on_one_end_turns_as_its_inertia_says(session: &Sess
 fn clusters_that_pile_up_keep_their_shape_and_lose_energy(session: &Session) {
     let text = "seed = 4\ngravity = [0.0, 0.0, -1.0]\ndomain = { size = [4.0, 4.0, 8.0], z = \"walls\" }\nflow = { model = \"none\" }\n\
                 contact = { model = \"inelastic\" }\ntime = { end = 5.0, step = 0.05 }\n\
-                clusters = [{ shape = \"tetrahedron\", radius = 0.4, count = 4 }, { shape = \"rod\", beads = 3, radius = 0.4, count = 4 }]\n\
+                clusters = [{ shape = \"tetrahedron\", spacing = 1.05, radius = 0.4, count = 4 }, { shape = \"rod\", beads = 3, spacing = 1.05, radius = 0.4, count = 4 }]\n\
                 bodies = [{ radius = 0.5, count = 3 }]\n";
     let scene = scene(text);
     let mut simulation = Simulation::<3>::new(session, &scene).unwrap();

@@ -37,6 +37,7 @@ fn disks() -> Scene {
     scene.bodies = vec![BodyGroup::new(0.3, Placement::Centers(vec![vec![0.5, 0.8], vec![1.5, 1.2]]))];
     scene.output.pairs = true;
     scene.output.probe = Some(4);
+    scene.output.profiles = vec![1, 0];
     scene
 }
 
@@ -58,15 +59,15 @@ fn dry() -> Scene {
 }
 
 fn every_output_conforms_in_a_flow(session: &Session) {
-    conform(session, in_time(disks()), 8);
+    conform(session, in_time(disks()), 9);
 }
 
 fn every_output_conforms_in_a_dry_run(session: &Session) {
-    conform(session, dry(), 7);
+    conform(session, dry(), 8);
 }
 
 fn every_output_conforms_at_an_instant(session: &Session) {
-    conform(session, disks(), 3);
+    conform(session, disks(), 4);
 }
 
 /// The proof for each output that a scene calls for, alone.

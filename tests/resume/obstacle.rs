@@ -1,9 +1,9 @@
 //! What is told of a stream past bodies whose motion is given: forces, coefficients, vorticity.
 
-use std::{fs, path::Path};
+use std::{fs, os::unix::fs::PermissionsExt, path::Path};
 
 use super::{
-    common::{Series, difference, folder, number, resume, run, said, turbid, write},
+    common::{Series, command, difference, folder, number, resume, run, said, turbid, write},
     scenes::OBSTACLE,
 };
 
@@ -65,6 +65,22 @@ fn forces_and_vorticity_are_the_same_on_any_number_of_ranks_and_are_drawn() {
     let output = turbid(1, &["animate", out.to_str().unwrap(), "--width", "300"]);
     assert!(output.status.success(), "{}", said(&output));
     assert!(out.join("animation.png").exists());
+    let film = here.join("film.gif");
+    let output = turbid(1, &["animate", out.to_str().unwrap(), "--width", "200", "--out", film.to_str().unwrap()]);
+    assert!(output.status.success() && fs::read(&film).unwrap().starts_with(b"GIF89a"), "{}", said(&output));
+    // ffmpeg need not be installed here: what stands for it writes the format that it is asked for into the file that it is given
+    let program = here.join("ffmpeg");
+    fs::write(
+        &program,
+        "#!/bin/sh\n[ \"$1\" = -version ] && exit 0\nfor last; do format=$before; before=$last; done\necho \"$format\" >\"$last\"\n",
+    )
+    .unwrap();
+    fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
+    let (film, path) = (here.join("film.webm"), format!("{}:/usr/bin:/bin", here.display()));
+    let output = command(1, &["animate", out.to_str().unwrap(), "--out", film.to_str().unwrap()]).env("PATH", path).output().unwrap();
+    assert!(output.status.success() && fs::read_to_string(&film).unwrap() == "webm\n", "{}", said(&output));
+    let left = |name: &str| name.starts_with("film.") && name != "film.gif" && name != "film.webm";
+    assert!(!fs::read_dir(&here).unwrap().any(|entry| left(&entry.unwrap().file_name().to_string_lossy())), "something is left");
 }
 
 #[test]

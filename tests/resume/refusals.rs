@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::{
-    common::{folder, run, said, turbid, write},
+    common::{command, folder, run, said, turbid, write},
     scenes::DRY,
 };
 
@@ -126,8 +126,12 @@ fn an_animation_without_frames_is_refused() {
     refused(&here, &["animate", here.to_str().unwrap()], &[here.to_str().unwrap()]);
     fs::create_dir(here.join("frames")).unwrap();
     refused(&here, &["animate", here.to_str().unwrap()], &["holds no frames", "[time]"]);
-    for name in ["film.gif", "film"] {
+    for name in ["film.avi", "film"] {
         let out = here.join(name);
-        refused(&here, &["animate", here.to_str().unwrap(), "--out", out.to_str().unwrap()], &["animated PNG", "film.png"]);
+        refused(&here, &["animate", here.to_str().unwrap(), "--out", out.to_str().unwrap()], &["animated PNG", ".gif"]);
     }
+    let film = here.join("film.mp4");
+    let without = command(1, &["animate", here.to_str().unwrap(), "--out", film.to_str().unwrap()]).env("PATH", "").output().unwrap();
+    assert_eq!(without.status.code(), Some(2));
+    assert!(said(&without).contains("takes ffmpeg") && said(&without).contains("film.gif"), "{}", said(&without));
 }

@@ -49,7 +49,7 @@ pub fn interval(samples: &[f64]) -> Option<Interval> {
 }
 
 /// Means of the last so many blocks of a length.
-fn block_means(samples: &[f64], blocks: usize, length: usize) -> Vec<f64> {
+pub(super) fn block_means(samples: &[f64], blocks: usize, length: usize) -> Vec<f64> {
     samples[samples.len() - blocks * length..].chunks(length).map(mean).collect()
 }
 
@@ -61,7 +61,7 @@ fn half_width(samples: &[f64]) -> f64 {
 }
 
 /// Correlation of neighbours; 0 for samples that are all the same.
-fn correlation(samples: &[f64]) -> f64 {
+pub(super) fn correlation(samples: &[f64]) -> f64 {
     let mean = mean(samples);
     let squares: f64 = samples.iter().map(|sample| (sample - mean).powi(2)).sum();
     let products: f64 = samples.windows(2).map(|pair| (pair[0] - mean) * (pair[1] - mean)).sum();
@@ -72,8 +72,14 @@ fn mean(samples: &[f64]) -> f64 {
     samples.iter().sum::<f64>() / samples.len() as f64
 }
 
-/// The 97.5 % quantile of Student's distribution, to three digits from six degrees of freedom on (Abramowitz & Stegun 26.7.5).
-pub(super) fn student(freedom: f64) -> f64 {
+/// The 97.5 % quantile of Student's distribution for one to five degrees of freedom.
+const FEW: [f64; 5] = [12.706_205, 4.302_653, 3.182_446, 2.776_445, 2.570_582];
+
+/// The 97.5 % quantile of Student's distribution with a whole number of degrees of freedom, to three digits (Abramowitz & Stegun 26.7.5).
+pub fn student(freedom: f64) -> f64 {
+    if let Some(quantile) = FEW.get((freedom as usize).wrapping_sub(1)) {
+        return *quantile;
+    }
     let z = 1.959_963_984_540_054_f64;
     let terms = [
         (z.powi(3) + z) / 4.0,

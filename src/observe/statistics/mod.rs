@@ -5,11 +5,13 @@
 
 mod blocking;
 mod resampling;
+mod shortage;
 mod steady;
 mod transient;
 
-pub use blocking::{FEWEST_BLOCKS, Interval, interval};
+pub use blocking::{FEWEST_BLOCKS, Interval, interval, student};
 pub use resampling::{mean_from, resampled};
+pub use shortage::Shortage;
 pub use steady::{Steady, steady};
 pub use transient::transient;
 

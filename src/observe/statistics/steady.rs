@@ -3,10 +3,10 @@
 use super::{Interval, interval, resampled, transient};
 
 /// Most samples that a curve is turned into.
-const MOST_SAMPLES: usize = 4096;
+pub(super) const MOST_SAMPLES: usize = 4096;
 
 /// Fewest samples of which anything can be said.
-const FEWEST_SAMPLES: usize = 40;
+pub(super) const FEWEST_SAMPLES: usize = 40;
 
 /// The steady part of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]

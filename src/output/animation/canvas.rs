@@ -27,6 +27,11 @@ impl Canvas {
 
     /// Paints a disk with a smooth edge.
     pub fn fill_disk(&mut self, center: [f64; 2], radius: f64, colour: [u8; 3]) {
+        self.fill_ball(center, radius, |_| colour);
+    }
+
+    /// Paints a disk with a smooth edge in colours that depend on where in it a pixel is, in radii to the right and down from its center.
+    pub fn fill_ball(&mut self, center: [f64; 2], radius: f64, colour: impl Fn([f64; 2]) -> [u8; 3]) {
         let [columns, rows] = [0, 1].map(|axis| {
             let reach =
                 |side: f64| (center[axis] + side * (radius + 1.0)).clamp(self.clip[axis][0] as f64, self.clip[axis][1] as f64) as usize;
@@ -34,10 +39,26 @@ impl Canvas {
         });
         for row in rows {
             for column in columns.clone() {
-                let distance = (column as f64 + 0.5 - center[0]).hypot(row as f64 + 0.5 - center[1]);
-                let pixel = &mut self.pixels[row * self.size[0] + column];
-                *pixel = mix(*pixel, colour, coverage(distance, radius));
+                let offset = [column as f64 + 0.5 - center[0], row as f64 + 0.5 - center[1]];
+                let covered = coverage(offset[0].hypot(offset[1]), radius);
+                if covered > 0.0 {
+                    let pixel = &mut self.pixels[row * self.size[0] + column];
+                    *pixel = mix(*pixel, colour(offset.map(|length| length / radius)), covered);
+                }
             }
+        }
+    }
+}
+
+impl Canvas {
+    /// Paints a line with round ends.
+    pub fn fill_line(&mut self, ends: [[f64; 2]; 2], width: f64, colour: [u8; 3]) {
+        let way = [0, 1].map(|axis| ends[1][axis] - ends[0][axis]);
+        let steps = (way[0].hypot(way[1]) / (0.25 * width).max(0.25)).ceil().clamp(1.0, 1e4) as usize;
+        // parts add up where disks overlap, so that the line is as dark along its middle as a disk is
+        for step in 0..=steps {
+            let part = step as f64 / steps as f64;
+            self.fill_disk([0, 1].map(|axis| ends[0][axis] + part * way[axis]), 0.5 * width, colour);
         }
     }
 }

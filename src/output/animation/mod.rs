@@ -1,12 +1,13 @@
-//! The film of a suspension: disks coloured by their speed, or dark before the vorticity of the flow, frame after frame, as one animated PNG.
+//! The film of a suspension: disks coloured by their speed, or dark before the vorticity of the flow, frame after frame, as one animated PNG or GIF.
 //!
-//! A pure function of a [`Film`] and its frames, as a picture is: no file, no mesh, no simulation is known. There is no text in it; a bar below
-//! the box fills up as time passes. Source of the format: W3C, 2025, PNG third edition, <https://www.w3.org/TR/png-3>.
+//! A pure function of a [`Film`] and its frames, as a picture is: no file, no mesh, no simulation is known. Time, a length and
+//! what colours stand for are written where there is room, and a bar below the box fills up as time passes. Source of the format: W3C, 2025, PNG third edition, <https://www.w3.org/TR/png-3>.
 
 pub(super) mod canvas;
 mod encoding;
 mod layout;
 mod palette;
+mod text;
 
 use std::io::{self, Write};
 
@@ -14,10 +15,11 @@ use super::images::Window;
 use super::picture::bar::Bar;
 use super::picture::colour;
 use crate::{
-    observe::{AnimatedDisk, AnimationFrame, Film, FlowCut},
+    observe::{AnimatedDisk, AnimationFrame, Bond, Film, FlowCut},
     scene::Colour,
 };
 use canvas::Canvas;
+pub use encoding::AnimationFormat;
 use layout::PageLayout;
 use palette::Palette;
 
@@ -29,7 +31,7 @@ const MARKED: f64 = 4.0;
 const RING: f64 = 0.9;
 
 impl Film {
-    /// Writes the film as an animated PNG that repeats for ever, at most `width_in_pixels` wide and one and a half times as high, of the frames
+    /// Writes the film as an animated PNG or GIF that repeats for ever, at most `width_in_pixels` wide and one and a half times as high, of the frames
     /// that were noted, in the same order. No more than one of them is drawn at a time.
     ///
     /// It runs for `seconds`, shared among the frames as their times are, and holds the last one for a second more. The first frame is
@@ -41,6 +43,7 @@ impl Film {
     /// It cannot be written, or there are fewer frames than were noted.
     pub fn write(
         &self,
+        format: AnimationFormat,
         out: impl Write,
         width_in_pixels: usize,
         seconds: f64,
@@ -51,22 +54,26 @@ impl Film {
         let layout = PageLayout::new(self, width_in_pixels);
         let bar = self.bar();
         let stills = self.progress().into_iter().zip(frames).map(|(part, frame)| self.still(&layout, &frame, &bar, part));
-        encoding::write(out, layout.page, stills, &self.delays(seconds), Palette::new(self.colour))
+        encoding::write(format, out, layout.page, stills, &self.delays(seconds), Palette::new(self.colour, self.balls))
     }
 
     /// What colours stand for.
     fn bar(&self) -> Bar {
         match self.colour {
-            Colour::Speed | Colour::Chain => Bar::new(&self.coloured),
-            Colour::Vorticity => Bar::signed(&self.coloured),
+            Colour::Speed | Colour::Chain | Colour::Species => Bar::new(&self.coloured, self.least),
+            Colour::Vorticity => Bar::signed(&self.coloured, self.least),
         }
     }
 
-    /// The bytes of a film of these frames alone.
-    pub fn apng(mut self, width_in_pixels: usize, seconds: f64, frames: Vec<AnimationFrame>) -> Vec<u8> {
+    /// The bytes of an animated PNG of these frames alone.
+    pub fn apng(self, width_in_pixels: usize, seconds: f64, frames: Vec<AnimationFrame>) -> Vec<u8> {
+        self.bytes(AnimationFormat::Png, width_in_pixels, seconds, frames)
+    }
+
+    fn bytes(mut self, format: AnimationFormat, width_in_pixels: usize, seconds: f64, frames: Vec<AnimationFrame>) -> Vec<u8> {
         frames.iter().for_each(|frame| self.add(frame));
         let mut bytes = Vec::new();
-        self.write(&mut bytes, width_in_pixels, seconds, frames.into_iter()).expect("a vector takes any bytes and the sizes match");
+        self.write(format, &mut bytes, width_in_pixels, seconds, frames.into_iter()).expect("a vector takes any bytes and the sizes match");
         bytes
     }
 
@@ -94,17 +101,34 @@ impl Film {
     fn still(&self, layout: &PageLayout, frame: &AnimationFrame, bar: &Bar, part: f64) -> Canvas {
         let mut canvas = layout.empty(part);
         if let Some(cut) = &frame.vorticity {
-            layout.fill_box(&mut canvas, |parts| palette::tone(bar.part(cut.at(parts))));
+            layout.fill_box(&mut canvas, |parts| palette::tone(bar.part(cut.at(parts) / self.unit)));
         }
         for disk in frame.disks.iter().filter(|disk| disk.finite()) {
             let shade = match self.colour {
-                Colour::Speed => palette::shade(bar.part(disk.speed)),
-                Colour::Chain => disk.chain.map_or(palette::INK, colour::distinct),
-                Colour::Vorticity => palette::INK,
+                Colour::Speed if self.balls => palette::shade_of_ball(bar.part(disk.speed / self.unit)),
+                Colour::Speed => palette::shade(bar.part(disk.speed / self.unit)),
+                Colour::Chain | Colour::Species => disk.group.map_or(self.plain(), colour::distinct),
+                Colour::Vorticity => self.plain(),
             };
             self.draw(&mut canvas, layout, disk, frame.shift, shade);
         }
+        frame.contacts.iter().for_each(|line| self.draw_line(&mut canvas, layout, line, frame.shift));
+        layout.write_words(&mut canvas, self, frame.time, bar);
         canvas
+    }
+
+    /// The colour of bodies without one of their own.
+    fn plain(&self) -> [u8; 3] {
+        if self.balls { palette::DARK } else { palette::INK }
+    }
+
+    fn draw_line(&self, canvas: &mut Canvas, layout: &PageLayout, line: &Bond, shift: f64) {
+        let middle = [0, 1].map(|axis| line.from[axis] + 0.5 * line.way[axis]);
+        let half = line.way.map(|way| 0.5 * way);
+        for middle in (Window { size: self.size, periodic: self.periodic, shift }).images(middle, half[0].hypot(half[1])) {
+            let ends = [-1.0, 1.0].map(|sign| layout.place([0, 1].map(|axis| middle[axis] + sign * half[axis])));
+            canvas.fill_line(ends, (line.width * layout.scale).max(0.6), palette::FORCE);
+        }
     }
 
     fn draw(&self, canvas: &mut Canvas, layout: &PageLayout, disk: &AnimatedDisk, shift: f64, shade: [u8; 3]) {
@@ -116,7 +140,10 @@ impl Film {
             if radius > RING {
                 canvas.fill_disk([x, y], radius + RING, palette::PAPER);
             }
-            canvas.fill_disk([x, y], radius, shade);
+            match self.balls {
+                true => canvas.fill_ball([x, y], radius, |place| palette::lit(place, shade)),
+                false => canvas.fill_disk([x, y], radius, shade),
+            }
             if radius > MARKED && disk.angle.is_finite() {
                 canvas.fill_disk([x + mark[0] * disk.angle.cos(), y - mark[0] * disk.angle.sin()], mark[1], palette::PAPER);
             }
@@ -158,16 +185,16 @@ mod tests {
     }
 
     fn frames(disks: Vec<AnimatedDisk>) -> Vec<AnimationFrame> {
-        [0.0, 1.0, 3.0].map(|time| AnimationFrame { time, shift: 0.0, disks: disks.clone(), vorticity: None }).into()
+        [0.0, 1.0, 3.0].map(|time| AnimationFrame { time, shift: 0.0, disks: disks.clone(), contacts: Vec::new(), vorticity: None }).into()
     }
 
     fn disk(x: f64, speed: f64) -> AnimatedDisk {
-        AnimatedDisk { center: [x, 0.5], radius: 0.2, angle: f64::NAN, speed, chain: None }
+        AnimatedDisk { center: [x, 0.5], radius: 0.2, angle: f64::NAN, speed, group: None }
     }
 
     fn first_still(frames: &[AnimationFrame]) -> (PageLayout, Canvas) {
         let layout = PageLayout::new(&film(), 228);
-        let canvas = film().still(&layout, &frames[0], &Bar::new(&[1.0]), 0.0);
+        let canvas = film().still(&layout, &frames[0], &Bar::new(&[1.0], 0.0), 0.0);
         (layout, canvas)
     }
 
@@ -190,6 +217,22 @@ mod tests {
             reader.info().frame_control().unwrap().delay_num
         });
         assert_eq!(delays, [1000, 2000, 1000]);
+    }
+
+    #[test]
+    fn a_gif_has_the_same_frames_for_as_long_and_repeats_for_ever() {
+        let bytes = film().bytes(AnimationFormat::Gif, 228, 3.0, frames(vec![disk(1.0, 1.0)]));
+        let mut options = gif::DecodeOptions::new();
+        options.set_color_output(gif::ColorOutput::RGBA);
+        let mut decoder = options.read_info(&bytes[..]).unwrap();
+        assert_eq!((decoder.width(), decoder.height(), decoder.repeat()), (228, 146, gif::Repeat::Infinite));
+        let mut delays = Vec::new();
+        while let Some(frame) = decoder.read_next_frame().unwrap() {
+            let middle = 4 * (frame.buffer.len() / 8 + usize::from(frame.width) / 2);
+            assert_ne!(frame.buffer[middle..middle + 3], palette::PAGE);
+            delays.push(frame.delay);
+        }
+        assert_eq!(delays, [100, 200, 100]);
     }
 
     #[test]
@@ -233,7 +276,7 @@ mod tests {
     fn a_film_that_ends_too_early_is_no_film() {
         let mut film = film();
         frames(Vec::new()).iter().for_each(|frame| film.add(frame));
-        assert!(film.write(Vec::new(), 100, 1.0, frames(Vec::new()).into_iter().take(2)).is_err());
+        assert!(film.write(AnimationFormat::Png, Vec::new(), 100, 1.0, frames(Vec::new()).into_iter().take(2)).is_err());
     }
 
     #[test]
@@ -247,7 +290,13 @@ mod tests {
         let film = Film::new([2.0, 1.0], [true, false], Colour::Vorticity);
         let cut = FlowCut { cells: [2, 1], values: vec![-1.0, 1.0] };
         assert_eq!([[0.1, 0.5], [0.5, 0.5], [0.625, 0.2], [1.0, 0.9]].map(|parts| cut.at(parts)), [-1.0, 0.0, 0.5, 1.0]);
-        let frames = [0.0, 1.0].map(|time| AnimationFrame { time, shift: 0.0, disks: vec![disk(1.0, 9.0)], vorticity: Some(cut.clone()) });
+        let frames = [0.0, 1.0].map(|time| AnimationFrame {
+            time,
+            shift: 0.0,
+            disks: vec![disk(1.0, 9.0)],
+            contacts: Vec::new(),
+            vorticity: Some(cut.clone()),
+        });
         let (layout, mut of_all) = (PageLayout::new(&film, 228), film.clone());
         frames.iter().for_each(|frame| of_all.add(frame));
         assert_eq!(of_all.coloured, [-1.0, 1.0, -1.0, 1.0]);

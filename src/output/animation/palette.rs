@@ -5,6 +5,7 @@
 
 use std::collections::HashMap;
 
+use super::super::picture::bar::Bar;
 use super::canvas::mix;
 use super::colour::{DISTINCT, DIVERGING, SEQUENTIAL};
 use crate::scene::Colour;
@@ -17,6 +18,22 @@ pub const PAPER: [u8; 3] = [243, 245, 248];
 pub const SEAM: [u8; 3] = [207, 212, 220];
 /// Walls, and the time that is over.
 pub const INK: [u8; 3] = [20, 23, 31];
+
+/// Balls without a colour of their own.
+pub const DARK: [u8; 3] = [74, 82, 97];
+/// Contact forces.
+pub const FORCE: [u8; 3] = [255, 90, 31];
+
+/// Steps of the smooth edges of letters.
+const GREYS: usize = 8;
+
+/// Shades of speed on balls, and steps of the light on each.
+const SHADES_OF_BALLS: usize = 15;
+const LIGHTS: usize = 15;
+/// The part of the light at which a ball has its own colour: what is darker is in the shadow, what is lighter shines.
+const OWN: f64 = 0.72;
+/// From where light comes: from the left, from above, from the front; a unit vector.
+const LIGHT: [f64; 3] = [-0.42, 0.56, 0.714];
 
 const SHADES: usize = 25;
 const STEPS: usize = 4;
@@ -37,6 +54,32 @@ pub fn tone(value: f64) -> [u8; 3] {
     DIVERGING.shade((value * last).round() / last)
 }
 
+/// The colour of a speed on a ball, in parts of the top speed.
+pub fn shade_of_ball(value: f64) -> [u8; 3] {
+    let last = (SHADES_OF_BALLS - 1) as f64;
+    SEQUENTIAL.shade((value.clamp(0.0, 1.0) * last).round() / last)
+}
+
+/// The colour of what a bar shows at a part of its height.
+pub fn of_bar(bar: &Bar, part: f64) -> [u8; 3] {
+    if bar.bottom < 0.0 { tone(part) } else { shade(part) }
+}
+
+/// A ball's colour under light, where it is `across` and `down` from its center, in radii.
+pub fn lit([across, down]: [f64; 2], colour: [u8; 3]) -> [u8; 3] {
+    let normal = [across, -down, (1.0 - across * across - down * down).max(0.0).sqrt()];
+    let towards: f64 = normal.iter().zip(LIGHT).map(|(normal, light)| normal * light).sum();
+    let shine = (2.0 * towards * normal[2] - LIGHT[2]).max(0.0).powi(12);
+    let part = OWN * (0.25 + 0.75 * towards.max(0.0)) + (1.0 - OWN) * shine;
+    let last = (LIGHTS - 1) as f64;
+    under_light((part.clamp(0.0, 1.0) * last).round() / last, colour)
+}
+
+/// A colour under a part of the light.
+fn under_light(part: f64, colour: [u8; 3]) -> [u8; 3] {
+    if part < OWN { mix(mix(colour, INK, 0.75), colour, part / OWN) } else { mix(colour, PAGE, 0.75 * (part - OWN) / (1.0 - OWN)) }
+}
+
 /// A shade, thinned with the paper by some of the steps.
 fn tint(level: usize, step: usize) -> [u8; 3] {
     mix(SEQUENTIAL.shade(level as f64 / (SHADES - 1) as f64), PAPER, step as f64 / STEPS as f64)
@@ -49,23 +92,34 @@ pub struct Palette {
 }
 
 impl Palette {
-    /// The palette of films in which this is coloured.
-    pub fn new(colour: Colour) -> Self {
-        let own: Vec<[u8; 3]> = match colour {
-            Colour::Speed => {
+    /// The palette of films in which this is coloured, of disks or of balls.
+    pub fn new(colour: Colour, balls: bool) -> Self {
+        let thinned = |colour: [u8; 3]| (0..STEPS).map(move |step| mix(colour, PAPER, step as f64 / STEPS as f64));
+        let on_balls = |colour: [u8; 3]| (0..LIGHTS).map(move |light| under_light(light as f64 / (LIGHTS - 1) as f64, colour));
+        let shades = || (0..SHADES).map(|level| tint(level, 0));
+        let own: Vec<[u8; 3]> = match (colour, balls) {
+            (Colour::Speed, false) => {
                 let tints = (0..SHADES).step_by(STRIDE).flat_map(|level| (1..STEPS).map(move |step| tint(level, step)));
-                (0..SHADES).map(|level| tint(level, 0)).chain(tints).collect()
+                shades().chain(tints).collect()
             }
-            Colour::Chain => {
-                let full = DISTINCT.into_iter().chain([INK]);
-                full.flat_map(|colour| (0..STEPS).map(move |step| mix(colour, PAPER, step as f64 / STEPS as f64))).collect()
+            // the bar takes the nearest of the shades
+            (Colour::Speed, true) => {
+                let last = (SHADES_OF_BALLS - 1) as f64;
+                (0..SHADES_OF_BALLS).flat_map(|level| on_balls(SEQUENTIAL.shade(level as f64 / last))).collect()
             }
-            Colour::Vorticity => {
+            (Colour::Chain | Colour::Species, false) => DISTINCT.into_iter().chain([INK]).flat_map(thinned).collect(),
+            (Colour::Chain | Colour::Species, true) => DISTINCT.into_iter().chain([DARK]).flat_map(on_balls).collect(),
+            (Colour::Vorticity, balls) => {
                 let tones = (0..TONES).map(|level| tone(level as f64 / (TONES - 1) as f64));
-                tones.chain((1..STEPS).map(|step| mix(INK, PAPER, step as f64 / STEPS as f64))).collect()
+                tones
+                    .chain((1..STEPS).map(|step| mix(INK, PAPER, step as f64 / STEPS as f64)))
+                    .chain(on_balls(DARK).take(if balls { LIGHTS } else { 0 }))
+                    .collect()
             }
         };
-        Palette { colours: [PAGE, PAPER, SEAM, INK].into_iter().chain(own).collect(), found: HashMap::new() }
+        let greys = (1..GREYS).map(|step| mix(INK, PAGE, step as f64 / GREYS as f64));
+        let all = [PAGE, PAPER, SEAM, INK, FORCE].into_iter().chain(greys).chain(own);
+        Palette { colours: all.collect(), found: HashMap::new() }
     }
 
     /// Red, green and blue of every colour.
@@ -95,13 +149,20 @@ mod tests {
 
     #[test]
     fn the_palette_holds_its_own_colours_and_has_room_in_a_byte() {
-        for colour in [Colour::Speed, Colour::Vorticity, Colour::Chain] {
-            let mut palette = Palette::new(colour);
+        let kinds = [Colour::Speed, Colour::Vorticity, Colour::Chain, Colour::Species].map(|colour| [(colour, false), (colour, true)]);
+        for (colour, balls) in kinds.into_iter().flatten() {
+            let mut palette = Palette::new(colour, balls);
             let colours = palette.colours.clone();
             assert!(colours.len() <= 256);
             let indices = palette.indices(&colours);
-            assert!(indices.iter().zip(&colours).all(|(&index, colour)| colours[usize::from(index)] == *colour));
+            assert!(indices.iter().zip(&colours).all(|(&index, own)| colours[usize::from(index)] == *own));
         }
+    }
+
+    #[test]
+    fn a_ball_is_light_above_and_dark_below() {
+        let sum = |place| lit(place, DARK).map(u32::from).iter().sum::<u32>();
+        assert!(sum([-0.3, -0.4]) > sum([0.0, 0.0]) && sum([0.0, 0.0]) > sum([0.5, 0.7]));
     }
 
     #[test]

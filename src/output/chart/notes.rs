@@ -21,6 +21,23 @@ pub struct Notes {
     pub levels: Vec<Level>,
     /// The error bars.
     pub bars: Vec<Bar>,
+    /// A mean with its interval.
+    pub band: Option<Band>,
+}
+
+/// A mean over a part of the abscissa with its interval; what is before that part is left out of it.
+#[derive(Clone, Debug)]
+pub struct Band {
+    /// Abscissas where the part begins and ends.
+    pub from_to: [f64; 2],
+    /// The mean.
+    pub mean: f64,
+    /// Lowest and highest value.
+    pub interval: [f64; 2],
+    /// Text on it.
+    pub name: String,
+    /// Text on what is left out.
+    pub left_out: String,
 }
 
 /// A disk at a point of a line.
@@ -62,7 +79,39 @@ impl Notes {
     /// Points that the ordinate must reach.
     pub fn extent(&self) -> impl Iterator<Item = (f64, f64)> {
         let levels = self.levels.iter().map(|level| (1.0, level.y));
-        levels.chain(self.bars.iter().flat_map(|bar| bar.ends.map(|end| (bar.x, end))))
+        let band = self.band.iter().flat_map(|band| band.interval.map(|end| (band.from_to[1], end)));
+        levels.chain(self.bars.iter().flat_map(|bar| bar.ends.map(|end| (bar.x, end)))).chain(band)
+    }
+
+    /// The band, below everything else.
+    pub fn shades(&self, frame: &Frame) -> String {
+        let Some(band) = &self.band else { return String::new() };
+        let place = |x: f64, y: f64| frame.place(frame.scale.of(&(x, y)));
+        let ([from, low], [to, high]) = (place(band.from_to[0], band.interval[0]), place(band.from_to[1], band.interval[1]));
+        let mean = place(band.from_to[0], band.mean)[1];
+        if ![from, to, low, high, mean].iter().all(|place| place.is_finite()) {
+            return String::new();
+        }
+        let [left, top, foot] = [frame.left, frame.top, frame.foot];
+        let [name, left_out] = [&band.name, &band.left_out].map(|text| escaped(text));
+        let told = match from - left > 7.0 * band.left_out.chars().count() as f64 {
+            true => {
+                format!("<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"11\" fill-opacity=\"0.7\">{left_out}</text>\n", left + 5.0, foot - 7.0)
+            }
+            false => String::new(),
+        };
+        format!(
+            "<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"{INK}\" fill-opacity=\"0.06\"/>\n\
+             <rect x=\"{from:.1}\" y=\"{high:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#0072b2\" fill-opacity=\"0.22\"/>\n\
+             <path d=\"M{from:.1} {mean:.1}H{to:.1}\" stroke=\"#0072b2\" stroke-width=\"1.4\" stroke-dasharray=\"6 4\"/>\n\
+             <text x=\"{:.1}\" y=\"{:.1}\" font-size=\"11\" text-anchor=\"end\" fill=\"#0b5c9c\">{name}</text>\n{told}",
+            (from - left).max(0.0),
+            foot - top,
+            to - from,
+            (low - high).max(1.0),
+            to - 4.0,
+            high - 5.0,
+        )
     }
 
     /// The levels, below the lines.
@@ -152,10 +201,26 @@ mod tests {
         let mark = |point, hollow, ringed| Mark { series: 0, point, label: "8".into(), hollow, ringed };
         let marks = vec![mark((1.0, 0.1), false, true), mark((10.0, 0.01), true, false), mark((1.0, 0.0), false, false)];
         let levels = vec![Level { y: 1e-4, name: "a < b".into() }, Level { y: 0.0, name: "nowhere".into() }];
-        let text = chart.annotated(&Notes { marks, levels, bars: Vec::new() });
+        let text = chart.annotated(&Notes { marks, levels, bars: Vec::new(), band: None });
         assert_eq!((text.matches("<circle").count(), text.matches("stroke-dasharray").count()), (3, 1));
         assert!(text.contains("a &lt; b") && text.contains(">0.0001<") && !text.contains("NaN"), "the ordinate reaches the level: {text}");
         assert_eq!(chart.svg(), chart.annotated(&Notes::default()));
+    }
+
+    #[test]
+    fn a_mean_has_its_band_within_the_axes() {
+        let series = vec![Series { name: "a".into(), points: vec![(0.0, 2.0), (10.0, 3.0)] }];
+        let chart = Chart { title: String::new(), x: "x".into(), y: "y".into(), scale: Scale::Linear, series };
+        let band = |mean: f64| Band {
+            from_to: [4.0, 10.0],
+            mean,
+            interval: [mean - 1.0, mean + 1.0],
+            name: "mean".into(),
+            left_out: "left out".into(),
+        };
+        let with = |mean| chart.annotated(&Notes { band: Some(band(mean)), ..Notes::default() });
+        assert!(with(8.0).contains(">mean</text>") && with(8.0).contains(">left out</text>") && with(8.0).contains(">8<"));
+        assert!(!with(f64::NAN).contains("NaN"));
     }
 
     #[test]

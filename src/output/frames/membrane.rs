@@ -46,7 +46,7 @@ pub(super) const FACE_WIDTH: usize = 2;
 
 /// What XDMF calls a polygon, whose number of corners follows, and a triangle.
 const POLYGON: usize = 3;
-const TRIANGLE: usize = 4;
+pub(super) const TRIANGLE: usize = 4;
 
 impl<const D: usize> FrameMembranes<D> {
     pub(super) fn corner_rows(&self) -> Vec<f64> {

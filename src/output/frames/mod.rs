@@ -17,6 +17,7 @@ mod membrane;
 mod read;
 mod recovery;
 mod store;
+mod surroundings;
 mod xdmf;
 
 use std::path::{Path, PathBuf};
@@ -27,6 +28,7 @@ pub(super) use entry::FOLDER as FRAMES;
 pub use frame::{Frame, FrameFields};
 pub use membrane::{FrameCorner, FrameFace, FrameMembranes};
 pub use read::{FrameFile, StoredFrame, read_frames};
+pub use surroundings::{FlowLayer, FrameSurroundings};
 
 use super::parallel_file::ParallelFile;
 use crate::{error::Result, parallel::World};

@@ -51,6 +51,11 @@ impl FrameFile {
         Ok(frame_files(folder)?.into_iter().map(|(_, path)| FrameFile { path }).collect())
     }
 
+    /// Where it lies.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Its time.
     ///
     /// # Errors
@@ -83,7 +88,7 @@ pub fn read_frames<const D: usize>(folder: &Path) -> Result<Vec<StoredFrame<D>>>
     FrameFile::of_run(folder)?.iter().map(FrameFile::read).collect()
 }
 
-fn refused(reason: String) -> Error {
+pub(super) fn refused(reason: String) -> Error {
     Error::refused(format!("{reason}; move it out of the folder to go on without it"))
 }
 
@@ -108,7 +113,7 @@ pub(super) fn entry(number: usize, path: &Path) -> std::result::Result<Entry, St
     })
 }
 
-fn read_with<T>(path: &Path, read: impl Fn(&File) -> hdf5::Result<T>) -> std::result::Result<T, String> {
+pub(super) fn read_with<T>(path: &Path, read: impl Fn(&File) -> hdf5::Result<T>) -> std::result::Result<T, String> {
     let checked = || {
         let file = File::open(path)?;
         let format = slab::get_text(&file, "format")?;
@@ -187,15 +192,15 @@ fn membranes(file: &File) -> hdf5::Result<Membranes> {
 }
 
 /// A group of columns of so many entries.
-struct Columns<'a> {
-    file: &'a File,
-    group: &'a str,
-    count: usize,
+pub(super) struct Columns<'a> {
+    pub file: &'a File,
+    pub group: &'a str,
+    pub count: usize,
 }
 
 impl Columns<'_> {
     /// The numbers of these columns, each with its width.
-    fn all<T: H5Type, const C: usize>(&self, names: &[(&str, usize); C]) -> hdf5::Result<[Vec<T>; C]> {
+    pub fn all<T: H5Type, const C: usize>(&self, names: &[(&str, usize); C]) -> hdf5::Result<[Vec<T>; C]> {
         let mut columns = std::array::from_fn(|_| Vec::new());
         if self.count == 0 {
             return Ok(columns);

@@ -21,15 +21,15 @@ pub struct Bar {
 }
 
 impl Bar {
-    /// The bar for values that are not negative: it goes from zero to their 99.5th percentile, or to one if they all vanish.
-    pub fn new(values: &[f64]) -> Self {
-        let top = robust_maximum(values.to_vec(), SHOWN);
+    /// The bar for values that are not negative: it goes from zero to their 99.5th percentile, or to one if they all vanish, but to `least` at least.
+    pub fn new(values: &[f64], least: f64) -> Self {
+        let top = robust_maximum(values.to_vec(), SHOWN).max(least);
         Bar::between(0.0, top, round_step(top))
     }
 
-    /// The bar for values of either sign: it goes as far below zero as above, to the 98th percentile of their magnitudes.
-    pub fn signed(values: &[f64]) -> Self {
-        let top = robust_maximum(values.iter().map(|value| value.abs()).collect(), SHOWN_OF_SIGNED);
+    /// The bar for values of either sign: it goes as far below zero as above, to the 98th percentile of their magnitudes, but to `least` at least.
+    pub fn signed(values: &[f64], least: f64) -> Self {
+        let top = robust_maximum(values.iter().map(|value| value.abs()).collect(), SHOWN_OF_SIGNED).max(least);
         Bar::between(-top, top, 2.0 * round_step(top))
     }
 
@@ -84,7 +84,7 @@ mod tests {
     use super::*;
 
     fn labels(top: f64) -> Vec<String> {
-        let bar = Bar::new(&[top]);
+        let bar = Bar::new(&[top], 0.0);
         bar.ticks.iter().map(|&tick| bar.label(tick)).collect()
     }
 
@@ -101,11 +101,11 @@ mod tests {
 
     #[test]
     fn a_signed_bar_reaches_as_far_below_zero_as_above() {
-        let bar = Bar::signed(&[-3.0, 0.5, 1.0]);
+        let bar = Bar::signed(&[-3.0, 0.5, 1.0], 0.0);
         assert_eq!((bar.bottom, bar.top, bar.ticks.as_slice()), (-3.0, 3.0, &[-2.0, 0.0, 2.0][..]));
         assert_eq!([-3.0, 0.0, 1.5, 9.0].map(|value| bar.part(value)), [0.0, 0.5, 0.75, 1.0]);
         for top in [1e-9, 0.13, 0.77, 1.5, 1.99, 6.0, 7.9, 9.9, 350.0, 8.8e12] {
-            let ticks = Bar::signed(&[top]).ticks.len();
+            let ticks = Bar::signed(&[top], 0.0).ticks.len();
             assert!((3..=9).contains(&ticks), "{top}: {ticks}");
         }
     }
@@ -114,13 +114,19 @@ mod tests {
     fn the_range_ignores_a_few_outliers_and_values_that_are_not_finite() {
         let mut values = vec![1.0; 1000];
         values.extend([50.0, f64::NAN, f64::INFINITY]);
-        assert_eq!(Bar::new(&values).top, 1.0);
+        assert_eq!(Bar::new(&values, 0.0).top, 1.0);
+    }
+
+    #[test]
+    fn what_is_at_rest_is_not_scaled_to_its_noise() {
+        assert_eq!(Bar::new(&[1e-14, 2e-14], 1e-5).top, 1e-5);
+        assert_eq!(Bar::signed(&[1e-14, -2e-14], 1e-5).bottom, -1e-5);
     }
 
     #[test]
     fn a_field_at_rest_has_a_range_all_the_same() {
-        assert_eq!(Bar::new(&[0.0; 4]).top, 1.0);
-        assert_eq!(Bar::new(&[f64::NAN]).top, 1.0);
-        assert_eq!(Bar::new(&[1e-290, 1e-290]).ticks[0], 0.0);
+        assert_eq!(Bar::new(&[0.0; 4], 0.0).top, 1.0);
+        assert_eq!(Bar::new(&[f64::NAN], 0.0).top, 1.0);
+        assert_eq!(Bar::new(&[1e-290, 1e-290], 0.0).ticks[0], 0.0);
     }
 }

@@ -33,6 +33,9 @@ pub const SEQUENTIAL: ColourMap = ColourMap([
 pub const DISTINCT: [[u8; 3]; 7] =
     [[230, 159, 0], [86, 180, 233], [0, 158, 115], [240, 228, 66], [0, 114, 178], [213, 94, 0], [204, 121, 167]];
 
+/// Those of them that stand out as lines on white, the most different first.
+pub const LINES: [[u8; 3]; 6] = [DISTINCT[4], DISTINCT[5], DISTINCT[2], DISTINCT[6], DISTINCT[0], DISTINCT[1]];
+
 /// The colour of the thing of this number.
 pub fn distinct(number: usize) -> [u8; 3] {
     DISTINCT[number % DISTINCT.len()]

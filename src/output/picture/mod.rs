@@ -3,15 +3,19 @@
 //! A [`Picture`] is a plane cut sampled on a regular grid. Everything here is a pure function of it: no file,
 //! no mesh, no simulation is known. Lengths and speeds are in the units of the simulation, `y` points up.
 
+mod axes;
 pub mod bar;
 pub mod colour;
+mod frame;
 mod raster;
 mod streamlines;
 mod svg;
 
 use super::images::Window;
 use crate::observe::{Bond, Disk, Picture};
-pub use svg::{INK, escaped};
+pub use frame::INK;
+pub use raster::base64;
+pub use svg::escaped;
 
 impl Picture {
     /// The picture as a complete SVG document, about 900 pixels wide and at most 1400 high.
@@ -30,8 +34,8 @@ impl Picture {
         self.bodies.iter().filter(|body| body.finite()).flat_map(|body| self.images(body)).collect()
     }
 
-    /// Every image of every bond that reaches into the box, as its two ends.
-    fn ties(&self) -> Vec<([[f64; 2]; 2], f64)> {
+    /// Every image of every bond or contact that reaches into the box, as its two ends.
+    fn ties(&self, bonds: &[Bond]) -> Vec<([[f64; 2]; 2], f64)> {
         let finite = |bond: &&Bond| bond.from.iter().chain(&bond.way).all(|x| x.is_finite());
         let images = |bond: &Bond| {
             let middle = [0, 1].map(|axis| bond.from[axis] + 0.5 * bond.way[axis]);
@@ -40,7 +44,7 @@ impl Picture {
             let ends = move |middle: [f64; 2]| [-1.0, 1.0].map(|sign| [0, 1].map(|axis| middle[axis] + sign * half[axis]));
             images.into_iter().map(ends).map(|ends| (ends, bond.width)).collect::<Vec<_>>()
         };
-        self.bonds.iter().filter(finite).flat_map(images).collect()
+        bonds.iter().filter(finite).flat_map(images).collect()
     }
 
     fn images(&self, body: &Disk) -> Vec<Disk> {
@@ -72,21 +76,28 @@ mod tests {
     pub fn uniform_flow(velocity: [f64; 2]) -> Picture {
         Picture {
             title: "A < B & C".into(),
+            subtitle: String::new(),
+            axes: ["x", "y"],
             size: [2.0, 1.0],
             periodic: [true, false],
+            walls: [false, true],
             shift: 0.0,
             bodies: Vec::new(),
             bonds: Vec::new(),
+            contacts: Vec::new(),
+            legend: Vec::new(),
             samples: [32, 16],
             velocity: vec![velocity; 512],
             coloured: vec![velocity[0].hypot(velocity[1]); 512],
-            quantity: "speed",
+            quantity: "speed".into(),
+            least: 0.0,
+            least_speed: 0.0,
             signed: false,
         }
     }
 
     pub fn disk(center: [f64; 2], radius: f64) -> Disk {
-        Disk { center, radius, velocity: [0.3, -0.1], chain: None }
+        Disk { center, radius, velocity: [0.3, -0.1], group: None }
     }
 
     #[test]
@@ -102,7 +113,7 @@ mod tests {
     fn a_bond_across_the_seam_has_two_images() {
         let bond = Bond { from: [1.9, 0.5], way: [0.2, 0.1], width: 0.05 };
         let picture = Picture { bonds: vec![bond], ..uniform_flow([1.0, 0.0]) };
-        let ties = picture.ties();
+        let ties = picture.ties(&picture.bonds);
         assert_eq!(ties.len(), 2);
         assert!((ties[0].0[0][0] + 0.1).abs() < 1e-12 && (ties[1].0[1][0] - 2.1).abs() < 1e-12 && (ties[1].0[1][1] - 0.6).abs() < 1e-12);
     }

@@ -16,19 +16,34 @@ pub fn data_uri(picture: &Picture, [width, height]: [usize; 2], bar: &Bar) -> St
     let values = resampled(picture, [width, height]);
     let levels: Vec<u8> = values.iter().map(|&value| (bar.part(value) * 255.0).round() as u8).collect();
     let palette = (0..=255).flat_map(|level| bar.colours().shade(f64::from(level) / 255.0)).collect();
-    uri(&png(&levels, [width, height], palette, None))
+    uri(&png(&levels, [width, height], palette))
 }
 
-/// Disks on an image that is clear between them, as [`data_uri`]; centers and radii are in pixels from the upper left corner.
-pub fn disks_uri(disks: impl Iterator<Item = ([f64; 2], f64)>, size: [usize; 2]) -> String {
-    uri(&png(&covered(disks, size), size, BODY.repeat(256), Some((0..=255).collect())))
+/// Disks on an image that is clear between them, as [`data_uri`]; centers and radii are in pixels from the upper left corner, and each may have a colour.
+pub fn disks_uri(disks: impl Iterator<Item = ([f64; 2], f64, Option<[u8; 3]>)>, size: [usize; 2]) -> String {
+    uri(&rgba(&painted(disks, size), size))
 }
 
-/// How much of each pixel disks cover, from 0 to 255.
-fn covered(disks: impl Iterator<Item = ([f64; 2], f64)>, size: [usize; 2]) -> Vec<u8> {
-    let mut canvas = Canvas::new(size, [0; 3], [0; 2], size);
-    disks.for_each(|(center, radius)| canvas.fill_disk(center, radius, [255; 3]));
-    canvas.pixels.iter().map(|pixel| pixel[0]).collect()
+/// Red, green, blue and opacity of each pixel.
+fn painted(disks: impl Iterator<Item = ([f64; 2], f64, Option<[u8; 3]>)>, size: [usize; 2]) -> Vec<u8> {
+    // one canvas for the colours, which reach beyond the edges, and one for what is covered
+    let [mut colours, mut covered] = [BODY, [0; 3]].map(|colour| Canvas::new(size, colour, [0; 2], size));
+    for (center, radius, colour) in disks {
+        colours.fill_disk(center, radius + 1.0, colour.unwrap_or(BODY));
+        covered.fill_disk(center, radius, [255; 3]);
+    }
+    colours.pixels.iter().zip(&covered.pixels).flat_map(|([red, green, blue], part)| [*red, *green, *blue, part[0]]).collect()
+}
+
+/// An image of red, green, blue and opacity.
+fn rgba(pixels: &[u8], [width, height]: [usize; 2]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_compression(png::Compression::High);
+    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(pixels));
+    written.expect("a vector takes any bytes and the size matches");
+    bytes
 }
 
 fn uri(png: &[u8]) -> String {
@@ -77,23 +92,21 @@ fn finite(value: f64) -> f64 {
     if value.is_finite() { value } else { 0.0 }
 }
 
-/// An image of indices into a palette, whose colours may be more or less opaque.
-fn png(levels: &[u8], [width, height]: [usize; 2], palette: Vec<u8>, opacity: Option<Vec<u8>>) -> Vec<u8> {
+/// An image of indices into a palette.
+fn png(levels: &[u8], [width, height]: [usize; 2], palette: Vec<u8>) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
     encoder.set_color(png::ColorType::Indexed);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::High);
     encoder.set_palette(palette);
-    if let Some(opacity) = opacity {
-        encoder.set_trns(opacity);
-    }
     let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(levels));
     written.expect("a vector takes any bytes and the size matches");
     bytes
 }
 
-fn base64(bytes: &[u8]) -> String {
+/// Bytes in letters.
+pub fn base64(bytes: &[u8]) -> String {
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for chunk in bytes.chunks(3) {
         let word = (0..3).fold(0, |word, k| word << 8 | u32::from(chunk.get(k).copied().unwrap_or(0)));
@@ -134,15 +147,16 @@ mod tests {
     }
 
     #[test]
-    fn pixels_are_covered_where_disks_are() {
-        let covered = covered([([10.0, 5.0], 3.0), ([10.5, 5.0], 3.0)].into_iter(), [20, 10]);
-        assert_eq!((covered[5 * 20 + 10], covered[5 * 20 + 1], covered[0]), (255, 0, 0));
+    fn pixels_are_covered_where_disks_are_in_their_colours() {
+        let painted = painted([([10.0, 5.0], 3.0, None), ([10.5, 5.0], 3.0, Some([9, 8, 7]))].into_iter(), [20, 10]);
+        let pixel = |row: usize, column: usize| &painted[4 * (row * 20 + column)..][..4];
+        assert_eq!((pixel(5, 10), pixel(5, 1)[3]), (&[9, 8, 7, 255][..], 0));
     }
 
     #[test]
     fn the_image_decodes_to_its_palette_indices() {
         let levels = [0, 255, 128, 7, 9, 11];
-        let bytes = png(&levels, [3, 2], vec![7; 768], None);
+        let bytes = png(&levels, [3, 2], vec![7; 768]);
         let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
         let mut decoded = vec![0; reader.output_buffer_size().unwrap()];
         reader.next_frame(&mut decoded).unwrap();

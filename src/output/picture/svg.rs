@@ -1,26 +1,22 @@
 //! The drawing itself: frame, colours, streamlines, bodies, walls and colour bar as SVG text.
-//!
-//! Pixels count from the upper left corner; `Frame` is the only place that knows where the box lies and that `y` points down.
 
 use std::fmt::Write;
 
+use super::axes::axes;
 use super::bar::Bar;
 use super::colour::{distinct, hexadecimal};
+use super::frame::{AXIS, BAR_ROOM, Frame, INK, LARGEST, SIDE, WALL};
 use super::streamlines::{Point, pieces, separation, streamlines};
 use super::{Disk, Picture, raster};
 
-const LARGEST: [f64; 2] = [900.0, 1400.0];
-const SIDE: f64 = 22.0;
-const BAR_ROOM: f64 = 110.0;
+/// Most groups of bodies that are named.
+const MOST_IN_LEGEND: usize = 5;
 const RASTER_WIDTH: f64 = 450.0;
-const WALL: f64 = 6.0;
-/// The colour of text, bodies and walls.
-pub const INK: &str = "#14171f";
 
 /// The whole document.
 pub fn drawing(picture: &Picture) -> String {
     let frame = Frame::new(picture);
-    let bar = if picture.signed { Bar::signed(&picture.coloured) } else { Bar::new(&picture.coloured) };
+    let bar = bar(picture);
     let [width, height] = frame.page;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" \
@@ -28,44 +24,22 @@ pub fn drawing(picture: &Picture) -> String {
     );
     svg += &definitions(&frame, &bar);
     let _ = writeln!(svg, "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>");
-    svg += &title(picture, &frame);
+    svg += &words(picture, &frame);
     svg += "<g clip-path=\"url(#box)\">\n";
     svg += &field(picture, &frame, &bar);
     svg += &lines(picture, &frame);
     svg += &ties(picture, &frame);
     svg += &bodies(picture, &frame);
+    svg += &contacts(picture, &frame);
     svg += "</g>\n";
     svg += &edges(picture, &frame);
-    svg += &colour_bar(picture.quantity, &frame, &bar);
+    svg += &axes(picture.axes, picture.size, &frame);
+    svg += &colour_bar(&picture.quantity, &frame, &bar);
     svg + "</svg>\n"
 }
 
-/// Where the box lies on the page, in pixels.
-struct Frame {
-    page: [f64; 2],
-    left: f64,
-    top: f64,
-    size: [f64; 2],
-    scale: f64,
-}
-
-impl Frame {
-    fn new(picture: &Picture) -> Self {
-        let top = if picture.title.is_empty() { SIDE } else { 58.0 };
-        let room = [LARGEST[0] - SIDE - BAR_ROOM, LARGEST[1] - top - SIDE];
-        let scale = (room[0] / picture.size[0]).min(room[1] / picture.size[1]);
-        let size = picture.size.map(|length| (length * scale).max(1.0));
-        Frame { page: [size[0] + SIDE + BAR_ROOM, size[1] + top + SIDE].map(f64::ceil), left: SIDE, top, size, scale }
-    }
-
-    fn place(&self, x: Point) -> Point {
-        [self.left + x[0] * self.scale, self.top + self.size[1] - x[1] * self.scale]
-    }
-
-    /// The attributes of a rectangle that covers the box.
-    fn rectangle(&self) -> String {
-        format!("x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"", self.left, self.top, self.size[0], self.size[1])
-    }
+fn bar(picture: &Picture) -> Bar {
+    if picture.signed { Bar::signed(&picture.coloured, picture.least) } else { Bar::new(&picture.coloured, picture.least) }
 }
 
 fn definitions(frame: &Frame, bar: &Bar) -> String {
@@ -79,14 +53,26 @@ fn definitions(frame: &Frame, bar: &Bar) -> String {
     )
 }
 
-fn title(picture: &Picture, frame: &Frame) -> String {
-    if picture.title.is_empty() {
-        return String::new();
+/// Title, subtitle and legend.
+fn words(picture: &Picture, frame: &Frame) -> String {
+    let fitting = |text: &str, largest: f64| (1.75 * (frame.page[0] - 2.0 * SIDE) / text.chars().count().max(1) as f64).clamp(6.0, largest);
+    let mut text = String::new();
+    if !picture.title.is_empty() {
+        let (font, title) = (fitting(&picture.title, 19.0), escaped(&picture.title));
+        let _ = writeln!(text, "<text x=\"{SIDE}\" y=\"34\" font-size=\"{font:.1}\" font-weight=\"600\">{title}</text>");
     }
-    let letters = picture.title.chars().count() as f64;
-    let font = (1.75 * (frame.page[0] - 2.0 * SIDE) / letters).clamp(6.0, 19.0);
-    let text = escaped(&picture.title);
-    format!("<text x=\"{:.1}\" y=\"36\" font-size=\"{font:.1}\" font-weight=\"600\">{text}</text>\n", frame.left)
+    if !picture.subtitle.is_empty() {
+        let (font, subtitle) = (fitting(&picture.subtitle, 14.0), escaped(&picture.subtitle));
+        let _ = writeln!(text, "<text x=\"{SIDE}\" y=\"58\" font-size=\"{font:.1}\" fill-opacity=\"0.75\">{subtitle}</text>");
+    }
+    let mut right = frame.page[0] - SIDE;
+    for (group, name) in picture.legend.iter().take(MOST_IN_LEGEND).rev() {
+        right -= 24.0 + 6.6 * name.chars().count() as f64;
+        let (fill, name) = (hexadecimal(distinct(*group)), escaped(name));
+        let _ = writeln!(text, "<circle cx=\"{:.1}\" cy=\"53.5\" r=\"5\" fill=\"{fill}\"/>", right + 5.0);
+        let _ = writeln!(text, "<text x=\"{:.1}\" y=\"58\" font-size=\"12.5\">{name}</text>", right + 14.0);
+    }
+    text
 }
 
 /// A text as the content of an SVG element.
@@ -96,13 +82,17 @@ pub fn escaped(text: &str) -> String {
 }
 
 fn field(picture: &Picture, frame: &Frame, bar: &Bar) -> String {
-    let density = RASTER_WIDTH / (LARGEST[0] - SIDE - BAR_ROOM);
+    let density = RASTER_WIDTH / (LARGEST[0] - AXIS[0] - BAR_ROOM);
     let pixels = frame.size.map(|length| (length * density).round().max(1.0) as usize);
     let image = raster::data_uri(picture, pixels, bar);
     format!("<image {} preserveAspectRatio=\"none\" href=\"{image}\"/>\n", frame.rectangle())
 }
 
 fn lines(picture: &Picture, frame: &Frame) -> String {
+    let moves = |velocity: &Point| velocity[0].hypot(velocity[1]) > picture.least_speed;
+    if !picture.velocity.iter().any(moves) {
+        return String::new();
+    }
     let lines = streamlines(picture);
     let strokes: String = lines.iter().flat_map(|line| pieces(picture, line)).map(|piece| path(&piece, frame)).collect();
     let heads: String = lines.iter().flat_map(|line| arrows(picture, frame, line)).collect();
@@ -145,12 +135,25 @@ fn arrow(before: Point, tip: Point, length: f64) -> String {
 }
 
 fn ties(picture: &Picture, frame: &Frame) -> String {
+    let lines = strokes(picture.ties(&picture.bonds), frame);
+    if lines.is_empty() { lines } else { format!("<g fill=\"none\" stroke=\"{INK}\">\n{lines}</g>\n") }
+}
+
+/// Colour of contact forces, light and dark.
+const FORCE: &str = "#ff5a1f";
+
+fn contacts(picture: &Picture, frame: &Frame) -> String {
+    let lines = strokes(picture.ties(&picture.contacts), frame);
+    let style = format!("<g fill=\"none\" stroke=\"{FORCE}\" stroke-linecap=\"round\">");
+    if lines.is_empty() { lines } else { format!("{style}\n{lines}</g>\n") }
+}
+
+fn strokes(lines: Vec<([Point; 2], f64)>, frame: &Frame) -> String {
     let line = |(ends, width): ([Point; 2], f64)| {
         let width = (width * frame.scale).max(0.5);
         format!("<path d=\"{}\" stroke-width=\"{width:.1}\"/>\n", path(&ends, frame))
     };
-    let lines: String = picture.ties().into_iter().map(line).collect();
-    if lines.is_empty() { lines } else { format!("<g fill=\"none\" stroke=\"{INK}\">\n{lines}</g>\n") }
+    lines.into_iter().map(line).collect()
 }
 
 /// Most bodies that are drawn as circles; more of them become an image of a pixel a pixel.
@@ -158,7 +161,7 @@ const MOST_CIRCLES: usize = 10_000;
 
 fn bodies(picture: &Picture, frame: &Frame) -> String {
     let disks = picture.disks();
-    if disks.len() > MOST_CIRCLES { crowd(&disks, frame) } else { circles(&disks, frame) }
+    if disks.len() > MOST_CIRCLES { crowd(&disks, frame) } else { circles(&disks, picture.least_speed, frame) }
 }
 
 /// Bodies too many to be told apart.
@@ -166,20 +169,20 @@ fn crowd(disks: &[Disk], frame: &Frame) -> String {
     let pixels = frame.size.map(|length| length.round().max(1.0) as usize);
     let place = |disk: &Disk| {
         let [x, y] = frame.place(disk.center);
-        ([x - frame.left, y - frame.top], disk.radius * frame.scale)
+        ([x - frame.left, y - frame.top], disk.radius * frame.scale, disk.group.map(distinct))
     };
     let image = raster::disks_uri(disks.iter().map(place), pixels);
     format!("<image {} preserveAspectRatio=\"none\" href=\"{image}\"/>\n", frame.rectangle())
 }
 
-fn circles(disks: &[Disk], frame: &Frame) -> String {
+fn circles(disks: &[Disk], least_speed: f64, frame: &Frame) -> String {
     let largest = disks.iter().map(|disk| disk.radius * frame.scale).fold(0.0, f64::max);
     let outline = (0.08 * largest).clamp(0.25, 1.2);
-    let fastest = disks.iter().map(speed).filter(|speed| speed.is_finite()).fold(0.0, f64::max);
+    let fastest = disks.iter().map(speed).filter(|speed| speed.is_finite()).fold(least_speed, f64::max);
     let mut text = format!("<g fill=\"{INK}\" stroke=\"#ffffff\" stroke-opacity=\"0.85\" stroke-width=\"{outline:.2}\">\n");
     for disk in disks {
         let [x, y] = frame.place(disk.center);
-        let fill = disk.chain.map_or(String::new(), |chain| format!(" fill=\"{}\"", hexadecimal(distinct(chain))));
+        let fill = disk.group.map_or(String::new(), |group| format!(" fill=\"{}\"", hexadecimal(distinct(group))));
         let _ = writeln!(text, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{:.1}\"{fill}/>", disk.radius * frame.scale);
     }
     let ticks: String = disks.iter().filter_map(|disk| tick(disk, frame, fastest)).collect();
@@ -204,16 +207,16 @@ fn speed(disk: &Disk) -> f64 {
 fn edges(picture: &Picture, frame: &Frame) -> String {
     let [width, height] = frame.size;
     let mut text = format!("<rect {} fill=\"none\" stroke=\"{INK}\" stroke-opacity=\"0.55\" stroke-width=\"0.8\"/>\n", frame.rectangle());
-    let reach = picture.periodic.map(|periodic| if periodic { 0.4 } else { WALL });
+    let reach = picture.walls.map(|wall| if wall { WALL } else { 0.4 });
     let mut wall = |x: f64, y: f64, size: Point| {
         let [x, y] = [frame.left + x, frame.top + y];
         let _ = writeln!(text, "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{:.1}\"/>", size[0], size[1]);
     };
-    if !picture.periodic[0] {
+    if picture.walls[0] {
         let size = [WALL, height + 2.0 * reach[1]];
         [-WALL, width].into_iter().for_each(|x| wall(x, -reach[1], size));
     }
-    if !picture.periodic[1] {
+    if picture.walls[1] {
         let size = [width + 2.0 * reach[0], WALL];
         [-WALL, height].into_iter().for_each(|y| wall(-reach[0], y, size));
     }
@@ -221,7 +224,7 @@ fn edges(picture: &Picture, frame: &Frame) -> String {
 }
 
 fn colour_bar(quantity: &str, frame: &Frame, bar: &Bar) -> String {
-    let [x, y] = [frame.left + frame.size[0] + 24.0, frame.top];
+    let [x, y] = [frame.left + frame.size[0] + 26.0, frame.top];
     let height = frame.size[1];
     let mut text = format!(
         "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"14\" height=\"{height:.1}\" fill=\"url(#colours)\" stroke=\"{INK}\" \
@@ -235,7 +238,12 @@ fn colour_bar(quantity: &str, frame: &Frame, bar: &Bar) -> String {
     let letters = bar.ticks.iter().map(|&tick| bar.label(tick).len()).max().unwrap_or(0);
     let [x, y] = [x + 42.0 + 7.5 * letters as f64, y + height / 2.0];
     let unit = power(bar.exponent);
-    let _ = writeln!(text, "<text transform=\"translate({x:.1} {y:.1}) rotate(-90)\" text-anchor=\"middle\">{quantity}{unit}</text>\n</g>");
+    let font = (1.8 * frame.page[1] / quantity.chars().count() as f64).clamp(7.0, 13.5);
+    let quantity = escaped(quantity);
+    let _ = writeln!(
+        text,
+        "<text transform=\"translate({x:.1} {y:.1}) rotate(-90)\" text-anchor=\"middle\" font-size=\"{font:.1}\">{quantity}{unit}</text>\n</g>"
+    );
     text
 }
 
@@ -317,7 +325,7 @@ mod tests {
     #[test]
     fn bodies_of_one_chain_have_one_colour_and_others_are_dark() {
         let mut picture = uniform_flow([1.0, 0.2]);
-        let chained = |x: f64, chain: usize| Disk { chain: Some(chain), ..disk([x, 0.5], 0.1) };
+        let chained = |x: f64, chain: usize| Disk { group: Some(chain), ..disk([x, 0.5], 0.1) };
         picture.bodies = vec![chained(0.3, 0), chained(0.6, 0), chained(1.2, 1), disk([1.6, 0.5], 0.1)];
         let text = text(&picture);
         let fills: Vec<&str> =
@@ -340,8 +348,13 @@ mod tests {
 
     #[test]
     fn walls_lie_along_the_edges_that_do_not_repeat() {
-        let count = |periodic| {
-            edges(&Picture { periodic, ..uniform_flow([1.0, 0.0]) }, &Frame::new(&uniform_flow([1.0, 0.0]))).matches("<rect").count()
+        let count = |periodic: [bool; 2]| {
+            edges(
+                &Picture { walls: periodic.map(|periodic| !periodic), ..uniform_flow([1.0, 0.0]) },
+                &Frame::new(&uniform_flow([1.0, 0.0])),
+            )
+            .matches("<rect")
+            .count()
         };
         assert_eq!([[true, true], [true, false], [false, false]].map(count), [1, 3, 5]);
     }

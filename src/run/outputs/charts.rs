@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::{
     error::Result,
-    output::{Chart, CurvePoint, Scale, Series, Summary, effort_chart},
+    output::{Band, Chart, CurvePoint, MeanViscosity, Notes, Scale, Series, Summary, effort_chart},
     run::{Evaluated, Output},
 };
 
@@ -27,7 +27,8 @@ impl<const D: usize> Output<D> for ViscosityChart {
         if seen.world.max(points.len() as f64) < 2.0 {
             return Ok(Vec::new());
         }
-        let chart = viscosity_chart(seen.scene.shown_title(), points).svg();
+        let notes = Notes { band: seen.history.mean().map(band), ..Notes::default() };
+        let chart = viscosity_chart(seen.scene.shown_title(), points).annotated(&notes);
         Ok(vec![seen.write_file(&self.folder, "viscosity.svg", chart.as_bytes())?])
     }
 }
@@ -41,18 +42,40 @@ impl<const D: usize> Output<D> for EffortChart {
     }
 }
 
+/// The mean over the steady part.
+fn band(mean: &MeanViscosity) -> Band {
+    Band {
+        from_to: mean.strains,
+        mean: mean.relative,
+        interval: mean.interval,
+        name: format!("mean {:.4} \u{b1} {:.1e} (95 %)", mean.relative, mean.half_width()),
+        left_out: "left out of the mean".into(),
+    }
+}
+
 fn viscosity_chart(title: &str, curve: &[CurvePoint]) -> Chart {
     let series = |name: &str, value: fn(&CurvePoint) -> f64| Series {
         name: name.into(),
-        points: curve.iter().map(|point| (point.strain, value(point))).collect(),
+        points: curve.iter().map(|point| (point.strain.abs(), value(point))).collect(),
     };
     let mut all = vec![series("total", CurvePoint::relative)];
-    let lubricated = curve.iter().any(|point| point.lubrication.is_some());
-    if lubricated || curve.iter().any(|point| point.contact.is_some_and(|contact| contact != 0.0)) {
+    let parts: [(&str, fn(&CurvePoint) -> Option<f64>); 5] = [
+        ("lubrication", |point| point.lubrication),
+        ("forces at a distance", |point| point.interaction),
+        ("bonds", |point| point.bonds),
+        ("inertia", |point| point.reynolds),
+        ("contacts", |point| point.contact),
+    ];
+    let there = parts.into_iter().filter(|(_, part)| curve.iter().any(|point| part(point).is_some_and(|part| part != 0.0)));
+    let there: Vec<Series> = there
+        .map(|(name, part)| Series {
+            name: name.into(),
+            points: curve.iter().map(|point| (point.strain.abs(), part(point).unwrap_or(f64::NAN))).collect(),
+        })
+        .collect();
+    if !there.is_empty() {
         all.push(series("flow", |point| point.hydrodynamic));
-    }
-    if lubricated {
-        all.push(series("lubrication", |point| point.lubrication.unwrap_or(0.0)));
+        all.extend(there);
     }
     Chart { title: title.into(), x: "strain".into(), y: "relative viscosity".into(), scale: Scale::Linear, series: all }
 }

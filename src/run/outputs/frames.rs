@@ -8,12 +8,11 @@ use std::{
 
 use nalgebra::SVector;
 
+use super::fields::FlowFields;
 use crate::{
     contact::{Contact, Identity, bodies_of, renamed},
     error::Result,
-    grid::operators::signed,
-    observe::{CellCenters, CellVorticity, inside},
-    output::{Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameFields, FrameMembranes, Frames, Summary, note},
+    output::{Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameMembranes, Frames, Summary, note},
     parallel::World,
     run::{Evaluated, EvaluatedMotion, Output},
     scene::{ContactModel, Scene},
@@ -24,19 +23,17 @@ use crate::{
 const ROUNDING: f64 = 1e-9;
 
 /// Files that show the frames.
-const INDICES: [&str; 6] = ["run.h5", "bodies.xdmf", "contacts.xdmf", "bonds.xdmf", "membranes.xdmf", "fields.xdmf"];
+pub const INDICES: [&str; 6] = ["run.h5", "bodies.xdmf", "contacts.xdmf", "bonds.xdmf", "membranes.xdmf", "fields.xdmf"];
 
 /// The frames of a run.
 pub struct FrameFiles<const D: usize> {
     folder: PathBuf,
     frames: Frames,
     every: f64,
-    /// Whether the scene asks for frames more often than steps come, and nobody was told yet.
+    /// Whether the scene asks for frames at certain times, and nobody was told yet that they come later.
     eager: bool,
-    /// Present if frames hold fields; made anew where images slide.
-    centers: Option<CellCenters<D>>,
-    /// Present if they hold the vorticity too.
-    vorticity: Option<CellVorticity<D>>,
+    /// Present if frames hold fields.
+    fields: Option<FlowFields<D>>,
     contact: ContactModel,
 }
 
@@ -54,62 +51,45 @@ impl<const D: usize> FrameFiles<D> {
                 frames
             }
         };
-        let (mut centers, mut vorticity) = (None, None);
-        if let Some(suspension) = simulation.suspension().filter(|_| scene.output.fields) {
-            let (grid, fluid) = (suspension.grid(), suspension.fluid_vector()?);
-            centers = Some(CellCenters::new(grid, &fluid)?);
-            vorticity = scene.output.stores_vorticity().then(|| CellVorticity::new(grid, &fluid)).transpose()?;
-        }
+        let suspension = simulation.suspension().filter(|_| scene.output.fields);
+        let fields = suspension.map(|flow| FlowFields::new(scene, flow.grid(), &flow.fluid_vector()?)).transpose()?;
         let (folder, eager) = (folder.to_owned(), scene.output.every.is_some() && world.rank() == 0);
-        Ok(FrameFiles { folder, frames, every: scene.frame_interval(), eager, centers, vorticity, contact: scene.contact.model })
+        Ok(FrameFiles { folder, frames, every: scene.frame_interval(), eager, fields, contact: scene.contact.model })
     }
 
-    fn due(&self, motion: &EvaluatedMotion<D>) -> bool {
-        let state = motion.state();
-        let number = |time: f64| (time / self.every + ROUNDING).floor();
-        state.steps == 0 || motion.last || number(state.time) > number(state.time - state.last_step)
+    /// Says once that frames come later than the scene asks for: with the first step that reaches a multiple of its time between frames.
+    fn tell_of_steps(&mut self, state: &State<D>, sheared: bool) {
+        let (every, time) = (self.every, state.time);
+        let late = time - (time / every + ROUNDING).floor() * every;
+        if !self.eager || state.steps == 0 || late <= ROUNDING.max(1e-6) * every {
+            return;
+        }
+        self.eager = false;
+        let why = if sheared { "; steps of a sheared box are whole numbers of the time in which its images slide by a cell" } else { "" };
+        let often = if state.last_step > every * (1.0 + ROUNDING) { " and no more often than steps" } else { "" };
+        note(&format!(
+            "turbid: output.every = {every}: frames come with the first step at or after each multiple of it{often}, this one at time {time} instead of \
+             {}{why}; a time.step that divides output.every keeps it exactly, shorter steps more nearly",
+            time - late
+        ));
     }
+}
 
-    /// Says once that frames cannot come as often as the scene asks for.
-    fn tell_of_long_steps(&mut self, state: &State<D>) {
-        let (every, step) = (self.every, state.last_step);
-        if self.eager && step > every * (1.0 + ROUNDING) {
-            self.eager = false;
-            note(&format!(
-                "turbid: output.every = {every}: the step to time {} is {step} long, and frames come no more often than steps; \
-                 shorten them by time.step or time.travel for more",
-                state.time
-            ));
-        }
-    }
-
-    /// The fluid of this rank, if frames hold it; collective.
-    fn fields<'a>(&mut self, seen: &Evaluated<'a, D>, motion: &EvaluatedMotion<D>) -> Result<Option<FrameFields<'a, D>>> {
-        let (Some(centers), Some(flow)) = (&mut self.centers, seen.flow) else { return Ok(None) };
-        let (grid, setup, fluid) = (flow.solver.grid(), flow.solver.setup(), &flow.solution.fluid);
-        if motion.domain().slide().is_some() {
-            *centers = CellCenters::new(grid, fluid)?;
-            if let Some(vorticity) = &mut self.vorticity {
-                *vorticity = CellVorticity::new(grid, fluid)?;
-            }
-        }
-        let mut velocity = centers.velocity(fluid)?;
-        for (index, velocity) in grid.block(D).indices().zip(&mut velocity) {
-            *velocity += setup.drive.background(&grid.position(D, signed(index)));
-        }
-        let pressure = fluid.local()?[grid.local_range(D)].iter().map(|pressure| pressure * setup.viscosity).collect();
-        let vorticity = self.vorticity.as_mut().map(|vorticity| vorticity.evaluate(grid, fluid, &setup.drive)).transpose()?;
-        let inside = inside(grid, &motion.state().balls(motion.simulation.radii()));
-        Ok(Some(FrameFields { grid, velocity, pressure, inside, vorticity }))
-    }
+/// Whether a frame is due, of frames that are so far apart.
+pub fn frame_due<const D: usize>(motion: &EvaluatedMotion<D>, every: f64) -> bool {
+    let state = motion.state();
+    let number = |time: f64| (time / every + ROUNDING).floor();
+    state.steps == 0 || motion.last || number(state.time) > number(state.time - state.last_step)
 }
 
 impl<const D: usize> Output<D> for FrameFiles<D> {
     fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
         let Some(motion) = seen.motion else { return Ok(()) };
-        self.tell_of_long_steps(motion.state());
-        if !self.due(&motion) {
+        if !frame_due(&motion, self.every) {
             return Ok(());
+        }
+        if !motion.last {
+            self.tell_of_steps(motion.state(), motion.domain().slide().is_some());
         }
         let state = motion.state();
         let written = state.written(seen.world);
@@ -117,7 +97,11 @@ impl<const D: usize> Output<D> for FrameFiles<D> {
         let ties = Ties::of(&motion, &written);
         let (bonds, membranes) = (ties.as_ref().map(Ties::bonds), ties.as_ref().and_then(Ties::membranes));
         let bodies = motion.bodies(written.clone());
-        let fields = self.fields(seen, &motion)?;
+        let balls = || state.balls(motion.simulation.radii());
+        let fields = match (&mut self.fields, seen.flow) {
+            (Some(fields), Some(flow)) => Some(fields.of(flow, motion.domain(), &balls())?),
+            _ => None,
+        };
         let contacts = contacts.as_deref();
         let (time, step, domain, bonds, membranes) = (state.time, state.steps, motion.domain(), bonds.as_deref(), membranes.as_ref());
         self.frames.write(seen.world, &Frame { time, step, domain, bodies: &bodies, contacts, bonds, membranes, fields })

@@ -2,13 +2,20 @@
 
 mod charts;
 mod checkpoint;
+mod fields;
 mod forces;
 mod frames;
+mod instant;
+pub mod log;
+mod means;
 mod pairs;
 mod picture;
 mod probe;
+mod profiles;
 mod progress;
+mod report;
 mod series;
+mod settling;
 mod step_table;
 
 use std::path::Path;
@@ -33,11 +40,22 @@ pub fn outputs<const D: usize>(
     simulation: Option<&Simulation<D>>,
 ) -> Result<(Outputs<D>, Vec<CurvePoint>)> {
     let path = || folder.to_owned();
+    let began = simulation.filter(|simulation| simulation.state().steps > 0).map(|simulation| simulation.state().time);
+    let log: Box<dyn Output<D>> = Box::new(log::RunLog::open(world, folder, began, scene.end())?);
     let probe = scene.output.probe.map(|points| Box::new(probe::ProbeFile { folder: path(), points }) as Box<dyn Output<D>>);
     let picture = scene.output.picture.then(|| Box::new(picture::PictureFile { folder: path() }) as Box<dyn Output<D>>);
     let pairs = scene.output.pairs.then(|| Box::new(pairs::PairFiles { folder: path() }) as Box<dyn Output<D>>);
+    let time = simulation.map_or(0.0, |simulation| simulation.state().time);
+    let profiles = match scene.output.profiles.is_empty() {
+        true => None,
+        false => Some(Box::new(profiles::ProfileFiles::open(world, scene, folder, time)?) as Box<dyn Output<D>>),
+    };
+    // last, since it shows what the others have written
+    let report = scene.output.report.then(|| Box::new(report::ReportFile::new(world, scene, folder)) as Box<dyn Output<D>>);
     let Some(simulation) = simulation else {
-        return Ok((picture.into_iter().chain(probe).chain(pairs).collect(), Vec::new()));
+        let frame = scene.output.fields.then(|| Box::new(instant::InstantFrame { folder: path() }) as Box<dyn Output<D>>);
+        let all = picture.into_iter().chain(frame).chain(probe).chain(pairs).chain(profiles).chain([log]).chain(report);
+        return Ok((all.collect(), Vec::new()));
     };
     let (series, points) = series::SeriesFile::open(world, folder, simulation.state().steps)?;
     let mut all: Outputs<D> = vec![
@@ -53,6 +71,9 @@ pub fn outputs<const D: usize>(
     if scene.output.picture {
         all.push(Box::new(charts::EffortChart { folder: path() }));
     }
-    all.extend(picture.into_iter().chain(pairs));
+    if scene.gravity.is_some() {
+        all.push(Box::new(settling::MeanSettling { folder: path() }));
+    }
+    all.extend(picture.into_iter().chain(pairs).chain(profiles).chain([log]).chain(report));
     Ok((all, points))
 }

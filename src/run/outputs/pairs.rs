@@ -49,7 +49,8 @@ impl<const D: usize> Output<D> for PairFiles {
         if seen.world.max(f64::from(distribution.is_some())) == 0.0 {
             return Ok(Vec::new());
         }
-        let files = distribution.as_ref().map_or([("pairs.csv", vec![]), ("pairs.json", vec![])], |(found, _)| pair_files(found));
+        let nothing = || ["pairs.csv", "pairs.json", "pairs.svg"].map(|name| (name, Vec::new()));
+        let files = distribution.as_ref().map_or_else(nothing, |(found, _)| pair_files(seen.scene.shown_title(), found));
         summary.pairs = distribution.map(|(found, from_time)| PairSummary {
             coordination: found.coordination,
             configurations: found.configurations,
@@ -57,6 +58,16 @@ impl<const D: usize> Output<D> for PairFiles {
         });
         files.iter().map(|(name, bytes)| seen.write_file(&self.folder, name, bytes)).collect()
     }
+}
+
+/// The time from which frames of a run until `end` count: where the steady part of its viscosity begins, or else its second half. Collective.
+pub fn steady_from<const D: usize>(world: &World, shear: Option<&Shear<D>>, end: f64, mean: Option<&MeanViscosity>) -> f64 {
+    let begin = match (shear, mean) {
+        (Some(shear), Some(mean)) => mean.strains[0] / shear.rate.abs(),
+        _ => START_UP * end,
+    };
+    // the mean is known to the first rank only
+    world.gather(&[begin])[0]
 }
 
 impl<const D: usize> Bodies<'_, D> {
@@ -67,12 +78,7 @@ impl<const D: usize> Bodies<'_, D> {
     /// Over the frames of a run until `end`: those of the steady part of its viscosity, or else of its second half; and the time of the first.
     /// Ranks read frames in turn, one at a time. Collective.
     fn over_frames(&self, world: &World, folder: &Path, end: f64, mean: Option<&MeanViscosity>) -> Result<Option<(PairDistribution, f64)>> {
-        let begin = match (&self.shear, mean) {
-            (Some(shear), Some(mean)) => mean.strains[0] / shear.rate.abs(),
-            _ => START_UP * end,
-        };
-        // the mean is known to the first rank only
-        let begin = world.gather(&[begin])[0];
+        let begin = steady_from(world, self.shear.as_ref(), end, mean);
         let mut counts = self.counts();
         let first = world.agree(self.count_own(world, folder, begin, &mut counts))?;
         counts.sum(world);

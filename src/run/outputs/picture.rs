@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use crate::{
     error::Result,
-    observe::{Plane, picture},
+    observe::{Plane, picture, species_of},
     output::Summary,
     run::{Evaluated, Output},
+    scene::Colour,
 };
 
 /// Width in pixels of the picture of dry bodies.
@@ -22,13 +23,22 @@ impl<const D: usize> Output<D> for PictureFile {
     fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
         let (name, bytes) = match (&seen.flow, &seen.motion) {
             (Some(flow), _) => {
-                let cut = picture(seen.scene.shown_title(), flow.solver, flow.solution, seen.scene.output.colour)?;
+                let lines = seen.motion.as_ref().map_or(Vec::new(), |motion| motion.force_lines());
+                let time = seen.motion.as_ref().map(|motion| motion.state().time);
+                let cut = picture(seen.scene, flow.solver, flow.solution, time, &lines)?;
                 ("picture.svg", cut.svg().into_bytes())
             }
             (None, Some(motion)) => {
                 let plane = Plane::of(seen.scene);
-                let chains = motion.simulation.interactions().group_of();
-                let still = plane.frame(motion.state().time, motion.bodies_on_first_rank(seen.world), &chains, None);
+                let bodies = motion.bodies_on_first_rank(seen.world);
+                let groups = match seen.scene.output.colour {
+                    Colour::Species => species_of(&bodies.iter().map(|body| body.radius).collect::<Vec<_>>()),
+                    _ => motion.simulation.interactions().group_of(),
+                };
+                let mut still = plane.frame(motion.state().time, bodies, &groups, None);
+                if D == 2 {
+                    still.contacts = motion.lines_on_first_rank(seen.world, plane.axes());
+                }
                 ("picture.png", plane.film(seen.scene).apng(WIDTH, 1.0, vec![still]))
             }
             (None, None) => return Ok(Vec::new()),

@@ -5,9 +5,10 @@ use std::{
     time::Instant,
 };
 
-use nalgebra::SMatrix;
-
-use super::step_table::{Cell, StepTable, absent, count, real};
+use super::{
+    means::{mean_motion, of_stress, upper_triangle},
+    step_table::{Cell, StepTable, absent, count, real},
+};
 use crate::{
     contact::Solver,
     error::Result,
@@ -48,6 +49,8 @@ impl<const D: usize> Output<D> for SeriesFile {
         row.extend(of_chains(motion.simulation));
         row.extend(seen.flow.map_or(Vec::new(), |flow| of_membranes(flow.solver.setup(), motion.state())));
         row.extend(of_clusters(seen.world, motion.simulation));
+        row.extend(mean_motion(seen, motion));
+        row.extend(seen.viscosity.map_or(Vec::new(), |viscosity| of_stress::<D>(&viscosity)));
         row.push(real("seconds", seconds));
         seen.world.agree(self.rows.as_mut().map_or(Ok(()), |rows| rows.write(&row)))
     }
@@ -123,12 +126,6 @@ fn of_clusters<const D: usize>(world: &World, simulation: &Simulation<D>) -> Vec
     mean_orientation(world, simulation.interactions(), simulation.state()).map_or(Vec::new(), cells)
 }
 
-/// The entries of a symmetric matrix with the names of those in space.
-fn upper_triangle<const D: usize>(names: &[&'static str; 6], matrix: &SMatrix<f64, D, D>) -> impl Iterator<Item = (&'static str, f64)> {
-    let places = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().zip(*names).filter(|((_, column), _)| *column < D);
-    places.map(|(place, name)| (name, matrix[place]))
-}
-
 /// The cells of the row of an instant and of the step that led there.
 fn cells<const D: usize>(
     motion: &EvaluatedMotion<D>,
@@ -170,6 +167,8 @@ fn gap(value: f64) -> Cell {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use nalgebra::SMatrix;
+
     use super::*;
     use crate::observe::NormalStresses;
 
@@ -183,6 +182,7 @@ mod tests {
             bonds: None,
             reynolds: None,
             contact: 0.25,
+            stress: SMatrix::zeros(),
             normal,
             from_walls: None,
         };

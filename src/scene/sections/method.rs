@@ -37,7 +37,7 @@ pub(in crate::scene) const KEYS: [Key; 6] = [
         "What solves for the fluid of the empty box: algebraic multigrid for \
         any box, transforms where walls lie across one axis at most, or the faster one that fits.",
     )
-    .default("\"hypre\""),
+    .default("\"auto\""),
     Key::new(
         "tolerance",
         "\"auto\" or a number",
@@ -226,7 +226,7 @@ impl Tolerance {
 
 impl Default for MethodSection {
     fn default() -> Self {
-        MethodSection { constraint: ConstraintMethod::Sharp, inverse: Some(InverseMethod::Hypre), tolerance: Tolerance::Auto }
+        MethodSection { constraint: ConstraintMethod::Sharp, inverse: None, tolerance: Tolerance::Auto }
     }
 }
 

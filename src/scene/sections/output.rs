@@ -11,14 +11,23 @@ const FEWEST_POINTS: u64 = 2;
 const MOST_POINTS: usize = 1000;
 
 /// Keys of `[output]`.
-pub(in crate::scene) const KEYS: [Key; 9] = [
+pub(in crate::scene) const KEYS: [Key; 13] = [
     Key::new("picture", "true or false", "false", "Whether a picture of the end is drawn.").default("true"),
+    Key::new("report", "true or false", "false", "Whether a page of the run, report.html, is written and renewed while it runs.")
+        .default("true"),
+    Key::new("plane", "\"xy\", \"xz\" or \"yz\"", "\"xz\"", "The axes that point right and up in pictures of a scene in three dimensions.")
+        .default("the plane that shows gravity, or else the shear")
+        .needs("domain.size = [8.0, 8.0, 8.0]"),
+    Key::new("plane_at", "number", "2.0", "Where that plane cuts the axis across it.")
+        .unit("length")
+        .default("the middle of the box")
+        .needs("domain.size = [8.0, 8.0, 8.0]"),
     Key::new(
         "colour",
-        "\"speed\", \"vorticity\" or \"chain\"",
+        "\"speed\", \"vorticity\", \"chain\" or \"species\"",
         "\"vorticity\"",
         "What colours the picture and animations: the speed, the \
-        vorticity of the fluid (bodies dark), or bodies by the chain, cell or cluster that they belong to.",
+        vorticity of the fluid (bodies dark), or bodies by the chain, cell or cluster that they belong to, or by their radius (species).",
     )
     .default("\"speed\""),
     Key::new("every", "number", "0.01", "Time between frames.")
@@ -59,6 +68,13 @@ pub(in crate::scene) const KEYS: [Key; 9] = [
     )
     .default("false"),
     Key::new(
+        "profiles",
+        "\"x\", \"y\", \"z\", or a list of them",
+        "\"y\"",
+        "Axes across which profiles are measured: velocity, solid fraction and stress, \
+        with intervals.",
+    ),
+    Key::new(
         "reference_velocity",
         "list of numbers",
         "[1.0, 0.0]",
@@ -78,6 +94,12 @@ pub const MOST_WITH_FORCES: usize = 16;
 pub struct OutputSection {
     /// Whether a picture of the flow is written.
     pub picture: bool,
+    /// Whether a page of the run is written, and renewed while it runs.
+    pub report: bool,
+    /// The axes that point right and up in pictures of a scene in three dimensions; absent means such that they show gravity, or else the shear.
+    pub plane: Option<[usize; 2]>,
+    /// Where that plane cuts the axis across it; absent means in the middle of the box.
+    pub plane_at: Option<f64>,
     /// What colours the flow in the picture and in an animation.
     pub colour: Colour,
     /// Time between frames, positive; absent means a hundredth of `time.end`.
@@ -92,6 +114,8 @@ pub struct OutputSection {
     pub probe: Option<usize>,
     /// Whether the distribution of pairs is measured.
     pub pairs: bool,
+    /// Axes across which profiles are measured, each once.
+    pub profiles: Vec<usize>,
     /// Velocity of the stream to which forces on bodies whose motion is given are referred, not zero; absent means no coefficients of drag and lift.
     pub reference_velocity: Option<Vec<f64>>,
 }
@@ -105,12 +129,17 @@ pub enum Colour {
     Vorticity,
     /// The speed of the fluid, and bodies by the chain, cell or cluster that they belong to.
     Chain,
+    /// The speed of the fluid, and bodies by their species: those of one radius are of one.
+    Species,
 }
 
 impl Default for OutputSection {
     fn default() -> Self {
         OutputSection {
             picture: true,
+            report: true,
+            plane: None,
+            plane_at: None,
             colour: Colour::Speed,
             every: None,
             fields: true,
@@ -118,6 +147,7 @@ impl Default for OutputSection {
             checkpoint: 600.0,
             probe: None,
             pairs: false,
+            profiles: Vec::new(),
             reference_velocity: None,
         }
     }
@@ -132,12 +162,15 @@ impl OutputSection {
     pub(in crate::scene) fn read(root: &Table, dimension: usize, model: FlowModel) -> Result<Self> {
         let table = root.section("output", &KEYS)?;
         if root.get("time").is_none() {
-            refuse_frames(&table)?;
+            refuse_frames(&table, model)?;
         }
-        let default = OutputSection::default();
+        let default = OutputSection { fields: root.get("time").is_some(), ..OutputSection::default() };
         let fields = table.get("fields").map(|entry| read_fields(&entry, model)).transpose()?;
         Ok(OutputSection {
             picture: table.get("picture").map_or(Ok(default.picture), |entry| entry.flag())?,
+            report: table.get("report").map_or(Ok(default.report), |entry| entry.flag())?,
+            plane: table.get("plane").map(|entry| read_plane(&entry, dimension)).transpose()?,
+            plane_at: table.get("plane_at").map(|entry| read_plane_at(&entry, dimension)).transpose()?,
             colour: table.get("colour").map_or(Ok(default.colour), |entry| read_colour(&entry, model))?,
             every: table.get("every").map(|entry| entry.positive()).transpose()?,
             fields: fields.unwrap_or(default.fields && model != FlowModel::None),
@@ -145,16 +178,33 @@ impl OutputSection {
             checkpoint: table.get("checkpoint").map_or(Ok(default.checkpoint), |entry| entry.not_negative())?,
             probe: table.get("probe").map(|entry| read_probe(&entry, model)).transpose()?,
             pairs: table.get("pairs").map_or(Ok(default.pairs), |entry| read_pairs(&entry, model))?,
+            profiles: table.get("profiles").map_or(Ok(Vec::new()), |entry| read_profiles(&entry, dimension, model))?,
             reference_velocity: table.get("reference_velocity").map(|entry| read_reference(&entry, dimension)).transpose()?,
         })
     }
 }
 
-fn refuse_frames(table: &Table) -> Result<()> {
-    match ["every", "fields", "vorticity", "checkpoint"].into_iter().find_map(|name| table.get(name)) {
-        Some(entry) => Err(entry.refuse("an instantaneous solve writes no frames and no checkpoints; add [time] or remove it")),
+fn refuse_frames(table: &Table, model: FlowModel) -> Result<()> {
+    if let Some(entry) = ["every", "checkpoint"].into_iter().find_map(|name| table.get(name)) {
+        return Err(entry.refuse("an instantaneous solve writes one frame at most and no checkpoints; add [time] or remove it"));
+    }
+    match table.get("fields").filter(|_| model == FlowModel::Scalar) {
+        Some(entry) => Err(entry.refuse("a scalar around inclusions has no frame; remove it, and read picture and probe instead")),
         None => Ok(()),
     }
+}
+
+/// Planes of pictures by their words.
+pub(in crate::scene) const PLANES: [(&str, [usize; 2]); 3] = [("xy", [0, 1]), ("xz", [0, 2]), ("yz", [1, 2])];
+
+fn read_plane(entry: &Entry, dimension: usize) -> Result<[usize; 2]> {
+    let plane = entry.choice(&PLANES, &[])?;
+    entry.expect(plane, dimension == 3, "a scene in two dimensions has one plane; remove it")
+}
+
+fn read_plane_at(entry: &Entry, dimension: usize) -> Result<f64> {
+    let place = entry.number()?;
+    entry.expect(place, dimension == 3, "a scene in two dimensions has one plane; remove it")
 }
 
 fn read_probe(entry: &Entry, model: FlowModel) -> Result<usize> {
@@ -172,13 +222,18 @@ fn read_fields(entry: &Entry, model: FlowModel) -> Result<bool> {
 
 impl Colour {
     /// Their words.
-    pub(in crate::scene) const WORDS: [(&str, Colour); 3] =
-        [("speed", Colour::Speed), ("vorticity", Colour::Vorticity), ("chain", Colour::Chain)];
+    pub(in crate::scene) const WORDS: [(&str, Colour); 4] =
+        [("speed", Colour::Speed), ("vorticity", Colour::Vorticity), ("chain", Colour::Chain), ("species", Colour::Species)];
+
+    /// Whether bodies have colours of their own, flow or not.
+    pub fn of_bodies(self) -> bool {
+        matches!(self, Colour::Chain | Colour::Species)
+    }
 }
 
 fn read_colour(entry: &Entry, model: FlowModel) -> Result<Colour> {
     let colour = entry.choice(&Colour::WORDS, &[])?;
-    entry.expect(colour, model.fluid() || colour == Colour::Chain, "only a flow is coloured so; remove it")
+    entry.expect(colour, model.fluid() || colour.of_bodies(), "only a flow is coloured so; remove it")
 }
 
 fn read_vorticity(entry: &Entry, model: FlowModel) -> Result<bool> {
@@ -190,6 +245,19 @@ fn read_reference(entry: &Entry, dimension: usize) -> Result<Vec<f64>> {
     let velocity = entry.vector(dimension)?;
     let moves = velocity.iter().any(|&component| component != 0.0);
     entry.expect(velocity, moves, "must not be 0: drag is the force along it")
+}
+
+fn read_profiles(entry: &Entry, dimension: usize, model: FlowModel) -> Result<Vec<usize>> {
+    let words = &[("x", 0), ("y", 1), ("z", 2)][..dimension];
+    let axes = match entry.value.as_array() {
+        Some(_) => entry.list()?.iter().map(|axis| axis.choice(words, &[])).collect::<Result<Vec<_>>>()?,
+        None => vec![entry.choice(words, &[])?],
+    };
+    let once = (1..axes.len()).all(|place| !axes[..place].contains(&axes[place]));
+    let axes = entry.expect(axes, once, "names an axis twice")?;
+    let axes = entry.expect(axes.clone(), !axes.is_empty(), "must be an axis, as \"y\", or a list of axes")?;
+    let remedy = "inclusions of a scalar (flow.model = \"scalar\") have no profiles; remove it";
+    entry.expect(axes, model != FlowModel::Scalar, remedy)
 }
 
 fn read_pairs(entry: &Entry, model: FlowModel) -> Result<bool> {

@@ -40,6 +40,13 @@ impl PlanReport {
         self.fluid.as_ref().map(|fluid| (fluid.grid_unknowns, fluid.multiplier_unknowns))
     }
 
+    /// Cells of the rank that has the most over the mean; 1 without a grid.
+    pub fn imbalance(&self) -> f64 {
+        let Some(fluid) = &self.fluid else { return 1.0 };
+        let along = |(&cells, &blocks): (&usize, &usize)| cells.div_ceil(blocks) as f64 * blocks as f64 / cells as f64;
+        fluid.cells.iter().zip(&fluid.blocks).map(along).product()
+    }
+
     /// Bytes that it takes on all ranks together.
     pub fn bytes(&self) -> f64 {
         self.bytes

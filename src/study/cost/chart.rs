@@ -39,7 +39,7 @@ pub fn svg(findings: &Findings) -> String {
         scale: Scale::Logarithmic,
         series,
     };
-    chart.annotated(&Notes { marks, levels, bars: Vec::new() })
+    chart.annotated(&Notes { marks, levels, ..Notes::default() })
 }
 
 /// Points of settings that differ in the grid alone, joined from the coarsest to the finest, with a gap between such lines.

@@ -1,17 +1,15 @@
 //! What decides all that a study measures.
 
-use std::{
-    fs,
-    hash::{DefaultHasher, Hash, Hasher},
-};
-
 use serde_json::json;
 
 use super::{options::Cost, quantity::Quantity};
 use crate::{
-    error::{Error, Result},
-    scene::{Placement, Scene},
-    study::{command::PetscOptions, store::Identity},
+    error::Result,
+    scene::Scene,
+    study::{
+        command::PetscOptions,
+        store::{Identity, files_of},
+    },
 };
 
 /// Places in `cost.json` that must not differ; what is in none of the first is in the last.
@@ -29,14 +27,8 @@ const PLACES: [(&str, &str); 5] = [
 /// # Errors
 /// A file that the scene names cannot be read.
 pub fn identity_of(scene: &Scene, quantity: Quantity, options: &Cost, petsc: &PetscOptions) -> Result<Identity> {
-    let mut hasher = DefaultHasher::new();
-    for bodies in &scene.bodies {
-        if let Placement::File(path) = &bodies.placement {
-            fs::read(path).map_err(|source| Error::File { path: path.clone(), source })?.hash(&mut hasher);
-        }
-    }
     let Cost { ranks, start, .. } = options;
-    let (version, files) = (env!("CARGO_PKG_VERSION"), hasher.finish());
+    let (version, files) = (env!("CARGO_PKG_VERSION"), files_of(scene)?);
     let json = json!({ "identity": {
         "version": version, "scene": scene.text, "files": files, "quantity": quantity, "ranks": ranks, "launcher": start.launcher, "petsc": petsc,
     } });
@@ -46,7 +38,7 @@ pub fn identity_of(scene: &Scene, quantity: Quantity, options: &Cost, petsc: &Pe
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use std::path::Path;
+    use std::{fs, path::Path};
 
     use super::*;
     use crate::study::cost::{

@@ -47,13 +47,16 @@ pub fn sample<const D: usize>(setup: &Setup<D>) -> Option<Setup<D>> {
         starts: places.iter().map(|&place| inertia.starts[place]).collect(),
     };
     let inertia = part.inertia.as_ref().map(dense);
+    // what ties bodies names them, and some of these are left out
+    let (interactions, trajectories) = (part.interactions.untied(), part.trajectories.of_bodies(&places));
     let radii: Vec<f64> = chosen.iter().map(|suspended| suspended.body.ball.radius).collect();
     (0..TRIES).find_map(|wider| {
         let domain = Domain { size: size * WIDER.powi(wider as i32), axes: setup.domain.axes };
         let centers = pack(&domain, &[], &radii, GAP, 1).ok()?;
         let mut bodies = chosen.clone();
         bodies.iter_mut().zip(centers).for_each(|(suspended, center)| suspended.body.ball.center = center);
-        Some(Setup { domain, bodies, inertia: inertia.clone(), ..part.clone() })
+        let (interactions, trajectories) = (interactions.clone(), trajectories.clone());
+        Some(Setup { domain, bodies, inertia: inertia.clone(), interactions, trajectories, ..part.clone() })
     })
 }
 

@@ -1,4 +1,4 @@
-//! The first steps of a sample with inertia, which has no solve at an instant: what a step takes, and how many of them a run does.
+//! The first steps of a sample: how many of them a run does, and with inertia, where no solve is that of an instant, what a step takes.
 //!
 //! Steps beyond those of the sample are counted at its last speeds.
 

@@ -1,0 +1,257 @@
+"""A run: what is in its folder."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from . import pairs as counting
+from . import profiles as averaging
+from .animation import Animation
+from .bodies import table_of
+from .box import Floats
+from .errors import Missing
+from .executable import PathLike
+from .files import Cached, numbers, read_json, read_table
+from .frames import Frames, list_frames
+from .pairs import PairDistribution
+from .profiles import Profile
+from .report import html_of
+from .statistics import Mean, steady_mean
+from .viscosity import Viscosity
+
+if TYPE_CHECKING:
+    import xarray
+
+    from .plotting import Plots
+
+T = TypeVar("T")
+
+# what a folder of a run has, one of them at least
+_SIGNS = ("summary.json", "run.h5", "series.csv", "checkpoint.h5")
+_START_UP = 0.5
+
+
+class Run:
+    """A run, finished or under way; each property has what is in the folder at the time when it is asked for.
+
+    Attributes:
+        folder: Its output folder.
+        printed: What the program printed at the end, if this run was started from here.
+    """
+
+    def __init__(self, folder: PathLike, printed: str | None = None) -> None:
+        self.folder = Path(folder)
+        self.printed = printed
+        if not self.folder.is_dir():
+            raise Missing(f"{self.folder} is no folder; turbid.open takes the output folder of a run")
+        if not any((self.folder / name).exists() for name in _SIGNS):
+            raise Missing(f"{self.folder} is no run: it has none of {', '.join(_SIGNS)}")
+        self._summary = Cached(self.folder / "summary.json", read_json)
+        self._scene = Cached(self.folder / "scene.toml", lambda path: tomllib.loads(path.read_text(encoding="utf-8")))
+        self._series = Cached(self.folder / "series.csv", read_table)
+        self._forces = Cached(self.folder / "forces.csv", read_table)
+        self._pairs = Cached(self.folder / "pairs.json", lambda path: PairDistribution.of_program(read_json(path)))
+        self._frames = Cached(self.folder / "run.h5", list_frames)
+
+    def __repr__(self) -> str:
+        return f"<run {self.folder}: {self.state}>"
+
+    def _repr_html_(self) -> str:
+        return html_of(self)
+
+    @property
+    def name(self) -> str:
+        """Name of its folder."""
+        return self.folder.resolve().name
+
+    @property
+    def finished(self) -> bool:
+        """Whether it is complete: a run under way, or one that was stopped, has no summary."""
+        return (self.folder / "summary.json").exists()
+
+    @property
+    def state(self) -> str:
+        """In words: how far it has come."""
+        times = self._times()
+        reached = f" at time {times[-1]:g}" if len(times) else ""
+        return ("finished" if self.finished else "not finished") + reached
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """``summary.json``: the last instant, and what it cost.
+
+        Raises:
+            Missing: The run has not finished.
+        """
+        found = self._summary.get()
+        if found is None:
+            raise Missing(
+                f"{self.folder} has no summary.json: the run has not finished; turbid.resume({str(self.folder)!r}) goes on with one that was stopped"
+            )
+        return found
+
+    @property
+    def scene(self) -> dict[str, Any]:
+        """``scene.toml``: the scene with its overrides."""
+        return self._needed(self._scene.get(), "scene.toml")
+
+    @property
+    def series(self) -> pd.DataFrame:
+        """``series.csv``: a row for each step, indexed by time."""
+        return self._needed(self._series.get(), "series.csv: only runs in time have one").copy()
+
+    @property
+    def forces(self) -> pd.DataFrame:
+        """``forces.csv``: force and torque of the fluid on each body whose motion is given, a row for each step, indexed by time."""
+        return self._needed(self._forces.get(), "forces.csv: it takes a run in time in which the motion of 1 to 16 bodies is given").copy()
+
+    @property
+    def bodies(self) -> pd.DataFrame:
+        """The bodies of the last instant, a row each; of more than 10,000 all are in it too.
+        Columns as in :attr:`Frame.bodies`, and ``stresslet_x_x``, .. in a flow."""
+        table = self.folder / "summary-bodies.csv"
+        if self.finished and table.exists():
+            whole = numbers(table.read_text(encoding="utf-8")).rename_axis("body")
+            return whole.rename(columns={f"center_{axis}": axis for axis in "xyz"})
+        if not self.finished:
+            return self.frames[-1].bodies
+        return table_of(self.summary["bodies"])
+
+    @property
+    def frames(self) -> Frames:
+        """The frames, empty where there are none."""
+        found, times = self._frames.get() or (np.zeros(0, dtype=np.int64), np.zeros(0))
+        return Frames(self, found, times)
+
+    @property
+    def viscosity(self) -> Viscosity:
+        """The viscosity with its parts and the mean; that of a run under way from its series.
+
+        Raises:
+            Missing: The flow has none.
+        """
+        if self.finished:
+            in_summary = self.summary.get("viscosity")
+            found = Viscosity.of_summary(in_summary, self._series.get() is not None) if in_summary else None
+        else:
+            found = Viscosity.of_series(self.series)
+        return self._needed(found, "viscosity: it takes free bodies in a simple shear")
+
+    @property
+    def pairs(self) -> PairDistribution:
+        """The pair distribution that the program has measured, where ``output.pairs = true``."""
+        return self._needed(
+            self._pairs.get(), "pairs.json: the scene has no output.pairs = true; run.pair_distribution() counts the pairs of the frames"
+        )
+
+    def pair_distribution(self, frames: Frames | None = None, width: float = 0.025, farthest: float | None = None) -> PairDistribution:
+        """The pair distribution over frames, without them those of :meth:`steady_frames`; bins of ``width`` sums of radii up to ``farthest``."""
+        return counting.pair_distribution(self.steady_frames() if frames is None else frames, width, farthest)
+
+    def profile(self, quantity: str, axis: str = "y", bins: int | None = None, frames: Frames | None = None) -> Profile:
+        """The profile of a quantity (see :data:`turbid.profiles.QUANTITIES`) across an axis over frames, without them those of :meth:`steady_frames`."""
+        return averaging.profile(self.steady_frames() if frames is None else frames, quantity, axis, bins)
+
+    def steady_frames(self) -> Frames:
+        """The frames of the steady part of the viscosity, or else of the second half of the run."""
+        frames = self.frames
+        if not len(frames):
+            return frames
+        return frames.since(self._steady_start())
+
+    def mean(self, column: str) -> Mean | None:
+        """The mean of a column of the series over its steady part, with a 95 % interval; ``None`` where the run is too short or not steady."""
+        series = self.series
+        if column not in series:
+            raise Missing(f"series.csv of {self.folder} has no column {column}; it has {', '.join(series.columns)}")
+        return steady_mean(series.index, series[column])
+
+    def trajectories(self, frames: Frames | None = None) -> Floats:
+        """Centres of all bodies as they were followed through sides of the box, shape ``(frames, bodies, dimension)``."""
+        from .trajectories import followed
+
+        return np.array([places for places, _ in followed(self.frames if frames is None else frames)])
+
+    @property
+    def fields(self) -> xarray.Dataset:
+        """The fields of all frames as a ``Dataset`` over time that reads what is asked for; needs xarray."""
+        from .arrays import fields_dataset
+
+        return fields_dataset(self)
+
+    @property
+    def plot(self) -> Plots:
+        """Plots, one line each: ``run.plot.viscosity()``."""
+        from .plotting import Plots
+
+        return Plots(self)
+
+    @property
+    def animation(self) -> Animation:
+        """The animation in the folder.
+
+        Raises:
+            Missing: There is none.
+        """
+        paths = [self.folder / f"animation{suffix}" for suffix in (".png", ".gif", ".mp4", ".webm")]
+        found = max((path for path in paths if path.exists()), key=lambda path: path.stat().st_mtime_ns, default=None)
+        return Animation(self._needed(found, "animation; run.animate() makes one"))
+
+    def animate(self, out: PathLike | None = None, width: int = 640, seconds: float = 6.0, executable: PathLike | None = None) -> Animation:
+        """Draws the frames as an animation by ``turbid animate``, which a notebook shows."""
+        from .launch import call
+
+        path = Path(out) if out is not None else self.folder / "animation.png"
+        call(["animate", str(self.folder), "--out", str(path), "--width", str(width), "--seconds", str(seconds)], executable)
+        return Animation(path)
+
+    def strain_at(self, time: npt.ArrayLike) -> Any:
+        """The strain at a time or at times; ``None`` where the flow is no simple shear."""
+        rate = self._shear_rate()
+        return None if rate is None else rate * np.asarray(time)[()]
+
+    def _shear_rate(self) -> float | None:
+        series = self._series.get()
+        if series is None or "strain" not in series:
+            return None
+        last = series["strain"].dropna().iloc[-1:]
+        return float(last.iloc[0] / last.index[0]) if len(last) and last.index[0] else None
+
+    def _steady_start(self) -> float:
+        """Time from which on frames are averaged, as the program has it."""
+        strains = None
+        if (found := self._summary.get()) is not None:
+            mean = (found.get("viscosity") or {}).get("mean")
+            strains = mean["strains"] if mean else None
+        elif (series := self._series.get()) is not None and (viscosity := Viscosity.of_series(series)) is not None:
+            strains = viscosity.strains
+        rate = self._shear_rate()
+        if strains and rate:
+            return float(strains[0] / abs(rate))
+        return _START_UP * float(self._times()[-1])
+
+    def _times(self) -> Floats:
+        series = self._series.get()
+        if series is not None and len(series):
+            return np.asarray(series.index, dtype=float)
+        return self.frames.times
+
+    def _needed(self, found: T | None, what: str) -> T:
+        if found is None:
+            raise Missing(f"{self.folder} has no {what}")
+        return found
+
+
+def open_run(folder: PathLike) -> Run:
+    """The run in an output folder, finished or under way.
+
+    Raises:
+        Missing: The folder is not there or is no run.
+    """
+    return Run(folder)

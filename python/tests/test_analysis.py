@@ -1,0 +1,226 @@
+"""Analyses agree with the program, with exact values or with plain loops."""
+
+import json
+
+import h5py
+import numpy as np
+import pytest
+
+import turbid
+from turbid.statistics import resampled
+
+
+@pytest.mark.parametrize("name", ["walls", "spheres"])
+def test_the_pair_distribution_is_that_of_the_program(name, request):
+    run = request.getfixturevalue(name)
+    theirs, ours = json.loads((run.folder / "pairs.json").read_text()), run.pair_distribution()
+    assert ours.configurations == theirs["configurations"] > 1
+    np.testing.assert_allclose(ours.radial.reset_index(), theirs["radial"], rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(ours.angular.reset_index(), theirs["angular"], rtol=1e-12)
+    assert ours.coordination == pytest.approx(theirs["coordination"])
+    np.testing.assert_array_equal(run.pairs.radial.reset_index(), theirs["radial"])
+
+
+@pytest.mark.parametrize("offset", [None, 2.3])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_near_pairs_are_those_of_all_images_one_by_one(dimension, offset):
+    random = np.random.default_rng(3)
+    box = turbid.Box(np.array([5.0, 6.0, 4.0][:dimension]), (True, True, False)[:dimension], offset)
+    centres = random.random((40, dimension)) * box.size
+    reach, expected = 2.6, []
+    for first in range(40):
+        for second in range(first + 1, 40):
+            for row in range(-2, 3):
+                for column in range(-4, 5):
+                    image = centres[second] - centres[first] + row * box.boxes_along(1) + column * box.boxes_along(0)
+                    if np.linalg.norm(image) <= reach:
+                        expected.append((first, second, *image))
+    found = [np.column_stack(block) for block in turbid.near_pairs(centres, box, reach)]
+    both = [np.array(sorted(map(tuple, np.round(np.concatenate(rows), 9)))) for rows in (found, [np.array(expected)])]
+    np.testing.assert_allclose(both[0], both[1], atol=1e-8)
+
+
+def test_a_crowd_is_counted_in_a_second_or_two():
+    box = turbid.Box(np.array([200.0, 200.0]), (True, True), 17.0)
+    centres = np.random.default_rng(1).random((40_000, 2)) * box.size
+    found = sum(len(first) for first, _, _ in turbid.near_pairs(centres, box, 1.0))
+    assert found == pytest.approx(0.5 * 40_000**2 * np.pi / box.volume, rel=0.01)
+
+
+def test_the_nearest_image_is_the_nearest_of_all():
+    box = turbid.Box(np.array([5.0, 3.0]), (True, True), 2.4)
+    separations = np.random.default_rng(0).random((200, 2)) * 20 - 10
+    images = [separations + i * box.boxes_along(0) + j * box.boxes_along(1) for i in range(-8, 9) for j in range(-8, 9)]
+    shortest = np.min([np.linalg.norm(image, axis=1) for image in images], axis=0)
+    np.testing.assert_allclose(np.linalg.norm(box.nearest(separations), axis=1), shortest, atol=1e-12)
+    wrapped = box.wrap(separations)
+    assert (wrapped >= 0).all() and (wrapped < box.size).all()
+    np.testing.assert_allclose(box.nearest(wrapped - separations), 0, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["walls", "spheres"])
+def test_followed_centres_are_those_of_the_checkpoint(name, request):
+    run = request.getfixturevalue(name)
+    dimension = run.frames[0].dimension
+    with h5py.File(run.folder / "checkpoint.h5") as file:
+        step = int(file["time"][1])
+        centres = np.asarray(file["bodies"]).reshape(len(run.frames[0]), -1)[:, :dimension]
+    frame = next(frame for frame in run.frames if frame.step == step)
+    followed = frame.unwrapped()
+    np.testing.assert_allclose(followed - run.frames[0].centres, centres - run.frames[0].centres, atol=1e-9)
+    assert np.abs(followed - frame.centres).max() > 1.0, "nobody has crossed a side"
+    paths = run.trajectories()
+    assert paths.shape == (len(run.frames), len(frame), dimension)
+    np.testing.assert_array_equal(paths[frame.index], followed)
+    # frames far apart lead to the same places
+    places = [frame.index for frame in run.frames[:: max(len(run.frames) // 4, 1)]]
+    np.testing.assert_allclose(run.trajectories(run.frames[:: max(len(run.frames) // 4, 1)]), paths[places], atol=1e-9)
+
+
+@pytest.mark.parametrize(("name", "axis"), [("walls", "y"), ("walls", "x"), ("spheres", "z"), ("spheres", "y")])
+def test_fractions_are_exact(name, axis, request):
+    run = request.getfixturevalue(name)
+    frame, place = run.frames[-1], "xyz".index(axis)
+    profile = turbid.profile([frame], "fraction", axis, bins=7)
+    dimension = frame.dimension
+    solid = (np.pi * frame.radii**2 if dimension == 2 else 4 / 3 * np.pi * frame.radii**3).sum()
+    assert profile.mean.mean() * frame.box.volume == pytest.approx(solid)
+    # by many thin layers
+    layers = (np.arange(14000) + 0.5) / 14000 * frame.box.size[place]
+    apart = np.abs(layers[:, None] - frame.centres[:, place])
+    if frame.box.periodic[place]:
+        apart = np.minimum(apart, frame.box.size[place] - apart)
+    half = np.sqrt(np.maximum(frame.radii**2 - apart**2, 0.0))
+    cut = (2 * half if dimension == 2 else np.pi * half**2).sum(1) / (frame.box.volume / frame.box.size[place])
+    np.testing.assert_allclose(profile.mean, cut.reshape(7, -1).mean(1), atol=1e-5)
+    np.testing.assert_allclose(profile.mean, turbid.profile([frame], "inside", axis, bins=7).mean, atol=0.02)
+    assert np.isnan(profile.error).all()
+
+
+def test_the_velocity_profile_is_the_mean_of_the_cells(walls):
+    frames = walls.frames[-9:]
+    profile = walls.profile("velocity", axis="y", frames=frames)
+    cells = np.array([frame.fields["velocity"].mean(axis=1) for frame in frames])
+    np.testing.assert_allclose(profile.mean, cells.mean(0))
+    np.testing.assert_array_equal(profile.positions, walls.frames[0].fields.coordinates["y"])
+    assert profile.frames == 9 and (profile.error >= cells.std(0, ddof=1) / 3 - 1e-12).all()
+    coarse = walls.profile("velocity", bins=8, frames=frames)
+    np.testing.assert_allclose(coarse.mean, profile.mean.reshape(8, 4, 2).mean(1))
+    assert list(profile.table) == ["velocity_x", "velocity_x_error", "velocity_y", "velocity_y_error"]
+    assert profile.mean[0, 0] < -3 and profile.mean[-1, 0] > 3, "walls drag the fluid along"
+
+
+@pytest.mark.parametrize("name", ["walls", "spheres"])
+def test_velocities_of_bodies_are_those_of_the_flow_inside(name, request):
+    frame = request.getfixturevalue(name).frames[-1]
+    fields, middle = frame.fields, frame.dimension == 3
+    solid = turbid.profile([frame], "body_velocity", "y", bins=4).mean
+    inside = (fields["inside"] == 1)[..., None]
+    along = fields.dimensions.index("y")
+    for number, part in enumerate(np.array_split(np.arange(fields["inside"].shape[along]), 4)):
+        velocity, here = (np.take(values, part, axis=along) for values in (fields["velocity"], inside))
+        there = (velocity * here).reshape(-1, frame.dimension).sum(0) / here.sum()
+        np.testing.assert_allclose(solid[number], there, atol=0.5 if middle else 0.25)
+
+
+def test_rotation_counts_in_velocities_of_bodies():
+    class Frame:
+        box = turbid.Box(np.array([10.0, 10.0, 10.0]), (True, True, True))
+        dimension, time, has_fields = 3, 0.0, False
+        centres, radii = np.array([[5.0, 5.0, 5.0]]), np.array([2.0])
+        velocities, spins = np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 0.0, 3.0]])
+
+    found = turbid.profile([Frame()], "body_velocity", "y", bins=10)  # type: ignore[list-item]
+    # of a ball from 1 to 2: first moment over volume, which are pi (4 1.5 - 15/4) and pi (4 - 7/3)
+    height = (4 * 1.5 - 15 / 4) / (4 - 7 / 3)
+    np.testing.assert_allclose(found.mean[6], [1.0 - 3.0 * height, 0.0, 0.0], atol=1e-12)
+    assert np.isnan(found.mean[0]).all()
+
+
+def test_wrong_choices_are_named(walls):
+    with pytest.raises(ValueError, match="must be one of velocity, fraction"):
+        walls.profile("speed")
+    with pytest.raises(ValueError, match="axis = 'z': must be one of x, y"):
+        walls.profile("velocity", axis="z")
+    with pytest.raises(turbid.Missing, match="no column end_to_end"):
+        walls.mean("end_to_end")
+
+
+def correlated(count, memory, seed=5):
+    random = np.random.default_rng(seed)
+    keep, value, samples = np.exp(-1 / memory), 0.0, []
+    for _ in range(count):
+        value = keep * value + np.sqrt(1 - keep**2) * random.standard_normal()
+        samples.append(value)
+    return np.array(samples)
+
+
+def test_intervals_of_correlated_samples_hold_the_mean():
+    held = 0
+    for seed in range(100):
+        samples = correlated(2000, 8.0, seed)
+        mean = turbid.steady_mean(np.arange(2000.0), samples)
+        held += mean is not None and abs(mean.value) < mean.half_width
+    assert held >= 88
+    table = turbid.blocking(correlated(20000, 8.0))
+    true = 1.96 * np.sqrt(2 * 8.0 / 20000)
+    assert table["half_width"].iloc[0] < 0.4 * true
+    assert table["half_width"].loc[256] == pytest.approx(true, rel=0.4)
+    error = turbid.standard_error(np.stack([correlated(20000, 8.0), np.zeros(20000)], axis=1))
+    assert 1.96 * error[0] == pytest.approx(true, rel=0.6) and error[1] == 0
+
+
+def test_a_start_is_left_out_and_an_unsteady_curve_has_no_mean():
+    x = np.linspace(0, 10, 1000)
+    noise = np.random.default_rng(2).standard_normal(1000) * 0.01
+    mean = turbid.steady_mean(x, 2.0 + np.where(x < 1.0, 1.0 - x, 0.0) + noise)
+    assert mean is not None and 0.5 < mean.start < 1.6 and mean.value == pytest.approx(2.0, abs=3e-3)
+    assert turbid.steady_mean(x, x + noise) is None
+    assert turbid.steady_mean(x[:20], noise[:20]) is None
+
+
+def test_resampling_keeps_the_integral():
+    x = np.sort(np.random.default_rng(1).random(30))
+    y = x**2
+    whole = (np.diff(x) * 0.5 * (y[1:] + y[:-1])).sum() / (x[-1] - x[0])
+    assert resampled(x, y, 7).mean() == pytest.approx(whole)
+
+
+@pytest.fixture(scope="module")
+def long(folder):
+    """Two disks in a box that is sheared for long enough to have a mean."""
+    scene = {
+        "title": "two disks for long",
+        "domain": {"size": [4.0, 4.0]},
+        "flow": {"drive": {"shear_rate": 1.0, "periodic": "sheared"}},
+        "resolution": {"cells_per_radius": 3},
+        "method": {"inverse": "transform"},
+        "bodies": [{"radius": 0.5, "centers": [[1.0, 1.2], [3.0, 2.6]]}],
+        "contact": {"model": "inelastic"},
+        "time": {"end": 16.0},
+        "output": {"every": 1.0, "fields": False, "pairs": True},
+    }
+    return turbid.run(scene, out=folder / "long", ranks=1, progress=False)
+
+
+def test_the_mean_viscosity_is_that_of_the_program(long):
+    theirs = long.summary["viscosity"]["mean"]
+    assert theirs is not None, "choose a scene with a mean"
+    found = long.viscosity
+    assert (found.mean, found.interval, found.blocks) == (theirs["relative"], tuple(theirs["interval"]), theirs["blocks"])
+    assert sum(found.mean_parts.values()) == pytest.approx(found.mean)
+    series = long.series
+    ours = turbid.steady_mean(series["strain"], series["viscosity"])
+    assert ours is not None
+    np.testing.assert_allclose(ours.interval, theirs["interval"], rtol=1e-9)
+    np.testing.assert_allclose([ours.start, ours.end], theirs["strains"], rtol=1e-9)
+    assert ours.blocks == theirs["blocks"]
+    of_series = turbid.Viscosity.of_series(series)
+    assert of_series is not None and of_series.mean_parts == pytest.approx(found.mean_parts)
+    assert long.mean("viscosity").value == pytest.approx(ours.value)
+    assert long.pair_distribution().configurations == long.summary["pairs"]["configurations"]
+    assert "±" in long._repr_html_()
+
+
+def test_frames_that_count_begin_where_the_steady_part_does(long):
+    assert long.steady_frames().times[0] >= long.viscosity.strains[0] - 1e-9 > long.steady_frames().times[0] - 1.1

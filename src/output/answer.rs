@@ -1,0 +1,204 @@
+//! What a run answers, in a few lines: the numbers that its scene is about. The terminal and the report show the same ones.
+
+use super::{MeanSpeed, MeanViscosity, SettlingSummary, Summary, summary::ViscositySummary};
+
+/// One line of an answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer {
+    /// Name of the quantity.
+    pub name: &'static str,
+    /// The value, with its interval if there is one, or why there is none.
+    pub value: String,
+}
+
+/// Decimals of a viscosity and its parts.
+const DECIMALS: usize = 4;
+
+impl Answer {
+    fn new(name: &'static str, value: String) -> Answer {
+        Answer { name, value }
+    }
+}
+
+/// The answers of a run, the first one first.
+pub fn answers(summary: &Summary) -> Vec<Answer> {
+    let viscosity = summary.viscosity.iter().flat_map(of_viscosity);
+    let drag = summary.accuracy.as_ref().and_then(|accuracy| accuracy.drag);
+    let of_accuracy = drag.map(|drag| Answer::new("drag", format!("{:.6} ± {}", drag.root_mean_square, bar(drag.bar))));
+    viscosity
+        .chain(of_accuracy)
+        .chain(of_forces(summary))
+        .chain(of_velocities(summary))
+        .chain(of_flow(summary))
+        .chain(of_scalar(summary))
+        .collect()
+}
+
+fn of_viscosity(viscosity: &ViscositySummary) -> Vec<Answer> {
+    let mut lines = Vec::new();
+    match (&viscosity.mean, &viscosity.too_short) {
+        (Some(mean), _) => lines.extend(of_mean(mean)),
+        (None, Some(short)) => lines.push(Answer::new("mean viscosity", short.text())),
+        (None, None) => {}
+    }
+    let interval = viscosity.interval.map_or(String::new(), |[low, high]| format!(" ± {}", bar(0.5 * (high - low))));
+    let walls = viscosity.from_walls.map_or(String::new(), |walls| format!("   (from the force on the walls: {walls:.DECIMALS$})"));
+    let when = if lines.is_empty() { "" } else { " at the end" };
+    lines.push(Answer::new("relative viscosity", format!("{:.DECIMALS$}{interval}{when}{walls}", viscosity.relative)));
+    lines.extend(split(viscosity.relative, &viscosity.parts()).map(|parts| Answer::new("made up of", parts)));
+    lines
+}
+
+fn of_mean(mean: &MeanViscosity) -> Vec<Answer> {
+    let ([from, to], half) = (mean.strains, bar(mean.half_width()));
+    let value = format!("{:.DECIMALS$} ± {half} (95 %) from strain {from:.2} to {to:.2}", mean.relative);
+    let parts = split(mean.relative, &mean.parts()).map(|parts| Answer::new("made up of", parts));
+    [Answer::new("mean viscosity", value)].into_iter().chain(parts).collect()
+}
+
+/// The sum of parts in words, rounded such that what is written adds up; nothing for a single part.
+pub fn split(total: f64, parts: &[(&'static str, f64)]) -> Option<String> {
+    let rounded = rounded(total, parts);
+    let mut text = String::new();
+    for (place, ((name, _), value)) in parts.iter().zip(&rounded).enumerate() {
+        let sign = match (place, *value < 0.0) {
+            (0, true) => "\u{2212}",
+            (0, false) => "",
+            (_, true) => " \u{2212} ",
+            (_, false) => " + ",
+        };
+        text += &format!("{sign}{:.DECIMALS$} {name}", value.abs());
+    }
+    (parts.len() > 1).then_some(text)
+}
+
+/// Parts rounded to the decimals that are written, of which the largest takes up what rounding leaves.
+fn rounded(total: f64, parts: &[(&'static str, f64)]) -> Vec<f64> {
+    let unit = 10f64.powi(DECIMALS as i32);
+    let mut steps: Vec<f64> = parts.iter().map(|(_, value)| (value * unit).round()).collect();
+    let left = (total * unit).round() - steps.iter().sum::<f64>();
+    let largest = (0..steps.len()).max_by(|&one, &two| steps[one].abs().total_cmp(&steps[two].abs()));
+    if let Some(largest) = largest.filter(|_| left.abs() <= parts.len() as f64) {
+        steps[largest] += left;
+    }
+    steps.into_iter().map(|step| step / unit).collect()
+}
+
+fn of_forces(summary: &Summary) -> Vec<Answer> {
+    let Some(forces) = &summary.forces else { return Vec::new() };
+    let (name, of) = match forces.bodies {
+        1 => ("force on the body", "by the fluid".to_owned()),
+        count => ("mean force", format!("by the fluid on each of {count} bodies whose motion is given")),
+    };
+    let mut lines = vec![Answer::new(name, format!("{}   ({of})", vector(&forces.mean)))];
+    lines.extend(forces.drag_ratio.map(|ratio| match forces.mean.len() {
+        2 => Answer::new("drag coefficient", format!("{} = F / (μ U), U past the body in the mean over the box", number(ratio, 6))),
+        _ => {
+            Answer::new("drag ratio", format!("{} times Stokes' drag 6π μ a U, U past the body in the mean over the box", number(ratio, 6)))
+        }
+    }));
+    lines
+}
+
+fn of_velocities(summary: &Summary) -> Vec<Answer> {
+    // bodies in a shear go with it: their mean says nothing
+    let Some(velocities) = summary.velocities.as_ref().filter(|_| summary.viscosity.is_none()) else { return Vec::new() };
+    let mut lines = velocities.settling.as_ref().map_or(Vec::new(), of_settling);
+    let (name, spread) = match velocities.bodies {
+        1 => ("body velocity", String::new()),
+        count => ("mean body velocity", format!("   (of {count} free bodies, which fluctuate by {})", number(velocities.fluctuation, 4))),
+    };
+    lines.push(Answer::new(name, vector(&velocities.mean) + &spread));
+    lines
+}
+
+fn of_settling(settling: &SettlingSummary) -> Vec<Answer> {
+    let ratio =
+        settling.stokes_ratio.map_or(String::new(), |ratio| format!(", {} of Stokes' velocity of one body alone", number(ratio, 5)));
+    let mut lines = Vec::new();
+    match (&settling.mean, &settling.too_short) {
+        (Some(MeanSpeed { mean, interval: [low, high], times: [from, to] }), _) => {
+            let half = bar(0.5 * (high - low));
+            lines.push(Answer::new("mean settling speed", format!("{mean:.6} ± {half} (95 %) from time {from:.4} to {to:.4}")));
+        }
+        (None, Some(short)) => lines.push(Answer::new("mean settling speed", short.text())),
+        (None, None) => {}
+    }
+    let when = if lines.is_empty() { "" } else { " at the end" };
+    lines.push(Answer::new("settling speed", format!("{} along gravity{when}{ratio}", number(settling.speed, 6))));
+    lines
+}
+
+fn of_flow(summary: &Summary) -> Vec<Answer> {
+    let Some(flow) = &summary.flow else { return Vec::new() };
+    let velocity =
+        || vec![Answer::new("mean flow velocity", vector(&flow.mean_velocity)), Answer::new("flow rate", vector(&flow.flow_rate))];
+    let gradient = || vec![Answer::new("pressure gradient", vector(&flow.pressure_gradient))];
+    match flow.drive {
+        "mean-velocity" => [gradient(), velocity()].concat(),
+        "pressure-gradient" | "body-force" => [velocity(), gradient()].concat(),
+        _ => Vec::new(),
+    }
+}
+
+fn of_scalar(summary: &Summary) -> Vec<Answer> {
+    let Some(scalar) = &summary.scalar else { return Vec::new() };
+    let conduction = scalar.conduction.as_ref().map(|conduction| {
+        Answer::new(
+            "conductivity",
+            format!("{:.6} of what is around the inclusions, mean flux {}", conduction.conductivity, vector(&conduction.mean_flux)),
+        )
+    });
+    conduction.into_iter().chain([Answer::new("energy", format!("{:.6}", scalar.energy))]).collect()
+}
+
+/// Half the width of a bar, in two digits.
+pub(super) fn bar(half: f64) -> String {
+    let places = if half > 0.0 { (1.0 - half.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 };
+    format!("{half:.places$}")
+}
+
+/// Components in six digits; those that are rounding beside the largest are 0.
+pub fn vector(components: &[f64]) -> String {
+    let largest = components.iter().fold(0.0_f64, |largest, component| largest.max(component.abs()));
+    let told = |&component: &f64| if component.abs() <= 1e-12 * largest { "0".to_owned() } else { number(component, 6) };
+    format!("({})", components.iter().map(told).collect::<Vec<_>>().join(", "))
+}
+
+/// A number in so many digits, with a power of ten if it is very large or small.
+pub fn number(value: f64, digits: usize) -> String {
+    let size = value.abs();
+    let text = match (1e-3..1e6).contains(&size) {
+        _ if value == 0.0 => "0".to_owned(),
+        true => format!("{value:.*}", (digits as i32 - 1 - size.log10().floor() as i32).max(0) as usize),
+        false => format!("{value:.*e}", digits - 1),
+    };
+    text.replace('-', "\u{2212}")
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_are_written_such_that_they_add_up() {
+        let parts = [("flow", 1.333_34), ("lubrication", 0.333_34), ("contacts", -0.111_14)];
+        let total = parts.iter().map(|(_, value)| value).sum::<f64>();
+        let rounded = rounded(total, &parts);
+        assert!((rounded.iter().sum::<f64>() - (total * 1e4).round() / 1e4).abs() < 1e-12);
+        assert_eq!(split(total, &parts).unwrap(), "1.3334 flow + 0.3333 lubrication \u{2212} 0.1111 contacts");
+        assert_eq!(split(1.0, &parts[..1]), None);
+    }
+
+    #[test]
+    fn a_bar_is_written_in_two_digits() {
+        assert_eq!([0.01234, 1.2, 123.4, 0.0].map(bar), ["0.012", "1.2", "123", "0"]);
+    }
+
+    #[test]
+    fn components_that_are_rounding_are_zero() {
+        assert_eq!(vector(&[-1.25, 1e-16, 1e-7]), "(\u{2212}1.25000, 0, 1.00000e\u{2212}7)");
+        assert_eq!(vector(&[0.0, 0.0]), "(0, 0)");
+    }
+}

@@ -1,0 +1,257 @@
+//! `profiles.csv` and `profiles.svg`: profiles across axes, over the frames of a run in its steady part, or of an instant.
+//!
+//! The slices of each frame go to `profile-frames.csv` as they come, which a run that goes on continues.
+
+use std::{
+    fs::{self, OpenOptions},
+    io::Write,
+    path::{Path, PathBuf},
+};
+
+use nalgebra::SVector;
+
+use super::{frames::frame_due, pairs::steady_from};
+use crate::{
+    contact::{Contact, Identity, bodies_of, renamed},
+    error::{Error, Result},
+    flow::Drive,
+    geometry::{Ball, Domain},
+    grid::operators::signed,
+    observe::{CellCenters, ProfileBody, ProfileContact, ProfileSums, Shear, SliceSample, Slices, inside},
+    output::{ProfileFrames, Summary, write_whole},
+    parallel::World,
+    run::{Evaluated, EvaluatedFlow, EvaluatedMotion, Output},
+    scene::{ContactModel, Scene},
+};
+
+/// The file with the slices of each frame.
+const FRAMES: &str = "profile-frames.csv";
+
+/// Measures profiles.
+pub struct ProfileFiles {
+    folder: PathBuf,
+    axes: Vec<usize>,
+    every: f64,
+    /// Whether frames have a particle stress.
+    stress: bool,
+}
+
+impl ProfileFiles {
+    /// Opens them, without what was measured from a time on. Collective.
+    ///
+    /// # Errors
+    /// What a run that goes on has measured cannot be read or written.
+    pub fn open(world: &World, scene: &Scene, folder: &Path, time: f64) -> Result<ProfileFiles> {
+        world.on_first_rank(|| keep_before(&folder.join(FRAMES), time))?;
+        let stress = !scene.dry() || scene.contact.model != ContactModel::None;
+        Ok(ProfileFiles { folder: folder.to_owned(), axes: scene.output.profiles.clone(), every: scene.frame_interval(), stress })
+    }
+
+    /// The slices across each axis, on every rank. Collective.
+    fn measure<const D: usize>(&self, seen: &Evaluated<D>) -> Result<Vec<(Slices<D>, Vec<SliceSample>)>> {
+        let found = Bodies::of(seen);
+        let cells = seen.flow.map(|flow| fluid_cells(&flow, &found)).transpose()?;
+        let measured = self.axes.iter().map(|&axis| {
+            let grid = seen.flow.map(|flow| flow.solver.grid().cells()[axis]);
+            let slices = Slices::new(&found.domain, axis, found.mean_radius(seen), grid, found.jump);
+            let mut sums = ProfileSums::new(slices.clone());
+            found.bodies.iter().for_each(|body| sums.add_body(body));
+            found.contacts.iter().for_each(|contact| sums.add_contact(contact));
+            cells.iter().flatten().for_each(|(point, velocity)| sums.add_fluid(point, velocity));
+            if let Some(motion) = seen.motion {
+                motion.state().peers(seen.world).sum(&mut sums.solid);
+            }
+            seen.world.sum(&mut sums.fluid);
+            (slices, sums.samples(self.stress))
+        });
+        Ok(measured.collect())
+    }
+
+    /// Adds the slices of a frame to the file.
+    fn store<const D: usize>(&self, time: f64, measured: &[(Slices<D>, Vec<SliceSample>)]) -> Result<()> {
+        let path = self.folder.join(FRAMES);
+        let mut text = String::new();
+        for (slices, samples) in measured {
+            for (slice, sample) in samples.iter().enumerate() {
+                let SliceSample { fraction, particles, fluid, stress } = sample;
+                let numbers = std::iter::once(fraction).chain(particles).chain(fluid).chain(stress);
+                let cells = numbers.map(|number| if number.is_finite() { format!("{number:?}") } else { String::new() });
+                text += &format!("{time:?},{},{:?},{}\n", slices.axis, slices.middle(slice), cells.collect::<Vec<_>>().join(","));
+            }
+        }
+        let unwritable = |source| Error::File { path: path.clone(), source };
+        let mut file = OpenOptions::new().append(true).create(true).open(&path).map_err(unwritable)?;
+        if file.metadata().map_err(unwritable)?.len() == 0 {
+            text = heads::<D>(self.stress) + &text;
+        }
+        // one call a frame: what a kill leaves is a whole frame, or a part that is dropped
+        file.write_all(text.as_bytes()).map_err(unwritable)
+    }
+
+    /// Frames from a time on, axis by axis.
+    fn read<const D: usize>(&self, begin: f64) -> Result<Vec<ProfileFrames>> {
+        let path = self.folder.join(FRAMES);
+        let text = fs::read_to_string(&path).map_err(|source| Error::File { path, source })?;
+        let mut all: Vec<ProfileFrames> =
+            self.axes.iter().map(|&axis| ProfileFrames { axis, places: Vec::new(), frames: Vec::new() }).collect();
+        let mut last = vec![f64::NAN; self.axes.len()];
+        for line in text.lines().skip(1) {
+            let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
+            let Some(number) = self.axes.iter().position(|&axis| axis as f64 == cells[1]).filter(|_| cells[0] >= begin) else { continue };
+            let own = &mut all[number];
+            if cells[0] != last[number] {
+                own.frames.push(Vec::new());
+                last[number] = cells[0];
+            }
+            if own.frames.len() == 1 {
+                own.places.push(cells[2]);
+            }
+            let (particles, rest) = cells[4..].split_at(D);
+            let (fluid, stress) = rest.split_at(D);
+            let sample = SliceSample { fraction: cells[3], particles: particles.to_vec(), fluid: fluid.to_vec(), stress: stress.to_vec() };
+            own.frames.last_mut().expect("a frame was begun").push(sample);
+        }
+        Ok(all)
+    }
+}
+
+impl<const D: usize> Output<D> for ProfileFiles {
+    fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
+        let Some(motion) = seen.motion.filter(|motion| frame_due(motion, self.every)) else { return Ok(()) };
+        let measured = self.measure(seen)?;
+        seen.world.on_first_rank(|| self.store(motion.state().time, &measured))
+    }
+
+    fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
+        let setup = seen.flow.map(|flow| flow.solver.setup());
+        let begin = match seen.motion {
+            Some(motion) => {
+                let shear = setup.and_then(|setup| Shear::of(&setup.domain, &setup.drive));
+                steady_from(seen.world, shear.as_ref(), motion.state().time, seen.history.mean())
+            }
+            None => {
+                let measured = self.measure(seen)?;
+                seen.world.on_first_rank(|| self.store(0.0, &measured))?;
+                0.0
+            }
+        };
+        let title = seen.scene.shown_title();
+        seen.world.on_first_rank(|| {
+            let frames = self.read::<D>(begin)?;
+            write_whole(&self.folder.join("profiles.csv"), ProfileFrames::csv(&frames).as_bytes())?;
+            write_whole(&self.folder.join("profiles.svg"), ProfileFrames::svg(title, &frames).as_bytes())
+        })?;
+        Ok([FRAMES, "profiles.csv", "profiles.svg"].map(str::to_owned).to_vec())
+    }
+}
+
+/// Bodies and contacts that this rank tells of.
+struct Bodies<const D: usize> {
+    domain: Domain<D>,
+    jump: SVector<f64, D>,
+    bodies: Vec<ProfileBody<D>>,
+    contacts: Vec<ProfileContact<D>>,
+}
+
+impl<const D: usize> Bodies<D> {
+    /// Those of an instant. Collective.
+    fn of(seen: &Evaluated<D>) -> Bodies<D> {
+        let setup = seen.flow.map(|flow| flow.solver.setup());
+        let domain = match (seen.motion, setup) {
+            (Some(motion), _) => motion.domain().clone(),
+            (None, setup) => setup.expect("an instant is one of a flow").domain.clone(),
+        };
+        let jump = match setup.map(|setup| setup.drive) {
+            Some(Drive::Shear(rate)) => SVector::from_fn(|axis, _| if axis == 0 { rate * domain.size[1] } else { 0.0 }),
+            _ => domain.sliding(),
+        };
+        let stresslet = |place: usize| seen.flow.map_or_else(nalgebra::SMatrix::zeros, |flow| flow.solution.bodies[place].stresslet);
+        let bodies = match (seen.motion, seen.flow) {
+            (Some(motion), _) => {
+                let balls = motion.state().balls(motion.simulation.radii()).into_iter().zip(&motion.observation.twists).enumerate();
+                let body = |(place, (ball, twist)): (usize, (Ball<D>, &crate::body::Twist<D>))| ProfileBody {
+                    ball,
+                    velocity: twist.velocity,
+                    spin: twist.spin,
+                    stresslet: stresslet(place),
+                };
+                balls.map(body).collect()
+            }
+            (None, Some(flow)) => {
+                let radii = flow.solver.setup().bodies.iter().map(|own| own.body.ball.radius);
+                let body = |(state, radius): (&crate::simulation::BodyState<D>, f64)| ProfileBody {
+                    ball: Ball { center: state.center, radius },
+                    velocity: state.twist.velocity,
+                    spin: state.twist.spin,
+                    stresslet: state.stresslet,
+                };
+                flow.solution.bodies.iter().zip(radii).map(body).collect()
+            }
+            (None, None) => Vec::new(),
+        };
+        let contacts = seen.motion.map_or(Vec::new(), |motion| contacts(&motion, &domain));
+        Bodies { domain, jump, bodies, contacts }
+    }
+
+    /// The mean radius of the bodies of all ranks; nothing without any. Collective.
+    fn mean_radius(&self, seen: &Evaluated<D>) -> Option<f64> {
+        let mut sums = [self.bodies.iter().map(|body| body.ball.radius).sum::<f64>(), self.bodies.len() as f64];
+        if let Some(motion) = seen.motion {
+            motion.state().peers(seen.world).sum(&mut sums);
+        }
+        (sums[1] > 0.0).then(|| sums[0] / sums[1])
+    }
+}
+
+/// Contacts that bear a force and are this rank's to tell. Collective.
+fn contacts<const D: usize>(motion: &EvaluatedMotion<D>, domain: &Domain<D>) -> Vec<ProfileContact<D>> {
+    let held = motion.held();
+    let own: Vec<(Identity<D>, f64)> =
+        held.iter().filter(|held| motion.state().tells(held.body)).map(|held| (held.identity(), held.force)).collect();
+    let (halo, balls) = motion.simulation.seen(own.iter().flat_map(|(identity, _)| bodies_of(*identity)));
+    let place = |number: usize| halo.place(number).expect("bodies of contacts are seen");
+    let contact = |(identity, force): (Identity<D>, f64)| {
+        let Contact { body, normal, separation, .. } = Contact::again(domain, &balls, renamed(identity, place));
+        ProfileContact { from: balls[body].center, normal, separation, force }
+    };
+    own.into_iter().map(contact).collect()
+}
+
+/// Centres and velocities of the cells of this rank that no body holds. Collective.
+fn fluid_cells<const D: usize>(flow: &EvaluatedFlow<D>, bodies: &Bodies<D>) -> Result<Vec<(SVector<f64, D>, SVector<f64, D>)>> {
+    let (grid, setup, fluid) = (flow.solver.grid(), flow.solver.setup(), &flow.solution.fluid);
+    let velocities = CellCenters::new(grid, fluid)?.velocity(fluid)?;
+    let held = inside(grid, &bodies.bodies.iter().map(|body| body.ball).collect::<Vec<_>>());
+    let cells = grid.block(D).indices().zip(velocities).zip(held).filter(|(_, held)| *held == 0.0);
+    Ok(cells
+        .map(|((cell, velocity), _)| {
+            let point = grid.position(D, signed(cell));
+            (point, velocity + setup.drive.background(&point))
+        })
+        .collect())
+}
+
+fn heads<const D: usize>(stress: bool) -> String {
+    let axes = &["x", "y", "z"][..D];
+    let mut names: Vec<String> = ["time", "axis", "position", "fraction"].map(str::to_owned).to_vec();
+    names.extend(axes.iter().map(|axis| format!("particle_velocity_{axis}")));
+    names.extend(axes.iter().map(|axis| format!("fluid_velocity_{axis}")));
+    if stress {
+        names.extend(axes.iter().flat_map(|row| axes.iter().map(move |column| format!("particle_stress_{row}{column}"))));
+    }
+    names.join(",") + "\n"
+}
+
+/// Drops the rows from a time on, and a row that is not whole; at the start of a run all of them.
+fn keep_before(path: &Path, time: f64) -> Result<()> {
+    let text = match fs::read_to_string(path) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+        text => text.map_err(|source| Error::File { path: path.to_owned(), source })?,
+    };
+    if time == 0.0 {
+        return fs::remove_file(path).map_err(|source| Error::File { path: path.to_owned(), source });
+    }
+    let before = |line: &&str| line.split(',').next().and_then(|cell| cell.parse::<f64>().ok()).is_none_or(|own| own < time);
+    let kept: String = text.split_inclusive('\n').filter(|line| line.ends_with('\n')).filter(before).collect();
+    write_whole(path, kept.as_bytes())
+}

@@ -1,0 +1,93 @@
+//! `report.html`: the run on one page, renewed once a minute of wall time and made complete at the end.
+
+use std::{
+    path::{Path, PathBuf},
+    time::{Instant, SystemTime},
+};
+
+use crate::{
+    error::{Error, Result},
+    output::{Answer, MeanViscosity, REPORT, Standing, Summary, date, duration, note, viscosity_too_short, write_whole},
+    parallel::World,
+    run::{Evaluated, Output, page::PageOfRun},
+    scene::Scene,
+};
+
+/// Seconds of wall time between pages, at least.
+const MINUTE: f64 = 60.0;
+/// How much longer than writing a page the run goes on before the next, at least.
+const PATIENCE: f64 = 50.0;
+
+/// The page of a run.
+pub struct ReportFile {
+    /// On the first rank.
+    page: Option<PageOfRun>,
+    folder: PathBuf,
+    written: Option<(Instant, f64)>,
+    /// How far the run is.
+    reached: String,
+    /// What it answers so far.
+    answers: (Vec<Answer>, Option<MeanViscosity>),
+}
+
+impl ReportFile {
+    /// For a scene's run in a folder.
+    pub fn new(world: &World, scene: &Scene, folder: &Path) -> ReportFile {
+        let page = (world.rank() == 0).then(|| PageOfRun::new(scene, folder, world.size()));
+        ReportFile { page, folder: folder.to_owned(), written: None, reached: String::new(), answers: (Vec::new(), None) }
+    }
+
+    fn due(&self) -> bool {
+        self.written.is_none_or(|(when, took)| when.elapsed().as_secs_f64() > MINUTE.max(PATIENCE * took))
+    }
+
+    /// Writes the page of a run that has not ended; one that cannot be written stops no run.
+    fn renew(&mut self, standing: Standing) {
+        let Some(page) = &self.page else { return };
+        let start = Instant::now();
+        let (answers, mean) = self.answers.clone();
+        let written = format!("{}; written {}", self.reached, date(SystemTime::now()));
+        let html = page.unfinished(standing, written, answers, mean).html();
+        if let Err(error) = write_whole(&self.folder.join(REPORT), html.as_bytes()) {
+            note(&format!("turbid: {error}; the run goes on"));
+        }
+        self.written = Some((Instant::now(), start.elapsed().as_secs_f64()));
+    }
+}
+
+/// What is known on the way without asking other ranks.
+fn answers_so_far<const D: usize>(seen: &Evaluated<D>, mean: Option<&MeanViscosity>) -> Vec<Answer> {
+    let Some(viscosity) = &seen.viscosity else { return Vec::new() };
+    let value = match mean {
+        Some(mean) => format!("{:.4} ± {:.1e} so far", mean.relative, mean.half_width()),
+        None => viscosity_too_short(seen.history.points()).text(),
+    };
+    vec![
+        Answer { name: "mean viscosity", value },
+        Answer { name: "relative viscosity", value: format!("{:.4} at this instant", viscosity.relative()) },
+    ]
+}
+
+impl<const D: usize> Output<D> for ReportFile {
+    fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
+        let Some(motion) = seen.motion.filter(|_| self.page.is_some()) else { return Ok(()) };
+        let (state, end) = (motion.state(), seen.scene.end());
+        self.reached =
+            format!("time {:.6} of {end}, step {}, after {}", state.time, state.steps, duration(motion.statistics.motion().seconds));
+        if !motion.last && self.due() {
+            let mean = seen.history.mean().copied();
+            self.answers = (answers_so_far(seen, mean.as_ref()), mean);
+            self.renew(Standing::UnderWay);
+        }
+        Ok(())
+    }
+
+    fn interrupted(&mut self, error: &Error) {
+        self.renew(Standing::Broken(error.to_string()));
+    }
+
+    fn finish(&mut self, seen: &Evaluated<D>, summary: &mut Summary) -> Result<Vec<String>> {
+        let html = self.page.as_ref().map_or(String::new(), |page| page.ended(summary, seen.history.mean().copied()).html());
+        Ok(vec![seen.write_file(&self.folder, REPORT, html.as_bytes())?])
+    }
+}

@@ -1,0 +1,67 @@
+//! The mean settling speed of a run, read off its series.
+
+use std::{
+    fs::File,
+    io::{BufRead, BufReader},
+    path::{Path, PathBuf},
+};
+
+use crate::{
+    error::Result,
+    output::Summary,
+    run::{Evaluated, Output},
+};
+
+/// Columns of the mean velocity of free bodies.
+const COLUMNS: [&str; 3] = ["body_velocity_x", "body_velocity_y", "body_velocity_z"];
+
+/// Finds the mean at the end.
+pub struct MeanSettling {
+    /// Where the series is.
+    pub folder: PathBuf,
+}
+
+impl<const D: usize> Output<D> for MeanSettling {
+    fn finish(&mut self, seen: &Evaluated<D>, summary: &mut Summary) -> Result<Vec<String>> {
+        let settling = summary.velocities.as_mut().and_then(|velocities| velocities.settling.as_mut());
+        if let (0, Some(settling), Some(gravity)) = (seen.world.rank(), settling, &seen.scene.gravity) {
+            if let Some(curve) = speed_over_time(&self.folder, gravity) {
+                settling.attach(&curve);
+            }
+        }
+        Ok(Vec::new())
+    }
+}
+
+/// Times and mean velocities along gravity; nothing if the series has no columns of them.
+fn speed_over_time(folder: &Path, gravity: &[f64]) -> Option<Vec<(f64, f64)>> {
+    let file = File::open(folder.join("series.csv")).ok()?;
+    along(BufReader::new(file).lines().map_while(std::io::Result::ok), gravity)
+}
+
+fn along(mut lines: impl Iterator<Item = String>, gravity: &[f64]) -> Option<Vec<(f64, f64)>> {
+    let header = lines.next()?;
+    let place = |name: &str| header.split(',').position(|column| column == name);
+    let (time, columns) = (place("time")?, COLUMNS[..gravity.len()].iter().map(|name| place(name)).collect::<Option<Vec<usize>>>()?);
+    let strength = gravity.iter().map(|component| component * component).sum::<f64>().sqrt();
+    let row = |line: String| {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
+        let speed =
+            columns.iter().zip(gravity).map(|(&column, component)| Some(cells.get(column)? * component / strength)).sum::<Option<f64>>()?;
+        Some((*cells.get(time)?, speed)).filter(|(_, speed)| speed.is_finite())
+    };
+    Some(lines.filter_map(row).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_speed_is_that_along_gravity() {
+        let lines = |text: &'static str| text.lines().map(str::to_owned);
+        let text = "step,time,body_velocity_x,body_velocity_y\n0,0.0,1.0,-2.0\n1,0.5,1.0,-3.0\n";
+        assert_eq!(along(lines(text), &[0.0, -4.0]), Some(vec![(0.0, 2.0), (0.5, 3.0)]));
+        assert_eq!(along(lines("step,time\n0,0.0\n"), &[0.0, -4.0]), None);
+    }
+}

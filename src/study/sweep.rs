@@ -1,0 +1,185 @@
+//! A quantity of a scene against keys of it that are varied, each point with its scatter over seeds.
+//!
+//! Every setting is a run of its own, started by a launcher; what was measured is kept in `sweep.json` after every run, and a sweep that is started
+//! again measures only what is missing. A run that fails is reported and tried again by the next start.
+
+mod quantity;
+mod record;
+mod report;
+mod vary;
+
+use std::path::PathBuf;
+
+use serde_json::json;
+
+use self::{
+    quantity::Quantity,
+    record::{Measured, Outcome, Record, Setting},
+    report::Report,
+    vary::Vary,
+};
+use super::{
+    command::{PetscOptions, SceneArguments, Study, count},
+    launcher::{Job, LAUNCHER, Launcher, StudyFolder, WITHOUT_PICTURE},
+    store::{Identity, Store, files_of},
+    summary::RunSummary,
+};
+use crate::{
+    error::{Error, Result},
+    output::{note, say},
+    scene::{Placement, Scene},
+};
+
+/// Places in `sweep.json` that must not differ; what is in none of the first is in the last.
+const PLACES: [(&str, &str); 5] = [
+    ("/identity/version", "the version of the program"),
+    ("/identity/scene", "the scene"),
+    ("/identity/files", "the files of the scene"),
+    ("/identity/quantity", "the quantity"),
+    ("/identity", "how runs are started"),
+];
+
+/// What to vary and what to measure.
+#[derive(Debug, Clone, clap::Args)]
+pub struct ParameterSweep {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Key and the values that it takes in turn, as --vary bodies.0.fraction=0.1,0.2,0.3; several keys are combined.
+    #[arg(long, value_name = "KEY=A,B,..", required = true)]
+    pub vary: Vec<String>,
+    /// Runs of each point, with the seeds from that of the scene on; their scatter gives the interval.
+    #[arg(long, default_value_t = 1, value_parser = count(1..=10_000))]
+    pub seeds: usize,
+    /// viscosity, drag, settling, a column as series.kinetic_energy, or a key of summary.json as flow.mean_velocity.0 (default: what the scene is about).
+    #[arg(long)]
+    pub quantity: Option<String>,
+    /// Ranks of each run.
+    #[arg(long, default_value_t = 1, value_parser = count(1..))]
+    pub ranks: usize,
+    /// Command that starts a program on {ranks} ranks.
+    #[arg(long, default_value = LAUNCHER)]
+    pub launcher: String,
+    /// Folder for results; a sweep that was interrupted goes on there (default: out/NAME-sweep of the scene).
+    #[arg(long)]
+    pub out: Option<PathBuf>,
+    /// Forget what was measured before.
+    #[arg(long)]
+    pub fresh: bool,
+}
+
+impl Study<PetscOptions> for ParameterSweep {
+    const NAME: &'static str = "sweep";
+    const ABOUT: &'static str = "A quantity against keys of a scene that are varied, with intervals over seeds; starts its own runs";
+
+    /// Runs what is missing and writes `sweep.json`, `sweep.csv`, `sweep.md` and `sweep.svg`.
+    fn run(&self, petsc: &PetscOptions) -> Result<()> {
+        let scene = Scene::read(&self.scene.scene, &self.scene.overrides)?;
+        let keys = Vary::parse_all(&self.vary)?;
+        let settings = self.settings(&scene, &keys)?;
+        // a key that is misspelt is refused before anything is run
+        let scenes = settings.iter().map(|setting| self.scene_of(setting)).collect::<Result<Vec<_>>>()?;
+        let quantity = Quantity::of(self.quantity.as_deref(), &scenes[0])?;
+        let launcher = Launcher::new(&self.launcher, petsc)?;
+        let folder = StudyFolder::take(self.out.clone().unwrap_or_else(|| format!("out/{}-sweep", scene.name).into()))?;
+        let mut store: Store<Record> = Store::open(&folder.path, "sweep.json", self.identity(&scene, &quantity, petsc)?, self.fresh)?;
+        say(&format!("{}\nquantity: {}\n", scene.shown_title(), quantity.words(scene.time.is_some())))?;
+        let missing: Vec<usize> = (0..settings.len()).filter(|&place| store.find(&settings[place]).is_none()).collect();
+        if missing.len() < settings.len() {
+            note(&format!("{} of {} runs were measured before", settings.len() - missing.len(), settings.len()));
+        }
+        for (number, &place) in missing.iter().enumerate() {
+            let outcome = self.measure(&launcher, &folder, &settings[place], &scenes[place], &quantity)?;
+            let record = Record { setting: settings[place].clone(), outcome };
+            note(&format!("{} of {}: {record}", number + 1, missing.len()));
+            store.add(record)?;
+        }
+        let report = Report::new(scene.shown_title(), quantity.name(), &keys, &settings, &store);
+        store.write(Some(&report))?;
+        folder.write(&report.files())?;
+        say(&format!("{}\n\nfiles: {}: sweep.json, sweep.csv, sweep.md, sweep.svg", report.markdown(), folder.path.display()))?;
+        match report.points.iter().any(|point| point.runs > 0) {
+            true => Ok(()),
+            false => Err(Error::refused("no run came to its end; the reasons stand below the table")),
+        }
+    }
+}
+
+impl ParameterSweep {
+    /// Every run: seeds of a point next to each other.
+    fn settings(&self, scene: &Scene, keys: &[Vary]) -> Result<Vec<Setting>> {
+        let refuse = |reason: &str| Err(Error::refused(format!("--seeds {}: {reason}", self.seeds)));
+        let seed_varies = keys.iter().any(|vary| vary.key == "seed");
+        if self.seeds > 1 && seed_varies {
+            return refuse("the seed is one of the keys that are varied; leave one of both out");
+        }
+        let random =
+            |scene: &Scene| scene.bodies.iter().any(|group| matches!(group.placement, Placement::Fraction(_) | Placement::Count(_)));
+        let points = vary::points(keys);
+        let setting = |point: &Vec<_>, seed| Setting { point: point.clone(), seed };
+        // what is wrong with a scene is told when all of them are read
+        let differs = |point: &Vec<_>| self.scene_of(&setting(point, None)).map_or(true, |scene| random(&scene));
+        if self.seeds > 1 && !points.iter().any(differs) {
+            return refuse("the places of all bodies are given, so that runs with other seeds are the same; leave the flag out");
+        }
+        let seeds = || if seed_varies { vec![None] } else { (0..self.seeds as u64).map(|more| Some(scene.seed + more)).collect() };
+        Ok(points.iter().flat_map(|point| seeds().into_iter().map(move |seed| setting(point, seed))).collect())
+    }
+
+    fn overrides(&self, setting: &Setting) -> Vec<String> {
+        [&self.scene.overrides[..], &setting.overrides()].concat()
+    }
+
+    fn scene_of(&self, setting: &Setting) -> Result<Scene> {
+        Scene::read(&self.scene.scene, &self.overrides(setting))
+    }
+
+    fn measure(&self, launcher: &Launcher, folder: &StudyFolder, setting: &Setting, scene: &Scene, quantity: &Quantity) -> Result<Outcome> {
+        let picture = (!scene.scalar()).then(|| WITHOUT_PICTURE.to_owned());
+        let overrides: Vec<String> = self.overrides(setting).into_iter().chain(picture).collect();
+        let out = folder.scratch.0.join("run");
+        let job = Job { scene: &self.scene.scene, overrides: &overrides, folder: &out, ranks: self.ranks, repeat: 1 };
+        let read = |path: &std::path::Path| {
+            let reading = quantity.read(path, scene)?;
+            let summary = RunSummary::read(path)?;
+            Ok(Measured {
+                value: reading.value,
+                half_width: reading.half_width,
+                remark: reading.remark.map(str::to_owned),
+                seconds: summary.setup_seconds() + summary.solve_seconds(),
+            })
+        };
+        let outcome = launcher.attempt(&job, read, |measured| measured.seconds)?;
+        // what a failed run left would be in the way of the next one
+        let _ = std::fs::remove_dir_all(&out);
+        Ok(outcome.map_or_else(|error| Outcome::Failed(one_line(&error)), Outcome::Measured))
+    }
+
+    fn identity(&self, scene: &Scene, quantity: &Quantity, petsc: &PetscOptions) -> Result<Identity> {
+        let json = json!({ "identity": {
+            "version": env!("CARGO_PKG_VERSION"), "scene": scene.text, "files": files_of(scene)?, "quantity": quantity.name(), "ranks": self.ranks,
+            "launcher": self.launcher, "petsc": petsc,
+        } });
+        Ok(Identity { json, places: &PLACES })
+    }
+}
+
+/// The words of an error without what the launcher says around them.
+fn one_line(error: &Error) -> String {
+    let text = error.to_string();
+    let own = text.lines().find_map(|line| line.strip_prefix("turbid: "));
+    own.unwrap_or(text.lines().next().unwrap_or_default()).to_owned()
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::study::command::from_words;
+
+    #[test]
+    fn the_words_of_a_sweep_are_its_arguments() {
+        let sweep: ParameterSweep = from_words(&["a.toml", "--vary", "a=1,2", "--vary", "b=[1, 2],[3, 4]", "--seeds", "5"]);
+        assert_eq!((sweep.scene.scene, sweep.vary, sweep.seeds), ("a.toml".into(), vec!["a=1,2".into(), "b=[1, 2],[3, 4]".into()], 5));
+    }
+}

@@ -1,0 +1,260 @@
+//! The number that a sweep reads from each run.
+
+use std::{fs, path::Path};
+
+use crate::{
+    error::{Error, Result},
+    observe::statistics::mean_from,
+    output::{CurvePoint, MeanViscosity},
+    scene::{AxisSection, Drive, Motion, Scene},
+    study::{cost::SceneProperties, summary::RunSummary},
+};
+
+/// Part of a run in time that is left out of a mean where nothing says when it became steady.
+const START_UP: f64 = 0.5;
+
+/// Names of the axes.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// What is read.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Quantity {
+    /// Relative viscosity: its mean over the steady part of a run in time.
+    Viscosity,
+    /// Magnitude of the mean force by the fluid on held bodies, at the end.
+    Drag,
+    /// Mean velocity of the bodies along gravity, or the force on them, in this direction.
+    Settling(Vec<f64>),
+    /// The mean of a column of `series.csv` over the second half of a run.
+    Column(String),
+    /// The number at a place of `summary.json`.
+    Entry(String),
+}
+
+/// A number, and what is known of it besides.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reading {
+    /// The number.
+    pub value: f64,
+    /// Half the width of its 95 % interval over the time of the run, if it is a mean over a steady part.
+    pub half_width: Option<f64>,
+    /// What to bear in mind.
+    pub remark: Option<&'static str>,
+}
+
+impl Reading {
+    fn exact(value: f64) -> Reading {
+        Reading { value, half_width: None, remark: None }
+    }
+}
+
+impl Quantity {
+    /// That of a word, or the one that the scene is about.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if it has no meaning in the scene, or the scene is about none.
+    pub fn of(word: Option<&str>, scene: &Scene) -> Result<Quantity> {
+        let free = scene.bodies.iter().all(|group| group.motion == Motion::Free);
+        let Some(word) = word else {
+            return match () {
+                () if sheared(scene) && free => Ok(Quantity::Viscosity),
+                () if !scene.dry() && !scene.scalar() && !free => Ok(Quantity::Drag),
+                () => settling(scene).map(Quantity::Settling).ok_or_else(|| {
+                    Error::refused(
+                        "--quantity: the scene shears no suspension, holds no body and has no gravity; name a column of series.csv, as \
+                         series.kinetic_energy, or a key of summary.json, as flow.mean_velocity.0",
+                    )
+                }),
+            };
+        };
+        let refuse = |reason: &str| Err(Error::refused(format!("--quantity {word}: {reason}")));
+        match word {
+            "viscosity" if !(sheared(scene) && free) => refuse("belongs to free bodies in a shear; choose another"),
+            "viscosity" => Ok(Quantity::Viscosity),
+            "drag" if free || scene.dry() || scene.scalar() => refuse("no body is held in a flow; choose settling or another"),
+            "drag" => Ok(Quantity::Drag),
+            "settling" => match settling(scene) {
+                Some(direction) => Ok(Quantity::Settling(direction)),
+                None => refuse("belongs to free bodies under gravity or a force; choose another"),
+            },
+            _ => match word.strip_prefix("series.") {
+                Some(_) if scene.time.is_none() => refuse("an instant has no series; choose a key of summary.json"),
+                Some(column) => Ok(Quantity::Column(column.to_owned())),
+                None if word.contains('.') => Ok(Quantity::Entry(word.to_owned())),
+                None => refuse(
+                    "must be viscosity, drag, settling, a column as series.kinetic_energy, or a key of summary.json as flow.mean_velocity.0",
+                ),
+            },
+        }
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        match self {
+            Quantity::Viscosity => "viscosity",
+            Quantity::Drag => "drag",
+            Quantity::Settling(_) => "settling",
+            Quantity::Column(name) | Quantity::Entry(name) => name,
+        }
+    }
+
+    /// What it is, in words.
+    pub fn words(&self, in_time: bool) -> String {
+        match self {
+            Quantity::Viscosity if in_time => "relative viscosity, its mean over the steady part of each run".into(),
+            Quantity::Viscosity => "relative viscosity".into(),
+            Quantity::Drag if in_time => "magnitude of the mean force on held bodies at the end".into(),
+            Quantity::Drag => "magnitude of the mean force on held bodies".into(),
+            Quantity::Settling(_) if in_time => {
+                "mean velocity of the bodies along the force on them, over the second half of each run".into()
+            }
+            Quantity::Settling(_) => "mean velocity of the bodies along the force on them".into(),
+            Quantity::Column(name) => format!("{name} of series.csv, its mean over the second half of each run"),
+            Quantity::Entry(name) => format!("{name} of summary.json"),
+        }
+    }
+
+    /// Its value in a run that left this summary.
+    ///
+    /// # Errors
+    /// The run does not tell it.
+    pub fn read(&self, path: &Path, scene: &Scene) -> Result<Reading> {
+        let summary = RunSummary::read(path)?;
+        let series = path.with_file_name("series.csv");
+        let found = match self {
+            Quantity::Viscosity => viscosity(&summary, &series)?,
+            Quantity::Drag => drag(&summary, &SceneProperties::of(scene)?.held).map(Reading::exact),
+            Quantity::Settling(direction) if summary.in_time() => settled(direction, &read(&series)?),
+            Quantity::Settling(direction) => settling_now(&summary, direction).map(Reading::exact),
+            Quantity::Column(name) => second_half(&curve(&read(&series)?, name)).map(Reading::exact),
+            Quantity::Entry(name) => summary.get(&format!("/{}", name.replace('.', "/"))).map(Reading::exact),
+        };
+        let finite = found.filter(|reading| reading.value.is_finite());
+        finite.ok_or_else(|| Error::refused(format!("--quantity {}: the run does not tell it; choose another", self.name())))
+    }
+}
+
+fn read(path: &Path) -> Result<String> {
+    fs::read_to_string(path).map_err(|source| Error::File { path: path.to_owned(), source })
+}
+
+fn sheared(scene: &Scene) -> bool {
+    matches!(scene.flow.drive, Some(Drive::ShearRate(_) | Drive::ShearedBox(_))) || scene.domain.axes.iter().any(sliding)
+}
+
+/// Whether an axis ends at walls that move past each other.
+fn sliding(axis: &AxisSection) -> bool {
+    matches!(axis, AxisSection::Walls { lower, upper } if lower != upper)
+}
+
+/// The direction in which free bodies are pulled.
+fn settling(scene: &Scene) -> Option<Vec<f64>> {
+    if scene.scalar() || scene.bodies.is_empty() || scene.bodies.iter().any(|group| group.motion != Motion::Free) {
+        return None;
+    }
+    let pull = scene.gravity.clone().or_else(|| scene.bodies.iter().find_map(|group| group.force.clone()))?;
+    let size = pull.iter().map(|part| part * part).sum::<f64>().sqrt();
+    (size > 0.0).then(|| pull.iter().map(|part| part / size).collect())
+}
+
+fn viscosity(summary: &RunSummary, series: &Path) -> Result<Option<Reading>> {
+    let Some(relative) = summary.get("/viscosity/relative") else { return Ok(None) };
+    if !summary.in_time() {
+        return Ok(Some(Reading::exact(relative)));
+    }
+    if let Some(mean) = summary.get::<MeanViscosity>("/viscosity/mean") {
+        return Ok(Some(Reading { half_width: Some(mean.half_width()), ..Reading::exact(mean.relative) }));
+    }
+    let curve: Vec<(f64, f64)> = CurvePoint::read(&read(series)?).iter().map(|point| (point.strain, point.relative())).collect();
+    let mean = second_half(&curve).unwrap_or(relative);
+    Ok(Some(Reading { remark: Some("not steady: mean over the second half"), ..Reading::exact(mean) }))
+}
+
+fn drag(summary: &RunSummary, held: &[bool]) -> Option<f64> {
+    let bodies = summary.0["bodies"].as_array()?.iter().zip(held).filter(|(_, held)| **held);
+    let forces = bodies.map(|(body, _)| numbers(&body["force"])).collect::<Option<Vec<_>>>()?;
+    let mean = mean_vector(&forces)?;
+    Some(mean.iter().map(|part| part * part).sum::<f64>().sqrt())
+}
+
+fn settling_now(summary: &RunSummary, direction: &[f64]) -> Option<f64> {
+    let bodies = summary.0["bodies"].as_array()?.iter().map(|body| numbers(&body["velocity"]));
+    Some(along(direction, &mean_vector(&bodies.collect::<Option<Vec<_>>>()?)?))
+}
+
+fn settled(direction: &[f64], series: &str) -> Option<Reading> {
+    let names = AXES.iter().map(|axis| format!("body_velocity_{axis}"));
+    let mean = names.take(direction.len()).map(|name| second_half(&curve(series, &name))).collect::<Option<Vec<_>>>()?;
+    Some(Reading::exact(along(direction, &mean)))
+}
+
+fn along(direction: &[f64], vector: &[f64]) -> f64 {
+    direction.iter().zip(vector).map(|(one, other)| one * other).sum()
+}
+
+fn mean_vector(vectors: &[Vec<f64>]) -> Option<Vec<f64>> {
+    let first = vectors.first()?;
+    Some((0..first.len()).map(|axis| vectors.iter().map(|vector| vector[axis]).sum::<f64>() / vectors.len() as f64).collect())
+}
+
+fn numbers(value: &serde_json::Value) -> Option<Vec<f64>> {
+    value.as_array()?.iter().map(serde_json::Value::as_f64).collect()
+}
+
+/// A column of a series over time; empty if it has none of this name.
+fn curve(series: &str, name: &str) -> Vec<(f64, f64)> {
+    let mut lines = series.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let heads = lines.next().unwrap_or_default();
+    let place = |name: &str| heads.iter().position(|head| *head == name);
+    let (Some(time), Some(column)) = (place("time"), place(name)) else { return Vec::new() };
+    lines.filter_map(|row| Some((row.get(time)?.parse().ok()?, row.get(column)?.parse().ok()?))).collect()
+}
+
+fn second_half(curve: &[(f64, f64)]) -> Option<f64> {
+    let (first, last) = (curve.first()?.0, curve.last()?.0);
+    Some(mean_from(curve, first + START_UP * (last - first)))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    const BOX: &str = "domain.size = [4, 4]\nresolution.spacing = 0.125\n";
+    const DISK: &str = "[[bodies]]\nradius = 0.5\ncenters = [[1, 1]]\n";
+
+    fn scene(before: &str, after: &str) -> Scene {
+        Scene::parse("scene", Path::new(""), &format!("{before}{BOX}{DISK}{after}"), &[]).unwrap()
+    }
+
+    #[test]
+    fn the_scene_chooses_the_quantity_and_words_without_a_meaning_are_refused() {
+        let shear = scene("", "[flow]\ndrive = { shear_rate = 1 }\n");
+        let held = scene("", "motion = \"fixed\"\n[flow]\ndrive = { mean_velocity = [1, 0] }\n");
+        let falling = scene("gravity = [0, -2]\n", "density = 2\n");
+        assert_eq!(Quantity::of(None, &shear).unwrap(), Quantity::Viscosity);
+        assert_eq!(Quantity::of(None, &held).unwrap(), Quantity::Drag);
+        assert_eq!(Quantity::of(None, &falling).unwrap(), Quantity::Settling(vec![0.0, -1.0]));
+        assert_eq!(Quantity::of(Some("flow.mean_velocity.0"), &shear).unwrap(), Quantity::Entry("flow.mean_velocity.0".into()));
+        for (word, scene) in [("drag", &shear), ("settling", &shear), ("viscosity", &held), ("weight", &held), ("series.time", &held)] {
+            let refusal = Quantity::of(Some(word), scene).unwrap_err().to_string();
+            assert!(refusal.starts_with(&format!("--quantity {word}: ")), "{refusal}");
+        }
+        assert!(Quantity::of(None, &scene("", "")).unwrap_err().to_string().contains("name a column"));
+    }
+
+    #[test]
+    fn a_column_is_averaged_over_the_second_half_by_time() {
+        let series = "step,time,a\n0,0.0,9\n1,1.0,1\n2,1.5,1\n3,2.0,3\n";
+        assert_eq!(second_half(&curve(series, "a")), Some(1.5));
+        assert_eq!(second_half(&curve(series, "b")), None);
+    }
+
+    #[test]
+    fn drag_is_of_held_bodies_and_settling_along_the_force() {
+        let body = |force: f64| serde_json::json!({"force": [force, 4.0], "velocity": [1.0, -2.0]});
+        let summary = RunSummary(serde_json::json!({"bodies": [body(2.0), body(100.0), body(4.0)]}));
+        assert_eq!(drag(&summary, &[true, false, true]), Some(5.0));
+        assert_eq!(settling_now(&summary, &[0.0, -1.0]), Some(2.0));
+    }
+}
