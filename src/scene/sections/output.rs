@@ -39,12 +39,10 @@ pub(in crate::scene) const KEYS: [Key; 13] = [
         "fields",
         "true or false",
         "true",
-        "Whether frames hold the flow on the grid: velocity, pressure and what is inside of bodies; an instantaneous solve then writes one frame.",
+        "Whether frames hold the flow on the grid: velocity, pressure and what is inside of bodies. An instantaneous solve writes a frame only with it.",
     )
-    .default("true in a run in time, else false"),
-    Key::new("vorticity", "true or false", "true", "Whether frames that hold the flow hold its vorticity too.")
-        .default("false")
-        .needs("time.end = 1.0"),
+    .default("true in time, false at an instant"),
+    Key::new("vorticity", "true or false", "true", "Whether frames that hold the flow hold its vorticity too.").default("false"),
     Key::new("checkpoint", "number", "60", "Seconds of wall time between checkpoints; 0 writes one after every step.")
         .unit("seconds")
         .default("600")
