@@ -9,8 +9,6 @@ use std::io::Write;
 use flate2::{Compression, write::ZlibEncoder};
 use serde_json::{Map, Value, json};
 
-use crate::error::{Error, Result};
-
 /// A frame under way to the page.
 #[derive(Debug, Clone, Default)]
 pub struct Chunk {
@@ -37,11 +35,11 @@ impl Chunk {
     /// Adds a column of numbers, known to `resolution` at least and to one part in 65535 of their range.
     ///
     /// # Errors
-    /// [`Error::Refused`] when a number is not finite.
-    pub fn reals(&mut self, name: &str, values: &[f64], resolution: f64) -> Result<()> {
+    /// What is wrong, when a number is not finite.
+    pub fn reals(&mut self, name: &str, values: &[f64], resolution: f64) -> Result<(), String> {
         let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)));
         if values.iter().any(|value| !value.is_finite()) || (high - low).is_infinite() && !values.is_empty() {
-            return Err(Error::refused(format!("a frame holds numbers ({name}) that are not finite; run the scene again")));
+            return Err(format!("its {name} holds numbers that are not finite"));
         }
         let range = if high > low { high - low } else { 0.0 };
         let width = if range == 0.0 {

@@ -7,7 +7,6 @@ use super::chunk::Chunk;
 use crate::{
     body::planes,
     contact::Partner,
-    error::Result,
     observe::FrameBody,
     output::frames::{FlowLayer, FrameContact, FrameSurroundings, StoredFrame},
 };
@@ -23,8 +22,8 @@ const ANY: f64 = f64::INFINITY;
 /// A frame with all that is shown of it.
 ///
 /// # Errors
-/// A number is not finite.
-pub fn chunk<const D: usize>(frame: &StoredFrame<D>, around: &FrameSurroundings) -> Result<Chunk> {
+/// What is wrong, when a number is not finite.
+pub fn chunk<const D: usize>(frame: &StoredFrame<D>, around: &FrameSurroundings) -> Result<Chunk, String> {
     let mut chunk = Chunk::default();
     chunk.fact("time", json!(frame.time));
     chunk.fact("step", json!(frame.step));
@@ -44,7 +43,7 @@ pub fn chunk<const D: usize>(frame: &StoredFrame<D>, around: &FrameSurroundings)
     Ok(chunk)
 }
 
-fn add_bodies<const D: usize>(chunk: &mut Chunk, bodies: &[FrameBody<D>]) -> Result<()> {
+fn add_bodies<const D: usize>(chunk: &mut Chunk, bodies: &[FrameBody<D>]) -> Result<(), String> {
     let column = |number: &dyn Fn(&FrameBody<D>) -> f64| bodies.iter().map(number).collect::<Vec<f64>>();
     let smallest = bodies.iter().fold(f64::INFINITY, |smallest, body| smallest.min(body.radius));
     chunk.reals("radius", &column(&|body| body.radius), RESOLUTION * smallest)?;
@@ -76,7 +75,7 @@ fn quaternion<const D: usize>(body: &FrameBody<D>) -> [f64; 3] {
     [sign * turn.i, sign * turn.j, sign * turn.k]
 }
 
-fn add_contacts<const D: usize>(chunk: &mut Chunk, contacts: &[FrameContact<D>]) -> Result<()> {
+fn add_contacts<const D: usize>(chunk: &mut Chunk, contacts: &[FrameContact<D>]) -> Result<(), String> {
     let column = |number: &dyn Fn(&FrameContact<D>) -> f64| contacts.iter().map(number).collect::<Vec<f64>>();
     let partner = |contact: &FrameContact<D>| match contact.partner {
         Partner::Body(other) => other as i64,
@@ -91,7 +90,7 @@ fn add_contacts<const D: usize>(chunk: &mut Chunk, contacts: &[FrameContact<D>])
     chunk.reals("contact_force", &column(&|contact| contact.force), ANY)
 }
 
-fn add_flow(chunk: &mut Chunk, flow: &FlowLayer) -> Result<()> {
+fn add_flow(chunk: &mut Chunk, flow: &FlowLayer) -> Result<(), String> {
     chunk.fact("flow", json!({ "cells": flow.cells, "depth": flow.depth }));
     for (values, name) in flow.velocity.iter().zip(["across", "up", "normal"]) {
         chunk.reals(&format!("flow_{name}"), values, ANY)?;

@@ -117,7 +117,14 @@ impl RunView {
 
     fn chunk_in<const D: usize>(&self, number: usize) -> Result<Chunk> {
         let file = &self.files[number];
-        frame::chunk(&file.read::<D>()?, &file.surroundings::<D>(Plane::of(&self.scene))?)
+        let chunk = frame::chunk(&file.read::<D>()?, &file.surroundings::<D>(Plane::of(&self.scene))?);
+        let refuse = |reason| {
+            Error::refused(format!(
+                "frame {} cannot be shown ({reason}); move it out of the folder to go on without it",
+                file.path().display()
+            ))
+        };
+        chunk.map_err(refuse)
     }
 }
 

@@ -55,15 +55,16 @@ void main() {
   }
   vec3 c = mix(tint, vec3(1.0), pale);
   if (capped) {
-    float rim = length(p - middle), inner = sqrt(max(radius * radius - pow(dot(clip.xyz, middle) - clip.w, 2.0), 0.0));
-    c = mix(mix(c, vec3(1.0), 0.12), 0.45 * c, smoothstep(inner - max(0.05 * radius, fwidth(rim)), inner, rim));
+    float height = dot(clip.xyz, middle) - clip.w;
+    float rim = sqrt(max(dot(p - middle, p - middle) - height * height, 0.0)), inner = sqrt(max(radius * radius - height * height, 0.0));
+    c = mix(mix(c, vec3(1.0), 0.12), 0.45 * c, smoothstep(inner - max(0.05 * inner, fwidth(rim)), inner, rim));
   } else {
     vec3 own = abs(turned(rotation, transpose(mat3(view)) * n));
     float spot = smoothstep(0.968, 0.976, max(own.x, max(own.y, own.z))) * step(7.0, radius / -middle.z * pixels);
     c = mix(c, 0.6 * c, marks * spot);
     float key = 0.5 + 0.5 * dot(n, normalize(vec3(-0.35, 0.75, 0.6))), front = max(n.z, 0.0);
     float shine = pow(max(dot(n, normalize(vec3(-0.3, 0.65, 1.1))), 0.0), 40.0);
-    c = c * (0.30 + 0.62 * key * key + 0.24 * front) * mix(0.55, 1.0, smoothstep(0.0, 0.42, front)) + 0.16 * shine;
+    c = c * (0.30 + 0.58 * key * key + 0.22 * front) * mix(0.55, 1.0, smoothstep(0.0, 0.42, front)) + 0.16 * shine;
   }
   float depth = clamp((-p.z - depths.x) / (depths.y - depths.x), 0.0, 1.0);
   c = mix(c, vec3(0.93, 0.95, 0.97), 0.42 * depth * depth);

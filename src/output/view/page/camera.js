@@ -31,7 +31,11 @@ function fitCamera(times = 1) {
     camera.target[0] += (margins.right - margins.left) / 2 / camera.pixels;
     camera.target[1] += (margins.top - margins.bottom) / 2 / camera.pixels;
   } else {
-    camera.distance = ((0.49 * diagonal) / opening / Math.min(1, (width - margins.right) / height)) * times;
+    const room = [0.5 * width - margins.right, 0.5 * height - 30];
+    const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((bits) => size.map((length, axis) => (bits & (1 << axis) ? length : 0)));
+    const fits = ({ x, y, depth }) => depth > 0 && Math.abs(x - 0.5 * width) * times < room[0] && Math.abs(y - 0.5 * height) * times < room[1];
+    camera.distance = 0.6 * diagonal;
+    while (camera.distance < 100 * diagonal && !corners.every((corner) => fits(project(corner)))) camera.distance *= 1.02;
   }
 }
 
@@ -56,8 +60,10 @@ function cameraMatrices() {
     const scale = [(2 * camera.pixels) / width, (2 * camera.pixels) / height];
     return { axes, shift, view, projection: [scale[0], 0, 0, 0, 0, scale[1], 0, 0, 0, 0, -1e-3, 0, 0, 0, 0, 1] };
   }
-  const near = Math.max(camera.distance - 3 * diagonal, 0.01 * diagonal);
-  const far = camera.distance + 3 * diagonal;
+  // as far away as may be: the nearer, the coarser are depths
+  const reach = (state.images === "around" ? 2.6 : 0.9) * diagonal + Math.hypot(...camera.target.map((value, axis) => value - size[axis] / 2));
+  const near = Math.max(camera.distance - reach, 0.02 * diagonal);
+  const far = camera.distance + reach;
   const depth = [-(far + near) / (far - near), (-2 * far * near) / (far - near)];
   const projection = [height / width / opening, 0, 0, 0, 0, 1 / opening, 0, 0, 0, 0, depth[0], -1, 0, 0, depth[1], 0];
   return { axes, shift, view, projection };

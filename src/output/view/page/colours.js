@@ -42,6 +42,12 @@ function ticks(low, high, wanted = 4) {
   return found;
 }
 
+// The largest of 1, 2 and 5 times powers of ten that is not above a positive value.
+function roundBelow(value) {
+  const power = 10 ** Math.floor(Math.log10(value));
+  return [5, 2, 1].map((digit) => digit * power).find((candidate) => candidate <= value * (1 + 1e-9)) ?? power;
+}
+
 // A value that all but a part of the values do not exceed.
 function robustMaximum(values, part) {
   const sorted = Float32Array.from(values).sort();

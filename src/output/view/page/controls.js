@@ -101,11 +101,14 @@ function cycle(key) {
   change({ [key]: values[(values.indexOf(state[key]) + 1) % values.length] });
 }
 
+// What a run does not have has no box to tick.
+const flip = (key) => document.getElementById(`choice-${key}`) && change({ [key]: !state[key] });
+
 const speeds = [1, 2, 5, 10, 15, 25, 50];
 const keys = {
   " ": () => play(!state.playing), ArrowRight: (event) => step(event.shiftKey ? 10 : 1), ArrowLeft: (event) => step(event.shiftKey ? -10 : -1),
   Home: () => goTo(0), End: () => goTo(frameCount - 1), c: () => cycle("colour"), f: () => cycle("flow"), i: () => cycle("images"), r: resetView, s: savePicture,
-  t: () => change({ streams: !state.streams }), n: () => change({ contacts: !state.contacts }), p: togglePanel, Escape: () => change({ body: null }),
+  t: () => flip("streams"), n: () => flip("contacts"), p: togglePanel, Escape: () => change({ body: null }),
   "[": () => changeSpeed(-1), "]": () => changeSpeed(1),
 };
 

@@ -67,7 +67,7 @@ function drawFlow(frame, quantity, matrices) {
   if (!frame.flow || quantity.kind === "none") return;
   const { uniforms } = sheetProgram;
   useProgram(sheetProgram, matrices);
-  sheetInstance.fill(new Float32Array(sheetOrigin(frame, 2e-3)));
+  sheetInstance.fill(new Float32Array(sheetOrigin(frame, 6e-3)));
   gl.uniform3f(uniforms.right, ...unit(across).map((value) => value * size[across]));
   gl.uniform3f(uniforms.above, ...unit(up).map((value) => value * size[up]));
   gl.bindTexture(gl.TEXTURE_2D, sheetTexture);
@@ -100,7 +100,7 @@ function fillStreams(frame, fastest) {
     const spacing = Math.max(size[across], size[up]) / streamCounts.longest;
     const counts = [across, up].map((axis) => Math.max(1, Math.round(size[axis] / spacing)));
     const dt = (1.7 * spacing) / fastest / streamCounts.steps;
-    const background = sheetOrigin(frame, 1e-3);
+    const background = sheetOrigin(frame, 3e-3);
     const point = ([x, y]) => { const at = [...background]; at[across] += x; at[up] += y; return at; };
     const colour = state.flow === "none" ? [60, 84, 120] : [20, 24, 34];
     for (let j = 0; j < counts[1]; j++) {

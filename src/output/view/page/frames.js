@@ -100,8 +100,13 @@ function nearestWay(frame, from, to) {
 
 const centre = (frame, body) => [frame.x[body], frame.y[body], frame.z ? frame.z[body] : 0];
 
-// Displacements of the periodic images that are drawn besides the box itself.
+// Displacements of the periodic images that are drawn besides the box itself; in 3D of those that do not hide it.
 function imageShifts(frame) {
+  const all = allImageShifts(frame);
+  return dimension === 2 ? all : all.filter((shift) => dot(shift, cameraAxes()[2]) <= 0);
+}
+
+function allImageShifts(frame) {
   const counts = [0, 1, 2].map((axis) => (periodic[axis] ? [-1, 0, 1] : [0]));
   const shifts = [];
   for (const i of counts[0]) {

@@ -75,7 +75,7 @@ function drawTriad(matrices) {
     label(axisNames[axis], end[0] + 8 * matrices.axes[0][axis], end[1] - 8 * matrices.axes[1][axis], { align: "center", base: "middle", colour: colours[axis], weight: "600" });
   }
   const { pixels } = project(camera.target, matrices);
-  const length = ticks(0, 130 / pixels, 1).at(-1);
+  const length = roundBelow(130 / pixels);
   const [left, foot] = [106, height - 30];
   stroke([[left, foot - 4], [left, foot], [left + length * pixels, foot], [left + length * pixels, foot - 4]], labelInk, 1.5);
   label(`${number(length)} (at mid depth)`, left, foot - 9);
@@ -157,7 +157,7 @@ function drawMarks(frame, matrices) {
 function drawBars(frame, shown) {
   const height = camera.window[1];
   const bars = shown.filter(({ quantity }) => quantity.kind !== "none");
-  if (state.contacts && frame.contact_body) bars.push({ contacts: true });
+  if (state.contacts && contactScale.known) bars.push({ contacts: true });
   const room = Math.min((height - 40) / Math.max(bars.length, 1), 310);
   if (bars.length === 0) return;
   pen.fillStyle = "rgba(255,255,255,0.82)";
@@ -199,7 +199,7 @@ function drawLegend({ quantity }, top) {
   label("bodies", left, top, { colour: faint, font: "11px" });
   label(quantity.symbol, left, top + 17, { font: "13px", weight: "600" });
   if (quantity.key !== "species") return label("by number", left, top + 33, { font: "11px", colour: faint });
-  radiusScale.classes.slice(0, 7).forEach((radius, k) => {
+  radiusScale.classes.forEach((radius, k) => {
     pen.fillStyle = written(distinct(k));
     pen.beginPath();
     pen.arc(left + 7, top + 36 + 19 * k, 6, 0, 2 * Math.PI);

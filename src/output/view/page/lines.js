@@ -57,6 +57,7 @@ function drawLines(name, matrices, shifts, { cut = false, fade = 0, clipped = tr
 // The edges of the box: walls are thick, what repeats or is open is thin.
 function fillBox() {
   const lines = [];
+  const wide = dimension === 2 ? 3 : 1.6;
   const corner = (bits) => [0, 1, 2].map((axis) => (bits & (1 << axis) ? size[axis] : 0));
   for (let bits = 0; bits < 2 ** dimension; bits++) {
     for (let axis = 0; axis < dimension; axis++) {
@@ -64,7 +65,7 @@ function fillBox() {
       // in 2D an edge bounds the other axis; in 3D it belongs to the faces of two others
       const others = [0, 1, 2].filter((other) => other !== axis && other < dimension);
       const wall = others.some((other) => index.bounds[other] === "walls");
-      lines.push(...line(corner(bits), corner(bits | (1 << axis)), [0, 0], wall ? [3, 3] : [1.2, 1.2], wall ? ink : [150, 158, 170]));
+      lines.push(...line(corner(bits), corner(bits | (1 << axis)), [0, 0], wall ? [wide, wide] : [1.2, 1.2], wall ? ink : [150, 158, 170]));
     }
   }
   lineSets.box.fill(new Float32Array(lines));
@@ -83,7 +84,7 @@ function fillBonds(frame) {
 }
 
 const along3 = (from, way) => [0, 1, 2].map((axis) => from[axis] + (way[axis] ?? 0));
-const contactScale = { force: 1 };
+const contactScale = { force: 1, known: false };
 
 // Contacts from centre to centre, as wide as their force; those that pull are blue.
 function fillContacts(frame) {
@@ -103,5 +104,6 @@ function fillContacts(frame) {
 // The force whose line is three quarters of a radius wide: large ones of a frame in the middle of the run.
 function learnForces(frames) {
   const tops = frames.filter((frame) => frame.contact_force?.length).map((frame) => robustMaximum(thinned(frame.contact_force, 50000).map(Math.abs), 0.95));
+  contactScale.known = tops.length > 0;
   contactScale.force = tops.sort((one, other) => one - other)[Math.floor(tops.length / 2)] || 1;
 }

@@ -4,8 +4,10 @@ const message = document.getElementById("message");
 const quantities = { bodies: [], flow: [] };
 let samples = [];
 let current = null;
+let filled = null;
 let drawing = false;
 let again = false;
+let stale = true;
 
 function complain(error) {
   message.textContent = error.message ?? String(error);
@@ -26,12 +28,14 @@ function rangeNow(part, quantity, frame) {
 
 const chosen = (part, key) => quantities[part].find((quantity) => quantity.key === key) ?? quantities[part][0];
 
-function requestDraw() {
+// Draws at the next chance: with new contents, or as seen from elsewhere only.
+function requestDraw(contents = true) {
+  stale ||= contents;
   if (drawing) return void (again = true);
   drawing = true;
   requestAnimationFrame(() => draw().catch(complain).finally(() => {
     drawing = false;
-    if (again) requestDraw();
+    if (again) requestDraw(false);
   }));
 }
 
@@ -42,7 +46,7 @@ async function draw() {
     place = state.place;
     current = await frameAt(place);
   } while (place !== state.place);
-  fill(current);
+  if (stale || !current.shown || filled !== current) fill(current);
   show(current);
   document.body.dataset.state = "ready";
   Object.assign(document.body.dataset, { frame: index.frames.numbers[place], time: current.time, bodies: current.count });
@@ -50,6 +54,7 @@ async function draw() {
 }
 
 function fill(frame) {
+  [stale, filled] = [false, frame];
   const [body, flow] = [chosen("bodies", state.colour), chosen("flow", state.flow)];
   frame.shown = [
     { title: "bodies", quantity: body, range: rangeNow("bodies", body, frame) },
@@ -74,14 +79,20 @@ function show(frame, saving = false) {
   const shifts = [...images, [0, 0, 0]];
   const [cut, fade] = [dimension === 2 && state.images === "seams", state.images === "around" ? 0.55 : 0];
   if (flow) drawFlow(frame, flow, matrices);
-  if (state.streams && frame.flow) drawLines("streams", matrices, [[0, 0, 0]], { clipped: false });
+  const streams = () => state.streams && frame.flow && drawLines("streams", matrices, [[0, 0, 0]], { clipped: false });
+  // what is partly seen through comes after what lies behind it
+  if (dimension === 2) streams();
   drawBodies(frame, matrices);
+  if (dimension === 3) streams();
   drawLines("bonds", matrices, shifts, { cut, fade });
   drawLines("contacts", matrices, shifts, { cut, fade });
   drawLines("box", matrices, [[0, 0, 0]], { clipped: false });
   drawLines("path", matrices, [[0, 0, 0]]);
   drawLabels(frame, frame.shown, saving);
   showWords(frame);
+  // for programs that look at the page: how far the scene is from its left, upper, right and lower edge
+  const { left, top, right, bottom } = overlay.getBoundingClientRect();
+  document.body.dataset.insets = [left, top, window.innerWidth - right, window.innerHeight - bottom].join(",");
 }
 
 function showWords(frame) {
@@ -161,7 +172,7 @@ function listen() {
     tooltip.hidden = true;
     if (dimension === 2 || held.moves) moveCamera(dx, dy);
     else turnCamera(dx, dy);
-    requestDraw();
+    requestDraw(false);
   });
   overlay.addEventListener("pointerup", (event) => {
     overlay.classList.remove("held");
@@ -170,15 +181,15 @@ function listen() {
     rememberAddress();
   });
   overlay.addEventListener("pointercancel", () => (held = null));
-  overlay.addEventListener("pointerleave", () => { pointed.body = null; tooltip.hidden = true; requestDraw(); });
+  overlay.addEventListener("pointerleave", () => { pointed.body = null; tooltip.hidden = true; requestDraw(false); });
   overlay.addEventListener("contextmenu", (event) => event.preventDefault());
   overlay.addEventListener("wheel", (event) => {
     event.preventDefault();
     zoomCamera(Math.exp(-event.deltaY * (event.deltaMode === 1 ? 0.05 : 0.0016)), event.offsetX, event.offsetY);
-    requestDraw();
+    requestDraw(false);
     rememberAddress();
   }, { passive: false });
-  new ResizeObserver(() => current?.shown && show(current)).observe(document.getElementById("stage"));
+  new ResizeObserver(() => filled && show(filled)).observe(document.getElementById("stage"));
   const scrub = document.getElementById("scrub");
   scrub.max = frameCount - 1;
   scrub.oninput = () => { play(false); goTo(Number(scrub.value)); };
@@ -193,10 +204,10 @@ function listen() {
 function chooseStart() {
   const has = (part, key) => quantities[part].some((quantity) => quantity.key === key);
   if (index.coloured === "vorticity" && has("flow", "vorticity")) Object.assign(state, { colour: "plain", flow: "vorticity" });
+  else if (index.coloured === "species" && has("bodies", "species")) state.colour = "species";
   else if (has("bodies", "chain")) state.colour = "chain";
   if (dimension === 3) state.images = "none";
   state.speed = speeds.find((speed) => speed >= frameCount / 7) ?? 50;
-  Object.assign(initial, state);
 }
 
 async function start() {
@@ -205,11 +216,13 @@ async function start() {
   if (!window.DecompressionStream) throw new Error("This browser cannot inflate the frames (DecompressionStream); take a newer one.");
   samples = await sampleFrames(dimension === 2 ? 16 : 8);
   learnRadii(samples[0]);
+  learnSpeeds(samples);
   quantities.bodies = bodyQuantities.filter(({ where }) => !where || where(samples));
   quantities.flow = samples.some((frame) => frame.flow) ? flowQuantities.filter(({ where }) => !where || where(samples)) : [];
   samples = samples.filter((frame) => frame.flow || quantities.flow.length === 0);
   chooseStart();
   beginSeries();
+  Object.assign(initial, state);
   buildPanel(samples);
   fitWindow();
   fitCamera();

@@ -22,6 +22,7 @@ const scales = {
   spin: () => (shear ? { unit: rate, name: "in units of γ̇" } : { unit: 1, name: ofScene }),
   stress: () => (shear && !index.dry ? { unit: index.viscosity * rate, name: "in units of ηγ̇" } : { unit: 1, name: ofScene }),
   none: () => ({ unit: 1, name: "" }),
+  force: () => ({ unit: 1, name: ofScene }),
   scene: () => ({ unit: 1, name: ofScene }),
 };
 
@@ -32,7 +33,16 @@ const restful = {
   stress: () => (shear && !index.dry ? 1e-6 * index.viscosity * rate : 0),
   none: () => 0,
   scene: () => 0,
+  force: () => forceFloor.value,
 };
+
+// Forces a thousandth of what the fastest body would meet are those that the solver leaves on free ones.
+const forceFloor = { value: 0 };
+
+function learnSpeeds(frames) {
+  const fastest = frames.reduce((top, frame) => each(frame, (body) => length(frame, "velocity", body)).reduce((one, other) => Math.max(one, other), top), 0);
+  forceFloor.value = 1e-3 * index.viscosity * fastest * radiusScale.mean ** (dimension - 2);
+}
 
 const length = (frame, name, body) => Math.hypot(frame[`${name}_x`][body], frame[`${name}_y`][body], frame[`${name}_z`] ? frame[`${name}_z`][body] : 0);
 const each = (frame, value) => Float32Array.from({ length: frame.count }, (_, body) => value(body));
@@ -73,7 +83,8 @@ function chains(frame) {
 const species = (frame) => each(frame, (body) => radiusScale.classes.indexOf(Number(frame.radius[body].toPrecision(4))));
 const spin = (frame) => (dimension === 2 ? frame.spin_z : each(frame, (body) => length(frame, "spin", body)));
 const force = (frame) => each(frame, (body) => length(frame, "force", body));
-const alike = (values) => values.every((value) => value === values[0]);
+// Sizes that have colours of their own; of more the radius is a magnitude.
+const mostClasses = 7;
 const tiedName = index.tied.join(" or ") || "chain";
 
 // kind: magnitude from zero up, signed about zero, count of things, category without an order.
@@ -84,9 +95,10 @@ const bodyQuantities = [
   { key: "spin", label: "spin", symbol: dimension === 2 ? "ω" : "|ω|", kind: dimension === 2 ? "signed" : "magnitude", scale: "spin", values: spin },
   { key: "contacts", label: "number of contacts", symbol: "contacts", kind: "count", scale: "none", values: (frame) => frame.touches, where: (frames) => frames.some((frame) => frame.contact_body) },
   { key: "pressure", label: "contact pressure", symbol: "p (contacts)", kind: "signed", scale: "stress", values: contactPressure, where: (frames) => frames.some((frame) => frame.contact_body?.length) },
-  { key: "force", label: "force of the fluid", symbol: "|F|", kind: "magnitude", scale: "scene", values: force, where: (frames) => frames.some((frame) => force(frame).some((value) => value > 1e-9)) },
+  { key: "force", label: "fluid force", symbol: "|F|", kind: "magnitude", scale: "force", values: force, where: (frames) => frames.some((frame) => force(frame).some((value) => value > forceFloor.value)) },
   { key: "chain", label: tiedName, symbol: tiedName, kind: "category", values: chains, where: (frames) => frames[0].bond_chain.length > 0 },
-  { key: "species", label: "species (radius)", symbol: "radius", kind: "category", values: species, where: (frames) => !alike(frames[0].radius) },
+  { key: "species", label: "species (radius)", symbol: "radius", kind: "category", values: species, where: () => radiusScale.classes.length > 1 && radiusScale.classes.length <= mostClasses },
+  { key: "radius", label: "radius", symbol: "a", kind: "magnitude", scale: "scene", values: (frame) => frame.radius, where: () => radiusScale.classes.length > mostClasses },
 ];
 
 const flowQuantities = [
@@ -101,9 +113,9 @@ const flowQuantities = [
 function rangeOf(quantity, frames) {
   if (quantity.kind === "none" || quantity.kind === "category") return { low: 0, high: 1 };
   const all = frames.flatMap((frame) => [...thinned(quantity.values(frame).map(Math.abs), 50000)]);
-  if (quantity.kind === "count") return { low: 0, high: Math.max(1, ...all) };
-  const negative = quantity.kind === "signed" && frames.some((frame) => quantity.values(frame).some((value) => value < 0));
+  if (quantity.kind === "count") return { low: 0, high: all.reduce((top, value) => Math.max(top, value), 1) };
   const found = robustMaximum(all, quantity.shown ?? 0.995);
+  const negative = quantity.kind === "signed" && frames.some((frame) => quantity.values(frame).some((value) => value < -1e-3 * found));
   const rest = restful[quantity.scale]();
   const high = found > rest && found > 0 ? found : rest || 1;
   return { low: negative ? -high : 0, high, atRest: high !== found };

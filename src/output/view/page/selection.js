@@ -40,7 +40,7 @@ function pointAt(frame, x, y) {
   tooltip.style.top = `${Math.max(4, Math.min(y + 14, camera.window[1] - height - 4))}px`;
 }
 
-const vector = (frame, name, body) => `(${axisNames.map((axis) => number(frame[name ? `${name}_${axis}` : axis][body])).join(", ")})`;
+const vector = (frame, name, body) => `(${axisNames.map((axis) => number(frame[name ? `${name}_${axis}` : axis][body], dimension === 2 ? 4 : 3)).join(", ")})`;
 
 function bodyFacts(frame, body) {
   const facts = [["", `body ${body}`], ["radius", number(frame.radius[body])], ["position", vector(frame, "", body)], ["velocity", vector(frame, "velocity", body)], ["speed", number(length(frame, "velocity", body))]];
@@ -49,7 +49,7 @@ function bodyFacts(frame, body) {
   if (frame.contact_body) facts.push(["contacts", `${frame.touches[body]}`]);
   const tied = chains(frame)[body];
   if (tied >= 0) facts.push([tiedName, `${tied}`]);
-  if (length(frame, "force", body) > 1e-9) facts.push(["force of the fluid", vector(frame, "force", body)]);
+  if (length(frame, "force", body) > forceFloor.value) facts.push(["fluid force", vector(frame, "force", body)]);
   return facts;
 }
 
