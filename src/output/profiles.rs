@@ -46,12 +46,12 @@ impl ProfileFrames {
         };
         let same = |_: &SliceSample| 1.0;
         let mut columns = vec![column("fraction".into(), &|sample| sample.fraction, &same)];
-        for axis in 0..dimension {
-            let name = format!("particle_velocity_{}", AXES[axis]);
+        for (axis, letter) in AXES.iter().enumerate().take(dimension) {
+            let name = format!("particle_velocity_{letter}");
             columns.push(column(name, &|sample| sample.particles[axis], &|sample| sample.fraction));
         }
-        for axis in 0..dimension {
-            let name = format!("fluid_velocity_{}", AXES[axis]);
+        for (axis, letter) in AXES.iter().enumerate().take(dimension) {
+            let name = format!("fluid_velocity_{letter}");
             columns.push(column(name, &|sample| sample.fluid[axis], &|sample| 1.0 - sample.fraction));
         }
         if !first.stress.is_empty() {
