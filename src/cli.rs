@@ -14,7 +14,7 @@ mod words;
 
 use std::path::PathBuf;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
 use crate::{
@@ -103,8 +103,8 @@ pub fn execute_alone(arguments: &Arguments) -> Option<Result<()>> {
     }
     let answer: Box<dyn Fn() -> Result<()>> = match &arguments.command {
         Command::Keys(arguments) => Box::new(|| keys::keys(arguments)),
-        Command::Completions { shell } => Box::new(|| shell::completions(*shell)),
-        Command::Man { command } => Box::new(|| shell::manual(command.as_deref())),
+        Command::Completions { shell } => Box::new(|| shell::completions(Arguments::command(), *shell)),
+        Command::Man { command } => Box::new(|| shell::manual(Arguments::command(), command.as_deref())),
         Command::Examples(arguments) => Box::new(|| examples::examples(arguments)),
         Command::New(arguments) => Box::new(|| examples::new_scene(arguments)),
         _ => return None,
@@ -179,6 +179,9 @@ mod tests {
         for words in alone {
             let outcome = execute_alone(&parsed(&format!("turbid {words}"))).unwrap_or_else(|| panic!("{words} takes a session"));
             assert!(matches!(outcome, Err(Error::File { .. })), "{words}: {outcome:?}");
+        }
+        for words in ["keys", "completions bash", "man"] {
+            assert!(matches!(execute_alone(&parsed(&format!("turbid {words}"))), Some(Ok(()))), "{words}");
         }
         let on_ranks = ["run a.toml", "resume o", "animate o", "view o", "plan a.toml", "lubrication", "validation", "conditioning"];
         for words in on_ranks {

@@ -31,8 +31,10 @@ fn misused(error: &clap::Error) -> i32 {
     {
         return finish_alone(Err(Error::File { path: "standard output".into(), source: failure.into() }));
     }
-    let names: Vec<String> = Arguments::command().get_subcommands().map(|command| command.get_name().to_owned()).collect();
-    if error.use_stderr() && std::env::args().nth(1).is_none_or(|word| !names.contains(&word)) {
+    let program = Arguments::command();
+    let shown = program.get_subcommands().filter(|command| !command.is_hide_set());
+    let names: Vec<&str> = shown.map(clap::Command::get_name).collect();
+    if error.use_stderr() && std::env::args().nth(1).is_none_or(|word| !names.contains(&word.as_str())) {
         note(&format!("commands: {}", names.join(", ")));
     }
     error.exit_code()

@@ -21,6 +21,28 @@ def test_the_pair_distribution_is_that_of_the_program(name, request):
     np.testing.assert_array_equal(run.pairs.radial.reset_index(), theirs["radial"])
 
 
+@pytest.mark.parametrize("domain", [{"y": {"lower": [3.0, 0.0], "upper": [0.0, 0.0]}}, {"x": {"lower": [0.0, -2.0], "upper": [0.0, 2.0]}}])
+def test_directions_are_those_of_the_shear(domain, tmp_path):
+    scene = {
+        "title": "crowd between walls",
+        "seed": 2,
+        "domain": {"size": [8.0, 8.0], **domain},
+        "resolution": {"cells_per_radius": 3},
+        "method": {"inverse": "transform"},
+        "bodies": [{"radius": 0.5, "fraction": 0.4, "gap": 0.01}],
+        "contact": {"model": "inelastic"},
+        "time": {"end": 0.1},
+        "output": {"every": 0.1, "pairs": True, "fields": False},
+    }
+    run = turbid.run(scene, out=tmp_path / "crowd", ranks=1, progress=False)
+    theirs, ours = run.pairs, run.pair_distribution()
+    np.testing.assert_allclose(ours.angular["density"], theirs.angular["density"])
+    np.testing.assert_allclose(ours.radial["distribution"], theirs.radial["distribution"], atol=1e-12)
+    np.testing.assert_allclose(run.series["strain"], run.strain_at(run.series.index), atol=1e-15)
+    plain = turbid.pair_distribution(run.steady_frames())
+    assert np.abs(plain.angular["density"] - theirs.angular["density"]).max() > 0.1, "the scene tells directions apart"
+
+
 @pytest.mark.parametrize("offset", [None, 2.3])
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_near_pairs_are_those_of_all_images_one_by_one(dimension, offset):

@@ -146,7 +146,8 @@ fn entry<const D: usize>(columns: &[usize], fields: &[&str]) -> std::result::Res
 
 fn finite(field: &str) -> std::result::Result<f64, String> {
     let number = field.parse::<f64>().ok().filter(|number| number.is_finite());
-    let number = number.ok_or_else(|| format!("found {}, expected a finite number", quoted(field)))?;
+    let decimal = if field.contains(',') { "; write decimal points" } else { "" };
+    let number = number.ok_or_else(|| format!("found {}, expected a finite number{decimal}", quoted(field)))?;
     match usable(number) {
         true => Ok(number),
         false => Err(format!("found {}, expected 0 or a number from 1e-60 to 1e60 in size", quoted(field))),

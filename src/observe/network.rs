@@ -11,31 +11,37 @@ pub struct ForceLine<const D: usize> {
     pub from: SVector<f64, D>,
     /// From there to the other end.
     pub way: SVector<f64, D>,
-    /// Radius of the smaller body.
-    pub radius: f64,
+    /// Radii of the body and of the other; 0 for a wall.
+    pub radii: [f64; 2],
     /// The force.
     pub force: f64,
 }
 
 impl<const D: usize> ForceLine<D> {
     /// How many numbers [`pack`](Self::pack) makes.
-    pub const LENGTH: usize = 2 * D + 2;
+    pub const LENGTH: usize = 2 * D + 3;
 
     /// Flat numbers, to send to other ranks.
     pub fn pack(&self) -> Vec<f64> {
-        [self.from.as_slice(), self.way.as_slice(), &[self.radius, self.force]].concat()
+        [self.from.as_slice(), self.way.as_slice(), &self.radii, &[self.force]].concat()
     }
 
     /// The inverse of [`pack`](Self::pack).
     pub fn unpack(numbers: &[f64]) -> Self {
         let (from, rest) = numbers.split_at(D);
         let vector = SVector::from_column_slice;
-        ForceLine { from: vector(from), way: vector(&rest[..D]), radius: rest[D], force: rest[D + 1] }
+        ForceLine { from: vector(from), way: vector(&rest[..D]), radii: [rest[D], rest[D + 1]], force: rest[D + 2] }
+    }
+
+    /// Radius of the smaller body.
+    fn thinner(&self) -> f64 {
+        let [own, other] = self.radii;
+        if other > 0.0 { own.min(other) } else { own }
     }
 }
 
 /// Width of the largest force, in radii.
-const WIDEST: f64 = 0.55;
+const WIDEST: f64 = 0.35;
 /// Lines thinner than this part of the widest are left out.
 const THINNEST: f64 = 0.02;
 
@@ -44,7 +50,7 @@ pub fn force_lines<const D: usize>(contacts: &[ForceLine<D>], within: impl Fn(&S
     let largest = contacts.iter().map(|contact| contact.force.abs()).fold(0.0, f64::max);
     let line = |contact: &ForceLine<D>| {
         let part = contact.force.abs() / largest;
-        (part > THINNEST).then(|| Bond { from: within(&contact.from), way: within(&contact.way), width: WIDEST * contact.radius * part })
+        (part > THINNEST).then(|| Bond { from: within(&contact.from), way: within(&contact.way), width: WIDEST * contact.thinner() * part })
     };
     (contacts.iter().filter_map(line).collect(), largest)
 }
@@ -57,7 +63,7 @@ mod tests {
 
     #[test]
     fn lines_are_as_wide_as_forces_are_large() {
-        let contact = |force| ForceLine { from: Vector3::new(1.0, 2.0, 3.0), way: Vector3::x(), radius: 0.5, force };
+        let contact = |force| ForceLine { from: Vector3::new(1.0, 2.0, 3.0), way: Vector3::x(), radii: [0.5, 0.0], force };
         let (lines, largest) = force_lines(&[contact(4.0), contact(-2.0), contact(1e-9)], |vector| [vector[0], vector[2]]);
         assert_eq!((lines.len(), largest, lines[0].from), (2, 4.0, [1.0, 3.0]));
         assert_eq!(ForceLine::unpack(&contact(4.0).pack()), contact(4.0));

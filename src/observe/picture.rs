@@ -38,7 +38,11 @@ pub fn picture<const D: usize>(
         _ => (SpeedScale::name("speed |u|", scale.words), total.iter().map(|velocity| velocity.norm() / scale.unit).collect::<Vec<f64>>()),
     };
     let groups = groups(setup, colour);
-    let cut = |line: &&ForceLine<D>| plane.cut(&Ball { center: line.from, radius: line.radius }).is_some();
+    let cuts = |center: SVector<f64, D>, radius: f64| plane.cut(&Ball { center, radius }).is_some();
+    let cut = |line: &&ForceLine<D>| {
+        let [own, other] = line.radii;
+        cuts(line.from, own) && (other == 0.0 || cuts(line.from + line.way, other))
+    };
     let contacts: Vec<ForceLine<D>> = contacts.iter().filter(cut).copied().collect();
     let (lines, largest) = force_lines(&contacts, |vector| plane.within(vector));
     let strain = Shear::of(&setup.domain, &setup.drive).zip(time).map(|(shear, time)| format!("strain {:.4}", shear.rate.abs() * time));

@@ -46,12 +46,12 @@ impl ProfileFrames {
         };
         let same = |_: &SliceSample| 1.0;
         let mut columns = vec![column("fraction".into(), &|sample| sample.fraction, &same)];
-        for axis in 0..dimension {
-            let name = format!("particle_velocity_{}", AXES[axis]);
+        for (axis, letter) in AXES.iter().enumerate().take(dimension) {
+            let name = format!("particle_velocity_{letter}");
             columns.push(column(name, &|sample| sample.particles[axis], &|sample| sample.fraction));
         }
-        for axis in 0..dimension {
-            let name = format!("fluid_velocity_{}", AXES[axis]);
+        for (axis, letter) in AXES.iter().enumerate().take(dimension) {
+            let name = format!("fluid_velocity_{letter}");
             columns.push(column(name, &|sample| sample.fluid[axis], &|sample| 1.0 - sample.fraction));
         }
         if !first.stress.is_empty() {
@@ -97,7 +97,8 @@ impl ProfileFrames {
         let named = |part: &str| columns.iter().filter(|column| column.name.contains(part)).collect::<Vec<_>>();
         // of the velocities the component that differs most
         let spread = |axis: &&str| named(&format!("velocity_{axis}")).iter().map(|column| column.spread()).fold(0.0, f64::max);
-        let widest = AXES.iter().max_by(|one, other| spread(one).total_cmp(&spread(other))).expect("there are axes");
+        // the first of those that differ equally
+        let widest = AXES.iter().rev().max_by(|one, other| spread(one).total_cmp(&spread(other))).expect("there are axes");
         let groups = [
             (format!("velocity along {widest}"), named(&format!("velocity_{widest}"))),
             ("solid fraction".into(), named("fraction")),

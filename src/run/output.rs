@@ -157,8 +157,7 @@ impl<'a, const D: usize> EvaluatedMotion<'a, D> {
             let (ball, other) = (balls[contact.body], contact.partner);
             let radius = if let Partner::Body(other) = other { balls[other].radius } else { 0.0 };
             let way = contact.normal * (ball.radius + contact.gap + radius);
-            let thinner = if radius > 0.0 { ball.radius.min(radius) } else { ball.radius };
-            ForceLine { from: ball.center, way, radius: thinner, force: held.force }
+            ForceLine { from: ball.center, way, radii: [ball.radius, radius], force: held.force }
         };
         held.iter().filter(|held| self.state().tells(held.body)).map(line).collect()
     }

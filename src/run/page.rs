@@ -18,7 +18,7 @@ use crate::{
 /// Tables that are drawn.
 const TABLES: [&str; 3] = ["series.csv", "forces.csv", "pairs.csv"];
 /// Images that are shown.
-const IMAGES: [&str; 2] = ["picture.svg", "picture.png"];
+const IMAGES: [&str; 3] = ["picture.svg", "picture.png", "profiles.svg"];
 /// Lines of the log that are shown.
 const LINES: usize = 25;
 /// Largest image that is shown, in bytes; others are named.
@@ -83,6 +83,8 @@ impl PageOfRun {
             parts: parts(summary, mean.as_ref()),
             bodies: bodies_table(summary),
             facts: self.facts(Some(summary)),
+            // the summary is written last
+            files: [KNOWN_FILES[0]].into_iter().map(|(name, what)| (name.to_owned(), what)).chain(self.files()).collect(),
             ..self.unfinished(Standing::Ended, written, answers(summary), mean)
         }
     }

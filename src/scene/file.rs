@@ -374,7 +374,7 @@ scheme = "midpoint"
     #[test]
     fn a_dry_scene_has_bodies_that_start_with_a_velocity_and_no_resolution() {
         let scene = parse(DRY);
-        assert!(scene.dry() && scene.resolution.is_none() && !scene.output.fields);
+        assert!(scene.dry() && scene.resolution.is_none() && !scene.stores_fields());
         assert_eq!(scene.contact.model, ContactModel::Inelastic);
         assert_eq!((&scene.bodies[0].velocity, &scene.bodies[0].spin), (&Some(vec![1.0, 0.0]), &Some(vec![-2.0])));
         assert_eq!(scene.time, Some(TimeSection { step: Step::Auto, end: 2.0, scheme: Scheme::Midpoint, travel: 0.25, until: None }));
@@ -390,7 +390,7 @@ scheme = "midpoint"
         assert_eq!(scene.time.map(|time| (time.step, time.scheme)), Some((Step::Fixed(3.0), Scheme::Euler)));
         assert_eq!(
             scene.output,
-            OutputSection { picture: false, every: Some(5.0), fields: false, checkpoint: 0.0, probe: Some(16), ..OutputSection::default() }
+            OutputSection { picture: false, every: Some(5.0), fields: Some(false), checkpoint: 0.0, probe: Some(16), ..OutputSection::default() }
         );
         assert_eq!(parse(FLAT).time, None);
     }

@@ -302,7 +302,7 @@ fn of_output(output: &OutputSection, in_time: bool, model: FlowModel) -> Keys {
     if in_time {
         keys.push(number("output.checkpoint", *checkpoint));
     }
-    keys.extend((model.fluid() || in_time && model != FlowModel::None).then(|| pair("output.fields", fields)));
+    keys.extend(fields.filter(|_| model.fluid()).map(|fields| pair("output.fields", fields)));
     keys.extend(model.fluid().then(|| pair("output.vorticity", vorticity)));
     keys.extend((model.fluid() || colour.of_bodies()).then(|| word("output.colour", word_of(&Colour::WORDS, colour))));
     let axes: Vec<&str> = profiles.iter().map(|&axis| ["x", "y", "z"][axis]).collect();

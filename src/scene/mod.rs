@@ -115,6 +115,16 @@ impl Scene {
         self.output.every.unwrap_or(self.end() / FRAMES)
     }
 
+    /// Whether frames hold the flow on the grid.
+    pub fn stores_fields(&self) -> bool {
+        self.flow.model.fluid() && self.output.fields.unwrap_or(self.time.is_some())
+    }
+
+    /// Whether frames hold the vorticity.
+    pub fn stores_vorticity(&self) -> bool {
+        self.stores_fields() && (self.output.vorticity || self.output.colour == Colour::Vorticity)
+    }
+
     /// Its title, or else its name.
     pub fn shown_title(&self) -> &str {
         if self.title.is_empty() { &self.name } else { &self.title }

@@ -3,6 +3,7 @@
 use std::{
     collections::BTreeMap,
     fs,
+    os::unix::fs::PermissionsExt,
     path::{Path, PathBuf},
 };
 
@@ -130,8 +131,11 @@ fn an_animation_without_frames_is_refused() {
         let out = here.join(name);
         refused(&here, &["animate", here.to_str().unwrap(), "--out", out.to_str().unwrap()], &["animated PNG", ".gif"]);
     }
-    let film = here.join("film.mp4");
-    let without = command(1, &["animate", here.to_str().unwrap(), "--out", film.to_str().unwrap()]).env("PATH", "").output().unwrap();
+    // ffmpeg may be installed here: what stands before it cannot be run
+    fs::write(here.join("ffmpeg"), "#!/bin/sh\nexit 1\n").unwrap();
+    fs::set_permissions(here.join("ffmpeg"), fs::Permissions::from_mode(0o755)).unwrap();
+    let (film, path) = (here.join("film.mp4"), format!("{}:{}", here.display(), std::env::var("PATH").unwrap()));
+    let without = command(1, &["animate", here.to_str().unwrap(), "--out", film.to_str().unwrap()]).env("PATH", path).output().unwrap();
     assert_eq!(without.status.code(), Some(2));
     assert!(said(&without).contains("takes ffmpeg") && said(&without).contains("film.gif"), "{}", said(&without));
 }

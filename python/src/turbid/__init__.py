@@ -24,6 +24,7 @@ from .profiles import Profile, profile
 from .progress import Progress
 from .results import Run
 from .results import open_run as open
+from .shear import Shear
 from .statistics import Mean, blocking, standard_error, steady_mean
 from .viscosity import Viscosity
 
@@ -47,6 +48,7 @@ __all__ = [
     "Progress",
     "Refused",
     "Run",
+    "Shear",
     "TurbidError",
     "Viscosity",
     "blocking",

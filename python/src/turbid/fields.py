@@ -14,9 +14,9 @@ from .files import read_hdf5
 class Fields(Mapping[str, Floats]):
     """Values at the centres of the cells of a frame, each read when it is asked for.
 
-    ``velocity`` and ``pressure``, ``inside`` (the part of a cell that lies in bodies) and, where the scene asks for it, ``vorticity``. The axes of arrays
-    are those of the grid, the slowest first: ``(y, x)`` or ``(z, y, x)``, and last the component of a vector. The program computes on a staggered grid; it
-    writes velocities interpolated to the centres.
+    ``velocity`` and ``pressure``, ``inside`` (the part of a cell that lies in bodies) and, where the scene asks for it, ``vorticity``. The axes
+    of arrays are those of the grid, the slowest first: ``(y, x)`` or ``(z, y, x)``, and last the component of a vector. The program computes on
+    a staggered grid; it writes velocities interpolated to the centres.
 
     Attributes:
         coordinates: Places of the centres along ``x``, ``y`` and ``z``.

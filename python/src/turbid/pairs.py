@@ -17,6 +17,7 @@ import pandas as pd
 
 from .box import Box, Floats
 from .neighbours import near_pairs
+from .shear import Shear
 
 if TYPE_CHECKING:
     from .frame import Frame
@@ -38,7 +39,8 @@ class PairDistribution:
     Attributes:
         radial: ``distribution``, the density of pairs over that of an ideal gas in the same box, by ``separation`` over the sum of the radii
             (middles of bins).
-        angular: ``density`` of neighbours over its mean, by direction in ``degrees`` from x to y (middles of bins over half a turn).
+        angular: ``density`` of neighbours over its mean, by direction in ``degrees`` from that of the flow towards that of the
+            gradient (from x to y without a shear; middles of bins over half a turn).
         coordination: Mean number of neighbours of a body: others with a gap below 0.1 mean radii.
         configurations: Number of frames that were averaged.
     """
@@ -56,17 +58,18 @@ class PairDistribution:
         return PairDistribution(_radial(*radial.T), _angular(*angular.T), found["coordination"], found["configurations"])
 
 
-def pair_distribution(frames: Iterable[Frame], width: float = _WIDTH, farthest: float | None = None) -> PairDistribution:
+def pair_distribution(frames: Iterable[Frame], width: float = _WIDTH, farthest: float | None = None, shear: Shear | None = None) -> PairDistribution:
     """The pair distribution of frames of the same bodies, one at a time.
 
     Args:
         frames: The frames.
         width: Width of a bin in sums of radii.
         farthest: Farthest separation in sums of radii; without it 4, or what half a period or the room between walls allows.
+        shear: The shear that directions refer to; without it they go from x to y.
     """
     counts: _Counts | None = None
     for frame in frames:
-        counts = counts or _Counts(frame.box, frame.radii, width, farthest)
+        counts = counts or _Counts(frame.box, frame.radii, width, farthest, shear)
         counts.add(frame.box, frame.centres)
     if counts is None:
         raise ValueError("there are no frames to count pairs in")
@@ -74,10 +77,13 @@ def pair_distribution(frames: Iterable[Frame], width: float = _WIDTH, farthest: 
 
 
 class _Counts:
-    def __init__(self, box: Box, radii: Floats, width: float, farthest: float | None) -> None:
+    def __init__(self, box: Box, radii: Floats, width: float, farthest: float | None, shear: Shear | None) -> None:
         if len(radii) < 2:
             raise ValueError(f"there are no pairs of {len(radii)} bodies")
         self.box, self.radii, self.width = box, radii, width
+        axes = np.eye(box.dimension)
+        self.flow: Floats = shear.flow if shear else axes[0]
+        self.gradient: Floats = axes[shear.gradient] if shear else axes[1]
         bins = int(max((min(_most(box, radii), farthest or _FARTHEST) - 1.0) / width + 1e-9, 0.0))
         self.radial = np.zeros(bins)
         self.angular = np.zeros(_DIRECTIONS)
@@ -94,7 +100,7 @@ class _Counts:
             self.radial += np.bincount(places[places < bins], minlength=bins)
             near = gaps < 0.5 * NEAR * sums
             self.neighbours += int(near.sum())
-            turn = np.mod(np.arctan2(separation[near, 1], separation[near, 0]), pi) / pi
+            turn = np.mod(np.arctan2(separation[near] @ self.gradient, separation[near] @ self.flow), pi) / pi
             self.angular += np.bincount(np.minimum((turn * _DIRECTIONS).astype(np.int64), _DIRECTIONS - 1), minlength=_DIRECTIONS)
         self.configurations += 1
 
@@ -129,7 +135,7 @@ def _most(box: Box, radii: Floats) -> float:
 
 
 def _ideal_pairs(box: Box, radii: Floats, edges: Floats) -> Floats:
-    """Pairs of an ideal gas between edges of the separation: a pair ``r n`` apart has the density ``prod over walled axes (1 - r |n_k| / L_k) / V``."""
+    """Pairs of an ideal gas between edges of the separation: those ``r n`` apart have the density ``prod over walls (1 - r |n_k| / L_k) / V``."""
     dimension, lengths = box.dimension, _reachable(box, radii)
     factors = [-1.0 / length for length, periodic in zip(lengths, box.periodic) if not periodic]
     pairs = np.zeros(len(edges) - 1)

@@ -16,8 +16,8 @@ from .statistics import standard_error
 if TYPE_CHECKING:
     from .frame import Frame
 
-#: What can be averaged: ``velocity`` of fluid and bodies together, ``fraction`` of the volume that bodies take, ``body_velocity`` and ``spin`` of what is
-#: inside bodies, and ``pressure``, ``vorticity`` and ``inside`` of the fields.
+#: What can be averaged: ``velocity`` of fluid and bodies together, ``fraction`` of the volume that bodies take, ``body_velocity`` and ``spin``
+#: of what is inside bodies, and ``pressure``, ``vorticity`` and ``inside`` of the fields.
 QUANTITIES = ("velocity", "fraction", "body_velocity", "spin", "pressure", "vorticity", "inside")
 
 _OF_BODIES = ("fraction", "body_velocity", "spin")

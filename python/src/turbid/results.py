@@ -22,6 +22,7 @@ from .frames import Frames, list_frames
 from .pairs import PairDistribution
 from .profiles import Profile
 from .report import html_of
+from .shear import Shear, shear_of
 from .statistics import Mean, steady_mean
 from .viscosity import Viscosity
 
@@ -144,6 +145,11 @@ class Run:
         return self._needed(found, "viscosity: it takes free bodies in a simple shear")
 
     @property
+    def shear(self) -> Shear | None:
+        """The simple shear that the scene imposes; ``None`` where it imposes none."""
+        return shear_of(self.scene)
+
+    @property
     def pairs(self) -> PairDistribution:
         """The pair distribution that the program has measured, where ``output.pairs = true``."""
         return self._needed(
@@ -152,10 +158,10 @@ class Run:
 
     def pair_distribution(self, frames: Frames | None = None, width: float = 0.025, farthest: float | None = None) -> PairDistribution:
         """The pair distribution over frames, without them those of :meth:`steady_frames`; bins of ``width`` sums of radii up to ``farthest``."""
-        return counting.pair_distribution(self.steady_frames() if frames is None else frames, width, farthest)
+        return counting.pair_distribution(self.steady_frames() if frames is None else frames, width, farthest, self.shear)
 
     def profile(self, quantity: str, axis: str = "y", bins: int | None = None, frames: Frames | None = None) -> Profile:
-        """The profile of a quantity (see :data:`turbid.profiles.QUANTITIES`) across an axis over frames, without them those of :meth:`steady_frames`."""
+        """The profile of a quantity (see :data:`turbid.profiles.QUANTITIES`) across an axis over frames, or :meth:`steady_frames`."""
         return averaging.profile(self.steady_frames() if frames is None else frames, quantity, axis, bins)
 
     def steady_frames(self) -> Frames:
@@ -213,15 +219,8 @@ class Run:
 
     def strain_at(self, time: npt.ArrayLike) -> Any:
         """The strain at a time or at times; ``None`` where the flow is no simple shear."""
-        rate = self._shear_rate()
-        return None if rate is None else rate * np.asarray(time)[()]
-
-    def _shear_rate(self) -> float | None:
-        series = self._series.get()
-        if series is None or "strain" not in series:
-            return None
-        last = series["strain"].dropna().iloc[-1:]
-        return float(last.iloc[0] / last.index[0]) if len(last) and last.index[0] else None
+        shear = self.shear
+        return None if shear is None else shear.rate * np.asarray(time)[()]
 
     def _steady_start(self) -> float:
         """Time from which on frames are averaged, as the program has it."""
@@ -231,9 +230,8 @@ class Run:
             strains = mean["strains"] if mean else None
         elif (series := self._series.get()) is not None and (viscosity := Viscosity.of_series(series)) is not None:
             strains = viscosity.strains
-        rate = self._shear_rate()
-        if strains and rate:
-            return float(strains[0] / abs(rate))
+        if strains and (shear := self.shear):
+            return float(strains[0] / abs(shear.rate))
         return _START_UP * float(self._times()[-1])
 
     def _times(self) -> Floats:

@@ -95,8 +95,8 @@ def transient(samples: Floats) -> int | None:
 def blocking(samples: npt.ArrayLike) -> pd.DataFrame:
     """What blocks of 1, 2, 4, .. samples at equal distances say of their mean.
 
-    Columns by the ``length`` of a block: ``blocks`` (their number), ``half_width`` (of the 95 % interval of the mean, if the blocks are independent) and
-    ``correlation`` (of neighbouring blocks). The half width grows with the length until blocks are longer than the correlation.
+    Columns by the ``length`` of a block: ``blocks`` (their number), ``half_width`` (of the 95 % interval of the mean, if the blocks are
+    independent) and ``correlation`` (of neighbouring blocks). The half width grows with the length until blocks are longer than the correlation.
     """
     values = np.asarray(samples, dtype=float)
     rows, length = [], 1

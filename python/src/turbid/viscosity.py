@@ -19,7 +19,8 @@ class Viscosity:
 
     Attributes:
         relative: At the last instant.
-        parts: What adds up to it: ``hydrodynamic`` (1 and the stresslets of the flow), ``lubrication``, ``interaction``, ``bonds``, ``reynolds``, ``contact``.
+        parts: What adds up to it: ``hydrodynamic`` (1 and the stresslets of the flow), ``lubrication``, ``interaction``, ``bonds``,
+            ``reynolds``, ``contact``.
         from_walls: The same from the force on the walls, where there are walls.
         mean: Mean over the steady part; ``None`` where there is none.
         interval: What 95 % confidence leaves of the mean, or, at an instant with ``accuracy``, of ``relative``.

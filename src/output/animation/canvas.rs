@@ -27,11 +27,12 @@ impl Canvas {
 
     /// Paints a disk with a smooth edge.
     pub fn fill_disk(&mut self, center: [f64; 2], radius: f64, colour: [u8; 3]) {
-        self.fill_ball(center, radius, |_| colour);
+        self.fill_ball(center, radius, |_, _| colour);
     }
 
-    /// Paints a disk with a smooth edge in colours that depend on where in it a pixel is, in radii to the right and down from its center.
-    pub fn fill_ball(&mut self, center: [f64; 2], radius: f64, colour: impl Fn([f64; 2]) -> [u8; 3]) {
+    /// Paints a disk with a smooth edge in colours that depend on where in it a pixel is, in radii to the right and down from its center, and on which
+    /// pixel it is.
+    pub fn fill_ball(&mut self, center: [f64; 2], radius: f64, colour: impl Fn([f64; 2], [usize; 2]) -> [u8; 3]) {
         let [columns, rows] = [0, 1].map(|axis| {
             let reach =
                 |side: f64| (center[axis] + side * (radius + 1.0)).clamp(self.clip[axis][0] as f64, self.clip[axis][1] as f64) as usize;
@@ -43,7 +44,7 @@ impl Canvas {
                 let covered = coverage(offset[0].hypot(offset[1]), radius);
                 if covered > 0.0 {
                     let pixel = &mut self.pixels[row * self.size[0] + column];
-                    *pixel = mix(*pixel, colour(offset.map(|length| length / radius)), covered);
+                    *pixel = mix(*pixel, colour(offset.map(|length| length / radius), [column, row]), covered);
                 }
             }
         }

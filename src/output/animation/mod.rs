@@ -141,7 +141,7 @@ impl Film {
                 canvas.fill_disk([x, y], radius + RING, palette::PAPER);
             }
             match self.balls {
-                true => canvas.fill_ball([x, y], radius, |place| palette::lit(place, shade)),
+                true => canvas.fill_ball([x, y], radius, |place, pixel| palette::lit(place, pixel, shade)),
                 false => canvas.fill_disk([x, y], radius, shade),
             }
             if radius > MARKED && disk.angle.is_finite() {

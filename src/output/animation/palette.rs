@@ -32,6 +32,8 @@ const SHADES_OF_BALLS: usize = 15;
 const LIGHTS: usize = 15;
 /// The part of the light at which a ball has its own colour: what is darker is in the shadow, what is lighter shines.
 const OWN: f64 = 0.72;
+/// Thresholds in sixteenths (Bayer 1973).
+const PATTERN: [[u8; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
 /// From where light comes: from the left, from above, from the front; a unit vector.
 const LIGHT: [f64; 3] = [-0.42, 0.56, 0.714];
 
@@ -66,13 +68,16 @@ pub fn of_bar(bar: &Bar, part: f64) -> [u8; 3] {
 }
 
 /// A ball's colour under light, where it is `across` and `down` from its center, in radii.
-pub fn lit([across, down]: [f64; 2], colour: [u8; 3]) -> [u8; 3] {
+///
+/// Steps of the light are few: between two of them pixels take one or the other by an ordered pattern.
+pub fn lit([across, down]: [f64; 2], [column, row]: [usize; 2], colour: [u8; 3]) -> [u8; 3] {
     let normal = [across, -down, (1.0 - across * across - down * down).max(0.0).sqrt()];
     let towards: f64 = normal.iter().zip(LIGHT).map(|(normal, light)| normal * light).sum();
     let shine = (2.0 * towards * normal[2] - LIGHT[2]).max(0.0).powi(12);
     let part = OWN * (0.25 + 0.75 * towards.max(0.0)) + (1.0 - OWN) * shine;
     let last = (LIGHTS - 1) as f64;
-    under_light((part.clamp(0.0, 1.0) * last).round() / last, colour)
+    let threshold = (f64::from(PATTERN[row % 4][column % 4]) + 0.5) / 16.0;
+    under_light((part.clamp(0.0, 1.0) * last + threshold).floor().min(last) / last, colour)
 }
 
 /// A colour under a part of the light.
@@ -161,7 +166,7 @@ mod tests {
 
     #[test]
     fn a_ball_is_light_above_and_dark_below() {
-        let sum = |place| lit(place, DARK).map(u32::from).iter().sum::<u32>();
+        let sum = |place| lit(place, [0, 0], DARK).map(u32::from).iter().sum::<u32>();
         assert!(sum([-0.3, -0.4]) > sum([0.0, 0.0]) && sum([0.0, 0.0]) > sum([0.5, 0.7]));
     }
 

@@ -24,7 +24,7 @@ impl<const D: usize> FlowFields<D> {
     /// # Errors
     /// PETSc fails, here and below.
     pub fn new(scene: &Scene, grid: &Grid<D>, fluid: &Vector) -> Result<FlowFields<D>> {
-        let vorticity = scene.output.stores_vorticity().then(|| CellVorticity::new(grid, fluid)).transpose()?;
+        let vorticity = scene.stores_vorticity().then(|| CellVorticity::new(grid, fluid)).transpose()?;
         Ok(FlowFields { centers: CellCenters::new(grid, fluid)?, vorticity })
     }
 

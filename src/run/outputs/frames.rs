@@ -51,7 +51,7 @@ impl<const D: usize> FrameFiles<D> {
                 frames
             }
         };
-        let suspension = simulation.suspension().filter(|_| scene.output.fields);
+        let suspension = simulation.suspension().filter(|_| scene.stores_fields());
         let fields = suspension.map(|flow| FlowFields::new(scene, flow.grid(), &flow.fluid_vector()?)).transpose()?;
         let (folder, eager) = (folder.to_owned(), scene.output.every.is_some() && world.rank() == 0);
         Ok(FrameFiles { folder, frames, every: scene.frame_interval(), eager, fields, contact: scene.contact.model })

@@ -53,7 +53,7 @@ pub fn outputs<const D: usize>(
     // last, since it shows what the others have written
     let report = scene.output.report.then(|| Box::new(report::ReportFile::new(world, scene, folder)) as Box<dyn Output<D>>);
     let Some(simulation) = simulation else {
-        let frame = scene.output.fields.then(|| Box::new(instant::InstantFrame { folder: path() }) as Box<dyn Output<D>>);
+        let frame = scene.stores_fields().then(|| Box::new(instant::InstantFrame { folder: path() }) as Box<dyn Output<D>>);
         let all = picture.into_iter().chain(frame).chain(probe).chain(pairs).chain(profiles).chain([log]).chain(report);
         return Ok((all.collect(), Vec::new()));
     };

@@ -5,10 +5,8 @@ use std::{
     time::Instant,
 };
 
-use super::{
-    means::{mean_motion, of_stress, upper_triangle},
-    step_table::{Cell, StepTable, absent, count, real},
-};
+use super::means::{mean_motion, of_stress, upper_triangle};
+use super::step_table::{Cell, StepTable, absent, count, real};
 use crate::{
     contact::Solver,
     error::Result,

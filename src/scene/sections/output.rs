@@ -38,14 +38,11 @@ pub(in crate::scene) const KEYS: [Key; 13] = [
     Key::new(
         "fields",
         "true or false",
-        "false",
-        "Whether frames hold the flow on the grid: velocity, pressure and what is inside of bodies.",
+        "true",
+        "Whether frames hold the flow on the grid: velocity, pressure and what is inside of bodies. An instantaneous solve writes a frame only with it.",
     )
-    .default("true")
-    .needs("time.end = 1.0"),
-    Key::new("vorticity", "true or false", "true", "Whether frames that hold the flow hold its vorticity too.")
-        .default("false")
-        .needs("time.end = 1.0"),
+    .default("true in time, false at an instant"),
+    Key::new("vorticity", "true or false", "true", "Whether frames that hold the flow hold its vorticity too.").default("false"),
     Key::new("checkpoint", "number", "60", "Seconds of wall time between checkpoints; 0 writes one after every step.")
         .unit("seconds")
         .default("600")
@@ -104,8 +101,8 @@ pub struct OutputSection {
     pub colour: Colour,
     /// Time between frames, positive; absent means a hundredth of `time.end`.
     pub every: Option<f64>,
-    /// Whether frames hold the flow on the grid; never in a dry scene.
-    pub fields: bool,
+    /// Whether frames hold the flow on the grid; absent means those of a run in time do, and an instantaneous solve writes no frame.
+    pub fields: Option<bool>,
     /// Whether frames that hold the flow hold its vorticity too, also where nothing is coloured by it.
     pub vorticity: bool,
     /// Seconds of wall time between checkpoints, not negative; 0 means one after every step.
@@ -142,7 +139,7 @@ impl Default for OutputSection {
             plane_at: None,
             colour: Colour::Speed,
             every: None,
-            fields: true,
+            fields: None,
             vorticity: false,
             checkpoint: 600.0,
             probe: None,
@@ -154,18 +151,12 @@ impl Default for OutputSection {
 }
 
 impl OutputSection {
-    /// Whether frames hold the vorticity.
-    pub fn stores_vorticity(&self) -> bool {
-        self.fields && (self.vorticity || self.colour == Colour::Vorticity)
-    }
-
     pub(in crate::scene) fn read(root: &Table, dimension: usize, model: FlowModel) -> Result<Self> {
         let table = root.section("output", &KEYS)?;
         if root.get("time").is_none() {
             refuse_frames(&table, model)?;
         }
-        let default = OutputSection { fields: root.get("time").is_some(), ..OutputSection::default() };
-        let fields = table.get("fields").map(|entry| read_fields(&entry, model)).transpose()?;
+        let default = OutputSection::default();
         Ok(OutputSection {
             picture: table.get("picture").map_or(Ok(default.picture), |entry| entry.flag())?,
             report: table.get("report").map_or(Ok(default.report), |entry| entry.flag())?,
@@ -173,7 +164,7 @@ impl OutputSection {
             plane_at: table.get("plane_at").map(|entry| read_plane_at(&entry, dimension)).transpose()?,
             colour: table.get("colour").map_or(Ok(default.colour), |entry| read_colour(&entry, model))?,
             every: table.get("every").map(|entry| entry.positive()).transpose()?,
-            fields: fields.unwrap_or(default.fields && model != FlowModel::None),
+            fields: table.get("fields").map(|entry| read_fields(&entry, model)).transpose()?,
             vorticity: table.get("vorticity").map_or(Ok(default.vorticity), |entry| read_vorticity(&entry, model))?,
             checkpoint: table.get("checkpoint").map_or(Ok(default.checkpoint), |entry| entry.not_negative())?,
             probe: table.get("probe").map(|entry| read_probe(&entry, model)).transpose()?,

@@ -106,8 +106,8 @@ pub fn in_time<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
         format!("to time {} by the {scheme} rule, {step}{until}", time.end)
     });
     let frames = scene.time.as_ref().map(|_| format!("bodies every {}", scene.frame_interval()));
-    let held = if scene.output.stores_vorticity() { "velocity, pressure and vorticity" } else { "velocity and pressure" };
-    let fields = frames.as_ref().filter(|_| scene.output.fields).map(|_| format!("{held} of each cell in every frame"));
+    let held = if scene.stores_vorticity() { "velocity, pressure and vorticity" } else { "velocity and pressure" };
+    let fields = frames.as_ref().filter(|_| scene.stores_fields()).map(|_| format!("{held} of each cell in every frame"));
     let given = plan.setup().map_or(0, |setup| setup.given_motions().len());
     let forces = (scene.time.is_some() && (1..=MOST_WITH_FORCES).contains(&given)).then(|| {
         let coefficients = if scene.output.reference_velocity.is_some() { ", with coefficients of drag and lift" } else { "" };

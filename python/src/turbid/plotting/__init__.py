@@ -29,7 +29,7 @@ class Plots:
         self._run = run
 
     def viscosity(self, parts: bool = False, axes: Axes | None = None) -> Axes:
-        """The viscosity over the strain, with its mean, the 95 % interval of that and the start that is left out; ``parts`` shows what adds up to it."""
+        """The viscosity over the strain, with its mean, its 95 % interval and the start that is left out; ``parts`` adds what sums up to it."""
         return viscosity_chart(self._run.series, self._run.viscosity, axes, parts)
 
     def series(self, columns: str | Sequence[str], against: str = "time", axes: Axes | None = None) -> Axes:
@@ -65,7 +65,7 @@ class Plots:
             flow: Colour the fluid by the same quantity.
             streamlines: Show streamlines.
             view: In 3D, the plane that is looked at: ``"xy"``, ``"xz"``, ``"yz"``.
-            cut: In 3D, where along the third axis the plane lies that cuts bodies and flow; without it all bodies are seen from the far end of that axis.
+            cut: In 3D, where along the third axis the plane lies that cuts bodies and flow; without it all bodies are seen from its far end.
             axes: Where to draw.
         """
         chosen = frame if isinstance(frame, Frame) else self._run.frames[frame]

@@ -82,7 +82,7 @@ def directions_chart(found: PairDistribution, axes: Axes | None) -> Axes:
     half = 0.5 * (degrees[1] - degrees[0])
     axes.stairs(found.angular["density"].to_numpy(), np.append(degrees - half, degrees[-1] + half), color=COLOURS[0], fill=True, alpha=0.8)
     axes.axhline(1.0, color="0.4", linewidth=0.8, linestyle="--")
-    axes.set(xlabel="direction of neighbours [degrees from x to y]", ylabel="density / its mean", xticks=range(0, 181, 30))
+    axes.set(xlabel="direction of neighbours [degrees from flow to gradient]", ylabel="density / its mean", xticks=range(0, 181, 30))
     return finish(axes)
 
 
