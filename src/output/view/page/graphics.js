@@ -69,6 +69,8 @@ function fitWindow() {
   const changed = camera.window[0] !== width || camera.window[1] !== height || camera.dense !== dense;
   if (changed) {
     for (const one of [canvas, overlay]) [one.width, one.height] = [Math.round(width * dense), Math.round(height * dense)];
+    // a place that was chosen stays in view
+    if (camera.moved && height > 0) camera.pixels *= height / camera.window[1];
     Object.assign(camera, { window: [Math.max(width, 1), Math.max(height, 1)], dense });
   }
   return changed;
