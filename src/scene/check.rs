@@ -104,12 +104,9 @@ fn check_chains(scene: &Scene) -> Result<()> {
 /// Refuses rigid clusters where nothing holds them together.
 fn check_clusters(scene: &Scene) -> Result<()> {
     let Some(group) = scene.bodies.iter().position(|bodies| bodies.cluster.is_some()) else { return Ok(()) };
-    let expect = |right, remedy| expect(scene, right, &format!("{}.radius", scene.group_key(group)), scene.bodies[group].radius, remedy);
-    expect(
-        scene.dry() || scene.flow.model.fluid(),
-        "is of clusters, which move; set flow.model = \"stokes\", \"navier-stokes\" or \"none\"",
-    )?;
-    expect(scene.dry() || scene.method.constraint == ConstraintMethod::Sharp, "is of clusters, which need method.constraint = \"sharp\"")
+    let held = scene.dry() || scene.method.constraint == ConstraintMethod::Sharp;
+    let remedy = "is of clusters, which need method.constraint = \"sharp\"";
+    expect(scene, held, &format!("{}.radius", scene.group_key(group)), scene.bodies[group].radius, remedy)
 }
 
 fn check_colour(scene: &Scene) -> Result<()> {

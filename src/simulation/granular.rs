@@ -4,8 +4,8 @@ use nalgebra::{SMatrix, SVector};
 
 use super::{
     Effort, GranularSetup, Moving, Observation, ResidualMonitor, State, StepOutcome, Stepper,
-    granular_chains::Accelerated,
-    granular_ties::{GranularStep, Ties},
+    granular_chains::{Accelerated, GranularStep},
+    granular_ties::Ties,
     migration::{self, Constants},
     neighbours::Neighbours,
     step_control::{BodyMotion, StepControl},

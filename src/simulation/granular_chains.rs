@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use nalgebra::SVector;
 
-use super::{State, granular_ties::GranularStep, implicit_springs::StepAhead};
+use super::{State, implicit_springs::StepAhead};
 use crate::{
     body::Halo,
     constraint::lubrication::RigidFunctional,
@@ -29,6 +29,15 @@ pub struct GranularChains<const D: usize> {
     /// Force that gives a body a unit velocity over the step.
     resistances: Vec<f64>,
     chains: Vec<GranularChain<D>>,
+}
+
+/// The step that is made.
+#[derive(Debug, Clone, Copy)]
+pub struct GranularStep {
+    /// Its length.
+    pub length: f64,
+    /// Over how long forces act on velocities.
+    pub push: f64,
 }
 
 /// The rows of a chain, whose ends are places in the halo.

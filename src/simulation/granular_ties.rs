@@ -2,17 +2,13 @@
 
 use nalgebra::SVector;
 
-use super::{State, granular_chains::GranularChains, granular_clusters::GranularClusters, migration::Constants};
+use super::{
+    State,
+    granular_chains::{GranularChains, GranularStep},
+    granular_clusters::GranularClusters,
+    migration::Constants,
+};
 use crate::{body::Twist, interaction::Interactions, parallel::Peers};
-
-/// The step that is made.
-#[derive(Debug, Clone, Copy)]
-pub struct GranularStep {
-    /// Its length.
-    pub length: f64,
-    /// Over how long forces act on velocities.
-    pub push: f64,
-}
 
 /// The ties of the bodies of this rank.
 pub struct Ties<const D: usize> {
