@@ -1,6 +1,6 @@
 //! `turbid view`: what its page holds, and, where Chromium is installed, what is seen on it.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 #[path = "view/browser.rs"]
 mod browser;
