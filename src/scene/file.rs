@@ -390,7 +390,14 @@ scheme = "midpoint"
         assert_eq!(scene.time.map(|time| (time.step, time.scheme)), Some((Step::Fixed(3.0), Scheme::Euler)));
         assert_eq!(
             scene.output,
-            OutputSection { picture: false, every: Some(5.0), fields: Some(false), checkpoint: 0.0, probe: Some(16), ..OutputSection::default() }
+            OutputSection {
+                picture: false,
+                every: Some(5.0),
+                fields: Some(false),
+                checkpoint: 0.0,
+                probe: Some(16),
+                ..OutputSection::default()
+            }
         );
         assert_eq!(parse(FLAT).time, None);
     }
