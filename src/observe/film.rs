@@ -47,7 +47,7 @@ impl Film {
     /// No frame yet of a box with this size, periodic in some directions.
     pub fn new(size: [f64; 2], periodic: [bool; 2], colour: Colour) -> Film {
         let (title, quantity) = (String::new(), String::new());
-        let plain = Film {
+        Film {
             size,
             periodic,
             walls: periodic.map(|periodic| !periodic),
@@ -63,8 +63,7 @@ impl Film {
             coloured: Vec::new(),
             seen: 0,
             stride: 1,
-        };
-        plain
+        }
     }
 
     /// Takes note of the next frame.

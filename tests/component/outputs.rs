@@ -59,15 +59,15 @@ fn dry() -> Scene {
 }
 
 fn every_output_conforms_in_a_flow(session: &Session) {
-    conform(session, in_time(disks()), 9);
+    conform(session, in_time(disks()), 11);
 }
 
 fn every_output_conforms_in_a_dry_run(session: &Session) {
-    conform(session, dry(), 8);
+    conform(session, dry(), 11);
 }
 
 fn every_output_conforms_at_an_instant(session: &Session) {
-    conform(session, disks(), 4);
+    conform(session, disks(), 6);
 }
 
 /// The proof for each output that a scene calls for, alone.

@@ -57,7 +57,7 @@ impl Table {
             let line = line?;
             let mut cells = line.split(',').map(|cell| cell.parse::<f64>().ok().filter(|number| number.is_finite()));
             extremes.iter_mut().for_each(|extremes| extremes.add(cells.next().flatten()));
-            if (place + 1) % stretch == 0 || place + 1 == rows {
+            if (place + 1).is_multiple_of(stretch) || place + 1 == rows {
                 table.take(&mut extremes);
             }
         }

@@ -24,10 +24,10 @@ pub struct MeanSettling {
 impl<const D: usize> Output<D> for MeanSettling {
     fn finish(&mut self, seen: &Evaluated<D>, summary: &mut Summary) -> Result<Vec<String>> {
         let settling = summary.velocities.as_mut().and_then(|velocities| velocities.settling.as_mut());
-        if let (0, Some(settling), Some(gravity)) = (seen.world.rank(), settling, &seen.scene.gravity) {
-            if let Some(curve) = speed_over_time(&self.folder, gravity) {
-                settling.attach(&curve);
-            }
+        if let (0, Some(settling), Some(gravity)) = (seen.world.rank(), settling, &seen.scene.gravity)
+            && let Some(curve) = speed_over_time(&self.folder, gravity)
+        {
+            settling.attach(&curve);
         }
         Ok(Vec::new())
     }

@@ -30,8 +30,8 @@ pub struct Point {
     pub standard_error: Option<f64>,
     /// Its 95 % interval: over seeds by Student's distribution, or over the time of a single run.
     pub interval: Option<[f64; 2]>,
-    /// Seconds of a run, in the mean.
-    pub seconds: f64,
+    /// Seconds of a run, in the mean; nothing if all runs failed.
+    pub seconds: Option<f64>,
     /// What to bear in mind.
     pub remarks: Vec<String>,
 }
@@ -83,7 +83,7 @@ impl Report {
         row.extend([(self.quantity.as_str(), shown(point.mean)), ("standard error", shown(point.standard_error))]);
         let interval = point.interval.map_or("-".into(), |[low, high]| format!("{low:.6} to {high:.6}"));
         row.extend([("95 % interval", interval), ("runs", point.runs.to_string()), ("failed", point.failed.to_string())]);
-        row.push(("seconds a run", format!("{:.1}", point.seconds)));
+        row.push(("seconds a run", point.seconds.map_or("-".into(), |seconds| format!("{seconds:.1}"))));
         row
     }
 
@@ -94,7 +94,7 @@ impl Report {
         let mut row: Row = point.point.iter().map(|(key, value)| (key.as_str(), cell(value))).collect();
         row.extend([(self.quantity.as_str(), number(point.mean)), ("standard_error", number(point.standard_error))]);
         row.extend([("low", number(point.interval.map(|[low, _]| low))), ("high", number(point.interval.map(|[_, high]| high)))]);
-        row.extend([("runs", point.runs.to_string()), ("failed", point.failed.to_string()), ("seconds", format!("{:?}", point.seconds))]);
+        row.extend([("runs", point.runs.to_string()), ("failed", point.failed.to_string()), ("seconds", number(point.seconds))]);
         row
     }
 
@@ -162,7 +162,7 @@ impl Point {
             mean,
             standard_error,
             interval: mean.zip(half_width).map(|(mean, half)| [mean - half, mean + half]),
-            seconds: measured.iter().map(|run| run.seconds).sum::<f64>() / count.max(1.0),
+            seconds: (count > 0.0).then(|| measured.iter().map(|run| run.seconds).sum::<f64>() / count),
             remarks,
         }
     }
