@@ -51,6 +51,6 @@ mod tests {
 
     #[test]
     fn times_are_told_in_fitting_units() {
-        assert_eq!([0.25, 42.4, 75.0, 7260.0].map(duration), ["0.2 s", "42 s", "1 min 15 s", "2 h 1 min"]);
+        assert_eq!([0.25, 42.4, 135.0, 7260.0].map(duration), ["0.2 s", "42 s", "2 min 15 s", "2 h 1 min"]);
     }
 }

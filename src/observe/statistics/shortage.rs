@@ -27,7 +27,7 @@ impl Shortage {
         let samples = resampled(curve, curve.len().saturating_sub(1).min(MOST_SAMPLES));
         if samples.len() < FEWEST_SAMPLES {
             let further = |length: f64| length * (FEWEST_SAMPLES as f64 / samples.len() as f64 - 1.0);
-            return Shortage::FewSamples((samples.len() > 0).then(|| further(curve[curve.len() - 1].0 - curve[0].0)));
+            return Shortage::FewSamples((!samples.is_empty()).then(|| further(curve[curve.len() - 1].0 - curve[0].0)));
         }
         let length = curve[curve.len() - 1].0 - curve[0].0;
         let Some(left_out) = transient(&samples) else { return Shortage::Drift(length) };

@@ -53,13 +53,16 @@ fn band(mean: &MeanViscosity) -> Band {
     }
 }
 
+/// A part of the viscosity, if it is there.
+type Part = fn(&CurvePoint) -> Option<f64>;
+
 fn viscosity_chart(title: &str, curve: &[CurvePoint]) -> Chart {
     let series = |name: &str, value: fn(&CurvePoint) -> f64| Series {
         name: name.into(),
         points: curve.iter().map(|point| (point.strain.abs(), value(point))).collect(),
     };
     let mut all = vec![series("total", CurvePoint::relative)];
-    let parts: [(&str, fn(&CurvePoint) -> Option<f64>); 5] = [
+    let parts: [(&str, Part); 5] = [
         ("lubrication", |point| point.lubrication),
         ("forces at a distance", |point| point.interaction),
         ("bonds", |point| point.bonds),
