@@ -22,7 +22,7 @@ pub enum Shortage {
 }
 
 impl Shortage {
-    /// Of a curve of abscissas that grow and values without a [`steady`](super::steady) part; how much further is in units of the abscissa.
+    /// Of a curve of abscissas that grow and values without a steady part; how much further is in units of the abscissa.
     pub fn of(curve: &[(f64, f64)]) -> Shortage {
         let samples = resampled(curve, curve.len().saturating_sub(1).min(MOST_SAMPLES));
         if samples.len() < FEWEST_SAMPLES {
