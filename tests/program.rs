@@ -133,7 +133,7 @@ fn every_method_for_a_scalar_gives_the_same_on_any_number_of_ranks() {
 
 #[test]
 fn a_scalar_has_a_picture_of_itself_and_of_its_flux() {
-    for (example, quantity) in [("scalar", "scalar"), ("conduction", "flux")] {
+    for (example, quantity) in [("scalar", "scalar u (units of the scene)"), ("conduction", "flux |q| / mean gradient")] {
         let here = folder(&format!("{example}-picture"));
         run(2, &root().join(format!("examples/{example}.toml")), &here, &["method.constraint=\"penalty\""]);
         let picture = fs::read_to_string(here.join("picture.svg")).unwrap();
