@@ -36,6 +36,7 @@ y = { lower = [-1.0, 0.0], upper = [1.0, 0.0] }
 [resolution]
 cells_per_radius = 4
 [method]
+inverse = "hypre"
 tolerance = 1e-11
 [[bodies]]
 radius = 0.5

@@ -9,6 +9,7 @@ y = { lower = [-3.0, 0.0], upper = [3.0, 0.0] }
 [resolution]
 cells_per_radius = 4
 [method]
+inverse = "hypre"
 tolerance = 1e-8
 [[bodies]]
 radius = 1.0
@@ -31,6 +32,7 @@ y = { lower = [-3.0, 0.0], upper = [3.0, 0.0] }
 [resolution]
 cells_per_radius = 3
 [method]
+inverse = "hypre"
 tolerance = 1e-8
 [lubrication]
 model = "pairwise"
@@ -125,6 +127,7 @@ y = { lower = [-3.0, 0.0], upper = [3.0, 0.0] }
 [resolution]
 cells_per_radius = 3
 [method]
+inverse = "hypre"
 tolerance = 1e-8
 [[cells]]
 centers = [[7.0, 1.5]]
@@ -157,6 +160,7 @@ y = { lower = [-3.0, 0.0], upper = [3.0, 0.0] }
 [resolution]
 cells_per_radius = 3
 [method]
+inverse = "hypre"
 tolerance = 1e-8
 [lubrication]
 model = "pairwise"
@@ -192,6 +196,7 @@ drive = { shear_rate = 1.0, periodic = "sheared" }
 [resolution]
 cells_per_radius = 4
 [method]
+inverse = "hypre"
 tolerance = 1e-8
 [[bodies]]
 radius = 1.0
@@ -219,6 +224,7 @@ density = 1.0
 [resolution]
 cells_per_radius = 3
 [method]
+inverse = "hypre"
 tolerance = 1e-8
 [[bodies]]
 radius = 1.0
@@ -281,6 +287,7 @@ y = { lower = [-2.0, 0.0, 0.0], upper = [2.0, 0.0, 0.0] }
 cells_per_radius = 3
 modes = 2
 [method]
+inverse = "hypre"
 tolerance = 1e-8
 [[bodies]]
 radius = 1.0
@@ -349,6 +356,7 @@ y = { lower = [-1.5, 0.0], upper = [1.5, 0.0] }
 spacing = 0.16666666666666667
 modes = 2
 [method]
+inverse = "hypre"
 tolerance = 1e-9
 [[bodies]]
 radius = 0.5
