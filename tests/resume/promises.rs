@@ -83,6 +83,9 @@ fn an_effect_that_is_off_is_null_and_has_no_column() {
             "contact_force",
             "contact_iterations",
             "contact_solver",
+            "body_velocity_x",
+            "body_velocity_y",
+            "kinetic_energy",
             "seconds"
         ]
     );
