@@ -153,7 +153,7 @@ def test_a_run_goes_on_as_if_it_had_not_stopped(tmp_path, dry):
 
 def test_progress_is_told_while_it_runs(tmp_path, capsys):
     seen = []
-    scene = {**WALLS, "time": {"end": 0.6}}
+    scene = {**WALLS, "time": {"end": 0.6, "step": 1e-3}}
     turbid.run(scene, out=tmp_path / "a", ranks=1, progress=seen.append)
     assert seen and all(0 <= told.fraction <= 1 and told.end == 0.6 for told in seen)
     assert [told.time for told in seen] == sorted(told.time for told in seen)
@@ -228,6 +228,6 @@ def test_a_run_is_read_while_it_goes_on(tmp_path):
         frames = run.frames
         seen.append((len(frames), run.viscosity.relative, len(run.series), len(frames[-1].centres) if len(frames) else 0))
 
-    done = turbid.run({**WALLS, "time": {"end": 0.8}}, out=tmp_path / "live", ranks=2, progress=look)
+    done = turbid.run({**WALLS, "time": {"end": 0.6, "step": 1e-3}}, out=tmp_path / "live", ranks=2, progress=look)
     assert len(seen) > 1 and seen[-1][0] > 1, seen
     assert done.finished and len(done.frames) >= seen[-1][0]
