@@ -12,13 +12,16 @@ use crate::{
 /// without clusters. Collective.
 pub fn mean_orientation<const D: usize>(world: &World, interactions: &Interactions<D>, state: &State<D>) -> Option<SMatrix<f64, D, D>> {
     let clusters = interactions.clusters();
+    if clusters.is_empty() {
+        return None;
+    }
     let square = |cluster: &Cluster<D>| {
         let axis = state.bodies[state.place(cluster.bodies.start)?].rotation * longest_axis(cluster);
         Some(axis * axis.transpose())
     };
     let mut sum: SMatrix<f64, D, D> = clusters.iter().filter_map(square).sum();
     state.peers(world).sum(sum.as_mut_slice());
-    (!clusters.is_empty()).then(|| sum / clusters.len() as f64)
+    Some(sum / clusters.len() as f64)
 }
 
 /// The direction from its first ball to the farthest from that, at the start.

@@ -59,7 +59,7 @@ struct Kept<const D: usize> {
     projection: ProjectionShare<D>,
     /// What contacts remember then.
     stuck: Vec<AdhesiveContact<D>>,
-    /// The velocities that ties are next to: those wanted, with what contacts change them by.
+    /// The velocities that ties are next to: those wanted, with what contacts change them by; empty without ties.
     free: Vec<SVector<f64, D>>,
 }
 
@@ -183,11 +183,11 @@ impl<const D: usize> Granular<D> {
 
     /// Velocities that keep contacts and ties, next to those wanted.
     fn keep_apart(&self, state: &State<D>, ties: Option<&Ties<D>>, moves: &[Twist<D>], step: f64) -> Result<Kept<D>> {
-        let wanted = velocities(moves);
         let Some(ties) = ties else {
             let (projection, stuck) = self.project(state, moves, step)?;
-            return Ok(Kept { projection, stuck, free: wanted });
+            return Ok(Kept { projection, stuck, free: Vec::new() });
         };
+        let wanted = velocities(moves);
         let (peers, mut target) = (self.peers(), moves.to_vec());
         let smallest = peers.min(self.radii.iter().copied().fold(f64::INFINITY, f64::min));
         let (mut contacts, mut apart) = (Accelerated::new(self.by_last_contacts(state, step)), f64::INFINITY);
@@ -308,7 +308,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         given.for_each(|(body, twist)| state.place(body).into_iter().for_each(|place| moves[place] = twist));
         let ties = Ties::new(self.peers(), &self.interactions, (state, &self.bodies), &moves, GranularStep { length: step, push });
         let (mut contacts, mut stuck, mut kkt_report) = (self.known.contacts.clone(), Vec::new(), None);
-        let mut free = velocities(&moves);
+        let mut free = Vec::new();
         let touch = self.interactions.touch();
         if touch == Some(Touch::Hard) {
             let kept = self.keep_apart(state, ties.as_ref(), &moves, step)?;
@@ -317,6 +317,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
             contacts.extend(projection.forces.iter().map(|force| ContactForce { contact: view.numbered(&force.contact), ..*force }));
             (stuck, free, kkt_report) = (kept.stuck, kept.free, Some(projection.kkt_report));
         } else if let Some(ties) = &ties {
+            free = velocities(&moves);
             moves.iter_mut().zip(ties.hold(self.peers(), &free)).for_each(|(twist, velocity)| twist.velocity = velocity);
         }
         match touch {
