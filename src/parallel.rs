@@ -3,12 +3,13 @@
 mod machine;
 mod memory;
 mod routes;
+mod sparse;
 
-use std::ops::Range;
+use std::{cell::Cell, ops::Range};
 
 use mpi::{
     collective::SystemOperation,
-    datatype::{Equivalence, Partition, PartitionMut},
+    datatype::{Equivalence, PartitionMut},
     ffi::MPI_Comm,
     point_to_point::{Destination, Source},
     request,
@@ -28,6 +29,8 @@ const CONTACT: i32 = -1;
 pub struct World {
     communicator: SimpleCommunicator,
     log: TrafficLog,
+    /// Parity of the exchanges of letters so far.
+    exchanges: Cell<usize>,
 }
 
 /// What is told of the traffic of this rank.
@@ -35,8 +38,6 @@ pub struct World {
 pub(crate) struct TrafficLog {
     /// The bytes that it contributes to a collective.
     pub collective: fn(usize),
-    /// Of collectives: those in which each rank has a part for each other one.
-    pub all_to_all: fn(),
     /// The bytes that come to it in a gathering.
     pub gathered: fn(usize),
     /// Number and bytes of the messages that it sends to single ranks.
@@ -78,7 +79,7 @@ pub fn share(count: usize, rank: usize, ranks: usize) -> Range<usize> {
 
 impl World {
     pub(crate) fn new(communicator: SimpleCommunicator, log: TrafficLog) -> World {
-        World { communicator, log }
+        World { communicator, log, exchanges: Cell::new(0) }
     }
 
     pub(crate) fn raw(&self) -> MPI_Comm {
@@ -123,14 +124,6 @@ impl World {
         }
     }
 
-    /// The same of a collective in which this rank has a part for each other one.
-    fn count_all_to_all<T>(&self, values: &[T]) {
-        self.count(values);
-        if self.size() > 1 {
-            (self.log.all_to_all)();
-        }
-    }
-
     fn reduce(&self, values: &mut [f64], operation: SystemOperation) {
         let local = values.to_vec();
         self.count(values);
@@ -149,26 +142,6 @@ impl World {
         (self.log.gathered)(size_of_val(&all[..]) - size_of_val(local));
         self.communicator.all_gather_varcount_into(local, &mut PartitionMut::new(&mut all[..], shares.counts, shares.starts));
         all
-    }
-
-    /// Sends each rank its share of `sent` and fills `received` with the shares that come from each.
-    fn exchange<T: Equivalence>(&self, sent: &[T], shares_sent: &Shares, received: &mut [T], shares_received: &Shares) {
-        self.count_all_to_all(sent);
-        let sent = Partition::new(sent, &shares_sent.counts[..], &shares_sent.starts[..]);
-        let mut received = PartitionMut::new(received, &shares_received.counts[..], &shares_received.starts[..]);
-        self.communicator.all_to_all_varcount_into(&sent, &mut received);
-    }
-
-    /// Sends each rank so many of `sent`; gives what comes from all, one rank's after the other's, and how much from each.
-    pub fn send<T: Equivalence + Clone + Default>(&self, sent: &[T], counts: &[usize]) -> (Vec<T>, Vec<usize>) {
-        let counts: Vec<i32> = counts.iter().map(|&count| count as i32).collect();
-        let mut counts_received = vec![0; self.size()];
-        self.count_all_to_all(&counts);
-        self.communicator.all_to_all_into(&counts[..], &mut counts_received[..]);
-        let shares = Shares::new(counts_received);
-        let mut received = vec![T::default(); shares.total()];
-        self.exchange(sent, &Shares::new(counts), &mut received, &shares);
-        (received, shares.counts.iter().map(|&count| count as usize).collect())
     }
 
     /// Sends to some ranks a part each, and receives a part from each of some; nothing to or from itself.

@@ -76,7 +76,7 @@ fn a_study_measures_strong_and_weak_scaling_and_models_more_ranks() {
     for (row, summary) in [&alone, &both].into_iter().enumerate() {
         assert_eq!(measured(&report, "strong", row, "iterations"), number(summary, "solver.iterations"));
     }
-    for name in ["messages", "bytes", "collectives", "all_to_alls"] {
+    for name in ["messages", "bytes", "collectives"] {
         assert_eq!(measured(&report, "strong", 0, name), 0.0, "{name} on one rank");
         assert_eq!(measured(&report, "strong", 1, name), number(&both, &format!("parallel.{name}.most")));
     }
@@ -101,16 +101,16 @@ fn a_study_measures_strong_and_weak_scaling_and_models_more_ranks() {
 }
 
 #[test]
-fn a_dry_scene_is_studied_with_its_contacts_and_its_all_to_alls() {
+fn a_dry_scene_is_studied_with_its_contacts_and_its_messages() {
     let here = folder("scaling-dry");
     let scene = write(&here, DRY);
     let (report, said) = study(&scene, &here.join("out"), &["--ranks", "1,2", "--cores", "2"]);
     let both = run(2, &scene, &here.join("both"), &[]);
     let steps = number(&both, "steps");
-    for name in ["messages", "collectives", "all_to_alls"] {
+    for name in ["messages", "bytes", "collectives"] {
         assert_eq!(measured(&report, "strong", 1, name), number(&both, &format!("parallel.{name}.most")) / steps, "{name}");
     }
-    assert!(measured(&report, "strong", 1, "all_to_alls") > 0.0 && number(&report, "model.all_to_alls") > 0.0);
+    assert!(measured(&report, "strong", 1, "messages") > 0.0 && number(&report, "model.messages") > 0.0);
     assert!(number(&both, "motion.contacts") >= number(&both, "motion.island_contacts") && number(&both, "motion.island_contacts") > 0.0);
     assert_eq!((measured(&report, "strong", 1, "iterations"), number(&report, "model.cell")), (0.0, 0.0));
     for kind in ["strong", "weak"] {

@@ -25,14 +25,12 @@ pub struct ParallelSummary {
     pub bodies: Spread,
     /// Cells of the grid; zero without a fluid.
     pub cells: Spread,
-    /// Messages sent to single ranks by PETSc; hypre's are not counted.
+    /// Messages sent to single ranks; hypre's are not counted.
     pub messages: Spread,
     /// Bytes sent by PETSc, and contributed to this program's own collectives; hypre's are not counted.
     pub bytes: Spread,
-    /// Reductions, gatherings and broadcasts; hypre's are not counted.
+    /// Reductions, gatherings, broadcasts and barriers; hypre's are not counted.
     pub collectives: Spread,
-    /// Collectives in which each rank has a part for each other one.
-    pub all_to_alls: Spread,
     /// Bytes that came in gatherings.
     pub gathered: Spread,
     /// Peak memory.
@@ -60,12 +58,12 @@ impl Spread {
 impl ParallelSummary {
     /// Of ranks that hold so many bodies and cells, this one's given; collective.
     pub(super) fn new(world: &World, bodies: usize, cells: usize) -> ParallelSummary {
-        let Traffic { messages, bytes, collectives, all_to_alls, gathered } = Traffic::local_so_far();
-        let local = [bodies as f64, cells as f64, messages, bytes, collectives, all_to_alls, gathered, peak_memory_bytes()];
+        let Traffic { messages, bytes, collectives, gathered } = Traffic::local_so_far();
+        let local = [bodies as f64, cells as f64, messages, bytes, collectives, gathered, peak_memory_bytes()];
         let all = world.gather(&local);
-        let [bodies, cells, messages, bytes, collectives, all_to_alls, gathered, memory_bytes] =
+        let [bodies, cells, messages, bytes, collectives, gathered, memory_bytes] =
             std::array::from_fn(|column| Spread::of(all.chunks(local.len()).map(|rank| rank[column])));
-        ParallelSummary { bodies, cells, messages, bytes, collectives, all_to_alls, gathered, memory_bytes }
+        ParallelSummary { bodies, cells, messages, bytes, collectives, gathered, memory_bytes }
     }
 }
 

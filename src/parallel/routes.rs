@@ -1,6 +1,6 @@
 //! Routes between ranks on which values of the same things travel again and again.
 
-use super::{Peers, Shares};
+use super::Peers;
 
 /// Which things of a rank others have copies of. Everything here is collective.
 #[derive(Debug, Clone)]
@@ -16,9 +16,7 @@ impl Routes {
     /// Routes on which each rank gets copies of these of the things of this rank.
     pub fn new(peers: Peers, targets: &[Vec<usize>]) -> Routes {
         let sent_counts: Vec<usize> = targets.iter().map(Vec::len).collect();
-        let one_each = vec![1; peers.count()];
-        let counts: Vec<u64> = sent_counts.iter().map(|&count| count as u64).collect();
-        let received_counts = peers.exchange(&counts, &one_each, &one_each).into_iter().map(|count| count as usize).collect();
+        let received_counts = peers.announce(&sent_counts);
         Routes { sent: targets.concat(), sent_counts, received_counts }
     }
 
@@ -48,13 +46,36 @@ impl Routes {
 }
 
 impl Peers<'_> {
+    /// Tells each rank how much it will get, and gives how much comes from each.
+    fn announce(&self, counts: &[usize]) -> Vec<usize> {
+        let told: Vec<u64> = counts.iter().filter(|&&count| count > 0).map(|&count| count as u64).collect();
+        let one_each: Vec<usize> = counts.iter().map(|&count| usize::from(count > 0)).collect();
+        let (told, letters) = self.send(&told, &one_each);
+        let mut told = told.into_iter();
+        letters.into_iter().map(|letter| if letter > 0 { told.next().map_or(0, |count| count as usize) } else { 0 }).collect()
+    }
+
     /// Sends each rank so many of `sent` and gives the values that come, of which so many come from each.
     fn exchange<T: mpi::traits::Equivalence + Clone + Default>(&self, sent: &[T], counts: &[usize], received: &[usize]) -> Vec<T> {
         let Peers::All(world) = self else { return sent.to_vec() };
-        let shares = |counts: &[usize]| Shares::new(counts.iter().map(|&count| count as i32).collect());
-        let (counts, received) = (shares(counts), shares(received));
-        let mut values = vec![T::default(); received.total()];
-        world.exchange(sent, &counts, &mut values, &received);
+        let mut values = vec![T::default(); received.iter().sum()];
+        let (mut sent, mut space) = (sent, &mut values[..]);
+        let (mut to, mut from) = (Vec::new(), Vec::new());
+        for (rank, (&count, &received)) in counts.iter().zip(received).enumerate() {
+            let part = sent.split_off(..count).expect("as many values as the counts say");
+            let place = space.split_off_mut(..received).expect("as much space as the counts say");
+            if rank == world.rank() {
+                place.clone_from_slice(part);
+                continue;
+            }
+            if count > 0 {
+                to.push((rank, part));
+            }
+            if received > 0 {
+                from.push((rank, place));
+            }
+        }
+        world.transfer(&to, from);
         values
     }
 }

@@ -14,28 +14,24 @@ pub struct Traffic {
     pub messages: f64,
     /// Bytes sent; of a collective, what this rank contributes, as far as it is known.
     pub bytes: f64,
-    /// Reductions, gatherings and broadcasts.
+    /// Reductions, gatherings, broadcasts and barriers.
     pub collectives: f64,
-    /// Collectives in which each rank has a part for each other one.
-    pub all_to_alls: f64,
     /// Bytes that came in gatherings, which each rank passes on to the next.
     pub gathered: f64,
 }
 
 /// What PETSc has no counters for.
-static ALL_TO_ALLS: AtomicU64 = AtomicU64::new(0);
 static GATHERED: AtomicU64 = AtomicU64::new(0);
 
 impl Traffic {
     /// Until now.
     pub fn local_so_far() -> Traffic {
-        let [all_to_alls, gathered] = [&ALL_TO_ALLS, &GATHERED].map(|count| count.load(Relaxed) as f64);
+        let gathered = GATHERED.load(Relaxed) as f64;
         unsafe {
             Traffic {
                 messages: ffi::petsc_isend_ct + ffi::petsc_send_ct,
                 bytes: ffi::petsc_isend_len + ffi::petsc_send_len,
-                collectives: ffi::petsc_allreduce_ct + ffi::petsc_gather_ct + ffi::petsc_scatter_ct - all_to_alls,
-                all_to_alls,
+                collectives: ffi::petsc_allreduce_ct + ffi::petsc_gather_ct + ffi::petsc_scatter_ct,
                 gathered,
             }
         }
@@ -45,9 +41,6 @@ impl Traffic {
 /// Adds what [`World`](crate::parallel::World) sends to PETSc's counts.
 pub(super) const TRAFFIC_LOG: TrafficLog = TrafficLog {
     collective: count_collective,
-    all_to_all: || {
-        ALL_TO_ALLS.fetch_add(1, Relaxed);
-    },
     gathered: |bytes| {
         GATHERED.fetch_add(bytes as u64, Relaxed);
     },

@@ -8,6 +8,7 @@ use std::{
 
 use turbid::{
     error::Error,
+    parallel::Routes,
     petsc::{Matrix, Profile, RowBuilder, Scatter, Session, Stage, StageCounts, Vector, enter},
 };
 
@@ -20,6 +21,8 @@ pub fn tests() -> Vec<Test> {
     vec![
         Test::of(sums_and_largest_values_run_over_all_ranks),
         Test::of(gathered_values_stand_in_the_order_of_the_ranks),
+        Test::of(letters_reach_those_they_are_for_in_the_order_of_the_ranks_that_sent_them),
+        Test::of(copies_follow_their_routes_again_and_again),
         Test::of(a_broadcast_text_reaches_every_rank),
         Test::of(ranks_that_all_succeed_keep_their_own_values),
         Test::of(an_error_on_one_rank_becomes_an_error_on_all_with_its_exit_code),
@@ -54,6 +57,46 @@ fn gathered_values_stand_in_the_order_of_the_ranks(session: &Session) {
     assert_eq!(gathered, expected);
     let gathered = session.world().gather(&[rank as i32, -1]);
     assert_eq!(gathered, (0..size as i32).flat_map(|rank| [rank, -1]).collect::<Vec<_>>());
+}
+
+/// How many numbers a rank sends another one in a round; often none.
+fn letter_length(round: usize, from: usize, to: usize) -> usize {
+    (7 * round + 3 * from + 5 * to) % 4 * usize::from((round + from + to) % 3 > 0) * if round % 10 == 9 { 10_000 } else { 1 }
+}
+
+fn letters_reach_those_they_are_for_in_the_order_of_the_ranks_that_sent_them(session: &Session) {
+    let (rank, size) = place(session);
+    let letter = |round: usize, from: usize, to: usize| vec![(1000 * round + 100 * from + to) as f64; letter_length(round, from, to)];
+    for round in 0..200 {
+        // ranks come to a round at different times
+        if round % 20 == rank {
+            sleep(Duration::from_millis(2));
+        }
+        let letters: Vec<Vec<f64>> = (0..size).map(|to| letter(round, rank, to)).collect();
+        let counts: Vec<usize> = letters.iter().map(Vec::len).collect();
+        let (received, from) = session.world().send(&letters.concat(), &counts);
+        let expected: Vec<Vec<f64>> = (0..size).map(|from| letter(round, from, rank)).collect();
+        assert_eq!(received, expected.concat(), "round {round}");
+        assert_eq!(from, expected.iter().map(Vec::len).collect::<Vec<_>>());
+    }
+}
+
+fn copies_follow_their_routes_again_and_again(session: &Session) {
+    let (rank, size) = place(session);
+    // each rank wants some of the things of every rank, itself included, and none of some
+    let wanted: Vec<Vec<usize>> = (0..size).map(|from| (0..letter_length(1, from, rank)).map(|thing| 2 * thing + 1).collect()).collect();
+    let routes = Routes::asking(session.world().into(), &wanted);
+    for round in 0..20 {
+        let copies = routes.copies(session.world().into(), |thing| [(100 * rank + thing) as f64, round as f64]);
+        let expected: Vec<[f64; 2]> = wanted
+            .iter()
+            .enumerate()
+            .flat_map(|(from, things)| things.iter().map(move |thing| [(100 * from + thing) as f64, round as f64]))
+            .collect();
+        assert_eq!(copies, expected);
+    }
+    let sources: Vec<usize> = wanted.iter().enumerate().flat_map(|(from, things)| vec![from; things.len()]).collect();
+    assert!(routes.sources().eq(sources));
 }
 
 fn a_broadcast_text_reaches_every_rank(session: &Session) {

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! T(P) = s cells + n (g cells + b bodies) + steps l looked-at bodies + c contacts + rest + network
-//! network = messages latency + (bytes + gathered bytes) / bandwidth + (collectives log2(P) + all-to-alls (P - 1)) latency
+//! network = messages latency + (bytes + gathered bytes) / bandwidth + collectives log2(P) latency
 //! ```
 //!
 //! with the cells, bodies and contacts of the busiest rank, and seconds `s`, `g`, `b` and, for contacts, `l` and `c` by least squares, each from the
@@ -74,8 +74,6 @@ pub struct ScalingModel {
     pub bytes: f64,
     /// For each exchange.
     pub collectives: f64,
-    /// For each exchange.
-    pub all_to_alls: f64,
     /// Bytes that come in gatherings, for each body and each rank, and exchange.
     pub gathered: [f64; 2],
     /// Bytes of memory of a rank without cells, and for each cell, or for each body of a dry scene; unknown from a single run.
@@ -95,8 +93,6 @@ pub struct Prediction {
     pub bytes: f64,
     /// Collectives.
     pub collectives: f64,
-    /// Those in which each rank has a part for each other one.
-    pub all_to_alls: f64,
     /// Memory of the busiest rank.
     pub memory: Option<f64>,
 }
@@ -107,7 +103,6 @@ struct Sent {
     bytes: f64,
     gathered: f64,
     collectives: f64,
-    all_to_alls: f64,
 }
 
 impl Work {
@@ -170,7 +165,6 @@ impl ScalingModel {
             ),
             bytes: sent(|sample| sample.measured.parallel.bytes.most, |shares| shares.transposes.bytes, |shares| shares.halo),
             collectives: sent(|sample| sample.measured.parallel.collectives.most, |_| 0.0, |_| 1.0),
-            all_to_alls: sent(|sample| sample.measured.parallel.all_to_alls.most, |_| 0.0, |_| 1.0),
             gathered: proportions(&shared.iter().map(gathered).collect::<Vec<_>>()),
             memory: line(&sizes.collect::<Vec<_>>()),
             cell: 0.0,
@@ -190,9 +184,9 @@ impl ScalingModel {
         let contacts = self.contact[0] * steps * shares.looked_at() + self.contact[1] * work.pressed(shares);
         let computing = self.setup * cells + exchanges * (self.cell * cells + self.body * bodies) + contacts;
         let seconds = turns * computing + self.rest + self.network_seconds(shares, exchanges);
-        let Sent { messages, bytes, collectives, all_to_alls, .. } = self.sent(shares, exchanges);
+        let Sent { messages, bytes, collectives, .. } = self.sent(shares, exchanges);
         let memory = self.memory.map(|[base, each]| base + each * shares.size());
-        Prediction { seconds, messages, bytes, collectives, all_to_alls, memory }
+        Prediction { seconds, messages, bytes, collectives, memory }
     }
 
     fn sent(&self, shares: &RankShares, exchanges: f64) -> Sent {
@@ -204,14 +198,13 @@ impl ScalingModel {
             bytes: exchanges * (self.bytes * shares.halo + bytes),
             gathered: shared * (of_body * shares.all_bodies() + of_rank * shares.ranks as f64),
             collectives: shared * self.collectives,
-            all_to_alls: shared * self.all_to_alls,
         }
     }
 
     fn network_seconds(&self, shares: &RankShares, exchanges: f64) -> f64 {
-        let Sent { messages, bytes, gathered, collectives, all_to_alls } = self.sent(shares, exchanges);
+        let Sent { messages, bytes, gathered, collectives } = self.sent(shares, exchanges);
         let (Network { bandwidth, latency }, ranks) = (self.network, shares.ranks as f64);
-        let each = messages + exchanges * shares.cycle_messages + collectives * ranks.log2() + all_to_alls * (ranks - 1.0);
+        let each = messages + exchanges * shares.cycle_messages + collectives * ranks.log2();
         each * latency + (bytes + gathered + exchanges * shares.cycle_bytes) / bandwidth
     }
 }
@@ -231,7 +224,6 @@ mod tests {
         messages: 7.0,
         bytes: 30.0,
         collectives: 11.0,
-        all_to_alls: 3.0,
         gathered: [16.0, 8.0],
         memory: Some([2e7, 900.0]),
         network: Network { bandwidth: 1e9, latency: 1e-4 },
@@ -278,10 +270,10 @@ mod tests {
     /// A run that obeys the law.
     fn sample_of(shares: RankShares, iterations: usize) -> Sample {
         let Work { exchanges, steps, contacts, island } = work(iterations);
-        let Prediction { messages, bytes, collectives, all_to_alls, memory, .. } = LAW.predict(&shares, &work(iterations), 1.0);
+        let Prediction { messages, bytes, collectives, memory, .. } = LAW.predict(&shares, &work(iterations), 1.0);
         let gathered = LAW.sent(&shares, exchanges).gathered;
-        let [messages, bytes, collectives, all_to_alls, gathered, memory_bytes] =
-            [messages, bytes, collectives, all_to_alls, gathered, memory.unwrap()].map(|amount| Spread::of([amount]));
+        let [messages, bytes, collectives, gathered, memory_bytes] =
+            [messages, bytes, collectives, gathered, memory.unwrap()].map(|amount| Spread::of([amount]));
         let (bodies, cells) = (shares.bodies, shares.cells);
         let measured = Measurement {
             setup: LAW.setup * shares.cells.most,
@@ -293,7 +285,7 @@ mod tests {
             iterations,
             pressed: contacts,
             island,
-            parallel: ParallelSummary { bodies, cells, messages, bytes, collectives, all_to_alls, gathered, memory_bytes },
+            parallel: ParallelSummary { bodies, cells, messages, bytes, collectives, gathered, memory_bytes },
         };
         Sample { shares, measured }
     }
@@ -305,8 +297,8 @@ mod tests {
     #[test]
     fn a_law_that_is_obeyed_is_recovered_in_all_scenes() {
         let rates = |model: &ScalingModel| {
-            let ScalingModel { setup, cell, body, rest, messages, bytes, collectives, all_to_alls, .. } = *model;
-            [setup, cell, body, rest, messages, bytes, collectives, all_to_alls]
+            let ScalingModel { setup, cell, body, rest, messages, bytes, collectives, .. } = *model;
+            [setup, cell, body, rest, messages, bytes, collectives]
         };
         for shares in [shares, transformed, dry] {
             let mut slow = sample_of(shares(8), 51);
@@ -332,11 +324,11 @@ mod tests {
     }
 
     #[test]
-    fn all_to_alls_cost_a_message_to_each_rank_and_gatherings_the_bytes_of_all() {
-        let [with, without] = [LAW, ScalingModel { all_to_alls: 0.0, gathered: [0.0; 2], ..LAW }];
+    fn gatherings_cost_the_bytes_of_all() {
+        let [with, without] = [LAW, ScalingModel { gathered: [0.0; 2], ..LAW }];
         let more = with.predict(&shares(64), &work(10), 1.0).seconds - without.predict(&shares(64), &work(10), 1.0).seconds;
         let gathered = 16.0 * shares(64).all_bodies() + 8.0 * 64.0;
-        assert_near(more, 10.0 * (3.0 * 63.0 * LAW.network.latency + gathered / LAW.network.bandwidth));
+        assert_near(more, 10.0 * gathered / LAW.network.bandwidth);
     }
 
     #[test]

@@ -63,7 +63,7 @@ impl Report {
         let (Network { bandwidth, latency }, repeat) = (self.network, self.repeat);
         let mut notes = vec![
             format!("Seconds of {what}; the fastest of {repeat}. Efficiency: speed per rank over that of the first row."),
-            "Messages, MB sent, collectives, all-to-alls and memory: of the busiest rank, as PETSc counts them, with this program's own collectives; \
+            "Messages, MB sent, collectives and memory: of the busiest rank, as PETSc counts them, with this program's own collectives; \
              hypre's are not counted."
                 .to_owned(),
         ];
@@ -79,8 +79,8 @@ impl Report {
                 "Rows \"model\" are a model, not a measurement: seconds per cell, body, contact and iteration fitted to the measured rows, shares \
                  counted in the partition at that many ranks, iterations and contacts as on the most ranks measured, messages of {:.2} microseconds \
                  and {:.1} GB/s a rank (--latency, --bandwidth), five exchanges on each multigrid level or all values but its own \
-                 from each rank in each transpose of a transform, log2 of the ranks messages in a collective and one to each rank in an all-to-all, and \
-                 contacts of the busiest rank: its share, or the largest island that one rank solves.",
+                 from each rank in each transpose of a transform, log2 of the ranks messages in a collective, and contacts of the busiest rank: its \
+                 share, or the largest island that one rank solves.",
                 latency * 1e6,
                 bandwidth / 1e9,
             ),

@@ -42,7 +42,6 @@ struct Numbers {
     messages: f64,
     bytes: f64,
     collectives: f64,
-    all_to_alls: f64,
     memory_bytes: Option<f64>,
 }
 
@@ -59,7 +58,6 @@ impl Numbers {
             messages: total.messages / steps,
             bytes: total.bytes / steps,
             collectives: total.collectives / steps,
-            all_to_alls: total.all_to_alls / steps,
             memory_bytes: total.memory,
         }
     }
@@ -69,10 +67,10 @@ impl RunRow {
     /// A measured run, or why there is none.
     pub fn measured(ranks: usize, beyond_cores: bool, sample: std::result::Result<&Sample, &Error>) -> RunRow {
         let numbers = |Sample { measured, .. }: &Sample| {
-            let ParallelSummary { cells, bodies, messages, bytes, collectives, all_to_alls, memory_bytes, .. } = measured.parallel;
-            let [messages, bytes, collectives, all_to_alls] = [messages, bytes, collectives, all_to_alls].map(|spread| spread.most);
+            let ParallelSummary { cells, bodies, messages, bytes, collectives, memory_bytes, .. } = measured.parallel;
+            let [messages, bytes, collectives] = [messages, bytes, collectives].map(|spread| spread.most);
             let (seconds, memory) = (measured.all_seconds(), Some(memory_bytes.most));
-            let total = Prediction { seconds, messages, bytes, collectives, all_to_alls, memory };
+            let total = Prediction { seconds, messages, bytes, collectives, memory };
             Numbers::of(measured, &total, &cells, &bodies)
         };
         RunRow { ranks, beyond_cores, numbers: sample.ok().map(numbers), remark: sample.err().map(Error::to_string) }
@@ -103,7 +101,6 @@ impl RunRow {
             ("messages", of(&|run| format!("{:.0}", run.messages))),
             ("MB sent", of(&|run| format!("{:.2}", run.bytes / 1e6))),
             ("collectives", of(&|run| format!("{:.0}", run.collectives))),
-            ("all-to-alls", of(&|run| format!("{:.0}", run.all_to_alls))),
             ("memory MB", of(&|run| run.memory_bytes.map_or("-".into(), |bytes| format!("{:.0}", bytes / 1e6)))),
             ("", if self.absent() { format!("{source}: {remark}") } else { source.to_owned() }),
         ]
@@ -125,7 +122,6 @@ impl RunRow {
             ("messages", of(|run| Some(run.messages))),
             ("bytes", of(|run| Some(run.bytes))),
             ("collectives", of(|run| Some(run.collectives))),
-            ("all_to_alls", of(|run| Some(run.all_to_alls))),
             ("memory_bytes", of(|run| run.memory_bytes)),
             ("remark", quoted(self.remark.as_deref().unwrap_or_default())),
         ]
