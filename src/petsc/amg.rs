@@ -20,18 +20,16 @@ pub struct AmgSettings {
     pub relaxation: &'static str,
     /// The same on the way up.
     pub upward_relaxation: &'static str,
-    /// Levels, from the finest, that are coarsened aggressively: only points with at least two short ways to each other depend on each other.
-    pub aggressive_levels: usize,
 }
 
 impl AmgSettings {
     /// Measured choice for the 5-point (2D) and 7-point (3D) Laplacian inside the coupled solver.
     ///
-    /// Aggressive coarsening by one way, which pays for a Laplacian alone, costs up to four times the iterations there. By two
-    /// ways it takes one or two iterations more and cycles a quarter cheaper in 2D; in 3D a third more iterations, which it
-    /// does not win back. With fewer than six interpolation entries the iterations grow with refinement in 3D.
+    /// No level is coarsened aggressively: it pays for a Laplacian alone, but crowded disks take an eighth to a quarter more iterations for it
+    /// (by two ways; by one three times as many), the more so the more ranks, and spheres a third. With fewer than six interpolation entries
+    /// the iterations grow with refinement in 3D.
     pub fn laplacian(dimension: usize) -> Self {
-        let (most_interpolation_entries, aggressive_levels) = if dimension == 2 { (4, 1) } else { (6, 0) };
+        let most_interpolation_entries = if dimension == 2 { 4 } else { 6 };
         let (coarsening, interpolation, relaxation) = ("HMIS", "ext+i", "SOR/Jacobi");
         AmgSettings {
             coarsening,
@@ -40,7 +38,6 @@ impl AmgSettings {
             strength: 0.25,
             relaxation,
             upward_relaxation: relaxation,
-            aggressive_levels,
         }
     }
 
@@ -94,8 +91,6 @@ fn insert_options(settings: &AmgSettings) -> Result<()> {
         ("relax_type_up", settings.upward_relaxation.to_string()),
         ("relax_type_coarse", "symmetric-SOR/Jacobi".to_string()),
         ("grid_sweeps_coarse", "4".to_string()),
-        ("agg_nl", settings.aggressive_levels.to_string()),
-        ("agg_num_paths", "2".to_string()),
         ("max_iter", "1".to_string()),
         ("tol", "0.0".to_string()),
     ];
