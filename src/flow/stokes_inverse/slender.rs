@@ -17,7 +17,7 @@ use super::{HypreInverse, Stokes, StokesInverse, cross_section::CrossSection};
 use crate::{error::Result, grid::Grid, parallel::World, petsc::Vector};
 
 /// Schur complement of the longest wave along a box, below which the flow along it is solved apart.
-const SLENDER: f64 = 0.05;
+const SLENDER: f64 = 0.25;
 
 /// The hypre inverse refined for slender boxes: it gets what the flow along the box leaves.
 pub struct SlenderInverse {
