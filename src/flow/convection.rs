@@ -2,14 +2,14 @@
 //!
 //! Fluxes of a velocity component pass through the faces of the cells around its points, with means of two neighbours for both factors (Harlow and
 //! Welch 1965, doi:10.1063/1.1761178): for a velocity without divergence `sum u . N = 0` to rounding. Nothing is convected through a wall; through open ends what
-//! flows in and out is.
+//! flows in and out is. In a sheared box the velocity is the disturbance of the shear; what is carried and carries is both together, in the frame of the point ([`Grid::frame_velocity`]).
 
 use nalgebra::SVector;
 
 use super::OpenEnds;
 use crate::{
     error::Result,
-    grid::{Block, Grid, Index, Node},
+    grid::{Block, Grid, Index, Node, operators::signed},
     petsc::{Scatter, Vector},
 };
 
@@ -24,6 +24,8 @@ pub struct Convection<const D: usize> {
     /// For each component, where the value at each index of these cells is: among the own ones, or behind them among those fetched.
     places: Vec<Vec<u32>>,
     fetched: Scatter,
+    /// What the shear of a sheared box adds to the first component; empty in other boxes.
+    shear: Vec<f64>,
     /// Values on open ends and beyond them.
     ends: Vec<EndValue<D>>,
     /// Values of the components on these cells.
@@ -79,8 +81,16 @@ impl<const D: usize> Convection<D> {
             };
             places.push(around.indices().enumerate().map(place).collect::<Vec<u32>>());
         }
+        let height = |index: [usize; D]| grid.position(0, std::array::from_fn(|axis| (cells.start[axis] + index[axis]) as isize - 1));
+        let sheared = grid.domain().slide().is_some();
+        let shear = if sheared { around.indices().map(|index| grid.domain().carried(&height(index))[0]).collect() } else { Vec::new() };
         let values = vec![vec![0.0; around.len()]; D];
-        Ok(Convection { grid: grid.clone(), extent, places, fetched: Scatter::new(shape, &wanted)?, ends, values })
+        Ok(Convection { grid: grid.clone(), extent, places, fetched: Scatter::new(shape, &wanted)?, shear, ends, values })
+    }
+
+    /// The grid, with its images where they were when this was made.
+    pub fn grid(&self) -> &Grid<D> {
+        &self.grid
     }
 
     /// Writes the convection of a velocity into the momentum rows of `out`; those of continuity are zero. Collective.
@@ -98,7 +108,8 @@ impl<const D: usize> Convection<D> {
             let first = self.grid.partition().block(self.grid.rank()).start;
             let rows = &mut rows[self.grid.local_range(component)];
             for (row, index) in rows.iter_mut().zip(self.grid.block(component).indices()) {
-                *row = self.outflow(component, std::array::from_fn(|axis| index[axis] + 1 - first[axis]));
+                let frame = self.grid.frame_velocity(&self.grid.position(component, signed(index)))[0];
+                *row = self.outflow(component, std::array::from_fn(|axis| index[axis] + 1 - first[axis]), frame);
             }
         }
         Ok(())
@@ -115,6 +126,7 @@ impl<const D: usize> Convection<D> {
                 };
             }
         }
+        self.values[0].iter_mut().zip(&self.shear).for_each(|(value, shear)| *value += shear);
         Ok(())
     }
 
@@ -125,15 +137,15 @@ impl<const D: usize> Convection<D> {
         }
     }
 
-    /// What flows out of the cell around a point, over its volume.
+    /// What flows out of the cell around a point, over its volume, in a frame that moves along the first axis.
     #[inline]
-    fn outflow(&self, component: usize, index: [usize; D]) -> f64 {
+    fn outflow(&self, component: usize, index: [usize; D], frame: f64) -> f64 {
         let spacing: SVector<f64, D> = self.grid.spacing();
         let at = (0..D).fold(0, |place, axis| place * self.extent[axis] + index[axis]);
         let stride = |axis: usize| -> usize { self.extent[axis + 1..].iter().product() };
         let own = &self.values[component];
         let back = stride(component);
-        let mut sum = 0.0;
+        let mut sum = -0.5 * frame * (own[at + stride(0)] - own[at - stride(0)]) / spacing[0];
         for axis in 0..D {
             let (step, carrier) = (stride(axis), &self.values[axis]);
             let flux = |lower: usize, upper: usize| {
@@ -148,12 +160,19 @@ impl<const D: usize> Convection<D> {
     }
 }
 
-/// Largest speed along an axis of a velocity, on all ranks.
+/// Largest speed along an axis of a velocity, on all ranks; in a sheared box with that of the shear in the frames of convection.
 ///
 /// # Errors
 /// PETSc fails.
 pub fn fastest<const D: usize>(grid: &Grid<D>, velocity: &Vector) -> Result<f64> {
     let values = velocity.local()?;
     let largest = |axis: usize| values[grid.local_range(axis)].iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-    Ok(velocity.session().world().max((0..D).map(largest).fold(0.0, f64::max)))
+    let along_shear = || {
+        let points = grid.block(0).indices().map(|index| grid.position(0, signed(index)));
+        let shear = points.map(|point| (grid.domain().carried(&point) - grid.frame_velocity(&point))[0]);
+        let total = values[grid.local_range(0)].iter().zip(shear).map(|(value, shear)| value + shear);
+        total.fold(0.0_f64, |most, value| most.max(value.abs()))
+    };
+    let first = if grid.domain().slide().is_some() { along_shear() } else { largest(0) };
+    Ok(velocity.session().world().max((1..D).map(largest).fold(first, f64::max)))
 }

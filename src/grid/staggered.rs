@@ -89,6 +89,22 @@ impl<const D: usize> Grid<D> {
         Ok(Grid { domain: domain.clone(), shift: whole_shift(domain, self.cells[0], self.spacing[0])?, ..self.clone() })
     }
 
+    /// Velocity of the frame in which convection at a point is told: in a sheared box that of the image of the box whose bottom is nearest, so that
+    /// nothing moves faster there than the shear at half its height. The point, not wrapped into the box, is one of the grid or near it.
+    pub fn frame_velocity(&self, point: &SVector<f64, D>) -> SVector<f64, D> {
+        // a quarter of a cell off the middle lie no points of the grid
+        self.domain.sliding() * ((point[1] - 0.25 * self.spacing[1]) / self.domain.size[1]).round()
+    }
+
+    /// The index at which the frame of a point, in the box or in an image of it, saw that point an interval ago.
+    pub fn followed(&self, component: usize, mut index: Index<D>, interval: f64) -> Index<D> {
+        let mut in_box = index;
+        in_box[1] = index[1].rem_euclid(self.cells[1] as isize);
+        let way = self.frame_velocity(&self.position(component, in_box))[0] * interval;
+        index[0] -= (way / self.spacing[0]).round() as isize;
+        index
+    }
+
     /// The box.
     pub fn domain(&self) -> &Domain<D> {
         &self.domain

@@ -20,9 +20,9 @@ const STOKES_OVER_REYNOLDS: f64 = 9.0;
 /// Inertia at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InertialNumbers {
-    /// Kinetic energy of fluid and bodies.
+    /// Kinetic energy of fluid and bodies; in a sheared box that relative to the shear.
     pub kinetic_energy: f64,
-    /// Largest Reynolds number of a body, by its speed, its diameter and the fluid.
+    /// Largest Reynolds number of a body, by its speed (in a sheared box relative to the shear), its diameter and the fluid.
     pub reynolds: f64,
     /// Largest Stokes number of a free body, a ninth of its Reynolds number times its density over that of the fluid; 0 without free bodies.
     pub stokes: f64,
@@ -39,7 +39,9 @@ impl InertialNumbers {
         let Some(inertia) = &setup.inertia else { return Ok(None) };
         let volume = grid.spacing().product();
         let reynolds = |body: usize| {
-            2.0 * setup.bodies[body].body.ball.radius * solution.bodies[body].twist.velocity.norm() * inertia.fluid / setup.viscosity
+            let state = &solution.bodies[body];
+            let speed = (state.twist.velocity - setup.domain.carried(&state.center)).norm();
+            2.0 * setup.bodies[body].body.ball.radius * speed * inertia.fluid / setup.viscosity
         };
         let free = (0..setup.bodies.len()).filter(|&body| setup.bodies[body].body.free());
         let stokes = free.map(|body| reynolds(body) * inertia.bodies[body] / (STOKES_OVER_REYNOLDS * inertia.fluid));
@@ -71,12 +73,13 @@ fn excess_energy<const D: usize>(setup: &Setup<D>, inertia: &Inertia<D>, solutio
         let (ball, excess): (Ball<D>, f64) = (setup.bodies[body].body.ball, inertia.bodies[body] - inertia.fluid);
         // a skew matrix has each component of the spin twice
         let turning = 0.5 * state.twist.spin.norm_squared() * ball.moment_of_inertia();
-        0.5 * excess * (ball.volume() * state.twist.velocity.norm_squared() + turning)
+        let velocity = state.twist.velocity - setup.domain.carried(&state.center);
+        0.5 * excess * (ball.volume() * velocity.norm_squared() + turning)
     };
     solution.bodies.iter().enumerate().map(of_body).sum()
 }
 
-/// The stress of Reynolds times volume, `-integral of rho v v` with the velocity `v` relative to a shear between walls; nothing without inertia.
+/// The stress of Reynolds times volume, `-integral of rho v v` with the velocity `v` relative to the shear; nothing without inertia.
 /// Collective.
 ///
 /// Of a suspension in a statistically steady state, it and the other parts of the stress add up to that of the walls.
@@ -89,10 +92,17 @@ pub fn reynolds_stress<const D: usize>(
     solution: &Solution<D>,
     shear: &Shear<D>,
 ) -> Result<Option<SMatrix<f64, D, D>>> {
-    let (Some(inertia), Axis::Walls { lower, .. }) = (&setup.inertia, setup.domain.axes[shear.gradient]) else { return Ok(None) };
-    let background = |point: &SVector<f64, D>| lower + shear.flow * (shear.rate * point[shear.gradient]);
+    let Some(inertia) = &setup.inertia else { return Ok(None) };
+    let (at_bottom, of_fluid) = match setup.domain.axes[shear.gradient] {
+        Axis::Walls { lower, .. } => (lower, 1.0),
+        // what is solved for is the disturbance
+        Axis::Sheared(_) => (SVector::zeros(), 0.0),
+        Axis::Periodic | Axis::Open(_) => return Ok(None),
+    };
+    let background = |point: &SVector<f64, D>| at_bottom + shear.flow * (shear.rate * point[shear.gradient]);
     let velocities = CellCenters::new(grid, &solution.fluid)?.velocity(&solution.fluid)?;
-    let cells = grid.block(D).indices().zip(velocities).map(|(cell, velocity)| velocity - background(&grid.position(D, signed(cell))));
+    let cells =
+        grid.block(D).indices().zip(velocities).map(|(cell, velocity)| velocity - background(&grid.position(D, signed(cell))) * of_fluid);
     let mut fluid: SMatrix<f64, D, D> = cells.map(|relative| relative * relative.transpose()).sum();
     solution.fluid.session().world().sum(fluid.as_mut_slice());
     let excess = solution.bodies.iter().enumerate().map(|(body, state)| {

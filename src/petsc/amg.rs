@@ -31,14 +31,7 @@ impl AmgSettings {
     pub fn laplacian(dimension: usize) -> Self {
         let most_interpolation_entries = if dimension == 2 { 4 } else { 6 };
         let (coarsening, interpolation, relaxation) = ("HMIS", "ext+i", "SOR/Jacobi");
-        AmgSettings {
-            coarsening,
-            interpolation,
-            most_interpolation_entries,
-            strength: 0.25,
-            relaxation,
-            upward_relaxation: relaxation,
-        }
+        AmgSettings { coarsening, interpolation, most_interpolation_entries, strength: 0.25, relaxation, upward_relaxation: relaxation }
     }
 
     /// The same with sweeps that run backwards on the way up: a symmetric cycle at the same cost, which conjugate gradients need.

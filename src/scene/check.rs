@@ -221,7 +221,11 @@ fn check_inertia(scene: &Scene) -> Result<()> {
         Err(scene.refuse(key, drive, remedy))
     };
     match &scene.flow.drive {
-        Some(Drive::ShearRate(rate) | Drive::ShearedBox(rate)) => refuse("flow.drive.shear_rate", rate.to_string()),
+        Some(Drive::ShearedBox(_)) => {
+            let remedy = "has inertia in a sheared box by method.constraint = \"sharp\" only; choose it, or shear between walls";
+            let word = scene.method.constraint.word();
+            expect(scene, scene.method.constraint == ConstraintMethod::Sharp, "method.constraint", format!("{word:?}"), remedy)
+        }
         Some(Drive::PressureGradient(vector)) if walled(scene).next().is_none() => {
             refuse("flow.drive.pressure_gradient", format!("{vector:?}"))
         }

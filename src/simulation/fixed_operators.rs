@@ -115,14 +115,24 @@ impl<const D: usize> FixedOperators<D> {
         time: f64,
         inverse: impl FnOnce(&Setup<D>, &Stokes<D>, &Grid<D>) -> Result<Box<dyn StokesInverse<D>>>,
     ) -> Result<Option<Box<dyn StokesInverse<D>>>> {
-        let domain = self.setup.domain.clone().at(time);
-        if domain == self.setup.domain {
+        if !self.slide_grid(time)? {
             return Ok(None);
         }
-        self.grid = self.grid.slid(&domain)?;
         self.stokes = Stokes::new(&self.session, &self.grid);
-        self.setup.domain = domain;
         inverse(&self.setup, &self.stokes, &self.grid).map(Some)
+    }
+
+    /// Lets the images of the grid alone slide to where they are at a time; whether they were elsewhere.
+    ///
+    /// # Errors
+    /// They would be displaced by a part of a cell.
+    pub fn slide_grid(&mut self, time: f64) -> Result<bool> {
+        let domain = self.setup.domain.clone().at(time);
+        if domain == self.setup.domain {
+            return Ok(false);
+        }
+        (self.grid, self.setup.domain) = (self.grid.slid(&domain)?, domain);
+        Ok(true)
     }
 
     /// Force that gives each body a unit velocity in unbounded fluid; infinite for a body whose motion is given.

@@ -111,7 +111,7 @@ impl<const D: usize> Setup<D> {
         let inertia = (scene.flow.model == FlowModel::NavierStokes).then(|| Inertia {
             fluid: scene.flow.density,
             bodies: groups().map(|group| group.density).collect(),
-            starts: groups().map(start).collect(),
+            starts: placed.iter().map(|(group, body)| started(&domain, &scene.bodies[*group], &body.ball.center)).collect(),
         });
         let trajectories = trajectories(scene, &placed);
         let (bonds, joints) = (chains::bonds(scene, &placed), chains::joints(scene, &placed));
@@ -184,6 +184,14 @@ fn start<const D: usize>(group: &BodyGroup) -> Twist<D> {
         velocity: group.velocity.as_deref().map_or(SVector::zeros(), vector::<D>),
         spin: group.spin.as_deref().map_or(SMatrix::zeros(), skew::<D>),
     }
+}
+
+/// How a free body of a group moves at the start in a fluid with inertia: in a sheared box, relative to the shear.
+fn started<const D: usize>(domain: &Domain<D>, group: &BodyGroup, center: &SVector<f64, D>) -> Twist<D> {
+    let Twist { velocity, mut spin } = start(group);
+    spin[(0, 1)] += 0.5 * domain.shear_rate();
+    spin[(1, 0)] -= 0.5 * domain.shear_rate();
+    Twist { velocity: velocity + domain.carried(center), spin }
 }
 
 fn drive<const D: usize>(scene: &Scene) -> Drive<D> {

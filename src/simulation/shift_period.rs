@@ -36,12 +36,12 @@ impl ShiftPeriod {
         (time / unit * (1.0 + ROUNDING)).floor().max(1.0) * unit
     }
 
-    /// Rounds a fixed step and the end of a run down to whole periods.
+    /// Rounds a fixed step and the end of a run down to whole periods; a flow that `evolves` has no midpoints.
     ///
     /// # Errors
     /// One of them is shorter than the shortest step.
-    pub fn round_down(self, time: &TimeSection) -> Result<TimeSection> {
-        let multiple = ShiftPeriod::multiple(time.scheme, 0.0);
+    pub fn round_down(self, time: &TimeSection, evolves: bool) -> Result<TimeSection> {
+        let multiple = if evolves { 1.0 } else { ShiftPeriod::multiple(time.scheme, 0.0) };
         let step = match time.step {
             Step::Auto => Step::Auto,
             Step::Fixed(step) => Step::Fixed(self.rounded("step", step, multiple)?),
@@ -72,9 +72,9 @@ mod tests {
 
     #[test]
     fn steps_and_ends_are_rounded_down_to_whole_periods() {
-        let kept = ShiftPeriod(0.25).round_down(&time(Step::Fixed(0.6), 1.8, Scheme::Euler)).unwrap();
+        let kept = ShiftPeriod(0.25).round_down(&time(Step::Fixed(0.6), 1.8, Scheme::Euler), false).unwrap();
         assert_eq!((kept.step, kept.end), (Step::Fixed(0.5), 1.75));
-        let kept = ShiftPeriod(0.25).round_down(&time(Step::Fixed(0.8), 1.8, Scheme::Midpoint)).unwrap();
+        let kept = ShiftPeriod(0.25).round_down(&time(Step::Fixed(0.8), 1.8, Scheme::Midpoint), false).unwrap();
         assert_eq!((kept.step, kept.end), (Step::Fixed(0.5), 1.5));
         // whole already but for rounding
         assert!((ShiftPeriod(0.1).within(0.3, 1.0) - 0.3).abs() < 1e-15);
@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn what_is_shorter_than_a_period_is_refused_with_the_shortest_that_is_not() {
-        let short = |step, end, scheme| ShiftPeriod(0.25).round_down(&time(step, end, scheme)).unwrap_err().to_string();
+        let short = |step, end, scheme| ShiftPeriod(0.25).round_down(&time(step, end, scheme), false).unwrap_err().to_string();
         let message = short(Step::Fixed(0.2), 1.0, Scheme::Euler);
         assert!(message.contains("time.step = 0.2") && message.contains("one cell, which takes 0.25"), "{message}");
         let message = short(Step::Auto, 0.3, Scheme::TwoStep);

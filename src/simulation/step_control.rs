@@ -93,8 +93,10 @@ impl StepControl {
 
     /// A step that keeps the shift period, if there is one; never shorter than the shortest that does.
     fn whole(&self, step: f64, last_step: f64) -> f64 {
-        if self.by_twos && last_step > 0.0 {
-            return last_step * (step / last_step * (1.0 + ROUNDING)).log2().floor().exp2();
+        if self.by_twos {
+            let shortest = self.shift_period.map_or(0.0, |shift_period| shift_period.0);
+            let unit = if last_step > 0.0 { last_step } else { shortest };
+            return if unit > 0.0 { (unit * (step / unit * (1.0 + ROUNDING)).log2().floor().exp2()).max(shortest) } else { step };
         }
         self.shift_period.map_or(step, |shift_period| shift_period.within(step, ShiftPeriod::multiple(self.time.scheme, last_step)))
     }

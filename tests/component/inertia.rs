@@ -7,7 +7,7 @@ use turbid::{
     body::{Body, Motion, Twist, skew},
     constraint::fitted::{Mesh, Triangle},
     flow::{Convection, Drive, FluidSystem, InverseMethod, Stokes},
-    geometry::{Axis, Ball, Domain, Inflow},
+    geometry::{Axis, Ball, Domain, Inflow, LeesEdwards},
     grid::{Grid, operators::signed},
     observe,
     petsc::{Session, Vector},
@@ -29,6 +29,9 @@ pub fn tests() -> Vec<Test> {
         Test::of(iterations_with_hypre_stay_flat_from_short_steps_to_none),
         Test::of(convection_neither_makes_nor_takes_energy_and_momentum),
         Test::of(a_vortex_that_is_carried_along_is_followed_at_second_order),
+        Test::of(a_wave_that_a_sheared_box_tilts_is_followed_at_second_order),
+        Test::of(a_disk_in_a_sheared_box_goes_on_alike_wherever_it_is),
+        Test::of(a_disk_in_a_sheared_box_without_inertia_moves_as_in_stokes_flow),
         Test::of(a_disk_falls_as_the_reference_says_with_either_inverse),
         Test::of(disks_of_any_density_start_as_fast_as_those_of_an_independent_program),
         Test::of(a_disk_that_starts_with_a_velocity_slows_down_alike_on_grid_and_mesh),
@@ -219,6 +222,77 @@ fn a_vortex_that_is_carried_along_is_followed_at_second_order(session: &Session)
     let (coarse, fine) = (error(24), error(48));
     let order = (coarse / fine).log2();
     assert!(order > 1.85 && fine < 0.02, "errors {coarse:e} and {fine:e}, order {order}");
+}
+
+/// Kelvin's wave in a shear of rate 1, `psi = A(t) cos(k x - k t y)`: its vorticity is carried along and decays by viscosity alone, so that
+/// `A (1 + t^2) = A_0 exp(-nu k^2 (t + t^3/3))` is exact. Images slide by a cell in each step.
+fn a_wave_that_a_sheared_box_tilts_is_followed_at_second_order(session: &Session) {
+    let (viscosity, wave, end) = (0.01, TAU, 1.0);
+    let error = |cells: usize| {
+        let slide = LeesEdwards { start: 0.0, speed: 1.0, time: 0.0 };
+        let domain = Domain { size: Vector2::new(1.0, 1.0), axes: [Axis::Periodic, Axis::Sheared(slide)] };
+        let setup = Setup { drive: Drive::Shear(1.0), ..setup(domain, 1.0 / cells as f64, viscosity, Vec::new()) };
+        let mut flow = UnsteadySuspension::new(session, setup).unwrap();
+        let shape = flow.fluid_vector().unwrap();
+        let exact = |grid: &Grid<2>, time: f64| {
+            let decay = (-viscosity * wave * wave * (time + time.powi(3) / 3.0)).exp() / (1.0 + time * time);
+            stream(grid, &shape, |x| (wave * (x[0] - time * x[1])).cos() * decay / wave)
+        };
+        let fluid = exact(flow.grid(), 0.0);
+        let (multipliers, centers, twists) = (Vec::new(), Vec::new(), Vec::new());
+        let start = Level { time: 0.0, fluid, slow: multipliers.clone(), multipliers, centers, twists, spin_ups: Vec::new() };
+        flow.restore_levels(vec![start]).unwrap();
+        let steps = (end * cells as f64) as usize;
+        let step = |step: usize| flow.solve_at(&configuration(&[], step as f64 / cells as f64), &mut |_, _| {}).unwrap().fluid;
+        let mut difference = (1..=steps).map(step).last().unwrap();
+        difference.add(-1.0, &exact(flow.grid(), end)).unwrap();
+        let values = difference.local().unwrap();
+        let square = |axis: usize| values[flow.grid().local_range(axis)].iter().map(|value| value * value).sum::<f64>();
+        let mut sum = [square(0) + square(1)];
+        session.world().sum(&mut sum);
+        sum[0].sqrt() / cells as f64
+    };
+    let (coarse, fine) = (error(24), error(48));
+    let order = (coarse / fine).log2();
+    assert!(order > 1.85 && fine < 0.004, "errors {coarse:e} and {fine:e}, order {order}");
+}
+
+/// A disk in a sheared box whose particle Reynolds number is this, at a height, with a velocity relative to the shear: viscosity, spin and velocity relative
+/// to the shear after a while.
+fn in_sheared_box(session: &Session, (model, reynolds): (&str, f64), height: f64, velocity: &str) -> (f64, f64, Vector2<f64>) {
+    let density = if model == "stokes" { String::new() } else { format!("density = {reynolds}\n") };
+    let text = format!(
+        "[domain]\nsize = [8.0, 8.0]\n[flow]\nmodel = \"{model}\"\n{density}drive = {{ shear_rate = 1.0, periodic = \"sheared\" }}\n\
+         [resolution]\ncells_per_radius = 6\n[method]\ninverse = \"transform\"\ntolerance = 1e-8\n\
+         [[bodies]]\nradius = 1.0\ncenters = [[3.0, {height}]]\n{density}{velocity}[time]\nend = 2.0\n"
+    );
+    let scene = Scene::parse("sheared", Path::new("."), &text, &[]).unwrap();
+    let mut simulation = Simulation::<2>::new(session, &scene).unwrap();
+    while !simulation.over() {
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        simulation.step(&observation, &mut |_, _| {}).unwrap();
+    }
+    let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+    let (flow, solution) = (simulation.suspension().unwrap(), observation.solution.unwrap());
+    let viscosity = observe::viscosity(flow.setup(), flow.grid(), &solution, &[]).unwrap().unwrap().relative();
+    let Twist { velocity, spin } = solution.bodies[0].twist;
+    (viscosity, spin[(1, 0)], velocity - simulation.domain().carried(&solution.bodies[0].center))
+}
+
+/// At the middle of the box, through which the boundary of the frames goes, at its bottom, and from one box into the next.
+fn a_disk_in_a_sheared_box_goes_on_alike_wherever_it_is(session: &Session) {
+    let [middle, bottom] = [4.0, 0.0].map(|height| in_sheared_box(session, ("navier-stokes", 1.0), height, ""));
+    assert!((middle.0 - bottom.0).abs() < 0.01 * (bottom.0 - 1.0), "{middle:?} {bottom:?}");
+    assert!((middle.1 / bottom.1 - 1.0).abs() < 0.01 && bottom.1 > -0.49, "{middle:?} {bottom:?}");
+    let [inside, across] = [2.2, 0.2].map(|height| in_sheared_box(session, ("navier-stokes", 1.0), height, "velocity = [0.0, -1.0]\n"));
+    // of the velocity at the start, a hundredth is left
+    assert!((inside.2 - across.2).norm() < 0.005 && inside.2.norm() > 0.005, "{inside:?} {across:?}");
+    assert!((inside.1 / across.1 - 1.0).abs() < 0.01, "{inside:?} {across:?}");
+}
+
+fn a_disk_in_a_sheared_box_without_inertia_moves_as_in_stokes_flow(session: &Session) {
+    let (inert, creeping) = (in_sheared_box(session, ("navier-stokes", 1e-3), 0.0, ""), in_sheared_box(session, ("stokes", 0.0), 0.0, ""));
+    assert!((inert.0 - creeping.0).abs() < 1e-4 && (inert.1 - creeping.1).abs() < 2e-4, "{inert:?} {creeping:?}");
 }
 
 fn free<const D: usize>(center: [f64; D], radius: f64, order: usize, force: SVector<f64, D>) -> SuspendedBody<D> {

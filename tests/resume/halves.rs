@@ -4,7 +4,7 @@ use std::{fs, path::Path, process::Command};
 
 use super::{
     common::{Series, bodies, difference, folder, number, resume, run, run_again, write},
-    scenes::{CELLS, CHAINS, CLUSTERS, DRY, DRY_CHAINS, DRY_CLUSTERS, GLUEY, INERTIA, SHEARED, SLIDING, SPHERES},
+    scenes::{CELLS, CHAINS, CLUSTERS, DRY, DRY_CHAINS, DRY_CLUSTERS, GLUEY, INERTIA, SHEARED, SLIDING, SLIDING_INERTIA, SPHERES},
 };
 
 /// The same arithmetic on the same ranks; what is left is the order of sums after a matrix of another size.
@@ -73,6 +73,7 @@ fn a_flow_with_inertia_in_two_halves_is_the_run_in_one() {
     let films: &[&str] = &["method.inverse=transform", "lubrication.model=pairwise"];
     let ways: [&[&str]; 4] = [&[], films, &["time.step=0.04"], &fitted];
     halves_agree("inertia", INERTIA, &ways, &[2]);
+    halves_agree("sliding-inertia", SLIDING_INERTIA, &[&[], &["method.inverse=hypre"]], &[2]);
 }
 
 #[test]
@@ -158,7 +159,13 @@ fn a_run_in_time_is_the_same_on_any_number_of_ranks() {
     let transform = |scene: &str| scene.replace("inverse = \"hypre\"", "inverse = \"transform\"");
     let distributed = transform(INERTIA).replace("[method]\n", "[method]\nconstraint = \"distributed\"\n");
     let penalty = distributed.replace("distributed", "penalty");
-    let wet = [("sheared", SHEARED), ("inertia", INERTIA), ("distributed", &distributed), ("penalty", &penalty)];
+    let wet = [
+        ("sheared", SHEARED),
+        ("inertia", INERTIA),
+        ("sliding-inertia", SLIDING_INERTIA),
+        ("distributed", &distributed),
+        ("penalty", &penalty),
+    ];
     let wet = wet.map(|(name, text)| (name, text, 1000.0 * TOLERANCE));
     // forces of rods hold lengths that differ by a tolerance over a step
     let others = [("chains", CHAINS), ("clusters", CLUSTERS), ("cells", &transform(CELLS))];

@@ -211,6 +211,41 @@ every = 0.0625
 picture = false
 "#;
 
+/// Disks lighter and heavier than the fluid in a box whose images slide, all of which have inertia.
+pub const SLIDING_INERTIA: &str = r#"
+seed = 2
+[domain]
+size = [8.0, 8.0]
+[flow]
+model = "navier-stokes"
+density = 1.0
+drive = { shear_rate = 1.0, periodic = "sheared" }
+[resolution]
+cells_per_radius = 4
+[method]
+inverse = "transform"
+tolerance = 1e-8
+[[bodies]]
+radius = 1.0
+count = 4
+gap = 0.02
+density = 2.0
+[[bodies]]
+radius = 1.0
+count = 4
+gap = 0.02
+density = 0.5
+[contact]
+model = "inelastic"
+[lubrication]
+model = "pairwise"
+[time]
+end = 0.625
+[output]
+every = 0.0625
+picture = false
+"#;
+
 /// Disks lighter and heavier than the fluid between walls, all of which have inertia.
 pub const INERTIA: &str = r#"
 gravity = [0.0, -20.0]

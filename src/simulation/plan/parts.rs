@@ -123,7 +123,7 @@ impl<const D: usize> Plan<D> {
             PlannedModel::Flow(setup) => {
                 let flow = flow_solver(session, setup)?;
                 let shift_period = ShiftPeriod::of(&flow.setup().domain, flow.grid());
-                let time = shift_period.map_or(Ok(time.clone()), |shift_period| shift_period.round_down(&time))?;
+                let time = shift_period.map_or(Ok(time.clone()), |shift_period| shift_period.round_down(&time, flow.evolves()))?;
                 Ok(Simulation::flowing(session, flow, time))
             }
         }

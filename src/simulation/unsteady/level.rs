@@ -12,7 +12,7 @@ use crate::{
     constraint::IndexBox,
     error::Result,
     flow::Convection,
-    grid::{Grid, Node},
+    grid::{Grid, Index, Node},
     linalg::dot,
     petsc::{Scatter, Vector},
     simulation::bodies::BodyTypes,
@@ -72,11 +72,11 @@ impl<const D: usize> Level<D> {
         dot(&jumps, &self.coefficients(body, &self.multipliers[body]))
     }
 
-    /// The flow extended into bodies, where there are `kinds` with jump functions, and its convection. Collective.
-    pub fn extended(&self, grid: &Grid<D>, kinds: Option<&BodyTypes<D>>, convection: &mut Convection<D>) -> Result<Extended> {
+    /// The flow extended into bodies, where there are `kinds` with jump functions, and its convection on the grid of that time. Collective.
+    pub fn extended(&self, kinds: Option<&BodyTypes<D>>, convection: &mut Convection<D>) -> Result<Extended> {
         let mut band = Band::default();
         if let Some(kinds) = kinds {
-            (0..self.centers.len()).for_each(|body| self.extend(grid, kinds, body, &mut band));
+            (0..self.centers.len()).for_each(|body| self.extend(convection.grid(), kinds, body, &mut band));
         }
         let mut scatter = Scatter::new(&self.fluid, &band.places)?;
         let mut extended = |jumps: &[f64]| -> Result<Vector> {
@@ -99,7 +99,7 @@ impl<const D: usize> Level<D> {
         let tangential = self.coefficients(body, (kinds.tangential(body) * multipliers).as_slice());
         let deepest = (radius - DEPTH * grid.spacing().max()).max(CORE * radius);
         let mut offsets = vec![Vec::new(); D];
-        each_inside(grid, &self.centers[body], radius, |component, place, offset| {
+        each_inside(grid, &self.centers[body], radius, |Point { component, place, offset, .. }| {
             if offset.norm() >= deepest {
                 band.places.push(place);
                 offsets[component].extend_from_slice(offset.as_slice());
@@ -119,14 +119,26 @@ impl<const D: usize> Level<D> {
     }
 }
 
-/// Visits the velocities inside a ball whose centre lies in this rank's block: component, place in fluid vectors and offset from the centre.
-pub fn each_inside<const D: usize>(
-    grid: &Grid<D>,
-    center: &SVector<f64, D>,
-    radius: f64,
-    mut visit: impl FnMut(usize, usize, SVector<f64, D>),
-) {
-    let center = grid.domain().wrap(*center);
+/// A velocity of the grid inside a body.
+pub struct Point<const D: usize> {
+    /// Its component.
+    pub component: usize,
+    /// Its place in fluid vectors.
+    pub place: usize,
+    /// Where it is, seen from the centre.
+    pub offset: SVector<f64, D>,
+    /// Its index, in an image of the box or in it.
+    pub index: Index<D>,
+    /// Velocity of the frame in which convection is told there, as the body sees it.
+    pub frame: SVector<f64, D>,
+    /// What the velocity of the body is told beyond: that of the shear there, in a sheared box.
+    pub shear: SVector<f64, D>,
+}
+
+/// Visits the velocities inside a ball whose centre, not wrapped into the box, lies in this rank's block.
+pub fn each_inside<const D: usize>(grid: &Grid<D>, center: &SVector<f64, D>, radius: f64, mut visit: impl FnMut(Point<D>)) {
+    let (domain, unwrapped) = (grid.domain(), center);
+    let center = domain.wrap(*unwrapped);
     if grid.owner(&center) != grid.rank() {
         return;
     }
@@ -134,7 +146,8 @@ pub fn each_inside<const D: usize>(
         for index in IndexBox::around(grid, component, &center, radius).indices() {
             let offset = grid.position(component, index) - center;
             if let (true, Node::Unknown(place)) = (offset.norm() <= radius, grid.fluid_node(component, index)) {
-                visit(component, place, offset);
+                let at = unwrapped + offset;
+                visit(Point { component, place, offset, index, frame: grid.frame_velocity(&at), shear: domain.carried(&at) });
             }
         }
     }

@@ -18,7 +18,7 @@ use nalgebra::{SMatrix, SVector};
 pub use self::level::Level;
 use self::{
     damping::{damp, lag, slowed},
-    level::{Extended, each_inside},
+    level::{Extended, Point, each_inside},
     momentum::Momentum,
     rows::{Past, kept},
 };
@@ -107,7 +107,11 @@ impl<const D: usize> UnsteadySuspension<D> {
 
     fn remember_level(&mut self, level: Level<D>, place: usize) -> Result<()> {
         let kinds = self.fixed.method.jumps().then_some(&self.fixed.kinds);
-        let extended = level.extended(&self.fixed.grid, kinds, &mut self.convection)?;
+        let domain = self.fixed.setup.domain.clone().at(level.time);
+        if *self.convection.grid().domain() != domain {
+            self.convection = Convection::new(&self.fixed.grid.slid(&domain)?, &level.fluid)?;
+        }
+        let extended = level.extended(kinds, &mut self.convection)?;
         self.past.insert(place, (level, extended));
         self.past.truncate(2);
         Ok(())
@@ -188,9 +192,9 @@ impl<const D: usize> UnsteadySuspension<D> {
         let (mut places, mut changes) = (Vec::new(), Vec::new());
         for (suspended, (center, start)) in self.fixed.setup.bodies.iter().zip(centers.iter().zip(starts)) {
             if suspended.body.free() && *start != Twist::zero() {
-                each_inside(grid, center, suspended.body.ball.radius, |component, place, offset| {
+                each_inside(grid, center, suspended.body.ball.radius, |Point { component, place, offset, shear, .. }| {
                     places.push(place);
-                    changes.push(start.at(&offset)[component]);
+                    changes.push((start.at(&offset) - shear)[component]);
                 });
             }
         }
@@ -203,6 +207,12 @@ impl<const D: usize> UnsteadySuspension<D> {
 
     /// The rates of change of motions at a time, and turns operators to the step that leads there.
     fn begin(&mut self, time: f64) -> Result<StepWeights> {
+        if self.fixed.slide_grid(time)? {
+            (self.inverse, self.assembly) = (None, None);
+            if !self.fixed.condensed {
+                self.guess = None;
+            }
+        }
         let (last, earlier) = (self.past[0].0.time, self.past.get(1).map(|(level, _)| level.time));
         let weights = StepWeights::new(time - last, earlier.map(|earlier| last - earlier));
         let shift = self.inverse_diffusivity() * weights.rate[0];
@@ -255,11 +265,12 @@ impl<const D: usize> UnsteadySuspension<D> {
         }
         let viscous = step / (self.inverse_diffusivity() * spacing * spacing);
         let light = self.fixed.method.jumps() && self.inertia().bodies.iter().any(|density| *density < self.inertia().fluid);
-        let remedy = match light && viscous < SHORTEST_DIFFUSION {
-            true => {
-                "a body lighter than the fluid needs steps in which viscosity reaches part of a cell: refine [resolution], or choose a longer time.step"
-            }
-            false => "choose a shorter time.step, or \"auto\"",
+        let remedy = if light && viscous < SHORTEST_DIFFUSION {
+            "a body lighter than the fluid needs steps in which viscosity reaches part of a cell: refine [resolution], or choose a longer time.step"
+        } else if self.fixed.setup.domain.slide().is_some() {
+            "images of a sheared box slide by whole cells in a step: refine [resolution], which shortens the shortest one, or lower flow.density"
+        } else {
+            "choose a shorter time.step, or \"auto\""
         };
         Err(Error::Diverged(format!(
             "at time {time} the flow passes {courant:.1} cells in a step of {step:.3e}, more than it can follow; {remedy}"

@@ -11,12 +11,12 @@
 use nalgebra::SVector;
 
 use super::{
-    level::{Extended, Level, each_inside},
+    level::{Extended, Level, Point, each_inside},
     scheme::StepWeights,
 };
 use crate::{
     error::Result,
-    grid::Grid,
+    grid::{Grid, Index, Node, operators::signed},
     petsc::{Scatter, Vector},
     simulation::bodies::BodyTypes,
 };
@@ -49,8 +49,18 @@ impl<const D: usize> Past<'_, D> {
         let mut rows = self.levels[0].1.velocity.like()?;
         for (place, (_, extended)) in self.levels.iter().enumerate() {
             let [history, convection] = self.factors(place);
-            rows.add(history, &extended.velocity)?;
-            rows.add(convection, &extended.convection)?;
+            match self.followed(grid, place, &rows)? {
+                Some(mut followed) => {
+                    for (factor, field) in [(history, &extended.velocity), (convection, &extended.convection)] {
+                        let values = followed.fetch(field)?;
+                        rows.local_mut()?.iter_mut().zip(values.iter()).for_each(|(row, value)| *row += factor * value);
+                    }
+                }
+                None => {
+                    rows.add(history, &extended.velocity)?;
+                    rows.add(convection, &extended.convection)?;
+                }
+            }
         }
         rows.local_mut()?[grid.local_range(D)].fill(0.0);
         if let Some(kinds) = kinds {
@@ -59,23 +69,46 @@ impl<const D: usize> Past<'_, D> {
         Ok(rows)
     }
 
+    /// The time since a level.
+    fn since(&self, level: usize) -> f64 {
+        self.levels[0].0.time + self.weights.step - self.levels[level].0.time
+    }
+
+    /// Where the frames of this rank's velocities saw their points at a level, if they move. Collective.
+    fn followed(&self, grid: &Grid<D>, level: usize, shape: &Vector) -> Result<Option<Scatter>> {
+        if grid.domain().slide().is_none() {
+            return Ok(None);
+        }
+        let of_component = |component: usize| grid.block(component).indices().map(move |index| (component, signed(index)));
+        let points =
+            (0..D).flat_map(of_component).map(|(component, index)| (component, grid.followed(component, index, self.since(level))));
+        Scatter::new(shape, &unknowns(grid, points)).map(Some)
+    }
+
     /// What a velocity and its convection of a level weigh.
     fn factors(&self, level: usize) -> [f64; 2] {
         [-self.weights.rate[level + 1], -self.weights.extrapolation[level]].map(|weight| weight * self.inverse_diffusivity)
     }
 
     fn replace_inside(&self, grid: &Grid<D>, kinds: &BodyTypes<D>, centers: &[SVector<f64, D>], rows: &mut Vector) -> Result<()> {
-        let points = inside(grid, kinds, centers);
-        let places: Vec<usize> = points.iter().map(|point| point.place).collect();
+        let points = inside(grid, kinds, centers, self.levels[0].0.time + self.weights.step);
+        let places: Vec<usize> = points.iter().map(|inside| inside.point.place).collect();
         let mut scatter = Scatter::new(rows, &places)?;
         let mut wanted: Vec<f64> = scatter.fetch(rows)?.iter().map(|row| -row).collect();
         for (level, (at, _)) in self.levels.iter().enumerate() {
             let [history, convection] = self.factors(level);
-            let velocities = scatter.fetch(&at.fluid)?;
+            let mut followed;
+            let velocities = if grid.domain().slide().is_some() {
+                let index = |Point { component, index, .. }: &Point<D>| (*component, grid.followed(*component, *index, self.since(level)));
+                followed = Scatter::new(rows, &unknowns(grid, points.iter().map(|inside| index(&inside.point))))?;
+                followed.fetch(&at.fluid)?
+            } else {
+                scatter.fetch(&at.fluid)?
+            };
             for ((wanted, point), velocity) in wanted.iter_mut().zip(&points).zip(velocities.iter()) {
-                let rigid = at.rigid(point);
-                let along = (at.twists[point.body].spin * rigid)[point.component];
-                let field = rigid[point.component] + self.kept * at.deviation(kinds, point, *velocity);
+                let (rigid, Point { component, frame, shear, .. }) = (at.rigid(point), &point.point);
+                let along = (at.twists[point.body].spin * (rigid - frame))[*component];
+                let field = (rigid - shear)[*component] + self.kept * at.deviation(kinds, point, *velocity);
                 *wanted += history * field + convection * along;
             }
         }
@@ -85,9 +118,9 @@ impl<const D: usize> Past<'_, D> {
 }
 
 impl<const D: usize> Level<D> {
-    /// Where a point inside a body is, seen from the centre that the body had.
-    fn offset(&self, point: &Inside<D>) -> SVector<f64, D> {
-        point.offset + point.center - self.centers[point.body]
+    /// Where a point inside a body was, seen from the centre that the body had: the point goes along with its frame.
+    fn offset(&self, inside: &Inside<D>) -> SVector<f64, D> {
+        inside.point.offset + inside.center - self.centers[inside.body] - inside.point.frame * (inside.time - self.time)
     }
 
     /// The rigid motion of the body there.
@@ -97,27 +130,38 @@ impl<const D: usize> Level<D> {
 
     /// What the field inside a body, extended to a point that was outside, differs from its motion by.
     fn deviation(&self, kinds: &BodyTypes<D>, point: &Inside<D>, velocity: f64) -> f64 {
-        let (offset, &Inside { body, component, .. }) = (self.offset(point), point);
+        let (offset, body, component) = (self.offset(point), point.body, point.point.component);
         let was_outside = offset.norm() > kinds.surface(body).modes.radius();
-        velocity - if was_outside { self.jump(kinds, body, &offset, component) } else { 0.0 } - self.rigid(point)[component]
+        velocity
+            - if was_outside { self.jump(kinds, body, &offset, component) } else { 0.0 }
+            - (self.rigid(point) - point.point.shear)[component]
     }
+}
+
+/// Where velocities at indices that no wall bounds are in fluid vectors.
+fn unknowns<const D: usize>(grid: &Grid<D>, points: impl Iterator<Item = (usize, Index<D>)>) -> Vec<usize> {
+    let unknown = |(component, index)| match grid.fluid_node(component, index) {
+        Node::Unknown(unknown) => unknown,
+        Node::Wall(_) => unreachable!("a sheared box has no walls"),
+    };
+    points.map(unknown).collect()
 }
 
 /// An unknown inside a body of this rank.
 struct Inside<const D: usize> {
-    place: usize,
+    point: Point<D>,
     body: usize,
-    component: usize,
     /// Centre of the body, not wrapped into the box.
     center: SVector<f64, D>,
-    offset: SVector<f64, D>,
+    /// The time.
+    time: f64,
 }
 
-fn inside<const D: usize>(grid: &Grid<D>, kinds: &BodyTypes<D>, centers: &[SVector<f64, D>]) -> Vec<Inside<D>> {
+fn inside<const D: usize>(grid: &Grid<D>, kinds: &BodyTypes<D>, centers: &[SVector<f64, D>], time: f64) -> Vec<Inside<D>> {
     let mut points = Vec::new();
     for (body, &center) in centers.iter().enumerate() {
         let radius = kinds.surface(body).modes.radius();
-        each_inside(grid, &center, radius, |component, place, offset| points.push(Inside { place, body, component, center, offset }));
+        each_inside(grid, &center, radius, |point| points.push(Inside { point, body, center, time }));
     }
     points
 }
