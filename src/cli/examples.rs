@@ -44,6 +44,7 @@ const SCENES: &[(&str, &str)] = &files![
     "cubic.toml",
     "dense.toml",
     "gluey.toml",
+    "inertial.toml",
     "random.toml",
     "rods.toml",
     "scalar.toml",

@@ -153,7 +153,7 @@ fn of_scalar(summary: &Summary) -> Vec<Answer> {
 }
 
 /// Half the width of a bar, in two digits.
-pub(super) fn bar(half: f64) -> String {
+pub fn bar(half: f64) -> String {
     let places = if half > 0.0 { (1.0 - half.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 };
     format!("{half:.places$}")
 }

@@ -37,7 +37,7 @@ mod view;
 
 pub use accuracy::{AccuracySummary, DragSummary, EstimatedErrors};
 pub use animation::AnimationFormat;
-pub use answer::{Answer, answers, vector};
+pub use answer::{Answer, answers, bar, vector};
 pub use body_summary::{BODY_TABLE, BodySummary, MOST_LISTED, write_bodies};
 pub use chart::{Band, Bar, Chart, Level, Mark, Notes, Scale, Series};
 pub use checkpoint::{Checkpoint, CheckpointWriter, checksum_of};

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::{
     error::Result,
-    output::{Band, Chart, CurvePoint, MeanViscosity, Notes, Scale, Series, Summary, effort_chart},
+    output::{Band, Chart, CurvePoint, MeanViscosity, Notes, Scale, Series, Summary, bar, effort_chart},
     run::{Evaluated, Output},
 };
 
@@ -48,7 +48,7 @@ fn band(mean: &MeanViscosity) -> Band {
         from_to: mean.strains,
         mean: mean.relative,
         interval: mean.interval,
-        name: format!("mean {:.4} \u{b1} {:.1e} (95 %)", mean.relative, mean.half_width()),
+        name: format!("mean {:.4} \u{b1} {} (95 %)", mean.relative, bar(mean.half_width())),
         left_out: "left out of the mean".into(),
     }
 }
