@@ -103,12 +103,12 @@ impl<const D: usize> Convection<D> {
             self.fill_ends(&ends);
         }
         out.fill(0.0)?;
-        let mut rows = out.local_mut()?;
+        let (mut rows, sheared) = (out.local_mut()?, !self.shear.is_empty());
         for component in 0..D {
             let first = self.grid.partition().block(self.grid.rank()).start;
             let rows = &mut rows[self.grid.local_range(component)];
             for (row, index) in rows.iter_mut().zip(self.grid.block(component).indices()) {
-                let frame = self.grid.frame_velocity(&self.grid.position(component, signed(index)))[0];
+                let frame = if sheared { self.grid.frame_velocity(&self.grid.position(component, signed(index)))[0] } else { 0.0 };
                 *row = self.outflow(component, std::array::from_fn(|axis| index[axis] + 1 - first[axis]), frame);
             }
         }

@@ -35,17 +35,14 @@ pub fn answers(summary: &Summary) -> Vec<Answer> {
 }
 
 fn of_viscosity(viscosity: &ViscositySummary) -> Vec<Answer> {
-    let mut lines = Vec::new();
-    match (&viscosity.mean, &viscosity.too_short) {
-        (Some(mean), _) => lines.extend(of_mean(mean)),
-        (None, Some(short)) => lines.push(Answer::new("mean viscosity", short.text())),
-        (None, None) => {}
-    }
+    let mut lines: Vec<Answer> = viscosity.mean.iter().flat_map(of_mean).collect();
+    let too_short = viscosity.too_short.as_ref().filter(|_| viscosity.mean.is_none());
     let interval = viscosity.interval.map_or(String::new(), |[low, high]| format!(" ± {}", bar(0.5 * (high - low))));
     let walls = viscosity.from_walls.map_or(String::new(), |walls| format!("   (from the force on the walls: {walls:.DECIMALS$})"));
-    let when = if lines.is_empty() { "" } else { " at the end" };
+    let when = if lines.is_empty() && too_short.is_none() { "" } else { " at the end" };
     lines.push(Answer::new("relative viscosity", format!("{:.DECIMALS$}{interval}{when}{walls}", viscosity.relative)));
     lines.extend(split(viscosity.relative, &viscosity.parts()).map(|parts| Answer::new("made up of", parts)));
+    lines.extend(too_short.map(|short| Answer::new("mean viscosity", short.text())));
     lines
 }
 

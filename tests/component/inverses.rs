@@ -78,7 +78,8 @@ fn every_example_has_one_answer(session: &Session) {
 
 fn compare<const D: usize>(session: &Session, name: &str, scene: &Scene) -> usize {
     let setup = Setup::<D>::of(scene).unwrap();
-    if InverseMethod::fastest(&setup.domain) == InverseMethod::Hypre {
+    // flows with inertia have no answer at an instant
+    if setup.inertia.is_some() || InverseMethod::fastest(&setup.domain) == InverseMethod::Hypre {
         return 0;
     }
     agree(session, name, setup);
