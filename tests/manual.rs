@@ -178,7 +178,7 @@ fn the_reference_of_scenes_is_that_of_the_program() {
 }
 
 /// Short runs that between them have every kind of column and dataset.
-const RUNS: [&str; 6] = [
+const RUNS: [&str; 7] = [
     "domain = { size = [8.0, 8.0], y = { lower = [-1.0, 0.0], upper = [1.0, 0.0] } }\ncontact.model = \"gluey\"\nlubrication.model = \"pairwise\"\n\
      output.vorticity = true\n[[bodies]]\nradius = 1.0\ncount = 2\n[[chains]]\ncount = 1\nbeads = 2\nradius = 1.0\nstretch = \"rigid\"\n",
     "domain = { size = [14.0, 8.0], y = { lower = [-1.0, 0.0], upper = [1.0, 0.0] } }\ncontact = { model = \"repulsion\", stiffness = 1e-3 }\n[[cells]]\n\
@@ -191,6 +191,8 @@ const RUNS: [&str; 6] = [
      radius = 1.0\ncenters = [[2.0, 4.0]]\n[[bodies]]\nradius = 1.0\ncenters = [[6.0, 4.0]]\nmotion = \"fixed\"\n",
     "domain = { size = [6.0, 6.0, 6.0] }\nflow.drive = { mean_velocity = [1.0, 0.0, 0.0] }\nflow.density = 1.0\noutput.reference_velocity = [1.0, 0.0, 0.0]\n\
      [[bodies]]\nradius = 1.0\ncenters = [[3.0, 3.0, 3.0]]\nmotion = \"fixed\"\n",
+    "domain = { size = [8.0, 8.0], y = \"walls\" }\nflow = { model = \"navier-stokes\", density = 1.0 }\noutput.energy = true\n\
+     contact.model = \"inelastic\"\nlubrication.model = \"pairwise\"\n[[bodies]]\nradius = 1.0\ncenters = [[2.0, 4.0]]\nforce = [1.0, 0.0]\n",
 ];
 
 #[test]
@@ -209,7 +211,17 @@ fn the_reference_of_outputs_has_every_file_column_and_dataset() {
         fs::remove_dir_all(folder).unwrap();
     }
     assert!(missing.is_empty(), "docs/output-reference.md lacks {missing:?}");
-    for rare in ["stuck", "bond_energy", "area_error", "volume_error", "courant", "lift_z_0", "faces/topology", "fields/vorticity"] {
+    for rare in [
+        "stuck",
+        "bond_energy",
+        "area_error",
+        "volume_error",
+        "courant",
+        "lift_z_0",
+        "dissipated_films",
+        "faces/topology",
+        "fields/vorticity",
+    ] {
         assert!(seen.contains(rare), "no run has {rare}: the test sees too little");
     }
 }
@@ -217,7 +229,7 @@ fn the_reference_of_outputs_has_every_file_column_and_dataset() {
 /// Names of the files of a run, of the columns of its tables and of the datasets of its last frame.
 fn names(out: &Path) -> BTreeSet<String> {
     let files = fs::read_dir(out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).filter(|name| name != "frames");
-    let columns = ["series.csv", "forces.csv"].into_iter().filter_map(|table| fs::read_to_string(out.join(table)).ok());
+    let columns = ["series.csv", "forces.csv", "energy.csv"].into_iter().filter_map(|table| fs::read_to_string(out.join(table)).ok());
     let columns = columns.flat_map(|table| table.lines().next().unwrap().split(',').map(of_body_0).collect::<Vec<_>>());
     let mut frames: Vec<PathBuf> = fs::read_dir(out.join("frames")).unwrap().map(|entry| entry.unwrap().path()).collect();
     frames.sort();

@@ -133,6 +133,23 @@ def test_strain_is_that_of_the_series(walls):
         assert frame.strain == pytest.approx(float(walls.series["strain"].loc[frame.time]), abs=1e-14)
 
 
+def test_the_balance_of_energy_adds_up(tmp_path):
+    scene = {
+        "title": "falling",
+        "gravity": [0.0, -1.0],
+        "domain": {"size": [4.0, 4.0], "y": "walls"},
+        "flow": {"model": "navier-stokes", "density": 1.0},
+        "resolution": {"cells_per_radius": 4},
+        "bodies": [{"radius": 0.5, "centers": np.array([[1.0, 2.5]]), "density": 2.0}],
+        "time": {"end": 0.2},
+        "output": {"energy": True},
+    }
+    energy = turbid.run(scene, out=tmp_path / "falling", ranks=1, progress=False).energy
+    gained = energy["kinetic_energy"] - energy["kinetic_energy"].iloc[0]
+    assert (energy["work"] - energy["dissipated"] - energy["unbalanced"]).to_numpy() == pytest.approx(gained.to_numpy(), abs=1e-12)
+    assert energy["work"].is_monotonic_increasing and abs(energy["unbalanced"].iloc[-1]) < 0.05 * energy["work"].iloc[-1]
+
+
 def test_forces_of_bodies_with_given_motions(tmp_path):
     scene = {
         "title": "towed",

@@ -24,6 +24,11 @@ impl<const D: usize> IndexBox<D> {
         })
     }
 
+    /// From first indices to those beyond the last ones.
+    pub fn between(start: Index<D>, end: Index<D>) -> IndexBox<D> {
+        IndexBox { start, extent: std::array::from_fn(|axis| (end[axis] - start[axis]).max(0) as usize) }
+    }
+
     /// Cell centres within `reach` of `center` along each axis, with the indices beyond the last ones: they stand for walls.
     pub fn of_cells(grid: &Grid<D>, center: &SVector<f64, D>, reach: f64) -> IndexBox<D> {
         IndexBox::clipped(grid, D, center, reach, |axis| (-1, grid.cells()[axis] as isize + 1))
@@ -44,7 +49,7 @@ impl<const D: usize> IndexBox<D> {
             start[axis] = start[axis].max(first);
             end[axis] = end[axis].min(beyond);
         }
-        IndexBox { start, extent: std::array::from_fn(|axis| (end[axis] - start[axis]).max(0) as usize) }
+        IndexBox::between(start, end)
     }
 
     /// First index along each axis.

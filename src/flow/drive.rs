@@ -29,6 +29,11 @@ impl<const D: usize> Drive<D> {
         velocity
     }
 
+    /// The slope of a component of the background along an axis.
+    pub fn slope(&self, component: usize, axis: usize) -> f64 {
+        self.background(&SVector::from_fn(|other, _| if other == axis { 1.0 } else { 0.0 }))[component]
+    }
+
     /// Whether it gives the mean velocity along periodic axes of a walled box, so that the force that drives it is to be found.
     pub fn leaves_force_open(&self, domain: &Domain<D>) -> bool {
         matches!(self, Drive::MeanVelocity(_)) && !domain.fully_periodic()

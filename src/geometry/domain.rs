@@ -1,6 +1,6 @@
 //! The box: its size, its walls and its periodic images.
 
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 use super::{Inflow, LeesEdwards};
 
@@ -131,6 +131,14 @@ impl<const D: usize> Domain<D> {
     /// Velocity of a point that goes along with the images: zero at the bottom of the box.
     pub fn carried(&self, point: &SVector<f64, D>) -> SVector<f64, D> {
         self.along_x(self.shear_rate() * point[1])
+    }
+
+    /// Spin of what goes along with the images, half their vorticity.
+    pub fn carried_spin(&self) -> SMatrix<f64, D, D> {
+        let mut spin = SMatrix::zeros();
+        spin[(0, 1)] = 0.5 * self.shear_rate();
+        spin[(1, 0)] = -0.5 * self.shear_rate();
+        spin
     }
 
     /// Velocity of the image of the box in which a point lies.

@@ -13,7 +13,7 @@ mod tridiagonal;
 pub use banded::Banded;
 pub use fit::{line, proportion, proportions};
 pub use gauss::gauss_legendre;
-pub use interpolation::{cubic, lagrange};
+pub use interpolation::{cubic, lagrange, lagrange_slope};
 pub use product::{add_rows, dot, dots, norm, padded};
 pub use skyline::Skyline;
 pub use sparse::SparseRows;

@@ -4,12 +4,13 @@ use nalgebra::{SMatrix, SVector};
 
 use super::{cells::CellCenters, shear::Shear};
 use crate::{
+    body::Body,
     error::Result,
     flow::fastest,
-    geometry::{Axis, Ball},
+    geometry::Axis,
     grid::{Grid, operators::signed},
     petsc::Vector,
-    simulation::{Inertia, Setup, Solution},
+    simulation::{BodyState, Inertia, Setup, Solution, SuspendedBody},
     surface::Shape,
 };
 
@@ -37,7 +38,6 @@ impl InertialNumbers {
     /// PETSc fails.
     pub fn of<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, solution: &Solution<D>) -> Result<Option<InertialNumbers>> {
         let Some(inertia) = &setup.inertia else { return Ok(None) };
-        let volume = grid.spacing().product();
         let reynolds = |body: usize| {
             let state = &solution.bodies[body];
             let speed = (state.twist.velocity - setup.domain.carried(&state.center)).norm();
@@ -46,7 +46,8 @@ impl InertialNumbers {
         let free = (0..setup.bodies.len()).filter(|&body| setup.bodies[body].body.free());
         let stokes = free.map(|body| reynolds(body) * inertia.bodies[body] / (STOKES_OVER_REYNOLDS * inertia.fluid));
         Ok(Some(InertialNumbers {
-            kinetic_energy: 0.5 * inertia.fluid * volume * square(grid, &solution.fluid)? + excess_energy(setup, inertia, solution),
+            kinetic_energy: energy_of_fluid(inertia, grid, solution)?
+                + energy_of(setup, solution, |density| density - inertia.fluid, |_| true),
             reynolds: (0..setup.bodies.len()).map(reynolds).fold(0.0, f64::max),
             stokes: stokes.fold(0.0, f64::max),
             fastest: fastest(grid, &solution.fluid)?,
@@ -67,16 +68,39 @@ fn square<const D: usize>(grid: &Grid<D>, fluid: &Vector) -> Result<f64> {
     Ok(sum[0])
 }
 
-/// What bodies have beyond the fluid that moves in their places.
-fn excess_energy<const D: usize>(setup: &Setup<D>, inertia: &Inertia<D>, solution: &Solution<D>) -> f64 {
-    let of_body = |(body, state): (usize, &crate::simulation::BodyState<D>)| {
-        let (ball, excess): (Ball<D>, f64) = (setup.bodies[body].body.ball, inertia.bodies[body] - inertia.fluid);
+/// Kinetic energy of the fluid outside bodies and of free bodies; none without inertia. Collective.
+///
+/// # Errors
+/// PETSc fails.
+pub fn energy_of_movers<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, solution: &Solution<D>) -> Result<f64> {
+    let Some(inertia) = &setup.inertia else { return Ok(0.0) };
+    let excess = energy_of(setup, solution, |density| density - inertia.fluid, Body::free);
+    let inside_others = energy_of(setup, solution, |_| inertia.fluid, |body| !body.free());
+    Ok(energy_of_fluid(inertia, grid, solution)? + excess - inside_others)
+}
+
+/// Kinetic energy of the fluid, which fills bodies too.
+fn energy_of_fluid<const D: usize>(inertia: &Inertia<D>, grid: &Grid<D>, solution: &Solution<D>) -> Result<f64> {
+    Ok(0.5 * inertia.fluid * grid.spacing().product() * square(grid, &solution.fluid)?)
+}
+
+/// Kinetic energy of some bodies if they had another density that theirs decides.
+fn energy_of<const D: usize>(
+    setup: &Setup<D>,
+    solution: &Solution<D>,
+    density: impl Fn(f64) -> f64,
+    counts: impl Fn(&Body<D>) -> bool,
+) -> f64 {
+    let densities = setup.inertia.iter().flat_map(|inertia| &inertia.bodies);
+    let of_body = |((suspended, own), state): ((&SuspendedBody<D>, &f64), &BodyState<D>)| {
+        let ball = suspended.body.ball;
+        let (velocity, spin) = (state.twist.velocity - setup.domain.carried(&state.center), state.twist.spin - setup.domain.carried_spin());
         // a skew matrix has each component of the spin twice
-        let turning = 0.5 * state.twist.spin.norm_squared() * ball.moment_of_inertia();
-        let velocity = state.twist.velocity - setup.domain.carried(&state.center);
-        0.5 * excess * (ball.volume() * velocity.norm_squared() + turning)
+        let turning = 0.5 * spin.norm_squared() * ball.moment_of_inertia();
+        0.5 * density(*own) * (ball.volume() * velocity.norm_squared() + turning)
     };
-    solution.bodies.iter().enumerate().map(of_body).sum()
+    let bodies = setup.bodies.iter().zip(densities).zip(&solution.bodies);
+    bodies.filter(|((suspended, _), _)| counts(&suspended.body)).map(of_body).sum()
 }
 
 /// The stress of Reynolds times volume, `-integral of rho v v` with the velocity `v` relative to the shear; nothing without inertia.

@@ -47,6 +47,8 @@ pub struct Summary {
     pub viscosity: Option<ViscositySummary>,
     /// What inertia amounts to, in a run of a flow that has it.
     pub inertia: Option<InertiaSummary>,
+    /// The balance of its energy from start to end, if it is asked for.
+    pub energy: Option<EnergySummary>,
     /// Error bars, if the scene asks for an accuracy.
     pub accuracy: Option<AccuracySummary>,
     /// Films, if lubrication acts.
@@ -119,6 +121,23 @@ pub struct InertiaSummary {
     kinetic_energy: f64,
     reynolds: f64,
     stokes: f64,
+}
+
+/// Where the energy of a run went.
+#[derive(Debug, Clone, Serialize)]
+pub struct EnergySummary {
+    /// Done by forces on free bodies, drive, walls and given motions.
+    pub work: f64,
+    /// By viscosity.
+    pub dissipated: f64,
+    /// By films, if lubrication acts.
+    pub dissipated_films: Option<f64>,
+    /// In contacts.
+    pub lost_in_contacts: f64,
+    /// Kinetic energy at the end less that at the start.
+    pub gained: f64,
+    /// What work brought and nothing took: the error of the balance.
+    pub unbalanced: f64,
 }
 
 /// Films that modes do not see.
@@ -282,6 +301,7 @@ impl Summary {
             scalar: None,
             viscosity: None,
             inertia: None,
+            energy: None,
             accuracy: None,
             lubrication: None,
             contact: None,
@@ -360,6 +380,19 @@ impl InertiaSummary {
     /// In words.
     pub fn text(&self) -> String {
         format!("Reynolds number {:.4}, Stokes number {:.4}, kinetic energy {:.4e}", self.reynolds, self.stokes, self.kinetic_energy)
+    }
+}
+
+impl EnergySummary {
+    /// In words.
+    pub fn text(&self) -> String {
+        let films = self.dissipated_films.map_or(String::new(), |films| format!(", films {films:.4e}"));
+        let turned = [self.work, self.dissipated, self.gained].into_iter().fold(0.0, |most: f64, part| most.max(part.abs()));
+        let part = if turned > 0.0 { 100.0 * self.unbalanced / turned } else { 0.0 };
+        format!(
+            "work {:.4e}, dissipated {:.4e}{films}, in contacts {:.4e}, gained {:.4e}, unbalanced {part:.2} %",
+            self.work, self.dissipated, self.lost_in_contacts, self.gained
+        )
     }
 }
 

@@ -20,11 +20,12 @@ pub const LOG: &str = "run.log";
 pub const REPORT: &str = "report.html";
 
 /// The files that a run may leave, the first one first to go; not the text of its scene, nor its calibration, which says what it is of.
-const FILES: [&str; 26] = [
+const FILES: [&str; 27] = [
     SUMMARY,
     CHECKPOINT,
     "series.csv",
     "forces.csv",
+    "energy.csv",
     "run.h5",
     BODY_TABLE,
     "bodies.xdmf",
@@ -50,10 +51,11 @@ const FILES: [&str; 26] = [
 ];
 
 /// Files of a run for people, and what they are.
-pub const KNOWN_FILES: [(&str, &str); 25] = [
+pub const KNOWN_FILES: [(&str, &str); 26] = [
     (SUMMARY, "the numbers of the run"),
     ("series.csv", "a row for each step"),
     ("forces.csv", "forces on bodies whose motion is given, a row for each step"),
+    ("energy.csv", "the balance of energy, a row for each step"),
     (BODY_TABLE, "all bodies at the end"),
     ("picture.svg", "the end of the run"),
     ("picture.png", "the end of the run"),

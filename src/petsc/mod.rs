@@ -39,6 +39,6 @@ pub use session::Session;
 pub use shell::System;
 pub use symmetric::{Symmetric, SymmetricSolver};
 pub use traffic::Traffic;
-pub use vector::Vector;
+pub use vector::{LocalRead, Vector};
 
 use call::{DEFAULT, DETERMINE, index, petsc};

@@ -145,6 +145,7 @@ fn scene_facts(summary: &Summary) -> Facts {
     }
     facts.extend(summary.lubrication.as_ref().map(|lubrication| ("films between bodies", lubrication.text())));
     facts.extend(summary.inertia.as_ref().map(|inertia| ("inertia", inertia.text())));
+    facts.extend(summary.energy.as_ref().map(|energy| ("energy", energy.text())));
     facts.extend(summary.pairs.map(|pairs| ("coordination", format!("{:.3} neighbours of a body", pairs.coordination))));
     Facts { title: "Suspension", facts }
 }

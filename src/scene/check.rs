@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::flow::InverseMethod;
 use crate::scene::{
     AxisSection, BodyGroup, ChainShape, Colour, ConstraintMethod, ContactModel, Drive, FlowModel, Joint, LubricationModel, Motion,
-    MultiplierSolver, Scene, Scheme, Spacing, accuracy,
+    MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy,
 };
 
 pub(super) fn check(scene: &Scene) -> Result<()> {
@@ -22,6 +22,7 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     accuracy::check(scene)?;
     check_until(scene)?;
     check_reference(scene)?;
+    energy::check(scene)?;
     if scene.dry() {
         return check_dry(scene);
     }

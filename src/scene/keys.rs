@@ -292,6 +292,7 @@ fn of_output(output: &OutputSection, in_time: bool, model: FlowModel) -> Keys {
         probe,
         pairs,
         profiles,
+        energy,
         reference_velocity,
     } = output;
     let mut keys = vec![pair("output.picture", picture), pair("output.pairs", pairs), pair("output.report", report)];
@@ -307,6 +308,7 @@ fn of_output(output: &OutputSection, in_time: bool, model: FlowModel) -> Keys {
     keys.extend((model.fluid() || colour.of_bodies()).then(|| word("output.colour", word_of(&Colour::WORDS, colour))));
     let axes: Vec<&str> = profiles.iter().map(|&axis| ["x", "y", "z"][axis]).collect();
     keys.extend((!axes.is_empty()).then(|| pair("output.profiles", format!("{axes:?}"))));
+    keys.extend((model == FlowModel::NavierStokes).then(|| pair("output.energy", energy)));
     keys.extend(reference_velocity.as_deref().map(|velocity| list("output.reference_velocity", velocity)));
     keys
 }

@@ -9,6 +9,7 @@ mod chains;
 mod check;
 mod clusters;
 mod difference;
+mod energy;
 mod entry;
 mod file;
 mod group_keys;

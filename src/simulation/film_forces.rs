@@ -11,12 +11,13 @@ use crate::{
     parallel::World,
 };
 
-/// Adds to the states of all bodies, and to the forces on walls, what films do to them, given the force of each way of the films that belong to this rank. Collective.
+/// Adds to the states of all bodies, and to the forces on walls, what films do to them in a fluid of some viscosity, given the force of each way of the
+/// films that belong to this rank. Collective.
 pub fn add_films<const D: usize>(
     world: &World,
     layout: &MultiplierLayout,
     films: &LubricationPairs<D>,
-    forces: &[f64],
+    (forces, viscosity): (&[f64], f64),
     states: &mut [BodyState<D>],
     walls: &mut [[SVector<f64, D>; 2]; D],
 ) -> Lubrication<D> {
@@ -24,7 +25,10 @@ pub fn add_films<const D: usize>(
     let owned = films.films.iter().filter(|film| layout.holds(film.body));
     let gap = owned.clone().map(|film| film.gap).fold(f64::INFINITY, f64::min);
     let ways = owned.clone().flat_map(|film| film.relative_modes.iter().map(move |way| (film, way)));
-    ways.zip(forces).for_each(|((film, way), force)| effect.add(film, way, *force));
+    ways.zip(forces).for_each(|((film, way), force)| {
+        effect.add(film, way, *force);
+        effect.numbers[Effect::<D>::DISSIPATION] += force * force / (way.resistance * viscosity);
+    });
     effect.numbers[0] = owned.count() as f64;
     world.sum(&mut effect.numbers);
     for (body, state) in states.iter_mut().enumerate() {
@@ -40,13 +44,14 @@ pub fn add_films<const D: usize>(
     effect.lubrication(smallest_gap, world.max(films.imbalance))
 }
 
-/// What films do to bodies and walls, as numbers that ranks sum: the number of films, then sums over films, then body by body.
+/// What films do to bodies and walls, as numbers that ranks sum: the number of films and what they dissipate, then sums over films, then body by body.
 struct Effect<const D: usize> {
     numbers: Vec<f64>,
 }
 
 impl<const D: usize> Effect<D> {
-    const STRESS: usize = 1;
+    const DISSIPATION: usize = 1;
+    const STRESS: usize = 2;
     const FIRST_MOMENT: usize = Self::STRESS + D * D;
     const WALLS: usize = Self::FIRST_MOMENT + D * D;
     const BODIES: usize = Self::WALLS + 2 * D * D;
@@ -104,6 +109,7 @@ impl<const D: usize> Effect<D> {
 
     fn lubrication(&self, smallest_gap: f64, imbalance: f64) -> Lubrication<D> {
         let (stress, first_moment) = (self.matrix(Self::STRESS), self.matrix(Self::FIRST_MOMENT));
-        Lubrication { films: self.numbers[0] as usize, smallest_gap, imbalance, stress, first_moment }
+        let (films, dissipation) = (self.numbers[0] as usize, self.numbers[Self::DISSIPATION]);
+        Lubrication { films, smallest_gap, imbalance, dissipation, stress, first_moment }
     }
 }

@@ -76,6 +76,14 @@ pub trait FlowSolver<const D: usize> {
         Vec::new()
     }
 
+    /// The last flow with inertia, as far as jump functions extend that outside bodies into them; nothing in others.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    fn extended_flow(&self) -> Result<Option<Vector>> {
+        Ok(None)
+    }
+
     /// Number of multipliers of each body, where solutions are kept.
     fn multiplier_counts(&self) -> Vec<usize> {
         Vec::new()

@@ -29,9 +29,8 @@ pub fn solution<const D: usize>(
     let contact_forces = shared(fixed, configuration.pressed, |pressed| belongs(&bodies.layout, pressed), &mut forces);
     let bond_forces = shared(fixed, configuration.bonds, |bond| bond_belongs(&bodies.layout, bond), &mut forces);
     let film_forces: Vec<f64> = forces.collect();
-    let (world, layout) = (fixed.session.world(), &bodies.layout);
-    let lubrication =
-        fixed.setup.interactions.resist().then(|| add_films(world, layout, &assembly.films, &film_forces, &mut states, &mut walls));
+    let (world, layout, ways) = (fixed.session.world(), &bodies.layout, (&film_forces[..], fixed.setup.viscosity));
+    let lubrication = fixed.setup.interactions.resist().then(|| add_films(world, layout, &assembly.films, ways, &mut states, &mut walls));
     Ok(Solution {
         lubrication,
         bond_stress: BondRow::total_stress(configuration.bonds, &bond_forces, configuration.centers),

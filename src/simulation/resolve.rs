@@ -188,10 +188,8 @@ fn start<const D: usize>(group: &BodyGroup) -> Twist<D> {
 
 /// How a free body of a group moves at the start in a fluid with inertia: in a sheared box, relative to the shear.
 fn started<const D: usize>(domain: &Domain<D>, group: &BodyGroup, center: &SVector<f64, D>) -> Twist<D> {
-    let Twist { velocity, mut spin } = start(group);
-    spin[(0, 1)] += 0.5 * domain.shear_rate();
-    spin[(1, 0)] -= 0.5 * domain.shear_rate();
-    Twist { velocity: velocity + domain.carried(center), spin }
+    let Twist { velocity, spin } = start(group);
+    Twist { velocity: velocity + domain.carried(center), spin: spin + domain.carried_spin() }
 }
 
 fn drive<const D: usize>(scene: &Scene) -> Drive<D> {

@@ -64,6 +64,8 @@ pub struct Lubrication<const D: usize> {
     pub smallest_gap: f64,
     /// Net force or torque of a film on a pair, at most, over its force.
     pub imbalance: f64,
+    /// What they dissipate, energy per time.
+    pub dissipation: f64,
     /// Sum over all bodies of the part of the stresslets that films make.
     pub stress: SMatrix<f64, D, D>,
     /// First moment of the tractions of films on bodies, `t_i x_j`, about the wall or, of a pair, about any point. Tractions next to the gap have

@@ -19,6 +19,7 @@ mod crowds;
 mod dry;
 mod dry_clusters;
 mod effects;
+mod energy;
 mod fields;
 mod fitted;
 mod fitted_scalar;
@@ -114,6 +115,7 @@ fn main() {
         scalar::tests(),
         inclusions::tests(),
         inertia::tests(),
+        energy::tests(),
         suspension::tests(),
         stress::tests(),
         fitted::tests(),

@@ -405,3 +405,67 @@ every = 0.1
 picture = false
 checkpoint = 0
 "#;
+
+/// A channel with a disk that stays, one that falls and one that is moved to and fro, from rest; its balance of energy is written.
+pub const BALANCE: &str = r#"
+gravity = [0.0, -2.0]
+[domain]
+size = [6.0, 4.0]
+y = "walls"
+[flow]
+model = "navier-stokes"
+viscosity = 0.5
+density = 1.0
+drive = { pressure_gradient = [-4.0, 0.0] }
+[resolution]
+cells_per_radius = 5
+[method]
+inverse = "transform"
+tolerance = 1e-8
+[[bodies]]
+radius = 0.5
+centers = [[1.5, 2.2]]
+motion = "fixed"
+[[bodies]]
+radius = 0.5
+centers = [[3.4, 3.0]]
+density = 5.0
+[[bodies]]
+radius = 0.5
+centers = [[4.7, 1.2]]
+motion = { amplitude = [0.0, 0.3], frequency = 0.5 }
+[contact]
+model = "inelastic"
+[time]
+end = 0.6
+[output]
+energy = true
+picture = false
+"#;
+
+/// Disks near each other that something shears, with its balance of energy.
+pub const SHEARED_BALANCE: &str = r#"
+[domain]
+size = [8.0, 6.0]
+[flow]
+model = "navier-stokes"
+density = 1.0
+[resolution]
+cells_per_radius = 5
+[method]
+inverse = "transform"
+tolerance = 1e-8
+[lubrication]
+model = "pairwise"
+[[bodies]]
+radius = 1.0
+centers = [[2.0, 2.6], [4.04, 3.0], [6.2, 3.6]]
+density = 2.0
+[contact]
+model = "inelastic"
+[time]
+end = 0.4
+[output]
+energy = true
+picture = false
+"#;

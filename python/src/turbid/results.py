@@ -57,6 +57,7 @@ class Run:
         self._scene = Cached(self.folder / "scene.toml", lambda path: tomllib.loads(path.read_text(encoding="utf-8")))
         self._series = Cached(self.folder / "series.csv", read_table)
         self._forces = Cached(self.folder / "forces.csv", read_table)
+        self._energy = Cached(self.folder / "energy.csv", read_table)
         self._pairs = Cached(self.folder / "pairs.json", lambda path: PairDistribution.of_program(read_json(path)))
         self._frames = Cached(self.folder / "run.h5", list_frames)
 
@@ -111,6 +112,11 @@ class Run:
     def forces(self) -> pd.DataFrame:
         """``forces.csv``: force and torque of the fluid on each body whose motion is given, a row for each step, indexed by time."""
         return self._needed(self._forces.get(), "forces.csv: it takes a run in time in which the motion of 1 to 16 bodies is given").copy()
+
+    @property
+    def energy(self) -> pd.DataFrame:
+        """``energy.csv``: the balance of energy of a flow with inertia, a row for each step, indexed by time."""
+        return self._needed(self._energy.get(), "energy.csv: it takes a flow with inertia and output.energy = true").copy()
 
     @property
     def bodies(self) -> pd.DataFrame:

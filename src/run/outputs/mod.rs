@@ -2,6 +2,7 @@
 
 mod charts;
 mod checkpoint;
+mod energy;
 mod fields;
 mod forces;
 mod frames;
@@ -66,6 +67,9 @@ pub fn outputs<const D: usize>(
     ];
     if let Some(forces) = forces::ForcesFile::open(world, scene, folder, simulation)? {
         all.push(Box::new(forces));
+    }
+    if scene.output.energy {
+        all.push(Box::new(energy::EnergyFile::open(world, folder, simulation)?));
     }
     all.extend(probe);
     if scene.output.picture {

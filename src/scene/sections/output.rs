@@ -11,7 +11,7 @@ const FEWEST_POINTS: u64 = 2;
 const MOST_POINTS: usize = 1000;
 
 /// Keys of `[output]`.
-pub(in crate::scene) const KEYS: [Key; 13] = [
+pub(in crate::scene) const KEYS: [Key; 14] = [
     Key::new("picture", "true or false", "false", "Whether a picture of the end is drawn.").default("true"),
     Key::new("report", "true or false", "false", "Whether a page of the run, report.html, is written and renewed while it runs.")
         .default("true"),
@@ -72,6 +72,14 @@ pub(in crate::scene) const KEYS: [Key; 13] = [
         with intervals.",
     ),
     Key::new(
+        "energy",
+        "true or false",
+        "true",
+        "Whether the balance of energy of a flow with inertia is written to energy.csv: kinetic energy, work, and what viscosity, films and contacts \
+        take; method.constraint = \"sharp\" only.",
+    )
+    .default("false"),
+    Key::new(
         "reference_velocity",
         "list of numbers",
         "[1.0, 0.0]",
@@ -113,6 +121,8 @@ pub struct OutputSection {
     pub pairs: bool,
     /// Axes across which profiles are measured, each once.
     pub profiles: Vec<usize>,
+    /// Whether the balance of energy is written, which a flow with inertia has.
+    pub energy: bool,
     /// Velocity of the stream to which forces on bodies whose motion is given are referred, not zero; absent means no coefficients of drag and lift.
     pub reference_velocity: Option<Vec<f64>>,
 }
@@ -145,6 +155,7 @@ impl Default for OutputSection {
             probe: None,
             pairs: false,
             profiles: Vec::new(),
+            energy: false,
             reference_velocity: None,
         }
     }
@@ -170,6 +181,7 @@ impl OutputSection {
             probe: table.get("probe").map(|entry| read_probe(&entry, model)).transpose()?,
             pairs: table.get("pairs").map_or(Ok(default.pairs), |entry| read_pairs(&entry, model))?,
             profiles: table.get("profiles").map_or(Ok(Vec::new()), |entry| read_profiles(&entry, dimension, model))?,
+            energy: table.get("energy").map_or(Ok(default.energy), |entry| entry.flag())?,
             reference_velocity: table.get("reference_velocity").map(|entry| read_reference(&entry, dimension)).transpose()?,
         })
     }

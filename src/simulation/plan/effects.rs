@@ -113,11 +113,18 @@ pub fn in_time<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
         let coefficients = if scene.output.reference_velocity.is_some() { ", with coefficients of drag and lift" } else { "" };
         format!("of the fluid on {given} bodies whose motion is given, after every step{coefficients}")
     });
+    let energy = scene.output.energy.then(|| "kinetic energy, work, dissipation and what contacts take, after every step".to_owned());
     let pairs = scene.output.pairs.then(|| "distribution and neighbours, from the frames once the run has ended".to_owned());
     let picture = scene.output.picture.then(|| "at the end".to_owned());
     let effect = |(name, built)| Effect { name, built };
-    let of_output =
-        [("frames", frames), ("fields output", fields), ("forces output", forces), ("pair distribution", pairs), ("picture", picture)];
+    let of_output = [
+        ("frames", frames),
+        ("fields output", fields),
+        ("forces output", forces),
+        ("balance of energy", energy),
+        ("pair distribution", pairs),
+        ("picture", picture),
+    ];
     let motion = std::iter::once(effect(("motion in time", motion)));
     motion.chain(interactions(plan)).chain(of_output.map(effect)).collect()
 }

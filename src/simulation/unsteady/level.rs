@@ -74,21 +74,32 @@ impl<const D: usize> Level<D> {
 
     /// The flow extended into bodies, where there are `kinds` with jump functions, and its convection on the grid of that time. Collective.
     pub fn extended(&self, kinds: Option<&BodyTypes<D>>, convection: &mut Convection<D>) -> Result<Extended> {
-        let mut band = Band::default();
-        if let Some(kinds) = kinds {
-            (0..self.centers.len()).for_each(|body| self.extend(convection.grid(), kinds, body, &mut band));
-        }
+        let band = kinds.map_or_else(Band::default, |kinds| self.band(convection.grid(), kinds));
         let mut scatter = Scatter::new(&self.fluid, &band.places)?;
-        let mut extended = |jumps: &[f64]| -> Result<Vector> {
-            let mut extended = self.fluid.copied()?;
-            scatter.places()?.copy_from_slice(jumps);
-            scatter.add_back(&mut extended)?;
-            Ok(extended)
-        };
-        let (velocity, carried) = (extended(&band.whole)?, extended(&band.tangential)?);
+        let (velocity, carried) = (self.with_jumps(&mut scatter, &band.whole)?, self.with_jumps(&mut scatter, &band.tangential)?);
         let mut rows = carried.like()?;
         convection.evaluate(&carried, &mut rows)?;
         Ok(Extended { velocity, convection: rows })
+    }
+
+    /// The velocity, that outside bodies extended into them. Collective.
+    pub fn velocity_outside(&self, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Result<Vector> {
+        let band = self.band(grid, kinds);
+        self.with_jumps(&mut Scatter::new(&self.fluid, &band.places)?, &band.whole)
+    }
+
+    /// The fluid with jumps added at the places of a scatter.
+    fn with_jumps(&self, scatter: &mut Scatter, jumps: &[f64]) -> Result<Vector> {
+        let mut extended = self.fluid.copied()?;
+        scatter.places()?.copy_from_slice(jumps);
+        scatter.add_back(&mut extended)?;
+        Ok(extended)
+    }
+
+    fn band(&self, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Band {
+        let mut band = Band::default();
+        (0..self.centers.len()).for_each(|body| self.extend(grid, kinds, body, &mut band));
+        band
     }
 
     /// Adds the points inside a body near its surface, if it is this rank's.

@@ -175,7 +175,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         }
         let assembly = Assembly::of(&self.fixed, centers, self.assembly.take())?;
         let (world, mut walls) = (self.fixed.session.world(), WallForces::none().forces);
-        let films = add_films(world, &assembly.layout, &assembly.films, &[], &mut [], &mut walls);
+        let films = add_films(world, &assembly.layout, &assembly.films, (&[], self.fixed.setup.viscosity), &mut [], &mut walls);
         self.assembly = Some(assembly);
         Ok(Some(films))
     }
@@ -339,6 +339,11 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
 
     fn levels(&self) -> Vec<&Level<D>> {
         self.current.iter().chain(self.past.first().map(|(level, _)| level)).collect()
+    }
+
+    fn extended_flow(&self) -> Result<Option<Vector>> {
+        let level = self.current.as_ref().filter(|_| self.fixed.method.jumps());
+        level.map(|level| level.velocity_outside(&self.fixed.grid, &self.fixed.kinds)).transpose()
     }
 
     fn multiplier_counts(&self) -> Vec<usize> {

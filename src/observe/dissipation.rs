@@ -1,0 +1,199 @@
+//! What viscosity dissipates in the fluid: `2 mu` times the integral of the square of the rate of strain outside bodies.
+//!
+//! The flow outside is extended into bodies, so that its slopes near surfaces do not see the kink there: in each cell it is a polynomial of third or
+//! fourth order along each axis. Cells near bodies, where the square falls by much within one, are taken in parts, each with as much of it as lies
+//! outside; that cuts the integrand off as if the surface were smeared over such a part, which a part of its second difference takes back.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{SMatrix, SVector};
+
+use super::faces::{DenseFaces, LAYERS, NearFaces};
+use crate::{
+    constraint::IndexBox,
+    error::Result,
+    flow::Drive,
+    geometry::{Ball, fraction},
+    grid::{Grid, Index, operators::signed, stencil::moved},
+    linalg::{dot, lagrange, lagrange_slope},
+    petsc::Vector,
+};
+
+/// Parts of a cell near a body along each axis.
+const PARTS: usize = 3;
+
+/// Cells from a surface up to which cells are taken in parts.
+const NEAR: f64 = 2.0;
+
+/// Part of the second difference of a field smeared over a cell that sharpens it.
+const SHARPENING: f64 = -1.0 / 24.0;
+
+/// Places of the nodes of a component along its own axis and along others, in cells from the centre of a cell.
+const FACES: [f64; 4] = [-1.5, -0.5, 0.5, 1.5];
+const CENTERS: [f64; 5] = [-2.0, -1.0, 0.0, 1.0, 2.0];
+
+/// Weights of these in the mean and in the slope at the centre, and of the differences over two and over four cells in that along another axis.
+const FACE_MEAN: [f64; 4] = [-1.0 / 16.0, 9.0 / 16.0, 9.0 / 16.0, -1.0 / 16.0];
+const FACE_SLOPE: [f64; 4] = [1.0 / 24.0, -27.0 / 24.0, 27.0 / 24.0, -1.0 / 24.0];
+const CENTER_SLOPE: [f64; 2] = [8.0 / 12.0, -1.0 / 12.0];
+
+/// The dissipation per viscosity of a velocity extended into bodies, with the background of a drive, in a box without open ends. Collective.
+///
+/// # Errors
+/// PETSc fails.
+pub fn dissipation<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>], extended: &Vector, drive: &Drive<D>) -> Result<f64> {
+    let values = NearFaces::new(grid, extended, LAYERS)?.of(grid, extended)?.dense();
+    let background = SMatrix::from_fn(|component, axis| drive.slope(component, axis));
+    let strain = Strain { values, parts: [weights(&FACES), weights(&CENTERS)], spacing: grid.spacing(), background };
+    let outside = outside(grid, balls);
+    let of_cell = |(place, cell): (usize, [usize; D])| match outside.get(&place) {
+        None => strain.square(signed(cell)),
+        Some(outside) if outside.iter().all(|part| *part == 0.0) => 0.0,
+        Some(outside) => {
+            let squares = strain.squares(signed(cell));
+            outside.iter().zip(squares).map(|(part, square)| part * square).sum::<f64>() / outside.len() as f64
+        }
+    };
+    let mut sum = [grid.block(D).indices().enumerate().map(of_cell).sum::<f64>() * grid.spacing().product()];
+    extended.session().world().sum(&mut sum);
+    Ok(sum[0])
+}
+
+/// The rate of strain of a flow, `2 D : D` of it.
+struct Strain<const D: usize> {
+    values: DenseFaces<D>,
+    /// For nodes of a component along its own axis and along another: weights in the values at the middles of the parts, and in their slopes per cell.
+    parts: [[Vec<Vec<f64>>; 2]; 2],
+    spacing: SVector<f64, D>,
+    background: SMatrix<f64, D, D>,
+}
+
+impl<const D: usize> Strain<D> {
+    /// At the middle of a cell.
+    fn square(&self, cell: Index<D>) -> f64 {
+        let gradient = SMatrix::from_fn(|component, axis| {
+            let (values, at) = self.values.of(component, cell);
+            let along = self.values.stride(component) as isize;
+            let step = if axis == component { 0 } else { self.values.stride(axis) as isize };
+            let node = |face: isize, steps: isize| values[(at as isize + face * along + steps * step) as usize];
+            let slope = if axis == component {
+                (0..4).map(|face| FACE_SLOPE[face] * node(face as isize - 1, 0)).sum::<f64>()
+            } else {
+                let side = |steps: isize| (0..4).map(|face| FACE_MEAN[face] * node(face as isize - 1, steps)).sum::<f64>();
+                CENTER_SLOPE[0] * (side(1) - side(-1)) + CENTER_SLOPE[1] * (side(2) - side(-2))
+            };
+            slope / self.spacing[axis]
+        });
+        doubled_square(&(gradient + self.background))
+    }
+
+    /// At the middle of each part of a cell, the last axis fastest.
+    fn squares(&self, cell: Index<D>) -> Vec<f64> {
+        let mut gradients = vec![self.background; PARTS.pow(D as u32)];
+        for component in 0..D {
+            let values = self.nodes(component, cell);
+            for axis in 0..D {
+                let slopes = self.slopes(&values, component, axis);
+                gradients.iter_mut().zip(slopes).for_each(|(gradient, slope)| gradient[(component, axis)] += slope / self.spacing[axis]);
+            }
+        }
+        gradients.iter().map(doubled_square).collect()
+    }
+
+    /// The slopes of a component along an axis at all parts: sums over its nodes, axis by axis from the last one on.
+    fn slopes(&self, values: &[f64], component: usize, along: usize) -> Vec<f64> {
+        (0..D).rev().fold(values.to_vec(), |values, axis| {
+            let [value, slope] = &self.parts[usize::from(axis != component)];
+            let weights = if axis == along { slope } else { value };
+            let sums = |weights: &Vec<f64>| values.chunks_exact(weights.len()).map(|nodes| dot(nodes, weights)).collect::<Vec<_>>();
+            weights.iter().flat_map(sums).collect()
+        })
+    }
+
+    /// Values of a component at the nodes around a cell, the last axis fastest.
+    fn nodes(&self, component: usize, cell: Index<D>) -> Vec<f64> {
+        let first = |axis: usize| if axis == component { -1 } else { -2 };
+        let count = |axis: usize| if axis == component { FACES.len() } else { CENTERS.len() };
+        let start: Index<D> = std::array::from_fn(|axis| cell[axis] + first(axis));
+        let end: Index<D> = std::array::from_fn(|axis| start[axis] + count(axis) as isize);
+        let value = |index: Index<D>| {
+            let (values, at) = self.values.of(component, index);
+            values[at]
+        };
+        IndexBox::between(start, end).indices().map(value).collect()
+    }
+}
+
+/// `2 D : D` of the rate of strain of a gradient.
+fn doubled_square<const D: usize>(gradient: &SMatrix<f64, D, D>) -> f64 {
+    0.5 * (gradient + gradient.transpose()).norm_squared()
+}
+
+/// Weights of nodes in values and slopes at the middles of the parts of a cell.
+fn weights<const N: usize>(nodes: &[f64; N]) -> [Vec<Vec<f64>>; 2] {
+    let middle = |part: usize| (part as f64 + 0.5) / PARTS as f64 - 0.5;
+    let of = |rule: fn(&[f64; N], f64) -> [f64; N]| (0..PARTS).map(|part| rule(nodes, middle(part)).to_vec()).collect();
+    [of(lagrange), of(lagrange_slope)]
+}
+
+/// For each of this rank's cells near bodies or in them, by its place in the block, how much of each of its parts lies outside.
+fn outside<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>]) -> BTreeMap<usize, Vec<f64>> {
+    let block = grid.block(D);
+    let mut outside = BTreeMap::new();
+    for ball in balls {
+        let ball = Ball { center: grid.domain().wrap(ball.center), ..*ball };
+        let near = |index: &Index<D>| {
+            let nearest = (grid.position(D, *index) - ball.center).component_div(&grid.spacing()).norm() * grid.spacing().min();
+            nearest < ball.radius + NEAR * grid.spacing().max()
+        };
+        let mine = |index: Index<D>| {
+            let wrapped = grid.wrapped(index);
+            (0..D).all(|axis| (block.start[axis]..block.end[axis]).contains(&wrapped[axis])).then(|| block.offset(wrapped))
+        };
+        let around = IndexBox::around(grid, D, &ball.center, ball.radius + NEAR * grid.spacing().max());
+        let cells: Vec<(Index<D>, usize)> =
+            around.indices().filter(near).filter_map(|index| mine(index).map(|place| (index, place))).collect();
+        if cells.is_empty() {
+            continue;
+        }
+        let filled = Filled::of(grid, &ball, around.start(), around.extent());
+        for (index, place) in cells {
+            let parts = outside.entry(place).or_insert_with(|| vec![1.0; PARTS.pow(D as u32)]);
+            parts.iter_mut().zip(filled.parts(index)).for_each(|(part, filled)| *part -= filled);
+        }
+    }
+    outside
+}
+
+/// How much of each part of the cells around a ball it fills, sharpened.
+struct Filled<const D: usize> {
+    parts: IndexBox<D>,
+    filled: Vec<f64>,
+}
+
+impl<const D: usize> Filled<D> {
+    fn of(grid: &Grid<D>, ball: &Ball<D>, start: Index<D>, extent: [usize; D]) -> Filled<D> {
+        let (size, parts) = (grid.spacing() / PARTS as f64, PARTS as isize);
+        let boxed = |margin: isize| {
+            let first: Index<D> = start.map(|first| first * parts - margin);
+            IndexBox::between(first, std::array::from_fn(|axis| first[axis] + extent[axis] as isize * parts + 2 * margin))
+        };
+        let (around, inner) = (boxed(1), boxed(0));
+        let middle = |index: Index<D>| SVector::from_fn(|axis, _| (index[axis] as f64 + 0.5) * size[axis]);
+        let smeared: Vec<f64> = around.indices().map(|index| fraction(ball, &middle(index), &size)).collect();
+        let at = |index: Index<D>| smeared[around.place(index)];
+        let sharpened = |index: Index<D>| {
+            let second = |axis: usize| at(moved(index, axis, 1)) - 2.0 * at(index) + at(moved(index, axis, -1));
+            at(index) + SHARPENING * (0..D).map(second).sum::<f64>()
+        };
+        let filled = inner.indices().map(sharpened).collect();
+        Filled { parts: inner, filled }
+    }
+
+    /// Those of the parts of a cell, the last axis fastest.
+    fn parts(&self, cell: Index<D>) -> impl Iterator<Item = f64> {
+        let first: Index<D> = cell.map(|index| index * PARTS as isize);
+        let within = IndexBox::between(first, first.map(|index| index + PARTS as isize));
+        within.indices().map(|index| self.filled[self.parts.place(index)])
+    }
+}

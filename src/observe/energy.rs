@@ -1,0 +1,111 @@
+//! The balance of energy of a flow with inertia: what forces, drive and given motions bring in, and where it goes.
+//!
+//! ```text
+//! d/dt (kinetic energy of fluid and free bodies) = power - viscous dissipation - films - contacts
+//! ```
+//!
+//! Each term is measured by itself: the dissipation from the slopes of the velocity, the power from forces and velocities. In a sheared box the
+//! energy is that relative to the shear, and the power that of the whole stress with that of fluctuations.
+
+use super::{Viscosity, dissipation, inertia::energy_of_movers};
+use crate::{
+    body::{Motion, Twist, components},
+    contact::ContactForce,
+    error::Result,
+    flow::Drive,
+    geometry::Ball,
+    simulation::{BodyState, FlowSolver, Level, Setup, Solution},
+};
+
+/// Energy and powers at an instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EnergyRates {
+    /// Kinetic energy of the fluid and of free bodies; in a sheared box relative to the shear.
+    pub kinetic_energy: f64,
+    /// What forces on free bodies, drive, walls and given motions do, energy per time.
+    pub power: f64,
+    /// What viscosity dissipates in the flow on the grid, energy per time.
+    pub viscous: f64,
+    /// What films dissipate beyond that, if lubrication acts, energy per time.
+    pub films: Option<f64>,
+    /// What was lost in contacts in the last step, if there are any: an energy, as impacts take no time.
+    pub lost_in_contacts: f64,
+}
+
+impl EnergyRates {
+    /// Those of an instant of a flow with inertia and jumps, with the contacts that bear its forces and its viscosity if it is a simple shear; nothing
+    /// in other flows. Collective.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    pub fn of<const D: usize>(
+        solver: &dyn FlowSolver<D>,
+        solution: &Solution<D>,
+        contacts: &[ContactForce<D>],
+        viscosity: Option<Viscosity>,
+    ) -> Result<Option<EnergyRates>> {
+        let (levels, setup) = (solver.levels(), solver.setup());
+        let (Some(now), Some(extended)) = (levels.first(), solver.extended_flow()?) else { return Ok(None) };
+        let ball = |(body, center): (usize, &_)| Ball { center: *center, ..setup.bodies[body].body.ball };
+        let balls: Vec<Ball<D>> = now.centers.iter().enumerate().map(ball).collect();
+        let by_shear = viscosity.map_or(0.0, |viscosity| viscosity_of_power(&viscosity) * setup.viscosity * viscosity.rate.powi(2));
+        let drive = setup.domain.volume() * by_shear + power_of_drive(setup, solution);
+        Ok(Some(EnergyRates {
+            kinetic_energy: energy_of_movers(setup, solver.grid(), solution)?,
+            power: drive + power_of_motions(setup, now, &solution.bodies) + power_against_contacts(setup, now, contacts),
+            viscous: setup.viscosity * dissipation(solver.grid(), &balls, &extended, &setup.drive)?,
+            films: solution.lubrication.map(|films| films.dissipation),
+            lost_in_contacts: levels.get(1).map_or(0.0, |before| lost_in_contacts([now, before], contacts)),
+        }))
+    }
+}
+
+/// The viscosity whose shear stress is that which does work: on walls that which they bear, in a sheared box the sum of all parts.
+fn viscosity_of_power(viscosity: &Viscosity) -> f64 {
+    viscosity.from_walls.unwrap_or_else(|| viscosity.relative())
+}
+
+/// What a uniform force or a mean gradient of the pressure does.
+fn power_of_drive<const D: usize>(setup: &Setup<D>, solution: &Solution<D>) -> f64 {
+    let force = if let Drive::BodyForce(force) = setup.drive { force } else { -solution.pressure_gradient };
+    let bodies = setup.bodies.iter().zip(&solution.bodies);
+    let on_bodies: f64 =
+        bodies.map(|(suspended, state)| suspended.body.ball.volume() * setup.drive.force_on_fluid_alone().dot(&state.twist.velocity)).sum();
+    setup.domain.volume() * force.dot(&solution.mean_velocity) - on_bodies
+}
+
+/// What forces on free bodies do, and what moves bodies of given motion does against the fluid.
+fn power_of_motions<const D: usize>(setup: &Setup<D>, now: &Level<D>, states: &[BodyState<D>]) -> f64 {
+    let of_body = |(body, twist): (usize, &Twist<D>)| {
+        let relative = relative_to_shear(setup, twist, now, body);
+        let (force, torque) = match setup.bodies[body].body.motion {
+            Motion::Free { force, torque } => (force, torque),
+            Motion::Prescribed(_) => (-states[body].force, -states[body].torque),
+        };
+        let turning: f64 = components(&torque).iter().zip(components(&relative.spin)).map(|(torque, spin)| torque * spin).sum();
+        force.dot(&relative.velocity) + turning
+    };
+    now.twists.iter().enumerate().map(of_body).sum()
+}
+
+/// What moves bodies of given motion does against the contacts that press them.
+fn power_against_contacts<const D: usize>(setup: &Setup<D>, now: &Level<D>, contacts: &[ContactForce<D>]) -> f64 {
+    let given = |body: usize| if setup.bodies[body].body.free() { 0.0 } else { 1.0 };
+    let of_contact = |ContactForce { contact, force }: &ContactForce<D>| {
+        let along = |body: usize| given(body) * contact.normal.dot(&now.twists[body].velocity);
+        force * (along(contact.body) - contact.other().map_or(0.0, along))
+    };
+    contacts.iter().map(of_contact).sum()
+}
+
+/// What contacts took in the step between two levels: their force times the mean speed at which they closed.
+fn lost_in_contacts<const D: usize>([now, before]: [&Level<D>; 2], contacts: &[ContactForce<D>]) -> f64 {
+    let [velocities, earlier] = [now, before].map(|level| level.twists.iter().map(|twist| twist.velocity).collect::<Vec<_>>());
+    let opened =
+        |ContactForce { contact, force }: &ContactForce<D>| 0.5 * force * (contact.opening(&velocities) + contact.opening(&earlier));
+    -(now.time - before.time) * contacts.iter().map(opened).sum::<f64>()
+}
+
+fn relative_to_shear<const D: usize>(setup: &Setup<D>, twist: &Twist<D>, now: &Level<D>, body: usize) -> Twist<D> {
+    Twist { velocity: twist.velocity - setup.domain.carried(&now.centers[body]), spin: twist.spin - setup.domain.carried_spin() }
+}
