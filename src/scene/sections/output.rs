@@ -78,7 +78,8 @@ pub(in crate::scene) const KEYS: [Key; 14] = [
         "Whether the balance of energy of a flow with inertia is written to energy.csv: kinetic energy, work, and what viscosity, films and contacts \
         take; method.constraint = \"sharp\" only.",
     )
-    .default("false"),
+    .default("false")
+    .needs("time.end = 1.0; flow.model = \"navier-stokes\"; flow.density = 1.0"),
     Key::new(
         "reference_velocity",
         "list of numbers",

@@ -11,7 +11,7 @@ use crate::{
     body::Twist,
     constraint::IndexBox,
     error::Result,
-    flow::Convection,
+    flow::{Convection, fastest},
     grid::{Grid, Index, Node},
     linalg::dot,
     petsc::{Scatter, Vector},
@@ -20,6 +20,10 @@ use crate::{
 
 /// How deep the flow is extended into bodies, in cells.
 const DEPTH: f64 = 3.5;
+
+/// Largest jump of what is convected, over the largest speed of the flow. Behind a boundary layer thinner than a cell jump functions go on with its slope to
+/// speeds that are nowhere in the flow, and grow by convecting themselves, in steps however short.
+const LARGEST_JUMP: f64 = 1.0;
 
 /// Jump functions this close to the centre, in radii, say nothing.
 const CORE: f64 = 0.2;
@@ -74,7 +78,9 @@ impl<const D: usize> Level<D> {
 
     /// The flow extended into bodies, where there are `kinds` with jump functions, and its convection on the grid of that time. Collective.
     pub fn extended(&self, kinds: Option<&BodyTypes<D>>, convection: &mut Convection<D>) -> Result<Extended> {
-        let band = kinds.map_or_else(Band::default, |kinds| self.band(convection.grid(), kinds));
+        let mut band = kinds.map_or_else(Band::default, |kinds| self.band(convection.grid(), kinds));
+        let largest = LARGEST_JUMP * fastest(convection.grid(), &self.fluid)?;
+        band.tangential.iter_mut().for_each(|jump| *jump = jump.clamp(-largest, largest));
         let mut scatter = Scatter::new(&self.fluid, &band.places)?;
         let (velocity, carried) = (self.with_jumps(&mut scatter, &band.whole)?, self.with_jumps(&mut scatter, &band.tangential)?);
         let mut rows = carried.like()?;
