@@ -1,12 +1,12 @@
-//! Every scene and every table of centres in `tests/refusals` is refused with the message of its `#^` line.
+//! Every scene, every table of centres and every path in `tests/refusals` is refused with the message of its `#^` line.
 //!
-//! `#--set` lines of a scene are overrides, the `#dimension` line of a table is the dimension of its centres.
+//! `#--set` lines of a scene are overrides, the `#dimension` line of a table is the dimension of its centres, the `#path` line that of its places.
 
 #![allow(clippy::unwrap_used)]
 
 use std::path::{Path, PathBuf};
 
-use turbid::body::read_centers;
+use turbid::body::{read_centers, read_places};
 use turbid::cli::told;
 use turbid::error::{Error, Result};
 use turbid::scene::Scene;
@@ -18,13 +18,16 @@ fn every_bad_scene_is_refused_with_its_message() {
 }
 
 #[test]
-fn every_bad_table_of_centres_is_refused_with_its_message() {
-    let read = |path: &Path, text: &str| match marked(text, "#dimension ").pop().as_deref() {
-        Some("2") => read_centers::<2>(path).map(drop),
-        Some("3") => read_centers::<3>(path).map(drop),
-        _ => panic!("{}: a bad table says #dimension 2 or #dimension 3", path.display()),
+fn every_bad_table_is_refused_with_its_message() {
+    let last = |text: &str, mark: &str| marked(text, mark).pop();
+    let read = |path: &Path, text: &str| match (last(text, "#dimension ").as_deref(), last(text, "#path ").as_deref()) {
+        (Some("2"), None) => read_centers::<2>(path).map(drop),
+        (Some("3"), None) => read_centers::<3>(path).map(drop),
+        (None, Some("2")) => read_places::<2>(path).map(drop),
+        (None, Some("3")) => read_places::<3>(path).map(drop),
+        _ => panic!("{}: a bad table says #dimension or #path, 2 or 3", path.display()),
     };
-    refuses("csv", 16, read);
+    refuses("csv", 22, read);
 }
 
 fn refuses(ending: &str, least: usize, read: impl Fn(&Path, &str) -> Result<()>) {

@@ -1,172 +1,45 @@
 //! Centres from a file: comma-separated `x,y[,z][,radius]`, one body a line.
 
-use std::{fs, io, path::Path};
+use std::path::Path;
 
 use nalgebra::SVector;
 
-use crate::error::{Error, Result};
+use super::columns::{Format, parse, read_text};
+use crate::error::Result;
 
 /// A body as a file gives it: its centre and, if the file has that column, its radius.
 type Entry<const D: usize> = (SVector<f64, D>, Option<f64>);
 
+/// Names of the columns.
+const COLUMNS: [&str; 4] = ["x", "y", "z", "radius"];
+
 /// Reads the centres, and the radii if given, of the bodies in a CSV file; see [`parse_centers`].
 ///
-/// Returns [`Error::File`] if the file cannot be read and [`Error::Refused`] if its text cannot be used.
+/// Returns [`Error::File`](crate::Error::File) if the file cannot be read and [`Error::Refused`](crate::Error::Refused) if its text cannot be used.
 pub fn read_centers<const D: usize>(path: &Path) -> Result<Vec<(SVector<f64, D>, Option<f64>)>> {
     let text = read_text(path)?;
     parse_centers(&path.display().to_string(), &text)
 }
 
-/// The text of a file that a user names. A pipe or a device, which may never end and which only one rank could read, is none.
-///
-/// # Errors
-/// [`Error::File`] if it cannot be read, or is no regular file.
-pub fn read_text(path: &Path) -> Result<String> {
-    let read = || match fs::metadata(path)? {
-        metadata if metadata.is_file() => fs::read_to_string(path),
-        metadata if metadata.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
-        _ => Err(io::Error::other("is no regular file; copy what it gives into one")),
-    };
-    read().map_err(|source| Error::File { path: path.to_owned(), source })
-}
-
-/// Parses the text of a file of centres, one body a line.
-///
-/// The columns are `x,y[,z][,radius]`, in any order if the first line names them. Commas part them, or semicolons, or else tabs and spaces; spaces
-/// around commas and semicolons mean nothing. Blank lines and lines that start with `#` are skipped. Refusals begin with `name` and the line number.
+/// Parses the text of a file of centres, one body a line, with the columns `x,y[,z][,radius]`; see [`parse`].
 pub fn parse_centers<const D: usize>(name: &str, text: &str) -> Result<Vec<(SVector<f64, D>, Option<f64>)>> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = (1..).zip(text.lines().map(str::trim)).filter(|(_, line)| !line.is_empty() && !line.starts_with('#')).peekable();
-    let refuse = |number: usize, reason: String| Error::refused(format!("{name}:{number}: {reason}"));
-    let Some(&(number, first)) = lines.peek() else {
-        return Err(Error::refused(format!("{name}: no centres found; expected lines of {}", choices::<D>().join(","))));
-    };
-    let separator = Separator::of(first).map_err(|reason| refuse(number, reason))?;
-    let names = separator.fields(first);
-    let columns = if is_header(&names) {
-        lines.next();
-        header_columns::<D>(&names)
-    } else {
-        default_columns::<D>(names.len())
-    }
-    .map_err(|reason| refuse(number, reason))?;
-    let entries: Vec<_> = lines
-        .map(|(number, line)| entry(&columns, &separator.fields(line)).map_err(|reason| refuse(number, reason)))
-        .collect::<Result<_>>()?;
-    match entries.is_empty() {
-        true => Err(refuse(number, "a header but no centres below it".into())),
-        false => Ok(entries),
-    }
-}
-
-/// Names a column may have: the coordinates, then the radius.
-fn choices<const D: usize>() -> Vec<&'static str> {
-    let coordinates = ["x", "y", "z"];
-    coordinates.into_iter().take(D).chain(["radius"]).collect()
-}
-
-/// What parts the columns of a file.
-#[derive(Clone, Copy)]
-enum Separator {
-    Sign(char),
-    Blanks,
-}
-
-impl Separator {
-    /// That of a line: the others have the same.
-    fn of(line: &str) -> std::result::Result<Separator, String> {
-        match (line.contains(','), line.contains(';')) {
-            (true, true) => {
-                Err("has both commas and semicolons; write numbers with decimal points, and one of both between columns".into())
-            }
-            (true, false) => Ok(Separator::Sign(',')),
-            (false, true) => Ok(Separator::Sign(';')),
-            (false, false) => Ok(Separator::Blanks),
-        }
-    }
-
-    fn fields(self, line: &str) -> Vec<&str> {
-        match self {
-            Separator::Sign(sign) => line.split(sign).map(str::trim).collect(),
-            Separator::Blanks => line.split_whitespace().collect(),
-        }
-    }
-}
-
-fn is_header(fields: &[&str]) -> bool {
-    fields.iter().all(|field| !field.is_empty() && field.parse::<f64>().is_err())
-}
-
-/// For each column of the file its place among the choices, from the names in the header.
-fn header_columns<const D: usize>(fields: &[&str]) -> std::result::Result<Vec<usize>, String> {
-    let choices = choices::<D>();
-    let mut columns = Vec::new();
-    for field in fields {
-        let column = choices.iter().position(|choice| field.eq_ignore_ascii_case(choice));
-        let column = column.ok_or_else(|| format!("unknown column {}; expected {}", quoted(field), choices.join(", ")))?;
-        if columns.contains(&column) {
-            return Err(format!("column {} appears twice", quoted(field)));
-        }
-        columns.push(column);
-    }
-    match (0..D).find(|axis| !columns.contains(axis)) {
-        Some(axis) => Err(format!("the header names no column {:?}", choices[axis])),
-        None => Ok(columns),
-    }
-}
-
-/// Columns in the usual order, with a radius if the first line has one number more than coordinates.
-fn default_columns<const D: usize>(count: usize) -> std::result::Result<Vec<usize>, String> {
-    if count == D || count == D + 1 {
-        return Ok((0..count).collect());
-    }
-    Err(format!("found {count} columns, expected {} with or without radius", choices::<D>().join(",")))
+    let columns: Vec<&str> = COLUMNS[..D].iter().chain(&COLUMNS[3..]).copied().collect();
+    parse(name, text, &Format { rows: "centres", columns: &columns, required: D }, entry)
 }
 
 /// The centre and radius on one line.
-fn entry<const D: usize>(columns: &[usize], fields: &[&str]) -> std::result::Result<Entry<D>, String> {
-    let count = fields.len();
-    if count != columns.len() {
-        return Err(format!("found {count} columns, expected {} as in the first line", columns.len()));
+fn entry<const D: usize>(numbers: &[f64]) -> std::result::Result<Entry<D>, String> {
+    let (center, radius) = numbers.split_at(D);
+    match radius.first() {
+        Some(radius) if *radius <= 0.0 => Err(format!("found radius {radius}, expected a positive number")),
+        radius => Ok((SVector::from_column_slice(center), radius.copied())),
     }
-    let mut center = SVector::zeros();
-    let mut radius = None;
-    for (field, &column) in fields.iter().zip(columns) {
-        let number = finite(field)?;
-        if column < D {
-            center[column] = number;
-        } else if number > 0.0 {
-            radius = Some(number);
-        } else {
-            return Err(format!("found radius {field}, expected a positive number"));
-        }
-    }
-    Ok((center, radius))
-}
-
-fn finite(field: &str) -> std::result::Result<f64, String> {
-    let number = field.parse::<f64>().ok().filter(|number| number.is_finite());
-    let decimal = if field.contains(',') { "; write decimal points" } else { "" };
-    let number = number.ok_or_else(|| format!("found {}, expected a finite number{decimal}", quoted(field)))?;
-    match usable(number) {
-        true => Ok(number),
-        false => Err(format!("found {}, expected 0 or a number from 1e-60 to 1e60 in size", quoted(field))),
-    }
-}
-
-/// Whether a number can be multiplied by others of its size: a product of five such numbers is still one.
-pub fn usable(number: f64) -> bool {
-    number == 0.0 || (1e-60..=1e60).contains(&number.abs())
-}
-
-/// The beginning of a field, in quotes.
-fn quoted(field: &str) -> String {
-    format!("{:?}", field.chars().take(40).collect::<String>())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Error;
     use proptest::prelude::*;
 
     fn refusal<const D: usize>(text: &str) -> String {

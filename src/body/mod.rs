@@ -2,12 +2,14 @@
 
 mod centers;
 mod chains;
+mod columns;
 mod equilibrium;
 mod fire;
 mod halo;
 mod membrane;
 mod outline;
 mod packing;
+mod places;
 mod regions;
 mod relaxation;
 mod search;
@@ -18,13 +20,15 @@ mod twist;
 use nalgebra::{SMatrix, SVector};
 
 use crate::geometry::Ball;
-pub use centers::{parse_centers, read_centers, read_text, usable};
+pub use centers::{parse_centers, read_centers};
 pub use chains::{ChainForm, place_chains};
+pub use columns::{read_text, usable};
 pub use equilibrium::equilibrium;
 pub use halo::{Halo, OwnBodies};
 pub use membrane::{Membrane, parts};
 pub use outline::{biconcave, turns};
 pub use packing::{pack, pack_on};
+pub use places::{TOO_FEW, misplaced, read_places};
 pub use regions::Regions;
 pub use trajectory::{Path, Trajectories, Trajectory};
 pub use twist::{Twist, components, planes, skew};

@@ -1,6 +1,7 @@
 //! A line chart as one SVG text: a total in ink, its parts in colours, names at the ends of the lines.
 //!
-//! A pure function of a [`Chart`]. Ranges follow the points, and reach down to zero only where that costs little of the height.
+//! A pure function of a [`Chart`]. Ranges follow the points, and reach down to zero only where that costs little of the height. The ordinate follows those
+//! that a mean takes in, if there is one: lines that go beyond are clipped.
 
 mod axis;
 mod frame;
@@ -62,19 +63,25 @@ impl Chart {
         svg += &notes.shades(&frame);
         svg += &frame.grid();
         svg += &notes.levels(&frame);
-        for k in (0..self.series.len()).rev() {
-            svg += &self.line(k, &frame);
-        }
+        let lines: String = (0..self.series.len()).rev().map(|k| self.line(k, &frame)).collect();
+        svg += &if self.points().all(|(_, point)| frame.reaches(&point)) { lines } else { frame.clipped(&lines) };
         svg += &notes.bars(&frame, colour);
         svg += &notes.marks(&frame, colour);
         svg += &self.names(&frame);
         svg + "</svg>\n"
     }
 
-    /// Axes that hold all points, levels and bars.
+    /// The points of all lines that can be drawn: their abscissas, and as they are drawn.
+    fn points(&self) -> impl Iterator<Item = (f64, [f64; 2])> {
+        let points = self.series.iter().flat_map(|series| &series.points);
+        points.map(|point| (point.0, self.scale.of(point))).filter(|(_, point)| finite(point))
+    }
+
+    /// Axes that hold all points, levels and bars; of the points that a mean leaves out, the abscissas only.
     fn frame(&self, notes: &Notes) -> Frame {
-        let finite_points = self.series.iter().flat_map(|series| &series.points).map(|point| self.scale.of(point)).filter(finite);
-        let (x, mut y): (Vec<f64>, Vec<f64>) = finite_points.map(|[x, y]| (x, y)).unzip();
+        let start = notes.band.as_ref().map_or(f64::NEG_INFINITY, |band| band.from_to[0]);
+        let x: Vec<f64> = self.points().map(|(_, point)| point[0]).collect();
+        let mut y: Vec<f64> = self.points().filter(|(x, _)| *x >= start).map(|(_, point)| point[1]).collect();
         y.extend(notes.extent().map(|point| self.scale.of(&point)).filter(finite).map(|point| point[1]));
         let names: Vec<&str> = self.series.iter().map(|series| series.name.as_str()).collect();
         Frame::new(self.scale, [&x, &y], &names, !self.title.is_empty())
@@ -173,6 +180,23 @@ mod tests {
             assert_sound(&chart(&[points, points]));
         }
         assert_sound(&chart(&[]));
+    }
+
+    #[test]
+    fn the_ordinate_follows_what_a_mean_takes_in_and_lines_end_at_its_ends() {
+        let spike = chart(&[&[(0.0, 900.0), (1.0, 2.0), (2.0, 2.5), (3.0, 2.2)], &[(0.0, -50.0), (1.0, 0.4), (2.0, 0.3), (3.0, 0.5)]]);
+        let band = Band { from_to: [1.0, 3.0], mean: 2.2, interval: [2.1, 2.3], name: "mean".into(), left_out: String::new() };
+        let notes = Notes { band: Some(band), ..Notes::default() };
+        let frame = spike.frame(&notes);
+        assert!(frame.y.part(2.5) < 1.0 && frame.y.part(2.5) > 0.9 && frame.y.part(900.0) > 1.0 && frame.y.part(-50.0) < 0.0);
+        assert_eq!(frame.x.part(0.0), 0.0);
+        let text = spike.annotated(&notes);
+        let [open, first, last, close] =
+            ["<g clip-path=\"url(#axes)\">", "stroke-width=\"1.8\"", "stroke-width=\"2.4\"", "</g>"].map(|part| text.find(part).unwrap());
+        assert!(text.contains("<clipPath id=\"axes\">") && open < first && first < last && last < close, "{text}");
+        let calm = chart(&[&[(0.0, 2.1), (1.0, 2.0), (2.0, 2.5), (3.0, 2.2)]]);
+        assert!(!calm.annotated(&notes).contains("clip"), "{}", calm.annotated(&notes));
+        assert!(!spike.svg().contains("clip"), "without a mean the ordinate holds all points");
     }
 
     #[test]

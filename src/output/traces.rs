@@ -94,7 +94,7 @@ impl Traces {
     /// It cannot be read.
     pub fn of(folder: &Path) -> Result<Traces> {
         let known = FILES.iter().map(|name| folder.join(name)).filter(|path| path.exists());
-        let tables = entries(folder)?.into_iter().filter(|path| numbered(path, "bodies-", &[".csv"]));
+        let tables = entries(folder)?.into_iter().filter(|path| ["bodies-", "path-"].iter().any(|what| numbered(path, what, &[".csv"])));
         let frames = entries(&folder.join(FRAMES))?.into_iter().filter(|path| numbered(path, "", &[".h5", ".h5.part", ".h5.damaged"]));
         Ok(Traces { folder: folder.to_owned(), files: known.chain(tables).collect(), frames: frames.collect() })
     }

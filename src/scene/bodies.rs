@@ -2,6 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use toml_edit::Value;
+
+use crate::body::{TOO_FEW, misplaced};
 use crate::error::Result;
 use crate::scene::FlowModel;
 use crate::scene::chains::{self, Chain, ChainShape};
@@ -95,6 +98,8 @@ pub enum Motion {
     },
     /// Along the cubic spline through places, from rest to rest: each a time and the displacement from where the body starts, the first one all zeros.
     Path(Vec<Vec<f64>>),
+    /// The same through the places of this table (`time,x,y[,z]`), which nobody has opened yet.
+    PathFile(PathBuf),
 }
 
 pub(super) fn read(root: &Table, folder: &Path, dimension: usize, model: FlowModel) -> Result<Vec<BodyGroup>> {
@@ -148,6 +153,19 @@ impl BodyGroup {
         }
     }
 
+    /// The tables that it names, each with its key.
+    pub fn tables(&self) -> impl Iterator<Item = (&'static str, &Path)> {
+        let centers = match &self.placement {
+            Placement::File(path) => Some(("file", path.as_path())),
+            _ => None,
+        };
+        let places = match &self.motion {
+            Motion::PathFile(path) => Some(("motion.path", path.as_path())),
+            _ => None,
+        };
+        centers.into_iter().chain(places)
+    }
+
     /// Whether centers, numbers and forces are those of several bodies that are placed together.
     pub fn together(&self) -> bool {
         self.chain.is_some() || self.cluster.is_some()
@@ -155,7 +173,7 @@ impl BodyGroup {
 
     fn read(entry: &Entry, folder: &Path, dimension: usize, model: FlowModel) -> Result<Self> {
         let table = Table::of(entry, &BODY_KEYS)?;
-        let motion = table.get("motion").map_or(Ok(Motion::Free), |entry| Motion::read(&entry, dimension))?;
+        let motion = table.get("motion").map_or(Ok(Motion::Free), |entry| Motion::read(&entry, folder, dimension))?;
         refuse_load(&table, &motion)?;
         refuse_start(&table, &motion, model)?;
         let placement = Placement::read(&table, folder, dimension)?;
@@ -271,28 +289,20 @@ fn read_path(entry: &Entry, folder: &Path) -> Result<PathBuf> {
 /// The places of a path: a time and a displacement each.
 fn read_places(entry: &Entry, dimension: usize) -> Result<Vec<Vec<f64>>> {
     let rows = entry.list()?;
-    entry.expect((), rows.len() >= 2, "must hold two places at least, each a time and a displacement")?;
+    entry.expect((), rows.len() >= 2, TOO_FEW)?;
     let mut places: Vec<Vec<f64>> = Vec::new();
     for row in &rows {
         let numbers: Vec<f64> = row.list()?.iter().map(Entry::number).collect::<Result<_>>()?;
         row.expect((), numbers.len() == dimension + 1, &format!("must be a time and {dimension} numbers, the displacement then"))?;
-        match places.last() {
-            None => row.expect(
-                (),
-                numbers.iter().all(|&number| number == 0.0),
-                "must be all zeros: a body starts at time 0 where it is placed",
-            )?,
-            Some(last) => row.expect((), numbers[0] > last[0], "must be later than the place before it")?,
-        }
+        misplaced(places.last().map(Vec::as_slice), &numbers).map_or(Ok(()), |remedy| Err(row.refuse(remedy)))?;
         places.push(numbers);
     }
     Ok(places)
 }
 
 impl Motion {
-    fn read(entry: &Entry, dimension: usize) -> Result<Self> {
-        const CHOICES: &str =
-            "\"free\", \"fixed\", { velocity = [..], spin = .. }, { amplitude = [..], frequency = .. } or { path = [[..], ..] }";
+    fn read(entry: &Entry, folder: &Path, dimension: usize) -> Result<Self> {
+        const CHOICES: &str = "\"free\", \"fixed\", { velocity = [..], spin = .. }, { amplitude = [..], frequency = .. }, { path = [[..], ..] } or { path = \"path.csv\" }";
         if let Ok(word) = entry.text() {
             return match word {
                 "free" => Ok(Motion::Free),
@@ -308,7 +318,11 @@ impl Motion {
         let any = Table::of(entry, &MOTION_KEYS)?;
         if let Some(path) = any.get("path") {
             Table::of(entry, &MOTION_KEYS[PATH..])?;
-            return read_places(&path, dimension).map(Motion::Path);
+            return match path.value {
+                Value::String(_) => read_path(&path, folder).map(Motion::PathFile),
+                Value::Array(_) => read_places(&path, dimension).map(Motion::Path),
+                _ => Err(path.mistyped("a list of places or the name of a table in quotes")),
+            };
         }
         if any.get("amplitude").or_else(|| any.get("rotation")).is_some() {
             let table = Table::of(entry, &MOTION_KEYS[OSCILLATING..PATH])?;

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use crate::body::read_text;
 use crate::error::Result;
+use crate::scene::Scene;
 use crate::scene::keys::{Keys, keys};
-use crate::scene::{Placement, Scene};
 
 /// Keys that decide nothing of what a run computes on its way.
 const FREE: [&str; 4] = ["title", "time.end", "time.until.", "output."];
@@ -52,11 +52,9 @@ impl Scene {
     fn deciding_keys(&self) -> Keys {
         let mut deciding = keys(self);
         deciding.retain(|(key, _)| !FREE.iter().any(|free| key == free || free.ends_with('.') && key.starts_with(free)));
-        for (group, bodies) in self.bodies.iter().enumerate() {
-            let key = format!("{}.file", self.group_key(group));
-            if let Placement::File(path) = &bodies.placement
-                && let Some((_, value)) = deciding.iter_mut().find(|(name, _)| *name == key)
-            {
+        for (group, key, path) in self.tables() {
+            let key = format!("{}.{key}", self.group_key(group));
+            if let Some((_, value)) = deciding.iter_mut().find(|(name, _)| *name == key) {
                 *value = contents(path).unwrap_or(std::mem::take(value));
             }
         }

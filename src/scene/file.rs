@@ -10,8 +10,8 @@ use crate::scene::key::Key;
 use crate::scene::locations::{Lines, Locations};
 use crate::scene::table::Table;
 use crate::scene::{
-    BodyGroup, ContactSection, DomainSection, FlowModel, FlowSection, LubricationSection, MethodSection, OutputSection, Placement,
-    ResolutionSection, Scene, TimeSection, accuracy, bodies, check, keys, overrides, scalar,
+    ContactSection, DomainSection, FlowModel, FlowSection, LubricationSection, MethodSection, OutputSection, ResolutionSection, Scene,
+    TimeSection, accuracy, bodies, check, keys, overrides, scalar,
 };
 
 /// Keys at the top of a scene file.
@@ -116,11 +116,11 @@ impl Scene {
     /// # Errors
     /// [`Error::Refused`] with the line that names a file which cannot be read.
     pub fn files(&self) -> Result<Vec<(String, String)>> {
-        let file = |(group, bodies): (usize, &BodyGroup)| match &bodies.placement {
-            Placement::File(path) => Some(read_text(path).map(|text| (copied(group), text)).map_err(|error| self.unreadable(group, error))),
-            _ => None,
+        let file = |(group, key, path)| {
+            let text = read_text(path).map_err(|error| self.unreadable(group, key, error))?;
+            Ok((copied(group, key), text))
         };
-        self.bodies.iter().enumerate().filter_map(file).collect()
+        self.tables().map(file).collect()
     }
 
     /// The name of a group in keys: `bodies[0]`, or `chains[0]` for the first group of chains.
@@ -130,11 +130,17 @@ impl Scene {
         format!("{section}[{before}]")
     }
 
-    /// The refusal of a file that cannot be read, at the line that names it; other errors stay.
-    pub fn unreadable(&self, group: usize, error: Error) -> Error {
+    /// The tables that the scene names, with the numbers of their groups and their keys in these.
+    pub fn tables(&self) -> impl Iterator<Item = (usize, &'static str, &Path)> {
+        let groups = self.bodies.iter().enumerate();
+        groups.flat_map(|(group, bodies)| bodies.tables().map(move |(key, path)| (group, key, path)))
+    }
+
+    /// The refusal of a file that cannot be read, at the line that names it by a key of a group; other errors stay.
+    pub fn unreadable(&self, group: usize, key: &str, error: Error) -> Error {
         let Error::File { path, source } = error else { return error };
         let remedy = format!("cannot be read ({source}); paths start from the folder of the scene");
-        self.refuse(&format!("{}.file", self.group_key(group)), format!("{:?}", path.to_string_lossy()), &remedy)
+        self.refuse(&format!("{}.{key}", self.group_key(group)), format!("{:?}", path.to_string_lossy()), &remedy)
     }
 
     /// The text of a scene that names copies of its files beside it.
@@ -142,8 +148,8 @@ impl Scene {
     /// # Errors
     /// The scene cannot be written so.
     pub fn copied_text(&self) -> Result<String> {
-        let groups = self.bodies.iter().enumerate().filter(|(_, bodies)| matches!(bodies.placement, Placement::File(_)));
-        let copies: Vec<String> = groups.map(|(group, _)| format!("{}.file={:?}", self.group_key(group), copied(group))).collect();
+        let copy = |(group, key, _)| format!("{}.{key}={:?}", self.group_key(group), copied(group, key));
+        let copies: Vec<String> = self.tables().map(copy).collect();
         Ok(Scene::parse(&self.name, Path::new("."), &self.text, &copies)?.text)
     }
 
@@ -152,20 +158,18 @@ impl Scene {
     /// # Errors
     /// A file that it names is gone.
     pub fn movable_text(&self) -> Result<String> {
-        let files = self.bodies.iter().enumerate().filter_map(|(group, bodies)| match &bodies.placement {
-            Placement::File(path) => Some((group, path)),
-            _ => None,
-        });
-        let absolute = files.map(|(group, path)| {
-            let path = path.canonicalize().map_err(|source| Error::File { path: path.clone(), source })?;
-            Ok(format!("{}.file={:?}", self.group_key(group), path.to_string_lossy()))
+        let absolute = self.tables().map(|(group, key, path)| {
+            let path = path.canonicalize().map_err(|source| Error::File { path: path.to_owned(), source })?;
+            Ok(format!("{}.{key}={:?}", self.group_key(group), path.to_string_lossy()))
         });
         Ok(Scene::parse(&self.name, Path::new("."), &self.text, &absolute.collect::<Result<Vec<_>>>()?)?.text)
     }
 }
 
-fn copied(group: usize) -> String {
-    format!("bodies-{group}.csv")
+/// The name of the copy of a table.
+fn copied(group: usize, key: &str) -> String {
+    let what = if key == "file" { "bodies" } else { "path" };
+    format!("{what}-{group}.csv")
 }
 
 fn load(file: &str, folder: &Path, text: &str, overrides: &[String]) -> Result<Scene> {
@@ -327,6 +331,24 @@ torque = [0.0, 0.0, 1.0]
         assert_eq!(bodies[1].motion, Motion::Free);
         assert_eq!(bodies[1].force, Some(vec![0.0, -1.0]));
         assert_eq!(bodies[1].torque, Some(vec![0.25]));
+    }
+
+    #[test]
+    fn tables_of_places_are_files_of_the_scene() {
+        let motion = "motion = { path = \"path.csv\" }";
+        let scene = parse(&format!("{}\n[time]\nend = 1.0\n", DEEP.replace("motion = { velocity = [0.0, 0.0, 1.0] }", motion)));
+        assert_eq!(scene.bodies[0].motion, Motion::PathFile(PathBuf::from("folder/path.csv")));
+        let tables: Vec<(usize, &str, &Path)> = scene.tables().collect();
+        assert_eq!(tables, [(0, "file", Path::new("folder/centers.csv")), (0, "motion.path", Path::new("folder/path.csv"))]);
+        let copied = scene.copied_text().unwrap();
+        assert!(copied.contains("\"bodies-0.csv\"") && copied.contains("\"path-0.csv\""), "{copied}");
+        let gone = crate::body::read_text(Path::new("folder/path.csv")).unwrap_err();
+        let refusal = scene.unreadable(0, "motion.path", gone).to_string();
+        assert!(
+            refusal.starts_with("scene.toml:10: bodies[0].motion.path = \"folder/path.csv\": cannot be read (No such file"),
+            "{refusal}"
+        );
+        assert!(refusal.ends_with("paths start from the folder of the scene"), "{refusal}");
     }
 
     #[test]

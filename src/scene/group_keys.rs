@@ -88,9 +88,9 @@ pub(super) const MOTION_KEYS: [Key; 7] = [
     Key::new("phase", "number", "1.57", "Phase p.").unit("radians").default("0.0").needs(TO_AND_FRO),
     Key::new(
         "path",
-        "list of lists",
+        "list of lists or text",
         "[[0, 0, 0], [0.5, 0.1, 0.0], [1.0, 0.2, 0.1]]",
-        "Times, each with the displacement then; a cubic spline \
+        "Times, each with the displacement then, or the table that has them (time,x,y; 3D time,x,y,z; as in file); a cubic spline \
         goes through them, from rest to rest.",
     )
     .unit("time, length")

@@ -240,6 +240,7 @@ fn of_cluster(cluster: &Cluster) -> Keys {
 
 fn of_motion(motion: &Motion) -> Keys {
     match motion {
+        Motion::PathFile(path) => vec![text("motion.path", &path.to_string_lossy())],
         Motion::Free => vec![word("motion", "free")],
         Motion::Fixed => vec![word("motion", "fixed")],
         Motion::Prescribed { velocity, spin } => {

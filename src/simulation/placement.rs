@@ -6,7 +6,7 @@ use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::room;
 use crate::{
-    body::{Body, ChainForm, Motion, Path, Trajectories, Trajectory, Twist, pack_on, place_chains, read_centers, skew},
+    body::{Body, ChainForm, Motion, Path, Trajectories, Trajectory, Twist, pack_on, place_chains, read_centers, read_places, skew},
     error::{Error, Result},
     geometry::{Axis, Ball, Domain, Inflow, InvalidConfiguration, LeesEdwards, first_fault},
     parallel::Peers,
@@ -70,7 +70,7 @@ pub fn asked<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Asked<
                 centers.into_iter().map(|center| Ball { center, radius: bodies.radius }).collect()
             }
             (form, _) => {
-                let balls = given_balls(bodies).map_err(|error| scene.unreadable(group, error))?;
+                let balls = given_balls(bodies).map_err(|error| scene.unreadable(group, "file", error))?;
                 match (form, bodies.chain) {
                     (Some(_), Some(chain)) if chain.shape != ChainShape::Cell => joined(scene, domain, group, (chain.beads, balls))?,
                     (Some(form), _) => about(form, &rotation(bodies), &balls),
@@ -245,34 +245,44 @@ fn check_spans<const D: usize>(scene: &Scene, domain: &Domain<D>, balls: &[(usiz
     Ok(())
 }
 
-/// The trajectories of bodies, each with its group, that have one.
-pub fn trajectories<const D: usize>(scene: &Scene, bodies: &[(usize, Body<D>)]) -> Trajectories<D> {
-    let of_groups: Vec<Option<Rc<Trajectory<D>>>> = scene.bodies.iter().map(|group| trajectory(&group.motion).map(Rc::new)).collect();
-    bodies.iter().enumerate().filter_map(|(body, &(group, _))| Some((body, of_groups[group].clone()?))).collect()
+/// The trajectories of bodies, each with its group, that have one; collective.
+///
+/// # Errors
+/// A table of places cannot be read.
+pub fn trajectories<const D: usize>(peers: Peers, scene: &Scene, bodies: &[(usize, Body<D>)]) -> Result<Trajectories<D>> {
+    let of_group = |(group, bodies): (usize, &BodyGroup)| {
+        let found = trajectory(&bodies.motion).map_err(|error| scene.unreadable(group, "motion.path", error))?;
+        Ok(found.map(Rc::new))
+    };
+    let of_groups: Vec<Option<Rc<Trajectory<D>>>> = peers.agree(scene.bodies.iter().enumerate().map(of_group).collect())?;
+    Ok(bodies.iter().enumerate().filter_map(|(body, &(group, _))| Some((body, of_groups[group].clone()?))).collect())
 }
 
-fn trajectory<const D: usize>(motion: &scene::Motion) -> Option<Trajectory<D>> {
-    match motion {
-        scene::Motion::Oscillating { amplitude, rotation, frequency, phase } => Some(Trajectory::Oscillation {
-            displacement: vector(amplitude),
-            rotation: skew(rotation),
-            frequency: *frequency,
-            phase: *phase,
-        }),
-        scene::Motion::Path(places) => {
-            let places: Vec<_> = places.iter().map(|place| (place[0], vector(&place[1..]))).collect();
-            Some(Trajectory::Path(Path::new(&places)))
-        }
+fn trajectory<const D: usize>(motion: &scene::Motion) -> Result<Option<Trajectory<D>>> {
+    Ok(match motion {
+        scene::Motion::Oscillating { amplitude, rotation, frequency, phase } => Some(oscillation(amplitude, rotation, *frequency, *phase)),
+        scene::Motion::Path(places) => Some(along(places)),
+        scene::Motion::PathFile(path) => Some(along(&read_places::<D>(path)?)),
         scene::Motion::Free | scene::Motion::Fixed | scene::Motion::Prescribed { .. } => None,
-    }
+    })
+}
+
+fn oscillation<const D: usize>(amplitude: &[f64], rotation: &[f64], frequency: f64, phase: f64) -> Trajectory<D> {
+    Trajectory::Oscillation { displacement: vector(amplitude), rotation: skew(rotation), frequency, phase }
+}
+
+fn along<const D: usize>(places: &[Vec<f64>]) -> Trajectory<D> {
+    let places: Vec<_> = places.iter().map(|place| (place[0], vector(&place[1..]))).collect();
+    Trajectory::Path(Path::new(&places))
 }
 
 fn motion<const D: usize>(scene: &Scene, group: usize, ball: &Ball<D>) -> Motion<D> {
     let bodies = &scene.bodies[group];
     match &bodies.motion {
-        scene::Motion::Fixed => Motion::Prescribed(Twist::zero()),
-        scene::Motion::Oscillating { .. } | scene::Motion::Path(_) => {
-            Motion::Prescribed(trajectory(&bodies.motion).map_or(Twist::zero(), |trajectory| trajectory.twist(0.0)))
+        // a path begins at rest
+        scene::Motion::Fixed | scene::Motion::Path(_) | scene::Motion::PathFile(_) => Motion::Prescribed(Twist::zero()),
+        scene::Motion::Oscillating { amplitude, rotation, frequency, phase } => {
+            Motion::Prescribed(oscillation(amplitude, rotation, *frequency, *phase).twist(0.0))
         }
         scene::Motion::Prescribed { velocity, spin } => Motion::Prescribed(Twist { velocity: vector(velocity), spin: skew(spin) }),
         scene::Motion::Free => {

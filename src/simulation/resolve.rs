@@ -76,7 +76,7 @@ impl<const D: usize> GranularSetup<D> {
             }
         };
         let placed = bodies(peers, scene, &domain)?;
-        let trajectories = trajectories(scene, &placed);
+        let trajectories = trajectories(peers, scene, &placed)?;
         let (bonds, welds) = (chains::bonds(scene, &placed), interactions::welds(scene, &placed));
         let bodies: Vec<GranularBody<D>> = placed.into_iter().map(of_group).collect();
         let interactions = interactions::of_granular(scene, &domain, &bodies);
@@ -113,7 +113,7 @@ impl<const D: usize> Setup<D> {
             bodies: groups().map(|group| group.density).collect(),
             starts: placed.iter().map(|(group, body)| started(&domain, &scene.bodies[*group], &body.ball.center)).collect(),
         });
-        let trajectories = trajectories(scene, &placed);
+        let trajectories = trajectories(peers, scene, &placed)?;
         let (bonds, joints) = (chains::bonds(scene, &placed), chains::joints(scene, &placed));
         let welds = interactions::welds(scene, &placed);
         let (spacing, bodies) = suspended_bodies(scene, &domain, placed)?;

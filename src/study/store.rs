@@ -12,7 +12,7 @@ use serde_json::Value;
 use crate::{
     error::{Error, Result},
     output::write_whole,
-    scene::{Placement, Scene},
+    scene::Scene,
 };
 
 /// A run of a study, with the setting that decides what comes out.
@@ -43,10 +43,8 @@ pub struct Identity {
 /// One cannot be read.
 pub fn files_of(scene: &Scene) -> Result<u64> {
     let mut hasher = DefaultHasher::new();
-    for bodies in &scene.bodies {
-        if let Placement::File(path) = &bodies.placement {
-            fs::read(path).map_err(|source| Error::File { path: path.clone(), source })?.hash(&mut hasher);
-        }
+    for (_, _, path) in scene.tables() {
+        fs::read(path).map_err(|source| Error::File { path: path.to_owned(), source })?.hash(&mut hasher);
     }
     Ok(hasher.finish())
 }

@@ -5,7 +5,7 @@ use std::{f64::consts::TAU, path::Path};
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use turbid::{
     body::{Body, Motion, Twist, skew},
-    constraint::fitted::{Mesh, Triangle},
+    constraint::fitted::Mesh,
     flow::{Convection, Drive, FluidSystem, InverseMethod, Stokes},
     geometry::{Axis, Ball, Domain, Inflow, LeesEdwards},
     grid::{Grid, operators::signed},
@@ -602,14 +602,18 @@ fn a_fitted_mesh_follows_a_falling_disk_at_second_order(session: &Session) {
     assert!((1.8..2.5).contains(&order), "order {order}: {one} {two} {four}");
 }
 
-/// Momentum of the fluid on a mesh with its nodes elsewhere, over density.
-fn momentum(mesh: &Mesh, level: &MeshLevel) -> Vector2<f64> {
+/// Momentum, angular momentum and kinetic energy of the fluid on a mesh with its nodes elsewhere, over density.
+fn moments(mesh: &Mesh, level: &MeshLevel) -> [f64; 4] {
     let mesh = Mesh { nodes: level.nodes.clone(), ..mesh.clone() };
-    let of_triangle = |triangle: &Triangle| {
-        let samples = mesh.shape(triangle).samples().unwrap().into_iter();
-        samples.map(|sample| sample.interpolate(&triangle.nodes, |node| level.velocities[node]) * sample.weight).sum::<Vector2<f64>>()
-    };
-    mesh.triangles.iter().map(of_triangle).sum()
+    let mut sum = [0.0; 4];
+    for triangle in &mesh.triangles {
+        for sample in mesh.shape(triangle).samples().unwrap() {
+            let velocity = sample.interpolate(&triangle.nodes, |node| level.velocities[node]);
+            let parts = [velocity.x, velocity.y, sample.point.perp(&velocity), 0.5 * velocity.norm_squared()];
+            sum.iter_mut().zip(parts).for_each(|(sum, part)| *sum += sample.weight * part);
+        }
+    }
+    sum
 }
 
 /// A disk is led down in a closed box until a new mesh is made; a flow that goes on from the levels makes the same step.
@@ -622,17 +626,22 @@ fn a_new_mesh_has_the_momentum_of_the_old_one(session: &Session) {
         let centers = [Vector2::new(0.4, 0.6 - 0.02 * step as f64)];
         flow.solve_at(&configuration(&centers, 0.1 * step as f64), &mut |_, _| {}).unwrap().bodies[0].twist
     };
-    let (mut whole, mut before, mut step) = (flow(), Vector2::zeros(), 0);
+    let (mut whole, mut before, mut step) = (flow(), [0.0; 4], 0);
     while whole.cost().meshes < 2 {
         if let (Some(mesh), Some(level)) = (whole.mesh(), whole.mesh_levels().first()) {
-            before = momentum(mesh, level);
+            before = moments(mesh, level);
         }
         solve(&mut whole, step);
         step += 1;
     }
-    let after = momentum(whole.mesh().unwrap(), whole.mesh_levels()[1]);
-    assert!((3..20).contains(&step) && before[1] > 0.0, "{step} steps, momentum {before}");
-    assert!((after - before).norm() < 1e-3 * before.norm(), "{before} and {after}");
+    let after = moments(whole.mesh().unwrap(), whole.mesh_levels()[1]);
+    assert!((3..20).contains(&step) && before[1] > 0.0, "{step} steps, {before:?}");
+    // rounding; velocities interpolated at the nodes miss it by 6e-5 and more
+    for moment in 0..3 {
+        assert!((after[moment] - before[moment]).abs() < 1e-12 * before[1], "{before:?} and {after:?}");
+    }
+    // as the divergence on the new mesh has it, on this coarse one by 1.5e-3
+    assert!((after[3] / before[3] - 1.0).abs() < 3e-3, "{before:?} and {after:?}");
     let mut resumed = flow();
     let past = whole.past().unwrap();
     let last = Snapshot { fluid: None, multipliers: Vec::new(), centers: past.last.centers.clone(), mean_flow: Vec::new() };

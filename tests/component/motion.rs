@@ -349,17 +349,18 @@ fn only_bodies_that_moved_are_assembled_anew(session: &Session) {
     }
 }
 
-/// An oscillation and a path, in steps that do not know of them; in Stokes flow the force follows the velocity.
+/// An oscillation and a path, from the scene and from a table, in steps that do not know of them; in Stokes flow the force follows the velocity.
 fn bodies_on_trajectories_are_where_these_lead_with_fluid_and_without(session: &Session) {
-    for model in ["stokes", "none"] {
+    let listed = "[[0, 0, 0], [0.3, 0.1, 0.2], [0.5, 0, 0.1]]";
+    for (model, path) in [("stokes", listed), ("none", listed), ("none", "\"tests/data/path.csv\"")] {
         let text = format!(
             "domain = {{ size = [8.0, 6.0], y = \"walls\" }}\nflow.model = \"{model}\"\n{}contact.model = \"inelastic\"\n\
              time = {{ end = 0.8, step = \"auto\" }}\n\
              [[bodies]]\nradius = 0.5\ncenters = [[2.0, 3.0]]\nmotion = {{ amplitude = [0.2, -0.1], rotation = 0.3, frequency = 0.5, phase = 0.4 }}\n\
-             [[bodies]]\nradius = 0.5\ncenters = [[6.0, 3.0]]\nmotion = {{ path = [[0, 0, 0], [0.3, 0.1, 0.2], [0.5, 0, 0.1]] }}\n",
+             [[bodies]]\nradius = 0.5\ncenters = [[6.0, 3.0]]\nmotion = {{ path = {path} }}\n",
             if model == "stokes" { "resolution = { cells_per_radius = 4, modes = 4 }\nmethod.tolerance = 1e-9\n" } else { "" }
         );
-        let scene = Scene::parse("trajectories", Path::new("."), &text, &[]).unwrap();
+        let scene = Scene::parse("trajectories", Path::new(env!("CARGO_MANIFEST_DIR")), &text, &[]).unwrap();
         let mut simulation = Simulation::<2>::new(session, &scene).unwrap();
         while !simulation.over() {
             let observation = simulation.evaluate(&mut |_, _| {}).unwrap();

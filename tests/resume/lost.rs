@@ -130,11 +130,13 @@ fn a_series_that_is_removed_or_cut_while_the_run_goes_on_ends_it_with_an_error()
     }
 }
 
-/// Two disks that fall, from a table.
+/// Two disks that fall, from a table, and one that another leads.
 fn tabled(name: &str) -> (PathBuf, PathBuf, PathBuf) {
     let here = folder(name);
     let scene = here.join("column.toml");
-    fs::write(&scene, DRY.replace("count = 12\ngap = 0.1", "file = \"centers.csv\"")).unwrap();
+    let led = "[[bodies]]\nradius = 0.4\ncenters = [[6.0, 6.0]]\nmotion = { path = \"path.csv\" }\n";
+    fs::write(&scene, DRY.replace("count = 12\ngap = 0.1", "file = \"centers.csv\"") + led).unwrap();
+    fs::write(here.join("path.csv"), "time,x,y\n0,0,0\n1.2,0.4,0.3\n").unwrap();
     fs::write(here.join("centers.csv"), "x,y,radius\n2.0,1.5,0.5\n2.2,3.0,0.6\n").unwrap();
     let out = here.join("out");
     (here, scene, out)
@@ -145,7 +147,7 @@ fn a_folder_is_complete_in_itself_and_goes_on_elsewhere() {
     let (here, scene, out) = tabled("moved");
     let once = run(1, &scene, &here.join("once"), &[]);
     run(2, &scene, &out, &["time.end=0.8"]);
-    fs::remove_file(here.join("centers.csv")).unwrap();
+    ["centers.csv", "path.csv"].iter().for_each(|table| fs::remove_file(here.join(table)).unwrap());
     let elsewhere = folder("moved-elsewhere").join("kept");
     assert!(Command::new("mv").args([&out, &elsewhere]).status().unwrap().success());
     resumed(2, &elsewhere, 1.6);

@@ -63,6 +63,21 @@ impl Frame {
         [self.left + self.x.part(x) * (self.right - self.left), self.foot - self.y.part(y) * (self.foot - self.top)]
     }
 
+    /// Whether the ordinate reaches a point.
+    pub fn reaches(&self, point: &[f64; 2]) -> bool {
+        (0.0..=1.0).contains(&self.y.part(point[1]))
+    }
+
+    /// Lines without what is above or below the axes.
+    pub fn clipped(&self, lines: &str) -> String {
+        let (width, height) = (PAGE[0], self.foot - self.top);
+        format!(
+            "<clipPath id=\"axes\"><rect x=\"0\" y=\"{:.1}\" width=\"{width}\" height=\"{height:.1}\"/></clipPath>\n\
+             <g clip-path=\"url(#axes)\">\n{lines}</g>\n",
+            self.top
+        )
+    }
+
     /// A line through points, without those less than half a pixel from the one before.
     pub fn path(&self, points: &[[f64; 2]]) -> String {
         let mut places: Vec<[f64; 2]> = points.iter().map(|&point| self.place(point)).collect();

@@ -100,8 +100,10 @@
       const all = this.column(this.x).filter((value) => value !== null);
       let [left, right] = this.window || [Math.min(...all), Math.max(...all)];
       if (!(right > left)) { left -= 0.5; right += 0.5; }
-      const seen = lines.flatMap(({ points }) => points.filter(([at, y]) => y !== null && at !== null && at >= left && at <= right).map(([, y]) => y));
       const band = this.band();
+      // what the mean leaves out is not to squeeze the rest, unless it is looked at
+      const start = band && !this.window && band.from_to[0] < right ? band.from_to[0] : left;
+      const seen = lines.flatMap(({ points }) => points.filter(([at, y]) => y !== null && at !== null && at >= start && at <= right).map(([, y]) => y));
       if (band && band.from_to[1] > left && band.from_to[0] < right) seen.push(...band.interval);
       const scaled = this.logarithmic ? seen.map(Math.log10) : seen;
       let low = scaled.reduce((least, y) => Math.min(least, y), Infinity), high = scaled.reduce((most, y) => Math.max(most, y), -Infinity);

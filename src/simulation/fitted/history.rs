@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use super::interpolation::velocity;
 use crate::{
-    constraint::fitted::{DiskInertia, Locator, Mesh, MeshInertia, MovingMesh, Place, Rigid, StokesFlow},
+    constraint::fitted::{DiskInertia, Locator, Mesh, MeshInertia, Momentum, MovingMesh, Place, Projection, Rigid, StokesFlow},
     error::Result,
     petsc::Session,
     simulation::{
@@ -44,18 +44,20 @@ impl MeshLevel {
         MeshLevel { time, centers, motions: flow.motions.clone(), nodes: mesh.nodes.clone(), velocities: flow.velocities.clone() }
     }
 
-    /// The same flow on another mesh: where that has its nodes at this time.
+    /// The same flow on another mesh, where that has its nodes at this time: the nearest one with its momentum.
     fn on(&self, old: &Mesh, new: &mut MovingMesh, session: &Session) -> Result<MeshLevel> {
         let mesh = new.at(session, &self.centers)?;
         let disks = mesh.disks.clone();
         let here = Mesh { nodes: self.nodes.clone(), disks, ..old.clone() };
-        let locator = Locator::new(&here);
-        let at = |(node, place): (&Vector2<f64>, &Place)| match *place {
-            Place::Fluid => velocity(&locator, &self.velocities, &self.motions, node),
-            Place::Surface(disk) => Ok(self.motions[disk].at(&mesh.arm(disk, node))),
-            Place::Wall(walls) => Ok(mesh.wall_velocity(walls)),
+        let given = |(node, place): (&Vector2<f64>, &Place)| match *place {
+            Place::Fluid => None,
+            Place::Surface(disk) => Some(self.motions[disk].at(&mesh.arm(disk, node))),
+            Place::Wall(walls) => Some(mesh.wall_velocity(walls)),
         };
-        let velocities = mesh.nodes.iter().zip(&mesh.places).map(at).collect::<Result<_>>()?;
+        let given = mesh.nodes.iter().zip(&mesh.places).map(given).collect();
+        let (locator, momentum) = (Locator::new(&here), Momentum::of(&here, &self.velocities)?);
+        let at = |point: &Vector2<f64>| velocity(&locator, &self.velocities, &self.motions, point);
+        let velocities = Projection::new(&mesh, given)?.solve(session, at, &momentum)?;
         Ok(MeshLevel { nodes: mesh.nodes, velocities, centers: self.centers.clone(), motions: self.motions.clone(), ..*self })
     }
 }

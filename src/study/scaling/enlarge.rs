@@ -54,7 +54,7 @@ pub fn write_enlarged<const D: usize>(scene: &Scene, copies: [usize; D], folder:
         write_whole(&file, table(&given, &scene.domain.size, copies).as_bytes())?;
         changes.push(format!("bodies.{group}.file={:?}", file.to_string_lossy()));
     }
-    let text = Scene::parse(&scene.name, folder, &scene.text, &changes)?.text;
+    let text = Scene::parse(&scene.name, folder, &scene.movable_text()?, &changes)?.text;
     let path = folder.join(format!("{}.toml", scene.name));
     write_whole(&path, text.as_bytes())?;
     Ok(path)
