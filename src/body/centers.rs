@@ -15,13 +15,13 @@ const COLUMNS: [&str; 4] = ["x", "y", "z", "radius"];
 
 /// Reads the centres, and the radii if given, of the bodies in a CSV file; see [`parse_centers`].
 ///
-/// Returns [`Error::File`](crate::Error::File) if the file cannot be read and [`Error::Refused`](crate::Error::Refused) if its text cannot be used.
+/// Returns [`Error::File`](crate::error::Error::File) if the file cannot be read and [`Error::Refused`](crate::error::Error::Refused) if its text cannot be used.
 pub fn read_centers<const D: usize>(path: &Path) -> Result<Vec<(SVector<f64, D>, Option<f64>)>> {
     let text = read_text(path)?;
     parse_centers(&path.display().to_string(), &text)
 }
 
-/// Parses the text of a file of centres, one body a line, with the columns `x,y[,z][,radius]`; see [`parse`].
+/// Parses the text of a file of centres, one body a line, with the columns `x,y[,z][,radius]`.
 pub fn parse_centers<const D: usize>(name: &str, text: &str) -> Result<Vec<(SVector<f64, D>, Option<f64>)>> {
     let columns: Vec<&str> = COLUMNS[..D].iter().chain(&COLUMNS[3..]).copied().collect();
     parse(name, text, &Format { rows: "centres", columns: &columns, required: D }, entry)
