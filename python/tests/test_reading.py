@@ -141,7 +141,7 @@ def test_the_balance_of_energy_adds_up(tmp_path):
         "flow": {"model": "navier-stokes", "density": 1.0},
         "resolution": {"cells_per_radius": 4},
         "bodies": [{"radius": 0.5, "centers": np.array([[1.0, 2.5]]), "density": 2.0}],
-        "time": {"end": 0.2},
+        "time": {"end": 0.2, "step": 0.01},
         "output": {"energy": True},
     }
     energy = turbid.run(scene, out=tmp_path / "falling", ranks=1, progress=False).energy
