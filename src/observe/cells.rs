@@ -7,7 +7,7 @@ use crate::{
     error::Result,
     flow::OpenEnds,
     geometry::Ball,
-    grid::{Grid, Node, operators::signed, stencil::moved},
+    grid::{Grid, Index, Node, operators::signed, stencil::moved},
     petsc::{Scatter, Vector},
 };
 
@@ -65,15 +65,16 @@ pub fn inside<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>]) -> Vec<f64> {
 
 /// Calls `found` with the number of a ball and the place in this rank's block of a cell whose centre it holds, for all of them.
 pub(super) fn visit_inside<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>], mut found: impl FnMut(usize, usize)) {
-    let block = grid.block(D);
     for (number, ball) in balls.iter().enumerate() {
         let center = grid.domain().wrap(ball.center);
-        for index in IndexBox::around(grid, D, &center, ball.radius).indices() {
-            let wrapped = grid.wrapped(index);
-            let mine = (0..D).all(|axis| (block.start[axis]..block.end[axis]).contains(&wrapped[axis]));
-            if mine && (grid.position(D, index) - center).norm() <= ball.radius {
-                found(number, block.offset(wrapped));
-            }
-        }
+        let within = |index: &Index<D>| (grid.position(D, *index) - center).norm() <= ball.radius;
+        let around = IndexBox::around(grid, D, &center, ball.radius);
+        around.indices().filter(within).filter_map(|index| own_place(grid, index)).for_each(|place| found(number, place));
     }
+}
+
+/// The place in this rank's block of a cell, in the box or an image of it, if it is one of this rank's.
+pub(super) fn own_place<const D: usize>(grid: &Grid<D>, cell: Index<D>) -> Option<usize> {
+    let (block, wrapped) = (grid.block(D), grid.wrapped(cell));
+    (0..D).all(|axis| (block.start[axis]..block.end[axis]).contains(&wrapped[axis])).then(|| block.offset(wrapped))
 }

@@ -8,7 +8,10 @@ use std::collections::BTreeMap;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::faces::{DenseFaces, LAYERS, NearFaces};
+use super::{
+    cells::own_place,
+    faces::{DenseFaces, LAYERS, NearFaces},
+};
 use crate::{
     constraint::IndexBox,
     error::Result,
@@ -42,7 +45,8 @@ const CENTER_SLOPE: [f64; 2] = [8.0 / 12.0, -1.0 / 12.0];
 /// # Errors
 /// PETSc fails.
 pub fn dissipation<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>], extended: &Vector, drive: &Drive<D>) -> Result<f64> {
-    let values = NearFaces::new(grid, extended, LAYERS)?.of(grid, extended)?.dense();
+    let mut near = NearFaces::new(grid, extended, LAYERS)?;
+    let values = near.of(grid, extended)?.dense();
     let background = SMatrix::from_fn(|component, axis| drive.slope(component, axis));
     let strain = Strain { values, parts: [weights(&FACES), weights(&CENTERS)], spacing: grid.spacing(), background };
     let outside = outside(grid, balls);
@@ -60,21 +64,21 @@ pub fn dissipation<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>], extended: 
 }
 
 /// The rate of strain of a flow, `2 D : D` of it.
-struct Strain<const D: usize> {
-    values: DenseFaces<D>,
+struct Strain<'a, const D: usize> {
+    values: DenseFaces<'a, D>,
     /// For nodes of a component along its own axis and along another: weights in the values at the middles of the parts, and in their slopes per cell.
     parts: [[Vec<Vec<f64>>; 2]; 2],
     spacing: SVector<f64, D>,
     background: SMatrix<f64, D, D>,
 }
 
-impl<const D: usize> Strain<D> {
+impl<const D: usize> Strain<'_, D> {
     /// At the middle of a cell.
     fn square(&self, cell: Index<D>) -> f64 {
+        let strides = self.values.strides().map(|stride| stride as isize);
         let gradient = SMatrix::from_fn(|component, axis| {
             let (values, at) = self.values.of(component, cell);
-            let along = self.values.stride(component) as isize;
-            let step = if axis == component { 0 } else { self.values.stride(axis) as isize };
+            let (along, step) = (strides[component], strides[axis]);
             let node = |face: isize, steps: isize| values[(at as isize + face * along + steps * step) as usize];
             let slope = if axis == component {
                 (0..4).map(|face| FACE_SLOPE[face] * node(face as isize - 1, 0)).sum::<f64>()
@@ -138,7 +142,6 @@ fn weights<const N: usize>(nodes: &[f64; N]) -> [Vec<Vec<f64>>; 2] {
 
 /// For each of this rank's cells near bodies or in them, by its place in the block, how much of each of its parts lies outside.
 fn outside<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>]) -> BTreeMap<usize, Vec<f64>> {
-    let block = grid.block(D);
     let mut outside = BTreeMap::new();
     for ball in balls {
         let ball = Ball { center: grid.domain().wrap(ball.center), ..*ball };
@@ -146,13 +149,9 @@ fn outside<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>]) -> BTreeMap<usize,
             let nearest = (grid.position(D, *index) - ball.center).component_div(&grid.spacing()).norm() * grid.spacing().min();
             nearest < ball.radius + NEAR * grid.spacing().max()
         };
-        let mine = |index: Index<D>| {
-            let wrapped = grid.wrapped(index);
-            (0..D).all(|axis| (block.start[axis]..block.end[axis]).contains(&wrapped[axis])).then(|| block.offset(wrapped))
-        };
         let around = IndexBox::around(grid, D, &ball.center, ball.radius + NEAR * grid.spacing().max());
         let cells: Vec<(Index<D>, usize)> =
-            around.indices().filter(near).filter_map(|index| mine(index).map(|place| (index, place))).collect();
+            around.indices().filter(near).filter_map(|index| own_place(grid, index).map(|place| (index, place))).collect();
         if cells.is_empty() {
             continue;
         }

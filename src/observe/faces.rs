@@ -1,6 +1,7 @@
 //! Velocities on the faces of a rank's cells and of some layers around them, for stencils.
 
 use crate::{
+    constraint::IndexBox,
     error::Result,
     flow::OpenEnds,
     grid::{
@@ -20,30 +21,23 @@ const BEYOND: [[f64; 3]; 2] = [[8.0 / 3.0, -2.0, 1.0 / 3.0], [8.0, -9.0, 2.0]];
 /// Brings these velocities to this rank; made once for a grid.
 pub struct NearFaces<const D: usize> {
     faces: Scatter,
-    cells: NearCells<D>,
+    cells: IndexBox<D>,
     /// For each cell and each component the place of the lower face among those that are fetched; none where the velocity is zero, on walls.
     places: Vec<Option<usize>>,
-}
-
-/// This rank's cells and layers around them.
-#[derive(Debug, Clone, Copy)]
-struct NearCells<const D: usize> {
-    start: Index<D>,
-    extent: [usize; D],
 }
 
 /// The velocities of one flow.
 pub struct FaceValues<'a, const D: usize> {
     grid: &'a Grid<D>,
     faces: LocalRead<'a>,
-    cells: NearCells<D>,
+    cells: &'a IndexBox<D>,
     places: &'a [Option<usize>],
     ends: Option<OpenEnds<D>>,
 }
 
 /// Velocities at all indices of these cells, those beyond walls included.
-pub struct DenseFaces<const D: usize> {
-    cells: NearCells<D>,
+pub struct DenseFaces<'a, const D: usize> {
+    cells: &'a IndexBox<D>,
     /// Component by component.
     values: Vec<Vec<f64>>,
 }
@@ -55,11 +49,11 @@ impl<const D: usize> NearFaces<D> {
     /// PETSc fails, here and below.
     pub fn new(grid: &Grid<D>, fluid: &Vector, layers: usize) -> Result<NearFaces<D>> {
         let block = grid.block(D);
-        let start: Index<D> = signed(block.start).map(|first| first - layers as isize);
-        let cells = NearCells { start, extent: std::array::from_fn(|axis| block.end[axis] - block.start[axis] + 2 * layers) };
+        let [start, end] =
+            [(block.start, -(layers as isize)), (block.end, layers as isize)].map(|(corner, far)| signed(corner).map(|index| index + far));
+        let cells = IndexBox::between(start, end);
         let (mut wanted, mut places) = (Vec::new(), Vec::new());
-        for place in 0..cells.extent.iter().product() {
-            let index = cells.index(place);
+        for index in cells.indices() {
             for component in 0..D {
                 places.push(unknown(grid, component, index).map(|unknown| {
                     wanted.push(unknown);
@@ -73,15 +67,14 @@ impl<const D: usize> NearFaces<D> {
     /// Those of a fluid vector on the grid. Collective.
     pub fn of<'a>(&'a mut self, grid: &'a Grid<D>, fluid: &Vector) -> Result<FaceValues<'a, D>> {
         let ends = OpenEnds::of(grid, fluid)?;
-        Ok(FaceValues { grid, faces: self.faces.fetch(fluid)?, cells: self.cells, places: &self.places, ends })
+        Ok(FaceValues { grid, faces: self.faces.fetch(fluid)?, cells: &self.cells, places: &self.places, ends })
     }
 }
 
-impl<const D: usize> FaceValues<'_, D> {
+impl<'a, const D: usize> FaceValues<'a, D> {
     /// All of them; beyond a wall a component goes on as it does before it, that across the wall evenly. The box has no open ends.
-    pub fn dense(&self) -> DenseFaces<D> {
-        let count = self.cells.extent.iter().product();
-        let values = (0..D).map(|component| (0..count).map(|place| self.at(component, self.cells.index(place))).collect()).collect();
+    pub fn dense(&self) -> DenseFaces<'a, D> {
+        let values = (0..D).map(|component| self.cells.indices().map(|index| self.at(component, index)).collect()).collect();
         DenseFaces { cells: self.cells, values }
     }
 
@@ -103,6 +96,11 @@ impl<const D: usize> FaceValues<'_, D> {
             let before = |steps: isize| self.at(component, with(if upper { cells - 1 - steps } else { steps }));
             return wall * walls[usize::from(upper)][component] + near * before(0) + far * before(1);
         }
+        self.known(component, index)
+    }
+
+    /// A component at an index of its lattice that is not beyond a wall.
+    fn known(&self, component: usize, index: Index<D>) -> f64 {
         self.places[D * self.cells.place(index) + component].map_or(0.0, |place| self.faces[place])
     }
 
@@ -111,37 +109,20 @@ impl<const D: usize> FaceValues<'_, D> {
         term.weight
             * match (self.ends.as_ref().and_then(|ends| ends.at_site(self.grid, &term.site)), term.site) {
                 (Some(value), _) | (None, Site::Wall { value, .. }) => value,
-                (None, Site::Lattice { field, index }) => {
-                    self.places[D * self.cells.place(index) + field].map_or(0.0, |place| self.faces[place])
-                }
+                (None, Site::Lattice { field, index }) => self.known(field, index),
             }
     }
 }
 
-impl<const D: usize> DenseFaces<D> {
+impl<const D: usize> DenseFaces<'_, D> {
     /// All values of a component, and the place of that at an index.
     pub fn of(&self, component: usize, index: Index<D>) -> (&[f64], usize) {
         (&self.values[component], self.cells.place(index))
     }
 
-    /// Distance between the places of neighbours along an axis.
-    pub fn stride(&self, axis: usize) -> usize {
-        self.cells.extent[..axis].iter().product()
-    }
-}
-
-impl<const D: usize> NearCells<D> {
-    fn index(&self, place: usize) -> Index<D> {
-        let (mut index, mut rest) = (self.start, place);
-        for (index, extent) in index.iter_mut().zip(self.extent) {
-            *index += (rest % extent) as isize;
-            rest /= extent;
-        }
-        index
-    }
-
-    fn place(&self, index: Index<D>) -> usize {
-        (0..D).rev().fold(0, |place, axis| place * self.extent[axis] + (index[axis] - self.start[axis]) as usize)
+    /// Distances between the places of neighbours along each axis.
+    pub fn strides(&self) -> [usize; D] {
+        self.cells.strides()
     }
 }
 

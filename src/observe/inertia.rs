@@ -47,7 +47,7 @@ impl InertialNumbers {
         let stokes = free.map(|body| reynolds(body) * inertia.bodies[body] / (STOKES_OVER_REYNOLDS * inertia.fluid));
         Ok(Some(InertialNumbers {
             kinetic_energy: energy_of_fluid(inertia, grid, solution)?
-                + energy_of(setup, solution, |density| density - inertia.fluid, |_| true),
+                + energy_of((setup, inertia), solution, |density| density - inertia.fluid, |_| true),
             reynolds: (0..setup.bodies.len()).map(reynolds).fold(0.0, f64::max),
             stokes: stokes.fold(0.0, f64::max),
             fastest: fastest(grid, &solution.fluid)?,
@@ -74,8 +74,8 @@ fn square<const D: usize>(grid: &Grid<D>, fluid: &Vector) -> Result<f64> {
 /// PETSc fails.
 pub fn energy_of_movers<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, solution: &Solution<D>) -> Result<f64> {
     let Some(inertia) = &setup.inertia else { return Ok(0.0) };
-    let excess = energy_of(setup, solution, |density| density - inertia.fluid, Body::free);
-    let inside_others = energy_of(setup, solution, |_| inertia.fluid, |body| !body.free());
+    let excess = energy_of((setup, inertia), solution, |density| density - inertia.fluid, Body::free);
+    let inside_others = energy_of((setup, inertia), solution, |_| inertia.fluid, |body| !body.free());
     Ok(energy_of_fluid(inertia, grid, solution)? + excess - inside_others)
 }
 
@@ -86,12 +86,11 @@ fn energy_of_fluid<const D: usize>(inertia: &Inertia<D>, grid: &Grid<D>, solutio
 
 /// Kinetic energy of some bodies if they had another density that theirs decides.
 fn energy_of<const D: usize>(
-    setup: &Setup<D>,
+    (setup, inertia): (&Setup<D>, &Inertia<D>),
     solution: &Solution<D>,
     density: impl Fn(f64) -> f64,
     counts: impl Fn(&Body<D>) -> bool,
 ) -> f64 {
-    let densities = setup.inertia.iter().flat_map(|inertia| &inertia.bodies);
     let of_body = |((suspended, own), state): ((&SuspendedBody<D>, &f64), &BodyState<D>)| {
         let ball = suspended.body.ball;
         let (velocity, spin) = (state.twist.velocity - setup.domain.carried(&state.center), state.twist.spin - setup.domain.carried_spin());
@@ -99,7 +98,7 @@ fn energy_of<const D: usize>(
         let turning = 0.5 * spin.norm_squared() * ball.moment_of_inertia();
         0.5 * density(*own) * (ball.volume() * velocity.norm_squared() + turning)
     };
-    let bodies = setup.bodies.iter().zip(densities).zip(&solution.bodies);
+    let bodies = setup.bodies.iter().zip(&inertia.bodies).zip(&solution.bodies);
     bodies.filter(|((suspended, _), _)| counts(&suspended.body)).map(of_body).sum()
 }
 

@@ -4,33 +4,19 @@ use std::f64::consts::TAU;
 
 use nalgebra::SVector;
 use turbid::{
-    flow::{Drive, Stokes},
+    flow::Drive,
     geometry::{Axis, Ball, Domain},
-    grid::{Grid, operators::signed},
     observe,
-    petsc::{Session, Vector},
+    petsc::Session,
 };
 
-use crate::{Test, fields::grid};
+use crate::{Test, fields::grid, vorticity::filled};
 
 pub fn tests() -> Vec<Test> {
     vec![
         Test::of(the_dissipation_of_a_wave_outside_balls_is_that_of_its_formula),
         Test::of(the_dissipation_between_walls_is_that_of_poiseuille),
     ]
-}
-
-/// A velocity on the grid by its formula.
-fn sampled<const D: usize>(session: &Session, grid: &Grid<D>, velocity: impl Fn(usize, &SVector<f64, D>) -> f64) -> Vector {
-    let mut fluid = Stokes::new(session, grid).vector().unwrap();
-    let mut values = fluid.local_mut().unwrap();
-    for component in 0..D {
-        for (value, index) in values[grid.local_range(component)].iter_mut().zip(grid.block(component).indices()) {
-            *value = velocity(component, &grid.position(component, signed(index)));
-        }
-    }
-    drop(values);
-    fluid
 }
 
 /// Two waves of shear have `2 D : D = (k cos k y)^2 + (2 k sin 2 k x)^2` and the product of both besides; outside balls by a sum over fine cells.
@@ -53,7 +39,7 @@ fn the_dissipation_of_a_wave_outside_balls_is_that_of_its_formula(session: &Sess
         let exact: f64 = all.filter(|x| !within(x)).map(|x| density(&x)).sum::<f64>() * size.powi(D as i32);
         let error = |cells: usize| {
             let grid = grid(session, &domain, cells);
-            let found = observe::dissipation(&grid, &balls, &sampled(session, &grid, wave), &Drive::Rest).unwrap();
+            let found = observe::dissipation(&grid, &balls, &filled(session, &grid, wave), &Drive::Rest).unwrap();
             (found / exact - 1.0).abs()
         };
         let [coarse, finer] = cells.map(error);
@@ -69,7 +55,7 @@ fn the_dissipation_between_walls_is_that_of_poiseuille(session: &Session) {
     let domain = Domain { size: SVector::from([2.0, 1.0]), axes: [Axis::Periodic, still] };
     for cells in [8, 16] {
         let grid = grid(session, &domain, cells);
-        let fluid = sampled(session, &grid, |component, x| if component == 0 { x[1] * (1.0 - x[1]) } else { 0.0 });
+        let fluid = filled(session, &grid, |component, x| if component == 0 { x[1] * (1.0 - x[1]) } else { 0.0 });
         let found = observe::dissipation::<2>(&grid, &[], &fluid, &Drive::Rest).unwrap();
         // the midpoint rule of a square misses a twelfth of the square of the spacing
         let midpoint = 2.0 / 3.0 - 2.0 * 4.0 / 12.0 * grid.spacing()[1].powi(2);

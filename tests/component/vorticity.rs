@@ -27,7 +27,7 @@ pub fn tests() -> Vec<Test> {
 }
 
 /// A fluid vector with the values of a function of the component and the position.
-fn filled<const D: usize>(session: &Session, grid: &Grid<D>, value: impl Fn(usize, &SVector<f64, D>) -> f64) -> Vector {
+pub fn filled<const D: usize>(session: &Session, grid: &Grid<D>, value: impl Fn(usize, &SVector<f64, D>) -> f64) -> Vector {
     let mut fluid = Stokes::new(session, grid).vector().unwrap();
     let mut values = fluid.local_mut().unwrap();
     for component in 0..D {
