@@ -6,13 +6,13 @@
 
 use std::sync::LazyLock;
 
-use nalgebra::{SVector, Vector2};
+use nalgebra::{Complex, SVector, Vector2};
 
 use super::Ball;
 use crate::linalg::gauss_legendre;
 
-/// Gauss's rule of 16 points on `[-1, 1]`.
-static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(16));
+/// Gauss's rule of 12 points on `[-1, 1]`.
+static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(12));
 
 /// The part, from 0 to 1, of the box of the given centre and edge lengths that the ball fills; exact in 2D.
 ///
@@ -47,35 +47,63 @@ pub fn touches<const D: usize>(ball: &Ball<D>, center: &SVector<f64, D>, size: &
 /// Area that the disk around the origin and the rectangle between two corners have in common.
 fn disk_area(radius: f64, [lower, upper]: &[Vector2<f64>; 2]) -> f64 {
     let corners = [*lower, Vector2::new(upper[0], lower[1]), *upper, Vector2::new(lower[0], upper[1])];
-    (0..4).map(|corner| swept(radius, corners[corner], corners[(corner + 1) % 4])).sum()
+    let edges: [Swept; 4] = std::array::from_fn(|corner| swept(radius, corners[corner], corners[(corner + 1) % 4]));
+    let angle: f64 = if lower.max() <= 0.0 && upper.min() >= 0.0 {
+        edges.iter().map(|edge| edge.turn.arg()).sum()
+    } else {
+        // seen from outside, a rectangle takes less than half a turn
+        edges.iter().map(|edge| edge.turn).product::<Complex<f64>>().arg()
+    };
+    edges.iter().map(|edge| edge.triangle).sum::<f64>() + 0.5 * radius * radius * angle
 }
 
-/// Area in the disk that a segment sweeps as seen from the centre, positive if it runs counter-clockwise.
-fn swept(radius: f64, start: Vector2<f64>, end: Vector2<f64>) -> f64 {
+/// What a segment sweeps of a disk as seen from its centre, positive if it runs counter-clockwise.
+struct Swept {
+    /// Area where it lies in the disk.
+    triangle: f64,
+    /// A number whose angle is that by which it turns where it lies outside.
+    turn: Complex<f64>,
+}
+
+fn swept(radius: f64, start: Vector2<f64>, end: Vector2<f64>) -> Swept {
     let along = end - start;
-    let sector = |from: Vector2<f64>, to: Vector2<f64>| 0.5 * radius * radius * from.perp(&to).atan2(from.dot(&to));
+    let turn = |from: Vector2<f64>, to: Vector2<f64>| Complex::new(from.dot(&to), from.perp(&to)) / (radius * radius);
     // |start + t along|^2 = radius^2
     let (square, half) = (along.norm_squared(), start.dot(&along));
     let root = half * half - square * (start.norm_squared() - radius * radius);
     if root <= 0.0 {
-        return sector(start, end);
+        return Swept { triangle: 0.0, turn: turn(start, end) };
     }
     let [enter, leave] = [-1.0, 1.0].map(|sign: f64| ((sign * root.sqrt() - half) / square).clamp(0.0, 1.0));
     let (first, last) = (start + along * enter, start + along * leave);
-    let outside = |from, to, length: f64| if length > 0.0 { sector(from, to) } else { 0.0 };
-    outside(start, first, enter) + 0.5 * first.perp(&last) + outside(last, end, 1.0 - leave)
+    let outside = |from, to, length: f64| if length > 0.0 { turn(from, to) } else { Complex::new(1.0, 0.0) };
+    Swept { triangle: 0.5 * first.perp(&last), turn: outside(start, first, enter) * outside(last, end, 1.0 - leave) }
 }
 
 /// Volume that the ball around the origin and the rectangle between two heights have in common.
 fn slices(radius: f64, rectangle: &[Vector2<f64>; 2], [bottom, top]: [f64; 2]) -> f64 {
     let area = |height: f64| disk_area((radius * radius - height * height).max(0.0).sqrt(), rectangle);
     let heights = turning_heights(radius, rectangle, [bottom.max(-radius), top.min(radius)]);
+    let [nearest, farthest] = distances(rectangle);
     let piece = |ends: &[f64]| {
         let (start, length) = (ends[0], ends[1] - ends[0]);
+        // no slice of a piece passes a corner or an edge
+        let middle = radius * radius - (start + 0.5 * length).powi(2);
+        if middle <= nearest {
+            return 0.0;
+        } else if middle >= farthest {
+            return length * (rectangle[1] - rectangle[0]).product();
+        }
         let at = |t: f64| 6.0 * t * (1.0 - t) * area(start + length * t * t * (3.0 - 2.0 * t));
         0.5 * length * RULE.iter().map(|(node, weight)| weight * at(0.5 * (1.0 + node))).sum::<f64>()
     };
     heights.windows(2).map(piece).sum()
+}
+
+/// Squares of the distances of the nearest and the farthest point of a rectangle from the origin.
+fn distances([lower, upper]: &[Vector2<f64>; 2]) -> [f64; 2] {
+    let nearest = lower.zip_map(upper, |lower, upper| lower.max(-upper).max(0.0));
+    [nearest.norm_squared(), lower.abs().sup(&upper.abs()).norm_squared()]
 }
 
 /// Heights, in order, at which the circle of a slice passes an edge or a corner of the rectangle, with both ends.

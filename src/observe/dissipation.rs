@@ -18,7 +18,7 @@ use crate::{
     flow::Drive,
     geometry::{Ball, fraction},
     grid::{Grid, Index, operators::signed, stencil::moved},
-    linalg::{dot, lagrange, lagrange_slope},
+    linalg::{lagrange, lagrange_slope},
     petsc::Vector,
 };
 
@@ -48,13 +48,13 @@ pub fn dissipation<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>], extended: 
     let mut near = NearFaces::new(grid, extended, LAYERS)?;
     let values = near.of(grid, extended)?.dense();
     let background = SMatrix::from_fn(|component, axis| drive.slope(component, axis));
-    let strain = Strain { values, parts: [weights(&FACES), weights(&CENTERS)], spacing: grid.spacing(), background };
-    let outside = outside(grid, balls);
+    let strain = Strain { values, along: weights(&FACES), across: weights(&CENTERS), spacing: grid.spacing(), background };
+    let (outside, mut squares) = (outside(grid, balls), Squares::default());
     let of_cell = |(place, cell): (usize, [usize; D])| match outside.get(&place) {
         None => strain.square(signed(cell)),
         Some(outside) if outside.iter().all(|part| *part == 0.0) => 0.0,
         Some(outside) => {
-            let squares = strain.squares(signed(cell));
+            let squares = squares.of(&strain, signed(cell));
             outside.iter().zip(squares).map(|(part, square)| part * square).sum::<f64>() / outside.len() as f64
         }
     };
@@ -66,8 +66,10 @@ pub fn dissipation<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>], extended: 
 /// The rate of strain of a flow, `2 D : D` of it.
 struct Strain<'a, const D: usize> {
     values: DenseFaces<'a, D>,
-    /// For nodes of a component along its own axis and along another: weights in the values at the middles of the parts, and in their slopes per cell.
-    parts: [[Vec<Vec<f64>>; 2]; 2],
+    /// For the nodes of a component along its own axis.
+    along: Weights<4>,
+    /// For those along another.
+    across: Weights<5>,
     spacing: SVector<f64, D>,
     background: SMatrix<f64, D, D>,
 }
@@ -91,40 +93,66 @@ impl<const D: usize> Strain<'_, D> {
         doubled_square(&(gradient + self.background))
     }
 
-    /// At the middle of each part of a cell, the last axis fastest.
-    fn squares(&self, cell: Index<D>) -> Vec<f64> {
-        let mut gradients = vec![self.background; PARTS.pow(D as u32)];
-        for component in 0..D {
-            let values = self.nodes(component, cell);
-            for axis in 0..D {
-                let slopes = self.slopes(&values, component, axis);
-                gradients.iter_mut().zip(slopes).for_each(|(gradient, slope)| gradient[(component, axis)] += slope / self.spacing[axis]);
-            }
-        }
-        gradients.iter().map(doubled_square).collect()
-    }
-
-    /// The slopes of a component along an axis at all parts: sums over its nodes, axis by axis from the last one on.
-    fn slopes(&self, values: &[f64], component: usize, along: usize) -> Vec<f64> {
-        (0..D).rev().fold(values.to_vec(), |values, axis| {
-            let [value, slope] = &self.parts[usize::from(axis != component)];
-            let weights = if axis == along { slope } else { value };
-            let sums = |weights: &Vec<f64>| values.chunks_exact(weights.len()).map(|nodes| dot(nodes, weights)).collect::<Vec<_>>();
-            weights.iter().flat_map(sums).collect()
-        })
-    }
-
     /// Values of a component at the nodes around a cell, the last axis fastest.
-    fn nodes(&self, component: usize, cell: Index<D>) -> Vec<f64> {
-        let first = |axis: usize| if axis == component { -1 } else { -2 };
-        let count = |axis: usize| if axis == component { FACES.len() } else { CENTERS.len() };
-        let start: Index<D> = std::array::from_fn(|axis| cell[axis] + first(axis));
-        let end: Index<D> = std::array::from_fn(|axis| start[axis] + count(axis) as isize);
+    fn nodes(&self, component: usize, cell: Index<D>, nodes: &mut Vec<f64>) {
+        let (first, count) = ([-1, -2], [FACES.len(), CENTERS.len()]);
+        let start: Index<D> = std::array::from_fn(|axis| cell[axis] + first[usize::from(axis != component)]);
+        let end: Index<D> = std::array::from_fn(|axis| start[axis] + count[usize::from(axis != component)] as isize);
         let value = |index: Index<D>| {
             let (values, at) = self.values.of(component, index);
             values[at]
         };
-        IndexBox::between(start, end).indices().map(value).collect()
+        nodes.clear();
+        nodes.extend(IndexBox::between(start, end).indices().map(value));
+    }
+}
+
+/// Evaluates a rate of strain in the parts of a cell; keeps memory from cell to cell.
+#[derive(Default)]
+struct Squares<const D: usize> {
+    gradients: Vec<SMatrix<f64, D, D>>,
+    nodes: Vec<f64>,
+    /// Sums over the nodes along some of the axes, and those that come from them.
+    sums: [Vec<f64>; 2],
+}
+
+impl<const D: usize> Squares<D> {
+    /// `2 D : D` at the middle of each part of a cell, the last axis fastest.
+    fn of(&mut self, strain: &Strain<D>, cell: Index<D>) -> impl Iterator<Item = f64> {
+        self.gradients.clear();
+        self.gradients.resize(PARTS.pow(D as u32), strain.background);
+        for component in 0..D {
+            strain.nodes(component, cell, &mut self.nodes);
+            for axis in 0..D {
+                self.add_slopes(strain, component, axis);
+            }
+        }
+        self.gradients.iter().map(doubled_square)
+    }
+
+    /// The slopes of a component along an axis at all parts: sums over its nodes, axis by axis from the last one on.
+    fn add_slopes(&mut self, strain: &Strain<D>, component: usize, slope: usize) {
+        let [sums, next] = &mut self.sums;
+        sums.clone_from(&self.nodes);
+        for axis in (0..D).rev() {
+            let kind = usize::from(axis == slope);
+            if axis == component {
+                contract(sums, &strain.along[kind], next);
+            } else {
+                contract(sums, &strain.across[kind], next);
+            }
+            std::mem::swap(sums, next);
+        }
+        self.gradients.iter_mut().zip(sums).for_each(|(gradient, sum)| gradient[(component, slope)] += *sum / strain.spacing[slope]);
+    }
+}
+
+/// Sums over the last axis of values, one for each part; the parts become the first axis.
+fn contract<const N: usize>(values: &[f64], weights: &[[f64; N]; PARTS], sums: &mut Vec<f64>) {
+    sums.clear();
+    let of_part = |weights: &[f64; N], nodes: &[f64; N]| (0..N).map(|node| nodes[node] * weights[node]).sum::<f64>();
+    for weights in weights {
+        sums.extend(values.as_chunks::<N>().0.iter().map(|nodes| of_part(weights, nodes)));
     }
 }
 
@@ -133,10 +161,12 @@ fn doubled_square<const D: usize>(gradient: &SMatrix<f64, D, D>) -> f64 {
     0.5 * (gradient + gradient.transpose()).norm_squared()
 }
 
-/// Weights of nodes in values and slopes at the middles of the parts of a cell.
-fn weights<const N: usize>(nodes: &[f64; N]) -> [Vec<Vec<f64>>; 2] {
+/// Weights of `N` nodes in the values at the middles of the parts of a cell, and in the slopes there per cell.
+type Weights<const N: usize> = [[[f64; N]; PARTS]; 2];
+
+fn weights<const N: usize>(nodes: &[f64; N]) -> Weights<N> {
     let middle = |part: usize| (part as f64 + 0.5) / PARTS as f64 - 0.5;
-    let of = |rule: fn(&[f64; N], f64) -> [f64; N]| (0..PARTS).map(|part| rule(nodes, middle(part)).to_vec()).collect();
+    let of = |rule: fn(&[f64; N], f64) -> [f64; N]| std::array::from_fn(|part| rule(nodes, middle(part)));
     [of(lagrange), of(lagrange_slope)]
 }
 
@@ -164,35 +194,45 @@ fn outside<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>]) -> BTreeMap<usize,
     outside
 }
 
-/// How much of each part of the cells around a ball it fills, sharpened.
-struct Filled<const D: usize> {
+/// How much of each part of the cells around a ball it fills.
+struct Filled<'a, const D: usize> {
+    ball: &'a Ball<D>,
+    /// Edges of a part.
+    size: SVector<f64, D>,
     parts: IndexBox<D>,
     filled: Vec<f64>,
 }
 
-impl<const D: usize> Filled<D> {
-    fn of(grid: &Grid<D>, ball: &Ball<D>, start: Index<D>, extent: [usize; D]) -> Filled<D> {
+impl<'a, const D: usize> Filled<'a, D> {
+    fn of(grid: &Grid<D>, ball: &'a Ball<D>, start: Index<D>, extent: [usize; D]) -> Filled<'a, D> {
         let (size, parts) = (grid.spacing() / PARTS as f64, PARTS as isize);
-        let boxed = |margin: isize| {
-            let first: Index<D> = start.map(|first| first * parts - margin);
-            IndexBox::between(first, std::array::from_fn(|axis| first[axis] + extent[axis] as isize * parts + 2 * margin))
-        };
-        let (around, inner) = (boxed(1), boxed(0));
+        let first: Index<D> = start.map(|first| first * parts - 1);
+        let around = IndexBox::between(first, std::array::from_fn(|axis| first[axis] + extent[axis] as isize * parts + 2));
         let middle = |index: Index<D>| SVector::from_fn(|axis, _| (index[axis] as f64 + 0.5) * size[axis]);
-        let smeared: Vec<f64> = around.indices().map(|index| fraction(ball, &middle(index), &size)).collect();
-        let at = |index: Index<D>| smeared[around.place(index)];
-        let sharpened = |index: Index<D>| {
-            let second = |axis: usize| at(moved(index, axis, 1)) - 2.0 * at(index) + at(moved(index, axis, -1));
-            at(index) + SHARPENING * (0..D).map(second).sum::<f64>()
-        };
-        let filled = inner.indices().map(sharpened).collect();
-        Filled { parts: inner, filled }
+        let filled = around.indices().map(|index| fraction(ball, &middle(index), &size)).collect();
+        Filled { ball, size, parts: around, filled }
     }
 
-    /// Those of the parts of a cell, the last axis fastest.
+    /// Those of the parts of a cell, sharpened, the last axis fastest.
     fn parts(&self, cell: Index<D>) -> impl Iterator<Item = f64> {
         let first: Index<D> = cell.map(|index| index * PARTS as isize);
         let within = IndexBox::between(first, first.map(|index| index + PARTS as isize));
-        within.indices().map(|index| self.filled[self.parts.place(index)])
+        let cut = self.cuts_around(cell);
+        within.indices().map(move |index| if cut { self.sharpened(index) } else { self.at(index) })
+    }
+
+    /// Whether the surface may pass a cell or a part beside it.
+    fn cuts_around(&self, cell: Index<D>) -> bool {
+        let offset = SVector::from_fn(|axis, _| (cell[axis] as f64 + 0.5) * PARTS as f64 * self.size[axis]) - self.ball.center;
+        (offset.norm() - self.ball.radius).abs() < 0.5 * (PARTS + 2) as f64 * self.size.norm()
+    }
+
+    fn at(&self, index: Index<D>) -> f64 {
+        self.filled[self.parts.place(index)]
+    }
+
+    fn sharpened(&self, index: Index<D>) -> f64 {
+        let second = |axis: usize| self.at(moved(index, axis, 1)) - 2.0 * self.at(index) + self.at(moved(index, axis, -1));
+        self.at(index) + SHARPENING * (0..D).map(second).sum::<f64>()
     }
 }

@@ -26,7 +26,10 @@ use crate::{
 const SNAPSHOTS: [&str; 2] = ["last", "earlier"];
 
 /// Names of the solutions from which a step of a flow with inertia starts.
-const LEVELS: [&str; 2] = ["level", "level_before"];
+const LEVELS: [&str; 3] = ["level", "level_before", "first_level"];
+
+/// How many of them a mesh that fits the bodies keeps.
+const MESH_LEVELS: usize = 2;
 
 /// The name of the statistics.
 const STATISTICS: &str = "statistics";
@@ -97,7 +100,7 @@ pub fn restore<const D: usize>(world: &World, checkpoint: &Checkpoint, simulatio
     match simulation.suspension().filter(|suspension| suspension.evolves()) {
         Some(suspension) if suspension.setup().constraint == ConstraintMethod::Fitted => {
             let bodies = suspension.setup().bodies.len();
-            mesh_levels = names.map(|name| read_mesh_level(checkpoint, bodies, name)).collect::<Result<_>>()?;
+            mesh_levels = names.take(MESH_LEVELS).map(|name| read_mesh_level(checkpoint, bodies, name)).collect::<Result<_>>()?;
         }
         Some(suspension) => levels = names.map(|name| read_level(checkpoint, suspension, name)).collect::<Result<_>>()?,
         None => {}

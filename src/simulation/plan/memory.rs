@@ -30,8 +30,8 @@ pub const CONTACT_BYTES: f64 = 4e3;
 /// Fluid vectors that a run in time keeps to start further solves from.
 const REMEMBERED_VECTORS: f64 = 5.0;
 
-/// Fluid vectors of a flow with inertia: three solutions, of two of them the extended flow and its convection, the rows of a step and what they are made of.
-const INERTIA_VECTORS: f64 = 11.0;
+/// Fluid vectors of a flow with inertia: four solutions, of three of them the extended flow and its convection, the rows of a step and what they are made of.
+const INERTIA_VECTORS: f64 = 14.0;
 
 /// Bytes that a flow takes on all ranks together.
 pub fn bytes<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, counts: &[usize], in_time: bool) -> f64 {

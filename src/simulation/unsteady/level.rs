@@ -4,6 +4,10 @@
 //! lies outside: so the flow is extended into bodies by its jump functions, `u + D`, as deep as steps and stencils reach. In convection only
 //! the tangential traction counts: the pressure of a step comes from its convection, and would come back into the next one larger. Methods without
 //! jump functions take the field on the grid as it is.
+//!
+//! Jump functions are those of slow multipliers, the means over the time in which viscosity passes half a cell. In steps shorter than that a multiplier moves the
+//! grid's velocity by `h^2 / (nu dt)` times less than its jump function says, so that what is wrong by rounding or a coarse grid would grow from
+//! step to step where a body passes points: a disk that moves half a cell a step at 36 for the Reynolds number of a cell was unstable.
 
 use nalgebra::{DVector, SVector};
 
@@ -56,7 +60,7 @@ pub struct Extended {
 
 /// Unknowns inside bodies of this rank, near their surfaces, and the jumps there.
 #[derive(Default)]
-struct Band {
+pub struct Band {
     places: Vec<usize>,
     /// By the whole traction.
     whole: Vec<f64>,
@@ -73,12 +77,11 @@ impl<const D: usize> Level<D> {
         }
         let mut jumps = vec![0.0; surface.modes.jump_count()];
         surface.modes.velocity_jumps(offset.as_slice(), component, &mut jumps);
-        dot(&jumps, &self.coefficients(body, &self.multipliers[body]))
+        dot(&jumps, &self.coefficients(body, &self.slow[body]))
     }
 
-    /// The flow extended into bodies, where there are `kinds` with jump functions, and its convection on the grid of that time. Collective.
-    pub fn extended(&self, kinds: Option<&BodyTypes<D>>, convection: &mut Convection<D>) -> Result<Extended> {
-        let mut band = kinds.map_or_else(Band::default, |kinds| self.band(convection.grid(), kinds));
+    /// The flow extended into bodies with their jumps, and its convection on the grid of that time. Collective.
+    pub fn extended(&self, mut band: Band, convection: &mut Convection<D>) -> Result<Extended> {
         let largest = LARGEST_JUMP * fastest(convection.grid(), &self.fluid)?;
         band.tangential.iter_mut().for_each(|jump| *jump = jump.clamp(-largest, largest));
         let mut scatter = Scatter::new(&self.fluid, &band.places)?;
@@ -89,8 +92,7 @@ impl<const D: usize> Level<D> {
     }
 
     /// The velocity, that outside bodies extended into them. Collective.
-    pub fn velocity_outside(&self, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Result<Vector> {
-        let band = self.band(grid, kinds);
+    pub fn velocity_outside(&self, band: &Band) -> Result<Vector> {
         self.with_jumps(&mut Scatter::new(&self.fluid, &band.places)?, &band.whole)
     }
 
@@ -102,7 +104,8 @@ impl<const D: usize> Level<D> {
         Ok(extended)
     }
 
-    fn band(&self, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Band {
+    /// The jumps in bodies on the grid of that time.
+    pub fn band(&self, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Band {
         let mut band = Band::default();
         (0..self.centers.len()).for_each(|body| self.extend(grid, kinds, body, &mut band));
         band
@@ -110,9 +113,9 @@ impl<const D: usize> Level<D> {
 
     /// Adds the points inside a body near its surface, if it is this rank's.
     fn extend(&self, grid: &Grid<D>, kinds: &BodyTypes<D>, body: usize, band: &mut Band) {
-        let (surface, multipliers) = (kinds.surface(body), DVector::from_column_slice(&self.multipliers[body]));
+        let (surface, multipliers) = (kinds.surface(body), DVector::from_column_slice(&self.slow[body]));
         let (radius, count) = (surface.modes.radius(), surface.modes.jump_count());
-        let whole = self.coefficients(body, &self.multipliers[body]);
+        let whole = self.coefficients(body, &self.slow[body]);
         let tangential = self.coefficients(body, (kinds.tangential(body) * multipliers).as_slice());
         let deepest = (radius - DEPTH * grid.spacing().max()).max(CORE * radius);
         let mut offsets = vec![Vec::new(); D];

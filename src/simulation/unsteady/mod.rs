@@ -11,16 +11,17 @@ mod momentum;
 mod rows;
 mod scheme;
 
-use std::time::Instant;
+use std::{cell::OnceCell, time::Instant};
 
 use nalgebra::{SMatrix, SVector};
 
 pub use self::level::Level;
 use self::{
     damping::{damp, lag, slowed},
-    level::{Extended, Point, each_inside},
+    level::{Band, Extended, Point, each_inside},
     momentum::Momentum,
     rows::{Past, kept},
+    scheme::convection_weights,
 };
 pub(super) use self::{longest::longest_step, momentum::inertia, scheme::StepWeights};
 use super::{
@@ -45,6 +46,9 @@ use crate::{
     petsc::{Scatter, Session, Stage, Vector, enter},
 };
 
+/// Solutions from which a step starts: two for the rate of change, one more for convection.
+const LEVELS: usize = 3;
+
 /// Change of the shift, as a part, that is rounding of time steps.
 const ROUNDING: f64 = 1e-7;
 
@@ -63,6 +67,8 @@ pub struct UnsteadySuspension<const D: usize> {
     convection: Convection<D>,
     /// The last solution.
     current: Option<Level<D>>,
+    /// Its jumps in bodies, once they are known.
+    band: OnceCell<Band>,
     /// The solutions before it, from which its step started.
     past: Vec<(Level<D>, Extended)>,
     assembly: Option<Assembly<D>>,
@@ -85,7 +91,18 @@ impl<const D: usize> UnsteadySuspension<D> {
         let convection = Convection::new(&fixed.grid, &fixed.undisturbed.0)?;
         let cost = Cost { setup: start.elapsed().as_secs_f64(), grid_unknowns: fixed.grid.fluid_unknowns(), ..Cost::default() };
         let (past, assembly) = (Vec::new(), None);
-        Ok(UnsteadySuspension { fixed, inverse: None, convection, current: None, past, assembly, workspace: None, guess: None, cost })
+        Ok(UnsteadySuspension {
+            fixed,
+            inverse: None,
+            convection,
+            current: None,
+            band: OnceCell::new(),
+            past,
+            assembly,
+            workspace: None,
+            guess: None,
+            cost,
+        })
     }
 
     fn inertia(&self) -> &Inertia<D> {
@@ -100,20 +117,22 @@ impl<const D: usize> UnsteadySuspension<D> {
     /// Makes the last solution a past one, if time has gone on.
     fn settle(&mut self, time: f64) -> Result<()> {
         if let Some(level) = self.current.take_if(|level| level.time < time) {
-            self.remember_level(level, 0)?;
+            let band = self.band.take();
+            self.remember_level(level, band, 0)?;
         }
         Ok(())
     }
 
-    fn remember_level(&mut self, level: Level<D>, place: usize) -> Result<()> {
-        let kinds = self.fixed.method.jumps().then_some(&self.fixed.kinds);
+    fn remember_level(&mut self, level: Level<D>, band: Option<Band>, place: usize) -> Result<()> {
         let domain = self.fixed.setup.domain.clone().at(level.time);
         if *self.convection.grid().domain() != domain {
             self.convection = Convection::new(&self.fixed.grid.slid(&domain)?, &level.fluid)?;
         }
-        let extended = level.extended(kinds, &mut self.convection)?;
+        let found = || if self.fixed.method.jumps() { level.band(self.convection.grid(), &self.fixed.kinds) } else { Band::default() };
+        let band = band.unwrap_or_else(found);
+        let extended = level.extended(band, &mut self.convection)?;
         self.past.insert(place, (level, extended));
-        self.past.truncate(2);
+        self.past.truncate(LEVELS);
         Ok(())
     }
 
@@ -232,7 +251,9 @@ impl<const D: usize> UnsteadySuspension<D> {
         let fastest = fastest(&self.fixed.grid, &self.past[0].0.fluid)?;
         let kept = kept(&self.fixed.grid, weights.step, inverse_diffusivity, fastest);
         let levels: Vec<(&Level<D>, &Extended)> = self.past.iter().map(|(level, extended)| (level, extended)).collect();
-        let past = Past { levels: &levels, weights, inverse_diffusivity, kept };
+        let times: Vec<f64> = self.past.iter().map(|(level, _)| level.time).collect();
+        let convection = convection_weights(times[0] + weights.step, &times);
+        let past = Past { levels: &levels, weights, convection, inverse_diffusivity, kept };
         let kinds = self.fixed.method.jumps().then_some(&self.fixed.kinds);
         let mut rows = past.rows(&self.fixed.grid, kinds, centers)?;
         add_drive(&self.fixed.grid, &setup.drive, setup.viscosity, &mut rows)?;
@@ -338,12 +359,13 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
     }
 
     fn levels(&self) -> Vec<&Level<D>> {
-        self.current.iter().chain(self.past.first().map(|(level, _)| level)).collect()
+        self.current.iter().chain(self.past.iter().map(|(level, _)| level)).take(LEVELS).collect()
     }
 
     fn extended_flow(&self) -> Result<Option<Vector>> {
         let level = self.current.as_ref().filter(|_| self.fixed.method.jumps());
-        level.map(|level| level.velocity_outside(&self.fixed.grid, &self.fixed.kinds)).transpose()
+        let band = |level: &Level<D>| level.band(&self.fixed.grid, &self.fixed.kinds);
+        level.map(|level| level.velocity_outside(self.band.get_or_init(|| band(level)))).transpose()
     }
 
     fn multiplier_counts(&self) -> Vec<usize> {
@@ -354,7 +376,8 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
     fn restore_levels(&mut self, levels: Vec<Level<D>>) -> Result<()> {
         let mut levels = levels.into_iter();
         (self.current, self.past) = (levels.next(), Vec::new());
-        levels.try_for_each(|level| self.remember_level(level, self.past.len()))
+        self.band.take();
+        levels.try_for_each(|level| self.remember_level(level, None, self.past.len()))
     }
 
     fn solve(&mut self, _: ResidualMonitor) -> Result<Solution<D>> {
@@ -407,6 +430,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         let (time, centers) = (configuration.time, configuration.centers.to_vec());
         let slow = slowed(&self.past[0].0.slow, &multipliers, lag);
         self.current = Some(Level { time, fluid: solution.fluid.copied()?, multipliers, slow, centers, twists, spin_ups });
+        self.band.take();
         Ok(solution)
     }
 }

@@ -1,7 +1,7 @@
 //! The right-hand side of a step: what the flow brings from earlier times.
 //!
 //! ```text
-//! rho (g1 u0 + g2 u-)/dt + rho (e1 N0 + e0 N-), with the other sign
+//! rho (g1 u0 + g2 u-)/dt + rho (e0 N0 + e1 N- + e2 N--), with the other sign
 //! ```
 //!
 //! outside bodies of the extended flows. Inside, where the flow is a rigid motion, convection is `w x (w x r)` and more of that motion, and the
@@ -26,10 +26,12 @@ const RELAXATION: f64 = 2.0;
 
 /// The levels from which a step starts, the last one first.
 pub struct Past<'a, const D: usize> {
-    /// One or two.
+    /// One to three, of which convection is extrapolated; the last one or two are the history.
     pub levels: &'a [(&'a Level<D>, &'a Extended)],
     /// Of the step.
     pub weights: StepWeights,
+    /// Of the convection of the levels.
+    pub convection: [f64; 3],
     /// Mass per volume over viscosity.
     pub inverse_diffusivity: f64,
     /// Part of what the inside is not as it should be that is kept.
@@ -49,16 +51,19 @@ impl<const D: usize> Past<'_, D> {
         let mut rows = self.levels[0].1.velocity.like()?;
         for (place, (_, extended)) in self.levels.iter().enumerate() {
             let [history, convection] = self.factors(place);
+            let weighed =
+                [(history, &extended.velocity), (convection, &extended.convection)].into_iter().filter(|(factor, _)| *factor != 0.0);
             match self.followed(grid, place, &rows)? {
                 Some(mut followed) => {
-                    for (factor, field) in [(history, &extended.velocity), (convection, &extended.convection)] {
+                    for (factor, field) in weighed {
                         let values = followed.fetch(field)?;
                         rows.local_mut()?.iter_mut().zip(values.iter()).for_each(|(row, value)| *row += factor * value);
                     }
                 }
                 None => {
-                    rows.add(history, &extended.velocity)?;
-                    rows.add(convection, &extended.convection)?;
+                    for (factor, field) in weighed {
+                        rows.add(factor, field)?;
+                    }
                 }
             }
         }
@@ -87,7 +92,8 @@ impl<const D: usize> Past<'_, D> {
 
     /// What a velocity and its convection of a level weigh.
     fn factors(&self, level: usize) -> [f64; 2] {
-        [-self.weights.rate[level + 1], -self.weights.extrapolation[level]].map(|weight| weight * self.inverse_diffusivity)
+        let rate = self.weights.rate.get(level + 1).copied().unwrap_or(0.0);
+        [rate, self.convection[level]].map(|weight| -weight * self.inverse_diffusivity)
     }
 
     fn replace_inside(&self, grid: &Grid<D>, kinds: &BodyTypes<D>, centers: &[SVector<f64, D>], rows: &mut Vector) -> Result<()> {
@@ -108,8 +114,10 @@ impl<const D: usize> Past<'_, D> {
             for ((wanted, point), velocity) in wanted.iter_mut().zip(&points).zip(velocities.iter()) {
                 let (rigid, Point { component, frame, shear, .. }) = (at.rigid(point), &point.point);
                 let along = (at.twists[point.body].spin * (rigid - frame))[*component];
-                let field = (rigid - shear)[*component] + self.kept * at.deviation(kinds, point, *velocity);
-                *wanted += history * field + convection * along;
+                *wanted += convection * along;
+                if history != 0.0 {
+                    *wanted += history * ((rigid - shear)[*component] + self.kept * at.deviation(kinds, point, *velocity));
+                }
             }
         }
         scatter.places()?.copy_from_slice(&wanted);

@@ -1,5 +1,10 @@
 //! The backward differentiation formula of second order, with steps of any length; of first order in the first step.
 
+/// Part of the second difference of convection that is added to its linear extrapolation. All of it would make that of third order; with this part errors are
+/// a third of those of the linear one, and where there is no viscosity waves that move up to 0.7 cells a step do not grow. By the linear one
+/// alone they grow, at half a cell by 7 % a step.
+const SECOND_DIFFERENCE: f64 = 2.0 / 3.0;
+
 /// Weights of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepWeights {
@@ -23,8 +28,22 @@ impl StepWeights {
     }
 }
 
+/// Weights of convection at up to three earlier times, the last one first, in that at a time.
+pub fn convection_weights(time: f64, earlier: &[f64]) -> [f64; 3] {
+    let &[last, before, ..] = earlier else { return [1.0, 0.0, 0.0] };
+    let (step, last_step) = (time - last, last - before);
+    let linear = [1.0 + step / last_step, -step / last_step, 0.0];
+    let Some(first_step) = earlier.get(2).map(|first| before - first) else { return linear };
+    let both = last_step + first_step;
+    let part = SECOND_DIFFERENCE * step * (step + last_step);
+    let divided = [1.0 / (last_step * both), -1.0 / (last_step * first_step), 1.0 / (first_step * both)];
+    std::array::from_fn(|level| linear[level] + part * divided[level])
+}
+
 #[cfg(test)]
 mod tests {
+    use nalgebra::Complex;
+
     use super::*;
 
     #[test]
@@ -38,5 +57,43 @@ mod tests {
             let line = extrapolation[0] * 1.0 + extrapolation[1] * (1.0 - 4.0 * last);
             assert!((line - (1.0 + 4.0 * step)).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn convection_is_extrapolated_to_second_order_and_with_more_levels_better() {
+        let (parabola, times) = (|t: f64| 3.0 - 2.0 * t + 5.0 * t * t, [0.0, -0.1, -0.25]);
+        let error = |levels: usize| {
+            let weights = convection_weights(0.2, &times[..levels]);
+            weights.iter().zip(times).map(|(weight, time)| weight * parabola(time)).sum::<f64>() - parabola(0.2)
+        };
+        assert!((error(1) - (parabola(0.0) - parabola(0.2))).abs() < 1e-14);
+        let linear = error(2);
+        assert!(linear.abs() > 0.1 && (error(3) - (1.0 - SECOND_DIFFERENCE) * linear).abs() < 1e-14);
+    }
+
+    /// The largest factor by which a wave that moves so many cells a step grows in a step, from one step to the next.
+    fn growth(cells: f64, diffusion: f64) -> f64 {
+        let weights = [StepWeights::new(1.0, Some(1.0)).rate, convection_weights(1.0, &[0.0, -1.0, -2.0])];
+        let mut levels = [Complex::new(1.0, 0.0), Complex::new(0.3, 0.4), Complex::new(-0.2, 0.1)];
+        let mut size = 1.0;
+        for step in 0..400 {
+            let history: Complex<f64> = (0..2).map(|level| levels[level] * weights[0][level + 1]).sum();
+            let convection: Complex<f64> = (0..3).map(|level| levels[level] * weights[1][level]).sum();
+            let next = -(history + convection * Complex::new(0.0, cells)) / (weights[0][0] + diffusion);
+            levels = [next, levels[0], levels[1]];
+            if step == 200 {
+                size = next.norm();
+            }
+        }
+        (levels[0].norm() / size).powf(1.0 / 200.0)
+    }
+
+    #[test]
+    fn waves_without_viscosity_do_not_grow_at_courant_number_one_half() {
+        for cells in [0.05, 0.2, 0.4, 0.5, 0.6] {
+            let growth = growth(cells, 0.0);
+            assert!(growth <= 1.0, "{cells}: {growth}");
+        }
+        assert!(growth(0.8, 0.0) > 1.01);
     }
 }
