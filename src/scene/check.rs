@@ -88,8 +88,7 @@ fn check_chains(scene: &Scene) -> Result<()> {
     let beads = scene.bodies[group].chain.map_or(0, |chain| chain.beads);
     let expect = |right, remedy| expect(scene, right, &format!("{}.beads", scene.group_key(group)), beads, remedy);
     let dry = scene.flow.model == FlowModel::None;
-    let cells = scene.bodies.iter().any(|bodies| bodies.chain.is_some_and(|chain| chain.shape == ChainShape::Cell));
-    expect(scene.flow.model.fluid() || dry && !cells, "are beads in a fluid; set flow.model = \"stokes\" or \"navier-stokes\"")?;
+    expect(scene.flow.model.fluid() || dry, "are beads with mass or in a fluid; set flow.model = \"none\", \"stokes\" or \"navier-stokes\"")?;
     expect(dry || scene.method.constraint == ConstraintMethod::Sharp, "need method.constraint = \"sharp\"")?;
     expect(scene.time.is_some(), "move over a time step; add [time]")?;
     let fixed = scene.bodies.iter().position(|bodies| bodies.chain.is_some_and(|chain| chain.joints == Joint::Fixed));

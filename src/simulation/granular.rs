@@ -6,6 +6,7 @@ use super::{
     Effort, GranularSetup, Moving, Observation, ResidualMonitor, State, StepOutcome, Stepper,
     granular_chains::{Accelerated, GranularStep},
     granular_ties::Ties,
+    granular_together::{Together, Wanting},
     migration::{self, Constants},
     neighbours::Neighbours,
     step_control::{BodyMotion, StepControl},
@@ -23,6 +24,9 @@ use crate::{
 
 /// Rounds that bonds and contacts are given to agree.
 const MOST_ROUNDS: usize = 2000;
+
+/// Rounds in which they are held in turn before both are solved at once.
+const ALTERNATING: usize = 0;
 
 /// Difference between the places that bonds and contacts want after a step, in radii of the smallest body, that counts as agreement.
 const AGREEMENT: f64 = 1e-7;
@@ -182,7 +186,7 @@ impl<const D: usize> Granular<D> {
     }
 
     /// Velocities that keep contacts and ties, next to those wanted.
-    fn keep_apart(&self, state: &State<D>, ties: Option<&Ties<D>>, moves: &[Twist<D>], step: f64) -> Result<Kept<D>> {
+    fn keep_apart(&self, state: &State<D>, ties: Option<&mut Ties<D>>, moves: &[Twist<D>], step: f64) -> Result<Kept<D>> {
         let Some(ties) = ties else {
             let (projection, stuck) = self.project(state, moves, step)?;
             return Ok(Kept { projection, stuck, free: Vec::new() });
@@ -191,7 +195,8 @@ impl<const D: usize> Granular<D> {
         let (peers, mut target) = (self.peers(), moves.to_vec());
         let smallest = peers.min(self.radii.iter().copied().fold(f64::INFINITY, f64::min));
         let (mut contacts, mut apart) = (Accelerated::new(self.by_last_contacts(state, step)), f64::INFINITY);
-        for _ in 0..MOST_ROUNDS {
+        let mut together = Together::new();
+        for round in 0..MOST_ROUNDS {
             let free: Vec<SVector<f64, D>> = wanted.iter().zip(&contacts.ahead).map(|(wanted, change)| wanted + change).collect();
             let tied = ties.hold(peers, &free);
             for (body, twist) in target.iter_mut().enumerate() {
@@ -204,6 +209,12 @@ impl<const D: usize> Granular<D> {
             if apart <= AGREEMENT * smallest {
                 return Ok(Kept { projection, stuck, free });
             }
+            if std::env::var("DBG").is_ok() { eprintln!("t {} round {round} apart {apart:e} {}", state.time, projection.projection.forces.len()); }
+            together.meet(&projection, &self.lower_bounds(state, step));
+            if let Some(changes) = ties.rows().filter(|_| round >= ALTERNATING).and_then(|rows| self.at_once(peers, state, &together, &wanted, &rows, step)) {
+                contacts = Accelerated::new(changes);
+                continue;
+            }
             contacts.advance(peers, kept.iter().zip(&target).map(|(kept, target)| kept - target.velocity).collect(), &self.masses());
         }
         Err(Error::Diverged(format!(
@@ -211,6 +222,12 @@ impl<const D: usize> Granular<D> {
              time.step or softer chains may help",
             state.time
         )))
+    }
+
+    fn at_once(&self, peers: Peers, state: &State<D>, together: &Together<D>, wanted: &[SVector<f64, D>], rows: &[crate::contact::Tie<D>], step: f64) -> Option<Vec<SVector<f64, D>>> {
+        let (numbers, balls, masses) = (state.numbers(), state.balls(&self.radii), self.masses());
+        let own = Wanting { domain: &self.domain, numbers: &numbers, balls: &balls, masses: &masses, velocities: wanted, step };
+        together.changes(peers, &own, rows)
     }
 
     /// What the contact forces of the last step would change velocities by. Collective.
@@ -306,17 +323,17 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         let mut moves: Vec<Twist<D>> = observation.twists.iter().zip(&self.known.accelerations).map(pushed).collect();
         let given = self.trajectories.mean_twists(state.time, step);
         given.for_each(|(body, twist)| state.place(body).into_iter().for_each(|place| moves[place] = twist));
-        let ties = Ties::new(self.peers(), &self.interactions, (state, &self.bodies), &moves, GranularStep { length: step, push });
+        let mut ties = Ties::new(self.peers(), &self.interactions, (state, &self.bodies), &moves, GranularStep { length: step, push });
         let (mut contacts, mut stuck, mut kkt_report) = (self.known.contacts.clone(), Vec::new(), None);
         let mut free = Vec::new();
         let touch = self.interactions.touch();
         if touch == Some(Touch::Hard) {
-            let kept = self.keep_apart(state, ties.as_ref(), &moves, step)?;
+            let kept = self.keep_apart(state, ties.as_mut(), &moves, step)?;
             let ProjectionShare { projection, view } = kept.projection;
             moves.iter_mut().zip(&projection.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
             contacts.extend(projection.forces.iter().map(|force| ContactForce { contact: view.numbered(&force.contact), ..*force }));
             (stuck, free, kkt_report) = (kept.stuck, kept.free, Some(projection.kkt_report));
-        } else if let Some(ties) = &ties {
+        } else if let Some(ties) = &mut ties {
             free = velocities(&moves);
             moves.iter_mut().zip(ties.hold(self.peers(), &free)).for_each(|(twist, velocity)| twist.velocity = velocity);
         }

@@ -12,7 +12,8 @@ use super::{State, implicit_springs::StepAhead};
 use crate::{
     body::Halo,
     constraint::lubrication::RigidFunctional,
-    interaction::{BondRow, Interactions, Spring},
+    contact::Tie,
+    interaction::{BondRow, Conserved, Interactions, Spring},
     linalg::Skyline,
     parallel::Peers,
 };
@@ -23,9 +24,16 @@ const LEAST_IMPLICIT: f64 = 1e-9;
 /// Part by which diagonal entries are larger, so that rods that depend on others have a factor.
 const DEPENDENT: f64 = 1e-12;
 
+/// Corrections of the rates of areas and volumes by what these miss after the step, and the part of one that is rounding.
+const CORRECTIONS: usize = 30;
+const KEPT: f64 = 1e-13;
+
 /// The chains with beads of this rank, in a step.
 pub struct GranularChains<const D: usize> {
     halo: Halo,
+    /// Where the beads are before the step.
+    centers: Vec<SVector<f64, D>>,
+    step: GranularStep,
     /// Force that gives a body a unit velocity over the step.
     resistances: Vec<f64>,
     chains: Vec<GranularChain<D>>,
@@ -44,6 +52,8 @@ pub struct GranularStep {
 struct GranularChain<const D: usize> {
     rows: Vec<BondRow<D>>,
     factor: Skyline,
+    /// What it keeps, of which the last rows are.
+    conserved: Vec<Conserved>,
 }
 
 impl<const D: usize> GranularChains<D> {
@@ -81,23 +91,43 @@ impl<const D: usize> GranularChains<D> {
             room: 0.0,
             least: LEAST_IMPLICIT,
         };
-        let solved =
-            |chain: &&Range<usize>| GranularChain::new(rule.rows(&springs(chain, 0.0), &springs(chain, step.length)), &resistances);
+        let conserved = interactions.conserved();
+        let placed = |kept: &Conserved| {
+            let first = place(kept.bodies.start);
+            Conserved { bodies: first..first + kept.bodies.len(), ..kept.clone() }
+        };
+        let of_chain = |chain: &Range<usize>| conserved.iter().filter(|kept| kept.bodies.start == chain.start).map(placed).collect();
+        let solved = |chain: &&Range<usize>| {
+            GranularChain::new(rule.rows(&springs(chain, 0.0), &springs(chain, step.length)), of_chain(chain), &resistances)
+        };
         let chains = seen.iter().map(solved).collect();
-        GranularChains { chains, halo, resistances }
+        GranularChains { chains, halo, centers, step, resistances }
     }
 
     /// The velocities of the own bodies by bonds alone, next to wanted ones. Collective.
-    pub fn hold(&self, peers: Peers, wanted: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
+    pub fn hold(&mut self, peers: Peers, wanted: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
         let mut velocities = self.halo.spread_vectors(peers, wanted);
-        self.chains.iter().for_each(|chain| chain.hold(&mut velocities, &self.resistances));
+        let before = (&self.centers[..], self.step.length);
+        self.chains.iter_mut().for_each(|chain| chain.hold_exactly(&mut velocities, &self.resistances, before));
         self.halo.own().iter().map(|&place| velocities[place]).collect()
+    }
+
+    /// The rows of the chains of which this rank owns the first bead, between bodies by number, for forces that act on velocities over the whole step.
+    pub fn ties(&self) -> Vec<Tie<D>> {
+        let own = |chain: &&GranularChain<D>| chain.rows.iter().flat_map(|row| &row.ends).map(|end| end.0).min().is_some_and(|first| self.halo.owns(first));
+        let number = |(body, side): &(usize, RigidFunctional<D>)| (self.halo.numbers()[*body], side.direction);
+        let tie = |row: &BondRow<D>| Tie {
+            ends: row.ends.iter().map(number).collect(),
+            rate: row.rate,
+            compliance: row.compliance * self.step.length / self.step.push,
+        };
+        self.chains.iter().filter(own).flat_map(|chain| &chain.rows).map(tie).collect()
     }
 }
 
 impl<const D: usize> GranularChain<D> {
-    fn new(mut rows: Vec<BondRow<D>>, resistances: &[f64]) -> Self {
-        // in the order of the last bead of each, so that rows of neighbours are beside each other
+    fn new(mut rows: Vec<BondRow<D>>, conserved: Vec<Conserved>, resistances: &[f64]) -> Self {
+        // in the order of the last bead of each, so that rows of neighbours are beside each other; those of what is kept stay the last
         rows.sort_by_key(|row| row.ends.iter().map(|(body, _)| *body).max());
         let entry = |one: usize, other: usize| {
             let of_body = |(body, side): &(usize, RigidFunctional<D>)| {
@@ -115,7 +145,27 @@ impl<const D: usize> GranularChain<D> {
             matrix.add(row, row, entry(row, row) * (1.0 + DEPENDENT) + rows[row].compliance);
         }
         let factor = matrix.factor();
-        GranularChain { rows, factor }
+        GranularChain { rows, factor, conserved }
+    }
+
+    /// Holds beads with these centres over a step so that what the chain keeps is kept after it, and remembers the rates that this takes.
+    fn hold_exactly(&mut self, velocities: &mut [SVector<f64, D>], resistances: &[f64], (centers, step): (&[SVector<f64, D>], f64)) {
+        let beads = self.conserved.first().map_or(0..0, |kept| kept.bodies.clone());
+        let wanted = velocities[beads.clone()].to_vec();
+        for _ in 0..CORRECTIONS {
+            velocities[beads.clone()].copy_from_slice(&wanted);
+            self.hold(velocities, resistances);
+            let mut missed = 0.0_f64;
+            let first = self.rows.len() - self.conserved.len();
+            for (kept, row) in self.conserved.iter().zip(&mut self.rows[first..]) {
+                let missing = kept.measured(&|body: usize| centers[body] + velocities[body] * step) - kept.value;
+                missed = missed.max(missing.abs() / kept.value);
+                row.rate -= missing / step;
+            }
+            if missed <= KEPT {
+                break;
+            }
+        }
     }
 
     fn hold(&self, velocities: &mut [SVector<f64, D>], resistances: &[f64]) {

@@ -8,7 +8,7 @@ use super::{
     granular_clusters::GranularClusters,
     migration::Constants,
 };
-use crate::{body::Twist, interaction::Interactions, parallel::Peers};
+use crate::{body::Twist, contact::Tie, interaction::Interactions, parallel::Peers};
 
 /// The ties of the bodies of this rank.
 pub struct Ties<const D: usize> {
@@ -34,10 +34,15 @@ impl<const D: usize> Ties<D> {
     }
 
     /// The velocities that carry the own bodies over the step by ties alone, next to wanted ones. Collective.
-    pub fn hold(&self, peers: Peers, wanted: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
-        let bonded = self.chains.as_ref().map(|chains| chains.hold(peers, wanted));
+    pub fn hold(&mut self, peers: Peers, wanted: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
+        let bonded = self.chains.as_mut().map(|chains| chains.hold(peers, wanted));
         let bonded = bonded.as_deref().unwrap_or(wanted);
         self.clusters.as_ref().map_or_else(|| bonded.to_vec(), |clusters| clusters.hold(peers, bonded))
+    }
+
+    /// The rows of bonds of which this rank tells others, as [`GranularChains::ties`]; none where there are clusters too, which no rows describe.
+    pub fn rows(&self) -> Option<Vec<Tie<D>>> {
+        self.chains.as_ref().filter(|_| self.clusters.is_none()).map(GranularChains::ties)
     }
 
     /// Turns balls of clusters over the step, and gives them the motions that they have at its end, as [`GranularClusters::turn`]. Collective.
