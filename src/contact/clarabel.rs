@@ -12,20 +12,31 @@ const FEASIBILITY: f64 = 1e-9;
 /// Small, so that forces on open gaps fade; feasibility follows by itself and would, if small, stop progress.
 const DUALITY_GAP: f64 = 1e-12;
 
-/// Solves a program; `None` if the solver does not accept it.
-pub(super) fn solve_by_clarabel(program: &Program) -> Option<Answer> {
-    solve_with_equations(program.transposed.clone(), &[], &program.offsets)
+/// What the method found.
+pub(super) struct GeneralAnswer {
+    /// Multipliers and slacks of the inequalities.
+    pub multipliers: Vec<f64>,
+    pub slacks: Vec<f64>,
+    pub iterations: usize,
+    pub infeasible: bool,
 }
 
-/// Finds the multipliers of `A x + c >= 0` where `x` is least and meets equations too, `B x = b`; `None` if the solver does not accept it. Columns of
-/// `transposed` are first the rows of `B`, then those of `A`.
-pub(super) fn solve_with_equations(transposed: CscMatrix<f64>, equations: &[f64], offsets: &[f64]) -> Option<Answer> {
+/// Solves a program; `None` if the solver does not accept it.
+pub(super) fn solve_by_clarabel(program: &Program) -> Option<Answer> {
+    let GeneralAnswer { multipliers, iterations, infeasible, .. } = solve_general(&program.transposed, &[], &program.offsets)?;
+    Some(Answer { multipliers, iterations, infeasible })
+}
+
+/// The least `x` with `B x = b` and `A x + c >= 0`, where columns of `transposed` are the rows of `B`, then those of `A`; `None` if the solver does not
+/// accept it.
+pub(super) fn solve_general(transposed: &CscMatrix<f64>, equations: &[f64], offsets: &[f64]) -> Option<GeneralAnswer> {
     let unknowns = transposed.m;
     let metric = CscMatrix::identity(unknowns);
     let mut matrix = CscMatrix::from(transposed.t());
     matrix.nzval.iter_mut().for_each(|value| *value = -*value);
     let sides: Vec<f64> = equations.iter().map(|side| -side).chain(offsets.iter().copied()).collect();
-    let cones = [SupportedConeT::ZeroConeT(equations.len()), SupportedConeT::NonnegativeConeT(offsets.len())];
+    let equal = (!equations.is_empty()).then_some(SupportedConeT::ZeroConeT(equations.len()));
+    let cones: Vec<SupportedConeT<f64>> = equal.into_iter().chain([SupportedConeT::NonnegativeConeT(offsets.len())]).collect();
     let settings = DefaultSettings {
         verbose: false,
         presolve_enable: false,
@@ -35,11 +46,13 @@ pub(super) fn solve_with_equations(transposed: CscMatrix<f64>, equations: &[f64]
         tol_gap_rel: DUALITY_GAP,
         ..DefaultSettings::default()
     };
-    let cones = if equations.is_empty() { &cones[1..] } else { &cones[..] };
-    let mut solver = DefaultSolver::new(&metric, &vec![0.0; unknowns], &matrix, &sides, cones, settings).ok()?;
+    let mut solver = DefaultSolver::new(&metric, &vec![0.0; unknowns], &matrix, &sides, &cones, settings).ok()?;
     solver.solve();
-    if std::env::var("DBG").is_ok() { let i=&solver.info; eprintln!("  {} eq {} ineq {} it {} {:?} pres {:e} dres {:e} gap {:e} {:e}", unknowns, equations.len(), offsets.len(), i.iterations, solver.solution.status, i.res_primal, i.res_dual, i.gap_abs, i.gap_rel); }
     let infeasible = matches!(solver.solution.status, SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible);
-    let multipliers = solver.solution.z.split_off(equations.len());
-    Some(Answer { multipliers, iterations: solver.solution.iterations as usize, infeasible })
+    Some(GeneralAnswer {
+        multipliers: solver.solution.z.split_off(equations.len()),
+        slacks: solver.solution.s.split_off(equations.len()),
+        iterations: solver.solution.iterations as usize,
+        infeasible,
+    })
 }

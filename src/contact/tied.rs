@@ -1,15 +1,15 @@
 //! Bodies that are tied to each other and touch: contact forces that keep them apart where ties act at the same time.
 //!
 //! `min 1/2 sum_i w_i |v_i - wanted_i|^2 + 1/2 sum_t c_t f_t^2` subject to `sum d_i . v_i + c_t f_t = rate_t` for each [`Tie`] and
-//! `gap + dt opening(v) >= 0` for each [`Contact`]: one convex program, solved by an interior point (Clarabel). A contact that may pull does so with its
-//! least force from the start, so that its multiplier is what it bears besides.
+//! `gap + dt opening(v) >= 0` for each [`Contact`]: one convex program. A contact that may pull does so with its least force from the start, so that its
+//! multiplier is what it bears besides.
 
 use std::collections::BTreeMap;
 
 use clarabel::algebra::CscMatrix;
 use nalgebra::SVector;
 
-use super::{ContactForce, clarabel::solve_with_equations, force::pushes, union_find::UnionFind};
+use super::{Contact, ContactForce, force::pushes, tied_program::TiedProgram, union_find::UnionFind};
 
 /// Smallest violation, in distances of centres, that the unknowns are scaled by.
 const SMALLEST_SCALE: f64 = 1e-7;
@@ -25,6 +25,17 @@ pub struct Tie<const D: usize> {
     pub compliance: f64,
 }
 
+/// A contact of tied bodies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TiedContact<const D: usize> {
+    /// The contact.
+    pub contact: Contact<D>,
+    /// The least force that it may bear, not positive.
+    pub least: f64,
+    /// Whether it is likely to bear more.
+    pub presses: bool,
+}
+
 /// Bodies with ties and contacts that want to move for one step.
 #[derive(Debug, Clone, Copy)]
 pub struct TiedProblem<'a, const D: usize> {
@@ -34,8 +45,8 @@ pub struct TiedProblem<'a, const D: usize> {
     pub velocities: &'a [SVector<f64, D>],
     /// What ties them.
     pub ties: &'a [Tie<D>],
-    /// Contacts, each with the least force that it may bear.
-    pub contacts: &'a [ContactForce<D>],
+    /// Where they touch or may.
+    pub contacts: &'a [TiedContact<D>],
     /// Length of the step.
     pub step: f64,
 }
@@ -73,20 +84,21 @@ impl<const D: usize> TiedProblem<'_, D> {
 
     /// The forces at the contacts of an island; none if it has no solution.
     fn solve(&self, island: &TiedIsland) -> Option<Vec<ContactForce<D>>> {
-        let contacts: Vec<ContactForce<D>> = island.contacts.iter().map(|&contact| self.contacts[contact]).collect();
-        let pulled = pushes(self.velocities.len(), contacts.iter().copied());
-        let velocity = |body: usize| if self.gives_way(body) { self.velocities[body] + pulled[body] / self.weights[body] } else { self.velocities[body] };
+        let contacts: Vec<TiedContact<D>> = island.contacts.iter().map(|&contact| self.contacts[contact]).collect();
+        let pulled = pushes(self.velocities.len(), contacts.iter().map(|contact| ContactForce { contact: contact.contact, force: contact.least }));
+        let velocity = |body: usize| self.velocities[body] + pulled[body] / self.weights[body];
         let (ties, softs) = self.tie_rows(island, &velocity);
-        let touching: Vec<ScaledRow> = contacts.iter().map(|force| self.contact_row(island, &velocity, force)).collect();
-        let violated = |row: &ScaledRow| (-row.side).max(0.0);
-        let unit = ties.iter().map(|row| row.side.abs()).chain(touching.iter().map(violated)).fold(0.0, f64::max);
-        let least = |(row, force): (&ScaledRow, &ContactForce<D>)| SMALLEST_SCALE * force.contact.separation / self.step * row.scale;
+        let touching: Vec<ScaledRow> = contacts.iter().map(|contact| self.contact_row(island, &velocity, &contact.contact)).collect();
+        let unit = ties.iter().map(|row| row.side.abs()).chain(touching.iter().map(|row| -row.side)).fold(0.0, f64::max);
+        let least = |(row, contact): (&ScaledRow, &TiedContact<D>)| SMALLEST_SCALE * contact.contact.separation / self.step * row.scale;
         let unit = touching.iter().zip(&contacts).map(least).fold(unit, f64::max);
         let sides = |rows: &[ScaledRow]| -> Vec<f64> { rows.iter().map(|row| row.side / unit).collect() };
-        let matrix = columns(D * island.bodies.len() + softs, ties.iter().chain(&touching));
-        let answer = solve_with_equations(matrix, &sides(&ties), &sides(&touching)).filter(|answer| !answer.infeasible)?;
-        let found = contacts.into_iter().zip(&touching).zip(answer.multipliers);
-        Some(found.map(|((force, row), multiplier)| ContactForce { force: force.force + multiplier * unit * row.scale, ..force }).collect())
+        let transposed = columns(D * island.bodies.len() + softs, ties.iter().chain(&touching));
+        let program = TiedProgram { transposed, equations: sides(&ties), offsets: sides(&touching) };
+        let multipliers = program.solve(&contacts.iter().map(|contact| contact.presses).collect::<Vec<bool>>())?;
+        let found = contacts.into_iter().zip(&touching).zip(multipliers);
+        let force = |((contact, row), multiplier): ((TiedContact<D>, &ScaledRow), f64)| contact.least + multiplier * unit * row.scale;
+        Some(found.map(|found| ContactForce { contact: found.0.0.contact, force: force(found) }).collect())
     }
 
     /// Rows of ties in the unknowns `sqrt(w) (v - wanted)`, and `sqrt(c) f` of the soft ones, of which the number is given too.
@@ -104,8 +116,7 @@ impl<const D: usize> TiedProblem<'_, D> {
         (rows, softs)
     }
 
-    fn contact_row(&self, island: &TiedIsland, velocity: &impl Fn(usize) -> SVector<f64, D>, force: &ContactForce<D>) -> ScaledRow {
-        let contact = &force.contact;
+    fn contact_row(&self, island: &TiedIsland, velocity: &impl Fn(usize) -> SVector<f64, D>, contact: &Contact<D>) -> ScaledRow {
         let other = contact.other().map(|other| (other, contact.normal));
         let ends = [Some((contact.body, -contact.normal)), other].into_iter().flatten();
         let moving: f64 = ends.clone().map(|(body, direction)| direction.dot(&velocity(body))).sum();
@@ -126,7 +137,7 @@ impl<const D: usize> TiedProblem<'_, D> {
         let mut sets = UnionFind::new(self.weights.len());
         let free = |bodies: Vec<usize>| -> Vec<usize> { bodies.into_iter().filter(|&body| self.gives_way(body)).collect() };
         let tied: Vec<Vec<usize>> = self.ties.iter().map(|tie| free(tie.ends.iter().map(|(body, _)| *body).collect())).collect();
-        let touching = |force: &ContactForce<D>| free([Some(force.contact.body), force.contact.other()].into_iter().flatten().collect());
+        let touching = |touching: &TiedContact<D>| free([Some(touching.contact.body), touching.contact.other()].into_iter().flatten().collect());
         let touching: Vec<Vec<usize>> = self.contacts.iter().map(touching).collect();
         tied.iter().chain(&touching).for_each(|bodies| bodies.windows(2).for_each(|pair| sets.join(pair[0], pair[1])));
         let mut islands: BTreeMap<usize, TiedIsland> = BTreeMap::new();

@@ -5,7 +5,7 @@ use std::fmt::Display;
 use crate::error::Result;
 use crate::flow::InverseMethod;
 use crate::scene::{
-    AxisSection, BodyGroup, ChainShape, Colour, ConstraintMethod, ContactModel, Drive, FlowModel, Joint, LubricationModel, Motion,
+    AxisSection, BodyGroup, Colour, ConstraintMethod, ContactModel, Drive, FlowModel, Joint, LubricationModel, Motion,
     MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy,
 };
 

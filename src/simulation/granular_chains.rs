@@ -4,7 +4,7 @@
 //! touch are held by both in turn (Dykstra's projections, of which each knows what the other changed), until both agree. That is a proximal gradient
 //! method on the changes by contacts, accelerated as by Beck and Teboulle (2009), from anew where it turns back (O'Donoghue and Candes 2015).
 
-use std::ops::Range;
+use std::{collections::BTreeSet, ops::Range};
 
 use nalgebra::SVector;
 
@@ -50,10 +50,13 @@ pub struct GranularStep {
 
 /// The rows of a chain, whose ends are places in the halo.
 struct GranularChain<const D: usize> {
+    beads: Range<usize>,
     rows: Vec<BondRow<D>>,
     factor: Skyline,
     /// What it keeps, of which the last rows are.
     conserved: Vec<Conserved>,
+    /// The largest part by which one of these was missed last.
+    missed: f64,
 }
 
 impl<const D: usize> GranularChains<D> {
@@ -98,7 +101,8 @@ impl<const D: usize> GranularChains<D> {
         };
         let of_chain = |chain: &Range<usize>| conserved.iter().filter(|kept| kept.bodies.start == chain.start).map(placed).collect();
         let solved = |chain: &&Range<usize>| {
-            GranularChain::new(rule.rows(&springs(chain, 0.0), &springs(chain, step.length)), of_chain(chain), &resistances)
+            let (first, rows) = (place(chain.start), rule.rows(&springs(chain, 0.0), &springs(chain, step.length)));
+            GranularChain::new(first..first + chain.len(), rows, of_chain(chain), &resistances)
         };
         let chains = seen.iter().map(solved).collect();
         GranularChains { chains, halo, centers, step, resistances }
@@ -112,21 +116,29 @@ impl<const D: usize> GranularChains<D> {
         self.halo.own().iter().map(|&place| velocities[place]).collect()
     }
 
-    /// The rows of the chains of which this rank owns the first bead, between bodies by number, for forces that act on velocities over the whole step.
-    pub fn ties(&self) -> Vec<Tie<D>> {
-        let own = |chain: &&GranularChain<D>| chain.rows.iter().flat_map(|row| &row.ends).map(|end| end.0).min().is_some_and(|first| self.halo.owns(first));
-        let number = |(body, side): &(usize, RigidFunctional<D>)| (self.halo.numbers()[*body], side.direction);
+    /// The rows of chains with any of these bodies, of which this rank owns the first bead: ties of bodies by number, by forces that act on velocities
+    /// over the whole step.
+    pub fn ties(&self, touching: &BTreeSet<usize>) -> Vec<Tie<D>> {
+        let numbers = self.halo.numbers();
+        let touches = |chain: &&GranularChain<D>| {
+            self.halo.owns(chain.beads.start) && chain.beads.clone().any(|bead| touching.contains(&numbers[bead]))
+        };
         let tie = |row: &BondRow<D>| Tie {
-            ends: row.ends.iter().map(number).collect(),
+            ends: row.ends.iter().map(|(body, side)| (numbers[*body], side.direction)).collect(),
             rate: row.rate,
             compliance: row.compliance * self.step.length / self.step.push,
         };
-        self.chains.iter().filter(own).flat_map(|chain| &chain.rows).map(tie).collect()
+        self.chains.iter().filter(touches).flat_map(|chain| &chain.rows).map(tie).collect()
+    }
+
+    /// The largest part by which something that chains keep was missed when they were held last, after all corrections.
+    pub fn missed(&self) -> f64 {
+        self.chains.iter().map(|chain| chain.missed).fold(0.0, f64::max)
     }
 }
 
 impl<const D: usize> GranularChain<D> {
-    fn new(mut rows: Vec<BondRow<D>>, conserved: Vec<Conserved>, resistances: &[f64]) -> Self {
+    fn new(beads: Range<usize>, mut rows: Vec<BondRow<D>>, conserved: Vec<Conserved>, resistances: &[f64]) -> Self {
         // in the order of the last bead of each, so that rows of neighbours are beside each other; those of what is kept stay the last
         rows.sort_by_key(|row| row.ends.iter().map(|(body, _)| *body).max());
         let entry = |one: usize, other: usize| {
@@ -145,24 +157,23 @@ impl<const D: usize> GranularChain<D> {
             matrix.add(row, row, entry(row, row) * (1.0 + DEPENDENT) + rows[row].compliance);
         }
         let factor = matrix.factor();
-        GranularChain { rows, factor, conserved }
+        GranularChain { beads, rows, factor, conserved, missed: 0.0 }
     }
 
     /// Holds beads with these centres over a step so that what the chain keeps is kept after it, and remembers the rates that this takes.
     fn hold_exactly(&mut self, velocities: &mut [SVector<f64, D>], resistances: &[f64], (centers, step): (&[SVector<f64, D>], f64)) {
-        let beads = self.conserved.first().map_or(0..0, |kept| kept.bodies.clone());
-        let wanted = velocities[beads.clone()].to_vec();
+        let wanted = velocities[self.beads.clone()].to_vec();
+        let first = self.rows.len() - self.conserved.len();
         for _ in 0..CORRECTIONS {
-            velocities[beads.clone()].copy_from_slice(&wanted);
+            velocities[self.beads.clone()].copy_from_slice(&wanted);
             self.hold(velocities, resistances);
-            let mut missed = 0.0_f64;
-            let first = self.rows.len() - self.conserved.len();
+            self.missed = 0.0;
             for (kept, row) in self.conserved.iter().zip(&mut self.rows[first..]) {
                 let missing = kept.measured(&|body: usize| centers[body] + velocities[body] * step) - kept.value;
-                missed = missed.max(missing.abs() / kept.value);
+                self.missed = self.missed.max(missing.abs() / kept.value);
                 row.rate -= missing / step;
             }
-            if missed <= KEPT {
+            if self.missed <= KEPT {
                 break;
             }
         }

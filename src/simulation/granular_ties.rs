@@ -1,5 +1,7 @@
 //! What ties dry bodies to each other in a step: bonds of chains and rigid clusters.
 
+use std::collections::BTreeSet;
+
 use nalgebra::SVector;
 
 use super::{
@@ -40,9 +42,14 @@ impl<const D: usize> Ties<D> {
         self.clusters.as_ref().map_or_else(|| bonded.to_vec(), |clusters| clusters.hold(peers, bonded))
     }
 
-    /// The rows of bonds of which this rank tells others, as [`GranularChains::ties`]; none where there are clusters too, which no rows describe.
-    pub fn rows(&self) -> Option<Vec<Tie<D>>> {
-        self.chains.as_ref().filter(|_| self.clusters.is_none()).map(GranularChains::ties)
+    /// Bonds as rows, as [`GranularChains::ties`]; none where there are clusters too, which no rows describe.
+    pub fn rows(&self, touching: &BTreeSet<usize>) -> Option<Vec<Tie<D>>> {
+        self.chains.as_ref().filter(|_| self.clusters.is_none()).map(|chains| chains.ties(touching))
+    }
+
+    /// See [`GranularChains::missed`].
+    pub fn missed(&self) -> f64 {
+        self.chains.as_ref().map_or(0.0, GranularChains::missed)
     }
 
     /// Turns balls of clusters over the step, and gives them the motions that they have at its end, as [`GranularClusters::turn`]. Collective.

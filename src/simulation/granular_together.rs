@@ -2,20 +2,22 @@
 //!
 //! Every rank gathers the contacts that are known so far, the chains that they concern and the bodies of both, and solves its part of the islands.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::SVector;
 
+use super::granular_ties::Ties;
 use crate::{
-    contact::{Contact, ContactForce, Identity, ProjectionShare, Tie, TiedProblem, bodies_of, pack, packed_length, renamed, unpack},
+    contact::{Contact, ContactForce, Identity, ProjectionShare, Tie, TiedContact, TiedProblem, bodies_of, pack, packed_length, renamed, unpack},
     geometry::{Ball, Domain},
     parallel::Peers,
 };
 
 /// The contacts that projections of a step have found so far.
+#[derive(Default)]
 pub struct Together<const D: usize> {
-    /// By bodies' numbers those that this rank answers for, each with the least force that it may bear.
-    contacts: BTreeMap<Identity<D>, f64>,
+    /// By bodies' numbers those that this rank answers for, each with the least force that it may bear, and whether it bore more last.
+    contacts: BTreeMap<Identity<D>, (f64, bool)>,
 }
 
 /// The own bodies of a rank, which want to move over a step.
@@ -28,84 +30,100 @@ pub struct Wanting<'a, const D: usize> {
     pub step: f64,
 }
 
-/// A body as it travels.
-struct Body<const D: usize> {
-    ball: Ball<D>,
-    mass: f64,
-    velocity: SVector<f64, D>,
+/// Bodies of all ranks, in the order of their numbers.
+struct Gathered<const D: usize> {
+    numbers: Vec<usize>,
+    balls: Vec<Ball<D>>,
+    weights: Vec<f64>,
+    velocities: Vec<SVector<f64, D>>,
 }
 
 impl<const D: usize> Together<D> {
-    pub fn new() -> Self {
-        Together { contacts: BTreeMap::new() }
-    }
-
-    /// Takes note of the contacts of a projection; of those in `lower_bounds`, which are sorted by identity, some force may be negative.
+    /// Takes note of the contacts of a projection; those that may pull are in `lower_bounds`, sorted by identity.
     pub fn meet(&mut self, found: &ProjectionShare<D>, lower_bounds: &[ContactForce<D>]) {
-        let answered = found.projection.forces.iter().filter(|force| found.view.answers(force.contact.identity()));
-        for identity in answered.map(|force| found.view.identity(&force.contact)) {
+        for met in found.projection.forces.iter().filter(|met| found.view.answers(met.contact.identity())) {
+            let identity = found.view.identity(&met.contact);
             let bound = lower_bounds.binary_search_by_key(&identity, |bound| bound.contact.identity());
-            self.contacts.insert(identity, bound.map_or(0.0, |place| lower_bounds[place].force));
+            let least = bound.map_or(0.0, |place| lower_bounds[place].force);
+            self.contacts.insert(identity, (least, met.force > least));
         }
     }
 
-    /// What contacts change velocities by where these rows tie bodies by number too; none where no velocities keep both. Collective.
-    pub fn changes(&self, peers: Peers, own: &Wanting<D>, rows: &[Tie<D>]) -> Option<Vec<SVector<f64, D>>> {
-        let letters: Vec<f64> = self.contacts.iter().flat_map(|(identity, bound)| pack(*identity, *bound)).collect();
-        let contacts: Vec<(Identity<D>, f64)> = peers.gather(&letters).chunks(packed_length::<D>()).map(unpack).collect();
-        let touching: BTreeSet<usize> = contacts.iter().flat_map(|(identity, _)| bodies_of(*identity)).collect();
-        let ties = gathered_ties(peers, rows, &touching);
+    /// What contacts change velocities by where bonds act too; nothing where no velocities keep both, or clusters act as well. Collective.
+    pub fn changes(&self, peers: Peers, own: &Wanting<D>, ties: &Ties<D>) -> Option<Vec<SVector<f64, D>>> {
+        let contacts = self.gathered(peers);
+        let touching: BTreeSet<usize> = contacts.iter().flat_map(|(identity, ..)| bodies_of(*identity)).collect();
+        let ties = gathered_ties(peers, &ties.rows(&touching)?);
         let tied = ties.iter().flat_map(|tie| tie.ends.iter().map(|end| end.0));
         let bodies = own.gathered(peers, &touching.iter().copied().chain(tied).collect());
-        let numbers: Vec<usize> = bodies.keys().copied().collect();
-        let place_of: HashMap<usize, usize> = numbers.iter().enumerate().map(|(place, &number)| (number, place)).collect();
-        let balls: Vec<Ball<D>> = bodies.values().map(|body| body.ball).collect();
-        let weights: Vec<f64> = bodies.values().map(|body| body.mass / own.step).collect();
-        let velocities: Vec<SVector<f64, D>> = bodies.values().map(|body| body.velocity).collect();
-        let placed = |(identity, force): &(Identity<D>, f64)| ContactForce {
-            contact: Contact::again(own.domain, &balls, renamed(*identity, |number| place_of[&number])),
-            force: *force,
+        let placed = |&(identity, least, presses): &(Identity<D>, f64, bool)| {
+            let contact = Contact::again(own.domain, &bodies.balls, renamed(identity, |number| bodies.place(number)));
+            TiedContact { contact, least, presses }
         };
-        let contacts: Vec<ContactForce<D>> = contacts.iter().map(placed).collect();
-        let ties: Vec<Tie<D>> = ties
-            .into_iter()
-            .map(|tie| Tie { ends: tie.ends.into_iter().map(|(number, direction)| (place_of[&number], direction)).collect(), ..tie })
-            .collect();
-        let problem = TiedProblem { weights: &weights, velocities: &velocities, ties: &ties, contacts: &contacts, step: own.step };
-        let found = problem.changes(peers.rank(), peers.count());
+        let contacts: Vec<TiedContact<D>> = contacts.iter().map(placed).collect();
+        let tie = |tie: Tie<D>| Tie { ends: tie.ends.into_iter().map(|(number, direction)| (bodies.place(number), direction)).collect(), ..tie };
+        let ties: Vec<Tie<D>> = ties.into_iter().map(tie).collect();
+        let Gathered { weights, velocities, .. } = &bodies;
+        let found = TiedProblem { weights, velocities, ties: &ties, contacts: &contacts, step: own.step }.changes(peers.rank(), peers.count());
         if peers.any(found.is_none()) {
             return None;
         }
-        let mut changes: Vec<f64> = found?.iter().flat_map(|change| change.iter().copied().collect::<Vec<f64>>()).collect();
+        let mut changes: Vec<f64> = found?.iter().flat_map(|change| <[f64; D]>::from(*change)).collect();
         peers.sum(&mut changes);
-        let change = |number: &usize| place_of.get(number).map_or(SVector::zeros(), |&place| SVector::from_column_slice(&changes[D * place..D * (place + 1)]));
-        Some(own.numbers.iter().map(change).collect())
+        let of_body = |number: &usize| {
+            let place = bodies.numbers.binary_search(number).ok();
+            place.map_or(SVector::zeros(), |place| SVector::from_column_slice(&changes[D * place..D * (place + 1)]))
+        };
+        Some(own.numbers.iter().map(of_body).collect())
+    }
+
+    /// The contacts of all ranks. Collective.
+    fn gathered(&self, peers: Peers) -> Vec<(Identity<D>, f64, bool)> {
+        let letter = |(identity, (least, presses)): (&Identity<D>, &(f64, bool))| [pack(*identity, *least), vec![f64::from(*presses)]].concat();
+        let letters: Vec<f64> = self.contacts.iter().flat_map(letter).collect();
+        let read = |letter: &[f64]| {
+            let (identity, least) = unpack(letter);
+            (identity, least, letter[packed_length::<D>()] > 0.0)
+        };
+        let mut contacts: Vec<(Identity<D>, f64, bool)> = peers.gather(&letters).chunks(packed_length::<D>() + 1).map(read).collect();
+        contacts.sort_by_key(|contact| contact.0);
+        contacts
     }
 }
 
 impl<const D: usize> Wanting<'_, D> {
-    /// Those bodies of all ranks that are asked for, by their numbers. Collective.
-    fn gathered(&self, peers: Peers, asked: &BTreeSet<usize>) -> BTreeMap<usize, Body<D>> {
+    /// Those bodies of all ranks that are asked for. Collective.
+    fn gathered(&self, peers: Peers, asked: &BTreeSet<usize>) -> Gathered<D> {
         let mut letters = Vec::new();
         for (place, number) in self.numbers.iter().enumerate().filter(|(_, number)| asked.contains(number)) {
             letters.extend([*number as f64, self.masses[place], self.balls[place].radius]);
             letters.extend(self.balls[place].center.iter().chain(self.velocities[place].iter()));
         }
-        let read = |numbers: &[f64]| {
-            let (center, velocity) = numbers[3..].split_at(D);
-            let ball = Ball { center: SVector::from_column_slice(center), radius: numbers[2] };
-            (numbers[0] as usize, Body { ball, mass: numbers[1], velocity: SVector::from_column_slice(velocity) })
-        };
-        peers.gather(&letters).chunks(3 + 2 * D).map(read).collect()
+        let letters = peers.gather(&letters);
+        let mut bodies: Vec<&[f64]> = letters.chunks(3 + 2 * D).collect();
+        bodies.sort_by_key(|body| body[0] as usize);
+        let vector = |numbers: &[f64]| SVector::from_column_slice(&numbers[..D]);
+        Gathered {
+            numbers: bodies.iter().map(|body| body[0] as usize).collect(),
+            balls: bodies.iter().map(|body| Ball { center: vector(&body[3..]), radius: body[2] }).collect(),
+            weights: bodies.iter().map(|body| body[1] / self.step).collect(),
+            velocities: bodies.iter().map(|body| vector(&body[3 + D..])).collect(),
+        }
     }
 }
 
-/// The rows of all ranks that hang together with these bodies, in the order of their first bodies. Collective.
-fn gathered_ties<const D: usize>(peers: Peers, rows: &[Tie<D>], touching: &BTreeSet<usize>) -> Vec<Tie<D>> {
+impl<const D: usize> Gathered<D> {
+    fn place(&self, number: usize) -> usize {
+        self.numbers.binary_search(&number).expect("bodies of contacts and bonds are gathered")
+    }
+}
+
+/// The ties of all ranks, in the order of their bodies. Collective.
+fn gathered_ties<const D: usize>(peers: Peers, own: &[Tie<D>]) -> Vec<Tie<D>> {
     let mut letters = Vec::new();
-    for tie in rows {
+    for tie in own {
         letters.extend([tie.ends.len() as f64, tie.rate, tie.compliance]);
-        tie.ends.iter().for_each(|(number, direction)| letters.extend(std::iter::once(*number as f64).chain(direction.iter().copied())));
+        tie.ends.iter().for_each(|(number, direction)| letters.extend([*number as f64].iter().chain(direction.iter())));
     }
     let letters = peers.gather(&letters);
     let (mut ties, mut rest) = (Vec::new(), &letters[..]);
@@ -115,5 +133,7 @@ fn gathered_ties<const D: usize>(peers: Peers, rows: &[Tie<D>], touching: &BTree
         ties.push(Tie { ends: ends.chunks(1 + D).map(end).collect(), rate: *rate, compliance: *compliance });
         rest = next;
     }
+    // stable: rows of a chain come from one rank and keep their order
+    ties.sort_by_key(|tie| tie.ends.iter().map(|end| end.0).max());
     ties
 }
