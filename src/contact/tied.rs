@@ -85,7 +85,8 @@ impl<const D: usize> TiedProblem<'_, D> {
     /// The forces at the contacts of an island; none if it has no solution.
     fn solve(&self, island: &TiedIsland) -> Option<Vec<ContactForce<D>>> {
         let contacts: Vec<TiedContact<D>> = island.contacts.iter().map(|&contact| self.contacts[contact]).collect();
-        let pulled = pushes(self.velocities.len(), contacts.iter().map(|contact| ContactForce { contact: contact.contact, force: contact.least }));
+        let pulled =
+            pushes(self.velocities.len(), contacts.iter().map(|contact| ContactForce { contact: contact.contact, force: contact.least }));
         let velocity = |body: usize| self.velocities[body] + pulled[body] / self.weights[body];
         let (ties, softs) = self.tie_rows(island, &velocity);
         let touching: Vec<ScaledRow> = contacts.iter().map(|contact| self.contact_row(island, &velocity, &contact.contact)).collect();
@@ -137,7 +138,8 @@ impl<const D: usize> TiedProblem<'_, D> {
         let mut sets = UnionFind::new(self.weights.len());
         let free = |bodies: Vec<usize>| -> Vec<usize> { bodies.into_iter().filter(|&body| self.gives_way(body)).collect() };
         let tied: Vec<Vec<usize>> = self.ties.iter().map(|tie| free(tie.ends.iter().map(|(body, _)| *body).collect())).collect();
-        let touching = |touching: &TiedContact<D>| free([Some(touching.contact.body), touching.contact.other()].into_iter().flatten().collect());
+        let touching =
+            |touching: &TiedContact<D>| free([Some(touching.contact.body), touching.contact.other()].into_iter().flatten().collect());
         let touching: Vec<Vec<usize>> = self.contacts.iter().map(touching).collect();
         tied.iter().chain(&touching).for_each(|bodies| bodies.windows(2).for_each(|pair| sets.join(pair[0], pair[1])));
         let mut islands: BTreeMap<usize, TiedIsland> = BTreeMap::new();
@@ -174,4 +176,38 @@ fn columns<'a>(height: usize, rows: impl Iterator<Item = &'a ScaledRow>) -> CscM
         starts.push(places.len());
     }
     CscMatrix::new(height, starts.len() - 1, starts, places, values)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use nalgebra::Vector2;
+
+    use super::*;
+    use crate::geometry::{Axis, Ball, Domain};
+
+    /// Two disks above each other on a rod, the lower one on the floor, and one that falls freely.
+    #[test]
+    fn the_floor_stops_a_rod_by_its_lower_end() {
+        let walls = Axis::Walls { lower: Vector2::zeros(), upper: Vector2::zeros() };
+        let domain = Domain { size: Vector2::new(9.0, 9.0), axes: [Axis::Periodic, walls] };
+        let balls = [[3.0, 0.5], [3.0, 1.6], [6.0, 4.0]].map(|center| Ball { center: center.into(), radius: 0.5 });
+        let up = Vector2::new(0.0, 1.0);
+        let rod = Tie { ends: vec![(0, -up), (1, up)], rate: 0.0, compliance: 0.0 };
+        let floor = |body: usize| Contact::of_wall(&domain, &balls, body, 1, false);
+        for presses in [true, false] {
+            let contacts = [0, 2].map(|body| TiedContact { contact: floor(body), least: 0.0, presses });
+            let problem = TiedProblem {
+                weights: &[1.0, 3.0, 1.0],
+                velocities: &[-up; 3],
+                ties: std::slice::from_ref(&rod),
+                contacts: &contacts,
+                step: 0.1,
+            };
+            let changes = problem.changes(0, 1).unwrap();
+            // the force stops both, and pushes the lower one
+            assert!((changes[0] - up * 4.0).norm() < 1e-9 && changes[1].norm() + changes[2].norm() == 0.0, "{changes:?}");
+            assert!(problem.changes(1, 2).unwrap().iter().all(|change| change.norm() == 0.0));
+        }
+    }
 }

@@ -102,7 +102,8 @@ impl TiedProgram {
     /// Factors of `[1, R^T; R, -softness]`, with `R` these rows.
     fn factors(&self, rows: &[usize]) -> Option<QDLDLFactorisation<f64>> {
         let unknowns = self.transposed.m;
-        let (mut starts, mut places, mut values): (Vec<usize>, Vec<usize>, Vec<f64>) = ((0..=unknowns).collect(), (0..unknowns).collect(), vec![1.0; unknowns]);
+        let (mut starts, mut places, mut values): (Vec<usize>, Vec<usize>, Vec<f64>) =
+            ((0..=unknowns).collect(), (0..unknowns).collect(), vec![1.0; unknowns]);
         for (order, &row) in rows.iter().enumerate() {
             let (own, entries) = self.row(row);
             places.extend(own.iter().copied().chain([unknowns + order]));

@@ -218,7 +218,6 @@ impl<const D: usize> Granular<D> {
             if apart <= AGREEMENT * smallest {
                 return Ok(Kept { projection, stuck, free });
             }
-            if std::env::var("DBG").is_ok() { eprintln!("t {} round {round} apart {apart:e} {}", state.time, projection.projection.forces.len()); }
             contacts.advance(peers, kept.iter().zip(&target).map(|(kept, target)| kept - target.velocity).collect(), &self.masses());
             together.meet(&projection, &lower_bounds);
             if AT_ONCE.contains(&round) {
@@ -240,7 +239,9 @@ impl<const D: usize> Granular<D> {
         if missed <= LARGEST_MISSED {
             return Ok(());
         }
-        Err(Error::Diverged(format!("at time {time} a cell misses its area or volume by a part of {missed:.1e}; a shorter time.step may help")))
+        Err(Error::Diverged(format!(
+            "at time {time} a cell misses its area or volume by a part of {missed:.1e}; a shorter time.step may help"
+        )))
     }
 
     /// What the contact forces of the last step would change velocities by. Collective.

@@ -8,7 +8,9 @@ use nalgebra::SVector;
 
 use super::granular_ties::Ties;
 use crate::{
-    contact::{Contact, ContactForce, Identity, ProjectionShare, Tie, TiedContact, TiedProblem, bodies_of, pack, packed_length, renamed, unpack},
+    contact::{
+        Contact, ContactForce, Identity, ProjectionShare, Tie, TiedContact, TiedProblem, bodies_of, pack, packed_length, renamed, unpack,
+    },
     geometry::{Ball, Domain},
     parallel::Peers,
 };
@@ -61,10 +63,12 @@ impl<const D: usize> Together<D> {
             TiedContact { contact, least, presses }
         };
         let contacts: Vec<TiedContact<D>> = contacts.iter().map(placed).collect();
-        let tie = |tie: Tie<D>| Tie { ends: tie.ends.into_iter().map(|(number, direction)| (bodies.place(number), direction)).collect(), ..tie };
+        let tie =
+            |tie: Tie<D>| Tie { ends: tie.ends.into_iter().map(|(number, direction)| (bodies.place(number), direction)).collect(), ..tie };
         let ties: Vec<Tie<D>> = ties.into_iter().map(tie).collect();
         let Gathered { weights, velocities, .. } = &bodies;
-        let found = TiedProblem { weights, velocities, ties: &ties, contacts: &contacts, step: own.step }.changes(peers.rank(), peers.count());
+        let found =
+            TiedProblem { weights, velocities, ties: &ties, contacts: &contacts, step: own.step }.changes(peers.rank(), peers.count());
         if peers.any(found.is_none()) {
             return None;
         }
@@ -79,7 +83,8 @@ impl<const D: usize> Together<D> {
 
     /// The contacts of all ranks. Collective.
     fn gathered(&self, peers: Peers) -> Vec<(Identity<D>, f64, bool)> {
-        let letter = |(identity, (least, presses)): (&Identity<D>, &(f64, bool))| [pack(*identity, *least), vec![f64::from(*presses)]].concat();
+        let letter =
+            |(identity, (least, presses)): (&Identity<D>, &(f64, bool))| [pack(*identity, *least), vec![f64::from(*presses)]].concat();
         let letters: Vec<f64> = self.contacts.iter().flat_map(letter).collect();
         let read = |letter: &[f64]| {
             let (identity, least) = unpack(letter);
