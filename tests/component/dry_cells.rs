@@ -76,30 +76,30 @@ impl Seen {
     }
 }
 
-/// A cell of 24 disks above a floor, turned by 0.4.
+/// A cell of 24 disks above a floor, turned by 0.4: stiff enough not to go on swinging between its contacts, which alone take energy.
 fn falling(stretch: &str, end: f64) -> String {
     format!(
         "gravity = [0.0, -1.0]\ndomain = {{ size = [8.0, 6.0], y = \"walls\" }}\nflow = {{ model = \"none\" }}\ncontact = {{ model = \"inelastic\" }}\n\
-         cells = [{{ centers = [[4.0, 3.0]], rotation = 0.4, beads = 24, radius = 0.15, spacing = 1.05, stretch = {stretch}, bend = 0.2 }}]\n\
+         cells = [{{ centers = [[4.0, 3.0]], rotation = 0.4, beads = 24, radius = 0.15, spacing = 1.05, stretch = {stretch}, bend = 20.0 }}]\n\
          time = {{ end = {end}, step = 0.02 }}\n"
     )
 }
 
 fn a_cell_on_rods_falls_on_the_floor_and_comes_to_rest(session: &Session) {
-    let seen = run::<2>(session, &falling("\"rigid\"", 20.0));
-    seen.proof(1e-9, 1e-3);
+    let seen = run::<2>(session, &falling("\"rigid\"", 40.0));
+    seen.proof(1e-7, 1e-3);
     assert!(seen.fastest < 1e-3, "{}", seen.fastest);
 }
 
 fn a_cell_on_soft_springs_falls_on_the_floor_and_comes_to_rest(session: &Session) {
-    let seen = run::<2>(session, &falling("50.0", 20.0));
-    seen.proof(1e-9, 1e-3);
-    assert!(seen.fastest < 1e-2, "{}", seen.fastest);
+    let seen = run::<2>(session, &falling("50.0", 40.0));
+    seen.proof(1e-7, 1e-3);
+    assert!(seen.fastest < 1e-3, "{}", seen.fastest);
 }
 
 fn a_cell_in_space_falls_on_the_floor_and_keeps_its_volume(session: &Session) {
-    let text = "gravity = [0.0, 0.0, -1.0]\ndomain = { size = [8.0, 8.0, 6.0], z = \"walls\" }\nflow = { model = \"none\" }\ncontact = { model = \"inelastic\" }\n\
-                cells = [{ centers = [[4.0, 4.0, 4.0]], rotation = [0.5, 0.2, 0.0], beads = 42, radius = 0.25, stretch = 40.0, bend = 2.0 }]\n\
+    let text = "gravity = [0.0, 0.0, -1.0]\ndomain = { size = [8.0, 8.0, 8.0], z = \"walls\" }\nflow = { model = \"none\" }\ncontact = { model = \"inelastic\" }\n\
+                cells = [{ centers = [[4.0, 4.0, 4.5]], rotation = [0.5, 0.2, 0.0], beads = 42, radius = 0.25, stretch = 40.0, bend = 2.0 }]\n\
                 time = { end = 6.0, step = 0.02 }\n";
     let seen = run::<3>(session, text);
     seen.proof(1e-6, 1e-3);
@@ -111,5 +111,5 @@ fn cells_that_fall_on_each_other_keep_their_areas(session: &Session) {
                 cells = [{ count = 2, beads = 24, radius = 0.15, spacing = 1.05, stretch = \"rigid\", bend = 0.2 }, \
                          { count = 1, beads = 24, radius = 0.15, spacing = 1.05, stretch = 50.0, bend = 0.2 }]\n\
                 bodies = [{ count = 4, radius = 0.3 }]\n";
-    run::<2>(session, text).proof(1e-9, 1e-2);
+    run::<2>(session, text).proof(1e-7, 1e-2);
 }
