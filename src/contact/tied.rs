@@ -67,8 +67,8 @@ struct ScaledRow {
 }
 
 impl<const D: usize> TiedProblem<'_, D> {
-    /// What contacts change velocities by, for bodies of islands with ties of which this rank, one of so many, has every so-manieth; zero for others.
-    /// None if an island has no solution.
+    /// What contacts change velocities by in this rank's share of the islands that have ties too; zero for bodies of others. None if one of these islands
+    /// has no solution.
     pub fn changes(&self, rank: usize, ranks: usize) -> Option<Vec<SVector<f64, D>>> {
         let mut forces = Vec::new();
         for island in self.islands().into_iter().skip(rank).step_by(ranks) {

@@ -25,7 +25,7 @@ use crate::{
 /// Rounds that bonds and contacts are given to agree.
 const MOST_ROUNDS: usize = 2000;
 
-/// Rounds after which both are solved at once; before and after they are held in turn.
+/// Rounds after which bonds and contacts are solved at once to start again; after others they go on in turn.
 const AT_ONCE: Range<usize> = 0..20;
 
 /// Part of an area or a volume that cells may miss after a step.
@@ -220,7 +220,7 @@ impl<const D: usize> Granular<D> {
             }
             contacts.advance(peers, kept.iter().zip(&target).map(|(kept, target)| kept - target.velocity).collect(), &self.masses());
             together.meet(&projection, &lower_bounds);
-            if AT_ONCE.contains(&round) {
+            if ties.are_bonds() && AT_ONCE.contains(&round) {
                 let (numbers, balls, masses) = (state.numbers(), state.balls(&self.radii), self.masses());
                 let own = Wanting { domain: &self.domain, numbers: &numbers, balls: &balls, masses: &masses, velocities: &wanted, step };
                 contacts = together.changes(peers, &own, ties).map_or(contacts, Accelerated::new);

@@ -1,8 +1,10 @@
 //! Chains of dry bodies: the velocities nearest to wanted ones, weighed by masses, with which springs are implicit over a step and rods keep their length.
 //!
-//! Each chain is solved by the ranks that own one of its beads: its rows form a matrix with a narrow envelope, factored once a step. Bodies that also
-//! touch are held by both in turn (Dykstra's projections, of which each knows what the other changed), until both agree. That is a proximal gradient
-//! method on the changes by contacts, accelerated as by Beck and Teboulle (2009), from anew where it turns back (O'Donoghue and Candes 2015).
+//! Each chain is solved by the ranks that own one of its beads: its rows form a matrix with a narrow envelope, factored once a step. What cells keep is kept
+//! after the step: the rates of these rows are corrected by what is missed. Bodies that also touch are held by both in turn (Dykstra's projections, of
+//! which each knows what the other changed) until both agree. That is a proximal gradient method on the changes by contacts, accelerated as by Beck and
+//! Teboulle (2009), from anew where it turns back (O'Donoghue and Candes 2015); it starts again from what solves both at once
+//! ([`Together`](super::granular_together::Together)).
 
 use std::{collections::BTreeSet, ops::Range};
 

@@ -42,9 +42,14 @@ impl<const D: usize> Ties<D> {
         self.clusters.as_ref().map_or_else(|| bonded.to_vec(), |clusters| clusters.hold(peers, bonded))
     }
 
-    /// Bonds as rows, as [`GranularChains::ties`]; none where there are clusters too, which no rows describe.
-    pub fn rows(&self, touching: &BTreeSet<usize>) -> Option<Vec<Tie<D>>> {
-        self.chains.as_ref().filter(|_| self.clusters.is_none()).map(|chains| chains.ties(touching))
+    /// Whether bonds alone tie bodies: clusters turn, which no rows describe.
+    pub fn are_bonds(&self) -> bool {
+        self.clusters.is_none()
+    }
+
+    /// Bonds as rows, as [`GranularChains::ties`].
+    pub fn rows(&self, touching: &BTreeSet<usize>) -> Vec<Tie<D>> {
+        self.chains.as_ref().map_or(Vec::new(), |chains| chains.ties(touching))
     }
 
     /// See [`GranularChains::missed`].

@@ -51,11 +51,11 @@ impl<const D: usize> Together<D> {
         }
     }
 
-    /// What contacts change velocities by where bonds act too; nothing where no velocities keep both, or clusters act as well. Collective.
+    /// What contacts change velocities by where bonds act too; nothing where no velocities keep both. Collective.
     pub fn changes(&self, peers: Peers, own: &Wanting<D>, ties: &Ties<D>) -> Option<Vec<SVector<f64, D>>> {
         let contacts = self.gathered(peers);
         let touching: BTreeSet<usize> = contacts.iter().flat_map(|(identity, ..)| bodies_of(*identity)).collect();
-        let ties = gathered_ties(peers, &ties.rows(&touching)?);
+        let ties = gathered_ties(peers, &ties.rows(&touching));
         let tied = ties.iter().flat_map(|tie| tie.ends.iter().map(|end| end.0));
         let bodies = own.gathered(peers, &touching.iter().copied().chain(tied).collect());
         let placed = |&(identity, least, presses): &(Identity<D>, f64, bool)| {
