@@ -44,6 +44,8 @@ mod shared_factors;
 mod sharing;
 mod solver;
 mod spanning;
+mod tied;
+mod tied_program;
 mod union_find;
 mod view;
 
@@ -62,4 +64,5 @@ pub use projection::{Projection, ProjectionShare};
 pub use replay::Island;
 pub use solver::Solver;
 pub use spanning::Spanning;
+pub use tied::{Tie, TiedContact, TiedProblem};
 pub use view::{ProblemShare, View};

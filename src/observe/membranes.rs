@@ -2,10 +2,7 @@
 
 use nalgebra::{SVector, Vector2};
 
-use crate::{
-    interaction::Conserved,
-    simulation::{Setup, State},
-};
+use crate::interaction::{Conserved, Interactions};
 
 /// Cells at an instant.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,17 +18,17 @@ pub struct MembraneNumbers {
 }
 
 impl MembraneNumbers {
-    /// Those of a state that holds all bodies; nothing without cells.
-    pub fn of<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Option<MembraneNumbers> {
-        let conserved = setup.interactions.conserved();
+    /// Those of all bodies with these centres; nothing without cells.
+    pub fn of<const D: usize>(interactions: &Interactions<D>, centers: &[SVector<f64, D>]) -> Option<MembraneNumbers> {
+        let conserved = interactions.conserved();
         let membranes: Vec<&[Conserved]> = conserved.chunk_by(|one, other| one.bodies == other.bodies).collect();
-        let outlines: Vec<Vec<Vector2<f64>>> = membranes.iter().map(|membrane| outline(state, &membrane[0])).collect();
+        let outlines: Vec<Vec<Vector2<f64>>> = membranes.iter().map(|membrane| outline(centers, &membrane[0])).collect();
         let first = outlines.first()?;
         let mean: Vector2<f64> = outlines.iter().map(|outline| orientation(outline).normalize()).sum();
         let to_first = first[0] - middle(first);
         let turned = to_first.y.atan2(to_first.x) - axis(&orientation(first));
         Some(MembraneNumbers {
-            kept: (0..membranes[0].len()).map(|measure| kept(state, membranes.iter().map(|membrane| &membrane[measure]))).collect(),
+            kept: (0..membranes[0].len()).map(|measure| kept(centers, membranes.iter().map(|membrane| &membrane[measure]))).collect(),
             inclination: axis(&mean),
             tread: turned.sin().atan2(turned.cos()),
         })
@@ -39,10 +36,10 @@ impl MembraneNumbers {
 }
 
 /// Mean and largest error of a measure of all membranes.
-fn kept<'a, const D: usize>(state: &State<D>, all: impl Iterator<Item = &'a Conserved>) -> (&'static str, f64, f64) {
+fn kept<'a, const D: usize>(centers: &[SVector<f64, D>], all: impl Iterator<Item = &'a Conserved>) -> (&'static str, f64, f64) {
     let (mut name, mut sum, mut count, mut worst) = ("", 0.0, 0.0, 0.0_f64);
     for conserved in all {
-        let found = conserved.measured(&|body: usize| state.bodies[body].center);
+        let found = conserved.measured(&|body: usize| centers[body]);
         (name, sum, count) = (conserved.measure.name(), sum + found, count + 1.0);
         worst = worst.max((found / conserved.value - 1.0).abs());
     }
@@ -50,9 +47,9 @@ fn kept<'a, const D: usize>(state: &State<D>, all: impl Iterator<Item = &'a Cons
 }
 
 /// The beads of a membrane as the first two axes of space see them.
-fn outline<const D: usize>(state: &State<D>, conserved: &Conserved) -> Vec<Vector2<f64>> {
+fn outline<const D: usize>(centers: &[SVector<f64, D>], conserved: &Conserved) -> Vec<Vector2<f64>> {
     let flat = |center: &SVector<f64, D>| center.fixed_rows::<2>(0).into_owned();
-    state.bodies[conserved.bodies.clone()].iter().map(|body| flat(&body.center)).collect()
+    centers[conserved.bodies.clone()].iter().map(flat).collect()
 }
 
 fn middle(ring: &[Vector2<f64>]) -> Vector2<f64> {

@@ -88,8 +88,10 @@ fn check_chains(scene: &Scene) -> Result<()> {
     let beads = scene.bodies[group].chain.map_or(0, |chain| chain.beads);
     let expect = |right, remedy| expect(scene, right, &format!("{}.beads", scene.group_key(group)), beads, remedy);
     let dry = scene.flow.model == FlowModel::None;
-    let cells = scene.bodies.iter().any(|bodies| bodies.chain.is_some_and(|chain| chain.shape == ChainShape::Cell));
-    expect(scene.flow.model.fluid() || dry && !cells, "are beads in a fluid; set flow.model = \"stokes\" or \"navier-stokes\"")?;
+    expect(
+        scene.flow.model.fluid() || dry,
+        "are beads with mass or in a fluid; set flow.model = \"none\", \"stokes\" or \"navier-stokes\"",
+    )?;
     expect(dry || scene.method.constraint == ConstraintMethod::Sharp, "need method.constraint = \"sharp\"")?;
     expect(scene.time.is_some(), "move over a time step; add [time]")?;
     let fixed = scene.bodies.iter().position(|bodies| bodies.chain.is_some_and(|chain| chain.joints == Joint::Fixed));
@@ -107,7 +109,10 @@ fn check_clusters(scene: &Scene) -> Result<()> {
     let Some(group) = scene.bodies.iter().position(|bodies| bodies.cluster.is_some()) else { return Ok(()) };
     let held = scene.dry() || scene.method.constraint == ConstraintMethod::Sharp;
     let remedy = "is of clusters, which need method.constraint = \"sharp\"";
-    expect(scene, held, &format!("{}.radius", scene.group_key(group)), scene.bodies[group].radius, remedy)
+    expect(scene, held, &format!("{}.radius", scene.group_key(group)), scene.bodies[group].radius, remedy)?;
+    let cells = scene.bodies.iter().any(|bodies| bodies.chain.is_some_and(|chain| chain.shape == ChainShape::Cell));
+    let remedy = "is of clusters, which do not come to agree with dry [[cells]]; remove one of them";
+    expect(scene, !(scene.dry() && cells), &format!("{}.radius", scene.group_key(group)), scene.bodies[group].radius, remedy)
 }
 
 fn check_colour(scene: &Scene) -> Result<()> {

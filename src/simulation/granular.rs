@@ -1,4 +1,4 @@
-use std::time::Instant;
+use std::{ops::Range, time::Instant};
 
 use nalgebra::{SMatrix, SVector};
 
@@ -6,6 +6,7 @@ use super::{
     Effort, GranularSetup, Moving, Observation, ResidualMonitor, State, StepOutcome, Stepper,
     granular_chains::{Accelerated, GranularStep},
     granular_ties::Ties,
+    granular_together::{Together, Wanting},
     migration::{self, Constants},
     neighbours::Neighbours,
     step_control::{BodyMotion, StepControl},
@@ -23,6 +24,12 @@ use crate::{
 
 /// Rounds that bonds and contacts are given to agree.
 const MOST_ROUNDS: usize = 2000;
+
+/// Rounds after which bonds and contacts are solved at once to start again; after others they go on in turn.
+const AT_ONCE: Range<usize> = 0..20;
+
+/// Part of an area or a volume that cells may miss after a step.
+const LARGEST_MISSED: f64 = 1e-6;
 
 /// Difference between the places that bonds and contacts want after a step, in radii of the smallest body, that counts as agreement.
 const AGREEMENT: f64 = 1e-7;
@@ -151,12 +158,17 @@ impl<const D: usize> Granular<D> {
     }
 
     /// Velocities that keep contacts, next to those wanted, and what contacts remember then.
-    fn project(&self, state: &State<D>, moves: &[Twist<D>], step: f64) -> Result<(ProjectionShare<D>, Vec<AdhesiveContact<D>>)> {
+    fn project(
+        &self,
+        state: &State<D>,
+        moves: &[Twist<D>],
+        lower_bounds: &[ContactForce<D>],
+        step: f64,
+    ) -> Result<(ProjectionShare<D>, Vec<AdhesiveContact<D>>)> {
         let (_stage, peers) = (enter(Stage::Contacts), self.peers());
         let balls: Vec<Ball<D>> = state.balls(&self.radii);
         let weights: Vec<f64> = self.bodies.iter().map(|body| body.mass / step).collect();
         let velocities: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
-        let lower_bounds = self.lower_bounds(state, step);
         let numbers = state.numbers();
         let problem = Problem {
             domain: &self.domain,
@@ -165,7 +177,7 @@ impl<const D: usize> Granular<D> {
             weights: &weights,
             velocities: &velocities,
             step,
-            lower_bounds: &lower_bounds,
+            lower_bounds,
             cluster_of: self.interactions.cluster_of(),
         };
         let found = contact::project_share(
@@ -182,22 +194,24 @@ impl<const D: usize> Granular<D> {
     }
 
     /// Velocities that keep contacts and ties, next to those wanted.
-    fn keep_apart(&self, state: &State<D>, ties: Option<&Ties<D>>, moves: &[Twist<D>], step: f64) -> Result<Kept<D>> {
+    fn keep_apart(&self, state: &State<D>, ties: Option<&mut Ties<D>>, moves: &[Twist<D>], step: f64) -> Result<Kept<D>> {
+        let lower_bounds = self.lower_bounds(state, step);
         let Some(ties) = ties else {
-            let (projection, stuck) = self.project(state, moves, step)?;
+            let (projection, stuck) = self.project(state, moves, &lower_bounds, step)?;
             return Ok(Kept { projection, stuck, free: Vec::new() });
         };
         let wanted = velocities(moves);
         let (peers, mut target) = (self.peers(), moves.to_vec());
         let smallest = peers.min(self.radii.iter().copied().fold(f64::INFINITY, f64::min));
         let (mut contacts, mut apart) = (Accelerated::new(self.by_last_contacts(state, step)), f64::INFINITY);
-        for _ in 0..MOST_ROUNDS {
+        let mut together = Together::default();
+        for round in 0..MOST_ROUNDS {
             let free: Vec<SVector<f64, D>> = wanted.iter().zip(&contacts.ahead).map(|(wanted, change)| wanted + change).collect();
             let tied = ties.hold(peers, &free);
             for (body, twist) in target.iter_mut().enumerate() {
                 twist.velocity = wanted[body] + tied[body] - free[body];
             }
-            let (projection, stuck) = self.project(state, &target, step)?;
+            let (projection, stuck) = self.project(state, &target, &lower_bounds, step)?;
             let kept = &projection.projection.velocities;
             let difference = kept.iter().zip(&tied).map(|(kept, tied)| (kept - tied).norm()).fold(0.0, f64::max);
             apart = -peers.min(-difference) * step;
@@ -205,11 +219,28 @@ impl<const D: usize> Granular<D> {
                 return Ok(Kept { projection, stuck, free });
             }
             contacts.advance(peers, kept.iter().zip(&target).map(|(kept, target)| kept - target.velocity).collect(), &self.masses());
+            together.meet(&projection, &lower_bounds);
+            if ties.are_bonds() && AT_ONCE.contains(&round) {
+                let (numbers, balls, masses) = (state.numbers(), state.balls(&self.radii), self.masses());
+                let own = Wanting { domain: &self.domain, numbers: &numbers, balls: &balls, masses: &masses, velocities: &wanted, step };
+                contacts = together.changes(peers, &own, ties).map_or(contacts, Accelerated::new);
+            }
         }
         Err(Error::Diverged(format!(
             "at time {} contacts do not agree with bonds and rigid clusters after {MOST_ROUNDS} rounds (places differ by {apart:.1e}); a shorter \
              time.step or softer chains may help",
             state.time
+        )))
+    }
+
+    /// Refuses a step in which bonds miss an area or a volume that stays as it is. Collective.
+    fn refuse_missed(&self, time: f64, ties: &Ties<D>) -> Result<()> {
+        let missed = -self.peers().min(-ties.missed());
+        if missed <= LARGEST_MISSED {
+            return Ok(());
+        }
+        Err(Error::Diverged(format!(
+            "at time {time} a cell misses its area or volume by a part of {missed:.1e}; a shorter time.step may help"
         )))
     }
 
@@ -306,17 +337,17 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         let mut moves: Vec<Twist<D>> = observation.twists.iter().zip(&self.known.accelerations).map(pushed).collect();
         let given = self.trajectories.mean_twists(state.time, step);
         given.for_each(|(body, twist)| state.place(body).into_iter().for_each(|place| moves[place] = twist));
-        let ties = Ties::new(self.peers(), &self.interactions, (state, &self.bodies), &moves, GranularStep { length: step, push });
+        let mut ties = Ties::new(self.peers(), &self.interactions, (state, &self.bodies), &moves, GranularStep { length: step, push });
         let (mut contacts, mut stuck, mut kkt_report) = (self.known.contacts.clone(), Vec::new(), None);
         let mut free = Vec::new();
         let touch = self.interactions.touch();
         if touch == Some(Touch::Hard) {
-            let kept = self.keep_apart(state, ties.as_ref(), &moves, step)?;
+            let kept = self.keep_apart(state, ties.as_mut(), &moves, step)?;
             let ProjectionShare { projection, view } = kept.projection;
             moves.iter_mut().zip(&projection.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
             contacts.extend(projection.forces.iter().map(|force| ContactForce { contact: view.numbered(&force.contact), ..*force }));
             (stuck, free, kkt_report) = (kept.stuck, kept.free, Some(projection.kkt_report));
-        } else if let Some(ties) = &ties {
+        } else if let Some(ties) = &mut ties {
             free = velocities(&moves);
             moves.iter_mut().zip(ties.hold(self.peers(), &free)).for_each(|(twist, velocity)| twist.velocity = velocity);
         }
@@ -327,6 +358,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         }
         let mut twists = moves.clone();
         if let Some(ties) = ties {
+            self.refuse_missed(state.time, &ties)?;
             ties.turn(self.peers(), &free, &mut moves, &mut twists);
         }
         let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };

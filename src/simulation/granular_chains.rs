@@ -1,10 +1,12 @@
 //! Chains of dry bodies: the velocities nearest to wanted ones, weighed by masses, with which springs are implicit over a step and rods keep their length.
 //!
-//! Each chain is solved by the ranks that own one of its beads: its rows form a matrix with a narrow envelope, factored once a step. Bodies that also
-//! touch are held by both in turn (Dykstra's projections, of which each knows what the other changed), until both agree. That is a proximal gradient
-//! method on the changes by contacts, accelerated as by Beck and Teboulle (2009), from anew where it turns back (O'Donoghue and Candes 2015).
+//! Each chain is solved by the ranks that own one of its beads: its rows form a matrix with a narrow envelope, factored once a step. What cells keep is kept
+//! after the step: the rates of these rows are corrected by what is missed. Bodies that also touch are held by both in turn (Dykstra's projections, of
+//! which each knows what the other changed) until both agree. That is a proximal gradient method on the changes by contacts, accelerated as by Beck and
+//! Teboulle (2009), from anew where it turns back (O'Donoghue and Candes 2015); it starts again from what solves both at once
+//! ([`Together`](super::granular_together::Together)).
 
-use std::ops::Range;
+use std::{collections::BTreeSet, ops::Range};
 
 use nalgebra::SVector;
 
@@ -12,7 +14,8 @@ use super::{State, implicit_springs::StepAhead};
 use crate::{
     body::Halo,
     constraint::lubrication::RigidFunctional,
-    interaction::{BondRow, Interactions, Spring},
+    contact::Tie,
+    interaction::{BondRow, Conserved, Interactions, Spring},
     linalg::Skyline,
     parallel::Peers,
 };
@@ -23,9 +26,16 @@ const LEAST_IMPLICIT: f64 = 1e-9;
 /// Part by which diagonal entries are larger, so that rods that depend on others have a factor.
 const DEPENDENT: f64 = 1e-12;
 
+/// Corrections of the rates of areas and volumes by what these miss after the step, and the part of one that is rounding.
+const CORRECTIONS: usize = 30;
+const KEPT: f64 = 1e-13;
+
 /// The chains with beads of this rank, in a step.
 pub struct GranularChains<const D: usize> {
     halo: Halo,
+    /// Where the beads are before the step.
+    centers: Vec<SVector<f64, D>>,
+    step: GranularStep,
     /// Force that gives a body a unit velocity over the step.
     resistances: Vec<f64>,
     chains: Vec<GranularChain<D>>,
@@ -42,8 +52,13 @@ pub struct GranularStep {
 
 /// The rows of a chain, whose ends are places in the halo.
 struct GranularChain<const D: usize> {
+    beads: Range<usize>,
     rows: Vec<BondRow<D>>,
     factor: Skyline,
+    /// What it keeps, of which the last rows are.
+    conserved: Vec<Conserved>,
+    /// The largest part by which one of these was missed last.
+    missed: f64,
 }
 
 impl<const D: usize> GranularChains<D> {
@@ -81,23 +96,52 @@ impl<const D: usize> GranularChains<D> {
             room: 0.0,
             least: LEAST_IMPLICIT,
         };
-        let solved =
-            |chain: &&Range<usize>| GranularChain::new(rule.rows(&springs(chain, 0.0), &springs(chain, step.length)), &resistances);
+        let conserved = interactions.conserved();
+        let placed = |kept: &Conserved| {
+            let first = place(kept.bodies.start);
+            Conserved { bodies: first..first + kept.bodies.len(), ..kept.clone() }
+        };
+        let of_chain = |chain: &Range<usize>| conserved.iter().filter(|kept| kept.bodies.start == chain.start).map(placed).collect();
+        let solved = |chain: &&Range<usize>| {
+            let (first, rows) = (place(chain.start), rule.rows(&springs(chain, 0.0), &springs(chain, step.length)));
+            GranularChain::new(first..first + chain.len(), rows, of_chain(chain), &resistances)
+        };
         let chains = seen.iter().map(solved).collect();
-        GranularChains { chains, halo, resistances }
+        GranularChains { chains, halo, centers, step, resistances }
     }
 
     /// The velocities of the own bodies by bonds alone, next to wanted ones. Collective.
-    pub fn hold(&self, peers: Peers, wanted: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
+    pub fn hold(&mut self, peers: Peers, wanted: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
         let mut velocities = self.halo.spread_vectors(peers, wanted);
-        self.chains.iter().for_each(|chain| chain.hold(&mut velocities, &self.resistances));
+        let before = (&self.centers[..], self.step.length);
+        self.chains.iter_mut().for_each(|chain| chain.hold_exactly(&mut velocities, &self.resistances, before));
         self.halo.own().iter().map(|&place| velocities[place]).collect()
+    }
+
+    /// The rows of chains with any of these bodies, of which this rank owns the first bead: ties of bodies by number, by forces that act on velocities
+    /// over the whole step.
+    pub fn ties(&self, touching: &BTreeSet<usize>) -> Vec<Tie<D>> {
+        let numbers = self.halo.numbers();
+        let touches = |chain: &&GranularChain<D>| {
+            self.halo.owns(chain.beads.start) && chain.beads.clone().any(|bead| touching.contains(&numbers[bead]))
+        };
+        let tie = |row: &BondRow<D>| Tie {
+            ends: row.ends.iter().map(|(body, side)| (numbers[*body], side.direction)).collect(),
+            rate: row.rate,
+            compliance: row.compliance * self.step.length / self.step.push,
+        };
+        self.chains.iter().filter(touches).flat_map(|chain| &chain.rows).map(tie).collect()
+    }
+
+    /// The largest part by which something that chains keep was missed when they were held last, after all corrections.
+    pub fn missed(&self) -> f64 {
+        self.chains.iter().map(|chain| chain.missed).fold(0.0, f64::max)
     }
 }
 
 impl<const D: usize> GranularChain<D> {
-    fn new(mut rows: Vec<BondRow<D>>, resistances: &[f64]) -> Self {
-        // in the order of the last bead of each, so that rows of neighbours are beside each other
+    fn new(beads: Range<usize>, mut rows: Vec<BondRow<D>>, conserved: Vec<Conserved>, resistances: &[f64]) -> Self {
+        // in the order of the last bead of each, so that rows of neighbours are beside each other; those of what is kept stay the last
         rows.sort_by_key(|row| row.ends.iter().map(|(body, _)| *body).max());
         let entry = |one: usize, other: usize| {
             let of_body = |(body, side): &(usize, RigidFunctional<D>)| {
@@ -115,7 +159,26 @@ impl<const D: usize> GranularChain<D> {
             matrix.add(row, row, entry(row, row) * (1.0 + DEPENDENT) + rows[row].compliance);
         }
         let factor = matrix.factor();
-        GranularChain { rows, factor }
+        GranularChain { beads, rows, factor, conserved, missed: 0.0 }
+    }
+
+    /// Holds beads with these centres over a step so that what the chain keeps is kept after it, and remembers the rates that this takes.
+    fn hold_exactly(&mut self, velocities: &mut [SVector<f64, D>], resistances: &[f64], (centers, step): (&[SVector<f64, D>], f64)) {
+        let wanted = velocities[self.beads.clone()].to_vec();
+        let first = self.rows.len() - self.conserved.len();
+        for _ in 0..CORRECTIONS {
+            velocities[self.beads.clone()].copy_from_slice(&wanted);
+            self.hold(velocities, resistances);
+            self.missed = 0.0;
+            for (kept, row) in self.conserved.iter().zip(&mut self.rows[first..]) {
+                let missing = kept.measured(&|body: usize| centers[body] + velocities[body] * step) - kept.value;
+                self.missed = self.missed.max(missing.abs() / kept.value);
+                row.rate -= missing / step;
+            }
+            if self.missed <= KEPT {
+                break;
+            }
+        }
     }
 
     fn hold(&self, velocities: &mut [SVector<f64, D>], resistances: &[f64]) {

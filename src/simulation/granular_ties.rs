@@ -1,5 +1,7 @@
 //! What ties dry bodies to each other in a step: bonds of chains and rigid clusters.
 
+use std::collections::BTreeSet;
+
 use nalgebra::SVector;
 
 use super::{
@@ -8,7 +10,7 @@ use super::{
     granular_clusters::GranularClusters,
     migration::Constants,
 };
-use crate::{body::Twist, interaction::Interactions, parallel::Peers};
+use crate::{body::Twist, contact::Tie, interaction::Interactions, parallel::Peers};
 
 /// The ties of the bodies of this rank.
 pub struct Ties<const D: usize> {
@@ -34,10 +36,25 @@ impl<const D: usize> Ties<D> {
     }
 
     /// The velocities that carry the own bodies over the step by ties alone, next to wanted ones. Collective.
-    pub fn hold(&self, peers: Peers, wanted: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
-        let bonded = self.chains.as_ref().map(|chains| chains.hold(peers, wanted));
+    pub fn hold(&mut self, peers: Peers, wanted: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
+        let bonded = self.chains.as_mut().map(|chains| chains.hold(peers, wanted));
         let bonded = bonded.as_deref().unwrap_or(wanted);
         self.clusters.as_ref().map_or_else(|| bonded.to_vec(), |clusters| clusters.hold(peers, bonded))
+    }
+
+    /// Whether bonds alone tie bodies: clusters turn, which no rows describe.
+    pub fn are_bonds(&self) -> bool {
+        self.clusters.is_none()
+    }
+
+    /// Bonds as rows, as [`GranularChains::ties`].
+    pub fn rows(&self, touching: &BTreeSet<usize>) -> Vec<Tie<D>> {
+        self.chains.as_ref().map_or(Vec::new(), |chains| chains.ties(touching))
+    }
+
+    /// See [`GranularChains::missed`].
+    pub fn missed(&self) -> f64 {
+        self.chains.as_ref().map_or(0.0, GranularChains::missed)
     }
 
     /// Turns balls of clusters over the step, and gives them the motions that they have at its end, as [`GranularClusters::turn`]. Collective.

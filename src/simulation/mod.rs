@@ -20,6 +20,7 @@ mod granular_chains;
 mod granular_clusters;
 mod granular_setup;
 mod granular_ties;
+mod granular_together;
 mod implicit_springs;
 mod interactions;
 mod krylov_workspace;

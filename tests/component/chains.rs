@@ -239,7 +239,7 @@ fn cells_keep_their_area_and_tread_or_tumble(session: &Session) {
         let mut seen = Vec::new();
         loop {
             let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
-            seen.push(MembraneNumbers::of(simulation.suspension().unwrap().setup(), simulation.state()).unwrap());
+            seen.push(MembraneNumbers::of(simulation.interactions(), &simulation.whole_state().centers()).unwrap());
             if simulation.over() {
                 break seen;
             }
@@ -279,7 +279,7 @@ fn a_cell_in_space_comes_back_to_its_shape(session: &Session) {
         let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
         let (setup, state) = (simulation.suspension().unwrap().setup(), simulation.state());
         energies.push(ChainNumbers::of(&setup.interactions, &state.centers()).unwrap().bond_energy);
-        errors.push(MembraneNumbers::of(setup, state).unwrap().kept.iter().map(|kept| kept.2).fold(0.0, f64::max));
+        errors.push(MembraneNumbers::of(&setup.interactions, &state.centers()).unwrap().kept.iter().map(|kept| kept.2).fold(0.0, f64::max));
         if simulation.over() {
             break;
         }

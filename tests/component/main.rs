@@ -17,6 +17,7 @@ mod contact;
 mod convergence;
 mod crowds;
 mod dry;
+mod dry_cells;
 mod dry_clusters;
 mod effects;
 mod energy;
@@ -134,6 +135,7 @@ fn main() {
         vorticity::tests(),
         contact::tests(),
         dry::tests(),
+        dry_cells::tests(),
         dry_clusters::tests(),
         laws::tests(),
         laws_flow::tests(),

@@ -4,7 +4,9 @@ use std::{fs, path::Path, process::Command};
 
 use super::{
     common::{Series, bodies, difference, folder, number, resume, run, run_again, write},
-    scenes::{CELLS, CHAINS, CLUSTERS, DRY, DRY_CHAINS, DRY_CLUSTERS, GLUEY, INERTIA, SHEARED, SLIDING, SLIDING_INERTIA, SPHERES},
+    scenes::{
+        CELLS, CHAINS, CLUSTERS, DRY, DRY_CELLS, DRY_CHAINS, DRY_CLUSTERS, GLUEY, INERTIA, SHEARED, SLIDING, SLIDING_INERTIA, SPHERES,
+    },
 };
 
 /// The same arithmetic on the same ranks; what is left is the order of sums after a matrix of another size.
@@ -116,6 +118,11 @@ fn dry_disks_in_two_halves_are_the_run_in_one() {
 #[test]
 fn dry_chains_in_two_halves_are_the_run_in_one() {
     halves_agree("dry-chains", DRY_CHAINS, &[&[]], &[1, 2]);
+}
+
+#[test]
+fn dry_cells_in_two_halves_are_the_run_in_one() {
+    halves_agree("dry-cells", DRY_CELLS, &[&[]], &[1, 2]);
 }
 
 #[test]

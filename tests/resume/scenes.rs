@@ -89,6 +89,40 @@ every = 0.5
 picture = false
 "#;
 
+/// Dry cells that fall on each other and on disks.
+pub const DRY_CELLS: &str = r#"
+seed = 1
+gravity = [0.0, -1.0]
+[domain]
+size = [6.0, 9.0]
+y = "walls"
+[flow]
+model = "none"
+[[cells]]
+count = 2
+beads = 24
+radius = 0.15
+stretch = "rigid"
+bend = 0.2
+[[cells]]
+count = 1
+beads = 24
+radius = 0.15
+stretch = 50.0
+bend = 0.2
+[[bodies]]
+count = 3
+radius = 0.3
+[contact]
+model = "inelastic"
+[time]
+end = 4.0
+step = 0.04
+[output]
+every = 0.5
+picture = false
+"#;
+
 /// Dry rigid clusters that fall on each other and on a disk.
 pub const DRY_CLUSTERS: &str = r#"
 seed = 1

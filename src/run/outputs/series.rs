@@ -15,7 +15,7 @@ use crate::{
     parallel::World,
     run::{ContactTotals, Evaluated, EvaluatedFlow, EvaluatedMotion, Output},
     scene::ContactModel,
-    simulation::{Setup, Simulation, State},
+    simulation::Simulation,
 };
 
 /// The series of a run.
@@ -45,7 +45,7 @@ impl<const D: usize> Output<D> for SeriesFile {
         let mut row = cells(motion, (seen.scene.contact.model, totals), seen.viscosity);
         row.extend(seen.flow.map_or(Ok(Vec::new()), |flow| of_inertia(&flow, motion.state().last_step))?);
         row.extend(of_chains(motion.simulation));
-        row.extend(seen.flow.map_or(Vec::new(), |flow| of_membranes(flow.solver.setup(), motion.state())));
+        row.extend(of_membranes(motion.simulation));
         row.extend(of_clusters(seen.world, motion.simulation));
         row.extend(mean_motion(seen, motion));
         row.extend(seen.viscosity.map_or(Vec::new(), |viscosity| of_stress::<D>(&viscosity)));
@@ -103,8 +103,11 @@ fn of_chains<const D: usize>(simulation: &Simulation<D>) -> Vec<Cell> {
     ChainNumbers::of(simulation.interactions(), &simulation.whole_state().centers()).map(cells).unwrap_or_default()
 }
 
-/// Those of red cells; none without any.
-fn of_membranes<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<Cell> {
+/// Those of red cells; none without any. Collective.
+fn of_membranes<const D: usize>(simulation: &Simulation<D>) -> Vec<Cell> {
+    if simulation.interactions().conserved().is_empty() {
+        return Vec::new();
+    }
     let cells = |numbers: MembraneNumbers| {
         let error = |name: &str| match name {
             "enclosed_volume" => "volume_error",
@@ -114,7 +117,7 @@ fn of_membranes<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<Cell>
         let kept = numbers.kept.iter().flat_map(|&(name, mean, worst)| [real(name, mean), real(error(name), worst)]);
         kept.chain([real("inclination", numbers.inclination), real("tread", numbers.tread)]).collect::<Vec<_>>()
     };
-    MembraneNumbers::of(setup, state).map(cells).unwrap_or_default()
+    MembraneNumbers::of(simulation.interactions(), &simulation.whole_state().centers()).map(cells).unwrap_or_default()
 }
 
 /// The upper triangle of the mean orientation of rigid clusters; none without any. Collective.
