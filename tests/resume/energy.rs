@@ -51,8 +51,10 @@ fn what_shear_does_is_dissipated_by_flow_and_films_on_any_number_of_ranks() {
             energies(&out)
         });
         let last = all[0].rows.len() - 1;
-        let [work, films, unbalanced] = ["work", "dissipated_films", "unbalanced"].map(|name| all[0].at(last, name));
-        assert!(films > 0.0 && unbalanced.abs() < 0.025 * work, "{way:?}: {unbalanced} of {work} is lost, films took {films}");
+        // no step resolves the jump with which shear starts
+        let later = |name| all[0].at(last, name) - all[0].at(last / 2, name);
+        let [work, films, unbalanced] = ["work", "dissipated_films", "unbalanced"].map(later);
+        assert!(films > 0.0 && unbalanced.abs() < 0.006 * work, "{way:?}: {unbalanced} of {work} is lost, films took {films}");
         let (distance, column) = all[0].difference(&all[1], &[]);
         assert!(distance <= 1e-6, "{way:?}: {column} differs by {distance:.1e}");
     }
