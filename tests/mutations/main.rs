@@ -7,7 +7,13 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod drawn;
+mod motion;
+mod objects;
+mod pairs;
+mod promises;
 mod scenes;
+mod units;
 
 use std::path::Path;
 

@@ -40,8 +40,8 @@ const SEARCHED: Duration = Duration::from_secs(15);
 const LIMITS: &str = "ulimit -v 1500000; exec timeout 300 \"$0\" \"$@\"";
 
 /// Signals to a process that has used up its seconds of a core.
-const OUT_OF_TIME: i32 = 24;
-const KILLED: i32 = 9;
+pub const OUT_OF_TIME: i32 = 24;
+pub const KILLED: i32 = 9;
 
 const SPHERES: &str = r#"[domain]
 size = [6.0, 6.0, 6.0]
@@ -186,7 +186,7 @@ fn numbers(text: &str) -> Vec<(usize, usize)> {
 }
 
 /// What becomes of an input, and its refusal.
-fn door(text: &str) -> (&'static str, Result<()>) {
+pub fn door(text: &str) -> (&'static str, Result<()>) {
     let scene = match Scene::parse("mutant", Path::new("folder"), text, &[]) {
         Ok(scene) => scene,
         Err(error) => return ("refused when read", Err(error)),
@@ -276,7 +276,7 @@ fn summary_has_bodies(summary: &serde_json::Value) -> bool {
 }
 
 /// The program within its limits, one of which is given in seconds of a core.
-fn limited(seconds: u32, arguments: &[&str]) -> std::process::Output {
+pub fn limited(seconds: u32, arguments: &[&str]) -> std::process::Output {
     let mut command = Command::new("bash");
     command.args(["-c", &format!("ulimit -t {seconds}; {LIMITS}"), PROGRAM]).args(arguments);
     settle(&mut command);
