@@ -19,6 +19,14 @@ pub enum Error {
     /// A solver did not reach its tolerance; the message says how far it came and what to change.
     #[error("{0}")]
     Diverged(String),
+    /// A step is too long for what happens in it; the message says so. A [`Simulation`](crate::simulation::Simulation) tries shorter ones first.
+    #[error("{text}")]
+    StepTooLong {
+        /// What went wrong, and what may help.
+        text: String,
+        /// Length of the step.
+        step: f64,
+    },
     /// A PETSc call failed.
     #[error("{call} failed with PETSc error {code}: {text}")]
     Petsc {
@@ -36,6 +44,8 @@ pub enum Error {
         text: String,
         /// The bodies and contacts as JSON, to solve the same problem again.
         island: String,
+        /// Length of the step, where a shorter one may help.
+        step: Option<f64>,
     },
     /// A signal asked the run to stop; nothing is lost.
     #[error("stopped by a signal at time {time}")]
@@ -120,6 +130,34 @@ impl Error {
     /// A refusal that is all told by a text.
     pub fn refused(text: impl Into<String>) -> Error {
         Refusal::from(text.into()).into()
+    }
+
+    /// Length of the step, where a shorter one may help.
+    pub fn step_too_long(&self) -> Option<f64> {
+        match self {
+            Error::StepTooLong { step, .. } => Some(*step),
+            Error::Contact { step, .. } => *step,
+            _ => None,
+        }
+    }
+
+    /// The same error with the time of the step, if bodies in contact could not be kept apart in one.
+    #[must_use]
+    pub fn at_time(self, time: f64) -> Error {
+        match self {
+            Error::Contact { text, island, step } => Error::Contact { text: format!("at time {time} {text}"), island, step },
+            other => other,
+        }
+    }
+
+    /// The same error with something more to say, if it is one of a step.
+    #[must_use]
+    pub fn saying(self, more: &str) -> Error {
+        match self {
+            Error::StepTooLong { text, step } => Error::StepTooLong { text: text + more, step },
+            Error::Contact { text, island, step } => Error::Contact { text: text + more, island, step },
+            other => other,
+        }
     }
 
     /// Exit code of the program: 2 for input or files that cannot be used, 130 after a signal, 1 for anything else.

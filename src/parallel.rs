@@ -16,6 +16,7 @@ use mpi::{
     topology::SimpleCommunicator,
     traits::{AsRaw, Communicator, CommunicatorCollectives, Root},
 };
+use serde::Serialize;
 
 use crate::error::{Error, Result};
 pub use machine::Machine;
@@ -24,6 +25,9 @@ pub use routes::Routes;
 
 /// What tells ranks that bodies in contact could not be kept apart; no exit code.
 const CONTACT: i32 = -1;
+
+/// What tells ranks that a step is too long; no exit code.
+const STEP: i32 = -2;
 
 /// All ranks of this run.
 pub struct World {
@@ -178,7 +182,8 @@ impl World {
         let Some(first) = failed.iter().position(|&failed| failed) else { return outcome };
         let (text, code) = match &outcome {
             Err(Error::Refused(refusal)) => (serde_json::to_string(refusal).expect("a refusal is plain text"), 2),
-            Err(Error::Contact { text, island }) => (serde_json::to_string(&[text, island]).expect("texts"), CONTACT),
+            Err(Error::Contact { text, island, step }) => (texts(&(text, island, step.map(f64::to_bits))), CONTACT),
+            Err(Error::StepTooLong { text, step }) => (texts(&(text, step.to_bits())), STEP),
             Err(error) => (error.to_string(), error.exit_code()),
             Ok(_) => (String::new(), 0),
         };
@@ -189,8 +194,12 @@ impl World {
             // a file of that rank is told as text
             _ if code == 2 => Err(serde_json::from_str(&text).map_or_else(|_| Error::refused(text), Error::Refused)),
             _ if code == CONTACT => {
-                let [text, island] = serde_json::from_str(&text).expect("two texts were sent");
-                Err(Error::Contact { text, island })
+                let (text, island, step): (_, _, Option<u64>) = serde_json::from_str(&text).expect("these values were sent");
+                Err(Error::Contact { text, island, step: step.map(f64::from_bits) })
+            }
+            _ if code == STEP => {
+                let (text, step) = serde_json::from_str(&text).expect("these values were sent");
+                Err(Error::StepTooLong { text, step: f64::from_bits(step) })
             }
             _ => Err(Error::Elsewhere { rank: first, text }),
         }
@@ -288,6 +297,11 @@ impl Peers<'_> {
             Peers::All(world) => world.agree(outcome),
         }
     }
+}
+
+/// Values as a text; numbers go as their bits, which every rank reads alike.
+fn texts(values: &impl Serialize) -> String {
+    serde_json::to_string(values).expect("plain values")
 }
 
 /// Set in the environment of every rank by Open MPI, by PMIx and by Slurm's or MPICH's own starter.

@@ -12,8 +12,14 @@ use crate::{
     geometry::{Ball, Domain},
 };
 
+/// Part of a distance that is rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// Places that are tried for a chain.
 const TRIALS: usize = 20_000;
+
+/// Beads at the rim of a form beyond which it counts as a circle or a sphere.
+const RIM: usize = 2000;
 
 /// The form of a chain as it is placed.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,7 +47,7 @@ pub fn place_chains<const D: usize>(
     obstacles.iter().for_each(|ball| taken.add(*ball));
     let (mut random, mut centers) = (ChaCha8Rng::seed_from_u64(seed), Vec::with_capacity(count * form.places.len()));
     for chain in 0..count {
-        let found = (0..TRIALS).map(|_| form.anywhere(domain, &mut random)).find(|beads| taken.free(beads, form.radius, gap));
+        let found = (0..TRIALS).find_map(|_| taken.placed(&form.anywhere(domain, &mut random), gap));
         let beads = found.ok_or_else(|| {
             Error::refused(format!(
                 "leaves no place for number {chain} among those before it; lower it, make them smaller or enlarge domain.size"
@@ -92,12 +98,24 @@ impl ChainForm {
 
     /// Its largest extent.
     pub fn length(&self) -> f64 {
-        let pairs = self.places.iter().flat_map(|one| self.places.iter().map(move |other| (one - other).norm()));
+        let middle = self.places.iter().sum::<Vector3<f64>>() / self.places.len() as f64;
+        let farthest_of = |one: &Vector3<f64>| {
+            self.places.iter().copied().max_by(|two, three| (two - one).norm().total_cmp(&(three - one).norm())).unwrap_or(middle)
+        };
+        let one = farthest_of(&middle);
+        let (reach, across) = ((one - middle).norm(), (farthest_of(&one) - one).norm());
+        // both ends of the longest way are as far out as this
+        let rim: Vec<&Vector3<f64>> =
+            self.places.iter().filter(|place| (*place - middle).norm() >= (across - reach) * (1.0 - ROUNDING)).collect();
+        if rim.len() > RIM {
+            return 2.0 * (self.radius + reach);
+        }
+        let pairs = rim.iter().flat_map(|one| rim.iter().map(move |other| (*one - *other).norm()));
         2.0 * self.radius + pairs.fold(0.0, f64::max)
     }
 
-    /// Centres of the beads somewhere, in some direction.
-    fn anywhere<const D: usize>(&self, domain: &Domain<D>, random: &mut ChaCha8Rng) -> Vec<SVector<f64, D>> {
+    /// Somewhere, in some direction.
+    fn anywhere<'a, const D: usize>(&'a self, domain: &Domain<D>, random: &mut ChaCha8Rng) -> PlacedForm<'a, D> {
         let middle = SVector::<f64, D>::from_fn(|axis, _| random.random::<f64>() * domain.size[axis]);
         let mut direction = || loop {
             let vector = SVector::<f64, D>::from_fn(|_, _| 2.0 * random.random::<f64>() - 1.0);
@@ -117,7 +135,26 @@ impl ChainForm {
         let last = SVector::from_fn(|axis, _| {
             if D == 3 { Vector3::from_fn(|row, _| one[row]).cross(&Vector3::from_fn(|row, _| other[row]))[axis] } else { 0.0 }
         });
-        self.places.iter().map(|place| middle + one * place.x + other * place.y + last * place.z).collect()
+        PlacedForm { form: self, middle, axes: [one, other, last] }
+    }
+}
+
+/// A form in some place, with the directions of its axes.
+struct PlacedForm<'a, const D: usize> {
+    form: &'a ChainForm,
+    middle: SVector<f64, D>,
+    axes: [SVector<f64, D>; 3],
+}
+
+impl<const D: usize> PlacedForm<'_, D> {
+    fn center(&self, place: &Vector3<f64>) -> SVector<f64, D> {
+        let [one, other, last] = &self.axes;
+        self.middle + one * place.x + other * place.y + last * place.z
+    }
+
+    /// Centres of the beads, the last one first: ends are in the way of most.
+    fn centers(&self) -> impl Iterator<Item = SVector<f64, D>> {
+        self.form.places.iter().rev().map(|place| self.center(place))
     }
 }
 
@@ -145,10 +182,35 @@ impl<'a, const D: usize> Taken<'a, D> {
         self.cells.entry(self.cell(&ball.center)).or_default().push(ball);
     }
 
-    /// Whether beads keep the gap to all that is there, to walls, and to images of their own chain.
-    fn free(&self, beads: &[SVector<f64, D>], radius: f64, gap: f64) -> bool {
-        beads.iter().all(|center| self.inside(center, radius * (1.0 + gap)) && self.alone(center, radius, gap))
-            && (0..beads.len()).all(|one| (0..one).all(|other| self.same_image(&beads[one], &beads[other], radius * (2.0 + gap))))
+    /// The beads of a chain in a place, if they keep the gap to all that is there, to walls, and to images of their own chain.
+    fn placed(&self, chain: &PlacedForm<D>, gap: f64) -> Option<Vec<SVector<f64, D>>> {
+        let radius = chain.form.radius;
+        let free = |center: &SVector<f64, D>| self.inside(center, radius * (1.0 + gap)) && self.alone(center, radius, gap);
+        if !chain.centers().all(|center| free(&center)) {
+            return None;
+        }
+        let beads: Vec<SVector<f64, D>> = chain.form.places.iter().map(|place| chain.center(place)).collect();
+        self.clear_of_images(&beads, radius * (2.0 + gap)).then_some(beads)
+    }
+
+    /// Whether no two beads of a chain are nearer to each other's image than they may.
+    fn clear_of_images(&self, beads: &[SVector<f64, D>], least: f64) -> bool {
+        let mut earlier: HashMap<[i64; D], Vec<SVector<f64, D>>> = HashMap::new();
+        beads.iter().all(|bead| {
+            let home = self.cell(bead);
+            let met = self
+                .around(home)
+                .any(|cell| earlier.get(&cell).is_some_and(|others| others.iter().any(|other| !self.same_image(bead, other, least))));
+            earlier.entry(home).or_default().push(*bead);
+            !met
+        })
+    }
+
+    /// Three cells along each axis about one, counted in base three.
+    fn around(&self, home: [i64; D]) -> impl Iterator<Item = [i64; D]> {
+        (0..3_usize.pow(D as u32)).map(move |number| {
+            std::array::from_fn(|axis| (home[axis] + (number / 3_usize.pow(axis as u32) % 3) as i64 - 1).rem_euclid(self.counts[axis]))
+        })
     }
 
     fn inside(&self, center: &SVector<f64, D>, least: f64) -> bool {
@@ -160,19 +222,13 @@ impl<'a, const D: usize> Taken<'a, D> {
             let separation = self.domain.nearest_image(ball.center - center);
             separation.norm() < ball.radius + radius * (1.0 + gap)
         };
-        let home = self.cell(center);
-        // three cells along each axis, counted in base three
-        !(0..3_usize.pow(D as u32)).any(|number| {
-            let cell =
-                std::array::from_fn(|axis| (home[axis] + (number / 3_usize.pow(axis as u32) % 3) as i64 - 1).rem_euclid(self.counts[axis]));
-            self.cells.get(&cell).is_some_and(|balls| balls.iter().any(near))
-        })
+        !self.around(self.cell(center)).any(|cell| self.cells.get(&cell).is_some_and(|balls| balls.iter().any(near)))
     }
 
     /// Whether two beads of a chain are not nearer to each other's image than they may.
     fn same_image(&self, one: &SVector<f64, D>, other: &SVector<f64, D>, least: f64) -> bool {
         let (separation, nearest) = (one - other, self.domain.nearest_image(one - other));
-        (separation - nearest).norm() < 1e-9 * separation.norm() || nearest.norm() >= least
+        (separation - nearest).norm() < ROUNDING * separation.norm() || nearest.norm() >= least
     }
 }
 
@@ -214,6 +270,33 @@ mod tests {
             let around: f64 = (0..24).map(|bead| (cell[bead] - cell[0]).perp(&(cell[(bead + 1) % 24] - cell[0]))).sum();
             assert!(around > 0.0, "{around}");
         }
+    }
+
+    #[test]
+    fn the_extent_of_a_form_is_that_of_its_farthest_beads() {
+        let forms = [
+            ChainForm::line(0.5, 7, 1.05),
+            ChainForm::circle(0.5, 7, 1.05),
+            ChainForm::circle(0.5, 8, 1.05),
+            ChainForm::cell(0.15, 41, 0.3),
+        ];
+        for form in forms.into_iter().chain([ChainForm::membrane(0.15, 162, 0.3)]) {
+            let pairs = form.places.iter().flat_map(|one| form.places.iter().map(move |other| (one - other).norm()));
+            let longest = pairs.fold(0.0, f64::max);
+            assert!((form.length() - 2.0 * form.radius - longest).abs() < 1e-12, "{} {longest}", form.length());
+        }
+        // many beads around a circle, of which no pair is looked at
+        let circle = ChainForm::circle(0.5, 100_000, 1.05);
+        assert!((circle.length() - 1.0 - 105_000.0 / PI).abs() < 1e-4);
+    }
+
+    #[test]
+    fn long_chains_find_places_where_they_do_not_meet_their_own_images() {
+        let domain = Domain { size: Vector2::repeat(300.0), axes: [Axis::Periodic, Axis::Periodic] };
+        let form = ChainForm::line(0.1, 1400, 0.21);
+        let centers = place_chains(&domain, &[], (&form, 2), 0.1, 5).unwrap();
+        let balls: Vec<Ball<2>> = centers.iter().map(|&center| Ball { center: domain.wrap(center), radius: 0.1 }).collect();
+        assert!(first_fault(&domain, &balls).is_none());
     }
 
     #[test]

@@ -35,8 +35,7 @@ impl Membrane {
             Vector3::new(place.x, half_thickness(place.y, across * across), place.z)
         };
         let places: Vec<Vector3<f64>> = sphere.places.iter().map(press).collect();
-        let pairs = places.iter().enumerate().flat_map(|(one, place)| places[..one].iter().map(move |other| (place - other).norm()));
-        let nearest = pairs.fold(f64::INFINITY, f64::min);
+        let nearest = nearest(&places, &sphere.triangles);
         Some(Membrane { places: places.iter().map(|place| place * (link / nearest)).collect(), ..sphere })
     }
 
@@ -78,6 +77,24 @@ impl Membrane {
         };
         beside.iter().filter_map(edge).collect()
     }
+}
+
+/// The smallest distance of two corners: along an edge, or across, where a membrane is thin.
+fn nearest(places: &[Vector3<f64>], triangles: &[[usize; 3]]) -> f64 {
+    let sides = triangles.iter().flat_map(|&[one, two, three]| [[one, two], [two, three], [three, one]]);
+    let along = sides.map(|[one, two]| (places[one] - places[two]).norm()).fold(f64::INFINITY, f64::min);
+    let cell = |place: &Vector3<f64>| [place.x, place.y, place.z].map(|coordinate| (coordinate / along).floor() as i64);
+    let (mut earlier, mut nearest) = (HashMap::<[i64; 3], Vec<Vector3<f64>>>::new(), along);
+    for place in places {
+        let home = cell(place);
+        for number in 0..27 {
+            let beside = [home[0] + number % 3 - 1, home[1] + number / 3 % 3 - 1, home[2] + number / 9 - 1];
+            let others = earlier.get(&beside).into_iter().flatten();
+            nearest = others.map(|other| (place - other).norm()).fold(nearest, f64::min);
+        }
+        earlier.entry(home).or_default().push(*place);
+    }
+    nearest
 }
 
 /// Parts of an icosahedron's edge, at least two, that make so many corners.

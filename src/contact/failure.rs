@@ -15,6 +15,9 @@ use crate::{
 /// Largest weight over the smallest: beyond it what is between is rounding.
 const LARGEST_RATIO: f64 = 1e12;
 
+/// Bodies that a message names at most.
+const NAMED: usize = 5;
+
 /// Pairs of cells and bodies that a look at all paths may visit.
 const MOST_VISITS: f64 = 1e9;
 
@@ -70,7 +73,7 @@ fn too_far<const D: usize>(peers: Peers, problem: &Problem<D>) -> Result<()> {
     peers.agree(body.map_or(Ok(()), |body| {
         let radii = all / problem.balls[body].radius;
         let text = format!("body {} moves by {radii:.3e} of its radius in one step; try a smaller time.step", problem.number(body));
-        Err(error(problem, &[body], &[], text))
+        Err(step_error(problem, &[body], &[], text))
     }))
 }
 
@@ -92,21 +95,33 @@ pub(super) fn failure<const D: usize>(problem: &Problem<D>, contacts: &[Contact<
     let mut bodies: Vec<usize> = both.flatten().collect();
     bodies.sort_unstable();
     bodies.dedup();
+    let given: Vec<usize> = bodies.iter().copied().filter(|&body| !problem.gives_way(body)).collect();
     let what = match outcome {
-        Outcome::Infeasible => "bodies are squeezed with no way out",
-        _ => "the solver stopped before the forces were found",
+        Outcome::Infeasible if given.is_empty() => "bodies are squeezed with no way out; try a smaller time.step".to_owned(),
+        Outcome::Infeasible => {
+            let motion = if given.len() == 1 { "motion" } else { "motions" };
+            format!(
+                "bodies are squeezed with no way out by given {motion} ({}); change the {motion}, or end before",
+                named(problem, &given)
+            )
+        }
+        _ => "the solver stopped before the forces were found; try a smaller time.step".to_owned(),
     };
-    let named: Vec<String> = bodies.iter().take(5).map(|&body| problem.number(body).to_string()).collect();
-    let more = if bodies.len() > named.len() { ", .." } else { "" };
     let (count, pairs) = (bodies.len(), contacts.len());
-    let text = format!("contact of {count} bodies ({}{more}) at {pairs} places failed: {what}; try a smaller time.step", named.join(", "));
-    error(problem, &bodies, contacts, text)
+    let text = format!("contact of {count} bodies ({}) at {pairs} places failed: {what}", named(problem, &bodies));
+    step_error(problem, &bodies, contacts, text)
+}
+
+/// The numbers of the first few of some bodies.
+fn named<const D: usize>(problem: &Problem<D>, bodies: &[usize]) -> String {
+    let named: Vec<String> = bodies.iter().take(NAMED).map(|&body| problem.number(body).to_string()).collect();
+    named.join(", ") + if bodies.len() > NAMED { ", .." } else { "" }
 }
 
 /// The error of a problem to which contacts were added again and again.
 pub(super) fn endless<const D: usize>(problem: &Problem<D>, rounds: usize, contacts: usize) -> Error {
     let text = format!("new contacts appear after {rounds} rounds with {contacts} contacts; try a smaller time.step");
-    error(problem, &(0..problem.balls.len()).collect::<Vec<_>>(), &[], text)
+    step_error(problem, &(0..problem.balls.len()).collect::<Vec<_>>(), &[], text)
 }
 
 /// The largest weight of a body that gives way over the smallest.
@@ -126,10 +141,20 @@ pub(super) fn unkept<const D: usize>(peers: Peers, problem: &Problem<D>, found: 
         "the forces found at {contacts} contacts leave a residual of {residual:.1e} radii, between bodies whose weights differ by a factor \
          of {ratio:.1e}; try densities nearer to each other or a smaller time.step"
     );
-    error(problem, &(0..problem.balls.len()).collect::<Vec<_>>(), &[], text)
+    step_error(problem, &(0..problem.balls.len()).collect::<Vec<_>>(), &[], text)
+}
+
+/// The error of a step that a shorter one may do without.
+fn step_error<const D: usize>(problem: &Problem<D>, bodies: &[usize], contacts: &[Contact<D>], text: String) -> Error {
+    Error::Contact { text, island: island(problem, bodies, contacts), step: Some(problem.step) }
 }
 
 fn error<const D: usize>(problem: &Problem<D>, bodies: &[usize], contacts: &[Contact<D>], text: String) -> Error {
+    Error::Contact { text, island: island(problem, bodies, contacts), step: None }
+}
+
+/// A problem as JSON, to solve it again.
+fn island<const D: usize>(problem: &Problem<D>, bodies: &[usize], contacts: &[Contact<D>]) -> String {
     let Problem { domain, balls, weights, velocities, step, .. } = *problem;
     let body = |&body: &usize| {
         let (ball, velocity) = (&balls[body], velocities[body].as_slice());
@@ -137,15 +162,15 @@ fn error<const D: usize>(problem: &Problem<D>, bodies: &[usize], contacts: &[Con
         json!({ "index": problem.number(body), "radius": ball.radius, "center": ball.center.as_slice(), "wanted": velocity, "weight": weights[body] })
     };
     let periodic: Vec<bool> = (0..D).map(|axis| domain.periodic(axis)).collect();
-    let island = json!({
+    json!({
         "size": domain.size.as_slice(),
         "periodic": periodic,
         "shift": domain.slide().map(|slide| slide.shift()),
         "step": step,
         "bodies": bodies.iter().map(body).collect::<Vec<_>>(),
         "contacts": contacts.iter().map(|contact| touch(&contact.renamed(|body| problem.number(body)))).collect::<Vec<_>>(),
-    });
-    Error::Contact { text, island: island.to_string() }
+    })
+    .to_string()
 }
 
 fn touch<const D: usize>(contact: &Contact<D>) -> Value {

@@ -49,5 +49,5 @@ pub use scale::SpeedScale;
 pub use shear::Shear;
 pub use species::{species, species_of};
 pub use stress::{NormalStresses, Stress};
-pub use viscosity::{Viscosity, viscosity};
+pub use viscosity::{Viscosity, viscosity, why_no_viscosity};
 pub use vorticity::{CellVorticity, vorticity_at};

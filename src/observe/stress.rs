@@ -1,11 +1,12 @@
 //! Mean stress of a suspension in simple shear, as a tensor of parts.
 //!
 //! ```text
-//! Sigma = -p I + 2 mu E + sum_i S_i / V - sum f r n n / V
+//! Sigma = -p I + 2 mu E + sum_i S_i / V - sum f r n n / V + sum_i L_i / 2 V
 //! ```
 //!
 //! `p` is the mean pressure over the fluid, `E` the mean rate of strain, `S_i` the stresslets, `f` the forces of contacts between centres
-//! a distance `r n` apart. Stresslets have no trace: that part of the stress is what bodies bear as pressure,
+//! a distance `r n` apart, `L_i` the couples that turn bodies from outside, as tensors of which `L_xy` is the torque from x to y. They make it
+//! asymmetric. Between walls, whose mean shear stress is meant, a force `F` along them at a height `y` from the middle adds `-F y / V`. Stresslets have no trace: that part of the stress is what bodies bear as pressure,
 //! `fraction (p - mean of the pressure inside bodies)`, as the inside of a rigid body is at rest in the solution and bears the mean normal traction.
 //! All parts are over `mu rate` (Batchelor 1970, doi:10.1017/S0022112070000745; particle pressure: Jeffrey, Morris & Brady 1993,
 //! doi:10.1063/1.858709).
@@ -14,12 +15,13 @@ use nalgebra::{SMatrix, SVector};
 
 use super::{cells::visit_inside, inertia::reynolds_stress, shear::Shear};
 use crate::{
+    body::Motion,
     contact::ContactForce,
     error::Result,
-    geometry::Ball,
+    geometry::{Axis, Ball},
     grid::Grid,
     scene::ConstraintMethod,
-    simulation::{Setup, Solution},
+    simulation::{BodyState, Setup, Solution, SuspendedBody},
 };
 
 /// Cells between the surface of a body and those whose pressure counts as that of its inside.
@@ -32,7 +34,7 @@ pub struct Stress<const D: usize> {
     pub hydrodynamic: SMatrix<f64, D, D>,
     /// Of lubrication beyond the resolved flow, if there is a model of it.
     pub lubrication: Option<SMatrix<f64, D, D>>,
-    /// Of forces at a distance, if there are any.
+    /// Of forces at a distance, of given torques, and between walls of given forces along them, if there are any.
     pub interaction: Option<SMatrix<f64, D, D>>,
     /// Of bonds.
     pub bonds: Option<SMatrix<f64, D, D>>,
@@ -77,13 +79,15 @@ impl<const D: usize> Stress<D> {
         };
         let moments: SMatrix<f64, D, D> = contacts.iter().map(pressed).sum();
         let films = solution.lubrication.map(|lubrication| lubrication.stress);
+        let at_a_distance =
+            [solution.pair_stress, load_stress(setup, solution, shear)].into_iter().flatten().reduce(|sum, part| sum + part);
         let resolved = stresslets - films.unwrap_or_else(SMatrix::zeros);
         let pressure = pressure_on_bodies(setup, grid, solution)?;
         let trace = SMatrix::identity() * (pressure.unwrap_or(0.0) / shear.rate);
         Ok(Stress {
             hydrodynamic: shear.doubled_strain() + resolved / unit - trace,
             lubrication: films.map(|stress| stress / unit),
-            interaction: solution.pair_stress.map(|stress| stress / unit),
+            interaction: at_a_distance.map(|stress| stress / unit),
             bonds: solution.bond_stress.map(|stress| stress / unit),
             reynolds: reynolds_stress(setup, grid, solution, shear)?.map(|stress| stress / unit),
             contact: -moments / unit,
@@ -112,6 +116,20 @@ impl<const D: usize> Stress<D> {
             contact_pressure: mean(&self.contact),
         }
     }
+}
+
+/// What given torques and, between walls, given forces along them add to the stress, times volume; nothing without any.
+fn load_stress<const D: usize>(setup: &Setup<D>, solution: &Solution<D>, shear: &Shear<D>) -> Option<SMatrix<f64, D, D>> {
+    let walled = matches!(setup.domain.axes[shear.gradient], Axis::Walls { .. });
+    let along = shear.flow * shear.across().transpose();
+    let load = |(suspended, state): (&SuspendedBody<D>, &BodyState<D>)| {
+        let Motion::Free { force, torque } = suspended.body.motion else { return None };
+        let pull = if walled { force.dot(&shear.flow) } else { 0.0 };
+        let height = state.center[shear.gradient] - 0.5 * setup.domain.size[shear.gradient];
+        // a torque is turned as a spin is: its entry from x to y is the one of y and x
+        (pull != 0.0 || torque.norm() != 0.0).then(|| torque * -0.5 - along * (pull * height))
+    };
+    setup.bodies.iter().zip(&solution.bodies).filter_map(load).reduce(|sum, part| sum + part)
 }
 
 /// The particle pressure of the flow over viscosity, `fraction (mean inside - mean over the fluid)`; nothing where the solver has no pressure inside.

@@ -7,12 +7,17 @@ use super::{
     stress::{NormalStresses, Stress},
 };
 use crate::{
+    body::Motion,
     contact::ContactForce,
     error::Result,
+    flow::Drive,
     geometry::Axis,
     grid::Grid,
-    simulation::{Setup, Solution},
+    simulation::{Setup, Solution, SuspendedBody},
 };
+
+/// Difference of the shear stresses of two walls, over viscosity and rate, that is none.
+const EVEN: f64 = 1e-6;
 
 /// Apparent viscosity over that of the fluid, by roads that must agree.
 ///
@@ -26,7 +31,7 @@ pub struct Viscosity {
     pub hydrodynamic: f64,
     /// Of lubrication beyond the resolved flow, if there is a model of it.
     pub lubrication: Option<f64>,
-    /// Of forces at a distance, if there are any.
+    /// Of forces at a distance, of given torques (half the couple per volume), and between walls of given forces along them, if there are any.
     pub interaction: Option<f64>,
     /// Of bonds of chains and membranes, if there are any.
     pub bonds: Option<f64>,
@@ -34,7 +39,8 @@ pub struct Viscosity {
     pub reynolds: Option<f64>,
     /// Of the contact forces `f`, between centres a distance `r n` apart: `-sum f r n n / (mu rate V)`.
     pub contact: f64,
-    /// The mean stress of all parts over viscosity and rate, without the pressure of the fluid, tension positive; in two dimensions the rest is zero. Its
+    /// The mean stress of all parts over viscosity and rate, without the pressure of the fluid, tension positive; in two dimensions the rest is zero. It
+    /// is not symmetric where torques are given: the first index is that of the force, the second that of the plane on which it acts. Its
     /// trace is that of contacts alone where the pressure that bodies bear is not known.
     pub stress: SMatrix<f64, 3, 3>,
     /// Normal stresses.
@@ -55,14 +61,15 @@ fn in_space<const D: usize>(stress: &SMatrix<f64, D, D>) -> SMatrix<f64, 3, 3> {
     SMatrix::from_fn(|row, column| if row < D && column < D { stress[(row, column)] } else { 0.0 })
 }
 
-/// The apparent viscosity of a suspension of free bodies in simple shear, with the contacts between them; nothing in any other flow.
+/// The apparent viscosity of a suspension of free bodies in simple shear, with the contacts between them; nothing in any other flow, nor
+/// where [`why_no_viscosity`] tells why.
 pub fn viscosity<const D: usize>(
     setup: &Setup<D>,
     grid: &Grid<D>,
     solution: &Solution<D>,
     contacts: &[ContactForce<D>],
 ) -> Result<Option<Viscosity>> {
-    let Some(shear) = Shear::of(&setup.domain, &setup.drive) else { return Ok(None) };
+    let Some(shear) = Shear::of(&setup.domain, &setup.drive).filter(|shear| uneven(setup, shear).is_none()) else { return Ok(None) };
     if setup.bodies.iter().any(|suspended| !suspended.body.free()) {
         return Ok(None);
     }
@@ -83,6 +90,38 @@ pub fn viscosity<const D: usize>(
         normal: stress.normal(&shear),
         from_walls,
     }))
+}
+
+/// Why a suspension of free bodies between walls that shear it has no viscosity, if it has none: what pushes it along them makes the shear stress of
+/// one wall differ from that of the other.
+pub fn why_no_viscosity<const D: usize>(setup: &Setup<D>) -> Option<String> {
+    let shear = Shear::of(&setup.domain, &setup.drive)?;
+    let difference = uneven(setup, &shear)?;
+    let free = setup.bodies.iter().all(|suspended| suspended.body.free());
+    free.then(|| {
+        format!(
+            "the shear stresses of the two walls differ by {difference:.3e} viscosity x rate: a net force along the walls, or a drive, pushes what is \
+             between them"
+        )
+    })
+}
+
+/// Difference of the shear stresses of two walls over viscosity and rate, by all forces along them that are given, if there is any.
+fn uneven<const D: usize>(setup: &Setup<D>, shear: &Shear<D>) -> Option<f64> {
+    let Axis::Walls { .. } = setup.domain.axes[shear.gradient] else { return None };
+    let volume = setup.domain.volume();
+    let driven = match setup.drive {
+        Drive::PressureGradient(gradient) => -gradient * volume,
+        Drive::BodyForce(force) => force * (volume * (1.0 - setup.fraction())),
+        Drive::Rest | Drive::MeanVelocity(_) | Drive::Shear(_) => SVector::zeros(),
+    };
+    let pull = |suspended: &SuspendedBody<D>| match suspended.body.motion {
+        Motion::Free { force, .. } => force,
+        Motion::Prescribed(_) => SVector::zeros(),
+    };
+    let net = (driven + setup.bodies.iter().map(pull).sum::<SVector<f64, D>>()).dot(&shear.flow);
+    let difference = net * setup.domain.size[shear.gradient] / (volume * setup.viscosity * shear.rate);
+    (difference.abs() > EVEN).then_some(difference)
 }
 
 /// Mean over both walls of the velocity gradient at the wall, as the forces on the walls or the momentum balance of the grid have it.

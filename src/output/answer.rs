@@ -23,9 +23,11 @@ impl Answer {
 /// The answers of a run, the first one first.
 pub fn answers(summary: &Summary) -> Vec<Answer> {
     let viscosity = summary.viscosity.iter().flat_map(of_viscosity);
+    let without = summary.no_viscosity.iter().map(|why| Answer::new("relative viscosity", format!("none: {why}")));
     let drag = summary.accuracy.as_ref().and_then(|accuracy| accuracy.drag);
     let of_accuracy = drag.map(|drag| Answer::new("drag", format!("{:.6} ± {}", drag.root_mean_square, bar(drag.bar))));
     viscosity
+        .chain(without)
         .chain(of_accuracy)
         .chain(of_forces(summary))
         .chain(of_velocities(summary))

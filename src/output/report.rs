@@ -38,7 +38,8 @@ fn motion_lines(summary: &Summary, motion: &MotionSummary) -> Vec<String> {
     let steps = counted(summary.steps, "step", "steps");
     let [shortest, longest] = motion.steps;
     let (grown, shrunk) = (motion.grown, motion.shrunk);
-    let lengths = format!("of {shortest:.3e} to {longest:.3e}, {grown} longer than the one before, {shrunk} shorter");
+    let halved = if motion.halved > 0 { format!("; {} times a step led nowhere and was halved", motion.halved) } else { String::new() };
+    let lengths = format!("of {shortest:.3e} to {longest:.3e}, {grown} longer than the one before, {shrunk} shorter{halved}");
     let mut lines = vec![format!("time                 {} in {steps} {lengths}", summary.time)];
     if motion.solves > 0 {
         let mean = motion.iterations as f64 / motion.solves as f64;

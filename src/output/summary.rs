@@ -10,7 +10,7 @@ use super::{
 use crate::{
     flow::{Drive, InverseMethod},
     geometry::Ball,
-    observe::{InertialNumbers, Viscosity},
+    observe::{InertialNumbers, Viscosity, why_no_viscosity},
     parallel::{World, peak_memory_bytes},
     scene::Scene,
     simulation::{Cost, FlowSolver, Lubrication, Setup, Simulation, Solution, SolvedScalar},
@@ -45,6 +45,8 @@ pub struct Summary {
     pub scalar: Option<ScalarSummary>,
     /// Apparent viscosity over that of the fluid, in a sheared suspension of free bodies.
     pub viscosity: Option<ViscositySummary>,
+    /// Why such a suspension has none.
+    pub no_viscosity: Option<String>,
     /// What inertia amounts to, in a run of a flow that has it.
     pub inertia: Option<InertiaSummary>,
     /// The balance of its energy from start to end, if it is asked for.
@@ -188,6 +190,8 @@ pub struct MotionSummary {
     pub grown: usize,
     /// Steps that were shorter than the one before.
     pub shrunk: usize,
+    /// Times that a step led nowhere and was halved.
+    pub halved: usize,
     /// Solves of the flow.
     pub solves: usize,
     /// Their iterations.
@@ -260,6 +264,7 @@ impl Summary {
             flow: Some(FlowSummary::new(setup, solution)),
             forces: ForceSummary::of(setup, solution),
             velocities: VelocitySummary::of_flow(scene, setup, solution),
+            no_viscosity: viscosity.is_none().then(|| why_no_viscosity(setup)).flatten(),
             viscosity: viscosity.map(ViscositySummary::new),
             lubrication: solution.lubrication.as_ref().map(LubricationSummary::new),
             solver: Some(SolverSummary::new(suspension, world)),
@@ -300,6 +305,7 @@ impl Summary {
             flow: None,
             scalar: None,
             viscosity: None,
+            no_viscosity: None,
             inertia: None,
             energy: None,
             accuracy: None,

@@ -120,6 +120,9 @@ impl<'a, const D: usize> Run<'a, D> {
             }
             _ => RunStatistics::new(),
         };
+        if let (Some(signals), Machinery::InTime { simulation, .. }) = (&signals, &mut machinery) {
+            simulation.heed(signals.stop_request());
+        }
         let mut run = Run {
             world,
             scene: scene.clone(),
@@ -223,7 +226,9 @@ impl<'a, const D: usize> Run<'a, D> {
         let asked = self.signals.as_ref().is_some_and(Signals::take_checkpoint);
         self.keep(asked)?;
         let outputs = &mut self.outputs;
-        self.machinery.evaluate(&mut |iteration, residual| outputs.iter_mut().for_each(|output| output.iterate(iteration, residual)))?;
+        let evaluated =
+            self.machinery.evaluate(&mut |iteration, residual| outputs.iter_mut().for_each(|output| output.iterate(iteration, residual)));
+        self.or_stop(evaluated)?;
         self.viscosity = self.machinery.viscosity()?;
         self.evaluated = true;
         self.timed(|run| {
@@ -244,13 +249,22 @@ impl<'a, const D: usize> Run<'a, D> {
         let Machinery::InTime { simulation, observation } = &mut self.machinery else { return Ok(()) };
         let observation = observation.take().expect("a state is evaluated before its step");
         self.evaluated = false;
-        let report = simulation.step(&observation, &mut |_, _| {})?;
+        let stepped = simulation.step(&observation, &mut |_, _| {});
+        let report = self.or_stop(stepped)?;
         self.statistics.add(&observation, &report);
         let stop = self.signals.as_ref().is_some_and(Signals::stop);
         if self.signals.is_some() && self.world.max(f64::from(stop)) > 0.0 {
             return self.stop();
         }
         Ok(())
+    }
+
+    /// Ends as after a step where long work was stopped.
+    fn or_stop<T>(&mut self, outcome: Result<T>) -> Result<T> {
+        if matches!(outcome, Err(Error::Stopped { .. })) {
+            self.stop()?;
+        }
+        outcome
     }
 
     fn stop(&mut self) -> Result<()> {
@@ -344,10 +358,10 @@ impl<'a, const D: usize> Run<'a, D> {
     /// Writes the island that was not solved beside the other files, and says so.
     fn keep_island(&self, outcome: Result<bool>) -> Result<bool> {
         match (outcome, &self.folder) {
-            (Err(Error::Contact { text, island }), Some(folder)) => {
+            (Err(Error::Contact { text, island, step }), Some(folder)) => {
                 let path = folder.path().join("contact-island.json");
                 self.world.on_first_rank(|| write_whole(&path, island.as_bytes()))?;
-                Err(Error::Contact { text: format!("{text}; the problem is in {}", path.display()), island })
+                Err(Error::Contact { text: format!("{text}; the problem is in {}", path.display()), island, step })
             }
             (outcome, _) => outcome,
         }

@@ -10,7 +10,10 @@ use signal_hook::{
     flag::register,
 };
 
-use crate::error::{Error, Result};
+use crate::{
+    error::{Error, Result},
+    simulation::StopRequest,
+};
 
 /// Signals that have come since the start; this rank's.
 pub struct Signals {
@@ -19,7 +22,7 @@ pub struct Signals {
 }
 
 impl Signals {
-    /// From now on SIGINT and SIGTERM ask for a stop after the step, and SIGUSR1 for a checkpoint.
+    /// From now on SIGINT and SIGTERM ask for a stop after the step, or between the solves that it takes, and SIGUSR1 for a checkpoint.
     pub fn listen() -> Result<Signals> {
         let signals = Signals { stop: Arc::default(), checkpoint: Arc::default() };
         let listen = || {
@@ -35,6 +38,11 @@ impl Signals {
     /// Whether the run is to stop.
     pub fn stop(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
+    }
+
+    /// What long work looks at.
+    pub fn stop_request(&self) -> StopRequest {
+        StopRequest::of(self.stop.clone())
     }
 
     /// Whether a checkpoint is asked for; asked once.

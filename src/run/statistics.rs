@@ -33,7 +33,7 @@ pub struct KeptContacts {
 }
 
 /// Numbers that checkpoints of older versions lack; they are zero there.
-const LATER: [&str; 3] = ["contacts", "island_contacts", "last.largest_island"];
+const LATER: [&str; 5] = ["contacts", "island_contacts", "halved", "last.largest_island", "last.halvings"];
 
 /// A number of the statistics, to read or to write.
 enum Number<'a> {
@@ -58,6 +58,7 @@ impl RunStatistics {
         motion.steps = if before.is_none() { [report.length; 2] } else { [shortest.min(report.length), longest.max(report.length)] };
         motion.grown += usize::from(before.is_some_and(|last| report.length > last * (1.0 + 1e-9)));
         motion.shrunk += usize::from(before.is_some_and(|last| report.length < last * (1.0 - 1e-9)));
+        motion.halved += report.halvings;
         motion.solves += effort.solves;
         motion.iterations += effort.iterations;
         motion.assembly_seconds += effort.assembly;
@@ -117,6 +118,7 @@ impl RunStatistics {
             length: 0.0,
             kkt_report: lines.contains_key("last.pairs").then(|| KktReport::of_forces::<2>(&[], &[])),
             effort: Effort::default(),
+            halvings: 0,
         });
         let read = |(name, number): (&str, Number)| {
             let Some(text) = lines.get(name) else { return LATER.contains(&name).then_some(()) };
@@ -141,6 +143,7 @@ impl RunStatistics {
             ("longest_step", Real(longest)),
             ("grown", Count(&mut self.motion.grown)),
             ("shrunk", Count(&mut self.motion.shrunk)),
+            ("halved", Count(&mut self.motion.halved)),
             ("solves", Count(&mut self.motion.solves)),
             ("iterations", Count(&mut self.motion.iterations)),
             ("seconds", Real(&mut self.motion.seconds)),
@@ -153,9 +156,10 @@ impl RunStatistics {
             ("smallest_gap", Real(&mut self.smallest_gap)),
             ("kkt_residual", Real(&mut self.kkt_residual)),
         ];
-        let Some(StepReport { length, kkt_report, effort }) = &mut self.last else { return numbers };
+        let Some(StepReport { length, kkt_report, effort, halvings }) = &mut self.last else { return numbers };
         numbers.extend([
             ("last.length", Real(length)),
+            ("last.halvings", Count(halvings)),
             ("last.solves", Count(&mut effort.solves)),
             ("last.iterations", Count(&mut effort.iterations)),
             ("last.assembly", Real(&mut effort.assembly)),
@@ -196,7 +200,7 @@ mod tests {
         let mut kkt_report = KktReport::of_forces::<2>(&[], &[]);
         (kkt_report.kkt_residual, kkt_report.solver) = (0.1 + 0.2, Solver::ALL[1]);
         for kkt_report in [None, Some(kkt_report)] {
-            let last = Some(StepReport { length: 1.0 / 3.0, kkt_report, effort: Effort { solves: 2, ..Effort::default() } });
+            let last = Some(StepReport { length: 1.0 / 3.0, kkt_report, effort: Effort { solves: 2, ..Effort::default() }, halvings: 1 });
             let statistics = RunStatistics { last, ..RunStatistics::new() };
             let again = RunStatistics::read(&statistics.text()).unwrap();
             assert_eq!((again.last, again.smallest_gap), (statistics.last, f64::INFINITY));

@@ -166,6 +166,11 @@ impl BodyGroup {
         centers.into_iter().chain(places)
     }
 
+    /// How many beads or balls each chain, cell or cluster has; nothing for bodies that are alone.
+    pub fn beads(&self) -> Option<usize> {
+        self.cluster.as_ref().map(Cluster::balls).or(self.chain.map(|chain| chain.beads))
+    }
+
     /// Whether centers, numbers and forces are those of several bodies that are placed together.
     pub fn together(&self) -> bool {
         self.chain.is_some() || self.cluster.is_some()

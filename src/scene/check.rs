@@ -5,9 +5,12 @@ use std::fmt::Display;
 use crate::error::Result;
 use crate::flow::InverseMethod;
 use crate::scene::{
-    AxisSection, BodyGroup, ChainShape, Colour, ConstraintMethod, ContactModel, Drive, FlowModel, Joint, LubricationModel, Motion,
+    AxisSection, BodyGroup, ChainShape, Colour, ConstraintMethod, ContactModel, Drive, FlowModel, Joint, LubricationModel, Modes, Motion,
     MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy,
 };
+
+/// Least order of multipliers that bear a strain.
+const FEWEST_IN_A_FLUID: usize = 2;
 
 pub(super) fn check(scene: &Scene) -> Result<()> {
     check_open(scene)?;
@@ -16,6 +19,7 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     check_colour(scene)?;
     check_plane(scene)?;
     check_spacing(scene)?;
+    check_modes(scene)?;
     check_contact(scene)?;
     check_constraint(scene)?;
     check_lubrication(scene)?;
@@ -125,6 +129,15 @@ fn check_spacing(scene: &Scene) -> Result<()> {
     let Some(Spacing::CellsPerRadius(cells)) = scene.resolution.as_ref().map(|resolution| resolution.spacing) else { return Ok(()) };
     let remedy = "there are no bodies to measure by; give resolution.spacing instead";
     expect(scene, !scene.bodies.is_empty(), "resolution.cells_per_radius", cells, remedy)
+}
+
+/// Refuses multipliers of first order in a fluid: they let surfaces strain with the flow, in 2D (the traction of a stresslet is the Fourier mode -2) as in
+/// 3D (it is of degree 2).
+fn check_modes(scene: &Scene) -> Result<()> {
+    let Some(Modes::Count(modes)) = scene.resolution.as_ref().map(|resolution| resolution.modes) else { return Ok(()) };
+    let bears_strain = modes >= FEWEST_IN_A_FLUID || scene.scalar() || !scene.method.constraint.has_modes();
+    let remedy = "lets surfaces strain with the flow: bodies would have no stresslet, and the suspension the viscosity of its fluid; must be at least 2";
+    expect(scene, bears_strain, "resolution.modes", modes, remedy)
 }
 
 fn check_constraint(scene: &Scene) -> Result<()> {

@@ -45,7 +45,10 @@ const WORDS: [Word; 4] = [
 impl Cluster {
     /// How many balls it has.
     pub fn balls(&self) -> usize {
-        self.form.unit_places().len()
+        match &self.form {
+            ClusterForm::Rod(balls) => *balls,
+            other => other.unit_places().len(),
+        }
     }
 
     /// Places of its balls of this radius about their mean, not turned; third components are 0 in 2D.

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use nalgebra::SVector;
 
-use super::{bodies::Bodies, fixed_operators::FixedOperators, pair_constraints::Medium, pair_resistance::medium};
+use super::{bodies::Bodies, fixed_operators::FixedOperators, pair_constraints::Medium, pair_resistance::medium, room::CELLS_AT_ENDS};
 use crate::{
     constraint::{
         Assembled, Blocks, MultiplierLayout, Neighbourhood, PairPreconditioner, Placed, lubrication::LubricationPairs, neighbours,
@@ -18,9 +18,6 @@ use crate::{
 
 /// Net force or torque of a film on a pair, over its force, that is rounding.
 const LARGEST_IMBALANCE: f64 = 1e-9;
-
-/// Cells between bodies and open ends at least.
-const ROOM_AT_ENDS: f64 = 5.0;
 
 /// Bodies in their places.
 pub struct Assembly<const D: usize> {
@@ -104,15 +101,15 @@ impl<const D: usize> Assembly<D> {
     }
 }
 
-/// Refuses bodies at an inflow or an outflow, whose velocity is given whatever they do.
+/// Ends a run in which bodies come to an inflow or an outflow, whose velocity is given whatever they do.
 fn refuse_open_ends<const D: usize>(fixed: &FixedOperators<D>, centers: &[SVector<f64, D>]) -> Result<()> {
     let (grid, bodies) = (&fixed.grid, &fixed.setup.bodies);
     let Some((axis, _)) = grid.domain().open() else { return Ok(()) };
-    let room = |body: usize| bodies[body].body.ball.radius + ROOM_AT_ENDS * grid.spacing()[axis];
+    let room = |body: usize| bodies[body].body.ball.radius + CELLS_AT_ENDS * grid.spacing()[axis];
     let near = |body: usize| centers[body][axis] < room(body) || centers[body][axis] > grid.domain().size[axis] - room(body);
     match (0..centers.len()).find(|&body| near(body)) {
-        Some(body) => Err(Error::refused(format!(
-            "domain.size: body {body} comes within {ROOM_AT_ENDS} cells of where fluid flows in or out; lengthen the box, or end the run before"
+        Some(body) => Err(Error::Diverged(format!(
+            "body {body} comes within {CELLS_AT_ENDS} cells of where fluid flows in or out; set an earlier time.end, or enlarge domain.size"
         ))),
         None => Ok(()),
     }

@@ -69,6 +69,11 @@ impl<const D: usize> Snapshot<D> {
         Ok(snapshot)
     }
 
+    fn without_fluid(&self) -> Option<Snapshot<D>> {
+        let (multipliers, centers, mean_flow) = (self.multipliers.clone(), self.centers.clone(), self.mean_flow.clone());
+        self.fluid.is_none().then_some(Snapshot { fluid: None, multipliers, centers, mean_flow })
+    }
+
     fn copy(&self) -> Result<Snapshot<D>> {
         let (multipliers, centers, mean_flow) = (self.multipliers.clone(), self.centers.clone(), self.mean_flow.clone());
         Ok(Snapshot { fluid: self.fluid.as_ref().map(Vector::copied).transpose()?, multipliers, centers, mean_flow })
@@ -82,6 +87,16 @@ impl<const D: usize> Snapshot<D> {
 }
 
 impl<const D: usize> ExtrapolationHistory<D> {
+    /// A copy, if it holds no fluid.
+    pub fn without_fluid(&self) -> Option<ExtrapolationHistory<D>> {
+        let earlier = self.earlier.as_ref().map(|(earlier, interval)| Some((earlier.without_fluid()?, *interval)));
+        let earlier = match earlier {
+            Some(copy) => Some(copy?),
+            None => None,
+        };
+        Some(ExtrapolationHistory { time: self.time, last: self.last.without_fluid()?, earlier })
+    }
+
     /// A starting point for bodies that have come to new `centers` at a `time`; none if they moved too far.
     pub fn guess(&self, bodies: &Bodies<D>, centers: &[SVector<f64, D>], time: f64) -> Result<Option<InitialGuess<D>>> {
         let longest = centers.iter().zip(&self.last.centers).map(|(center, last)| (center - last).norm()).fold(0.0, f64::max);

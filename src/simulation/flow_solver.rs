@@ -118,6 +118,9 @@ pub trait FlowSolver<const D: usize> {
         false
     }
 
+    /// Forgets what solves at a time have found, in a flow with inertia: the next step starts from the last solution before it again.
+    fn abandon(&mut self, _time: f64) {}
+
     /// What further solves start from.
     fn past(&self) -> Option<&ExtrapolationHistory<D>> {
         None

@@ -3,13 +3,13 @@ use std::{ops::Range, time::Instant};
 use nalgebra::{SMatrix, SVector};
 
 use super::{
-    Effort, GranularSetup, Moving, Observation, ResidualMonitor, State, StepOutcome, Stepper,
+    Effort, GranularSetup, Moving, Observation, ResidualMonitor, State, StepOutcome, Stepper, StopRequest,
     granular_chains::{Accelerated, GranularStep},
     granular_ties::Ties,
     granular_together::{Together, Wanting},
     migration::{self, Constants},
     neighbours::Neighbours,
-    step_control::{BodyMotion, StepControl},
+    step_control::{BodyMotion, StepControl, StepLimits},
 };
 use crate::{
     body::{Halo, Regions, Trajectories, Twist},
@@ -49,6 +49,7 @@ pub struct Granular<const D: usize> {
     reach: f64,
     /// In the state that was looked at last.
     known: Known<D>,
+    stop: StopRequest,
 }
 
 /// What follows from where bodies are.
@@ -95,6 +96,7 @@ impl<const D: usize> Granular<D> {
             bodies: own,
             reach,
             known: Known::default(),
+            stop: StopRequest::default(),
         };
         granular.list_radii();
         (granular, state)
@@ -206,6 +208,9 @@ impl<const D: usize> Granular<D> {
         let (mut contacts, mut apart) = (Accelerated::new(self.by_last_contacts(state, step)), f64::INFINITY);
         let mut together = Together::default();
         for round in 0..MOST_ROUNDS {
+            if round > 0 {
+                self.stop.heed(self.session.world(), state.time)?;
+            }
             let free: Vec<SVector<f64, D>> = wanted.iter().zip(&contacts.ahead).map(|(wanted, change)| wanted + change).collect();
             let tied = ties.hold(peers, &free);
             for (body, twist) in target.iter_mut().enumerate() {
@@ -226,22 +231,22 @@ impl<const D: usize> Granular<D> {
                 contacts = together.changes(peers, &own, ties).map_or(contacts, Accelerated::new);
             }
         }
-        Err(Error::Diverged(format!(
+        let text = format!(
             "at time {} contacts do not agree with bonds and rigid clusters after {MOST_ROUNDS} rounds (places differ by {apart:.1e}); a shorter \
              time.step or softer chains may help",
             state.time
-        )))
+        );
+        Err(Error::StepTooLong { text, step })
     }
 
     /// Refuses a step in which bonds miss an area or a volume that stays as it is. Collective.
-    fn refuse_missed(&self, time: f64, ties: &Ties<D>) -> Result<()> {
+    fn refuse_missed(&self, time: f64, step: f64, ties: &Ties<D>) -> Result<()> {
         let missed = -self.peers().min(-ties.missed());
         if missed <= LARGEST_MISSED {
             return Ok(());
         }
-        Err(Error::Diverged(format!(
-            "at time {time} a cell misses its area or volume by a part of {missed:.1e}; a shorter time.step may help"
-        )))
+        let text = format!("at time {time} a cell misses its area or volume by a part of {missed:.1e}; a shorter time.step may help");
+        Err(Error::StepTooLong { text, step })
     }
 
     /// What the contact forces of the last step would change velocities by. Collective.
@@ -310,7 +315,11 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         self.list_radii();
     }
 
-    fn evaluate(&mut self, state: &State<D>, _: ResidualMonitor) -> Result<Observation<D>> {
+    fn heed(&mut self, stop: StopRequest) {
+        self.stop = stop;
+    }
+
+    fn evaluate(&mut self, state: &State<D>, longest: f64, _: ResidualMonitor) -> Result<Observation<D>> {
         let twists: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
         self.known = self.known(state);
         let moving = twists.iter().zip(&self.known.accelerations).zip(&self.radii);
@@ -322,13 +331,13 @@ impl<const D: usize> Stepper<D> for Granular<D> {
                 acceleration: acceleration.velocity,
             })
             .collect();
-        let longest = self.trajectories.longest_step();
-        let step_size = self.step_control.next(self.peers(), &motions, (state.time, state.last_step), longest);
+        let limits = StepLimits { stable: self.trajectories.longest_step(), tried: longest };
+        let step_size = self.step_control.next(self.peers(), &motions, (state.time, state.last_step), limits);
         Ok(Observation { twists, contacts: Vec::new(), solution: None, step_size, effort: Effort::default() })
     }
 
-    fn advance(&mut self, state: &State<D>, observation: &Observation<D>, _: ResidualMonitor) -> Result<StepOutcome<D>> {
-        let (start, step) = (Instant::now(), observation.step_size.length);
+    fn advance(&mut self, state: &State<D>, observation: &Observation<D>, step: f64, _: ResidualMonitor) -> Result<StepOutcome<D>> {
+        let start = Instant::now();
         let push = self.push(state.last_step, step);
         let pushed = |(twist, acceleration): (&Twist<D>, &Acceleration<D>)| Twist {
             velocity: twist.velocity + acceleration.velocity * push,
@@ -358,7 +367,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         }
         let mut twists = moves.clone();
         if let Some(ties) = ties {
-            self.refuse_missed(state.time, &ties)?;
+            self.refuse_missed(state.time, step, &ties)?;
             ties.turn(self.peers(), &free, &mut moves, &mut twists);
         }
         let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };

@@ -4,17 +4,20 @@ use std::rc::Rc;
 
 use nalgebra::{SMatrix, SVector, Vector3};
 
-use super::room;
+use super::room::{self, CELLS_AT_ENDS, Ends};
 use crate::{
     body::{Body, ChainForm, Motion, Path, Trajectories, Trajectory, Twist, pack_on, place_chains, read_centers, read_places, skew},
     error::{Error, Result},
     geometry::{Axis, Ball, Domain, Inflow, InvalidConfiguration, LeesEdwards, first_fault},
     parallel::Peers,
-    scene::{self, AxisSection, BodyGroup, Chain, ChainShape, Placement, Scene},
+    scene::{self, AxisSection, BodyGroup, Chain, ChainShape, Cluster, ClusterForm, Placement, Scene},
 };
 
 /// Part of a length that is rounding.
 const ROUNDING: f64 = 1e-9;
+
+/// Disks of unit diameter on a sphere of unit radius at most, times the square of the diameter: `16 x .9069`.
+const SPHERE_OF_DISKS: f64 = 14.6;
 
 /// A list of numbers whose length the scene has checked.
 pub fn vector<const D: usize>(numbers: &[f64]) -> SVector<f64, D> {
@@ -63,11 +66,13 @@ pub fn asked<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Asked<
         let form = form(scene, group, domain)?;
         let balls = match (&form, &bodies.placement) {
             (Some(form), Placement::Count(count)) => {
-                let obstacles: Vec<Ball<D>> = given.iter().map(|&(_, ball)| ball).collect();
-                let placed = place_chains(domain, &obstacles, (form, *count), bodies.gap, scene.seed);
+                let ends = Ends::of(scene, domain)?;
+                let obstacles: Vec<Ball<D>> =
+                    given.iter().map(|&(_, ball): &(usize, Ball<D>)| Ball { center: ball.center - ends.start(), ..ball }).collect();
+                let placed = place_chains(&ends.between(domain), &obstacles, (form, *count), bodies.gap, scene.seed);
                 let centers =
                     placed.map_err(|error| scene.refuse(&format!("{}.count", scene.group_key(group)), count, &error.to_string()))?;
-                centers.into_iter().map(|center| Ball { center, radius: bodies.radius }).collect()
+                centers.into_iter().map(|center| Ball { center: center + ends.start(), radius: bodies.radius }).collect()
             }
             (form, _) => {
                 let balls = given_balls(bodies).map_err(|error| scene.unreadable(group, "file", error))?;
@@ -99,8 +104,11 @@ fn place<const D: usize>(peers: Peers, scene: &Scene, domain: &Domain<D>) -> Res
     }
     let radii: Vec<f64> = random.iter().map(|&(_, radius)| radius).collect();
     let refuse = |error: Error| room::refuse_number(scene, random[0].0, &error.to_string());
-    let centers = pack_on(peers, domain, &obstacles, &radii, gap, scene.seed).map_err(refuse)?;
-    balls.extend(random.into_iter().zip(centers).map(|((group, radius), center)| (group, Ball { center, radius })));
+    let ends = if random.is_empty() { Ends::NONE } else { Ends::of(scene, domain)? };
+    let (between, start) = (ends.between(domain), ends.start());
+    let obstacles: Vec<Ball<D>> = obstacles.into_iter().map(|ball| Ball { center: ball.center - start, ..ball }).collect();
+    let centers = pack_on(peers, &between, &obstacles, &radii, gap, scene.seed).map_err(refuse)?;
+    balls.extend(random.into_iter().zip(centers).map(|((group, radius), center)| (group, Ball { center: center + start, radius })));
     Ok(balls)
 }
 
@@ -118,6 +126,12 @@ fn given_balls<const D: usize>(group: &BodyGroup) -> Result<Vec<Ball<D>>> {
 /// The form in which the chains or clusters of a group are placed; nothing for bodies of their own.
 fn form<const D: usize>(scene: &Scene, group: usize, domain: &Domain<D>) -> Result<Option<ChainForm>> {
     let bodies = &scene.bodies[group];
+    // chains whose beads are given may be folded
+    let given = bodies.chain.is_some_and(|chain| chain.shape != ChainShape::Cell) && !matches!(bodies.placement, Placement::Count(_));
+    check_beads(scene, group, domain)?;
+    if let Some(length) = least_length(bodies, D).filter(|_| !given) {
+        check_length(scene, group, length, domain)?;
+    }
     let form = match (&bodies.cluster, &bodies.chain) {
         (Some(cluster), _) => {
             ChainForm { radius: bodies.radius, places: cluster.places(bodies.radius).into_iter().map(Vector3::from).collect() }
@@ -125,16 +139,59 @@ fn form<const D: usize>(scene: &Scene, group: usize, domain: &Domain<D>) -> Resu
         (None, Some(chain)) => chain_form::<D>(bodies.radius, chain),
         (None, None) => return Ok(None),
     };
-    // chains whose beads are given may be folded
-    let given = bodies.chain.is_some_and(|chain| chain.shape != ChainShape::Cell) && !matches!(bodies.placement, Placement::Count(_));
     if !given {
-        check_length(scene, group, &form, domain)?;
+        check_length(scene, group, form.length(), domain)?;
     }
     Ok(Some(form))
 }
 
-fn check_length<const D: usize>(scene: &Scene, group: usize, form: &ChainForm, domain: &Domain<D>) -> Result<()> {
-    let (length, longest, section) = (form.length(), domain.size.max(), scene.bodies[group].section());
+/// Refuses beads and balls that fill more than the box, before any is made.
+fn check_beads<const D: usize>(scene: &Scene, group: usize, domain: &Domain<D>) -> Result<()> {
+    let bodies = &scene.bodies[group];
+    let (Some(beads), one) = (bodies.beads(), Ball { center: SVector::<f64, D>::zeros(), radius: bodies.radius }.volume()) else {
+        return Ok(());
+    };
+    let (filled, section) = (beads as f64 * one / domain.volume(), bodies.section());
+    let most = |of_one: f64| (1.0 / of_one).floor();
+    let key = |name: &str| format!("{}.{name}", scene.group_key(group));
+    if filled > 1.0 {
+        let remedy = format!(
+            "beads would fill {filled:.3e} of the box, which holds {} at most; lower it or the radius",
+            most(one / domain.volume())
+        );
+        let named = bodies.chain.is_some() || matches!(bodies.cluster.as_ref().map(|cluster| &cluster.form), Some(ClusterForm::Rod(_)));
+        return Err(match named {
+            true => scene.refuse(&key("beads"), beads, &remedy),
+            false => scene.refuse(&key("radius"), bodies.radius, &format!("is that of {section}, whose {beads} {remedy}")),
+        });
+    }
+    match bodies.placement {
+        Placement::Count(count) if count as f64 * filled > 1.0 => {
+            let remedy =
+                format!("{section} would fill {:.3e} of the box, which holds {} at most; lower it", count as f64 * filled, most(filled));
+            Err(scene.refuse(&key("count"), count, &remedy))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// An extent that chains or clusters of many beads have at least, where it can be told without making them: equal balls at a distance are no more on a
+/// sphere than the densest packing covers it with.
+fn least_length(bodies: &BodyGroup, dimension: usize) -> Option<f64> {
+    let diameters = match (&bodies.cluster, &bodies.chain) {
+        (Some(Cluster { form: ClusterForm::Rod(beads), spacing }), _) => spacing * (*beads as f64 - 1.0),
+        (None, Some(Chain { shape: ChainShape::Line, beads, spacing, .. })) => spacing * (*beads as f64 - 1.0),
+        (None, Some(Chain { shape: ChainShape::Cell, beads, spacing, .. })) if dimension == 3 => {
+            2.0 * spacing * (*beads as f64 / SPHERE_OF_DISKS).sqrt()
+        }
+        (None, Some(chain)) => chain.spacing * chain.beads as f64 / std::f64::consts::PI,
+        _ => return None,
+    };
+    Some(2.0 * bodies.radius * (diameters + 1.0))
+}
+
+fn check_length<const D: usize>(scene: &Scene, group: usize, length: f64, domain: &Domain<D>) -> Result<()> {
+    let (longest, section) = (domain.size.max(), scene.bodies[group].section());
     if length <= longest {
         return Ok(());
     }
@@ -228,6 +285,23 @@ fn check_places<const D: usize>(scene: &Scene, domain: &Domain<D>, balls: &[(usi
         _ => format!("{}.centers", scene.group_key(group)),
     };
     Err(scene.refuse(&key, at(body), &remedy))
+}
+
+/// Refuses bodies in places from which a grid of this spacing has too few cells to where fluid flows in or out.
+pub fn check_ends<const D: usize>(scene: &Scene, domain: &Domain<D>, spacing: f64, bodies: &[(usize, Body<D>)]) -> Result<()> {
+    let Some((axis, _)) = domain.open() else { return Ok(()) };
+    let size = domain.size[axis];
+    let cells = CELLS_AT_ENDS * size / (size / spacing).round();
+    let way = |ball: &Ball<D>| ball.center[axis].min(size - ball.center[axis]) - ball.radius;
+    let Some((group, body)) = bodies.iter().find(|(_, body)| way(&body.ball) < cells * (1.0 - ROUNDING)) else { return Ok(()) };
+    let remedy = format!(
+        "comes to {:.4} from where fluid flows in or out along {}, and must keep {CELLS_AT_ENDS} cells, {cells:.4}; move it, enlarge domain.size or \
+         refine [resolution]",
+        way(&body.ball),
+        ["x", "y", "z"][axis]
+    );
+    let key = if let Placement::File(_) = scene.bodies[*group].placement { "file" } else { "centers" };
+    Err(scene.refuse(&format!("{}.{key}", scene.group_key(*group)), format!("{:?}", body.ball.center.as_slice()), &remedy))
 }
 
 /// Refuses a body that touches both walls of an axis in a flow: what it would take to move them past it has no bound.

@@ -17,12 +17,12 @@ use nalgebra::SVector;
 
 use super::{
     Configuration, ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Level, MeshLevel, Moving, Observation, ResidualMonitor,
-    Solution, State, StepOutcome, Stepper,
+    Solution, State, StepOutcome, Stepper, StopRequest,
     active_set_iteration::ActiveSetIteration,
     clusters::ClusterMotions,
     contact_step::{ContactStep, identities},
     implicit_springs::{LEAST, StepAhead, keep, kept_apart, pair},
-    step_control::{BodyMotion, StepControl, StepSize},
+    step_control::{BodyMotion, StepControl, StepLimits, StepSize},
 };
 use crate::{
     body::Twist,
@@ -67,6 +67,9 @@ pub struct QuasiStatic<const D: usize> {
     radii: Vec<f64>,
     /// Force that gives each body a unit velocity in unbounded fluid.
     weights: Vec<f64>,
+    stop: StopRequest,
+    /// What the solves of a state started from, if it can be copied at little cost.
+    before: Option<ExtrapolationHistory<D>>,
 }
 
 /// Velocities on which flow and contacts agree.
@@ -90,7 +93,7 @@ impl<const D: usize> QuasiStatic<D> {
         suspension.remember(None);
         let weights = suspension.resistances();
         let radii = suspension.setup().bodies.iter().map(|suspended| suspended.body.ball.radius).collect();
-        QuasiStatic { session: session.clone(), suspension, step_control, radii, weights }
+        QuasiStatic { session: session.clone(), suspension, step_control, radii, weights, stop: StopRequest::default(), before: None }
     }
 
     fn placed<'a>(&self, state: &'a State<D>) -> Placed<'a, D> {
@@ -122,16 +125,16 @@ impl<const D: usize> QuasiStatic<D> {
     }
 
     /// The step to take with these motions.
-    fn step_size(&self, state: &State<D>, twists: &[Twist<D>]) -> Result<StepSize> {
+    fn step_size(&self, state: &State<D>, twists: &[Twist<D>], tried: f64) -> Result<StepSize> {
         let motions = self.deviatoric_velocities(state, twists).into_iter();
         let motion = |(velocity, &radius): (SVector<f64, D>, &f64)| BodyMotion { radius, velocity, acceleration: SVector::zeros() };
         let motions: Vec<BodyMotion<D>> = motions.zip(&self.radii).map(motion).collect();
-        let longest = self.suspension.longest_step()?.min(self.suspension.setup().trajectories.longest_step());
-        Ok(self.step_control.next(Peers::Alone, &motions, (state.time, state.last_step), longest))
+        let stable = self.suspension.longest_step()?.min(self.suspension.setup().trajectories.longest_step());
+        Ok(self.step_control.next(Peers::Alone, &motions, (state.time, state.last_step), StepLimits { stable, tried }))
     }
 
-    /// Solves the flow with all forces that interactions know and with contacts that keep gaps open over the step to come.
-    fn agree(&mut self, state: &State<D>, effort: &mut Effort, monitor: ResidualMonitor) -> Result<Agreed<D>> {
+    /// Solves the flow with all forces that interactions know and with contacts that keep gaps open over the step to come, no longer than `tried`.
+    fn agree(&mut self, state: &State<D>, tried: f64, effort: &mut Effort, monitor: ResidualMonitor) -> Result<Agreed<D>> {
         self.suspension.prescribe(state.time);
         if self.suspension.evolves() {
             self.suspension.prepare(state.time)?;
@@ -150,7 +153,10 @@ impl<const D: usize> QuasiStatic<D> {
         let mut pressed = self.expected(&placed, touch)?;
         let (mut chosen, mut step, mut difference) = (None, state.last_step, 0.0);
         let mut rounds = ActiveSetIteration::new();
-        for _ in 0..MOST_ROUNDS {
+        for round in 0..MOST_ROUNDS {
+            if round > 0 {
+                self.stop.heed(self.session.world(), state.time)?;
+            }
             let tied = kept_apart(&springs, &self.weights, step);
             pressed.retain(|pressed| pressed.contact.other().is_none_or(|other| !tied.contains(&pair(pressed.contact.body, other))));
             let loose = self.contact_step(&placed, step).loose(&pressed);
@@ -165,7 +171,7 @@ impl<const D: usize> QuasiStatic<D> {
             let begins = step == 0.0 && !springs.is_empty();
             let step_size = match chosen {
                 Some(step_size) => step_size,
-                None => *chosen.insert(self.step_size(state, &twists)?),
+                None => *chosen.insert(self.step_size(state, &twists, tried)?),
             };
             if begins && step_size.natural > 0.0 {
                 // of springs the step is a part
@@ -202,11 +208,12 @@ impl<const D: usize> QuasiStatic<D> {
             let with_one_changed = |tried| contacts.with_one_changed(tried, &velocities(&twists), scale, AGREEMENT * scale);
             pressed = rounds.next(apart, pressed, projected, with_one_changed);
         }
-        Err(Error::Diverged(format!(
+        let text = format!(
             "at time {} flow and contacts do not agree after {MOST_ROUNDS} rounds (velocities differ by {difference:.1e}); \
              a shorter time.step or a finer grid may help",
             state.time
-        )))
+        );
+        Err(Error::StepTooLong { text, step })
     }
 
     /// Keeps bodies apart that want to move so without contact forces, and gives what presses. Where clusters cannot follow as one, what they can do is
@@ -292,29 +299,28 @@ impl<const D: usize> QuasiStatic<D> {
             None => (OVERLAP, "set contact.model = \"inelastic\" or a shorter time.step"),
         };
         let Placed { state, domain, balls } = placed;
-        let pairs = near_pairs(domain, balls, 0.0).into_iter().map(|pair| (pair.first, pair.gap));
-        let walls = near_walls(domain, balls, 0.0).into_iter().map(|pair| (pair.body, pair.gap));
-        match pairs.chain(walls).find(|&(body, gap)| gap < -overlap * balls[body].radius) {
-            Some((body, gap)) => {
-                Err(Error::Diverged(format!("at time {} body {body} overlaps another or a wall by {:.1e}; {remedy}", state.time, -gap)))
-            }
-            None => Ok(()),
-        }
+        let pairs = near_pairs(domain, balls, 0.0).into_iter().map(|pair| (pair.first, Some(pair.second), pair.gap));
+        let walls = near_walls(domain, balls, 0.0).into_iter().map(|pair| (pair.body, None, pair.gap));
+        let Some((body, other, gap)) = pairs.chain(walls).find(|&(body, _, gap)| gap < -overlap * balls[body].radius) else {
+            return Ok(());
+        };
+        let other = other.map_or("a wall".to_owned(), |other| format!("body {other}"));
+        Err(Error::Diverged(format!("at time {} body {body} overlaps {other} by {:.1e}; {remedy}", state.time, -gap)))
     }
 
     /// The motions by which bodies travel before contacts are kept.
     fn rule(
         &mut self,
         state: &State<D>,
-        observation: &Observation<D>,
+        (observation, step): (&Observation<D>, f64),
         effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<Vec<Twist<D>>> {
         match self.step_control.time.scheme {
             Scheme::Euler => Ok(observation.twists.clone()),
             _ if self.suspension.evolves() && state.last_step == 0.0 => Ok(observation.twists.clone()),
-            Scheme::TwoStep if state.last_step > 0.0 => Ok(two_step(state, observation, &self.suspension.setup().interactions)),
-            _ => self.midpoint(state, observation, effort, monitor),
+            Scheme::TwoStep if state.last_step > 0.0 => Ok(two_step(state, (observation, step), &self.suspension.setup().interactions)),
+            _ => self.midpoint(state, (observation, step), effort, monitor),
         }
     }
 
@@ -322,17 +328,17 @@ impl<const D: usize> QuasiStatic<D> {
     fn midpoint(
         &mut self,
         state: &State<D>,
-        observation: &Observation<D>,
+        (observation, step): (&Observation<D>, f64),
         effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<Vec<Twist<D>>> {
-        let half = 0.5 * observation.step_size.length;
+        let half = 0.5 * step;
         let mut ahead = state.clone();
         ahead.advance(&observation.twists, half);
         ahead.bodies.iter_mut().zip(&observation.twists).for_each(|(body, twist)| body.twist = *twist);
         ahead.held = observation.contacts.iter().map(ContactHistory::of).collect();
         ahead.stuck = self.remembered(&self.placed(state), &observation.contacts, half);
-        Ok(self.agree(&ahead, effort, monitor)?.twists)
+        Ok(self.agree(&ahead, f64::INFINITY, effort, monitor)?.twists)
     }
 }
 
@@ -345,9 +351,12 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
         &self.suspension.setup().interactions
     }
 
-    fn evaluate(&mut self, state: &State<D>, monitor: ResidualMonitor) -> Result<Observation<D>> {
+    fn evaluate(&mut self, state: &State<D>, longest: f64, monitor: ResidualMonitor) -> Result<Observation<D>> {
         let mut effort = Effort::default();
-        let Agreed { mut solution, twists, contacts, step_size } = self.agree(state, &mut effort, monitor)?;
+        if longest.is_infinite() {
+            self.before = self.suspension.past().and_then(ExtrapolationHistory::without_fluid);
+        }
+        let Agreed { mut solution, twists, contacts, step_size } = self.agree(state, longest, &mut effort, monitor)?;
         let domain = self.placed(state).domain;
         for (body, moving) in solution.bodies.iter_mut().zip(&state.bodies) {
             // centres of solutions are in the box: so are the motions that go with them
@@ -356,15 +365,10 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
         Ok(Observation { twists, contacts, solution: Some(solution), step_size, effort })
     }
 
-    fn advance(&mut self, state: &State<D>, observation: &Observation<D>, monitor: ResidualMonitor) -> Result<StepOutcome<D>> {
+    fn advance(&mut self, state: &State<D>, observation: &Observation<D>, step: f64, monitor: ResidualMonitor) -> Result<StepOutcome<D>> {
         let mut effort = Effort::default();
-        let mut moves = self.rule(state, observation, &mut effort, monitor)?;
-        let step = self.step_control.shortened(
-            &self.deviatoric_velocities(state, &moves),
-            &self.radii,
-            observation.step_size.length,
-            state.last_step,
-        );
+        let mut moves = self.rule(state, (observation, step), &mut effort, monitor)?;
+        let step = self.step_control.shortened(&self.deviatoric_velocities(state, &moves), &self.radii, step, state.last_step);
         self.suspension.setup().trajectories.mean_twists(state.time, step).for_each(|(body, twist)| moves[body] = twist);
         let (placed, start) = (self.placed(state), Instant::now());
         let (mut stuck, mut kkt_report) = (Vec::new(), None);
@@ -399,6 +403,17 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
         Some(self.suspension.as_ref())
     }
 
+    fn heed(&mut self, stop: StopRequest) {
+        self.stop = stop;
+    }
+
+    fn abandon(&mut self, state: &State<D>) {
+        self.suspension.abandon(state.time);
+        if let Some(before) = self.before.take() {
+            self.suspension.remember(Some(before));
+        }
+    }
+
     fn remember(&mut self, past: ExtrapolationHistory<D>) {
         self.suspension.remember(Some(past));
     }
@@ -414,7 +429,11 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
 
 /// `v + dt/(2 dt_last) (v - v_last)`; bodies that came into contact or out of it since the last step do not look back, if contact
 /// forces jump.
-fn two_step<const D: usize>(state: &State<D>, observation: &Observation<D>, interactions: &Interactions<D>) -> Vec<Twist<D>> {
+fn two_step<const D: usize>(
+    state: &State<D>,
+    (observation, step): (&Observation<D>, f64),
+    interactions: &Interactions<D>,
+) -> Vec<Twist<D>> {
     let now: Vec<ContactHistory<D>> = observation.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
     let (before, after) = (contacts_of(&state.held, state.bodies.len()), contacts_of(&now, state.bodies.len()));
     let mut jumps: Vec<bool> = before.iter().zip(&after).map(|(before, after)| interactions.projects() && before != after).collect();
@@ -422,7 +441,7 @@ fn two_step<const D: usize>(state: &State<D>, observation: &Observation<D>, inte
         let any = jumps[cluster.bodies.clone()].contains(&true);
         jumps[cluster.bodies.clone()].fill(any);
     }
-    let factor = 0.5 * observation.step_size.length / state.last_step;
+    let factor = 0.5 * step / state.last_step;
     let rule = |(body, (now, last)): (usize, (&Twist<D>, &Twist<D>))| {
         if jumps[body] {
             return *now;

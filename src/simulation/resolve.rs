@@ -4,7 +4,8 @@ use nalgebra::{SMatrix, SVector};
 
 use super::{
     GranularBody, GranularSetup, Inertia, Setup, SuspendedBody, chains, interactions,
-    placement::{bodies, domain, trajectories, vector},
+    placement::{bodies, check_ends, domain, trajectories, vector},
+    room::FEWEST_CELLS_PER_RADIUS,
     surroundings::opposite_neighbours,
 };
 use crate::{
@@ -17,9 +18,6 @@ use crate::{
     scene::{self, BodyGroup, ContactModel, FlowModel, Modes, ResolutionSection, Scene, Spacing},
     surface::{Shape, highest_order},
 };
-
-/// Fewest cells per radius: closer to the centre the jump functions are too steep for the grid.
-const FEWEST_CELLS_PER_RADIUS: f64 = 3.0;
 
 /// Highest order of modes per cell of radius in 2D and 3D; above it the multipliers see the grid's own noise.
 const HIGHEST_ORDER_PER_CELL: [f64; 2] = [1.4, 1.25];
@@ -217,6 +215,7 @@ pub(super) fn suspended_bodies<const D: usize>(
         Spacing::Length(spacing) => spacing,
         Spacing::CellsPerRadius(cells) => radii.fold(f64::INFINITY, f64::min) / cells,
     };
+    check_ends(scene, domain, spacing, &placed)?;
     let balls: Vec<_> = placed.iter().map(|(_, body)| body.ball).collect();
     let surrounded = match resolution(scene)?.modes {
         Modes::Count(_) => vec![false; balls.len()],

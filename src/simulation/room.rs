@@ -11,6 +11,12 @@ use crate::{
     scene::{Placement, ResolutionSection, Scene, Spacing},
 };
 
+/// Fewest cells per radius: closer to the centre the jump functions are too steep for the grid.
+pub const FEWEST_CELLS_PER_RADIUS: f64 = 3.0;
+
+/// Cells that bodies keep from where fluid flows in or out, whose velocity is given whatever they do.
+pub const CELLS_AT_ENDS: f64 = 5.0;
+
 /// Bytes that placing a body takes.
 const BODY_BYTES: f64 = 500.0;
 
@@ -29,10 +35,54 @@ const CROWD: f64 = 500.0;
 /// [`Error::Refused`], naming the key.
 pub fn check<const D: usize>(scene: &Scene, domain: &Domain<D>, given: &[(usize, Ball<D>)], counts: &[f64]) -> Result<()> {
     check_numbers(scene, counts)?;
-    check_filling(scene, domain, given, counts)?;
+    if counts.iter().any(|&count| count > 0.0) {
+        check_filling(scene, &Ends::of(scene, domain)?.between(domain), given, counts)?;
+    }
     let random = scene.bodies.iter().zip(counts).filter(|(_, count)| **count > 0.0).map(|(bodies, _)| bodies.radius);
     let smallest = given.iter().map(|(_, ball)| ball.radius).chain(random).fold(f64::INFINITY, f64::min);
     check_grid(scene, domain, smallest)
+}
+
+/// What random bodies leave free where fluid flows in and out: what they must on the coarsest grid, so that they lie in the same places on every one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ends {
+    axis: usize,
+    room: f64,
+}
+
+impl Ends {
+    /// Of a box that is not open.
+    pub const NONE: Ends = Ends { axis: 0, room: 0.0 };
+
+    /// None, unless a box is open.
+    ///
+    /// # Errors
+    /// Nothing is left between them.
+    pub fn of<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Ends> {
+        let smallest = scene.bodies.iter().map(|bodies| bodies.radius).fold(f64::INFINITY, f64::min);
+        let Some((axis, _)) = domain.open().filter(|_| smallest.is_finite()) else { return Ok(Ends::NONE) };
+        let size = domain.size[axis];
+        let room = CELLS_AT_ENDS * size / (size * FEWEST_CELLS_PER_RADIUS / smallest).floor().max(1.0);
+        if 2.0 * (room + smallest) < size {
+            return Ok(Ends { axis, room });
+        }
+        let remedy = format!(
+            "leaves bodies no place between inflow and outflow, from which they keep {room:.4}, {CELLS_AT_ENDS} cells of the coarsest grid; enlarge it"
+        );
+        Err(scene.refuse("domain.size", format!("{:?}", scene.domain.size), &remedy))
+    }
+
+    /// The box between them.
+    pub fn between<const D: usize>(&self, domain: &Domain<D>) -> Domain<D> {
+        let mut between = domain.clone();
+        between.size[self.axis] -= 2.0 * self.room;
+        between
+    }
+
+    /// Where that begins.
+    pub fn start<const D: usize>(&self) -> SVector<f64, D> {
+        SVector::from_fn(|axis, _| if axis == self.axis { self.room } else { 0.0 })
+    }
 }
 
 /// The refusal of the number of a random group's bodies.

@@ -4,13 +4,15 @@ use std::{borrow::Cow, ops::Range};
 
 use super::{
     ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Granular, GranularSetup, Level, MeshLevel, Moving, Observation, QuasiStatic,
-    ResidualMonitor, Share, State, Stepper, interactions,
+    ResidualMonitor, Share, State, StepOutcome, Stepper, StopRequest,
+    given_motions::GivenStep,
+    interactions,
     migration::own_part,
     shift_period::ShiftPeriod,
     step_control::{ROUNDING, StepControl},
 };
 use crate::{
-    body::Halo,
+    body::{Halo, Twist},
     contact::{AdhesiveContact, KktReport},
     error::{Error, Result},
     geometry::{Ball, Domain},
@@ -22,6 +24,9 @@ use crate::{
 /// Shortest step, as a part of the whole run: after so many steps that one more changes no time.
 const SHORTEST: f64 = 1e-14;
 
+/// How often a step that leads nowhere is halved before the run gives up.
+const MOST_HALVINGS: usize = 6;
+
 /// A simulation in time. Every function is collective.
 pub struct Simulation<const D: usize> {
     session: Session,
@@ -31,6 +36,8 @@ pub struct Simulation<const D: usize> {
     step_control: StepControl,
     /// Whether the last step was cut short by the end of the run.
     cut_short: bool,
+    /// How often the step from the state was halved so far.
+    halvings: usize,
 }
 
 /// How a step went.
@@ -42,6 +49,8 @@ pub struct StepReport {
     pub kkt_report: Option<KktReport>,
     /// What it cost.
     pub effort: Effort,
+    /// How often it was halved because a longer one led nowhere.
+    pub halvings: usize,
 }
 
 impl<const D: usize> Simulation<D> {
@@ -50,7 +59,7 @@ impl<const D: usize> Simulation<D> {
         let step_control = StepControl { time, shift_period: None, longest: setup.longest_step(), by_twos: false };
         let domain = setup.domain.clone();
         let (stepper, state) = Granular::start(session, setup, step_control.clone());
-        Simulation { session: session.clone(), state, stepper: Box::new(stepper), domain, step_control, cut_short: false }
+        Simulation::driven(session, Box::new(stepper), (state, domain), step_control)
     }
 
     /// Bodies carried by Stokes flow. Where images slide, the step, if it is fixed, and the end slide them by whole cells.
@@ -60,11 +69,21 @@ impl<const D: usize> Simulation<D> {
         let shift_period = ShiftPeriod::of(&setup.domain, suspension.grid());
         let longest = interactions::longest_step_in_flow(setup);
         let step_control = StepControl { time, shift_period, longest, by_twos: suspension.evolves() };
-        let at_rest = |suspended: &super::SuspendedBody<D>| (suspended.body.ball.center, crate::body::Twist::zero());
+        let at_rest = |suspended: &super::SuspendedBody<D>| (suspended.body.ball.center, Twist::zero());
         let state = State::start(bodies.iter().map(at_rest));
         let domain = suspension.setup().domain.clone();
         let stepper = Box::new(QuasiStatic::new(session, suspension, step_control.clone()));
-        Simulation { session: session.clone(), state, stepper, domain, step_control, cut_short: false }
+        Simulation::driven(session, stepper, (state, domain), step_control)
+    }
+
+    /// Bodies in a state that anything drives.
+    pub fn driven(
+        session: &Session,
+        stepper: Box<dyn Stepper<D>>,
+        (state, domain): (State<D>, Domain<D>),
+        step_control: StepControl,
+    ) -> Self {
+        Simulation { session: session.clone(), state, stepper, domain, step_control, cut_short: false, halvings: 0 }
     }
 
     /// Where the bodies of this rank are.
@@ -187,21 +206,38 @@ impl<const D: usize> Simulation<D> {
         !self.cut_short
     }
 
-    /// What happens now; to be called once for each state.
-    ///
-    /// # Errors
-    /// A solver does not converge.
-    pub fn evaluate(&mut self, monitor: ResidualMonitor) -> Result<Observation<D>> {
-        self.stepper.evaluate(&self.state, monitor)
+    /// From now on long work heeds a request to stop.
+    pub fn heed(&mut self, stop: StopRequest) {
+        self.stepper.heed(stop);
     }
 
-    /// Moves the bodies by a step.
+    /// What happens now; to be called once for each state. Where the step ahead leads nowhere, shorter ones are tried.
     ///
     /// # Errors
-    /// A solver does not converge, contacts cannot be kept, or a body leaves the box.
+    /// A solver does not converge, the shortest step is too long, or somebody asks for a stop.
+    pub fn evaluate(&mut self, monitor: ResidualMonitor) -> Result<Observation<D>> {
+        self.halvings = 0;
+        let mut longest = f64::INFINITY;
+        loop {
+            match self.stepper.evaluate(&self.state, longest, monitor) {
+                Err(error) => longest = self.half_of(error, longest)?,
+                evaluated => return evaluated,
+            }
+        }
+    }
+
+    /// Moves the bodies by a step, or by a shorter one if that leads nowhere.
+    ///
+    /// # Errors
+    /// A solver does not converge, contacts cannot be kept, bodies of given motion meet, a body leaves the box, or somebody asks for a stop; the state is
+    /// then what it was.
     pub fn step(&mut self, observation: &Observation<D>, monitor: ResidualMonitor) -> Result<StepReport> {
-        let travel = self.stepper.advance(&self.state, observation, monitor)?;
+        let mut travel = self.travel(observation, monitor)?;
         self.expect_progress(travel.step)?;
+        let gap = self.smallest_given_gap(&travel.moves, travel.step)?;
+        if let Some(report) = &mut travel.kkt_report {
+            report.smallest_gap = report.smallest_gap.min(gap);
+        }
         self.state.bodies.iter_mut().zip(&travel.twists).for_each(|(body, twist)| body.twist = *twist);
         self.state.held = travel.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
         self.state.stuck = travel.stuck;
@@ -210,7 +246,51 @@ impl<const D: usize> Simulation<D> {
         self.stepper.migrate(&mut self.state, &self.domain);
         // whole cells of images that slide may be rounded
         self.cut_short = observation.step_size.cut_short() && travel.step >= observation.step_size.length * (1.0 - ROUNDING);
-        Ok(StepReport { length: travel.step, kkt_report: travel.kkt_report, effort: travel.effort })
+        Ok(StepReport { length: travel.step, kkt_report: travel.kkt_report, effort: travel.effort, halvings: self.halvings })
+    }
+
+    fn travel(&mut self, observation: &Observation<D>, monitor: ResidualMonitor) -> Result<StepOutcome<D>> {
+        let mut length = observation.step_size.length;
+        loop {
+            match self.stepper.advance(&self.state, observation, length, monitor) {
+                Err(error) => {
+                    if !matches!(error, Error::Stopped { .. }) {
+                        // the better reason, where it is one
+                        self.smallest_given_gap(&observation.twists, length)?;
+                    }
+                    length = self.half_of(error, length)?;
+                }
+                travelled => return travelled,
+            }
+        }
+    }
+
+    /// The length to try after one, or shorter than that, that ended in an error.
+    fn half_of(&mut self, error: Error, tried: f64) -> Result<f64> {
+        if matches!(error, Error::Stopped { .. }) {
+            self.stepper.abandon(&self.state);
+        }
+        let Some(step) = error.step_too_long().map(|step| step.min(tried)) else { return Err(error.at_time(self.state.time)) };
+        let half = self.step_control.half(step, self.state.last_step).filter(|_| self.halvings < MOST_HALVINGS);
+        match half {
+            Some(half) => {
+                self.halvings += 1;
+                Ok(half)
+            }
+            None if self.halvings == 0 => Err(error.at_time(self.state.time)),
+            None => Err(error.at_time(self.state.time).saying(&format!("; steps down to {step:.3e} were tried"))),
+        }
+    }
+
+    /// Smallest gap after a step of bodies of given motion that move past each other, where bodies notice that they meet. Collective.
+    fn smallest_given_gap(&self, moves: &[Twist<D>], step: f64) -> Result<f64> {
+        let interactions = self.stepper.interactions();
+        if interactions.touch().is_none() && self.stepper.suspension().is_none() {
+            return Ok(f64::INFINITY);
+        }
+        let (state, domain, free) = (&self.state, &self.domain, self.stepper.free());
+        let (radii, cluster_of) = (self.stepper.radii(), interactions.cluster_of());
+        GivenStep { state, domain, radii, free: &free, cluster_of, moves, step }.smallest_gap(state.peers(self.session.world()))
     }
 
     /// Refuses steps so short that the run never ends.

@@ -11,6 +11,9 @@ use crate::{
 /// Largest growth from one step to the next.
 const GROWTH: f64 = 1.25;
 
+/// Part of a fixed step by which a sum of steps misses its multiples.
+const OFF_MULTIPLES: f64 = 1e-6;
+
 /// Part of a step that is rounding.
 pub const ROUNDING: f64 = 1e-9;
 
@@ -38,6 +41,15 @@ pub struct BodyMotion<const D: usize> {
     pub acceleration: SVector<f64, D>,
 }
 
+/// What limits a step besides the motions of bodies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepLimits {
+    /// The longest one that flow and given motions allow; only automatic steps heed it.
+    pub stable: f64,
+    /// The longest one to try, as a longer one from the same state led nowhere; infinite at first.
+    pub tried: f64,
+}
+
 /// The length of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepSize {
@@ -55,13 +67,18 @@ impl StepSize {
 }
 
 impl StepControl {
-    /// The next step for bodies that move so, each rank its own, from a time, after a last step (0 if it is the first), where none may be longer than
-    /// `longest`. Collective.
-    pub fn next<const D: usize>(&self, peers: Peers, motions: &[BodyMotion<D>], (time, last_step): (f64, f64), longest: f64) -> StepSize {
+    /// The next step for bodies that move so, each rank its own, from a time, after a last step (0 if it is the first), within limits. Collective.
+    pub fn next<const D: usize>(
+        &self,
+        peers: Peers,
+        motions: &[BodyMotion<D>],
+        (time, last_step): (f64, f64),
+        StepLimits { stable, tried }: StepLimits,
+    ) -> StepSize {
         let natural = match self.time.step {
-            Step::Fixed(step) => step,
+            Step::Fixed(step) => to_multiple(step, time, last_step).min(tried),
             Step::Auto => {
-                let longest = self.longest.min(longest).min(if last_step > 0.0 { self.grown(last_step) } else { self.time.end });
+                let longest = self.longest.min(stable).min(tried).min(if last_step > 0.0 { self.grown(last_step) } else { self.time.end });
                 let limits = motions.iter().map(|motion| reach(motion, self.time.travel * motion.radius));
                 self.whole(peers.min(limits.fold(longest, f64::min)), last_step)
             }
@@ -80,6 +97,14 @@ impl StepControl {
                 if limited < step || !self.by_twos { step.min(self.whole(limited, last_step)) } else { step }
             }
         }
+    }
+
+    /// A step half as long as one that led nowhere; none if that is the shortest. Where images slide, after a last step, it slides them by whole cells.
+    pub fn half(&self, step: f64, last_step: f64) -> Option<f64> {
+        let Some(shift_period) = self.shift_period else { return Some(0.5 * step) };
+        let multiple = if self.by_twos { 1.0 } else { ShiftPeriod::multiple(self.time.scheme, last_step) };
+        let half = shift_period.within(0.5 * step, multiple);
+        (half < step * (1.0 - ROUNDING)).then_some(half)
     }
 
     /// The longest step after another.
@@ -113,8 +138,61 @@ impl StepControl {
     }
 }
 
+/// A fixed step from a time after a last one: the whole one, or, where that was shorter, what leads to a multiple of it, at most twice the last one.
+fn to_multiple(step: f64, time: f64, last_step: f64) -> f64 {
+    if last_step == 0.0 || last_step >= step * (1.0 - OFF_MULTIPLES) {
+        return step;
+    }
+    let passed = time / step;
+    ((passed + OFF_MULTIPLES).floor() + 1.0 - passed).min(2.0 * last_step / step) * step
+}
+
 /// The time in which a body covers a distance: `v t + a t^2 = distance`.
 fn reach<const D: usize>(motion: &BodyMotion<D>, distance: f64) -> f64 {
     let (velocity, acceleration) = (motion.velocity.norm(), motion.acceleration.norm());
     2.0 * distance / (velocity + (velocity * velocity + 4.0 * acceleration * distance).sqrt())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scene::Scheme;
+
+    fn control(step: Step, shift_period: Option<f64>) -> StepControl {
+        let time = TimeSection { step, end: 10.0, scheme: Scheme::TwoStep, travel: 0.1, until: None };
+        StepControl { time, shift_period: shift_period.map(ShiftPeriod), longest: f64::INFINITY, by_twos: false }
+    }
+
+    fn next(control: &StepControl, time: f64, last_step: f64, tried: f64) -> f64 {
+        control.next::<2>(Peers::Alone, &[], (time, last_step), StepLimits { stable: f64::INFINITY, tried }).length
+    }
+
+    #[test]
+    fn a_fixed_step_that_was_split_leads_back_to_multiples_of_it() {
+        let control = control(Step::Fixed(0.2), None);
+        let (mut time, mut last, mut lengths) = (0.6000000000000001, 0.2, Vec::new());
+        for tried in [0.05, f64::INFINITY, f64::INFINITY, f64::INFINITY] {
+            last = next(&control, time, last, tried);
+            lengths.push((last * 1e9).round() / 1e9);
+            time += last;
+        }
+        assert_eq!(lengths, [0.05, 0.1, 0.05, 0.2]);
+        assert!((time - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn half_a_step_slides_images_by_whole_cells_down_to_one() {
+        let control = control(Step::Fixed(0.5), Some(0.1));
+        let halves: Vec<f64> = std::iter::successors(Some(0.5), |&step| control.half(step, 0.5)).collect();
+        assert_eq!(halves.len(), 3);
+        assert!((halves[1] - 0.2).abs() < 1e-12 && (halves[2] - 0.1).abs() < 1e-12);
+        assert_eq!(self::control(Step::Auto, None).half(0.5, 0.5), Some(0.25));
+    }
+
+    #[test]
+    fn an_automatic_step_is_no_longer_than_what_is_left_to_try() {
+        assert_eq!(next(&control(Step::Auto, None), 1.0, 0.4, 0.125), 0.125);
+        assert_eq!(next(&control(Step::Auto, None), 1.0, 0.4, f64::INFINITY), 0.5);
+    }
 }

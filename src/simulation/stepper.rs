@@ -1,6 +1,8 @@
 //! What moves bodies: the interface behind which a fluid, or inertia alone, drives a [`Simulation`](super::Simulation).
 
-use super::{Cost, ExtrapolationHistory, FlowSolver, Level, MeshLevel, ResidualMonitor, Solution, State, step_control::StepSize};
+use super::{
+    Cost, ExtrapolationHistory, FlowSolver, Level, MeshLevel, ResidualMonitor, Solution, State, StopRequest, step_control::StepSize,
+};
 use crate::{
     body::Twist,
     contact::{AdhesiveContact, ContactForce, KktReport},
@@ -58,17 +60,23 @@ pub struct StepOutcome<const D: usize> {
 
 /// What moves bodies. Every function is collective.
 pub trait Stepper<const D: usize> {
-    /// What happens in a state; called once for each.
+    /// What happens in a state, from which no step longer than `longest` is to be tried.
     ///
     /// # Errors
-    /// A solver does not converge.
-    fn evaluate(&mut self, state: &State<D>, monitor: ResidualMonitor) -> Result<Observation<D>>;
+    /// A solver does not converge; a [step is too long](crate::error::Error::step_too_long), and a shorter one may be tried; somebody asks for a stop.
+    fn evaluate(&mut self, state: &State<D>, longest: f64, monitor: ResidualMonitor) -> Result<Observation<D>>;
 
-    /// The step from a state that was looked at.
+    /// The step from a state that was looked at, of the length that the observation has or a shorter one.
     ///
     /// # Errors
-    /// A solver does not converge, or contacts cannot be kept.
-    fn advance(&mut self, state: &State<D>, observation: &Observation<D>, monitor: ResidualMonitor) -> Result<StepOutcome<D>>;
+    /// As [`evaluate`](Self::evaluate), or contacts cannot be kept.
+    fn advance(&mut self, state: &State<D>, observation: &Observation<D>, step: f64, monitor: ResidualMonitor) -> Result<StepOutcome<D>>;
+
+    /// From now on long work heeds a request to stop.
+    fn heed(&mut self, _stop: StopRequest) {}
+
+    /// Forgets what it did since it was asked to evaluate a state, so that a checkpoint of that holds nothing of it.
+    fn abandon(&mut self, _state: &State<D>) {}
 
     /// Radii of the bodies that the state of this rank holds.
     fn radii(&self) -> &[f64];

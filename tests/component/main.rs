@@ -46,6 +46,7 @@ mod parts;
 mod scalar;
 mod sheared;
 mod solvers;
+mod steps;
 mod stress;
 mod suspension;
 mod transform;
@@ -104,6 +105,7 @@ fn main() {
         convergence::tests(),
         crowds::tests(),
         solvers::tests(),
+        steps::tests(),
         grid::tests(),
         interpolation::tests(),
         fluid::tests(),

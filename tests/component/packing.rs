@@ -1,10 +1,14 @@
 //! Packings of many bodies, which ranks share: the same whatever their number.
 
+use std::path::Path;
+
 use nalgebra::SVector;
 use turbid::{
     body::{pack, pack_on},
     geometry::{Axis, Ball, Domain, LeesEdwards, first_fault},
     petsc::Session,
+    scene::Scene,
+    simulation::Setup,
 };
 
 use crate::Test;
@@ -14,6 +18,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(ranks_pack_disks_of_two_sizes_between_walls_as_one_does_alone),
         Test::of(ranks_pack_disks_whose_images_slide_as_one_does_alone),
         Test::of(ranks_pack_spheres_around_an_obstacle_as_one_does_alone),
+        Test::of(random_bodies_keep_clear_of_inflow_and_outflow_in_the_same_places_on_every_grid),
     ]
 }
 
@@ -50,4 +55,22 @@ fn ranks_pack_spheres_around_an_obstacle_as_one_does_alone(session: &Session) {
     // across the sides of the box, where the shares of the first and the last rank meet
     let obstacle = Ball { center: SVector::from([0.0, 5.0, 0.0]), radius: 3.0 };
     assert_alike(session, &domain, &[obstacle], &radii);
+}
+
+/// Five cells of the coarsest grid that bodies may have, three cells a radius: the same seed gives one bed to a study of grids.
+fn random_bodies_keep_clear_of_inflow_and_outflow_in_the_same_places_on_every_grid(_: &Session) {
+    let centers = |cells: f64, bodies: &str| {
+        let text = format!(
+            "domain = {{ size = [16.0, 8.0], x = {{ inflow = 1.0 }}, y = \"walls\" }}\nflow = {{ model = \"stokes\" }}\n\
+             resolution = {{ cells_per_radius = {cells} }}\ntime = {{ end = 1.0 }}\n{bodies}"
+        );
+        let scene = Scene::parse("open", Path::new("."), &text, &[]).unwrap();
+        Setup::<2>::of(&scene).unwrap().bodies.iter().map(|suspended| suspended.body.ball.center).collect::<Vec<_>>()
+    };
+    let crowd = "bodies = [{ fraction = 0.35, radius = 0.5 }]\n";
+    let coarse = centers(3.0, crowd);
+    assert_eq!(coarse, centers(6.0, crowd));
+    let chains = centers(3.0, "chains = [{ count = 5, radius = 0.5, beads = 4, stretch = \"rigid\" }]\n");
+    let room = 0.5 + 5.0 * 0.5 / 3.0 - 1e-9;
+    assert!(coarse.len() == 57 && coarse.iter().chain(&chains).all(|center| (room..=16.0 - room).contains(&center[0])), "{coarse:?}");
 }

@@ -1,16 +1,19 @@
 //! Normal stresses of sheared suspensions, against exact values and by two roads.
 
+use std::path::Path;
+
 use nalgebra::{Vector2, Vector3};
 
 use crate::Test;
 use crate::suspension::{assert_near, couette, free, periodic_cube, solve, suspended};
 use turbid::{
+    body::{Motion, skew},
     flow::Drive,
-    geometry::{Axis, Ball},
+    geometry::{Axis, Ball, Domain},
     observe::{self, Viscosity},
     petsc::Session,
-    scene::ConstraintMethod,
-    simulation::{FlowSolver, Setup, Solution, Suspension},
+    scene::{ConstraintMethod, Scene},
+    simulation::{FlowSolver, Setup, Simulation, Solution, Suspension},
 };
 
 /// The tests of this file.
@@ -19,6 +22,9 @@ pub fn tests() -> Vec<Test> {
         Test::of(two_disks_in_a_periodic_box_have_the_known_normal_stress_difference),
         Test::of(one_body_in_a_box_has_no_normal_stress),
         Test::of(pressure_on_bodies_is_what_walls_bear),
+        Test::of(torques_and_forces_that_cancel_reach_the_walls),
+        Test::of(torques_on_clusters_and_chains_reach_the_walls),
+        Test::of(a_net_force_along_the_walls_leaves_no_viscosity),
     ]
 }
 
@@ -68,6 +74,81 @@ fn pressure_on_bodies_is_what_walls_bear(session: &Session) {
     let setup = Setup { constraint: ConstraintMethod::Distributed, ..couette(1.0, 1.0 / 40.0, 2.0, disks.to_vec()) };
     let (suspension, solution) = solve(session, setup);
     assert_eq!(viscosity(&suspension, &solution).normal.pressure, None);
+}
+
+/// Half the couple per volume, and less the first moment of forces: walls and stresslets agree as they do without.
+fn torques_and_forces_that_cancel_reach_the_walls(session: &Session) {
+    let loaded = |force: f64, torque: f64| Motion::Free { force: Vector2::new(force, 0.3), torque: skew(&[torque]) };
+    let unloaded =
+        viscosity_of(session, couette(1.0, 1.0 / 40.0, 2.0, PAIR.map(|center| suspended(center.into(), 0.15, free(), 7)).to_vec()));
+    for (loads, change) in [([[0.0, 0.7], [0.0, -0.2]], 0.125), ([[1.5, 0.0], [-1.5, 0.4]], 0.265)] {
+        let body = |(center, [force, torque]): (&[f64; 2], [f64; 2])| suspended(Vector2::from(*center), 0.15, loaded(force, torque), 7);
+        let bodies = PAIR.iter().zip(loads).map(body).collect();
+        let found = viscosity_of(session, couette(1.0, 1.0 / 40.0, 2.0, bodies));
+        assert_near("walls", found.from_walls.unwrap(), found.relative(), 1e-6);
+        // torque / 2 and force times height, over viscosity, rate and volume; what the flow makes of them comes besides
+        assert!((found.interaction.unwrap() - change).abs() < 1e-12 && unloaded.interaction.is_none(), "{found:?}");
+        assert!((found.stress[(0, 1)] - found.relative()).abs() < 1e-12);
+    }
+    let sphere = |center: [f64; 3], torque: f64| {
+        let motion = Motion::Free { force: Vector3::zeros(), torque: skew(&[0.2, -0.1, torque]) };
+        suspended(Vector3::from(center), 0.2, motion, 3)
+    };
+    let walls = Axis::Walls { lower: Vector3::x() * -0.5, upper: Vector3::x() * 0.5 };
+    let cube = periodic_cube(1.0 / 16.0, Drive::Rest, vec![sphere([0.3, 0.4, 0.5], 0.3), sphere([0.75, 0.6, 0.4], 0.1)]);
+    let domain = Domain { axes: [Axis::Periodic, walls, Axis::Periodic], ..cube.domain };
+    let (suspension, solution) = solve(session, Setup { domain, ..cube });
+    let found = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[]).unwrap().unwrap();
+    assert_near("walls in space", found.from_walls.unwrap(), found.relative(), 1e-6);
+    assert!((found.interaction.unwrap() - 0.2).abs() < 1e-12);
+}
+
+fn viscosity_of(session: &Session, setup: Setup<2>) -> Viscosity {
+    let (suspension, solution) = solve(session, setup);
+    viscosity(&suspension, &solution)
+}
+
+/// What ties balls carries torques on, and adds a stress of its own.
+fn torques_on_clusters_and_chains_reach_the_walls(session: &Session) {
+    let tied = |bodies: &str| {
+        Scene::parse(
+            "stress",
+            Path::new("."),
+            &format!(
+                "domain = {{ size = [8.0, 8.0], y = {{ lower = [-4.0, 0.0], upper = [4.0, 0.0] }} }}\nflow = {{ model = \"stokes\" }}\n\
+                 resolution = {{ cells_per_radius = 4 }}\nmethod = {{ inverse = \"transform\", tolerance = 1e-9 }}\n\
+                 time = {{ end = 0.1, step = 0.05 }}\n{bodies}"
+            ),
+            &[],
+        )
+        .unwrap()
+    };
+    let load = "torque = 2.0, force = [0.0, 0.5]";
+    for bodies in [
+        format!("clusters = [{{ shape = \"rod\", beads = 3, radius = 0.5, centers = [[3.0, 3.0]], rotation = 0.7, {load} }}]\n"),
+        format!(
+            "chains = [{{ beads = 4, radius = 0.4, centers = [[2.0, 5.0], [2.9, 5.1], [3.8, 5.0], [4.7, 5.2]], stretch = \"rigid\", {load} }}]\n"
+        ),
+    ] {
+        let mut simulation = Simulation::<2>::new(session, &tied(&bodies)).unwrap();
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        let (flow, solution) = (simulation.suspension().unwrap(), observation.solution.unwrap());
+        let found = observe::viscosity(flow.setup(), flow.grid(), &solution, &observation.contacts).unwrap().unwrap();
+        assert!(found.interaction.unwrap() > 0.01 && found.bonds.is_some(), "{found:?}");
+        assert_near(&bodies, found.from_walls.unwrap(), found.relative(), 1e-5);
+    }
+}
+
+fn a_net_force_along_the_walls_leaves_no_viscosity(session: &Session) {
+    let pushed = Motion::Free { force: Vector2::new(1.0, 0.0), torque: skew(&[0.0]) };
+    let disks = vec![suspended(Vector2::new(0.3, 0.4), 0.15, pushed, 5), suspended(Vector2::new(0.7, 0.6), 0.15, free(), 5)];
+    let (suspension, solution) = solve(session, couette(1.0, 1.0 / 24.0, 2.0, disks));
+    assert!(observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[]).unwrap().is_none());
+    let why = observe::why_no_viscosity(suspension.setup()).unwrap();
+    assert!(why.contains("differ by 5.000e-1"), "{why}");
+    let driven = Setup { drive: Drive::PressureGradient(Vector2::new(-1.0, 0.0)), ..couette(1.0, 1.0 / 24.0, 2.0, Vec::new()) };
+    assert!(observe::why_no_viscosity(&driven).unwrap().contains("differ by 5.000e-1"));
+    assert_eq!(observe::why_no_viscosity(&couette(1.0, 1.0 / 24.0, 2.0, Vec::new())), None);
 }
 
 /// Mean normal stress on both walls over the rate, less that of the mean pressure of the fluid.

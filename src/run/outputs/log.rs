@@ -12,7 +12,7 @@ use crate::{
     output::{LOG, MeanViscosity, Summary, date, duration, note},
     parallel::{Machine, World},
     run::{Evaluated, Output, command},
-    simulation::State,
+    simulation::{State, StepReport},
 };
 
 /// Seconds between lines, at least.
@@ -87,6 +87,11 @@ impl RunLog {
 impl<const D: usize> Output<D> for RunLog {
     fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
         if let Some(motion) = &seen.motion {
+            let halved = motion.statistics.last().filter(|last| last.halvings > 0);
+            if let Some(StepReport { length, halvings, .. }) = halved {
+                let (time, times) = (motion.state().time, if *halvings == 1 { "once" } else { "several times" });
+                self.line(&format!("the step to time {time:.6} led nowhere and was halved {times}, to {length:.3e}"));
+            }
             self.progress(motion.state(), seen.history.mean());
         }
         Ok(())

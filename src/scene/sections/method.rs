@@ -99,6 +99,11 @@ impl ConstraintMethod {
     /// The words of all methods.
     pub const WORDS: [&str; 5] = ["sharp", "mean-value", "distributed", "penalty", "fitted"];
 
+    /// Whether its multipliers are coefficients of modes on the surface.
+    pub fn has_modes(self) -> bool {
+        matches!(self, ConstraintMethod::Sharp | ConstraintMethod::MeanValue(_))
+    }
+
     /// The word for it in a scene file.
     pub fn word(self) -> &'static str {
         match self {

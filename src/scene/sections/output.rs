@@ -237,7 +237,8 @@ impl Colour {
 
 fn read_colour(entry: &Entry, model: FlowModel) -> Result<Colour> {
     let colour = entry.choice(&Colour::WORDS, &[])?;
-    entry.expect(colour, model.fluid() || colour.of_bodies(), "only a flow is coloured so; remove it")
+    let known = model.fluid() || colour.of_bodies() || colour == OutputSection::default().colour;
+    entry.expect(colour, known, "only a flow is coloured so; remove it")
 }
 
 fn read_vorticity(entry: &Entry, model: FlowModel) -> Result<bool> {

@@ -17,7 +17,7 @@ pub(in crate::scene) const KEYS: [Key; 3] = [
         .unit("length").default("this or cells_per_radius is required").range("above 0"),
     Key::new("modes", "\"auto\", \"most\" or a whole number", "8", "Highest order of the multipliers of each body: Fourier modes in 2D, degrees of \
         vector spherical harmonics in 3D. Automatic: about one a cell of the radius, 0.6 with lubrication; most: as many as the grid carries.")
-        .default("\"auto\"").range("at least 1"),
+        .default("\"auto\"").range("at least 2; of a scalar at least 1"),
 ];
 
 /// How fine the grid and the multipliers are.

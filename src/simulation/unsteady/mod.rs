@@ -354,6 +354,13 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         !self.fixed.condensed
     }
 
+    fn abandon(&mut self, time: f64) {
+        if self.current.take_if(|level| level.time == time).is_some() {
+            self.band.take();
+            self.current = (!self.past.is_empty()).then(|| self.past.remove(0).0);
+        }
+    }
+
     fn past(&self) -> Option<&ExtrapolationHistory<D>> {
         self.guess.as_ref()
     }

@@ -39,7 +39,7 @@ impl ParameterRanges {
         Ok(ParameterRanges {
             methods: methods(options, scene)?,
             grids: grids(options, scene, radius)?,
-            modes: modes(options)?,
+            modes: modes(options, scene)?,
             tolerances: listed("--tolerances", &options.tolerances, "must lie above 0 and not above 0.1", |value| value <= 0.1)?,
             steps: steps(options, scene)?,
         })
@@ -100,9 +100,11 @@ fn grids(options: &Cost, scene: &Scene, radius: Option<f64>) -> Result<Vec<Resol
     })
 }
 
-fn modes(options: &Cost) -> Result<Vec<Option<usize>>> {
-    if options.modes.contains(&0) {
-        return Err(Error::refused("--modes 0: must be at least 1"));
+fn modes(options: &Cost, scene: &Scene) -> Result<Vec<Option<usize>>> {
+    let least = if scene.scalar() { 1 } else { 2 };
+    if let Some(few) = options.modes.iter().find(|modes| **modes < least) {
+        let why = if *few == 1 { ": a single one lets surfaces of bodies strain with the flow" } else { "" };
+        return Err(Error::refused(format!("--modes {few}: must be at least {least}{why}")));
     }
     Ok(if options.modes.is_empty() { vec![None] } else { options.modes.iter().copied().map(Some).collect() })
 }
@@ -198,7 +200,7 @@ mod tests {
         let options = Cost::default;
         assert_eq!(with(Cost { resolutions: vec![4.0, -1.0], ..options() }), "--resolutions -1: must be positive");
         assert_eq!(with(Cost { tolerances: vec![0.5], ..options() }), "--tolerances 0.5: must lie above 0 and not above 0.1");
-        assert_eq!(with(Cost { modes: vec![0], ..options() }), "--modes 0: must be at least 1");
+        assert_eq!(with(Cost { modes: vec![0], ..options() }), "--modes 0: must be at least 2");
         assert!(with(Cost { steps: vec![0.1], ..options() }).starts_with("--steps: the scene is one instant"));
         let strange = with(Cost { methods: vec!["blunt".into()], ..options() });
         assert_eq!(strange, "--methods blunt: must be some of sharp,mean-value,distributed,penalty,fitted");
