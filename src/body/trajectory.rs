@@ -158,6 +158,11 @@ impl<const D: usize> Trajectories<D> {
         self.0.iter().map(move |(body, trajectory)| (*body, trajectory.twist(time)))
     }
 
+    /// Displacements and angles since time 0.
+    pub fn displacements(&self, time: f64) -> impl Iterator<Item = (usize, (SVector<f64, D>, SMatrix<f64, D, D>))> {
+        self.0.iter().map(move |(body, trajectory)| (*body, trajectory.displacement(time)))
+    }
+
     /// The motions that lead to where bodies are after a step from a time.
     pub fn mean_twists(&self, time: f64, step: f64) -> impl Iterator<Item = (usize, Twist<D>)> {
         self.0.iter().map(move |(body, trajectory)| (*body, trajectory.mean_twist(time, step)))

@@ -96,7 +96,7 @@ fn draw_frames<const D: usize>(scene: &Scene, arguments: &AnimationArguments, fo
         let groups = match scene.output.colour {
             Colour::Chain => file.chains()?,
             Colour::Species => species_of(&stored.bodies.iter().map(|body| body.radius).collect::<Vec<_>>()),
-            Colour::Speed | Colour::Vorticity => Vec::new(),
+            Colour::Speed | Colour::NonAffine | Colour::Vorticity => Vec::new(),
         };
         Ok(plane.frame(stored.time, stored.bodies, &groups, flow))
     };

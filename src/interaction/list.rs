@@ -34,9 +34,6 @@ impl<const D: usize> Interactions<D> {
 
     /// Those that tie no bodies to each other, and so go with any bodies.
     pub fn untied(&self) -> Self {
-        let ties = |interaction: &dyn Interaction<D>| {
-            !(interaction.chains().is_empty() && interaction.bonds().is_empty() && interaction.clusters().is_empty())
-        };
         Interactions::new(self.shared().filter(|interaction| !ties(interaction.as_ref())))
     }
 
@@ -91,6 +88,16 @@ impl<const D: usize> Interactions<D> {
     pub fn pair_forces(&self, arrangement: &Arrangement<D>) -> Vec<PairForce<D>> {
         let forces = self.iter().flat_map(|interaction| interaction.pair_forces(arrangement));
         forces.filter(|force| self.between_clusters(&force.contact, arrangement)).collect()
+    }
+
+    /// Whether any [acts at a distance](Interaction::acts_at_a_distance).
+    pub fn act_at_a_distance(&self) -> bool {
+        self.iter().any(Interaction::acts_at_a_distance)
+    }
+
+    /// Whether any ties bodies: chains, membranes or clusters.
+    pub fn tie(&self) -> bool {
+        self.iter().any(ties)
     }
 
     /// See [`Interaction::steepest`]; slopes add up.
@@ -199,6 +206,11 @@ impl<const D: usize> Interactions<D> {
     pub fn approach_resistance(&self, contact: &Contact<D>, of: &dyn Fn(usize) -> (f64, usize)) -> f64 {
         self.iter().map(|interaction| interaction.approach_resistance(contact, of)).sum()
     }
+}
+
+/// Whether it ties bodies.
+fn ties<const D: usize>(interaction: &dyn Interaction<D>) -> bool {
+    !(interaction.chains().is_empty() && interaction.bonds().is_empty() && interaction.clusters().is_empty())
 }
 
 impl<const D: usize> fmt::Debug for Interactions<D> {

@@ -86,6 +86,11 @@ pub trait Interaction<const D: usize>: Debug {
         Vec::new()
     }
 
+    /// Whether it may have [`pair_forces`](Interaction::pair_forces), now or when bodies are nearer: their part of the stress is then a number at any time.
+    fn acts_at_a_distance(&self) -> bool {
+        self.touch().is_none() && self.reach(1.0) > 0.0
+    }
+
     /// The steepest slope of its forces, force over distance, between bodies of which the smallest has this radius: explicit steps are limited by it.
     fn steepest(&self, _radius: f64) -> f64 {
         0.0

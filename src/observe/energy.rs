@@ -51,7 +51,7 @@ impl EnergyRates {
         let by_shear = viscosity.map_or(0.0, |viscosity| viscosity_of_power(&viscosity) * setup.viscosity * viscosity.rate.powi(2));
         let drive = setup.domain.volume() * by_shear + power_of_drive(setup, solution);
         Ok(Some(EnergyRates {
-            kinetic_energy: energy_of_movers(setup, solver.grid(), solution)?,
+            kinetic_energy: energy_of_movers(setup, solver.grid(), solution, levels.len() == 1)?,
             power: drive + power_of_motions(setup, now, &solution.bodies) + power_against_contacts(setup, now, contacts),
             viscous: setup.viscosity * dissipation(solver.grid(), &balls, &extended, &setup.drive)?,
             films: solution.lubrication.map(|films| films.dissipation),

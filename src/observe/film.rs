@@ -1,9 +1,9 @@
 //! Bodies as disks on a picture plane, and the vorticity behind them: frames of an animation, or a still.
 
-use super::{Bond, FrameBody, SpeedScale};
+use super::{Bond, FrameBody, SpeedScale, picture::NON_AFFINE};
 use crate::{
     body::planes,
-    scene::{AxisSection, Colour, Drive, Scene},
+    scene::{AffineFlow, AxisSection, Colour, Drive, Scene},
 };
 
 /// What must be known of a film before its first frame is drawn.
@@ -27,6 +27,8 @@ pub struct Film {
     pub unit: f64,
     /// What colours show at least, in that unit: smaller values are those of a system at rest.
     pub least: f64,
+    /// How fast the box above moves to the right, past this one.
+    pub slide: f64,
     /// Rate of the shear, where there is one: strain is told beside time.
     pub rate: Option<f64>,
     /// Whether bodies are shown as balls.
@@ -57,6 +59,7 @@ impl Film {
             axes: ["x", "y"],
             unit: 1.0,
             least: 0.0,
+            slide: 0.0,
             rate: None,
             balls: false,
             times: Vec::new(),
@@ -70,7 +73,7 @@ impl Film {
     pub fn add(&mut self, frame: &AnimationFrame) {
         self.times.push(frame.time);
         match self.colour {
-            Colour::Speed => frame.disks.iter().for_each(|disk| self.add_value(disk.speed, MOST_VALUES)),
+            Colour::Speed | Colour::NonAffine => frame.disks.iter().for_each(|disk| self.add_value(disk.speed, MOST_VALUES)),
             Colour::Chain | Colour::Species => (),
             Colour::Vorticity => frame.vorticity.iter().flat_map(|cut| &cut.values).for_each(|&value| self.add_value(value, MOST_VALUES)),
         }
@@ -137,6 +140,8 @@ pub struct AnimatedDisk {
     pub angle: f64,
     /// Speed to colour by, from zero to the 99.5th percentile of the whole film, unless the flow or chains are coloured.
     pub speed: f64,
+    /// The velocity to the right of which it is the magnitude with others; an image so many boxes above is as much faster.
+    pub along: f64,
     /// Number of its chain, cell, cluster or species, to colour by that.
     pub group: Option<usize>,
 }
@@ -148,6 +153,8 @@ pub struct Plane {
     up: usize,
     /// Speed at which the box above slides to the right.
     sliding: f64,
+    /// The motion that is subtracted from speeds, if any is.
+    affine: Option<AffineFlow>,
 }
 
 impl Plane {
@@ -158,7 +165,8 @@ impl Plane {
             Some(Drive::ShearedBox(rate)) if [across, up] == [0, 1] => rate * scene.domain.size[1],
             _ => 0.0,
         };
-        Plane { across, up, sliding }
+        let affine = AffineFlow::of(scene).filter(|_| scene.output.colour == Colour::NonAffine);
+        Plane { across, up, sliding, affine }
     }
 
     /// The axes that point right and up.
@@ -190,7 +198,8 @@ impl Plane {
             radius: body.radius,
             // a turning mark is drawn on disks only
             angle: if D == 2 { body.rotation[(1, 0)].atan2(body.rotation[(0, 0)]) } else { f64::NAN },
-            speed: body.velocity.norm(),
+            speed: self.affine.map_or(body.velocity.norm(), |affine| affine.deviation(body.center.as_slice(), body.velocity.as_slice())),
+            along: body.velocity[self.across],
             group: groups.get(body.number).copied().flatten(),
         };
         AnimationFrame { time, shift: self.sliding * time, disks: bodies.iter().map(disk).collect(), contacts: Vec::new(), vorticity }
@@ -202,6 +211,7 @@ impl Plane {
         let (scale, colour) = (SpeedScale::of(scene), scene.output.colour);
         let (quantity, unit, least) = match colour {
             Colour::Vorticity => (SpeedScale::name("vorticity", scale.rate.1), scale.rate.0, 0.0),
+            Colour::NonAffine => (SpeedScale::name(NON_AFFINE, scale.words), scale.unit, scale.least),
             _ => (SpeedScale::name("speed", scale.words), scale.unit, scale.least),
         };
         Film {
@@ -211,6 +221,7 @@ impl Plane {
             quantity,
             unit,
             least,
+            slide: if self.affine.is_some() { 0.0 } else { self.sliding },
             rate: scene.shear_rate(),
             balls: scene.dimension() == 3,
             ..Film::new(self.axes().map(|axis| scene.domain.size[axis]), periodic, colour)
@@ -235,7 +246,7 @@ mod tests {
 
     #[test]
     fn vorticity_is_counterclockwise_as_seen() {
-        let with = |up| Plane { across: 0, up, sliding: 0.0 };
+        let with = |up| Plane { across: 0, up, sliding: 0.0, affine: None };
         assert_eq!(with(1).vorticity::<2>(), (0, 1.0));
         assert_eq!(with(1).vorticity::<3>(), (2, 1.0));
         // seen along y, the component about y is clockwise

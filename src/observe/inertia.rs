@@ -2,12 +2,15 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{cells::CellCenters, shear::Shear};
+use super::{
+    cells::{CellCenters, visit_inside},
+    shear::Shear,
+};
 use crate::{
     body::Body,
     error::Result,
     flow::fastest,
-    geometry::Axis,
+    geometry::{Axis, Ball},
     grid::{Grid, operators::signed},
     petsc::Vector,
     simulation::{BodyState, Inertia, Setup, Solution, SuspendedBody},
@@ -32,11 +35,11 @@ pub struct InertialNumbers {
 }
 
 impl InertialNumbers {
-    /// Those of a solution; nothing without inertia. Collective.
+    /// Those of a solution, which is that of the `start` or not; nothing without inertia. Collective.
     ///
     /// # Errors
     /// PETSc fails.
-    pub fn of<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, solution: &Solution<D>) -> Result<Option<InertialNumbers>> {
+    pub fn of<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, solution: &Solution<D>, start: bool) -> Result<Option<InertialNumbers>> {
         let Some(inertia) = &setup.inertia else { return Ok(None) };
         let reynolds = |body: usize| {
             let state = &solution.bodies[body];
@@ -46,8 +49,8 @@ impl InertialNumbers {
         let free = (0..setup.bodies.len()).filter(|&body| setup.bodies[body].body.free());
         let stokes = free.map(|body| reynolds(body) * inertia.bodies[body] / (STOKES_OVER_REYNOLDS * inertia.fluid));
         Ok(Some(InertialNumbers {
-            kinetic_energy: energy_of_fluid(inertia, grid, solution)?
-                + energy_of((setup, inertia), solution, |density| density - inertia.fluid, |_| true),
+            kinetic_energy: energy_of_movers(setup, grid, solution, start)?
+                + energy_of((setup, inertia), solution, |density| density, |body| !body.free()),
             reynolds: (0..setup.bodies.len()).map(reynolds).fold(0.0, f64::max),
             stokes: stokes.fold(0.0, f64::max),
             fastest: fastest(grid, &solution.fluid)?,
@@ -68,15 +71,41 @@ fn square<const D: usize>(grid: &Grid<D>, fluid: &Vector) -> Result<f64> {
     Ok(sum[0])
 }
 
-/// Kinetic energy of the fluid outside bodies and of free bodies; none without inertia. Collective.
+/// Kinetic energy of the fluid outside bodies and of free bodies; none without inertia. The solution is that of the `start` or not. Collective.
 ///
 /// # Errors
 /// PETSc fails.
-pub fn energy_of_movers<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, solution: &Solution<D>) -> Result<f64> {
+pub fn energy_of_movers<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, solution: &Solution<D>, start: bool) -> Result<f64> {
     let Some(inertia) = &setup.inertia else { return Ok(0.0) };
     let excess = energy_of((setup, inertia), solution, |density| density - inertia.fluid, Body::free);
-    let inside_others = energy_of((setup, inertia), solution, |_| inertia.fluid, |body| !body.free());
+    let inside_others = match start {
+        true => energy_inside_at_start((setup, inertia), grid, solution)?,
+        false => energy_of((setup, inertia), solution, |_| inertia.fluid, |body| !body.free()),
+    };
     Ok(energy_of_fluid(inertia, grid, solution)? + excess - inside_others)
+}
+
+/// Kinetic energy of the fluid that fills bodies of given motion at the start, when it does not move as they do yet. Collective.
+fn energy_inside_at_start<const D: usize>(
+    (setup, inertia): (&Setup<D>, &Inertia<D>),
+    grid: &Grid<D>,
+    solution: &Solution<D>,
+) -> Result<f64> {
+    let given = setup.bodies.iter().zip(&solution.bodies).filter(|(suspended, _)| !suspended.body.free());
+    let balls: Vec<Ball<D>> = given.map(|(suspended, state)| Ball { center: state.center, ..suspended.body.ball }).collect();
+    if balls.is_empty() {
+        return Ok(0.0);
+    }
+    let velocities = CellCenters::new(grid, &solution.fluid)?.velocity(&solution.fluid)?;
+    // of each ball the sum of squares, and the number of cells
+    let mut sums = vec![0.0; 2 * balls.len()];
+    visit_inside(grid, &balls, |ball, cell| {
+        sums[2 * ball] += velocities[cell].norm_squared();
+        sums[2 * ball + 1] += 1.0;
+    });
+    solution.fluid.session().world().sum(&mut sums);
+    let of_ball = |(sum, ball): (&[f64], &Ball<D>)| 0.5 * inertia.fluid * ball.volume() * sum[0] / sum[1];
+    Ok(sums.chunks(2).zip(&balls).map(of_ball).sum())
 }
 
 /// Kinetic energy of the fluid, which fills bodies too.

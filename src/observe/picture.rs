@@ -7,8 +7,9 @@ use super::{
 };
 use crate::{
     error::Result,
+    flow::Drive,
     geometry::Ball,
-    scene::{Colour, Scene},
+    scene::{AffineFlow, Colour, Scene},
     simulation::{FlowSolver, Setup, Solution},
 };
 
@@ -35,6 +36,13 @@ pub fn picture<const D: usize>(
             let values = vorticity_at(suspension.grid(), &solution.fluid, &setup.drive, &points, (up, across))?;
             (SpeedScale::name("vorticity \u{3c9}", scale.rate.1), values.into_iter().map(|value| value / scale.rate.0).collect())
         }
+        Colour::NonAffine => {
+            let affine = AffineFlow::of(scene).expect("the colour is that of a shear");
+            let deviation =
+                |(point, velocity): (&SVector<f64, D>, &SVector<f64, D>)| affine.deviation(point.as_slice(), velocity.as_slice());
+            let name = SpeedScale::name(NON_AFFINE, scale.words);
+            (name, points.iter().zip(&total).map(|own| deviation(own) / scale.unit).collect())
+        }
         _ => (SpeedScale::name("speed |u|", scale.words), total.iter().map(|velocity| velocity.norm() / scale.unit).collect::<Vec<f64>>()),
     };
     let groups = groups(setup, colour);
@@ -56,6 +64,7 @@ pub fn picture<const D: usize>(
         periodic: plane.periodic,
         walls: plane.walls,
         shift: plane.shift,
+        slide: if plane.axes == [0, 1] && plane.periodic[1] { slide(setup) } else { 0.0 },
         bodies: disks(&plane, suspension, solution, &groups),
         bonds: bonds(&plane, suspension, solution),
         contacts: lines,
@@ -70,6 +79,14 @@ pub fn picture<const D: usize>(
     })
 }
 
+/// How fast the box above moves past this one, along x.
+fn slide<const D: usize>(setup: &Setup<D>) -> f64 {
+    match setup.drive {
+        Drive::Shear(rate) => rate * setup.domain.size[1],
+        _ => setup.domain.sliding()[0],
+    }
+}
+
 fn radii<const D: usize>(setup: &Setup<D>) -> Vec<f64> {
     setup.bodies.iter().map(|suspended| suspended.body.ball.radius).collect()
 }
@@ -79,13 +96,16 @@ fn groups<const D: usize>(setup: &Setup<D>, colour: Colour) -> Vec<Option<usize>
     match colour {
         Colour::Chain => setup.interactions.group_of(),
         Colour::Species => species_of(&radii(setup)),
-        Colour::Speed | Colour::Vorticity => Vec::new(),
+        Colour::Speed | Colour::NonAffine | Colour::Vorticity => Vec::new(),
     }
 }
 
 fn legend<const D: usize>(setup: &Setup<D>) -> Vec<(usize, String)> {
     species(&radii(setup)).into_iter().enumerate().map(|(number, radius)| (number, format!("radius {radius:.4}"))).collect()
 }
+
+/// The speed relative to a shear.
+pub(super) const NON_AFFINE: &str = "non-affine speed |v - rate y e_x|";
 
 /// Width of a bond in radii of the thinner cut.
 const BOND: f64 = 0.7;

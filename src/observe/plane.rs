@@ -107,6 +107,8 @@ pub struct Picture {
     pub walls: [bool; 2],
     /// How far to the right the box above lies, if it repeats.
     pub shift: f64,
+    /// How fast it moves to the right, past this one.
+    pub slide: f64,
     /// The bodies cut by the plane.
     pub bodies: Vec<Disk>,
     /// What ties bodies that the plane cuts.

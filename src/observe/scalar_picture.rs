@@ -33,6 +33,7 @@ pub fn scalar_picture<const D: usize>(scene: &Scene, solved: &SolvedScalar<D>) -
         periodic: plane.periodic,
         walls: plane.walls,
         shift: plane.shift,
+        slide: 0.0,
         bodies: bodies.collect(),
         bonds: Vec::new(),
         contacts: Vec::new(),

@@ -83,12 +83,14 @@ impl<const D: usize> Stress<D> {
             [solution.pair_stress, load_stress(setup, solution, shear)].into_iter().flatten().reduce(|sum, part| sum + part);
         let resolved = stresslets - films.unwrap_or_else(SMatrix::zeros);
         let pressure = pressure_on_bodies(setup, grid, solution)?;
+        // what there is and does nothing yet has no stress, which is a number
+        let part = |there: bool, stress: Option<SMatrix<f64, D, D>>| stress.or(there.then(SMatrix::zeros)).map(|stress| stress / unit);
         let trace = SMatrix::identity() * (pressure.unwrap_or(0.0) / shear.rate);
         Ok(Stress {
             hydrodynamic: shear.doubled_strain() + resolved / unit - trace,
             lubrication: films.map(|stress| stress / unit),
-            interaction: at_a_distance.map(|stress| stress / unit),
-            bonds: solution.bond_stress.map(|stress| stress / unit),
+            interaction: part(setup.interactions.act_at_a_distance(), at_a_distance),
+            bonds: part(setup.interactions.tie(), solution.bond_stress),
             reynolds: reynolds_stress(setup, grid, solution, shear)?.map(|stress| stress / unit),
             contact: -moments / unit,
             with_trace: pressure.is_some(),

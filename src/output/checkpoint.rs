@@ -5,7 +5,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{parallel_file::ParallelFile, rows::Rows, slab};
+use super::{
+    checksum::{checksum, checksum_of, numbers_checksum, sum_of_all},
+    parallel_file::ParallelFile,
+    rows::Rows,
+    slab,
+};
 use crate::{
     error::{Error, Offer, Refusal, Result},
     grid::Grid,
@@ -237,31 +242,4 @@ fn lattice_checksum<const D: usize>(world: &World, grid: &Grid<D>, field: usize,
     let whole = grid.lattice(field);
     let places = grid.block(field).indices().map(|index| whole.offset(index));
     sum_of_all(world, checksum(places.zip(values.iter().map(|value| value.to_bits()))))
-}
-
-/// The checksum of numbers of which those from a place on are given.
-fn numbers_checksum(start: usize, values: &[f64]) -> u64 {
-    checksum((start..).zip(values.iter().map(|value| value.to_bits())))
-}
-
-fn sum_of_all(world: &World, sum: u64) -> u64 {
-    world.gather(&[sum]).into_iter().fold(0, u64::wrapping_add)
-}
-
-/// A number that differs, but for one case in 1e19, for texts that differ; the same on every machine.
-pub fn checksum_of(text: &str) -> u64 {
-    checksum(text.bytes().map(u64::from).enumerate())
-}
-
-/// A sum over places and their contents in which any one change shows, in whatever order they are added.
-fn checksum(entries: impl Iterator<Item = (usize, u64)>) -> u64 {
-    entries.map(|(place, bits)| scrambled(scrambled(place as u64) ^ bits)).fold(0, u64::wrapping_add)
-}
-
-/// The finaliser of SplitMix64 (Steele, Lea and Flood 2014, doi:10.1145/2660193.2660195): a bijection without pattern.
-fn scrambled(value: u64) -> u64 {
-    let mut value = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    value = (value ^ (value >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    value = (value ^ (value >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    value ^ (value >> 31)
 }

@@ -125,7 +125,7 @@ impl VelocitySummary {
     /// Of dry bodies; collective.
     pub fn of_dry<const D: usize>(simulation: &Simulation<D>, world: &crate::parallel::World) -> Option<VelocitySummary> {
         let state = simulation.state();
-        let own = state.bodies.iter().fold(Sums::<D>::default(), |sums, moving| sums.with(&moving.twist.velocity));
+        let own = simulation.moving().iter().fold(Sums::<D>::default(), |sums, moving| sums.with(&moving.twist.velocity));
         let mut numbers = vec![own.count, own.squares];
         numbers.extend(own.total.as_slice());
         state.peers(world).sum(&mut numbers);

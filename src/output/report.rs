@@ -45,11 +45,21 @@ fn motion_lines(summary: &Summary, motion: &MotionSummary) -> Vec<String> {
         let mean = motion.iterations as f64 / motion.solves as f64;
         lines.push(format!("solves               {}, of {mean:.1} iterations on average", motion.solves));
     }
+    let named = [motion.assembly_seconds, motion.solve_seconds, motion.contact_seconds, motion.output_seconds];
+    let [assembly, flow, contacts, files, rest] = parts_of_seconds(motion.seconds, named);
     lines.push(format!(
-        "seconds              {:.2}: {:.2} jump assembly, {:.2} flow, {:.2} contacts, {:.2} files",
-        motion.seconds, motion.assembly_seconds, motion.solve_seconds, motion.contact_seconds, motion.output_seconds
+        "seconds              {:.2}: {assembly} jump assembly, {flow} flow, {contacts} contacts, {files} files, {rest} rest",
+        motion.seconds
     ));
     lines
+}
+
+/// Parts of a time in hundredths of a second, rounded down, and what is left of the whole, so that what is shown adds up.
+fn parts_of_seconds(whole: f64, parts: [f64; 4]) -> [String; 5] {
+    let hundredths = parts.map(|part| (100.0 * part).floor());
+    let rest = ((100.0 * whole).round() - hundredths.iter().sum::<f64>()).max(0.0);
+    let [assembly, flow, contacts, files] = hundredths;
+    [assembly, flow, contacts, files, rest].map(|hundredths| format!("{:.2}", hundredths / 100.0))
 }
 
 /// How the setting was found.
@@ -137,6 +147,15 @@ pub(super) fn counted(count: usize, one: &str, many: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn seconds_of_parts_add_up_to_the_whole() {
+        for (whole, parts) in [(1.239, [0.119, 0.349, 0.0, 0.009]), (0.004, [0.001; 4]), (10.0, [2.499; 4])] {
+            let shown = parts_of_seconds(whole, parts);
+            let sum: f64 = shown.iter().map(|part| part.parse::<f64>().unwrap_or(f64::NAN)).sum();
+            assert_eq!(format!("{sum:.2}"), format!("{whole:.2}"), "{shown:?}");
+        }
+    }
 
     #[test]
     fn a_sparkline_shows_the_range_and_needs_two_values() {

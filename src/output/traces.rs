@@ -20,7 +20,7 @@ pub const LOG: &str = "run.log";
 pub const REPORT: &str = "report.html";
 
 /// The files that a run may leave, the first one first to go; not the text of its scene, nor its calibration, which says what it is of.
-const FILES: [&str; 27] = [
+const FILES: [&str; 32] = [
     SUMMARY,
     CHECKPOINT,
     "series.csv",
@@ -45,6 +45,11 @@ const FILES: [&str; 27] = [
     "pairs.svg",
     "profiles.csv",
     "profiles.svg",
+    "profile-frames.csv",
+    ".series.csv.sums",
+    ".forces.csv.sums",
+    ".energy.csv.sums",
+    ".profile-frames.csv.sums",
     "contact-island.json",
     REPORT,
     LOG,

@@ -211,9 +211,9 @@ impl<'a, const D: usize> EvaluatedMotion<'a, D> {
             return own;
         }
         let (state, mut letters) = (self.state(), vec![Vec::new(); world.size()]);
-        for (moving, body) in state.bodies.iter().zip(&own) {
+        for ((moving, twist), body) in state.bodies.iter().zip(&self.observation.twists).zip(&own) {
             letters[0].extend([body.number as f64, body.radius, body.contacts as f64]);
-            letters[0].extend(moving.pack());
+            letters[0].extend(Moving { twist: *twist, ..*moving }.pack());
         }
         let read = |row: &[f64]| {
             let moving = Moving::<D>::unpack(&row[3..]);

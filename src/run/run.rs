@@ -18,7 +18,7 @@ use super::{
 use crate::{
     error::{Error, Result},
     observe::{self, Viscosity},
-    output::{Checkpoint, CurvePoint, Progress, Summary, TimeProgress, write_whole},
+    output::{Checkpoint, CurvePoint, Progress, Summary, TimeProgress, note, write_whole},
     parallel::World,
     petsc::{Session, Stage, enter},
     scene::{ContactModel, Scene},
@@ -155,6 +155,8 @@ impl<'a, const D: usize> Run<'a, D> {
             };
             self.outputs.insert(0, line);
         }
+        let missed = simulation.and_then(|simulation| simulation.missed_end(scene.end()));
+        missed.iter().filter(|_| world.rank() == 0).for_each(|missed| note(&format!("turbid: {missed}")));
         self.history = ViscosityHistory::new(scene.time.as_ref().and_then(|time| time.until), points);
         Ok(())
     }

@@ -5,8 +5,8 @@ use std::fmt::Display;
 use crate::error::Result;
 use crate::flow::InverseMethod;
 use crate::scene::{
-    AxisSection, BodyGroup, ChainShape, Colour, ConstraintMethod, ContactModel, Drive, FlowModel, Joint, LubricationModel, Modes, Motion,
-    MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy,
+    AffineFlow, AxisSection, BodyGroup, ChainShape, Colour, ConstraintMethod, ContactModel, Drive, FlowModel, Joint, LubricationModel,
+    Modes, Motion, MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy,
 };
 
 /// Least order of multipliers that bear a strain.
@@ -122,7 +122,10 @@ fn check_clusters(scene: &Scene) -> Result<()> {
 fn check_colour(scene: &Scene) -> Result<()> {
     let tied = scene.bodies.iter().any(BodyGroup::together);
     let remedy = "tells chains, cells and clusters apart, and there are none; remove it";
-    expect(scene, tied || scene.output.colour != Colour::Chain, "output.colour", "\"chain\"", remedy)
+    expect(scene, tied || scene.output.colour != Colour::Chain, "output.colour", "\"chain\"", remedy)?;
+    let sheared = AffineFlow::of(scene).is_some();
+    let remedy = "is relative to a shear, which neither walls nor the box impose; remove it";
+    expect(scene, sheared || scene.output.colour != Colour::NonAffine, "output.colour", "\"nonaffine\"", remedy)
 }
 
 fn check_spacing(scene: &Scene) -> Result<()> {

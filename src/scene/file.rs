@@ -203,6 +203,7 @@ fn read(file: &str, folder: &Path, content: &Value, locations: Locations) -> Res
     if model == FlowModel::Scalar {
         scalar::refuse_keys(&root)?;
     }
+    let output = OutputSection::read(&root, dimension, &flow)?;
     Ok(Scene {
         name: Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         title: root.get("title").map_or(Ok(""), |entry| entry.text())?.to_owned(),
@@ -223,7 +224,7 @@ fn read(file: &str, folder: &Path, content: &Value, locations: Locations) -> Res
         contact: ContactSection::read(&root)?,
         lubrication: LubricationSection::read(&root)?,
         time: TimeSection::read(&root)?,
-        output: OutputSection::read(&root, dimension, model)?,
+        output,
         locations,
         text: String::new(),
     })

@@ -13,7 +13,7 @@ const FILE: Key = Key::new(
     "file",
     "text",
     "\"centers.csv\"",
-    "Table with the columns x, y, (3D: z) and, if wanted, radius, a row a body; the \
+    "Table with the columns x, y, (3D: z) and, if wanted, radius, a row a body, bead, cell or cluster; a radius is that of each of its balls; the \
     path starts from the folder of the scene.",
 )
 .default(PLACED);

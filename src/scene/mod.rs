@@ -4,6 +4,7 @@
 //! Whether bodies overlap or fit into the box is checked where they are placed, with [`Scene::refuse`].
 
 mod accuracy;
+mod affine;
 mod bodies;
 mod chains;
 mod check;
@@ -23,6 +24,7 @@ mod scalar;
 mod sections;
 mod table;
 
+pub use affine::AffineFlow;
 pub use bodies::{BodyGroup, Motion, Placement, Shape};
 pub use chains::{Chain, ChainShape, Joint};
 pub use clusters::{Cluster, ClusterForm};

@@ -23,15 +23,16 @@ struct Parts {
 /// The bonds of the chains and cells of a scene, whose bodies are these, each with its group; none without any.
 pub fn bonds<const D: usize>(scene: &Scene, bodies: &[(usize, Body<D>)]) -> Option<Bonds> {
     let mut parts = Parts::default();
-    for Beads { chain, radius, first, beads: group } in chained(scene, bodies) {
-        let link = 2.0 * radius * chain.spacing;
-        let membrane = if D == 3 && chain.shape == ChainShape::Cell { Membrane::biconcave(chain.beads, link) } else { None };
+    for Beads { chain, first, beads: group } in chained(scene, bodies) {
         for (number, beads) in group.chunks(chain.beads).enumerate() {
             let start = first + number * chain.beads;
+            // beads of a cell are alike
+            let link = || 2.0 * beads[0].1.ball.radius * chain.spacing;
+            let membrane = if D == 3 && chain.shape == ChainShape::Cell { Membrane::biconcave(chain.beads, link()) } else { None };
             parts.chains.push(start..start + chain.beads);
             match &membrane {
                 Some(membrane) => parts.add_membrane(chain, membrane, start),
-                None => parts.add_chain(chain, link, beads, start),
+                None => parts.add_chain(chain, beads, start),
             }
         }
     }
@@ -59,7 +60,6 @@ pub fn joints<const D: usize>(scene: &Scene, bodies: &[(usize, Body<D>)]) -> Opt
 /// The beads of all chains of a group.
 struct Beads<'a, const D: usize> {
     chain: &'a Chain,
-    radius: f64,
     /// The number of the first.
     first: usize,
     beads: &'a [(usize, Body<D>)],
@@ -69,8 +69,7 @@ struct Beads<'a, const D: usize> {
 fn chained<'a, const D: usize>(scene: &'a Scene, bodies: &'a [(usize, Body<D>)]) -> Vec<Beads<'a, D>> {
     let (mut found, mut first) = (Vec::new(), 0);
     for beads in bodies.chunk_by(|one, next| one.0 == next.0) {
-        let section = &scene.bodies[beads[0].0];
-        found.extend(section.chain.as_ref().map(|chain| Beads { chain, radius: section.radius, first, beads }));
+        found.extend(scene.bodies[beads[0].0].chain.as_ref().map(|chain| Beads { chain, first, beads }));
         first += beads.len();
     }
     found
@@ -78,21 +77,23 @@ fn chained<'a, const D: usize>(scene: &'a Scene, bodies: &'a [(usize, Body<D>)])
 
 impl Parts {
     /// A line or a ring, the outline of a cell included.
-    fn add_chain<const D: usize>(&mut self, chain: &Chain, length: f64, beads: &[(usize, Body<D>)], start: usize) {
+    fn add_chain<const D: usize>(&mut self, chain: &Chain, beads: &[(usize, Body<D>)], start: usize) {
         let bead = |number: usize| start + number % chain.beads;
+        let radius = |number: usize| beads[number % chain.beads].1.ball.radius;
+        let length = |bond: usize| chain.spacing * (radius(bond) + radius(bond + 1));
         let ring = chain.shape.closed();
         let bonds = if ring { chain.beads } else { chain.beads - 1 };
         let stiffness = chain.stretch.unwrap_or(f64::INFINITY);
-        self.stretches.extend((0..bonds).map(|bond| Stretch { bodies: [bead(bond), bead(bond + 1)], length, stiffness }));
+        self.stretches.extend((0..bonds).map(|bond| Stretch { bodies: [bead(bond), bead(bond + 1)], length: length(bond), stiffness }));
         let turns = if ring { bonds } else { bonds - 1 };
-        let angles = angles(chain, length, beads);
+        let angles = angles(chain, length(0), beads);
         let bend = |bond: usize| {
             let bodies = [bead(bond), bead(bond + 1), bead(bond + 2)];
             Bend { bodies, stiffness: chain.bend, angle: angles[(bond + 1) % chain.beads] }
         };
         self.bends.extend((0..turns).map(bend));
         if chain.shape == ChainShape::Cell {
-            let value = enclosed(&biconcave(chain.beads, length));
+            let value = enclosed(&biconcave(chain.beads, length(0)));
             self.conserved.push(Conserved { bodies: start..start + chain.beads, measure: Measure::EnclosedArea, value });
         }
     }

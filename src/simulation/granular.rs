@@ -1,12 +1,13 @@
 use std::{ops::Range, time::Instant};
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
 use super::{
-    Effort, GranularSetup, Moving, Observation, ResidualMonitor, State, StepOutcome, Stepper, StopRequest,
+    Effort, GivenPlace, GranularSetup, Moving, Observation, ResidualMonitor, State, StepOutcome, Stepper, StopRequest,
     granular_chains::{Accelerated, GranularStep},
     granular_ties::Ties,
     granular_together::{Together, Wanting},
+    granular_velocities::{Acceleration, HalfStepBehind},
     migration::{self, Constants},
     neighbours::Neighbours,
     step_control::{BodyMotion, StepControl, StepLimits},
@@ -47,6 +48,10 @@ pub struct Granular<const D: usize> {
     radii: Vec<f64>,
     /// How far interactions look, for bodies of any rank.
     reach: f64,
+    /// Places and motions at the start of all bodies whose motion is given.
+    given: Vec<(usize, SVector<f64, D>, Twist<D>)>,
+    /// Of each body that is tied the number of what it belongs to.
+    groups: Vec<Option<usize>>,
     /// In the state that was looked at last.
     known: Known<D>,
     stop: StopRequest,
@@ -60,6 +65,8 @@ struct Known<const D: usize> {
     kkt_report: Option<KktReport>,
     /// Accelerations by all forces but those that a projection finds.
     accelerations: Vec<Acceleration<D>>,
+    /// Motions of own bodies at the time of the state.
+    twists: Vec<Twist<D>>,
 }
 
 /// Velocities that keep contacts and ties.
@@ -71,13 +78,6 @@ struct Kept<const D: usize> {
     free: Vec<SVector<f64, D>>,
 }
 
-/// Rates at which a motion changes.
-#[derive(Clone, Copy)]
-struct Acceleration<const D: usize> {
-    velocity: SVector<f64, D>,
-    spin: SMatrix<f64, D, D>,
-}
-
 impl<const D: usize> Granular<D> {
     /// Granular bodies that move with a step control, and the state of this rank at the start. Collective.
     pub fn start(session: &Session, setup: GranularSetup<D>, step_control: StepControl) -> (Granular<D>, State<D>) {
@@ -85,6 +85,9 @@ impl<const D: usize> Granular<D> {
         let regions = Regions::new(&setup.domain, peers.count());
         let reach = setup.interactions.reach(setup.bodies.iter().map(|body| body.radius).fold(0.0, f64::max));
         let (own, state) = migration::own_share(peers, &setup, &regions);
+        let given = setup.bodies.iter().enumerate().filter(|(_, body)| body.mass.is_infinite());
+        let given = given.map(|(number, body)| (number, body.center, body.twist)).collect();
+        let groups = setup.interactions.group_of();
         let mut granular = Granular {
             session: session.clone(),
             domain: setup.domain,
@@ -95,6 +98,8 @@ impl<const D: usize> Granular<D> {
             radii: Vec::new(),
             bodies: own,
             reach,
+            given,
+            groups,
             known: Known::default(),
             stop: StopRequest::default(),
         };
@@ -140,6 +145,24 @@ impl<const D: usize> Granular<D> {
         self.bodies.iter().map(|body| body.mass).collect()
     }
 
+    /// How long before its time the velocities of a state live.
+    fn lag(&self, state: &State<D>) -> f64 {
+        match self.step_control.time.scheme {
+            Scheme::Euler => 0.0,
+            _ => 0.5 * state.last_step,
+        }
+    }
+
+    /// The motions of own bodies at the time of a state. Collective.
+    fn carried_on(&self, state: &State<D>) -> Vec<Twist<D>> {
+        let (bodies, accelerations, groups) = (&self.bodies, &self.known.accelerations, &self.groups);
+        let mut twists = HalfStepBehind { state, bodies, accelerations, groups, lag: self.lag(state) }.carried_on(self.peers());
+        self.trajectories
+            .twists(state.time)
+            .for_each(|(body, twist)| state.place(body).into_iter().for_each(|place| twists[place] = twist));
+        twists
+    }
+
     /// The own bodies, those within reach of interactions, and those of contacts that stick.
     fn neighbours(&self, peers: Peers, state: &State<D>, stuck: &[AdhesiveContact<D>]) -> Neighbours<D> {
         Neighbours::new(peers, (&self.domain, &self.regions), state, (&self.radii, &self.masses()), stuck, self.reach)
@@ -153,10 +176,10 @@ impl<const D: usize> Granular<D> {
         let arrangement = near.arrangement(&self.domain, self.reach);
         let (contacts, others) = (self.interactions.contact_forces(&arrangement), self.interactions.pair_forces(&arrangement));
         let pushes = Wrench::on_bodies(near.halo.len(), &contacts, &others);
-        let accelerations = self.bodies.iter().zip(near.halo.own()).map(|(body, &place)| accelerated(body, &pushes[place])).collect();
+        let accelerations = self.bodies.iter().zip(near.halo.own()).map(|(body, &place)| Acceleration::of(body, &pushes[place])).collect();
         let told: Vec<ContactForce<D>> = contacts.iter().filter(|force| near.halo.owns(force.contact.body)).copied().collect();
         let kkt_report = Some(KktReport::of_forces(&told, arrangement.balls).over(self.peers()));
-        Known { contacts: near.own_contacts(contacts), kkt_report, accelerations }
+        Known { contacts: near.own_contacts(contacts), kkt_report, accelerations, twists: Vec::new() }
     }
 
     /// Velocities that keep contacts, next to those wanted, and what contacts remember then.
@@ -282,10 +305,6 @@ fn velocities<const D: usize>(moves: &[Twist<D>]) -> Vec<SVector<f64, D>> {
     moves.iter().map(|twist| twist.velocity).collect()
 }
 
-fn accelerated<const D: usize>(body: &Constants<D>, push: &Wrench<D>) -> Acceleration<D> {
-    Acceleration { velocity: body.acceleration + push.force / body.mass, spin: body.spin_up + push.torque / body.inertia }
-}
-
 impl<const D: usize> Stepper<D> for Granular<D> {
     fn radii(&self) -> &[f64] {
         &self.radii
@@ -295,14 +314,17 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         self.bodies.iter().map(|body| body.mass.is_finite()).collect()
     }
 
-    fn kinetic_energy(&self, state: &State<D>) -> Option<f64> {
-        let of_body = |(own, moving): (&Constants<D>, &Moving<D>)| {
+    fn twists_now(&self) -> Option<&[Twist<D>]> {
+        Some(&self.known.twists).filter(|twists| twists.len() == self.bodies.len()).map(Vec::as_slice)
+    }
+
+    fn kinetic_energy(&self) -> Option<f64> {
+        let of_body = |(own, twist): (&Constants<D>, &Twist<D>)| {
             // a skew matrix has each component of the spin twice
-            let turning = 0.5 * own.inertia * moving.twist.spin.norm_squared();
-            0.5 * (own.mass * moving.twist.velocity.norm_squared() + turning)
+            let turning = 0.5 * own.inertia * twist.spin.norm_squared();
+            0.5 * (own.mass * twist.velocity.norm_squared() + turning)
         };
-        let free = self.bodies.iter().zip(&state.bodies).filter(|(own, _)| own.mass.is_finite());
-        Some(free.map(of_body).sum())
+        Some(self.bodies.iter().zip(&self.known.twists).filter(|(own, _)| own.mass.is_finite()).map(of_body).sum())
     }
 
     fn interactions(&self) -> &Interactions<D> {
@@ -312,6 +334,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
     fn migrate(&mut self, state: &mut State<D>, domain: &Domain<D>) {
         let peers = Peers::from(self.session.world());
         migration::migrate(peers, domain, &self.regions, state, &mut self.bodies);
+        self.known.twists.clear();
         self.list_radii();
     }
 
@@ -320,14 +343,15 @@ impl<const D: usize> Stepper<D> for Granular<D> {
     }
 
     fn evaluate(&mut self, state: &State<D>, longest: f64, _: ResidualMonitor) -> Result<Observation<D>> {
-        let twists: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
         self.known = self.known(state);
-        let moving = twists.iter().zip(&self.known.accelerations).zip(&self.radii);
+        self.known.twists = self.carried_on(state);
+        let twists = self.known.twists.clone();
+        let moving = state.bodies.iter().zip(&self.known.accelerations).zip(&self.radii);
         let motions: Vec<BodyMotion<D>> = moving
             // velocities live half a step before places
-            .map(|((twist, acceleration), &radius)| BodyMotion {
+            .map(|((body, acceleration), &radius)| BodyMotion {
                 radius,
-                velocity: twist.velocity + acceleration.velocity * (0.5 * state.last_step),
+                velocity: body.twist.velocity + acceleration.velocity * (0.5 * state.last_step),
                 acceleration: acceleration.velocity,
             })
             .collect();
@@ -336,14 +360,22 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         Ok(Observation { twists, contacts: Vec::new(), solution: None, step_size, effort: Effort::default() })
     }
 
+    fn given_places(&self, time: f64) -> Vec<(usize, GivenPlace<D>)> {
+        let mut places: Vec<_> =
+            self.given.iter().map(|(number, start, twist)| (*number, GivenPlace::steady(*start, twist, time))).collect();
+        for (number, displacement) in self.trajectories.displacements(time) {
+            if let Ok(place) = self.given.binary_search_by_key(&number, |(given, ..)| *given) {
+                places[place].1 = GivenPlace::displaced(self.given[place].1, displacement);
+            }
+        }
+        places
+    }
+
     fn advance(&mut self, state: &State<D>, observation: &Observation<D>, step: f64, _: ResidualMonitor) -> Result<StepOutcome<D>> {
         let start = Instant::now();
         let push = self.push(state.last_step, step);
-        let pushed = |(twist, acceleration): (&Twist<D>, &Acceleration<D>)| Twist {
-            velocity: twist.velocity + acceleration.velocity * push,
-            spin: twist.spin + acceleration.spin * push,
-        };
-        let mut moves: Vec<Twist<D>> = observation.twists.iter().zip(&self.known.accelerations).map(pushed).collect();
+        let pushed = |(body, acceleration): (&Moving<D>, &Acceleration<D>)| acceleration.after(&body.twist, push);
+        let mut moves: Vec<Twist<D>> = state.bodies.iter().zip(&self.known.accelerations).map(pushed).collect();
         let given = self.trajectories.mean_twists(state.time, step);
         given.for_each(|(body, twist)| state.place(body).into_iter().for_each(|place| moves[place] = twist));
         let mut ties = Ties::new(self.peers(), &self.interactions, (state, &self.bodies), &moves, GranularStep { length: step, push });

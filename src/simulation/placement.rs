@@ -78,7 +78,7 @@ pub fn asked<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Asked<
                 let balls = given_balls(bodies).map_err(|error| scene.unreadable(group, "file", error))?;
                 match (form, bodies.chain) {
                     (Some(_), Some(chain)) if chain.shape != ChainShape::Cell => joined(scene, domain, group, (chain.beads, balls))?,
-                    (Some(form), _) => about(form, &rotation(bodies), &balls),
+                    (Some(_), _) => about(scene, domain, group, &balls)?,
                     (None, _) => balls,
                 }
             }
@@ -132,17 +132,19 @@ fn form<const D: usize>(scene: &Scene, group: usize, domain: &Domain<D>) -> Resu
     if let Some(length) = least_length(bodies, D).filter(|_| !given) {
         check_length(scene, group, length, domain)?;
     }
-    let form = match (&bodies.cluster, &bodies.chain) {
-        (Some(cluster), _) => {
-            ChainForm { radius: bodies.radius, places: cluster.places(bodies.radius).into_iter().map(Vector3::from).collect() }
-        }
-        (None, Some(chain)) => chain_form::<D>(bodies.radius, chain),
-        (None, None) => return Ok(None),
-    };
+    let Some(form) = form_of::<D>(bodies, bodies.radius) else { return Ok(None) };
     if !given {
         check_length(scene, group, form.length(), domain)?;
     }
     Ok(Some(form))
+}
+
+/// The form of a chain, a cell or a cluster of balls of this radius.
+fn form_of<const D: usize>(bodies: &BodyGroup, radius: f64) -> Option<ChainForm> {
+    let of_cluster =
+        |cluster: &scene::Cluster| ChainForm { radius, places: cluster.places(radius).into_iter().map(Vector3::from).collect() };
+    let of_chain = || bodies.chain.as_ref().map(|chain| chain_form::<D>(radius, chain));
+    bodies.cluster.as_ref().map(of_cluster).or_else(of_chain)
 }
 
 /// Refuses beads and balls that fill more than the box, before any is made.
@@ -218,9 +220,15 @@ fn rotation(bodies: &BodyGroup) -> Vector3<f64> {
     }
 }
 
-/// Balls in a form about these middles.
-fn about<const D: usize>(form: &ChainForm, rotation: &Vector3<f64>, middles: &[Ball<D>]) -> Vec<Ball<D>> {
-    middles.iter().flat_map(|middle| form.at(&middle.center, rotation)).map(|center| Ball { center, radius: form.radius }).collect()
+/// Balls of the cells or clusters of a group about these middles, whose radii are those of their balls.
+fn about<const D: usize>(scene: &Scene, domain: &Domain<D>, group: usize, middles: &[Ball<D>]) -> Result<Vec<Ball<D>>> {
+    let (bodies, mut balls) = (&scene.bodies[group], Vec::new());
+    for middle in middles {
+        let form = form_of::<D>(bodies, middle.radius).expect("a group of cells or clusters has a form");
+        check_length(scene, group, &form, domain)?;
+        balls.extend(form.at(&middle.center, &rotation(bodies)).into_iter().map(|center| Ball { center, radius: form.radius }));
+    }
+    Ok(balls)
 }
 
 /// Beads of given chains, each beside the one before it though the box may end between them.

@@ -16,8 +16,8 @@ use std::time::Instant;
 use nalgebra::SVector;
 
 use super::{
-    Configuration, ContactHistory, Effort, ExtrapolationHistory, FlowSolver, Level, MeshLevel, Moving, Observation, ResidualMonitor,
-    Solution, State, StepOutcome, Stepper, StopRequest,
+    Configuration, ContactHistory, Effort, ExtrapolationHistory, FlowSolver, GivenPlace, Level, MeshLevel, Moving, Observation,
+    ResidualMonitor, Solution, State, StepOutcome, Stepper, StopRequest,
     active_set_iteration::ActiveSetIteration,
     clusters::ClusterMotions,
     contact_step::{ContactStep, identities},
@@ -167,6 +167,10 @@ impl<const D: usize> QuasiStatic<D> {
             let mut solution = self.suspension.solve_at(&configuration, monitor)?;
             solution.pair_stress = PairForce::total_stress(&pair_forces);
             effort.add_solve(self.suspension.cost());
+            for (found, suspended) in solution.bodies.iter_mut().zip(&self.suspension.setup().bodies) {
+                // the solver meets it to its tolerance
+                found.twist = suspended.body.given_motion().unwrap_or(found.twist);
+            }
             let mut twists: Vec<Twist<D>> = solution.bodies.iter().map(|body| body.twist).collect();
             let begins = step == 0.0 && !springs.is_empty();
             let step_size = match chosen {
@@ -349,6 +353,10 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
 
     fn interactions(&self) -> &Interactions<D> {
         &self.suspension.setup().interactions
+    }
+
+    fn given_places(&self, time: f64) -> Vec<(usize, GivenPlace<D>)> {
+        self.suspension.setup().given_places(time)
     }
 
     fn evaluate(&mut self, state: &State<D>, longest: f64, monitor: ResidualMonitor) -> Result<Observation<D>> {

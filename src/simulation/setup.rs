@@ -2,6 +2,7 @@
 
 use std::rc::Rc;
 
+use super::GivenPlace;
 use crate::{
     body::{Body, Motion, Trajectories, Twist},
     constraint::{FlowMethod, method_of, method_with_inertia},
@@ -154,6 +155,22 @@ impl<const D: usize> Setup<D> {
     /// Numbers of the bodies whose motion is given.
     pub fn given_motions(&self) -> Vec<usize> {
         (0..self.bodies.len()).filter(|&body| !self.bodies[body].body.free()).collect()
+    }
+
+    /// Where they are at a time.
+    pub fn given_places(&self, time: f64) -> Vec<(usize, GivenPlace<D>)> {
+        let start = |body: usize| self.bodies[body].body.ball.center;
+        let steady = |(body, suspended): (usize, &SuspendedBody<D>)| {
+            Some((body, GivenPlace::steady(start(body), &suspended.body.given_motion()?, time)))
+        };
+        let mut places: Vec<_> = self.bodies.iter().enumerate().filter_map(steady).collect();
+        for (body, displacement) in self.trajectories.displacements(time) {
+            places
+                .iter_mut()
+                .filter(|(given, _)| *given == body)
+                .for_each(|(_, place)| *place = GivenPlace::displaced(start(body), displacement));
+        }
+        places
     }
 
     /// Part of the box that bodies fill.

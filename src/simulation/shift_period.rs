@@ -49,6 +49,12 @@ impl ShiftPeriod {
         Ok(TimeSection { step, end: self.rounded("end", time.end, multiple)?, ..time.clone() })
     }
 
+    /// The least number of cells along the flow, from this many on to a quarter more, with which a time is a whole number of multiples of the period.
+    pub fn cells_that_fit(self, cells: usize, time: f64, multiple: f64) -> Option<usize> {
+        let count = |fitting: usize| time / (self.0 * multiple) * fitting as f64 / cells as f64;
+        (cells..=cells + cells / 4).find(|&fitting| (count(fitting) - count(fitting).round()).abs() < ROUNDING * count(fitting))
+    }
+
     fn rounded(self, key: &str, time: f64, multiple: f64) -> Result<f64> {
         let kept = self.within(time, multiple);
         if kept > time * (1.0 + ROUNDING) {
@@ -78,6 +84,15 @@ mod tests {
         assert_eq!((kept.step, kept.end), (Step::Fixed(0.5), 1.5));
         // whole already but for rounding
         assert!((ShiftPeriod(0.1).within(0.3, 1.0) - 0.3).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_number_of_cells_that_meets_an_end_is_found_nearby() {
+        // 61 cells, across which images slide in a time of 1
+        let period = ShiftPeriod(1.0 / 61.0);
+        assert_eq!([1.0, 2.0].map(|multiple| period.cells_that_fit(61, 0.5, multiple)), [Some(62), Some(64)]);
+        assert_eq!(period.cells_that_fit(61, 1.0, 1.0), Some(61));
+        assert_eq!(period.cells_that_fit(61, 0.5_f64.sqrt(), 1.0), None);
     }
 
     #[test]

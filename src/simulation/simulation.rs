@@ -154,7 +154,7 @@ impl<const D: usize> Simulation<D> {
 
     /// Kinetic energy of the bodies of this rank, where they alone have inertia.
     pub fn kinetic_energy(&self) -> Option<f64> {
-        self.stepper.kinetic_energy(&self.state)
+        self.stepper.kinetic_energy()
     }
 
     /// What bodies do to each other.
@@ -168,10 +168,18 @@ impl<const D: usize> Simulation<D> {
         self.whole_part(0..self.state.count()).into_iter().map(ball).collect()
     }
 
+    /// The bodies of this rank with their motions at the time of the state, once it was evaluated.
+    pub fn moving(&self) -> Vec<Moving<D>> {
+        let mut bodies = self.state.bodies.clone();
+        let now = self.stepper.twists_now().unwrap_or_default();
+        bodies.iter_mut().zip(now).for_each(|(body, twist)| body.twist = *twist);
+        bodies
+    }
+
     /// The bodies with these numbers and their radii, on every rank.
     pub fn whole_part(&self, numbers: Range<usize>) -> Vec<(Moving<D>, f64)> {
-        let own =
-            self.state.bodies.iter().zip(self.radii()).enumerate().map(|(place, (body, radius))| (self.state.number(place), body, radius));
+        let moving = self.moving();
+        let own = moving.iter().zip(self.radii()).enumerate().map(|(place, (body, radius))| (self.state.number(place), body, radius));
         let part = own.filter(|(number, ..)| numbers.contains(number));
         if self.state.share == Share::Whole {
             return part.map(|(_, body, &radius)| (*body, radius)).collect();
@@ -194,6 +202,25 @@ impl<const D: usize> Simulation<D> {
     /// Whether the run has reached its end.
     pub fn over(&self) -> bool {
         self.step_control.over(self.state.time)
+    }
+
+    /// That the run ends before a time that the scene asks for, where it does, and how to meet it: images slide by whole cells only.
+    pub fn missed_end(&self, asked: f64) -> Option<String> {
+        let (period, flow, end) = (self.step_control.shift_period?, self.suspension()?, self.step_control.time.end);
+        if end >= asked * (1.0 - ROUNDING) {
+            return None;
+        }
+        let multiple = if flow.evolves() { 1.0 } else { ShiftPeriod::multiple(self.step_control.time.scheme, 0.0) };
+        let (cells, size) = (flow.grid().cells()[0], self.domain.size[0]);
+        let remedy = period.cells_that_fit(cells, asked, multiple).map_or_else(
+            || "choose an end that is a whole number of these".to_owned(),
+            |fitting| format!("resolution.spacing = {:?} meets it", size / fitting as f64),
+        );
+        let time = period.0 * multiple;
+        Some(format!(
+            "time.end = {asked}: the run ends at {end}, the last time before it at which the images of the sheared box lie on whole cells after a \
+             step, which takes them {time:.6e}; {remedy}"
+        ))
     }
 
     /// Whether the next step may reach the end.
@@ -242,6 +269,9 @@ impl<const D: usize> Simulation<D> {
         self.state.held = travel.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
         self.state.stuck = travel.stuck;
         self.state.advance(&travel.moves, travel.step);
+        // from the time: sums of steps drift away
+        let given = self.stepper.given_places(self.state.time);
+        self.state.place_given(given.into_iter());
         self.slide();
         self.stepper.migrate(&mut self.state, &self.domain);
         // whole cells of images that slide may be rounded

@@ -2,7 +2,7 @@
 
 use std::{borrow::Cow, ops::Range};
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{Rotation3, SMatrix, SVector, Vector3};
 
 use crate::{
     body::{Twist, components, skew},
@@ -33,6 +33,27 @@ pub struct ContactHistory<const D: usize> {
     pub image: [i32; D],
     /// The force between them.
     pub force: f64,
+}
+
+/// Where a body of given motion is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GivenPlace<const D: usize> {
+    /// Its centre, not moved back into the box.
+    pub center: SVector<f64, D>,
+    /// The angle by which it has turned since the start, as a skew matrix.
+    pub angle: SMatrix<f64, D, D>,
+}
+
+impl<const D: usize> GivenPlace<D> {
+    /// That at a time of a body that started there and has kept this motion.
+    pub fn steady(start: SVector<f64, D>, twist: &Twist<D>, time: f64) -> GivenPlace<D> {
+        GivenPlace { center: start + twist.velocity * time, angle: twist.spin * time }
+    }
+
+    /// That of a body that started there and has gone this far.
+    pub fn displaced(start: SVector<f64, D>, (displacement, angle): (SVector<f64, D>, SMatrix<f64, D, D>)) -> GivenPlace<D> {
+        GivenPlace { center: start + displacement, angle }
+    }
 }
 
 /// Which bodies a rank's part of a state holds.
@@ -225,6 +246,16 @@ impl<const D: usize> State<D> {
         self.held.iter().map(|held| ((held.body, held.partner, held.image), held.force)).collect()
     }
 
+    /// Puts bodies, named by their numbers, where their given motions have them.
+    pub fn place_given(&mut self, given: impl Iterator<Item = (usize, GivenPlace<D>)>) {
+        for (number, GivenPlace { center, angle }) in given {
+            if let Some(place) = self.place(number) {
+                let body = &mut self.bodies[place];
+                (body.center, body.rotation) = (center, turned_by(&angle));
+            }
+        }
+    }
+
     /// Moves every body for a step.
     pub fn advance(&mut self, moves: &[Twist<D>], step: f64) {
         for (body, twist) in self.bodies.iter_mut().zip(moves) {
@@ -245,10 +276,29 @@ pub(super) fn turn<const D: usize>(spin: &SMatrix<f64, D, D>, step: f64) -> SMat
     SMatrix::from_fn(|row, column| turned[(row, column)])
 }
 
+/// The rotation about an axis by an angle, both in a skew matrix.
+pub(super) fn turned_by<const D: usize>(angle: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
+    let about = match components(angle)[..] {
+        [x, y, z] => Vector3::new(x, y, z),
+        ref plane => Vector3::new(0.0, 0.0, plane[0]),
+    };
+    let turned = Rotation3::new(about);
+    SMatrix::from_fn(|row, column| turned[(row, column)])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::body::skew;
+
+    #[test]
+    fn an_angle_turns_as_its_spin_does_over_a_time() {
+        let spin = skew::<3>(&[0.3, -0.5, 0.7]);
+        let many = (0..2000).fold(SMatrix::<f64, 3, 3>::identity(), |turned, _| turn(&spin, 1e-3) * turned);
+        assert!((turned_by(&(spin * 2.0)) - many).norm() < 1e-6);
+        let flat = skew::<2>(&[0.4]);
+        assert!((turned_by(&flat) - turn(&flat, 1.0)).norm() < 0.02 && (turned_by(&flat)[(1, 0)] - 0.4_f64.sin()).abs() < 1e-15);
+    }
 
     #[test]
     fn many_small_turns_make_the_right_angle_and_stay_orthogonal() {

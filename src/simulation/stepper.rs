@@ -1,7 +1,7 @@
 //! What moves bodies: the interface behind which a fluid, or inertia alone, drives a [`Simulation`](super::Simulation).
 
 use super::{
-    Cost, ExtrapolationHistory, FlowSolver, Level, MeshLevel, ResidualMonitor, Solution, State, StopRequest, step_control::StepSize,
+    Cost, ExtrapolationHistory, FlowSolver, GivenPlace, Level, MeshLevel, ResidualMonitor, Solution, State, StopRequest, step_control::StepSize,
 };
 use crate::{
     body::Twist,
@@ -86,8 +86,16 @@ pub trait Stepper<const D: usize> {
         self.suspension().map_or(Vec::new(), |suspension| suspension.setup().bodies.iter().map(|own| own.body.free()).collect())
     }
 
-    /// Kinetic energy of the bodies that the state of this rank holds, where they alone have inertia; those whose motion is given have none.
-    fn kinetic_energy(&self, _state: &State<D>) -> Option<f64> {
+    /// Where bodies of given motion are at a time, by their numbers; some may be those of other ranks.
+    fn given_places(&self, time: f64) -> Vec<(usize, GivenPlace<D>)>;
+
+    /// Motions at the time of the state that was evaluated last, where those of the state are of another time.
+    fn twists_now(&self) -> Option<&[Twist<D>]> {
+        None
+    }
+
+    /// Kinetic energy of the bodies of this rank in the state that was evaluated last, where they alone have inertia; those whose motion is given have none.
+    fn kinetic_energy(&self) -> Option<f64> {
         None
     }
 

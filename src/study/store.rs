@@ -1,4 +1,4 @@
-//! All that a study measured in one JSON file, written whole after every run, and read again when the study goes on.
+//! All that a study measured in one JSON file, written whole after every run, and read again when the study goes on. Each record has a checksum.
 
 use std::{
     fs,
@@ -11,7 +11,7 @@ use serde_json::Value;
 
 use crate::{
     error::{Error, Result},
-    output::write_whole,
+    output::{checksum_of, write_whole},
     scene::Scene,
 };
 
@@ -54,15 +54,32 @@ struct Whole<'a, R, F> {
     #[serde(flatten)]
     identity: &'a Value,
     records: &'a [R],
+    checksums: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     findings: Option<&'a F>,
 }
 
 #[derive(Deserialize)]
-struct Saved<R> {
+struct Saved {
     #[serde(flatten)]
     identity: Value,
-    records: Vec<R>,
+    records: Vec<Value>,
+    /// Of the records; nothing in the file of an earlier version.
+    checksums: Option<Vec<String>>,
+}
+
+impl Saved {
+    /// The number of the first record, from 1 on, that is not as its checksum has it.
+    fn altered(&self) -> Option<usize> {
+        let sums = self.checksums.as_ref()?;
+        let count = self.records.len().max(sums.len());
+        (0..count).find(|&place| self.records.get(place).map(sum_of).as_ref() != sums.get(place)).map(|place| place + 1)
+    }
+}
+
+/// The checksum of a record, by its numbers and words.
+fn sum_of(record: &Value) -> String {
+    format!("{:016x}", checksum_of(&record.to_string()))
 }
 
 /// The records of a study and the file that holds them.
@@ -76,7 +93,7 @@ impl<R: Recorded> Store<R> {
     /// The records in a file of a folder; none if the study starts anew.
     ///
     /// # Errors
-    /// [`Error::Refused`] if the folder holds another study and nobody said `fresh`.
+    /// [`Error::Refused`] if the folder holds another study, or a record that was altered, and nobody said `fresh`.
     pub fn open(folder: &Path, file: &str, identity: Identity, fresh: bool) -> Result<Store<R>> {
         let path = folder.join(file);
         let mut records = Vec::new();
@@ -86,12 +103,16 @@ impl<R: Recorded> Store<R> {
             };
             let text = fs::read_to_string(&path).map_err(|source| Error::File { path: path.clone(), source })?;
             let foreign = |_| refuse(format!("its {file} is not one that this version wrote"));
-            let saved: Saved<R> = serde_json::from_str(&text).map_err(foreign)?;
+            let saved: Saved = serde_json::from_str(&text).map_err(foreign)?;
             let differs = |(place, _): &&(&str, &str)| saved.identity.pointer(place) != identity.json.pointer(place);
             if let Some((_, name)) = identity.places.iter().find(differs) {
                 return Err(refuse(format!("holds a study that differs in {name}")));
             }
-            records = saved.records.into_iter().filter(Recorded::lasting).collect();
+            if let Some(number) = saved.altered() {
+                return Err(refuse(format!("record {number} of its {file} is not as it was measured (its checksum differs)")));
+            }
+            let all = saved.records.into_iter().map(serde_json::from_value).collect::<std::result::Result<Vec<R>, _>>().map_err(foreign)?;
+            records = all.into_iter().filter(Recorded::lasting).collect();
         }
         Ok(Store { path, identity: identity.json, records })
     }
@@ -120,8 +141,11 @@ impl<R: Recorded> Store<R> {
     /// # Errors
     /// The file cannot be written.
     pub fn write(&self, findings: Option<&impl Serialize>) -> Result<()> {
-        let whole = Whole { identity: &self.identity, records: &self.records, findings };
-        let json = serde_json::to_string(&whole).expect("a study is plain numbers and text");
+        let plain = "a study is plain numbers and text";
+        let sum = |record: &R| sum_of(&serde_json::to_value(record).expect(plain));
+        let checksums = self.records.iter().map(sum).collect();
+        let whole = Whole { identity: &self.identity, records: &self.records, checksums, findings };
+        let json = serde_json::to_string(&whole).expect(plain);
         write_whole(&self.path, (json + "\n").as_bytes())
     }
 }

@@ -60,7 +60,7 @@ impl Film {
     /// What colours stand for.
     fn bar(&self) -> Bar {
         match self.colour {
-            Colour::Speed | Colour::Chain | Colour::Species => Bar::new(&self.coloured, self.least),
+            Colour::Speed | Colour::NonAffine | Colour::Chain | Colour::Species => Bar::new(&self.coloured, self.least),
             Colour::Vorticity => Bar::signed(&self.coloured, self.least),
         }
     }
@@ -104,13 +104,15 @@ impl Film {
             layout.fill_box(&mut canvas, |parts| palette::tone(bar.part(cut.at(parts) / self.unit)));
         }
         for disk in frame.disks.iter().filter(|disk| disk.finite()) {
-            let shade = match self.colour {
-                Colour::Speed if self.balls => palette::shade_of_ball(bar.part(disk.speed / self.unit)),
-                Colour::Speed => palette::shade(bar.part(disk.speed / self.unit)),
+            let shade = |boxes: f64| match self.colour {
+                Colour::Speed | Colour::NonAffine if self.balls => {
+                    palette::shade_of_ball(bar.part(disk.seen_from(boxes * self.slide) / self.unit))
+                }
+                Colour::Speed | Colour::NonAffine => palette::shade(bar.part(disk.seen_from(boxes * self.slide) / self.unit)),
                 Colour::Chain | Colour::Species => disk.group.map_or(self.plain(), colour::distinct),
                 Colour::Vorticity => self.plain(),
             };
-            self.draw(&mut canvas, layout, disk, frame.shift, shade);
+            self.draw(&mut canvas, layout, disk, frame.shift, &shade);
         }
         frame.contacts.iter().for_each(|line| self.draw_line(&mut canvas, layout, line, frame.shift));
         layout.write_words(&mut canvas, self, frame.time, bar);
@@ -131,11 +133,11 @@ impl Film {
         }
     }
 
-    fn draw(&self, canvas: &mut Canvas, layout: &PageLayout, disk: &AnimatedDisk, shift: f64, shade: [u8; 3]) {
+    fn draw(&self, canvas: &mut Canvas, layout: &PageLayout, disk: &AnimatedDisk, shift: f64, shade: &dyn Fn(f64) -> [u8; 3]) {
         let radius = disk.radius * layout.scale;
         let mark = MARK.map(|part| part * radius);
         for center in (Window { size: self.size, periodic: self.periodic, shift }).images(disk.center, disk.radius) {
-            let [x, y] = layout.place(center);
+            let ([x, y], shade) = (layout.place(center), shade(((center[1] - disk.center[1]) / self.size[1]).round()));
             // rings of disks smaller than a pixel would hide all of them
             if radius > RING {
                 canvas.fill_disk([x, y], radius + RING, palette::PAPER);
@@ -170,6 +172,11 @@ impl FlowCut {
 }
 
 impl AnimatedDisk {
+    /// The speed of an image that moves to the right by so much more.
+    fn seen_from(&self, faster: f64) -> f64 {
+        if faster == 0.0 { self.speed } else { (self.speed.powi(2) + faster * (2.0 * self.along + faster)).max(0.0).sqrt() }
+    }
+
     fn finite(&self) -> bool {
         self.center.iter().all(|x| x.is_finite()) && self.radius.is_finite() && self.radius > 0.0
     }
@@ -184,12 +191,18 @@ mod tests {
         Film::new([2.0, 1.0], [true, false], Colour::Speed)
     }
 
+    #[test]
+    fn an_image_above_is_faster_by_rate_times_height() {
+        let disk = AnimatedDisk { along: -3.0, ..disk(0.5, 5.0) };
+        assert_eq!([0.0, 3.0, -3.0].map(|faster| disk.seen_from(faster)), [5.0, 4.0, 52.0_f64.sqrt()]);
+    }
+
     fn frames(disks: Vec<AnimatedDisk>) -> Vec<AnimationFrame> {
         [0.0, 1.0, 3.0].map(|time| AnimationFrame { time, shift: 0.0, disks: disks.clone(), contacts: Vec::new(), vorticity: None }).into()
     }
 
     fn disk(x: f64, speed: f64) -> AnimatedDisk {
-        AnimatedDisk { center: [x, 0.5], radius: 0.2, angle: f64::NAN, speed, group: None }
+        AnimatedDisk { center: [x, 0.5], radius: 0.2, angle: f64::NAN, speed, along: 0.0, group: None }
     }
 
     fn first_still(frames: &[AnimationFrame]) -> (PageLayout, Canvas) {

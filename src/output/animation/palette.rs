@@ -103,12 +103,12 @@ impl Palette {
         let on_balls = |colour: [u8; 3]| (0..LIGHTS).map(move |light| under_light(light as f64 / (LIGHTS - 1) as f64, colour));
         let shades = || (0..SHADES).map(|level| tint(level, 0));
         let own: Vec<[u8; 3]> = match (colour, balls) {
-            (Colour::Speed, false) => {
+            (Colour::Speed | Colour::NonAffine, false) => {
                 let tints = (0..SHADES).step_by(STRIDE).flat_map(|level| (1..STEPS).map(move |step| tint(level, step)));
                 shades().chain(tints).collect()
             }
             // the bar takes the nearest of the shades
-            (Colour::Speed, true) => {
+            (Colour::Speed | Colour::NonAffine, true) => {
                 let last = (SHADES_OF_BALLS - 1) as f64;
                 (0..SHADES_OF_BALLS).flat_map(|level| on_balls(SEQUENTIAL.shade(level as f64 / last))).collect()
             }

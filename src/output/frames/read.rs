@@ -17,7 +17,10 @@ use super::{
 use crate::{
     error::{Error, Result},
     observe::{FlowCut, FrameBody, Plane},
-    output::slab,
+    output::{
+        checksum::{intact, numbers_checksum, stored},
+        slab,
+    },
 };
 
 /// The bodies of one time.
@@ -200,20 +203,41 @@ pub(super) struct Columns<'a> {
 
 impl Columns<'_> {
     /// The numbers of these columns, each with its width.
-    pub fn all<T: H5Type, const C: usize>(&self, names: &[(&str, usize); C]) -> hdf5::Result<[Vec<T>; C]> {
+    pub fn all<T: H5Type + Copy + Into<f64>, const C: usize>(&self, names: &[(&str, usize); C]) -> hdf5::Result<[Vec<T>; C]> {
         let mut columns = std::array::from_fn(|_| Vec::new());
         if self.count == 0 {
             return Ok(columns);
         }
         let group = self.file.group(self.group)?;
         for (column, (name, width)) in columns.iter_mut().zip(names) {
-            *column = group.dataset(name)?.read_raw::<T>()?;
+            let dataset = group.dataset(name)?;
+            *column = dataset.read_raw::<T>()?;
             if column.len() != self.count * width {
                 return Err(format!("its {} differ in length", self.group).into());
+            }
+            let sum = || numbers_checksum(0, &column.iter().map(|&number| number.into()).collect::<Vec<f64>>());
+            if stored(&dataset)?.is_some_and(|stored| stored != sum()) {
+                return Err(altered(&dataset).into());
             }
         }
         Ok(columns)
     }
+}
+
+/// Refuses a file of which a data set is not as its checksum has it.
+pub(super) fn verify(path: &Path) -> std::result::Result<(), String> {
+    read_with(path, |file| {
+        for dataset in file.groups()?.iter().map(hdf5::Group::datasets).collect::<hdf5::Result<Vec<_>>>()?.iter().flatten() {
+            if intact(dataset)? == Some(false) {
+                return Err(altered(dataset).into());
+            }
+        }
+        Ok(())
+    })
+}
+
+fn altered(dataset: &Dataset) -> String {
+    format!("its {} differs from its checksum", dataset.name().trim_start_matches('/'))
 }
 
 /// The numbers of an entry, column by column.

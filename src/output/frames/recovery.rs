@@ -91,7 +91,7 @@ fn find(number: usize, path: &Path, time: f64, listed: &[(usize, f64)]) -> Found
         return Found::Later;
     }
     match read::entry(number, path) {
-        Ok(entry) if entry.time <= time => Found::Kept(entry),
+        Ok(entry) if entry.time <= time => read::verify(path).map_or_else(Found::Damaged, |()| Found::Kept(entry)),
         Ok(_) => Found::Later,
         Err(_) if listed.iter().any(|&(other, later)| other == number && later > time) => Found::Later,
         Err(reason) => Found::Damaged(reason),

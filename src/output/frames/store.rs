@@ -17,7 +17,12 @@ use super::{
 use crate::{
     error::Result,
     grid::{Block, Grid},
-    output::{parallel_file::ParallelFile, rows::Rows, slab},
+    output::{
+        checksum::{CHECKSUM, checksum, numbers_checksum, sums_of_all},
+        parallel_file::ParallelFile,
+        rows::Rows,
+        slab,
+    },
 };
 
 /// Name of the file format.
@@ -145,22 +150,33 @@ fn membrane_columns() -> Vec<Column> {
 
 /// Stores a group of columns, of which each rank writes its rows.
 fn store_group(file: &ParallelFile, name: &str, rows: &Rows, columns: &[Column]) -> Result<()> {
-    let create = |group: &Group, column: &Column| {
+    let create = |group: &Group, column: &Column, sum: u64| {
         let width = column.place.len();
         let shape = if width <= 1 { vec![rows.total()] } else { vec![rows.total(), width] };
-        match column.whole {
+        let dataset = match column.whole {
             true => group.new_dataset::<i32>().shape(shape).create(column.name),
             false => group.new_dataset::<f64>().shape(shape).create(column.name),
-        }
+        }?;
+        slab::set(&dataset, CHECKSUM, sum)?;
+        Ok(dataset)
     };
+    let sums = sums_of_all(file.world(), &columns.iter().map(|column| column_checksum(rows, column)).collect::<Vec<_>>());
     let datasets = file.step(|root| {
         let group = root.create_group(name)?;
-        columns.iter().map(|column| create(&group, column)).collect::<hdf5::Result<Vec<Dataset>>>()
+        columns.iter().zip(&sums).map(|(column, &sum)| create(&group, column, sum)).collect::<hdf5::Result<Vec<Dataset>>>()
     })?;
     if rows.places().is_empty() {
         return file.step(|_| Ok(()));
     }
     file.step(|_| datasets.iter().zip(columns).try_for_each(|(dataset, column)| write_column(dataset, rows, column)))
+}
+
+/// The checksum of this rank's rows of a column.
+fn column_checksum(rows: &Rows, column: &Column) -> u64 {
+    let (start, width) = (rows.places().start, column.place.len());
+    let numbered = || rows.places().map(|place| place as f64).collect::<Vec<_>>();
+    let values = if width == 0 { numbered() } else { rows.columns(column.place.clone(), |number| number) };
+    numbers_checksum(start * width.max(1), &values)
 }
 
 fn write_column(dataset: &Dataset, rows: &Rows, column: &Column) -> hdf5::Result<()> {
@@ -175,30 +191,54 @@ fn write_column(dataset: &Dataset, rows: &Rows, column: &Column) -> hdf5::Result
 
 fn store_fields<const D: usize>(file: &ParallelFile, fields: &FrameFields<D>) -> Result<()> {
     let (grid, columns) = (fields.grid, field_columns(D, fields.vorticity.is_some()));
+    let velocity: Vec<f64> = fields.velocity.iter().flat_map(in_space).collect();
+    let values = [&velocity, &fields.pressure, &fields.inside].into_iter().chain(&fields.vorticity);
+    let turned: Vec<Vec<f64>> =
+        values.zip(&columns).map(|(values, (_, width))| first_axis_fastest(grid.block(D), *width, values)).collect();
+    let sums: Vec<u64> = turned.iter().zip(&columns).map(|(values, (_, width))| field_checksum(grid, *width, values)).collect();
+    let sums = sums_of_all(file.world(), &sums);
     let datasets = file.step(|root| {
         let group = root.create_group("fields")?;
         let shape = |width: usize| {
             let layer = (D == 2).then_some(1);
             layer.into_iter().chain(grid.cells().into_iter().rev()).chain((width > 1).then_some(width)).collect::<Vec<_>>()
         };
-        let datasets = columns.iter().map(|&(name, width)| group.new_dataset::<f64>().shape(shape(width)).create(name));
-        datasets.collect::<hdf5::Result<Vec<Dataset>>>()
+        let create = |(&(name, width), &sum): (&(&str, usize), &u64)| {
+            let dataset = group.new_dataset::<f64>().shape(shape(width)).create(name)?;
+            slab::set(&dataset, CHECKSUM, sum)?;
+            Ok(dataset)
+        };
+        columns.iter().zip(&sums).map(create).collect::<hdf5::Result<Vec<Dataset>>>()
     })?;
-    let velocity: Vec<f64> = fields.velocity.iter().flat_map(in_space).collect();
     file.step(|_| {
-        let values = [&velocity, &fields.pressure, &fields.inside].into_iter().chain(&fields.vorticity);
-        let mut all = datasets.iter().zip(&columns).zip(values);
+        let mut all = datasets.iter().zip(&columns).zip(&turned);
         all.try_for_each(|((dataset, (_, width)), values)| write_field(dataset, grid, *width, values))
     })
 }
 
+/// The checksum of the values of this rank's block, the first axis running fastest.
+fn field_checksum<const D: usize>(grid: &Grid<D>, width: usize, values: &[f64]) -> u64 {
+    let (block, cells) = (grid.block(D), grid.cells());
+    let lengths: [usize; D] = std::array::from_fn(|axis| block.end[axis] - block.start[axis]);
+    let place = |mut number: usize| {
+        let index: [usize; D] = std::array::from_fn(|axis| {
+            let own = number % lengths[axis];
+            number /= lengths[axis];
+            block.start[axis] + own
+        });
+        (0..D).rev().fold(0, |place, axis| place * cells[axis] + index[axis])
+    };
+    let entries = (0..values.len() / width).flat_map(|number| (place(number) * width..).take(width));
+    checksum(entries.zip(values.iter().map(|value| value.to_bits())))
+}
+
+/// Writes the values of this rank's block, the first axis running fastest.
 fn write_field<const D: usize>(dataset: &Dataset, grid: &Grid<D>, width: usize, values: &[f64]) -> hdf5::Result<()> {
-    let block = grid.block(D);
-    let mut ranges = slab::ranges(block, grid.lattice(D));
+    let mut ranges = slab::ranges(grid.block(D), grid.lattice(D));
     ranges.extend((D == 2).then_some(0..1));
     ranges.reverse();
     ranges.extend((width > 1).then_some(0..width));
-    slab::write(dataset, &ranges, &first_axis_fastest(block, width, values))
+    slab::write(dataset, &ranges, values)
 }
 
 /// The values of a block, `width` an index, in the order in which the first axis runs fastest.

@@ -48,17 +48,25 @@ impl Picture {
     }
 
     fn images(&self, body: &Disk) -> Vec<Disk> {
-        self.window().images(body.center, body.radius).into_iter().map(|center| Disk { center, ..*body }).collect()
+        let images = self.window().images(body.center, body.radius).into_iter();
+        // images above go along with the box above
+        let moved = |center: [f64; 2]| {
+            let boxes = if self.slide == 0.0 { 0.0 } else { ((center[1] - body.center[1]) / self.size[1]).round() };
+            [body.velocity[0] + boxes * self.slide, body.velocity[1]]
+        };
+        images.map(|center| Disk { center, velocity: moved(center), ..*body }).collect()
     }
 
     fn window(&self) -> Window {
         Window { size: self.size, periodic: self.periodic, shift: self.shift }
     }
 
-    /// The sample column or row of index `index`, wrapped or clamped into the grid.
+    /// The sample column or row of index `index`, wrapped or clamped into the grid: samples of the other side of a box whose images slide lie elsewhere
+    /// and move otherwise.
     fn sample_index(&self, axis: usize, index: i64) -> usize {
         let count = self.samples[axis] as i64;
-        let inside = if self.periodic[axis] { index.rem_euclid(count) } else { index.clamp(0, count - 1) };
+        let slides = axis == 1 && (self.slide != 0.0 || self.shift != 0.0);
+        let inside = if self.periodic[axis] && !slides { index.rem_euclid(count) } else { index.clamp(0, count - 1) };
         inside as usize
     }
 }
@@ -82,6 +90,7 @@ mod tests {
             periodic: [true, false],
             walls: [false, true],
             shift: 0.0,
+            slide: 0.0,
             bodies: Vec::new(),
             bonds: Vec::new(),
             contacts: Vec::new(),
@@ -107,6 +116,23 @@ mod tests {
         let centers: Vec<f64> = picture.disks().iter().map(|disk| disk.center[0]).collect();
         assert_eq!(centers.len(), 3);
         assert!((centers[0] - 0.05).abs() < 1e-12 && (centers[1] - 2.05).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_image_above_goes_along_with_the_box_above() {
+        let below = disk([1.0, 0.02], 0.1);
+        let picture = Picture { periodic: [true; 2], shift: 0.5, slide: 3.0, bodies: vec![below], ..uniform_flow([1.0, 0.0]) };
+        let images: Vec<_> = picture.disks().iter().map(|disk| (disk.center, disk.velocity)).collect();
+        assert_eq!(images, [([1.0, 0.02], [0.3, -0.1]), ([1.5, 1.02], [3.3, -0.1])]);
+    }
+
+    #[test]
+    fn nothing_is_interpolated_across_a_side_that_slides() {
+        let picture = Picture { periodic: [true; 2], slide: 3.0, ..uniform_flow([1.0, 0.0]) };
+        assert_eq!([-1, 16].map(|row| picture.sample_index(1, row)), [0, 15]);
+        assert_eq!([-1, 32].map(|column| picture.sample_index(0, column)), [31, 0]);
+        let still = Picture { slide: 0.0, ..picture };
+        assert_eq!([-1, 16].map(|row| still.sample_index(1, row)), [15, 0]);
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::{
         picture::colour::{self, ColourMap},
         traces::SUMMARY,
     },
-    scene::{AxisSection, Colour, Drive, Scene},
+    scene::{AffineFlow, AxisSection, Colour, Scene},
 };
 
 /// Rows of the series that the page holds at most.
@@ -32,6 +32,7 @@ pub fn facts(scene: &Scene, folder: &Path) -> Value {
         .collect();
     let coloured = match scene.output.colour {
         Colour::Speed => "speed",
+        Colour::NonAffine => "nonaffine",
         Colour::Vorticity => "vorticity",
         Colour::Chain => "chain",
         Colour::Species => "species",
@@ -60,18 +61,8 @@ pub fn facts(scene: &Scene, folder: &Path) -> Value {
 
 /// The shear that walls or the box impose: the velocity is `base + rate x[gradient]` along axis `flow`, where that is the motion of all.
 fn shear(scene: &Scene) -> Option<Value> {
-    if let Some(Drive::ShearRate(rate) | Drive::ShearedBox(rate)) = scene.flow.drive {
-        return (rate != 0.0).then(|| json!({ "flow": 0, "gradient": 1, "rate": rate, "base": 0.0 }));
-    }
-    (0..scene.dimension()).find_map(|gradient| {
-        let AxisSection::Walls { lower, upper } = &scene.domain.axes[gradient] else { return None };
-        let others = (0..scene.dimension()).filter(|axis| *axis != gradient);
-        let periodic = others.clone().all(|axis| scene.domain.axes[axis] == AxisSection::Periodic);
-        let moving: Vec<usize> = others.filter(|&axis| upper[axis] != lower[axis]).collect();
-        let [flow] = moving[..] else { return None };
-        let rate = (upper[flow] - lower[flow]) / scene.domain.size[gradient];
-        periodic.then(|| json!({ "flow": flow, "gradient": gradient, "rate": rate, "base": lower[flow] }))
-    })
+    let AffineFlow { flow, gradient, rate, base } = AffineFlow::of(scene)?;
+    Some(json!({ "flow": flow, "gradient": gradient, "rate": rate, "base": base }))
 }
 
 fn shades(map: &ColourMap) -> Vec<[u8; 3]> {

@@ -1,12 +1,15 @@
 //! The outputs of a run, one a file.
 
+mod cell;
 mod charts;
 mod checkpoint;
+mod checksums;
 mod energy;
 mod fields;
 mod forces;
 mod frames;
 mod instant;
+mod kept_rows;
 pub mod log;
 mod means;
 mod pairs;

@@ -60,14 +60,18 @@ impl<const D: usize> Output<D> for PairFiles {
     }
 }
 
-/// The time from which frames of a run until `end` count: where the steady part of its viscosity begins, or else its second half. Collective.
+/// Part of a time that is rounding: the frame at half time counts in a run that was resumed as in one that was not.
+const ROUNDING: f64 = 1e-9;
+
+/// The time from which frames of a run until `end` count: where the steady part of its viscosity begins, or else its second half, but for rounding.
+/// Collective.
 pub fn steady_from<const D: usize>(world: &World, shear: Option<&Shear<D>>, end: f64, mean: Option<&MeanViscosity>) -> f64 {
     let begin = match (shear, mean) {
         (Some(shear), Some(mean)) => mean.strains[0] / shear.rate.abs(),
         _ => START_UP * end,
     };
     // the mean is known to the first rank only
-    world.gather(&[begin])[0]
+    world.gather(&[begin - ROUNDING * end])[0]
 }
 
 impl<const D: usize> Bodies<'_, D> {

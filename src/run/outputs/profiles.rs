@@ -3,14 +3,17 @@
 //! The slices of each frame go to `profile-frames.csv` as they come, which a run that goes on continues.
 
 use std::{
-    fs::{self, OpenOptions},
-    io::Write,
+    fs,
     path::{Path, PathBuf},
 };
 
 use nalgebra::SVector;
 
-use super::{frames::frame_due, pairs::steady_from};
+use super::{
+    frames::frame_due,
+    pairs::steady_from,
+    step_table::{Cell, StepTable, count, finite, real},
+};
 use crate::{
     contact::{Contact, Identity, bodies_of, renamed},
     error::{Error, Result},
@@ -18,7 +21,7 @@ use crate::{
     geometry::{Ball, Domain},
     grid::operators::signed,
     observe::{CellCenters, ProfileBody, ProfileContact, ProfileSums, Shear, SliceSample, Slices, inside},
-    output::{ProfileFrames, Summary, write_whole},
+    output::{ProfileFrames, Summary, note, write_whole},
     parallel::World,
     run::{Evaluated, EvaluatedFlow, EvaluatedMotion, Output},
     scene::{ContactModel, Scene},
@@ -30,6 +33,8 @@ const FRAMES: &str = "profile-frames.csv";
 /// Measures profiles.
 pub struct ProfileFiles {
     folder: PathBuf,
+    /// The slices of each frame, on the first rank.
+    table: Option<StepTable>,
     axes: Vec<usize>,
     every: f64,
     /// Whether frames have a particle stress.
@@ -42,9 +47,13 @@ impl ProfileFiles {
     /// # Errors
     /// What a run that goes on has measured cannot be read or written.
     pub fn open(world: &World, scene: &Scene, folder: &Path, time: f64) -> Result<ProfileFiles> {
-        world.on_first_rank(|| keep_before(&folder.join(FRAMES), time))?;
+        let begun = world.on_first_rank(|| StepTable::begin_before(&folder.join(FRAMES), time).map(Some))?;
+        let table = begun.map(|begun| {
+            begun.lost.iter().for_each(|lost| note(&format!("turbid: {lost}")));
+            begun.table
+        });
         let stress = !scene.dry() || scene.contact.model != ContactModel::None;
-        Ok(ProfileFiles { folder: folder.to_owned(), axes: scene.output.profiles.clone(), every: scene.frame_interval(), stress })
+        Ok(ProfileFiles { folder: folder.to_owned(), table, axes: scene.output.profiles.clone(), every: scene.frame_interval(), stress })
     }
 
     /// The slices across each axis, on every rank. Collective.
@@ -67,25 +76,18 @@ impl ProfileFiles {
         Ok(measured.collect())
     }
 
-    /// Adds the slices of a frame to the file.
-    fn store<const D: usize>(&self, time: f64, measured: &[(Slices<D>, Vec<SliceSample>)]) -> Result<()> {
-        let path = self.folder.join(FRAMES);
-        let mut text = String::new();
-        for (slices, samples) in measured {
-            for (slice, sample) in samples.iter().enumerate() {
-                let SliceSample { fraction, particles, fluid, stress } = sample;
-                let numbers = std::iter::once(fraction).chain(particles).chain(fluid).chain(stress);
-                let cells = numbers.map(|number| if number.is_finite() { format!("{number:?}") } else { String::new() });
-                text += &format!("{time:?},{},{:?},{}\n", slices.axis, slices.middle(slice), cells.collect::<Vec<_>>().join(","));
-            }
-        }
-        let unwritable = |source| Error::File { path: path.clone(), source };
-        let mut file = OpenOptions::new().append(true).create(true).open(&path).map_err(unwritable)?;
-        if file.metadata().map_err(unwritable)?.len() == 0 {
-            text = heads::<D>(self.stress) + &text;
-        }
-        // one call a frame: what a kill leaves is a whole frame, or a part that is dropped
-        file.write_all(text.as_bytes()).map_err(unwritable)
+    /// Adds the slices of a frame to the file. On the first rank.
+    fn store<const D: usize>(&mut self, time: f64, measured: &[(Slices<D>, Vec<SliceSample>)]) -> Result<()> {
+        let names = sample_names::<D>(self.stress);
+        let row = |slices: &Slices<D>, slice: usize, sample: &SliceSample| {
+            let SliceSample { fraction, particles, fluid, stress } = sample;
+            let numbers = std::iter::once(fraction).chain(particles).chain(fluid).chain(stress);
+            let place = [real("time", time), count("axis", slices.axis), real("position", slices.middle(slice))];
+            place.into_iter().chain(names.iter().zip(numbers).map(|(name, &number)| finite(name.clone(), number))).collect::<Vec<Cell>>()
+        };
+        let slices = measured.iter().flat_map(|(slices, samples)| (0..).zip(samples).map(move |(slice, sample)| (slices, slice, sample)));
+        let rows: Vec<Vec<Cell>> = slices.map(|(slices, slice, sample)| row(slices, slice, sample)).collect();
+        self.table.as_mut().map_or(Ok(()), |table| table.write_rows(&rows))
     }
 
     /// Frames from a time on, axis by axis.
@@ -231,27 +233,14 @@ fn fluid_cells<const D: usize>(flow: &EvaluatedFlow<D>, bodies: &Bodies<D>) -> R
         .collect())
 }
 
-fn heads<const D: usize>(stress: bool) -> String {
+/// Names of the numbers of a slice.
+fn sample_names<const D: usize>(stress: bool) -> Vec<String> {
     let axes = &["x", "y", "z"][..D];
-    let mut names: Vec<String> = ["time", "axis", "position", "fraction"].map(str::to_owned).to_vec();
+    let mut names = vec!["fraction".to_owned()];
     names.extend(axes.iter().map(|axis| format!("particle_velocity_{axis}")));
     names.extend(axes.iter().map(|axis| format!("fluid_velocity_{axis}")));
     if stress {
         names.extend(axes.iter().flat_map(|row| axes.iter().map(move |column| format!("particle_stress_{row}{column}"))));
     }
-    names.join(",") + "\n"
-}
-
-/// Drops the rows from a time on, and a row that is not whole; at the start of a run all of them.
-fn keep_before(path: &Path, time: f64) -> Result<()> {
-    let text = match fs::read_to_string(path) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
-        text => text.map_err(|source| Error::File { path: path.to_owned(), source })?,
-    };
-    if time == 0.0 {
-        return fs::remove_file(path).map_err(|source| Error::File { path: path.to_owned(), source });
-    }
-    let before = |line: &&str| line.split(',').next().and_then(|cell| cell.parse::<f64>().ok()).is_none_or(|own| own < time);
-    let kept: String = text.split_inclusive('\n').filter(|line| line.ends_with('\n')).filter(before).collect();
-    write_whole(path, kept.as_bytes())
+    names
 }

@@ -15,7 +15,7 @@ use crate::{
     parallel::World,
     run::{ContactTotals, Evaluated, EvaluatedFlow, EvaluatedMotion, Output},
     scene::ContactModel,
-    simulation::Simulation,
+    simulation::{Simulation, State},
 };
 
 /// The series of a run.
@@ -43,7 +43,7 @@ impl<const D: usize> Output<D> for SeriesFile {
         let seconds = std::mem::replace(&mut self.last_row, Instant::now()).elapsed().as_secs_f64();
         let totals = motion.contact_totals(seen.world);
         let mut row = cells(motion, (seen.scene.contact.model, totals), seen.viscosity);
-        row.extend(seen.flow.map_or(Ok(Vec::new()), |flow| of_inertia(&flow, motion.state().last_step))?);
+        row.extend(seen.flow.map_or(Ok(Vec::new()), |flow| of_inertia(&flow, motion.state()))?);
         row.extend(of_chains(motion.simulation));
         row.extend(of_membranes(motion.simulation));
         row.extend(of_clusters(seen.world, motion.simulation));
@@ -55,7 +55,8 @@ impl<const D: usize> Output<D> for SeriesFile {
 
     fn finish(&mut self, seen: &Evaluated<D>, summary: &mut Summary) -> Result<Vec<String>> {
         if let Some(flow) = &seen.flow {
-            summary.inertia = InertialNumbers::of(flow.solver.setup(), flow.solver.grid(), flow.solution)?.map(Into::into);
+            let start = seen.motion.is_none_or(|motion| motion.state().steps == 0);
+            summary.inertia = InertialNumbers::of(flow.solver.setup(), flow.solver.grid(), flow.solution, start)?.map(Into::into);
         }
         seen.world.agree(self.rows.as_ref().map_or(Ok(()), StepTable::refuse_change))?;
         Ok(vec!["series.csv".to_owned()].into_iter().filter(|name| self.folder.join(name).exists()).collect())
@@ -63,17 +64,17 @@ impl<const D: usize> Output<D> for SeriesFile {
 }
 
 /// The cells of a flow with inertia after a step; none without inertia. Collective.
-fn of_inertia<const D: usize>(flow: &EvaluatedFlow<D>, step: f64) -> Result<Vec<Cell>> {
+fn of_inertia<const D: usize>(flow: &EvaluatedFlow<D>, state: &State<D>) -> Result<Vec<Cell>> {
     let (setup, grid) = (flow.solver.setup(), flow.solver.grid());
     let cells = |numbers: InertialNumbers| {
         vec![
             real("kinetic_energy", numbers.kinetic_energy),
             real("reynolds", numbers.reynolds),
             real("stokes", numbers.stokes),
-            real("courant", numbers.courant(grid, step)),
+            real("courant", numbers.courant(grid, state.last_step)),
         ]
     };
-    Ok(InertialNumbers::of(setup, grid, flow.solution)?.map(cells).unwrap_or_default())
+    Ok(InertialNumbers::of(setup, grid, flow.solution, state.steps == 0)?.map(cells).unwrap_or_default())
 }
 
 /// The cells of chains; none without chains. Collective.

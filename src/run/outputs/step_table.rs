@@ -1,43 +1,38 @@
 //! Tables of a run in time: a row of numbers for each step, complete lines only, which a run that goes on continues.
+//!
+//! The first row names the columns. Every later one is laid out by these names: a number that is not there leaves its cell empty, and one that has no
+//! column is an error, so that no cell is ever under the name of another. Each line has a checksum, which a run that goes on compares.
 
 use std::{
-    borrow::Cow,
     fs::{self, File, OpenOptions},
     io::Write,
     os::unix::fs::MetadataExt,
     path::{Path, PathBuf},
 };
 
+pub use super::cell::{Cell, absent, count, finite, real};
+use super::{
+    cell::refuse_infinite,
+    checksums::{self, Checksums},
+    kept_rows::kept_lines,
+};
 use crate::{
     error::{Error, Offer, Refusal, Result},
-    output::{not_finite, note, write_whole},
+    output::{note, write_whole},
     parallel::World,
 };
-
-/// The name and the text of a cell; one without a number is empty.
-pub type Cell = (Cow<'static, str>, String);
-
-/// A whole number.
-pub fn count(name: impl Into<Cow<'static, str>>, count: usize) -> Cell {
-    (name.into(), count.to_string())
-}
-
-/// The shortest text that reads back as the number.
-pub fn real(name: impl Into<Cow<'static, str>>, value: f64) -> Cell {
-    (name.into(), format!("{value:?}"))
-}
-
-/// A number that is not there.
-pub fn absent(name: impl Into<Cow<'static, str>>) -> Cell {
-    (name.into(), String::new())
-}
 
 /// A table, open for further rows.
 pub struct StepTable {
     path: PathBuf,
     file: File,
+    sums: Checksums,
     /// Length of what was written.
     length: u64,
+    /// Names of the columns; none before the first row.
+    names: Vec<String>,
+    /// Whether the header was begun by another program, whose columns must be those of this one.
+    inherited: bool,
 }
 
 /// A table that goes on.
@@ -47,14 +42,14 @@ pub struct Begun {
     /// Its header and rows so far.
     pub kept: String,
     /// What is missing of them.
-    pub lost: Option<String>,
+    pub lost: Vec<String>,
 }
 
 impl StepTable {
     /// Opens a file for the rows from `step` on, on the first rank, and gives those before it; says which are missing. Collective.
     ///
     /// # Errors
-    /// [`Error::File`] when the file cannot be read or written; [`Error::Refused`] when it is not one of ours.
+    /// [`Error::File`] when the file cannot be read or written; [`Error::Refused`] when it is not one of ours, or was changed.
     pub fn open(world: &World, path: &Path, step: usize) -> Result<(Option<StepTable>, String)> {
         let begun = world.on_first_rank(|| StepTable::begin(path, step).map(Some))?;
         let Some(Begun { table, kept, lost }) = begun else { return Ok((None, String::new())) };
@@ -64,27 +59,95 @@ impl StepTable {
 
     /// The same on one rank alone: those rows stay, the others go.
     pub fn begin(path: &Path, step: usize) -> Result<Begun> {
-        let (kept, lost) = if step > 0 { rows_before(path, step)? } else { (String::new(), None) };
+        let (kept, rows) = kept_lines(path, &|first| first < step as f64)?;
+        let lost = || format!("{}: {} of the {step} rows before step {step} are missing", path.display(), step - rows);
+        let missing = (rows < step).then(lost);
+        let Begun { table, kept, lost } = StepTable::go_on(path, kept)?;
+        Ok(Begun { table, kept, lost: missing.into_iter().chain(lost).collect() })
+    }
+
+    /// A table with several rows for each time, which stand in its first column: those before `time` stay. On one rank alone.
+    ///
+    /// # Errors
+    /// As [`open`](StepTable::open).
+    pub fn begin_before(path: &Path, time: f64) -> Result<Begun> {
+        StepTable::go_on(path, kept_lines(path, &|first| first < time)?.0)
+    }
+
+    fn go_on(path: &Path, kept: String) -> Result<Begun> {
+        let unchecked = checksums::verify(path, &kept)?;
+        let sums = Checksums::begin(path, &kept)?;
         write_whole(path, kept.as_bytes())?;
         let file = OpenOptions::new().append(true).open(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
-        Ok(Begun { table: StepTable { path: path.to_owned(), file, length: kept.len() as u64 }, kept, lost })
+        let names: Vec<String> = kept.lines().next().map_or(Vec::new(), |header| header.split(',').map(str::to_owned).collect());
+        let (inherited, length) = (!names.is_empty(), kept.len() as u64);
+        let table = StepTable { path: path.to_owned(), file, sums, length, names, inherited };
+        Ok(Begun { table, kept, lost: unchecked.into_iter().collect() })
     }
 
     /// Adds a row, and the names of the columns before the first one.
     ///
     /// # Errors
-    /// A number is not finite, the file cannot be written, or another hand has changed it.
+    /// A number is not finite or has no column, the file cannot be written, or another hand has changed it.
     pub fn write(&mut self, cells: &[Cell]) -> Result<()> {
-        check(&self.path, cells)?;
-        let mut text = cells.iter().map(|(_, value)| value.as_str()).collect::<Vec<_>>().join(",") + "\n";
-        if self.length == 0 {
-            text = cells.iter().map(|(name, _)| name.as_ref()).collect::<Vec<_>>().join(",") + "\n" + &text;
+        self.write_rows(&[cells])
+    }
+
+    /// The same of several rows, of which a kill leaves all or the beginning of a text.
+    pub fn write_rows(&mut self, rows: &[impl AsRef<[Cell]>]) -> Result<()> {
+        let mut text = String::new();
+        for row in rows.iter().map(AsRef::as_ref) {
+            refuse_infinite(&self.path, row)?;
+            self.refuse_names(row)?;
+            if self.names.is_empty() {
+                self.names = row.iter().map(|(name, _)| name.to_string()).collect();
+                text += &(self.names.join(",") + "\n");
+            }
+            text += &(self.laid_out(row).join(",") + "\n");
         }
         self.refuse_change()?;
-        // one call a row: what a kill leaves is a whole line or nothing
+        self.sums.add(&text)?;
+        // one call a step: what a kill leaves is whole lines, or a part that is dropped
         self.file.write_all(text.as_bytes()).map_err(|source| Error::File { path: self.path.clone(), source })?;
         self.length += text.len() as u64;
         Ok(())
+    }
+
+    /// Refuses a row that has a name twice or one without a column, and the first row of a run that goes on if it does not have all columns.
+    fn refuse_names(&mut self, row: &[Cell]) -> Result<()> {
+        let path = self.path.display();
+        let twice = (1..row.len()).find(|&place| row[..place].iter().any(|(name, _)| *name == row[place].0));
+        if let Some(place) = twice {
+            return Err(Error::refused(format!("{path}: a row has two numbers for the column {}; report it", row[place].0)));
+        }
+        if self.names.is_empty() {
+            return Ok(());
+        }
+        let fresh: Vec<&str> = row.iter().map(|(name, _)| name.as_ref()).filter(|name| !self.names.iter().any(|own| own == name)).collect();
+        let gone = |name: &&String| self.inherited && !row.iter().any(|(own, _)| own == *name);
+        let gone: Vec<&str> = self.names.iter().filter(gone).map(String::as_str).collect();
+        if fresh.is_empty() && gone.is_empty() {
+            self.inherited = false;
+            return Ok(());
+        }
+        let words = |what: &str, names: &[&str]| if names.is_empty() { String::new() } else { format!(" {what} {}", names.join(", ")) };
+        let differs = format!(
+            "{path}: its header{}{}",
+            words("lacks the columns", &fresh),
+            words("has the columns that this run does not write:", &gone)
+        );
+        Err(Error::refused(
+            differs + "; go on with the version of the program that began it, or remove the file to go on without the rows so far",
+        ))
+    }
+
+    /// The cells of a row under the names of the columns.
+    fn laid_out<'r>(&self, row: &'r [Cell]) -> Vec<&'r str> {
+        let under = |(place, column): (usize, &String)| {
+            let own = row.get(place).filter(|(name, _)| name == column);
+            own.or_else(|| row.iter().find(|(name, _)| name == column)).map_or("", |(_, text)| text)
+        };
+        self.names.iter().enumerate().map(under).collect()
     }
 
     /// Refuses a file that is no longer there, or no longer holds the rows so far and nothing else.
@@ -102,39 +165,6 @@ impl StepTable {
     }
 }
 
-/// The header and the whole rows whose number is below `step`, and what is missing of them.
-fn rows_before(path: &Path, step: usize) -> Result<(String, Option<String>)> {
-    let lost = |kept: usize| format!("{}: {} of the {step} rows before step {step} are missing", path.display(), step - kept);
-    let bytes = match fs::read(path) {
-        Err(source) if source.kind() == std::io::ErrorKind::NotFound => return Ok((String::new(), Some(lost(0)))),
-        bytes => bytes.map_err(|source| Error::File { path: path.to_owned(), source })?,
-    };
-    let text = String::from_utf8_lossy(&bytes);
-    let refuse = |line: usize| {
-        let path = path.display();
-        Error::refused(format!("{path}:{line}: is no row of a series; put the file back, or remove it to go on without the rows so far"))
-    };
-    let (mut kept, mut rows) = (String::new(), 0);
-    for (number, line) in text.split_inclusive('\n').enumerate().filter(|(_, line)| line.ends_with('\n')) {
-        let row = line.split(',').next().and_then(|cell| cell.parse::<usize>().ok());
-        match row {
-            None if number > 0 => return Err(refuse(number + 1)),
-            Some(row) if row >= step => break,
-            _ => kept.push_str(line),
-        }
-        rows += usize::from(row.is_some());
-    }
-    Ok((kept, (rows < step).then(|| lost(rows))))
-}
-
-/// Refuses a row of which a number is not finite; an empty cell has none.
-fn check(path: &Path, cells: &[Cell]) -> Result<()> {
-    let value = |text: &str| text.parse::<f64>().unwrap_or(f64::NAN);
-    let broken = cells.iter().find(|(_, text)| !text.is_empty() && !value(text).is_finite());
-    let file = path.file_name().unwrap_or_default().to_string_lossy();
-    broken.map_or(Ok(()), |(name, text)| Err(not_finite(&file, name, value(text))))
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
@@ -146,14 +176,6 @@ mod tests {
 
     fn row(step: usize) -> Vec<Cell> {
         vec![count("step", step), real("time", 0.1 * step as f64), absent("smallest_gap"), real("seconds", 0.5)]
-    }
-
-    #[test]
-    fn a_number_that_is_not_there_passes_and_one_that_is_not_finite_does_not() {
-        let path = Path::new("out/series.csv");
-        assert!(check(path, &row(3)).is_ok());
-        let refusal = check(path, &[real("time", f64::INFINITY)]).unwrap_err().to_string();
-        assert!(refusal.contains("series.csv") && refusal.contains("time"), "{refusal}");
     }
 
     fn folder(name: &str) -> PathBuf {
@@ -170,7 +192,7 @@ mod tests {
         let whole = fs::read_to_string(folder.join("series.csv")).unwrap();
         fs::write(folder.join("series.csv"), format!("{whole}5,0.5")).unwrap();
         let Begun { table: mut rows, kept, lost: note } = begin(&folder, 3).unwrap();
-        assert_eq!(note, None);
+        assert!(note.is_empty());
         assert_eq!(kept, whole.split_inclusive('\n').take(4).collect::<String>());
         (3..5).for_each(|step| rows.write(&row(step)).unwrap());
         assert_eq!(fs::read_to_string(folder.join("series.csv")).unwrap(), whole);
@@ -209,16 +231,61 @@ mod tests {
     #[test]
     fn a_run_goes_on_without_rows_that_are_lost_and_says_so() {
         let folder = folder("lost");
-        let note = begin(&folder, 3).unwrap().lost.unwrap();
+        let note = begin(&folder, 3).unwrap().lost.remove(0);
         assert!(note.ends_with("series.csv: 3 of the 3 rows before step 3 are missing"), "{note}");
         let mut rows = begin(&folder, 0).unwrap().table;
         (0..2).for_each(|step| rows.write(&row(step)).unwrap());
         let Begun { table: mut rows, lost: note, .. } = begin(&folder, 4).unwrap();
-        assert!(note.unwrap().contains("2 of the 4 rows"));
+        assert!(note[0].contains("2 of the 4 rows"));
         rows.write(&row(4)).unwrap();
         assert_eq!(fs::read_to_string(folder.join("series.csv")).unwrap().lines().count(), 4);
         fs::write(folder.join("series.csv"), b"step,\xff\n\xff\n").unwrap();
         assert!(matches!(begin(&folder, 3), Err(Error::Refused(_))));
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn cells_stand_under_their_names_and_others_are_refused() {
+        let folder = folder("names");
+        let mut rows = begin(&folder, 0).unwrap().table;
+        rows.write(&[count("step", 0), real("a", 1.0), absent("b")]).unwrap();
+        rows.write(&[count("step", 1), real("b", 2.0)]).unwrap();
+        let refusal = rows.write(&[count("step", 2), real("a", 1.0), real("b", 2.0), real("c", 3.0)]).unwrap_err().to_string();
+        assert!(refusal.contains("series.csv: its header lacks the columns c; "), "{refusal}");
+        let refusal = rows.write(&[count("step", 2), real("a", 1.0), real("a", 2.0)]).unwrap_err().to_string();
+        assert!(refusal.contains("two numbers for the column a"), "{refusal}");
+        assert_eq!(fs::read_to_string(folder.join("series.csv")).unwrap(), "step,a,b\n0,1.0,\n1,,2.0\n");
+        // a run that goes on writes the same columns
+        let mut rows = begin(&folder, 2).unwrap().table;
+        let refusal = rows.write(&[count("step", 2), real("a", 1.0)]).unwrap_err().to_string();
+        assert!(refusal.contains("has the columns that this run does not write: b;"), "{refusal}");
+        rows.write(&[count("step", 2), real("a", 1.0), real("b", 1.0)]).unwrap();
+        rows.write(&[count("step", 3), real("a", 1.0)]).unwrap();
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn rows_that_were_altered_are_refused_with_their_line() {
+        let folder = folder("altered");
+        let path = folder.join("series.csv");
+        let mut rows = begin(&folder, 0).unwrap().table;
+        (0..5).for_each(|step| rows.write(&row(step)).unwrap());
+        let whole = fs::read_to_string(&path).unwrap();
+        for (altered, told) in [
+            (whole.replace("0.30000000000000004", "0.3"), ":5: is not the line that the run wrote"),
+            (whole.replacen("0.1,,", "0.1,0.0,0.0,", 1), ":3: has 5 cells, and the header has 4 names"),
+            (whole.replacen("\n0,", "\n4,", 1), ":3: is no row of a series"),
+        ] {
+            fs::write(&path, altered).unwrap();
+            let refusal = begin(&folder, 5).err().unwrap().to_string();
+            assert!(refusal.contains(&format!("series.csv{told}")), "{refusal}");
+        }
+        // rows that go are not looked at, and a table without checksums is taken as it is
+        fs::write(&path, whole.replace("0.30000000000000004", "0.3")).unwrap();
+        assert!(begin(&folder, 3).is_ok());
+        fs::write(&path, whole.replace("0.30000000000000004", "0.3")).unwrap();
+        fs::remove_file(folder.join(".series.csv.sums")).unwrap();
+        assert!(begin(&folder, 5).unwrap().lost.is_empty() && begin(&folder, 5).is_ok());
         fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -1,10 +1,10 @@
 //! What a run writes.
 
 use crate::error::Result;
-use crate::scene::FlowModel;
 use crate::scene::entry::Entry;
 use crate::scene::key::Key;
 use crate::scene::table::Table;
+use crate::scene::{Drive, FlowModel, FlowSection};
 
 /// Points along each axis of a lattice of probes.
 const FEWEST_POINTS: u64 = 2;
@@ -24,12 +24,12 @@ pub(in crate::scene) const KEYS: [Key; 14] = [
         .needs("domain.size = [8.0, 8.0, 8.0]"),
     Key::new(
         "colour",
-        "\"speed\", \"vorticity\", \"chain\" or \"species\"",
+        "\"speed\", \"nonaffine\", \"vorticity\", \"chain\" or \"species\"",
         "\"vorticity\"",
-        "What colours the picture and animations: the speed, the \
+        "What colours the picture and animations: the speed, the speed relative to the shear (nonaffine), the \
         vorticity of the fluid (bodies dark), or bodies by the chain, cell or cluster that they belong to, or by their radius (species).",
     )
-    .default("\"speed\""),
+    .default("\"speed\"; with shear_rate \"nonaffine\""),
     Key::new("every", "number", "0.01", "Time between frames.")
         .unit("time")
         .default("a hundredth of time.end")
@@ -133,6 +133,8 @@ pub struct OutputSection {
 pub enum Colour {
     /// The speed.
     Speed,
+    /// The speed relative to the motion that a shear gives to all.
+    NonAffine,
     /// The vorticity in the plane that is shown, counterclockwise positive.
     Vorticity,
     /// The speed of the fluid, and bodies by the chain, cell or cluster that they belong to.
@@ -163,12 +165,16 @@ impl Default for OutputSection {
 }
 
 impl OutputSection {
-    pub(in crate::scene) fn read(root: &Table, dimension: usize, model: FlowModel) -> Result<Self> {
+    pub(in crate::scene) fn read(root: &Table, dimension: usize, flow: &FlowSection) -> Result<Self> {
+        let model = flow.model;
         let table = root.section("output", &KEYS)?;
         if root.get("time").is_none() {
             refuse_frames(&table, model)?;
         }
-        let default = OutputSection::default();
+        let mut default = OutputSection::default();
+        if let Some(Drive::ShearRate(_) | Drive::ShearedBox(_)) = flow.drive {
+            default.colour = Colour::NonAffine;
+        }
         Ok(OutputSection {
             picture: table.get("picture").map_or(Ok(default.picture), |entry| entry.flag())?,
             report: table.get("report").map_or(Ok(default.report), |entry| entry.flag())?,
@@ -226,8 +232,13 @@ fn read_fields(entry: &Entry, model: FlowModel) -> Result<bool> {
 
 impl Colour {
     /// Their words.
-    pub(in crate::scene) const WORDS: [(&str, Colour); 4] =
-        [("speed", Colour::Speed), ("vorticity", Colour::Vorticity), ("chain", Colour::Chain), ("species", Colour::Species)];
+    pub(in crate::scene) const WORDS: [(&str, Colour); 5] = [
+        ("speed", Colour::Speed),
+        ("nonaffine", Colour::NonAffine),
+        ("vorticity", Colour::Vorticity),
+        ("chain", Colour::Chain),
+        ("species", Colour::Species),
+    ];
 
     /// Whether bodies have colours of their own, flow or not.
     pub fn of_bodies(self) -> bool {

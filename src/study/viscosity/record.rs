@@ -118,6 +118,16 @@ mod tests {
         let store = open(false).unwrap();
         assert_eq!(store.find(&setting(1)).map(|record| &record.measured), Some(&measured));
         assert!(store.find(&setting(2)).is_none() && open(true).unwrap().find(&setting(1)).is_none());
+        open(true).unwrap().add(Record { setting: setting(1), measured: measured.clone() }).unwrap();
+        let whole = fs::read_to_string(folder.join("viscosity.json")).unwrap();
+        fs::write(folder.join("viscosity.json"), whole.replacen("1.25", "1.5", 1)).unwrap();
+        let refusal = open(false).err().unwrap().to_string();
+        assert!(refusal.contains("record 1 of its viscosity.json is not as it was measured"), "{refusal}");
+        // as earlier versions wrote it
+        let mut earlier: serde_json::Value = serde_json::from_str(&whole).unwrap();
+        assert!(earlier.as_object_mut().unwrap().remove("checksums").is_some());
+        fs::write(folder.join("viscosity.json"), earlier.to_string()).unwrap();
+        assert!(open(false).unwrap().find(&setting(1)).is_some());
         fs::write(folder.join("viscosity.json"), "{").unwrap();
         let refusal = open(false).err().unwrap().to_string();
         assert!(refusal.contains("start anew with --fresh"), "{refusal}");

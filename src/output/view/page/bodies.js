@@ -76,9 +76,13 @@ void main() {
 const bodyProgram = gl && compiled(bodyVertex, dimension === 2 ? diskFragment : sphereFragment);
 const bodyInstances = gl && instances(bodyProgram.program, ["ball", "colour", "turn"], [4, 3, 4]);
 
-// Gives the bodies of a frame their places and colours.
-function fillBodies(frame, quantity, range) {
-  const values = quantity.values?.(frame);
+// What bodies were coloured by last.
+let painted = null;
+
+// Gives the bodies of a frame, or their images so many boxes above, their places and colours.
+function fillBodies(frame, quantity, range, boxes = 0) {
+  painted = { quantity, range };
+  const values = valuesOfImages(frame, quantity, boxes);
   const entries = new Float32Array(11 * frame.count);
   for (let body = 0; body < frame.count; body++) {
     const colour = colourOf(quantity, range, values?.[body]);
@@ -115,7 +119,14 @@ function drawBodies(frame, matrices) {
     bodyInstances.draw();
   };
   const seams = state.images === "seams" && dimension === 2;
-  if (state.images === "around" || seams) imageShifts(frame).forEach((shift) => draw(shift, seams ? 0 : 0.55, seams));
+  if (state.images === "around" || seams) {
+    const repaint = (boxes) => painted.quantity.key === "speed" && frame.offset !== null && fillBodies(frame, painted.quantity, painted.range, boxes);
+    for (const boxes of [-1, 1, 0]) {
+      const shifts = imageShifts(frame).filter((shift) => Math.round(shift[1] / size[1]) === boxes);
+      repaint(boxes);
+      shifts.forEach((shift) => draw(shift, seams ? 0 : 0.55, seams));
+    }
+  }
   draw([0, 0, 0], 0, seams);
   gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
   gl.enable(gl.BLEND);

@@ -179,15 +179,21 @@ function drawBar({ quantity, range, title }, top, height) {
   const foot = top + 32 + height;
   if (height < 30) return;
   const rows = Math.round(height);
+  // counts have a block each, which stands about its number
+  const blocks = quantity.kind === "count" ? Math.round(range.high) + 1 : 0;
   for (let row = 0; row < rows; row++) {
-    pen.fillStyle = written(shade(map, (row + 0.5) / rows));
+    const part = (row + 0.5) / rows;
+    pen.fillStyle = written(shade(map, blocks > 1 ? Math.floor(part * blocks) / (blocks - 1) : part));
     pen.fillRect(left, foot - row - 1, 15, 1.3);
   }
   pen.strokeStyle = faint;
   pen.lineWidth = 0.75;
   pen.strokeRect(left, foot - height, 15, height);
-  for (const tick of ticks(range.low / unit, range.high / unit, Math.max(2, height / 45))) {
-    const y = foot - ((tick * unit - range.low) / (range.high - range.low)) * height;
+  const wanted = Math.max(2, height / 45);
+  const marks = blocks > 1 ? ticks(0, blocks - 1, Math.max(wanted, Math.min(blocks - 1, height / 18))).filter(Number.isInteger) : ticks(range.low / unit, range.high / unit, wanted);
+  for (const tick of marks) {
+    const part = blocks > 1 ? (tick + 0.5) / blocks : (tick * unit - range.low) / (range.high - range.low);
+    const y = foot - part * height;
     stroke([[left + 15, y], [left + 19, y]], faint);
     label(number(tick, 3), left + 23, y, { base: "middle" });
   }

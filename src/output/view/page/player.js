@@ -206,6 +206,7 @@ function chooseStart() {
   if (index.coloured === "vorticity" && has("flow", "vorticity")) Object.assign(state, { colour: "plain", flow: "vorticity" });
   else if (index.coloured === "species" && has("bodies", "species")) state.colour = "species";
   else if (has("bodies", "chain")) state.colour = "chain";
+  else if (index.coloured === "nonaffine" && has("bodies", "nonaffine")) state.colour = "nonaffine";
   if (dimension === 3) state.images = "none";
   state.speed = speeds.find((speed) => speed >= frameCount / 7) ?? 50;
 }

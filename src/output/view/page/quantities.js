@@ -91,7 +91,7 @@ const tiedName = index.tied.join(" or ") || "chain";
 const bodyQuantities = [
   { key: "plain", label: "nothing", kind: "none" },
   { key: "speed", label: "speed", symbol: "|v|", kind: "magnitude", scale: "speed", values: (frame) => each(frame, (body) => length(frame, "velocity", body)) },
-  { key: "nonaffine", label: "non-affine speed", symbol: "|v − γ̇y|", kind: "magnitude", scale: "speed", values: nonAffine, where: () => shear !== null },
+  { key: "nonaffine", label: "non-affine speed", symbol: "|v − γ̇y eₓ|", kind: "magnitude", scale: "speed", values: nonAffine, where: () => shear !== null },
   { key: "spin", label: "spin", symbol: dimension === 2 ? "ω" : "|ω|", kind: dimension === 2 ? "signed" : "magnitude", scale: "spin", values: spin },
   { key: "contacts", label: "number of contacts", symbol: "contacts", kind: "count", scale: "none", values: (frame) => frame.touches, where: (frames) => frames.some((frame) => frame.contact_body) },
   { key: "pressure", label: "contact pressure", symbol: "p (contacts)", kind: "signed", scale: "stress", values: contactPressure, where: (frames) => frames.some((frame) => frame.contact_body?.length) },
@@ -104,7 +104,7 @@ const bodyQuantities = [
 const flowQuantities = [
   { key: "none", label: "nothing", kind: "none" },
   { key: "speed", label: "speed", symbol: "|u|", kind: "magnitude", scale: "speed", values: flowSpeed },
-  { key: "nonaffine", label: "non-affine speed", symbol: "|u − γ̇y|", kind: "magnitude", scale: "speed", values: flowNonAffine, where: () => shear !== null && shear.flow === across && shear.gradient === up },
+  { key: "nonaffine", label: "non-affine speed", symbol: "|u − γ̇y eₓ|", kind: "magnitude", scale: "speed", values: flowNonAffine, where: () => shear !== null && shear.flow === across && shear.gradient === up },
   { key: "vorticity", label: "vorticity", symbol: "∇×u", kind: "signed", scale: "spin", values: flowVorticity, shown: 0.98 },
   { key: "pressure", label: "pressure", symbol: "p", kind: "signed", scale: "stress", values: (frame) => frame.flow_pressure, shown: 0.98 },
 ];
@@ -127,6 +127,15 @@ function thinned(values, most) {
 }
 
 const mapOf = (range) => (range.low < 0 ? index.maps.diverging : index.maps.sequential);
+
+// How fast the box above moves past this one, where images slide.
+const slide = () => (shear ? shear.rate * size[shear.gradient] : 0);
+
+// Values of images so many boxes above: these are faster.
+function valuesOfImages(frame, quantity, boxes) {
+  if (quantity.key !== "speed" || boxes === 0 || frame.offset === null) return quantity.values?.(frame);
+  return each(frame, (body) => Math.hypot(frame.velocity_x[body] + boxes * slide(), frame.velocity_y[body], frame.velocity_z ? frame.velocity_z[body] : 0));
+}
 
 // The colour of a value.
 function colourOf(quantity, range, value) {
