@@ -251,7 +251,7 @@ impl<const D: usize> QuasiStatic<D> {
         let ahead = self.suspension.setup().interactions.springs(&Arrangement { balls: &balls, ..self.arrangement(placed) });
         let room = self.step_control.time.travel * self.radii.iter().copied().fold(f64::INFINITY, f64::min);
         let step = StepAhead { length, last: state.last_step, velocities: &velocities, resistances: &self.weights, room, least: LEAST };
-        step.rows(springs, &ahead)
+        step.rows(springs, &ahead).into_iter().map(BondRow::as_length).collect()
     }
 
     /// The longest way of the last step, in radii of the body that went it.

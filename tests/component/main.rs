@@ -49,6 +49,7 @@ mod solvers;
 mod stress;
 mod suspension;
 mod transform;
+mod units;
 mod vorticity;
 
 use std::time::Instant;
@@ -108,6 +109,7 @@ fn main() {
         interpolation::tests(),
         fluid::tests(),
         transform::tests(),
+        units::tests(),
         near::tests(),
         outputs::tests(),
         ownership::tests(),
