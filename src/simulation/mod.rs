@@ -23,6 +23,7 @@ mod granular_ties;
 mod granular_together;
 mod implicit_springs;
 mod interactions;
+mod kept_measures;
 mod krylov_workspace;
 mod mean_flow_constraint;
 mod migration;
