@@ -3,11 +3,13 @@
 //! `min 1/2 sum_i w_i |v_i - wanted_i|^2 + 1/2 sum_t c_t f_t^2` subject to `sum d_i . v_i + c_t f_t = rate_t` for each [`Tie`] and
 //! `gap + dt opening(v) >= 0` for each [`Contact`]: one convex program. A contact that may pull does so with its least force from the start, so that its
 //! multiplier is what it bears besides.
+//!
+//! Balls of a rigid body move by its unknowns `q` alone, which a force on a ball moves by `R^T f` and which move it by `R q` ([`RigidBalls`]).
 
 use std::collections::BTreeMap;
 
 use clarabel::algebra::CscMatrix;
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 use super::{Contact, ContactForce, force::pushes, tied_program::TiedProgram, union_find::UnionFind};
 
@@ -24,6 +26,13 @@ pub struct Tie<const D: usize> {
     /// Rate over force; zero for what cannot give way.
     pub compliance: f64,
 }
+
+/// Most motions of a rigid body.
+pub const RIGID: usize = 6;
+
+/// The balls of a rigid body, each with `R`: its velocity for unit unknowns, which are scaled so that their mobility is one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RigidBalls<const D: usize>(pub Vec<(usize, SMatrix<f64, D, RIGID>)>);
 
 /// A contact of tied bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,19 +54,27 @@ pub struct TiedProblem<'a, const D: usize> {
     pub velocities: &'a [SVector<f64, D>],
     /// What ties them.
     pub ties: &'a [Tie<D>],
+    /// Which of them are balls of rigid bodies.
+    pub rigid: &'a [RigidBalls<D>],
     /// Where they touch or may.
     pub contacts: &'a [TiedContact<D>],
     /// Length of the step.
     pub step: f64,
 }
 
-/// Bodies that hang together by ties and contacts, with the places of these.
+/// Bodies that hang together by ties, rigid bodies and contacts, with the places of these.
 #[derive(Default)]
 struct TiedIsland {
     bodies: Vec<usize>,
     ties: Vec<usize>,
     contacts: Vec<usize>,
+    /// Where the unknowns of each body begin, and how many there are.
+    starts: Vec<usize>,
+    unknowns: usize,
 }
+
+/// For each body the rigid body that it is a ball of, and how that moves it.
+type Rigid<const D: usize> = Vec<Option<(usize, SMatrix<f64, D, RIGID>)>>;
 
 /// A row of the program: entries by unknown, what they are to add up to, and what makes their squares add up to 1.
 struct ScaledRow {
@@ -70,9 +87,9 @@ impl<const D: usize> TiedProblem<'_, D> {
     /// What contacts change velocities by in this rank's share of the islands that have ties too; zero for bodies of others. None if one of these islands
     /// has no solution.
     pub fn changes(&self, rank: usize, ranks: usize) -> Option<Vec<SVector<f64, D>>> {
-        let mut forces = Vec::new();
-        for island in self.islands().into_iter().skip(rank).step_by(ranks) {
-            forces.extend(self.solve(&island)?);
+        let (mut forces, rigid) = (Vec::new(), self.rigid());
+        for island in self.islands(&rigid).into_iter().skip(rank).step_by(ranks) {
+            forces.extend(self.solve(&island, &rigid)?);
         }
         let pushes = pushes(self.velocities.len(), forces);
         Some(pushes.iter().zip(self.weights).map(|(push, weight)| push / *weight).collect())
@@ -82,19 +99,27 @@ impl<const D: usize> TiedProblem<'_, D> {
         self.weights[body].is_finite()
     }
 
+    fn rigid(&self) -> Rigid<D> {
+        let mut rigid = vec![None; self.weights.len()];
+        for (number, RigidBalls(balls)) in self.rigid.iter().enumerate() {
+            balls.iter().for_each(|(ball, moved)| rigid[*ball] = Some((number, *moved)));
+        }
+        rigid
+    }
+
     /// The forces at the contacts of an island; none if it has no solution.
-    fn solve(&self, island: &TiedIsland) -> Option<Vec<ContactForce<D>>> {
+    fn solve(&self, island: &TiedIsland, rigid: &Rigid<D>) -> Option<Vec<ContactForce<D>>> {
         let contacts: Vec<TiedContact<D>> = island.contacts.iter().map(|&contact| self.contacts[contact]).collect();
-        let pulled =
-            pushes(self.velocities.len(), contacts.iter().map(|contact| ContactForce { contact: contact.contact, force: contact.least }));
-        let velocity = |body: usize| self.velocities[body] + pulled[body] / self.weights[body];
-        let (ties, softs) = self.tie_rows(island, &velocity);
-        let touching: Vec<ScaledRow> = contacts.iter().map(|contact| self.contact_row(island, &velocity, &contact.contact)).collect();
+        let pulled = self.pulled(island, rigid, &contacts);
+        let velocity = |body: usize| self.velocities[body] + pulled[body];
+        let (ties, softs) = self.tie_rows(island, rigid, &velocity);
+        let touching: Vec<ScaledRow> =
+            contacts.iter().map(|contact| self.contact_row(island, rigid, &velocity, &contact.contact)).collect();
         let unit = ties.iter().map(|row| row.side.abs()).chain(touching.iter().map(|row| -row.side)).fold(0.0, f64::max);
         let least = |(row, contact): (&ScaledRow, &TiedContact<D>)| SMALLEST_SCALE * contact.contact.separation / self.step * row.scale;
         let unit = touching.iter().zip(&contacts).map(least).fold(unit, f64::max);
         let sides = |rows: &[ScaledRow]| -> Vec<f64> { rows.iter().map(|row| row.side / unit).collect() };
-        let transposed = columns(D * island.bodies.len() + softs, ties.iter().chain(&touching));
+        let transposed = columns(island.unknowns + softs, ties.iter().chain(&touching));
         let program = TiedProgram { transposed, equations: sides(&ties), offsets: sides(&touching) };
         let multipliers = program.solve(&contacts.iter().map(|contact| contact.presses).collect::<Vec<bool>>())?;
         let found = contacts.into_iter().zip(&touching).zip(multipliers);
@@ -102,14 +127,29 @@ impl<const D: usize> TiedProblem<'_, D> {
         Some(found.map(|found| ContactForce { contact: found.0.0.contact, force: force(found) }).collect())
     }
 
+    /// What the least forces of contacts change velocities by.
+    fn pulled(&self, island: &TiedIsland, rigid: &Rigid<D>, contacts: &[TiedContact<D>]) -> Vec<SVector<f64, D>> {
+        let least = contacts.iter().map(|contact| ContactForce { contact: contact.contact, force: contact.least });
+        let pushes = pushes(self.velocities.len(), least);
+        let mut unknowns = vec![SVector::<f64, RIGID>::zeros(); self.rigid.len()];
+        for &body in &island.bodies {
+            rigid[body].iter().for_each(|(number, moved)| unknowns[*number] += moved.transpose() * pushes[body]);
+        }
+        let change = |(body, push): (usize, &SVector<f64, D>)| match &rigid[body] {
+            Some((number, moved)) => moved * unknowns[*number],
+            None => push / self.weights[body],
+        };
+        pushes.iter().enumerate().map(change).collect()
+    }
+
     /// Rows of ties in the unknowns `sqrt(w) (v - wanted)`, and `sqrt(c) f` of the soft ones, of which the number is given too.
-    fn tie_rows(&self, island: &TiedIsland, velocity: &impl Fn(usize) -> SVector<f64, D>) -> (Vec<ScaledRow>, usize) {
+    fn tie_rows(&self, island: &TiedIsland, rigid: &Rigid<D>, velocity: &impl Fn(usize) -> SVector<f64, D>) -> (Vec<ScaledRow>, usize) {
         let (mut rows, mut softs) = (Vec::new(), 0);
         for tie in island.ties.iter().map(|&tie| &self.ties[tie]) {
             let side = tie.rate - tie.ends.iter().map(|(body, direction)| direction.dot(&velocity(*body))).sum::<f64>();
-            let mut entries = self.entries(island, tie.ends.iter().copied());
+            let mut entries = self.entries(island, rigid, tie.ends.iter().copied());
             if tie.compliance > 0.0 {
-                entries.push((D * island.bodies.len() + softs, tie.compliance.sqrt()));
+                entries.push((island.unknowns + softs, tie.compliance.sqrt()));
                 softs += 1;
             }
             rows.push(ScaledRow::new(entries, side));
@@ -117,31 +157,42 @@ impl<const D: usize> TiedProblem<'_, D> {
         (rows, softs)
     }
 
-    fn contact_row(&self, island: &TiedIsland, velocity: &impl Fn(usize) -> SVector<f64, D>, contact: &Contact<D>) -> ScaledRow {
+    fn contact_row(
+        &self,
+        island: &TiedIsland,
+        rigid: &Rigid<D>,
+        velocity: &impl Fn(usize) -> SVector<f64, D>,
+        contact: &Contact<D>,
+    ) -> ScaledRow {
         let other = contact.other().map(|other| (other, contact.normal));
         let ends = [Some((contact.body, -contact.normal)), other].into_iter().flatten();
         let moving: f64 = ends.clone().map(|(body, direction)| direction.dot(&velocity(body))).sum();
         let sliding = contact.other().map_or(0.0, |_| contact.normal.dot(&contact.sliding));
-        ScaledRow::new(self.entries(island, ends), contact.gap / self.step + moving + sliding)
+        ScaledRow::new(self.entries(island, rigid, ends), contact.gap / self.step + moving + sliding)
     }
 
-    fn entries(&self, island: &TiedIsland, ends: impl Iterator<Item = (usize, SVector<f64, D>)>) -> Vec<(usize, f64)> {
-        let of_end = |(body, direction): (usize, SVector<f64, D>)| {
-            let (place, root) = (island.bodies.binary_search(&body).ok(), self.weights[body].sqrt());
-            place.into_iter().flat_map(move |place| (0..D).map(move |axis| (D * place + axis, direction[axis] / root)))
+    fn entries(&self, island: &TiedIsland, rigid: &Rigid<D>, ends: impl Iterator<Item = (usize, SVector<f64, D>)>) -> Vec<(usize, f64)> {
+        let of_end = |(body, direction): (usize, SVector<f64, D>)| -> Vec<(usize, f64)> {
+            let Ok(place) = island.bodies.binary_search(&body) else { return Vec::new() };
+            let entries: Vec<f64> = match &rigid[body] {
+                Some((_, moved)) => (moved.transpose() * direction).iter().copied().collect(),
+                None => (direction / self.weights[body].sqrt()).iter().copied().collect(),
+            };
+            (island.starts[place]..).zip(entries).collect()
         };
         ends.flat_map(of_end).collect()
     }
 
-    /// Those with both, ties and contacts.
-    fn islands(&self) -> Vec<TiedIsland> {
+    /// Those with contacts, and with ties or rigid bodies.
+    fn islands(&self, rigid: &Rigid<D>) -> Vec<TiedIsland> {
         let mut sets = UnionFind::new(self.weights.len());
         let free = |bodies: Vec<usize>| -> Vec<usize> { bodies.into_iter().filter(|&body| self.gives_way(body)).collect() };
         let tied: Vec<Vec<usize>> = self.ties.iter().map(|tie| free(tie.ends.iter().map(|(body, _)| *body).collect())).collect();
         let touching =
             |touching: &TiedContact<D>| free([Some(touching.contact.body), touching.contact.other()].into_iter().flatten().collect());
         let touching: Vec<Vec<usize>> = self.contacts.iter().map(touching).collect();
-        tied.iter().chain(&touching).for_each(|bodies| bodies.windows(2).for_each(|pair| sets.join(pair[0], pair[1])));
+        let balls: Vec<Vec<usize>> = self.rigid.iter().map(|RigidBalls(balls)| balls.iter().map(|(ball, _)| *ball).collect()).collect();
+        tied.iter().chain(&touching).chain(&balls).for_each(|bodies| bodies.windows(2).for_each(|pair| sets.join(pair[0], pair[1])));
         let mut islands: BTreeMap<usize, TiedIsland> = BTreeMap::new();
         for body in free((0..self.weights.len()).collect()) {
             islands.entry(sets.root(body)).or_default().bodies.push(body);
@@ -153,15 +204,39 @@ impl<const D: usize> TiedProblem<'_, D> {
         for (contact, bodies) in touching.iter().enumerate() {
             place(bodies).and_then(|root| islands.get_mut(&root)).into_iter().for_each(|island| island.contacts.push(contact));
         }
-        islands.into_values().filter(|island| !island.ties.is_empty() && !island.contacts.is_empty()).collect()
+        let held = |island: &TiedIsland| !island.ties.is_empty() || island.bodies.iter().any(|&body| rigid[body].is_some());
+        let mut islands: Vec<TiedIsland> = islands.into_values().filter(|island| !island.contacts.is_empty() && held(island)).collect();
+        islands.iter_mut().for_each(|island| island.number(rigid));
+        islands
+    }
+}
+
+impl TiedIsland {
+    /// Gives each body its unknowns, the balls of a rigid body the same ones.
+    fn number<const D: usize>(&mut self, rigid: &Rigid<D>) {
+        let mut of_rigid = BTreeMap::new();
+        for &body in &self.bodies {
+            let next = self.unknowns;
+            let start = rigid[body].map_or(next, |(number, _)| *of_rigid.entry(number).or_insert(next));
+            if start == next {
+                self.unknowns += if rigid[body].is_some() { RIGID } else { D };
+            }
+            self.starts.push(start);
+        }
     }
 }
 
 impl ScaledRow {
-    /// The row whose entries are to add up to `side`.
+    /// The row whose entries are to add up to `side`; those of one unknown are added up. What no unknown changes is no row.
     fn new(mut entries: Vec<(usize, f64)>, side: f64) -> ScaledRow {
         entries.sort_by_key(|entry| entry.0);
-        let scale = 1.0 / entries.iter().map(|(_, value)| value * value).sum::<f64>().sqrt();
+        entries.dedup_by(|later, first| {
+            let same = later.0 == first.0;
+            first.1 += if same { later.1 } else { 0.0 };
+            same
+        });
+        let square = entries.iter().map(|(_, value)| value * value).sum::<f64>();
+        let scale = if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 };
         entries.iter_mut().for_each(|(_, value)| *value *= scale);
         ScaledRow { entries, side: side * scale, scale }
     }
@@ -201,6 +276,7 @@ mod tests {
                 weights: &[1.0, 3.0, 1.0],
                 velocities: &[-up; 3],
                 ties: std::slice::from_ref(&rod),
+                rigid: &[],
                 contacts: &contacts,
                 step: 0.1,
             };

@@ -16,6 +16,21 @@ pub struct BondRow<const D: usize> {
 }
 
 impl<const D: usize> BondRow<D> {
+    /// The same row for a coordinate that is a length, whatever it was: its gradient by centres is as large as that of the distance of two bodies. The
+    /// residuals of rows of lengths, curvatures and areas then have one unit, and the force is a force.
+    pub fn as_length(self) -> BondRow<D> {
+        let square: f64 = self.ends.iter().map(|(_, side)| side.direction.norm_squared()).sum();
+        if square == 0.0 {
+            return self;
+        }
+        let scale = (2.0 / square).sqrt();
+        let scaled = |(body, side): (usize, RigidFunctional<D>)| {
+            (body, RigidFunctional { direction: side.direction * scale, turn: side.turn * scale })
+        };
+        let ends = self.ends.into_iter().map(scaled).collect();
+        BondRow { ends, rate: self.rate * scale, compliance: self.compliance * scale * scale }
+    }
+
     /// What a force along the coordinate adds to the stress, times volume: minus the first moment of the forces on bodies, of which torques are the
     /// antisymmetric part.
     pub fn stress(&self, force: f64, centers: &[SVector<f64, D>]) -> SMatrix<f64, D, D> {

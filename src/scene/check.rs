@@ -5,8 +5,8 @@ use std::fmt::Display;
 use crate::error::Result;
 use crate::flow::InverseMethod;
 use crate::scene::{
-    AffineFlow, AxisSection, BodyGroup, ChainShape, Colour, ConstraintMethod, ContactModel, Drive, FlowModel, Joint, LubricationModel,
-    Modes, Motion, MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy,
+    AffineFlow, AxisSection, BodyGroup, Colour, ConstraintMethod, ContactModel, Drive, FlowModel, Joint, LubricationModel, Modes, Motion,
+    MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy,
 };
 
 /// Least order of multipliers that bear a strain.
@@ -113,10 +113,7 @@ fn check_clusters(scene: &Scene) -> Result<()> {
     let Some(group) = scene.bodies.iter().position(|bodies| bodies.cluster.is_some()) else { return Ok(()) };
     let held = scene.dry() || scene.method.constraint == ConstraintMethod::Sharp;
     let remedy = "is of clusters, which need method.constraint = \"sharp\"";
-    expect(scene, held, &format!("{}.radius", scene.group_key(group)), scene.bodies[group].radius, remedy)?;
-    let cells = scene.bodies.iter().any(|bodies| bodies.chain.is_some_and(|chain| chain.shape == ChainShape::Cell));
-    let remedy = "is of clusters, which do not come to agree with dry [[cells]]; remove one of them";
-    expect(scene, !(scene.dry() && cells), &format!("{}.radius", scene.group_key(group)), scene.bodies[group].radius, remedy)
+    expect(scene, held, &format!("{}.radius", scene.group_key(group)), scene.bodies[group].radius, remedy)
 }
 
 fn check_colour(scene: &Scene) -> Result<()> {

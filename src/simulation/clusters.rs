@@ -1,6 +1,6 @@
 //! Rigid clusters in time: their balls travel as one body, so that the shape stays as it is to rounding however long a run is.
 
-use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SMatrix, SVector};
 
 use super::{State, state::turn};
 use crate::{
@@ -89,17 +89,22 @@ pub(super) fn moment<const D: usize>(arms: &[SVector<f64, D>], velocities: &[SVe
 
 /// The spin at which balls of unit mass and moment of inertia `own`, at `arms` from their mean, have an angular momentum together.
 pub(super) fn spin_of<const D: usize>(arms: &[SVector<f64, D>], own: f64, momentum: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
+    let momentum = DVector::from_vec(components(momentum));
+    skew(inertia(arms, own).solve(&momentum).as_slice())
+}
+
+/// The factor of the moments of inertia of the same balls together.
+pub(super) fn inertia<const D: usize>(arms: &[SVector<f64, D>], own: f64) -> Cholesky<f64, Dyn> {
     let units: Vec<SMatrix<f64, D, D>> = (0..planes::<D>().len()).map(unit).collect();
     let inertia = DMatrix::from_fn(units.len(), units.len(), |row, column| {
         let turned = |arm: &SVector<f64, D>| (units[row] * arm).dot(&(units[column] * arm));
         arms.iter().map(turned).sum::<f64>() + if row == column { own * arms.len() as f64 } else { 0.0 }
     });
-    let momentum = DVector::from_vec(components(momentum));
-    skew(inertia.cholesky().expect("an inertia is positive definite").solve(&momentum).as_slice())
+    inertia.cholesky().expect("an inertia is positive definite")
 }
 
 /// A unit rotation about an axis.
-fn unit<const D: usize>(axis: usize) -> SMatrix<f64, D, D> {
+pub(super) fn unit<const D: usize>(axis: usize) -> SMatrix<f64, D, D> {
     let components: Vec<f64> = (0..planes::<D>().len()).map(|other| f64::from(other == axis)).collect();
     skew(&components)
 }

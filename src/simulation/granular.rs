@@ -27,9 +27,9 @@ use crate::{
 const MOST_ROUNDS: usize = 2000;
 
 /// Rounds after which bonds and contacts are solved at once to start again; after others they go on in turn.
-const AT_ONCE: Range<usize> = 0..20;
+const AT_ONCE: Range<usize> = 0..50;
 
-/// Part of an area or a volume that cells may miss after a step.
+/// Part of a length, an area or a volume that chains and cells may miss after a step.
 const LARGEST_MISSED: f64 = 1e-6;
 
 /// Difference between the places that bonds and contacts want after a step, in radii of the smallest body, that counts as agreement.
@@ -74,8 +74,8 @@ struct Kept<const D: usize> {
     projection: ProjectionShare<D>,
     /// What contacts remember then.
     stuck: Vec<AdhesiveContact<D>>,
-    /// The velocities that ties are next to: those wanted, with what contacts change them by; empty without ties.
-    free: Vec<SVector<f64, D>>,
+    /// What contacts change the wanted velocities by that ties are next to; empty without ties.
+    changes: Vec<SVector<f64, D>>,
 }
 
 impl<const D: usize> Granular<D> {
@@ -223,7 +223,7 @@ impl<const D: usize> Granular<D> {
         let lower_bounds = self.lower_bounds(state, step);
         let Some(ties) = ties else {
             let (projection, stuck) = self.project(state, moves, &lower_bounds, step)?;
-            return Ok(Kept { projection, stuck, free: Vec::new() });
+            return Ok(Kept { projection, stuck, changes: Vec::new() });
         };
         let wanted = velocities(moves);
         let (peers, mut target) = (self.peers(), moves.to_vec());
@@ -234,25 +234,25 @@ impl<const D: usize> Granular<D> {
             if round > 0 {
                 self.stop.heed(self.session.world(), state.time)?;
             }
-            let free: Vec<SVector<f64, D>> = wanted.iter().zip(&contacts.ahead).map(|(wanted, change)| wanted + change).collect();
-            let tied = ties.hold(peers, &free);
+            let tied = ties.hold(peers, &wanted, &contacts.ahead);
             for (body, twist) in target.iter_mut().enumerate() {
-                twist.velocity = wanted[body] + tied[body] - free[body];
+                twist.velocity = tied[body] - contacts.ahead[body];
             }
             let (projection, stuck) = self.project(state, &target, &lower_bounds, step)?;
             let kept = &projection.projection.velocities;
             let difference = kept.iter().zip(&tied).map(|(kept, tied)| (kept - tied).norm()).fold(0.0, f64::max);
             apart = -peers.min(-difference) * step;
             if apart <= AGREEMENT * smallest {
-                return Ok(Kept { projection, stuck, free });
+                return Ok(Kept { projection, stuck, changes: contacts.ahead });
             }
-            contacts.advance(peers, kept.iter().zip(&target).map(|(kept, target)| kept - target.velocity).collect(), &self.masses());
             together.meet(&projection, &lower_bounds);
-            if ties.are_bonds() && AT_ONCE.contains(&round) {
-                let (numbers, balls, masses) = (state.numbers(), state.balls(&self.radii), self.masses());
-                let own = Wanting { domain: &self.domain, numbers: &numbers, balls: &balls, masses: &masses, velocities: &wanted, step };
-                contacts = together.changes(peers, &own, ties).map_or(contacts, Accelerated::new);
-            }
+            let at_once = if AT_ONCE.contains(&round) {
+                self.changes_at_once((state, step), [&wanted, &contacts.ahead], &tied, (&together, ties))
+            } else {
+                None
+            };
+            contacts.advance(peers, kept.iter().zip(&target).map(|(kept, target)| kept - target.velocity).collect(), &self.masses());
+            contacts = at_once.map_or(contacts, Accelerated::new);
         }
         let text = format!(
             "at time {} contacts do not agree with bonds and rigid clusters after {MOST_ROUNDS} rounds (places differ by {apart:.1e}); a shorter \
@@ -262,13 +262,30 @@ impl<const D: usize> Granular<D> {
         Err(Error::StepTooLong { text, step })
     }
 
-    /// Refuses a step in which bonds miss an area or a volume that stays as it is. Collective.
+    /// What contacts change wanted velocities by where they and ties are solved at once, from changes of which ties have made those held. Collective.
+    fn changes_at_once(
+        &self,
+        (state, step): (&State<D>, f64),
+        wanted: [&[SVector<f64, D>]; 2],
+        held: &[SVector<f64, D>],
+        (together, ties): (&Together<D>, &Ties<D>),
+    ) -> Option<Vec<SVector<f64, D>>> {
+        let (peers, numbers, balls, masses) = (self.peers(), state.numbers(), state.balls(&self.radii), self.masses());
+        let weights: Vec<f64> = masses.iter().map(|mass| mass / step).collect();
+        let (velocities, clusters) = ties.linear(peers, wanted, (held, &weights));
+        let own = Wanting { domain: &self.domain, numbers: &numbers, balls: &balls, masses: &masses, velocities: &velocities, step };
+        together.changes(peers, &own, ties, &clusters)
+    }
+
+    /// Refuses a step in which bonds miss a length, an area or a volume that stays as it is. Collective.
     fn refuse_missed(&self, time: f64, step: f64, ties: &Ties<D>) -> Result<()> {
         let missed = -self.peers().min(-ties.missed());
         if missed <= LARGEST_MISSED {
             return Ok(());
         }
-        let text = format!("at time {time} a cell misses its area or volume by a part of {missed:.1e}; a shorter time.step may help");
+        let text = format!(
+            "at time {time} a rod misses its length, or a cell its area or volume, by a part of {missed:.1e}; choose a shorter time.step, or \"auto\""
+        );
         Err(Error::StepTooLong { text, step })
     }
 
@@ -380,17 +397,17 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         given.for_each(|(body, twist)| state.place(body).into_iter().for_each(|place| moves[place] = twist));
         let mut ties = Ties::new(self.peers(), &self.interactions, (state, &self.bodies), &moves, GranularStep { length: step, push });
         let (mut contacts, mut stuck, mut kkt_report) = (self.known.contacts.clone(), Vec::new(), None);
-        let mut free = Vec::new();
+        let wanted = velocities(&moves);
+        let mut changes = vec![SVector::zeros(); moves.len()];
         let touch = self.interactions.touch();
         if touch == Some(Touch::Hard) {
             let kept = self.keep_apart(state, ties.as_mut(), &moves, step)?;
             let ProjectionShare { projection, view } = kept.projection;
             moves.iter_mut().zip(&projection.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
             contacts.extend(projection.forces.iter().map(|force| ContactForce { contact: view.numbered(&force.contact), ..*force }));
-            (stuck, free, kkt_report) = (kept.stuck, kept.free, Some(projection.kkt_report));
+            (stuck, changes, kkt_report) = (kept.stuck, kept.changes, Some(projection.kkt_report));
         } else if let Some(ties) = &mut ties {
-            free = velocities(&moves);
-            moves.iter_mut().zip(ties.hold(self.peers(), &free)).for_each(|(twist, velocity)| twist.velocity = velocity);
+            moves.iter_mut().zip(ties.hold(self.peers(), &wanted, &changes)).for_each(|(twist, velocity)| twist.velocity = velocity);
         }
         match touch {
             None => self.refuse_outside(state)?,
@@ -400,7 +417,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         let mut twists = moves.clone();
         if let Some(ties) = ties {
             self.refuse_missed(state.time, step, &ties)?;
-            ties.turn(self.peers(), &free, &mut moves, &mut twists);
+            ties.turn(self.peers(), [&wanted, &changes], &mut moves, &mut twists);
         }
         let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };
         Ok(StepOutcome { step, twists, moves, contacts, stuck, kkt_report, effort })

@@ -1,7 +1,7 @@
 //! Chains of dry bodies: the velocities nearest to wanted ones, weighed by masses, with which springs are implicit over a step and rods keep their length.
 //!
-//! Each chain is solved by the ranks that own one of its beads: its rows form a matrix with a narrow envelope, factored once a step. What cells keep is kept
-//! after the step: the rates of these rows are corrected by what is missed. Bodies that also touch are held by both in turn (Dykstra's projections, of
+//! Each chain is solved by the ranks that own one of its beads: its rows form a matrix with a narrow envelope, factored once a step. What chains and cells keep,
+//! lengths of rods, areas and volumes, is kept after the step: the rates of these rows are corrected by what is missed. Bodies that also touch are held by both in turn (Dykstra's projections, of
 //! which each knows what the other changed) until both agree. That is a proximal gradient method on the changes by contacts, accelerated as by Beck and
 //! Teboulle (2009), from anew where it turns back (O'Donoghue and Candes 2015); it starts again from what solves both at once
 //! ([`Together`](super::granular_together::Together)).
@@ -26,7 +26,7 @@ const LEAST_IMPLICIT: f64 = 1e-9;
 /// Part by which diagonal entries are larger, so that rods that depend on others have a factor.
 const DEPENDENT: f64 = 1e-12;
 
-/// Corrections of the rates of areas and volumes by what these miss after the step, and the part of one that is rounding.
+/// Corrections of the rates of lengths, areas and volumes by what these miss after the step, and the part of one that is rounding.
 const CORRECTIONS: usize = 30;
 const KEPT: f64 = 1e-13;
 
@@ -55,10 +55,27 @@ struct GranularChain<const D: usize> {
     beads: Range<usize>,
     rows: Vec<BondRow<D>>,
     factor: Skyline,
-    /// What it keeps, of which the last rows are.
-    conserved: Vec<Conserved>,
+    /// What it keeps, each with the place of its row.
+    kept: Vec<(usize, Kept)>,
     /// The largest part by which one of these was missed last.
     missed: f64,
+}
+
+/// What a chain keeps, of bodies by place.
+enum Kept {
+    /// The distance of two.
+    Rod([usize; 2], f64),
+    Membrane(Conserved),
+}
+
+impl Kept {
+    /// What there is to keep, and what there is too much of it, for bodies with these centres.
+    fn missing<const D: usize>(&self, center: &impl Fn(usize) -> SVector<f64, D>) -> (f64, f64) {
+        match self {
+            Kept::Rod([one, other], length) => (*length, (center(*other) - center(*one)).norm() - length),
+            Kept::Membrane(conserved) => (conserved.value, conserved.measured(center) - conserved.value),
+        }
+    }
 }
 
 impl<const D: usize> GranularChains<D> {
@@ -103,7 +120,15 @@ impl<const D: usize> GranularChains<D> {
         };
         let of_chain = |chain: &Range<usize>| conserved.iter().filter(|kept| kept.bodies.start == chain.start).map(placed).collect();
         let solved = |chain: &&Range<usize>| {
-            let (first, rows) = (place(chain.start), rule.rows(&springs(chain, 0.0), &springs(chain, step.length)));
+            let (first, now) = (place(chain.start), springs(chain, 0.0));
+            let length = |one: usize, other: usize| (centers[other] - centers[one]).norm();
+            let rod = |spring: &Spring<D>| match spring.ends[..] {
+                [(one, _), (other, _)] if spring.stiffness.is_infinite() => {
+                    Some(Kept::Rod([one, other], length(one, other) - spring.value))
+                }
+                _ => None,
+            };
+            let rows = rule.rows(&now, &springs(chain, step.length)).into_iter().zip(now.iter().map(rod)).collect();
             GranularChain::new(first..first + chain.len(), rows, of_chain(chain), &resistances)
         };
         let chains = seen.iter().map(solved).collect();
@@ -140,9 +165,11 @@ impl<const D: usize> GranularChains<D> {
 }
 
 impl<const D: usize> GranularChain<D> {
-    fn new(beads: Range<usize>, mut rows: Vec<BondRow<D>>, conserved: Vec<Conserved>, resistances: &[f64]) -> Self {
+    /// The rows of a chain, those of rods with what these keep; of what membranes keep the last rows are.
+    fn new(beads: Range<usize>, mut rows: Vec<(BondRow<D>, Option<Kept>)>, membranes: Vec<Conserved>, resistances: &[f64]) -> Self {
         // in the order of the last bead of each, so that rows of neighbours are beside each other; those of what is kept stay the last
-        rows.sort_by_key(|row| row.ends.iter().map(|(body, _)| *body).max());
+        rows.sort_by_key(|(row, _)| row.ends.iter().map(|(body, _)| *body).max());
+        let (rows, rods): (Vec<BondRow<D>>, Vec<Option<Kept>>) = rows.into_iter().unzip();
         let entry = |one: usize, other: usize| {
             let of_body = |(body, side): &(usize, RigidFunctional<D>)| {
                 let others = rows[other].ends.iter().filter(|(with, _)| with == body);
@@ -159,21 +186,23 @@ impl<const D: usize> GranularChain<D> {
             matrix.add(row, row, entry(row, row) * (1.0 + DEPENDENT) + rows[row].compliance);
         }
         let factor = matrix.factor();
-        GranularChain { beads, rows, factor, conserved, missed: 0.0 }
+        let first = rows.len() - membranes.len();
+        let rods = rods.into_iter().enumerate().filter_map(|(row, rod)| Some((row, rod?)));
+        let kept = rods.chain((first..).zip(membranes.into_iter().map(Kept::Membrane))).collect();
+        GranularChain { beads, rows, factor, kept, missed: 0.0 }
     }
 
     /// Holds beads with these centres over a step so that what the chain keeps is kept after it, and remembers the rates that this takes.
     fn hold_exactly(&mut self, velocities: &mut [SVector<f64, D>], resistances: &[f64], (centers, step): (&[SVector<f64, D>], f64)) {
         let wanted = velocities[self.beads.clone()].to_vec();
-        let first = self.rows.len() - self.conserved.len();
         for _ in 0..CORRECTIONS {
             velocities[self.beads.clone()].copy_from_slice(&wanted);
             self.hold(velocities, resistances);
             self.missed = 0.0;
-            for (kept, row) in self.conserved.iter().zip(&mut self.rows[first..]) {
-                let missing = kept.measured(&|body: usize| centers[body] + velocities[body] * step) - kept.value;
-                self.missed = self.missed.max(missing.abs() / kept.value);
-                row.rate -= missing / step;
+            for (row, kept) in &self.kept {
+                let (value, missing) = kept.missing(&|body: usize| centers[body] + velocities[body] * step);
+                self.missed = self.missed.max(missing.abs() / value);
+                self.rows[*row].rate -= missing / step;
             }
             if self.missed <= KEPT {
                 break;

@@ -9,11 +9,12 @@ use nalgebra::{SMatrix, SVector};
 
 use super::{
     State,
-    clusters::{moment, spin_of},
+    clusters::{inertia, moment, spin_of, unit},
     state::turn,
 };
 use crate::{
-    body::{Halo, Twist},
+    body::{Halo, Twist, planes},
+    contact::{RIGID, RigidBalls},
     interaction::Cluster,
     parallel::Peers,
 };
@@ -88,26 +89,63 @@ impl<const D: usize> GranularClusters<D> {
         GranularClusters { clusters: seen.iter().map(rigid).collect(), halo, step }
     }
 
-    /// The velocities that carry the own bodies over the step as rigid motions do, next to wanted ones. Collective.
-    pub fn hold(&self, peers: Peers, wanted: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
-        let mut velocities = self.halo.spread_vectors(peers, wanted);
+    /// Gives the own balls of clusters the velocities that carry them over the step as rigid motions do, next to wanted ones that contacts change. Collective.
+    pub fn hold(&self, peers: Peers, wanted: [&[SVector<f64, D>]; 2], velocities: &mut [SVector<f64, D>]) {
+        let (wanted, place_of) = (self.spread(peers, wanted), self.places_of_own());
         for cluster in &self.clusters {
-            let motion = cluster.motion(&velocities[cluster.balls.clone()], self.step);
+            let motion = cluster.motion(cluster.of(&wanted), self.step);
             for ((place, start), end) in cluster.balls.clone().zip(&cluster.arms).zip(&motion.arms) {
-                velocities[place] = motion.velocity + (end - start) / self.step;
+                let velocity = motion.velocity + (end - start) / self.step;
+                place_of[place].into_iter().for_each(|body| velocities[body] = velocity);
             }
         }
-        self.halo.own().iter().map(|&place| velocities[place]).collect()
     }
 
-    /// Turns the own balls of clusters over the step as these do that are next to wanted velocities, and gives them the motions that they have at its
-    /// end. Collective.
-    pub fn turn(&self, peers: Peers, wanted: &[SVector<f64, D>], moves: &mut [Twist<D>], twists: &mut [Twist<D>]) {
-        let velocities = self.halo.spread_vectors(peers, wanted);
+    /// Puts the velocities that the own balls of clusters would have without what contacts change wanted ones by, as far as they answer linearly to that,
+    /// into `linear`, where they are `held` now, as [`hold`](Self::hold) has found; and tells how the balls move, by number, of the clusters of which this
+    /// rank owns the first one. Collective.
+    pub fn linear(
+        &self,
+        peers: Peers,
+        wanted: [&[SVector<f64, D>]; 2],
+        (held, weights): (&[SVector<f64, D>], &[f64]),
+        linear: &mut [SVector<f64, D>],
+    ) -> Vec<RigidBalls<D>> {
+        let (wanted, weights, place_of) = (self.spread(peers, wanted), self.halo.spread(peers, weights), self.places_of_own());
+        let mut rigid = Vec::new();
+        for cluster in &self.clusters {
+            let weight = weights[cluster.balls.start];
+            let moved = cluster.moved(cluster.of(&wanted), self.step, weight);
+            let balls = || cluster.balls.clone().zip(&moved);
+            let unknowns: SVector<f64, RIGID> = balls().map(|(place, moved)| moved.transpose() * wanted[1][place] * weight).sum();
+            for (place, moved) in balls() {
+                place_of[place].into_iter().for_each(|body| linear[body] = held[body] - moved * unknowns);
+            }
+            if self.halo.owns(cluster.balls.start) {
+                rigid.push(RigidBalls(balls().map(|(place, moved)| (self.halo.numbers()[place], *moved)).collect()));
+            }
+        }
+        rigid
+    }
+
+    /// Velocities, and changes of them, of all bodies that are seen. Collective.
+    fn spread(&self, peers: Peers, own: [&[SVector<f64, D>]; 2]) -> [Vec<SVector<f64, D>>; 2] {
+        own.map(|own| self.halo.spread_vectors(peers, own))
+    }
+
+    /// For each place which own body is there.
+    fn places_of_own(&self) -> Vec<Option<usize>> {
         let mut place_of = vec![None; self.halo.len()];
         self.halo.own().iter().enumerate().for_each(|(body, &place)| place_of[place] = Some(body));
+        place_of
+    }
+
+    /// Turns the own balls of clusters over the step as these do that are next to wanted velocities which contacts change, and gives them the motions that
+    /// they have at its end. Collective.
+    pub fn turn(&self, peers: Peers, wanted: [&[SVector<f64, D>]; 2], moves: &mut [Twist<D>], twists: &mut [Twist<D>]) {
+        let (wanted, place_of) = (self.spread(peers, wanted), self.places_of_own());
         for cluster in &self.clusters {
-            let motion = cluster.motion(&velocities[cluster.balls.clone()], self.step);
+            let motion = cluster.motion(cluster.of(&wanted), self.step);
             for (place, arm) in cluster.balls.clone().zip(&motion.arms) {
                 let Some(body) = place_of[place] else { continue };
                 let [over, after] = motion.spins;
@@ -119,17 +157,45 @@ impl<const D: usize> GranularClusters<D> {
 }
 
 impl<const D: usize> RigidCluster<D> {
-    /// Its motion when its balls have these velocities before they are tied.
-    fn motion(&self, velocities: &[SVector<f64, D>], step: f64) -> RigidMotion<D> {
-        let momentum = moment(&self.arms, velocities) + self.own_momentum;
+    /// What its balls have of what is known of all.
+    fn of<'a>(&self, [velocities, changes]: &'a [Vec<SVector<f64, D>>; 2]) -> [&'a [SVector<f64, D>]; 2] {
+        [&velocities[self.balls.clone()], &changes[self.balls.clone()]]
+    }
+
+    /// Its motion when its balls have these velocities before they are tied, and contacts change them so: that acts where balls are at the end of the step,
+    /// as contacts are kept there, so that forces which move the cluster alike do so wherever they act.
+    fn motion(&self, [velocities, changes]: [&[SVector<f64, D>]; 2], step: f64) -> RigidMotion<D> {
+        let before = moment(&self.arms, velocities) + self.own_momentum;
+        let momentum = |arms: &[SVector<f64, D>]| before + moment(arms, changes);
         let turned = |spin: &SMatrix<f64, D, D>, by: f64| -> Vec<SVector<f64, D>> { apply(turn(spin, by) * self.rotation, &self.offsets) };
-        let mut spin = spin_of(&self.arms, self.own, &momentum);
+        let mut spin = spin_of(&self.arms, self.own, &momentum(&self.arms));
         for _ in 0..CORRECTIONS {
-            spin = spin_of(&turned(&spin, 0.5 * step), self.own, &momentum);
+            spin = spin_of(&turned(&spin, 0.5 * step), self.own, &momentum(&turned(&spin, step)));
         }
         let arms = turned(&spin, step);
-        let after = spin_of(&arms, self.own, &momentum);
-        RigidMotion { velocity: velocities.iter().sum::<SVector<f64, D>>() / velocities.len() as f64, spins: [spin, after], arms }
+        let after = spin_of(&arms, self.own, &momentum(&arms));
+        let mean = |vectors: &[SVector<f64, D>]| vectors.iter().sum::<SVector<f64, D>>() / vectors.len() as f64;
+        RigidMotion { velocity: mean(velocities) + mean(changes), spins: [spin, after], arms }
+    }
+
+    /// How its balls move for small changes of its [`motion`](Self::motion), each ball resisting with a weight.
+    fn moved(&self, wanted: [&[SVector<f64, D>]; 2], step: f64, weight: f64) -> Vec<SMatrix<f64, D, RIGID>> {
+        let arms = self.motion(wanted, step).arms;
+        let turns = inertia(&arms, self.own).l().transpose().try_inverse().expect("an inertia is positive definite");
+        let translation = 1.0 / (weight * arms.len() as f64).sqrt();
+        let moved = |arm: &SVector<f64, D>| {
+            let mut moved = SMatrix::<f64, D, RIGID>::zeros();
+            for axis in 0..D {
+                moved[(axis, axis)] = translation;
+            }
+            for (turn, column) in turns.column_iter().enumerate() {
+                let about = |plane: usize| unit(plane) * arm * column[plane];
+                let velocity: SVector<f64, D> = (0..planes::<D>().len()).map(about).sum();
+                moved.set_column(D + turn, &(velocity / weight.sqrt()));
+            }
+            moved
+        };
+        arms.iter().map(moved).collect()
     }
 }
 

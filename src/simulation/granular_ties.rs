@@ -10,7 +10,12 @@ use super::{
     granular_clusters::GranularClusters,
     migration::Constants,
 };
-use crate::{body::Twist, contact::Tie, interaction::Interactions, parallel::Peers};
+use crate::{
+    body::Twist,
+    contact::{RigidBalls, Tie},
+    interaction::Interactions,
+    parallel::Peers,
+};
 
 /// The ties of the bodies of this rank.
 pub struct Ties<const D: usize> {
@@ -35,16 +40,27 @@ impl<const D: usize> Ties<D> {
         (chains.is_some() || clusters.is_some()).then_some(Ties { chains, clusters })
     }
 
-    /// The velocities that carry the own bodies over the step by ties alone, next to wanted ones. Collective.
-    pub fn hold(&mut self, peers: Peers, wanted: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
-        let bonded = self.chains.as_mut().map(|chains| chains.hold(peers, wanted));
-        let bonded = bonded.as_deref().unwrap_or(wanted);
-        self.clusters.as_ref().map_or_else(|| bonded.to_vec(), |clusters| clusters.hold(peers, bonded))
+    /// The velocities that carry the own bodies over the step by ties alone, next to wanted ones that contacts change. Collective.
+    pub fn hold(&mut self, peers: Peers, wanted: &[SVector<f64, D>], changes: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
+        let free: Vec<SVector<f64, D>> = wanted.iter().zip(changes).map(|(wanted, change)| wanted + change).collect();
+        let mut held = self.chains.as_mut().map_or_else(|| free.clone(), |chains| chains.hold(peers, &free));
+        if let Some(clusters) = &self.clusters {
+            clusters.hold(peers, [wanted, changes], &mut held);
+        }
+        held
     }
 
-    /// Whether bonds alone tie bodies: clusters turn, which no rows describe.
-    pub fn are_bonds(&self) -> bool {
-        self.clusters.is_none()
+    /// The velocities that the own bodies would have without what contacts change wanted ones by, where they are `held` now: of balls of clusters as far as
+    /// these answer linearly to forces, of others those wanted; and how the balls of clusters move. Collective.
+    pub fn linear(
+        &self,
+        peers: Peers,
+        [wanted, changes]: [&[SVector<f64, D>]; 2],
+        (held, weights): (&[SVector<f64, D>], &[f64]),
+    ) -> (Vec<SVector<f64, D>>, Vec<RigidBalls<D>>) {
+        let mut linear = wanted.to_vec();
+        let clusters = self.clusters.as_ref().map(|clusters| clusters.linear(peers, [wanted, changes], (held, weights), &mut linear));
+        (linear, clusters.unwrap_or_default())
     }
 
     /// Bonds as rows, as [`GranularChains::ties`].
@@ -58,7 +74,7 @@ impl<const D: usize> Ties<D> {
     }
 
     /// Turns balls of clusters over the step, and gives them the motions that they have at its end, as [`GranularClusters::turn`]. Collective.
-    pub fn turn(&self, peers: Peers, wanted: &[SVector<f64, D>], moves: &mut [Twist<D>], twists: &mut [Twist<D>]) {
+    pub fn turn(&self, peers: Peers, wanted: [&[SVector<f64, D>]; 2], moves: &mut [Twist<D>], twists: &mut [Twist<D>]) {
         if let Some(clusters) = &self.clusters {
             clusters.turn(peers, wanted, moves, twists);
         }

@@ -1,15 +1,16 @@
-//! Bonds and contacts of dry bodies solved at once, where held in turn they would take long to agree.
+//! Bonds, rigid clusters and contacts of dry bodies solved at once, where held in turn they would take long to agree.
 //!
 //! Every rank gathers the contacts that are known so far, the chains that they concern and the bodies of both, and solves its part of the islands.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 use super::granular_ties::Ties;
 use crate::{
     contact::{
-        Contact, ContactForce, Identity, ProjectionShare, Tie, TiedContact, TiedProblem, bodies_of, pack, packed_length, renamed, unpack,
+        Contact, ContactForce, Identity, ProjectionShare, RIGID, RigidBalls, Tie, TiedContact, TiedProblem, bodies_of, pack, packed_length,
+        renamed, unpack,
     },
     geometry::{Ball, Domain},
     parallel::Peers,
@@ -51,13 +52,16 @@ impl<const D: usize> Together<D> {
         }
     }
 
-    /// What contacts change velocities by where bonds act too; nothing where no velocities keep both. Collective.
-    pub fn changes(&self, peers: Peers, own: &Wanting<D>, ties: &Ties<D>) -> Option<Vec<SVector<f64, D>>> {
+    /// What contacts change velocities by where bonds and these clusters of the rank act too; nothing where no velocities keep both. Collective.
+    pub fn changes(&self, peers: Peers, own: &Wanting<D>, ties: &Ties<D>, clusters: &[RigidBalls<D>]) -> Option<Vec<SVector<f64, D>>> {
         let contacts = self.gathered(peers);
         let touching: BTreeSet<usize> = contacts.iter().flat_map(|(identity, ..)| bodies_of(*identity)).collect();
         let ties = gathered_ties(peers, &ties.rows(&touching));
+        let clusters =
+            gathered_clusters(peers, clusters.iter().filter(|RigidBalls(balls)| balls.iter().any(|ball| touching.contains(&ball.0))));
         let tied = ties.iter().flat_map(|tie| tie.ends.iter().map(|end| end.0));
-        let bodies = own.gathered(peers, &touching.iter().copied().chain(tied).collect());
+        let of_clusters = clusters.iter().flat_map(|RigidBalls(balls)| balls.iter().map(|ball| ball.0));
+        let bodies = own.gathered(peers, &touching.iter().copied().chain(tied).chain(of_clusters).collect());
         let placed = |&(identity, least, presses): &(Identity<D>, f64, bool)| {
             let contact = Contact::again(own.domain, &bodies.balls, renamed(identity, |number| bodies.place(number)));
             TiedContact { contact, least, presses }
@@ -66,9 +70,12 @@ impl<const D: usize> Together<D> {
         let tie =
             |tie: Tie<D>| Tie { ends: tie.ends.into_iter().map(|(number, direction)| (bodies.place(number), direction)).collect(), ..tie };
         let ties: Vec<Tie<D>> = ties.into_iter().map(tie).collect();
+        let rigid =
+            |RigidBalls(balls): RigidBalls<D>| RigidBalls(balls.into_iter().map(|(number, moved)| (bodies.place(number), moved)).collect());
+        let rigid: Vec<RigidBalls<D>> = clusters.into_iter().map(rigid).collect();
         let Gathered { weights, velocities, .. } = &bodies;
-        let found =
-            TiedProblem { weights, velocities, ties: &ties, contacts: &contacts, step: own.step }.changes(peers.rank(), peers.count());
+        let problem = TiedProblem { weights, velocities, ties: &ties, rigid: &rigid, contacts: &contacts, step: own.step };
+        let found = problem.changes(peers.rank(), peers.count());
         if peers.any(found.is_none()) {
             return None;
         }
@@ -141,4 +148,23 @@ fn gathered_ties<const D: usize>(peers: Peers, own: &[Tie<D>]) -> Vec<Tie<D>> {
     // stable: rows of a chain come from one rank and keep their order
     ties.sort_by_key(|tie| tie.ends.iter().map(|end| end.0).max());
     ties
+}
+
+/// The clusters of all ranks, in the order of their balls. Collective.
+fn gathered_clusters<'a, const D: usize>(peers: Peers, own: impl Iterator<Item = &'a RigidBalls<D>>) -> Vec<RigidBalls<D>> {
+    let mut letters = Vec::new();
+    for RigidBalls(balls) in own {
+        letters.push(balls.len() as f64);
+        balls.iter().for_each(|(number, moved)| letters.extend([*number as f64].iter().chain(moved.iter())));
+    }
+    let letters = peers.gather(&letters);
+    let (mut clusters, mut rest) = (Vec::new(), &letters[..]);
+    while let [count, numbers @ ..] = rest {
+        let (balls, next) = numbers.split_at(*count as usize * (1 + D * RIGID));
+        let ball = |ball: &[f64]| (ball[0] as usize, SMatrix::from_column_slice(&ball[1..]));
+        clusters.push(RigidBalls(balls.chunks(1 + D * RIGID).map(ball).collect()));
+        rest = next;
+    }
+    clusters.sort_by_key(|RigidBalls(balls): &RigidBalls<D>| balls[0].0);
+    clusters
 }

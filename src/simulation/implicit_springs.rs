@@ -15,9 +15,8 @@ use std::collections::HashSet;
 use nalgebra::{SMatrix, SVector};
 
 use crate::{
-    body::Twist,
     constraint::lubrication::RigidFunctional,
-    interaction::{BondRow, Conserved, Spring},
+    interaction::{BondRow, Spring},
 };
 
 /// Square of `z` at which a spring is half stiff: energies of free springs then fall in every step (tests).
@@ -28,11 +27,6 @@ pub const LEAST: f64 = 1e-3;
 
 /// `z` from which on a spring keeps its two bodies apart by itself: what would close the gap in a step shortens it by a hundredth of that.
 const STIFF: f64 = 100.0;
-
-/// Newton's iterations on what membranes keep, one measure after the other.
-const NEWTON: usize = 50;
-/// Part of a measure that is rounding.
-const KEPT: f64 = 1e-14;
 
 /// The step for which rows are made.
 #[derive(Debug, Clone, Copy)]
@@ -99,24 +93,6 @@ pub fn kept_apart<const D: usize>(springs: &[Spring<D>], resistances: &[f64], st
 /// Two bodies in the order of their numbers.
 pub fn pair(one: usize, other: usize) -> [usize; 2] {
     [one.min(other), one.max(other)]
-}
-
-/// Takes from motions the part of what membranes keep by which rows of its rate miss it over a step: of the third order in the step.
-pub fn keep<const D: usize>(kept: &[Conserved], centers: &[SVector<f64, D>], moves: &mut [Twist<D>], step: f64) {
-    for membrane in kept.chunk_by(|one, other| one.bodies == other.bodies) {
-        for _ in 0..NEWTON {
-            let mut missed = 0.0_f64;
-            for conserved in membrane {
-                let after = conserved.spring(&|body: usize| centers[body] + moves[body].velocity * step);
-                let square: f64 = after.ends.iter().map(|(_, gradient)| gradient.norm_squared()).sum();
-                after.ends.iter().for_each(|(body, gradient)| moves[*body].velocity -= gradient * (after.value / (square * step)));
-                missed = missed.max(after.value.abs() / conserved.value);
-            }
-            if missed <= KEPT {
-                break;
-            }
-        }
-    }
 }
 
 #[cfg(test)]

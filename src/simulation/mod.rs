@@ -25,6 +25,7 @@ mod granular_together;
 mod granular_velocities;
 mod implicit_springs;
 mod interactions;
+mod kept_measures;
 mod krylov_workspace;
 mod mean_flow_constraint;
 mod migration;

@@ -21,7 +21,8 @@ use super::{
     active_set_iteration::ActiveSetIteration,
     clusters::ClusterMotions,
     contact_step::{ContactStep, identities},
-    implicit_springs::{LEAST, StepAhead, keep, kept_apart, pair},
+    implicit_springs::{LEAST, StepAhead, kept_apart, pair},
+    kept_measures::keep,
     step_control::{BodyMotion, StepControl, StepLimits, StepSize},
 };
 use crate::{
@@ -48,6 +49,9 @@ const TIGHTEST: f64 = 1e-3;
 
 /// Overlap, in radii, up to which clusters are kept apart in a step; the next one does the rest.
 const APART: f64 = 1e-8;
+
+/// Rounds of contacts and of what chains keep after a step.
+const ROUNDS_OF_CHAINS: usize = 10;
 
 /// Gap, in radii, up to which a contact of the last step is tried first.
 const MEMORY_REACH: f64 = 0.1;
@@ -250,6 +254,30 @@ impl<const D: usize> QuasiStatic<D> {
         Ok(pressed)
     }
 
+    /// Keeps rods, areas and volumes of chains over a step, and bodies apart, in turn where bodies touch; gives the smallest gap then, which chains that
+    /// press against each other may leave a little below zero.
+    fn keep_chains(&self, placed: &Placed<D>, moves: &mut [Twist<D>], step: f64) -> Result<Option<f64>> {
+        let interactions = &self.suspension.setup().interactions;
+        if interactions.chains().is_empty() {
+            return Ok(None);
+        }
+        let (centers, smallest) = (placed.state.centers(), self.radii.iter().copied().fold(f64::INFINITY, f64::min));
+        keep(interactions, &centers, moves, step).check(placed.state.time, step)?;
+        if interactions.touch() != Some(Touch::Hard) {
+            return Ok(None);
+        }
+        let contacts = self.contact_step(placed, step);
+        for _ in 0..ROUNDS_OF_CHAINS {
+            let apart = contacts.project(&velocities(moves), &[])?.velocities;
+            if largest_difference(moves, &apart) * step < APART * smallest {
+                break;
+            }
+            moves.iter_mut().zip(apart).for_each(|(twist, velocity)| twist.velocity = velocity);
+            keep(interactions, &centers, moves, step);
+        }
+        Ok(Some(contacts.smallest_gap_after(moves)))
+    }
+
     /// The rows of springs in a step of this length from a state, 0 if it is not known yet.
     fn spring_rows(&self, placed: &Placed<D>, springs: &[Spring<D>], length: f64) -> Vec<BondRow<D>> {
         if springs.is_empty() {
@@ -262,7 +290,7 @@ impl<const D: usize> QuasiStatic<D> {
         let ahead = self.suspension.setup().interactions.springs(&Arrangement { balls: &balls, ..self.arrangement(placed) });
         let room = self.step_control.time.travel * self.radii.iter().copied().fold(f64::INFINITY, f64::min);
         let step = StepAhead { length, last: state.last_step, velocities: &velocities, resistances: &self.weights, room, least: LEAST };
-        step.rows(springs, &ahead)
+        step.rows(springs, &ahead).into_iter().map(BondRow::as_length).collect()
     }
 
     /// The longest way of the last step, in radii of the body that went it.
@@ -394,8 +422,10 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
         if self.suspension.setup().interactions.touch() != Some(Touch::Hard) {
             ClusterMotions::nearest(self.suspension.setup().interactions.clusters().iter(), state, step, &moves).carry(&mut moves);
         }
+        if let Some(gap) = self.keep_chains(&placed, &mut moves, step)? {
+            kkt_report.iter_mut().for_each(|report| report.smallest_gap = report.smallest_gap.min(gap));
+        }
         effort.contact += start.elapsed().as_secs_f64();
-        keep(&self.suspension.setup().interactions.conserved(), &state.centers(), &mut moves, step);
         Ok(StepOutcome {
             step,
             moves,

@@ -2,6 +2,8 @@
 
 use std::rc::Rc;
 
+use nalgebra::SVector;
+
 use super::GivenPlace;
 use crate::{
     body::{Body, Motion, Trajectories, Twist},
@@ -10,7 +12,7 @@ use crate::{
     flow::{Drive, InverseMethod, IteratedInverse, Stokes, StokesInverse},
     geometry::Domain,
     grid::Grid,
-    interaction::{Interaction, Interactions},
+    interaction::{BondRow, Interaction, Interactions},
     scene::{ConstraintMethod, MultiplierSolver, Tolerance},
     surface::{Shape, area, lever},
 };
@@ -85,6 +87,20 @@ impl<const D: usize> Setup<D> {
         let mut motions: Vec<Motion<D>> = self.bodies.iter().map(|suspended| suspended.body.motion).collect();
         self.trajectories.fastest().for_each(|(body, twist)| motions[body] = Motion::Prescribed(twist));
         motions
+    }
+
+    /// Rows that make bodies with these centres move as one, for velocities of their images in the box: one that lies `r` away from its centre moves
+    /// slower by the background over `r`, unless images slide and the flow takes that along.
+    pub fn welds_in_the_box(&self, centers: &[SVector<f64, D>]) -> Vec<BondRow<D>> {
+        let faster = |body: usize| {
+            let center = &centers[body];
+            self.drive.background(&(center - self.domain.wrap(*center))) - self.domain.image_velocity(center)
+        };
+        let mut rows = self.interactions.welds(centers);
+        for row in &mut rows {
+            row.rate -= row.ends.iter().map(|(body, side)| side.direction.dot(&faster(*body))).sum::<f64>();
+        }
+        rows
     }
 
     /// What fills the blocks of the bodies, where the operator of the fluid has a shift.

@@ -172,7 +172,7 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
             Arrangement { domain: &setup.domain, numbers: None, balls: &balls, weights: &weights, viscosity, reach: f64::INFINITY };
         let forces = setup.interactions.pair_forces(&arrangement);
         let pushes = Wrench::on_bodies(balls.len(), [], &forces);
-        let welds = setup.interactions.welds(&centers);
+        let welds = setup.welds_in_the_box(&centers);
         let solution = self.solve_at(&Configuration { pushes: &pushes, ..self.at_rest(&centers, &welds) }, monitor)?;
         Ok(Solution { pair_stress: PairForce::total_stress(&forces), ..solution })
     }

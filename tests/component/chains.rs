@@ -9,7 +9,7 @@ use turbid::{
     observe::{ChainNumbers, MembraneNumbers},
     petsc::Session,
     scene::Scene,
-    simulation::{Setup, Simulation},
+    simulation::{GranularSetup, Setup, Simulation},
 };
 
 use crate::Test;
@@ -27,6 +27,8 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_cell_in_space_comes_back_to_its_shape),
         Test::of(dry_beads_on_a_spring_swing_at_second_order_and_stiff_ones_come_to_rest),
         Test::of(a_dry_chain_of_rods_lies_down_on_the_floor),
+        Test::of(rods_are_kept_in_long_steps),
+        Test::of(a_step_in_which_rods_turn_too_far_is_refused),
     ]
 }
 
@@ -320,4 +322,66 @@ fn a_dry_chain_of_rods_lies_down_on_the_floor(session: &Session) {
         assert!(((pair[1] - pair[0]).norm() - 1.0816654).abs() < 1e-6, "{centers:?}");
     }
     assert!(centers.iter().all(|center| (center[1] - 0.5).abs() < 1e-6), "{centers:?}");
+}
+
+/// Chains of rods in shear, in steps in which they turn by a quarter of a radian, with and without inertia of fluid and bodies, and dry ones that spin.
+fn rods_are_kept_in_long_steps(session: &Session) {
+    let walls = "domain = { size = [8.0, 6.0], y = { lower = [-6.0, 0.0], upper = [6.0, 0.0] } }\n";
+    let chain = "chains = [{ centers = [[3.0, 2.0], [3.2, 3.05], [3.4, 4.1]], beads = 3, radius = 0.4, spacing = 1.336085, stretch = \"rigid\", bend = 2.0 }]\n";
+    let wet = "resolution = { cells_per_radius = 3 }\nmethod = { inverse = \"transform\" }\n";
+    let stokes = "flow = { model = \"stokes\" }\n";
+    let inertia = "flow = { model = \"navier-stokes\", density = 0.05 }\n";
+    let sheared = "domain = { size = [8.0, 6.0] }\n";
+    let shear = "flow = { model = \"stokes\", drive = { shear_rate = 1.0, periodic = \"sheared\" } }\n";
+    let time = |step: f64| format!("time = {{ end = {}, step = {step} }}\n", 6.0 * step);
+    for contact in ["", "contact = { model = \"inelastic\" }\n"] {
+        lengths_are(&run::<2>(session, &format!("{walls}{stokes}{wet}{chain}{contact}{}", time(0.25))), 3, false, 1.068868);
+    }
+    lengths_are(&run::<2>(session, &format!("{walls}{inertia}{wet}{chain}{}", time(0.012))), 3, false, 1.068868);
+    lengths_are(&run::<2>(session, &format!("{sheared}{shear}{wet}{chain}{}", time(4.0 / 15.0))), 3, false, 1.068868);
+    let ring = "chains = [{ centers = [[5.3, 3.0], [4.0, 3.9], [2.7, 3.0], [4.0, 2.1]], beads = 4, radius = 0.4, spacing = 1.976424, stretch = \"rigid\", shape = \"ring\" }]\n";
+    lengths_are(&run::<2>(session, &format!("{walls}{stokes}{wet}{ring}{}", time(0.2))), 4, true, 1.5811392);
+    let space = "domain = { size = [5.0, 5.0, 4.0], y = { lower = [-5.0, 0.0, 0.0], upper = [5.0, 0.0, 0.0] } }\n";
+    let line = "chains = [{ centers = [[2.3, 1.5, 2.0], [2.5, 2.5, 2.1], [2.7, 3.5, 2.0]], beads = 3, radius = 0.4, spacing = 1.280869, stretch = \"rigid\" }]\n";
+    lengths_are(&run::<3>(session, &format!("{space}{stokes}{wet}{line}{}", time(0.25))), 3, false, 1.0246952);
+    let dry = format!(
+        "domain = {{ size = [8.0, 8.0] }}\nflow = {{ model = \"none\" }}\ncontact = {{ model = \"inelastic\" }}\n{chain}{}",
+        time(0.25)
+    );
+    lengths_are(&spun(session, &dry, 1.6), 3, false, 1.068868);
+}
+
+/// Places of dry beads of a scene that start as if they turned as one.
+fn spun(session: &Session, text: &str, spin: f64) -> Vec<SVector<f64, 2>> {
+    let scene = scene(text);
+    let mut setup = GranularSetup::<2>::of(&scene).unwrap();
+    for body in &mut setup.bodies {
+        body.twist.velocity = Vector2::new(-spin * (body.center.y - 3.05), spin * (body.center.x - 3.2));
+    }
+    let mut simulation = Simulation::granular(session, setup, scene.time.clone().unwrap());
+    while !simulation.over() {
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        simulation.step(&observation, &mut |_, _| {}).unwrap();
+    }
+    let centers = simulation.whole_state().centers();
+    let way = (centers[2] - centers[0]).normalize();
+    assert!(way.x.abs() > 0.3, "it has turned: {way}");
+    centers
+}
+
+fn lengths_are<const D: usize>(centers: &[SVector<f64, D>], beads: usize, ring: bool, length: f64) {
+    for bond in 0..if ring { beads } else { beads - 1 } {
+        let found = (centers[(bond + 1) % beads] - centers[bond]).norm();
+        assert!((found / length - 1.0).abs() < 1e-6, "bond {bond}: {found} for {length} of {centers:?}");
+    }
+}
+
+fn a_step_in_which_rods_turn_too_far_is_refused(session: &Session) {
+    let text = "domain = { size = [8.0, 6.0], y = { lower = [-60.0, 0.0], upper = [60.0, 0.0] } }\nflow = { model = \"stokes\" }\n\
+                resolution = { cells_per_radius = 3 }\nmethod = { inverse = \"transform\" }\ntime = { end = 1.0, step = 0.5 }\n\
+                chains = [{ centers = [[3.0, 2.0], [3.2, 3.05], [3.4, 4.1]], beads = 3, radius = 0.4, spacing = 1.336085, stretch = \"rigid\" }]\n";
+    let mut simulation = Simulation::<2>::new(session, &scene(text)).unwrap();
+    let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+    let Err(Error::Diverged(told)) = simulation.step(&observation, &mut |_, _| {}) else { panic!("it is not refused") };
+    assert!(told.contains("the rod from body") && told.contains("choose a shorter time.step"), "{told}");
 }

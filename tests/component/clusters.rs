@@ -21,6 +21,9 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_dense_cluster_is_as_hard_to_turn_as_its_moment_of_inertia),
         Test::of(clusters_pressed_into_a_corner_do_not_overlap),
         Test::of(clusters_without_room_are_refused),
+        Test::of(where_the_box_cuts_clusters_changes_nothing_in_2d),
+        Test::of(where_the_box_cuts_clusters_changes_nothing_in_3d),
+        Test::of(random_rods_in_a_sheared_box_have_one_viscosity_at_an_instant_and_in_time),
     ]
 }
 
@@ -168,4 +171,70 @@ fn clusters_without_room_are_refused(_: &Session) {
     assert!(key == "clusters[0].count" && remedy.starts_with("leaves no place for number "), "{key} {remedy}");
     let (key, remedy) = told("shape = \"rod\", beads = 9, count = 1");
     assert!(key == "clusters[0].radius" && remedy.starts_with("is of clusters 9 long, and domain.size is 8 at most"), "{key} {remedy}");
+}
+
+/// Viscosity of a box whose images shear at unit rate: at an instant, and in each row in time.
+fn sheared<const D: usize>(session: &Session, text: &str, time: &str) -> (f64, Vec<f64>) {
+    let drive = |more: &str| text.replace("SHEAR", &format!("shear_rate = 1.0{more}"));
+    let mut suspension = Suspension::<D>::new(session, Setup::of(&scene(&drive(""))).unwrap()).unwrap();
+    let solution = suspension.solve(&mut |_, _| {}).unwrap();
+    let at_once = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[]).unwrap().unwrap().relative();
+    let mut simulation = Simulation::<D>::new(session, &scene(&format!("{}{time}", drive(", periodic = \"sheared\"")))).unwrap();
+    let mut rows = Vec::new();
+    loop {
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        let (flow, solution) = (simulation.suspension().unwrap(), observation.solution.as_ref().unwrap());
+        rows.push(observe::viscosity(flow.setup(), flow.grid(), solution, &[]).unwrap().unwrap().relative());
+        if simulation.over() {
+            return (at_once, rows);
+        }
+        simulation.step(&observation, &mut |_, _| {}).unwrap();
+    }
+}
+
+/// A rod in the middle and moved by whole cells so that an end, or two of three balls, lie in another image: the same at an instant, and as in time.
+fn where_the_box_cuts_clusters_changes_nothing_in_2d(session: &Session) {
+    let rod = |x: f64, y: f64| {
+        let text = format!(
+            "domain = {{ size = [8.0, 8.0] }}\nflow = {{ drive = {{ SHEAR }} }}\nresolution = {{ spacing = 0.125 }}\n\
+             method = {{ inverse = \"transform\", tolerance = 1e-9 }}\n\
+             clusters = [{{ shape = \"rod\", beads = 3, radius = 0.5, centers = [[{x}, {y}]], rotation = 0.8 }}]\n"
+        );
+        sheared::<2>(session, &text, "time = { end = 0.125, step = 0.03125 }\n")
+    };
+    let (middle, rows) = rod(4.0, 4.0);
+    assert!((middle - 1.11772).abs() < 1e-4 && (rows[0] / middle - 1.0).abs() < 1e-6, "{middle} {rows:?}");
+    for (x, y) in [(4.0, 7.5), (0.5, 0.25), (7.5, 7.875)] {
+        let (moved, moved_rows) = rod(x, y);
+        assert!((moved / middle - 1.0).abs() < 1e-6, "{moved} at {x}, {y}, {middle} in the middle");
+        let same = moved_rows.iter().zip(&rows).all(|(moved, row)| (moved / row - 1.0).abs() < 1e-6);
+        assert!(same && moved_rows.len() == rows.len(), "{moved_rows:?} at {x}, {y}, {rows:?} in the middle");
+    }
+}
+
+fn where_the_box_cuts_clusters_changes_nothing_in_3d(session: &Session) {
+    let body = |y: f64, z: f64| {
+        let text = format!(
+            "domain = {{ size = [5.0, 5.0, 5.0] }}\nflow = {{ drive = {{ SHEAR }} }}\nresolution = {{ spacing = 0.16666666666666666 }}\n\
+             method = {{ inverse = \"transform\", tolerance = 1e-8 }}\n\
+             clusters = [{{ shape = \"tetrahedron\", radius = 0.5, centers = [[2.5, {y}, {z}]], rotation = [0.3, 0.2, 0.5] }}]\n"
+        );
+        sheared::<3>(session, &text, "time = { end = 0.06666666666666667, step = 0.06666666666666667 }\n")
+    };
+    let (middle, rows) = body(2.5, 2.5);
+    let (moved, moved_rows) = body(4.833333333333333, 0.5);
+    assert!((moved / middle - 1.0).abs() < 1e-6 && (rows[0] / middle - 1.0).abs() < 1e-6, "{moved} {middle} {rows:?}");
+    assert!((moved_rows[1] / rows[1] - 1.0).abs() < 1e-6, "{moved_rows:?} {rows:?}");
+}
+
+fn random_rods_in_a_sheared_box_have_one_viscosity_at_an_instant_and_in_time(session: &Session) {
+    for (seed, lubrication) in [(1, "none"), (2, "none"), (3, "pairwise")] {
+        let text = format!(
+            "seed = {seed}\ndomain = {{ size = [16.0, 16.0] }}\nflow = {{ drive = {{ SHEAR }} }}\nresolution = {{ cells_per_radius = 3 }}\n\
+             method = {{ inverse = \"transform\", tolerance = 1e-8 }}\nlubrication = {{ model = \"{lubrication}\" }}\n\
+             clusters = [{{ shape = \"rod\", beads = 5, radius = 0.5, count = 12 }}]\n"
+        );
+        let (at_once, rows) = sheared::<2>(session, &text, "time = { end = 0.0625, step = 0.0625 }\n");
+        assert!((at_once / rows[0] - 1.0).abs() < 1e-6 && at_once > 1.3, "{seed}: {at_once} at an instant, {rows:?} in time");
+    }
 }

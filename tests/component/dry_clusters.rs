@@ -18,6 +18,8 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_free_cluster_tumbles_as_eulers_equations_say_at_second_order),
         Test::of(a_slanting_rod_that_lands_on_one_end_turns_as_its_inertia_says),
         Test::of(clusters_that_pile_up_keep_their_shape_and_lose_energy),
+        Test::only_on(1, heaps_of_rods_come_to_rest_without_overlap),
+        Test::of(clusters_cells_and_chains_fall_on_one_heap),
     ]
 }
 
@@ -149,4 +151,42 @@ fn clusters_that_pile_up_keep_their_shape_and_lose_energy(session: &Session) {
             assert!((distance - cluster.distance([one, other]).unwrap()).abs() < 1e-6, "{one} {other}: {distance}");
         }
     }
+}
+
+/// Runs a dry scene of gravity 1 along y to its end; the smallest gap after any step, and the fastest ball in the end.
+fn fallen(session: &Session, text: &str) -> (f64, f64) {
+    let mut simulation = Simulation::<2>::new(session, &scene(text)).unwrap();
+    let mut gap = f64::INFINITY;
+    while !simulation.over() {
+        step(&mut simulation);
+        gap = gap.min(smallest_gap(&simulation));
+    }
+    let fastest = simulation.whole_state().bodies.iter().map(|body| body.twist.velocity.norm()).fold(0.0, f64::max);
+    (gap, fastest)
+}
+
+/// Six rods of four disks that fall between walls from random places, in steps of 1/32 and in automatic ones.
+fn heaps_of_rods_come_to_rest_without_overlap(session: &Session) {
+    let text = |seed: usize, time: &str| {
+        format!(
+            "seed = {seed}\ngravity = [0.0, -1.0]\ndomain = {{ size = [5.0, 12.0], x = \"walls\", y = \"walls\" }}\nflow = {{ model = \"none\" }}\n\
+             contact = {{ model = \"inelastic\" }}\ntime = {{ {time} }}\nclusters = [{{ shape = \"rod\", beads = 4, radius = 0.3, count = 6 }}]\n"
+        )
+    };
+    let fixed = (1..=12).map(|seed| text(seed, "end = 8.0, step = 0.03125"));
+    let auto = [2, 4].into_iter().map(|seed| text(seed, "end = 8.0"));
+    for scene in fixed.chain(auto) {
+        let (gap, fastest) = fallen(session, &scene);
+        assert!(gap > -1e-9 && fastest < 5.0, "gap {gap:e}, speed {fastest}: {scene}");
+    }
+}
+
+fn clusters_cells_and_chains_fall_on_one_heap(session: &Session) {
+    let text = "seed = 3\ngravity = [0.0, -1.0]\ndomain = { size = [5.0, 12.0], x = \"walls\", y = \"walls\" }\nflow = { model = \"none\" }\n\
+                contact = { model = \"inelastic\" }\ntime = { end = 5.0, step = 0.02 }\n\
+                clusters = [{ shape = \"rod\", beads = 4, radius = 0.3, count = 3 }, { shape = \"cross\", radius = 0.3, count = 1 }]\n\
+                cells = [{ count = 2, beads = 24, radius = 0.15, stretch = 50.0, bend = 0.2 }]\n\
+                chains = [{ count = 2, beads = 4, radius = 0.25, stretch = \"rigid\", bend = 0.5 }]\nbodies = [{ count = 3, radius = 0.3 }]\n";
+    let (gap, fastest) = fallen(session, text);
+    assert!(gap > -1e-9 && fastest < 3.0, "gap {gap:e}, speed {fastest}");
 }

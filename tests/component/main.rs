@@ -50,6 +50,7 @@ mod steps;
 mod stress;
 mod suspension;
 mod transform;
+mod units;
 mod vorticity;
 
 use std::time::Instant;
@@ -110,6 +111,7 @@ fn main() {
         interpolation::tests(),
         fluid::tests(),
         transform::tests(),
+        units::tests(),
         near::tests(),
         outputs::tests(),
         ownership::tests(),
