@@ -6,6 +6,9 @@ use crate::{
     scene::Until,
 };
 
+/// Part of a run whose mean must be known as well as the whole one's for the run to end: an interval that is narrow once is so by chance.
+const EARLIER: f64 = 0.8;
+
 /// The viscosity of a run so far; its points and their mean are known to the first rank only.
 #[derive(Default)]
 pub struct ViscosityHistory {
@@ -36,11 +39,19 @@ impl ViscosityHistory {
         }
     }
 
-    /// Whether the mean is known but for a factor; on the first rank.
+    /// Whether the mean is known but for a factor, and was so over the first four fifths of the strain; on the first rank.
     pub fn nearly(&self, factor: f64) -> bool {
         let (Some(until), Some(mean)) = (self.until, &self.mean) else { return false };
+        let narrow = |mean: &MeanViscosity| mean.half_width() <= factor * until.viscosity_interval * mean.relative.abs();
         let [from, to] = mean.strains;
-        factor * (to - from) >= until.strain && mean.half_width() <= factor * until.viscosity_interval * mean.relative.abs()
+        factor * (to - from) >= until.strain && narrow(mean) && self.earlier().is_some_and(|mean| narrow(&mean))
+    }
+
+    /// The mean over the first part of the strain.
+    fn earlier(&self) -> Option<MeanViscosity> {
+        let last = self.points.last()?.strain;
+        let count = self.points.partition_point(|point| point.strain.abs() <= EARLIER * last.abs());
+        MeanViscosity::of(&self.points[..count])
     }
 
     /// The points so far; on the first rank.
