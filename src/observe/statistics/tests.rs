@@ -76,6 +76,12 @@ fn of_record(samples: &[f64]) -> Option<Interval> {
     steady(&over_places(samples), 0.0).ok().map(|steady| steady.interval)
 }
 
+/// What the manual quotes: `cargo test --lib statistics -- --nocapture`.
+#[allow(clippy::print_stderr)]
+fn tell(what: &str, numbers: &[f64]) {
+    eprintln!("{what}: {numbers:?}");
+}
+
 #[test]
 fn intervals_hold_the_mean_of_series_of_four_kinds() {
     let kinds: [(&str, fn(u64) -> Vec<f64>); 5] = [
@@ -87,6 +93,7 @@ fn intervals_hold_the_mean_of_series_of_four_kinds() {
     ];
     for (kind, record) in kinds {
         let [found, holding] = coverage(record, of_record);
+        tell(kind, &[found, holding]);
         assert!(found > 0.9 && (0.9..=0.99).contains(&holding), "{kind}: {found} have an interval, {holding} of these hold the mean");
     }
 }
@@ -95,6 +102,7 @@ fn intervals_hold_the_mean_of_series_of_four_kinds() {
 fn intervals_of_independent_samples_are_not_wider_than_few_blocks_need() {
     let white = |seed| fading(seed, 1e6);
     let [found, holding] = coverage(white, of_record);
+    tell("independent", &[found, holding]);
     assert!(found > 0.98 && (0.94..=0.99).contains(&holding), "{found} {holding}");
     let mut widths: Vec<f64> = (0..SERIES).filter_map(|seed| Some(of_record(&white(seed))?.half_width)).collect();
     widths.sort_by(f64::total_cmp);
@@ -198,6 +206,7 @@ fn intervals_of_windows_of_runs_hold_the_mean_of_long_runs() {
         windows.iter().filter_map(|window| Some((window.long, steady(&window.curve, 10.0).ok()?.interval))).collect();
     let holding = intervals.iter().filter(|(long, interval)| (interval.mean - long).abs() <= interval.half_width).count();
     let part = holding as f64 / intervals.len() as f64;
+    tell("windows of runs", &[windows.len() as f64, intervals.len() as f64, holding as f64]);
     assert!(windows.len() >= 60 && intervals.len() as f64 > 0.9 * windows.len() as f64, "{} of {}", intervals.len(), windows.len());
     assert!((0.9..=0.99).contains(&part), "{holding} of {}", intervals.len());
 }

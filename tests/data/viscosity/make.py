@@ -4,7 +4,7 @@
 
 needs ``pip install ./python``. ``DIMENSION-FRACTION-SEED.txt`` has the means of the relative viscosity over stretches of 0.1 of strain; ``windows.csv`` parts of them (rows
 of the curve), the mean of all runs of the same kind from strain 5 on, and mean, half width, start and blocks of the window, empty where it has none.
-A run that is in the folder already is not made again; ``--windows`` as the only argument makes the windows alone.
+A run that is in the folder already is not made again, and one that stops counts as far as it came; ``--windows`` as the only argument makes the windows alone.
 """
 
 import csv
@@ -48,7 +48,7 @@ picture = false
 SIZES = {2: [15.0, 15.0], 3: [6.5, 6.5, 6.5]}
 ENDS = {2: 100, 3: 60}
 SEEDS = {(2, 0.2): 2, (2, 0.3): 2, (2, 0.4): 3, (2, 0.5): 2, (3, 0.2): 2, (3, 0.3): 2, (3, 0.4): 2}
-# strains of the windows of a run, one after the other
+# strains of the windows of a run, one after the other, and again in the other order
 LENGTHS = {2: (12, 15, 18, 22, 30), 3: (14, 18, 25)}
 
 
@@ -61,7 +61,7 @@ def make_runs(turbid: str, folder: Path) -> None:
             out = folder / f"{dimension}d-{fraction}-{seed}"
             settings = ["--set", f"bodies.0.fraction={fraction}", "--set", f"seed={seed}", "--out", str(out)]
             if not out.exists():
-                subprocess.run([turbid, "run", str(scene), *settings], check=True)
+                subprocess.run([turbid, "run", str(scene), *settings], check=False)
             series = pd.read_csv(out / "series.csv")
             strain, viscosity = series["strain"].to_numpy(), series["viscosity"].to_numpy()
             whole = int(strain[-1] / STEP)
@@ -79,14 +79,15 @@ def make_windows() -> None:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(["curve", "from", "to", "long_mean", "mean", "half_width", "start", "blocks"])
         for name, values in curves.items():
-            start = 0
-            for length in LENGTHS[int(name[0])]:
+            lengths = LENGTHS[int(name[0])]
+            starts = [*np.cumsum((0, *lengths[:-1])), *np.cumsum((0, *lengths[:0:-1]))]
+            for first, length in zip(starts, (*lengths, *lengths[::-1]), strict=True):
+                start = round(first / STEP)
                 end = start + round(length / STEP)
                 if end <= len(values):
                     mean = steady_mean(STEP * np.arange(start, end), values[start:end], LEAST_STRAIN)
                     found = [mean.value, mean.half_width, mean.start, mean.blocks] if mean else [""] * 4
                     table.writerow([name, start, end, f"{long[kind[name]]:.6g}", *found])
-                start = end
 
 
 if __name__ == "__main__":
