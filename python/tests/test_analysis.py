@@ -1,6 +1,8 @@
 """Analyses agree with the program, with exact values or with plain loops."""
 
+import csv
 import json
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -178,12 +180,8 @@ def correlated(count, memory, seed=5):
 
 
 def test_intervals_of_correlated_samples_hold_the_mean():
-    held = 0
-    for seed in range(100):
-        samples = correlated(2000, 8.0, seed)
-        mean = turbid.steady_mean(np.arange(2000.0), samples)
-        held += mean is not None and abs(mean.value) < mean.half_width
-    assert held >= 88
+    means = [turbid.steady_mean(np.arange(2000.0), correlated(2000, 20.0, seed)) for seed in range(100)]
+    assert all(means) and 90 <= sum(abs(mean.value) <= mean.half_width for mean in means) <= 99
     table = turbid.blocking(correlated(20000, 8.0))
     true = 1.96 * np.sqrt(2 * 8.0 / 20000)
     assert table["half_width"].iloc[0] < 0.4 * true
@@ -199,6 +197,37 @@ def test_a_start_is_left_out_and_an_unsteady_curve_has_no_mean():
     assert mean is not None and 0.5 < mean.start < 1.6 and mean.value == pytest.approx(2.0, abs=3e-3)
     assert turbid.steady_mean(x, x + noise) is None
     assert turbid.steady_mean(x[:20], noise[:20]) is None
+
+
+CURVES = Path(__file__).parents[2] / "tests/data/viscosity"
+
+
+def test_means_of_windows_of_runs_are_those_of_the_program():
+    """The program's tests read the same file."""
+    with (CURVES / "windows.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    curves = {name: np.loadtxt(CURVES / f"{name}.txt") for name in {row["curve"] for row in rows}}
+    for row in rows:
+        places = np.arange(int(row["from"]), int(row["to"]))
+        mean = turbid.steady_mean(0.1 * places, curves[row["curve"]][places], 10.0)
+        if not row["mean"]:
+            assert mean is None, row
+            continue
+        assert mean is not None and mean.blocks == int(row["blocks"]), row
+        expected = [float(row[name]) for name in ("mean", "half_width", "start")]
+        np.testing.assert_allclose([mean.value, mean.half_width, mean.start], expected, rtol=1e-12)
+
+
+def test_a_curve_without_a_mean_says_why():
+    x = np.arange(400) / 100
+    for y, least, reason in [
+        (x, 0.0, "it still drifts"),
+        (np.ones(400), 10.0, "its steady part does not tell how far it fluctuates"),
+        (np.cos(1.7 * x), 0.0, "its fluctuations last too long"),
+    ]:
+        assert turbid.steady_mean(x, y, least) is None and turbid.shortage(x, y, least) == reason
+    assert turbid.shortage(x[:20], x[:20]) == "it has too few steps"
+    assert turbid.shortage(x, np.sin(50 * x)) is None
 
 
 def test_resampling_keeps_the_integral():
@@ -232,7 +261,7 @@ def test_the_mean_viscosity_is_that_of_the_program(long):
     assert (found.mean, found.interval, found.blocks) == (theirs["relative"], tuple(theirs["interval"]), theirs["blocks"])
     assert sum(found.mean_parts.values()) == pytest.approx(found.mean)
     series = long.series
-    ours = turbid.steady_mean(series["strain"], series["viscosity"])
+    ours = turbid.steady_mean(series["strain"], series["viscosity"], 10.0)
     assert ours is not None
     np.testing.assert_allclose(ours.interval, theirs["interval"], rtol=1e-9)
     np.testing.assert_allclose([ours.start, ours.end], theirs["strains"], rtol=1e-9)
@@ -242,6 +271,13 @@ def test_the_mean_viscosity_is_that_of_the_program(long):
     assert long.mean("viscosity").value == pytest.approx(ours.value)
     assert long.pair_distribution().configurations == long.summary["pairs"]["configurations"]
     assert "±" in long._repr_html_()
+
+
+def test_a_run_that_is_too_short_says_why_it_has_no_mean(walls):
+    assert walls.viscosity.mean is None
+    assert walls.viscosity.reason.startswith("the run is too short for a mean, it") and "{" not in walls.viscosity.reason
+    with pytest.warns(UserWarning, match="viscosity of .* has no mean: the run is too short, it"):
+        assert walls.mean("viscosity") is None
 
 
 def test_frames_that_count_begin_where_the_steady_part_does(long):

@@ -5,8 +5,11 @@ use serde::{Deserialize, Serialize};
 use super::TooShort;
 use crate::observe::{
     Viscosity,
-    statistics::{Interval, Steady, mean_from, steady},
+    statistics::{Interval, Shortage, Steady, mean_from, steady},
 };
+
+/// Least strain of the steady part of a mean: structures forget themselves over strains of one or so, and less than ten of those do not tell how far they stray.
+pub const LEAST_STRAIN: f64 = 10.0;
 
 /// The viscosity at a step of a run, over that of the fluid, and the normal stresses that go with it, over viscosity and rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -134,18 +137,25 @@ impl CurvePoint {
     }
 }
 
-/// Why a viscosity over the strain has no mean.
-pub fn viscosity_too_short(curve: &[CurvePoint]) -> TooShort {
-    TooShort::of("strain", &curve.iter().map(|point| (point.strain.abs(), point.relative())).collect::<Vec<_>>())
+/// Why a viscosity over the strain has no mean; nothing if it has one.
+pub fn viscosity_too_short(curve: &[CurvePoint]) -> Option<TooShort> {
+    steady_viscosity(curve).err().map(|shortage| TooShort::of("strain", shortage))
+}
+
+fn steady_viscosity(curve: &[CurvePoint]) -> Result<Steady, Shortage> {
+    steady(&over_strain(curve, CurvePoint::relative), LEAST_STRAIN)
+}
+
+/// Values over the strain; a negative rate shears as well.
+fn over_strain(curve: &[CurvePoint], value: impl Fn(&CurvePoint) -> f64) -> Vec<(f64, f64)> {
+    curve.iter().map(|point| (point.strain.abs(), value(point))).collect()
 }
 
 impl MeanViscosity {
     /// Over the steady part of a curve; nothing while it is too short or has not become steady.
     pub fn of(curve: &[CurvePoint]) -> Option<MeanViscosity> {
-        // a negative rate shears as well
-        let part = |value: &dyn Fn(&CurvePoint) -> f64| curve.iter().map(|point| (point.strain.abs(), value(point))).collect::<Vec<_>>();
-        let Steady { from, to, interval: Interval { mean, half_width, blocks } } = steady(&part(&CurvePoint::relative))?;
-        let over = |value: &dyn Fn(&CurvePoint) -> f64| mean_from(&part(value), from);
+        let Steady { from, to, interval: Interval { mean, half_width, blocks } } = steady_viscosity(curve).ok()?;
+        let over = |value: &dyn Fn(&CurvePoint) -> f64| mean_from(&over_strain(curve, value), from);
         let over_known = |value: fn(&CurvePoint) -> Option<f64>| {
             curve.iter().all(|point| value(point).is_some()).then(|| over(&|point| value(point).unwrap_or(f64::NAN)))
         };

@@ -72,11 +72,11 @@ pub struct MeanSpeed {
 impl SettlingSummary {
     /// Adds the mean of a speed over time.
     pub fn attach(&mut self, curve: &[(f64, f64)]) {
-        match steady(curve) {
-            Some(Steady { from, to, interval: Interval { mean, half_width, .. } }) => {
+        match steady(curve, 0.0) {
+            Ok(Steady { from, to, interval: Interval { mean, half_width, .. } }) => {
                 self.mean = Some(MeanSpeed { mean, interval: [mean - half_width, mean + half_width], times: [from, to] });
             }
-            None => self.too_short = Some(TooShort::of("time", curve)),
+            Err(shortage) => self.too_short = Some(TooShort::of("time", shortage)),
         }
     }
 }

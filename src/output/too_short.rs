@@ -16,11 +16,11 @@ pub struct TooShort {
 }
 
 impl TooShort {
-    /// Of a curve over strain or time that has no steady mean.
-    pub fn of(unit: &'static str, curve: &[(f64, f64)]) -> TooShort {
-        let shortage = Shortage::of(curve);
+    /// Of what a curve over strain or time lacks for a steady mean.
+    pub fn of(unit: &'static str, shortage: Shortage) -> TooShort {
         let reason = match shortage {
             Shortage::FewSamples(_) => "it has too few steps",
+            Shortage::Length(_) => "its steady part does not tell how far it fluctuates",
             Shortage::Drift(_) => "it still drifts",
             Shortage::Memory(_) => "its fluctuations last too long",
         };
@@ -44,12 +44,13 @@ fn digits(number: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::observe::statistics::steady;
 
     #[test]
     fn a_run_that_drifts_needs_as_much_again() {
         let curve: Vec<(f64, f64)> = (0..=200).map(|step| 0.01 * f64::from(step)).map(|time| (time, time)).collect();
-        let told = TooShort::of("time", &curve).text();
-        assert_eq!(told, "none yet: the run is too short, it still drifts; about 2.0 more time is needed, at least");
-        assert_eq!(TooShort::of("strain", &[]).text(), "none yet: the run is too short, it has too few steps");
+        let told = |curve: &[(f64, f64)]| steady(curve, 0.0).map_err(|shortage| TooShort::of("time", shortage).text()).expect_err("no mean");
+        assert_eq!(told(&curve), "none yet: the run is too short, it still drifts; about 2.0 more time is needed, at least");
+        assert_eq!(told(&[]), "none yet: the run is too short, it has too few steps");
     }
 }

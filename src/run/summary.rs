@@ -28,7 +28,7 @@ pub fn summary<const D: usize>(seen: &Evaluated<D>) -> Summary {
     }
     if let Some(parts) = &mut summary.viscosity {
         parts.mean = seen.history.mean().copied();
-        parts.too_short = parts.mean.is_none().then(|| viscosity_too_short(seen.history.points()));
+        parts.too_short = viscosity_too_short(seen.history.points()).filter(|_| parts.mean.is_none());
     }
     summary
 }

@@ -25,7 +25,7 @@ from .progress import Progress
 from .results import Run
 from .results import open_run as open
 from .shear import Shear
-from .statistics import Mean, blocking, standard_error, steady_mean
+from .statistics import Mean, blocking, shortage, standard_error, steady_mean
 from .viscosity import Viscosity
 
 __version__ = "0.1.0"
@@ -60,6 +60,7 @@ __all__ = [
     "profile",
     "resume",
     "run",
+    "shortage",
     "standard_error",
     "steady_mean",
 ]

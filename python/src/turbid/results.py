@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -23,7 +24,7 @@ from .pairs import PairDistribution
 from .profiles import Profile
 from .report import html_of
 from .shear import Shear, shear_of
-from .statistics import Mean, steady_mean
+from .statistics import LEAST_STRAIN, Mean, shortage, steady_mean
 from .viscosity import Viscosity
 
 if TYPE_CHECKING:
@@ -178,11 +179,17 @@ class Run:
         return frames.since(self._steady_start())
 
     def mean(self, column: str) -> Mean | None:
-        """The mean of a column of the series over its steady part, with a 95 % interval; ``None`` where the run is too short or not steady."""
+        """The mean of a column of the series over its steady part, with a 95 % interval.
+
+        ``None`` where the run is too short or not steady; a warning then says which. In a shear the steady part has a strain of ten at least.
+        """
         series = self.series
         if column not in series:
             raise Missing(f"series.csv of {self.folder} has no column {column}; it has {', '.join(series.columns)}")
-        return steady_mean(series.index, series[column])
+        least = LEAST_STRAIN / abs(shear.rate) if (shear := self.shear) and shear.rate else 0.0
+        if (reason := shortage(series.index, series[column], least)) is not None:
+            warnings.warn(f"{column} of {self.folder} has no mean: the run is too short, {reason}", stacklevel=2)
+        return steady_mean(series.index, series[column], least)
 
     def trajectories(self, frames: Frames | None = None) -> Floats:
         """Centres of all bodies as they were followed through sides of the box, shape ``(frames, bodies, dimension)``."""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from .statistics import Mean, steady_mean
+from .statistics import LEAST_STRAIN, Mean, shortage, steady_mean
 
 _PARTS = ("hydrodynamic", "lubrication", "interaction", "bonds", "reynolds", "contact")
 
@@ -73,7 +73,7 @@ class Viscosity:
             mean_parts=_parts(mean),
             strains=tuple(mean["strains"]) if mean else None,
             blocks=mean.get("blocks"),
-            reason=_TOO_SHORT if in_time and not mean else None,
+            reason=_TOO_SHORT.format((found.get("too_short") or {}).get("reason", "it has not become steady")) if in_time and not mean else None,
         )
 
     @staticmethod
@@ -83,7 +83,9 @@ class Viscosity:
             return None
         last = series.iloc[-1]
         columns = {part: f"viscosity_{part}" for part in _PARTS if f"viscosity_{part}" in series}
-        mean = steady_mean(series["strain"], series["viscosity"])
+        # a negative rate shears as well
+        curve = series["strain"].abs(), series["viscosity"]
+        mean = steady_mean(*curve, LEAST_STRAIN)
         return Viscosity(
             relative=float(last["viscosity"]),
             parts={part: float(last[column]) for part, column in columns.items()},
@@ -93,11 +95,11 @@ class Viscosity:
             mean_parts={part: _mean_over(series, column, mean) for part, column in columns.items()} if mean else {},
             strains=(mean.start, mean.end) if mean else None,
             blocks=mean.blocks if mean else None,
-            reason=None if mean else _TOO_SHORT,
+            reason=None if mean else _TOO_SHORT.format(shortage(*curve, LEAST_STRAIN)),
         )
 
 
-_TOO_SHORT = "the run is too short for a mean, or has not become steady"
+_TOO_SHORT = "the run is too short for a mean, {}"
 
 
 def _parts(found: dict[str, Any]) -> dict[str, float]:
@@ -107,7 +109,7 @@ def _parts(found: dict[str, Any]) -> dict[str, float]:
 
 def _mean_over(series: pd.DataFrame, column: str, mean: Mean) -> float:
     """Mean of a column over a stretch of strain, along straight lines."""
-    strain, values = series["strain"].to_numpy(float), series[column].to_numpy(float)
+    strain, values = np.abs(series["strain"].to_numpy(float)), series[column].to_numpy(float)
     inside = (strain > mean.start) & (strain < mean.end)
     knots = np.concatenate([[mean.start], strain[inside], [mean.end]])
     between = np.interp(knots, strain, values)

@@ -60,7 +60,7 @@ fn answers_so_far<const D: usize>(seen: &Evaluated<D>, mean: Option<&MeanViscosi
     let Some(viscosity) = &seen.viscosity else { return Vec::new() };
     let value = match mean {
         Some(mean) => format!("{:.4} ± {:.1e} so far", mean.relative, mean.half_width()),
-        None => viscosity_too_short(seen.history.points()).text(),
+        None => viscosity_too_short(seen.history.points()).map_or(String::new(), |short| short.text()),
     };
     vec![
         Answer { name: "mean viscosity", value },

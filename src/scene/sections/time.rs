@@ -8,7 +8,7 @@ use crate::scene::key::Key;
 use crate::scene::table::Table;
 
 /// Strain that a mean viscosity is taken over at least, if nobody says.
-const STRAIN: f64 = 2.0;
+const STRAIN: f64 = 20.0;
 
 /// Keys of `[time]`.
 pub(in crate::scene) const KEYS: [Key; 5] = [
@@ -44,8 +44,8 @@ pub(in crate::scene) const UNTIL_KEYS: [Key; 2] = [
         .default("required")
         .range("above 0, below 1")
         .needs(SHEARED),
-    Key::new("strain", "number", "3.0", "Least strain over which the mean is taken.")
-        .default("2.0")
+    Key::new("strain", "number", "50.0", "Least strain over which the mean is taken; less than 10 counts as 10.")
+        .default("20.0")
         .range("above 0")
         .needs("time.end = 1.0; domain.y = { lower = [-1.0, 0.0], upper = [1.0, 0.0] }; time.until.viscosity_interval = 0.02"),
 ];
