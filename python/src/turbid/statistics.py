@@ -13,6 +13,8 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from . import arguments
+from .arguments import curve
 from .box import Floats
 
 #: Fewest blocks whose scatter counts.
@@ -54,7 +56,7 @@ class Mean:
 
 def steady_mean(abscissas: npt.ArrayLike, values: npt.ArrayLike) -> Mean | None:
     """The mean of the steady part of a curve with its 95 % interval; ``None`` while the curve is too short for one or has not become steady."""
-    x, y = np.asarray(abscissas, dtype=float), np.asarray(values, dtype=float)
+    x, y = curve(abscissas, values)
     known = np.isfinite(y)
     x, y = x[known], y[known]
     samples = resampled(x, y, min(max(len(x) - 1, 0), _MOST_SAMPLES))
@@ -98,7 +100,7 @@ def blocking(samples: npt.ArrayLike) -> pd.DataFrame:
     Columns by the ``length`` of a block: ``blocks`` (their number), ``half_width`` (of the 95 % interval of the mean, if the blocks are
     independent) and ``correlation`` (of neighbouring blocks). The half width grows with the length until blocks are longer than the correlation.
     """
-    values = np.asarray(samples, dtype=float)
+    values = arguments.samples("samples", samples)
     rows, length = [], 1
     while len(values) // length >= FEWEST_BLOCKS:
         means = _block_means(values, length)
