@@ -62,12 +62,13 @@ fn a_sweep_has_means_and_intervals_over_seeds_and_tells_of_failures() {
     let one = run(1, &scene, &here.join("one"), &["bodies.0.gap=0.05", "seed=4"]);
     let record = &found["records"][1];
     assert_eq!(
-        (record["setting"]["seed"].as_u64(), number(record, "outcome.measured.value")),
+        (record["setting"]["seed"].as_u64(), number(record, "outcome.measured.readings.0.value")),
         (Some(4), number(&one, "viscosity.relative"))
     );
     for point in points.iter().filter(|point| point["failed"] == 0) {
-        let (mean, error) = (number(point, "mean"), number(point, "standard_error"));
-        let half = 0.5 * (number(point, "interval.1") - number(point, "interval.0"));
+        let estimate = &point["quantities"][0];
+        let (mean, error) = (number(estimate, "mean"), number(estimate, "standard_error"));
+        let half = 0.5 * (number(estimate, "interval.1") - number(estimate, "interval.0"));
         assert!(mean > 1.1 && mean < 2.5 && error > 0.0 && (half / error - 4.3027).abs() < 1e-3, "{point}");
     }
     let crowded = &points[3];
@@ -76,12 +77,17 @@ fn a_sweep_has_means_and_intervals_over_seeds_and_tells_of_failures() {
 
     let mut names: Vec<_> = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
-    assert_eq!(names, ["sweep.csv", "sweep.json", "sweep.md", "sweep.svg"]);
+    assert_eq!(names, ["runs", "sweep.csv", "sweep.json", "sweep.md", "sweep.svg"]);
+    // a disk of radius 1 fills 0.0873 of the box: one for 0.1, three for 0.3
+    let placed: Vec<f64> = points.iter().filter(|point| point["failed"] == 0).map(|point| number(point, "fraction")).collect();
+    let disk = std::f64::consts::PI / 36.0;
+    assert!(placed.iter().zip([1.0, 1.0, 3.0]).all(|(placed, disks)| (placed - disk * disks).abs() < 1e-12), "{placed:?}");
     assert!(halves(&out).is_empty());
     let table = fs::read_to_string(out.join("sweep.csv")).unwrap();
-    let head = "bodies.0.fraction,bodies.0.gap,viscosity,standard_error,low,high,runs,failed,seconds";
+    let head = "bodies.0.fraction,bodies.0.gap,fraction_placed,viscosity,viscosity.standard_error,viscosity.low,viscosity.high,viscosity.over,\
+                viscosity.steady,runs,failed,seconds";
     assert_eq!((table.lines().next(), table.lines().count()), (Some(head), 5));
-    assert!(table.lines().all(|line| line.split(',').count() == 9), "{table}");
+    assert!(table.lines().all(|line| line.split(',').count() == 12), "{table}");
     let chart = fs::read_to_string(out.join("sweep.svg")).unwrap();
     assert!(chart.ends_with("</svg>\n") && !chart.contains("NaN") && chart.contains("bodies.0.gap = 0.05"), "{chart}");
 }
@@ -115,13 +121,43 @@ fn columns_of_a_series_and_velocities_along_the_force_are_swept() {
     let falling = "gravity = [0, -1]\n[domain]\nsize = [4, 4]\ny = \"walls\"\n[resolution]\ncells_per_radius = 3\n[[bodies]]\nradius = 0.5\n\
                    density = 2\ncenters = [[2, 2.5]]\n[time]\nend = 0.4\nstep = 0.1\n";
     let (found, told) = sweep(&write(&here, falling), &here.join("out"), &["--vary", "flow.viscosity=1,2"]);
-    let speeds: Vec<f64> = points(&found).iter().map(|point| number(point, "mean")).collect();
+    let speeds: Vec<f64> = points(&found).iter().map(|point| number(point, "quantities.0.mean")).collect();
     assert!(speeds[0] > 0.0 && (speeds[0] / speeds[1] - 2.0).abs() < 0.05, "{speeds:?} {told}");
     let dry = "gravity = [0, -1]\n[domain]\nsize = [4, 4]\n[flow]\nmodel = \"none\"\n[[bodies]]\nradius = 0.5\ncenters = [[2, 2]]\n[time]\nend = 1\nstep = 0.1\n";
     let arguments = ["--vary", "bodies.0.density=1,3", "--quantity", "series.kinetic_energy"];
     let (found, _) = sweep(&write(&here, dry), &here.join("dry"), &arguments);
-    let energies: Vec<f64> = points(&found).iter().map(|point| number(point, "mean")).collect();
+    let energies: Vec<f64> = points(&found).iter().map(|point| number(point, "quantities.0.mean")).collect();
     assert!(energies[0] > 0.0 && (energies[1] / energies[0] - 3.0).abs() < 1e-9, "{energies:?}");
+}
+
+/// Without what Open MPI asks of root: a sweep on one rank needs no launcher.
+#[test]
+fn runs_on_one_rank_are_started_as_they_are_and_kept_as_asked() {
+    let here = folder("sweep-kept");
+    let dry = "gravity = [0, -1]\n[domain]\nsize = [4, 4]\n[flow]\nmodel = \"none\"\n[[bodies]]\nradius = 0.5\ncenters = [[2, 2]]\n[time]\nend = 1\nstep = 0.1\n";
+    let scene = write(&here, dry);
+    let quantities = ["--vary", "bodies.0.density=1,3", "--quantity", "series.kinetic_energy,settling"];
+    let kept = |keep: &str, files: &[&str]| {
+        let out = here.join(keep);
+        let mut command = command(1, &words(&scene, &out, &[&quantities[..], &["--keep", keep]].concat()));
+        command.env_remove("OMPI_ALLOW_RUN_AS_ROOT").env_remove("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM").env("PATH", "/nowhere");
+        let output = command.output().unwrap();
+        assert!(output.status.success(), "{}", said(&output));
+        let found = results(&out);
+        let run = found["records"][1]["outcome"]["measured"]["folder"].as_str().map(|folder| out.join(folder));
+        let names: Vec<String> =
+            run.iter().flat_map(|run| fs::read_dir(run).unwrap()).map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        assert!(files.iter().all(|file| names.iter().any(|name| name == file)), "{keep}: {names:?}");
+        (found, names.len(), run)
+    };
+    let (found, count, run) = kept("series", &["summary.json", "series.csv", "scene.toml"]);
+    assert_eq!((count, run.unwrap().file_name().and_then(|name| name.to_str())), (3, Some("bodies.0.density=3")));
+    let point = |point: usize, quantity: usize| number(&found, &format!("findings.points.{point}.quantities.{quantity}.mean"));
+    assert!((point(1, 0) / point(0, 0) - 3.0).abs() < 1e-9 && (point(1, 1) / point(0, 1) - 1.0).abs() < 1e-12 && point(0, 1) > 0.0);
+    let (_, count, _) = kept("all", &["summary.json", "series.csv", "scene.toml", "run.h5"]);
+    assert!(count > 4);
+    assert_eq!(kept("nothing", &[]).1, 0);
+    assert!(here.join("series/sweep-series.kinetic_energy.svg").exists() && !here.join("nothing/runs").exists());
 }
 
 #[test]
@@ -129,7 +165,8 @@ fn a_sweep_that_cannot_be_made_is_refused() {
     let here = folder("sweep-refused");
     let (scene, out) = (write(&here, DISKS), here.join("out"));
     let given = root().join("examples/cubic.toml");
-    let cases: [(&[&str], &str); 8] = [
+    let cases: [(&[&str], &str); 9] = [
+        (&["--vary", "flow.viscosity=1", "--quantity", "viscosity,viscosity"], "--quantity viscosity: stands there twice"),
         (&["--vary", "bodies.0.fraction"], "must be key=value,value"),
         (&["--vary", "bodies.0.fractions=0.1"], "fractions"),
         (&["--vary", "bodies.0.fraction=0.1,2"], "fraction"),

@@ -83,6 +83,8 @@ def test_a_folder_that_is_taken_is_refused(scalar):
     with pytest.raises(turbid.Refused, match="choose another folder") as caught:
         turbid.run(SCALAR, out=scalar.folder, ranks=1)
     assert caught.value.file == str(scalar.folder)
+    told = str(caught.value)
+    assert "with force=True" in told and f"turbid.open({str(scalar.folder)!r}) reads it" in told and "--" not in told, told
     assert turbid.run(SCALAR, out=scalar.folder, ranks=1, force=True).finished
 
 
@@ -94,14 +96,59 @@ def test_failures_carry_code_and_text(tmp_path):
         turbid.run(SCALAR, ranks=1, executable=program)
     assert caught.value.code == 1 and "begun" in caught.value.printed
     program.write_text("#!/bin/sh\nkill -SEGV $$\n")
-    with pytest.raises(turbid.Failed, match="ended with code -11: it printed nothing"):
+    with pytest.raises(turbid.Failed, match=r"ended by signal 11 \(SIGSEGV\); .* has no checkpoint yet: start it again") as caught:
         turbid.run(SCALAR, ranks=1, executable=program)
+    assert (caught.value.code, caught.value.signal) == (-11, 11)
     with pytest.raises(turbid.Failed, match="no program that can be started"):
         turbid.run(SCALAR, executable=tmp_path / "absent")
     with pytest.raises(ValueError, match="ranks = 0"):
         turbid.run(SCALAR, ranks=0)
     with pytest.raises(turbid.Failed, match="starts several ranks, is not installed"):
         turbid.run(SCALAR, launcher="no-such-launcher {ranks}")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"ranks": "2"}, r"ranks = '2': must be a whole number, as ranks=2"),
+        ({"ranks": 1.5}, r"ranks = 1.5: must be a whole number"),
+        ({"ranks": True}, r"ranks = True: must be a whole number"),
+        ({"set": ["a=1"]}, r"set = \['a=1'\]: must be a dict of keys of the scene with their values, as set="),
+        ({"set": {3: 1}}, r"set = \{3: 1\}: must be a dict"),
+        ({"set": {"seed": None}}, r"None has no place in a scene"),
+        ({"launcher": "mpirun -n 2"}, r"launcher = 'mpirun -n 2': must be a command with \{ranks\}"),
+        ({"launcher": ""}, r"launcher = '': must be a command"),
+    ],
+)
+def test_arguments_that_cannot_be_used_say_what_to_give(arguments, message, tmp_path):
+    with pytest.raises(turbid.Invalid, match=message) as caught:
+        turbid.run(SCALAR, out=tmp_path / "no", **arguments)
+    assert isinstance(caught.value, turbid.TurbidError)
+    with pytest.raises(turbid.Invalid, match="scene = 5: must be the path of a scene file, or a dict"):
+        turbid.run(5)
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_a_killed_run_names_the_signal_and_how_to_go_on(ranks, tmp_path):
+    out = tmp_path / "killed"
+
+    def kill():
+        while not (out / "checkpoint.h5").exists():
+            time.sleep(0.05)
+        # those that simulate, by the folder that they write to
+        for process in Path("/proc").glob("[0-9]*"):
+            words = (process / "cmdline").read_bytes().split(b"\0") if (process / "cmdline").exists() else []
+            if words and words[0].endswith(b"turbid") and str(out).encode() in words:
+                os.kill(int(process.name), signal.SIGKILL)
+                return
+
+    threading.Thread(target=kill, daemon=True).start()
+    with pytest.raises(turbid.Failed) as caught:
+        turbid.run(WALLS, set={"time.end": 50.0, "output.checkpoint": 1e-9}, out=out, ranks=ranks, progress=False)
+    assert caught.value.signal == 9
+    message = str(caught.value)
+    assert message.startswith("turbid was ended by signal 9 (SIGKILL, as the system does where memory is short); "), message
+    assert message.endswith(f"turbid.resume({str(out)!r}) goes on from the last checkpoint")
 
 
 def test_the_executable_is_found_by_argument_variable_and_path(tmp_path, monkeypatch):
@@ -136,7 +183,7 @@ def test_a_scene_survives_as_toml():
     back = tomllib.loads(document(scene))
     assert back == {**scene, "gravity": [0.0, -1e-9], "domain": {"size": [4, 2], "y": {"lower": [1.0]}}}
     assert inline(float("inf")) == "inf"
-    with pytest.raises(TypeError, match="has no place in a scene"):
+    with pytest.raises(turbid.Invalid, match="has no place in a scene"):
         document({"title": None})
 
 

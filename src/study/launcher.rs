@@ -2,6 +2,8 @@
 
 use std::{
     fs,
+    io::ErrorKind,
+    os::unix::fs::MetadataExt,
     path::{Path, PathBuf},
     process::{Command, Output, Stdio},
 };
@@ -15,7 +17,7 @@ use crate::{
 /// How runs are started, and how often.
 #[derive(Debug, Clone, clap::Args)]
 pub struct StartArguments {
-    /// Command that starts a program on {ranks} ranks.
+    /// Command that starts a program on {ranks} ranks; without it one rank is started as it is.
     #[arg(long, default_value = LAUNCHER)]
     pub launcher: String,
     /// Runs of each setting, of which the fastest counts.
@@ -97,9 +99,14 @@ impl Drop for Scratch {
     }
 }
 
+/// What Open MPI asks of root.
+const AS_ROOT: [&str; 2] = ["OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"];
+
 /// How runs on several ranks are started.
 pub struct Launcher {
     words: Vec<String>,
+    /// Whether nobody named it: it then starts several ranks only, also those of root.
+    default: bool,
     program: PathBuf,
     /// Options for PETSc.
     petsc: Vec<String>,
@@ -133,7 +140,7 @@ impl Launcher {
             )));
         }
         let program = std::env::current_exe().map_err(|source| Error::File { path: "turbid".into(), source })?;
-        Ok(Launcher { words, program, petsc: petsc.to_vec() })
+        Ok(Launcher { words, default: command == LAUNCHER, program, petsc: petsc.to_vec() })
     }
 
     /// Runs a scene; returns what `read` makes of the summary of the run in which it is fastest.
@@ -161,9 +168,10 @@ impl Launcher {
     }
 
     fn run<T>(&self, job: &Job, read: impl Fn(&Path) -> Result<T>) -> Result<Result<T>> {
-        let outcome = self.command(job).output();
+        let mut command = self.command(job);
+        let outcome = command.output();
         let output = outcome.map_err(|error| {
-            let program = &self.words[0];
+            let program = command.get_program().display();
             Error::refused(format!("--launcher: {program} cannot be started ({error}); install it or name another launcher"))
         })?;
         if !output.status.success() {
@@ -172,20 +180,41 @@ impl Launcher {
             return if own_words(&output).is_empty() && !job.folder.exists() { Err(failure) } else { Ok(Err(failure)) };
         }
         let found = read(&job.folder.join("summary.json"));
-        fs::remove_dir_all(job.folder).map_err(|source| Error::File { path: job.folder.to_owned(), source })?;
-        Ok(found)
+        match fs::remove_dir_all(job.folder) {
+            // who has read it may have moved it
+            Err(source) if source.kind() != ErrorKind::NotFound => Err(Error::File { path: job.folder.to_owned(), source }),
+            _ => Ok(found),
+        }
     }
 
     fn command(&self, job: &Job) -> Command {
-        let words: Vec<String> = self.words.iter().map(|word| word.replace(PLACE, &job.ranks.to_string())).collect();
-        let mut command = Command::new(&words[0]);
-        command.args(&words[1..]).arg(&self.program).arg("run").arg(job.scene).arg("--out").arg(job.folder).stdin(Stdio::null());
+        let mut command = self.start(job.ranks);
+        command.arg("run").arg(job.scene).arg("--out").arg(job.folder).stdin(Stdio::null());
         for setting in job.overrides {
             command.args(["--set", setting]);
         }
         command.arg("--").args(&self.petsc);
         command
     }
+
+    /// The program on so many ranks, without its words.
+    fn start(&self, ranks: usize) -> Command {
+        if self.default && ranks == 1 {
+            return Command::new(&self.program);
+        }
+        let words: Vec<String> = self.words.iter().map(|word| word.replace(PLACE, &ranks.to_string())).collect();
+        let mut command = Command::new(&words[0]);
+        command.args(&words[1..]).arg(&self.program);
+        if self.default && is_root() {
+            command.envs(AS_ROOT.into_iter().filter(|name| std::env::var_os(name).is_none()).map(|name| (name, "1")));
+        }
+        command
+    }
+}
+
+/// Whether the program is run by root.
+fn is_root() -> bool {
+    fs::metadata("/proc/self").is_ok_and(|own| own.uid() == 0)
 }
 
 /// What a failed run said about itself, or else all that the launcher said.
@@ -215,6 +244,22 @@ mod tests {
         let words: Vec<&str> = command.get_args().map(|word| word.to_str().unwrap()).collect();
         assert_eq!((command.get_program().to_str(), &words[..2]), (Some("srun"), &["--ntasks=8", "-v"][..]));
         assert_eq!(words[3..], ["run", "a.toml", "--out", "b", "--set", "seed=2", "--set", "output.picture=false", "--", "-log_view"]);
+    }
+
+    #[test]
+    fn one_rank_is_started_as_it_is_unless_a_launcher_is_named() {
+        let first = |launcher: &str, ranks: usize| {
+            let job = Job { scene: Path::new("a.toml"), overrides: &[], folder: Path::new("b"), ranks, repeat: 1 };
+            let command = Launcher::new(launcher, &[]).unwrap().command(&job);
+            (command.get_program().to_owned(), command.get_args().next().unwrap().to_owned(), command.get_envs().count())
+        };
+        let program = std::env::current_exe().unwrap();
+        assert_eq!(first(LAUNCHER, 1), (program.into_os_string(), "run".into(), 0));
+        let (started, word, variables) = first(LAUNCHER, 2);
+        assert_eq!((started.to_str(), word.to_str()), (Some("mpirun"), Some("--oversubscribe")));
+        let unset = AS_ROOT.into_iter().filter(|name| std::env::var_os(name).is_none()).count();
+        assert_eq!(variables, if is_root() { unset } else { 0 });
+        assert_eq!(first("srun -n {ranks}", 1).0, "srun");
     }
 
     #[test]

@@ -3,16 +3,20 @@
 //! Every setting is a run of its own, started by a launcher; what was measured is kept in `sweep.json` after every run, and a sweep that is started
 //! again measures only what is missing. A run that fails is reported and tried again by the next start.
 
+mod keep;
+mod point;
 mod quantity;
+mod reading;
 mod record;
 mod report;
 mod vary;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
 use self::{
+    keep::Keep,
     quantity::Quantity,
     record::{Measured, Outcome, Record, Setting},
     report::Report,
@@ -35,7 +39,7 @@ const PLACES: [(&str, &str); 5] = [
     ("/identity/version", "the version of the program"),
     ("/identity/scene", "the scene"),
     ("/identity/files", "the files of the scene"),
-    ("/identity/quantity", "the quantity"),
+    ("/identity/quantities", "the quantities"),
     ("/identity", "how runs are started"),
 ];
 
@@ -51,13 +55,17 @@ pub struct ParameterSweep {
     /// Runs of each point, with the seeds from that of the scene on; their scatter gives the interval.
     #[arg(long, default_value_t = 1, value_parser = count(1..=10_000))]
     pub seeds: usize,
-    /// viscosity, drag, settling, a column as series.kinetic_energy, or a key of summary.json as flow.mean_velocity.0 (default: what the scene is about).
-    #[arg(long)]
-    pub quantity: Option<String>,
+    /// viscosity, drag, settling, columns as series.kinetic_energy, their last entries as last.kinetic_energy, or keys of summary.json as flow.mean_velocity.0; several are separated by commas
+    /// (default: what the scene is about).
+    #[arg(long, value_delimiter = ',', value_name = "QUANTITY,..")]
+    pub quantity: Vec<String>,
+    /// What is kept of each run in the folder runs: its summary, series and scene, all of its files, or nothing.
+    #[arg(long, value_enum, default_value_t = Keep::Series)]
+    pub keep: Keep,
     /// Ranks of each run.
     #[arg(long, default_value_t = 1, value_parser = count(1..))]
     pub ranks: usize,
-    /// Command that starts a program on {ranks} ranks.
+    /// Command that starts a program on {ranks} ranks; without it one rank is started as it is.
     #[arg(long, default_value = LAUNCHER)]
     pub launcher: String,
     /// Folder for results; a sweep that was interrupted goes on there (default: out/NAME-sweep of the scene).
@@ -79,25 +87,30 @@ impl Study<PetscOptions> for ParameterSweep {
         let settings = self.settings(&scene, &keys)?;
         // a key that is misspelt is refused before anything is run
         let scenes = settings.iter().map(|setting| self.scene_of(setting)).collect::<Result<Vec<_>>>()?;
-        let quantity = Quantity::of(self.quantity.as_deref(), &scenes[0])?;
+        let quantities = Quantity::all(&self.quantity, &scenes[0])?;
         let launcher = Launcher::new(&self.launcher, petsc)?;
         let folder = StudyFolder::take(self.out.clone().unwrap_or_else(|| format!("out/{}-sweep", scene.name).into()))?;
-        let mut store: Store<Record> = Store::open(&folder.path, "sweep.json", self.identity(&scene, &quantity, petsc)?, self.fresh)?;
-        say(&format!("{}\nquantity: {}\n", scene.shown_title(), quantity.words(scene.time.is_some())))?;
+        let mut store: Store<Record> = Store::open(&folder.path, "sweep.json", self.identity(&scene, &quantities, petsc)?, self.fresh)?;
+        let words: Vec<String> =
+            quantities.iter().map(|quantity| format!("quantity: {}\n", quantity.words(scene.time.is_some()))).collect();
+        say(&format!("{}\n{}", scene.shown_title(), words.concat()))?;
         let missing: Vec<usize> = (0..settings.len()).filter(|&place| store.find(&settings[place]).is_none()).collect();
         if missing.len() < settings.len() {
             note(&format!("{} of {} runs were measured before", settings.len() - missing.len(), settings.len()));
         }
         for (number, &place) in missing.iter().enumerate() {
-            let outcome = self.measure(&launcher, &folder, &settings[place], &scenes[place], &quantity)?;
+            let outcome = self.measure(&launcher, &folder, &settings[place], &scenes[place], &quantities)?;
             let record = Record { setting: settings[place].clone(), outcome };
             note(&format!("{} of {}: {record}", number + 1, missing.len()));
             store.add(record)?;
         }
-        let report = Report::new(scene.shown_title(), quantity.name(), &keys, &settings, &store);
+        let report = Report::new(scene.shown_title(), quantities.iter().map(Quantity::name).collect(), &keys, &settings, &store);
         store.write(Some(&report))?;
-        folder.write(&report.files())?;
-        say(&format!("{}\n\nfiles: {}: sweep.json, sweep.csv, sweep.md, sweep.svg", report.markdown(), folder.path.display()))?;
+        let files = report.files();
+        folder.write(&files.iter().map(|(name, text)| (name.as_str(), text.clone())).collect::<Vec<_>>())?;
+        let names = files.iter().map(|(name, _)| format!(", {name}")).collect::<String>();
+        let kept = if self.keep == Keep::Nothing { String::new() } else { format!("; runs in {}", keep::FOLDER) };
+        say(&format!("{}\n\nfiles: {}: sweep.json{names}{kept}", report.markdown(), folder.path.display()))?;
         match report.points.iter().any(|point| point.runs > 0) {
             true => Ok(()),
             false => Err(Error::refused("no run came to its end; the reasons stand below the table")),
@@ -134,30 +147,33 @@ impl ParameterSweep {
         Scene::read(&self.scene.scene, &self.overrides(setting))
     }
 
-    fn measure(&self, launcher: &Launcher, folder: &StudyFolder, setting: &Setting, scene: &Scene, quantity: &Quantity) -> Result<Outcome> {
+    fn measure(
+        &self,
+        launcher: &Launcher,
+        folder: &StudyFolder,
+        setting: &Setting,
+        scene: &Scene,
+        quantities: &[Quantity],
+    ) -> Result<Outcome> {
         let picture = (!scene.scalar()).then(|| WITHOUT_PICTURE.to_owned());
         let overrides: Vec<String> = self.overrides(setting).into_iter().chain(picture).collect();
         let out = folder.scratch.0.join("run");
         let job = Job { scene: &self.scene.scene, overrides: &overrides, folder: &out, ranks: self.ranks, repeat: 1 };
-        let read = |path: &std::path::Path| {
-            let reading = quantity.read(path, scene)?;
+        let read = |path: &Path| {
+            let readings = quantities.iter().map(|quantity| quantity.read(path, scene)).collect::<Result<Vec<_>>>()?;
             let summary = RunSummary::read(path)?;
-            Ok(Measured {
-                value: reading.value,
-                half_width: reading.half_width,
-                remark: reading.remark.map(str::to_owned),
-                seconds: summary.setup_seconds() + summary.solve_seconds(),
-            })
+            let kept = self.keep.keep(&out, &folder.path, &setting.folder_name())?;
+            let seconds = summary.setup_seconds() + summary.solve_seconds();
+            Ok(Measured { readings, fraction: summary.number("/fraction"), seconds, folder: kept })
         };
         let outcome = launcher.attempt(&job, read, |measured| measured.seconds)?;
-        // what a failed run left would be in the way of the next one
-        let _ = std::fs::remove_dir_all(&out);
+        self.keep.keep_failed(&out, &folder.path, &setting.folder_name())?;
         Ok(outcome.map_or_else(|error| Outcome::Failed(one_line(&error)), Outcome::Measured))
     }
 
-    fn identity(&self, scene: &Scene, quantity: &Quantity, petsc: &PetscOptions) -> Result<Identity> {
+    fn identity(&self, scene: &Scene, quantities: &[Quantity], petsc: &PetscOptions) -> Result<Identity> {
         let json = json!({ "identity": {
-            "version": env!("CARGO_PKG_VERSION"), "scene": scene.text, "files": files_of(scene)?, "quantity": quantity.name(), "ranks": self.ranks,
+            "version": env!("CARGO_PKG_VERSION"), "scene": scene.text, "files": files_of(scene)?, "quantities": quantities.iter().map(Quantity::name).collect::<Vec<_>>(), "ranks": self.ranks,
             "launcher": self.launcher, "petsc": petsc,
         } });
         Ok(Identity { json, places: &PLACES })
@@ -180,6 +196,8 @@ mod tests {
     #[test]
     fn the_words_of_a_sweep_are_its_arguments() {
         let sweep: ParameterSweep = from_words(&["a.toml", "--vary", "a=1,2", "--vary", "b=[1, 2],[3, 4]", "--seeds", "5"]);
+        let several: ParameterSweep = from_words(&["a.toml", "--vary", "a=1", "--quantity", "viscosity,series.contacts", "--keep", "all"]);
+        assert_eq!((several.quantity, several.keep), (vec!["viscosity".to_owned(), "series.contacts".into()], Keep::All));
         assert_eq!((sweep.scene.scene, sweep.vary, sweep.seeds), ("a.toml".into(), vec!["a=1,2".into(), "b=[1, 2],[3, 4]".into()], 5));
     }
 }

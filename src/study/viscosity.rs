@@ -56,7 +56,7 @@ pub struct ViscosityStudy {
     /// Ranks of each run.
     #[arg(long, default_value_t = 1, value_parser = count(1..))]
     pub ranks: usize,
-    /// Command that starts a program on {ranks} ranks.
+    /// Command that starts a program on {ranks} ranks; without it one rank is started as it is.
     #[arg(long, default_value = LAUNCHER)]
     pub launcher: String,
     /// Folder for results; a study that was interrupted goes on there.

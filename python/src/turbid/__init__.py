@@ -12,7 +12,7 @@ All numbers are in the units of the scene. See the README of the package and ``d
 from .animation import Animation
 from .box import Box
 from .contacts import Bonds, Contacts, Membranes
-from .errors import Failed, Missing, Refused, TurbidError
+from .errors import Damaged, Failed, Invalid, Missing, Refused, TurbidError
 from .executable import find_executable
 from .fields import Fields
 from .frame import Frame
@@ -26,6 +26,7 @@ from .results import Run
 from .results import open_run as open
 from .shear import Shear
 from .statistics import Mean, blocking, shortage, standard_error, steady_mean
+from .sweeps import open_sweep, sweep
 from .viscosity import Viscosity
 
 __version__ = "0.1.0"
@@ -35,10 +36,12 @@ __all__ = [
     "Bonds",
     "Box",
     "Contacts",
+    "Damaged",
     "Failed",
     "Fields",
     "Frame",
     "Frames",
+    "Invalid",
     "Mean",
     "Membranes",
     "Missing",
@@ -55,6 +58,7 @@ __all__ = [
     "find_executable",
     "near_pairs",
     "open",
+    "open_sweep",
     "pair_distribution",
     "plan",
     "profile",
@@ -63,4 +67,5 @@ __all__ = [
     "shortage",
     "standard_error",
     "steady_mean",
+    "sweep",
 ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from pathlib import Path
 
 
 class TurbidError(Exception):
@@ -14,18 +15,36 @@ class Missing(TurbidError, LookupError):
     """A folder that is no run, or something that a run does not have (yet); the message says what would make it."""
 
 
+class Invalid(TurbidError, ValueError, TypeError):
+    """An argument that cannot be used; the message names it, its value and what would be right."""
+
+
+class Damaged(TurbidError, RuntimeError):
+    """A file of a run that is there but cannot be read.
+
+    Attributes:
+        path: The file.
+    """
+
+    def __init__(self, path: Path, reason: object) -> None:
+        super().__init__(f"{path} is damaged ({reason}); put back a copy of it, or make the run anew with turbid.run(.., force=True)")
+        self.path = path
+
+
 class Failed(TurbidError, RuntimeError):
     """The program could not be started, or ended with an error that is no refusal.
 
     Attributes:
         code: Exit code of the program; ``None`` where it could not be started.
         printed: All that it printed.
+        signal: Number of the signal that ended it; ``None`` where none did.
     """
 
-    def __init__(self, message: str, code: int | None = None, printed: str = "") -> None:
+    def __init__(self, message: str, code: int | None = None, printed: str = "", signal: int | None = None) -> None:
         super().__init__(message)
         self.code = code
         self.printed = printed
+        self.signal = signal
 
 
 class Refused(TurbidError, ValueError):
@@ -54,7 +73,7 @@ class Refused(TurbidError, ValueError):
 
 
 _OVERRIDE = re.compile(r'--set(?: "(?:[^"\\]|\\.)*")?: ')
-_FOLDER = re.compile(r"--out (?P<file>.+?): ")
+_FOLDER = re.compile(r"(?:--out |out=)(?P<file>.+?): ")
 _LINE = re.compile(r"(?P<file>[^:\n]+):(?P<line>\d+): ")
 _FILE = re.compile(r"(?P<file>[^:\s=]*[./][^:\s=]*): ")
 _KEY = r"[A-Za-z_][\w\-]*(?:\[\d+\]|\.[\w\-]+)*"

@@ -7,7 +7,11 @@ import shlex
 import shutil
 from pathlib import Path
 
-from .errors import Failed
+from .arguments import whole
+from .errors import Failed, Invalid
+
+_LAUNCHER = "mpirun -n {ranks}"
+_PLACE = "{ranks}"
 
 PathLike = str | os.PathLike[str]
 
@@ -35,14 +39,21 @@ def find_executable(executable: PathLike | None = None) -> str:
 
 def command(words: list[str], ranks: int, executable: PathLike | None, launcher: str | None) -> list[str]:
     """The words that start the program on so many ranks."""
-    if ranks < 1:
-        raise ValueError(f"ranks = {ranks}: must be at least 1")
+    ranks = whole("ranks", ranks)
     start: list[str] = []
     if ranks > 1 or launcher is not None:
-        start = shlex.split((launcher or "mpirun -n {ranks}").format(ranks=ranks))
+        start = shlex.split(_checked(launcher).replace(_PLACE, str(ranks)))
         if shutil.which(start[0]) is None:
             raise Failed(f"{start[0]}, which starts several ranks, is not installed; install it, give another launcher=, or take ranks=1")
     return [*start, find_executable(executable), *words]
+
+
+def _checked(launcher: str | None) -> str:
+    """A launcher that has a place for the number of ranks."""
+    launcher = _LAUNCHER if launcher is None else launcher
+    if not isinstance(launcher, str) or _PLACE not in launcher or launcher.split()[0] == _PLACE:
+        raise Invalid(f"launcher = {launcher!r}: must be a command with {_PLACE} where the number of ranks goes, as launcher={_LAUNCHER!r}")
+    return launcher
 
 
 def environment(ranks: int) -> dict[str, str]:

@@ -6,17 +6,38 @@ import csv
 import json
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 import h5py
 import pandas as pd
 
+from .errors import Damaged
+
 T = TypeVar("T")
+
+# what readers raise for a file that is not what it should be
+_BROKEN = (OSError, ValueError, KeyError, IndexError, TypeError, RuntimeError, StopIteration)
 
 # the program exchanges run.h5 for a longer one while it runs; who opened the old one tries again
 _TRIES = 4
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """Reads a file that is there.
+
+    Raises:
+        Damaged: It is not what it should be.
+    """
+    try:
+        yield
+    except (FileNotFoundError, Damaged):
+        raise
+    except _BROKEN as error:
+        raise Damaged(path, str(error).split("\n")[0] or type(error).__name__) from error
 
 
 class Cached(Generic[T]):
@@ -36,14 +57,17 @@ class Cached(Generic[T]):
             return None
         stamp = (found.st_mtime_ns, found.st_size, found.st_ino)
         if stamp != self._stamp:
-            self._value = self._read(self.path)
+            with reading(self.path):
+                self._value = self._read(self.path)
             self._stamp = stamp
         return self._value
 
 
 def read_json(path: Path) -> dict[str, Any]:
     """The object of a JSON file."""
-    value: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    value = json.loads(path.read_text(encoding="utf-8"))
+    if not isinstance(value, dict):
+        raise ValueError("it holds no object")
     return value
 
 
@@ -57,6 +81,9 @@ def read_table(path: Path) -> pd.DataFrame:
 def numbers(text: str) -> pd.DataFrame:
     """A table of numbers as CSV, to the last digit, which some versions of pandas round; empty cells are ``nan``."""
     header, *rows = csv.reader(text.splitlines())
+    for number, row in enumerate(rows, start=2):
+        if len(row) != len(header):
+            raise ValueError(f"line {number} has {len(row)} cells under {len(header)} heads")
 
     def column(cells: tuple[str, ...]) -> list[int] | list[float]:
         try:
@@ -88,7 +115,17 @@ def last_row(path: Path) -> dict[str, float] | None:
 
 
 def read_hdf5(path: Path, read: Callable[[h5py.File], T]) -> T:
-    """What a function finds in an HDF5 file, which is open no longer than it takes and locked for nobody."""
+    """What a function finds in an HDF5 file, which is open no longer than it takes and locked for nobody.
+
+    Raises:
+        FileNotFoundError: There is none.
+        Damaged: It cannot be read, or lacks what it should hold.
+    """
+    with reading(path):
+        return _read_hdf5(path, read)
+
+
+def _read_hdf5(path: Path, read: Callable[[h5py.File], T]) -> T:
     for left in reversed(range(_TRIES)):
         try:
             # who has it open in this process may have locked it

@@ -15,7 +15,7 @@ from .box import Box, Floats
 from .contacts import Bonds, Contacts, Membranes, faces_of
 from .errors import Missing
 from .fields import Fields
-from .files import read_hdf5
+from .files import read_hdf5, reading
 
 if TYPE_CHECKING:
     import xarray
@@ -59,7 +59,8 @@ class Frame:
     @property
     def time(self) -> float:
         """Its time."""
-        return float(self._attributes["time"])
+        with reading(self.path):
+            return float(self._attributes["time"])
 
     @property
     def step(self) -> int:
@@ -75,9 +76,10 @@ class Frame:
     def box(self) -> Box:
         """The box, with periodic images where they are at this time."""
         found = self._attributes
-        offset = float(found["offset"]) if "offset" in found else None
-        periodic = tuple(bool(axis) for axis in found["periodic"])
-        return Box(np.array(found["size"], dtype=float), periodic, offset, float(found.get("offset_rate", 0.0)))
+        with reading(self.path):
+            offset = float(found["offset"]) if "offset" in found else None
+            periodic = tuple(bool(axis) for axis in found["periodic"])
+            return Box(np.array(found["size"], dtype=float), periodic, offset, float(found.get("offset_rate", 0.0)))
 
     @property
     def dimension(self) -> int:
@@ -206,7 +208,8 @@ class Frame:
     def _body(self, name: str) -> npt.NDArray[Any]:
         if not self._bodies:
             self._bodies = self._group("bodies")
-        return self._bodies[name]
+        with reading(self.path):
+            return self._bodies[name]
 
     def _turns(self, name: str) -> Floats:
         turns = self._body(name)

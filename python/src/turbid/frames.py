@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .box import Floats
-from .errors import Missing
+from .errors import Invalid, Missing
 from .files import read_hdf5
 from .frame import Frame
 
@@ -55,6 +55,8 @@ class Frames(Sequence[Frame]):
         """The frame whose time is nearest."""
         if not len(self):
             raise Missing(_none(self._run))
+        if not isinstance(time, (int, float, np.integer, np.floating)) or not np.isfinite(time):
+            raise Invalid(f"time = {time!r}: must be a number")
         return self[int(np.abs(self.times - time).argmin())]
 
     def since(self, time: float) -> Frames:

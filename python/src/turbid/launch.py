@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import tempfile
 import tomllib
@@ -11,6 +12,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from .arguments import keys
+from .errors import Invalid
 from .executable import PathLike, command, environment
 from .process import Program, ShownProgress
 from .progress import Watcher
@@ -42,21 +45,23 @@ def run(
         set: Keys that replace those of the scene: ``{"time.end": 2.0, "bodies.0.fraction": 0.2}``.
         ranks: Number of MPI ranks; 1 starts the program without ``mpirun``.
         out: Output folder; ``out/NAME`` of the scene file if it is not given. A ``dict`` is named by its title.
-        force: Write over what an earlier run has left in the folder.
+        force: Write over what an earlier run has left in the folder; without it a run that is there is refused, also where a cell of a notebook
+            is executed again.
         progress: Show how far the run has come, or a function that is called with a :class:`Progress` now and then, or ``False``.
         executable: The program, if it is neither named by the variable ``TURBID`` nor on the ``PATH`` nor built in this repository.
         launcher: What starts several ranks, ``"mpirun -n {ranks}"`` if it is not given.
 
     Raises:
+        Invalid: An argument of this function cannot be used.
         Refused: The program refuses the scene, an override or the folder.
         Failed: The program ended with another error.
         KeyboardInterrupt: It was interrupted; the run has written a checkpoint, and :func:`resume` goes on with it.
     """
-    with _scene_file(scene) as (path, name):
+    with scene_file(scene) as (path, name):
         folder = Path(out) if out is not None else Path("out") / name
-        words = ["run", str(path), *_overrides(set), "--out", str(folder), *(["--force"] if force else [])]
+        words = ["run", str(path), *overrides_of(set), "--out", str(folder), *(["--force"] if force else [])]
         watcher = Watcher(folder, _end_of(path, set))
-        started = Program(command(words, ranks, executable, launcher), environment(ranks), path if isinstance(scene, Mapping) else None)
+        started = Program(command(words, ranks, executable, launcher), environment(ranks), path if isinstance(scene, Mapping) else None, folder)
         printed = started.watch(watcher, progress)
     return Run(folder, printed=printed)
 
@@ -72,9 +77,9 @@ def resume(
 ) -> Run:
     """Goes on with a run from its last checkpoint; ``set`` may change ``time.end``, ``time.until`` and ``output``. Otherwise as :func:`run`."""
     folder = Path(folder)
-    words = ["resume", str(folder), *_overrides(set)]
+    words = ["resume", str(folder), *overrides_of(set)]
     watcher = Watcher(folder, _end_of(folder / "scene.toml", set))
-    started = Program(command(words, ranks, executable, launcher), environment(ranks), None)
+    started = Program(command(words, ranks, executable, launcher), environment(ranks), None, folder)
     return Run(folder, printed=started.watch(watcher, progress))
 
 
@@ -108,8 +113,8 @@ class Plan:
 
 def plan(scene: SceneLike, *, set: Overrides = None, ranks: int = 1, executable: PathLike | None = None, launcher: str | None = None) -> Plan:
     """What :func:`run` would build for a scene, with unknowns, memory and seconds; solves no more than a sample."""
-    with _scene_file(scene) as (path, _):
-        words = ["plan", str(path), *_overrides(set)]
+    with scene_file(scene) as (path, _):
+        words = ["plan", str(path), *overrides_of(set)]
         started = Program(command(words, ranks, executable, launcher), environment(ranks), path if isinstance(scene, Mapping) else None)
         return Plan.of(started.watch(None, False))
 
@@ -119,14 +124,18 @@ def call(words: list[str], executable: PathLike | None) -> str:
     return Program(command(words, 1, executable, None), environment(1), None).watch(None, False)
 
 
-def _overrides(overrides: Overrides) -> list[str]:
-    return [word for key, value in (overrides or {}).items() for word in ("--set", f"{key}={inline(value)}")]
+def overrides_of(overrides: Overrides) -> list[str]:
+    """The words that set keys of a scene."""
+    given = keys("set", overrides, '{"time.end": 2.0}')
+    return [word for key, value in given.items() for word in ("--set", f"{key}={inline(value)}")]
 
 
 @contextmanager
-def _scene_file(scene: SceneLike) -> Iterator[tuple[Path, str]]:
+def scene_file(scene: SceneLike) -> Iterator[tuple[Path, str]]:
     """The file of a scene and the name of its output folder."""
     if not isinstance(scene, Mapping):
+        if not isinstance(scene, (str, os.PathLike)):
+            raise Invalid(f"scene = {scene!r}: must be the path of a scene file, or a dict with the keys of one")
         path = Path(scene)
         yield path, path.stem
         return

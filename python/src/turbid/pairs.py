@@ -15,7 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from .arguments import above
 from .box import Box, Floats
+from .errors import Invalid
 from .neighbours import near_pairs
 from .shear import Shear
 
@@ -67,19 +69,20 @@ def pair_distribution(frames: Iterable[Frame], width: float = _WIDTH, farthest: 
         farthest: Farthest separation in sums of radii; without it 4, or what half a period or the room between walls allows.
         shear: The shear that directions refer to; without it they go from x to y.
     """
+    width, farthest = above("width", width), None if farthest is None else above("farthest", farthest, 1.0)
     counts: _Counts | None = None
     for frame in frames:
         counts = counts or _Counts(frame.box, frame.radii, width, farthest, shear)
         counts.add(frame.box, frame.centres)
     if counts is None:
-        raise ValueError("there are no frames to count pairs in")
+        raise Invalid("there are no frames to count pairs in")
     return counts.distribution()
 
 
 class _Counts:
     def __init__(self, box: Box, radii: Floats, width: float, farthest: float | None, shear: Shear | None) -> None:
         if len(radii) < 2:
-            raise ValueError(f"there are no pairs of {len(radii)} bodies")
+            raise Invalid(f"there are no pairs of {len(radii)} bodies")
         self.box, self.radii, self.width = box, radii, width
         axes = np.eye(box.dimension)
         self.flow: Floats = shear.flow if shear else axes[0]

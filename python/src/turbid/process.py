@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import signal
 import subprocess
@@ -18,6 +19,8 @@ from .progress import Progress, Watcher, display_of
 ShownProgress = bool | Callable[[Progress], object]
 
 _REFUSED = 2
+# what the program says of a folder whose run is the same and complete
+_FINISHED = "holds this run, finished"
 _PAUSE = 0.25
 # a note that is an error is followed by the end of the program within this time, and is told by an exception
 _HELD_BACK = 3.0
@@ -30,11 +33,17 @@ class Program:
         words: The command.
         variables: Its environment.
         written: The file that was written for a scene that was given as a ``dict``, which no refusal needs to name.
+        folder: The output folder of a run.
+        whole_group: Whether what the program has started is to end with it.
     """
 
-    def __init__(self, words: list[str], variables: dict[str, str], written: Path | None) -> None:
+    def __init__(
+        self, words: list[str], variables: dict[str, str], written: Path | None, folder: Path | None = None, whole_group: bool = False
+    ) -> None:
         self.words = words
         self.written = written
+        self.folder = folder
+        self.whole_group = whole_group
         # a group of its own: the terminal's interrupt would end it without a checkpoint
         self.process = subprocess.Popen(
             words,
@@ -87,7 +96,10 @@ class Program:
     def _stop(self) -> None:
         """Asks for a checkpoint and an end."""
         if self.process.poll() is None:
-            self.process.send_signal(signal.SIGTERM)
+            if self.whole_group:
+                os.killpg(self.process.pid, signal.SIGTERM)
+            else:
+                self.process.send_signal(signal.SIGTERM)
             try:
                 self.process.wait(60)
             except subprocess.TimeoutExpired:
@@ -98,13 +110,30 @@ class Program:
         if code == 0:
             return
         printed = _text(self.printed) + noted
-        message = message_in(noted) or f"turbid ended with code {code}: {printed.strip() or 'it printed nothing'}"
+        message = in_python(message_in(noted) or f"turbid ended with code {code}: {printed.strip() or 'it printed nothing'}")
         if code == _REFUSED:
+            if self.folder is not None and _FINISHED in message:
+                message += f"; turbid.open({str(self.folder)!r}) reads it"
             # who has given a dict has not written that file
             if self.written is not None:
                 message = re.sub(rf"(\S*/)?{re.escape(self.written.name)}(:\d+)?: ", "", message)
             raise Refused(message, printed)
-        raise Failed(message, code, printed)
+        number = signal_of(code, noted)
+        if number is not None:
+            message = self._killed(number)
+        raise Failed(message, code, printed, number)
+
+    def _killed(self, number: int) -> str:
+        """What ended the program, and how to go on."""
+        name = signal.Signals(number).name if number in set(signal.Signals) else "unknown"
+        cause = ", as the system does where memory is short" if number == signal.SIGKILL else ""
+        if self.folder is None:
+            remedy = "start it again"
+        elif (self.folder / "checkpoint.h5").exists():
+            remedy = f"turbid.resume({str(self.folder)!r}) goes on from the last checkpoint"
+        else:
+            remedy = f"{self.folder} has no checkpoint yet: start it again"
+        return f"turbid was ended by signal {number} ({name}{cause}); {remedy}"
 
 
 def _reader(stream: IO[str], into: list[tuple[float, str]]) -> threading.Thread:
@@ -119,6 +148,22 @@ def _reader(stream: IO[str], into: list[tuple[float, str]]) -> threading.Thread:
 
 def _text(lines: list[tuple[float, str]]) -> str:
     return "".join(line for _, line in lines)
+
+
+def signal_of(code: int, noted: str) -> int | None:
+    """The signal that ended the program, or one of its ranks; ``None`` where it ended by itself."""
+    if code < 0:
+        return -code
+    found = re.search(r"exited on signal (\d+)", noted)
+    # ranks that one has called to end are not the cause
+    return int(found[1]) if found and "MPI_ABORT" not in noted else None
+
+
+def in_python(message: str) -> str:
+    """A message of the command line in the words of this package."""
+    message = re.sub(r"`turbid resume ([^`]*)`", lambda found: f"turbid.resume({found[1]!r})", message)
+    message = re.sub(r"^--out (?=.+?: )", "out=", message)
+    return re.sub(r"(?:turbid run )?--force\b", "force=True", message)
 
 
 def message_in(noted: str) -> str | None:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
+from . import arguments
 from .box import Floats
-from .errors import Missing
+from .errors import Invalid, Missing
 from .statistics import standard_error
 
 if TYPE_CHECKING:
@@ -77,7 +78,8 @@ def profile(frames: Iterable[Frame], quantity: str, axis: str = "y", bins: int |
         bins: Number of bins, without it as many as cells, or 40 where there are no fields.
     """
     if quantity not in QUANTITIES:
-        raise ValueError(f"quantity = {quantity!r}: must be one of {', '.join(QUANTITIES)}")
+        raise Invalid(f"quantity = {quantity!r}: must be one of {', '.join(QUANTITIES)}")
+    bins = None if bins is None else arguments.whole("bins", bins)
     samples, times, edges = [], [], np.zeros(0)
     for frame in frames:
         place = _axis(axis, frame.dimension)
@@ -98,8 +100,8 @@ def profile(frames: Iterable[Frame], quantity: str, axis: str = "y", bins: int |
 
 def _axis(axis: str, dimension: int) -> int:
     axes = "xyz"[:dimension]
-    if axis not in axes or len(axis) != 1:
-        raise ValueError(f"axis = {axis!r}: must be one of {', '.join(axes)}")
+    if axis not in tuple(axes):
+        raise Invalid(f"axis = {axis!r}: must be one of {', '.join(axes)}")
     return axes.index(axis)
 
 

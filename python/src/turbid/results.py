@@ -14,11 +14,12 @@ import pandas as pd
 from . import pairs as counting
 from . import profiles as averaging
 from .animation import Animation
+from .arguments import above, whole
 from .bodies import table_of
 from .box import Floats
 from .errors import Missing
 from .executable import PathLike
-from .files import Cached, numbers, read_json, read_table
+from .files import Cached, numbers, read_json, read_table, reading
 from .frames import Frames, list_frames
 from .pairs import PairDistribution
 from .profiles import Profile
@@ -125,7 +126,8 @@ class Run:
         Columns as in :attr:`Frame.bodies`, and ``stresslet_x_x``, .. in a flow."""
         table = self.folder / "summary-bodies.csv"
         if self.finished and table.exists():
-            whole = numbers(table.read_text(encoding="utf-8")).rename_axis("body")
+            with reading(table):
+                whole = numbers(table.read_text(encoding="utf-8")).rename_axis("body")
             return whole.rename(columns={f"center_{axis}": axis for axis in "xyz"})
         if not self.finished:
             return self.frames[-1].bodies
@@ -226,6 +228,7 @@ class Run:
         """Draws the frames as an animation by ``turbid animate``, which a notebook shows."""
         from .launch import call
 
+        width, seconds = whole("width", width), above("seconds", seconds)
         path = Path(out) if out is not None else self.folder / "animation.png"
         call(["animate", str(self.folder), "--out", str(path), "--width", str(width), "--seconds", str(seconds)], executable)
         return Animation(path)

@@ -13,6 +13,8 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from . import arguments
+from .arguments import curve
 from .box import Floats
 
 #: Numbers of blocks whose scatter gives an interval.
@@ -76,7 +78,7 @@ def shortage(abscissas: npt.ArrayLike, values: npt.ArrayLike, least: float = 0.0
 
 
 def _steady(abscissas: npt.ArrayLike, values: npt.ArrayLike, least: float) -> Mean | str:
-    x, y = np.asarray(abscissas, dtype=float), np.asarray(values, dtype=float)
+    x, y = curve(abscissas, values)
     known = np.isfinite(y)
     x, y = x[known], y[known]
     samples = resampled(x, y, min(max(len(x) - 1, 0), _MOST_SAMPLES))
@@ -133,7 +135,7 @@ def blocking(samples: npt.ArrayLike) -> pd.DataFrame:
     Columns by the ``length`` of a block: ``blocks`` (their number, eight at least), ``half_width`` (of the 95 % interval of the mean, if the blocks are
     independent) and ``correlation`` (of neighbouring blocks). The half width grows with the length until blocks are longer than the correlation.
     """
-    values = np.asarray(samples, dtype=float)
+    values = arguments.samples("samples", samples)
     rows, length = [], 1
     while (count := len(values) // length) >= BLOCKS[-1]:
         means = _block_means(values[len(values) - count * length :], count)

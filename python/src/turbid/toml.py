@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from .errors import Invalid
+
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
@@ -28,7 +30,7 @@ def inline(value: Any) -> str:
     """A value on one line: a number, a text, a list, an array or a table.
 
     Raises:
-        TypeError: TOML has no such value.
+        Invalid: TOML has no such value.
     """
     if isinstance(value, (np.ndarray, np.generic)):
         return inline(value.tolist())
@@ -43,7 +45,7 @@ def inline(value: Any) -> str:
         return f"{{ {entries} }}" if entries else "{}"
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(inline(entry) for entry in value) + "]"
-    raise TypeError(f"{value!r} has no place in a scene: leave the key out, or give a number, a text, a list, an array or a dict")
+    raise Invalid(f"{value!r} has no place in a scene: leave the key out, or give a number, a text, a list, an array or a dict")
 
 
 def _is_section(value: Any) -> bool:

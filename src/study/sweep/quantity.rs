@@ -7,7 +7,11 @@ use crate::{
     observe::statistics::mean_from,
     output::{CurvePoint, MeanViscosity},
     scene::{AxisSection, Drive, Motion, Scene},
-    study::{cost::SceneProperties, summary::RunSummary},
+    study::{
+        cost::SceneProperties,
+        summary::RunSummary,
+        sweep::reading::{Over, Reading},
+    },
 };
 
 /// Part of a run in time that is left out of a mean where nothing says when it became steady.
@@ -27,25 +31,10 @@ pub enum Quantity {
     Settling(Vec<f64>),
     /// The mean of a column of `series.csv` over the second half of a run.
     Column(String),
+    /// The last entry of a column of `series.csv`.
+    Last(String),
     /// The number at a place of `summary.json`.
     Entry(String),
-}
-
-/// A number, and what is known of it besides.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Reading {
-    /// The number.
-    pub value: f64,
-    /// Half the width of its 95 % interval over the time of the run, if it is a mean over a steady part.
-    pub half_width: Option<f64>,
-    /// What to bear in mind.
-    pub remark: Option<&'static str>,
-}
-
-impl Reading {
-    fn exact(value: f64) -> Reading {
-        Reading { value, half_width: None, remark: None }
-    }
 }
 
 impl Quantity {
@@ -77,31 +66,52 @@ impl Quantity {
                 Some(direction) => Ok(Quantity::Settling(direction)),
                 None => refuse("belongs to free bodies under gravity or a force; choose another"),
             },
-            _ => match word.strip_prefix("series.") {
-                Some(_) if scene.time.is_none() => refuse("an instant has no series; choose a key of summary.json"),
-                Some(column) => Ok(Quantity::Column(column.to_owned())),
-                None if word.contains('.') => Ok(Quantity::Entry(word.to_owned())),
+            _ => match word.split_once('.') {
+                Some(("series" | "last", _)) if scene.time.is_none() => refuse("an instant has no series; choose a key of summary.json"),
+                Some(("series", column)) => Ok(Quantity::Column(column.to_owned())),
+                Some(("last", column)) => Ok(Quantity::Last(column.to_owned())),
+                Some(_) => Ok(Quantity::Entry(word.to_owned())),
                 None => refuse(
-                    "must be viscosity, drag, settling, a column as series.kinetic_energy, or a key of summary.json as flow.mean_velocity.0",
+                    "must be viscosity, drag, settling, a column as series.kinetic_energy, its last entry as last.kinetic_energy, or a key of \
+                     summary.json as flow.mean_velocity.0",
                 ),
             },
         }
     }
 
-    /// Its name.
-    pub fn name(&self) -> &str {
+    /// Those of words, or the one that the scene is about.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of), or one stands there twice.
+    pub fn all(words: &[String], scene: &Scene) -> Result<Vec<Quantity>> {
+        if let Some(place) = (1..words.len()).find(|&place| words[..place].contains(&words[place])) {
+            return Err(Error::refused(format!("--quantity {}: stands there twice; name each quantity once", words[place])));
+        }
+        match words {
+            [] => Ok(vec![Quantity::of(None, scene)?]),
+            words => words.iter().map(|word| Quantity::of(Some(word), scene)).collect(),
+        }
+    }
+
+    /// Its name: the word for it.
+    pub fn name(&self) -> String {
         match self {
-            Quantity::Viscosity => "viscosity",
-            Quantity::Drag => "drag",
-            Quantity::Settling(_) => "settling",
-            Quantity::Column(name) | Quantity::Entry(name) => name,
+            Quantity::Viscosity => "viscosity".into(),
+            Quantity::Drag => "drag".into(),
+            Quantity::Settling(_) => "settling".into(),
+            Quantity::Column(name) => format!("series.{name}"),
+            Quantity::Last(name) => format!("last.{name}"),
+            Quantity::Entry(name) => name.clone(),
         }
     }
 
     /// What it is, in words.
     pub fn words(&self, in_time: bool) -> String {
         match self {
-            Quantity::Viscosity if in_time => "relative viscosity, its mean over the steady part of each run".into(),
+            Quantity::Viscosity if in_time => {
+                "relative viscosity, its mean over the steady part of each run, or over the second half of all runs of a point where one is not steady"
+                    .into()
+            }
             Quantity::Viscosity => "relative viscosity".into(),
             Quantity::Drag if in_time => "magnitude of the mean force on held bodies at the end".into(),
             Quantity::Drag => "magnitude of the mean force on held bodies".into(),
@@ -110,6 +120,7 @@ impl Quantity {
             }
             Quantity::Settling(_) => "mean velocity of the bodies along the force on them".into(),
             Quantity::Column(name) => format!("{name} of series.csv, its mean over the second half of each run"),
+            Quantity::Last(name) => format!("{name} of series.csv at the end of each run"),
             Quantity::Entry(name) => format!("{name} of summary.json"),
         }
     }
@@ -121,13 +132,15 @@ impl Quantity {
     pub fn read(&self, path: &Path, scene: &Scene) -> Result<Reading> {
         let summary = RunSummary::read(path)?;
         let series = path.with_file_name("series.csv");
+        let last = if summary.in_time() { Over::End } else { Over::Instant };
         let found = match self {
             Quantity::Viscosity => viscosity(&summary, &series)?,
-            Quantity::Drag => drag(&summary, &SceneProperties::of(scene)?.held).map(Reading::exact),
+            Quantity::Drag => drag(&summary, &SceneProperties::of(scene)?.held).map(|value| Reading::of(value, last)),
             Quantity::Settling(direction) if summary.in_time() => settled(direction, &read(&series)?),
-            Quantity::Settling(direction) => settling_now(&summary, direction).map(Reading::exact),
-            Quantity::Column(name) => second_half(&curve(&read(&series)?, name)).map(Reading::exact),
-            Quantity::Entry(name) => summary.get(&format!("/{}", name.replace('.', "/"))).map(Reading::exact),
+            Quantity::Settling(direction) => settling_now(&summary, direction).map(|value| Reading::of(value, last)),
+            Quantity::Column(name) => second_half(&curve(&read(&series)?, name)).map(|value| Reading::of(value, Over::SecondHalf)),
+            Quantity::Last(name) => curve(&read(&series)?, name).last().map(|(_, value)| Reading::of(*value, Over::End)),
+            Quantity::Entry(name) => summary.get(&format!("/{}", name.replace('.', "/"))).map(|value| Reading::of(value, Over::Summary)),
         };
         let finite = found.filter(|reading| reading.value.is_finite());
         finite.ok_or_else(|| Error::refused(format!("--quantity {}: the run does not tell it; choose another", self.name())))
@@ -160,14 +173,14 @@ fn settling(scene: &Scene) -> Option<Vec<f64>> {
 fn viscosity(summary: &RunSummary, series: &Path) -> Result<Option<Reading>> {
     let Some(relative) = summary.get("/viscosity/relative") else { return Ok(None) };
     if !summary.in_time() {
-        return Ok(Some(Reading::exact(relative)));
-    }
-    if let Some(mean) = summary.get::<MeanViscosity>("/viscosity/mean") {
-        return Ok(Some(Reading { half_width: Some(mean.half_width()), ..Reading::exact(mean.relative) }));
+        return Ok(Some(Reading::of(relative, Over::Instant)));
     }
     let curve: Vec<(f64, f64)> = CurvePoint::read(&read(series)?).iter().map(|point| (point.strain, point.relative())).collect();
-    let mean = second_half(&curve).unwrap_or(relative);
-    Ok(Some(Reading { remark: Some("not steady: mean over the second half"), ..Reading::exact(mean) }))
+    let half = second_half(&curve).unwrap_or(relative);
+    Ok(Some(match summary.get::<MeanViscosity>("/viscosity/mean") {
+        Some(mean) => Reading::steady(mean.relative, mean.half_width(), half),
+        None => Reading::of(half, Over::SecondHalf),
+    }))
 }
 
 fn drag(summary: &RunSummary, held: &[bool]) -> Option<f64> {
@@ -185,7 +198,7 @@ fn settling_now(summary: &RunSummary, direction: &[f64]) -> Option<f64> {
 fn settled(direction: &[f64], series: &str) -> Option<Reading> {
     let names = AXES.iter().map(|axis| format!("body_velocity_{axis}"));
     let mean = names.take(direction.len()).map(|name| second_half(&curve(series, &name))).collect::<Option<Vec<_>>>()?;
-    Some(Reading::exact(along(direction, &mean)))
+    Some(Reading::of(along(direction, &mean), Over::SecondHalf))
 }
 
 fn along(direction: &[f64], vector: &[f64]) -> f64 {

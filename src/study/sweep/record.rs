@@ -4,8 +4,11 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::vary::Assignment;
-use crate::study::store::Recorded;
+use super::{reading::Reading, vary::Assignment};
+use crate::{output::checksum_of, study::store::Recorded};
+
+/// Most signs of the name of a folder, before what tells it apart.
+const LONGEST_NAME: usize = 120;
 
 /// A run: what is set in the scene, and the seed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -38,14 +41,14 @@ pub enum Outcome {
 /// A run to its end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// The quantity.
-    pub value: f64,
-    /// Half the width of its 95 % interval over the time of the run, where it is known.
-    pub half_width: Option<f64>,
-    /// What to bear in mind.
-    pub remark: Option<String>,
+    /// The quantities, in the order of the command line.
+    pub readings: Vec<Reading>,
+    /// Part of the box that bodies fill, as they were placed.
+    pub fraction: f64,
     /// Seconds of set-up and solves.
     pub seconds: f64,
+    /// What is kept of the run, from the folder of the sweep; nothing if nothing is.
+    pub folder: Option<String>,
 }
 
 impl Setting {
@@ -53,6 +56,14 @@ impl Setting {
     pub fn overrides(&self) -> Vec<String> {
         let seed = self.seed.map(|seed| format!("seed={seed}"));
         self.point.iter().map(|(key, value)| format!("{key}={value}")).chain(seed).collect()
+    }
+
+    /// A name for a folder that no other setting has.
+    pub fn folder_name(&self) -> String {
+        let plain = self.overrides().join(",");
+        let keep = |sign: char| if sign.is_ascii_alphanumeric() || ".,=+-".contains(sign) { sign } else { '_' };
+        let name: String = plain.chars().map(keep).take(LONGEST_NAME).collect();
+        if name == plain { name } else { format!("{name}-{:016x}", checksum_of(&plain)) }
     }
 }
 
@@ -90,8 +101,25 @@ impl fmt::Display for Setting {
 impl fmt::Display for Record {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.outcome {
-            Outcome::Measured(Measured { value, seconds, .. }) => write!(f, "{}: {value:.6} in {seconds:.1} s", self.setting),
+            Outcome::Measured(Measured { readings, seconds, .. }) => {
+                let values = readings.iter().map(|reading| format!("{:.6}", reading.value)).collect::<Vec<_>>().join(", ");
+                write!(f, "{}: {values} in {seconds:.1} s", self.setting)
+            }
             Outcome::Failed(reason) => write!(f, "{}: {reason}", self.setting),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_of_settings_have_names_of_their_own() {
+        let name = |value: &str, seed| Setting { point: vec![("a.0.b".into(), value.into())], seed }.folder_name();
+        assert_eq!(name("0.1", Some(3)), "a.0.b=0.1,seed=3");
+        let odd = ["[0, -1]", "(0, -1)", "../../x", &"9".repeat(300), &"9".repeat(301)].map(|value| name(value, None));
+        assert!(odd.iter().all(|name| name.len() < 140 && !name.contains('/') && !name.starts_with('.')), "{odd:?}");
+        assert!((1..odd.len()).all(|place| !odd[..place].contains(&odd[place])), "{odd:?}");
     }
 }

@@ -11,7 +11,7 @@ from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.colors import Colormap, Normalize
 
 from ..box import Floats, Integers
-from ..errors import Missing
+from ..errors import Invalid, Missing
 from .charts import norm_of
 from .style import AROUND_ZERO, BODY, BOND, DARK, EDGE, FORCE, GROWING, WALL, label
 
@@ -36,12 +36,12 @@ class Picture:
         self.frame = frame
         names = "xyz"[: frame.dimension]
         if len(view) != 2 or view[0] == view[1] or not set(view) <= set(names):
-            raise ValueError(f"view = {view!r}: must name two of the axes {', '.join(names)}")
+            raise Invalid(f"view = {view!r}: must name two of the axes {', '.join(names)}")
         self.view = view
         self.plane = [names.index(axis) for axis in view]
         self.depth = next(axis for axis in range(3) if axis not in self.plane) if frame.dimension == 3 else None
         if cut is not None and self.depth is None:
-            raise ValueError("cut: a frame in 2D has no depth to cut")
+            raise Invalid("cut: a frame in 2D has no depth to cut")
         self.cut = cut
         size = frame.box.size[self.plane]
         self.axes = axes if axes is not None else _new_axes(float(size[0]), float(size[1]))
@@ -52,10 +52,10 @@ class Picture:
         per_body = colour if colour is not None and not isinstance(colour, str) else None
         name = colour if isinstance(colour, str) else None
         if name is not None and name not in COLOUR_CHOICES:
-            raise ValueError(f"colour = {name!r}: must be one of {', '.join(str(choice) for choice in COLOUR_CHOICES)}, or a number for each body")
+            raise Invalid(f"colour = {name!r}: must be one of {', '.join(str(choice) for choice in COLOUR_CHOICES)}, or a number for each body")
         values = _of_bodies(frame, name) if per_body is None else np.asarray(per_body, dtype=float)
         if values is not None and values.shape != (len(frame),):
-            raise ValueError(f"colour: takes a number for each of {len(frame)} bodies, not an array of shape {values.shape}")
+            raise Invalid(f"colour: takes a number for each of {len(frame)} bodies, not an array of shape {values.shape}")
         field = self._field(name) if flow and self._shows_flow() else None
         if name in _OF_FIELDS and field is None:
             raise Missing(f"{frame.path} holds no {name} to colour a plane of; in 3D give cut=")
@@ -231,7 +231,7 @@ def _of_bodies(frame: Frame, name: str | None) -> Floats | None:
         return np.linalg.norm(frame.velocities, axis=1)
     if name.startswith("velocity_"):
         if name[-1] not in "xyz"[: frame.dimension]:
-            raise ValueError(f"colour = {name!r}: the frame is in 2D")
+            raise Invalid(f"colour = {name!r}: the frame is in 2D")
         return frame.velocities[:, "xyz".index(name[-1])]
     if name == "spin":
         return frame.spins if frame.dimension == 2 else np.linalg.norm(frame.spins, axis=1)
