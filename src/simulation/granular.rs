@@ -388,7 +388,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         places
     }
 
-    fn advance(&mut self, state: &State<D>, observation: &Observation<D>, step: f64, _: ResidualMonitor) -> Result<StepOutcome<D>> {
+    fn advance(&mut self, state: &State<D>, _: &Observation<D>, step: f64, _: ResidualMonitor) -> Result<StepOutcome<D>> {
         let start = Instant::now();
         let push = self.push(state.last_step, step);
         let pushed = |(body, acceleration): (&Moving<D>, &Acceleration<D>)| acceleration.after(&body.twist, push);

@@ -42,20 +42,21 @@ pub struct Missed {
 }
 
 impl Missed {
-    /// Ends a run in which a step from a time turns rods, or changes cells, farther than they can be followed.
+    /// Ends a step from a time that turns rods, or changes cells, farther than they can be followed.
     pub fn check(&self, time: f64, step: f64) -> Result<()> {
         let (part, [one, other]) = self.rod;
-        if part > LARGEST_MISSED {
-            return Err(Error::Diverged(format!(
+        let text = if part > LARGEST_MISSED {
+            format!(
                 "at time {time} the rod from body {one} to body {other} would change its length by a part of {part:.2} in a step of {step:.3e}; {REMEDY}"
-            )));
-        }
-        match self.left <= LARGEST_LEFT {
-            true => Ok(()),
-            false => Err(Error::Diverged(format!(
+            )
+        } else if self.left > LARGEST_LEFT || self.left.is_nan() {
+            format!(
                 "at time {time} no places are found in which rods keep their lengths and cells their areas and volumes after a step of {step:.3e}; {REMEDY}"
-            ))),
-        }
+            )
+        } else {
+            return Ok(());
+        };
+        Err(Error::StepTooLong { text, step })
     }
 }
 

@@ -225,7 +225,7 @@ fn about<const D: usize>(scene: &Scene, domain: &Domain<D>, group: usize, middle
     let (bodies, mut balls) = (&scene.bodies[group], Vec::new());
     for middle in middles {
         let form = form_of::<D>(bodies, middle.radius).expect("a group of cells or clusters has a form");
-        check_length(scene, group, &form, domain)?;
+        check_length(scene, group, form.length(), domain)?;
         balls.extend(form.at(&middle.center, &rotation(bodies)).into_iter().map(|center| Ball { center, radius: form.radius }));
     }
     Ok(balls)
