@@ -89,9 +89,8 @@ impl<const D: usize> Snapshot<D> {
 impl<const D: usize> ExtrapolationHistory<D> {
     /// A copy, if it holds no fluid.
     pub fn without_fluid(&self) -> Option<ExtrapolationHistory<D>> {
-        let earlier = self.earlier.as_ref().map(|(earlier, interval)| Some((earlier.without_fluid()?, *interval)));
-        let earlier = match earlier {
-            Some(copy) => Some(copy?),
+        let earlier = match &self.earlier {
+            Some((earlier, interval)) => Some((earlier.without_fluid()?, *interval)),
             None => None,
         };
         Some(ExtrapolationHistory { time: self.time, last: self.last.without_fluid()?, earlier })

@@ -284,8 +284,8 @@ impl<const D: usize> Simulation<D> {
         loop {
             match self.stepper.advance(&self.state, observation, length, monitor) {
                 Err(error) => {
-                    if !matches!(error, Error::Stopped { .. }) {
-                        // the better reason, where it is one
+                    // the better reason, where it is one and all ranks know of the error
+                    if error.step_too_long().is_some() {
                         self.smallest_given_gap(&observation.twists, length)?;
                     }
                     length = self.half_of(error, length)?;
