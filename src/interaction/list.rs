@@ -34,10 +34,7 @@ impl<const D: usize> Interactions<D> {
 
     /// Those that tie no bodies to each other, and so go with any bodies.
     pub fn untied(&self) -> Self {
-        let ties = |interaction: &dyn Interaction<D>| {
-            !(interaction.chains().is_empty() && interaction.bonds().is_empty() && interaction.clusters().is_empty())
-        };
-        Interactions::new(self.shared().filter(|interaction| !ties(interaction.as_ref())))
+        Interactions::new(self.shared().filter(|interaction| !interaction.ties()))
     }
 
     /// Each of them, to be shared with another list.
