@@ -13,7 +13,7 @@ use super::{
     plane::{edge_lengths, flat, motions, plane, problem, rigid, spatial, state},
 };
 use crate::{
-    constraint::fitted::{Load, Loads, Mesh, MovingMesh, Place, StokesFlow, StokesNumbering, StokesProblem, System, generate, loads},
+    constraint::fitted::{Load, Loads, Mesh, MovingMesh, StokesFlow, StokesNumbering, StokesProblem, System, generate, loads},
     error::{Error, Result},
     flow::Drive,
     geometry::{Ball, Domain},
@@ -169,18 +169,16 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
 }
 
 impl<const D: usize> FittedFlow<D> {
-    /// What there is before the first step: nothing moves but walls, disks, and a fluid without walls whose mean velocity is given.
+    /// What there is before the first step: disks that move, and a fluid that is at rest or, without walls, has the mean velocity that is given.
     ///
-    /// The fluid at free disks is at rest: moved along, it would add to what they weigh.
+    /// Velocities on walls and surfaces are those of the fluid, not of what moves there from the start on: as parts of its momentum they would be missed or
+    /// too much in a layer of half an edge.
     fn at_rest(&self, problem: &StokesProblem, numbering: &StokesNumbering) -> StokesFlow {
         let mut flow = numbering.flow(problem, &vec![0.0; numbering.unknowns()]);
         let free = flow.motions.iter_mut().zip(&self.setup.bodies).zip(&inertia(&self.setup).starts);
         free.filter(|((_, suspended), _)| suspended.body.free()).for_each(|((motion, _), start)| *motion = rigid(start));
-        if problem.mesh.domain.fully_periodic() {
-            let mean = Vector2::from(problem.mean_velocity.map(Option::unwrap_or_default));
-            let places = flow.velocities.iter_mut().zip(&problem.mesh.places);
-            places.filter(|(_, place)| **place == Place::Fluid).for_each(|(velocity, _)| *velocity = mean);
-        }
+        let mean = Vector2::from(problem.mean_velocity.map(Option::unwrap_or_default));
+        flow.velocities.fill(if problem.mesh.domain.fully_periodic() { mean } else { Vector2::zeros() });
         flow
     }
 
