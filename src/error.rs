@@ -19,6 +19,9 @@ pub enum Error {
     /// A solver did not reach its tolerance; the message says how far it came and what to change.
     #[error("{0}")]
     Diverged(String),
+    /// A flow passes so much in a step that a shorter one is needed.
+    #[error("{0}")]
+    StepTooLong(String),
     /// A PETSc call failed.
     #[error("{call} failed with PETSc error {code}: {text}")]
     Petsc {

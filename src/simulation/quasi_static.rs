@@ -23,6 +23,7 @@ use super::{
     contact_step::{ContactStep, identities},
     implicit_springs::{LEAST, StepAhead, keep, kept_apart, pair},
     step_control::{BodyMotion, StepControl, StepSize},
+    unsteady::{COURANT, LARGEST_COURANT},
 };
 use crate::{
     body::Twist,
@@ -32,7 +33,7 @@ use crate::{
     interaction::{Arrangement, BondRow, Interactions, PairForce, Spring, Touch, Wrench},
     parallel::Peers,
     petsc::Session,
-    scene::{ConstraintMethod, Scheme},
+    scene::{ConstraintMethod, Scheme, Step},
 };
 
 /// Rounds that flow and contacts are given to agree.
@@ -121,12 +122,14 @@ impl<const D: usize> QuasiStatic<D> {
         state.bodies.iter().zip(twists).zip(&self.radii).map(deviatoric).collect()
     }
 
-    /// The step to take with these motions.
-    fn step_size(&self, state: &State<D>, twists: &[Twist<D>]) -> Result<StepSize> {
+    /// The step to take with these motions and forces.
+    fn step_size(&self, state: &State<D>, twists: &[Twist<D>], pushes: &[Wrench<D>]) -> Result<StepSize> {
         let motions = self.deviatoric_velocities(state, twists).into_iter();
         let motion = |(velocity, &radius): (SVector<f64, D>, &f64)| BodyMotion { radius, velocity, acceleration: SVector::zeros() };
         let motions: Vec<BodyMotion<D>> = motions.zip(&self.radii).map(motion).collect();
-        let longest = self.suspension.longest_step()?.min(self.suspension.setup().trajectories.longest_step());
+        let farthest = |body: usize| self.step_control.time.travel * self.radii[body];
+        let given = self.suspension.setup().trajectories.longest_step(state.time, farthest);
+        let longest = self.suspension.longest_step(pushes)?.min(given);
         Ok(self.step_control.next(Peers::Alone, &motions, (state.time, state.last_step), longest))
     }
 
@@ -165,7 +168,8 @@ impl<const D: usize> QuasiStatic<D> {
             let begins = step == 0.0 && !springs.is_empty();
             let step_size = match chosen {
                 Some(step_size) => step_size,
-                None => *chosen.insert(self.step_size(state, &twists)?),
+                None if begins => *chosen.insert(self.step_size(state, &twists, &Spring::pulled(&springs, pushes))?),
+                None => *chosen.insert(self.step_size(state, &twists, &pushes)?),
             };
             if begins && step_size.natural > 0.0 {
                 // of springs the step is a part
@@ -202,11 +206,12 @@ impl<const D: usize> QuasiStatic<D> {
             let with_one_changed = |tried| contacts.with_one_changed(tried, &velocities(&twists), scale, AGREEMENT * scale);
             pressed = rounds.next(apart, pressed, projected, with_one_changed);
         }
-        Err(Error::Diverged(format!(
+        let text = format!(
             "at time {} flow and contacts do not agree after {MOST_ROUNDS} rounds (velocities differ by {difference:.1e}); \
              a shorter time.step or a finer grid may help",
             state.time
-        )))
+        );
+        Err(if self.suspension.evolves() { Error::StepTooLong(text) } else { Error::Diverged(text) })
     }
 
     /// Keeps bodies apart that want to move so without contact forces, and gives what presses. Where clusters cannot follow as one, what they can do is
@@ -252,6 +257,21 @@ impl<const D: usize> QuasiStatic<D> {
         let room = self.step_control.time.travel * self.radii.iter().copied().fold(f64::INFINITY, f64::min);
         let step = StepAhead { length, last: state.last_step, velocities: &velocities, resistances: &self.weights, room, least: LEAST };
         step.rows(springs, &ahead)
+    }
+
+    /// What flow and bodies passed in the last step over what they may pass in an automatic one; 0 without inertia.
+    fn passed(&self, state: &State<D>, twists: &[Twist<D>]) -> Result<f64> {
+        let Some(cells) = self.suspension.courant(state.last_step)? else { return Ok(0.0) };
+        let period = self.step_control.shift_period.map(|period| period.0);
+        let shortest = period.is_some_and(|period| state.last_step < period * 1.5);
+        if cells > LARGEST_COURANT && (shortest || self.step_control.time.step != Step::Auto) {
+            return Err(Error::Diverged(too_long(state, cells, period)));
+        }
+        let velocities = self.deviatoric_velocities(state, twists).into_iter();
+        let ways = velocities
+            .zip(&self.radii)
+            .map(|(velocity, radius)| velocity.norm() * state.last_step / (self.step_control.time.travel * radius));
+        Ok(ways.fold(cells / COURANT, f64::max))
     }
 
     /// The longest way of the last step, in radii of the body that went it.
@@ -306,15 +326,15 @@ impl<const D: usize> QuasiStatic<D> {
     fn rule(
         &mut self,
         state: &State<D>,
-        observation: &Observation<D>,
+        (observation, length): (&Observation<D>, f64),
         effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<Vec<Twist<D>>> {
         match self.step_control.time.scheme {
             Scheme::Euler => Ok(observation.twists.clone()),
             _ if self.suspension.evolves() && state.last_step == 0.0 => Ok(observation.twists.clone()),
-            Scheme::TwoStep if state.last_step > 0.0 => Ok(two_step(state, observation, &self.suspension.setup().interactions)),
-            _ => self.midpoint(state, observation, effort, monitor),
+            Scheme::TwoStep if state.last_step > 0.0 => Ok(two_step(state, (observation, length), &self.suspension.setup().interactions)),
+            _ => self.midpoint(state, (observation, length), effort, monitor),
         }
     }
 
@@ -322,11 +342,11 @@ impl<const D: usize> QuasiStatic<D> {
     fn midpoint(
         &mut self,
         state: &State<D>,
-        observation: &Observation<D>,
+        (observation, length): (&Observation<D>, f64),
         effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<Vec<Twist<D>>> {
-        let half = 0.5 * observation.step_size.length;
+        let half = 0.5 * length;
         let mut ahead = state.clone();
         ahead.advance(&observation.twists, half);
         ahead.bodies.iter_mut().zip(&observation.twists).for_each(|(body, twist)| body.twist = *twist);
@@ -348,23 +368,19 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
     fn evaluate(&mut self, state: &State<D>, monitor: ResidualMonitor) -> Result<Observation<D>> {
         let mut effort = Effort::default();
         let Agreed { mut solution, twists, contacts, step_size } = self.agree(state, &mut effort, monitor)?;
+        let passed = self.passed(state, &twists)?;
         let domain = self.placed(state).domain;
         for (body, moving) in solution.bodies.iter_mut().zip(&state.bodies) {
             // centres of solutions are in the box: so are the motions that go with them
             body.twist.velocity -= domain.image_velocity(&moving.center);
         }
-        Ok(Observation { twists, contacts, solution: Some(solution), step_size, effort })
+        Ok(Observation { twists, contacts, solution: Some(solution), step_size, passed, effort })
     }
 
-    fn advance(&mut self, state: &State<D>, observation: &Observation<D>, monitor: ResidualMonitor) -> Result<StepOutcome<D>> {
+    fn advance(&mut self, state: &State<D>, observation: &Observation<D>, length: f64, monitor: ResidualMonitor) -> Result<StepOutcome<D>> {
         let mut effort = Effort::default();
-        let mut moves = self.rule(state, observation, &mut effort, monitor)?;
-        let step = self.step_control.shortened(
-            &self.deviatoric_velocities(state, &moves),
-            &self.radii,
-            observation.step_size.length,
-            state.last_step,
-        );
+        let mut moves = self.rule(state, (observation, length), &mut effort, monitor)?;
+        let step = self.step_control.shortened(&self.deviatoric_velocities(state, &moves), &self.radii, length, state.last_step);
         self.suspension.setup().trajectories.mean_twists(state.time, step).for_each(|(body, twist)| moves[body] = twist);
         let (placed, start) = (self.placed(state), Instant::now());
         let (mut stuck, mut kkt_report) = (Vec::new(), None);
@@ -395,6 +411,10 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
         })
     }
 
+    fn withdraw(&mut self) {
+        self.suspension.withdraw();
+    }
+
     fn suspension(&self) -> Option<&dyn FlowSolver<D>> {
         Some(self.suspension.as_ref())
     }
@@ -414,7 +434,11 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
 
 /// `v + dt/(2 dt_last) (v - v_last)`; bodies that came into contact or out of it since the last step do not look back, if contact
 /// forces jump.
-fn two_step<const D: usize>(state: &State<D>, observation: &Observation<D>, interactions: &Interactions<D>) -> Vec<Twist<D>> {
+fn two_step<const D: usize>(
+    state: &State<D>,
+    (observation, length): (&Observation<D>, f64),
+    interactions: &Interactions<D>,
+) -> Vec<Twist<D>> {
     let now: Vec<ContactHistory<D>> = observation.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
     let (before, after) = (contacts_of(&state.held, state.bodies.len()), contacts_of(&now, state.bodies.len()));
     let mut jumps: Vec<bool> = before.iter().zip(&after).map(|(before, after)| interactions.projects() && before != after).collect();
@@ -422,7 +446,7 @@ fn two_step<const D: usize>(state: &State<D>, observation: &Observation<D>, inte
         let any = jumps[cluster.bodies.clone()].contains(&true);
         jumps[cluster.bodies.clone()].fill(any);
     }
-    let factor = 0.5 * observation.step_size.length / state.last_step;
+    let factor = 0.5 * length / state.last_step;
     let rule = |(body, (now, last)): (usize, (&Twist<D>, &Twist<D>))| {
         if jumps[body] {
             return *now;
@@ -443,6 +467,25 @@ fn contacts_of<const D: usize>(held: &[ContactHistory<D>], bodies: usize) -> Vec
     }
     of_body.iter_mut().for_each(|contacts| contacts.sort_unstable());
     of_body
+}
+
+/// What to say of a step in which the flow passed so many cells, where images slide in steps that are multiples of a period.
+fn too_long<const D: usize>(state: &State<D>, cells: f64, period: Option<f64>) -> String {
+    let (step, time) = (state.last_step, state.time);
+    let remedy = match period {
+        Some(period) if step < period * 1.5 => {
+            "images of a sheared box slide by whole cells in a step, so that none is shorter: make the box longer along y, or lower flow.density".into()
+        }
+        Some(period) => format!("set time.step = {period:.4e}, in which images slide by one cell, or \"auto\""),
+        None => {
+            let shorter = step * COURANT / cells;
+            let unit = 10.0_f64.powf(shorter.log10().floor() - 1.0);
+            format!("set time.step = {:.1e} or \"auto\"", (shorter / unit).floor() * unit)
+        }
+    };
+    format!(
+        "at time {time} the flow passes {cells:.2} cells in time.step = {step:.4e}, and is followed up to {LARGEST_COURANT} only; {remedy}"
+    )
 }
 
 fn velocities<const D: usize>(twists: &[Twist<D>]) -> Vec<SVector<f64, D>> {

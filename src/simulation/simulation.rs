@@ -8,6 +8,7 @@ use super::{
     migration::own_part,
     shift_period::ShiftPeriod,
     step_control::{ROUNDING, StepControl},
+    unsteady::LARGEST_COURANT,
 };
 use crate::{
     body::Halo,
@@ -16,7 +17,7 @@ use crate::{
     geometry::{Ball, Domain},
     interaction::Interactions,
     petsc::Session,
-    scene::TimeSection,
+    scene::{Step, TimeSection},
 };
 
 /// Shortest step, as a part of the whole run: after so many steps that one more changes no time.
@@ -31,7 +32,15 @@ pub struct Simulation<const D: usize> {
     step_control: StepControl,
     /// Whether the last step was cut short by the end of the run.
     cut_short: bool,
+    /// What happens in the state, if the step that led there was judged by it.
+    ahead: Option<Observation<D>>,
 }
+
+/// Shorter steps that are tried in place of one.
+const TRIES: usize = 8;
+
+/// What a flow passed, over what it may, in a step whose solve ended because of it.
+const MUCH: f64 = 4.0;
 
 /// How a step went.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,7 +59,7 @@ impl<const D: usize> Simulation<D> {
         let step_control = StepControl { time, shift_period: None, longest: setup.longest_step(), by_twos: false };
         let domain = setup.domain.clone();
         let (stepper, state) = Granular::start(session, setup, step_control.clone());
-        Simulation { session: session.clone(), state, stepper: Box::new(stepper), domain, step_control, cut_short: false }
+        Simulation { session: session.clone(), state, stepper: Box::new(stepper), domain, step_control, cut_short: false, ahead: None }
     }
 
     /// Bodies carried by Stokes flow. Where images slide, the step, if it is fixed, and the end slide them by whole cells.
@@ -64,7 +73,7 @@ impl<const D: usize> Simulation<D> {
         let state = State::start(bodies.iter().map(at_rest));
         let domain = suspension.setup().domain.clone();
         let stepper = Box::new(QuasiStatic::new(session, suspension, step_control.clone()));
-        Simulation { session: session.clone(), state, stepper, domain, step_control, cut_short: false }
+        Simulation { session: session.clone(), state, stepper, domain, step_control, cut_short: false, ahead: None }
     }
 
     /// Where the bodies of this rank are.
@@ -92,7 +101,7 @@ impl<const D: usize> Simulation<D> {
     /// # Panics
     /// If it is the state of a share.
     pub fn restore(&mut self, state: State<D>, past: Option<ExtrapolationHistory<D>>) {
-        self.state = own_part(&self.state.share, state);
+        (self.state, self.ahead) = (own_part(&self.state.share, state), None);
         self.slide();
         self.stepper.migrate(&mut self.state, &self.domain);
         if let Some(past) = past {
@@ -190,17 +199,62 @@ impl<const D: usize> Simulation<D> {
     /// What happens now; to be called once for each state.
     ///
     /// # Errors
-    /// A solver does not converge.
+    /// A solver does not converge, or the flow passes more cells in a fixed step than it can be followed by.
     pub fn evaluate(&mut self, monitor: ResidualMonitor) -> Result<Observation<D>> {
-        self.stepper.evaluate(&self.state, monitor)
+        match self.ahead.take() {
+            Some(observation) => Ok(observation),
+            None => self.stepper.evaluate(&self.state, monitor).map_err(final_error),
+        }
     }
 
-    /// Moves the bodies by a step.
+    /// Moves the bodies by a step. An automatic step in a flow with inertia is followed by a look ahead: if the flow or a body passed more than it may, a
+    /// shorter step is taken in its place.
     ///
     /// # Errors
     /// A solver does not converge, contacts cannot be kept, or a body leaves the box.
     pub fn step(&mut self, observation: &Observation<D>, monitor: ResidualMonitor) -> Result<StepReport> {
-        let travel = self.stepper.advance(&self.state, observation, monitor)?;
+        let suspension = self.stepper.suspension().filter(|_| self.step_control.time.step == Step::Auto);
+        if suspension.map_or(Ok(None), |suspension| suspension.courant(0.0))?.is_none() {
+            return self.step_by(observation, observation.step_size.length, monitor);
+        }
+        let (start, mut length, mut wasted) = (self.state.clone(), observation.step_size.length, Effort::default());
+        for tries_left in (0..TRIES).rev() {
+            let report = self.step_by(observation, length, monitor)?;
+            let shorter = match self.stepper.evaluate(&self.state, monitor) {
+                Ok(ahead) => {
+                    let stands = tries_left == 0 && self.followed(report.length)?;
+                    let shorter = self.step_control.in_place_of(report.length, ahead.passed).filter(|_| !stands);
+                    match shorter {
+                        Some(_) => wasted = wasted + report.effort + ahead.effort,
+                        None => self.ahead = Some(ahead),
+                    }
+                    shorter
+                }
+                Err(error @ Error::StepTooLong(_)) => {
+                    Some(self.step_control.in_place_of(report.length, MUCH).filter(|_| tries_left > 0).ok_or_else(|| final_error(error))?)
+                }
+                Err(error) => return Err(error),
+            };
+            let Some(shorter) = shorter else { return Ok(StepReport { effort: wasted + report.effort, ..report }) };
+            self.stepper.withdraw();
+            (self.state, length) = (start.clone(), shorter);
+            self.slide();
+        }
+        Err(Error::Diverged(format!(
+            "at time {} the flow passes more than {LARGEST_COURANT} cells in a step however short it is: what bonds or contacts move at once must start nearer to rest",
+            start.time
+        )))
+    }
+
+    /// Whether the flow can be followed that came of a step of this length.
+    fn followed(&self, length: f64) -> Result<bool> {
+        let cells = self.stepper.suspension().map_or(Ok(None), |suspension| suspension.courant(length))?;
+        Ok(cells.is_none_or(|cells| cells <= LARGEST_COURANT))
+    }
+
+    /// Moves the bodies by a step of this length.
+    fn step_by(&mut self, observation: &Observation<D>, length: f64, monitor: ResidualMonitor) -> Result<StepReport> {
+        let travel = self.stepper.advance(&self.state, observation, length, monitor)?;
         self.expect_progress(travel.step)?;
         self.state.bodies.iter_mut().zip(&travel.twists).for_each(|(body, twist)| body.twist = *twist);
         self.state.held = travel.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
@@ -226,5 +280,13 @@ impl<const D: usize> Simulation<D> {
     /// Lets images slide to where they are now.
     fn slide(&mut self) {
         self.domain = self.domain.clone().at(self.state.time);
+    }
+}
+
+/// The error of a step that is too long and that no shorter one takes the place of.
+fn final_error(error: Error) -> Error {
+    match error {
+        Error::StepTooLong(text) => Error::Diverged(text),
+        error => error,
     }
 }

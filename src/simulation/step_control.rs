@@ -2,7 +2,10 @@
 
 use nalgebra::SVector;
 
-use super::shift_period::ShiftPeriod;
+use super::{
+    shift_period::ShiftPeriod,
+    unsteady::{COURANT, LARGEST_COURANT},
+};
 use crate::{
     parallel::Peers,
     scene::{Step, TimeSection},
@@ -10,6 +13,9 @@ use crate::{
 
 /// Largest growth from one step to the next.
 const GROWTH: f64 = 1.25;
+
+/// How many times what automatic steps may pass the flow or a body passes in one that stands: the flow then passes the most cells that it may in any.
+const TOLERATED: f64 = LARGEST_COURANT / COURANT;
 
 /// Part of a step that is rounding.
 pub const ROUNDING: f64 = 1e-9;
@@ -82,6 +88,16 @@ impl StepControl {
         }
     }
 
+    /// The length of the step to be taken in place of an automatic one in which the flow or a body passed so many times what it may; nothing if it stands,
+    /// or where none is shorter.
+    pub fn in_place_of(&self, step: f64, passed: f64) -> Option<f64> {
+        if self.time.step != Step::Auto || passed <= TOLERATED {
+            return None;
+        }
+        let shortest = self.shift_period.map_or(0.0, |shift_period| shift_period.0);
+        Some((step * (-passed.log2().ceil()).exp2()).max(shortest)).filter(|shorter| *shorter < step * (1.0 - ROUNDING))
+    }
+
     /// The longest step after another.
     fn grown(&self, last_step: f64) -> f64 {
         if self.by_twos {
@@ -117,4 +133,25 @@ impl StepControl {
 fn reach<const D: usize>(motion: &BodyMotion<D>, distance: f64) -> f64 {
     let (velocity, acceleration) = (motion.velocity.norm(), motion.acceleration.norm());
     2.0 * distance / (velocity + (velocity * velocity + 4.0 * acceleration * distance).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scheme;
+
+    #[test]
+    fn a_step_in_which_too_much_passed_is_halved_until_it_passes_what_it_may() {
+        let control = |step: Step, period: Option<f64>| StepControl {
+            time: TimeSection { step, end: 1.0, scheme: Scheme::TwoStep, travel: 0.1, until: None },
+            shift_period: period.map(ShiftPeriod),
+            longest: f64::INFINITY,
+            by_twos: true,
+        };
+        let auto = control(Step::Auto, None);
+        assert_eq!([0.5, 1.3, 1.5, 2.0, 5.0].map(|passed| auto.in_place_of(0.8, passed)), [None, None, Some(0.4), Some(0.4), Some(0.1)]);
+        assert_eq!(control(Step::Fixed(0.8), None).in_place_of(0.8, 5.0), None);
+        let sheared = control(Step::Auto, Some(0.4));
+        assert_eq!([sheared.in_place_of(0.8, 5.0), sheared.in_place_of(0.4, 5.0)], [Some(0.4), None]);
+    }
 }

@@ -19,6 +19,8 @@ pub struct Observation<const D: usize> {
     pub solution: Option<Solution<D>>,
     /// The step to take.
     pub step_size: StepSize,
+    /// What flow and bodies passed in the step that led here, over what they may pass in an automatic one; 0 where that limits none.
+    pub passed: f64,
     /// What it took to find out.
     pub effort: Effort,
 }
@@ -64,11 +66,14 @@ pub trait Stepper<const D: usize> {
     /// A solver does not converge.
     fn evaluate(&mut self, state: &State<D>, monitor: ResidualMonitor) -> Result<Observation<D>>;
 
-    /// The step from a state that was looked at.
+    /// A step of a length, or a shorter one if it would carry bodies too far, from a state that was looked at.
     ///
     /// # Errors
     /// A solver does not converge, or contacts cannot be kept.
-    fn advance(&mut self, state: &State<D>, observation: &Observation<D>, monitor: ResidualMonitor) -> Result<StepOutcome<D>>;
+    fn advance(&mut self, state: &State<D>, observation: &Observation<D>, length: f64, monitor: ResidualMonitor) -> Result<StepOutcome<D>>;
+
+    /// Forgets what happens in the state that was looked at last: another step is taken in place of the one that led to it.
+    fn withdraw(&mut self) {}
 
     /// Radii of the bodies that the state of this rank holds.
     fn radii(&self) -> &[f64];

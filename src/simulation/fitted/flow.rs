@@ -18,10 +18,11 @@ use crate::{
     flow::Drive,
     geometry::{Ball, Domain},
     grid::Grid,
+    interaction::Wrench,
     petsc::{Direct, Report, Session, Stage, Vector, enter},
     simulation::{
         Configuration, Cost, ExtrapolationHistory, FlowSolver, ResidualMonitor, Setup, Snapshot, Solution, WallForces, check_steady_state,
-        unsteady::{inertia, longest_step},
+        unsteady::{first_step, inertia, longest_step},
     },
 };
 
@@ -105,8 +106,11 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
         self.history.is_some()
     }
 
-    fn longest_step(&self) -> Result<f64> {
-        let of_history = |history: &MeshHistory| longest_step(&self.setup, self.setup.spacing, history.fastest());
+    fn longest_step(&self, pushes: &[Wrench<D>]) -> Result<f64> {
+        let of_history = |history: &MeshHistory| match (history.past.is_empty(), history.fastest()) {
+            (false, fastest) if fastest > 0.0 => longest_step(&self.setup, self.setup.spacing, fastest),
+            (_, fastest) => first_step(&self.setup, self.setup.spacing, fastest, pushes),
+        };
         Ok(self.history.as_ref().map_or(f64::INFINITY, of_history))
     }
 
