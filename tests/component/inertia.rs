@@ -800,13 +800,14 @@ fn automatic_steps_from_rest_know_what_comes_and_not_the_end(session: &Session) 
     assert!(runs.iter().flatten().all(|[_, courant, _]| *courant <= 0.7), "{runs:?}");
 }
 
-/// A second disk stands still for a while and is then led through the channel ten times as fast as the stream.
+/// A second disk stands nearly still for a while and is then led through the channel ten times as fast as the stream, which only the flow that comes of
+/// a step tells: its travel limits none.
 fn an_automatic_step_is_taken_again_where_the_flow_is_faster_than_it_was(session: &Session) {
     let path = "[[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.301, 0.0005, 0.0], [0.35, 0.5, 0.0], [1.0, 7.0, 0.0]]";
-    let second = format!("[[bodies]]\nradius = 0.25\ncenters = [[1.0, 0.7]]\nmotion = {{ path = {path} }}\n");
+    let second = format!("travel = 1.0\n[[bodies]]\nradius = 0.25\ncenters = [[1.0, 0.7]]\nmotion = {{ path = {path} }}\n");
     let seen = drags(session, &channel(0.36, &second));
     let steps: Vec<f64> = seen.windows(2).map(|pair| pair[1][0] - pair[0][0]).collect();
-    assert!(steps.windows(2).any(|pair| pair[1] < 0.3 * pair[0]), "{steps:?}");
+    assert!(steps.windows(2).any(|pair| pair[1] < 0.6 * pair[0]), "{steps:?}");
     assert!(seen.iter().all(|[_, courant, _]| *courant <= 0.7), "{seen:?}");
 }
 
