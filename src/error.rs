@@ -27,6 +27,10 @@ pub enum Error {
         /// Length of the step.
         step: f64,
     },
+    /// The flow passed more cells in the step that led to a state than it can be followed by; the message says so. A
+    /// [`Simulation`](crate::simulation::Simulation) takes a shorter automatic step in its place.
+    #[error("{0}")]
+    CourantExceeded(String),
     /// A PETSc call failed.
     #[error("{call} failed with PETSc error {code}: {text}")]
     Petsc {

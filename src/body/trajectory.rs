@@ -9,6 +9,10 @@ use super::Twist;
 /// Steps of an oscillation that follow it closely enough, a period.
 const STEPS_A_PERIOD: f64 = 64.0;
 
+/// Parts of a piece of a path by whose ends it is known how far it leads, and how often the part that leads too far is halved.
+const PARTS: usize = 8;
+const HALVINGS: usize = 20;
+
 /// Where a body goes from where it starts, at all times.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Trajectory<const D: usize> {
@@ -119,6 +123,28 @@ impl<const D: usize> Path<D> {
         (displacement, (start + (square * 2.0 + cube * (3.0 * part)) * part) / length)
     }
 
+    /// The longest time from another on in which the body is never farther than a distance from where it was then; infinite if it never is.
+    fn reach(&self, time: f64, distance: f64) -> f64 {
+        let start = self.at(time).0;
+        let far = |later: f64| (self.at(later).0 - start).norm() > distance;
+        let first = self.knots.partition_point(|knot| knot.time <= time).saturating_sub(1);
+        let mut near = time;
+        for pair in self.knots[first..].windows(2) {
+            for part in 1..=PARTS {
+                let ahead = pair[0].time + (pair[1].time - pair[0].time) * part as f64 / PARTS as f64;
+                if ahead > time && far(ahead) {
+                    let halve = |(near, beyond): (f64, f64), _| {
+                        let middle = 0.5 * (near + beyond);
+                        if far(middle) { (near, middle) } else { (middle, beyond) }
+                    };
+                    return (0..HALVINGS).fold((near, ahead), halve).1 - time;
+                }
+                near = near.max(ahead);
+            }
+        }
+        f64::INFINITY
+    }
+
     /// The largest speed along each axis, at and halfway between knots.
     fn fastest(&self) -> SVector<f64, D> {
         let halfway = self.knots.windows(2).map(|pair| self.at(0.5 * (pair[0].time + pair[1].time)).1);
@@ -173,11 +199,11 @@ impl<const D: usize> Trajectories<D> {
         self.0.iter().map(|(body, trajectory)| (*body, trajectory.fastest()))
     }
 
-    /// The longest automatic step that follows oscillations; infinite without any.
-    pub fn longest_step(&self) -> f64 {
-        let step = |(_, trajectory): &(usize, Rc<Trajectory<D>>)| match **trajectory {
+    /// The longest automatic step from a time that follows oscillations, and in which paths lead each body no farther than it may go; infinite without any.
+    pub fn longest_step(&self, time: f64, farthest: impl Fn(usize) -> f64) -> f64 {
+        let step = |(body, trajectory): &(usize, Rc<Trajectory<D>>)| match &**trajectory {
             Trajectory::Oscillation { frequency, .. } => 1.0 / (STEPS_A_PERIOD * frequency),
-            Trajectory::Path(_) => f64::INFINITY,
+            Trajectory::Path(path) => path.reach(time, farthest(*body)),
         };
         self.0.iter().map(step).fold(f64::INFINITY, f64::min)
     }
@@ -192,6 +218,19 @@ mod tests {
     fn path() -> Trajectory<2> {
         let places = [(0.0, 0.0, 0.0), (0.5, 0.3, 1.0), (1.5, -0.2, 0.4), (1.75, 0.1, 0.1)];
         Trajectory::Path(Path::new(&places.map(|(time, x, y)| (time, Vector2::new(x, y)))))
+    }
+
+    #[test]
+    fn a_step_along_a_path_goes_as_far_as_it_may_and_no_farther() {
+        let rests_and_goes = Path::new(&[(0.0, 0.0), (1.0, 0.0), (1.2, 3.0), (2.0, 3.5)].map(|(time, x)| (time, Vector2::new(x, 0.0))));
+        for (time, distance) in [(0.0, 0.1), (0.0, 2.0), (0.9, 0.5), (1.1, 0.2)] {
+            let step = rests_and_goes.reach(time, distance);
+            let gone = |later: f64| (rests_and_goes.at(later).0 - rests_and_goes.at(time).0).norm();
+            assert!((gone(time + step) - distance).abs() < 1e-4, "{time} {distance}: {step}");
+            assert!((0..200).all(|part| gone(time + step * f64::from(part) / 200.0) <= distance));
+        }
+        assert_eq!(rests_and_goes.reach(1.9, 1.0), f64::INFINITY);
+        assert_eq!(rests_and_goes.reach(3.0, 0.1), f64::INFINITY);
     }
 
     #[test]

@@ -43,6 +43,10 @@ impl<const D: usize> Interaction<D> for Joints {
         format!("{beads} beads that turn with the line of their chain: {} rows of the coupled system", beads * (D - 1) + twists)
     }
 
+    fn ties(&self) -> bool {
+        true
+    }
+
     fn welds(&self, centers: &[SVector<f64, D>]) -> Vec<BondRow<D>> {
         self.chains.iter().flat_map(|chain| chain.rows(centers)).collect()
     }

@@ -34,7 +34,7 @@ impl<const D: usize> Interactions<D> {
 
     /// Those that tie no bodies to each other, and so go with any bodies.
     pub fn untied(&self) -> Self {
-        Interactions::new(self.shared().filter(|interaction| !ties(interaction.as_ref())))
+        Interactions::new(self.shared().filter(|interaction| !interaction.ties()))
     }
 
     /// Each of them, to be shared with another list.
@@ -97,7 +97,7 @@ impl<const D: usize> Interactions<D> {
 
     /// Whether any ties bodies: chains, membranes or clusters.
     pub fn tie(&self) -> bool {
-        self.iter().any(ties)
+        self.iter().any(Interaction::ties)
     }
 
     /// See [`Interaction::steepest`]; slopes add up.
@@ -206,11 +206,6 @@ impl<const D: usize> Interactions<D> {
     pub fn approach_resistance(&self, contact: &Contact<D>, of: &dyn Fn(usize) -> (f64, usize)) -> f64 {
         self.iter().map(|interaction| interaction.approach_resistance(contact, of)).sum()
     }
-}
-
-/// Whether it ties bodies.
-fn ties<const D: usize>(interaction: &dyn Interaction<D>) -> bool {
-    !(interaction.chains().is_empty() && interaction.bonds().is_empty() && interaction.clusters().is_empty())
 }
 
 impl<const D: usize> fmt::Debug for Interactions<D> {

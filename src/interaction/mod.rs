@@ -133,6 +133,11 @@ pub trait Interaction<const D: usize>: Debug {
         Vec::new()
     }
 
+    /// Whether it names bodies, so that it goes with these alone.
+    fn ties(&self) -> bool {
+        !(self.chains().is_empty() && self.bonds().is_empty() && self.clusters().is_empty())
+    }
+
     /// Rows by which it makes bodies with these centres move or turn as one.
     fn welds(&self, _centers: &[SVector<f64, D>]) -> Vec<BondRow<D>> {
         Vec::new()

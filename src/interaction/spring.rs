@@ -2,6 +2,8 @@
 
 use nalgebra::SVector;
 
+use super::Wrench;
+
 /// Part of a length, an area or an angle that is rounding of places.
 const ROUNDING: f64 = 1e-13;
 
@@ -33,6 +35,14 @@ impl<const D: usize> Spring<D> {
     /// The coordinate's own mobility, rate over force, by the resistances of all bodies each alone.
     pub fn mobility(&self, resistances: &[f64]) -> f64 {
         self.ends.iter().map(|(body, gradient)| gradient.norm_squared() / resistances[*body]).sum()
+    }
+
+    /// The forces on bodies besides others, none or one for each body, once springs that give way pull as well.
+    pub fn pulled(springs: &[Spring<D>], mut pushes: Vec<Wrench<D>>) -> Vec<Wrench<D>> {
+        for spring in springs.iter().filter(|spring| spring.stiffness.is_finite()) {
+            spring.ends.iter().for_each(|(body, gradient)| pushes[*body].force -= gradient * (spring.stiffness * spring.value));
+        }
+        pushes
     }
 
     /// The energy that it stores; none for what cannot give way.

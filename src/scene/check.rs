@@ -217,8 +217,9 @@ fn check_scalar(scene: &Scene) -> Result<()> {
 
 fn check_masses(scene: &Scene, what: &str) -> Result<()> {
     let massless = scene.bodies.iter().position(|bodies| bodies.motion == Motion::Free && bodies.density == 0.0);
-    let key = format!("{}.density", scene.group_key(massless.unwrap_or(0)));
-    expect(scene, massless.is_none(), &key, 0, &format!("must be positive: free bodies {what} need mass"))
+    let Some(group) = massless else { return Ok(()) };
+    let remedy = format!("must be positive: free bodies {what} need mass");
+    Err(scene.refuse(&format!("{}.density", scene.group_key(group)), 0, &remedy))
 }
 
 /// What a flow with inertia needs, and what it does not have yet.

@@ -152,19 +152,21 @@ impl<const D: usize> ExtrapolationHistory<D> {
         freshly_cleared(bodies.grid(), &placed, &bodies.placed[body].center).into_iter().map(|point| (body, shift, point)).collect()
     }
 
-    /// What is past once a solve at a `time` has found the snapshot `last`, starting from a guess.
+    /// What is past once a solve at a `time` has found the snapshot `last`, starting from a guess, and what was before it, unless that is of this time too.
     pub fn then(
         past: Option<ExtrapolationHistory<D>>,
         last: Snapshot<D>,
         guess: Option<InitialGuess<D>>,
         time: f64,
-    ) -> ExtrapolationHistory<D> {
-        let earlier = match past {
+    ) -> (ExtrapolationHistory<D>, Option<ExtrapolationHistory<D>>) {
+        match past {
             // another solve at the same instant takes the place of the last one
-            Some(past) if past.time == time => past.earlier,
-            Some(past) => guess.map(|guess| (guess.last, time - past.time)),
-            None => None,
-        };
-        ExtrapolationHistory { time, last, earlier }
+            Some(past) if past.time == time => (ExtrapolationHistory { time, last, earlier: past.earlier }, None),
+            past => {
+                let interval = past.as_ref().map(|past| time - past.time);
+                let earlier = interval.and_then(|interval| guess.map(|guess| (guess.last, interval)));
+                (ExtrapolationHistory { time, last, earlier }, past)
+            }
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! What finds the flow at an instant: the interface behind which grids that ignore bodies and meshes that fit them stand.
 
 use super::{Configuration, Cost, ExtrapolationHistory, Level, MeshLevel, ResidualMonitor, Setup, Solution, SuspendedBody};
-use crate::{contact::Contact, error::Result, flow::InverseMethod, grid::Grid, petsc::Vector};
+use crate::{contact::Contact, error::Result, flow::InverseMethod, grid::Grid, interaction::Wrench, petsc::Vector};
 
 /// Finds the flow and the motions of bodies at an instant. Every function is collective.
 pub trait FlowSolver<const D: usize> {
@@ -63,16 +63,33 @@ pub trait FlowSolver<const D: usize> {
         Ok(())
     }
 
-    /// The longest step from the last solution that the flow allows; infinite if it limits none.
+    /// The longest step from the last solution that the flow allows, with forces on all bodies besides those of the setup (none if empty); infinite if it
+    /// limits none.
     ///
     /// # Errors
     /// PETSc fails.
-    fn longest_step(&self) -> Result<f64> {
+    fn longest_step(&self, _pushes: &[Wrench<D>]) -> Result<f64> {
         Ok(f64::INFINITY)
     }
 
+    /// Cells that the last solution passes in a step; nothing where that does not matter.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    fn courant(&self, _step: f64) -> Result<Option<f64>> {
+        Ok(None)
+    }
+
+    /// Forgets the last solution: another step is taken in place of the one that led to it.
+    fn withdraw(&mut self) {}
+
     /// The solutions from which the next step starts, the last one first; none without inertia.
     fn levels(&self) -> Vec<&Level<D>> {
+        Vec::new()
+    }
+
+    /// Those before a time: from which a step to it starts, whether it was solved or not.
+    fn levels_before(&self, _time: f64) -> Vec<&Level<D>> {
         Vec::new()
     }
 
@@ -124,5 +141,10 @@ pub trait FlowSolver<const D: usize> {
     /// What further solves start from.
     fn past(&self) -> Option<&ExtrapolationHistory<D>> {
         None
+    }
+
+    /// What the first solve at a time starts from, whether it was done or not.
+    fn past_before(&self, _time: f64) -> Option<&ExtrapolationHistory<D>> {
+        self.past()
     }
 }

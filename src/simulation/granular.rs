@@ -307,6 +307,28 @@ impl<const D: usize> Granular<D> {
         halo.own().iter().zip(&self.bodies).map(|(&place, body)| changes[place] / body.mass).collect()
     }
 
+    /// Forces of springs of chains on own bodies; none without chains. Collective.
+    fn pulls_of_bonds(&self, state: &State<D>) -> Vec<SVector<f64, D>> {
+        let chains: Vec<Range<usize>> = self.interactions.chains();
+        if chains.is_empty() {
+            return Vec::new();
+        }
+        let own = |chain: &Range<usize>| chain.clone().any(|body| state.place(body).is_some());
+        let (peers, chains) = (self.peers(), chains.into_iter().filter(own).collect::<Vec<_>>());
+        let halo = Halo::of_numbers(peers, &state.numbers(), chains.iter().cloned().flatten());
+        let balls = halo.spread_balls(peers, &state.balls(&self.radii));
+        let center = |body: usize| balls[halo.place(body).expect("bodies of own chains are seen")].center;
+        let mut pulls = vec![SVector::zeros(); state.bodies.len()];
+        for spring in
+            chains.iter().flat_map(|chain| self.interactions.springs_of(chain, &center)).filter(|spring| spring.stiffness.is_finite())
+        {
+            for (body, gradient) in &spring.ends {
+                state.place(*body).into_iter().for_each(|place| pulls[place] -= gradient * (spring.stiffness * spring.value));
+            }
+        }
+        pulls
+    }
+
     /// Contacts of own bodies that may pull, each with the least force that it may bear; bodies are named by their numbers.
     fn lower_bounds(&self, state: &State<D>, step: f64) -> Vec<ContactForce<D>> {
         if !self.peers().any(!state.stuck.is_empty()) {
@@ -363,18 +385,21 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         self.known = self.known(state);
         self.known.twists = self.carried_on(state);
         let twists = self.known.twists.clone();
-        let moving = state.bodies.iter().zip(&self.known.accelerations).zip(&self.radii);
+        let pulls = if state.last_step > 0.0 { Vec::new() } else { self.pulls_of_bonds(state) };
+        let moving = state.bodies.iter().zip(&self.known.accelerations).zip(&self.radii).enumerate();
         let motions: Vec<BodyMotion<D>> = moving
             // velocities live half a step before places
-            .map(|((body, acceleration), &radius)| BodyMotion {
+            .map(|(place, ((body, acceleration), &radius))| BodyMotion {
                 radius,
                 velocity: body.twist.velocity + acceleration.velocity * (0.5 * state.last_step),
-                acceleration: acceleration.velocity,
+                acceleration: pulls.get(place).map_or(acceleration.velocity, |pull| acceleration.velocity + pull / self.bodies[place].mass),
             })
             .collect();
-        let limits = StepLimits { stable: self.trajectories.longest_step(), tried: longest };
+        let farthest = |place: usize| self.step_control.time.travel * self.radii[place];
+        let stable = self.trajectories.longest_step(state.time, |body| state.place(body).map_or(f64::INFINITY, farthest));
+        let limits = StepLimits { stable, tried: longest };
         let step_size = self.step_control.next(self.peers(), &motions, (state.time, state.last_step), limits);
-        Ok(Observation { twists, contacts: Vec::new(), solution: None, step_size, effort: Effort::default() })
+        Ok(Observation { twists, contacts: Vec::new(), solution: None, step_size, passed: 0.0, effort: Effort::default() })
     }
 
     fn given_places(&self, time: f64) -> Vec<(usize, GivenPlace<D>)> {

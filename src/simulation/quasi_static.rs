@@ -24,6 +24,7 @@ use super::{
     implicit_springs::{LEAST, StepAhead, kept_apart, pair},
     kept_measures::keep,
     step_control::{BodyMotion, StepControl, StepLimits, StepSize},
+    unsteady::{COURANT, LARGEST_COURANT},
 };
 use crate::{
     body::Twist,
@@ -33,7 +34,7 @@ use crate::{
     interaction::{Arrangement, BondRow, Interactions, PairForce, Spring, Touch, Wrench},
     parallel::Peers,
     petsc::Session,
-    scene::{ConstraintMethod, Scheme},
+    scene::{ConstraintMethod, Scheme, Step},
 };
 
 /// Rounds that flow and contacts are given to agree.
@@ -128,12 +129,14 @@ impl<const D: usize> QuasiStatic<D> {
         state.bodies.iter().zip(twists).zip(&self.radii).map(deviatoric).collect()
     }
 
-    /// The step to take with these motions.
-    fn step_size(&self, state: &State<D>, twists: &[Twist<D>], tried: f64) -> Result<StepSize> {
+    /// The step to take with these motions and forces.
+    fn step_size(&self, state: &State<D>, twists: &[Twist<D>], pushes: &[Wrench<D>], tried: f64) -> Result<StepSize> {
         let motions = self.deviatoric_velocities(state, twists).into_iter();
         let motion = |(velocity, &radius): (SVector<f64, D>, &f64)| BodyMotion { radius, velocity, acceleration: SVector::zeros() };
         let motions: Vec<BodyMotion<D>> = motions.zip(&self.radii).map(motion).collect();
-        let stable = self.suspension.longest_step()?.min(self.suspension.setup().trajectories.longest_step());
+        let farthest = |body: usize| self.step_control.time.travel * self.radii[body];
+        let given = self.suspension.setup().trajectories.longest_step(state.time, farthest);
+        let stable = self.suspension.longest_step(pushes)?.min(given);
         Ok(self.step_control.next(Peers::Alone, &motions, (state.time, state.last_step), StepLimits { stable, tried }))
     }
 
@@ -179,7 +182,8 @@ impl<const D: usize> QuasiStatic<D> {
             let begins = step == 0.0 && !springs.is_empty();
             let step_size = match chosen {
                 Some(step_size) => step_size,
-                None => *chosen.insert(self.step_size(state, &twists, tried)?),
+                None if begins => *chosen.insert(self.step_size(state, &twists, &Spring::pulled(&springs, pushes), tried)?),
+                None => *chosen.insert(self.step_size(state, &twists, &pushes, tried)?),
             };
             if begins && step_size.natural > 0.0 {
                 // of springs the step is a part
@@ -293,6 +297,21 @@ impl<const D: usize> QuasiStatic<D> {
         step.rows(springs, &ahead).into_iter().map(BondRow::as_length).collect()
     }
 
+    /// What flow and bodies passed in the last step over what they may pass in an automatic one; 0 without inertia.
+    fn passed(&self, state: &State<D>, twists: &[Twist<D>]) -> Result<f64> {
+        let Some(cells) = self.suspension.courant(state.last_step)? else { return Ok(0.0) };
+        let period = self.step_control.shift_period.map(|period| period.0);
+        let shortest = period.is_some_and(|period| state.last_step < period * 1.5);
+        if cells > LARGEST_COURANT && (shortest || self.step_control.time.step != Step::Auto) {
+            return Err(Error::Diverged(too_long(state, cells, period)));
+        }
+        let velocities = self.deviatoric_velocities(state, twists).into_iter();
+        let ways = velocities
+            .zip(&self.radii)
+            .map(|(velocity, radius)| velocity.norm() * state.last_step / (self.step_control.time.travel * radius));
+        Ok(ways.fold(cells / COURANT, f64::max))
+    }
+
     /// The longest way of the last step, in radii of the body that went it.
     fn travelled(&self, state: &State<D>) -> f64 {
         let last: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
@@ -344,15 +363,15 @@ impl<const D: usize> QuasiStatic<D> {
     fn rule(
         &mut self,
         state: &State<D>,
-        (observation, step): (&Observation<D>, f64),
+        (observation, length): (&Observation<D>, f64),
         effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<Vec<Twist<D>>> {
         match self.step_control.time.scheme {
             Scheme::Euler => Ok(observation.twists.clone()),
             _ if self.suspension.evolves() && state.last_step == 0.0 => Ok(observation.twists.clone()),
-            Scheme::TwoStep if state.last_step > 0.0 => Ok(two_step(state, (observation, step), &self.suspension.setup().interactions)),
-            _ => self.midpoint(state, (observation, step), effort, monitor),
+            Scheme::TwoStep if state.last_step > 0.0 => Ok(two_step(state, (observation, length), &self.suspension.setup().interactions)),
+            _ => self.midpoint(state, (observation, length), effort, monitor),
         }
     }
 
@@ -360,11 +379,11 @@ impl<const D: usize> QuasiStatic<D> {
     fn midpoint(
         &mut self,
         state: &State<D>,
-        (observation, step): (&Observation<D>, f64),
+        (observation, length): (&Observation<D>, f64),
         effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<Vec<Twist<D>>> {
-        let half = 0.5 * step;
+        let half = 0.5 * length;
         let mut ahead = state.clone();
         ahead.advance(&observation.twists, half);
         ahead.bodies.iter_mut().zip(&observation.twists).for_each(|(body, twist)| body.twist = *twist);
@@ -393,18 +412,19 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
             self.before = self.suspension.past().and_then(ExtrapolationHistory::without_fluid);
         }
         let Agreed { mut solution, twists, contacts, step_size } = self.agree(state, longest, &mut effort, monitor)?;
+        let passed = self.passed(state, &twists)?;
         let domain = self.placed(state).domain;
         for (body, moving) in solution.bodies.iter_mut().zip(&state.bodies) {
             // centres of solutions are in the box: so are the motions that go with them
             body.twist.velocity -= domain.image_velocity(&moving.center);
         }
-        Ok(Observation { twists, contacts, solution: Some(solution), step_size, effort })
+        Ok(Observation { twists, contacts, solution: Some(solution), step_size, passed, effort })
     }
 
-    fn advance(&mut self, state: &State<D>, observation: &Observation<D>, step: f64, monitor: ResidualMonitor) -> Result<StepOutcome<D>> {
+    fn advance(&mut self, state: &State<D>, observation: &Observation<D>, length: f64, monitor: ResidualMonitor) -> Result<StepOutcome<D>> {
         let mut effort = Effort::default();
-        let mut moves = self.rule(state, (observation, step), &mut effort, monitor)?;
-        let step = self.step_control.shortened(&self.deviatoric_velocities(state, &moves), &self.radii, step, state.last_step);
+        let mut moves = self.rule(state, (observation, length), &mut effort, monitor)?;
+        let step = self.step_control.shortened(&self.deviatoric_velocities(state, &moves), &self.radii, length, state.last_step);
         self.suspension.setup().trajectories.mean_twists(state.time, step).for_each(|(body, twist)| moves[body] = twist);
         let (placed, start) = (self.placed(state), Instant::now());
         let (mut stuck, mut kkt_report) = (Vec::new(), None);
@@ -435,6 +455,10 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
             kkt_report,
             effort,
         })
+    }
+
+    fn withdraw(&mut self) {
+        self.suspension.withdraw();
     }
 
     fn suspension(&self) -> Option<&dyn FlowSolver<D>> {
@@ -469,7 +493,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
 /// forces jump.
 fn two_step<const D: usize>(
     state: &State<D>,
-    (observation, step): (&Observation<D>, f64),
+    (observation, length): (&Observation<D>, f64),
     interactions: &Interactions<D>,
 ) -> Vec<Twist<D>> {
     let now: Vec<ContactHistory<D>> = observation.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
@@ -479,7 +503,7 @@ fn two_step<const D: usize>(
         let any = jumps[cluster.bodies.clone()].contains(&true);
         jumps[cluster.bodies.clone()].fill(any);
     }
-    let factor = 0.5 * step / state.last_step;
+    let factor = 0.5 * length / state.last_step;
     let rule = |(body, (now, last)): (usize, (&Twist<D>, &Twist<D>))| {
         if jumps[body] {
             return *now;
@@ -500,6 +524,25 @@ fn contacts_of<const D: usize>(held: &[ContactHistory<D>], bodies: usize) -> Vec
     }
     of_body.iter_mut().for_each(|contacts| contacts.sort_unstable());
     of_body
+}
+
+/// What to say of a step in which the flow passed so many cells, where images slide in steps that are multiples of a period.
+fn too_long<const D: usize>(state: &State<D>, cells: f64, period: Option<f64>) -> String {
+    let (step, time) = (state.last_step, state.time);
+    let remedy = match period {
+        Some(period) if step < period * 1.5 => {
+            "images of a sheared box slide by whole cells in a step, so that none is shorter: make the box longer along y, or lower flow.density".into()
+        }
+        Some(period) => format!("set time.step = {period:.4e}, in which images slide by one cell, or \"auto\""),
+        None => {
+            let shorter = step * COURANT / cells;
+            let unit = 10.0_f64.powf(shorter.log10().floor() - 1.0);
+            format!("set time.step = {:.1e} or \"auto\"", (shorter / unit).floor() * unit)
+        }
+    };
+    format!(
+        "at time {time} the flow passes {cells:.2} cells in time.step = {step:.4e}, and is followed up to {LARGEST_COURANT} only; {remedy}"
+    )
 }
 
 fn velocities<const D: usize>(twists: &[Twist<D>]) -> Vec<SVector<f64, D>> {

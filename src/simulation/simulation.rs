@@ -10,6 +10,7 @@ use super::{
     migration::own_part,
     shift_period::ShiftPeriod,
     step_control::{ROUNDING, StepControl},
+    unsteady::LARGEST_COURANT,
 };
 use crate::{
     body::{Halo, Twist},
@@ -18,7 +19,7 @@ use crate::{
     geometry::{Ball, Domain},
     interaction::Interactions,
     petsc::Session,
-    scene::TimeSection,
+    scene::{Step, TimeSection},
 };
 
 /// Shortest step, as a part of the whole run: after so many steps that one more changes no time.
@@ -38,7 +39,15 @@ pub struct Simulation<const D: usize> {
     cut_short: bool,
     /// How often the step from the state was halved so far.
     halvings: usize,
+    /// What happens in the state, if the step that led there was judged by it.
+    ahead: Option<Observation<D>>,
 }
+
+/// Shorter steps that are tried in place of one.
+const TRIES: usize = 8;
+
+/// What a flow passed, over what it may, in a step whose solve ended because of it.
+const MUCH: f64 = 4.0;
 
 /// How a step went.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,7 +92,7 @@ impl<const D: usize> Simulation<D> {
         (state, domain): (State<D>, Domain<D>),
         step_control: StepControl,
     ) -> Self {
-        Simulation { session: session.clone(), state, stepper, domain, step_control, cut_short: false, halvings: 0 }
+        Simulation { session: session.clone(), state, stepper, domain, step_control, cut_short: false, halvings: 0, ahead: None }
     }
 
     /// Where the bodies of this rank are.
@@ -111,7 +120,7 @@ impl<const D: usize> Simulation<D> {
     /// # Panics
     /// If it is the state of a share.
     pub fn restore(&mut self, state: State<D>, past: Option<ExtrapolationHistory<D>>) {
-        self.state = own_part(&self.state.share, state);
+        (self.state, self.ahead) = (own_part(&self.state.share, state), None);
         self.slide();
         self.stepper.migrate(&mut self.state, &self.domain);
         if let Some(past) = past {
@@ -243,6 +252,28 @@ impl<const D: usize> Simulation<D> {
     /// # Errors
     /// A solver does not converge, the shortest step is too long, or somebody asks for a stop.
     pub fn evaluate(&mut self, monitor: ResidualMonitor) -> Result<Observation<D>> {
+        match self.ahead.take() {
+            Some(observation) => Ok(observation),
+            None => self.look(monitor).map_err(final_error),
+        }
+    }
+
+    /// Moves the bodies by a step, or by a shorter one if that leads nowhere. An automatic step in a flow with inertia is followed by a look ahead: if the
+    /// flow or a body passed more than it may, a shorter step is taken in its place.
+    ///
+    /// # Errors
+    /// A solver does not converge, contacts cannot be kept, bodies of given motion meet, a body leaves the box, or somebody asks for a stop; the state is
+    /// then what it was.
+    pub fn step(&mut self, observation: &Observation<D>, monitor: ResidualMonitor) -> Result<StepReport> {
+        let suspension = self.stepper.suspension().filter(|_| self.step_control.time.step == Step::Auto);
+        if suspension.map_or(Ok(None), |suspension| suspension.courant(0.0))?.is_none() {
+            return self.step_by(observation, observation.step_size.length, monitor);
+        }
+        self.step_and_look(observation, monitor)
+    }
+
+    /// What happens now, by the shortest step ahead that is tried.
+    fn look(&mut self, monitor: ResidualMonitor) -> Result<Observation<D>> {
         self.halvings = 0;
         let mut longest = f64::INFINITY;
         loop {
@@ -253,13 +284,48 @@ impl<const D: usize> Simulation<D> {
         }
     }
 
-    /// Moves the bodies by a step, or by a shorter one if that leads nowhere.
-    ///
-    /// # Errors
-    /// A solver does not converge, contacts cannot be kept, bodies of given motion meet, a body leaves the box, or somebody asks for a stop; the state is
-    /// then what it was.
-    pub fn step(&mut self, observation: &Observation<D>, monitor: ResidualMonitor) -> Result<StepReport> {
-        let mut travel = self.travel(observation, monitor)?;
+    /// A step, and what happens after it: if the flow or a body passed more than it may, a shorter one in its place.
+    fn step_and_look(&mut self, observation: &Observation<D>, monitor: ResidualMonitor) -> Result<StepReport> {
+        let (start, halvings) = (self.state.clone(), self.halvings);
+        let (mut length, mut wasted) = (observation.step_size.length, Effort::default());
+        for tries_left in (0..TRIES).rev() {
+            self.halvings = halvings;
+            let report = self.step_by(observation, length, monitor)?;
+            let shorter = match self.look(monitor) {
+                Ok(ahead) => {
+                    let stands = tries_left == 0 && self.followed(report.length)?;
+                    let shorter = self.step_control.in_place_of(report.length, ahead.passed).filter(|_| !stands);
+                    match shorter {
+                        Some(_) => wasted = wasted + report.effort + ahead.effort,
+                        None => self.ahead = Some(ahead),
+                    }
+                    shorter
+                }
+                Err(error @ (Error::CourantExceeded(_) | Error::StepTooLong { .. })) => {
+                    Some(self.step_control.in_place_of(report.length, MUCH).filter(|_| tries_left > 0).ok_or_else(|| final_error(error))?)
+                }
+                Err(error) => return Err(error),
+            };
+            let Some(shorter) = shorter else { return Ok(StepReport { effort: wasted + report.effort, ..report }) };
+            self.stepper.withdraw();
+            (self.state, length) = (start.clone(), shorter);
+            self.slide();
+        }
+        Err(Error::Diverged(format!(
+            "at time {} the flow passes more than {LARGEST_COURANT} cells in a step however short it is: what bonds or contacts move at once must start nearer to rest",
+            start.time
+        )))
+    }
+
+    /// Whether the flow can be followed that came of a step of this length.
+    fn followed(&self, length: f64) -> Result<bool> {
+        let cells = self.stepper.suspension().map_or(Ok(None), |suspension| suspension.courant(length))?;
+        Ok(cells.is_none_or(|cells| cells <= LARGEST_COURANT))
+    }
+
+    /// Moves the bodies by a step of this length, or by a shorter one if that leads nowhere.
+    fn step_by(&mut self, observation: &Observation<D>, length: f64, monitor: ResidualMonitor) -> Result<StepReport> {
+        let mut travel = self.travel(observation, length, monitor)?;
         self.expect_progress(travel.step)?;
         let gap = self.smallest_given_gap(&travel.moves, travel.step)?;
         if let Some(report) = &mut travel.kkt_report {
@@ -279,8 +345,7 @@ impl<const D: usize> Simulation<D> {
         Ok(StepReport { length: travel.step, kkt_report: travel.kkt_report, effort: travel.effort, halvings: self.halvings })
     }
 
-    fn travel(&mut self, observation: &Observation<D>, monitor: ResidualMonitor) -> Result<StepOutcome<D>> {
-        let mut length = observation.step_size.length;
+    fn travel(&mut self, observation: &Observation<D>, mut length: f64, monitor: ResidualMonitor) -> Result<StepOutcome<D>> {
         loop {
             match self.stepper.advance(&self.state, observation, length, monitor) {
                 Err(error) => {
@@ -336,5 +401,13 @@ impl<const D: usize> Simulation<D> {
     /// Lets images slide to where they are now.
     fn slide(&mut self) {
         self.domain = self.domain.clone().at(self.state.time);
+    }
+}
+
+/// The error of a step that no shorter one takes the place of.
+fn final_error(error: Error) -> Error {
+    match error {
+        Error::CourantExceeded(text) => Error::Diverged(text),
+        error => error,
     }
 }

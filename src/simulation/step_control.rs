@@ -2,7 +2,10 @@
 
 use nalgebra::SVector;
 
-use super::shift_period::ShiftPeriod;
+use super::{
+    shift_period::ShiftPeriod,
+    unsteady::{COURANT, LARGEST_COURANT},
+};
 use crate::{
     parallel::Peers,
     scene::{Step, TimeSection},
@@ -13,6 +16,8 @@ const GROWTH: f64 = 1.25;
 
 /// Part of a fixed step by which a sum of steps misses its multiples.
 const OFF_MULTIPLES: f64 = 1e-6;
+/// How many times what automatic steps may pass the flow or a body passes in one that stands: the flow then passes the most cells that it may in any.
+const TOLERATED: f64 = LARGEST_COURANT / COURANT;
 
 /// Part of a step that is rounding.
 pub const ROUNDING: f64 = 1e-9;
@@ -107,6 +112,16 @@ impl StepControl {
         (half < step * (1.0 - ROUNDING)).then_some(half)
     }
 
+    /// The length of the step to be taken in place of an automatic one in which the flow or a body passed so many times what it may; nothing if it stands,
+    /// or where none is shorter.
+    pub fn in_place_of(&self, step: f64, passed: f64) -> Option<f64> {
+        if self.time.step != Step::Auto || passed <= TOLERATED {
+            return None;
+        }
+        let shortest = self.shift_period.map_or(0.0, |shift_period| shift_period.0);
+        Some((step * (-passed.log2().ceil()).exp2()).max(shortest)).filter(|shorter| *shorter < step * (1.0 - ROUNDING))
+    }
+
     /// The longest step after another.
     fn grown(&self, last_step: f64) -> f64 {
         if self.by_twos {
@@ -194,5 +209,14 @@ mod tests {
     fn an_automatic_step_is_no_longer_than_what_is_left_to_try() {
         assert_eq!(next(&control(Step::Auto, None), 1.0, 0.4, 0.125), 0.125);
         assert_eq!(next(&control(Step::Auto, None), 1.0, 0.4, f64::INFINITY), 0.5);
+    }
+
+    #[test]
+    fn a_step_in_which_too_much_passed_is_halved_until_it_passes_what_it_may() {
+        let auto = control(Step::Auto, None);
+        assert_eq!([0.5, 1.3, 1.5, 2.0, 5.0].map(|passed| auto.in_place_of(0.8, passed)), [None, None, Some(0.4), Some(0.4), Some(0.1)]);
+        assert_eq!(control(Step::Fixed(0.8), None).in_place_of(0.8, 5.0), None);
+        let sheared = control(Step::Auto, Some(0.4));
+        assert_eq!([sheared.in_place_of(0.8, 5.0), sheared.in_place_of(0.4, 5.0)], [Some(0.4), None]);
     }
 }

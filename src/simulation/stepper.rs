@@ -21,6 +21,8 @@ pub struct Observation<const D: usize> {
     pub solution: Option<Solution<D>>,
     /// The step to take.
     pub step_size: StepSize,
+    /// What flow and bodies passed in the step that led here, over what they may pass in an automatic one; 0 where that limits none.
+    pub passed: f64,
     /// What it took to find out.
     pub effort: Effort,
 }
@@ -66,17 +68,20 @@ pub trait Stepper<const D: usize> {
     /// A solver does not converge; a [step is too long](crate::error::Error::step_too_long), and a shorter one may be tried; somebody asks for a stop.
     fn evaluate(&mut self, state: &State<D>, longest: f64, monitor: ResidualMonitor) -> Result<Observation<D>>;
 
-    /// The step from a state that was looked at, of the length that the observation has or a shorter one.
+    /// A step of a length, or a shorter one if it would carry bodies too far, from a state that was looked at.
     ///
     /// # Errors
     /// As [`evaluate`](Self::evaluate), or contacts cannot be kept.
-    fn advance(&mut self, state: &State<D>, observation: &Observation<D>, step: f64, monitor: ResidualMonitor) -> Result<StepOutcome<D>>;
+    fn advance(&mut self, state: &State<D>, observation: &Observation<D>, length: f64, monitor: ResidualMonitor) -> Result<StepOutcome<D>>;
 
     /// From now on long work heeds a request to stop.
     fn heed(&mut self, _stop: StopRequest) {}
 
     /// Forgets what it did since it was asked to evaluate a state, so that a checkpoint of that holds nothing of it.
     fn abandon(&mut self, _state: &State<D>) {}
+
+    /// Forgets what happens in the state that was looked at last: another step is taken in place of the one that led to it.
+    fn withdraw(&mut self) {}
 
     /// Radii of the bodies that the state of this rank holds.
     fn radii(&self) -> &[f64];

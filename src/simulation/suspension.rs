@@ -191,7 +191,7 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         let links = found.global_unknowns.split_off(fixed.mean_flow.unknowns::<D>());
         if self.remembers && fixed.method.on_surfaces() {
             let last = Snapshot::of(&bodies, &fixed.session, configuration.centers, &found, fixed.condensed)?;
-            self.past = Some(ExtrapolationHistory::then(self.past.take(), last, guess, configuration.time));
+            self.past = Some(ExtrapolationHistory::then(self.past.take(), last, guess, configuration.time).0);
         }
         let solution = readback::solution(fixed, (&bodies, &assembly), (&pair_constraints, &links), found, configuration)?;
         (self.assembly, self.workspace) = (Some(assembly), Some(workspace));

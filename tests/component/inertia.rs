@@ -50,6 +50,10 @@ pub fn tests() -> Vec<Test> {
         Test::of(methods_of_first_order_move_bodies_about_as_sharp_does),
         Test::of(methods_of_first_order_solve_alike_with_either_inverse),
         Test::of(light_disks_of_first_order_start_in_steps_of_any_length),
+        Test::of(a_disk_that_goes_with_the_stream_goes_on_with_it),
+        Test::of(automatic_steps_from_rest_know_what_comes_and_not_the_end),
+        Test::of(an_automatic_step_is_taken_again_where_the_flow_is_faster_than_it_was),
+        Test::of(a_fixed_step_in_which_the_flow_passes_too_much_is_refused_with_one_that_will_do),
     ]
 }
 
@@ -728,4 +732,92 @@ fn light_disks_of_first_order_start_in_steps_of_any_length(session: &Session) {
         let part = speed / (100.0 / 1.01 * 20.0 * step);
         assert!((0.65..1.1).contains(&part), "{}: {part} of the speed without viscosity", constraint.word());
     }
+}
+
+/// A scene of a flow with inertia in time.
+fn scene(text: &str) -> Scene {
+    Scene::parse("scene", Path::new("."), text, &[]).unwrap()
+}
+
+/// Without spin it is at rest in a frame in which the fluid is: on meshes and grids, whatever it weighs and however long a step is.
+fn a_disk_that_goes_with_the_stream_goes_on_with_it(session: &Session) {
+    for (method, cells, step, density) in
+        [("fitted", 4, 0.02, 1.0), ("fitted", 4, 0.01, 2.0), ("fitted", 6, 0.02, 2.0), ("fitted", 6, 0.01, 1.0), ("sharp", 4, 0.02, 2.0)]
+    {
+        let scene = scene(&format!(
+            "[domain]\nsize = [8.0, 8.0]\n[flow]\nmodel = \"navier-stokes\"\nviscosity = 0.05\ndensity = 1.0\n\
+             drive = {{ mean_velocity = [1.0, 0.0] }}\n[resolution]\ncells_per_radius = {cells}\n[method]\nconstraint = \"{method}\"\n\
+             [[bodies]]\nradius = 1.0\ncenters = [[4.1, 4.0]]\nvelocity = [1.0, 0.0]\ndensity = {density}\n\
+             [time]\nend = {}\nstep = {step}\n",
+            3.0 * step
+        ));
+        let mut simulation = Simulation::<2>::new(session, &scene).unwrap();
+        while !simulation.over() {
+            let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+            simulation.step(&observation, &mut |_, _| {}).unwrap();
+        }
+        let Twist { velocity, spin } = motion(&mut simulation);
+        let lost = (velocity - Vector2::new(1.0, 0.0)).norm() + spin.norm();
+        assert!(lost < 1e-6, "{method}, {cells} cells, steps of {step}, density {density}: {velocity}, {spin}");
+    }
+}
+
+/// A fixed disk in a channel whose fluid moves at once, and more of a scene.
+fn channel(end: f64, more: &str) -> Scene {
+    scene(&format!(
+        "[domain]\nsize = [6.0, 4.0]\ny = \"walls\"\n[flow]\nmodel = \"navier-stokes\"\nviscosity = 0.1\ndensity = 1.0\n\
+         drive = {{ mean_velocity = [1.0, 0.0] }}\n[resolution]\ncells_per_radius = 4\n\
+         [[bodies]]\nradius = 0.5\ncenters = [[3.0, 2.0]]\nmotion = \"fixed\"\n[time]\nend = {end}\n{more}"
+    ))
+}
+
+/// Times, Courant numbers and drags of the first body, step by step, but for the start.
+fn drags(session: &Session, scene: &Scene) -> Vec<[f64; 3]> {
+    let mut simulation = Simulation::<2>::new(session, scene).unwrap();
+    let mut seen = Vec::new();
+    loop {
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        let state = simulation.state();
+        if state.steps > 0 {
+            let courant = simulation.suspension().unwrap().courant(state.last_step).unwrap().unwrap();
+            seen.push([state.time, courant, observation.solution.as_ref().unwrap().bodies[0].force[0]]);
+        }
+        if simulation.over() {
+            return seen;
+        }
+        simulation.step(&observation, &mut |_, _| {}).unwrap();
+    }
+}
+
+/// The drag at t = 0.1 is 5.98 in steps of 0.005.
+fn automatic_steps_from_rest_know_what_comes_and_not_the_end(session: &Session) {
+    let runs = [0.1, 0.4].map(|end| drags(session, &channel(end, "")));
+    let fixed = drags(session, &channel(0.1, "step = 0.005\n"));
+    let (&[time, _, drag], &[_, _, exact]) = (runs[0].last().unwrap(), fixed.last().unwrap());
+    assert!((time - 0.1).abs() < 1e-12 && (drag / exact - 1.0).abs() < 0.1, "{drag}, {exact}");
+    let common = runs[0].len() - 1;
+    assert!(common >= 2 && runs[0][..common] == runs[1][..common], "{runs:?}");
+    assert!(runs.iter().flatten().all(|[_, courant, _]| *courant <= 0.7), "{runs:?}");
+}
+
+/// A second disk stands nearly still for a while and is then led through the channel ten times as fast as the stream, which only the flow that comes of
+/// a step tells: its travel limits none.
+fn an_automatic_step_is_taken_again_where_the_flow_is_faster_than_it_was(session: &Session) {
+    let path = "[[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.301, 0.0005, 0.0], [0.35, 0.5, 0.0], [1.0, 7.0, 0.0]]";
+    let second = format!("travel = 1.0\n[[bodies]]\nradius = 0.25\ncenters = [[1.0, 0.7]]\nmotion = {{ path = {path} }}\n");
+    let seen = drags(session, &channel(0.36, &second));
+    let steps: Vec<f64> = seen.windows(2).map(|pair| pair[1][0] - pair[0][0]).collect();
+    assert!(steps.windows(2).any(|pair| pair[1] < 0.6 * pair[0]), "{steps:?}");
+    assert!(seen.iter().all(|[_, courant, _]| *courant <= 0.7), "{seen:?}");
+}
+
+fn a_fixed_step_in_which_the_flow_passes_too_much_is_refused_with_one_that_will_do(session: &Session) {
+    let mut simulation = Simulation::<2>::new(session, &channel(0.4, "step = 0.1\n")).unwrap();
+    let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+    simulation.step(&observation, &mut |_, _| {}).unwrap();
+    let refusal = simulation.evaluate(&mut |_, _| {}).err().unwrap().to_string();
+    assert!(refusal.contains("time.step = 1.0000e-1") && refusal.contains("0.7"), "{refusal}");
+    let step: f64 = refusal.split("set time.step = ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    let seen = drags(session, &channel(0.4, &format!("step = {step}\n")));
+    assert!(seen.iter().all(|[_, courant, _]| *courant <= 0.7), "{refusal}");
 }

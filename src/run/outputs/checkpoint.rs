@@ -59,8 +59,9 @@ impl CheckpointFile {
         writer.text(STATISTICS, &world.broadcast(0, &before.statistics.text()))?;
         store_state(&mut writer, world, simulation)?;
         if let Some(suspension) = simulation.suspension() {
-            store_past(&mut writer, suspension.grid(), suspension.past())?;
-            for (name, level) in LEVELS.into_iter().zip(suspension.levels()) {
+            let time = simulation.state().time;
+            store_past(&mut writer, suspension.grid(), suspension.past_before(time))?;
+            for (name, level) in LEVELS.into_iter().zip(suspension.levels_before(time)) {
                 store_level(&mut writer, suspension.grid(), name, level)?;
             }
             LEVELS.into_iter().zip(suspension.mesh_levels()).try_for_each(|(name, level)| store_mesh_level(&mut writer, name, level))?;

@@ -13,15 +13,16 @@ use super::{
     plane::{edge_lengths, flat, motions, plane, problem, rigid, spatial, state},
 };
 use crate::{
-    constraint::fitted::{Load, Loads, Mesh, MovingMesh, Place, StokesFlow, StokesNumbering, StokesProblem, System, generate, loads},
+    constraint::fitted::{Load, Loads, Mesh, MovingMesh, StokesFlow, StokesNumbering, StokesProblem, System, generate, loads},
     error::{Error, Result},
     flow::Drive,
     geometry::{Ball, Domain},
     grid::Grid,
+    interaction::Wrench,
     petsc::{Direct, Report, Session, Stage, Vector, enter},
     simulation::{
         Configuration, Cost, ExtrapolationHistory, FlowSolver, ResidualMonitor, Setup, Snapshot, Solution, WallForces, check_steady_state,
-        unsteady::{inertia, longest_step},
+        unsteady::{first_step, inertia, longest_step},
     },
 };
 
@@ -105,8 +106,11 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
         self.history.is_some()
     }
 
-    fn longest_step(&self) -> Result<f64> {
-        let of_history = |history: &MeshHistory| longest_step(&self.setup, self.setup.spacing, history.fastest());
+    fn longest_step(&self, pushes: &[Wrench<D>]) -> Result<f64> {
+        let of_history = |history: &MeshHistory| match (history.past.is_empty(), history.fastest()) {
+            (false, fastest) if fastest > 0.0 => longest_step(&self.setup, self.setup.spacing, fastest),
+            (_, fastest) => first_step(&self.setup, self.setup.spacing, fastest, pushes),
+        };
         Ok(self.history.as_ref().map_or(f64::INFINITY, of_history))
     }
 
@@ -169,18 +173,16 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
 }
 
 impl<const D: usize> FittedFlow<D> {
-    /// What there is before the first step: nothing moves but walls, disks, and a fluid without walls whose mean velocity is given.
+    /// What there is before the first step: disks that move, and a fluid that is at rest or, without walls, has the mean velocity that is given.
     ///
-    /// The fluid at free disks is at rest: moved along, it would add to what they weigh.
+    /// Velocities on walls and surfaces are those of the fluid, not of what moves there from the start on: as parts of its momentum they would be missed or
+    /// too much in a layer of half an edge.
     fn at_rest(&self, problem: &StokesProblem, numbering: &StokesNumbering) -> StokesFlow {
         let mut flow = numbering.flow(problem, &vec![0.0; numbering.unknowns()]);
         let free = flow.motions.iter_mut().zip(&self.setup.bodies).zip(&inertia(&self.setup).starts);
         free.filter(|((_, suspended), _)| suspended.body.free()).for_each(|((motion, _), start)| *motion = rigid(start));
-        if problem.mesh.domain.fully_periodic() {
-            let mean = Vector2::from(problem.mean_velocity.map(Option::unwrap_or_default));
-            let places = flow.velocities.iter_mut().zip(&problem.mesh.places);
-            places.filter(|(_, place)| **place == Place::Fluid).for_each(|(velocity, _)| *velocity = mean);
-        }
+        let mean = Vector2::from(problem.mean_velocity.map(Option::unwrap_or_default));
+        flow.velocities.fill(if problem.mesh.domain.fully_periodic() { mean } else { Vector2::zeros() });
         flow
     }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::interpolation::velocity;
+use super::{interpolation::velocity, plane::rigid};
 use crate::{
     constraint::fitted::{DiskInertia, Locator, Mesh, MeshInertia, Momentum, MovingMesh, Place, Projection, Rigid, StokesFlow},
     error::Result,
@@ -95,9 +95,17 @@ impl MeshHistory {
         let sum = |weights: &[f64; 2], of: &dyn Fn(&MeshLevel) -> Vector2<f64>| -> Vector2<f64> {
             self.past.iter().zip(weights).map(|(level, weight)| of(level) * *weight).sum()
         };
+        let given = |node: usize| match mesh.places[node] {
+            Place::Fluid => None,
+            Place::Surface(disk) => {
+                let motion = setup.bodies[disk].body.given_motion()?;
+                Some(rigid(&motion).at(&mesh.arm(disk, &mesh.nodes[node])))
+            }
+            Place::Wall(walls) => Some(mesh.wall_velocity(walls)),
+        };
         let carrying = |node: usize| {
             let of_mesh = rate * mesh.nodes[node] + sum(&past, &|level| level.nodes[node]);
-            sum(&weights.extrapolation, &|level| level.velocities[node]) - of_mesh
+            given(node).unwrap_or_else(|| sum(&weights.extrapolation, &|level| level.velocities[node])) - of_mesh
         };
         let disk = |(disk, suspended): (usize, &SuspendedBody<D>)| {
             let (ball, density) = (&suspended.body.ball, masses.bodies[disk] / setup.viscosity);

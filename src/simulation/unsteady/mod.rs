@@ -23,7 +23,11 @@ use self::{
     rows::{Past, kept},
     scheme::convection_weights,
 };
-pub(super) use self::{longest::longest_step, momentum::inertia, scheme::StepWeights};
+pub(super) use self::{
+    longest::{COURANT, LARGEST_COURANT, first_step, longest_step},
+    momentum::inertia,
+    scheme::StepWeights,
+};
 use super::{
     BodyState, FlowSolver, Inertia, Lubrication, Setup, Solution, WallForces,
     assembled_system::AssembledSystem,
@@ -43,6 +47,7 @@ use crate::{
     error::{Error, Result},
     flow::{Convection, FluidSystem, OpenEnds, StokesInverse, fastest},
     grid::{Grid, operators::signed},
+    interaction::Wrench,
     petsc::{Scatter, Session, Stage, Vector, enter},
 };
 
@@ -52,8 +57,8 @@ const LEVELS: usize = 3;
 /// Change of the shift, as a part, that is rounding of time steps.
 const ROUNDING: f64 = 1e-7;
 
-/// Cells that the flow passes in a step beyond which what is extrapolated means nothing: a run is unstable long before.
-const LARGEST_COURANT: f64 = 3.0;
+/// Cells that the flow passes in a step beyond which what is extrapolated means nothing, and no round of contacts is worth while.
+const MEANINGLESS_COURANT: f64 = 3.0;
 
 /// Square of the way of viscosity in a step, in cells, below which a light body is not followed: jumps of steady flow then say more of the mobility of a
 /// surface than the grid, and make it larger than the fluid that the body takes the place of allows.
@@ -74,6 +79,8 @@ pub struct UnsteadySuspension<const D: usize> {
     assembly: Option<Assembly<D>>,
     workspace: Option<KrylovWorkspace>,
     guess: Option<ExtrapolationHistory<D>>,
+    /// What the first solve at the time of the last one started from.
+    guess_before: Option<ExtrapolationHistory<D>>,
     cost: Cost,
 }
 
@@ -101,6 +108,7 @@ impl<const D: usize> UnsteadySuspension<D> {
             assembly,
             workspace: None,
             guess: None,
+            guess_before: None,
             cost,
         })
     }
@@ -277,25 +285,25 @@ impl<const D: usize> UnsteadySuspension<D> {
         Ok(())
     }
 
-    /// Ends a run whose steps are too long for what the flow carries along.
+    /// Ends a step that is too long for what the flow carries along.
     fn refuse_unstable(&self, fluid: &Vector, time: f64, step: f64) -> Result<()> {
         let (size, spacing) = (fluid.norm()?, self.fixed.grid.spacing().min());
         let courant = fastest(&self.fixed.grid, fluid)? * step / spacing;
-        if size.is_finite() && courant < LARGEST_COURANT {
+        if size.is_finite() && courant < MEANINGLESS_COURANT {
             return Ok(());
         }
         let viscous = step / (self.inverse_diffusivity() * spacing * spacing);
         let light = self.fixed.method.jumps() && self.inertia().bodies.iter().any(|density| *density < self.inertia().fluid);
-        let remedy = if light && viscous < SHORTEST_DIFFUSION {
+        let short = light && viscous < SHORTEST_DIFFUSION;
+        let remedy = if short {
             "a body lighter than the fluid needs steps in which viscosity reaches part of a cell: refine [resolution], or choose a longer time.step"
         } else if self.fixed.setup.domain.slide().is_some() {
-            "images of a sheared box slide by whole cells in a step: refine [resolution], which shortens the shortest one, or lower flow.density"
+            "images of a sheared box slide by whole cells in a step: make the box longer along y, or lower flow.density"
         } else {
             "choose a shorter time.step, or \"auto\""
         };
-        Err(Error::Diverged(format!(
-            "at time {time} the flow passes {courant:.1} cells in a step of {step:.3e}, more than it can follow; {remedy}"
-        )))
+        let text = format!("at time {time} the flow passes {courant:.1} cells in a step of {step:.3e}, more than it can follow; {remedy}");
+        Err(if short { Error::Diverged(text) } else { Error::CourantExceeded(text) })
     }
 }
 
@@ -329,9 +337,25 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         if self.past.is_empty() { Ok(()) } else { self.begin(time).map(drop) }
     }
 
-    fn longest_step(&self) -> Result<f64> {
+    fn longest_step(&self, pushes: &[Wrench<D>]) -> Result<f64> {
         let fastest = self.current.as_ref().map_or(Ok(0.0), |level| fastest(&self.fixed.grid, &level.fluid))?;
-        Ok(longest_step(&self.fixed.setup, self.fixed.grid.spacing().min(), fastest))
+        let (setup, spacing) = (&self.fixed.setup, self.fixed.grid.spacing().min());
+        let moves = fastest > 0.0 && !self.past.is_empty();
+        Ok(if moves { longest_step(setup, spacing, fastest) } else { first_step(setup, spacing, fastest, pushes) })
+    }
+
+    fn courant(&self, step: f64) -> Result<Option<f64>> {
+        let passed = |level: &Level<D>| Ok(fastest(&self.fixed.grid, &level.fluid)? * step / self.fixed.grid.spacing().min());
+        self.current.as_ref().map(passed).transpose()
+    }
+
+    fn withdraw(&mut self) {
+        let last = self.past.first().map(|(level, _)| level.time);
+        self.current.take_if(|level| Some(level.time) > last);
+        self.band.take();
+        if self.guess.as_ref().is_some_and(|guess| Some(guess.time) > last) {
+            self.guess = self.guess_before.take();
+        }
     }
 
     fn resistances(&self) -> Vec<f64> {
@@ -343,7 +367,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
     }
 
     fn remember(&mut self, past: Option<ExtrapolationHistory<D>>) {
-        self.guess = past;
+        (self.guess, self.guess_before) = (past, None);
     }
 
     fn fluid_vector(&self) -> Result<Vector> {
@@ -367,6 +391,15 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
 
     fn levels(&self) -> Vec<&Level<D>> {
         self.current.iter().chain(self.past.iter().map(|(level, _)| level)).take(LEVELS).collect()
+    }
+
+    fn levels_before(&self, time: f64) -> Vec<&Level<D>> {
+        let all = self.current.iter().chain(self.past.iter().map(|(level, _)| level));
+        all.filter(|level| level.time < time).take(LEVELS).collect()
+    }
+
+    fn past_before(&self, time: f64) -> Option<&ExtrapolationHistory<D>> {
+        self.guess.as_ref().filter(|guess| guess.time < time).or(self.guess_before.as_ref())
     }
 
     fn extended_flow(&self) -> Result<Option<Vector>> {
@@ -425,7 +458,8 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
             if fixed.method.jumps() {
                 multipliers.clone_from(&last.multipliers);
             }
-            self.guess = Some(ExtrapolationHistory::then(self.guess.take(), last, guess, configuration.time));
+            let (past, before) = ExtrapolationHistory::then(self.guess.take(), last, guess, configuration.time);
+            (self.guess, self.guess_before) = (Some(past), before.or(self.guess_before.take()));
         }
         let mut solution = readback::solution(fixed, (&bodies, &assembly), (&pair_constraints, &links), found, &configuration)?;
         drop(bodies);

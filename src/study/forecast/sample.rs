@@ -89,3 +89,25 @@ fn coarse<const D: usize>(setup: &Setup<D>) -> Setup<D> {
     };
     Setup { spacing, bodies: setup.bodies.iter().map(carried).collect(), ..setup.clone() }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::scene::Scene;
+
+    /// Of interactions that name bodies none goes with others: rows of joints and bonds would look for beads that are not there.
+    #[test]
+    fn a_sample_of_some_beads_has_no_rows_that_name_others() {
+        let text = "domain.size = [100.0, 100.0]\nflow.viscosity = 1.0\nresolution.cells_per_radius = 4\ntime.end = 1.0\n\
+                    [[chains]]\nradius = 0.5\nbeads = 3\nbend = 5.0\njoints = \"fixed\"\ncenters = [[20.0, 20.0], [70.0, 60.0]]\n";
+        let scene = Scene::parse("scene", Path::new("."), text, &[]).unwrap();
+        let whole = Setup::<2>::of(&scene).unwrap();
+        let part = sample(&whole).unwrap();
+        assert!(part.bodies.len() < whole.bodies.len());
+        let centers = |setup: &Setup<2>| setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect::<Vec<_>>();
+        assert_eq!(whole.interactions.welds(&centers(&whole)).len(), 6);
+        assert!(part.interactions.welds(&centers(&part)).is_empty());
+    }
+}

@@ -68,7 +68,7 @@ pub fn sampled_steps<const D: usize>(session: &Session, sample: Setup<D>, time: 
 fn step<const D: usize>(session: &Session, simulation: &mut Simulation<D>, step: Step, coarser: f64) -> Result<SampledStep> {
     let start = Instant::now();
     let observation = simulation.evaluate(&mut |_, _| {})?;
-    let longest = flow(simulation).longest_step()?;
+    let longest = flow(simulation).longest_step(&[])?;
     let length = simulation.step(&observation, &mut |_, _| {})?.length;
     let times = if step == Step::Auto { (coarser * length / longest).max(1.0).log2().ceil().exp2() } else { 1.0 };
     let seconds = [start.elapsed().as_secs_f64(), flow(simulation).cost().stages.bodies];
