@@ -43,7 +43,8 @@ fn bodies(placed: &str) -> String {
 /// Two chains, cells or rods of so many beads, whose radius is such.
 fn chain(section: &str, beads: usize, radius: f64) -> String {
     let rods = section == "clusters";
-    let (time, ties) = if rods { ("", "shape = \"rod\"\ndensity = 1.0") } else { ("[time]\nend = 1.0\n", "stretch = \"rigid\"\nbend = 1.0") };
+    let (time, ties) =
+        if rods { ("", "shape = \"rod\"\ndensity = 1.0") } else { ("[time]\nend = 1.0\n", "stretch = \"rigid\"\nbend = 1.0") };
     format!("{time}[[{section}]]\nradius = {radius:?}\nbeads = {beads}\ncount = 2\n{ties}\n")
 }
 
@@ -95,12 +96,24 @@ fn refused() -> Vec<(&'static str, String, &'static str)> {
             EMPTY.replace("6", "6\n[flow]\ndrive = { body_force = [1.0, 0.0] }") + &bodies("count = 2"),
             "scene.toml:6: flow.drive: under a uniform force",
         ),
-        ("links", EMPTY.to_owned() + &chain("chains", 1_000_000_000, 0.1), "chains[0].beads = 1000000000: beads would fill 4.909e5 of the box"),
+        (
+            "links",
+            EMPTY.to_owned() + &chain("chains", 1_000_000_000, 0.1),
+            "chains[0].beads = 1000000000: beads would fill 4.909e5 of the box",
+        ),
         ("long-links", EMPTY.to_owned() + &chain("chains", 1_000_000, 1e-4), "chains[0].radius = 0.0001: is of chains 209.99"),
         ("ring", EMPTY.to_owned() + &chain("chains", 1_000_000, 1e-4).replace("count", "shape = \"ring\"\ncount"), "is of chains 66.8"),
         ("outline", EMPTY.to_owned() + &chain("cells", 1_000_000, 1e-4), "cells[0].radius = 0.0001: is of cells 66.8"),
-        ("rod", DRY.to_owned() + &chain("clusters", 1_000_000_000, 0.1), "clusters[0].beads = 1000000000: beads would fill 4.909e5 of the box"),
-        ("rods", DRY.to_owned() + &chain("clusters", 5, 0.1).replace("= 2", "= 1000000000"), "clusters[0].count = 1000000000: clusters would fill"),
+        (
+            "rod",
+            DRY.to_owned() + &chain("clusters", 1_000_000_000, 0.1),
+            "clusters[0].beads = 1000000000: beads would fill 4.909e5 of the box",
+        ),
+        (
+            "rods",
+            DRY.to_owned() + &chain("clusters", 5, 0.1).replace("= 2", "= 1000000000"),
+            "clusters[0].count = 1000000000: clusters would fill",
+        ),
         (
             "at-the-inflow",
             EMPTY.replace("size", "x = { inflow = 1.0 }\ny = \"walls\"\nsize") + &bodies("centers = [[1.5, 4.0]]"),

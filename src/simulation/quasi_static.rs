@@ -73,7 +73,7 @@ pub struct QuasiStatic<const D: usize> {
     /// Force that gives each body a unit velocity in unbounded fluid.
     weights: Vec<f64>,
     stop: StopRequest,
-    /// What the solves of a state started from, if it can be copied at little cost.
+    /// What the solves of a state started from, unless it holds a fluid.
     before: Option<ExtrapolationHistory<D>>,
 }
 
@@ -471,8 +471,8 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
 
     fn abandon(&mut self, state: &State<D>) {
         self.suspension.abandon(state.time);
-        if let Some(before) = self.before.take() {
-            self.suspension.remember(Some(before));
+        if !self.suspension.remembers_fluid() {
+            self.suspension.remember(self.before.take());
         }
     }
 

@@ -19,6 +19,9 @@ const OFF_MULTIPLES: f64 = 1e-6;
 /// How many times what automatic steps may pass the flow or a body passes in one that stands: the flow then passes the most cells that it may in any.
 const TOLERATED: f64 = LARGEST_COURANT / COURANT;
 
+/// Shortest part of a fixed step that is tried where the whole one leads nowhere.
+const SHORTEST_PART: f64 = 1.0 / 64.0;
+
 /// Part of a step that is rounding.
 pub const ROUNDING: f64 = 1e-9;
 
@@ -106,10 +109,11 @@ impl StepControl {
 
     /// A step half as long as one that led nowhere; none if that is the shortest. Where images slide, after a last step, it slides them by whole cells.
     pub fn half(&self, step: f64, last_step: f64) -> Option<f64> {
-        let Some(shift_period) = self.shift_period else { return Some(0.5 * step) };
+        let least = if let Step::Fixed(whole) = self.time.step { SHORTEST_PART * whole * (1.0 - ROUNDING) } else { 0.0 };
+        let Some(shift_period) = self.shift_period else { return Some(0.5 * step).filter(|half| *half >= least) };
         let multiple = if self.by_twos { 1.0 } else { ShiftPeriod::multiple(self.time.scheme, last_step) };
         let half = shift_period.within(0.5 * step, multiple);
-        (half < step * (1.0 - ROUNDING)).then_some(half)
+        (half < step * (1.0 - ROUNDING) && half >= least).then_some(half)
     }
 
     /// The length of the step to be taken in place of an automatic one in which the flow or a body passed so many times what it may; nothing if it stands,
@@ -158,8 +162,8 @@ fn to_multiple(step: f64, time: f64, last_step: f64) -> f64 {
     if last_step == 0.0 || last_step >= step * (1.0 - OFF_MULTIPLES) {
         return step;
     }
-    let passed = time / step;
-    ((passed + OFF_MULTIPLES).floor() + 1.0 - passed).min(2.0 * last_step / step) * step
+    let passed = time / step - (time / step + OFF_MULTIPLES).floor();
+    if passed < OFF_MULTIPLES { step } else { (1.0 - passed).min(2.0 * last_step / step) * step }
 }
 
 /// The time in which a body covers a distance: `v t + a t^2 = distance`.
