@@ -51,9 +51,6 @@ const TIGHTEST: f64 = 1e-3;
 /// Overlap, in radii, up to which clusters are kept apart in a step; the next one does the rest.
 const APART: f64 = 1e-8;
 
-/// Rounds of contacts and of what chains keep after a step.
-const ROUNDS_OF_CHAINS: usize = 10;
-
 /// Gap, in radii, up to which a contact of the last step is tried first.
 const MEMORY_REACH: f64 = 0.1;
 
@@ -270,8 +267,9 @@ impl<const D: usize> QuasiStatic<D> {
         if interactions.touch() != Some(Touch::Hard) {
             return Ok(None);
         }
-        let contacts = self.contact_step(placed, step);
-        for _ in 0..ROUNDS_OF_CHAINS {
+        // contacts that pull have done so
+        let contacts = ContactStep { bounds: Vec::new(), ..self.contact_step(placed, step) };
+        for _ in 0..MOST_ROUNDS {
             let apart = contacts.project(&velocities(moves), &[])?.velocities;
             if largest_difference(moves, &apart) * step < APART * smallest {
                 break;
