@@ -104,7 +104,7 @@ fn energy_inside_at_start<const D: usize>(
         sums[2 * ball + 1] += 1.0;
     });
     solution.fluid.session().world().sum(&mut sums);
-    let of_ball = |(sum, ball): (&[f64], &Ball<D>)| 0.5 * inertia.fluid * ball.volume() * sum[0] / sum[1];
+    let of_ball = |(sum, ball): (&[f64], &Ball<D>)| 0.5 * inertia.fluid * ball.volume() * sum[0] / sum[1].max(1.0);
     Ok(sums.chunks(2).zip(&balls).map(of_ball).sum())
 }
 

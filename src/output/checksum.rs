@@ -44,6 +44,10 @@ pub(super) fn sums_of_all(world: &World, sums: &[u64]) -> Vec<u64> {
 /// Whether a data set of numbers, whole or not, is as its checksum has it; nothing without one, as in files of earlier versions.
 pub(super) fn intact(dataset: &Dataset) -> hdf5::Result<Option<bool>> {
     let Some(stored) = stored(dataset)? else { return Ok(None) };
+    if dataset.size() == 0 {
+        // an empty selection cannot be read
+        return Ok(Some(stored == 0));
+    }
     let shape = dataset.shape();
     // in parts of whole layers, so that a large field takes no memory
     let axis = shape.iter().position(|extent| *extent > 1).unwrap_or(0);

@@ -1,7 +1,5 @@
 //! Velocities of granular bodies, which live in the middle of steps, at their ends.
 
-use std::collections::HashSet;
-
 use nalgebra::{SMatrix, SVector};
 
 use super::{ContactHistory, Moving, State, migration::Constants};
@@ -49,15 +47,13 @@ impl<const D: usize> HalfStepBehind<'_, D> {
     pub fn carried_on(&self, peers: Peers) -> Vec<Twist<D>> {
         let state = self.state;
         let pressed = state.held.iter().map(ContactHistory::identity).chain(state.stuck.iter().map(AdhesiveContact::identity));
-        let touched: HashSet<usize> = pressed.flat_map(bodies_of).collect();
+        let mut touched = vec![false; state.bodies.len()];
+        pressed.flat_map(bodies_of).filter_map(|body| state.place(body)).for_each(|place| touched[place] = true);
         let of_groups = self.group_accelerations(peers, &touched);
-        let now = |(place, body): (usize, &Moving<D>)| {
-            let number = state.number(place);
-            match self.group(number) {
-                Some(group) => Twist { velocity: body.twist.velocity + of_groups[group] * self.lag, ..body.twist },
-                None if touched.contains(&number) => body.twist,
-                None => self.accelerations[place].after(&body.twist, self.lag),
-            }
+        let now = |(place, body): (usize, &Moving<D>)| match self.group(state.number(place)) {
+            Some(group) => Twist { velocity: body.twist.velocity + of_groups[group] * self.lag, ..body.twist },
+            None if touched[place] => body.twist,
+            None => self.accelerations[place].after(&body.twist, self.lag),
         };
         state.bodies.iter().enumerate().map(now).collect()
     }
@@ -67,7 +63,7 @@ impl<const D: usize> HalfStepBehind<'_, D> {
     }
 
     /// Mean accelerations of what is tied together; zero where anything touches it. Collective.
-    fn group_accelerations(&self, peers: Peers, touched: &HashSet<usize>) -> Vec<SVector<f64, D>> {
+    fn group_accelerations(&self, peers: Peers, touched: &[bool]) -> Vec<SVector<f64, D>> {
         let count = self.groups.iter().flatten().max().map_or(0, |last| last + 1);
         if count == 0 {
             return Vec::new();
@@ -75,11 +71,10 @@ impl<const D: usize> HalfStepBehind<'_, D> {
         // of each its mass, contacts, and momentum over time
         let mut sums = vec![0.0; (D + 2) * count];
         for (place, (own, acceleration)) in self.bodies.iter().zip(self.accelerations).enumerate() {
-            let number = self.state.number(place);
-            let Some(group) = self.group(number) else { continue };
+            let Some(group) = self.group(self.state.number(place)) else { continue };
             let sum = &mut sums[group * (D + 2)..][..D + 2];
             sum[0] += own.mass;
-            sum[1] += f64::from(touched.contains(&number));
+            sum[1] += f64::from(touched[place]);
             (0..D).for_each(|axis| sum[2 + axis] += own.mass * acceleration.velocity[axis]);
         }
         peers.sum(&mut sums);

@@ -108,7 +108,7 @@ impl<const D: usize> Simulation<D> {
         }
         Cow::Owned(State {
             share: Share::Whole,
-            bodies: self.whole_part(0..state.count()).into_iter().map(|(body, _)| body).collect(),
+            bodies: self.gathered(&state.bodies, 0..state.count()).into_iter().map(|(body, _)| body).collect(),
             held: state.all_held(world).into_iter().map(ContactHistory::from).collect(),
             stuck: state.all_stuck(world).into_iter().map(AdhesiveContact::from).collect(),
             ..*state
@@ -185,9 +185,13 @@ impl<const D: usize> Simulation<D> {
         bodies
     }
 
-    /// The bodies with these numbers and their radii, on every rank.
+    /// The bodies with these numbers and their radii, on every rank, with their motions at the time of the state, once it was evaluated.
     pub fn whole_part(&self, numbers: Range<usize>) -> Vec<(Moving<D>, f64)> {
-        let moving = self.moving();
+        self.gathered(&self.moving(), numbers)
+    }
+
+    /// Of bodies of this rank and of the others those with these numbers.
+    fn gathered(&self, moving: &[Moving<D>], numbers: Range<usize>) -> Vec<(Moving<D>, f64)> {
         let own = moving.iter().zip(self.radii()).enumerate().map(|(place, (body, radius))| (self.state.number(place), body, radius));
         let part = own.filter(|(number, ..)| numbers.contains(number));
         if self.state.share == Share::Whole {

@@ -3,43 +3,46 @@
 use std::{fs, path::Path};
 
 use super::{
-    common::{Series, folder, resume, run, said, turbid, write},
+    common::{Series, difference, folder, resume, run, said, turbid, write},
     scenes::DRY,
 };
 
-/// A sheared flow with inertia, in a box whose images slide or between walls, for things that are tied; the first row is that of the start.
+/// A sheared flow with inertia for things that are tied; the first row is that of the start.
 const TIED: &str = r#"
-[domain]
-size = [4.0, 4.0]
 [flow]
 model = "navier-stokes"
 density = 1.0
-[resolution]
-spacing = 0.125
 [method]
 inverse = "transform"
-[time]
-end = 0.125
-step = 0.03125
 [output]
 picture = false
+report = false
 "#;
 
-const CHAIN: &str = "[[chains]]\nbeads = 3\nradius = 0.3\nstretch = 40.0\nbend = 1.0\nspacing = 0.7\ncenters = [[2.0, 2.0]]\n";
-const CELL: &str = "[[cells]]\nbeads = 12\nradius = 0.25\nstretch = 100.0\nbend = 1.0\ncenters = [[2.0, 2.0]]\n";
-const CLUSTER: &str = "[[clusters]]\nshape = \"rod\"\nbeads = 3\nradius = 0.3\ncenters = [[2.0, 2.0]]\n";
+const CHAIN: &str = "[domain]\nsize = [4.0, 4.0]\n[resolution]\nspacing = 0.1\n[time]\nend = 0.1\nstep = 0.025\n[[chains]]\nbeads = 3\nradius = 0.3\n\
+                     stretch = 40.0\nbend = 1.0\ncenters = [[1.3, 2.0], [2.0, 2.0], [2.7, 2.0]]\n";
+const CELL: &str = "[domain]\nsize = [5.0, 5.0]\n[resolution]\nspacing = 0.04\n[time]\nend = 0.04\nstep = 0.01\n[[cells]]\nbeads = 24\nradius = 0.12\n\
+                    stretch = 100.0\nbend = 1.0\ncenters = [[2.5, 2.5]]\n";
+const CLUSTER: &str = "[domain]\nsize = [4.0, 4.0]\n[resolution]\nspacing = 0.1\n[time]\nend = 0.1\nstep = 0.025\n[[clusters]]\nshape = \"rod\"\nbeads = 3\n\
+                       radius = 0.3\ncenters = [[2.0, 2.0]]\n";
 const SLIDING: &str = "flow.drive={ shear_rate = 1.0, periodic = \"sheared\" }";
 const WALLS: &str = "domain.y={ lower = [-2.0, 0.0], upper = [2.0, 0.0] }";
 
 #[test]
 fn every_row_of_a_sheared_run_with_inertia_and_ties_stands_under_its_names() {
-    for (name, tied, way) in [("chain", CHAIN, SLIDING), ("cell", CELL, WALLS), ("cluster", CLUSTER, SLIDING), ("rod", CLUSTER, WALLS)] {
+    for (name, tied, way, half, end) in [
+        ("chain", CHAIN, SLIDING, 0.05, 0.1),
+        ("cell", CELL, WALLS, 0.02, 0.04),
+        ("cluster", CLUSTER, SLIDING, 0.05, 0.1),
+        ("rod", CLUSTER, WALLS, 0.05, 0.1),
+    ] {
         let here = folder(&format!("tables-{name}"));
         let (scene, once, twice) = (write(&here, &format!("{TIED}{tied}")), here.join("once"), here.join("twice"));
         run(1, &scene, &once, &[way]);
         // which must be as wide as its header
         let series = Series::read(&once);
         assert_eq!(series.at(0, "viscosity_bonds"), 0.0, "{name}: what is tied bears nothing at rest, which is a number");
+        assert!((1..series.rows.len()).any(|row| series.at(row, "viscosity_bonds") != 0.0), "{name}");
         for row in 0..series.rows.len() {
             let parts = ["viscosity_hydrodynamic", "viscosity_bonds", "viscosity_reynolds"].map(|part| series.at(row, part));
             let viscosity = series.at(row, "viscosity");
@@ -47,9 +50,9 @@ fn every_row_of_a_sheared_run_with_inertia_and_ties_stands_under_its_names() {
             assert_eq!(series.at(row, "iterations").fract(), 0.0, "{name}");
         }
         let energy = series.at(series.rows.len() - 1, "kinetic_energy");
-        assert!(energy > 0.0 && energy < 20.0, "{name}: {energy}, which is at most that of the walls' shear");
-        run(1, &scene, &twice, &[way, "time.end=0.0625"]);
-        resume(1, &twice, &["time.end=0.125"]);
+        assert!(energy > 0.0 && energy < 17.0, "{name}: {energy}, which is at most that of the shear between the walls");
+        run(1, &scene, &twice, &[way, &format!("time.end={half}")]);
+        resume(1, &twice, &[&format!("time.end={end}")]);
         let (distance, column) = series.difference(&Series::read(&twice), &["seconds"]);
         assert!(distance < 1e-10, "{name}: {column} differs by {distance:.1e}");
     }
@@ -95,8 +98,8 @@ fn an_altered_frame_is_set_aside() {
         let mut numbers: Vec<f64> = dataset.read_raw().unwrap();
         if let Some(first) = numbers.first_mut() {
             *first += 1.0;
+            dataset.write_raw(&numbers).unwrap();
         }
-        dataset.write_raw(&numbers).unwrap();
     }
     let told = said(&turbid(1, &["animate", out.to_str().unwrap()]));
     assert!(told.contains("000001.h5 cannot be read (its bodies/center differs from its checksum)"), "{told}");
@@ -147,6 +150,11 @@ fn a_table_gives_clusters_cells_and_chains_their_radii() {
     }
 }
 
+/// All numbers of a text.
+fn numbers_in(text: &str) -> Vec<f64> {
+    text.split(|sign: char| !(sign.is_ascii_digit() || "+-.e".contains(sign))).filter_map(|word| word.parse().ok()).collect()
+}
+
 #[test]
 fn pairs_and_profiles_of_a_resumed_run_are_those_of_the_same_frames() {
     // the frame at half time is the first that counts
@@ -159,8 +167,8 @@ fn pairs_and_profiles_of_a_resumed_run_are_those_of_the_same_frames() {
         run(1, &scene, &twice, &[&step, "time.end=0.7"]);
         resume(1, &twice, &["time.end=1.6"]);
         for name in ["pairs.json", "profiles.csv"] {
-            let [whole, halves] = [&once, &twice].map(|out| fs::read_to_string(out.join(name)).unwrap());
-            assert_eq!(whole, halves, "{name} of {step}");
+            let [whole, halves] = [&once, &twice].map(|out| numbers_in(&fs::read_to_string(out.join(name)).unwrap()));
+            assert!(whole.len() > 10 && difference(&whole, &halves) < 1e-9, "{name} of {step}");
         }
         let first = super::common::summary(&once)["pairs"]["from_time"].as_f64().unwrap();
         assert!((first - 0.8).abs() < 1e-9, "the frame at half time is at {first}");

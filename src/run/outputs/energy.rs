@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::step_table::{Cell, StepTable, count, real};
+use super::cell::{Cell, count, real};
+use super::step_table::StepTable;
 use crate::{
     error::{Error, Result},
     observe::EnergyRates,

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::SVector;
 
-use super::step_table::{Cell, StepTable, absent, count, real};
+use super::cell::{Cell, absent, count, real};
+use super::step_table::StepTable;
 use crate::{
     body::components,
     error::Result,

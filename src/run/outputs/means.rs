@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::step_table::{Cell, real};
+use super::cell::{Cell, real};
 use crate::{
     flow::Drive,
     observe::Viscosity,

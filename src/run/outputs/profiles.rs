@@ -9,11 +9,9 @@ use std::{
 
 use nalgebra::SVector;
 
-use super::{
-    frames::frame_due,
-    pairs::steady_from,
-    step_table::{Cell, StepTable, count, finite, real},
-};
+use super::cell::{Cell, count, finite, real};
+use super::step_table::StepTable;
+use super::{frames::frame_due, pairs::steady_from};
 use crate::{
     contact::{Contact, Identity, bodies_of, renamed},
     error::{Error, Result},

@@ -5,8 +5,9 @@ use std::{
     time::Instant,
 };
 
+use super::cell::{Cell, absent, count, real};
 use super::means::{mean_motion, of_stress, upper_triangle};
-use super::step_table::{Cell, StepTable, absent, count, real};
+use super::step_table::StepTable;
 use crate::{
     contact::Solver,
     error::Result,

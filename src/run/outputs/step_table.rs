@@ -10,12 +10,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-pub use super::cell::{Cell, absent, count, finite, real};
-use super::{
-    cell::refuse_infinite,
-    checksums::{self, Checksums},
-    kept_rows::kept_lines,
-};
+use super::cell::{Cell, refuse_infinite};
+use super::checksums::{Checksums, verify};
+use super::kept_rows::kept_lines;
 use crate::{
     error::{Error, Offer, Refusal, Result},
     output::{note, write_whole},
@@ -75,7 +72,7 @@ impl StepTable {
     }
 
     fn go_on(path: &Path, kept: String) -> Result<Begun> {
-        let unchecked = checksums::verify(path, &kept)?;
+        let unchecked = verify(path, &kept)?;
         let sums = Checksums::begin(path, &kept)?;
         write_whole(path, kept.as_bytes())?;
         let file = OpenOptions::new().append(true).open(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
@@ -168,6 +165,7 @@ impl StepTable {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use super::super::cell::{absent, count, real};
     use super::*;
 
     fn begin(folder: &Path, step: usize) -> Result<Begun> {

@@ -172,7 +172,9 @@ impl OutputSection {
             refuse_frames(&table, model)?;
         }
         let mut default = OutputSection::default();
-        if let Some(Drive::ShearRate(_) | Drive::ShearedBox(_)) = flow.drive {
+        if let Some(Drive::ShearRate(rate) | Drive::ShearedBox(rate)) = flow.drive
+            && rate != 0.0
+        {
             default.colour = Colour::NonAffine;
         }
         Ok(OutputSection {
