@@ -215,7 +215,9 @@ fn intervals_of_windows_of_runs_hold_the_mean_of_long_runs() {
 #[test]
 fn intervals_of_windows_are_those_that_are_written_down() {
     for (number, window) in windows().iter().enumerate() {
-        let found = steady(&window.curve, 10.0).ok().map(|Steady { from, interval, .. }| ([interval.mean, interval.half_width, from], interval.blocks));
+        let found = steady(&window.curve, 10.0)
+            .ok()
+            .map(|Steady { from, interval, .. }| ([interval.mean, interval.half_width, from], interval.blocks));
         assert_eq!(found.map(|(_, blocks)| blocks), window.expected.map(|(_, blocks)| blocks), "row {number}");
         let numbers = found.iter().zip(&window.expected).flat_map(|((ours, _), (theirs, _))| ours.iter().zip(theirs));
         // the order of sums differs
