@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn a_run_ends_when_its_mean_was_known_for_a_fifth_of_its_strain() {
-        let points = curve(1, 100.0);
+        let points = curve(2, 100.0);
         let width = |count: usize| {
             let mean = MeanViscosity::of(&points[..count]).unwrap();
             mean.half_width() / mean.relative

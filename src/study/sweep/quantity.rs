@@ -165,9 +165,10 @@ fn viscosity(summary: &RunSummary, series: &Path) -> Result<Option<Reading>> {
     if let Some(mean) = summary.get::<MeanViscosity>("/viscosity/mean") {
         return Ok(Some(Reading { half_width: Some(mean.half_width()), ..Reading::exact(mean.relative) }));
     }
-    let curve: Vec<(f64, f64)> = CurvePoint::read(&read(series)?).iter().map(|point| (point.strain, point.relative())).collect();
+    // a negative rate shears as well
+    let curve: Vec<(f64, f64)> = CurvePoint::read(&read(series)?).iter().map(|point| (point.strain.abs(), point.relative())).collect();
     let mean = second_half(&curve).unwrap_or(relative);
-    Ok(Some(Reading { remark: Some("not steady: mean over the second half"), ..Reading::exact(mean) }))
+    Ok(Some(Reading { remark: Some("too short a strain for an interval: mean over the second half"), ..Reading::exact(mean) }))
 }
 
 fn drag(summary: &RunSummary, held: &[bool]) -> Option<f64> {
@@ -248,6 +249,24 @@ mod tests {
         let series = "step,time,a\n0,0.0,9\n1,1.0,1\n2,1.5,1\n3,2.0,3\n";
         assert_eq!(second_half(&curve(series, "a")), Some(1.5));
         assert_eq!(second_half(&curve(series, "b")), None);
+    }
+
+    #[test]
+    fn a_viscosity_without_a_steady_part_is_that_of_the_second_half_and_says_so() {
+        let path = std::env::temp_dir().join(format!("turbid-quantity-{}.csv", std::process::id()));
+        for sign in [1.0, -1.0] {
+            let rows: String = [0.0, 1.0, 1.5, 2.0]
+                .iter()
+                .zip([9.0, 1.0, 1.0, 3.0])
+                .map(|(strain, value)| format!("{},{value}\n", sign * strain))
+                .collect();
+            fs::write(&path, format!("strain,viscosity_hydrodynamic\n{rows}")).unwrap();
+            let summary = RunSummary(serde_json::json!({"time": 2.0, "motion": {}, "viscosity": {"relative": 3.0}}));
+            let reading = viscosity(&summary, &path).unwrap().unwrap();
+            assert_eq!((reading.value, reading.half_width), (1.5, None));
+            assert!(reading.remark.unwrap().starts_with("too short a strain"));
+        }
+        fs::remove_file(path).unwrap();
     }
 
     #[test]
