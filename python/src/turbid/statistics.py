@@ -19,7 +19,7 @@ from .box import Floats
 BLOCKS = (4, 8)
 
 #: Least strain of the steady part of a mean viscosity.
-LEAST_STRAIN = 10.0
+LEAST_STRAIN = 20.0
 
 _MOST_SAMPLES = 4096
 _FEWEST_SAMPLES = 40
