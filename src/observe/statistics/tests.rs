@@ -31,6 +31,9 @@ impl Noise {
     }
 }
 
+/// The record of a seed.
+type Record = fn(u64) -> Vec<f64>;
+
 const COUNT: usize = 1000;
 const SERIES: u64 = 200;
 
@@ -84,7 +87,7 @@ fn tell(what: &str, numbers: &[f64]) {
 
 #[test]
 fn intervals_hold_the_mean_of_series_of_four_kinds() {
-    let kinds: [(&str, fn(u64) -> Vec<f64>); 5] = [
+    let kinds: [(&str, Record); 5] = [
         ("AR(1), 20 times", |seed| fading(seed, 20.0)),
         ("AR(1), 100 times", |seed| fading(seed, 100.0)),
         ("two scales", two_scales),
