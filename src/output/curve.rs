@@ -8,8 +8,9 @@ use crate::observe::{
     statistics::{Interval, Shortage, Steady, mean_from, steady},
 };
 
-/// Least strain of the steady part of a mean: structures forget themselves over strains of one or so, and less than ten of those do not tell how far they stray.
-pub const LEAST_STRAIN: f64 = 10.0;
+/// Least strain of the steady part of a mean: viscosities forget themselves over a strain of one or so, structures over ten at times, and a shorter part does not
+/// tell how far they stray.
+pub const LEAST_STRAIN: f64 = 20.0;
 
 /// The viscosity at a step of a run, over that of the fluid, and the normal stresses that go with it, over viscosity and rate.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -167,7 +167,7 @@ mod tests {
         let frames = |count: usize| ProfileFrames {
             axis: 1,
             places: vec![0.5],
-            frames: (0..count).map(|k| vec![if k % 2 == 0 { sample(0.1, 1.0) } else { sample(0.3, 2.0) }]).collect(),
+            frames: (0..count).map(|k| vec![if k / 2 % 2 == 0 { sample(0.1, 1.0) } else { sample(0.3, 2.0) }]).collect(),
         };
         let columns = frames(16).columns();
         let of = |name: &str| columns.iter().find(|column| column.name == name).map(|column| column.means[0]);

@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn a_run_ends_when_its_mean_was_known_for_a_fifth_of_its_strain() {
-        let points = curve(1, 100.0);
+        let points = curve(2, 100.0);
         let width = |count: usize| {
             let mean = MeanViscosity::of(&points[..count]).unwrap();
             mean.half_width() / mean.relative
@@ -122,17 +122,29 @@ mod tests {
         assert!(known(&points, 1.01 * earlier, 20.0) && !known(&points, 1.01 * earlier, 95.0));
     }
 
+    /// Of 200 runs that end once something is known of their points, those whose interval holds the mean.
+    fn holding(known: impl Fn(&[CurvePoint]) -> bool) -> usize {
+        let holds = |seed: &u64| {
+            let points = curve(*seed, 4000.0);
+            let end = (100..points.len()).step_by(8).find(|end| known(&points[..*end])).unwrap();
+            let mean = MeanViscosity::of(&points[..end]).unwrap();
+            (mean.relative - MEAN).abs() <= mean.half_width()
+        };
+        (0..200).filter(holds).count()
+    }
+
     #[test]
+    #[allow(clippy::print_stderr)]
     fn runs_that_end_when_their_mean_is_known_know_it() {
         for interval in [0.05, 0.1] {
-            let holds = |seed: u64| {
-                let points = curve(seed, 1000.0);
-                let end = (100..points.len()).step_by(8).find(|end| known(&points[..*end], interval, 20.0)).unwrap();
-                let mean = MeanViscosity::of(&points[..end]).unwrap();
-                (mean.relative - MEAN).abs() <= mean.half_width()
+            let once = |points: &[CurvePoint]| {
+                let mean = MeanViscosity::of(points);
+                mean.is_some_and(|mean| mean.half_width() <= interval * mean.relative && mean.strains[1] - mean.strains[0] >= 20.0)
             };
-            let holding = (0..200).filter(|seed| holds(*seed)).count();
-            assert!((180..=198).contains(&holding), "{interval}: {holding} of 200");
+            let [known, narrow_once] = [holding(|points| known(points, interval, 20.0)), holding(once)];
+            // what the manual quotes
+            eprintln!("an interval of {interval}: {known} of 200 hold the mean, {narrow_once} that are narrow once");
+            assert!((180..=198).contains(&known) && narrow_once <= known, "{interval}: {known}, {narrow_once} of 200");
         }
     }
 }

@@ -183,7 +183,7 @@ class Run:
     def mean(self, column: str) -> Mean | None:
         """The mean of a column of the series over its steady part, with a 95 % interval.
 
-        ``None`` where the run is too short or not steady; a warning then says which. In a shear the steady part has a strain of ten at least.
+        ``None`` where the run is too short or not steady; a warning then says which. In a shear the steady part has a strain of twenty at least.
         """
         series = self.series
         if column not in series:

@@ -1,7 +1,7 @@
 """Means of what fluctuates in time, with intervals that respect its correlation; the rules are those of the program.
 
 A curve is averaged over stretches of equal length; a tenth of it is left out, or more where a start-up stands out (MSER-5: White 1997,
-doi:10.1177/003754979706900601), and the interval comes from the scatter of 4 and of 8 blocks of the rest by Student's distribution: the wider of
+doi:10.1177/003754979706900601), and the interval comes from the scatter of 3 and of 6 blocks of the rest by Student's distribution: the wider of
 the two. The tests of both read the same curves and must find the same numbers.
 """
 
@@ -18,10 +18,13 @@ from .arguments import curve
 from .box import Floats
 
 #: Numbers of blocks whose scatter gives an interval.
-BLOCKS = (4, 8)
+BLOCKS = (3, 6)
+
+#: Fewest samples, or blocks, whose scatter counts.
+FEWEST = 8
 
 #: Least strain of the steady part of a mean viscosity.
-LEAST_STRAIN = 10.0
+LEAST_STRAIN = 20.0
 
 _MOST_SAMPLES = 4096
 _FEWEST_SAMPLES = 40
@@ -137,7 +140,7 @@ def blocking(samples: npt.ArrayLike) -> pd.DataFrame:
     """
     values = arguments.samples("samples", samples)
     rows, length = [], 1
-    while (count := len(values) // length) >= BLOCKS[-1]:
+    while (count := len(values) // length) >= FEWEST:
         means = _block_means(values[len(values) - count * length :], count)
         rows.append((length, count, _half_width(means), _trend(means)[1]))
         length *= 2
@@ -145,14 +148,14 @@ def blocking(samples: npt.ArrayLike) -> pd.DataFrame:
 
 
 def standard_error(samples: Floats) -> Floats:
-    """Standard error of the mean over the first axis: the larger that 4 and 8 blocks say; ``nan`` for a single sample.
+    """Standard error of the mean over the first axis: the larger that 3 and 6 blocks say; ``nan`` for a single sample.
 
     Fewer than eight samples count as independent.
     """
     count = len(samples)
     if count < 2:
         return np.full(samples.shape[1:], np.nan)
-    numbers = BLOCKS if count >= BLOCKS[-1] else (count,)
+    numbers = BLOCKS if count >= FEWEST else (count,)
     errors = [means.std(0, ddof=1) / np.sqrt(len(means)) for number in numbers for means in [_block_means(samples, number)]]
     widest: Floats = np.max(errors, axis=0)
     return widest

@@ -44,7 +44,7 @@ pub(in crate::scene) const UNTIL_KEYS: [Key; 2] = [
         .default("required")
         .range("above 0, below 1")
         .needs(SHEARED),
-    Key::new("strain", "number", "50.0", "Least strain over which the mean is taken; less than 10 counts as 10.")
+    Key::new("strain", "number", "50.0", "Least strain over which the mean is taken; less than 20 counts as 20.")
         .default("20.0")
         .range("above 0")
         .needs("time.end = 1.0; domain.y = { lower = [-1.0, 0.0], upper = [1.0, 0.0] }; time.until.viscosity_interval = 0.02"),

@@ -175,7 +175,8 @@ fn viscosity(summary: &RunSummary, series: &Path) -> Result<Option<Reading>> {
     if !summary.in_time() {
         return Ok(Some(Reading::of(relative, Over::Instant)));
     }
-    let curve: Vec<(f64, f64)> = CurvePoint::read(&read(series)?).iter().map(|point| (point.strain, point.relative())).collect();
+    // a negative rate shears as well
+    let curve: Vec<(f64, f64)> = CurvePoint::read(&read(series)?).iter().map(|point| (point.strain.abs(), point.relative())).collect();
     let half = second_half(&curve).unwrap_or(relative);
     Ok(Some(match summary.get::<MeanViscosity>("/viscosity/mean") {
         Some(mean) => Reading::steady(mean.relative, mean.half_width(), half),
@@ -261,6 +262,23 @@ mod tests {
         let series = "step,time,a\n0,0.0,9\n1,1.0,1\n2,1.5,1\n3,2.0,3\n";
         assert_eq!(second_half(&curve(series, "a")), Some(1.5));
         assert_eq!(second_half(&curve(series, "b")), None);
+    }
+
+    #[test]
+    fn a_viscosity_without_a_steady_part_is_that_of_the_second_half_and_says_so() {
+        let path = std::env::temp_dir().join(format!("turbid-quantity-{}.csv", std::process::id()));
+        for sign in [1.0, -1.0] {
+            let rows: String = [0.0, 1.0, 1.5, 2.0]
+                .iter()
+                .zip([9.0, 1.0, 1.0, 3.0])
+                .map(|(strain, value)| format!("{},{value}\n", sign * strain))
+                .collect();
+            fs::write(&path, format!("strain,viscosity_hydrodynamic\n{rows}")).unwrap();
+            let summary = RunSummary(serde_json::json!({"time": 2.0, "motion": {}, "viscosity": {"relative": 3.0}}));
+            let reading = viscosity(&summary, &path).unwrap().unwrap();
+            assert_eq!(reading, Reading::of(1.5, Over::SecondHalf));
+        }
+        fs::remove_file(path).unwrap();
     }
 
     #[test]

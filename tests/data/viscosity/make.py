@@ -3,7 +3,7 @@
     python tests/data/viscosity/make.py target/release/turbid target/viscosity
 
 needs ``pip install ./python``. ``DIMENSION-FRACTION-SEED.txt`` has the means of the relative viscosity over stretches of 0.1 of strain; ``windows.csv`` parts of them (rows
-of the curve), the mean of all runs of the same kind from strain 5 on, and mean, half width, start and blocks of the window, empty where it has none.
+of the curve), the mean of the whole run from strain 5 on and that of all seeds, and mean, half width, start and blocks of the window, empty where it has none.
 A run that is in the folder already is not made again, and one that stops counts as far as it came; ``--windows`` as the only argument makes the windows alone.
 """
 
@@ -47,9 +47,10 @@ picture = false
 """
 SIZES = {2: [15.0, 15.0], 3: [6.5, 6.5, 6.5]}
 ENDS = {2: 100, 3: 60}
-SEEDS = {(2, 0.2): 2, (2, 0.3): 2, (2, 0.4): 3, (2, 0.5): 2, (3, 0.2): 2, (3, 0.3): 2, (3, 0.4): 2}
-# strains of the windows of a run, one after the other, and again in the other order
-LENGTHS = {2: (12, 15, 18, 22, 30), 3: (14, 18, 25)}
+SEEDS = {(2, 0.2): 1, (2, 0.3): 2, (2, 0.4): 3, (2, 0.5): 2, (3, 0.2): 1, (3, 0.3): 1, (3, 0.4): 1}
+# strains of the windows, in turn, and between their beginnings
+LENGTHS = (24, 30, 36)
+BETWEEN = 7
 
 
 def make_runs(turbid: str, folder: Path) -> None:
@@ -74,20 +75,17 @@ def make_windows() -> None:
     curves = {path.stem: np.loadtxt(path) for path in sorted(HERE.glob("*.txt"))}
     kind = {name: name.rsplit("-", 1)[0] for name in curves}
     rest = {name: values[round(START_UP / STEP) :] for name, values in curves.items()}
-    long = {one: np.concatenate([rest[name] for name in curves if kind[name] == one]).mean() for one in kind.values()}
+    seeds = {one: np.concatenate([rest[name] for name in curves if kind[name] == one]).mean() for one in kind.values()}
     with (HERE / "windows.csv").open("w", newline="") as file:
         table = csv.writer(file, lineterminator="\n")
-        table.writerow(["curve", "from", "to", "long_mean", "mean", "half_width", "start", "blocks"])
+        table.writerow(["curve", "from", "to", "long_mean", "mean_of_seeds", "mean", "half_width", "start", "blocks"])
         for name, values in curves.items():
-            lengths = LENGTHS[int(name[0])]
-            starts = [*np.cumsum((0, *lengths[:-1])), *np.cumsum((0, *lengths[:0:-1]))]
-            for first, length in zip(starts, (*lengths, *lengths[::-1]), strict=True):
-                start = round(first / STEP)
-                end = start + round(length / STEP)
+            for number, start in enumerate(range(0, len(values), round(BETWEEN / STEP))):
+                end = start + round(LENGTHS[number % len(LENGTHS)] / STEP)
                 if end <= len(values):
                     mean = steady_mean(STEP * np.arange(start, end), values[start:end], LEAST_STRAIN)
                     found = [mean.value, mean.half_width, mean.start, mean.blocks] if mean else [""] * 4
-                    table.writerow([name, start, end, f"{long[kind[name]]:.6g}", *found])
+                    table.writerow([name, start, end, f"{rest[name].mean():.6g}", f"{seeds[kind[name]]:.6g}", *found])
 
 
 if __name__ == "__main__":
