@@ -182,11 +182,11 @@ const RUNS: [&str; 7] = [
     "domain = { size = [8.0, 8.0], y = { lower = [-1.0, 0.0], upper = [1.0, 0.0] } }\ncontact.model = \"gluey\"\nlubrication.model = \"pairwise\"\n\
      output.vorticity = true\n[[bodies]]\nradius = 1.0\ncount = 2\n[[chains]]\ncount = 1\nbeads = 2\nradius = 1.0\nstretch = \"rigid\"\n",
     "domain = { size = [14.0, 8.0], y = { lower = [-1.0, 0.0], upper = [1.0, 0.0] } }\ncontact = { model = \"repulsion\", stiffness = 1e-3 }\n[[cells]]\n\
-     centers = [[5.0, 4.0]]\nbeads = 24\nradius = 0.3\nstretch = \"rigid\"\nbend = 0.1\n[[clusters]]\ncenters = [[12.0, 4.0]]\nshape = \"rod\"\nbeads = 2\nradius = 0.5\n",
+     centers = [[5.0, 4.0]]\nbeads = 24\nradius = 0.3\nstretch = \"rigid\"\nbend = 0.03\n[[clusters]]\ncenters = [[12.0, 4.0]]\nshape = \"rod\"\nbeads = 2\nradius = 0.5\n",
     "domain = { size = [9.0, 9.0, 9.0] }\nflow.drive = { shear_rate = 1.0, periodic = \"sheared\" }\ncontact.model = \"inelastic\"\n[[bodies]]\nradius = 1.0\n\
      count = 1\n[[chains]]\ncount = 1\nbeads = 2\nradius = 1.0\nstretch = 10.0\n[[clusters]]\ncount = 1\nshape = \"rod\"\nbeads = 2\nradius = 1.0\n",
     "domain = { size = [24.0, 10.0, 24.0] }\nflow.drive = { shear_rate = 1.0, periodic = \"sheared\" }\noutput.fields = false\n[[cells]]\n\
-     centers = [[12.0, 5.0, 12.0]]\nbeads = 42\nradius = 1.0\nstretch = 20.0\nbend = 50.0\n",
+     centers = [[12.0, 5.0, 12.0]]\nbeads = 42\nradius = 1.0\nstretch = 23.0\nbend = 43.0\n",
     "domain = { size = [8.0, 8.0], y = { lower = [-1.0, 0.0], upper = [1.0, 0.0] } }\nflow = { model = \"navier-stokes\", density = 1.0 }\n[[bodies]]\n\
      radius = 1.0\ncenters = [[2.0, 4.0]]\n[[bodies]]\nradius = 1.0\ncenters = [[6.0, 4.0]]\nmotion = \"fixed\"\n",
     "domain = { size = [6.0, 6.0, 6.0] }\nflow.drive = { mean_velocity = [1.0, 0.0, 0.0] }\nflow.density = 1.0\noutput.reference_velocity = [1.0, 0.0, 0.0]\n\

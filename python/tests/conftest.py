@@ -48,7 +48,7 @@ CHAINS: dict[str, Any] = {
     "method": {"inverse": "transform"},
     "lubrication": {"model": "pairwise"},
     "chains": [{"count": 3, "beads": 5, "radius": 0.4, "spacing": 1.1, "stretch": "rigid", "bend": 20.0}],
-    "cells": [{"count": 1, "beads": 24, "radius": 0.3, "stretch": "rigid", "bend": 0.1}],
+    "cells": [{"count": 1, "beads": 24, "radius": 0.3, "stretch": "rigid", "bend": 0.0315}],
     "contact": {"model": "inelastic"},
     "time": {"end": 0.05},
     "output": {"every": 0.025},

@@ -6,7 +6,7 @@ use nalgebra::{Rotation3, SVector, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::{membrane::Membrane, outline::biconcave};
+use super::{membrane::Membrane, outline::Outline};
 use crate::{
     error::{Error, Result},
     geometry::{Ball, Domain},
@@ -76,9 +76,9 @@ impl ChainForm {
         ChainForm { radius, places: (0..beads).map(place).collect() }
     }
 
-    /// The outline of a red cell, its long axis along the first.
-    pub fn cell(radius: f64, beads: usize, link: f64) -> ChainForm {
-        ChainForm { radius, places: biconcave(beads, link).iter().map(|place| Vector3::new(place.x, place.y, 0.0)).collect() }
+    /// The outline of a cell, its long axis along the first.
+    pub fn cell(outline: &Outline, radius: f64, beads: usize, link: f64) -> ChainForm {
+        ChainForm { radius, places: outline.places(beads, link).iter().map(|place| Vector3::new(place.x, place.y, 0.0)).collect() }
     }
 
     /// The membrane of a red cell in space, its axis along the second; nothing if none has so many beads.
@@ -265,7 +265,7 @@ mod tests {
     #[test]
     fn cells_lie_in_any_direction_but_are_not_mirrored() {
         let domain = Domain { size: Vector2::repeat(30.0), axes: [Axis::Periodic, Axis::Periodic] };
-        let centers = place_chains(&domain, &[], (&ChainForm::cell(0.15, 24, 0.315), 12), 0.1, 5).unwrap();
+        let centers = place_chains(&domain, &[], (&ChainForm::cell(&Outline::default(), 0.15, 24, 0.315), 12), 0.1, 5).unwrap();
         for cell in centers.chunks(24) {
             let around: f64 = (0..24).map(|bead| (cell[bead] - cell[0]).perp(&(cell[(bead + 1) % 24] - cell[0]))).sum();
             assert!(around > 0.0, "{around}");

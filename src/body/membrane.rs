@@ -40,7 +40,7 @@ impl Membrane {
     }
 
     /// A sphere of radius 1: each edge of an icosahedron in so many parts.
-    fn sphere(parts: usize) -> Membrane {
+    pub fn sphere(parts: usize) -> Membrane {
         let (corners, faces) = icosahedron();
         let (mut places, mut numbers, mut triangles) = (Vec::new(), HashMap::new(), Vec::new());
         for face in faces {

@@ -26,7 +26,7 @@ pub use columns::{read_text, usable};
 pub use equilibrium::equilibrium;
 pub use halo::{Halo, OwnBodies};
 pub use membrane::{Membrane, parts};
-pub use outline::{biconcave, turns};
+pub use outline::{Outline, RestShape};
 pub use packing::{pack, pack_on};
 pub use places::{TOO_FEW, misplaced, read_places};
 pub use regions::Regions;

@@ -57,6 +57,22 @@ impl Hinge {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::body::Membrane;
+
+    /// `V = b/2 integral of (c + c')^2` with a Gaussian part `-4/3 b integral of c c'` and `b = sqrt 3 / 2 stiffness`: on a sphere, from flat, `8 pi / 3 b`.
+    #[test]
+    fn hinges_have_the_bending_modulus_of_their_membrane() {
+        let over = |parts: usize| {
+            let sphere = Membrane::sphere(parts);
+            let hinge = |ends, wings| Hinge { ends, wings, rest: 0.0, stiffness: 2.0 };
+            let springs =
+                sphere.edges().into_iter().map(|edge| hinge(edge.ends, edge.wings).spring::<3>(&|corner: usize| sphere.places[corner]));
+            springs.map(|spring| spring.energy()).sum::<f64>() / (8.0 * std::f64::consts::PI / 3.0 * 3f64.sqrt())
+        };
+        // what is left comes from the twelve corners of the icosahedron and from triangles that are not all alike
+        let [coarse, fine] = [2, 8].map(over);
+        assert!((coarse - 1.045).abs() < 2e-3 && (fine - 1.009).abs() < 2e-3, "{coarse} {fine}");
+    }
 
     #[test]
     fn gradients_are_slopes_of_the_angle_and_a_convex_edge_has_a_positive_one() {

@@ -76,12 +76,12 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::body::ChainForm;
+    use crate::body::{ChainForm, Outline};
 
     #[test]
     fn a_cell_is_inclined_as_it_is_turned() {
         for angle in [-1.2, 0.0, 0.4, 1.5] {
-            let ring = ChainForm::cell(0.1, 24, 0.21).at(&Vector2::new(3.0, 1.0), &Vector3::new(0.0, 0.0, angle));
+            let ring = ChainForm::cell(&Outline::default(), 0.1, 24, 0.21).at(&Vector2::new(3.0, 1.0), &Vector3::new(0.0, 0.0, angle));
             assert!((axis(&orientation(&ring)) - angle).abs() < 1e-9);
         }
     }

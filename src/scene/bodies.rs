@@ -118,7 +118,8 @@ pub(super) fn read_cells(root: &Table, folder: &Path, dimension: usize) -> Resul
     let groups = root.get("cells").map_or(Ok(Vec::new()), |entry| entry.list())?;
     let read = |entry: &Entry| {
         let table = Table::of(entry, &CELL_KEYS)?;
-        BodyGroup::tied(&table, folder, dimension, chains::read_cells(&table, dimension)?)
+        let (chain, radius) = chains::read_cells(&table, dimension)?;
+        BodyGroup::tied(&table, folder, dimension, (chain, radius))
     };
     groups.iter().map(read).collect()
 }
@@ -128,7 +129,7 @@ pub(super) fn read_clusters(root: &Table, folder: &Path, dimension: usize) -> Re
     let groups = root.get("clusters").map_or(Ok(Vec::new()), |entry| entry.list())?;
     let read = |entry: &Entry| {
         let table = Table::of(entry, &CLUSTER_KEYS)?;
-        let group = BodyGroup::several(&table, folder, dimension)?;
+        let group = BodyGroup::several(&table, folder, dimension, read_radius(&table)?)?;
         let cluster = clusters::read(&table, dimension, group.radius)?;
         Ok(BodyGroup { cluster: Some(cluster), ..group })
     };
@@ -200,7 +201,7 @@ impl BodyGroup {
     fn read_chains(entry: &Entry, folder: &Path, dimension: usize) -> Result<Self> {
         let table = Table::of(entry, &CHAIN_KEYS)?;
         let chain = chains::read(&table, dimension)?;
-        let group = BodyGroup::tied(&table, folder, dimension, chain)?;
+        let group = BodyGroup::tied(&table, folder, dimension, (chain, read_radius(&table)?))?;
         if let (Placement::Centers(centers), Some(given)) = (&group.placement, table.get("centers")) {
             let remedy = format!("must hold all centers of each chain, {} a chain", chain.beads);
             given.expect((), centers.len() % chain.beads == 0, &remedy)?;
@@ -209,15 +210,15 @@ impl BodyGroup {
     }
 
     /// Bodies that are tied to each other so.
-    fn tied(table: &Table, folder: &Path, dimension: usize, chain: Chain) -> Result<Self> {
-        Ok(BodyGroup { chain: Some(chain), ..BodyGroup::several(table, folder, dimension)? })
+    fn tied(table: &Table, folder: &Path, dimension: usize, (chain, radius): (Chain, f64)) -> Result<Self> {
+        Ok(BodyGroup { chain: Some(chain), ..BodyGroup::several(table, folder, dimension, radius)? })
     }
 
     /// Bodies that are placed several at a time.
-    fn several(table: &Table, folder: &Path, dimension: usize) -> Result<Self> {
+    fn several(table: &Table, folder: &Path, dimension: usize, radius: f64) -> Result<Self> {
         table.exactly_one(&CHAIN_PLACEMENTS, "count = 10")?;
         let placement = Placement::read(table, folder, dimension)?;
-        let default = BodyGroup::new(table.require("radius", "0.5")?.positive()?, placement);
+        let default = BodyGroup::new(radius, placement);
         let given = table.get("centers").or_else(|| table.get("file")).is_some();
         let rotation = |entry: Entry| {
             entry.expect((), given, "turns those whose centers are given; those placed by count lie at random; remove it")?;
@@ -251,6 +252,10 @@ fn refuse_start(table: &Table, motion: &Motion, model: FlowModel) -> Result<()> 
     let remedy =
         "bodies in Stokes flow have no inertia: their velocity follows from forces; remove it, or write flow.model = \"navier-stokes\"";
     start.expect((), matches!(model, FlowModel::None | FlowModel::NavierStokes), remedy)
+}
+
+fn read_radius(table: &Table) -> Result<f64> {
+    table.require("radius", "0.5")?.positive()
 }
 
 fn read_gap(table: &Table, default: &BodyGroup) -> Result<f64> {

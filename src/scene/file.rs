@@ -47,7 +47,7 @@ pub(super) const KEYS: [Key; 16] = [
     Key::new(
         "cells",
         "list of tables",
-        "[{ count = 1, beads = 24, radius = 0.15, stretch = \"rigid\", bend = 0.1 }]",
+        "[{ count = 1, beads = 48, diameter = 3.0, stretch = \"rigid\", bend = 0.016 }]",
         "Groups of red cells.",
     )
     .needs("time.end = 1.0"),

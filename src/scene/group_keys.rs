@@ -134,19 +134,46 @@ pub(super) const CHAIN_KEYS: [Key; 15] = [
 ];
 
 /// Keys of `[[cells]]`.
-pub(super) const CELL_KEYS: [Key; 13] = [
+pub(super) const CELL_KEYS: [Key; 16] = [
     COUNT,
     Key::new("centers", "list of lists", "[[4.0, 4.0]]", "Centres of the cells.").unit("length").default(PLACED),
     FILE,
     ROTATION.needs(CENTRES_OF_CELLS),
-    Key::new("beads", "whole number", "30", "Beads of each membrane.")
+    Key::new("beads", "whole number", "48", "Beads of each membrane; in 2D fewer than 48 have not converged.")
         .default("required")
         .range("2D: beads times spacing at least 24; 3D: 42, 92, 162, 252, ..: 10 n n + 2"),
-    RADIUS,
+    Key::new("diameter", "number", "3.0", "Twice the largest distance of a bead from the middle of the cell as it is placed; the radius of beads follows.")
+        .unit("length")
+        .default("this or radius is required")
+        .range("above 0"),
+    Key::new("radius", "number", "0.1", "Radius of each bead; the size of the cell follows.")
+        .unit("length")
+        .default("this or diameter is required")
+        .range("above 0"),
     SPACING,
-    STRETCH,
-    Key::new("bend", "number", "0.1", "Bending energy of the membrane, as of chains.")
-        .unit("energy; 2D: energy/length")
+    Key::new("rest", "\"biconcave\", \"ellipse\" or \"circle\"", "\"circle\"", "Form in which the membrane does not bend: that of a red cell, or of vesicles a circle (2D).")
+        .default("\"biconcave\""),
+    Key::new(
+        "reduced_area",
+        "number",
+        "0.7",
+        "4 pi area / perimeter^2 of the cell as it is placed: the biconcave outline thinner or thicker, or an ellipse (2D).",
+    )
+    .unit("ratio")
+    .default("that of rest; required for an ellipse")
+    .range("above 0, at most 1")
+    .needs("cells.0.rest = \"circle\""),
+    Key::new(
+        "stretch",
+        "\"rigid\" or a number",
+        "50.0",
+        "Tension of the membrane over its strain, however many beads it has (3D: pulled in one direction); rigid bonds keep their length (2D).",
+    )
+    .unit("force/length")
+    .default("required")
+    .range("above 0"),
+    Key::new("bend", "number", "0.1", "Bending modulus b of the membrane, however many beads it has: b/2 times the integral of the square of the curvature.")
+        .unit("energy")
         .default("required")
         .range("above 0"),
     GAP,

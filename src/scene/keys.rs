@@ -4,8 +4,9 @@ use std::fmt::Display;
 
 use toml_edit::Value;
 
+use crate::body::Outline;
 use crate::flow::InverseMethod;
-use crate::scene::chains::word as shape_word;
+use crate::scene::chains::{rest_word, word as shape_word};
 use crate::scene::entry::word_of;
 use crate::scene::sections::{PLANES, PROFILES};
 use crate::scene::{
@@ -215,13 +216,16 @@ fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
 }
 
 fn of_chain(chain: &Chain) -> Keys {
-    let Chain { beads, spacing, stretch, bend, angle, shape, joints } = chain;
+    let Chain { beads, spacing, stretch, bend, angle, shape, joints, outline } = chain;
     let stretch = stretch.map_or_else(|| word("stretch", "rigid"), |stretch| number("stretch", stretch));
     let mut keys = vec![pair("beads", beads), number("spacing", *spacing), stretch, number("bend", *bend)];
     // a ring has a natural angle of its own
     keys.extend((*angle != 0.0 && *bend > 0.0).then(|| number("angle", *angle)));
     if *shape != ChainShape::Cell {
         keys.extend([word("shape", shape_word(*shape)), word("joints", joints.word())]);
+    } else if *outline != Outline::default() {
+        keys.push(word("rest", rest_word(outline.rest)));
+        keys.extend(outline.reduced_area.map(|reduced_area| number("reduced_area", reduced_area)));
     }
     keys
 }

@@ -62,6 +62,7 @@ impl<'a> Change<'a> {
             ["method", "constraint"] => (1, self.foreign_to_the_method()),
             // a gap belongs to bodies placed at random only, a rotation to cells and clusters whose centers are given
             [group, _, "centers" | "file", ..] if GROUPS.contains(group) => (2, [&PLACEMENTS[..], &["gap"]].concat()),
+            ["cells", _, "diameter" | "radius", ..] => (2, vec!["diameter", "radius"]),
             ["cells" | "clusters", _, "count", ..] => (2, [&PLACEMENTS[..], &["rotation"]].concat()),
             [group, _, key, ..] if GROUPS.contains(group) && PLACEMENTS.contains(key) => (2, PLACEMENTS.to_vec()),
             // a travel belongs to automatic steps only

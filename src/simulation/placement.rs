@@ -206,7 +206,7 @@ fn chain_form<const D: usize>(radius: f64, chain: &Chain) -> ChainForm {
     match chain.shape {
         ChainShape::Line => ChainForm::line(radius, chain.beads, link),
         ChainShape::Ring => ChainForm::circle(radius, chain.beads, link),
-        ChainShape::Cell if D == 2 => ChainForm::cell(radius, chain.beads, link),
+        ChainShape::Cell if D == 2 => ChainForm::cell(&chain.outline, radius, chain.beads, link),
         ChainShape::Cell => ChainForm::membrane(radius, chain.beads, link),
     }
 }

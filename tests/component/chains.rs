@@ -251,7 +251,7 @@ fn cells_keep_their_area_and_tread_or_tumble(session: &Session) {
     let turned = |seen: &[MembraneNumbers], of: &dyn Fn(&MembraneNumbers) -> f64, period: f64| -> f64 {
         seen.windows(2).map(|pair| (of(&pair[1]) - of(&pair[0]) + 0.5 * period).rem_euclid(period) - 0.5 * period).sum()
     };
-    let (soft, stiff) = (way(0.03), way(20.0));
+    let (soft, stiff) = (way(0.00441), way(2.94));
     for seen in [&soft, &stiff] {
         let error = seen.iter().map(|numbers| numbers.kept[0].2).fold(0.0, f64::max);
         assert!(error < 1e-6, "area {error:e}");
@@ -266,7 +266,7 @@ fn cells_keep_their_area_and_tread_or_tumble(session: &Session) {
 /// A cell in space that was drawn out comes back to its shape, and keeps what it encloses and its surface on the way.
 fn a_cell_in_space_comes_back_to_its_shape(session: &Session) {
     let text = "domain = { size = [7.0, 5.0, 7.0] }\nflow = { model = \"stokes\", viscosity = 1.0 }\nresolution = { cells_per_radius = 3 }\n\
-                method = { inverse = \"transform\" }\ncells = [{ centers = [[3.5, 2.5, 3.5]], beads = 42, radius = 0.25, stretch = 40.0, bend = 10.0 }]\n\
+                method = { inverse = \"transform\" }\ncells = [{ centers = [[3.5, 2.5, 3.5]], beads = 42, radius = 0.25, stretch = 46.2, bend = 8.66 }]\n\
                 contact = { model = \"inelastic\" }\ntime = { end = 2.4, step = 0.3 }\n";
     let mut simulation = Simulation::<3>::new(session, &scene(text)).unwrap();
     let mut state = simulation.state().clone();

@@ -80,7 +80,7 @@ impl Seen {
 fn falling(stretch: &str, end: f64) -> String {
     format!(
         "gravity = [0.0, -1.0]\ndomain = {{ size = [8.0, 6.0], y = \"walls\" }}\nflow = {{ model = \"none\" }}\ncontact = {{ model = \"inelastic\" }}\n\
-         cells = [{{ centers = [[4.0, 3.0]], rotation = 0.4, beads = 24, radius = 0.15, spacing = 1.05, stretch = {stretch}, bend = 20.0 }}]\n\
+         cells = [{{ centers = [[4.0, 3.0]], rotation = 0.4, beads = 24, radius = 0.15, spacing = 1.05, stretch = {stretch}, bend = 3.15 }}]\n\
          time = {{ end = {end}, step = 0.02 }}\n"
     )
 }
@@ -92,14 +92,14 @@ fn a_cell_on_rods_falls_on_the_floor_and_comes_to_rest(session: &Session) {
 }
 
 fn a_cell_on_soft_springs_falls_on_the_floor_and_comes_to_rest(session: &Session) {
-    let seen = run::<2>(session, &falling("50.0", 40.0));
+    let seen = run::<2>(session, &falling("15.75", 40.0));
     seen.proof(1e-7, 1e-3);
     assert!(seen.fastest < 1e-3, "{}", seen.fastest);
 }
 
 fn a_cell_in_space_falls_on_the_floor_and_keeps_its_volume(session: &Session) {
     let text = "gravity = [0.0, 0.0, -1.0]\ndomain = { size = [8.0, 8.0, 8.0], z = \"walls\" }\nflow = { model = \"none\" }\ncontact = { model = \"inelastic\" }\n\
-                cells = [{ centers = [[4.0, 4.0, 4.5]], rotation = [0.5, 0.2, 0.0], beads = 42, radius = 0.25, stretch = 40.0, bend = 2.0 }]\n\
+                cells = [{ centers = [[4.0, 4.0, 4.5]], rotation = [0.5, 0.2, 0.0], beads = 42, radius = 0.25, stretch = 46.2, bend = 1.732 }]\n\
                 time = { end = 6.0, step = 0.02 }\n";
     let seen = run::<3>(session, text);
     seen.proof(1e-6, 1e-3);
@@ -108,8 +108,8 @@ fn a_cell_in_space_falls_on_the_floor_and_keeps_its_volume(session: &Session) {
 fn cells_that_fall_on_each_other_keep_their_areas(session: &Session) {
     let text = "seed = 1\ngravity = [0.0, -1.0]\ndomain = { size = [5.0, 10.0], x = \"walls\", y = \"walls\" }\nflow = { model = \"none\" }\n\
                 contact = { model = \"inelastic\" }\ntime = { end = 5.0, step = 0.02 }\n\
-                cells = [{ count = 2, beads = 24, radius = 0.15, spacing = 1.05, stretch = \"rigid\", bend = 0.2 }, \
-                         { count = 1, beads = 24, radius = 0.15, spacing = 1.05, stretch = 50.0, bend = 0.2 }]\n\
+                cells = [{ count = 2, beads = 24, radius = 0.15, spacing = 1.05, stretch = \"rigid\", bend = 0.0315 }, \
+                         { count = 1, beads = 24, radius = 0.15, spacing = 1.05, stretch = 15.75, bend = 0.0315 }]\n\
                 bodies = [{ count = 4, radius = 0.3 }]\n";
     run::<2>(session, text).proof(1e-7, 1e-2);
 }

@@ -103,13 +103,13 @@ count = 2
 beads = 24
 radius = 0.15
 stretch = "rigid"
-bend = 0.2
+bend = 0.0315
 [[cells]]
 count = 1
 beads = 24
 radius = 0.15
-stretch = 50.0
-bend = 0.2
+stretch = 15.75
+bend = 0.0315
 [[bodies]]
 count = 3
 radius = 0.3
@@ -169,14 +169,14 @@ rotation = 0.1
 beads = 24
 radius = 0.2
 stretch = "rigid"
-bend = 1.0
+bend = 0.21
 [[cells]]
 centers = [[3.0, 4.2]]
 rotation = -0.1
 beads = 30
 radius = 0.2
-stretch = 100.0
-bend = 1.0
+stretch = 42.0
+bend = 0.21
 [contact]
 model = "inelastic"
 [time]

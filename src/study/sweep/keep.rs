@@ -40,8 +40,8 @@ impl Keep {
             }
             Keep::Series => {
                 prepare_folder(&to)?;
-                let there = RESULTS.into_iter().filter(|file| run.join(file).exists());
-                there.map(|file| rename(&run.join(file), &to.join(file))).collect::<Result<()>>()?;
+                let mut there = RESULTS.into_iter().filter(|file| run.join(file).exists());
+                there.try_for_each(|file| rename(&run.join(file), &to.join(file)))?;
             }
         }
         Ok(Some(path))
