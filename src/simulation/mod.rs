@@ -26,6 +26,7 @@ mod interactions;
 mod krylov_workspace;
 mod mean_flow_constraint;
 mod migration;
+mod modes;
 mod neighbours;
 mod network;
 mod pair_constraint;
