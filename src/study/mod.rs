@@ -26,5 +26,5 @@ pub use inverses::Inverses;
 pub use registry::{SelectedStudy, studies};
 pub use scaling::Scaling;
 pub use sweep::ParameterSweep;
-pub use validation::{Bar, Case, KnownScene, Validation, cases, known_scenes, random_scene, random_scene_in_space};
+pub use validation::{Bar, Case, KnownScene, Validation, cases, known_scenes, random_scene};
 pub use viscosity::ViscosityStudy;

@@ -15,7 +15,7 @@ mod solve;
 use std::time::Instant;
 
 pub use self::{
-    bars::{Bar, KnownScene, known_scenes, random_scene, random_scene_in_space},
+    bars::{Bar, KnownScene, known_scenes, random_scene},
     case::Case,
     cases::cases,
 };

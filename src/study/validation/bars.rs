@@ -6,9 +6,10 @@ pub mod scenes;
 
 use std::{ops::Range, time::Instant};
 
+use self::random::random_scene_in_space;
 pub use self::{
     known::{Bar, KnownScene},
-    random::{random_scene, random_scene_in_space},
+    random::random_scene,
     scenes::known_scenes,
 };
 use crate::{
