@@ -278,7 +278,7 @@ mod tests {
             ChainForm::line(0.5, 7, 1.05),
             ChainForm::circle(0.5, 7, 1.05),
             ChainForm::circle(0.5, 8, 1.05),
-            ChainForm::cell(0.15, 41, 0.3),
+            ChainForm::cell(&Outline::default(), 0.15, 41, 0.3),
         ];
         for form in forms.into_iter().chain([ChainForm::membrane(0.15, 162, 0.3)]) {
             let pairs = form.places.iter().flat_map(|one| form.places.iter().map(move |other| (one - other).norm()));

@@ -29,6 +29,7 @@ mod kept_measures;
 mod krylov_workspace;
 mod mean_flow_constraint;
 mod migration;
+mod modes;
 mod neighbours;
 mod network;
 mod pair_constraint;

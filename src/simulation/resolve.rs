@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::{
-    GranularBody, GranularSetup, Inertia, Setup, SuspendedBody, chains, interactions,
+    GranularBody, GranularSetup, Inertia, Setup, SuspendedBody, chains, interactions, modes,
     placement::{bodies, check_ends, domain, trajectories, vector},
     room::FEWEST_CELLS_PER_RADIUS,
     surroundings::opposite_neighbours,
@@ -16,26 +16,8 @@ use crate::{
     interaction::{Interactions, Lubrication},
     parallel::Peers,
     scene::{self, BodyGroup, ContactModel, FlowModel, Modes, ResolutionSection, Scene, Spacing},
-    surface::{Shape, highest_order},
+    surface::Shape,
 };
-
-/// Highest order of modes per cell of radius in 2D and 3D; above it the multipliers see the grid's own noise.
-const HIGHEST_ORDER_PER_CELL: [f64; 2] = [1.4, 1.25];
-
-/// Order of `modes = "most"` per cell of radius in 2D and 3D, a margin below the highest, and its limit.
-const MOST_ORDER_PER_CELL: [f64; 2] = [1.25, 1.0];
-const MOST_ORDER: [usize; 2] = [24, 12];
-
-/// Order of the modes per cell of radius where lubrication knows what they miss, and the least order in 2D and 3D.
-///
-/// Higher modes bend within a cell: a disk 0.1 radii from a wall then resists approach by 6 % too little at five cells a radius, and by
-/// 2.4 % at this order; two disks scatter by 4 % with their places on the grid at one mode a cell. Crowds have their viscosity with
-/// three modes (`examples/crowd.toml`).
-///
-/// Where neighbours are in opposite places the sum over films is wrong, and modes up to the plain order bear what there is, in 3D one more:
-/// flows along an axis have no modes of even order, and a body-centred cubic array at 0.3 lacks 2 % of its drag without the fifth.
-const LUBRICATED_ORDER_PER_CELL: f64 = 0.6;
-const LUBRICATED_ORDER: [usize; 2] = [3, 2];
 
 impl<const D: usize> GranularSetup<D> {
     /// Resolves a dry scene of dimension `D`.
@@ -221,15 +203,23 @@ pub(super) fn suspended_bodies<const D: usize>(
         Modes::Count(_) => vec![false; balls.len()],
         Modes::Auto | Modes::Most => opposite_neighbours(domain, &balls),
     };
-    let bodies = placed.iter().zip(surrounded).map(|(&(_, body), surrounded)| suspended(scene, body, surrounded, spacing));
+    let bodies = placed.iter().zip(surrounded).map(|(&(group, body), surrounded)| {
+        let bare = surrounded || fixed_in_plane::<D>(&scene.bodies[group]);
+        suspended(scene, body, bare, spacing)
+    });
     Ok((spacing, bodies.collect::<Result<_>>()?))
 }
 
-/// A body, with neighbours in opposite places or not, with the order of its modes on a grid.
+/// Whether bodies are disks that never move: between two such no film resists, and the flow through a bed of them takes all modes.
+pub(super) fn fixed_in_plane<const D: usize>(group: &BodyGroup) -> bool {
+    D == 2 && group.motion == scene::Motion::Fixed
+}
+
+/// A body with the order of its modes on a grid; films do not stand for the modes of a `bare` one.
 ///
 /// # Errors
 /// It is too small for the grid or the modes.
-pub(super) fn suspended<const D: usize>(scene: &Scene, body: Body<D>, surrounded: bool, spacing: f64) -> Result<SuspendedBody<D>> {
+pub(super) fn suspended<const D: usize>(scene: &Scene, body: Body<D>, bare: bool, spacing: f64) -> Result<SuspendedBody<D>> {
     let cells = body.ball.radius / spacing;
     if cells < FEWEST_CELLS_PER_RADIUS * (1.0 - 1e-9) {
         let remedy = format!("leaves {cells:.2} cells per radius {}; at least {FEWEST_CELLS_PER_RADIUS} are needed", body.ball.radius);
@@ -238,35 +228,5 @@ pub(super) fn suspended<const D: usize>(scene: &Scene, body: Body<D>, surrounded
             Spacing::CellsPerRadius(cells) => scene.refuse("resolution.cells_per_radius", cells, &remedy),
         });
     }
-    Ok(SuspendedBody { body, order: order::<D>(scene, cells, surrounded)? })
-}
-
-/// Order of the modes of a body with so many cells per radius, `surrounded` by neighbours in opposite places or not: what is asked for, or what the
-/// grid carries well.
-fn order<const D: usize>(scene: &Scene, cells: f64, surrounded: bool) -> Result<usize> {
-    let highest = ((HIGHEST_ORDER_PER_CELL[D - 2] * cells + 1e-9) as usize).min(highest_order(D));
-    // boundary layers of a flow with inertia need modes that films do not stand for
-    let lubricated = scene.lubrication.roughness().is_some() && scene.flow.model == FlowModel::Stokes;
-    match resolution(scene)?.modes {
-        Modes::Auto => {
-            let plain = if D == 2 { (cells.round() as usize).clamp(3, 16) } else { (cells.round() as usize - 1).clamp(2, 10) };
-            let by_films = ((LUBRICATED_ORDER_PER_CELL * cells + 1e-9) as usize).max(LUBRICATED_ORDER[D - 2]);
-            let auto = match (surrounded, lubricated) {
-                (true, _) => plain + (D - 2),
-                (false, true) => plain.min(by_films),
-                (false, false) => plain,
-            };
-            Ok(auto.min(highest))
-        }
-        Modes::Most if lubricated && !surrounded => {
-            let by_films = (LUBRICATED_ORDER_PER_CELL * cells - 1e-9).ceil() as usize;
-            Ok(by_films.clamp(LUBRICATED_ORDER[D - 2], MOST_ORDER[D - 2]).min(highest))
-        }
-        Modes::Most => Ok(((MOST_ORDER_PER_CELL[D - 2] * cells + 1e-9) as usize).clamp(2, MOST_ORDER[D - 2]).min(highest)),
-        Modes::Count(modes) if modes > highest => {
-            let remedy = format!("is too many for {cells:.2} cells per radius: at most {highest}; lower it or refine the grid");
-            Err(scene.refuse("resolution.modes", modes, &remedy))
-        }
-        Modes::Count(modes) => Ok(modes),
-    }
+    Ok(SuspendedBody { body, order: modes::order::<D>(scene, resolution(scene)?.modes, cells, bare)? })
 }

@@ -1,7 +1,8 @@
 //! What moves bodies: the interface behind which a fluid, or inertia alone, drives a [`Simulation`](super::Simulation).
 
 use super::{
-    Cost, ExtrapolationHistory, FlowSolver, GivenPlace, Level, MeshLevel, ResidualMonitor, Solution, State, StopRequest, step_control::StepSize,
+    Cost, ExtrapolationHistory, FlowSolver, GivenPlace, Level, MeshLevel, ResidualMonitor, Solution, State, StopRequest,
+    step_control::StepSize,
 };
 use crate::{
     body::Twist,
@@ -92,7 +93,9 @@ pub trait Stepper<const D: usize> {
     }
 
     /// Where bodies of given motion are at a time, by their numbers; some may be those of other ranks.
-    fn given_places(&self, time: f64) -> Vec<(usize, GivenPlace<D>)>;
+    fn given_places(&self, _time: f64) -> Vec<(usize, GivenPlace<D>)> {
+        Vec::new()
+    }
 
     /// Motions at the time of the state that was evaluated last, where those of the state are of another time.
     fn twists_now(&self) -> Option<&[Twist<D>]> {

@@ -2,6 +2,7 @@
 
 mod bars;
 mod bead_model;
+mod beds;
 mod case;
 mod cases;
 mod channel;
@@ -37,12 +38,18 @@ pub struct Validation {
     /// Seed of the first of them.
     #[arg(long, default_value_t = 1, requires = "random", value_parser = clap::value_parser!(u64).range(..=1_000_000))]
     pub seed: u64,
+    /// All of them in 3D, every second one a lattice of fixed spheres.
+    #[arg(long, requires = "random")]
+    pub space: bool,
     /// Solve crowds with many films instead, known ones and such as show how the cost grows with number, fraction and gap.
     #[arg(long, conflicts_with = "bars")]
     pub crowds: bool,
+    /// Measure drag, settling and viscosity of random beds with films instead, on coarse and on fine grids.
+    #[arg(long, conflicts_with_all = ["bars", "crowds"])]
+    pub beds: bool,
     /// Follow bodies in flows with inertia instead: all cases, or those that are named.
     #[arg(long, value_enum, value_delimiter = ',', num_args = 0.., default_missing_values = inertia::NAMES, value_name = "CASES")]
-    #[arg(conflicts_with_all = ["bars", "crowds"])]
+    #[arg(conflicts_with_all = ["bars", "crowds", "beds"])]
     pub inertia: Vec<inertia::Family>,
 }
 
@@ -54,11 +61,14 @@ impl Study<Session> for Validation {
         if !self.inertia.is_empty() {
             return inertia::inertia(session, &self.inertia);
         }
-        let seeds = self.random.map(|count| self.seed..self.seed + count);
+        if self.beds {
+            return beds::beds(session);
+        }
+        let random = self.random.map(|count| bars::RandomScenes { seeds: self.seed..self.seed + count, space: self.space });
         let (kept, broken) = match (self.crowds, self.bars.is_empty()) {
             (true, _) => return crowds::crowds(session),
             (_, true) => (table(session)?, "a case is further from its reference than promised"),
-            _ => (bars::bars(session, &self.bars, seeds)?, "more than one error bar in twelve does not hold the true error"),
+            _ => (bars::bars(session, &self.bars, random)?, "more than one error bar in twelve does not hold the true error"),
         };
         if kept { Ok(()) } else { Err(Error::Diverged(broken.into())) }
     }

@@ -7,7 +7,7 @@ use turbid::{
     petsc::Session,
     scene::Scene,
     simulation::{FlowSolver, Setup, Suspension},
-    study::{Quantity, RefinementSequence, known_scenes, random_scene},
+    study::{KnownScene, Quantity, RefinementSequence, known_scenes, random_scene},
 };
 
 use crate::Test;
@@ -17,7 +17,9 @@ pub fn tests() -> Vec<Test> {
     vec![
         Test::only_on(1, true_errors_lie_inside_their_bars_and_bars_inside_the_accuracy),
         Test::only_on(1, random_scenes_lie_inside_their_bars),
+        Test::only_on(1, lattices_with_films_lie_inside_their_bars),
         Test::of(modes_are_chosen_by_what_they_bear),
+        Test::of(spheres_with_films_have_a_mode_a_cell_and_disks_fewer),
         Test::of(a_tighter_accuracy_takes_a_finer_grid),
         Test::of(an_accuracy_out_of_reach_is_refused_with_the_error_that_was_reached),
     ]
@@ -38,13 +40,41 @@ fn true_errors_lie_inside_their_bars_and_bars_inside_the_accuracy(session: &Sess
     assert!(bars >= 24 && 12 * honest >= 11 * bars, "only {honest} of {bars} bars hold the true error");
 }
 
-/// The first of the fifty that `turbid validation --bars --random 50` takes.
+/// The first of the fifty that `turbid validation --bars --random 50` takes; `--random 20 --space` takes twenty lattices and random cells in 3D.
 fn random_scenes_lie_inside_their_bars(session: &Session) {
-    for seed in 1..=3 {
-        let scene = random_scene(session, seed).unwrap();
-        let bar = scene.solve(session, 1e-2).unwrap_or_else(|error| panic!("{}: {error}", scene.name));
-        assert!(bar.error <= bar.estimated && bar.estimated <= 1e-2, "{}: {:.1e} {:.1e}", scene.name, bar.error, bar.estimated);
-    }
+    (1..=3).for_each(|seed| holds(session, &random_scene(session, seed).unwrap()));
+}
+
+/// Films out of reach once cost such lattices the modes that bear their drag, on all grids alike: 0.4 % were missing from bars of 0.3 %.
+fn lattices_with_films_lie_inside_their_bars(session: &Session) {
+    let lattices: Vec<KnownScene> = known_scenes().into_iter().filter(|scene| scene.name.contains("films")).collect();
+    assert_eq!(lattices.len(), 4);
+    lattices.iter().for_each(|lattice| holds(session, lattice));
+}
+
+fn holds(session: &Session, scene: &KnownScene) {
+    let bar = scene.solve(session, 1e-2).unwrap_or_else(|error| panic!("{}: {error}", scene.name));
+    assert!(bar.error <= bar.estimated && bar.estimated <= 1e-2, "{}: {:.1e} {:.1e}", scene.name, bar.error, bar.estimated);
+}
+
+/// Films stand for relative motions of pairs: a fixed bed of spheres at 0.3 lacks 10 % of its drag with two modes at four cells, and 1 % with four.
+fn spheres_with_films_have_a_mode_a_cell_and_disks_fewer(_: &Session) {
+    let orders = |size: &str, center: &str, motion: &str, cells: f64| {
+        let text = format!(
+            "[domain]\nsize = {size}\n[flow]\ndrive = {{ shear_rate = 1.0 }}\n[resolution]\ncells_per_radius = {cells:?}\n\
+             [method]\ninverse = \"transform\"\n[lubrication]\nmodel = \"pairwise\"\n[[bodies]]\nradius = 1.0\ncenters = [{center}]\n{motion}"
+        );
+        let scene = Scene::parse("modes", Path::new("."), &text, &[]).unwrap();
+        match scene.dimension() {
+            2 => Setup::<2>::of(&scene).unwrap().bodies[0].order,
+            _ => Setup::<3>::of(&scene).unwrap().bodies[0].order,
+        }
+    };
+    let spheres = [3.2, 4.0, 5.0, 6.0, 8.0].map(|cells| orders("[8.0, 8.0, 8.0]", "[1.3, 2.1, 3.3]", "", cells));
+    assert_eq!(spheres, [4, 4, 5, 6, 8]);
+    let disks = |motion: &str| [3.0, 4.0, 5.0, 6.0, 8.0].map(|cells| orders("[8.0, 8.0]", "[1.3, 2.1]", motion, cells));
+    assert_eq!(disks(""), [3, 3, 3, 3, 4]);
+    assert_eq!(disks("motion = \"fixed\""), [3, 4, 5, 6, 8]);
 }
 
 /// A body-centred cubic array at 0.3, whose drag four modes miss by 2 %: 12.667 times that of a lone sphere at 16 cells with ten modes.

@@ -61,7 +61,7 @@ impl Stepper<2> for Hurdles {
             self.refuse(state.time, step_size.natural)?;
         }
         let twists = vec![Twist { velocity: Vector2::x(), ..Twist::zero() }];
-        Ok(Observation { twists, contacts: Vec::new(), solution: None, step_size, effort: Effort::default() })
+        Ok(Observation { twists, contacts: Vec::new(), solution: None, step_size, passed: 0.0, effort: Effort::default() })
     }
 
     fn advance(&mut self, state: &State<2>, observation: &Observation<2>, step: f64, _: ResidualMonitor) -> Result<StepOutcome<2>> {

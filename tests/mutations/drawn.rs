@@ -147,7 +147,8 @@ pub fn draw(seed: u64, units: Units) -> Drawn {
         inertia,
         background_rate,
         couette: draft.drive == Drive::Couette && !driven,
-        movable: [0, 1, 2].map(|axis| axis < draft.dimension && draft.periodic(axis) && !(axis == 1 && objects.given && background_rate != 0.0)),
+        movable: [0, 1, 2]
+            .map(|axis| axis < draft.dimension && draft.periodic(axis) && !(axis == 1 && objects.given && background_rate != 0.0)),
         end,
         size: draft.size.clone(),
         objects,
@@ -219,7 +220,9 @@ fn flow(draft: &mut Draft) -> (f64, bool) {
     let drive = match draft.drive {
         Drive::Sheared => format!("{{ shear_rate = {}, periodic = \"sheared\" }}", draft.number(rate, powers::RATE)),
         Drive::FixedImages => format!("{{ shear_rate = {} }}", draft.number(rate, powers::RATE)),
-        Drive::Periodic if draft.model == Model::NavierStokes => format!("{{ mean_velocity = {} }}", draft.vector(&along, powers::VELOCITY)),
+        Drive::Periodic if draft.model == Model::NavierStokes => {
+            format!("{{ mean_velocity = {} }}", draft.vector(&along, powers::VELOCITY))
+        }
         Drive::Channel | Drive::Periodic => match draft.one_of(&[0, 1, 2]) {
             0 => format!("{{ mean_velocity = {} }}", draft.vector(&along, powers::VELOCITY)),
             1 => format!("{{ pressure_gradient = {} }}", draft.vector(&along, powers::body_force(draft.dimension))),

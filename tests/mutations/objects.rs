@@ -114,7 +114,8 @@ fn pair(draft: &mut Draft, objects: &mut Objects, center: &[f64]) {
 }
 
 fn chain(draft: &mut Draft, objects: &mut Objects, center: &[f64]) {
-    let (beads, angle, rigid) = (if draft.dimension == 2 { draft.one_of(&[2, 3, 4]) } else { draft.one_of(&[2, 3]) }, draft.between(-0.3, 0.3), draft.chance(0.5));
+    let (beads, angle, rigid) =
+        (if draft.dimension == 2 { draft.one_of(&[2, 3, 4]) } else { draft.one_of(&[2, 3]) }, draft.between(-0.3, 0.3), draft.chance(0.5));
     let distance = 2.0 * part_radius(draft.dimension) * SPACING;
     let place = |bead: i32| {
         let along = distance * (f64::from(bead) - 0.5 * f64::from(beads - 1));
@@ -144,7 +145,8 @@ fn places(draft: &Draft, centers: &[Vec<f64>]) -> String {
         let cells = f64::from(draft.units.cells[axis]);
         if cells == 0.0 { center[axis] } else { (center[axis] + cells * draft.spacing).rem_euclid(draft.size[axis]) }
     };
-    let place = |center| draft.vector(&[0, 1, 2].map(|axis| if axis < draft.dimension { along(center, axis) } else { 0.0 }), powers::LENGTH);
+    let place =
+        |center| draft.vector(&[0, 1, 2].map(|axis| if axis < draft.dimension { along(center, axis) } else { 0.0 }), powers::LENGTH);
     format!("[{}]", centers.iter().map(place).collect::<Vec<_>>().join(", "))
 }
 
@@ -210,7 +212,7 @@ fn write_chain(draft: &mut Draft, chain: &Chain) -> bool {
 }
 
 fn write_cell(draft: &mut Draft, center: &[f64]) -> bool {
-        draft.section("[[cells]]");
+    draft.section("[[cells]]");
     draft.line("beads", MEMBRANE_BEADS);
     draft.line("radius", draft.number(MEMBRANE, powers::LENGTH));
     draft.line("centers", places(draft, &[center.to_vec()]));

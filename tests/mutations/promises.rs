@@ -143,7 +143,8 @@ fn bodies(drawn: &Drawn, summary: &Value) -> Vec<String> {
     let balls = HashMap::from([("rod", 3), ("cross", 5), ("triangle", 3), ("tetrahedron", 4)]);
     for cluster in &drawn.objects.clusters {
         let balls: Vec<&Vec<f64>> = places.by_ref().take(balls[cluster.shape]).collect();
-        let nearest = balls[1..].iter().map(|ball| distance(drawn, balls[0], ball)).fold(f64::INFINITY, f64::min) / (2.0 * part_radius(drawn.dimension));
+        let nearest = balls[1..].iter().map(|ball| distance(drawn, balls[0], ball)).fold(f64::INFINITY, f64::min)
+            / (2.0 * part_radius(drawn.dimension));
         wrong.extend(((nearest - 1.0).abs() > RIGID).then(|| format!("a {} has its first balls {nearest} diameters apart", cluster.shape)));
     }
     wrong.extend(places.next().map(|_| "more bodies than objects have".to_owned()));

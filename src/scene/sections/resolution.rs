@@ -16,7 +16,7 @@ pub(in crate::scene) const KEYS: [Key; 3] = [
     Key::new("spacing", "number", "0.1", "Edge of a grid cell; each axis is divided into a whole number of cells that are nearly as long.")
         .unit("length").default("this or cells_per_radius is required").range("above 0"),
     Key::new("modes", "\"auto\", \"most\" or a whole number", "8", "Highest order of the multipliers of each body: Fourier modes in 2D, degrees of \
-        vector spherical harmonics in 3D. Automatic: about one a cell of the radius, 0.6 with lubrication; most: as many as the grid carries.")
+        vector spherical harmonics in 3D. Automatic: about one a cell of the radius, with lubrication 0.6 for disks that move; most: as many as the grid carries.")
         .default("\"auto\"").range("at least 2; of a scalar at least 1"),
 ];
 

@@ -16,7 +16,7 @@ use crate::{
     simulation::{
         Setup, SuspendedBody,
         placement::{self, Asked},
-        resolve::suspended,
+        resolve::{fixed_in_plane, suspended},
         room,
     },
 };
@@ -83,7 +83,10 @@ fn of_flow<const D: usize>(scene: &Scene, domain: &Domain<D>, grid: &Grid<D>, sp
     for (group, count) in scene.bodies.iter().zip(numbers) {
         let ball = Ball { center: domain.size / 2.0, radius: group.radius };
         // one that the grid is too coarse for is refused where the bodies are placed
-        let Ok(one) = suspended(scene, Body { ball, motion: Motion::Prescribed(Twist::zero()) }, false, spacing) else { continue };
+        let Ok(one) = suspended(scene, Body { ball, motion: Motion::Prescribed(Twist::zero()) }, fixed_in_plane::<D>(group), spacing)
+        else {
+            continue;
+        };
         let one = with(vec![one]);
         (0..2).for_each(|part| all[part] += count * (one[part] - empty[part]));
     }

@@ -6,6 +6,7 @@ pub mod scenes;
 
 use std::{ops::Range, time::Instant};
 
+use self::random::random_scene_in_space;
 pub use self::{
     known::{Bar, KnownScene},
     random::random_scene,
@@ -20,16 +21,28 @@ use crate::{
 /// Part of the bars that must hold the true error.
 const HONEST: f64 = 11.0 / 12.0;
 
-/// Solves all known scenes, or those drawn from some seeds, to each accuracy and prints bars beside true errors as a table in Markdown; tells whether
+/// Scenes drawn at random.
+#[derive(Debug, Clone)]
+pub struct RandomScenes {
+    /// Their seeds.
+    pub seeds: Range<u64>,
+    /// Whether all are in 3D.
+    pub space: bool,
+}
+
+/// Solves all known scenes, or some drawn at random, to each accuracy and prints bars beside true errors as a table in Markdown; tells whether
 /// enough bars are honest.
 ///
 /// # Errors
 /// No scene can be solved to an accuracy like these, or a solve fails.
-pub fn bars(session: &Session, accuracies: &[f64], seeds: Option<Range<u64>>) -> Result<bool> {
+pub fn bars(session: &Session, accuracies: &[f64], random: Option<RandomScenes>) -> Result<bool> {
     check(&known_scenes(), accuracies)?;
-    let scenes: Box<dyn Iterator<Item = Result<KnownScene>>> = match seeds {
+    let scenes: Box<dyn Iterator<Item = Result<KnownScene>>> = match random {
         None => Box::new(known_scenes().into_iter().map(Ok)),
-        Some(seeds) => Box::new(seeds.map(|seed| random_scene(session, seed))),
+        Some(RandomScenes { seeds, space }) => {
+            let draw = if space { random_scene_in_space } else { random_scene };
+            Box::new(seeds.map(move |seed| draw(session, seed)))
+        }
     };
     let say = |text: &str| session.world().on_first_rank(|| say(text));
     say("| scene | accuracy | cells per radius | estimated error | true error | seconds |\n|-|-|-|-|-|-|")?;

@@ -16,6 +16,7 @@ use super::{
             pulled_disk, sheared_pair_between_walls, sphere_lattice, sphere_radius, square_array,
         },
     },
+    beds,
     case::Case,
     solve::{solve, viscosity},
 };
@@ -101,6 +102,7 @@ pub fn cases() -> Vec<Case> {
         case("drag over Stokes drag, sphere in a closed box", SERIES, closed_box_sphere(), Grid::spheres(0.2, 5.0, 4), 1e-2, sphere),
     ]);
     all.extend(random::cases());
+    all.extend(beds::cases());
     all.extend(scalar::cases());
     all.extend(clusters::cases());
     all.extend(chains::cases());

@@ -150,7 +150,8 @@ pub fn crowds(session: &Session) -> Result<()> {
     Ok(())
 }
 
-fn centers(table: &str) -> String {
+/// The line of a scene that places bodies at the centres of a table.
+pub(super) fn centers(table: &str) -> String {
     let mut text = String::from("centers = [");
     table.lines().filter(|line| !line.trim().is_empty()).for_each(|line| _ = write!(text, "[{line}],"));
     text + "]"

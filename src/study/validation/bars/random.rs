@@ -3,7 +3,10 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::known::KnownScene;
+use super::{
+    known::KnownScene,
+    scenes::{Lattice, with_films},
+};
 use crate::{
     error::Result,
     petsc::Session,
@@ -55,23 +58,41 @@ const SPACE: [FlowKind; 3] = [
 /// # Errors
 /// The scene cannot be solved on the fine grid.
 pub fn random_scene(session: &Session, seed: u64) -> Result<KnownScene> {
-    let (name, text, quantity) = draw(seed);
-    let dimension = if seed.is_multiple_of(6) { 3 } else { 2 };
-    let (cells, modes) = FINE[dimension - 2];
+    solved(session, draw(seed, seed.is_multiple_of(6)))
+}
+
+/// The same in 3D, every second one a lattice of fixed spheres. Collective.
+///
+/// # Errors
+/// The scene cannot be solved on the fine grid.
+pub fn random_scene_in_space(session: &Session, seed: u64) -> Result<KnownScene> {
+    solved(session, if seed.is_multiple_of(2) { lattice(seed) } else { draw(seed, true) })
+}
+
+/// A scene with the answer of a fine grid.
+fn solved(session: &Session, scene: KnownScene) -> Result<KnownScene> {
+    let (cells, modes) = FINE[scene.dimension()? - 2];
     let fine = [
         format!("resolution.cells_per_radius={cells}"),
         format!("resolution.modes={modes}"),
         "method.tolerance=1e-6".to_owned(),
         "lubrication.model=\"pairwise\"".to_owned(),
     ];
-    let scene = KnownScene { name, text, answer: Answer { quantity, values: Vec::new() } };
     Ok(KnownScene { answer: scene.answered(session, &fine)?, ..scene })
 }
 
-/// Name, text without resolution, and quantity of the scene of a seed.
-fn draw(seed: u64) -> (String, String, Quantity) {
+/// A lattice at a fraction with gaps of 0.1 radii and more, somewhere in its cell.
+fn lattice(seed: u64) -> KnownScene {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let solid = seed.is_multiple_of(6);
+    let kind = [Lattice::Simple, Lattice::BodyCentred, Lattice::FaceCentred][random.random_range(0..3)];
+    let array = kind.array(random.random_range(0.05..0.4), std::array::from_fn(|_| random.random_range(0.0..0.25)), 0.0);
+    let scene = KnownScene { name: format!("{} {seed}", array.name), ..array };
+    if random.random_bool(0.7) { with_films(scene) } else { scene }
+}
+
+/// The scene of a seed in the plane or in space, without resolution and answer.
+fn draw(seed: u64, solid: bool) -> KnownScene {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
     let kinds: &[FlowKind] = if solid { &SPACE } else { &PLANE };
     let kind = &kinds[random.random_range(0..kinds.len())];
     let films = random.random_bool(0.7);
@@ -97,5 +118,5 @@ fn draw(seed: u64) -> (String, String, Quantity) {
         group(radius, large)
     );
     let name = format!("{} {seed}: {count} at {fraction:.2}, gap {gap:.2}{}", kind.name, if films { ", films" } else { "" });
-    (name, text, kind.quantity)
+    KnownScene { name, text, answer: Answer { quantity: kind.quantity, values: Vec::new() } }
 }

@@ -36,6 +36,11 @@ pub fn known_scenes() -> Vec<KnownScene> {
         [(0.027, 1.066332554), (0.216, 1.542367097), (0.343, 1.99744245)].map(|(fraction, viscosity)| sphere_lattice(fraction, viscosity)),
     );
     all.push(closed_box_sphere());
+    all.extend([(0.125, 4.291589200), (0.216, 7.44195364)].map(|(fraction, drag)| with_films(cubic_array(fraction, drag))));
+    all.extend(
+        [(Lattice::BodyCentred, 7.0417), (Lattice::FaceCentred, 7.0532)]
+            .map(|(lattice, drag)| with_films(lattice.array(0.2, [0.03, 0.07, 0.11], drag))),
+    );
     all
 }
 
@@ -160,6 +165,43 @@ pub fn cubic_array(fraction: f64, drag: f64) -> KnownScene {
     let draft = SceneDraft { flow: "drive = { mean_velocity = [1.0, 0.0, 0.0] }", radius, motion: FIXED, ..CUBE };
     let values = [6.0 * PI * radius * drag, 0.0, 0.0, 0.0, 0.0, 0.0];
     draft.known(format!("cubic array {fraction}"), Quantity::Drag, &values)
+}
+
+/// A cubic lattice.
+#[derive(Debug, Clone, Copy)]
+pub enum Lattice {
+    /// One sphere in its cell.
+    Simple,
+    /// Two.
+    BodyCentred,
+    /// Four.
+    FaceCentred,
+}
+
+impl Lattice {
+    fn places(self) -> (&'static str, &'static [[f64; 3]]) {
+        match self {
+            Lattice::Simple => ("simple cubic", &[[0.0, 0.0, 0.0]]),
+            Lattice::BodyCentred => ("body-centred cubic", &[[0.0, 0.0, 0.0], [0.5, 0.5, 0.5]]),
+            Lattice::FaceCentred => ("face-centred cubic", &[[0.0, 0.0, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0]]),
+        }
+    }
+
+    /// Its fixed spheres at a fraction, the first at `corner`, with their drag over that of a lone one.
+    pub fn array(self, fraction: f64, corner: [f64; 3], drag: f64) -> KnownScene {
+        let (name, places) = self.places();
+        let radius = sphere_radius(fraction / places.len() as f64);
+        let centers: Vec<[f64; 3]> = places.iter().map(|place| std::array::from_fn(|axis| place[axis] + corner[axis])).collect();
+        let (flow, centers) = ("drive = { mean_velocity = [1.0, 0.0, 0.0] }", format!("{centers:?}"));
+        let values = [6.0 * PI * radius * drag, 0.0, 0.0, 0.0, 0.0, 0.0].repeat(places.len());
+        let draft = SceneDraft { flow, radius, centers: &centers, motion: FIXED, ..CUBE };
+        draft.known(format!("{name} array {fraction:.3}"), Quantity::Drag, &values)
+    }
+}
+
+/// A scene with lubrication.
+pub fn with_films(scene: KnownScene) -> KnownScene {
+    KnownScene { name: format!("{}, films", scene.name), text: format!("{}[lubrication]\nmodel = \"pairwise\"\n", scene.text), ..scene }
 }
 
 /// Free spheres at a fraction in shear, with their viscosity.

@@ -8,7 +8,8 @@ use crate::{error::Result, petsc::Session, study::validation::solve::solve};
 /// Mean velocity that images in a cubic lattice take from what a force moves, times viscosity and period over force (Hasimoto 1959).
 const HASIMOTO: f64 = 2.837297 / (6.0 * PI);
 
-/// Cases of two spheres and of more; periods of rods by the effective ratio `1.14 n^0.844` of their orbits.
+/// Cases of two spheres and of more, in an infinite fluid by fundamental solutions; along the line of centres by the closed form
+/// `1/3 integral of 1 - 2 (sinh^2 x - x^2)/(sinh 2x + 2x)`, x from zero on (Faxen's limit of Stimson and Jeffery's series).
 pub fn cases() -> Vec<Case> {
     let period = |balls: usize, reference: f64, (side, cells): (f64, f64), tolerance: f64, [name, source]: [&'static str; 2]| Case {
         name,
@@ -18,10 +19,6 @@ pub fn cases() -> Vec<Case> {
         tolerance,
         solve: Box::new(move |session: &Session| orbit_period(session, balls, side, cells)),
     };
-    let rod = |balls: usize| {
-        let ratio = 1.14 * (balls as f64).powf(0.844);
-        2.0 * PI * (ratio + 1.0 / ratio)
-    };
     let drag = |name: &'static str, source: &'static str, angle: f64, reference: f64| Case {
         name,
         source,
@@ -30,14 +27,14 @@ pub fn cases() -> Vec<Case> {
         tolerance: 1e-2,
         solve: Box::new(move |session: &Session| doublet_drag(session, angle, 20.0)),
     };
-    const FIT: &str = "effective ratio 1.14 n^0.844, within its few per cent";
+    const RODS: &str = "method of fundamental solutions, six digits";
     vec![
         period(2, 15.62, (16.0, 4.0), 1e-2, ["period times rate, two touching spheres in shear", "Wakiya 1971, Nir & Acrivos 1973"]),
-        period(3, rod(3), (16.0, 4.0), 3e-2, ["period times rate, rod of 3 spheres in shear", FIT]),
-        period(5, rod(5), (24.0, 4.0), 3e-2, ["period times rate, rod of 5 spheres in shear", FIT]),
-        period(10, rod(10), (40.0, 3.0), 5e-2, ["period times rate, rod of 10 spheres in shear", FIT]),
-        drag("drag of two touching spheres over twice Stokes', along", "Stimson & Jeffery 1926", 0.0, 0.645),
-        drag("drag of two touching spheres over twice Stokes', across", "Goldman, Cox & Brenner 1966", FRAC_PI_2, 0.724),
+        period(3, 20.1579, (16.0, 4.0), 1e-2, ["period times rate, rod of 3 spheres in shear", RODS]),
+        period(5, 29.6170, (24.0, 4.0), 1e-2, ["period times rate, rod of 5 spheres in shear", RODS]),
+        period(10, 52.8449, (40.0, 3.0), 1e-2, ["period times rate, rod of 10 spheres in shear", RODS]),
+        drag("drag of two touching spheres over twice Stokes', along", "Stimson & Jeffery 1926, Faxen 1927, recomputed", 0.0, 0.645141),
+        drag("drag of two touching spheres over twice Stokes', across", "method of fundamental solutions, six digits", FRAC_PI_2, 0.724661),
     ]
 }
 
