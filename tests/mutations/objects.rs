@@ -216,9 +216,9 @@ fn write_cell(draft: &mut Draft, center: &[f64]) -> bool {
     draft.line("beads", MEMBRANE_BEADS);
     draft.line("radius", draft.number(MEMBRANE, powers::LENGTH));
     draft.line("centers", places(draft, &[center.to_vec()]));
-    let stretch = if draft.chance(0.5) { "\"rigid\"".to_owned() } else { draft.number(50.0, powers::STIFFNESS) };
+    let stretch = if draft.chance(0.5) { "\"rigid\"".to_owned() } else { draft.number(15.0, powers::FORCE) };
     draft.line("stretch", stretch);
-    draft.line("bend", draft.number(0.2, powers::ENERGY));
+    draft.line("bend", draft.number(0.03, powers::BENDING_MODULUS));
     density(draft)
 }
 

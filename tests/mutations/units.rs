@@ -38,6 +38,8 @@ pub mod powers {
     pub const ACCELERATION: [i32; 3] = [1, -2, 0];
     pub const FORCE: [i32; 3] = [1, -2, 1];
     pub const ENERGY: [i32; 3] = [2, -2, 1];
+    /// Of the bending modulus of a membrane in the plane.
+    pub const BENDING_MODULUS: [i32; 3] = [3, -2, 1];
     pub const STIFFNESS: [i32; 3] = [0, -2, 1];
 
     pub fn viscosity(dimension: usize) -> [i32; 3] {
