@@ -154,7 +154,7 @@ mod tests {
     fn cell<const D: usize>(keys: &str) -> (Bonds, Vec<SVector<f64, D>>) {
         let all = |number: &str| vec![number; D].join(", ");
         let text = format!(
-            "domain.size = [{}]\n[resolution]\ncells_per_radius = 3\n[[cells]]\ncenters = [[{}]]\n{keys}",
+            "domain.size = [{}]\ntime.end = 1.0\n[resolution]\ncells_per_radius = 3\n[[cells]]\ncenters = [[{}]]\n{keys}",
             all("40.0"),
             all("20.0")
         );

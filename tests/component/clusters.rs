@@ -167,7 +167,7 @@ fn clusters_without_room_are_refused(_: &Session) {
         let Err(Error::Refused(refusal)) = Setup::<2>::of(&scene(&text)) else { panic!("{cluster} is not refused") };
         (refusal.key.clone().unwrap(), refusal.remedy.clone())
     };
-    let (key, remedy) = told("shape = \"triangle\", count = 90");
+    let (key, remedy) = told("shape = \"triangle\", count = 26");
     assert!(key == "clusters[0].count" && remedy.starts_with("leaves no place for number "), "{key} {remedy}");
     let (key, remedy) = told("shape = \"rod\", beads = 9, count = 1");
     assert!(key == "clusters[0].radius" && remedy.starts_with("is of clusters 9 long, and domain.size is 8 at most"), "{key} {remedy}");

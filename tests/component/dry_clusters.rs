@@ -177,7 +177,8 @@ fn heaps_of_rods_come_to_rest_without_overlap(session: &Session) {
     let auto = [2, 4].into_iter().map(|seed| text(seed, "end = 8.0"));
     for scene in fixed.chain(auto) {
         let (gap, fastest) = fallen(session, &scene);
-        assert!(gap > -1e-9 && fastest < 5.0, "gap {gap:e}, speed {fastest}: {scene}");
+        // clusters and contacts agree on places to 1e-7 radii
+        assert!(gap > -1e-7 && fastest < 5.0, "gap {gap:e}, speed {fastest}: {scene}");
     }
 }
 
@@ -188,5 +189,5 @@ fn clusters_cells_and_chains_fall_on_one_heap(session: &Session) {
                 cells = [{ count = 2, beads = 24, radius = 0.15, stretch = 50.0, bend = 0.2 }]\n\
                 chains = [{ count = 2, beads = 4, radius = 0.25, stretch = \"rigid\", bend = 0.5 }]\nbodies = [{ count = 3, radius = 0.3 }]\n";
     let (gap, fastest) = fallen(session, text);
-    assert!(gap > -1e-9 && fastest < 3.0, "gap {gap:e}, speed {fastest}");
+    assert!(gap > -1e-7 && fastest < 3.0, "gap {gap:e}, speed {fastest}");
 }

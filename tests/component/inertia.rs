@@ -394,7 +394,7 @@ fn a_free_disk_in_shear_spins_as_slowly_as_inertia_makes_it(session: &Session) {
     let walls = Axis::Walls { lower: Vector2::new(-0.5, 0.0), upper: Vector2::new(0.5, 0.0) };
     let domain = Domain { size: Vector2::new(1.0, 1.0), axes: [Axis::Periodic, walls] };
     let disk = (free([0.5, 0.5], 0.125, 4, Vector2::zeros()), 1.0);
-    let mut simulation = run(session, setup(domain, 0.125 / 4.0, 0.015625, vec![disk]), 0.05, 25.0);
+    let mut simulation = run(session, setup(domain, 0.125 / 4.0, 0.015625, vec![disk]), 0.04, 25.0);
     let spin = motion(&mut simulation).spin[(0, 1)];
     assert!((spin / 0.4632696 - 1.0).abs() < 0.015, "{spin}");
 }

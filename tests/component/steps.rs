@@ -146,13 +146,13 @@ const INERTIA: &str =
     "flow = { model = \"navier-stokes\", density = 1.0 }\nresolution = { cells_per_radius = 3 }\nmethod = { inverse = \"transform\" }\n";
 const DRY: &str = "flow = { model = \"none\" }\n";
 
-/// Two disks that are pressed together, and meet in the first steps: flow and contacts take several rounds to agree.
+/// Two disks that are pressed together, and meet in the first step: flow and contacts take several rounds to agree.
 fn a_stop_in_the_rounds_of_a_step_leaves_the_run_as_it_was(session: &Session) {
     for flow in [STOKES, INERTIA] {
         let scene = scene(&format!(
             "domain = {{ size = [4.0, 4.0], y = \"walls\" }}\n{flow}contact = {{ model = \"inelastic\" }}\ntime = {{ end = 0.6, step = 0.1 }}\n\
              bodies = [{{ centers = [[1.4, 2.0]], radius = 0.5, density = 1.0, force = [9.0, 0.0] }},\n\
-             {{ centers = [[2.5, 2.0]], radius = 0.5, density = 1.0, force = [-9.0, 0.0] }}]\n"
+             {{ centers = [[2.405, 2.0]], radius = 0.5, density = 1.0, force = [-9.0, 0.0] }}]\n"
         ));
         let mut whole = Simulation::<2>::new(session, &scene).unwrap();
         let mut stopped = Simulation::<2>::new(session, &scene).unwrap();
@@ -209,13 +209,14 @@ fn bodies_of_given_motion_that_meet_end_a_run_before_they_overlap(session: &Sess
     };
     let apart = pair(["{ velocity = [0.85, 0.0] }", "{ velocity = [-0.85, 0.0] }"]);
     let along = pair(["{ path = [[0.0, 0.0, 0.0], [1.0, 1.6, 0.0]] }", "\"fixed\""]);
-    for flow in [STOKES, INERTIA, &films, DRY] {
+    // fluid that is squeezed out between bodies allows short steps only where it has inertia
+    for (flow, step, last) in [(STOKES, 0.0625, 0.5625), (INERTIA, 0.015625, 0.578125), (&films, 0.0625, 0.5625), (DRY, 0.0625, 0.5625)] {
         for (bodies, time) in [(&apart, "at time 0.588"), (&along, "at time 0.584")] {
             let text =
-                format!("domain = {{ size = [6.0, 4.0], y = \"walls\" }}\n{flow}{contact}time = {{ end = 2.0, step = 0.0625 }}\n{bodies}");
+                format!("domain = {{ size = [6.0, 4.0], y = \"walls\" }}\n{flow}{contact}time = {{ end = 2.0, step = {step} }}\n{bodies}");
             let (error, state, gap) = end::<2>(session, &text);
             assert!(error.contains(time) && error.contains("bodies 0 and 1 meet"), "{flow}: {error}");
-            assert_eq!(state.time, 0.5625);
+            assert_eq!(state.time, last);
             let found = 2.0 * ((state.bodies[1].center - state.bodies[0].center).norm() - 1.0);
             assert!(gap > 0.0 && (gap - found).abs() < 1e-12, "{gap} {found}");
         }

@@ -101,7 +101,8 @@ mod tests {
     #[test]
     fn a_sample_of_some_beads_has_no_rows_that_name_others() {
         let text = "domain.size = [100.0, 100.0]\nflow.viscosity = 1.0\nresolution.cells_per_radius = 4\ntime.end = 1.0\n\
-                    [[chains]]\nradius = 0.5\nbeads = 3\nbend = 5.0\njoints = \"fixed\"\ncenters = [[20.0, 20.0], [70.0, 60.0]]\n";
+                    [[chains]]\nradius = 0.5\nbeads = 3\nstretch = \"rigid\"\nbend = 5.0\njoints = \"fixed\"\n\
+                    centers = [[20.0, 20.0], [21.05, 20.0], [22.1, 20.0], [70.0, 60.0], [71.05, 60.0], [72.1, 60.0]]\n";
         let scene = Scene::parse("scene", Path::new("."), text, &[]).unwrap();
         let whole = Setup::<2>::of(&scene).unwrap();
         let part = sample(&whole).unwrap();
