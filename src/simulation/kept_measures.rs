@@ -39,6 +39,8 @@ pub struct Missed {
     pub rod: (f64, [usize; 2]),
     /// How far bodies are from where measures are kept in the end, in distances of neighbours.
     pub left: f64,
+    /// Whether any body was moved.
+    pub moved: bool,
 }
 
 impl Missed {
@@ -62,7 +64,7 @@ impl Missed {
 
 /// Changes motions over a step so that what chains keep is kept after it, and tells what it was missed by.
 pub fn keep<const D: usize>(interactions: &Interactions<D>, centers: &[SVector<f64, D>], moves: &mut [Twist<D>], step: f64) -> Missed {
-    let mut worst = Missed { rod: (0.0, [0; 2]), left: 0.0 };
+    let mut worst = Missed { rod: (0.0, [0; 2]), left: 0.0, moved: false };
     for chain in interactions.chains() {
         let before = &centers[chain.clone()];
         let mut places: Vec<SVector<f64, D>> =
@@ -71,6 +73,7 @@ pub fn keep<const D: usize>(interactions: &Interactions<D>, centers: &[SVector<f
         for ((twist, place), center) in moves[chain].iter_mut().zip(&places).zip(before) {
             twist.velocity = (place - center) / step;
         }
+        worst.moved = true;
         worst.left = worst.left.max(missed.left);
         if missed.rod.0 > worst.rod.0 {
             worst.rod = missed.rod;
@@ -99,7 +102,7 @@ fn keep_chain<const D: usize>(interactions: &Interactions<D>, chain: &Range<usiz
             break;
         }
     }
-    Some(Missed { rod, left })
+    Some(Missed { rod, left, moved: true })
 }
 
 /// What cannot give way, in the order of the last body of each, so that those of neighbours are beside each other.

@@ -263,8 +263,10 @@ impl<const D: usize> QuasiStatic<D> {
             return Ok(None);
         }
         let (centers, smallest) = (placed.state.centers(), self.radii.iter().copied().fold(f64::INFINITY, f64::min));
-        keep(interactions, &centers, moves, step).check(placed.state.time, step)?;
-        if interactions.touch() != Some(Touch::Hard) {
+        let missed = keep(interactions, &centers, moves, step);
+        missed.check(placed.state.time, step)?;
+        // what nothing was done to is as far apart as it was
+        if !missed.moved || interactions.touch() != Some(Touch::Hard) {
             return Ok(None);
         }
         // contacts that pull have done so
