@@ -127,18 +127,23 @@ impl<const D: usize> QuasiStatic<D> {
     }
 
     /// The step to take with these motions and forces.
-    fn step_size(&self, state: &State<D>, twists: &[Twist<D>], pushes: &[Wrench<D>], tried: f64) -> Result<StepSize> {
+    fn step_size(&self, state: &State<D>, twists: &[Twist<D>], pushes: &[Wrench<D>], tried: Option<f64>) -> Result<StepSize> {
         let motions = self.deviatoric_velocities(state, twists).into_iter();
         let motion = |(velocity, &radius): (SVector<f64, D>, &f64)| BodyMotion { radius, velocity, acceleration: SVector::zeros() };
         let motions: Vec<BodyMotion<D>> = motions.zip(&self.radii).map(motion).collect();
         let farthest = |body: usize| self.step_control.time.travel * self.radii[body];
         let given = self.suspension.setup().trajectories.longest_step(state.time, farthest);
         let stable = self.suspension.longest_step(pushes)?.min(given);
-        Ok(self.step_control.next(Peers::Alone, &motions, (state.time, state.last_step), StepLimits { stable, tried }))
+        // a fixed step that is half taken was not split
+        let whole = tried.is_none() && self.step_control.time.step != Step::Auto;
+        let last_step = if whole { 0.0 } else { state.last_step };
+        let limits = StepLimits { stable, tried: tried.unwrap_or(f64::INFINITY) };
+        Ok(self.step_control.next(Peers::Alone, &motions, (state.time, last_step), limits))
     }
 
-    /// Solves the flow with all forces that interactions know and with contacts that keep gaps open over the step to come, no longer than `tried`.
-    fn agree(&mut self, state: &State<D>, tried: f64, effort: &mut Effort, monitor: ResidualMonitor) -> Result<Agreed<D>> {
+    /// Solves the flow with all forces that interactions know and with contacts that keep gaps open over the step to come, no longer than `tried`; nothing for a
+    /// state in the middle of a step.
+    fn agree(&mut self, state: &State<D>, tried: Option<f64>, effort: &mut Effort, monitor: ResidualMonitor) -> Result<Agreed<D>> {
         self.suspension.prescribe(state.time);
         if self.suspension.evolves() {
             self.suspension.prepare(state.time)?;
@@ -389,7 +394,7 @@ impl<const D: usize> QuasiStatic<D> {
         ahead.bodies.iter_mut().zip(&observation.twists).for_each(|(body, twist)| body.twist = *twist);
         ahead.held = observation.contacts.iter().map(ContactHistory::of).collect();
         ahead.stuck = self.remembered(&self.placed(state), &observation.contacts, half);
-        Ok(self.agree(&ahead, f64::INFINITY, effort, monitor)?.twists)
+        Ok(self.agree(&ahead, None, effort, monitor)?.twists)
     }
 }
 
@@ -411,7 +416,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
         if longest.is_infinite() {
             self.before = self.suspension.past().and_then(ExtrapolationHistory::without_fluid);
         }
-        let Agreed { mut solution, twists, contacts, step_size } = self.agree(state, longest, &mut effort, monitor)?;
+        let Agreed { mut solution, twists, contacts, step_size } = self.agree(state, Some(longest), &mut effort, monitor)?;
         let passed = self.passed(state, &twists)?;
         let domain = self.placed(state).domain;
         for (body, moving) in solution.bodies.iter_mut().zip(&state.bodies) {
