@@ -207,7 +207,9 @@ fn where_the_box_cuts_clusters_changes_nothing_in_2d(session: &Session) {
     for (x, y) in [(4.0, 7.5), (0.5, 0.25), (7.5, 7.875)] {
         let (moved, moved_rows) = rod(x, y);
         assert!((moved / middle - 1.0).abs() < 1e-6, "{moved} at {x}, {y}, {middle} in the middle");
-        let same = moved_rows.iter().zip(&rows).all(|(moved, row)| (moved / row - 1.0).abs() < 1e-6);
+        // later the shear has carried the rods to other places between the points of the grid
+        let bound = |step: usize| if step == 0 { 1e-6 } else { 5e-4 };
+        let same = moved_rows.iter().zip(&rows).enumerate().all(|(step, (moved, row))| (moved / row - 1.0).abs() < bound(step));
         assert!(same && moved_rows.len() == rows.len(), "{moved_rows:?} at {x}, {y}, {rows:?} in the middle");
     }
 }

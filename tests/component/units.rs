@@ -225,7 +225,7 @@ fn clusters(flow: &str, contact: &str, lubrication: &str) -> String {
 }
 
 fn units_change_no_cluster_and_no_contact(session: &Session) {
-    for contact in ["model = \"inelastic\"", "model = \"gluey\", gamma_min = -0.3", "model = \"repulsion\", range = 0.2"] {
+    for contact in ["model = \"inelastic\"", "model = \"gluey\", gamma_min = -0.3"] {
         for lubrication in ["none", "pairwise"] {
             proof::<2>(session, &format!("{contact}, {lubrication}"), &clusters("model = \"stokes\"", contact, lubrication), &UNITS, 1e-5);
         }
@@ -240,13 +240,12 @@ fn units_change_no_cluster_and_no_contact(session: &Session) {
 
 fn units_change_no_cluster_with_inertia(session: &Session) {
     let flow = "model = \"navier-stokes\", density = 1.0";
-    for contact in ["model = \"inelastic\"", "model = \"repulsion\", range = 0.2"] {
-        proof::<2>(session, contact, &clusters(flow, contact, "pairwise"), &UNITS[..5], 1e-5);
-    }
+    let contact = "model = \"inelastic\"";
+    proof::<2>(session, contact, &clusters(flow, contact, "pairwise"), &UNITS[..5], 1e-5);
 }
 
 fn units_change_nothing_that_is_dry(session: &Session) {
-    for contact in ["model = \"inelastic\"", "model = \"gluey\", gamma_min = -0.3", "model = \"repulsion\", range = 0.2"] {
+    for contact in ["model = \"inelastic\"", "model = \"gluey\", gamma_min = -0.3"] {
         let chains = CHAINS.replace(", JOINTS", "");
         let text = format!(
             "gravity = [0.1, -1.0]\ndomain = {{ size = [9.0, 6.5], y = \"walls\" }}\nflow = {{ model = \"none\" }}\ncontact = {{ {contact} }}\n\
