@@ -83,7 +83,10 @@ impl StepControl {
         (time, last_step): (f64, f64),
         StepLimits { stable, tried }: StepLimits,
     ) -> StepSize {
+        let left = self.time.end - time;
         let natural = match self.time.step {
+            // the last step was cut short by the end, and not split
+            Step::Fixed(step) if left <= ROUNDING * self.time.end => step.min(tried),
             Step::Fixed(step) => to_multiple(step, time, last_step).min(tried),
             Step::Auto => {
                 let longest = self.longest.min(stable).min(tried).min(if last_step > 0.0 { self.grown(last_step) } else { self.time.end });
@@ -91,7 +94,6 @@ impl StepControl {
                 self.whole(peers.min(limits.fold(longest, f64::min)), last_step)
             }
         };
-        let left = self.time.end - time;
         StepSize { length: if natural > left * (1.0 - ROUNDING) { left } else { natural }, natural }
     }
 
