@@ -235,12 +235,10 @@ fn bodies_of_given_motion_that_meet_end_a_run_before_they_overlap(session: &Sess
 }
 
 fn bodies_of_given_motion_meet_images_of_each_other_in_a_sheared_box(session: &Session) {
-    let text = format!(
-        "domain = {{ size = [4.0, 4.0] }}\nflow = {{ model = \"stokes\", drive = {{ shear_rate = 1.0, periodic = \"sheared\" }} }}\n\
-         resolution = {{ cells_per_radius = 3 }}\ncontact = {{ model = \"inelastic\" }}\ntime = {{ end = 2.0, step = 0.1 }}\n\
-         bodies = [{{ centers = [[1.0, 0.3], [3.0, 3.7]], radius = 0.5, motion = \"fixed\" }}]\n"
-    );
-    let (error, state, _) = end::<2>(session, &text);
+    let text = "domain = { size = [4.0, 4.0] }\nflow = { model = \"stokes\", drive = { shear_rate = 1.0, periodic = \"sheared\" } }\n\
+                resolution = { cells_per_radius = 3 }\ncontact = { model = \"inelastic\" }\ntime = { end = 2.0, step = 0.1 }\n\
+                bodies = [{ centers = [[1.0, 0.3], [3.0, 3.7]], radius = 0.5, motion = \"fixed\" }]\n";
+    let (error, state, _) = end::<2>(session, text);
     assert!(error.contains("bodies 0 and 1 meet"), "{error}");
     // the image above is at x = 1 + 4 t and .6 higher: it touches after 1.2 / 4
     assert!(error.contains("at time 0.3") && state.time < 0.3, "{error} {}", state.time);

@@ -123,7 +123,6 @@ fn five_hundred_drawn_scenes_keep_what_every_run_promises() {
         });
     });
     let (outcomes, failures) = (outcomes.into_inner().unwrap(), failures.into_inner().unwrap());
-    println!("{outcomes:?}");
     assert!(failures.is_empty(), "{} of {count} ({outcomes:?}):\n{}", failures.len(), failures.join("\n"));
     assert!(count < DRAWN || outcomes.get("ran to the end").is_some_and(|&ran| ran > count / 2), "{outcomes:?}");
 }

@@ -168,8 +168,6 @@ fn distance(drawn: &Drawn, one: &[f64], other: &[f64]) -> f64 {
     let mut arm: Vec<f64> = (0..drawn.dimension).map(|axis| other[axis] - one[axis]).collect();
     let boxes = (arm[1] / drawn.size[1]).round();
     arm[0] -= boxes * drawn.background_rate * drawn.size[1] * drawn.end.unwrap_or(0.0);
-    for axis in 0..drawn.dimension {
-        arm[axis] -= (arm[axis] / drawn.size[axis]).round() * drawn.size[axis];
-    }
+    arm.iter_mut().zip(&drawn.size).for_each(|(part, size)| *part -= (*part / size).round() * size);
     arm.iter().map(|part| part * part).sum::<f64>().sqrt()
 }
