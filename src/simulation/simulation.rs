@@ -266,8 +266,8 @@ impl<const D: usize> Simulation<D> {
     /// flow or a body passed more than it may, a shorter step is taken in its place.
     ///
     /// # Errors
-    /// A solver does not converge, contacts cannot be kept, bodies of given motion meet, a body leaves the box, or somebody asks for a stop; the state is
-    /// then what it was.
+    /// A solver does not converge, contacts cannot be kept, bodies of given motion meet, a body leaves the box, or somebody asks for a stop. The
+    /// state is then what it was, or, where the look ahead fails or is stopped, that after the step.
     pub fn step(&mut self, observation: &Observation<D>, monitor: ResidualMonitor) -> Result<StepReport> {
         let suspension = self.stepper.suspension().filter(|_| self.step_control.time.step == Step::Auto);
         if suspension.map_or(Ok(None), |suspension| suspension.courant(0.0))?.is_none() {
