@@ -154,9 +154,9 @@ mod tests {
     fn cell<const D: usize>(keys: &str) -> (Bonds, Vec<SVector<f64, D>>) {
         let all = |number: &str| vec![number; D].join(", ");
         let text = format!(
-            "domain.size = [{}]\ntime.end = 1.0\n[resolution]\ncells_per_radius = 3\n[[cells]]\ncenters = [[{}]]\n{keys}",
-            all("40.0"),
-            all("20.0")
+            "domain.size = [{}]\ntime.end = 1.0\n[resolution]\ncells_per_radius = 2\n[[cells]]\ncenters = [[{}]]\n{keys}",
+            all("24.0"),
+            all("12.0")
         );
         let scene = Scene::parse("cell", Path::new(""), &text, &[]).unwrap();
         let bodies = placement::bodies::<D>(Peers::Alone, &scene, &placement::domain(&scene)).unwrap();
