@@ -103,7 +103,7 @@ fn refused() -> Vec<(&'static str, String, &'static str)> {
         ),
         ("long-links", EMPTY.to_owned() + &chain("chains", 1_000_000, 1e-4), "chains[0].radius = 0.0001: is of chains 209.99"),
         ("ring", EMPTY.to_owned() + &chain("chains", 1_000_000, 1e-4).replace("count", "shape = \"ring\"\ncount"), "is of chains 66.8"),
-        ("outline", EMPTY.to_owned() + &chain("cells", 1_000_000, 1e-4), "cells[0].radius = 0.0001: is of cells 66.8"),
+        ("outline", EMPTY.to_owned() + &chain("cells", 1_000_000, 1e-4), "cells[0].beads = 1000000: must be at most 10000"),
         (
             "rod",
             DRY.to_owned() + &chain("clusters", 1_000_000_000, 0.1),

@@ -175,6 +175,7 @@ fn write_balls(draft: &mut Draft, group: &Group, moving: bool) -> bool {
         }
     };
     draft.line("motion", motion);
+    draft.line("density", draft.number(1.0, powers::density(draft.dimension)));
     false
 }
 

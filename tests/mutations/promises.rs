@@ -55,7 +55,7 @@ pub fn broken(drawn: &Drawn, out: &Path) -> Vec<String> {
         wrong.extend(energies(&series));
         wrong.extend(gaps(drawn, &series));
     }
-    wrong.extend(bodies(drawn, &summary));
+    wrong.extend(bodies(drawn, &summary, summary["time"].as_f64().unwrap_or(0.0)));
     wrong
 }
 
@@ -85,14 +85,14 @@ fn not_numbers(at: &str, value: &Value) -> Vec<String> {
     }
 }
 
-/// Times grow from 0 to the end that was asked for, and steps count one by one.
+/// Times grow from 0 to the end that was asked for, in a sheared box to the last slide of its images by whole cells before it, and steps count one by one.
 fn time(drawn: &Drawn, series: &Table) -> Option<String> {
     let times: Vec<f64> = series.column("time")?.into_iter().flatten().collect();
     let steps: Vec<f64> = series.column("step")?.into_iter().flatten().collect();
     let (end, last) = (drawn.end?, *times.last()?);
     let grow = times[0] == 0.0 && times.windows(2).all(|pair| pair[1] > pair[0]);
     let count = steps.iter().enumerate().all(|(place, &step)| step == place as f64);
-    let right = grow && count && (last - end).abs() <= 1e-12 * end;
+    let right = grow && count && last - end <= 1e-12 * end && end - last <= 1e-12 * end + drawn.slide;
     (!right).then(|| format!("times {times:?} and steps {steps:?} of a run to {end}"))
 }
 
@@ -121,7 +121,7 @@ fn gaps(drawn: &Drawn, series: &Table) -> Option<String> {
 }
 
 /// Rigid distances and given places, at the end.
-fn bodies(drawn: &Drawn, summary: &Value) -> Vec<String> {
+fn bodies(drawn: &Drawn, summary: &Value, time: f64) -> Vec<String> {
     let centers: Vec<Vec<f64>> = summary["bodies"].as_array().map_or(Vec::new(), |bodies| {
         bodies.iter().map(|body| body["center"].as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()).collect()
     });
@@ -129,12 +129,12 @@ fn bodies(drawn: &Drawn, summary: &Value) -> Vec<String> {
     let mut wrong = Vec::new();
     for group in &drawn.objects.balls {
         for start in &group.centers {
-            wrong.extend(given_place(drawn, &group.motion, start, places.next().unwrap()));
+            wrong.extend(given_place(drawn, &group.motion, [start, places.next().unwrap()], time));
         }
     }
     for chain in &drawn.objects.chains {
         let beads: Vec<&Vec<f64>> = places.by_ref().take(chain.centers.len()).collect();
-        let lengths = beads.windows(2).map(|pair| distance(drawn, pair[0], pair[1]) / (2.0 * part_radius(drawn.dimension) * SPACING));
+        let lengths = beads.windows(2).map(|pair| distance(drawn, pair[0], pair[1], time) / (2.0 * part_radius(drawn.dimension) * SPACING));
         let off = lengths.map(|length| (length - 1.0).abs()).fold(0.0, f64::max);
         wrong.extend((chain.rigid && off > RIGID).then(|| format!("a rigid bond is off by {off:.1e}")));
     }
@@ -143,7 +143,7 @@ fn bodies(drawn: &Drawn, summary: &Value) -> Vec<String> {
     let balls = HashMap::from([("rod", 3), ("cross", 5), ("triangle", 3), ("tetrahedron", 4)]);
     for cluster in &drawn.objects.clusters {
         let balls: Vec<&Vec<f64>> = places.by_ref().take(balls[cluster.shape]).collect();
-        let nearest = balls[1..].iter().map(|ball| distance(drawn, balls[0], ball)).fold(f64::INFINITY, f64::min)
+        let nearest = balls[1..].iter().map(|ball| distance(drawn, balls[0], ball, time)).fold(f64::INFINITY, f64::min)
             / (2.0 * part_radius(drawn.dimension));
         wrong.extend(((nearest - 1.0).abs() > RIGID).then(|| format!("a {} has its first balls {nearest} diameters apart", cluster.shape)));
     }
@@ -152,22 +152,21 @@ fn bodies(drawn: &Drawn, summary: &Value) -> Vec<String> {
 }
 
 /// A body on a given motion that is not where it was told to be.
-fn given_place(drawn: &Drawn, motion: &Motion, start: &[f64], seen: &[f64]) -> Option<String> {
-    let time = drawn.end.unwrap_or(0.0);
+fn given_place(drawn: &Drawn, motion: &Motion, [start, seen]: [&Vec<f64>; 2], time: f64) -> Option<String> {
     let told = match motion {
         Motion::Fixed => start.to_vec(),
         Motion::Steady(velocity) => start.iter().zip(velocity).map(|(start, velocity)| start + velocity * time).collect(),
         _ => return None,
     };
-    let off = distance(drawn, &told, seen);
+    let off = distance(drawn, &told, seen, time);
     (off > 1e-12).then(|| format!("a body of given motion {motion:?} is {off:.1e} away from its place"))
 }
 
 /// Distance of the nearest images, those across the lower and upper side of a sheared box too.
-fn distance(drawn: &Drawn, one: &[f64], other: &[f64]) -> f64 {
+fn distance(drawn: &Drawn, one: &[f64], other: &[f64], time: f64) -> f64 {
     let mut arm: Vec<f64> = (0..drawn.dimension).map(|axis| other[axis] - one[axis]).collect();
     let boxes = (arm[1] / drawn.size[1]).round();
-    arm[0] -= boxes * drawn.background_rate * drawn.size[1] * drawn.end.unwrap_or(0.0);
+    arm[0] -= boxes * drawn.background_rate * drawn.size[1] * time;
     arm.iter_mut().zip(&drawn.size).for_each(|(part, size)| *part -= (*part / size).round() * size);
     arm.iter().map(|part| part * part).sum::<f64>().sqrt()
 }
