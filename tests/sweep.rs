@@ -156,7 +156,7 @@ fn runs_on_one_rank_are_started_as_they_are_and_kept_as_asked() {
         (found, names.len(), run)
     };
     let (found, count, run) = kept("series", &["summary.json", "series.csv", "scene.toml"]);
-    assert_eq!((count, run.unwrap().file_name().and_then(|name| name.to_str())), (3, Some("bodies.0.density=3")));
+    assert_eq!((count, run.unwrap().file_name().and_then(|name| name.to_str())), (3, Some("bodies.0.density=3,seed=1")));
     let point = |point: usize, quantity: usize| number(&found, &format!("findings.points.{point}.quantities.{quantity}.mean"));
     assert!((point(1, 0) / point(0, 0) - 3.0).abs() < 1e-9 && (point(1, 1) / point(0, 1) - 1.0).abs() < 1e-12 && point(0, 1) > 0.0);
     let (_, count, _) = kept("all", &["summary.json", "series.csv", "scene.toml", "run.log"]);

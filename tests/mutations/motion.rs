@@ -30,7 +30,7 @@ const DRAWN: u64 = 500;
 const SAMPLE: u64 = 20;
 
 /// Seconds of a core for a run.
-const SECONDS: u32 = 6;
+const SECONDS: u32 = 2;
 
 /// Runs a scene into a folder of its own within the limits; nothing if they did not let it end.
 pub fn run(here: &Path, name: &str, text: &str, settings: &[&str]) -> Option<(PathBuf, Output)> {

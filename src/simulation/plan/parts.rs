@@ -6,6 +6,7 @@ use crate::simulation::{
 };
 use crate::{
     error::Result,
+    grid::Grid,
     interaction::{Interaction, Interactions},
     parallel::Peers,
     petsc::Session,
@@ -105,7 +106,19 @@ impl<const D: usize> Plan<D> {
         if let (Some(interactions), true) = (self.interactions(), self.scene.time.is_some()) {
             interactions::check(&self.scene, interactions, self.longest_step())?;
         }
+        self.slides_by_whole_cells()?;
         Ok(self)
+    }
+
+    /// Refuses steps and ends in which images of a sheared box cannot slide by whole cells.
+    fn slides_by_whole_cells(&self) -> Result<()> {
+        let (Some(setup), Some(time)) = (self.setup(), &self.scene.time) else { return Ok(()) };
+        if setup.domain.slide().is_some() {
+            let grid = Grid::new(&setup.domain, setup.spacing, 1, 0)?;
+            let period = ShiftPeriod::of(&setup.domain, &grid);
+            period.map_or(Ok(time.clone()), |period| period.round_down(time, setup.inertia.is_some()))?;
+        }
+        Ok(())
     }
 
     /// The simulation in time that is planned. Collective.
