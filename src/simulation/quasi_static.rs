@@ -260,8 +260,8 @@ impl<const D: usize> QuasiStatic<D> {
         Ok(pressed)
     }
 
-    /// Keeps rods, areas and volumes of chains over a step, and bodies apart, in turn where bodies touch; gives the smallest gap then, which chains that
-    /// press against each other may leave a little below zero.
+    /// Keeps rods, areas and volumes of chains over a step, and bodies apart, in turn where bodies touch; gives the smallest gap then, if contacts are kept, which
+    /// chains that press against each other may leave a little below zero.
     fn keep_chains(&self, placed: &Placed<D>, moves: &mut [Twist<D>], step: f64) -> Result<Option<f64>> {
         let interactions = &self.suspension.setup().interactions;
         if interactions.chains().is_empty() {
@@ -270,13 +270,13 @@ impl<const D: usize> QuasiStatic<D> {
         let (centers, smallest) = (placed.state.centers(), self.radii.iter().copied().fold(f64::INFINITY, f64::min));
         let missed = keep(interactions, &centers, moves, step);
         missed.check(placed.state.time, step)?;
-        // what nothing was done to is as far apart as it was
-        if !missed.moved || interactions.touch() != Some(Touch::Hard) {
+        if interactions.touch() != Some(Touch::Hard) {
             return Ok(None);
         }
         // contacts that pull have done so
         let contacts = ContactStep { bounds: Vec::new(), ..self.contact_step(placed, step) };
-        for _ in 0..MOST_ROUNDS {
+        // what nothing was done to is as far apart as it was
+        for _ in 0..if missed.moved { MOST_ROUNDS } else { 0 } {
             let apart = contacts.project(&velocities(moves), &[])?.velocities;
             if largest_difference(moves, &apart) * step < APART * smallest {
                 break;
@@ -448,7 +448,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
             ClusterMotions::nearest(self.suspension.setup().interactions.clusters().iter(), state, step, &moves).carry(&mut moves);
         }
         if let Some(gap) = self.keep_chains(&placed, &mut moves, step)? {
-            kkt_report.iter_mut().for_each(|report| report.smallest_gap = report.smallest_gap.min(gap));
+            kkt_report.iter_mut().for_each(|report| report.smallest_gap = gap);
         }
         effort.contact += start.elapsed().as_secs_f64();
         Ok(StepOutcome {

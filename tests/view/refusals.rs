@@ -48,6 +48,6 @@ fn a_damaged_frame_is_refused_and_a_run_that_has_not_ended_is_shown() {
     numbers[0] = f64::NAN;
     center.write_raw(&numbers).unwrap();
     drop((center, file));
-    refused(&["view", out.to_str().unwrap()], &["000002.h5", "not finite"]);
+    refused(&["view", out.to_str().unwrap()], &["000002.h5", "bodies/center differs from its checksum"]);
     assert!(!page.exists());
 }

@@ -120,10 +120,12 @@ fn browsers_are_told_to_come_again_where_no_thread_can_be_made() {
     let told = (0..1000).find_map(|_| {
         let mut stream = TcpStream::connect(&address).unwrap();
         stream.set_read_timeout(Some(Duration::from_millis(100))).unwrap();
-        let mut answer = [0; 32];
-        let count = stream.read(&mut answer).unwrap_or(0);
+        let (mut answer, mut part) = (Vec::new(), [0; 256]);
+        while let Ok(count @ 1..) = stream.read(&mut part) {
+            answer.extend_from_slice(&part[..count]);
+        }
         idle.push(stream);
-        (count > 0).then(|| String::from_utf8_lossy(&answer[..count]).into_owned())
+        (!answer.is_empty()).then(|| String::from_utf8_lossy(&answer).into_owned())
     });
     assert!(told.as_deref().is_some_and(|told| told.starts_with("HTTP/1.1 503 Service Unavailable")), "{told:?}");
     limit("unlimited");
