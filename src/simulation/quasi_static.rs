@@ -447,7 +447,8 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
         if self.suspension.setup().interactions.touch() != Some(Touch::Hard) {
             ClusterMotions::nearest(self.suspension.setup().interactions.clusters().iter(), state, step, &moves).carry(&mut moves);
         }
-        if let Some(gap) = self.keep_chains(&placed, &mut moves, step)? {
+        // only what is near has a gap then
+        if let Some(gap) = self.keep_chains(&placed, &mut moves, step)?.filter(|gap| gap.is_finite()) {
             kkt_report.iter_mut().for_each(|report| report.smallest_gap = gap);
         }
         effort.contact += start.elapsed().as_secs_f64();

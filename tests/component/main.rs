@@ -37,7 +37,6 @@ mod laws_flow;
 mod lubrication;
 mod machine;
 mod methods;
-mod momentum;
 mod motion;
 mod near;
 mod outputs;
@@ -135,7 +134,6 @@ fn main() {
         lubrication::tests(),
         hard::tests(),
         lasting::tests(),
-        momentum::tests(),
         motion::tests(),
         sheared::tests(),
         vorticity::tests(),
