@@ -60,8 +60,9 @@ impl<const D: usize> ContactStep<'_, D> {
         let Arrangement { domain, balls, weights, .. } = self.arrangement;
         let moved: Vec<Ball<D>> =
             balls.iter().zip(moves).map(|(ball, twist)| Ball { center: ball.center + twist.velocity * self.step, ..*ball }).collect();
+        // rods of the default length leave gaps that are just as wide as what is near
         let (reach, cluster_of) =
-            (NEAR * moved.iter().map(|ball| ball.radius).fold(0.0, f64::max), self.flow.setup().interactions.cluster_of());
+            (1.01 * NEAR * moved.iter().map(|ball| ball.radius).fold(0.0, f64::max), self.flow.setup().interactions.cluster_of());
         let near = contact::candidates(&domain.after(self.step), &moved, weights, reach).into_iter();
         let near = near.filter(|contact| !contact.within_cluster(cluster_of, |body| body));
         near.map(|contact| contact.gap / contact.smaller_radius(&moved)).fold(f64::INFINITY, f64::min)
