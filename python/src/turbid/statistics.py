@@ -148,14 +148,14 @@ def blocking(samples: npt.ArrayLike) -> pd.DataFrame:
 
 
 def standard_error(samples: Floats) -> Floats:
-    """Standard error of the mean over the first axis: the larger that 3 and 6 blocks say; ``nan`` for a single sample.
+    """Standard error of the mean over the first axis: the largest that 3 and 6 blocks and single samples say; ``nan`` for a single sample.
 
     Fewer than eight samples count as independent.
     """
     count = len(samples)
     if count < 2:
         return np.full(samples.shape[1:], np.nan)
-    numbers = BLOCKS if count >= FEWEST else (count,)
+    numbers = (*BLOCKS, count) if count >= FEWEST else (count,)
     errors = [means.std(0, ddof=1) / np.sqrt(len(means)) for number in numbers for means in [_block_means(samples, number)]]
     widest: Floats = np.max(errors, axis=0)
     return widest
