@@ -35,6 +35,9 @@ pub fn modes(dimension: usize, radius: f64, order: usize) -> Box<dyn Modes> {
     }
 }
 
+/// Part of the cells of a radius that is rounding: a whole number of them is the usual case, and must have one rule whatever the unit of length.
+const ROUNDING: f64 = 1e-9;
+
 /// The rule for modes of the given order on a ball of `radius_over_spacing = a/h`.
 ///
 /// 2D: `max(ceil(2 pi a/h), 4 K + 4)` equispaced points. 3D: the points of an equiangular cube, at least
@@ -47,7 +50,7 @@ pub fn modes(dimension: usize, radius: f64, order: usize) -> Box<dyn Modes> {
 pub fn quadrature(dimension: usize, radius_over_spacing: f64, order: usize) -> Quadrature {
     match dimension {
         2 => circle(((2.0 * PI * radius_over_spacing).ceil() as usize).max(4 * order + 4)),
-        3 => octahedral::rule((order + 3 + radius_over_spacing.ceil() as usize).div_ceil(2), 2 * (order + 1)),
+        3 => octahedral::rule((order + 3 + (radius_over_spacing * (1.0 - ROUNDING)).ceil() as usize).div_ceil(2), 2 * (order + 1)),
         _ => panic!("quadrature exists in dimension 2 and 3, not {dimension}"),
     }
 }
