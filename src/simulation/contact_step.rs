@@ -14,8 +14,9 @@ use crate::{
     petsc::{Session, Stage, enter},
 };
 
-/// Gap, in radii of the largest body, up to which bodies are near each other.
-const NEAR: f64 = 0.1;
+/// Gap, in radii of the largest body, up to which bodies are near each other: a little more than the gaps of rods of the default length, 0.1, which rounding
+/// would count or not.
+const NEAR: f64 = 0.101;
 
 /// Part of a force that is rounding.
 const ROUNDING: f64 = 1e-12;
@@ -60,9 +61,8 @@ impl<const D: usize> ContactStep<'_, D> {
         let Arrangement { domain, balls, weights, .. } = self.arrangement;
         let moved: Vec<Ball<D>> =
             balls.iter().zip(moves).map(|(ball, twist)| Ball { center: ball.center + twist.velocity * self.step, ..*ball }).collect();
-        // rods of the default length leave gaps that are just as wide as what is near
         let (reach, cluster_of) =
-            (1.01 * NEAR * moved.iter().map(|ball| ball.radius).fold(0.0, f64::max), self.flow.setup().interactions.cluster_of());
+            (NEAR * moved.iter().map(|ball| ball.radius).fold(0.0, f64::max), self.flow.setup().interactions.cluster_of());
         let near = contact::candidates(&domain.after(self.step), &moved, weights, reach).into_iter();
         let near = near.filter(|contact| !contact.within_cluster(cluster_of, |body| body));
         near.map(|contact| contact.gap / contact.smaller_radius(&moved)).fold(f64::INFINITY, f64::min)

@@ -39,8 +39,6 @@ pub struct Missed {
     pub rod: (f64, [usize; 2]),
     /// How far bodies are from where measures are kept in the end, in distances of neighbours.
     pub left: f64,
-    /// Whether any body was moved.
-    pub moved: bool,
 }
 
 impl Missed {
@@ -62,9 +60,14 @@ impl Missed {
     }
 }
 
-/// Changes motions over a step so that what chains keep is kept after it, and tells what it was missed by.
-pub fn keep<const D: usize>(interactions: &Interactions<D>, centers: &[SVector<f64, D>], moves: &mut [Twist<D>], step: f64) -> Missed {
-    let mut worst = Missed { rod: (0.0, [0; 2]), left: 0.0, moved: false };
+/// Changes motions over a step so that what chains keep is kept after it, and tells what it was missed by; nothing if no body had to be moved.
+pub fn keep<const D: usize>(
+    interactions: &Interactions<D>,
+    centers: &[SVector<f64, D>],
+    moves: &mut [Twist<D>],
+    step: f64,
+) -> Option<Missed> {
+    let mut worst: Option<Missed> = None;
     for chain in interactions.chains() {
         let before = &centers[chain.clone()];
         let mut places: Vec<SVector<f64, D>> =
@@ -73,11 +76,10 @@ pub fn keep<const D: usize>(interactions: &Interactions<D>, centers: &[SVector<f
         for ((twist, place), center) in moves[chain].iter_mut().zip(&places).zip(before) {
             twist.velocity = (place - center) / step;
         }
-        worst.moved = true;
-        worst.left = worst.left.max(missed.left);
-        if missed.rod.0 > worst.rod.0 {
-            worst.rod = missed.rod;
-        }
+        worst = Some(worst.map_or(missed, |worst| Missed {
+            rod: if missed.rod.0 > worst.rod.0 { missed.rod } else { worst.rod },
+            left: worst.left.max(missed.left),
+        }));
     }
     worst
 }
@@ -102,7 +104,7 @@ fn keep_chain<const D: usize>(interactions: &Interactions<D>, chain: &Range<usiz
             break;
         }
     }
-    Some(Missed { rod, left, moved: true })
+    Some(Missed { rod, left })
 }
 
 /// What cannot give way, in the order of the last body of each, so that those of neighbours are beside each other.
@@ -172,7 +174,7 @@ mod tests {
             let centers = [0.0, 1.2, 2.4].map(|x| Vector2::new(x, 0.3) * unit);
             let moves = |along: f64, up: f64| Twist { velocity: Vector2::new(along, up) * unit, spin: nalgebra::Matrix2::zeros() };
             let mut moves = [moves(1.0, -2.4), moves(1.0, 0.0), moves(1.0, 2.4)];
-            let missed = keep(&interactions, &centers, &mut moves, 0.5);
+            let missed = keep(&interactions, &centers, &mut moves, 0.5).unwrap();
             assert!((missed.rod.0 - (2.0_f64.sqrt() - 1.0)).abs() < 1e-12 && missed.left < 1e-12, "{missed:?}");
             let places: Vec<Vector2<f64>> = centers.iter().zip(&moves).map(|(center, twist)| center + twist.velocity * 0.5).collect();
             for pair in places.windows(2) {
@@ -180,7 +182,7 @@ mod tests {
             }
             let middle: Vector2<f64> = places.iter().sum::<Vector2<f64>>() / 3.0;
             assert!((middle / unit - Vector2::new(1.7, 0.3)).norm() < 1e-12, "{middle}");
-            assert_eq!(keep(&interactions, &centers, &mut [Twist::zero(); 3], 0.5).rod.0, 0.0);
+            assert_eq!(keep(&interactions, &centers, &mut [Twist::zero(); 3], 0.5).map_or(0.0, |missed| missed.rod.0), 0.0);
         }
     }
 }

@@ -260,8 +260,8 @@ impl<const D: usize> QuasiStatic<D> {
         Ok(pressed)
     }
 
-    /// Keeps rods, areas and volumes of chains over a step, and bodies apart, in turn where bodies touch; gives the smallest gap then, if contacts are kept, which
-    /// chains that press against each other may leave a little below zero.
+    /// Keeps rods, areas and volumes of chains over a step, and bodies apart, in turn where bodies touch; gives the smallest gap then, if contacts are kept and
+    /// bodies are near each other, which chains that press against each other may leave a little below zero.
     fn keep_chains(&self, placed: &Placed<D>, moves: &mut [Twist<D>], step: f64) -> Result<Option<f64>> {
         let interactions = &self.suspension.setup().interactions;
         if interactions.chains().is_empty() {
@@ -269,14 +269,15 @@ impl<const D: usize> QuasiStatic<D> {
         }
         let (centers, smallest) = (placed.state.centers(), self.radii.iter().copied().fold(f64::INFINITY, f64::min));
         let missed = keep(interactions, &centers, moves, step);
-        missed.check(placed.state.time, step)?;
+        missed.map_or(Ok(()), |missed| missed.check(placed.state.time, step))?;
         if interactions.touch() != Some(Touch::Hard) {
             return Ok(None);
         }
         // contacts that pull have done so
         let contacts = ContactStep { bounds: Vec::new(), ..self.contact_step(placed, step) };
         // what nothing was done to is as far apart as it was
-        for _ in 0..if missed.moved { MOST_ROUNDS } else { 0 } {
+        let rounds = if missed.is_some() { MOST_ROUNDS } else { 0 };
+        for _ in 0..rounds {
             let apart = contacts.project(&velocities(moves), &[])?.velocities;
             if largest_difference(moves, &apart) * step < APART * smallest {
                 break;
@@ -284,7 +285,7 @@ impl<const D: usize> QuasiStatic<D> {
             moves.iter_mut().zip(apart).for_each(|(twist, velocity)| twist.velocity = velocity);
             keep(interactions, &centers, moves, step);
         }
-        Ok(Some(contacts.smallest_gap_after(moves)))
+        Ok(Some(contacts.smallest_gap_after(moves)).filter(|gap| gap.is_finite()))
     }
 
     /// The rows of springs in a step of this length from a state, 0 if it is not known yet.
@@ -447,8 +448,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
         if self.suspension.setup().interactions.touch() != Some(Touch::Hard) {
             ClusterMotions::nearest(self.suspension.setup().interactions.clusters().iter(), state, step, &moves).carry(&mut moves);
         }
-        // only what is near has a gap then
-        if let Some(gap) = self.keep_chains(&placed, &mut moves, step)?.filter(|gap| gap.is_finite()) {
+        if let Some(gap) = self.keep_chains(&placed, &mut moves, step)? {
             kkt_report.iter_mut().for_each(|report| report.smallest_gap = gap);
         }
         effort.contact += start.elapsed().as_secs_f64();

@@ -55,7 +55,7 @@ pub fn broken(drawn: &Drawn, out: &Path) -> Vec<String> {
         wrong.extend(energies(&series));
         wrong.extend(gaps(drawn, &series));
     }
-    wrong.extend(bodies(drawn, &summary, summary["time"].as_f64().unwrap_or(0.0)));
+    wrong.extend(bodies(drawn, &summary));
     wrong
 }
 
@@ -121,7 +121,8 @@ fn gaps(drawn: &Drawn, series: &Table) -> Option<String> {
 }
 
 /// Rigid distances and given places, at the end.
-fn bodies(drawn: &Drawn, summary: &Value, time: f64) -> Vec<String> {
+fn bodies(drawn: &Drawn, summary: &Value) -> Vec<String> {
+    let time = summary["time"].as_f64().unwrap_or(0.0);
     let centers: Vec<Vec<f64>> = summary["bodies"].as_array().map_or(Vec::new(), |bodies| {
         bodies.iter().map(|body| body["center"].as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()).collect()
     });

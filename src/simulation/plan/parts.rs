@@ -10,7 +10,7 @@ use crate::{
     interaction::{Interaction, Interactions},
     parallel::Peers,
     petsc::Session,
-    scene::{ConstraintMethod, FlowModel, Scene},
+    scene::{ConstraintMethod, FlowModel, Scene, TimeSection},
 };
 
 /// A scene of dimension `D` resolved: what is solved, and what bodies do to each other besides.
@@ -106,19 +106,21 @@ impl<const D: usize> Plan<D> {
         if let (Some(interactions), true) = (self.interactions(), self.scene.time.is_some()) {
             interactions::check(&self.scene, interactions, self.longest_step())?;
         }
-        self.slides_by_whole_cells()?;
+        self.time()?;
         Ok(self)
     }
 
-    /// Refuses steps and ends in which images of a sheared box cannot slide by whole cells.
-    fn slides_by_whole_cells(&self) -> Result<()> {
-        let (Some(setup), Some(time)) = (self.setup(), &self.scene.time) else { return Ok(()) };
-        if setup.domain.slide().is_some() {
-            let grid = Grid::new(&setup.domain, setup.spacing, 1, 0)?;
-            let period = ShiftPeriod::of(&setup.domain, &grid);
-            period.map_or(Ok(time.clone()), |period| period.round_down(time, setup.inertia.is_some()))?;
+    /// The times of the run, if it is one in time: in a sheared box, whose images slide by whole cells, a fixed step and the end are rounded down to that.
+    ///
+    /// # Errors
+    /// One of them is shorter than the shortest step.
+    fn time(&self) -> Result<Option<TimeSection>> {
+        let (Some(time), Some(setup)) = (&self.scene.time, self.setup()) else { return Ok(self.scene.time.clone()) };
+        if setup.domain.slide().is_none() {
+            return Ok(Some(time.clone()));
         }
-        Ok(())
+        let period = ShiftPeriod::of(&setup.domain, &Grid::new(&setup.domain, setup.spacing, 1, 0)?);
+        period.map_or(Ok(time.clone()), |period| period.round_down(time, setup.inertia.is_some())).map(Some)
     }
 
     /// The simulation in time that is planned. Collective.
@@ -129,16 +131,11 @@ impl<const D: usize> Plan<D> {
     /// # Panics
     /// For a scene without a `[time]` section, and for a scalar problem.
     pub fn simulation(self, session: &Session) -> Result<Simulation<D>> {
-        let time = self.scene.time.expect("the scene has a [time] section");
+        let time = self.time()?.expect("the scene has a [time] section");
         match self.model {
             PlannedModel::Scalar(_) => panic!("a scalar problem has no time"),
             PlannedModel::Granular(setup) => Ok(Simulation::granular(session, setup, time)),
-            PlannedModel::Flow(setup) => {
-                let flow = flow_solver(session, setup)?;
-                let shift_period = ShiftPeriod::of(&flow.setup().domain, flow.grid());
-                let time = shift_period.map_or(Ok(time.clone()), |shift_period| shift_period.round_down(&time, flow.evolves()))?;
-                Ok(Simulation::flowing(session, flow, time))
-            }
+            PlannedModel::Flow(setup) => Ok(Simulation::flowing(session, flow_solver(session, setup)?, time)),
         }
     }
 }
