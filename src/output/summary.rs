@@ -123,6 +123,12 @@ pub struct InertiaSummary {
     kinetic_energy: f64,
     reynolds: f64,
     stokes: f64,
+    /// Thickness of the thinnest layer on a body, in cells, where it is measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    boundary_layer: Option<f64>,
+    /// The spacing with which that layer is a cell thick, if it is thinner.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    resolving_spacing: Option<f64>,
 }
 
 /// Where the energy of a run went.
@@ -383,9 +389,25 @@ impl LubricationSummary {
 }
 
 impl InertiaSummary {
+    /// That of these numbers, and of the thinnest layer on a body in cells of a spacing.
+    pub fn new(numbers: InertialNumbers, boundary_layer: Option<f64>, spacing: f64) -> InertiaSummary {
+        let InertialNumbers { kinetic_energy, reynolds, stokes, .. } = numbers;
+        let resolving_spacing = boundary_layer.filter(|layer| *layer < 1.0).map(|layer| layer * spacing);
+        InertiaSummary { kinetic_energy, reynolds, stokes, boundary_layer, resolving_spacing }
+    }
+
     /// In words.
     pub fn text(&self) -> String {
-        format!("Reynolds number {:.4}, Stokes number {:.4}, kinetic energy {:.4e}", self.reynolds, self.stokes, self.kinetic_energy)
+        let layer = match (self.boundary_layer, self.resolving_spacing) {
+            (Some(layer), None) => format!(", thinnest boundary layer {layer:.2} cells"),
+            (Some(layer), Some(spacing)) => {
+                format!(
+                    "; warning: a boundary layer is {layer:.2} cells thick, choose resolution.spacing = {spacing:.2e} or less to resolve it"
+                )
+            }
+            (None, _) => String::new(),
+        };
+        format!("Reynolds number {:.4}, Stokes number {:.4}, kinetic energy {:.4e}{layer}", self.reynolds, self.stokes, self.kinetic_energy)
     }
 }
 
@@ -399,13 +421,6 @@ impl EnergySummary {
             "work {:.4e}, dissipated {:.4e}{films}, in contacts {:.4e}, gained {:.4e}, unbalanced {part:.2} %",
             self.work, self.dissipated, self.lost_in_contacts, self.gained
         )
-    }
-}
-
-impl From<InertialNumbers> for InertiaSummary {
-    fn from(numbers: InertialNumbers) -> InertiaSummary {
-        let InertialNumbers { kinetic_energy, reynolds, stokes, .. } = numbers;
-        InertiaSummary { kinetic_energy, reynolds, stokes }
     }
 }
 

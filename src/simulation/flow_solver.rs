@@ -101,6 +101,20 @@ pub trait FlowSolver<const D: usize> {
         Ok(None)
     }
 
+    /// The force that the last step lost, with inertia: what rows beside bodies that move do not pass on to their neighbours.
+    fn momentum_residual(&self) -> f64 {
+        0.0
+    }
+
+    /// Thickness of the thinnest layer that the last solution with inertia has on a body, in cells, infinite where none is known; nothing without jump functions.
+    /// Collective.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    fn thinnest_layer(&self) -> Result<Option<f64>> {
+        Ok(None)
+    }
+
     /// Number of multipliers of each body, where solutions are kept.
     fn multiplier_counts(&self) -> Vec<usize> {
         Vec::new()

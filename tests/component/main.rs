@@ -37,6 +37,7 @@ mod laws_flow;
 mod lubrication;
 mod machine;
 mod methods;
+mod momentum;
 mod motion;
 mod near;
 mod outputs;
@@ -134,6 +135,7 @@ fn main() {
         lubrication::tests(),
         hard::tests(),
         lasting::tests(),
+        momentum::tests(),
         motion::tests(),
         sheared::tests(),
         vorticity::tests(),

@@ -142,7 +142,8 @@ fn store_level<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, na
     writer.shared(&format!("{name}_centers"), &flat(&level.centers))?;
     let twists: Vec<f64> = level.twists.iter().flat_map(|twist| [twist.velocity.as_slice(), &components(&twist.spin)].concat()).collect();
     writer.shared(&format!("{name}_twists"), &twists)?;
-    writer.shared(&format!("{name}_spin_ups"), &level.spin_ups.concat())
+    writer.shared(&format!("{name}_spin_ups"), &level.spin_ups.concat())?;
+    writer.shared(&format!("{name}_resolved"), &level.resolved)
 }
 
 fn read_level<const D: usize>(checkpoint: &Checkpoint, suspension: &dyn FlowSolver<D>, name: &str) -> Result<Level<D>> {
@@ -170,6 +171,7 @@ fn read_level<const D: usize>(checkpoint: &Checkpoint, suspension: &dyn FlowSolv
         centers: numbers("centers", D)?.chunks(D).map(SVector::from_column_slice).collect(),
         twists: numbers("twists", D + planes)?.chunks(D + planes).map(twist).collect(),
         spin_ups: numbers("spin_ups", planes)?.chunks(planes).map(<[f64]>::to_vec).collect(),
+        resolved: numbers("resolved", 1)?,
     })
 }
 

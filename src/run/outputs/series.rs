@@ -5,14 +5,14 @@ use std::{
     time::Instant,
 };
 
-use super::cell::{Cell, absent, count, real};
+use super::cell::{Cell, absent, count, finite, real};
 use super::means::{mean_motion, of_stress, upper_triangle};
 use super::step_table::StepTable;
 use crate::{
     contact::Solver,
     error::Result,
     observe::{ChainNumbers, InertialNumbers, MembraneNumbers, Viscosity, mean_orientation},
-    output::{CurvePoint, Summary},
+    output::{CurvePoint, InertiaSummary, Summary},
     parallel::World,
     run::{ContactTotals, Evaluated, EvaluatedFlow, EvaluatedMotion, Output},
     scene::ContactModel,
@@ -57,7 +57,9 @@ impl<const D: usize> Output<D> for SeriesFile {
     fn finish(&mut self, seen: &Evaluated<D>, summary: &mut Summary) -> Result<Vec<String>> {
         if let Some(flow) = &seen.flow {
             let start = seen.motion.is_none_or(|motion| motion.state().steps == 0);
-            summary.inertia = InertialNumbers::of(flow.solver.setup(), flow.solver.grid(), flow.solution, start)?.map(Into::into);
+            let (solver, layer) = (flow.solver, flow.solver.thinnest_layer()?.filter(|layer| layer.is_finite()));
+            let numbers = InertialNumbers::of(solver.setup(), solver.grid(), flow.solution, start)?;
+            summary.inertia = numbers.map(|numbers| InertiaSummary::new(numbers, layer, solver.grid().spacing().max()));
         }
         seen.world.agree(self.rows.as_ref().map_or(Ok(()), StepTable::refuse_change))?;
         Ok(vec!["series.csv".to_owned()].into_iter().filter(|name| self.folder.join(name).exists()).collect())
@@ -67,15 +69,16 @@ impl<const D: usize> Output<D> for SeriesFile {
 /// The cells of a flow with inertia after a step; none without inertia. Collective.
 fn of_inertia<const D: usize>(flow: &EvaluatedFlow<D>, state: &State<D>) -> Result<Vec<Cell>> {
     let (setup, grid) = (flow.solver.setup(), flow.solver.grid());
-    let cells = |numbers: InertialNumbers| {
-        vec![
-            real("kinetic_energy", numbers.kinetic_energy),
-            real("reynolds", numbers.reynolds),
-            real("stokes", numbers.stokes),
-            real("courant", numbers.courant(grid, state.last_step)),
-        ]
-    };
-    Ok(InertialNumbers::of(setup, grid, flow.solution, state.steps == 0)?.map(cells).unwrap_or_default())
+    let Some(numbers) = InertialNumbers::of(setup, grid, flow.solution, state.steps == 0)? else { return Ok(Vec::new()) };
+    let cells = [
+        ("kinetic_energy", numbers.kinetic_energy),
+        ("reynolds", numbers.reynolds),
+        ("stokes", numbers.stokes),
+        ("courant", numbers.courant(grid, state.last_step)),
+        ("momentum_residual", flow.solver.momentum_residual()),
+    ];
+    let layer = flow.solver.thinnest_layer()?.map(|layer| finite("boundary_layer", layer));
+    Ok(cells.into_iter().map(|(name, value)| real(name, value)).chain(layer).collect())
 }
 
 /// The cells of chains; none without chains. Collective.

@@ -15,7 +15,6 @@ use crate::{
     body::Twist,
     constraint::IndexBox,
     error::Result,
-    flow::{Convection, fastest},
     grid::{Grid, Index, Node},
     linalg::dot,
     petsc::{Scatter, Vector},
@@ -25,9 +24,8 @@ use crate::{
 /// How deep the flow is extended into bodies, in cells.
 const DEPTH: f64 = 3.5;
 
-/// Largest jump of what is convected, over the largest speed of the flow. Behind a boundary layer thinner than a cell jump functions go on with its slope to
-/// speeds that are nowhere in the flow, and grow by convecting themselves, in steps however short.
-const LARGEST_JUMP: f64 = 1.0;
+/// Depths below a surface, in cells, between which the slope of a jump is measured.
+const SLOPE: [f64; 2] = [0.1, 1.0];
 
 /// Jump functions this close to the centre, in radii, say nothing.
 const CORE: f64 = 0.2;
@@ -48,24 +46,40 @@ pub struct Level<const D: usize> {
     pub twists: Vec<Twist<D>>,
     /// Their spin-ups, density of the fluid over viscosity times rate of change of the spin.
     pub spin_ups: Vec<Vec<f64>>,
+    /// The part of their jumps that convection sees, a mean over some time; until the level is past that of the one before.
+    pub resolved: Vec<f64>,
 }
 
 /// What a step takes of a level.
-pub struct Extended {
+pub struct Extended<const D: usize> {
     /// The velocity, that outside bodies extended into them.
     pub velocity: Vector,
-    /// Its convection.
+    /// The convection that rows outside bodies take.
     pub convection: Vector,
+    /// That of rows inside, where it is another one.
+    pub inside: Option<Vector>,
+    /// Sums over the grid of the velocity that is not extended, and of its convection in flux form.
+    pub sums: [SVector<f64, D>; 2],
+}
+
+impl<const D: usize> Extended<D> {
+    /// The convection that rows inside bodies take.
+    pub fn inside(&self) -> &Vector {
+        self.inside.as_ref().unwrap_or(&self.convection)
+    }
 }
 
 /// Unknowns inside bodies of this rank, near their surfaces, and the jumps there.
 #[derive(Default)]
 pub struct Band {
-    places: Vec<usize>,
+    pub(super) places: Vec<usize>,
+    pub(super) bodies: Vec<usize>,
     /// By the whole traction.
-    whole: Vec<f64>,
+    pub(super) whole: Vec<f64>,
     /// By its tangential part.
-    tangential: Vec<f64>,
+    pub(super) tangential: Vec<f64>,
+    /// Squares of the slopes of tangential jumps within a cell of the surface and their number, by body and component.
+    pub(super) slopes: Vec<f64>,
 }
 
 impl<const D: usize> Level<D> {
@@ -80,24 +94,13 @@ impl<const D: usize> Level<D> {
         dot(&jumps, &self.coefficients(body, &self.slow[body]))
     }
 
-    /// The flow extended into bodies with their jumps, and its convection on the grid of that time. Collective.
-    pub fn extended(&self, mut band: Band, convection: &mut Convection<D>) -> Result<Extended> {
-        let largest = LARGEST_JUMP * fastest(convection.grid(), &self.fluid)?;
-        band.tangential.iter_mut().for_each(|jump| *jump = jump.clamp(-largest, largest));
-        let mut scatter = Scatter::new(&self.fluid, &band.places)?;
-        let (velocity, carried) = (self.with_jumps(&mut scatter, &band.whole)?, self.with_jumps(&mut scatter, &band.tangential)?);
-        let mut rows = carried.like()?;
-        convection.evaluate(&carried, &mut rows)?;
-        Ok(Extended { velocity, convection: rows })
-    }
-
     /// The velocity, that outside bodies extended into them. Collective.
     pub fn velocity_outside(&self, band: &Band) -> Result<Vector> {
         self.with_jumps(&mut Scatter::new(&self.fluid, &band.places)?, &band.whole)
     }
 
     /// The fluid with jumps added at the places of a scatter.
-    fn with_jumps(&self, scatter: &mut Scatter, jumps: &[f64]) -> Result<Vector> {
+    pub(super) fn with_jumps(&self, scatter: &mut Scatter, jumps: &[f64]) -> Result<Vector> {
         let mut extended = self.fluid.copied()?;
         scatter.places()?.copy_from_slice(jumps);
         scatter.add_back(&mut extended)?;
@@ -106,7 +109,7 @@ impl<const D: usize> Level<D> {
 
     /// The jumps in bodies on the grid of that time.
     pub fn band(&self, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Band {
-        let mut band = Band::default();
+        let mut band = Band { slopes: vec![0.0; 2 * D * self.centers.len()], ..Band::default() };
         (0..self.centers.len()).for_each(|body| self.extend(grid, kinds, body, &mut band));
         band
     }
@@ -122,6 +125,7 @@ impl<const D: usize> Level<D> {
         each_inside(grid, &self.centers[body], radius, |Point { component, place, offset, .. }| {
             if offset.norm() >= deepest {
                 band.places.push(place);
+                band.bodies.push(body);
                 offsets[component].extend_from_slice(offset.as_slice());
             }
         });
@@ -130,6 +134,15 @@ impl<const D: usize> Level<D> {
             surface.modes.velocity_jumps(offsets, component, &mut jumps);
             band.whole.extend(jumps.chunks_exact(count).map(|jumps| dot(jumps, &whole)));
             band.tangential.extend(jumps.chunks_exact(count).map(|jumps| dot(jumps, &tangential)));
+            let found = &band.tangential[band.tangential.len() - offsets.len() / D..];
+            let slopes = &mut band.slopes[2 * (D * body + component)..][..2];
+            for (jump, offset) in found.iter().zip(offsets.chunks_exact(D)) {
+                let depth = (radius - SVector::<f64, D>::from_column_slice(offset).norm()) / grid.spacing().max();
+                if (SLOPE[0]..SLOPE[1]).contains(&depth) {
+                    slopes[0] += (jump / (depth * grid.spacing().max())).powi(2);
+                    slopes[1] += 1.0;
+                }
+            }
         }
     }
 
@@ -156,12 +169,16 @@ pub struct Point<const D: usize> {
 }
 
 /// Visits the velocities inside a ball whose centre, not wrapped into the box, lies in this rank's block.
-pub fn each_inside<const D: usize>(grid: &Grid<D>, center: &SVector<f64, D>, radius: f64, mut visit: impl FnMut(Point<D>)) {
+pub fn each_inside<const D: usize>(grid: &Grid<D>, center: &SVector<f64, D>, radius: f64, visit: impl FnMut(Point<D>)) {
+    if grid.owner(&grid.domain().wrap(*center)) == grid.rank() {
+        within(grid, center, radius, visit);
+    }
+}
+
+/// Visits the velocities inside a ball, of whatever rank they are.
+pub fn within<const D: usize>(grid: &Grid<D>, center: &SVector<f64, D>, radius: f64, mut visit: impl FnMut(Point<D>)) {
     let (domain, unwrapped) = (grid.domain(), center);
     let center = domain.wrap(*unwrapped);
-    if grid.owner(&center) != grid.rank() {
-        return;
-    }
     for component in 0..D {
         for index in IndexBox::around(grid, component, &center, radius).indices() {
             let offset = grid.position(component, index) - center;

@@ -4,6 +4,7 @@
 //! multipliers and the momentum of the bodies are implicit, so that neither viscosity nor added mass limits a step. Solves at the time of the
 //! last one, as contacts need them, are that step again.
 
+mod convected;
 mod damping;
 mod level;
 mod longest;
@@ -17,6 +18,7 @@ use nalgebra::{SMatrix, SVector};
 
 pub use self::level::Level;
 use self::{
+    convected::{remembered, resolved},
     damping::{damp, lag, slowed},
     level::{Band, Extended, Point, each_inside},
     momentum::Momentum,
@@ -74,8 +76,12 @@ pub struct UnsteadySuspension<const D: usize> {
     current: Option<Level<D>>,
     /// Its jumps in bodies, once they are known.
     band: OnceCell<Band>,
+    /// The layers on its bodies, in cells, once they are known.
+    layers: OnceCell<Vec<f64>>,
+    /// The force that the rows of its step lose.
+    momentum_residual: SVector<f64, D>,
     /// The solutions before it, from which its step started.
-    past: Vec<(Level<D>, Extended)>,
+    past: Vec<(Level<D>, Extended<D>)>,
     assembly: Option<Assembly<D>>,
     workspace: Option<KrylovWorkspace>,
     guess: Option<ExtrapolationHistory<D>>,
@@ -104,6 +110,8 @@ impl<const D: usize> UnsteadySuspension<D> {
             convection,
             current: None,
             band: OnceCell::new(),
+            layers: OnceCell::new(),
+            momentum_residual: SVector::zeros(),
             past,
             assembly,
             workspace: None,
@@ -124,11 +132,42 @@ impl<const D: usize> UnsteadySuspension<D> {
 
     /// Makes the last solution a past one, if time has gone on.
     fn settle(&mut self, time: f64) -> Result<()> {
-        if let Some(level) = self.current.take_if(|level| level.time < time) {
-            let band = self.band.take();
-            self.remember_level(level, band, 0)?;
+        if self.current.as_ref().is_none_or(|level| level.time >= time) {
+            return Ok(());
         }
-        Ok(())
+        let layers = self.layers()?;
+        let Some(mut level) = self.current.take() else { return Ok(()) };
+        if let (Some((before, _)), Some(layers)) = (self.past.first(), layers) {
+            let (step, grid) = (level.time - before.time, &self.fixed.grid);
+            let left = remembered(grid, step, self.inverse_diffusivity(), fastest(grid, &level.fluid)?);
+            let mean = |(before, layer): (&f64, &f64)| resolved(*layer) + left * (before - resolved(*layer));
+            level.resolved = before.resolved.iter().zip(&layers).map(mean).collect();
+        }
+        let band = self.band.take();
+        self.forget_surroundings();
+        self.remember_level(level, band, 0)
+    }
+
+    /// Forgets what was found of the last solution.
+    fn forget_surroundings(&mut self) {
+        self.band.take();
+        self.layers.take();
+    }
+
+    /// The jumps of the last solution in its bodies; none without a solution or jump functions.
+    fn band(&self) -> Option<(&Level<D>, &Band)> {
+        let level = self.current.as_ref().filter(|_| self.fixed.method.jumps())?;
+        Some((level, self.band.get_or_init(|| level.band(&self.fixed.grid, &self.fixed.kinds))))
+    }
+
+    /// Thickness of the layers on the bodies of the last solution, in cells; nothing where there are no jump functions. Collective.
+    fn layers(&self) -> Result<Option<Vec<f64>>> {
+        let Some((level, band)) = self.band() else { return Ok(None) };
+        if self.layers.get().is_none() {
+            let found = level.layers(self.fixed.session.world(), band, &self.fixed.grid, &self.fixed.kinds)?;
+            return Ok(Some(self.layers.get_or_init(|| found).clone()));
+        }
+        Ok(self.layers.get().cloned())
     }
 
     fn remember_level(&mut self, level: Level<D>, band: Option<Band>, place: usize) -> Result<()> {
@@ -136,9 +175,8 @@ impl<const D: usize> UnsteadySuspension<D> {
         if *self.convection.grid().domain() != domain {
             self.convection = Convection::new(&self.fixed.grid.slid(&domain)?, &level.fluid)?;
         }
-        let found = || if self.fixed.method.jumps() { level.band(self.convection.grid(), &self.fixed.kinds) } else { Band::default() };
-        let band = band.unwrap_or_else(found);
-        let extended = level.extended(band, &mut self.convection)?;
+        let band = band.or_else(|| self.fixed.method.jumps().then(|| level.band(self.convection.grid(), &self.fixed.kinds)));
+        let extended = level.extended(band.as_ref(), &self.fixed.kinds, &mut self.convection)?;
         self.past.insert(place, (level, extended));
         self.past.truncate(LEVELS);
         Ok(())
@@ -180,6 +218,7 @@ impl<const D: usize> UnsteadySuspension<D> {
             centers: configuration.centers.to_vec(),
             twists,
             spin_ups,
+            resolved: vec![0.0; bodies.len()],
         });
         Ok(Solution {
             bodies: states,
@@ -258,12 +297,14 @@ impl<const D: usize> UnsteadySuspension<D> {
         let (inverse_diffusivity, setup) = (self.inverse_diffusivity(), &self.fixed.setup);
         let fastest = fastest(&self.fixed.grid, &self.past[0].0.fluid)?;
         let kept = kept(&self.fixed.grid, weights.step, inverse_diffusivity, fastest);
-        let levels: Vec<(&Level<D>, &Extended)> = self.past.iter().map(|(level, extended)| (level, extended)).collect();
+        let levels: Vec<(&Level<D>, &Extended<D>)> = self.past.iter().map(|(level, extended)| (level, extended)).collect();
         let times: Vec<f64> = self.past.iter().map(|(level, _)| level.time).collect();
         let convection = convection_weights(times[0] + weights.step, &times);
         let past = Past { levels: &levels, weights, convection, inverse_diffusivity, kept };
         let kinds = self.fixed.method.jumps().then_some(&self.fixed.kinds);
         let mut rows = past.rows(&self.fixed.grid, kinds, centers)?;
+        let lost = past.lost(&self.fixed.grid, &rows)?;
+        self.momentum_residual = lost * (setup.viscosity * self.fixed.grid.spacing().product());
         add_drive(&self.fixed.grid, &setup.drive, setup.viscosity, &mut rows)?;
         add_walls(&self.fixed.grid, &mut rows)?;
         if let Some(ends) = OpenEnds::after(&self.fixed.grid, &self.past[0].0.fluid, weights.step)? {
@@ -352,7 +393,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
     fn withdraw(&mut self) {
         let last = self.past.first().map(|(level, _)| level.time);
         self.current.take_if(|level| Some(level.time) > last);
-        self.band.take();
+        self.forget_surroundings();
         if self.guess.as_ref().is_some_and(|guess| Some(guess.time) > last) {
             self.guess = self.guess_before.take();
         }
@@ -380,7 +421,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
 
     fn abandon(&mut self, time: f64) {
         if self.current.take_if(|level| level.time == time).is_some() {
-            self.band.take();
+            self.forget_surroundings();
             self.current = (!self.past.is_empty()).then(|| self.past.remove(0).0);
         }
     }
@@ -403,9 +444,16 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
     }
 
     fn extended_flow(&self) -> Result<Option<Vector>> {
-        let level = self.current.as_ref().filter(|_| self.fixed.method.jumps());
-        let band = |level: &Level<D>| level.band(&self.fixed.grid, &self.fixed.kinds);
-        level.map(|level| level.velocity_outside(self.band.get_or_init(|| band(level)))).transpose()
+        self.band().map(|(level, band)| level.velocity_outside(band)).transpose()
+    }
+
+    fn momentum_residual(&self) -> f64 {
+        self.momentum_residual.norm()
+    }
+
+    fn thinnest_layer(&self) -> Result<Option<f64>> {
+        let thinnest = |layers: Vec<f64>| layers.into_iter().filter(|layer| *layer > 0.0).fold(f64::INFINITY, f64::min);
+        Ok(self.layers()?.filter(|layers| !layers.is_empty()).map(thinnest))
     }
 
     fn multiplier_counts(&self) -> Vec<usize> {
@@ -416,7 +464,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
     fn restore_levels(&mut self, levels: Vec<Level<D>>) -> Result<()> {
         let mut levels = levels.into_iter();
         (self.current, self.past) = (levels.next(), Vec::new());
-        self.band.take();
+        self.forget_surroundings();
         levels.try_for_each(|level| self.remember_level(level, None, self.past.len()))
     }
 
@@ -470,8 +518,9 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         let twists = solution.bodies.iter().map(|state| state.twist).collect();
         let (time, centers) = (configuration.time, configuration.centers.to_vec());
         let slow = slowed(&self.past[0].0.slow, &multipliers, lag);
-        self.current = Some(Level { time, fluid: solution.fluid.copied()?, multipliers, slow, centers, twists, spin_ups });
-        self.band.take();
+        let resolved = self.past[0].0.resolved.clone();
+        self.current = Some(Level { time, fluid: solution.fluid.copied()?, multipliers, slow, centers, twists, spin_ups, resolved });
+        self.forget_surroundings();
         Ok(solution)
     }
 }

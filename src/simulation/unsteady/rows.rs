@@ -4,13 +4,14 @@
 //! rho (g1 u0 + g2 u-)/dt + rho (e0 N0 + e1 N- + e2 N--), with the other sign
 //! ```
 //!
-//! outside bodies of the extended flows. Inside, where the flow is a rigid motion, convection is `w x (w x r)` and more of that motion, and the
-//! field is drawn to it, at a rate that belongs to the grid: left to itself it grows at high Reynolds numbers, and set anew in every step it
-//! forgets so much that forces do not converge with shorter ones.
+//! outside bodies of the extended flows. Inside, where the flow is a rigid motion, the field is drawn to it, at a rate that belongs to the grid: left to itself it grows at
+//! high Reynolds numbers, and set anew in every step it forgets so much that forces do not converge with shorter ones. The mean of what is drawn over a body is
+//! kept: the draw would be a force on the flow otherwise, up to a tenth of the drag on coarse grids.
 
 use nalgebra::SVector;
 
 use super::{
+    convected::sums,
     level::{Extended, Level, Point, each_inside},
     scheme::StepWeights,
 };
@@ -27,7 +28,7 @@ const RELAXATION: f64 = 2.0;
 /// The levels from which a step starts, the last one first.
 pub struct Past<'a, const D: usize> {
     /// One to three, of which convection is extrapolated; the last one or two are the history.
-    pub levels: &'a [(&'a Level<D>, &'a Extended)],
+    pub levels: &'a [(&'a Level<D>, &'a Extended<D>)],
     /// Of the step.
     pub weights: StepWeights,
     /// Of the convection of the levels.
@@ -74,6 +75,15 @@ impl<const D: usize> Past<'_, D> {
         Ok(rows)
     }
 
+    /// What rows lose of momentum against those of the field on the grid, which conserve it: a sum over the grid. Collective.
+    pub fn lost(&self, grid: &Grid<D>, rows: &Vector) -> Result<SVector<f64, D>> {
+        let mut lost = -sums(grid, rows)?;
+        for (level, (_, extended)) in self.levels.iter().enumerate() {
+            self.factors(level).iter().zip(&extended.sums).for_each(|(factor, sum)| lost += sum * *factor);
+        }
+        Ok(lost)
+    }
+
     /// The time since a level.
     fn since(&self, level: usize) -> f64 {
         self.levels[0].0.time + self.weights.step - self.levels[level].0.time
@@ -101,27 +111,44 @@ impl<const D: usize> Past<'_, D> {
         let places: Vec<usize> = points.iter().map(|inside| inside.point.place).collect();
         let mut scatter = Scatter::new(rows, &places)?;
         let mut wanted: Vec<f64> = scatter.fetch(rows)?.iter().map(|row| -row).collect();
-        for (level, (at, _)) in self.levels.iter().enumerate() {
+        let mut deviations = vec![0.0; points.len()];
+        for (level, (at, extended)) in self.levels.iter().enumerate() {
             let [history, convection] = self.factors(level);
             let mut followed;
-            let velocities = if grid.domain().slide().is_some() {
+            let scatter = if grid.domain().slide().is_some() {
                 let index = |Point { component, index, .. }: &Point<D>| (*component, grid.followed(*component, *index, self.since(level)));
                 followed = Scatter::new(rows, &unknowns(grid, points.iter().map(|inside| index(&inside.point))))?;
-                followed.fetch(&at.fluid)?
+                &mut followed
             } else {
-                scatter.fetch(&at.fluid)?
+                &mut scatter
             };
-            for ((wanted, point), velocity) in wanted.iter_mut().zip(&points).zip(velocities.iter()) {
-                let (rigid, Point { component, frame, shear, .. }) = (at.rigid(point), &point.point);
-                let along = (at.twists[point.body].spin * (rigid - frame))[*component];
-                *wanted += convection * along;
-                if history != 0.0 {
-                    *wanted += history * ((rigid - shear)[*component] + self.kept * at.deviation(kinds, point, *velocity));
+            let carried = scatter.fetch(extended.inside())?;
+            wanted.iter_mut().zip(carried.iter()).for_each(|(wanted, carried)| *wanted += convection * carried);
+            drop(carried);
+            if history != 0.0 {
+                let velocities = scatter.fetch(&at.fluid)?;
+                for (((wanted, deviation), point), velocity) in wanted.iter_mut().zip(&mut deviations).zip(&points).zip(velocities.iter()) {
+                    *wanted += history * (at.rigid(point) - point.point.shear)[point.point.component];
+                    *deviation += history * at.deviation(kinds, point, *velocity);
                 }
             }
         }
+        self.draw(&points, &deviations, &mut wanted);
         scatter.places()?.copy_from_slice(&wanted);
         scatter.add_back(rows)
+    }
+
+    /// Adds what is kept of deviations: all of their means by body and component, and part of the rest.
+    fn draw(&self, points: &[Inside<D>], deviations: &[f64], wanted: &mut [f64]) {
+        let alike = |one: &Inside<D>, other: &Inside<D>| (one.body, one.point.component) == (other.body, other.point.component);
+        let (mut deviations, mut wanted) = (deviations, wanted);
+        for group in points.chunk_by(alike) {
+            let (of_group, own);
+            (of_group, deviations) = deviations.split_at(group.len());
+            (own, wanted) = wanted.split_at_mut(group.len());
+            let mean = of_group.iter().sum::<f64>() / group.len() as f64;
+            own.iter_mut().zip(of_group).for_each(|(wanted, deviation)| *wanted += mean + self.kept * (deviation - mean));
+        }
     }
 }
 

@@ -43,6 +43,8 @@ _LABELS = {
     "reynolds": "Reynolds number",
     "stokes": "Stokes number",
     "courant": "Courant number",
+    "momentum_residual": "momentum residual",
+    "boundary_layer": "thinnest boundary layer [cells]",
     "fraction": "volume fraction",
     "inside": "volume fraction",
     "area_error": "error of the area, relative",
