@@ -1,5 +1,7 @@
 //! The velocity of the fluid and its curl, or the scalar in its place, at points of the box.
 
+use std::{collections::BTreeSet, ops::Range};
+
 use nalgebra::SVector;
 
 use crate::{
@@ -16,35 +18,36 @@ use crate::{
 
 /// The velocity in a fluid vector at points of the box, on every rank (cubic interpolation; walls count with their own velocity).
 pub fn velocities<const D: usize>(grid: &Grid<D>, fluid: &Vector, points: &[SVector<f64, D>]) -> Result<Vec<SVector<f64, D>>> {
-    let mut samples = Samples::new(points.len() * D);
     let ends = OpenEnds::of(grid, fluid)?;
-    for (number, point) in mine(grid, fluid, points) {
-        for component in 0..D {
-            interpolation::velocity(grid, component, point, |term| {
-                samples.add_velocity(number * D + component, (grid, ends.as_ref()), term)
-            });
+    let values = sums(fluid, points.len() * D, |visit| {
+        for (number, point) in mine(grid, fluid, points) {
+            for component in 0..D {
+                interpolation::velocity(grid, component, point, |term| {
+                    visit(number * D + component, of_velocity((grid, ends.as_ref()), term))
+                });
+            }
         }
-    }
-    Ok(samples.fetch(fluid)?.chunks(D).map(SVector::from_column_slice).collect())
+    })?;
+    Ok(values.chunks(D).map(SVector::from_column_slice).collect())
 }
 
 /// The vorticity in the plane of two axes ([`curl`](crate::grid::curl)) in a fluid vector at points of the box, on every rank.
 pub fn vorticities<const D: usize>(grid: &Grid<D>, fluid: &Vector, points: &[SVector<f64, D>], plane: (usize, usize)) -> Result<Vec<f64>> {
     let ends = OpenEnds::of(grid, fluid)?;
-    let mut samples = Samples::new(points.len());
-    for (number, point) in mine(grid, fluid, points) {
-        curl_at(grid, plane, point, |term| samples.add_velocity(number, (grid, ends.as_ref()), term));
-    }
-    samples.fetch(fluid)
+    sums(fluid, points.len(), |visit| {
+        for (number, point) in mine(grid, fluid, points) {
+            curl_at(grid, plane, point, |term| visit(number, of_velocity((grid, ends.as_ref()), term)));
+        }
+    })
 }
 
 /// A scalar that is zero on walls at points of the box, on every rank (cubic interpolation).
 pub fn scalars<const D: usize>(grid: &Grid<D>, field: &Vector, points: &[SVector<f64, D>]) -> Result<Vec<f64>> {
-    let mut samples = Samples::new(points.len());
-    for (number, point) in mine(grid, field, points) {
-        interpolation::scalar(grid, point, |index, weight| samples.add(number, grid.node(D, index), weight));
-    }
-    samples.fetch(field)
+    sums(field, points.len(), |visit| {
+        for (number, point) in mine(grid, field, points) {
+            interpolation::scalar(grid, point, |index, weight| visit(number, of_node(grid.node(D, index), weight)));
+        }
+    })
 }
 
 /// The points in this rank's block, with their numbers.
@@ -57,44 +60,60 @@ fn mine<'a, const D: usize>(
     points.iter().enumerate().filter(move |(_, point)| grid.owner(point) == rank)
 }
 
-/// Sums of weighted entries of a vector, each made by one rank.
-struct Samples {
-    /// What is known of each.
-    values: Vec<f64>,
-    wanted: Vec<usize>,
-    /// Place and weight of each wanted entry.
-    terms: Vec<(usize, f64)>,
+/// A part of a sum.
+#[derive(Clone, Copy)]
+enum Part {
+    /// What is known.
+    Known(f64),
+    /// An entry of a vector with its weight.
+    Entry(usize, f64),
 }
 
-impl Samples {
-    fn new(count: usize) -> Samples {
-        Samples { values: vec![0.0; count], wanted: Vec::new(), terms: Vec::new() }
+/// A term of velocities; walls count with their own velocity, open ends with that of the flow.
+fn of_velocity<const D: usize>((grid, ends): (&Grid<D>, Option<&OpenEnds<D>>), term: Term<D>) -> Part {
+    match (ends.and_then(|ends| ends.at_site(grid, &term.site)), term.site) {
+        (Some(value), _) | (None, Site::Wall { value, .. }) => Part::Known(term.weight * value),
+        (None, Site::Lattice { field, index }) => of_node(grid.fluid_node(field, index), term.weight),
     }
+}
 
-    /// Adds a term of velocities to a sample; walls count with their own velocity, open ends with that of the flow.
-    fn add_velocity<const D: usize>(&mut self, place: usize, (grid, ends): (&Grid<D>, Option<&OpenEnds<D>>), term: Term<D>) {
-        match (ends.and_then(|ends| ends.at_site(grid, &term.site)), term.site) {
-            (Some(value), _) | (None, Site::Wall { value, .. }) => self.values[place] += term.weight * value,
-            (None, Site::Lattice { field, index }) => self.add(place, grid.fluid_node(field, index), term.weight),
-        }
+/// An entry; on walls that carry no unknown the value is zero.
+fn of_node(node: Node, weight: f64) -> Part {
+    match node {
+        Node::Unknown(unknown) => Part::Entry(unknown, weight),
+        Node::Wall(_) => Part::Known(0.0),
     }
+}
 
-    /// Adds an entry to a sample; on walls that carry no unknown the value is zero.
-    fn add(&mut self, place: usize, node: Node, weight: f64) {
-        if let Node::Unknown(unknown) = node {
-            self.wanted.push(unknown);
-            self.terms.push((place, weight));
-        }
-    }
+/// Sums, on every rank, of the parts that ranks visit, each for the sum whose number it gives; they visit the same ones twice. Terms are never listed: a
+/// picture in 3D has tens of millions.
+fn sums(vector: &Vector, count: usize, parts: impl Fn(&mut dyn FnMut(usize, Part))) -> Result<Vec<f64>> {
+    let own = vector.range()?;
+    let foreign = foreign(&own, &parts, vector.session().world().size());
+    let mut scatter = Scatter::new(vector, &foreign)?;
+    let (fetched, local) = (scatter.fetch(vector)?, vector.local()?);
+    let mut values = vec![0.0; count];
+    parts(&mut |place, part| {
+        values[place] += match part {
+            Part::Known(value) => value,
+            Part::Entry(unknown, weight) if own.contains(&unknown) => weight * local[unknown - own.start],
+            Part::Entry(unknown, weight) => weight * foreign.binary_search(&unknown).map_or(0.0, |place| fetched[place]),
+        };
+    });
+    vector.session().world().sum(&mut values);
+    Ok(values)
+}
 
-    /// The samples, on every rank.
-    fn fetch(self, vector: &Vector) -> Result<Vec<f64>> {
-        let Samples { mut values, wanted, terms } = self;
-        let mut scatter = Scatter::new(vector, &wanted)?;
-        for ((place, weight), value) in terms.into_iter().zip(scatter.fetch(vector)?.iter()) {
-            values[place] += weight * value;
-        }
-        vector.session().world().sum(&mut values);
-        Ok(values)
+/// The entries of other ranks among parts, each once, in order.
+fn foreign(own: &Range<usize>, parts: &impl Fn(&mut dyn FnMut(usize, Part)), ranks: usize) -> Vec<usize> {
+    let mut found = BTreeSet::new();
+    if ranks > 1 {
+        parts(&mut |_, part| match part {
+            Part::Entry(unknown, _) if !own.contains(&unknown) => {
+                found.insert(unknown);
+            }
+            _ => {}
+        });
     }
+    found.into_iter().collect()
 }

@@ -5,7 +5,8 @@ use serde::Serialize;
 use super::body_summary::{BodySummary, ListedBodies, MOST_LISTED, OtherBodies};
 use super::curve::parts_of;
 use super::{
-    AccuracySummary, DragSummary, ForceSummary, MeanViscosity, PairSummary, ParallelSummary, ScalarSummary, TooShort, VelocitySummary,
+    AccuracySummary, DragSummary, ForceSummary, MeanViscosity, PairSummary, ParallelSummary, ScalarSummary, Spread, TooShort,
+    VelocitySummary,
 };
 use crate::{
     flow::{Drive, InverseMethod},
@@ -289,6 +290,15 @@ impl Summary {
         let parallel = ParallelSummary::new(world, state.bodies.len(), 0);
         let velocities = VelocitySummary::of_dry(simulation, world);
         Summary { velocities, ..Summary::of_bodies(scene, bodies, filled[0] / domain.volume(), world.size(), parallel) }
+    }
+
+    /// Tells the peak of memory anew, after what has been written since; collective.
+    pub fn measure_memory(&mut self, world: &World) {
+        let all = world.gather(&[peak_memory_bytes()]);
+        if let Some(solver) = &mut self.solver {
+            solver.peak_memory_bytes = all.iter().sum();
+        }
+        self.parallel.memory_bytes = Spread::of(all);
     }
 
     /// Number of bodies.

@@ -3,7 +3,7 @@
 use crate::{
     error::{Error, Offer, Result},
     parallel::World,
-    scene::{ConstraintMethod, Scene, Spacing},
+    scene::{ConstraintMethod, Scene},
     simulation::demand,
     study::coarsest,
 };
@@ -37,10 +37,10 @@ fn refusal(scene: &Scene, bytes: f64, free: f64) -> Error {
     let taken = if bytes.is_finite() { format!("about {:.1} GB", bytes / 1e9) } else { "more memory than can be told".into() };
     let remedy = format!("takes {taken}, and {:.1} GB are free; coarsen it or shrink domain.size, take more machines", free / 1e9);
     let refused = match (&scene.resolution, scene.accuracy) {
-        (Some(resolution), _) => match resolution.spacing {
-            Spacing::Length(spacing) => scene.refuse("resolution.spacing", spacing, &remedy),
-            Spacing::CellsPerRadius(cells) => scene.refuse("resolution.cells_per_radius", cells, &remedy),
-        },
+        (Some(resolution), _) => {
+            let (key, value) = resolution.spacing.key();
+            scene.refuse(key, value, &remedy)
+        }
         (None, Some(accuracy)) => scene.refuse("accuracy", accuracy, &remedy),
         (None, None) => scene.refuse("domain.size", format!("{:?}", scene.domain.size), &remedy),
     };

@@ -343,6 +343,8 @@ impl<'a, const D: usize> Run<'a, D> {
         summary.motion = self.scene.time.as_ref().map(|_| self.statistics.motion());
         self.tell(|output, seen| {
             files.extend(output.finish(seen, &mut summary)?);
+            // a picture may take more than the run
+            summary.measure_memory(seen.world);
             Ok(())
         })?;
         if let Some(folder) = &self.folder {

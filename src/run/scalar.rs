@@ -60,7 +60,7 @@ fn write<const D: usize>(
     folder: Option<RunFolder>,
     solved: &SolvedScalar<D>,
 ) -> Result<Finished> {
-    let summary = Summary::of_scalar(scene, solved, world);
+    let mut summary = Summary::of_scalar(scene, solved, world);
     let _stage = enter(Stage::Output);
     let mut files = Vec::new();
     if let (Some(folder), Some(mut notes)) = (&folder, notes) {
@@ -75,6 +75,7 @@ fn write<const D: usize>(
         }
         if scene.output.picture {
             write("picture.svg", observe::scalar_picture(scene, solved)?.svg())?;
+            summary.measure_memory(world);
         }
         notes.log.end("ended");
         files.push(LOG.to_owned());

@@ -223,7 +223,7 @@ fn read(file: &str, folder: &Path, content: &Value, locations: Locations) -> Res
         .concat(),
         contact: ContactSection::read(&root)?,
         lubrication: LubricationSection::read(&root)?,
-        time: TimeSection::read(&root)?,
+        time: TimeSection::read(&root, model)?,
         output,
         locations,
         text: String::new(),
@@ -400,13 +400,19 @@ scheme = "midpoint"
         assert!(scene.dry() && scene.resolution.is_none() && !scene.stores_fields());
         assert_eq!(scene.contact.model, ContactModel::Inelastic);
         assert_eq!((&scene.bodies[0].velocity, &scene.bodies[0].spin), (&Some(vec![1.0, 0.0]), &Some(vec![-2.0])));
-        assert_eq!(scene.time, Some(TimeSection { step: Step::Auto, end: 2.0, scheme: Scheme::Midpoint, travel: 0.25, until: None }));
+        assert_eq!(
+            scene.time,
+            Some(TimeSection { step: Step::Auto, end: 2.0, scheme: Scheme::Midpoint, travel: 0.25, error: 0.1 * 0.25 * 0.25, until: None })
+        );
     }
 
     #[test]
     fn time_and_its_output_are_read_with_their_defaults() {
         let scene = parse(&format!("{FLAT}[time]\nend = 3"));
-        assert_eq!(scene.time, Some(TimeSection { step: Step::Auto, end: 3.0, scheme: Scheme::TwoStep, travel: 0.1, until: None }));
+        assert_eq!(
+            scene.time,
+            Some(TimeSection { step: Step::Auto, end: 3.0, scheme: Scheme::TwoStep, travel: 0.1, error: 1e-3, until: None })
+        );
         assert_eq!(scene.output, OutputSection { picture: false, ..OutputSection::default() });
         let text = format!("{FLAT}every = 5\nfields = false\ncheckpoint = 0\nprobe = 16\n[time]\nend = 3\nstep = 3\nscheme = \"euler\"");
         let scene = parse(&text);

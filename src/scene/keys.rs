@@ -12,7 +12,7 @@ use crate::scene::sections::{PLANES, PROFILES};
 use crate::scene::{
     AxisSection, BodyGroup, Chain, ChainShape, Cluster, ClusterForm, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection,
     Drive, FlowModel, FlowSection, LubricationModel, MethodSection, Modes, Motion, MultiplierSolver, OutputSection, Placement,
-    ResolutionSection, Scene, Scheme, Shape, Spacing, Step, TimeSection, Until,
+    ResolutionSection, Scene, Scheme, Shape, Step, TimeSection, Until,
 };
 
 /// Keys with their values, in the order of a scene file.
@@ -154,10 +154,8 @@ fn of_flow(flow: &FlowSection) -> Keys {
 
 fn of_resolution(resolution: &ResolutionSection) -> Keys {
     let ResolutionSection { spacing, modes } = resolution;
-    let spacing = match spacing {
-        Spacing::Length(spacing) => number("resolution.spacing", *spacing),
-        Spacing::CellsPerRadius(cells) => number("resolution.cells_per_radius", *cells),
-    };
+    let (key, spacing) = spacing.key();
+    let spacing = number(key, spacing);
     let modes = match modes {
         Modes::Auto => word("resolution.modes", "auto"),
         Modes::Most => word("resolution.modes", "most"),
@@ -271,10 +269,10 @@ fn of_contact(contact: &ContactSection) -> Keys {
 }
 
 fn of_time(time: &TimeSection) -> Keys {
-    let TimeSection { step, end, scheme, travel, until } = time;
+    let TimeSection { step, end, scheme, travel, error, until } = time;
     let mut keys = vec![word("time.scheme", word_of(&Scheme::WORDS, scheme)), number("time.end", *end)];
     keys.extend(match step {
-        Step::Auto => vec![word("time.step", "auto"), number("time.travel", *travel)],
+        Step::Auto => vec![word("time.step", "auto"), number("time.travel", *travel), number("time.error", *error)],
         Step::Fixed(step) => vec![number("time.step", *step)],
     });
     if let Some(Until { viscosity_interval, strain }) = until {
@@ -347,7 +345,7 @@ mod tests {
         let mut scene = Scene::new("built", &[4.0, 4.0]);
         scene.title = "a \"title\"\nof two lines".into();
         scene.bodies = vec![BodyGroup::new(-1.0, Placement::Centers(vec![vec![1.0, 2.0], vec![3.0, 2.0]]))];
-        scene.resolution = Some(ResolutionSection::new(Spacing::CellsPerRadius(6.0)));
+        scene.resolution = Some(ResolutionSection::new(crate::scene::Spacing::CellsPerRadius(6.0)));
         let Err(Error::Refused(refusal)) = scene.clone().checked() else { panic!("not refused") };
         assert_eq!((refusal.key.as_deref(), refusal.value.as_deref(), refusal.place.clone()), (Some("bodies[0].radius"), Some("-1"), None));
         assert_eq!(refusal.to_string(), "bodies[0].radius = -1: must be positive");

@@ -65,9 +65,9 @@ impl<'a> Change<'a> {
             ["cells", _, "diameter" | "radius", ..] => (2, vec!["diameter", "radius"]),
             ["cells" | "clusters", _, "count", ..] => (2, [&PLACEMENTS[..], &["rotation"]].concat()),
             [group, _, key, ..] if GROUPS.contains(group) && PLACEMENTS.contains(key) => (2, PLACEMENTS.to_vec()),
-            // a travel belongs to automatic steps only
-            ["time", "step"] if !self.value.is_str() => (1, vec!["travel"]),
-            ["time", "travel"] => (1, vec!["step"]),
+            // a travel and an error belong to automatic steps only
+            ["time", "step"] if !self.value.is_str() => (1, vec!["travel", "error"]),
+            ["time", "travel" | "error"] => (1, vec!["step"]),
             _ => return Vec::new(),
         };
         let accuracy = (parts[0] == "resolution").then(|| vec!["accuracy".to_owned()]);

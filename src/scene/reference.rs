@@ -4,8 +4,8 @@ use crate::scene::file;
 use crate::scene::group_keys::{BODY_KEYS, CELL_KEYS, CHAIN_KEYS, CLUSTER_KEYS, MOTION_KEYS};
 use crate::scene::key::Key;
 use crate::scene::sections::{
-    AXIS_KEYS, CONTACT_KEYS, DOMAIN_KEYS, DRIVE_KEYS, FLOW_KEYS, LUBRICATION_KEYS, METHOD_KEYS, OUTPUT_KEYS, RESOLUTION_KEYS, TIME_KEYS,
-    UNTIL_KEYS,
+    AXIS_KEYS, CONTACT_KEYS, DOMAIN_KEYS, DRIVE_KEYS, FLOW_KEYS, LUBRICATION_KEYS, METHOD_KEYS, OUTPUT_KEYS, RESOLUTION_KEYS, SPACING_KEYS,
+    TIME_KEYS, UNTIL_KEYS,
 };
 
 /// A table of a scene file and the keys that it may have.
@@ -22,7 +22,7 @@ pub struct KeySection {
 }
 
 /// All sections, in the order of a scene file.
-pub const SECTIONS: [KeySection; 17] = [
+pub const SECTIONS: [KeySection; 18] = [
     KeySection { name: "top", written: "the top of the file", about: "What stands before the first section.", keys: &file::KEYS },
     KeySection { name: "domain", written: "[domain]", about: "The box and what bounds it.", keys: &DOMAIN_KEYS },
     KeySection {
@@ -38,6 +38,12 @@ pub const SECTIONS: [KeySection; 17] = [
         written: "[resolution]",
         about: "How fine the grid and the multipliers are; absent with accuracy and in dry scenes.",
         keys: &RESOLUTION_KEYS,
+    },
+    KeySection {
+        name: "resolution.spacing",
+        written: "spacing = { .. } of [resolution]",
+        about: "The edge of a grid cell where it has to be this one.",
+        keys: &SPACING_KEYS,
     },
     KeySection { name: "method", written: "[method]", about: "How the equations are solved.", keys: &METHOD_KEYS },
     KeySection { name: "bodies", written: "[[bodies]]", about: "A group of disks or spheres that are alike.", keys: &BODY_KEYS },

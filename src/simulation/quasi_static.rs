@@ -23,7 +23,8 @@ use super::{
     contact_step::{ContactStep, identities},
     implicit_springs::{LEAST, StepAhead, kept_apart, pair},
     kept_measures::keep,
-    step_control::{BodyMotion, StepControl, StepLimits, StepSize},
+    step_control::{StepControl, StepLimits, StepSize},
+    travel::{accurate_step, time_of_travel},
     unsteady::{COURANT, LARGEST_COURANT},
 };
 use crate::{
@@ -126,19 +127,39 @@ impl<const D: usize> QuasiStatic<D> {
         state.bodies.iter().zip(twists).zip(&self.radii).map(deviatoric).collect()
     }
 
+    /// The time in which the first body moves by its radius; with inertia in the fluid, whose levels stay where they are, relative to what goes along with
+    /// images alone.
+    fn time_of_travel(&self, placed: &Placed<D>, twists: &[Twist<D>]) -> f64 {
+        if !self.suspension.evolves() {
+            return time_of_travel(&placed.domain, &placed.balls, &velocities(twists));
+        }
+        let deviatoric = self.deviatoric_velocities(placed.state, twists);
+        deviatoric.iter().zip(&self.radii).map(|(velocity, radius)| radius / velocity.norm()).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The longest step in which free bodies err by what they may.
+    fn accurate_step(&self, state: &State<D>, twists: &[Twist<D>]) -> f64 {
+        if state.last_step == 0.0 || self.suspension.evolves() {
+            return f64::INFINITY;
+        }
+        let bodies = self.suspension.setup().bodies.iter().zip(&state.bodies).zip(twists).zip(&self.radii);
+        let free = bodies.filter(|(((suspended, _), _), _)| suspended.body.free());
+        let changes: Vec<(SVector<f64, D>, f64)> =
+            free.map(|(((_, last), twist), &radius)| (twist.velocity - last.twist.velocity, radius)).collect();
+        accurate_step(&changes, state.last_step, self.step_control.time.error)
+    }
+
     /// The step to take with these motions and forces.
-    fn step_size(&self, state: &State<D>, twists: &[Twist<D>], pushes: &[Wrench<D>], tried: Option<f64>) -> Result<StepSize> {
-        let motions = self.deviatoric_velocities(state, twists).into_iter();
-        let motion = |(velocity, &radius): (SVector<f64, D>, &f64)| BodyMotion { radius, velocity, acceleration: SVector::zeros() };
-        let motions: Vec<BodyMotion<D>> = motions.zip(&self.radii).map(motion).collect();
-        let farthest = |body: usize| self.step_control.time.travel * self.radii[body];
-        let given = self.suspension.setup().trajectories.longest_step(state.time, farthest);
-        let stable = self.suspension.longest_step(pushes)?.min(given);
+    fn step_size(&self, placed: &Placed<D>, twists: &[Twist<D>], pushes: &[Wrench<D>], tried: Option<f64>) -> Result<StepSize> {
+        let (state, travel) = (placed.state, self.step_control.time.travel);
+        let moved = (travel * self.time_of_travel(placed, twists)).min(self.accurate_step(state, twists));
+        let given = self.suspension.setup().trajectories.longest_step(state.time, |body| travel * self.radii[body]);
+        let stable = self.suspension.longest_step(pushes)?.min(given).min(moved);
         // a fixed step that is half taken was not split
         let whole = tried.is_none() && self.step_control.time.step != Step::Auto;
         let last_step = if whole { 0.0 } else { state.last_step };
         let limits = StepLimits { stable, tried: tried.unwrap_or(f64::INFINITY) };
-        Ok(self.step_control.next(Peers::Alone, &motions, (state.time, last_step), limits))
+        Ok(self.step_control.next::<D>(Peers::Alone, &[], (state.time, last_step), limits))
     }
 
     /// Solves the flow with all forces that interactions know and with contacts that keep gaps open over the step to come, no longer than `tried`; nothing for a
@@ -152,7 +173,7 @@ impl<const D: usize> QuasiStatic<D> {
         let (placed, centers) = (self.placed(state), state.centers());
         let setup = self.suspension.setup();
         let (interactions, tightest) = (setup.interactions.clone(), setup.tolerance.at_an_instant());
-        let mut tolerance = setup.tolerance.in_a_step(self.travelled(state));
+        let mut tolerance = setup.tolerance.in_a_step(self.travelled(&placed));
         let touch = interactions.touch();
         self.refuse_overlap(&placed, touch)?;
         let known = interactions.contact_forces(&self.arrangement(&placed));
@@ -184,8 +205,8 @@ impl<const D: usize> QuasiStatic<D> {
             let begins = step == 0.0 && !springs.is_empty();
             let step_size = match chosen {
                 Some(step_size) => step_size,
-                None if begins => *chosen.insert(self.step_size(state, &twists, &Spring::pulled(&springs, pushes), tried)?),
-                None => *chosen.insert(self.step_size(state, &twists, &pushes, tried)?),
+                None if begins => *chosen.insert(self.step_size(&placed, &twists, &Spring::pulled(&springs, pushes), tried)?),
+                None => *chosen.insert(self.step_size(&placed, &twists, &pushes, tried)?),
             };
             if begins && step_size.natural > 0.0 {
                 // of springs the step is a part
@@ -311,19 +332,14 @@ impl<const D: usize> QuasiStatic<D> {
         if cells > LARGEST_COURANT && (shortest || self.step_control.time.step != Step::Auto) {
             return Err(Error::Diverged(too_long(state, cells, period)));
         }
-        let velocities = self.deviatoric_velocities(state, twists).into_iter();
-        let ways = velocities
-            .zip(&self.radii)
-            .map(|(velocity, radius)| velocity.norm() * state.last_step / (self.step_control.time.travel * radius));
-        Ok(ways.fold(cells / COURANT, f64::max))
+        let travelled = state.last_step / (self.step_control.time.travel * self.time_of_travel(&self.placed(state), twists));
+        Ok(travelled.max(cells / COURANT))
     }
 
     /// The longest way of the last step, in radii of the body that went it.
-    fn travelled(&self, state: &State<D>) -> f64 {
-        let last: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
-        let velocities = self.deviatoric_velocities(state, &last).into_iter();
-        let ways = velocities.zip(&self.radii).map(|(velocity, radius)| velocity.norm() / radius);
-        state.last_step * ways.fold(0.0, f64::max)
+    fn travelled(&self, placed: &Placed<D>) -> f64 {
+        let last: Vec<Twist<D>> = placed.state.bodies.iter().map(|body| body.twist).collect();
+        placed.state.last_step / self.time_of_travel(placed, &last)
     }
 
     /// The contacts of these whose bodies are near each other before the step.
@@ -430,7 +446,8 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
     fn advance(&mut self, state: &State<D>, observation: &Observation<D>, length: f64, monitor: ResidualMonitor) -> Result<StepOutcome<D>> {
         let mut effort = Effort::default();
         let mut moves = self.rule(state, (observation, length), &mut effort, monitor)?;
-        let step = self.step_control.shortened(&self.deviatoric_velocities(state, &moves), &self.radii, length, state.last_step);
+        let reach = self.step_control.time.travel * self.time_of_travel(&self.placed(state), &moves);
+        let step = self.step_control.shortened(length, state.last_step, reach);
         self.suspension.setup().trajectories.mean_twists(state.time, step).for_each(|(body, twist)| moves[body] = twist);
         let (placed, start) = (self.placed(state), Instant::now());
         let (mut stuck, mut kkt_report) = (Vec::new(), None);

@@ -13,9 +13,10 @@ use crate::{
     error::Result,
     flow::{Drive, InverseMethod},
     geometry::Domain,
+    grid::quick_spacing,
     interaction::{Interactions, Lubrication},
     parallel::Peers,
-    scene::{self, BodyGroup, ContactModel, FlowModel, Modes, ResolutionSection, Scene, Spacing},
+    scene::{self, BodyGroup, ConstraintMethod, ContactModel, FlowModel, Modes, ResolutionSection, Scene, Spacing},
     surface::Shape,
 };
 
@@ -183,7 +184,7 @@ fn drive<const D: usize>(scene: &Scene) -> Drive<D> {
     }
 }
 
-/// The spacing that a scene asks for, and its bodies with the order of their modes.
+/// The spacing of the grid of a scene, and its bodies with the order of their modes for that which it asks for.
 ///
 /// # Errors
 /// A body is too small for the grid or the modes.
@@ -193,10 +194,7 @@ pub(super) fn suspended_bodies<const D: usize>(
     placed: Vec<(usize, Body<D>)>,
 ) -> Result<(f64, Vec<SuspendedBody<D>>)> {
     let radii = placed.iter().map(|(_, body)| body.ball.radius);
-    let spacing = match resolution(scene)?.spacing {
-        Spacing::Length(spacing) => spacing,
-        Spacing::CellsPerRadius(cells) => radii.fold(f64::INFINITY, f64::min) / cells,
-    };
+    let spacing = resolution(scene)?.spacing.length(radii.fold(f64::INFINITY, f64::min));
     check_ends(scene, domain, spacing, &placed)?;
     let balls: Vec<_> = placed.iter().map(|(_, body)| body.ball).collect();
     let surrounded = match resolution(scene)?.modes {
@@ -207,7 +205,14 @@ pub(super) fn suspended_bodies<const D: usize>(
         let bare = surrounded || fixed_in_plane::<D>(&scene.bodies[group]);
         suspended(scene, body, bare, spacing)
     });
-    Ok((spacing, bodies.collect::<Result<_>>()?))
+    Ok((grid_spacing(scene, domain, spacing), bodies.collect::<Result<_>>()?))
+}
+
+/// The spacing of the grid of a scene that asks for one.
+pub(super) fn grid_spacing<const D: usize>(scene: &Scene, domain: &Domain<D>, asked: f64) -> f64 {
+    let exactly = scene.resolution.as_ref().is_some_and(|resolution| matches!(resolution.spacing, Spacing::Exactly(_)));
+    let fitted = scene.method.constraint == ConstraintMethod::Fitted;
+    if exactly || fitted { asked } else { quick_spacing(&domain.size, asked) }
 }
 
 /// Whether bodies are disks that never move: between two such no film resists, and the flow through a bed of them takes all modes.
@@ -223,10 +228,8 @@ pub(super) fn suspended<const D: usize>(scene: &Scene, body: Body<D>, bare: bool
     let cells = body.ball.radius / spacing;
     if cells < FEWEST_CELLS_PER_RADIUS * (1.0 - 1e-9) {
         let remedy = format!("leaves {cells:.2} cells per radius {}; at least {FEWEST_CELLS_PER_RADIUS} are needed", body.ball.radius);
-        return Err(match resolution(scene)?.spacing {
-            Spacing::Length(spacing) => scene.refuse("resolution.spacing", spacing, &remedy),
-            Spacing::CellsPerRadius(cells) => scene.refuse("resolution.cells_per_radius", cells, &remedy),
-        });
+        let (key, value) = resolution(scene)?.spacing.key();
+        return Err(scene.refuse(key, value, &remedy));
     }
     Ok(SuspendedBody { body, order: modes::order::<D>(scene, resolution(scene)?.modes, cells, bare)? })
 }

@@ -8,7 +8,7 @@ use crate::{
     grid::{FEWEST_CELLS, MOST_INDEX, MOST_UNKNOWNS, WIDER_INDICES},
     parallel::free_memory_bytes,
     petsc::INDEX_BITS,
-    scene::{Placement, ResolutionSection, Scene, Spacing},
+    scene::{Placement, ResolutionSection, Scene},
 };
 
 /// Fewest cells per radius: closer to the centre the jump functions are too steep for the grid.
@@ -142,11 +142,8 @@ fn check_filling<const D: usize>(scene: &Scene, domain: &Domain<D>, given: &[(us
 /// Refuses a grid with too few cells along an axis, or with more unknowns than can be numbered.
 fn check_grid<const D: usize>(scene: &Scene, domain: &Domain<D>, smallest: f64) -> Result<()> {
     let Some(resolution) = &scene.resolution else { return Ok(()) };
-    let (key, value) = key(resolution);
-    let spacing = match resolution.spacing {
-        Spacing::Length(spacing) => spacing,
-        Spacing::CellsPerRadius(cells) => smallest / cells,
-    };
+    let (key, value) = resolution.spacing.key();
+    let spacing = resolution.spacing.length(smallest);
     let cells: [f64; D] = std::array::from_fn(|axis| (domain.size[axis] / spacing).round());
     if let Some(axis) = (0..D).find(|&axis| cells[axis] < FEWEST_CELLS as f64) {
         let remedy = format!(
@@ -176,19 +173,11 @@ pub fn check_unknowns(scene: &Scene, unknowns: f64) -> Result<()> {
 
 /// The refusal of a resolution that asks for more than can be numbered.
 fn refuse_grid(scene: &Scene, resolution: &ResolutionSection, asked: &str) -> Error {
-    let (key, value) = key(resolution);
+    let (key, value) = resolution.spacing.key();
     let remedy = format!(
         "asks for {asked}, more than {INDEX_BITS}-bit indices number; coarsen it, raise the radii, shrink domain.size{WIDER_INDICES}"
     );
     scene.refuse(key, value, &remedy)
-}
-
-/// The key of a resolution, and its value.
-fn key(resolution: &ResolutionSection) -> (&'static str, f64) {
-    match resolution.spacing {
-        Spacing::Length(spacing) => ("resolution.spacing", spacing),
-        Spacing::CellsPerRadius(cells) => ("resolution.cells_per_radius", cells),
-    }
 }
 
 /// The place of the largest number.

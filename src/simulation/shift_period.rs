@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     fn time(step: Step, end: f64, scheme: Scheme) -> TimeSection {
-        TimeSection { step, end, scheme, travel: 0.1, until: None }
+        TimeSection { step, end, scheme, travel: 0.1, error: 1e-3, until: None }
     }
 
     #[test]

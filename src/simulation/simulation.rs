@@ -227,7 +227,7 @@ impl<const D: usize> Simulation<D> {
         let (cells, size) = (flow.grid().cells()[0], self.domain.size[0]);
         let remedy = period.cells_that_fit(cells, asked, multiple).map_or_else(
             || "choose an end that is a whole number of these".to_owned(),
-            |fitting| format!("resolution.spacing = {:?} meets it", size / fitting as f64),
+            |fitting| format!("resolution.spacing = {{ exactly = {:?} }} meets it", size / fitting as f64),
         );
         let time = period.0 * multiple;
         Some(format!(

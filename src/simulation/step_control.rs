@@ -97,13 +97,12 @@ impl StepControl {
         StepSize { length: if natural > left * (1.0 - ROUNDING) { left } else { natural }, natural }
     }
 
-    /// A step, after a last one, that would carry bodies too far, made shorter.
-    pub fn shortened<const D: usize>(&self, moves: &[SVector<f64, D>], radii: &[f64], step: f64, last_step: f64) -> f64 {
+    /// A step, after a last one, made shorter where it would carry bodies farther than the time `reach` does.
+    pub fn shortened(&self, step: f64, last_step: f64, reach: f64) -> f64 {
         match self.time.step {
             Step::Fixed(_) => step,
             Step::Auto => {
-                let limit = |(velocity, radius): (&SVector<f64, D>, &f64)| self.time.travel * radius / velocity.norm();
-                let limited = moves.iter().zip(radii).map(limit).fold(step, f64::min);
+                let limited = step.min(reach);
                 if limited < step || !self.by_twos { step.min(self.whole(limited, last_step)) } else { step }
             }
         }
@@ -181,7 +180,7 @@ mod tests {
     use crate::scene::Scheme;
 
     fn control(step: Step, shift_period: Option<f64>) -> StepControl {
-        let time = TimeSection { step, end: 10.0, scheme: Scheme::TwoStep, travel: 0.1, until: None };
+        let time = TimeSection { step, end: 10.0, scheme: Scheme::TwoStep, travel: 0.1, error: 1e-3, until: None };
         StepControl { time, shift_period: shift_period.map(ShiftPeriod), longest: f64::INFINITY, by_twos: false }
     }
 

@@ -20,9 +20,10 @@ use self::{
 };
 use crate::{
     error::{Error, Result},
+    geometry::Ball,
     petsc::Session,
     scene::{Scene, Scheme, Step, TimeSection},
-    simulation::{BodyState, Configuration, FlowSolver, Setup, Solution, flow_solver},
+    simulation::{BodyState, Configuration, FlowSolver, Setup, Solution, SuspendedBody, flow_solver, time_of_travel},
 };
 
 /// Cells by which the bodies of a sample are displaced: next to none, for beside walls there may be no room.
@@ -67,7 +68,7 @@ impl Forecast {
         };
         match forecast {
             // a sample need not have the flow that the scene has
-            Err(Error::Refused(_) | Error::Diverged(_)) => Ok(None),
+            Err(Error::Refused(_) | Error::Diverged(_) | Error::StepTooLong { .. }) => Ok(None),
             forecast => forecast.map(Some),
         }
     }
@@ -89,13 +90,16 @@ impl Forecast {
         let cost = suspension.cost();
         let growth = Growth::of(setup, unknowns, suspension.setup(), cost);
         let [setup_seconds, assembly, krylov, surfaces] = [cost.setup, cost.assembly, cost.krylov.seconds, cost.stages.bodies].map(most);
-        let smallest = setup.bodies.iter().map(|suspended| suspended.body.ball.radius).fold(f64::INFINITY, f64::min);
-        let fastest = most(solution.bodies.iter().map(|body| felt_speed(setup, body, smallest)).fold(0.0, f64::max));
+        let solved = suspension.setup();
+        let ball = |(body, of): (&BodyState<D>, &SuspendedBody<D>)| Ball { center: body.center, radius: of.body.ball.radius };
+        let balls: Vec<Ball<D>> = solution.bodies.iter().zip(&solved.bodies).map(ball).collect();
+        let velocities: Vec<SVector<f64, D>> = solution.bodies.iter().map(|body| body.twist.velocity).collect();
+        let travel = -most(-time_of_travel(&solved.domain, &balls, &velocities));
         Ok(Forecast {
             setup: setup_seconds * growth.grid + most(first - assembly).max(0.0),
             solve: assembly * growth.bodies + growth.solve(krylov, surfaces),
             iterations: (cost.krylov.iterations as f64 * growth.iterations).round() as usize,
-            solves: time.map(|time| solves(time, fastest, smallest)),
+            solves: time.map(|time| solves(time, travel)),
             further: WARM,
             sampled: None,
         })
@@ -108,7 +112,7 @@ impl Forecast {
     fn stepped<const D: usize>(self, session: &Session, sample: Setup<D>, time: &TimeSection) -> Result<Forecast> {
         match sampled_steps(session, sample, time, 1.0) {
             Ok(SampledSteps { taken, steps, .. }) => Ok(Forecast { solves: Some(solves_of(time, steps)), sampled: Some(taken), ..self }),
-            Err(Error::Refused(_) | Error::Diverged(_)) => Ok(self),
+            Err(Error::Refused(_) | Error::Diverged(_) | Error::StepTooLong { .. }) => Ok(self),
             Err(error) => Err(error),
         }
     }
@@ -157,19 +161,11 @@ fn elsewhere<const D: usize>(suspension: &mut dyn FlowSolver<D>) -> Result<Solut
     suspension.solve_at(&moment, &mut |_, _| {})
 }
 
-/// The speed of a body that limits steps: where images slide, not that of the shear in which all take part, but what it does to neighbours.
-fn felt_speed<const D: usize>(setup: &Setup<D>, body: &BodyState<D>, radius: f64) -> f64 {
-    match setup.domain.shear_rate().abs() {
-        0.0 => body.twist.velocity.norm(),
-        strain => (body.twist.velocity - setup.drive.background(&body.center)).norm() + strain * radius,
-    }
-}
-
-/// Solves of a run at a speed.
-fn solves(time: &TimeSection, speed: f64, radius: f64) -> f64 {
+/// Solves of a run in which bodies move by what they may in a time.
+fn solves(time: &TimeSection, travel: f64) -> f64 {
     let steps = match time.step {
         Step::Fixed(step) => time.end / step,
-        Step::Auto => time.end * speed / (time.travel * radius),
+        Step::Auto => time.end / (time.travel * travel),
     };
     solves_of(time, steps)
 }

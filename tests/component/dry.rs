@@ -60,7 +60,7 @@ fn start<const D: usize>(session: &Session, domain: Domain<D>, bodies: Vec<Granu
 }
 
 fn fixed(step: f64, end: f64, scheme: Scheme) -> TimeSection {
-    TimeSection { step: Step::Fixed(step), end, scheme, travel: 0.1, until: None }
+    TimeSection { step: Step::Fixed(step), end, scheme, travel: 0.1, error: 1e-3, until: None }
 }
 
 fn step<const D: usize>(simulation: &mut Simulation<D>) -> StepReport {
@@ -327,7 +327,7 @@ fn bodies_that_leave_the_box_without_a_contact_model_are_an_error_that_says_so(s
 
 /// Steps and the distances, in radii, that a body flies in them.
 fn automatic(session: &Session, body: GranularBody<2>, scheme: Scheme) -> Vec<(f64, f64)> {
-    let time = TimeSection { step: Step::Auto, end: 2.0, scheme, travel: 0.2, until: None };
+    let time = TimeSection { step: Step::Auto, end: 2.0, scheme, travel: 0.2, error: 4e-3, until: None };
     let mut simulation = start(session, channel([100.0, 100.0]), vec![body], time);
     let mut steps = Vec::new();
     while !simulation.over() {

@@ -252,7 +252,7 @@ fn a_mesh_that_moves_gives_what_a_new_one_gives(session: &Session) {
 fn two_disks_pass_each_other_in_shear(session: &Session) {
     let ends = [(3.0, 0.15), (4.5, 0.1)].map(|(edges, step)| {
         let disks = [[0.6, 0.72], [1.4, 0.28]].map(|center| suspended(Vector2::from(center), 0.2, free(), 3)).to_vec();
-        let time = TimeSection { end: 3.0, step: Step::Fixed(step), travel: 0.1, scheme: Scheme::TwoStep, until: None };
+        let time = TimeSection { end: 3.0, step: Step::Fixed(step), travel: 0.1, error: 1e-3, scheme: Scheme::TwoStep, until: None };
         let fitted = FittedFlow::new(session, couette(2.0, 0.2 / edges, 1.0, disks)).unwrap();
         let mut simulation = Simulation::flowing(session, Box::new(fitted), time);
         while !simulation.over() {

@@ -303,7 +303,7 @@ fn closed<const D: usize>(size: [f64; D]) -> Domain<D> {
 }
 
 fn run<const D: usize>(session: &Session, setup: Setup<D>, step: f64, end: f64) -> Simulation<D> {
-    let time = TimeSection { step: Step::Fixed(step), end, scheme: Scheme::TwoStep, travel: 0.1, until: None };
+    let time = TimeSection { step: Step::Fixed(step), end, scheme: Scheme::TwoStep, travel: 0.1, error: 1e-3, until: None };
     let flow = UnsteadySuspension::new(session, setup.with_contact(ContactModel::Inelastic)).unwrap();
     let mut simulation = Simulation::flowing(session, Box::new(flow), time);
     while !simulation.over() {
@@ -591,7 +591,7 @@ fn fitted(setup: Setup<2>) -> Setup<2> {
 /// The settling disk again, on a mesh as coarse as any; in a smaller box, halved steps change the speed by a fourth.
 fn a_fitted_mesh_follows_a_falling_disk_at_second_order(session: &Session) {
     let speed = |setup: Setup<2>, step: f64, end: f64| {
-        let time = TimeSection { step: Step::Fixed(step), end, scheme: Scheme::TwoStep, travel: 0.1, until: None };
+        let time = TimeSection { step: Step::Fixed(step), end, scheme: Scheme::TwoStep, travel: 0.1, error: 1e-3, until: None };
         let mut simulation = Simulation::flowing(session, Box::new(FittedFlow::new(session, fitted(setup)).unwrap()), time);
         while !simulation.over() {
             let observation = simulation.evaluate(&mut |_, _| {}).unwrap();

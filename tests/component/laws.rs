@@ -47,7 +47,7 @@ fn channel(size: [f64; 2]) -> Domain<2> {
 }
 
 fn fixed(step: f64, scheme: Scheme) -> TimeSection {
-    TimeSection { step: Step::Fixed(step), end: 100.0, scheme, travel: 0.1, until: None }
+    TimeSection { step: Step::Fixed(step), end: 100.0, scheme, travel: 0.1, error: 1e-3, until: None }
 }
 
 fn start(
@@ -160,7 +160,7 @@ fn an_automatic_step_is_no_longer_than_a_repulsion_is_stable_with(session: &Sess
     // 0.4 sqrt(m / k), with k = 2 touch / (range radius)
     let longest = 0.4 * (1.0 / 800.0_f64).sqrt();
     assert!((setup.longest_step() - longest).abs() < 1e-15);
-    let time = TimeSection { step: Step::Auto, end: 1.0, scheme: Scheme::TwoStep, travel: 0.1, until: None };
+    let time = TimeSection { step: Step::Auto, end: 1.0, scheme: Scheme::TwoStep, travel: 0.1, error: 1e-3, until: None };
     let mut simulation = Simulation::granular(session, setup, time);
     let mut steps = Vec::new();
     while !simulation.over() {

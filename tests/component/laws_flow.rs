@@ -46,7 +46,7 @@ fn channel(disks: &[([f64; 2], [f64; 2])]) -> Setup<2> {
 }
 
 fn start(session: &Session, setup: Setup<2>, step: Step, contact: ContactModel) -> Simulation<2> {
-    let time = TimeSection { step, end: 100.0, scheme: Scheme::TwoStep, travel: 0.1, until: None };
+    let time = TimeSection { step, end: 100.0, scheme: Scheme::TwoStep, travel: 0.1, error: 1e-3, until: None };
     Simulation::flowing(session, Box::new(Suspension::new(session, setup.with_contact(contact)).unwrap()), time)
 }
 

@@ -278,7 +278,7 @@ fn all_methods_move_two_disks_past_each_other(session: &Session) {
     let places = METHODS.map(|(constraint, error)| {
         let bodies = [[0.3, 0.58], [0.7, 0.42]].map(|center| suspended(center.into(), 0.12, free(), 5));
         let setup = Setup { constraint, tolerance: Tolerance::Fixed(1e-6), ..couette(1.0, 0.024, 1.0, bodies.to_vec()) };
-        let time = TimeSection { step: Step::Fixed(0.1), end: 1.0, travel: 0.1, scheme: Scheme::TwoStep, until: None };
+        let time = TimeSection { step: Step::Fixed(0.1), end: 1.0, travel: 0.1, error: 1e-3, scheme: Scheme::TwoStep, until: None };
         let suspension = Suspension::new(session, setup).unwrap();
         let mut simulation = Simulation::flowing(session, Box::new(suspension), time);
         while !simulation.over() {

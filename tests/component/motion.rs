@@ -33,7 +33,7 @@ pub fn tests() -> Vec<Test> {
 }
 
 fn time(step: Step, end: f64, scheme: Scheme) -> TimeSection {
-    TimeSection { step, end, scheme, travel: 0.1, until: None }
+    TimeSection { step, end, scheme, travel: 0.1, error: 1e-3, until: None }
 }
 
 /// Free disks of radius 1 between sliding walls in a box `aspect` times as long as high, packed with gaps between them.

@@ -38,7 +38,7 @@ fn gas(session: &Session, contact: impl Interaction<2> + 'static, step: f64) -> 
         spin_up: SMatrix::zeros(),
     };
     let bodies = centers.into_iter().zip(radii).map(body).collect();
-    let time = TimeSection { step: Step::Fixed(step), end: 40.0 * step, scheme: Scheme::TwoStep, travel: 0.1, until: None };
+    let time = TimeSection { step: Step::Fixed(step), end: 40.0 * step, scheme: Scheme::TwoStep, travel: 0.1, error: 1e-3, until: None };
     Simulation::granular(
         session,
         GranularSetup { domain, bodies, trajectories: Default::default(), interactions: Interactions::default().with(contact) },

@@ -168,7 +168,7 @@ fn rows_are_balanced(session: &Session, interaction: &dyn Interaction<2>) {
 }
 
 fn time(end: f64) -> TimeSection {
-    TimeSection { step: Step::Auto, end, scheme: Scheme::TwoStep, travel: 0.1, until: None }
+    TimeSection { step: Step::Auto, end, scheme: Scheme::TwoStep, travel: 0.1, error: 1e-3, until: None }
 }
 
 fn all_interactions() -> Interactions<2> {

@@ -158,7 +158,7 @@ fn run(mut simulation: Simulation<2>) -> (Vec<(f64, f64)>, State<2>) {
 }
 
 fn time(step: Step, end: f64, scheme: Scheme) -> TimeSection {
-    TimeSection { step, end, scheme, travel: 0.1, until: None }
+    TimeSection { step, end, scheme, travel: 0.1, error: 1e-3, until: None }
 }
 
 /// The disk is carried along; what is to be seen depends on the strain up to whole numbers alone.

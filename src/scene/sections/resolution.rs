@@ -13,12 +13,24 @@ pub(in crate::scene) const SPACINGS: [&str; 2] = ["cells_per_radius", "spacing"]
 pub(in crate::scene) const KEYS: [Key; 3] = [
     Key::new("cells_per_radius", "number", "6", "Grid cells across the radius of the smallest body.").unit("cells")
         .default("this or spacing is required").range("above 0"),
-    Key::new("spacing", "number", "0.1", "Edge of a grid cell; each axis is divided into a whole number of cells that are nearly as long.")
+    Key::new("spacing", "number or table", "0.1", "Edge of a grid cell, or { exactly = 0.1 }. Each axis is divided into a whole number of cells; up to \
+        3 % finer or else coarser than asked for where such numbers are even and without factors above 7, which makes solvers quick.")
         .unit("length").default("this or cells_per_radius is required").range("above 0"),
     Key::new("modes", "\"auto\", \"most\" or a whole number", "8", "Highest order of the multipliers of each body: Fourier modes in 2D, degrees of \
         vector spherical harmonics in 3D. Automatic: about one a cell of the radius, with lubrication 0.6 for disks that move; most: as many as the grid carries.")
         .default("\"auto\"").range("at least 2; of a scalar at least 1"),
 ];
+
+/// Keys of `resolution.spacing`.
+pub(in crate::scene) const SPACING_KEYS: [Key; 1] = [Key::new(
+    "exactly",
+    "number",
+    "0.1",
+    "Edge of a grid cell; each axis is divided into the whole number of cells that are nearest to it in length.",
+)
+.unit("length")
+.default("required")
+.range("above 0")];
 
 /// How fine the grid and the multipliers are.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,8 +46,36 @@ pub struct ResolutionSection {
 pub enum Spacing {
     /// Cells across the radius of the smallest body.
     CellsPerRadius(f64),
-    /// A length.
+    /// A length, or one a little off it that makes solvers quick.
     Length(f64),
+    /// A length, or the nearest that divides the box.
+    Exactly(f64),
+}
+
+impl Spacing {
+    /// The length asked for, beside a smallest body of a radius.
+    pub fn length(self, smallest: f64) -> f64 {
+        match self {
+            Spacing::Length(length) | Spacing::Exactly(length) => length,
+            Spacing::CellsPerRadius(cells) => smallest / cells,
+        }
+    }
+
+    /// The key that gives it, and its number.
+    pub fn key(self) -> (&'static str, f64) {
+        match self {
+            Spacing::Length(length) => ("resolution.spacing", length),
+            Spacing::Exactly(length) => ("resolution.spacing.exactly", length),
+            Spacing::CellsPerRadius(cells) => ("resolution.cells_per_radius", cells),
+        }
+    }
+
+    fn read(entry: &Entry) -> Result<Self> {
+        if entry.value.is_inline_table() {
+            return Ok(Spacing::Exactly(Table::of(entry, &SPACING_KEYS)?.require("exactly", "0.1")?.positive()?));
+        }
+        Ok(Spacing::Length(entry.positive()?))
+    }
 }
 
 /// How many multiplier modes each body has.
@@ -63,7 +103,7 @@ impl ResolutionSection {
         let table = root.section("resolution", &KEYS)?;
         let (name, entry) = table.exactly_one(&SPACINGS, "cells_per_radius = 6")?;
         let spacing = match name {
-            "spacing" => Spacing::Length(entry.positive()?),
+            "spacing" => Spacing::read(&entry)?,
             _ => Spacing::CellsPerRadius(entry.positive()?),
         };
         let modes = table.get("modes").map_or(Ok(Modes::Auto), |entry| Modes::read(&entry))?;

@@ -3,6 +3,7 @@
 use toml_edit::Value;
 
 use crate::error::Result;
+use crate::scene::FlowModel;
 use crate::scene::entry::Entry;
 use crate::scene::key::Key;
 use crate::scene::table::Table;
@@ -10,8 +11,11 @@ use crate::scene::table::Table;
 /// Strain that a mean viscosity is taken over at least, if nobody says.
 const STRAIN: f64 = 20.0;
 
+/// The travel of automatic steps, if nobody says.
+const TRAVEL: f64 = 0.1;
+
 /// Keys of `[time]`.
-pub(in crate::scene) const KEYS: [Key; 5] = [
+pub(in crate::scene) const KEYS: [Key; 6] = [
     Key::new("step", "\"auto\" or a number", "0.01", "The time step; automatic: as long as travel lets it.")
         .unit("time")
         .default("\"auto\"")
@@ -27,11 +31,28 @@ pub(in crate::scene) const KEYS: [Key; 5] = [
     )
     .default("\"two-step\"")
     .needs(IN_TIME),
-    Key::new("travel", "number", "0.05", "Largest part of its radius that a body moves in an automatic step.")
-        .unit("radii")
-        .default("0.1")
-        .range("above 0, at most 1")
-        .needs(IN_TIME),
+    Key::new(
+        "travel",
+        "number",
+        "0.05",
+        "Largest part of its radius that a body moves in an automatic step: in Stokes flow as seen by what is near it (to a neighbour the smaller diameter and the \
+        gap, to a wall its radius and the gap, to the mean of all bodies ten radii), and the largest strain of the box; otherwise in the box.",
+    )
+    .unit("radii")
+    .default("0.1")
+    .range("above 0, at most 1")
+    .needs(IN_TIME),
+    Key::new(
+        "error",
+        "number",
+        "1e-4",
+        "Part of their radius by which bodies in Stokes flow err in an automatic step (root mean square of half the square of the step times \
+        acceleration, which is what Euler's rule errs by; ten times as much for a single body).",
+    )
+    .unit("radii")
+    .default("a tenth of the square of travel: 1e-3")
+    .range("above 0, at most 1")
+    .needs(IN_TIME),
     Key::new("until", "table", "{ viscosity_interval = 0.02 }", "What ends the run before end.")
         .default("none: the run goes on to end")
         .needs(SHEARED),
@@ -67,6 +88,8 @@ pub struct TimeSection {
     pub scheme: Scheme,
     /// Largest part of its radius that a body moves in an automatic step, above 0 and at most 1.
     pub travel: f64,
+    /// Part of their radius by which bodies in Stokes flow err in an automatic step, above 0 and at most 1.
+    pub error: f64,
     /// What ends the run before `end`.
     pub until: Option<Until>,
 }
@@ -103,20 +126,27 @@ pub enum Scheme {
 impl TimeSection {
     /// Automatic steps to an end.
     pub fn to(end: f64) -> Self {
-        TimeSection { step: Step::Auto, end, scheme: Scheme::TwoStep, travel: 0.1, until: None }
+        TimeSection { step: Step::Auto, end, scheme: Scheme::TwoStep, travel: TRAVEL, error: error_of(TRAVEL), until: None }
     }
 
-    pub(in crate::scene) fn read(root: &Table) -> Result<Option<Self>> {
+    pub(in crate::scene) fn read(root: &Table, model: FlowModel) -> Result<Option<Self>> {
         let Some(entry) = root.get("time") else { return Ok(None) };
         let table = Table::of(&entry, &KEYS)?;
         let end = table.require("end", "10.0")?.positive()?;
         let step = table.get("step").map_or(Ok(Step::Auto), |entry| Step::read(&entry, end))?;
         let default = TimeSection::to(end);
+        let part = |name: &str| table.get(name).map(|entry| read_part(&entry, step)).transpose();
+        let travel = part("travel")?.unwrap_or(default.travel);
+        let error = part("error")?;
+        if let (Some(entry), true) = (table.get("error"), model != FlowModel::Stokes) {
+            return Err(entry.refuse("is of steps in Stokes flow; with inertia and in dry scenes time.travel limits them: remove it"));
+        }
         Ok(Some(TimeSection {
             step,
             end,
             scheme: table.get("scheme").map_or(Ok(default.scheme), |entry| entry.choice(&Scheme::WORDS, &[]))?,
-            travel: table.get("travel").map_or(Ok(default.travel), |entry| read_travel(&entry, step))?,
+            travel,
+            error: error.unwrap_or(error_of(travel)),
             until: table.get("until").map(|entry| Until::read(&entry)).transpose()?,
         }))
     }
@@ -153,8 +183,14 @@ impl Step {
     }
 }
 
-fn read_travel(entry: &Entry, step: Step) -> Result<f64> {
-    entry.expect((), step == Step::Auto, "only an automatic step has a travel; remove it or set time.step = \"auto\"")?;
-    let travel = entry.number()?;
-    entry.expect(travel, travel > 0.0 && travel <= 1.0, "must be above 0 and at most 1")
+/// The error of a step that goes with a travel: both fall alike with shorter steps.
+fn error_of(travel: f64) -> f64 {
+    0.1 * travel * travel
+}
+
+/// A travel or an error.
+fn read_part(entry: &Entry, step: Step) -> Result<f64> {
+    entry.expect((), step == Step::Auto, "only automatic steps are as long as it lets them; remove it or set time.step = \"auto\"")?;
+    let part = entry.number()?;
+    entry.expect(part, part > 0.0 && part <= 1.0, "must be above 0 and at most 1")
 }

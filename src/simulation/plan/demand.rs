@@ -12,11 +12,11 @@ use crate::{
     error::Result,
     geometry::{Ball, Domain},
     grid::Grid,
-    scene::{BodyGroup, ConstraintMethod, FlowModel, Placement, Scene, Spacing},
+    scene::{BodyGroup, ConstraintMethod, FlowModel, Placement, Scene},
     simulation::{
         Setup, SuspendedBody,
         placement::{self, Asked},
-        resolve::{fixed_in_plane, suspended},
+        resolve::{fixed_in_plane, grid_spacing, suspended},
         room,
     },
 };
@@ -43,17 +43,14 @@ pub fn demand<const D: usize>(scene: &Scene, ranks: usize) -> Result<f64> {
     let Some(resolution) = &scene.resolution else { return Ok(0.0) };
     let other = scene.bodies.iter().filter(|group| !matches!(group.placement, Placement::File(_)));
     let smallest = other.map(|group| group.radius).chain(given.iter().map(|(_, ball)| ball.radius)).fold(f64::INFINITY, f64::min);
-    let spacing = match resolution.spacing {
-        Spacing::Length(spacing) => spacing,
-        Spacing::CellsPerRadius(cells) => smallest / cells,
-    };
+    let spacing = resolution.spacing.length(smallest);
     if domain.size.sum() / spacing > MOST_ALONG {
         return Ok(f64::INFINITY);
     }
     if scene.method.constraint == ConstraintMethod::Fitted {
         return Ok(fitted::bytes_of_cells(squares(scene, &domain, spacing, &numbers)));
     }
-    let grid = Grid::new(&domain, spacing, ranks, 0)?;
+    let grid = Grid::new(&domain, grid_spacing(scene, &domain, spacing), ranks, 0)?;
     if scene.scalar() {
         return Ok(scalar_bytes(&grid, 0));
     }

@@ -5,7 +5,7 @@ use crate::{
     flow::{Drive, InverseMethod},
     grid::Grid,
     interaction::{Interaction, Interactions},
-    scene::{MOST_WITH_FORCES, Motion, Scene, Scheme, Step},
+    scene::{FlowModel, MOST_WITH_FORCES, Motion, Scene, Scheme, Step},
     simulation::{Setup, shift_period::ShiftPeriod},
 };
 
@@ -92,6 +92,12 @@ pub fn in_time<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
     let motion = scene.time.as_ref().map(|time| {
         let step = match time.step {
             Step::Fixed(step) => format!("steps of {step}"),
+            Step::Auto if scene.flow.model == FlowModel::Stokes => {
+                format!(
+                    "steps in which no body moves more than {} radii relative to its neighbours, nor errs by more than {:.1e}",
+                    time.travel, time.error
+                )
+            }
             Step::Auto => format!("steps in which no body moves more than {} radii", time.travel),
         };
         let scheme = match time.scheme {

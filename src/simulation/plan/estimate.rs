@@ -23,13 +23,28 @@ impl<const D: usize> Plan<D> {
     /// Bodies, grid or rank count do not fit.
     pub fn report(&self, ranks: usize) -> Result<PlanReport> {
         let on_mesh = self.scene.method.constraint == ConstraintMethod::Fitted;
-        match &self.model {
-            PlannedModel::Granular(setup) => Ok(self.of_granular(setup)),
-            PlannedModel::Scalar(setup) if on_mesh => fitted::scalar(setup, ranks),
-            PlannedModel::Scalar(setup) => of_scalar(setup, ranks),
-            PlannedModel::Flow(setup) if on_mesh => fitted::flow(self, setup, ranks),
-            PlannedModel::Flow(setup) => self.of_flow(setup, ranks),
-        }
+        let report = match &self.model {
+            PlannedModel::Granular(setup) => self.of_granular(setup),
+            PlannedModel::Scalar(setup) if on_mesh => fitted::scalar(setup, ranks)?,
+            PlannedModel::Scalar(setup) => of_scalar(setup, ranks)?,
+            PlannedModel::Flow(setup) if on_mesh => fitted::flow(self, setup, ranks)?,
+            PlannedModel::Flow(setup) => self.of_flow(setup, ranks)?,
+        };
+        Ok(match self.asked_cells() {
+            Some(cells) if !on_mesh => report.asked(cells),
+            _ => report,
+        })
+    }
+
+    /// The cells along the axes that the scene asks for, if it has a grid and says how fine.
+    fn asked_cells(&self) -> Option<Vec<usize>> {
+        let (domain, radii): (_, Vec<f64>) = match &self.model {
+            PlannedModel::Granular(_) => return None,
+            PlannedModel::Scalar(setup) => (&setup.domain, setup.inclusions.iter().map(|(ball, _)| ball.radius).collect()),
+            PlannedModel::Flow(setup) => (&setup.domain, setup.bodies.iter().map(|suspended| suspended.body.ball.radius).collect()),
+        };
+        let spacing = self.scene.resolution.as_ref()?.spacing.length(radii.into_iter().fold(f64::INFINITY, f64::min));
+        Some(domain.size.iter().map(|length| (length / spacing).round() as usize).collect())
     }
 
     fn of_granular(&self, setup: &GranularSetup<D>) -> PlanReport {
@@ -53,6 +68,7 @@ impl<const D: usize> Plan<D> {
         effects.extend(in_time(self));
         let fluid = GridPlan {
             cells: grid.cells().to_vec(),
+            asked: None,
             blocks: grid.partition().ranks().to_vec(),
             grid_unknowns: grid.fluid_unknowns(),
             multiplier_unknowns: counts.iter().sum(),
@@ -83,6 +99,7 @@ fn of_scalar<const D: usize>(setup: &ScalarSetup<D>, ranks: usize) -> Result<Pla
     let (grid_unknowns, multiplier_unknowns) = (grid.unknowns(D), counts.iter().sum::<usize>());
     let fluid = GridPlan {
         cells: grid.cells().to_vec(),
+        asked: None,
         blocks: grid.partition().ranks().to_vec(),
         grid_unknowns,
         multiplier_unknowns,

@@ -73,6 +73,7 @@ fn bodies(count: usize, more: &str) -> Effect {
 fn on_mesh<const D: usize>(effects: Vec<Effect>, grid: &Grid<D>, unknowns: usize, closure_unknowns: usize) -> PlanReport {
     let fluid = GridPlan {
         cells: grid.cells().to_vec(),
+        asked: None,
         blocks: grid.partition().ranks().to_vec(),
         grid_unknowns: unknowns - closure_unknowns,
         multiplier_unknowns: 0,

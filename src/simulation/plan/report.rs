@@ -18,6 +18,8 @@ pub struct PlanReport {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct GridPlan {
     pub cells: Vec<usize>,
+    /// What a scene asks for, where that are other ones.
+    pub asked: Option<Vec<usize>>,
     pub blocks: Vec<usize>,
     pub grid_unknowns: usize,
     pub multiplier_unknowns: usize,
@@ -33,6 +35,14 @@ impl PlanReport {
     /// The plan without grid, unknowns and memory, which take a resolution that is yet to be chosen in the way that is said.
     pub fn undecided(self, choice: String) -> PlanReport {
         PlanReport { fluid: None, bytes: f64::NAN, ..self.with_choice(choice) }
+    }
+
+    /// The plan of a scene that asks for so many cells along the axes.
+    pub(super) fn asked(mut self, cells: Vec<usize>) -> PlanReport {
+        if let Some(fluid) = &mut self.fluid {
+            fluid.asked = Some(cells).filter(|cells| *cells != fluid.cells);
+        }
+        self
     }
 
     /// Unknowns of the grid and multipliers, if there is a grid.
@@ -65,7 +75,10 @@ impl fmt::Display for PlanReport {
             writeln!(f, "accuracy   {choice}")?;
         }
         if let Some(fluid) = &self.fluid {
-            writeln!(f, "grid       {:?} cells in {:?} blocks", fluid.cells, fluid.blocks)?;
+            let asked = fluid.asked.as_ref().map_or(String::new(), |asked| {
+                format!(" ({asked:?} asked for; even numbers without factors above 7 are quicker; resolution.spacing = {{ exactly = .. }} keeps a length)")
+            });
+            writeln!(f, "grid       {:?} cells in {:?} blocks{asked}", fluid.cells, fluid.blocks)?;
             writeln!(
                 f,
                 "unknowns   {} on the grid, {} multipliers, {} mean values",

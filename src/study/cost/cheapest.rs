@@ -81,6 +81,7 @@ impl<F: Fn(&[f64]) -> f64> ErrorCriterion<F> {
         let grid = match sequence.finest().0.grid {
             Resolution::CellsPerRadius(_) => Resolution::CellsPerRadius((radius / spacing * (1.0 - 1e-9)).ceil()),
             Resolution::Spacing(_) => Resolution::Spacing(spacing),
+            Resolution::Exactly(_) => Resolution::Exactly(spacing),
         };
         let setting = Setting { grid, ..sequence.finest().0.clone() };
         let spacing = grid.spacing(radius);

@@ -104,7 +104,7 @@ impl Point {
     pub fn resolution(&self) -> String {
         match (self.cells_per_radius, self.setting.grid) {
             (Some(cells), _) | (None, Resolution::CellsPerRadius(cells)) => format!("{cells:.1}").trim_end_matches(".0").to_owned(),
-            (None, Resolution::Spacing(spacing)) => format!("h = {spacing:.4}"),
+            (None, Resolution::Spacing(spacing) | Resolution::Exactly(spacing)) => format!("h = {spacing:.4}"),
         }
     }
 }

@@ -92,9 +92,10 @@ fn grids(options: &Cost, scene: &Scene, radius: Option<f64>) -> Result<Vec<Resol
     let cells = CELLS_PER_RADIUS[scene.dimension() - 2];
     let (fewest, most) = (cells[0] * (1.0 - 1e-9), cells[cells.len() - 1]);
     Ok(match scene.resolution.as_ref().map(|resolution| resolution.spacing) {
-        Some(Spacing::Length(own)) => {
+        Some(given @ (Spacing::Length(own) | Spacing::Exactly(own))) => {
             let suits = |spacing: &f64| radius.map_or(own / spacing <= 4.0, |radius| (fewest..=most).contains(&(radius / spacing)));
-            SPACINGS.iter().map(|factor| own * factor).filter(suits).map(Resolution::Spacing).collect()
+            let made = if matches!(given, Spacing::Exactly(_)) { Resolution::Exactly } else { Resolution::Spacing };
+            SPACINGS.iter().map(|factor| own * factor).filter(suits).map(made).collect()
         }
         _ => cells.iter().map(|&cells| Resolution::CellsPerRadius(cells)).collect(),
     })

@@ -28,8 +28,10 @@ pub struct Setting {
 pub enum Resolution {
     /// Cells across the radius of the smallest body.
     CellsPerRadius(f64),
-    /// A length.
+    /// A length, or one a little off it that makes solvers quick.
     Spacing(f64),
+    /// A length, or the nearest that divides the box.
+    Exactly(f64),
 }
 
 /// How long steps are.
@@ -68,6 +70,7 @@ impl Setting {
         overrides.push(match self.grid {
             Resolution::CellsPerRadius(cells) => format!("resolution.cells_per_radius={cells:?}"),
             Resolution::Spacing(spacing) => format!("resolution.spacing={spacing:?}"),
+            Resolution::Exactly(spacing) => format!("resolution.spacing={{ exactly = {spacing:?} }}"),
         });
         overrides.push(self.modes.map_or("resolution.modes=auto".into(), |modes| format!("resolution.modes={modes}")));
         overrides.extend(self.tolerance.map(|tolerance| format!("method.tolerance={tolerance:?}")));
@@ -96,6 +99,7 @@ impl Setting {
         let grid = match self.grid {
             Resolution::CellsPerRadius(cells) => format!("{cells} cells per radius"),
             Resolution::Spacing(spacing) => format!("spacing {spacing:.5}"),
+            Resolution::Exactly(spacing) => format!("spacing exactly {spacing:.5}"),
         };
         let modes = has_modes(&self.method).then(|| self.modes.map_or("modes auto".into(), |modes| format!("{modes} modes")));
         let tolerance = self.tolerance.map(|tolerance| format!("tolerance {tolerance:.0e}"));
@@ -118,6 +122,7 @@ impl Resolution {
         match spacing {
             Spacing::CellsPerRadius(cells) => Resolution::CellsPerRadius(cells),
             Spacing::Length(spacing) => Resolution::Spacing(spacing),
+            Spacing::Exactly(spacing) => Resolution::Exactly(spacing),
         }
     }
 
@@ -125,7 +130,7 @@ impl Resolution {
     pub fn spacing(self, radius: f64) -> f64 {
         match self {
             Resolution::CellsPerRadius(cells) => radius / cells,
-            Resolution::Spacing(spacing) => spacing,
+            Resolution::Spacing(spacing) | Resolution::Exactly(spacing) => spacing,
         }
     }
 
@@ -134,6 +139,7 @@ impl Resolution {
         match self {
             Resolution::CellsPerRadius(cells) => Resolution::CellsPerRadius(cells * factor),
             Resolution::Spacing(spacing) => Resolution::Spacing(spacing / factor),
+            Resolution::Exactly(spacing) => Resolution::Exactly(spacing / factor),
         }
     }
 }
