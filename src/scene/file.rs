@@ -402,7 +402,7 @@ scheme = "midpoint"
         assert_eq!((&scene.bodies[0].velocity, &scene.bodies[0].spin), (&Some(vec![1.0, 0.0]), &Some(vec![-2.0])));
         assert_eq!(
             scene.time,
-            Some(TimeSection { step: Step::Auto, end: 2.0, scheme: Scheme::Midpoint, travel: 0.25, error: 0.1 * 0.25 * 0.25, until: None })
+            Some(TimeSection { step: Step::Auto, end: 2.0, scheme: Scheme::Midpoint, travel: 0.25, error: 6.25e-3, until: None })
         );
     }
 

@@ -61,7 +61,7 @@ pub(super) fn keys(scene: &Scene) -> Keys {
             }
         });
     }
-    keys.extend(time.iter().flat_map(of_time));
+    keys.extend(time.iter().flat_map(|time| of_time(time, scene.flow.model)));
     keys.extend(of_output(output, time.is_some(), flow.model));
     keys
 }
@@ -268,13 +268,16 @@ fn of_contact(contact: &ContactSection) -> Keys {
     keys
 }
 
-fn of_time(time: &TimeSection) -> Keys {
+fn of_time(time: &TimeSection, model: FlowModel) -> Keys {
     let TimeSection { step, end, scheme, travel, error, until } = time;
     let mut keys = vec![word("time.scheme", word_of(&Scheme::WORDS, scheme)), number("time.end", *end)];
     keys.extend(match step {
-        Step::Auto => vec![word("time.step", "auto"), number("time.travel", *travel), number("time.error", *error)],
+        Step::Auto => vec![word("time.step", "auto"), number("time.travel", *travel)],
         Step::Fixed(step) => vec![number("time.step", *step)],
     });
+    if (model, *step) == (FlowModel::Stokes, Step::Auto) {
+        keys.push(number("time.error", *error));
+    }
     if let Some(Until { viscosity_interval, strain }) = until {
         keys.extend([number("time.until.viscosity_interval", *viscosity_interval), number("time.until.strain", *strain)]);
     }

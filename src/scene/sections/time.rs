@@ -14,6 +14,9 @@ const STRAIN: f64 = 20.0;
 /// The travel of automatic steps, if nobody says.
 const TRAVEL: f64 = 0.1;
 
+/// The error that goes with it.
+const ERROR: f64 = 1e-3;
+
 /// Keys of `[time]`.
 pub(in crate::scene) const KEYS: [Key; 6] = [
     Key::new("step", "\"auto\" or a number", "0.01", "The time step; automatic: as long as travel lets it.")
@@ -185,7 +188,7 @@ impl Step {
 
 /// The error of a step that goes with a travel: both fall alike with shorter steps.
 fn error_of(travel: f64) -> f64 {
-    0.1 * travel * travel
+    ERROR * (travel / TRAVEL).powi(2)
 }
 
 /// A travel or an error.
