@@ -3,7 +3,7 @@
 use clap::Args;
 
 use crate::{
-    constraint::lubrication::{FilmTable, Resistance},
+    constraint::lubrication::{FilmTable, FilmTables, Resistance},
     error::{Error, Result},
     output::say,
     parallel::World,
@@ -44,7 +44,8 @@ pub fn lubrication(world: &World, arguments: &LubricationArguments) -> Result<()
         return Err(Error::refused(format!("--ratio {ratio}: must be at least 1, the first body is the smaller one")));
     }
     let second = (!wall).then_some((*modes, *ratio));
-    let table = if *dimension == 2 { FilmTable::new::<2>(*modes, second) } else { FilmTable::new::<3>(*modes, second) };
+    let tables = FilmTables::default();
+    let table = if *dimension == 2 { tables.of::<2>(*modes, second) } else { tables.of::<3>(*modes, second) };
     world.on_first_rank(|| say(text(&table).trim_end()))
 }
 

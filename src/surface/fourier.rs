@@ -190,15 +190,6 @@ impl Modes for Fourier {
         });
     }
 
-    /// The terms of `D_p` that decay.
-    fn exterior_pressure(&self, offset: &[f64], out: &mut [f64]) {
-        let position = Complex::new(offset[0], offset[1]) / self.radius;
-        self.fill(out, |Harmonic { power, .. }| {
-            let wave = if power < 1 { position.powi(power - 1) } else { Complex::ZERO };
-            [[wave.re], [-wave.im]]
-        });
-    }
-
     fn degrees(&self) -> Vec<Degree> {
         let rigid = [(-1, vec![1, 0]), (0, vec![2])];
         let free = self.free.iter().zip((RIGID..).step_by(2)).map(|(harmonic, first)| {

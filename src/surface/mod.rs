@@ -11,6 +11,7 @@
 //! Modes are orthonormal in the mean over `gamma`, and the first of them are the rigid motions.
 //! This module knows no grid, no box and no other body.
 
+mod circle_pair;
 pub mod fourier;
 mod modes;
 mod of_dimension;
@@ -21,6 +22,7 @@ mod scalar;
 mod shape;
 mod simd;
 mod solid_harmonics;
+mod sphere_pair;
 pub mod spherical;
 mod spin_up;
 mod table;
@@ -30,7 +32,7 @@ mod unsteady;
 
 pub use fourier::Fourier;
 pub use modes::{Modes, area, lever};
-pub use of_dimension::{axial, highest_order, mode_count, modes, quadrature};
+pub use of_dimension::{highest_order, mode_count, modes, pair_mobility, quadrature, wall_mobility};
 pub use quadrature::Quadrature;
 pub use rotation::{Degree, rotations};
 pub use scalar::ScalarModes;

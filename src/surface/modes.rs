@@ -69,11 +69,6 @@ pub trait Modes {
         out.fill(0.0);
     }
 
-    /// Writes in `out[mode]` the pressure that goes with [`exterior_velocity`](Self::exterior_velocity).
-    fn exterior_pressure(&self, _offset: &[f64], out: &mut [f64]) {
-        out.fill(0.0);
-    }
-
     /// The modes, sorted by how they rotate; none where near pairs are not looked at.
     fn degrees(&self) -> Vec<Degree> {
         Vec::new()

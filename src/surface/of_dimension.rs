@@ -2,10 +2,14 @@
 
 use std::f64::consts::PI;
 
+use nalgebra::DMatrix;
+
 use super::{
+    circle_pair,
     fourier::{self, Fourier},
     modes::Modes,
-    quadrature::{Quadrature, circle, octahedral, sphere},
+    quadrature::{Quadrature, circle, octahedral},
+    sphere_pair,
     spherical::{self, Spherical},
 };
 
@@ -35,6 +39,29 @@ pub fn modes(dimension: usize, radius: f64, order: usize) -> Box<dyn Modes> {
     }
 }
 
+/// The velocity that modes of the second of two balls cause on the first in unbounded fluid of unit viscosity, in the frames of the pair, in each of
+/// which the other ball is at a `distance` along the axis (the first in 2D, the third in 3D): they differ by half a turn about the second axis
+/// (2D: the centre).
+///
+/// Entry `(i, j)` is the mean over the first ball of `F_m . u_n` for the modes `m = rows[i]` and `n = columns[j]`, all of which have
+/// one number among the [`orders`](super::Degree::orders); others do not feel each other. `reach` as in
+/// [`isolated_mobility`](Modes::isolated_mobility).
+pub fn pair_mobility(dimension: usize, radii: [f64; 2], distance: f64, reach: f64, members: [&[usize]; 2]) -> DMatrix<f64> {
+    match dimension {
+        2 => circle_pair::pair_mobility(radii, distance, reach, members),
+        _ => sphere_pair::pair_mobility(radii, distance, members),
+    }
+}
+
+/// The velocity that a plane wall at `height` above the centre of a ball, along the axis, sends back from its modes, as [`pair_mobility`] has it; of 3D
+/// those modes that are even in the second coordinate.
+pub fn wall_mobility(dimension: usize, radius: f64, height: f64, reach: f64, members: &[usize]) -> DMatrix<f64> {
+    match dimension {
+        2 => circle_pair::wall_mobility(radius, height, reach, members),
+        _ => sphere_pair::wall_mobility(radius, height, members),
+    }
+}
+
 /// Part of the cells of a radius that is rounding: a whole number of them is the usual case, and must have one rule whatever the unit of length.
 const ROUNDING: f64 = 1e-9;
 
@@ -51,20 +78,6 @@ pub fn quadrature(dimension: usize, radius_over_spacing: f64, order: usize) -> Q
     match dimension {
         2 => circle(((2.0 * PI * radius_over_spacing).ceil() as usize).max(4 * order + 4)),
         3 => octahedral::rule((order + 3 + (radius_over_spacing * (1.0 - ROUNDING)).ceil() as usize).div_ceil(2), 2 * (order + 1)),
-        _ => panic!("quadrature exists in dimension 2 and 3, not {dimension}"),
-    }
-}
-
-/// A rule for products of two modes that vary no faster than once round the axis of the pair's frame (the first in 2D, the third in 3D):
-/// `count` equispaced points in 2D, as many Gauss-Legendre latitudes times four longitudes in 3D.
-///
-/// # Panics
-///
-/// If `dimension` is not 2 or 3.
-pub fn axial(dimension: usize, count: usize) -> Quadrature {
-    match dimension {
-        2 => circle(count),
-        3 => sphere(count, 4),
         _ => panic!("quadrature exists in dimension 2 and 3, not {dimension}"),
     }
 }

@@ -365,3 +365,49 @@ fn far_away_a_translating_sphere_is_a_stokeslet() {
         assert!((velocity[force * 3 + i] - expected).abs() < 1e-7 * expected.abs().max(1e-5));
     }
 }
+
+/// Velocities of modes of another ball tested with those of one of the given radius, by a fine rule: the frames of both turned half round.
+fn pair_by_quadrature(dimension: usize, [on, by]: [&dyn Modes; 2], distance: f64, reach: f64) -> DMatrix<f64> {
+    let rule = quadrature(dimension, 30.0, 20);
+    let (axis, signs) = [(0, [-1.0, -1.0, 1.0]), (2, [-1.0, 1.0, -1.0])][dimension - 2];
+    let mut out = DMatrix::zeros(on.count(), by.count());
+    let mut velocities = vec![0.0; by.count() * dimension];
+    for (direction, weight) in rule.directions.chunks(dimension).zip(&rule.weights) {
+        let at = |i: usize| signs[i] * (on.radius() * direction[i] - if i == axis { distance } else { 0.0 });
+        by.exterior_velocity(&(0..dimension).map(at).collect::<Vec<f64>>(), reach, &mut velocities);
+        let tractions = traction(on, direction);
+        for (row, force) in tractions.chunks(dimension).enumerate() {
+            for (column, velocity) in velocities.chunks(dimension).enumerate() {
+                out[(row, column)] += weight * (0..dimension).map(|i| force[i] * signs[i] * velocity[i]).sum::<f64>();
+            }
+        }
+    }
+    out
+}
+
+#[test]
+fn what_modes_cause_on_another_ball_is_the_mean_of_their_velocity_there() {
+    for (dimension, radii, distance) in [(2, [0.7, 1.1], 2.7), (2, [1.3, 0.4], 2.5), (3, [0.7, 1.1], 2.7), (3, [1.3, 0.4], 2.5)] {
+        let [on, by] = [modes(dimension, radii[0], 4), modes(dimension, radii[1], 3)];
+        let exact = pair_by_quadrature(dimension, [on.as_ref(), by.as_ref()], distance, 9.0);
+        let members = |modes: &dyn Modes, number: usize| -> Vec<usize> {
+            let degrees = modes.degrees();
+            let all = degrees.iter().flat_map(|degree| degree.modes.iter().zip(&degree.orders));
+            all.filter(|(_, order)| **order == number).map(|(mode, _)| *mode).collect()
+        };
+        let mut found = DMatrix::zeros(on.count(), by.count());
+        for number in 0..=2 * 4 + 1 {
+            let (rows, columns) = (members(on.as_ref(), number), members(by.as_ref(), number));
+            let block = pair_mobility(dimension, radii, distance, 9.0, [&rows, &columns]);
+            for (i, row) in rows.iter().enumerate() {
+                columns.iter().enumerate().for_each(|(j, column)| found[(*row, *column)] = block[(i, j)]);
+            }
+        }
+        for row in 0..on.count() {
+            for column in 0..by.count() {
+                let (one, other) = (found[(row, column)], exact[(row, column)]);
+                assert!((one - other).abs() < 1e-11, "{dimension}D mode {column} on {row}: {one} {other}");
+            }
+        }
+    }
+}

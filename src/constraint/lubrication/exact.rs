@@ -17,13 +17,17 @@
 //!
 //! Singular forces act at the gap, and so tell the singular stress.
 
-use std::f64::consts::{PI, SQRT_2};
+use std::{
+    f64::consts::{PI, SQRT_2},
+    rc::Rc,
+};
 
 use nalgebra::{DMatrix, DVector};
 
 use super::{NUMBERS, Resistance};
 
 /// Resistance as a function of the gap; lengths in radii of the first body.
+#[derive(Clone)]
 pub struct Exact {
     dimension: usize,
     /// Radius of the second body, none for a wall.
@@ -47,12 +51,11 @@ impl Exact {
         exact
     }
 
-    /// For a second body of some radius, from the functions for a smaller one and for a wall: what is not singular is linear in the curvature.
-    pub fn between(smaller: Exact, wall: &Exact, radius: f64) -> Exact {
-        let part = smaller.second.map_or(0.0, |second| second / radius);
-        let mix = |(one, other): (&DVector<f64>, &DVector<f64>)| one * part + other * (1.0 - part);
-        let coefficients = smaller.coefficients.iter().zip(&wall.coefficients).map(mix).collect();
-        Exact { second: Some(radius), coefficients, ..smaller }
+    /// For a second body of some radius, from functions for others: what is not singular is their mean.
+    pub fn mean(radius: f64, parts: &[(Rc<Exact>, f64)]) -> Exact {
+        let [(first, _), ..] = parts else { unreachable!("there are parts") };
+        let sum = |number: usize| parts.iter().map(|(part, weight)| &part.coefficients[number] * *weight).sum();
+        Exact { dimension: first.dimension, second: Some(radius), coefficients: (0..NUMBERS).map(sum).collect() }
     }
 
     /// The resistance at a gap above zero.

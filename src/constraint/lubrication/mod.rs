@@ -20,7 +20,9 @@ mod axisymmetric;
 mod exact;
 mod film;
 mod pair;
+mod ratios;
 mod resistance;
+mod resolved;
 mod table;
 mod wall;
 

@@ -1,14 +1,15 @@
 //! Two bodies in unbounded fluid, with modes up to given orders.
 
-use nalgebra::{DMatrix, DVector, SVector};
+use nalgebra::DMatrix;
 
 use super::{
     Resistance,
-    axisymmetric::{AxisymmetricBody, Channel},
+    axisymmetric::{AxisymmetricBody, Channel, REACH},
 };
+use crate::surface::pair_mobility;
 
 /// Which rigid motion of both goes with a relative one. What modes miss depends little on it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Lift {
     /// Both move, by the same amounts.
     Balanced,
@@ -18,13 +19,14 @@ pub enum Lift {
 
 /// What two bodies resist, `gap` apart; lengths in radii of the first.
 pub fn resistance<const D: usize>(sides: [&AxisymmetricBody<D>; 2], gap: f64, lift: Lift) -> Resistance {
+    let distance = sides[0].modes.radius() + sides[1].modes.radius() + gap;
     let levers = sides.map(|side| side.modes.radius() + 0.5 * gap);
     let (axis, across, spin) = (AxisymmetricBody::<D>::AXIS, AxisymmetricBody::<D>::ACROSS, AxisymmetricBody::<D>::SPIN);
     let [one, two] = if lift == Lift::Balanced { [0.5, 0.5] } else { [1.0, 0.0] };
-    let along = solve(sides, levers, Channel::Along, &[[vec![(axis, one)], vec![(axis, two)]]]);
+    let along = solve(sides, distance, Channel::Along, &[[vec![(axis, one)], vec![(axis, two)]]]);
     let slip = [vec![(across, one)], vec![(across, two)]];
     let roll = [vec![(across, -one * levers[0]), (spin, one)], vec![(across, two * levers[1]), (spin, -two)]];
-    let across = solve(sides, levers, Channel::Across, &[slip, roll]);
+    let across = solve(sides, distance, Channel::Across, &[slip, roll]);
     Resistance {
         approach: along.work[(0, 0)],
         slip: across.work[(0, 0)],
@@ -43,56 +45,23 @@ struct Answer {
     stress: Vec<[f64; 2]>,
 }
 
-fn solve<const D: usize>(sides: [&AxisymmetricBody<D>; 2], levers: [f64; 2], channel: Channel, motions: &[RelativeMotion]) -> Answer {
-    let members = sides.map(|side| side.channel(channel));
-    let count = members[0].len();
-    let size = count + members[1].len();
-    let mut block = DMatrix::zeros(size, size);
-    let distance = levers[0] + levers[1];
-    block.view_mut((0, 0), (count, count)).copy_from(&sides[0].alone(&members[0]));
-    block.view_mut((count, count), (size - count, size - count)).copy_from(&sides[1].alone(&members[1]));
-    let coupling = |on: usize, by: usize| {
-        let velocities = velocities(sides[on], (sides[by], &members[by]), distance);
-        sides[on].test(&velocities, &members[on])
-    };
-    block.view_mut((0, count), (count, size - count)).copy_from(&coupling(0, 1));
-    block.view_mut((count, 0), (size - count, count)).copy_from(&coupling(1, 0));
-    let mut wanted = DMatrix::zeros(size, motions.len());
-    for (column, motion) in motions.iter().enumerate() {
-        for (side, start) in [(0, 0), (1, count)] {
-            for (mode, speed) in &motion[side] {
-                let place = start + members[side].iter().position(|member| member == mode).expect("the channel has its rigid modes");
-                wanted[(place, column)] = speed * sides[side].unit(*mode);
-            }
-        }
-    }
-    let multipliers = block.lu().solve(&wanted).expect("the block of two bodies has an inverse");
-    let areas = DVector::from_fn(size, |row, _| sides[usize::from(row >= count)].modes.force_factor());
-    let weighed = DMatrix::from_fn(size, motions.len(), |row, column| areas[row] * wanted[(row, column)]);
-    let stress_of = |column: usize| {
-        let found = multipliers.column(column);
-        [
-            sides[0].stress(&members[0], found.iter().take(count).copied(), channel),
-            sides[1].stress(&members[1], found.iter().skip(count).copied(), channel),
-        ]
-    };
-    Answer { work: weighed.transpose() * &multipliers, stress: (0..motions.len()).map(stress_of).collect() }
-}
-
-/// The velocity that modes of one body cause at the points of the other; their frames differ by half a turn about the second axis (2D: the centre).
-fn velocities<const D: usize>(on: &AxisymmetricBody<D>, (by, members): (&AxisymmetricBody<D>, &[usize]), distance: f64) -> DMatrix<f64> {
-    let signs = SVector::<f64, D>::from_fn(|i, _| if D == 3 && i == 1 { 1.0 } else { -1.0 });
-    let mut values = Vec::new();
-    let mut out = DMatrix::zeros(on.points().count() * D, members.len());
-    for (point, offset) in on.points().enumerate() {
-        let mut from_other = offset;
-        from_other[AxisymmetricBody::<D>::AXIS] -= distance;
-        let velocity = by.velocity(&from_other.component_mul(&signs), members, &mut values);
-        for mode in 0..members.len() {
-            (0..D).for_each(|i| out[(point * D + i, mode)] = signs[i] * velocity[(i, mode)]);
-        }
-    }
-    out
+fn solve<const D: usize>(sides: [&AxisymmetricBody<D>; 2], distance: f64, channel: Channel, motions: &[RelativeMotion]) -> Answer {
+    let modes = sides.map(|side| side.channel(channel));
+    let on_first = pair_mobility(D, sides.map(|side| side.modes.radius()), distance, REACH, modes.map(|modes| &modes.members[..]));
+    let areas = sides.map(|side| side.modes.force_factor());
+    // reciprocity: the integral of each one's tractions times the other's velocities is the same
+    let on_second = on_first.transpose() * (areas[0] / areas[1]);
+    let wanted = [0, 1].map(|side| {
+        let of_side: Vec<&[(usize, f64)]> = motions.iter().map(|motion| &motion[side][..]).collect();
+        sides[side].motions(channel, &of_side)
+    });
+    let (answered, carried) = (&modes[0].inverse * &wanted[0], &modes[0].inverse * on_first);
+    let block = &modes[1].alone - &on_second * &carried;
+    let second = block.lu().solve(&(&wanted[1] - on_second * &answered)).expect("the block of two bodies has an inverse");
+    let found = [answered - carried * &second, second];
+    let work = [0, 1].map(|side| wanted[side].transpose() * &found[side] * areas[side]);
+    let stress_of = |column: usize| [0, 1].map(|side| modes[side].stress(found[side].column(column).iter().copied()));
+    Answer { work: &work[0] + &work[1], stress: (0..motions.len()).map(stress_of).collect() }
 }
 
 #[cfg(test)]

@@ -7,18 +7,21 @@ use super::{
     axisymmetric::AxisymmetricBody,
     exact::Exact,
     pair::{self, Lift},
+    ratios::{self, RatioNode},
+    resolved::ExactTables,
     wall,
 };
-use crate::{linalg::cubic, surface::highest_order};
+use crate::linalg::cubic;
 
-/// Nodes of the truncated resistance: the inverse distance of the centres falls with their square, for it changes fast where the gap closes.
-const NODES: usize = 24;
+/// Least number of nodes of the truncated resistance, and nodes for each order of the modes: high ones tell small gaps from smaller ones. The
+/// inverse distance of the centres falls with the square of their number, for the resistance changes fast where the gap closes.
+const NODES: (usize, usize) = (24, 5);
 
 /// One less the inverse of one more than the gap, at the last of them.
-const FARTHEST: f64 = 1.0 - 1.0 / (1.0 + (1.0 + FADING) * REACH);
+const FARTHEST: f64 = 1.0 - 1.0 / (1.0 + FARTHEST_REACH);
 
-/// Samples of the exact one.
-const SAMPLES: usize = 20;
+/// Largest gap at which nothing may be missing, in radii of the smaller body, and that from which a table may begin to fade out.
+const FARTHEST_REACH: f64 = (1.0 + FADING) * REACH;
 
 /// Largest gap that a table may reach, in radii of the smaller body.
 const REACH: f64 = 1.0;
@@ -29,17 +32,9 @@ const NEGLIGIBLE: f64 = 1e-3;
 /// Part of its reach over which a table fades out.
 const FADING: f64 = 0.25;
 
-/// Ratios of radii are rounded to this fraction of an octave.
-const STEPS_PER_OCTAVE: f64 = 16.0;
-
-/// Largest ratio of radii for which the exact resistance is computed; beyond, it lies between that and a wall, and what is missing is taken
-/// relative to what would be missing at the largest gap.
-const LARGEST_RATIO: f64 = 2.0;
-
 /// The missing resistance of one combination of bodies. Lengths in radii of the first body, which is the smaller.
+#[derive(Clone)]
 pub struct FilmTable {
-    /// Radius of the second body, none for a wall.
-    second: Option<f64>,
     exact: Exact,
     truncated: Vec<Resistance>,
     /// What is missing where nothing should be.
@@ -50,45 +45,64 @@ pub struct FilmTable {
 /// The tables of all combinations met so far.
 #[derive(Default)]
 pub struct FilmTables {
+    exact: ExactTables,
     tables: RefCell<BTreeMap<Key, Rc<FilmTable>>>,
 }
 
 /// Orders of the smaller and the larger body, and their ratio; no second body is a wall.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Key {
-    order: usize,
-    second: Option<(usize, i32)>,
-}
+type Key = (usize, Option<(usize, RatioNode)>);
 
 impl FilmTables {
     /// The table of a body with modes up to an order and a second one, of another order and so many times as large (at least once), or a wall.
-    pub fn of<const D: usize>(&self, order: usize, second: Option<(usize, f64)>) -> Rc<FilmTable> {
-        let second = second.map(|(order, ratio)| (order, (ratio.log2() * STEPS_PER_OCTAVE).round() as i32));
-        let key = Key { order, second };
-        let ratio = |steps: i32| (f64::from(steps) / STEPS_PER_OCTAVE).exp2();
-        let anew = || Rc::new(FilmTable::new::<D>(order, second.map(|(order, steps)| (order, ratio(steps)))));
+    pub fn of<const D: usize>(&self, order: usize, second: Option<(usize, f64)>) -> FilmTable {
+        let Some((other, ratio)) = second else { return FilmTable::clone(&self.at_node::<D>((order, None))) };
+        let table = |(node, weight)| (weight, self.at_node::<D>((order, Some((other, node)))));
+        let tables: Vec<(f64, Rc<FilmTable>)> = ratios::nodes(ratio).into_iter().map(table).collect();
+        let lift = ratios::lift(ratio);
+        let mut mean = FilmTable::new(self.exact.of::<D>(Some((ratio, lift))), Vec::new());
+        let sum = |of: &dyn Fn(&FilmTable) -> Resistance| {
+            tables.iter().fold(Resistance::default(), |sum, (weight, table)| sum.with(&of(table), |sum, value| sum + weight * value))
+        };
+        mean.truncated = (0..tables[0].1.truncated.len()).map(|node| sum(&|table| table.truncated[node])).collect();
+        if lift == Lift::First {
+            mean.excess = mean.missing_at_reach();
+        }
+        mean.reach = tables.iter().map(|(weight, table)| weight * table.reach).sum::<f64>().min(FARTHEST_REACH);
+        mean
+    }
+
+    fn at_node<const D: usize>(&self, key: Key) -> Rc<FilmTable> {
+        let anew = || {
+            let (order, second) = key;
+            let exact = self.exact.of::<D>(second.map(|(_, node)| (node.ratio(), node.lift)));
+            Rc::new(FilmTable::of_node::<D>(exact, order, second))
+        };
         self.tables.borrow_mut().entry(key).or_insert_with(anew).clone()
     }
 }
 
 impl FilmTable {
+    fn new(exact: Exact, truncated: Vec<Resistance>) -> FilmTable {
+        FilmTable { exact, truncated, excess: Resistance::default(), reach: REACH }
+    }
+
     /// The table of a body of radius 1 and order `order`, and a second one of another order and radius, or a wall.
-    pub fn new<const D: usize>(order: usize, second: Option<(usize, f64)>) -> FilmTable {
-        let exact = exact::<D>(second.map(|(_, radius)| radius));
+    fn of_node<const D: usize>(exact: Exact, order: usize, second: Option<(usize, RatioNode)>) -> FilmTable {
         let first = AxisymmetricBody::<D>::new(1.0, order);
-        let other = second.map(|(order, radius)| AxisymmetricBody::<D>::new(radius, order));
-        let lift = lift(second.map(|(_, radius)| radius));
+        let other = second.map(|(order, node)| (AxisymmetricBody::<D>::new(node.ratio(), order), node.lift));
         let at = |gap: f64| match &other {
-            Some(other) => pair::resistance([&first, other], gap, lift),
+            Some((other, lift)) => pair::resistance([&first, other], gap, *lift),
             None => wall::resistance(&first, gap),
         };
-        let truncated: Vec<Resistance> = (0..NODES).map(|node| at(gap_of_node(node as f64))).collect();
-        let second = second.map(|(_, radius)| radius);
-        let mut table = FilmTable { second, exact, truncated, excess: Resistance::default(), reach: REACH };
-        if lift == Lift::First {
-            table.excess = table.exact(REACH).with(&table.truncated(REACH), |exact, truncated| exact - truncated);
+        let nodes = NODES.0.max(NODES.1 * order.max(second.map_or(0, |(order, _)| order)));
+        let mut table = FilmTable::new(exact, (0..nodes).map(|node| at(gap_at(node as f64 / (nodes - 1) as f64))).collect());
+        let one_moves = second.is_some_and(|(_, node)| node.lift == Lift::First);
+        if one_moves {
+            table.excess = table.missing_at_reach();
         }
-        table.reach = table.find_reach();
+        let reach = table.find_reach();
+        // beyond, what is missing relative to there means nothing
+        table.reach = if one_moves { reach.min(REACH) } else { reach };
         table
     }
 
@@ -104,7 +118,7 @@ impl FilmTable {
 
     /// The resistance that the modes see.
     pub fn truncated(&self, gap: f64) -> Resistance {
-        let (first, weights) = cubic(node_of_gap(gap), NODES);
+        let (first, weights) = cubic(place_of(gap) * (self.truncated.len() - 1) as f64, self.truncated.len());
         (0..4).fold(Resistance::default(), |sum, node| sum.with(&self.truncated[first + node], |sum, value| sum + weights[node] * value))
     }
 
@@ -115,14 +129,17 @@ impl FilmTable {
         missing.with(&self.excess, |missing, excess| fade * (missing - excess))
     }
 
+    /// What modes do not see where nothing should be missing.
+    fn missing_at_reach(&self) -> Resistance {
+        self.exact(REACH).with(&self.truncated(REACH), |exact, truncated| exact - truncated)
+    }
+
     /// The smallest gap from which on next to nothing is missing.
     fn find_reach(&self) -> f64 {
         let gaps = (1..=100).map(|step| REACH * f64::from(step) / 100.0);
         let missing = |gap: f64| self.exact(gap).approach - self.truncated(gap).approach - self.excess.approach;
         let enough = |gap: &f64| missing(*gap).abs() < NEGLIGIBLE * self.exact(*gap).approach;
-        let found = gaps.clone().rev().take_while(enough).last().unwrap_or(REACH) * (1.0 + FADING);
-        // beyond, what is missing relative to there means nothing
-        if lift(self.second) == Lift::First { found.min(REACH) } else { found }
+        gaps.clone().rev().take_while(enough).last().unwrap_or(REACH) * (1.0 + FADING)
     }
 }
 
@@ -132,55 +149,13 @@ fn smooth(x: f64) -> f64 {
     x * x * (3.0 - 2.0 * x)
 }
 
-/// Nodes lie from gap 0 to beyond the largest reach.
-fn gap_of_node(node: f64) -> f64 {
-    1.0 / (1.0 - FARTHEST * (node / (NODES - 1) as f64).powi(2)) - 1.0
+/// Nodes lie from gap 0, at place 0, to beyond the largest reach, at place 1.
+fn gap_at(place: f64) -> f64 {
+    1.0 / (1.0 - FARTHEST * place.powi(2)) - 1.0
 }
 
-fn node_of_gap(gap: f64) -> f64 {
-    ((1.0 - 1.0 / (1.0 + gap)) / FARTHEST).sqrt() * (NODES - 1) as f64
-}
-
-/// How relative motions of a pair are lifted to motions of both.
-fn lift(second: Option<f64>) -> Lift {
-    if second.is_some_and(|radius| radius > LARGEST_RATIO) { Lift::First } else { Lift::Balanced }
-}
-
-/// The resistance with all modes.
-fn exact<const D: usize>(second: Option<f64>) -> Exact {
-    match second.filter(|_| lift(second) == Lift::First) {
-        None => resolved::<D>(second, Lift::Balanced),
-        Some(radius) => Exact::between(resolved::<D>(Some(LARGEST_RATIO), Lift::First), &resolved::<D>(None, Lift::First), radius),
-    }
-}
-
-/// From gaps that the highest order resolves.
-fn resolved<const D: usize>(second: Option<f64>, lift: Lift) -> Exact {
-    let order = highest_order(D);
-    let first = AxisymmetricBody::<D>::new(1.0, order);
-    let other = second.map(|radius| AxisymmetricBody::<D>::new(radius, order));
-    let least = least_resolved(order, second);
-    let sample = |number: usize| {
-        // denser where the gap is small
-        let gap = least + 1.4 * REACH * (number as f64 / (SAMPLES - 1) as f64).powi(2);
-        let found = match &other {
-            Some(other) => pair::resistance([&first, other], gap, lift),
-            None => wall::resistance(&first, gap),
-        };
-        (gap, found)
-    };
-    let samples: Vec<(f64, Resistance)> = (0..SAMPLES).map(sample).collect();
-    Exact::fit(D, second, &samples)
-}
-
-/// The gap at which modes up to an order err by some 1e-5: fields fall by `e^{-alpha}` from one mode to the next,
-/// `a_2 sinh(alpha) = sqrt(2 r e)` with `r` the reduced radius and the larger body's radius `a_2`.
-fn least_resolved(order: usize, second: Option<f64>) -> f64 {
-    let sinh = (8.0 / order as f64).sinh();
-    match second {
-        Some(radius) => (radius * sinh).powi(2) * (1.0 + radius) / (2.0 * radius),
-        None => 0.5 * sinh.powi(2),
-    }
+fn place_of(gap: f64) -> f64 {
+    ((1.0 - 1.0 / (1.0 + gap)) / FARTHEST).sqrt()
 }
 
 #[cfg(test)]
@@ -197,7 +172,7 @@ mod tests {
 
     #[test]
     fn disks_have_the_closed_forms_at_any_gap() {
-        let (pair, wall) = (FilmTable::new::<2>(6, Some((6, 1.0))), FilmTable::new::<2>(6, None));
+        let (pair, wall) = (FilmTables::default().of::<2>(6, Some((6, 1.0))), FilmTables::default().of::<2>(6, None));
         for gap in GAPS {
             let what = format!("gap {gap}");
             let alpha = (1.0 + 0.5 * gap).acosh();
@@ -220,7 +195,7 @@ mod tests {
     /// Brenner's and Maude's series; for slip `3 pi (Y11 - Y12)` by Jeffrey and Onishi's asymptotic law.
     #[test]
     fn spheres_have_the_series_at_any_gap() {
-        let (pair, wall) = (FilmTable::new::<3>(4, Some((4, 1.0))), FilmTable::new::<3>(4, None));
+        let (pair, wall) = (FilmTables::default().of::<3>(4, Some((4, 1.0))), FilmTables::default().of::<3>(4, None));
         for (height, of_wall, of_pair) in [
             (1.001, 1002.3533268807, 254.14320360806),
             (1.01, 101.89617232461, 28.114022193234),
@@ -238,12 +213,12 @@ mod tests {
     #[test]
     fn what_is_missing_is_positive_and_ends_smoothly() {
         let tables = [
-            FilmTable::new::<2>(4, Some((4, 1.0))),
-            FilmTable::new::<2>(6, Some((9, 1.5))),
-            FilmTable::new::<2>(6, Some((32, 20.0))),
-            FilmTable::new::<2>(6, None),
-            FilmTable::new::<3>(4, Some((4, 1.0))),
-            FilmTable::new::<3>(3, None),
+            FilmTables::default().of::<2>(4, Some((4, 1.0))),
+            FilmTables::default().of::<2>(6, Some((9, 1.5))),
+            FilmTables::default().of::<2>(6, Some((32, 20.0))),
+            FilmTables::default().of::<2>(6, None),
+            FilmTables::default().of::<3>(4, Some((4, 1.0))),
+            FilmTables::default().of::<3>(3, None),
         ];
         for (number, table) in tables.iter().enumerate() {
             assert_eq!(table.missing(table.reach()), Resistance::default(), "{number}");
@@ -260,5 +235,49 @@ mod tests {
                 last = missing.approach;
             }
         }
+    }
+
+    /// Largest difference of two resistances, each number over the exact one of its kind, and of the larger body over its radius.
+    fn difference(found: &Resistance, direct: &Resistance, exact: &Resistance, radius: f64) -> f64 {
+        let across = exact.slip.max(exact.roll);
+        let kinds = [
+            exact.approach,
+            across,
+            across,
+            across,
+            exact.approach,
+            exact.approach * radius,
+            across,
+            across * radius,
+            across,
+            across * radius,
+        ];
+        let differences = found.with(direct, |one, other| (one - other).abs()).numbers();
+        differences.iter().zip(kinds).map(|(difference, kind)| difference / kind).fold(0.0, f64::max)
+    }
+
+    /// Ratios up to 4 and gaps from 1e-4 on, without a pattern.
+    fn agrees_with_direct_computation<const D: usize>(orders: usize) {
+        let tables = FilmTables::default();
+        let part = |sample: usize, step: f64| (sample as f64 * step).fract();
+        for sample in 1..=16 {
+            let first = 2 + (part(sample, 0.618_034) * (orders - 1) as f64) as usize;
+            let second = first + (part(sample, 0.414_214) * (orders + 1 - first) as f64) as usize;
+            let ratio = if sample % 4 == 0 { 1.0 } else { (2.0 * part(sample, 0.732_051)).exp2() };
+            let table = tables.of::<D>(first, Some((second, ratio)));
+            let sides = [AxisymmetricBody::<D>::new(1.0, first), AxisymmetricBody::new(ratio, second)];
+            for step in 0..8 {
+                let gap = 1e-4 * (table.reach() / 1e-4).powf((f64::from(step) + part(sample, 0.236_068)) / 8.0);
+                let direct = pair::resistance([&sides[0], &sides[1]], gap, ratios::lift(ratio));
+                let difference = difference(&table.truncated(gap), &direct, &table.exact(gap), ratio);
+                assert!(difference < 1e-4, "{D}D orders {first}, {second}, ratio {ratio}, gap {gap}: {difference:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn tables_of_any_bodies_agree_with_direct_computation() {
+        agrees_with_direct_computation::<2>(16);
+        agrees_with_direct_computation::<3>(10);
     }
 }

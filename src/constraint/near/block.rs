@@ -2,10 +2,7 @@
 
 use nalgebra::{DMatrix, SMatrix, SVector};
 
-use crate::surface::SurfaceTable;
-
-/// Quadrature points lie about a radius over this number apart.
-const FINENESS: f64 = 10.0;
+use crate::surface::{Modes, SurfaceTable, modes, pair_mobility};
 
 /// In 2D and 3D, the axis along which each of the two sees the other, and the signs by which their frames differ.
 const FRAME: [(usize, [f64; 3]); 2] = [(0, [-1.0, -1.0, 1.0]), (2, [-1.0, 1.0, -1.0])];
@@ -15,19 +12,21 @@ const FAR: f64 = 4.0;
 
 /// A body of a pair.
 pub struct PairSide<const D: usize> {
-    /// Its surface.
-    pub surface: SurfaceTable<D>,
+    /// Its modes.
+    pub modes: Box<dyn Modes>,
+    /// Its surface with the rigid modes, which come first, and few others.
+    rigid: SurfaceTable<D>,
 }
 
 impl<const D: usize> PairSide<D> {
     /// A body of the given radius, with modes up to `order`.
     pub fn new(radius: f64, order: usize) -> PairSide<D> {
-        PairSide { surface: SurfaceTable::new(radius, order, radius / FINENESS) }
+        PairSide { modes: modes(D, radius, order), rigid: SurfaceTable::new(radius, 1, radius) }
     }
 
     /// Its block when it is alone: the rows of rigid modes are those modes times the radius.
     pub fn isolated(&self) -> DMatrix<f64> {
-        let modes = &self.surface.modes;
+        let modes = &self.modes;
         let mut block = modes.isolated_mobility(modes.radius());
         for mode in 0..modes.rigid_count() {
             block[(mode, mode)] = modes.radius();
@@ -37,7 +36,7 @@ impl<const D: usize> PairSide<D> {
 
     /// Its block when it is alone, velocities in all rows; in 2D the velocity of a net force is zero a few distances away.
     pub fn isolated_in_motion(&self, distance: f64) -> DMatrix<f64> {
-        self.surface.modes.isolated_mobility(FAR * distance)
+        self.modes.isolated_mobility(FAR * distance)
     }
 
     /// The motions of two bodies as one, seen from this one, the first of the two or the `second`: a row for each mode, a column for each
@@ -62,34 +61,16 @@ impl<const D: usize> PairSide<D> {
                 let moved = velocity + spin * place;
                 SVector::from_fn(|i, _| turned(i) * moved[i])
             };
-            self.surface.coefficients(at)
+            let mut coefficients = self.rigid.coefficients(at);
+            coefficients.resize(self.modes.count(), 0.0);
+            coefficients
         };
         let columns: Vec<f64> = translations.chain(rotations).flat_map(seen).collect();
-        DMatrix::from_vec(self.surface.modes.count(), D * (D + 1) / 2, columns)
+        DMatrix::from_vec(self.modes.count(), D * (D + 1) / 2, columns)
     }
 
-    /// The velocity that unit multipliers of `other` cause at this body's points, `D` rows a point; in 2D up to a uniform one.
-    ///
-    /// Each of the two sees the other along the axis of its own frame: the frames differ by half a turn.
-    pub fn velocity_caused_by(&self, other: &PairSide<D>, distance: f64) -> DMatrix<f64> {
-        let (axis, signs) = FRAME[usize::from(D == 3)];
-        let mut center = SVector::<f64, D>::zeros();
-        center[axis] = distance;
-        let count = other.surface.modes.count();
-        let mut values = vec![0.0; count * D];
-        let mut velocity = DMatrix::zeros(self.surface.points() * D, count);
-        for (point, offset) in self.surface.offsets().enumerate() {
-            let from_other = SVector::<f64, D>::from_fn(|i, _| signs[i] * (offset[i] - center[i]));
-            other.surface.modes.exterior_velocity(from_other.as_slice(), FAR * distance, &mut values);
-            for (mode, value) in values.chunks_exact(D).enumerate() {
-                (0..D).for_each(|i| velocity[(point * D + i, mode)] = signs[i] * value[i]);
-            }
-        }
-        velocity
-    }
-
-    /// The `velocity` of given `columns` tested with the modes `rows`.
-    pub fn test(&self, velocity: &DMatrix<f64>, rows: &[usize], columns: &[usize]) -> DMatrix<f64> {
-        self.surface.projector().select_rows(rows) * velocity.select_columns(columns)
+    /// The block by which modes `columns` of another body act on modes `rows` of this one; in 2D up to a uniform velocity.
+    pub fn coupling(&self, other: &PairSide<D>, distance: f64, members: [&[usize]; 2]) -> DMatrix<f64> {
+        pair_mobility(D, [self.modes.radius(), other.modes.radius()], distance, FAR * distance, members)
     }
 }

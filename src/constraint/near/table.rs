@@ -1,9 +1,13 @@
 //! Corrections of pairs, tabulated over the distance.
 //!
 //! Lengths are in radii of the first body. All blocks are smooth in the distance, also where the surfaces touch: the orders
-//! of the modes are finite. Between nodes equally spaced in the inverse distance, cubics interpolate.
+//! of the modes are finite. Between nodes equally spaced in the inverse distance, which are made when a pair asks for them, cubics interpolate.
 
-use std::{cell::RefCell, collections::BTreeMap, rc::Rc};
+use std::{
+    cell::{OnceCell, RefCell},
+    collections::BTreeMap,
+    rc::Rc,
+};
 
 use nalgebra::DMatrix;
 
@@ -44,11 +48,13 @@ struct Key {
 /// The corrections of one combination of bodies.
 pub struct Table {
     /// How the multipliers are arranged.
-    pub pattern: Pattern,
+    pub pattern: Rc<Pattern>,
     contact: f64,
     /// Smallest inverse distance, and its step from node to node.
     range: [f64; 2],
-    nodes: Vec<Vec<f32>>,
+    nodes: [OnceCell<Vec<f32>>; NODES],
+    /// The corrections at a distance.
+    correct: Box<dyn Fn(f64) -> Vec<f32>>,
 }
 
 impl<const D: usize> PairTables<D> {
@@ -69,12 +75,13 @@ impl Table {
         let second = (f64::from(key.ratio) / STEPS_PER_OCTAVE).exp2();
         let sides = [PairSide::<D>::new(1.0, key.orders[0]), PairSide::new(second, key.orders[1])];
         let equal = key.ratio == 0 && key.orders[0] == key.orders[1];
-        let pattern = Pattern::new(sides.each_ref().map(|side| side.surface.modes.as_ref()), equal);
+        let pattern = Rc::new(Pattern::new(sides.each_ref().map(|side| side.modes.as_ref()), equal));
         let contact = 1.0 + second;
         let last = 1.0 / (contact * (1.0 + 0.5 * PAIR_REACH));
-        let step = (1.0 / contact - last) / (NODES - 1) as f64;
-        let nodes = (0..NODES).map(|node| corrections(&sides, given, &pattern, 1.0 / (last + step * node as f64))).collect();
-        Table { pattern, contact, range: [last, step], nodes }
+        let range = [last, (1.0 / contact - last) / (NODES - 1) as f64];
+        let arrangement = pattern.clone();
+        let correct = Box::new(move |distance| corrections(&sides, given, &arrangement, distance));
+        Table { pattern, contact, range, nodes: [const { OnceCell::new() }; NODES], correct }
     }
 
     /// Appends the correction for a gap, where the first body has the given radius.
@@ -82,7 +89,8 @@ impl Table {
         let inverse = 1.0 / (self.contact + (gap / radius).max(0.0));
         let (first, weights) = cubic((inverse - self.range[0]) / self.range[1], NODES);
         let weights = weights.map(|weight| (weight / radius) as f32);
-        let [a, b, c, d] = [0, 1, 2, 3].map(|node| &self.nodes[first + node]);
+        let distance = |node: usize| 1.0 / (self.range[0] + self.range[1] * node as f64);
+        let [a, b, c, d] = [0, 1, 2, 3].map(|node| self.nodes[first + node].get_or_init(|| (self.correct)(distance(first + node))));
         out.extend(
             a.iter().zip(b).zip(c.iter().zip(d)).map(|((a, b), (c, d))| weights[0] * a + weights[1] * b + weights[2] * c + weights[3] * d),
         );
@@ -91,14 +99,14 @@ impl Table {
 
 /// The blocks of the correction at one distance, channel by channel, columns one after the other.
 fn corrections<const D: usize>(sides: &[PairSide<D>; 2], given: Given, pattern: &Pattern, distance: f64) -> Vec<f32> {
-    let pair = Two::new(sides, pattern.equal(), distance);
+    let pair = Two::new(sides, given, pattern.equal(), distance);
     let mut out = Vec::new();
     for modes in pattern.channels() {
         let blocks = match given {
             Given::Forces => pair.given_forces(modes),
             Given::Motions => pair.given_motions(modes),
         };
-        out.extend(blocks.iter().flat_map(|block| block.iter().map(|value| *value as f32)));
+        blocks.iter().for_each(|block| out.extend(block.iter().map(|value| *value as f32)));
     }
     out
 }
@@ -107,41 +115,44 @@ fn corrections<const D: usize>(sides: &[PairSide<D>; 2], given: Given, pattern: 
 struct Two<'a, const D: usize> {
     sides: &'a [PairSide<D>; 2],
     distance: f64,
-    /// The velocity that each causes on the other; that on the first alone if they are equal.
-    caused: Vec<DMatrix<f64>>,
+    equal: bool,
+    /// The block of each when it is alone.
+    alone: [DMatrix<f64>; 2],
+    /// The motions of both as one, seen from each; none where forces are given.
+    as_one: [DMatrix<f64>; 2],
 }
 
 impl<'a, const D: usize> Two<'a, D> {
-    fn new(sides: &'a [PairSide<D>; 2], equal: bool, distance: f64) -> Self {
-        let [first, second] = sides;
-        let mut caused = vec![first.velocity_caused_by(second, distance)];
-        if !equal {
-            caused.push(second.velocity_caused_by(first, distance));
-        }
-        Two { sides, distance, caused }
-    }
-
-    fn equal(&self) -> bool {
-        self.caused.len() == 1
+    fn new(sides: &'a [PairSide<D>; 2], given: Given, equal: bool, distance: f64) -> Self {
+        let (alone, as_one) = match given {
+            Given::Forces => (sides.each_ref().map(PairSide::isolated), [0, 1].map(|_| DMatrix::zeros(0, 0))),
+            Given::Motions => (
+                sides.each_ref().map(|side| side.isolated_in_motion(distance)),
+                [0, 1].map(|side| sides[side].motions_as_one(distance, side == 1)),
+            ),
+        };
+        Two { sides, distance, equal, alone, as_one }
     }
 
     fn rigid(&self) -> usize {
-        self.sides[0].surface.modes.rigid_count()
+        self.sides[0].modes.rigid_count()
     }
 
-    /// Rows and columns of some modes of a block of each body's own.
-    fn own(&self, blocks: [DMatrix<f64>; 2], [one, two]: &[Vec<usize>; 2]) -> [DMatrix<f64>; 2] {
-        let [first, second] = blocks;
-        [(first, one), (second, two)].map(|(block, modes)| block.select_rows(modes).select_columns(modes))
+    /// Some modes of the block of each body when it is alone.
+    fn own(&self, modes: &[Vec<usize>; 2]) -> [DMatrix<f64>; 2] {
+        [0, 1].map(|side| part(&self.alone[side], &modes[side]))
     }
 
-    /// The blocks by which each acts on the other, tested with all modes.
+    /// The blocks by which each acts on the other; that on the first alone if they are equal.
     fn coupling(&self, [one, two]: &[Vec<usize>; 2]) -> Vec<DMatrix<f64>> {
-        let on = |(place, velocity): (usize, &DMatrix<f64>)| {
-            let (rows, columns) = if place == 0 { (one, two) } else { (two, one) };
-            self.sides[place].test(velocity, rows, columns)
-        };
-        self.caused.iter().enumerate().map(on).collect()
+        let [first, second] = self.sides;
+        let on_first = first.coupling(second, self.distance, [one, two]);
+        if self.equal {
+            return vec![on_first];
+        }
+        // reciprocity
+        let on_second = on_first.transpose() * (first.modes.force_factor() / second.modes.force_factor());
+        vec![on_first, on_second]
     }
 
     /// Sums and differences of a block and what couples it, or the two bodies in one.
@@ -154,7 +165,7 @@ impl<'a, const D: usize> Two<'a, D> {
 
     /// `B_ij^{-1} - B_i^{-1} (+) B_j^{-1}`.
     fn given_forces(&self, modes: &[Vec<usize>; 2]) -> Vec<DMatrix<f64>> {
-        let own = self.own(self.sides.each_ref().map(PairSide::isolated), modes);
+        let own = self.own(modes);
         let mut coupling = self.coupling(modes);
         for (place, block) in coupling.iter_mut().enumerate() {
             let rigid = modes[place].iter().enumerate().filter(|&(_, &mode)| mode < self.rigid());
@@ -162,7 +173,7 @@ impl<'a, const D: usize> Two<'a, D> {
         }
         let pair = self.combined(&own, &coupling).into_iter().map(inverse);
         let alone = own.map(inverse);
-        if self.equal() {
+        if self.equal {
             pair.map(|pair| (pair - &alone[0]) * 0.5).collect()
         } else {
             pair.map(|pair| pair - joined(&alone, None)).collect()
@@ -171,30 +182,29 @@ impl<'a, const D: usize> Two<'a, D> {
 
     /// The multipliers for given velocities of all modes, with no net force or torque on the pair, less those of free modes of each alone.
     fn given_motions(&self, modes: &[Vec<usize>; 2]) -> Vec<DMatrix<f64>> {
-        let own = self.own(self.sides.each_ref().map(|side| side.isolated_in_motion(self.distance)), modes);
+        let own = self.own(modes);
         let coupling = self.coupling(modes);
-        let areas = self.sides.each_ref().map(|side| side.surface.area());
-        let as_one = [0, 1].map(|side| self.sides[side].motions_as_one(self.distance, side == 1).select_rows(&modes[side]));
-        let mut members = modes.each_ref().map(|modes| modes.as_slice());
-        let (mut motions, mut factor) = (vec![stacked(&as_one, areas)], 1.0);
-        if self.equal() {
+        let areas = self.sides.each_ref().map(|side| side.modes.force_factor());
+        let as_one = [0, 1].map(|side| self.as_one[side].select_rows(&modes[side]));
+        let alone = [0, 1].map(|side| self.inverse_of_free(&own[side], &modes[side]));
+        let blocks = self.combined(&own, &coupling).into_iter();
+        if self.equal {
             let combined = [1.0, -1.0].map(|sign| &as_one[0] + &as_one[1] * sign);
-            motions = combined.into_iter().map(|motions| (motions.clone(), motions)).collect();
-            members[1] = &[];
-            factor = 0.5;
+            return blocks.zip(&combined).map(|(block, motions)| (without_net_force(&block, motions, motions) - &alone[0]) * 0.5).collect();
         }
-        let free: Vec<bool> = members.iter().flat_map(|modes| modes.iter().map(|&mode| mode >= self.rigid())).collect();
-        let places: Vec<usize> = (0..free.len()).filter(|&place| free[place]).collect();
-        let alone = if self.equal() { inverse(part(&own[0], &places)) } else { inverse(part(&joined(&own, None), &places)) };
-        let blocks = self.combined(&own, &coupling).into_iter().zip(motions);
-        let answer = |(block, (motions, forces)): (DMatrix<f64>, (DMatrix<f64>, DMatrix<f64>))| {
-            let mut answer = without_net_force(&block, &motions, &forces);
-            for (row, &place) in places.iter().enumerate() {
-                places.iter().enumerate().for_each(|(column, &other)| answer[(place, other)] -= alone[(row, column)]);
-            }
-            answer * factor
-        };
-        blocks.map(answer).collect()
+        let (alone, (motions, forces)) = (joined(&alone, None), stacked(&as_one, areas));
+        blocks.map(|block| without_net_force(&block, &motions, &forces) - &alone).collect()
+    }
+
+    /// The inverse of the part of free modes of a block, zero elsewhere.
+    fn inverse_of_free(&self, block: &DMatrix<f64>, modes: &[usize]) -> DMatrix<f64> {
+        let free: Vec<usize> = (0..modes.len()).filter(|&place| modes[place] >= self.rigid()).collect();
+        let small = inverse(part(block, &free));
+        let mut whole = DMatrix::zeros(modes.len(), modes.len());
+        for (row, &place) in free.iter().enumerate() {
+            free.iter().enumerate().for_each(|(column, &other)| whole[(place, other)] = small[(row, column)]);
+        }
+        whole
     }
 }
 
@@ -210,7 +220,7 @@ fn stacked([first, second]: &[DMatrix<f64>; 2], areas: [f64; 2]) -> (DMatrix<f64
 }
 
 fn part(block: &DMatrix<f64>, places: &[usize]) -> DMatrix<f64> {
-    block.select_rows(places).select_columns(places)
+    DMatrix::from_fn(places.len(), places.len(), |row, column| block[(places[row], places[column])])
 }
 
 /// The inverse of a block on what has no part along some `forces`, up to the `motions` that go with them.

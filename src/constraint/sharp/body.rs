@@ -12,7 +12,7 @@ use crate::{
         interpolant::Interpolant,
         layout::MultiplierLayout,
         places::{Entries, EntriesMut},
-        rows::Rows,
+        rows::{Rows, SingleRows},
     },
     linalg::dot,
     surface::SurfaceTable,
@@ -23,7 +23,7 @@ pub struct SharpBody<const D: usize> {
     /// Its surface.
     pub surface: Rc<SurfaceTable<D>>,
     /// Rows of C.
-    pub rows: Rows,
+    pub rows: SingleRows,
     /// What passes to walls.
     pub on_walls: Vec<OnWall>,
     /// J, before values at the points are projected on the modes.
@@ -32,6 +32,13 @@ pub struct SharpBody<const D: usize> {
     pub local: Vec<LocalBlock>,
     /// Once planned, the places of the first multipliers of the blocks of E.
     pub local_places: Vec<u32>,
+}
+
+impl<const D: usize> SharpBody<D> {
+    /// The same with rows of C, as they are kept in memory that is used again.
+    pub fn keeping(self, rows: &Rows, memory: Vec<f32>) -> SharpBody<D> {
+        SharpBody { rows: SingleRows::new(rows, self.surface.modes.count(), memory), ..self }
+    }
 }
 
 impl<const D: usize> BodyBlocks<D> for SharpBody<D> {
@@ -83,7 +90,7 @@ impl<const D: usize> BodyBlocks<D> for SharpBody<D> {
         }
     }
 
-    fn into_memory(self: Box<Self>) -> Option<Vec<f64>> {
+    fn into_memory(self: Box<Self>) -> Option<Vec<f32>> {
         Some(self.rows.values)
     }
 }

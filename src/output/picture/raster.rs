@@ -40,7 +40,7 @@ fn rgba(pixels: &[u8], [width, height]: [usize; 2]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
     encoder.set_color(png::ColorType::Rgba);
-    encoder.set_compression(png::Compression::High);
+    encoder.set_compression(png::Compression::Balanced);
     let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(pixels));
     written.expect("a vector takes any bytes and the size matches");
     bytes
@@ -98,7 +98,7 @@ fn png(levels: &[u8], [width, height]: [usize; 2], palette: Vec<u8>) -> Vec<u8> 
     let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
     encoder.set_color(png::ColorType::Indexed);
     encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::High);
+    encoder.set_compression(png::Compression::Balanced);
     encoder.set_palette(palette);
     let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(levels));
     written.expect("a vector takes any bytes and the size matches");
