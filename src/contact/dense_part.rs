@@ -34,17 +34,11 @@ pub(super) fn solve_dense(program: &Program, guess: &[f64]) -> Option<Vec<f64>> 
 
 /// `A A^T`.
 fn products(program: &Program) -> Matrix {
-    let mut matrix = [[0.0; MOST]; MOST];
+    let count = program.offsets.len();
     let of = |row: usize, other: usize| -> f64 {
         program.row(row).map(|(place, value)| value * program.row(other).find(|entry| entry.0 == place).map_or(0.0, |entry| entry.1)).sum()
     };
-    for row in 0..program.offsets.len() {
-        for other in 0..=row {
-            matrix[row][other] = of(row, other);
-            matrix[other][row] = matrix[row][other];
-        }
-    }
-    matrix
+    std::array::from_fn(|row| std::array::from_fn(|other| if row < count && other < count { of(row, other) } else { 0.0 }))
 }
 
 /// The multipliers, zero of those that are not active, with which active constraints have no slack; `None` if they repeat each other.
