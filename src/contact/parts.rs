@@ -10,8 +10,9 @@ use super::{program::Program, projected_gradient::descend, union_find::UnionFind
 /// Constraints that press, or of which the slack is below the first, are looked at in so many iterations of the projected gradient: first in a few, then
 /// those of which the slack is low after these.
 const GLANCES: [(f64, usize); 2] = [(0.7, 15), (0.4, 60)];
-/// Constraints with less slack than this after them are solved for.
-const NEAR: f64 = 0.2;
+/// Constraints are solved for that press after them or have less slack than so many times the distance from the solution, between these bounds.
+const NEAR: f64 = 20.0;
+const BOUNDS: [f64; 2] = [0.01, 0.2];
 /// Those that were left out join if they are violated by more.
 const TOLERANCE: f64 = 1e-12;
 /// Rounds before giving up.
@@ -26,8 +27,9 @@ pub(super) type SolvePart<'a> = &'a dyn Fn(&Program, &[f64]) -> (Vec<f64>, usize
 pub(super) fn solve_by_parts(program: &Program, guess: &[f64], solve: SolvePart) -> (Vec<f64>, usize) {
     let mut parts = Parts::new(program, guess);
     parts.descend();
+    let near = (NEAR * program.residual(&parts.multipliers)).clamp(BOUNDS[0], BOUNDS[1]);
     for round in 0..ROUNDS {
-        let least = if round == 0 { NEAR } else { -TOLERANCE };
+        let least = if round == 0 { near } else { -TOLERANCE };
         let fresh = parts.choose(least);
         if fresh.is_empty() {
             break;
