@@ -173,7 +173,7 @@ impl<const D: usize> QuasiStatic<D> {
         let (placed, centers) = (self.placed(state), state.centers());
         let setup = self.suspension.setup();
         let (interactions, tightest) = (setup.interactions.clone(), setup.tolerance.at_an_instant());
-        let mut tolerance = setup.tolerance.in_a_step(self.travelled(&placed));
+        let mut tolerance = setup.tolerance.in_a_step(self.travelled(state));
         let touch = interactions.touch();
         self.refuse_overlap(&placed, touch)?;
         let known = interactions.contact_forces(&self.arrangement(&placed));
@@ -336,10 +336,12 @@ impl<const D: usize> QuasiStatic<D> {
         Ok(travelled.max(cells / COURANT))
     }
 
-    /// The longest way of the last step, in radii of the body that went it.
-    fn travelled(&self, placed: &Placed<D>) -> f64 {
-        let last: Vec<Twist<D>> = placed.state.bodies.iter().map(|body| body.twist).collect();
-        placed.state.last_step / self.time_of_travel(placed, &last)
+    /// The longest way of the last step, in radii of the body that went it; of an automatic one no more than is asked for, however far all moved together.
+    fn travelled(&self, state: &State<D>) -> f64 {
+        let last: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
+        let ways = self.deviatoric_velocities(state, &last).into_iter().zip(&self.radii).map(|(velocity, radius)| velocity.norm() / radius);
+        let most = if self.step_control.time.step == Step::Auto { self.step_control.time.travel } else { f64::INFINITY };
+        (state.last_step * ways.fold(0.0, f64::max)).min(most)
     }
 
     /// The contacts of these whose bodies are near each other before the step.
