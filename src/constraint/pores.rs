@@ -26,7 +26,7 @@ const WIDEST: f64 = 4.0;
 /// What a closed throat conducts for modes up to order 1; it falls with the third power of the order.
 const LEAKAGE: f64 = 4e-3;
 
-/// What ties one pore to a fixed pressure, so that pressures are known.
+/// What ties one pore to a fixed pressure, so that pressures are known, over the square of the radius of its disk.
 const TIE: f64 = 1e-2;
 
 /// Reaches of triangulations that are tried, in means of the distance between neighbours.
@@ -67,6 +67,8 @@ pub struct Pores {
     pub shares: Vec<Share>,
     /// Throats of all pores.
     pub throats: Vec<Throat>,
+    /// What ties the first one to a fixed pressure.
+    tie: f64,
 }
 
 impl Pores {
@@ -80,7 +82,8 @@ impl Pores {
         let edges = Edges::new(&triangles);
         let centers: Vec<Vector2<f64>> = balls.iter().map(|ball| ball.center).collect();
         let place = |corner: Corner| position(&domain, &centers, corner);
-        let mut pores = Pores { of_body: Vec::new(), shares: Vec::new(), throats: Vec::new() };
+        let tie = TIE * triangles.first().map_or(0.0, |triangle| balls[triangle[0].0].radius).powi(2);
+        let mut pores = Pores { of_body: Vec::new(), shares: Vec::new(), throats: Vec::new(), tie };
         for (pore, triangle) in triangles.iter().enumerate() {
             pores.of_body.push(triangle[0].0);
             let here = layout.holds_any(triangle.iter().map(|corner| corner.0).filter(|&body| !foot(body)));
@@ -113,7 +116,7 @@ impl Pores {
             let beyond = other.map(|other| ([pore, other], -throat.conductance));
             std::iter::once(([pore, pore], throat.conductance)).chain(beyond)
         };
-        self.throats.iter().flat_map(of_throat).chain((!self.of_body.is_empty()).then_some(([0, 0], TIE)))
+        self.throats.iter().flat_map(of_throat).chain((!self.of_body.is_empty()).then_some(([0, 0], self.tie)))
     }
 }
 

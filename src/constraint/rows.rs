@@ -19,8 +19,8 @@ pub struct Rows {
 
 /// Rows in single precision, which take most of the memory of a crowd; products are summed in double precision.
 ///
-/// What a value loses is added to the next row of the same multiplier, so that sums over rows, the momentum that a multiplier passes to the fluid, are kept
-/// to the rounding of a single value.
+/// What a value loses is added to the next row of the same multiplier and field, so that sums over rows, the momentum that a multiplier passes to the fluid,
+/// are kept to the rounding of a single value.
 #[derive(Default)]
 pub struct SingleRows {
     /// Indices in fluid vectors.
@@ -32,12 +32,16 @@ pub struct SingleRows {
 }
 
 impl SingleRows {
-    /// Rows of so many multipliers each; `memory` is used again.
-    pub fn new(Rows { unknowns, values, .. }: &Rows, count: usize, mut memory: Vec<f32>) -> SingleRows {
+    /// Rows of so many multipliers each, those of a field up to where it ends; `memory` is used again.
+    pub fn new(Rows { unknowns, values, .. }: &Rows, count: usize, field_ends: &[usize], mut memory: Vec<f32>) -> SingleRows {
         memory.clear();
         memory.reserve_exact(values.len());
         let mut lost = vec![0.0; count];
-        for row in values.chunks_exact(count) {
+        for (number, row) in values.chunks_exact(count).enumerate() {
+            if field_ends.contains(&number) {
+                // other units
+                lost.fill(0.0);
+            }
             memory.extend(row.iter().zip(&mut lost).map(|(value, lost)| {
                 let wanted = value + *lost;
                 let single = wanted as f32;
@@ -108,7 +112,7 @@ mod tests {
         let (count, rows) = (7, 1000);
         let values: Vec<f64> = (0..count * rows).map(|place| (place as f64).sin().exp() - 1.2).collect();
         let double = Rows::new((0..rows).collect(), values);
-        let single = SingleRows::new(&double, count, Vec::new());
+        let single = SingleRows::new(&double, count, &[rows], Vec::new());
         for multiplier in 0..count {
             let sum = |values: &mut dyn Iterator<Item = f64>| values.skip(multiplier).step_by(count).sum::<f64>();
             let (kept, wanted) = (sum(&mut single.values.iter().map(|&value| f64::from(value))), sum(&mut double.values.iter().copied()));

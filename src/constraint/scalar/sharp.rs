@@ -43,11 +43,11 @@ pub fn bytes<const D: usize>(size: &Size<D>) -> f64 {
 
 fn blocks<const D: usize>(grid: &Grid<D>, surrounded: &Surrounded<D>, workspace: &mut Workspace) -> InclusionBlocks<D> {
     let placed = surrounded.placed;
-    let AssembledBody { mut body, rows, nodes } =
+    let AssembledBody { mut body, rows, field_ends, nodes } =
         assemble(grid, surrounded, workspace, |nodes| vec![vec![missing_source(grid, placed, &nodes[0])]]);
     let (by_source, of_modes, values) = split_source(&mut body, &rows);
     let source = source(grid, &nodes[0], (&rows.unknowns, &values));
-    let body = body.keeping(&Rows::new(rows.unknowns, of_modes), workspace.memory());
+    let body = body.keeping(&Rows::new(rows.unknowns, of_modes), &field_ends, workspace.memory());
     InclusionBlocks { body: Box::new(body), inclusion: Inclusion::on_surface(placed, source, by_source) }
 }
 

@@ -35,9 +35,9 @@ pub struct SharpBody<const D: usize> {
 }
 
 impl<const D: usize> SharpBody<D> {
-    /// The same with rows of C, as they are kept in memory that is used again.
-    pub fn keeping(self, rows: &Rows, memory: Vec<f32>) -> SharpBody<D> {
-        SharpBody { rows: SingleRows::new(rows, self.surface.modes.count(), memory), ..self }
+    /// The same with rows of C, whose fields end so, as they are kept in memory that is used again.
+    pub fn keeping(self, rows: &Rows, field_ends: &[usize], memory: Vec<f32>) -> SharpBody<D> {
+        SharpBody { rows: SingleRows::new(rows, self.surface.modes.count(), field_ends, memory), ..self }
     }
 }
 

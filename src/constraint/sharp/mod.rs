@@ -76,6 +76,8 @@ pub struct AssembledBody<const D: usize> {
     pub body: SharpBody<D>,
     /// Its rows, with values of sources behind those of the modes.
     pub rows: Rows,
+    /// Where the rows of each field end.
+    pub field_ends: Vec<usize>,
     /// The nodes.
     pub nodes: Vec<JumpNodes<D>>,
 }
@@ -92,8 +94,8 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for Sharp {
     fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], memory: Vec<Vec<f32>>) -> Vec<Box<dyn BodyBlocks<D>>> {
         let mut workspace = Workspace { kept: memory, ..Workspace::default() };
         let of = |body: &Surrounded<D>| -> Box<dyn BodyBlocks<D>> {
-            let AssembledBody { body, rows, .. } = assemble(grid, body, &mut workspace, |_| vec![Vec::new(); D]);
-            let body = body.keeping(&rows, workspace.memory());
+            let AssembledBody { body, rows, field_ends, .. } = assemble(grid, body, &mut workspace, |_| vec![Vec::new(); D]);
+            let body = body.keeping(&rows, &field_ends, workspace.memory());
             workspace.values = rows.values;
             Box::new(body)
         };
@@ -147,6 +149,7 @@ pub fn assemble<const D: usize>(
         Some((*other, block))
     });
     let local = own.into_iter().chain(others);
+    let field_ends = spreading.field_ends();
     let (rows, on_walls) = spreading.rows(jumps, &sources(&nodes), std::mem::take(values));
     let body = SharpBody {
         surface: placed.surface.clone(),
@@ -156,5 +159,5 @@ pub fn assemble<const D: usize>(
         local_places: Vec::new(),
         interpolant: interpolation.interpolant,
     };
-    AssembledBody { body, rows, nodes }
+    AssembledBody { body, rows, field_ends, nodes }
 }

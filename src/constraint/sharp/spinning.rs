@@ -46,11 +46,11 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for SharpWithInertia {
     fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], memory: Vec<Vec<f32>>) -> Vec<Box<dyn BodyBlocks<D>>> {
         let mut workspace = Workspace { kept: memory, ..Workspace::default() };
         let of = |body: &Surrounded<D>| -> Box<dyn BodyBlocks<D>> {
-            let AssembledBody { body: blocks, rows, nodes } =
+            let AssembledBody { body: blocks, rows, field_ends, nodes } =
                 assemble(grid, body, &mut workspace, |nodes| moments(grid, body.placed, nodes));
             let interior = interior_force(grid, body.placed, &nodes[..D], self.spin_up_of[body.body]);
             let mean_motion = self.inside[body.body].then(|| MeanMotion::new(grid, body.placed, &nodes[..D]));
-            Box::new(SpinningBody::new((blocks, rows, interior), mean_motion, &self.spin_up_of, workspace.memory()))
+            Box::new(SpinningBody::new((blocks, (rows, field_ends), interior), mean_motion, &self.spin_up_of, workspace.memory()))
         };
         bodies.iter().map(of).collect()
     }
@@ -126,7 +126,7 @@ struct SpinningBody<const D: usize> {
 impl<const D: usize> SpinningBody<D> {
     /// Takes the columns of spin-ups out of the blocks of a body, and adds them to those of rotations.
     fn new(
-        (blocks, assembled, interior): (SharpBody<D>, Rows, InteriorForce),
+        (blocks, (assembled, field_ends), interior): (SharpBody<D>, (Rows, Vec<usize>), InteriorForce),
         mean_motion: Option<MeanMotion>,
         spin_up_of: &[f64],
         memory: Vec<f32>,
@@ -140,7 +140,7 @@ impl<const D: usize> SpinningBody<D> {
             of_spin_ups.iter().enumerate().for_each(|(plane, value)| values[start + D + plane] += factor * value);
             rows.extend_from_slice(of_spin_ups);
         }
-        let mut blocks = blocks.keeping(&Rows::new(assembled.unknowns, values), memory);
+        let mut blocks = blocks.keeping(&Rows::new(assembled.unknowns, values), &field_ends, memory);
         let mut local = Vec::new();
         for block in &mut blocks.local {
             let of_modes = block.transposed.nrows() - planes;
