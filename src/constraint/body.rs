@@ -61,7 +61,7 @@ pub trait BodyBlocks<const D: usize> {
     }
 
     /// Memory that the assembly of another body can use again.
-    fn into_memory(self: Box<Self>) -> Option<Vec<f32>> {
+    fn into_memory(self: Box<Self>) -> Option<Vec<f64>> {
         None
     }
 }

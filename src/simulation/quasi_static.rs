@@ -49,6 +49,9 @@ const AGREEMENT_IN_FILMS: f64 = 1e-4;
 /// Part of the tolerance of a solve at an instant down to which the flow is solved where nothing else is left to agree on.
 const TIGHTEST: f64 = 1e-3;
 
+/// How many times what it may move relative to its neighbours a body moves in the box in a first step, of whose error nothing is known.
+const FIRST: f64 = 3.0;
+
 /// Overlap, in radii, up to which clusters are kept apart in a step; the next one does the rest.
 const APART: f64 = 1e-8;
 
@@ -133,7 +136,12 @@ impl<const D: usize> QuasiStatic<D> {
         if !self.suspension.evolves() {
             return time_of_travel(&placed.domain, &placed.balls, &velocities(twists));
         }
-        let deviatoric = self.deviatoric_velocities(placed.state, twists);
+        self.time_in_box(placed.state, twists)
+    }
+
+    /// The same in the box, relative to what goes along with images alone.
+    fn time_in_box(&self, state: &State<D>, twists: &[Twist<D>]) -> f64 {
+        let deviatoric = self.deviatoric_velocities(state, twists);
         deviatoric.iter().zip(&self.radii).map(|(velocity, radius)| radius / velocity.norm()).fold(f64::INFINITY, f64::min)
     }
 
@@ -152,7 +160,8 @@ impl<const D: usize> QuasiStatic<D> {
     /// The step to take with these motions and forces.
     fn step_size(&self, placed: &Placed<D>, twists: &[Twist<D>], pushes: &[Wrench<D>], tried: Option<f64>) -> Result<StepSize> {
         let (state, travel) = (placed.state, self.step_control.time.travel);
-        let moved = (travel * self.time_of_travel(placed, twists)).min(self.accurate_step(state, twists));
+        let first = if state.last_step == 0.0 { FIRST * self.time_in_box(state, twists) } else { f64::INFINITY };
+        let moved = (travel * self.time_of_travel(placed, twists).min(first)).min(self.accurate_step(state, twists));
         let given = self.suspension.setup().trajectories.longest_step(state.time, |body| travel * self.radii[body]);
         let stable = self.suspension.longest_step(pushes)?.min(given).min(moved);
         // a fixed step that is half taken was not split
@@ -339,9 +348,8 @@ impl<const D: usize> QuasiStatic<D> {
     /// The longest way of the last step, in radii of the body that went it; of an automatic one no more than is asked for, however far all moved together.
     fn travelled(&self, state: &State<D>) -> f64 {
         let last: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
-        let ways = self.deviatoric_velocities(state, &last).into_iter().zip(&self.radii).map(|(velocity, radius)| velocity.norm() / radius);
         let most = if self.step_control.time.step == Step::Auto { self.step_control.time.travel } else { f64::INFINITY };
-        (state.last_step * ways.fold(0.0, f64::max)).min(most)
+        (state.last_step / self.time_in_box(state, &last)).min(most)
     }
 
     /// The contacts of these whose bodies are near each other before the step.

@@ -12,7 +12,7 @@ use crate::{
         interpolant::Interpolant,
         layout::MultiplierLayout,
         places::{Entries, EntriesMut},
-        rows::{Rows, SingleRows},
+        rows::Rows,
     },
     linalg::dot,
     surface::SurfaceTable,
@@ -23,7 +23,7 @@ pub struct SharpBody<const D: usize> {
     /// Its surface.
     pub surface: Rc<SurfaceTable<D>>,
     /// Rows of C.
-    pub rows: SingleRows,
+    pub rows: Rows,
     /// What passes to walls.
     pub on_walls: Vec<OnWall>,
     /// J, before values at the points are projected on the modes.
@@ -32,13 +32,6 @@ pub struct SharpBody<const D: usize> {
     pub local: Vec<LocalBlock>,
     /// Once planned, the places of the first multipliers of the blocks of E.
     pub local_places: Vec<u32>,
-}
-
-impl<const D: usize> SharpBody<D> {
-    /// The same with rows of C, whose fields end so, as they are kept in memory that is used again.
-    pub fn keeping(self, rows: &Rows, field_ends: &[usize], memory: Vec<f32>) -> SharpBody<D> {
-        SharpBody { rows: SingleRows::new(rows, self.surface.modes.count(), field_ends, memory), ..self }
-    }
 }
 
 impl<const D: usize> BodyBlocks<D> for SharpBody<D> {
@@ -90,7 +83,7 @@ impl<const D: usize> BodyBlocks<D> for SharpBody<D> {
         }
     }
 
-    fn into_memory(self: Box<Self>) -> Option<Vec<f32>> {
+    fn into_memory(self: Box<Self>) -> Option<Vec<f64>> {
         Some(self.rows.values)
     }
 }

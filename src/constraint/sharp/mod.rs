@@ -27,7 +27,6 @@ use super::{
     dense::LocalBlock,
     method::{Method, Size},
     placed::Surrounded,
-    rows::{Rows, SingleRows},
     unknowns::Unknowns,
 };
 use crate::{grid::Grid, surface::SurfaceTable};
@@ -57,29 +56,8 @@ pub struct Workspace {
     /// For each component, the jumps of one neighbour after the other.
     of_neighbour: [Jumps; 3],
     interpolated: Interpolated,
-    /// Values of the rows of one body after the other.
-    values: Vec<f64>,
-    /// Those, as they were kept, of bodies that are gone.
-    kept: Vec<Vec<f32>>,
-}
-
-impl Workspace {
-    /// Memory for the rows of a body.
-    pub fn memory(&mut self) -> Vec<f32> {
-        self.kept.pop().unwrap_or_default()
-    }
-}
-
-/// A body without its rows, these in double precision, and the nodes of each field.
-pub struct AssembledBody<const D: usize> {
-    /// The body.
-    pub body: SharpBody<D>,
-    /// Its rows, with values of sources behind those of the modes.
-    pub rows: Rows,
-    /// Where the rows of each field end.
-    pub field_ends: Vec<usize>,
-    /// The nodes.
-    pub nodes: Vec<JumpNodes<D>>,
+    /// Values of the rows of bodies that are gone.
+    values: Vec<Vec<f64>>,
 }
 
 /// The method.
@@ -91,14 +69,10 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for Sharp {
         "surface multipliers with corrected stencils (sharp)".into()
     }
 
-    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], memory: Vec<Vec<f32>>) -> Vec<Box<dyn BodyBlocks<D>>> {
-        let mut workspace = Workspace { kept: memory, ..Workspace::default() };
-        let of = |body: &Surrounded<D>| -> Box<dyn BodyBlocks<D>> {
-            let AssembledBody { body, rows, field_ends, .. } = assemble(grid, body, &mut workspace, |_| vec![Vec::new(); D]);
-            let body = body.keeping(&rows, &field_ends, workspace.memory());
-            workspace.values = rows.values;
-            Box::new(body)
-        };
+    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], memory: Vec<Vec<f64>>) -> Vec<Box<dyn BodyBlocks<D>>> {
+        let mut workspace = Workspace { values: memory, ..Workspace::default() };
+        let of =
+            |body: &Surrounded<D>| -> Box<dyn BodyBlocks<D>> { Box::new(assemble(grid, body, &mut workspace, |_| vec![Vec::new(); D]).0) };
         bodies.iter().map(of).collect()
     }
 
@@ -120,23 +94,24 @@ pub fn bytes<const D: usize>(grid: &Grid<D>, Size { ball, order, count }: &Size<
     let (count, cells) = (*count as f64, ball.radius / grid.mean_spacing());
     let surface = if D == 2 { 2.0 * std::f64::consts::PI * cells } else { 4.0 * std::f64::consts::PI * cells * cells };
     let points = SurfaceTable::<D>::point_count(ball.radius, *order, grid.mean_spacing()) as f64;
-    4.0 * count * 2.0 * (D + 1) as f64 * surface
+    8.0 * count * 2.0 * (D + 1) as f64 * surface
         + 16.0 * points * (D * 4_usize.pow(D as u32)) as f64
         + 5.0 * BYTES_PER_ENTRY * count * count
 }
 
-/// The blocks of one body, with values of sources behind those of the modes that have the moments of `sources` in each component.
+/// The blocks of one body, with values of sources behind those of the modes that have the moments of `sources` in each component, and the nodes
+/// of each field.
 pub fn assemble<const D: usize>(
     grid: &Grid<D>,
     Surrounded { body, placed, neighbours }: &Surrounded<D>,
     workspace: &mut Workspace,
     sources: impl Fn(&[JumpNodes<D>]) -> Vec<Vec<[f64; TERMS]>>,
-) -> AssembledBody<D> {
+) -> (SharpBody<D>, Vec<JumpNodes<D>>) {
     let unknowns = Unknowns::of(placed.surface.modes.as_ref());
     let (fields, components) = (unknowns.fields::<D>(), unknowns.components::<D>());
     let reach = placed.surface.modes.radius() + reach(grid);
     let nodes: Vec<JumpNodes<D>> = (0..fields).map(|field| JumpNodes::around(grid, field, placed, reach)).collect();
-    let Workspace { jumps, of_neighbour, interpolated, values, .. } = workspace;
+    let Workspace { jumps, of_neighbour, interpolated, values } = workspace;
     let (jumps, of_neighbour) = (&mut jumps[..fields], &mut of_neighbour[..components]);
     nodes.iter().zip(&mut *jumps).for_each(|(nodes, jumps)| jumps.turn_to(placed, nodes));
     let spreading = Spreading::new(grid, placed, &nodes, jumps);
@@ -149,15 +124,14 @@ pub fn assemble<const D: usize>(
         Some((*other, block))
     });
     let local = own.into_iter().chain(others);
-    let field_ends = spreading.field_ends();
-    let (rows, on_walls) = spreading.rows(jumps, &sources(&nodes), std::mem::take(values));
+    let (rows, on_walls) = spreading.rows(jumps, &sources(&nodes), values.pop().unwrap_or_default());
     let body = SharpBody {
         surface: placed.surface.clone(),
-        rows: SingleRows::default(),
+        rows,
         on_walls,
         local: local.map(|(body, transposed)| LocalBlock { body, transposed }).collect(),
         local_places: Vec::new(),
         interpolant: interpolation.interpolant,
     };
-    AssembledBody { body, rows, field_ends, nodes }
+    (body, nodes)
 }

@@ -10,7 +10,7 @@ use std::rc::Rc;
 
 use nalgebra::{DMatrix, SMatrix, SVector};
 
-use super::{AssembledBody, INTERPOLATION_REACH, JumpNodes, SharpBody, Workspace, assemble, bytes};
+use super::{INTERPOLATION_REACH, JumpNodes, SharpBody, Workspace, assemble, bytes};
 use crate::{
     body::planes,
     constraint::{
@@ -22,7 +22,6 @@ use crate::{
         method::{Method, Size},
         placed::{Placed, Surrounded},
         places::{Entries, EntriesMut},
-        rows::Rows,
     },
     grid::Grid,
     linalg::dot,
@@ -43,14 +42,13 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for SharpWithInertia {
         "surface multipliers with corrected stencils (sharp), bodies with inertia".into()
     }
 
-    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], memory: Vec<Vec<f32>>) -> Vec<Box<dyn BodyBlocks<D>>> {
-        let mut workspace = Workspace { kept: memory, ..Workspace::default() };
+    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], memory: Vec<Vec<f64>>) -> Vec<Box<dyn BodyBlocks<D>>> {
+        let mut workspace = Workspace { values: memory, ..Workspace::default() };
         let of = |body: &Surrounded<D>| -> Box<dyn BodyBlocks<D>> {
-            let AssembledBody { body: blocks, rows, field_ends, nodes } =
-                assemble(grid, body, &mut workspace, |nodes| moments(grid, body.placed, nodes));
+            let (blocks, nodes) = assemble(grid, body, &mut workspace, |nodes| moments(grid, body.placed, nodes));
             let interior = interior_force(grid, body.placed, &nodes[..D], self.spin_up_of[body.body]);
             let mean_motion = self.inside[body.body].then(|| MeanMotion::new(grid, body.placed, &nodes[..D]));
-            Box::new(SpinningBody::new((blocks, (rows, field_ends), interior), mean_motion, &self.spin_up_of, workspace.memory()))
+            Box::new(SpinningBody::new((blocks, interior), mean_motion, &self.spin_up_of))
         };
         bodies.iter().map(of).collect()
     }
@@ -125,22 +123,17 @@ struct SpinningBody<const D: usize> {
 
 impl<const D: usize> SpinningBody<D> {
     /// Takes the columns of spin-ups out of the blocks of a body, and adds them to those of rotations.
-    fn new(
-        (blocks, (assembled, field_ends), interior): (SharpBody<D>, (Rows, Vec<usize>), InteriorForce),
-        mean_motion: Option<MeanMotion>,
-        spin_up_of: &[f64],
-        memory: Vec<f32>,
-    ) -> Self {
+    fn new((mut blocks, interior): (SharpBody<D>, InteriorForce), mean_motion: Option<MeanMotion>, spin_up_of: &[f64]) -> Self {
         let (planes, count, factor) = (planes::<D>().len(), blocks.surface.modes.count(), interior.factor());
-        let (mut values, mut rows) = (Vec::with_capacity(assembled.values.len()), Vec::new());
-        for row in assembled.values.chunks_exact(count + planes) {
+        let (mut values, mut rows) = (Vec::with_capacity(blocks.rows.values.len()), Vec::new());
+        for row in blocks.rows.values.chunks_exact(count + planes) {
             let (of_modes, of_spin_ups) = row.split_at(count);
             let start = values.len();
             values.extend_from_slice(of_modes);
             of_spin_ups.iter().enumerate().for_each(|(plane, value)| values[start + D + plane] += factor * value);
             rows.extend_from_slice(of_spin_ups);
         }
-        let mut blocks = blocks.keeping(&Rows::new(assembled.unknowns, values), &field_ends, memory);
+        blocks.rows.values = values;
         let mut local = Vec::new();
         for block in &mut blocks.local {
             let of_modes = block.transposed.nrows() - planes;
@@ -227,7 +220,7 @@ impl<const D: usize> BodyBlocks<D> for SpinningBody<D> {
         self.blocks.add_on_walls(c, forces);
     }
 
-    fn into_memory(self: Box<Self>) -> Option<Vec<f32>> {
+    fn into_memory(self: Box<Self>) -> Option<Vec<f64>> {
         Box::new(self.blocks).into_memory()
     }
 }
