@@ -162,7 +162,7 @@ fn the_page_holds_a_layer_of_the_flow_in_space() {
 fn the_page_holds_bonds_and_membranes_and_as_many_frames_as_are_asked_for() {
     let here = folder("view-cells");
     let out = here.join("out");
-    run(2, &write(&here, CELLS), &out, &["time.end=0.04", "output.every=0.01"]);
+    run(2, &write(&here, CELLS), &out, &["time.end=0.04", "time.step=0.01", "output.every=0.01"]);
     let page = page_of(&out, &["--frames", "3"]);
     let index = index(&page);
     assert_eq!(index["frames"]["numbers"], serde_json::json!([0, 2, 4]));
