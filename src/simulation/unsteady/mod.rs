@@ -12,7 +12,7 @@ mod momentum;
 mod rows;
 mod scheme;
 
-use std::{cell::OnceCell, time::Instant};
+use std::{borrow::Cow, cell::OnceCell, time::Instant};
 
 use nalgebra::{SMatrix, SVector};
 
@@ -155,16 +155,28 @@ impl<const D: usize> UnsteadySuspension<D> {
     }
 
     /// The jumps of the last solution in its bodies; none without a solution or jump functions.
-    fn band(&self) -> Option<(&Level<D>, &Band)> {
-        let level = self.current.as_ref().filter(|_| self.fixed.method.jumps())?;
-        Some((level, self.band.get_or_init(|| level.band(&self.fixed.grid, &self.fixed.kinds))))
+    fn band(&self) -> Result<Option<(&Level<D>, &Band)>> {
+        let Some(level) = self.current.as_ref().filter(|_| self.fixed.method.jumps()) else { return Ok(None) };
+        if let Some(band) = self.band.get() {
+            return Ok(Some((level, band)));
+        }
+        let grid = self.grid_at(level.time)?;
+        let found = level.band(&grid, &self.fixed.kinds);
+        Ok(Some((level, self.band.get_or_init(|| found))))
+    }
+
+    /// The grid whose images lie where they did at a time: a run that goes on meets a level when they have slid on.
+    fn grid_at(&self, time: f64) -> Result<Cow<'_, Grid<D>>> {
+        let (grid, domain) = (&self.fixed.grid, self.fixed.setup.domain.clone().at(time));
+        Ok(if *grid.domain() == domain { Cow::Borrowed(grid) } else { Cow::Owned(grid.slid(&domain)?) })
     }
 
     /// Thickness of the layers on the bodies of the last solution, in cells; nothing where there are no jump functions. Collective.
     fn layers(&self) -> Result<Option<Vec<f64>>> {
-        let Some((level, band)) = self.band() else { return Ok(None) };
+        let Some((level, band)) = self.band()? else { return Ok(None) };
         if self.layers.get().is_none() {
-            let found = level.layers(self.fixed.session.world(), band, &self.fixed.grid, &self.fixed.kinds)?;
+            let grid = self.grid_at(level.time)?;
+            let found = level.layers(self.fixed.session.world(), band, &grid, &self.fixed.kinds)?;
             return Ok(Some(self.layers.get_or_init(|| found).clone()));
         }
         Ok(self.layers.get().cloned())
@@ -444,7 +456,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
     }
 
     fn extended_flow(&self) -> Result<Option<Vector>> {
-        self.band().map(|(level, band)| level.velocity_outside(band)).transpose()
+        self.band()?.map(|(level, band)| level.velocity_outside(band)).transpose()
     }
 
     fn momentum_residual(&self) -> f64 {
