@@ -2,12 +2,12 @@
 
 use std::collections::HashMap;
 
-use super::{Identity, identity_hash::ByIdentity};
+use super::Identity;
 
 /// Forces by contact.
 #[derive(Debug, Clone, Default)]
 pub struct Memory<const D: usize> {
-    forces: HashMap<Identity<D>, f64, ByIdentity>,
+    forces: HashMap<Identity<D>, f64>,
 }
 
 impl<const D: usize> Memory<D> {

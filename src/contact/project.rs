@@ -12,7 +12,6 @@ use super::{
     Contact, ContactForce, Identity, KktReport, Memory, Problem, ProblemShare, Projection, ProjectionShare, Solver, Spanning, View,
     distribute::{gathered, own_part},
     failure::{check, endless, unkept},
-    identity_hash::ByIdentity,
     island::{free_body, solve_island},
     kkt_report::certify,
     paths::{Motions, Path, common_motion, paths},
@@ -94,7 +93,7 @@ struct ProjectionState<'a, const D: usize> {
     memory: &'a Memory<D>,
     /// All contacts of own bodies so far, between bodies by number.
     contacts: Vec<Contact<D>>,
-    known: HashSet<Identity<D>, ByIdentity>,
+    known: HashSet<Identity<D>>,
     forces: Vec<f64>,
     /// Velocities of the own bodies.
     velocities: Vec<SVector<f64, D>>,
@@ -112,7 +111,7 @@ impl<'a, const D: usize> ProjectionState<'a, D> {
             share,
             memory,
             contacts: Vec::new(),
-            known: HashSet::default(),
+            known: HashSet::new(),
             forces: Vec::new(),
             velocities: share.problem.velocities.to_vec(),
             common: common_motion(peers, &share.problem, share.problem.velocities),
