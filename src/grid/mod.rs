@@ -15,4 +15,4 @@ pub use partition::{Block, Partition, factorisations};
 pub use pencils::Pencils;
 pub use quick::quick_spacing;
 pub use redistribution::{BlockLayout, Exchange, Redistribution};
-pub use staggered::{FEWEST_CELLS, Grid, Index, MOST_INDEX, MOST_UNKNOWNS, Node, WIDER_INDICES};
+pub use staggered::{FEWEST_CELLS, Grid, Index, MOST_INDEX, MOST_UNKNOWNS, Node, WIDER_INDICES, cells_along};

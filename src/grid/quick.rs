@@ -2,6 +2,8 @@
 
 use nalgebra::SVector;
 
+use super::staggered::cells_along;
+
 /// Largest part by which cells are longer or shorter than those asked for.
 const LARGEST_CHANGE: f64 = 0.03;
 
@@ -11,8 +13,7 @@ const FACTORS: [usize; 4] = [2, 3, 5, 7];
 /// The spacing, 3 % from the one asked for at most and the same along all axes, with which the fewest axes of a box have a number of cells that is odd or
 /// has a factor above 7; among such a finer one if there is any, and the nearest.
 pub fn quick_spacing<const D: usize>(size: &SVector<f64, D>, asked: f64) -> f64 {
-    let cells = |spacing: f64| size.map(|length| (length / spacing).round());
-    let slow = |spacing: f64| cells(spacing).iter().filter(|&&cells| !quick(cells as usize)).count();
+    let slow = |spacing: f64| cells_along(size, spacing).iter().filter(|&&cells| !quick(cells as usize)).count();
     let counts = |axis: usize| {
         let length = size[axis] / asked;
         let (fewest, most) = ((length / (1.0 + LARGEST_CHANGE)).ceil(), (length * (1.0 + LARGEST_CHANGE)).floor());
@@ -22,7 +23,7 @@ pub fn quick_spacing<const D: usize>(size: &SVector<f64, D>, asked: f64) -> f64 
     let better = |best: f64, other: f64| if worth(other) < worth(best) { other } else { best };
     // many axes' lengths lead to the same numbers of cells: what is asked for, wherever it does too
     let found = (0..D).flat_map(counts).fold(asked, better);
-    if cells(found) == cells(asked) { asked } else { found }
+    if cells_along(size, found) == cells_along(size, asked) { asked } else { found }
 }
 
 /// Whether so many cells are even and have no factor above 7.
@@ -39,7 +40,7 @@ mod tests {
     use super::*;
 
     fn cells<const D: usize>(size: &SVector<f64, D>, asked: f64) -> Vec<usize> {
-        size.map(|length| (length / quick_spacing(size, asked)).round() as usize).as_slice().to_vec()
+        cells_along(size, quick_spacing(size, asked)).map(|cells| cells as usize).as_slice().to_vec()
     }
 
     #[test]

@@ -69,7 +69,7 @@ impl<const D: usize> Grid<D> {
     /// Fewer than four cells along an axis, more unknowns than PETSc's indices can number, more of them on a rank than it can count, a rank
     /// count that does not fit, or images displaced by a part of a cell.
     pub fn new(domain: &Domain<D>, spacing: f64, ranks: usize, rank: usize) -> Result<Grid<D>> {
-        let cells: [usize; D] = std::array::from_fn(|axis| (domain.size[axis] / spacing).round() as usize);
+        let cells: [usize; D] = cells_along(&domain.size, spacing).map(|cells| cells as usize).into();
         check_size(cells, spacing)?;
         let partition = Partition::new(cells, ranks)?;
         check_shares(&partition)?;
@@ -266,6 +266,11 @@ impl<const D: usize> Grid<D> {
         let cell = std::array::from_fn(|axis| ((point[axis] / self.spacing[axis]) as usize).min(self.cells[axis] - 1));
         self.partition.owner(cell)
     }
+}
+
+/// Whole numbers of cells that are nearest to a spacing along the axes of a box.
+pub fn cells_along<const D: usize>(size: &SVector<f64, D>, spacing: f64) -> SVector<f64, D> {
+    size.map(|length| (length / spacing).round())
 }
 
 fn check_size<const D: usize>(cells: [usize; D], spacing: f64) -> Result<()> {

@@ -326,7 +326,7 @@ mod tests {
 
     use super::*;
     use crate::error::Error;
-    use crate::scene::Locations;
+    use crate::scene::{Locations, Spacing};
 
     /// Every example is the same scene when it is taken apart and built anew.
     #[test]
@@ -348,7 +348,7 @@ mod tests {
         let mut scene = Scene::new("built", &[4.0, 4.0]);
         scene.title = "a \"title\"\nof two lines".into();
         scene.bodies = vec![BodyGroup::new(-1.0, Placement::Centers(vec![vec![1.0, 2.0], vec![3.0, 2.0]]))];
-        scene.resolution = Some(ResolutionSection::new(crate::scene::Spacing::CellsPerRadius(6.0)));
+        scene.resolution = Some(ResolutionSection::new(Spacing::CellsPerRadius(6.0)));
         let Err(Error::Refused(refusal)) = scene.clone().checked() else { panic!("not refused") };
         assert_eq!((refusal.key.as_deref(), refusal.value.as_deref(), refusal.place.clone()), (Some("bodies[0].radius"), Some("-1"), None));
         assert_eq!(refusal.to_string(), "bodies[0].radius = -1: must be positive");

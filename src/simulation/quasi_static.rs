@@ -341,7 +341,7 @@ impl<const D: usize> QuasiStatic<D> {
         if cells > LARGEST_COURANT && (shortest || self.step_control.time.step != Step::Auto) {
             return Err(Error::Diverged(too_long(state, cells, period)));
         }
-        let travelled = state.last_step / (self.step_control.time.travel * self.time_of_travel(&self.placed(state), twists));
+        let travelled = state.last_step / (self.step_control.time.travel * self.time_in_box(state, twists));
         Ok(travelled.max(cells / COURANT))
     }
 

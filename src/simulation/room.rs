@@ -5,7 +5,7 @@ use nalgebra::SVector;
 use crate::{
     error::{Error, Result},
     geometry::{Ball, Domain},
-    grid::{FEWEST_CELLS, MOST_INDEX, MOST_UNKNOWNS, WIDER_INDICES},
+    grid::{FEWEST_CELLS, MOST_INDEX, MOST_UNKNOWNS, WIDER_INDICES, cells_along},
     parallel::free_memory_bytes,
     petsc::INDEX_BITS,
     scene::{Placement, ResolutionSection, Scene},
@@ -144,7 +144,7 @@ fn check_grid<const D: usize>(scene: &Scene, domain: &Domain<D>, smallest: f64) 
     let Some(resolution) = &scene.resolution else { return Ok(()) };
     let (key, value) = resolution.spacing.key();
     let spacing = resolution.spacing.length(smallest);
-    let cells: [f64; D] = std::array::from_fn(|axis| (domain.size[axis] / spacing).round());
+    let cells = cells_along(&domain.size, spacing);
     if let Some(axis) = (0..D).find(|&axis| cells[axis] < FEWEST_CELLS as f64) {
         let remedy = format!(
             "leaves {} cells along {}: at least {FEWEST_CELLS} are needed; refine it or enlarge domain.size",

@@ -11,7 +11,7 @@ use crate::{
     constraint::Size,
     error::Result,
     geometry::Ball,
-    grid::Grid,
+    grid::{Grid, cells_along},
     scene::ConstraintMethod,
     simulation::{GranularSetup, ScalarSetup, Setup, mean_flow_constraint::MeanFlowConstraint},
 };
@@ -44,7 +44,7 @@ impl<const D: usize> Plan<D> {
             PlannedModel::Flow(setup) => (&setup.domain, setup.bodies.iter().map(|suspended| suspended.body.ball.radius).collect()),
         };
         let spacing = self.scene.resolution.as_ref()?.spacing.length(radii.into_iter().fold(f64::INFINITY, f64::min));
-        Some(domain.size.iter().map(|length| (length / spacing).round() as usize).collect())
+        Some(cells_along(&domain.size, spacing).iter().map(|&cells| cells as usize).collect())
     }
 
     fn of_granular(&self, setup: &GranularSetup<D>) -> PlanReport {

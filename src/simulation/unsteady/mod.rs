@@ -183,9 +183,8 @@ impl<const D: usize> UnsteadySuspension<D> {
     }
 
     fn remember_level(&mut self, level: Level<D>, band: Option<Band>, place: usize) -> Result<()> {
-        let domain = self.fixed.setup.domain.clone().at(level.time);
-        if *self.convection.grid().domain() != domain {
-            self.convection = Convection::new(&self.fixed.grid.slid(&domain)?, &level.fluid)?;
+        if *self.convection.grid().domain() != self.fixed.setup.domain.clone().at(level.time) {
+            self.convection = Convection::new(&*self.grid_at(level.time)?, &level.fluid)?;
         }
         let band = band.or_else(|| self.fixed.method.jumps().then(|| level.band(self.convection.grid(), &self.fixed.kinds)));
         let extended = level.extended(band.as_ref(), &self.fixed.kinds, &mut self.convection)?;

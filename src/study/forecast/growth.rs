@@ -7,6 +7,7 @@ use rustfft::{FftPlanner, num_complex::Complex};
 use super::sample::SAMPLE;
 use crate::{
     flow::InverseMethod,
+    grid::cells_along,
     simulation::{Cost, Setup},
 };
 
@@ -59,7 +60,7 @@ impl Growth {
 fn transforms<const D: usize>(setup: &Setup<D>, sample: &Setup<D>) -> f64 {
     let of_grid = |setup: &Setup<D>| {
         let periodic = (0..D).filter(|&axis| setup.domain.periodic(axis));
-        periodic.map(|axis| transform((setup.domain.size[axis] / setup.spacing).round() as usize)).sum::<f64>()
+        periodic.map(|axis| transform(cells_along(&setup.domain.size, setup.spacing)[axis] as usize)).sum::<f64>()
     };
     let (one, other) = (of_grid(setup), of_grid(sample));
     if other > 0.0 { one / other } else { 1.0 }
