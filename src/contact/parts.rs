@@ -14,7 +14,7 @@ const GLANCES: [(f64, usize); 2] = [(0.7, 15), (0.4, 60)];
 const NEAR: f64 = 20.0;
 const BOUNDS: [f64; 2] = [0.01, 0.2];
 /// Those that were left out join if they are violated by more.
-const TOLERANCE: f64 = 1e-12;
+const TOLERANCE: f64 = 1e-13;
 /// Rounds before giving up.
 const ROUNDS: usize = 30;
 /// The smallest unit of a part, in that of the program.

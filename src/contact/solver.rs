@@ -3,7 +3,7 @@
 //! Both end in an active set and are held to the same tolerance.
 
 use super::{
-    active_set::{active_set_refine, active_set_refine_exactly},
+    active_set::{active_set_refine, active_set_refine_exactly, rounding, without_weakest},
     clarabel::solve_by_clarabel,
     dense_part::solve_dense,
     factors::Factors,
@@ -26,7 +26,9 @@ const FALL: f64 = 0.1;
 const AGAIN: f64 = 1e-3;
 /// What the active set is asked for before the path has ended.
 const EXACT: f64 = 1e-10;
-/// What the forces of the step before are asked for to need no more.
+/// What the forces of the step before are asked for to be taken as they are, in roundings of an active set.
+const UNCHANGED: f64 = 10.0;
+/// What they are asked for to need no scaling, and a method's answer to need no other.
 const STILL: f64 = 1e-9;
 
 /// Overlap left over, in the scale of the largest violation, and work of the forces on open gaps, as a part of all their
@@ -113,7 +115,7 @@ fn scaled(program: &Program, guess: &[f64]) -> Vec<f64> {
 /// The same part by part of a program that one rank has, if that solves it.
 fn by_parts(program: &Program, guess: &[f64]) -> Option<(Vec<f64>, usize)> {
     // a crystal that stands still has nothing to gain
-    if program.sharing.is_some() || program.solved(guess, EXACT) {
+    if program.sharing.is_some() || unchanged(program, guess) {
         return None;
     }
     let (multipliers, iterations) = solve_by_parts(program, guess, &solve_part);
@@ -134,9 +136,14 @@ pub(super) fn solve_part(program: &Program, guess: &[f64]) -> (Vec<f64>, usize) 
     if program.residual(&exact) <= EXACT { (exact, 1) } else { to_the_ends(program, &mut factors, guess) }
 }
 
+/// Whether the forces of the step before solve this one to rounding.
+fn unchanged(program: &Program, guess: &[f64]) -> bool {
+    program.solved(guess, UNCHANGED * rounding(program, guess))
+}
+
 /// The multipliers, and how many iterations they took.
 fn along_the_path(program: &Program, guess: &[f64]) -> (Vec<f64>, usize) {
-    if program.solved(guess, EXACT) {
+    if unchanged(program, guess) {
         return (guess.to_vec(), 0);
     }
     let mut factors = Factors::new(program);
@@ -159,7 +166,7 @@ fn to_the_ends(program: &Program, factors: &mut Factors, guess: &[f64]) -> (Vec<
             break;
         }
     }
-    (found, iterations)
+    (without_weakest(program, factors, found), iterations)
 }
 
 /// Where a method stopped on the path.
