@@ -16,7 +16,12 @@ const GUESSES: usize = 8;
 const ASTRAY_ROWS: f64 = 16.0;
 const ASTRAY_PART: f64 = 0.01;
 /// Short steps, which lead to the active set also where many constraints neither press nor gape, and exact equations.
-const STAGES: [Stage; 2] = [Stage { softness: 1e-4, corrections: 2 }, Stage { softness: 1e-6, corrections: 12 }];
+const STAGES: [Stage; 2] = [Stage { softness: 1e-4, corrections: 2 }, Stage { softness: 1e-6, corrections: 60 }];
+/// A correction that leaves more than this part of the residual is the last one: a body of a millionth of the mass of those that squeeze it leaves half,
+/// equations without a solution all.
+const SLOWEST: f64 = 0.9;
+/// The part of the residual that a slack must have for an equation to stay open.
+const OPEN: f64 = 0.1;
 /// A residual of this many roundings of the largest multiplier is none.
 const ROUNDINGS: f64 = 8.0;
 
@@ -45,6 +50,23 @@ pub(super) fn active_set_refine(program: &Program, factors: &mut Factors, guess:
 pub(super) fn active_set_refine_exactly(program: &Program, factors: &mut Factors, guess: &[f64]) -> Vec<f64> {
     let mut best = Best::new(program, guess);
     best.improve(program, factors, STAGES[1]);
+    best.multipliers
+}
+
+/// Multipliers at least as good, where equations that repeat each other contradict each other by little: the weakest of those that stay open gives way.
+pub(super) fn without_weakest(program: &Program, factors: &mut Factors, multipliers: Vec<f64>) -> Vec<f64> {
+    let mut best = Best::new(program, &multipliers);
+    if program.sharing.is_some() || best.residual <= rounding(program, &multipliers) {
+        return multipliers;
+    }
+    let slacks = program.slacks(&multipliers);
+    let open = (0..slacks.len()).filter(|&row| multipliers[row] > slacks[row] && slacks[row] > OPEN * best.residual);
+    let Some(weakest) = open.min_by(|&one, &other| multipliers[one].total_cmp(&multipliers[other])) else { return multipliers };
+    let active: Vec<bool> = (0..slacks.len()).map(|row| multipliers[row] > slacks[row] && row != weakest).collect();
+    let trial = Best::new(program, &solve_equations(program, factors, &active, &multipliers, STAGES[1]));
+    if trial.residual < best.residual {
+        best = trial;
+    }
     best.multipliers
 }
 
@@ -96,7 +118,7 @@ fn solve_equations(program: &Program, factors: &mut Factors, active: &[bool], gu
         let slacks = program.slacks(&multipliers);
         let pressing = slacks.iter().zip(active).filter(|(_, active)| **active);
         let largest = program.max(pressing.map(|(slack, _)| slack.abs()).fold(0.0, f64::max));
-        if largest <= rounding(program, &multipliers) || largest > 0.5 * earlier {
+        if largest <= rounding(program, &multipliers) || largest > SLOWEST * earlier {
             break;
         }
         earlier = largest;
@@ -111,6 +133,7 @@ fn solve_equations(program: &Program, factors: &mut Factors, active: &[bool], gu
     multipliers
 }
 
-fn rounding(program: &Program, multipliers: &[f64]) -> f64 {
+/// The residual that rounding leaves.
+pub(super) fn rounding(program: &Program, multipliers: &[f64]) -> f64 {
     ROUNDINGS * f64::EPSILON * program.max(multipliers.iter().fold(1.0, |largest: f64, multiplier| largest.max(multiplier.abs())))
 }

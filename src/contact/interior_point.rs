@@ -10,7 +10,7 @@
 use super::{factors::Factors, program::Program};
 
 /// Products of slacks and multipliers at the start.
-const START: f64 = 1.0;
+const START: f64 = 0.1;
 /// `d`.
 const DAMPING: f64 = 1e-10;
 /// Part of the way to the nearest bound that is gone.
@@ -26,7 +26,8 @@ const SHORTEST: f64 = 1e-5;
 
 /// Where the method stands.
 pub(super) struct InteriorPoint<'a> {
-    program: &'a Program<'a>,
+    /// What it solves.
+    pub program: &'a Program<'a>,
     /// The multipliers, all positive.
     pub multipliers: Vec<f64>,
     slacks: Vec<f64>,
@@ -99,7 +100,7 @@ impl<'a> InteriorPoint<'a> {
         let mean = self.mean();
         let products: Vec<f64> = self.slacks.iter().zip(&self.multipliers).map(|(slack, multiplier)| slack * multiplier).collect();
         let predicted = self.direction(factors, &products, true);
-        let aim = mean * (self.mean_after(&predicted, self.room(&predicted).min(1.0)) / mean).powi(3);
+        let aim = mean * (self.mean_after(&predicted, self.room(&predicted).min(1.0)) / mean).powi(4);
         let mixed = products.iter().zip(predicted.slacks.iter().zip(&predicted.multipliers));
         let products: Vec<f64> = mixed.map(|(product, (slack, multiplier))| product + slack * multiplier - aim).collect();
         let first = self.direction(factors, &products, true);

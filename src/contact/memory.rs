@@ -2,12 +2,12 @@
 
 use std::collections::HashMap;
 
-use super::Identity;
+use super::{Identity, identity_hash::ByIdentity};
 
 /// Forces by contact.
 #[derive(Debug, Clone, Default)]
 pub struct Memory<const D: usize> {
-    forces: HashMap<Identity<D>, f64>,
+    forces: HashMap<Identity<D>, f64, ByIdentity>,
 }
 
 impl<const D: usize> Memory<D> {

@@ -12,7 +12,8 @@
 //! lie still; and if it keeps its speed at each impact it may as well leave the floor at each `t_(n+1)` with `v_(n+1)` and land at
 //! `t_n` with `3 v_(n+1) = v_n`. Pieces of other lengths do the same to any rebound. Without one the point lies still, and so it does here.
 //!
-//! An island is a quadratic program, solved by one of two methods ([`Solver`]) that are held to the same tolerance; if the fast one
+//! An island is a quadratic program, solved by one of two methods ([`Solver`]) that are held to the same tolerance. The fast one solves the parts of
+//! an island that press, each of which a cheap method has started, by dense equations or an interior point. If it
 //! stalls the sure one follows, and if that fails too the step is an [error](crate::error::Error::Contact) that carries the [`Island`].
 //!
 //! This module knows balls, walls and weights. It does not know what the weights mean (mass, resistance),
@@ -23,21 +24,25 @@ mod adhesive;
 mod candidates;
 mod cholesky;
 mod clarabel;
+mod dense_part;
 mod distribute;
 mod factors;
 mod failure;
 mod force;
 mod given;
 mod identity;
+mod identity_hash;
 mod interior_point;
 mod island;
 mod kkt_report;
 mod lower_bounds;
 mod memory;
+mod parts;
 mod paths;
 mod problem;
 mod program;
 mod project;
+mod projected_gradient;
 mod projection;
 mod replay;
 mod share;

@@ -42,19 +42,48 @@ impl Program<'_> {
     /// `x = A^T z`.
     pub fn apply_transpose(&self, multipliers: &[f64], unknowns: &mut [f64]) {
         unknowns.fill(0.0);
-        for (constraint, multiplier) in multipliers.iter().enumerate() {
-            self.row(constraint).for_each(|(place, value)| unknowns[place] += value * multiplier);
+        match self.width {
+            2 => self.add_transpose::<2>(multipliers, unknowns),
+            3 => self.add_transpose::<3>(multipliers, unknowns),
+            width => panic!("bodies move along 2 or 3 axes, not {width}"),
         }
         if let Some(sharing) = self.sharing {
             sharing.update(unknowns, self.width);
         }
     }
 
+    fn add_transpose<const D: usize>(&self, multipliers: &[f64], unknowns: &mut [f64]) {
+        let blocks = unknowns.as_chunks_mut::<D>().0;
+        for (constraint, multiplier) in multipliers.iter().enumerate() {
+            for (body, values) in self.blocks::<D>(constraint) {
+                (0..D).for_each(|axis| blocks[body][axis] += values[axis] * multiplier);
+            }
+        }
+    }
+
     /// `A x`.
     pub fn apply(&self, unknowns: &[f64], changes: &mut [f64]) {
-        for (constraint, change) in changes.iter_mut().enumerate() {
-            *change = self.row(constraint).map(|(place, value)| value * unknowns[place]).sum();
+        match self.width {
+            2 => self.set_changes::<2>(unknowns, changes),
+            3 => self.set_changes::<3>(unknowns, changes),
+            width => panic!("bodies move along 2 or 3 axes, not {width}"),
         }
+    }
+
+    fn set_changes<const D: usize>(&self, unknowns: &[f64], changes: &mut [f64]) {
+        let blocks = unknowns.as_chunks::<D>().0;
+        for (constraint, change) in changes.iter_mut().enumerate() {
+            let of_body = |(body, values): (usize, &[f64; D])| -> f64 { (0..D).map(|axis| values[axis] * blocks[body][axis]).sum() };
+            *change = self.blocks::<D>(constraint).map(of_body).sum();
+        }
+    }
+
+    /// The bodies of a constraint, each with its entries.
+    fn blocks<const D: usize>(&self, constraint: usize) -> impl Iterator<Item = (usize, &[f64; D])> {
+        let CscMatrix { colptr, rowval, nzval, .. } = &self.transposed;
+        let (start, end) = (colptr[constraint], colptr[constraint + 1]);
+        let places = rowval[start..end].as_chunks::<D>().0;
+        places.iter().map(|places| places[0] / D).zip(nzval[start..end].as_chunks::<D>().0)
     }
 
     /// `s = A A^T z + c`.

@@ -12,6 +12,7 @@ use super::{
     Contact, ContactForce, Identity, KktReport, Memory, Problem, ProblemShare, Projection, ProjectionShare, Solver, Spanning, View,
     distribute::{gathered, own_part},
     failure::{check, endless, unkept},
+    identity_hash::ByIdentity,
     island::{free_body, solve_island},
     kkt_report::certify,
     paths::{Motions, Path, common_motion, paths},
@@ -93,7 +94,7 @@ struct ProjectionState<'a, const D: usize> {
     memory: &'a Memory<D>,
     /// All contacts of own bodies so far, between bodies by number.
     contacts: Vec<Contact<D>>,
-    known: HashSet<Identity<D>>,
+    known: HashSet<Identity<D>, ByIdentity>,
     forces: Vec<f64>,
     /// Velocities of the own bodies.
     velocities: Vec<SVector<f64, D>>,
@@ -111,7 +112,7 @@ impl<'a, const D: usize> ProjectionState<'a, D> {
             share,
             memory,
             contacts: Vec::new(),
-            known: HashSet::new(),
+            known: HashSet::default(),
             forces: Vec::new(),
             velocities: share.problem.velocities.to_vec(),
             common: common_motion(peers, &share.problem, share.problem.velocities),

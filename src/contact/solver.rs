@@ -3,25 +3,32 @@
 //! Both end in an active set and are held to the same tolerance.
 
 use super::{
-    active_set::{active_set_refine, active_set_refine_exactly},
+    active_set::{active_set_refine, active_set_refine_exactly, rounding, without_weakest},
     clarabel::solve_by_clarabel,
+    dense_part::solve_dense,
     factors::Factors,
     interior_point::{Distance, InteriorPoint},
+    parts::solve_by_parts,
     program::{Answer, Program, clip},
 };
+use crate::linalg::dot;
 
 /// Iterations along the central path before giving up.
 const ITERATIONS: usize = 60;
-/// Where the path ends: the most that a constraint is violated, and the work on slacks. Where many constraints neither press nor gape, the work
-/// falls to a third from iteration to iteration, and the larger of a slack and its multiplier with the root of it.
-const END: [f64; 2] = [1e-9, 1e-10];
+/// Where the path ends: the most that a constraint is violated.
+const VIOLATION: f64 = 1e-9;
+/// And the work on slacks: the active set is asked for at the first, and if that finds no solution, at the second. Where many constraints neither press
+/// nor gape, the work falls to a third from iteration to iteration, and the larger of a slack and its multiplier with the root of it.
+const ENDS: [f64; 2] = [1e-10, 1e-13];
 /// Work from which the active set is tried if the work fell by so much in an iteration, and what it must fall by to try again.
 const NEAR: f64 = 1e-5;
 const FALL: f64 = 0.1;
 const AGAIN: f64 = 1e-3;
 /// What the active set is asked for before the path has ended.
 const EXACT: f64 = 1e-10;
-/// What the forces of the step before are asked for to need no more.
+/// What the forces of the step before are asked for to be taken as they are, in roundings of an active set.
+const UNCHANGED: f64 = 10.0;
+/// What they are asked for to need no scaling, and a method's answer to need no other.
 const STILL: f64 = 1e-9;
 
 /// Overlap left over, in the scale of the largest violation, and work of the forces on open gaps, as a part of all their
@@ -82,50 +89,112 @@ pub(super) fn solve_first(program: &Program, guess: &[f64], solvers: &[Solver]) 
 /// The multipliers of a program by a method, if it accepts it; whether they solve it the caller must see.
 fn solve(program: &Program, guess: &[f64], solver: Solver) -> Option<Answer> {
     if solver != Solver::General {
-        let (multipliers, iterations) = along_the_path(program, guess);
+        let guess = scaled(program, guess);
+        let (multipliers, iterations) = by_parts(program, &guess).unwrap_or_else(|| along_the_path(program, &guess));
         return Some(Answer { multipliers, iterations, infeasible: false });
     }
     let Answer { multipliers, iterations, infeasible } = solve_by_clarabel(program)?;
     Some(Answer { multipliers: active_set_refine(program, &mut Factors::new(program), &multipliers), iterations, infeasible })
 }
 
-/// The multipliers, and how many iterations they took.
-fn along_the_path(program: &Program, guess: &[f64]) -> (Vec<f64>, usize) {
+/// The guess without negative multipliers and, if it is not exact and one rank has the program, times what makes the best of it, which may be zero.
+fn scaled(program: &Program, guess: &[f64]) -> Vec<f64> {
     let mut guess = guess.to_vec();
     clip(&mut guess);
+    if program.sharing.is_some() || program.solved(&guess, STILL) {
+        return guess;
+    }
+    let mut unknowns = vec![0.0; program.transposed.m];
+    program.apply_transpose(&guess, &mut unknowns);
+    let (work, square) = (-program.dot(&program.offsets, &guess), dot(&unknowns, &unknowns));
+    let factor = if work > 0.0 && square > 0.0 { work / square } else { 0.0 };
+    guess.iter_mut().for_each(|multiplier| *multiplier *= factor);
+    guess
+}
+
+/// The same part by part of a program that one rank has, if that solves it.
+fn by_parts(program: &Program, guess: &[f64]) -> Option<(Vec<f64>, usize)> {
     // a crystal that stands still has nothing to gain
-    if program.solved(&guess, EXACT) {
-        return (guess, 0);
+    if program.sharing.is_some() || unchanged(program, guess) {
+        return None;
+    }
+    let (multipliers, iterations) = solve_by_parts(program, guess, &solve_part);
+    program.solved(&multipliers, STILL).then_some((multipliers, iterations))
+}
+
+/// The multipliers of a part from a guess that is not exact.
+pub(super) fn solve_part(program: &Program, guess: &[f64]) -> (Vec<f64>, usize) {
+    if let [offset] = program.offsets[..] {
+        // rows have norm 1
+        return (vec![(-offset).max(0.0)], 1);
+    }
+    if let Some(found) = solve_dense(program, guess).filter(|found| program.residual(found) <= EXACT) {
+        return (found, 1);
+    }
+    let mut factors = Factors::new(program);
+    let exact = active_set_refine_exactly(program, &mut factors, guess);
+    if program.residual(&exact) <= EXACT { (exact, 1) } else { to_the_ends(program, &mut factors, guess) }
+}
+
+/// Whether the forces of the step before solve this one to rounding.
+fn unchanged(program: &Program, guess: &[f64]) -> bool {
+    program.solved(guess, UNCHANGED * rounding(program, guess))
+}
+
+/// The multipliers, and how many iterations they took.
+fn along_the_path(program: &Program, guess: &[f64]) -> (Vec<f64>, usize) {
+    if unchanged(program, guess) {
+        return (guess.to_vec(), 0);
     }
     let mut factors = Factors::new(program);
     if program.any(guess.iter().any(|&multiplier| multiplier > 0.0)) {
-        let exact = active_set_refine_exactly(program, &mut factors, &guess);
+        let exact = active_set_refine_exactly(program, &mut factors, guess);
         if program.solved(&exact, STILL) {
             return (exact, 1);
         }
     }
-    let (multipliers, iterations) = follow(program, &mut factors, &guess);
-    (active_set_refine(program, &mut factors, &multipliers), iterations)
+    to_the_ends(program, &mut factors, guess)
 }
 
-/// Goes along the path from near a guess: the multipliers that press at its end, or exact ones found on the way, and how many iterations it took.
-fn follow(program: &Program, factors: &mut Factors, guess: &[f64]) -> (Vec<f64>, usize) {
-    let mut point = InteriorPoint::new(program, guess);
-    let (mut earlier, mut tried) = (point.distance().work, f64::INFINITY);
-    for iteration in 1..=ITERATIONS {
+/// The multipliers at the end of the path, and how many iterations they took.
+fn to_the_ends(program: &Program, factors: &mut Factors, guess: &[f64]) -> (Vec<f64>, usize) {
+    let (mut point, mut iterations, mut found) = (InteriorPoint::new(program, guess), 0, guess.to_vec());
+    for work in ENDS {
+        let end = follow(&mut point, factors, work, &mut iterations);
+        found = active_set_refine(program, factors, &end.multipliers);
+        if end.last || program.solved(&found, STILL) {
+            break;
+        }
+    }
+    (without_weakest(program, factors, found), iterations)
+}
+
+/// Where a method stopped on the path.
+struct End {
+    /// The multipliers that press there, or exact ones found on the way.
+    multipliers: Vec<f64>,
+    /// Whether it leads no farther.
+    last: bool,
+}
+
+/// Goes along the path until the work on slacks is no more than this, and counts iterations.
+fn follow(point: &mut InteriorPoint, factors: &mut Factors, end: f64, iterations: &mut usize) -> End {
+    let (program, mut earlier, mut tried) = (point.program, point.distance().work, f64::INFINITY);
+    while *iterations < ITERATIONS {
+        *iterations += 1;
         let goes_on = point.step(factors);
         let Distance { violation, work } = point.distance();
-        if !goes_on || violation <= END[0] && work <= END[1] {
-            return (point.pressing(), iteration);
+        if !goes_on || violation <= VIOLATION && work <= end {
+            return End { multipliers: point.pressing(), last: !goes_on };
         }
         if work < FALL * earlier && work < NEAR.min(AGAIN * tried) {
             tried = work;
             let exact = active_set_refine_exactly(program, factors, &point.pressing());
             if program.solved(&exact, EXACT) {
-                return (exact, iteration);
+                return End { multipliers: exact, last: true };
             }
         }
         earlier = work;
     }
-    (point.pressing(), ITERATIONS)
+    End { multipliers: point.pressing(), last: true }
 }

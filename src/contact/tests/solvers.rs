@@ -6,7 +6,7 @@ use super::{
     crowds::{crowd, crystal},
     *,
 };
-use crate::contact::{Memory, Partner, Solver, island::solve_by};
+use crate::contact::{ContactForce, Memory, Partner, Solver, island::solve_by};
 
 impl<const D: usize> Scene<D> {
     /// The projection by one method alone.
@@ -76,6 +76,22 @@ fn a_pile_at_rest_needs_no_iteration_from_its_own_forces() {
     let again = scene.solve_with(Solver::Sparse, &memory).unwrap();
     assert!(first.kkt_report.iterations > 0 && again.kkt_report.iterations == 0, "{:?}", again.kkt_report);
     assert_eq!(again.kkt_report.solver, Solver::Sparse);
+}
+
+#[test]
+fn wrong_forces_to_start_from_lead_to_the_same_velocities() {
+    for seed in 0..6 {
+        let scene = crowd(domain([20.0, 14.0], [true, false]), 200, 6.0, seed);
+        let first = scene.solve_with(Solver::Sparse, &Memory::default()).unwrap();
+        for size in [1e-3, 1.0, 1e3] {
+            let wrong = |(place, force): (usize, &ContactForce<2>)| (force.contact.identity(), size * (place * 7919 % 13) as f64);
+            let memory = first.forces.iter().enumerate().map(wrong).collect();
+            let again = scene.solve_with(Solver::Sparse, &memory).unwrap();
+            let apart = first.velocities.iter().zip(&again.velocities).map(|(one, two)| (one - two).norm()).fold(0.0, f64::max);
+            assert!(apart < 1e-8, "{apart:e} with forces up to {size}");
+            assert!(again.kkt_report.kkt_residual < 1e-9, "{:?}", again.kkt_report);
+        }
+    }
 }
 
 #[test]
