@@ -61,8 +61,8 @@ pub trait BodyBlocks<const D: usize> {
     }
 
     /// Memory that the assembly of another body can use again.
-    fn into_memory(self: Box<Self>) -> Option<Vec<f64>> {
-        None
+    fn into_memory(self: Box<Self>) -> Vec<Vec<f32>> {
+        Vec::new()
     }
 }
 

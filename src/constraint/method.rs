@@ -9,7 +9,7 @@ pub trait Method<const D: usize, B> {
     fn description(&self) -> String;
 
     /// The blocks of bodies in their places; `memory` may be used again.
-    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], memory: Vec<Vec<f64>>) -> Vec<B>;
+    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], memory: Vec<Vec<f32>>) -> Vec<B>;
 
     /// Bytes that the blocks of one body take, about.
     fn bytes(&self, grid: &Grid<D>, size: &Size<D>) -> f64;

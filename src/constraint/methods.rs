@@ -5,12 +5,13 @@ use std::rc::Rc;
 use super::{
     adjoint::{AdjointWithInertia, Distributed, MeanValue, Penalty},
     method::{FlowMethod, Method},
+    rows::Precision,
     sharp::{Sharp, SharpWithInertia},
 };
 
 /// The method of a word for a problem whose bodies have blocks `B`, with a small parameter if it is given and the method has one; nothing for an
 /// unknown word.
-pub fn method_of<const D: usize, B>(word: &str, epsilon: Option<f64>) -> Option<Rc<dyn Method<D, B>>>
+pub fn method_of<const D: usize, B>(word: &str, epsilon: Option<f64>, precision: Precision) -> Option<Rc<dyn Method<D, B>>>
 where
     Sharp: Method<D, B>,
     MeanValue: Method<D, B>,
@@ -18,7 +19,7 @@ where
     Penalty: Method<D, B>,
 {
     Some(match word {
-        "sharp" => Rc::new(Sharp),
+        "sharp" => Rc::new(Sharp { precision }),
         "mean-value" => Rc::new(MeanValue),
         "distributed" => Rc::new(Distributed::default()),
         "penalty" => Rc::new(Penalty::new(epsilon, 0.0)),
@@ -32,11 +33,12 @@ where
 pub fn method_with_inertia<const D: usize>(
     word: &str,
     epsilon: Option<f64>,
+    precision: Precision,
     shift: f64,
     (spin_up_of, inside): (Vec<f64>, Vec<bool>),
 ) -> Option<Rc<FlowMethod<D>>> {
     Some(match word {
-        "sharp" => Rc::new(SharpWithInertia { spin_up_of, inside }),
+        "sharp" => Rc::new(SharpWithInertia { precision, spin_up_of, inside }),
         "mean-value" => Rc::new(AdjointWithInertia { method: MeanValue, spin_up_of }),
         "distributed" => Rc::new(AdjointWithInertia { method: Distributed { shift }, spin_up_of }),
         "penalty" => Rc::new(AdjointWithInertia { method: Penalty::new(epsilon, shift), spin_up_of }),

@@ -45,6 +45,7 @@ pub use neighbourhood::{Neighbourhood, PAIR_REACH};
 pub use placed::{Neighbour, Placed, Surrounded, neighbours};
 pub use places::{Entries, EntriesMut, Places};
 pub use pores::{Pores, Share as PoreShare};
+pub use rows::Precision;
 pub use scalar::{InclusionMethod, ScalarBlocks};
 pub use sharp::{FreshlyCleared, freshly_cleared, jump};
 pub use unknowns::Unknowns;

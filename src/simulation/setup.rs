@@ -7,7 +7,7 @@ use nalgebra::SVector;
 use super::GivenPlace;
 use crate::{
     body::{Body, Motion, Trajectories, Twist},
-    constraint::{FlowMethod, method_of, method_with_inertia},
+    constraint::{FlowMethod, Precision, method_of, method_with_inertia},
     error::Result,
     flow::{Drive, InverseMethod, IteratedInverse, Stokes, StokesInverse},
     geometry::Domain,
@@ -109,9 +109,13 @@ impl<const D: usize> Setup<D> {
     /// For a fitted mesh, which has no such blocks.
     pub fn method(&self, shift: f64) -> Rc<FlowMethod<D>> {
         let (word, epsilon) = (self.constraint.word(), self.constraint.epsilon());
+        let precision = Precision::for_tolerance(self.tolerance.at_an_instant());
         let method = match &self.inertia {
-            Some(inertia) => method_with_inertia(word, epsilon, shift, (self.spin_ups_of_rotations(inertia), self.inside(inertia, shift))),
-            None => method_of(word, epsilon),
+            Some(inertia) => {
+                let bodies = (self.spin_ups_of_rotations(inertia), self.inside(inertia, shift));
+                method_with_inertia(word, epsilon, precision, shift, bodies)
+            }
+            None => method_of(word, epsilon, precision),
         };
         method.expect("a fitted mesh has no blocks on a grid")
     }

@@ -302,7 +302,7 @@ impl Method<2, Box<dyn BodyBlocks<2>>> for Nearest {
         "surface multipliers at the nearest nodes".into()
     }
 
-    fn assemble(&self, grid: &Grid<2>, bodies: &[Surrounded<2>], _memory: Vec<Vec<f64>>) -> Vec<Box<dyn BodyBlocks<2>>> {
+    fn assemble(&self, grid: &Grid<2>, bodies: &[Surrounded<2>], _memory: Vec<Vec<f32>>) -> Vec<Box<dyn BodyBlocks<2>>> {
         bodies.iter().map(|body| Box::new(at_nearest_nodes(grid, body.placed)) as Box<_>).collect()
     }
 

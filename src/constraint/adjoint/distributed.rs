@@ -40,7 +40,7 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for Distributed {
         "multipliers at the outermost points inside (distributed)".into()
     }
 
-    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], _memory: Vec<Vec<f64>>) -> Vec<Box<dyn BodyBlocks<D>>> {
+    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], _memory: Vec<Vec<f32>>) -> Vec<Box<dyn BodyBlocks<D>>> {
         bodies.iter().map(|body| Box::new(self.body(grid, body.placed)) as Box<_>).collect()
     }
 

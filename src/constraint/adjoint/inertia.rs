@@ -37,7 +37,7 @@ impl<const D: usize, M: AdjointMethod<D>> Method<D, Box<dyn BodyBlocks<D>>> for 
         format!("{}, bodies with inertia", self.method.description())
     }
 
-    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], _memory: Vec<Vec<f64>>) -> Vec<Box<dyn BodyBlocks<D>>> {
+    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], _memory: Vec<Vec<f32>>) -> Vec<Box<dyn BodyBlocks<D>>> {
         let of = |body: &Surrounded<D>| -> Box<dyn BodyBlocks<D>> {
             let interior = Some(interior_force(grid, &body.placed.ball(), self.spin_up_of[body.body]));
             Box::new(AdjointBody { interior, ..self.method.body(grid, body.placed) })

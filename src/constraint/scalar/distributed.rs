@@ -25,7 +25,7 @@ impl<const D: usize> Method<D, InclusionBlocks<D>> for Distributed {
         "with a multiplier in each cell inside (distributed)".into()
     }
 
-    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], _memory: Vec<Vec<f64>>) -> Vec<InclusionBlocks<D>> {
+    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], _memory: Vec<Vec<f32>>) -> Vec<InclusionBlocks<D>> {
         let of = |ball: Ball<D>| {
             let covered = LinkedCells::covered(grid, &ball);
             let links = covered.links.clone();

@@ -26,7 +26,7 @@ impl<const D: usize> Method<D, InclusionBlocks<D>> for MeanValue {
         "with surface multipliers and linear interpolation (mean-value)".into()
     }
 
-    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], _memory: Vec<Vec<f64>>) -> Vec<InclusionBlocks<D>> {
+    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], _memory: Vec<Vec<f32>>) -> Vec<InclusionBlocks<D>> {
         let blocks = |&Surrounded { placed, .. }: &Surrounded<D>| {
             let body = mean_value::assemble(grid, placed);
             let source = source(grid, placed, body.nodes.unknowns());

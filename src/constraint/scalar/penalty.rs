@@ -39,7 +39,7 @@ impl<const D: usize> Method<D, InclusionBlocks<D>> for Penalty {
         format!("that conduct 1/{:e}, with Cholesky factors of each (penalty)", self.epsilon)
     }
 
-    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], _memory: Vec<Vec<f64>>) -> Vec<InclusionBlocks<D>> {
+    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], _memory: Vec<Vec<f32>>) -> Vec<InclusionBlocks<D>> {
         bodies.iter().map(|body| assemble(grid, &body.placed.ball(), self.epsilon)).collect()
     }
 

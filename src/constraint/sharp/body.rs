@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::spread::OnWall;
+use super::{Workspace, spread::OnWall};
 use crate::{
     constraint::{
         body::{BodyBlocks, Plans, WallForces, Walls},
@@ -12,7 +12,7 @@ use crate::{
         interpolant::Interpolant,
         layout::MultiplierLayout,
         places::{Entries, EntriesMut},
-        rows::Rows,
+        rows::{KeptRows, Rows},
     },
     linalg::dot,
     surface::SurfaceTable,
@@ -23,7 +23,7 @@ pub struct SharpBody<const D: usize> {
     /// Its surface.
     pub surface: Rc<SurfaceTable<D>>,
     /// Rows of C.
-    pub rows: Rows,
+    pub rows: KeptRows,
     /// What passes to walls.
     pub on_walls: Vec<OnWall>,
     /// J, before values at the points are projected on the modes.
@@ -32,6 +32,14 @@ pub struct SharpBody<const D: usize> {
     pub local: Vec<LocalBlock>,
     /// Once planned, the places of the first multipliers of the blocks of E.
     pub local_places: Vec<u32>,
+}
+
+impl<const D: usize> SharpBody<D> {
+    /// The same with rows of C, those of each field up to where it ends.
+    pub fn keeping(self, rows: &Rows, field_ends: &[usize], workspace: &mut Workspace) -> SharpBody<D> {
+        let (precision, memory) = (workspace.precision, &mut workspace.kept);
+        SharpBody { rows: KeptRows::new(rows, self.surface.modes.count(), field_ends, precision, memory), ..self }
+    }
 }
 
 impl<const D: usize> BodyBlocks<D> for SharpBody<D> {
@@ -83,7 +91,7 @@ impl<const D: usize> BodyBlocks<D> for SharpBody<D> {
         }
     }
 
-    fn into_memory(self: Box<Self>) -> Option<Vec<f64>> {
-        Some(self.rows.values)
+    fn into_memory(self: Box<Self>) -> Vec<Vec<f32>> {
+        self.rows.into_memory()
     }
 }

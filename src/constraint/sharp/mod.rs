@@ -27,6 +27,7 @@ use super::{
     dense::LocalBlock,
     method::{Method, Size},
     placed::Surrounded,
+    rows::{KeptRows, Precision, Rows},
     unknowns::Unknowns,
 };
 use crate::{grid::Grid, surface::SurfaceTable};
@@ -49,30 +50,60 @@ pub const INTERPOLATION_REACH: f64 = 3.5;
 const BYTES_PER_ENTRY: f64 = 12.0;
 
 /// Memory that the assembly of one body after the other uses again.
-#[derive(Default)]
 pub struct Workspace {
+    /// How exactly rows are kept.
+    precision: Precision,
     /// For each field, the jumps of the body.
     jumps: [Jumps; 4],
     /// For each component, the jumps of one neighbour after the other.
     of_neighbour: [Jumps; 3],
     interpolated: Interpolated,
-    /// Values of the rows of bodies that are gone.
-    values: Vec<Vec<f64>>,
+    /// Values of the rows of one body after the other.
+    values: Vec<f64>,
+    /// Those, as they were kept, of bodies that are gone.
+    kept: Vec<Vec<f32>>,
+}
+
+impl Workspace {
+    /// Rows are kept so exactly, in this memory.
+    pub fn new(precision: Precision, kept: Vec<Vec<f32>>) -> Workspace {
+        let (jumps, of_neighbour, interpolated) = Default::default();
+        Workspace { precision, jumps, of_neighbour, interpolated, values: Vec::new(), kept }
+    }
+}
+
+/// A body without its rows, these in double precision, and the nodes of each field.
+pub struct AssembledBody<const D: usize> {
+    /// The body.
+    pub body: SharpBody<D>,
+    /// Its rows, with values of sources behind those of the modes.
+    pub rows: Rows,
+    /// Where the rows of each field end.
+    pub field_ends: Vec<usize>,
+    /// The nodes.
+    pub nodes: Vec<JumpNodes<D>>,
 }
 
 /// The method.
 #[derive(Debug, Clone, Copy)]
-pub struct Sharp;
+pub struct Sharp {
+    /// How exactly rows are kept.
+    pub precision: Precision,
+}
 
 impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for Sharp {
     fn description(&self) -> String {
         "surface multipliers with corrected stencils (sharp)".into()
     }
 
-    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], memory: Vec<Vec<f64>>) -> Vec<Box<dyn BodyBlocks<D>>> {
-        let mut workspace = Workspace { values: memory, ..Workspace::default() };
-        let of =
-            |body: &Surrounded<D>| -> Box<dyn BodyBlocks<D>> { Box::new(assemble(grid, body, &mut workspace, |_| vec![Vec::new(); D]).0) };
+    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], memory: Vec<Vec<f32>>) -> Vec<Box<dyn BodyBlocks<D>>> {
+        let mut workspace = Workspace::new(self.precision, memory);
+        let of = |body: &Surrounded<D>| -> Box<dyn BodyBlocks<D>> {
+            let AssembledBody { body, rows, field_ends, .. } = assemble(grid, body, &mut workspace, |_| vec![Vec::new(); D]);
+            let body = body.keeping(&rows, &field_ends, &mut workspace);
+            workspace.values = rows.values;
+            Box::new(body)
+        };
         bodies.iter().map(of).collect()
     }
 
@@ -94,24 +125,23 @@ pub fn bytes<const D: usize>(grid: &Grid<D>, Size { ball, order, count }: &Size<
     let (count, cells) = (*count as f64, ball.radius / grid.mean_spacing());
     let surface = if D == 2 { 2.0 * std::f64::consts::PI * cells } else { 4.0 * std::f64::consts::PI * cells * cells };
     let points = SurfaceTable::<D>::point_count(ball.radius, *order, grid.mean_spacing()) as f64;
-    8.0 * count * 2.0 * (D + 1) as f64 * surface
+    4.0 * count * 2.0 * (D + 1) as f64 * surface
         + 16.0 * points * (D * 4_usize.pow(D as u32)) as f64
         + 5.0 * BYTES_PER_ENTRY * count * count
 }
 
-/// The blocks of one body, with values of sources behind those of the modes that have the moments of `sources` in each component, and the nodes
-/// of each field.
+/// The blocks of one body, with values of sources behind those of the modes that have the moments of `sources` in each component.
 pub fn assemble<const D: usize>(
     grid: &Grid<D>,
     Surrounded { body, placed, neighbours }: &Surrounded<D>,
     workspace: &mut Workspace,
     sources: impl Fn(&[JumpNodes<D>]) -> Vec<Vec<[f64; TERMS]>>,
-) -> (SharpBody<D>, Vec<JumpNodes<D>>) {
+) -> AssembledBody<D> {
     let unknowns = Unknowns::of(placed.surface.modes.as_ref());
     let (fields, components) = (unknowns.fields::<D>(), unknowns.components::<D>());
     let reach = placed.surface.modes.radius() + reach(grid);
     let nodes: Vec<JumpNodes<D>> = (0..fields).map(|field| JumpNodes::around(grid, field, placed, reach)).collect();
-    let Workspace { jumps, of_neighbour, interpolated, values } = workspace;
+    let Workspace { jumps, of_neighbour, interpolated, values, .. } = workspace;
     let (jumps, of_neighbour) = (&mut jumps[..fields], &mut of_neighbour[..components]);
     nodes.iter().zip(&mut *jumps).for_each(|(nodes, jumps)| jumps.turn_to(placed, nodes));
     let spreading = Spreading::new(grid, placed, &nodes, jumps);
@@ -124,14 +154,15 @@ pub fn assemble<const D: usize>(
         Some((*other, block))
     });
     let local = own.into_iter().chain(others);
-    let (rows, on_walls) = spreading.rows(jumps, &sources(&nodes), values.pop().unwrap_or_default());
+    let field_ends = spreading.field_ends();
+    let (rows, on_walls) = spreading.rows(jumps, &sources(&nodes), std::mem::take(values));
     let body = SharpBody {
         surface: placed.surface.clone(),
-        rows,
+        rows: KeptRows::default(),
         on_walls,
         local: local.map(|(body, transposed)| LocalBlock { body, transposed }).collect(),
         local_places: Vec::new(),
         interpolant: interpolation.interpolant,
     };
-    (body, nodes)
+    AssembledBody { body, rows, field_ends, nodes }
 }

@@ -10,7 +10,7 @@ use std::rc::Rc;
 
 use nalgebra::{DMatrix, SMatrix, SVector};
 
-use super::{INTERPOLATION_REACH, JumpNodes, SharpBody, Workspace, assemble, bytes};
+use super::{AssembledBody, INTERPOLATION_REACH, JumpNodes, SharpBody, Workspace, assemble, bytes};
 use crate::{
     body::planes,
     constraint::{
@@ -22,6 +22,7 @@ use crate::{
         method::{Method, Size},
         placed::{Placed, Surrounded},
         places::{Entries, EntriesMut},
+        rows::{Precision, Rows},
     },
     grid::Grid,
     linalg::dot,
@@ -31,6 +32,8 @@ use crate::{
 /// The method; surfaces need the jumps of spin-ups ([`SurfaceTable::with_spin_up`]).
 #[derive(Debug, Clone)]
 pub struct SharpWithInertia {
+    /// How exactly rows are kept.
+    pub precision: Precision,
     /// For each body, the spin-up `rho w' / mu` that a unit multiplier of rotation gives it; zero for prescribed motion.
     pub spin_up_of: Vec<f64>,
     /// For each body, whether it moves as the fluid inside it does.
@@ -42,13 +45,14 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for SharpWithInertia {
         "surface multipliers with corrected stencils (sharp), bodies with inertia".into()
     }
 
-    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], memory: Vec<Vec<f64>>) -> Vec<Box<dyn BodyBlocks<D>>> {
-        let mut workspace = Workspace { values: memory, ..Workspace::default() };
+    fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], memory: Vec<Vec<f32>>) -> Vec<Box<dyn BodyBlocks<D>>> {
+        let mut workspace = Workspace::new(self.precision, memory);
         let of = |body: &Surrounded<D>| -> Box<dyn BodyBlocks<D>> {
-            let (blocks, nodes) = assemble(grid, body, &mut workspace, |nodes| moments(grid, body.placed, nodes));
+            let AssembledBody { body: blocks, rows, field_ends, nodes } =
+                assemble(grid, body, &mut workspace, |nodes| moments(grid, body.placed, nodes));
             let interior = interior_force(grid, body.placed, &nodes[..D], self.spin_up_of[body.body]);
             let mean_motion = self.inside[body.body].then(|| MeanMotion::new(grid, body.placed, &nodes[..D]));
-            Box::new(SpinningBody::new((blocks, interior), mean_motion, &self.spin_up_of))
+            Box::new(SpinningBody::new((blocks, (rows, field_ends), interior), mean_motion, &self.spin_up_of, &mut workspace))
         };
         bodies.iter().map(of).collect()
     }
@@ -123,17 +127,22 @@ struct SpinningBody<const D: usize> {
 
 impl<const D: usize> SpinningBody<D> {
     /// Takes the columns of spin-ups out of the blocks of a body, and adds them to those of rotations.
-    fn new((mut blocks, interior): (SharpBody<D>, InteriorForce), mean_motion: Option<MeanMotion>, spin_up_of: &[f64]) -> Self {
+    fn new(
+        (blocks, (assembled, field_ends), interior): (SharpBody<D>, (Rows, Vec<usize>), InteriorForce),
+        mean_motion: Option<MeanMotion>,
+        spin_up_of: &[f64],
+        workspace: &mut Workspace,
+    ) -> Self {
         let (planes, count, factor) = (planes::<D>().len(), blocks.surface.modes.count(), interior.factor());
-        let (mut values, mut rows) = (Vec::with_capacity(blocks.rows.values.len()), Vec::new());
-        for row in blocks.rows.values.chunks_exact(count + planes) {
+        let (mut values, mut rows) = (Vec::with_capacity(assembled.values.len()), Vec::new());
+        for row in assembled.values.chunks_exact(count + planes) {
             let (of_modes, of_spin_ups) = row.split_at(count);
             let start = values.len();
             values.extend_from_slice(of_modes);
             of_spin_ups.iter().enumerate().for_each(|(plane, value)| values[start + D + plane] += factor * value);
             rows.extend_from_slice(of_spin_ups);
         }
-        blocks.rows.values = values;
+        let mut blocks = blocks.keeping(&Rows::new(assembled.unknowns, values), &field_ends, workspace);
         let mut local = Vec::new();
         for block in &mut blocks.local {
             let of_modes = block.transposed.nrows() - planes;
@@ -220,7 +229,7 @@ impl<const D: usize> BodyBlocks<D> for SpinningBody<D> {
         self.blocks.add_on_walls(c, forces);
     }
 
-    fn into_memory(self: Box<Self>) -> Option<Vec<f64>> {
+    fn into_memory(self: Box<Self>) -> Vec<Vec<f32>> {
         Box::new(self.blocks).into_memory()
     }
 }

@@ -170,6 +170,11 @@ impl<'a, const D: usize> Spreading<'a, D> {
         (Rows::new(self.unknowns, values), on_walls)
     }
 
+    /// Where the rows of each field end.
+    pub fn field_ends(&self) -> Vec<usize> {
+        self.rows.field_ends.clone()
+    }
+
     fn sum_on_walls(&self, to_walls: &[f64], count: usize) -> Vec<OnWall> {
         let mut found: Vec<OnWall> = Vec::new();
         for component in 0..self.placed.surface.modes.components() {

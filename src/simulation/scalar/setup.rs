@@ -5,7 +5,7 @@ use std::rc::Rc;
 use nalgebra::SVector;
 
 use crate::{
-    constraint::{InclusionMethod, method_of},
+    constraint::{InclusionMethod, Precision, method_of},
     error::Result,
     geometry::{Ball, Domain},
     grid::Grid,
@@ -67,7 +67,8 @@ impl<const D: usize> ScalarSetup<D> {
     /// # Panics
     /// For a fitted mesh, which has no such blocks.
     pub fn method(&self) -> Rc<InclusionMethod<D>> {
-        method_of(self.constraint.word(), self.constraint.epsilon()).expect("a fitted mesh has no blocks on a grid")
+        let precision = Precision::for_tolerance(self.tolerance.at_an_instant());
+        method_of(self.constraint.word(), self.constraint.epsilon(), precision).expect("a fitted mesh has no blocks on a grid")
     }
 
     /// Number of multipliers of each inclusion.
