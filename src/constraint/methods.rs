@@ -4,8 +4,8 @@ use std::rc::Rc;
 
 use super::{
     adjoint::{AdjointWithInertia, Distributed, MeanValue, Penalty},
+    kept_values::Precision,
     method::{FlowMethod, Method},
-    rows::Precision,
     sharp::{Sharp, SharpWithInertia},
 };
 

@@ -12,7 +12,7 @@ use crate::{
         method::{Method, Size},
         placed::{Placed, Surrounded},
         rows::Rows,
-        sharp::{AssembledBody, INTERPOLATION_REACH, JumpNodes, Sharp, SharpBody, Workspace, assemble},
+        sharp::{AssembledBody, INTERPOLATION_REACH, JumpNodes, Sharp, Workspace, assemble},
     },
     grid::Grid,
 };
@@ -43,26 +43,25 @@ pub fn bytes<const D: usize>(size: &Size<D>) -> f64 {
 
 fn blocks<const D: usize>(grid: &Grid<D>, surrounded: &Surrounded<D>, workspace: &mut Workspace) -> InclusionBlocks<D> {
     let placed = surrounded.placed;
-    let AssembledBody { mut body, rows, field_ends, nodes } =
-        assemble(grid, surrounded, workspace, |nodes| vec![vec![missing_source(grid, placed, &nodes[0])]]);
-    let (by_source, of_modes, values) = split_source(&mut body, &rows);
-    let source = source(grid, &nodes[0], (&rows.unknowns, &values));
-    let body = body.keeping(&Rows::new(rows.unknowns, of_modes), &field_ends, workspace);
-    InclusionBlocks { body: Box::new(body), inclusion: Inclusion::on_surface(placed, source, by_source) }
+    let mut assembled = assemble(grid, surrounded, workspace, |nodes| vec![vec![missing_source(grid, placed, &nodes[0])]]);
+    let (by_source, values) = split_source(&mut assembled);
+    let source = source(grid, &assembled.nodes[0], (&assembled.rows.unknowns, &values));
+    InclusionBlocks { body: Box::new(assembled.kept(workspace)), inclusion: Inclusion::on_surface(placed, source, by_source) }
 }
 
-/// Takes the values of the source out of the blocks: what it adds to the values on the surface; values of the rows that are those of modes, and those that are not.
-fn split_source<const D: usize>(body: &mut SharpBody<D>, rows: &Rows) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
-    let count = body.surface.modes.count();
+/// Takes the values of the source out of the blocks: what it adds to the values on the surface, and to the rows.
+fn split_source<const D: usize>(assembled: &mut AssembledBody<D>) -> (Vec<f64>, Vec<f64>) {
+    let count = assembled.body.surface.modes.count();
     let mut by_source = vec![0.0; count];
-    for block in &mut body.local {
+    for block in &mut assembled.local {
         let last = block.transposed.nrows() - 1;
         by_source.iter_mut().zip(block.transposed.row(last).iter()).for_each(|(sum, value)| *sum += value);
         block.transposed = std::mem::replace(&mut block.transposed, DMatrix::zeros(0, 0)).remove_row(last);
     }
-    let rows = rows.values.chunks_exact(count + 1);
+    let rows = assembled.rows.values.chunks_exact(count + 1);
     let of_source = rows.clone().map(|row| row[count]).collect();
-    (by_source, rows.flat_map(|row| &row[..count]).copied().collect(), of_source)
+    assembled.rows.values = rows.flat_map(|row| &row[..count]).copied().collect();
+    (by_source, of_source)
 }
 
 /// What a unit source outside differs from one everywhere, with the corrections of the rows that reach across the surface.

@@ -4,15 +4,15 @@ use std::rc::Rc;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{Workspace, spread::OnWall};
+use super::spread::OnWall;
 use crate::{
     constraint::{
         body::{BodyBlocks, Plans, WallForces, Walls},
-        dense::LocalBlock,
+        dense::KeptBlock,
         interpolant::Interpolant,
         layout::MultiplierLayout,
         places::{Entries, EntriesMut},
-        rows::{KeptRows, Rows},
+        rows::KeptRows,
     },
     linalg::dot,
     surface::SurfaceTable,
@@ -29,17 +29,9 @@ pub struct SharpBody<const D: usize> {
     /// J, before values at the points are projected on the modes.
     pub interpolant: Interpolant<D>,
     /// Dense blocks of E in the rows of this body.
-    pub local: Vec<LocalBlock>,
+    pub local: Vec<KeptBlock>,
     /// Once planned, the places of the first multipliers of the blocks of E.
     pub local_places: Vec<u32>,
-}
-
-impl<const D: usize> SharpBody<D> {
-    /// The same with rows of C, those of each field up to where it ends.
-    pub fn keeping(self, rows: &Rows, field_ends: &[usize], workspace: &mut Workspace) -> SharpBody<D> {
-        let (precision, memory) = (workspace.precision, &mut workspace.kept);
-        SharpBody { rows: KeptRows::new(rows, self.surface.modes.count(), field_ends, precision, memory), ..self }
-    }
 }
 
 impl<const D: usize> BodyBlocks<D> for SharpBody<D> {
@@ -50,7 +42,7 @@ impl<const D: usize> BodyBlocks<D> for SharpBody<D> {
     fn plan(&mut self, layout: &MultiplierLayout, plans: &mut Plans) {
         self.interpolant.plan(&mut plans.read);
         self.rows.plan(&mut plans.spread);
-        let place = |block: &LocalBlock| plans.multipliers.of(layout.global(block.body), block.transposed.nrows());
+        let place = |block: &KeptBlock| plans.multipliers.of(layout.global(block.body), block.columns);
         self.local_places = self.local.iter().map(place).collect();
     }
 
@@ -70,10 +62,8 @@ impl<const D: usize> BodyBlocks<D> for SharpBody<D> {
     }
 
     fn add_local(&self, _own: &[f64], all: Entries, out: &mut [f64]) {
-        for (LocalBlock { transposed, .. }, &place) in self.local.iter().zip(&self.local_places) {
-            let modes = transposed.nrows();
-            let c = &all.from(place)[..modes];
-            out.iter_mut().zip(transposed.as_slice().chunks_exact(modes)).for_each(|(out, row)| *out += dot(row, c));
+        for (block, &place) in self.local.iter().zip(&self.local_places) {
+            block.add(&all.from(place)[..block.columns], out);
         }
     }
 

@@ -24,10 +24,11 @@ mod spread;
 use super::{
     body::BodyBlocks,
     conservation::TERMS,
-    dense::LocalBlock,
+    dense::{KeptBlock, LocalBlock},
+    kept_values::Precision,
     method::{Method, Size},
     placed::Surrounded,
-    rows::{KeptRows, Precision, Rows},
+    rows::{KeptRows, Rows},
     unknowns::Unknowns,
 };
 use crate::{grid::Grid, surface::SurfaceTable};
@@ -72,16 +73,29 @@ impl Workspace {
     }
 }
 
-/// A body without its rows, these in double precision, and the nodes of each field.
+/// A body without its blocks and rows, these in double precision, and the nodes of each field.
 pub struct AssembledBody<const D: usize> {
     /// The body.
     pub body: SharpBody<D>,
     /// Its rows, with values of sources behind those of the modes.
     pub rows: Rows,
+    /// Dense blocks of E.
+    pub local: Vec<LocalBlock>,
     /// Where the rows of each field end.
     pub field_ends: Vec<usize>,
     /// The nodes.
     pub nodes: Vec<JumpNodes<D>>,
+}
+
+impl<const D: usize> AssembledBody<D> {
+    /// The body with its blocks and rows, as they are kept.
+    pub fn kept(self, workspace: &mut Workspace) -> SharpBody<D> {
+        let AssembledBody { body, local, rows, field_ends, .. } = self;
+        let (count, precision) = (body.surface.modes.count(), workspace.precision);
+        let kept = KeptRows::new(&rows, count, &field_ends, precision, &mut workspace.kept);
+        workspace.values = rows.values;
+        SharpBody { rows: kept, local: local.iter().map(|block| KeptBlock::new(block, precision)).collect(), ..body }
+    }
 }
 
 /// The method.
@@ -99,10 +113,7 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for Sharp {
     fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], memory: Vec<Vec<f32>>) -> Vec<Box<dyn BodyBlocks<D>>> {
         let mut workspace = Workspace::new(self.precision, memory);
         let of = |body: &Surrounded<D>| -> Box<dyn BodyBlocks<D>> {
-            let AssembledBody { body, rows, field_ends, .. } = assemble(grid, body, &mut workspace, |_| vec![Vec::new(); D]);
-            let body = body.keeping(&rows, &field_ends, &mut workspace);
-            workspace.values = rows.values;
-            Box::new(body)
+            Box::new(assemble(grid, body, &mut workspace, |_| vec![Vec::new(); D]).kept(&mut workspace))
         };
         bodies.iter().map(of).collect()
     }
@@ -153,16 +164,16 @@ pub fn assemble<const D: usize>(
         let block = interpolation.neighbour_block(neighbour, core, of_neighbour, interpolated)?;
         Some((*other, block))
     });
-    let local = own.into_iter().chain(others);
+    let local = own.into_iter().chain(others).map(|(body, transposed)| LocalBlock { body, transposed }).collect();
     let field_ends = spreading.field_ends();
     let (rows, on_walls) = spreading.rows(jumps, &sources(&nodes), std::mem::take(values));
     let body = SharpBody {
         surface: placed.surface.clone(),
         rows: KeptRows::default(),
         on_walls,
-        local: local.map(|(body, transposed)| LocalBlock { body, transposed }).collect(),
+        local: Vec::new(),
         local_places: Vec::new(),
         interpolant: interpolation.interpolant,
     };
-    AssembledBody { body, rows, field_ends, nodes }
+    AssembledBody { body, local, rows, field_ends, nodes }
 }

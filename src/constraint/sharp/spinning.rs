@@ -18,11 +18,11 @@ use crate::{
         body::{BodyBlocks, Plans, WallForces, Walls},
         conservation::TERMS,
         interior::InteriorForce,
+        kept_values::Precision,
         layout::MultiplierLayout,
         method::{Method, Size},
         placed::{Placed, Surrounded},
         places::{Entries, EntriesMut},
-        rows::{Precision, Rows},
     },
     grid::Grid,
     linalg::dot,
@@ -48,11 +48,11 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for SharpWithInertia {
     fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], memory: Vec<Vec<f32>>) -> Vec<Box<dyn BodyBlocks<D>>> {
         let mut workspace = Workspace::new(self.precision, memory);
         let of = |body: &Surrounded<D>| -> Box<dyn BodyBlocks<D>> {
-            let AssembledBody { body: blocks, rows, field_ends, nodes } =
-                assemble(grid, body, &mut workspace, |nodes| moments(grid, body.placed, nodes));
-            let interior = interior_force(grid, body.placed, &nodes[..D], self.spin_up_of[body.body]);
-            let mean_motion = self.inside[body.body].then(|| MeanMotion::new(grid, body.placed, &nodes[..D]));
-            Box::new(SpinningBody::new((blocks, (rows, field_ends), interior), mean_motion, &self.spin_up_of, &mut workspace))
+            let assembled = assemble(grid, body, &mut workspace, |nodes| moments(grid, body.placed, nodes));
+            let nodes = &assembled.nodes[..D];
+            let interior = interior_force(grid, body.placed, nodes, self.spin_up_of[body.body]);
+            let mean_motion = self.inside[body.body].then(|| MeanMotion::new(grid, body.placed, nodes));
+            Box::new(SpinningBody::new(assembled, (interior, mean_motion), &self.spin_up_of, &mut workspace))
         };
         bodies.iter().map(of).collect()
     }
@@ -128,23 +128,23 @@ struct SpinningBody<const D: usize> {
 impl<const D: usize> SpinningBody<D> {
     /// Takes the columns of spin-ups out of the blocks of a body, and adds them to those of rotations.
     fn new(
-        (blocks, (assembled, field_ends), interior): (SharpBody<D>, (Rows, Vec<usize>), InteriorForce),
-        mean_motion: Option<MeanMotion>,
+        mut assembled: AssembledBody<D>,
+        (interior, mean_motion): (InteriorForce, Option<MeanMotion>),
         spin_up_of: &[f64],
         workspace: &mut Workspace,
     ) -> Self {
-        let (planes, count, factor) = (planes::<D>().len(), blocks.surface.modes.count(), interior.factor());
-        let (mut values, mut rows) = (Vec::with_capacity(assembled.values.len()), Vec::new());
-        for row in assembled.values.chunks_exact(count + planes) {
+        let (planes, count, factor) = (planes::<D>().len(), assembled.body.surface.modes.count(), interior.factor());
+        let (mut values, mut rows) = (Vec::with_capacity(assembled.rows.values.len()), Vec::new());
+        for row in assembled.rows.values.chunks_exact(count + planes) {
             let (of_modes, of_spin_ups) = row.split_at(count);
             let start = values.len();
             values.extend_from_slice(of_modes);
             of_spin_ups.iter().enumerate().for_each(|(plane, value)| values[start + D + plane] += factor * value);
             rows.extend_from_slice(of_spin_ups);
         }
-        let mut blocks = blocks.keeping(&Rows::new(assembled.unknowns, values), &field_ends, workspace);
+        assembled.rows.values = values;
         let mut local = Vec::new();
-        for block in &mut blocks.local {
+        for block in &mut assembled.local {
             let of_modes = block.transposed.nrows() - planes;
             let mut of_spin_ups = block.transposed.rows(of_modes, planes).into_owned();
             let mut kept = block.transposed.rows(0, of_modes).into_owned();
@@ -157,7 +157,7 @@ impl<const D: usize> SpinningBody<D> {
             block.transposed = kept;
             local.push(of_spin_ups);
         }
-        SpinningBody { blocks, interior, mean_motion, rows, local }
+        SpinningBody { blocks: assembled.kept(workspace), interior, mean_motion, rows, local }
     }
 }
 
