@@ -49,7 +49,7 @@ pub fn remembered<const D: usize>(grid: &Grid<D>, step: f64, inverse_diffusivity
 }
 
 /// A velocity of this rank near a body or in it.
-struct Near {
+pub struct Near {
     /// Among the rank's entries.
     place: usize,
     component: usize,
@@ -62,7 +62,7 @@ struct Near {
 
 impl<const D: usize> Level<D> {
     /// The flow extended into bodies with their jumps, and its convection on the grid of that time. Collective.
-    pub fn extended(&self, band: Option<&Band>, kinds: &BodyTypes<D>, convection: &mut Convection<D>) -> Result<Extended<D>> {
+    pub fn extended(&self, band: Option<&Band>, convection: &mut Convection<D>) -> Result<Extended<D>> {
         let mut carried = self.fluid.like()?;
         convection.evaluate(&self.fluid, &mut carried)?;
         let sums = [sums(convection.grid(), &self.fluid)?, sums(convection.grid(), &carried)?];
@@ -74,9 +74,8 @@ impl<const D: usize> Level<D> {
         if !self.moves() {
             return Ok(Extended { velocity, convection: carried, inside: None, sums });
         }
-        let near = self.near(convection.grid(), kinds)?;
-        let inside = self.inside(&near, &carried, convection)?;
-        self.add_linear(band, &near, &mut scatter, convection, &mut carried)?;
+        let inside = self.inside(&band.near, &carried, convection)?;
+        self.add_linear(band, &mut scatter, convection, &mut carried)?;
         Ok(Extended { velocity, convection: carried, inside: Some(inside), sums })
     }
 
@@ -102,14 +101,7 @@ impl<const D: usize> Level<D> {
     }
 
     /// Adds what is linear in the jumps to the convection of rows outside. Collective.
-    fn add_linear(
-        &self,
-        band: &Band,
-        near: &[Near],
-        scatter: &mut Scatter,
-        convection: &mut Convection<D>,
-        carried: &mut Vector,
-    ) -> Result<()> {
+    fn add_linear(&self, band: &Band, scatter: &mut Scatter, convection: &mut Convection<D>, carried: &mut Vector) -> Result<()> {
         let largest = LARGEST_JUMP * fastest(convection.grid(), &self.fluid)?;
         let mut places = scatter.places()?;
         for ((place, jump), body) in places.iter_mut().zip(&band.tangential).zip(&band.bodies) {
@@ -118,7 +110,7 @@ impl<const D: usize> Level<D> {
         drop(places);
         let mut rigid = self.fluid.like()?;
         let mut values = rigid.local_mut()?;
-        near.iter().for_each(|near| values[near.place] = near.rigid);
+        band.near.iter().for_each(|near| values[near.place] = near.rigid);
         drop(values);
         let mut other = self.fluid.like()?;
         scatter.add_back(&mut other)?;
@@ -133,7 +125,7 @@ impl<const D: usize> Level<D> {
     }
 
     /// The velocities of this rank near bodies, each of the nearest one's.
-    fn near(&self, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Result<Vec<Near>> {
+    pub(super) fn near(&self, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Result<Vec<Near>> {
         let own = self.fluid.range()?;
         let mut claims: Vec<Option<u32>> = vec![None; own.len()];
         let mut near: Vec<Near> = Vec::new();
@@ -160,11 +152,11 @@ impl<const D: usize> Level<D> {
 
     /// Thickness of the layer of fluid that each body carries along, in cells: the slip it bridges over the slope at the surface. Zero before anything is known, infinite
     /// where bodies are closer to each other than the layer is measured. Collective.
-    pub fn layers(&self, world: &World, band: &Band, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Result<Vec<f64>> {
+    pub fn layers(&self, world: &World, band: &Band, grid: &Grid<D>) -> Result<Vec<f64>> {
         let (spacing, values) = (grid.spacing().max(), self.fluid.local()?);
         // squares of slips and their number, by body and component
         let mut slips = vec![0.0; 2 * D * self.centers.len()];
-        for near in self.near(grid, kinds)? {
+        for near in &band.near {
             if (OUTSIDE_LAYER[0] * spacing..OUTSIDE_LAYER[1] * spacing).contains(&near.gap) {
                 let first = 2 * (D * near.body + near.component);
                 slips[first] += (values[near.place] - near.rigid).powi(2);

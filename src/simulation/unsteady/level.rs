@@ -11,6 +11,7 @@
 
 use nalgebra::{DVector, SVector};
 
+use super::convected::Near;
 use crate::{
     body::Twist,
     constraint::IndexBox,
@@ -80,6 +81,8 @@ pub struct Band {
     pub(super) tangential: Vec<f64>,
     /// Squares of the slopes of tangential jumps within a cell of the surface and their number, by body and component.
     pub(super) slopes: Vec<f64>,
+    /// Velocities of this rank near bodies, each of the nearest one's.
+    pub(super) near: Vec<Near>,
 }
 
 impl<const D: usize> Level<D> {
@@ -107,11 +110,14 @@ impl<const D: usize> Level<D> {
         Ok(extended)
     }
 
-    /// The jumps in bodies on the grid of that time.
-    pub fn band(&self, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Band {
-        let mut band = Band { slopes: vec![0.0; 2 * D * self.centers.len()], ..Band::default() };
+    /// The jumps in bodies, and what is near them, on the grid of that time.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    pub fn band(&self, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Result<Band> {
+        let mut band = Band { slopes: vec![0.0; 2 * D * self.centers.len()], near: self.near(grid, kinds)?, ..Band::default() };
         (0..self.centers.len()).for_each(|body| self.extend(grid, kinds, body, &mut band));
-        band
+        Ok(band)
     }
 
     /// Adds the points inside a body near its surface, if it is this rank's.
@@ -182,7 +188,10 @@ pub fn within<const D: usize>(grid: &Grid<D>, center: &SVector<f64, D>, radius: 
     for component in 0..D {
         for index in IndexBox::around(grid, component, &center, radius).indices() {
             let offset = grid.position(component, index) - center;
-            if let (true, Node::Unknown(place)) = (offset.norm() <= radius, grid.fluid_node(component, index)) {
+            if offset.norm() > radius {
+                continue;
+            }
+            if let Node::Unknown(place) = grid.fluid_node(component, index) {
                 let at = unwrapped + offset;
                 visit(Point { component, place, offset, index, frame: grid.frame_velocity(&at), shear: domain.carried(&at) });
             }

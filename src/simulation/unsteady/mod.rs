@@ -135,6 +135,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         if self.current.as_ref().is_none_or(|level| level.time >= time) {
             return Ok(());
         }
+        let _stage = enter(Stage::Assembly);
         let layers = self.layers()?;
         let Some(mut level) = self.current.take() else { return Ok(()) };
         if let (Some((before, _)), Some(layers)) = (self.past.first(), layers) {
@@ -161,7 +162,7 @@ impl<const D: usize> UnsteadySuspension<D> {
             return Ok(Some((level, band)));
         }
         let grid = self.grid_at(level.time)?;
-        let found = level.band(&grid, &self.fixed.kinds);
+        let found = level.band(&grid, &self.fixed.kinds)?;
         Ok(Some((level, self.band.get_or_init(|| found))))
     }
 
@@ -176,7 +177,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         let Some((level, band)) = self.band()? else { return Ok(None) };
         if self.layers.get().is_none() {
             let grid = self.grid_at(level.time)?;
-            let found = level.layers(self.fixed.session.world(), band, &grid, &self.fixed.kinds)?;
+            let found = level.layers(self.fixed.session.world(), band, &grid)?;
             return Ok(Some(self.layers.get_or_init(|| found).clone()));
         }
         Ok(self.layers.get().cloned())
@@ -186,8 +187,11 @@ impl<const D: usize> UnsteadySuspension<D> {
         if *self.convection.grid().domain() != self.fixed.setup.domain.clone().at(level.time) {
             self.convection = Convection::new(&*self.grid_at(level.time)?, &level.fluid)?;
         }
-        let band = band.or_else(|| self.fixed.method.jumps().then(|| level.band(self.convection.grid(), &self.fixed.kinds)));
-        let extended = level.extended(band.as_ref(), &self.fixed.kinds, &mut self.convection)?;
+        let band = match band {
+            None if self.fixed.method.jumps() => Some(level.band(self.convection.grid(), &self.fixed.kinds)?),
+            known => known,
+        };
+        let extended = level.extended(band.as_ref(), &mut self.convection)?;
         self.past.insert(place, (level, extended));
         self.past.truncate(LEVELS);
         Ok(())
@@ -294,6 +298,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         let weights = StepWeights::new(time - last, earlier.map(|earlier| last - earlier));
         let shift = self.inverse_diffusivity() * weights.rate[0];
         if self.inverse.is_none() || (shift / self.fixed.stokes.shift() - 1.0).abs() > ROUNDING {
+            let _stage = enter(Stage::SetUp);
             // the old one gives its memory back first
             self.inverse = None;
             // blocks of bodies may know the shift
@@ -490,6 +495,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
             return self.at_rest(configuration);
         }
         let weights = self.begin(configuration.time)?;
+        let stage = enter(Stage::Assembly);
         let momentum = Momentum::new(&self.fixed.setup, &weights, self.past.iter().map(|(level, _)| level));
         let pushes = momentum.pushes(configuration.pushes);
         self.fixed.spin_ups = momentum.known_spin_ups(configuration.pushes);
@@ -500,6 +506,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         if self.fixed.method.jumps() {
             damp(&self.fixed, &mut assembly, &self.past[0].0.slow, lag);
         }
+        drop(stage);
         let configuration = Configuration { pushes: &pushes, ..*configuration };
         let fixed = &self.fixed;
         let mut ready = AssembledSystem::new(fixed, Some(assembly), self.workspace.take(), self.guess.as_ref(), &configuration)?;
