@@ -12,9 +12,6 @@ use crate::{
     study::{Calibration, Estimate, Forecast, coarsest},
 };
 
-/// Bytes that the program takes on each rank before it holds anything of a scene: about those that runs of a few cells take.
-const PROGRAM_BYTES: f64 = 6e7;
-
 /// Prints the plan of a scene of dimension `D` whose runs write into `folder`, on as many ranks as there are or on so many others.
 pub fn plan<const D: usize>(session: &Session, scene: &Scene, folder: &Path, ranks: Option<usize>) -> Result<()> {
     let world = session.world();
@@ -49,8 +46,7 @@ pub fn plan<const D: usize>(session: &Session, scene: &Scene, folder: &Path, ran
     };
     let shared = match ranks {
         Some(count) if plan.bytes().is_finite() => {
-            let [own, program] = [plan.bytes() * plan.imbalance() / count as f64, PROGRAM_BYTES].map(|bytes| (bytes / 1e6).ceil());
-            format!("           {own:.0} MB on the fullest of {count} ranks, and about {program:.0} MB for the program itself on each\n")
+            format!("           {:.0} MB on the fullest of {count} ranks\n", (plan.bytes_of_fullest(count) / 1e6).ceil())
         }
         _ => String::new(),
     };

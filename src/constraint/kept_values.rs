@@ -24,6 +24,14 @@ impl Precision {
     pub fn for_tolerance(tolerance: f64) -> Precision {
         if tolerance < SINGLE { Precision::Double } else { Precision::Single }
     }
+
+    /// Bytes that a value takes.
+    pub fn bytes(self) -> f64 {
+        match self {
+            Precision::Single => 4.0,
+            Precision::Double => 8.0,
+        }
+    }
 }
 
 /// Rows of values that follow each other.

@@ -7,6 +7,7 @@ use super::{body::AdjointBody, inertia::AdjointMethod, nodes::Collector};
 use crate::{
     constraint::{
         body::BodyBlocks,
+        kept_values::Precision,
         method::{Method, Size},
         placed::{Placed, Surrounded},
         sharp,
@@ -33,7 +34,7 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for MeanValue {
     }
 
     fn bytes(&self, grid: &Grid<D>, size: &Size<D>) -> f64 {
-        sharp::bytes(grid, size)
+        sharp::bytes(grid, size, Precision::Double)
     }
 }
 

@@ -25,6 +25,7 @@ use super::{
     body::BodyBlocks,
     conservation::TERMS,
     dense::{KeptBlock, LocalBlock},
+    interpolant::StencilWeights,
     kept_values::Precision,
     method::{Method, Size},
     placed::Surrounded,
@@ -47,8 +48,8 @@ const CORE: f64 = 0.3;
 /// Gap between two surfaces, in spacings, below which interpolation on one meets the inside of the other.
 pub const INTERPOLATION_REACH: f64 = 3.5;
 
-/// Bytes that an entry of a dense block takes, or of a row of interpolation.
-const BYTES_PER_ENTRY: f64 = 12.0;
+/// Dense blocks of E that a body has in a dense suspension: its own and those of neighbours.
+const LOCAL_BLOCKS: f64 = 7.0;
 
 /// Memory that the assembly of one body after the other uses again.
 pub struct Workspace {
@@ -119,7 +120,7 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for Sharp {
     }
 
     fn bytes(&self, grid: &Grid<D>, size: &Size<D>) -> f64 {
-        bytes(grid, size)
+        bytes(grid, size, self.precision)
     }
 
     fn reach(&self) -> f64 {
@@ -131,14 +132,13 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for Sharp {
     }
 }
 
-/// Values of the spread rows, interpolation terms, and the dense blocks of a body and about four neighbours.
-pub fn bytes<const D: usize>(grid: &Grid<D>, Size { ball, order, count }: &Size<D>) -> f64 {
+/// Values of the spread rows, weights and corners of interpolation, and the dense blocks.
+pub fn bytes<const D: usize>(grid: &Grid<D>, Size { ball, order, count }: &Size<D>, precision: Precision) -> f64 {
     let (count, cells) = (*count as f64, ball.radius / grid.mean_spacing());
     let surface = if D == 2 { 2.0 * std::f64::consts::PI * cells } else { 4.0 * std::f64::consts::PI * cells * cells };
     let points = SurfaceTable::<D>::point_count(ball.radius, *order, grid.mean_spacing()) as f64;
-    4.0 * count * 2.0 * (D + 1) as f64 * surface
-        + 16.0 * points * (D * 4_usize.pow(D as u32)) as f64
-        + 5.0 * BYTES_PER_ENTRY * count * count
+    let rows = count * 2.0 * (D + 1) as f64 * surface;
+    precision.bytes() * (rows + LOCAL_BLOCKS * count * count) + points * D as f64 * (4.0 + 2.0 * size_of::<StencilWeights>() as f64)
 }
 
 /// The blocks of one body, with values of sources behind those of the modes that have the moments of `sources` in each component.

@@ -58,7 +58,7 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for SharpWithInertia {
     }
 
     fn bytes(&self, grid: &Grid<D>, size: &Size<D>) -> f64 {
-        bytes(grid, size)
+        bytes(grid, size, self.precision)
     }
 
     fn reach(&self) -> f64 {

@@ -4,7 +4,7 @@ use super::{
     Plan, PlannedModel,
     effects::{Effect, flow_effects, gravity, in_time, inertia},
     fitted,
-    memory::{CONTACT_BYTES, bytes, multiplier_counts, scalar_bytes},
+    memory::{CONTACT_BYTES, PROGRAM_BYTES, bytes, multiplier_counts, scalar_bytes},
     report::{GridPlan, PlanReport},
 };
 use crate::{
@@ -30,6 +30,7 @@ impl<const D: usize> Plan<D> {
             PlannedModel::Flow(setup) if on_mesh => fitted::flow(self, setup, ranks)?,
             PlannedModel::Flow(setup) => self.of_flow(setup, ranks)?,
         };
+        let report = PlanReport { program: ranks as f64 * PROGRAM_BYTES, ..report };
         Ok(match self.asked_cells() {
             Some(cells) if !on_mesh => report.asked(cells),
             _ => report,
@@ -58,7 +59,7 @@ impl<const D: usize> Plan<D> {
             Effect::on("rotation", "spins of the bodies".into()),
         ];
         effects.extend(in_time(self));
-        PlanReport { effects, choice: None, fluid: None, bytes: CONTACT_BYTES * setup.bodies.len() as f64 }
+        PlanReport { effects, choice: None, fluid: None, bytes: CONTACT_BYTES * setup.bodies.len() as f64, program: 0.0 }
     }
 
     fn of_flow(&self, setup: &Setup<D>, ranks: usize) -> Result<PlanReport> {
@@ -74,7 +75,13 @@ impl<const D: usize> Plan<D> {
             multiplier_unknowns: counts.iter().sum(),
             closure_unknowns: MeanFlowConstraint::count(&setup.drive, &setup.domain),
         };
-        Ok(PlanReport { effects, choice: None, fluid: Some(fluid), bytes: bytes(setup, &grid, &counts, self.scene.time.is_some()) })
+        Ok(PlanReport {
+            effects,
+            choice: None,
+            fluid: Some(fluid),
+            bytes: bytes(setup, &grid, &counts, self.scene.time.is_some()),
+            program: 0.0,
+        })
     }
 }
 
@@ -108,5 +115,5 @@ fn of_scalar<const D: usize>(setup: &ScalarSetup<D>, ranks: usize) -> Result<Pla
     let method = setup.method();
     let size = |(&(ball, order), &count): (&(Ball<D>, usize), &usize)| method.bytes(&grid, &Size { ball, order, count });
     let blocks: f64 = setup.inclusions.iter().zip(&counts).map(size).sum();
-    Ok(PlanReport { effects, choice: None, fluid: Some(fluid), bytes: scalar_bytes(&grid, multiplier_unknowns) + blocks })
+    Ok(PlanReport { effects, choice: None, fluid: Some(fluid), bytes: scalar_bytes(&grid, multiplier_unknowns) + blocks, program: 0.0 })
 }

@@ -79,7 +79,7 @@ fn on_mesh<const D: usize>(effects: Vec<Effect>, grid: &Grid<D>, unknowns: usize
         multiplier_unknowns: 0,
         closure_unknowns,
     };
-    PlanReport { effects, choice: None, fluid: Some(fluid), bytes: factor_bytes(unknowns as f64) }
+    PlanReport { effects, choice: None, fluid: Some(fluid), bytes: factor_bytes(unknowns as f64), program: 0.0 }
 }
 
 fn factor_bytes(unknowns: f64) -> f64 {

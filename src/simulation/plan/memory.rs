@@ -27,11 +27,20 @@ const WALLED_LINE_BYTES: f64 = 240.0;
 /// Bytes that the contact model takes for each body: neighbours, constraints and the factors of a pile's matrix.
 pub const CONTACT_BYTES: f64 = 4e3;
 
+/// Bytes that the program takes on each rank before it holds anything of a scene: about those that runs of a few cells take.
+pub const PROGRAM_BYTES: f64 = 7.5e7;
+
 /// Fluid vectors that a run in time keeps to start further solves from.
 const REMEMBERED_VECTORS: f64 = 5.0;
 
 /// Fluid vectors of a flow with inertia: four solutions, of three of them the extended flow and its convection, the rows of a step and what they are made of.
 const INERTIA_VECTORS: f64 = 14.0;
+
+/// Bytes for each velocity near a body with inertia, of which the rigid motion there is kept.
+const NEAR_BYTES: f64 = 72.0;
+
+/// How far from a surface these are, in cells.
+const NEAR_CELLS: f64 = 3.5;
 
 /// Bytes that a flow takes on all ranks together.
 pub fn bytes<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, counts: &[usize], in_time: bool) -> f64 {
@@ -43,7 +52,14 @@ pub fn bytes<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, counts: &[usize],
     let method = setup.method(0.0);
     let size = |(suspended, &count): (&SuspendedBody<D>, &usize)| Size { ball: suspended.body.ball, order: suspended.order, count };
     let bodies: f64 = setup.bodies.iter().zip(counts).map(|body| method.bytes(grid, &size(body))).sum();
-    let levels = if setup.inertia.is_some() { INERTIA_VECTORS * fluid_vector } else { 0.0 };
+    let near = |suspended: &SuspendedBody<D>| {
+        let reach = Ball { radius: suspended.body.ball.radius + NEAR_CELLS * grid.mean_spacing(), ..suspended.body.ball };
+        NEAR_BYTES * D as f64 * reach.volume() / grid.spacing().product()
+    };
+    let levels = match setup.inertia {
+        Some(_) => INERTIA_VECTORS * fluid_vector + setup.bodies.iter().map(near).sum::<f64>(),
+        None => 0.0,
+    };
     bodies
         + levels
         + match setup.inverse {

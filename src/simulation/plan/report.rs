@@ -12,6 +12,8 @@ pub struct PlanReport {
     pub(super) choice: Option<String>,
     pub(super) fluid: Option<GridPlan>,
     pub(super) bytes: f64,
+    /// Bytes that the program itself takes on all ranks.
+    pub(super) program: f64,
 }
 
 /// The grid and its unknowns.
@@ -57,9 +59,14 @@ impl PlanReport {
         fluid.cells.iter().zip(&fluid.blocks).map(along).product()
     }
 
-    /// Bytes that it takes on all ranks together.
+    /// Bytes that the run takes on all ranks together.
     pub fn bytes(&self) -> f64 {
-        self.bytes
+        self.bytes + self.program
+    }
+
+    /// Bytes on the rank of so many that has the most.
+    pub fn bytes_of_fullest(&self, ranks: usize) -> f64 {
+        (self.bytes * self.imbalance() + self.program) / ranks as f64
     }
 }
 
@@ -86,7 +93,8 @@ impl fmt::Display for PlanReport {
             )?;
         }
         if self.bytes.is_finite() {
-            writeln!(f, "memory     about {:.0} MB on all ranks", (self.bytes / 1e6).ceil())?;
+            let [all, program] = [self.bytes(), self.program].map(|bytes| (bytes / 1e6).ceil());
+            writeln!(f, "memory     about {all:.0} MB on all ranks, {program:.0} MB of them for the program itself")?;
         }
         Ok(())
     }
