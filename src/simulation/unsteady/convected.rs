@@ -15,22 +15,18 @@
 
 use nalgebra::SVector;
 
-use super::level::{Band, Extended, Level, Point, within};
+use super::level::{Band, Extended, Level, Near};
 use crate::{
     error::Result,
     flow::{Convection, fastest},
     grid::Grid,
     parallel::World,
     petsc::{Scatter, Vector},
-    simulation::bodies::BodyTypes,
 };
 
 /// Largest jump of what is convected, over the largest speed of the flow. Behind a boundary layer thinner than a cell jump functions go on with its slope to
 /// speeds that are nowhere in the flow.
 const LARGEST_JUMP: f64 = 1.0;
-
-/// How far from surfaces rigid motions are needed, in cells: as far as a point that a body reaches in a step may be, and its neighbours.
-const REACH: f64 = 3.5;
 
 /// Thickness of the layer on a surface, in cells, up to which `theta` is zero, and that over which it grows to one.
 const LAYER: [f64; 2] = [0.65, 0.5];
@@ -46,18 +42,6 @@ const OUTSIDE_LAYER: [f64; 2] = [1.5, 3.0];
 pub fn remembered<const D: usize>(grid: &Grid<D>, step: f64, inverse_diffusivity: f64, fastest: f64) -> f64 {
     let spacing = grid.spacing().max();
     (-step * (FORGETTING[0] / (inverse_diffusivity * spacing * spacing) + FORGETTING[1] * fastest / spacing)).exp()
-}
-
-/// A velocity of this rank near a body or in it.
-pub struct Near {
-    /// Among the rank's entries.
-    place: usize,
-    component: usize,
-    body: usize,
-    /// Distance from the surface; negative inside.
-    gap: f64,
-    /// The rigid motion of the body there, in a sheared box less the shear.
-    rigid: f64,
 }
 
 impl<const D: usize> Level<D> {
@@ -122,32 +106,6 @@ impl<const D: usize> Level<D> {
         rigid.add(1.0, &other)?;
         convection.evaluate(&rigid, &mut rows)?;
         carried.add(-0.5, &rows)
-    }
-
-    /// The velocities of this rank near bodies, each of the nearest one's.
-    pub(super) fn near(&self, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Result<Vec<Near>> {
-        let own = self.fluid.range()?;
-        let mut claims: Vec<Option<u32>> = vec![None; own.len()];
-        let mut near: Vec<Near> = Vec::new();
-        for (body, center) in self.centers.iter().enumerate() {
-            let radius = kinds.surface(body).modes.radius();
-            within(grid, center, radius + REACH * grid.spacing().max(), |Point { component, place, offset, shear, .. }| {
-                if !own.contains(&place) {
-                    return;
-                }
-                let (place, gap) = (place - own.start, offset.norm() - radius);
-                let found = Near { place, component, body, gap, rigid: (self.twists[body].at(&offset) - shear)[component] };
-                match claims[place] {
-                    Some(before) if near[before as usize].gap <= gap => {}
-                    Some(before) => near[before as usize] = found,
-                    None => {
-                        claims[place] = Some(near.len() as u32);
-                        near.push(found);
-                    }
-                }
-            });
-        }
-        Ok(near)
     }
 
     /// Thickness of the layer of fluid that each body carries along, in cells: the slip it bridges over the slope at the surface. Zero before anything is known, infinite

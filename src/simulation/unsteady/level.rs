@@ -11,7 +11,6 @@
 
 use nalgebra::{DVector, SVector};
 
-use super::convected::Near;
 use crate::{
     body::Twist,
     constraint::IndexBox,
@@ -24,6 +23,9 @@ use crate::{
 
 /// How deep the flow is extended into bodies, in cells.
 const DEPTH: f64 = 3.5;
+
+/// How far from surfaces rigid motions are needed, in cells: as far as a point that a body reaches in a step may be, and its neighbours.
+const REACH: f64 = 3.5;
 
 /// Depths below a surface, in cells, between which the slope of a jump is measured.
 const SLOPE: [f64; 2] = [0.1, 1.0];
@@ -68,6 +70,18 @@ impl<const D: usize> Extended<D> {
     pub fn inside(&self) -> &Vector {
         self.inside.as_ref().unwrap_or(&self.convection)
     }
+}
+
+/// A velocity of this rank near a body or in it.
+pub struct Near {
+    /// Among the rank's entries.
+    pub(super) place: usize,
+    pub(super) component: usize,
+    pub(super) body: usize,
+    /// Distance from the surface; negative inside.
+    pub(super) gap: f64,
+    /// The rigid motion of the body there, in a sheared box less the shear.
+    pub(super) rigid: f64,
 }
 
 /// Unknowns inside bodies of this rank, near their surfaces, and the jumps there.
@@ -118,6 +132,32 @@ impl<const D: usize> Level<D> {
         let mut band = Band { slopes: vec![0.0; 2 * D * self.centers.len()], near: self.near(grid, kinds)?, ..Band::default() };
         (0..self.centers.len()).for_each(|body| self.extend(grid, kinds, body, &mut band));
         Ok(band)
+    }
+
+    /// The velocities of this rank near bodies, each of the nearest one's.
+    fn near(&self, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Result<Vec<Near>> {
+        let own = self.fluid.range()?;
+        let mut claims: Vec<Option<u32>> = vec![None; own.len()];
+        let mut near: Vec<Near> = Vec::new();
+        for (body, center) in self.centers.iter().enumerate() {
+            let radius = kinds.surface(body).modes.radius();
+            within(grid, center, radius + REACH * grid.spacing().max(), |Point { component, place, offset, shear, .. }| {
+                if !own.contains(&place) {
+                    return;
+                }
+                let (place, gap) = (place - own.start, offset.norm() - radius);
+                let found = Near { place, component, body, gap, rigid: (self.twists[body].at(&offset) - shear)[component] };
+                match claims[place] {
+                    Some(before) if near[before as usize].gap <= gap => {}
+                    Some(before) => near[before as usize] = found,
+                    None => {
+                        claims[place] = Some(near.len() as u32);
+                        near.push(found);
+                    }
+                }
+            });
+        }
+        Ok(near)
     }
 
     /// Adds the points inside a body near its surface, if it is this rank's.
