@@ -26,8 +26,9 @@ const FALL: f64 = 0.1;
 const AGAIN: f64 = 1e-3;
 /// What the active set is asked for before the path has ended.
 const EXACT: f64 = 1e-10;
-/// What the forces of the step before are asked for to be taken as they are, in roundings of an active set.
-const UNCHANGED: f64 = 10.0;
+/// What the forces of the step before are asked for to be taken as they are, or so many roundings of an active set.
+const UNCHANGED: f64 = 1e-12;
+const ROUNDINGS: f64 = 10.0;
 /// What they are asked for to need no scaling, and a method's answer to need no other.
 const STILL: f64 = 1e-9;
 
@@ -138,7 +139,7 @@ pub(super) fn solve_part(program: &Program, guess: &[f64]) -> (Vec<f64>, usize) 
 
 /// Whether the forces of the step before solve this one to rounding.
 fn unchanged(program: &Program, guess: &[f64]) -> bool {
-    program.solved(guess, UNCHANGED * rounding(program, guess))
+    program.solved(guess, UNCHANGED.max(ROUNDINGS * rounding(program, guess)))
 }
 
 /// The multipliers, and how many iterations they took.
