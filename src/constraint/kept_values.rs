@@ -55,8 +55,17 @@ impl KeptValues {
         KeptValues { values: kept, lost }
     }
 
+    /// Values of rows of so many columns, those of a field up to where it ends; in single precision sums over the rows of a field, the momentum that a
+    /// multiplier passes to the fluid, are kept to the rounding of a single value. `memory` is used again.
+    pub fn of_rows(values: &[f64], columns: usize, field_ends: &[usize], precision: Precision, memory: &mut Vec<Vec<f32>>) -> KeptValues {
+        match precision {
+            Precision::Double => KeptValues::new(values, precision, memory),
+            Precision::Single => KeptValues::with_sums(values, columns, field_ends, memory),
+        }
+    }
+
     /// Single values of rows of so many columns: what a value loses is added to that below it, up to the ends of fields, which have units of their own.
-    pub fn with_sums(values: &[f64], columns: usize, field_ends: &[usize], memory: &mut Vec<Vec<f32>>) -> KeptValues {
+    fn with_sums(values: &[f64], columns: usize, field_ends: &[usize], memory: &mut Vec<Vec<f32>>) -> KeptValues {
         let (mut kept, mut lost) = (empty(memory, values.len()), vec![0.0; columns]);
         for (number, row) in values.chunks_exact(columns).enumerate() {
             if field_ends.contains(&number) {
@@ -82,7 +91,7 @@ impl KeptValues {
 
     /// Its memory, to be used again.
     pub fn into_memory(self) -> Vec<Vec<f32>> {
-        vec![self.values, self.lost]
+        [self.values, self.lost].into_iter().filter(|values| values.capacity() > 0).collect()
     }
 }
 

@@ -82,6 +82,6 @@ impl<const D: usize> BodyBlocks<D> for SharpBody<D> {
     }
 
     fn into_memory(self: Box<Self>) -> Vec<Vec<f32>> {
-        self.rows.into_memory()
+        self.rows.values.into_memory()
     }
 }

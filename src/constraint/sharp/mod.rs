@@ -26,7 +26,7 @@ use super::{
     conservation::TERMS,
     dense::{KeptBlock, LocalBlock},
     interpolant::StencilWeights,
-    kept_values::Precision,
+    kept_values::{KeptValues, Precision},
     method::{Method, Size},
     placed::Surrounded,
     rows::{KeptRows, Rows},
@@ -93,9 +93,13 @@ impl<const D: usize> AssembledBody<D> {
     pub fn kept(self, workspace: &mut Workspace) -> SharpBody<D> {
         let AssembledBody { body, local, rows, field_ends, .. } = self;
         let (count, precision) = (body.surface.modes.count(), workspace.precision);
-        let kept = KeptRows::new(&rows, count, &field_ends, precision, &mut workspace.kept);
+        let kept = KeptValues::of_rows(&rows.values, count, &field_ends, precision, &mut workspace.kept);
         workspace.values = rows.values;
-        SharpBody { rows: kept, local: local.iter().map(|block| KeptBlock::new(block, precision)).collect(), ..body }
+        SharpBody {
+            rows: KeptRows::new(rows.unknowns, kept),
+            local: local.iter().map(|block| KeptBlock::new(block, precision)).collect(),
+            ..body
+        }
     }
 }
 
