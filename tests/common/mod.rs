@@ -2,6 +2,8 @@
 
 #![allow(dead_code, clippy::unwrap_used, reason = "each test binary takes what it needs")]
 
+pub mod scenes;
+
 use std::{
     fs,
     path::{Path, PathBuf},

@@ -4,6 +4,7 @@
 //! `component --share=1/2` runs every second test, `component --share=2/2` the others: two processes of one rank each fill two cores.
 //!
 //! `component panic-on-last-rank` does just that; all ranks must stop with a non-zero code.
+//! `component caller-with-mpi` is a program that has started MPI before.
 //!
 //! One session serves all tests, and all ranks run each test together. An assertion that fails on any rank stops them all.
 
@@ -11,8 +12,10 @@
 
 mod accuracy;
 mod axes;
+mod caller;
 mod chains;
 mod clusters;
+mod conformance;
 mod contact;
 mod convergence;
 mod crowds;
@@ -22,6 +25,7 @@ mod dry_clusters;
 mod effects;
 mod energy;
 mod fields;
+mod files;
 mod fitted;
 mod fitted_scalar;
 mod fluid;
@@ -31,7 +35,6 @@ mod inclusions;
 mod inertia;
 mod interpolation;
 mod inverses;
-mod lasting;
 mod laws;
 mod laws_flow;
 mod lubrication;
@@ -43,7 +46,6 @@ mod near;
 mod outputs;
 mod ownership;
 mod packing;
-mod parts;
 mod scalar;
 mod sheared;
 mod solvers;
@@ -87,6 +89,9 @@ fn share() -> (usize, usize) {
 }
 
 fn main() {
+    if std::env::args().any(|argument| argument == "caller-with-mpi") {
+        return caller::parts_of_the_ranks_solve_on_their_own();
+    }
     let session = Session::start(&[]).unwrap();
     abort_on_panic();
     let wanted: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
@@ -117,7 +122,7 @@ fn main() {
         outputs::tests(),
         ownership::tests(),
         packing::tests(),
-        parts::tests(),
+        conformance::tests(),
         scalar::tests(),
         inclusions::tests(),
         inertia::tests(),
@@ -134,7 +139,7 @@ fn main() {
         clusters::tests(),
         lubrication::tests(),
         hard::tests(),
-        lasting::tests(),
+        files::tests(),
         momentum::tests(),
         motion::tests(),
         sheared::tests(),

@@ -1,0 +1,151 @@
+//! Hard cases: scenes that ask for trouble, each with the property that it must keep, on one, two and three ranks.
+//!
+//! The first line of a scene says what it is; lines below it what is promised of `summary.json`, by the path of a number,
+//!
+//! ```text
+//! #> key value              at least            #= key value tolerance       this much
+//! #< key value              at most             #~ scene key tolerance       as much as in another scene, relatively
+//! #! code text              ends with this code and says this
+//! ```
+//!
+//! With `TURBID_HARD_TABLE=docs/hard.md` the table of cases is written there.
+
+use std::{collections::BTreeMap, fmt::Write, fs, path::PathBuf};
+
+use crate::common::{folder, number, root, said, turbid};
+use serde_json::Value;
+
+/// A scene, what it is, and its promises.
+struct Case {
+    name: String,
+    path: PathBuf,
+    about: String,
+    promises: Vec<Promise>,
+}
+
+enum Promise {
+    AtLeast(String, f64),
+    AtMost(String, f64),
+    Is(String, f64, f64),
+    SameAs(String, String, f64),
+    Refused(i32, String),
+}
+
+/// What a scene came to on some number of ranks.
+enum ResidualMonitor {
+    Ended(Value),
+    Refused(i32, String),
+}
+
+fn cases() -> Vec<Case> {
+    let mut cases: Vec<Case> = fs::read_dir(root().join("tests/hard"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == "toml"))
+        .map(|path| {
+            let text = fs::read_to_string(&path).unwrap();
+            let about = text.lines().next().unwrap().trim_start_matches("# ").to_owned();
+            let promises = text.lines().filter_map(promise).collect();
+            Case { name: path.file_stem().unwrap().to_str().unwrap().to_owned(), path, about, promises }
+        })
+        .collect();
+    cases.sort_by(|one, two| one.name.cmp(&two.name));
+    cases
+}
+
+fn promise(line: &str) -> Option<Promise> {
+    let (sign, rest) = line.split_at_checked(2)?;
+    let words: Vec<&str> = rest.split_whitespace().collect();
+    let value = |place: usize| words[place].parse::<f64>().unwrap();
+    match sign {
+        "#>" => Some(Promise::AtLeast(words[0].to_owned(), value(1))),
+        "#<" => Some(Promise::AtMost(words[0].to_owned(), value(1))),
+        "#=" => Some(Promise::Is(words[0].to_owned(), value(1), value(2))),
+        "#~" => Some(Promise::SameAs(words[0].to_owned(), words[1].to_owned(), value(2))),
+        "#!" => Some(Promise::Refused(words[0].parse().unwrap(), words[1..].join(" "))),
+        _ => None,
+    }
+}
+
+fn outcome(case: &Case, ranks: usize) -> ResidualMonitor {
+    let out = folder(&format!("hard-{}-{ranks}", case.name));
+    let output = turbid(ranks, &["run", case.path.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+    match output.status.code() {
+        Some(0) => ResidualMonitor::Ended(serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap()),
+        code => ResidualMonitor::Refused(code.unwrap_or(-1), said(&output)),
+    }
+}
+
+impl Promise {
+    /// What is promised, and what was seen; fails if they differ.
+    fn keep(&self, name: &str, seen: &ResidualMonitor, others: &BTreeMap<String, Value>) -> (String, String) {
+        match (self, seen) {
+            (Promise::Refused(code, text), ResidualMonitor::Refused(found, said)) => {
+                assert!(code == found && said.contains(text), "{name}: ended with {found} instead of {code}: {said}");
+                (format!("refused: `{text}`"), format!("exit code {found}"))
+            }
+            (Promise::Refused(..), ResidualMonitor::Ended(_)) => panic!("{name} is not refused"),
+            (_, ResidualMonitor::Refused(code, said)) => panic!("{name}: ended with {code}: {said}"),
+            (Promise::AtLeast(key, bound), ResidualMonitor::Ended(summary)) => {
+                let found = number(summary, key);
+                assert!(found >= *bound, "{name}: {key} is {found}, promised at least {bound}");
+                (format!("`{key}` >= {bound:e}"), format!("{found:.3e}"))
+            }
+            (Promise::AtMost(key, bound), ResidualMonitor::Ended(summary)) => {
+                let found = number(summary, key);
+                assert!(found <= *bound, "{name}: {key} is {found}, promised at most {bound}");
+                (format!("`{key}` <= {bound:e}"), format!("{found:.3e}"))
+            }
+            (Promise::Is(key, value, tolerance), ResidualMonitor::Ended(summary)) => {
+                let found = number(summary, key);
+                assert!((found - value).abs() <= *tolerance, "{name}: {key} is {found}, promised {value} +- {tolerance}");
+                (format!("`{key}` = {value} +- {tolerance:e}"), format!("{found}"))
+            }
+            (Promise::SameAs(scene, key, tolerance), ResidualMonitor::Ended(summary)) => {
+                let (found, other) = (number(summary, key), number(&others[scene.trim_end_matches(".toml")], key));
+                assert!((found / other - 1.0).abs() <= *tolerance, "{name}: {key} is {found}, in {scene} {other}");
+                (format!("`{key}` as in `{scene}` +- {tolerance:e}"), format!("{:.1e}", (found / other - 1.0).abs()))
+            }
+        }
+    }
+}
+
+#[test]
+fn every_hard_case_keeps_its_promises_on_any_number_of_ranks() {
+    let cases = cases();
+    assert!(cases.len() >= 20);
+    let mut rows = vec![Vec::new(); cases.len()];
+    for ranks in [1, 2, 3] {
+        let seen: Vec<ResidualMonitor> = cases.iter().map(|case| outcome(case, ranks)).collect();
+        let ended = |(case, seen): (&Case, &ResidualMonitor)| match seen {
+            ResidualMonitor::Ended(summary) => Some((case.name.clone(), summary.clone())),
+            ResidualMonitor::Refused(..) => None,
+        };
+        let others: BTreeMap<String, Value> = cases.iter().zip(&seen).filter_map(ended).collect();
+        for ((case, seen), row) in cases.iter().zip(&seen).zip(&mut rows) {
+            assert!(!case.promises.is_empty(), "{} promises nothing", case.name);
+            let name = format!("{} on {ranks} ranks", case.name);
+            let kept: Vec<(String, String)> = case.promises.iter().map(|promise| promise.keep(&name, seen, &others)).collect();
+            row.push(kept);
+        }
+    }
+    if let Ok(path) = std::env::var("TURBID_HARD_TABLE") {
+        fs::write(root().join(path), table(&cases, &rows)).unwrap();
+    }
+}
+
+/// The cases with what was promised and what was seen on one, two and three ranks.
+fn table(cases: &[Case], rows: &[Vec<Vec<(String, String)>>]) -> String {
+    let mut text = fs::read_to_string(root().join("docs/parts/hard-head.md")).unwrap();
+    text += "\n| case | promised | seen on 1, 2, 3 ranks |\n|-|-|-|\n";
+    for (case, row) in cases.iter().zip(rows) {
+        for place in 0..case.promises.len() {
+            let about = if place == 0 { format!("{} (`tests/hard/{}.toml`)", case.about, case.name) } else { String::new() };
+            let seen: Vec<&str> = row.iter().map(|kept| kept[place].1.as_str()).collect();
+            let same = seen.iter().all(|value| *value == seen[0]);
+            let seen = if same { seen[0].to_owned() } else { seen.join(", ") };
+            writeln!(text, "| {about} | {} | {seen} |", row[0][place].0).unwrap();
+        }
+    }
+    text + &fs::read_to_string(root().join("docs/parts/hard-fuzz.md")).unwrap()
+}

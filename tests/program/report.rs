@@ -1,0 +1,194 @@
+//! What a run tells people: the answer on the terminal, the log, the page, pictures, and the frame of an instant.
+
+use std::{
+    fs,
+    path::Path,
+    process::{Command, Stdio},
+    time::{Duration, Instant},
+};
+
+use crate::common::{command, folder, number, root, run, said, summary, turbid, words, write};
+
+const SHEARED: &str = r#"
+title = "two disks < three"
+domain.size = [6.0, 4.0]
+flow.drive = { shear_rate = 1.0, periodic = "sheared" }
+resolution.cells_per_radius = 4
+[[bodies]]
+radius = 0.5
+centers = [[1.0, 1.7], [2.05, 1.9]]
+[[bodies]]
+radius = 0.3
+centers = [[4.0, 3.0]]
+[lubrication]
+model = "pairwise"
+[contact]
+model = "inelastic"
+[time]
+end = 1.0
+step = 0.125
+[output]
+every = 0.3
+colour = "species"
+"#;
+
+const SPHERE: &str = r#"
+domain.size = [1.0, 1.0, 1.0]
+flow.drive = { mean_velocity = [0.0, 0.0, 2.0] }
+resolution = { spacing = 0.0625, modes = 2 }
+[[bodies]]
+radius = 0.25
+motion = "fixed"
+centers = [[0.5, 0.5, 0.5]]
+[output]
+fields = true
+plane = "xz"
+"#;
+
+const DRY: &str = r#"
+domain = { size = [4.0, 3.0], y = "walls" }
+gravity = [0.0, -1.0]
+flow.model = "none"
+[[bodies]]
+radius = 0.5
+density = 1.0
+centers = [[1.0, 0.5], [2.5, 0.5], [1.75, 1.4]]
+[contact]
+model = "inelastic"
+[time]
+end = 0.5
+"#;
+
+/// What a run prints.
+fn printed(ranks: usize, scene: &Path, out: &Path) -> String {
+    let output = turbid(ranks, &["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+    assert!(output.status.success(), "{}", said(&output));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The rest of the line that begins so.
+fn line<'a>(text: &'a str, beginning: &str) -> &'a str {
+    text.lines().find_map(|line| line.strip_prefix(beginning)).unwrap_or_else(|| panic!("no {beginning} in {text}")).trim()
+}
+
+fn page(out: &Path) -> String {
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
+    for loaded in ["src=\"http", "src=\"/", "href=\"http", "url(http", "@import"] {
+        assert!(!page.contains(loaded), "the page loads {loaded}");
+    }
+    page
+}
+
+/// The sum of the numbers with their signs in `a flow + b lubrication - c contacts`.
+fn sum(parts: &str) -> f64 {
+    let mut sign = 1.0;
+    let mut sum = 0.0;
+    for word in parts.replace('\u{2212}', "-").split_whitespace() {
+        match (word, word.parse::<f64>()) {
+            ("+", _) => sign = 1.0,
+            ("-", _) => sign = -1.0,
+            (_, Ok(value)) => sum += sign * value,
+            _ => {}
+        }
+    }
+    sum
+}
+
+#[test]
+fn the_viscosity_of_a_run_is_told_with_parts_that_add_up_and_why_it_has_no_mean() {
+    let here = folder("report-sheared");
+    let (scene, out) = (write(&here, SHEARED), here.join("out"));
+    let output = turbid(2, &["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+    let (told, noted) = (String::from_utf8(output.stdout.clone()).unwrap(), said(&output));
+    assert!(output.status.success(), "{noted}");
+    let total: f64 = line(&told, "relative viscosity").split(' ').next().unwrap().parse().unwrap();
+    let parts = line(&told, "made up of");
+    assert!(parts.contains("flow") && parts.contains("lubrication") && parts.contains("contacts"), "{parts}");
+    assert!((sum(parts) - total).abs() < 1e-9, "{parts} is not {total}");
+    assert!(line(&told, "mean viscosity").starts_with("none yet: the run is too short"), "{told}");
+    assert_eq!(noted.matches("output.every = 0.3: frames come with the first step at or after").count(), 1, "{noted}");
+
+    let page = page(&out);
+    for content in [
+        "two disks &lt; three",
+        "none yet: the run is too short",
+        "What the viscosity is made up of",
+        "lubrication",
+        "viscosity_contact",
+        "Solves and iterations",
+        "radius 0.3000",
+        "cut at",
+        "--out",
+        "scene.toml",
+        "fields.xdmf",
+    ] {
+        assert_eq!(page.contains(content), content != "cut at", "{content}");
+    }
+    assert!(!page.contains("has not ended"));
+
+    let log = fs::read_to_string(out.join("run.log")).unwrap();
+    assert!(log.contains("started by turbid") && log.contains("on 2 ranks") && log.contains("ended at time"), "{log}");
+    common::resume(2, &out, &["time.end=1.5"]);
+    let longer = fs::read_to_string(out.join("run.log")).unwrap();
+    assert!(longer.starts_with(&log) && longer.contains("goes on from time"), "{longer}");
+}
+
+#[test]
+fn an_instantaneous_solve_tells_the_drag_and_leaves_a_frame() {
+    let here = folder("report-sphere");
+    let (scene, out) = (write(&here, SPHERE), here.join("out"));
+    let told = printed(2, &scene, &out);
+    let ratio: f64 = line(&told, "drag ratio").split(' ').next().unwrap().parse().unwrap();
+    let drag = number(&summary(&out), "bodies.0.force.2") / (6.0 * std::f64::consts::PI * 0.25 * 2.0);
+    assert!((ratio / drag - 1.0).abs() < 1e-4 && ratio > 1.5, "{ratio} {drag}");
+    assert!(line(&told, "pressure gradient").starts_with('('));
+
+    let frame = hdf5::File::open(out.join("frames/000000.h5")).unwrap();
+    assert_eq!(frame.dataset("fields/velocity").unwrap().shape(), [16, 16, 16, 3]);
+    assert_eq!(frame.dataset("bodies/center").unwrap().read_raw::<f64>().unwrap(), [0.5; 3]);
+    let along: Vec<f64> = frame.dataset("fields/velocity").unwrap().read_raw::<f64>().unwrap().chunks(3).map(|v| v[2]).collect();
+    assert!((along.iter().sum::<f64>() / along.len() as f64 - 2.0).abs() < 1e-2);
+    for shown in ["fields.xdmf", "bodies.xdmf"] {
+        assert!(fs::read_to_string(out.join(shown)).unwrap().contains("frames/000000.h5"), "{shown}");
+    }
+    let page = page(&out);
+    assert!(page.contains("drag ratio") && page.contains("cut at y = 0.5") && page.contains("speed |u| / mean velocity"));
+}
+
+#[test]
+fn dry_and_scalar_runs_have_pages_too() {
+    let here = folder("report-dry");
+    let (scene, out) = (write(&here, DRY), here.join("out"));
+    let told = printed(2, &scene, &out);
+    assert!(told.contains("mean body velocity") && told.contains("of 3 free bodies"), "{told}");
+    let dry = page(&out);
+    assert!(dry.contains("data:image/png;base64,") && dry.contains("contacts that bear a force") && dry.contains("contact_force"));
+
+    let out = here.join("conduction");
+    let told = printed(1, &root().join("examples/conduction.toml"), &out);
+    assert!(told.contains("conductivity") && page(&out).contains("conductivity"));
+    assert!(fs::read_to_string(out.join("run.log")).unwrap().contains("ended"));
+    let off = here.join("off");
+    run(1, &scene, &off, &["output.report=false"]);
+    assert!(!off.join("report.html").exists());
+}
+
+#[test]
+fn a_run_that_is_stopped_says_so_on_its_page_and_in_its_log() {
+    let here = folder("report-stopped");
+    let (scene, out) = (write(&here, SHEARED), here.join("out"));
+    assert_eq!(words(1).len(), 1, "a signal reaches the run itself");
+    let arguments = ["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap(), "--set", "time.end=500"];
+    let mut running = command(1, &arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let start = Instant::now();
+    while !out.join("report.html").exists() {
+        assert!(start.elapsed() < Duration::from_secs(60) && running.try_wait().unwrap().is_none(), "no page");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert!(page(&out).contains("has not ended"), "a run under way has a page");
+    assert!(Command::new("kill").arg(running.id().to_string()).status().unwrap().success());
+    assert_eq!(running.wait().unwrap().code(), Some(130));
+    assert!(page(&out).contains("stopped by a signal"));
+    assert!(fs::read_to_string(out.join("run.log")).unwrap().contains("broke off"));
+}
