@@ -6,7 +6,7 @@
 
 use nalgebra::{SMatrix, Vector2};
 use turbid::interaction::{Arrangement, Interaction, PairForce};
-use turbid::{contact::Contact, error::Result, geometry::near_pairs, petsc::Session, scene::Scene, simulation::*};
+use turbid::{contact::Contact, error::Result, geometry::near_pairs, petsc::Session, plan::Plan, scene::Scene};
 
 const SCENE: &str = r#"
 domain = { size = [16.0, 16.0] }

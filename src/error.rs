@@ -19,7 +19,7 @@ pub enum Error {
     /// A solver did not reach its tolerance; the message says how far it came and what to change.
     #[error("{0}")]
     Diverged(String),
-    /// A step is too long for what happens in it; the message says so. A [`Simulation`](crate::simulation::Simulation) tries shorter ones first.
+    /// A step is too long for what happens in it; the message says so. A [`Simulation`](crate::motion::Simulation) tries shorter ones first.
     #[error("{text}")]
     StepTooLong {
         /// What went wrong, and what may help.
@@ -28,7 +28,7 @@ pub enum Error {
         step: f64,
     },
     /// The flow passed more cells in the step that led to a state than it can be followed by; the message says so. A
-    /// [`Simulation`](crate::simulation::Simulation) takes a shorter automatic step in its place.
+    /// [`Simulation`](crate::motion::Simulation) takes a shorter automatic step in its place.
     #[error("{0}")]
     CourantExceeded(String),
     /// A PETSc call failed.

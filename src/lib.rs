@@ -36,7 +36,7 @@
 //! outside of this crate returns an [`Error`](error::Error) that says what to change; a panic is an error of this crate, or of a caller that mixes sizes. A program that
 //! already runs MPI joins it with [`Session::join`](petsc::Session::join).
 //!
-//! Physics beyond the scene file is an [`Interaction`](interaction::Interaction), added to a [`Plan`](simulation::Plan); the manual in `docs` has the theory, and
+//! Physics beyond the scene file is an [`Interaction`](interaction::Interaction), added to a [`Plan`](plan::Plan); the manual in `docs` has the theory, and
 //! says how to add methods, outputs and studies.
 //!
 //! # Modules
@@ -50,7 +50,7 @@
 //! | 2 | [`body`], [`surface`] | rigid motions and places of bodies; modes on their surfaces |
 //! | 3 | [`constraint`], [`contact`], [`flow`] | how a surface enters the flow; bodies that touch; the fluid and its approximate inverses |
 //! | | [`interaction`] | what bodies do to each other besides the flow: contact laws, lubrication, forces of one's own |
-//! | 4 | [`scene`], [`simulation`] | what to simulate; the machinery that does it |
+//! | 4 | [`scene`], [`mechanics`], [`motion`], [`plan`] | what to simulate; how fluid and bodies answer; steps in time; what a scene calls for |
 //! | 5 | [`observe`], [`output`], [`study`], [`run`] | stress, viscosity, pairs; files; error against cost; runs from start to end |
 //! | 6 | [`cli`] | the command line |
 
@@ -72,9 +72,12 @@ pub mod contact;
 pub mod flow;
 // what bodies do to each other besides the flow
 pub mod interaction;
-// floor 4: what to simulate, and the machinery
+// floor 4: what to simulate
 pub mod scene;
-pub mod simulation;
+// how fluid and bodies answer, steps in time, what a scene calls for
+pub mod mechanics;
+pub mod motion;
+pub mod plan;
 // floor 5: look, never touch
 pub mod observe;
 pub mod output;

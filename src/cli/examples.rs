@@ -125,7 +125,7 @@ fn write_new(path: &Path, text: &str) -> Result<()> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::{scene::Scene, simulation::Plan};
+    use crate::{plan::Plan, scene::Scene};
 
     #[test]
     fn every_example_of_the_folder_is_carried_along_with_its_tables() {

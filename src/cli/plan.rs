@@ -6,9 +6,9 @@ use crate::{
     error::Result,
     output::say,
     petsc::Session,
+    plan::{Plan, PlanReport},
     run,
     scene::Scene,
-    simulation::{Plan, PlanReport},
     study::{Calibration, Estimate, Forecast, coarsest},
 };
 

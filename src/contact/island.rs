@@ -5,10 +5,12 @@ use nalgebra::SVector;
 
 use super::{
     Contact, Problem, Solver, View,
-    lower_bounds::solve_above,
-    program::{Answer, Program},
-    sharing::Sharing,
-    solver::Outcome,
+    solver::{
+        Outcome,
+        lower_bounds::solve_above,
+        program::{Answer, Program},
+        sharing::Sharing,
+    },
 };
 use crate::{parallel::Peers, petsc::Session};
 

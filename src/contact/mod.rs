@@ -19,35 +19,23 @@
 //! This module knows balls, walls and weights. It does not know what the weights mean (mass, resistance),
 //! nor fluid, friction or torque: balls touch along the line of their centres.
 
-mod active_set;
 mod adhesive;
 mod candidates;
-mod cholesky;
-mod clarabel;
-mod dense_part;
 mod distribute;
-mod factors;
 mod failure;
 mod force;
 mod given;
 mod identity;
 mod identity_hash;
-mod interior_point;
 mod island;
 mod kkt_report;
-mod lower_bounds;
 mod memory;
-mod parts;
 mod paths;
 mod problem;
-mod program;
 mod project;
-mod projected_gradient;
 mod projection;
 mod replay;
 mod share;
-mod shared_factors;
-mod sharing;
 mod solver;
 mod spanning;
 mod tied;

@@ -9,7 +9,7 @@ use clarabel::{
     qdldl::{QDLDLFactorisation, QDLDLSettings},
 };
 
-use super::clarabel::solve_general;
+use super::solver::clarabel::solve_general;
 
 /// Guesses tried from one start.
 const GUESSES: usize = 12;

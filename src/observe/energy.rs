@@ -14,7 +14,7 @@ use crate::{
     error::Result,
     flow::Drive,
     geometry::Ball,
-    simulation::{BodyState, FlowSolver, Level, Setup, Solution},
+    mechanics::{BodyState, FlowSolver, Level, Setup, Solution},
 };
 
 /// Energy and powers at an instant.

@@ -12,8 +12,8 @@ use crate::{
     flow::fastest,
     geometry::{Axis, Ball},
     grid::{Grid, operators::signed},
+    mechanics::{BodyState, Inertia, Setup, Solution, SuspendedBody},
     petsc::Vector,
-    simulation::{BodyState, Inertia, Setup, Solution, SuspendedBody},
     surface::Shape,
 };
 

@@ -1,16 +1,14 @@
 //! What is read off a solution: functions of a view, which change nothing.
 
 mod body;
+mod bonded;
 mod cells;
-mod chains;
-mod clusters;
 mod dissipation;
 mod drag;
 mod energy;
 mod faces;
 mod film;
 mod inertia;
-mod membranes;
 mod network;
 mod pairs;
 mod picture;
@@ -28,15 +26,15 @@ mod viscosity;
 mod vorticity;
 
 pub use body::FrameBody;
+pub use bonded::chains::ChainNumbers;
+pub use bonded::clusters::mean_orientation;
+pub use bonded::membranes::MembraneNumbers;
 pub use cells::{CellCenters, inside};
-pub use chains::ChainNumbers;
-pub use clusters::mean_orientation;
 pub use dissipation::dissipation;
 pub use drag::{ForceCoefficients, Stream};
 pub use energy::EnergyRates;
 pub use film::{AnimatedDisk, AnimationFrame, Film, FlowCut, Plane};
 pub use inertia::InertialNumbers;
-pub use membranes::MembraneNumbers;
 pub use network::{ForceLine, force_lines};
 pub use pairs::{NEAR, PairCounts, PairDistribution};
 pub use picture::picture;

@@ -9,8 +9,8 @@ use crate::{
     error::Result,
     flow::Drive,
     geometry::Ball,
+    mechanics::{FlowSolver, Setup, Solution},
     scene::{AffineFlow, Colour, Scene},
-    simulation::{FlowSolver, Setup, Solution},
 };
 
 /// Cuts a solution at an instant with these contacts; collective, and the same on every rank.

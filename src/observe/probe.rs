@@ -10,7 +10,7 @@ use crate::{
     error::Result,
     geometry::Domain,
     grid::Grid,
-    simulation::{FlowSolver, ScalarSetup, ScalarSolution, Solution},
+    mechanics::{FlowSolver, ScalarSetup, ScalarSolution, Solution},
 };
 
 /// Values at points.

@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 use super::{Disk, Picture, plane::CutPlane, sample::scalars};
-use crate::{error::Result, geometry::Ball, scene::Scene, simulation::SolvedScalar};
+use crate::{error::Result, geometry::Ball, mechanics::SolvedScalar, scene::Scene};
 
 /// Cuts a solution; collective, and the same on every rank.
 pub fn scalar_picture<const D: usize>(scene: &Scene, solved: &SolvedScalar<D>) -> Result<Picture> {

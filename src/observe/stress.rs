@@ -20,8 +20,8 @@ use crate::{
     error::Result,
     geometry::{Axis, Ball},
     grid::Grid,
+    mechanics::{BodyState, Setup, Solution, SuspendedBody},
     scene::ConstraintMethod,
-    simulation::{BodyState, Setup, Solution, SuspendedBody},
 };
 
 /// Cells between the surface of a body and those whose pressure counts as that of its inside.

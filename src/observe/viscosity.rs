@@ -13,7 +13,7 @@ use crate::{
     flow::Drive,
     geometry::Axis,
     grid::Grid,
-    simulation::{Setup, Solution, SuspendedBody},
+    mechanics::{Setup, Solution, SuspendedBody},
 };
 
 /// Difference of the shear stresses of two walls, over viscosity and rate, that is none.

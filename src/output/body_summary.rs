@@ -8,12 +8,12 @@ use std::{
 use nalgebra::{SMatrix, SVector};
 use serde::Serialize;
 
-use super::{file::write_whole_with, not_finite};
+use super::{files::file::write_whole_with, not_finite};
 use crate::{
     body::components,
     error::Result,
     geometry::Domain,
-    simulation::{BodyState, Moving, Setup, Solution},
+    mechanics::{BodyState, Moving, Setup, Solution},
 };
 
 /// Most bodies that a summary lists, at about 500 bytes each.

@@ -3,13 +3,11 @@
 //! A pure function of a [`Chart`]. Ranges follow the points, and reach down to zero only where that costs little of the height. The ordinate follows those
 //! that a mean takes in, if there is one: lines that go beyond are clipped.
 
-mod axis;
 mod frame;
 mod notes;
 
 use std::fmt::Write;
 
-pub(super) use self::axis::Axis;
 use self::frame::{Frame, PAGE, SIDE, finite};
 pub use self::{
     frame::Scale,
@@ -225,7 +223,7 @@ mod tests {
         let mut chart = chart(&[&[(1.0, 20.0), (4096.0, 0.01), (3.0, 0.0), (-1.0, 2.0)]]);
         chart.scale = Scale::Logarithmic;
         assert_sound(&chart);
-        let labels = |axis: axis::Axis| axis.ticks().iter().map(|&tick| axis.label(tick)).collect::<Vec<_>>();
+        let labels = |axis: crate::output::picture::axis::Axis| axis.ticks().iter().map(|&tick| axis.label(tick)).collect::<Vec<_>>();
         assert_eq!(labels(chart.frame(&Notes::default()).x), ["1", "10", "100", "1000"]);
         chart.series.clear();
         assert_sound(&chart);

@@ -6,12 +6,13 @@ use serde::Serialize;
 use super::TooShort;
 use crate::{
     body::{Body, Motion},
+    mechanics::{BodyState, Setup, Solution},
+    motion::Simulation,
     observe::{
         Shear,
         statistics::{Interval, Steady, steady},
     },
     scene::Scene,
-    simulation::{BodyState, Setup, Simulation, Solution},
 };
 
 /// Bodies differ by no more than this part.

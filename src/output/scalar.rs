@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 use serde::Serialize;
 
-use crate::simulation::{InclusionState, SolvedScalar, Uzawa};
+use crate::mechanics::{InclusionState, SolvedScalar, Uzawa};
 
 /// The scalar problem.
 #[derive(Debug, Clone, Serialize)]

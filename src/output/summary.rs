@@ -2,19 +2,20 @@
 
 use serde::Serialize;
 
-use super::body_summary::{BodySummary, ListedBodies, MOST_LISTED, OtherBodies};
-use super::curve::parts_of;
 use super::{
     AccuracySummary, DragSummary, ForceSummary, MeanViscosity, PairSummary, ParallelSummary, ScalarSummary, Spread, TooShort,
     VelocitySummary,
+    body_summary::{BodySummary, ListedBodies, MOST_LISTED, OtherBodies},
+    curve::parts_of,
 };
 use crate::{
     flow::{Drive, InverseMethod},
     geometry::Ball,
+    mechanics::{Cost, FlowSolver, Lubrication, Setup, Solution, SolvedScalar},
+    motion::Simulation,
     observe::{InertialNumbers, Viscosity, why_no_viscosity},
     parallel::{World, peak_memory_bytes},
     scene::Scene,
-    simulation::{Cost, FlowSolver, Lubrication, Setup, Simulation, Solution, SolvedScalar},
 };
 
 /// Everything that `summary.json` holds; an effect that the scene does not call for is `null`.

@@ -6,7 +6,7 @@ use std::{
     process::{Command, Stdio},
 };
 
-use super::file::temporary;
+use super::files::file::temporary;
 use crate::error::{Error, Result};
 
 /// The program that makes videos.

@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     error::Result,
+    mechanics::{FlowSolver, Solution},
     output::{AccuracySummary, EstimatedErrors, Summary, write_whole},
     parallel::World,
     scene::Scene,
-    simulation::{FlowSolver, Solution},
     study::{Answer, Calibration, Quantity},
 };
 

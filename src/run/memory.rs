@@ -3,8 +3,8 @@
 use crate::{
     error::{Error, Offer, Result},
     parallel::World,
+    plan::demand,
     scene::{ConstraintMethod, Scene},
-    simulation::demand,
     study::coarsest,
 };
 

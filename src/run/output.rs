@@ -8,12 +8,13 @@ use crate::{
     contact::{Contact, Partner, bodies_of, renamed},
     error::{Error, Result},
     geometry::Domain,
+    mechanics::{ContactHistory, FlowSolver, Moving, Share, Solution, State},
+    motion::{Observation, Simulation},
     observe::{Bond, ForceLine, FrameBody, Viscosity, force_lines},
     output::{Summary, write_whole},
     parallel::{Peers, World},
     run::{RunStatistics, ViscosityHistory},
     scene::Scene,
-    simulation::{ContactHistory, FlowSolver, Moving, Observation, Share, Simulation, Solution, State},
 };
 
 /// Writes one thing of a run, at its own pace, and cannot change the run. All functions are collective but [`iterate`](Output::iterate).

@@ -17,12 +17,14 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
+    mechanics::{FlowSolver, Setup, Solution, State},
+    motion::{Observation, Simulation},
     observe::{self, Viscosity},
     output::{Checkpoint, CurvePoint, Progress, Summary, TimeProgress, note, write_whole},
     parallel::World,
     petsc::{Session, Stage, enter},
+    plan::flow_solver,
     scene::{ContactModel, Scene},
-    simulation::{FlowSolver, Observation, Setup, Simulation, Solution, State, flow_solver},
     study::{RefinementSequence, Solved},
 };
 

@@ -3,12 +3,12 @@
 use super::{finished::Finished, folder::RunFolder, options::Options, outputs::log::RunLog, page::PageOfRun};
 use crate::{
     error::Result,
+    mechanics::{FittedInclusions, Inclusions, ScalarSetup, SolvedScalar},
     observe,
     output::{self, LOG, Progress, REPORT, Summary},
     parallel::World,
     petsc::{Session, Stage, enter},
     scene::{ConstraintMethod, Scene},
-    simulation::{FittedInclusions, Inclusions, ScalarSetup, SolvedScalar},
 };
 
 /// Solves a scalar scene of dimension `D`; without a folder it leaves nothing behind. Collective.

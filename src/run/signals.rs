@@ -12,7 +12,7 @@ use signal_hook::{
 
 use crate::{
     error::{Error, Result},
-    simulation::StopRequest,
+    motion::StopRequest,
 };
 
 /// Signals that have come since the start; this rank's.

@@ -5,8 +5,8 @@ use std::{collections::BTreeMap, time::Instant};
 use crate::{
     contact::{KktReport, Solver},
     error::{Offer, Refusal, Result},
+    motion::{Effort, Observation, StepReport},
     output::MotionSummary,
-    simulation::{Effort, Observation, StepReport},
 };
 
 /// The statistics of a run, from its start or from those of the run it goes on with.

@@ -21,9 +21,11 @@ use self::{
 use crate::{
     error::{Error, Result},
     geometry::Ball,
+    mechanics::{BodyState, Configuration, FlowSolver, Setup, Solution, SuspendedBody},
+    motion::time_of_travel,
     petsc::Session,
+    plan::flow_solver,
     scene::{Scene, Scheme, Step, TimeSection},
-    simulation::{BodyState, Configuration, FlowSolver, Setup, Solution, SuspendedBody, flow_solver, time_of_travel},
 };
 
 /// Cells by which the bodies of a sample are displaced: next to none, for beside walls there may be no room.

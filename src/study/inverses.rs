@@ -10,9 +10,9 @@ use super::{
 use crate::{
     error::Result,
     flow::InverseMethod,
+    mechanics::Setup,
     output::{prepare_folder, say},
     scene::Scene,
-    simulation::Setup,
 };
 
 /// What to run.

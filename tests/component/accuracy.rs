@@ -4,9 +4,9 @@ use std::{f64::consts::PI, path::Path};
 
 use turbid::{
     error::Error,
+    mechanics::{FlowSolver, Setup, Suspension},
     petsc::Session,
     scene::Scene,
-    simulation::{FlowSolver, Setup, Suspension},
     study::{KnownScene, Quantity, RefinementSequence, known_scenes, random_scene},
 };
 

@@ -5,10 +5,11 @@ use std::path::Path;
 use nalgebra::{Matrix2, SVector, Vector2};
 use turbid::{
     error::Error,
+    mechanics::{FlowSolver, Setup, Suspension},
+    motion::Simulation,
     observe,
     petsc::Session,
     scene::Scene,
-    simulation::{FlowSolver, Setup, Simulation, Suspension},
 };
 
 use crate::Test;

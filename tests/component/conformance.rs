@@ -10,9 +10,11 @@ use turbid::{
     geometry::{Axis, Ball, Domain},
     grid::Grid,
     interaction::{Arrangement, Gluey, Inelastic, Interaction, Interactions, Lubrication, PairForce, Repulsion, Wrench},
+    mechanics::{FlowSolver, Setup, Suspension},
+    motion::{GranularBody, GranularSetup, Simulation},
     petsc::{Session, Vector},
+    plan::Plan,
     scene::{BodyGroup, ConstraintMethod, FlowModel, Placement, Scene, Scheme, Step, TimeSection, Tolerance},
-    simulation::{FlowSolver, GranularBody, GranularSetup, Plan, Setup, Simulation, Suspension},
 };
 
 use crate::{Test, suspension::suspended};

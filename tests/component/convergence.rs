@@ -5,11 +5,10 @@ use turbid::{
     body::Motion,
     flow::{Drive, InverseMethod},
     geometry::{Axis, Domain},
+    mechanics::{BodyState, FittedInclusions, FlowSolver, Inclusions, ScalarSetup, ScalarSolution, Setup, Solution, Suspension},
     petsc::Session,
+    plan::flow_solver,
     scene::{ConstraintMethod, MultiplierSolver},
-    simulation::{
-        BodyState, FittedInclusions, FlowSolver, Inclusions, ScalarSetup, ScalarSolution, Setup, Solution, Suspension, flow_solver,
-    },
 };
 
 use crate::{

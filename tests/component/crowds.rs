@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use turbid::{
+    mechanics::{FlowSolver, Setup, Suspension},
     petsc::Session,
     scene::Scene,
-    simulation::{FlowSolver, Setup, Suspension},
 };
 
 use crate::Test;

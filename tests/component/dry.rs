@@ -8,9 +8,9 @@ use turbid::{
     error::Error,
     geometry::{Axis, Ball, Domain, near_pairs, near_walls},
     interaction::{Inelastic, Interactions},
+    motion::{GranularBody, GranularSetup, Simulation, StepReport},
     petsc::Session,
     scene::{Scene, Scheme, Step, TimeSection},
-    simulation::{GranularBody, GranularSetup, Simulation, StepReport},
 };
 
 use crate::Test;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use nalgebra::SVector;
-use turbid::{observe::ChainNumbers, petsc::Session, scene::Scene, simulation::Simulation};
+use turbid::{motion::Simulation, observe::ChainNumbers, petsc::Session, scene::Scene};
 
 use crate::{Test, dry::smallest_gap};
 

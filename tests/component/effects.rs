@@ -5,9 +5,11 @@ use std::path::Path;
 
 use turbid::{
     body::components,
+    mechanics::{FlowSolver, Setup, Suspension},
+    motion::Simulation,
     petsc::{Class, ObjectCounts, Session},
+    plan::Plan,
     scene::Scene,
-    simulation::{FlowSolver, Plan, Setup, Simulation, Suspension},
 };
 
 use crate::Test;

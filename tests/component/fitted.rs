@@ -7,10 +7,11 @@ use turbid::{
     body::{Motion, Twist},
     flow::{Drive, InverseMethod},
     geometry::{Axis, Domain},
+    mechanics::{Configuration, ExtrapolationHistory, FittedFlow, FlowSolver, Setup, Snapshot, Solution, SuspendedBody},
+    motion::Simulation,
     observe,
     petsc::Session,
     scene::{ConstraintMethod, Scheme, Step, TimeSection, Tolerance},
-    simulation::{Configuration, ExtrapolationHistory, FittedFlow, FlowSolver, Setup, Simulation, Snapshot, Solution, SuspendedBody},
 };
 
 use crate::{

@@ -4,8 +4,8 @@ use nalgebra::Vector2;
 use turbid::{
     geometry::{Axis, Domain},
     grid::operators::signed,
+    mechanics::{FittedInclusions, ScalarSetup, ScalarSolution},
     petsc::Session,
-    simulation::{FittedInclusions, ScalarSetup, ScalarSolution},
 };
 
 use crate::{

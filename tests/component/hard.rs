@@ -7,10 +7,10 @@ use turbid::{
     flow::{Drive, InverseMethod, IteratedInverse, Stokes, StokesInverse},
     geometry::{Axis, Ball, Domain},
     grid::Grid,
+    mechanics::{FlowSolver, Setup, SuspendedBody, Suspension},
     observe,
     petsc::Session,
     scene::{ConstraintMethod, Tolerance},
-    simulation::{FlowSolver, Setup, SuspendedBody, Suspension},
 };
 
 use crate::Test;

@@ -8,10 +8,10 @@ use turbid::{
     error::Error,
     geometry::{Axis, Ball, Domain},
     grid::dirichlet,
+    mechanics::{Inclusions, ScalarSetup},
     observe::scalars,
     petsc::Session,
     scene::{ConstraintMethod, MultiplierSolver, Tolerance},
-    simulation::{Inclusions, ScalarSetup},
 };
 
 use crate::{

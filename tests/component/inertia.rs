@@ -9,13 +9,14 @@ use turbid::{
     flow::{Convection, Drive, FluidSystem, InverseMethod, Stokes},
     geometry::{Axis, Ball, Domain, Inflow, LeesEdwards},
     grid::{Grid, operators::signed},
+    mechanics::{
+        Configuration, ExtrapolationHistory, FittedFlow, FlowSolver, Inertia, Level, MeshLevel, Setup, Snapshot, SuspendedBody, Suspension,
+        UnsteadySuspension,
+    },
+    motion::Simulation,
     observe,
     petsc::{Session, Vector},
     scene::{ConstraintMethod, ContactModel, MultiplierSolver, Scene, Scheme, Step, TimeSection, Tolerance},
-    simulation::{
-        Configuration, ExtrapolationHistory, FittedFlow, FlowSolver, Inertia, Level, MeshLevel, Setup, Simulation, Snapshot, SuspendedBody,
-        Suspension, UnsteadySuspension,
-    },
 };
 
 use crate::{

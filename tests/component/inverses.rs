@@ -6,9 +6,9 @@ use nalgebra::{SVector, Vector2};
 use turbid::{
     flow::{Drive, InverseMethod},
     geometry::{Axis, Domain},
+    mechanics::{FlowSolver, Setup, Solution, SuspendedBody},
     petsc::Session,
     scene::{Scene, Tolerance},
-    simulation::{FlowSolver, Setup, Solution, SuspendedBody},
 };
 
 use super::{

@@ -6,9 +6,9 @@ use turbid::{
     contact::Partner,
     geometry::{Axis, Domain},
     interaction::{Gluey, Inelastic, Interaction, Interactions, Repulsion, Touch},
+    motion::{GranularBody, GranularSetup, Simulation},
     petsc::Session,
     scene::{Scheme, Step, TimeSection},
-    simulation::{GranularBody, GranularSetup, Simulation},
 };
 
 use crate::Test;

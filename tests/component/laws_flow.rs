@@ -5,9 +5,10 @@ use turbid::{
     body::Motion,
     flow::{Drive, InverseMethod},
     geometry::{Axis, Domain},
+    mechanics::{FlowSolver, Setup, Suspension},
+    motion::{Observation, Simulation},
     petsc::Session,
     scene::{ConstraintMethod, ContactModel, Scheme, Step, TimeSection, Tolerance},
-    simulation::{FlowSolver, Observation, Setup, Simulation, Suspension},
 };
 
 use crate::Test;

@@ -10,10 +10,10 @@ use turbid::{
     flow::{Drive, InverseMethod},
     geometry::{Axis, Ball, Domain},
     interaction::{Interactions, Lubrication},
+    mechanics::{BodyState, FlowSolver, Setup, Solution, SuspendedBody, Suspension},
     observe::{Viscosity, viscosity},
     petsc::Session,
     scene::{ConstraintMethod, Tolerance},
-    simulation::{BodyState, FlowSolver, Setup, Solution, SuspendedBody, Suspension},
 };
 
 use crate::Test;

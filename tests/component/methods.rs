@@ -12,10 +12,11 @@ use turbid::{
     flow::{Drive, InverseMethod},
     grid::{Grid, Node},
     linalg::SparseRows,
+    mechanics::{FlowSolver, Setup, Suspension},
+    motion::Simulation,
     observe,
     petsc::Session,
     scene::{ConstraintMethod, MultiplierSolver, Scheme, Step, TimeSection, Tolerance},
-    simulation::{FlowSolver, Setup, Simulation, Suspension},
 };
 
 /// The tests of this file.
@@ -253,7 +254,7 @@ fn bodies_that_move_are_assembled_anew(session: &Session) {
         let mut moved = setup;
         moved.bodies[1].body.ball.center += Vector2::new(0.013, 0.007);
         let centers: Vec<_> = moved.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        let moment = turbid::simulation::Configuration {
+        let moment = turbid::mechanics::Configuration {
             centers: &centers,
             time: 0.0,
             pressed: &[],

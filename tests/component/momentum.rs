@@ -2,7 +2,7 @@
 
 use std::{f64::consts::PI, path::Path};
 
-use turbid::{petsc::Session, scene::Scene, simulation::Simulation};
+use turbid::{motion::Simulation, petsc::Session, scene::Scene};
 
 use crate::Test;
 

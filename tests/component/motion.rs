@@ -7,10 +7,11 @@ use turbid::{
     body::{Motion, pack},
     flow::{Drive, InverseMethod},
     geometry::{Axis, Ball, Domain},
+    mechanics::{Configuration, FlowSolver, Setup, SuspendedBody, Suspension},
+    motion::{Observation, Simulation},
     observe,
     petsc::Session,
     scene::{ConstraintMethod, ContactModel, Scene, Scheme, Step, TimeSection, Tolerance},
-    simulation::{Configuration, FlowSolver, Observation, Setup, Simulation, SuspendedBody, Suspension},
 };
 
 use crate::Test;

@@ -9,13 +9,13 @@ use std::{
 
 use turbid::{
     error::Result,
+    motion::Simulation,
     output::Summary,
     petsc::Session,
     run::{BeforeStep, Evaluated, Options, Output, Run, outputs},
     scene::{
         AxisSection, BodyGroup, ContactModel, ContactSection, FlowModel, Placement, ResolutionSection, Scene, Spacing, Step, TimeSection,
     },
-    simulation::Simulation,
 };
 
 use crate::Test;

@@ -5,9 +5,9 @@ use turbid::{
     body::pack,
     geometry::{Axis, Ball, Domain},
     grid::{dirichlet, operators::signed},
+    mechanics::{InclusionState, Inclusions, ScalarSetup, ScalarSolution},
     petsc::Session,
     scene::{ConstraintMethod, Tolerance},
-    simulation::{InclusionState, Inclusions, ScalarSetup, ScalarSolution},
 };
 
 use crate::{Test, suspension::assert_near};

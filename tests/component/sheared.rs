@@ -7,10 +7,11 @@ use turbid::{
     flow::{Drive, InverseMethod},
     geometry::{Axis, Ball, Domain, LeesEdwards, near_pairs},
     grid::Grid,
+    mechanics::{FlowSolver, Setup, State, SuspendedBody, Suspension},
+    motion::Simulation,
     observe,
     petsc::Session,
     scene::{ConstraintMethod, ContactModel, MultiplierSolver, Scheme, Step, TimeSection, Tolerance},
-    simulation::{FlowSolver, Setup, Simulation, State, SuspendedBody, Suspension},
 };
 
 use crate::{

@@ -14,12 +14,11 @@ use turbid::{
     error::{Error, Result},
     geometry::{Axis, Domain},
     interaction::Interactions,
+    mechanics::{ResidualMonitor, State},
+    motion::{Effort, Observation, Simulation, StepControl, StepLimits, StepOutcome, StepReport, Stepper, StopRequest},
     parallel::Peers,
     petsc::Session,
     scene::{Scene, Scheme, Step, TimeSection},
-    simulation::{
-        Effort, Observation, ResidualMonitor, Simulation, State, StepControl, StepLimits, StepOutcome, StepReport, Stepper, StopRequest,
-    },
 };
 
 use crate::Test;

@@ -10,10 +10,11 @@ use turbid::{
     body::{Motion, skew},
     flow::Drive,
     geometry::{Axis, Ball, Domain},
+    mechanics::{FlowSolver, Setup, Solution, Suspension},
+    motion::Simulation,
     observe::{self, Viscosity},
     petsc::Session,
     scene::{ConstraintMethod, Scene},
-    simulation::{FlowSolver, Setup, Simulation, Solution, Suspension},
 };
 
 /// The tests of this file.

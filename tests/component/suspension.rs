@@ -8,10 +8,10 @@ use turbid::{
     body::{Body, Motion, Twist},
     flow::{Drive, InverseMethod},
     geometry::{Axis, Ball, Domain},
+    mechanics::{FlowSolver, Setup, Solution, SuspendedBody, Suspension},
     observe,
     petsc::Session,
     scene::{ConstraintMethod, Tolerance},
-    simulation::{FlowSolver, Setup, Solution, SuspendedBody, Suspension},
     study::cases,
 };
 

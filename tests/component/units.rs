@@ -4,10 +4,10 @@ use std::path::Path;
 
 use nalgebra::SVector;
 use turbid::{
+    motion::Simulation,
     observe,
     petsc::Session,
     scene::{AxisSection, ChainShape, ClusterForm, ContactModel, Drive, FlowModel, Motion, Placement, Scene, Spacing, Step},
-    simulation::Simulation,
 };
 
 use crate::Test;

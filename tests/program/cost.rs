@@ -126,7 +126,9 @@ fn a_study_that_is_killed_keeps_what_it_has_and_goes_on() {
     assert!(told.len() < said.len(), "nothing is run, so nothing is told of runs");
     let other = turbid(1, &words(&scene, &out, &["--set", "flow.viscosity=2"]));
     assert_eq!(other.status.code(), Some(2));
-    assert!(common::said(&other).contains("holds a study that differs in the scene; choose another folder, or start anew with --fresh"));
+    assert!(
+        crate::common::said(&other).contains("holds a study that differs in the scene; choose another folder, or start anew with --fresh")
+    );
 }
 
 #[test]

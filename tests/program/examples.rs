@@ -282,7 +282,7 @@ fn options_of_petsc_hold_for_all_solves_of_a_run_in_time() {
     assert!(output.status.success(), "{}", said(&output));
     let starts =
         String::from_utf8_lossy(&output.stdout).lines().filter(|line| line.trim_start().starts_with("0 KSP Residual norm")).count();
-    let (rows, residual) = (Series::read(&out).rows.len(), number(&common::summary(&out), "solver.residual"));
+    let (rows, residual) = (Series::read(&out).rows.len(), number(&crate::common::summary(&out), "solver.residual"));
     assert!(starts >= rows && rows >= 2, "{starts} solves seen in {rows} rows");
     assert!(residual <= 1e-10, "{residual:.1e}");
 }
@@ -540,7 +540,7 @@ fn a_plan_for_other_ranks_tells_their_memory_and_seconds_without_them() {
 #[test]
 fn examples_are_listed_and_copied_and_a_new_scene_is_written_but_nothing_is_overwritten() {
     let here = folder("examples");
-    let there = |arguments: &[&str]| common::command(1, arguments).current_dir(&here).output().unwrap();
+    let there = |arguments: &[&str]| crate::common::command(1, arguments).current_dir(&here).output().unwrap();
     let listed = String::from_utf8(there(&["examples"]).stdout).unwrap();
     assert!(listed.contains("shear3d      Shear of a suspension of free spheres"), "{listed}");
     let copied = there(&["examples", "random"]);

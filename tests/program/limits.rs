@@ -238,15 +238,15 @@ fn extreme_numbers_that_are_allowed_end_with_an_error_or_with_numbers() {
     for (number, text) in scenes.iter().enumerate() {
         let here = folder(&format!("door-extreme-{number}"));
         let (scene, out) = (write(&here, text), here.join("out"));
-        let mut command = common::command(1, &["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+        let mut command = crate::common::command(1, &["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap()]);
         let output = command.stdin(Stdio::null()).output().unwrap();
         assert!(!said(&output).contains("panicked"), "{number}: {}", said(&output));
         match output.status.code() {
             Some(0) => {
                 let summary = fs::read_to_string(out.join("summary.json")).unwrap();
-                let centers: Vec<f64> = common::bodies(&serde_json::from_str(&summary).unwrap());
+                let centers: Vec<f64> = crate::common::bodies(&serde_json::from_str(&summary).unwrap());
                 assert!(centers.iter().all(|value| value.is_finite()), "{number}");
-                let height = common::number(&serde_json::from_str(&summary).unwrap(), "bodies.0.center.1");
+                let height = crate::common::number(&serde_json::from_str(&summary).unwrap(), "bodies.0.center.1");
                 assert!((1.0 - 1e-6..=7.0 + 1e-6).contains(&height), "{number}: a body is in the wall: {height}");
             }
             code => assert!(matches!(code, Some(1 | 2)) && said(&output).starts_with("turbid: "), "{number}: {code:?} {}", said(&output)),

@@ -129,7 +129,7 @@ fn the_viscosity_of_a_run_is_told_with_parts_that_add_up_and_why_it_has_no_mean(
 
     let log = fs::read_to_string(out.join("run.log")).unwrap();
     assert!(log.contains("started by turbid") && log.contains("on 2 ranks") && log.contains("ended at time"), "{log}");
-    common::resume(2, &out, &["time.end=1.5"]);
+    crate::common::resume(2, &out, &["time.end=1.5"]);
     let longer = fs::read_to_string(out.join("run.log")).unwrap();
     assert!(longer.starts_with(&log) && longer.contains("goes on from time"), "{longer}");
 }

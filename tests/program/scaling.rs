@@ -208,7 +208,7 @@ fn a_profile_has_stages_that_make_up_the_run() {
         let sum = |start: &str| parts.iter().filter(|(name, _)| name.starts_with(start)).map(|(_, seconds)| seconds).sum::<f64>();
         assert_eq!(whole.0, "all");
         assert!((sum("") - whole.1).abs() < 1e-3 * stages.len() as f64, "{stages:?}");
-        let solve = number(&common::summary(&out), "solver.solve_seconds");
+        let solve = number(&crate::common::summary(&out), "solver.solve_seconds");
         assert!((sum("solve") - solve).abs() < 0.2 * solve + 0.05, "{stages:?} but {solve}");
         assert_eq!(parts.iter().filter(|(name, _)| name.starts_with("solve")).count(), 4);
     }

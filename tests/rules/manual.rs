@@ -8,7 +8,7 @@ use std::{
 };
 
 use clap::{Parser, error::ErrorKind};
-use turbid::{cli::Arguments, scene::Scene, simulation::Plan};
+use turbid::{cli::Arguments, plan::Plan, scene::Scene};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_turbid");
 

@@ -345,3 +345,35 @@ fn no_files_import_each_other_in_a_circle() {
     }
     assert!(circles.is_empty(), "{} circles:\n{}", circles.len(), circles.into_iter().collect::<Vec<_>>().join("\n"));
 }
+
+/// Below each module the ones that it consists of; what these hold counts as theirs.
+#[test]
+fn no_folders_import_each_other_in_a_circle() {
+    let library = Library::read();
+    let mut graphs: BTreeMap<Segments, BTreeMap<Segments, BTreeSet<Segments>>> = BTreeMap::new();
+    for module in library.0.keys() {
+        for other in library.neighbours(module) {
+            let shared = module.iter().zip(&other).take_while(|(one, two)| one == two).count();
+            if shared == 0 || shared == module.len() || shared == other.len() {
+                continue;
+            }
+            let graph = graphs.entry(module[..shared].to_vec()).or_default();
+            graph.entry(module[..=shared].to_vec()).or_default().insert(other[..=shared].to_vec());
+            graph.entry(other[..=shared].to_vec()).or_default();
+        }
+    }
+    assert!(graphs.len() > 20, "the test reads the wrong files");
+    let mut circles = BTreeSet::new();
+    for graph in graphs.values() {
+        for (module, others) in graph {
+            for other in others {
+                if let Some(mut way) = way(graph, other, module) {
+                    let first = way.iter().enumerate().min_by_key(|(_, module)| module.join("/")).unwrap().0;
+                    way.rotate_left(first);
+                    circles.insert(way.iter().map(|module| module.join("/")).collect::<Vec<_>>().join(" -> "));
+                }
+            }
+        }
+    }
+    assert!(circles.is_empty(), "{} circles:\n{}", circles.len(), circles.into_iter().collect::<Vec<_>>().join("\n"));
+}

@@ -1,8 +1,11 @@
 //! Where things lie on a frame, in whole pixels from its upper left corner: words, the box, its walls, the bar of colours and the bar of time.
 
-use super::{canvas::Canvas, palette, text};
+use super::{palette, text};
 use crate::observe::Film;
-use crate::output::picture::bar::{Bar, round_step};
+use crate::output::picture::{
+    bar::{Bar, round_step},
+    canvas::Canvas,
+};
 
 const MARGIN: usize = 14;
 const WALL: usize = 5;

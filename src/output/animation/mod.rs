@@ -3,7 +3,6 @@
 //! A pure function of a [`Film`] and its frames, as a picture is: no file, no mesh, no simulation is known. Time, a length and
 //! what colours stand for are written where there is room, and a bar below the box fills up as time passes. Source of the format: W3C, 2025, PNG third edition, <https://www.w3.org/TR/png-3>.
 
-pub(super) mod canvas;
 mod encoding;
 mod layout;
 mod palette;
@@ -13,12 +12,12 @@ use std::io::{self, Write};
 
 use super::images::Window;
 use super::picture::bar::Bar;
+use super::picture::canvas::Canvas;
 use super::picture::colour;
 use crate::{
     observe::{AnimatedDisk, AnimationFrame, Bond, Film, FlowCut},
     scene::Colour,
 };
-use canvas::Canvas;
 pub use encoding::AnimationFormat;
 use layout::PageLayout;
 use palette::Palette;

@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 
 use super::super::picture::bar::Bar;
-use super::canvas::mix;
+use super::super::picture::canvas::mix;
 use super::colour::{DISTINCT, DIVERGING, SEQUENTIAL};
 use crate::scene::Colour;
 

@@ -2,8 +2,7 @@
 
 use std::fmt::Write;
 
-use super::axis::Axis;
-use crate::output::picture::INK;
+use crate::output::picture::{INK, axis::Axis};
 
 /// The page in pixels, and the room at its sides.
 pub const PAGE: [f64; 2] = [800.0, 450.0];

@@ -13,7 +13,7 @@ use crate::{
     geometry::Domain,
     grid::Grid,
     observe::FrameBody,
-    output::{not_finite, rows::Rows},
+    output::{files::rows::Rows, not_finite},
     parallel::World,
 };
 

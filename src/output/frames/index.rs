@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
-    output::parallel_file::{cause, reserve},
+    output::files::parallel_file::{cause, reserve},
 };
 
 const RUN: &str = "run.h5";

@@ -14,7 +14,7 @@ use rustix::fs::{CWD, RenameFlags, renameat_with};
 use super::entry::Entry;
 use crate::{
     error::{Error, Result},
-    output::file::{remove_file, temporary},
+    output::files::file::{remove_file, temporary},
 };
 
 /// What a list of frames looks like in a file. A file that cannot be written whole is an error.

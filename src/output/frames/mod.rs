@@ -30,7 +30,7 @@ pub use membrane::{FrameCorner, FrameFace, FrameMembranes};
 pub use read::{FrameFile, StoredFrame, read_frames};
 pub use surroundings::{FlowLayer, FrameSurroundings};
 
-use super::parallel_file::ParallelFile;
+use super::files::parallel_file::ParallelFile;
 use crate::{error::Result, parallel::World};
 use entry::{Entry, path_in_run};
 use index::Index;

@@ -17,7 +17,7 @@ use super::{
 use crate::{
     error::{Error, Result},
     observe::{FlowCut, FrameBody, Plane},
-    output::{
+    output::files::{
         checksum::{intact, numbers_checksum, stored},
         slab,
     },

@@ -17,7 +17,7 @@ use super::{
 use crate::{
     error::Result,
     grid::{Block, Grid},
-    output::{
+    output::files::{
         checksum::{CHECKSUM, checksum, numbers_checksum, sums_of_all},
         parallel_file::ParallelFile,
         rows::Rows,

@@ -6,7 +6,7 @@ use super::{
     bond, membrane,
     read::{Columns, FrameFile, read_with, refused},
 };
-use crate::{error::Result, observe::Plane, output::slab};
+use crate::{error::Result, observe::Plane, output::files::slab};
 
 /// Bonds, membranes and flow of one time.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
+use super::axis::Axis;
 use super::frame::{Frame, INK};
-use crate::output::chart::Axis;
 
 /// Length of a tick, and the distance of its number from the box, beyond the wall.
 const TICK: f64 = 5.0;

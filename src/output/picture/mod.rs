@@ -4,7 +4,9 @@
 //! no mesh, no simulation is known. Lengths and speeds are in the units of the simulation, `y` points up.
 
 mod axes;
+pub mod axis;
 pub mod bar;
+pub mod canvas;
 pub mod colour;
 mod frame;
 mod raster;

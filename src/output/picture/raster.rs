@@ -3,8 +3,8 @@
 //! The pixels are Catmull-Rom interpolations of the samples (averages where there are more samples than pixels), stored as
 //! indices into a palette of 256 colours.
 
+use super::canvas::Canvas;
 use super::{Picture, bar::Bar};
-use crate::output::animation::canvas::Canvas;
 
 /// Red, green and blue of bodies, as [`INK`](super::INK) has them.
 const BODY: [u8; 3] = [0x14, 0x17, 0x1f];

@@ -14,12 +14,13 @@ use crate::{
     contact::{AdhesiveContact, Identity, pack, packed_length, unpack},
     error::{Error, Offer, Refusal, Result},
     grid::Grid,
+    mechanics::{ContactHistory, ExtrapolationHistory, FlowSolver, Level, MeshLevel, Moving, Share, Snapshot, State},
+    motion::Simulation,
     output::{CHECKPOINT, Checkpoint, CheckpointWriter},
     parallel::World,
     petsc::Vector,
     run::{BeforeStep, Output, RunStatistics},
     scene::ConstraintMethod,
-    simulation::{ContactHistory, ExtrapolationHistory, FlowSolver, Level, MeshLevel, Moving, Share, Simulation, Snapshot, State},
 };
 
 /// Names of the arrays of a solution.

@@ -6,11 +6,11 @@ use super::cell::{Cell, count, real};
 use super::step_table::StepTable;
 use crate::{
     error::{Error, Result},
+    motion::Simulation,
     observe::EnergyRates,
     output::{EnergySummary, Summary},
     parallel::World,
     run::{Evaluated, Output},
-    simulation::Simulation,
 };
 
 const NAME: &str = "energy.csv";

@@ -10,12 +10,13 @@ use super::step_table::StepTable;
 use crate::{
     body::components,
     error::Result,
+    mechanics::BodyState,
+    motion::Simulation,
     observe::{ForceCoefficients, Stream},
     output::Summary,
     parallel::World,
     run::{Evaluated, EvaluatedFlow, Output},
     scene::{MOST_WITH_FORCES, Scene},
-    simulation::{BodyState, Simulation},
 };
 
 const NAME: &str = "forces.csv";

@@ -12,11 +12,12 @@ use super::fields::FlowFields;
 use crate::{
     contact::{Contact, Identity, bodies_of, renamed},
     error::Result,
+    mechanics::State,
+    motion::Simulation,
     output::{Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameMembranes, Frames, Summary, note},
     parallel::World,
     run::{Evaluated, EvaluatedMotion, Output},
     scene::{ContactModel, Scene},
-    simulation::{Simulation, State},
 };
 
 /// Rounding of a time that is a multiple of the time between frames.

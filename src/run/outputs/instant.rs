@@ -47,18 +47,17 @@ impl<const D: usize> Output<D> for InstantFrame {
 /// All bodies, which every rank knows, on the first rank; none elsewhere.
 fn bodies<const D: usize>(world: &World, flow: &EvaluatedFlow<D>) -> Vec<FrameBody<D>> {
     let all = flow.solver.setup().bodies.iter().zip(&flow.solution.bodies).enumerate();
-    let body =
-        |(number, (suspended, state)): (usize, (&crate::simulation::SuspendedBody<D>, &crate::simulation::BodyState<D>))| FrameBody {
-            number,
-            center: state.center,
-            radius: suspended.body.ball.radius,
-            velocity: state.twist.velocity,
-            spin: state.twist.spin,
-            rotation: SMatrix::identity(),
-            force: state.force,
-            torque: state.torque,
-            contacts: 0,
-        };
+    let body = |(number, (suspended, state)): (usize, (&crate::mechanics::SuspendedBody<D>, &crate::mechanics::BodyState<D>))| FrameBody {
+        number,
+        center: state.center,
+        radius: suspended.body.ball.radius,
+        velocity: state.twist.velocity,
+        spin: state.twist.spin,
+        rotation: SMatrix::identity(),
+        force: state.force,
+        torque: state.torque,
+        contacts: 0,
+    };
     if world.rank() == 0 { all.map(body).collect() } else { Vec::new() }
 }
 

@@ -9,10 +9,11 @@ use std::{
 
 use crate::{
     error::{Error, Result},
+    mechanics::State,
+    motion::StepReport,
     output::{LOG, MeanViscosity, Summary, date, duration, note},
     parallel::{Machine, World},
     run::{Evaluated, Output, command},
-    simulation::{State, StepReport},
 };
 
 /// Seconds between lines, at least.

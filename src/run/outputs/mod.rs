@@ -24,7 +24,7 @@ mod step_table;
 
 use std::path::Path;
 
-use crate::{error::Result, output::CurvePoint, parallel::World, run::Output, scene::Scene, simulation::Simulation};
+use crate::{error::Result, motion::Simulation, output::CurvePoint, parallel::World, run::Output, scene::Scene};
 pub use checkpoint::restore;
 
 /// Outputs of a run, in the order in which they write.

@@ -11,12 +11,13 @@ use super::step_table::StepTable;
 use crate::{
     contact::Solver,
     error::Result,
+    mechanics::State,
+    motion::Simulation,
     observe::{ChainNumbers, InertialNumbers, MembraneNumbers, Viscosity, mean_orientation},
     output::{CurvePoint, InertiaSummary, Summary},
     parallel::World,
     run::{ContactTotals, Evaluated, EvaluatedFlow, EvaluatedMotion, Output},
     scene::ContactModel,
-    simulation::{Simulation, State},
 };
 
 /// The series of a run.

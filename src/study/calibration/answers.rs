@@ -6,8 +6,8 @@ use crate::{
     body::components,
     error::Result,
     flow::Drive,
+    mechanics::{FlowSolver, Setup, Solution},
     observe,
-    simulation::{FlowSolver, Setup, Solution},
 };
 
 /// Something that a solve answers.

@@ -8,10 +8,11 @@ use super::{
 use crate::{
     error::{Error, Result},
     geometry::near_walls,
+    mechanics::{FlowSolver, Setup, Solution, Suspension},
     output::Progress,
     petsc::Session,
+    plan::Plan,
     scene::Scene,
-    simulation::{FlowSolver, Plan, Setup, Solution, Suspension},
 };
 
 /// Cells per radius of the second grid and of the third.

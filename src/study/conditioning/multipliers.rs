@@ -12,9 +12,9 @@ use crate::{
     error::Result,
     flow::{Drive, InverseMethod},
     geometry::{Axis, Ball, Domain},
+    mechanics::{Setup, SuspendedBody, Suspension},
     petsc::Session,
     scene::{ConstraintMethod, Tolerance},
-    simulation::{Setup, SuspendedBody, Suspension},
 };
 
 /// Cells per side of the box.

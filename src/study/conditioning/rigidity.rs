@@ -7,9 +7,9 @@ use super::multipliers::{one, periodic};
 use crate::{
     body::Motion,
     error::Result,
+    mechanics::{Setup, Suspension},
     petsc::Session,
     scene::{ConstraintMethod, MultiplierSolver},
-    simulation::{Setup, Suspension},
 };
 
 /// Cells per side of the box.

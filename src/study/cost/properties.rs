@@ -3,8 +3,8 @@
 use crate::{
     error::Result,
     geometry::Domain,
+    mechanics::{ScalarSetup, Setup},
     scene::Scene,
-    simulation::{ScalarSetup, Setup},
 };
 
 /// Box and bodies of a scene.

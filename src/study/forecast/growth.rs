@@ -8,7 +8,7 @@ use super::sample::SAMPLE;
 use crate::{
     flow::InverseMethod,
     grid::cells_along,
-    simulation::{Cost, Setup},
+    mechanics::{Cost, Setup},
 };
 
 /// Iterations grow with this power of the number of bodies.

@@ -5,7 +5,7 @@ use nalgebra::SVector;
 use crate::{
     body::pack,
     geometry::Domain,
-    simulation::{Inertia, Setup, SuspendedBody},
+    mechanics::{Inertia, Setup, SuspendedBody},
 };
 
 /// Bodies of a sample.

@@ -6,9 +6,11 @@ use std::time::Instant;
 
 use crate::{
     error::Result,
+    mechanics::{Cost, FlowSolver, Setup},
+    motion::Simulation,
     petsc::Session,
+    plan::flow_solver,
     scene::{Step, TimeSection},
-    simulation::{Cost, FlowSolver, Setup, Simulation, flow_solver},
 };
 
 /// Steps of a sample at most, at least, and seconds after which it takes no further one.

@@ -1,7 +1,7 @@
 //! A fixed disk in a channel with inflow and outflow: the benchmark of Schaefer and Turek (1996).
 
 use super::follow::{Row, follow};
-use crate::{error::Result, petsc::Session, simulation::FlowSolver, surface::Shape};
+use crate::{error::Result, mechanics::FlowSolver, petsc::Session, surface::Shape};
 
 /// The channel of Schaefer and Turek (1996) with its disk.
 fn channel(cells: usize, speed: f64, time: &str) -> String {

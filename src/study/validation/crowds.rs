@@ -5,10 +5,10 @@ use std::{fmt::Write, path::Path, time::Instant};
 use super::solve::viscosity;
 use crate::{
     error::Result,
+    mechanics::{FlowSolver, Setup, Suspension},
     output::say,
     petsc::Session,
     scene::Scene,
-    simulation::{FlowSolver, Setup, Suspension},
 };
 
 /// A crowd in a periodic box in shear, bodies of radius 1.

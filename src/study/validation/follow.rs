@@ -4,9 +4,9 @@ use std::path::Path;
 
 use crate::{
     error::Result,
+    motion::{Observation, Simulation},
     petsc::Session,
     scene::Scene,
-    simulation::{Observation, Simulation},
 };
 
 /// A comparison with a known value.

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use crate::{
     error::{Error, Result},
+    mechanics::{FlowSolver, Setup, Solution, Suspension},
     observe::{self, Viscosity},
     petsc::Session,
     scene::Scene,
-    simulation::{FlowSolver, Setup, Solution, Suspension},
 };
 
 /// Solves the scene of a text with overrides; collective.

@@ -65,10 +65,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::{
-        scene::Scene,
-        simulation::{Plan, Setup},
-    };
+    use crate::{mechanics::Setup, plan::Plan, scene::Scene};
 
     #[test]
     fn scenes_have_the_fraction_that_is_asked_for() {

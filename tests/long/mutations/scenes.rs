@@ -16,8 +16,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use turbid::{
     error::Result,
+    plan::{Plan, demand},
     scene::Scene,
-    simulation::{Plan, demand},
 };
 
 use super::{DRY, PIECES, WET, mutate};

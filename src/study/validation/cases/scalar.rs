@@ -7,9 +7,9 @@ use nalgebra::{SVector, Vector2, Vector3};
 use crate::{
     error::{Error, Result},
     geometry::{Axis, Ball, Domain},
+    mechanics::{Inclusions, ScalarSetup, ScalarSolution},
     petsc::Session,
     scene::{ConstraintMethod, Tolerance},
-    simulation::{Inclusions, ScalarSetup, ScalarSolution},
     study::validation::case::Case,
 };
 

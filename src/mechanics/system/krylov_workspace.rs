@@ -1,0 +1,84 @@
+//! The Krylov solver with its vectors, kept from solve to solve.
+
+use super::{bodies::Bodies, extrapolation::InitialGuess, fixed_operators::FixedOperators, network::iterated};
+use crate::{
+    constraint::Given,
+    error::Result,
+    mechanics::{
+        Snapshot,
+        work::{Sizes, WorkVectors},
+    },
+    petsc::{Krylov, KrylovMethod, KrylovSettings, Vector},
+};
+
+/// Iterations allowed for the coupled system.
+///
+/// The restart is as long, so memory grows with the iterations made: a restart after 50 stalls where bodies crowd.
+const MOST_ITERATIONS: usize = 1000;
+
+/// Vectors that are kept at least before a restart.
+const FEWEST_VECTORS: usize = 30;
+
+/// When a solve ends.
+#[derive(Debug, Clone, Copy)]
+pub struct Stop {
+    /// Residual wanted, relative to the right-hand side.
+    pub tolerance: f64,
+    /// Norm of a right-hand side that is nothing but rounding in this scene.
+    pub rounding: f64,
+}
+
+/// What solves of one size share.
+pub struct KrylovWorkspace {
+    pub krylov: Krylov,
+    pub work: WorkVectors,
+    pub rhs: Vector,
+    pub x: Vector,
+}
+
+impl KrylovWorkspace {
+    /// The workspace at hand if it has the right sizes on every rank, or else a new one.
+    pub fn fitting<const D: usize>(at_hand: Option<KrylovWorkspace>, fixed: &FixedOperators<D>, sizes: Sizes) -> Result<KrylovWorkspace> {
+        let fits = at_hand.as_ref().is_some_and(|workspace| workspace.work.sizes() == sizes);
+        match at_hand.filter(|_| fixed.session.world().max(if fits { 0.0 } else { 1.0 }) == 0.0) {
+            Some(workspace) => Ok(workspace),
+            None => KrylovWorkspace::new(fixed, sizes),
+        }
+    }
+
+    fn new<const D: usize>(fixed: &FixedOperators<D>, sizes: Sizes) -> Result<KrylovWorkspace> {
+        let work = WorkVectors::new(&fixed.stokes, sizes)?;
+        let rhs = work.solver_vector(&fixed.session)?;
+        let mut unknowns = [rhs.local()?.len() as f64];
+        fixed.session.world().sum(&mut unknowns);
+        let bodies = fixed.setup.bodies.len();
+        let flexible = fixed.kinds.given() == Given::Motions && iterated(D * (D + 1) / 2, bodies);
+        let settings = krylov_settings(fixed.setup.tolerance.at_an_instant(), unknowns[0] as usize, flexible);
+        let krylov = Krylov::new(&fixed.session, rhs.local()?.len(), c"coupled_", settings)?;
+        Ok(KrylovWorkspace { krylov, work, x: rhs.like()?, rhs })
+    }
+
+    /// Sets the unknowns to a guess, or to zero; `contacts` are those of this rank.
+    pub fn start<const D: usize>(&mut self, bodies: &Bodies<D>, guess: Option<&InitialGuess<D>>, contacts: Vec<f64>) -> Result<()> {
+        let mut x = self.x.local_mut()?;
+        x.fill(0.0);
+        let Some(InitialGuess { extrapolated: Snapshot { fluid, multipliers, mean_flow, .. }, .. }) = guess else { return Ok(()) };
+        let (of_fluid, others) = x.split_at_mut(self.work.sizes().fluid);
+        if let Some(fluid) = fluid {
+            of_fluid.copy_from_slice(&fluid.local()?);
+        }
+        let (others, links) = others.split_at_mut(others.len() - self.work.sizes().links);
+        let parts = [&bodies.local_multipliers(multipliers), &mean_flow[..]].concat();
+        // only rank 0 holds the mean-flow constraint
+        others.iter_mut().zip(parts).for_each(|(x, guess)| *x = guess);
+        links.iter_mut().zip(contacts).for_each(|(x, guess)| *x = guess);
+        Ok(())
+    }
+}
+
+/// PETSc clears a square of the restart's size beforehand: ten milliseconds that small systems do not need.
+fn krylov_settings(tolerance: f64, unknowns: usize, flexible: bool) -> KrylovSettings {
+    let restart = unknowns.clamp(FEWEST_VECTORS, MOST_ITERATIONS);
+    let method = if flexible { KrylovMethod::FlexibleGmres { restart } } else { KrylovMethod::Gmres { restart } };
+    KrylovSettings { method, tolerance, most_iterations: MOST_ITERATIONS }
+}

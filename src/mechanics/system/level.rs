@@ -1,0 +1,240 @@
+//! What is known of a flow at one time, and what the next steps take of it.
+//!
+//! The field on the grid is the flow outside bodies and the motion inside. Where a surface will have passed a point, the point takes part in what
+//! lies outside: so the flow is extended into bodies by its jump functions, `u + D`, as deep as steps and stencils reach. In convection only
+//! the tangential traction counts: the pressure of a step comes from its convection, and would come back into the next one larger. Methods without
+//! jump functions take the field on the grid as it is.
+//!
+//! Jump functions are those of slow multipliers, the means over the time in which viscosity passes half a cell. In steps shorter than that a multiplier moves the
+//! grid's velocity by `h^2 / (nu dt)` times less than its jump function says, so that what is wrong by rounding or a coarse grid would grow from
+//! step to step where a body passes points: a disk that moves half a cell a step at 36 for the Reynolds number of a cell was unstable.
+
+use nalgebra::{DVector, SVector};
+
+use super::bodies::BodyTypes;
+use crate::{
+    body::Twist,
+    constraint::IndexBox,
+    error::Result,
+    grid::{Grid, Index, Node},
+    linalg::dot,
+    petsc::{Scatter, Vector},
+};
+
+/// How deep the flow is extended into bodies, in cells.
+const DEPTH: f64 = 3.5;
+
+/// How far from surfaces rigid motions are needed, in cells: as far as a point that a body reaches in a step may be, and its neighbours.
+const REACH: f64 = 3.5;
+
+/// Depths below a surface, in cells, between which the slope of a jump is measured.
+const SLOPE: [f64; 2] = [0.1, 1.0];
+
+/// Jump functions this close to the centre, in radii, say nothing.
+const CORE: f64 = 0.2;
+
+/// The flow and the bodies at one time.
+pub struct Level<const D: usize> {
+    /// The time.
+    pub time: f64,
+    /// Velocity and pressure over viscosity.
+    pub fluid: Vector,
+    /// Multipliers, body by body; none where the method has no jump functions.
+    pub multipliers: Vec<Vec<f64>>,
+    /// Their means over the time in which viscosity passes part of a cell.
+    pub slow: Vec<Vec<f64>>,
+    /// Centres of the bodies, not wrapped into the box.
+    pub centers: Vec<SVector<f64, D>>,
+    /// Their motions.
+    pub twists: Vec<Twist<D>>,
+    /// Their spin-ups, density of the fluid over viscosity times rate of change of the spin.
+    pub spin_ups: Vec<Vec<f64>>,
+    /// The part of their jumps that convection sees, a mean over some time; until the level is past that of the one before.
+    pub resolved: Vec<f64>,
+}
+
+/// What a step takes of a level.
+pub struct Extended<const D: usize> {
+    /// The velocity, that outside bodies extended into them.
+    pub velocity: Vector,
+    /// The convection that rows outside bodies take.
+    pub convection: Vector,
+    /// That of rows inside, where it is another one.
+    pub inside: Option<Vector>,
+    /// Sums over the grid of the velocity that is not extended, and of its convection in flux form.
+    pub sums: [SVector<f64, D>; 2],
+}
+
+impl<const D: usize> Extended<D> {
+    /// The convection that rows inside bodies take.
+    pub fn inside(&self) -> &Vector {
+        self.inside.as_ref().unwrap_or(&self.convection)
+    }
+}
+
+/// A velocity of this rank near a body or in it.
+pub struct Near {
+    /// Among the rank's entries.
+    pub place: usize,
+    pub component: usize,
+    pub body: usize,
+    /// Distance from the surface; negative inside.
+    pub gap: f64,
+    /// The rigid motion of the body there, in a sheared box less the shear.
+    pub rigid: f64,
+}
+
+/// Unknowns inside bodies of this rank, near their surfaces, and the jumps there.
+#[derive(Default)]
+pub struct Band {
+    pub places: Vec<usize>,
+    pub bodies: Vec<usize>,
+    /// By the whole traction.
+    pub whole: Vec<f64>,
+    /// By its tangential part.
+    pub tangential: Vec<f64>,
+    /// Squares of the slopes of tangential jumps within a cell of the surface and their number, by body and component.
+    pub slopes: Vec<f64>,
+    /// Velocities of this rank near bodies, each of the nearest one's.
+    pub near: Vec<Near>,
+}
+
+impl<const D: usize> Level<D> {
+    /// The jump of the velocity, outside minus inside, at an offset from the centre of a body; zero in its core.
+    pub fn jump(&self, kinds: &BodyTypes<D>, body: usize, offset: &SVector<f64, D>, component: usize) -> f64 {
+        let surface = kinds.surface(body);
+        if offset.norm() < CORE * surface.modes.radius() {
+            return 0.0;
+        }
+        let mut jumps = vec![0.0; surface.modes.jump_count()];
+        surface.modes.velocity_jumps(offset.as_slice(), component, &mut jumps);
+        dot(&jumps, &self.coefficients(body, &self.slow[body]))
+    }
+
+    /// The velocity, that outside bodies extended into them. Collective.
+    pub fn velocity_outside(&self, band: &Band) -> Result<Vector> {
+        self.with_jumps(&mut Scatter::new(&self.fluid, &band.places)?, &band.whole)
+    }
+
+    /// The fluid with jumps added at the places of a scatter.
+    pub fn with_jumps(&self, scatter: &mut Scatter, jumps: &[f64]) -> Result<Vector> {
+        let mut extended = self.fluid.copied()?;
+        scatter.places()?.copy_from_slice(jumps);
+        scatter.add_back(&mut extended)?;
+        Ok(extended)
+    }
+
+    /// The jumps in bodies, and what is near them, on the grid of that time.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    pub fn band(&self, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Result<Band> {
+        let mut band = Band { slopes: vec![0.0; 2 * D * self.centers.len()], near: self.near(grid, kinds)?, ..Band::default() };
+        (0..self.centers.len()).for_each(|body| self.extend(grid, kinds, body, &mut band));
+        Ok(band)
+    }
+
+    /// The velocities of this rank near bodies, each of the nearest one's.
+    fn near(&self, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Result<Vec<Near>> {
+        let own = self.fluid.range()?;
+        let mut claims: Vec<Option<u32>> = vec![None; own.len()];
+        let mut near: Vec<Near> = Vec::new();
+        for (body, center) in self.centers.iter().enumerate() {
+            let radius = kinds.surface(body).modes.radius();
+            within(grid, center, radius + REACH * grid.spacing().max(), |Point { component, place, offset, shear, .. }| {
+                if !own.contains(&place) {
+                    return;
+                }
+                let (place, gap) = (place - own.start, offset.norm() - radius);
+                let found = Near { place, component, body, gap, rigid: (self.twists[body].at(&offset) - shear)[component] };
+                match claims[place] {
+                    Some(before) if near[before as usize].gap <= gap => {}
+                    Some(before) => near[before as usize] = found,
+                    None => {
+                        claims[place] = Some(near.len() as u32);
+                        near.push(found);
+                    }
+                }
+            });
+        }
+        Ok(near)
+    }
+
+    /// Adds the points inside a body near its surface, if it is this rank's.
+    fn extend(&self, grid: &Grid<D>, kinds: &BodyTypes<D>, body: usize, band: &mut Band) {
+        let (surface, multipliers) = (kinds.surface(body), DVector::from_column_slice(&self.slow[body]));
+        let (radius, count) = (surface.modes.radius(), surface.modes.jump_count());
+        let whole = self.coefficients(body, &self.slow[body]);
+        let tangential = self.coefficients(body, (kinds.tangential(body) * multipliers).as_slice());
+        let deepest = (radius - DEPTH * grid.spacing().max()).max(CORE * radius);
+        let mut offsets = vec![Vec::new(); D];
+        each_inside(grid, &self.centers[body], radius, |Point { component, place, offset, .. }| {
+            if offset.norm() >= deepest {
+                band.places.push(place);
+                band.bodies.push(body);
+                offsets[component].extend_from_slice(offset.as_slice());
+            }
+        });
+        for (component, offsets) in offsets.iter().enumerate() {
+            let mut jumps = vec![0.0; offsets.len() / D * count];
+            surface.modes.velocity_jumps(offsets, component, &mut jumps);
+            band.whole.extend(jumps.chunks_exact(count).map(|jumps| dot(jumps, &whole)));
+            band.tangential.extend(jumps.chunks_exact(count).map(|jumps| dot(jumps, &tangential)));
+            let found = &band.tangential[band.tangential.len() - offsets.len() / D..];
+            let slopes = &mut band.slopes[2 * (D * body + component)..][..2];
+            for (jump, offset) in found.iter().zip(offsets.chunks_exact(D)) {
+                let depth = (radius - SVector::<f64, D>::from_column_slice(offset).norm()) / grid.spacing().max();
+                if (SLOPE[0]..SLOPE[1]).contains(&depth) {
+                    slopes[0] += (jump / (depth * grid.spacing().max())).powi(2);
+                    slopes[1] += 1.0;
+                }
+            }
+        }
+    }
+
+    /// Coefficients of the jump functions of a body, for these of its modes.
+    fn coefficients(&self, body: usize, modes: &[f64]) -> Vec<f64> {
+        modes.iter().chain(&self.spin_ups[body]).copied().collect()
+    }
+}
+
+/// A velocity of the grid inside a body.
+pub struct Point<const D: usize> {
+    /// Its component.
+    pub component: usize,
+    /// Its place in fluid vectors.
+    pub place: usize,
+    /// Where it is, seen from the centre.
+    pub offset: SVector<f64, D>,
+    /// Its index, in an image of the box or in it.
+    pub index: Index<D>,
+    /// Velocity of the frame in which convection is told there, as the body sees it.
+    pub frame: SVector<f64, D>,
+    /// What the velocity of the body is told beyond: that of the shear there, in a sheared box.
+    pub shear: SVector<f64, D>,
+}
+
+/// Visits the velocities inside a ball whose centre, not wrapped into the box, lies in this rank's block.
+pub fn each_inside<const D: usize>(grid: &Grid<D>, center: &SVector<f64, D>, radius: f64, visit: impl FnMut(Point<D>)) {
+    if grid.owner(&grid.domain().wrap(*center)) == grid.rank() {
+        within(grid, center, radius, visit);
+    }
+}
+
+/// Visits the velocities inside a ball, of whatever rank they are.
+pub fn within<const D: usize>(grid: &Grid<D>, center: &SVector<f64, D>, radius: f64, mut visit: impl FnMut(Point<D>)) {
+    let (domain, unwrapped) = (grid.domain(), center);
+    let center = domain.wrap(*unwrapped);
+    for component in 0..D {
+        for index in IndexBox::around(grid, component, &center, radius).indices() {
+            let offset = grid.position(component, index) - center;
+            if offset.norm() > radius {
+                continue;
+            }
+            if let Node::Unknown(place) = grid.fluid_node(component, index) {
+                let at = unwrapped + offset;
+                visit(Point { component, place, offset, index, frame: grid.frame_velocity(&at), shear: domain.carried(&at) });
+            }
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! Contacts and films of a configuration as rows and unknowns of the coupled system, and what bodies resist besides them.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::{
+    bodies::Bodies,
+    fixed_operators::FixedOperators,
+    network::Resistances,
+    pair_constraint::{ConstraintSide, PairConstraint, RigidVector},
+    pair_constraints::{Medium, PairConstraints},
+};
+use crate::{
+    body::components,
+    constraint::{
+        Given, MultiplierLayout, PairPreconditioner, Pores, RigidBlock,
+        lubrication::{LubricationPair, LubricationPairs, Opposite, RelativeMode, RigidFunctional},
+    },
+    contact::{Contact, ContactForce},
+    error::Result,
+    interaction::BondRow,
+    mechanics::Configuration,
+};
+
+/// Numbers of rigid modes, by dimension.
+const RIGID: [usize; 4] = [0, 0, 3, 6];
+
+/// Part of what a body alone resists that is left to it among neighbours, whose resistance to its motion relative to them counts apart, and
+/// what a body without any has besides.
+const AMONG_NEIGHBOURS: f64 = 0.01;
+const AMONG_FEW: f64 = 0.3;
+
+/// The same with pores, which know of the rest: next to nothing, but springs between neighbours, and against rotation.
+const LEAST: f64 = 1e-5;
+const SPRING: f64 = 0.003;
+const SPRING_AMONG_FEW: f64 = 0.1;
+const ROTATION: f64 = 0.02;
+const ROTATION_AMONG_FEW: f64 = 0.3;
+
+/// The links of a configuration, for a flow without bodies that has this rank's `undisturbed` velocities on surfaces, in a system with at least
+/// so many `places`. Collective.
+///
+/// # Errors
+/// They cannot be factored.
+pub fn pair_constraints<const D: usize>(
+    fixed: &FixedOperators<D>,
+    bodies: &Bodies<D>,
+    configuration: &Configuration<D>,
+    films: &LubricationPairs<D>,
+    undisturbed: &[f64],
+    medium: Option<&Medium>,
+    places: usize,
+) -> Result<PairConstraints> {
+    let mut builder = Builder::new(fixed, configuration.centers);
+    for pressed in configuration.pressed.iter().filter(|pressed| touches(&bodies.layout, pressed)) {
+        builder.add_contact(pressed.contact, configuration.step, belongs(&bodies.layout, pressed));
+    }
+    for bond in configuration.bonds.iter().filter(|bond| bodies.layout.holds_any(bond_bodies(bond))) {
+        builder.add_bond(bond, bond_belongs(&bodies.layout, bond));
+    }
+    for film in &films.films {
+        film.relative_modes.iter().for_each(|way| builder.add_way(film, way, bodies.layout.holds(film.body)));
+    }
+    let Builder { links, scale, .. } = builder;
+    let alone;
+    let medium = match medium {
+        None if fixed.session.world().max(links.len() as f64) > 0.0 => {
+            alone = Builder::new(fixed, configuration.centers).alone(&bodies.layout);
+            Some(&alone)
+        }
+        _ => medium,
+    };
+    let stays = |body: usize| !fixed.setup.bodies[body].body.free();
+    let unit = |body: usize| fixed.kinds.rigid(body).force / scale;
+    let mut pair_constraints =
+        PairConstraints::new((&fixed.session, &bodies.layout), (scale, links), (RIGID[D], medium), (stays, unit), places)?;
+    pair_constraints.without(undisturbed)?;
+    Ok(pair_constraints)
+}
+
+/// What bodies with these centres resist besides links, where near pairs answer to motions.
+pub fn medium<const D: usize>(
+    fixed: &FixedOperators<D>,
+    bodies: &Bodies<D>,
+    centers: &[SVector<f64, D>],
+    pairs: Option<&PairPreconditioner>,
+) -> Option<Medium> {
+    let pairs = pairs.filter(|pairs| pairs.given() == Given::Motions && bodies.layout.bodies() > 0)?;
+    Some(Builder::new(fixed, centers).medium(bodies, pairs))
+}
+
+/// Whether a contact is one of this rank's.
+pub fn belongs<const D: usize>(layout: &MultiplierLayout, pressed: &ContactForce<D>) -> bool {
+    layout.holds(pressed.contact.body)
+}
+
+/// Whether a bond is one of this rank's: its first body is.
+pub fn bond_belongs<const D: usize>(layout: &MultiplierLayout, bond: &BondRow<D>) -> bool {
+    bond_bodies(bond).next().is_some_and(|body| layout.holds(body))
+}
+
+fn bond_bodies<const D: usize>(bond: &BondRow<D>) -> impl Iterator<Item = usize> {
+    bond.ends.iter().map(|(body, _)| *body)
+}
+
+/// Whether it has a side on a body of this rank.
+fn touches<const D: usize>(layout: &MultiplierLayout, pressed: &ContactForce<D>) -> bool {
+    layout.holds_any([Some(pressed.contact.body), pressed.contact.other()].into_iter().flatten())
+}
+
+/// Force per unit viscosity that a unit of the unknowns stands for.
+fn scale<const D: usize>(fixed: &FixedOperators<D>) -> f64 {
+    fixed.setup.bodies.first().map_or(1.0, |suspended| fixed.kinds.translation(0).1 / suspended.body.ball.radius)
+}
+
+/// What is linked so far.
+struct Builder<'a, const D: usize> {
+    fixed: &'a FixedOperators<D>,
+    centers: &'a [SVector<f64, D>],
+    scale: f64,
+    links: Vec<PairConstraint>,
+}
+
+impl<'a, const D: usize> Builder<'a, D> {
+    fn new(fixed: &'a FixedOperators<D>, centers: &'a [SVector<f64, D>]) -> Self {
+        Builder { fixed, centers, scale: scale(fixed), links: Vec::new() }
+    }
+
+    fn add_contact(&mut self, contact: Contact<D>, step: f64, owned: bool) {
+        let rate = -contact.gap / step - contact.normal.dot(&contact.sliding);
+        self.links.push(PairConstraint::new(rate, 0.0, owned));
+        let side = |direction| RigidFunctional { direction, turn: SMatrix::zeros() };
+        self.add_end(contact.body, &side(-contact.normal));
+        if let Some(other) = contact.other() {
+            self.add_end(other, &side(contact.normal));
+        }
+    }
+
+    fn add_bond(&mut self, bond: &BondRow<D>, owned: bool) {
+        let compliance = bond.compliance * self.scale * self.fixed.setup.viscosity;
+        self.links.push(PairConstraint::new(bond.rate, compliance, owned));
+        bond.ends.iter().for_each(|(body, side)| self.add_end(*body, side));
+        self.links.last_mut().expect("a bond is a link").balance();
+    }
+
+    fn add_way(&mut self, film: &LubricationPair<D>, way: &RelativeMode<D>, owned: bool) {
+        self.links.push(PairConstraint::new(0.0, self.scale / way.resistance, owned));
+        self.add_end(film.body, &way.sides[0]);
+        let direction = way.sides[1].direction;
+        let known = match film.other {
+            Opposite::Body(other, offset) => {
+                self.add_end(other, &way.sides[1]);
+                // images move with the background
+                direction.dot(&(self.fixed.setup.drive.background(&offset) - self.sliding(other)))
+            }
+            Opposite::Wall((axis, upper)) => direction.dot(&wall_velocity(self.fixed, axis, upper)),
+        };
+        self.known(known - way.sides[0].direction.dot(&self.sliding(film.body)));
+    }
+
+    /// Bodies each as if it were alone.
+    fn alone(&self, layout: &MultiplierLayout) -> Medium {
+        let mut resistances = Resistances::default();
+        layout.local_bodies.iter().for_each(|&body| resistances.add(layout, [body; 2], &self.of_body(body)));
+        Medium { resistances, pores: None, by_pairs: false }
+    }
+
+    /// See [`medium`].
+    fn medium(&mut self, bodies: &Bodies<D>, pairs: &PairPreconditioner) -> Medium {
+        let (fixed, layout) = (self.fixed, &bodies.layout);
+        let mut resistances = Resistances::default();
+        for (ends, blocks) in pairs.resistances::<D>() {
+            for (one, two) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                resistances.add(layout, [ends[one], ends[two]], &(blocks[one][two] / self.scale));
+            }
+        }
+        for film in &bodies.resolved_at_walls().films {
+            film.relative_modes.iter().for_each(|way| self.add_way(film, way, true));
+        }
+        resistances.add_links(layout, self.links.iter(), |link| link.compliance);
+        let few = bodies.few_neighbours(&fixed.session);
+        // beside an approximate inverse, which misses as much of the pressure, they cost iterations (docs/crowds.md)
+        let pores = if fixed.condensed { bodies.pores() } else { None };
+        for &body in &layout.local_bodies {
+            let part = match (&pores, fixed.setup.bodies[body].body.free()) {
+                (_, false) => 1.0,
+                (None, true) => AMONG_NEIGHBOURS + AMONG_FEW * few[body],
+                (Some(_), true) => LEAST,
+            };
+            resistances.add(layout, [body; 2], &(self.of_body(body) * part));
+        }
+        if let Some(pores) = &pores {
+            add_springs(layout, pores, &few, &mut resistances);
+        }
+        Medium { resistances, pores, by_pairs: true }
+    }
+
+    /// What a body resists alone.
+    fn of_body(&self, body: usize) -> RigidBlock {
+        let rigid = self.fixed.kinds.rigid(body);
+        let own = (0..RIGID[D]).map(|mode| rigid.force / (self.scale * rigid.mobilities[mode]));
+        let mut block = RigidBlock::zeros();
+        own.enumerate().for_each(|(mode, own)| block[(mode, mode)] = own);
+        block
+    }
+
+    /// Velocity of the image of the box in which the centre of a body lies, that of films being in the box.
+    fn sliding(&self, body: usize) -> SVector<f64, D> {
+        self.fixed.setup.domain.image_velocity(&self.centers[body])
+    }
+
+    /// Takes a rate that is known from the one wanted of the last link.
+    fn known(&mut self, rate: f64) {
+        if let Some(link) = self.links.last_mut() {
+            link.rate -= rate;
+        }
+    }
+
+    /// Makes a body an end of the last link.
+    fn add_end(&mut self, body: usize, side: &RigidFunctional<D>) {
+        if let Some(twist) = self.fixed.setup.bodies[body].body.given_motion() {
+            return self.known(side.rate(&twist));
+        }
+        let rigid = self.fixed.kinds.rigid(body);
+        let numbers = side.direction.iter().copied().chain(components(&side.turn).into_iter().map(|turn| turn / rigid.lever));
+        let mut weights = RigidVector::zeros();
+        weights.iter_mut().zip(numbers).for_each(|(weight, number)| *weight = number);
+        if let Some(link) = self.links.last_mut() {
+            link.add(ConstraintSide { body, weights, multiplier: self.scale / rigid.force, mobilities: rigid.mobilities });
+        }
+    }
+}
+
+/// Resistances that leave no motion of a body relative to its neighbours without one, and motions of all as one with next to none: a part of
+/// what a disk resists alone would count as much for a wave of any length.
+fn add_springs(layout: &MultiplierLayout, pores: &Pores, few: &[f64], resistances: &mut Resistances) {
+    let translations = RigidBlock::from_diagonal(&RigidVector::from_fn(|mode, _| f64::from(mode < 2)));
+    for throat in &pores.throats {
+        let [Some(one), Some(two)] = throat.bodies else { continue };
+        // each is listed for both of its pores
+        let spring = translations * (0.5 * (SPRING + SPRING_AMONG_FEW * (few[one] + few[two])));
+        for (body, other) in [(one, two), (two, one)] {
+            resistances.add(layout, [body; 2], &spring);
+            resistances.add(layout, [body, other], &-spring);
+        }
+    }
+    let mut rotation = RigidBlock::zeros();
+    for &body in &layout.local_bodies {
+        rotation[(2, 2)] = ROTATION + ROTATION_AMONG_FEW * few[body];
+        resistances.add(layout, [body; 2], &rotation);
+    }
+}
+
+fn wall_velocity<const D: usize>(fixed: &FixedOperators<D>, axis: usize, upper: bool) -> SVector<f64, D> {
+    fixed.setup.domain.axes[axis].walls().map_or(SVector::zeros(), |walls| walls[usize::from(upper)])
+}

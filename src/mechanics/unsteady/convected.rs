@@ -1,0 +1,152 @@
+//! The convection of a level: what rows outside bodies take of it, and what rows inside.
+//!
+//! The field `u` on the grid is convected in flux form, across surfaces too, so that what one row loses another one gains: convection adds up to nothing,
+//! and the force by tractions is the balance of momentum of the grid. Beside a surface at rest that is all: `u` vanishes there, and what its kink errs by in a
+//! strip of a cell is of second order. A surface that moves carries its kink along. With the rigid motion `R`, `w = u - R`, the jump `D` by tangential tractions, `N(u) = B(u, u)`
+//! and the bilinear flux form `B`:
+//!
+//! ```text
+//! outside   N(u) + theta [B(R, D) + B(D, R)],    B(R, D) + B(D, R) = [N(R + D) - N(R - D)] / 2
+//! inside    (1 - theta) N(u) + theta [N(R) + N(w)],    N(R) + N(w) = [N(u) + N(2 R - u)] / 2
+//! ```
+//!
+//! What is linear in `w` sees the jump; what is quadratic does not need it. Where the layer on a surface is thinner than a cell, as after a sudden start, rows of
+//! their own on either side of it are biased sideways, and `theta` is zero.
+
+use nalgebra::SVector;
+
+use crate::mechanics::system::level::{Band, Extended, Level, Near};
+use crate::{
+    error::Result,
+    flow::{Convection, fastest},
+    grid::Grid,
+    parallel::World,
+    petsc::{Scatter, Vector},
+};
+
+/// Largest jump of what is convected, over the largest speed of the flow. Behind a boundary layer thinner than a cell jump functions go on with its slope to
+/// speeds that are nowhere in the flow.
+const LARGEST_JUMP: f64 = 1.0;
+
+/// Thickness of the layer on a surface, in cells, up to which `theta` is zero, and that over which it grows to one.
+const LAYER: [f64; 2] = [0.65, 0.5];
+
+/// Rates at which the mean of `theta` over time forgets, over those of viscosity and of the flow across a cell: as a body passes points of the grid, the thickness that is
+/// measured swings by a tenth.
+const FORGETTING: [f64; 2] = [0.5, 0.25];
+
+/// Distances from a surface, in cells, between which the slip that a layer bridges is measured.
+const OUTSIDE_LAYER: [f64; 2] = [1.5, 3.0];
+
+/// The part of the `theta` of the level before that its mean over time keeps after a step.
+pub fn remembered<const D: usize>(grid: &Grid<D>, step: f64, inverse_diffusivity: f64, fastest: f64) -> f64 {
+    let spacing = grid.spacing().max();
+    (-step * (FORGETTING[0] / (inverse_diffusivity * spacing * spacing) + FORGETTING[1] * fastest / spacing)).exp()
+}
+
+impl<const D: usize> Level<D> {
+    /// The flow extended into bodies with their jumps, and its convection on the grid of that time. Collective.
+    pub fn extended(&self, band: Option<&Band>, convection: &mut Convection<D>) -> Result<Extended<D>> {
+        let mut carried = self.fluid.like()?;
+        convection.evaluate(&self.fluid, &mut carried)?;
+        let sums = [sums(convection.grid(), &self.fluid)?, sums(convection.grid(), &carried)?];
+        let Some(band) = band else {
+            return Ok(Extended { velocity: self.fluid.copied()?, convection: carried, inside: None, sums });
+        };
+        let mut scatter = Scatter::new(&self.fluid, &band.places)?;
+        let velocity = self.with_jumps(&mut scatter, &band.whole)?;
+        if !self.moves() {
+            return Ok(Extended { velocity, convection: carried, inside: None, sums });
+        }
+        let inside = self.inside(&band.near, &carried, convection)?;
+        self.add_linear(band, &mut scatter, convection, &mut carried)?;
+        Ok(Extended { velocity, convection: carried, inside: Some(inside), sums })
+    }
+
+    /// Whether any body does.
+    fn moves(&self) -> bool {
+        self.twists.iter().any(|twist| twist.velocity.norm() > 0.0 || twist.spin.norm() > 0.0)
+    }
+
+    /// The convection of rows inside, where that of the field on the grid is known. Collective.
+    fn inside(&self, near: &[Near], of_field: &Vector, convection: &mut Convection<D>) -> Result<Vector> {
+        let (mut mirrored, mut inside) = (self.fluid.copied()?, of_field.like()?);
+        let mut values = mirrored.local_mut()?;
+        near.iter().for_each(|near| values[near.place] = 2.0 * near.rigid - values[near.place]);
+        drop(values);
+        convection.evaluate(&mirrored, &mut inside)?;
+        mirrored.copy_from(of_field)?;
+        let (mut rows, other) = (mirrored.local_mut()?, inside.local()?);
+        for &Near { place, body, .. } in near {
+            rows[place] += 0.5 * self.resolved[body] * (other[place] - rows[place]);
+        }
+        drop((rows, other));
+        Ok(mirrored)
+    }
+
+    /// Adds what is linear in the jumps to the convection of rows outside. Collective.
+    fn add_linear(&self, band: &Band, scatter: &mut Scatter, convection: &mut Convection<D>, carried: &mut Vector) -> Result<()> {
+        let largest = LARGEST_JUMP * fastest(convection.grid(), &self.fluid)?;
+        let mut places = scatter.places()?;
+        for ((place, jump), body) in places.iter_mut().zip(&band.tangential).zip(&band.bodies) {
+            *place = self.resolved[*body] * jump.clamp(-largest, largest);
+        }
+        drop(places);
+        let mut rigid = self.fluid.like()?;
+        let mut values = rigid.local_mut()?;
+        band.near.iter().for_each(|near| values[near.place] = near.rigid);
+        drop(values);
+        let mut other = self.fluid.like()?;
+        scatter.add_back(&mut other)?;
+        other.scale(-2.0)?;
+        scatter.add_back(&mut rigid)?;
+        let mut rows = self.fluid.like()?;
+        convection.evaluate(&rigid, &mut rows)?;
+        carried.add(0.5, &rows)?;
+        rigid.add(1.0, &other)?;
+        convection.evaluate(&rigid, &mut rows)?;
+        carried.add(-0.5, &rows)
+    }
+
+    /// Thickness of the layer of fluid that each body carries along, in cells: the slip it bridges over the slope at the surface. Zero before anything is known, infinite
+    /// where bodies are closer to each other than the layer is measured. Collective.
+    pub fn layers(&self, world: &World, band: &Band, grid: &Grid<D>) -> Result<Vec<f64>> {
+        let (spacing, values) = (grid.spacing().max(), self.fluid.local()?);
+        // squares of slips and their number, by body and component
+        let mut slips = vec![0.0; 2 * D * self.centers.len()];
+        for near in &band.near {
+            if (OUTSIDE_LAYER[0] * spacing..OUTSIDE_LAYER[1] * spacing).contains(&near.gap) {
+                let first = 2 * (D * near.body + near.component);
+                slips[first] += (values[near.place] - near.rigid).powi(2);
+                slips[first + 1] += 1.0;
+            }
+        }
+        world.sum(&mut slips);
+        let mut slopes = band.slopes.clone();
+        world.sum(&mut slopes);
+        let sum = |terms: &[f64]| terms.chunks_exact(2).map(|term| term[0] / term[1].max(1.0)).sum::<f64>();
+        let of_body = |(slips, slopes): (&[f64], &[f64])| {
+            let (slip, slope) = (sum(slips).sqrt(), sum(slopes).sqrt());
+            let measured = slips.iter().skip(1).step_by(2).all(|count| *count > 0.0);
+            match slope > 0.0 {
+                true if measured => slip / (slope * spacing),
+                true => f64::INFINITY,
+                false => 0.0,
+            }
+        };
+        Ok(slips.chunks_exact(2 * D).zip(slopes.chunks_exact(2 * D)).map(of_body).collect())
+    }
+}
+
+/// `theta` of a layer of this thickness, in cells.
+pub fn resolved(layer: f64) -> f64 {
+    ((layer - LAYER[0]) / LAYER[1]).clamp(0.0, 1.0)
+}
+
+/// Sums of the components of a velocity over the grid. Collective.
+pub fn sums<const D: usize>(grid: &Grid<D>, velocity: &Vector) -> Result<SVector<f64, D>> {
+    let values = velocity.local()?;
+    let mut sums = SVector::<f64, D>::from_fn(|axis, _| values[grid.local_range(axis)].iter().sum());
+    velocity.session().world().sum(sums.as_mut_slice());
+    Ok(sums)
+}

@@ -1,0 +1,548 @@
+//! A suspension in a flow with inertia, step by step: fluid, bodies and what holds them together in one linear system.
+//!
+//! A solve at a time after the last one is a step. Convection and history are extrapolated (second-order backward differentiation); the Stokes part, the
+//! multipliers and the momentum of the bodies are implicit, so that neither viscosity nor added mass limits a step. Solves at the time of the
+//! last one, as contacts need them, are that step again.
+
+mod convected;
+mod damping;
+mod longest;
+mod momentum;
+mod rows;
+mod scheme;
+
+use std::{borrow::Cow, cell::OnceCell, time::Instant};
+
+use nalgebra::{SMatrix, SVector};
+
+use self::{
+    convected::{remembered, resolved},
+    damping::{damp, lag, slowed},
+    momentum::Momentum,
+    rows::{Past, kept},
+    scheme::convection_weights,
+};
+pub use self::{
+    longest::{COURANT, LARGEST_COURANT, first_step, longest_step},
+    momentum::inertia,
+    scheme::StepWeights,
+};
+use super::{
+    configuration::Configuration,
+    cost::{Cost, ResidualMonitor},
+    flow_solver::FlowSolver,
+    setup::{Inertia, Setup},
+    solution::{BodyState, Lubrication, Solution, WallForces},
+    system::{
+        extrapolation::{ExtrapolationHistory, Snapshot},
+        level::{Band, Extended, Level, Point, each_inside},
+    },
+};
+use crate::{
+    body::{Twist, planes},
+    contact::Contact,
+    error::{Error, Result},
+    flow::{Convection, FluidSystem, OpenEnds, StokesInverse, fastest},
+    grid::{Grid, operators::signed},
+    interaction::Wrench,
+    mechanics::system::{
+        assembled_system::AssembledSystem,
+        assembly::Assembly,
+        film_forces::add_films,
+        fixed_operators::FixedOperators,
+        krylov_workspace::KrylovWorkspace,
+        mean_flow_constraint::{add_drive, add_walls},
+        readback,
+    },
+    petsc::{Scatter, Session, Stage, Vector, enter},
+};
+
+/// Solutions from which a step starts: two for the rate of change, one more for convection.
+const LEVELS: usize = 3;
+
+/// Change of the shift, as a part, that is rounding of time steps.
+const ROUNDING: f64 = 1e-7;
+
+/// Cells that the flow passes in a step beyond which what is extrapolated means nothing, and no round of contacts is worth while.
+const MEANINGLESS_COURANT: f64 = 3.0;
+
+/// Square of the way of viscosity in a step, in cells, below which a light body is not followed: jumps of steady flow then say more of the mobility of a
+/// surface than the grid, and make it larger than the fluid that the body takes the place of allows.
+const SHORTEST_DIFFUSION: f64 = 0.03;
+
+/// A suspension in a flow with inertia.
+pub struct UnsteadySuspension<const D: usize> {
+    fixed: FixedOperators<D>,
+    /// Of the operator with the shift of the last step; none before the first.
+    inverse: Option<Box<dyn StokesInverse<D>>>,
+    convection: Convection<D>,
+    /// The last solution.
+    current: Option<Level<D>>,
+    /// Its jumps in bodies, once they are known.
+    band: OnceCell<Band>,
+    /// The layers on its bodies, in cells, once they are known.
+    layers: OnceCell<Vec<f64>>,
+    /// The force that the rows of its step lose.
+    momentum_residual: SVector<f64, D>,
+    /// The solutions before it, from which its step started.
+    past: Vec<(Level<D>, Extended<D>)>,
+    assembly: Option<Assembly<D>>,
+    workspace: Option<KrylovWorkspace>,
+    guess: Option<ExtrapolationHistory<D>>,
+    /// What the first solve at the time of the last one started from.
+    guess_before: Option<ExtrapolationHistory<D>>,
+    cost: Cost,
+}
+
+impl<const D: usize> UnsteadySuspension<D> {
+    /// Fluid at rest, unless walls move it, and bodies as they start; through a box with an inflow it flows everywhere.
+    ///
+    /// # Errors
+    /// The grid or the rank count does not fit.
+    ///
+    /// # Panics
+    /// For a setup without inertia.
+    pub fn new(session: &Session, setup: Setup<D>) -> Result<UnsteadySuspension<D>> {
+        let (_stage, start) = (enter(Stage::SetUp), Instant::now());
+        let fixed = FixedOperators::at_rest(session, setup)?;
+        let convection = Convection::new(&fixed.grid, &fixed.undisturbed.0)?;
+        let cost = Cost { setup: start.elapsed().as_secs_f64(), grid_unknowns: fixed.grid.fluid_unknowns(), ..Cost::default() };
+        let (past, assembly) = (Vec::new(), None);
+        Ok(UnsteadySuspension {
+            fixed,
+            inverse: None,
+            convection,
+            current: None,
+            band: OnceCell::new(),
+            layers: OnceCell::new(),
+            momentum_residual: SVector::zeros(),
+            past,
+            assembly,
+            workspace: None,
+            guess: None,
+            guess_before: None,
+            cost,
+        })
+    }
+
+    fn inertia(&self) -> &Inertia<D> {
+        inertia(&self.fixed.setup)
+    }
+
+    /// Mass per volume over viscosity.
+    fn inverse_diffusivity(&self) -> f64 {
+        self.inertia().fluid / self.fixed.setup.viscosity
+    }
+
+    /// Makes the last solution a past one, if time has gone on.
+    fn settle(&mut self, time: f64) -> Result<()> {
+        if self.current.as_ref().is_none_or(|level| level.time >= time) {
+            return Ok(());
+        }
+        let _stage = enter(Stage::Assembly);
+        let layers = self.layers()?;
+        let Some(mut level) = self.current.take() else { return Ok(()) };
+        if let (Some((before, _)), Some(layers)) = (self.past.first(), layers) {
+            let (step, grid) = (level.time - before.time, &self.fixed.grid);
+            let left = remembered(grid, step, self.inverse_diffusivity(), fastest(grid, &level.fluid)?);
+            let mean = |(before, layer): (&f64, &f64)| resolved(*layer) + left * (before - resolved(*layer));
+            level.resolved = before.resolved.iter().zip(&layers).map(mean).collect();
+        }
+        let band = self.band.take();
+        self.forget_surroundings();
+        self.remember_level(level, band, 0)
+    }
+
+    /// Forgets what was found of the last solution.
+    fn forget_surroundings(&mut self) {
+        self.band.take();
+        self.layers.take();
+    }
+
+    /// The jumps of the last solution in its bodies; none without a solution or jump functions.
+    fn band(&self) -> Result<Option<(&Level<D>, &Band)>> {
+        let Some(level) = self.current.as_ref().filter(|_| self.fixed.method.jumps()) else { return Ok(None) };
+        if let Some(band) = self.band.get() {
+            return Ok(Some((level, band)));
+        }
+        let grid = self.grid_at(level.time)?;
+        let found = level.band(&grid, &self.fixed.kinds)?;
+        Ok(Some((level, self.band.get_or_init(|| found))))
+    }
+
+    /// The grid whose images lie where they did at a time: a run that goes on meets a level when they have slid on.
+    fn grid_at(&self, time: f64) -> Result<Cow<'_, Grid<D>>> {
+        let (grid, domain) = (&self.fixed.grid, self.fixed.setup.domain.clone().at(time));
+        Ok(if *grid.domain() == domain { Cow::Borrowed(grid) } else { Cow::Owned(grid.slid(&domain)?) })
+    }
+
+    /// Thickness of the layers on the bodies of the last solution, in cells; nothing where there are no jump functions. Collective.
+    fn layers(&self) -> Result<Option<Vec<f64>>> {
+        let Some((level, band)) = self.band()? else { return Ok(None) };
+        if self.layers.get().is_none() {
+            let grid = self.grid_at(level.time)?;
+            let found = level.layers(self.fixed.session.world(), band, &grid)?;
+            return Ok(Some(self.layers.get_or_init(|| found).clone()));
+        }
+        Ok(self.layers.get().cloned())
+    }
+
+    fn remember_level(&mut self, level: Level<D>, band: Option<Band>, place: usize) -> Result<()> {
+        if *self.convection.grid().domain() != self.fixed.setup.domain.clone().at(level.time) {
+            self.convection = Convection::new(&*self.grid_at(level.time)?, &level.fluid)?;
+        }
+        let band = match band {
+            None if self.fixed.method.jumps() => Some(level.band(self.convection.grid(), &self.fixed.kinds)?),
+            known => known,
+        };
+        let extended = level.extended(band.as_ref(), &mut self.convection)?;
+        self.past.insert(place, (level, extended));
+        self.past.truncate(LEVELS);
+        Ok(())
+    }
+
+    /// What there is before the first step.
+    fn at_rest(&mut self, configuration: &Configuration<D>) -> Result<Solution<D>> {
+        let mut fluid = self.fixed.stokes.vector()?;
+        let mean_velocity = self.fixed.imposed_mean_velocity();
+        let mut values = fluid.local_mut()?;
+        for axis in 0..D {
+            values[self.fixed.grid.local_range(axis)].fill(mean_velocity[axis]);
+        }
+        if let Some((axis, _)) = self.fixed.grid.domain().open() {
+            let grid = &self.fixed.grid;
+            for (value, index) in values[grid.local_range(axis)].iter_mut().zip(grid.block(axis).indices()) {
+                *value = grid.domain().inflow_at(&grid.position(axis, signed(index)));
+            }
+        }
+        drop(values);
+        self.start_free_bodies(configuration.centers, &mut fluid)?;
+        let bodies = &self.fixed.setup.bodies;
+        let twists = self.starting_motions();
+        let multipliers: Vec<_> = self.multiplier_counts().into_iter().map(|count| vec![0.0; count]).collect();
+        let state = |(center, twist): (&SVector<f64, D>, &Twist<D>)| BodyState {
+            center: self.fixed.setup.domain.wrap(*center),
+            twist: *twist,
+            force: SVector::zeros(),
+            torque: SMatrix::zeros(),
+            stresslet: SMatrix::zeros(),
+        };
+        let states = configuration.centers.iter().zip(&twists).map(state).collect();
+        let spin_ups = vec![vec![0.0; planes::<D>().len()]; bodies.len()];
+        self.current = Some(Level {
+            time: configuration.time,
+            fluid: fluid.copied()?,
+            slow: multipliers.clone(),
+            multipliers,
+            centers: configuration.centers.to_vec(),
+            twists,
+            spin_ups,
+            resolved: vec![0.0; bodies.len()],
+        });
+        Ok(Solution {
+            bodies: states,
+            fluid,
+            mean_velocity,
+            pressure_gradient: SVector::zeros(),
+            walls: WallForces::none(),
+            contact_forces: vec![0.0; configuration.pressed.len()],
+            pair_stress: None,
+            bond_stress: None,
+            bond_forces: Vec::new(),
+            lubrication: self.films_at_rest(configuration.centers)?,
+        })
+    }
+
+    /// Films, if lubrication acts, before anything moves.
+    fn films_at_rest(&mut self, centers: &[SVector<f64, D>]) -> Result<Option<Lubrication<D>>> {
+        if !self.fixed.setup.interactions.resist() {
+            return Ok(None);
+        }
+        let assembly = Assembly::of(&self.fixed, centers, self.assembly.take())?;
+        let (world, mut walls) = (self.fixed.session.world(), WallForces::none().forces);
+        let films = add_films(world, &assembly.layout, &assembly.films, (&[], self.fixed.setup.viscosity), &mut [], &mut walls);
+        self.assembly = Some(assembly);
+        Ok(Some(films))
+    }
+
+    /// How bodies move before the first step.
+    fn starting_motions(&self) -> Vec<Twist<D>> {
+        let starts = self.fixed.setup.bodies.iter().zip(&self.inertia().starts);
+        starts.map(|(suspended, start)| suspended.body.given_motion().unwrap_or(*start)).collect()
+    }
+
+    /// Lets what lies inside free bodies move as they do.
+    fn start_free_bodies(&self, centers: &[SVector<f64, D>], fluid: &mut Vector) -> Result<()> {
+        let (grid, starts) = (&self.fixed.grid, &self.inertia().starts);
+        let (mut places, mut changes) = (Vec::new(), Vec::new());
+        for (suspended, (center, start)) in self.fixed.setup.bodies.iter().zip(centers.iter().zip(starts)) {
+            if suspended.body.free() && *start != Twist::zero() {
+                each_inside(grid, center, suspended.body.ball.radius, |Point { component, place, offset, shear, .. }| {
+                    places.push(place);
+                    changes.push((start.at(&offset) - shear)[component]);
+                });
+            }
+        }
+        let mut scatter = Scatter::new(fluid, &places)?;
+        let rest = scatter.fetch(fluid)?.to_vec();
+        changes.iter_mut().zip(rest).for_each(|(change, rest)| *change -= rest);
+        scatter.places()?.copy_from_slice(&changes);
+        scatter.add_back(fluid)
+    }
+
+    /// The rates of change of motions at a time, and turns operators to the step that leads there.
+    fn begin(&mut self, time: f64) -> Result<StepWeights> {
+        if self.fixed.slide_grid(time)? {
+            (self.inverse, self.assembly) = (None, None);
+            if !self.fixed.condensed {
+                self.guess = None;
+            }
+        }
+        let (last, earlier) = (self.past[0].0.time, self.past.get(1).map(|(level, _)| level.time));
+        let weights = StepWeights::new(time - last, earlier.map(|earlier| last - earlier));
+        let shift = self.inverse_diffusivity() * weights.rate[0];
+        if self.inverse.is_none() || (shift / self.fixed.stokes.shift() - 1.0).abs() > ROUNDING {
+            let _stage = enter(Stage::SetUp);
+            // the old one gives its memory back first
+            self.inverse = None;
+            // blocks of bodies may know the shift
+            self.assembly = None;
+            self.inverse = Some(self.fixed.shift_to(shift)?);
+        }
+        Ok(weights)
+    }
+
+    /// Puts what earlier times, walls, drive and known spin-ups bring into the flow without bodies, or into rows of its own.
+    fn fill_undisturbed(&mut self, weights: StepWeights, assembly: &mut Assembly<D>, centers: &[SVector<f64, D>]) -> Result<()> {
+        let (inverse_diffusivity, setup) = (self.inverse_diffusivity(), &self.fixed.setup);
+        let fastest = fastest(&self.fixed.grid, &self.past[0].0.fluid)?;
+        let kept = kept(&self.fixed.grid, weights.step, inverse_diffusivity, fastest);
+        let levels: Vec<(&Level<D>, &Extended<D>)> = self.past.iter().map(|(level, extended)| (level, extended)).collect();
+        let times: Vec<f64> = self.past.iter().map(|(level, _)| level.time).collect();
+        let convection = convection_weights(times[0] + weights.step, &times);
+        let past = Past { levels: &levels, weights, convection, inverse_diffusivity, kept };
+        let kinds = self.fixed.method.jumps().then_some(&self.fixed.kinds);
+        let mut rows = past.rows(&self.fixed.grid, kinds, centers)?;
+        let lost = past.lost(&self.fixed.grid, &rows)?;
+        self.momentum_residual = lost * (setup.viscosity * self.fixed.grid.spacing().product());
+        add_drive(&self.fixed.grid, &setup.drive, setup.viscosity, &mut rows)?;
+        add_walls(&self.fixed.grid, &mut rows)?;
+        if let Some(ends) = OpenEnds::after(&self.fixed.grid, &self.past[0].0.fluid, weights.step)? {
+            ends.add_rows(&self.fixed.grid, &mut rows)?;
+        }
+        let known = assembly.known_spin_ups(&self.fixed)?;
+        assembly.blocks.spread_spin_up(1.0, &known.local()?, &mut rows)?;
+        self.fixed.stokes.balance(&mut rows)?;
+        let inverse = self.inverse.as_deref_mut().expect("a step has begun");
+        if !self.fixed.condensed {
+            self.fixed.fluid_rows = Some(rows);
+            self.fixed.undisturbed.1 = vec![0.0; self.fixed.mean_flow.forces().len()];
+            return Ok(());
+        }
+        FluidSystem { stokes: &self.fixed.stokes, inverse: Some(inverse) }.solve(&rows, &mut self.fixed.undisturbed.0, 0.0, 0)?;
+        let wanted = self.fixed.mean_flow.wanted(&self.fixed.setup.drive);
+        self.fixed.undisturbed.1 =
+            self.fixed.mean_flow.correct_mean_velocities(self.fixed.session.world(), &wanted, &mut self.fixed.undisturbed.0)?;
+        Ok(())
+    }
+
+    /// Ends a step that is too long for what the flow carries along.
+    fn refuse_unstable(&self, fluid: &Vector, time: f64, step: f64) -> Result<()> {
+        let (size, spacing) = (fluid.norm()?, self.fixed.grid.spacing().min());
+        let courant = fastest(&self.fixed.grid, fluid)? * step / spacing;
+        if size.is_finite() && courant < MEANINGLESS_COURANT {
+            return Ok(());
+        }
+        let viscous = step / (self.inverse_diffusivity() * spacing * spacing);
+        let light = self.fixed.method.jumps() && self.inertia().bodies.iter().any(|density| *density < self.inertia().fluid);
+        let short = light && viscous < SHORTEST_DIFFUSION;
+        let remedy = if short {
+            "a body lighter than the fluid needs steps in which viscosity reaches part of a cell: refine [resolution], or choose a longer time.step"
+        } else if self.fixed.setup.domain.slide().is_some() {
+            "images of a sheared box slide by whole cells in a step: make the box longer along y, or lower flow.density"
+        } else {
+            "choose a shorter time.step, or \"auto\""
+        };
+        let text = format!("at time {time} the flow passes {courant:.1} cells in a step of {step:.3e}, more than it can follow; {remedy}");
+        Err(if short { Error::Diverged(text) } else { Error::CourantExceeded(text) })
+    }
+}
+
+impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
+    fn grid(&self) -> &Grid<D> {
+        &self.fixed.grid
+    }
+
+    fn setup(&self) -> &Setup<D> {
+        &self.fixed.setup
+    }
+
+    fn cost(&self) -> &Cost {
+        &self.cost
+    }
+
+    fn prescribe(&mut self, time: f64) {
+        self.fixed.setup.prescribe(time);
+    }
+
+    fn inverse(&self) -> &'static str {
+        self.setup().inverse.word()
+    }
+
+    fn evolves(&self) -> bool {
+        true
+    }
+
+    fn prepare(&mut self, time: f64) -> Result<()> {
+        self.settle(time)?;
+        if self.past.is_empty() { Ok(()) } else { self.begin(time).map(drop) }
+    }
+
+    fn longest_step(&self, pushes: &[Wrench<D>]) -> Result<f64> {
+        let fastest = self.current.as_ref().map_or(Ok(0.0), |level| fastest(&self.fixed.grid, &level.fluid))?;
+        let (setup, spacing) = (&self.fixed.setup, self.fixed.grid.spacing().min());
+        let moves = fastest > 0.0 && !self.past.is_empty();
+        Ok(if moves { longest_step(setup, spacing, fastest) } else { first_step(setup, spacing, fastest, pushes) })
+    }
+
+    fn courant(&self, step: f64) -> Result<Option<f64>> {
+        let passed = |level: &Level<D>| Ok(fastest(&self.fixed.grid, &level.fluid)? * step / self.fixed.grid.spacing().min());
+        self.current.as_ref().map(passed).transpose()
+    }
+
+    fn withdraw(&mut self) {
+        let last = self.past.first().map(|(level, _)| level.time);
+        self.current.take_if(|level| Some(level.time) > last);
+        self.forget_surroundings();
+        if self.guess.as_ref().is_some_and(|guess| Some(guess.time) > last) {
+            self.guess = self.guess_before.take();
+        }
+    }
+
+    fn resistances(&self) -> Vec<f64> {
+        self.fixed.resistances()
+    }
+
+    fn film_resistance(&self, contact: &Contact<D>) -> f64 {
+        self.fixed.film_resistance(contact)
+    }
+
+    fn remember(&mut self, past: Option<ExtrapolationHistory<D>>) {
+        (self.guess, self.guess_before) = (past, None);
+    }
+
+    fn fluid_vector(&self) -> Result<Vector> {
+        self.fixed.stokes.vector()
+    }
+
+    fn remembers_fluid(&self) -> bool {
+        !self.fixed.condensed
+    }
+
+    fn abandon(&mut self, time: f64) {
+        if self.current.take_if(|level| level.time == time).is_some() {
+            self.forget_surroundings();
+            self.current = (!self.past.is_empty()).then(|| self.past.remove(0).0);
+        }
+    }
+
+    fn past(&self) -> Option<&ExtrapolationHistory<D>> {
+        self.guess.as_ref()
+    }
+
+    fn levels(&self) -> Vec<&Level<D>> {
+        self.current.iter().chain(self.past.iter().map(|(level, _)| level)).take(LEVELS).collect()
+    }
+
+    fn levels_before(&self, time: f64) -> Vec<&Level<D>> {
+        let all = self.current.iter().chain(self.past.iter().map(|(level, _)| level));
+        all.filter(|level| level.time < time).take(LEVELS).collect()
+    }
+
+    fn past_before(&self, time: f64) -> Option<&ExtrapolationHistory<D>> {
+        self.guess.as_ref().filter(|guess| guess.time < time).or(self.guess_before.as_ref())
+    }
+
+    fn extended_flow(&self) -> Result<Option<Vector>> {
+        self.band()?.map(|(level, band)| level.velocity_outside(band)).transpose()
+    }
+
+    fn momentum_residual(&self) -> f64 {
+        self.momentum_residual.norm()
+    }
+
+    fn thinnest_layer(&self) -> Result<Option<f64>> {
+        let thinnest = |layers: Vec<f64>| layers.into_iter().filter(|layer| *layer > 0.0).fold(f64::INFINITY, f64::min);
+        Ok(self.layers()?.filter(|layers| !layers.is_empty()).map(thinnest))
+    }
+
+    fn multiplier_counts(&self) -> Vec<usize> {
+        let count = |body| if self.fixed.method.jumps() { self.fixed.kinds.surface(body).modes.count() } else { 0 };
+        (0..self.fixed.setup.bodies.len()).map(count).collect()
+    }
+
+    fn restore_levels(&mut self, levels: Vec<Level<D>>) -> Result<()> {
+        let mut levels = levels.into_iter();
+        (self.current, self.past) = (levels.next(), Vec::new());
+        self.forget_surroundings();
+        levels.try_for_each(|level| self.remember_level(level, None, self.past.len()))
+    }
+
+    fn solve(&mut self, _: ResidualMonitor) -> Result<Solution<D>> {
+        Err(Error::refused("a flow with inertia has no solution at an instant: give the scene a [time] section"))
+    }
+
+    fn solve_at(&mut self, configuration: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>> {
+        let start = Instant::now();
+        self.settle(configuration.time)?;
+        if self.past.is_empty() {
+            return self.at_rest(configuration);
+        }
+        let weights = self.begin(configuration.time)?;
+        let stage = enter(Stage::Assembly);
+        let momentum = Momentum::new(&self.fixed.setup, &weights, self.past.iter().map(|(level, _)| level));
+        let pushes = momentum.pushes(configuration.pushes);
+        self.fixed.spin_ups = momentum.known_spin_ups(configuration.pushes);
+        let mut assembly = Assembly::of(&self.fixed, configuration.centers, self.assembly.take())?;
+        self.fill_undisturbed(weights, &mut assembly, configuration.centers)?;
+        assembly.meet_flow(&self.fixed)?;
+        let lag = lag(weights.step / (self.inverse_diffusivity() * self.fixed.grid.spacing().max().powi(2)));
+        if self.fixed.method.jumps() {
+            damp(&self.fixed, &mut assembly, &self.past[0].0.slow, lag);
+        }
+        drop(stage);
+        let configuration = Configuration { pushes: &pushes, ..*configuration };
+        let fixed = &self.fixed;
+        let mut ready = AssembledSystem::new(fixed, Some(assembly), self.workspace.take(), self.guess.as_ref(), &configuration)?;
+        self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();
+        (self.cost.assembly, self.cost.assembled) = (start.elapsed().as_secs_f64(), ready.assembly.assembled);
+        let inverse = self.inverse.as_deref_mut().expect("a step has begun");
+        let (report, mut found) = ready.solve(fixed, inverse, monitor)?;
+        let AssembledSystem { bodies, assembly, mut workspace, guess, pair_constraints, .. } = ready;
+        self.cost.krylov = report;
+        self.cost.stages = std::mem::take(&mut workspace.work.stages);
+        let links = found.global_unknowns.split_off(fixed.mean_flow.unknowns::<D>());
+        let mut multipliers = vec![Vec::new(); configuration.centers.len()];
+        if fixed.method.on_surfaces() {
+            let last = Snapshot::of(&bodies, &fixed.session, configuration.centers, &found, fixed.condensed)?;
+            if fixed.method.jumps() {
+                multipliers.clone_from(&last.multipliers);
+            }
+            let (past, before) = ExtrapolationHistory::then(self.guess.take(), last, guess, configuration.time);
+            (self.guess, self.guess_before) = (Some(past), before.or(self.guess_before.take()));
+        }
+        let mut solution = readback::solution(fixed, (&bodies, &assembly), (&pair_constraints, &links), found, &configuration)?;
+        drop(bodies);
+        self.refuse_unstable(&solution.fluid, configuration.time, weights.step)?;
+        (self.assembly, self.workspace) = (Some(assembly), Some(workspace));
+        let momentum = Momentum::new(&self.fixed.setup, &weights, self.past.iter().map(|(level, _)| level));
+        let spin_ups = momentum.complete(&mut solution.bodies);
+        let twists = solution.bodies.iter().map(|state| state.twist).collect();
+        let (time, centers) = (configuration.time, configuration.centers.to_vec());
+        let slow = slowed(&self.past[0].0.slow, &multipliers, lag);
+        let resolved = self.past[0].0.resolved.clone();
+        self.current = Some(Level { time, fluid: solution.fluid.copied()?, multipliers, slow, centers, twists, spin_ups, resolved });
+        self.forget_surroundings();
+        Ok(solution)
+    }
+}

@@ -1,0 +1,199 @@
+//! The right-hand side of a step: what the flow brings from earlier times.
+//!
+//! ```text
+//! rho (g1 u0 + g2 u-)/dt + rho (e0 N0 + e1 N- + e2 N--), with the other sign
+//! ```
+//!
+//! outside bodies of the extended flows. Inside, where the flow is a rigid motion, the field is drawn to it, at a rate that belongs to the grid: left to itself it grows at
+//! high Reynolds numbers, and set anew in every step it forgets so much that forces do not converge with shorter ones. The mean of what is drawn over a body is
+//! kept: the draw would be a force on the flow otherwise, up to a tenth of the drag on coarse grids.
+
+use nalgebra::SVector;
+
+use super::{convected::sums, scheme::StepWeights};
+use crate::mechanics::system::level::{Extended, Level, Point, each_inside};
+use crate::{
+    error::Result,
+    grid::{Grid, Index, Node, operators::signed},
+    mechanics::system::bodies::BodyTypes,
+    petsc::{Scatter, Vector},
+};
+
+/// Rate at which the inside is drawn to the rigid motion, over that of viscosity and convection across a cell.
+const RELAXATION: f64 = 2.0;
+
+/// The levels from which a step starts, the last one first.
+pub struct Past<'a, const D: usize> {
+    /// One to three, of which convection is extrapolated; the last one or two are the history.
+    pub levels: &'a [(&'a Level<D>, &'a Extended<D>)],
+    /// Of the step.
+    pub weights: StepWeights,
+    /// Of the convection of the levels.
+    pub convection: [f64; 3],
+    /// Mass per volume over viscosity.
+    pub inverse_diffusivity: f64,
+    /// Part of what the inside is not as it should be that is kept.
+    pub kept: f64,
+}
+
+/// The part that is kept inside over a step in a flow of a largest speed.
+pub fn kept<const D: usize>(grid: &Grid<D>, step: f64, inverse_diffusivity: f64, fastest: f64) -> f64 {
+    let spacing = grid.spacing().max();
+    (-RELAXATION * step * (1.0 / (inverse_diffusivity * spacing * spacing) + fastest / spacing)).exp()
+}
+
+impl<const D: usize> Past<'_, D> {
+    /// The momentum rows, not balanced, for bodies that have come to new centres; inside those of `kinds` with jump functions they are those of
+    /// rigid motions. Collective.
+    pub fn rows(&self, grid: &Grid<D>, kinds: Option<&BodyTypes<D>>, centers: &[SVector<f64, D>]) -> Result<Vector> {
+        let mut rows = self.levels[0].1.velocity.like()?;
+        for (place, (_, extended)) in self.levels.iter().enumerate() {
+            let [history, convection] = self.factors(place);
+            let weighed =
+                [(history, &extended.velocity), (convection, &extended.convection)].into_iter().filter(|(factor, _)| *factor != 0.0);
+            match self.followed(grid, place, &rows)? {
+                Some(mut followed) => {
+                    for (factor, field) in weighed {
+                        let values = followed.fetch(field)?;
+                        rows.local_mut()?.iter_mut().zip(values.iter()).for_each(|(row, value)| *row += factor * value);
+                    }
+                }
+                None => {
+                    for (factor, field) in weighed {
+                        rows.add(factor, field)?;
+                    }
+                }
+            }
+        }
+        rows.local_mut()?[grid.local_range(D)].fill(0.0);
+        if let Some(kinds) = kinds {
+            self.replace_inside(grid, kinds, centers, &mut rows)?;
+        }
+        Ok(rows)
+    }
+
+    /// What rows lose of momentum against those of the field on the grid, which conserve it: a sum over the grid. Collective.
+    pub fn lost(&self, grid: &Grid<D>, rows: &Vector) -> Result<SVector<f64, D>> {
+        let mut lost = -sums(grid, rows)?;
+        for (level, (_, extended)) in self.levels.iter().enumerate() {
+            self.factors(level).iter().zip(&extended.sums).for_each(|(factor, sum)| lost += sum * *factor);
+        }
+        Ok(lost)
+    }
+
+    /// The time since a level.
+    fn since(&self, level: usize) -> f64 {
+        self.levels[0].0.time + self.weights.step - self.levels[level].0.time
+    }
+
+    /// Where the frames of this rank's velocities saw their points at a level, if they move. Collective.
+    fn followed(&self, grid: &Grid<D>, level: usize, shape: &Vector) -> Result<Option<Scatter>> {
+        if grid.domain().slide().is_none() {
+            return Ok(None);
+        }
+        let of_component = |component: usize| grid.block(component).indices().map(move |index| (component, signed(index)));
+        let points =
+            (0..D).flat_map(of_component).map(|(component, index)| (component, grid.followed(component, index, self.since(level))));
+        Scatter::new(shape, &unknowns(grid, points)).map(Some)
+    }
+
+    /// What a velocity and its convection of a level weigh.
+    fn factors(&self, level: usize) -> [f64; 2] {
+        let rate = self.weights.rate.get(level + 1).copied().unwrap_or(0.0);
+        [rate, self.convection[level]].map(|weight| -weight * self.inverse_diffusivity)
+    }
+
+    fn replace_inside(&self, grid: &Grid<D>, kinds: &BodyTypes<D>, centers: &[SVector<f64, D>], rows: &mut Vector) -> Result<()> {
+        let points = inside(grid, kinds, centers, self.levels[0].0.time + self.weights.step);
+        let places: Vec<usize> = points.iter().map(|inside| inside.point.place).collect();
+        let mut scatter = Scatter::new(rows, &places)?;
+        let mut wanted: Vec<f64> = scatter.fetch(rows)?.iter().map(|row| -row).collect();
+        let mut deviations = vec![0.0; points.len()];
+        for (level, (at, extended)) in self.levels.iter().enumerate() {
+            let [history, convection] = self.factors(level);
+            let mut followed;
+            let scatter = if grid.domain().slide().is_some() {
+                let index = |Point { component, index, .. }: &Point<D>| (*component, grid.followed(*component, *index, self.since(level)));
+                followed = Scatter::new(rows, &unknowns(grid, points.iter().map(|inside| index(&inside.point))))?;
+                &mut followed
+            } else {
+                &mut scatter
+            };
+            let carried = scatter.fetch(extended.inside())?;
+            wanted.iter_mut().zip(carried.iter()).for_each(|(wanted, carried)| *wanted += convection * carried);
+            drop(carried);
+            if history != 0.0 {
+                let velocities = scatter.fetch(&at.fluid)?;
+                for (((wanted, deviation), point), velocity) in wanted.iter_mut().zip(&mut deviations).zip(&points).zip(velocities.iter()) {
+                    *wanted += history * (at.rigid(point) - point.point.shear)[point.point.component];
+                    *deviation += history * at.deviation(kinds, point, *velocity);
+                }
+            }
+        }
+        self.draw(&points, &deviations, &mut wanted);
+        scatter.places()?.copy_from_slice(&wanted);
+        scatter.add_back(rows)
+    }
+
+    /// Adds what is kept of deviations: all of their means by body and component, and part of the rest.
+    fn draw(&self, points: &[Inside<D>], deviations: &[f64], wanted: &mut [f64]) {
+        let alike = |one: &Inside<D>, other: &Inside<D>| (one.body, one.point.component) == (other.body, other.point.component);
+        let (mut deviations, mut wanted) = (deviations, wanted);
+        for group in points.chunk_by(alike) {
+            let (of_group, own);
+            (of_group, deviations) = deviations.split_at(group.len());
+            (own, wanted) = wanted.split_at_mut(group.len());
+            let mean = of_group.iter().sum::<f64>() / group.len() as f64;
+            own.iter_mut().zip(of_group).for_each(|(wanted, deviation)| *wanted += mean + self.kept * (deviation - mean));
+        }
+    }
+}
+
+impl<const D: usize> Level<D> {
+    /// Where a point inside a body was, seen from the centre that the body had: the point goes along with its frame.
+    fn offset(&self, inside: &Inside<D>) -> SVector<f64, D> {
+        inside.point.offset + inside.center - self.centers[inside.body] - inside.point.frame * (inside.time - self.time)
+    }
+
+    /// The rigid motion of the body there.
+    fn rigid(&self, point: &Inside<D>) -> SVector<f64, D> {
+        self.twists[point.body].at(&self.offset(point))
+    }
+
+    /// What the field inside a body, extended to a point that was outside, differs from its motion by.
+    fn deviation(&self, kinds: &BodyTypes<D>, point: &Inside<D>, velocity: f64) -> f64 {
+        let (offset, body, component) = (self.offset(point), point.body, point.point.component);
+        let was_outside = offset.norm() > kinds.surface(body).modes.radius();
+        velocity
+            - if was_outside { self.jump(kinds, body, &offset, component) } else { 0.0 }
+            - (self.rigid(point) - point.point.shear)[component]
+    }
+}
+
+/// Where velocities at indices that no wall bounds are in fluid vectors.
+fn unknowns<const D: usize>(grid: &Grid<D>, points: impl Iterator<Item = (usize, Index<D>)>) -> Vec<usize> {
+    let unknown = |(component, index)| match grid.fluid_node(component, index) {
+        Node::Unknown(unknown) => unknown,
+        Node::Wall(_) => unreachable!("a sheared box has no walls"),
+    };
+    points.map(unknown).collect()
+}
+
+/// An unknown inside a body of this rank.
+struct Inside<const D: usize> {
+    point: Point<D>,
+    body: usize,
+    /// Centre of the body, not wrapped into the box.
+    center: SVector<f64, D>,
+    /// The time.
+    time: f64,
+}
+
+fn inside<const D: usize>(grid: &Grid<D>, kinds: &BodyTypes<D>, centers: &[SVector<f64, D>], time: f64) -> Vec<Inside<D>> {
+    let mut points = Vec::new();
+    for (body, &center) in centers.iter().enumerate() {
+        let radius = kinds.surface(body).modes.radius();
+        each_inside(grid, &center, radius, |point| points.push(Inside { point, body, center, time }));
+    }
+    points
+}

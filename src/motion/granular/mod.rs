@@ -1,0 +1,467 @@
+//! Bodies without a fluid: contacts and ties, projected on velocities with which nothing overlaps.
+
+mod chains;
+mod clusters;
+pub(super) mod migration;
+mod neighbours;
+mod setup;
+mod ties;
+mod together;
+mod velocities;
+
+pub use setup::{GranularBody, GranularSetup};
+
+use std::{ops::Range, time::Instant};
+
+use nalgebra::SVector;
+
+use self::{
+    chains::{Accelerated, GranularStep},
+    migration::Constants,
+    neighbours::Neighbours,
+    ties::Ties,
+    together::{Together, Wanting},
+    velocities::{Acceleration, HalfStepBehind},
+};
+use super::{
+    step_control::{BodyMotion, StepControl, StepLimits},
+    stepper::{Effort, Observation, StepOutcome, Stepper},
+    stop_request::StopRequest,
+};
+use crate::{
+    body::{Halo, Regions, Trajectories, Twist},
+    contact::{self, AdhesiveContact, Contact, ContactForce, KktReport, Problem, ProblemShare, ProjectionShare, bodies_of, renamed},
+    error::{Error, Result},
+    geometry::{Ball, Domain},
+    interaction::{Arrangement, Interactions, Touch, Wrench},
+    mechanics::{GivenPlace, Moving, ResidualMonitor, State},
+    parallel::Peers,
+    petsc::{Session, Stage, enter},
+    scene::Scheme,
+};
+
+/// Rounds that bonds and contacts are given to agree.
+const MOST_ROUNDS: usize = 2000;
+
+/// Rounds after which bonds and contacts are solved at once to start again; after others they go on in turn.
+const AT_ONCE: Range<usize> = 0..50;
+
+/// Part of a length, an area or a volume that chains and cells may miss after a step.
+const LARGEST_MISSED: f64 = 1e-6;
+
+/// Difference between the places that bonds and contacts want after a step, in radii of the smallest body, that counts as agreement.
+const AGREEMENT: f64 = 1e-7;
+
+/// Granular bodies in motion, each with the rank in whose part of the box its centre lies.
+pub struct Granular<const D: usize> {
+    session: Session,
+    domain: Domain<D>,
+    regions: Regions<D>,
+    interactions: Interactions<D>,
+    step_control: StepControl,
+    trajectories: Trajectories<D>,
+    /// What stays the same of the own bodies.
+    bodies: Vec<Constants<D>>,
+    radii: Vec<f64>,
+    /// How far interactions look, for bodies of any rank.
+    reach: f64,
+    /// Places and motions at the start of all bodies whose motion is given.
+    given: Vec<(usize, SVector<f64, D>, Twist<D>)>,
+    /// Of each body that is tied the number of what it belongs to.
+    groups: Vec<Option<usize>>,
+    /// In the state that was looked at last.
+    known: Known<D>,
+    stop: StopRequest,
+}
+
+/// What follows from where bodies are.
+#[derive(Default)]
+struct Known<const D: usize> {
+    /// Contact forces on own bodies, which are named by their numbers, and what there is to say of those of all ranks.
+    contacts: Vec<ContactForce<D>>,
+    kkt_report: Option<KktReport>,
+    /// Accelerations by all forces but those that a projection finds.
+    accelerations: Vec<Acceleration<D>>,
+    /// Motions of own bodies at the time of the state.
+    twists: Vec<Twist<D>>,
+}
+
+/// Velocities that keep contacts and ties.
+struct Kept<const D: usize> {
+    projection: ProjectionShare<D>,
+    /// What contacts remember then.
+    stuck: Vec<AdhesiveContact<D>>,
+    /// What contacts change the wanted velocities by that ties are next to; empty without ties.
+    changes: Vec<SVector<f64, D>>,
+}
+
+impl<const D: usize> Granular<D> {
+    /// Granular bodies that move with a step control, and the state of this rank at the start. Collective.
+    pub fn start(session: &Session, setup: GranularSetup<D>, step_control: StepControl) -> (Granular<D>, State<D>) {
+        let peers = Peers::from(session.world());
+        let regions = Regions::new(&setup.domain, peers.count());
+        let reach = setup.interactions.reach(setup.bodies.iter().map(|body| body.radius).fold(0.0, f64::max));
+        let (own, state) = migration::own_share(peers, &setup, &regions);
+        let given = setup.bodies.iter().enumerate().filter(|(_, body)| body.mass.is_infinite());
+        let given = given.map(|(number, body)| (number, body.center, body.twist)).collect();
+        let groups = setup.interactions.group_of();
+        let mut granular = Granular {
+            session: session.clone(),
+            domain: setup.domain,
+            regions,
+            interactions: setup.interactions,
+            step_control,
+            trajectories: setup.trajectories,
+            radii: Vec::new(),
+            bodies: own,
+            reach,
+            given,
+            groups,
+            known: Known::default(),
+            stop: StopRequest::default(),
+        };
+        granular.list_radii();
+        (granular, state)
+    }
+
+    fn peers(&self) -> Peers<'_> {
+        Peers::from(self.session.world())
+    }
+
+    fn list_radii(&mut self) {
+        self.radii.clear();
+        self.radii.extend(self.bodies.iter().map(|body| body.radius));
+    }
+
+    /// Without a contact model bodies notice no walls: a run in which they leave the box has no meaning. Collective: the same on all ranks.
+    fn refuse_outside(&self, state: &State<D>) -> Result<()> {
+        let outside = |place: usize, axis: usize| {
+            !self.domain.periodic(axis) && !(0.0..=self.domain.size[axis]).contains(&state.bodies[place].center[axis])
+        };
+        let mut places = (0..state.bodies.len()).flat_map(|place| (0..D).map(move |axis| (place, axis)));
+        let found = places.find(|&(place, axis)| outside(place, axis)).map(|(place, axis)| (state.number(place) * D + axis) as f64);
+        let first = self.peers().min(found.unwrap_or(f64::INFINITY));
+        if first.is_infinite() {
+            return Ok(());
+        }
+        let (number, name, time) = (first as usize / D, ["x", "y", "z"][first as usize % D], state.time);
+        Err(Error::Diverged(format!(
+            "at time {time} body {number} has left the box along {name}; set contact.model = \"inelastic\" or an earlier time.end"
+        )))
+    }
+
+    /// Over how long forces act on velocities in a step.
+    fn push(&self, last_step: f64, step: f64) -> f64 {
+        match self.step_control.time.scheme {
+            Scheme::Euler => step,
+            _ => 0.5 * (last_step + step),
+        }
+    }
+
+    fn masses(&self) -> Vec<f64> {
+        self.bodies.iter().map(|body| body.mass).collect()
+    }
+
+    /// How long before its time the velocities of a state live.
+    fn lag(&self, state: &State<D>) -> f64 {
+        match self.step_control.time.scheme {
+            Scheme::Euler => 0.0,
+            _ => 0.5 * state.last_step,
+        }
+    }
+
+    /// The motions of own bodies at the time of a state. Collective.
+    fn carried_on(&self, state: &State<D>) -> Vec<Twist<D>> {
+        let (bodies, accelerations, groups) = (&self.bodies, &self.known.accelerations, &self.groups);
+        let mut twists = HalfStepBehind { state, bodies, accelerations, groups, lag: self.lag(state) }.carried_on(self.peers());
+        self.trajectories
+            .twists(state.time)
+            .for_each(|(body, twist)| state.place(body).into_iter().for_each(|place| twists[place] = twist));
+        twists
+    }
+
+    /// The own bodies, those within reach of interactions, and those of contacts that stick.
+    fn neighbours(&self, peers: Peers, state: &State<D>, stuck: &[AdhesiveContact<D>]) -> Neighbours<D> {
+        Neighbours::new(peers, (&self.domain, &self.regions), state, (&self.radii, &self.masses()), stuck, self.reach)
+    }
+
+    /// The forces that interactions know from where bodies are, and accelerations by all forces but those that a projection finds.
+    fn known(&self, state: &State<D>) -> Known<D> {
+        // nobody looks beyond the own bodies where nothing acts at a distance
+        let peers = if self.reach > 0.0 { self.peers() } else { Peers::Alone };
+        let near = self.neighbours(peers, state, &[]);
+        let arrangement = near.arrangement(&self.domain, self.reach);
+        let (contacts, others) = (self.interactions.contact_forces(&arrangement), self.interactions.pair_forces(&arrangement));
+        let pushes = Wrench::on_bodies(near.halo.len(), &contacts, &others);
+        let accelerations = self.bodies.iter().zip(near.halo.own()).map(|(body, &place)| Acceleration::of(body, &pushes[place])).collect();
+        let told: Vec<ContactForce<D>> = contacts.iter().filter(|force| near.halo.owns(force.contact.body)).copied().collect();
+        let kkt_report = Some(KktReport::of_forces(&told, arrangement.balls).over(self.peers()));
+        Known { contacts: near.own_contacts(contacts), kkt_report, accelerations, twists: Vec::new() }
+    }
+
+    /// Velocities that keep contacts, next to those wanted, and what contacts remember then.
+    fn project(
+        &self,
+        state: &State<D>,
+        moves: &[Twist<D>],
+        lower_bounds: &[ContactForce<D>],
+        step: f64,
+    ) -> Result<(ProjectionShare<D>, Vec<AdhesiveContact<D>>)> {
+        let (_stage, peers) = (enter(Stage::Contacts), self.peers());
+        let balls: Vec<Ball<D>> = state.balls(&self.radii);
+        let weights: Vec<f64> = self.bodies.iter().map(|body| body.mass / step).collect();
+        let velocities: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
+        let numbers = state.numbers();
+        let problem = Problem {
+            domain: &self.domain,
+            numbers: Some(&numbers),
+            balls: &balls,
+            weights: &weights,
+            velocities: &velocities,
+            step,
+            lower_bounds,
+            cluster_of: self.interactions.cluster_of(),
+        };
+        let found = contact::project_share(
+            peers,
+            &ProblemShare { problem, regions: &self.regions, spanning: (&self.session).into() },
+            &state.memory(),
+        )?;
+        let masses: Vec<f64> = found.view.weights.iter().map(|weight| weight * step).collect();
+        let (domain, numbers) = (&self.domain, Some(found.view.halo.numbers()));
+        let arrangement = Arrangement { domain, numbers, balls: &found.view.balls, weights: &masses, viscosity: None, reach: 0.0 };
+        let remember = |stuck: &[_], forces: &[_]| self.interactions.remember(&arrangement, stuck, forces, step);
+        let remembered = migration::remembered(peers, &found, &state.stuck, remember);
+        Ok((found, remembered))
+    }
+
+    /// Velocities that keep contacts and ties, next to those wanted.
+    fn keep_apart(&self, state: &State<D>, ties: Option<&mut Ties<D>>, moves: &[Twist<D>], step: f64) -> Result<Kept<D>> {
+        let lower_bounds = self.lower_bounds(state, step);
+        let Some(ties) = ties else {
+            let (projection, stuck) = self.project(state, moves, &lower_bounds, step)?;
+            return Ok(Kept { projection, stuck, changes: Vec::new() });
+        };
+        let wanted = velocities(moves);
+        let (peers, mut target) = (self.peers(), moves.to_vec());
+        let smallest = peers.min(self.radii.iter().copied().fold(f64::INFINITY, f64::min));
+        let (mut contacts, mut apart) = (Accelerated::new(self.by_last_contacts(state, step)), f64::INFINITY);
+        let mut together = Together::default();
+        for round in 0..MOST_ROUNDS {
+            if round > 0 {
+                self.stop.heed(self.session.world(), state.time)?;
+            }
+            let tied = ties.hold(peers, &wanted, &contacts.ahead);
+            for (body, twist) in target.iter_mut().enumerate() {
+                twist.velocity = tied[body] - contacts.ahead[body];
+            }
+            let (projection, stuck) = self.project(state, &target, &lower_bounds, step)?;
+            let kept = &projection.projection.velocities;
+            let difference = kept.iter().zip(&tied).map(|(kept, tied)| (kept - tied).norm()).fold(0.0, f64::max);
+            apart = -peers.min(-difference) * step;
+            if apart <= AGREEMENT * smallest {
+                return Ok(Kept { projection, stuck, changes: contacts.ahead });
+            }
+            together.meet(&projection, &lower_bounds);
+            let at_once = if AT_ONCE.contains(&round) {
+                self.changes_at_once((state, step), [&wanted, &contacts.ahead], &tied, (&together, ties))
+            } else {
+                None
+            };
+            contacts.advance(peers, kept.iter().zip(&target).map(|(kept, target)| kept - target.velocity).collect(), &self.masses());
+            contacts = at_once.map_or(contacts, Accelerated::new);
+        }
+        let text = format!(
+            "at time {} contacts do not agree with bonds and rigid clusters after {MOST_ROUNDS} rounds (places differ by {apart:.1e}); a shorter \
+             time.step or softer chains may help",
+            state.time
+        );
+        Err(Error::StepTooLong { text, step })
+    }
+
+    /// What contacts change wanted velocities by where they and ties are solved at once, from changes of which ties have made those held. Collective.
+    fn changes_at_once(
+        &self,
+        (state, step): (&State<D>, f64),
+        wanted: [&[SVector<f64, D>]; 2],
+        held: &[SVector<f64, D>],
+        (together, ties): (&Together<D>, &Ties<D>),
+    ) -> Option<Vec<SVector<f64, D>>> {
+        let (peers, numbers, balls, masses) = (self.peers(), state.numbers(), state.balls(&self.radii), self.masses());
+        let weights: Vec<f64> = masses.iter().map(|mass| mass / step).collect();
+        let (velocities, clusters) = ties.linear(peers, wanted, (held, &weights));
+        let own = Wanting { domain: &self.domain, numbers: &numbers, balls: &balls, masses: &masses, velocities: &velocities, step };
+        together.changes(peers, &own, ties, &clusters)
+    }
+
+    /// Refuses a step in which bonds miss a length, an area or a volume that stays as it is. Collective.
+    fn refuse_missed(&self, time: f64, step: f64, ties: &Ties<D>) -> Result<()> {
+        let missed = -self.peers().min(-ties.missed());
+        if missed <= LARGEST_MISSED {
+            return Ok(());
+        }
+        let text = format!(
+            "at time {time} a rod misses its length, or a cell its area or volume, by a part of {missed:.1e}; choose a shorter time.step, or \"auto\""
+        );
+        Err(Error::StepTooLong { text, step })
+    }
+
+    /// What the contact forces of the last step would change velocities by. Collective.
+    fn by_last_contacts(&self, state: &State<D>, step: f64) -> Vec<SVector<f64, D>> {
+        let (peers, numbers) = (self.peers(), state.numbers());
+        let halo = Halo::of_numbers(peers, &numbers, state.held.iter().flat_map(|held| bodies_of(held.identity())));
+        let balls = halo.spread_balls(peers, &state.balls(&self.radii));
+        let mut changes = vec![SVector::zeros(); halo.len()];
+        for held in &state.held {
+            let identity = renamed(held.identity(), |number| halo.place(number).expect("bodies of contacts are seen"));
+            let contact = Contact::again(&self.domain, &balls, identity);
+            let push = contact.normal * (held.force * step);
+            changes[contact.body] -= push;
+            if let Some(other) = contact.other() {
+                changes[other] += push;
+            }
+        }
+        halo.own().iter().zip(&self.bodies).map(|(&place, body)| changes[place] / body.mass).collect()
+    }
+
+    /// Forces of springs of chains on own bodies; none without chains. Collective.
+    fn pulls_of_bonds(&self, state: &State<D>) -> Vec<SVector<f64, D>> {
+        let chains: Vec<Range<usize>> = self.interactions.chains();
+        if chains.is_empty() {
+            return Vec::new();
+        }
+        let own = |chain: &Range<usize>| chain.clone().any(|body| state.place(body).is_some());
+        let (peers, chains) = (self.peers(), chains.into_iter().filter(own).collect::<Vec<_>>());
+        let halo = Halo::of_numbers(peers, &state.numbers(), chains.iter().cloned().flatten());
+        let balls = halo.spread_balls(peers, &state.balls(&self.radii));
+        let center = |body: usize| balls[halo.place(body).expect("bodies of own chains are seen")].center;
+        let mut pulls = vec![SVector::zeros(); state.bodies.len()];
+        for spring in
+            chains.iter().flat_map(|chain| self.interactions.springs_of(chain, &center)).filter(|spring| spring.stiffness.is_finite())
+        {
+            for (body, gradient) in &spring.ends {
+                state.place(*body).into_iter().for_each(|place| pulls[place] -= gradient * (spring.stiffness * spring.value));
+            }
+        }
+        pulls
+    }
+
+    /// Contacts of own bodies that may pull, each with the least force that it may bear; bodies are named by their numbers.
+    fn lower_bounds(&self, state: &State<D>, step: f64) -> Vec<ContactForce<D>> {
+        if !self.peers().any(!state.stuck.is_empty()) {
+            return Vec::new();
+        }
+        let near = self.neighbours(self.peers(), state, &state.stuck);
+        let bounds = self.interactions.lower_bounds(&near.arrangement(&self.domain, self.reach), &near.stuck, step);
+        near.own_contacts(bounds)
+    }
+}
+
+fn velocities<const D: usize>(moves: &[Twist<D>]) -> Vec<SVector<f64, D>> {
+    moves.iter().map(|twist| twist.velocity).collect()
+}
+
+impl<const D: usize> Stepper<D> for Granular<D> {
+    fn radii(&self) -> &[f64] {
+        &self.radii
+    }
+
+    fn free(&self) -> Vec<bool> {
+        self.bodies.iter().map(|body| body.mass.is_finite()).collect()
+    }
+
+    fn twists_now(&self) -> Option<&[Twist<D>]> {
+        Some(&self.known.twists).filter(|twists| twists.len() == self.bodies.len()).map(Vec::as_slice)
+    }
+
+    fn kinetic_energy(&self) -> Option<f64> {
+        let of_body = |(own, twist): (&Constants<D>, &Twist<D>)| {
+            // a skew matrix has each component of the spin twice
+            let turning = 0.5 * own.inertia * twist.spin.norm_squared();
+            0.5 * (own.mass * twist.velocity.norm_squared() + turning)
+        };
+        Some(self.bodies.iter().zip(&self.known.twists).filter(|(own, _)| own.mass.is_finite()).map(of_body).sum())
+    }
+
+    fn interactions(&self) -> &Interactions<D> {
+        &self.interactions
+    }
+
+    fn migrate(&mut self, state: &mut State<D>, domain: &Domain<D>) {
+        let peers = Peers::from(self.session.world());
+        migration::migrate(peers, domain, &self.regions, state, &mut self.bodies);
+        self.known.twists.clear();
+        self.list_radii();
+    }
+
+    fn heed(&mut self, stop: StopRequest) {
+        self.stop = stop;
+    }
+
+    fn evaluate(&mut self, state: &State<D>, longest: f64, _: ResidualMonitor) -> Result<Observation<D>> {
+        self.known = self.known(state);
+        self.known.twists = self.carried_on(state);
+        let twists = self.known.twists.clone();
+        let pulls = if state.last_step > 0.0 { Vec::new() } else { self.pulls_of_bonds(state) };
+        let moving = state.bodies.iter().zip(&self.known.accelerations).zip(&self.radii).enumerate();
+        let motions: Vec<BodyMotion<D>> = moving
+            // velocities live half a step before places
+            .map(|(place, ((body, acceleration), &radius))| BodyMotion {
+                radius,
+                velocity: body.twist.velocity + acceleration.velocity * (0.5 * state.last_step),
+                acceleration: pulls.get(place).map_or(acceleration.velocity, |pull| acceleration.velocity + pull / self.bodies[place].mass),
+            })
+            .collect();
+        let farthest = |place: usize| self.step_control.time.travel * self.radii[place];
+        let stable = self.trajectories.longest_step(state.time, |body| state.place(body).map_or(f64::INFINITY, farthest));
+        let limits = StepLimits { stable, tried: longest };
+        let step_size = self.step_control.next(self.peers(), &motions, (state.time, state.last_step), limits);
+        Ok(Observation { twists, contacts: Vec::new(), solution: None, step_size, passed: 0.0, effort: Effort::default() })
+    }
+
+    fn given_places(&self, time: f64) -> Vec<(usize, GivenPlace<D>)> {
+        let mut places: Vec<_> =
+            self.given.iter().map(|(number, start, twist)| (*number, GivenPlace::steady(*start, twist, time))).collect();
+        for (number, displacement) in self.trajectories.displacements(time) {
+            if let Ok(place) = self.given.binary_search_by_key(&number, |(given, ..)| *given) {
+                places[place].1 = GivenPlace::displaced(self.given[place].1, displacement);
+            }
+        }
+        places
+    }
+
+    fn advance(&mut self, state: &State<D>, _: &Observation<D>, step: f64, _: ResidualMonitor) -> Result<StepOutcome<D>> {
+        let start = Instant::now();
+        let push = self.push(state.last_step, step);
+        let pushed = |(body, acceleration): (&Moving<D>, &Acceleration<D>)| acceleration.after(&body.twist, push);
+        let mut moves: Vec<Twist<D>> = state.bodies.iter().zip(&self.known.accelerations).map(pushed).collect();
+        let given = self.trajectories.mean_twists(state.time, step);
+        given.for_each(|(body, twist)| state.place(body).into_iter().for_each(|place| moves[place] = twist));
+        let mut ties = Ties::new(self.peers(), &self.interactions, (state, &self.bodies), &moves, GranularStep { length: step, push });
+        let (mut contacts, mut stuck, mut kkt_report) = (self.known.contacts.clone(), Vec::new(), None);
+        let wanted = velocities(&moves);
+        let mut changes = vec![SVector::zeros(); moves.len()];
+        let touch = self.interactions.touch();
+        if touch == Some(Touch::Hard) {
+            let kept = self.keep_apart(state, ties.as_mut(), &moves, step)?;
+            let ProjectionShare { projection, view } = kept.projection;
+            moves.iter_mut().zip(&projection.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
+            contacts.extend(projection.forces.iter().map(|force| ContactForce { contact: view.numbered(&force.contact), ..*force }));
+            (stuck, changes, kkt_report) = (kept.stuck, kept.changes, Some(projection.kkt_report));
+        } else if let Some(ties) = &mut ties {
+            moves.iter_mut().zip(ties.hold(self.peers(), &wanted, &changes)).for_each(|(twist, velocity)| twist.velocity = velocity);
+        }
+        match touch {
+            None => self.refuse_outside(state)?,
+            Some(Touch::Soft { .. }) => kkt_report = self.known.kkt_report,
+            Some(Touch::Hard) => {}
+        }
+        let mut twists = moves.clone();
+        if let Some(ties) = ties {
+            self.refuse_missed(state.time, step, &ties)?;
+            ties.turn(self.peers(), [&wanted, &changes], &mut moves, &mut twists);
+        }
+        let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };
+        Ok(StepOutcome { step, twists, moves, contacts, stuck, kkt_report, effort })
+    }
+}

@@ -1,0 +1,85 @@
+//! Velocities of granular bodies, which live in the middle of steps, at their ends.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::migration::Constants;
+use crate::{
+    body::Twist,
+    contact::{AdhesiveContact, bodies_of},
+    interaction::Wrench,
+    mechanics::{ContactHistory, Moving, State},
+    parallel::Peers,
+};
+
+/// Rates at which a motion changes.
+#[derive(Clone, Copy)]
+pub struct Acceleration<const D: usize> {
+    pub velocity: SVector<f64, D>,
+    pub spin: SMatrix<f64, D, D>,
+}
+
+impl<const D: usize> Acceleration<D> {
+    /// That of a body by the forces on it and this push.
+    pub fn of(body: &Constants<D>, push: &Wrench<D>) -> Self {
+        Acceleration { velocity: body.acceleration + push.force / body.mass, spin: body.spin_up + push.torque / body.inertia }
+    }
+
+    /// A motion after a time.
+    pub fn after(&self, twist: &Twist<D>, time: f64) -> Twist<D> {
+        Twist { velocity: twist.velocity + self.velocity * time, spin: twist.spin + self.spin * time }
+    }
+}
+
+/// Own bodies whose motions are those of an earlier time than their places.
+pub struct HalfStepBehind<'a, const D: usize> {
+    pub state: &'a State<D>,
+    pub bodies: &'a [Constants<D>],
+    /// By all forces but those that a projection finds.
+    pub accelerations: &'a [Acceleration<D>],
+    /// Of each body that is tied, by its number, the number of what it belongs to.
+    pub groups: &'a [Option<usize>],
+    /// How much earlier.
+    pub lag: f64,
+}
+
+impl<const D: usize> HalfStepBehind<'_, D> {
+    /// Their motions at the time of their places. Forces carry on bodies that nothing touches; those in contact, and what is tied to them, keep the
+    /// motions with which their contacts were left. What is tied is carried on as a whole. Collective.
+    pub fn carried_on(&self, peers: Peers) -> Vec<Twist<D>> {
+        let state = self.state;
+        let pressed = state.held.iter().map(ContactHistory::identity).chain(state.stuck.iter().map(AdhesiveContact::identity));
+        let mut touched = vec![false; state.bodies.len()];
+        pressed.flat_map(bodies_of).filter_map(|body| state.place(body)).for_each(|place| touched[place] = true);
+        let of_groups = self.group_accelerations(peers, &touched);
+        let now = |(place, body): (usize, &Moving<D>)| match self.group(state.number(place)) {
+            Some(group) => Twist { velocity: body.twist.velocity + of_groups[group] * self.lag, ..body.twist },
+            None if touched[place] => body.twist,
+            None => self.accelerations[place].after(&body.twist, self.lag),
+        };
+        state.bodies.iter().enumerate().map(now).collect()
+    }
+
+    fn group(&self, number: usize) -> Option<usize> {
+        self.groups.get(number).copied().flatten()
+    }
+
+    /// Mean accelerations of what is tied together; zero where anything touches it. Collective.
+    fn group_accelerations(&self, peers: Peers, touched: &[bool]) -> Vec<SVector<f64, D>> {
+        let count = self.groups.iter().flatten().max().map_or(0, |last| last + 1);
+        if count == 0 {
+            return Vec::new();
+        }
+        // of each its mass, contacts, and momentum over time
+        let mut sums = vec![0.0; (D + 2) * count];
+        for (place, (own, acceleration)) in self.bodies.iter().zip(self.accelerations).enumerate() {
+            let Some(group) = self.group(self.state.number(place)) else { continue };
+            let sum = &mut sums[group * (D + 2)..][..D + 2];
+            sum[0] += own.mass;
+            sum[1] += f64::from(touched[place]);
+            (0..D).for_each(|axis| sum[2 + axis] += own.mass * acceleration.velocity[axis]);
+        }
+        peers.sum(&mut sums);
+        let mean = |sum: &[f64]| if sum[1] > 0.0 { SVector::zeros() } else { SVector::from_fn(|axis, _| sum[2 + axis] / sum[0]) };
+        sums.chunks(D + 2).map(mean).collect()
+    }
+}

@@ -1,0 +1,28 @@
+//! Bodies in time: quasi-static, with inertia, and granular; steps, their control, and the loop.
+
+mod active_set_iteration;
+mod clusters;
+mod contact_step;
+mod given_motions;
+mod granular;
+mod implicit_springs;
+mod kept_measures;
+mod longest_step;
+mod quasi_static;
+mod shift_period;
+mod simulation;
+mod step_control;
+mod stepper;
+mod stop_request;
+mod travel;
+
+pub use granular::{Granular, GranularBody, GranularSetup};
+pub use implicit_springs::StepAhead;
+pub use longest_step::{longest_granular_step, longest_step_in_flow};
+pub use quasi_static::QuasiStatic;
+pub use shift_period::ShiftPeriod;
+pub use simulation::{Simulation, StepReport};
+pub use step_control::{BodyMotion, StepControl, StepLimits, StepSize};
+pub use stepper::{Effort, Observation, StepOutcome, Stepper};
+pub use stop_request::StopRequest;
+pub use travel::time_of_travel;

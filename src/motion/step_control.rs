@@ -1,0 +1,225 @@
+//! The length of the next step.
+
+use nalgebra::SVector;
+
+use super::shift_period::ShiftPeriod;
+use crate::{
+    mechanics::unsteady::{COURANT, LARGEST_COURANT},
+    parallel::Peers,
+    scene::{Step, TimeSection},
+};
+
+/// Largest growth from one step to the next.
+const GROWTH: f64 = 1.25;
+
+/// Part of a fixed step by which a sum of steps misses its multiples.
+const OFF_MULTIPLES: f64 = 1e-6;
+/// How many times what automatic steps may pass the flow or a body passes in one that stands: the flow then passes the most cells that it may in any.
+const TOLERATED: f64 = LARGEST_COURANT / COURANT;
+
+/// Shortest part of a fixed step that is tried where the whole one leads nowhere.
+const SHORTEST_PART: f64 = 1.0 / 64.0;
+
+/// Part of a step that is rounding.
+pub const ROUNDING: f64 = 1e-9;
+
+/// How steps are chosen: none moves a body by more than a part of its radius, none is much longer than the one before.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepControl {
+    /// As the scene says.
+    pub time: TimeSection,
+    /// What steps and the end are whole numbers of, where images slide.
+    pub shift_period: Option<ShiftPeriod>,
+    /// The longest step with which contact is stable; infinite if it limits none.
+    pub longest: f64,
+    /// Whether automatic steps change by factors of two only: where another one takes other operators.
+    pub by_twos: bool,
+}
+
+/// A body's motion as far as steps depend on it.
+#[derive(Debug, Clone, Copy)]
+pub struct BodyMotion<const D: usize> {
+    /// Its radius.
+    pub radius: f64,
+    /// Velocity.
+    pub velocity: SVector<f64, D>,
+    /// Acceleration of a body that is not held.
+    pub acceleration: SVector<f64, D>,
+}
+
+/// What limits a step besides the motions of bodies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepLimits {
+    /// The longest one that flow and given motions allow; only automatic steps heed it.
+    pub stable: f64,
+    /// The longest one to try, as a longer one from the same state led nowhere; infinite at first.
+    pub tried: f64,
+}
+
+/// The length of a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepSize {
+    /// Its length; 0 at the end of the run.
+    pub length: f64,
+    /// Its length if the run did not end.
+    pub natural: f64,
+}
+
+impl StepSize {
+    /// Whether the end of the run cut it short by more than rounding.
+    pub fn cut_short(&self) -> bool {
+        self.length < self.natural * (1.0 - ROUNDING)
+    }
+}
+
+impl StepControl {
+    /// The next step for bodies that move so, each rank its own, from a time, after a last step (0 if it is the first), within limits. Collective.
+    pub fn next<const D: usize>(
+        &self,
+        peers: Peers,
+        motions: &[BodyMotion<D>],
+        (time, last_step): (f64, f64),
+        StepLimits { stable, tried }: StepLimits,
+    ) -> StepSize {
+        let left = self.time.end - time;
+        let natural = match self.time.step {
+            // the last step was cut short by the end, and not split
+            Step::Fixed(step) if left <= ROUNDING * self.time.end => step.min(tried),
+            Step::Fixed(step) => to_multiple(step, time, last_step).min(tried),
+            Step::Auto => {
+                let longest = self.longest.min(stable).min(tried).min(if last_step > 0.0 { self.grown(last_step) } else { self.time.end });
+                let limits = motions.iter().map(|motion| reach(motion, self.time.travel * motion.radius));
+                self.whole(peers.min(limits.fold(longest, f64::min)), last_step)
+            }
+        };
+        StepSize { length: if natural > left * (1.0 - ROUNDING) { left } else { natural }, natural }
+    }
+
+    /// A step, after a last one, made shorter where it would carry bodies farther than the time `reach` does.
+    pub fn shortened(&self, step: f64, last_step: f64, reach: f64) -> f64 {
+        match self.time.step {
+            Step::Fixed(_) => step,
+            Step::Auto => {
+                let limited = step.min(reach);
+                if limited < step || !self.by_twos { step.min(self.whole(limited, last_step)) } else { step }
+            }
+        }
+    }
+
+    /// A step half as long as one that led nowhere; none if that is the shortest. Where images slide, after a last step, it slides them by whole cells.
+    pub fn half(&self, step: f64, last_step: f64) -> Option<f64> {
+        let least = if let Step::Fixed(whole) = self.time.step { SHORTEST_PART * whole * (1.0 - ROUNDING) } else { 0.0 };
+        let Some(shift_period) = self.shift_period else { return Some(0.5 * step).filter(|half| *half >= least) };
+        let multiple = if self.by_twos { 1.0 } else { ShiftPeriod::multiple(self.time.scheme, last_step) };
+        let half = shift_period.within(0.5 * step, multiple);
+        (half < step * (1.0 - ROUNDING) && half >= least).then_some(half)
+    }
+
+    /// The length of the step to be taken in place of an automatic one in which the flow or a body passed so many times what it may; nothing if it stands,
+    /// or where none is shorter.
+    pub fn in_place_of(&self, step: f64, passed: f64) -> Option<f64> {
+        if self.time.step != Step::Auto || passed <= TOLERATED {
+            return None;
+        }
+        let shortest = self.shift_period.map_or(0.0, |shift_period| shift_period.0);
+        Some((step * (-passed.log2().ceil()).exp2()).max(shortest)).filter(|shorter| *shorter < step * (1.0 - ROUNDING))
+    }
+
+    /// The longest step after another.
+    fn grown(&self, last_step: f64) -> f64 {
+        if self.by_twos {
+            return 2.0 * last_step;
+        }
+        // whole shift periods would never grow from one to two
+        self.shift_period.map_or(GROWTH * last_step, |shift_period| (GROWTH * last_step).max(last_step + shift_period.0))
+    }
+
+    /// A step that keeps the shift period, if there is one; never shorter than the shortest that does.
+    fn whole(&self, step: f64, last_step: f64) -> f64 {
+        if self.by_twos {
+            let shortest = self.shift_period.map_or(0.0, |shift_period| shift_period.0);
+            let unit = if last_step > 0.0 { last_step } else { shortest };
+            return if unit > 0.0 { (unit * (step / unit * (1.0 + ROUNDING)).log2().floor().exp2()).max(shortest) } else { step };
+        }
+        self.shift_period.map_or(step, |shift_period| shift_period.within(step, ShiftPeriod::multiple(self.time.scheme, last_step)))
+    }
+
+    /// Whether the run has ended.
+    pub fn over(&self, time: f64) -> bool {
+        time >= self.time.end * (1.0 - 1e-13)
+    }
+
+    /// Whether the next step may reach the end.
+    pub fn may_end(&self, time: f64, last_step: f64) -> bool {
+        let step = if let Step::Fixed(step) = self.time.step { step } else { self.grown(last_step) };
+        time + step * (1.0 + ROUNDING) >= self.time.end
+    }
+}
+
+/// A fixed step from a time after a last one: the whole one, or, where that was shorter, what leads to a multiple of it, at most twice the last one.
+fn to_multiple(step: f64, time: f64, last_step: f64) -> f64 {
+    if last_step == 0.0 || last_step >= step * (1.0 - OFF_MULTIPLES) {
+        return step;
+    }
+    let passed = time / step - (time / step + OFF_MULTIPLES).floor();
+    if passed < OFF_MULTIPLES { step } else { (1.0 - passed).min(2.0 * last_step / step) * step }
+}
+
+/// The time in which a body covers a distance: `v t + a t^2 = distance`.
+fn reach<const D: usize>(motion: &BodyMotion<D>, distance: f64) -> f64 {
+    let (velocity, acceleration) = (motion.velocity.norm(), motion.acceleration.norm());
+    2.0 * distance / (velocity + (velocity * velocity + 4.0 * acceleration * distance).sqrt())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scene::Scheme;
+
+    fn control(step: Step, shift_period: Option<f64>) -> StepControl {
+        let time = TimeSection { step, end: 10.0, scheme: Scheme::TwoStep, travel: 0.1, error: 1e-3, until: None };
+        StepControl { time, shift_period: shift_period.map(ShiftPeriod), longest: f64::INFINITY, by_twos: false }
+    }
+
+    fn next(control: &StepControl, time: f64, last_step: f64, tried: f64) -> f64 {
+        control.next::<2>(Peers::Alone, &[], (time, last_step), StepLimits { stable: f64::INFINITY, tried }).length
+    }
+
+    #[test]
+    fn a_fixed_step_that_was_split_leads_back_to_multiples_of_it() {
+        let control = control(Step::Fixed(0.2), None);
+        let (mut time, mut last, mut lengths) = (0.6000000000000001, 0.2, Vec::new());
+        for tried in [0.05, f64::INFINITY, f64::INFINITY, f64::INFINITY] {
+            last = next(&control, time, last, tried);
+            lengths.push((last * 1e9).round() / 1e9);
+            time += last;
+        }
+        assert_eq!(lengths, [0.05, 0.1, 0.05, 0.2]);
+        assert!((time - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn half_a_step_slides_images_by_whole_cells_down_to_one() {
+        let control = control(Step::Fixed(0.5), Some(0.1));
+        let halves: Vec<f64> = std::iter::successors(Some(0.5), |&step| control.half(step, 0.5)).collect();
+        assert_eq!(halves.len(), 3);
+        assert!((halves[1] - 0.2).abs() < 1e-12 && (halves[2] - 0.1).abs() < 1e-12);
+        assert_eq!(self::control(Step::Auto, None).half(0.5, 0.5), Some(0.25));
+    }
+
+    #[test]
+    fn an_automatic_step_is_no_longer_than_what_is_left_to_try() {
+        assert_eq!(next(&control(Step::Auto, None), 1.0, 0.4, 0.125), 0.125);
+        assert_eq!(next(&control(Step::Auto, None), 1.0, 0.4, f64::INFINITY), 0.5);
+    }
+
+    #[test]
+    fn a_step_in_which_too_much_passed_is_halved_until_it_passes_what_it_may() {
+        let auto = control(Step::Auto, None);
+        assert_eq!([0.5, 1.3, 1.5, 2.0, 5.0].map(|passed| auto.in_place_of(0.8, passed)), [None, None, Some(0.4), Some(0.4), Some(0.1)]);
+        assert_eq!(control(Step::Fixed(0.8), None).in_place_of(0.8, 5.0), None);
+        let sheared = control(Step::Auto, Some(0.4));
+        assert_eq!([sheared.in_place_of(0.8, 5.0), sheared.in_place_of(0.4, 5.0)], [Some(0.4), None]);
+    }
+}

@@ -1,0 +1,156 @@
+//! What moves bodies: the interface behind which a fluid, or inertia alone, drives a [`Simulation`](super::Simulation).
+
+use super::{step_control::StepSize, stop_request::StopRequest};
+use crate::{
+    body::Twist,
+    contact::{AdhesiveContact, ContactForce, KktReport},
+    error::Result,
+    geometry::Domain,
+    interaction::Interactions,
+    mechanics::{Cost, ExtrapolationHistory, FlowSolver, GivenPlace, Level, MeshLevel, ResidualMonitor, Solution, State},
+};
+
+/// What happens at one instant, of the bodies that the state of this rank holds.
+pub struct Observation<const D: usize> {
+    /// Motions of the bodies.
+    pub twists: Vec<Twist<D>>,
+    /// Contacts and their forces.
+    pub contacts: Vec<ContactForce<D>>,
+    /// The flow, if there is one.
+    pub solution: Option<Solution<D>>,
+    /// The step to take.
+    pub step_size: StepSize,
+    /// What flow and bodies passed in the step that led here, over what they may pass in an automatic one; 0 where that limits none.
+    pub passed: f64,
+    /// What it took to find out.
+    pub effort: Effort,
+}
+
+/// What an instant or a step cost.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Effort {
+    /// Solves of the flow.
+    pub solves: usize,
+    /// Iterations of the linear solver.
+    pub iterations: usize,
+    /// Seconds for jump corrections.
+    pub assembly: f64,
+    /// Seconds in the linear solver.
+    pub solving: f64,
+    /// Seconds for contacts.
+    pub contact: f64,
+}
+
+/// How the bodies that the state of this rank holds move over a step.
+pub struct StepOutcome<const D: usize> {
+    /// Length of the step.
+    pub step: f64,
+    /// Motions that carry them.
+    pub moves: Vec<Twist<D>>,
+    /// Motions that they have after it, as far as they are known before the next instant is solved.
+    pub twists: Vec<Twist<D>>,
+    /// Contacts of these bodies and their forces, if they were found on the way; bodies are named by their numbers.
+    pub contacts: Vec<ContactForce<D>>,
+    /// Contacts that stick from now on.
+    pub stuck: Vec<AdhesiveContact<D>>,
+    /// How well contacts were kept, if there are any to keep.
+    pub kkt_report: Option<KktReport>,
+    /// What it took.
+    pub effort: Effort,
+}
+
+/// What moves bodies. Every function is collective.
+pub trait Stepper<const D: usize> {
+    /// What happens in a state, from which no step longer than `longest` is to be tried.
+    ///
+    /// # Errors
+    /// A solver does not converge; a [step is too long](crate::error::Error::step_too_long), and a shorter one may be tried; somebody asks for a stop.
+    fn evaluate(&mut self, state: &State<D>, longest: f64, monitor: ResidualMonitor) -> Result<Observation<D>>;
+
+    /// A step of a length, or a shorter one if it would carry bodies too far, from a state that was looked at.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate), or contacts cannot be kept.
+    fn advance(&mut self, state: &State<D>, observation: &Observation<D>, length: f64, monitor: ResidualMonitor) -> Result<StepOutcome<D>>;
+
+    /// From now on long work heeds a request to stop.
+    fn heed(&mut self, _stop: StopRequest) {}
+
+    /// Forgets what it did since it was asked to evaluate a state, so that a checkpoint of that holds nothing of it.
+    fn abandon(&mut self, _state: &State<D>) {}
+
+    /// Forgets what happens in the state that was looked at last: another step is taken in place of the one that led to it.
+    fn withdraw(&mut self) {}
+
+    /// Radii of the bodies that the state of this rank holds.
+    fn radii(&self) -> &[f64];
+
+    /// Whether forces decide the motion of each body that the state of this rank holds.
+    fn free(&self) -> Vec<bool> {
+        self.suspension().map_or(Vec::new(), |suspension| suspension.setup().bodies.iter().map(|own| own.body.free()).collect())
+    }
+
+    /// Where bodies of given motion are at a time, by their numbers; some may be those of other ranks.
+    fn given_places(&self, _time: f64) -> Vec<(usize, GivenPlace<D>)> {
+        Vec::new()
+    }
+
+    /// Motions at the time of the state that was evaluated last, where those of the state are of another time.
+    fn twists_now(&self) -> Option<&[Twist<D>]> {
+        None
+    }
+
+    /// Kinetic energy of the bodies of this rank in the state that was evaluated last, where they alone have inertia; those whose motion is given have none.
+    fn kinetic_energy(&self) -> Option<f64> {
+        None
+    }
+
+    /// What bodies do to each other.
+    fn interactions(&self) -> &Interactions<D>;
+
+    /// Gives bodies to the ranks that own the places where they are now, in a box of that time.
+    fn migrate(&mut self, _state: &mut State<D>, _domain: &Domain<D>) {}
+
+    /// The suspension that is solved, if there is a fluid.
+    fn suspension(&self) -> Option<&dyn FlowSolver<D>> {
+        None
+    }
+
+    /// Goes on from earlier solutions of a flow with inertia, the last one first.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    fn restore_levels(&mut self, _levels: Vec<Level<D>>) -> Result<()> {
+        Ok(())
+    }
+
+    /// The same for a flow on a mesh that moves.
+    fn restore_mesh_levels(&mut self, _levels: Vec<MeshLevel>) {}
+
+    /// Takes what earlier solves say about the next one, if there is a fluid to solve.
+    fn remember(&mut self, _past: ExtrapolationHistory<D>) {}
+}
+
+impl Effort {
+    /// Adds what a solve of the flow cost.
+    pub fn add_solve(&mut self, cost: &Cost) {
+        self.solves += 1;
+        self.iterations += cost.krylov.iterations;
+        self.assembly += cost.assembly;
+        self.solving += cost.krylov.seconds;
+    }
+}
+
+impl std::ops::Add for Effort {
+    type Output = Effort;
+
+    fn add(self, other: Effort) -> Effort {
+        Effort {
+            solves: self.solves + other.solves,
+            iterations: self.iterations + other.iterations,
+            assembly: self.assembly + other.assembly,
+            solving: self.solving + other.solving,
+            contact: self.contact + other.contact,
+        }
+    }
+}

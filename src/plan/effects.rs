@@ -1,0 +1,163 @@
+//! The effects of a scene: what is built for each, and which are off.
+
+use super::{Plan, memory::distinct_laplacians};
+use crate::{
+    flow::{Drive, InverseMethod},
+    grid::Grid,
+    interaction::{Interaction, Interactions},
+    mechanics::Setup,
+    motion::ShiftPeriod,
+    scene::{FlowModel, MOST_WITH_FORCES, Motion, Scene, Scheme, Step},
+};
+
+/// An effect of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Effect {
+    /// Its name.
+    pub name: &'static str,
+    /// What is built for it; nothing if it is off.
+    pub built: Option<String>,
+}
+
+impl Effect {
+    /// One that is built so.
+    pub fn on(name: &'static str, built: String) -> Effect {
+        Effect { name, built: Some(built) }
+    }
+
+    /// One that is off.
+    pub fn off(name: &'static str) -> Effect {
+        Effect { name, built: None }
+    }
+}
+
+/// Effects of a flow, but for those of motion.
+pub fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Effect> {
+    let hierarchies = distinct_laplacians(grid);
+    let free = setup.bodies.iter().filter(|suspended| suspended.body.free()).count();
+    let spins = (free > 0).then(|| format!("spins of {free} bodies, which follow from the flow"));
+    vec![
+        Effect::on(
+            flow_name(setup),
+            match setup.inverse {
+                InverseMethod::Hypre => format!("one matrix a component, {hierarchies} multigrid hierarchies (hypre)"),
+                InverseMethod::Transform => "no matrices: exact inverse by Fourier transforms".into(),
+            },
+        ),
+        Effect::on("pressure", "one unknown for each cell".into()),
+        Effect { name: "rotation", built: spins },
+        Effect::on("drive", drive(&setup.drive) + &sliding(setup, grid)),
+        match setup.bodies.len() {
+            0 => Effect::off("bodies"),
+            count => Effect::on("bodies", format!("{count}, {free} of them free; {}", setup.method(0.0).description())),
+        },
+    ]
+}
+
+/// The name of a flow.
+pub fn flow_name<const D: usize>(setup: &Setup<D>) -> &'static str {
+    if setup.inertia.is_some() { "navier-stokes flow" } else { "stokes flow" }
+}
+
+/// Inertia of fluid and bodies.
+pub fn inertia<const D: usize>(setup: &Setup<D>) -> Effect {
+    let built = setup.inertia.as_ref().map(|inertia| {
+        let built = "convection and the flow of two earlier times; one operator for each length of step, all else implicit";
+        format!("fluid of density {}: {built}", inertia.fluid)
+    });
+    Effect { name: "inertia", built }
+}
+
+/// What drives a flow.
+pub fn drive<const D: usize>(drive: &Drive<D>) -> String {
+    match drive {
+        Drive::Rest => "walls and forces only".into(),
+        Drive::MeanVelocity(velocity) => format!("mean velocity {:?}", velocity.as_slice()),
+        Drive::PressureGradient(gradient) => format!("pressure gradient {:?}", gradient.as_slice()),
+        Drive::BodyForce(force) => format!("body force {:?}", force.as_slice()),
+        Drive::Shear(rate) => format!("background shear at rate {rate}"),
+    }
+}
+
+/// How the images of a sheared box go along.
+fn sliding<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> String {
+    let shift_period = ShiftPeriod::of(&setup.domain, grid);
+    shift_period.map_or(String::new(), |shift_period| {
+        format!("; images slide along, by a cell in {:.4e}: steps and the end are whole numbers of that", shift_period.0)
+    })
+}
+
+/// Effects of motion, which a fluid and dry bodies share.
+pub fn in_time<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
+    let scene = &plan.scene;
+    let motion = scene.time.as_ref().map(|time| {
+        let step = match time.step {
+            Step::Fixed(step) => format!("steps of {step}"),
+            Step::Auto if scene.flow.model == FlowModel::Stokes => {
+                format!(
+                    "steps in which no body moves more than {} radii relative to its neighbours, nor errs by more than {:.1e}",
+                    time.travel, time.error
+                )
+            }
+            Step::Auto => format!("steps in which no body moves more than {} radii", time.travel),
+        };
+        let scheme = match time.scheme {
+            Scheme::TwoStep => "two-step",
+            Scheme::Midpoint => "midpoint",
+            Scheme::Euler => "Euler",
+        };
+        let until = time.until.map_or(String::new(), |until| {
+            let (percent, strain) = (100.0 * until.viscosity_interval, until.strain);
+            format!(", or until 95 % confidence leaves the mean viscosity +- {percent} % over a strain of at least {strain}")
+        });
+        format!("to time {} by the {scheme} rule, {step}{until}", time.end)
+    });
+    let frames = scene.time.as_ref().map(|_| format!("bodies every {}", scene.frame_interval()));
+    let held = if scene.stores_vorticity() { "velocity, pressure and vorticity" } else { "velocity and pressure" };
+    let fields = frames.as_ref().filter(|_| scene.stores_fields()).map(|_| format!("{held} of each cell in every frame"));
+    let given = plan.setup().map_or(0, |setup| setup.given_motions().len());
+    let forces = (scene.time.is_some() && (1..=MOST_WITH_FORCES).contains(&given)).then(|| {
+        let coefficients = if scene.output.reference_velocity.is_some() { ", with coefficients of drag and lift" } else { "" };
+        format!("of the fluid on {given} bodies whose motion is given, after every step{coefficients}")
+    });
+    let energy = scene.output.energy.then(|| "kinetic energy, work, dissipation and what contacts take, after every step".to_owned());
+    let pairs = scene.output.pairs.then(|| "distribution and neighbours, from the frames once the run has ended".to_owned());
+    let picture = scene.output.picture.then(|| "at the end".to_owned());
+    let effect = |(name, built)| Effect { name, built };
+    let of_output = [
+        ("frames", frames),
+        ("fields output", fields),
+        ("forces output", forces),
+        ("balance of energy", energy),
+        ("pair distribution", pairs),
+        ("picture", picture),
+    ];
+    let motion = std::iter::once(effect(("motion in time", motion)));
+    motion.chain(interactions(plan)).chain(of_output.map(effect)).collect()
+}
+
+/// What bodies do to each other; of the usual effects also those that are off.
+fn interactions<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
+    let longest = plan.longest_step();
+    let stable = |limits: bool| if limits { format!(", stable with steps up to {longest:.3e}") } else { String::new() };
+    let on = |interaction: &dyn Interaction<D>| {
+        Effect::on(interaction.name(), interaction.describe() + &stable(interaction.steepest(1.0) > 0.0))
+    };
+    let built: Vec<Effect> = plan.interactions().into_iter().flat_map(Interactions::iter).map(on).collect();
+    let absent = |name: &&str| built.iter().all(|effect| effect.name != *name);
+    let off: Vec<Effect> = ["lubrication", "contact"].into_iter().filter(absent).map(Effect::off).collect();
+    built.into_iter().chain(off).collect()
+}
+
+/// The weight of free bodies that differ from the fluid in density.
+pub fn gravity(scene: &Scene) -> Effect {
+    let density = if scene.dry() { 0.0 } else { scene.flow.density };
+    let heavy = scene.bodies.iter().any(|bodies| bodies.motion == Motion::Free && bodies.density != density);
+    match &scene.gravity {
+        Some(gravity) if heavy && gravity.iter().any(|&component| component != 0.0) => {
+            let less = if density > 0.0 { " less buoyancy" } else { "" };
+            Effect::on("gravity", format!("{gravity:?}, weight{less} of free bodies"))
+        }
+        _ => Effect::off("gravity"),
+    }
+}
