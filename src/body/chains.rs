@@ -10,10 +10,8 @@ use super::{membrane::Membrane, outline::Outline};
 use crate::{
     error::{Error, Result},
     geometry::{Ball, Domain},
+    linalg::ROUNDING,
 };
-
-/// Part of a distance that is rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// Places that are tried for a chain.
 const TRIALS: usize = 20_000;

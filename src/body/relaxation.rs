@@ -12,6 +12,7 @@ use super::{
     share::{BLOCK, NeededCenters, Share},
 };
 use crate::geometry::{Ball, Domain, Pair, near_pairs};
+use crate::linalg::ROUNDING;
 
 /// Time step of the collisions while stirring.
 const STIRRING_STEP: f64 = 0.4;
@@ -24,9 +25,6 @@ const SKIN: f64 = 0.4;
 /// Work of a step besides its pairs, and work to find a pair, in evaluations of one pair.
 const STEP_WORK: u64 = 20;
 const SEARCH_WORK: u64 = 20;
-/// Part of a distance that is rounding.
-const ROUNDING: f64 = 1e-9;
-
 /// Balls on their way to a packing: `movable` ones, then obstacles.
 pub(super) struct Packing<'a, const D: usize> {
     /// The box.

@@ -3,10 +3,8 @@
 use nalgebra::SVector;
 
 use super::{Contact, ContactForce, Problem, Solver, View, island::free_body, paths::Path};
+use crate::linalg::CANCELLATION;
 use crate::{geometry::Ball, parallel::Peers};
-
-/// Forces below this part of the largest are rounding.
-const ROUNDING: f64 = 1e-13;
 
 /// How good a projection is, and what it cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,7 +76,7 @@ pub(super) fn certify<const D: usize>(
 ) -> KktReport {
     let relative = |path: &Path<D>| path.last_gap / path.contact.smaller_radius(problem.balls);
     let contacts: Vec<Contact<D>> = forces.iter().map(|force| force.contact).collect();
-    let rounding = ROUNDING * peers.max(forces.iter().map(|force| force.force.abs()).fold(0.0, f64::max));
+    let rounding = CANCELLATION * peers.max(forces.iter().map(|force| force.force.abs()).fold(0.0, f64::max));
     let bears = |force: &&ContactForce<D>| force.force.abs() > rounding;
     let answered = || forces.iter().filter(|force| view.answers(force.contact.identity()));
     let mut acts = vec![0.0; problem.balls.len()];

@@ -3,9 +3,7 @@
 use nalgebra::SVector;
 
 use super::{Ball, Domain};
-
-/// Part of a length that is rounding.
-const ROUNDING: f64 = 1e-9;
+use crate::linalg::ROUNDING;
 
 /// A box along the axes.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -17,7 +17,7 @@ use super::{Arrangement, Interaction, Touch};
 use crate::contact::{AdhesiveContact, Contact, ContactForce};
 
 /// Changes of memory below this part of the largest are rounding.
-const ROUNDING: f64 = 1e-12;
+const SMALLEST_CHANGE: f64 = 1e-12;
 
 /// Gluey contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,7 +60,7 @@ impl<const D: usize> Interaction<D> for Gluey {
         let before: HashMap<_, _> = memory.iter().map(|adhesive| (adhesive.identity(), adhesive.gamma)).collect();
         let change = |force: &ContactForce<D>| -step * force.force / arrangement.impulse_unit(&force.contact);
         let all = forces.iter().map(change).chain(before.values().copied());
-        let rounding = ROUNDING * all.fold(0.0, |largest: f64, part| largest.max(part.abs()));
+        let rounding = SMALLEST_CHANGE * all.fold(0.0, |largest: f64, part| largest.max(part.abs()));
         let after = |force: &ContactForce<D>| {
             let (body, partner, image) = force.contact.identity();
             let gamma = before.get(&(body, partner, image)).copied().unwrap_or(0.0) + change(force);

@@ -11,10 +11,8 @@ use crate::{
         lubrication::{LubricationPair, LubricationPairs, Opposite},
     },
     contact::{AdhesiveContact, Contact, ContactForce},
+    linalg::ROUNDING,
 };
-
-/// Part of a distance that is rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// A list of interactions; clones share them.
 #[derive(Clone, Default)]

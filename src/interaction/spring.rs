@@ -3,13 +3,11 @@
 use nalgebra::SVector;
 
 use super::Wrench;
-
-/// Part of a length, an area or an angle that is rounding of places.
-const ROUNDING: f64 = 1e-13;
+use crate::linalg::CANCELLATION;
 
 /// What a coordinate differs from that at rest by, both in units of `unit`: nothing where that is rounding, so that what is at rest stays so.
 pub fn beyond_rounding(value: f64, unit: f64) -> f64 {
-    if value.abs() > ROUNDING * unit { value } else { 0.0 }
+    if value.abs() > CANCELLATION * unit { value } else { 0.0 }
 }
 
 /// A coordinate of the centres of a few bodies, and the potential `stiffness coordinate^2 / 2`.

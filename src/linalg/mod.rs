@@ -18,3 +18,9 @@ pub use product::{add_rows, dot, dots, norm, padded};
 pub use skyline::Skyline;
 pub use sparse::SparseRows;
 pub use tridiagonal::Tridiagonal;
+
+/// A part of a length, a time or a number that counts as rounding: what text, sums of steps and changes of units leave.
+pub const ROUNDING: f64 = 1e-9;
+
+/// Part of the largest of a few numbers that rounding leaves where they cancel.
+pub const CANCELLATION: f64 = 1e-13;

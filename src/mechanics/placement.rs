@@ -9,12 +9,10 @@ use crate::{
     body::{Body, ChainForm, Motion, Path, Trajectories, Trajectory, Twist, pack_on, place_chains, read_centers, read_places, skew},
     error::{Error, Result},
     geometry::{Axis, Ball, Domain, Inflow, InvalidConfiguration, LeesEdwards, first_fault},
+    linalg::ROUNDING,
     parallel::Peers,
     scene::{self, AxisSection, BodyGroup, Chain, ChainShape, Cluster, ClusterForm, Placement, Scene},
 };
-
-/// Part of a length that is rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// Disks of unit diameter on a sphere of unit radius at most, times the square of the diameter: `16 x .9069`.
 const SPHERE_OF_DISKS: f64 = 14.6;

@@ -19,7 +19,7 @@ use crate::{
 const NEAR: f64 = 0.101;
 
 /// Part of a force that is rounding.
-const ROUNDING: f64 = 1e-12;
+const SMALLEST_FORCE: f64 = 1e-12;
 
 /// Bodies that may touch on their way over a step.
 pub struct ContactStep<'a, const D: usize> {
@@ -92,7 +92,7 @@ impl<const D: usize> ContactStep<'_, D> {
         let pressed = |contact: Contact<D>| forces.get(&contact.identity()).map(|&force| ContactForce { contact, force });
         let mut held: Vec<ContactForce<D>> = self.arrangement.near(reach).into_iter().filter_map(pressed).collect();
         if self.flow.setup().interactions.resist() {
-            held.retain(|held| held.force > (1.0 - ROUNDING) * self.least(&held.contact));
+            held.retain(|held| held.force > (1.0 - SMALLEST_FORCE) * self.least(&held.contact));
             return Ok(held);
         }
         let unpressed = self.without_contacts(velocities, &held);
@@ -101,7 +101,7 @@ impl<const D: usize> ContactStep<'_, D> {
 
     /// The contacts of a projection that are held closed: they bear more than the least force that they may.
     pub fn closed(&self, mut projection: Projection<D>) -> Vec<ContactForce<D>> {
-        projection.forces.retain(|pressed| pressed.force > (1.0 - ROUNDING) * self.least(&pressed.contact));
+        projection.forces.retain(|pressed| pressed.force > (1.0 - SMALLEST_FORCE) * self.least(&pressed.contact));
         projection.forces
     }
 

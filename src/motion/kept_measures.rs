@@ -11,6 +11,7 @@ use crate::{
     body::Twist,
     error::{Error, Result},
     interaction::{Interactions, Spring},
+    linalg::ROUNDING,
     linalg::Skyline,
 };
 
@@ -19,9 +20,6 @@ const NEWTON: usize = 50;
 
 /// Part by which diagonal entries are larger, so that measures that depend on others have a factor.
 const DEPENDENT: f64 = 1e-10;
-
-/// How far bodies are from their places, in distances of neighbours, where iterations may have come to rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// Part of its length by which a rod may miss it before it is kept: where it turns farther in a step, its direction means nothing.
 const LARGEST_MISSED: f64 = 0.25;

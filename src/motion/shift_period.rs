@@ -4,11 +4,9 @@ use crate::{
     error::{Error, Result},
     geometry::Domain,
     grid::Grid,
+    linalg::ROUNDING,
     scene::{Scheme, Step, TimeSection},
 };
-
-/// Part of a shift period that is rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// The time in which the images of a sheared box slide by one cell.
 #[derive(Debug, Clone, Copy, PartialEq)]

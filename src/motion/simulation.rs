@@ -8,7 +8,7 @@ use super::{
     longest_step::longest_step_in_flow,
     quasi_static::QuasiStatic,
     shift_period::ShiftPeriod,
-    step_control::{ROUNDING, StepControl},
+    step_control::StepControl,
     stepper::{Effort, Observation, StepOutcome, Stepper},
     stop_request::StopRequest,
 };
@@ -18,6 +18,7 @@ use crate::{
     error::{Error, Result},
     geometry::{Ball, Domain},
     interaction::Interactions,
+    linalg::ROUNDING,
     mechanics::{
         ContactHistory, ExtrapolationHistory, FlowSolver, Level, MeshLevel, Moving, ResidualMonitor, Share, State, SuspendedBody,
         unsteady::LARGEST_COURANT,

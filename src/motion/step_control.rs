@@ -4,6 +4,7 @@ use nalgebra::SVector;
 
 use super::shift_period::ShiftPeriod;
 use crate::{
+    linalg::ROUNDING,
     mechanics::unsteady::{COURANT, LARGEST_COURANT},
     parallel::Peers,
     scene::{Step, TimeSection},
@@ -19,9 +20,6 @@ const TOLERATED: f64 = LARGEST_COURANT / COURANT;
 
 /// Shortest part of a fixed step that is tried where the whole one leads nowhere.
 const SHORTEST_PART: f64 = 1.0 / 64.0;
-
-/// Part of a step that is rounding.
-pub const ROUNDING: f64 = 1e-9;
 
 /// How steps are chosen: none moves a body by more than a part of its radius, none is much longer than the one before.
 #[derive(Debug, Clone, PartialEq)]

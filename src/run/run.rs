@@ -17,6 +17,7 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
+    linalg::ROUNDING,
     mechanics::{FlowSolver, Setup, Solution, State},
     motion::{Observation, Simulation},
     observe::{self, Viscosity},
@@ -27,9 +28,6 @@ use crate::{
     scene::{ContactModel, Scene},
     study::{RefinementSequence, Solved},
 };
-
-/// Rounding of a time that is a sum of steps.
-const ROUNDING: f64 = 1e-9;
 
 /// How much wider than wanted an interval is at most before steps that may end the run: these start from a checkpoint.
 const ABOUT: f64 = 1.25;

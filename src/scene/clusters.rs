@@ -1,11 +1,9 @@
 //! Rigid clusters: balls that move as one body.
 
 use crate::error::Result;
+use crate::linalg::ROUNDING;
 use crate::scene::entry::Entry;
 use crate::scene::table::Table;
-
-/// Part of a distance that is rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// The shape of rigid clusters.
 #[derive(Debug, Clone, PartialEq)]

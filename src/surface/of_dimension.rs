@@ -12,6 +12,7 @@ use super::{
     sphere_pair,
     spherical::{self, Spherical},
 };
+use crate::linalg::ROUNDING;
 
 /// Highest order of modes that are tabulated.
 pub fn highest_order(dimension: usize) -> usize {
@@ -61,9 +62,6 @@ pub fn wall_mobility(dimension: usize, radius: f64, height: f64, reach: f64, mem
         _ => sphere_pair::wall_mobility(radius, height, members),
     }
 }
-
-/// Part of the cells of a radius that is rounding: a whole number of them is the usual case, and must have one rule whatever the unit of length.
-const ROUNDING: f64 = 1e-9;
 
 /// The rule for modes of the given order on a ball of `radius_over_spacing = a/h`.
 ///

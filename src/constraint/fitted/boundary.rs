@@ -11,15 +11,13 @@ use super::{
     grading::Grading,
 };
 use crate::geometry::{Ball, Domain};
+use crate::linalg::ROUNDING;
 
 /// Steps by which a line is measured, in wanted lengths of edges.
 const MEASURING_STEP: f64 = 0.1;
 
 /// Part of an edge by which vertices leave their place at random: four on a circle would have no unique triangulation.
 pub const DISORDER: f64 = 1e-3;
-
-/// Part of a number of edges that is rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// Fewest vertices on a line, so that periodic images of edges are told apart.
 const FEWEST: usize = 4;

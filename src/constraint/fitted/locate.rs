@@ -5,9 +5,7 @@ use std::{iter::Sum, ops::Mul};
 use nalgebra::{Vector2, Vector3};
 
 use super::{Mesh, Place, Triangle, element::values};
-
-/// Rounding up to which a point lies in a triangle.
-const ROUNDING: f64 = 1e-9;
+use crate::linalg::ROUNDING;
 
 /// Triangles by the cells of a lattice that they reach into.
 pub struct Locator<'a> {

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::pair::Lift;
+use crate::linalg::ROUNDING;
 use crate::linalg::lagrange;
 
 /// Nodes of an octave, both of its ends among them.
@@ -13,9 +14,6 @@ pub const LARGEST_BALANCED: f64 = 2.0;
 
 /// The last octave, whose end larger ratios count as.
 const LAST_OCTAVE: f64 = 9.0;
-
-/// Weight that is rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// A ratio of radii, and how relative motions of the pair are lifted to motions of both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

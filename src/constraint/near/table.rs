@@ -12,6 +12,7 @@ use std::{
 use nalgebra::DMatrix;
 
 use super::{block::PairSide, pattern::Pattern};
+use crate::linalg::ROUNDING;
 use crate::{constraint::neighbourhood::PAIR_REACH, linalg::cubic};
 
 /// Nodes of a table.
@@ -19,9 +20,6 @@ const NODES: usize = 24;
 
 /// Ratios of radii are rounded to this fraction of an octave.
 const STEPS_PER_OCTAVE: f64 = 16.0;
-
-/// Part of a unit motion that is rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// What is known of the rigid modes of bodies, of which the correction tells the others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,15 +5,13 @@
 //! What presses weakly at the end of long chains of contacts it finds too slowly to be a method of its own.
 
 use super::program::{Program, clip};
+use crate::linalg::ROUNDING;
 use crate::linalg::dot;
 
 /// The largest eigenvalue of `A A^T` that is assumed at first: disks of one size in a dense crowd have 2 to 3.
 const STIFFNESS: f64 = 2.5;
 /// What it grows by where it was too small.
 const STIFFER: f64 = 1.3;
-/// A violation of the bound by this part is rounding.
-const ROUNDING: f64 = 1e-9;
-
 /// Multipliers after so many iterations from a guess.
 pub fn descend(program: &Program, guess: &[f64], iterations: usize) -> Vec<f64> {
     let mut descent = Descent::new(program, guess);

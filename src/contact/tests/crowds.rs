@@ -33,7 +33,7 @@ fn assert_sound<const D: usize>(scene: &Scene<D>, contacts: usize) {
     assert!(kkt_report.kkt_residual < 1e-10, "{kkt_report:?}");
     assert!(kkt_report.active >= contacts, "{kkt_report:?}");
     assert!((kkt_report.smallest_gap.min(0.0) + scene.overlap(&projection)).abs() < 1e-12, "{kkt_report:?}");
-    assert!(scene.energy(&projection.velocities) <= scene.energy(&scene.velocities) * (1.0 + ROUNDING));
+    assert!(scene.energy(&projection.velocities) <= scene.energy(&scene.velocities) * (1.0 + EXACT));
 }
 
 #[test]
@@ -115,9 +115,9 @@ fn a_pressed_crystal_stands_still() {
     let projection = crystal(10, 10).solve().unwrap();
     let weight: f64 = 100.0 * 1e-3;
     let floor = projection.forces.iter().filter(|force| force.contact.normal[1] == -1.0);
-    assert!((floor.map(|force| force.force).sum::<f64>() - weight).abs() < ROUNDING);
-    assert!(projection.velocities.iter().all(|velocity| velocity.norm() < ROUNDING));
-    assert!(projection.kkt_report.kkt_residual < ROUNDING, "{:?}", projection.kkt_report);
+    assert!((floor.map(|force| force.force).sum::<f64>() - weight).abs() < EXACT);
+    assert!(projection.velocities.iter().all(|velocity| velocity.norm() < EXACT));
+    assert!(projection.kkt_report.kkt_residual < EXACT, "{:?}", projection.kkt_report);
     assert!(projection.kkt_report.active > 220, "{:?}", projection.kkt_report);
 }
 
@@ -126,8 +126,8 @@ fn a_pressed_crystal_of_spheres_stands_still() {
     let place = |body: usize| [body % 5, body / 5 % 5, body / 25].map(|index| 1.0 + 2.0 * index as f64);
     let bodies: Vec<_> = (0..125).map(|body| (place(body), [2e-3, 1e-3, -1e-2])).collect();
     let projection = Scene::new(domain([10.0; 3], [false; 3]), &bodies).solve().unwrap();
-    assert!(projection.velocities.iter().all(|velocity| velocity.norm() < ROUNDING));
-    assert!(projection.kkt_report.kkt_residual < ROUNDING, "{:?}", projection.kkt_report);
+    assert!(projection.velocities.iter().all(|velocity| velocity.norm() < EXACT));
+    assert!(projection.kkt_report.kkt_residual < EXACT, "{:?}", projection.kkt_report);
 }
 
 #[test]
@@ -140,7 +140,7 @@ fn a_disturbed_crystal_settles_without_overlap() {
     for _ in 0..20 {
         let projection = scene.solve().unwrap();
         assert!(scene.overlap(&projection) < 1e-11, "{:?}", projection.kkt_report);
-        assert!(projection.kkt_report.kkt_residual < ROUNDING, "{:?}", projection.kkt_report);
+        assert!(projection.kkt_report.kkt_residual < EXACT, "{:?}", projection.kkt_report);
         scene.balls = scene.moved(&projection);
     }
 }

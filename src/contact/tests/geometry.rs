@@ -34,8 +34,8 @@ fn bodies_meet_across_the_seam() {
     let scene = Scene::new(domain([20.0, 20.0], [true, true]), &[([1.5, 0.2], [-1.0, 0.0]), ([19.0, 19.8], [1.0, 0.0])]);
     let projection = scene.solve().unwrap();
     assert_eq!(projection.forces[0].contact.image, [-1, -1]);
-    assert!(scene.overlap(&projection) < ROUNDING);
-    assert!((projection.velocities[0] + projection.velocities[1]).norm() < ROUNDING);
+    assert!(scene.overlap(&projection) < EXACT);
+    assert!((projection.velocities[0] + projection.velocities[1]).norm() < EXACT);
 }
 
 #[test]
@@ -43,7 +43,7 @@ fn two_images_of_one_pair_are_two_contacts() {
     let scene = Scene::new(domain([4.0, 20.0], [true, true]), &[([1.0, 5.0], [0.0, 0.0]), ([3.0, 5.0], [0.3, 0.0])]);
     let projection = scene.solve().unwrap();
     assert_eq!(projection.forces.iter().map(|force| force.contact.image).collect::<Vec<_>>(), [[-1, 0], [0, 0]]);
-    assert!(projection.velocities.iter().all(|velocity| (velocity - Vector2::new(0.15, 0.0)).norm() < ROUNDING));
+    assert!(projection.velocities.iter().all(|velocity| (velocity - Vector2::new(0.15, 0.0)).norm() < EXACT));
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn bodies_that_would_fly_through_each_other_meet() {
         let projection = scene.solve().unwrap();
         let moved = scene.moved(&projection);
         assert!(moved[0].center[0] < moved[1].center[0], "{} {}", moved[0].center, moved[1].center);
-        assert!(scene.overlap(&projection) < ROUNDING);
+        assert!(scene.overlap(&projection) < EXACT);
     }
 }
 
@@ -76,7 +76,7 @@ fn bodies_meet_images_many_boxes_away() {
     let mut lower = scene.clone();
     lower.balls[1].center[1] = 6.5;
     let projection = lower.solve().unwrap();
-    assert!(projection.kkt_report.active > 0 && lower.overlap(&projection) < ROUNDING);
+    assert!(projection.kkt_report.active > 0 && lower.overlap(&projection) < EXACT);
     let common: Vector3<f64> = projection.velocities.iter().sum();
     assert!((common - Vector3::new(35.0, 0.0, -0.1)).norm() < 1e-11);
 }
@@ -109,7 +109,7 @@ fn normals_point_from_the_body_to_the_partner() {
             Partner::Body(_) => Vector2::new(-1.0, 0.0),
             Partner::Wall { upper, .. } => Vector2::new(0.0, if upper { 1.0 } else { -1.0 }),
         };
-        assert!((contact.normal - expected).norm() < ROUNDING);
+        assert!((contact.normal - expected).norm() < EXACT);
         assert!(contact.opening(&[Vector2::new(-2.0, 0.0), Vector2::zeros(), Vector2::zeros()]) <= 0.0);
     }
 }

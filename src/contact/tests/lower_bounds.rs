@@ -17,7 +17,7 @@ fn pulled(count: usize, velocity: impl Fn(usize) -> f64, floor: impl Fn(usize) -
 fn assert_near(found: impl Iterator<Item = f64>, expected: &[f64]) {
     let found: Vec<f64> = found.collect();
     assert_eq!(found.len(), expected.len());
-    assert!(found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < ROUNDING), "{found:?} instead of {expected:?}");
+    assert!(found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < EXACT), "{found:?} instead of {expected:?}");
 }
 
 #[test]
@@ -26,7 +26,7 @@ fn a_contact_that_may_pull_enough_stays_closed() {
     assert_near(projection.velocities.iter().map(|velocity| velocity[0]), &[0.0; 3]);
     assert_near(projection.forces.iter().map(|force| force.force), &[-1.0; 2]);
     assert_eq!((projection.kkt_report.active, projection.kkt_report.islands), (2, 1));
-    assert!(projection.kkt_report.kkt_residual < ROUNDING);
+    assert!(projection.kkt_report.kkt_residual < EXACT);
 }
 
 #[test]
@@ -37,7 +37,7 @@ fn a_contact_that_may_not_opens_with_the_pull_that_it_has() {
             if count == 2 { (&[-0.75, -0.25], &[-0.25]) } else { (&[-0.75, 0.375, 0.375], &[-0.25, -0.625]) };
         assert_near(projection.velocities.iter().map(|velocity| velocity[0]), velocities);
         assert_near(projection.forces.iter().map(|force| force.force), forces);
-        assert!(projection.kkt_report.kkt_residual < ROUNDING, "{:?}", projection.kkt_report);
+        assert!(projection.kkt_report.kkt_residual < EXACT, "{:?}", projection.kkt_report);
     }
 }
 
@@ -46,5 +46,5 @@ fn a_contact_that_may_not_opens_with_the_pull_that_it_has() {
 fn a_long_row_that_may_pull_for_ever_stays_closed() {
     let projection = pulled(20, |body| 0.01 * (body as f64 - 9.5), |_| -1e6);
     assert_near(projection.velocities.iter().map(|velocity| velocity[0]), &[0.0; 20]);
-    assert!((projection.forces[9].force + 0.5).abs() < ROUNDING, "{}", projection.forces[9].force);
+    assert!((projection.forces[9].force + 0.5).abs() < EXACT, "{}", projection.forces[9].force);
 }

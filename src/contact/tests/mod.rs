@@ -19,7 +19,7 @@ use crate::{
 };
 
 /// Gaps that close and sums that vanish are right to this, in radii or in what is summed.
-const ROUNDING: f64 = 1e-12;
+const EXACT: f64 = 1e-12;
 
 /// A problem that owns what it is about.
 #[derive(Clone)]

@@ -21,7 +21,7 @@ fn difference<const D: usize>(scene: &Scene<D>) -> f64 {
     for found in [&one, &two] {
         assert!(scene.overlap(found) < 1e-7, "{:?}", found.kkt_report);
         assert!(found.kkt_report.kkt_residual < 1e-7, "{:?}", found.kkt_report);
-        assert!(scene.energy(&found.velocities) <= scene.energy(&scene.velocities) * (1.0 + ROUNDING));
+        assert!(scene.energy(&found.velocities) <= scene.energy(&scene.velocities) * (1.0 + EXACT));
     }
     let largest =
         |one: &[SVector<f64, D>], two: &[SVector<f64, D>]| one.iter().zip(two).map(|(one, two)| (one - two).norm()).fold(0.0, f64::max);
@@ -126,7 +126,7 @@ proptest! {
         for solver in [Solver::General, Solver::Sparse] {
             let velocities = scene.solve_with(solver, &Memory::default()).unwrap().velocities;
             prop_assert!((momentum(&velocities) - momentum(&scene.velocities)).norm() < 1e-11 * speed.max(1.0));
-            prop_assert!(scene.energy(&velocities) <= scene.energy(&scene.velocities) * (1.0 + ROUNDING));
+            prop_assert!(scene.energy(&velocities) <= scene.energy(&scene.velocities) * (1.0 + EXACT));
         }
     }
 }

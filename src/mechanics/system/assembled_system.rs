@@ -18,6 +18,7 @@ use super::{
 use crate::{
     error::Result,
     flow::StokesInverse,
+    linalg::CANCELLATION,
     mechanics::{
         Configuration, ExtrapolationHistory, ResidualMonitor,
         work::{Sizes, SolvedUnknowns},
@@ -25,9 +26,6 @@ use crate::{
     petsc::{Krylov, Report, Session, Stage, Vector, enter},
     scene::{ConstraintMethod, MultiplierSolver},
 };
-
-/// Part of the velocities of a scene that rounding leaves where they cancel: bodies that the flow carries as they are.
-const ROUNDING: f64 = 1e-13;
 
 /// All that the solve of one configuration needs.
 pub struct AssembledSystem<'a, const D: usize> {
@@ -73,7 +71,7 @@ impl<'a, const D: usize> AssembledSystem<'a, D> {
         let prescribed_drag = prescribed_drag(&fixed.session, &operators);
         let wanted = bodies.wanted_rows(&assembly.blocks, &operators, &assembly.undisturbed, configuration.pushes);
         fixed.fill_right_hand_side(&wanted, pair_constraints.wanted(), prescribed_drag, &mut workspace.rhs)?;
-        let rounding = ROUNDING * scale(&fixed.session, &assembly.undisturbed, &workspace.rhs)?;
+        let rounding = CANCELLATION * scale(&fixed.session, &assembly.undisturbed, &workspace.rhs)?;
         let unit = pair_constraints.scale * fixed.setup.viscosity;
         let pressed = configuration.pressed.iter().filter(|pressed| belongs(&bodies.layout, pressed)).map(|pressed| pressed.force / unit);
         workspace.start(&bodies, guess.as_ref(), pressed.collect())?;

@@ -61,7 +61,7 @@ use crate::{
 const LEVELS: usize = 3;
 
 /// Change of the shift, as a part, that is rounding of time steps.
-const ROUNDING: f64 = 1e-7;
+const SAME_SHIFT: f64 = 1e-7;
 
 /// Cells that the flow passes in a step beyond which what is extrapolated means nothing, and no round of contacts is worth while.
 const MEANINGLESS_COURANT: f64 = 3.0;
@@ -301,7 +301,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         let (last, earlier) = (self.past[0].0.time, self.past.get(1).map(|(level, _)| level.time));
         let weights = StepWeights::new(time - last, earlier.map(|earlier| last - earlier));
         let shift = self.inverse_diffusivity() * weights.rate[0];
-        if self.inverse.is_none() || (shift / self.fixed.stokes.shift() - 1.0).abs() > ROUNDING {
+        if self.inverse.is_none() || (shift / self.fixed.stokes.shift() - 1.0).abs() > SAME_SHIFT {
             let _stage = enter(Stage::SetUp);
             // the old one gives its memory back first
             self.inverse = None;

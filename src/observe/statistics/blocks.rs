@@ -4,9 +4,6 @@
 //! doi:10.1287/mnsc.10.1.47), and as there are few blocks, Student's distribution replaces the normal one. How many blocks are few enough cannot be
 //! chosen on the samples without making the interval too narrow: two numbers are fixed, and the wider of the two intervals counts.
 
-/// Scatter over the mean that is rounding.
-pub(super) const ROUNDING: f64 = 1e-9;
-
 /// Numbers of blocks that the samples are divided into.
 pub const BLOCKS: [usize; 2] = [3, 6];
 

@@ -2,11 +2,12 @@
 
 use super::{
     Interval, Shortage,
-    blocks::{ROUNDING, block_means, mean},
+    blocks::{block_means, mean},
     interval, resampled,
     shortage::{FEWEST_SAMPLES, MOST_CORRELATED},
     transient,
 };
+use crate::linalg::ROUNDING;
 
 /// Most samples that a curve is turned into.
 const MOST_SAMPLES: usize = 4096;

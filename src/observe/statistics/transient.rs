@@ -1,6 +1,6 @@
 //! How much of the beginning of a record to leave out (MSER-5: White 1997, doi:10.1177/003754979706900601).
 
-use super::blocks::ROUNDING;
+use crate::linalg::ROUNDING;
 
 /// Samples that are averaged before they are looked at.
 const BATCH: usize = 5;

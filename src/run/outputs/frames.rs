@@ -12,6 +12,7 @@ use super::fields::FlowFields;
 use crate::{
     contact::{Contact, Identity, bodies_of, renamed},
     error::Result,
+    linalg::ROUNDING,
     mechanics::State,
     motion::Simulation,
     output::{Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameMembranes, Frames, Summary, note},
@@ -19,9 +20,6 @@ use crate::{
     run::{Evaluated, EvaluatedMotion, Output},
     scene::{ContactModel, Scene},
 };
-
-/// Rounding of a time that is a multiple of the time between frames.
-const ROUNDING: f64 = 1e-9;
 
 /// Files that show the frames.
 pub const INDICES: [&str; 6] = ["run.h5", "bodies.xdmf", "contacts.xdmf", "bonds.xdmf", "membranes.xdmf", "fields.xdmf"];

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::{
     error::Result,
     geometry::{Ball, Domain},
+    linalg::ROUNDING,
     observe::{FrameBody, PairCounts, PairDistribution, Shear},
     output::{FrameFile, MeanViscosity, PairSummary, Summary, pair_files},
     parallel::World,
@@ -59,9 +60,6 @@ impl<const D: usize> Output<D> for PairFiles {
         files.iter().map(|(name, bytes)| seen.write_file(&self.folder, name, bytes)).collect()
     }
 }
-
-/// Part of a time that is rounding: the frame at half time counts in a run that was resumed as in one that was not.
-const ROUNDING: f64 = 1e-9;
 
 /// The time from which frames of a run until `end` count: where the steady part of its viscosity begins, or else its second half, but for rounding.
 /// Collective.
