@@ -30,29 +30,16 @@ pub fn picture<const D: usize>(
     let disturbance = velocities(suspension.grid(), &solution.fluid, &points)?;
     let total: Vec<SVector<f64, D>> =
         points.iter().zip(disturbance).map(|(point, velocity)| velocity + setup.drive.background(point)).collect();
-    let [across, up] = plane.axes;
     let (quantity, coloured) = match colour {
         Colour::Vorticity => {
+            let [across, up] = plane.axes;
             let values = vorticity_at(suspension.grid(), &solution.fluid, &setup.drive, &points, (up, across))?;
             (SpeedScale::name("vorticity \u{3c9}", scale.rate.1), values.into_iter().map(|value| value / scale.rate.0).collect())
         }
-        Colour::NonAffine => {
-            let affine = AffineFlow::of(scene).expect("the colour is that of a shear");
-            let deviation =
-                |(point, velocity): (&SVector<f64, D>, &SVector<f64, D>)| affine.deviation(point.as_slice(), velocity.as_slice());
-            let name = SpeedScale::name(NON_AFFINE, scale.words);
-            (name, points.iter().zip(&total).map(|own| deviation(own) / scale.unit).collect())
-        }
-        _ => (SpeedScale::name("speed |u|", scale.words), total.iter().map(|velocity| velocity.norm() / scale.unit).collect::<Vec<f64>>()),
+        _ => coloured_by_speed(scene, &points, &total),
     };
     let groups = groups(setup, colour);
-    let cuts = |center: SVector<f64, D>, radius: f64| plane.cut(&Ball { center, radius }).is_some();
-    let cut = |line: &&ForceLine<D>| {
-        let [own, other] = line.radii;
-        cuts(line.from, own) && (other == 0.0 || cuts(line.from + line.way, other))
-    };
-    let contacts: Vec<ForceLine<D>> = contacts.iter().filter(cut).copied().collect();
-    let (lines, largest) = force_lines(&contacts, |vector| plane.within(vector));
+    let (lines, largest) = force_lines(&cut_lines(&plane, contacts), |vector| plane.within(vector));
     let strain = Shear::of(&setup.domain, &setup.drive).zip(time).map(|(shear, time)| format!("strain {:.4}", shear.rate.abs() * time));
     let forces = (!lines.is_empty()).then(|| format!("contact forces as widths of lines, the widest {largest:.4}"));
     let told = [time.map(|time| format!("time {time:.4}")), strain, plane.place(), forces];
@@ -77,6 +64,31 @@ pub fn picture<const D: usize>(
         least_speed: scale.least * scale.unit,
         signed: colour == Colour::Vorticity,
     })
+}
+
+/// The speed at points where the flow has these velocities, or that relative to a shear: its name, and its values in the unit of the picture.
+fn coloured_by_speed<const D: usize>(scene: &Scene, points: &[SVector<f64, D>], velocities: &[SVector<f64, D>]) -> (String, Vec<f64>) {
+    let scale = SpeedScale::of(scene);
+    match scene.output.colour {
+        Colour::NonAffine => {
+            let affine = AffineFlow::of(scene).expect("the colour is that of a shear");
+            let deviation =
+                |(point, velocity): (&SVector<f64, D>, &SVector<f64, D>)| affine.deviation(point.as_slice(), velocity.as_slice());
+            let values = points.iter().zip(velocities).map(|own| deviation(own) / scale.unit).collect();
+            (SpeedScale::name(NON_AFFINE, scale.words), values)
+        }
+        _ => (SpeedScale::name("speed |u|", scale.words), velocities.iter().map(|velocity| velocity.norm() / scale.unit).collect()),
+    }
+}
+
+/// The contact forces between bodies that the plane cuts.
+fn cut_lines<const D: usize>(plane: &CutPlane<D>, contacts: &[ForceLine<D>]) -> Vec<ForceLine<D>> {
+    let cuts = |center: SVector<f64, D>, radius: f64| plane.cut(&Ball { center, radius }).is_some();
+    let cut = |line: &&ForceLine<D>| {
+        let [own, other] = line.radii;
+        cuts(line.from, own) && (other == 0.0 || cuts(line.from + line.way, other))
+    };
+    contacts.iter().filter(cut).copied().collect()
 }
 
 /// How fast the box above moves past this one, along x.

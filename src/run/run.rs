@@ -112,14 +112,7 @@ impl<'a, const D: usize> Run<'a, D> {
         let signals = if options.signals && scene.time.is_some() { Some(Signals::listen()?) } else { None };
         let resolved = calibrated.as_ref().map_or_else(|| scene.clone(), |calibrated| calibrated.calibration.resolved(scene));
         let mut machinery = Machinery::new(session, &resolved, solved)?;
-        let statistics = match (checkpoint, &mut machinery) {
-            (Some(checkpoint), Machinery::InTime { simulation, .. }) => {
-                let statistics = outputs::restore(world, checkpoint, simulation)?;
-                refuse_the_past(scene, simulation.state().time)?;
-                statistics
-            }
-            _ => RunStatistics::new(),
-        };
+        let statistics = machinery.restored(world, scene, checkpoint)?;
         if let (Some(signals), Machinery::InTime { simulation, .. }) = (&signals, &mut machinery) {
             simulation.heed(signals.stop_request());
         }
@@ -373,6 +366,18 @@ impl<'a, const D: usize> Run<'a, D> {
 }
 
 impl<const D: usize> Machinery<D> {
+    /// Goes on from a checkpoint, if there is one; what was counted until then.
+    fn restored(&mut self, world: &World, scene: &Scene, checkpoint: Option<&Checkpoint>) -> Result<RunStatistics> {
+        match (checkpoint, self) {
+            (Some(checkpoint), Machinery::InTime { simulation, .. }) => {
+                let statistics = outputs::restore(world, checkpoint, simulation)?;
+                refuse_the_past(scene, simulation.state().time)?;
+                Ok(statistics)
+            }
+            _ => Ok(RunStatistics::new()),
+        }
+    }
+
     /// For a scene that says how fine it is, or what a calibration has solved last.
     fn new(session: &Session, resolved: &Scene, solved: Option<Solved<D>>) -> Result<Machinery<D>> {
         match (&resolved.time, solved) {

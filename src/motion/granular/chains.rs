@@ -122,14 +122,8 @@ impl<const D: usize> GranularChains<D> {
         let of_chain = |chain: &Range<usize>| conserved.iter().filter(|kept| kept.bodies.start == chain.start).map(placed).collect();
         let solved = |chain: &&Range<usize>| {
             let (first, now) = (place(chain.start), springs(chain, 0.0));
-            let length = |one: usize, other: usize| (centers[other] - centers[one]).norm();
-            let rod = |spring: &Spring<D>| match spring.ends[..] {
-                [(one, _), (other, _)] if spring.stiffness.is_infinite() => {
-                    Some(Kept::Rod([one, other], length(one, other) - spring.value))
-                }
-                _ => None,
-            };
-            let rows = rule.rows(&now, &springs(chain, step.length)).into_iter().zip(now.iter().map(rod)).collect();
+            let rods = now.iter().map(|spring| rod(&centers, spring));
+            let rows = rule.rows(&now, &springs(chain, step.length)).into_iter().zip(rods).collect();
             GranularChain::new(first..first + chain.len(), rows, of_chain(chain), &resistances)
         };
         let chains = seen.iter().map(solved).collect();
@@ -247,5 +241,15 @@ impl<const D: usize> Accelerated<D> {
         let weight = (self.momentum - 1.0) / next;
         self.ahead = found.iter().zip(&self.last).map(|(found, last)| found + (found - last) * weight).collect();
         (self.last, self.momentum) = (found, next);
+    }
+}
+
+/// The length that a rigid spring between two bodies keeps.
+fn rod<const D: usize>(centers: &[SVector<f64, D>], spring: &Spring<D>) -> Option<Kept> {
+    match spring.ends[..] {
+        [(one, _), (other, _)] if spring.stiffness.is_infinite() => {
+            Some(Kept::Rod([one, other], (centers[other] - centers[one]).norm() - spring.value))
+        }
+        _ => None,
     }
 }

@@ -76,6 +76,18 @@ impl Report {
         row
     }
 
+    /// Points that differ in the first key alone, with the values that the other keys have there.
+    fn lines(&self) -> Vec<(&[Assignment], Vec<&Point>)> {
+        let mut lines: Vec<(&[Assignment], Vec<&Point>)> = Vec::new();
+        for point in &self.points {
+            match lines.iter_mut().find(|(rest, _)| *rest == &point.point[1..]) {
+                Some((_, points)) => points.push(point),
+                None => lines.push((&point.point[1..], vec![point])),
+            }
+        }
+        lines
+    }
+
     /// The quantity against the first key, a line for each combination of the others; a key of words is drawn by the places of its values.
     fn chart(&self, quantity: usize) -> String {
         let estimate = |point: &Point| point.quantities[quantity].clone();
@@ -94,13 +106,7 @@ impl Report {
                 (1..).zip(&first.values).map(|(n, value)| format!("{n} {value}")).collect::<Vec<_>>().join(", ")
             ),
         };
-        let mut lines: Vec<(&[Assignment], Vec<&Point>)> = Vec::new();
-        for point in &self.points {
-            match lines.iter_mut().find(|(rest, _)| *rest == &point.point[1..]) {
-                Some((_, points)) => points.push(point),
-                None => lines.push((&point.point[1..], vec![point])),
-            }
-        }
+        let mut lines = self.lines();
         // circles are hollow where others are means over a steady part
         let steady = self.points.iter().any(|point| estimate(point).over == Some(Over::Steady));
         let (mut series, mut notes) = (Vec::new(), Notes::default());

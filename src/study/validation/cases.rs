@@ -30,6 +30,21 @@ const NUNAN: &str = "Nunan & Keller 1984, recomputed";
 /// All cases, in the order of the table.
 pub fn cases() -> Vec<Case> {
     let mut all = Vec::new();
+    square_arrays(&mut all);
+    cubic_arrays(&mut all);
+    lattices(&mut all);
+    free_disks(&mut all);
+    beside_walls(&mut all);
+    all.extend(random::cases());
+    all.extend(beds::cases());
+    all.extend(scalar::cases());
+    all.extend(clusters::cases());
+    all.extend(chains::cases());
+    all.push(spring::case());
+    all
+}
+
+fn square_arrays(all: &mut Vec<Case>) {
     for (fraction, name, drag, grids) in [
         (0.1, "drag, square array 0.1", 24.8316752488, [(24, 4, 5e-3), (32, 6, 1e-3), (64, 8, 5e-4)]),
         (0.3, "drag, square array 0.3", 102.881303670, [(16, 4, 5e-3), (32, 8, 5e-4), (64, 8, 2e-4)]),
@@ -42,6 +57,9 @@ pub fn cases() -> Vec<Case> {
             case(name, SANGANI, square_array(fraction, drag), grid, tolerance, Component { place: 0, factor: 1.0, offset: 0.0 })
         }));
     }
+}
+
+fn cubic_arrays(all: &mut Vec<Case>) {
     for (fraction, name, drag, grids) in [
         (0.064, "drag, cubic array 0.064", 2.810198125, [(4.0, 3, 1e-2), (6.0, 5, 4e-3)]),
         (0.125, "drag, cubic array 0.125", 4.291589200, [(4.0, 3, 1e-2), (6.0, 5, 4e-3)]),
@@ -53,6 +71,9 @@ pub fn cases() -> Vec<Case> {
             case(name, ZICK, cubic_array(fraction, drag), grid, tolerance, over_stokes_drag(radius))
         }));
     }
+}
+
+fn lattices(all: &mut Vec<Case>) {
     let increment = Component { place: 0, factor: 1.0, offset: -1.0 };
     for (fraction, name, viscosity) in [
         (0.01, "viscosity increment, square lattice 0.01", 1.01988520959),
@@ -68,12 +89,18 @@ pub fn cases() -> Vec<Case> {
         let grid = Grid::spheres(sphere_radius(fraction), 5.0, 4);
         all.push(case(name, NUNAN, sphere_lattice(fraction, viscosity), grid, 1e-2, increment));
     }
+}
+
+fn free_disks(all: &mut Vec<Case>) {
     for (length, name, spin) in
         [(1.0, "spin, free disk in a Couette cell, L = H", -0.485564146), (8.0, "spin, free disk in a Couette channel", -0.48207921)]
     {
         let spin_alone = Component { place: 2, factor: -1.0 / 0.125, offset: 0.0 };
         all.push(case(name, SERIES, couette_spin(length, 0.125, spin), Grid::disks(0.125, 8.0, 6), 3e-3, spin_alone));
     }
+}
+
+fn beside_walls(all: &mut Vec<Case>) {
     let (cell, grid) = (couette_viscosity(1.0, 0.2, 1.291011445), || Grid::disks(0.2, 8.0, 8));
     let from_walls = |viscosity: Viscosity| viscosity.from_walls.unwrap_or(f64::NAN);
     let whole = Component { place: 0, factor: 1.0, offset: 0.0 };
@@ -101,13 +128,6 @@ pub fn cases() -> Vec<Case> {
         case("drag, disk in a closed box", SERIES, closed_box_disk(0.2, 55.04312168), Grid::disks(0.2, 9.6, 8), 5e-3, over),
         case("drag over Stokes drag, sphere in a closed box", SERIES, closed_box_sphere(), Grid::spheres(0.2, 5.0, 4), 1e-2, sphere),
     ]);
-    all.extend(random::cases());
-    all.extend(beds::cases());
-    all.extend(scalar::cases());
-    all.extend(clusters::cases());
-    all.extend(chains::cases());
-    all.push(spring::case());
-    all
 }
 
 /// A grid with the order of the modes.

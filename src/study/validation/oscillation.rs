@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 use rustfft::num_complex::Complex;
 
 use super::follow::{Row, follow};
-use crate::{error::Result, petsc::Session};
+use crate::{error::Result, mechanics::BodyState, petsc::Session};
 
 /// Length of decay from the surface, in radii.
 const DECAY: f64 = 0.28;
@@ -32,18 +32,40 @@ pub enum Oscillation {
     Rotation,
 }
 
+impl Oscillation {
+    /// The keys of a given motion of this amplitude.
+    fn keys<const D: usize>(self) -> String {
+        match (self, D) {
+            (Oscillation::Translation, _) => {
+                format!("amplitude = {:?}", std::array::from_fn::<f64, D, _>(|axis| if axis == 0 { AMPLITUDE } else { 0.0 }))
+            }
+            (Oscillation::Rotation, 2) => format!("rotation = {AMPLITUDE}"),
+            (Oscillation::Rotation, _) => format!("rotation = [0.0, 0.0, {AMPLITUDE}]"),
+        }
+    }
+
+    fn verb(self) -> &'static str {
+        match self {
+            Oscillation::Translation => "moves",
+            Oscillation::Rotation => "turns",
+        }
+    }
+
+    /// The component of the load of a body that has this motion.
+    fn load<const D: usize>(self, body: &BodyState<D>) -> f64 {
+        match self {
+            Oscillation::Translation => body.force[0],
+            Oscillation::Rotation => body.torque[(1, 0)],
+        }
+    }
+}
+
 /// Amplitude and phase of a body of radius 1 in a fluid of density 1 at an angular frequency of 1.
 pub fn oscillating<const D: usize>(session: &Session, cells: usize, oscillation: Oscillation) -> Result<(usize, Vec<Row>)> {
     let viscosity = 0.5 * DECAY * DECAY;
     let modes = if D == 2 { cells } else { cells.min(4) };
     let (size, center) = (format!("{:?}", [SIDE[D - 2]; D]), format!("{:?}", [0.5 * SIDE[D - 2]; D]));
-    let motion = match (oscillation, D) {
-        (Oscillation::Translation, _) => {
-            format!("amplitude = {:?}", std::array::from_fn::<f64, D, _>(|axis| if axis == 0 { AMPLITUDE } else { 0.0 }))
-        }
-        (Oscillation::Rotation, 2) => format!("rotation = {AMPLITUDE}"),
-        (Oscillation::Rotation, _) => format!("rotation = [0.0, 0.0, {AMPLITUDE}]"),
-    };
+    let motion = oscillation.keys::<D>();
     // from rest: the way is a cosine
     let text = format!(
         "domain = {{ size = {size} }}\nflow = {{ model = \"navier-stokes\", viscosity = {viscosity}, density = 1.0 }}\n\
@@ -59,18 +81,13 @@ pub fn oscillating<const D: usize>(session: &Session, cells: usize, oscillation:
     let steps = follow::<D>(session, &text, |simulation, observation| {
         let (state, Some(solution)) = (simulation.state(), &observation.solution) else { return Ok(()) };
         if state.steps > (PERIODS - 1) * STEPS {
-            let load = match oscillation {
-                Oscillation::Translation => solution.bodies[0].force[0],
-                Oscillation::Rotation => solution.bodies[0].torque[(1, 0)],
-            };
-            found += Complex::from_polar(2.0 / STEPS as f64 * load, -state.time);
+            found += Complex::from_polar(2.0 / STEPS as f64 * oscillation.load(&solution.bodies[0]), -state.time);
         }
         Ok(())
     })?;
     // the way is AMPLITUDE cos t, or the angle: a velocity of i AMPLITUDE
     let exact = load::<D>(oscillation, viscosity) * Complex::new(0.0, AMPLITUDE);
-    let name =
-        format!("{} that {}", if D == 2 { "disk" } else { "sphere" }, if oscillation == Oscillation::Rotation { "turns" } else { "moves" });
+    let name = format!("{} that {}", if D == 2 { "disk" } else { "sphere" }, oscillation.verb());
     let unit = viscosity * AMPLITUDE;
     let row = |what: &str, reference: f64, found: f64| Row {
         case: format!("{name} to and fro: {what}"),
@@ -80,13 +97,8 @@ pub fn oscillating<const D: usize>(session: &Session, cells: usize, oscillation:
         source: "exact (unsteady Stokes flow)",
     };
     let phase = |load: Complex<f64>| (-load / Complex::i()).arg().to_degrees();
-    Ok((
-        steps,
-        vec![
-            row("amplitude of the load", exact.norm() / unit, found.norm() / unit),
-            row("its phase before the velocity, degrees", phase(exact), phase(found)),
-        ],
-    ))
+    let amplitude = row("amplitude of the load", exact.norm() / unit, found.norm() / unit);
+    Ok((steps, vec![amplitude, row("its phase before the velocity, degrees", phase(exact), phase(found))]))
 }
 
 /// The force or torque of the fluid on a body with a unit velocity or spin `exp(i t)`.
