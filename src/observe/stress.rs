@@ -13,7 +13,12 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{cells::visit_inside, inertia::reynolds_stress, shear::Shear};
+use super::{
+    cells::visit_inside,
+    inertia::reynolds_stress,
+    parts::{Part, Parts},
+    shear::Shear,
+};
 use crate::{
     body::Motion,
     contact::ContactForce,
@@ -30,18 +35,8 @@ const DEPTH: f64 = 1.5;
 /// Mean stress over `mu rate`, without the mean pressure of the fluid; tension is positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stress<const D: usize> {
-    /// Of the fluid and of the stresslets of the flow, with the trace of the latter if it is known.
-    pub hydrodynamic: SMatrix<f64, D, D>,
-    /// Of lubrication beyond the resolved flow, if there is a model of it.
-    pub lubrication: Option<SMatrix<f64, D, D>>,
-    /// Of forces at a distance, of given torques, and between walls of given forces along them, if there are any.
-    pub interaction: Option<SMatrix<f64, D, D>>,
-    /// Of bonds.
-    pub bonds: Option<SMatrix<f64, D, D>>,
-    /// Of what fluctuations carry along, if there is inertia.
-    pub reynolds: Option<SMatrix<f64, D, D>>,
-    /// Of contacts.
-    pub contact: SMatrix<f64, D, D>,
+    /// Its parts; that of the flow has the trace of stresslets if it is known.
+    pub parts: Parts<SMatrix<f64, D, D>>,
     /// Whether the trace of the hydrodynamic part is known.
     pub with_trace: bool,
 }
@@ -84,25 +79,23 @@ impl<const D: usize> Stress<D> {
         let resolved = stresslets - films.unwrap_or_else(SMatrix::zeros);
         let pressure = pressure_on_bodies(setup, grid, solution)?;
         // what there is and does nothing yet has no stress, which is a number
-        let part = |there: bool, stress: Option<SMatrix<f64, D, D>>| stress.or(there.then(SMatrix::zeros)).map(|stress| stress / unit);
+        let of_all = |there: bool, stress: Option<SMatrix<f64, D, D>>| stress.or(there.then(SMatrix::zeros)).map(|stress| stress / unit);
         let trace = SMatrix::identity() * (pressure.unwrap_or(0.0) / shear.rate);
-        Ok(Stress {
-            hydrodynamic: shear.doubled_strain() + resolved / unit - trace,
-            lubrication: films.map(|stress| stress / unit),
-            interaction: part(setup.interactions.act_at_a_distance(), at_a_distance),
-            bonds: part(setup.interactions.tie(), solution.bond_stress),
-            reynolds: reynolds_stress(setup, grid, solution, shear)?.map(|stress| stress / unit),
-            contact: -moments / unit,
-            with_trace: pressure.is_some(),
-        })
+        let carried_along = reynolds_stress(setup, grid, solution, shear)?;
+        let parts = Parts::of(|part| match part {
+            Part::Hydrodynamic => Some(shear.doubled_strain() + resolved / unit - trace),
+            Part::Lubrication => films.map(|stress| stress / unit),
+            Part::Interaction => of_all(setup.interactions.act_at_a_distance(), at_a_distance),
+            Part::Bonds => of_all(setup.interactions.tie(), solution.bond_stress),
+            Part::Reynolds => carried_along.map(|stress| stress / unit),
+            Part::Contact => Some(-moments / unit),
+        });
+        Ok(Stress { parts, with_trace: pressure.is_some() })
     }
 
     /// The sum of all parts.
     pub fn total(&self) -> SMatrix<f64, D, D> {
-        [self.lubrication, self.interaction, self.bonds, self.reynolds]
-            .into_iter()
-            .flatten()
-            .fold(self.hydrodynamic + self.contact, |sum, part| sum + part)
+        self.parts.total()
     }
 
     /// Its normal stresses in a shear.
@@ -115,7 +108,7 @@ impl<const D: usize> Stress<D> {
             first: flow - gradient,
             second: (D == 3).then(|| gradient - (total.trace() - flow - gradient)),
             pressure: self.with_trace.then(|| mean(&total)),
-            contact_pressure: mean(&self.contact),
+            contact_pressure: self.parts.get(Part::Contact).map_or(0.0, |contact| mean(&contact)),
         }
     }
 }

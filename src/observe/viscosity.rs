@@ -3,6 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::{
+    parts::Parts,
     shear::Shear,
     stress::{NormalStresses, Stress},
 };
@@ -27,18 +28,8 @@ const EVEN: f64 = 1e-6;
 pub struct Viscosity {
     /// Rate of the simple shear in which it is measured.
     pub rate: f64,
-    /// Of the fluid and the stresslets of the flow: `1 + sum_i S_i / (mu rate V)`.
-    pub hydrodynamic: f64,
-    /// Of lubrication beyond the resolved flow, if there is a model of it.
-    pub lubrication: Option<f64>,
-    /// Of forces at a distance, of given torques (half the couple per volume), and between walls of given forces along them, if there are any.
-    pub interaction: Option<f64>,
-    /// Of bonds of chains and membranes, if there are any.
-    pub bonds: Option<f64>,
-    /// Of fluctuations that fluid and bodies carry along, if they have inertia: `-mean of rho v_x v_y / (mu rate)`.
-    pub reynolds: Option<f64>,
-    /// Of the contact forces `f`, between centres a distance `r n` apart: `-sum f r n n / (mu rate V)`.
-    pub contact: f64,
+    /// Its parts; that of the flow is `1 + sum_i S_i / (mu rate V)`.
+    pub parts: Parts<f64>,
     /// The mean stress of all parts over viscosity and rate, without the pressure of the fluid, tension positive; in two dimensions the rest is zero. It
     /// is not symmetric where torques are given: the first index is that of the force, the second that of the plane on which it acts. Its
     /// trace is that of contacts alone where the pressure that bodies bear is not known.
@@ -52,8 +43,7 @@ pub struct Viscosity {
 impl Viscosity {
     /// The sum of all parts.
     pub fn relative(&self) -> f64 {
-        let parts = [self.lubrication, self.interaction, self.bonds, self.reynolds];
-        parts.into_iter().flatten().fold(self.hydrodynamic, |sum, part| sum + part) + self.contact
+        self.parts.total()
     }
 }
 
@@ -80,12 +70,7 @@ pub fn viscosity<const D: usize>(
     };
     Ok(Some(Viscosity {
         rate: shear.rate,
-        hydrodynamic: shear.of_stress(&stress.hydrodynamic),
-        lubrication: stress.lubrication.map(|lubrication| shear.of_stress(&lubrication)),
-        interaction: stress.interaction.map(|interaction| shear.of_stress(&interaction)),
-        bonds: stress.bonds.map(|bonds| shear.of_stress(&bonds)),
-        reynolds: stress.reynolds.map(|reynolds| shear.of_stress(&reynolds)),
-        contact: shear.of_stress(&stress.contact),
+        parts: stress.parts.map(|part| shear.of_stress(&part)),
         stress: in_space(&stress.total()),
         normal: stress.normal(&shear),
         from_walls,

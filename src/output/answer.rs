@@ -43,7 +43,7 @@ fn of_viscosity(viscosity: &ViscositySummary) -> Vec<Answer> {
     let walls = viscosity.from_walls.map_or(String::new(), |walls| format!("   (from the force on the walls: {walls:.DECIMALS$})"));
     let when = if lines.is_empty() && too_short.is_none() { "" } else { " at the end" };
     lines.push(Answer::new("relative viscosity", format!("{:.DECIMALS$}{interval}{when}{walls}", viscosity.relative)));
-    lines.extend(split(viscosity.relative, &viscosity.parts()).map(|parts| Answer::new("made up of", parts)));
+    lines.extend(split(viscosity.relative, &viscosity.parts.in_words()).map(|parts| Answer::new("made up of", parts)));
     lines.extend(too_short.map(|short| Answer::new("mean viscosity", short.text())));
     lines
 }
@@ -51,7 +51,7 @@ fn of_viscosity(viscosity: &ViscositySummary) -> Vec<Answer> {
 fn of_mean(mean: &MeanViscosity) -> Vec<Answer> {
     let ([from, to], half) = (mean.strains, bar(mean.half_width()));
     let value = format!("{:.DECIMALS$} ± {half} (95 %) from strain {from:.2} to {to:.2}", mean.relative);
-    let parts = split(mean.relative, &mean.parts()).map(|parts| Answer::new("made up of", parts));
+    let parts = split(mean.relative, &mean.parts.in_words()).map(|parts| Answer::new("made up of", parts));
     [Answer::new("mean viscosity", value)].into_iter().chain(parts).collect()
 }
 

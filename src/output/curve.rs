@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::TooShort;
 use crate::observe::{
-    Viscosity,
+    Part, Parts, Viscosity,
     statistics::{Interval, Shortage, Steady, mean_from, steady},
 };
 
@@ -17,18 +17,8 @@ pub const LEAST_STRAIN: f64 = 20.0;
 pub struct CurvePoint {
     /// Strain so far.
     pub strain: f64,
-    /// From the resolved flow.
-    pub hydrodynamic: f64,
-    /// From lubrication beyond it, if there is a model of it.
-    pub lubrication: Option<f64>,
-    /// From forces at a distance, if there are any.
-    pub interaction: Option<f64>,
-    /// From bonds of chains and membranes, if there are any.
-    pub bonds: Option<f64>,
-    /// From fluctuations that are carried along, if there is inertia.
-    pub reynolds: Option<f64>,
-    /// From contacts, if a contact model acts.
-    pub contact: Option<f64>,
+    /// Its parts; that of contacts if a contact model acts.
+    pub parts: Parts<f64>,
     /// First normal stress difference.
     pub first_normal_difference: f64,
     /// Second normal stress difference, in three dimensions.
@@ -42,18 +32,9 @@ pub struct CurvePoint {
 pub struct MeanViscosity {
     /// Total.
     pub relative: f64,
-    /// From the resolved flow.
-    pub hydrodynamic: f64,
-    /// From lubrication beyond it, if there is a model of it.
-    pub lubrication: Option<f64>,
-    /// From forces at a distance, if there are any.
-    pub interaction: Option<f64>,
-    /// From bonds of chains and membranes, if there are any.
-    pub bonds: Option<f64>,
-    /// From fluctuations that are carried along, if there is inertia.
-    pub reynolds: Option<f64>,
-    /// From contacts, if a contact model acts.
-    pub contact: Option<f64>,
+    /// Its parts; that of contacts if a contact model acts.
+    #[serde(flatten)]
+    pub parts: Parts<f64>,
     /// First normal stress difference over viscosity and rate.
     pub first_normal_difference: f64,
     /// Second normal stress difference over viscosity and rate, in three dimensions.
@@ -73,12 +54,7 @@ impl CurvePoint {
     pub fn of(viscosity: &Viscosity, time: f64, contact: bool) -> CurvePoint {
         CurvePoint {
             strain: viscosity.rate * time,
-            hydrodynamic: viscosity.hydrodynamic,
-            lubrication: viscosity.lubrication,
-            interaction: viscosity.interaction,
-            bonds: viscosity.bonds,
-            reynolds: viscosity.reynolds,
-            contact: contact.then_some(viscosity.contact),
+            parts: if contact { viscosity.parts } else { viscosity.parts.without(Part::Contact) },
             first_normal_difference: viscosity.normal.first,
             second_normal_difference: viscosity.normal.second,
             particle_pressure: viscosity.normal.pressure,
@@ -87,28 +63,21 @@ impl CurvePoint {
 
     /// The total.
     pub fn relative(&self) -> f64 {
-        [self.lubrication, self.interaction, self.bonds, self.reynolds, self.contact]
-            .into_iter()
-            .flatten()
-            .fold(self.hydrodynamic, |sum, part| sum + part)
+        self.parts.total()
     }
 
     /// Names of columns and numbers; what is not there has no column.
-    pub fn columns(&self) -> Vec<(&'static str, f64)> {
-        let columns = [
-            ("strain", Some(self.strain)),
-            ("viscosity", Some(self.relative())),
-            ("viscosity_hydrodynamic", Some(self.hydrodynamic)),
-            ("viscosity_lubrication", self.lubrication),
-            ("viscosity_interaction", self.interaction),
-            ("viscosity_bonds", self.bonds),
-            ("viscosity_reynolds", self.reynolds),
-            ("viscosity_contact", self.contact),
+    pub fn columns(&self) -> Vec<(String, f64)> {
+        let parts = self.parts.each().map(|(part, amount)| (column(part), Some(amount)));
+        let normal = [
             ("first_normal_difference", Some(self.first_normal_difference)),
             ("second_normal_difference", self.second_normal_difference),
             ("particle_pressure", self.particle_pressure),
         ];
-        columns.into_iter().filter_map(|(name, number)| Some((name, number?))).collect()
+        let whole = [("strain", Some(self.strain)), ("viscosity", Some(self.relative()))];
+        let named = |(name, number): (&str, Option<f64>)| Some((name.to_owned(), number?));
+        let normal = normal.into_iter().filter_map(named);
+        whole.into_iter().filter_map(named).chain(parts.filter_map(|(name, number)| Some((name, number?)))).chain(normal).collect()
     }
 
     /// The points in the rows of a text, if it has them.
@@ -124,12 +93,7 @@ impl CurvePoint {
         };
         let point = |line: Vec<&str>| CurvePoint {
             strain: number(&line, "strain").unwrap_or(f64::NAN),
-            hydrodynamic: number(&line, "viscosity_hydrodynamic").unwrap_or(f64::NAN),
-            lubrication: number(&line, "viscosity_lubrication"),
-            interaction: number(&line, "viscosity_interaction"),
-            bonds: number(&line, "viscosity_bonds"),
-            reynolds: number(&line, "viscosity_reynolds"),
-            contact: number(&line, "viscosity_contact"),
+            parts: Parts::of(|part| number(&line, &column(part))),
             first_normal_difference: number(&line, "first_normal_difference").unwrap_or(f64::NAN),
             second_normal_difference: number(&line, "second_normal_difference"),
             particle_pressure: number(&line, "particle_pressure"),
@@ -157,29 +121,19 @@ impl MeanViscosity {
     pub fn of(curve: &[CurvePoint]) -> Option<MeanViscosity> {
         let Steady { from, to, interval: Interval { mean, half_width, blocks } } = steady_viscosity(curve).ok()?;
         let over = |value: &dyn Fn(&CurvePoint) -> f64| mean_from(&over_strain(curve, value), from);
-        let over_known = |value: fn(&CurvePoint) -> Option<f64>| {
+        let over_known = |value: &dyn Fn(&CurvePoint) -> Option<f64>| {
             curve.iter().all(|point| value(point).is_some()).then(|| over(&|point| value(point).unwrap_or(f64::NAN)))
         };
         Some(MeanViscosity {
             relative: mean,
-            hydrodynamic: over(&|point| point.hydrodynamic),
-            lubrication: over_known(|point| point.lubrication),
-            interaction: over_known(|point| point.interaction),
-            bonds: over_known(|point| point.bonds),
-            reynolds: over_known(|point| point.reynolds),
-            contact: over_known(|point| point.contact),
+            parts: Parts::of(|part| over_known(&|point| point.parts.get(part))),
             first_normal_difference: over(&|point| point.first_normal_difference),
-            second_normal_difference: over_known(|point| point.second_normal_difference),
-            particle_pressure: over_known(|point| point.particle_pressure),
+            second_normal_difference: over_known(&|point| point.second_normal_difference),
+            particle_pressure: over_known(&|point| point.particle_pressure),
             interval: [mean - half_width, mean + half_width],
             strains: [from, to],
             blocks,
         })
-    }
-
-    /// What the total is the sum of.
-    pub fn parts(&self) -> Vec<(&'static str, f64)> {
-        parts_of([Some(self.hydrodynamic), self.lubrication, self.interaction, self.bonds, self.reynolds, self.contact])
     }
 
     /// Half the width of the interval.
@@ -188,10 +142,9 @@ impl MeanViscosity {
     }
 }
 
-/// Names of the parts of a viscosity that are there.
-pub(super) fn parts_of(parts: [Option<f64>; 6]) -> Vec<(&'static str, f64)> {
-    const NAMES: [&str; 6] = ["flow", "lubrication", "forces at a distance", "bonds", "inertia", "contacts"];
-    NAMES.into_iter().zip(parts).filter_map(|(name, part)| Some((name, part?))).collect()
+/// The column of a part of the viscosity.
+fn column(part: Part) -> String {
+    format!("viscosity_{}", part.name())
 }
 
 #[cfg(test)]
@@ -205,21 +158,20 @@ mod tests {
             let strain = 0.1 * f64::from(step);
             CurvePoint {
                 strain: -strain,
-                hydrodynamic: 2.0 + strain.sin(),
-                lubrication: None,
-                interaction: None,
-                bonds: None,
-                reynolds: None,
-                contact: Some(0.5 + 0.1 * (3.0 * strain).cos()),
+                parts: Parts::of(|part| match part {
+                    Part::Hydrodynamic => Some(2.0 + strain.sin()),
+                    Part::Contact => Some(0.5 + 0.1 * (3.0 * strain).cos()),
+                    _ => None,
+                }),
                 first_normal_difference: -0.5,
                 second_normal_difference: None,
                 particle_pressure: Some(0.25),
             }
         };
         let mean = MeanViscosity::of(&(0..800).map(point).collect::<Vec<_>>()).unwrap();
-        assert!((mean.relative - mean.hydrodynamic - mean.contact.unwrap()).abs() < 1e-12, "{mean:?}");
+        assert!((mean.relative - mean.parts.total()).abs() < 1e-12, "{mean:?}");
         assert!((mean.relative - 2.5).abs() < mean.half_width() && mean.half_width() < 0.3, "{mean:?}");
-        assert!((mean.first_normal_difference + 0.5).abs() < 1e-12 && mean.lubrication.is_none());
+        assert!((mean.first_normal_difference + 0.5).abs() < 1e-12 && mean.parts.get(Part::Lubrication).is_none());
         assert_eq!(MeanViscosity::of(&[]), None);
     }
 }

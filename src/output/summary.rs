@@ -6,14 +6,13 @@ use super::{
     AccuracySummary, DragSummary, ForceSummary, MeanViscosity, PairSummary, ParallelSummary, ScalarSummary, Spread, TooShort,
     VelocitySummary,
     body_summary::{BodySummary, ListedBodies, MOST_LISTED, OtherBodies},
-    curve::parts_of,
 };
 use crate::{
     flow::{Drive, InverseMethod},
     geometry::Ball,
     mechanics::{Cost, FlowSolver, Lubrication, Setup, Solution, SolvedScalar},
     motion::Simulation,
-    observe::{InertialNumbers, Viscosity, why_no_viscosity},
+    observe::{InertialNumbers, Part, Parts, Viscosity, why_no_viscosity},
     parallel::{World, peak_memory_bytes},
     scene::Scene,
 };
@@ -89,18 +88,9 @@ pub struct FlowSummary {
 pub struct ViscositySummary {
     /// Total.
     pub relative: f64,
-    /// From the resolved flow.
-    pub hydrodynamic: f64,
-    /// From lubrication beyond the resolved flow.
-    pub lubrication: Option<f64>,
-    /// From forces at a distance.
-    pub interaction: Option<f64>,
-    /// From bonds of chains and membranes.
-    pub bonds: Option<f64>,
-    /// From fluctuations that fluid and bodies with inertia carry along.
-    pub reynolds: Option<f64>,
-    /// From contacts.
-    pub contact: Option<f64>,
+    /// Its parts; that of contacts if a contact model acts.
+    #[serde(flatten)]
+    pub parts: Parts<f64>,
     /// Where the value for a grid without end lies, lowest and highest, if the scene asks for an accuracy.
     pub interval: Option<[f64; 2]>,
     /// From the shear stress on the walls: must agree with `relative`, with inertia in a steady state.
@@ -439,12 +429,7 @@ impl ViscositySummary {
     fn new(viscosity: Viscosity) -> ViscositySummary {
         ViscositySummary {
             relative: viscosity.relative(),
-            hydrodynamic: viscosity.hydrodynamic,
-            lubrication: viscosity.lubrication,
-            interaction: viscosity.interaction,
-            bonds: viscosity.bonds,
-            reynolds: viscosity.reynolds,
-            contact: None,
+            parts: viscosity.parts.without(Part::Contact),
             interval: None,
             from_walls: viscosity.from_walls,
             first_normal_difference: viscosity.normal.first,
@@ -454,11 +439,6 @@ impl ViscositySummary {
             mean: None,
             too_short: None,
         }
-    }
-
-    /// What it is the sum of.
-    pub fn parts(&self) -> Vec<(&'static str, f64)> {
-        parts_of([Some(self.hydrodynamic), self.lubrication, self.interaction, self.bonds, self.reynolds, self.contact])
     }
 }
 

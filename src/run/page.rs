@@ -183,8 +183,8 @@ fn solver_facts(summary: &Summary) -> Option<Facts> {
 /// The viscosity, and the seconds of the run, as sums.
 fn parts(summary: &Summary, mean: Option<&MeanViscosity>) -> Vec<Parts> {
     let viscosity = summary.viscosity.as_ref().map(|viscosity| match mean {
-        Some(mean) => Parts { title: "What the mean viscosity is made up of", parts: mean.parts(), decimals: 4 },
-        None => Parts { title: "What the viscosity is made up of", parts: viscosity.parts(), decimals: 4 },
+        Some(mean) => Parts { title: "What the mean viscosity is made up of", parts: mean.parts.in_words(), decimals: 4 },
+        None => Parts { title: "What the viscosity is made up of", parts: viscosity.parts.in_words(), decimals: 4 },
     });
     let seconds = match (&summary.motion, &summary.solver) {
         (Some(motion), _) => {

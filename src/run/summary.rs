@@ -22,7 +22,7 @@ pub fn summary<const D: usize>(seen: &Evaluated<D>) -> Summary {
     if seen.scene.contact.model != ContactModel::None {
         summary.contact = Some(contacts(seen.world, seen.scene.contact.model, motion));
         if let (Some(parts), Some(viscosity)) = (&mut summary.viscosity, seen.viscosity) {
-            parts.contact = Some(viscosity.contact);
+            parts.parts = viscosity.parts;
             parts.particle_pressure_contact = Some(viscosity.normal.contact_pressure);
         }
     }

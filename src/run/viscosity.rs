@@ -77,6 +77,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
+    use crate::observe::{Part, Parts};
 
     const MEAN: f64 = 3.0;
 
@@ -91,12 +92,7 @@ mod tests {
             value = kept * value + (1.0 - kept * kept).sqrt() * normal();
             CurvePoint {
                 strain: STEP * step as f64,
-                hydrodynamic: MEAN + 0.5 * value,
-                lubrication: None,
-                interaction: None,
-                bonds: None,
-                reynolds: None,
-                contact: None,
+                parts: Parts::of(|part| (part == Part::Hydrodynamic).then_some(MEAN + 0.5 * value)),
                 first_normal_difference: 0.0,
                 second_normal_difference: None,
                 particle_pressure: None,

@@ -9,7 +9,7 @@ use turbid::{
     geometry::{Axis, Ball, Domain},
     mechanics::{Configuration, FlowSolver, Setup, SuspendedBody, Suspension},
     motion::{Observation, Simulation},
-    observe,
+    observe::{self, Part},
     petsc::Session,
     scene::{ConstraintMethod, ContactModel, Scene, Scheme, Step, TimeSection, Tolerance},
 };
@@ -317,7 +317,7 @@ fn forces_balance_on_each_body_of_a_sheared_crowd_and_its_stress_reaches_the_wal
         let suspension = simulation.suspension().unwrap();
         let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), solution, &observation.contacts).unwrap().unwrap();
         assert_near(&format!("step {number}"), viscosity.relative(), viscosity.from_walls.unwrap(), 1e-3);
-        touching += usize::from(viscosity.contact > 1e-2);
+        touching += usize::from(viscosity.parts.get(Part::Contact).unwrap() > 1e-2);
     }
     assert!(touching > 5, "they touch in {touching} steps only");
 }

@@ -12,7 +12,7 @@ use turbid::{
     geometry::{Axis, Ball, Domain},
     mechanics::{FlowSolver, Setup, Solution, Suspension},
     motion::Simulation,
-    observe::{self, Viscosity},
+    observe::{self, Part, Viscosity},
     petsc::Session,
     scene::{ConstraintMethod, Scene},
 };
@@ -88,7 +88,10 @@ fn torques_and_forces_that_cancel_reach_the_walls(session: &Session) {
         let found = viscosity_of(session, couette(1.0, 1.0 / 40.0, 2.0, bodies));
         assert_near("walls", found.from_walls.unwrap(), found.relative(), 1e-6);
         // torque / 2 and force times height, over viscosity, rate and volume; what the flow makes of them comes besides
-        assert!((found.interaction.unwrap() - change).abs() < 1e-12 && unloaded.interaction.is_none(), "{found:?}");
+        assert!(
+            (found.parts.get(Part::Interaction).unwrap() - change).abs() < 1e-12 && unloaded.parts.get(Part::Interaction).is_none(),
+            "{found:?}"
+        );
         assert!((found.stress[(0, 1)] - found.relative()).abs() < 1e-12);
     }
     let sphere = |center: [f64; 3], torque: f64| {
@@ -101,7 +104,7 @@ fn torques_and_forces_that_cancel_reach_the_walls(session: &Session) {
     let (suspension, solution) = solve(session, Setup { domain, ..cube });
     let found = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[]).unwrap().unwrap();
     assert_near("walls in space", found.from_walls.unwrap(), found.relative(), 1e-6);
-    assert!((found.interaction.unwrap() - 0.2).abs() < 1e-12);
+    assert!((found.parts.get(Part::Interaction).unwrap() - 0.2).abs() < 1e-12);
 }
 
 fn viscosity_of(session: &Session, setup: Setup<2>) -> Viscosity {
@@ -135,7 +138,7 @@ fn torques_on_clusters_and_chains_reach_the_walls(session: &Session) {
         let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
         let (flow, solution) = (simulation.suspension().unwrap(), observation.solution.unwrap());
         let found = observe::viscosity(flow.setup(), flow.grid(), &solution, &observation.contacts).unwrap().unwrap();
-        assert!(found.interaction.unwrap() > 0.01 && found.bonds.is_some(), "{found:?}");
+        assert!(found.parts.get(Part::Interaction).unwrap() > 0.01 && found.parts.get(Part::Bonds).is_some(), "{found:?}");
         assert_near(&bodies, found.from_walls.unwrap(), found.relative(), 1e-5);
     }
 }

@@ -45,12 +45,22 @@ impl Walk {
 }
 
 /// Fields and elements on the way, numbered where they have no name.
-struct Parts<'a>(&'a mut Walk, usize);
+struct Parts<'a> {
+    walk: &'a mut Walk,
+    passed: usize,
+    /// The name of the next entry of a map.
+    key: Option<String>,
+}
 
-impl Parts<'_> {
+impl<'a> Parts<'a> {
+    fn of(walk: &'a mut Walk) -> Parts<'a> {
+        Parts { walk, passed: 0, key: None }
+    }
+
     fn next(&mut self, value: &(impl Serialize + ?Sized)) -> Outcome {
-        self.1 += 1;
-        self.0.step((self.1 - 1).to_string(), value)
+        self.passed += 1;
+        let name = self.key.take().unwrap_or_else(|| (self.passed - 1).to_string());
+        self.walk.step(name, value)
     }
 }
 
@@ -71,7 +81,7 @@ macro_rules! named {
     ($($part:ident),*) => { $(impl $part for Parts<'_> {
         type Ok = ();
         type Error = serde_json::Error;
-        fn serialize_field<T: Serialize + ?Sized>(&mut self, name: &'static str, value: &T) -> Outcome { self.0.step(name.into(), value) }
+        fn serialize_field<T: Serialize + ?Sized>(&mut self, name: &'static str, value: &T) -> Outcome { self.walk.step(name.into(), value) }
         fn end(self) -> Outcome { Ok(()) }
     })* };
 }
@@ -84,7 +94,8 @@ impl SerializeMap for Parts<'_> {
     type Ok = ();
     type Error = serde_json::Error;
 
-    fn serialize_key<T: Serialize + ?Sized>(&mut self, _: &T) -> Outcome {
+    fn serialize_key<T: Serialize + ?Sized>(&mut self, key: &T) -> Outcome {
+        self.key = serde_json::to_value(key)?.as_str().map(str::to_owned);
         Ok(())
     }
 
@@ -153,43 +164,46 @@ impl<'a> Serializer for &'a mut Walk {
     }
 
     fn serialize_seq(self, _: Option<usize>) -> Begun<'a> {
-        Ok(Parts(self, 0))
+        Ok(Parts::of(self))
     }
 
     fn serialize_tuple(self, _: usize) -> Begun<'a> {
-        Ok(Parts(self, 0))
+        Ok(Parts::of(self))
     }
 
     fn serialize_tuple_struct(self, _: &'static str, _: usize) -> Begun<'a> {
-        Ok(Parts(self, 0))
+        Ok(Parts::of(self))
     }
 
     fn serialize_tuple_variant(self, _: &'static str, _: u32, _: &'static str, _: usize) -> Begun<'a> {
-        Ok(Parts(self, 0))
+        Ok(Parts::of(self))
     }
 
     fn serialize_map(self, _: Option<usize>) -> Begun<'a> {
-        Ok(Parts(self, 0))
+        Ok(Parts::of(self))
     }
 
     fn serialize_struct(self, _: &'static str, _: usize) -> Begun<'a> {
-        Ok(Parts(self, 0))
+        Ok(Parts::of(self))
     }
 
     fn serialize_struct_variant(self, _: &'static str, _: u32, _: &'static str, _: usize) -> Begun<'a> {
-        Ok(Parts(self, 0))
+        Ok(Parts::of(self))
     }
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use super::*;
 
     #[derive(Serialize)]
     struct Inner {
         velocity: Vec<f64>,
-        gap: Option<f64>,
+        #[serde(flatten)]
+        others: BTreeMap<String, Option<f64>>,
     }
 
     #[derive(Serialize)]
@@ -200,7 +214,8 @@ mod tests {
 
     #[test]
     fn numbers_that_are_none_are_named_and_absent_ones_are_not() {
-        let results = |value, gap| Outer { steps: 3, bodies: vec![Inner { velocity: vec![1.0, value], gap }] };
+        let results =
+            |value, gap| Outer { steps: 3, bodies: vec![Inner { velocity: vec![1.0, value], others: [("gap".into(), gap)].into() }] };
         check_finite("summary.json", &results(2.0, None)).unwrap();
         let error = |results| check_finite("summary.json", &results).unwrap_err().to_string();
         assert!(error(results(f64::NAN, None)).starts_with("summary.json is not written: bodies.0.velocity.1 is NaN; "));

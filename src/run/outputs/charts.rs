@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::{
     error::Result,
+    observe::Part,
     output::{Band, Chart, CurvePoint, MeanViscosity, Notes, Scale, Series, Summary, bar, effort_chart},
     run::{Evaluated, Output},
 };
@@ -53,32 +54,16 @@ fn band(mean: &MeanViscosity) -> Band {
     }
 }
 
-/// A part of the viscosity, if it is there.
-type Part = fn(&CurvePoint) -> Option<f64>;
-
 fn viscosity_chart(title: &str, curve: &[CurvePoint]) -> Chart {
-    let series = |name: &str, value: fn(&CurvePoint) -> f64| Series {
+    let series = |name: &str, value: &dyn Fn(&CurvePoint) -> f64| Series {
         name: name.into(),
         points: curve.iter().map(|point| (point.strain.abs(), value(point))).collect(),
     };
-    let mut all = vec![series("total", CurvePoint::relative)];
-    let parts: [(&str, Part); 5] = [
-        ("lubrication", |point| point.lubrication),
-        ("forces at a distance", |point| point.interaction),
-        ("bonds", |point| point.bonds),
-        ("inertia", |point| point.reynolds),
-        ("contacts", |point| point.contact),
-    ];
-    let there = parts.into_iter().filter(|(_, part)| curve.iter().any(|point| part(point).is_some_and(|part| part != 0.0)));
-    let there: Vec<Series> = there
-        .map(|(name, part)| Series {
-            name: name.into(),
-            points: curve.iter().map(|point| (point.strain.abs(), part(point).unwrap_or(f64::NAN))).collect(),
-        })
-        .collect();
-    if !there.is_empty() {
-        all.push(series("flow", |point| point.hydrodynamic));
-        all.extend(there);
+    let mut all = vec![series("total", &CurvePoint::relative)];
+    let acts = |part: &Part| curve.iter().any(|point| point.parts.get(*part).is_some_and(|amount| amount != 0.0));
+    let acting: Vec<Part> = Part::ALL.into_iter().filter(acts).collect();
+    if acting != [Part::Hydrodynamic] {
+        all.extend(acting.iter().map(|part| series(part.words(), &|point| point.parts.get(*part).unwrap_or(f64::NAN))));
     }
     Chart { title: title.into(), x: "strain".into(), y: "relative viscosity".into(), scale: Scale::Linear, series: all }
 }

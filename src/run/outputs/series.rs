@@ -177,18 +177,17 @@ mod tests {
     use nalgebra::SMatrix;
 
     use super::*;
-    use crate::observe::NormalStresses;
+    use crate::observe::{NormalStresses, Part, Parts};
 
     fn point(step: usize) -> CurvePoint {
         let normal = NormalStresses { first: -0.5, second: None, pressure: Some(0.25), contact_pressure: 0.125 };
         let viscosity = Viscosity {
             rate: 1.0,
-            hydrodynamic: 1.5,
-            lubrication: None,
-            interaction: None,
-            bonds: None,
-            reynolds: None,
-            contact: 0.25,
+            parts: Parts::of(|part| match part {
+                Part::Hydrodynamic => Some(1.5),
+                Part::Contact => Some(0.25),
+                _ => None,
+            }),
             stress: SMatrix::zeros(),
             normal,
             from_walls: None,
