@@ -40,7 +40,7 @@ fn motion_lines(summary: &Summary, motion: &MotionSummary) -> Vec<String> {
     let (grown, shrunk) = (motion.grown, motion.shrunk);
     let halved = if motion.halved > 0 { format!("; {} times a step led nowhere and was halved", motion.halved) } else { String::new() };
     let lengths = format!("of {shortest:.3e} to {longest:.3e}, {grown} longer than the one before, {shrunk} shorter{halved}");
-    let mut lines = vec![format!("time                 {} in {steps} {lengths}", summary.time)];
+    let mut lines = vec![format!("time                 {} in {steps} {lengths}", plain(summary.time))];
     if motion.solves > 0 {
         let mean = motion.iterations as f64 / motion.solves as f64;
         lines.push(format!("solves               {}, of {mean:.1} iterations on average", motion.solves));
@@ -52,6 +52,11 @@ fn motion_lines(summary: &Summary, motion: &MotionSummary) -> Vec<String> {
         motion.seconds
     ));
     lines
+}
+
+/// A number without what rounding leaves beyond its tenth digit.
+fn plain(value: f64) -> f64 {
+    format!("{value:.9e}").parse().unwrap_or(value)
 }
 
 /// Parts of a time in hundredths of a second, rounded down, and what is left of the whole, so that what is shown adds up.
@@ -155,6 +160,12 @@ mod tests {
             let sum: f64 = shown.iter().map(|part| part.parse::<f64>().unwrap_or(f64::NAN)).sum();
             assert_eq!(format!("{sum:.2}"), format!("{whole:.2}"), "{shown:?}");
         }
+    }
+
+    #[test]
+    fn a_sum_of_steps_is_told_without_its_rounding() {
+        assert_eq!(plain(0.099_999_999_999_999_99).to_string(), "0.1");
+        assert_eq!(plain(0.123_456_789_1).to_string(), "0.1234567891");
     }
 
     #[test]
