@@ -460,7 +460,8 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
     }
 
     fn extended_flow(&self) -> Result<Option<Vector>> {
-        self.band()?.map(|(level, band)| level.velocity_outside(band)).transpose()
+        let Some(level) = self.current.as_ref().filter(|_| self.fixed.method.jumps()) else { return Ok(None) };
+        level.velocity_outside(&*self.grid_at(level.time)?, &self.fixed.kinds).map(Some)
     }
 
     fn momentum_residual(&self) -> f64 {
@@ -535,7 +536,9 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         let spin_ups = momentum.complete(&mut solution.bodies);
         let twists = solution.bodies.iter().map(|state| state.twist).collect();
         let (time, centers) = (configuration.time, configuration.centers.to_vec());
-        let slow = slowed(&self.past[0].0.slow, &multipliers, lag);
+        let last = &self.past[0].0;
+        let before = if self.past.len() > 1 { &last.multipliers } else { &multipliers };
+        let slow = slowed(&last.slow, (before, &multipliers), lag);
         let resolved = self.past[0].0.resolved.clone();
         self.current = Some(Level { time, fluid: solution.fluid.copied()?, multipliers, slow, centers, twists, spin_ups, resolved });
         self.forget_surroundings();
