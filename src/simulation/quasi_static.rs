@@ -402,7 +402,9 @@ impl<const D: usize> QuasiStatic<D> {
         match self.step_control.time.scheme {
             Scheme::Euler => Ok(observation.twists.clone()),
             _ if self.suspension.evolves() && state.last_step == 0.0 => Ok(observation.twists.clone()),
-            Scheme::TwoStep if state.last_step > 0.0 => Ok(two_step(state, (observation, length), &self.suspension.setup().interactions)),
+            Scheme::TwoStep if state.last_step > 0.0 => {
+                Ok(two_step(state, observation, self.looks_back(state, length), &self.suspension.setup().interactions))
+            }
             _ => self.midpoint(state, (observation, length), effort, monitor),
         }
     }
@@ -413,6 +415,15 @@ impl<const D: usize> QuasiStatic<D> {
         state: &State<D>,
         (observation, length): (&Observation<D>, f64),
         effort: &mut Effort,
+    /// The part of the change of motions over the last step that the two-step rule adds to those of a step of this length. The second step of a flow with inertia makes
+    /// up for the first one too, as motions may have jumped from those of the start: in both together bodies go as far as at the motion between them.
+    fn looks_back(&self, state: &State<D>, length: f64) -> f64 {
+        match self.suspension.evolves() && state.steps == 1 {
+            true => state.last_step / length,
+            false => 0.5 * length / state.last_step,
+        }
+    }
+
         monitor: ResidualMonitor,
     ) -> Result<Vec<Twist<D>>> {
         let half = 0.5 * length;
@@ -522,13 +533,9 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
     }
 }
 
-/// `v + dt/(2 dt_last) (v - v_last)`; bodies that came into contact or out of it since the last step do not look back, if contact
+/// `v + factor (v - v_last)`; bodies that came into contact or out of it since the last step do not look back, if contact
 /// forces jump.
-fn two_step<const D: usize>(
-    state: &State<D>,
-    (observation, length): (&Observation<D>, f64),
-    interactions: &Interactions<D>,
-) -> Vec<Twist<D>> {
+fn two_step<const D: usize>(state: &State<D>, observation: &Observation<D>, factor: f64, interactions: &Interactions<D>) -> Vec<Twist<D>> {
     let now: Vec<ContactHistory<D>> = observation.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
     let (before, after) = (contacts_of(&state.held, state.bodies.len()), contacts_of(&now, state.bodies.len()));
     let mut jumps: Vec<bool> = before.iter().zip(&after).map(|(before, after)| interactions.projects() && before != after).collect();
@@ -536,7 +543,6 @@ fn two_step<const D: usize>(
         let any = jumps[cluster.bodies.clone()].contains(&true);
         jumps[cluster.bodies.clone()].fill(any);
     }
-    let factor = 0.5 * length / state.last_step;
     let rule = |(body, (now, last)): (usize, (&Twist<D>, &Twist<D>))| {
         if jumps[body] {
             return *now;

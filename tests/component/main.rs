@@ -27,6 +27,7 @@ mod fitted_scalar;
 mod fluid;
 mod grid;
 mod hard;
+mod impacts;
 mod inclusions;
 mod inertia;
 mod interpolation;
@@ -120,6 +121,7 @@ fn main() {
         parts::tests(),
         scalar::tests(),
         inclusions::tests(),
+        impacts::tests(),
         inertia::tests(),
         energy::tests(),
         suspension::tests(),
