@@ -73,6 +73,8 @@ pub struct QuasiStatic<const D: usize> {
     radii: Vec<f64>,
     /// Force that gives each body a unit velocity in unbounded fluid.
     weights: Vec<f64>,
+    /// The same for the mean force of contacts over a step.
+    contact_weights: Vec<f64>,
     stop: StopRequest,
     /// What the solves of a state started from, unless it holds a fluid.
     before: Option<ExtrapolationHistory<D>>,
@@ -99,7 +101,8 @@ impl<const D: usize> QuasiStatic<D> {
         suspension.remember(None);
         let weights = suspension.resistances();
         let radii = suspension.setup().bodies.iter().map(|suspended| suspended.body.ball.radius).collect();
-        QuasiStatic { session: session.clone(), suspension, step_control, radii, weights, stop: StopRequest::default(), before: None }
+        let (session, stop, contact_weights) = (session.clone(), StopRequest::default(), weights.clone());
+        QuasiStatic { session, suspension, step_control, radii, weights, contact_weights, stop, before: None }
     }
 
     fn placed<'a>(&self, state: &'a State<D>) -> Placed<'a, D> {
@@ -116,6 +119,7 @@ impl<const D: usize> QuasiStatic<D> {
     fn contact_step<'a>(&'a self, placed: &'a Placed<'a, D>, step: f64) -> ContactStep<'a, D> {
         let (arrangement, flow) = (self.arrangement(placed), self.suspension.as_ref());
         let bounds = flow.setup().interactions.lower_bounds(&arrangement, &placed.state.stuck, step);
+        let arrangement = Arrangement { weights: &self.contact_weights, ..arrangement };
         ContactStep { session: &self.session, flow, arrangement, bounds, step }
     }
 
@@ -178,6 +182,8 @@ impl<const D: usize> QuasiStatic<D> {
         if self.suspension.evolves() {
             self.suspension.prepare(state.time)?;
             self.weights = self.suspension.resistances();
+            let of_impulse = self.suspension.of_impulse();
+            self.contact_weights = self.weights.iter().map(|weight| weight / of_impulse).collect();
         }
         let (placed, centers) = (self.placed(state), state.centers());
         let setup = self.suspension.setup();
@@ -409,12 +415,6 @@ impl<const D: usize> QuasiStatic<D> {
         }
     }
 
-    /// Motions half a step ahead.
-    fn midpoint(
-        &mut self,
-        state: &State<D>,
-        (observation, length): (&Observation<D>, f64),
-        effort: &mut Effort,
     /// The part of the change of motions over the last step that the two-step rule adds to those of a step of this length. The second step of a flow with inertia makes
     /// up for the first one too, as motions may have jumped from those of the start: in both together bodies go as far as at the motion between them.
     fn looks_back(&self, state: &State<D>, length: f64) -> f64 {
@@ -424,6 +424,12 @@ impl<const D: usize> QuasiStatic<D> {
         }
     }
 
+    /// Motions half a step ahead.
+    fn midpoint(
+        &mut self,
+        state: &State<D>,
+        (observation, length): (&Observation<D>, f64),
+        effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<Vec<Twist<D>>> {
         let half = 0.5 * length;
