@@ -48,7 +48,7 @@ mod tests;
 
 pub use adhesive::AdhesiveContact;
 pub use candidates::{Contact, candidates};
-pub use force::ContactForce;
+pub use force::{ContactForce, pushes};
 pub use given::{GivenPaths, Meeting};
 pub use identity::{Identity, Partner, bodies_of, pack, packed_length, renamed, unpack};
 pub use kkt_report::KktReport;

@@ -54,6 +54,11 @@ pub trait FlowSolver<const D: usize> {
         0.0
     }
 
+    /// The force in the equations of a step that a unit of the mean force of contacts over it is: with inertia contacts give impulses.
+    fn of_impulse(&self) -> f64 {
+        1.0
+    }
+
     /// Whether the flow has inertia: a solve is a step from the one before.
     fn evolves(&self) -> bool {
         false

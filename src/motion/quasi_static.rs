@@ -77,6 +77,8 @@ pub struct QuasiStatic<const D: usize> {
     radii: Vec<f64>,
     /// Force that gives each body a unit velocity in unbounded fluid.
     weights: Vec<f64>,
+    /// The same for the mean force of contacts over a step.
+    contact_weights: Vec<f64>,
     stop: StopRequest,
     /// What the solves of a state started from, unless it holds a fluid.
     before: Option<ExtrapolationHistory<D>>,
@@ -103,7 +105,8 @@ impl<const D: usize> QuasiStatic<D> {
         suspension.remember(None);
         let weights = suspension.resistances();
         let radii = suspension.setup().bodies.iter().map(|suspended| suspended.body.ball.radius).collect();
-        QuasiStatic { session: session.clone(), suspension, step_control, radii, weights, stop: StopRequest::default(), before: None }
+        let (session, stop, contact_weights) = (session.clone(), StopRequest::default(), weights.clone());
+        QuasiStatic { session, suspension, step_control, radii, weights, contact_weights, stop, before: None }
     }
 
     fn placed<'a>(&self, state: &'a State<D>) -> Placed<'a, D> {
@@ -120,6 +123,7 @@ impl<const D: usize> QuasiStatic<D> {
     fn contact_step<'a>(&'a self, placed: &'a Placed<'a, D>, step: f64) -> ContactStep<'a, D> {
         let (arrangement, flow) = (self.arrangement(placed), self.suspension.as_ref());
         let bounds = flow.setup().interactions.lower_bounds(&arrangement, &placed.state.stuck, step);
+        let arrangement = Arrangement { weights: &self.contact_weights, ..arrangement };
         ContactStep { session: &self.session, flow, arrangement, bounds, step }
     }
 
@@ -182,6 +186,8 @@ impl<const D: usize> QuasiStatic<D> {
         if self.suspension.evolves() {
             self.suspension.prepare(state.time)?;
             self.weights = self.suspension.resistances();
+            let of_impulse = self.suspension.of_impulse();
+            self.contact_weights = self.weights.iter().map(|weight| weight / of_impulse).collect();
         }
         let (placed, centers) = (self.placed(state), state.centers());
         let setup = self.suspension.setup();
@@ -406,8 +412,19 @@ impl<const D: usize> QuasiStatic<D> {
         match self.step_control.time.scheme {
             Scheme::Euler => Ok(observation.twists.clone()),
             _ if self.suspension.evolves() && state.last_step == 0.0 => Ok(observation.twists.clone()),
-            Scheme::TwoStep if state.last_step > 0.0 => Ok(two_step(state, (observation, length), &self.suspension.setup().interactions)),
+            Scheme::TwoStep if state.last_step > 0.0 => {
+                Ok(two_step(state, observation, self.looks_back(state, length), &self.suspension.setup().interactions))
+            }
             _ => self.midpoint(state, (observation, length), effort, monitor),
+        }
+    }
+
+    /// The part of the change of motions over the last step that the two-step rule adds to those of a step of this length. The second step of a flow with inertia makes
+    /// up for the first one too, as motions may have jumped from those of the start: in both together bodies go as far as at the motion between them.
+    fn looks_back(&self, state: &State<D>, length: f64) -> f64 {
+        match self.suspension.evolves() && state.steps == 1 {
+            true => state.last_step / length,
+            false => 0.5 * length / state.last_step,
         }
     }
 
@@ -526,13 +543,9 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
     }
 }
 
-/// `v + dt/(2 dt_last) (v - v_last)`; bodies that came into contact or out of it since the last step do not look back, if contact
+/// `v + factor (v - v_last)`; bodies that came into contact or out of it since the last step do not look back, if contact
 /// forces jump.
-fn two_step<const D: usize>(
-    state: &State<D>,
-    (observation, length): (&Observation<D>, f64),
-    interactions: &Interactions<D>,
-) -> Vec<Twist<D>> {
+fn two_step<const D: usize>(state: &State<D>, observation: &Observation<D>, factor: f64, interactions: &Interactions<D>) -> Vec<Twist<D>> {
     let now: Vec<ContactHistory<D>> = observation.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
     let (before, after) = (contacts_of(&state.held, state.bodies.len()), contacts_of(&now, state.bodies.len()));
     let mut jumps: Vec<bool> = before.iter().zip(&after).map(|(before, after)| interactions.projects() && before != after).collect();
@@ -540,7 +553,6 @@ fn two_step<const D: usize>(
         let any = jumps[cluster.bodies.clone()].contains(&true);
         jumps[cluster.bodies.clone()].fill(any);
     }
-    let factor = 0.5 * length / state.last_step;
     let rule = |(body, (now, last)): (usize, (&Twist<D>, &Twist<D>))| {
         if jumps[body] {
             return *now;

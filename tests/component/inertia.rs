@@ -211,8 +211,17 @@ fn a_vortex_that_is_carried_along_is_followed_at_second_order(session: &Session)
 /// The flow without bodies that comes of another in so many steps to an end.
 fn followed(flow: &mut UnsteadySuspension<2>, fluid: Vector, (end, steps): (f64, usize)) -> Vector {
     let (multipliers, centers, twists) = (Vec::new(), Vec::new(), Vec::new());
-    let start =
-        Level { time: 0.0, fluid, slow: multipliers.clone(), multipliers, centers, twists, spin_ups: Vec::new(), resolved: Vec::new() };
+    let start = Level {
+        time: 0.0,
+        fluid,
+        slow: multipliers.clone(),
+        multipliers,
+        centers,
+        twists,
+        spin_ups: Vec::new(),
+        impulses: Vec::new(),
+        resolved: Vec::new(),
+    };
     flow.restore_levels(vec![start]).unwrap();
     let step = |step: usize| flow.solve_at(&configuration(&[], end * step as f64 / steps as f64), &mut |_, _| {}).unwrap().fluid;
     (1..=steps).map(step).last().unwrap()
@@ -514,10 +523,10 @@ fn a_step_from_remembered_levels_is_the_step_of_the_whole_run(session: &Session)
     let copies = whole.levels().into_iter().map(|level| {
         let mut fluid = level.fluid.like().unwrap();
         fluid.copy_from(&level.fluid).unwrap();
-        let Level { time, multipliers, slow, centers, twists, spin_ups, resolved, .. } = level;
+        let Level { time, multipliers, slow, centers, twists, spin_ups, impulses, resolved, .. } = level;
         let (multipliers, centers, twists) = (multipliers.clone(), centers.clone(), twists.clone());
-        let (slow, spin_ups, resolved) = (slow.clone(), spin_ups.clone(), resolved.clone());
-        Level { time: *time, fluid, multipliers, slow, centers, twists, spin_ups, resolved }
+        let (slow, spin_ups, impulses, resolved) = (slow.clone(), spin_ups.clone(), impulses.clone(), resolved.clone());
+        Level { time: *time, fluid, multipliers, slow, centers, twists, spin_ups, impulses, resolved }
     });
     let mut resumed = flow();
     resumed.restore_levels(copies.collect()).unwrap();

@@ -31,6 +31,7 @@ mod fitted_scalar;
 mod fluid;
 mod grid;
 mod hard;
+mod impacts;
 mod inclusions;
 mod inertia;
 mod interpolation;
@@ -125,6 +126,7 @@ fn main() {
         conformance::tests(),
         scalar::tests(),
         inclusions::tests(),
+        impacts::tests(),
         inertia::tests(),
         energy::tests(),
         suspension::tests(),

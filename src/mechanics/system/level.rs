@@ -49,6 +49,8 @@ pub struct Level<const D: usize> {
     pub twists: Vec<Twist<D>>,
     /// Their spin-ups, density of the fluid over viscosity times rate of change of the spin.
     pub spin_ups: Vec<Vec<f64>>,
+    /// The impulse that contacts gave each of them in the step that led here.
+    pub impulses: Vec<SVector<f64, D>>,
     /// The part of their jumps that convection sees, a mean over some time; until the level is past that of the one before.
     pub resolved: Vec<f64>,
 }
@@ -111,9 +113,11 @@ impl<const D: usize> Level<D> {
         dot(&jumps, &self.coefficients(body, &self.slow[body]))
     }
 
-    /// The velocity, that outside bodies extended into them. Collective.
-    pub fn velocity_outside(&self, band: &Band) -> Result<Vector> {
-        self.with_jumps(&mut Scatter::new(&self.fluid, &band.places)?, &band.whole)
+    /// The velocity, that outside bodies extended into them as multipliers are at that time: what lags behind them tells of slopes that a flow that has met
+    /// something no longer has. Collective.
+    pub fn velocity_outside(&self, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Result<Vector> {
+        let jumps = self.jumps(grid, kinds, &self.multipliers);
+        self.with_jumps(&mut Scatter::new(&self.fluid, &jumps.places)?, &jumps.whole)
     }
 
     /// The fluid with jumps added at the places of a scatter.
@@ -129,9 +133,14 @@ impl<const D: usize> Level<D> {
     /// # Errors
     /// PETSc fails.
     pub fn band(&self, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Result<Band> {
-        let mut band = Band { slopes: vec![0.0; 2 * D * self.centers.len()], near: self.near(grid, kinds)?, ..Band::default() };
-        (0..self.centers.len()).for_each(|body| self.extend(grid, kinds, body, &mut band));
-        Ok(band)
+        Ok(Band { near: self.near(grid, kinds)?, ..self.jumps(grid, kinds, &self.slow) })
+    }
+
+    /// The jumps in bodies by these multipliers of all of them.
+    fn jumps(&self, grid: &Grid<D>, kinds: &BodyTypes<D>, multipliers: &[Vec<f64>]) -> Band {
+        let mut band = Band { slopes: vec![0.0; 2 * D * self.centers.len()], ..Band::default() };
+        multipliers.iter().enumerate().for_each(|(body, multipliers)| self.extend(grid, kinds, (body, multipliers), &mut band));
+        band
     }
 
     /// The velocities of this rank near bodies, each of the nearest one's.
@@ -160,12 +169,13 @@ impl<const D: usize> Level<D> {
         Ok(near)
     }
 
-    /// Adds the points inside a body near its surface, if it is this rank's.
-    fn extend(&self, grid: &Grid<D>, kinds: &BodyTypes<D>, body: usize, band: &mut Band) {
-        let (surface, multipliers) = (kinds.surface(body), DVector::from_column_slice(&self.slow[body]));
+    /// Adds the points inside a body with these multipliers near its surface, if it is this rank's.
+    fn extend(&self, grid: &Grid<D>, kinds: &BodyTypes<D>, (body, multipliers): (usize, &[f64]), band: &mut Band) {
+        let surface = kinds.surface(body);
         let (radius, count) = (surface.modes.radius(), surface.modes.jump_count());
-        let whole = self.coefficients(body, &self.slow[body]);
-        let tangential = self.coefficients(body, (kinds.tangential(body) * multipliers).as_slice());
+        let whole = self.coefficients(body, multipliers);
+        let tangential = kinds.tangential(body) * DVector::from_column_slice(multipliers);
+        let tangential = self.coefficients(body, tangential.as_slice());
         let deepest = (radius - DEPTH * grid.spacing().max()).max(CORE * radius);
         let mut offsets = vec![Vec::new(); D];
         each_inside(grid, &self.centers[body], radius, |Point { component, place, offset, .. }| {

@@ -37,8 +37,11 @@ pub fn damp<const D: usize>(fixed: &FixedOperators<D>, assembly: &mut Assembly<D
     }
 }
 
-/// Slow multipliers after a step.
-pub fn slowed(slow: &[Vec<f64>], multipliers: &[Vec<f64>], lag: f64) -> Vec<Vec<f64>> {
-    let mean = |(slow, now): (&f64, &f64)| now + lag * (slow - now);
-    slow.iter().zip(multipliers).map(|(slow, now)| slow.iter().zip(now).map(mean).collect()).collect()
+/// Slow multipliers after a step over which multipliers went from those `before` to those `now` along straight lines.
+pub fn slowed(slow: &[Vec<f64>], (before, now): (&[Vec<f64>], &[Vec<f64>]), lag: f64) -> Vec<Vec<f64>> {
+    let rate = -lag.ln();
+    // what slow ones do not follow by the end of the step of a change in it, in the mean over the times of changes
+    let unfollowed = if rate > 0.0 { -(-rate).exp_m1() / rate } else { 1.0 };
+    let mean = |((slow, before), now): ((&f64, &f64), &f64)| now + unfollowed * (before - now) + lag * (slow - before);
+    slow.iter().zip(before).zip(now).map(|((slow, before), now)| slow.iter().zip(before).zip(now).map(mean).collect()).collect()
 }

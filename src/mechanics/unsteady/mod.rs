@@ -40,7 +40,7 @@ use super::{
 };
 use crate::{
     body::{Twist, planes},
-    contact::Contact,
+    contact::{self, Contact, ContactForce},
     error::{Error, Result},
     flow::{Convection, FluidSystem, OpenEnds, StokesInverse, fastest},
     grid::{Grid, operators::signed},
@@ -91,6 +91,8 @@ pub struct UnsteadySuspension<const D: usize> {
     guess: Option<ExtrapolationHistory<D>>,
     /// What the first solve at the time of the last one started from.
     guess_before: Option<ExtrapolationHistory<D>>,
+    /// What the formula of the last step makes of a unit of the mean force of contacts.
+    of_impulse: f64,
     cost: Cost,
 }
 
@@ -121,6 +123,7 @@ impl<const D: usize> UnsteadySuspension<D> {
             workspace: None,
             guess: None,
             guess_before: None,
+            of_impulse: 1.0,
             cost,
         })
     }
@@ -237,6 +240,7 @@ impl<const D: usize> UnsteadySuspension<D> {
             centers: configuration.centers.to_vec(),
             twists,
             spin_ups,
+            impulses: vec![SVector::zeros(); bodies.len()],
             resolved: vec![0.0; bodies.len()],
         });
         Ok(Solution {
@@ -300,6 +304,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         }
         let (last, earlier) = (self.past[0].0.time, self.past.get(1).map(|(level, _)| level.time));
         let weights = StepWeights::new(time - last, earlier.map(|earlier| last - earlier));
+        self.of_impulse = weights.of_impulse();
         let shift = self.inverse_diffusivity() * weights.rate[0];
         if self.inverse.is_none() || (shift / self.fixed.stokes.shift() - 1.0).abs() > SAME_SHIFT {
             let _stage = enter(Stage::SetUp);
@@ -427,6 +432,10 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         self.fixed.film_resistance(contact)
     }
 
+    fn of_impulse(&self) -> f64 {
+        self.of_impulse
+    }
+
     fn remember(&mut self, past: Option<ExtrapolationHistory<D>>) {
         (self.guess, self.guess_before) = (past, None);
     }
@@ -464,7 +473,8 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
     }
 
     fn extended_flow(&self) -> Result<Option<Vector>> {
-        self.band()?.map(|(level, band)| level.velocity_outside(band)).transpose()
+        let Some(level) = self.current.as_ref().filter(|_| self.fixed.method.jumps()) else { return Ok(None) };
+        level.velocity_outside(&*self.grid_at(level.time)?, &self.fixed.kinds).map(Some)
     }
 
     fn momentum_residual(&self) -> f64 {
@@ -511,7 +521,10 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
             damp(&self.fixed, &mut assembly, &self.past[0].0.slow, lag);
         }
         drop(stage);
-        let configuration = Configuration { pushes: &pushes, ..*configuration };
+        let factor = weights.of_impulse();
+        let scaled = |pressed: &ContactForce<D>| ContactForce { force: factor * pressed.force, ..*pressed };
+        let pressed: Vec<_> = configuration.pressed.iter().map(scaled).collect();
+        let configuration = Configuration { pushes: &pushes, pressed: &pressed, ..*configuration };
         let fixed = &self.fixed;
         let mut ready = AssembledSystem::new(fixed, Some(assembly), self.workspace.take(), self.guess.as_ref(), &configuration)?;
         self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();
@@ -533,15 +546,21 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         }
         let mut solution = readback::solution(fixed, (&bodies, &assembly), (&pair_constraints, &links), found, &configuration)?;
         drop(bodies);
+        solution.contact_forces.iter_mut().for_each(|force| *force /= factor);
         self.refuse_unstable(&solution.fluid, configuration.time, weights.step)?;
         (self.assembly, self.workspace) = (Some(assembly), Some(workspace));
         let momentum = Momentum::new(&self.fixed.setup, &weights, self.past.iter().map(|(level, _)| level));
         let spin_ups = momentum.complete(&mut solution.bodies);
         let twists = solution.bodies.iter().map(|state| state.twist).collect();
         let (time, centers) = (configuration.time, configuration.centers.to_vec());
-        let slow = slowed(&self.past[0].0.slow, &multipliers, lag);
+        let last = &self.past[0].0;
+        let before = if self.past.len() > 1 { &last.multipliers } else { &multipliers };
+        let slow = slowed(&last.slow, (before, &multipliers), lag);
         let resolved = self.past[0].0.resolved.clone();
-        self.current = Some(Level { time, fluid: solution.fluid.copied()?, multipliers, slow, centers, twists, spin_ups, resolved });
+        let contacts = pressed.iter().zip(&solution.contact_forces).map(|(pressed, &force)| ContactForce { force, ..*pressed });
+        let impulses = contact::pushes(centers.len(), contacts).into_iter().map(|force| force * weights.step).collect();
+        let fluid = solution.fluid.copied()?;
+        self.current = Some(Level { time, fluid, multipliers, slow, centers, twists, spin_ups, impulses, resolved });
         self.forget_surroundings();
         Ok(solution)
     }

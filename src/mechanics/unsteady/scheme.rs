@@ -26,6 +26,11 @@ impl StepWeights {
         let rate = [(1.0 + 2.0 * ratio) / (1.0 + ratio), -(1.0 + ratio), ratio * ratio / (1.0 + ratio)];
         StepWeights { step, rate: rate.map(|weight| weight / step), extrapolation: [1.0 + ratio, -ratio] }
     }
+
+    /// What the formula makes of a unit of the mean force of contacts over the step, which is an impulse.
+    pub fn of_impulse(&self) -> f64 {
+        self.rate[0] * self.step
+    }
 }
 
 /// Weights of convection at up to three earlier times, the last one first, in that at a time.

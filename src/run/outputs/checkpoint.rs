@@ -144,6 +144,7 @@ fn store_level<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, na
     let twists: Vec<f64> = level.twists.iter().flat_map(|twist| [twist.velocity.as_slice(), &components(&twist.spin)].concat()).collect();
     writer.shared(&format!("{name}_twists"), &twists)?;
     writer.shared(&format!("{name}_spin_ups"), &level.spin_ups.concat())?;
+    writer.shared(&format!("{name}_impulses"), &flat(&level.impulses))?;
     writer.shared(&format!("{name}_resolved"), &level.resolved)
 }
 
@@ -172,6 +173,7 @@ fn read_level<const D: usize>(checkpoint: &Checkpoint, suspension: &dyn FlowSolv
         centers: numbers("centers", D)?.chunks(D).map(SVector::from_column_slice).collect(),
         twists: numbers("twists", D + planes)?.chunks(D + planes).map(twist).collect(),
         spin_ups: numbers("spin_ups", planes)?.chunks(planes).map(<[f64]>::to_vec).collect(),
+        impulses: numbers("impulses", D)?.chunks(D).map(SVector::from_column_slice).collect(),
         resolved: numbers("resolved", 1)?,
     })
 }
