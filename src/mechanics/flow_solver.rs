@@ -3,7 +3,7 @@
 use super::{
     configuration::Configuration,
     cost::{Cost, ResidualMonitor},
-    mesh_level::MeshLevel,
+    history::{History, HistoryShape, HistoryView},
     setup::{Setup, SuspendedBody},
     solution::Solution,
     system::{extrapolation::ExtrapolationHistory, level::Level},
@@ -100,11 +100,6 @@ pub trait FlowSolver<const D: usize> {
         Vec::new()
     }
 
-    /// Those before a time: from which a step to it starts, whether it was solved or not.
-    fn levels_before(&self, _time: f64) -> Vec<&Level<D>> {
-        Vec::new()
-    }
-
     /// The last flow with inertia, as far as jump functions extend that outside bodies into them; nothing in others.
     ///
     /// # Errors
@@ -127,27 +122,6 @@ pub trait FlowSolver<const D: usize> {
         Ok(None)
     }
 
-    /// Number of multipliers of each body, where solutions are kept.
-    fn multiplier_counts(&self) -> Vec<usize> {
-        Vec::new()
-    }
-
-    /// Goes on from such solutions.
-    ///
-    /// # Errors
-    /// PETSc fails.
-    fn restore_levels(&mut self, _levels: Vec<Level<D>>) -> Result<()> {
-        Ok(())
-    }
-
-    /// The same of a flow on a mesh that moves.
-    fn mesh_levels(&self) -> Vec<&MeshLevel> {
-        Vec::new()
-    }
-
-    /// Goes on from such solutions, on the mesh of the [`past`](Self::past).
-    fn restore_mesh_levels(&mut self, _levels: Vec<MeshLevel>) {}
-
     /// A faster inverse that the box allows, if there is one.
     fn faster(&self) -> Option<InverseMethod> {
         None
@@ -155,11 +129,6 @@ pub trait FlowSolver<const D: usize> {
 
     /// Lets each solve start from the ones before it, beginning with those given, if it can.
     fn remember(&mut self, _past: Option<ExtrapolationHistory<D>>) {}
-
-    /// Whether further solves start from the fluid of earlier ones.
-    fn remembers_fluid(&self) -> bool {
-        false
-    }
 
     /// Forgets what solves at a time have found, in a flow with inertia: the next step starts from the last solution before it again.
     fn abandon(&mut self, _time: f64) {}
@@ -170,7 +139,23 @@ pub trait FlowSolver<const D: usize> {
     }
 
     /// What the first solve at a time starts from, whether it was done or not.
-    fn past_before(&self, _time: f64) -> Option<&ExtrapolationHistory<D>> {
-        self.past()
+    fn history_before(&self, _time: f64) -> HistoryView<'_, D> {
+        HistoryView { past: self.past(), ..HistoryView::default() }
+    }
+
+    /// What its histories consist of.
+    fn history_shape(&self) -> HistoryShape {
+        HistoryShape::default()
+    }
+
+    /// Goes on from a history.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    fn restore(&mut self, history: History<D>) -> Result<()> {
+        if history.past.is_some() {
+            self.remember(history.past);
+        }
+        Ok(())
     }
 }

@@ -8,6 +8,7 @@ use super::{
     configuration::Configuration,
     cost::{Cost, ResidualMonitor},
     flow_solver::FlowSolver,
+    history::HistoryShape,
     setup::Setup,
     solution::Solution,
     system::extrapolation::{ExtrapolationHistory, Snapshot},
@@ -80,7 +81,7 @@ impl<const D: usize> Suspension<D> {
     fn slide_to(&mut self, time: f64) -> Result<()> {
         if let Some(inverse) = self.fixed.slide(time, Setup::inverse_of)? {
             (self.inverse, self.assembly) = (inverse, None);
-            if self.remembers_fluid() {
+            if !self.fixed.condensed {
                 self.past = None;
             }
         }
@@ -157,8 +158,8 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         self.fixed.stokes.vector()
     }
 
-    fn remembers_fluid(&self) -> bool {
-        !self.fixed.condensed
+    fn history_shape(&self) -> HistoryShape {
+        HistoryShape { fluid: !self.fixed.condensed, ..HistoryShape::default() }
     }
 
     fn past(&self) -> Option<&ExtrapolationHistory<D>> {

@@ -33,8 +33,7 @@ use crate::{
     geometry::{Ball, Domain, near_pairs, near_walls},
     interaction::{Arrangement, BondRow, Interactions, PairForce, Spring, Touch, Wrench},
     mechanics::{
-        Configuration, ContactHistory, ExtrapolationHistory, FlowSolver, GivenPlace, Level, MeshLevel, Moving, ResidualMonitor, Solution,
-        State,
+        Configuration, ContactHistory, ExtrapolationHistory, FlowSolver, GivenPlace, History, Moving, ResidualMonitor, Solution, State,
         unsteady::{COURANT, LARGEST_COURANT},
     },
     parallel::Peers,
@@ -525,21 +524,13 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
 
     fn abandon(&mut self, state: &State<D>) {
         self.suspension.abandon(state.time);
-        if !self.suspension.remembers_fluid() {
+        if !self.suspension.history_shape().fluid {
             self.suspension.remember(self.before.take());
         }
     }
 
-    fn remember(&mut self, past: ExtrapolationHistory<D>) {
-        self.suspension.remember(Some(past));
-    }
-
-    fn restore_levels(&mut self, levels: Vec<Level<D>>) -> Result<()> {
-        self.suspension.restore_levels(levels)
-    }
-
-    fn restore_mesh_levels(&mut self, levels: Vec<MeshLevel>) {
-        self.suspension.restore_mesh_levels(levels);
+    fn restore(&mut self, history: History<D>) -> Result<()> {
+        self.suspension.restore(history)
     }
 }
 

@@ -19,10 +19,7 @@ use crate::{
     geometry::{Ball, Domain},
     interaction::Interactions,
     linalg::ROUNDING,
-    mechanics::{
-        ContactHistory, ExtrapolationHistory, FlowSolver, Level, MeshLevel, Moving, ResidualMonitor, Share, State, SuspendedBody,
-        unsteady::LARGEST_COURANT,
-    },
+    mechanics::{ContactHistory, FlowSolver, History, Moving, ResidualMonitor, Share, State, SuspendedBody, unsteady::LARGEST_COURANT},
     petsc::Session,
     scene::{Step, TimeSection},
 };
@@ -120,30 +117,18 @@ impl<const D: usize> Simulation<D> {
         })
     }
 
-    /// Goes on from another state of all bodies, with what earlier solves say about the next one.
-    ///
-    /// # Panics
-    /// If it is the state of a share.
-    pub fn restore(&mut self, state: State<D>, past: Option<ExtrapolationHistory<D>>) {
-        (self.state, self.ahead) = (own_part(&self.state.share, state), None);
-        self.slide();
-        self.stepper.migrate(&mut self.state, &self.domain);
-        if let Some(past) = past {
-            self.stepper.remember(past);
-        }
-    }
-
-    /// Goes on from earlier solutions of a flow with inertia, the last one first.
+    /// Goes on from another state of all bodies, with what earlier solves have left.
     ///
     /// # Errors
     /// PETSc fails.
-    pub fn restore_levels(&mut self, levels: Vec<Level<D>>) -> Result<()> {
-        self.stepper.restore_levels(levels)
-    }
-
-    /// The same for a flow on a mesh that moves.
-    pub fn restore_mesh_levels(&mut self, levels: Vec<MeshLevel>) {
-        self.stepper.restore_mesh_levels(levels);
+    ///
+    /// # Panics
+    /// If it is the state of a share.
+    pub fn restore(&mut self, state: State<D>, history: History<D>) -> Result<()> {
+        (self.state, self.ahead) = (own_part(&self.state.share, state), None);
+        self.slide();
+        self.stepper.migrate(&mut self.state, &self.domain);
+        self.stepper.restore(history)
     }
 
     /// The suspension that is solved, if there is a fluid.

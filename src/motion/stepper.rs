@@ -7,7 +7,7 @@ use crate::{
     error::Result,
     geometry::Domain,
     interaction::Interactions,
-    mechanics::{Cost, ExtrapolationHistory, FlowSolver, GivenPlace, Level, MeshLevel, ResidualMonitor, Solution, State},
+    mechanics::{Cost, FlowSolver, GivenPlace, History, ResidualMonitor, Solution, State},
 };
 
 /// What happens at one instant, of the bodies that the state of this rank holds.
@@ -116,19 +116,13 @@ pub trait Stepper<const D: usize> {
         None
     }
 
-    /// Goes on from earlier solutions of a flow with inertia, the last one first.
+    /// Goes on from what earlier solves of a fluid have left, if there is one.
     ///
     /// # Errors
     /// PETSc fails.
-    fn restore_levels(&mut self, _levels: Vec<Level<D>>) -> Result<()> {
+    fn restore(&mut self, _history: History<D>) -> Result<()> {
         Ok(())
     }
-
-    /// The same for a flow on a mesh that moves.
-    fn restore_mesh_levels(&mut self, _levels: Vec<MeshLevel>) {}
-
-    /// Takes what earlier solves say about the next one, if there is a fluid to solve.
-    fn remember(&mut self, _past: ExtrapolationHistory<D>) {}
 }
 
 impl Effort {

@@ -276,7 +276,7 @@ fn a_cell_in_space_comes_back_to_its_shape(session: &Session) {
         let drawn = (body.center - middle).component_mul(&Vector3::new(1.1, 1.0, 1.0 / 1.1));
         body.center = middle + drawn;
     }
-    simulation.restore(state, None);
+    simulation.restore(state, turbid::mechanics::History::default()).unwrap();
     let (mut energies, mut errors) = (Vec::new(), Vec::new());
     loop {
         let observation = simulation.evaluate(&mut |_, _| {}).unwrap();

@@ -234,7 +234,7 @@ fn stepper_conforms(start: &dyn Fn() -> Simulation<2>, tolerance: f64) {
         assert!(report.length > 0.0 && (simulation.state().time - before.time - report.length).abs() < 1e-14);
         assert!(report.kkt_report.is_some_and(|kkt_report| kkt_report.kkt_residual < 1e-7 && kkt_report.smallest_gap > -1e-9));
         let mut again = start();
-        again.restore(before, None);
+        again.restore(before, turbid::mechanics::History::default()).unwrap();
         let observation = again.evaluate(&mut |_, _| {}).unwrap();
         again.step(&observation, &mut |_, _| {}).unwrap();
         for (one, other) in simulation.whole_state().bodies.iter().zip(&again.whole_state().bodies) {

@@ -3,10 +3,10 @@
 use std::{f64::consts::PI, path::Path};
 
 use turbid::{
+    motion::{Observation, Simulation},
     observe::EnergyRates,
     petsc::Session,
     scene::Scene,
-    simulation::{Observation, Simulation},
 };
 
 use crate::Test;

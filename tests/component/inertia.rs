@@ -10,8 +10,8 @@ use turbid::{
     geometry::{Axis, Ball, Domain, Inflow, LeesEdwards},
     grid::{Grid, operators::signed},
     mechanics::{
-        Configuration, ExtrapolationHistory, FittedFlow, FlowSolver, Inertia, Level, MeshLevel, Setup, Snapshot, SuspendedBody, Suspension,
-        UnsteadySuspension,
+        Configuration, ExtrapolationHistory, FittedFlow, FlowSolver, History, Inertia, Level, MeshLevel, Setup, Snapshot, SuspendedBody,
+        Suspension, UnsteadySuspension,
     },
     motion::Simulation,
     observe,
@@ -222,7 +222,7 @@ fn followed(flow: &mut UnsteadySuspension<2>, fluid: Vector, (end, steps): (f64,
         impulses: Vec::new(),
         resolved: Vec::new(),
     };
-    flow.restore_levels(vec![start]).unwrap();
+    flow.restore(History { levels: vec![start], ..History::default() }).unwrap();
     let step = |step: usize| flow.solve_at(&configuration(&[], end * step as f64 / steps as f64), &mut |_, _| {}).unwrap().fluid;
     (1..=steps).map(step).last().unwrap()
 }
@@ -529,7 +529,7 @@ fn a_step_from_remembered_levels_is_the_step_of_the_whole_run(session: &Session)
         Level { time: *time, fluid, multipliers, slow, centers, twists, spin_ups, impulses, resolved }
     });
     let mut resumed = flow();
-    resumed.restore_levels(copies.collect()).unwrap();
+    resumed.restore(History { levels: copies.collect(), ..History::default() }).unwrap();
     let (one, other) = (solve(&mut whole, 4), solve(&mut resumed, 4));
     for (one, other) in one.bodies.iter().zip(&other.bodies) {
         assert!((one.twist.velocity - other.twist.velocity).norm() < 1e-6 * one.twist.velocity.norm());
@@ -644,13 +644,13 @@ fn a_new_mesh_has_the_momentum_of_the_old_one(session: &Session) {
     };
     let (mut whole, mut before, mut step) = (flow(), [0.0; 4], 0);
     while whole.cost().meshes < 2 {
-        if let (Some(mesh), Some(level)) = (whole.mesh(), whole.mesh_levels().first()) {
+        if let (Some(mesh), Some(level)) = (whole.mesh(), whole.history_before(f64::INFINITY).mesh_levels.first()) {
             before = moments(mesh, level);
         }
         solve(&mut whole, step);
         step += 1;
     }
-    let after = moments(whole.mesh().unwrap(), whole.mesh_levels()[1]);
+    let after = moments(whole.mesh().unwrap(), whole.history_before(f64::INFINITY).mesh_levels[1]);
     assert!((3..20).contains(&step) && before[1] > 0.0, "{step} steps, {before:?}");
     // rounding; velocities interpolated at the nodes miss it by 6e-5 and more
     for moment in 0..3 {
@@ -661,8 +661,9 @@ fn a_new_mesh_has_the_momentum_of_the_old_one(session: &Session) {
     let mut resumed = flow();
     let past = whole.past().unwrap();
     let last = Snapshot { fluid: None, multipliers: Vec::new(), centers: past.last.centers.clone(), mean_flow: Vec::new() };
-    resumed.remember(Some(ExtrapolationHistory { time: past.time, last, earlier: None }));
-    resumed.restore_mesh_levels(whole.mesh_levels().into_iter().cloned().collect());
+    let past = Some(ExtrapolationHistory { time: past.time, last, earlier: None });
+    let mesh_levels = whole.history_before(f64::INFINITY).mesh_levels.into_iter().cloned().collect();
+    resumed.restore(History { past, levels: Vec::new(), mesh_levels }).unwrap();
     let (one, other) = (solve(&mut whole, step), solve(&mut resumed, step));
     assert!((one.velocity - other.velocity).norm() < 1e-10 * one.velocity.norm(), "{one:?} and {other:?}");
 }

@@ -84,7 +84,7 @@ fn under(
         interactions: Interactions::default().with(contact),
     };
     let mut other = Simulation::granular(session, setup, time);
-    other.restore(simulation.whole_state().into_owned(), None);
+    other.restore(simulation.whole_state().into_owned(), turbid::mechanics::History::default()).unwrap();
     other
 }
 

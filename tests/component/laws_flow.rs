@@ -112,7 +112,7 @@ fn a_chain_pressed_to_the_floor_sticks_until_it_was_pulled_as_much(session: &Ses
         if number == 20 {
             let (state, past) = (simulation.state().clone(), None);
             simulation = start(session, disks(6.0), Step::Fixed(length), GLUEY);
-            simulation.restore(state, past);
+            simulation.restore(state, turbid::mechanics::History { past, ..Default::default() }).unwrap();
         }
     }
 }

@@ -115,7 +115,7 @@ fn a_step_that_leads_nowhere_is_split_and_the_run_comes_back_to_whole_steps(sess
         let mut resumed = hurdles(session, Step::Fixed(0.5), &[[0.6, 0.7, 0.13]], late);
         let mut state = simulation.state().clone();
         (state.time, state.last_step, state.steps) = (0.625, 0.125, 2);
-        resumed.restore(state, None);
+        resumed.restore(state, turbid::mechanics::History::default()).unwrap();
         let again: Vec<f64> = self::reports(&mut resumed).unwrap().iter().map(|report| report.length).collect();
         assert_eq!(again, lengths[2..]);
     }

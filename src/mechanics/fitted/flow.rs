@@ -20,12 +20,15 @@ use crate::{
     grid::Grid,
     interaction::Wrench,
     mechanics::{
-        Configuration, Cost, ExtrapolationHistory, FlowSolver, MeshLevel, ResidualMonitor, Setup, Snapshot, Solution, WallForces,
-        check_steady_state,
+        Configuration, Cost, ExtrapolationHistory, FlowSolver, History, HistoryShape, HistoryView, MeshLevel, ResidualMonitor, Setup,
+        Snapshot, Solution, WallForces, check_steady_state,
         unsteady::{first_step, inertia, longest_step},
     },
     petsc::{Direct, Report, Session, Stage, Vector, enter},
 };
+
+/// Solutions from which a step starts.
+const MESH_LEVELS: usize = 2;
 
 /// A suspension in 2D whose flow is found on a mesh that fits the bodies.
 pub struct FittedFlow<const D: usize> {
@@ -115,13 +118,23 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
         Ok(self.history.as_ref().map_or(f64::INFINITY, of_history))
     }
 
-    fn mesh_levels(&self) -> Vec<&MeshLevel> {
-        self.history.iter().flat_map(|history| history.current.iter().chain(history.past.first())).collect()
+    fn history_before(&self, _time: f64) -> HistoryView<'_, D> {
+        HistoryView { past: self.past.as_ref(), levels: Vec::new(), mesh_levels: self.levels_on_mesh() }
     }
 
-    fn restore_mesh_levels(&mut self, levels: Vec<MeshLevel>) {
-        let mut levels = levels.into_iter();
-        self.history = Some(MeshHistory { current: levels.next(), past: levels.collect() });
+    fn history_shape(&self) -> HistoryShape {
+        HistoryShape { mesh_levels: if self.evolves() { MESH_LEVELS } else { 0 }, ..HistoryShape::default() }
+    }
+
+    fn restore(&mut self, history: History<D>) -> Result<()> {
+        if history.past.is_some() {
+            self.remember(history.past);
+        }
+        if self.evolves() {
+            let mut levels = history.mesh_levels.into_iter();
+            self.history = Some(MeshHistory { current: levels.next(), past: levels.collect() });
+        }
+        Ok(())
     }
 
     fn solve(&mut self, monitor: ResidualMonitor) -> Result<Solution<D>> {
@@ -174,6 +187,11 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
 }
 
 impl<const D: usize> FittedFlow<D> {
+    /// The solutions from which a step starts, the last one first.
+    fn levels_on_mesh(&self) -> Vec<&MeshLevel> {
+        self.history.iter().flat_map(|history| history.current.iter().chain(history.past.first())).collect()
+    }
+
     /// What there is before the first step: disks that move, and a fluid that is at rest or, without walls, has the mean velocity that is given.
     ///
     /// Velocities on walls and surfaces are those of the fluid, not of what moves there from the start on: as parts of its momentum they would be missed or
@@ -191,7 +209,7 @@ impl<const D: usize> FittedFlow<D> {
     fn mesh_at(&mut self, centers: &[SVector<f64, D>], time: f64) -> Result<Mesh> {
         if let Some(past) = self.past.take_if(|_| self.moving.is_none()) {
             let nodes = self.make(&past.last.centers, past.time)?.nodes.len();
-            if self.mesh_levels().iter().any(|level| level.nodes.len() != nodes) {
+            if self.levels_on_mesh().iter().any(|level| level.nodes.len() != nodes) {
                 let remedy = "resume with the size and the resolution of the first run";
                 return Err(Error::refused(format!("the flow of the checkpoint lies on another mesh than that of the scene; {remedy}")));
             }

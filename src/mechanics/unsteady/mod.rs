@@ -31,6 +31,7 @@ use super::{
     configuration::Configuration,
     cost::{Cost, ResidualMonitor},
     flow_solver::FlowSolver,
+    history::{History, HistoryShape, HistoryView},
     setup::{Inertia, Setup},
     solution::{BodyState, Lubrication, Solution, WallForces},
     system::{
@@ -371,6 +372,12 @@ impl<const D: usize> UnsteadySuspension<D> {
         let text = format!("at time {time} the flow passes {courant:.1} cells in a step of {step:.3e}, more than it can follow; {remedy}");
         Err(if short { Error::Diverged(text) } else { Error::CourantExceeded(text) })
     }
+
+    /// Number of multipliers of each body that levels have.
+    fn multiplier_counts(&self) -> Vec<usize> {
+        let count = |body| if self.fixed.method.jumps() { self.fixed.kinds.surface(body).modes.count() } else { 0 };
+        (0..self.fixed.setup.bodies.len()).map(count).collect()
+    }
 }
 
 impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
@@ -444,10 +451,6 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         self.fixed.stokes.vector()
     }
 
-    fn remembers_fluid(&self) -> bool {
-        !self.fixed.condensed
-    }
-
     fn abandon(&mut self, time: f64) {
         if self.current.take_if(|level| level.time == time).is_some() {
             self.forget_surroundings();
@@ -463,13 +466,17 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         self.current.iter().chain(self.past.iter().map(|(level, _)| level)).take(LEVELS).collect()
     }
 
-    fn levels_before(&self, time: f64) -> Vec<&Level<D>> {
+    fn history_before(&self, time: f64) -> HistoryView<'_, D> {
         let all = self.current.iter().chain(self.past.iter().map(|(level, _)| level));
-        all.filter(|level| level.time < time).take(LEVELS).collect()
+        HistoryView {
+            past: self.guess.as_ref().filter(|guess| guess.time < time).or(self.guess_before.as_ref()),
+            levels: all.filter(|level| level.time < time).take(LEVELS).collect(),
+            mesh_levels: Vec::new(),
+        }
     }
 
-    fn past_before(&self, time: f64) -> Option<&ExtrapolationHistory<D>> {
-        self.guess.as_ref().filter(|guess| guess.time < time).or(self.guess_before.as_ref())
+    fn history_shape(&self) -> HistoryShape {
+        HistoryShape { fluid: !self.fixed.condensed, multipliers: self.multiplier_counts(), levels: LEVELS, mesh_levels: 0 }
     }
 
     fn extended_flow(&self) -> Result<Option<Vector>> {
@@ -486,13 +493,11 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         Ok(self.layers()?.filter(|layers| !layers.is_empty()).map(thinnest))
     }
 
-    fn multiplier_counts(&self) -> Vec<usize> {
-        let count = |body| if self.fixed.method.jumps() { self.fixed.kinds.surface(body).modes.count() } else { 0 };
-        (0..self.fixed.setup.bodies.len()).map(count).collect()
-    }
-
-    fn restore_levels(&mut self, levels: Vec<Level<D>>) -> Result<()> {
-        let mut levels = levels.into_iter();
+    fn restore(&mut self, history: History<D>) -> Result<()> {
+        if history.past.is_some() {
+            self.remember(history.past);
+        }
+        let mut levels = history.levels.into_iter();
         (self.current, self.past) = (levels.next(), Vec::new());
         self.forget_surroundings();
         levels.try_for_each(|level| self.remember_level(level, None, self.past.len()))

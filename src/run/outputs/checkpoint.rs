@@ -14,13 +14,12 @@ use crate::{
     contact::{AdhesiveContact, Identity, pack, packed_length, unpack},
     error::{Error, Offer, Refusal, Result},
     grid::Grid,
-    mechanics::{ContactHistory, ExtrapolationHistory, FlowSolver, Level, MeshLevel, Moving, Share, Snapshot, State},
+    mechanics::{ContactHistory, ExtrapolationHistory, FlowSolver, History, HistoryView, Level, MeshLevel, Moving, Share, Snapshot, State},
     motion::Simulation,
     output::{CHECKPOINT, Checkpoint, CheckpointWriter},
     parallel::World,
     petsc::Vector,
     run::{BeforeStep, Output, RunStatistics},
-    scene::ConstraintMethod,
 };
 
 /// Names of the arrays of a solution.
@@ -28,9 +27,6 @@ const SNAPSHOTS: [&str; 2] = ["last", "earlier"];
 
 /// Names of the solutions from which a step of a flow with inertia starts.
 const LEVELS: [&str; 3] = ["level", "level_before", "first_level"];
-
-/// How many of them a mesh that fits the bodies keeps.
-const MESH_LEVELS: usize = 2;
 
 /// The name of the statistics.
 const STATISTICS: &str = "statistics";
@@ -60,12 +56,7 @@ impl CheckpointFile {
         writer.text(STATISTICS, &world.broadcast(0, &before.statistics.text()))?;
         store_state(&mut writer, world, simulation)?;
         if let Some(suspension) = simulation.suspension() {
-            let time = simulation.state().time;
-            store_past(&mut writer, suspension.grid(), suspension.past_before(time))?;
-            for (name, level) in LEVELS.into_iter().zip(suspension.levels_before(time)) {
-                store_level(&mut writer, suspension.grid(), name, level)?;
-            }
-            LEVELS.into_iter().zip(suspension.mesh_levels()).try_for_each(|(name, level)| store_mesh_level(&mut writer, name, level))?;
+            store_history(&mut writer, suspension.grid(), &suspension.history_before(simulation.state().time))?;
         }
         writer.finish()
     }
@@ -90,27 +81,27 @@ impl<const D: usize> Output<D> for CheckpointFile {
 pub fn restore<const D: usize>(world: &World, checkpoint: &Checkpoint, simulation: &mut Simulation<D>) -> Result<RunStatistics> {
     let statistics = RunStatistics::read(&checkpoint.text(STATISTICS)?)?;
     let state = read_state(world, checkpoint, simulation.state().count())?;
-    let past = match simulation.suspension() {
-        Some(suspension) => {
-            let shape = suspension.remembers_fluid().then(|| suspension.fluid_vector()).transpose()?;
-            read_past(checkpoint, suspension.grid(), shape.as_ref())?
-        }
-        None => None,
-    };
-    let names = LEVELS[..state.steps.min(LEVELS.len())].iter();
-    let (mut levels, mut mesh_levels) = (Vec::new(), Vec::new());
-    match simulation.suspension().filter(|suspension| suspension.evolves()) {
-        Some(suspension) if suspension.setup().constraint == ConstraintMethod::Fitted => {
-            let bodies = suspension.setup().bodies.len();
-            mesh_levels = names.take(MESH_LEVELS).map(|name| read_mesh_level(checkpoint, bodies, name)).collect::<Result<_>>()?;
-        }
-        Some(suspension) => levels = names.map(|name| read_level(checkpoint, suspension, name)).collect::<Result<_>>()?,
-        None => {}
-    }
-    simulation.restore(state, past);
-    simulation.restore_levels(levels)?;
-    simulation.restore_mesh_levels(mesh_levels);
+    let history = simulation.suspension().map(|suspension| read_history(checkpoint, suspension, state.steps)).transpose()?;
+    simulation.restore(state, history.unwrap_or_default())?;
     Ok(statistics)
+}
+
+fn store_history<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, history: &HistoryView<D>) -> Result<()> {
+    store_past(writer, grid, history.past)?;
+    LEVELS.into_iter().zip(&history.levels).try_for_each(|(name, level)| store_level(writer, grid, name, level))?;
+    LEVELS.into_iter().zip(&history.mesh_levels).try_for_each(|(name, level)| store_mesh_level(writer, name, level))
+}
+
+/// The history of a solver after so many steps.
+fn read_history<const D: usize>(checkpoint: &Checkpoint, suspension: &dyn FlowSolver<D>, steps: usize) -> Result<History<D>> {
+    let shape = suspension.history_shape();
+    let fluid = shape.fluid.then(|| suspension.fluid_vector()).transpose()?;
+    let (names, bodies) = (|most: usize| LEVELS[..steps.min(most)].iter(), suspension.setup().bodies.len());
+    Ok(History {
+        past: read_past(checkpoint, suspension.grid(), fluid.as_ref())?,
+        levels: names(shape.levels).map(|name| read_level(checkpoint, suspension, &shape.multipliers, name)).collect::<Result<_>>()?,
+        mesh_levels: names(shape.mesh_levels).map(|name| read_mesh_level(checkpoint, bodies, name)).collect::<Result<_>>()?,
+    })
 }
 
 fn store_mesh_level(writer: &mut CheckpointWriter, name: &str, level: &MeshLevel) -> Result<()> {
@@ -148,7 +139,12 @@ fn store_level<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, na
     writer.shared(&format!("{name}_resolved"), &level.resolved)
 }
 
-fn read_level<const D: usize>(checkpoint: &Checkpoint, suspension: &dyn FlowSolver<D>, name: &str) -> Result<Level<D>> {
+fn read_level<const D: usize>(
+    checkpoint: &Checkpoint,
+    suspension: &dyn FlowSolver<D>,
+    multipliers: &[usize],
+    name: &str,
+) -> Result<Level<D>> {
     let mut fluid = suspension.fluid_vector()?;
     read_fluid(checkpoint, suspension.grid(), name, &mut fluid)?;
     let bodies = suspension.setup().bodies.len();
@@ -156,11 +152,11 @@ fn read_level<const D: usize>(checkpoint: &Checkpoint, suspension: &dyn FlowSolv
         let found = checkpoint.shared(&format!("{name}_{what}"))?;
         if found.len() == bodies * width { Ok(found) } else { Err(misfit(what)) }
     };
-    let (planes, counts) = (planes::<D>().len(), suspension.multiplier_counts());
+    let planes = planes::<D>().len();
     let by_body = |what: &str| {
         let flat = checkpoint.shared(&format!("{name}_{what}"))?;
         let mut rest = &flat[..];
-        let own = counts.iter().map(|&count| rest.split_off(..count).map(<[f64]>::to_vec)).collect::<Option<Vec<_>>>();
+        let own = multipliers.iter().map(|&count| rest.split_off(..count).map(<[f64]>::to_vec)).collect::<Option<Vec<_>>>();
         own.filter(|_| rest.is_empty()).ok_or_else(|| misfit(what))
     };
     let twist = |numbers: &[f64]| Twist { velocity: SVector::from_column_slice(&numbers[..D]), spin: skew(&numbers[D..]) };
