@@ -12,6 +12,7 @@ mod packing;
 mod places;
 mod regions;
 mod relaxation;
+mod row;
 mod search;
 mod share;
 mod trajectory;
@@ -30,6 +31,7 @@ pub use outline::{Outline, RestShape};
 pub use packing::{pack, pack_on};
 pub use places::{TOO_FEW, misplaced, read_places};
 pub use regions::Regions;
+pub use row::{RigidFunctional, Row};
 pub use trajectory::{Path, Trajectories, Trajectory};
 pub use twist::{Twist, components, planes, skew};
 

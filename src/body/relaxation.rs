@@ -11,8 +11,10 @@ use super::{
     fire::Fire,
     share::{BLOCK, NeededCenters, Share},
 };
-use crate::geometry::{Ball, Domain, Pair, near_pairs};
-use crate::linalg::ROUNDING;
+use crate::{
+    geometry::{Ball, Domain, Pair, near_pairs},
+    linalg::ROUNDING,
+};
 
 /// Time step of the collisions while stirring.
 const STIRRING_STEP: f64 = 0.4;

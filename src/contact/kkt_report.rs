@@ -3,8 +3,7 @@
 use nalgebra::SVector;
 
 use super::{Contact, ContactForce, Problem, Solver, View, island::free_body, paths::Path};
-use crate::linalg::CANCELLATION;
-use crate::{geometry::Ball, parallel::Peers};
+use crate::{geometry::Ball, linalg::CANCELLATION, parallel::Peers};
 
 /// How good a projection is, and what it cost.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,6 @@
 //! Bodies that are tied to each other and touch: contact forces that keep them apart where ties act at the same time.
 //!
-//! `min 1/2 sum_i w_i |v_i - wanted_i|^2 + 1/2 sum_t c_t f_t^2` subject to `sum d_i . v_i + c_t f_t = rate_t` for each [`Tie`] and
+//! `min 1/2 sum_i w_i |v_i - wanted_i|^2 + 1/2 sum_t c_t f_t^2` subject to `sum d_i . v_i + c_t f_t = rate_t` for each [`Row`], which turns no body, and
 //! `gap + dt opening(v) >= 0` for each [`Contact`]: one convex program. A contact that may pull does so with its least force from the start, so that its
 //! multiplier is what it bears besides.
 //!
@@ -12,20 +12,10 @@ use clarabel::algebra::CscMatrix;
 use nalgebra::{SMatrix, SVector};
 
 use super::{Contact, ContactForce, force::pushes, tied_program::TiedProgram, union_find::UnionFind};
+use crate::body::Row;
 
 /// Smallest violation, in distances of centres, that the unknowns are scaled by.
 const SMALLEST_SCALE: f64 = 1e-7;
-
-/// A tie `sum of direction . velocity + compliance force = rate` of a few bodies.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Tie<const D: usize> {
-    /// The bodies, with the direction in which a unit force pushes each.
-    pub ends: Vec<(usize, SVector<f64, D>)>,
-    /// The rate wanted.
-    pub rate: f64,
-    /// Rate over force; zero for what cannot give way.
-    pub compliance: f64,
-}
 
 /// Most motions of a rigid body.
 pub const RIGID: usize = 6;
@@ -53,7 +43,7 @@ pub struct TiedProblem<'a, const D: usize> {
     /// Velocities wanted.
     pub velocities: &'a [SVector<f64, D>],
     /// What ties them.
-    pub ties: &'a [Tie<D>],
+    pub ties: &'a [Row<D>],
     /// Which of them are balls of rigid bodies.
     pub rigid: &'a [RigidBalls<D>],
     /// Where they touch or may.
@@ -146,8 +136,8 @@ impl<const D: usize> TiedProblem<'_, D> {
     fn tie_rows(&self, island: &TiedIsland, rigid: &Rigid<D>, velocity: &impl Fn(usize) -> SVector<f64, D>) -> (Vec<ScaledRow>, usize) {
         let (mut rows, mut softs) = (Vec::new(), 0);
         for tie in island.ties.iter().map(|&tie| &self.ties[tie]) {
-            let side = tie.rate - tie.ends.iter().map(|(body, direction)| direction.dot(&velocity(*body))).sum::<f64>();
-            let mut entries = self.entries(island, rigid, tie.ends.iter().copied());
+            let side = tie.rate - tie.ends.iter().map(|(body, side)| side.direction.dot(&velocity(*body))).sum::<f64>();
+            let mut entries = self.entries(island, rigid, tie.ends.iter().map(|(body, side)| (*body, side.direction)));
             if tie.compliance > 0.0 {
                 entries.push((island.unknowns + softs, tie.compliance.sqrt()));
                 softs += 1;
@@ -259,6 +249,7 @@ mod tests {
     use nalgebra::Vector2;
 
     use super::*;
+    use crate::body::RigidFunctional;
     use crate::geometry::{Axis, Ball, Domain};
 
     /// Two disks above each other on a rod, the lower one on the floor, and one that falls freely.
@@ -268,7 +259,8 @@ mod tests {
         let domain = Domain { size: Vector2::new(9.0, 9.0), axes: [Axis::Periodic, walls] };
         let balls = [[3.0, 0.5], [3.0, 1.6], [6.0, 4.0]].map(|center| Ball { center: center.into(), radius: 0.5 });
         let up = Vector2::new(0.0, 1.0);
-        let rod = Tie { ends: vec![(0, -up), (1, up)], rate: 0.0, compliance: 0.0 };
+        let side = |direction| RigidFunctional { direction, turn: SMatrix::zeros() };
+        let rod = Row { ends: vec![(0, side(-up)), (1, side(up))], rate: 0.0, compliance: 0.0 };
         let floor = |body: usize| Contact::of_wall(&domain, &balls, body, 1, false);
         for presses in [true, false] {
             let contacts = [0, 2].map(|body| TiedContact { contact: floor(body), least: 0.0, presses });

@@ -13,8 +13,8 @@ use std::{ops::Range, rc::Rc};
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{BondRow, Interaction};
-use crate::{body::skew, constraint::lubrication::RigidFunctional};
+use super::Interaction;
+use crate::body::{RigidFunctional, Row, skew};
 
 /// The beads of a chain on fixed joints.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,7 +47,7 @@ impl<const D: usize> Interaction<D> for Joints {
         true
     }
 
-    fn welds(&self, centers: &[SVector<f64, D>]) -> Vec<BondRow<D>> {
+    fn welds(&self, centers: &[SVector<f64, D>]) -> Vec<Row<D>> {
         self.chains.iter().flat_map(|chain| chain.rows(centers)).collect()
     }
 
@@ -57,7 +57,7 @@ impl<const D: usize> Interaction<D> for Joints {
 }
 
 impl JointedChain {
-    fn rows<const D: usize>(&self, centers: &[SVector<f64, D>]) -> Vec<BondRow<D>> {
+    fn rows<const D: usize>(&self, centers: &[SVector<f64, D>]) -> Vec<Row<D>> {
         let Range { start, end } = self.beads;
         let count = end - start;
         let along = self.beads.clone().flat_map(|bead| {
@@ -73,12 +73,12 @@ impl JointedChain {
     }
 }
 
-fn row<const D: usize>(ends: Vec<(usize, RigidFunctional<D>)>) -> BondRow<D> {
-    BondRow { ends, rate: 0.0, compliance: 0.0 }
+fn row<const D: usize>(ends: Vec<(usize, RigidFunctional<D>)>) -> Row<D> {
+    Row { ends, rate: 0.0, compliance: 0.0 }
 }
 
 /// How a chord turns to a side across it, less how a bead turns to it.
-fn of_axis<const D: usize>(bead: usize, [before, after]: [usize; 2], normal: &SVector<f64, D>, chord: &SVector<f64, D>) -> BondRow<D> {
+fn of_axis<const D: usize>(bead: usize, [before, after]: [usize; 2], normal: &SVector<f64, D>, chord: &SVector<f64, D>) -> Row<D> {
     let none = RigidFunctional { direction: SVector::zeros(), turn: SMatrix::zeros() };
     let mut ends = vec![(before, RigidFunctional { direction: -normal, ..none }), (after, RigidFunctional { direction: *normal, ..none })];
     let turn = chord * normal.transpose() - normal * chord.transpose();
@@ -90,7 +90,7 @@ fn of_axis<const D: usize>(bead: usize, [before, after]: [usize; 2], normal: &SV
 }
 
 /// How the second of two beads turns about their bond, less how the first does; times half their distance.
-fn of_twist<const D: usize>([one, other]: [usize; 2], centers: &[SVector<f64, D>]) -> BondRow<D> {
+fn of_twist<const D: usize>([one, other]: [usize; 2], centers: &[SVector<f64, D>]) -> Row<D> {
     let bond = (centers[other] - centers[one]) * 0.5;
     let side = |sign: f64| RigidFunctional { direction: SVector::zeros(), turn: skew::<D>(bond.as_slice()) * sign };
     row(vec![(one, side(-1.0)), (other, side(1.0))])
@@ -122,7 +122,7 @@ mod tests {
         let rows = joints.welds(centers);
         assert_eq!(rows.len(), count);
         let velocity = SVector::from_fn(|axis, _| 0.3 - 0.4 * axis as f64);
-        let rate = |row: &BondRow<D>, twists: &[Twist<D>]| row.ends.iter().map(|(body, side)| side.rate(&twists[*body])).sum::<f64>();
+        let rate = |row: &Row<D>, twists: &[Twist<D>]| row.ends.iter().map(|(body, side)| side.rate(&twists[*body])).sum::<f64>();
         let mut twists: Vec<Twist<D>> = centers.iter().map(|center| Twist { velocity: velocity + spin * center, spin }).collect();
         for row in &rows {
             let stress = row.stress(1.0, centers);

@@ -4,8 +4,9 @@ use std::{fmt, ops::Range, rc::Rc};
 
 use nalgebra::SVector;
 
-use super::{Arrangement, BondRow, Cluster, Conserved, Interaction, PairForce, Spring, Touch};
+use super::{Arrangement, Cluster, Conserved, Interaction, PairForce, Spring, Touch};
 use crate::{
+    body::Row,
     constraint::{
         MultiplierLayout, Neighbourhood,
         lubrication::{LubricationPair, LubricationPairs, Opposite},
@@ -149,7 +150,7 @@ impl<const D: usize> Interactions<D> {
     }
 
     /// See [`Interaction::welds`].
-    pub fn welds(&self, centers: &[SVector<f64, D>]) -> Vec<BondRow<D>> {
+    pub fn welds(&self, centers: &[SVector<f64, D>]) -> Vec<Row<D>> {
         self.iter().flat_map(|interaction| interaction.welds(centers)).collect()
     }
 

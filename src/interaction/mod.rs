@@ -6,7 +6,6 @@
 //! nothing is built for it.
 
 mod arrangement;
-mod bond_row;
 mod bonds;
 mod cluster;
 mod conserved;
@@ -23,7 +22,6 @@ mod welds;
 use std::{fmt::Debug, ops::Range};
 
 pub use arrangement::{Arrangement, PairForce, Wrench};
-pub use bond_row::BondRow;
 pub use bonds::{Bend, Bonds, Stretch};
 pub use cluster::Cluster;
 pub use conserved::{Conserved, Measure, enclosed};
@@ -40,6 +38,7 @@ pub use welds::Welds;
 use nalgebra::SVector;
 
 use crate::{
+    body::Row,
     constraint::{MultiplierLayout, Neighbourhood, lubrication::LubricationPairs},
     contact::{AdhesiveContact, Contact, ContactForce},
 };
@@ -139,7 +138,7 @@ pub trait Interaction<const D: usize>: Debug {
     }
 
     /// Rows by which it makes bodies with these centres move or turn as one.
-    fn welds(&self, _centers: &[SVector<f64, D>]) -> Vec<BondRow<D>> {
+    fn welds(&self, _centers: &[SVector<f64, D>]) -> Vec<Row<D>> {
         Vec::new()
     }
 

@@ -13,11 +13,8 @@ use std::rc::Rc;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{BondRow, Cluster, Interaction};
-use crate::{
-    body::{planes, skew},
-    constraint::lubrication::RigidFunctional,
-};
+use super::{Cluster, Interaction};
+use crate::body::{RigidFunctional, Row, planes, skew};
 
 /// All clusters.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,7 +47,7 @@ impl<const D: usize> Interaction<D> for Welds<D> {
         )
     }
 
-    fn welds(&self, centers: &[SVector<f64, D>]) -> Vec<BondRow<D>> {
+    fn welds(&self, centers: &[SVector<f64, D>]) -> Vec<Row<D>> {
         self.clusters.iter().flat_map(|cluster| cluster.pairs().flat_map(|pair| rows(pair, cluster.radius, centers))).collect()
     }
 
@@ -72,10 +69,9 @@ impl<const D: usize> Interaction<D> for Welds<D> {
 }
 
 /// The rows of a ball that is tied to another, the first radius being such.
-fn rows<const D: usize>([ball, to]: [usize; 2], radius: f64, centers: &[SVector<f64, D>]) -> Vec<BondRow<D>> {
+fn rows<const D: usize>([ball, to]: [usize; 2], radius: f64, centers: &[SVector<f64, D>]) -> Vec<Row<D>> {
     let arm = centers[ball] - centers[to];
-    let row =
-        |own: RigidFunctional<D>, other: RigidFunctional<D>| BondRow { ends: vec![(to, other), (ball, own)], rate: 0.0, compliance: 0.0 };
+    let row = |own: RigidFunctional<D>, other: RigidFunctional<D>| Row { ends: vec![(to, other), (ball, own)], rate: 0.0, compliance: 0.0 };
     let along = |axis: usize| {
         let direction: SVector<f64, D> = SVector::from_fn(|other, _| f64::from(other == axis));
         let turn = direction * arm.transpose() - arm * direction.transpose();
@@ -107,7 +103,7 @@ mod tests {
         assert_eq!(rows.len(), 18);
         let (velocity, spin) = (Vector3::new(0.3, -0.2, 0.5), skew(&[0.7, 0.1, -0.4]));
         let rigid: Vec<Twist<3>> = centers.iter().map(|center| Twist { velocity: velocity + spin * center, spin }).collect();
-        let rate = |row: &BondRow<3>| row.ends.iter().map(|(body, side)| side.rate(&rigid[*body])).sum::<f64>();
+        let rate = |row: &Row<3>| row.ends.iter().map(|(body, side)| side.rate(&rigid[*body])).sum::<f64>();
         assert!(rows.iter().all(|row| rate(row).abs() < 1e-15));
         for row in &rows {
             let stress = row.stress(1.0, &centers);

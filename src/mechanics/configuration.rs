@@ -2,10 +2,7 @@
 
 use nalgebra::SVector;
 
-use crate::{
-    contact::ContactForce,
-    interaction::{BondRow, Wrench},
-};
+use crate::{body::Row, contact::ContactForce, interaction::Wrench};
 
 /// Where the bodies of a suspension are, and what is known of that instant.
 #[derive(Debug, Clone, Copy)]
@@ -17,7 +14,7 @@ pub struct Configuration<'a, const D: usize> {
     /// Contacts that are held: their forces are unknowns, and those given are where the solve starts.
     pub pressed: &'a [ContactForce<D>],
     /// Springs and welds: their forces are unknowns.
-    pub bonds: &'a [BondRow<D>],
+    pub bonds: &'a [Row<D>],
     /// The step in which gaps of contacts are to close, and no sooner.
     pub step: f64,
     /// Forces and torques on all bodies besides those of the setup; none if empty.

@@ -6,13 +6,13 @@ use nalgebra::SVector;
 
 use super::state::GivenPlace;
 use crate::{
-    body::{Body, Motion, Trajectories, Twist},
+    body::{Body, Motion, Row, Trajectories, Twist},
     constraint::{FlowMethod, Precision, method_of, method_with_inertia},
     error::Result,
     flow::{Drive, InverseMethod, IteratedInverse, Stokes, StokesInverse},
     geometry::Domain,
     grid::Grid,
-    interaction::{BondRow, Interaction, Interactions},
+    interaction::{Interaction, Interactions},
     scene::{ConstraintMethod, MultiplierSolver, Tolerance},
     surface::{Shape, area, lever},
 };
@@ -91,7 +91,7 @@ impl<const D: usize> Setup<D> {
 
     /// Rows that make bodies with these centres move as one, for velocities of their images in the box: one that lies `r` away from its centre moves
     /// slower by the background over `r`, unless images slide and the flow takes that along.
-    pub fn welds_in_the_box(&self, centers: &[SVector<f64, D>]) -> Vec<BondRow<D>> {
+    pub fn welds_in_the_box(&self, centers: &[SVector<f64, D>]) -> Vec<Row<D>> {
         let faster = |body: usize| {
             let center = &centers[body];
             self.drive.background(&(center - self.domain.wrap(*center))) - self.domain.image_velocity(center)

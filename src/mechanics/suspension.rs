@@ -14,13 +14,14 @@ use super::{
     system::extrapolation::{ExtrapolationHistory, Snapshot},
 };
 use crate::{
+    body::Row,
     constraint::FlowMethod,
     contact::Contact,
     error::{Error, Result},
     flow::{InverseMethod, Stokes, StokesInverse},
     geometry::Ball,
     grid::Grid,
-    interaction::{Arrangement, BondRow, PairForce, Wrench},
+    interaction::{Arrangement, PairForce, Wrench},
     mechanics::{
         Conditions,
         system::{
@@ -93,7 +94,7 @@ impl<const D: usize> Suspension<D> {
     }
 
     /// The configuration in which bodies are there and none touches.
-    fn at_rest<'a>(&self, centers: &'a [SVector<f64, D>], bonds: &'a [BondRow<D>]) -> Configuration<'a, D> {
+    fn at_rest<'a>(&self, centers: &'a [SVector<f64, D>], bonds: &'a [Row<D>]) -> Configuration<'a, D> {
         let time = self.fixed.setup.domain.slide().map_or(0.0, |slide| slide.time);
         Configuration { centers, time, pressed: &[], bonds, step: 0.0, pushes: &[], tolerance: self.fixed.setup.tolerance.at_an_instant() }
     }

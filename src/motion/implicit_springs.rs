@@ -15,8 +15,8 @@ use std::collections::HashSet;
 use nalgebra::{SMatrix, SVector};
 
 use crate::{
-    constraint::lubrication::RigidFunctional,
-    interaction::{BondRow, Spring},
+    body::{RigidFunctional, Row},
+    interaction::Spring,
 };
 
 /// Square of `z` at which a spring is half stiff: energies of free springs then fall in every step (tests).
@@ -47,7 +47,7 @@ pub struct StepAhead<'a, const D: usize> {
 
 impl<const D: usize> StepAhead<'_, D> {
     /// The rows of springs, of which `ahead` are as they will be if bodies go on with the velocities of the last step.
-    pub fn rows(&self, springs: &[Spring<D>], ahead: &[Spring<D>]) -> Vec<BondRow<D>> {
+    pub fn rows(&self, springs: &[Spring<D>], ahead: &[Spring<D>]) -> Vec<Row<D>> {
         let length = match self.length > 0.0 {
             true => self.length,
             false => springs.iter().map(|spring| self.room / self.fastest(spring)).fold(f64::INFINITY, f64::min),
@@ -67,14 +67,14 @@ impl<const D: usize> StepAhead<'_, D> {
     }
 
     /// The row of a spring whose coordinate will have changed by `bent` besides what its rate makes of it.
-    fn row(&self, length: f64, spring: &Spring<D>, bent: f64) -> BondRow<D> {
+    fn row(&self, length: f64, spring: &Spring<D>, bent: f64) -> Row<D> {
         let ahead = if self.last > 0.0 { 1.0 + 0.5 * length / self.last } else { 1.0 };
         let last = if self.last > 0.0 { spring.rate(self.velocities) } else { 0.0 };
         let part = implicit_part(spring.stiffness * spring.mobility(self.resistances) * length, self.least);
         let compliance = if spring.stiffness.is_finite() { 1.0 / (spring.stiffness * part * ahead * length) } else { 0.0 };
         let rate = -(spring.value / part + bent) / (ahead * length) + (1.0 - 1.0 / ahead) * last;
         let end = |&(body, direction): &(usize, SVector<f64, D>)| (body, RigidFunctional { direction, turn: SMatrix::zeros() });
-        BondRow { ends: spring.ends.iter().map(end).collect(), rate, compliance }
+        Row { ends: spring.ends.iter().map(end).collect(), rate, compliance }
     }
 }
 

@@ -27,11 +27,11 @@ use super::{
     travel::{accurate_step, time_of_travel},
 };
 use crate::{
-    body::Twist,
+    body::{Row, Twist},
     contact::{AdhesiveContact, ContactForce, KktReport, Partner, Projection},
     error::{Error, Result},
     geometry::{Ball, Domain, near_pairs, near_walls},
-    interaction::{Arrangement, BondRow, Interactions, PairForce, Spring, Touch, Wrench},
+    interaction::{Arrangement, Interactions, PairForce, Spring, Touch, Wrench},
     mechanics::{
         Configuration, ContactHistory, ExtrapolationHistory, FlowSolver, GivenPlace, History, Moving, ResidualMonitor, Solution, State,
         unsteady::{COURANT, LARGEST_COURANT},
@@ -328,7 +328,7 @@ impl<const D: usize> QuasiStatic<D> {
     }
 
     /// The rows of springs in a step of this length from a state, 0 if it is not known yet.
-    fn spring_rows(&self, placed: &Placed<D>, springs: &[Spring<D>], length: f64) -> Vec<BondRow<D>> {
+    fn spring_rows(&self, placed: &Placed<D>, springs: &[Spring<D>], length: f64) -> Vec<Row<D>> {
         if springs.is_empty() {
             return Vec::new();
         }
@@ -339,7 +339,7 @@ impl<const D: usize> QuasiStatic<D> {
         let ahead = self.suspension.setup().interactions.springs(&Arrangement { balls: &balls, ..self.arrangement(placed) });
         let room = self.step_control.time.travel * self.radii.iter().copied().fold(f64::INFINITY, f64::min);
         let step = StepAhead { length, last: state.last_step, velocities: &velocities, resistances: &self.weights, room, least: LEAST };
-        step.rows(springs, &ahead).into_iter().map(BondRow::as_length).collect()
+        step.rows(springs, &ahead).into_iter().map(Row::as_length).collect()
     }
 
     /// What flow and bodies passed in the last step over what they may pass in an automatic one; 0 without inertia.

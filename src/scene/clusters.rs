@@ -1,9 +1,10 @@
 //! Rigid clusters: balls that move as one body.
 
-use crate::error::Result;
-use crate::linalg::ROUNDING;
-use crate::scene::entry::Entry;
-use crate::scene::table::Table;
+use crate::{
+    error::Result,
+    linalg::ROUNDING,
+    scene::{entry::Entry, table::Table},
+};
 
 /// The shape of rigid clusters.
 #[derive(Debug, Clone, PartialEq)]

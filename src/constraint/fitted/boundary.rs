@@ -10,8 +10,10 @@ use super::{
     cloud::{Cloud, Place},
     grading::Grading,
 };
-use crate::geometry::{Ball, Domain};
-use crate::linalg::ROUNDING;
+use crate::{
+    geometry::{Ball, Domain},
+    linalg::ROUNDING,
+};
 
 /// Steps by which a line is measured, in wanted lengths of edges.
 const MEASURING_STEP: f64 = 0.1;

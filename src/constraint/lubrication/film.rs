@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::{FilmTable, FilmTables, Resistance};
 use crate::{
-    body::{Twist, components},
+    body::RigidFunctional,
     constraint::{MultiplierLayout, Neighbourhood, neighbourhood::LUBRICATION_REACH},
     geometry::WallPair,
 };
@@ -51,15 +51,6 @@ pub struct RelativeMode<const D: usize> {
     pub stress: [SMatrix<f64, D, D>; 2],
 }
 
-/// A linear function of a rigid motion; read as a wrench, the force and torque that do its work.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RigidFunctional<const D: usize> {
-    /// What a velocity counts.
-    pub direction: SVector<f64, D>,
-    /// What a spin counts, a skew matrix.
-    pub turn: SMatrix<f64, D, D>,
-}
-
 /// The films of a crowd.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LubricationPairs<const D: usize> {
@@ -86,14 +77,6 @@ impl<const D: usize> LubricationPair<D> {
             (Opposite::Body(..), 0) => SVector::zeros(),
             (Opposite::Body(..), _) => self.separation,
         }
-    }
-}
-
-impl<const D: usize> RigidFunctional<D> {
-    /// What a motion counts.
-    pub fn rate(&self, twist: &Twist<D>) -> f64 {
-        let turning: f64 = components(&self.turn).iter().zip(components(&twist.spin)).map(|(turn, spin)| turn * spin).sum();
-        self.direction.dot(&twist.velocity) + turning
     }
 }
 

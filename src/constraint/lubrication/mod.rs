@@ -26,7 +26,7 @@ mod resolved;
 mod table;
 mod wall;
 
-pub use film::{LubricationPair, LubricationPairs, Opposite, RelativeMode, RigidFunctional, Wall, approach, films, resolved_at_walls};
+pub use film::{LubricationPair, LubricationPairs, Opposite, RelativeMode, Wall, approach, films, resolved_at_walls};
 use resistance::NUMBERS;
 pub use resistance::Resistance;
 pub use table::{FilmTable, FilmTables};

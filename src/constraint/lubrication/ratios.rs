@@ -3,8 +3,7 @@
 use std::f64::consts::PI;
 
 use super::pair::Lift;
-use crate::linalg::ROUNDING;
-use crate::linalg::lagrange;
+use crate::linalg::{ROUNDING, lagrange};
 
 /// Nodes of an octave, both of its ends among them.
 const NODES: usize = 9;

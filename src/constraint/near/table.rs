@@ -12,8 +12,10 @@ use std::{
 use nalgebra::DMatrix;
 
 use super::{block::PairSide, pattern::Pattern};
-use crate::linalg::ROUNDING;
-use crate::{constraint::neighbourhood::PAIR_REACH, linalg::cubic};
+use crate::{
+    constraint::neighbourhood::PAIR_REACH,
+    linalg::{ROUNDING, cubic},
+};
 
 /// Nodes of a table.
 const NODES: usize = 24;

@@ -5,8 +5,7 @@
 //! What presses weakly at the end of long chains of contacts it finds too slowly to be a method of its own.
 
 use super::program::{Program, clip};
-use crate::linalg::ROUNDING;
-use crate::linalg::dot;
+use crate::linalg::{ROUNDING, dot};
 
 /// The largest eigenvalue of `A A^T` that is assumed at first: disks of one size in a dense crowd have 2 to 3.
 const STIFFNESS: f64 = 2.5;

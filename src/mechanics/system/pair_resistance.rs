@@ -10,14 +10,13 @@ use super::{
     pair_constraints::{Medium, PairConstraints},
 };
 use crate::{
-    body::components,
+    body::{RigidFunctional, Row, components},
     constraint::{
         Given, MultiplierLayout, PairPreconditioner, Pores, RigidBlock,
-        lubrication::{LubricationPair, LubricationPairs, Opposite, RelativeMode, RigidFunctional},
+        lubrication::{LubricationPair, LubricationPairs, Opposite, RelativeMode},
     },
     contact::{Contact, ContactForce},
     error::Result,
-    interaction::BondRow,
     mechanics::Configuration,
 };
 
@@ -94,11 +93,11 @@ pub fn belongs<const D: usize>(layout: &MultiplierLayout, pressed: &ContactForce
 }
 
 /// Whether a bond is one of this rank's: its first body is.
-pub fn bond_belongs<const D: usize>(layout: &MultiplierLayout, bond: &BondRow<D>) -> bool {
+pub fn bond_belongs<const D: usize>(layout: &MultiplierLayout, bond: &Row<D>) -> bool {
     bond_bodies(bond).next().is_some_and(|body| layout.holds(body))
 }
 
-fn bond_bodies<const D: usize>(bond: &BondRow<D>) -> impl Iterator<Item = usize> {
+fn bond_bodies<const D: usize>(bond: &Row<D>) -> impl Iterator<Item = usize> {
     bond.ends.iter().map(|(body, _)| *body)
 }
 
@@ -135,7 +134,7 @@ impl<'a, const D: usize> Builder<'a, D> {
         }
     }
 
-    fn add_bond(&mut self, bond: &BondRow<D>, owned: bool) {
+    fn add_bond(&mut self, bond: &Row<D>, owned: bool) {
         let compliance = bond.compliance * self.scale * self.fixed.setup.viscosity;
         self.links.push(PairConstraint::new(bond.rate, compliance, owned));
         bond.ends.iter().for_each(|(body, side)| self.add_end(*body, side));

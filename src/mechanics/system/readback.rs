@@ -11,8 +11,8 @@ use super::{
     pair_resistance::{belongs, bond_belongs},
 };
 use crate::{
+    body::Row,
     error::Result,
-    interaction::BondRow,
     mechanics::{Configuration, Solution, WallForces, work::SolvedUnknowns},
 };
 
@@ -35,7 +35,7 @@ pub fn solution<const D: usize>(
     let lubrication = fixed.setup.interactions.resist().then(|| add_films(world, layout, &assembly.films, ways, &mut states, &mut walls));
     Ok(Solution {
         lubrication,
-        bond_stress: BondRow::total_stress(configuration.bonds, &bond_forces, configuration.centers),
+        bond_stress: Row::total_stress(configuration.bonds, &bond_forces, configuration.centers),
         bond_forces,
         walls: WallForces { forces: walls, complete: false },
         ..fixed.solution(states, found.fluid, &found.global_unknowns, contact_forces)?

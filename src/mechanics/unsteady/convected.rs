@@ -15,11 +15,11 @@
 
 use nalgebra::SVector;
 
-use crate::mechanics::system::level::{Band, Extended, Level, Near};
 use crate::{
     error::Result,
     flow::{Convection, fastest},
     grid::Grid,
+    mechanics::system::level::{Band, Extended, Level, Near},
     parallel::World,
     petsc::{Scatter, Vector},
 };

@@ -11,12 +11,11 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::scheme::StepWeights;
-use crate::mechanics::system::level::Level;
 use crate::{
     body::{Motion, Twist, components},
     geometry::Ball,
     interaction::Wrench,
-    mechanics::{BodyState, Inertia, Setup},
+    mechanics::{BodyState, Inertia, Setup, system::level::Level},
     surface::Shape,
 };
 

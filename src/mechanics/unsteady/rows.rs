@@ -11,11 +11,13 @@
 use nalgebra::SVector;
 
 use super::{convected::sums, scheme::StepWeights};
-use crate::mechanics::system::level::{Extended, Level, Point, each_inside};
 use crate::{
     error::Result,
     grid::{Grid, Index, Node, operators::signed},
-    mechanics::system::bodies::BodyTypes,
+    mechanics::system::{
+        bodies::BodyTypes,
+        level::{Extended, Level, Point, each_inside},
+    },
     petsc::{Scatter, Vector},
 };
 

@@ -11,10 +11,8 @@ use std::{collections::BTreeSet, ops::Range};
 use nalgebra::SVector;
 
 use crate::{
-    body::Halo,
-    constraint::lubrication::RigidFunctional,
-    contact::Tie,
-    interaction::{BondRow, Conserved, Interactions, Spring},
+    body::{Halo, RigidFunctional, Row},
+    interaction::{Conserved, Interactions, Spring},
     linalg::Skyline,
     mechanics::State,
     motion::StepAhead,
@@ -54,7 +52,7 @@ pub struct GranularStep {
 /// The rows of a chain, whose ends are places in the halo.
 struct GranularChain<const D: usize> {
     beads: Range<usize>,
-    rows: Vec<BondRow<D>>,
+    rows: Vec<Row<D>>,
     factor: Skyline,
     /// What it keeps, each with the place of its row.
     kept: Vec<(usize, Kept)>,
@@ -140,15 +138,15 @@ impl<const D: usize> GranularChains<D> {
 
     /// The rows of chains with any of these bodies, of which this rank owns the first bead: ties of bodies by number, by forces that act on velocities
     /// over the whole step.
-    pub fn ties(&self, touching: &BTreeSet<usize>) -> Vec<Tie<D>> {
+    pub fn ties(&self, touching: &BTreeSet<usize>) -> Vec<Row<D>> {
         let numbers = self.halo.numbers();
         let touches = |chain: &&GranularChain<D>| {
             self.halo.owns(chain.beads.start) && chain.beads.clone().any(|bead| touching.contains(&numbers[bead]))
         };
-        let tie = |row: &BondRow<D>| Tie {
-            ends: row.ends.iter().map(|(body, side)| (numbers[*body], side.direction)).collect(),
-            rate: row.rate,
+        let tie = |row: &Row<D>| Row {
+            ends: row.ends.iter().map(|(body, side)| (numbers[*body], *side)).collect(),
             compliance: row.compliance * self.step.length / self.step.push,
+            ..*row
         };
         self.chains.iter().filter(touches).flat_map(|chain| &chain.rows).map(tie).collect()
     }
@@ -161,10 +159,10 @@ impl<const D: usize> GranularChains<D> {
 
 impl<const D: usize> GranularChain<D> {
     /// The rows of a chain, those of rods with what these keep; of what membranes keep the last rows are.
-    fn new(beads: Range<usize>, mut rows: Vec<(BondRow<D>, Option<Kept>)>, membranes: Vec<Conserved>, resistances: &[f64]) -> Self {
+    fn new(beads: Range<usize>, mut rows: Vec<(Row<D>, Option<Kept>)>, membranes: Vec<Conserved>, resistances: &[f64]) -> Self {
         // in the order of the last bead of each, so that rows of neighbours are beside each other; those of what is kept stay the last
         rows.sort_by_key(|(row, _)| row.ends.iter().map(|(body, _)| *body).max());
-        let (rows, rods): (Vec<BondRow<D>>, Vec<Option<Kept>>) = rows.into_iter().unzip();
+        let (rows, rods): (Vec<Row<D>>, Vec<Option<Kept>>) = rows.into_iter().unzip();
         let entry = |one: usize, other: usize| {
             let of_body = |(body, side): &(usize, RigidFunctional<D>)| {
                 let others = rows[other].ends.iter().filter(|(with, _)| with == body);
@@ -206,7 +204,7 @@ impl<const D: usize> GranularChain<D> {
     }
 
     fn hold(&self, velocities: &mut [SVector<f64, D>], resistances: &[f64]) {
-        let missing = |row: &BondRow<D>| row.rate - row.ends.iter().map(|(body, side)| side.direction.dot(&velocities[*body])).sum::<f64>();
+        let missing = |row: &Row<D>| row.rate - row.ends.iter().map(|(body, side)| side.direction.dot(&velocities[*body])).sum::<f64>();
         let mut forces: Vec<f64> = self.rows.iter().map(missing).collect();
         self.factor.solve(&mut forces);
         for (row, force) in self.rows.iter().zip(forces) {

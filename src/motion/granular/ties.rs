@@ -10,8 +10,8 @@ use super::{
     migration::Constants,
 };
 use crate::{
-    body::Twist,
-    contact::{RigidBalls, Tie},
+    body::{Row, Twist},
+    contact::RigidBalls,
     interaction::Interactions,
     mechanics::State,
     parallel::Peers,
@@ -64,7 +64,7 @@ impl<const D: usize> Ties<D> {
     }
 
     /// Bonds as rows, as [`GranularChains::ties`].
-    pub fn rows(&self, touching: &BTreeSet<usize>) -> Vec<Tie<D>> {
+    pub fn rows(&self, touching: &BTreeSet<usize>) -> Vec<Row<D>> {
         self.chains.as_ref().map_or(Vec::new(), |chains| chains.ties(touching))
     }
 

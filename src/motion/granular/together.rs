@@ -8,8 +8,9 @@ use nalgebra::{SMatrix, SVector};
 
 use super::ties::Ties;
 use crate::{
+    body::{RigidFunctional, Row},
     contact::{
-        Contact, ContactForce, Identity, ProjectionShare, RIGID, RigidBalls, Tie, TiedContact, TiedProblem, bodies_of, pack, packed_length,
+        Contact, ContactForce, Identity, ProjectionShare, RIGID, RigidBalls, TiedContact, TiedProblem, bodies_of, pack, packed_length,
         renamed, unpack,
     },
     geometry::{Ball, Domain},
@@ -67,9 +68,8 @@ impl<const D: usize> Together<D> {
             TiedContact { contact, least, presses }
         };
         let contacts: Vec<TiedContact<D>> = contacts.iter().map(placed).collect();
-        let tie =
-            |tie: Tie<D>| Tie { ends: tie.ends.into_iter().map(|(number, direction)| (bodies.place(number), direction)).collect(), ..tie };
-        let ties: Vec<Tie<D>> = ties.into_iter().map(tie).collect();
+        let tie = |tie: Row<D>| Row { ends: tie.ends.into_iter().map(|(number, side)| (bodies.place(number), side)).collect(), ..tie };
+        let ties: Vec<Row<D>> = ties.into_iter().map(tie).collect();
         let rigid =
             |RigidBalls(balls): RigidBalls<D>| RigidBalls(balls.into_iter().map(|(number, moved)| (bodies.place(number), moved)).collect());
         let rigid: Vec<RigidBalls<D>> = clusters.into_iter().map(rigid).collect();
@@ -130,19 +130,20 @@ impl<const D: usize> Gathered<D> {
     }
 }
 
-/// The ties of all ranks, in the order of their bodies. Collective.
-fn gathered_ties<const D: usize>(peers: Peers, own: &[Tie<D>]) -> Vec<Tie<D>> {
+/// The ties of all ranks, which turn no body, in the order of their bodies. Collective.
+fn gathered_ties<const D: usize>(peers: Peers, own: &[Row<D>]) -> Vec<Row<D>> {
     let mut letters = Vec::new();
     for tie in own {
         letters.extend([tie.ends.len() as f64, tie.rate, tie.compliance]);
-        tie.ends.iter().for_each(|(number, direction)| letters.extend([*number as f64].iter().chain(direction.iter())));
+        tie.ends.iter().for_each(|(number, side)| letters.extend([*number as f64].iter().chain(side.direction.iter())));
     }
     let letters = peers.gather(&letters);
     let (mut ties, mut rest) = (Vec::new(), &letters[..]);
     while let [count, rate, compliance, numbers @ ..] = rest {
         let (ends, next) = numbers.split_at(*count as usize * (1 + D));
-        let end = |end: &[f64]| (end[0] as usize, SVector::from_column_slice(&end[1..]));
-        ties.push(Tie { ends: ends.chunks(1 + D).map(end).collect(), rate: *rate, compliance: *compliance });
+        let side = |direction: &[f64]| RigidFunctional { direction: SVector::from_column_slice(direction), turn: SMatrix::zeros() };
+        let end = |end: &[f64]| (end[0] as usize, side(&end[1..]));
+        ties.push(Row { ends: ends.chunks(1 + D).map(end).collect(), rate: *rate, compliance: *compliance });
         rest = next;
     }
     // stable: rows of a chain come from one rank and keep their order

@@ -1,12 +1,29 @@
-//! Rows of the coupled system by which a few bodies are tied to each other: of springs, and of clusters.
+//! Rows by which forces and rates of a few bodies are tied to each other: of springs, bonds, joints and clusters, in a flow and without one.
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::constraint::lubrication::RigidFunctional;
+use super::{Twist, components};
+
+/// A linear function of a rigid motion; read as a wrench, the force and torque that do its work.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RigidFunctional<const D: usize> {
+    /// What a velocity counts.
+    pub direction: SVector<f64, D>,
+    /// What a spin counts, a skew matrix.
+    pub turn: SMatrix<f64, D, D>,
+}
+
+impl<const D: usize> RigidFunctional<D> {
+    /// What a motion counts.
+    pub fn rate(&self, twist: &Twist<D>) -> f64 {
+        let turning: f64 = components(&self.turn).iter().zip(components(&twist.spin)).map(|(turn, spin)| turn * spin).sum();
+        self.direction.dot(&twist.velocity) + turning
+    }
+}
 
 /// A row `rate of a coordinate + compliance force = wanted rate`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BondRow<const D: usize> {
+pub struct Row<const D: usize> {
     /// The bodies, with what the motion of each counts for the rate, and so how a unit force pushes and turns it.
     pub ends: Vec<(usize, RigidFunctional<D>)>,
     /// The rate wanted.
@@ -15,10 +32,10 @@ pub struct BondRow<const D: usize> {
     pub compliance: f64,
 }
 
-impl<const D: usize> BondRow<D> {
+impl<const D: usize> Row<D> {
     /// The same row for a coordinate that is a length, whatever it was: its gradient by centres is as large as that of the distance of two bodies. The
     /// residuals of rows of lengths, curvatures and areas then have one unit, and the force is a force.
-    pub fn as_length(self) -> BondRow<D> {
+    pub fn as_length(self) -> Row<D> {
         let square: f64 = self.ends.iter().map(|(_, side)| side.direction.norm_squared()).sum();
         if square == 0.0 {
             return self;
@@ -28,7 +45,7 @@ impl<const D: usize> BondRow<D> {
             (body, RigidFunctional { direction: side.direction * scale, turn: side.turn * scale })
         };
         let ends = self.ends.into_iter().map(scaled).collect();
-        BondRow { ends, rate: self.rate * scale, compliance: self.compliance * scale * scale }
+        Row { ends, rate: self.rate * scale, compliance: self.compliance * scale * scale }
     }
 
     /// What a force along the coordinate adds to the stress, times volume: minus the first moment of the forces on bodies, of which torques are the
@@ -39,7 +56,7 @@ impl<const D: usize> BondRow<D> {
     }
 
     /// What rows with these forces add to the stress, times volume; nothing without rows.
-    pub fn total_stress(rows: &[BondRow<D>], forces: &[f64], centers: &[SVector<f64, D>]) -> Option<SMatrix<f64, D, D>> {
+    pub fn total_stress(rows: &[Row<D>], forces: &[f64], centers: &[SVector<f64, D>]) -> Option<SMatrix<f64, D, D>> {
         rows.iter().zip(forces).map(|(row, &force)| row.stress(force, centers)).reduce(|sum, stress| sum + stress)
     }
 }
