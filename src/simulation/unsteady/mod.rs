@@ -9,6 +9,7 @@ mod damping;
 mod level;
 mod longest;
 mod momentum;
+mod points;
 mod rows;
 mod scheme;
 
@@ -20,8 +21,9 @@ pub use self::level::Level;
 use self::{
     convected::{remembered, resolved},
     damping::{damp, lag, slowed},
-    level::{Band, Extended, Point, each_inside},
+    level::{Band, Extended},
     momentum::Momentum,
+    points::{Point, each_inside},
     rows::{Past, kept},
     scheme::convection_weights,
 };
@@ -282,7 +284,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         let mut scatter = Scatter::new(fluid, &places)?;
         let rest = scatter.fetch(fluid)?.to_vec();
         changes.iter_mut().zip(rest).for_each(|(change, rest)| *change -= rest);
-        scatter.places()?.copy_from_slice(&changes);
+        scatter.places().copy_from_slice(&changes);
         scatter.add_back(fluid)
     }
 
