@@ -1,5 +1,6 @@
 //! The ranks: sums, extremes, gathering, broadcasting and agreeing. Everything here is collective.
 
+mod age;
 mod machine;
 mod memory;
 mod routes;
@@ -19,8 +20,9 @@ use mpi::{
 use serde::Serialize;
 
 use crate::error::{Error, Result};
+pub use age::process_seconds;
 pub use machine::Machine;
-pub use memory::{free_memory_bytes, peak_memory_bytes};
+pub use memory::{free_memory_bytes, memory_in_words, peak_memory_bytes};
 pub use routes::Routes;
 
 /// What tells ranks that bodies in contact could not be kept apart; no exit code.

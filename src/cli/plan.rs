@@ -4,10 +4,11 @@ use std::path::Path;
 
 use crate::{
     error::Result,
-    output::say,
+    output::{duration, say},
+    parallel::{memory_in_words, process_seconds},
     petsc::Session,
     plan::{Plan, PlanReport},
-    run,
+    run::{self, Trial},
     scene::Scene,
     study::{Calibration, Estimate, Forecast, coarsest},
 };
@@ -15,9 +16,9 @@ use crate::{
 /// Prints the plan of a scene of dimension `D` whose runs write into `folder`, on as many ranks as there are or on so many others.
 pub fn plan<const D: usize>(session: &Session, scene: &Scene, folder: &Path, ranks: Option<usize>) -> Result<()> {
     let world = session.world();
-    let count = ranks.unwrap_or(world.size());
+    let (count, begun) = (ranks.unwrap_or(world.size()), world.max(process_seconds()));
     let of = |scene: &Scene| world.agree(Plan::<D>::on(world.into(), scene).and_then(|plan| plan.report(count)));
-    let time = |scene: &Scene, plan: &PlanReport| time::<D>(session, scene, plan, count);
+    let time = |scene: &Scene, plan: &PlanReport| time::<D>(session, scene, plan, (count, begun));
     let (plan, time) = match scene.accuracy {
         None => {
             let plan = of(scene)?;
@@ -40,18 +41,21 @@ pub fn plan<const D: usize>(session: &Session, scene: &Scene, folder: &Path, ran
     };
     let free = world.available_memory_bytes();
     let scarce = if ranks.is_none() && plan.bytes() > free {
-        format!("           only {:.0} MB are free: turbid run asks for --force\n", free / 1e6)
+        format!("           only {} are free: turbid run asks for --force\n", memory_in_words(free))
     } else {
         String::new()
     };
     let shared = match ranks {
         Some(count) if plan.bytes().is_finite() => {
-            format!("           {:.0} MB on the fullest of {count} ranks\n", (plan.bytes_of_fullest(count) / 1e6).ceil())
+            format!("           {} on the fullest of {count} ranks\n", memory_in_words(plan.bytes_of_fullest(count)))
         }
         _ => String::new(),
     };
     world.on_first_rank(|| say(&format!("{plan}{shared}{scarce}time       {time}")))
 }
+
+/// Unknowns of the grid up to which the first steps of the scene itself are taken.
+const TRIED_UNKNOWNS: usize = 1_000_000;
 
 /// How a resolution was chosen.
 fn chosen(calibration: &Calibration) -> String {
@@ -61,10 +65,16 @@ fn chosen(calibration: &Calibration) -> String {
     format!("{accuracy} asked for: {cells_per_radius} cells per radius and the most modes, calibrated; estimated errors: {errors}")
 }
 
-/// What a run is expected to take on so many ranks, of which the plan is.
-fn time<const D: usize>(session: &Session, scene: &Scene, plan: &PlanReport, ranks: usize) -> Result<String> {
+/// What a run is expected to take on so many ranks, of which the plan is; the program has taken some seconds until it began.
+fn time<const D: usize>(session: &Session, scene: &Scene, plan: &PlanReport, (ranks, begun): (usize, f64)) -> Result<String> {
     if ranks == session.world().size() && plan.bytes() > session.world().available_memory_bytes() {
         return Ok("not predicted: there is not enough memory".into());
+    }
+    if plan.unknowns().is_none_or(|(grid, _)| grid <= TRIED_UNKNOWNS)
+        && let Some(trial) = Trial::of::<D>(session, &Scene { accuracy: None, ..scene.clone() })?
+    {
+        let trial = Trial { start: begun + trial.start, ..trial };
+        return Ok(tried(session, trial, plan, ranks));
     }
     let Some((grid, multipliers)) = plan.unknowns().filter(|_| !scene.scalar()) else {
         return Ok("not predicted: no flow is solved".into());
@@ -72,29 +82,53 @@ fn time<const D: usize>(session: &Session, scene: &Scene, plan: &PlanReport, ran
     let Some(forecast) = Forecast::of::<D>(session, scene, grid, multipliers)? else {
         return Ok("not predicted: no sample of the scene can be solved".into());
     };
-    // the sample was solved by the ranks of this program
-    let share = session.world().size() as f64 / ranks as f64 * plan.imbalance();
-    let (share, if_shared) = match ranks == session.world().size() {
-        true => (1.0, String::new()),
-        false => (share, format!(" on {ranks} ranks, if each has a core and messages take no time")),
-    };
-    let [seconds, setup, solve] = [forecast.seconds(), forecast.setup, forecast.solve].map(|seconds| seconds * share);
+    let (share, if_shared) = shared(session, plan, ranks);
+    let [seconds, setup, solve] = [forecast.seconds(), forecast.setup, forecast.solve].map(|seconds| brief(seconds * share));
     let iterations = forecast.iterations;
     Ok(match (forecast.solves, forecast.sampled) {
         (None, _) => {
-            format!("about {seconds:.1} s{if_shared}, from a sample: {setup:.1} s of set-up, a solve of about {iterations} iterations")
+            format!("about {seconds}{if_shared}, from a sample: {setup} of set-up, a solve of about {iterations} iterations")
         }
         (Some(solves), Some(sampled)) if !forecast.even() => format!(
-            "about {seconds:.0} s{if_shared}, from a sample and its first {sampled} steps: {solves:.0} solves, of {solve:.1} s for the first, which takes \
+            "about {seconds}{if_shared}, from a sample and its first {sampled} steps: {solves:.0} solves, of {solve} for the first, which takes \
              about {iterations} iterations"
         ),
         (Some(solves), Some(sampled)) => format!(
-            "about {seconds:.0} s{if_shared}, from the first {sampled} steps of a sample: {solves:.0} steps at the speeds to which these come, of {solve:.2} s \
+            "about {seconds}{if_shared}, from the first {sampled} steps of a sample: {solves:.0} steps at the speeds to which these come, of {solve} \
              each, which take about {iterations} iterations"
         ),
         (Some(solves), None) => format!(
-            "about {seconds:.0} s{if_shared}, from a sample: {solves:.0} solves at the speeds of the start, of {solve:.1} s for the first, which takes about \
+            "about {seconds}{if_shared}, from a sample: {solves:.0} solves at the speeds of the start, of {solve} for the first, which takes about \
              {iterations} iterations"
         ),
     })
+}
+
+/// A length of time with two digits where it is short.
+fn brief(seconds: f64) -> String {
+    if seconds < 1.0 { format!("{seconds:.2} s") } else { duration(seconds) }
+}
+
+/// What the seconds that this program's ranks take are to be multiplied with on so many ranks, and how that is said.
+fn shared(session: &Session, plan: &PlanReport, ranks: usize) -> (f64, String) {
+    match ranks == session.world().size() {
+        true => (1.0, String::new()),
+        false => (
+            session.world().size() as f64 / ranks as f64 * plan.imbalance(),
+            format!(" on {ranks} ranks, if each has a core and messages take no time"),
+        ),
+    }
+}
+
+/// What a run is expected to take whose first steps were taken.
+fn tried(session: &Session, trial: Trial, plan: &PlanReport, ranks: usize) -> String {
+    let (share, if_shared) = shared(session, plan, ranks);
+    let [total, start, step] = [trial.total(), trial.start, trial.step].map(|seconds| brief(seconds * share));
+    match trial.taken {
+        0 => format!("about {total}{if_shared}, as a run of it has taken"),
+        taken => format!(
+            "about {total}{if_shared}, from its first {taken} steps: {:.0} steps at the speeds to which these come, of {step} each, after {start}",
+            taken as f64 + trial.left.ceil()
+        ),
+    }
 }

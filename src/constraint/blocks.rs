@@ -116,8 +116,8 @@ impl<const D: usize> Blocks<D> {
     /// `rows += factor * C c`, with this rank's multipliers `c`.
     pub fn spread(&mut self, factor: f64, c: &[f64], rows: &mut Vector) -> Result<()> {
         {
-            let (mut own, mut others, mut scratch) = (rows.local_mut()?, self.spread.places()?, Vec::new());
-            let mut rows = EntriesMut { own: &mut own, others: &mut others };
+            let (mut own, others, mut scratch) = (rows.local_mut()?, self.spread.places(), Vec::new());
+            let mut rows = EntriesMut { own: &mut own, others };
             for (body, range) in self.bodies.iter().zip(&self.ranges) {
                 body.spread(factor, &c[range.clone()], &mut scratch, &mut rows);
             }
@@ -137,7 +137,7 @@ impl<const D: usize> Blocks<D> {
 
     fn interpolate_between(&mut self, walls: Walls, u: &Vector, out: &mut [f64]) -> Result<()> {
         let (others, own) = (self.read.fetch(u)?, u.local()?);
-        let u = Entries { own: &own, others: &others };
+        let u = Entries { own: &own, others };
         let (mut scratch, mut values, mut first) = (Vec::new(), Vec::new(), 0);
         for alike in
             self.bodies.chunk_by(|body, next| body.surface().zip(next.surface()).is_some_and(|(one, other)| Rc::ptr_eq(one, other)))
@@ -170,7 +170,7 @@ impl<const D: usize> Blocks<D> {
     /// `out += E c`.
     pub fn add_local(&mut self, c: &Vector, out: &mut [f64]) -> Result<()> {
         let (others, own) = (self.multipliers.fetch(c)?, c.local()?);
-        let all = Entries { own: &own, others: &others };
+        let all = Entries { own: &own, others };
         for (body, range) in self.bodies.iter().zip(&self.ranges) {
             body.add_local(&own[range.clone()], all, &mut out[range.clone()]);
         }
@@ -188,8 +188,8 @@ impl<const D: usize> Blocks<D> {
     /// `rows += factor *` what spin-ups of bodies, in the places of multipliers of rotations, add to them.
     pub fn spread_spin_up(&mut self, factor: f64, spin_ups: &[f64], rows: &mut Vector) -> Result<()> {
         {
-            let (mut own, mut others) = (rows.local_mut()?, self.spread.places()?);
-            let mut rows = EntriesMut { own: &mut own, others: &mut others };
+            let (mut own, others) = (rows.local_mut()?, self.spread.places());
+            let mut rows = EntriesMut { own: &mut own, others };
             for (body, range) in self.bodies.iter().zip(&self.ranges) {
                 body.spread_spin_up(factor, &spin_ups[range.clone()][rotations::<D>()], &mut rows);
             }
@@ -200,7 +200,7 @@ impl<const D: usize> Blocks<D> {
     /// `out +=` what spin-ups of bodies, in the places of multipliers of rotations, add to the velocities on surfaces.
     pub fn add_spin_up(&mut self, spin_ups: &Vector, out: &mut [f64]) -> Result<()> {
         let (others, own) = (self.multipliers.fetch(spin_ups)?, spin_ups.local()?);
-        let all = Entries { own: &own, others: &others };
+        let all = Entries { own: &own, others };
         for (body, range) in self.bodies.iter().zip(&self.ranges) {
             body.add_spin_up(all, &mut out[range.clone()]);
         }

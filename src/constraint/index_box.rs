@@ -79,8 +79,18 @@ impl<const D: usize> IndexBox<D> {
 
     /// All its indices, in the order of their places.
     pub fn indices(&self) -> impl Iterator<Item = Index<D>> + use<D> {
-        let (start, extent) = (self.start, self.extent);
-        (0..self.len()).map(move |place| index_at(start, extent, place))
+        let (start, extent, mut next) = (self.start, self.extent, self.start);
+        (0..self.len()).map(move |_| {
+            let index = next;
+            for axis in (0..D).rev() {
+                next[axis] += 1;
+                if next[axis] < start[axis] + extent[axis] as isize {
+                    break;
+                }
+                next[axis] = start[axis];
+            }
+            index
+        })
     }
 
     /// The index at a place.

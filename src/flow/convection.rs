@@ -9,7 +9,7 @@ use nalgebra::SVector;
 use super::OpenEnds;
 use crate::{
     error::Result,
-    grid::{Block, Grid, Index, Node, operators::signed},
+    grid::{Block, Grid, Index, Node},
     petsc::{Scatter, Vector},
 };
 
@@ -107,9 +107,9 @@ impl<const D: usize> Convection<D> {
         for component in 0..D {
             let first = self.grid.partition().block(self.grid.rank()).start;
             let rows = &mut rows[self.grid.local_range(component)];
+            let frames = along_y(&self.grid, component, |point| if sheared { self.grid.frame_velocity(point)[0] } else { 0.0 });
             for (row, index) in rows.iter_mut().zip(self.grid.block(component).indices()) {
-                let frame = if sheared { self.grid.frame_velocity(&self.grid.position(component, signed(index)))[0] } else { 0.0 };
-                *row = self.outflow(component, std::array::from_fn(|axis| index[axis] + 1 - first[axis]), frame);
+                *row = self.outflow(component, std::array::from_fn(|axis| index[axis] + 1 - first[axis]), frames[index[1]]);
             }
         }
         Ok(())
@@ -160,6 +160,16 @@ impl<const D: usize> Convection<D> {
     }
 }
 
+/// A value that depends on the height of a component's points alone, for each index along y.
+fn along_y<const D: usize>(grid: &Grid<D>, component: usize, value: impl Fn(&SVector<f64, D>) -> f64) -> Vec<f64> {
+    let at = |row: usize| {
+        let mut index = [0; D];
+        index[1] = row as isize;
+        value(&grid.position(component, index))
+    };
+    (0..grid.cells()[1]).map(at).collect()
+}
+
 /// Largest speed along an axis of a velocity, on all ranks; in a sheared box with that of the shear in the frames of convection.
 ///
 /// # Errors
@@ -168,9 +178,8 @@ pub fn fastest<const D: usize>(grid: &Grid<D>, velocity: &Vector) -> Result<f64>
     let values = velocity.local()?;
     let largest = |axis: usize| values[grid.local_range(axis)].iter().fold(0.0_f64, |most, value| most.max(value.abs()));
     let along_shear = || {
-        let points = grid.block(0).indices().map(|index| grid.position(0, signed(index)));
-        let shear = points.map(|point| (grid.domain().carried(&point) - grid.frame_velocity(&point))[0]);
-        let total = values[grid.local_range(0)].iter().zip(shear).map(|(value, shear)| value + shear);
+        let shear = along_y(grid, 0, |point| (grid.domain().carried(point) - grid.frame_velocity(point))[0]);
+        let total = values[grid.local_range(0)].iter().zip(grid.block(0).indices()).map(|(value, index)| value + shear[index[1]]);
         total.fold(0.0_f64, |most, value| most.max(value.abs()))
     };
     let first = if grid.domain().slide().is_some() { along_shear() } else { largest(0) };

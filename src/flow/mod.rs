@@ -8,6 +8,7 @@ mod drive;
 mod open_ends;
 mod stokes;
 mod stokes_inverse;
+mod stokes_matrices;
 
 pub use convection::{Convection, fastest};
 pub use drive::Drive;

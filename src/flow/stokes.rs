@@ -1,12 +1,13 @@
 //! The Stokes operator of the box, `K (u, p) = (s u - Lap u + grad p, div u)`, on the staggered grid; the shift `s` is 0 but where the flow has
 //! inertia.
 
-use std::{cell::OnceCell, ops::Range};
+use std::{cell::OnceCell, ops::Range, rc::Rc};
 
+use super::stokes_matrices::{Matrices, Unshifted};
 use crate::{
     error::Result,
-    grid::{Grid, operators},
-    petsc::{Matrix, Session, Vector},
+    grid::Grid,
+    petsc::{Amg, AmgSettings, Matrix, Session, Vector},
 };
 
 /// The Stokes operator and its parts.
@@ -20,18 +21,10 @@ pub struct Stokes<const D: usize> {
     session: Session,
     grid: Grid<D>,
     shift: f64,
+    /// Those that no shift changes, which operators with other ones have too.
+    unshifted: Rc<OnceCell<Unshifted>>,
     matrices: OnceCell<Matrices>,
     balance: Balance,
-}
-
-/// The operator's parts.
-struct Matrices {
-    /// Minus the Laplacians that differ, shifted for velocities, and which one each field has.
-    laplacians: Vec<Matrix>,
-    laplacian_of: Vec<usize>,
-    gradient: Vec<Matrix>,
-    divergence: Vec<Matrix>,
-    nest: Matrix,
 }
 
 /// Scaling of rows and projection on the range.
@@ -61,7 +54,18 @@ impl<const D: usize> Stokes<D> {
     /// The operator of a step of a flow with inertia: `shift` is the density times what the new velocity weighs in its rate of change (one over
     /// time), over the viscosity.
     pub fn shifted(session: &Session, grid: &Grid<D>, shift: f64) -> Stokes<D> {
-        Stokes { session: session.clone(), grid: grid.clone(), shift, matrices: OnceCell::new(), balance: Balance::new(grid, shift) }
+        let (matrices, unshifted) = (OnceCell::new(), Rc::default());
+        Stokes { session: session.clone(), grid: grid.clone(), shift, unshifted, matrices, balance: Balance::new(grid, shift) }
+    }
+
+    /// The operator of the same grid with another shift, which shares what does not depend on it.
+    pub fn with_shift(&self, shift: f64) -> Stokes<D> {
+        Stokes { unshifted: self.unshifted.clone(), ..Stokes::shifted(&self.session, &self.grid, shift) }
+    }
+
+    /// The grid.
+    pub fn grid(&self) -> &Grid<D> {
+        &self.grid
     }
 
     /// What is added to minus the Laplacians of velocities, one over the square of a length.
@@ -75,19 +79,31 @@ impl<const D: usize> Stokes<D> {
     }
 
     /// Minus the Laplacians that differ, shifted for velocities, and which one each field has.
-    pub fn laplacians(&self) -> Result<(&[Matrix], &[usize])> {
+    pub fn laplacians(&self) -> Result<(&[Rc<Matrix>], &[usize])> {
         let matrices = self.matrices()?;
         Ok((&matrices.laplacians, &matrices.laplacian_of))
     }
 
+    /// A multigrid cycle for the pressure's, set up once for operators of all shifts.
+    pub fn pressure_cycle(&self) -> Result<Rc<Amg>> {
+        let unshifted = self.unshifted()?;
+        match unshifted.cycle.get() {
+            Some(cycle) => Ok(cycle.clone()),
+            None => {
+                let cycle = Rc::new(Amg::new(&unshifted.laplacian, true, &AmgSettings::laplacian(D))?);
+                Ok(unshifted.cycle.get_or_init(|| cycle).clone())
+            }
+        }
+    }
+
     /// The gradient along an axis.
     pub fn gradient(&self, axis: usize) -> Result<&Matrix> {
-        Ok(&self.matrices()?.gradient[axis])
+        Ok(&self.unshifted()?.gradient[axis])
     }
 
     /// The part of the divergence along an axis.
     pub fn divergence(&self, axis: usize) -> Result<&Matrix> {
-        Ok(&self.matrices()?.divergence[axis])
+        Ok(&self.unshifted()?.divergence[axis])
     }
 
     /// `output = K input`, rows not balanced.
@@ -99,8 +115,18 @@ impl<const D: usize> Stokes<D> {
         match self.matrices.get() {
             Some(matrices) => Ok(matrices),
             None => {
-                let matrices = Matrices::new(&self.session, &self.grid, self.shift)?;
+                let matrices = Matrices::new(&self.session, (&self.grid, self.shift), self.unshifted()?)?;
                 Ok(self.matrices.get_or_init(|| matrices))
+            }
+        }
+    }
+
+    fn unshifted(&self) -> Result<&Unshifted> {
+        match self.unshifted.get() {
+            Some(unshifted) => Ok(unshifted),
+            None => {
+                let unshifted = Unshifted::new(&self.session, &self.grid)?;
+                Ok(self.unshifted.get_or_init(|| unshifted))
             }
         }
     }
@@ -130,42 +156,6 @@ impl<const D: usize> Stokes<D> {
     pub fn field_vector(&self, field: usize) -> Result<Vector> {
         Vector::new(&self.session, self.balance.fields[field].range.len())
     }
-}
-
-impl Matrices {
-    fn new<const D: usize>(session: &Session, grid: &Grid<D>, shift: f64) -> Result<Matrices> {
-        let mut laplacians: Vec<(usize, Matrix)> = Vec::new();
-        let mut laplacian_of = Vec::new();
-        let shift_of = |field: usize| if field < D { shift } else { 0.0 };
-        for field in 0..=D {
-            let shared = laplacians.iter().position(|&(other, _)| grid.same_laplacian(field, other) && shift_of(field) == shift_of(other));
-            if shared.is_none() {
-                laplacians.push((field, operators::shifted_laplacian(session, grid, field, shift_of(field))?));
-            }
-            laplacian_of.push(shared.unwrap_or(laplacians.len() - 1));
-        }
-        let laplacians: Vec<Matrix> = laplacians.into_iter().map(|(_, matrix)| matrix).collect();
-        let gradient = (0..D).map(|axis| operators::gradient(session, grid, axis)).collect::<Result<Vec<_>>>()?;
-        let divergence = (0..D).map(|axis| operators::divergence(session, grid, axis)).collect::<Result<Vec<_>>>()?;
-        let nest = nest(session, |axis| &laplacians[laplacian_of[axis]], &gradient, &divergence)?;
-        Ok(Matrices { laplacians, laplacian_of, gradient, divergence, nest })
-    }
-}
-
-fn nest<'a>(
-    session: &Session,
-    laplacian: impl Fn(usize) -> &'a Matrix,
-    gradient: &'a [Matrix],
-    divergence: &'a [Matrix],
-) -> Result<Matrix> {
-    let axes = gradient.len();
-    let mut blocks: Vec<Vec<Option<&Matrix>>> = vec![vec![None; axes + 1]; axes + 1];
-    for axis in 0..axes {
-        blocks[axis][axis] = Some(laplacian(axis));
-        blocks[axis][axes] = Some(&gradient[axis]);
-        blocks[axes][axis] = Some(&divergence[axis]);
-    }
-    Matrix::nest(session, &blocks)
 }
 
 impl Balance {

@@ -58,7 +58,18 @@ impl<const D: usize> Block<D> {
 
     /// All indices, the last axis running fastest.
     pub fn indices(self) -> impl Iterator<Item = [usize; D]> {
-        (0..self.len()).map(move |offset| self.index(offset))
+        let mut next = self.start;
+        (0..self.len()).map(move |_| {
+            let index = next;
+            for axis in (0..D).rev() {
+                next[axis] += 1;
+                if next[axis] < self.end[axis] {
+                    break;
+                }
+                next[axis] = self.start[axis];
+            }
+            index
+        })
     }
 
     /// The index at a place in the block.

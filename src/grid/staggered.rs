@@ -96,13 +96,14 @@ impl<const D: usize> Grid<D> {
         self.domain.sliding() * ((point[1] - 0.25 * self.spacing[1]) / self.domain.size[1]).round()
     }
 
-    /// The index at which the frame of a point, in the box or in an image of it, saw that point an interval ago.
-    pub fn followed(&self, component: usize, mut index: Index<D>, interval: f64) -> Index<D> {
-        let mut in_box = index;
-        in_box[1] = index[1].rem_euclid(self.cells[1] as isize);
-        let way = self.frame_velocity(&self.position(component, in_box))[0] * interval;
-        index[0] -= (way / self.spacing[0]).round() as isize;
-        index
+    /// The cells along x by which the frames of the points of a component move in an interval: for each index along y in the box.
+    pub fn frame_ways(&self, component: usize, interval: f64) -> Vec<isize> {
+        let way = |row: usize| {
+            let mut index = [0; D];
+            index[1] = row as isize;
+            (self.frame_velocity(&self.position(component, index))[0] * interval / self.spacing[0]).round() as isize
+        };
+        (0..self.cells[1]).map(way).collect()
     }
 
     /// The box.

@@ -10,7 +10,7 @@ mod skyline;
 mod sparse;
 mod tridiagonal;
 
-pub use banded::Banded;
+pub use banded::{BandedLanes, Lanes};
 pub use fit::{line, proportion, proportions};
 pub use gauss::gauss_legendre;
 pub use interpolation::{cubic, lagrange, lagrange_slope};

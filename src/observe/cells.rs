@@ -8,42 +8,32 @@ use crate::{
     flow::OpenEnds,
     geometry::Ball,
     grid::{Grid, Index, Node, operators::signed, stencil::moved},
-    petsc::{Scatter, Vector},
+    petsc::{Scatter, Vector, WantedRun},
 };
 
 /// Brings velocities from the faces of this rank's cells to their centres; made once for a grid.
 pub struct CellCenters<const D: usize> {
     grid: Grid<D>,
+    /// Component by component the lower faces of all cells, then the upper ones; zero on walls and on open ends.
     faces: Scatter,
-    /// For each cell and component, the places of its two faces; none for a face on a wall, where the velocity is zero, or on an open end.
-    places: Vec<[Option<usize>; 2]>,
 }
 
 impl<const D: usize> CellCenters<D> {
     /// Plans the exchange of faces between ranks; `fluid` is any fluid vector.
     pub fn new(grid: &Grid<D>, fluid: &Vector) -> Result<CellCenters<D>> {
-        let (mut wanted, mut places) = (Vec::new(), Vec::new());
-        for cell in grid.block(D).indices() {
-            for component in 0..D {
-                let lower = signed(cell);
-                places.push([lower, moved(lower, component, 1)].map(|face| match grid.fluid_node(component, face) {
-                    Node::Unknown(unknown) => {
-                        wanted.push(unknown);
-                        Some(wanted.len() - 1)
-                    }
-                    Node::Wall(_) => None,
-                }));
-            }
+        let (cells, mut wanted) = (grid.block(D).len(), Vec::new());
+        for side in 0..2 * D {
+            add_faces(grid, (side / 2, side % 2), side * cells, &mut wanted);
         }
-        Ok(CellCenters { grid: grid.clone(), faces: Scatter::new(fluid, &wanted)?, places })
+        let faces = Scatter::of_runs(fluid, 2 * D * cells, wanted.into_iter())?;
+        Ok(CellCenters { grid: grid.clone(), faces })
     }
 
     /// The velocity of a fluid vector at the centres of this rank's cells, in the order of its block.
     pub fn velocity(&mut self, fluid: &Vector) -> Result<Vec<SVector<f64, D>>> {
-        let faces = self.faces.fetch(fluid)?;
-        let mean = |sides: &[Option<usize>; 2]| 0.5 * sides.iter().flatten().map(|&place| faces[place]).sum::<f64>();
-        let mut velocities: Vec<SVector<f64, D>> =
-            self.places.chunks(D).map(|cell| SVector::from_fn(|component, _| mean(&cell[component]))).collect();
+        let (faces, cells) = (self.faces.fetch(fluid)?, self.grid.block(D).len());
+        let mean = |cell: usize, component: usize| 0.5 * (faces[2 * component * cells + cell] + faces[(2 * component + 1) * cells + cell]);
+        let mut velocities: Vec<SVector<f64, D>> = (0..cells).map(|cell| SVector::from_fn(|component, _| mean(cell, component))).collect();
         if let Some(ends) = OpenEnds::of(&self.grid, fluid)? {
             let axis = ends.axis();
             for (velocity, cell) in velocities.iter_mut().zip(self.grid.block(D).indices()) {
@@ -53,6 +43,22 @@ impl<const D: usize> CellCenters<D> {
             }
         }
         Ok(velocities)
+    }
+}
+
+/// Adds the faces of this rank's cells on one side along an axis (0 below, 1 above), whose places start with `place`.
+fn add_faces<const D: usize>(grid: &Grid<D>, (axis, side): (usize, usize), mut place: usize, wanted: &mut Vec<WantedRun>) {
+    let cells = grid.block(D);
+    for cell in cells.flattened(D - 1).indices() {
+        let (mut face, mut left) = (moved(signed(cell), axis, side as isize), cells.end[D - 1] - cells.start[D - 1]);
+        while left > 0 {
+            let (node, follow) = grid.fluid_run(axis, face);
+            let length = follow.min(left);
+            if let Node::Unknown(first) = node {
+                wanted.push(WantedRun { place, first, length });
+            }
+            (place, left, face[D - 1]) = (place + length, left - length, face[D - 1] + length as isize);
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use crate::{
         operators::signed,
         stencil::{Site, Term},
     },
-    petsc::{LocalRead, Scatter, Vector},
+    petsc::{Scatter, Vector},
 };
 
 /// Layers of cells around those of a rank that [`FaceValues::dense`] may need to know.
@@ -29,7 +29,7 @@ pub struct NearFaces<const D: usize> {
 /// The velocities of one flow.
 pub struct FaceValues<'a, const D: usize> {
     grid: &'a Grid<D>,
-    faces: LocalRead<'a>,
+    faces: &'a [f64],
     cells: &'a IndexBox<D>,
     places: &'a [Option<usize>],
     ends: Option<OpenEnds<D>>,

@@ -13,6 +13,14 @@ pub fn peak_memory_bytes() -> f64 {
     field("/proc/self/status", "VmHWM:").unwrap_or(0.0) * 1024.0
 }
 
+/// So many bytes in words, rounded up: `78 MB`, `2.4 GB`.
+pub fn memory_in_words(bytes: f64) -> String {
+    match bytes {
+        few if few < 1e9 => format!("{:.0} MB", (few / 1e6).ceil()),
+        many => format!("{:.1} GB", (many / 1e8).ceil() / 10.0),
+    }
+}
+
 /// What the control groups leave in which this process is, from its own up.
 fn left_by_groups() -> f64 {
     let text = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();

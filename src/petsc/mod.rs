@@ -34,7 +34,7 @@ pub use object_counts::{Class, ObjectCounts};
 pub use options::{names_option, unused_options};
 pub use preconditioner::{Preconditioner, PreconditionerKind};
 pub use profile::{Profile, Stage, StageCounts, StageGuard, enter};
-pub use scatter::Scatter;
+pub use scatter::{Scatter, WantedRun};
 pub use session::Session;
 pub use shell::System;
 pub use symmetric::{Symmetric, SymmetricSolver};

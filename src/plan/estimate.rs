@@ -4,7 +4,7 @@ use super::{
     Plan, PlannedModel,
     effects::{Effect, flow_effects, gravity, in_time, inertia},
     fitted,
-    memory::{CONTACT_BYTES, PROGRAM_BYTES, bytes, multiplier_counts, scalar_bytes},
+    memory::{CONTACT_BYTES, bytes, multiplier_counts, scalar_bytes},
     report::{GridPlan, PlanReport},
 };
 use crate::{
@@ -25,13 +25,12 @@ impl<const D: usize> Plan<D> {
     pub fn report(&self, ranks: usize) -> Result<PlanReport> {
         let on_mesh = self.scene.method.constraint == ConstraintMethod::Fitted;
         let report = match &self.model {
-            PlannedModel::Granular(setup) => self.of_granular(setup),
+            PlannedModel::Granular(setup) => self.of_granular(setup, ranks),
             PlannedModel::Scalar(setup) if on_mesh => fitted::scalar(setup, ranks)?,
             PlannedModel::Scalar(setup) => of_scalar(setup, ranks)?,
             PlannedModel::Flow(setup) if on_mesh => fitted::flow(self, setup, ranks)?,
             PlannedModel::Flow(setup) => self.of_flow(setup, ranks)?,
         };
-        let report = PlanReport { program: ranks as f64 * PROGRAM_BYTES, ..report };
         Ok(match self.asked_cells() {
             Some(cells) if !on_mesh => report.asked(cells),
             _ => report,
@@ -49,7 +48,7 @@ impl<const D: usize> Plan<D> {
         Some(cells_along(&domain.size, spacing).iter().map(|&cells| cells as usize).collect())
     }
 
-    fn of_granular(&self, setup: &GranularSetup<D>) -> PlanReport {
+    fn of_granular(&self, setup: &GranularSetup<D>, ranks: usize) -> PlanReport {
         let free = setup.bodies.iter().filter(|body| body.mass.is_finite()).count();
         let mut effects = vec![
             Effect::off("flow"),
@@ -60,7 +59,7 @@ impl<const D: usize> Plan<D> {
             Effect::on("rotation", "spins of the bodies".into()),
         ];
         effects.extend(in_time(self));
-        PlanReport { effects, choice: None, fluid: None, bytes: CONTACT_BYTES * setup.bodies.len() as f64, program: 0.0 }
+        PlanReport::new(effects, None, CONTACT_BYTES * setup.bodies.len() as f64, ranks)
     }
 
     fn of_flow(&self, setup: &Setup<D>, ranks: usize) -> Result<PlanReport> {
@@ -76,13 +75,7 @@ impl<const D: usize> Plan<D> {
             multiplier_unknowns: counts.iter().sum(),
             closure_unknowns: MeanFlowConstraint::count(&setup.drive, &setup.domain),
         };
-        Ok(PlanReport {
-            effects,
-            choice: None,
-            fluid: Some(fluid),
-            bytes: bytes(setup, &grid, &counts, self.scene.time.is_some()),
-            program: 0.0,
-        })
+        Ok(PlanReport::new(effects, Some(fluid), bytes(setup, &grid, &counts, self.scene.time.is_some()), ranks))
     }
 }
 
@@ -116,5 +109,5 @@ fn of_scalar<const D: usize>(setup: &ScalarSetup<D>, ranks: usize) -> Result<Pla
     let method = setup.method();
     let size = |(&(ball, order), &count): (&(Ball<D>, usize), &usize)| method.bytes(&grid, &Size { ball, order, count });
     let blocks: f64 = setup.inclusions.iter().zip(&counts).map(size).sum();
-    Ok(PlanReport { effects, choice: None, fluid: Some(fluid), bytes: scalar_bytes(&grid, multiplier_unknowns) + blocks, program: 0.0 })
+    Ok(PlanReport::new(effects, Some(fluid), scalar_bytes(&grid, multiplier_unknowns) + blocks, ranks))
 }

@@ -33,7 +33,8 @@ pub fn flow<const D: usize>(plan: &Plan<D>, setup: &Setup<D>, ranks: usize) -> R
     ];
     effects.extend(in_time(plan));
     let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
-    Ok(on_mesh(effects, &grid, unknowns, MeanFlowConstraint::count(&setup.drive, &setup.domain)))
+    let closure_unknowns = MeanFlowConstraint::count(&setup.drive, &setup.domain);
+    Ok(on_mesh(effects, &grid, (unknowns, closure_unknowns), ranks))
 }
 
 /// Inertia of fluid and bodies.
@@ -55,7 +56,7 @@ pub fn scalar<const D: usize>(setup: &ScalarSetup<D>, ranks: usize) -> Result<Pl
     ];
     effects.extend(["pressure", "gravity", "rotation", "motion in time"].map(Effect::off));
     let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
-    Ok(on_mesh(effects, &grid, unknowns, 0))
+    Ok(on_mesh(effects, &grid, (unknowns, 0), ranks))
 }
 
 fn mesh(triangles: usize) -> String {
@@ -70,7 +71,7 @@ fn bodies(count: usize, more: &str) -> Effect {
 }
 
 /// A mesh, whose flow a grid shows.
-fn on_mesh<const D: usize>(effects: Vec<Effect>, grid: &Grid<D>, unknowns: usize, closure_unknowns: usize) -> PlanReport {
+fn on_mesh<const D: usize>(effects: Vec<Effect>, grid: &Grid<D>, (unknowns, closure_unknowns): (usize, usize), ranks: usize) -> PlanReport {
     let fluid = GridPlan {
         cells: grid.cells().to_vec(),
         asked: None,
@@ -79,7 +80,7 @@ fn on_mesh<const D: usize>(effects: Vec<Effect>, grid: &Grid<D>, unknowns: usize
         multiplier_unknowns: 0,
         closure_unknowns,
     };
-    PlanReport { effects, choice: None, fluid: Some(fluid), bytes: factor_bytes(unknowns as f64), program: 0.0 }
+    PlanReport::new(effects, Some(fluid), factor_bytes(unknowns as f64), ranks)
 }
 
 fn factor_bytes(unknowns: f64) -> f64 {

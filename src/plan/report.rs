@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use super::effects::Effect;
+use super::{effects::Effect, memory::PROGRAM_BYTES};
+use crate::parallel::memory_in_words;
 
 /// The effects of a scene with their unknowns and memory.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,6 +30,11 @@ pub(super) struct GridPlan {
 }
 
 impl PlanReport {
+    /// The plan of a run on so many ranks whose scene takes so many bytes on all of them, besides the program.
+    pub(super) fn new(effects: Vec<Effect>, fluid: Option<GridPlan>, bytes: f64, ranks: usize) -> PlanReport {
+        PlanReport { effects, choice: None, fluid, bytes, program: ranks as f64 * PROGRAM_BYTES }
+    }
+
     /// The plan with a line that says how its resolution was chosen.
     pub fn with_choice(self, choice: String) -> PlanReport {
         PlanReport { choice: Some(choice), ..self }
@@ -93,8 +99,8 @@ impl fmt::Display for PlanReport {
             )?;
         }
         if self.bytes.is_finite() {
-            let [all, program] = [self.bytes(), self.program].map(|bytes| (bytes / 1e6).ceil());
-            writeln!(f, "memory     about {all:.0} MB on all ranks, {program:.0} MB of them for the program itself")?;
+            let [all, program] = [self.bytes(), self.program].map(memory_in_words);
+            writeln!(f, "memory     about {all} on all ranks, {program} of them for the program itself")?;
         }
         Ok(())
     }

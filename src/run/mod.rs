@@ -18,6 +18,7 @@ mod scalar;
 mod signals;
 mod statistics;
 mod summary;
+mod trial;
 mod viscosity;
 
 pub use calibration::cached;
@@ -30,4 +31,5 @@ pub use output::{BeforeStep, ContactTotals, Evaluated, EvaluatedFlow, EvaluatedM
 pub use outputs::outputs;
 pub use run::{Run, complete};
 pub use statistics::{KeptContacts, RunStatistics};
+pub use trial::Trial;
 pub use viscosity::ViscosityHistory;

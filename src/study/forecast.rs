@@ -3,7 +3,7 @@
 //! The sample has at most forty of the scene's bodies at its fraction, its kinds of axes and its inverse, and a coarse grid if it has all
 //! the bodies or would have many cells; a box that is still too large or too long is cut. Set-up and what an iteration does on the grid take
 //! seconds in proportion to its unknowns (Fourier transforms also by the lengths of the axes, some of which suit them badly), what it does on
-//! surfaces in proportion to multipliers; the number of iterations grows little with that of bodies. It does not know how a run ends: steps are
+//! surfaces in proportion to multipliers and the rows about each surface; the number of iterations grows little with that of bodies. It does not know how a run ends: steps are
 //! counted at the speeds of the sample; with inertia, or if the sample has all bodies, its first steps are taken, and further ones counted at the speeds
 //! to which these come.
 
@@ -137,7 +137,7 @@ impl Forecast {
         let growth = Growth::of(setup, unknowns, &sample, &cost);
         Ok(Forecast {
             setup: setup_seconds * growth.grid,
-            solve: growth.solve(seconds[0], seconds[1]),
+            solve: cost.assembly * growth.bodies + growth.solve((seconds[0] - cost.assembly).max(0.0), seconds[1]),
             iterations: (cost.krylov.iterations as f64 * growth.iterations).round() as usize,
             solves: Some(steps),
             further: 1.0,

@@ -9,7 +9,7 @@ use std::{
 use turbid::{
     error::Error,
     parallel::Routes,
-    petsc::{Matrix, Profile, RowBuilder, Scatter, Session, Stage, StageCounts, Vector, enter},
+    petsc::{Matrix, Profile, RowBuilder, Scatter, Session, Stage, StageCounts, Vector, WantedRun, enter},
 };
 
 use crate::Test;
@@ -35,6 +35,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_nest_acts_as_its_blocks_do_one_by_one),
         Test::of(a_scatter_fetches_entries_of_any_rank_in_the_order_asked_for),
         Test::of(places_added_back_add_up),
+        Test::of(runs_of_entries_come_to_their_places_and_others_stay_zero),
         Test::of(a_petsc_error_names_the_call_and_says_why),
         Test::of(a_stage_counts_without_those_entered_in_it),
     ]
@@ -224,12 +225,30 @@ fn places_added_back_add_up(session: &Session) {
     let mut vector = filled(session, 12, |_| 0.5);
     let mut scatter = Scatter::new(&vector, &wanted(session)).unwrap();
     scatter.fetch(&vector).unwrap();
-    assert!(scatter.places().unwrap().iter().all(|&place| place == 0.0));
-    scatter.places().unwrap().fill(1.0);
+    assert!(scatter.places().iter().all(|&place| place == 0.0));
+    scatter.places().fill(1.0);
     scatter.add_back(&mut vector).unwrap();
     let asked = session.world().gather(&wanted(session));
     let times = |index: usize| asked.iter().filter(|&&other| other == index).count() as f64;
     assert_eq!(entries(&vector), (0..12).map(|index| 0.5 + times(index)).collect::<Vec<_>>());
+}
+
+fn runs_of_entries_come_to_their_places_and_others_stay_zero(session: &Session) {
+    let mut vector = filled(session, 12, |index| 100.0 + index as f64);
+    // the part of the next rank, behind a place without an entry, then the first and the last entry of all
+    let (rank, size) = place(session);
+    let next = session.world().gather(&[share(session, 12).start, share(session, 12).end])[2 * ((rank + 1) % size)..][..2].to_vec();
+    let length = next[1] - next[0];
+    let single = |place, first| WantedRun { place, first, length: 1 };
+    let runs = [WantedRun { place: 1, first: next[0], length }, single(length + 1, 0), single(length + 3, 11)];
+    let mut scatter = Scatter::of_runs(&vector, length + 4, runs.into_iter()).unwrap();
+    let values = |numbers: &mut dyn Iterator<Item = usize>| numbers.map(|index| 100.0 + index as f64).collect::<Vec<f64>>();
+    let expected = [vec![0.0], values(&mut (next[0]..next[1])), vec![100.0, 0.0, 111.0]].concat();
+    assert_eq!(*scatter.fetch(&vector).unwrap(), expected);
+    scatter.places().fill(1.0);
+    scatter.add_back(&mut vector).unwrap();
+    let times = |index: usize| 1 + if index == 0 || index == 11 { size } else { 0 };
+    assert_eq!(entries(&vector), (0..12).map(|index| (100 + index + times(index)) as f64).collect::<Vec<_>>());
 }
 
 fn a_petsc_error_names_the_call_and_says_why(session: &Session) {

@@ -115,7 +115,7 @@ impl PairPreconditioner {
     pub fn correction(&mut self, wanted: &Vector) -> Result<&[f64]> {
         let (own, others) = self.wanted.split_at_mut(self.local);
         own.copy_from_slice(&wanted.local()?);
-        others.copy_from_slice(&self.scatter.fetch(wanted)?);
+        others.copy_from_slice(self.scatter.fetch(wanted)?);
         self.found.fill(0.0);
         let mut frame = [Vec::new(), Vec::new()];
         for pair in &self.pairs {

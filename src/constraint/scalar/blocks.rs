@@ -44,8 +44,8 @@ impl<const D: usize> ScalarBlocks<D> {
     /// Adds to rows that hold `source` everywhere what makes it a source outside the inclusions only.
     pub fn confine_source(&mut self, source: f64, rows: &mut Vector) -> Result<()> {
         {
-            let (mut own, mut others, mut scratch) = (rows.local_mut()?, self.sources.places()?, Vec::new());
-            let mut rows = EntriesMut { own: &mut own, others: &mut others };
+            let (mut own, others, mut scratch) = (rows.local_mut()?, self.sources.places(), Vec::new());
+            let mut rows = EntriesMut { own: &mut own, others };
             self.inclusions.iter().for_each(|(inclusion, _)| inclusion.source.add(source, &[1.0], &mut scratch, &mut rows));
         }
         self.sources.add_back(rows)
@@ -54,7 +54,7 @@ impl<const D: usize> ScalarBlocks<D> {
     /// For each of this rank's inclusions, the sum of a field over the cells that it changes or touches.
     pub fn sums(&mut self, field: &Vector) -> Result<Vec<f64>> {
         let (others, own) = (self.sources.fetch(field)?, field.local()?);
-        let field = Entries { own: &own, others: &others };
+        let field = Entries { own: &own, others };
         let sum = |(inclusion, _): &(Inclusion, _)| inclusion.source.places.iter().map(|&place| field.from(place)[0]).sum();
         Ok(self.inclusions.iter().map(sum).collect())
     }
@@ -62,7 +62,7 @@ impl<const D: usize> ScalarBlocks<D> {
     /// The sum of a field over the cells of this rank's inclusions, by the parts of them that a unit source is kept out of.
     pub fn confined(&mut self, field: &Vector) -> Result<f64> {
         let (others, own) = (self.sources.fetch(field)?, field.local()?);
-        let field = Entries { own: &own, others: &others };
+        let field = Entries { own: &own, others };
         let cells = self.inclusions.iter().flat_map(|(inclusion, _)| inclusion.source.places.iter().zip(&inclusion.source.values));
         Ok(cells.map(|(&place, value)| -value * field.from(place)[0]).sum())
     }

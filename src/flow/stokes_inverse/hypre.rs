@@ -8,7 +8,7 @@
 //!
 //! which is exact in a periodic box when the cycles are. Fields with the same Laplacian share one set-up.
 
-use std::{ops::Range, time::Instant};
+use std::{ops::Range, rc::Rc, time::Instant};
 
 use super::{Stokes, StokesInverse};
 use crate::{
@@ -19,7 +19,7 @@ use crate::{
 
 /// Projection-form inverse with BoomerAMG.
 pub struct HypreInverse {
-    cycles: Vec<Amg>,
+    cycles: Vec<Rc<Amg>>,
     cycle_of: Vec<usize>,
     fields: Vec<(Range<usize>, f64)>,
     /// Work vectors, one a field.
@@ -31,14 +31,17 @@ pub struct HypreInverse {
 }
 
 impl HypreInverse {
-    /// Sets up one hierarchy for each Laplacian that differs.
+    /// Sets up one hierarchy for each Laplacian that differs; that of the pressure is the same for all shifts.
     pub fn new<const D: usize>(stokes: &Stokes<D>, grid: &Grid<D>) -> Result<HypreInverse> {
         let start = Instant::now();
         let settings = AmgSettings::laplacian(D);
         let (laplacians, cycle_of) = stokes.laplacians()?;
         let fully_periodic = grid.domain().fully_periodic();
-        let singular = |index: usize| cycle_of[D] == index || (fully_periodic && stokes.shift() == 0.0);
-        let cycles = laplacians.iter().enumerate().map(|(index, matrix)| Amg::new(matrix, singular(index), &settings));
+        let singular = fully_periodic && stokes.shift() == 0.0;
+        let cycles = laplacians.iter().enumerate().map(|(index, matrix)| match cycle_of[D] == index {
+            true => stokes.pressure_cycle(),
+            false => Amg::new(matrix, singular, &settings).map(Rc::new),
+        });
         Ok(HypreInverse {
             cycles: cycles.collect::<Result<_>>()?,
             cycle_of: cycle_of.to_vec(),

@@ -129,9 +129,9 @@ impl<const D: usize> ExtrapolationHistory<D> {
         let mut scatter = Scatter::new(last, &places)?;
         let of_last: Vec<f64> =
             points.iter().map(|(body, shift, point)| point.side * self.last.jump(bodies, *body, shift, point)).collect();
-        scatter.places()?.copy_from_slice(&of_last);
+        scatter.places().copy_from_slice(&of_last);
         scatter.add_back(last)?;
-        scatter.places()?.iter_mut().zip(&of_last).zip(&points).for_each(|((place, of_last), (body, shift, point))| {
+        scatter.places().iter_mut().zip(&of_last).zip(&points).for_each(|((place, of_last), (body, shift, point))| {
             *place = *of_last;
             if let Some((earlier, interval)) = &self.earlier {
                 let of_earlier = point.side * earlier.jump(bodies, *body, shift, point);

@@ -98,7 +98,10 @@ impl<const D: usize> FixedOperators<D> {
     /// # Errors
     /// PETSc fails.
     pub fn shift_to(&mut self, shift: f64) -> Result<Box<dyn StokesInverse<D>>> {
-        self.stokes = Stokes::shifted(&self.session, &self.grid, shift);
+        self.stokes = match self.stokes.grid().domain() == self.grid.domain() {
+            true => self.stokes.with_shift(shift),
+            false => Stokes::shifted(&self.session, &self.grid, shift),
+        };
         self.kinds.answer_to(&self.setup, shift);
         self.method = self.setup.method(shift);
         let mut inverse = self.setup.inverse_of(&self.stokes, &self.grid)?;

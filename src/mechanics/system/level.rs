@@ -11,12 +11,14 @@
 
 use nalgebra::{DVector, SVector};
 
-use super::bodies::BodyTypes;
+use super::{
+    bodies::BodyTypes,
+    points::{Point, each_inside, within},
+};
 use crate::{
     body::Twist,
-    constraint::IndexBox,
     error::Result,
-    grid::{Grid, Index, Node},
+    grid::Grid,
     linalg::dot,
     petsc::{Scatter, Vector},
 };
@@ -102,15 +104,13 @@ pub struct Band {
 }
 
 impl<const D: usize> Level<D> {
-    /// The jump of the velocity, outside minus inside, at an offset from the centre of a body; zero in its core.
-    pub fn jump(&self, kinds: &BodyTypes<D>, body: usize, offset: &SVector<f64, D>, component: usize) -> f64 {
-        let surface = kinds.surface(body);
-        if offset.norm() < CORE * surface.modes.radius() {
-            return 0.0;
-        }
-        let mut jumps = vec![0.0; surface.modes.jump_count()];
-        surface.modes.velocity_jumps(offset.as_slice(), component, &mut jumps);
-        dot(&jumps, &self.coefficients(body, &self.slow[body]))
+    /// The jumps of a component of the velocity, outside minus inside, at offsets from the centre of a body, none in its core; one after the other.
+    pub fn jumps_at(&self, kinds: &BodyTypes<D>, body: usize, offsets: &[f64], component: usize) -> Vec<f64> {
+        let (modes, coefficients) = (&kinds.surface(body).modes, self.coefficients(body, &self.slow[body]));
+        let count = modes.jump_count();
+        let mut jumps = vec![0.0; offsets.len() / D * count];
+        modes.velocity_jumps(offsets, component, &mut jumps);
+        jumps.chunks_exact(count).map(|jumps| dot(jumps, &coefficients)).collect()
     }
 
     /// The velocity, that outside bodies extended into them as multipliers are at that time: what lags behind them tells of slopes that a flow that has met
@@ -123,7 +123,7 @@ impl<const D: usize> Level<D> {
     /// The fluid with jumps added at the places of a scatter.
     pub fn with_jumps(&self, scatter: &mut Scatter, jumps: &[f64]) -> Result<Vector> {
         let mut extended = self.fluid.copied()?;
-        scatter.places()?.copy_from_slice(jumps);
+        scatter.places().copy_from_slice(jumps);
         scatter.add_back(&mut extended)?;
         Ok(extended)
     }
@@ -205,46 +205,5 @@ impl<const D: usize> Level<D> {
     /// Coefficients of the jump functions of a body, for these of its modes.
     fn coefficients(&self, body: usize, modes: &[f64]) -> Vec<f64> {
         modes.iter().chain(&self.spin_ups[body]).copied().collect()
-    }
-}
-
-/// A velocity of the grid inside a body.
-pub struct Point<const D: usize> {
-    /// Its component.
-    pub component: usize,
-    /// Its place in fluid vectors.
-    pub place: usize,
-    /// Where it is, seen from the centre.
-    pub offset: SVector<f64, D>,
-    /// Its index, in an image of the box or in it.
-    pub index: Index<D>,
-    /// Velocity of the frame in which convection is told there, as the body sees it.
-    pub frame: SVector<f64, D>,
-    /// What the velocity of the body is told beyond: that of the shear there, in a sheared box.
-    pub shear: SVector<f64, D>,
-}
-
-/// Visits the velocities inside a ball whose centre, not wrapped into the box, lies in this rank's block.
-pub fn each_inside<const D: usize>(grid: &Grid<D>, center: &SVector<f64, D>, radius: f64, visit: impl FnMut(Point<D>)) {
-    if grid.owner(&grid.domain().wrap(*center)) == grid.rank() {
-        within(grid, center, radius, visit);
-    }
-}
-
-/// Visits the velocities inside a ball, of whatever rank they are.
-pub fn within<const D: usize>(grid: &Grid<D>, center: &SVector<f64, D>, radius: f64, mut visit: impl FnMut(Point<D>)) {
-    let (domain, unwrapped) = (grid.domain(), center);
-    let center = domain.wrap(*unwrapped);
-    for component in 0..D {
-        for index in IndexBox::around(grid, component, &center, radius).indices() {
-            let offset = grid.position(component, index) - center;
-            if offset.norm() > radius {
-                continue;
-            }
-            if let Node::Unknown(place) = grid.fluid_node(component, index) {
-                let at = unwrapped + offset;
-                visit(Point { component, place, offset, index, frame: grid.frame_velocity(&at), shear: domain.carried(&at) });
-            }
-        }
     }
 }

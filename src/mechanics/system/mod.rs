@@ -14,6 +14,7 @@ pub mod network;
 pub mod pair_constraint;
 pub mod pair_constraints;
 pub mod pair_resistance;
+pub mod points;
 pub mod readback;
 pub mod schur_complement;
 pub mod spectrum;

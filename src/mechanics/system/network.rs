@@ -198,8 +198,8 @@ impl Network {
 
     /// Puts into the rows of pores what flows in as surfaces move as wanted.
     fn press_out(&mut self, wanted: &[f64]) -> Result<()> {
-        let (mut own, mut others) = (self.forces.local_mut()?, self.others.places()?);
-        let mut rows = EntriesMut { own: &mut own, others: &mut others };
+        let (mut own, others) = (self.forces.local_mut()?, self.others.places());
+        let mut rows = EntriesMut { own: &mut own, others };
         for share in &self.shares {
             let velocities = &wanted[share.first..share.first + share.multipliers.len()];
             let flow: f64 = velocities.iter().zip(&share.multipliers).map(|(velocity, multiplier)| velocity * multiplier).sum();
@@ -211,7 +211,7 @@ impl Network {
     /// Adds the multipliers of the pressures found.
     fn press(&mut self, found: &mut [f64]) -> Result<()> {
         let (others, own) = (self.others.fetch(&self.motions)?, self.motions.local()?);
-        let motions = Entries { own: &own, others: &others };
+        let motions = Entries { own: &own, others };
         for share in &self.shares {
             let pressure = motions.from(share.pore)[0];
             let pressed = &mut found[share.first..share.first + share.multipliers.len()];

@@ -153,7 +153,7 @@ impl Acting {
     /// Rates of the links for velocities in `motions`.
     fn rates(&mut self, links: &[PairConstraint], rigid: usize) -> Result<Vec<f64>> {
         let (others, own) = (self.others.fetch(&self.motions)?, self.motions.local()?);
-        let motions = Entries { own: &own, others: &others };
+        let motions = Entries { own: &own, others };
         let of_side = |(side, place): (&ConstraintSide, u32)| -> f64 {
             side.weights.iter().zip(&motions.from(place)[..rigid]).map(|(weight, velocity)| weight * velocity).sum()
         };
@@ -164,8 +164,8 @@ impl Acting {
     /// Puts into `motions` the pushes of unknowns, each end's times its own factor.
     fn push(&mut self, links: &[PairConstraint], rigid: usize, unknowns: &[f64], factor: impl Fn(&ConstraintSide) -> f64) -> Result<()> {
         self.motions.fill(0.0)?;
-        let (mut own, mut others) = (self.motions.local_mut()?, self.others.places()?);
-        let mut motions = EntriesMut { own: &mut own, others: &mut others };
+        let (mut own, others) = (self.motions.local_mut()?, self.others.places());
+        let mut motions = EntriesMut { own: &mut own, others };
         let mut places = self.places.iter().copied();
         for (link, unknown) in links.iter().zip(unknowns) {
             for (side, place) in link.sides().zip(places.by_ref()) {
@@ -173,7 +173,7 @@ impl Acting {
                 motions.from(place)[..rigid].iter_mut().zip(side.weights.iter()).for_each(|(push, weight)| *push += amount * weight);
             }
         }
-        drop((own, others));
+        drop(own);
         self.others.add_back(&mut self.motions)
     }
 }

@@ -87,11 +87,9 @@ impl<const D: usize> Level<D> {
     /// Adds what is linear in the jumps to the convection of rows outside. Collective.
     fn add_linear(&self, band: &Band, scatter: &mut Scatter, convection: &mut Convection<D>, carried: &mut Vector) -> Result<()> {
         let largest = LARGEST_JUMP * fastest(convection.grid(), &self.fluid)?;
-        let mut places = scatter.places()?;
-        for ((place, jump), body) in places.iter_mut().zip(&band.tangential).zip(&band.bodies) {
+        for ((place, jump), body) in scatter.places().iter_mut().zip(&band.tangential).zip(&band.bodies) {
             *place = self.resolved[*body] * jump.clamp(-largest, largest);
         }
-        drop(places);
         let mut rigid = self.fluid.like()?;
         let mut values = rigid.local_mut()?;
         band.near.iter().for_each(|near| values[near.place] = near.rigid);

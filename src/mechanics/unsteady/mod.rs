@@ -36,7 +36,8 @@ use super::{
     solution::{BodyState, Lubrication, Solution, WallForces},
     system::{
         extrapolation::{ExtrapolationHistory, Snapshot},
-        level::{Band, Extended, Level, Point, each_inside},
+        level::{Band, Extended, Level},
+        points::{Point, each_inside},
     },
 };
 use crate::{
@@ -291,7 +292,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         let mut scatter = Scatter::new(fluid, &places)?;
         let rest = scatter.fetch(fluid)?.to_vec();
         changes.iter_mut().zip(rest).for_each(|(change, rest)| *change -= rest);
-        scatter.places()?.copy_from_slice(&changes);
+        scatter.places().copy_from_slice(&changes);
         scatter.add_back(fluid)
     }
 

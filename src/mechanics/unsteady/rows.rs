@@ -16,9 +16,10 @@ use crate::{
     grid::{Grid, Index, Node, operators::signed},
     mechanics::system::{
         bodies::BodyTypes,
-        level::{Extended, Level, Point, each_inside},
+        level::{Extended, Level},
+        points::{Point, each_inside},
     },
-    petsc::{Scatter, Vector},
+    petsc::{Scatter, Vector, WantedRun},
 };
 
 /// Rate at which the inside is drawn to the rigid motion, over that of viscosity and convection across a cell.
@@ -93,10 +94,35 @@ impl<const D: usize> Past<'_, D> {
         if grid.domain().slide().is_none() {
             return Ok(None);
         }
-        let of_component = |component: usize| grid.block(component).indices().map(move |index| (component, signed(index)));
-        let points =
-            (0..D).flat_map(of_component).map(|(component, index)| (component, grid.followed(component, index, self.since(level))));
-        Scatter::new(shape, &unknowns(grid, points)).map(Some)
+        let (mut place, mut wanted) = (0, Vec::new());
+        for component in 0..D {
+            let (block, ways) = (grid.block(component), grid.frame_ways(component, self.since(level)));
+            for start in block.flattened(D - 1).indices() {
+                let (mut index, end) = (start, block.end[D - 1]);
+                while index[D - 1] < end {
+                    let mut followed = signed(index);
+                    followed[0] -= ways[index[1]];
+                    let (first, follow) = unknown(grid, component, followed);
+                    // in two dimensions ways differ along the row
+                    let alike = |rows: &[isize]| rows.iter().take_while(|way| **way == rows[0]).count();
+                    let length = follow.min(end - index[D - 1]).min(if D == 2 { alike(&ways[index[1]..]) } else { usize::MAX });
+                    wanted.push(WantedRun { place, first, length });
+                    (place, index[D - 1]) = (place + length, index[D - 1] + length);
+                }
+            }
+        }
+        Scatter::of_runs(shape, place, wanted.into_iter()).map(Some)
+    }
+
+    /// The same for points inside bodies of this rank.
+    fn followed_points(&self, grid: &Grid<D>, level: usize, points: &[Inside<D>]) -> Vec<usize> {
+        let ways: Vec<Vec<isize>> = (0..D).map(|component| grid.frame_ways(component, self.since(level))).collect();
+        let followed = |inside: &Inside<D>| {
+            let Point { component, mut index, .. } = inside.point;
+            index[0] -= ways[component][index[1].rem_euclid(grid.cells()[1] as isize) as usize];
+            unknown(grid, component, index).0
+        };
+        points.iter().map(followed).collect()
     }
 
     /// What a velocity and its convection of a level weigh.
@@ -115,33 +141,30 @@ impl<const D: usize> Past<'_, D> {
             let [history, convection] = self.factors(level);
             let mut followed;
             let scatter = if grid.domain().slide().is_some() {
-                let index = |Point { component, index, .. }: &Point<D>| (*component, grid.followed(*component, *index, self.since(level)));
-                followed = Scatter::new(rows, &unknowns(grid, points.iter().map(|inside| index(&inside.point))))?;
+                followed = Scatter::new(rows, &self.followed_points(grid, level, &points))?;
                 &mut followed
             } else {
                 &mut scatter
             };
             let carried = scatter.fetch(extended.inside())?;
-            wanted.iter_mut().zip(carried.iter()).for_each(|(wanted, carried)| *wanted += convection * carried);
-            drop(carried);
+            wanted.iter_mut().zip(carried).for_each(|(wanted, carried)| *wanted += convection * carried);
             if history != 0.0 {
-                let velocities = scatter.fetch(&at.fluid)?;
-                for (((wanted, deviation), point), velocity) in wanted.iter_mut().zip(&mut deviations).zip(&points).zip(velocities.iter()) {
-                    *wanted += history * (at.rigid(point) - point.point.shear)[point.point.component];
-                    *deviation += history * at.deviation(kinds, point, *velocity);
+                let of_level = at.deviations(kinds, &points, scatter.fetch(&at.fluid)?);
+                for (((wanted, deviation), point), of_level) in wanted.iter_mut().zip(&mut deviations).zip(&points).zip(of_level) {
+                    *wanted += history * at.rigid(point);
+                    *deviation += history * of_level;
                 }
             }
         }
         self.draw(&points, &deviations, &mut wanted);
-        scatter.places()?.copy_from_slice(&wanted);
+        scatter.places().copy_from_slice(&wanted);
         scatter.add_back(rows)
     }
 
     /// Adds what is kept of deviations: all of their means by body and component, and part of the rest.
     fn draw(&self, points: &[Inside<D>], deviations: &[f64], wanted: &mut [f64]) {
-        let alike = |one: &Inside<D>, other: &Inside<D>| (one.body, one.point.component) == (other.body, other.point.component);
         let (mut deviations, mut wanted) = (deviations, wanted);
-        for group in points.chunk_by(alike) {
+        for group in points.chunk_by(Inside::alike) {
             let (of_group, own);
             (of_group, deviations) = deviations.split_at(group.len());
             (own, wanted) = wanted.split_at_mut(group.len());
@@ -157,28 +180,35 @@ impl<const D: usize> Level<D> {
         inside.point.offset + inside.center - self.centers[inside.body] - inside.point.frame * (inside.time - self.time)
     }
 
-    /// The rigid motion of the body there.
-    fn rigid(&self, point: &Inside<D>) -> SVector<f64, D> {
-        self.twists[point.body].at(&self.offset(point))
+    /// The rigid motion of the body there, in a sheared box less the shear.
+    fn rigid(&self, inside: &Inside<D>) -> f64 {
+        (self.twists[inside.body].at(&self.offset(inside)) - inside.point.shear)[inside.point.component]
     }
 
-    /// What the field inside a body, extended to a point that was outside, differs from its motion by.
-    fn deviation(&self, kinds: &BodyTypes<D>, point: &Inside<D>, velocity: f64) -> f64 {
-        let (offset, body, component) = (self.offset(point), point.body, point.point.component);
-        let was_outside = offset.norm() > kinds.surface(body).modes.radius();
-        velocity
-            - if was_outside { self.jump(kinds, body, &offset, component) } else { 0.0 }
-            - (self.rigid(point) - point.point.shear)[component]
+    /// What the fields inside bodies, extended to points that were outside, differ from their motions by.
+    fn deviations(&self, kinds: &BodyTypes<D>, points: &[Inside<D>], velocities: &[f64]) -> Vec<f64> {
+        let mut deviations: Vec<f64> = points.iter().zip(velocities).map(|(inside, velocity)| velocity - self.rigid(inside)).collect();
+        let mut first = 0;
+        for group in points.chunk_by(Inside::alike) {
+            let (body, component) = (group[0].body, group[0].point.component);
+            let radius = kinds.surface(body).modes.radius();
+            let offsets = (first..).zip(group.iter().map(|inside| self.offset(inside)));
+            let (places, offsets): (Vec<usize>, Vec<SVector<f64, D>>) = offsets.filter(|(_, offset)| offset.norm() > radius).unzip();
+            let offsets: Vec<f64> = offsets.iter().flat_map(|offset| offset.iter().copied()).collect();
+            let jumps = self.jumps_at(kinds, body, &offsets, component);
+            places.iter().zip(jumps).for_each(|(place, jump)| deviations[*place] -= jump);
+            first += group.len();
+        }
+        deviations
     }
 }
 
-/// Where velocities at indices that no wall bounds are in fluid vectors.
-fn unknowns<const D: usize>(grid: &Grid<D>, points: impl Iterator<Item = (usize, Index<D>)>) -> Vec<usize> {
-    let unknown = |(component, index)| match grid.fluid_node(component, index) {
-        Node::Unknown(unknown) => unknown,
-        Node::Wall(_) => unreachable!("a sheared box has no walls"),
-    };
-    points.map(unknown).collect()
+/// Where the velocity at an index that no wall bounds is in fluid vectors, and how many follow it there and along the last axis.
+fn unknown<const D: usize>(grid: &Grid<D>, component: usize, index: Index<D>) -> (usize, usize) {
+    match grid.fluid_run(component, index) {
+        (Node::Unknown(unknown), follow) => (unknown, follow),
+        (Node::Wall(_), _) => unreachable!("a sheared box has no walls"),
+    }
 }
 
 /// An unknown inside a body of this rank.
@@ -189,6 +219,13 @@ struct Inside<const D: usize> {
     center: SVector<f64, D>,
     /// The time.
     time: f64,
+}
+
+impl<const D: usize> Inside<D> {
+    /// Whether two lie in the same body and have the same component.
+    fn alike(&self, other: &Inside<D>) -> bool {
+        (self.body, self.point.component) == (other.body, other.point.component)
+    }
 }
 
 fn inside<const D: usize>(grid: &Grid<D>, kinds: &BodyTypes<D>, centers: &[SVector<f64, D>], time: f64) -> Vec<Inside<D>> {

@@ -41,11 +41,13 @@ impl Growth {
     pub fn of<const D: usize>(setup: &Setup<D>, (grid, multipliers): (usize, usize), sample: &Setup<D>, cost: &Cost) -> Growth {
         let times = grid as f64 / cost.grid_unknowns as f64;
         let growth = if setup.interactions.resist() { GROWTH_IN_FILMS } else { GROWTH };
+        // each multiplier acts on the rows about its surface
+        let rows = (sample.spacing / setup.spacing).powi(D as i32 - 1);
         let suited = if setup.inverse == InverseMethod::Transform { transforms(setup, sample) } else { 1.0 };
         Growth {
             grid: times,
             grid_in_iterations: times * suited,
-            bodies: multipliers.max(1) as f64 / cost.multiplier_unknowns.max(1) as f64,
+            bodies: multipliers.max(1) as f64 / cost.multiplier_unknowns.max(1) as f64 * rows,
             iterations: (setup.bodies.len() as f64 / SAMPLE as f64).max(1.0).powf(growth),
         }
     }

@@ -43,6 +43,11 @@ impl<const D: usize> Lines<D> {
         self.block.end[self.axis] - self.block.start[self.axis]
     }
 
+    /// The axis along which the lines of a tile lie side by side.
+    pub fn across(&self) -> usize {
+        if self.axis == D - 1 { D - 2 } else { D - 1 }
+    }
+
     /// Whether the points of a line are neighbours in memory, and the lines follow each other.
     pub fn in_sequence(&self) -> bool {
         self.axis == D - 1
@@ -51,7 +56,7 @@ impl<const D: usize> Lines<D> {
     /// All tiles; blocks that differ only along the axis have the same ones.
     pub fn tiles(&self) -> impl Iterator<Item = Tile<D>> + use<D> {
         let (block, axis) = (self.block, self.axis);
-        let across = if axis == D - 1 { D - 2 } else { D - 1 };
+        let across = self.across();
         let mut starts = if block.is_empty() { Block { start: [0; D], end: [0; D] } } else { block.flattened(axis) };
         let side_by_side = block.end[across] - block.start[across];
         let tiles = side_by_side.div_ceil(TILE);
@@ -59,7 +64,7 @@ impl<const D: usize> Lines<D> {
         let stride = move |axis: usize| (axis + 1..D).map(|axis| block.end[axis] - block.start[axis]).product::<usize>();
         starts.indices().map(move |mut start| {
             let tile = start[across] - block.start[across];
-            let cut = |tile: usize| tile * side_by_side / tiles;
+            let cut = |tile: usize| (tile * TILE).min(side_by_side);
             start[across] = block.start[across] + cut(tile);
             Tile {
                 start,

@@ -17,24 +17,38 @@ use rustfft::num_complex::Complex;
 
 use crate::{
     grid::stencil::BESIDE_WALL,
-    linalg::{Banded, Tridiagonal},
+    linalg::{BandedLanes, Lanes, Tridiagonal},
 };
 
-type Coupled = Banded<3, 7>;
+/// Waves that are solved side by side.
+pub const LANES: usize = 4;
 
-/// Solver for the waves of one number.
+type Coupled = BandedLanes<COUPLED_BAND, LANES>;
+type Diffusion = BandedLanes<1, LANES>;
+
+/// Unknowns of a cell: velocity along the wave, normal velocity on the upper face, pressure. In this order pivots are the largest that there are.
+const OF_CELL: usize = 3;
+const COUPLED_BAND: usize = 4;
+
+/// Solver for some waves, which differ.
 pub struct WallToWall {
-    /// Of the points.
     spacing: f64,
-    number: f64,
+    numbers: Lanes<LANES>,
+    /// Velocity along the wave, normal velocity and pressure.
+    coupled: Coupled,
+    /// Tangential velocity across the wave.
+    diffusion: Diffusion,
+}
+
+/// Solver without a wave, where velocity and pressure are sums.
+pub struct WithoutWave {
+    spacing: f64,
     shift: f64,
-    /// Velocity along the wave, normal velocity and pressure; nothing without a wave, where all three are sums.
-    coupled: Option<Coupled>,
-    /// Tangential velocity across the wave; any one without a wave.
+    /// Tangential velocities.
     diffusion: Tridiagonal,
 }
 
-/// The values of all fields on a line; those of the velocity along the walled axis start on the lower wall.
+/// The values of all fields on some lines; those of the velocity along the walled axis start on the lower wall.
 pub struct Fields<'a> {
     /// Line after line.
     pub values: &'a mut [Complex<f64>],
@@ -44,83 +58,132 @@ pub struct Fields<'a> {
     pub walled: usize,
 }
 
-/// Room for the unknowns of a line.
+/// A line of a wave.
+pub struct WaveLine<const D: usize> {
+    /// Which of the waves of a solver it is.
+    pub lane: usize,
+    /// Where it starts among the values.
+    pub start: usize,
+    /// The factors of the gradient.
+    pub factors: [Complex<f64>; D],
+}
+
+/// Room for the unknowns of some lines, real and imaginary parts.
 pub struct LineWorkspace {
-    /// Normal velocity, velocity along the wave and pressure in turn.
-    coupled: Vec<Complex<f64>>,
-    across: Vec<Complex<f64>>,
+    coupled: Vec<[Lanes<LANES>; 2]>,
+    across: Vec<[Lanes<LANES>; 2]>,
 }
 
 impl LineWorkspace {
     /// For lines of `points` points.
     pub fn new(points: usize) -> LineWorkspace {
-        LineWorkspace { coupled: vec![Complex::default(); 3 * points + Coupled::PADDING], across: vec![Complex::default(); points] }
+        LineWorkspace { coupled: Coupled::room(OF_CELL * points), across: Diffusion::room(points) }
     }
 }
 
+/// What a wave and the shift add to the diagonal, and whether a point lies beside a wall.
+fn diagonal((points, spacing): (usize, f64), number: f64, shift: f64, point: usize) -> f64 {
+    let decay = (number * number + shift) * spacing * spacing;
+    decay + if point == 0 || point == points - 1 { 3.0 } else { 2.0 }
+}
+
 impl WallToWall {
-    /// Solver for waves of a `number` on lines of `points` cells with a `spacing`.
-    pub fn new((points, spacing): (usize, f64), number: f64, shift: f64) -> WallToWall {
-        let (scaled, edge) = (spacing * number, |point: usize| point == 0 || point == points - 1);
-        let decay = scaled * scaled + shift * spacing * spacing;
-        let diagonal = |point: usize| decay + if edge(point) { 3.0 } else { 2.0 };
-        let coupled = (number > 0.0).then(|| Coupled::new(3 * points, |row, column| entry((scaled, decay), edge, row, column)));
-        let diffusion = Tridiagonal::new((0..points).map(diagonal));
-        WallToWall { spacing, number, shift, coupled, diffusion }
+    /// Solver for waves of these `numbers`, none zero, on lines of `points` cells with a `spacing`.
+    pub fn new((points, spacing): (usize, f64), numbers: Lanes<LANES>, shift: f64) -> WallToWall {
+        let tangential = |lane: usize, point: usize| diagonal((points, spacing), numbers[lane], shift, point);
+        let coupled = Coupled::new(OF_CELL * points, |lane, row, column| {
+            entry(points, spacing * numbers[lane], tangential(lane, row / OF_CELL), row, column)
+        });
+        let diffusion = Diffusion::new(points, |lane, row, column| if row == column { tangential(lane, row) } else { -1.0 });
+        WallToWall { spacing, numbers, coupled, diffusion }
     }
 
-    /// Replaces the rows of a wave with the given factors by the solution.
-    pub fn solve<const D: usize>(&self, factors: &[Complex<f64>; D], fields: &mut Fields, work: &mut LineWorkspace) {
-        let Some(coupled) = &self.coupled else { return self.solve_mean::<D>(fields) };
-        let along = factors.map(|factor| factor / self.number);
-        let across = across(&along, fields.walled);
-        self.take(&along, &across, fields, work);
-        coupled.solve(&mut work.coupled);
+    /// Replaces the rows of lines by the solution.
+    pub fn solve<const D: usize>(&self, lines: &[WaveLine<D>], fields: &mut Fields, work: &mut LineWorkspace) {
+        if lines.len() < LANES {
+            // what is left of other lines would shrink to numbers that are slow
+            work.coupled.fill([[0.0; LANES]; 2]);
+            work.across.fill([[0.0; LANES]; 2]);
+        }
+        lines.iter().for_each(|line| self.take(line, fields, work));
+        self.coupled.solve(&mut work.coupled);
         if D > 2 {
             self.diffusion.solve(&mut work.across);
         }
-        self.put(&along, &across, fields, work);
+        lines.iter().for_each(|line| self.put(line, fields, work));
+    }
+
+    /// The directions along a wave and across it.
+    fn directions<const D: usize>(&self, line: &WaveLine<D>, walled: usize) -> [[Complex<f64>; D]; 2] {
+        let along = line.factors.map(|factor| factor / self.numbers[line.lane]);
+        [along, across(&along, walled)]
     }
 
     /// Scales the rows and turns those of tangential velocities.
-    fn take<const D: usize>(&self, along: &[Complex<f64>; D], across: &[Complex<f64>; D], fields: &Fields, work: &mut LineWorkspace) {
-        let square = self.spacing * self.spacing;
-        for (point, (coupled, turned)) in work.coupled.as_chunks_mut::<3>().0.iter_mut().zip(&mut work.across).enumerate() {
+    fn take<const D: usize>(&self, line: &WaveLine<D>, fields: &Fields, work: &mut LineWorkspace) {
+        let ([along, across], square, lane) = (self.directions(line, fields.walled), self.spacing * self.spacing, line.lane);
+        let (cells, turned) = (work.coupled[COUPLED_BAND..].as_chunks_mut::<OF_CELL>().0, &mut work.across[1..]);
+        let points = self.diffusion.size();
+        for (point, (cell, turned)) in cells.iter_mut().zip(turned).enumerate().take(points) {
             let (mut first, mut second) = (Complex::default(), Complex::default());
             for axis in 0..D {
-                let row = fields.values[axis * fields.step + point];
+                let row = fields.values[axis * fields.step + line.start + point];
                 first += along[axis].conj() * row;
                 second += across[axis].conj() * row;
             }
-            let normal = fields.values[fields.walled * fields.step + point];
-            *coupled = [normal * square, first * square, fields.values[D * fields.step + point] * self.spacing];
-            *turned = second * square;
+            // the normal velocity on the upper wall is no unknown
+            let above = line.start + point + 1;
+            let normal = if point + 1 < points { fields.values[fields.walled * fields.step + above] } else { Complex::default() };
+            put_lane(&mut cell[0], lane, first * square);
+            put_lane(&mut cell[1], lane, normal * square);
+            put_lane(&mut cell[2], lane, fields.values[D * fields.step + line.start + point] * self.spacing);
+            put_lane(turned, lane, second * square);
         }
-        work.coupled[0] = Complex::default();
     }
 
-    fn put<const D: usize>(&self, along: &[Complex<f64>; D], across: &[Complex<f64>; D], fields: &mut Fields, work: &LineWorkspace) {
-        for (point, ([normal, first, pressure], second)) in work.coupled.as_chunks::<3>().0.iter().zip(&work.across).enumerate() {
+    fn put<const D: usize>(&self, line: &WaveLine<D>, fields: &mut Fields, work: &LineWorkspace) {
+        let ([along, across], lane) = (self.directions(line, fields.walled), line.lane);
+        let (cells, turned) = (work.coupled[COUPLED_BAND..].as_chunks::<OF_CELL>().0, &work.across[1..]);
+        let mut normal = Complex::default();
+        for (point, ([first, above, pressure], second)) in cells.iter().zip(turned).enumerate().take(self.diffusion.size()) {
+            let (first, second, place) = (take_lane(first, lane), take_lane(second, lane), line.start + point);
             for axis in 0..D {
-                fields.values[axis * fields.step + point] = along[axis] * first + across[axis] * second;
+                fields.values[axis * fields.step + place] = along[axis] * first + across[axis] * second;
             }
-            fields.values[fields.walled * fields.step + point] = *normal;
-            fields.values[D * fields.step + point] = pressure / self.spacing;
+            fields.values[fields.walled * fields.step + place] = normal;
+            fields.values[D * fields.step + place] = take_lane(pressure, lane) / self.spacing;
+            normal = take_lane(above, lane);
         }
+    }
+}
+
+fn put_lane(values: &mut [Lanes<LANES>; 2], lane: usize, value: Complex<f64>) {
+    (values[0][lane], values[1][lane]) = (value.re, value.im);
+}
+
+fn take_lane(values: &[Lanes<LANES>; 2], lane: usize) -> Complex<f64> {
+    Complex::new(values[0][lane], values[1][lane])
+}
+
+impl WithoutWave {
+    /// Solver for lines of `points` cells with a `spacing`.
+    pub fn new((points, spacing): (usize, f64), shift: f64) -> WithoutWave {
+        let diffusion = Tridiagonal::new((0..points).map(|point| diagonal((points, spacing), 0.0, shift, point)));
+        WithoutWave { spacing, shift, diffusion }
     }
 
     /// Without a wave continuity rows give the normal velocity from wall to wall (they must have no mean), then its momentum
     /// rows the pressure but for its mean.
-    fn solve_mean<const D: usize>(&self, fields: &mut Fields) {
+    pub fn solve<const D: usize>(&self, start: usize, fields: &mut Fields) {
         let (square, points) = (self.spacing * self.spacing, self.diffusion.size());
         for axis in (0..D).filter(|&axis| axis != fields.walled) {
-            let line = &mut fields.values[axis * fields.step..][..points];
+            let line = &mut fields.values[axis * fields.step + start..][..points];
             line.iter_mut().for_each(|value| *value *= square);
             self.diffusion.solve(line);
         }
         let (velocities, pressures) = fields.values.split_at_mut(D * fields.step);
-        let normal = &mut velocities[fields.walled * fields.step..][..points];
-        let pressures = &mut pressures[..points];
+        let normal = &mut velocities[fields.walled * fields.step + start..][..points];
+        let pressures = &mut pressures[start..][..points];
         remove_mean(pressures);
         self.sum_up(normal, pressures);
         remove_mean(pressures);
@@ -158,20 +221,23 @@ fn remove_mean(values: &mut [Complex<f64>]) {
     values.iter_mut().for_each(|value| *value -= mean);
 }
 
-/// An entry of the coupled matrix; rows and columns are normal velocity, velocity along the wave and pressure of a cell in turn. `decay` is what a
-/// wave of this number and the shift add to the diagonal.
-fn entry((number, decay): (f64, f64), edge: impl Fn(usize) -> bool, row: usize, column: usize) -> f64 {
-    // the normal velocity on the lower wall is no unknown
-    if row == 0 || column == 0 {
+/// An entry of the coupled matrix of a wave; rows and columns are velocity along the wave, normal velocity on the upper face and pressure of a cell in turn.
+/// `tangential` is the diagonal entry of the velocity along the wave in the cell of the row.
+fn entry(points: usize, number: f64, tangential: f64, row: usize, column: usize) -> f64 {
+    let (cell, other) = (row / OF_CELL, column / OF_CELL);
+    let at_edge = cell == 0 || cell == points - 1;
+    // the normal velocity on the upper wall is no unknown
+    let on_wall = OF_CELL * points - 2;
+    if row == on_wall || column == on_wall {
         return if row == column { 1.0 } else { 0.0 };
     }
-    match (row % 3, column % 3, (column / 3) as isize - (row / 3) as isize) {
-        (0, 0, 0) => 2.0 + decay,
-        (1, 1, 0) => decay + if edge(row / 3) { 3.0 } else { 2.0 },
-        (0, 0, -1 | 1) | (1, 1, -1 | 1) | (0, 2, -1) | (2, 0, 0) => -1.0,
-        (0, 2, 0) | (2, 0, 1) => 1.0,
-        (1, 2, 0) => number * if edge(row / 3) { BESIDE_WALL } else { 1.0 },
-        (2, 1, 0) => -number,
+    match (row % OF_CELL, column % OF_CELL, other as isize - cell as isize) {
+        (0, 0, 0) => tangential,
+        (1, 1, 0) => tangential - if at_edge { 1.0 } else { 0.0 },
+        (0, 0, -1 | 1) | (1, 1, -1 | 1) | (1, 2, 0) | (2, 1, -1) => -1.0,
+        (1, 2, 1) | (2, 1, 0) => 1.0,
+        (0, 2, 0) => number * if at_edge { BESIDE_WALL } else { 1.0 },
+        (2, 0, 0) => -number,
         _ => 0.0,
     }
 }
