@@ -210,32 +210,32 @@ struct Contacts<const D: usize> {
 
 impl<const D: usize> Contacts<D> {
     /// Collective; the centres of all balls must be known.
-    fn new(crowd: &Packing<D>) -> Self {
-        let share = &crowd.share;
-        let radius = |body: usize| crowd.ball(body).radius;
-        let mean = (0..crowd.movable).map(radius).sum::<f64>() / crowd.movable as f64;
+    fn new(packing: &Packing<D>) -> Self {
+        let share = &packing.share;
+        let radius = |body: usize| packing.ball(body).radius;
+        let mean = (0..packing.movable).map(radius).sum::<f64>() / packing.movable as f64;
         let skin = SKIN * mean;
-        let largest = (0..crowd.centers.len()).map(radius).fold(0.0, f64::max);
-        let reach = skin + 2.0 * crowd.margin * largest;
-        let bodies = crowd.near_own(reach);
-        let balls: Vec<Ball<D>> = bodies.iter().map(|&body| crowd.ball(body)).collect();
+        let largest = (0..packing.centers.len()).map(radius).fold(0.0, f64::max);
+        let reach = skin + 2.0 * packing.margin * largest;
+        let bodies = packing.near_own(reach);
+        let balls: Vec<Ball<D>> = bodies.iter().map(|&body| packing.ball(body)).collect();
         let own = |body: usize| share.own.contains(&bodies[body]);
-        let mut pairs = near_pairs(crowd.domain, &balls, reach);
+        let mut pairs = near_pairs(packing.domain, &balls, reach);
         pairs.retain(|pair| pair.first != pair.second && (own(pair.first) || own(pair.second)));
         let mut list = Vec::with_capacity(pairs.len());
-        list.extend(pairs.iter().map(|pair| PackingContact::new(&bodies, &balls, pair, crowd.margin)));
+        list.extend(pairs.iter().map(|pair| PackingContact::new(&bodies, &balls, pair, packing.margin)));
         let mut masses = vec![1.0; share.own.len()];
         let ends = || list.iter().flat_map(|contact: &PackingContact<D>| [contact.first, contact.second]);
         ends().filter_map(|body| share.place(body)).for_each(|place| masses[place] += 1.0);
-        let mut needed: Vec<usize> = ends().filter(|&body| body < crowd.movable && share.place(body).is_none()).collect();
+        let mut needed: Vec<usize> = ends().filter(|&body| body < packing.movable && share.place(body).is_none()).collect();
         needed.sort_unstable();
         needed.dedup();
         let count = share.count(list.iter().filter(|contact| share.own.contains(&contact.first)).count());
         Self {
             masses,
-            origins: crowd.centers[share.own.clone()].to_vec(),
+            origins: packing.centers[share.own.clone()].to_vec(),
             skin,
-            work: (count + crowd.movable) as u64 + STEP_WORK,
+            work: (count + packing.movable) as u64 + STEP_WORK,
             needed: NeededCenters::new(share, needed),
             list,
         }

@@ -44,7 +44,7 @@ const COLUMNS: f64 = 1e9;
 /// The search for a packing.
 pub(super) struct Search<'a, const D: usize> {
     /// The bodies, the obstacles and the effort left.
-    pub crowd: Packing<'a, D>,
+    pub packing: Packing<'a, D>,
     random: ChaCha8Rng,
     /// Radii in the order asked for, without gaps.
     radii: &'a [f64],
@@ -75,7 +75,7 @@ impl<'a, const D: usize> Search<'a, D> {
         for (number, (obstacle, &radius)) in obstacles.iter().zip(fixed).enumerate() {
             places.insert(number, &Ball { center: obstacle.center, radius });
         }
-        let crowd = Packing {
+        let packing = Packing {
             domain,
             share: Share::new(peers, radii.len()),
             centers: centers.chain(obstacles.iter().map(|ball| ball.center)).collect(),
@@ -87,7 +87,7 @@ impl<'a, const D: usize> Search<'a, D> {
             effort: EFFORT.min(LEAST_EFFORT + EFFORT_OF_FEW * radii.len() as u64) + EFFORT_PER_BODY * radii.len() as u64,
         };
         let (random, numbers) = (ChaCha8Rng::seed_from_u64(seed), (0..radii.len()).collect());
-        Self { crowd, random, radii, gap, numbers, obstacles: places, easy_scale, best_scale: 0.0 }
+        Self { packing, random, radii, gap, numbers, obstacles: places, easy_scale, best_scale: 0.0 }
     }
 
     /// The centres found, or else the largest scale of the radii that could be packed (0 if none).
@@ -95,9 +95,9 @@ impl<'a, const D: usize> Search<'a, D> {
         if !self.succeeds() {
             return Err(self.best_scale);
         }
-        let mut centers = vec![SVector::zeros(); self.crowd.movable];
-        for (&number, &center) in self.numbers.iter().zip(&self.crowd.centers) {
-            centers[number] = self.crowd.domain.wrap(center);
+        let mut centers = vec![SVector::zeros(); self.packing.movable];
+        for (&number, &center) in self.numbers.iter().zip(&self.packing.centers) {
+            centers[number] = self.packing.domain.wrap(center);
         }
         Ok(centers)
     }
@@ -105,11 +105,11 @@ impl<'a, const D: usize> Search<'a, D> {
     /// Looks for a packing until one is found or the effort is spent.
     fn succeeds(&mut self) -> bool {
         self.scatter();
-        if self.crowd.relax() {
+        if self.packing.relax() {
             return true;
         }
-        self.crowd.margin = NARROW_MARGIN;
-        while self.crowd.effort > 0 {
+        self.packing.margin = NARROW_MARGIN;
+        while self.packing.effort > 0 {
             self.scatter();
             if self.grow() {
                 return true;
@@ -120,27 +120,27 @@ impl<'a, const D: usize> Search<'a, D> {
 
     /// Puts every body at a random place, outside obstacles if that is easy.
     fn scatter(&mut self) {
-        let mut bodies: Vec<_> = (0..self.crowd.movable).map(|number| (self.random_place(), number)).collect();
+        let mut bodies: Vec<_> = (0..self.packing.movable).map(|number| (self.random_place(), number)).collect();
         if bodies.len() > BLOCK {
-            let rows = Rows::new(self.crowd.domain, bodies.len());
+            let rows = Rows::new(self.packing.domain, bodies.len());
             bodies.sort_by_cached_key(|(place, _)| rows.key(place));
         }
         self.numbers = bodies.iter().map(|&(_, number)| number).collect();
         for (body, (place, number)) in bodies.into_iter().enumerate() {
             let radius = self.radii[number];
-            self.crowd.centers[body] = place;
-            self.crowd.radii[body] = radius * (1.0 + self.gap / 2.0);
-            self.crowd.wall_radii[body] = radius * (1.0 + self.gap);
+            self.packing.centers[body] = place;
+            self.packing.radii[body] = radius * (1.0 + self.gap / 2.0);
+            self.packing.wall_radii[body] = radius * (1.0 + self.gap);
         }
     }
 
     /// A place in the box, outside obstacles if that is easy.
     fn random_place(&mut self) -> SVector<f64, D> {
-        let size = self.crowd.domain.size;
+        let size = self.packing.domain.size;
         let mut place = || SVector::from_fn(|axis, _| self.random.random::<f64>() * size[axis]);
         let mut found = place();
         for _ in 1..100 {
-            if !buried(&self.obstacles, &self.crowd.radii[self.crowd.movable..], found) {
+            if !buried(&self.obstacles, &self.packing.radii[self.packing.movable..], found) {
                 break;
             }
             found = place();
@@ -152,22 +152,22 @@ impl<'a, const D: usize> Search<'a, D> {
     /// they are stuck.
     fn grow(&mut self) -> bool {
         let mut reached = self.easy_scale;
-        self.crowd.scale = reached;
-        if !self.crowd.relax() {
+        self.packing.scale = reached;
+        if !self.packing.relax() {
             self.easy_scale *= 0.9;
             return false;
         }
         let mut step = GROWTH;
-        while step > STUCK && reached < 1.0 && self.crowd.effort > 0 {
+        while step > STUCK && reached < 1.0 && self.packing.effort > 0 {
             self.best_scale = self.best_scale.max(reached);
-            let centers = self.crowd.centers.clone();
-            self.crowd.scale = reached;
+            let centers = self.packing.centers.clone();
+            self.packing.scale = reached;
             self.stir();
-            self.crowd.scale = (reached + step).min(1.0);
-            if self.crowd.relax() {
-                reached = self.crowd.scale;
+            self.packing.scale = (reached + step).min(1.0);
+            if self.packing.relax() {
+                reached = self.packing.scale;
             } else {
-                self.crowd.centers = centers;
+                self.packing.centers = centers;
                 step /= 2.0;
             }
         }
@@ -175,13 +175,13 @@ impl<'a, const D: usize> Search<'a, D> {
     }
 
     fn stir(&mut self) {
-        let mut velocities = Vec::with_capacity(self.crowd.share.own.len());
-        for body in 0..self.crowd.movable {
-            let speed = STIRRING_SPEED * self.crowd.scale * self.crowd.radii[body];
+        let mut velocities = Vec::with_capacity(self.packing.share.own.len());
+        for body in 0..self.packing.movable {
+            let speed = STIRRING_SPEED * self.packing.scale * self.packing.radii[body];
             let velocity = SVector::from_fn(|_, _| speed * (2.0 * self.random.random::<f64>() - 1.0));
-            velocities.extend(self.crowd.share.own.contains(&body).then_some(velocity));
+            velocities.extend(self.packing.share.own.contains(&body).then_some(velocity));
         }
-        self.crowd.stir(velocities, STIRRING_STEPS);
+        self.packing.stir(velocities, STIRRING_STEPS);
     }
 }
 
@@ -235,9 +235,9 @@ mod tests {
         let radii = vec![0.5; count];
         domain.size *= (fraction(&domain, &radii) / asked).powf(1.0 / D as f64);
         let mut search = Search::new(Peers::Alone, &domain, &[], (&radii, 0.02), 1);
-        let effort = search.crowd.effort;
+        let effort = search.packing.effort;
         assert!(search.succeeds());
-        (effort - search.crowd.effort) as f64 / count as f64
+        (effort - search.packing.effort) as f64 / count as f64
     }
 
     /// More bodies relax in more steps, for the worst place among more is worse: by a third from a thousand to thirty thousand.

@@ -73,11 +73,11 @@ pub struct Pores {
 
 impl Pores {
     /// The pores of a crowd of disks of which this rank holds some; none in 3D, and where no three disks make a triangle.
-    pub fn new<const D: usize>(domain: &Domain<D>, crowd: &Neighbourhood<D>, layout: &MultiplierLayout) -> Option<Pores> {
-        let (domain, balls) = in_plane(domain, crowd)?;
+    pub fn new<const D: usize>(domain: &Domain<D>, neighbourhood: &Neighbourhood<D>, layout: &MultiplierLayout) -> Option<Pores> {
+        let (domain, balls) = in_plane(domain, neighbourhood)?;
         let mut triangles = triangles(&domain, &balls)?;
         // feet of disks on walls come after all disks
-        let foot = |body: usize| body >= crowd.balls.len();
+        let foot = |body: usize| body >= neighbourhood.balls.len();
         triangles.retain(|triangle| !foot(triangle[0].0));
         let edges = Edges::new(&triangles);
         let centers: Vec<Vector2<f64>> = balls.iter().map(|ball| ball.center).collect();
@@ -92,7 +92,8 @@ impl Pores {
                 let bodies = [one, next].map(|corner| corner.0);
                 if !bodies.iter().all(|&body| foot(body)) {
                     let pores_beside = (pore, edges.across(one, next));
-                    let conductance = conductance(crowd, (place(next) - place(one)).norm(), bodies.map(|body| (body, balls[body].radius)));
+                    let conductance =
+                        conductance(neighbourhood, (place(next) - place(one)).norm(), bodies.map(|body| (body, balls[body].radius)));
                     pores.throats.push(Throat {
                         pores: pores_beside,
                         bodies: bodies.map(|body| (!foot(body)).then_some(body)),
@@ -101,7 +102,7 @@ impl Pores {
                 }
                 if here && !foot(one.0) {
                     let to = [next, last].map(|corner| (place(corner) - place(one), balls[corner.0].radius));
-                    let multipliers = multipliers(crowd.orders[one.0], balls[one.0].radius, to);
+                    let multipliers = multipliers(neighbourhood.orders[one.0], balls[one.0].radius, to);
                     pores.shares.push(Share { pore, body: one.0, multipliers });
                 }
             }
@@ -121,23 +122,23 @@ impl Pores {
 }
 
 /// Flow through the throat between two bodies so far apart, of these numbers and radii; a wall is as flat as a disk without end.
-fn conductance<const D: usize>(crowd: &Neighbourhood<D>, distance: f64, bodies: [(usize, f64); 2]) -> f64 {
+fn conductance<const D: usize>(neighbourhood: &Neighbourhood<D>, distance: f64, bodies: [(usize, f64); 2]) -> f64 {
     let [(_, one), (_, two)] = bodies;
     let effective = if one.min(two) > 0.0 { 2.0 * one * two / (one + two) } else { 2.0 * one.max(two) };
-    let order = bodies.iter().filter_map(|&(body, _)| crowd.orders.get(body)).min().map_or(1.0, |&order| order as f64);
+    let order = bodies.iter().filter_map(|&(body, _)| neighbourhood.orders.get(body)).min().map_or(1.0, |&order| order as f64);
     let gap = (distance - one - two).max(0.0) / effective;
     effective.powi(2) * (LEAKAGE / order.powi(3) + CONDUCTANCE * gap.min(WIDEST).powf(2.5))
 }
 
 /// The box and the disks, then the feet of near ones on walls as disks without a radius, if the dimension is 2.
-fn in_plane<const D: usize>(domain: &Domain<D>, crowd: &Neighbourhood<D>) -> Option<(Domain<2>, Vec<Ball<2>>)> {
+fn in_plane<const D: usize>(domain: &Domain<D>, neighbourhood: &Neighbourhood<D>) -> Option<(Domain<2>, Vec<Ball<2>>)> {
     if D != 2 {
         return None;
     }
     let flat = |ball: &Ball<D>| Ball { center: Vector2::new(ball.center[0], ball.center[1]), radius: ball.radius };
-    let mut balls: Vec<Ball<2>> = crowd.balls.iter().map(flat).collect();
+    let mut balls: Vec<Ball<2>> = neighbourhood.balls.iter().map(flat).collect();
     let mut feet: Vec<Ball<2>> = Vec::new();
-    for near in crowd.walls.iter().filter(|near| near.gap < crowd.balls[near.body].radius) {
+    for near in neighbourhood.walls.iter().filter(|near| near.gap < neighbourhood.balls[near.body].radius) {
         let mut foot = Ball { radius: 0.0, ..balls[near.body] };
         foot.center[near.axis] = if near.upper { domain.size[near.axis] } else { 0.0 };
         let apart = APART * balls[near.body].radius;

@@ -185,9 +185,11 @@ impl<const D: usize> Interactions<D> {
     }
 
     /// See [`Interaction::rows`].
-    pub fn rows(&self, crowd: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
-        let mut rows =
-            self.iter().map(|interaction| interaction.rows(crowd, layout)).fold(LubricationPairs::default(), LubricationPairs::with);
+    pub fn rows(&self, neighbourhood: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
+        let mut rows = self
+            .iter()
+            .map(|interaction| interaction.rows(neighbourhood, layout))
+            .fold(LubricationPairs::default(), LubricationPairs::with);
         if !self.cluster_of().is_empty() {
             rows.films.retain(|film| !self.within_cluster(film));
         }
@@ -195,9 +197,9 @@ impl<const D: usize> Interactions<D> {
     }
 
     /// See [`Interaction::resolved_at_walls`].
-    pub fn resolved_at_walls(&self, crowd: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
+    pub fn resolved_at_walls(&self, neighbourhood: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
         self.iter()
-            .map(|interaction| interaction.resolved_at_walls(crowd, layout))
+            .map(|interaction| interaction.resolved_at_walls(neighbourhood, layout))
             .fold(LubricationPairs::default(), LubricationPairs::with)
     }
 

@@ -48,12 +48,12 @@ impl<const D: usize> Interaction<D> for Lubrication {
         true
     }
 
-    fn rows(&self, crowd: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
-        films(crowd, layout, &self.tables, self.roughness)
+    fn rows(&self, neighbourhood: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
+        films(neighbourhood, layout, &self.tables, self.roughness)
     }
 
-    fn resolved_at_walls(&self, crowd: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
-        resolved_at_walls(crowd, layout, &self.tables)
+    fn resolved_at_walls(&self, neighbourhood: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
+        resolved_at_walls(neighbourhood, layout, &self.tables)
     }
 
     fn approach_resistance(&self, contact: &Contact<D>, of: &dyn Fn(usize) -> (f64, usize)) -> f64 {

@@ -115,10 +115,10 @@ fn check_filling<const D: usize>(scene: &Scene, domain: &Domain<D>, given: &[(us
     let part = |radius: f64| Ball { center: SVector::<f64, D>::zeros(), radius }.volume() / domain.volume();
     let swollen = |group: usize| counts[group] * part(scene.bodies[group].radius * (1.0 + gap / 2.0));
     let equal = given.is_empty() && random().all(|(bodies, _)| random().next().is_some_and(|(first, _)| first.radius == bodies.radius));
-    let crowd = counts.iter().sum::<f64>() >= CROWD;
+    let neighbourhood = counts.iter().sum::<f64>() >= CROWD;
     let most = if !equal {
         1.0
-    } else if crowd {
+    } else if neighbourhood {
         RANDOM[D - 2]
     } else {
         DENSEST[D - 2]

@@ -192,12 +192,12 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         let AssembledSystem { bodies, assembly, mut workspace, guess, pair_constraints, .. } = ready;
         self.cost.krylov = report;
         self.cost.stages = std::mem::take(&mut workspace.work.stages);
-        let links = found.global_unknowns.split_off(fixed.mean_flow.unknowns::<D>());
+        let constraints = found.global_unknowns.split_off(fixed.mean_flow.unknowns::<D>());
         if self.remembers && fixed.method.on_surfaces() {
             let last = Snapshot::of(&bodies, &fixed.session, configuration.centers, &found, fixed.condensed)?;
             self.past = Some(ExtrapolationHistory::then(self.past.take(), last, guess, configuration.time).0);
         }
-        let solution = readback::solution(fixed, (&bodies, &assembly), (&pair_constraints, &links), found, configuration)?;
+        let solution = readback::solution(fixed, (&bodies, &assembly), (&pair_constraints, &constraints), found, configuration)?;
         (self.assembly, self.workspace) = (Some(assembly), Some(workspace));
         Ok(solution)
     }

@@ -76,7 +76,7 @@ pub struct Sizes {
     /// Of the mean-flow constraint, on all ranks alike, though only rank 0 holds them.
     pub mean_flow: usize,
     /// Places for links that belong to this rank.
-    pub links: usize,
+    pub constraints: usize,
 }
 
 impl WorkVectors {
@@ -101,7 +101,7 @@ impl WorkVectors {
     /// A vector of zeros for the solver.
     pub fn solver_vector(&self, session: &Session) -> Result<Vector> {
         let mean_flow = if session.world().rank() == 0 { self.sizes.mean_flow } else { 0 };
-        Vector::new(session, self.sizes.fluid + self.sizes.multipliers + mean_flow + self.sizes.links)
+        Vector::new(session, self.sizes.fluid + self.sizes.multipliers + mean_flow + self.sizes.constraints)
     }
 
     /// Takes a solver's vector apart into `fluid_in`, `multipliers_in` and the global unknowns: those of the mean-flow constraint, which all ranks
@@ -114,13 +114,13 @@ impl WorkVectors {
             self.fluid_in.local_mut()?.copy_from_slice(fluid);
         }
         self.multipliers_in.local_mut()?.copy_from_slice(multipliers);
-        let (mean_flow, links) = global_unknowns.split_at(global_unknowns.len() - self.sizes.links);
+        let (mean_flow, constraints) = global_unknowns.split_at(global_unknowns.len() - self.sizes.constraints);
         let mut shared = vec![0.0; self.sizes.mean_flow];
         shared[..mean_flow.len()].copy_from_slice(mean_flow);
         if !shared.is_empty() {
             world.sum(&mut shared);
         }
-        shared.extend_from_slice(links);
+        shared.extend_from_slice(constraints);
         Ok(shared)
     }
 

@@ -116,8 +116,8 @@ fn wanted(cloud: &Cloud, triangles: &[[Corner; 3]], grading: &Grading) -> Vec<Ve
         triangles.iter().filter_map(|triangle| candidate(cloud, triangle, grading)).collect();
     candidates.sort_by(|one, two| two.0.total_cmp(&one.0));
     let edge = candidates.iter().map(|candidate| candidate.1).fold(0.0, f64::max);
-    let mut crowd = Crowd { domain: &cloud.domain, edge, cells: HashMap::new() };
-    candidates.into_iter().filter_map(|(_, radius, center)| crowd.admit(center, 0.9 * radius).then_some(center)).collect()
+    let mut neighbourhood = Crowd { domain: &cloud.domain, edge, cells: HashMap::new() };
+    candidates.into_iter().filter_map(|(_, radius, center)| neighbourhood.admit(center, 0.9 * radius).then_some(center)).collect()
 }
 
 /// How bad a triangle is, the radius of its circumcircle, and the circumcentre; nothing if it is good or there is no room.

@@ -82,14 +82,14 @@ impl<const D: usize> LubricationPair<D> {
 
 /// The films of a crowd that have a side on a body of this rank; no gap counts as smaller than `roughness` radii.
 pub fn films<const D: usize>(
-    crowd: &Neighbourhood<D>,
+    neighbourhood: &Neighbourhood<D>,
     layout: &MultiplierLayout,
     tables: &FilmTables,
     roughness: f64,
 ) -> LubricationPairs<D> {
-    let Neighbourhood { balls, orders, .. } = crowd;
+    let Neighbourhood { balls, orders, .. } = neighbourhood;
     let mut films = Vec::new();
-    for pair in crowd.pairs.iter().filter(|pair| layout.holds_any([pair.first, pair.second])) {
+    for pair in neighbourhood.pairs.iter().filter(|pair| layout.holds_any([pair.first, pair.second])) {
         let (mut ends, mut separation) = ([pair.first, pair.second], pair.separation);
         if balls[ends[1]].radius < balls[ends[0]].radius {
             ends.reverse();
@@ -104,32 +104,39 @@ pub fn films<const D: usize>(
             films.extend(film((&table, FilmTable::missing), (ends[0], small), (other, Some(large)), (separation, gap), roughness));
         }
     }
-    films.extend(of_walls(crowd, layout, tables, FilmTable::missing, roughness));
+    films.extend(of_walls(neighbourhood, layout, tables, FilmTable::missing, roughness));
     let imbalance = films.iter().map(imbalance).fold(0.0, f64::max);
     LubricationPairs { films, imbalance }
 }
 
 /// What modes see of the films between bodies of this rank and walls.
-pub fn resolved_at_walls<const D: usize>(crowd: &Neighbourhood<D>, layout: &MultiplierLayout, tables: &FilmTables) -> LubricationPairs<D> {
-    LubricationPairs { films: of_walls(crowd, layout, tables, FilmTable::truncated, 0.0), imbalance: 0.0 }
+pub fn resolved_at_walls<const D: usize>(
+    neighbourhood: &Neighbourhood<D>,
+    layout: &MultiplierLayout,
+    tables: &FilmTables,
+) -> LubricationPairs<D> {
+    LubricationPairs { films: of_walls(neighbourhood, layout, tables, FilmTable::truncated, 0.0), imbalance: 0.0 }
 }
 
 /// Films between bodies of this rank and walls, with a part of their resistance.
 fn of_walls<const D: usize>(
-    crowd: &Neighbourhood<D>,
+    neighbourhood: &Neighbourhood<D>,
     layout: &MultiplierLayout,
     tables: &FilmTables,
     part: fn(&FilmTable, f64) -> Resistance,
     roughness: f64,
 ) -> Vec<LubricationPair<D>> {
     let of_wall = |near: &WallPair<D>| {
-        let (radius, order) = (crowd.balls[near.body].radius, crowd.orders[near.body]);
+        let (radius, order) = (neighbourhood.balls[near.body].radius, neighbourhood.orders[near.body]);
         let mut separation = SVector::<f64, D>::zeros();
         separation[near.axis] = if near.upper { near.gap + radius } else { -near.gap - radius };
         let (table, other) = (tables.of::<D>(order, None), Opposite::Wall((near.axis, near.upper)));
         film((&table, part), (near.body, radius), (other, None), (separation, near.gap / radius), roughness)
     };
-    let near = crowd.walls.iter().filter(|near| layout.holds(near.body) && near.gap < LUBRICATION_REACH * crowd.balls[near.body].radius);
+    let near = neighbourhood
+        .walls
+        .iter()
+        .filter(|near| layout.holds(near.body) && near.gap < LUBRICATION_REACH * neighbourhood.balls[near.body].radius);
     near.filter_map(of_wall).collect()
 }
 
@@ -215,9 +222,9 @@ fn principal(first: f64, cross: f64, second: f64) -> [(f64, [f64; 2]); 2] {
 /// The largest rate of any way under rigid motions of both sides with unit velocity at the body's surface.
 fn imbalance<const D: usize>(film: &LubricationPair<D>) -> f64 {
     let Opposite::Body(..) = film.other else { return 0.0 };
-    let of_way = |way: &RelativeMode<D>| {
-        let force = (way.sides[0].direction + way.sides[1].direction).norm();
-        let [first, second] = way.sides;
+    let of_way = |mode: &RelativeMode<D>| {
+        let force = (mode.sides[0].direction + mode.sides[1].direction).norm();
+        let [first, second] = mode.sides;
         let lever = film.separation * second.direction.transpose() - second.direction * film.separation.transpose();
         let torque = (first.turn + second.turn - lever).norm() / film.separation.norm();
         force.max(torque)

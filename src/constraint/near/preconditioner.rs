@@ -52,13 +52,13 @@ impl PairPreconditioner {
     /// # Errors
     /// PETSc has no memory for the exchange.
     pub fn new<const D: usize>(
-        crowd: &Neighbourhood<D>,
+        neighbourhood: &Neighbourhood<D>,
         layout: &MultiplierLayout,
         tables: &PairTables<D>,
         multipliers: &Vector,
     ) -> Result<PairPreconditioner> {
-        let near = near_and_mine(crowd, layout);
-        let (fetched, places) = places(crowd, layout, &near);
+        let near = near_and_mine(neighbourhood, layout);
+        let (fetched, places) = places(neighbourhood, layout, &near);
         let local = layout.local_unknowns();
         let mut pairs = PairPreconditioner {
             given: tables.given,
@@ -71,14 +71,14 @@ impl PairPreconditioner {
             local,
         };
         for pair in near {
-            pairs.add(crowd, tables, pair, &places);
+            pairs.add(neighbourhood, tables, pair, &places);
         }
         Ok(pairs)
     }
 
-    fn add<const D: usize>(&mut self, crowd: &Neighbourhood<D>, tables: &PairTables<D>, pair: &Pair<D>, places: &[usize]) {
-        let order = |body: usize| crowd.orders[body];
-        let radius = |body: usize| crowd.balls[body].radius;
+    fn add<const D: usize>(&mut self, neighbourhood: &Neighbourhood<D>, tables: &PairTables<D>, pair: &Pair<D>, places: &[usize]) {
+        let order = |body: usize| neighbourhood.orders[body];
+        let radius = |body: usize| neighbourhood.balls[body].radius;
         let (mut ends, mut separation) = ([pair.first, pair.second], pair.separation);
         if (order(pair.second), radius(pair.second)) < (order(pair.first), radius(pair.first)) {
             ends.reverse();
@@ -182,20 +182,20 @@ impl NearPair {
 }
 
 /// The near pairs with a body that this rank holds.
-fn near_and_mine<'a, const D: usize>(crowd: &'a Neighbourhood<D>, layout: &MultiplierLayout) -> Vec<&'a Pair<D>> {
-    crowd.pairs.iter().filter(|pair| crowd.near(pair) && layout.holds_any([pair.first, pair.second])).collect()
+fn near_and_mine<'a, const D: usize>(neighbourhood: &'a Neighbourhood<D>, layout: &MultiplierLayout) -> Vec<&'a Pair<D>> {
+    neighbourhood.pairs.iter().filter(|pair| neighbourhood.near(pair) && layout.holds_any([pair.first, pair.second])).collect()
 }
 
 /// The multipliers to fetch for these pairs, and where each body's stand: this rank's first, then the fetched.
-fn places<const D: usize>(crowd: &Neighbourhood<D>, layout: &MultiplierLayout, near: &[&Pair<D>]) -> (Vec<usize>, Vec<usize>) {
-    let mut places = vec![usize::MAX; crowd.balls.len()];
+fn places<const D: usize>(neighbourhood: &Neighbourhood<D>, layout: &MultiplierLayout, near: &[&Pair<D>]) -> (Vec<usize>, Vec<usize>) {
+    let mut places = vec![usize::MAX; neighbourhood.balls.len()];
     layout.local_bodies.iter().for_each(|&body| places[body] = layout.local(body));
     let mut fetched = Vec::new();
     for body in near.iter().flat_map(|pair| [pair.first, pair.second]) {
         if places[body] == usize::MAX {
             places[body] = layout.local_unknowns() + fetched.len();
             let first = layout.global(body);
-            fetched.extend(first..first + mode_count(D, crowd.orders[body]));
+            fetched.extend(first..first + mode_count(D, neighbourhood.orders[body]));
         }
     }
     (fetched, places)

@@ -16,14 +16,14 @@ use crate::{
 
 /// The inclusions with their centres in the box; those of equal size share a surface.
 fn place<const D: usize>(setup: &ScalarSetup<D>, grid: &Grid<D>) -> Vec<Placed<D>> {
-    let mut kinds: Vec<(f64, usize, Rc<SurfaceTable<D>>)> = Vec::new();
+    let mut body_types: Vec<(f64, usize, Rc<SurfaceTable<D>>)> = Vec::new();
     let mut surface = |radius: f64, order: usize| {
-        let known = kinds.iter().position(|(of_radius, of_order, _)| *of_radius == radius && *of_order == order);
+        let known = body_types.iter().position(|(of_radius, of_order, _)| *of_radius == radius && *of_order == order);
         let kind = known.unwrap_or_else(|| {
-            kinds.push((radius, order, Rc::new(SurfaceTable::scalar(radius, order, grid.mean_spacing()))));
-            kinds.len() - 1
+            body_types.push((radius, order, Rc::new(SurfaceTable::scalar(radius, order, grid.mean_spacing()))));
+            body_types.len() - 1
         });
-        kinds[kind].2.clone()
+        body_types[kind].2.clone()
     };
     let place = |&(ball, order): &(Ball<D>, usize)| Placed { center: setup.domain.wrap(ball.center), surface: surface(ball.radius, order) };
     setup.inclusions.iter().map(place).collect()

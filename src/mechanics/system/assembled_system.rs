@@ -50,8 +50,8 @@ impl<'a, const D: usize> AssembledSystem<'a, D> {
     ) -> Result<Self> {
         let _stage = enter(Stage::Assembly);
         let assembly = Assembly::of(fixed, configuration.centers, assembly)?;
-        let places = (assembly.placed.clone(), assembly.crowd.clone());
-        let bodies = Bodies::new((&fixed.setup, &fixed.grid, &fixed.kinds), places, assembly.layout.clone());
+        let places = (assembly.placed.clone(), assembly.neighbourhood.clone());
+        let bodies = Bodies::new((&fixed.setup, &fixed.grid, &fixed.body_types), places, assembly.layout.clone());
         let operators = bodies.operators(&assembly.blocks, &assembly.damping);
         let mut guess = past.map_or(Ok(None), |past| past.guess(&bodies, configuration.centers, configuration.time))?;
         if let Some(fluid) = guess.as_mut().and_then(|guess| guess.extrapolated.fluid.as_mut())
@@ -61,11 +61,11 @@ impl<'a, const D: usize> AssembledSystem<'a, D> {
             fixed.stokes.project(fluid)?;
         }
         let mean_flow = fixed.mean_flow.unknowns::<D>();
-        let places = workspace.as_ref().map_or(0, |workspace| workspace.work.sizes().links);
+        let places = workspace.as_ref().map_or(0, |workspace| workspace.work.sizes().constraints);
         let pair_constraints =
             pair_constraints(fixed, &bodies, configuration, &assembly.films, &assembly.undisturbed, assembly.medium.as_ref(), places)?;
         let fluid = if fixed.condensed { 0 } else { fixed.grid.local_fluid_unknowns() };
-        let sizes = Sizes { fluid, multipliers: assembly.undisturbed.len(), mean_flow, links: pair_constraints.places() };
+        let sizes = Sizes { fluid, multipliers: assembly.undisturbed.len(), mean_flow, constraints: pair_constraints.places() };
         let mut workspace = KrylovWorkspace::fitting(workspace, fixed, sizes)?;
         workspace.krylov.set_tolerance(configuration.tolerance);
         let prescribed_drag = prescribed_drag(&fixed.session, &operators);

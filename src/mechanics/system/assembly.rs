@@ -26,7 +26,7 @@ pub struct Assembly<const D: usize> {
     /// The bodies in the box.
     pub placed: Rc<Vec<Placed<D>>>,
     /// Who is near whom.
-    pub crowd: Rc<Neighbourhood<D>>,
+    pub neighbourhood: Rc<Neighbourhood<D>>,
     /// Who holds which multipliers.
     pub layout: MultiplierLayout,
     /// The blocks of this rank's bodies.
@@ -57,17 +57,18 @@ impl<const D: usize> Assembly<D> {
     fn anew(fixed: &FixedOperators<D>, centers: &[SVector<f64, D>], earlier: Option<Blocks<D>>) -> Result<Assembly<D>> {
         refuse_open_ends(fixed, centers)?;
         let (session, fluid, method) = (&fixed.session, &fixed.undisturbed.0, fixed.method.as_ref());
-        let placed = Rc::new(fixed.kinds.place(&fixed.setup, centers));
-        let crowd = Rc::new(crowd(fixed, &placed));
-        let neighbours = neighbours(&placed, &crowd.pairs, method.reach() * fixed.grid.spacing().max());
+        let placed = Rc::new(fixed.body_types.place(&fixed.setup, centers));
+        let neighbourhood = Rc::new(neighbourhood(fixed, &placed));
+        let neighbours = neighbours(&placed, &neighbourhood.pairs, method.reach() * fixed.grid.spacing().max());
         let Assembled { layout, blocks, new: assembled } =
             Assembled::new(&fixed.grid, fluid, method, &surrounded(&placed, &neighbours), earlier)?;
-        let bodies = Bodies::new((&fixed.setup, &fixed.grid, &fixed.kinds), (placed.clone(), crowd.clone()), layout);
+        let bodies = Bodies::new((&fixed.setup, &fixed.grid, &fixed.body_types), (placed.clone(), neighbourhood.clone()), layout);
         let pairs = if method.on_surfaces() && fixed.setup.inertia.is_none() { Some(bodies.near_pairs(session)?) } else { None };
         let (films, medium) = (balanced(session.world(), bodies.films())?, medium(fixed, &bodies, centers, pairs.as_ref()));
         let (centers, layout) = (centers.to_vec(), bodies.layout);
         let (undisturbed, damping) = (Vec::new(), Vec::new());
-        let mut assembly = Assembly { centers, placed, crowd, layout, blocks, assembled, pairs, films, medium, undisturbed, damping };
+        let mut assembly =
+            Assembly { centers, placed, neighbourhood, layout, blocks, assembled, pairs, films, medium, undisturbed, damping };
         // with inertia that flow is another one in every step
         if fixed.setup.inertia.is_none() {
             assembly.meet_flow(fixed)?;
@@ -77,8 +78,8 @@ impl<const D: usize> Assembly<D> {
 
     /// Reads the flow without bodies on the surfaces.
     pub fn meet_flow(&mut self, fixed: &FixedOperators<D>) -> Result<()> {
-        let (places, layout) = ((self.placed.clone(), self.crowd.clone()), self.layout.clone());
-        let bodies = Bodies::new((&fixed.setup, &fixed.grid, &fixed.kinds), places, layout);
+        let (places, layout) = ((self.placed.clone(), self.neighbourhood.clone()), self.layout.clone());
+        let bodies = Bodies::new((&fixed.setup, &fixed.grid, &fixed.body_types), places, layout);
         let known = |body: usize, point: &SVector<f64, D>| {
             // a body that has left a sheared box goes on as fast as the image of the box in which it is
             fixed.background(point) + fixed.setup.domain.image_velocity(&self.centers[body])
@@ -126,7 +127,7 @@ fn balanced<const D: usize>(world: &World, films: LubricationPairs<D>) -> Result
 }
 
 /// The bodies with all that any part of the simulation takes for near.
-fn crowd<const D: usize>(fixed: &FixedOperators<D>, placed: &[Placed<D>]) -> Neighbourhood<D> {
+fn neighbourhood<const D: usize>(fixed: &FixedOperators<D>, placed: &[Placed<D>]) -> Neighbourhood<D> {
     let balls: Vec<Ball<D>> = placed.iter().map(Placed::ball).collect();
     let orders = fixed.setup.bodies.iter().map(|suspended| suspended.order).collect();
     let (method, films) = (&fixed.method, fixed.setup.interactions.resist());

@@ -57,7 +57,7 @@ pub struct Rigid {
 
 /// The kinds of a setup's bodies, and which kind each body is.
 pub struct BodyTypes<const D: usize> {
-    kinds: Vec<BodyType<D>>,
+    body_types: Vec<BodyType<D>>,
     kind_of: Vec<usize>,
     pair_tables: PairTables<D>,
 }
@@ -66,13 +66,13 @@ pub struct BodyTypes<const D: usize> {
 pub struct Bodies<'a, const D: usize> {
     setup: &'a Setup<D>,
     grid: &'a Grid<D>,
-    kinds: &'a BodyTypes<D>,
+    body_types: &'a BodyTypes<D>,
     /// Who holds which multipliers.
     pub layout: MultiplierLayout,
     /// All of them, with their centres in the box.
     pub placed: Rc<Vec<Placed<D>>>,
     /// Who is near whom.
-    crowd: Rc<Neighbourhood<D>>,
+    neighbourhood: Rc<Neighbourhood<D>>,
 }
 
 impl<const D: usize> BodyType<D> {
@@ -125,23 +125,23 @@ impl<const D: usize> BodyType<D> {
 impl<const D: usize> BodyTypes<D> {
     /// The kinds of a setup's bodies.
     pub fn new(setup: &Setup<D>, grid: &Grid<D>) -> BodyTypes<D> {
-        let (mut kinds, mut known) = (Vec::new(), HashMap::new());
+        let (mut body_types, mut known) = (Vec::new(), HashMap::new());
         let kind_of = |(body, suspended): (usize, &SuspendedBody<D>)| {
             let (radius, order) = (suspended.body.ball.radius, suspended.order);
             let density = setup.inertia.as_ref().map_or(0.0, |inertia| inertia.bodies[body]);
             *known.entry((radius.to_bits(), order, density.to_bits())).or_insert_with(|| {
-                kinds.push(BodyType::new((radius, order, density), setup, grid));
-                kinds.len() - 1
+                body_types.push(BodyType::new((radius, order, density), setup, grid));
+                body_types.len() - 1
             })
         };
         let kind_of = setup.bodies.iter().enumerate().map(kind_of).collect();
         let given = if setup.interactions.turn() || ties_near(setup) { Given::Motions } else { Given::Forces };
-        BodyTypes { kinds, kind_of, pair_tables: PairTables::new(given) }
+        BodyTypes { body_types, kind_of, pair_tables: PairTables::new(given) }
     }
 
     /// Turns to the operator with a shift.
     pub fn answer_to(&mut self, setup: &Setup<D>, shift: f64) {
-        self.kinds.iter_mut().for_each(|kind| kind.answer_to(setup, shift));
+        self.body_types.iter_mut().for_each(|kind| kind.answer_to(setup, shift));
     }
 
     /// The surface of a body.
@@ -164,7 +164,7 @@ impl<const D: usize> BodyTypes<D> {
     }
 
     fn of(&self, body: usize) -> &BodyType<D> {
-        &self.kinds[self.kind_of[body]]
+        &self.body_types[self.kind_of[body]]
     }
 
     /// Radius of a body, and the order of its modes.
@@ -203,11 +203,11 @@ fn ties_near<const D: usize>(setup: &Setup<D>) -> bool {
 impl<'a, const D: usize> Bodies<'a, D> {
     /// The bodies of a setup, shared out as `layout` says.
     pub fn new(
-        (setup, grid, kinds): (&'a Setup<D>, &'a Grid<D>, &'a BodyTypes<D>),
-        (placed, crowd): (Rc<Vec<Placed<D>>>, Rc<Neighbourhood<D>>),
+        (setup, grid, body_types): (&'a Setup<D>, &'a Grid<D>, &'a BodyTypes<D>),
+        (placed, neighbourhood): (Rc<Vec<Placed<D>>>, Rc<Neighbourhood<D>>),
         layout: MultiplierLayout,
     ) -> Self {
-        Bodies { setup, grid, kinds, layout, placed, crowd }
+        Bodies { setup, grid, body_types, layout, placed, neighbourhood }
     }
 
     /// The grid.
@@ -236,30 +236,30 @@ impl<'a, const D: usize> Bodies<'a, D> {
     }
 
     fn surface(&self, body: usize) -> &SurfaceTable<D> {
-        &self.kinds.of(body).surface
+        &self.body_types.of(body).surface
     }
 
     /// A body as a ball in the box.
     pub fn ball(&self, body: usize) -> Ball<D> {
-        self.crowd.balls[body]
+        self.neighbourhood.balls[body]
     }
 
     /// The relative motions that interactions resist and that have a side on a body of this rank.
     pub fn films(&self) -> LubricationPairs<D> {
-        self.setup.interactions.rows(&self.crowd, &self.layout)
+        self.setup.interactions.rows(&self.neighbourhood, &self.layout)
     }
 
     /// What the resolved flow resists already of the same, between bodies of this rank and walls.
     pub fn resolved_at_walls(&self) -> LubricationPairs<D> {
-        self.setup.interactions.resolved_at_walls(&self.crowd, &self.layout)
+        self.setup.interactions.resolved_at_walls(&self.neighbourhood, &self.layout)
     }
 
     /// How many of [`FEW`] near neighbours each body lacks, as a part; a wall counts for all. Collective: only its own rank knows all of a body.
     pub fn few_neighbours(&self, session: &Session) -> Vec<f64> {
         let mut found = vec![0; self.placed.len()];
-        let near = self.crowd.pairs.iter().filter(|pair| self.crowd.near(pair));
+        let near = self.neighbourhood.pairs.iter().filter(|pair| self.neighbourhood.near(pair));
         near.flat_map(|pair| [pair.first, pair.second]).for_each(|body| found[body] += 1);
-        self.crowd.walls.iter().for_each(|near| found[near.body] = FEW);
+        self.neighbourhood.walls.iter().for_each(|near| found[near.body] = FEW);
         let mut few = vec![0.0; found.len()];
         self.layout.local_bodies.iter().for_each(|&body| few[body] = FEW.saturating_sub(found[body]) as f64 / FEW as f64);
         session.world().sum(&mut few);
@@ -268,19 +268,19 @@ impl<'a, const D: usize> Bodies<'a, D> {
 
     /// The pores between bodies, in 2D.
     pub fn pores(&self) -> Option<Pores> {
-        Pores::new(&self.setup.domain, &self.crowd, &self.layout)
+        Pores::new(&self.setup.domain, &self.neighbourhood, &self.layout)
     }
 
     /// The near pairs of this rank's bodies; collective.
     pub fn near_pairs(&self, session: &Session) -> Result<PairPreconditioner> {
         let multipliers = Vector::new(session, self.layout.local_unknowns())?;
-        PairPreconditioner::new(&self.crowd, &self.layout, &self.kinds.pair_tables, &multipliers)
+        PairPreconditioner::new(&self.neighbourhood, &self.layout, &self.body_types.pair_tables, &multipliers)
     }
 
     /// This rank's bodies as operators of the coupled system, each with its damping, if there is any.
     pub fn operators(&self, blocks: &Blocks<D>, damping: &[f64]) -> Vec<BodyOperator> {
         let member = |(local, &body): (usize, &usize)| {
-            let (kind, free, first) = (self.kinds.of(body), self.setup.bodies[body].body.free(), self.layout.local(body));
+            let (kind, free, first) = (self.body_types.of(body), self.setup.bodies[body].body.free(), self.layout.local(body));
             let modes = &kind.surface.modes;
             let dense = &kind.inverses[usize::from(!free)];
             let inverse = match blocks.free_inverse(local) {

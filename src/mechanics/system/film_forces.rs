@@ -24,10 +24,10 @@ pub fn add_films<const D: usize>(
     let mut effect = Effect::<D>::new(states.len());
     let owned = films.films.iter().filter(|film| layout.holds(film.body));
     let gap = owned.clone().map(|film| film.gap).fold(f64::INFINITY, f64::min);
-    let ways = owned.clone().flat_map(|film| film.relative_modes.iter().map(move |way| (film, way)));
-    ways.zip(forces).for_each(|((film, way), force)| {
-        effect.add(film, way, *force);
-        effect.numbers[Effect::<D>::DISSIPATION] += force * force / (way.resistance * viscosity);
+    let relative_modes = owned.clone().flat_map(|film| film.relative_modes.iter().map(move |mode| (film, mode)));
+    relative_modes.zip(forces).for_each(|((film, mode), force)| {
+        effect.add(film, mode, *force);
+        effect.numbers[Effect::<D>::DISSIPATION] += force * force / (mode.resistance * viscosity);
     });
     effect.numbers[0] = owned.count() as f64;
     world.sum(&mut effect.numbers);
@@ -62,20 +62,20 @@ impl<const D: usize> Effect<D> {
         Effect { numbers: vec![0.0; Self::BODIES + bodies * Self::OF_BODY] }
     }
 
-    fn add(&mut self, film: &LubricationPair<D>, way: &RelativeMode<D>, force: f64) {
+    fn add(&mut self, film: &LubricationPair<D>, mode: &RelativeMode<D>, force: f64) {
         let other = match film.other {
             Opposite::Body(other, _) => Some(other),
             Opposite::Wall((axis, upper)) => {
                 let wall = Self::WALLS + (2 * axis + usize::from(upper)) * D;
-                self.sum(wall, (way.sides[1].direction * force).as_slice());
+                self.sum(wall, (mode.sides[1].direction * force).as_slice());
                 None
             }
         };
         for (place, body) in [(0, Some(film.body)), (1, other)] {
             let Some(body) = body else { continue };
-            let side = &way.sides[place];
+            let side = &mode.sides[place];
             let (push, torque) = (side.direction * force, side.turn * force);
-            let moment = way.stress[place] * (-force / way.resistance);
+            let moment = mode.stress[place] * (-force / mode.resistance);
             let first = Self::BODIES + body * Self::OF_BODY;
             self.sum(first, push.as_slice());
             self.sum(first + D, torque.as_slice());

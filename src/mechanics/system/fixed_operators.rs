@@ -35,7 +35,7 @@ pub struct FixedOperators<const D: usize> {
     /// What makes bodies rigid.
     pub method: Rc<FlowMethod<D>>,
     /// Types of bodies.
-    pub kinds: BodyTypes<D>,
+    pub body_types: BodyTypes<D>,
     /// Whether the fluid is eliminated from the linear system, because its inverse is exact.
     pub condensed: bool,
     /// Known spin-ups `rho w' / mu` of all bodies; none without inertia.
@@ -61,7 +61,7 @@ impl<const D: usize> FixedOperators<D> {
         let mut inverse = inverse(&stokes, &grid)?;
         let mean_flow = MeanFlowConstraint::new(&setup.drive, &grid, &stokes, inverse.as_mut())?;
         let undisturbed = flow_without_bodies(&setup.drive, setup.viscosity, &grid, &stokes, inverse.as_mut(), &mean_flow)?;
-        let (method, kinds, condensed) = (setup.method(0.0), BodyTypes::new(&setup, &grid), inverse.exact());
+        let (method, body_types, condensed) = (setup.method(0.0), BodyTypes::new(&setup, &grid), inverse.exact());
         let fixed = FixedOperators {
             session: session.clone(),
             setup,
@@ -70,7 +70,7 @@ impl<const D: usize> FixedOperators<D> {
             mean_flow,
             undisturbed,
             method,
-            kinds,
+            body_types,
             condensed,
             spin_ups: Vec::new(),
             fluid_rows: None,
@@ -87,10 +87,10 @@ impl<const D: usize> FixedOperators<D> {
         let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
         let stokes = Stokes::new(session, &grid);
         let undisturbed = (stokes.vector()?, Vec::new());
-        let (method, kinds, condensed) = (setup.method(0.0), BodyTypes::new(&setup, &grid), setup.inverts_exactly());
+        let (method, body_types, condensed) = (setup.method(0.0), BodyTypes::new(&setup, &grid), setup.inverts_exactly());
         let (session, mean_flow) = (session.clone(), MeanFlowConstraint::Closed);
         let (spin_ups, fluid_rows) = (Vec::new(), None);
-        Ok(FixedOperators { session, setup, grid, stokes, mean_flow, undisturbed, method, kinds, condensed, spin_ups, fluid_rows })
+        Ok(FixedOperators { session, setup, grid, stokes, mean_flow, undisturbed, method, body_types, condensed, spin_ups, fluid_rows })
     }
 
     /// Turns to the operator with a shift, and sets up its inverse.
@@ -102,7 +102,7 @@ impl<const D: usize> FixedOperators<D> {
             true => self.stokes.with_shift(shift),
             false => Stokes::shifted(&self.session, &self.grid, shift),
         };
-        self.kinds.answer_to(&self.setup, shift);
+        self.body_types.answer_to(&self.setup, shift);
         self.method = self.setup.method(shift);
         let mut inverse = self.setup.inverse_of(&self.stokes, &self.grid)?;
         self.mean_flow = MeanFlowConstraint::new(&self.setup.drive, &self.grid, &self.stokes, inverse.as_mut())?;
@@ -141,7 +141,7 @@ impl<const D: usize> FixedOperators<D> {
     /// Force that gives each body a unit velocity in unbounded fluid; infinite for a body whose motion is given.
     pub fn resistances(&self) -> Vec<f64> {
         let resistance = |(body, suspended): (usize, &SuspendedBody<D>)| {
-            let (mobility, force) = self.kinds.translation(body);
+            let (mobility, force) = self.body_types.translation(body);
             if suspended.body.free() { self.setup.viscosity * force / mobility } else { f64::INFINITY }
         };
         self.setup.bodies.iter().enumerate().map(resistance).collect()
@@ -149,7 +149,7 @@ impl<const D: usize> FixedOperators<D> {
 
     /// What films resist the approach of a contact by, force over speed.
     pub fn film_resistance(&self, contact: &Contact<D>) -> f64 {
-        let of = |body: usize| self.kinds.radius_and_order(body);
+        let of = |body: usize| self.body_types.radius_and_order(body);
         self.setup.viscosity * self.setup.interactions.approach_resistance(contact, &of)
     }
 
@@ -183,7 +183,7 @@ impl<const D: usize> FixedOperators<D> {
         let (multipliers, global_unknowns) = rows[fluid..].split_at_mut(wanted.len());
         multipliers.copy_from_slice(wanted);
         let mean_flow = if self.session.world().rank() == 0 { self.mean_flow.unknowns::<D>() } else { 0 };
-        let (mean_flow, links) = global_unknowns.split_at_mut(mean_flow);
+        let (mean_flow, constraints) = global_unknowns.split_at_mut(mean_flow);
         if let MeanFlowConstraint::MeanVelocity = self.mean_flow {
             let total = -self.setup.drive.uniform_force() * self.setup.domain.volume() / self.setup.viscosity;
             mean_flow.iter_mut().zip(total.iter()).for_each(|(row, force)| *row = force / prescribed_drag);
@@ -191,7 +191,7 @@ impl<const D: usize> FixedOperators<D> {
         if self.fluid_rows.is_some() {
             mean_flow.iter_mut().zip(self.mean_flow.wanted(&self.setup.drive)).for_each(|(row, wanted)| *row = wanted);
         }
-        links.iter_mut().zip(rates).for_each(|(row, rate)| *row = rate);
+        constraints.iter_mut().zip(rates).for_each(|(row, rate)| *row = rate);
         Ok(())
     }
 

@@ -52,7 +52,7 @@ impl KrylovWorkspace {
         let mut unknowns = [rhs.local()?.len() as f64];
         fixed.session.world().sum(&mut unknowns);
         let bodies = fixed.setup.bodies.len();
-        let flexible = fixed.kinds.given() == Given::Motions && iterated(D * (D + 1) / 2, bodies);
+        let flexible = fixed.body_types.given() == Given::Motions && iterated(D * (D + 1) / 2, bodies);
         let settings = krylov_settings(fixed.setup.tolerance.at_an_instant(), unknowns[0] as usize, flexible);
         let krylov = Krylov::new(&fixed.session, rhs.local()?.len(), c"coupled_", settings)?;
         Ok(KrylovWorkspace { krylov, work, x: rhs.like()?, rhs })
@@ -67,11 +67,11 @@ impl KrylovWorkspace {
         if let Some(fluid) = fluid {
             of_fluid.copy_from_slice(&fluid.local()?);
         }
-        let (others, links) = others.split_at_mut(others.len() - self.work.sizes().links);
+        let (others, constraints) = others.split_at_mut(others.len() - self.work.sizes().constraints);
         let parts = [&bodies.local_multipliers(multipliers), &mean_flow[..]].concat();
         // only rank 0 holds the mean-flow constraint
         others.iter_mut().zip(parts).for_each(|(x, guess)| *x = guess);
-        links.iter_mut().zip(contacts).for_each(|(x, guess)| *x = guess);
+        constraints.iter_mut().zip(contacts).for_each(|(x, guess)| *x = guess);
         Ok(())
     }
 }

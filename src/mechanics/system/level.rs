@@ -105,8 +105,8 @@ pub struct Band {
 
 impl<const D: usize> Level<D> {
     /// The jumps of a component of the velocity, outside minus inside, at offsets from the centre of a body, none in its core; one after the other.
-    pub fn jumps_at(&self, kinds: &BodyTypes<D>, body: usize, offsets: &[f64], component: usize) -> Vec<f64> {
-        let (modes, coefficients) = (&kinds.surface(body).modes, self.coefficients(body, &self.slow[body]));
+    pub fn jumps_at(&self, body_types: &BodyTypes<D>, body: usize, offsets: &[f64], component: usize) -> Vec<f64> {
+        let (modes, coefficients) = (&body_types.surface(body).modes, self.coefficients(body, &self.slow[body]));
         let count = modes.jump_count();
         let mut jumps = vec![0.0; offsets.len() / D * count];
         modes.velocity_jumps(offsets, component, &mut jumps);
@@ -115,8 +115,8 @@ impl<const D: usize> Level<D> {
 
     /// The velocity, that outside bodies extended into them as multipliers are at that time: what lags behind them tells of slopes that a flow that has met
     /// something no longer has. Collective.
-    pub fn velocity_outside(&self, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Result<Vector> {
-        let jumps = self.jumps(grid, kinds, &self.multipliers);
+    pub fn velocity_outside(&self, grid: &Grid<D>, body_types: &BodyTypes<D>) -> Result<Vector> {
+        let jumps = self.jumps(grid, body_types, &self.multipliers);
         self.with_jumps(&mut Scatter::new(&self.fluid, &jumps.places)?, &jumps.whole)
     }
 
@@ -132,24 +132,24 @@ impl<const D: usize> Level<D> {
     ///
     /// # Errors
     /// PETSc fails.
-    pub fn band(&self, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Result<Band> {
-        Ok(Band { near: self.near(grid, kinds)?, ..self.jumps(grid, kinds, &self.slow) })
+    pub fn band(&self, grid: &Grid<D>, body_types: &BodyTypes<D>) -> Result<Band> {
+        Ok(Band { near: self.near(grid, body_types)?, ..self.jumps(grid, body_types, &self.slow) })
     }
 
     /// The jumps in bodies by these multipliers of all of them.
-    fn jumps(&self, grid: &Grid<D>, kinds: &BodyTypes<D>, multipliers: &[Vec<f64>]) -> Band {
+    fn jumps(&self, grid: &Grid<D>, body_types: &BodyTypes<D>, multipliers: &[Vec<f64>]) -> Band {
         let mut band = Band { slopes: vec![0.0; 2 * D * self.centers.len()], ..Band::default() };
-        multipliers.iter().enumerate().for_each(|(body, multipliers)| self.extend(grid, kinds, (body, multipliers), &mut band));
+        multipliers.iter().enumerate().for_each(|(body, multipliers)| self.extend(grid, body_types, (body, multipliers), &mut band));
         band
     }
 
     /// The velocities of this rank near bodies, each of the nearest one's.
-    fn near(&self, grid: &Grid<D>, kinds: &BodyTypes<D>) -> Result<Vec<Near>> {
+    fn near(&self, grid: &Grid<D>, body_types: &BodyTypes<D>) -> Result<Vec<Near>> {
         let own = self.fluid.range()?;
         let mut claims: Vec<Option<u32>> = vec![None; own.len()];
         let mut near: Vec<Near> = Vec::new();
         for (body, center) in self.centers.iter().enumerate() {
-            let radius = kinds.surface(body).modes.radius();
+            let radius = body_types.surface(body).modes.radius();
             within(grid, center, radius + REACH * grid.spacing().max(), |Point { component, place, offset, shear, .. }| {
                 if !own.contains(&place) {
                     return;
@@ -170,11 +170,11 @@ impl<const D: usize> Level<D> {
     }
 
     /// Adds the points inside a body with these multipliers near its surface, if it is this rank's.
-    fn extend(&self, grid: &Grid<D>, kinds: &BodyTypes<D>, (body, multipliers): (usize, &[f64]), band: &mut Band) {
-        let surface = kinds.surface(body);
+    fn extend(&self, grid: &Grid<D>, body_types: &BodyTypes<D>, (body, multipliers): (usize, &[f64]), band: &mut Band) {
+        let surface = body_types.surface(body);
         let (radius, count) = (surface.modes.radius(), surface.modes.jump_count());
         let whole = self.coefficients(body, multipliers);
-        let tangential = kinds.tangential(body) * DVector::from_column_slice(multipliers);
+        let tangential = body_types.tangential(body) * DVector::from_column_slice(multipliers);
         let tangential = self.coefficients(body, tangential.as_slice());
         let deepest = (radius - DEPTH * grid.spacing().max()).max(CORE * radius);
         let mut offsets = vec![Vec::new(); D];

@@ -43,12 +43,12 @@ impl Resistances {
     pub fn add_links<'a>(
         &mut self,
         layout: &MultiplierLayout,
-        links: impl Iterator<Item = &'a PairConstraint>,
+        constraints: impl Iterator<Item = &'a PairConstraint>,
         compliance: impl Fn(&PairConstraint) -> f64,
     ) {
-        for link in links {
-            for (one, two) in link.sides().flat_map(|one| link.sides().map(move |two| (one, two))) {
-                self.add(layout, [one.body, two.body], &(one.weights * two.weights.transpose() / compliance(link)));
+        for constraint in constraints {
+            for (one, two) in constraint.sides().flat_map(|one| constraint.sides().map(move |two| (one, two))) {
+                self.add(layout, [one.body, two.body], &(one.weights * two.weights.transpose() / compliance(constraint)));
             }
         }
     }

@@ -45,7 +45,7 @@ pub struct Medium {
 pub struct PairConstraints {
     /// Force, per unit viscosity, that a unit of an unknown stands for.
     pub scale: f64,
-    links: Vec<PairConstraint>,
+    constraints: Vec<PairConstraint>,
     rigid: usize,
     places: usize,
     acting: Option<Acting>,
@@ -59,36 +59,36 @@ impl PairConstraints {
     /// The approximation cannot be factored.
     pub fn new(
         (session, layout): (&Session, &MultiplierLayout),
-        (scale, links): (f64, Vec<PairConstraint>),
+        (scale, constraints): (f64, Vec<PairConstraint>),
         (rigid, medium): (usize, Option<&Medium>),
         (stays, unit): (impl Fn(usize) -> bool, impl Fn(usize) -> f64),
         places: usize,
     ) -> Result<Self> {
-        let owned: Vec<PairConstraint> = links.iter().filter(|link| link.owned).cloned().collect();
+        let owned: Vec<PairConstraint> = constraints.iter().filter(|constraint| constraint.owned).cloned().collect();
         let act = |Medium { resistances, pores, by_pairs }: &Medium| {
             let mut resistances = resistances.clone();
-            resistances.add_links(layout, links.iter(), PairConstraint::stiff_compliance);
+            resistances.add_links(layout, constraints.iter(), PairConstraint::stiff_compliance);
             let parts = NetworkParts { resistances: &resistances, pores: pores.as_ref(), rigid, flexible: *by_pairs, stays, unit };
             Acting::new(session, layout, Network::new(session, layout, parts)?, &owned, rigid)
         };
         let acting = medium.map(act).transpose()?;
         // a few links more or less do not change the size of the system
         let places = if owned.len() <= places { places } else { capacity(owned.len()) };
-        Ok(PairConstraints { scale, links: owned, rigid, places, acting })
+        Ok(PairConstraints { scale, constraints: owned, rigid, places, acting })
     }
 
     /// Takes the rates that are known, those of the given velocities on surfaces, from the rates wanted.
     pub fn without(&mut self, velocities: &[f64]) -> Result<()> {
         let Some(acting) = &mut self.acting else { return Ok(()) };
         acting.motions.local_mut()?.copy_from_slice(velocities);
-        let known = acting.rates(&self.links, self.rigid)?;
-        self.links.iter_mut().zip(known).for_each(|(link, known)| link.rate -= known);
+        let known = acting.rates(&self.constraints, self.rigid)?;
+        self.constraints.iter_mut().zip(known).for_each(|(constraint, known)| constraint.rate -= known);
         Ok(())
     }
 
     /// Number of this rank's links.
     pub fn count(&self) -> usize {
-        self.links.len()
+        self.constraints.len()
     }
 
     /// Number of unknowns set aside for them.
@@ -103,23 +103,23 @@ impl PairConstraints {
 
     /// Rates wanted, as rows of the links have them.
     pub fn wanted(&self) -> impl Iterator<Item = f64> {
-        self.links.iter().map(|link| link.weight * link.rate)
+        self.constraints.iter().map(|constraint| constraint.weight * constraint.rate)
     }
 
     /// What the rows of the links give for velocities in the order of the multipliers. Collective.
     pub fn rows(&mut self, velocities: &Vector, unknowns: &[f64]) -> Result<Vec<f64>> {
         let Some(acting) = &mut self.acting else { return Ok(Vec::new()) };
         acting.motions.copy_from(velocities)?;
-        let mut rates = acting.rates(&self.links, self.rigid)?;
-        let rows = rates.iter_mut().zip(&self.links).zip(unknowns);
-        rows.for_each(|((rate, link), unknown)| *rate = link.weight * (*rate + link.compliance * unknown));
+        let mut rates = acting.rates(&self.constraints, self.rigid)?;
+        let rows = rates.iter_mut().zip(&self.constraints).zip(unknowns);
+        rows.for_each(|((rate, constraint), unknown)| *rate = constraint.weight * (*rate + constraint.compliance * unknown));
         Ok(rates)
     }
 
     /// Adds to the multipliers of rigid modes what the links press, times `factor`. Collective.
     pub fn press(&mut self, factor: f64, unknowns: &[f64], multipliers: &mut Vector) -> Result<()> {
         let Some(acting) = &mut self.acting else { return Ok(()) };
-        acting.push(&self.links, self.rigid, unknowns, |end| factor * end.multiplier)?;
+        acting.push(&self.constraints, self.rigid, unknowns, |end| factor * end.multiplier)?;
         multipliers.add(1.0, &acting.motions)
     }
 
@@ -128,13 +128,13 @@ impl PairConstraints {
     /// for are added to those found. Collective.
     pub fn resist(&mut self, forces: &mut Vector, mut rates: Vec<f64>, modes: Option<(&Vector, &mut Vector)>) -> Result<Vec<f64>> {
         let Some(acting) = &mut self.acting else { return Ok(rates) };
-        let compliances: Vec<f64> = self.links.iter().map(PairConstraint::stiff_compliance).collect();
-        rates.iter_mut().zip(&self.links).for_each(|(rate, link)| *rate /= link.weight);
+        let compliances: Vec<f64> = self.constraints.iter().map(PairConstraint::stiff_compliance).collect();
+        rates.iter_mut().zip(&self.constraints).for_each(|(rate, constraint)| *rate /= constraint.weight);
         rates.iter_mut().zip(&compliances).for_each(|(rate, compliance)| *rate /= compliance);
-        acting.push(&self.links, self.rigid, &rates, |_| 1.0)?;
+        acting.push(&self.constraints, self.rigid, &rates, |_| 1.0)?;
         acting.motions.add(1.0, forces)?;
         acting.network.answer(&mut acting.motions, modes)?;
-        let found = acting.rates(&self.links, self.rigid)?;
+        let found = acting.rates(&self.constraints, self.rigid)?;
         rates.iter_mut().zip(found).zip(compliances).for_each(|((rate, found), compliance)| *rate -= found / compliance);
         forces.copy_from(&acting.motions)?;
         Ok(rates)
@@ -151,24 +151,30 @@ impl Acting {
     }
 
     /// Rates of the links for velocities in `motions`.
-    fn rates(&mut self, links: &[PairConstraint], rigid: usize) -> Result<Vec<f64>> {
+    fn rates(&mut self, constraints: &[PairConstraint], rigid: usize) -> Result<Vec<f64>> {
         let (others, own) = (self.others.fetch(&self.motions)?, self.motions.local()?);
         let motions = Entries { own: &own, others };
         let of_side = |(side, place): (&ConstraintSide, u32)| -> f64 {
             side.weights.iter().zip(&motions.from(place)[..rigid]).map(|(weight, velocity)| weight * velocity).sum()
         };
         let mut places = self.places.iter().copied();
-        Ok(links.iter().map(|link| link.sides().zip(places.by_ref()).map(of_side).sum()).collect())
+        Ok(constraints.iter().map(|constraint| constraint.sides().zip(places.by_ref()).map(of_side).sum()).collect())
     }
 
     /// Puts into `motions` the pushes of unknowns, each end's times its own factor.
-    fn push(&mut self, links: &[PairConstraint], rigid: usize, unknowns: &[f64], factor: impl Fn(&ConstraintSide) -> f64) -> Result<()> {
+    fn push(
+        &mut self,
+        constraints: &[PairConstraint],
+        rigid: usize,
+        unknowns: &[f64],
+        factor: impl Fn(&ConstraintSide) -> f64,
+    ) -> Result<()> {
         self.motions.fill(0.0)?;
         let (mut own, others) = (self.motions.local_mut()?, self.others.places());
         let mut motions = EntriesMut { own: &mut own, others };
         let mut places = self.places.iter().copied();
-        for (link, unknown) in links.iter().zip(unknowns) {
-            for (side, place) in link.sides().zip(places.by_ref()) {
+        for (constraint, unknown) in constraints.iter().zip(unknowns) {
+            for (side, place) in constraint.sides().zip(places.by_ref()) {
                 let amount = factor(side) * unknown;
                 motions.from(place)[..rigid].iter_mut().zip(side.weights.iter()).for_each(|(push, weight)| *push += amount * weight);
             }

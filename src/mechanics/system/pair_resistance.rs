@@ -57,21 +57,21 @@ pub fn pair_constraints<const D: usize>(
         builder.add_bond(bond, bond_belongs(&bodies.layout, bond));
     }
     for film in &films.films {
-        film.relative_modes.iter().for_each(|way| builder.add_way(film, way, bodies.layout.holds(film.body)));
+        film.relative_modes.iter().for_each(|mode| builder.add_relative_mode(film, mode, bodies.layout.holds(film.body)));
     }
-    let Builder { links, scale, .. } = builder;
+    let Builder { constraints, scale, .. } = builder;
     let alone;
     let medium = match medium {
-        None if fixed.session.world().max(links.len() as f64) > 0.0 => {
+        None if fixed.session.world().max(constraints.len() as f64) > 0.0 => {
             alone = Builder::new(fixed, configuration.centers).alone(&bodies.layout);
             Some(&alone)
         }
         _ => medium,
     };
     let stays = |body: usize| !fixed.setup.bodies[body].body.free();
-    let unit = |body: usize| fixed.kinds.rigid(body).force / scale;
+    let unit = |body: usize| fixed.body_types.rigid(body).force / scale;
     let mut pair_constraints =
-        PairConstraints::new((&fixed.session, &bodies.layout), (scale, links), (RIGID[D], medium), (stays, unit), places)?;
+        PairConstraints::new((&fixed.session, &bodies.layout), (scale, constraints), (RIGID[D], medium), (stays, unit), places)?;
     pair_constraints.without(undisturbed)?;
     Ok(pair_constraints)
 }
@@ -108,7 +108,7 @@ fn touches<const D: usize>(layout: &MultiplierLayout, pressed: &ContactForce<D>)
 
 /// Force per unit viscosity that a unit of the unknowns stands for.
 fn scale<const D: usize>(fixed: &FixedOperators<D>) -> f64 {
-    fixed.setup.bodies.first().map_or(1.0, |suspended| fixed.kinds.translation(0).1 / suspended.body.ball.radius)
+    fixed.setup.bodies.first().map_or(1.0, |suspended| fixed.body_types.translation(0).1 / suspended.body.ball.radius)
 }
 
 /// What is linked so far.
@@ -116,17 +116,17 @@ struct Builder<'a, const D: usize> {
     fixed: &'a FixedOperators<D>,
     centers: &'a [SVector<f64, D>],
     scale: f64,
-    links: Vec<PairConstraint>,
+    constraints: Vec<PairConstraint>,
 }
 
 impl<'a, const D: usize> Builder<'a, D> {
     fn new(fixed: &'a FixedOperators<D>, centers: &'a [SVector<f64, D>]) -> Self {
-        Builder { fixed, centers, scale: scale(fixed), links: Vec::new() }
+        Builder { fixed, centers, scale: scale(fixed), constraints: Vec::new() }
     }
 
     fn add_contact(&mut self, contact: Contact<D>, step: f64, owned: bool) {
         let rate = -contact.gap / step - contact.normal.dot(&contact.sliding);
-        self.links.push(PairConstraint::new(rate, 0.0, owned));
+        self.constraints.push(PairConstraint::new(rate, 0.0, owned));
         let side = |direction| RigidFunctional { direction, turn: SMatrix::zeros() };
         self.add_end(contact.body, &side(-contact.normal));
         if let Some(other) = contact.other() {
@@ -136,24 +136,24 @@ impl<'a, const D: usize> Builder<'a, D> {
 
     fn add_bond(&mut self, bond: &Row<D>, owned: bool) {
         let compliance = bond.compliance * self.scale * self.fixed.setup.viscosity;
-        self.links.push(PairConstraint::new(bond.rate, compliance, owned));
+        self.constraints.push(PairConstraint::new(bond.rate, compliance, owned));
         bond.ends.iter().for_each(|(body, side)| self.add_end(*body, side));
-        self.links.last_mut().expect("a bond is a link").balance();
+        self.constraints.last_mut().expect("a bond is a link").balance();
     }
 
-    fn add_way(&mut self, film: &LubricationPair<D>, way: &RelativeMode<D>, owned: bool) {
-        self.links.push(PairConstraint::new(0.0, self.scale / way.resistance, owned));
-        self.add_end(film.body, &way.sides[0]);
-        let direction = way.sides[1].direction;
+    fn add_relative_mode(&mut self, film: &LubricationPair<D>, mode: &RelativeMode<D>, owned: bool) {
+        self.constraints.push(PairConstraint::new(0.0, self.scale / mode.resistance, owned));
+        self.add_end(film.body, &mode.sides[0]);
+        let direction = mode.sides[1].direction;
         let known = match film.other {
             Opposite::Body(other, offset) => {
-                self.add_end(other, &way.sides[1]);
+                self.add_end(other, &mode.sides[1]);
                 // images move with the background
                 direction.dot(&(self.fixed.setup.drive.background(&offset) - self.sliding(other)))
             }
             Opposite::Wall((axis, upper)) => direction.dot(&wall_velocity(self.fixed, axis, upper)),
         };
-        self.known(known - way.sides[0].direction.dot(&self.sliding(film.body)));
+        self.known(known - mode.sides[0].direction.dot(&self.sliding(film.body)));
     }
 
     /// Bodies each as if it were alone.
@@ -173,9 +173,9 @@ impl<'a, const D: usize> Builder<'a, D> {
             }
         }
         for film in &bodies.resolved_at_walls().films {
-            film.relative_modes.iter().for_each(|way| self.add_way(film, way, true));
+            film.relative_modes.iter().for_each(|mode| self.add_relative_mode(film, mode, true));
         }
-        resistances.add_links(layout, self.links.iter(), |link| link.compliance);
+        resistances.add_links(layout, self.constraints.iter(), |constraint| constraint.compliance);
         let few = bodies.few_neighbours(&fixed.session);
         // beside an approximate inverse, which misses as much of the pressure, they cost iterations (docs/crowds.md)
         let pores = if fixed.condensed { bodies.pores() } else { None };
@@ -195,7 +195,7 @@ impl<'a, const D: usize> Builder<'a, D> {
 
     /// What a body resists alone.
     fn of_body(&self, body: usize) -> RigidBlock {
-        let rigid = self.fixed.kinds.rigid(body);
+        let rigid = self.fixed.body_types.rigid(body);
         let own = (0..RIGID[D]).map(|mode| rigid.force / (self.scale * rigid.mobilities[mode]));
         let mut block = RigidBlock::zeros();
         own.enumerate().for_each(|(mode, own)| block[(mode, mode)] = own);
@@ -209,8 +209,8 @@ impl<'a, const D: usize> Builder<'a, D> {
 
     /// Takes a rate that is known from the one wanted of the last link.
     fn known(&mut self, rate: f64) {
-        if let Some(link) = self.links.last_mut() {
-            link.rate -= rate;
+        if let Some(constraint) = self.constraints.last_mut() {
+            constraint.rate -= rate;
         }
     }
 
@@ -219,12 +219,12 @@ impl<'a, const D: usize> Builder<'a, D> {
         if let Some(twist) = self.fixed.setup.bodies[body].body.given_motion() {
             return self.known(side.rate(&twist));
         }
-        let rigid = self.fixed.kinds.rigid(body);
+        let rigid = self.fixed.body_types.rigid(body);
         let numbers = side.direction.iter().copied().chain(components(&side.turn).into_iter().map(|turn| turn / rigid.lever));
         let mut weights = RigidVector::zeros();
         weights.iter_mut().zip(numbers).for_each(|(weight, number)| *weight = number);
-        if let Some(link) = self.links.last_mut() {
-            link.add(ConstraintSide { body, weights, multiplier: self.scale / rigid.force, mobilities: rigid.mobilities });
+        if let Some(constraint) = self.constraints.last_mut() {
+            constraint.add(ConstraintSide { body, weights, multiplier: self.scale / rigid.force, mobilities: rigid.mobilities });
         }
     }
 }

@@ -31,8 +31,9 @@ pub fn solution<const D: usize>(
     let contact_forces = shared(fixed, configuration.pressed, |pressed| belongs(&bodies.layout, pressed), &mut forces);
     let bond_forces = shared(fixed, configuration.bonds, |bond| bond_belongs(&bodies.layout, bond), &mut forces);
     let film_forces: Vec<f64> = forces.collect();
-    let (world, layout, ways) = (fixed.session.world(), &bodies.layout, (&film_forces[..], fixed.setup.viscosity));
-    let lubrication = fixed.setup.interactions.resist().then(|| add_films(world, layout, &assembly.films, ways, &mut states, &mut walls));
+    let (world, layout, relative_modes) = (fixed.session.world(), &bodies.layout, (&film_forces[..], fixed.setup.viscosity));
+    let lubrication =
+        fixed.setup.interactions.resist().then(|| add_films(world, layout, &assembly.films, relative_modes, &mut states, &mut walls));
     Ok(Solution {
         lubrication,
         bond_stress: Row::total_stress(configuration.bonds, &bond_forces, configuration.centers),
@@ -52,11 +53,12 @@ fn forces_on_walls<const D: usize>(fixed: &FixedOperators<D>, assembly: &Assembl
 /// Forces of all links of a kind, from those of this rank's own.
 fn shared<const D: usize, L>(
     fixed: &FixedOperators<D>,
-    links: &[L],
+    constraints: &[L],
     belongs: impl Fn(&L) -> bool,
     own: &mut impl Iterator<Item = f64>,
 ) -> Vec<f64> {
-    let mut forces: Vec<f64> = links.iter().map(|link| if belongs(link) { own.next().unwrap_or(0.0) } else { 0.0 }).collect();
+    let mut forces: Vec<f64> =
+        constraints.iter().map(|constraint| if belongs(constraint) { own.next().unwrap_or(0.0) } else { 0.0 }).collect();
     if !forces.is_empty() {
         fixed.session.world().sum(&mut forces);
     }

@@ -25,13 +25,13 @@ pub fn lag(cells: f64) -> f64 {
 pub fn damp<const D: usize>(fixed: &FixedOperators<D>, assembly: &mut Assembly<D>, slow: &[Vec<f64>], lag: f64) {
     let spacing = fixed.grid.spacing().max();
     let mut gaps = vec![f64::INFINITY; assembly.placed.len()];
-    let pairs = assembly.crowd.pairs.iter().flat_map(|pair| [(pair.first, pair.gap), (pair.second, pair.gap)]);
-    let walls = assembly.crowd.walls.iter().map(|near| (near.body, near.gap));
+    let pairs = assembly.neighbourhood.pairs.iter().flat_map(|pair| [(pair.first, pair.gap), (pair.second, pair.gap)]);
+    let walls = assembly.neighbourhood.walls.iter().map(|near| (near.body, near.gap));
     pairs.chain(walls).for_each(|(body, gap)| gaps[body] = gaps[body].min(gap));
     let damping = |body: &usize| DAMPING * spacing * lag * (1.0 - gaps[*body] / (REACH * spacing)).clamp(0.0, 1.0);
     assembly.damping = assembly.layout.local_bodies.iter().map(damping).collect();
     for (&body, damping) in assembly.layout.local_bodies.iter().zip(&assembly.damping).filter(|(_, damping)| **damping > 0.0) {
-        let (first, rigid) = (assembly.layout.local(body), fixed.kinds.surface(body).modes.rigid_count());
+        let (first, rigid) = (assembly.layout.local(body), fixed.body_types.surface(body).modes.rigid_count());
         let known = assembly.undisturbed[first..].iter_mut().zip(&slow[body]).skip(rigid);
         known.for_each(|(known, slow)| *known -= damping * slow);
     }

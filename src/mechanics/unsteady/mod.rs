@@ -171,7 +171,7 @@ impl<const D: usize> UnsteadySuspension<D> {
             return Ok(Some((level, band)));
         }
         let grid = self.grid_at(level.time)?;
-        let found = level.band(&grid, &self.fixed.kinds)?;
+        let found = level.band(&grid, &self.fixed.body_types)?;
         Ok(Some((level, self.band.get_or_init(|| found))))
     }
 
@@ -197,7 +197,7 @@ impl<const D: usize> UnsteadySuspension<D> {
             self.convection = Convection::new(&*self.grid_at(level.time)?, &level.fluid)?;
         }
         let band = match band {
-            None if self.fixed.method.jumps() => Some(level.band(self.convection.grid(), &self.fixed.kinds)?),
+            None if self.fixed.method.jumps() => Some(level.band(self.convection.grid(), &self.fixed.body_types)?),
             known => known,
         };
         let extended = level.extended(band.as_ref(), &mut self.convection)?;
@@ -328,8 +328,8 @@ impl<const D: usize> UnsteadySuspension<D> {
         let times: Vec<f64> = self.past.iter().map(|(level, _)| level.time).collect();
         let convection = convection_weights(times[0] + weights.step, &times);
         let past = Past { levels: &levels, weights, convection, inverse_diffusivity, kept };
-        let kinds = self.fixed.method.jumps().then_some(&self.fixed.kinds);
-        let mut rows = past.rows(&self.fixed.grid, kinds, centers)?;
+        let body_types = self.fixed.method.jumps().then_some(&self.fixed.body_types);
+        let mut rows = past.rows(&self.fixed.grid, body_types, centers)?;
         let lost = past.lost(&self.fixed.grid, &rows)?;
         self.momentum_residual = lost * (setup.viscosity * self.fixed.grid.spacing().product());
         add_drive(&self.fixed.grid, &setup.drive, setup.viscosity, &mut rows)?;
@@ -376,7 +376,7 @@ impl<const D: usize> UnsteadySuspension<D> {
 
     /// Number of multipliers of each body that levels have.
     fn multiplier_counts(&self) -> Vec<usize> {
-        let count = |body| if self.fixed.method.jumps() { self.fixed.kinds.surface(body).modes.count() } else { 0 };
+        let count = |body| if self.fixed.method.jumps() { self.fixed.body_types.surface(body).modes.count() } else { 0 };
         (0..self.fixed.setup.bodies.len()).map(count).collect()
     }
 }
@@ -482,7 +482,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
 
     fn extended_flow(&self) -> Result<Option<Vector>> {
         let Some(level) = self.current.as_ref().filter(|_| self.fixed.method.jumps()) else { return Ok(None) };
-        level.velocity_outside(&*self.grid_at(level.time)?, &self.fixed.kinds).map(Some)
+        level.velocity_outside(&*self.grid_at(level.time)?, &self.fixed.body_types).map(Some)
     }
 
     fn momentum_residual(&self) -> f64 {
@@ -540,7 +540,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         let AssembledSystem { bodies, assembly, mut workspace, guess, pair_constraints, .. } = ready;
         self.cost.krylov = report;
         self.cost.stages = std::mem::take(&mut workspace.work.stages);
-        let links = found.global_unknowns.split_off(fixed.mean_flow.unknowns::<D>());
+        let constraints = found.global_unknowns.split_off(fixed.mean_flow.unknowns::<D>());
         let mut multipliers = vec![Vec::new(); configuration.centers.len()];
         if fixed.method.on_surfaces() {
             let last = Snapshot::of(&bodies, &fixed.session, configuration.centers, &found, fixed.condensed)?;
@@ -550,7 +550,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
             let (past, before) = ExtrapolationHistory::then(self.guess.take(), last, guess, configuration.time);
             (self.guess, self.guess_before) = (Some(past), before.or(self.guess_before.take()));
         }
-        let mut solution = readback::solution(fixed, (&bodies, &assembly), (&pair_constraints, &links), found, &configuration)?;
+        let mut solution = readback::solution(fixed, (&bodies, &assembly), (&pair_constraints, &constraints), found, &configuration)?;
         drop(bodies);
         solution.contact_forces.iter_mut().for_each(|force| *force /= factor);
         self.refuse_unstable(&solution.fluid, configuration.time, weights.step)?;

@@ -48,7 +48,7 @@ pub fn kept<const D: usize>(grid: &Grid<D>, step: f64, inverse_diffusivity: f64,
 impl<const D: usize> Past<'_, D> {
     /// The momentum rows, not balanced, for bodies that have come to new centres; inside those of `kinds` with jump functions they are those of
     /// rigid motions. Collective.
-    pub fn rows(&self, grid: &Grid<D>, kinds: Option<&BodyTypes<D>>, centers: &[SVector<f64, D>]) -> Result<Vector> {
+    pub fn rows(&self, grid: &Grid<D>, body_types: Option<&BodyTypes<D>>, centers: &[SVector<f64, D>]) -> Result<Vector> {
         let mut rows = self.levels[0].1.velocity.like()?;
         for (place, (_, extended)) in self.levels.iter().enumerate() {
             let [history, convection] = self.factors(place);
@@ -69,8 +69,8 @@ impl<const D: usize> Past<'_, D> {
             }
         }
         rows.local_mut()?[grid.local_range(D)].fill(0.0);
-        if let Some(kinds) = kinds {
-            self.replace_inside(grid, kinds, centers, &mut rows)?;
+        if let Some(body_types) = body_types {
+            self.replace_inside(grid, body_types, centers, &mut rows)?;
         }
         Ok(rows)
     }
@@ -131,8 +131,8 @@ impl<const D: usize> Past<'_, D> {
         [rate, self.convection[level]].map(|weight| -weight * self.inverse_diffusivity)
     }
 
-    fn replace_inside(&self, grid: &Grid<D>, kinds: &BodyTypes<D>, centers: &[SVector<f64, D>], rows: &mut Vector) -> Result<()> {
-        let points = inside(grid, kinds, centers, self.levels[0].0.time + self.weights.step);
+    fn replace_inside(&self, grid: &Grid<D>, body_types: &BodyTypes<D>, centers: &[SVector<f64, D>], rows: &mut Vector) -> Result<()> {
+        let points = inside(grid, body_types, centers, self.levels[0].0.time + self.weights.step);
         let places: Vec<usize> = points.iter().map(|inside| inside.point.place).collect();
         let mut scatter = Scatter::new(rows, &places)?;
         let mut wanted: Vec<f64> = scatter.fetch(rows)?.iter().map(|row| -row).collect();
@@ -149,7 +149,7 @@ impl<const D: usize> Past<'_, D> {
             let carried = scatter.fetch(extended.inside())?;
             wanted.iter_mut().zip(carried).for_each(|(wanted, carried)| *wanted += convection * carried);
             if history != 0.0 {
-                let of_level = at.deviations(kinds, &points, scatter.fetch(&at.fluid)?);
+                let of_level = at.deviations(body_types, &points, scatter.fetch(&at.fluid)?);
                 for (((wanted, deviation), point), of_level) in wanted.iter_mut().zip(&mut deviations).zip(&points).zip(of_level) {
                     *wanted += history * at.rigid(point);
                     *deviation += history * of_level;
@@ -186,16 +186,16 @@ impl<const D: usize> Level<D> {
     }
 
     /// What the fields inside bodies, extended to points that were outside, differ from their motions by.
-    fn deviations(&self, kinds: &BodyTypes<D>, points: &[Inside<D>], velocities: &[f64]) -> Vec<f64> {
+    fn deviations(&self, body_types: &BodyTypes<D>, points: &[Inside<D>], velocities: &[f64]) -> Vec<f64> {
         let mut deviations: Vec<f64> = points.iter().zip(velocities).map(|(inside, velocity)| velocity - self.rigid(inside)).collect();
         let mut first = 0;
         for group in points.chunk_by(Inside::alike) {
             let (body, component) = (group[0].body, group[0].point.component);
-            let radius = kinds.surface(body).modes.radius();
+            let radius = body_types.surface(body).modes.radius();
             let offsets = (first..).zip(group.iter().map(|inside| self.offset(inside)));
             let (places, offsets): (Vec<usize>, Vec<SVector<f64, D>>) = offsets.filter(|(_, offset)| offset.norm() > radius).unzip();
             let offsets: Vec<f64> = offsets.iter().flat_map(|offset| offset.iter().copied()).collect();
-            let jumps = self.jumps_at(kinds, body, &offsets, component);
+            let jumps = self.jumps_at(body_types, body, &offsets, component);
             places.iter().zip(jumps).for_each(|(place, jump)| deviations[*place] -= jump);
             first += group.len();
         }
@@ -228,10 +228,10 @@ impl<const D: usize> Inside<D> {
     }
 }
 
-fn inside<const D: usize>(grid: &Grid<D>, kinds: &BodyTypes<D>, centers: &[SVector<f64, D>], time: f64) -> Vec<Inside<D>> {
+fn inside<const D: usize>(grid: &Grid<D>, body_types: &BodyTypes<D>, centers: &[SVector<f64, D>], time: f64) -> Vec<Inside<D>> {
     let mut points = Vec::new();
     for (body, &center) in centers.iter().enumerate() {
-        let radius = kinds.surface(body).modes.radius();
+        let radius = body_types.surface(body).modes.radius();
         each_inside(grid, &center, radius, |point| points.push(Inside { point, body, center, time }));
     }
     points
