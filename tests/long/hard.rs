@@ -8,7 +8,7 @@
 //! #! code text              ends with this code and says this
 //! ```
 //!
-//! With `TURBID_HARD_TABLE=docs/hard.md` the table of cases is written there.
+//! With `TURBID_HARD_CASE=column` this one is run alone. With `TURBID_HARD_TABLE=docs/hard.md` the table of cases is written there.
 
 use std::{collections::BTreeMap, fmt::Write, fs, path::PathBuf};
 
@@ -32,7 +32,7 @@ enum Promise {
 }
 
 /// What a scene came to on some number of ranks.
-enum ResidualMonitor {
+enum Outcome {
     Ended(Value),
     Refused(i32, String),
 }
@@ -67,41 +67,52 @@ fn promise(line: &str) -> Option<Promise> {
     }
 }
 
-fn outcome(case: &Case, ranks: usize) -> ResidualMonitor {
+fn outcome(case: &Case, ranks: usize) -> Outcome {
     let out = folder(&format!("hard-{}-{ranks}", case.name));
     let output = turbid(ranks, &["run", case.path.to_str().unwrap(), "--out", out.to_str().unwrap()]);
     match output.status.code() {
-        Some(0) => ResidualMonitor::Ended(serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap()),
-        code => ResidualMonitor::Refused(code.unwrap_or(-1), said(&output)),
+        Some(0) => Outcome::Ended(serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap()),
+        code => Outcome::Refused(code.unwrap_or(-1), said(&output)),
+    }
+}
+
+impl Case {
+    /// Names of the cases with which it is compared.
+    fn others(&self) -> Vec<String> {
+        let other = |promise: &Promise| match promise {
+            Promise::SameAs(scene, ..) => Some(scene.trim_end_matches(".toml").to_owned()),
+            _ => None,
+        };
+        self.promises.iter().filter_map(other).collect()
     }
 }
 
 impl Promise {
     /// What is promised, and what was seen; fails if they differ.
-    fn keep(&self, name: &str, seen: &ResidualMonitor, others: &BTreeMap<String, Value>) -> (String, String) {
+    fn keep(&self, name: &str, seen: &Outcome, others: &BTreeMap<String, Value>) -> (String, String) {
         match (self, seen) {
-            (Promise::Refused(code, text), ResidualMonitor::Refused(found, said)) => {
+            (Promise::Refused(code, text), Outcome::Refused(found, said)) => {
                 assert!(code == found && said.contains(text), "{name}: ended with {found} instead of {code}: {said}");
                 (format!("refused: `{text}`"), format!("exit code {found}"))
             }
-            (Promise::Refused(..), ResidualMonitor::Ended(_)) => panic!("{name} is not refused"),
-            (_, ResidualMonitor::Refused(code, said)) => panic!("{name}: ended with {code}: {said}"),
-            (Promise::AtLeast(key, bound), ResidualMonitor::Ended(summary)) => {
+            (Promise::Refused(..), Outcome::Ended(_)) => panic!("{name} is not refused"),
+            (_, Outcome::Refused(code, said)) => panic!("{name}: ended with {code}: {said}"),
+            (Promise::AtLeast(key, bound), Outcome::Ended(summary)) => {
                 let found = number(summary, key);
                 assert!(found >= *bound, "{name}: {key} is {found}, promised at least {bound}");
                 (format!("`{key}` >= {bound:e}"), format!("{found:.3e}"))
             }
-            (Promise::AtMost(key, bound), ResidualMonitor::Ended(summary)) => {
+            (Promise::AtMost(key, bound), Outcome::Ended(summary)) => {
                 let found = number(summary, key);
                 assert!(found <= *bound, "{name}: {key} is {found}, promised at most {bound}");
                 (format!("`{key}` <= {bound:e}"), format!("{found:.3e}"))
             }
-            (Promise::Is(key, value, tolerance), ResidualMonitor::Ended(summary)) => {
+            (Promise::Is(key, value, tolerance), Outcome::Ended(summary)) => {
                 let found = number(summary, key);
                 assert!((found - value).abs() <= *tolerance, "{name}: {key} is {found}, promised {value} +- {tolerance}");
                 (format!("`{key}` = {value} +- {tolerance:e}"), format!("{found}"))
             }
-            (Promise::SameAs(scene, key, tolerance), ResidualMonitor::Ended(summary)) => {
+            (Promise::SameAs(scene, key, tolerance), Outcome::Ended(summary)) => {
                 let (found, other) = (number(summary, key), number(&others[scene.trim_end_matches(".toml")], key));
                 assert!((found / other - 1.0).abs() <= *tolerance, "{name}: {key} is {found}, in {scene} {other}");
                 (format!("`{key}` as in `{scene}` +- {tolerance:e}"), format!("{:.1e}", (found / other - 1.0).abs()))
@@ -112,14 +123,19 @@ impl Promise {
 
 #[test]
 fn every_hard_case_keeps_its_promises_on_any_number_of_ranks() {
-    let cases = cases();
+    let mut cases = cases();
     assert!(cases.len() >= 20);
+    if let Ok(asked) = std::env::var("TURBID_HARD_CASE") {
+        let others: Vec<String> = cases.iter().filter(|case| case.name == asked).flat_map(Case::others).collect();
+        cases.retain(|case| case.name == asked || others.contains(&case.name));
+        assert!(!cases.is_empty(), "there is no tests/hard/{asked}.toml");
+    }
     let mut rows = vec![Vec::new(); cases.len()];
     for ranks in [1, 2, 3] {
-        let seen: Vec<ResidualMonitor> = cases.iter().map(|case| outcome(case, ranks)).collect();
-        let ended = |(case, seen): (&Case, &ResidualMonitor)| match seen {
-            ResidualMonitor::Ended(summary) => Some((case.name.clone(), summary.clone())),
-            ResidualMonitor::Refused(..) => None,
+        let seen: Vec<Outcome> = cases.iter().map(|case| outcome(case, ranks)).collect();
+        let ended = |(case, seen): (&Case, &Outcome)| match seen {
+            Outcome::Ended(summary) => Some((case.name.clone(), summary.clone())),
+            Outcome::Refused(..) => None,
         };
         let others: BTreeMap<String, Value> = cases.iter().zip(&seen).filter_map(ended).collect();
         for ((case, seen), row) in cases.iter().zip(&seen).zip(&mut rows) {
