@@ -418,13 +418,12 @@ impl<const D: usize> QuasiStatic<D> {
         }
     }
 
-    /// The part of the change of motions over the last step that the two-step rule adds to those of a step of this length. The second step of a flow with inertia makes
-    /// up for the first one too, as motions may have jumped from those of the start: in both together bodies go as far as at the motion between them.
+    /// The part of the change of motions over the last step that the two-step rule adds to those of a step of this length. In a flow with inertia the second step makes up
+    /// for the first one, which knew the motions of the start only: from there they go along straight lines or, in steps of one length, have jumped at once.
     fn looks_back(&self, state: &State<D>, length: f64) -> f64 {
-        match self.suspension.evolves() && state.steps == 1 {
-            true => state.last_step / length,
-            false => 0.5 * length / state.last_step,
-        }
+        let ratio = length / state.last_step;
+        let of_first = if self.suspension.evolves() && state.steps == 1 { 0.5 / ratio } else { 0.0 };
+        0.5 * ratio + of_first
     }
 
     /// Motions half a step ahead.
