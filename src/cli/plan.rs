@@ -104,9 +104,13 @@ fn time<const D: usize>(session: &Session, scene: &Scene, plan: &PlanReport, (ra
     })
 }
 
-/// A length of time with two digits where it is short.
+/// A length of time with two digits also where it is short.
 fn brief(seconds: f64) -> String {
-    if seconds < 1.0 { format!("{seconds:.2} s") } else { duration(seconds) }
+    match seconds {
+        short if short < 0.01 => format!("{short:.4} s"),
+        short if short < 1.0 => format!("{short:.2} s"),
+        long => duration(long),
+    }
 }
 
 /// What the seconds that this program's ranks take are to be multiplied with on so many ranks, and how that is said.
