@@ -54,6 +54,7 @@ const SCENES: &[(&str, &str)] = &files![
     "shear.toml",
     "shear3d.toml",
     "sheared.toml",
+    "steady.toml",
     "tencate.toml",
     "tumbling.toml",
     "vortex.toml",

@@ -17,6 +17,8 @@ pub(super) fn read(entry: &Entry, root: &Table, model: FlowModel) -> Result<f64>
     let accuracy = entry.number()?;
     let [tightest, loosest] = RANGE;
     entry.expect((), (tightest..=loosest).contains(&accuracy), &format!("must be at least {tightest:e} and at most {loosest}"))?;
+    let remedy = "is met in Stokes flow only; give [resolution] instead, and turbid cost tells the error of each";
+    entry.expect((), model != FlowModel::NavierStokes, remedy)?;
     entry.expect(
         (),
         model == FlowModel::Stokes,

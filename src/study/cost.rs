@@ -7,9 +7,11 @@ mod analysis;
 mod apply;
 mod chart;
 mod cheapest;
+mod columns;
 mod findings;
 mod format;
 mod identity;
+mod inertia;
 mod metric;
 mod options;
 mod page;
@@ -22,6 +24,8 @@ mod reference;
 mod sensitivity;
 mod sequence;
 mod setting;
+mod steadiness;
+mod step_error;
 mod suitable_quantity;
 mod sweep;
 mod table;
@@ -56,6 +60,7 @@ impl Study<PetscOptions> for Cost {
         }
         let (options, times) = self.shortened(&whole)?;
         let scene = &Scene::read(&options.scene.scene, &options.scene.overrides)?;
+        inertia::check(scene)?;
         let metric = Metric::of(&options, scene)?;
         let ranges = ParameterRanges::of(&options, scene, metric.properties.radius)?;
         options.check_names(&ranges.methods)?;

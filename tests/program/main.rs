@@ -6,6 +6,7 @@
 mod common;
 mod conditioning;
 mod cost;
+mod cost_inertia;
 mod examples;
 mod limits;
 mod report;

@@ -3,11 +3,14 @@
 use super::{
     cheapest::ErrorCriterion,
     findings::{Findings, MethodFinding, Point},
+    format::percent,
     ranges::ParameterRanges,
-    record::Record,
-    reference::{Limit, Reference},
+    record::{Measured, Record},
+    reference::{Finest, Limit, Reference},
+    sensitivity::Sensitivity,
     sequence::RefinementSequence,
     setting::Setting,
+    steadiness::STEADY,
     sweep::Sweep,
 };
 use crate::error::{Error, Result};
@@ -37,23 +40,38 @@ impl Analysis<'_> {
     pub fn findings(&mut self, ranges: &ParameterRanges) -> Result<Findings> {
         let (methods, mut notes) = self.measure(ranges)?;
         self.expect_some()?;
-        let refined = self.finest(&methods);
-        let sensitivities = match &refined {
-            Some((finest, limit)) => vec![self.sweep.sensitivity(finest, Some(&limit.values))?],
+        let mut refined = self.finest(&methods);
+        let sensitivities = match &mut refined {
+            Some((finest, limit)) => vec![self.refined_in_time(&methods, finest, limit)?],
             None => Vec::new(),
         };
         let reference = match (self.sweep.options.exact.is_empty(), &refined) {
             (false, _) => Some(Reference::given(self.sweep.options, &self.sweep.metric)),
-            (true, Some((finest, limit))) => {
-                let tolerance = finest.tolerance_in(self.sweep.scene);
-                Some(Reference::extrapolated(finest, tolerance, limit, &sensitivities[0], &self.sweep.metric))
-            }
+            (true, Some((finest, limit))) => Some(Reference::extrapolated(finest, limit, &sensitivities[0], &self.sweep.metric)),
             (true, None) => None,
         };
+        notes.extend(refined.as_ref().and_then(|(finest, _)| self.steadiness(finest)));
         notes.extend(self.faster());
         let mut findings = Findings { sensitivities, notes, ..self.judged(&methods, reference) };
         self.change_the_chosen(&mut findings)?;
         Ok(findings)
+    }
+
+    /// Changes the parameters of the finest setting, and makes its limit one of vanishing steps where these follow the grid and one run tells their error:
+    /// they change by factors of two, so that they do not vanish with the spacing.
+    fn refined_in_time(&mut self, all: &[MethodSettings], finest: &mut Finest, limit: &mut Limit) -> Result<Sensitivity> {
+        let sensitivity = self.sweep.sensitivity(&finest.setting, Some(&limit.values))?;
+        let Some(without) = self.limit_of_vanishing_steps(all, finest, &sensitivity) else { return Ok(sensitivity) };
+        (*limit, finest.without_step_error) = (without, true);
+        self.sweep.sensitivity(&finest.setting, Some(&limit.values))
+    }
+
+    fn limit_of_vanishing_steps(&self, all: &[MethodSettings], finest: &Finest, sensitivity: &Sensitivity) -> Option<Limit> {
+        let (metric, method) = (&self.sweep.metric, &finest.setting.method);
+        let error = self.sweep.step_error(&finest.setting, sensitivity)?;
+        let main = RefinementSequence::main(&self.sequences(all.iter().find(|own| own.method == *method)?))?;
+        let runs: Vec<Measured> = main.measured().into_iter().map(|run| error.taken_from(run, self.sweep.scene.end())).collect();
+        Limit::of(&runs.iter().collect::<Vec<_>>(), metric, metric.quantity.kind.predicted_order(method))
     }
 
     /// All settings and methods beside the reference.
@@ -122,16 +140,44 @@ impl Analysis<'_> {
     }
 
     /// The finest setting of the method that the others are referred to, and the limit of its sequence.
-    fn finest(&self, all: &[MethodSettings]) -> Option<(Setting, Limit)> {
+    fn finest(&self, all: &[MethodSettings]) -> Option<(Finest, Limit)> {
         let named = self.sweep.options.reference.as_deref();
         let (first, others): (Vec<_>, Vec<_>) = all.iter().partition(|own| own.method == named.unwrap_or(REFERENCE));
         let limit = |own: &&MethodSettings| {
             let main = RefinementSequence::main(&self.sequences(own))?;
             let order = self.sweep.metric.quantity.kind.predicted_order(&own.method);
             let limit = Limit::of(&main.measured(), &self.sweep.metric, order)?;
-            Some((main.finest().0.clone(), limit))
+            Some((self.finest_of(&main), limit))
         };
         first.iter().find_map(limit).or_else(|| others.iter().filter(|_| named.is_none()).find_map(limit))
+    }
+
+    fn finest_of(&self, sequence: &RefinementSequence) -> Finest {
+        let ((setting, run), scene) = (sequence.finest(), self.sweep.scene);
+        Finest {
+            setting: setting.clone(),
+            tolerance: setting.tolerance_in(scene),
+            without_step_error: false,
+            still_to_come: run.still_to_come,
+            boundary_layer: run.boundary_layer,
+        }
+    }
+
+    /// Whether the flow is steady at the end of the finest run, where it may become so.
+    fn steadiness(&self, finest: &Finest) -> Option<String> {
+        let (to_come, Sweep { options, scene, metric, .. }) = (finest.still_to_come?, &self.sweep);
+        let (end, name) = (scene.end(), metric.quantity.kind.word());
+        let Setting { method, .. } = &finest.setting;
+        let change = format!("{name} by {method}, {}, is to change by a further {} or so", finest.setting.words(), percent(to_come));
+        Some(match to_come <= STEADY * options.error {
+            true => format!("The flow is steady at time.end = {end}: {change}"),
+            false => format!(
+                "The flow is not steady at time.end = {end}: {change}, more than a tenth of the wanted {}; errors are those at that time. Give more \
+                 time, --set time.end={}, unless the flow swings for ever",
+                percent(options.error),
+                2.0 * end
+            ),
+        })
     }
 
     fn sequences(&self, own: &MethodSettings) -> Vec<RefinementSequence<'_>> {

@@ -5,6 +5,7 @@ use std::{fs, path::Path};
 use serde_json::Value;
 
 use super::{
+    columns::StepColumns,
     properties::SceneProperties,
     quantity::{Quantity, QuantityKind},
 };
@@ -25,13 +26,21 @@ pub struct Metric {
 impl Metric {
     /// In words.
     pub fn words(&self) -> String {
+        let end = if self.properties.steady { ", at the end of the run" } else { "" };
+        format!("{}{end}", self.kind_in_words())
+    }
+
+    fn kind_in_words(&self) -> String {
         let of = self.quantity.body.map_or(String::new(), |body| format!(" of body {body}"));
         match self.quantity.kind {
             QuantityKind::Drag if self.quantity.body.is_none() && self.properties.held.iter().filter(|&&held| held).count() > 1 => {
                 "drag: magnitude of the mean force on the held bodies".into()
             }
             QuantityKind::Drag => format!("drag{of}: magnitude of the force by the fluid"),
+            QuantityKind::Resistance => "resistance: mean pressure gradient over viscosity and mean velocity".into(),
+            QuantityKind::MeanVelocity => "mean velocity: its magnitude".into(),
             QuantityKind::Viscosity => "relative viscosity".into(),
+            QuantityKind::Reynolds => "largest Reynolds number of a body, by the density of the fluid".into(),
             QuantityKind::Velocity => format!("velocity{of}, with spin times radius; errors over its norm"),
             QuantityKind::Value => format!("value in the inclusions{of}"),
             QuantityKind::Energy => "energy".into(),
@@ -53,6 +62,11 @@ impl Metric {
     pub fn read(&self, summary: &RunSummary, folder: &Path) -> Result<Vec<f64>> {
         let values = match self.quantity.kind {
             QuantityKind::Drag => self.drag(summary),
+            QuantityKind::Resistance => magnitude(summary, "/flow/pressure_gradient")
+                .zip(magnitude(summary, "/flow/mean_velocity"))
+                .map(|(gradient, velocity)| vec![gradient / (self.properties.viscosity * velocity)]),
+            QuantityKind::MeanVelocity => magnitude(summary, "/flow/mean_velocity").map(|velocity| vec![velocity]),
+            QuantityKind::Reynolds => StepColumns::read(&folder.join("series.csv"))?.largest("reynolds").map(|largest| vec![largest]),
             QuantityKind::Viscosity => summary.get("/viscosity/relative").map(|viscosity| vec![viscosity]),
             QuantityKind::Energy => summary.get("/scalar/energy").map(|energy| vec![energy]),
             QuantityKind::Value => self.each(&summary.0["scalar"]["inclusions"], |inclusion| Some(vec![inclusion["value"].as_f64()?])),
@@ -63,10 +77,16 @@ impl Metric {
         values.ok_or_else(|| Error::refused(format!("--quantity {}: the run does not tell it; choose another", self.quantity.kind.word())))
     }
 
+    /// Numbers of the bodies whose mean force is the drag.
+    pub fn counted(&self) -> Vec<usize> {
+        let held = || (0..self.properties.held.len()).filter(|&body| self.properties.held[body]).collect();
+        self.quantity.body.map_or_else(held, |body| vec![body])
+    }
+
     fn drag(&self, summary: &RunSummary) -> Option<Vec<f64>> {
-        let forces = summary.0["bodies"].as_array()?.iter().map(|body| numbers(&body["force"])).collect::<Option<Vec<_>>>()?;
-        let chosen = |place: usize| self.quantity.body.map_or(self.properties.held.get(place) == Some(&true), |body| body == place);
-        let counted: Vec<&Vec<f64>> = (0..).zip(&forces).filter(|(place, _)| chosen(*place)).map(|(_, force)| force).collect();
+        let bodies = summary.0["bodies"].as_array()?;
+        let force = |body: usize| numbers(&bodies.get(body)?["force"]);
+        let counted = self.counted().into_iter().map(force).collect::<Option<Vec<_>>>()?;
         let mean: Vec<f64> = (0..self.properties.dimension)
             .map(|axis| counted.iter().map(|force| force[axis]).sum::<f64>() / counted.len() as f64)
             .collect();
@@ -138,6 +158,11 @@ fn differences(values: &[Vec<f64>], points: usize, dimension: usize) -> Vec<f64>
     all
 }
 
+/// Length of the vector at a place of a summary.
+fn magnitude(summary: &RunSummary, place: &str) -> Option<f64> {
+    numbers(summary.0.pointer(place)?).map(|vector| norm(&vector))
+}
+
 fn velocity(body: &Value) -> Option<Vec<f64>> {
     let radius = body["radius"].as_f64()?;
     let mut all = numbers(&body["velocity"])?;
@@ -160,7 +185,7 @@ mod tests {
     use crate::study::cost::properties::tests::suits;
 
     fn properties() -> SceneProperties {
-        SceneProperties { dimension: 2, radius: Some(0.5), held: vec![true, false, true], periods: vec![None; 2], modes: None, volume: 1.0 }
+        SceneProperties { radius: Some(0.5), held: vec![true, false, true], viscosity: 0.5, ..SceneProperties::default() }
     }
 
     fn read(kind: QuantityKind, body: Option<usize>, summary: &RunSummary) -> Option<Vec<f64>> {
@@ -170,7 +195,11 @@ mod tests {
     #[test]
     fn quantities_are_read_from_a_summary() {
         let body = |force: f64| serde_json::json!({"force": [force, 4.0], "velocity": [1.0, 2.0], "spin": [3.0], "radius": 0.5, "center": [0.1, 0.2]});
-        let summary = RunSummary(serde_json::json!({"bodies": [body(2.0), body(100.0), body(4.0)], "viscosity": {"relative": 2.5}}));
+        let flow = serde_json::json!({"pressure_gradient": [-3.0, 4.0], "mean_velocity": [2.0, 0.0]});
+        let bodies = [body(2.0), body(100.0), body(4.0)];
+        let summary = RunSummary(serde_json::json!({"bodies": bodies, "viscosity": {"relative": 2.5}, "flow": flow}));
+        assert_eq!(read(QuantityKind::Resistance, None, &summary), Some(vec![5.0]), "5 over 0.5 and 2");
+        assert_eq!(read(QuantityKind::MeanVelocity, None, &summary), Some(vec![2.0]));
         assert_eq!(read(QuantityKind::Drag, None, &summary), Some(vec![5.0]), "the mean of the held ones is (3, 4)");
         assert_eq!(read(QuantityKind::Viscosity, None, &summary), Some(vec![2.5]));
         assert_eq!(read(QuantityKind::Velocity, Some(1), &summary), Some(vec![1.0, 2.0, 1.5]));

@@ -40,7 +40,7 @@ pub struct Cost {
     /// Automatic steps: parts of its radius that a body moves in one.
     #[arg(long, value_delimiter = ',')]
     pub travels: Vec<f64>,
-    /// drag, viscosity, velocity, value, energy, position, field or gradient (default: what suits the scene).
+    /// drag, viscosity, resistance, mean-velocity, velocity, reynolds, value, energy, position, field or gradient (default: what suits the scene).
     #[arg(long)]
     pub quantity: Option<String>,
     /// Number of the body whose quantity it is, from 0 (default: all of them).

@@ -5,7 +5,8 @@ use super::{
     properties::SceneProperties,
     record::{Measured, Outcome},
     sensitivity::{ParameterChange, Sensitivity},
-    setting::{Setting, has_modes},
+    setting::{Setting, TimeStep, has_modes},
+    step_error::StepError,
     sweep::Sweep,
 };
 use crate::{
@@ -23,8 +24,8 @@ impl Sweep<'_> {
             return Ok(Sensitivity { at: setting.clone(), parameters: Vec::new() });
         };
         let fixed = Setting { modes: setting.modes.or(base.modes), ..setting.clone() };
-        let half = Setting { grid: setting.grid.finer(2.0), ..fixed.clone() };
-        let mut parameters = vec![self.parameter("grid", "half the spacing".into(), &base, Some(half))?];
+        let half = half_the_spacing(setting, &base);
+        let mut parameters = vec![self.parameter("grid", "half the spacing".into(), &base, Some(half.clone()))?];
         if let (None, Some(limit)) = (parameters[0].change, limit) {
             parameters[0] = self.extrapolated(&base, limit);
         }
@@ -37,11 +38,44 @@ impl Sweep<'_> {
         let to = format!("tolerance {:.0e}", tighter.tolerance.unwrap_or(0.0));
         parameters.push(self.parameter("tolerance", to, &base, Some(tighter))?);
         if let Some(step) = setting.step {
-            let step = if step.follows_grid(self.scene) { base.mean_step(self.scene.end()) } else { step };
-            let shorter = Setting { step: Some(step.times(0.5)), ..setting.clone() };
-            parameters.push(self.parameter("step", "half the step".into(), &base, Some(shorter))?);
+            let shorter = Setting { step: Some(self.shorter(step, &base, &half)), ..setting.clone() };
+            let change = self.parameter("step", "half the step".into(), &base, Some(shorter))?;
+            if step.follows_grid(self.scene) {
+                parameters[0] = self.at_equal_steps(&parameters[0], &change, &base);
+            }
+            parameters.push(change);
         }
         Ok(Sensitivity { at: setting.clone(), parameters })
+    }
+
+    /// The error of steps that follow the grid, if a run with shorter ones was made beside that of the setting.
+    pub fn step_error(&self, setting: &Setting, sensitivity: &Sensitivity) -> Option<StepError> {
+        let step = setting.step.filter(|step| step.follows_grid(self.scene))?;
+        let change = sensitivity.parameters.iter().find(|parameter| parameter.name == "step" && parameter.change.is_some())?;
+        let base = self.store.find(setting)?.measured()?;
+        let lengths = [base.mean_step(self.scene.end()), self.shorter(step, base, &half_the_spacing(setting, base))];
+        Some(StepError::of(&change.changes, lengths.map(TimeStep::length)))
+    }
+
+    /// Half a step; of one that follows the grid what it is in the mean on the grid of half the spacing, if that is measured, or half of what it is here.
+    fn shorter(&self, step: TimeStep, base: &Measured, half: &Setting) -> TimeStep {
+        let end = self.scene.end();
+        match self.store.find(half).and_then(|record| record.measured()) {
+            _ if !step.follows_grid(self.scene) => step.times(0.5),
+            Some(finer) => finer.mean_step(end),
+            None => base.mean_step(end).times(0.5),
+        }
+    }
+
+    /// What the grid alone changes, where steps were shorter on the finer one: without what shorter steps change. In a limit they vanish, which changes
+    /// a third more than half of them, as they are of second order.
+    fn at_equal_steps(&self, grid: &ParameterChange, step: &ParameterChange, base: &Measured) -> ParameterChange {
+        if grid.change.is_none() || step.change.is_none() {
+            return grid.clone();
+        }
+        let (part, remark) = if grid.seconds.is_some() { (1.0, "at equal steps") } else { (4.0 / 3.0, "extrapolated, at equal steps") };
+        let changes: Vec<f64> = grid.changes.iter().zip(&step.changes).map(|(both, step)| both - part * step).collect();
+        ParameterChange { change: Some(self.size(&changes, base)), changes, remark: Some(remark.into()), ..grid.clone() }
     }
 
     fn parameter(&mut self, name: &'static str, to: String, base: &Measured, changed: Option<Setting>) -> Result<ParameterChange> {
@@ -67,9 +101,20 @@ impl Sweep<'_> {
 
     fn changed(&self, name: &'static str, to: String, base: &Measured, values: &[f64]) -> ParameterChange {
         let changes: Vec<f64> = values.iter().zip(&base.values).map(|(new, old)| new - old).collect();
-        let size = if let [change] = changes[..] { change } else { norm(&changes) };
-        let change = Some(size / self.metric.scale(&base.values));
-        ParameterChange { name, to, change, changes, values: values.to_vec(), ..ParameterChange::default() }
+        ParameterChange {
+            name,
+            to,
+            change: Some(self.size(&changes, base)),
+            changes,
+            values: values.to_vec(),
+            ..ParameterChange::default()
+        }
+    }
+
+    /// Changes relative to the values of a run, with their sign where there is one.
+    fn size(&self, changes: &[f64], base: &Measured) -> f64 {
+        let size = if let [change] = changes[..] { change } else { norm(changes) };
+        size / self.metric.scale(&base.values)
     }
 
     /// Half as many modes again, or as many more as the grid carries.
@@ -80,6 +125,11 @@ impl Sweep<'_> {
             .map(|modes| Setting { modes: Some(modes), ..setting.clone() })
             .find(|raised| self.scene_with(&raised.overrides()).is_ok_and(|scene| SceneProperties::of(&scene).is_ok()))
     }
+}
+
+/// A setting on the grid of half the spacing, with as many modes as it had in a run.
+fn half_the_spacing(setting: &Setting, run: &Measured) -> Setting {
+    Setting { grid: setting.grid.finer(2.0), modes: setting.modes.or(run.modes), ..setting.clone() }
 }
 
 /// A tenth of the tolerance; what is automatic in time becomes the tightest that it ever is.

@@ -4,7 +4,7 @@ use crate::{
     error::Result,
     geometry::Domain,
     mechanics::{ScalarSetup, Setup},
-    scene::Scene,
+    scene::{BodyGroup, FlowModel, Motion, Scene},
 };
 
 /// Box and bodies of a scene.
@@ -22,6 +22,12 @@ pub struct SceneProperties {
     pub periods: Vec<Option<f64>>,
     /// Volume of the box.
     pub volume: f64,
+    /// Viscosity of the fluid.
+    pub viscosity: f64,
+    /// Whether the flow has inertia.
+    pub inertia: bool,
+    /// Whether such a flow passes bodies that all stay where they are, so that it may become steady.
+    pub steady: bool,
 }
 
 impl SceneProperties {
@@ -44,6 +50,7 @@ impl SceneProperties {
             let setup = Setup::of(scene)?;
             (setup.domain, setup.bodies.iter().map(|own| (own.body.ball.radius, !own.body.free(), own.order)).collect())
         };
+        let inertia = scene.flow.model == FlowModel::NavierStokes;
         Ok(SceneProperties {
             dimension: D,
             radius: bodies.iter().map(|(radius, ..)| *radius).reduce(f64::min),
@@ -51,12 +58,29 @@ impl SceneProperties {
             modes: bodies.iter().map(|(.., order)| *order).max(),
             periods: (0..D).map(|axis| domain.periodic(axis).then(|| domain.size[axis])).collect(),
             volume: domain.volume(),
+            viscosity: scene.flow.viscosity,
+            inertia,
+            steady: inertia && !scene.bodies.is_empty() && scene.bodies.iter().all(stays),
         })
+    }
+
+    /// Whether no body is free.
+    pub fn all_held(&self) -> bool {
+        !self.held.is_empty() && self.held.iter().all(|held| *held)
     }
 
     /// Radius of the smallest body, or 1 where spacings are lengths anyway.
     pub fn unit(&self) -> f64 {
         self.radius.unwrap_or(1.0)
+    }
+}
+
+/// Whether the bodies of a group keep their places: they may spin there.
+fn stays(group: &BodyGroup) -> bool {
+    match &group.motion {
+        Motion::Fixed => true,
+        Motion::Prescribed { velocity, .. } => velocity.iter().all(|component| *component == 0.0),
+        _ => false,
     }
 }
 
@@ -68,6 +92,13 @@ pub mod tests {
     use super::*;
 
     const DISK: &str = "domain.size = [4, 4]\nresolution.spacing = 0.125\n[[bodies]]\nradius = 0.5\ncenters = [[1, 1]]\n";
+
+    impl Default for SceneProperties {
+        fn default() -> SceneProperties {
+            let (radius, held, periods) = (Some(1.0), vec![true], vec![None; 2]);
+            SceneProperties { dimension: 2, radius, held, modes: None, periods, volume: 1.0, viscosity: 1.0, inertia: false, steady: false }
+        }
+    }
 
     /// The scene of a disk with something more, and what is known of it.
     pub fn suits(extra: &str) -> (Scene, SceneProperties) {

@@ -8,10 +8,16 @@ use serde::{Deserialize, Serialize};
 pub enum QuantityKind {
     /// Magnitude of the mean force by the fluid on held bodies.
     Drag,
+    /// Mean pressure gradient over viscosity and mean velocity: the inverse of the permeability.
+    Resistance,
+    /// Magnitude of the mean velocity of a flow that a pressure gradient or a body force drives.
+    MeanVelocity,
     /// Relative viscosity.
     Viscosity,
     /// Velocities of bodies, with their spins times their radii.
     Velocity,
+    /// Largest Reynolds number of a body in a run with inertia.
+    Reynolds,
     /// The scalar in inclusions.
     Value,
     /// The least value of the functional of the scalar problem.
@@ -25,10 +31,13 @@ pub enum QuantityKind {
 }
 
 /// Their words.
-pub const WORDS: [(&str, QuantityKind); 8] = [
+pub const WORDS: [(&str, QuantityKind); 11] = [
     ("drag", QuantityKind::Drag),
     ("viscosity", QuantityKind::Viscosity),
+    ("resistance", QuantityKind::Resistance),
+    ("mean-velocity", QuantityKind::MeanVelocity),
     ("velocity", QuantityKind::Velocity),
+    ("reynolds", QuantityKind::Reynolds),
     ("value", QuantityKind::Value),
     ("energy", QuantityKind::Energy),
     ("position", QuantityKind::Position),
@@ -56,6 +65,12 @@ impl QuantityKind {
     /// Whether it is one of bodies.
     pub fn of_bodies(self) -> bool {
         matches!(self, QuantityKind::Drag | QuantityKind::Velocity | QuantityKind::Value | QuantityKind::Position)
+    }
+
+    /// Whether it takes a flow, which a scalar has not.
+    pub fn of_flow(self) -> bool {
+        use QuantityKind::{Drag, MeanVelocity, Position, Resistance, Reynolds, Velocity, Viscosity};
+        matches!(self, Drag | Resistance | MeanVelocity | Viscosity | Velocity | Reynolds | Position)
     }
 
     /// Whether it is one of fields.

@@ -8,6 +8,7 @@ use super::{
     format::seconds,
     metric::Metric,
     setting::{Setting, TimeStep},
+    steadiness::still_to_come,
 };
 use crate::{
     error::Result,
@@ -48,7 +49,7 @@ pub struct Measured {
     pub iterations: f64,
     /// Seconds of matrices, hierarchies and, at an instant, jump corrections.
     pub setup_seconds: f64,
-    /// Seconds of the solve, or of all steps.
+    /// Seconds of the solve, or of all steps without their files.
     pub solve_seconds: f64,
     /// Steps; zero at an instant.
     pub steps: usize,
@@ -57,6 +58,12 @@ pub struct Measured {
     /// A faster inverse of the fluid that the run could have taken.
     #[serde(deserialize_with = "inverse_alone")]
     pub faster: Option<String>,
+    /// Relative change that is still to come after the end of the run, where the flow may become steady.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub still_to_come: Option<f64>,
+    /// Cells that the thinnest boundary layer of such a flow has, where it is measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub boundary_layer: Option<f64>,
     /// Seconds by the clock, start of the program and repetitions included.
     pub wall_seconds: f64,
 }
@@ -118,7 +125,8 @@ impl Measured {
     /// The summary cannot be read or does not tell the quantity.
     pub fn read(path: &Path, setting: &Setting, metric: &Metric) -> Result<Measured> {
         let summary = RunSummary::read(path)?;
-        let values = metric.read(&summary, path.parent().unwrap_or(Path::new("")))?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let values = metric.read(&summary, folder)?;
         Ok(Measured {
             values,
             spacing: spacing(&summary, setting, metric),
@@ -126,10 +134,12 @@ impl Measured {
             unknowns: summary.unknowns(),
             iterations: summary.iterations(),
             setup_seconds: summary.setup_seconds(),
-            solve_seconds: summary.solve_seconds(),
+            solve_seconds: summary.solve_seconds() - summary.number("/motion/output_seconds"),
             steps: summary.get("/steps").unwrap_or(0),
             memory_bytes: summary.memory_bytes(),
             faster: summary.faster(),
+            still_to_come: still_to_come(metric, &summary, folder)?,
+            boundary_layer: summary.get("/inertia/boundary_layer").filter(|_| metric.properties.steady),
             wall_seconds: 0.0,
         })
     }
@@ -181,6 +191,8 @@ pub mod tests {
             steps: 0,
             memory_bytes: 1.0,
             faster: None,
+            still_to_come: None,
+            boundary_layer: None,
             wall_seconds: 1.0,
         }
     }

@@ -9,6 +9,7 @@ use super::{
     record::Measured,
     sensitivity::Sensitivity,
     setting::Setting,
+    steadiness::unresolved,
 };
 
 /// Observed orders beyond these parts of the predicted one are not believed.
@@ -23,6 +24,21 @@ pub struct Reference {
     pub uncertainty: f64,
     /// Where it comes from.
     pub source: String,
+}
+
+/// The finest setting of a sequence, from which its limit is taken.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finest {
+    /// The setting.
+    pub setting: Setting,
+    /// Tolerance of its solves.
+    pub tolerance: f64,
+    /// Whether its limit is one of vanishing steps too.
+    pub without_step_error: bool,
+    /// Relative change that is still to come after the end of its run, where its flow may become steady.
+    pub still_to_come: Option<f64>,
+    /// Cells that the thinnest boundary layer of such a flow has, where it is measured.
+    pub boundary_layer: Option<f64>,
 }
 
 /// A limit of vanishing spacing.
@@ -48,22 +64,32 @@ impl Reference {
         Reference { uncertainty: options.uncertainty / metric.scale(&values), values, source }
     }
 
-    /// The limit of the finest setting, which solves to a tolerance, with what modes, tolerance and step still change there;
-    /// all of it counts as uncertain.
-    pub fn extrapolated(finest: &Setting, tolerance: f64, limit: &Limit, sensitivity: &Sensitivity, metric: &Metric) -> Reference {
+    /// The limit of the finest setting, which solves to a tolerance, with what modes, tolerance, step and more time still change there;
+    /// all of it counts as uncertain. In a limit of vanishing steps nothing is left for shorter ones to change.
+    pub fn extrapolated(finest: &Finest, limit: &Limit, sensitivity: &Sensitivity, metric: &Metric) -> Reference {
         let mut values = limit.values.clone();
-        let mut uncertainty = limit.uncertainty + tolerance;
+        let unresolved = finest.boundary_layer.map_or(0.0, unresolved);
+        let mut uncertainty = limit.uncertainty.max(unresolved) + finest.tolerance;
         let mut also = Vec::new();
+        if unresolved > limit.uncertainty {
+            also.push(format!("boundary layer {}", percent(unresolved)));
+        }
         for parameter in sensitivity.parameters.iter().filter(|parameter| parameter.name != "grid") {
             let Some(change) = parameter.change else { continue };
-            values.iter_mut().zip(&parameter.changes).for_each(|(value, change)| *value += change);
+            if !(parameter.name == "step" && finest.without_step_error) {
+                values.iter_mut().zip(&parameter.changes).for_each(|(value, change)| *value += change);
+            }
             uncertainty += change.abs();
             also.push(format!("{} {}", parameter.name, percent(change)));
+        }
+        if let Some(to_come) = finest.still_to_come {
+            uncertainty += to_come;
+            also.push(format!("time {}", percent(to_come)));
         }
         let off = uncertainty * metric.scale(&values);
         let shown = if let [value] = values[..] { format!("{value:.6} +- {off:.2e}") } else { "the limit".into() };
         let also = if also.is_empty() { String::new() } else { format!("; what else it may be off by: {}", also.join(", ")) };
-        let (method, words, order) = (&finest.method, finest.words(), limit.order);
+        let (method, words, order) = (&finest.setting.method, finest.setting.words(), limit.order);
         let source = format!("{shown} ({}), extrapolated from {method} up to {words} with order {order:.1}{also}", percent(uncertainty));
         Reference { values, uncertainty, source }
     }
@@ -72,7 +98,8 @@ impl Reference {
 impl Limit {
     /// Of runs on ever finer grids, from the last three if there are so many; nothing if there are not two.
     ///
-    /// The order is the observed one, if it is near to what is predicted. With it each pair of grids predicts what is left on
+    /// The order is the observed one, if it is near to what is predicted; with inertia, where errors depend on how bodies lie on the grid, if it is no higher.
+    /// With it each pair of grids predicts what is left on
     /// the finest one, and the larger prediction counts as uncertain, because two grids may agree by chance.
     pub fn of(runs: &[&Measured], metric: &Metric, predicted: f64) -> Option<Limit> {
         let [.., middle, finest] = runs else { return None };
@@ -87,7 +114,8 @@ impl Limit {
             let ratio = distance(coarse, middle) / distance(middle, finest);
             observed([coarse.spacing, middle.spacing, finest.spacing], ratio)
         });
-        let order = order.filter(|order| (BELIEVED[0] * predicted..=BELIEVED[1] * predicted).contains(order)).unwrap_or(predicted);
+        let most = if metric.properties.inertia { 1.0 } else { BELIEVED[1] };
+        let order = order.filter(|order| (BELIEVED[0] * predicted..=most * predicted).contains(order)).unwrap_or(predicted);
         let left = |coarser: f64, finer: f64| finest.spacing.powf(order) / (coarser.powf(order) - finer.powf(order));
         let factor = left(middle.spacing, finest.spacing);
         let values = finest.values.iter().zip(&middle_values).map(|(finest, middle)| finest + factor * (finest - middle)).collect();
@@ -122,9 +150,8 @@ mod tests {
 
     fn limit(value: impl Fn(f64) -> f64, spacings: &[f64], predicted: f64) -> Option<Limit> {
         let runs: Vec<Measured> = spacings.iter().map(|&spacing| run(spacing, value(spacing))).collect();
-        let properties =
-            SceneProperties { dimension: 2, radius: Some(1.0), held: vec![true], periods: vec![None; 2], modes: None, volume: 1.0 };
-        let metric = Metric { quantity: Quantity { kind: QuantityKind::Drag, body: None, probe: None }, properties };
+        let quantity = Quantity { kind: QuantityKind::Drag, body: None, probe: None };
+        let metric = Metric { quantity, properties: SceneProperties::default() };
         Limit::of(&runs.iter().collect::<Vec<_>>(), &metric, predicted)
     }
 

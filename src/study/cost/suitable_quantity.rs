@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
-    scene::{Drive, Scene},
+    scene::{Drive, FlowModel, Scene},
 };
 
 /// Points along each axis of a lattice for fields, in 2D and 3D.
@@ -50,7 +50,8 @@ impl SceneProperties {
             _ if scene.scalar() => QuantityKind::Value,
             _ if self.held.is_empty() => QuantityKind::Field,
             Some(Drive::ShearRate(_) | Drive::ShearedBox(_)) if !self.held.contains(&true) => QuantityKind::Viscosity,
-            _ if scene.time.is_some() => QuantityKind::Position,
+            drive if self.steady && has_resistance(drive.as_ref()) => QuantityKind::Resistance,
+            _ if scene.time.is_some() && !self.all_held() => QuantityKind::Position,
             _ if self.held.contains(&true) => QuantityKind::Drag,
             _ => QuantityKind::Velocity,
         }
@@ -62,18 +63,39 @@ impl SceneProperties {
             return Err(Error::refused(format!("--quantity {word}: must be one of {names}")));
         };
         let refuse = |reason: &str| Err(Error::refused(format!("--quantity {word}: {reason}")));
+        let drive = scene.flow.drive.as_ref();
         match kind {
             QuantityKind::Value | QuantityKind::Energy if !scene.scalar() => refuse("belongs to scenes with flow.model = \"scalar\""),
-            QuantityKind::Drag | QuantityKind::Viscosity | QuantityKind::Velocity | QuantityKind::Position if scene.scalar() => {
-                refuse("a scalar has no flow; choose value, energy, field or gradient")
+            kind if scene.scalar() && kind.of_flow() => refuse("a scalar has no flow; choose value, energy, field or gradient"),
+            QuantityKind::Resistance if !has_resistance(drive) => refuse(
+                "is that of a flow with flow.drive = { mean_velocity = [..] } or { pressure_gradient = [..] } other than zero; choose drag",
+            ),
+            QuantityKind::MeanVelocity if !matches!(drive, Some(Drive::PressureGradient(_) | Drive::BodyForce(_))) => {
+                refuse("answers to flow.drive = { pressure_gradient = [..] } or { body_force = [..] }; choose resistance, drag or velocity")
+            }
+            QuantityKind::Reynolds if scene.flow.model != FlowModel::NavierStokes => {
+                refuse("belongs to scenes with flow.model = \"navier-stokes\"; choose velocity")
+            }
+            QuantityKind::Reynolds | QuantityKind::Velocity | QuantityKind::Position if self.all_held() => {
+                refuse("no body is free; choose drag")
             }
             QuantityKind::Drag if !self.held.contains(&true) => refuse("no body is held; choose velocity"),
             QuantityKind::Position if scene.time.is_none() => {
                 refuse("nothing moves at an instant; add [time] to the scene or choose velocity")
             }
-            _ if kind.of_bodies() && self.held.is_empty() => refuse("there are no bodies; choose field"),
+            _ if (kind.of_bodies() || kind == QuantityKind::Reynolds) && self.held.is_empty() => {
+                refuse("there are no bodies; choose field")
+            }
             kind => Ok(kind),
         }
+    }
+}
+
+/// Whether a drive makes a flow whose pressure gradient and mean velocity are not zero.
+fn has_resistance(drive: Option<&Drive>) -> bool {
+    match drive {
+        Some(Drive::MeanVelocity(vector) | Drive::PressureGradient(vector)) => vector.iter().any(|component| *component != 0.0),
+        _ => false,
     }
 }
 
@@ -126,6 +148,9 @@ mod tests {
         assert_eq!(chosen("[flow]\ndrive = { shear_rate = 1 }\n", &default), Ok(QuantityKind::Viscosity));
         assert_eq!(chosen("force = [1.0, 0.0]\n", &default), Ok(QuantityKind::Velocity));
         assert_eq!(chosen("force = [1.0, 0.0]\n[time]\nend = 1\n", &default), Ok(QuantityKind::Position));
+        let inertia = |drive: &str| format!("motion = \"fixed\"\n[flow]\nmodel = \"navier-stokes\"\ndensity = 1\n{drive}[time]\nend = 1\n");
+        assert_eq!(chosen(&inertia("drive = { mean_velocity = [1, 0] }\n"), &default), Ok(QuantityKind::Resistance));
+        assert_eq!(chosen(&inertia("drive = { mean_velocity = [0, 0] }\n"), &default), Ok(QuantityKind::Drag));
     }
 
     #[test]
@@ -135,6 +160,11 @@ mod tests {
         assert!(chosen("", &asked("weight", None)).unwrap_err().starts_with("--quantity weight: must be one of drag, viscosity"));
         assert!(chosen("", &asked("position", None)).unwrap_err().contains("nothing moves at an instant"));
         assert!(chosen("", &asked("value", None)).unwrap_err().contains("flow.model = \"scalar\""));
+        assert!(chosen("", &asked("resistance", None)).unwrap_err().contains("other than zero; choose drag"));
+        assert!(chosen("", &asked("mean-velocity", None)).unwrap_err().contains("answers to flow.drive"));
+        assert!(chosen("", &asked("reynolds", None)).unwrap_err().contains("flow.model = \"navier-stokes\"; choose velocity"));
+        let held = chosen("motion = \"fixed\"\n", &asked("velocity", None));
+        assert_eq!(held, Err("--quantity velocity: no body is free; choose drag".into()));
         assert_eq!(chosen("", &asked("velocity", Some(1))), Err("--body 1: must be below the number of bodies, 1".into()));
         assert!(chosen("", &asked("field", Some(0))).unwrap_err().contains("leave the flag out"));
     }

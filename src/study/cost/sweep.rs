@@ -107,10 +107,14 @@ impl Sweep<'_> {
         Setting { step, ..setting.clone() }
     }
 
-    /// Whether a run beside the sequences costs neither more than the budget nor more than the sequences did.
+    /// Whether a run beside the sequences costs neither more than the budget nor more than the sequences did, or twice that for a step of its own
+    /// where those of the sequences followed the grid: only such a run tells the errors of grid and steps apart.
     pub fn affordable(&self, setting: &Setting) -> bool {
-        let spent = self.runs().map(|(_, run)| run.wall_seconds).sum();
-        self.store.find(setting).is_some() || self.predicted(setting).is_some_and(|seconds| seconds <= self.options.seconds().min(spent))
+        let own_step =
+            matches!(setting.step, Some(TimeStep::Step(_))) && TimeStep::of(self.scene).is_some_and(|step| step.follows_grid(self.scene));
+        let spent: f64 = self.runs().map(|(_, run)| run.wall_seconds).sum();
+        let most = self.options.seconds().min(if own_step { 2.0 * spent } else { spent });
+        self.store.find(setting).is_some() || self.predicted(setting).is_some_and(|seconds| seconds <= most)
     }
 
     /// The runs of the sequences so far.

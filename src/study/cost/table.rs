@@ -13,7 +13,7 @@ pub fn settings(findings: &Findings) -> Vec<Row<'_>> {
     let swept = findings.points.iter().any(|point| point.setting.tolerance.is_some());
     let row = |point| {
         let mut row = cells(point, findings);
-        row.retain(|(head, _)| (*head != "tolerance" || swept) && (*head != "step" || in_time));
+        row.retain(|(head, _)| (*head != "tolerance" || swept) && (!["step", "steps"].contains(head) || in_time));
         row
     };
     findings.points.iter().map(row).collect()
@@ -29,6 +29,7 @@ fn cells<'a>(point: &Point, findings: &Findings) -> Row<'a> {
         ("modes", point.modes().map_or_else(none, |modes| modes.to_string())),
         ("tolerance", setting.tolerance.map_or_else(none, |tolerance| format!("{tolerance:.0e}"))),
         ("step", setting.step.map_or_else(none, |step| step.length().to_string())),
+        ("steps", of(|run| run.steps.to_string())),
         ("unknowns", of(|run| thousands(run.unknowns))),
         ("iterations", of(|run| format!("{:.0}", run.iterations))),
         ("set-up s", of(|run| seconds(run.setup_seconds))),
@@ -50,6 +51,7 @@ pub fn numbers(findings: &Findings) -> Vec<Row<'static>> {
             ("modes", number(point.modes())),
             ("tolerance", number(point.setting.tolerance)),
             ("step", number(point.setting.step.map(|step| step.length()))),
+            ("steps", number(point.measured.as_ref().map(|run| run.steps))),
             ("unknowns", of(|run| run.unknowns)),
             ("iterations", of(|run| run.iterations)),
             ("setup_seconds", of(|run| run.setup_seconds)),
@@ -57,6 +59,8 @@ pub fn numbers(findings: &Findings) -> Vec<Row<'static>> {
             ("memory_bytes", of(|run| run.memory_bytes)),
             ("value", number(point.value)),
             ("error", number(point.error)),
+            ("still_to_come", number(point.measured.as_ref().and_then(|run| run.still_to_come))),
+            ("boundary_layer", number(point.measured.as_ref().and_then(|run| run.boundary_layer))),
             ("within_uncertainty", point.within_uncertainty.to_string()),
             ("remark", quoted(point.remark.as_deref().unwrap_or_default())),
         ]
