@@ -76,12 +76,12 @@ impl SceneProperties {
             QuantityKind::Reynolds if scene.flow.model != FlowModel::NavierStokes => {
                 refuse("belongs to scenes with flow.model = \"navier-stokes\"; choose velocity")
             }
-            QuantityKind::Reynolds | QuantityKind::Velocity | QuantityKind::Position if self.all_held() => {
-                refuse("no body is free; choose drag")
-            }
             QuantityKind::Drag if !self.held.contains(&true) => refuse("no body is held; choose velocity"),
             QuantityKind::Position if scene.time.is_none() => {
                 refuse("nothing moves at an instant; add [time] to the scene or choose velocity")
+            }
+            QuantityKind::Reynolds | QuantityKind::Velocity | QuantityKind::Position if self.all_held() => {
+                refuse("no body is free; choose drag")
             }
             _ if (kind.of_bodies() || kind == QuantityKind::Reynolds) && self.held.is_empty() => {
                 refuse("there are no bodies; choose field")

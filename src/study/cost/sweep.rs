@@ -23,6 +23,9 @@ use crate::{
 /// How seconds grow with the cells of a grid, at least and at most: in proportion, or with the iterations of a solver that feels the grid.
 const GROWTH: [f64; 2] = [0.0, 2.0];
 
+/// Seconds that a run beside the sequences may always take.
+const NEGLIGIBLE: f64 = 5.0;
+
 /// The runs of a study.
 pub struct Sweep<'a> {
     /// What was asked for.
@@ -107,12 +110,12 @@ impl Sweep<'_> {
         Setting { step, ..setting.clone() }
     }
 
-    /// Whether a run beside the sequences costs neither more than the budget nor more than the sequences did, or twice that for a step of its own
+    /// Whether a run beside the sequences costs neither more than the budget nor more than the sequences did and a few seconds, or twice that for a step of its own
     /// where those of the sequences followed the grid: only such a run tells the errors of grid and steps apart.
     pub fn affordable(&self, setting: &Setting) -> bool {
         let own_step =
             matches!(setting.step, Some(TimeStep::Step(_))) && TimeStep::of(self.scene).is_some_and(|step| step.follows_grid(self.scene));
-        let spent: f64 = self.runs().map(|(_, run)| run.wall_seconds).sum();
+        let spent = self.runs().map(|(_, run)| run.wall_seconds).sum::<f64>().max(NEGLIGIBLE);
         let most = self.options.seconds().min(if own_step { 2.0 * spent } else { spent });
         self.store.find(setting).is_some() || self.predicted(setting).is_some_and(|seconds| seconds <= most)
     }
