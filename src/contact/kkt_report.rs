@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use super::{Contact, ContactForce, Problem, Solver, View, island::free_body, paths::Path};
+use super::{Contact, ContactForce, Problem, Solver, View, friction_report::FrictionReport, island::free_body, paths::Path};
 use crate::linalg::CANCELLATION;
 use crate::{geometry::Ball, parallel::Peers};
 
@@ -31,6 +31,8 @@ pub struct KktReport {
     pub rounds: usize,
     /// Most contacts of an island that one rank solved.
     pub largest_island: usize,
+    /// How well friction was kept, where there is any.
+    pub friction: Option<FrictionReport>,
 }
 
 impl KktReport {
@@ -49,6 +51,7 @@ impl KktReport {
             islands: 0,
             rounds: 0,
             largest_island: 0,
+            friction: None,
         }
     }
 
@@ -96,6 +99,7 @@ pub(super) fn certify<const D: usize>(
         islands: sums[3] as usize,
         rounds: 0,
         largest_island: 0,
+        friction: None,
     }
 }
 
