@@ -3,9 +3,9 @@
 //! Bodies are listed by their numbers among all of the run, so that any two of them stand in the same order on every rank, and what is
 //! computed of a pair is the same to the last bit wherever it is computed.
 
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
-use super::Regions;
+use super::{Regions, Twist, components, skew};
 use crate::{
     geometry::{Ball, Bounds, Domain},
     parallel::{Peers, Routes},
@@ -152,6 +152,22 @@ impl Halo {
     /// Vectors of all bodies that are seen, from those of the own ones. Collective.
     pub fn spread_vectors<const D: usize>(&self, peers: Peers, own: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
         self.spread_rows::<D>(peers, |body| own[body].into()).into_iter().map(SVector::from).collect()
+    }
+
+    /// Motions of all bodies that are seen, from velocities and spins of the own ones. Collective.
+    pub fn spread_twists<const D: usize>(
+        &self,
+        peers: Peers,
+        velocities: &[SVector<f64, D>],
+        spins: &[SMatrix<f64, D, D>],
+    ) -> Vec<Twist<D>> {
+        let velocities = self.spread_vectors(peers, velocities);
+        let spins = self.spread_rows::<3>(peers, |body| {
+            let mut row = [0.0; 3];
+            row.iter_mut().zip(components(&spins[body])).for_each(|(entry, component)| *entry = component);
+            row
+        });
+        velocities.into_iter().zip(spins).map(|(velocity, spin)| Twist { velocity, spin: skew(&spin) }).collect()
     }
 
     /// All bodies that are seen as balls, from the own ones. Collective.

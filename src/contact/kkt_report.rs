@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use super::{Contact, ContactForce, Problem, Solver, View, island::free_body, paths::Path};
+use super::{Contact, ContactForce, Problem, Solver, View, friction_report::FrictionReport, island::free_body, paths::Path};
 use crate::{geometry::Ball, linalg::CANCELLATION, parallel::Peers};
 
 /// How good a projection is, and what it cost.
@@ -30,6 +30,8 @@ pub struct KktReport {
     pub rounds: usize,
     /// Most contacts of an island that one rank solved.
     pub largest_island: usize,
+    /// How well friction was kept, where there is any.
+    pub friction: Option<FrictionReport>,
 }
 
 impl KktReport {
@@ -48,6 +50,7 @@ impl KktReport {
             islands: 0,
             rounds: 0,
             largest_island: 0,
+            friction: None,
         }
     }
 
@@ -95,6 +98,7 @@ pub(super) fn certify<const D: usize>(
         islands: sums[3] as usize,
         rounds: 0,
         largest_island: 0,
+        friction: None,
     }
 }
 

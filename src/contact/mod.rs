@@ -1,4 +1,4 @@
-//! Contact without friction. Inelastic: velocities are projected on those that let nothing overlap,
+//! Contact. Inelastic and without friction: velocities are projected on those that let nothing overlap,
 //!
 //! `min 1/2 sum_i w_i |v_i - wanted_i|^2` subject to `gap + dt n . (v_partner - v_body) >= 0` for each
 //! [`Contact`] (Moreau 1988; Maury 2006, doi:10.1007/s00211-005-0666-6). The multipliers are the contact
@@ -16,7 +16,7 @@
 //! an island that press, each of which a cheap method has started, by dense equations or an interior point. If it
 //! stalls the sure one follows, and if that fails too the step is an [error](crate::error::Error::Contact) that carries the [`Island`].
 //!
-//! This module knows balls, walls and weights. It does not know what the weights mean (mass, resistance),
+//! Coulomb friction of dry bodies is in a folder of its own. All else here knows balls, walls and weights, and not what the weights mean (mass, resistance),
 //! nor fluid, friction or torque: balls touch along the line of their centres.
 
 mod adhesive;
@@ -24,6 +24,8 @@ mod candidates;
 mod distribute;
 mod failure;
 mod force;
+mod friction;
+mod friction_report;
 mod given;
 mod identity;
 mod identity_hash;
@@ -49,6 +51,8 @@ mod tests;
 pub use adhesive::AdhesiveContact;
 pub use candidates::{Contact, candidates};
 pub use force::{ContactForce, pushes};
+pub use friction::{FrictionProjection, FrictionShare, TangentialForce, project_with_friction};
+pub use friction_report::FrictionReport;
 pub use given::{GivenPaths, Meeting};
 pub use identity::{Identity, Partner, bodies_of, pack, packed_length, renamed, unpack};
 pub use kkt_report::KktReport;

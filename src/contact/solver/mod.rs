@@ -3,6 +3,7 @@
 //! Both end in an active set and are held to the same tolerance.
 
 mod active_set;
+pub mod block_lu;
 mod cholesky;
 pub mod clarabel;
 mod dense_part;

@@ -9,7 +9,7 @@ use super::order::{NONE, Order};
 const JOINED: [(usize, f64); 4] = [(4, 1.0), (12, 0.4), (32, 0.15), (usize::MAX, 0.05)];
 
 /// A constraint in a front.
-pub(super) struct Element {
+pub struct Element {
     /// The constraint.
     pub constraint: usize,
     /// Where its first and its last body are in the front, counted in bodies; the same if it has one.
@@ -24,7 +24,7 @@ impl Element {
 }
 
 /// Bodies that are eliminated together.
-pub(super) struct Front {
+pub struct Front {
     /// The bodies, in the order of elimination.
     pub columns: Range<usize>,
     /// Those after them that they are coupled to.
@@ -53,7 +53,7 @@ impl Front {
 }
 
 /// The fronts in the order of elimination, for bodies of so many unknowns.
-pub(super) fn fronts(order: &Order, touches: &[[usize; 2]], width: usize) -> Vec<Front> {
+pub fn fronts(order: &Order, touches: &[[usize; 2]], width: usize) -> Vec<Front> {
     let groups = groups(order);
     let mut owners = vec![0; order.bodies.len()];
     groups.iter().enumerate().for_each(|(number, columns)| owners[columns.clone()].fill(number));

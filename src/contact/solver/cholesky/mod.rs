@@ -11,7 +11,10 @@ mod order;
 
 use self::{
     dense::{eliminate, subtract},
-    fronts::{Element, Front, fronts},
+    fronts::Element,
+};
+pub use self::{
+    fronts::{Front, fronts},
     order::Order,
 };
 use super::program::Program;

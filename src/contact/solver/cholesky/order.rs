@@ -4,7 +4,7 @@
 pub(super) const NONE: usize = usize::MAX;
 
 /// The order of elimination, and what bodies, numbered in it, have to do with each other.
-pub(super) struct Order {
+pub struct Order {
     /// The bodies in this order.
     pub bodies: Vec<usize>,
     /// The place of each body in it.

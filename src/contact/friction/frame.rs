@@ -1,0 +1,132 @@
+//! Directions of a contact, and how bodies move there.
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::{
+    body::{Twist, planes},
+    contact::{Contact, Partner},
+    geometry::{Axis, Ball, Domain},
+};
+
+/// Where the axis that makes the first tangent is not used: too near to the normal.
+const OBLIQUE: f64 = 0.6;
+
+/// The directions of a contact, normal first, and how far from the centres its bodies touch.
+pub struct Frame<const D: usize> {
+    /// Orthonormal: the normal from the body to the partner, then tangents.
+    pub axes: [SVector<f64, D>; D],
+    /// Distances of the point of contact from the centre of the body and from that of the partner; their sum is the distance of the centres, so that a
+    /// rigid rotation of a pair does not slip.
+    pub arms: [f64; 2],
+}
+
+impl<const D: usize> Frame<D> {
+    /// That of a contact.
+    pub fn new(contact: &Contact<D>, balls: &[Ball<D>]) -> Frame<D> {
+        let own = balls[contact.body].radius;
+        let arms = contact.other().map_or([contact.separation, 0.0], |other| {
+            let whole = own + balls[other].radius;
+            [own, balls[other].radius].map(|radius| radius * contact.separation / whole)
+        });
+        Frame { axes: axes(&contact.normal), arms }
+    }
+
+    /// Components of a vector.
+    pub fn components(&self, vector: &SVector<f64, D>) -> [f64; D] {
+        std::array::from_fn(|axis| self.axes[axis].dot(vector))
+    }
+
+    /// The tangential vector of these components.
+    pub fn tangential(&self, components: &[f64; D]) -> SVector<f64, D> {
+        (1..D).map(|axis| self.axes[axis] * components[axis]).sum()
+    }
+
+    /// The velocity of the partner's surface relative to the body's.
+    pub fn slip(&self, (domain, contact): (&Domain<D>, &Contact<D>), twists: &[Twist<D>]) -> SVector<f64, D> {
+        let normal = &contact.normal;
+        let own = twists[contact.body].at(&(normal * self.arms[0]));
+        let partner = match contact.partner {
+            Partner::Body(other) => twists[other].at(&(-normal * self.arms[1])) + contact.sliding,
+            Partner::Wall { axis, upper } => wall_velocity(domain, axis, upper),
+        };
+        partner - own
+    }
+
+    /// What the spin of a body, component by component, adds along a tangent where it is an arm of one from its centre.
+    pub fn turning(&self, tangent: usize) -> impl Iterator<Item = f64> {
+        let (normal, along) = (self.axes[0], self.axes[tangent]);
+        planes::<D>().iter().map(move |&(row, column)| along[row] * normal[column] - along[column] * normal[row])
+    }
+
+    /// The change of spin, over the inverse of inertia, by a tangential impulse on the surface at an arm along the normal.
+    pub fn torque(&self, impulse: &SVector<f64, D>, arm: f64) -> SMatrix<f64, D, D> {
+        let lever = self.axes[0] * arm;
+        // of a skew matrix the entries (row, column) are force times lever minus its transpose
+        impulse * lever.transpose() - lever * impulse.transpose()
+    }
+}
+
+fn wall_velocity<const D: usize>(domain: &Domain<D>, axis: usize, is_upper: bool) -> SVector<f64, D> {
+    match &domain.axes[axis] {
+        Axis::Walls { lower, upper } => {
+            if is_upper {
+                *upper
+            } else {
+                *lower
+            }
+        }
+        _ => SVector::zeros(),
+    }
+}
+
+fn axes<const D: usize>(normal: &SVector<f64, D>) -> [SVector<f64, D>; D] {
+    let mut axes = [*normal; D];
+    if D == 2 {
+        axes[1] = SVector::from_fn(|axis, _| if axis == 0 { -normal[1] } else { normal[0] });
+        return axes;
+    }
+    let along = usize::from(normal[0].abs() >= OBLIQUE);
+    axes[1] = cross(normal, &SVector::from_fn(|axis, _| f64::from(axis == along))).normalize();
+    axes[2] = cross(normal, &axes[1]);
+    axes
+}
+
+/// The vector product, in three dimensions.
+fn cross<const D: usize>(one: &SVector<f64, D>, two: &SVector<f64, D>) -> SVector<f64, D> {
+    SVector::from_fn(|axis, _| one[(axis + 1) % D] * two[(axis + 2) % D] - one[(axis + 2) % D] * two[(axis + 1) % D])
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::body::{components, skew};
+
+    #[test]
+    fn a_rigid_rotation_of_a_pair_across_a_gap_does_not_slip_and_the_torques_of_a_force_balance() {
+        let domain = Domain { size: [20.0; 3].into(), axes: [Axis::Periodic; 3] };
+        let (normal, radii) = (Vector3::new(0.5, -0.3, 0.8).normalize(), [1.0, 0.6]);
+        let centers = [Vector3::new(5.0, 5.0, 5.0), Vector3::new(5.0, 5.0, 5.0) + normal * 1.9];
+        let balls: Vec<Ball<3>> = centers.iter().zip(radii).map(|(&center, radius)| Ball { center, radius }).collect();
+        let contact = Contact::between(&domain, &balls, [0, 1], centers[1] - centers[0]);
+        let frame = Frame::new(&contact, &balls);
+        assert!((frame.arms[0] + frame.arms[1] - contact.separation).abs() < 1e-15);
+        let spin = skew(&[0.3, -0.2, 0.9]);
+        let twists = centers.map(|center| Twist { velocity: spin * center, spin });
+        assert!(frame.slip((&domain, &contact), &twists).norm() < 1e-14);
+        let impulse = frame.axes[1] * 0.7 - frame.axes[2] * 0.4;
+        // on the partner the lever points against the normal
+        let torques = frame.torque(&-impulse, frame.arms[0]) + frame.torque(&impulse, -frame.arms[1]);
+        let of_forces = skew::<3>((centers[1] - centers[0]).cross(&impulse).as_slice());
+        assert!((torques + of_forces).norm() < 1e-14);
+        for (tangent, axis) in [(1, 0), (2, 2)] {
+            let one = frame.turning(tangent).nth(axis).unwrap();
+            let mut unit = [0.0; 3];
+            unit[axis] = 1.0;
+            assert!((one - frame.axes[tangent].dot(&(skew::<3>(&unit) * normal))).abs() < 1e-15);
+            let torque = components(&frame.torque(&frame.axes[tangent], 1.0))[axis];
+            assert!((torque - one).abs() < 1e-15, "power is the same by rates and by torques");
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! Islands with friction shared out among the ranks: each is solved on the rank that owns its first body. Everything here is collective.
+
+use std::collections::BTreeMap;
+
+use nalgebra::SVector;
+
+use super::{FrictionShare, cone::TOLERANCE, exact::solve_exactly, frame::Frame, program::FrictionIsland};
+use crate::{
+    body::{Twist, components, skew},
+    contact::{Contact, Identity, ProblemShare, View, island::free_body, pack, packed_length, renamed, unpack},
+    geometry::{Ball, Domain},
+    parallel::Peers,
+};
+
+/// The force of a contact as it was found.
+#[derive(Clone, Copy)]
+pub struct Held<const D: usize> {
+    /// Force on the partner, as a vector in space.
+    pub force: SVector<f64, D>,
+    /// Whether its island was solved to the tolerance.
+    pub is_solved: bool,
+}
+
+/// Forces by contact, of bodies by number.
+pub type Forces<const D: usize> = BTreeMap<Identity<D>, Held<D>>;
+
+/// What solving the islands of a rank took.
+#[derive(Default, Clone, Copy)]
+pub struct Cost {
+    /// Most sweeps.
+    pub sweeps: usize,
+    /// Most iterations.
+    pub iterations: usize,
+}
+
+/// A body as it travels.
+#[derive(Clone, Copy)]
+struct Traveller<const D: usize> {
+    owner: usize,
+    ball: Ball<D>,
+    mass: [f64; 2],
+    twist: Twist<D>,
+}
+
+/// An island as the rank that solves it has it.
+struct Gathered<const D: usize> {
+    bodies: BTreeMap<usize, Traveller<D>>,
+    /// Contacts with a guess of the force of each.
+    contacts: BTreeMap<Identity<D>, SVector<f64, D>>,
+}
+
+/// What a rank sees of bodies and contacts whose friction is solved.
+pub struct Shared<'a, const D: usize> {
+    /// The ranks.
+    pub peers: Peers<'a>,
+    /// What is seen.
+    pub view: &'a View<D>,
+    /// The problem of the own bodies.
+    pub share: &'a ProblemShare<'a, D>,
+    /// Masses and moments of inertia of the bodies that are seen.
+    pub masses: &'a [[f64; 2]],
+    /// Their motions wanted.
+    pub twists: &'a [Twist<D>],
+    /// All contacts of own bodies, of bodies by place, by identity.
+    pub contacts: &'a [Contact<D>],
+}
+
+impl<const D: usize> Shared<'_, D> {
+    /// The forces of all contacts of own bodies, from a guess.
+    pub fn solve(&self, friction: &FrictionShare<D>, guess: &dyn Fn(&Identity<D>) -> SVector<f64, D>) -> (Forces<D>, Cost) {
+        let (domain, step) = (self.share.problem.domain, self.share.problem.step);
+        let mut letters = vec![Vec::new(); self.peers.count()];
+        let mut cost = Cost::default();
+        for island in self.gather(guess).values() {
+            let found = if D == 2 {
+                island.solve::<3>(domain, step, friction.coefficient, &mut cost)
+            } else {
+                island.solve::<6>(domain, step, friction.coefficient, &mut cost)
+            };
+            for (identity, held) in found {
+                let mut owners: Vec<usize> = crate::contact::bodies_of(identity).map(|body| island.bodies[&body].owner).collect();
+                owners.dedup();
+                owners.into_iter().for_each(|owner| write(identity, &held.force, f64::from(held.is_solved), &mut letters[owner]));
+            }
+        }
+        let read = |numbers: &[f64]| {
+            let (identity, force, is_solved) = read(numbers);
+            (identity, Held { force, is_solved: is_solved == 1.0 })
+        };
+        let forces = self.peers.deliver(&letters).chunks(record::<D>()).map(read).collect();
+        let most = |count: usize| self.peers.max(count as f64) as usize;
+        (forces, Cost { sweeps: most(cost.sweeps), iterations: most(cost.iterations) })
+    }
+
+    /// The islands of which this rank owns the first body that gives way.
+    fn gather(&self, guess: &dyn Fn(&Identity<D>) -> SVector<f64, D>) -> BTreeMap<u64, Gathered<D>> {
+        let homes = self.homes();
+        let mut letters = vec![Vec::new(); self.peers.count()];
+        for contact in self.contacts.iter().filter(|contact| self.view.answers(contact.identity())) {
+            let home = homes[free_body(&self.view.problem(&self.share.problem), contact)];
+            let letter = &mut letters[(home % self.peers.count() as u64) as usize];
+            let identity = self.view.identity(contact);
+            write(identity, &guess(&identity), home as f64, letter);
+            [contact.body, contact.other().unwrap_or(contact.body)].into_iter().for_each(|body| self.write_body(body, letter));
+        }
+        let mut islands: BTreeMap<u64, Gathered<D>> = BTreeMap::new();
+        let (contact, body) = (record::<D>(), Traveller::<D>::LENGTH);
+        for numbers in self.peers.deliver(&letters).chunks(contact + 2 * body) {
+            let (identity, guess, home) = read(&numbers[..contact]);
+            let island = islands.entry(home as u64).or_insert_with(|| Gathered { bodies: BTreeMap::new(), contacts: BTreeMap::new() });
+            island.contacts.insert(identity, guess);
+            island.bodies.extend(numbers[contact..].chunks(body).map(Traveller::read));
+        }
+        islands
+    }
+
+    /// For each body that gives way the number of the first body of its island, times the number of ranks, plus the rank that owns it.
+    fn homes(&self) -> Vec<u64> {
+        let (view, count) = (self.view, self.peers.count());
+        let name = |body: usize| (view.halo.numbers()[body] * count + view.halo.owner(body)) as f64;
+        let mut homes: Vec<f64> = (0..view.halo.len()).map(name).collect();
+        view.spread_least(self.peers, &mut view.sets(self.contacts), &mut homes);
+        homes.into_iter().map(|home| home as u64).collect()
+    }
+
+    fn write_body(&self, body: usize, letter: &mut Vec<f64>) {
+        let (ball, twist) = (&self.view.balls[body], &self.twists[body]);
+        letter.extend([self.view.halo.numbers()[body] as f64, self.view.halo.owner(body) as f64, ball.radius]);
+        letter.extend(self.masses[body]);
+        letter.extend(ball.center.iter().chain(twist.velocity.iter()));
+        letter.extend(components(&twist.spin));
+    }
+}
+
+/// How many numbers [`write`] makes.
+const fn record<const D: usize>() -> usize {
+    packed_length::<D>() + D
+}
+
+fn write<const D: usize>(identity: Identity<D>, vector: &SVector<f64, D>, number: f64, letter: &mut Vec<f64>) {
+    letter.extend(pack(identity, number));
+    letter.extend(vector.iter());
+}
+
+fn read<const D: usize>(numbers: &[f64]) -> (Identity<D>, SVector<f64, D>, f64) {
+    let (identity, number) = unpack(&numbers[..packed_length::<D>()]);
+    (identity, SVector::from_column_slice(&numbers[packed_length::<D>()..]), number)
+}
+
+impl<const D: usize> Traveller<D> {
+    /// How many numbers a body takes, with its own.
+    const LENGTH: usize = 5 + 2 * D + D * (D - 1) / 2;
+
+    fn read(numbers: &[f64]) -> (usize, Traveller<D>) {
+        let (center, motion) = numbers[5..].split_at(D);
+        let twist = Twist { velocity: SVector::from_column_slice(&motion[..D]), spin: skew::<D>(&motion[D..]) };
+        let ball = Ball { center: SVector::from_column_slice(center), radius: numbers[2] };
+        (numbers[0] as usize, Traveller { owner: numbers[1] as usize, ball, mass: [numbers[3], numbers[4]], twist })
+    }
+}
+
+impl<const D: usize> Gathered<D> {
+    fn solve<const W: usize>(&self, domain: &Domain<D>, step: f64, coefficient: f64, cost: &mut Cost) -> Vec<(Identity<D>, Held<D>)> {
+        let numbers: Vec<usize> = self.bodies.keys().copied().collect();
+        let balls: Vec<Ball<D>> = self.bodies.values().map(|body| body.ball).collect();
+        let masses: Vec<[f64; 2]> = self.bodies.values().map(|body| body.mass).collect();
+        let twists: Vec<Twist<D>> = self.bodies.values().map(|body| body.twist).collect();
+        let place = |number: usize| numbers.binary_search(&number).expect("both bodies came with a contact");
+        let again = |&identity: &Identity<D>| Contact::again(domain, &balls, renamed(identity, place));
+        let contacts: Vec<Contact<D>> = self.contacts.keys().map(again).collect();
+        let frames: Vec<Frame<D>> = contacts.iter().map(|contact| Frame::new(contact, &balls)).collect();
+        let island = FrictionIsland { domain, balls: &balls, masses: &masses, twists: &twists, step, coefficient, contacts: &contacts };
+        let program = island.program::<W>();
+        let guess = program.links.iter().zip(&frames).zip(self.contacts.values()).map(|((link, frame), force)| {
+            let force = frame.components(force);
+            std::array::from_fn(|axis| force[axis] * step * link.norms[axis])
+        });
+        let found = solve_exactly(&program, guess.collect());
+        (cost.sweeps, cost.iterations) = (cost.sweeps.max(found.sweeps), cost.iterations.max(found.iterations));
+        let is_solved = found.residual <= TOLERANCE;
+        let in_space = |((link, frame), force): ((&super::program::Link<D, W>, &Frame<D>), &[f64; D])| -> SVector<f64, D> {
+            (0..D).map(|axis| frame.axes[axis] * (force[axis] / (link.norms[axis] * step))).sum()
+        };
+        let forces = program.links.iter().zip(&frames).zip(&found.forces).map(in_space);
+        self.contacts.keys().copied().zip(forces.map(|force| Held { force, is_solved })).collect()
+    }
+}

@@ -1,0 +1,28 @@
+//! Coulomb friction of dry bodies by the exact law, at the level of velocities and without stiffness.
+//!
+//! Of each contact, with the normal from the body to the partner, the force `r = (r_N, r_T)` on the partner and the velocity `u = (u_N, u_T)` of its surface
+//! relative to the body's, `u_N` with the gap over the step: `r` lies in `{ |r_T| <= mu r_N }`, `u + mu |u_T| e_N` in the dual cone, and both are orthogonal
+//! (De Saxce and Feng 1998). A contact is open, sticks (`u = 0`), or slips against its friction (`r_T = -mu r_N u_T / |u_T|`). A step never gains energy.
+//!
+//! An island is solved by sweeps and an interior point of the exact law; where neither reaches the tolerance the best forces are taken, and the residual
+//! is told. In any case the frictionless program follows with the tangential forces as known ones, so that nothing overlaps.
+
+mod certificate;
+mod cone;
+mod exact;
+mod frame;
+mod history;
+mod interior_point;
+mod islands;
+mod pairs;
+mod program;
+mod project;
+mod share;
+mod sweeps;
+
+#[cfg(test)]
+mod tests;
+
+pub use history::TangentialForce;
+pub use project::project_with_friction;
+pub use share::{FrictionProjection, FrictionShare};

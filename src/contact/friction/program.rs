@@ -1,0 +1,169 @@
+//! The problem of an island with friction, free of units of mass: impulses `r` in Coulomb's cones at contacts where velocities are `u = A A^T r + q`.
+//!
+//! Unknowns `x = A^T r` are the changes of velocities times roots of masses, and of spins times roots of moments of inertia. The rows of each contact,
+//! one along its normal and one along each tangent, have norm 1 and, of balls, are orthogonal; the coefficient of friction counts the scale of both.
+
+use super::{cone::natural_map, frame::Frame};
+use crate::{
+    body::Twist,
+    contact::Contact,
+    geometry::{Ball, Domain},
+};
+
+/// No body, or one that does not give way.
+pub const NONE: usize = usize::MAX;
+
+/// A contact: two bodies at most, of `W` unknowns each, and `D` rows.
+#[derive(Debug, Clone)]
+pub struct Link<const D: usize, const W: usize> {
+    /// Places of its bodies among those that give way; the first is there.
+    pub ends: [usize; 2],
+    /// Rows of `A` for each of them.
+    pub rows: [[[f64; W]; D]; 2],
+    /// `q`.
+    pub offset: [f64; D],
+    /// The coefficient of friction in these rows.
+    pub friction: f64,
+    /// What an impulse in these rows is divided by to have the unit of momentum: the norms of the rows before.
+    pub norms: [f64; D],
+}
+
+/// All contacts of an island.
+#[derive(Debug, Clone)]
+pub struct FrictionProgram<const D: usize, const W: usize> {
+    /// Bodies that give way.
+    pub bodies: usize,
+    /// The contacts.
+    pub links: Vec<Link<D, W>>,
+    /// The largest component of `q`.
+    pub unit: f64,
+}
+
+/// Bodies on their way over a step, with contacts between them by place.
+pub struct FrictionIsland<'a, const D: usize> {
+    /// The box.
+    pub domain: &'a Domain<D>,
+    /// The bodies before the step.
+    pub balls: &'a [Ball<D>],
+    /// Mass and moment of inertia of each, both infinite where a motion is given.
+    pub masses: &'a [[f64; 2]],
+    /// Motions wanted.
+    pub twists: &'a [Twist<D>],
+    /// Length of the step.
+    pub step: f64,
+    /// Coefficient of friction.
+    pub coefficient: f64,
+    /// The contacts.
+    pub contacts: &'a [Contact<D>],
+}
+
+impl<const D: usize> FrictionIsland<'_, D> {
+    /// The program.
+    pub fn program<const W: usize>(&self) -> FrictionProgram<D, W> {
+        let both = self.contacts.iter().flat_map(|contact| [Some(contact.body), contact.other()]).flatten();
+        let mut free: Vec<usize> = both.filter(|&body| self.masses[body][0].is_finite()).collect();
+        free.sort_unstable();
+        free.dedup();
+        let links: Vec<Link<D, W>> = self.contacts.iter().map(|contact| self.link(contact, &free)).collect();
+        let unit = links.iter().flat_map(|link| link.offset).fold(0.0, |unit: f64, offset| unit.max(offset.abs()));
+        FrictionProgram { bodies: free.len(), links, unit }
+    }
+
+    fn link<const W: usize>(&self, contact: &Contact<D>, free: &[usize]) -> Link<D, W> {
+        let frame = Frame::new(contact, self.balls);
+        let mut ends: Vec<(usize, [[f64; W]; D])> = Vec::with_capacity(2);
+        for (body, sign, arm) in [(Some(contact.body), -1.0, frame.arms[0]), (contact.other(), 1.0, frame.arms[1])] {
+            let place = body.and_then(|body| free.binary_search(&body).ok());
+            ends.extend(place.zip(body).map(|(place, body)| (place, self.rows_of(&frame, body, (sign, arm)))));
+        }
+        let mut norms = [0.0; D];
+        for (axis, norm) in norms.iter_mut().enumerate() {
+            *norm = ends.iter().flat_map(|(_, rows)| rows[axis]).map(|entry| entry * entry).sum::<f64>().sqrt();
+        }
+        ends.iter_mut().for_each(|(_, rows)| (0..D).for_each(|axis| rows[axis].iter_mut().for_each(|entry| *entry /= norms[axis])));
+        let mut offset = frame.components(&frame.slip((self.domain, contact), self.twists));
+        offset[0] += contact.gap / self.step;
+        offset.iter_mut().zip(norms).for_each(|(offset, norm)| *offset /= norm);
+        let end = |number: usize| ends.get(number).map_or(NONE, |end| end.0);
+        let rows = |number: usize| ends.get(number).map_or([[0.0; W]; D], |end| end.1);
+        Link { ends: [end(0), end(1)], rows: [rows(0), rows(1)], offset, friction: self.coefficient * norms[1] / norms[0], norms }
+    }
+
+    /// How the motion of a body, times roots of mass and inertia, changes the velocity of a contact.
+    fn rows_of<const W: usize>(&self, frame: &Frame<D>, body: usize, (sign, arm): (f64, f64)) -> [[f64; W]; D] {
+        let [mass, inertia] = self.masses[body];
+        let mut rows = [[0.0; W]; D];
+        for (axis, row) in rows.iter_mut().enumerate() {
+            (0..D).for_each(|along| row[along] = sign * frame.axes[axis][along] / mass.sqrt());
+            if axis > 0 {
+                // the surface of a body moves with its spin, and that of its partner, on the other side, against it
+                row[D..].iter_mut().zip(frame.turning(axis)).for_each(|(entry, turning)| *entry = -arm * turning / inertia.sqrt());
+            }
+        }
+        rows
+    }
+}
+
+impl<const D: usize, const W: usize> Link<D, W> {
+    /// The bodies that give way, with their rows.
+    pub fn sides(&self) -> impl Iterator<Item = (usize, &[[f64; W]; D])> {
+        self.ends.into_iter().zip(&self.rows).filter(|(end, _)| *end != NONE)
+    }
+
+    /// `A x` of this contact.
+    pub fn rates(&self, motion: &[[f64; W]]) -> [f64; D] {
+        let mut rates = [0.0; D];
+        for (body, rows) in self.sides() {
+            for (rate, row) in rates.iter_mut().zip(rows) {
+                *rate += row.iter().zip(&motion[body]).map(|(entry, moved)| entry * moved).sum::<f64>();
+            }
+        }
+        rates
+    }
+
+    /// Adds `A^T r` of this contact.
+    pub fn push(&self, force: &[f64; D], motion: &mut [[f64; W]]) {
+        for (body, rows) in self.sides() {
+            for (force, row) in force.iter().zip(rows) {
+                motion[body].iter_mut().zip(row).for_each(|(moved, entry)| *moved += force * entry);
+            }
+        }
+    }
+}
+
+impl<const D: usize, const W: usize> FrictionProgram<D, W> {
+    /// The two bodies of each contact; the same twice if it has one.
+    pub fn touches(&self) -> Vec<[usize; 2]> {
+        self.links.iter().map(|link| if link.ends[1] == NONE { [link.ends[0]; 2] } else { link.ends }).collect()
+    }
+
+    /// `x = A^T r`.
+    pub fn motion(&self, forces: &[[f64; D]]) -> Vec<[f64; W]> {
+        let mut motion = vec![[0.0; W]; self.bodies];
+        self.links.iter().zip(forces).for_each(|(link, force)| link.push(force, &mut motion));
+        motion
+    }
+
+    /// `u = A x + q`.
+    pub fn velocities(&self, motion: &[[f64; W]]) -> Vec<[f64; D]> {
+        let velocity = |link: &Link<D, W>| {
+            let mut velocity = link.rates(motion);
+            velocity.iter_mut().zip(link.offset).for_each(|(velocity, offset)| *velocity += offset);
+            velocity
+        };
+        self.links.iter().map(velocity).collect()
+    }
+
+    /// The largest component of the natural map, over the largest of `q`.
+    pub fn residual(&self, forces: &[[f64; D]]) -> f64 {
+        self.residual_of(forces, &self.motion(forces))
+    }
+
+    /// The same where the motion of these forces is known.
+    pub fn residual_of(&self, forces: &[[f64; D]], motion: &[[f64; W]]) -> f64 {
+        let contacts = self.links.iter().zip(forces).zip(self.velocities(motion));
+        let largest = contacts.map(|((link, force), velocity)| natural_map(force, &velocity, link.friction));
+        // the largest of numbers that may be none
+        largest.fold(0.0, |largest: f64, found| if found > largest || found.is_nan() { found } else { largest }) / self.unit
+    }
+}

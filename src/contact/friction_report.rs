@@ -1,0 +1,24 @@
+//! How well friction was kept in a step.
+
+/// How well friction was kept, measured on the answer itself, and what it cost.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FrictionReport {
+    /// The largest component of the natural map of forces and velocities, over that of the velocities that contacts would have without forces; zero just at
+    /// a solution of the exact law.
+    pub residual: f64,
+    /// Contacts that press and whose surfaces do not slide.
+    pub sticking: usize,
+    /// Contacts that press and slide.
+    pub slipping: usize,
+    /// Work of all contact forces on free bodies over the step: the change of their kinetic energy by contacts.
+    pub work: f64,
+    /// Most sweeps over an island.
+    pub sweeps: usize,
+    /// Most iterations of the interior point on an island.
+    pub iterations: usize,
+}
+
+impl FrictionReport {
+    /// What a residual is aimed to be below.
+    pub const TOLERANCE: f64 = 1e-8;
+}
