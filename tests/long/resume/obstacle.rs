@@ -110,8 +110,7 @@ fn the_plan_of_a_flow_with_inertia_tells_its_seconds() {
     let output = turbid(1, &["plan", scene.to_str().unwrap()]);
     let said = String::from_utf8(output.stdout).unwrap();
     assert!(said.contains("velocity, pressure and vorticity of each cell") && said.contains("of the fluid on 2 bodies"), "{said}");
-    let steps =
-        said.split_once(" steps of a sample: ").and_then(|(_, rest)| rest.split_once(" steps")).map(|(steps, _)| steps.parse::<f64>());
+    let steps = said.split_once(" steps: ").and_then(|(_, rest)| rest.split_once(" steps")).map(|(steps, _)| steps.parse::<f64>());
     let told = steps.unwrap_or_else(|| panic!("no steps in: {said}")).unwrap();
     let taken = number(&run(1, &scene, &here.join("out"), &[]), "steps");
     assert!((told / taken - 1.0).abs() < 0.3, "{told} steps are told, {taken} are taken");
