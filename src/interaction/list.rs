@@ -56,6 +56,11 @@ impl<const D: usize> Interactions<D> {
         self.iter().filter_map(Interaction::touch).reduce(hardest)
     }
 
+    /// The coefficient of friction at contacts, 0 without friction.
+    pub fn friction(&self) -> f64 {
+        self.iter().map(Interaction::friction).fold(0.0, f64::max)
+    }
+
     /// Whether velocities are projected on those that keep bodies apart.
     pub fn projects(&self) -> bool {
         self.touch() == Some(Touch::Hard)

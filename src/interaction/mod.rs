@@ -10,6 +10,7 @@ mod bond_row;
 mod bonds;
 mod cluster;
 mod conserved;
+mod friction;
 mod gluey;
 mod hinge;
 mod inelastic;
@@ -27,6 +28,7 @@ pub use bond_row::BondRow;
 pub use bonds::{Bend, Bonds, Stretch};
 pub use cluster::Cluster;
 pub use conserved::{Conserved, Measure, enclosed};
+pub use friction::Friction;
 pub use gluey::Gluey;
 pub use hinge::Hinge;
 pub use inelastic::Inelastic;
@@ -69,6 +71,11 @@ pub trait Interaction<const D: usize>: Debug {
     /// How bodies notice contact by it, if they do.
     fn touch(&self) -> Option<Touch> {
         None
+    }
+
+    /// The coefficient of friction at contacts, 0 without friction.
+    fn friction(&self) -> f64 {
+        0.0
     }
 
     /// The largest gap at which bodies up to this radius act on each other by forces that follow from where they are.

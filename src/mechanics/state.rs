@@ -6,7 +6,7 @@ use nalgebra::{Rotation3, SMatrix, SVector, Vector3};
 
 use crate::{
     body::{Twist, components, skew},
-    contact::{AdhesiveContact, ContactForce, Identity, Memory, Partner, pack, packed_length, unpack},
+    contact::{AdhesiveContact, ContactForce, Identity, Memory, Partner, TangentialForce, pack, packed_length, unpack},
     geometry::Ball,
     parallel::{Peers, World},
 };
@@ -87,6 +87,8 @@ pub struct State<const D: usize> {
     pub held: Vec<ContactHistory<D>>,
     /// Contacts of these bodies that stick; none unless contacts are gluey.
     pub stuck: Vec<AdhesiveContact<D>>,
+    /// Tangential forces of those of these contacts that bore a force; none without friction.
+    pub tangential: Vec<TangentialForce<D>>,
 }
 
 impl<const D: usize> Moving<D> {
@@ -132,7 +134,8 @@ impl<const D: usize> State<D> {
     pub fn start(bodies: impl Iterator<Item = (SVector<f64, D>, Twist<D>)>) -> State<D> {
         let moving = |(center, twist)| Moving { center, rotation: SMatrix::identity(), twist };
         let bodies = bodies.map(moving).collect();
-        State { time: 0.0, steps: 0, last_step: 0.0, share: Share::Whole, bodies, held: Vec::new(), stuck: Vec::new() }
+        let (held, stuck, tangential) = (Vec::new(), Vec::new(), Vec::new());
+        State { time: 0.0, steps: 0, last_step: 0.0, share: Share::Whole, bodies, held, stuck, tangential }
     }
 
     /// How many bodies all ranks have.
@@ -201,6 +204,27 @@ impl<const D: usize> State<D> {
     /// The contacts of all ranks that stick, each with its memory, on every rank. Collective.
     pub fn all_stuck(&self, world: &World) -> Vec<(Identity<D>, f64)> {
         self.all_told(world, self.told_stuck().map(|stuck| (stuck.identity(), stuck.gamma)))
+    }
+
+    /// The tangential forces of all ranks, on every rank. Collective.
+    pub fn all_tangential(&self, world: &World) -> Vec<TangentialForce<D>> {
+        if self.share == Share::Whole {
+            return self.tangential.clone();
+        }
+        let told = self.tangential.iter().filter(|force| self.tells(force.body));
+        let numbers: Vec<f64> = told.flat_map(TangentialForce::pack).collect();
+        let mut all: Vec<_> = world.gather(&numbers).chunks(TangentialForce::<D>::LENGTH).map(TangentialForce::unpack).collect();
+        all.sort_unstable_by_key(TangentialForce::identity);
+        all
+    }
+
+    /// The tangential forces of contacts of the bodies that this rank writes of, in order.
+    pub fn written_tangential(&self, world: &World) -> Vec<TangentialForce<D>> {
+        let written = self.written(world);
+        let ours = |force: &&TangentialForce<D>| self.place(force.body).is_some_and(|place| written.contains(&place));
+        let mut ours: Vec<_> = self.tangential.iter().filter(ours).copied().collect();
+        ours.sort_unstable_by_key(TangentialForce::identity);
+        ours
     }
 
     /// The contacts that bore a force, of the bodies that this rank writes of, in order: all ranks together write of each contact once.

@@ -489,6 +489,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
             twists: observation.twists.clone(),
             contacts: observation.contacts.clone(),
             stuck,
+            tangential: Vec::new(),
             kkt_report,
             effort,
         })

@@ -116,6 +116,7 @@ impl<const D: usize> Simulation<D> {
             bodies: self.gathered(&state.bodies, 0..state.count()).into_iter().map(|(body, _)| body).collect(),
             held: state.all_held(world).into_iter().map(ContactHistory::from).collect(),
             stuck: state.all_stuck(world).into_iter().map(AdhesiveContact::from).collect(),
+            tangential: state.all_tangential(world),
             ..*state
         })
     }
@@ -342,7 +343,7 @@ impl<const D: usize> Simulation<D> {
         }
         self.state.bodies.iter_mut().zip(&travel.twists).for_each(|(body, twist)| body.twist = *twist);
         self.state.held = travel.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
-        self.state.stuck = travel.stuck;
+        (self.state.stuck, self.state.tangential) = (travel.stuck, travel.tangential);
         self.state.advance(&travel.moves, travel.step);
         // from the time: sums of steps drift away
         let given = self.stepper.given_places(self.state.time);

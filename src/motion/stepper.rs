@@ -3,7 +3,7 @@
 use super::{step_control::StepSize, stop_request::StopRequest};
 use crate::{
     body::Twist,
-    contact::{AdhesiveContact, ContactForce, KktReport},
+    contact::{AdhesiveContact, ContactForce, KktReport, TangentialForce},
     error::Result,
     geometry::Domain,
     interaction::Interactions,
@@ -53,6 +53,8 @@ pub struct StepOutcome<const D: usize> {
     pub contacts: Vec<ContactForce<D>>,
     /// Contacts that stick from now on.
     pub stuck: Vec<AdhesiveContact<D>>,
+    /// Tangential forces of contacts, where there is friction.
+    pub tangential: Vec<TangentialForce<D>>,
     /// How well contacts were kept, if there are any to keep.
     pub kkt_report: Option<KktReport>,
     /// What it took.

@@ -57,7 +57,7 @@ pub use say::{note, say};
 pub use scalar::{InclusionSummary, ScalarSummary};
 pub use spread::{ParallelSummary, Spread};
 pub use stages::stage_table;
-pub use summary::{ContactSummary, EnergySummary, GlueSummary, InertiaSummary, MotionSummary, Summary};
+pub use summary::{ContactSummary, EnergySummary, FrictionSummary, GlueSummary, InertiaSummary, MotionSummary, Summary};
 pub use too_short::TooShort;
 pub use traces::{CHECKPOINT, KNOWN_FILES, LOG, REPORT, SUMMARY, Traces};
 pub use video::{convert_to_video, ffmpeg_present};

@@ -2,7 +2,7 @@
 
 use super::{
     AccuracySummary, Answer, ScalarSummary, Summary, answers,
-    summary::{ContactSummary, MotionSummary, SolverSummary},
+    summary::{ContactSummary, FrictionSummary, MotionSummary, SolverSummary},
 };
 
 use crate::observe::NEAR;
@@ -93,7 +93,20 @@ fn contact_line(contact: &ContactSummary) -> String {
         contact.smallest_gap.map_or("no two bodies near each other".into(), |gap| format!("smallest gap of all steps {gap:.1e} radii"));
     let residual = contact.kkt_residual.map_or(String::new(), |residual| format!(", residual {residual:.1e}"));
     let stick = contact.glue.as_ref().map_or(String::new(), |glue| format!(", {} that stick", glue.stuck));
-    format!("contacts             {} that bear a force{stick}, {gap}{residual}", contact.active)
+    let friction = contact.friction.as_ref().map_or(String::new(), friction_part);
+    format!("contacts             {} that bear a force{stick}, {gap}{residual}{friction}", contact.active)
+}
+
+fn friction_part(friction: &FrictionSummary) -> String {
+    let FrictionSummary { residual, steps_above_tolerance, tolerance } = friction;
+    let warning = match steps_above_tolerance {
+        0 => String::new(),
+        steps => format!(
+            "; warning: in {} friction was not found to {tolerance:.0e}, choose a shorter time.step or a lower contact.friction",
+            counted(*steps, "step", "steps")
+        ),
+    };
+    format!("; friction residual {residual:.1e}{warning}")
 }
 
 fn solver_lines(solver: &SolverSummary, instant: bool) -> Vec<String> {

@@ -178,6 +178,20 @@ pub struct ContactSummary {
     pub total_force: f64,
     /// What contacts remember, if they are gluey.
     pub glue: Option<GlueSummary>,
+    /// How well the law of friction was kept, if there is friction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<FrictionSummary>,
+}
+
+/// How well the law of friction was kept in a run.
+#[derive(Debug, Clone, Serialize)]
+pub struct FrictionSummary {
+    /// Largest residual of all steps: the natural map of the exact law, over the largest velocity that contacts would have without forces.
+    pub residual: f64,
+    /// Steps whose residual was above the tolerance.
+    pub steps_above_tolerance: usize,
+    /// The tolerance.
+    pub tolerance: f64,
 }
 
 /// What gluey contacts remember at the end of a run.

@@ -13,7 +13,7 @@ use crate::{
     error::Result,
     flow::Drive,
     geometry::{Axis, Ball, Domain},
-    interaction::{Cluster, Gluey, Inelastic, Interaction, Interactions, Repulsion, Welds},
+    interaction::{Cluster, Friction, Gluey, Inelastic, Interaction, Interactions, Repulsion, Welds},
     mechanics::Setup,
     motion::GranularBody,
     scene::{ContactModel, Scene, Step},
@@ -28,7 +28,9 @@ pub fn of_granular<const D: usize>(scene: &Scene, domain: &Domain<D>, bodies: &[
         let force = largest(|body| if body.mass.is_finite() { body.mass * body.acceleration.norm() } else { 0.0 });
         (mass * speed * speed + force * domain.size.max()) / largest(|body| body.radius)
     });
-    Interactions::new(contact)
+    let friction =
+        (scene.contact.friction > 0.0).then(|| -> Rc<dyn Interaction<D>> { Rc::new(Friction { coefficient: scene.contact.friction }) });
+    Interactions::new(contact.into_iter().chain(friction))
 }
 
 /// The welds of the rigid clusters of a scene, whose bodies are these, each with its group; none without clusters.

@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, time::Instant};
 
 use crate::{
-    contact::{KktReport, Solver},
+    contact::{FrictionReport, KktReport, Solver},
     error::{Offer, Refusal, Result},
     motion::{Effort, Observation, StepReport},
     output::MotionSummary,
@@ -17,6 +17,9 @@ pub struct RunStatistics {
     /// Smallest gap of all steps, infinite if no two came near each other.
     smallest_gap: f64,
     kkt_residual: f64,
+    /// Largest residual of friction of all steps, and the number of those in which it was not found to the tolerance.
+    friction_residual: f64,
+    friction_missed: usize,
     last: Option<StepReport>,
     since: Instant,
 }
@@ -30,10 +33,13 @@ pub struct KeptContacts {
     pub smallest_gap: Option<f64>,
     /// Largest residual of the optimality conditions of all steps.
     pub kkt_residual: f64,
+    /// Largest residual of the law of friction of all steps, and the number of steps above the tolerance.
+    pub friction: (f64, usize),
 }
 
 /// Numbers that checkpoints of older versions lack; they are zero there.
-const LATER: [&str; 5] = ["contacts", "island_contacts", "halved", "last.largest_island", "last.halvings"];
+const LATER: [&str; 7] =
+    ["contacts", "island_contacts", "halved", "friction_residual", "friction_missed", "last.largest_island", "last.halvings"];
 
 /// A number of the statistics, to read or to write.
 enum Number<'a> {
@@ -47,7 +53,9 @@ impl RunStatistics {
     /// Nothing yet.
     pub fn new() -> RunStatistics {
         let motion = MotionSummary::default();
-        RunStatistics { motion, smallest_gap: f64::INFINITY, kkt_residual: 0.0, last: None, since: Instant::now() }
+        let (friction_residual, friction_missed) = (0.0, 0);
+        let (last, since) = (None, Instant::now());
+        RunStatistics { motion, smallest_gap: f64::INFINITY, kkt_residual: 0.0, friction_residual, friction_missed, last, since }
     }
 
     /// Adds a step and the look before it.
@@ -69,6 +77,9 @@ impl RunStatistics {
             self.kkt_residual = self.kkt_residual.max(kkt_report.kkt_residual);
             motion.contacts += kkt_report.pairs;
             motion.island_contacts += kkt_report.largest_island;
+            let residual = kkt_report.friction.map_or(0.0, |friction| friction.residual);
+            self.friction_residual = self.friction_residual.max(residual);
+            self.friction_missed += usize::from(residual > FrictionReport::TOLERANCE);
         }
         self.last = Some(*report);
     }
@@ -94,6 +105,7 @@ impl RunStatistics {
             pairs: self.last.and_then(|last| last.kkt_report).map_or(0, |kkt_report| kkt_report.pairs),
             smallest_gap: Some(self.smallest_gap).filter(|gap| gap.is_finite()),
             kkt_residual: self.kkt_residual,
+            friction: (self.friction_residual, self.friction_missed),
         }
     }
 
@@ -116,7 +128,10 @@ impl RunStatistics {
         let mut statistics = RunStatistics::new();
         statistics.last = lines.contains_key("last.length").then(|| StepReport {
             length: 0.0,
-            kkt_report: lines.contains_key("last.pairs").then(|| KktReport::of_forces::<2>(&[], &[])),
+            kkt_report: lines.contains_key("last.pairs").then(|| KktReport {
+                friction: lines.contains_key("last.friction_residual").then(FrictionReport::default),
+                ..KktReport::of_forces::<2>(&[], &[])
+            }),
             effort: Effort::default(),
             halvings: 0,
         });
@@ -155,6 +170,8 @@ impl RunStatistics {
             ("island_contacts", Count(&mut self.motion.island_contacts)),
             ("smallest_gap", Real(&mut self.smallest_gap)),
             ("kkt_residual", Real(&mut self.kkt_residual)),
+            ("friction_residual", Real(&mut self.friction_residual)),
+            ("friction_missed", Count(&mut self.friction_missed)),
         ];
         let Some(StepReport { length, kkt_report, effort, halvings }) = &mut self.last else { return numbers };
         numbers.extend([
@@ -179,8 +196,20 @@ impl RunStatistics {
             ("last.rounds", Count(&mut kkt_report.rounds)),
             ("last.largest_island", Count(&mut kkt_report.largest_island)),
         ]);
+        numbers.extend(kkt_report.friction.as_mut().map_or(Vec::new(), of_friction));
         numbers
     }
+}
+
+fn of_friction(friction: &mut FrictionReport) -> Vec<(&'static str, Number<'_>)> {
+    vec![
+        ("last.friction_residual", Real(&mut friction.residual)),
+        ("last.sticking", Count(&mut friction.sticking)),
+        ("last.slipping", Count(&mut friction.slipping)),
+        ("last.contact_work", Real(&mut friction.work)),
+        ("last.sweeps", Count(&mut friction.sweeps)),
+        ("last.friction_iterations", Count(&mut friction.iterations)),
+    ]
 }
 
 impl Default for RunStatistics {
@@ -199,7 +228,8 @@ mod tests {
     fn statistics_are_read_back_to_the_last_digit() {
         let mut kkt_report = KktReport::of_forces::<2>(&[], &[]);
         (kkt_report.kkt_residual, kkt_report.solver) = (0.1 + 0.2, Solver::ALL[1]);
-        for kkt_report in [None, Some(kkt_report)] {
+        let friction = Some(FrictionReport { residual: 1.0 / 7.0, sticking: 3, ..FrictionReport::default() });
+        for kkt_report in [None, Some(kkt_report), Some(KktReport { friction, ..kkt_report })] {
             let last = Some(StepReport { length: 1.0 / 3.0, kkt_report, effort: Effort { solves: 2, ..Effort::default() }, halvings: 1 });
             let statistics = RunStatistics { last, ..RunStatistics::new() };
             let again = RunStatistics::read(&statistics.text()).unwrap();

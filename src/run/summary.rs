@@ -4,10 +4,11 @@ use std::path::Path;
 
 use super::output::{Evaluated, EvaluatedMotion};
 use crate::{
+    contact::FrictionReport,
     error::Result,
-    output::{BODY_TABLE, BodySummary, ContactSummary, GlueSummary, Summary, viscosity_too_short, write_bodies},
+    output::{BODY_TABLE, BodySummary, ContactSummary, FrictionSummary, GlueSummary, Summary, viscosity_too_short, write_bodies},
     parallel::World,
-    scene::ContactModel,
+    scene::{ContactModel, Scene},
 };
 
 /// The numbers of what is seen, without those of the run as a whole; collective.
@@ -20,7 +21,7 @@ pub fn summary<const D: usize>(seen: &Evaluated<D>) -> Summary {
     let Some(motion) = &seen.motion else { return summary };
     (summary.time, summary.steps) = (motion.state().time, motion.state().steps);
     if seen.scene.contact.model != ContactModel::None {
-        summary.contact = Some(contacts(seen.world, seen.scene.contact.model, motion));
+        summary.contact = Some(contacts(seen.world, seen.scene, motion));
         if let (Some(parts), Some(viscosity)) = (&mut summary.viscosity, seen.viscosity) {
             parts.contact = Some(viscosity.contact);
             parts.particle_pressure_contact = Some(viscosity.normal.contact_pressure);
@@ -62,8 +63,9 @@ pub fn table_of_bodies<const D: usize>(seen: &Evaluated<D>, summary: &Summary, f
 }
 
 /// Contacts now, and how well they were kept on the way. Collective.
-fn contacts<const D: usize>(world: &World, model: ContactModel, motion: &EvaluatedMotion<D>) -> ContactSummary {
-    let (totals, kept) = (motion.contact_totals(world), motion.statistics.contacts());
+fn contacts<const D: usize>(world: &World, scene: &Scene, motion: &EvaluatedMotion<D>) -> ContactSummary {
+    let (model, totals, kept) = (scene.contact.model, motion.contact_totals(world), motion.statistics.contacts());
+    let (residual, steps_above_tolerance) = kept.friction;
     ContactSummary {
         model: model.word(),
         pairs: kept.pairs,
@@ -72,5 +74,10 @@ fn contacts<const D: usize>(world: &World, model: ContactModel, motion: &Evaluat
         kkt_residual: (!matches!(model, ContactModel::Repulsion { .. })).then_some(kept.kkt_residual),
         total_force: totals.force,
         glue: model.gluey().then_some(GlueSummary { stuck: totals.stuck, gamma: totals.gamma }),
+        friction: (scene.contact.friction > 0.0).then_some(FrictionSummary {
+            residual,
+            steps_above_tolerance,
+            tolerance: FrictionReport::TOLERANCE,
+        }),
     }
 }

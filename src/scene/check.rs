@@ -158,7 +158,20 @@ fn check_constraint(scene: &Scene) -> Result<()> {
 
 fn check_contact(scene: &Scene) -> Result<()> {
     let (model, remedy) = (scene.contact.model, "contacts act over a time step; add [time]");
-    expect(scene, model == ContactModel::None || scene.time.is_some(), "contact.model", format!("{:?}", model.word()), remedy)
+    expect(scene, model == ContactModel::None || scene.time.is_some(), "contact.model", format!("{:?}", model.word()), remedy)?;
+    check_friction(scene)
+}
+
+/// Refuses friction where contacts have none yet.
+fn check_friction(scene: &Scene) -> Result<()> {
+    let friction = scene.contact.friction;
+    if friction == 0.0 {
+        return Ok(());
+    }
+    let expect = |right, remedy| expect(scene, right, "contact.friction", friction, remedy);
+    expect(scene.dry(), "acts in dry runs so far; set flow.model = \"none\" or remove it")?;
+    let tied = scene.bodies.iter().any(BodyGroup::together);
+    expect(!tied, "acts on single balls so far; remove it, or [[chains]], [[cells]] and [[clusters]]")
 }
 
 fn check_lubrication(scene: &Scene) -> Result<()> {
@@ -187,7 +200,10 @@ fn check_dry(scene: &Scene) -> Result<()> {
     expect(!scene.bodies.is_empty(), "no fluid and no bodies leave nothing to simulate; add [[bodies]]")?;
     expect(scene.time.is_some(), "a dry scene has no instantaneous solve; add [time]")?;
     check_masses(scene, "of a dry scene")?;
-    check_still_walls(scene, "without fluid and friction no body feels a wall move")
+    if scene.contact.friction > 0.0 {
+        return Ok(());
+    }
+    check_still_walls(scene, "without fluid and friction no body feels a wall move; remove it or set contact.friction")
 }
 
 fn check_scalar(scene: &Scene) -> Result<()> {

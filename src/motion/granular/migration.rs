@@ -5,7 +5,7 @@ use nalgebra::{SMatrix, SVector};
 use super::setup::{GranularBody, GranularSetup};
 use crate::{
     body::{Regions, components, skew},
-    contact::{AdhesiveContact, ContactForce, Identity, ProjectionShare, bodies_of, pack, packed_length, renamed, unpack},
+    contact::{AdhesiveContact, ContactForce, Identity, ProjectionShare, TangentialForce, bodies_of, pack, packed_length, renamed, unpack},
     geometry::Domain,
     mechanics::{ContactHistory, Moving, Share, State},
     parallel::Peers,
@@ -72,6 +72,7 @@ pub fn own_part<const D: usize>(share: &Share, whole: State<D>) -> State<D> {
         bodies: numbers.iter().map(|&number| whole.bodies[number]).collect(),
         held: whole.held.into_iter().filter(|held| own(held.identity())).collect(),
         stuck: whole.stuck.into_iter().filter(|stuck| own(stuck.identity())).collect(),
+        tangential: whole.tangential.into_iter().filter(|force| own(force.identity())).collect(),
         share: share.clone(),
         ..whole
     }
@@ -110,36 +111,60 @@ pub fn migrate<const D: usize>(
 
     let now: Vec<usize> = bodies.iter().map(|&(number, ..)| number).collect();
     let owner_of = |number: usize| numbers.binary_search(&number).ok().map(|place| owners[place]);
-    let held = state.held.iter().map(|held| (held.identity(), held.force));
-    let held = contacts_of(peers, &now, held.collect(), owner_of);
-    let stuck = state.stuck.iter().map(|stuck| (stuck.identity(), stuck.gamma));
-    let stuck = contacts_of(peers, &now, stuck.collect(), owner_of);
+    let moved = Migrated { peers, now: &now, owner_of: &owner_of };
+    let held = moved.numbers(state.held.iter().map(|held| (held.identity(), held.force)).collect());
+    let stuck = moved.numbers(state.stuck.iter().map(|stuck| (stuck.identity(), stuck.gamma)).collect());
+    let length = TangentialForce::<D>::LENGTH;
+    state.tangential = moved.contacts(
+        std::mem::take(&mut state.tangential),
+        length,
+        TangentialForce::identity,
+        TangentialForce::pack,
+        TangentialForce::unpack,
+    );
     (state.held, state.stuck) =
         (held.into_iter().map(ContactHistory::from).collect(), stuck.into_iter().map(AdhesiveContact::from).collect());
     state.share = Share::Own { numbers: now, count: *count };
     (state.bodies, *constants) = bodies.into_iter().map(|(_, body, constants)| (body, constants)).unzip();
 }
 
-/// The contacts of the bodies that a rank has now, of those that it and others knew, each once. Collective.
-///
-/// `owner_of` tells the rank that has a body of which this one knew the contacts.
-fn contacts_of<const D: usize>(
-    peers: Peers,
-    now: &[usize],
-    mut known: Vec<(Identity<D>, f64)>,
-    owner_of: impl Fn(usize) -> Option<usize>,
-) -> Vec<(Identity<D>, f64)> {
-    let mut letters = vec![Vec::new(); peers.count()];
-    for &(identity, number) in &known {
-        for rank in bodies_of(identity).filter_map(&owner_of).filter(|&rank| rank != peers.rank()) {
-            letters[rank].extend(pack(identity, number));
-        }
+/// Where bodies are after they went to the ranks that own their places.
+struct Migrated<'a> {
+    peers: Peers<'a>,
+    /// Numbers of the bodies that this rank has now.
+    now: &'a [usize],
+    /// The rank that has a body of which this one knew the contacts.
+    owner_of: &'a dyn Fn(usize) -> Option<usize>,
+}
+
+impl Migrated<'_> {
+    /// Numbers of contacts of the bodies that a rank has now, as [`contacts`](Self::contacts).
+    fn numbers<const D: usize>(&self, known: Vec<(Identity<D>, f64)>) -> Vec<(Identity<D>, f64)> {
+        let pack = |&(identity, number): &(Identity<D>, f64)| pack(identity, number);
+        self.contacts(known, packed_length::<D>(), |(identity, _)| *identity, pack, unpack)
     }
-    known.extend(peers.deliver(&letters).chunks(packed_length::<D>()).map(unpack));
-    known.retain(|(identity, _)| bodies_of(*identity).any(|body| now.binary_search(&body).is_ok()));
-    known.sort_unstable_by_key(|(identity, _)| *identity);
-    known.dedup_by_key(|(identity, _)| *identity);
-    known
+
+    /// What is known of the contacts of the bodies that a rank has now, of those that it and others knew, each once, packed in so many numbers. Collective.
+    fn contacts<const D: usize, T>(
+        &self,
+        mut known: Vec<T>,
+        length: usize,
+        identity: impl Fn(&T) -> Identity<D>,
+        pack: impl Fn(&T) -> Vec<f64>,
+        unpack: impl Fn(&[f64]) -> T,
+    ) -> Vec<T> {
+        let mut letters = vec![Vec::new(); self.peers.count()];
+        for contact in &known {
+            for rank in bodies_of(identity(contact)).filter_map(self.owner_of).filter(|&rank| rank != self.peers.rank()) {
+                letters[rank].extend(pack(contact));
+            }
+        }
+        known.extend(self.peers.deliver(&letters).chunks(length).map(unpack));
+        known.retain(|contact| bodies_of(identity(contact)).any(|body| self.now.binary_search(&body).is_ok()));
+        known.sort_unstable_by_key(&identity);
+        known.dedup_by_key(|contact| identity(contact));
+        known
+    }
 }
 
 /// What contacts remember after a step, of all contacts of own bodies, named by their numbers: as the rank says that answers for each. Collective.

@@ -2,6 +2,7 @@
 
 mod chains;
 mod clusters;
+mod friction;
 pub(super) mod migration;
 mod neighbours;
 mod setup;
@@ -437,6 +438,9 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         let mut moves: Vec<Twist<D>> = state.bodies.iter().zip(&self.known.accelerations).map(pushed).collect();
         let given = self.trajectories.mean_twists(state.time, step);
         given.for_each(|(body, twist)| state.place(body).into_iter().for_each(|place| moves[place] = twist));
+        if self.interactions.friction() > 0.0 {
+            return self.advance_with_friction(state, &moves, step);
+        }
         let mut ties = Ties::new(self.peers(), &self.interactions, (state, &self.bodies), &moves, GranularStep { length: step, push });
         let (mut contacts, mut stuck, mut kkt_report) = (self.known.contacts.clone(), Vec::new(), None);
         let wanted = velocities(&moves);
@@ -462,6 +466,6 @@ impl<const D: usize> Stepper<D> for Granular<D> {
             ties.turn(self.peers(), [&wanted, &changes], &mut moves, &mut twists);
         }
         let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };
-        Ok(StepOutcome { step, twists, moves, contacts, stuck, kkt_report, effort })
+        Ok(StepOutcome { step, twists, moves, contacts, stuck, tangential: Vec::new(), kkt_report, effort })
     }
 }

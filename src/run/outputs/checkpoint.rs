@@ -11,7 +11,7 @@ use nalgebra::{SVector, Vector2};
 use crate::{
     body::{Twist, components, planes, skew},
     constraint::fitted::Rigid,
-    contact::{AdhesiveContact, Identity, pack, packed_length, unpack},
+    contact::{AdhesiveContact, Identity, TangentialForce, pack, packed_length, unpack},
     error::{Error, Offer, Refusal, Result},
     grid::Grid,
     mechanics::{ContactHistory, ExtrapolationHistory, FlowSolver, Level, MeshLevel, Moving, Share, Snapshot, State},
@@ -194,14 +194,21 @@ fn read_fluid<const D: usize>(checkpoint: &Checkpoint, grid: &Grid<D>, name: &st
 
 fn store_state<const D: usize>(writer: &mut CheckpointWriter, world: &World, simulation: &Simulation<D>) -> Result<()> {
     let state = simulation.state();
-    let (held, stuck) = (state.written_held(world), state.written_stuck(world));
-    let mut sticking = [stuck.len() as f64];
-    world.sum(&mut sticking);
+    let (held, stuck, tangential) = (state.written_held(world), state.written_stuck(world), state.written_tangential(world));
+    let mut counts = [stuck.len() as f64, tangential.len() as f64];
+    world.sum(&mut counts);
     let mut numbers = vec![state.time, state.steps as f64, state.last_step];
-    if sticking[0] > 0.0 {
-        // how many, so that a list that is lost is missed
-        numbers.extend(sticking);
+    // how many, so that a list that is lost is missed
+    match counts {
+        [0.0, 0.0] => {}
+        [count, 0.0] => numbers.push(count),
+        both => numbers.extend(both),
+    }
+    if counts[0] > 0.0 {
         store_contacts(writer, state.count(), "stuck", stuck)?;
+    }
+    if counts[1] > 0.0 {
+        store_tangential(writer, state.count(), tangential)?;
     }
     writer.shared("time", &numbers)?;
     let rows = state.written(world).flat_map(|place| [&[state.number(place) as f64], &state.bodies[place].pack()[..]].concat());
@@ -220,6 +227,19 @@ fn store_contacts<const D: usize>(
     writer.rows(name, bodies, packed_length::<D>(), rows.collect())
 }
 
+/// Stores tangential forces of contacts of so many bodies, as rows of their first bodies.
+fn store_tangential<const D: usize>(writer: &mut CheckpointWriter, bodies: usize, forces: Vec<TangentialForce<D>>) -> Result<()> {
+    let rows = forces.into_iter().flat_map(|force| [&[force.body as f64], &force.pack()[..]].concat());
+    writer.rows("tangential", bodies, TangentialForce::<D>::LENGTH, rows.collect())
+}
+
+/// So many tangential forces.
+fn read_tangential<const D: usize>(checkpoint: &Checkpoint, count: f64) -> Result<Vec<TangentialForce<D>>> {
+    let numbers = if count > 0.0 { checkpoint.shared("tangential")? } else { Vec::new() };
+    let whole = numbers.len() as f64 == count * TangentialForce::<D>::LENGTH as f64;
+    if whole { Ok(numbers.chunks(TangentialForce::<D>::LENGTH).map(TangentialForce::unpack).collect()) } else { Err(misfit("tangential")) }
+}
+
 /// The contacts of this name, each with a number.
 fn read_contacts<const D: usize>(checkpoint: &Checkpoint, name: &str) -> Result<Vec<(Identity<D>, f64)>> {
     let numbers = checkpoint.shared(name)?;
@@ -231,9 +251,10 @@ fn read_contacts<const D: usize>(checkpoint: &Checkpoint, name: &str) -> Result<
 
 fn read_state<const D: usize>(world: &World, checkpoint: &Checkpoint, bodies: usize) -> Result<State<D>> {
     let numbers = checkpoint.shared("time")?;
-    let (&[time, steps, last_step], sticking) = numbers.split_first_chunk().ok_or_else(|| misfit("time"))?;
-    let stuck = if sticking.is_empty() { Vec::new() } else { read_contacts(checkpoint, "stuck")? };
-    if sticking != &[stuck.len() as f64][..sticking.len().min(1)] {
+    let (&[time, steps, last_step], counts) = numbers.split_first_chunk().ok_or_else(|| misfit("time"))?;
+    let [sticking, rubbing] = [0, 1].map(|place| counts.get(place).copied().unwrap_or(0.0));
+    let stuck = if sticking > 0.0 { read_contacts(checkpoint, "stuck")? } else { Vec::new() };
+    if stuck.len() as f64 != sticking || counts.len() > 2 {
         return Err(misfit("stuck"));
     }
     let flat = world.gather(&checkpoint.rows("bodies", bodies, Moving::<D>::LENGTH)?.ok_or_else(|| misfit("bodies"))?);
@@ -246,6 +267,7 @@ fn read_state<const D: usize>(world: &World, checkpoint: &Checkpoint, bodies: us
         bodies: flat.chunks(Moving::<D>::LENGTH).map(Moving::unpack).collect(),
         held: held.map(ContactHistory::from).collect(),
         stuck: stuck.into_iter().map(AdhesiveContact::from).collect(),
+        tangential: read_tangential(checkpoint, rubbing)?,
     })
 }
 

@@ -45,6 +45,7 @@ impl<const D: usize> Output<D> for SeriesFile {
         let seconds = std::mem::replace(&mut self.last_row, Instant::now()).elapsed().as_secs_f64();
         let totals = motion.contact_totals(seen.world);
         let mut row = cells(motion, (seen.scene.contact.model, totals), seen.viscosity);
+        row.extend(of_friction(motion, seen.scene.contact.friction));
         row.extend(seen.flow.map_or(Ok(Vec::new()), |flow| of_inertia(&flow, motion.state()))?);
         row.extend(of_chains(motion.simulation));
         row.extend(of_membranes(motion.simulation));
@@ -80,6 +81,22 @@ fn of_inertia<const D: usize>(flow: &EvaluatedFlow<D>, state: &State<D>) -> Resu
     ];
     let layer = flow.solver.thinnest_layer()?.map(|layer| finite("boundary_layer", layer));
     Ok(cells.into_iter().map(|(name, value)| real(name, value)).chain(layer).collect())
+}
+
+/// The cells of friction in the step that led here; none without friction.
+fn of_friction<const D: usize>(motion: &EvaluatedMotion<D>, coefficient: f64) -> Vec<Cell> {
+    if coefficient == 0.0 {
+        return Vec::new();
+    }
+    let kept = motion.statistics.last().and_then(|last| last.kkt_report).and_then(|kept| kept.friction).unwrap_or_default();
+    vec![
+        real("friction_residual", kept.residual),
+        count("sticking", kept.sticking),
+        count("slipping", kept.slipping),
+        real("contact_work", kept.work),
+        count("friction_sweeps", kept.sweeps),
+        count("friction_iterations", kept.iterations),
+    ]
 }
 
 /// The cells of chains; none without chains. Collective.

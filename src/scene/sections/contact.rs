@@ -6,17 +6,27 @@ use crate::scene::key::Key;
 use crate::scene::table::Table;
 
 /// Keys of `[contact]`.
-pub(in crate::scene) const KEYS: [Key; 4] = [
+pub(in crate::scene) const KEYS: [Key; 5] = [
     Key::new(
         "model",
         "\"none\", \"inelastic\", \"repulsion\" or \"gluey\"",
         "\"inelastic\"",
         "The law of contact. Inelastic: nothing overlaps, \
-        nothing rebounds, no friction. Repulsion: a smooth force before touch. Gluey: what was pressed together sticks until it was pulled \
+        nothing rebounds, friction as asked for. Repulsion: a smooth force before touch. Gluey: what was pressed together sticks until it was pulled \
         apart as much.",
     )
     .default("\"none\"")
     .needs("time.end = 1.0"),
+    Key::new(
+        "friction",
+        "number or table",
+        "0.5",
+        "Coefficient of Coulomb friction at all contacts of dry bodies, or { coefficient = 0.5 }: the largest tangential force over the normal force.",
+    )
+    .unit("ratio")
+    .default("0")
+    .range("at least 0")
+    .needs("time.end = 1.0; flow.model = \"none\"; bodies.0.density = 1.0; contact.model = \"inelastic\""),
     Key::new(
         "stiffness",
         "number",
@@ -40,19 +50,30 @@ pub(in crate::scene) const KEYS: [Key; 4] = [
         .needs("time.end = 1.0; contact.model = \"gluey\""),
 ];
 
+/// Keys of `contact.friction`.
+pub(in crate::scene) const FRICTION_KEYS: [Key; 1] =
+    [Key::new("coefficient", "number", "0.5", "Largest tangential force of a contact over its normal force.")
+        .unit("ratio")
+        .default("required")
+        .range("at least 0")
+        .needs("time.end = 1.0; flow.model = \"none\"; bodies.0.density = 1.0; contact.model = \"inelastic\"")];
+
 /// What happens between bodies that touch.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct ContactSection {
     /// The law of contact.
     pub model: ContactModel,
+    /// Coefficient of friction, the same at all contacts; 0 without friction.
+    pub friction: f64,
 }
 
 /// The law of contact.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum ContactModel {
     /// Bodies do not notice contact.
+    #[default]
     None,
-    /// Bodies do not overlap at the end of a step and do not bounce; there is no friction.
+    /// Bodies do not overlap at the end of a step and do not bounce.
     Inelastic,
     /// Bodies push each other apart before they touch, and bounce without loss where nothing else takes their energy.
     Repulsion {
@@ -70,16 +91,11 @@ pub enum ContactModel {
 }
 
 /// Keys that only one law of contact has.
-const OF_ONE_LAW: [(&str, &str); 3] = [("stiffness", "repulsion"), ("range", "repulsion"), ("gamma_min", "gluey")];
+const OF_ONE_LAW: [(&str, &str); 4] =
+    [("friction", "inelastic"), ("stiffness", "repulsion"), ("range", "repulsion"), ("gamma_min", "gluey")];
 
 /// Stiffness and range of a repulsion that says nothing of them.
 const REPULSION: [f64; 2] = [100.0, 0.1];
-
-impl Default for ContactSection {
-    fn default() -> Self {
-        ContactSection { model: ContactModel::None }
-    }
-}
 
 impl ContactSection {
     pub(in crate::scene) fn read(root: &Table) -> Result<Self> {
@@ -95,12 +111,14 @@ impl ContactSection {
             ("gluey", ContactModel::Gluey { gamma_min }),
         ];
         let model = table.get("model").map_or(Ok(ContactSection::default().model), |entry| entry.choice(&models, &[]))?;
+        let friction = table.get("friction").map_or(Ok(0.0), |entry| friction(&entry))?;
         for (key, law) in OF_ONE_LAW.into_iter().filter(|(_, law)| *law != model.word()) {
-            if let Some(entry) = table.get(key) {
+            // no friction is none by any law
+            if let Some(entry) = table.get(key).filter(|_| key != "friction" || friction > 0.0) {
                 return Err(entry.refuse(&format!("only contact.model = {law:?} has it; remove it")));
             }
         }
-        Ok(ContactSection { model })
+        Ok(ContactSection { model, friction })
     }
 }
 
@@ -119,6 +137,13 @@ impl ContactModel {
             ContactModel::Gluey { .. } => "gluey",
         }
     }
+}
+
+fn friction(entry: &Entry) -> Result<f64> {
+    if entry.value.is_inline_table() {
+        return Table::of(entry, &FRICTION_KEYS)?.require("coefficient", "0.5")?.not_negative();
+    }
+    entry.not_negative()
 }
 
 fn not_positive(entry: &Entry) -> Result<f64> {

@@ -1,0 +1,58 @@
+//! A step of granular bodies with friction at contacts.
+
+use std::time::Instant;
+
+use nalgebra::{SMatrix, SVector};
+
+use super::Granular;
+use crate::{
+    body::Twist,
+    contact::{FrictionProjection, FrictionShare, Problem, ProblemShare, project_with_friction},
+    error::{Error, Result},
+    interaction::Touch,
+    mechanics::State,
+    motion::stepper::{Effort, StepOutcome},
+    petsc::{Stage, enter},
+};
+
+impl<const D: usize> Granular<D> {
+    /// A step of bodies that want to move so, with friction. Collective.
+    pub(super) fn advance_with_friction(&self, state: &State<D>, wanted: &[Twist<D>], step: f64) -> Result<StepOutcome<D>> {
+        let start = Instant::now();
+        let coefficient = self.interactions.friction();
+        if self.interactions.touch() != Some(Touch::Hard) || self.interactions.tie() {
+            return Err(Error::refused(format!(
+                "contact.friction = {coefficient}: acts on single balls with contact.model = \"inelastic\" so far; remove it"
+            )));
+        }
+        let kept = self.project_with_friction(state, wanted, coefficient, step)?;
+        let moves: Vec<Twist<D>> = kept.velocities.iter().zip(&kept.spins).map(|(&velocity, &spin)| Twist { velocity, spin }).collect();
+        let contacts = [self.known.contacts.clone(), kept.forces].concat();
+        let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };
+        let (twists, stuck, kkt_report) = (moves.clone(), Vec::new(), Some(kept.kkt_report));
+        Ok(StepOutcome { step, twists, moves, contacts, stuck, tangential: kept.tangential, kkt_report, effort })
+    }
+
+    /// Velocities and spins that keep contacts with friction, next to those wanted. Collective.
+    fn project_with_friction(&self, state: &State<D>, moves: &[Twist<D>], coefficient: f64, step: f64) -> Result<FrictionProjection<D>> {
+        let (_stage, peers) = (enter(Stage::Contacts), self.peers());
+        let (numbers, balls) = (state.numbers(), state.balls(&self.radii));
+        let weights: Vec<f64> = self.bodies.iter().map(|body| body.mass / step).collect();
+        let inertias: Vec<f64> = self.bodies.iter().map(|body| body.inertia).collect();
+        let velocities: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
+        let spins: Vec<SMatrix<f64, D, D>> = moves.iter().map(|twist| twist.spin).collect();
+        let problem = Problem {
+            domain: &self.domain,
+            numbers: Some(&numbers),
+            balls: &balls,
+            weights: &weights,
+            velocities: &velocities,
+            step,
+            lower_bounds: &[],
+            cluster_of: &[],
+        };
+        let share = ProblemShare { problem, regions: &self.regions, spanning: (&self.session).into() };
+        let friction = FrictionShare { coefficient, spins: &spins, inertias: &inertias, last: &state.tangential };
+        project_with_friction(peers, &share, &friction, &state.memory())
+    }
+}
