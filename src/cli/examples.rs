@@ -43,6 +43,7 @@ const SCENES: &[(&str, &str)] = &files![
     "crowd3d.toml",
     "cubic.toml",
     "dense.toml",
+    "friction.toml",
     "gluey.toml",
     "inertial.toml",
     "random.toml",
@@ -60,7 +61,7 @@ const SCENES: &[(&str, &str)] = &files![
 ];
 
 /// Tables of centres that scenes name.
-const TABLES: &[(&str, &str)] = &files!["fibre.csv", "random30.csv"];
+const TABLES: &[(&str, &str)] = &files!["fibre.csv", "friction.csv", "random30.csv"];
 
 /// The scene of `turbid new`.
 const NEW: &str = include_str!("new.toml");

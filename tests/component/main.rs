@@ -29,6 +29,7 @@ mod files;
 mod fitted;
 mod fitted_scalar;
 mod fluid;
+mod friction;
 mod grid;
 mod hard;
 mod inclusions;
@@ -116,6 +117,7 @@ fn main() {
         grid::tests(),
         interpolation::tests(),
         fluid::tests(),
+        friction::tests(),
         transform::tests(),
         units::tests(),
         near::tests(),
