@@ -205,6 +205,9 @@ fn pyramid<const D: usize>(session: &Session, centers: &[[f64; D]], mu: f64) -> 
     (fastest(&simulation), on_wall(&simulation.whole_state(), D - 1, bodies[0].mass))
 }
 
+/// How far a pile has moved after some steps with a coefficient, and its forces.
+type Standing<'a> = &'a dyn Fn(&Session, f64) -> (f64, Vec<f64>);
+
 /// One disk on two whose centres are 2 and 2.4 apart, one sphere on three.
 fn a_pyramid_stands_just_above_the_limit(session: &Session) {
     let flat = |half: f64| {
@@ -212,7 +215,7 @@ fn a_pyramid_stands_just_above_the_limit(session: &Session) {
         let centers = [[10.0 - half, 1.0], [10.0 + half, 1.0], [10.0, 1.0 + 2.0 * angle.cos()]];
         ((angle / 2.0).tan(), move |session: &Session, mu: f64| pyramid(session, &centers, mu), vec![1.5, 1.5])
     };
-    let check = |limit: f64, found: &dyn Fn(&Session, f64) -> (f64, Vec<f64>), forces: &[f64]| {
+    let check = |limit: f64, found: Standing, forces: &[f64]| {
         let (fastest, _) = found(session, 0.99 * limit);
         assert!(fastest > 1e-5, "moves below the limit {limit}: {fastest:e}");
         let (fastest, floor) = found(session, 1.01 * limit);

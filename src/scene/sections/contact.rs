@@ -111,12 +111,13 @@ impl ContactSection {
             ("gluey", ContactModel::Gluey { gamma_min }),
         ];
         let model = table.get("model").map_or(Ok(ContactSection::default().model), |entry| entry.choice(&models, &[]))?;
+        let friction = table.get("friction").map_or(Ok(0.0), |entry| friction(&entry))?;
         for (key, law) in OF_ONE_LAW.into_iter().filter(|(_, law)| *law != model.word()) {
-            if let Some(entry) = table.get(key) {
+            // no friction is none by any law
+            if let Some(entry) = table.get(key).filter(|_| key != "friction" || friction > 0.0) {
                 return Err(entry.refuse(&format!("only contact.model = {law:?} has it; remove it")));
             }
         }
-        let friction = table.get("friction").map_or(Ok(0.0), |entry| friction(&entry))?;
         Ok(ContactSection { model, friction })
     }
 }
