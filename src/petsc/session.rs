@@ -11,11 +11,8 @@ use mpi::{topology::SimpleCommunicator, traits::Communicator};
 use super::{call::remember, ffi, petsc, traffic::TRAFFIC_LOG};
 use crate::{
     error::{Error, Result},
-    parallel::{World, launched},
+    parallel::World,
 };
-
-/// Tells Open MPI that a process without a launcher spawns no others, for which it would start a daemon.
-const NO_DAEMON: &str = "OMPI_MCA_ess_singleton_isolated";
 
 /// A running MPI and PETSc; clones share it, and the last one ends what the first has started.
 #[derive(Clone)]
@@ -36,7 +33,6 @@ impl Session {
     /// MPI is already running, or PETSc does not start.
     pub fn start(options: &[String]) -> Result<Session> {
         let running = || Error::refused("MPI is already running in this process; join it");
-        spare_daemon();
         let universe = mpi::initialize().ok_or_else(running)?;
         Session::open(SimpleCommunicator::world(), Some(universe), options)
     }
@@ -81,14 +77,6 @@ impl Session {
 
     pub(super) fn communicator(&self) -> ffi::MPI_Comm {
         self.inner.world.raw()
-    }
-}
-
-/// Lets a process without a launcher start MPI without the daemon, unless the user has said otherwise.
-fn spare_daemon() {
-    if !launched() && std::env::var_os(NO_DAEMON).is_none() {
-        // no other thread reads the environment before MPI starts
-        unsafe { std::env::set_var(NO_DAEMON, "1") };
     }
 }
 
