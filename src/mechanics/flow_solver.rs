@@ -130,7 +130,7 @@ pub trait FlowSolver<const D: usize> {
     /// Lets each solve start from the ones before it, beginning with those given, if it can.
     fn remember(&mut self, _past: Option<ExtrapolationHistory<D>>) {}
 
-    /// Forgets what solves at a time have found, in a flow with inertia: the next step starts from the last solution before it again.
+    /// Forgets what solves at a time have found: the next ones start from the last solution before it again.
     fn abandon(&mut self, _time: f64) {}
 
     /// What further solves start from.

@@ -8,7 +8,7 @@ use super::{
     configuration::Configuration,
     cost::{Cost, ResidualMonitor},
     flow_solver::FlowSolver,
-    history::HistoryShape,
+    history::{HistoryShape, HistoryView},
     setup::Setup,
     solution::Solution,
     system::extrapolation::{ExtrapolationHistory, Snapshot},
@@ -40,6 +40,8 @@ pub struct Suspension<const D: usize> {
     workspace: Option<KrylovWorkspace>,
     remembers: bool,
     past: Option<ExtrapolationHistory<D>>,
+    /// What that was before the first solve at its time.
+    past_before: Option<ExtrapolationHistory<D>>,
     cost: Cost,
 }
 
@@ -65,7 +67,7 @@ impl<const D: usize> Suspension<D> {
         let (_stage, start) = (enter(Stage::SetUp), Instant::now());
         let (fixed, inverse) = FixedOperators::new(session, setup, inverse)?;
         let cost = Cost { setup: start.elapsed().as_secs_f64(), grid_unknowns: fixed.grid.fluid_unknowns(), ..Cost::default() };
-        Ok(Suspension { fixed, inverse, assembly: None, workspace: None, remembers: false, past: None, cost })
+        Ok(Suspension { fixed, inverse, assembly: None, workspace: None, remembers: false, past: None, past_before: None, cost })
     }
 
     /// As [`new`](Self::new), with a method that makes bodies rigid of one's own, which need not be known to scene files.
@@ -83,7 +85,7 @@ impl<const D: usize> Suspension<D> {
         if let Some(inverse) = self.fixed.slide(time, Setup::inverse_of)? {
             (self.inverse, self.assembly) = (inverse, None);
             if !self.fixed.condensed {
-                self.past = None;
+                (self.past, self.past_before) = (None, None);
             }
         }
         Ok(())
@@ -152,11 +154,22 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
     }
 
     fn remember(&mut self, past: Option<ExtrapolationHistory<D>>) {
-        (self.remembers, self.past) = (true, past);
+        (self.remembers, self.past, self.past_before) = (true, past, None);
     }
 
     fn fluid_vector(&self) -> Result<Vector> {
         self.fixed.stokes.vector()
+    }
+
+    fn abandon(&mut self, time: f64) {
+        if self.past.as_ref().is_some_and(|past| past.time == time) {
+            self.past = self.past_before.take();
+        }
+    }
+
+    fn history_before(&self, time: f64) -> HistoryView<'_, D> {
+        let past = self.past.as_ref().filter(|past| past.time < time).or(self.past_before.as_ref());
+        HistoryView { past, ..HistoryView::default() }
     }
 
     fn history_shape(&self) -> HistoryShape {
@@ -195,7 +208,8 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         let constraints = found.global_unknowns.split_off(fixed.mean_flow.unknowns::<D>());
         if self.remembers && fixed.method.on_surfaces() {
             let last = Snapshot::of(&bodies, &fixed.session, configuration.centers, &found, fixed.condensed)?;
-            self.past = Some(ExtrapolationHistory::then(self.past.take(), last, guess, configuration.time).0);
+            let (past, before) = ExtrapolationHistory::then(self.past.take(), last, guess, configuration.time);
+            (self.past, self.past_before) = (Some(past), before.or(self.past_before.take()));
         }
         let solution = readback::solution(fixed, (&bodies, &assembly), (&pair_constraints, &constraints), found, configuration)?;
         (self.assembly, self.workspace) = (Some(assembly), Some(workspace));
