@@ -132,7 +132,7 @@ impl<const D: usize> Shared<'_, D> {
     }
 }
 
-/// How many numbers [`write`] makes.
+/// How many numbers [`write()`] makes.
 const fn record<const D: usize>() -> usize {
     packed_length::<D>() + D
 }
