@@ -52,6 +52,11 @@ pub struct Domain<const D: usize> {
 }
 
 impl<const D: usize> Domain<D> {
+    /// Velocity of the wall at the lower or the upper end of an axis; zero where there is none.
+    pub fn wall_velocity(&self, axis: usize, upper: bool) -> SVector<f64, D> {
+        self.axes[axis].walls().map_or(SVector::zeros(), |walls| walls[usize::from(upper)])
+    }
+
     /// Whether the box repeats along `axis`.
     pub fn periodic(&self, axis: usize) -> bool {
         matches!(self.axes[axis], Axis::Periodic | Axis::Sheared(_))

@@ -503,3 +503,17 @@ end = 0.4
 energy = true
 picture = false
 "#;
+
+/// One sphere at an instant, 16 cells along each side of its box.
+pub const SPHERE: &str = r#"
+domain.size = [1.0, 1.0, 1.0]
+flow.drive = { mean_velocity = [0.0, 0.0, 2.0] }
+resolution = { spacing = 0.0625, modes = 2 }
+[[bodies]]
+radius = 0.25
+motion = "fixed"
+centers = [[0.5, 0.5, 0.5]]
+[output]
+fields = true
+plane = "xz"
+"#;

@@ -65,23 +65,10 @@ fn h5py_reads_runs_of_the_program_under_way_and_finished() {
     }
 }
 
-/// One sphere at an instant, 16 cells along each side of its box.
-const SPHERE: &str = r#"
-domain.size = [1.0, 1.0, 1.0]
-flow.drive = { mean_velocity = [0.0, 0.0, 2.0] }
-resolution = { spacing = 0.0625, modes = 2 }
-[[bodies]]
-radius = 0.25
-motion = "fixed"
-centers = [[0.5, 0.5, 0.5]]
-[output]
-fields = true
-"#;
-
 #[test]
 fn vtk_reads_the_frame_of_an_instant() {
     let here = common::folder("independent-reader-instant");
-    let (scene, out) = (common::write(&here, SPHERE), here.join("out"));
+    let (scene, out) = (common::write(&here, scenes::SPHERE), here.join("out"));
     common::run(1, &scene, &out, &[]);
     let read = "import sys, vtk\nr = vtk.vtkXdmfReader()\nr.SetFileName(sys.argv[1])\nr.Update()\n\
                 d = r.GetOutputDataObject(0)\nwhile d.IsA('vtkMultiBlockDataSet'): d = d.GetBlock(0)\n\

@@ -7,7 +7,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::common::{command, folder, number, root, run, said, summary, turbid, words, write};
+use crate::common::{command, folder, number, root, run, said, scenes::SPHERE, summary, turbid, words, write};
 
 const SHEARED: &str = r#"
 title = "two disks < three"
@@ -30,19 +30,6 @@ step = 0.125
 [output]
 every = 0.3
 colour = "species"
-"#;
-
-const SPHERE: &str = r#"
-domain.size = [1.0, 1.0, 1.0]
-flow.drive = { mean_velocity = [0.0, 0.0, 2.0] }
-resolution = { spacing = 0.0625, modes = 2 }
-[[bodies]]
-radius = 0.25
-motion = "fixed"
-centers = [[0.5, 0.5, 0.5]]
-[output]
-fields = true
-plane = "xz"
 "#;
 
 const DRY: &str = r#"

@@ -5,7 +5,7 @@ use nalgebra::{SMatrix, SVector};
 use crate::{
     body::{Twist, planes},
     contact::{Contact, Partner},
-    geometry::{Axis, Ball, Domain},
+    geometry::{Ball, Domain},
 };
 
 /// Where the axis that makes the first tangent is not used: too near to the normal.
@@ -47,7 +47,7 @@ impl<const D: usize> Frame<D> {
         let own = twists[contact.body].at(&(normal * self.arms[0]));
         let partner = match contact.partner {
             Partner::Body(other) => twists[other].at(&(-normal * self.arms[1])) + contact.sliding,
-            Partner::Wall { axis, upper } => wall_velocity(domain, axis, upper),
+            Partner::Wall { axis, upper } => domain.wall_velocity(axis, upper),
         };
         partner - own
     }
@@ -63,19 +63,6 @@ impl<const D: usize> Frame<D> {
         let lever = self.axes[0] * arm;
         // of a skew matrix the entries (row, column) are force times lever minus its transpose
         impulse * lever.transpose() - lever * impulse.transpose()
-    }
-}
-
-fn wall_velocity<const D: usize>(domain: &Domain<D>, axis: usize, is_upper: bool) -> SVector<f64, D> {
-    match &domain.axes[axis] {
-        Axis::Walls { lower, upper } => {
-            if is_upper {
-                *upper
-            } else {
-                *lower
-            }
-        }
-        _ => SVector::zeros(),
     }
 }
 
@@ -101,7 +88,10 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::body::{components, skew};
+    use crate::{
+        body::{components, skew},
+        geometry::Axis,
+    };
 
     #[test]
     fn a_rigid_rotation_of_a_pair_across_a_gap_does_not_slip_and_the_torques_of_a_force_balance() {

@@ -151,7 +151,7 @@ impl<'a, const D: usize> Builder<'a, D> {
                 // images move with the background
                 direction.dot(&(self.fixed.setup.drive.background(&offset) - self.sliding(other)))
             }
-            Opposite::Wall((axis, upper)) => direction.dot(&wall_velocity(self.fixed, axis, upper)),
+            Opposite::Wall((axis, upper)) => direction.dot(&self.fixed.setup.domain.wall_velocity(axis, upper)),
         };
         self.known(known - mode.sides[0].direction.dot(&self.sliding(film.body)));
     }
@@ -247,8 +247,4 @@ fn add_springs(layout: &MultiplierLayout, pores: &Pores, few: &[f64], resistance
         rotation[(2, 2)] = ROTATION + ROTATION_AMONG_FEW * few[body];
         resistances.add(layout, [body; 2], &rotation);
     }
-}
-
-fn wall_velocity<const D: usize>(fixed: &FixedOperators<D>, axis: usize, upper: bool) -> SVector<f64, D> {
-    fixed.setup.domain.axes[axis].walls().map_or(SVector::zeros(), |walls| walls[usize::from(upper)])
 }
