@@ -19,6 +19,14 @@ pub struct FrictionReport {
 }
 
 impl FrictionReport {
-    /// What a residual is aimed to be below.
+    /// What a residual of dry bodies is aimed to be below.
     pub const TOLERANCE: f64 = 1e-8;
+
+    /// The same in a fluid, where flow and contacts agree to this.
+    pub const TOLERANCE_IN_FLOW: f64 = 1e-4;
+
+    /// The one or the other.
+    pub fn tolerance(dry: bool) -> f64 {
+        if dry { FrictionReport::TOLERANCE } else { FrictionReport::TOLERANCE_IN_FLOW }
+    }
 }

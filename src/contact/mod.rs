@@ -51,7 +51,10 @@ mod tests;
 pub use adhesive::AdhesiveContact;
 pub use candidates::{Contact, candidates};
 pub use force::{ContactForce, pushes};
-pub use friction::{FrictionProjection, FrictionShare, TangentialForce, project_with_friction};
+pub use friction::{
+    Bathed, BathedResistance, ContactState, FlowContacts, FrictionProjection, FrictionShare, HeldContact, HeldRow, PairResistance,
+    TangentialForce, project_with_friction,
+};
 pub use friction_report::FrictionReport;
 pub use given::{GivenPaths, Meeting};
 pub use identity::{Identity, Partner, bodies_of, pack, packed_length, renamed, unpack};

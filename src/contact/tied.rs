@@ -260,7 +260,7 @@ mod tests {
         let balls = [[3.0, 0.5], [3.0, 1.6], [6.0, 4.0]].map(|center| Ball { center: center.into(), radius: 0.5 });
         let up = Vector2::new(0.0, 1.0);
         let side = |direction| RigidFunctional { direction, turn: SMatrix::zeros() };
-        let rod = Row { ends: vec![(0, side(-up)), (1, side(up))], rate: 0.0, compliance: 0.0 };
+        let rod = Row::new(vec![(0, side(-up)), (1, side(up))], 0.0, 0.0);
         let floor = |body: usize| Contact::of_wall(&domain, &balls, body, 1, false);
         for presses in [true, false] {
             let contacts = [0, 2].map(|body| TiedContact { contact: floor(body), least: 0.0, presses });

@@ -74,7 +74,7 @@ impl JointedChain {
 }
 
 fn row<const D: usize>(ends: Vec<(usize, RigidFunctional<D>)>) -> Row<D> {
-    Row { ends, rate: 0.0, compliance: 0.0 }
+    Row::new(ends, 0.0, 0.0)
 }
 
 /// How a chord turns to a side across it, less how a bead turns to it.

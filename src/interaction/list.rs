@@ -4,7 +4,7 @@ use std::{fmt, ops::Range, rc::Rc};
 
 use nalgebra::SVector;
 
-use super::{Arrangement, Cluster, Conserved, Interaction, PairForce, Spring, Touch};
+use super::{Arrangement, Cluster, Conserved, Friction, Interaction, PairForce, Spring, Touch};
 use crate::{
     body::Row,
     constraint::{
@@ -57,9 +57,9 @@ impl<const D: usize> Interactions<D> {
         self.iter().filter_map(Interaction::touch).reduce(hardest)
     }
 
-    /// The coefficient of friction at contacts, 0 without friction.
-    pub fn friction(&self) -> f64 {
-        self.iter().map(Interaction::friction).fold(0.0, f64::max)
+    /// Friction at contacts, if there is any.
+    pub fn friction(&self) -> Option<Friction> {
+        self.iter().find_map(Interaction::friction)
     }
 
     /// Whether velocities are projected on those that keep bodies apart.

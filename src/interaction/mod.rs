@@ -72,9 +72,9 @@ pub trait Interaction<const D: usize>: Debug {
         None
     }
 
-    /// The coefficient of friction at contacts, 0 without friction.
-    fn friction(&self) -> f64 {
-        0.0
+    /// Friction at contacts, if there is any.
+    fn friction(&self) -> Option<Friction> {
+        None
     }
 
     /// The largest gap at which bodies up to this radius act on each other by forces that follow from where they are.

@@ -71,7 +71,7 @@ impl<const D: usize> Interaction<D> for Welds<D> {
 /// The rows of a ball that is tied to another, the first radius being such.
 fn rows<const D: usize>([ball, to]: [usize; 2], radius: f64, centers: &[SVector<f64, D>]) -> Vec<Row<D>> {
     let arm = centers[ball] - centers[to];
-    let row = |own: RigidFunctional<D>, other: RigidFunctional<D>| Row { ends: vec![(to, other), (ball, own)], rate: 0.0, compliance: 0.0 };
+    let row = |own: RigidFunctional<D>, other: RigidFunctional<D>| Row::new(vec![(to, other), (ball, own)], 0.0, 0.0);
     let along = |axis: usize| {
         let direction: SVector<f64, D> = SVector::from_fn(|other, _| f64::from(other == axis));
         let turn = direction * arm.transpose() - arm * direction.transpose();

@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use crate::{body::Row, contact::ContactForce, interaction::Wrench};
+use crate::{body::Row, interaction::Wrench};
 
 /// Where the bodies of a suspension are, and what is known of that instant.
 #[derive(Debug, Clone, Copy)]
@@ -11,12 +11,12 @@ pub struct Configuration<'a, const D: usize> {
     pub centers: &'a [SVector<f64, D>],
     /// The time, to which the last solution is extrapolated.
     pub time: f64,
-    /// Contacts that are held: their forces are unknowns, and those given are where the solve starts.
-    pub pressed: &'a [ContactForce<D>],
+    /// Contacts that are held: their forces are unknowns.
+    pub contacts: &'a [Row<D>],
+    /// Where the solve starts with the forces of contacts.
+    pub contact_guess: &'a [f64],
     /// Springs and welds: their forces are unknowns.
     pub bonds: &'a [Row<D>],
-    /// The step in which gaps of contacts are to close, and no sooner.
-    pub step: f64,
     /// Forces and torques on all bodies besides those of the setup; none if empty.
     pub pushes: &'a [Wrench<D>],
     /// Relative residual at which the solve ends.

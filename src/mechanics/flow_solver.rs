@@ -8,7 +8,14 @@ use super::{
     solution::Solution,
     system::{extrapolation::ExtrapolationHistory, level::Level},
 };
-use crate::{contact::Contact, error::Result, flow::InverseMethod, grid::Grid, interaction::Wrench, petsc::Vector};
+use crate::{
+    contact::{BathedResistance, Contact},
+    error::Result,
+    flow::InverseMethod,
+    grid::Grid,
+    interaction::Wrench,
+    petsc::Vector,
+};
 
 /// Finds the flow and the motions of bodies at an instant. Every function is collective.
 pub trait FlowSolver<const D: usize> {
@@ -52,6 +59,11 @@ pub trait FlowSolver<const D: usize> {
     /// What interactions resist the approach of a contact by, force over speed, besides the flow that is resolved.
     fn film_resistance(&self, _contact: &Contact<D>) -> f64 {
         0.0
+    }
+
+    /// What bodies resist as a network, where they were solved last. Collective.
+    fn network_resistance(&self) -> BathedResistance<D> {
+        BathedResistance::default()
     }
 
     /// The force in the equations of a step that a unit of the mean force of contacts over it is: with inertia contacts give impulses.

@@ -11,12 +11,15 @@ use super::{
     history::{HistoryShape, HistoryView},
     setup::Setup,
     solution::Solution,
-    system::extrapolation::{ExtrapolationHistory, Snapshot},
+    system::{
+        extrapolation::{ExtrapolationHistory, Snapshot},
+        network_resistance::network_resistance,
+    },
 };
 use crate::{
     body::Row,
     constraint::FlowMethod,
-    contact::Contact,
+    contact::{BathedResistance, Contact},
     error::{Error, Result},
     flow::{InverseMethod, Stokes, StokesInverse},
     geometry::Ball,
@@ -98,7 +101,15 @@ impl<const D: usize> Suspension<D> {
     /// The configuration in which bodies are there and none touches.
     fn at_rest<'a>(&self, centers: &'a [SVector<f64, D>], bonds: &'a [Row<D>]) -> Configuration<'a, D> {
         let time = self.fixed.setup.domain.slide().map_or(0.0, |slide| slide.time);
-        Configuration { centers, time, pressed: &[], bonds, step: 0.0, pushes: &[], tolerance: self.fixed.setup.tolerance.at_an_instant() }
+        Configuration {
+            centers,
+            time,
+            contacts: &[],
+            contact_guess: &[],
+            bonds,
+            pushes: &[],
+            tolerance: self.fixed.setup.tolerance.at_an_instant(),
+        }
     }
 
     /// Condition numbers of the system on the multipliers with the bodies where the setup has them; as dear as that many iterations
@@ -151,6 +162,10 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
 
     fn film_resistance(&self, contact: &Contact<D>) -> f64 {
         self.fixed.film_resistance(contact)
+    }
+
+    fn network_resistance(&self) -> BathedResistance<D> {
+        network_resistance(&self.fixed, self.assembly.as_ref(), 1.0)
     }
 
     fn remember(&mut self, past: Option<ExtrapolationHistory<D>>) {

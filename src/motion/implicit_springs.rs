@@ -74,7 +74,7 @@ impl<const D: usize> StepAhead<'_, D> {
         let compliance = if spring.stiffness.is_finite() { 1.0 / (spring.stiffness * part * ahead * length) } else { 0.0 };
         let rate = -(spring.value / part + bent) / (ahead * length) + (1.0 - 1.0 / ahead) * last;
         let end = |&(body, direction): &(usize, SVector<f64, D>)| (body, RigidFunctional { direction, turn: SMatrix::zeros() });
-        Row { ends: spring.ends.iter().map(end).collect(), rate, compliance }
+        Row::new(spring.ends.iter().map(end).collect(), rate, compliance)
     }
 }
 

@@ -3,6 +3,7 @@
 mod active_set_iteration;
 mod clusters;
 mod contact_step;
+mod friction_rounds;
 mod given_motions;
 mod granular;
 mod implicit_springs;
@@ -23,6 +24,6 @@ pub use quasi_static::QuasiStatic;
 pub use shift_period::ShiftPeriod;
 pub use simulation::{Simulation, StepReport};
 pub use step_control::{BodyMotion, StepControl, StepLimits, StepSize};
-pub use stepper::{Effort, Observation, StepOutcome, Stepper};
+pub use stepper::{Effort, Observation, Rubbing, StepOutcome, Stepper};
 pub use stop_request::StopRequest;
 pub use travel::time_of_travel;

@@ -22,7 +22,7 @@ use super::{
     implicit_springs::{LEAST, StepAhead, kept_apart, pair},
     kept_measures::keep,
     step_control::{StepControl, StepLimits, StepSize},
-    stepper::{Effort, Observation, StepOutcome, Stepper},
+    stepper::{Effort, Observation, Rubbing, StepOutcome, Stepper},
     stop_request::StopRequest,
     travel::{accurate_step, time_of_travel},
 };
@@ -42,7 +42,7 @@ use crate::{
 };
 
 /// Rounds that flow and contacts are given to agree.
-const MOST_ROUNDS: usize = 60;
+pub(super) const MOST_ROUNDS: usize = 60;
 
 /// Difference between the velocities by the flow and by the contact model, over the largest ([`fastest`]), that counts as agreement,
 /// unless the flow is solved to less. Films at roughness resist a million times more than bodies alone, and let velocities be known less well.
@@ -70,32 +70,65 @@ const FITTED_REMEDY: &str =
 
 /// Bodies carried by Stokes flow.
 pub struct QuasiStatic<const D: usize> {
-    session: Session,
-    suspension: Box<dyn FlowSolver<D>>,
+    pub(super) session: Session,
+    pub(super) suspension: Box<dyn FlowSolver<D>>,
     step_control: StepControl,
-    radii: Vec<f64>,
+    pub(super) radii: Vec<f64>,
     /// Force that gives each body a unit velocity in unbounded fluid.
     weights: Vec<f64>,
     /// The same for the mean force of contacts over a step.
     contact_weights: Vec<f64>,
-    stop: StopRequest,
+    pub(super) stop: StopRequest,
     /// What the solves of a state started from, unless it holds a fluid.
     before: Option<ExtrapolationHistory<D>>,
 }
 
 /// Velocities on which flow and contacts agree.
-struct Agreed<const D: usize> {
-    solution: Solution<D>,
-    twists: Vec<Twist<D>>,
-    contacts: Vec<ContactForce<D>>,
-    step_size: StepSize,
+pub(super) struct Agreed<const D: usize> {
+    pub(super) solution: Solution<D>,
+    pub(super) twists: Vec<Twist<D>>,
+    pub(super) contacts: Vec<ContactForce<D>>,
+    pub(super) rubbing: Rubbing<D>,
+    pub(super) step_size: StepSize,
 }
 
 /// Bodies of a state in the box of its time.
-struct Placed<'a, const D: usize> {
-    state: &'a State<D>,
-    domain: Domain<D>,
-    balls: Vec<Ball<D>>,
+pub(super) struct Placed<'a, const D: usize> {
+    pub(super) state: &'a State<D>,
+    pub(super) domain: Domain<D>,
+    pub(super) balls: Vec<Ball<D>>,
+    /// The balls that touch where they do: larger by their roughness.
+    pub(super) touching: Vec<Ball<D>>,
+}
+
+/// What is known of an instant before its flow is.
+pub(super) struct KnownInstant<'a, const D: usize> {
+    pub(super) placed: Placed<'a, D>,
+    centers: Vec<SVector<f64, D>>,
+    pub(super) interactions: Interactions<D>,
+    /// Contacts with forces that follow from where bodies are.
+    pub(super) known: Vec<ContactForce<D>>,
+    pair_forces: Vec<PairForce<D>>,
+    springs: Vec<Spring<D>>,
+    /// Longest step that is to be tried; nothing in the middle of a step.
+    pub(super) tried: Option<f64>,
+}
+
+impl<const D: usize> KnownInstant<'_, D> {
+    /// Forces and torques on bodies that follow from where they are.
+    pub(super) fn pushes(&self) -> Vec<Wrench<D>> {
+        Wrench::on_bodies(self.centers.len(), &self.known, &self.pair_forces)
+    }
+}
+
+/// Rows of contacts for a solve, and what acts besides.
+pub(super) struct FlowRows<'a, const D: usize> {
+    pub(super) rows: &'a [Row<D>],
+    pub(super) guess: &'a [f64],
+    pub(super) pushes: &'a [Wrench<D>],
+    /// The step in which springs move.
+    pub(super) step: f64,
+    pub(super) tolerance: f64,
 }
 
 impl<const D: usize> QuasiStatic<D> {
@@ -110,17 +143,29 @@ impl<const D: usize> QuasiStatic<D> {
 
     fn placed<'a>(&self, state: &'a State<D>) -> Placed<'a, D> {
         let domain = self.suspension.setup().domain.clone().at(state.time);
-        Placed { state, domain, balls: state.balls(&self.radii) }
+        let (balls, friction) = (state.balls(&self.radii), self.suspension.setup().interactions.friction());
+        let touching = friction.map_or_else(|| balls.clone(), |friction| friction.touching(&balls));
+        Placed { state, domain, balls, touching }
     }
 
     fn arrangement<'a>(&'a self, placed: &'a Placed<'a, D>) -> Arrangement<'a, D> {
+        self.arrangement_of(placed, &placed.balls)
+    }
+
+    /// That of balls in the place of bodies.
+    pub(super) fn arrangement_of<'a>(&'a self, placed: &'a Placed<'a, D>, balls: &'a [Ball<D>]) -> Arrangement<'a, D> {
         let viscosity = Some(self.suspension.setup().viscosity);
-        Arrangement { domain: &placed.domain, numbers: None, balls: &placed.balls, weights: &self.weights, viscosity, reach: f64::INFINITY }
+        Arrangement { domain: &placed.domain, numbers: None, balls, weights: &self.weights, viscosity, reach: f64::INFINITY }
     }
 
     /// Contacts over a step from where bodies are.
-    fn contact_step<'a>(&'a self, placed: &'a Placed<'a, D>, step: f64) -> ContactStep<'a, D> {
-        let (arrangement, flow) = (self.arrangement(placed), self.suspension.as_ref());
+    pub(super) fn contact_step<'a>(&'a self, placed: &'a Placed<'a, D>, step: f64) -> ContactStep<'a, D> {
+        self.contact_step_of(placed, &placed.touching, step)
+    }
+
+    /// The same of balls in the place of bodies.
+    fn contact_step_of<'a>(&'a self, placed: &'a Placed<'a, D>, balls: &'a [Ball<D>], step: f64) -> ContactStep<'a, D> {
+        let (arrangement, flow) = (self.arrangement_of(placed, balls), self.suspension.as_ref());
         let bounds = flow.setup().interactions.lower_bounds(&arrangement, &placed.state.stuck, step);
         let arrangement = Arrangement { weights: &self.contact_weights, ..arrangement };
         ContactStep { session: &self.session, flow, arrangement, bounds, step }
@@ -139,7 +184,7 @@ impl<const D: usize> QuasiStatic<D> {
 
     /// The time in which the first body moves by its radius; with inertia in the fluid, whose levels stay where they are, relative to what goes along with
     /// images alone.
-    fn time_of_travel(&self, placed: &Placed<D>, twists: &[Twist<D>]) -> f64 {
+    pub(super) fn time_of_travel(&self, placed: &Placed<D>, twists: &[Twist<D>]) -> f64 {
         if !self.suspension.evolves() {
             return time_of_travel(&placed.domain, &placed.balls, &velocities(twists));
         }
@@ -165,7 +210,7 @@ impl<const D: usize> QuasiStatic<D> {
     }
 
     /// The step to take with these motions and forces.
-    fn step_size(&self, placed: &Placed<D>, twists: &[Twist<D>], pushes: &[Wrench<D>], tried: Option<f64>) -> Result<StepSize> {
+    pub(super) fn step_size(&self, placed: &Placed<D>, twists: &[Twist<D>], pushes: &[Wrench<D>], tried: Option<f64>) -> Result<StepSize> {
         let (state, travel) = (placed.state, self.step_control.time.travel);
         let first = if state.last_step == 0.0 { FIRST * self.time_in_box(state, twists) } else { f64::INFINITY };
         let moved = (travel * self.time_of_travel(placed, twists).min(first)).min(self.accurate_step(state, twists));
@@ -181,6 +226,15 @@ impl<const D: usize> QuasiStatic<D> {
     /// Solves the flow with all forces that interactions know and with contacts that keep gaps open over the step to come, no longer than `tried`; nothing for a
     /// state in the middle of a step.
     fn agree(&mut self, state: &State<D>, tried: Option<f64>, effort: &mut Effort, monitor: ResidualMonitor) -> Result<Agreed<D>> {
+        let instant = self.instant(state, tried)?;
+        if instant.interactions.friction().is_some_and(|friction| friction.coefficient > 0.0) {
+            return self.agree_with_friction(&instant, effort, monitor);
+        }
+        self.agree_without_friction(&instant, effort, monitor)
+    }
+
+    /// What is known of an instant.
+    fn instant<'a>(&mut self, state: &'a State<D>, tried: Option<f64>) -> Result<KnownInstant<'a, D>> {
         self.suspension.prescribe(state.time);
         if self.suspension.evolves() {
             self.suspension.prepare(state.time)?;
@@ -189,42 +243,74 @@ impl<const D: usize> QuasiStatic<D> {
             self.contact_weights = self.weights.iter().map(|weight| weight / of_impulse).collect();
         }
         let (placed, centers) = (self.placed(state), state.centers());
-        let setup = self.suspension.setup();
-        let (interactions, tightest) = (setup.interactions.clone(), setup.tolerance.at_an_instant());
-        let mut tolerance = setup.tolerance.in_a_step(self.travelled(state));
-        let touch = interactions.touch();
-        self.refuse_overlap(&placed, touch)?;
-        let known = interactions.contact_forces(&self.arrangement(&placed));
-        let pair_forces = interactions.pair_forces(&self.arrangement(&placed));
+        let interactions = self.suspension.setup().interactions.clone();
+        self.refuse_overlap(&placed, interactions.touch())?;
+        let arrangement = self.arrangement(&placed);
+        let (known, pair_forces) = (interactions.contact_forces(&arrangement), interactions.pair_forces(&arrangement));
+        let springs = interactions.springs(&arrangement);
+        Ok(KnownInstant { placed, centers, interactions, known, pair_forces, springs, tried })
+    }
+
+    /// The tolerance of the solves of an instant.
+    pub(super) fn tolerance_of(&self, instant: &KnownInstant<D>) -> f64 {
+        self.suspension.setup().tolerance.in_a_step(self.travelled(instant.placed.state))
+    }
+
+    /// Solves the flow of an instant, and gives the motions of its bodies besides.
+    pub(super) fn flow_with(
+        &mut self,
+        instant: &KnownInstant<D>,
+        held: &FlowRows<D>,
+        effort: &mut Effort,
+        monitor: ResidualMonitor,
+    ) -> Result<(Solution<D>, Vec<Twist<D>>)> {
+        let KnownInstant { placed, centers, interactions, springs, .. } = instant;
+        let bonds = [self.spring_rows(placed, springs, held.step), interactions.welds(centers)].concat();
+        let configuration = Configuration {
+            centers,
+            time: placed.state.time,
+            contacts: held.rows,
+            contact_guess: held.guess,
+            bonds: &bonds,
+            pushes: held.pushes,
+            tolerance: held.tolerance,
+        };
+        let mut solution = self.suspension.solve_at(&configuration, monitor)?;
+        solution.pair_stress = PairForce::total_stress(&instant.pair_forces);
+        effort.add_solve(self.suspension.cost());
+        for (found, suspended) in solution.bodies.iter_mut().zip(&self.suspension.setup().bodies) {
+            // the solver meets it to its tolerance
+            found.twist = suspended.body.given_motion().unwrap_or(found.twist);
+        }
+        let twists = solution.bodies.iter().map(|body| body.twist).collect();
+        Ok((solution, twists))
+    }
+
+    /// Flow and frictionless contacts in turn.
+    fn agree_without_friction(&mut self, instant: &KnownInstant<D>, effort: &mut Effort, monitor: ResidualMonitor) -> Result<Agreed<D>> {
+        let KnownInstant { placed, interactions, known, pair_forces, springs, .. } = instant;
+        let (state, touch, tightest) = (placed.state, interactions.touch(), self.suspension.setup().tolerance.at_an_instant());
+        let mut tolerance = self.tolerance_of(instant);
         let agreement = if interactions.resist() { AGREEMENT_IN_FILMS } else { AGREEMENT };
-        let springs = interactions.springs(&self.arrangement(&placed));
-        let mut pressed = self.expected(&placed, touch)?;
+        let mut pressed = self.expected(placed, touch)?;
         let (mut chosen, mut step, mut difference) = (None, state.last_step, 0.0);
         let mut rounds = ActiveSetIteration::new();
         for round in 0..MOST_ROUNDS {
             if round > 0 {
                 self.stop.heed(self.session.world(), state.time)?;
             }
-            let tied = kept_apart(&springs, &self.weights, step);
+            let tied = kept_apart(springs, &self.weights, step);
             pressed.retain(|pressed| pressed.contact.other().is_none_or(|other| !tied.contains(&pair(pressed.contact.body, other))));
-            let loose = self.contact_step(&placed, step).loose(&pressed);
-            let pushes = Wrench::on_bodies(centers.len(), known.iter().chain(&loose), &pair_forces);
-            let rows = [self.spring_rows(&placed, &springs, step), interactions.welds(&centers)].concat();
-            let configuration =
-                Configuration { centers: &centers, time: state.time, pressed: &pressed, bonds: &rows, step, pushes: &pushes, tolerance };
-            let mut solution = self.suspension.solve_at(&configuration, monitor)?;
-            solution.pair_stress = PairForce::total_stress(&pair_forces);
-            effort.add_solve(self.suspension.cost());
-            for (found, suspended) in solution.bodies.iter_mut().zip(&self.suspension.setup().bodies) {
-                // the solver meets it to its tolerance
-                found.twist = suspended.body.given_motion().unwrap_or(found.twist);
-            }
-            let mut twists: Vec<Twist<D>> = solution.bodies.iter().map(|body| body.twist).collect();
+            let loose = self.contact_step(placed, step).loose(&pressed);
+            let pushes = Wrench::on_bodies(instant.centers.len(), known.iter().chain(&loose), pair_forces);
+            let (rows, guess): (Vec<Row<D>>, Vec<f64>) = pressed.iter().map(|pressed| (pressed.contact.row(step), pressed.force)).unzip();
+            let held = FlowRows { rows: &rows, guess: &guess, pushes: &pushes, step, tolerance };
+            let (mut solution, mut twists) = self.flow_with(instant, &held, effort, monitor)?;
             let begins = step == 0.0 && !springs.is_empty();
             let step_size = match chosen {
                 Some(step_size) => step_size,
-                None if begins => *chosen.insert(self.step_size(&placed, &twists, &Spring::pulled(&springs, pushes), tried)?),
-                None => *chosen.insert(self.step_size(&placed, &twists, &pushes, tried)?),
+                None if begins => *chosen.insert(self.step_size(placed, &twists, &Spring::pulled(springs, pushes), instant.tried)?),
+                None => *chosen.insert(self.step_size(placed, &twists, &pushes, instant.tried)?),
             };
             if begins && step_size.natural > 0.0 {
                 // of springs the step is a part
@@ -232,13 +318,13 @@ impl<const D: usize> QuasiStatic<D> {
                 continue;
             }
             if touch != Some(Touch::Hard) {
-                return Ok(Agreed { solution, twists, contacts: known, step_size });
+                return Ok(Agreed { solution, twists, contacts: known.clone(), rubbing: Rubbing::default(), step_size });
             }
             let start = Instant::now();
             // not the length, which the end of the run cuts short: a run that ends later must find the same
             step = if step_size.natural > 0.0 { step_size.natural } else { state.last_step };
             pressed.iter_mut().zip(&solution.contact_forces).for_each(|(pressed, force)| pressed.force = *force);
-            let contacts = self.contact_step(&placed, step);
+            let contacts = self.contact_step(placed, step);
             let unpressed = contacts.without_contacts(velocities(&twists), pressed.iter().chain(&loose));
             let held = if rounds.holds() { self.near(&pressed) } else { Vec::new() };
             let projection = contacts.project(&unpressed, &held)?;
@@ -250,8 +336,8 @@ impl<const D: usize> QuasiStatic<D> {
                 for ((twist, body), velocity) in twists.iter_mut().zip(&mut solution.bodies).zip(&projection.velocities) {
                     (twist.velocity, body.twist.velocity) = (*velocity, *velocity);
                 }
-                let contacts = [known, projection.forces].concat();
-                return Ok(Agreed { solution, twists, contacts, step_size });
+                let contacts = [&known[..], &projection.forces].concat();
+                return Ok(Agreed { solution, twists, contacts, rubbing: Rubbing::default(), step_size });
             }
             let projected = contacts.closed(projection);
             if identities(&projected) == identities(&pressed) {
@@ -261,12 +347,7 @@ impl<const D: usize> QuasiStatic<D> {
             let with_one_changed = |tried| contacts.with_one_changed(tried, &velocities(&twists), scale, AGREEMENT * scale);
             pressed = rounds.next(apart, pressed, projected, with_one_changed);
         }
-        let text = format!(
-            "at time {} flow and contacts do not agree after {MOST_ROUNDS} rounds (velocities differ by {difference:.1e}); \
-             a shorter time.step or a finer grid may help",
-            state.time
-        );
-        Err(Error::StepTooLong { text, step })
+        Err(disagreement(state.time, step, &format!("velocities differ by {difference:.1e}")))
     }
 
     /// Keeps bodies apart that want to move so without contact forces, and gives what presses. Where clusters cannot follow as one, what they can do is
@@ -390,7 +471,7 @@ impl<const D: usize> QuasiStatic<D> {
             None if self.suspension.setup().constraint == ConstraintMethod::Fitted => (OVERLAP, FITTED_REMEDY),
             None => (OVERLAP, "set contact.model = \"inelastic\" or a shorter time.step"),
         };
-        let Placed { state, domain, balls } = placed;
+        let Placed { state, domain, balls, .. } = placed;
         let pairs = near_pairs(domain, balls, 0.0).into_iter().map(|pair| (pair.first, Some(pair.second), pair.gap));
         let walls = near_walls(domain, balls, 0.0).into_iter().map(|pair| (pair.body, None, pair.gap));
         let Some((body, other, gap)) = pairs.chain(walls).find(|&(body, _, gap)| gap < -overlap * balls[body].radius) else {
@@ -439,6 +520,7 @@ impl<const D: usize> QuasiStatic<D> {
         ahead.advance(&observation.twists, half);
         ahead.bodies.iter_mut().zip(&observation.twists).for_each(|(body, twist)| body.twist = *twist);
         ahead.held = observation.contacts.iter().map(ContactHistory::of).collect();
+        ahead.tangential.clone_from(&observation.rubbing.tangential);
         ahead.stuck = self.remembered(&self.placed(state), &observation.contacts, half);
         Ok(self.agree(&ahead, None, effort, monitor)?.twists)
     }
@@ -462,14 +544,14 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
         if longest.is_infinite() {
             self.before = self.suspension.past().and_then(ExtrapolationHistory::without_fluid);
         }
-        let Agreed { mut solution, twists, contacts, step_size } = self.agree(state, Some(longest), &mut effort, monitor)?;
+        let Agreed { mut solution, twists, contacts, rubbing, step_size } = self.agree(state, Some(longest), &mut effort, monitor)?;
         let passed = self.passed(state, &twists)?;
         let domain = self.placed(state).domain;
         for (body, moving) in solution.bodies.iter_mut().zip(&state.bodies) {
             // centres of solutions are in the box: so are the motions that go with them
             body.twist.velocity -= domain.image_velocity(&moving.center);
         }
-        Ok(Observation { twists, contacts, solution: Some(solution), step_size, passed, effort })
+        Ok(Observation { twists, contacts, rubbing, solution: Some(solution), step_size, passed, effort })
     }
 
     fn advance(&mut self, state: &State<D>, observation: &Observation<D>, length: f64, monitor: ResidualMonitor) -> Result<StepOutcome<D>> {
@@ -486,7 +568,11 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
                 let unpressed = contacts.without_contacts(velocities(&moves), &observation.contacts);
                 let projection = self.keep_apart(&contacts, &unpressed, state, &mut moves)?;
                 stuck = self.remembered(&placed, &projection.forces, step);
-                kkt_report = Some(projection.kkt_report);
+                let smallest_gap = match self.suspension.setup().interactions.friction() {
+                    Some(_) => self.contact_step_of(&placed, &placed.balls, step).smallest_gap_after(&moves),
+                    None => projection.kkt_report.smallest_gap,
+                };
+                kkt_report = Some(KktReport { smallest_gap, friction: observation.rubbing.report, ..projection.kkt_report });
             }
             Some(Touch::Soft { .. }) => kkt_report = Some(KktReport::of_forces(&observation.contacts, &placed.balls)),
             None => {}
@@ -504,7 +590,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
             twists: observation.twists.clone(),
             contacts: observation.contacts.clone(),
             stuck,
-            tangential: Vec::new(),
+            tangential: observation.rubbing.tangential.clone(),
             kkt_report,
             effort,
         })
@@ -566,6 +652,14 @@ fn contacts_of<const D: usize>(held: &[ContactHistory<D>], bodies: usize) -> Vec
     of_body
 }
 
+/// What to say where flow and contacts do not agree.
+pub(super) fn disagreement(time: f64, step: f64, what: &str) -> Error {
+    let text = format!(
+        "at time {time} flow and contacts do not agree after {MOST_ROUNDS} rounds ({what}); a shorter time.step or a finer grid may help"
+    );
+    Error::StepTooLong { text, step }
+}
+
 /// What to say of a step in which the flow passed so many cells, where images slide in steps that are multiples of a period.
 fn too_long<const D: usize>(state: &State<D>, cells: f64, period: Option<f64>) -> String {
     let (step, time) = (state.last_step, state.time);
@@ -585,7 +679,7 @@ fn too_long<const D: usize>(state: &State<D>, cells: f64, period: Option<f64>) -
     )
 }
 
-fn velocities<const D: usize>(twists: &[Twist<D>]) -> Vec<SVector<f64, D>> {
+pub(super) fn velocities<const D: usize>(twists: &[Twist<D>]) -> Vec<SVector<f64, D>> {
     twists.iter().map(|twist| twist.velocity).collect()
 }
 

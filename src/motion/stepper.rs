@@ -3,7 +3,7 @@
 use super::{step_control::StepSize, stop_request::StopRequest};
 use crate::{
     body::Twist,
-    contact::{AdhesiveContact, ContactForce, KktReport, TangentialForce},
+    contact::{AdhesiveContact, ContactForce, FrictionReport, KktReport, TangentialForce},
     error::Result,
     geometry::Domain,
     interaction::Interactions,
@@ -16,6 +16,8 @@ pub struct Observation<const D: usize> {
     pub twists: Vec<Twist<D>>,
     /// Contacts and their forces.
     pub contacts: Vec<ContactForce<D>>,
+    /// Friction at them, if it was found with the flow.
+    pub rubbing: Rubbing<D>,
     /// The flow, if there is one.
     pub solution: Option<Solution<D>>,
     /// The step to take.
@@ -24,6 +26,15 @@ pub struct Observation<const D: usize> {
     pub passed: f64,
     /// What it took to find out.
     pub effort: Effort,
+}
+
+/// Friction at contacts.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Rubbing<const D: usize> {
+    /// Tangential forces of contacts that press.
+    pub tangential: Vec<TangentialForce<D>>,
+    /// How well the law was kept; nothing without friction.
+    pub report: Option<FrictionReport>,
 }
 
 /// What an instant or a step cost.

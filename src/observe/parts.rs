@@ -17,22 +17,25 @@ pub enum Part {
     Bonds,
     /// Fluctuations that fluid and bodies with inertia carry along: `-mean of rho v_x v_y`.
     Reynolds,
-    /// Contact forces `f` between centres a distance `r n` apart: `-sum f r n n / V`.
+    /// Contact forces `f` between centres a distance `r n` apart, normal ones where there is friction: `-sum f r n n / V`.
     Contact,
+    /// Tangential contact forces `t`: the symmetric part of `-sum r n t / V`.
+    Friction,
 }
 
 impl Part {
     /// All of them, in the order in which they are listed and added.
-    pub const ALL: [Part; 6] = [Part::Hydrodynamic, Part::Lubrication, Part::Interaction, Part::Bonds, Part::Reynolds, Part::Contact];
+    pub const ALL: [Part; 7] =
+        [Part::Hydrodynamic, Part::Lubrication, Part::Interaction, Part::Bonds, Part::Reynolds, Part::Contact, Part::Friction];
 
     /// Its name in files; columns have `viscosity_` before it.
     pub fn name(self) -> &'static str {
-        ["hydrodynamic", "lubrication", "interaction", "bonds", "reynolds", "contact"][self as usize]
+        ["hydrodynamic", "lubrication", "interaction", "bonds", "reynolds", "contact", "friction"][self as usize]
     }
 
     /// Its name in sentences and charts.
     pub fn words(self) -> &'static str {
-        ["flow", "lubrication", "forces at a distance", "bonds", "inertia", "contacts"][self as usize]
+        ["flow", "lubrication", "forces at a distance", "bonds", "inertia", "contacts", "friction"][self as usize]
     }
 }
 

@@ -89,6 +89,7 @@ impl<const D: usize> Stress<D> {
             Part::Bonds => of_all(setup.interactions.tie(), solution.bond_stress),
             Part::Reynolds => carried_along.map(|stress| stress / unit),
             Part::Contact => Some(-moments / unit),
+            Part::Friction => solution.friction_stress.map(|stress| stress / unit),
         });
         Ok(Stress { parts, with_trace: pressure.is_some() })
     }

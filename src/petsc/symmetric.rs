@@ -16,6 +16,10 @@ pub enum SymmetricSolver {
     Quasidefinite,
     /// By conjugate gradients to a loose tolerance, for a positive matrix whose factors would take too much memory and time.
     Iterated,
+    /// By MUMPS's factors of a matrix that is not symmetric, as that of contacts which slip.
+    Unsymmetric,
+    /// By stabilised biconjugate gradients to a loose tolerance, for such a matrix whose factors would take too much.
+    UnsymmetricIterated,
 }
 
 /// Residual at which iterations end, over the right-hand side.
@@ -34,23 +38,31 @@ impl Symmetric {
     /// [`Error::Diverged`] when the matrix has no such factors.
     pub fn new(session: &Session, local: usize, rows: RowBuilder, way: SymmetricSolver) -> Result<Symmetric> {
         let matrix = Matrix::from_rows(session, local, rows)?;
-        let kind = if way == SymmetricSolver::Quasidefinite { ffi::MatOption_MAT_SYMMETRIC } else { ffi::MatOption_MAT_SPD };
-        petsc!(MatSetOption(matrix.raw(), kind, ffi::PetscBool_PETSC_TRUE))?;
+        let kind = match way {
+            SymmetricSolver::Quasidefinite => Some(ffi::MatOption_MAT_SYMMETRIC),
+            SymmetricSolver::Positive | SymmetricSolver::Iterated => Some(ffi::MatOption_MAT_SPD),
+            SymmetricSolver::Unsymmetric | SymmetricSolver::UnsymmetricIterated => None,
+        };
+        if let Some(kind) = kind {
+            petsc!(MatSetOption(matrix.raw(), kind, ffi::PetscBool_PETSC_TRUE))?;
+        }
         let (mut raw, mut pc) = (null_mut(), null_mut());
         petsc!(KSPCreate(session.communicator(), &mut raw))?;
         let solver = Owned::new(session, raw);
         petsc!(KSPSetOptionsPrefix(raw, c"network_".as_ptr()))?;
         petsc!(KSPSetOperators(raw, matrix.raw(), matrix.raw()))?;
         petsc!(KSPGetPC(raw, &mut pc))?;
-        if way == SymmetricSolver::Iterated {
+        if matches!(way, SymmetricSolver::Iterated | SymmetricSolver::UnsymmetricIterated) {
             let kept = f64::from(ffi::PETSC_DEFAULT);
-            petsc!(KSPSetType(raw, c"cg".as_ptr()))?;
+            let (method, inner) = if way == SymmetricSolver::Iterated { (c"cg", "icc") } else { (c"bcgs", "ilu") };
+            petsc!(KSPSetType(raw, method.as_ptr()))?;
             petsc!(KSPSetTolerances(raw, LOOSE, kept, kept, DEFAULT))?;
             petsc!(PCSetType(pc, c"bjacobi".as_ptr()))?;
-            insert_unless_given("-network_sub_pc_type", "icc")?;
+            insert_unless_given("-network_sub_pc_type", inner)?;
         } else {
             petsc!(KSPSetType(raw, c"preonly".as_ptr()))?;
-            petsc!(PCSetType(pc, c"cholesky".as_ptr()))?;
+            let factors = if way == SymmetricSolver::Unsymmetric { c"lu" } else { c"cholesky" };
+            petsc!(PCSetType(pc, factors.as_ptr()))?;
             if way == SymmetricSolver::Positive && session.world().size() == 1 {
                 petsc!(PCFactorSetMatSolverType(pc, c"cholmod".as_ptr()))?;
             } else {

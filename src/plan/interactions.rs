@@ -28,9 +28,15 @@ pub fn of_granular<const D: usize>(scene: &Scene, domain: &Domain<D>, bodies: &[
         let force = largest(|body| if body.mass.is_finite() { body.mass * body.acceleration.norm() } else { 0.0 });
         (mass * speed * speed + force * domain.size.max()) / largest(|body| body.radius)
     });
-    let friction =
-        (scene.contact.friction > 0.0).then(|| -> Rc<dyn Interaction<D>> { Rc::new(Friction { coefficient: scene.contact.friction }) });
-    Interactions::new(contact.into_iter().chain(friction))
+    Interactions::new(contact.into_iter().chain(friction(scene)))
+}
+
+/// Friction and roughness of the surfaces of a scene, if there are any.
+pub fn friction<const D: usize>(scene: &Scene) -> Option<Rc<dyn Interaction<D>>> {
+    let coefficient = scene.contact.friction;
+    let of_films = scene.lubrication.roughness().filter(|_| coefficient > 0.0);
+    let roughness = scene.contact.roughness.or(of_films).unwrap_or(0.0);
+    (coefficient > 0.0 || roughness > 0.0).then(|| -> Rc<dyn Interaction<D>> { Rc::new(Friction { coefficient, roughness }) })
 }
 
 /// The welds of the rigid clusters of a scene, whose bodies are these, each with its group; none without clusters.

@@ -139,7 +139,9 @@ impl<const D: usize> Setup<D> {
             Some(roughness) => setup.with(Lubrication::new(roughness)),
             None => setup,
         };
-        setup.with_contact(scene.contact.model)
+        let setup = setup.with_contact(scene.contact.model);
+        let all: Vec<_> = setup.interactions.shared().chain(interactions::friction(scene)).collect();
+        Setup { interactions: Interactions::new(all), ..setup }
     }
 
     /// The same with contacts by a model, whose numbers count in the force that drives bodies.

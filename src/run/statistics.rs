@@ -79,7 +79,7 @@ impl RunStatistics {
             motion.island_contacts += kkt_report.largest_island;
             let residual = kkt_report.friction.map_or(0.0, |friction| friction.residual);
             self.friction_residual = self.friction_residual.max(residual);
-            self.friction_missed += usize::from(residual > FrictionReport::TOLERANCE);
+            self.friction_missed += usize::from(residual > FrictionReport::tolerance(observation.solution.is_none()));
         }
         self.last = Some(*report);
     }

@@ -77,7 +77,7 @@ fn contacts<const D: usize>(world: &World, scene: &Scene, motion: &EvaluatedMoti
         friction: (scene.contact.friction > 0.0).then_some(FrictionSummary {
             residual,
             steps_above_tolerance,
-            tolerance: FrictionReport::TOLERANCE,
+            tolerance: FrictionReport::tolerance(scene.dry()),
         }),
     }
 }

@@ -162,15 +162,22 @@ fn check_contact(scene: &Scene) -> Result<()> {
     check_friction(scene)
 }
 
-/// Refuses friction where contacts have none yet.
+/// Refuses friction where contacts have none yet, and roughness where it means nothing.
 fn check_friction(scene: &Scene) -> Result<()> {
     let friction = scene.contact.friction;
+    let tied = scene.bodies.iter().any(BodyGroup::together);
+    if let Some(roughness) = scene.contact.roughness {
+        let expect = |right, remedy| expect(scene, right, "contact.roughness", roughness, remedy);
+        expect(!scene.dry(), "only bodies in a fluid touch at a gap; remove it")?;
+        expect(!tied, "is that of single balls so far; remove it, or [[chains]], [[cells]] and [[clusters]]")?;
+    }
     if friction == 0.0 {
         return Ok(());
     }
     let expect = |right, remedy| expect(scene, right, "contact.friction", friction, remedy);
-    expect(scene.dry(), "acts in dry runs so far; set flow.model = \"none\" or remove it")?;
-    let tied = scene.bodies.iter().any(BodyGroup::together);
+    expect(scene.flow.model != FlowModel::NavierStokes, "acts in dry runs and in Stokes flow so far; set flow.model = \"stokes\" or remove it")?;
+    let resolved = scene.dry() || scene.method.constraint == ConstraintMethod::Sharp;
+    expect(resolved, "acts in dry runs and with method.constraint = \"sharp\" so far; set that or remove it")?;
     expect(!tied, "acts on single balls so far; remove it, or [[chains]], [[cells]] and [[clusters]]")
 }
 

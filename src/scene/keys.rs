@@ -258,11 +258,14 @@ fn of_motion(motion: &Motion) -> Keys {
 }
 
 fn of_contact(contact: &ContactSection) -> Keys {
-    let ContactSection { model, friction } = contact;
+    let ContactSection { model, friction, roughness } = contact;
     let mut keys = vec![word("contact.model", model.word())];
     keys.extend(match model {
-        ContactModel::Inelastic if *friction > 0.0 => vec![number("contact.friction", *friction)],
-        ContactModel::None | ContactModel::Inelastic => vec![],
+        ContactModel::Inelastic => {
+            let friction = (*friction > 0.0).then(|| number("contact.friction", *friction));
+            friction.into_iter().chain(roughness.map(|roughness| number("contact.roughness", roughness))).collect()
+        }
+        ContactModel::None => vec![],
         ContactModel::Repulsion { stiffness, range } => vec![number("contact.stiffness", *stiffness), number("contact.range", *range)],
         ContactModel::Gluey { gamma_min } => gamma_min.map(|least| number("contact.gamma_min", least)).into_iter().collect(),
     });

@@ -159,7 +159,7 @@ fn elsewhere<const D: usize>(suspension: &mut dyn FlowSolver<D>) -> Result<Solut
     let time = setup.domain.slide().map_or(0.0, |slide| slide.time);
     let tolerance = setup.tolerance.at_an_instant();
     let welds = setup.interactions.welds(&centers);
-    let moment = Configuration { centers: &centers, time, pressed: &[], bonds: &welds, step: 0.0, pushes: &[], tolerance };
+    let moment = Configuration { centers: &centers, time, contacts: &[], contact_guess: &[], bonds: &welds, pushes: &[], tolerance };
     suspension.solve_at(&moment, &mut |_, _| {})
 }
 

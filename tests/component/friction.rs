@@ -66,7 +66,7 @@ fn closed(size: [f64; 2]) -> Domain<2> {
 }
 
 fn start<const D: usize>(session: &Session, domain: Domain<D>, bodies: &[GranularBody<D>], friction: f64, step: f64) -> Simulation<D> {
-    let interactions = Interactions::default().with(Inelastic).with(Friction { coefficient: friction });
+    let interactions = Interactions::default().with(Inelastic).with(Friction { coefficient: friction, roughness: 0.0 });
     let setup = GranularSetup { domain, bodies: bodies.to_vec(), trajectories: Default::default(), interactions };
     let time = TimeSection { step: Step::Fixed(step), end: 1e6 * step, scheme: Scheme::Euler, travel: 0.1, error: 1e-3, until: None };
     Simulation::granular(session, setup, time)

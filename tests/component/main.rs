@@ -30,6 +30,7 @@ mod fitted;
 mod fitted_scalar;
 mod fluid;
 mod friction;
+mod friction_in_flow;
 mod grid;
 mod hard;
 mod impacts;
@@ -119,6 +120,7 @@ fn main() {
         interpolation::tests(),
         fluid::tests(),
         friction::tests(),
+        friction_in_flow::tests(),
         transform::tests(),
         units::tests(),
         near::tests(),

@@ -257,9 +257,9 @@ fn bodies_that_move_are_assembled_anew(session: &Session) {
         let moment = turbid::mechanics::Configuration {
             centers: &centers,
             time: 0.0,
-            pressed: &[],
+            contacts: &[],
+            contact_guess: &[],
             bonds: &[],
-            step: 0.0,
             pushes: &[],
             tolerance: 1e-9,
         };

@@ -54,7 +54,7 @@ fn dry() -> Scene {
     (scene.resolution, scene.output.probe) = (None, None);
     scene.domain.axes[1] = AxisSection::Walls { lower: vec![0.0; 2], upper: vec![0.0; 2] };
     scene.gravity = Some(vec![0.0, -1.0]);
-    scene.contact = ContactSection { model: ContactModel::Inelastic, friction: 0.0 };
+    scene.contact = ContactSection { model: ContactModel::Inelastic, ..ContactSection::default() };
     scene
 }
 

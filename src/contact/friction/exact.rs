@@ -75,7 +75,7 @@ fn from_sweeps<const D: usize, const W: usize>(
     let stays = |place: &usize| forces[*place] != [0.0; D] || velocities[*place][0] < OPEN * program.unit;
     let near: Vec<usize> = (0..forces.len()).filter(stays).collect();
     let links = near.iter().map(|&place| program.links[place].clone()).collect();
-    let part = FrictionProgram { links, ..*program };
+    let part = FrictionProgram { links, medium: program.medium.clone(), ..*program };
     let guess: Vec<[f64; D]> = near.iter().map(|&place| forces[place]).collect();
     let end = follow(&part, &guess, (start, AIM));
     let mut found = forces.clone();

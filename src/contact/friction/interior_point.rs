@@ -12,8 +12,8 @@ use super::{
 };
 use crate::contact::solver::block_lu::{BlockLu, Blocks};
 
-/// Iterations at most.
-const ITERATIONS: usize = 40;
+/// Iterations at most: where sweeps may follow, and where a medium leaves none.
+const ITERATIONS: [usize; 2] = [40, 80];
 /// Part of the way to the nearest bound that is gone.
 const PART: f64 = 0.99;
 /// No product falls below this part of their mean; a step is shortened by this factor, so often, until none does.
@@ -54,8 +54,9 @@ struct Point<'a, const D: usize, const W: usize> {
 pub fn follow<const D: usize, const W: usize>(program: &FrictionProgram<D, W>, guess: &[[f64; D]], (start, aim): (f64, f64)) -> PathEnd<D> {
     let mut best = PathEnd { forces: guess.to_vec(), residual: f64::INFINITY, iterations: 0 };
     let mut point = Point::new(program, guess, start);
-    let mut factors = BlockLu::new(program.bodies, W, &program.touches());
-    while best.iterations < ITERATIONS {
+    let touches = [program.touches(), program.medium.touches()].concat();
+    let mut factors = BlockLu::new(program.bodies, W, &touches);
+    while best.iterations < ITERATIONS[usize::from(program.medium.resists())] {
         best.iterations += 1;
         let goes_on = point.step(&mut factors);
         let forces = point.forces();
@@ -106,7 +107,12 @@ impl<'a, const D: usize, const W: usize> Point<'a, D, W> {
     fn step(&mut self, factors: &mut BlockLu) -> bool {
         let contacts = self.pairs.iter().zip(&self.program.links).zip(self.velocities());
         let newton: Vec<Newton<D>> = contacts.map(|((pairs, link), velocity)| Newton::of(pairs, &velocity, link.friction)).collect();
-        if !factors.factor(|contact| self.blocks(contact, &newton[contact])) {
+        let count = newton.len();
+        let of_both = |place: usize| match place.checked_sub(count) {
+            Some(row) => self.program.medium.blocks(row),
+            None => self.blocks(place, &newton[place]),
+        };
+        if !factors.factor(of_both) {
             return false;
         }
         let mean = mean(&self.pairs);
@@ -157,8 +163,9 @@ impl<'a, const D: usize, const W: usize> Point<'a, D, W> {
                 std::array::from_fn(|axis| now[axis] + first[axis])
             })
             .collect();
-        let mut motion = self.program.motion(&forces);
-        motion.iter_mut().zip(&self.motion).for_each(|(change, now)| change.iter_mut().zip(now).for_each(|(change, now)| *change -= now));
+        let mut motion = self.program.pushes(&forces);
+        let resisted = self.program.medium.forces(&self.motion);
+        motion.iter_mut().zip(&resisted).for_each(|(change, now)| change.iter_mut().zip(now).for_each(|(change, now)| *change -= now));
         factors.solve(motion.as_flattened_mut());
         let contacts = self.program.links.iter().zip(newton).zip(first.iter().zip(products));
         let pairs = contacts.map(|((link, newton), (first, products))| newton.change(first, &link.rates(&motion), products)).collect();

@@ -12,8 +12,10 @@ mod cone;
 mod exact;
 mod frame;
 mod history;
+mod in_flow;
 mod interior_point;
 mod islands;
+mod medium;
 mod pairs;
 mod program;
 mod project;
@@ -23,6 +25,8 @@ mod sweeps;
 #[cfg(test)]
 mod tests;
 
+pub use cone::ContactState;
 pub use history::TangentialForce;
+pub use in_flow::{Bathed, BathedResistance, FlowContacts, HeldContact, HeldRow, PairResistance};
 pub use project::project_with_friction;
 pub use share::{FrictionProjection, FrictionShare};

@@ -3,7 +3,9 @@
 //! Unknowns `x = A^T r` are the changes of velocities times roots of masses, and of spins times roots of moments of inertia. The rows of each contact,
 //! one along its normal and one along each tangent, have norm 1 and, of balls, are orthogonal; the coefficient of friction counts the scale of both.
 
-use super::{cone::natural_map, frame::Frame};
+use std::rc::Rc;
+
+use super::{cone::natural_map, frame::Frame, medium::Medium};
 use crate::{
     body::Twist,
     contact::Contact,
@@ -29,7 +31,7 @@ pub struct Link<const D: usize, const W: usize> {
 }
 
 /// All contacts of an island.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct FrictionProgram<const D: usize, const W: usize> {
     /// Bodies that give way.
     pub bodies: usize,
@@ -37,6 +39,8 @@ pub struct FrictionProgram<const D: usize, const W: usize> {
     pub links: Vec<Link<D, W>>,
     /// The largest component of `q`.
     pub unit: f64,
+    /// What resists motions besides the bodies, in a fluid: velocities are `A R^-1 A^T r + q` then.
+    pub medium: Rc<Medium<W>>,
 }
 
 /// Bodies on their way over a step, with contacts between them by place.
@@ -45,7 +49,7 @@ pub struct FrictionIsland<'a, const D: usize> {
     pub domain: &'a Domain<D>,
     /// The bodies before the step.
     pub balls: &'a [Ball<D>],
-    /// Mass and moment of inertia of each, both infinite where a motion is given.
+    /// Mass and moment of inertia of each, in a fluid its resistance to translation and to rotation; both infinite where a motion is given.
     pub masses: &'a [[f64; 2]],
     /// Motions wanted.
     pub twists: &'a [Twist<D>],
@@ -64,9 +68,14 @@ impl<const D: usize> FrictionIsland<'_, D> {
         let mut free: Vec<usize> = both.filter(|&body| self.masses[body][0].is_finite()).collect();
         free.sort_unstable();
         free.dedup();
-        let links: Vec<Link<D, W>> = self.contacts.iter().map(|contact| self.link(contact, &free)).collect();
+        self.program_of(&free)
+    }
+
+    /// That of more bodies that give way than have contacts, in order.
+    pub fn program_of<const W: usize>(&self, free: &[usize]) -> FrictionProgram<D, W> {
+        let links: Vec<Link<D, W>> = self.contacts.iter().map(|contact| self.link(contact, free)).collect();
         let unit = links.iter().flat_map(|link| link.offset).fold(0.0, |unit: f64, offset| unit.max(offset.abs()));
-        FrictionProgram { bodies: free.len(), links, unit }
+        FrictionProgram { bodies: free.len(), medium: Rc::new(Medium::none()), links, unit }
     }
 
     fn link<const W: usize>(&self, contact: &Contact<D>, free: &[usize]) -> Link<D, W> {
@@ -105,6 +114,16 @@ impl<const D: usize> FrictionIsland<'_, D> {
 }
 
 impl<const D: usize, const W: usize> Link<D, W> {
+    /// Divides rows by factors, the same for all tangents.
+    fn scale(&mut self, factors: &[f64; D]) {
+        for (axis, factor) in factors.iter().enumerate() {
+            self.rows.iter_mut().for_each(|rows| rows[axis].iter_mut().for_each(|entry| *entry /= factor));
+            self.offset[axis] /= factor;
+            self.norms[axis] *= factor;
+        }
+        self.friction *= factors[1] / factors[0];
+    }
+
     /// The bodies that give way, with their rows.
     pub fn sides(&self) -> impl Iterator<Item = (usize, &[[f64; W]; D])> {
         self.ends.into_iter().zip(&self.rows).filter(|(end, _)| *end != NONE)
@@ -137,11 +156,27 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
         self.links.iter().map(|link| if link.ends[1] == NONE { [link.ends[0]; 2] } else { link.ends }).collect()
     }
 
-    /// `x = A^T r`.
+    /// `A^T r`.
+    pub fn pushes(&self, forces: &[[f64; D]]) -> Vec<[f64; W]> {
+        let mut pushes = vec![[0.0; W]; self.bodies];
+        self.links.iter().zip(forces).for_each(|(link, force)| link.push(force, &mut pushes));
+        pushes
+    }
+
+    /// `x = R^-1 A^T r`.
     pub fn motion(&self, forces: &[[f64; D]]) -> Vec<[f64; W]> {
-        let mut motion = vec![[0.0; W]; self.bodies];
-        self.links.iter().zip(forces).for_each(|(link, force)| link.push(force, &mut motion));
-        motion
+        self.medium.motion(self.pushes(forces))
+    }
+
+    /// The same contacts of bodies that a medium resists too, in rows by which a contact alone moves as fast as it is pushed.
+    pub fn in_medium(mut self, medium: Medium<W>) -> Self {
+        let mobilities = medium.own_mobilities(&self.links);
+        for (link, mobility) in self.links.iter_mut().zip(mobilities) {
+            let tangential = mobility[1..].iter().sum::<f64>() / (D - 1) as f64;
+            link.scale(&std::array::from_fn(|axis| (if axis == 0 { mobility[0] } else { tangential }).sqrt()));
+        }
+        self.medium = Rc::new(medium);
+        self
     }
 
     /// `u = A x + q`.

@@ -17,7 +17,7 @@ pub struct Sweeps<'a, const D: usize, const W: usize> {
     program: &'a FrictionProgram<D, W>,
     /// The impulses.
     pub forces: Vec<[f64; D]>,
-    /// `A^T r`.
+    /// `A^T r`: sweeps know of no medium.
     motion: Vec<[f64; W]>,
     order: Vec<usize>,
     random: ChaCha8Rng,

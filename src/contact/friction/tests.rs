@@ -1,5 +1,7 @@
 //! Islands with known answers, and against the solvers of another program.
 
+use std::rc::Rc;
+
 use clarabel::algebra::CscMatrix;
 use nalgebra::SVector;
 
@@ -7,6 +9,7 @@ use super::{
     cone::TOLERANCE,
     exact::{Found, solve_exactly},
     interior_point::follow,
+    medium::Medium,
     program::{FrictionIsland, FrictionProgram, Link, NONE},
     sweeps::Sweeps,
 };
@@ -172,7 +175,7 @@ fn a_rod_of_painleve_has_an_impulse() {
             let rows = [[0.0, 1.0, arm[0] / inertia.sqrt()], [1.0, 0.0, -arm[1] / inertia.sqrt()]];
             let offset = [-0.01, slip];
             let link = Link { ends: [0, NONE], rows: [rows, [[0.0; 3]; 2]], offset, friction: part * limit, norms: [1.0; 2] };
-            let program = FrictionProgram { bodies: 1, links: vec![link], unit: 1.0 };
+            let program = FrictionProgram { bodies: 1, links: vec![link], unit: 1.0, medium: Rc::new(Medium::none()) };
             let end = follow(&program, &[[0.0; 2]], (1.0, TOLERANCE));
             assert!(end.residual <= TOLERANCE, "angle {angle}, {part} of the limit, slip {slip}: {:e}", end.residual);
         }

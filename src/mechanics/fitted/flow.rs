@@ -140,7 +140,7 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
     fn solve(&mut self, monitor: ResidualMonitor) -> Result<Solution<D>> {
         let centers: Vec<SVector<f64, D>> = self.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
         self.solve_at(
-            &Configuration { centers: &centers, time: 0.0, pressed: &[], bonds: &[], step: 0.0, pushes: &[], tolerance: 0.0 },
+            &Configuration { centers: &centers, time: 0.0, contacts: &[], contact_guess: &[], bonds: &[], pushes: &[], tolerance: 0.0 },
             monitor,
         )
     }
@@ -274,6 +274,7 @@ impl<const D: usize> FittedFlow<D> {
             contact_forces: Vec::new(),
             pair_stress: None,
             bond_stress: None,
+            friction_stress: None,
             bond_forces: Vec::new(),
             walls: WallForces {
                 forces: std::array::from_fn(|axis| {

@@ -73,8 +73,8 @@ impl<'a, const D: usize> AssembledSystem<'a, D> {
         fixed.fill_right_hand_side(&wanted, pair_constraints.wanted(), prescribed_drag, &mut workspace.rhs)?;
         let rounding = CANCELLATION * scale(&fixed.session, &assembly.undisturbed, &workspace.rhs)?;
         let unit = pair_constraints.scale * fixed.setup.viscosity;
-        let pressed = configuration.pressed.iter().filter(|pressed| belongs(&bodies.layout, pressed)).map(|pressed| pressed.force / unit);
-        workspace.start(&bodies, guess.as_ref(), pressed.collect())?;
+        let contacts = configuration.contacts.iter().zip(configuration.contact_guess).filter(|(row, _)| belongs(&bodies.layout, row));
+        workspace.start(&bodies, guess.as_ref(), contacts.map(|(_, force)| force / unit).collect())?;
         let stop = Stop { tolerance: configuration.tolerance, rounding };
         Ok(AssembledSystem { bodies, operators, assembly, pair_constraints, workspace, guess, prescribed_drag, stop })
     }

@@ -226,6 +226,7 @@ impl<const D: usize> FixedOperators<D> {
             contact_forces,
             pair_stress: None,
             bond_stress: None,
+            friction_stress: None,
             bond_forces: Vec::new(),
             lubrication: None,
         })

@@ -11,6 +11,7 @@ pub mod krylov_workspace;
 pub mod level;
 pub mod mean_flow_constraint;
 pub mod network;
+pub mod network_resistance;
 pub mod pair_constraint;
 pub mod pair_constraints;
 pub mod pair_resistance;

@@ -1,7 +1,7 @@
-//! The resistance of bodies to motion, by their neighbours and through the links between them: sparse and symmetric.
+//! The resistance of bodies to motion, by their neighbours and through the links between them: sparse, and symmetric unless contacts slip.
 //!
 //! ```text
-//! [ A + N' C^-1 N   P ] [ U ]   [ forces ]      N: rates of links for motions U     C: compliances     A: what bodies or near pairs resist
+//! [ A + N' C^-1 N   P ] [ U ]   [ forces ]      N: rates of links for motions U, N' what they push     C: compliances     A: what bodies or near pairs resist
 //! [ P'             -L ] [ p ] = [ flows  ]      p: pressures of pores, if they count (see [`Pores`])
 //! ```
 //!
@@ -48,7 +48,7 @@ impl Resistances {
     ) {
         for constraint in constraints {
             for (one, two) in constraint.sides().flat_map(|one| constraint.sides().map(move |two| (one, two))) {
-                self.add(layout, [one.body, two.body], &(one.weights * two.weights.transpose() / compliance(constraint)));
+                self.add(layout, [one.body, two.body], &(one.push * two.weights.transpose() / compliance(constraint)));
             }
         }
     }
@@ -123,6 +123,8 @@ pub struct NetworkParts<'a, S: Fn(usize) -> bool, U: Fn(usize) -> f64> {
     pub rigid: usize,
     /// Whether it may be solved loosely.
     pub flexible: bool,
+    /// Whether all links push as they move, on all ranks.
+    pub symmetric: bool,
     /// Whether the motion of a body is given.
     pub stays: S,
     /// Net force of a unit translation multiplier of a body, over that of a unit of a link's unknown.
@@ -143,10 +145,12 @@ impl Network {
         let numbering = Numbering::new(session, layout, rigid, pores);
         let local = numbering.local(layout);
         let rows = rows(layout, &numbering, &parts);
-        let way = match pores {
-            Some(_) => SymmetricSolver::Quasidefinite,
-            None if parts.flexible && iterated(rigid, layout.bodies()) => SymmetricSolver::Iterated,
-            None => SymmetricSolver::Positive,
+        let way = match (pores, parts.flexible && iterated(rigid, layout.bodies())) {
+            (Some(_), _) if parts.symmetric => SymmetricSolver::Quasidefinite,
+            (None, true) if parts.symmetric => SymmetricSolver::Iterated,
+            (None, false) if parts.symmetric => SymmetricSolver::Positive,
+            (None, true) => SymmetricSolver::UnsymmetricIterated,
+            _ => SymmetricSolver::Unsymmetric,
         };
         let solver = Symmetric::new(session, local, rows, way)?;
         let places = layout.local_bodies.iter().map(|&body| layout.local(body)).collect();

@@ -14,8 +14,10 @@ pub type RigidVector = SVector<f64, 6>;
 pub struct ConstraintSide {
     /// The body.
     pub body: usize,
-    /// What its motion counts for the rate, and so how a unit force pushes it.
+    /// What its motion counts for the rate.
     pub weights: RigidVector,
+    /// How a unit force pushes it: the same, but of contacts that slip.
+    pub push: RigidVector,
     /// Multiplier of a unit weight that a unit of the unknown stands for.
     pub multiplier: f64,
     /// Velocities in unbounded fluid that unit multipliers of rigid modes cause.
@@ -25,7 +27,7 @@ pub struct ConstraintSide {
 impl ConstraintSide {
     /// Rate that a unit of the unknown causes through the body's own mobility.
     fn mobility(&self) -> f64 {
-        self.multiplier * self.weights.component_mul(&self.mobilities).dot(&self.weights)
+        self.multiplier * self.push.component_mul(&self.mobilities).dot(&self.weights)
     }
 }
 
@@ -44,12 +46,14 @@ pub struct PairConstraint {
     pub weight: f64,
     /// Whether it belongs to this rank.
     pub owned: bool,
+    /// Whether its compliance, small as it is, is all that it has in the approximation: that of contacts with friction does no harm if they are redundant.
+    pub regular: bool,
 }
 
 impl PairConstraint {
     /// A link that no body is an end of yet.
     pub fn new(rate: f64, compliance: f64, owned: bool) -> PairConstraint {
-        PairConstraint { ends: [None; 2], others: Vec::new(), rate, compliance, weight: 1.0, owned }
+        PairConstraint { ends: [None; 2], others: Vec::new(), rate, compliance, weight: 1.0, owned, regular: false }
     }
 
     /// Makes a body one of its ends.
@@ -58,6 +62,11 @@ impl PairConstraint {
             Some(end) => *end = Some(side),
             None => self.others.push(side),
         }
+    }
+
+    /// Whether a unit force pushes its bodies as their motions count.
+    pub fn symmetric(&self) -> bool {
+        self.sides().all(|side| side.push == side.weights)
     }
 
     /// Its free bodies.
@@ -78,6 +87,7 @@ impl PairConstraint {
 
     /// Its compliance in the approximation, which is never zero.
     pub fn stiff_compliance(&self) -> f64 {
-        (self.compliance + SHIFT * self.mobility()).max(f64::MIN_POSITIVE)
+        let shift = if self.regular { 0.0 } else { SHIFT * self.mobility() };
+        (self.compliance + shift).max(f64::MIN_POSITIVE)
     }
 }

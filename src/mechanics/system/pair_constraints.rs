@@ -65,10 +65,13 @@ impl PairConstraints {
         places: usize,
     ) -> Result<Self> {
         let owned: Vec<PairConstraint> = constraints.iter().filter(|constraint| constraint.owned).cloned().collect();
+        let symmetric = !constraints.iter().any(|constraint| !constraint.symmetric());
         let act = |Medium { resistances, pores, by_pairs }: &Medium| {
+            let symmetric = session.world().max(f64::from(!symmetric)) == 0.0;
             let mut resistances = resistances.clone();
             resistances.add_links(layout, constraints.iter(), PairConstraint::stiff_compliance);
-            let parts = NetworkParts { resistances: &resistances, pores: pores.as_ref(), rigid, flexible: *by_pairs, stays, unit };
+            let parts =
+                NetworkParts { resistances: &resistances, pores: pores.as_ref(), rigid, flexible: *by_pairs, symmetric, stays, unit };
             Acting::new(session, layout, Network::new(session, layout, parts)?, &owned, rigid)
         };
         let acting = medium.map(act).transpose()?;
@@ -176,7 +179,7 @@ impl Acting {
         for (constraint, unknown) in constraints.iter().zip(unknowns) {
             for (side, place) in constraint.sides().zip(places.by_ref()) {
                 let amount = factor(side) * unknown;
-                motions.from(place)[..rigid].iter_mut().zip(side.weights.iter()).for_each(|(push, weight)| *push += amount * weight);
+                motions.from(place)[..rigid].iter_mut().zip(side.push.iter()).for_each(|(push, weight)| *push += amount * weight);
             }
         }
         drop(own);

@@ -1,6 +1,6 @@
 //! Contacts and films of a configuration as rows and unknowns of the coupled system, and what bodies resist besides them.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
 use super::{
     bodies::Bodies,
@@ -15,7 +15,6 @@ use crate::{
         Given, MultiplierLayout, PairPreconditioner, Pores, RigidBlock,
         lubrication::{LubricationPair, LubricationPairs, Opposite, RelativeMode},
     },
-    contact::{Contact, ContactForce},
     error::Result,
     mechanics::Configuration,
 };
@@ -50,11 +49,13 @@ pub fn pair_constraints<const D: usize>(
     places: usize,
 ) -> Result<PairConstraints> {
     let mut builder = Builder::new(fixed, configuration.centers);
-    for pressed in configuration.pressed.iter().filter(|pressed| touches(&bodies.layout, pressed)) {
-        builder.add_contact(pressed.contact, configuration.step, belongs(&bodies.layout, pressed));
+    let touches = |row: &&Row<D>| bodies.layout.holds_any(bodies_of(row));
+    for row in configuration.contacts.iter().filter(touches) {
+        builder.add_row(row, belongs(&bodies.layout, row));
+        builder.constraints.iter_mut().next_back().expect("it was just added").regular = row.compliance > 0.0;
     }
-    for bond in configuration.bonds.iter().filter(|bond| bodies.layout.holds_any(bond_bodies(bond))) {
-        builder.add_bond(bond, bond_belongs(&bodies.layout, bond));
+    for row in configuration.bonds.iter().filter(touches) {
+        builder.add_row(row, belongs(&bodies.layout, row));
     }
     for film in &films.films {
         film.relative_modes.iter().for_each(|mode| builder.add_relative_mode(film, mode, bodies.layout.holds(film.body)));
@@ -87,23 +88,13 @@ pub fn medium<const D: usize>(
     Some(Builder::new(fixed, centers).medium(bodies, pairs))
 }
 
-/// Whether a contact is one of this rank's.
-pub fn belongs<const D: usize>(layout: &MultiplierLayout, pressed: &ContactForce<D>) -> bool {
-    layout.holds(pressed.contact.body)
+/// Whether a row is one of this rank's: its first body is.
+pub fn belongs<const D: usize>(layout: &MultiplierLayout, row: &Row<D>) -> bool {
+    bodies_of(row).next().is_some_and(|body| layout.holds(body))
 }
 
-/// Whether a bond is one of this rank's: its first body is.
-pub fn bond_belongs<const D: usize>(layout: &MultiplierLayout, bond: &Row<D>) -> bool {
-    bond_bodies(bond).next().is_some_and(|body| layout.holds(body))
-}
-
-fn bond_bodies<const D: usize>(bond: &Row<D>) -> impl Iterator<Item = usize> {
-    bond.ends.iter().map(|(body, _)| *body)
-}
-
-/// Whether it has a side on a body of this rank.
-fn touches<const D: usize>(layout: &MultiplierLayout, pressed: &ContactForce<D>) -> bool {
-    layout.holds_any([Some(pressed.contact.body), pressed.contact.other()].into_iter().flatten())
+fn bodies_of<const D: usize>(row: &Row<D>) -> impl Iterator<Item = usize> {
+    row.ends.iter().map(|(body, _)| *body)
 }
 
 /// Force per unit viscosity that a unit of the unknowns stands for.
@@ -124,30 +115,20 @@ impl<'a, const D: usize> Builder<'a, D> {
         Builder { fixed, centers, scale: scale(fixed), constraints: Vec::new() }
     }
 
-    fn add_contact(&mut self, contact: Contact<D>, step: f64, owned: bool) {
-        let rate = -contact.gap / step - contact.normal.dot(&contact.sliding);
-        self.constraints.push(PairConstraint::new(rate, 0.0, owned));
-        let side = |direction| RigidFunctional { direction, turn: SMatrix::zeros() };
-        self.add_end(contact.body, &side(-contact.normal));
-        if let Some(other) = contact.other() {
-            self.add_end(other, &side(contact.normal));
-        }
-    }
-
-    fn add_bond(&mut self, bond: &Row<D>, owned: bool) {
-        let compliance = bond.compliance * self.scale * self.fixed.setup.viscosity;
-        self.constraints.push(PairConstraint::new(bond.rate, compliance, owned));
-        bond.ends.iter().for_each(|(body, side)| self.add_end(*body, side));
-        self.constraints.last_mut().expect("a bond is a link").balance();
+    fn add_row(&mut self, row: &Row<D>, owned: bool) {
+        let compliance = row.compliance * self.scale * self.fixed.setup.viscosity;
+        self.constraints.push(PairConstraint::new(row.rate, compliance, owned));
+        row.sides().for_each(|(body, side, push)| self.add_end(body, side, push));
+        self.constraints.last_mut().expect("it was just added").balance();
     }
 
     fn add_relative_mode(&mut self, film: &LubricationPair<D>, mode: &RelativeMode<D>, owned: bool) {
         self.constraints.push(PairConstraint::new(0.0, self.scale / mode.resistance, owned));
-        self.add_end(film.body, &mode.sides[0]);
+        self.add_end(film.body, &mode.sides[0], &mode.sides[0]);
         let direction = mode.sides[1].direction;
         let known = match film.other {
             Opposite::Body(other, offset) => {
-                self.add_end(other, &mode.sides[1]);
+                self.add_end(other, &mode.sides[1], &mode.sides[1]);
                 // images move with the background
                 direction.dot(&(self.fixed.setup.drive.background(&offset) - self.sliding(other)))
             }
@@ -214,17 +195,21 @@ impl<'a, const D: usize> Builder<'a, D> {
         }
     }
 
-    /// Makes a body an end of the last link.
-    fn add_end(&mut self, body: usize, side: &RigidFunctional<D>) {
+    /// Makes a body an end of the last link, of which a unit force pushes it so.
+    fn add_end(&mut self, body: usize, side: &RigidFunctional<D>, push: &RigidFunctional<D>) {
         if let Some(twist) = self.fixed.setup.bodies[body].body.given_motion() {
             return self.known(side.rate(&twist));
         }
         let rigid = self.fixed.body_types.rigid(body);
-        let numbers = side.direction.iter().copied().chain(components(&side.turn).into_iter().map(|turn| turn / rigid.lever));
-        let mut weights = RigidVector::zeros();
-        weights.iter_mut().zip(numbers).for_each(|(weight, number)| *weight = number);
+        let vector = |functional: &RigidFunctional<D>| {
+            let turning = components(&functional.turn).into_iter().map(|turn| turn / rigid.lever);
+            let mut vector = RigidVector::zeros();
+            vector.iter_mut().zip(functional.direction.iter().copied().chain(turning)).for_each(|(entry, number)| *entry = number);
+            vector
+        };
+        let (weights, push, multiplier) = (vector(side), vector(push), self.scale / rigid.force);
         if let Some(constraint) = self.constraints.last_mut() {
-            constraint.add(ConstraintSide { body, weights, multiplier: self.scale / rigid.force, mobilities: rigid.mobilities });
+            constraint.add(ConstraintSide { body, weights, push, multiplier, mobilities: rigid.mobilities });
         }
     }
 }

@@ -3,15 +3,12 @@
 use nalgebra::SVector;
 
 use super::{
-    assembly::Assembly,
-    bodies::Bodies,
-    film_forces::add_films,
-    fixed_operators::FixedOperators,
-    pair_constraints::PairConstraints,
-    pair_resistance::{belongs, bond_belongs},
+    assembly::Assembly, bodies::Bodies, film_forces::add_films, fixed_operators::FixedOperators, pair_constraints::PairConstraints,
+    pair_resistance::belongs,
 };
 use crate::{
     body::Row,
+    constraint::MultiplierLayout,
     error::Result,
     mechanics::{Configuration, Solution, WallForces, work::SolvedUnknowns},
 };
@@ -28,8 +25,8 @@ pub fn solution<const D: usize>(
     let mut walls = forces_on_walls(fixed, assembly, &found.multipliers);
     let unit = pair_constraints.scale * fixed.setup.viscosity;
     let mut forces = unknowns[..pair_constraints.count()].iter().map(|unknown| unknown * unit);
-    let contact_forces = shared(fixed, configuration.pressed, |pressed| belongs(&bodies.layout, pressed), &mut forces);
-    let bond_forces = shared(fixed, configuration.bonds, |bond| bond_belongs(&bodies.layout, bond), &mut forces);
+    let contact_forces = shared(fixed, &bodies.layout, configuration.contacts, &mut forces);
+    let bond_forces = shared(fixed, &bodies.layout, configuration.bonds, &mut forces);
     let film_forces: Vec<f64> = forces.collect();
     let (world, layout, relative_modes) = (fixed.session.world(), &bodies.layout, (&film_forces[..], fixed.setup.viscosity));
     let lubrication =
@@ -50,15 +47,14 @@ fn forces_on_walls<const D: usize>(fixed: &FixedOperators<D>, assembly: &Assembl
     walls
 }
 
-/// Forces of all links of a kind, from those of this rank's own.
-fn shared<const D: usize, L>(
+/// Forces of all rows, from those of this rank's own.
+fn shared<const D: usize>(
     fixed: &FixedOperators<D>,
-    constraints: &[L],
-    belongs: impl Fn(&L) -> bool,
+    layout: &MultiplierLayout,
+    rows: &[Row<D>],
     own: &mut impl Iterator<Item = f64>,
 ) -> Vec<f64> {
-    let mut forces: Vec<f64> =
-        constraints.iter().map(|constraint| if belongs(constraint) { own.next().unwrap_or(0.0) } else { 0.0 }).collect();
+    let mut forces: Vec<f64> = rows.iter().map(|row| if belongs(layout, row) { own.next().unwrap_or(0.0) } else { 0.0 }).collect();
     if !forces.is_empty() {
         fixed.session.world().sum(&mut forces);
     }

@@ -37,12 +37,13 @@ use super::{
     system::{
         extrapolation::{ExtrapolationHistory, Snapshot},
         level::{Band, Extended, Level},
+        network_resistance::network_resistance,
         points::{Point, each_inside},
     },
 };
 use crate::{
-    body::{Twist, planes},
-    contact::{self, Contact, ContactForce},
+    body::{Row, Twist, planes},
+    contact::{BathedResistance, Contact},
     error::{Error, Result},
     flow::{Convection, FluidSystem, OpenEnds, StokesInverse, fastest},
     grid::{Grid, operators::signed},
@@ -251,9 +252,10 @@ impl<const D: usize> UnsteadySuspension<D> {
             mean_velocity,
             pressure_gradient: SVector::zeros(),
             walls: WallForces::none(),
-            contact_forces: vec![0.0; configuration.pressed.len()],
+            contact_forces: vec![0.0; configuration.contacts.len()],
             pair_stress: None,
             bond_stress: None,
+            friction_stress: None,
             bond_forces: Vec::new(),
             lubrication: self.films_at_rest(configuration.centers)?,
         })
@@ -440,6 +442,10 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         self.fixed.film_resistance(contact)
     }
 
+    fn network_resistance(&self) -> BathedResistance<D> {
+        network_resistance(&self.fixed, self.assembly.as_ref(), self.of_impulse)
+    }
+
     fn of_impulse(&self) -> f64 {
         self.of_impulse
     }
@@ -528,9 +534,10 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         }
         drop(stage);
         let factor = weights.of_impulse();
-        let scaled = |pressed: &ContactForce<D>| ContactForce { force: factor * pressed.force, ..*pressed };
-        let pressed: Vec<_> = configuration.pressed.iter().map(scaled).collect();
-        let configuration = Configuration { pushes: &pushes, pressed: &pressed, ..*configuration };
+        let guess: Vec<f64> = configuration.contact_guess.iter().map(|force| factor * force).collect();
+        let per_impulse = |row: &Row<D>| Row { compliance: row.compliance / factor, ..row.clone() };
+        let contacts: Vec<Row<D>> = configuration.contacts.iter().map(per_impulse).collect();
+        let configuration = Configuration { pushes: &pushes, contacts: &contacts, contact_guess: &guess, ..*configuration };
         let fixed = &self.fixed;
         let mut ready = AssembledSystem::new(fixed, Some(assembly), self.workspace.take(), self.guess.as_ref(), &configuration)?;
         self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();
@@ -563,8 +570,11 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         let before = if self.past.len() > 1 { &last.multipliers } else { &multipliers };
         let slow = slowed(&last.slow, (before, &multipliers), lag);
         let resolved = self.past[0].0.resolved.clone();
-        let contacts = pressed.iter().zip(&solution.contact_forces).map(|(pressed, &force)| ContactForce { force, ..*pressed });
-        let impulses = contact::pushes(centers.len(), contacts).into_iter().map(|force| force * weights.step).collect();
+        let mut impulses = vec![SVector::zeros(); centers.len()];
+        let contacts = configuration.contacts.iter().zip(&solution.contact_forces);
+        for (body, push) in contacts.flat_map(|(row, force)| row.wrenches(force * weights.step)) {
+            impulses[body] += push.direction;
+        }
         let fluid = solution.fluid.copied()?;
         self.current = Some(Level { time, fluid, multipliers, slow, centers, twists, spin_ups, impulses, resolved });
         self.forget_surroundings();

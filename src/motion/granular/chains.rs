@@ -143,10 +143,9 @@ impl<const D: usize> GranularChains<D> {
         let touches = |chain: &&GranularChain<D>| {
             self.halo.owns(chain.beads.start) && chain.beads.clone().any(|bead| touching.contains(&numbers[bead]))
         };
-        let tie = |row: &Row<D>| Row {
-            ends: row.ends.iter().map(|(body, side)| (numbers[*body], *side)).collect(),
-            compliance: row.compliance * self.step.length / self.step.push,
-            ..*row
+        let tie = |row: &Row<D>| {
+            let ends = row.ends.iter().map(|(body, side)| (numbers[*body], *side)).collect();
+            Row::new(ends, row.rate, row.compliance * self.step.length / self.step.push)
         };
         self.chains.iter().filter(touches).flat_map(|chain| &chain.rows).map(tie).collect()
     }

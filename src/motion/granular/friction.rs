@@ -19,7 +19,7 @@ impl<const D: usize> Granular<D> {
     /// A step of bodies that want to move so, with friction. Collective.
     pub(super) fn advance_with_friction(&self, state: &State<D>, wanted: &[Twist<D>], step: f64) -> Result<StepOutcome<D>> {
         let start = Instant::now();
-        let coefficient = self.interactions.friction();
+        let coefficient = self.interactions.friction().map_or(0.0, |friction| friction.coefficient);
         if self.interactions.touch() != Some(Touch::Hard) || self.interactions.tie() {
             return Err(Error::refused(format!(
                 "contact.friction = {coefficient}: acts on single balls with contact.model = \"inelastic\" so far; remove it"

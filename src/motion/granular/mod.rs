@@ -26,7 +26,7 @@ use self::{
 };
 use super::{
     step_control::{BodyMotion, StepControl, StepLimits},
-    stepper::{Effort, Observation, StepOutcome, Stepper},
+    stepper::{Effort, Observation, Rubbing, StepOutcome, Stepper},
     stop_request::StopRequest,
 };
 use crate::{
@@ -417,7 +417,15 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         let stable = self.trajectories.longest_step(state.time, |body| state.place(body).map_or(f64::INFINITY, farthest));
         let limits = StepLimits { stable, tried: longest };
         let step_size = self.step_control.next(self.peers(), &motions, (state.time, state.last_step), limits);
-        Ok(Observation { twists, contacts: Vec::new(), solution: None, step_size, passed: 0.0, effort: Effort::default() })
+        Ok(Observation {
+            twists,
+            contacts: Vec::new(),
+            rubbing: Rubbing::default(),
+            solution: None,
+            step_size,
+            passed: 0.0,
+            effort: Effort::default(),
+        })
     }
 
     fn given_places(&self, time: f64) -> Vec<(usize, GivenPlace<D>)> {
@@ -438,7 +446,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         let mut moves: Vec<Twist<D>> = state.bodies.iter().zip(&self.known.accelerations).map(pushed).collect();
         let given = self.trajectories.mean_twists(state.time, step);
         given.for_each(|(body, twist)| state.place(body).into_iter().for_each(|place| moves[place] = twist));
-        if self.interactions.friction() > 0.0 {
+        if self.interactions.friction().is_some() {
             return self.advance_with_friction(state, &moves, step);
         }
         let mut ties = Ties::new(self.peers(), &self.interactions, (state, &self.bodies), &moves, GranularStep { length: step, push });

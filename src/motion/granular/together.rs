@@ -143,7 +143,7 @@ fn gathered_ties<const D: usize>(peers: Peers, own: &[Row<D>]) -> Vec<Row<D>> {
         let (ends, next) = numbers.split_at(*count as usize * (1 + D));
         let side = |direction: &[f64]| RigidFunctional { direction: SVector::from_column_slice(direction), turn: SMatrix::zeros() };
         let end = |end: &[f64]| (end[0] as usize, side(&end[1..]));
-        ties.push(Row { ends: ends.chunks(1 + D).map(end).collect(), rate: *rate, compliance: *compliance });
+        ties.push(Row::new(ends.chunks(1 + D).map(end).collect(), *rate, *compliance));
         rest = next;
     }
     // stable: rows of a chain come from one rank and keep their order

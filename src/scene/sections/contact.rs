@@ -6,7 +6,7 @@ use crate::scene::key::Key;
 use crate::scene::table::Table;
 
 /// Keys of `[contact]`.
-pub(in crate::scene) const KEYS: [Key; 5] = [
+pub(in crate::scene) const KEYS: [Key; 6] = [
     Key::new(
         "model",
         "\"none\", \"inelastic\", \"repulsion\" or \"gluey\"",
@@ -21,12 +21,17 @@ pub(in crate::scene) const KEYS: [Key; 5] = [
         "friction",
         "number or table",
         "0.5",
-        "Coefficient of Coulomb friction at all contacts of dry bodies, or { coefficient = 0.5 }: the largest tangential force over the normal force.",
+        "Coefficient of Coulomb friction at all contacts, or { coefficient = 0.5 }: the largest tangential force over the normal force.",
     )
     .unit("ratio")
     .default("0")
     .range("at least 0")
-    .needs("time.end = 1.0; flow.model = \"none\"; bodies.0.density = 1.0; contact.model = \"inelastic\""),
+    .needs("time.end = 1.0; contact.model = \"inelastic\""),
+    Key::new("roughness", "number", "1e-2", "Gap at which bodies in a fluid touch, over the mean of their radii. Walls are smooth: half of it counts there.")
+        .unit("radii")
+        .default("0; with friction `lubrication.roughness`")
+        .range("at least 0, at most 0.1")
+        .needs("time.end = 1.0; contact.model = \"inelastic\""),
     Key::new(
         "stiffness",
         "number",
@@ -56,7 +61,7 @@ pub(in crate::scene) const FRICTION_KEYS: [Key; 1] =
         .unit("ratio")
         .default("required")
         .range("at least 0")
-        .needs("time.end = 1.0; flow.model = \"none\"; bodies.0.density = 1.0; contact.model = \"inelastic\"")];
+        .needs("time.end = 1.0; contact.model = \"inelastic\"")];
 
 /// What happens between bodies that touch.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -65,6 +70,8 @@ pub struct ContactSection {
     pub model: ContactModel,
     /// Coefficient of friction, the same at all contacts; 0 without friction.
     pub friction: f64,
+    /// Gap at which bodies in a fluid touch, over the mean of their radii, if it is given.
+    pub roughness: Option<f64>,
 }
 
 /// The law of contact.
@@ -91,8 +98,11 @@ pub enum ContactModel {
 }
 
 /// Keys that only one law of contact has.
-const OF_ONE_LAW: [(&str, &str); 4] =
-    [("friction", "inelastic"), ("stiffness", "repulsion"), ("range", "repulsion"), ("gamma_min", "gluey")];
+const OF_ONE_LAW: [(&str, &str); 5] =
+    [("friction", "inelastic"), ("roughness", "inelastic"), ("stiffness", "repulsion"), ("range", "repulsion"), ("gamma_min", "gluey")];
+
+/// Largest roughness, in radii.
+const LARGEST_ROUGHNESS: f64 = 0.1;
 
 /// Stiffness and range of a repulsion that says nothing of them.
 const REPULSION: [f64; 2] = [100.0, 0.1];
@@ -118,7 +128,8 @@ impl ContactSection {
                 return Err(entry.refuse(&format!("only contact.model = {law:?} has it; remove it")));
             }
         }
-        Ok(ContactSection { model, friction })
+        let roughness = table.get("roughness").map(|entry| roughness(&entry)).transpose()?;
+        Ok(ContactSection { model, friction, roughness })
     }
 }
 
@@ -144,6 +155,11 @@ fn friction(entry: &Entry) -> Result<f64> {
         return Table::of(entry, &FRICTION_KEYS)?.require("coefficient", "0.5")?.not_negative();
     }
     entry.not_negative()
+}
+
+fn roughness(entry: &Entry) -> Result<f64> {
+    let number = entry.not_negative()?;
+    entry.expect(number, number <= LARGEST_ROUGHNESS, "must be at most 0.1: bodies touch far apart")
 }
 
 fn not_positive(entry: &Entry) -> Result<f64> {

@@ -1,0 +1,281 @@
+//! Friction at contacts in a flow: coupled solves for states of contacts, and the exact law of the network of bodies and films for the next states, in turn.
+//!
+//! Where these were tried before in the step, only contacts that miss the law most change, each as if it were alone; fewer of them until that was not tried.
+
+use std::{
+    collections::{HashMap, HashSet},
+    time::Instant,
+};
+
+use nalgebra::{SMatrix, SVector};
+
+use super::{
+    quasi_static::{Agreed, FlowRows, KnownInstant, MOST_ROUNDS, Placed, QuasiStatic, disagreement, velocities},
+    step_control::StepSize,
+    stepper::{Effort, Rubbing},
+};
+use crate::{
+    body::{Row, Twist},
+    contact::{Bathed, Contact, ContactForce, FlowContacts, FrictionReport, HeldContact, Identity, TangentialForce},
+    error::Result,
+    interaction::Friction,
+    mechanics::{ResidualMonitor, Solution},
+    petsc::{Stage, enter},
+};
+
+/// Natural map of forces and velocities, over the largest velocity that contacts would have without forces, below which flow and contacts agree: without
+/// films, and with films, which let velocities be known less well.
+const AGREEMENT: f64 = 1e-5;
+const AGREEMENT_IN_FILMS: f64 = FrictionReport::TOLERANCE_IN_FLOW;
+
+/// The same up to which the best that was found is taken after so many rounds: near jamming a contact may neither stick nor slip as others do, and the cone of
+/// one is exceeded by a part like this. It is told of each step, and of how many.
+const ACCEPTABLE: f64 = 1e-2;
+const PATIENCE: usize = 8;
+
+/// Tolerance of a solve over what the one before missed the law by, and over what is agreement.
+const FOLLOWS: f64 = 1e-2;
+const TIGHTEST: f64 = 0.1;
+
+/// Part of the largest miss of the law from which contacts change where the network has nothing new to say.
+const WORST: f64 = 0.5;
+
+/// Gaps up to which pairs take part: so many times what they may close by in a step, and no less than this many radii of the largest body.
+const CLOSING: f64 = 2.0;
+const NEAREST: f64 = 0.02;
+
+/// Forces by contact, as vectors on the partner.
+type Forces<const D: usize> = HashMap<Identity<D>, SVector<f64, D>>;
+
+/// The flow with which a step begins.
+struct FirstFlow<const D: usize> {
+    solution: Solution<D>,
+    twists: Vec<Twist<D>>,
+    forces: Forces<D>,
+    step_size: StepSize,
+}
+
+/// Where the rounds of an instant stand.
+struct Rounds<'a, const D: usize, const W: usize> {
+    contacts: FlowContacts<'a, D, W>,
+    held: Vec<HeldContact<D>>,
+    /// All that was tried.
+    tried: Vec<Vec<HeldContact<D>>>,
+}
+
+impl<'a, const D: usize, const W: usize> Rounds<'a, D, W> {
+    /// Contacts that are held as those with these forces were.
+    fn new(bathed: Bathed<'a, D>, contacts: Vec<Contact<D>>, forces: &Forces<D>) -> Self {
+        let contacts = FlowContacts::new(bathed, contacts);
+        let held = contacts.by_forces(&forces_at(&contacts, forces));
+        Rounds { contacts, held, tried: Vec::new() }
+    }
+
+    /// The same with more contacts, which bear no force yet.
+    fn with(self, bathed: Bathed<'a, D>, more: Vec<Contact<D>>, forces: &mut Vec<SVector<f64, D>>) -> Self {
+        let known: Forces<D> = self.contacts.contacts.iter().map(Contact::identity).zip(forces.iter().copied()).collect();
+        let mut contacts = [self.contacts.contacts, more].concat();
+        contacts.sort_by_key(Contact::identity);
+        let rounds = Rounds::new(bathed, contacts, &known);
+        *forces = forces_at(&rounds.contacts, &known);
+        rounds
+    }
+
+    /// What flow and contacts agree on.
+    fn agreed(
+        &self,
+        instant: &KnownInstant<D>,
+        (mut solution, twists): (Solution<D>, Vec<Twist<D>>),
+        forces: &[SVector<f64, D>],
+        step_size: StepSize,
+    ) -> Agreed<D> {
+        let (mut contacts, mut tangential) = (instant.known.clone(), Vec::new());
+        let mut stress = SMatrix::zeros();
+        for (contact, force) in self.contacts.contacts.iter().zip(forces) {
+            let normal = force.dot(&contact.normal);
+            if normal > 0.0 {
+                contacts.push(ContactForce { contact: *contact, force: normal });
+                let along = force - contact.normal * normal;
+                tangential.push(TangentialForce::new(contact.identity(), along));
+                stress -= (contact.normal * along.transpose() + along * contact.normal.transpose()) * (0.5 * contact.separation);
+            }
+        }
+        solution.friction_stress = Some(stress);
+        let rubbing = Rubbing { tangential, report: Some(self.contacts.report()) };
+        Agreed { solution, twists, contacts, rubbing, step_size }
+    }
+
+    /// Goes on to the next states.
+    fn next(&mut self) {
+        let _stage = enter(Stage::Contacts);
+        let next = self.contacts.by_network().filter(|next| !self.was_tried(next)).unwrap_or_else(|| self.with_worst_changed());
+        self.tried.push(std::mem::replace(&mut self.held, next));
+    }
+
+    /// The states with those of the contacts changed that miss the law by at least half of the most, or else with the first one that makes them new.
+    fn with_worst_changed(&self) -> Vec<HeldContact<D>> {
+        let (alone, misses) = (self.contacts.by_contact(), self.contacts.misses());
+        let most = misses.iter().copied().fold(0.0, f64::max);
+        let with = |changes: &dyn Fn(usize) -> bool| -> Vec<HeldContact<D>> {
+            (0..alone.len()).map(|place| if changes(place) { alone[place] } else { self.held[place] }).collect()
+        };
+        let mut order: Vec<usize> = (0..alone.len()).filter(|&place| !alone[place].is_like(&self.held[place])).collect();
+        order.sort_by(|&one, &other| misses[other].total_cmp(&misses[one]));
+        let several = with(&|place| misses[place] >= WORST * most);
+        let single = order.into_iter().map(|which| with(&|place| place == which));
+        std::iter::once(several).chain(single).find(|next| !self.was_tried(next)).unwrap_or(alone)
+    }
+
+    fn was_tried(&self, next: &[HeldContact<D>]) -> bool {
+        let like = |one: &[HeldContact<D>]| one.len() == next.len() && one.iter().zip(next).all(|(one, next)| one.is_like(next));
+        like(&self.held) || self.tried.iter().any(|tried| like(tried))
+    }
+}
+
+impl<const D: usize> QuasiStatic<D> {
+    /// Flow and contacts with friction in turn.
+    pub(super) fn agree_with_friction(
+        &mut self,
+        instant: &KnownInstant<D>,
+        effort: &mut Effort,
+        monitor: ResidualMonitor,
+    ) -> Result<Agreed<D>> {
+        if D == 2 { self.agree_rubbing::<3>(instant, effort, monitor) } else { self.agree_rubbing::<6>(instant, effort, monitor) }
+    }
+
+    fn agree_rubbing<const W: usize>(
+        &mut self,
+        instant: &KnownInstant<D>,
+        effort: &mut Effort,
+        monitor: ResidualMonitor,
+    ) -> Result<Agreed<D>> {
+        let (placed, friction) = (&instant.placed, friction_of(instant));
+        let agreement = if instant.interactions.resist() { AGREEMENT_IN_FILMS } else { AGREEMENT };
+        let balls = &placed.touching;
+        let FirstFlow { mut solution, mut twists, forces, step_size } = self.first_flow::<W>(instant, effort, monitor)?;
+        let step = if step_size.natural > 0.0 { step_size.natural } else { placed.state.last_step };
+        let network = self.suspension.network_resistance();
+        let bathed = Bathed { domain: &placed.domain, balls, resistance: &network, coefficient: friction.coefficient, step };
+        let mut rounds = Rounds::<D, W>::new(bathed, self.may_touch(placed, &twists, step, &forces), &forces);
+        let mut forces = forces_at(&rounds.contacts, &forces);
+        let mut best: Option<Agreed<D>> = None;
+        for round in 0..MOST_ROUNDS {
+            let start = Instant::now();
+            let residual = rounds.contacts.take(&forces, &twists);
+            if residual <= agreement {
+                let missing = self.missing(placed, &twists, step, &rounds.contacts)?;
+                if missing.is_empty() {
+                    effort.contact += start.elapsed().as_secs_f64();
+                    return Ok(rounds.agreed(instant, (solution, twists), &forces, step_size));
+                }
+                rounds = rounds.with(bathed, missing, &mut forces);
+                rounds.contacts.take(&forces, &twists);
+            }
+            let reached = |best: &Agreed<D>| best.rubbing.report.map_or(f64::INFINITY, |report| report.residual);
+            if residual <= ACCEPTABLE && best.as_ref().is_none_or(|best| residual < reached(best)) {
+                best = Some(rounds.agreed(instant, (solution, twists), &forces, step_size));
+            }
+            if round >= PATIENCE
+                && let Some(best) = best.take()
+            {
+                return Ok(best);
+            }
+            rounds.next();
+            effort.contact += start.elapsed().as_secs_f64();
+            self.stop.heed(self.session.world(), placed.state.time)?;
+            let tolerance = self.tolerance_of(instant).min((FOLLOWS * residual).max(TIGHTEST * agreement));
+            (solution, twists, forces) = self.rubbing_flow(instant, &rounds, (step, tolerance), effort, monitor)?;
+        }
+        let residual = rounds.contacts.take(&forces, &twists);
+        Err(disagreement(placed.state.time, step, &format!("the law of friction is missed by {residual:.1e}")))
+    }
+
+    /// The flow with which a step begins: with the contacts of the last one, if there are any, held as they were.
+    fn first_flow<const W: usize>(
+        &mut self,
+        instant: &KnownInstant<D>,
+        effort: &mut Effort,
+        monitor: ResidualMonitor,
+    ) -> Result<FirstFlow<D>> {
+        let (placed, step) = (&instant.placed, instant.placed.state.last_step);
+        let balls = &placed.touching;
+        let memory = if step > 0.0 { forces_of(placed) } else { Forces::new() };
+        let network = self.suspension.network_resistance();
+        let coefficient = friction_of(instant).coefficient;
+        let bathed = Bathed { domain: &placed.domain, balls, resistance: &network, coefficient, step };
+        let mut identities: Vec<Identity<D>> = memory.keys().copied().collect();
+        identities.sort_unstable();
+        let contacts = identities.into_iter().map(|identity| Contact::again(&placed.domain, balls, identity)).collect();
+        let rounds = Rounds::<D, W>::new(bathed, contacts, &memory);
+        let (solution, twists, forces) = self.rubbing_flow(instant, &rounds, (step, self.tolerance_of(instant)), effort, monitor)?;
+        let forces = rounds.contacts.contacts.iter().map(Contact::identity).zip(forces).collect();
+        let step_size = self.step_size(placed, &twists, &instant.pushes(), instant.tried)?;
+        Ok(FirstFlow { solution, twists, forces, step_size })
+    }
+
+    /// Solves the flow with contacts held as rounds have them; gives the force of each on its partner.
+    fn rubbing_flow<const W: usize>(
+        &mut self,
+        instant: &KnownInstant<D>,
+        rounds: &Rounds<D, W>,
+        (step, tolerance): (f64, f64),
+        effort: &mut Effort,
+        monitor: ResidualMonitor,
+    ) -> Result<(Solution<D>, Vec<Twist<D>>, Vec<SVector<f64, D>>)> {
+        let held = rounds.contacts.rows(&rounds.held);
+        let (rows, guess): (Vec<Row<D>>, Vec<f64>) = held.iter().map(|held| (held.row.clone(), held.guess)).unzip();
+        let rows = FlowRows { rows: &rows, guess: &guess, pushes: &instant.pushes(), step, tolerance };
+        let (solution, twists) = self.flow_with(instant, &rows, effort, monitor)?;
+        let mut forces = vec![SVector::zeros(); rounds.held.len()];
+        held.iter().zip(&solution.contact_forces).for_each(|(held, force)| forces[held.contact] += held.unit * *force);
+        Ok((solution, twists, forces))
+    }
+
+    /// Contacts that may close in a step, and those that bear forces, in order.
+    fn may_touch(&self, placed: &Placed<D>, twists: &[Twist<D>], step: f64, forces: &Forces<D>) -> Vec<Contact<D>> {
+        let largest = self.radii.iter().copied().fold(0.0, f64::max);
+        let closing = CLOSING * step / self.time_of_travel(placed, twists);
+        let mut contacts = self.arrangement_of(placed, &placed.touching).near(closing.max(NEAREST) * largest);
+        let found: HashSet<Identity<D>> = contacts.iter().map(Contact::identity).collect();
+        let others = forces.keys().filter(|identity| !found.contains(*identity));
+        contacts.extend(others.map(|&identity| Contact::again(&placed.domain, &placed.touching, identity)));
+        contacts.sort_by_key(Contact::identity);
+        contacts
+    }
+
+    /// Contacts that would close in the step, on the whole way, and that the rounds do not know.
+    fn missing<const W: usize>(
+        &self,
+        placed: &Placed<D>,
+        twists: &[Twist<D>],
+        step: f64,
+        known: &FlowContacts<D, W>,
+    ) -> Result<Vec<Contact<D>>> {
+        let known: HashSet<Identity<D>> = known.contacts.iter().map(Contact::identity).collect();
+        let projection = self.contact_step(placed, step).project(&velocities(twists), &[])?;
+        let pressed = projection.forces.into_iter().filter(|pressed| pressed.force > 0.0);
+        Ok(pressed.map(|pressed| pressed.contact).filter(|contact| !known.contains(&contact.identity())).collect())
+    }
+}
+
+fn friction_of<const D: usize>(instant: &KnownInstant<D>) -> Friction {
+    instant.interactions.friction().expect("there is friction")
+}
+
+/// The forces of contacts in the last step.
+fn forces_of<const D: usize>(placed: &Placed<D>) -> Forces<D> {
+    let normal = |identity: Identity<D>, force: f64| Contact::again(&placed.domain, &placed.touching, identity).normal * force;
+    let mut forces: Forces<D> = placed.state.held.iter().map(|held| (held.identity(), normal(held.identity(), held.force))).collect();
+    for tangential in &placed.state.tangential {
+        if let Some(force) = forces.get_mut(&tangential.identity()) {
+            let along = force.normalize();
+            *force += tangential.force - along * along.dot(&tangential.force);
+        }
+    }
+    forces
+}
+
+/// The forces of contacts, zero where none is known.
+fn forces_at<const D: usize, const W: usize>(contacts: &FlowContacts<D, W>, forces: &Forces<D>) -> Vec<SVector<f64, D>> {
+    contacts.contacts.iter().map(|contact| forces.get(&contact.identity()).copied().unwrap_or_else(SVector::zeros)).collect()
+}
