@@ -34,7 +34,7 @@ use crate::{
     interaction::{Arrangement, Interactions, PairForce, Spring, Touch, Wrench},
     mechanics::{
         Configuration, ContactHistory, ExtrapolationHistory, FlowSolver, GivenPlace, History, Moving, ResidualMonitor, Solution, State,
-        unsteady::{COURANT, LARGEST_COURANT},
+        unsteady::{COURANT, LARGEST_COURANT, starts_at_once},
     },
     parallel::Peers,
     petsc::Session,
@@ -500,11 +500,14 @@ impl<const D: usize> QuasiStatic<D> {
     }
 
     /// The part of the change of motions over the last step that the two-step rule adds to those of a step of this length. In a flow with inertia the second step makes up
-    /// for the first one, which knew the motions of the start only: from there they go along straight lines or, in steps of one length, have jumped at once.
+    /// for the first one, which knew the motions of the start only: from there they go along straight lines, or have jumped at once.
     fn looks_back(&self, state: &State<D>, length: f64) -> f64 {
         let ratio = length / state.last_step;
-        let of_first = if self.suspension.evolves() && state.steps == 1 { 0.5 / ratio } else { 0.0 };
-        0.5 * ratio + of_first
+        match self.suspension.evolves() && state.steps == 1 {
+            true if starts_at_once(self.suspension.setup()) => 1.0 / ratio,
+            true => 0.5 * (ratio + 1.0 / ratio),
+            false => 0.5 * ratio,
+        }
     }
 
     /// Motions half a step ahead.

@@ -7,10 +7,14 @@ mod case;
 mod cases;
 mod channel;
 mod crowds;
+mod falling;
 mod follow;
 mod inertia;
+mod kissing;
 mod oscillation;
+mod places;
 mod solve;
+mod strokes;
 
 use std::time::Instant;
 

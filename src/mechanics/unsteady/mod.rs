@@ -23,7 +23,7 @@ use self::{
     scheme::convection_weights,
 };
 pub use self::{
-    longest::{COURANT, LARGEST_COURANT, first_step, longest_step},
+    longest::{COURANT, LARGEST_COURANT, first_step, longest_step, starts_at_once},
     momentum::inertia,
     scheme::StepWeights,
 };

@@ -28,7 +28,7 @@ pub fn cylinder(session: &Session, cells: usize) -> Result<(usize, Vec<Row>)> {
     let row = |case: &str, reference, found| Row {
         case: format!("fixed disk in a channel, Re 20: {case}"),
         resolution: format!("{cells} cells a radius, {cells} modes"),
-        reference,
+        reference: Some(reference),
         found,
         source: CHANNEL,
     };
@@ -68,7 +68,7 @@ pub fn vortices(session: &Session, cells: usize) -> Result<(usize, Vec<Row>)> {
     let row = |case: &str, reference, found| Row {
         case: format!("fixed disk in a channel, Re 100: {case}"),
         resolution: format!("{cells} cells a radius, {cells} modes"),
-        reference,
+        reference: Some(reference),
         found,
         source: CHANNEL,
     };

@@ -15,8 +15,8 @@ pub struct Row {
     pub case: String,
     /// Cells and modes.
     pub resolution: String,
-    /// The known value.
-    pub reference: f64,
+    /// The known value, if there is one.
+    pub reference: Option<f64>,
     /// What comes out.
     pub found: f64,
     /// Where the known value is from.
@@ -39,4 +39,13 @@ pub fn follow<const D: usize>(
         }
         simulation.step(&observation, &mut |_, _| {})?;
     }
+}
+
+/// The cubic through the four points around a time.
+pub fn interpolated(curve: &[(f64, f64)], time: f64) -> f64 {
+    let after = curve.partition_point(|(at, _)| *at < time);
+    let first = after.saturating_sub(2).min(curve.len() - 4);
+    let points = &curve[first..first + 4];
+    let weights = crate::linalg::lagrange(&[points[0].0, points[1].0, points[2].0, points[3].0], time);
+    weights.iter().zip(points).map(|(weight, (_, value))| weight * value).sum()
 }

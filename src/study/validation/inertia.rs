@@ -2,36 +2,16 @@
 
 use std::time::Instant;
 
-use nalgebra::SVector;
-
-use super::channel::{cylinder, vortices};
-use super::follow::{Row, follow};
-use super::oscillation::{Oscillation, oscillating};
-use crate::{error::Result, observe, output::say, petsc::Session};
-
-/// Times and downward speeds of the settling disk of Glowinski et al. (2001), by a mesh that fits it, converged to 1e-5 from t = 0.2 on.
-const SETTLING: [(f64, f64); 13] = [
-    (0.05, 2.679),
-    (0.1, 4.0547),
-    (0.15, 4.7963),
-    (0.2, 5.16745),
-    (0.25, 5.35376),
-    (0.3, 5.45223),
-    (0.35, 5.50722),
-    (0.4, 5.53923),
-    (0.45, 5.55838),
-    (0.5, 5.57000),
-    (0.55, 5.57692),
-    (0.6, 5.57966),
-    (0.65, 5.57094),
-];
-
-/// Its largest Reynolds number, by the density of the disk.
-const LARGEST_REYNOLDS: f64 = 17.436;
-
-/// The same in a channel without ends, as long as the box is high and without a mean flow: a mesh that fits the disk, four edges a radius, which misses
-/// the number of the closed box by 0.004 %.
-const CHANNEL_REYNOLDS: f64 = 17.452;
+use super::{
+    channel::{cylinder, vortices},
+    falling::{Discretisation, couette, settling, settling_in_a_channel, sphere},
+    follow::Row,
+    kissing::kissing,
+    oscillation::{Oscillation, oscillating},
+    places::{ARRAY, array, settling_drag},
+    strokes::strokes,
+};
+use crate::{error::Result, output::say, petsc::Session};
 
 /// Reynolds number, spin over rate and stress of the walls of a free disk of radius 0.125 in a Couette cell of side 1.
 const COUETTE: [(f64, f64, f64); 3] = [(1.0, 0.4632696, 1.1076296), (2.0, 0.4322244, 1.1133937), (5.0, 0.3787468, 1.1252957)];
@@ -61,49 +41,36 @@ pub enum Family {
     Cylinder,
     /// The same at Re 100, which sheds vortices.
     Vortices,
+    /// The same on a grid twice as fine.
+    VorticesFine,
     /// A sphere that settles in a closed box.
     Spheres,
-}
-
-/// How a disk is resolved.
-#[derive(Debug, Clone, Copy)]
-enum Discretisation {
-    /// So many cells a radius, and as many modes.
-    Sharp(usize),
-    /// A method of first order by its word, so many cells a radius.
-    Adjoint(&'static str, usize),
-    /// A mesh that fits the disk, so many edges a radius.
-    Fitted(usize),
-}
-
-impl Discretisation {
-    fn name(self) -> String {
-        match self {
-            Discretisation::Sharp(cells) => format!("{cells} cells a radius, {cells} modes"),
-            Discretisation::Adjoint(word, cells) => format!("`{word}`, {cells} cells a radius"),
-            Discretisation::Fitted(edges) => format!("fitted mesh, {edges} edges a radius"),
-        }
-    }
-
-    /// The sections of a scene, where an inverse is chosen for grids.
-    fn sections(self, inverse: &str) -> String {
-        match self {
-            Discretisation::Sharp(cells) => {
-                format!("resolution = {{ cells_per_radius = {cells}, modes = {cells} }}\nmethod = {{ inverse = \"{inverse}\" }}\n")
-            }
-            Discretisation::Adjoint(word, cells) => {
-                format!("resolution = {{ cells_per_radius = {cells} }}\nmethod = {{ constraint = \"{word}\", inverse = \"{inverse}\" }}\n")
-            }
-            Discretisation::Fitted(edges) => {
-                format!("resolution = {{ cells_per_radius = {edges} }}\nmethod = {{ constraint = \"fitted\" }}\n")
-            }
-        }
-    }
+    /// A fixed disk in a square array, at twelve places between the points of the grid.
+    Array,
+    /// A disk that settles in a channel, from four places.
+    SettlingDrag,
+    /// A disk that moves far to and fro at Re 100.
+    Strokes,
+    /// Two disks that draft and kiss.
+    Kissing,
 }
 
 /// The names of all of them.
-pub const NAMES: [&str; 8] =
-    ["settling", "adjoint", "couette", "oscillating-disk", "oscillating-sphere", "cylinder", "vortices", "spheres"];
+pub const NAMES: [&str; 13] = [
+    "settling",
+    "adjoint",
+    "couette",
+    "oscillating-disk",
+    "oscillating-sphere",
+    "cylinder",
+    "vortices",
+    "vortices-fine",
+    "spheres",
+    "array",
+    "settling-drag",
+    "strokes",
+    "kissing",
+];
 
 /// A case: its steps, and what it is compared with.
 type Run = Box<dyn Fn(&Session) -> Result<(usize, Vec<Row>)>>;
@@ -122,6 +89,14 @@ fn of_first_order(word: &'static str) -> Vec<Run> {
     let falls = [6, 8, 12].map(|cells| run(move |session| settling_in_a_channel(session, Discretisation::Adjoint(word, cells))));
     let sheared = [6, 8].map(|cells| run(move |session| couette(session, Discretisation::Adjoint(word, cells), reynolds, [spin, stress])));
     falls.into_iter().chain(sheared).collect()
+}
+
+fn arrays() -> Vec<Run> {
+    let grids = ["sharp", "penalty"].into_iter().flat_map(|word| [(word, 4, 2), (word, 6, 3), (word, 8, 3)]);
+    let of_grid = |(word, cells, numbers): (&'static str, usize, usize)| {
+        ARRAY[..numbers].iter().map(move |&case| run(move |session| array(session, (word, cells), case)))
+    };
+    grids.flat_map(of_grid).collect()
 }
 
 impl Family {
@@ -143,7 +118,12 @@ impl Family {
             Family::OscillatingSphere => oscillations::<3>(),
             Family::Cylinder => [6, 8, 12].map(|cells| run(move |session| cylinder(session, cells))).into(),
             Family::Vortices => vec![run(|session| vortices(session, 8))],
+            Family::VorticesFine => vec![run(|session| vortices(session, 16))],
             Family::Spheres => SPHERE.map(|case| run(move |session| sphere(session, case))).into(),
+            Family::Array => arrays(),
+            Family::SettlingDrag => [4, 6].map(|cells| run(move |session| settling_drag(session, cells))).into(),
+            Family::Strokes => vec![run(strokes)],
+            Family::Kissing => [4, 6, 8].map(|cells| run(move |session| kissing(session, cells))).into(),
         }
     }
 }
@@ -160,128 +140,10 @@ pub fn inertia(session: &Session, families: &[Family]) -> Result<()> {
         let (steps, rows) = run(session)?;
         let seconds = session.world().max(start.elapsed().as_secs_f64());
         for Row { case, resolution, reference, found, source } in rows {
-            let error = 100.0 * (found / reference - 1.0);
-            say(&format!("| {case} | {resolution} | {reference:.6} | {found:.6} | {error:+.3} % | {steps} | {seconds:.1} | {source} |"))?;
+            let known = reference.map_or("- | ".into(), |reference| format!("{reference:.6} | "));
+            let error = reference.map_or("-".into(), |reference| format!("{:+.3} %", 100.0 * (found / reference - 1.0)));
+            say(&format!("| {case} | {resolution} | {known}{found:.6} | {error} | {steps} | {seconds:.1} | {source} |"))?;
         }
     }
     Ok(())
-}
-
-/// Steps, times and downward speeds of the settling disk in a box with this section of its long axis and this entry of its flow.
-fn fall(session: &Session, way: Discretisation, [axis, drive, inverse]: [&str; 3]) -> Result<(usize, Vec<(f64, f64)>)> {
-    let step = match way {
-        Discretisation::Sharp(cells) | Discretisation::Adjoint(_, cells) => 0.4 / (8.0 * cells as f64) / 5.6,
-        Discretisation::Fitted(_) => 0.0025,
-    };
-    let sections = way.sections(inverse);
-    let text = format!(
-        "gravity = [0.0, -980.0]\ndomain = {{ size = [2.0, 6.0], x = \"walls\", y = \"{axis}\" }}\n\
-         flow = {{ model = \"navier-stokes\", viscosity = 0.1, density = 1.0{drive} }}\n\
-         {sections}\
-         bodies = [{{ radius = 0.125, centers = [[1.0, 4.0]], density = 1.25 }}]\ntime = {{ end = 0.66, step = {step:.6} }}\n"
-    );
-    let mut curve = Vec::new();
-    let steps = follow::<2>(session, &text, |simulation, observation| {
-        curve.push((simulation.state().time, -observation.twists[0].velocity[1]));
-        Ok(())
-    })?;
-    Ok((steps, curve))
-}
-
-/// The largest Reynolds number of the settling disk.
-fn largest_reynolds(curve: &[(f64, f64)]) -> f64 {
-    1.25 * 0.25 / 0.1 * curve.iter().map(|(_, speed)| *speed).fold(0.0, f64::max)
-}
-
-/// Without floor and lid, which transforms do not know: the disk falls as in the closed box but for a thousandth.
-fn settling_in_a_channel(session: &Session, way: Discretisation) -> Result<(usize, Vec<Row>)> {
-    let (steps, curve) = fall(session, way, ["periodic", ", drive = { mean_velocity = [0.0, 0.0] }", "transform"])?;
-    let row = Row {
-        case: "settling disk, channel without ends: largest Reynolds number".into(),
-        resolution: way.name(),
-        reference: CHANNEL_REYNOLDS,
-        found: largest_reynolds(&curve),
-        source: "mesh that fits the disk, four edges a radius",
-    };
-    Ok((steps, vec![row]))
-}
-
-fn settling(session: &Session, way: Discretisation) -> Result<(usize, Vec<Row>)> {
-    let (steps, curve) = fall(session, way, ["walls", "", "hypre"])?;
-    let worst = SETTLING.iter().map(|&(time, speed)| (speed, interpolated(&curve, time)));
-    let worst = worst.max_by(|one, other| (one.1 / one.0 - 1.0).abs().total_cmp(&(other.1 / other.0 - 1.0).abs()));
-    let (reference, found) = worst.unwrap_or_default();
-    let resolution = way.name();
-    let source = "mesh that fits the disk, converged; Glowinski et al. (2001) find 17.27";
-    let row = |case: &str, reference, found| Row { case: case.into(), resolution: resolution.clone(), reference, found, source };
-    Ok((
-        steps,
-        vec![
-            row("settling disk: largest Reynolds number", LARGEST_REYNOLDS, largest_reynolds(&curve)),
-            row("settling disk: the speed that is furthest off, of 13 times", reference, found),
-        ],
-    ))
-}
-
-/// The cubic through the four points around a time.
-fn interpolated(curve: &[(f64, f64)], time: f64) -> f64 {
-    let after = curve.partition_point(|(at, _)| *at < time);
-    let first = after.saturating_sub(2).min(curve.len() - 4);
-    let points = &curve[first..first + 4];
-    let weights = crate::linalg::lagrange(&[points[0].0, points[1].0, points[2].0, points[3].0], time);
-    weights.iter().zip(points).map(|(weight, (_, value))| weight * value).sum()
-}
-
-fn couette(session: &Session, way: Discretisation, reynolds: f64, known: [f64; 2]) -> Result<(usize, Vec<Row>)> {
-    let (viscosity, sections) = (0.125 * 0.125 / reynolds, way.sections("transform"));
-    let step = match way {
-        Discretisation::Sharp(cells) | Discretisation::Adjoint(_, cells) => 0.16 / cells as f64,
-        Discretisation::Fitted(_) => 0.5,
-    };
-    let text = format!(
-        "domain = {{ size = [1.0, 1.0], y = {{ lower = [-0.5, 0.0], upper = [0.5, 0.0] }} }}\n\
-         flow = {{ model = \"navier-stokes\", viscosity = {viscosity}, density = 1.0 }}\n\
-         {sections}\
-         bodies = [{{ radius = 0.125, centers = [[0.5, 0.5]], density = 1.0 }}]\ntime = {{ end = 120.0, step = {step} }}\n"
-    );
-    let mut last = [0.0; 2];
-    let steps = follow::<2>(session, &text, |simulation, observation| {
-        if let (true, Some(flow), Some(solution)) = (simulation.over(), simulation.suspension(), &observation.solution) {
-            let viscosity = observe::viscosity(flow.setup(), flow.grid(), solution, &[])?;
-            last = [observation.twists[0].spin[(0, 1)], viscosity.and_then(|viscosity| viscosity.from_walls).unwrap_or(f64::NAN)];
-        }
-        Ok(())
-    })?;
-    let row = |(place, case): (usize, &str)| Row {
-        case: format!("free disk in a Couette cell, Re {reynolds}: {case}"),
-        resolution: way.name(),
-        reference: known[place],
-        found: last[place],
-        source: "mesh that fits the disk, 7 digits",
-    };
-    Ok((steps, ["spin over rate", "stress of the walls"].into_iter().enumerate().map(row).collect()))
-}
-
-fn sphere(session: &Session, (name, density, viscosity, speed, end): (&str, f64, f64, f64, f64)) -> Result<(usize, Vec<Row>)> {
-    let text = format!(
-        "gravity = [0.0, 0.0, -9.81]\ndomain = {{ size = [0.1, 0.1, 0.16], x = \"walls\", y = \"walls\", z = \"walls\" }}\n\
-         flow = {{ model = \"navier-stokes\", viscosity = {viscosity}, density = {density} }}\n\
-         resolution = {{ cells_per_radius = 4, modes = 3 }}\n\
-         bodies = [{{ radius = 0.0075, centers = [[0.05, 0.05, 0.1275]], density = 1120.0 }}]\ntime = {{ end = {end} }}\n"
-    );
-    let mut largest = 0.0_f64;
-    let steps = follow::<3>(session, &text, |_, observation| {
-        largest = largest.max(SVector::norm(&observation.twists[0].velocity));
-        Ok(())
-    })?;
-    Ok((
-        steps,
-        vec![Row {
-            case: format!("settling sphere, {name}: largest speed"),
-            resolution: "4 cells a radius, 3 modes".into(),
-            reference: speed,
-            found: largest,
-            source: "experiment, +- 1 %: ten Cate et al. (2002)",
-        }],
-    ))
 }

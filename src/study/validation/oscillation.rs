@@ -92,7 +92,7 @@ pub fn oscillating<const D: usize>(session: &Session, cells: usize, oscillation:
     let row = |what: &str, reference: f64, found: f64| Row {
         case: format!("{name} to and fro: {what}"),
         resolution: format!("{cells} cells a radius, {modes} modes"),
-        reference,
+        reference: Some(reference),
         found,
         source: "exact (unsteady Stokes flow)",
     };
