@@ -7,7 +7,6 @@ mod analysis;
 mod apply;
 mod chart;
 mod cheapest;
-mod columns;
 mod findings;
 mod format;
 mod identity;

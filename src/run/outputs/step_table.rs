@@ -15,7 +15,7 @@ use super::checksums::{Checksums, verify};
 use super::kept_rows::kept_lines;
 use crate::{
     error::{Error, Offer, Refusal, Result},
-    output::{note, write_whole},
+    output::{column_names, note, write_whole},
     parallel::World,
 };
 
@@ -76,7 +76,7 @@ impl StepTable {
         let sums = Checksums::begin(path, &kept)?;
         write_whole(path, kept.as_bytes())?;
         let file = OpenOptions::new().append(true).open(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
-        let names: Vec<String> = kept.lines().next().map_or(Vec::new(), |header| header.split(',').map(str::to_owned).collect());
+        let names = kept.lines().next().map_or(Vec::new(), column_names);
         let (inherited, length) = (!names.is_empty(), kept.len() as u64);
         let table = StepTable { path: path.to_owned(), file, sums, length, names, inherited };
         Ok(Begun { table, kept, lost: unchecked.into_iter().collect() })

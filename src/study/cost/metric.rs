@@ -5,12 +5,12 @@ use std::{fs, path::Path};
 use serde_json::Value;
 
 use super::{
-    columns::StepColumns,
     properties::SceneProperties,
     quantity::{Quantity, QuantityKind},
 };
 use crate::{
     error::{Error, Result},
+    output::Columns,
     study::summary::RunSummary,
 };
 
@@ -66,7 +66,7 @@ impl Metric {
                 .zip(magnitude(summary, "/flow/mean_velocity"))
                 .map(|(gradient, velocity)| vec![gradient / (self.properties.viscosity * velocity)]),
             QuantityKind::MeanVelocity => magnitude(summary, "/flow/mean_velocity").map(|velocity| vec![velocity]),
-            QuantityKind::Reynolds => StepColumns::read(&folder.join("series.csv"))?.largest("reynolds").map(|largest| vec![largest]),
+            QuantityKind::Reynolds => Columns::read(&folder.join("series.csv"))?.largest("reynolds").map(|largest| vec![largest]),
             QuantityKind::Viscosity => summary.get("/viscosity/relative").map(|viscosity| vec![viscosity]),
             QuantityKind::Energy => summary.get("/scalar/energy").map(|energy| vec![energy]),
             QuantityKind::Value => self.each(&summary.0["scalar"]["inclusions"], |inclusion| Some(vec![inclusion["value"].as_f64()?])),

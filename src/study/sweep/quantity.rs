@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use crate::{
     error::{Error, Result},
     observe::statistics::mean_from,
-    output::{CurvePoint, MeanViscosity},
+    output::{AXES, Columns, CurvePoint, MeanViscosity},
     scene::{AxisSection, Drive, Motion, Scene},
     study::{
         cost::SceneProperties,
@@ -16,9 +16,6 @@ use crate::{
 
 /// Part of a run in time that is left out of a mean where nothing says when it became steady.
 const START_UP: f64 = 0.5;
-
-/// Names of the axes.
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// What is read.
 #[derive(Debug, Clone, PartialEq)]
@@ -136,10 +133,12 @@ impl Quantity {
         let found = match self {
             Quantity::Viscosity => viscosity(&summary, &series)?,
             Quantity::Drag => drag(&summary, &SceneProperties::of(scene)?.held).map(|value| Reading::of(value, last)),
-            Quantity::Settling(direction) if summary.in_time() => settled(direction, &read(&series)?),
+            Quantity::Settling(direction) if summary.in_time() => settled(direction, &Columns::read(&series)?),
             Quantity::Settling(direction) => settling_now(&summary, direction).map(|value| Reading::of(value, last)),
-            Quantity::Column(name) => second_half(&curve(&read(&series)?, name)).map(|value| Reading::of(value, Over::SecondHalf)),
-            Quantity::Last(name) => curve(&read(&series)?, name).last().map(|(_, value)| Reading::of(*value, Over::End)),
+            Quantity::Column(name) => {
+                second_half(&Columns::read(&series)?.curve("time", name)).map(|value| Reading::of(value, Over::SecondHalf))
+            }
+            Quantity::Last(name) => Columns::read(&series)?.curve("time", name).last().map(|(_, value)| Reading::of(*value, Over::End)),
             Quantity::Entry(name) => summary.get(&format!("/{}", name.replace('.', "/"))).map(|value| Reading::of(value, Over::Summary)),
         };
         let finite = found.filter(|reading| reading.value.is_finite());
@@ -196,9 +195,9 @@ fn settling_now(summary: &RunSummary, direction: &[f64]) -> Option<f64> {
     Some(along(direction, &mean_vector(&bodies.collect::<Option<Vec<_>>>()?)?))
 }
 
-fn settled(direction: &[f64], series: &str) -> Option<Reading> {
+fn settled(direction: &[f64], series: &Columns) -> Option<Reading> {
     let names = AXES.iter().map(|axis| format!("body_velocity_{axis}"));
-    let mean = names.take(direction.len()).map(|name| second_half(&curve(series, &name))).collect::<Option<Vec<_>>>()?;
+    let mean = names.take(direction.len()).map(|name| second_half(&series.curve("time", &name))).collect::<Option<Vec<_>>>()?;
     Some(Reading::of(along(direction, &mean), Over::SecondHalf))
 }
 
@@ -213,15 +212,6 @@ fn mean_vector(vectors: &[Vec<f64>]) -> Option<Vec<f64>> {
 
 fn numbers(value: &serde_json::Value) -> Option<Vec<f64>> {
     value.as_array()?.iter().map(serde_json::Value::as_f64).collect()
-}
-
-/// A column of a series over time; empty if it has none of this name.
-fn curve(series: &str, name: &str) -> Vec<(f64, f64)> {
-    let mut lines = series.lines().map(|line| line.split(',').collect::<Vec<_>>());
-    let heads = lines.next().unwrap_or_default();
-    let place = |name: &str| heads.iter().position(|head| *head == name);
-    let (Some(time), Some(column)) = (place("time"), place(name)) else { return Vec::new() };
-    lines.filter_map(|row| Some((row.get(time)?.parse().ok()?, row.get(column)?.parse().ok()?))).collect()
 }
 
 fn second_half(curve: &[(f64, f64)]) -> Option<f64> {
@@ -259,9 +249,9 @@ mod tests {
 
     #[test]
     fn a_column_is_averaged_over_the_second_half_by_time() {
-        let series = "step,time,a\n0,0.0,9\n1,1.0,1\n2,1.5,1\n3,2.0,3\n";
-        assert_eq!(second_half(&curve(series, "a")), Some(1.5));
-        assert_eq!(second_half(&curve(series, "b")), None);
+        let series = Columns::parse("step,time,a\n0,0.0,9\n1,1.0,1\n2,1.5,1\n3,2.0,3\n");
+        assert_eq!(second_half(&series.curve("time", "a")), Some(1.5));
+        assert_eq!(second_half(&series.curve("time", "b")), None);
     }
 
     #[test]
